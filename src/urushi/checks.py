@@ -1,0 +1,106 @@
+"""Range and shape checks shared by every entry point; each raises one sentence naming the cure."""
+
+from collections.abc import Callable
+
+import numpy as np
+import numpy.typing as npt
+
+from urushi.errors import ParameterError
+
+#: Largest deviation from length one that a direction may have.
+UNIT_TOLERANCE = 1e-3
+
+
+def _parameter(
+    value: npt.ArrayLike,
+    where: str,
+    valid: Callable[[np.ndarray], np.ndarray],
+    domain: str,
+    any_shape: bool,
+) -> np.ndarray:
+    try:
+        array = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise ParameterError(
+            f"{where} must be a number or one number per RGB channel, not {value!r}"
+        ) from error
+    if not any_shape and array.shape not in ((), (3,)):
+        raise ParameterError(
+            f"{where} has shape {array.shape}; give a scalar or three values, one per RGB channel"
+        )
+    bad = ~(np.isfinite(array) & valid(array))
+    if bad.any():
+        raise ParameterError(f"{where} is {array[bad].flat[0]:g}; it must be {domain}")
+    return array
+
+
+def alpha(value: npt.ArrayLike, where: str = "alpha", *, any_shape: bool = False) -> np.ndarray:
+    """Check GGX widths in [0.01, 1]; returns float64 of shape () or (3,), or any if `any_shape`."""
+    return _parameter(
+        value, where, lambda x: (x >= 0.01) & (x <= 1), "a GGX width in [0.01, 1]", any_shape
+    )
+
+
+def eta(value: npt.ArrayLike, where: str = "eta", *, any_shape: bool = False) -> np.ndarray:
+    """Check relative indices of refraction in (1, 3]."""
+    domain = "an index of refraction in (1, 3], relative to the medium above"
+    return _parameter(value, where, lambda x: (x > 1) & (x <= 3), domain, any_shape)
+
+
+def albedo(value: npt.ArrayLike, where: str = "albedo", *, any_shape: bool = False) -> np.ndarray:
+    """Check single-scattering albedos in [0, 1]."""
+    return _parameter(
+        value, where, lambda x: (x >= 0) & (x <= 1), "a single-scattering albedo in [0, 1]", any_shape
+    )
+
+
+def sigma_t(value: npt.ArrayLike, where: str = "sigma_t", *, any_shape: bool = False) -> np.ndarray:
+    """Check optical depths, zero or more."""
+    return _parameter(
+        value, where, lambda x: x >= 0, "an optical depth, zero or more", any_shape
+    )
+
+
+def g(value: npt.ArrayLike, where: str = "g", *, any_shape: bool = False) -> np.ndarray:
+    """Check Henyey-Greenstein asymmetries in (-1, 1)."""
+    return _parameter(
+        value, where, lambda x: np.abs(x) < 1, "a Henyey-Greenstein asymmetry in (-1, 1)", any_shape
+    )
+
+
+def reflectance(
+    value: npt.ArrayLike, where: str = "reflectance", *, any_shape: bool = False
+) -> np.ndarray:
+    """Check reflectances (diffuse, or Schlick's R0) in [0, 1]."""
+    return _parameter(
+        value, where, lambda x: (x >= 0) & (x <= 1), "a reflectance in [0, 1]", any_shape
+    )
+
+
+def direction(value: npt.ArrayLike, where: str) -> np.ndarray:
+    """Check unit vectors; returns float32 (N, 3). A direction below the horizon is no error."""
+    try:
+        array = np.asarray(value, dtype=np.float32)
+    except (TypeError, ValueError) as error:
+        raise ParameterError(f"{where} must be an (N, 3) array of unit vectors") from error
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise ParameterError(f"{where} has shape {array.shape}; give unit vectors of shape (N, 3)")
+    length = np.linalg.norm(array, axis=1)
+    bad = ~(np.abs(length - 1) <= UNIT_TOLERANCE)  # also catches NaN
+    if bad.any():
+        row = int(np.argmax(bad))
+        raise ParameterError(
+            f"{where}[{row}] = {array[row].tolist()} is not a unit vector; "
+            "divide directions by their length"
+        )
+    return array
+
+
+def directions(wi: npt.ArrayLike, wo: npt.ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+    """Check pairs of directions; returns two float32 arrays of shape (N, 3)."""
+    wi, wo = direction(wi, "wi"), direction(wo, "wo")
+    if wi.shape != wo.shape:
+        raise ParameterError(
+            f"wi has {len(wi)} directions and wo has {len(wo)}; give pairs of the same number"
+        )
+    return wi, wo

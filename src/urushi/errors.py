@@ -1,0 +1,17 @@
+"""The errors that a user can cause: each message is one sentence naming what, where and the cure."""
+
+
+class UrushiError(Exception):
+    """Base of every error that Urushi raises on purpose."""
+
+
+class ParameterError(UrushiError, ValueError):
+    """An argument has the wrong value, shape or type."""
+
+
+class FileError(UrushiError, OSError):
+    """A file is missing, truncated, foreign, inconsistent or cannot be written."""
+
+
+class PlatformError(UrushiError, RuntimeError):
+    """Something the machine must provide (libLLVM, a package, a device) is missing or unfit."""
