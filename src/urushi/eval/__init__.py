@@ -1,0 +1,1 @@
+"""Error measures, and the evaluation of networks on stacks that they were not trained on."""

@@ -1,0 +1,86 @@
+"""The measures of error against truths worked out by hand."""
+
+import numpy as np
+import pytest
+
+from urushi.errors import ParameterError
+from urushi.eval import metrics
+
+
+def test_stack_error_by_hand():
+    # Weights 0.5 * 1, 1 * 1: (1 * 0.5 + 1 * 1) / (2 * 0.5 + 4 * 1) = 1.5 / 5.
+    error = metrics.stack_error([3.0, 3.0], [2.0, 4.0], [0.5, 1.0], [1.0, 1.0])
+    assert error == pytest.approx(0.3, rel=1e-12)
+
+
+def test_stack_error_clamps_grazing_cosines():
+    # Both cosines at 0.02 give the weight 4e-4 to the first pair, below the horizon or not.
+    error = metrics.stack_error([2.0, 1.0], [1.0, 1.0], [1e-6, 1.0], [-1.0, 1.0])
+    assert error == pytest.approx(4e-4 / (1 + 4e-4), rel=1e-12)
+
+
+def test_stack_error_of_a_scaled_brdf_is_the_scale():
+    rng = np.random.default_rng(1)
+    f, cosines = rng.uniform(0.1, 9, (5, 40)), rng.uniform(0, 1, (2, 5, 40))
+    np.testing.assert_allclose(metrics.stack_error(1.25 * f, f, *cosines), 0.25, rtol=1e-12)
+    np.testing.assert_array_equal(metrics.stack_error(f, f, *cosines), np.zeros(5))
+
+
+def test_pair_error_by_hand():
+    np.testing.assert_allclose(
+        metrics.pair_error([0.003, 2.0, 0.0], [0.001, 1.999, 0.0]), [1.0, 0.0005, 0.0], rtol=1e-9
+    )
+
+
+def test_summary_of_one_to_hundred():
+    assert metrics.summary(np.arange(101.0)) == pytest.approx({"mean": 50, "median": 50, "p95": 95})
+
+
+def test_image_errors_by_hand():
+    image, reference = np.array([[[1.0, 0.0]]]), np.array([[[0.5, 0.0]]])
+    assert metrics.mse(image, reference) == pytest.approx(0.125)
+    assert metrics.relative_mse(image, reference, offset=0.25) == pytest.approx(0.25)
+    assert metrics.relative_mse(image, reference, variance=0.25, offset=0.25) == pytest.approx(
+        (0.0 / 0.5 - 0.25 / 0.25) / 2
+    )
+    assert metrics.psnr(image, reference, peak=2.0) == pytest.approx(10 * np.log10(4 / 0.125))
+    assert metrics.psnr(image, image) == np.inf
+
+
+def test_noise_alone_leaves_no_relative_error():
+    """An exact image against a noisy reference: nothing but the statistics' own spread is left.
+
+    Relative noise variance 0.01 at value 1; its estimate has one degree of freedom, so the mean
+    over n pixels spreads by 0.01 * sqrt(2 + 2) / sqrt(n) = 1e-4 at most: four times that is allowed.
+    """
+    rng = np.random.default_rng(2)
+    first, second = 1 + rng.normal(0, np.sqrt(0.02), (2, 200, 200, 1))
+    reference, variance = (first + second) / 2, metrics.halves_variance(first, second)
+    assert variance.mean() == pytest.approx(0.01, rel=0.05)
+    exact, noise = np.ones_like(reference), 1e-2
+    # A large offset keeps the denominator free of the noise under test.
+    scaled = 1e3 * metrics.relative_mse(exact, reference, variance=variance, offset=1e3)
+    assert abs(scaled) < 4e-4 < noise
+
+
+def test_subtracted_noise_is_the_product_of_differences_to_both_halves():
+    """(x - r)^2 - (a - b)^2 / 4 = (x - a)(x - b) with r = (a + b) / 2."""
+    x, a, b = np.random.default_rng(3).uniform(0, 2, (3, 8, 8, 3))
+    reference = (a + b) / 2
+    direct = ((x - a) * (x - b) / (reference**2 + 0.1)).mean()
+    ours = metrics.relative_mse(x, reference, variance=metrics.halves_variance(a, b), offset=0.1)
+    assert ours == pytest.approx(direct, rel=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: metrics.mse([np.nan], [1.0]), "image holds NaN"),
+        (lambda: metrics.pair_error([1.0, 2.0], [1.0, 2.0, 3.0]), "shapes do not fit together"),
+        (lambda: metrics.stack_error([0.0], [0.0], [1.0], [1.0]), "reflects no energy"),
+        (lambda: metrics.summary([]), "errors is empty"),
+    ],
+)
+def test_bad_input(call, message):
+    with pytest.raises(ParameterError, match=message):
+        call()
