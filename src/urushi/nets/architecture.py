@@ -1,0 +1,155 @@
+"""The networks' sizes as one value, the names and shapes of their parameters, and a fresh start."""
+
+import itertools
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields
+from typing import Any
+
+import numpy as np
+
+from urushi.errors import ParameterError
+from urushi.nets.features import COAT_FEATURES, DIRECTION_FEATURES
+
+#: Parameters by name, such as "decoder.0.weight"; arrays of NumPy or of JAX.
+Params = Mapping[str, Any]
+
+#: The networks, each a multilayer perceptron whose parameters' names start with its own.
+PARTS = ("decoder", "encoder", "layerer", "sampler")
+
+#: Stored with the weights but never trained: the statistics that normalise the encoder's input.
+FIXED = ("encoder.input_mean", "encoder.input_scale")
+
+ACTIVATIONS = ("silu", "relu")
+
+
+@dataclass(frozen=True)
+class Architecture:
+    """Sizes of the four networks.
+
+    Attributes:
+        latent: numbers in one channel's latent code.
+        decoder, encoder, layerer, sampler: widths of the hidden layers, at least one each.
+        lobes: microfacet lobes of the sampling proposal (a cosine lobe comes on top).
+        activation: "silu" or "relu", for all hidden layers.
+        probes: direction pairs at which the encoder sees a BRDF.
+    """
+
+    latent: int = 32
+    decoder: tuple[int, ...] = (64, 64, 64)
+    encoder: tuple[int, ...] = (256, 256)
+    layerer: tuple[int, ...] = (192, 192, 192)
+    sampler: tuple[int, ...] = (32, 32)
+    lobes: int = 2
+    activation: str = "silu"
+    probes: int = 192
+
+    def __post_init__(self) -> None:
+        for name in ("latent", "lobes", "probes"):
+            if not _positive(getattr(self, name)):
+                raise ParameterError(
+                    f"architecture's {name} is {getattr(self, name)!r}; "
+                    "it must be a positive integer"
+                )
+        for name in PARTS:
+            widths = getattr(self, name)
+            if (
+                not isinstance(widths, tuple | list)
+                or not widths
+                or not all(map(_positive, widths))
+            ):
+                raise ParameterError(
+                    f"architecture's {name} is {widths!r}; give the hidden layers' widths, "
+                    "such as (64, 64)"
+                )
+            object.__setattr__(self, name, tuple(widths))
+        if self.activation not in ACTIVATIONS:
+            raise ParameterError(
+                f"architecture's activation is {self.activation!r}; choose one of "
+                + ", ".join(ACTIVATIONS)
+            )
+
+    def to_json(self) -> str:
+        """Return the sizes as a JSON object."""
+        return json.dumps(asdict(self))
+
+    @classmethod
+    def from_json(cls, text: str) -> "Architecture":
+        """Read `to_json`'s text.
+
+        Raises:
+            ParameterError: the text is no JSON object of just these fields, or a value is invalid.
+        """
+        try:
+            entries = json.loads(text)
+        except ValueError as error:
+            raise ParameterError(f"the architecture is no valid JSON: {error}") from error
+        names = {field.name for field in fields(cls)}
+        if not isinstance(entries, dict) or set(entries) != names:
+            raise ParameterError(
+                "the architecture must be a JSON object with exactly the fields "
+                + ", ".join(sorted(names))
+            )
+        return cls(**entries)
+
+
+def _positive(value: object) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool) and 0 < value <= 1 << 16
+
+
+def layer_sizes(arch: Architecture, part: str) -> tuple[int, ...]:
+    """Return the sizes of one network's input, hidden layers and output."""
+    inputs = {
+        "decoder": arch.latent + DIRECTION_FEATURES,
+        "encoder": arch.probes,
+        "layerer": arch.latent + COAT_FEATURES,
+        "sampler": arch.latent + 2,
+    }
+    outputs = {
+        "decoder": 1,
+        "encoder": arch.latent,
+        "layerer": arch.latent,
+        "sampler": 2 * arch.lobes + 1,
+    }
+    return (inputs[part], *getattr(arch, part), outputs[part])
+
+
+def parameter_shapes(arch: Architecture) -> dict[str, tuple[int, ...]]:
+    """Return every parameter's shape by name, the `FIXED` ones included."""
+    shapes: dict[str, tuple[int, ...]] = {}
+    for part in PARTS:
+        sizes = layer_sizes(arch, part)
+        for index, (rows, columns) in enumerate(itertools.pairwise(sizes)):
+            shapes[f"{part}.{index}.weight"] = (rows, columns)
+            shapes[f"{part}.{index}.bias"] = (columns,)
+    return shapes | dict.fromkeys(FIXED, (arch.probes,))
+
+
+def parameter_count(arch: Architecture, part: str) -> int:
+    """Return how many trained numbers one network has."""
+    sizes = layer_sizes(arch, part)
+    return sum((a + 1) * b for a, b in itertools.pairwise(sizes))
+
+
+def init(arch: Architecture, seed: int) -> dict[str, np.ndarray]:
+    """Draw fresh float32 parameters: He et al. (2015) for hidden layers, zero biases.
+
+    Output layers start smaller, so that at first the layerer leaves the bottom's latent nearly
+    alone, the decoder answers about 1, and the sampler mixes all its lobes.
+    The encoder's input statistics are rough constants: set them from data with
+    `encoder.input_statistics`.
+    """
+    rng = np.random.default_rng(seed)
+    output_gain = {"decoder": 0.3, "encoder": 1.0, "layerer": 0.1, "sampler": 0.1}
+    params: dict[str, np.ndarray] = {}
+    for part in PARTS:
+        sizes = layer_sizes(arch, part)
+        for index, (rows, columns) in enumerate(itertools.pairwise(sizes)):
+            last = index == len(sizes) - 2
+            deviation = (output_gain[part] if last else np.sqrt(2.0)) / np.sqrt(rows)
+            weight = rng.standard_normal((rows, columns)) * deviation
+            params[f"{part}.{index}.weight"] = weight.astype(np.float32)
+            params[f"{part}.{index}.bias"] = np.zeros(columns, np.float32)
+    params["encoder.input_mean"] = np.full(arch.probes, -2.0, np.float32)
+    params["encoder.input_scale"] = np.full(arch.probes, 2.0, np.float32)
+    return params

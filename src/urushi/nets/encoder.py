@@ -1,0 +1,35 @@
+"""The encoder: from a BRDF's values at the fixed probe pairs to its latent code."""
+
+from typing import Any
+
+import numpy as np
+
+from urushi.nets.architecture import Architecture, Params
+from urushi.nets.mlp import mlp
+
+#: Added to f before the logarithm: values far below it [1/sr] look alike to the encoder.
+OFFSET = 1e-3
+
+
+def log_values(f: Any) -> Any:
+    """Return ln(f + `OFFSET`); negative f, which only a faulty callable gives, counts as 0."""
+    xp = f.__array_namespace__()
+    return xp.log(xp.maximum(f, 0.0) + OFFSET)
+
+
+def input_statistics(f: np.ndarray) -> dict[str, np.ndarray]:
+    """Return the fixed parameters that normalise the inputs, from f (materials, probes).
+
+    The scale is at least 0.1, lest a probe that is nearly constant over the data blow up noise.
+    """
+    values = log_values(np.asarray(f, np.float64))
+    return {
+        "encoder.input_mean": values.mean(axis=0).astype(np.float32),
+        "encoder.input_scale": np.maximum(values.std(axis=0), 0.1).astype(np.float32),
+    }
+
+
+def encode(params: Params, arch: Architecture, f_at_probes: Any) -> Any:
+    """Return latent codes z (..., 32) from f (..., probes) [1/sr] at `probes.probe_pairs`."""
+    x = (log_values(f_at_probes) - params["encoder.input_mean"]) / params["encoder.input_scale"]
+    return mlp(params, "encoder", x, arch.activation)

@@ -1,0 +1,16 @@
+"""The layering network: from a bottom's latent code and a coat to the coated latent code."""
+
+from typing import Any
+
+from urushi.nets.architecture import Architecture, Params
+from urushi.nets.mlp import hidden_to_output, split_linear
+
+
+def layer(params: Params, arch: Architecture, z_bottom: Any, coat: Any) -> Any:
+    """Return the latent codes (..., 32) of bottoms z_bottom (..., 32) under coats.
+
+    coat: `features.coat_features` (..., 16); both broadcast against each other. The network gives
+    the difference to the bottom's code.
+    """
+    first = split_linear(params, "layerer.0", z_bottom, coat)
+    return z_bottom + hidden_to_output(params, "layerer", first, arch.activation)
