@@ -50,15 +50,17 @@ def eta(value: npt.ArrayLike, where: str = "eta", *, any_shape: bool = False) ->
 def albedo(value: npt.ArrayLike, where: str = "albedo", *, any_shape: bool = False) -> np.ndarray:
     """Check single-scattering albedos in [0, 1]."""
     return _parameter(
-        value, where, lambda x: (x >= 0) & (x <= 1), "a single-scattering albedo in [0, 1]", any_shape
+        value,
+        where,
+        lambda x: (x >= 0) & (x <= 1),
+        "a single-scattering albedo in [0, 1]",
+        any_shape,
     )
 
 
 def sigma_t(value: npt.ArrayLike, where: str = "sigma_t", *, any_shape: bool = False) -> np.ndarray:
     """Check optical depths, zero or more."""
-    return _parameter(
-        value, where, lambda x: x >= 0, "an optical depth, zero or more", any_shape
-    )
+    return _parameter(value, where, lambda x: x >= 0, "an optical depth, zero or more", any_shape)
 
 
 def g(value: npt.ArrayLike, where: str = "g", *, any_shape: bool = False) -> np.ndarray:
@@ -75,6 +77,11 @@ def reflectance(
     return _parameter(
         value, where, lambda x: (x >= 0) & (x <= 1), "a reflectance in [0, 1]", any_shape
     )
+
+
+def nonnegative(value: npt.ArrayLike, where: str, *, any_shape: bool = False) -> np.ndarray:
+    """Check numbers that are zero or more."""
+    return _parameter(value, where, lambda x: x >= 0, "zero or more", any_shape)
 
 
 def direction(value: npt.ArrayLike, where: str) -> np.ndarray:

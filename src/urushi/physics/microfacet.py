@@ -1,0 +1,48 @@
+"""The isotropic GGX microfacet distribution with separable Smith masking, G = G1(wi) G1(wo)."""
+
+import drjit as dr
+
+
+def ggx_d(m, alpha):
+    """Normal distribution D(m) [1/sr] of a unit facet normal (Walter et al. 2007, eq. 33).
+
+    Written with m.x^2 + m.y^2 instead of 1 - cos^2, which keeps float32 exact for small alpha.
+    """
+    alpha2 = alpha * alpha
+    denominator = dr.fma(alpha2 * m.z, m.z, m.x * m.x + m.y * m.y)
+    d = alpha2 / (dr.pi * denominator * denominator)
+    return dr.select(m.z > 0, d, 0)
+
+
+def smith_g1(w, alpha):
+    """Smith masking of direction `w` on either side (Walter et al. 2007, eq. 34)."""
+    cos2 = w.z * w.z
+    tan2 = (w.x * w.x + w.y * w.y) / cos2
+    return dr.select(cos2 > 0, 2 / (1 + dr.sqrt(dr.fma(alpha * alpha, tan2, 1))), 0)
+
+
+def visible_normal_pdf(w, m, alpha):
+    """Density [1/sr] of `sample_visible_normal` at facet normal `m`; w.z > 0."""
+    return smith_g1(w, alpha) * ggx_d(m, alpha) * dr.maximum(dr.dot(w, m), 0) / w.z
+
+
+def sample_visible_normal(w, alpha, u1, u2):
+    """Sample a facet normal visible from `w` (w.z > 0); spherical caps of Dupuy & Benyoub 2023."""
+    vector = type(w)
+    stretched = dr.normalize(vector(alpha * w.x, alpha * w.y, w.z))
+    sin_phi, cos_phi = dr.sincos(2 * dr.pi * u1)
+    z = dr.fma(1 - u2, 1 + stretched.z, -stretched.z)
+    sin_theta = dr.safe_sqrt(1 - z * z)
+    m = vector(sin_theta * cos_phi, sin_theta * sin_phi, z) + stretched
+    return dr.normalize(vector(alpha * m.x, alpha * m.y, dr.maximum(m.z, 0)))
+
+
+def reflection_lobe(wi, wo, alpha):
+    """The microfacet reflection BRDF for Fresnel reflectance 1 [1/sr], and the cosine wi.m.
+
+    Multiply it by the Fresnel term at that cosine (Walter et al. 2007, eq. 20).
+    """
+    m = dr.normalize(wi + wo)
+    g = smith_g1(wi, alpha) * smith_g1(wo, alpha)
+    f = ggx_d(m, alpha) * g / (4 * wi.z * wo.z)
+    return dr.select((wi.z > 0) & (wo.z > 0), f, 0), dr.dot(wi, m)

@@ -1,0 +1,78 @@
+"""Opaque BRDFs under a stack, as the random walk sees them: f, sample and pdf on Dr.Jit arrays.
+
+The protocol (`Bottom`) has no cosine in `f` [1/sr]; `sample` returns (wo, weight, pdf) with
+weight = f cos / pdf. Values are Dr.Jit floats or colours; parameters may vary per lane.
+"""
+
+from typing import Any, Protocol
+
+import drjit as dr
+
+from urushi.physics import fresnel, microfacet
+from urushi.physics.frame import reflect, square_to_cosine_hemisphere
+
+
+class Bottom(Protocol):
+    """What the walk asks of the BRDF under the lowest medium."""
+
+    def f_pdf(self, wi: Any, wo: Any) -> tuple[Any, Any]:
+        """BRDF [1/sr] and the density of `sample` at wo, both zero below the horizon."""
+
+    def sample(self, wi: Any, u0: Any, u1: Any, u2: Any) -> tuple[Any, Any, Any]:
+        """Draw wo by three uniform numbers; returns (wo, weight, pdf), weight 0 on failure."""
+
+
+class Microfacet:
+    """A GGX reflector; `fresnel_term` maps the cosine wi.m to a reflectance or colour."""
+
+    def __init__(self, alpha, fresnel_term):
+        self.alpha = alpha
+        self.fresnel_term = fresnel_term
+
+    def f_pdf(self, wi, wo):
+        lobe, cos_m = microfacet.reflection_lobe(wi, wo, self.alpha)
+        pdf = lobe * wo.z / microfacet.smith_g1(wo, self.alpha)
+        return lobe * self.fresnel_term(dr.abs(cos_m)), dr.select(lobe > 0, pdf, 0)
+
+    def sample(self, wi, u0, u1, u2):
+        m = microfacet.sample_visible_normal(wi, self.alpha, u1, u2)
+        cos_m = dr.dot(wi, m)
+        wo = reflect(wi, m)
+        g1 = microfacet.smith_g1(wo, self.alpha)
+        pdf = microfacet.visible_normal_pdf(wi, m, self.alpha) / (4 * cos_m)
+        valid = wo.z > 0
+        weight = self.fresnel_term(dr.abs(cos_m)) * dr.select(valid, g1, 0)
+        return wo, weight, dr.select(valid, pdf, 0)
+
+
+class Lambertian:
+    """Ideal diffuse reflection of the given reflectance."""
+
+    def __init__(self, reflectance):
+        self.reflectance = reflectance
+
+    def f_pdf(self, wi, wo):
+        valid = (wi.z > 0) & (wo.z > 0)
+        return (
+            self.reflectance * dr.select(valid, dr.inv_pi, 0),
+            dr.select(valid, wo.z * dr.inv_pi, 0),
+        )
+
+    def sample(self, wi, u0, u1, u2):
+        wo = square_to_cosine_hemisphere(type(wi), u1, u2)
+        return wo, self.reflectance, wo.z * dr.inv_pi
+
+
+def schlick_conductor(alpha, r0):
+    """GGX conductor with Schlick's Fresnel term."""
+    return Microfacet(alpha, lambda cos_m: fresnel.schlick(cos_m, r0))
+
+
+def conductor(alpha, eta, k):
+    """GGX conductor with the exact Fresnel term of a complex index."""
+    return Microfacet(alpha, lambda cos_m: fresnel.conductor(cos_m, eta, k))
+
+
+def dielectric_reflector(alpha, eta):
+    """The reflection of a rough dielectric alone; what it transmits is lost."""
+    return Microfacet(alpha, lambda cos_m: fresnel.dielectric(cos_m, eta)[0])

@@ -1,0 +1,57 @@
+"""Colours that share one random walk: single-sample spectral MIS (Wilkie et al. 2014).
+
+Free flights and phase functions are sampled for one channel, the walk's hero, picked uniformly. A
+walk carries, beside its throughput (f / density of the hero), every channel's density relative to
+the hero's; dividing contributions by the mean of these is the balance heuristic over channels. With
+a scalar colour type all of this vanishes at trace time: `hero` is None and ratios are 1.
+"""
+
+from typing import Any
+
+import drjit as dr
+
+from urushi.physics import phase
+
+
+def pick(color: type, u: Any) -> Any:
+    """The hero channel's index from a uniform number; None if `color` is a scalar type."""
+    if dr.depth_v(color) < 2:
+        return None
+    count = dr.size_v(color)
+    return dr.minimum(dr.uint32_array_t(type(u))(u * count), count - 1)
+
+
+def of_hero(value: Any, hero: Any) -> Any:
+    """The hero's component of a colour; a scalar stands for all channels."""
+    if hero is None or dr.depth_v(type(value)) < 2:
+        return value
+    result = value[0]
+    for i in range(1, dr.size_v(type(value))):
+        result = dr.select(hero == i, value[i], result)
+    return result
+
+
+def flight_ratio(sigma_t: Any, distance: Any, in_medium: Any, hero: Any) -> Any:
+    """Each channel's density of a free flight relative to the hero's, which was sampled."""
+    if hero is None:
+        return 1
+    sigma_hero = of_hero(sigma_t, hero)
+    ratio = dr.exp((sigma_hero - sigma_t) * distance)
+    return ratio * dr.select(in_medium, sigma_t / sigma_hero, 1)
+
+
+def phase_ratio(cos_theta: Any, g: Any, hero: Any) -> Any:
+    """Each channel's phase function relative to the hero's, which was sampled."""
+    if hero is None:
+        return 1
+    return phase.hg(cos_theta, g) / phase.hg(cos_theta, of_hero(g, hero))
+
+
+def mean(spectral: Any, hero: Any) -> Any:
+    """The mean relative density of all channels."""
+    return 1 if hero is None else dr.mean(spectral)
+
+
+def strongest(throughput: Any, hero: Any) -> Any:
+    """The largest component of a throughput."""
+    return throughput if hero is None else dr.max(throughput)

@@ -1,0 +1,168 @@
+"""Many monochrome stacks of one shape as arrays, and how the random walk reads them per lane."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import drjit as dr
+import numpy as np
+
+from urushi.errors import ParameterError
+from urushi.reference import bottoms
+from urushi.reference.stack import Conductor, Dielectric, Diffuse, Stack
+
+#: Parameters of each kind of bottom, in the order of its factory's arguments.
+BOTTOM_KINDS: dict[str, tuple[Any, tuple[str, ...]]] = {
+    "conductor": (bottoms.schlick_conductor, ("alpha", "r0")),
+    "conductor_complex": (bottoms.conductor, ("alpha", "eta", "k")),
+    "dielectric": (bottoms.dielectric_reflector, ("alpha", "eta")),
+    "diffuse": (bottoms.Lambertian, ("reflectance",)),
+}
+
+
+@dataclass(frozen=True)
+class StackTable:
+    """S monochrome stacks of N coats each over bottoms of one kind.
+
+    Attributes:
+        alpha, eta, albedo, sigma_t, g: float32 (S, N), coats from top to bottom.
+        kind: a key of `BOTTOM_KINDS`, or "custom" with the walk's `custom` object.
+        bottom: the bottom's parameters by name, float32 (S,).
+        custom: an object with f_pdf and sample; its colours are indexed by row.
+    """
+
+    alpha: np.ndarray
+    eta: np.ndarray
+    albedo: np.ndarray
+    sigma_t: np.ndarray
+    g: np.ndarray
+    kind: str
+    bottom: dict[str, np.ndarray] = field(default_factory=dict)
+    custom: Any = None
+
+    def __post_init__(self) -> None:
+        names = BOTTOM_KINDS[self.kind][1] if self.kind in BOTTOM_KINDS else ()
+        if self.kind != "custom" and tuple(self.bottom) != names:
+            raise ParameterError(
+                f"a table of '{self.kind}' bottoms needs the parameters {', '.join(names)}"
+            )
+        for name in ("alpha", "eta", "albedo", "sigma_t", "g"):
+            array = np.ascontiguousarray(getattr(self, name), np.float32)
+            if array.ndim != 2 or array.shape != np.shape(self.alpha):
+                raise ParameterError(f"the table's {name} must have shape (stacks, coats)")
+            object.__setattr__(self, name, array)
+        columns = {k: np.ascontiguousarray(v, np.float32) for k, v in self.bottom.items()}
+        if any(v.shape != (len(self),) for v in columns.values()):
+            raise ParameterError("the table's bottom parameters must have one number per stack")
+        object.__setattr__(self, "bottom", columns)
+
+    def __len__(self) -> int:
+        return len(self.alpha)
+
+    @property
+    def coats(self) -> int:
+        """Number of coats of every stack."""
+        return int(self.alpha.shape[1])
+
+
+def channel_count(description: object) -> int:
+    """3 if any parameter of a description or Stack differs per channel, else 1."""
+    parts = (
+        (*description.coats, description.bottom)
+        if isinstance(description, Stack)
+        else (description,)
+    )
+    known = (Conductor, Dielectric, Diffuse)
+    for part in parts:
+        if part is parts[-1] and not isinstance(part, known):
+            return 3
+        if any(isinstance(value, tuple) for value in vars(part).values()):
+            return 3
+    return 1
+
+
+def bottom_columns(
+    description: Conductor | Dielectric | Diffuse, channels: int
+) -> tuple[str, dict[str, np.ndarray]]:
+    """The kind of a described bottom and its parameters as float32 (channels,)."""
+    if isinstance(description, Conductor):
+        kind = "conductor" if description.r0 is not None else "conductor_complex"
+    else:
+        kind = "dielectric" if isinstance(description, Dielectric) else "diffuse"
+    names = BOTTOM_KINDS[kind][1]
+    columns = {
+        name: np.broadcast_to(np.float32(getattr(description, name)), (channels,)) for name in names
+    }
+    return kind, columns
+
+
+def from_stack(stack: Stack) -> StackTable:
+    """The table of a Stack's channels: three rows, or one if all channels are equal."""
+    channels = channel_count(stack)
+    coats = {
+        name: np.stack(
+            [np.broadcast_to(getattr(coat, name), (channels,)) for coat in stack.coats], axis=1
+        )
+        for name in ("alpha", "eta", "albedo", "sigma_t", "g")
+    }
+    if not isinstance(stack.bottom, Conductor | Dielectric | Diffuse):
+        return StackTable(**coats, kind="custom", custom=stack.bottom)
+    kind, columns = bottom_columns(stack.bottom, channels)
+    return StackTable(**coats, kind=kind, bottom=columns)
+
+
+class TableLayers:
+    """The walk's `Layers`: one row of a table per lane, gathered from device memory."""
+
+    def __init__(self, types: Any, table: StackTable, row: Any) -> None:
+        self.count = table.coats
+        self._row = row * self.count
+        self._columns = {
+            name: types.Float(getattr(table, name).ravel())
+            for name in ("alpha", "eta", "albedo", "sigma_t", "g")
+        }
+        self._float = types.Float
+        if self.count == 1:  # no layer index: read each parameter once, outside of the loop
+            self._cached = {name: self._gather(name, row) for name in self._columns}
+
+    def _gather(self, name: str, index: Any) -> Any:
+        return dr.gather(self._float, self._columns[name], index)
+
+    def _read(self, index: Any, *names: str) -> tuple[Any, ...]:
+        if self.count == 1:
+            return tuple(self._cached[name] for name in names)
+        return tuple(self._gather(name, self._row + index) for name in names)
+
+    def interface(self, index: Any) -> tuple[Any, Any]:
+        return self._read(index, "alpha", "eta")  # type: ignore[return-value]
+
+    def medium(self, index: Any) -> tuple[Any, Any, Any]:
+        return self._read(index, "albedo", "sigma_t", "g")  # type: ignore[return-value]
+
+
+class ChannelOf:
+    """A custom bottom whose colours are read at one channel, the lane's row."""
+
+    def __init__(self, brdf: Any, row: Any) -> None:
+        self._brdf = brdf
+        self._row = row
+
+    def _channel(self, value: Any) -> Any:
+        if dr.size_v(type(value)) != 3 or dr.depth_v(type(value)) < 2:
+            return value
+        return dr.select(self._row == 0, value[0], dr.select(self._row == 1, value[1], value[2]))
+
+    def f_pdf(self, wi: Any, wo: Any) -> tuple[Any, Any]:
+        f, pdf = self._brdf.f_pdf(wi, wo)
+        return self._channel(f), pdf
+
+    def sample(self, wi: Any, u0: Any, u1: Any, u2: Any) -> tuple[Any, Any, Any]:
+        wo, weight, pdf = self._brdf.sample(wi, u0, u1, u2)
+        return wo, self._channel(weight), pdf
+
+
+def table_bottom(types: Any, table: StackTable, row: Any) -> bottoms.Bottom:
+    """The walk's bottom for one row of a table per lane."""
+    if table.kind == "custom":
+        return ChannelOf(table.custom, row)
+    factory, names = BOTTOM_KINDS[table.kind]
+    return factory(*(dr.gather(types.Float, types.Float(table.bottom[n]), row) for n in names))
