@@ -1,0 +1,162 @@
+"""The demo: its shapes, its pattern, its scene, and what it writes."""
+
+import json
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from urushi.app.demo import geometry, pattern, picture, run
+from urushi.errors import FileError, ParameterError
+
+
+@pytest.fixture(scope="module")
+def mesh() -> geometry.Mesh:
+    return geometry.lathe(geometry.natsume(), 48, 96)
+
+
+def _corners(mesh: geometry.Mesh) -> np.ndarray:
+    """Faces by position: vertices that lie in one place (the seam, the poles) count as one."""
+    _, same = np.unique(mesh.positions, axis=0, return_inverse=True)
+    return same.reshape(-1)[mesh.faces]
+
+
+def test_the_caddy_is_watertight_and_consistently_oriented(mesh):
+    """Every directed edge occurs once, and its reverse once."""
+    corners = _corners(mesh)
+    edges = Counter(
+        (int(a), int(b))
+        for k in range(3)
+        for a, b in zip(corners[:, k], corners[:, (k + 1) % 3], strict=True)
+    )
+    assert all(a != b for a, b in edges), "a triangle has no area"
+    assert set(edges.values()) == {1}
+    assert all((b, a) in edges for a, b in edges)
+    vertices = len(np.unique(mesh.positions, axis=0))
+    assert vertices - len(edges) // 2 + len(corners) == 2, "Euler's number of a sphere"
+
+
+def test_the_caddy_is_oriented_outwards(mesh):
+    """Its signed volume (divergence theorem) is positive and close to that of the profile."""
+    a, b, c = (mesh.positions[mesh.faces[:, k]].astype(float) for k in range(3))
+    volume = (np.cross(a, b) * c).sum() / 6
+    points, _ = geometry.natsume()(np.linspace(0, 1, 4000))
+    turned = np.pi * np.trapezoid(points[:, 0] ** 2, points[:, 1])
+    # A 48-gon has (sin x) / x = 0.9971 of its circle's area, x = 2 pi / 48.
+    assert volume == pytest.approx(turned * 0.9971, rel=2e-3)
+
+
+def test_normals_are_unit_and_agree_with_the_triangles(mesh):
+    np.testing.assert_allclose(np.linalg.norm(mesh.normals, axis=1), 1, atol=1e-6)
+    a, b, c = (mesh.positions[mesh.faces[:, k]].astype(float) for k in range(3))
+    flat = np.cross(b - a, c - a)
+    flat /= np.linalg.norm(flat, axis=1, keepdims=True)
+    cosines = [(flat * mesh.normals[mesh.faces[:, k]]).sum(1) for k in range(3)]
+    assert np.min(cosines) > 0.5  # the groove of the lid turns within a few triangles
+    assert np.median(cosines) > 0.995
+
+
+def test_texture_coordinates_cover_the_unit_square(mesh):
+    assert mesh.uv.min() == 0 and mesh.uv.max() == 1
+    spread = np.ptp(mesh.uv[mesh.faces][..., 0], axis=1)
+    assert spread.max() < 1.01 / 48, "no triangle crosses the seam"
+
+
+def test_the_profile_is_parametrised_by_its_length():
+    points, tangents = geometry.natsume()(np.linspace(0, 1, 4001))
+    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    assert np.ptp(steps) < 0.05 * steps.mean()
+    np.testing.assert_allclose(np.linalg.norm(tangents, axis=1), 1, atol=1e-12)
+    assert points[0, 0] == points[-1, 0] == 0
+
+
+def test_ply_holds_the_mesh(mesh, tmp_path):
+    import mitsuba as mi
+
+    mi.set_variant("scalar_rgb")
+    geometry.write_ply(mesh, tmp_path / "caddy.ply")
+    loaded = mi.load_dict({"type": "ply", "filename": str(tmp_path / "caddy.ply")})
+    parameters = mi.traverse(loaded)
+    for name, ours in (
+        ("vertex_positions", mesh.positions),
+        ("vertex_normals", mesh.normals),
+        ("vertex_texcoords", mesh.uv),
+        ("faces", mesh.faces),
+    ):
+        stored = np.array(parameters[name]).reshape(ours.shape)
+        np.testing.assert_allclose(stored, ours, atol=2e-7)  # Mitsuba normalises normals again
+
+
+def test_the_pattern_is_deterministic_and_in_range():
+    first = pattern.gold(geometry.natsume(), 64)
+    assert first.shape == (64, 128) and first.dtype == np.float32
+    assert first.min() == 0 and 0.7 < first.max() <= 1
+    np.testing.assert_array_equal(first, pattern.gold(geometry.natsume(), 64))
+    assert (first != pattern.gold(geometry.natsume(), 64, seed=9)).any()
+
+
+def test_the_pattern_closes_around_the_caddy():
+    """Columns on both sides of the seam differ no more than other neighbours do."""
+    image = pattern.gold(geometry.natsume(), 128)
+    steps = np.abs(np.diff(image, axis=1)).mean(axis=0)
+    assert np.abs(image[:, 0] - image[:, -1]).mean() <= steps.max()
+
+
+def test_tone_curve_is_monotone_and_within_the_display_range():
+    ramp = picture.tonemap(np.linspace(0, 50, 1000))
+    assert ramp[0] == 0 and ramp[-1] == pytest.approx(1)
+    assert (np.diff(ramp) >= 0).all()
+
+
+def test_difference_shows_sign_and_size():
+    grey = np.full((1, 3, 3), 0.45)
+    shown = picture.difference(grey * [[[1.0], [2.0], [0.5]]], grey)
+    np.testing.assert_array_equal(shown[0, 0], 0)
+    assert shown[0, 1, 0] > shown[0, 1, 2] and shown[0, 2, 2] > shown[0, 2, 0]
+
+
+def test_figures_of_equal_images_are_their_noise():
+    """Both renders have the halves 0.9 and 1.1: no difference, variance 0.01 each."""
+    halves = np.full((4, 4, 3), 0.9), np.full((4, 4, 3), 1.1)
+    same = run.Render(*halves, seconds=1.0, start=2.0)
+    figures = run.compare(same, same)
+    noise = 0.01 / (1 + 0.01)
+    assert figures["mse"] == 0
+    assert figures["reference_noise"] == pytest.approx(noise)
+    assert figures["relative_mse"] == pytest.approx(-noise)
+    assert figures["relative_mse_noise_free"] == pytest.approx(-2 * noise)
+
+
+def test_a_tiny_demo_writes_every_file(variant, tmp_path):
+    figures = run.run(tmp_path / "new" / "demo", size=32, spp=16, variant=variant)
+    names = {path.name for path in (tmp_path / "new" / "demo").iterdir()}
+    assert names == {
+        "natsume.ply",
+        "report.json",
+        "comparison.png",
+        "difference.png",
+        "difference.exr",
+        "layered.png",
+        "layered.exr",
+        "neural_layered.png",
+        "neural_layered.exr",
+    }
+    assert json.loads((tmp_path / "new" / "demo" / "report.json").read_text()) == figures
+    assert all(np.isfinite(value) for value in figures.values())
+
+
+def test_unwritable_output_is_one_sentence(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(
+        FileError, match=r"^cannot make the folder .*; choose one that is writable$"
+    ):
+        run.run(tmp_path / "file" / "demo", size=8, spp=16)
+    with pytest.raises(FileError, match=r"^cannot write .*; choose a folder that exists"):
+        geometry.write_ply(geometry.lathe(geometry.natsume(), 4, 8), Path("/proc/caddy.ply"))
+
+
+@pytest.mark.parametrize(("size", "spp"), [(0, 16), (8, 0), (8, 12), (8, -16)])
+def test_bad_sizes_are_refused(size, spp, tmp_path):
+    with pytest.raises(ParameterError, match=r"size is 0|spp is"):
+        run.run(tmp_path, size=size, spp=spp)
