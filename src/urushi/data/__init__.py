@@ -1,0 +1,1 @@
+"""Parameter distributions, direction sets and the stores of simulated BRDF values."""

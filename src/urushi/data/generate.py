@@ -1,0 +1,67 @@
+"""Filling a data store shard by shard; each shard is a pure function of specification and index."""
+
+import os
+
+import numpy as np
+from tqdm import tqdm
+
+from urushi.data.directions import SETS
+from urushi.data.distribution import BOTTOM_PARAMETERS, COAT_PARAMETERS
+from urushi.data.spec import DataSpec
+from urushi.data.store import Shard, Store
+from urushi.reference import evaluate
+from urushi.reference.simulate import walk_pairs
+
+
+def make_shard(spec: DataSpec, part: int, shard: int) -> Shard:
+    """Draw and simulate the stacks of one shard.
+
+    Args:
+        spec: the whole specification.
+        part, shard: which shard of it.
+
+    Returns:
+        The arrays of `store`'s layout, the same whenever and wherever they are made.
+    """
+    described = spec.parts[part]
+    rows = spec.rows(part, shard)
+    count = rows.stop - rows.start
+    parameters, directions, walks = spec.seeds(part, shard).spawn(3)
+    table = described.distribution.sample(np.random.default_rng(parameters), count)
+    wi, wo = SETS[described.directions](np.random.default_rng(directions), count * described.pairs)
+    row = np.repeat(np.arange(count, dtype=np.uint32), described.pairs)
+    if described.distribution.coats == 0:
+        f = evaluate.rows(table.kind, table.bottom, row, wi, wo)
+        se = np.zeros_like(f)
+    else:
+        seed = int(walks.generate_state(1)[0])
+        f, se = walk_pairs(table, row, wi, wo, walks=described.walks, seed=seed)
+    arrays = {
+        "bottom": np.stack([table.bottom[name] for name in BOTTOM_PARAMETERS[table.kind]], axis=-1),
+        "wi": wi.reshape(count, -1, 3),
+        "wo": wo.reshape(count, -1, 3),
+        "f": f.reshape(count, -1),
+        "se": se.reshape(count, -1),
+    }
+    if described.distribution.coats:
+        arrays["coats"] = np.stack([getattr(table, name) for name in COAT_PARAMETERS], axis=-1)
+    return arrays
+
+
+def generate(spec: DataSpec, path: str | os.PathLike) -> Store:
+    """Make the data of `spec` at `path`, or resume where an earlier run was stopped.
+
+    The result is the same to the byte, however often it was stopped.
+
+    Raises:
+        FileError: `path` holds something else, or cannot be written.
+    """
+    store = Store.create(path, spec)
+    missing = store.missing()
+    total = sum(spec.walks(*index) for index in missing)
+    with tqdm(total=total, unit="walk", unit_scale=True, disable=None) as progress:
+        for part, shard in missing:
+            progress.set_description(spec.parts[part].name)
+            store.write(part, shard, make_shard(spec, part, shard))
+            progress.update(spec.walks(part, shard))
+    return store

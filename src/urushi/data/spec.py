@@ -1,0 +1,119 @@
+"""What a data store holds, as one frozen value: it is the store's manifest and a preset's field."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from urushi.data import distribution as distributions
+from urushi.data.directions import SETS
+from urushi.data.distribution import Distribution
+from urushi.errors import ParameterError
+
+
+@dataclass(frozen=True)
+class Part:
+    """Stacks of one distribution, with the direction pairs at which each is simulated.
+
+    Attributes:
+        name: the part's name in the store, unique there.
+        distribution: where the stacks' parameters come from.
+        stacks: number of stacks.
+        pairs: direction pairs for every stack; each stack has its own.
+        directions: the set of `directions.SETS` that they are drawn from.
+        walks: random walks for every pair; bottoms without a coat are analytic and need none.
+    """
+
+    name: str
+    distribution: Distribution
+    stacks: int
+    pairs: int
+    walks: int
+    directions: str = "training"
+
+    def __post_init__(self) -> None:
+        for name in ("stacks", "pairs", "walks"):
+            value = getattr(self, name)
+            if not isinstance(value, int) or value < 1:
+                raise ParameterError(
+                    f"part '{self.name}' has {name} = {value!r}; give a positive integer"
+                )
+        if self.directions not in SETS:
+            raise ParameterError(
+                f"part '{self.name}' has directions = {self.directions!r}; "
+                f"choose one of {', '.join(SETS)}"
+            )
+
+
+@dataclass(frozen=True)
+class DataSpec:
+    """The parts of a data store, its seed and how it is cut into shards.
+
+    Attributes:
+        parts: what is generated, in this order.
+        seed: of parameters, directions and walks.
+        shard: stacks that are drawn, simulated and written together.
+    """
+
+    parts: tuple[Part, ...]
+    seed: int = 0
+    shard: int = 256
+
+    def __post_init__(self) -> None:
+        if len({part.name for part in self.parts}) != len(self.parts):
+            raise ParameterError("two parts of the data specification have the same name")
+
+    def shards(self) -> Iterator[tuple[int, int]]:
+        """Yield every (part index, shard index), in order."""
+        for index, part in enumerate(self.parts):
+            for shard in range(self.shard_count(part)):
+                yield index, shard
+
+    def shard_count(self, part: Part) -> int:
+        """Number of shards of a part; the last one may be smaller than the others."""
+        return -(-part.stacks // self.shard)
+
+    def rows(self, part: int, shard: int) -> slice:
+        """The rows of a part that belong to one of its shards."""
+        start = shard * self.shard
+        return slice(start, min(start + self.shard, self.parts[part].stacks))
+
+    def seeds(self, part: int, shard: int) -> np.random.SeedSequence:
+        """The seeds of one shard, independent of all others and of the order of generation."""
+        return np.random.SeedSequence(self.seed, spawn_key=(part, shard))
+
+    def walks(self, part: int, shard: int) -> int:
+        """Random walks that one shard takes."""
+        rows, described = self.rows(part, shard), self.parts[part]
+        if described.distribution.coats == 0:
+            return 0
+        return (rows.stop - rows.start) * described.pairs * described.walks
+
+    def to_dict(self) -> dict[str, Any]:
+        """Describe the specification for JSON."""
+        parts = [
+            {**vars(part), "distribution": distributions.to_dict(part.distribution)}
+            for part in self.parts
+        ]
+        return {"parts": parts, "seed": self.seed, "shard": self.shard}
+
+    @classmethod
+    def from_dict(cls, description: Mapping[str, Any]) -> "DataSpec":
+        """Read `to_dict`'s description.
+
+        Raises:
+            ParameterError: an entry is missing, unknown or out of range.
+        """
+        try:
+            entries = dict(description)
+            parts = []
+            for part in entries.pop("parts"):
+                fields = dict(part)
+                drawn_from = distributions.from_dict(fields.pop("distribution"))
+                parts.append(Part(distribution=drawn_from, **fields))
+            return cls(parts=tuple(parts), **entries)
+        except (KeyError, TypeError) as error:
+            raise ParameterError(
+                f"the description of the data has a missing or unknown entry: {error}"
+            ) from error

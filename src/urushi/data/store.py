@@ -1,0 +1,231 @@
+"""The store of simulated BRDF values: a zarr v3 group that describes itself.
+
+Layout, for every part of the specification one group with arrays whose first axis is the stack:
+
+    coats   (S, N, 5)  alpha, eta, albedo, sigma_t, g of the coats, top to bottom (none if N = 0)
+    bottom  (S, K)     the bottom's parameters, named by the array's attribute `names`
+    wi, wo  (S, P, 3)  unit direction pairs, float32
+    f, se   (S, P)     BRDF value [1/sr] and its standard error
+
+One chunk is one shard. A shard counts only once its entry of `complete` is written, which happens
+last: a store whose writer was killed holds whole shards and is resumed. The group's attribute
+`urushi_data` is the manifest.
+"""
+
+import contextlib
+import hashlib
+import json
+import os
+import platform
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import zarr
+
+import urushi
+from urushi.data.distribution import BOTTOM_PARAMETERS, COAT_PARAMETERS
+from urushi.data.spec import DataSpec, Part
+from urushi.errors import FileError, ParameterError
+
+FORMAT_VERSION = 1
+_MANIFEST = "urushi_data"
+
+#: A shard: the arrays of the layout above for its stacks.
+Shard = Mapping[str, np.ndarray]
+
+
+@dataclass(frozen=True)
+class Store:
+    """A data store on disk.
+
+    Attributes:
+        path: the store's folder.
+        spec: what it holds or will hold.
+    """
+
+    path: Path
+    spec: DataSpec
+
+    @classmethod
+    def create(cls, path: str | os.PathLike, spec: DataSpec) -> "Store":
+        """Make an empty store, or open an existing one of the same specification to resume it.
+
+        Raises:
+            FileError: the folder holds something else, or data of another specification.
+        """
+        folder = Path(path)
+        if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+            store = cls.open(folder)
+            if store.spec != spec:
+                raise FileError(
+                    f"'{folder}' holds data of another specification ({_difference(store, spec)}); "
+                    "choose another path or delete that folder"
+                )
+            for stray in folder.rglob("*.partial"):  # of a writer that was killed
+                stray.unlink()
+            return store
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise FileError(
+                f"cannot create '{folder}': {error.strerror}; choose a folder that is writable"
+            ) from error
+        with _readable(folder):
+            root = zarr.create_group(folder, zarr_format=3)
+            for part in spec.parts:
+                _create_part(root, spec, part)
+            # Last: a store that has a manifest has all its arrays.
+            root.attrs[_MANIFEST] = {
+                "format_version": FORMAT_VERSION,
+                "spec": spec.to_dict(),
+                "versions": _versions(),
+            }
+        return cls(folder, spec)
+
+    @classmethod
+    def open(cls, path: str | os.PathLike) -> "Store":
+        """Open an existing store; it may be incomplete.
+
+        Raises:
+            FileError: it is missing, no such store, or of a newer format.
+        """
+        folder = Path(path)
+        if not folder.exists():
+            raise FileError(
+                f"there is no data store '{folder}'; make it with `urushi data generate`"
+            )
+        foreign = f"'{folder}' is no Urushi data store; give the folder of `urushi data generate`"
+        try:
+            manifest: Any = zarr.open_group(folder, mode="r").attrs[_MANIFEST]
+            found, described = manifest["format_version"], manifest["spec"]
+        except _ZARR_ERRORS as error:
+            raise FileError(foreign) from error
+        if found != FORMAT_VERSION:
+            raise FileError(
+                f"'{folder}' has data format {found}, and this Urushi reads {FORMAT_VERSION}; "
+                "generate the data again"
+            )
+        try:
+            return cls(folder, DataSpec.from_dict(described))
+        except ParameterError as error:
+            raise FileError(f"{foreign} ({error})") from error
+
+    def missing(self) -> list[tuple[int, int]]:
+        """The (part, shard) indices that are not yet complete, in order."""
+        with _readable(self.path):
+            root = zarr.open_group(self.path, mode="r")
+            complete = [_array(root, part, "complete")[:] for part in self.spec.parts]
+        return [(part, shard) for part, shard in self.spec.shards() if not complete[part][shard]]
+
+    def write(self, part: int, shard: int, arrays: Shard) -> None:
+        """Write one shard and then mark it complete."""
+        with _readable(self.path):
+            group = zarr.open_group(self.path, mode="r+")
+            rows = self.spec.rows(part, shard)
+            for name, values in arrays.items():
+                _array(group, self.spec.parts[part], name)[rows] = values
+            _array(group, self.spec.parts[part], "complete")[shard] = 1
+
+    def read(self, part: Part) -> dict[str, np.ndarray]:
+        """Read all arrays of a complete part into memory.
+
+        Raises:
+            FileError: the part is incomplete or damaged.
+        """
+        with _readable(self.path):
+            root = zarr.open_group(self.path, mode="r")
+            done = int(np.sum(_array(root, part, "complete")[:]))
+            if done < self.spec.shard_count(part):
+                raise FileError(
+                    f"'{self.path}' is incomplete: part '{part.name}' has {done} of "
+                    f"{self.spec.shard_count(part)} shards; resume it with `urushi data generate`"
+                )
+            arrays = {name: _array(root, part, name)[:] for name in _layout(part)}
+        if not all(np.isfinite(values).all() for values in arrays.values()):
+            raise FileError(
+                f"'{self.path}' is damaged: part '{part.name}' has values that are not finite; "
+                "delete the folder and generate the data again"
+            )
+        return arrays
+
+    def hash(self) -> str:
+        """SHA-256 over the specification and all values f: what the weights say of their data."""
+        digest = hashlib.sha256(json.dumps(self.spec.to_dict(), sort_keys=True).encode())
+        for part in self.spec.parts:
+            digest.update(np.ascontiguousarray(self.read(part)["f"]).tobytes())
+        return digest.hexdigest()
+
+
+_ZARR_ERRORS = (OSError, ValueError, KeyError, TypeError, RuntimeError)
+
+
+@contextlib.contextmanager
+def _readable(path: Path) -> Iterator[None]:
+    """Turn what zarr raises for a damaged or unwritable store into one sentence."""
+    try:
+        yield
+    except FileError:
+        raise
+    except _ZARR_ERRORS as error:
+        raise FileError(
+            f"'{path}' cannot be used ({type(error).__name__}: {error}); if it is damaged, delete "
+            "the folder and generate the data again"
+        ) from error
+
+
+def _layout(part: Part) -> dict[str, tuple[int, ...]]:
+    """Shapes of a part's arrays for one stack."""
+    layout = {
+        "coats": (part.distribution.coats, len(COAT_PARAMETERS)),
+        "bottom": (len(BOTTOM_PARAMETERS[part.distribution.bottom]),),
+        "wi": (part.pairs, 3),
+        "wo": (part.pairs, 3),
+        "f": (part.pairs,),
+        "se": (part.pairs,),
+    }
+    if part.distribution.coats == 0:
+        del layout["coats"]
+    return layout
+
+
+def _create_part(root: zarr.Group, spec: DataSpec, part: Part) -> None:
+    group = root.create_group(part.name)
+    names = {"coats": COAT_PARAMETERS, "bottom": BOTTOM_PARAMETERS[part.distribution.bottom]}
+    for name, shape in _layout(part).items():
+        array = group.create_array(
+            name,
+            shape=(part.stacks, *shape),
+            chunks=(min(spec.shard, part.stacks), *shape),
+            dtype="float32",
+        )
+        if name in names:
+            array.attrs["names"] = list(names[name])
+    group.create_array("complete", shape=(spec.shard_count(part),), chunks=(1,), dtype="uint8")
+
+
+def _array(root: zarr.Group, part: Part, name: str) -> Any:
+    return root[f"{part.name}/{name}"]
+
+
+def _difference(store: Store, spec: DataSpec) -> str:
+    """Name the first entry in which two specifications differ."""
+    found, wanted = store.spec, spec
+    for name in ("seed", "shard"):
+        if getattr(found, name) != getattr(wanted, name):
+            return f"its {name} is {getattr(found, name)}, not {getattr(wanted, name)}"
+    names = [part.name for part in found.parts], [part.name for part in wanted.parts]
+    if names[0] != names[1]:
+        return f"its parts are {', '.join(names[0])}, not {', '.join(names[1])}"
+    pairs = zip(found.parts, wanted.parts, strict=True)
+    part = next(ours.name for ours, theirs in pairs if ours != theirs)
+    return f"its part '{part}' is described otherwise"
+
+
+def _versions() -> dict[str, str]:
+    """Versions of what the values depend on."""
+    packages = {name: version(name) for name in ("numpy", "drjit", "zarr")}
+    return {"urushi": urushi.__version__, "python": platform.python_version(), **packages}

@@ -1,0 +1,97 @@
+"""Distributions of parameters against the analytic ones of Table 2 (Fan et al. 2022)."""
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from urushi.data import distribution
+from urushi.data.distribution import Extended, Table2
+from urushi.errors import ParameterError
+
+N = 20_000
+
+
+def kolmogorov(values, cdf):
+    """The p-value that `values` come from `cdf`; a fixed seed makes the 0.1 % level safe."""
+    return stats.kstest(np.asarray(values, np.float64).ravel(), cdf).pvalue
+
+
+def uniform_cdf(low, high):
+    return lambda x: np.clip((x - low) / (high - low), 0, 1)
+
+
+TABLE_2 = {
+    "alpha": lambda x: uniform_cdf(0.216, 1)(np.cbrt(x)),
+    "eta": uniform_cdf(1.05, 2),
+    "albedo": lambda x: 1 - np.sqrt(np.clip(1 - x, 0, 1)),
+    "r0": uniform_cdf(0, 1),
+}
+
+
+@pytest.mark.parametrize("coats", [1, 3])
+def test_table_2_has_the_papers_distributions(coats):
+    table = Table2(coats).sample(np.random.default_rng(0), N)
+    assert table.kind == "conductor"
+    assert table.alpha.shape == (N, coats)
+    for name in ("alpha", "eta", "albedo"):
+        assert kolmogorov(getattr(table, name)[:, -1], TABLE_2[name]) > 1e-3, name
+    for name in ("alpha", "r0"):
+        assert kolmogorov(table.bottom[name], TABLE_2[name]) > 1e-3, name
+    values, counts = np.unique(table.sigma_t, return_counts=True)
+    np.testing.assert_array_equal(values, [0, 1, 2, 5])
+    assert stats.chisquare(counts).pvalue > 1e-3
+    assert (table.g == 0).all()
+
+
+def test_table_2_has_the_moments_of_its_formulas():
+    table = Table2().sample(np.random.default_rng(1), N)
+    # E[U(a, 1)^3] = (1 - a^4) / (4 (1 - a)); E[1 - U^2] = 2/3; tolerance: 4 standard errors.
+    alpha = (1 - 0.216**4) / (4 * (1 - 0.216))
+    for values, mean in ((table.alpha, alpha), (table.albedo, 2 / 3), (table.sigma_t, 2)):
+        assert abs(values.mean() - mean) < 4 * values.std() / np.sqrt(N)
+
+
+def test_parameters_of_different_coats_are_independent():
+    table = Table2(2).sample(np.random.default_rng(0), N)
+    for name in ("alpha", "eta", "albedo", "sigma_t"):
+        values = getattr(table, name)
+        assert abs(np.corrcoef(values[:, 0], values[:, 1])[0, 1]) < 4 / np.sqrt(N)
+
+
+@pytest.mark.parametrize("bottom", distribution.BOTTOM_PARAMETERS)
+def test_extended_stays_within_its_ranges_and_fills_them(bottom):
+    table = Extended(2, bottom).sample(np.random.default_rng(0), N)
+    ranges = {"alpha": (0.01, 1), "eta": (1.05, 2), "albedo": (0, 1), "sigma_t": (0, 8)}
+    for name, (low, high) in {**ranges, "g": (-0.8, 0.9)}.items():
+        values = getattr(table, name)
+        assert low <= values.min() <= low + 0.02 * (high - low), name
+        assert high - 0.02 * (high - low) <= values.max() <= high, name
+    for name, values in table.bottom.items():
+        assert values.shape == (N,)
+        assert values.min() >= 0, name
+    assert kolmogorov(table.g, uniform_cdf(-0.8, 0.9)) > 1e-3
+    assert kolmogorov(table.sigma_t, lambda x: np.sqrt(np.clip(x / 8, 0, 1))) > 1e-3
+
+
+def test_bottoms_without_a_coat_are_a_distribution_too():
+    table = Extended(0, "dielectric").sample(np.random.default_rng(0), 10)
+    assert (len(table), table.coats) == (10, 0)
+
+
+@pytest.mark.parametrize("drawn", [Table2(3), Extended(1, "diffuse"), Extended(0, "dielectric")])
+def test_json_round_trip(drawn):
+    assert distribution.from_dict(distribution.to_dict(drawn)) == drawn
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: Table2(6), "coats is 6; it must be an integer from 0 to 5"),
+        (lambda: Extended(1, "velvet"), "bottom is 'velvet'; choose one of conductor"),
+        (lambda: distribution.from_dict({"kind": "table3"}), "kind 'table3'; choose one of"),
+        (lambda: distribution.from_dict({"kind": "table2", "depth": 1}), "has no such field"),
+    ],
+)
+def test_bad_descriptions_get_one_sentence(make, message):
+    with pytest.raises(ParameterError, match=message):
+        make()

@@ -1,0 +1,219 @@
+"""Stores: pure shards, resumption to the same bytes, and one sentence for what does not fit."""
+
+import dataclasses
+import hashlib
+import json
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+import zarr
+
+from urushi.data import generate as generation
+from urushi.data.distribution import Extended, Table2
+from urushi.data.generate import generate, make_shard
+from urushi.data.spec import DataSpec, Part
+from urushi.data.store import Store
+from urushi.errors import FileError, ParameterError
+from urushi.reference import evaluate
+
+SPEC = DataSpec(
+    parts=(
+        Part("coated", Table2(), stacks=10, pairs=16, walks=4),
+        Part("twice", Extended(2, "diffuse"), stacks=3, pairs=8, walks=2),
+        Part("bare", Extended(0, "conductor_complex"), stacks=5, pairs=8, walks=1),
+    ),
+    seed=3,
+    shard=4,
+)
+
+
+def fingerprint(path):
+    """Hash of every file's name and bytes, but for the versions noted in the manifest."""
+    files = sorted(file for file in path.rglob("*") if file.is_file())
+    digest = hashlib.sha256()
+    for file in files:
+        digest.update(str(file.relative_to(path)).encode() + file.read_bytes())
+    return digest.hexdigest()
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    path = tmp_path_factory.mktemp("data") / "whole.zarr"
+    generate(SPEC, path)
+    return path
+
+
+def test_a_store_holds_what_was_specified(finished):
+    store = Store.open(finished)
+    assert store.spec == SPEC
+    assert store.missing() == []
+    for part in SPEC.parts:
+        arrays = store.read(part)
+        assert arrays["f"].shape == arrays["se"].shape == (part.stacks, part.pairs)
+        assert arrays["wi"].shape == arrays["wo"].shape == (part.stacks, part.pairs, 3)
+        assert arrays["f"].min() >= 0
+    assert store.read(SPEC.parts[1])["coats"].shape == (3, 2, 5)
+
+
+def test_bottoms_without_a_coat_are_exact(finished):
+    part = SPEC.parts[2]
+    arrays = Store.open(finished).read(part)
+    assert "coats" not in arrays
+    columns = dict(zip(("alpha", "eta", "k"), arrays["bottom"].T, strict=True))
+    row = np.repeat(np.arange(part.stacks, dtype=np.uint32), part.pairs)
+    wi, wo = (arrays[name].reshape(-1, 3) for name in ("wi", "wo"))
+    f = evaluate.rows("conductor_complex", columns, row, wi, wo)
+    np.testing.assert_array_equal(arrays["f"].ravel(), f)
+    assert (arrays["se"] == 0).all()
+
+
+def test_shards_do_not_depend_on_the_order_in_which_they_are_made():
+    for index in reversed(list(SPEC.shards())):
+        first, again = make_shard(SPEC, *index), make_shard(SPEC, *index)
+        for name in first:
+            np.testing.assert_array_equal(first[name], again[name])
+
+
+def test_stacks_of_different_shards_differ(finished):
+    coats = Store.open(finished).read(SPEC.parts[0])["coats"]
+    assert len(np.unique(coats[:, 0, 0])) == 10
+
+
+def test_a_generator_that_fails_midway_resumes_to_the_same_bytes(finished, tmp_path, monkeypatch):
+    path = tmp_path / "resumed.zarr"
+    made = []
+
+    def interrupted(spec, part, shard):
+        if len(made) == 2:
+            raise KeyboardInterrupt
+        made.append((part, shard))
+        return make_shard(spec, part, shard)
+
+    monkeypatch.setattr(generation, "make_shard", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        generate(SPEC, path)
+    assert len(Store.open(path).missing()) == 4
+    with pytest.raises(FileError, match="incomplete: part 'coated' has 2 of 3 shards"):
+        Store.open(path).read(SPEC.parts[0])
+    monkeypatch.undo()
+    generate(SPEC, path)
+    assert fingerprint(path) == fingerprint(finished)
+
+
+def test_a_shard_without_its_mark_is_made_again(finished, tmp_path):
+    path = tmp_path / "torn.zarr"
+    generate(SPEC, path)
+    (path / "coated" / "complete" / "c" / "1").unlink()
+    (path / "coated" / "f" / "c" / "1" / "0").write_bytes(b"half a chunk")
+    (path / "coated" / "f" / "c" / "1" / "0.123.partial").write_bytes(b"of a killed writer")
+    assert Store.open(path).missing() == [(0, 1)]
+    generate(SPEC, path)
+    assert fingerprint(path) == fingerprint(finished)
+
+
+def test_a_killed_process_resumes_to_the_same_bytes(tmp_path):
+    spec = DataSpec(
+        parts=(Part("coated", Table2(), stacks=64, pairs=64, walks=64),), seed=1, shard=2
+    )
+    script = (
+        "import json, sys\n"
+        "from urushi.data.generate import generate\n"
+        "from urushi.data.spec import DataSpec\n"
+        "generate(DataSpec.from_dict(json.loads(sys.argv[1])), sys.argv[2])\n"
+    )
+    path = tmp_path / "killed.zarr"
+    command = [sys.executable, "-c", script, json.dumps(spec.to_dict()), str(path)]
+    process = subprocess.Popen(command)
+    deadline = time.monotonic() + 60
+    while not any(path.glob("coated/complete/c/*")) and time.monotonic() < deadline:
+        time.sleep(0.005)
+    process.send_signal(signal.SIGKILL)
+    assert process.wait() == -signal.SIGKILL
+    assert 0 < len(Store.open(path).missing()) < 32
+    generate(spec, path)
+    generate(spec, tmp_path / "whole.zarr")
+    assert fingerprint(path) == fingerprint(tmp_path / "whole.zarr")
+
+
+def test_the_hash_depends_on_specification_and_values(finished, tmp_path):
+    assert Store.open(finished).hash() == Store.open(finished).hash()
+    other = generate(dataclasses.replace(SPEC, seed=4), tmp_path / "other.zarr")
+    assert other.hash() != Store.open(finished).hash()
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"seed": 5}, r"another specification \(its seed is 3, not 5\)"),
+        ({"parts": SPEC.parts[:1]}, "its parts are coated, twice, bare, not coated"),
+        (
+            {"parts": (dataclasses.replace(SPEC.parts[0], walks=8), *SPEC.parts[1:])},
+            "its part 'coated' is described otherwise",
+        ),
+    ],
+)
+def test_another_specification_is_refused(finished, change, message):
+    with pytest.raises(FileError, match=message):
+        generate(dataclasses.replace(SPEC, **change), finished)
+
+
+def test_a_missing_store_is_named(tmp_path):
+    with pytest.raises(FileError, match="there is no data store '.*absent.zarr'; make it with"):
+        Store.open(tmp_path / "absent.zarr")
+
+
+def test_foreign_folders_and_files_are_refused_and_left_alone(tmp_path):
+    folder = tmp_path / "photos"
+    folder.mkdir()
+    (folder / "cat.jpg").write_bytes(b"meow")
+    file = tmp_path / "file"
+    file.write_text("text")
+    zarr.create_group(tmp_path / "foreign.zarr")
+    for path in (folder, file, tmp_path / "foreign.zarr"):
+        with pytest.raises(FileError, match="is no Urushi data store"):
+            generate(SPEC, path)
+    assert (folder / "cat.jpg").read_bytes() == b"meow"
+
+
+def test_a_newer_format_is_refused(tmp_path):
+    store = generate(DataSpec(parts=SPEC.parts[2:]), tmp_path / "new.zarr")
+    root = zarr.open_group(store.path)
+    root.attrs["urushi_data"] = {**root.attrs["urushi_data"], "format_version": 99}
+    with pytest.raises(FileError, match="data format 99, and this Urushi reads 1"):
+        Store.open(store.path)
+
+
+def test_a_damaged_chunk_is_reported(tmp_path):
+    store = generate(DataSpec(parts=SPEC.parts[2:]), tmp_path / "damaged.zarr")
+    chunk = store.path / "bare" / "f" / "c" / "0" / "0"
+    chunk.write_bytes(chunk.read_bytes()[:10])
+    with pytest.raises(FileError, match="cannot be used"):
+        store.read(store.spec.parts[0])
+
+
+def test_an_unwritable_place_is_reported(tmp_path):
+    (tmp_path / "file").write_text("text")
+    with pytest.raises(FileError, match="cannot create .* choose a folder that is writable"):
+        generate(SPEC, tmp_path / "file" / "store.zarr")
+
+
+def test_specifications_survive_json():
+    assert DataSpec.from_dict(json.loads(json.dumps(SPEC.to_dict()))) == SPEC
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: Part("a", Table2(), 0, 1, 1), "part 'a' has stacks = 0; give a positive integer"),
+        (lambda: Part("a", Table2(), 1, 1, 1, "sphere"), "directions = 'sphere'; choose one of"),
+        (lambda: DataSpec((SPEC.parts[0], SPEC.parts[0])), "two parts .* have the same name"),
+        (lambda: DataSpec.from_dict({"seed": 1}), "missing or unknown entry: 'parts'"),
+    ],
+)
+def test_bad_specifications_get_one_sentence(make, message):
+    with pytest.raises(ParameterError, match=message):
+        make()
