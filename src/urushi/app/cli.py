@@ -1,0 +1,84 @@
+"""The `urushi` command: reads the arguments into one command object, runs it, reports failure."""
+
+import functools
+import operator
+import sys
+from collections.abc import Sequence
+from typing import Annotated, Any
+
+import tyro
+
+from urushi import __version__
+from urushi.app.commands.data import Data
+from urushi.app.commands.demo import Demo
+from urushi.app.commands.doctor import Doctor
+from urushi.app.commands.evaluate import Evaluate
+from urushi.app.commands.materials import Encode, Layer
+from urushi.app.commands.render import Render
+from urushi.app.commands.simulate import Simulate
+from urushi.app.commands.train import Train
+from urushi.errors import UrushiError
+
+FAILURE = 2
+INTERRUPTED = 130  # 128 + SIGINT, as shells report it
+
+DESCRIPTION = """Layered materials in a neural latent space, for Mitsuba 3.
+
+Start with `urushi demo`; if something is amiss, `urushi doctor` says what. Every command
+explains itself and gives an example: `urushi render --help`.
+"""
+
+
+#: Every subcommand, and its line in the list of all.
+COMMANDS: dict[str, tuple[type, str]] = {
+    "demo": (Demo, "Render a lacquered object and its reference."),
+    "render": (Render, "Render a Mitsuba scene file."),
+    "simulate": (Simulate, "Simulate a layered material without bias."),
+    "encode": (Encode, "Encode a BRDF into a material file."),
+    "layer": (Layer, "Coat a material in the latent space."),
+    "data": (Data, "Generate training data, or look at them."),
+    "train": (Train, "Train the networks."),
+    "eval": (Evaluate, "Measure networks on held-out materials."),
+    "doctor": (Doctor, "Say what this machine has, and what is wrong."),
+}
+
+
+def _union(listing: bool) -> Any:
+    """The type that tyro reads; the list of all shows summaries, a command its own full text."""
+    members = (
+        Annotated[command, tyro.conf.subcommand(name, description=summary if listing else None)]
+        for name, (command, summary) in COMMANDS.items()
+    )
+    return functools.reduce(operator.or_, members)
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run the command that `args` (default: the process's) name; returns the exit code.
+
+    0: done; 1: `doctor` found something essential wrong; 2: a user's error, told in one sentence
+    on standard error; 130: interrupted.
+    """
+    arguments = list(sys.argv[1:] if args is None else args)
+    if arguments == ["--version"]:
+        print(__version__)
+        return 0
+    listing = arguments in ([], ["-h"], ["--help"])
+    command: Any = tyro.cli(
+        _union(listing),
+        prog="urushi",
+        description=DESCRIPTION,
+        args=arguments or ["--help"],
+        config=(tyro.conf.OmitArgPrefixes, tyro.conf.FlagCreatePairsOff),
+    )
+    try:
+        return command.run()
+    except UrushiError as error:
+        print(f"urushi: {error}", file=sys.stderr)
+        return FAILURE
+    except KeyboardInterrupt:
+        print("urushi: interrupted; nothing half-written was left behind", file=sys.stderr)
+        return INTERRUPTED
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,74 @@
+"""`urushi data`: the stores of simulated BRDF values that networks are trained on."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+from urushi.app import extras
+
+
+@dataclass(frozen=True)
+class Generate:
+    """Simulate the training data of a preset.
+
+    A run that was stopped resumes where it was, and ends in the same store.
+
+    Example: urushi data generate --preset quick -o runs/quick.zarr
+    """
+
+    output: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
+    """Store to write (.zarr)."""
+    preset: str = "quick"
+    """Training preset whose data specification is used."""
+
+    def run(self) -> int:
+        extras.require("train")
+        from urushi.data.generate import generate
+        from urushi.train import presets
+
+        store = generate(presets.get(self.preset).data, self.output)
+        print(f"{self.output}  {store.hash()}")
+        return 0
+
+
+@dataclass(frozen=True)
+class Show:
+    """Print what a store holds, and how much of it is done.
+
+    Example: urushi data show runs/quick.zarr
+    """
+
+    store: tyro.conf.Positional[Path]
+    """Store to read (.zarr)."""
+
+    def run(self) -> int:
+        extras.require("train")
+        from urushi.data.store import Store
+
+        store = Store.open(self.store)
+        total, missing = len(list(store.spec.shards())), len(store.missing())
+        print(f"{self.store}: seed {store.spec.seed}, {total - missing} of {total} shards done")
+        for part in store.spec.parts:
+            print(
+                f"  {part.name}: {part.stacks:,} stacks × {part.pairs:,} pairs × "
+                f"{part.walks:,} walks of {part.distribution}"
+            )
+        return 0
+
+
+@dataclass(frozen=True)
+class Data:
+    """Generate simulated BRDF values, or look at a store of them.
+
+    Example: urushi data generate --preset quick -o runs/quick.zarr
+    """
+
+    command: (
+        Annotated[Generate, tyro.conf.subcommand("generate")]
+        | Annotated[Show, tyro.conf.subcommand("show")]
+    )
+
+    def run(self) -> int:
+        return self.command.run()

@@ -1,0 +1,28 @@
+"""`urushi eval`: errors of trained networks on held-out stacks."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+
+@dataclass(frozen=True)
+class Evaluate:
+    """Measure networks on layered materials that they were not trained on.
+
+    Prints metric E (energy) and P (pairs) per group of stacks; see docs/conventions.md.
+
+    Example: urushi eval --weights runs/quick/weights.safetensors
+    """
+
+    weights: Path | None = None
+    """Weights file; default: the one that is shipped."""
+    output: Annotated[Path | None, tyro.conf.arg(aliases=["-o"])] = None
+    """JSON file to write the figures to."""
+
+    def run(self) -> int:
+        from urushi.eval import heldout
+
+        print(heldout.report(self.weights, self.output))
+        return 0

@@ -1,0 +1,142 @@
+"""`urushi render`: Mitsuba's own command line, with Urushi's plugins in it."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Any
+
+import tyro
+
+from urushi import backend
+from urushi.errors import FileError, ParameterError, PlatformError
+from urushi.files import atomic_write
+
+#: What Mitsuba puts into long messages so that they break well.
+ZERO_WIDTH_SPACE = "\u200b"
+SUFFIXES = (".exr", ".png", ".jpg")
+
+
+@dataclass(frozen=True)
+class Render:
+    """Render a Mitsuba scene file, Urushi's plugins included.
+
+    Flags are those of the `mitsuba` executable, which cannot see Python plugins itself.
+
+    Example: urushi render bowl.xml -m llvm_ad_rgb -D coat=neural_layered --spp 64 -o bowl.exr
+    """
+
+    scene: tyro.conf.Positional[Path]
+    """Scene file (XML)."""
+    mode: Annotated[str, tyro.conf.arg(aliases=["-m"])] = "llvm_ad_rgb"
+    """Mitsuba variant."""
+    output: Annotated[Path | None, tyro.conf.arg(aliases=["-o"])] = None
+    """Picture to write (.exr, or .png/.jpg in sRGB); default: the scene's name with .exr."""
+    sensor: Annotated[int, tyro.conf.arg(aliases=["-s"])] = 0
+    """Index of the sensor, in the scene file's order."""
+    define: Annotated[tuple[str, ...], tyro.conf.arg(aliases=["-D"]), tyro.conf.UseAppendAction] = (
+        field(default=())
+    )
+    """Give the scene file's parameter $key a value: -D key=value; may be repeated."""
+    append: Annotated[
+        tuple[Path, ...], tyro.conf.arg(aliases=["-a"]), tyro.conf.UseAppendAction
+    ] = field(default=())
+    """Also look for the scene's files in this folder; may be repeated."""
+    threads: Annotated[int | None, tyro.conf.arg(aliases=["-t"])] = None
+    """Number of threads; default: all."""
+    spp: int | None = None
+    """Samples per pixel; default: the scene's own."""
+    seed: int = 0
+    """Seed of the random numbers."""
+
+    def run(self) -> int:
+        definitions = parse_definitions(self.define)
+        set_variant(self.mode)
+        import drjit as dr
+        import mitsuba as mi
+
+        if self.threads is not None:
+            dr.set_thread_count(self.threads)
+        scene = load_scene(self.scene, definitions, self.append)
+        sensors = len(scene.sensors())
+        if not 0 <= self.sensor < sensors:
+            raise ParameterError(
+                f"--sensor is {self.sensor}, but '{self.scene}' has {sensors}, counted from 0"
+            )
+        try:
+            image = mi.render(scene, sensor=self.sensor, spp=self.spp or 0, seed=self.seed)
+        except RuntimeError as error:
+            raise PlatformError(f"cannot render '{self.scene}': {one_line(error)}") from error
+        target = self.output or self.scene.with_suffix(".exr")
+        write_picture(image, target)
+        print(target)
+        return 0
+
+
+def write_picture(image: Any, path: Path) -> None:
+    """Write a rendered image by its suffix: linear .exr, or tone-mapped .png and .jpg."""
+    import mitsuba as mi
+
+    if path.suffix.lower() not in SUFFIXES:
+        raise ParameterError(f"'{path}' has no suffix of a picture; use {', '.join(SUFFIXES)}")
+    with atomic_write(path) as temporary:
+        try:
+            mi.util.write_bitmap(str(temporary), image, write_async=False)
+        except RuntimeError as error:
+            raise FileError(f"cannot write '{path}': {one_line(error)}") from error
+
+
+def load_scene(path: Path, definitions: Mapping[str, str], folders: Sequence[Path] = ()) -> Any:
+    """Load a scene file, looking for its files in `folders` too.
+
+    Raises:
+        FileError: it is missing, or Mitsuba refuses it; the message holds Mitsuba's reason.
+    """
+    import mitsuba as mi
+
+    if not path.is_file():
+        raise FileError(f"scene file '{path}' does not exist")
+    resolver = mi.file_resolver()
+    for folder in folders:
+        resolver.append(str(folder))
+    try:
+        scene = mi.load_file(str(path), **definitions)
+    except Exception as error:  # Mitsuba raises several kinds, plugins their own
+        raise FileError(f"cannot load '{path}': {one_line(error)}") from error
+    if not isinstance(scene, mi.Scene):
+        raise FileError(f"'{path}' is no scene: its outermost element must be <scene>")
+    return scene
+
+
+def set_variant(name: str) -> None:
+    """Switch Mitsuba to a variant; PlatformError or ParameterError says why it cannot be had."""
+    import mitsuba as mi
+
+    if name not in mi.variants():
+        raise ParameterError(
+            f"Mitsuba has no variant '{name}'; choose one of {', '.join(mi.variants())}"
+        )
+    if name.startswith("llvm"):
+        backend.require_llvm()
+    try:
+        mi.set_variant(name)
+    except ImportError as error:
+        raise PlatformError(
+            f"variant '{name}' cannot run here: {one_line(error)}; `urushi doctor` says which can"
+        ) from error
+
+
+def parse_definitions(pairs: tuple[str, ...]) -> dict[str, str]:
+    """Split "key=value" pairs."""
+    definitions = {}
+    for pair in pairs:
+        key, equals, value = pair.partition("=")
+        if not (key and equals):
+            raise ParameterError(f"-D is given '{pair}'; write it as key=value")
+        definitions[key] = value
+    return definitions
+
+
+def one_line(error: BaseException) -> str:
+    """An error's message without line breaks and Mitsuba's invisible characters."""
+    text = str(error).replace(ZERO_WIDTH_SPACE, "")
+    return " ".join(text.split()).rstrip(".")

@@ -1,0 +1,73 @@
+"""Reads a description of a material written as in Python, e.g. "conductor(alpha=0.2, r0=0.9)"."""
+
+import ast
+import inspect
+from typing import Any
+
+import urushi
+from urushi.errors import ParameterError
+
+#: The functions that a description may call; they are those of the Python interface.
+MAKERS = ("coat", "conductor", "dielectric", "diffuse")
+
+
+def describe(text: str) -> Any:
+    """Build the Conductor, Dielectric, Diffuse or Stack that `text` describes.
+
+    The text is an expression of the Python interface without `urushi.`, coats nested as there:
+    "coat(conductor(alpha=0.2, r0=0.9), alpha=0.05, eta=1.5)". Only the four functions of `MAKERS`,
+    numbers and tuples of numbers may occur; nothing else is ever evaluated.
+
+    Raises:
+        ParameterError: the text is no such expression, or a parameter is unknown or out of range.
+    """
+    try:
+        tree = ast.parse(text.strip(), mode="eval")
+    except (SyntaxError, ValueError) as error:
+        raise _refuse(text, "it is not a Python expression") from error
+    return _build(tree.body, text)
+
+
+def is_description(text: str) -> bool:
+    """Whether `text` is meant as a description rather than a file name."""
+    return text.strip().startswith(tuple(f"{maker}(" for maker in MAKERS))
+
+
+def _build(node: ast.expr, text: str) -> Any:
+    if not isinstance(node, ast.Call):
+        return _number(node, text)
+    if not isinstance(node.func, ast.Name) or node.func.id not in MAKERS:
+        raise _refuse(text, f"'{ast.unparse(node.func)}' is not one of {', '.join(MAKERS)}")
+    maker = getattr(urushi, node.func.id)
+    positional = [_build(argument, text) for argument in node.args]
+    named = {str(keyword.arg): _build(keyword.value, text) for keyword in node.keywords}
+    try:
+        inspect.signature(maker).bind(*positional, **named)
+    except TypeError as error:
+        parameters = inspect.signature(maker)
+        raise _refuse(text, f"{error} in {node.func.id}{parameters_text(parameters)}") from error
+    return maker(*positional, **named)
+
+
+def parameters_text(signature: inspect.Signature) -> str:
+    """The parameters' names and defaults, without their types."""
+    bare = [p.replace(annotation=inspect.Parameter.empty) for p in signature.parameters.values()]
+    return str(inspect.Signature(bare))
+
+
+def _number(node: ast.expr, text: str) -> Any:
+    try:
+        value = ast.literal_eval(node)
+    except (ValueError, TypeError, SyntaxError) as error:
+        raise _refuse(text, f"'{ast.unparse(node)}' is neither a number nor three") from error
+    numbers = value if isinstance(value, tuple | list) else (value,)
+    if not all(isinstance(x, int | float) and not isinstance(x, bool) for x in numbers):
+        raise _refuse(text, f"'{ast.unparse(node)}' is neither a number nor three")
+    return value
+
+
+def _refuse(text: str, reason: str) -> ParameterError:
+    return ParameterError(
+        f"cannot read the description '{text}': {reason}; "
+        'write it as in Python, e.g. "coat(conductor(alpha=0.2, r0=0.9), alpha=0.05, eta=1.5)"'
+    )

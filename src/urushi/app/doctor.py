@@ -1,0 +1,190 @@
+"""What `urushi doctor` finds. Whatever may abort a process runs in another one."""
+
+import importlib.metadata
+import platform
+import re
+import subprocess
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from urushi import backend
+from urushi.app.extras import EXTRAS
+from urushi.errors import UrushiError
+
+VARIANTS = ("scalar_rgb", "llvm_ad_rgb", "llvm_ad_mono", "llvm_ad_spectral", "cuda_ad_rgb")
+_PROBE = """
+import sys
+import urushi, mitsuba as mi
+mi.set_variant(sys.argv[1])
+assert mi.Point3f(1, 2, 3).z * 2 == 6
+"""
+_TIMEOUT = 120
+_PURPOSE = {
+    "train": "for `urushi train` and `urushi data`",
+    "cluster": "for generating data on more than one machine",
+    "eval": "for the figures",
+}
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing looked at.
+
+    Attributes:
+        name: what it is.
+        found: what was found.
+        problem: what is wrong with it, and the cure; None where nothing is.
+        essential: whether Urushi works at all without it.
+    """
+
+    name: str
+    found: str
+    problem: str | None = None
+    essential: bool = False
+
+
+_NO_GPU = Finding("GPU", "no NVIDIA driver; the LLVM variants run on the CPU, the CUDA ones do not")
+
+
+def examine() -> list[Finding]:
+    """Look at everything, most basic first."""
+    gpu = _gpu()
+    return [
+        _python(),
+        _package("mitsuba", (3, 9), (3, 10)),
+        _package("drjit"),
+        _llvm(),
+        gpu,
+        *_variants(VARIANTS if gpu is not _NO_GPU else VARIANTS[:-1]),
+        *_weights(),
+        *_extras(),
+    ]
+
+
+def report(findings: Sequence[Finding]) -> str:
+    """The findings as lines, and a closing sentence."""
+    width = max(len(finding.name) for finding in findings)
+    lines = []
+    for finding in findings:
+        lines.append(f"{finding.name:<{width}}  {finding.found}")
+        if finding.problem:
+            kind = "PROBLEM" if finding.essential else "note"
+            lines.append(f"{'':<{width}}  {kind}: {finding.problem}")
+    wrong = [finding.name for finding in findings if finding.problem and finding.essential]
+    lines.append(f"\nWrong: {', '.join(wrong)}." if wrong else "\nAll that is essential is well.")
+    return "\n".join(lines)
+
+
+def _python() -> Finding:
+    found = f"{platform.python_version()} ({sys.executable})"
+    too_old = sys.version_info < (3, 11)
+    return Finding("Python", found, "3.11 or newer is needed" if too_old else None, True)
+
+
+def _package(
+    name: str, oldest: tuple[int, int] = (0, 0), below: tuple[int, int] = (99, 0)
+) -> Finding:
+    try:
+        version = importlib.metadata.version(name)
+    except importlib.metadata.PackageNotFoundError:
+        return Finding(name, "missing", f"install it (pip install {name})", True)
+    numbers = re.match(r"(\d+)\.(\d+)", version)
+    fits = numbers is None or oldest <= (int(numbers[1]), int(numbers[2])) < below
+    wanted = f">={'.'.join(map(str, oldest))},<{'.'.join(map(str, below))}"
+    cure = f"this version does not fit; install another (pip install '{name}{wanted}')"
+    return Finding(name, version, None if fits else cure, True)
+
+
+def _llvm() -> Finding:
+    status = backend.llvm_status()
+    if status.ok:
+        return Finding("LLVM", f"{status.version} ({status.path})", None, True)
+    found = "missing" if status.path is None else f"{status.version or '?'} ({status.path})"
+    return Finding("LLVM", found, status.message, True)
+
+
+def _variants(names: Sequence[str]) -> list[Finding]:
+    """Start every variant in a process of its own, all at the same time."""
+    processes = [
+        subprocess.Popen(
+            [sys.executable, "-c", _PROBE, name],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        for name in names
+    ]
+    findings = []
+    for name, process in zip(names, processes, strict=True):
+        try:
+            _, message = process.communicate(timeout=_TIMEOUT)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.communicate()
+            message = f"no answer in {_TIMEOUT} seconds"
+        essential = name == "llvm_ad_rgb"
+        if process.returncode == 0:
+            findings.append(Finding(f"variant {name}", "usable", None, essential))
+        else:
+            reason = (message.strip().splitlines() or [f"exit code {process.returncode}"])[-1]
+            findings.append(Finding(f"variant {name}", "not usable", reason, essential))
+    return findings
+
+
+def _gpu() -> Finding:
+    try:
+        run = subprocess.run(
+            ["nvidia-smi", "--query-gpu=name,driver_version", "--format=csv,noheader"],
+            capture_output=True,
+            text=True,
+            timeout=30,
+        )
+    except (OSError, subprocess.TimeoutExpired):
+        return _NO_GPU
+    if run.returncode != 0 or not run.stdout.strip():
+        reason = " ".join((run.stderr or run.stdout).split()) or "nvidia-smi found none"
+        return Finding("GPU", "not usable", reason)
+    return Finding("GPU", "; ".join(run.stdout.strip().splitlines()))
+
+
+def _weights() -> list[Finding]:
+    from urushi.nets import default, weights
+
+    folder = default.default_path().parent
+    files = sorted(folder.glob("*.safetensors"))
+    if not files:
+        return [Finding("weights", "missing", f"'{folder}' has none; install urushi again", True)]
+    findings = []
+    for file in files:
+        name = f"weights {file.stem}"
+        try:
+            model = weights.load(file)
+        except UrushiError as error:
+            findings.append(Finding(name, "not usable", str(error), True))
+            continue
+        header = model.header
+        details = [f"fingerprint {model.fingerprint}"]
+        details += [f"{key} {header[key]}" for key in ("preset", "date") if header.get(key)]
+        findings.append(Finding(name, ", ".join(details), None, True))
+    return findings
+
+
+def _extras() -> list[Finding]:
+    """The optional packages, by what they are for."""
+    findings = []
+    for extra, packages in EXTRAS.items():
+        versions = {name: _version(name) for name in packages}
+        found = ", ".join(f"{name} {version or 'missing'}" for name, version in versions.items())
+        problem = f"{_PURPOSE[extra]}: pip install 'urushi[{extra}]'"
+        findings.append(
+            Finding(f"extra {extra}", found, None if all(versions.values()) else problem)
+        )
+    return findings
+
+
+def _version(package: str) -> str | None:
+    try:
+        return importlib.metadata.version(package)
+    except importlib.metadata.PackageNotFoundError:
+        return None
