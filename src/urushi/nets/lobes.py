@@ -38,7 +38,8 @@ def reflection_pdf(alpha: Any, wi: Any, wo: Any) -> Any:
     total = _scaled_ggx(alpha2, across, up) + xp.where(
         down > 0.0, _scaled_ggx(alpha2, across, down), 0.0
     )
-    return total * (alpha2 / (2.0 * math.pi)) / (cos_i + _root(alpha2, cos_i))
+    below = xp.maximum(cos_i, 0.0) + _root(alpha2, cos_i)  # positive even for a masked direction
+    return total * (alpha2 / (2.0 * math.pi)) / below
 
 
 def _scaled_ggx(alpha2: Any, across: Any, z: Any) -> Any:

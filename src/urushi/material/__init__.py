@@ -1,0 +1,8 @@
+"""Materials as latent codes: encode a BRDF, coat it, blend it, evaluate and sample it in NumPy."""
+
+from urushi.material.encode import encode, register_adapter
+from urushi.material.layer import layer
+from urushi.material.lerp import lerp
+from urushi.material.material import Material, load
+
+__all__ = ["Material", "encode", "layer", "lerp", "load", "register_adapter"]

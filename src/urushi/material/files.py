@@ -1,0 +1,48 @@
+"""The file of a material: its latent codes and the fingerprint of the networks they belong to."""
+
+import os
+
+import numpy as np
+
+from urushi.errors import FileError
+from urushi.nets import tensorfile
+from urushi.nets.weights import Model
+
+FORMAT_VERSION = 1
+
+
+def write(path: str | os.PathLike, latents: np.ndarray, fingerprint: str) -> None:
+    """Write codes (C, 32) that belong to the networks of `fingerprint`.
+
+    Raises:
+        FileError: the file cannot be written.
+    """
+    description = {"version": FORMAT_VERSION, "weights": fingerprint}
+    tensorfile.write(path, "material", description, {"latents": latents})
+
+
+def read(path: str | os.PathLike, model: Model) -> np.ndarray:
+    """Return the codes (C, 32) of a file, made with just these networks.
+
+    Raises:
+        FileError: missing, truncated, foreign, damaged, or made with other networks.
+    """
+    description, arrays = tensorfile.read(path, "material")
+    if description.get("version") != FORMAT_VERSION:
+        raise FileError(
+            f"'{path}' has version {description.get('version')!r} of the material format, "
+            f"this Urushi reads version {FORMAT_VERSION}; install the Urushi that wrote it"
+        )
+    if description.get("weights") != model.fingerprint:
+        raise FileError(
+            f"'{path}' and the weights do not belong together: it was encoded with weights "
+            f"{description.get('weights')}, these are {model.fingerprint}; load those weights or "
+            "encode the material again"
+        )
+    latents = arrays.get("latents")
+    width = model.arch.latent
+    if latents is None or latents.ndim != 2 or not len(latents) or latents.shape[1] != width:
+        raise FileError(f"the material file '{path}' is damaged: it has no latents (C, {width})")
+    if latents.dtype != np.float32 or not np.isfinite(latents).all():
+        raise FileError(f"the material file '{path}' is damaged: a latent is not finite float32")
+    return latents

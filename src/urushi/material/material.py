@@ -1,0 +1,194 @@
+"""A material: one latent code per channel, and the networks that give it meaning."""
+
+import os
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from urushi import checks
+from urushi.errors import ParameterError
+from urushi.material import files
+from urushi.material.chunks import ROWS, in_chunks
+from urushi.material.quadrature import half_vector_rule
+from urushi.nets import lobes
+from urushi.nets.decoder import decode
+from urushi.nets.default import default_model
+from urushi.nets.features import direction_features
+from urushi.nets.sampler import lobes as proposal
+from urushi.nets.weights import Model
+
+
+@dataclass(frozen=True, eq=False)
+class Material:
+    """An isotropic BRDF as latent codes. Make it with `encode`, `layer`, `lerp` or `load`.
+
+    Attributes:
+        latents: read-only float32 (C, 32), one code per channel (C = 3 for RGB, 1 for grey).
+        model: the networks. Materials equal each other if codes and networks do.
+    """
+
+    latents: np.ndarray
+    model: Model
+
+    def __post_init__(self) -> None:
+        latents = np.array(self.latents, dtype=np.float32)  # a copy
+        width = self.model.arch.latent
+        if latents.ndim != 2 or not len(latents) or latents.shape[1] != width:
+            raise ParameterError(
+                f"a material's latents have shape {latents.shape}; give (channels, {width})"
+            )
+        if not np.isfinite(latents).all():
+            raise ParameterError("a material's latents hold a number that is not finite")
+        latents.flags.writeable = False
+        object.__setattr__(self, "latents", latents)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Material):
+            return NotImplemented
+        return self.model.fingerprint == other.model.fingerprint and np.array_equal(
+            self.latents, other.latents
+        )
+
+    def __hash__(self) -> int:
+        return hash((self.model.fingerprint, self.latents.tobytes()))
+
+    def __repr__(self) -> str:
+        return f"Material({self.channels} channels, weights {self.model.fingerprint})"
+
+    @property
+    def channels(self) -> int:
+        """The number of channels, C."""
+        return len(self.latents)
+
+    def f(self, wi: npt.ArrayLike, wo: npt.ArrayLike) -> np.ndarray:
+        """Evaluate the BRDF.
+
+        Args:
+            wi, wo: (N, 3) unit vectors pointing away from the surface; z is the normal.
+
+        Returns:
+            float32 (N, C) [1/sr], without cosine: positive, the same bits with wi and wo
+            exchanged, and zero where either direction is below the horizon.
+
+        Raises:
+            ParameterError: wrong shapes, or directions that are not unit vectors.
+        """
+        wi, wo = checks.directions(wi, wo)
+        return in_chunks(self._f, wi, wo, rows=max(ROWS // self.channels, 1))
+
+    def _f(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        features = direction_features(wi, wo)[:, None, :]
+        value = decode(self.model.params, self.model.arch, self.latents[None], features)
+        return np.where(_above(wi, wo)[:, None], value, np.float32(0.0))
+
+    def pdf(self, wi: npt.ArrayLike, wo: npt.ArrayLike) -> np.ndarray:
+        """Return the density of `sample` at wo given wi: float32 (N,) [1/sr].
+
+        wi, wo: (N, 3) unit vectors. It integrates to one over wo's hemisphere and is zero where
+        either direction is below the horizon. All channels share one proposal, of the mean code.
+
+        Raises:
+            ParameterError: wrong shapes, or directions that are not unit vectors.
+        """
+        wi, wo = checks.directions(wi, wo)
+        return in_chunks(self._pdf, wi, wo)
+
+    def _pdf(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        return lobes.pdf(*self._proposal(wi), wi, wo)
+
+    def sample(self, wi: npt.ArrayLike, u: npt.ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+        """Draw directions wo, about in proportion to f times wo's cosine.
+
+        Args:
+            wi: (N, 3) unit vectors.
+            u: (N, 3) uniform random numbers in [0, 1).
+
+        Returns:
+            (wo, pdf): float32 (N, 3) and (N,); where wi is below the horizon, the normal and 0.
+
+        Raises:
+            ParameterError: wrong shapes, directions that are not unit vectors, u out of range.
+        """
+        wi = checks.direction(wi, "wi")
+        u = _uniform(u, len(wi))
+        rows = in_chunks(self._sample, wi, u)
+        return np.ascontiguousarray(rows[:, :3]), np.ascontiguousarray(rows[:, 3])
+
+    def _sample(self, wi: np.ndarray, u: np.ndarray) -> np.ndarray:
+        above = wi[:, 2] > 0.0
+        normal = np.array([0.0, 0.0, 1.0], np.float32)
+        raised = np.where(above[:, None], wi, normal)
+        weights, alphas = self._proposal(raised)
+        wo = lobes.sample(weights, alphas, raised, u)
+        pdf = lobes.pdf(weights, alphas, raised, wo)
+        wo, pdf = np.where(above[:, None], wo, normal), np.where(above, pdf, np.float32(0.0))
+        return np.concatenate([wo, pdf[:, None]], axis=1)
+
+    def _proposal(self, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        mean = self.latents.mean(axis=0)
+        return proposal(self.model.params, self.model.arch, mean[None], wi[:, 2])
+
+    def albedo(self, wi: npt.ArrayLike) -> np.ndarray:
+        """Integrate f times wo's cosine over the hemisphere: the directional albedo.
+
+        wi: (N, 3) unit vectors. Returns float32 (N, C), zero where wi is below the horizon. By a
+        fixed quadrature of 1536 directions per wi, good to about 0.001.
+
+        Raises:
+            ParameterError: wrong shape, or directions that are not unit vectors.
+        """
+        return in_chunks(self._albedo, checks.direction(wi, "wi"), rows=16)
+
+    def _albedo(self, wi: np.ndarray) -> np.ndarray:
+        result = np.zeros((len(wi), self.channels), np.float32)
+        above = wi[:, 2] > 0.0
+        if not above.any():
+            return result
+        wo, weights = half_vector_rule(wi[above])
+        count, nodes = weights.shape
+        pairs = np.repeat(wi[above], nodes, axis=0), wo.reshape(-1, 3).astype(np.float32)
+        f = in_chunks(self._f, *pairs, rows=max(ROWS // self.channels, 1))
+        f_cos = f.reshape(count, nodes, -1) * wo[..., 2, None]
+        result[above] = np.sum(f_cos * weights[..., None], axis=1)
+        return result
+
+    def save(self, path: str | os.PathLike) -> None:
+        """Write the material to a safetensors file; `urushi.load` reads it.
+
+        The file holds the codes and the fingerprint of the networks, not the networks.
+
+        Raises:
+            FileError: the file cannot be written.
+        """
+        files.write(path, self.latents, self.model.fingerprint)
+
+
+def load(path: str | os.PathLike, model: Model | None = None) -> Material:
+    """Read a material that `Material.save` wrote.
+
+    model: the networks it was made with; by default those that Urushi ships.
+
+    Raises:
+        FileError: missing, truncated, foreign, damaged, or made with other networks.
+    """
+    model = model or default_model()
+    return Material(files.read(path, model), model)
+
+
+def _above(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+    return (wi[:, 2] > 0.0) & (wo[:, 2] > 0.0)
+
+
+def _uniform(u: npt.ArrayLike, count: int) -> np.ndarray:
+    try:
+        array = np.asarray(u, dtype=np.float32)
+    except (TypeError, ValueError) as error:
+        raise ParameterError("u must be an (N, 3) array of numbers in [0, 1)") from error
+    if array.shape != (count, 3):
+        raise ParameterError(
+            f"u has shape {array.shape}; give three numbers per direction, shape ({count}, 3)"
+        )
+    if not ((array >= 0.0) & (array <= 1.0)).all():
+        raise ParameterError("u holds a number outside [0, 1); give uniform random numbers")
+    return np.minimum(array, np.float32(1.0 - 2.0**-24))  # float64 numbers may round up to 1

@@ -1,0 +1,79 @@
+"""Latent textures: codes (..., 32) of many texels at once, in bounded memory.
+
+A latent texture is a float32 array (H, W, C, 32); filtering and mip maps are linear in it. The
+functions take any leading shape.
+"""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from urushi import checks
+from urushi.errors import ParameterError
+from urushi.material.chunks import in_chunks
+from urushi.nets import encoder, layerer
+from urushi.nets.features import coat_features
+from urushi.nets.weights import Model
+
+
+def encode_texels(model: Model, f: np.ndarray) -> np.ndarray:
+    """Return codes float32 (..., 32) from f (..., probes) [1/sr] at the model's probe pairs."""
+    values = np.asarray(f, np.float32)
+    probes = model.arch.probes
+    if not values.ndim or values.shape[-1] != probes:
+        raise ParameterError(f"f has shape {values.shape}; these networks need (..., {probes})")
+    codes = in_chunks(
+        lambda rows: encoder.encode(model.params, model.arch, rows), values.reshape(-1, probes)
+    )
+    return codes.reshape(*values.shape[:-1], model.arch.latent)
+
+
+def layer_texels(
+    model: Model,
+    z_bottom: np.ndarray,
+    *,
+    alpha: npt.ArrayLike,
+    eta: npt.ArrayLike,
+    albedo: npt.ArrayLike,
+    sigma_t: npt.ArrayLike,
+    g: npt.ArrayLike,
+) -> np.ndarray:
+    """Coat many texels by the layering network.
+
+    Args:
+        model: the networks.
+        z_bottom: codes (..., 32) of the bottoms.
+        alpha, eta: of the coat's interface; albedo, sigma_t, g: of the medium below it. Arrays
+            that broadcast against each other and against z_bottom's leading shape, e.g. (H, W, 3).
+
+    Returns:
+        float32 (..., 32), of the shape that all of them broadcast to.
+
+    Raises:
+        ParameterError: a parameter is out of range, or the shapes do not broadcast.
+    """
+    parameters = {
+        name: getattr(checks, name)(value, f"the coat's {name}", any_shape=True)
+        for name, value in (
+            ("alpha", alpha), ("eta", eta), ("albedo", albedo), ("sigma_t", sigma_t), ("g", g)
+        )
+    }  # fmt: skip
+    z = np.asarray(z_bottom, np.float32)
+    try:
+        shape = np.broadcast_shapes(z.shape[:-1], *(p.shape for p in parameters.values()))
+    except ValueError as error:
+        shapes = ", ".join(f"{name} {p.shape}" for name, p in parameters.items())
+        raise ParameterError(
+            f"the coat's parameters ({shapes}) do not fit the bottom's {z.shape[:-1]}; "
+            "give scalars or arrays of the same shape"
+        ) from error
+    texels = math.prod(shape)
+    columns = [
+        np.broadcast_to(p.astype(np.float32), shape).reshape(texels) for p in parameters.values()
+    ]
+    rows = np.broadcast_to(z, (*shape, z.shape[-1])).reshape(texels, z.shape[-1])
+    coated = in_chunks(
+        lambda z, *p: layerer.layer(model.params, model.arch, z, coat_features(*p)), rows, *columns
+    )
+    return coated.reshape(*shape, z.shape[-1])
