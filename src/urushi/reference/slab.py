@@ -1,0 +1,87 @@
+"""Closed forms of a smooth dielectric slab that absorbs, over a mirror or a Lambertian.
+
+The limit of the layered model for alpha -> 0 without scattering, in NumPy float64 and sharing no
+code with the random walk. Monochrome; all cosines are those in air, in (0, 1].
+"""
+
+import numpy as np
+import numpy.typing as npt
+
+
+def interface_reflectance(cos: npt.ArrayLike, eta: float) -> np.ndarray:
+    """Unpolarised Fresnel reflectance from air, the same from inside at the refracted angle."""
+    cos = np.asarray(cos, np.float64)
+    cos_t = refracted(cos, eta)
+    parallel = (eta * cos - cos_t) / (eta * cos + cos_t)
+    perpendicular = (cos - eta * cos_t) / (cos + eta * cos_t)
+    return (parallel**2 + perpendicular**2) / 2
+
+
+def refracted(cos: npt.ArrayLike, eta: float) -> np.ndarray:
+    """Cosine inside a slab of index eta, by Snell's law."""
+    return np.sqrt(1 - (1 - np.asarray(cos, np.float64) ** 2) / eta**2)
+
+
+def mirror_albedo(cos: npt.ArrayLike, eta: float, sigma_t: float, r0: float) -> np.ndarray:
+    """Directional albedo of an absorbing slab over a smooth conductor (Airy's sum, incoherent).
+
+    Args:
+        cos: incident cosines, any shape.
+        eta: index of the slab, > 1.
+        sigma_t: its optical depth, albedo 0.
+        r0: the conductor's reflectance at normal incidence; Schlick's law at the angle inside.
+    """
+    surface = interface_reflectance(cos, eta)
+    inside = refracted(cos, eta)
+    round_trip = (r0 + (1 - r0) * (1 - inside) ** 5) * np.exp(-2 * sigma_t / inside)
+    return surface + (1 - surface) ** 2 * round_trip / (1 - surface * round_trip)
+
+
+def internal_return(eta: float, sigma_t: float = 0.0) -> float:
+    """Fraction of Lambertian light that a slab returns to the bottom it came from.
+
+    The integral of 2 mu F(mu) exp(-2 sigma_t / mu) over the cosine mu inside: light goes up through
+    the medium, is reflected by the surface and comes down again. Without absorption this is the
+    diffuse internal reflectance (Walsh 1926).
+    """
+    x, w = np.polynomial.legendre.leggauss(96)
+    x, w = (x + 1) / 2, w / 2
+    critical = np.sqrt(1 - 1 / eta**2)
+    total = critical * x  # beyond the critical angle
+    trapped = critical * (w * 2 * total * np.exp(-2 * sigma_t / total)).sum()
+    # Below it, the cosine in air as variable removes the root that F has at the critical angle:
+    # mu dmu = cos dcos / eta^2.
+    mu = refracted(x, eta)
+    weak = (w * 2 * x * interface_reflectance(x, eta) * np.exp(-2 * sigma_t / mu)).sum() / eta**2
+    return float(trapped + weak)
+
+
+def lambertian_f(
+    cos_i: npt.ArrayLike, cos_o: npt.ArrayLike, eta: float, sigma_t: float, reflectance: float
+) -> np.ndarray:
+    """BRDF [1/sr] of an absorbing slab over a Lambertian, without the mirror reflection on top.
+
+    f = (rho / pi) T(wi) T(wo) exp(-sigma_t / mu_i - sigma_t / mu_o) / (eta^2 (1 - rho K)), with
+    K the `internal_return`: for sigma_t = 0 the formula of Wolff 1994, after Saunderson 1942.
+
+    Args:
+        cos_i, cos_o: cosines of the directions, broadcast together.
+        eta, sigma_t: as for `mirror_albedo`.
+        reflectance: of the Lambertian, in [0, 1].
+    """
+    result = np.ones(())
+    for cos in (cos_i, cos_o):
+        pass_in = 1 - interface_reflectance(cos, eta)
+        result = result * pass_in * np.exp(-sigma_t / refracted(cos, eta))
+    series = 1 - reflectance * internal_return(eta, sigma_t)
+    return reflectance / (np.pi * eta**2) * result / series
+
+
+def lambertian_albedo(
+    cos: npt.ArrayLike, eta: float, sigma_t: float, reflectance: float
+) -> np.ndarray:
+    """Directional albedo of the same, mirror reflection included; `cos` of any shape."""
+    x, w = np.polynomial.legendre.leggauss(96)
+    cos_o, weight = (x + 1) / 2, w / 2
+    f = lambertian_f(np.asarray(cos)[..., None], cos_o, eta, sigma_t, reflectance)
+    return interface_reflectance(cos, eta) + (f * 2 * np.pi * cos_o * weight).sum(-1)
