@@ -4,8 +4,8 @@ One walk estimates the BRDF f(wi, wo) [1/sr] without the reflection of the topmo
 is analytic. It starts refracted at the top from wi and is unbounded in depth. Two techniques reach
 wo, combined by the power heuristic over the direction with which light rises to the top interface:
 
-- A, next-event estimation: a direction is drawn once by refracting *wo* into the stack, and every
-  vertex in the first medium or on its lower boundary connects along it;
+- A, next-event estimation: every vertex connects along a path drawn once, by refracting *wo*
+  down through the interfaces (see `urushi.reference.escape`);
 - B: a direction drawn by a vertex's own scattering reaches the top, where the interface's BTDF
   towards wo is evaluated.
 
@@ -23,6 +23,7 @@ from urushi.physics import phase
 from urushi.physics.frame import from_cosine
 from urushi.reference import channels, interface
 from urushi.reference.bottoms import Bottom
+from urushi.reference.escape import Escape, Escapes
 from urushi.reference.interface import flip
 
 #: Walks whose throughput falls below this continue with probability throughput / threshold.
@@ -41,23 +42,6 @@ class Layers(Protocol):
         """(albedo, sigma_t, g) of the medium under that interface, floats or colours."""
 
 
-class Escape(NamedTuple):
-    """Technique A's direction: how light rises through the top interface towards wo."""
-
-    direction: Any  # propagation direction inside, z > 0
-    weight: Any  # BTDF towards wo / pdf, times the direction's cosine; 0 if sampling failed
-    pdf: Any  # density [1/sr] of the direction
-    alpha: Any
-    eta: Any
-    wo: Any
-
-    def btdf(self, w: Any) -> tuple[Any, Any]:
-        """BTDF [1/sr] of the top interface from propagation direction w to wo, and A's density."""
-        f_inward, pdf = interface.transmission(self.wo, -w, self.alpha, self.eta)
-        # Flux-convention BTDFs of the two directions differ by the squared index.
-        return f_inward / (self.eta * self.eta), pdf
-
-
 class Event(NamedTuple):
     """What happens at a vertex: its contribution to wo, and the direction the walk goes on in."""
 
@@ -65,6 +49,7 @@ class Event(NamedTuple):
     direction: Any
     throughput: Any
     pdf: Any  # density [1/sr] of the direction
+    rival: Any  # sum of squared ratios of the ways that connect earlier, below this vertex
 
 
 def estimate(
@@ -87,7 +72,7 @@ def estimate(
     w, weight = interface.sample_transmission(
         wi, alpha, eta, rng.next_float32(), rng.next_float32()
     )
-    escape = sample_escape(wo, alpha, eta, rng)
+    escapes = Escapes(layers, wo, rng)
 
     state = {
         "active": active & (weight > 0) & (wi.z > 0) & (wo.z > 0),
@@ -97,13 +82,14 @@ def estimate(
         "throughput": color(weight),
         "spectral": color(1),  # all channels' densities relative to the hero's
         "pdf": scalar(0),  # density with which the last vertex drew w
+        "rival": scalar(0),  # see Event
         "result": color(0),
         "rng": rng,
     }
 
     def body(*values: Any) -> tuple[Any, ...]:
         s = dict(zip(state, values, strict=True))
-        advance(s, layers, bottom, escape, hero)
+        advance(s, layers, bottom, escapes, hero)
         return tuple(s.values())
 
     values = dr.while_loop(
@@ -122,55 +108,28 @@ def top_reflection(layers: Layers, wi: Any, wo: Any) -> Any:
     return interface.reflection(wi, wo, alpha, eta)
 
 
-def sample_escape(wo: Any, alpha: Any, eta: Any, rng: Any) -> Escape:
-    """Refract wo into the stack and turn the direction round."""
-    inside, weight = interface.sample_transmission(
-        wo, alpha, eta, rng.next_float32(), rng.next_float32()
-    )
-    # A failed sample keeps a harmless direction, so that nothing divides by its cosine.
-    inside = dr.select(weight > 0, inside, type(wo)(0, 0, -1))
-    _, pdf = interface.transmission(wo, inside, alpha, eta)
-    # `weight` is (1 - F) G1 for light going in; the way out has the same factors and loses eta^2,
-    # because a cone of light widens there.
-    return Escape(-inside, weight / (eta * eta), pdf, alpha, eta, wo)
-
-
-def power_heuristic(contribution: Any, pdf_own: Any, pdf_other: Any) -> Any:
-    """Weight a contribution of one technique against the other's density of the same direction."""
-    ratio = pdf_other / pdf_own
-    return dr.select(pdf_own > 0, contribution / (1 + ratio * ratio), 0)
-
-
-def advance(s: dict[str, Any], layers: Layers, bottom: Bottom, escape: Escape, hero: Any) -> None:
+def advance(s: dict[str, Any], layers: Layers, bottom: Bottom, escapes: Escapes, hero: Any) -> None:
     """One step of the walk: fly to the next vertex, connect to wo, scatter, play roulette."""
     rng, color = s["rng"], type(s["throughput"])
     active = dr.mask_t(s["depth"])(s["active"])
     down = s["w"].z < 0
     medium = layers.medium(s["layer"])
+    escape = escapes.at(s["layer"])
     in_medium = fly(s, medium[1], hero) & active
     visible = transmittance(medium[1], s["depth"], escape)
     u = rng.next_float32(), rng.next_float32(), rng.next_float32()
 
     at_boundary = active & ~in_medium
-    in_first = s["layer"] == 0
-    at_top = at_boundary & ~down & in_first
+    at_top = at_boundary & ~down & (s["layer"] == 0)
     at_bottom = at_boundary & down & (s["layer"] == layers.count - 1)
     inside = medium_event(s, medium, visible, escape, hero, u)
-    top = top_event(s, escape, u)
+    top = top_event(s, escapes, u)
     low = bottom_event(s, bottom, visible, escape, u)
-
-    seen = color(0)
-    seen += dr.select(in_medium & in_first, inside.contribution, 0)
-    seen += dr.select(at_bottom & in_first, low.contribution, 0)
-    seen += dr.select(at_top, top.contribution, 0)
     chosen = select_event(in_medium, inside, select_event(at_top, top, low))
     if layers.count > 1:
         inner = at_boundary & ~at_top & ~at_bottom
-        crossing = inner_event(s, layers, escape, down, u)
+        chosen = select_event(inner, inner_event(s, layers, escapes, down, u), chosen)
         below = dr.select(down, s["layer"] + 1, s["layer"])
-        # Both sides of the first medium's lower boundary see the top interface.
-        seen += dr.select(inner & (below == 1), crossing.contribution, 0)
-        chosen = select_event(inner, crossing, chosen)
         rising = chosen.direction.z > 0
         s["layer"] = dr.select(inner, dr.select(rising, below - 1, below), s["layer"])
         s["depth"] = dr.select(inner, dr.select(rising, 1, 0), s["depth"])
@@ -180,8 +139,8 @@ def advance(s: dict[str, Any], layers: Layers, bottom: Bottom, escape: Escape, h
         ratio = channels.phase_ratio(cos_theta, medium[2], hero)
         s["spectral"] *= dr.select(in_medium, ratio, 1)
     mean = channels.mean(s["spectral"], hero)
-    s["result"] += dr.select(active, seen / mean, 0)
-    s["w"], s["pdf"] = chosen.direction, chosen.pdf
+    s["result"] += dr.select(active, color(chosen.contribution) / mean, 0)
+    s["w"], s["pdf"], s["rival"] = chosen.direction, chosen.pdf, chosen.rival
     survival = dr.minimum(
         channels.strongest(chosen.throughput, hero) / (mean * ROULETTE_THRESHOLD), 1
     )
@@ -209,8 +168,8 @@ def transmittance(sigma_t: Any, depth: Any, escape: Escape) -> Any:
 
 
 def select_event(mask: Any, a: Event, b: Event) -> Event:
-    """Per lane, how the walk goes on; contributions are summed apart and dropped here."""
-    return Event(None, *(dr.select(mask, x, y) for x, y in zip(a[1:], b[1:], strict=True)))
+    """Per lane, event `a` where the mask is set and `b` elsewhere."""
+    return Event(*(dr.select(mask, x, y) for x, y in zip(a, b, strict=True)))
 
 
 def medium_event(
@@ -223,44 +182,54 @@ def medium_event(
     cos_escape = dr.dot(s["w"], escape.direction)
     connected = throughput * phase.hg(cos_escape, g) * visible
     connected *= escape.weight / escape.direction.z
-    contribution = power_heuristic(connected, escape.pdf, phase.hg(cos_escape, g_hero))
+    contribution = connected * escape.mis(phase.hg(cos_escape, g_hero))
     cos_theta = phase.sample_hg_cosine(g_hero, u[1])
     direction = from_cosine(s["w"], cos_theta, 2 * dr.pi * u[2])
     throughput *= channels.phase_ratio(cos_theta, g, hero)
-    return Event(contribution, direction, throughput, phase.hg(cos_theta, g_hero))
+    pdf = phase.hg(cos_theta, g_hero)
+    return Event(contribution, direction, throughput, pdf, type(pdf)(0))
 
 
-def top_event(s: dict[str, Any], escape: Escape, u: Any) -> Event:
+def top_event(s: dict[str, Any], escapes: Escapes, u: Any) -> Event:
     """The topmost interface from below: technique B's exit, then forced internal reflection."""
-    f, pdf_escape = escape.btdf(s["w"])
-    contribution = power_heuristic(s["throughput"] * f, s["pdf"], pdf_escape)
-    direction, weight = interface.sample_reflection(
-        flip(-s["w"]), escape.alpha, 1 / escape.eta, u[1], u[2]
-    )
-    # From below, no vertex is connected upwards before the next one: its density is never asked.
-    return Event(contribution, flip(direction), s["throughput"] * weight, type(weight)(0))
+    f, pdf_escape = escapes.through_top(s["w"])
+    ratio = pdf_escape / s["pdf"]
+    mis = dr.select(s["pdf"] > 0, 1 / (1 + ratio * ratio * (1 + s["rival"])), 0)
+    direction, weight = escapes.reflect_at_top(s["w"], u[1], u[2])
+    # No vertex is connected upwards before the next one: this density is never asked for.
+    zero = type(weight)(0)
+    return Event(s["throughput"] * f * mis, direction, s["throughput"] * weight, zero, zero)
 
 
 def bottom_event(s: dict[str, Any], bottom: Bottom, visible: Any, escape: Escape, u: Any) -> Event:
     """Reflection by the bottom BRDF."""
     f, pdf = bottom.f_pdf(-s["w"], escape.direction)
-    connected = s["throughput"] * f * visible * escape.weight
-    contribution = power_heuristic(connected, escape.pdf, pdf)
+    contribution = s["throughput"] * f * visible * escape.weight * escape.mis(pdf)
     direction, weight, pdf = bottom.sample(-s["w"], *u)
-    return Event(contribution, direction, s["throughput"] * weight, pdf)
+    return Event(contribution, direction, s["throughput"] * weight, pdf, type(pdf)(0))
 
 
-def inner_event(s: dict[str, Any], layers: Layers, escape: Escape, down: Any, u: Any) -> Event:
-    """An interface between two media of the stack, from either side."""
-    index = dr.minimum(dr.select(down, s["layer"] + 1, s["layer"]), layers.count - 1)
-    alpha, eta = layers.interface(index)
-    eta = dr.select(down, eta, 1 / eta)
+def inner_event(s: dict[str, Any], layers: Layers, escapes: Escapes, down: Any, u: Any) -> Event:
+    """An interface between two media of the stack, from either side; its chain is that above it."""
+    index = dr.clip(dr.select(down, s["layer"] + 1, s["layer"]), 1, layers.count - 1)
+    above = index - 1
+    alpha, eta_below = layers.interface(index)
+    eta = dr.select(down, eta_below, 1 / eta_below)
     incident = dr.select(down, -s["w"], flip(-s["w"]))
+
+    def rival_of(outside: Any) -> Any:
+        """The ways that connect below, for a walk that rises through here along `outside`."""
+        _, pdf_escape = interface.transmission(outside, -s["w"], alpha, eta_below)
+        ratio = pdf_escape / s["pdf"]
+        return dr.select(down | (s["pdf"] <= 0), 0, ratio * ratio * (1 + s["rival"]))
+
+    escape = escapes.at(above)
     outgoing = dr.select(down, escape.direction, flip(escape.direction))
     f, pdf = interface.scatter(incident, outgoing, alpha, eta)
-    _, sigma_first, _ = layers.medium(type(s["layer"])(0))
-    connected = s["throughput"] * f * transmittance(sigma_first, 1, escape) * escape.weight
-    contribution = power_heuristic(connected, escape.pdf, pdf)
+    _, sigma_t, _ = layers.medium(above)
+    connected = s["throughput"] * f * transmittance(sigma_t, 1, escape) * escape.weight
+    contribution = connected * escape.mis(pdf, rival_of(escape.direction))
     direction, weight, pdf = interface.sample(incident, alpha, eta, *u)
     direction = dr.select(down, direction, flip(direction))
-    return Event(contribution, direction, s["throughput"] * weight, pdf)
+    rival = dr.select(direction.z > 0, rival_of(direction), 0)
+    return Event(contribution, direction, s["throughput"] * weight, pdf, rival)
