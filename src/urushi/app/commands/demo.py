@@ -18,9 +18,21 @@ class Demo:
 
     output: Annotated[Path, tyro.conf.arg(aliases=["-o"])] = Path("out/demo")
     """Folder to write to."""
+    mode: Annotated[str, tyro.conf.arg(aliases=["-m"])] = "llvm_ad_rgb"
+    """Mitsuba variant."""
+    size: int = 400
+    """Pixels across each picture."""
+    spp: int = 128
+    """Samples per pixel of each picture, a multiple of 16."""
 
     def run(self) -> int:
+        from urushi.app.commands.render import set_variant
         from urushi.app.demo import run
 
-        run.run(self.output)
+        set_variant(self.mode)
+        figures = run.run(self.output, size=self.size, spp=self.spp, variant=self.mode)
+        width = max(map(len, figures))
+        for name, value in figures.items():
+            print(f"{name:<{width}}  {value:.4g}")
+        print(self.output / "comparison.png")
         return 0

@@ -1,0 +1,92 @@
+"""Every range check accepts its whole range, ends included or not, and names what is wrong."""
+
+import numpy as np
+import pytest
+
+from urushi import checks
+from urushi.errors import ParameterError, UrushiError
+
+TINY = 1e-9
+RANGES = [
+    # check, accepted, refused
+    (checks.alpha, [0.01, 0.5, 1], [0.01 - TINY, 0, -0.1, 1 + TINY]),
+    (checks.eta, [1 + TINY, 1.5, 3], [1, 0.9, 3 + TINY, -1.5]),
+    (checks.albedo, [0, 0.5, 1], [-TINY, 1 + TINY]),
+    (checks.sigma_t, [0, 1, 1e6], [-TINY, -1]),
+    (checks.g, [-1 + TINY, 0, 0.9, 1 - TINY], [-1, 1, 1.5]),
+    (checks.reflectance, [0, 0.5, 1], [-TINY, 1 + TINY]),
+]
+
+
+@pytest.mark.parametrize(("check", "accepted", "refused"), RANGES)
+def test_ranges(check, accepted, refused):
+    for value in accepted:
+        result = check(value)
+        assert result.shape == ()
+        assert result.dtype == np.float64
+        assert result == value
+    for value in [*refused, np.nan, np.inf, -np.inf]:
+        with pytest.raises(ParameterError, match=f"^{check.__name__} is .*; it must be"):
+            check(value)
+
+
+@pytest.mark.parametrize(("check", "accepted", "refused"), RANGES)
+def test_one_bad_channel_is_enough(check, accepted, refused):
+    good = accepted[1]
+    assert check((good, good, good)).shape == (3,)
+    with pytest.raises(ParameterError):
+        check((good, refused[0], good))
+    with pytest.raises(ParameterError):
+        check((good, np.nan, good))
+
+
+@pytest.mark.parametrize("check", [row[0] for row in RANGES])
+def test_shapes(check):
+    for wrong in ([], [0.5, 0.5], [[0.5, 0.5, 0.5]], np.full((4, 3), 0.5)):
+        with pytest.raises(ParameterError, match="has shape .*; give a scalar or three values"):
+            check(wrong)
+    assert check(np.full((4, 5), 0.5) + 0.6 * (check is checks.eta), any_shape=True).shape == (4, 5)
+
+
+@pytest.mark.parametrize("nonsense", ["rough", None, object(), [0.1, [0.2]]])
+def test_nonsense(nonsense):
+    with pytest.raises(ParameterError):
+        checks.alpha(nonsense)
+
+
+def test_the_message_says_where():
+    with pytest.raises(ParameterError, match="^the top coat's alpha is 7; it must be a GGX width"):
+        checks.alpha(7, "the top coat's alpha")
+
+
+def test_parameter_errors_are_value_errors():
+    with pytest.raises(ValueError, match="alpha"):
+        checks.alpha(7)
+    assert issubclass(ParameterError, UrushiError)
+
+
+def test_directions():
+    up = [[0, 0, 1], [0.6, 0, 0.8]]
+    wi, wo = checks.directions(up, np.array(up))
+    assert wi.dtype == wo.dtype == np.float32
+    assert wi.shape == wo.shape == (2, 3)
+    checks.directions([[0, 0, -1]], [[1, 0, 0]])  # below and at the horizon: no error
+    checks.directions(np.zeros((0, 3)), np.zeros((0, 3)))
+
+
+@pytest.mark.parametrize(
+    ("wi", "message"),
+    [
+        ([[0, 0, 1.01]], "not a unit vector"),
+        ([[0, 0, 0]], "not a unit vector"),
+        ([[0, 0, 1], [0, np.nan, 1]], r"wi\[1\]"),
+        ([[np.inf, 0, 0]], "not a unit vector"),
+        ([0, 0, 1], r"shape \(3,\)"),
+        ([[0, 1]], r"shape \(1, 2\)"),
+        ("up", r"\(N, 3\)|shape"),
+        ([[0, 0, 1], [0, 0, 1]], "wi has 2 directions and wo has 1"),
+    ],
+)
+def test_bad_directions(wi, message):
+    with pytest.raises(ParameterError, match=message):
+        checks.directions(wi, [[0, 0, 1]])

@@ -1,0 +1,77 @@
+"""A reader sees the whole new file or the old one, whatever happens while it is written."""
+
+import errno
+import os
+import stat
+
+import pytest
+
+from urushi.errors import FileError
+from urushi.files import atomic_write
+
+
+def test_writes_the_whole_file(tmp_path):
+    target = tmp_path / "new.txt"
+    with atomic_write(target) as temporary:
+        assert temporary.parent == tmp_path
+        assert temporary.suffix == ".txt"
+        temporary.write_text("whole")
+        assert not target.exists()
+    assert target.read_text() == "whole"
+    assert os.listdir(tmp_path) == ["new.txt"]
+
+
+def test_the_mode_is_that_of_an_ordinary_file(tmp_path):
+    ordinary, target = tmp_path / "ordinary", tmp_path / "atomic"
+    ordinary.touch()
+    with atomic_write(target) as temporary:
+        temporary.touch()
+    assert stat.S_IMODE(target.stat().st_mode) == stat.S_IMODE(ordinary.stat().st_mode)
+
+
+@pytest.mark.parametrize("failure", [RuntimeError("bug"), KeyboardInterrupt(), FileError("why")])
+def test_a_failure_keeps_the_old_file(tmp_path, failure):
+    target = tmp_path / "old"
+    target.write_text("old")
+    with pytest.raises(type(failure)) as caught, atomic_write(target) as temporary:
+        temporary.write_text("half of the n")
+        raise failure
+    assert caught.value is failure
+    assert target.read_text() == "old"
+    assert os.listdir(tmp_path) == ["old"]
+
+
+def test_a_full_disk(tmp_path):
+    target = tmp_path / "old"
+    target.write_text("old")
+    with pytest.raises(FileError, match="No space left on device; free some space"):
+        with atomic_write(target):
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+    assert target.read_text() == "old"
+    assert os.listdir(tmp_path) == ["old"]
+
+
+def test_a_missing_folder(tmp_path):
+    with pytest.raises(FileError, match="cannot write .*; choose a folder that exists"):
+        with atomic_write(tmp_path / "nowhere" / "file"):
+            pytest.fail("the folder does not exist")
+
+
+def test_a_parent_that_is_a_file(tmp_path):
+    """Stands for every folder that cannot be written, root's too."""
+    (tmp_path / "file").touch()
+    with pytest.raises(FileError, match="cannot write"), atomic_write(tmp_path / "file" / "below"):
+        pytest.fail("a file has no folder inside")
+
+
+def test_a_target_that_is_a_folder(tmp_path):
+    (tmp_path / "folder").mkdir()
+    with pytest.raises(FileError, match="cannot write"):
+        with atomic_write(tmp_path / "folder") as temporary:
+            temporary.touch()
+    assert os.listdir(tmp_path) == ["folder"]
+
+
+def test_file_errors_are_os_errors(tmp_path):
+    with pytest.raises(OSError, match="cannot write"), atomic_write(tmp_path / "no" / "file"):
+        pass
