@@ -51,7 +51,7 @@ def test_noise_alone_leaves_no_relative_error():
     """An exact image against a noisy reference: nothing but the statistics' own spread is left.
 
     Relative noise variance 0.01 at value 1; its estimate has one degree of freedom, so the mean
-    over n pixels spreads by 0.01 * sqrt(2 + 2) / sqrt(n) = 1e-4 at most: four times that is allowed.
+    over n pixels spreads by 0.01 * sqrt(2 + 2) / sqrt(n) = 1e-4 at most; four times is allowed.
     """
     rng = np.random.default_rng(2)
     first, second = 1 + rng.normal(0, np.sqrt(0.02), (2, 200, 200, 1))
