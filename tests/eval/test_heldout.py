@@ -43,9 +43,9 @@ def test_another_reference_of_the_same_stacks_agrees(samples):
 
 
 def test_other_seeds_give_other_stacks(group, samples):
-    other = heldout.Group(group.name, group.distribution, stacks=2)
-    drawn = heldout.simulate(other, seed=1).table
-    assert not np.isin(drawn.alpha, samples.table.alpha).any()
+    table, wi, _, _ = heldout.draw(group, seed=1)
+    assert not np.isin(table.alpha, samples.table.alpha).any()
+    assert not np.isin(wi[..., 0], samples.wi[..., 0]).all()
 
 
 def test_prediction_of_networks_that_answer_zero():
@@ -53,14 +53,15 @@ def test_prediction_of_networks_that_answer_zero():
     params = {name: np.zeros_like(value) for name, value in init(SMALL, 0).items()}
     params["encoder.input_scale"][:] = 1
     model = weights.Model.of(SMALL, params, {})
-    table = Extended(coats=3, bottom="diffuse").sample(np.random.default_rng(0), 4)
-    wi, wo = heldout._pairs(np.random.default_rng(1), 4)
+    group = heldout.Group("deep", Extended(coats=3, bottom="diffuse"), stacks=3)
+    table, wi, wo, _ = heldout.draw(group)
     f = heldout.predict(model, table, wi, wo)
     assert f.shape == wi.shape[:2] and f.dtype == np.float32
     np.testing.assert_array_equal(f, 1)
 
 
-def test_report_prints_and_writes_the_same_figures(group, tmp_path):
+def test_report_prints_and_writes_the_same_figures(group, samples, tmp_path, monkeypatch):
+    monkeypatch.setattr(heldout, "simulate", lambda *_: samples)
     weights.save(tmp_path / "w.safetensors", SMALL, init(SMALL, 0), {})
     text = heldout.report(tmp_path / "w.safetensors", tmp_path / "e.json", groups=(group,))
     written = json.loads((tmp_path / "e.json").read_text())
@@ -75,4 +76,4 @@ def test_bad_input(tmp_path):
     with pytest.raises(FileError, match=r"missing\.safetensors"):
         heldout.report(tmp_path / "missing.safetensors")
     with pytest.raises(ParameterError, match="needs some"):
-        heldout.simulate(heldout.Group("none", Table2(), stacks=0))
+        heldout.draw(heldout.Group("none", Table2(), stacks=0))

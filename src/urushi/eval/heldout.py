@@ -74,14 +74,9 @@ def simulate(group: Group, seed: int = 0) -> Samples:
     A pilot run measures the noise and is then thrown away, so that the number of walks does not
     depend on the values that are kept: the reference stays unbiased.
     """
-    if group.stacks < 1:
-        raise ParameterError(f"group '{group.name}' has {group.stacks} stacks; it needs some")
-    rng = np.random.default_rng((HELD_OUT_SEED, seed))
-    table = group.distribution.sample(rng, group.stacks)
-    wi, wo = _pairs(rng, group.stacks)
-    pilot_seed, seed = (int(word) for word in rng.integers(1 << 31, size=2))
+    table, wi, wo, seeds = draw(group, seed)
     everything = np.arange(group.stacks)
-    pilot = Samples(table, wi, wo, *_walk(table, everything, wi, wo, PILOT_WALKS, pilot_seed))
+    pilot = Samples(table, wi, wo, *_walk(table, everything, wi, wo, PILOT_WALKS, seeds[0]))
     excess = (np.maximum(*reference_error(pilot)) / REFERENCE_ERROR) ** 2
     walks = PILOT_WALKS * 2 ** np.ceil(np.log2(np.maximum(excess, 1))).astype(int)
     walks = np.minimum(walks, MAX_WALKS)
@@ -89,20 +84,25 @@ def simulate(group: Group, seed: int = 0) -> Samples:
     with tqdm(total=int(walks.sum()), desc=group.name, unit="walk", disable=None) as progress:
         for count in np.unique(walks):
             rows = np.flatnonzero(walks == count)
-            f[rows], se[rows] = _walk(table, rows, wi[rows], wo[rows], int(count), seed)
+            f[rows], se[rows] = _walk(table, rows, wi[rows], wo[rows], int(count), seeds[1])
             progress.update(int(count) * len(rows))
     return Samples(table, wi, wo, f, se)
 
 
-def _pairs(rng: np.random.Generator, stacks: int) -> tuple[np.ndarray, np.ndarray]:
-    """Every stack's own pairs, two arrays (stacks, E_PAIRS + P_PAIRS, 3)."""
-    for_e = directions.cosine_pairs(rng, stacks * E_PAIRS)
-    for_p = directions.half_angle_pairs(rng, stacks * P_PAIRS)
+def draw(group: Group, seed: int = 0) -> tuple[StackTable, np.ndarray, np.ndarray, tuple[int, int]]:
+    """Draw the stacks, every stack's own pairs (S, M, 3), and seeds for two runs of walks."""
+    if group.stacks < 1:
+        raise ParameterError(f"group '{group.name}' has {group.stacks} stacks; it needs some")
+    rng = np.random.default_rng((HELD_OUT_SEED, seed))
+    table = group.distribution.sample(rng, group.stacks)
+    for_e = directions.cosine_pairs(rng, group.stacks * E_PAIRS)
+    for_p = directions.half_angle_pairs(rng, group.stacks * P_PAIRS)
     wi, wo = (
-        np.concatenate([e.reshape(stacks, -1, 3), p.reshape(stacks, -1, 3)], axis=1)
+        np.concatenate([e.reshape(-1, E_PAIRS, 3), p.reshape(-1, P_PAIRS, 3)], axis=1)
         for e, p in zip(for_e, for_p, strict=True)
     )
-    return wi, wo
+    first, second = (int(word) for word in rng.integers(1 << 31, size=2))
+    return table, wi, wo, (first, second)
 
 
 def _walk(
