@@ -3,7 +3,7 @@
 from typing import Any
 
 #: Cosines to the normal are raised to this: f is taken as constant closer to the horizon.
-MIN_COSINE = 1e-3
+MIN_COSINE = 5e-3
 
 #: Of each feature of a pair of directions: its name, and the mean and scale that bring it to about
 #: mean zero and variance one (pairs half spread in log half angle, half over the hemisphere).

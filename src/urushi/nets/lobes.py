@@ -45,7 +45,7 @@ def reflection_pdf(alpha: Any, wi: Any, wo: Any) -> Any:
 def _scaled_ggx(alpha2: Any, across: Any, z: Any) -> Any:
     """Return pi D(h) / alpha^2 of a half vector with |h_xy|^2 = across and h_z = z."""
     xp = across.__array_namespace__()
-    ratio = (across + z * z) / xp.maximum(across + alpha2 * (z * z), 1e-30)
+    ratio = (across + z * z) / xp.maximum(across + alpha2 * (z * z), 1e-18)
     return ratio * ratio
 
 
@@ -88,6 +88,6 @@ def sample_reflection(alpha: Any, wi: Any, u1: Any, u2: Any) -> Any:
     hx, hy = alpha * (cap_r * xp.cos(phi) + x), alpha * (cap_r * xp.sin(phi) + y)
     hz = cap_z + z
     scale = 2.0 * (wi[..., 0] * hx + wi[..., 1] * hy + wi[..., 2] * hz)
-    scale = scale / xp.maximum(hx * hx + hy * hy + hz * hz, 1e-30)
+    scale = scale / xp.maximum(hx * hx + hy * hy + hz * hz, 1e-18)
     wo = [scale * hx - wi[..., 0], scale * hy - wi[..., 1], xp.abs(scale * hz - wi[..., 2])]
     return xp.stack(xp.broadcast_arrays(*wo), axis=-1)

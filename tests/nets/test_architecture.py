@@ -1,0 +1,64 @@
+"""Sizes survive JSON, name every parameter, and refuse nonsense."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from urushi.errors import ParameterError
+from urushi.nets.architecture import (
+    FIXED,
+    PARTS,
+    Architecture,
+    init,
+    parameter_count,
+    parameter_shapes,
+)
+
+SMALL = Architecture(latent=8, decoder=(16,), encoder=(24, 20), probes=32, activation="relu")
+
+
+@pytest.mark.parametrize("arch", [Architecture(), SMALL])
+def test_json_round_trip(arch):
+    assert Architecture.from_json(arch.to_json()) == arch
+
+
+@pytest.mark.parametrize("arch", [Architecture(), SMALL])
+def test_init_makes_exactly_the_named_parameters(arch):
+    params = init(arch, seed=1)
+    assert {name: value.shape for name, value in params.items()} == parameter_shapes(arch)
+    assert all(value.dtype == np.float32 for value in params.values())
+    trained = sum(value.size for name, value in params.items() if name not in FIXED)
+    assert trained == sum(parameter_count(arch, part) for part in PARTS)
+
+
+def test_init_depends_on_the_seed_alone():
+    first, again, other = init(SMALL, 3), init(SMALL, 3), init(SMALL, 4)
+    assert all(np.array_equal(first[name], again[name]) for name in first)
+    assert not np.array_equal(first["decoder.0.weight"], other["decoder.0.weight"])
+
+
+def test_decoder_of_the_default_sizes_is_the_documented_one():
+    # 40-64-64-64-1 with biases: 41 * 64 + 2 * 65 * 64 + 65.
+    assert parameter_count(Architecture(), "decoder") == 41 * 64 + 2 * 65 * 64 + 65
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"latent": 0}, "latent is 0"),
+        ({"probes": 1.5}, "probes is 1.5"),
+        ({"decoder": ()}, "decoder is \\(\\)"),
+        ({"sampler": (32, -1)}, "sampler is"),
+        ({"activation": "tanh"}, "choose one of silu, relu"),
+    ],
+)
+def test_bad_sizes_are_refused(change, words):
+    with pytest.raises(ParameterError, match=words):
+        dataclasses.replace(Architecture(), **change)
+
+
+@pytest.mark.parametrize("text", ["", "[]", "{}", '{"latent": 3}', "null"])
+def test_foreign_json_is_refused(text):
+    with pytest.raises(ParameterError, match="architecture"):
+        Architecture.from_json(text)

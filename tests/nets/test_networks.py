@@ -1,0 +1,94 @@
+"""What the networks promise whatever their weights: reciprocity, positivity, broadcasting."""
+
+import numpy as np
+
+from urushi.nets import decoder, encoder, layerer, sampler
+from urushi.nets.architecture import Architecture, init
+from urushi.nets.features import coat_features, direction_features
+from urushi.nets.mlp import activate, linear
+from urushi.nets.probes import probe_pairs
+
+
+def test_decoder_is_reciprocal_bit_for_bit_positive_and_finite(networks, pairs):
+    arch, params = networks
+    wi, wo = pairs
+    z = np.random.default_rng(2).normal(size=(20, 1, 32)).astype(np.float32) * 10
+    f = decoder.decode(params, arch, z, direction_features(wi, wo)[None])
+    assert f.shape == (20, len(wi))
+    assert np.array_equal(f, decoder.decode(params, arch, z, direction_features(wo, wi)[None]))
+    assert (f > 0).all() and np.isfinite(f).all()
+
+
+def test_decoder_broadcasts_codes_over_directions(networks, pairs):
+    arch, params = networks
+    z = np.random.default_rng(3).normal(size=(4, 32)).astype(np.float32)
+    features = direction_features(*pairs)[:50]
+    together = decoder.decode(params, arch, z[:, None], features[None])
+    # Products of other shapes may add up in another order: float32 rounding, times the gain of 8.
+    for row, code in enumerate(z):
+        alone = decoder.decode(params, arch, np.tile(code, (50, 1)), features)
+        np.testing.assert_allclose(together[row], alone, rtol=1e-4)
+
+
+def test_first_layer_splits_into_a_latent_and_a_feature_part(networks, pairs):
+    # What a renderer may store in a texel: the latent part of the first pre-activation.
+    _, params = networks
+    z = np.random.default_rng(4).normal(size=(7, 32)).astype(np.float32)
+    x = direction_features(*pairs)[:7]
+    weight, bias = params["decoder.0.weight"], params["decoder.0.bias"]
+    split = (z @ weight[:32] + bias) + x @ weight[32:]
+    whole = linear(params, "decoder.0", np.concatenate([z, x], axis=-1))
+    np.testing.assert_allclose(split, whole, atol=1e-5)
+
+
+def test_encoder_statistics_normalise_their_data():
+    arch = Architecture(probes=64)
+    rng = np.random.default_rng(5)
+    f = np.exp(rng.uniform(-5, 5, (500, 64)) * np.linspace(0, 1, 64)).astype(np.float32)
+    params = init(arch, 0) | encoder.input_statistics(f)
+    mean, scale = params["encoder.input_mean"], params["encoder.input_scale"]
+    x = (encoder.log_values(f) - mean) / scale
+    np.testing.assert_allclose(x.mean(axis=0), 0, atol=1e-4)
+    np.testing.assert_allclose(x.std(axis=0)[10:], 1, atol=1e-4)
+    assert (scale >= 0.0999).all()  # constant probes do not blow up
+
+
+def test_encoder_takes_black_and_blinding_materials(networks):
+    arch, params = networks
+    f = np.stack([np.zeros(192), np.full(192, 1e-30), np.full(192, 1e6)]).astype(np.float32)
+    assert np.isfinite(encoder.encode(params, arch, f)).all()
+
+
+def test_layerer_without_output_is_the_identity(networks):
+    arch, params = networks
+    silent = params | {"layerer.3.weight": np.zeros((192, 32), np.float32)}
+    z = np.random.default_rng(6).normal(size=(9, 32)).astype(np.float32)
+    coat = coat_features(*(np.full(9, x, np.float32) for x in (0.1, 1.5, 0.5, 1, 0)))
+    assert np.array_equal(layerer.layer(silent, arch, z, coat), z)
+
+
+def test_sampler_gives_a_mixture(networks):
+    arch, params = networks
+    z = np.random.default_rng(7).normal(size=(200, 1, 32)).astype(np.float32) * 100
+    cos_i = np.linspace(0, 1, 50, dtype=np.float32)
+    weights, alphas = sampler.lobes(params, arch, z, cos_i)
+    assert weights.shape == (200, 50, 3) and alphas.shape == (200, 50, 2)
+    np.testing.assert_allclose(weights.sum(axis=-1), 1, atol=1e-6)
+    assert (weights >= 0).all() and (weights[..., -1] >= 0.0199).all()
+    assert (alphas >= np.float32(0.01)).all() and (alphas <= 1).all()
+
+
+def test_activations_match_their_definitions():
+    x = np.linspace(-200, 200, 4001)
+    np.testing.assert_array_equal(activate(x, "relu"), np.maximum(x, 0))
+    near = x[np.abs(x) < 50]
+    np.testing.assert_allclose(activate(near, "silu"), near / (1 + np.exp(-near)), atol=1e-13)
+    assert np.isfinite(activate(x.astype(np.float32), "silu")).all()
+
+
+def test_everything_runs_at_the_probes(networks):
+    arch, params = networks
+    wi, wo = probe_pairs(arch.probes)
+    z = encoder.encode(params, arch, np.ones((2, arch.probes), np.float32))
+    f = decoder.decode(params, arch, z[:, None], direction_features(wi, wo)[None])
+    assert encoder.encode(params, arch, f).shape == z.shape
