@@ -10,9 +10,13 @@ from typing import TYPE_CHECKING, Any
 from urushi import backend
 
 if TYPE_CHECKING:
-    from urushi.material import Material, encode, layer, lerp, load
+    from urushi.material.encode import encode
+    from urushi.material.layer import layer
+    from urushi.material.lerp import lerp
+    from urushi.material.material import Material, load
     from urushi.measured import load_measured
-    from urushi.reference import Stack, coat, conductor, dielectric, diffuse, simulate
+    from urushi.reference.simulate import simulate
+    from urushi.reference.stack import Stack, coat, conductor, dielectric, diffuse
 
 __version__ = "0.1.0"
 

@@ -1,4 +1,4 @@
-"""The errors that a user can cause: each message is one sentence naming what, where and the cure."""
+"""The errors that a user can cause; each message is one sentence: what, where and the cure."""
 
 
 class UrushiError(Exception):

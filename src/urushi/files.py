@@ -32,13 +32,14 @@ def atomic_write(path: str | os.PathLike) -> Iterator[Path]:
     temporary = Path(name)
     try:
         yield temporary
-        os.chmod(temporary, 0o666 & ~_umask())  # mkstemp makes private files
-        os.replace(temporary, target)
+        temporary.chmod(0o666 & ~_umask())  # mkstemp makes private files
+        temporary.replace(target)
     except OSError as error:
         if isinstance(error, FileError):
             raise
         raise FileError(
-            f"cannot write '{target}': {error.strerror or error}; free some space or choose another folder"
+            f"cannot write '{target}': {error.strerror or error}; "
+            "free some space or choose another folder"
         ) from error
     finally:
         temporary.unlink(missing_ok=True)

@@ -52,6 +52,18 @@ def _union(listing: bool) -> Any:
     return functools.reduce(operator.or_, members)
 
 
+def parse(arguments: Sequence[str]) -> Any:
+    """The command object that the arguments describe; exits where they describe none."""
+    listing = list(arguments) in ([], ["-h"], ["--help"])
+    return tyro.cli(
+        _union(listing),
+        prog="urushi",
+        description=DESCRIPTION,
+        args=arguments or ["--help"],
+        config=(tyro.conf.OmitArgPrefixes, tyro.conf.FlagCreatePairsOff),
+    )
+
+
 def main(args: Sequence[str] | None = None) -> int:
     """Run the command that `args` (default: the process's) name; returns the exit code.
 
@@ -62,14 +74,7 @@ def main(args: Sequence[str] | None = None) -> int:
     if arguments == ["--version"]:
         print(__version__)
         return 0
-    listing = arguments in ([], ["-h"], ["--help"])
-    command: Any = tyro.cli(
-        _union(listing),
-        prog="urushi",
-        description=DESCRIPTION,
-        args=arguments or ["--help"],
-        config=(tyro.conf.OmitArgPrefixes, tyro.conf.FlagCreatePairsOff),
-    )
+    command = parse(arguments)
     try:
         return command.run()
     except UrushiError as error:

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 import tyro
@@ -64,7 +64,7 @@ class Simulate:
 
 
 def evaluate(
-    description: object, wi: np.ndarray, wo: np.ndarray, *, walks: int, seed: int
+    description: Any, wi: np.ndarray, wo: np.ndarray, *, walks: int, seed: int
 ) -> tuple[np.ndarray, np.ndarray]:
     """f and its standard error, (N, 3) each; a surface without a coat is evaluated exactly."""
     import urushi

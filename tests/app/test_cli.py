@@ -1,0 +1,110 @@
+"""The command line's manners: help that teaches, one sentence for an error, honest exit codes."""
+
+import os
+import shlex
+import signal
+import subprocess
+import sys
+
+import pytest
+
+import urushi
+from urushi.app import cli
+from urushi.app.commands.data import Generate, Show
+from urushi.app.commands.doctor import Doctor
+from urushi.errors import ParameterError
+
+FAMILIES = {(name,): command for name, (command, _) in cli.COMMANDS.items()}
+FAMILIES |= {("data", "generate"): Generate, ("data", "show"): Show}
+
+
+@pytest.mark.parametrize("words", FAMILIES, ids=" ".join)
+def test_help_explains_and_has_an_example(words, capsys):
+    with pytest.raises(SystemExit) as caught:
+        cli.main([*words, "--help"])
+    assert caught.value.code == 0
+    assert f"Example: urushi {words[0]}" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("words", FAMILIES, ids=" ".join)
+def test_the_example_parses(words):
+    example = FAMILIES[words].__doc__.split("Example: ")[1]
+    program, *arguments = shlex.split(example)
+    assert program == "urushi"
+    assert isinstance(cli.parse(arguments), cli.COMMANDS[words[0]][0])
+
+
+def test_help_lists_every_command(capsys):
+    for arguments in ([], ["--help"]):
+        with pytest.raises(SystemExit) as caught:
+            cli.main(arguments)
+        assert caught.value.code == 0
+        text = capsys.readouterr().out
+        for name, (_, summary) in cli.COMMANDS.items():
+            assert name in text
+            assert summary in " ".join(text.split())
+
+
+def test_version(capsys):
+    assert cli.main(["--version"]) == 0
+    assert capsys.readouterr().out.strip() == urushi.__version__
+
+
+@pytest.mark.parametrize("arguments", [["polish"], ["render"], ["train", "--colour", "red"]])
+def test_what_cannot_be_parsed(arguments, capsys):
+    with pytest.raises(SystemExit) as caught:
+        cli.main(arguments)
+    assert caught.value.code == 2
+    assert "Traceback" not in capsys.readouterr().err
+
+
+def test_a_users_error_is_one_sentence(monkeypatch, capsys):
+    def fail(self):
+        raise ParameterError("alpha is 7; it must be a GGX width in [0.01, 1]")
+
+    monkeypatch.setattr(Doctor, "run", fail)
+    assert cli.main(["doctor"]) == 2
+    captured = capsys.readouterr()
+    assert captured.err == "urushi: alpha is 7; it must be a GGX width in [0.01, 1]\n"
+    assert captured.out == ""
+
+
+def test_an_interruption_is_one_sentence(monkeypatch, capsys):
+    def interrupt(self):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Doctor, "run", interrupt)
+    assert cli.main(["doctor"]) == 130
+    assert capsys.readouterr().err.startswith("urushi: interrupted")
+
+
+def test_ctrl_c_in_a_real_process():
+    code = (
+        "import time, sys\n"
+        "from urushi.app import cli\n"
+        "from urushi.app.commands.data import Generate, Show
+from urushi.app.commands.doctor import Doctor\n"
+        "def wait(self): print('ready', flush=True); time.sleep(60)\n"
+        "Doctor.run = wait\n"
+        "sys.exit(cli.main(['doctor']))"
+    )
+    process = subprocess.Popen(
+        [sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    assert process.stdout.readline() == "ready\n"
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=30)
+    assert process.returncode == 130
+    assert errors.count("\n") == 1
+
+
+def test_the_script_is_light():
+    """No command may pay for what another one needs."""
+    code = (
+        "import sys; from urushi.app import cli\n"
+        "for name in ('jax', 'zarr', 'matplotlib', 'distributed', 'urushi.reference',"
+        " 'urushi.nets'):\n"
+        "    assert name not in sys.modules, name"
+    )
+    run = subprocess.run([sys.executable, "-c", code], env=os.environ, capture_output=True)
+    assert run.returncode == 0, run.stderr.decode()

@@ -1,0 +1,89 @@
+"""The doctor tells what is wrong, says so by its exit code, and survives what it examines."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+from urushi import backend
+from urushi.app import doctor
+from urushi.app.commands.doctor import Doctor
+from urushi.app.doctor import Finding
+
+
+def test_everything_is_looked_at():
+    names = [finding.name for finding in doctor.examine()]
+    for expected in ("Python", "mitsuba", "drjit", "LLVM", "GPU", "variant llvm_ad_rgb"):
+        assert expected in names
+    assert any(name.startswith("weights") for name in names)
+    assert "extra train" in names
+
+
+@pytest.mark.parametrize(
+    ("findings", "code", "closing"),
+    [
+        ([Finding("LLVM", "19", None, True)], 0, "All that is essential is well."),
+        ([Finding("GPU", "none", "no driver")], 0, "All that is essential is well."),
+        ([Finding("LLVM", "14", "too old", True)], 1, "Wrong: LLVM."),
+    ],
+)
+def test_the_exit_code_tells(monkeypatch, capsys, findings, code, closing):
+    monkeypatch.setattr(doctor, "examine", lambda: findings)
+    assert Doctor().run() == code
+    text = capsys.readouterr().out
+    assert text.rstrip().endswith(closing)
+    for finding in findings:
+        assert finding.found in text
+        assert finding.problem is None or finding.problem in text
+
+
+def test_packages_are_judged_by_their_range(monkeypatch):
+    monkeypatch.setattr("importlib.metadata.version", lambda name: "3.10.0")
+    finding = doctor._package("mitsuba", (3, 9), (3, 10))
+    assert finding.essential
+    assert "pip install 'mitsuba>=3.9,<3.10'" in finding.problem
+    monkeypatch.setattr("importlib.metadata.version", lambda name: "3.9.12")
+    assert doctor._package("mitsuba", (3, 9), (3, 10)).problem is None
+
+
+def test_a_missing_package():
+    assert "pip install" in doctor._package("a-package-that-nobody-has").problem
+
+
+def test_a_variant_that_kills_its_process(monkeypatch):
+    monkeypatch.setattr(doctor, "_PROBE", "import os; os.abort()")
+    (finding,) = doctor._variants(["llvm_ad_rgb"])
+    assert finding.found == "not usable"
+    assert finding.problem
+    assert finding.essential
+
+
+def test_weights_that_cannot_be_read(monkeypatch, tmp_path):
+    (tmp_path / "broken.safetensors").write_bytes(b"no weights")
+    monkeypatch.setattr("urushi.nets.default.default_path", lambda: tmp_path / "x.safetensors")
+    (finding,) = doctor._weights()
+    assert finding.name == "weights broken"
+    assert finding.essential
+    assert "broken.safetensors" in finding.problem
+
+
+def test_missing_weights(monkeypatch, tmp_path):
+    monkeypatch.setattr("urushi.nets.default.default_path", lambda: tmp_path / "x.safetensors")
+    (finding,) = doctor._weights()
+    assert finding.found == "missing"
+    assert finding.essential
+
+
+def test_survives_a_missing_library():
+    """Without any libLLVM the doctor still runs, and names it."""
+    run = subprocess.run(
+        [sys.executable, "-m", "urushi.app.cli", "doctor"],
+        env={**os.environ, backend.VARIABLE: "/nowhere/libLLVM.so"},
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+    assert run.returncode == 1, run.stderr
+    assert "'/nowhere/libLLVM.so' is missing" in run.stdout
+    assert "Wrong: LLVM, variant llvm_ad_rgb" in run.stdout

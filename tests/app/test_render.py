@@ -1,0 +1,103 @@
+"""`urushi render` does what Mitsuba's executable does, and says in one sentence what it cannot."""
+
+import mitsuba as mi
+import numpy as np
+import pytest
+
+from urushi.app import cli
+
+SCENE = """<scene version="3.0.0">
+    <default name="grey" value="0.5"/>
+    <default name="spp" value="4"/>
+    <integrator type="direct"/>
+    <sensor type="orthographic">
+        <film type="hdrfilm">
+            <integer name="width" value="6"/>
+            <integer name="height" value="4"/>
+        </film>
+        <sampler type="independent"><integer name="sample_count" value="$spp"/></sampler>
+        <transform name="to_world"><lookat origin="0,0,-1" target="0,0,0" up="0,1,0"/></transform>
+    </sensor>
+    <sensor type="orthographic">
+        <film type="hdrfilm">
+            <integer name="width" value="2"/>
+            <integer name="height" value="2"/>
+        </film>
+        <transform name="to_world"><lookat origin="0,0,-1" target="0,0,0" up="0,1,0"/></transform>
+    </sensor>
+    <emitter type="constant"><rgb name="radiance" value="$grey"/></emitter>
+</scene>"""
+
+
+@pytest.fixture
+def scene(tmp_path):
+    path = tmp_path / "scene.xml"
+    path.write_text(SCENE)
+    return path
+
+
+def read(path) -> np.ndarray:
+    return np.array(mi.Bitmap(str(path)).convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32))
+
+
+def test_a_scene_becomes_a_picture_beside_it(scene, capsys):
+    assert cli.main(["render", str(scene)]) == 0
+    picture = scene.with_suffix(".exr")
+    assert capsys.readouterr().out.strip() == str(picture)
+    image = read(picture)
+    assert image.shape == (4, 6, 3)
+    np.testing.assert_allclose(image, 0.5, rtol=1e-3)  # half floats
+
+
+def test_flags(scene, tmp_path):
+    output = tmp_path / "small.exr"
+    flags = ["-s", "1", "-D", "grey=0.25", "-D", "spp=1", "-o", str(output), "--spp", "2"]
+    assert cli.main(["render", str(scene), "-m", "scalar_rgb", *flags]) == 0
+    image = read(output)
+    assert image.shape == (2, 2, 3)
+    np.testing.assert_allclose(image, 0.25, rtol=1e-3)
+
+
+def test_png(scene, tmp_path):
+    assert cli.main(["render", str(scene), "-o", str(tmp_path / "picture.png")]) == 0
+    assert list(mi.Bitmap(str(tmp_path / "picture.png")).size()) == [6, 4]
+
+
+@pytest.mark.parametrize(
+    ("flags", "sentence"),
+    [
+        (["-m", "llvm_rgb"], "Mitsuba has no variant 'llvm_rgb'; choose one of"),
+        (["-s", "2"], "--sensor is 2, but"),
+        (["-s", "-1"], "--sensor is -1, but"),
+        (["-D", "grey"], "-D is given 'grey'; write it as key=value"),
+        (["-D", "gloss=1"], "cannot load"),
+        (["-o", "picture.gif"], "'picture.gif' has no suffix of a picture; use .exr, .png, .jpg"),
+        (["-o", "/nowhere/at/all.exr"], "cannot write '/nowhere/at/all.exr'"),
+    ],
+)
+def test_errors(scene, flags, sentence, capsys):
+    assert cli.main(["render", str(scene), *flags]) == 2
+    message = capsys.readouterr().err
+    assert sentence in message
+    assert message.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        (None, "does not exist"),
+        ("no XML", "cannot load"),
+        ('<bsdf version="3.0.0" type="diffuse"/>', "its outermost element must be <scene>"),
+        ('<scene version="3.0.0"><bsdf type="lacquer"/></scene>', "cannot load"),
+        ('<scene version="3.0.0"/>', "--sensor is 0"),
+    ],
+)
+def test_bad_scenes(tmp_path, text, sentence, capsys):
+    path = tmp_path / "bad.xml"
+    if text is not None:
+        path.write_text(text)
+    assert cli.main(["render", str(path)]) == 2
+    message = capsys.readouterr().err
+    assert sentence in message
+    assert str(path) in message
+    assert message.count("\n") == 1
