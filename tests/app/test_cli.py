@@ -82,8 +82,7 @@ def test_ctrl_c_in_a_real_process():
     code = (
         "import time, sys\n"
         "from urushi.app import cli\n"
-        "from urushi.app.commands.data import Generate, Show
-from urushi.app.commands.doctor import Doctor\n"
+        "from urushi.app.commands.doctor import Doctor\n"
         "def wait(self): print('ready', flush=True); time.sleep(60)\n"
         "Doctor.run = wait\n"
         "sys.exit(cli.main(['doctor']))"
