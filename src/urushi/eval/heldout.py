@@ -23,8 +23,8 @@ E_PAIRS, P_PAIRS = 100, 200
 #: The first entropy word of every held-out draw: no training data are seeded with two words.
 HELD_OUT_SEED = 4711
 
-#: The reference's error that every stack aims at in E and P, rounded to the safe side: the mean stays
-#: below 0.005; walks of the pilot run that measures it; and the most that any pair gets.
+#: The reference's error in E and P that every stack aims at and most stay well below (the walks are
+#: rounded up to a power of two); walks of the pilot run that measures it; the most for any pair.
 REFERENCE_ERROR, PILOT_WALKS, MAX_WALKS = 0.005, 1024, 1 << 19
 
 
