@@ -1,0 +1,1 @@
+"""Training of the networks with JAX and optax (the optional extra `train`)."""

@@ -1,0 +1,69 @@
+"""The optimiser of both stages: Adam, warm-up, half a cosine, clipping and averaged weights."""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import optax
+
+from urushi.train.presets import Schedule
+
+#: A pytree of arrays, here always a flat dict of parameters.
+Tree = Any
+
+
+class State(NamedTuple):
+    """Everything that a stage carries from step to step."""
+
+    params: Tree  # the trained ones
+    average: Tree  # their exponential moving average
+    optimiser: Tree
+
+
+Loss = Callable[[Tree, Any], tuple[jax.Array, dict[str, jax.Array]]]
+Steps = Callable[[State, Any], tuple[State, dict[str, jax.Array]]]
+
+
+def optimiser(schedule: Schedule) -> optax.GradientTransformation:
+    """Adam (Kingma & Ba 2015) as a schedule describes it."""
+    rate = optax.warmup_cosine_decay_schedule(
+        0.0, schedule.learning_rate, schedule.warmup, schedule.steps
+    )
+    return optax.chain(optax.clip_by_global_norm(schedule.clip), optax.adam(rate, b1=0.9, b2=0.99))
+
+
+def start(params: Tree, schedule: Schedule) -> State:
+    """The state before the first step."""
+    params = {name: jnp.asarray(value) for name, value in params.items()}
+    return State(params, {**params}, optimiser(schedule).init(params))
+
+
+def compile_steps(loss: Loss, schedule: Schedule) -> Steps:
+    """A function that takes several steps in one compiled loop.
+
+    Args:
+        loss: (params, batch) to (loss, terms to log).
+        schedule: see `presets.Schedule`.
+
+    Returns:
+        A function of a state and of batches stacked along a first axis; it returns the new state
+        and the terms' means. One call for many steps, because handing over a small step costs
+        about as much as computing it.
+    """
+    rule = optimiser(schedule)
+
+    def step(state: State, batch: Any) -> tuple[State, dict[str, jax.Array]]:
+        (_, terms), gradient = jax.value_and_grad(loss, has_aux=True)(state.params, batch)
+        update, inner = rule.update(gradient, state.optimiser, state.params)
+        params = optax.apply_updates(state.params, update)
+        average = jax.tree.map(
+            lambda mean, new: mean + (1 - schedule.average) * (new - mean), state.average, params
+        )
+        return State(params, average, inner), terms
+
+    def steps(state: State, batches: Any) -> tuple[State, dict[str, jax.Array]]:
+        state, terms = jax.lax.scan(step, state, batches)
+        return state, jax.tree.map(jnp.mean, terms)
+
+    return jax.jit(steps)

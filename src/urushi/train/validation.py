@@ -1,0 +1,68 @@
+"""Figures of E and P on the validation parts, for the log and for the weights' header."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from urushi.data.store import Store
+from urushi.nets.architecture import Architecture, Params
+from urushi.nets.decoder import decode
+from urushi.nets.encoder import encode
+from urushi.nets.features import direction_features
+from urushi.nets.layerer import layer
+from urushi.train.examples import bottom_values, coat_inputs
+
+
+@dataclass(frozen=True)
+class Check:
+    """One validation part in memory: as `examples.Depth`, with the pairs' cosines."""
+
+    metric: str
+    probes: np.ndarray
+    coats: np.ndarray
+    features: np.ndarray
+    f: np.ndarray
+    weight: np.ndarray
+
+
+#: Metric by the direction set that it is taken on.
+METRICS = {"cosine": "E mean", "half_angle": "P median"}
+
+
+def load(store: Store, arch: Architecture) -> list[Check]:
+    """Read the validation parts of a store."""
+    checks = []
+    for part in store.spec.parts:
+        if part.directions not in METRICS:
+            continue
+        arrays = store.read(part)
+        wi, wo = arrays["wi"], arrays["wo"]
+        checks.append(
+            Check(
+                metric=METRICS[part.directions],
+                probes=bottom_values(part, arrays["bottom"], arch),
+                coats=coat_inputs(part, arrays),
+                features=direction_features(wi, wo),
+                f=arrays["f"],
+                weight=np.maximum(wi[..., 2], 0.02) * np.maximum(wo[..., 2], 0.02),
+            )
+        )
+    return checks
+
+
+def measure(params: Params, arch: Architecture, checks: list[Check]) -> dict[str, float]:
+    """E mean and P median, as fractions, the noise of the reference included."""
+    host: dict[str, Any] = {name: np.asarray(value) for name, value in params.items()}
+    figures = {}
+    for check in checks:
+        z = encode(host, arch, check.probes)
+        for coat in np.moveaxis(check.coats, 1, 0)[::-1]:  # the lowest first
+            z = layer(host, arch, z, coat)
+        error = np.abs(decode(host, arch, z[:, None], check.features) - check.f)
+        if check.metric == "E mean":
+            energy = (check.f * check.weight).sum(-1)
+            figures[check.metric] = float(np.mean((error * check.weight).sum(-1) / energy))
+        else:
+            figures[check.metric] = float(np.median(error / (check.f + 1e-3)))
+    return figures
