@@ -52,6 +52,15 @@ def mean(spectral: Any, hero: Any) -> Any:
     return 1 if hero is None else dr.mean(spectral)
 
 
+def mixture(density: Any, spectral: Any, hero: Any) -> Any:
+    """The density of what a vertex draws, whichever channel is the hero, given the walk so far.
+
+    The weights that combine techniques must be made of this: with the hero's own density they
+    would differ between heroes, and the techniques' shares would not sum to one.
+    """
+    return density if hero is None else dr.mean(spectral * density) / dr.mean(spectral)
+
+
 def strongest(throughput: Any, hero: Any) -> Any:
     """The largest component of a throughput."""
     return throughput if hero is None else dr.max(throughput)

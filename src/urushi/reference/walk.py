@@ -134,12 +134,14 @@ def advance(s: dict[str, Any], layers: Layers, bottom: Bottom, escapes: Escapes,
         s["layer"] = dr.select(inner, dr.select(rising, below - 1, below), s["layer"])
         s["depth"] = dr.select(inner, dr.select(rising, 1, 0), s["depth"])
 
+    # A connection's density ends at its vertex: the direction drawn there is not part of it.
+    mean = channels.mean(s["spectral"], hero)
+    s["result"] += dr.select(active, color(chosen.contribution) / mean, 0)
     if hero is not None:
         cos_theta = dr.dot(s["w"], inside.direction)
         ratio = channels.phase_ratio(cos_theta, medium[2], hero)
         s["spectral"] *= dr.select(in_medium, ratio, 1)
-    mean = channels.mean(s["spectral"], hero)
-    s["result"] += dr.select(active, color(chosen.contribution) / mean, 0)
+        mean = channels.mean(s["spectral"], hero)
     s["w"], s["pdf"], s["rival"] = chosen.direction, chosen.pdf, chosen.rival
     survival = dr.minimum(
         channels.strongest(chosen.throughput, hero) / (mean * ROULETTE_THRESHOLD), 1
@@ -177,16 +179,16 @@ def medium_event(
 ) -> Event:
     """A collision in a medium: absorb, and scatter by Henyey and Greenstein's phase function."""
     albedo, _, g = medium
-    g_hero = channels.of_hero(g, hero)
     throughput = s["throughput"] * albedo
     cos_escape = dr.dot(s["w"], escape.direction)
-    connected = throughput * phase.hg(cos_escape, g) * visible
+    towards_escape = phase.hg(cos_escape, g)
+    connected = throughput * towards_escape * visible
     connected *= escape.weight / escape.direction.z
-    contribution = connected * escape.mis(phase.hg(cos_escape, g_hero))
-    cos_theta = phase.sample_hg_cosine(g_hero, u[1])
+    contribution = connected * escape.mis(channels.mixture(towards_escape, s["spectral"], hero))
+    cos_theta = phase.sample_hg_cosine(channels.of_hero(g, hero), u[1])
     direction = from_cosine(s["w"], cos_theta, 2 * dr.pi * u[2])
     throughput *= channels.phase_ratio(cos_theta, g, hero)
-    pdf = phase.hg(cos_theta, g_hero)
+    pdf = channels.mixture(phase.hg(cos_theta, g), s["spectral"], hero)
     return Event(contribution, direction, throughput, pdf, type(pdf)(0))
 
 
