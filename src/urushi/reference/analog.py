@@ -1,0 +1,117 @@
+"""Directional albedo by counting photons: the walk's independent twin.
+
+Every event is drawn as nature draws it: reflection or refraction at each interface, the free
+flight, absorption, scattering. No event is forced, no direction connected, no weight carried, so
+that nothing is shared with the estimator of `urushi.reference.walk` but the physics.
+"""
+
+from typing import Any
+
+import drjit as dr
+import numpy as np
+import numpy.typing as npt
+
+from urushi import checks
+from urushi.physics import fresnel, microfacet, phase
+from urushi.physics.frame import from_cosine, reflect, refract
+from urushi.reference.bottoms import Bottom
+from urushi.reference.launch import average
+from urushi.reference.stack import Stack
+
+
+def analog_albedo(
+    stack: Stack, wi: npt.ArrayLike, *, walks: int = 1 << 16, seed: int = 0
+) -> tuple[np.ndarray, np.ndarray]:
+    """Count the photons from `wi` that a stack reflects.
+
+    Microfacet reflections and refractions that end on the wrong side of the horizon, and those
+    masked by Smith's term, are absorbed, as in the model.
+
+    Args:
+        stack: what to simulate (`urushi.coat`).
+        wi: (N, 3) unit vectors.
+        walks: photons per direction and channel, at least 2.
+        seed: any integer; the same seed gives the same numbers on the same backend.
+
+    Returns:
+        (albedo, se): float64 (N, 3); zero where wi is at or below the horizon.
+
+    Raises:
+        ParameterError: wrong shapes, directions that are not unit vectors, too few walks.
+        PlatformError: no libLLVM that Dr.Jit can use.
+    """
+    return average(stack, checks.direction(wi, "wi"), walks, seed, _photon)
+
+
+def _photon(layers: Any, bottom: Bottom, wi: Any, rng: Any) -> Any:
+    """1 if a photon from wi comes out of the stack, else 0."""
+    index_type = dr.uint32_array_t(type(wi.z))
+    alpha, eta = layers.interface(index_type(0))
+    w, alive = _cross(-wi, alpha, eta, rng)
+    alive &= wi.z > 0
+    inside = w.z < 0
+    escaped = dr.select(alive & ~inside, type(wi.z)(1), 0)
+    layer, depth = dr.zeros(index_type, dr.width(wi)), dr.zeros(type(wi.z), dr.width(wi))
+
+    def body(alive: Any, w: Any, layer: Any, depth: Any, escaped: Any, rng: Any) -> tuple:
+        w, layer, depth, survives, out = _event(layers, bottom, w, layer, depth, rng)
+        escaped = dr.select(alive & out, 1, escaped)
+        return alive & survives & ~out, w, layer, depth, escaped, rng
+
+    return dr.while_loop(
+        state=(alive & inside, w, layer, depth, escaped, rng),
+        cond=lambda alive, *_: alive,
+        body=body,
+        labels=("alive", "w", "layer", "depth", "escaped", "rng"),
+        label="analog walk",
+    )[4]
+
+
+def _event(layers: Any, bottom: Bottom, w: Any, layer: Any, depth: Any, rng: Any) -> tuple:
+    """Fly to the next event and scatter; returns (w, layer, depth, survives, escaped)."""
+    albedo, sigma_t, g = layers.medium(layer)
+    down = w.z < 0
+    to_boundary = dr.select(down, 1 - depth, depth) / dr.abs(w.z)
+    flight = -dr.log(1 - rng.next_float32()) / sigma_t
+    collides = flight < to_boundary
+    collision = dr.clip(depth - flight * w.z, 0, 1)
+    at_bottom = ~collides & down & (layer == layers.count - 1)
+
+    cos_theta = phase.sample_hg_cosine(g, rng.next_float32())
+    scattered = from_cosine(w, cos_theta, 2 * dr.pi * rng.next_float32())
+    survives = rng.next_float32() < albedo
+
+    u = rng.next_float32(), rng.next_float32(), rng.next_float32()
+    bounced, weight, _ = bottom.sample(-w, *u)
+    kept = (rng.next_float32() < weight) & (bounced.z > 0)
+
+    index = dr.minimum(dr.select(down, layer + 1, layer), layers.count - 1)
+    alpha, eta = layers.interface(index)
+    crossed, passes = _cross(w, alpha, dr.select(down, eta, 1 / eta), rng)
+
+    w = dr.select(collides, scattered, dr.select(at_bottom, bounced, crossed))
+    survives = dr.select(collides, survives, dr.select(at_bottom, kept, passes))
+    rises = w.z > 0
+    at_interface = ~collides & ~at_bottom
+    escaped = at_interface & (index == 0) & rises & survives
+    # Above interface i lies layer i - 1, whose bottom it is; below it lies the top of layer i.
+    layer = dr.select(at_interface, dr.select(rises & ~escaped, index - 1, index), layer)
+    depth = dr.select(collides, collision, dr.select(at_bottom | rises, 1, 0))
+    return w, layer, depth, survives, escaped
+
+
+def _cross(w: Any, alpha: Any, eta: Any, rng: Any) -> tuple[Any, Any]:
+    """Reflect or refract propagation direction w at an interface; returns (w, survives).
+
+    `eta` is the index of the far side relative to the near side.
+    """
+    side = dr.select(w.z < 0, type(w.z)(1), -1)
+    near = type(w)(-w.x, -w.y, dr.abs(w.z))  # w reversed, in a frame where it comes from above
+    m = microfacet.sample_visible_normal(near, alpha, rng.next_float32(), rng.next_float32())
+    cos_m = dr.dot(near, m)
+    reflectance, cos_t = fresnel.dielectric(cos_m, eta)
+    mirrored = rng.next_float32() < reflectance
+    out = dr.select(mirrored, reflect(near, m), refract(near, m, cos_t, eta))
+    unmasked = rng.next_float32() < microfacet.smith_g1(out, alpha)
+    survives = unmasked & (mirrored == (out.z > 0)) & (out.z != 0)
+    return type(w)(out.x, out.y, out.z * side), survives
