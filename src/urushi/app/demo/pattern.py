@@ -40,7 +40,7 @@ class Placement:
     turn: float
 
 
-def gold(profile: Profile, height: int = 512, *, seed: int = 8) -> np.ndarray:
+def gold(profile: Profile, height: int = 512, *, seed: int = 5) -> np.ndarray:
     """Draw the pattern: how much the gold shows through, texel by texel.
 
     Args:
@@ -79,17 +79,17 @@ def _cover(distance: np.ndarray, soft: float) -> np.ndarray:
 def _drift(rng: np.random.Generator) -> list[Placement]:
     """Blossoms along a breeze that climbs around the body and over the lid."""
     places: list[Placement] = []
-    while len(places) < 24:
+    while len(places) < 22:
         t = rng.uniform()
-        spread = rng.normal(0, 0.06)
-        u = (0.05 + 0.85 * t + 0.5 * spread) % 1.0
-        v = 0.33 + 0.47 * t**1.2 + spread
-        radius = rng.uniform(0.065, 0.15) * (1 - 0.2 * t)
+        spread = rng.normal(0, 0.055)
+        u = 0.12 + 0.66 * t + 0.5 * spread
+        v = 0.36 + 0.42 * t**1.3 + spread
+        radius = rng.choice([0.06, 0.085, 0.12, 0.14]) * (1 - 0.15 * t)
         free = all(
             np.hypot(_wrap(u - p.u) * 2.8, (v - p.v) * 1.8) > 0.97 * (radius + p.radius)
             for p in places
         )
-        if free and v < 0.85:
+        if free and 0.28 < v < 0.81:
             places.append(Placement(u, v, radius, rng.uniform(0, 2 * np.pi)))
     return places
 
@@ -191,7 +191,7 @@ def _dust(
     near = rng.integers(len(blossoms), size=count)
     home = np.array([(p.u, p.v) for p in blossoms])[near]
     u = (home[:, 0] + rng.normal(0, 0.055, count)) % 1.0
-    v = np.clip(home[:, 1] + rng.normal(0, 0.06, count), 0.1, 0.93)
+    v = np.clip(home[:, 1] + rng.normal(0, 0.06, count).clip(-0.15, 0.12), 0.1, 0.93)
     size = rng.uniform(0.0012, 0.0034, count)
     strength = rng.uniform(0.25, 0.9, count)
     rows = (

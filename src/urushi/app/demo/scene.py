@@ -97,7 +97,7 @@ def _camera(width: int, height: int) -> dict[str, Any]:
 def _sky() -> dict[str, Any]:
     """A dim dusk: cool overhead, warm at the horizon, dark below."""
     elevation = np.linspace(1, -1, 33)[:, None, None]
-    zenith, horizon = np.array([0.25, 0.30, 0.38]), np.array([0.50, 0.40, 0.30])
+    zenith, horizon = np.array([0.16, 0.20, 0.27]), np.array([0.42, 0.33, 0.25])
     colour = horizon + (zenith - horizon) * np.clip(elevation, 0, 1) ** 0.5
     colour = np.broadcast_to(colour * (elevation > -0.1), (33, 64, 3))
     return {
