@@ -1,0 +1,51 @@
+"""Materials of untrained networks: what holds whatever the weights must hold for them."""
+
+import numpy as np
+import pytest
+
+from urushi.material import Material
+from urushi.nets.architecture import Architecture, init
+from urushi.nets.default import default_model, default_path
+from urushi.nets.weights import Model
+
+RGB = np.random.default_rng(41).normal(size=(3, 32)).astype(np.float32)
+
+
+def make_model(seed: int) -> Model:
+    arch = Architecture()
+    params = init(arch, seed)
+    params["decoder.3.weight"] = params["decoder.3.weight"] * 5  # some orders of magnitude in f
+    params["sampler.2.weight"] = params["sampler.2.weight"] * 10
+    return Model.of(arch, params, {})
+
+
+@pytest.fixture(scope="session")
+def model() -> Model:
+    return make_model(0)
+
+
+@pytest.fixture(scope="session")
+def other_model() -> Model:
+    return make_model(1)
+
+
+@pytest.fixture(scope="session")
+def material(model) -> Material:
+    return Material(RGB, model)
+
+
+@pytest.fixture(scope="session")
+def trained() -> Model:
+    """The networks that Urushi ships."""
+    if not default_path().exists():
+        pytest.skip("no trained weights yet")
+    return default_model()
+
+
+@pytest.fixture(scope="session")
+def directions() -> np.ndarray:
+    """1,000 float32 unit vectors over the whole sphere, grazing ones included."""
+    vectors = np.random.default_rng(43).normal(size=(1000, 3))
+    vectors[::10, 2] *= 1e-3
+    vectors /= np.linalg.norm(vectors, axis=1, keepdims=True)
+    return vectors.astype(np.float32)

@@ -1,0 +1,100 @@
+"""Encoding takes every kind of source, gives equal codes for equal BRDFs, and refuses others."""
+
+import numpy as np
+import pytest
+
+from urushi.errors import ParameterError
+from urushi.material import encode as package_encode
+from urushi.material.encode import _adapters, encode, register_adapter
+from urushi.nets.probes import probe_pairs
+from urushi.reference import evaluate
+from urushi.reference.stack import coat, conductor, dielectric, diffuse
+
+
+def test_a_function_and_its_description_encode_alike(model):
+    description = diffuse((0.1, 0.5, 0.9))
+    function = encode(
+        lambda wi, wo: np.tile(np.array([0.1, 0.5, 0.9]) / np.pi, (len(wi), 1)), model
+    )
+    np.testing.assert_allclose(encode(description, model).latents, function.latents, atol=1e-4)
+
+
+@pytest.mark.parametrize(
+    "description", [conductor(0.3, (0.9, 0.5, 0.2)), dielectric(0.2, 1.5), diffuse(0.4)]
+)
+def test_descriptions_have_three_channels(description, model):
+    material = encode(description, model)
+    assert material.latents.shape == (3, 32)
+    by_function = encode(lambda wi, wo: evaluate.f(description, wi, wo), model)
+    assert np.array_equal(material.latents, by_function.latents)
+
+
+def test_a_stack_is_simulated_the_same_every_time(model):
+    stack = coat(conductor(0.3, 0.9), alpha=0.2, eta=1.5, albedo=0.5, sigma_t=1)
+    first = encode(stack, model)
+    assert first.latents.shape == (3, 32)
+    assert first == encode(stack, model)
+
+
+def test_one_channel_functions(model):
+    grey = encode(lambda wi, wo: np.full(len(wi), 0.3), model)
+    column = encode(lambda wi, wo: np.full((len(wi), 1), 0.3), model)
+    assert grey == column and grey.channels == 1
+
+
+def test_objects_with_f_and_materials(material, model, other_model):
+    class Brdf:
+        f = staticmethod(material.f)
+
+    assert encode(material, model) is material
+    assert encode(Brdf(), model) == encode(material.f, model)
+    assert encode(material, other_model).model is other_model
+
+
+def test_registered_adapters_come_first(model):
+    class Foreign:
+        level = 0.25
+
+    with pytest.raises(ParameterError, match="cannot encode Foreign"):
+        encode(Foreign(), model)
+    register_adapter(
+        lambda source: isinstance(source, Foreign),
+        lambda source: lambda wi, wo: np.full((len(wi), 3), source.level),
+    )
+    try:
+        expected = encode(lambda wi, wo: np.full((len(wi), 3), 0.25), model)
+        assert package_encode(Foreign(), model) == expected
+    finally:
+        _adapters.pop()
+
+
+def test_the_source_sees_the_probe_pairs(model):
+    seen = []
+    encode(lambda wi, wo: seen.append((wi, wo)) or np.ones(len(wi)), model)
+    for side, probes in zip(seen[0], probe_pairs(model.arch.probes), strict=True):
+        assert np.array_equal(side, probes)
+
+
+@pytest.mark.parametrize("source", [None, 3.0, "gold", {"type": "diffuse"}, conductor, dict])
+def test_other_things_are_refused(source, model):
+    # `conductor` is a function, but not of two directions: its own error says so.
+    with pytest.raises((ParameterError, TypeError)):
+        encode(source, model)
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        (lambda n: np.ones((n, 3, 1)), "gives shape"),
+        (lambda n: np.ones((n - 1, 3)), "gives shape"),
+        (lambda n: np.ones((n, 0)), "gives shape"),
+        (lambda n: 1.0, "gives shape"),
+        (lambda n: "bright", "no array of numbers"),
+        (lambda n: np.full((n, 3), -1e-3), "negative or not finite"),
+        (lambda n: np.full((n, 3), np.nan), "negative or not finite"),
+        (lambda n: np.full((n, 3), np.inf), "negative or not finite"),
+    ],
+)
+def test_faulty_functions_are_refused(values, words, model):
+    with pytest.raises(ParameterError, match=words):
+        encode(lambda wi, wo: values(len(wi)), model)

@@ -1,0 +1,84 @@
+"""Saved materials come back, know their weights, and hostile files are refused."""
+
+import json
+
+import numpy as np
+import pytest
+import safetensors.numpy
+
+from urushi.errors import FileError
+from urushi.material import load
+
+
+def test_round_trip(material, model, tmp_path):
+    material.save(tmp_path / "a.safetensors")
+    assert load(tmp_path / "a.safetensors", model) == material
+    again = tmp_path / "b.safetensors"
+    load(tmp_path / "a.safetensors", model).save(again)
+    assert again.read_bytes() == (tmp_path / "a.safetensors").read_bytes()
+
+
+def test_other_weights_are_refused_by_name(material, model, other_model, tmp_path):
+    path = tmp_path / "a.safetensors"
+    material.save(path)
+    with pytest.raises(FileError, match="do not belong together") as caught:
+        load(path, other_model)
+    for part in (
+        str(path),
+        model.fingerprint,
+        other_model.fingerprint,
+        "encode the material again",
+    ):
+        assert part in str(caught.value)
+
+
+def test_weights_files_are_no_materials(model, tmp_path):
+    from urushi.nets import weights
+
+    path = tmp_path / "w.safetensors"
+    weights.save(path, model.arch, model.params, {})
+    with pytest.raises(FileError, match="not one of Urushi's materials"):
+        load(path, model)
+
+
+@pytest.mark.parametrize("size", [0, 5, 100, -1])
+def test_truncated_files_are_refused(size, material, model, tmp_path):
+    path = tmp_path / "a.safetensors"
+    material.save(path)
+    path.write_bytes(path.read_bytes()[:size])
+    with pytest.raises(FileError, match="truncated"):
+        load(path, model)
+
+
+@pytest.mark.parametrize(
+    "arrays",
+    [
+        {"codes": np.ones((3, 32), np.float32)},
+        {"latents": np.ones((3, 31), np.float32)},
+        {"latents": np.ones((0, 32), np.float32)},
+        {"latents": np.ones((3, 32), np.float64)},
+        {"latents": np.full((3, 32), np.inf, np.float32)},
+    ],
+)
+def test_damaged_files_are_refused(arrays, model, tmp_path):
+    path = tmp_path / "a.safetensors"
+    text = json.dumps({"kind": "material", "version": 1, "weights": model.fingerprint})
+    path.write_bytes(safetensors.numpy.save(arrays, {"urushi": text}))
+    with pytest.raises(FileError, match="is damaged"):
+        load(path, model)
+
+
+def test_files_of_another_version_are_refused(material, model, tmp_path):
+    path = tmp_path / "a.safetensors"
+    text = json.dumps({"kind": "material", "version": 2, "weights": model.fingerprint})
+    path.write_bytes(safetensors.numpy.save({"latents": material.latents}, {"urushi": text}))
+    with pytest.raises(FileError, match="version 2"):
+        load(path, model)
+
+
+def test_missing_and_unwritable_paths_are_named(material, model, tmp_path):
+    with pytest.raises(FileError, match="there is no material file"):
+        load(tmp_path / "absent.safetensors", model)
+    with pytest.raises(FileError, match="cannot write"):
+        material.save(tmp_path / "absent" / "a.safetensors")
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,121 @@
+"""Coating and blending in the latent space: shapes, channels, identities, bad input."""
+
+import numpy as np
+import pytest
+
+from urushi.errors import ParameterError
+from urushi.material import Material, encode, layer, lerp
+from urushi.material.texture import layer_texels
+from urushi.reference.stack import conductor, dielectric
+
+TOP = dielectric(0.1, 1.5)
+
+
+def test_channels_are_independent(material):
+    coated = layer(TOP, material, albedo=(0.1, 0.5, 0.9), sigma_t=(0, 1, 2), g=(-0.5, 0, 0.5))
+    for channel, (albedo, sigma_t, g) in enumerate([(0.1, 0, -0.5), (0.5, 1, 0), (0.9, 2, 0.5)]):
+        single = Material(material.latents[channel : channel + 1], material.model)
+        alone = layer(TOP, single, albedo=albedo, sigma_t=sigma_t, g=g)
+        # One row or three in a matrix product: float32 sums in another order.
+        np.testing.assert_allclose(coated.latents[channel], alone.latents[0], atol=1e-5)
+
+
+def test_an_empty_medium_has_no_albedo_and_no_g(material):
+    clear = layer(TOP, material, sigma_t=0)
+    assert clear == layer(TOP, material, albedo=0.9, sigma_t=0, g=0.8)
+    assert clear != layer(TOP, material, albedo=0.9, sigma_t=0.1)
+
+
+def test_coats_nest_and_encodable_bottoms_are_encoded(model):
+    gold = conductor(0.2, (0.98, 0.77, 0.34))
+    once = layer(TOP, gold, albedo=0.8, sigma_t=1, model=model)
+    assert once == layer(TOP, encode(gold, model), albedo=0.8, sigma_t=1)
+    assert layer(TOP, once).channels == 3
+
+
+def test_one_channel_grows_to_three(model):
+    grey = Material(np.ones((1, 32)), model)
+    assert layer(TOP, grey, albedo=0.5, sigma_t=1).channels == 1
+    assert layer(TOP, grey, albedo=(0.1, 0.5, 0.9), sigma_t=1).channels == 3
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"albedo": 1.1}, {"albedo": -0.1}, {"sigma_t": -1}, {"sigma_t": np.nan}, {"g": 1},
+        {"g": -1.0}, {"albedo": (0.1, 0.2)}, {"sigma_t": "thick"}, {"sigma_t": np.inf},
+    ],
+)  # fmt: skip
+def test_bad_parameters_are_named(wrong, material):
+    with pytest.raises(ParameterError, match=f"the coat's {next(iter(wrong))}"):
+        layer(TOP, material, **wrong)
+
+
+def test_only_a_dielectric_coats(material):
+    with pytest.raises(ParameterError, match="urushi.dielectric"):
+        layer(conductor(0.1, 0.9), material)
+
+
+def test_three_values_do_not_fit_five_channels(model):
+    wide = Material(np.ones((5, 32)), model)
+    assert layer(TOP, wide, albedo=0.5, sigma_t=1).channels == 5
+    with pytest.raises(ParameterError, match="albedo has three values, but the bottom has 5"):
+        layer(TOP, wide, albedo=(0.1, 0.2, 0.3), sigma_t=1)
+
+
+def test_lerp_is_linear_and_exact_at_its_ends(material):
+    other = layer(TOP, material, albedo=0.5, sigma_t=1)
+    assert lerp(material, other, 0) == material and lerp(material, other, 1) == other
+    half = lerp(material, other, 0.5).latents
+    np.testing.assert_allclose(half, (material.latents + other.latents) / 2, atol=1e-6)
+    mixed = lerp(material, other, (0, 0.5, 1)).latents
+    assert np.array_equal(mixed[0], material.latents[0])
+    assert np.array_equal(mixed[2], other.latents[2])
+
+
+def test_lerp_of_one_and_three_channels(material, model):
+    assert lerp(material, Material(np.ones((1, 32)), model), 0.5).channels == 3
+
+
+def test_lerp_refuses_strangers(material, model, other_model):
+    with pytest.raises(ParameterError, match="different weights"):
+        lerp(material, Material(material.latents, other_model), 0.5)
+    with pytest.raises(ParameterError, match="encode it into a Material"):
+        lerp(material, conductor(0.1, 0.9), 0.5)
+    with pytest.raises(ParameterError, match="does not fit"):
+        lerp(material, Material(np.ones((2, 32)), model), 0.5)
+
+
+@pytest.mark.parametrize("t", [-0.1, 1.1, np.nan, (0.1, 0.2), np.zeros((2, 3)), "half"])
+def test_lerp_refuses_bad_shares(t, material):
+    with pytest.raises(ParameterError, match="lerp's t"):
+        lerp(material, material, t)
+
+
+def test_texels_are_coated_like_materials(material, model):
+    # 5 x 4 texels with their own parameters; a chunk boundary would change nothing but rounding.
+    rng = np.random.default_rng(5)
+    albedo, alpha = rng.random((5, 4, 3)), 0.01 + 0.99 * rng.random((5, 4, 1))
+    coated = layer_texels(
+        model, material.latents, alpha=alpha, eta=1.5, albedo=albedo, sigma_t=1, g=0.2
+    )
+    assert coated.shape == (5, 4, 3, 32) and coated.dtype == np.float32
+    single = layer(dielectric(alpha[3, 2, 0], 1.5), material, albedo=albedo[3, 2], sigma_t=1, g=0.2)
+    np.testing.assert_allclose(coated[3, 2], single.latents, atol=1e-5)
+
+
+def test_large_textures_pass_in_chunks(model):
+    z = np.random.default_rng(6).normal(size=(200, 200, 1, 32)).astype(np.float32)
+    sigma_t = np.linspace(0, 8, 40_000).reshape(200, 200, 1)
+    whole = layer_texels(model, z, alpha=0.1, eta=1.5, albedo=0.5, sigma_t=sigma_t, g=0)
+    row = layer_texels(model, z[170], alpha=0.1, eta=1.5, albedo=0.5, sigma_t=sigma_t[170], g=0)
+    np.testing.assert_allclose(whole[170], row, atol=1e-5)
+
+
+def test_textures_refuse_bad_texels_and_shapes(model):
+    z = np.zeros((2, 2, 3, 32), np.float32)
+    good = {"alpha": 0.1, "eta": 1.5, "albedo": 0.5, "sigma_t": 1, "g": 0}
+    with pytest.raises(ParameterError, match="the coat's alpha is 0.005"):
+        layer_texels(model, z, **good | {"alpha": [[[0.1]], [[0.005]]]})
+    with pytest.raises(ParameterError, match="do not fit"):
+        layer_texels(model, z, **good | {"albedo": np.full((5, 2, 3), 0.5)})

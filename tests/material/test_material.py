@@ -1,0 +1,118 @@
+"""A material's f is reciprocal and positive; its pdf, samples and albedo belong together."""
+
+import numpy as np
+import pytest
+
+from urushi.errors import ParameterError
+from urushi.material import Material
+
+UP = np.array([[0.0, 0.6, 0.8]], np.float32)
+
+
+def test_f_is_reciprocal_bit_for_bit(material, directions):
+    wi, wo = directions, np.roll(directions, 1, axis=0)
+    assert np.array_equal(material.f(wi, wo), material.f(wo, wi))
+
+
+def test_f_is_positive_above_and_zero_below_the_horizon(material, directions):
+    wi, wo = directions, np.roll(directions, 1, axis=0)
+    f = material.f(wi, wo)
+    above = (wi[:, 2] > 0) & (wo[:, 2] > 0)
+    assert f.shape == (1000, 3) and f.dtype == np.float32
+    assert (f[above] > 0).all() and np.isfinite(f).all()
+    assert (f[~above] == 0).all() and not above.all()
+    assert (material.pdf(wi, wo)[~above] == 0).all()
+
+
+def test_many_rows_are_the_same_as_few(material):
+    # More rows than one chunk: chunks change nothing but the order of float32 sums.
+    rng = np.random.default_rng(1)
+    wi = rng.normal(size=(70_000, 3))
+    wi[:, 2] = np.abs(wi[:, 2])
+    wi /= np.linalg.norm(wi, axis=1, keepdims=True)
+    wo = wi[::-1]
+    f, pdf = material.f(wi, wo), material.pdf(wi, wo)
+    rows = rng.integers(0, len(wi), 50)
+    np.testing.assert_allclose(f[rows], material.f(wi[rows], wo[rows]), rtol=1e-4)
+    np.testing.assert_allclose(pdf[rows], material.pdf(wi[rows], wo[rows]), rtol=1e-3)
+
+
+def test_samples_come_with_their_density(material, directions):
+    u = np.random.default_rng(2).random((1000, 3))
+    wo, pdf = material.sample(directions, u)
+    assert wo.shape == (1000, 3) and pdf.shape == (1000,) and wo.dtype == pdf.dtype == np.float32
+    assert np.array_equal(pdf, material.pdf(directions, wo))
+    below = directions[:, 2] <= 0
+    assert (pdf[below] == 0).all() and (pdf[~below] > 0).all()
+    np.testing.assert_allclose(np.linalg.norm(wo, axis=1), 1, atol=1e-5)
+
+
+@pytest.mark.parametrize("cos_i", [1.0, 0.6, 0.1])
+def test_albedo_by_quadrature_is_albedo_by_sampling(material, cos_i):
+    # Two independent ways; 100,000 samples, five standard errors and the rule's 0.001.
+    wi = np.array([[np.sqrt(1 - cos_i**2), 0, cos_i]], np.float32)
+    count = 100_000
+    many = np.repeat(wi, count, axis=0)
+    wo, pdf = material.sample(many, np.random.default_rng(3).random((count, 3)))
+    weight = material.f(many, wo) * wo[:, 2:] / pdf[:, None]
+    mean, error = weight.mean(axis=0), weight.std(axis=0) / np.sqrt(count)
+    albedo = material.albedo(wi)[0]
+    assert (np.abs(albedo - mean) < 5 * error + 1e-3 * mean).all()
+
+
+def test_albedo_below_the_horizon_is_zero_and_isotropic(material):
+    wi = np.array([[0.6, 0, 0.8], [0, -0.6, 0.8], [0.6, 0, -0.8]], np.float32)
+    albedo = material.albedo(wi)
+    assert albedo.shape == (3, 3) and (albedo[2] == 0).all()
+    np.testing.assert_allclose(albedo[0], albedo[1], rtol=1e-4)
+
+
+def test_no_directions_are_no_error(material):
+    none = np.zeros((0, 3), np.float32)
+    assert material.f(none, none).shape == (0, 3)
+    assert material.pdf(none, none).shape == (0,)
+    assert material.sample(none, none)[0].shape == (0, 3)
+    assert material.albedo(none).shape == (0, 3)
+
+
+def test_one_channel(model):
+    grey = Material(np.ones((1, 32)), model)
+    assert grey.f(UP, UP).shape == (1, 1) and grey.albedo(UP).shape == (1, 1)
+
+
+def test_a_material_is_a_value(material, model, other_model):
+    same = Material(material.latents.copy(), model)
+    assert same == material and hash(same) == hash(material)
+    assert material != Material(material.latents + 1, model)
+    assert material != Material(material.latents, other_model)
+    with pytest.raises(ValueError, match="read-only"):
+        material.latents[0, 0] = 1
+
+
+@pytest.mark.parametrize(
+    "latents", [np.ones(32), np.ones((3, 31)), np.ones((0, 32)), np.full((3, 32), np.nan)]
+)
+def test_bad_latents_are_refused(latents, model):
+    with pytest.raises(ParameterError, match="latents"):
+        Material(latents, model)
+
+
+@pytest.mark.parametrize(
+    "bad", [UP * 2, np.array([[np.nan, 0, 1]]), UP[0], UP[:, :2], "up", np.zeros((1, 3))]
+)
+def test_bad_directions_are_refused(bad, material):
+    for call in (
+        lambda: material.f(bad, UP),
+        lambda: material.f(UP, bad),
+        lambda: material.pdf(bad, UP),
+        lambda: material.sample(bad, np.zeros((1, 3))),
+        lambda: material.albedo(bad),
+    ):
+        with pytest.raises(ParameterError):
+            call()
+
+
+@pytest.mark.parametrize("u", [np.zeros((2, 3)), np.zeros((1, 2)), [[0, 0, 1.1]], [[0, 0, np.nan]]])
+def test_bad_random_numbers_are_refused(u, material):
+    with pytest.raises(ParameterError, match="^u "):
+        material.sample(UP, u)
