@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
+from zipfile import BadZipFile
 
 import numpy as np
 import tyro
@@ -12,6 +13,9 @@ from urushi.files import atomic_write
 
 #: Polar angles of the printed table, in degrees; negative ones lie on the light's side.
 POLAR_DEGREES = tuple(range(-80, 81, 10))
+#: Angles of incidence at which the albedo is printed, in degrees.
+INCIDENCE_DEGREES = tuple(range(0, 90, 15))
+_HEADS = f"{'red':>21}  {'green':>21}  {'blue':>21}"
 
 
 @dataclass(frozen=True)
@@ -19,7 +23,7 @@ class Simulate:
     """Simulate a layered material without bias: f [1/sr] and its standard error.
 
     The material is described as in Python. Prints a table over the plane of incidence, or takes the
-    directions of a file; --output keeps wi, wo, f and se.
+    directions of a file, or prints the directional albedo; --output keeps the numbers.
 
     Example: urushi simulate "coat(conductor(alpha=0.2, r0=0.9), alpha=0.05, eta=1.5, sigma_t=1)"
     """
@@ -30,8 +34,10 @@ class Simulate:
     """Angle of wi to the normal, in degrees, in [0, 90)."""
     pairs: Path | None = None
     """NPZ file with wi and wo, both (N, 3), to be used in place of the table."""
+    albedo: bool = False
+    """The fraction of light that is reflected, by the angle of incidence, in place of f."""
     walks: int = 4096
-    """Random walks per pair of directions and channel."""
+    """Random walks per pair of directions (or per angle of incidence) and channel."""
     seed: int = 0
     """Seed of the random numbers."""
     output: Annotated[Path | None, tyro.conf.arg(aliases=["-o"])] = None
@@ -41,16 +47,23 @@ class Simulate:
         from urushi.app.describe import describe
 
         description = describe(self.description)
+        if self.albedo:
+            wi = _polar(np.array(INCIDENCE_DEGREES, float))
+            albedo, se = evaluate_albedo(description, wi, walks=self.walks, seed=self.seed)
+            return self._give(albedo_table(albedo, se), wi=wi, albedo=albedo, se=se)
         wi, wo = self._plane() if self.pairs is None else read_pairs(self.pairs)
         f, se = evaluate(description, wi, wo, walks=self.walks, seed=self.seed)
-        if self.output is not None:
-            with atomic_write(self.output) as temporary, temporary.open("wb") as file:
-                np.savez(file, wi=wi, wo=wo, f=f, se=se)
-            print(self.output)
-        elif self.pairs is None:
-            print(table(self.incidence, f, se))
-        else:
-            print(rows(wi, wo, f, se))
+        text = table(self.incidence, f, se) if self.pairs is None else rows(wi, wo, f, se)
+        return self._give(text, wi=wi, wo=wo, f=f, se=se)
+
+    def _give(self, text: str, **arrays: np.ndarray) -> int:
+        """Write the arrays if a file was named, else print the text."""
+        if self.output is None:
+            print(text)
+            return 0
+        with atomic_write(self.output) as temporary, temporary.open("wb") as file:
+            np.savez(file, **arrays)  # type: ignore[arg-type]  # numpy's stub takes no keywords
+        print(self.output)
         return 0
 
     def _plane(self) -> tuple[np.ndarray, np.ndarray]:
@@ -76,14 +89,27 @@ def evaluate(
     return f, np.zeros_like(f)
 
 
+def evaluate_albedo(
+    description: Any, wi: np.ndarray, *, walks: int, seed: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Directional albedo of a stack and its standard error, (N, 3) each."""
+    import urushi
+    from urushi.reference.albedo import albedo
+
+    if not isinstance(description, urushi.Stack):
+        raise ParameterError("--albedo simulates coats; describe a coat(...) of one or more")
+    return albedo(description, wi, walks=walks, seed=seed)
+
+
 def read_pairs(path: Path) -> tuple[np.ndarray, np.ndarray]:
     """The arrays wi and wo of an NPZ file."""
     try:
-        with np.load(path, allow_pickle=False) as archive:
+        # numpy leaves a file open that it cannot read, so it does not get to open it
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as archive:
             return archive["wi"], archive["wo"]
     except KeyError as error:
         raise FileError(f"'{path}' must hold the arrays wi and wo; {error.args[0]}") from error
-    except (OSError, ValueError, EOFError, AttributeError, TypeError) as error:
+    except (OSError, ValueError, EOFError, TypeError, BadZipFile) as error:
         reason = "it does not exist" if not path.exists() else "it is no NPZ file"
         raise FileError(f"cannot read '{path}': {reason}; write it by numpy.savez") from error
 
@@ -93,9 +119,17 @@ def table(incidence: float, f: np.ndarray, se: np.ndarray) -> str:
     lines = [
         f"f [1/sr] ± standard error for light from {incidence:g}°; "
         "the mirror direction is on the positive side",
-        f"{'angle':>6}  {'red':>21}  {'green':>21}  {'blue':>21}",
+        f"{'angle':>6}  {_HEADS}",
     ]
     for angle, values, errors in zip(POLAR_DEGREES, f, se, strict=True):
+        lines.append(f"{angle:>5}°  {_cells(values, errors)}")
+    return "\n".join(lines)
+
+
+def albedo_table(albedo: np.ndarray, se: np.ndarray) -> str:
+    """Albedos as text, one angle of incidence a line."""
+    lines = ["directional albedo ± standard error", f"{'angle':>6}  {_HEADS}"]
+    for angle, values, errors in zip(INCIDENCE_DEGREES, albedo, se, strict=True):
         lines.append(f"{angle:>5}°  {_cells(values, errors)}")
     return "\n".join(lines)
 

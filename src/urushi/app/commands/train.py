@@ -13,19 +13,34 @@ from urushi.app import extras
 class Train:
     """Train the networks by a preset: its data are simulated first, unless they are there.
 
-    A run that was stopped resumes at its last checkpoint, and ends in the same weights.
+    A run that was stopped goes on by --resume, and ends in the same weights.
 
     Example: urushi train --preset quick
     """
 
     preset: str = "quick"
-    """Name of the preset."""
-    output: Annotated[Path, tyro.conf.arg(aliases=["-o"])] = Path("runs")
-    """Folder for data, checkpoints and weights; the preset gets one of its own in it."""
+    """Name of the preset: quick, or smoke to see in half a minute that everything runs."""
+    data: Path | None = None
+    """Data store (.zarr); default: runs/PRESET/data.zarr."""
+    run_folder: Path | None = None
+    """Folder of checkpoints and log; default: runs/PRESET."""
+    output: Annotated[Path | None, tyro.conf.arg(aliases=["-o"])] = None
+    """Weights file to write (.safetensors); default: weights.safetensors in the run folder."""
+    resume: bool = False
+    """Go on from the run folder's checkpoint."""
 
     def run(self) -> int:
         extras.require("train")
-        from urushi.train import loop, presets
+        from urushi.train import loop
 
-        print(loop.train(presets.get(self.preset), self.output / self.preset))
+        model = loop.train(
+            self.preset,
+            data=self.data,
+            out=self.output,
+            run=self.run_folder,
+            resume=self.resume,
+        )
+        for name, value in model.header.get("metrics", {}).items():
+            print(f"{name}  {value:.4g}")
+        print(f"fingerprint  {model.fingerprint}")
         return 0

@@ -1,0 +1,94 @@
+"""`urushi data` and `urushi train` hand over to their floors what the flags say."""
+
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from urushi.app import cli
+
+pytest.importorskip("jax", reason="the extra 'train' is not installed")
+pytest.importorskip("zarr", reason="the extra 'train' is not installed")
+
+from urushi.data.distribution import Extended, Table2
+from urushi.data.spec import DataSpec, Part
+from urushi.data.store import Store
+from urushi.train import loop, presets
+
+
+@pytest.fixture
+def tiny(monkeypatch) -> DataSpec:
+    """A preset's data in the size of a test."""
+    spec = DataSpec(
+        (Part("coated", Table2(1), 3, 8, 2), Part("bare", Extended(0, "diffuse"), 2, 8, 1)),
+        seed=5,
+        shard=2,
+    )
+
+    monkeypatch.setattr(presets, "get", lambda name: SimpleNamespace(data=spec))
+    return spec
+
+
+def test_generate_and_show(tiny, tmp_path, capsys):
+    path = tmp_path / "tiny.zarr"
+    assert cli.main(["data", "generate", "--preset", "tiny", "-o", str(path)]) == 0
+    store = Store.open(path)
+    assert store.missing() == []
+    assert store.spec == tiny
+    assert store.hash() in capsys.readouterr().out
+    assert cli.main(["data", "show", str(path)]) == 0
+    text = capsys.readouterr().out
+    assert "seed 5, 3 of 3 shards done" in text
+    assert "coated: 3 stacks × 8 pairs × 2 walks" in text
+
+
+def test_generate_resumes_to_the_same_store(tiny, tmp_path, capsys):
+    path = tmp_path / "tiny.zarr"
+    for _ in range(2):
+        assert cli.main(["data", "generate", "-o", str(path)]) == 0
+    first, second = capsys.readouterr().out.split("\n")[:2]
+    assert first == second
+
+
+def test_train_hands_the_flags_over(monkeypatch, capsys):
+    seen = {}
+
+    model = SimpleNamespace(header={"metrics": {"E mean": 0.0123}}, fingerprint="0123456789ab")
+
+    def train(preset, **options):
+        seen.update(options, preset=preset)
+        return model
+
+    monkeypatch.setattr(loop, "train", train)
+    flags = ["--preset", "smoke", "--data", "d.zarr", "--run-folder", "r", "-o", "w.safetensors"]
+    assert cli.main(["train", *flags, "--resume"]) == 0
+    assert seen == {
+        "preset": "smoke",
+        "data": Path("d.zarr"),
+        "run": Path("r"),
+        "out": Path("w.safetensors"),
+        "resume": True,
+    }
+    text = capsys.readouterr().out
+    assert "0.0123" in text
+    assert "0123456789ab" in text
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["data", "generate", "--preset", "slow", "-o", "x"], "there is no preset 'slow'"),
+        (["data", "show", "nowhere.zarr"], "nowhere.zarr"),
+        (["train", "--preset", "slow"], "there is no preset 'slow'; choose one of"),
+    ],
+)
+def test_errors(arguments, sentence, capsys):
+    assert cli.main(arguments) == 2
+    assert sentence in capsys.readouterr().err
+
+
+def test_a_missing_extra_is_named(monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, "optax", None)
+    assert cli.main(["train"]) == 2
+    assert "pip install 'urushi[train]'" in capsys.readouterr().err

@@ -1,0 +1,85 @@
+"""`urushi encode` and `urushi layer` make the files that `urushi.load` reads."""
+
+import numpy as np
+import pytest
+
+import urushi
+from urushi.app import cli
+from urushi.app.commands.materials import scalar_or_rgb
+from urushi.nets import default, weights
+from urushi.nets.architecture import Architecture, init
+
+GOLD = "conductor(alpha=0.2, r0=(0.98, 0.77, 0.34))"
+
+
+@pytest.fixture(autouse=True)
+def untrained(monkeypatch, tmp_path):
+    """Untrained networks: what is tested here does not depend on how good they are."""
+    path = tmp_path / "weights" / "untrained.safetensors"
+    path.parent.mkdir()
+    weights.save(path, Architecture(), init(Architecture(), 0), {})
+    monkeypatch.setattr(default, "default_path", lambda: path)
+    default.default_model.cache_clear()
+    yield
+    default.default_model.cache_clear()
+
+
+def test_encode_a_description(tmp_path, capsys):
+    file = tmp_path / "gold.safetensors"
+    assert cli.main(["encode", GOLD, "-o", str(file)]) == 0
+    assert capsys.readouterr().out.strip() == str(file)
+    expected = urushi.encode(urushi.conductor(alpha=0.2, r0=(0.98, 0.77, 0.34)))
+    np.testing.assert_array_equal(urushi.load(file).latents, expected.latents)
+
+
+def test_layer_a_file_and_a_description_alike(tmp_path):
+    gold, coated, other = (tmp_path / f"{name}.safetensors" for name in ("gold", "coated", "other"))
+    flags = ["--alpha", "0.05", "--eta", "1.4", "--albedo", "0.8", "--sigma-t", "0.2", "1", "3"]
+    assert cli.main(["encode", GOLD, "-o", str(gold)]) == 0
+    assert cli.main(["layer", str(gold), *flags, "--g", "-0.2", "-o", str(coated)]) == 0
+    assert cli.main(["layer", GOLD, *flags, "--g", "-0.2", "-o", str(other)]) == 0
+    expected = urushi.layer(
+        urushi.dielectric(0.05, 1.4),
+        urushi.load(gold),
+        albedo=0.8,
+        sigma_t=(0.2, 1, 3),
+        g=-0.2,
+    )
+    np.testing.assert_array_equal(urushi.load(coated).latents, expected.latents)
+    np.testing.assert_array_equal(urushi.load(other).latents, expected.latents)
+
+
+def test_one_value_or_three():
+    assert scalar_or_rgb((0.5,)) == 0.5
+    assert scalar_or_rgb((0.1, 0.2, 0.3)) == (0.1, 0.2, 0.3)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["encode", "scene.xml"], "'scene.xml' is neither a file nor a description"),
+        (["encode", "lacquer(1)"], "is neither a file nor a description"),
+        (["encode", "diffuse(2)"], "reflectance is 2"),
+        (["encode", "diffuse(0.5)", "--bsdf", "wall"], "a description has no BSDFs"),
+        (["layer", "missing.safetensors"], "missing.safetensors"),
+        (["layer", GOLD, "--alpha", "0"], "alpha is 0"),
+        (["layer", GOLD, "--eta", "1"], "eta is 1"),
+        (["layer", GOLD, "--albedo", "0.5", "1.5", "0.5"], "albedo is 1.5"),
+        (["layer", GOLD, "--sigma-t", "-1"], "sigma_t is -1"),
+        (["layer", GOLD, "--g", "nan"], "g is nan"),
+        (["layer", GOLD, "--g", "0.1", "0.2"], "has shape (2,)"),
+    ],
+)
+def test_errors(arguments, sentence, tmp_path, capsys):
+    output = tmp_path / "material.safetensors"
+    assert cli.main([*arguments, "-o", str(output)]) == 2
+    message = capsys.readouterr().err
+    assert sentence in message
+    assert message.count("\n") == 1
+    assert not output.exists()
+
+
+def test_unwritable_output(tmp_path, capsys):
+    (tmp_path / "file").touch()
+    assert cli.main(["encode", GOLD, "-o", str(tmp_path / "file" / "gold.safetensors")]) == 2
+    assert "cannot write" in capsys.readouterr().err

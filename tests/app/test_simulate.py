@@ -1,0 +1,102 @@
+"""`urushi simulate` prints and saves what `urushi.simulate` returns."""
+
+import numpy as np
+import pytest
+
+import urushi
+from urushi.app import cli
+from urushi.app.commands import simulate
+
+COATED = "coat(conductor(alpha=0.3, r0=(0.9, 0.6, 0.3)), alpha=0.2, eta=1.5, sigma_t=1, albedo=0.5)"
+
+
+def coated() -> urushi.Stack:
+    bottom = urushi.conductor(alpha=0.3, r0=(0.9, 0.6, 0.3))
+    return urushi.coat(bottom, alpha=0.2, eta=1.5, sigma_t=1, albedo=0.5)
+
+
+def test_table_of_the_plane_of_incidence(capsys):
+    assert cli.main(["simulate", COATED, "--walks", "256", "--incidence", "20"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert "20°" in lines[0]
+    assert len(lines) == 2 + len(simulate.POLAR_DEGREES)
+
+
+def test_saved_numbers_are_those_of_python(tmp_path):
+    file = tmp_path / "plane.npz"
+    flags = ["--walks", "512", "--seed", "3", "-o", str(file)]
+    assert cli.main(["simulate", COATED, *flags]) == 0
+    with np.load(file) as saved:
+        arrays = dict(saved)
+    f, se = urushi.simulate(coated(), arrays["wi"], arrays["wo"], walks=512, seed=3)
+    np.testing.assert_array_equal(arrays["f"], f)
+    np.testing.assert_array_equal(arrays["se"], se)
+    assert (f > 0).all()
+
+
+def test_the_mirror_direction_has_the_positive_angle(tmp_path):
+    file = tmp_path / "plane.npz"
+    assert cli.main(["simulate", "conductor(0.05, 0.5)", "--incidence", "40", "-o", str(file)]) == 0
+    with np.load(file) as saved:
+        brightest = saved["f"][:, 0].argmax()
+        assert (saved["se"] == 0).all()  # a surface without a coat needs no walk
+    assert simulate.POLAR_DEGREES[brightest] == 40
+
+
+def test_pairs_of_a_file(tmp_path, capsys):
+    pairs, output = tmp_path / "pairs.npz", tmp_path / "values.npz"
+    wi, wo = np.array([[0, 0, 1], [0.6, 0, 0.8]]), np.array([[0, 0.6, 0.8], [0, 0, -1]])
+    np.savez(pairs, wi=wi, wo=wo)
+    assert cli.main(["simulate", "diffuse(0.5)", "--pairs", str(pairs), "-o", str(output)]) == 0
+    with np.load(output) as saved:
+        np.testing.assert_allclose(saved["f"], [[0.5 / np.pi] * 3, [0] * 3], rtol=1e-6)
+    capsys.readouterr()
+    assert cli.main(["simulate", "diffuse(0.5)", "--pairs", str(pairs)]) == 0
+    assert len(capsys.readouterr().out.splitlines()) == 1 + len(wi)
+
+
+def test_albedo_of_a_white_stack_is_one(tmp_path):
+    """No absorption: what enters comes back, but for Smith's masking, little at alpha = 0.05."""
+    file = tmp_path / "albedo.npz"
+    white = "coat(diffuse(1), alpha=0.05, eta=1.3)"
+    assert cli.main(["simulate", white, "--albedo", "--walks", "20000", "-o", str(file)]) == 0
+    with np.load(file) as saved:
+        assert saved["wi"].shape == saved["albedo"].shape == (len(simulate.INCIDENCE_DEGREES), 3)
+        # 3 % allow for masked light; five standard errors for chance
+        np.testing.assert_array_less(np.abs(saved["albedo"] - 1), 0.03 + 5 * saved["se"])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["lacquer"], "cannot read the description 'lacquer'"),
+        (["conductor(alpha=7, r0=0.5)"], "alpha is 7"),
+        (["diffuse(0.5)", "--incidence", "90"], "must be in [0, 90) degrees"),
+        (["diffuse(0.5)", "--incidence", "nan"], "must be in [0, 90) degrees"),
+        ([COATED, "--walks", "1"], "walks is 1"),
+        (["diffuse(0.5)", "--albedo"], "--albedo simulates coats"),
+        (["diffuse(0.5)", "--pairs", "/nowhere.npz"], "it does not exist"),
+        (["diffuse(0.5)", "-o", "/nowhere/f.npz"], "cannot write '/nowhere/f.npz'"),
+    ],
+)
+def test_errors(arguments, sentence, capsys):
+    assert cli.main(["simulate", *arguments]) == 2
+    message = capsys.readouterr().err
+    assert sentence in message
+    assert message.count("\n") == 1
+
+
+def test_bad_pair_files(tmp_path):
+    path = tmp_path / "pairs.npz"
+    path.write_text("no archive")
+    with pytest.raises(urushi.errors.FileError, match="is no NPZ file"):
+        simulate.read_pairs(path)
+    np.savez(path, wi=np.zeros((1, 3)))
+    with pytest.raises(urushi.errors.FileError, match="must hold the arrays wi and wo"):
+        simulate.read_pairs(path)
+    np.savez(path, wi=np.array([{}], dtype=object), wo=np.zeros((1, 3)))  # would need pickle
+    with pytest.raises(urushi.errors.FileError, match="is no NPZ file"):
+        simulate.read_pairs(path)
+    path.write_bytes(path.read_bytes()[:100])
+    with pytest.raises(urushi.errors.FileError, match="is no NPZ file"):
+        simulate.read_pairs(path)
