@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from urushi.app.demo import geometry, pattern, picture, run
+from urushi.app.demo import geometry, pattern, picture, run, scene
 from urushi.errors import FileError, ParameterError
 
 
@@ -101,6 +101,13 @@ def test_the_pattern_closes_around_the_caddy():
     image = pattern.gold(geometry.natsume(), 128)
     steps = np.abs(np.diff(image, axis=1)).mean(axis=0)
     assert np.abs(image[:, 0] - image[:, -1]).mean() <= steps.max()
+
+
+def test_the_lacquer_is_a_valid_coat():
+    depth, albedo = scene.lacquer()
+    assert depth.shape == albedo.shape == (scene.TEXTURE_HEIGHT, 2 * scene.TEXTURE_HEIGHT, 3)
+    assert 0 < depth.min() and depth.max() <= 8, "within what the networks are trained on"
+    assert 0 <= albedo.min() and albedo.max() <= 1
 
 
 def test_tone_curve_is_monotone_and_within_the_display_range():

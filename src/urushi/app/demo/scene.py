@@ -10,9 +10,10 @@ from urushi.app.demo import geometry, pattern
 #: Rows of the pattern's texture.
 TEXTURE_HEIGHT = 512
 
-#: The lacquer's optical depth and albedo over plain ground, and where the gold shows.
-LACQUER_DEPTH, GOLD_DEPTH = np.array([2.2, 5.0, 6.0]), np.array([0.02, 0.08, 0.25])
-LACQUER_ALBEDO, GOLD_ALBEDO = np.array([0.55, 0.10, 0.05]), np.array([0.9, 0.7, 0.5])
+#: Optical depth and albedo of the black lacquer, of the red, and of the thin coat over the gold.
+BLACK = np.array([4.0, 5.0, 6.0]), np.array([0.30, 0.05, 0.03])
+RED = np.array([3.0, 6.0, 6.0]), np.array([0.85, 0.14, 0.05])
+GOLD = np.array([0.03, 0.1, 0.3]), np.array([0.9, 0.7, 0.5])
 
 #: Turn of the caddy that shows the blossoms to the camera [degrees].
 TURN = 105.0
@@ -37,8 +38,8 @@ def scene(bsdf: str, mesh: str, *, width: int = 400, height: int = 400) -> dict[
             "to_world": mi.ScalarTransform4f().scale(40),
             "bsdf": {
                 "type": "roughplastic",
-                "diffuse_reflectance": {"type": "rgb", "value": [0.075, 0.068, 0.062]},
-                "alpha": 0.25,
+                "diffuse_reflectance": {"type": "rgb", "value": [0.032, 0.030, 0.030]},
+                "alpha": 0.12,
             },
         },
         "caddy": {
@@ -52,9 +53,7 @@ def scene(bsdf: str, mesh: str, *, width: int = 400, height: int = 400) -> dict[
 
 def coat(bsdf: str) -> dict[str, Any]:
     """The lacquer: dark and thick, thin over the pattern so that the gold below shines through."""
-    gold = pattern.gold(geometry.natsume(), TEXTURE_HEIGHT)[..., None]
-    depth = LACQUER_DEPTH * (GOLD_DEPTH / LACQUER_DEPTH) ** gold  # layers thin by ratios
-    albedo = LACQUER_ALBEDO + (GOLD_ALBEDO - LACQUER_ALBEDO) * gold
+    depth, albedo = lacquer()
     return {
         "type": bsdf,
         "alpha": 0.05,
@@ -64,6 +63,23 @@ def coat(bsdf: str) -> dict[str, Any]:
         "g": 0.0,
         "bottom": {"type": "roughconductor", "material": "Au", "alpha": 0.22},
     }
+
+
+def lacquer() -> tuple[np.ndarray, np.ndarray]:
+    """Optical depth and albedo of the coat, (H, W, 3) each: black to red to black, then gold.
+
+    Depths are blended by ratios, as layers of lacquer are: one more coat of the brush each time.
+    """
+    profile = geometry.natsume()
+    gold = pattern.gold(profile, TEXTURE_HEIGHT)[..., None]
+    height = profile((np.arange(TEXTURE_HEIGHT) + 0.5) / TEXTURE_HEIGHT)[0][:, 1]
+    red = np.exp(-(((height - 0.42) / 0.30) ** 2))[:, None, None]  # the dawn between black bands
+    depth = np.exp(_blend(gold, _blend(red, *np.log([BLACK[0], RED[0]])), np.log(GOLD[0])))
+    return depth, _blend(gold, _blend(red, BLACK[1], RED[1]), GOLD[1])
+
+
+def _blend(amount: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    return first + (second - first) * amount
 
 
 def _texture(values: np.ndarray) -> dict[str, Any]:
