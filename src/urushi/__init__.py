@@ -63,13 +63,5 @@ def __dir__() -> list[str]:
     return sorted([*globals(), *__all__])
 
 
-def _register_plugins() -> None:
-    try:
-        from urushi.render import register
-    except ImportError:  # being written
-        return
-    register.register()
-
-
 backend.choose_llvm()
-_register_plugins()
+importlib.import_module("urushi.render.register").register()

@@ -1,0 +1,51 @@
+"""The decoder in Dr.Jit: the twin of `nets.decoder`, for several channels that share directions."""
+
+from collections.abc import Sequence
+
+import drjit as dr
+import numpy as np
+
+from urushi.nets.decoder import MAX_LOG, MIN_LOG
+from urushi.nets.weights import Model
+from urushi.render import network
+
+
+class Decoder:
+    """f [1/sr] from a model's latent codes, given as such or as their first layer's share.
+
+    A constant material multiplies its latent code with the first layer once, on the host
+    (`first_layer`); a textured one does so at every evaluation.
+    """
+
+    def __init__(self, model: Model):
+        self._params = model.params
+        self._activation = model.arch.activation
+        weight = model.params["decoder.0.weight"]
+        self._from_latent = weight[: model.arch.latent]
+        self._from_features = weight[model.arch.latent :]
+        self._bias = model.params["decoder.0.bias"]
+
+    def first_layer(self, latents: np.ndarray) -> np.ndarray:
+        """The latents' share of the first layer's pre-activation: (..., 32) -> (..., width)."""
+        return latents @ self._from_latent + self._bias
+
+    def of_first_layer(self, shares: Sequence[Sequence], features: Sequence) -> list:
+        """f of each channel; shares: per channel a list (width) of Dr.Jit floats."""
+        zeros = [0.0] * len(self._bias)
+        common = network.dense(features, self._from_features, zeros)
+        return [
+            network.compiled_once(self._rest, *(a + b for a, b in zip(common, share, strict=True)))
+            for share in shares
+        ]
+
+    def of_latents(self, latents: Sequence[Sequence], features: Sequence) -> list:
+        """f of each channel; latents: per channel a list (32) of Dr.Jit floats."""
+        return [network.compiled_once(self._whole, *z, *features) for z in latents]
+
+    def _rest(self, *first):
+        output = network.hidden_to_output(self._params, "decoder", first, self._activation)[0]
+        return dr.exp(dr.clip(output, MIN_LOG, MAX_LOG))
+
+    def _whole(self, *inputs):
+        weight = np.concatenate([self._from_latent, self._from_features])
+        return self._rest(*network.dense(inputs, weight, self._bias.tolist()))

@@ -1,0 +1,77 @@
+"""The plugin `neural_brdf`: a material that was saved as latent codes."""
+
+import mitsuba as mi
+
+from urushi.errors import ParameterError
+from urushi.material import load
+from urushi.render.latents import ConstantLatents
+from urushi.render.neural_bsdf import read_model, resolve
+from urushi.render.parameters import describe
+
+
+def define(base: type) -> type:
+    """Make the plugin's class in the current variant; base: `neural_bsdf.define`'s class."""
+
+    class NeuralBRDF(base):
+        """A saved material (``neural_brdf``).
+
+        ============== ===================== ====================================================
+        filename       string                File that ``urushi.Material.save`` wrote, relative to
+                                             the scene file. (Required)
+        weights        string                File of the networks that the material was encoded
+                                             with. (Default: those that Urushi ships)
+        latents        tensor                The latent codes (channels, 32); exposed by
+                                             ``mi.traverse``, not a property.
+        ============== ===================== ====================================================
+
+        The material may come from a description, a simulation, a measurement or a function, and
+        may be coated and blended: see ``urushi.encode``, ``urushi.layer`` and ``urushi.lerp``.
+        Reflects on the front side only. Mono variants take the luminance of a material of three
+        channels; spectral variants treat them as bands at 611, 549 and 464 nm, linear in between.
+
+        .. tabs::
+            .. code-tab:: xml
+
+                <bsdf type="neural_brdf">
+                    <string name="filename" value="lacquer.safetensors"/>
+                </bsdf>
+
+            .. code-tab:: python
+
+                'type': 'neural_brdf',
+                'filename': 'lacquer.safetensors'
+
+        After Fan, Wang, Hašan, Yang and Yan, Neural Layered BRDFs, SIGGRAPH 2022.
+        """
+
+        def __init__(self, props):
+            super().__init__(props)
+            where = describe(props)
+            if "filename" not in props:
+                raise ParameterError(
+                    f"{where} has no filename; give the file of a material saved by Material.save"
+                )
+            self._filename = props["filename"]
+            self.model = read_model(props)
+            material = load(resolve(self._filename), self.model)
+            if material.channels not in (1, 3):
+                raise ParameterError(
+                    f"{where}: '{self._filename}' has {material.channels} channels; "
+                    "only materials of one or three can be rendered"
+                )
+            self._tensor = mi.TensorXf(material.latents)
+            self.latents = ConstantLatents(self.model, material.latents)
+
+        def traverse(self, callback):
+            callback.put("latents", self._tensor, mi.ParamFlags.NonDifferentiable)
+
+        def parameters_changed(self, keys):
+            self.latents = ConstantLatents(self.model, self._tensor.numpy())
+
+        def to_string(self):
+            return (
+                f'NeuralBRDF[\n  filename = "{self._filename}",\n  latents = {self.latents},\n'
+                f"  weights = {self.model.fingerprint}\n]"
+            )
+
+    return NeuralBRDF

@@ -1,0 +1,38 @@
+"""What `neural_brdf` and `neural_layered` share: a Mitsuba BSDF that evaluates latent codes."""
+
+import mitsuba as mi
+
+from urushi.nets import weights
+from urushi.nets.default import default_model
+from urushi.nets.weights import Model
+from urushi.render import spectrum
+from urushi.render.latents import ConstantLatents, TexturedLatents
+
+
+def read_model(props: "mi.Properties") -> Model:
+    """The networks that the property `weights` names, else the shipped ones."""
+    path = props.get("weights", "")
+    return weights.load(resolve(path)) if path else default_model()
+
+
+def resolve(path: str) -> str:
+    """Find a file as Mitsuba does: relative to the scene file, then to the working folder."""
+    return str(mi.file_resolver().resolve(path))
+
+
+def define(base: type) -> type:
+    """Make the class in the current variant; base: `mixture_bsdf.define`'s class."""
+
+    class NeuralBSDF(base):
+        """A BRDF given by latent codes; subclasses set `model` and `latents`."""
+
+        model: Model
+        latents: ConstantLatents | TexturedLatents
+
+        def _f(self, ctx, si, wo, active):
+            return spectrum.from_channels(self.latents.f(si, wo, active), si.wavelengths)
+
+        def _mixture(self, si, active):
+            return self.latents.mixture(si, active)
+
+    return NeuralBSDF

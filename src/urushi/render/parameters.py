@@ -1,0 +1,165 @@
+"""What `layered` and `neural_layered` are given: a coat's parameters and the BSDF under it."""
+
+from typing import NamedTuple
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from urushi import checks
+from urushi.errors import ParameterError
+from urushi.render import ior, spectrum
+
+#: A coat's parameters that may be textures, and their values when they are not given.
+DEFAULTS = {"alpha": 0.1, "albedo": 0.0, "sigma_t": 0.0, "g": 0.0}
+_CHECKS = {
+    "alpha": checks.alpha,
+    "albedo": checks.albedo,
+    "sigma_t": checks.sigma_t,
+    "g": checks.g,
+}
+
+
+class CoatValues(NamedTuple):
+    """A coat at a point: alpha a Dr.Jit float, the others spectra."""
+
+    alpha: "mi.Float"
+    albedo: "mi.Spectrum"
+    sigma_t: "mi.Spectrum"
+    g: "mi.Spectrum"
+
+
+class CoatParameters:
+    """A coat as it is read from a plugin's properties: textures, and the relative index `eta`."""
+
+    def __init__(self, props: "mi.Properties"):
+        self.where = describe(props)
+        self.textures = {name: self._texture(props, name) for name in DEFAULTS}
+        int_ior = ior.read(props, "int_ior", "bk7", f"{self.where}: int_ior")
+        ext_ior = ior.read(props, "ext_ior", "air", f"{self.where}: ext_ior")
+        if not ext_ior > 0:
+            raise ParameterError(f"{self.where}: ext_ior is {ext_ior:g}; it must be positive")
+        ratio = int_ior / ext_ior
+        self.eta = float(checks.eta(ratio, f"{self.where}: int_ior / ext_ior"))
+
+    def evaluate(self, si, active) -> CoatValues:
+        """The coat's parameters at a surface interaction."""
+        textures = self.textures
+        return CoatValues(
+            textures["alpha"].eval_1(si, active),
+            *(textures[name].eval(si, active) for name in ("albedo", "sigma_t", "g")),
+        )
+
+    def table(self, uv: np.ndarray) -> dict[str, np.ndarray]:
+        """Checked parameters at points uv (M, 2), float32: alpha (M, 1), the others (M, channels).
+
+        Raises:
+            ParameterError: a value is out of range.
+        """
+        si = dr.zeros(mi.SurfaceInteraction3f, len(uv))
+        si.uv = mi.Point2f(np.ascontiguousarray(uv.T, np.float32))
+        spectrum.set_bands(si)
+        values = self.evaluate(si, mi.Bool(True))._asdict()
+        table = {}
+        for name, value in values.items():
+            channels = [value] if name == "alpha" else spectrum.to_channels(value)
+            rows = [np.broadcast_to(channel.numpy(), len(uv)) for channel in channels]
+            # Six digits: 0.01 in single precision is less than 0.01 in double.
+            array = np.stack(rows, axis=-1).astype(np.float64).round(6)
+            checked = _CHECKS[name](array, f"{self.where}: {name}", any_shape=True)
+            table[name] = checked.astype(np.float32)
+        return table
+
+    @property
+    def varying(self) -> list["mi.Texture"]:
+        """The textures that depend on the position."""
+        return [texture for texture in self.textures.values() if is_varying(texture)]
+
+    def traverse(self, callback) -> None:
+        """Show the textures to `mi.traverse`."""
+        for name, texture in self.textures.items():
+            callback.put(name, texture, mi.ParamFlags.NonDifferentiable)
+
+    def __str__(self) -> str:
+        lines = [f"  {name} = {_indent(texture)}" for name, texture in self.textures.items()]
+        return ",\n".join([*lines, f"  eta = {self.eta:g}"])
+
+    def _texture(self, props: "mi.Properties", name: str) -> "mi.Texture":
+        kind = props.type(name) if name in props else None
+        if mi.is_spectral and kind == mi.Properties.Type.Color:
+            color = [float(value) for value in props[name]]
+            if min(color) < 0:
+                raise ParameterError(
+                    f"{self.where}: {name} has a negative channel, which spectral variants cannot "
+                    "represent; give one number"
+                )
+            texture = mi.load_dict(spectrum.from_color(color))
+        else:
+            try:
+                texture = props.get_unbounded_texture(name, DEFAULTS[name])
+            except RuntimeError as error:
+                raise ParameterError(
+                    f"{self.where}: {name} must be a number, a spectrum or a texture"
+                ) from error
+        if name == "alpha" and kind in (mi.Properties.Type.Color, mi.Properties.Type.Spectrum):
+            raise ParameterError(
+                f"{self.where}: alpha must be a number or a texture; all channels share it"
+            )
+        return texture
+
+
+def describe(props: "mi.Properties") -> str:
+    """The plugin's name and, where the user gave one, its id, to begin an error with."""
+    name = props.id()
+    return props.plugin_name() + (f" '{name}'" if name and not name.startswith("__") else "")
+
+
+def nested_bsdf(props: "mi.Properties") -> "mi.BSDF":
+    """The one BSDF among the properties, by whatever name; call this before reading textures.
+
+    (Looking at the objects makes Mitsuba forget which of them were read.)
+
+    Raises:
+        ParameterError: there is none, or more than one.
+    """
+    found = [
+        (name, value)
+        for name, value in props.objects(mark_queried=False)
+        if isinstance(value, mi.BSDF)
+    ]
+    if len(found) != 1:
+        named = ", ".join(f"'{name}'" for name, _ in found)
+        amount = f"{len(found)} nested BSDFs ({named})" if found else "no nested BSDF"
+        raise ParameterError(
+            f"{describe(props)} has {amount}; nest exactly one, the bottom under the coat"
+        )
+    props.mark_queried(found[0][0])
+    return found[0][1]
+
+
+def check_bottom(bsdf: "mi.BSDF", where: str) -> None:
+    """Refuse BSDFs that a coat cannot lie on: they let light through, or are mirrors.
+
+    Raises:
+        ParameterError: the BSDF transmits, or has a delta lobe.
+    """
+    flags, has = bsdf.flags(), mi.has_flag
+    if has(flags, mi.BSDFFlags.Transmission) or has(flags, mi.BSDFFlags.Null):
+        raise ParameterError(
+            f"{where}: the nested BSDF lets light through; a coat needs an opaque bottom"
+        )
+    if has(flags, mi.BSDFFlags.Delta):
+        raise ParameterError(
+            f"{where}: the nested BSDF is perfectly smooth; give its rough variant, such as "
+            "'roughconductor' of alpha 0.01"
+        )
+
+
+def is_varying(texture: "mi.Texture") -> bool:
+    """Whether a texture depends on the position."""
+    # Mesh attributes do, though they deny it.
+    return texture.is_spatially_varying() or texture.class_name() == "MeshAttribute"
+
+
+def _indent(value: object) -> str:
+    return str(value).replace("\n", "\n  ")

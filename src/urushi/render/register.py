@@ -1,0 +1,66 @@
+"""Making the plugins known to Mitsuba, in every variant, whenever it is set."""
+
+from functools import cache
+
+import mitsuba as mi
+
+from urushi import backend
+from urushi.errors import PlatformError
+
+PLUGINS = ("layered", "neural_layered", "neural_brdf")
+
+_registered = False
+
+
+def register() -> None:
+    """Register the plugins in the current variant, if any, and in all that are set later."""
+    global _registered
+    if _registered:
+        return
+    _registered = True
+    mi.detail.add_variant_callback(_on_variant)
+    if mi.variant() is not None:
+        _on_variant(None, mi.variant())
+
+
+def _on_variant(old: str | None, new: str) -> None:
+    """Define the plugins' classes anew: a class belongs to the variant in which it was made."""
+    if new.startswith("llvm"):
+        backend.require_llvm()  # before a kernel is compiled, which an old one would not survive
+    if new.startswith("scalar") or mi.is_polarized:
+        for name in PLUGINS:
+            mi.register_bsdf(name, _refusal(name, new))
+        return
+    from urushi.render import layered, mixture_bsdf, neural_brdf, neural_bsdf, neural_layered
+
+    _teach_encode()
+    mixture = mixture_bsdf.define()
+    neural = neural_bsdf.define(mixture)
+    mi.register_bsdf("layered", layered.define(mixture))
+    mi.register_bsdf("neural_layered", neural_layered.define(neural))
+    mi.register_bsdf("neural_brdf", neural_brdf.define(neural))
+
+
+@cache
+def _teach_encode() -> None:
+    """Let `urushi.encode` take Mitsuba's BSDFs."""
+    from urushi.material.encode import register_adapter
+    from urushi.render import probing
+
+    register_adapter(
+        lambda source: isinstance(source, mi.BSDF),
+        lambda bsdf: lambda wi, wo: probing.read(bsdf, wi, wo, f"encode {type(bsdf).__name__}"),
+    )
+
+
+def _refusal(name: str, variant: str):
+    """A constructor that says which variants work."""
+
+    def refuse(props):
+        raise PlatformError(
+            f"'{name}' does not work in the variant {variant}; choose llvm_ad_rgb, llvm_ad_mono, "
+            "llvm_ad_spectral or their cuda_ad_* counterparts, for instance by "
+            "mi.set_variant('cuda_ad_rgb', 'llvm_ad_rgb')"
+        )
+
+    return refuse
