@@ -3,7 +3,7 @@
 import os
 import subprocess
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import cache
 from pathlib import Path
 
@@ -30,6 +30,49 @@ def oracle(test_data: Path) -> Mapping[str, np.ndarray]:
         pytest.skip(f"'{path}' is missing")
     with np.load(path) as archive:
         return dict(archive)
+
+
+Sphere = Callable[[np.ndarray], np.ndarray]
+
+
+@pytest.fixture(scope="session")
+def sphere_test() -> Callable[[np.ndarray, Sphere], float]:
+    """Pearson's chi-squared test of directions on the sphere: see `sphere_p_value`."""
+    return sphere_p_value
+
+
+def sphere_p_value(samples: np.ndarray, pdf: Sphere, *, cells: int = 24, fine: int = 16) -> float:
+    """The p-value of `samples` (N, 3) having the density `pdf` [1/sr] on the sphere.
+
+    Rows that are NaN are samples that failed; they must be what the density lacks to one. The
+    sphere is cut into `cells` x `cells` of equal solid angle, each integrated on `fine` x `fine`
+    Gauss points; cells that expect fewer than 10 samples are pooled.
+    """
+    from scipy import stats
+
+    count = len(samples)
+    node, weight = np.polynomial.legendre.leggauss(fine)
+    ends = np.add.outer(np.arange(cells), (node + 1) / 2).ravel() / cells
+    z, phi = np.meshgrid(2 * ends - 1, 2 * np.pi * ends - np.pi, indexing="ij")
+    r = np.sqrt(1 - z * z)
+    points = np.stack([r * np.cos(phi), r * np.sin(phi), z], axis=-1).reshape(-1, 3)
+    density = np.asarray(pdf(points.astype(np.float32)), np.float64)
+    blocks = np.einsum("iajb,a,b", density.reshape(cells, fine, cells, fine), weight, weight) / 4
+    expected = (blocks * (4 * np.pi / cells**2) * count).ravel()
+    found = samples[~np.isnan(samples[:, 0])].astype(np.float64)
+    row = np.clip((found[:, 2] + 1) / 2 * cells, 0, cells - 1).astype(int)
+    angle = np.arctan2(found[:, 1], found[:, 0])
+    column = np.clip((angle / np.pi + 1) / 2 * cells, 0, cells - 1).astype(int)
+    observed = np.bincount(row * cells + column, minlength=cells**2).astype(np.float64)
+    expected = np.append(expected, count - expected.sum())
+    observed = np.append(observed, count - len(found))
+    small = expected < 10
+    expected = np.append(expected[~small], expected[small].sum())
+    observed = np.append(observed[~small], observed[small].sum())
+    kept = expected > 1  # a pool of next to nothing has no chi-squared statistics ...
+    assert observed[~kept].sum() <= 10  # ... but must not be filled either
+    chi2 = np.sum((observed[kept] - expected[kept]) ** 2 / expected[kept])
+    return float(stats.chi2.sf(chi2, kept.sum() - 1))
 
 
 @cache
