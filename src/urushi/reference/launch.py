@@ -55,10 +55,9 @@ def average(
             dr.gather(device.Array3f, directions, start),
             stream(device.PCG32, place, seed),
         )
-        value = device.Float64(value)  # float32 would round sums of millions
         sums = dr.block_sum(value, count), dr.block_sum(value * value, count)
         dr.eval(*sums)
-        total += np.stack([x.numpy() for x in sums])
+        total += np.stack([x.numpy().astype(np.float64) for x in sums])
     mean = total[0] / walks
     se = np.sqrt(np.maximum(total[1] / walks - mean * mean, 0) / (walks - 1))
     shape = len(wi), channels
