@@ -127,6 +127,23 @@ def test_the_users_choice_is_respected(machine, monkeypatch):
     assert backend.llvm_status().path == chosen
 
 
+def test_a_missing_libatomic_is_named():
+    """A bare Debian lacks it; Dr.Jit's own error does not say so."""
+    code = (
+        "import ctypes\n"
+        "def missing(name): raise OSError(name)\n"
+        "ctypes.CDLL = missing\n"
+        "import urushi, sys; assert 'mitsuba' not in sys.modules\n"
+        "for use in (urushi.backend.require_llvm, lambda: urushi.simulate):\n"
+        "    try: use()\n"
+        "    except urushi.errors.PlatformError as error: print(error)"
+    )
+    run = _python(code)
+    assert run.returncode == 0, run.stderr
+    sentence = "libatomic.so.1, which Mitsuba needs, was not found; install it"
+    assert run.stdout.count(sentence) == (2 if sys.platform == "linux" else 0)
+
+
 def test_import_chooses_before_drjit_loads():
     _real(at_least=backend.OLDEST)
     code = (
@@ -145,6 +162,20 @@ def test_an_old_library_that_is_already_loaded_is_told():
         "import drjit, urushi; from urushi import backend, errors\n"
         "try: backend.require_llvm()\n"
         "except errors.PlatformError as error: print(error)"
+    )
+    run = _python(code, **{backend.VARIABLE: old})
+    assert run.returncode == 0, run.stderr
+    assert "is too old" in run.stdout
+
+
+@pytest.mark.parametrize("order", ["import urushi, mitsuba as mi", "import mitsuba as mi, urushi"])
+def test_an_old_library_is_refused_when_a_variant_is_set(order):
+    """Dr.Jit would start with LLVM 15, and abort the process at a later kernel."""
+    old = _real(at_least=15, below=backend.OLDEST)
+    code = (
+        f"{order}\n"
+        "try: mi.set_variant('llvm_ad_rgb')\n"
+        "except urushi.errors.PlatformError as error: print(error)"
     )
     run = _python(code, **{backend.VARIABLE: old})
     assert run.returncode == 0, run.stderr

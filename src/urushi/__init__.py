@@ -54,6 +54,7 @@ _HOME = {
 def __getattr__(name: str) -> Any:
     if name not in _HOME:
         raise AttributeError(f"module 'urushi' has no attribute '{name}'")
+    backend.require_drjit()
     value = getattr(importlib.import_module(_HOME[name]), name)
     globals()[name] = value
     return value
@@ -64,4 +65,5 @@ def __dir__() -> list[str]:
 
 
 backend.choose_llvm()
-importlib.import_module("urushi.render.register").register()
+if backend.missing_library() is None:  # else Mitsuba cannot be imported, as `urushi doctor` says
+    importlib.import_module("urushi.render.register").register()

@@ -6,6 +6,7 @@ backend; with 15 and 16 it starts, but the process aborts when a kernel with an 
 they lack is compiled, which no `except` can catch. So the version is read from the outside.
 """
 
+import ctypes
 import glob
 import os
 import re
@@ -22,6 +23,7 @@ VARIABLE = "DRJIT_LIBLLVM_PATH"
 #: The oldest major version that compiles every kernel.
 OLDEST = 17
 
+_LIBATOMIC = "libatomic.so.1"
 _PATTERNS = {
     "linux": (
         "/usr/lib/*-linux-gnu/libLLVM*.so*",
@@ -90,6 +92,31 @@ def choose_llvm() -> None:
         os.environ[VARIABLE] = str(path)
 
 
+@cache
+def missing_library() -> str | None:
+    """The system library that Dr.Jit's wheel is linked to and that is not there, or None.
+
+    Without it, `import drjit` fails with an error that does not name it.
+    """
+    if sys.platform != "linux":
+        return None
+    try:
+        ctypes.CDLL(_LIBATOMIC)
+    except OSError:
+        return _LIBATOMIC
+    return None
+
+
+def require_drjit() -> None:
+    """Raise PlatformError, in one sentence with the cure, if Dr.Jit cannot be imported here."""
+    library = missing_library()
+    if library is not None:
+        raise PlatformError(
+            f"{library}, which Mitsuba needs, was not found; install it "
+            "(Debian: apt install libatomic1)"
+        )
+
+
 def llvm_status() -> LlvmStatus:
     """Find the libLLVM in use, or that would be; loads nothing into this process."""
     named = os.environ.get(VARIABLE)
@@ -109,6 +136,7 @@ def llvm_status() -> LlvmStatus:
 
 def require_llvm() -> None:
     """Raise PlatformError, in one sentence with the cure, unless a fit libLLVM is at hand."""
+    require_drjit()
     status = llvm_status()
     if not status.ok:
         raise PlatformError(status.message)

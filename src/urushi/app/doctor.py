@@ -53,7 +53,7 @@ def examine() -> list[Finding]:
     return [
         _python(),
         _package("mitsuba", (3, 9), (3, 10)),
-        _package("drjit"),
+        _drjit(),
         _llvm(),
         gpu,
         *_variants(VARIANTS if gpu is not _NO_GPU else VARIANTS[:-1]),
@@ -94,6 +94,14 @@ def _package(
     wanted = f">={'.'.join(map(str, oldest))},<{'.'.join(map(str, below))}"
     cure = f"this version does not fit; install another (pip install '{name}{wanted}')"
     return Finding(name, version, None if fits else cure, True)
+
+
+def _drjit() -> Finding:
+    try:
+        backend.require_drjit()
+    except UrushiError as error:
+        return Finding("drjit", _version("drjit") or "missing", str(error), True)
+    return _package("drjit")
 
 
 def _llvm() -> Finding:

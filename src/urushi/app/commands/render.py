@@ -109,6 +109,7 @@ def load_scene(path: Path, definitions: Mapping[str, str], folders: Sequence[Pat
 
 def set_variant(name: str) -> None:
     """Switch Mitsuba to a variant; PlatformError or ParameterError says why it cannot be had."""
+    backend.require_drjit()
     import mitsuba as mi
 
     if name not in mi.variants():
