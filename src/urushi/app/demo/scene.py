@@ -8,12 +8,12 @@ import numpy as np
 from urushi.app.demo import geometry, pattern
 
 #: Rows of the pattern's texture.
-TEXTURE_HEIGHT = 512
+TEXTURE_HEIGHT = 384
 
 #: Optical depth and albedo of the black lacquer, of the red, and of the thin coat over the gold.
 BLACK = np.array([4.0, 5.0, 6.0]), np.array([0.30, 0.05, 0.03])
 RED = np.array([3.0, 6.0, 6.0]), np.array([0.85, 0.14, 0.05])
-GOLD = np.array([0.03, 0.1, 0.3]), np.array([0.9, 0.7, 0.5])
+GOLD = np.array([0.02, 0.05, 0.15]), np.array([0.9, 0.8, 0.6])
 
 #: Turn of the caddy that shows the blossoms to the camera [degrees].
 TURN = 105.0
