@@ -1,0 +1,65 @@
+"""Readers of measured BRDFs: MERL tables and RGL materials."""
+
+import os
+from pathlib import Path
+
+from urushi.errors import FileError, ParameterError
+from urushi.measured import merl, rgl, tensorfile
+from urushi.measured.merl import Merl
+from urushi.measured.rgl import Rgl
+
+__all__ = ["Merl", "Rgl", "load_measured"]
+
+
+def load_measured(path: str | os.PathLike) -> Merl | Rgl:
+    """Read a measured BRDF; what the file holds, not its name, decides how.
+
+    Args:
+        path: a MERL table (Matusik et al. 2003, `.binary`) or an isotropic RGL material, RGB or
+            spectral (Dupuy and Jakob 2018, `.bsdf`).
+
+    Returns:
+        An object whose f(wi, wo) -> (N, 3) is linear RGB [1/sr] without cosine.
+
+    Raises:
+        FileError: the file is missing, unreadable, neither of both, damaged or anisotropic.
+        ParameterError: `path` is no path.
+    """
+    try:
+        source = Path(path)
+    except TypeError as error:
+        raise ParameterError(f"path must be a file's path, not {path!r}") from error
+    try:
+        with source.open("rb") as file:
+            start = file.read(512)
+        if start.startswith(tensorfile.MAGIC):
+            return rgl.read(source)
+        if start.startswith(merl.HEADER):
+            return merl.read(source)
+        raise _foreign(source, start)
+    except FileNotFoundError as error:
+        raise FileError(f"there is no file '{source}'; check the path") from error
+    except OSError as error:
+        if isinstance(error, FileError):
+            raise
+        raise FileError(f"cannot read '{source}': {error.strerror or error}") from error
+    except ValueError as error:  # a path with a null character
+        raise FileError(f"cannot read '{source}': {error}") from error
+
+
+def _foreign(source: Path, start: bytes) -> FileError:
+    """The error for a file that no reader knows, in words that help to see what it is."""
+    text = start.lstrip().lower()
+    if text.startswith((b"<!doctype", b"<html", b"<?xml", b"<head")):
+        return FileError(f"'{source}' is a web page, not a BRDF; download the file itself")
+    size = source.stat().st_size
+    resembles = size == merl.FILE_SIZE or start[:8] == merl.HEADER[:8]
+    if resembles and len(start) >= len(merl.HEADER):
+        return FileError(
+            f"'{source}' has dimensions {merl.dimensions(start)}; a MERL table has 90 x 90 x 180"
+        )
+    return FileError(
+        f"'{source}' ({size} bytes) is neither a MERL table "
+        "(it does not start with the dimensions 90, 90, 180) nor an RGL tensor file; "
+        "check that it was downloaded whole"
+    )

@@ -1,0 +1,161 @@
+"""MERL tables: isotropic BRDFs measured by Matusik et al., "A data-driven reflectance model", 2003.
+
+A `.binary` file is three int32 (90, 90, 180), then planes R, G, B of float64, each indexed by
+(theta_h, theta_d, phi_d) and to be multiplied by 1/1500, 1.15/1500 and 1.66/1500; little-endian.
+
+Bin convention: the database's own reader (BRDFRead.cpp) finds a bin by truncation,
+    i = floor(90 sqrt(theta_h / 90 deg)),  j = floor(theta_d / 1 deg),  k = floor(phi_d / 1 deg),
+so bin i spans [i, i + 1) on its axis and its value belongs to the centre, i + 0.5.
+"""
+
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from urushi.errors import FileError
+from urushi.measured.fill import fill_nearest
+from urushi.measured.hemisphere import evaluate
+from urushi.measured.rusinkiewicz import above_horizon, half_difference_angles
+
+#: Bins along theta_h, theta_d and phi_d.
+SHAPE = (90, 90, 180)
+
+#: What the three planes are multiplied with, to be in 1/sr.
+SCALE = (1 / 1500, 1.15 / 1500, 1.66 / 1500)
+
+#: The first bytes of every MERL file.
+HEADER = np.array(SHAPE, "<i4").tobytes()
+
+#: Size of every MERL file in bytes.
+FILE_SIZE = len(HEADER) + 3 * 8 * SHAPE[0] * SHAPE[1] * SHAPE[2]
+
+
+class Merl:
+    """A BRDF given by a table over half and difference angles; reciprocal and isotropic.
+
+    Evaluation is trilinear between bin centres, along sqrt(theta_h), theta_d and phi_d:
+    - phi_d is periodic over 180 degrees, as reciprocity demands; f(wi, wo) = f(wo, wi) exactly.
+    - Before the first centre of theta_h and theta_d the first bin holds. Reciprocity makes f even
+      about both zeros, so nothing is lost there.
+    - Beyond the last centre, at grazing angles, the last bin holds.
+    - A bin is invalid where any channel is negative (so the database marks what it could not
+      measure: much of what lies beyond about 80 degrees) or where its centre has a direction below
+      the horizon. Invalid bins take the values of the nearest valid bin along theta_d or phi_d,
+      whichever is fewer bins away, so that no mark leaks into its neighbours' interpolation.
+    - f is 0 where a direction is below the horizon.
+    """
+
+    def __init__(self, table: npt.ArrayLike) -> None:
+        """Take a table [1/sr] of shape (90, 90, 180, 3), indexed (theta_h, theta_d, phi_d, RGB).
+
+        Raises:
+            FileError: an entry is not finite, or none is valid.
+        """
+        with np.errstate(over="ignore"):
+            values = np.array(table, np.float32)
+        if values.shape != (*SHAPE, 3):
+            raise FileError(
+                f"a MERL table has shape {(*SHAPE, 3)}, not {values.shape}; "
+                "index it by theta_h, theta_d, phi_d and channel"
+            )
+        if not np.isfinite(values).all():
+            count = int((~np.isfinite(values)).any(-1).sum())
+            raise FileError(
+                f"the MERL table has {count} bins that are not finite; obtain the file again"
+            )
+        valid = (values >= 0).all(-1) & above_horizon(*bin_centres())
+        if not valid.any():
+            raise FileError("the MERL table has no valid bin, all are negative; obtain it again")
+        fill_nearest(values, valid)
+        self._table = values.reshape(-1, 3)
+
+    def f(self, wi: npt.ArrayLike, wo: npt.ArrayLike) -> np.ndarray:
+        """Evaluate.
+
+        Args:
+            wi, wo: (N, 3) unit vectors.
+
+        Returns:
+            float32 (N, 3): linear RGB [1/sr], without cosine, never negative.
+
+        Raises:
+            ParameterError: wrong shapes, or directions that are not unit vectors.
+        """
+        return evaluate(self._interpolate, 3, wi, wo)
+
+    def _interpolate(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        theta_h, theta_d, phi_d = half_difference_angles(wi, wo)
+        half = _between_centres(np.sqrt(theta_h / (np.pi / 2)), SHAPE[0])
+        difference = _between_centres(theta_d / (np.pi / 2), SHAPE[1])
+        turn = _between_centres(phi_d / np.pi, SHAPE[2], periodic=True)
+        result = np.zeros((len(wi), 3))
+        for i, weight_i in half:
+            for j, weight_j in difference:
+                for k, weight_k in turn:
+                    weight = weight_i * weight_j * weight_k
+                    bins = (i * SHAPE[1] + j) * SHAPE[2] + k
+                    result += weight[:, None] * self._table[bins]
+        return result
+
+
+def read(path: Path) -> Merl:
+    """Read a MERL file.
+
+    Raises:
+        FileError: the file has another size than 34,992,012 bytes or another header, or its planes
+            are not finite.
+    """
+    size = path.stat().st_size
+    if size != FILE_SIZE:
+        kind = "truncated" if size < FILE_SIZE else "too long"
+        raise FileError(
+            f"the MERL file '{path}' is {kind} ({size} bytes, not {FILE_SIZE}); obtain it again"
+        )
+    table = np.empty((*SHAPE, 3), np.float32)
+    with path.open("rb") as file:
+        header = file.read(len(HEADER))
+        if header != HEADER:
+            raise FileError(
+                f"'{path}' has dimensions {dimensions(header)}; a MERL table has 90 x 90 x 180"
+            )
+        for channel, scale in enumerate(SCALE):
+            plane = np.fromfile(file, "<f8", SHAPE[0] * SHAPE[1] * SHAPE[2])
+            with np.errstate(all="ignore"):  # what does not fit is refused below, as not finite
+                table[..., channel] = (plane * scale).reshape(SHAPE)
+    try:
+        return Merl(table)
+    except FileError as error:
+        raise FileError(f"cannot use '{path}': {error}") from error
+
+
+def dimensions(header: bytes) -> str:
+    """The dimensions that a header's twelve bytes claim, as text."""
+    return " x ".join(str(n) for n in np.frombuffer(header[:12], "<i4"))
+
+
+def bin_centres() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """theta_h (90, 1, 1), theta_d (1, 90, 1) and phi_d (1, 1, 180) of the bins' centres [rad]."""
+    half, difference, turn = ((np.arange(n) + 0.5) / n for n in SHAPE)
+    return (
+        (half**2 * (np.pi / 2))[:, None, None],
+        (difference * (np.pi / 2))[None, :, None],
+        (turn * np.pi)[None, None, :],
+    )
+
+
+def _between_centres(
+    u: np.ndarray, bins: int, *, periodic: bool = False
+) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Return the two bins whose centres enclose u in [0, 1], each with its weight."""
+    position = u * bins - 0.5
+    if not periodic:
+        position = np.clip(position, 0, bins - 1)
+    lower = np.floor(position).astype(np.intp)
+    weight = position - lower
+    upper = lower + 1
+    if periodic:
+        lower, upper = lower % bins, upper % bins
+    else:
+        upper = np.minimum(upper, bins - 1)
+    return [(lower, 1 - weight), (upper, weight)]

@@ -1,0 +1,125 @@
+"""The container of the RGL database: named arrays in one little-endian "tensor_file".
+
+char[12] "tensor_file\\0", uint8 version[2], uint32 number of fields; then for each field uint16
+length of the name, the name, uint16 number of dimensions, uint8 type, uint64 offset of the data
+from the file's start, uint64 shape[]. (Not Urushi's own files: those are safetensors.)
+"""
+
+import math
+import struct
+from dataclasses import dataclass
+from pathlib import Path
+from typing import BinaryIO
+
+import numpy as np
+
+from urushi.errors import FileError
+
+MAGIC = b"tensor_file\0"
+VERSION = (1, 0)
+
+#: Far more than any file of the database has (11 fields of up to 5 dimensions).
+MOST_FIELDS, MOST_DIMENSIONS = 256, 16
+
+#: The types of numbers, by their codes.
+TYPES = {
+    1: "u1", 2: "i1", 3: "<u2", 4: "<i2", 5: "<u4", 6: "<i4", 7: "<u8", 8: "<i8",
+    9: "<f2", 10: "<f4", 11: "<f8",
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class _Field:
+    name: str
+    dtype: np.dtype
+    shape: tuple[int, ...]
+    start: int
+    end: int
+
+
+def read(path: Path) -> dict[str, np.ndarray]:
+    """Return every array by its name.
+
+    Sizes are checked against the file before anything is allocated: together the arrays are never
+    larger than the file.
+
+    Raises:
+        FileError: no tensor file, another version, truncated, or tensors that repeat a name,
+            overlap, or lie outside the file.
+    """
+    size = path.stat().st_size
+    with path.open("rb") as file:
+        reader = _Reader(file, path, size)
+        if reader.take(len(MAGIC)) != MAGIC:
+            raise FileError(f"'{path}' is no tensor file; its first bytes are not 'tensor_file'")
+        version = reader.unpack("BB")
+        if version != VERSION:
+            raise FileError(
+                f"the tensor file '{path}' has version {version[0]}.{version[1]}; "
+                "only 1.0 can be read"
+            )
+        (count,) = reader.unpack("I")
+        if count > MOST_FIELDS:
+            raise reader.damaged(f"it claims {count} fields")
+        fields = [_field(reader) for _ in range(count)]
+        _check_places(fields, file.tell(), reader)
+        return {field.name: _array(file, field, reader) for field in fields}
+
+
+class _Reader:
+    """Reads the header; running out of the file is a FileError."""
+
+    def __init__(self, file: BinaryIO, path: Path, size: int) -> None:
+        self.file, self.path, self.size = file, path, size
+
+    def take(self, count: int) -> bytes:
+        content = self.file.read(count)
+        if len(content) < count:
+            raise self.damaged("its header is truncated")
+        return content
+
+    def unpack(self, layout: str) -> tuple[int, ...]:
+        return struct.unpack("<" + layout, self.take(struct.calcsize("<" + layout)))
+
+    def damaged(self, what: str) -> FileError:
+        return FileError(
+            f"the tensor file '{self.path}' ({self.size} bytes) is damaged: {what}; obtain it again"
+        )
+
+
+def _field(reader: _Reader) -> _Field:
+    (length,) = reader.unpack("H")
+    name = reader.take(length).decode("utf-8", "replace")[:40]
+    dimensions, code, start = reader.unpack("HBQ")
+    if code not in TYPES:
+        raise reader.damaged(f"its tensor {name!r} has the unknown type {code}")
+    if dimensions > MOST_DIMENSIONS:
+        raise reader.damaged(f"its tensor {name!r} claims {dimensions} dimensions")
+    shape = reader.unpack(f"{dimensions}Q")
+    dtype = np.dtype(TYPES[code])
+    return _Field(name, dtype, shape, start, start + math.prod(shape) * dtype.itemsize)
+
+
+def _check_places(fields: list[_Field], header_end: int, reader: _Reader) -> None:
+    if len({field.name for field in fields}) < len(fields):
+        raise reader.damaged("it names a tensor twice")
+    end, previous = header_end, "the header"
+    for field in sorted(fields, key=lambda field: (field.start, field.end)):
+        if field.end > reader.size:
+            raise reader.damaged(
+                f"its tensor {field.name!r} ends at byte {field.end}, outside of the file"
+            )
+        if field.start < end:
+            raise reader.damaged(f"its tensor {field.name!r} overlaps {previous}")
+        end, previous = field.end, repr(field.name)
+
+
+def _array(file: BinaryIO, field: _Field, reader: _Reader) -> np.ndarray:
+    file.seek(field.start)
+    data = np.fromfile(file, field.dtype, math.prod(field.shape))
+    if data.nbytes < field.end - field.start:
+        raise reader.damaged(f"its tensor {field.name!r} is truncated")
+    try:
+        return data.reshape(field.shape)
+    except ValueError as error:  # no entry, yet a dimension beyond what NumPy can count
+        raise reader.damaged(f"its tensor {field.name!r} has the shape {field.shape}") from error

@@ -1,0 +1,98 @@
+"""Bilinear grids on the unit square that depend on the elevation of wi, and their warps.
+
+As in Mitsuba's Marginal2D (continuous) and the reference code of Dupuy and Jakob, "An adaptive
+parameterization for efficient material acquisition and rendering", 2018.
+"""
+
+import numpy as np
+
+
+class Slices:
+    """Linear interpolation between slices given at increasing parameters, clamped at both ends."""
+
+    def __init__(self, parameters: np.ndarray) -> None:
+        """parameters: (T,), T >= 2, strictly increasing."""
+        self._parameters = parameters.astype(np.float64)
+
+    def find(self, parameter: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Return the two slices around each parameter (N,), each with its weight."""
+        known = self._parameters
+        lower = np.clip(np.searchsorted(known, parameter) - 1, 0, len(known) - 2)
+        gap = known[lower + 1] - known[lower]
+        weight = np.clip((parameter - known[lower]) / gap, 0, 1)
+        return [(lower, 1 - weight), (lower + 1, weight)]
+
+
+class Grid:
+    """Values at the nodes of a regular grid over the unit square, bilinear in between."""
+
+    def __init__(self, values: np.ndarray) -> None:
+        """values: (T, rows, columns, channels); u = (x along columns, y along rows)."""
+        self._values = values
+
+    def evaluate(self, u: np.ndarray, slices: list[tuple[np.ndarray, np.ndarray]]) -> np.ndarray:
+        """Return (N, channels) at u (N, 2) in [0, 1], between the given slices."""
+        rows, columns = self._values.shape[1:3]
+        (column, row), (x, y) = _cell(u, rows, columns)
+        result = np.zeros((len(u), self._values.shape[3]))
+        for s, weight in slices:
+            for j, weight_j in ((row, 1 - y), (row + 1, y)):
+                for i, weight_i in ((column, 1 - x), (column + 1, x)):
+                    result += (weight * weight_j * weight_i)[:, None] * self._values[s, j, i]
+        return result
+
+
+class Warp:
+    """The map that turns a density, bilinear on a grid, into the uniform one.
+
+    First along x given y (the conditional), then along y (the marginal). Between slices the
+    densities and their integrals are interpolated, not the maps.
+    """
+
+    def __init__(self, density: np.ndarray) -> None:
+        """density: (T, rows, columns), not negative, each slice with a positive integral."""
+        density = density.astype(np.float64)
+        along_x = _integrate(density)  # (T, rows, columns)
+        along_y = _integrate(along_x[..., -1])  # (T, rows)
+        total = along_y[:, -1]
+        self._density = density / total[:, None, None]
+        self._conditional = along_x / total[:, None, None]
+        self._marginal = along_y / total[:, None]
+
+    def invert(self, u: np.ndarray, slices: list[tuple[np.ndarray, np.ndarray]]) -> np.ndarray:
+        """Return the uniform point (N, 2) in [0, 1] that the warp takes to u (N, 2)."""
+        rows, columns = self._density.shape[1:]
+        (column, row), (x, y) = _cell(u, rows, columns)
+
+        def at(table: np.ndarray, *index: np.ndarray) -> np.ndarray:
+            return sum(weight * table[(s, *index)] for s, weight in slices)
+
+        def between_rows(table: np.ndarray, i: np.ndarray) -> np.ndarray:
+            return (1 - y) * at(table, row, i) + y * at(table, row + 1, i)
+
+        # Integrals of the density along x up to u, and of what lies below along y.
+        left, right = (between_rows(self._density, i) for i in (column, column + 1))
+        part = between_rows(self._conditional, column) + x * (left + 0.5 * x * (right - left))
+        last = np.full_like(column, columns - 1)
+        whole = between_rows(self._conditional, last)
+        lower, upper = (at(self._conditional, j, last) for j in (row, row + 1))
+        below = at(self._marginal, row) + y * (lower + 0.5 * y * (upper - lower))
+
+        empty = whole <= 0  # no density in this row: any x warps to the same
+        sample = np.stack([part / np.where(empty, 1.0, whole), below], 1)
+        return np.clip(sample, 0, 1)
+
+
+def _integrate(values: np.ndarray) -> np.ndarray:
+    """Integrals from the first node to each along the last axis, of linear pieces of length 1."""
+    result = np.zeros_like(values)
+    np.cumsum(0.5 * (values[..., 1:] + values[..., :-1]), axis=-1, out=result[..., 1:])
+    return result
+
+
+def _cell(u: np.ndarray, rows: int, columns: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return the lower (column, row) of the cell around each u and the position inside of it."""
+    last = np.array([columns - 1, rows - 1])
+    position = np.clip(u, 0, 1) * last
+    cell = np.minimum(position.astype(np.intp), last - 1)
+    return cell.T, (position - cell).T

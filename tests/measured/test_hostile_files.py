@@ -1,0 +1,214 @@
+"""Damaged, foreign and lying files: one sentence each, and no more memory than they warrant."""
+
+import os
+import tracemalloc
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from urushi.errors import FileError, ParameterError
+from urushi.measured import Merl, Rgl, load_measured
+
+BINS = 90 * 90 * 180
+HUGE = 1 << 30
+
+
+def merl_header(*dimensions):
+    return np.array(dimensions, "<i4").tobytes()
+
+
+@pytest.fixture(scope="module")
+def fields(writers):
+    return writers.rgl_fields(np.random.default_rng(0))
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (b"", r"\(0 bytes\) is neither a MERL table .* nor an RGL tensor file"),
+        (b"\x5a", r"\(1 bytes\) is neither"),
+        (b"BRDF, I swear", "is neither"),
+        (b"\n<!DOCTYPE html><html>404</html>", "is a web page"),
+        (b"<html><body>Not found</body></html>", "is a web page"),
+        (merl_header(90, 90, 360) + bytes(80), "has dimensions 90 x 90 x 360"),
+        (merl_header(90, 90, -180) + bytes(80), "has dimensions 90 x 90 x -180"),
+        (merl_header(2**31 - 1, 1, 1) + bytes(80), "is neither"),
+        (merl_header(90, 90, 180), r"is truncated \(12 bytes, not 34992012\)"),
+        (merl_header(90, 90, 180) + bytes(80), r"is truncated \(92 bytes"),
+        (b"tensor_file\0", "its header is truncated"),
+        (b"tensor_file\0\1\0", "its header is truncated"),
+        (b"tensor_file\0\2\0\0\0\0\0", "has version 2.0"),
+        (b"tensor_file\0\1\0\xff\xff\xff\xff", "claims 4294967295 fields"),
+        (b"tensor_file\0\1\0\0\0\0\0", "has no tensor 'description'"),
+        (b"tensor_file\0\1\0\1\0\0\0\xff\xffshort", "its header is truncated"),
+    ],
+)
+def test_a_bad_start_gets_one_sentence(tmp_path, content, message):
+    path = tmp_path / "any.binary"
+    path.write_bytes(content)
+    with pytest.raises(FileError, match=message) as caught:
+        load_measured(path)
+    assert "any.binary" in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("forged", "message"),
+    [
+        ({"rgb": ((1, 4, 3, HUGE, 1), None, None)}, "'rgb' ends at byte .*, outside of the file"),
+        ({"rgb": ((2**63, 2**63), None, None)}, "outside of the file"),
+        ({"rgb": (None, None, 2**64 - 1)}, "outside of the file"),
+        ({"vndf": (None, None, 20)}, "'vndf' overlaps the header"),
+        ({"sigma": (None, None, 500)}, "overlaps"),
+        ({"rgb": (None, 0, None)}, "'rgb' has the unknown type 0"),
+        ({"rgb": (None, 12, None)}, "'rgb' has the unknown type 12"),
+        ({"rgb": (None, 9, None)}, "'rgb' is float16 of shape .* not float32 with 5 dimensions"),
+        ({"rgb": ((1,) * 20, None, None)}, "claims 20 dimensions"),
+        ({"rgb": ((0, 2**64 - 1), None, None)}, "'rgb' (has the|is float32 of) shape"),
+        ({"theta_i": ((2, 2), None, None)}, "'theta_i' is float32 of shape"),
+        ({"theta_i": ((3,), None, None)}, "shapes do not fit"),
+        ({"ndf": ((1, 8), None, None)}, "shapes do not fit"),
+        ({"jacobian": ((0,), None, None)}, "shapes do not fit"),
+    ],
+)
+def test_a_lying_tensor_header_gets_one_sentence(writers, fields, tmp_path, forged, message):
+    path = tmp_path / "lies.bsdf"
+    path.write_bytes(writers.tensor_file(fields, forge=forged))
+    tracemalloc.start()
+    try:
+        with pytest.raises(FileError, match=message):
+            load_measured(path)
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert peak < 1 << 20
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"rgb": None}, "no tensor 'wavelengths'|no tensor 'spectra'"),
+        ({"vndf": None}, "no tensor 'vndf'"),
+        ({"rgb": np.nan}, "'rgb' has numbers that are not finite"),
+        ({"ndf": np.inf}, "'ndf' has numbers that are not finite"),
+        ({"sigma": 0}, "'sigma', a projected area, is not positive"),
+        ({"ndf": -1}, "'ndf', a density, is negative"),
+        ({"vndf": 0}, "'vndf' has no density at all"),
+        ({"theta_i": 1}, "'theta_i' does not increase"),
+        ({"phi_i": np.zeros(8, np.float32)}, "shapes do not fit"),
+        ({"ndf": np.arange(16, dtype=np.float32).reshape(2, 8)}, "is anisotropic"),
+        ({"spectra": np.ones((1, 4, 3, 8, 8), np.float32)}, "no tensor 'wavelengths'"),
+    ],
+)
+def test_tensors_out_of_range_get_one_sentence(fields, changed, message):
+    wrong = dict(fields)
+    for name, value in changed.items():
+        if value is None:
+            del wrong[name]
+        else:
+            wrong[name] = np.full_like(wrong[name], value) if np.ndim(value) == 0 else value
+    with pytest.raises(FileError, match=message):
+        Rgl(wrong)
+
+
+def test_anisotropic_materials_are_refused(fields):
+    wide = dict(fields, phi_i=np.linspace(0, 3, 5, dtype=np.float32))
+    for name in ("vndf", "luminance", "rgb"):
+        wide[name] = np.repeat(fields[name], 5, axis=0)
+    with pytest.raises(FileError, match=r"anisotropic \(measured at 5 azimuths\), and only iso"):
+        Rgl(wide)
+
+
+@pytest.mark.parametrize("nm", [[500.0, 400.0], [800.0, 900.0], [np.nan, 500.0]])
+def test_bad_wavelengths_are_refused(writers, nm):
+    with pytest.raises(FileError, match="wavelengths"):
+        Rgl(writers.rgl_fields(np.random.default_rng(0), wavelengths=nm))
+
+
+def test_a_tensor_named_twice_is_refused(writers, fields, tmp_path):
+    path = tmp_path / "twice.bsdf"
+    content = writers.tensor_file(dict(fields, phi_j=fields["phi_i"]))
+    path.write_bytes(content.replace(b"phi_j", b"phi_i"))
+    with pytest.raises(FileError, match="names a tensor twice"):
+        load_measured(path)
+
+
+@pytest.mark.parametrize("keep", [0.05, 0.5, 0.9, 0.9999])
+def test_a_truncated_material_is_refused(writers, fields, tmp_path, keep):
+    content = writers.tensor_file(fields)
+    path = tmp_path / "half.bsdf"
+    path.write_bytes(content[: int(keep * len(content))])
+    with pytest.raises(FileError, match="damaged"):
+        load_measured(path)
+
+
+@pytest.mark.parametrize(
+    ("number", "message"),
+    [
+        (np.nan, "has 1458000 bins that are not finite"),
+        (np.inf, "not finite"),
+        (1e300, "not finite"),  # beyond float32
+        (-1.0, "has no valid bin, all are negative"),
+    ],
+)
+def test_tables_without_numbers_are_refused(writers, tmp_path, number, message):
+    path = writers.write_merl(tmp_path / "bad", np.full((BINS, 3), number))
+    with pytest.raises(FileError, match=message):
+        load_measured(path)
+    path.unlink()  # 35 MB
+
+
+def test_sizes_are_exact(tmp_path):
+    path = tmp_path / "long.binary"
+    path.write_bytes(merl_header(90, 90, 180))
+    os.truncate(path, 12 + 24 * BINS + 1)
+    with pytest.raises(FileError, match="is too long"):
+        load_measured(path)
+    path.write_bytes(merl_header(180, 90, 90))
+    os.truncate(path, 12 + 24 * BINS)
+    with pytest.raises(FileError, match="has dimensions 180 x 90 x 90"):
+        load_measured(path)
+    with pytest.raises(FileError, match=r"has shape \(90, 90, 180, 3\), not \(2,\)"):
+        Merl([1, 2])
+
+
+def test_memory_is_in_proportion_to_the_file(writers, fields, tmp_path):
+    path = tmp_path / "large.bsdf"
+    large = writers.rgl_fields(np.random.default_rng(1), size=64, elevations=16)
+    path.write_bytes(writers.tensor_file(dict(large)))
+    tracemalloc.start()
+    try:
+        load_measured(path)
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    # The densities' integrals are kept in float64: a few times the file.
+    assert peak < 10 * path.stat().st_size
+
+
+def test_paths_that_are_no_files(tmp_path):
+    with pytest.raises(FileError, match="there is no file '.*missing'; check the path"):
+        load_measured(tmp_path / "missing")
+    with pytest.raises(FileError, match="cannot read"):
+        load_measured(tmp_path)
+    with pytest.raises(FileError, match="null"):
+        load_measured("a\0b")
+    with pytest.raises(ParameterError, match="path must be a file's path, not 5"):
+        load_measured(5)
+
+
+def test_directions_are_checked(fields):
+    brdf = Rgl(fields)
+    with pytest.raises(ParameterError, match="unit vector"):
+        brdf.f([[0, 0, 2]], [[0, 0, 1]])
+    with pytest.raises(ParameterError, match="same number"):
+        brdf.f([[0, 0, 1]], [[0, 0, 1], [0, 0, 1]])
+
+
+def test_the_fuzzer_finds_nothing(load_module, tmp_path):
+    fuzzer = load_module(Path(__file__).with_name("fuzz_readers.py"))
+    report = fuzzer.fuzz(tmp_path, seed=0, runs=400)
+    assert report.runs == 400
+    assert report.loaded > 10  # not all mutants die at once
+    assert report.corpus > 20  # new lines of the readers were found

@@ -1,0 +1,161 @@
+"""MERL tables: exact at bin centres, reciprocal, and no invalid bin leaks."""
+
+import sys
+
+import numpy as np
+import pytest
+
+from urushi.measured import Merl, hemisphere, load_measured
+from urushi.measured.fill import fill_nearest
+from urushi.measured.rusinkiewicz import half_difference_angles
+
+ALPHA = 0.3
+COLOUR = np.array([0.9, 0.5, 0.2])
+
+
+def lambert_and_ggx(wi, wo):
+    """A diffuse base under a GGX lobe with Schlick's Fresnel term: smooth, and written anew."""
+    h = wi + wo
+    h /= np.linalg.norm(h, axis=1, keepdims=True)
+    i, o, n, d = wi[:, 2], wo[:, 2], h[:, 2], (wi * h).sum(1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        density = ALPHA**2 / (np.pi * (n**2 * (ALPHA**2 - 1) + 1) ** 2)
+        shadow = [2 / (1 + np.sqrt(1 + ALPHA**2 * (1 / c**2 - 1))) for c in (i, o)]
+        lobe = density * shadow[0] * shadow[1] / (4 * i * o) * (0.04 + 0.96 * (1 - d) ** 5)
+    return COLOUR / np.pi + lobe[:, None]
+
+
+@pytest.fixture(scope="module")
+def analytic(writers, tmp_path_factory):
+    """The analytic BRDF through a file, with -1 for all that has a direction beyond 85 degrees."""
+    wi, wo = writers.merl_directions()
+    rgb = lambert_and_ggx(wi, wo)
+    missing = np.minimum(wi[:, 2], wo[:, 2]) < np.cos(np.radians(85))
+    rgb[missing] = -1
+    path = tmp_path_factory.mktemp("merl") / "any_name.txt"
+    brdf = load_measured(writers.write_merl(path, rgb))
+    path.unlink()  # 35 MB
+    return brdf
+
+
+def test_the_value_at_a_bin_centre_is_that_of_the_bin(writers, analytic):
+    wi, wo = writers.merl_directions()
+    valid = np.minimum(wi[:, 2], wo[:, 2]) > np.cos(np.radians(84))
+    rows = np.random.default_rng(0).choice(np.flatnonzero(valid), 20000, replace=False)
+    # Directions are float32, so that the smallest half angles (5e-5) are known to 1e-3 of a bin.
+    np.testing.assert_allclose(
+        analytic.f(wi[rows], wo[rows]), lambert_and_ggx(wi[rows], wo[rows]), rtol=1e-4
+    )
+
+
+def test_between_centres_it_agrees_with_the_analytic_brdf(analytic, random_directions):
+    wi, wo = random_directions(20000, 1, 0.2), random_directions(20000, 2, 0.2)
+    expected = lambert_and_ggx(wi.astype(float), wo.astype(float))
+    # Linear interpolation is off by (step / width)^2 / 8 times a number of order 1: steps of up to
+    # 2 degrees, a lobe 17 degrees wide: 0.2 %, and more where Schlick's fifth power rises.
+    error = np.abs(analytic.f(wi, wo) / expected - 1)
+    assert np.median(error) < 1e-3
+    assert error.max() < 0.02
+
+
+def test_reciprocity_is_exact_and_turning_changes_nothing(analytic, random_directions):
+    wi, wo = random_directions(5000, 3), random_directions(5000, 4)
+    wi[0], wo[0] = (0, 0, 1), (0, 0, 1)
+    f = analytic.f(wi, wo)
+    np.testing.assert_array_equal(f, analytic.f(wo, wi))
+    turn = np.array([[0.6, 0.8, 0], [-0.8, 0.6, 0], [0, 0, 1]])
+    # Rounding of the turned float32 directions, where f is steepest.
+    np.testing.assert_allclose(analytic.f(wi @ turn, wo @ turn), f, rtol=1e-3)
+
+
+def test_below_the_horizon_f_is_zero(analytic):
+    up, down, level = (0.6, 0, 0.8), (0.6, 0, -0.8), (1, 0, 0)
+    wi, wo = np.array([up, down, down, up]), np.array([down, up, down, level])
+    assert not analytic.f(wi, wo).any()
+    assert analytic.f(np.zeros((0, 3)), np.zeros((0, 3))).shape == (0, 3)
+
+
+def test_no_invalid_bin_leaks_into_a_constant_brdf(writers, tmp_path, random_directions):
+    wi, wo = writers.merl_directions()
+    rng = np.random.default_rng(5)
+    rgb = np.tile(COLOUR, (len(wi), 1))
+    rgb[np.minimum(wi[:, 2], wo[:, 2]) < 0.17] = -1  # beyond 80 degrees, and below the horizon
+    rgb[rng.random(len(rgb)) < 0.3, 1] = -1  # one negative channel is enough
+    rgb[(wi[:, 2] <= 0) | (wo[:, 2] <= 0)] = 1e6  # not marked, and still not used
+    brdf = load_measured(writers.write_merl(tmp_path / "constant", rgb))
+    f = brdf.f(random_directions(50000, 6), random_directions(50000, 7))
+    # Seen up to the horizon, rounded to float32.
+    np.testing.assert_allclose(f, np.broadcast_to(COLOUR, f.shape), rtol=1e-6)
+
+
+def test_phi_d_closes_after_half_a_turn(writers):
+    phi_d = (np.arange(180) + 0.5) * np.pi / 180
+    table = np.ones((90, 90, 180, 3)) * (2 + np.sin(2 * phi_d))[:, None]
+    angles = np.full(3, 0.4), np.full(3, 0.5), np.array([-1e-4, 0.0, np.pi - 1e-4])
+    f = Merl(table).f(*writers.directions(*angles))[:, 0]
+    assert f[0] == pytest.approx(f[2], rel=1e-6)
+    assert f == pytest.approx(2, abs=5e-4)  # sin: slope 2 times 1e-4, and no jump
+
+
+def test_the_fill_takes_the_nearest_valid_bin_of_row_or_column():
+    rng = np.random.default_rng(8)
+    values = rng.random((6, 9, 10, 1))
+    valid = rng.random((6, 9, 10)) < 0.4
+    valid[:, :, 0] = True  # something in every row, so that one round suffices
+    filled = values.copy()
+    fill_nearest(filled, valid)
+    assert np.array_equal(filled[valid], values[valid])
+    for i, j, k in np.argwhere(~valid):
+        distances = [(abs(a - j), values[i, a, k, 0]) for a in range(9) if valid[i, a, k]]
+        for b in range(10):
+            if valid[i, j, b]:
+                distances.append((min(abs(b - k), 10 - abs(b - k)), values[i, j, b, 0]))
+        nearest = min(distance for distance, _ in distances)
+        assert filled[i, j, k, 0] in [value for d, value in distances if d == nearest]
+
+
+def test_a_single_valid_bin_fills_everything():
+    values = np.full((4, 5, 6, 3), -1.0)
+    valid = np.zeros((4, 5, 6), bool)
+    values[2, 3, 1], valid[2, 3, 1] = 0.25, True
+    fill_nearest(values, valid)
+    assert (values == 0.25).all()
+
+
+def test_angles_of_directions_from_angles(writers):
+    rng = np.random.default_rng(9)
+    theta_h, theta_d = 10 ** rng.uniform(-6, 0, 1000), rng.uniform(0.01, 0.5, 1000)
+    phi_d = rng.uniform(0.01, 3.13, 1000)
+    angles = half_difference_angles(*writers.directions(theta_h, theta_d, phi_d))
+    # Rounding of unit vectors is 1e-16, which turns the frame of a small theta_h.
+    for angle, expected in zip(angles, (theta_h, theta_d, phi_d), strict=True):
+        np.testing.assert_allclose(angle, expected, rtol=1e-8, atol=1e-9)
+
+
+def test_chunks_do_not_change_the_result(analytic, random_directions, monkeypatch):
+    wi, wo = random_directions(1000, 10), random_directions(1000, 11)
+    whole = analytic.f(wi, wo)
+    monkeypatch.setattr(hemisphere, "CHUNK", 100)
+    np.testing.assert_array_equal(analytic.f(wi, wo), whole)
+
+
+def test_a_table_from_a_network_agrees_with_the_network(
+    test_data, tool, writers, tmp_path, monkeypatch
+):
+    name = "gold-metallic-paint"
+    monkeypatch.setattr(sys, "argv", ["merl_from_nbrdf.py", str(tmp_path), name])
+    tool.main()
+    brdf = load_measured(tmp_path / f"{name}.binary")
+    rng = np.random.default_rng(12)
+    theta_h, theta_d = rng.uniform(0.05, 1.2, 20000), rng.uniform(0.05, 1.2, 20000)
+    phi_d = rng.uniform(0, np.pi, 20000)
+    wi, wo = writers.directions(theta_h, theta_d, phi_d)
+    inside = np.minimum(wi[:, 2], wo[:, 2]) > 0.1
+    h = np.stack([np.sin(theta_h), 0 * theta_h, np.cos(theta_h)], 1)
+    d = np.stack([
+        np.sin(theta_d) * np.cos(phi_d), np.sin(theta_d) * np.sin(phi_d), np.cos(theta_d)
+    ], 1)  # fmt: skip
+    with np.load(tool.FITS) as fits:
+        expected = tool.network(fits[name], np.concatenate([h, d], 1))
+    error = np.abs(brdf.f(wi, wo) - expected)[inside].sum() / expected[inside].sum()
+    assert error < 0.01  # linear interpolation, steps of 1 to 2 degrees

@@ -1,0 +1,141 @@
+"""RGL materials: parity with Mitsuba's own plugin, isotropy, near reciprocity, colour."""
+
+import numpy as np
+import pytest
+
+from urushi.measured import Rgl, load_measured
+from urushi.measured.colour import srgb_weights
+from urushi.measured.rgl import LEAST_COSINE
+
+NAMES = [
+    "aurora_white", "cc_green_malachite", "cc_ibiza_sunset", "chm_mint", "cm_military_green",
+    "ilm_solo_m_68", "irid_flake_paint1", "vch_golden_yellow", "vch_silk_blue",
+]  # fmt: skip
+
+
+@pytest.fixture(params=NAMES)
+def material(request, test_data):
+    path = test_data / "data" / "rgl" / f"{request.param}_rgb.bsdf"
+    if not path.is_file():
+        pytest.skip(f"'{path}' is missing")
+    return path
+
+
+def mitsuba_f_cos(path, wi, wo, wavelengths=None):
+    """Evaluate Mitsuba's plugin `measured`; (N, channels)."""
+    import mitsuba as mi
+
+    bsdf = mi.load_dict({"type": "measured", "filename": str(path)})
+    si = mi.SurfaceInteraction3f()
+    si.wi = mi.Vector3f(*wi.T)
+    if wavelengths is not None:
+        si.wavelengths = mi.Spectrum(*wavelengths)
+    return np.array(bsdf.eval(mi.BSDFContext(), si, mi.Vector3f(*wo.T))).T
+
+
+def assert_close(f_channels, wo, expected):
+    """Compare f cos theta_o, where the cosine is not clamped."""
+    cosine = wo[:, 2:]
+    ours, expected = (a[cosine[:, 0] > LEAST_COSINE] for a in (f_channels * cosine, expected))
+    # Mitsuba computes in float32: its warps are known to about 1e-6 of the square, in which the
+    # mirror-like materials vary by their whole height over a 32nd. A pair right on the border of a
+    # cell of the steepest one can be off by some 1e-3; so small a share as a thousandth may.
+    scale = np.abs(expected) + 1e-3 * np.abs(expected).mean()
+    error = np.abs(ours - expected) / scale
+    assert np.quantile(error, 0.999) < 1e-3
+    assert error.max() < 1e-2
+
+
+def test_rgb_agrees_with_mitsuba(material, random_directions):
+    import mitsuba as mi
+
+    mi.set_variant("llvm_ad_rgb")
+    wi, wo = random_directions(5000, 1), random_directions(5000, 2)
+    brdf = load_measured(material)
+    assert_close(brdf.f_channels(wi, wo), wo, mitsuba_f_cos(material, wi, wo))
+
+
+def test_spectra_agree_with_mitsuba(writers, tmp_path, random_directions):
+    import mitsuba as mi
+
+    mi.set_variant("llvm_ad_spectral")
+    nm = [400.0, 450.0, 520.0, 650.0]
+    path = tmp_path / "made_up.bsdf"
+    fields = writers.rgl_fields(np.random.default_rng(3), wavelengths=nm)
+    path.write_bytes(writers.tensor_file(fields))
+    brdf = load_measured(path)
+    wi, wo = random_directions(2000, 4), random_directions(2000, 5)
+    assert list(brdf.wavelengths) == nm
+    assert_close(brdf.f_channels(wi, wo), wo, mitsuba_f_cos(path, wi, wo, nm))
+
+
+def test_f_is_finite_not_negative_and_turns_freely(material, random_directions):
+    brdf = load_measured(material)
+    wi, wo = random_directions(2000, 6, 0.02), random_directions(2000, 7, 0.02)
+    f = brdf.f(wi, wo)
+    assert f.dtype == np.float32
+    assert np.isfinite(f).all() and (f >= 0).all()
+    turn = np.array([[0.6, 0.8, 0], [-0.8, 0.6, 0], [0, 0, 1]])
+    # Rounding of the turned float32 directions, in the steepest places (see `assert_close`).
+    np.testing.assert_allclose(brdf.f(wi @ turn, wo @ turn), f, rtol=1e-2, atol=1e-3 * f.mean())
+
+
+def test_f_is_the_brdf_without_cosine_as_reciprocity_shows(test_data, random_directions):
+    path = test_data / "data" / "rgl" / "aurora_white_rgb.bsdf"
+    if not path.is_file():
+        pytest.skip(f"'{path}' is missing")
+    brdf = load_measured(path)
+    wi, wo = random_directions(5000, 8, 0.3), random_directions(5000, 9, 0.3)
+    f, turned = brdf.f(wi, wo), brdf.f(wo, wi)
+    # A rough white film. With the cosine left in, exchange would change f by about 30 %.
+    assert np.abs(f - turned).sum() < 0.08 * f.sum()
+
+
+def test_no_material_reflects_more_than_it_receives(material):
+    rng = np.random.default_rng(10)
+    count = 40000
+    r, phi = np.sqrt(rng.random(count)), rng.uniform(0, 2 * np.pi, count)
+    wo = np.stack([r * np.cos(phi), r * np.sin(phi), np.sqrt(1 - r * r)], 1)
+    wi = np.broadcast_to([np.sin(0.5), 0, np.cos(0.5)], wo.shape)
+    values = np.pi * load_measured(material).f(wi, wo)  # cosine-weighted directions
+    error = values.std(0) / np.sqrt(count)
+    assert (values.mean(0) < 1.02 + 4 * error).all()  # calibration: some per cent
+    assert values.mean() > 0.01
+
+
+def test_below_the_horizon_f_is_zero(writers):
+    brdf = Rgl(writers.rgl_fields(np.random.default_rng(0)))
+    up, down, level = (0.6, 0, 0.8), (0.6, 0, -0.8), (1, 0, 0)
+    wi, wo = np.array([up, down, down, up]), np.array([down, up, down, level])
+    assert not brdf.f(wi, wo).any()
+    assert brdf.f(np.zeros((0, 3)), np.zeros((0, 3))).shape == (0, 3)
+    assert (brdf.f([up, (0, 0, 1)], [up, (0, 0, 1)]) > 0).all()
+
+
+def test_a_spectrum_is_seen_as_cie_and_d65_have_it(writers, random_directions):
+    import mitsuba as mi
+
+    mi.set_variant("scalar_spectral")
+    nm = np.arange(360.0, 831.0)
+    d65 = mi.load_dict({"type": "d65"})
+    si = mi.SurfaceInteraction3f()
+    light = np.zeros(len(nm))
+    for i, wavelength in enumerate(nm):
+        si.wavelengths = [wavelength] * 4
+        light[i] = d65.eval(si)[0]
+    observer = np.array([mi.cie1931_xyz(float(x)) for x in nm])
+    spectra = 0.4 + 0.3 * np.sin(np.outer([1, 2, 3, 4], nm / 60))
+    xyz = (spectra * light) @ observer / (light @ observer[:, 1])
+    expected = np.array([mi.xyz_to_srgb(mi.Color3f(*row)) for row in xyz])
+    # Tables every 5 nm on both sides; the matrix has four digits, and its white is off by 1e-3.
+    np.testing.assert_allclose(spectra @ srgb_weights(nm), expected, atol=3e-3)
+
+
+def test_a_constant_spectrum_is_neutral_and_f_is_the_weighted_channels(writers, random_directions):
+    nm = np.linspace(360, 1000, 30)  # also beyond visible light
+    np.testing.assert_allclose(srgb_weights(nm).sum(0), 1, rtol=1e-12)
+    np.testing.assert_allclose(srgb_weights(nm)[nm > 820], 0)
+    brdf = Rgl(writers.rgl_fields(np.random.default_rng(1), wavelengths=nm))
+    wi, wo = random_directions(100, 11), random_directions(100, 12)
+    expected = np.maximum(brdf.f_channels(wi, wo) @ srgb_weights(brdf.wavelengths), 0)
+    np.testing.assert_allclose(brdf.f(wi, wo), expected, rtol=1e-5, atol=1e-7)

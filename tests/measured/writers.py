@@ -1,0 +1,90 @@
+"""Writers of measured files, for the tests: independent of the readers, and willing to lie."""
+
+import struct
+
+import numpy as np
+
+TYPES = {"u1": 1, "i1": 2, "u2": 3, "i2": 4, "u4": 5, "i4": 6, "u8": 7, "i8": 8, "f2": 9}
+TYPES |= {"f4": 10, "f8": 11}
+
+MERL_SCALE = np.array([1.0, 1.15, 1.66]) / 1500.0
+
+
+def merl_directions():
+    """wi, wo (1458000, 3) at the bin centres of a MERL table; z < 0 where below the horizon."""
+    theta_h = ((np.arange(90) + 0.5) / 90) ** 2 * np.pi / 2
+    theta_d = (np.arange(90) + 0.5) * np.pi / 180
+    phi_d = (np.arange(180) + 0.5) * np.pi / 180
+    angles = (a.ravel() for a in np.meshgrid(theta_h, theta_d, phi_d, indexing="ij"))
+    return directions(*angles)
+
+
+def directions(theta_h, theta_d, phi_d):
+    """wi, wo from half and difference angles, with the half vector in the plane y = 0."""
+    d = np.stack([np.sin(theta_d) * np.cos(phi_d), np.sin(theta_d) * np.sin(phi_d)])
+    pair = []
+    for x, y in (d, -d):
+        z = np.cos(theta_d)
+        cos_h, sin_h = np.cos(theta_h), np.sin(theta_h)
+        pair.append(np.stack([cos_h * x + sin_h * z, y, cos_h * z - sin_h * x], 1))
+    return pair
+
+
+def write_merl(path, rgb, dimensions=(90, 90, 180)):
+    """Write rgb (bins, 3) [1/sr] as a MERL file."""
+    with path.open("wb") as file:
+        np.array(dimensions, "<i4").tofile(file)
+        (rgb / MERL_SCALE).T.astype("<f8").tofile(file)
+    return path
+
+
+def tensor_file(fields, *, version=(1, 0), count=None, forge=None):
+    """The bytes of a tensor file with the given arrays.
+
+    forge: maps names to (shape, type code, offset) that the header claims, None for the truth.
+    """
+    header = b"tensor_file\0" + bytes(version)
+    header += struct.pack("<I", len(fields) if count is None else count)
+    claimed = {name: (forge or {}).get(name, (None, None, None)) for name in fields}
+    ranks = [len(claimed[name][0] or np.shape(array)) for name, array in fields.items()]
+    start = len(header) + sum(
+        13 + len(name.encode()) + 8 * rank for name, rank in zip(fields, ranks, strict=True)
+    )
+    data = b""
+    for name, array in fields.items():
+        array = np.asarray(array)
+        shape, code, offset = (
+            truth if claim is None else claim
+            for claim, truth in zip(
+                claimed[name],
+                (array.shape, TYPES[array.dtype.str[1:]], start + len(data)),
+                strict=True,
+            )
+        )
+        encoded = name.encode()
+        header += struct.pack("<H", len(encoded)) + encoded
+        header += struct.pack("<HBQ", len(shape), code, offset)
+        header += struct.pack(f"<{len(shape)}Q", *shape)
+        data += array.tobytes()
+    return header + data
+
+
+def rgl_fields(rng, *, wavelengths=None, size=8, elevations=4):
+    """The tensors of a small, smooth, made-up isotropic material."""
+    smooth = np.linspace(0.5, 1.5, size, dtype=np.float32)
+    channels = 3 if wavelengths is None else len(wavelengths)
+    colour = rng.uniform(0.1, 1, (1, elevations, channels, size, size))
+    fields = {
+        "description": np.frombuffer(b"made up", np.uint8),
+        "phi_i": np.zeros(1, np.float32),
+        "theta_i": np.linspace(0, np.pi / 2, elevations, dtype=np.float32),
+        "ndf": np.tile(smooth[::-1], (2, 1)),
+        "sigma": np.tile(smooth, (2, 1)),
+        "vndf": rng.uniform(0.1, 1, (1, elevations, size, size)).astype(np.float32),
+        "luminance": np.ones((1, elevations, size, size), np.float32),
+        "jacobian": np.ones(1, np.uint8),
+    }
+    if wavelengths is None:
+        return fields | {"rgb": colour.astype(np.float32)}
+    spectral = {"wavelengths": np.asarray(wavelengths, np.float32)}
+    return fields | spectral | {"spectra": colour.astype(np.float32)}
