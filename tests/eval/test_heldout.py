@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 
+import urushi
 from urushi.data.distribution import Extended, Table2
 from urushi.errors import FileError, ParameterError
 from urushi.eval import heldout
@@ -58,6 +59,25 @@ def test_prediction_of_networks_that_answer_zero():
     f = heldout.predict(model, table, wi, wo)
     assert f.shape == wi.shape[:2] and f.dtype == np.float32
     np.testing.assert_array_equal(f, 1)
+
+
+def test_prediction_is_that_of_the_public_functions():
+    """encode, then layer from the lowest coat to the top one, for a stack of two coats."""
+    model = weights.Model.of(SMALL, init(SMALL, 3), {})
+    group = heldout.Group("two coats", Extended(coats=2, bottom="diffuse"), stacks=2)
+    table, wi, wo, _ = heldout.draw(group)
+    f = heldout.predict(model, table, wi, wo)
+    for stack in range(2):
+        made = urushi.encode(urushi.diffuse(float(table.bottom["reflectance"][stack])), model)
+        for coat in (1, 0):
+            alpha, eta, albedo, sigma_t, g = (
+                float(getattr(table, name)[stack, coat])
+                for name in ("alpha", "eta", "albedo", "sigma_t", "g")
+            )
+            top = urushi.dielectric(alpha, eta)
+            made = urushi.layer(top, made, albedo=albedo, sigma_t=sigma_t, g=g)
+        expected = made.f(wi[stack], wo[stack])[:, 0]
+        np.testing.assert_allclose(f[stack], expected, rtol=1e-4)  # float32 in another order
 
 
 def test_report_prints_and_writes_the_same_figures(group, samples, tmp_path, monkeypatch):
