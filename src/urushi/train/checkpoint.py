@@ -70,12 +70,13 @@ def load(path: Path, like: Mapping[str, Checkpoint], identity: Mapping[str, Any]
             "delete it, or choose another run folder"
         )
     beginning = like[description["stage"]]
-    names = [name for name, _ in _named_leaves(beginning)]
-    shapes = {name: leaf.shape for name, leaf in _named_leaves(beginning)}
-    if {name: array.shape for name, array in arrays.items()} != shapes:
+    expected = _named_leaves(beginning)
+    sizes = {name: leaf.size for name, leaf in expected}  # a file has no arrays without axes
+    if {name: array.size for name, array in arrays.items()} != sizes:
         raise FileError(f"'{path}' has other arrays than its preset asks for; delete it")
     structure = jax.tree.structure((beginning.state, beginning.networks))
-    state, networks = jax.tree.unflatten(structure, [jnp.asarray(arrays[name]) for name in names])
+    leaves = [jnp.asarray(arrays[name].reshape(leaf.shape)) for name, leaf in expected]
+    state, networks = jax.tree.unflatten(structure, leaves)
     return Checkpoint(
         description["stage"], description["step"], description["seconds"], state, networks
     )

@@ -1,0 +1,63 @@
+"""A training so small that it takes seconds, on data that every test of this floor shares."""
+
+import jax
+import pytest
+
+from urushi.data.distribution import Extended, Table2
+from urushi.data.generate import generate
+from urushi.data.spec import DataSpec, Part
+from urushi.nets.architecture import Architecture
+from urushi.train.presets import Preset, Schedule, validation
+
+ARCH = Architecture(
+    latent=6, decoder=(16,), encoder=(16,), layerer=(16,), sampler=(8,), lobes=2, probes=24
+)
+
+TINY = Preset(
+    name="tiny",
+    data=DataSpec(
+        parts=(
+            Part("bare", Extended(0, "conductor"), 12, 16, 1),
+            Part("coated", Table2(1), 20, 16, 8),
+            Part("coated-diffuse", Extended(1, "diffuse"), 12, 16, 8),
+            Part("twice", Table2(2), 8, 16, 8),
+            *validation(stacks=8, walks=16),
+        ),
+        seed=5,
+        shard=16,
+    ),
+    networks=Schedule(24, 4, 3e-3, average=0.9, steps_per_call=4, checkpoint_every=8),
+    proposal=Schedule(16, 4, 3e-3, average=0.9, steps_per_call=4, checkpoint_every=8),
+    stacks=(3, 9, 4),
+    pairs=8,
+    arch=ARCH,
+)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def compilation_cache(tmp_path_factory):
+    """Compile each training once, though many tests begin it anew: compiling takes most time."""
+    settings = {
+        "jax_compilation_cache_dir": str(tmp_path_factory.mktemp("compiled")),
+        "jax_persistent_cache_min_compile_time_secs": 0.2,
+    }
+    before = {name: getattr(jax.config, name) for name in settings}
+    for name, value in settings.items():
+        jax.config.update(name, value)
+    yield
+    for name, value in before.items():
+        jax.config.update(name, value)
+
+
+@pytest.fixture(scope="session")
+def tiny() -> Preset:
+    """The preset itself."""
+    return TINY
+
+
+@pytest.fixture(scope="session")
+def tiny_data(tmp_path_factory):
+    """Its data store, generated once."""
+    path = tmp_path_factory.mktemp("tiny") / "data.zarr"
+    generate(TINY.data, path)
+    return path

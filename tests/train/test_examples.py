@@ -1,0 +1,88 @@
+"""Batches: each example once an epoch, whatever the cutting, with what belongs together."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from urushi.data.store import Store
+from urushi.errors import ParameterError
+from urushi.nets.features import coat_features, direction_features
+from urushi.nets.probes import probe_pairs
+from urushi.reference import evaluate
+from urushi.train import examples
+from urushi.train.examples import Batches
+
+
+@pytest.fixture(scope="module")
+def depths(tiny, tiny_data):
+    return examples.load(Store.open(tiny_data), tiny.arch, tiny.pairs)
+
+
+def test_examples_are_grouped_by_the_number_of_coats(depths):
+    assert [len(depth.probes) for depth in depths] == [12, 32, 8]
+    assert [depth.coats.shape[1] for depth in depths] == [0, 1, 2]
+    assert all(depth.runs == 2 for depth in depths)
+
+
+def test_what_belongs_together_stays_together(tiny, tiny_data, depths):
+    store = Store.open(tiny_data)
+    arrays = store.read(tiny.data.parts[3])
+    row, item = 5, 11  # the second run of the sixth stack
+    pairs = slice(8, 16)
+    np.testing.assert_array_equal(depths[2].f[item], arrays["f"][row, pairs])
+    np.testing.assert_array_equal(
+        depths[2].features[item],
+        direction_features(arrays["wi"][row, pairs], arrays["wo"][row, pairs]),
+    )
+    np.testing.assert_allclose(
+        depths[2].coats[row], coat_features(*arrays["coats"][row].T), rtol=1e-6
+    )
+    bottom = {name: arrays["bottom"][[row], k] for k, name in enumerate(("alpha", "r0"))}
+    wi, wo = probe_pairs(tiny.arch.probes)
+    values = evaluate.rows("conductor", bottom, np.zeros(len(wi), np.uint32), wi, wo)
+    np.testing.assert_array_equal(depths[2].probes[row], values)
+
+
+def test_batches_do_not_depend_on_how_the_steps_are_cut(tiny, depths):
+    whole = Batches(depths, tiny.stacks, seed=1).take(0, 40)
+    other = Batches(depths, tiny.stacks, seed=1)
+    pieces = [other.take(start, count) for start, count in ((0, 3), (3, 30), (33, 7))]
+    for name in ("probes", "features", "f"):
+        joined = np.concatenate([getattr(piece, name) for piece in pieces])
+        np.testing.assert_array_equal(getattr(whole, name), joined)
+    np.testing.assert_array_equal(Batches(depths, tiny.stacks, seed=1).take(33, 7).f, pieces[2].f)
+    assert (Batches(depths, tiny.stacks, seed=2).take(0, 40).f != whole.f).any()
+
+
+def test_an_epoch_sees_every_example_once(tiny, depths):
+    # 16 items with two coats, four a step: four steps an epoch; these come first in a batch.
+    taken = Batches(depths, tiny.stacks, seed=1).take(0, 8)
+    for epoch in (slice(0, 4), slice(4, 8)):
+        seen = taken.f[epoch, :4].reshape(16, -1)
+        np.testing.assert_array_equal(np.sort(seen, axis=0), np.sort(depths[2].f, axis=0))
+    assert (taken.f[:4, :4] != taken.f[4:, :4]).any()
+
+
+def test_deeper_stacks_come_first_so_that_each_coat_meets_its_own_stack(tiny, depths):
+    batch = Batches(depths, tiny.stacks, seed=1).take(0, 2)
+    lowest, highest = batch.coats
+    assert lowest.shape == (2, 13, 16)
+    assert highest.shape == (2, 4, 16)
+    for step in range(2):
+        for row in range(4):
+            match = (depths[2].probes == batch.probes[step, row]).all(-1)
+            coats = depths[2].coats[match][0]
+            np.testing.assert_array_equal(coats[1], lowest[step, row])
+            np.testing.assert_array_equal(coats[0], highest[step, row])
+
+
+def test_presets_that_do_not_fit_their_data_get_one_sentence(tiny, tiny_data, depths):
+    with pytest.raises(ParameterError, match="stacks of up to 2 coats, but the preset draws"):
+        Batches(depths, (4, 4), seed=0)
+    with pytest.raises(ParameterError, match="multiple of the 12 that a step sees"):
+        examples.load(Store.open(tiny_data), tiny.arch, 12)
+    store = Store.open(tiny_data)
+    gap = dataclasses.replace(store.spec, parts=store.spec.parts[1:])
+    with pytest.raises(ParameterError, match="without a gap, not of 1, 2"):
+        examples.load(Store(store.path, gap), tiny.arch, tiny.pairs)

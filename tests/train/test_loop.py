@@ -1,0 +1,164 @@
+"""Training as a whole: resumption bit for bit, the weights' header, figures, refusals."""
+
+import dataclasses
+import json
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+from urushi.data.store import Store
+from urushi.errors import FileError, ParameterError
+from urushi.eval import metrics
+from urushi.nets import weights
+from urushi.nets.decoder import decode
+from urushi.nets.encoder import encode
+from urushi.nets.features import direction_features
+from urushi.nets.layerer import layer
+from urushi.train import presets, validation
+from urushi.train.journal import Journal
+from urushi.train.loop import train
+
+
+@pytest.fixture(scope="module")
+def uninterrupted(tiny, tiny_data, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("whole")
+    return train(tiny, data=tiny_data, out=folder / "weights.safetensors", run=folder), folder
+
+
+def log(folder):
+    lines = [json.loads(line) for line in (folder / "log.jsonl").read_text().splitlines()]
+    return [{k: v for k, v in line.items() if k != "seconds"} for line in lines]
+
+
+@pytest.mark.parametrize("saves", [1, 4, 5])
+def test_a_training_that_fails_midway_resumes_to_the_same_bits(
+    saves, uninterrupted, tiny, tiny_data, tmp_path, monkeypatch
+):
+    """Checkpoints: of the networks (three), the change of stage, two of the proposal."""
+    model, folder = uninterrupted
+    save, count = Journal.save, []
+
+    def interrupted(self, point):
+        if len(count) == saves:
+            raise KeyboardInterrupt
+        count.append(point)
+        save(self, point)
+
+    monkeypatch.setattr(Journal, "save", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        train(tiny, data=tiny_data, run=tmp_path)
+    monkeypatch.undo()
+    assert not (tmp_path / "weights.safetensors").exists()
+    resumed = train(tiny, data=tiny_data, run=tmp_path, resume=True)
+    assert resumed.fingerprint == model.fingerprint
+    assert log(tmp_path) == log(folder)
+
+
+def test_a_killed_process_resumes_to_the_same_bits(uninterrupted, tmp_path, tiny, tiny_data):
+    script = (
+        "import sys\n"
+        "sys.path.insert(0, sys.argv[1])\n"
+        "from conftest import TINY\n"
+        "from urushi.train.loop import train\n"
+        "train(TINY, data=sys.argv[2], run=sys.argv[3])\n"
+    )
+    here = str(__file__).rsplit("/", 1)[0]
+    command = [sys.executable, "-c", script, here, str(tiny_data), str(tmp_path)]
+    process = subprocess.Popen(command)
+    deadline = time.monotonic() + 120
+    while not (tmp_path / "checkpoint.safetensors").exists() and time.monotonic() < deadline:
+        time.sleep(0.005)
+    process.send_signal(signal.SIGKILL)
+    assert process.wait() == -signal.SIGKILL
+    assert not (tmp_path / "weights.safetensors").exists()
+    resumed = train(tiny, data=tiny_data, run=tmp_path, resume=True)
+    assert resumed.fingerprint == uninterrupted[0].fingerprint
+
+
+def test_the_header_says_where_the_weights_come_from(uninterrupted, tiny, tiny_data):
+    model, folder = uninterrupted
+    read = weights.load(folder / "weights.safetensors")
+    assert read.fingerprint == model.fingerprint
+    header = read.header
+    assert header["preset"]["name"] == "tiny"
+    assert header["preset"]["networks"]["steps"] == 24
+    assert header["seed"] == tiny.seed
+    assert header["data"] == Store.open(tiny_data).hash()
+    assert set(header["metrics"]) == {
+        "E mean", "P median", "sampling cv median", "sampling cv p95",
+    }  # fmt: skip
+    assert set(header["versions"]) == {"urushi", "python", "jax", "optax", "numpy"}
+    assert {"data seconds", "training seconds", "processors"} <= set(header["cost"])
+
+
+def test_validation_agrees_with_the_metrics_floor_above(uninterrupted, tiny, tiny_data):
+    model = uninterrupted[0]
+    store = Store.open(tiny_data)
+    checks = validation.load(store, tiny.arch)
+    figures = validation.measure(model.params, tiny.arch, checks)
+    values = []
+    for check in checks:
+        z = layer(
+            model.params,
+            tiny.arch,
+            encode(model.params, tiny.arch, check.probes),
+            check.coats[:, 0],
+        )
+        values.append(decode(model.params, tiny.arch, z[:, None], check.features))
+    arrays = store.read(store.spec.parts[4])
+    wi, wo = arrays["wi"], arrays["wo"]
+    np.testing.assert_array_equal(checks[0].features, direction_features(wi, wo))
+    e = metrics.stack_error(values[0], arrays["f"], wi[..., 2], wo[..., 2]).mean()
+    p = np.median(metrics.pair_error(values[1], store.read(store.spec.parts[5])["f"]))
+    assert figures == pytest.approx({"E mean": e, "P median": p}, rel=1e-4)  # float32 sums
+
+
+def test_a_begun_training_is_not_lost_by_accident(uninterrupted, tiny, tiny_data):
+    folder = uninterrupted[1]
+    with pytest.raises(FileError, match="holds a training that was begun; give --resume"):
+        train(tiny, data=tiny_data, run=folder)
+
+
+def test_a_checkpoint_of_another_preset_or_a_damaged_one_is_refused(
+    uninterrupted, tiny, tiny_data, tmp_path
+):
+    shutil.copy(uninterrupted[1] / "checkpoint.safetensors", tmp_path)
+    with pytest.raises(FileError, match="is a checkpoint of another preset, data or version"):
+        train(dataclasses.replace(tiny, seed=9), data=tiny_data, run=tmp_path, resume=True)
+    file = tmp_path / "checkpoint.safetensors"
+    file.write_bytes(file.read_bytes()[:-100])
+    with pytest.raises(FileError, match="is truncated"):
+        train(tiny, data=tiny_data, run=tmp_path, resume=True)
+
+
+def test_places_that_cannot_be_written_are_refused_before_the_work(tiny, tiny_data, tmp_path):
+    (tmp_path / "file").write_text("text")
+    with pytest.raises(FileError, match="cannot create"):
+        train(tiny, data=tiny_data, run=tmp_path / "file" / "run")
+    with pytest.raises(FileError, match="it is a folder; give the name of a file"):
+        train(tiny, data=tiny_data, run=tmp_path / "run", out=tmp_path)
+
+
+def test_unknown_presets_are_named():
+    with pytest.raises(ParameterError, match="no preset 'slow'; choose one of quick, smoke"):
+        train("slow")
+
+
+@pytest.mark.parametrize("name", presets.NAMES)
+def test_presets_state_their_command_time_and_figures(name):
+    preset = presets.get(name)
+    assert preset.name == name
+    text = presets._PRESETS[name].__doc__
+    assert f"urushi train --preset {name}" in text
+    assert "Time:" in text
+    assert "Expected" in text
+
+
+def test_schedules_must_divide():
+    with pytest.raises(ParameterError, match="steps is 10; it must be a multiple of its 4"):
+        presets.Schedule(10, 1, 1e-3, steps_per_call=4)
