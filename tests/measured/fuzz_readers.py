@@ -47,7 +47,9 @@ def fuzz(folder: Path, seed: int, runs: int | None = None, seconds: float = 0) -
         if report.runs < len(seeds):
             content = seeds[report.runs]
         else:
-            content = _mutate(chance, chance.choice(corpus), corpus)
+            # Half of the mutants are of the valid files, or nearly all would die in the header.
+            parent = chance.choice(seeds[:2] if chance.random() < 0.5 else corpus)
+            content = _mutate(chance, parent, corpus)
         path.write_bytes(content)
         lines, loaded = _run(path, len(content))
         report.runs += 1
@@ -110,7 +112,7 @@ def _mutate(chance: random.Random, content: bytes, corpus: list[bytes]) -> bytes
                 number = chance.choice(NUMBERS) & (256**width - 1)
                 mutant[at : at + width] = struct.pack("<" + letter, number)
             case 3:
-                at -= at % 4
+                at += chance.randrange(4)  # data are not aligned
                 mutant[at : at + 4] = struct.pack("<f", chance.choice(FLOATS))
             case 4:
                 del mutant[at : at + chance.choice([1, 2, 4, 8, 64])]

@@ -173,6 +173,17 @@ def test_sizes_are_exact(tmp_path):
         Merl([1, 2])
 
 
+def test_the_largest_numbers_stay_finite(fields, random_directions):
+    largest = np.finfo(np.float32).max
+    wi, wo = random_directions(1000, 1), random_directions(1000, 2)
+    signs = np.random.default_rng(3).choice(np.float32([-1, 0, 1]), (90, 90, 180, 3))
+    brdfs = [Merl(signs * largest)]
+    brdfs.append(Rgl(dict(fields, **{n: fields[n] * 0 + largest for n in ("ndf", "rgb", "vndf")})))
+    for brdf in brdfs:
+        f = brdf.f(wi, wo)
+        assert np.isfinite(f).all() and (f >= 0).all()
+
+
 def test_memory_is_in_proportion_to_the_file(writers, fields, tmp_path):
     path = tmp_path / "large.bsdf"
     large = writers.rgl_fields(np.random.default_rng(1), size=64, elevations=16)

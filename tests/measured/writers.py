@@ -53,13 +53,10 @@ def tensor_file(fields, *, version=(1, 0), count=None, forge=None):
     data = b""
     for name, array in fields.items():
         array = np.asarray(array)
+        truth = (array.shape, TYPES[array.dtype.str[1:]], start + len(data))
         shape, code, offset = (
-            truth if claim is None else claim
-            for claim, truth in zip(
-                claimed[name],
-                (array.shape, TYPES[array.dtype.str[1:]], start + len(data)),
-                strict=True,
-            )
+            fact if claim is None else claim
+            for claim, fact in zip(claimed[name], truth, strict=True)
         )
         encoded = name.encode()
         header += struct.pack("<H", len(encoded)) + encoded
