@@ -5,7 +5,7 @@ All operators are (M, N, N), weighted on both sides (see quadrature.py), seen fr
 
 import numpy as np
 
-from urushi.reference.adding_doubling import medium, surfaces, transmission
+from urushi.reference.adding_doubling import interface, medium, surfaces
 from urushi.reference.adding_doubling.quadrature import Grid
 
 
@@ -26,7 +26,7 @@ def under_medium(
 
 def trapped(grid: Grid, reflector: np.ndarray, alpha: float, eta: float) -> np.ndarray:
     """All bounces A (1 - I A)^-1 between the reflector A and the inner side I of an interface."""
-    inner = grid.operator(surfaces.inner_reflection(alpha, eta))
+    inner = interface.inner_reflection(grid, alpha, eta)
     system = np.eye(len(grid.mu)) - reflector @ inner
     return np.linalg.solve(system, reflector)
 
@@ -35,6 +35,6 @@ def under_interface(grid: Grid, reflector: np.ndarray, alpha: float, eta: float)
     """Reflection of a rough interface over the reflector, between the nodes of the medium above."""
     outer = grid.operator(surfaces.outer_reflection(alpha, eta))
     # The flux is conserved by eta**2 S inwards and S outwards.
-    through = grid.root[:, None] * transmission.project(grid, grid.mu, alpha, eta)
+    through = grid.root[:, None] * interface.transmission(grid, grid.mu, alpha, eta)
     bounces = trapped(grid, reflector, alpha, eta)
     return outer + eta**2 * through @ bounces @ np.swapaxes(through, 1, 2)

@@ -124,6 +124,25 @@ def interpolation(grid: Grid, mu: np.ndarray) -> np.ndarray:
     return terms / terms.sum(-1, keepdims=True)
 
 
+def project(
+    grid: Grid,
+    kernel: Kernel,
+    mu_out: np.ndarray,
+    fine: tuple[np.ndarray, np.ndarray],
+    intervals: int = 0,
+) -> np.ndarray:
+    """Modes (M, A, N) of a kernel from (A,) cosines to the nodes, by product integration.
+
+    On a radiance g at the nodes, weighted as root * g, it gives the integral of kernel g mu: the
+    kernel is integrated on the quadratures `fine` (cosines and weights, (A, Q) each, see `graded`),
+    and only the smooth g is interpolated between the nodes.
+    """
+    mu, weight = fine
+    modes = fourier(kernel, mu_out, mu, grid.modes, intervals) * (2 * np.pi * mu * weight)
+    basis = interpolation(grid, mu) / grid.root
+    return np.moveaxis(np.moveaxis(modes, 0, 1) @ basis, 1, 0)
+
+
 def series(modes: np.ndarray, phi: np.ndarray) -> np.ndarray:
     """Sum the Fourier series: modes (M, P) at the azimuths phi (P,), radians -> (P,)."""
     order = np.arange(len(modes))
