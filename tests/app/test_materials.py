@@ -32,6 +32,37 @@ def test_encode_a_description(tmp_path, capsys):
     np.testing.assert_array_equal(urushi.load(file).latents, expected.latents)
 
 
+SCENE = """<scene version="3.0.0">
+    <shape type="sphere"><bsdf type="diffuse" id="{0}"><rgb name="reflectance" value="{1}"/></bsdf>
+    </shape>
+    <shape type="cube"><bsdf type="diffuse" id="floor"/></shape>
+</scene>"""
+
+
+def test_encode_a_bsdf_of_a_scene(tmp_path):
+    scene, file = tmp_path / "scene.xml", tmp_path / "wall.safetensors"
+    scene.write_text(SCENE.format("wall", "0.1, 0.5, 0.8"))
+    assert cli.main(["encode", str(scene), "--bsdf", "wall", "-o", str(file)]) == 0
+    expected = urushi.encode(urushi.diffuse((0.1, 0.5, 0.8)))
+    # Mitsuba and the reference evaluate 1 / pi in float32, each in its own way
+    np.testing.assert_allclose(urushi.load(file).latents, expected.latents, rtol=1e-3, atol=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("flags", "sentence"),
+    [
+        ([], "has 2 BSDFs; name one by --bsdf: floor, wall"),
+        (["--bsdf", "roof"], "has no BSDF 'roof' on a shape; it has: floor, wall"),
+        (["--bsdf", "wall", "-m", "llvm_rgb"], "Mitsuba has no variant 'llvm_rgb'"),
+    ],
+)
+def test_a_bsdf_that_cannot_be_chosen(flags, sentence, tmp_path, capsys):
+    scene, file = tmp_path / "scene.xml", tmp_path / "wall.safetensors"
+    scene.write_text(SCENE.format("wall", "0.5"))
+    assert cli.main(["encode", str(scene), *flags, "-o", str(file)]) == 2
+    assert sentence in capsys.readouterr().err
+
+
 def test_layer_a_file_and_a_description_alike(tmp_path):
     gold, coated, other = (tmp_path / f"{name}.safetensors" for name in ("gold", "coated", "other"))
     flags = ["--alpha", "0.05", "--eta", "1.4", "--albedo", "0.8", "--sigma-t", "0.2", "1", "3"]

@@ -101,3 +101,31 @@ def test_bad_scenes(tmp_path, text, sentence, capsys):
     assert sentence in message
     assert str(path) in message
     assert message.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("parameter", "flags", "sentence"),
+    [
+        ('name="alpha" value="7"', [], "alpha is 7; it must be a GGX width in [0.01, 1]"),
+        ('name="alpa" value="0.7"', [], "alpa"),
+        (
+            'name="alpha" value="0.5"',
+            ["-m", "scalar_rgb"],
+            "'layered' does not work in the variant",
+        ),
+    ],
+)
+def test_a_plugins_error_is_told_without_its_calls(tmp_path, parameter, flags, sentence, capsys):
+    path = tmp_path / "coated.xml"
+    path.write_text(
+        f'<scene version="3.0.0"><shape type="sphere"><bsdf type="layered"><float {parameter}/>'
+        '<bsdf type="diffuse"/></bsdf></shape></scene>'
+    )
+    assert cli.main(["render", str(path), *flags]) == 2
+    message = capsys.readouterr().err
+    assert sentence in message
+    assert "line 1" in message
+    assert "Traceback" not in message
+    assert ".py" not in message
+    assert ".cpp" not in message
+    assert message.count("\n") == 1

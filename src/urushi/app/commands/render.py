@@ -1,5 +1,6 @@
 """`urushi render`: Mitsuba's own command line, with Urushi's plugins in it."""
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -138,6 +139,12 @@ def parse_definitions(pairs: tuple[str, ...]) -> dict[str, str]:
 
 
 def one_line(error: BaseException) -> str:
-    """An error's message without line breaks and Mitsuba's invisible characters."""
+    """An error's message in one line, without what Mitsuba adds for its own developers.
+
+    That is: source positions in its parser, invisible characters, and the stack of calls of a
+    plugin written in Python, of which only the error at the end is kept.
+    """
     text = str(error).replace(ZERO_WIDTH_SPACE, "")
+    text = re.sub(r"^\[\w+\.cpp:\d+\] ", "", text)
+    text = re.sub(r"Traceback \(most recent call last\):\n(?:\s+.*\n)*(?:[\w.]+: )?", "", text)
     return " ".join(text.split()).rstrip(".")
