@@ -9,7 +9,7 @@ import numpy as np
 from urushi.physics import fresnel
 from urushi.render import probing
 from urushi.render.lobes import Mixture
-from urushi.render.parameters import CoatParameters, CoatValues
+from urushi.render.parameters import CoatParameters, CoatValues, opaque
 
 #: Shares of the proposal that no lobe, and not the cosine lobe, falls below.
 MIN_SHARE, MIN_COSINE_SHARE = 0.02, 0.1
@@ -27,7 +27,7 @@ class Coats:
 
     def __init__(self, parameters: Sequence[CoatParameters], si, active):
         self.count = len(parameters)
-        self._etas = [coat.eta for coat in parameters]
+        self._etas = [coat.opaque_eta for coat in parameters]
         self._coats = [_for_walk(coat.evaluate(si, active)) for coat in parameters]
 
     def interface(self, index):
@@ -62,7 +62,7 @@ class Coats:
             stretch *= eta * eta
             cos_i = cos_t
         for alpha in bottom.alphas:
-            alphas.append(_outside(mi.Float(alpha), stretch, blur))
+            alphas.append(_outside(alpha, stretch, blur))
             shares.append(reached * (0.5 * bottom.albedo) + MIN_SHARE)
         shares.append(diffuse)
         scale = 1 / sum(shares)
@@ -120,15 +120,17 @@ class BottomLobes:
         half = bs.wo + mi.Vector3f(0, 0, 1)
         tangent = (dr.hypot(half.x, half.y) / half.z).numpy()
         share = np.where(valid.numpy(), _mean(_color(weight)).numpy(), 0)
-        self.albedo = float(np.clip(share.mean(), 0, 1))
         order = np.argsort(tangent)
         below = np.cumsum(share[order])
-        self.alphas = [0.1, 0.4]
-        if below[-1] > 0:
-            self.alphas = [
-                float(tangent[order][np.searchsorted(below, q * below[-1])] * ((1 - q) / q) ** 0.5)
-                for q in (0.25, 0.75)
-            ]
+        self.albedo = opaque(min(below[-1] / SAMPLES, 1))
+        self.alphas = [opaque(_width(tangent[order], below, q)) for q in (0.25, 0.75)]
+
+
+def _width(tangent: np.ndarray, below: np.ndarray, q: float) -> float:
+    """The GGX width that the q-quantile tells; tangents ascending, with the shares below them."""
+    if below[-1] == 0:
+        return 0.5  # black: any width will do
+    return float(tangent[np.searchsorted(below, q * below[-1])] * ((1 - q) / q) ** 0.5)
 
 
 def _for_walk(coat: CoatValues) -> CoatValues:

@@ -77,6 +77,7 @@ class TexturedLatents:
     def at(self, uv: np.ndarray) -> np.ndarray:
         """Latent codes (M, C, 32) at points uv (M, 2)."""
         latents = self._look_up(mi.Point2f(np.ascontiguousarray(uv.T)), mi.Bool(True))
+        dr.eval(latents)
         channels = [np.stack([value.numpy() for value in z], axis=-1) for z in latents]
         return np.stack(channels, axis=1)
 

@@ -41,6 +41,7 @@ class CoatParameters:
             raise ParameterError(f"{self.where}: ext_ior is {ext_ior:g}; it must be positive")
         ratio = int_ior / ext_ior
         self.eta = float(checks.eta(ratio, f"{self.where}: int_ior / ext_ior"))
+        self.opaque_eta = opaque(self.eta)
 
     def evaluate(self, si, active) -> CoatValues:
         """The coat's parameters at a surface interaction."""
@@ -51,7 +52,7 @@ class CoatParameters:
         )
 
     def table(self, uv: np.ndarray) -> dict[str, np.ndarray]:
-        """Checked parameters at points uv (M, 2), float32: alpha (M, 1), the others (M, channels).
+        """Checked parameters at points uv (M, 2): alpha (M, 1), the others (M, channels).
 
         Raises:
             ParameterError: a value is out of range.
@@ -60,14 +61,14 @@ class CoatParameters:
         si.uv = mi.Point2f(np.ascontiguousarray(uv.T, np.float32))
         spectrum.set_bands(si)
         values = self.evaluate(si, mi.Bool(True))._asdict()
+        dr.eval(values)
         table = {}
         for name, value in values.items():
             channels = [value] if name == "alpha" else spectrum.to_channels(value)
             rows = [np.broadcast_to(channel.numpy(), len(uv)) for channel in channels]
             # Six digits: 0.01 in single precision is less than 0.01 in double.
             array = np.stack(rows, axis=-1).astype(np.float64).round(6)
-            checked = _CHECKS[name](array, f"{self.where}: {name}", any_shape=True)
-            table[name] = checked.astype(np.float32)
+            table[name] = _CHECKS[name](array, f"{self.where}: {name}", any_shape=True)
         return table
 
     @property
@@ -106,6 +107,13 @@ class CoatParameters:
                 f"{self.where}: alpha must be a number or a texture; all channels share it"
             )
         return texture
+
+
+def opaque(value: float) -> "mi.Float":
+    """A Dr.Jit scalar that kernels read from memory, so that plugins of a kind share their code."""
+    scalar = mi.Float(value)
+    dr.make_opaque(scalar)
+    return scalar
 
 
 def describe(props: "mi.Properties") -> str:

@@ -46,6 +46,7 @@ def values(
         si = interaction(wi[rows], uv[rows], repeat)
         out = _vector(wo[rows])
         f = bsdf.eval(mi.BSDFContext(), si, out) / out.z
+        dr.eval(f)
         channels = [channel.numpy() for channel in spectrum.to_channels(f)]
         parts.append(np.stack(np.broadcast_arrays(*channels, wi[rows, 0])[:-1], axis=-1))
     return np.concatenate(parts)

@@ -1,0 +1,74 @@
+"""The chi-squared test of a BSDF's sampling, on a domain that resolves narrow lobes."""
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+from mitsuba.python.chi2 import ChiSquareTest
+
+#: Power of the map below: how closely the cells crowd around the mirror direction.
+CROWDING = 4
+
+
+class MirrorDomain:
+    """The hemisphere by azimuth and polar angle, with cells that crowd around a mirror direction.
+
+    A GGX lobe of width 0.01 would vanish in one cell of a uniform grid. Here x in [-1, 1] gives
+    the azimuth pi sign(x) |x|^p from the plane of incidence, and y the polar angle, likewise
+    piecewise from that of the mirror direction, so that the horizon stays a border of cells.
+    """
+
+    def __init__(self, theta_i: float):
+        self.theta_i = theta_i
+
+    def bounds(self):
+        return mi.ScalarBoundingBox2f([-1, -1], [1, 1])
+
+    def aspect(self):
+        return 1
+
+    def map_forward(self, p):
+        sin_phi, cos_phi = dr.sincos(dr.pi * dr.sign(p.x) * dr.abs(p.x) ** CROWDING)
+        shift = dr.sign(p.y) * self._room(p.y > 0) * dr.abs(p.y) ** CROWDING
+        sin, cos = dr.sincos(self.theta_i + shift)
+        return mi.Vector3f(-sin * cos_phi, -sin * sin_phi, cos)
+
+    def map_backward(self, w):
+        phi = dr.atan2(-w.y, -w.x) / dr.pi
+        theta = dr.atan2(dr.hypot(w.x, w.y), w.z)
+        room = self._room(theta > self.theta_i)
+        shift = dr.clip((theta - self.theta_i) / dr.maximum(room, 1e-9), -1, 1)
+        return mi.Vector2f(*(dr.sign(x) * dr.abs(x) ** (1 / CROWDING) for x in (phi, shift)))
+
+    def jacobian(self, w):
+        """Solid angle per area of the domain."""
+        x, y = self.map_backward(w)
+        slope_x, slope_y = (CROWDING * dr.abs(v) ** (CROWDING - 1) for v in (x, y))
+        return dr.hypot(w.x, w.y) * dr.pi * slope_x * self._room(y > 0) * slope_y
+
+    def _room(self, above):
+        return dr.select(above, 0.5 * dr.pi - self.theta_i, self.theta_i)
+
+
+def chi_squared(bsdf, degrees: float, seed: int = 0) -> ChiSquareTest:
+    """The test of `bsdf.sample` against `bsdf.pdf` for wi at an angle from the normal."""
+    theta = mi.Float(np.radians(degrees))
+    dr.make_opaque(theta)  # one kernel for all directions
+    wi = mi.Vector3f(dr.sin(theta), 0, dr.cos(theta))
+    domain = MirrorDomain(theta)
+    context = mi.BSDFContext()
+
+    def interaction(count):
+        si = dr.zeros(mi.SurfaceInteraction3f, count)
+        si.wi = wi
+        return si
+
+    def sample(u):
+        bs, _ = bsdf.sample(context, interaction(dr.width(u)), u[0], mi.Point2f(u[1], u[2]))
+        return bs.wo, dr.select(bs.pdf > 0, mi.Float(1), 0)
+
+    def pdf(wo):
+        return bsdf.pdf(context, interaction(dr.width(wo)), wo) * domain.jacobian(wo)
+
+    return ChiSquareTest(
+        domain, sample, pdf, sample_dim=3, sample_count=1 << 17, res=41, ires=12, seed=seed
+    )

@@ -1,0 +1,127 @@
+"""The networks in Dr.Jit against the same networks in NumPy, and the truths that both keep."""
+
+import drjit as dr
+import numpy as np
+import pytest
+
+from urushi.material import Material
+from urushi.nets import features as numpy_features
+from urushi.nets import lobes as numpy_lobes
+from urushi.nets import sampler as numpy_sampler
+
+
+def hemisphere(count: int, seed: int) -> np.ndarray:
+    """Unit vectors (count, 3) above the horizon, a third of them grazing."""
+    rng = np.random.default_rng(seed)
+    w = rng.normal(size=(count, 3))
+    w[::3, 2] *= 1e-2
+    w[:, 2] = np.abs(w[:, 2])
+    return (w / np.linalg.norm(w, axis=1, keepdims=True)).astype(np.float32)
+
+
+def pairs(count: int = 4096) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs, half of them close to mirror directions."""
+    wi, wo = hemisphere(count, 1), hemisphere(count, 2)
+    noise = np.random.default_rng(3).normal(size=(count, 3)) * 0.01
+    mirrored = wi * [-1, -1, 1] + noise
+    mirrored[:, 2] = np.abs(mirrored[:, 2])
+    wo[::2] = (mirrored / np.linalg.norm(mirrored, axis=1, keepdims=True))[::2]
+    return wi, wo
+
+
+def latents(count: int, seed: int = 0) -> np.ndarray:
+    return np.random.default_rng(seed).normal(size=(count, 32)).astype(np.float32)
+
+
+@pytest.fixture
+def parts(rgb, model):
+    """Constant latents in Dr.Jit and the same material in NumPy."""
+    from urushi.render.latents import ConstantLatents
+
+    z = latents(3)
+    return ConstantLatents(model, z), Material(z, model)
+
+
+def vector(mi, w):
+    return mi.Vector3f(np.ascontiguousarray(w.T))
+
+
+def interaction(mi, wi):
+    si = dr.zeros(mi.SurfaceInteraction3f, len(wi))
+    si.wi = vector(mi, wi)
+    return si
+
+
+def test_features_agree_with_numpy(rgb):
+    from urushi.render.features import direction_features
+
+    wi, wo = pairs()
+    ours = np.stack([x.numpy() for x in direction_features(vector(rgb, wi), vector(rgb, wo))], -1)
+    # rounding of logarithms of small half angles, in units of their spread
+    np.testing.assert_allclose(ours, numpy_features.direction_features(wi, wo), atol=2e-5)
+
+
+def test_f_agrees_with_numpy(rgb, parts):
+    drjit, numpy = parts
+    wi, wo = pairs()
+    f = drjit.f(interaction(rgb, wi), vector(rgb, wo), True)
+    np.testing.assert_allclose(
+        np.stack([x.numpy() for x in f], -1), numpy.f(wi, wo), rtol=5e-4, atol=1e-9
+    )
+
+
+def test_f_is_reciprocal_to_the_last_bit(rgb, parts):
+    drjit, _ = parts
+    wi, wo = pairs()
+    there = drjit.f(interaction(rgb, wi), vector(rgb, wo), True)
+    back = drjit.f(interaction(rgb, wo), vector(rgb, wi), True)
+    for a, b in zip(there, back, strict=True):
+        np.testing.assert_array_equal(a.numpy(), b.numpy())
+
+
+def test_textured_latents_are_the_constant_ones_where_the_texture_is_constant(rgb, model, parts):
+    from urushi.render.latents import TexturedLatents
+
+    constant, _ = parts
+    textured = TexturedLatents(model, np.broadcast_to(latents(3), (4, 8, 3, 32)))
+    wi, wo = pairs()
+    si = interaction(rgb, wi)
+    si.uv = rgb.Point2f(np.random.default_rng(0).normal(size=(2, len(wi))).astype(np.float32))
+    for a, b in zip(
+        textured.f(si, vector(rgb, wo), True), constant.f(si, vector(rgb, wo), True), strict=True
+    ):
+        # half precision: 5e-4 of a latent, 32 of them, through a network that triples its output
+        np.testing.assert_allclose(a.numpy(), b.numpy(), rtol=2e-2)
+
+
+def test_mixture_agrees_with_numpy(rgb, model, parts):
+    drjit, numpy = parts
+    wi, _ = pairs()
+    mixture = drjit.mixture(interaction(rgb, wi), True)
+    mean = numpy.latents.mean(axis=0)
+    weights, alphas = numpy_sampler.lobes(model.params, model.arch, mean[None], wi[:, 2])
+    np.testing.assert_allclose(
+        np.stack([x.numpy() for x in mixture.weights], -1), weights, atol=1e-4
+    )
+    np.testing.assert_allclose(np.stack([x.numpy() for x in mixture.alphas], -1), alphas, rtol=1e-3)
+
+
+def test_density_and_samples_of_a_mixture_agree_with_numpy(rgb):
+    from urushi.render import lobes
+
+    wi, wo = pairs()
+    rng = np.random.default_rng(7)
+    alphas = np.exp(rng.uniform(np.log(0.01), 0, (len(wi), 2))).astype(np.float32)
+    weights = rng.dirichlet([1, 1, 1], len(wi)).astype(np.float32)
+    u = rng.random((len(wi), 3), np.float32)
+    mixture = lobes.Mixture([rgb.Float(x) for x in weights.T], [rgb.Float(x) for x in alphas.T])
+    density = lobes.pdf(mixture, vector(rgb, wi), vector(rgb, wo)).numpy()
+    # |h_xy|^2 of a lobe of width 0.01 loses digits where the directions nearly cancel
+    np.testing.assert_allclose(density, numpy_lobes.pdf(weights, alphas, wi, wo), rtol=1e-3)
+    drawn = lobes.sample(
+        mixture, vector(rgb, wi), rgb.Float(u[:, 0]), rgb.Point2f(*map(rgb.Float, u[:, 1:].T))
+    )
+    # reflecting about a normal that is nearly perpendicular to wi loses three of seven digits
+    np.testing.assert_allclose(
+        drawn.numpy().T, numpy_lobes.sample(weights, alphas, wi, u), atol=3e-4
+    )

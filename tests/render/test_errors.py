@@ -1,0 +1,139 @@
+"""What a user can get wrong in a scene: each mistake gets a sentence that names the cure."""
+
+import numpy as np
+import pytest
+
+from urushi.material import Material
+from urushi.nets import weights
+from urushi.nets.architecture import init
+
+COATS = ("layered", "neural_layered")
+
+
+def bottom(kind: str = "diffuse", **properties) -> dict:
+    return {"type": kind, **properties}
+
+
+def load(mi, networks, name: str, **properties):
+    extra = {} if name == "layered" else {"weights": str(networks)}
+    return mi.load_dict({"type": name, "base": bottom(), **extra, **properties})
+
+
+@pytest.mark.parametrize("name", COATS)
+@pytest.mark.parametrize(
+    ("properties", "sentence"),
+    [
+        ({"alpha": 0.009}, "alpha is 0.009; it must be a GGX width in [0.01, 1]"),
+        ({"alpha": 1.5}, "alpha is 1.5; it must be a GGX width in [0.01, 1]"),
+        ({"alpha": float("nan")}, "alpha is nan; it must be a GGX width in [0.01, 1]"),
+        ({"albedo": -0.1}, "albedo is -0.1; it must be a single-scattering albedo in [0, 1]"),
+        ({"sigma_t": -1.0}, "sigma_t is -1; it must be an optical depth, zero or more"),
+        ({"g": 1.0}, "g is 1; it must be a Henyey-Greenstein asymmetry in (-1, 1)"),
+        ({"int_ior": 1.0, "ext_ior": 1.0}, "int_ior / ext_ior is 1; it must be an index"),
+        ({"int_ior": 4.0}, "int_ior / ext_ior is 3.99889; it must be an index"),
+        ({"int_ior": "lacquer"}, "int_ior is 'lacquer'; give a number or one of the materials"),
+        ({"ext_ior": 0.0}, "ext_ior is 0; it must be positive"),
+        ({"albedo": "red"}, "albedo must be a number, a spectrum or a texture"),
+        ({"alpha": {"type": "rgb", "value": [0.1, 0.2, 0.3]}}, "alpha must be a number or a"),
+        (
+            {"albedo": {"type": "rgb", "value": [0.1, 2, 0.3]}},
+            "albedo is 2; it must be a single-scattering albedo in [0, 1]",
+        ),
+        ({"thickness": 2.0}, 'float "thickness": 2'),
+        ({"other": bottom()}, "has 2 nested BSDFs ('base', 'other'); nest exactly one"),
+        ({"base": bottom("dielectric")}, "the nested BSDF lets light through"),
+        ({"base": bottom("conductor")}, "the nested BSDF is perfectly smooth"),
+        ({"base": bottom("mask", nested=bottom())}, "the nested BSDF lets light through"),
+    ],
+)
+def test_bad_parameters(rgb, networks, name, properties, sentence):
+    with pytest.raises(RuntimeError) as caught:
+        load(rgb, networks, name, **properties)
+    assert sentence in str(caught.value)
+
+
+@pytest.mark.parametrize("name", COATS)
+def test_an_error_names_the_plugin(rgb, networks, name):
+    # in XML, where a user gives an id
+    extra = "" if name == "layered" else f'<string name="weights" value="{networks}"/>'
+    with pytest.raises(RuntimeError, match=f"{name} 'lacquer': alpha is 3;"):
+        rgb.load_string(
+            f'<bsdf version="3.0.0" type="{name}" id="lacquer"><float name="alpha" value="3"/>'
+            f'{extra}<bsdf type="diffuse"/></bsdf>'
+        )
+
+
+@pytest.mark.parametrize("name", COATS)
+def test_no_bottom(rgb, name):
+    with pytest.raises(RuntimeError, match=f"{name} has no nested BSDF; nest exactly one"):
+        rgb.load_dict({"type": name})
+
+
+@pytest.mark.parametrize("name", COATS)
+def test_a_texture_out_of_range(rgb, networks, name):
+    pixels = np.full((4, 4, 1), 0.5, np.float32)
+    pixels[2, 3] = 1.25
+    texture = {"type": "bitmap", "bitmap": rgb.Bitmap(pixels), "raw": True}
+    with pytest.raises(RuntimeError, match=r"albedo is 1.25; it must be"):
+        load(rgb, networks, name, albedo=texture)
+
+
+def test_a_bottom_that_is_no_brdf(rgb, networks):
+    negative = bottom(reflectance={"type": "uniform", "value": -1.0})
+    with pytest.raises(RuntimeError, match="the nested BSDF gives a negative or not finite value"):
+        load(rgb, networks, "neural_layered", base=negative)
+
+
+def test_bad_resolution(rgb, networks):
+    with pytest.raises(RuntimeError, match="resolution is -1; give texels per side"):
+        load(rgb, networks, "neural_layered", resolution=-1)
+
+
+def test_missing_files(rgb, networks):
+    with pytest.raises(RuntimeError, match="neural_brdf has no filename"):
+        rgb.load_dict({"type": "neural_brdf"})
+    with pytest.raises(RuntimeError, match="FileError.*nowhere.safetensors"):
+        rgb.load_dict(
+            {
+                "type": "neural_brdf",
+                "filename": "nowhere.safetensors",
+                "weights": str(networks),
+            }
+        )
+    with pytest.raises(RuntimeError, match="FileError.*none.safetensors"):
+        load(rgb, networks, "neural_layered", weights="none.safetensors")
+
+
+def test_a_material_of_other_networks(rgb, networks, model, tmp_path):
+    Material(np.zeros((3, 32)), model).save(tmp_path / "material.safetensors")
+    other = tmp_path / "other.safetensors"
+    weights.save(other, model.arch, init(model.arch, seed=99), {})
+    with pytest.raises(RuntimeError, match="do not belong together"):
+        rgb.load_dict(
+            {
+                "type": "neural_brdf",
+                "filename": str(tmp_path / "material.safetensors"),
+                "weights": str(other),
+            }
+        )
+
+
+def test_mesh_attributes_cannot_be_baked(rgb, networks):
+    attribute = {"type": "mesh_attribute", "name": "vertex_albedo"}
+    with pytest.raises(RuntimeError, match="cannot bake mesh attributes"):
+        load(rgb, networks, "neural_layered", albedo=attribute)
+    load(rgb, networks, "layered", albedo=attribute)
+
+
+@pytest.mark.parametrize("name", ("layered", "neural_layered", "neural_brdf"))
+@pytest.mark.parametrize("variant", ("scalar_rgb", "scalar_spectral", "llvm_ad_mono_polarized"))
+def test_variants_that_cannot_work_say_which_can(name, variant):
+    import mitsuba as mi
+
+    import urushi  # noqa: F401
+
+    mi.set_variant(variant)
+    with pytest.raises(RuntimeError) as caught:
+        mi.load_dict({"type": name})
+    sentence = f"'{name}' does not work in the variant {variant}; choose llvm_ad_rgb"
+    assert sentence in str(caught.value)

@@ -1,0 +1,79 @@
+"""Densities are normalised and are those that the plugins draw from, on many materials."""
+
+import numpy as np
+import pytest
+
+from urushi.material import Material
+
+MATERIALS = 24
+#: Of wi from the normal [degrees].
+ANGLES = (0, 20, 45, 70, 85, 89)
+
+
+def check(sampling, bsdfs) -> None:
+    """Chi-squared test and integral of every density, each seen from one of the angles."""
+    for index, bsdf in enumerate(bsdfs):
+        test = sampling.chi_squared(bsdf, ANGLES[index % len(ANGLES)], seed=index)
+        assert test.run(0.01, test_count=len(bsdfs), quiet=True), (index, test.messages)
+        # what is left is the quadrature's: the lobe of width 0.01 spans a few of its points
+        assert test.pdf_sum[0] == pytest.approx(1, abs=0.005)
+        assert test.histogram_sum[0] == 1  # no sample fails
+
+
+def test_neural_brdf(rgb, sampling, networks, model, tmp_path):
+    from urushi.render import lobes
+
+    bsdfs, widths = [], []
+    for index in range(MATERIALS):
+        z = np.random.default_rng(index).normal(size=(3, 32)) * 2
+        path = tmp_path / f"{index}.safetensors"
+        Material(z, model).save(path)
+        bsdfs.append(
+            rgb.load_dict({"type": "neural_brdf", "filename": str(path), "weights": str(networks)})
+        )
+        si = rgb.SurfaceInteraction3f()
+        si.wi = rgb.Vector3f(0, 0, 1)
+        mixture = bsdfs[-1].latents.mixture(si, True)
+        assert isinstance(mixture, lobes.Mixture)
+        widths += [alpha[0] for alpha in mixture.alphas]
+    assert min(widths) < 0.011  # the narrowest lobe is among them
+    check(sampling, bsdfs)
+
+
+def coats(count: int) -> list[dict]:
+    """Coats over the range of every parameter, over bottoms of several kinds."""
+    rng = np.random.default_rng(1)
+    bottoms = (
+        {"type": "roughconductor", "distribution": "ggx", "alpha": 0.02},
+        {"type": "diffuse"},
+        {"type": "principled", "metallic": 0.5, "roughness": 0.3},
+    )
+    return [
+        {
+            "alpha": 0.01 if index % 4 == 0 else float(np.exp(rng.uniform(np.log(0.01), 0))),
+            "int_ior": float(rng.uniform(1.05, 2.5)),
+            "ext_ior": 1.0,
+            "albedo": float(rng.uniform()),
+            "sigma_t": float(rng.exponential()),
+            "g": float(rng.uniform(-0.7, 0.7)),
+            "base": bottoms[index % len(bottoms)],
+        }
+        for index in range(count)
+    ]
+
+
+def test_neural_layered(rgb, sampling, networks):
+    extra = {"type": "neural_layered", "weights": str(networks)}
+    check(sampling, [rgb.load_dict(coat | extra) for coat in coats(MATERIALS)])
+
+
+def test_layered(rgb, sampling):
+    check(sampling, [rgb.load_dict(coat | {"type": "layered"}) for coat in coats(MATERIALS)])
+
+
+def test_nested_layered(rgb, sampling):
+    nested = [
+        rgb.load_dict(outer | {"type": "layered", "base": inner | {"type": "layered"}})
+        for outer, inner in zip(coats(4), reversed(coats(4)), strict=True)
+    ]
+    check(sampling, nested)
