@@ -59,7 +59,7 @@ def test_a_conductor_that_absorbs_nothing_is_a_dielectric(jit: ModuleType, eta: 
 
 
 def test_conductor_at_normal_incidence(jit: ModuleType) -> None:
-    for eta, k in ((0.2, 3.9), (1.5, 7.3), (0.0, 2.0)):
+    for eta, k in ((0.2, 3.9), (1.5, 7.3), (0.0, 2.0), (0.0, 0.0)):
         found = fresnel.conductor(jit.Float(1), jit.Float(eta), jit.Float(k))[0]
         expected = ((eta - 1) ** 2 + k**2) / ((eta + 1) ** 2 + k**2)
         assert found == pytest.approx(expected, abs=1e-6)

@@ -46,5 +46,7 @@ def conductor(cos_i, eta, k):
     perpendicular = (t1 - t2) / (t1 + t2)
     t3 = cos2 * a2_plus_b2 + sin2 * sin2
     t4 = t2 * sin2
-    parallel = perpendicular * (t3 - t4) / (t3 + t4)
+    # 0 / 0 at normal incidence on an index of zero, where both polarisations reflect alike.
+    ratio = dr.select(t3 + t4 > 0, (t3 - t4) / (t3 + t4), 1)
+    parallel = perpendicular * ratio
     return 0.5 * (parallel + perpendicular)

@@ -1,0 +1,82 @@
+"""The random walk and the analog walk against an independent simulator's values."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import pytest
+
+from urushi.reference import StackTable, coat, conductor, walk_pairs
+from urushi.reference.albedo import albedo
+from urushi.reference.analog import analog_albedo
+
+WALKS = 1 << 14  # a standard error of 0.4 % in the median; the reference's own is 1 %
+
+
+def table(oracle: Mapping[str, np.ndarray], family: str) -> StackTable:
+    """The oracle's configurations of a family as a table, one row each."""
+    columns = oracle[f"{family}_cfg"].T[:, :, None]
+    if family == "two":
+        alpha, eta, sigma_t, albedo, g, alpha_bottom, r0 = columns
+        bottom = {"alpha": alpha_bottom[:, 0], "r0": r0[:, 0]}
+        return StackTable(alpha, eta, albedo, sigma_t, g, "conductor", bottom)
+    if family == "lambert":
+        alpha, eta, sigma_t, albedo, rho = columns
+        bottom = {"reflectance": rho[:, 0]}
+        return StackTable(alpha, eta, albedo, sigma_t, 0 * alpha, "diffuse", bottom)
+    coats = [np.concatenate([columns[i], columns[i + 5]], axis=1) for i in range(5)]
+    alpha, eta, sigma_t, albedo, g = coats
+    bottom = {"alpha": columns[10][:, 0], "r0": columns[11][:, 0]}
+    return StackTable(alpha, eta, albedo, sigma_t, g, "conductor", bottom)
+
+
+@pytest.fixture(scope="module", params=["two", "three", "lambert"])
+def compared(
+    request: pytest.FixtureRequest, oracle: Mapping[str, np.ndarray]
+) -> tuple[np.ndarray, np.ndarray]:
+    """(ratio, z^2) of every configuration and pair of a family, each (configurations, pairs)."""
+    family = request.param
+    reference, se_reference = oracle[f"{family}_f"], oracle[f"{family}_se"]
+    count, pairs = reference.shape
+    wi, wo = (oracle[f"{family}_{w}"].reshape(-1, 3).astype(np.float32) for w in ("wi", "wo"))
+    row = np.repeat(np.arange(count, dtype=np.uint32), pairs)
+    f, se = walk_pairs(table(oracle, family), row, wi, wo, walks=WALKS, seed=1)
+    f, se = (x.reshape(count, pairs).astype(np.float64) for x in (f, se))
+    # float32 and rounded parameters on both sides: 0.2 % of f is granted.
+    variance = se**2 + se_reference**2 + (0.002 * f) ** 2
+    return f / reference, (f - reference) ** 2 / variance
+
+
+def test_the_median_ratio_is_one(compared) -> None:
+    ratio, _ = compared
+    assert abs(np.median(ratio) - 1) < 0.003
+
+
+def test_deviations_are_as_large_as_the_errors_say(compared) -> None:
+    _, z2 = compared
+    assert z2.mean() < 1.4
+    assert z2.mean() > 0.5  # else the standard errors are too large
+
+
+def test_every_configuration_agrees(compared) -> None:
+    ratio, z2 = compared
+    pairs = ratio.shape[1]
+    # The median of n deviations of 1.1 % has a standard error of 1.25 * 1.1 % / sqrt(n), and the
+    # mean of n squares one of sqrt(2 / n), here doubled because noise of walks has long tails;
+    # four standard errors each.
+    assert np.abs(np.median(ratio, axis=1) - 1).max() < 4 * 1.25 * 0.011 / np.sqrt(pairs)
+    assert z2.mean(axis=1).max() < 1 + 8 * np.sqrt(2 / pairs)
+
+
+@pytest.mark.parametrize("estimate", [albedo, analog_albedo])
+def test_directional_albedos_agree(oracle: Mapping[str, np.ndarray], estimate) -> None:
+    theta = oracle["albedo_theta"]
+    wi = np.stack([np.sin(theta), 0 * theta, np.cos(theta)], axis=1)
+    z = []
+    for row, reference in zip(oracle["two_cfg"], oracle["two_albedo"], strict=True):
+        alpha, eta, sigma_t, single, g, alpha_bottom, r0 = row
+        stack = coat(conductor(alpha_bottom, r0), alpha, eta, single, sigma_t, g)
+        value, se = (x[:, 0] for x in estimate(stack, wi, walks=1 << 18, seed=2))
+        z.append((value - reference[:, 0]) / np.hypot(se, reference[:, 1]))
+    z = np.array(z)
+    assert np.abs(z).max() < 4  # 48 values: a true z exceeds 4 in 0.3 % of seeds
+    assert np.mean(z**2) < 1 + 4 * np.sqrt(2 / z.size)
