@@ -9,9 +9,10 @@ import numpy as np
 from urushi.errors import ParameterError
 from urushi.reference.bottoms import Bottom
 from urushi.reference.device import types
+from urushi.reference.lanes import TableLayers, table_bottom
 from urushi.reference.rng import stream
 from urushi.reference.stack import Stack
-from urushi.reference.table import TableLayers, from_stack, table_bottom
+from urushi.reference.table import from_stack
 
 #: Walks per kernel launch.
 LANES = 1 << 20

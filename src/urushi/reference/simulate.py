@@ -11,9 +11,10 @@ from urushi import checks
 from urushi.errors import ParameterError
 from urushi.reference import walk
 from urushi.reference.device import types
+from urushi.reference.lanes import TableLayers, table_bottom
 from urushi.reference.rng import stream
 from urushi.reference.stack import Stack
-from urushi.reference.table import StackTable, TableLayers, from_stack, table_bottom
+from urushi.reference.table import StackTable, from_stack
 
 #: Walks per kernel launch; bounds device memory to a few hundred MB.
 LANES = 1 << 22
