@@ -61,7 +61,12 @@ def coat(bsdf: str) -> dict[str, Any]:
         "albedo": _texture(albedo),
         "sigma_t": _texture(depth),
         "g": 0.0,
-        "bottom": {"type": "roughconductor", "material": "Au", "alpha": 0.22},
+        "bottom": {
+            "type": "roughconductor",
+            "distribution": "ggx",
+            "material": "Au",
+            "alpha": 0.22,
+        },
     }
 
 
