@@ -154,6 +154,7 @@ def test_a_tiny_demo_writes_every_file(variant, tmp_path, monkeypatch):
     assert json.loads((tmp_path / "new" / "demo" / "report.json").read_text()) == figures
     assert all(np.isfinite(value) for value in figures.values())
     assert figures["mse"] > 0
+    assert f"{figures['relative_mse']:.4f}" in run.describe(figures)
 
 
 def test_renders_of_other_seeds_are_independent(variant, tmp_path, monkeypatch):

@@ -130,6 +130,18 @@ def compare(neural: Render, reference: Render) -> dict[str, float]:
     }
 
 
+def describe(figures: dict[str, float]) -> str:
+    """The figures of `compare` that matter, in three lines to print."""
+    return (
+        f"relative mean squared error, less the reference's noise: {figures['relative_mse']:.4f}\n"
+        f"the noise itself: {figures['reference_noise']:.4f} in '{REFERENCE}', "
+        f"{figures['neural_noise']:.4f} in '{NEURAL}'\n"
+        f"rendering took {figures['reference_seconds']:.0f} s and {figures['neural_seconds']:.0f} s, "
+        f"after {figures['reference_start_seconds']:.0f} s and "
+        f"{figures['neural_start_seconds']:.0f} s to start"
+    )
+
+
 def write(out: Path, renders: dict[str, Render], figures: dict[str, float]) -> None:
     """Write the images and the figures, each file whole or not at all."""
     shown = {name: picture.tonemap(of.image) for name, of in renders.items()}
