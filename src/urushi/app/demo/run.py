@@ -136,7 +136,8 @@ def describe(figures: dict[str, float]) -> str:
         f"relative mean squared error, less the reference's noise: {figures['relative_mse']:.4f}\n"
         f"the noise itself: {figures['reference_noise']:.4f} in '{REFERENCE}', "
         f"{figures['neural_noise']:.4f} in '{NEURAL}'\n"
-        f"rendering took {figures['reference_seconds']:.0f} s and {figures['neural_seconds']:.0f} s, "
+        f"rendering took {figures['reference_seconds']:.0f} s and "
+        f"{figures['neural_seconds']:.0f} s, "
         f"after {figures['reference_start_seconds']:.0f} s and "
         f"{figures['neural_start_seconds']:.0f} s to start"
     )
