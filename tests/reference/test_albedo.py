@@ -105,6 +105,12 @@ def test_a_seed_gives_the_same_numbers_again(estimate) -> None:
 
 
 @pytest.mark.parametrize("estimate", [albedo, analog_albedo])
+def test_no_directions_give_no_values(estimate) -> None:
+    value, se = estimate(STACKS["diffuse"], np.zeros((0, 3)))
+    assert value.shape == se.shape == (0, 3)
+
+
+@pytest.mark.parametrize("estimate", [albedo, analog_albedo])
 def test_bad_input_is_named(estimate) -> None:
     with pytest.raises(ParameterError, match="walks is 1; a standard error needs at least 2"):
         estimate(STACKS["diffuse"], WI, walks=1)

@@ -98,6 +98,12 @@ def test_channels_are_independent() -> None:
         np.testing.assert_allclose(rgb[:, channel], alone[:, 0], rtol=1e-6)
 
 
+def test_no_directions_give_no_values() -> None:
+    nothing = np.zeros((0, 3))
+    for description in DESCRIPTIONS.values():
+        assert f(description, nothing, nothing).shape == (0, 3)
+
+
 def test_bad_directions_are_named() -> None:
     with pytest.raises(ParameterError, match=r"wi\[1\] = .* is not a unit vector"):
         f(diffuse(0.5), [[0, 0, 1], [0, 0, 1.1]], [[0, 0, 1], [0, 0, 1]])

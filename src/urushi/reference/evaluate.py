@@ -41,6 +41,8 @@ def rows(
     `columns` holds the kind's parameters (see `urushi.reference.table.BOTTOM_KINDS`) by name, each
     of shape (S,).
     """
+    if not len(row):
+        return np.zeros(0, np.float32)
     device = types()
     index = device.UInt32(np.ascontiguousarray(row, np.uint32))
     factory, names = BOTTOM_KINDS[kind]

@@ -38,12 +38,14 @@ def average(
     """
     if walks < 2:
         raise ParameterError(f"walks is {walks}; a standard error needs at least 2")
+    if not len(wi):
+        return np.zeros((0, 3)), np.zeros((0, 3))
     table, device = from_stack(stack), types()
     channels = len(table)
     lanes = len(wi) * channels
     directions = device.Array3f(np.ascontiguousarray(np.repeat(wi, channels, axis=0).T))
     total = np.zeros((2, lanes))
-    block = max(min(walks, LANES // max(lanes, 1)), 1)
+    block = max(min(walks, LANES // lanes), 1)
     for first in range(0, walks, block):
         count = min(block, walks - first)
         lane = dr.arange(device.UInt32, lanes * count)

@@ -94,6 +94,8 @@ def walk_pairs(
     """
     if walks < 2:
         raise ParameterError(f"walks is {walks}; a standard error needs at least 2")
+    if not len(row):
+        return np.zeros(0, np.float32), np.zeros(0, np.float32)
     total = np.zeros((2, len(row)))
     device = types()
     block = min(walks, LANES)
