@@ -70,8 +70,9 @@ class Extended:
     Attributes:
         coats: as in `Table2`.
         bottom: "conductor" (Schlick's R0 = U(0, 1)), "conductor_complex" (eta = U(0.05, 3.5),
-            k = U(0.5, 8), about the range of the metals), "diffuse" (reflectance = U(0, 1)) or
-            "dielectric" (the reflection of a rough interface, eta = U(1.05, 2)).
+            k = U(0.5, 8), about the range of the metals), "diffuse" (reflectance = U(0, 1)),
+            "dielectric" (the reflection of a rough interface, eta = U(1.05, 2)) or "mixture" (see
+            `_mixture`).
     """
 
     coats: int = 1
@@ -131,6 +132,32 @@ def _alpha(rng: np.random.Generator, shape: int | tuple[int, ...]) -> np.ndarray
     return np.maximum(rng.uniform(MIN_ALPHA ** (1 / 3), 1.0, shape) ** 3, MIN_ALPHA)
 
 
+def _mixture(rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
+    """A diffuse term, a GGX and a Beckmann lobe, of weights that add up to one or less.
+
+    A quarter each are bare Beckmann conductors and plastics of either distribution (a lobe of low
+    R0 = U(0.02, 0.1) over a diffuse term); in the other half all three weights are Dirichlet(1/2)
+    times U(0, 1)^(1/3), so that one or two of them often rule.
+    """
+    kind = rng.integers(4, size=n)
+    weights = rng.dirichlet((0.5, 0.5, 0.5), n) * rng.uniform(0, 1, (n, 1)) ** (1 / 3)
+    r0 = rng.uniform(0.0, 1.0, (n, 2))
+    which = rng.integers(2, size=n)
+    plastic = np.stack([rng.uniform(0, 0.9, n), which == 0, which == 1], axis=-1)
+    weights = np.where((kind == 0)[:, None], [0.0, 0.0, 1.0], weights)
+    weights = np.where((kind == 1)[:, None], plastic, weights)
+    r0 = np.where((kind == 1)[:, None], rng.uniform(0.02, 0.1, (n, 1)), r0)
+    return {
+        "diffuse": weights[:, 0],
+        "ggx_weight": weights[:, 1],
+        "ggx_alpha": _alpha(rng, n),
+        "ggx_r0": r0[:, 0],
+        "beckmann_weight": weights[:, 2],
+        "beckmann_alpha": _alpha(rng, n),
+        "beckmann_r0": r0[:, 1],
+    }
+
+
 _DRAW_BOTTOM = {
     "conductor": lambda rng, n: {"alpha": _alpha(rng, n), "r0": rng.uniform(0.0, 1.0, n)},
     "conductor_complex": lambda rng, n: {
@@ -140,6 +167,7 @@ _DRAW_BOTTOM = {
     },
     "diffuse": lambda rng, n: {"reflectance": rng.uniform(0.0, 1.0, n)},
     "dielectric": lambda rng, n: {"alpha": _alpha(rng, n), "eta": rng.uniform(1.05, 2.0, n)},
+    "mixture": _mixture,
 }
 
 

@@ -1,4 +1,7 @@
-"""The isotropic GGX microfacet distribution with separable Smith masking, G = G1(wi) G1(wo)."""
+"""Isotropic microfacet distributions with separable Smith masking, G = G1(wi) G1(wo).
+
+Interfaces are GGX throughout; Beckmann's distribution serves bottoms alone.
+"""
 
 import drjit as dr
 
@@ -46,3 +49,18 @@ def reflection_lobe(wi, wo, alpha):
     g = smith_g1(wi, alpha) * smith_g1(wo, alpha)
     f = ggx_d(m, alpha) * g / (4 * wi.z * wo.z)
     return dr.select((wi.z > 0) & (wo.z > 0), f, 0), dr.dot(wi, m)
+
+
+def beckmann_d(m, alpha):
+    """Beckmann's normal distribution D(m) [1/sr] (Walter et al. 2007, eq. 25)."""
+    alpha2 = alpha * alpha
+    cos2 = m.z * m.z
+    d = dr.exp(-(m.x * m.x + m.y * m.y) / (alpha2 * cos2)) / (dr.pi * alpha2 * cos2 * cos2)
+    return dr.select(m.z > 0, d, 0)
+
+
+def beckmann_g1(w, alpha):
+    """Smith masking for Beckmann's distribution; rational fit of Walter et al. 2007, section 5.2."""
+    a = dr.abs(w.z) / (alpha * dr.sqrt(w.x * w.x + w.y * w.y))
+    fit = a * (3.535 + 2.181 * a) / (1 + a * (2.276 + 2.577 * a))
+    return dr.select(a >= 1.6, 1, fit)

@@ -63,6 +63,61 @@ class Lambertian:
         return wo, self.reflectance, wo.z * dr.inv_pi
 
 
+class LobeMixture:
+    """A diffuse term, a GGX lobe and a Beckmann lobe: plastics, paints and the like.
+
+    f = diffuse / pi + ggx_weight GGX(ggx_alpha, ggx_r0) + beckmann_weight Beckmann(...), each lobe
+    with Schlick's Fresnel term. Both lobes are sampled by GGX's visible normals, whose tails
+    dominate Beckmann's.
+    """
+
+    def __init__(
+        self, diffuse, ggx_weight, ggx_alpha, ggx_r0, beckmann_weight, beckmann_alpha, beckmann_r0
+    ):
+        self._diffuse = diffuse
+        self._ggx = ggx_weight, ggx_alpha, ggx_r0
+        self._beckmann = beckmann_weight, beckmann_alpha, beckmann_r0
+        total = diffuse + ggx_weight + beckmann_weight + 1e-6
+        self._share_ggx = ggx_weight / total
+        self._share_beckmann = beckmann_weight / total
+
+    def f_pdf(self, wi, wo):
+        weight, alpha, r0 = self._ggx
+        lobe, cos_m = microfacet.reflection_lobe(wi, wo, alpha)
+        f = weight * lobe * fresnel.schlick(dr.abs(cos_m), r0)
+        pdf = self._share_ggx * _visible_reflection_pdf(wi, wo, alpha)
+        weight, alpha, r0 = self._beckmann
+        f += weight * _beckmann_lobe(wi, wo, alpha) * fresnel.schlick(dr.abs(cos_m), r0)
+        pdf += self._share_beckmann * _visible_reflection_pdf(wi, wo, alpha)
+        f += self._diffuse * dr.inv_pi
+        pdf += (1 - self._share_ggx - self._share_beckmann) * wo.z * dr.inv_pi
+        valid = (wi.z > 0) & (wo.z > 0)
+        return dr.select(valid, f, 0), dr.select(valid, pdf, 0)
+
+    def sample(self, wi, u0, u1, u2):
+        is_ggx = u0 < self._share_ggx
+        is_lobe = u0 < self._share_ggx + self._share_beckmann
+        alpha = dr.select(is_ggx, self._ggx[1], self._beckmann[1])
+        m = microfacet.sample_visible_normal(wi, alpha, u1, u2)
+        cosine = square_to_cosine_hemisphere(type(wi), u1, u2)
+        wo = dr.select(is_lobe, reflect(wi, m), cosine)
+        f, pdf = self.f_pdf(wi, wo)
+        return wo, dr.select(pdf > 0, f * wo.z / pdf, 0), pdf
+
+
+def _visible_reflection_pdf(wi, wo, alpha):
+    """Density of reflecting wi about a visible GGX normal, at wo above the horizon."""
+    m = dr.normalize(wi + wo)
+    return microfacet.smith_g1(wi, alpha) * microfacet.ggx_d(m, alpha) / (4 * wi.z)
+
+
+def _beckmann_lobe(wi, wo, alpha):
+    """The Beckmann reflection BRDF for Fresnel reflectance 1 [1/sr]."""
+    m = dr.normalize(wi + wo)
+    g = microfacet.beckmann_g1(wi, alpha) * microfacet.beckmann_g1(wo, alpha)
+    return microfacet.beckmann_d(m, alpha) * g / (4 * wi.z * wo.z)
+
+
 def schlick_conductor(alpha, r0):
     """GGX conductor with Schlick's Fresnel term."""
     return Microfacet(alpha, lambda cos_m: fresnel.schlick(cos_m, r0))

@@ -15,6 +15,18 @@ BOTTOM_KINDS: dict[str, tuple[Any, tuple[str, ...]]] = {
     "conductor_complex": (bottoms.conductor, ("alpha", "eta", "k")),
     "dielectric": (bottoms.dielectric_reflector, ("alpha", "eta")),
     "diffuse": (bottoms.Lambertian, ("reflectance",)),
+    "mixture": (
+        bottoms.LobeMixture,
+        (
+            "diffuse",
+            "ggx_weight",
+            "ggx_alpha",
+            "ggx_r0",
+            "beckmann_weight",
+            "beckmann_alpha",
+            "beckmann_r0",
+        ),
+    ),
 }
 
 
