@@ -87,25 +87,29 @@ def quick() -> Preset:
     """
     pairs, walks = 512, 32
     parts = (
-        Part("table2", Table2(1), 22_016, pairs, walks),
+        Part("table2", Table2(1), 20_480, pairs, walks),
         Part("conductor", Extended(1, "conductor"), 3_072, pairs, walks),
-        Part("complex", Extended(1, "conductor_complex"), 3_072, pairs, walks),
-        Part("diffuse", Extended(1, "diffuse"), 4_096, pairs, walks),
+        Part("complex", Extended(1, "conductor_complex"), 2_048, pairs, walks),
+        Part("diffuse", Extended(1, "diffuse"), 3_072, pairs, walks),
+        Part("mixture", Extended(1, "mixture"), 5_120, pairs, walks),
         Part("table2-twice", Table2(2), 2_560, pairs, walks),
         Part("conductor-twice", Extended(2, "conductor"), 1_024, pairs, walks),
-        Part("diffuse-twice", Extended(2, "diffuse"), 1_536, pairs, walks),
+        Part("diffuse-twice", Extended(2, "diffuse"), 1_024, pairs, walks),
+        Part("mixture-twice", Extended(2, "mixture"), 1_024, pairs, walks),
         Part("bare-conductor", Extended(0, "conductor"), 2_048, pairs, 1),
-        Part("bare-complex", Extended(0, "conductor_complex"), 2_048, pairs, 1),
+        Part("bare-complex", Extended(0, "conductor_complex"), 1_024, pairs, 1),
         Part("bare-dielectric", Extended(0, "dielectric"), 2_048, pairs, 1),
-        Part("bare-diffuse", Extended(0, "diffuse"), 1_024, pairs, 1),
+        Part("bare-diffuse", Extended(0, "diffuse"), 512, pairs, 1),
+        Part("bare-mixture", Extended(0, "mixture"), 4_096, pairs, 1),
         *validation(),
     )
     return Preset(
         name="quick",
         data=DataSpec(parts, seed=1),
-        networks=Schedule(steps=48_000, warmup=1_000, learning_rate=3e-3),
-        proposal=Schedule(steps=4_000, warmup=200, learning_rate=3e-3, checkpoint_every=4_000),
-        stacks=(24, 192, 40),
+        networks=Schedule(steps=12_288, warmup=256, learning_rate=0.02, checkpoint_every=1_024),
+        proposal=Schedule(steps=4_000, warmup=200, learning_rate=0.01, checkpoint_every=4_000),
+        stacks=(36, 160, 44),
+        pairs=128,
     )
 
 
@@ -125,8 +129,8 @@ def smoke() -> Preset:
     return Preset(
         name="smoke",
         data=DataSpec(parts, seed=1),
-        networks=Schedule(steps=512, warmup=64, learning_rate=3e-3, average=0.98),
-        proposal=Schedule(steps=128, warmup=16, learning_rate=3e-3, average=0.95),
+        networks=Schedule(steps=512, warmup=64, learning_rate=0.02, average=0.98),
+        proposal=Schedule(steps=128, warmup=16, learning_rate=0.01, average=0.95),
         stacks=(8, 48, 8),
     )
 
