@@ -60,7 +60,7 @@ def beckmann_d(m, alpha):
 
 
 def beckmann_g1(w, alpha):
-    """Smith masking for Beckmann's distribution; rational fit of Walter et al. 2007, section 5.2."""
+    """Smith masking for Beckmann's distribution (Walter et al. 2007, section 5.2, rational)."""
     a = dr.abs(w.z) / (alpha * dr.sqrt(w.x * w.x + w.y * w.y))
     fit = a * (3.535 + 2.181 * a) / (1 + a * (2.276 + 2.577 * a))
     return dr.select(a >= 1.6, 1, fit)
