@@ -140,6 +140,8 @@ COLORED = {
     "sigma_t": [dict(albedo=0.9, sigma_t=(0.2, 1.0, 6.0), g=0.3)],
     "clear in one channel": [dict(albedo=(0.9, 0.5, 1.0), sigma_t=(0.0, 2.0, 5.0), g=0.4)],
     "g": [dict(albedo=0.95, sigma_t=2.0, g=(-0.5, 0.1, 0.8))],
+    # a rough top, where directions that the phase function draws leave as often as connections
+    "g, rough": [dict(alpha=1.0, albedo=0.95, sigma_t=2.0, g=(-0.8, 0.0, 0.9))],
     "two coats": [
         dict(albedo=(0.9, 0.5, 0.99), sigma_t=(0.0, 1.0, 2.0), g=(0.6, 0.1, -0.4)),
         dict(albedo=(0.6, 0.95, 0.8), sigma_t=(3.0, 0.0, 1.0), g=(-0.3, 0.0, 0.7)),
@@ -151,7 +153,7 @@ COLORED = {
 def test_one_walk_for_all_channels_equals_a_walk_per_channel(coats: list[dict]) -> None:
     stack = diffuse((0.8, 0.4, 0.1))
     for parameters in reversed(coats):
-        stack = coat(stack, 0.25, 1.4, **parameters)
+        stack = coat(stack, **{"alpha": 0.25, "eta": 1.4} | parameters)
     rng = np.random.default_rng(1)
     wi, wo = hemisphere(6, rng), hemisphere(6, rng)
     f, se = simulate(stack, wi, wo, walks=1 << 17, seed=1, progress=False)
