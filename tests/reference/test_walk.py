@@ -156,8 +156,8 @@ def test_one_walk_for_all_channels_equals_a_walk_per_channel(coats: list[dict]) 
         stack = coat(stack, **{"alpha": 0.25, "eta": 1.4} | parameters)
     rng = np.random.default_rng(1)
     wi, wo = hemisphere(6, rng), hemisphere(6, rng)
-    f, se = simulate(stack, wi, wo, walks=1 << 17, seed=1, progress=False)
-    color, se_color = walk_in_color(stack, wi, wo, 1 << 17, seed=2)
+    f, se = simulate(stack, wi, wo, walks=1 << 19, seed=1, progress=False)
+    color, se_color = walk_in_color(stack, wi, wo, 1 << 19, seed=2)
     z = (color - f) / np.hypot(se, se_color)
     # 18 values, of which the three channels of a colour walk are correlated.
     assert np.abs(z).max() < 4.5
