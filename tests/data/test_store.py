@@ -32,7 +32,7 @@ SPEC = DataSpec(
 
 
 def fingerprint(path):
-    """Hash of every file's name and bytes, but for the versions noted in the manifest."""
+    """Hash of every file's name and bytes."""
     files = sorted(file for file in path.rglob("*") if file.is_file())
     digest = hashlib.sha256()
     for file in files:
