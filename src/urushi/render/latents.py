@@ -24,11 +24,11 @@ class ConstantLatents:
         self._shares = [_opaque(share) for share in self._decoder.first_layer(latents)]
         self._proposal_share = _opaque(self._proposal.first_layer(latents.mean(axis=0)))
 
-    def f(self, si, wo, active) -> list:
+    def f(self, si, wo) -> list:
         """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
         return self._decoder.of_first_layer(self._shares, direction_features(si.wi, wo))
 
-    def mixture(self, si, active) -> Mixture:
+    def mixture(self, si) -> Mixture:
         """The proposal for si.wi."""
         return self._proposal.of_first_layer(self._proposal_share, si.wi.z)
 
@@ -63,20 +63,20 @@ class TexturedLatents:
             wrap_mode=dr.WrapMode.Repeat,
         )
 
-    def f(self, si, wo, active) -> list:
+    def f(self, si, wo) -> list:
         """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
-        latents = self._look_up(si.uv, active)
+        latents = self._look_up(si.uv)
         return self._decoder.of_latents(latents, direction_features(si.wi, wo))
 
-    def mixture(self, si, active) -> Mixture:
+    def mixture(self, si) -> Mixture:
         """The proposal for si.wi."""
-        latents = self._look_up(si.uv, active)
+        latents = self._look_up(si.uv)
         mean = [sum(values) * (1 / self._channels) for values in zip(*latents, strict=True)]
         return self._proposal.of_latent(mean, si.wi.z)
 
     def at(self, uv: np.ndarray) -> np.ndarray:
         """Latent codes (M, C, 32) at points uv (M, 2)."""
-        latents = self._look_up(mi.Point2f(np.ascontiguousarray(uv.T)), mi.Bool(True))
+        latents = self._look_up(mi.Point2f(np.ascontiguousarray(uv.T)))
         dr.eval(latents)
         channels = [np.stack([value.numpy() for value in z], axis=-1) for z in latents]
         return np.stack(channels, axis=1)
@@ -86,9 +86,10 @@ class TexturedLatents:
         """Width and height of the texture."""
         return self._shape
 
-    def _look_up(self, uv, active) -> list[list]:
-
-        values = [mi.Float(value) for value in self._texture.eval(uv, active)]
+    def _look_up(self, uv) -> list[list]:
+        # No mask beyond that of the caller's caller: equal look-ups, of f and of the mixture, of
+        # one direction and of another, then become one.
+        values = [mi.Float(value) for value in self._texture.eval(uv)]
         return [values[i : i + self._size] for i in range(0, len(values), self._size)]
 
     def __str__(self) -> str:

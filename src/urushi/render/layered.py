@@ -5,6 +5,7 @@ import mitsuba as mi
 from urushi.reference import walk
 from urushi.render import baking, rng
 from urushi.render.coats import BottomLobes, Coats, MitsubaBottom, walk_color
+from urushi.render.network import compiled_once
 from urushi.render.parameters import CoatParameters, check_bottom, nested_bsdf
 
 
@@ -80,11 +81,14 @@ def define(base: type) -> type:
             self.bottom_lobes = self._nested.bottom_lobes if below else BottomLobes(self.bottom)
 
         def _f(self, ctx, si, wo, active):
-            coats = Coats(self.coats, si, active)
-            bottom = MitsubaBottom(self.bottom, ctx, si, active)
-            random = rng.hashed(si, wo)
-            f = walk.estimate(coats, bottom, si.wi, wo, random, walk_color(), active)
-            return mi.Spectrum(f + walk.top_reflection(coats, si.wi, wo))
+            def walked(si, wo, active):
+                coats = Coats(self.coats, si, active)
+                bottom = MitsubaBottom(self.bottom, ctx, si, active)
+                random = rng.hashed(si, wo)
+                f = walk.estimate(coats, bottom, si.wi, wo, random, walk_color(), active)
+                return mi.Spectrum(f + walk.top_reflection(coats, si.wi, wo))
+
+            return compiled_once(walked, si, wo, active)
 
         def _mixture(self, si, active):
             return Coats(self.coats, si, active).mixture(self.bottom_lobes, si.wi.z)

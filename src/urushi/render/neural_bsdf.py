@@ -30,9 +30,9 @@ def define(base: type) -> type:
         latents: ConstantLatents | TexturedLatents
 
         def _f(self, ctx, si, wo, active):
-            return spectrum.from_channels(self.latents.f(si, wo, active), si.wavelengths)
+            return spectrum.from_channels(self.latents.f(si, wo), si.wavelengths)
 
         def _mixture(self, si, active):
-            return self.latents.mixture(si, active)
+            return self.latents.mixture(si)
 
     return NeuralBSDF
