@@ -87,9 +87,7 @@ def test_textured_latents_are_the_constant_ones_where_the_texture_is_constant(rg
     wi, wo = pairs()
     si = interaction(rgb, wi)
     si.uv = rgb.Point2f(np.random.default_rng(0).normal(size=(2, len(wi))).astype(np.float32))
-    for a, b in zip(
-        textured.f(si, vector(rgb, wo)), constant.f(si, vector(rgb, wo)), strict=True
-    ):
+    for a, b in zip(textured.f(si, vector(rgb, wo)), constant.f(si, vector(rgb, wo)), strict=True):
         # half precision: 5e-4 of a latent, 32 of them, through a network that triples its output
         np.testing.assert_allclose(a.numpy(), b.numpy(), rtol=2e-2)
 

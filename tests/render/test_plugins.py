@@ -115,6 +115,27 @@ def test_below_the_horizon_all_is_zero(rgb, describe, name):
     assert (evaluate(bsdf, wo=(0.3, 0.1, -0.9)) == 0).all()
 
 
+def scene(mi, *bsdfs: dict):
+    """Spheres side by side in a white world."""
+    spheres = {
+        f"object {i}": {"type": "sphere", "center": [2 * i - len(bsdfs) + 1, 0, 0], "bsdf": bsdf}
+        for i, bsdf in enumerate(bsdfs)
+    }
+    return mi.load_dict(
+        {
+            "type": "scene",
+            "integrator": {"type": "path", "max_depth": 3},
+            "sensor": {
+                "type": "perspective",
+                "to_world": mi.ScalarTransform4f().look_at([0, 0, 5], [0, 0, 0], [0, 1, 0]),
+                "film": {"type": "hdrfilm", "width": 8, "height": 8},
+            },
+            "light": {"type": "constant"},
+            **spheres,
+        }
+    )
+
+
 @pytest.mark.parametrize("name", PLUGINS)
 def test_every_variant_renders(describe, name):
     import mitsuba as mi
@@ -122,23 +143,27 @@ def test_every_variant_renders(describe, name):
     # both ways through the variants: classes must not outlive theirs
     for variant in ("llvm_ad_mono", "llvm_ad_spectral", "llvm_ad_rgb", "llvm_ad_mono"):
         mi.set_variant(variant)
-        scene = mi.load_dict(
-            {
-                "type": "scene",
-                "integrator": {"type": "path", "max_depth": 3},
-                "sensor": {
-                    "type": "perspective",
-                    "to_world": mi.ScalarTransform4f().look_at([0, 0, 5], [0, 0, 0], [0, 1, 0]),
-                    "film": {"type": "hdrfilm", "width": 8, "height": 8},
-                },
-                "light": {"type": "constant"},
-                # two of a kind: Mitsuba must not mix them up
-                "a": {"type": "sphere", "center": [-1, 0, 0], "bsdf": describe(name)},
-                "b": {"type": "sphere", "center": [1, 0, 0], "bsdf": describe(name)},
-            }
-        )
-        image = mi.render(scene, spp=16).numpy()
-        assert np.isfinite(image).all() and image.min() > 0
+        # two of a kind: Mitsuba must not mix them up
+        image = mi.render(scene(mi, describe(name), describe(name)), spp=16).numpy()
+        assert np.isfinite(image).all()
+        assert image.min() > 0
+
+
+@pytest.mark.parametrize("name", ("layered", "neural_layered"))
+@pytest.mark.parametrize("textured", (False, True))
+def test_frozen_functions_see_changed_parameters(rgb, describe, name, textured):
+    texture = {"albedo": {"type": "checkerboard"}, "resolution": 8} if textured else {}
+    if name == "layered":
+        texture.pop("resolution", None)
+    loaded = scene(rgb, describe(name) | texture)
+    parameters = rgb.traverse(loaded)
+    changed = next(key for key in parameters.keys() if key.endswith("sigma_t.value"))  # noqa: SIM118
+    frozen = dr.freeze(lambda scene: rgb.render(scene, spp=4, seed=0))
+    for value in (0.5, 1.0, 3.0):
+        parameters[changed] = value
+        parameters.update()
+        a, b = frozen(loaded).numpy(), rgb.render(loaded, spp=4, seed=0).numpy()
+        np.testing.assert_allclose(a, b, rtol=1e-4)
 
 
 def test_grey_in_spectral_is_grey_in_rgb(describe):

@@ -1,6 +1,7 @@
 """A stack of coats over a Mitsuba BSDF, as the random walk and its sampling see them."""
 
 from collections.abc import Sequence
+from typing import ClassVar
 
 import drjit as dr
 import mitsuba as mi
@@ -109,6 +110,8 @@ class BottomLobes:
     q = t^2 / (alpha^2 + t^2), so that every quantile tells alpha; of another BSDF, the quartiles
     tell a narrow and a wide lobe.
     """
+
+    DRJIT_STRUCT: ClassVar = {"albedo": object, "alphas": list}  # for frozen functions
 
     def __init__(self, bsdf: "mi.BSDF"):
         rng = mi.PCG32(size=SAMPLES)

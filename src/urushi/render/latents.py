@@ -4,6 +4,8 @@ Both answer the same two questions at a surface interaction: f of every channel,
 mixture, which is that of the mean latent code over the channels.
 """
 
+from typing import ClassVar
+
 import drjit as dr
 import mitsuba as mi
 import numpy as np
@@ -16,6 +18,8 @@ from urushi.render.lobes import Mixture, Proposal
 
 class ConstantLatents:
     """One latent code per channel: the first layers' share of them is computed once, here."""
+
+    DRJIT_STRUCT: ClassVar = {"_shares": list, "_proposal_share": list}  # for frozen functions
 
     def __init__(self, model: Model, latents: np.ndarray):
         """latents: (C, 32) float32."""
@@ -50,6 +54,8 @@ class TexturedLatents:
 
     Half precision costs 5e-4 of a code's size and makes look-ups twice as fast as single.
     """
+
+    DRJIT_STRUCT: ClassVar = {"_texture": object}  # for frozen functions
 
     def __init__(self, model: Model, latents: np.ndarray):
         """latents: (height, width, C, 32); the texel (y, x) lies at uv = (x, y) + 1/2."""

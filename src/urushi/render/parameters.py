@@ -1,6 +1,6 @@
 """What `layered` and `neural_layered` are given: a coat's parameters and the BSDF under it."""
 
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import drjit as dr
 import mitsuba as mi
@@ -31,6 +31,8 @@ class CoatValues(NamedTuple):
 
 class CoatParameters:
     """A coat as it is read from a plugin's properties: textures, and the relative index `eta`."""
+
+    DRJIT_STRUCT: ClassVar = {"textures": dict, "opaque_eta": object}  # for frozen functions
 
     def __init__(self, props: "mi.Properties"):
         self.where = describe(props)
