@@ -121,3 +121,12 @@ def test_the_resolution_follows_the_textures(rgb, networks, properties, resoluti
         for key, value in properties.items()
     }
     assert load(rgb, "neural_layered", networks, **chosen).latents.resolution == resolution
+
+
+def test_distinct_rows_stand_for_all():
+    from urushi.render.baking import distinct
+
+    rows = np.random.default_rng(0).integers(3, size=(200, 4)).astype(float)
+    first, label = distinct(rows)
+    np.testing.assert_array_equal(rows[first][label], rows)
+    assert len(first) == len(np.unique(rows, axis=0))

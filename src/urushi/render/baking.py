@@ -16,7 +16,7 @@ from urushi.render.parameters import CoatParameters, is_varying
 PROCEDURAL, LARGEST = 256, 1024
 
 #: Texels that are baked at once: bounds memory.
-TEXELS = 1 << 12
+TEXELS = 1 << 13
 
 
 def bake(
@@ -131,7 +131,22 @@ def _texture_size(texture: "mi.Texture") -> tuple[int, int]:
 
 def _layer(model: Model, coat: CoatParameters, encode, uv: np.ndarray) -> np.ndarray:
     """Latent codes (M, C, 32) at points uv (M, 2)."""
-    return layer_texels(model, encode(uv), eta=coat.eta, **coat.table(uv))
+    table, bottom = coat.table(uv), encode(uv)
+    if len(bottom) > 1:
+        return layer_texels(model, bottom, eta=coat.eta, **table)
+    # Over one bottom, equal parameters give equal codes: patterns have few distinct texels.
+    first, label = distinct(np.concatenate(list(table.values()), axis=1))
+    rows = {name: values[first] for name, values in table.items()}
+    return layer_texels(model, bottom, eta=coat.eta, **rows)[label]
+
+
+def distinct(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Indices of rows (M, K) that stand for all, and of each row's among these (M,)."""
+    order = np.lexsort(rows.T)
+    change = (np.diff(rows[order], axis=0) != 0).any(axis=1)
+    label = np.empty(len(rows), np.intp)
+    label[order] = np.concatenate([[0], np.cumsum(change)])
+    return order[np.concatenate([[True], change])], label
 
 
 def _encoder(model: Model, where: str, bottom: "mi.BSDF", shape: tuple[int, int] | None):
