@@ -111,3 +111,21 @@ def directions(wi: npt.ArrayLike, wo: npt.ArrayLike) -> tuple[np.ndarray, np.nda
             f"wi has {len(wi)} directions and wo has {len(wo)}; give pairs of the same number"
         )
     return wi, wo
+
+
+def finite(**arrays: npt.ArrayLike) -> list[np.ndarray]:
+    """Check values that are compared: finite, broadcastable; errors name the keyword.
+
+    Returns:
+        Float64 arrays, in the keywords' order.
+    """
+    result = {name: np.asarray(value, dtype=np.float64) for name, value in arrays.items()}
+    for name, array in result.items():
+        if not np.isfinite(array).all():
+            raise ParameterError(f"{name} holds NaN or infinity; every value must be finite")
+    try:
+        np.broadcast_shapes(*(array.shape for array in result.values()))
+    except ValueError as error:
+        shapes = ", ".join(f"{name} {array.shape}" for name, array in result.items())
+        raise ParameterError(f"shapes do not fit together: {shapes}") from error
+    return list(result.values())

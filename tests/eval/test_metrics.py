@@ -7,31 +7,6 @@ from urushi.errors import ParameterError
 from urushi.eval import metrics
 
 
-def test_stack_error_by_hand():
-    # Weights 0.5 * 1, 1 * 1: (1 * 0.5 + 1 * 1) / (2 * 0.5 + 4 * 1) = 1.5 / 5.
-    error = metrics.stack_error([3.0, 3.0], [2.0, 4.0], [0.5, 1.0], [1.0, 1.0])
-    assert error == pytest.approx(0.3, rel=1e-12)
-
-
-def test_stack_error_clamps_grazing_cosines():
-    # Both cosines at 0.02 give the weight 4e-4 to the first pair, below the horizon or not.
-    error = metrics.stack_error([2.0, 1.0], [1.0, 1.0], [1e-6, 1.0], [-1.0, 1.0])
-    assert error == pytest.approx(4e-4 / (1 + 4e-4), rel=1e-12)
-
-
-def test_stack_error_of_a_scaled_brdf_is_the_scale():
-    rng = np.random.default_rng(1)
-    f, cosines = rng.uniform(0.1, 9, (5, 40)), rng.uniform(0, 1, (2, 5, 40))
-    np.testing.assert_allclose(metrics.stack_error(1.25 * f, f, *cosines), 0.25, rtol=1e-12)
-    np.testing.assert_array_equal(metrics.stack_error(f, f, *cosines), np.zeros(5))
-
-
-def test_pair_error_by_hand():
-    np.testing.assert_allclose(
-        metrics.pair_error([0.003, 2.0, 0.0], [0.001, 1.999, 0.0]), [1.0, 0.0005, 0.0], rtol=1e-9
-    )
-
-
 def test_summary_of_one_to_hundred():
     assert metrics.summary(np.arange(101.0)) == pytest.approx({"mean": 50, "median": 50, "p95": 95})
 
@@ -45,6 +20,14 @@ def test_image_errors_by_hand():
     )
     assert metrics.psnr(image, reference, peak=2.0) == pytest.approx(10 * np.log10(4 / 0.125))
     assert metrics.psnr(image, image) == np.inf
+
+
+def test_table_errors_by_hand():
+    table, reference = [1.0, 0.0, 0.0, 3.0], [3.0, 0.0, 2.0, 3.0]
+    assert metrics.mae(table, reference) == pytest.approx(1.0)
+    # 2 * 2 / 4 = 1 for the first, 2 for the third, which are as far apart as can be.
+    assert metrics.smape(table, reference) == pytest.approx((1 + 0 + 2 + 0) / 4)
+    assert metrics.smape(reference, table) == metrics.smape(table, reference)
 
 
 def test_noise_alone_leaves_no_relative_error():
@@ -76,8 +59,7 @@ def test_subtracted_noise_is_the_product_of_differences_to_both_halves():
     ("call", "message"),
     [
         (lambda: metrics.mse([np.nan], [1.0]), "image holds NaN"),
-        (lambda: metrics.pair_error([1.0, 2.0], [1.0, 2.0, 3.0]), "shapes do not fit together"),
-        (lambda: metrics.stack_error([0.0], [0.0], [1.0], [1.0]), "reflects no energy"),
+        (lambda: metrics.mae([1.0, 2.0], [1.0, 2.0, 3.0]), "shapes do not fit together"),
         (lambda: metrics.summary([]), "errors is empty"),
     ],
 )

@@ -11,9 +11,9 @@ import time
 import numpy as np
 import pytest
 
+from urushi.data import metrics
 from urushi.data.store import Store
 from urushi.errors import FileError, ParameterError
-from urushi.eval import metrics
 from urushi.nets import weights
 from urushi.nets.decoder import decode
 from urushi.nets.encoder import encode
@@ -96,7 +96,7 @@ def test_the_header_says_where_the_weights_come_from(uninterrupted, tiny, tiny_d
     assert {"data seconds", "training seconds", "processors"} <= set(header["cost"])
 
 
-def test_validation_agrees_with_the_metrics_floor_above(uninterrupted, tiny, tiny_data):
+def test_validation_measures_what_the_exported_weights_give(uninterrupted, tiny, tiny_data):
     model = uninterrupted[0]
     store = Store.open(tiny_data)
     checks = validation.load(store, tiny.arch)

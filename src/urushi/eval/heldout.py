@@ -9,6 +9,7 @@ import numpy as np
 from tqdm import tqdm
 
 from urushi.data import directions
+from urushi.data import metrics as stack_metrics
 from urushi.data.distribution import Distribution, Extended, Table2
 from urushi.errors import ParameterError
 from urushi.eval import metrics
@@ -130,12 +131,12 @@ def stack_errors(f_hat: np.ndarray, samples: Samples) -> np.ndarray:
     """E of every stack, (S,), from values (S, M) at all pairs."""
     part = slice(None, E_PAIRS)
     cos_i, cos_o = samples.wi[:, part, 2], samples.wo[:, part, 2]
-    return metrics.stack_error(f_hat[:, part], samples.f[:, part], cos_i, cos_o)
+    return stack_metrics.stack_error(f_hat[:, part], samples.f[:, part], cos_i, cos_o)
 
 
 def pair_errors(f_hat: np.ndarray, samples: Samples) -> np.ndarray:
     """P of every pair, (S, P_PAIRS), from values (S, M) at all pairs."""
-    return metrics.pair_error(f_hat[:, E_PAIRS:], samples.f[:, E_PAIRS:])
+    return stack_metrics.pair_error(f_hat[:, E_PAIRS:], samples.f[:, E_PAIRS:])
 
 
 def predict(model: weights.Model, table: StackTable, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:

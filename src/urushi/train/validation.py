@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from urushi.data import metrics
 from urushi.data.store import Store
 from urushi.nets.architecture import Architecture, Params
 from urushi.nets.decoder import decode
@@ -23,7 +24,8 @@ class Check:
     coats: np.ndarray
     features: np.ndarray
     f: np.ndarray
-    weight: np.ndarray
+    cos_i: np.ndarray
+    cos_o: np.ndarray
 
 
 #: Metric by the direction set that it is taken on.
@@ -45,7 +47,8 @@ def load(store: Store, arch: Architecture) -> list[Check]:
                 coats=coat_inputs(part, arrays),
                 features=direction_features(wi, wo),
                 f=arrays["f"],
-                weight=np.maximum(wi[..., 2], 0.02) * np.maximum(wo[..., 2], 0.02),
+                cos_i=wi[..., 2],
+                cos_o=wo[..., 2],
             )
         )
     return checks
@@ -59,10 +62,10 @@ def measure(params: Params, arch: Architecture, checks: list[Check]) -> dict[str
         z = encode(host, arch, check.probes)
         for coat in np.moveaxis(check.coats, 1, 0)[::-1]:  # the lowest first
             z = layer(host, arch, z, coat)
-        error = np.abs(decode(host, arch, z[:, None], check.features) - check.f)
+        f_hat = decode(host, arch, z[:, None], check.features)
         if check.metric == "E mean":
-            energy = (check.f * check.weight).sum(-1)
-            figures[check.metric] = float(np.mean((error * check.weight).sum(-1) / energy))
+            errors = metrics.stack_error(f_hat, check.f, check.cos_i, check.cos_o)
+            figures[check.metric] = float(errors.mean())
         else:
-            figures[check.metric] = float(np.median(error / (check.f + 1e-3)))
+            figures[check.metric] = float(np.median(metrics.pair_error(f_hat, check.f)))
     return figures
