@@ -10,11 +10,12 @@ from tqdm import tqdm
 
 from urushi.data import directions
 from urushi.data import metrics as stack_metrics
-from urushi.data.distribution import Distribution, Extended, Table2
+from urushi.data.distribution import COAT_PARAMETERS, Distribution, Extended, Table2
 from urushi.errors import ParameterError
 from urushi.eval import metrics
 from urushi.files import atomic_write
-from urushi.nets import decoder, encoder, features, layerer, probes, weights
+from urushi.material.texture import encode_texels, layer_texels
+from urushi.nets import weights
 from urushi.nets.default import default_model
 from urushi.reference import StackTable, evaluate, walk_pairs
 
@@ -150,15 +151,14 @@ def predict(model: weights.Model, table: StackTable, wi: np.ndarray, wo: np.ndar
     Returns:
         float32 (S, M) [1/sr].
     """
-    params, arch = model.params, model.arch
-    probe_wi, probe_wo = (np.tile(w, (len(table), 1)) for w in probes.probe_pairs(arch.probes))
-    row = np.repeat(np.arange(len(table), dtype=np.uint32), arch.probes)
+    probe_wi, probe_wo = (np.tile(w, (len(table), 1)) for w in model.networks.pairs())
+    row = np.repeat(np.arange(len(table), dtype=np.uint32), len(probe_wi) // len(table))
     bottom = evaluate.rows(table.kind, table.bottom, row, probe_wi, probe_wo)
-    z = encoder.encode(params, arch, bottom.reshape(len(table), -1))
+    z = encode_texels(model, bottom.reshape(len(table), -1))
     for index in reversed(range(table.coats)):
-        coat = (getattr(table, k)[:, index] for k in ("alpha", "eta", "albedo", "sigma_t", "g"))
-        z = layerer.layer(params, arch, z, features.coat_features(*coat))
-    return decoder.decode(params, arch, z[:, None], features.direction_features(wi, wo))
+        coat = {name: getattr(table, name)[:, index] for name in COAT_PARAMETERS}
+        z = layer_texels(model, z, **coat)
+    return model.networks.f(z[:, None], wi, wo)
 
 
 def measure(model: weights.Model, group: Group, seed: int = 0) -> dict[str, Any]:

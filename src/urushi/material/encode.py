@@ -9,7 +9,6 @@ from urushi.errors import ParameterError
 from urushi.material.material import Material
 from urushi.material.texture import encode_texels
 from urushi.nets.default import default_model
-from urushi.nets.probes import probe_pairs
 from urushi.nets.weights import Model
 from urushi.reference.stack import Conductor, Dielectric, Diffuse, Stack
 
@@ -48,7 +47,7 @@ def encode(source: Any, model: Model | None = None) -> Material:
     model = model or default_model()
     if isinstance(source, Material) and source.model.fingerprint == model.fingerprint:
         return source
-    wi, wo = probe_pairs(model.arch.probes)
+    wi, wo = model.networks.pairs()
     values = _checked(_brdf(source)(wi, wo), source, len(wi))
     return Material(encode_texels(model, values.T), model)
 

@@ -11,11 +11,8 @@ from urushi.errors import ParameterError
 from urushi.material import files
 from urushi.material.chunks import ROWS, in_chunks
 from urushi.material.quadrature import half_vector_rule
-from urushi.nets import lobes
-from urushi.nets.decoder import decode
 from urushi.nets.default import default_model
-from urushi.nets.features import direction_features
-from urushi.nets.sampler import lobes as proposal
+from urushi.nets.networks import Proposal
 from urushi.nets.weights import Model
 
 
@@ -78,8 +75,7 @@ class Material:
         return in_chunks(self._f, wi, wo, rows=max(ROWS // self.channels, 1))
 
     def _f(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-        features = direction_features(wi, wo)[:, None, :]
-        value = decode(self.model.params, self.model.arch, self.latents[None], features)
+        value = self.model.networks.f(self.latents[None], wi[:, None], wo[:, None])
         return np.where(_above(wi, wo)[:, None], value, np.float32(0.0))
 
     def pdf(self, wi: npt.ArrayLike, wo: npt.ArrayLike) -> np.ndarray:
@@ -95,7 +91,7 @@ class Material:
         return in_chunks(self._pdf, wi, wo)
 
     def _pdf(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-        return lobes.pdf(*self._proposal(wi), wi, wo)
+        return self._proposal(wi).pdf(wi, wo)
 
     def sample(self, wi: npt.ArrayLike, u: npt.ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """Draw directions wo, about in proportion to f times wo's cosine.
@@ -119,15 +115,14 @@ class Material:
         above = wi[:, 2] > 0.0
         normal = np.array([0.0, 0.0, 1.0], np.float32)
         raised = np.where(above[:, None], wi, normal)
-        weights, alphas = self._proposal(raised)
-        wo = lobes.sample(weights, alphas, raised, u)
-        pdf = lobes.pdf(weights, alphas, raised, wo)
+        proposal = self._proposal(raised)
+        wo = proposal.sample(raised, u)
+        pdf = proposal.pdf(raised, wo)
         wo, pdf = np.where(above[:, None], wo, normal), np.where(above, pdf, np.float32(0.0))
         return np.concatenate([wo, pdf[:, None]], axis=1)
 
-    def _proposal(self, wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        mean = self.latents.mean(axis=0)
-        return proposal(self.model.params, self.model.arch, mean[None], wi[:, 2])
+    def _proposal(self, wi: np.ndarray) -> Proposal:
+        return self.model.networks.proposal(self.latents.mean(axis=0)[None], wi)
 
     def albedo(self, wi: npt.ArrayLike) -> np.ndarray:
         """Integrate f times wo's cosine over the hemisphere: the directional albedo.

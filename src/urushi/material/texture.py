@@ -4,6 +4,7 @@ A latent texture is a float32 array (H, W, C, 32); filtering and mip maps are li
 functions take any leading shape.
 """
 
+import functools
 import math
 
 import numpy as np
@@ -12,20 +13,17 @@ import numpy.typing as npt
 from urushi import checks
 from urushi.errors import ParameterError
 from urushi.material.chunks import in_chunks
-from urushi.nets import encoder, layerer
-from urushi.nets.features import coat_features
+from urushi.nets.networks import Coat
 from urushi.nets.weights import Model
 
 
 def encode_texels(model: Model, f: np.ndarray) -> np.ndarray:
-    """Return codes float32 (..., 32) from f (..., probes) [1/sr] at the model's probe pairs."""
+    """Return codes float32 (..., 32) from f (..., P) [1/sr] at the pairs of `model.networks`."""
     values = np.asarray(f, np.float32)
-    probes = model.arch.probes
-    if not values.ndim or values.shape[-1] != probes:
-        raise ParameterError(f"f has shape {values.shape}; these networks need (..., {probes})")
-    codes = in_chunks(
-        lambda rows: encoder.encode(model.params, model.arch, rows), values.reshape(-1, probes)
-    )
+    pairs = len(model.networks.pairs()[0])
+    if not values.ndim or values.shape[-1] != pairs:
+        raise ParameterError(f"f has shape {values.shape}; these networks need (..., {pairs})")
+    codes = in_chunks(model.networks.encode, values.reshape(-1, pairs))
     return codes.reshape(*values.shape[:-1], model.arch.latent)
 
 
@@ -73,7 +71,18 @@ def layer_texels(
         np.broadcast_to(p.astype(np.float32), shape).reshape(texels) for p in parameters.values()
     ]
     rows = np.broadcast_to(z, (*shape, z.shape[-1])).reshape(texels, z.shape[-1])
-    coated = in_chunks(
-        lambda z, *p: layerer.layer(model.params, model.arch, z, coat_features(*p)), rows, *columns
-    )
+    dielectrics = functools.partial(_dielectrics, model)
+    coated = in_chunks(lambda z, *p: model.networks.layer(z, Coat(*p), dielectrics), rows, *columns)
     return coated.reshape(*shape, z.shape[-1])
+
+
+def _dielectrics(model: Model, alpha: np.ndarray, eta: np.ndarray) -> np.ndarray:
+    """Values (S, P) [1/sr] of rough dielectrics' reflection at the pairs of `model.networks`."""
+    from urushi.reference import evaluate  # lazily: it starts Dr.Jit
+
+    wi, wo = model.networks.pairs()
+    count = len(alpha)
+    row = np.repeat(np.arange(count, dtype=np.uint32), len(wi))
+    columns = {"alpha": alpha, "eta": eta}
+    f = evaluate.rows("dielectric", columns, row, np.tile(wi, (count, 1)), np.tile(wo, (count, 1)))
+    return f.reshape(count, -1)

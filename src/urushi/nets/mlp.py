@@ -24,7 +24,7 @@ def mlp(params: Params, prefix: str, x: Any, activation: str) -> Any:
 
 def linear(params: Params, name: str, x: Any) -> Any:
     """Return x (..., in) times the layer's weight (in, out) plus its bias."""
-    return _product(x, params[f"{name}.weight"]) + params[f"{name}.bias"]
+    return product(x, params[f"{name}.weight"]) + params[f"{name}.bias"]
 
 
 def split_linear(params: Params, name: str, x: Any, y: Any) -> Any:
@@ -35,11 +35,11 @@ def split_linear(params: Params, name: str, x: Any, y: Any) -> Any:
     """
     weight = params[f"{name}.weight"]
     rows = x.shape[-1]
-    from_x = _product(x, weight[:rows, :]) + params[f"{name}.bias"]
-    return from_x + _product(y, weight[rows:, :])
+    from_x = product(x, weight[:rows, :]) + params[f"{name}.bias"]
+    return from_x + product(y, weight[rows:, :])
 
 
-def _product(x: Any, weight: Any) -> Any:
+def product(x: Any, weight: Any) -> Any:
     """Return x (..., in) times weight (in, out) as one large product of two matrices.
 
     NumPy would make many small ones of a stack, whose threads cost it up to thirty times as long.

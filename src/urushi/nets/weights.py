@@ -1,5 +1,6 @@
 """Trained networks as one value, and the file that they are kept in."""
 
+import functools
 import hashlib
 import json
 import os
@@ -10,8 +11,9 @@ from typing import Any
 import numpy as np
 
 from urushi.errors import FileError, ParameterError
-from urushi.nets import tensorfile
-from urushi.nets.architecture import Architecture, Params, parameter_shapes
+from urushi.nets import kinds, tensorfile
+from urushi.nets.architecture import Params
+from urushi.nets.networks import Networks
 
 FORMAT_VERSION = 1
 
@@ -21,31 +23,36 @@ class Model:
     """Networks: sizes, parameters and where they come from. Build it with `Model.of` or `load`.
 
     Attributes:
-        arch: the sizes.
+        arch: the sizes, an architecture of a kind in `kinds`.
         params: read-only float32 NumPy arrays by name.
         header: free JSON values: preset, seed, data, metrics, versions.
         fingerprint: twelve hexadecimal digits that identify arch and params, not the header.
     """
 
-    arch: Architecture
+    arch: Any
     params: Mapping[str, np.ndarray]
     header: Mapping[str, Any]
     fingerprint: str
 
     @classmethod
-    def of(cls, arch: Architecture, params: Params, header: Mapping[str, Any]) -> "Model":
+    def of(cls, arch: Any, params: Params, header: Mapping[str, Any]) -> "Model":
         """Check parameters (arrays of NumPy or JAX) and make them a model.
 
         Raises:
             ParameterError: a parameter is missing, unknown, of a wrong shape or not finite.
         """
-        shapes = parameter_shapes(arch)
+        shapes = kinds.of(arch).shapes(arch)
         unmatched = sorted(set(shapes) ^ set(params))
         if unmatched:
             state = "missing" if unmatched[0] in shapes else "unknown"
             raise ParameterError(f"the parameter '{unmatched[0]}' is {state} in these networks")
         checked = {name: _checked(name, params[name], shape) for name, shape in shapes.items()}
         return cls(arch, checked, dict(header), fingerprint(arch, checked))
+
+    @functools.cached_property
+    def networks(self) -> Networks:
+        """What the model can do: encode, layer, evaluate, and propose directions."""
+        return kinds.of(self.arch).bind(self.params, self.arch)
 
 
 def _checked(name: str, value: Any, shape: tuple[int, ...]) -> np.ndarray:
@@ -60,7 +67,7 @@ def _checked(name: str, value: Any, shape: tuple[int, ...]) -> np.ndarray:
     return array
 
 
-def fingerprint(arch: Architecture, params: Params) -> str:
+def fingerprint(arch: Any, params: Params) -> str:
     """Return the first twelve hexadecimal digits of SHA-256 over sizes, names and arrays."""
     digest = hashlib.sha256(arch.to_json().encode())
     for name in sorted(params):
@@ -69,9 +76,7 @@ def fingerprint(arch: Architecture, params: Params) -> str:
     return digest.hexdigest()[:12]
 
 
-def save(
-    path: str | os.PathLike, arch: Architecture, params: Params, header: Mapping[str, Any]
-) -> Model:
+def save(path: str | os.PathLike, arch: Any, params: Params, header: Mapping[str, Any]) -> Model:
     """Write networks to a safetensors file; returns them as a model.
 
     header: JSON values that say where they come from.
@@ -103,7 +108,7 @@ def load(path: str | os.PathLike) -> Model:
             f"this Urushi reads version {FORMAT_VERSION}; install the Urushi that wrote it"
         )
     try:
-        arch = Architecture.from_json(json.dumps(description.get("architecture")))
+        arch = kinds.read(description.get("architecture"))
         return Model.of(arch, arrays, description.get("header") or {})
     except (ParameterError, TypeError, ValueError) as error:
         raise FileError(f"the weights file '{path}' is damaged: {error}") from error

@@ -5,7 +5,6 @@ import numpy as np
 
 from urushi.errors import ParameterError
 from urushi.material.texture import encode_texels, layer_texels
-from urushi.nets.probes import probe_pairs
 from urushi.nets.weights import Model
 from urushi.render import probing, spectrum
 from urushi.render.latents import ConstantLatents, TexturedLatents
@@ -157,7 +156,7 @@ def _encoder(model: Model, where: str, bottom: "mi.BSDF", shape: tuple[int, int]
         first = nested.at(np.full((1, 2), 0.5))
         if first.shape[1] == spectrum.channel_count():
             return nested.at if nested.resolution else lambda uv: first
-    wi, wo = probe_pairs(model.arch.probes)
+    wi, wo = model.networks.pairs()
     if shape is None or not textured:
         once = encode_texels(model, probing.read(bottom, wi, wo, where).T)[None]
         return lambda uv: once

@@ -1,0 +1,100 @@
+"""What a model offers, whatever its architecture: the interface that all floors above use."""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+
+from urushi.nets import decoder, encoder, layerer, lobes, sampler
+from urushi.nets.architecture import Architecture, Params
+from urushi.nets.features import coat_features, direction_features
+from urushi.nets.probes import probe_pairs
+
+
+class Coat(NamedTuple):
+    """Parameters of coats: arrays (...) that broadcast against each other."""
+
+    alpha: Any
+    eta: Any
+    albedo: Any
+    sigma_t: Any
+    g: Any
+
+
+#: Values f (S, P) [1/sr] at `Networks.pairs` of the rough dielectrics of alpha (S,), eta (S,): what
+#: an architecture may ask of physics, which the networks do not know.
+Dielectrics = Callable[[np.ndarray, np.ndarray], np.ndarray]
+
+
+class Proposal(Protocol):
+    """A normalised density over the upper hemisphere, for sampling."""
+
+    def pdf(self, wi: Any, wo: Any) -> Any:
+        """Density (...) [1/sr] of `sample` at wo (..., 3); 0 where either is below the horizon."""
+
+    def sample(self, wi: Any, u: Any) -> Any:
+        """Directions wo (..., 3) from uniform numbers u (..., 3); wi above the horizon."""
+
+
+class Networks(Protocol):
+    """The operations of the neural algebra on latent codes z (..., 32), one monochrome BRDF each.
+
+    Leading dimensions broadcast; arrays are of one namespace, NumPy or JAX.
+    """
+
+    def pairs(self) -> tuple[np.ndarray, np.ndarray]:
+        """The direction pairs wi, wo (P, 3) at which `encode` wants a BRDF's values."""
+
+    def encode(self, f: Any) -> Any:
+        """Codes (..., 32) of BRDFs with values f (..., P) [1/sr] at `pairs`."""
+
+    def layer(self, z_bottom: Any, coat: Coat, dielectrics: Dielectrics) -> Any:
+        """Codes (..., 32) of bottoms under coats."""
+
+    def f(self, z: Any, wi: Any, wo: Any) -> Any:
+        """BRDF values (...) [1/sr, no cosine], never negative, for wi, wo above the horizon."""
+
+    def proposal(self, z: Any, wi: Any) -> Proposal:
+        """The sampling proposal of codes z (..., 32) for wi (..., 3) above the horizon."""
+
+
+class LobeMixture(NamedTuple):
+    """The proposal of `lobes`: weights (..., K+1) and GGX widths (..., K)."""
+
+    weights: Any
+    alphas: Any
+
+    def pdf(self, wi: Any, wo: Any) -> Any:
+        """See `lobes.pdf`."""
+        return lobes.pdf(self.weights, self.alphas, wi, wo)
+
+    def sample(self, wi: Any, u: Any) -> Any:
+        """See `lobes.sample`."""
+        return lobes.sample(self.weights, self.alphas, wi, u)
+
+
+class UrushiNetworks(NamedTuple):
+    """Encoder, layerer, decoder and sampler of an `Architecture`."""
+
+    params: Params
+    arch: Architecture
+
+    def pairs(self) -> tuple[np.ndarray, np.ndarray]:
+        """The probe pairs."""
+        return probe_pairs(self.arch.probes)
+
+    def encode(self, f: Any) -> Any:
+        """One pass of the encoder."""
+        return encoder.encode(self.params, self.arch, f)
+
+    def layer(self, z_bottom: Any, coat: Coat, dielectrics: Dielectrics) -> Any:
+        """One pass of the layerer, which takes the coat's parameters as they are."""
+        return layerer.layer(self.params, self.arch, z_bottom, coat_features(*coat))
+
+    def f(self, z: Any, wi: Any, wo: Any) -> Any:
+        """Decode: positive, and the same bits with wi and wo exchanged."""
+        return decoder.decode(self.params, self.arch, z, direction_features(wi, wo))
+
+    def proposal(self, z: Any, wi: Any) -> LobeMixture:
+        """GGX reflection lobes and a cosine lobe."""
+        return LobeMixture(*sampler.lobes(self.params, self.arch, z, wi[..., 2]))

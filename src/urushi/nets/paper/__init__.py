@@ -1,0 +1,1 @@
+"""The networks of Neural Layered BRDFs (Fan, Wang, Hašan, Yang and Yan, SIGGRAPH 2022)."""
