@@ -31,8 +31,6 @@ class Demo:
 
         set_variant(self.mode)
         figures = run.run(self.output, size=self.size, spp=self.spp, variant=self.mode)
-        width = max(map(len, figures))
-        for name, value in figures.items():
-            print(f"{name:<{width}}  {value:.4g}")
+        print(run.describe(figures))
         print(self.output / "comparison.png")
         return 0
