@@ -1,4 +1,4 @@
-"""Writing files so that a reader sees either the whole new file or the old one."""
+"""Writing files so that a reader sees either the whole new file or the old one; and folders."""
 
 import contextlib
 import os
@@ -43,6 +43,22 @@ def atomic_write(path: str | os.PathLike) -> Iterator[Path]:
         ) from error
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def new_folder(path: str | os.PathLike) -> Path:
+    """Make a folder and those above it, unless it is there.
+
+    Raises:
+        FileError: it cannot be made, or is a file.
+    """
+    folder = Path(path)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise FileError(
+            f"cannot make the folder '{folder}': {error.strerror or error}; choose another place"
+        ) from error
+    return folder
 
 
 def _umask() -> int:

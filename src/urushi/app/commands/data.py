@@ -59,6 +59,23 @@ class Show:
 
 
 @dataclass(frozen=True)
+class Benchmark:
+    """Simulate the stored set that `urushi eval` compares with; about ten minutes.
+
+    Example: urushi data benchmark -o src/urushi/eval/benchmark.safetensors
+    """
+
+    output: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
+    """File to write (.safetensors)."""
+
+    def run(self) -> int:
+        from urushi.eval import benchmark
+
+        print(f"{self.output}  {benchmark.make(self.output)}")
+        return 0
+
+
+@dataclass(frozen=True)
 class Data:
     """Generate simulated BRDF values, or look at a store of them.
 
@@ -68,6 +85,7 @@ class Data:
     command: (
         Annotated[Generate, tyro.conf.subcommand("generate")]
         | Annotated[Show, tyro.conf.subcommand("show")]
+        | Annotated[Benchmark, tyro.conf.subcommand("benchmark")]
     )
 
     def run(self) -> int:

@@ -1,0 +1,186 @@
+"""The stored benchmark set: the reference values that `urushi eval` compares with by default.
+
+One safetensors file of about 1 MB, made by `urushi data benchmark`. It holds, for every group that
+must be simulated, the stacks' parameters, f in single and its standard error in half precision, the
+values at the probe pairs and the directional albedo. The pairs of directions are drawn again from
+the seed; one of every stack is kept to notice if that ever gives others.
+"""
+
+import hashlib
+import os
+import platform
+from collections.abc import Mapping
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import urushi
+from urushi.data.distribution import BOTTOM_PARAMETERS, COAT_PARAMETERS, to_dict
+from urushi.errors import FileError
+from urushi.eval import samples as sampling
+from urushi.eval.groups import GROUPS, Group
+from urushi.eval.samples import Samples
+from urushi.nets import tensorfile
+from urushi.reference import StackTable
+
+#: Of the stored set; `urushi eval --seed` takes others.
+SEED = 0
+FORMAT_VERSION = 1
+_KIND = "benchmark"
+_REMEDY = "restore it from the repository, or make it again with `urushi data benchmark`"
+
+
+def default_path() -> Path:
+    """Return where the stored set lies."""
+    return Path(__file__).with_name("benchmark.safetensors")
+
+
+def make(path: str | os.PathLike, groups: tuple[Group, ...] = GROUPS) -> str:
+    """Simulate all groups and write them to a file; returns its hash.
+
+    Raises:
+        FileError: the file cannot be written.
+    """
+    return write(path, sampling.simulate_all(groups, SEED), groups)
+
+
+def write(
+    path: str | os.PathLike,
+    sets: Mapping[str, Samples],
+    groups: tuple[Group, ...] = GROUPS,
+    seed: int = SEED,
+) -> str:
+    """Write simulated sets by the groups' names to a file; returns its hash.
+
+    Raises:
+        FileError: the file cannot be written.
+    """
+    simulated = [group for group in groups if group.distribution.coats]
+    arrays = {
+        f"{group.name}.{name}": array
+        for group in simulated
+        for name, array in _arrays(sets[group.name]).items()
+    }
+    packages = {name: version(name) for name in ("numpy", "drjit")}
+    description: dict[str, Any] = {
+        "version": FORMAT_VERSION,
+        "seed": seed,
+        "groups": [_describe(group) for group in simulated],
+        "hash": _hash(arrays),
+        "versions": {
+            "urushi": urushi.__version__,
+            "python": platform.python_version(),
+            **packages,
+        },
+    }
+    tensorfile.write(path, _KIND, description, arrays)
+    return description["hash"]
+
+
+def read(
+    path: str | os.PathLike | None = None, groups: tuple[Group, ...] = GROUPS
+) -> dict[str, Samples]:
+    """Read a file of `write`; groups without coats, which are exact, are evaluated.
+
+    Args:
+        path: the file; default: the stored set.
+        groups: those wanted.
+
+    Raises:
+        FileError: missing, foreign, damaged, or made for other groups.
+    """
+    path = default_path() if path is None else path
+    description, arrays = tensorfile.read(path, _KIND)
+    if description.get("version") != FORMAT_VERSION:
+        raise FileError(
+            f"'{path}' has version {description.get('version')!r} of the benchmark format, this "
+            f"Urushi reads {FORMAT_VERSION}; {_REMEDY}"
+        )
+    if description.get("hash") != _hash(arrays):
+        raise FileError(f"the benchmark set '{path}' is damaged: its hash is wrong; {_REMEDY}")
+    stored = {group["name"]: group for group in description["groups"]}
+    result = {}
+    for group in groups:
+        if not group.distribution.coats:
+            result[group.name] = sampling.simulate(group, description["seed"])
+        elif stored.get(group.name) != _describe(group):
+            raise FileError(
+                f"the benchmark set '{path}' lacks the group '{group.name}' or was made for other "
+                f"stacks of that name; {_REMEDY}"
+            )
+        else:
+            prefix = f"{group.name}."
+            own = {k.removeprefix(prefix): v for k, v in arrays.items() if k.startswith(prefix)}
+            result[group.name] = _samples(path, group, description["seed"], own)
+    return result
+
+
+def _arrays(samples: Samples) -> dict[str, np.ndarray]:
+    """What is stored of a set."""
+    table = samples.table
+    bottom = [table.bottom[name] for name in BOTTOM_PARAMETERS[table.kind]]
+    coats = [getattr(table, name) for name in COAT_PARAMETERS]
+    return {
+        "coats": np.stack(coats, axis=-1),
+        "bottom": np.stack(bottom, axis=-1),
+        "last_pair": np.stack([samples.wi[:, -1], samples.wo[:, -1]], axis=1),
+        "f": samples.f,
+        "se": samples.se.astype(np.float16),
+        **{f"probed{coats}": values for coats, values in samples.probed.items()},
+        "albedo": _required(samples.albedo),
+        "albedo_se": _required(samples.albedo_se),
+    }
+
+
+def _required(array: np.ndarray | None) -> np.ndarray:
+    if array is None:  # `simulate` gives it for every stack with a coat
+        raise ValueError("a simulated set has no albedo")
+    return array
+
+
+def _samples(
+    path: str | os.PathLike, group: Group, seed: int, arrays: Mapping[str, np.ndarray]
+) -> Samples:
+    """A group's set from its stored arrays and its directions, drawn again."""
+    wi, wo = sampling.draw_pairs(group, seed)
+    # Within rounding: sines may differ in the last digit between machines.
+    if not np.allclose(np.stack([wi[:, -1], wo[:, -1]], 1), arrays["last_pair"], atol=1e-5):
+        raise FileError(
+            f"the directions of the benchmark set '{path}' cannot be drawn again: another NumPy or "
+            f"another Urushi made it; {_REMEDY}"
+        )
+    kind = group.distribution.bottom
+    columns = dict(zip(COAT_PARAMETERS, np.moveaxis(arrays["coats"], -1, 0), strict=True))
+    bottom = dict(zip(BOTTOM_PARAMETERS[kind], arrays["bottom"].T, strict=True))
+    return Samples(
+        table=StackTable(**columns, kind=kind, bottom=bottom),
+        wi=wi,
+        wo=wo,
+        f=arrays["f"],
+        se=arrays["se"].astype(np.float32),
+        probed={coats: arrays[f"probed{coats}"] for coats in group.probed},
+        albedo=arrays["albedo"],
+        albedo_se=arrays["albedo_se"],
+    )
+
+
+def _describe(group: Group) -> dict[str, object]:
+    """A group as JSON values."""
+    return {
+        "name": group.name,
+        "distribution": to_dict(group.distribution),
+        "stacks": group.stacks,
+        "probed": list(group.probed),
+        "pairs": [sampling.E_PAIRS, sampling.P_PAIRS, sampling.PROBES],
+    }
+
+
+def _hash(arrays: Mapping[str, np.ndarray]) -> str:
+    """SHA-256 over names, shapes and values."""
+    digest = hashlib.sha256()
+    for name in sorted(arrays):
+        digest.update(f"{name} {arrays[name].shape} {arrays[name].dtype}\n".encode())
+        digest.update(np.ascontiguousarray(arrays[name]).tobytes())
+    return digest.hexdigest()

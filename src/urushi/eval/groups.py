@@ -1,0 +1,126 @@
+"""Which stacks networks are measured on, and which rows of figures are made of them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from urushi.data.distribution import BOTTOM_PARAMETERS, Distribution, Extended, Table2
+from urushi.errors import ParameterError
+
+
+@dataclass(frozen=True)
+class Group:
+    """Held-out stacks of one distribution.
+
+    Attributes:
+        name: unique; the group's stacks and directions depend on it.
+        distribution: where the stacks' parameters come from.
+        stacks: how many.
+        probed: numbers of coats, at least one: of each stack's lowest coats over the bottom the
+            values at the probe pairs are simulated too, for the encoder.
+    """
+
+    name: str
+    distribution: Distribution
+    stacks: int
+    probed: tuple[int, ...] = ()
+
+    def __post_init__(self) -> None:
+        if self.stacks < 1:
+            raise ParameterError(f"group '{self.name}' has {self.stacks} stacks; it needs some")
+        if not all(0 < coats <= self.distribution.coats for coats in self.probed):
+            raise ParameterError(
+                f"group '{self.name}' probes {self.probed} coats; "
+                f"its stacks have 1 to {self.distribution.coats}"
+            )
+
+
+class Aim(NamedTuple):
+    """A figure that the project wants: `metric`'s `statistic` at or below `limit` (a fraction)."""
+
+    metric: str
+    statistic: str
+    limit: float
+
+
+@dataclass(frozen=True)
+class Row:
+    """One line of the table: what is made of several groups' stacks together.
+
+    Attributes:
+        name: what the line says.
+        groups: the names of the groups.
+        encoded: how many of each stack's coats are encoded with the bottom, from its values at
+            the probe pairs; the others are layered. -1: all of them.
+        aims: what the `base` networks should reach.
+    """
+
+    name: str
+    groups: tuple[str, ...]
+    encoded: int = 0
+    aims: tuple[Aim, ...] = ()
+
+    def coats(self, group: Group) -> int:
+        """How many coats of a group's stacks are encoded."""
+        return group.distribution.coats if self.encoded < 0 else self.encoded
+
+
+def _e(limit: float) -> Aim:
+    return Aim("E", "mean", limit)
+
+
+#: The kinds of bottom in words.
+BOTTOMS = {
+    "conductor": "conductor (Schlick)",
+    "conductor_complex": "conductor (complex)",
+    "dielectric": "dielectric reflector",
+    "diffuse": "Lambertian",
+    "mixture": "mixture",
+}
+_KINDS = tuple(BOTTOM_PARAMETERS)
+
+_BARE = tuple(Group(f"bare {kind}", Extended(0, kind), 64) for kind in _KINDS)
+_TWO = (
+    Group("two, table2", Table2(1), 64, probed=(1,)),
+    *(Group(f"two, {kind}", Extended(1, kind), 12, probed=(1,)) for kind in _KINDS),
+)
+_THREE = (
+    Group("three, table2", Table2(2), 8, probed=(1, 2)),
+    *(Group(f"three, {kind}", Extended(2, kind), 4, probed=(1, 2)) for kind in _KINDS),
+)
+_SIX = (
+    Group("six, table2", Table2(5), 4),
+    *(Group(f"six, {kind}", Extended(5, kind), 4) for kind in _KINDS),
+)
+
+
+def _names(groups: Sequence[Group]) -> tuple[str, ...]:
+    return tuple(group.name for group in groups)
+
+
+#: All groups; those without a coat are analytic, the others are simulated.
+GROUPS = (*_BARE, *_TWO, *_THREE, *_SIX)
+
+#: The table, top to bottom.
+ROWS = (
+    *(
+        Row(f"encode {BOTTOMS[kind]}", (f"bare {kind}",), aims=(_e(0.005),))
+        for kind in _KINDS
+    ),
+    Row(
+        "encode simulated stacks",
+        _names((*_TWO, *_THREE)),
+        encoded=-1,
+        aims=(_e(0.006), Aim("P", "median", 0.004)),
+    ),
+    Row(
+        "layer two interfaces, Table 2",
+        _names(_TWO[:1]),
+        aims=(_e(0.005), Aim("E", "p95", 0.012), Aim("P", "median", 0.0035)),
+    ),
+    Row("layer two interfaces, extended", _names(_TWO[1:]), aims=(_e(0.008),)),
+    *(Row(f"  over {BOTTOMS[kind]}", (f"two, {kind}",)) for kind in _KINDS),
+    Row("layer three interfaces", _names(_THREE), aims=(_e(0.012),)),
+    Row("  upper over encoded lower", _names(_THREE), encoded=1),
+    Row("layer six interfaces", _names(_SIX), aims=(_e(0.025),)),
+)  # fmt: skip

@@ -1,0 +1,1 @@
+"""Plots of an evaluation; they need matplotlib, the extra `eval`."""

@@ -1,0 +1,122 @@
+"""The worst stacks as polar plots of their lobes in the plane of incidence."""
+
+import os
+from collections.abc import Mapping
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from urushi.data.distribution import COAT_PARAMETERS
+from urushi.eval import predict
+from urushi.eval import samples as sampling
+from urushi.eval.samples import Samples
+from urushi.files import atomic_write
+from urushi.nets.weights import Model
+from urushi.reference import StackTable
+
+#: Stacks that are shown, angles [degrees] that light comes from, and walks for a direction.
+COUNT, INCIDENT, WALKS = 10, (10.0, 45.0, 75.0), 4096
+
+#: Radii show f cos to this power, so that sharp lobes leave the rest visible.
+POWER = 1 / 3
+
+#: Angles of the outgoing directions in the plane, from the normal.
+OUTGOING = np.radians(np.linspace(-89.0, 89.0, 179))
+
+
+def draw(
+    path: str | os.PathLike,
+    model: Model,
+    sets: Mapping[str, Samples],
+    errors: Mapping[str, np.ndarray],
+) -> None:
+    """Draw reference and networks for the `COUNT` coated stacks of largest E.
+
+    Args:
+        path: PNG file to write.
+        model: the networks.
+        sets: the groups' stacks.
+        errors: E (S,) of the groups' stacks.
+
+    Raises:
+        FileError: the file cannot be written.
+    """
+    worst = worst_stacks(sets, errors)
+    columns = 5
+    rows = max(-(-len(worst) // columns), 1)
+    figure = Figure(figsize=(3.6 * columns, 3.2 * rows), layout="constrained")
+    axes = figure.subplots(rows, columns, squeeze=False, subplot_kw={"projection": "polar"})
+    for axis, (group, stack) in zip(axes.ravel(), worst, strict=False):
+        reference, network = lobe_values(model, sets[group].table, stack)
+        for values, style in ((reference, {"linewidth": 2.5, "alpha": 0.4}), (network, {})):
+            for index, lobe in enumerate(values):
+                axis.plot(OUTGOING, lobe**POWER, color=f"C{index}", **style)
+        axis.set(theta_zero_location="N", thetamin=-90, thetamax=90)
+        axis.set_yticklabels([])
+        title = (
+            f"{group}, E {100 * errors[group][stack]:.1f} %\n{describe(sets[group].table, stack)}"
+        )
+        axis.set_title(title, fontsize=6)
+    for axis in axes.ravel()[len(worst) :]:
+        axis.set_visible(False)
+    angles = ", ".join(f"{angle:g}°" for angle in INCIDENT)
+    figure.suptitle(f"(f cos)^(1/3) for light from {angles}; wide: reference, thin: networks")
+    with atomic_write(path) as temporary:
+        figure.savefig(temporary, format="png", dpi=110)
+
+
+def worst_stacks(
+    sets: Mapping[str, Samples], errors: Mapping[str, np.ndarray]
+) -> list[tuple[str, int]]:
+    """Group and index of the coated stacks of largest E, the worst first."""
+    listed = [
+        (float(e), group, index)
+        for group, values in errors.items()
+        if sets[group].table.coats
+        for index, e in enumerate(values)
+    ]
+    return [(group, index) for _, group, index in sorted(listed, reverse=True)[:COUNT]]
+
+
+def lobe_values(model: Model, table: StackTable, stack: int) -> tuple[np.ndarray, np.ndarray]:
+    """f cos [1/sr] of reference and networks, (`INCIDENT`, `OUTGOING`) each; noise as it comes."""
+    angles = np.radians(INCIDENT)
+    count = len(angles), len(OUTGOING)
+    # Positive outgoing angles are on the mirror's side.
+    wi = np.repeat(_in_plane(-angles), count[1], axis=0)
+    wo = np.tile(_in_plane(OUTGOING), (count[0], 1))
+    one = _single(table, stack)
+    f, se = sampling.walk_all(one, wi[None], wo[None], WALKS, seed=0)
+    made = predict.materials(model, Samples(one, wi[None], wo[None], f, se))
+    f_hat = predict.evaluate(made, wi[None], wo[None])
+    cosine = wo[:, 2].reshape(count)
+    return f.reshape(count) * cosine, f_hat.reshape(count) * cosine
+
+
+def describe(table: StackTable, stack: int) -> str:
+    """The parameters of one stack in a few lines."""
+    lines = [
+        " ".join(
+            f"{_SYMBOLS[name]}={getattr(table, name)[stack, coat]:.2f}" for name in COAT_PARAMETERS
+        )
+        for coat in range(table.coats)
+    ]
+    bottom = " ".join(f"{name}={values[stack]:.2f}" for name, values in table.bottom.items())
+    return "\n".join([*lines, bottom])
+
+
+_SYMBOLS = {"alpha": "α", "eta": "η", "albedo": "A", "sigma_t": "σ", "g": "g"}
+
+
+def _single(table: StackTable, stack: int) -> StackTable:
+    rows = slice(stack, stack + 1)
+    coats = {name: getattr(table, name)[rows] for name in COAT_PARAMETERS}
+    bottom = {name: values[rows] for name, values in table.bottom.items()}
+    return StackTable(**coats, kind=table.kind, bottom=bottom)
+
+
+def _in_plane(angles: np.ndarray) -> np.ndarray:
+    """Unit vectors (N, 3) float32 in the xz plane, by signed angles from the normal."""
+    return np.stack([np.sin(angles), np.zeros_like(angles), np.cos(angles)], axis=-1).astype(
+        np.float32
+    )

@@ -1,0 +1,63 @@
+"""What networks make of held-out stacks, by the operations that their users call."""
+
+import numpy as np
+
+from urushi.data.distribution import COAT_PARAMETERS
+from urushi.eval import samples as sampling
+from urushi.eval.samples import Samples
+from urushi.material import Material, encode
+from urushi.material.encode import STACK_WALKS
+from urushi.material.texture import layer_texels
+from urushi.nets.probes import probe_pairs
+from urushi.nets.weights import Model
+
+#: Seed of walks for networks that want values at other pairs than the stored ones.
+_PROBE_SEED = 1
+
+
+def materials(model: Model, samples: Samples, encoded: int = 0) -> list[Material]:
+    """Encode the bottoms, or lower parts of stacks, and layer the coats above them.
+
+    Args:
+        model: the networks.
+        samples: S stacks.
+        encoded: how many of a stack's coats are encoded with the bottom, from simulated values.
+
+    Returns:
+        S materials of one channel.
+    """
+
+    def values(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        return _lower_values(samples, encoded, wi, wo).T
+
+    latents = encode(values, model).latents
+    table = samples.table
+    for index in reversed(range(table.coats - encoded)):
+        coat = {name: getattr(table, name)[:, index] for name in COAT_PARAMETERS}
+        # Single precision may have rounded the least width down.
+        coat["alpha"] = np.maximum(coat["alpha"].astype(np.float64), 0.01)
+        latents = layer_texels(model, latents, **coat)
+    return split(Material(latents, model))
+
+
+def split(material: Material) -> list[Material]:
+    """The channels of a material, each as a material of its own."""
+    return [Material(code[None], material.model) for code in material.latents]
+
+
+def evaluate(made: list[Material], wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+    """Values float32 (S, M) [1/sr] of S materials, each at its own pairs (S, M, 3)."""
+    return np.stack([m.f(*pairs)[:, 0] for m, *pairs in zip(made, wi, wo, strict=True)])
+
+
+def _lower_values(samples: Samples, coats: int, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+    """Values (S, P) [1/sr] of the lowest `coats` coats over the bottoms at pairs (P, 3)."""
+    stacks = len(samples.table)
+    wi_all, wo_all = (np.broadcast_to(w, (stacks, *w.shape)) for w in (wi, wo))
+    if coats == 0:
+        return sampling.evaluate_bottoms(samples.table, wi_all, wo_all)
+    known = probe_pairs(sampling.PROBES)
+    if coats in samples.probed and np.array_equal(known, (wi, wo)):
+        return samples.probed[coats]
+    lower = sampling.lowest(samples.table, coats)
+    return sampling.walk_all(lower, wi_all, wo_all, STACK_WALKS, _PROBE_SEED)[0]

@@ -1,0 +1,131 @@
+"""The evaluation of networks: every figure of the table, as text, JSON and plots."""
+
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from urushi.eval import benchmark, cost, metrics, physics, predict, table
+from urushi.eval import samples as sampling
+from urushi.eval.groups import GROUPS, ROWS, Group, Row
+from urushi.eval.samples import Samples
+from urushi.files import atomic_write, new_folder
+from urushi.material import Material
+from urushi.nets import weights
+from urushi.nets.default import default_model
+from urushi.nets.weights import Model
+
+
+@dataclass(frozen=True)
+class Result:
+    """All figures of one evaluation.
+
+    Attributes:
+        fingerprint: of the networks.
+        reference: where the reference values are from, in words.
+        rows: by row name, stacks and by metric "E" (over stacks) and "P" (over all pairs): mean,
+            median, p95 and reference, the reference's own error (mean of E, median of P).
+        laws: the laws of physics.
+        parameters: trained numbers by network.
+        seconds: times by operation.
+        errors: by group, E of its stacks, coat after coat layered.
+    """
+
+    fingerprint: str
+    reference: str
+    rows: dict[str, dict[str, Any]]
+    laws: list[physics.Figure]
+    parameters: dict[str, int]
+    seconds: dict[str, float]
+    errors: dict[str, np.ndarray]
+
+
+def report(
+    weights_path: str | os.PathLike | None = None,
+    output: str | os.PathLike | None = None,
+    *,
+    seed: int | None = None,
+) -> str:
+    """Measure networks and tabulate the figures.
+
+    Args:
+        weights_path: file of the networks; default: the shipped ones.
+        output: folder to write figures.json and the plots to.
+        seed: simulate other held-out stacks by this seed, which takes long; default: compare with
+            the stored set.
+
+    Raises:
+        FileError: the weights or the stored set are missing or damaged, or `output` cannot be
+            written.
+    """
+    model = default_model() if weights_path is None else weights.load(weights_path)
+    folder = None if output is None else new_folder(output)
+    sets = benchmark.read() if seed is None else sampling.simulate_all(GROUPS, seed)
+    source = "the stored set" if seed is None else f"simulated by seed {seed}"
+    result = measure(model, sets, source=source)
+    if folder is not None:
+        write_json(folder / "figures.json", result)
+        from urushi.eval.plots import errors, lobes  # lazily: matplotlib is an extra
+
+        errors.draw(folder / "errors.png", sets, result.errors)
+        lobes.draw(folder / "worst.png", model, sets, result.errors)
+    return table.text(result)
+
+
+def measure(
+    model: Model,
+    sets: Mapping[str, Samples],
+    *,
+    groups: tuple[Group, ...] = GROUPS,
+    rows: tuple[Row, ...] = ROWS,
+    source: str = "",
+) -> Result:
+    """Take all figures of networks on the groups' sets."""
+    made: dict[tuple[str, int], list[Material]] = {}
+    values: dict[tuple[str, int], np.ndarray] = {}
+    by_name = {group.name: group for group in groups}
+    for row in rows:
+        for name in row.groups:
+            key = name, row.coats(by_name[name])
+            if key not in made:
+                made[key] = predict.materials(model, sets[name], key[1])
+                values[key] = predict.evaluate(made[key], sets[name].wi, sets[name].wo)
+    layered = {name: group for (name, encoded), group in made.items() if encoded == 0}
+    return Result(
+        fingerprint=model.fingerprint,
+        reference=source,
+        rows={
+            row.name: _row([(sets[n], values[n, row.coats(by_name[n])]) for n in row.groups])
+            for row in rows
+        },
+        laws=physics.measure(model, sets, layered),
+        parameters=cost.parameters(model),
+        seconds=cost.seconds(model),
+        errors={name: sampling.stack_errors(values[name, 0], sets[name]) for name in layered},
+    )
+
+
+def _row(parts: list[tuple[Samples, np.ndarray]]) -> dict[str, Any]:
+    """Figures over the stacks of several sets together, each with the networks' values."""
+    e = np.concatenate([sampling.stack_errors(f_hat, s) for s, f_hat in parts])
+    p = np.concatenate([sampling.pair_errors(f_hat, s).ravel() for s, f_hat in parts])
+    own = [sampling.reference_error(s) for s, _ in parts]
+    own_e, own_p = (np.concatenate(x) for x in zip(*own, strict=True))
+    return {
+        "stacks": len(e),
+        "E": metrics.summary(e) | {"reference": float(own_e.mean())},
+        "P": metrics.summary(p) | {"reference": float(np.median(own_p))},
+    }
+
+
+def write_json(path: Path, result: Result) -> None:
+    """Write all figures as JSON."""
+    content = asdict(result)
+    content["laws"] = [asdict(law) | {"kept": law.kept} for law in result.laws]
+    content["errors"] = {name: errors.tolist() for name, errors in result.errors.items()}
+    with atomic_write(path) as temporary:
+        temporary.write_text(json.dumps(content, indent=2) + "\n")

@@ -1,0 +1,276 @@
+"""Reference values of held-out stacks, simulated to a stated error."""
+
+import zlib
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from tqdm import tqdm
+
+from urushi.data import directions, metrics
+from urushi.eval.groups import Group
+from urushi.material.encode import STACK_WALKS
+from urushi.material.quadrature import half_vector_rule
+from urushi.nets.probes import probe_pairs
+from urushi.reference import StackTable, evaluate, walk_pairs
+
+#: Drawn pairs of every stack: for E (cosine density) and for P (log half angle).
+E_PAIRS, P_PAIRS = 100, 200
+
+#: The first entropy word of every held-out draw: no training data are seeded with four words.
+HELD_OUT_SEED = 4711
+
+#: What the walks are allotted for: the reference's own E, P of every pair, and the directional
+#: albedo's standard error. Most stacks stay well below, as the number of walks is rounded up.
+E_ERROR, P_ERROR, ALBEDO_ERROR = 0.003, 0.003, 0.0015
+
+#: Walks for every pair: in the pilot run, and at most. A few of P's pairs, in dark tails, would
+#: take most of the time and do not move its median.
+PILOT_WALKS, MAX_WALKS, MAX_P_WALKS = 2048, 1 << 22, 1 << 16
+
+#: The simulated values that an encoder gets may be as noisy as this in P, as `urushi.encode`'s are.
+PROBE_ERROR = 0.005
+
+#: Cosines of the directions that light comes from where the directional albedo of the first few
+#: stacks of a group is measured; walks of the pilot run for each of the quadrature's 1536 nodes.
+ALBEDO_COSINES, ALBEDO_STACKS, ALBEDO_PILOT = (0.95, 0.6, 0.25), 8, 64
+
+#: Probe pairs of the shipped networks; for others the values are simulated when they are asked for.
+PROBES = 192
+
+
+#: From f and the standard deviation of one walk to the walks wanted; all (S, M).
+Allotment = Callable[[np.ndarray, np.ndarray], np.ndarray]
+
+
+@dataclass(frozen=True)
+class Samples:
+    """Reference values of a group's S stacks at M = `E_PAIRS` + `P_PAIRS` pairs each.
+
+    Attributes:
+        table: the S stacks.
+        wi, wo: (S, M, 3) float32, pairs for E first, then those for P.
+        f, se: (S, M) float32 [1/sr], mean and standard error; without coats exact, se = 0.
+        probed: by number of coats, values (S, `PROBES`) [1/sr] of the lower parts of the stacks.
+        albedo, albedo_se: (up to `ALBEDO_STACKS`, `ALBEDO_COSINES`) float32, directional albedo of
+            the first stacks; None without coats.
+    """
+
+    table: StackTable
+    wi: np.ndarray
+    wo: np.ndarray
+    f: np.ndarray
+    se: np.ndarray
+    probed: Mapping[int, np.ndarray] = field(default_factory=dict)
+    albedo: np.ndarray | None = None
+    albedo_se: np.ndarray | None = None
+
+
+def draw_stacks(group: Group, seed: int = 0) -> StackTable:
+    """Draw a group's stacks."""
+    return group.distribution.sample(_generator(group, seed, 0), group.stacks)
+
+
+def draw_pairs(group: Group, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
+    """Draw every stack's own pairs, those of E and those of P; two arrays (S, M, 3) float32."""
+    rng = _generator(group, seed, 1)
+    for_e = directions.cosine_pairs(rng, group.stacks * E_PAIRS)
+    for_p = directions.half_angle_pairs(rng, group.stacks * P_PAIRS)
+    wi, wo = (
+        np.concatenate([e.reshape(-1, E_PAIRS, 3), p.reshape(-1, P_PAIRS, 3)], axis=1)
+        for e, p in zip(for_e, for_p, strict=True)
+    )
+    return wi, wo
+
+
+def _generator(group: Group, seed: int, purpose: int) -> np.random.Generator:
+    """Independent for stacks, pairs and walks, for every group and seed."""
+    name = zlib.crc32(group.name.encode())
+    return np.random.default_rng((HELD_OUT_SEED, seed, name, purpose))
+
+
+def simulate_all(groups: Iterable[Group], seed: int = 0) -> dict[str, Samples]:
+    """Simulate groups; by their names."""
+    return {group.name: simulate(group, seed) for group in groups}
+
+
+def simulate(group: Group, seed: int = 0) -> Samples:
+    """Draw a group's stacks and simulate each pair with as many walks as its noise asks for.
+
+    A pilot run measures the noise and is then thrown away, so that the number of walks does not
+    depend on the values that are kept: the reference stays unbiased.
+    """
+    table, (wi, wo) = draw_stacks(group, seed), draw_pairs(group, seed)
+    if not table.coats:
+        f = evaluate_bottoms(table, wi, wo)
+        return Samples(table, wi, wo, f, np.zeros_like(f))
+    rng = _generator(group, seed, 2)
+    cosines = wi[..., 2], wo[..., 2]
+    f, se = _adaptive(
+        table, wi, wo, rng, lambda f, sd: _walks_for_errors(f, sd, *cosines), name=group.name
+    )
+    probe_wi, probe_wo = (np.tile(w, (len(table), 1, 1)) for w in probe_pairs(PROBES))
+    probed = {
+        coats: _adaptive(
+            lowest(table, coats), probe_wi, probe_wo, rng, _walks_for_probes, name=group.name
+        )[0]
+        for coats in group.probed
+    }
+    albedo, albedo_se = _albedo(first(table, ALBEDO_STACKS), rng, group.name)
+    return Samples(table, wi, wo, f, se, probed, albedo, albedo_se)
+
+
+def evaluate_bottoms(table: StackTable, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+    """The bottoms' own values (S, M) [1/sr], in air, at every stack's pairs (S, M, 3): exact."""
+    row = np.repeat(np.arange(len(table), dtype=np.uint32), wi.shape[1])
+    f = evaluate.rows(table.kind, table.bottom, row, wi.reshape(-1, 3), wo.reshape(-1, 3))
+    return f.reshape(wi.shape[:2])
+
+
+def lowest(table: StackTable, coats: int) -> StackTable:
+    """The lower parts of stacks: their last `coats` coats over the bottom."""
+    names = ("alpha", "eta", "albedo", "sigma_t", "g")
+    kept = {name: getattr(table, name)[:, table.coats - coats :] for name in names}
+    return StackTable(**kept, kind=table.kind, bottom=table.bottom)
+
+
+def first(table: StackTable, stacks: int) -> StackTable:
+    """The first stacks of a table."""
+    names = ("alpha", "eta", "albedo", "sigma_t", "g")
+    kept = {name: getattr(table, name)[:stacks] for name in names}
+    bottom = {name: values[:stacks] for name, values in table.bottom.items()}
+    return StackTable(**kept, kind=table.kind, bottom=bottom)
+
+
+def walk_all(
+    table: StackTable, wi: np.ndarray, wo: np.ndarray, walks: int, seed: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Mean and standard error (S, M) of every stack at its pairs (S, M, 3)."""
+    return _walk_some(table, np.ones(wi.shape[:2], bool), wi, wo, walks, seed)
+
+
+def _walk_some(
+    table: StackTable, chosen: np.ndarray, wi: np.ndarray, wo: np.ndarray, walks: int, seed: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """As `walk_all`, zero where `chosen` (S, M) is not set."""
+    f, se = np.zeros(chosen.shape, np.float32), np.zeros(chosen.shape, np.float32)
+    row = np.nonzero(chosen)[0].astype(np.uint32)
+    f[chosen], se[chosen] = walk_pairs(
+        table, row, wi[chosen], wo[chosen], walks=walks, seed=seed
+    )  # fmt: skip
+    return f, se
+
+
+def _adaptive(
+    table: StackTable,
+    wi: np.ndarray,
+    wo: np.ndarray,
+    rng: np.random.Generator,
+    allot: Allotment,
+    *,
+    name: str,
+    pilot: int = PILOT_WALKS,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Pilot run, then walks as `allot` asks for; mean and standard error (S, M)."""
+    first, second = (int(word) for word in rng.integers(1 << 31, size=2))
+    f, se = walk_all(table, wi, wo, pilot, first)
+    wanted = allot(f, _pooled(f, se) * np.sqrt(pilot))
+    exponent = np.ceil(np.log2(np.clip(wanted, pilot, MAX_WALKS))).astype(int)
+    f, se = np.zeros_like(f), np.zeros_like(se)
+    total = int((2**exponent).sum())
+    with tqdm(total=total, desc=name, unit="walk", unit_scale=True, disable=None) as progress:
+        for power in np.unique(exponent):
+            chosen = exponent == power
+            # A seed of its own: streams are numbered within a request, and would be shared.
+            part = _walk_some(table, chosen, wi, wo, 1 << int(power), second + int(power))
+            f, se = f + part[0], se + part[1]
+            progress.update(int(chosen.sum()) << int(power))
+    return f, se
+
+
+def _pooled(f: np.ndarray, se: np.ndarray) -> np.ndarray:
+    """Standard errors (S, M) raised by half of the stack's typical relative one.
+
+    A pair whose rare bright walks the pilot run did not meet looks less noisy than it is; others of
+    the same stack met theirs.
+    """
+    relative = se / (f + metrics.P_OFFSET)
+    typical = np.sqrt((relative**2).mean(axis=1, keepdims=True))
+    return np.hypot(se, 0.5 * typical * f)
+
+
+def _walks_for_errors(
+    f: np.ndarray, sd: np.ndarray, cos_i: np.ndarray, cos_o: np.ndarray
+) -> np.ndarray:
+    """Walks (S, M) with which E of a stack's noise is `E_ERROR` and P of a pair's `P_ERROR`.
+
+    For E the fewest walks n in all: sum w sd / sqrt(n) is fixed, so n ~ (w sd)^(2/3).
+    """
+    part = slice(None, E_PAIRS)
+    weight = metrics.energy_weight(cos_i, cos_o)[:, part]
+    share = (weight * sd[:, part]) ** (2 / 3)
+    allowed = E_ERROR * (weight * f[:, part]).sum(1, keepdims=True)
+    for_e = share * (share.sum(1, keepdims=True) / np.maximum(allowed, 1e-12)) ** 2
+    for_p = (sd / (f + metrics.P_OFFSET) / P_ERROR)[:, E_PAIRS:] ** 2
+    return np.concatenate([for_e, np.minimum(for_p, MAX_P_WALKS)], axis=1)
+
+
+def _walks_for_probes(f: np.ndarray, sd: np.ndarray) -> np.ndarray:
+    """Walks (S, M) with which P of a pair's noise is `PROBE_ERROR`, as many as `encode` takes."""
+    return np.minimum((sd / (f + metrics.P_OFFSET) / PROBE_ERROR) ** 2, STACK_WALKS)
+
+
+def albedo_directions() -> np.ndarray:
+    """Unit vectors wi (A, 3) of the `ALBEDO_COSINES`."""
+    cosine = np.array(ALBEDO_COSINES)
+    return np.stack([np.sqrt(1 - cosine**2), np.zeros_like(cosine), cosine], axis=-1)
+
+
+def _albedo(
+    table: StackTable, rng: np.random.Generator, name: str
+) -> tuple[np.ndarray, np.ndarray]:
+    """Directional albedo and its standard error (S, A), by the rule that `Material.albedo` uses."""
+    wi = albedo_directions()
+    wo, weights = half_vector_rule(wi)
+    count, nodes = weights.shape
+    shape = len(table), count, nodes
+    weights = weights * wo[..., 2]
+    pairs_wi = np.tile(np.repeat(wi, nodes, axis=0).astype(np.float32), (len(table), 1, 1))
+    pairs_wo = np.tile(wo.reshape(-1, 3).astype(np.float32), (len(table), 1, 1))
+
+    def allot(f: np.ndarray, sd: np.ndarray) -> np.ndarray:
+        """The fewest walks n in all: sum (w sd)^2 / n is fixed, so n ~ w sd."""
+        share = sd.reshape(shape) * weights
+        walks = share * share.sum(-1, keepdims=True) / ALBEDO_ERROR**2
+        return walks.reshape(sd.shape)
+
+    f, se = (
+        x.reshape(shape)
+        for x in _adaptive(table, pairs_wi, pairs_wo, rng, allot, name=name, pilot=ALBEDO_PILOT)
+    )
+    return (
+        (f * weights).sum(-1).astype(np.float32),
+        np.sqrt(((se * weights) ** 2).sum(-1)).astype(np.float32),
+    )
+
+
+def reference_error(samples: Samples) -> tuple[np.ndarray, np.ndarray]:
+    """The reference's own error by stack: E of one standard error, and the median of P's.
+
+    Returns:
+        Two float64 arrays (S,).
+    """
+    moved = samples.f + samples.se
+    return stack_errors(moved, samples), np.median(pair_errors(moved, samples), axis=1)
+
+
+def stack_errors(f_hat: np.ndarray, samples: Samples) -> np.ndarray:
+    """E of every stack, (S,), from values (S, M) at all pairs."""
+    part = slice(None, E_PAIRS)
+    cos_i, cos_o = samples.wi[:, part, 2], samples.wo[:, part, 2]
+    return metrics.stack_error(f_hat[:, part], samples.f[:, part], cos_i, cos_o)
+
+
+def pair_errors(f_hat: np.ndarray, samples: Samples) -> np.ndarray:
+    """P of every pair, (S, P_PAIRS), from values (S, M) at all pairs."""
+    return metrics.pair_error(f_hat[:, E_PAIRS:], samples.f[:, E_PAIRS:])

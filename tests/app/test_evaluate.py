@@ -1,0 +1,59 @@
+"""`urushi eval` and `urushi data benchmark` hand over to the evaluation what the flags say."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from urushi.app import cli
+from urushi.eval import adapter, benchmark, report
+
+
+@pytest.fixture
+def seen(monkeypatch) -> dict:
+    """What the evaluation was asked for; nothing is measured."""
+    calls: dict = {}
+
+    def table(weights, output, *, seed):
+        calls.update(weights=weights, output=output, seed=seed)
+        return "the table"
+
+    monkeypatch.setattr(report, "report", table)
+    monkeypatch.setattr(adapter, "report", lambda *args: calls.update(adapter=args) or "tables")
+    monkeypatch.setattr(benchmark, "make", lambda path: calls.update(path=path) or "0123abcd")
+    return calls
+
+
+def test_eval_uses_the_stored_set_unless_a_seed_is_given(seen, capsys):
+    assert cli.main(["eval"]) == 0
+    assert seen == {"weights": None, "output": None, "seed": None}
+    assert capsys.readouterr().out == "the table\n"
+    assert cli.main(["eval", "--weights", "w.safetensors", "--seed", "3"]) == 0
+    assert seen == {"weights": Path("w.safetensors"), "output": None, "seed": 3}
+
+
+def test_eval_by_the_adapters_protocol(seen, capsys):
+    flags = ["--protocol", "adapter", "--weights", "w.safetensors", "-o", "out"]
+    assert cli.main(["eval", *flags]) == 0
+    assert seen == {"adapter": (Path("w.safetensors"), Path("out"))}
+    assert capsys.readouterr().out == "tables\n"
+    assert cli.main(["eval", "--protocol", "adapter", "--seed", "1"]) == 2
+    assert "--seed goes with the table" in capsys.readouterr().err
+
+
+def test_benchmark(seen, capsys):
+    assert cli.main(["data", "benchmark", "-o", "b.safetensors"]) == 0
+    assert seen == {"path": Path("b.safetensors")}
+    assert capsys.readouterr().out == "b.safetensors  0123abcd\n"
+
+
+def test_plots_need_their_extra(seen, monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    assert cli.main(["eval", "-o", "figures"]) == 2
+    assert "pip install 'urushi[eval]'" in capsys.readouterr().err
+    assert seen == {}
+
+
+def test_errors(capsys):
+    assert cli.main(["eval", "--weights", "nowhere.safetensors"]) == 2
+    assert "there is no weights file 'nowhere.safetensors'" in capsys.readouterr().err

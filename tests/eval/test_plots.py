@@ -1,0 +1,56 @@
+"""The plots show what they say: every parameter, the worst stacks, the lobes of both sides."""
+
+import numpy as np
+import pytest
+
+pytest.importorskip("matplotlib", reason="the extra 'eval' is not installed")
+
+from urushi.eval.plots import errors, lobes
+
+
+@pytest.fixture(scope="module")
+def some(sets):
+    """Errors by group, as `report` gives them."""
+    return {"few": np.array([0.01, 0.03, 0.02]), "bare": np.array([0.5, 0.5, 0.0])}
+
+
+def test_points_are_the_stacks_parameters(sets, some):
+    panels = errors.points(sets, some)
+    x, y, coats = panels["top coat: eta"]
+    np.testing.assert_array_equal(x, sets["few"].table.eta[:, 0])
+    np.testing.assert_allclose(y, [1, 3, 2])
+    assert (coats == 1).all()
+    assert (panels["mixture: diffuse"][1] > 0).all()
+    assert next(iter(panels)).startswith("top coat") and "conductor: r0" in panels
+
+
+def test_running_median_of_a_line_is_the_line():
+    x = np.random.default_rng(0).permutation(40.0 * np.arange(60))
+    middle, median = errors.running_median(x, 2 * x)
+    np.testing.assert_allclose(median, 2 * middle)
+    assert len(middle) == 60 - errors.WINDOW + 1
+    assert len(errors.running_median(x[:3], x[:3])[0]) == 1
+
+
+def test_worst_stacks_are_coated_and_in_order(sets, some):
+    assert lobes.worst_stacks(sets, some) == [("few", 1), ("few", 2), ("few", 0)]
+
+
+def test_lobes_are_f_cos_of_both(sets, lax, monkeypatch):
+    """Networks that answer 1 have cos; the reference peaks on the mirror's side, about 45°."""
+    monkeypatch.setattr(lobes, "WALKS", 64)
+    table = sets["few"].table
+    smooth = int(np.argmin(table.alpha[:, 0]))
+    reference, network = lobes.lobe_values(lax, table, smooth)
+    assert reference.shape == network.shape == (3, len(lobes.OUTGOING))
+    np.testing.assert_allclose(network, np.cos(lobes.OUTGOING)[None].repeat(3, 0), rtol=1e-5)
+    assert (reference[:, lobes.OUTGOING > 0].sum(1) > reference[:, lobes.OUTGOING < 0].sum(1)).all()
+    assert len(lobes.describe(table, 0).splitlines()) == 2
+
+
+def test_pictures_are_written(sets, some, tiny, tmp_path, monkeypatch):
+    monkeypatch.setattr(lobes, "WALKS", 16)
+    errors.draw(tmp_path / "e.png", sets, some)
+    lobes.draw(tmp_path / "l.png", tiny, sets, some)
+    for name in ("e.png", "l.png"):
+        assert (tmp_path / name).read_bytes()[:4] == b"\x89PNG"

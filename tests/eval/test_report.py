@@ -1,0 +1,112 @@
+"""The table has every row, says what the JSON says, and refuses what it cannot measure."""
+
+import dataclasses
+import json
+
+import numpy as np
+import pytest
+
+from urushi.errors import FileError
+from urushi.eval import benchmark, cost, metrics, physics, report, table
+from urushi.eval import samples as sampling
+from urushi.eval.groups import Aim, Row
+from urushi.nets import weights
+
+ROWS = (
+    Row("encode bare ones", ("bare",), aims=(Aim("E", "mean", 1e9),)),
+    Row("encode simulated ones", ("few",), encoded=-1, aims=(Aim("P", "median", 0.0),)),
+    Row("all together", ("bare", "few")),
+)
+
+
+@pytest.fixture(scope="module")
+def result(tiny, sets, groups):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(physics, "WHITE_STACKS", 1)
+        patch.setattr(physics, "absorption", lambda model: [])
+        patch.setattr(cost, "TILE", 8)
+        patch.setattr(cost, "PAIRS", 64)
+        return report.measure(tiny, sets, groups=groups, rows=ROWS, source="a few stacks")
+
+
+def test_rows_are_the_figures_of_the_networks(result, tiny, sets):
+    from urushi.eval import predict
+
+    e, p = [], []
+    for samples in sets.values():
+        f_hat = predict.evaluate(predict.materials(tiny, samples), samples.wi, samples.wo)
+        e.append(sampling.stack_errors(f_hat, samples))
+        p.append(sampling.pair_errors(f_hat, samples).ravel())
+    row = result.rows["all together"]
+    assert row["stacks"] == 6
+    for metric, errors in (("E", e), ("P", p)):
+        expected = metrics.summary(np.concatenate(errors))
+        assert {k: row[metric][k] for k in expected} == pytest.approx(expected, rel=1e-9)
+    assert row["E"]["reference"] < 0.01 and result.rows["encode bare ones"]["E"]["reference"] == 0
+    assert set(result.errors) == {"bare", "few"}
+
+
+def test_the_text_has_every_line(result, monkeypatch):
+    monkeypatch.setattr(table, "ROWS", ROWS)
+    text = table.text(result)
+    lines = {line.strip()[:22].strip(): line for line in text.splitlines()}
+    for name in ("encode bare ones", "encode simulated ones", "all together", "decoder"):
+        assert name in lines
+    for law in result.laws:
+        assert law.name in text
+    for name in ("layer one RGB material", "layer a 1024² RGB texture", "a million RGB"):
+        assert name in text
+    assert lines["encode bare ones"].endswith("E mean <= 2e+11 ok")  # doubled: a small decoder
+    assert lines["encode simulated ones"].endswith("P median <= 0 MISSED")
+    mean = 100 * result.rows["all together"]["E"]["mean"]
+    assert f"{mean:.2f}" in lines["all together"] and "a few stacks" in text
+
+
+def test_parameters_are_counted(result, tiny):
+    # 40 x 16 + 16 and 16 + 1; the encoder's fixed statistics are not counted.
+    assert result.parameters["decoder"] == 41 * 16 + 17
+    assert result.parameters["encoder"] == 193 * 16 + 17 * 32
+    assert set(result.parameters) == {"decoder", "encoder", "layerer", "sampler"}
+
+
+def test_json_has_the_same_figures(result, tmp_path):
+    report.write_json(tmp_path / "f.json", result)
+    written = json.loads((tmp_path / "f.json").read_text())
+    assert written["rows"] == result.rows and written["seconds"] == result.seconds
+    assert [law["kept"] for law in written["laws"]] == [law.kept for law in result.laws]
+    assert written["errors"]["few"] == result.errors["few"].tolist()
+
+
+def test_report_reads_the_weights_and_writes_the_folder(result, sets, tiny, tmp_path, monkeypatch):
+    pytest.importorskip("matplotlib", reason="the extra 'eval' is not installed")
+    from urushi.eval.plots import lobes
+
+    seen = {}
+
+    def measure(model, used, source):
+        seen.update(model=model, used=used, source=source)
+        return dataclasses.replace(result, reference=source)
+
+    monkeypatch.setattr(report, "measure", measure)
+    monkeypatch.setattr(benchmark, "read", lambda: sets)
+    monkeypatch.setattr(lobes, "WALKS", 16)
+    weights.save(tmp_path / "w.safetensors", tiny.arch, tiny.params, {})
+    text = report.report(tmp_path / "w.safetensors", tmp_path / "new" / "figures")
+    assert seen["model"].fingerprint == tiny.fingerprint and "the stored set" in text
+    names = {path.name for path in (tmp_path / "new" / "figures").iterdir()}
+    assert names == {"figures.json", "errors.png", "worst.png"}
+    monkeypatch.setattr(sampling, "simulate_all", lambda groups, seed: {"seed": seed})
+    assert "simulated by seed 7" in report.report(tmp_path / "w.safetensors", seed=7)
+    assert seen["used"] == {"seed": 7}
+
+
+def test_bad_input(sets, groups, tmp_path):
+    with pytest.raises(FileError, match=r"missing\.safetensors"):
+        report.report(tmp_path / "missing.safetensors")
+    foreign = tmp_path / "foreign.safetensors"
+    benchmark.write(foreign, sets, groups)
+    with pytest.raises(FileError, match="is a safetensors file, but not one of Urushi's weights"):
+        report.report(foreign)
+    (tmp_path / "file").write_text("in the way")
+    with pytest.raises(FileError, match="cannot make the folder"):
+        report.report(output=tmp_path / "file")
