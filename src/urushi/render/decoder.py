@@ -8,6 +8,7 @@ import numpy as np
 from urushi.nets.decoder import MAX_LOG, MIN_LOG
 from urushi.nets.weights import Model
 from urushi.render import network
+from urushi.render.features import direction_features
 
 
 class Decoder:
@@ -29,17 +30,18 @@ class Decoder:
         """The latents' share of the first layer's pre-activation: (..., 32) -> (..., width)."""
         return latents @ self._from_latent + self._bias
 
-    def of_first_layer(self, shares: Sequence[Sequence], features: Sequence) -> list:
+    def of_first_layer(self, shares: Sequence[Sequence], wi, wo) -> list:
         """f of each channel; shares: per channel a list (width) of Dr.Jit floats."""
         zeros = [0.0] * len(self._bias)
-        common = network.dense(features, self._from_features, zeros)
+        common = network.dense(direction_features(wi, wo), self._from_features, zeros)
         return [
             network.compiled_once(self._rest, *(a + b for a, b in zip(common, share, strict=True)))
             for share in shares
         ]
 
-    def of_latents(self, latents: Sequence[Sequence], features: Sequence) -> list:
+    def of_latents(self, latents: Sequence[Sequence], wi, wo) -> list:
         """f of each channel; latents: per channel a list (32) of Dr.Jit floats."""
+        features = direction_features(wi, wo)
         return [network.compiled_once(self._whole, *z, *features) for z in latents]
 
     def _rest(self, *first):

@@ -11,9 +11,8 @@ import mitsuba as mi
 import numpy as np
 
 from urushi.nets.weights import Model
-from urushi.render.decoder import Decoder
-from urushi.render.features import direction_features
-from urushi.render.lobes import Mixture, Proposal
+from urushi.render import twins
+from urushi.render.twins import Mixture
 
 
 class ConstantLatents:
@@ -24,13 +23,13 @@ class ConstantLatents:
     def __init__(self, model: Model, latents: np.ndarray):
         """latents: (C, 32) float32."""
         self._latents = latents
-        self._decoder, self._proposal = Decoder(model), Proposal(model)
+        self._decoder, self._proposal = twins.of(model)
         self._shares = [_opaque(share) for share in self._decoder.first_layer(latents)]
         self._proposal_share = _opaque(self._proposal.first_layer(latents.mean(axis=0)))
 
     def f(self, si, wo) -> list:
         """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
-        return self._decoder.of_first_layer(self._shares, direction_features(si.wi, wo))
+        return self._decoder.of_first_layer(self._shares, si.wi, wo)
 
     def mixture(self, si) -> Mixture:
         """The proposal for si.wi."""
@@ -60,7 +59,7 @@ class TexturedLatents:
     def __init__(self, model: Model, latents: np.ndarray):
         """latents: (height, width, C, 32); the texel (y, x) lies at uv = (x, y) + 1/2."""
         height, width, self._channels, self._size = latents.shape
-        self._decoder, self._proposal = Decoder(model), Proposal(model)
+        self._decoder, self._proposal = twins.of(model)
         self._shape = (width, height)
         self._texture = mi.Texture2f16(
             mi.TensorXf16(latents.reshape(height, width, -1).astype(np.float16)),
@@ -72,7 +71,7 @@ class TexturedLatents:
     def f(self, si, wo) -> list:
         """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
         latents = self._look_up(si.uv)
-        return self._decoder.of_latents(latents, direction_features(si.wi, wo))
+        return self._decoder.of_latents(latents, si.wi, wo)
 
     def mixture(self, si) -> Mixture:
         """The proposal for si.wi."""

@@ -25,6 +25,14 @@ class Mixture(NamedTuple):
     weights: Sequence[Any]
     alphas: Sequence[Any]
 
+    def pdf(self, wi, wo):
+        """See `pdf` below."""
+        return pdf(self, wi, wo)
+
+    def sample(self, wi, choice, u):
+        """See `sample` below."""
+        return sample(self, wi, choice, u)
+
 
 class Proposal:
     """Mixtures from a model's latent codes and the cosine of wi."""

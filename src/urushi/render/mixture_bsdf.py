@@ -3,8 +3,6 @@
 import drjit as dr
 import mitsuba as mi
 
-from urushi.render import lobes
-
 
 def define() -> type:
     """Make the class in the current variant."""
@@ -23,7 +21,7 @@ def define() -> type:
             raise NotImplementedError
 
         def _mixture(self, si, active):
-            """The proposal for si.wi, a `lobes.Mixture`."""
+            """The proposal for si.wi, a `twins.Mixture`."""
             raise NotImplementedError
 
         def eval(self, ctx, si, wo, active=True):
@@ -32,7 +30,7 @@ def define() -> type:
 
         def pdf(self, ctx, si, wo, active=True):
             active = self._lit(ctx, si, active) & (wo.z > 0)
-            return dr.select(active, lobes.pdf(self._mixture(si, active), si.wi, wo), 0)
+            return dr.select(active, self._mixture(si, active).pdf(si.wi, wo), 0)
 
         def eval_pdf(self, ctx, si, wo, active=True):
             return self.eval(ctx, si, wo, active), self.pdf(ctx, si, wo, active)
@@ -41,8 +39,8 @@ def define() -> type:
             active = self._lit(ctx, si, active)
             mixture = self._mixture(si, active)
             bs = dr.zeros(mi.BSDFSample3f)
-            bs.wo = lobes.sample(mixture, si.wi, sample1, sample2)
-            bs.pdf = lobes.pdf(mixture, si.wi, bs.wo)
+            bs.wo = mixture.sample(si.wi, sample1, sample2)
+            bs.pdf = mixture.pdf(si.wi, bs.wo)
             bs.eta = 1
             bs.sampled_type = mi.UInt32(+mi.BSDFFlags.GlossyReflection)
             bs.sampled_component = 0

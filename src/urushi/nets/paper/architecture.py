@@ -80,7 +80,7 @@ def _layering() -> tuple[Block, ...]:
     )
 
 
-def _proxy() -> tuple[Block, ...]:
+def _proxy() -> tuple[Linear, ...]:
     sizes = (LATENT, 128, 512, 128, 32, 2)
     return tuple(Linear(f"proxy.{i}", sizes[i], sizes[i + 1]) for i in range(len(sizes) - 1))
 
