@@ -8,6 +8,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from urushi.errors import ParameterError
 from urushi.nets.probes import from_half_and_difference
 
 #: Pairs whose lower cosine is below this are not trained on: they carry no energy, and the
@@ -100,6 +101,41 @@ SETS: dict[str, Callable[[np.random.Generator, int], Pairs]] = {
     "cosine": cosine_pairs,
     "half_angle": half_angle_pairs,
 }
+
+
+def stratified_pairs(rng: np.random.Generator, n: int) -> Pairs:
+    """One pair in each of n = k^4 strata: theta and phi of both directions cut into k each.
+
+    All four angles are uniform in their stratum, as the paper has it (Fan et al. 2022, section
+    4.1), hence denser towards the normal than solid angle is.
+    """
+    k = round(n**0.25)
+    cells = np.stack(np.unravel_index(np.arange(n), (k, k, k, k)))
+    u = (cells + rng.random((4, n))) / k
+    wi, wo = (_direction(np.cos(0.5 * np.pi * u[i]), u[i + 1]).astype(np.float32) for i in (0, 2))
+    return wi, wo
+
+
+#: More of them, which are one grid over all directions that every stack has anew.
+GRIDS = {"stratified": stratified_pairs}
+
+
+def check(name: str, pairs: int, where: str) -> None:
+    """Raise a ParameterError that begins with `where` if a set cannot have so many pairs."""
+    if name not in SETS | GRIDS:
+        raise ParameterError(
+            f"{where} has directions = {name!r}; choose one of {', '.join(SETS | GRIDS)}"
+        )
+    if name in GRIDS and round(pairs**0.25) ** 4 != pairs:
+        raise ParameterError(f"{where} has {pairs} {name} pairs; give a fourth power, such as 625")
+
+
+def draw(name: str, rng: np.random.Generator, stacks: int, pairs: int) -> Pairs:
+    """The pairs of several stacks, one after the other: (stacks * pairs, 3) twice."""
+    if name not in GRIDS:
+        return SETS[name](rng, stacks * pairs)
+    parts = [GRIDS[name](rng, pairs) for _ in range(stacks)]
+    return np.concatenate([wi for wi, _ in parts]), np.concatenate([wo for _, wo in parts])
 
 
 def _accepted(draw: Callable[[int], Pairs], n: int, lowest_cosine: float) -> Pairs:

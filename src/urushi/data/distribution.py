@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from urushi.data.palette import Palette
 from urushi.errors import ParameterError
 from urushi.reference.table import BOTTOM_KINDS, StackTable
 
@@ -25,8 +26,20 @@ COAT_PARAMETERS = ("alpha", "eta", "albedo", "sigma_t", "g")
 BOTTOM_PARAMETERS = {kind: names for kind, (_, names) in BOTTOM_KINDS.items()}
 
 
+class _Independent:
+    """Stacks that are drawn independently of each other."""
+
+    def sample(self, rng: np.random.Generator, n: int) -> StackTable:
+        """Draw n stacks."""
+        raise NotImplementedError
+
+    def draw(self, rng: np.random.Generator, rows: slice) -> StackTable:
+        """The stacks of some rows of a data store's part: as many are drawn."""
+        return self.sample(rng, rows.stop - rows.start)
+
+
 @dataclass(frozen=True)
-class Table2:
+class Table2(_Independent):
     """Fan et al. 2022, Table 2: rough dielectric coats over a conductor with Schlick's Fresnel.
 
     alpha = U(0.216, 1)^3, eta = U(1.05, 2), R0 = U(0, 1), albedo = 1 - U(0, 1)^2,
@@ -61,7 +74,7 @@ class Table2:
 
 
 @dataclass(frozen=True)
-class Extended:
+class Extended(_Independent):
     """Table 2 with a continuous sigma_t, anisotropic media and more kinds of bottom.
 
     alpha = U(0.01^(1/3), 1)^3, hence down to 0.01; eta and albedo as in Table 2;
@@ -99,18 +112,22 @@ class Extended:
         )
 
 
+#: Endless sources of stacks.
 Distribution = Table2 | Extended
 
-_KINDS: dict[str, type[Distribution]] = {"table2": Table2, "extended": Extended}
+#: What a part of a data store may be drawn from.
+Source = Distribution | Palette
+
+_KINDS: dict[str, type[Source]] = {"table2": Table2, "extended": Extended, "palette": Palette}
 
 
-def to_dict(distribution: Distribution) -> dict[str, Any]:
+def to_dict(distribution: Source) -> dict[str, Any]:
     """Describe a distribution for JSON; `from_dict` reads it back."""
     kind = next(name for name, cls in _KINDS.items() if type(distribution) is cls)
     return {"kind": kind, **asdict(distribution)}
 
 
-def from_dict(description: Mapping[str, Any]) -> Distribution:
+def from_dict(description: Mapping[str, Any]) -> Source:
     """Read `to_dict`'s description.
 
     Raises:

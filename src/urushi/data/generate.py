@@ -5,7 +5,7 @@ import os
 import numpy as np
 from tqdm import tqdm
 
-from urushi.data.directions import SETS
+from urushi.data import directions as direction_sets
 from urushi.data.distribution import BOTTOM_PARAMETERS, COAT_PARAMETERS
 from urushi.data.spec import DataSpec
 from urushi.data.store import Shard, Store
@@ -27,8 +27,9 @@ def make_shard(spec: DataSpec, part: int, shard: int) -> Shard:
     rows = spec.rows(part, shard)
     count = rows.stop - rows.start
     parameters, directions, walks = spec.seeds(part, shard).spawn(3)
-    table = described.distribution.sample(np.random.default_rng(parameters), count)
-    wi, wo = SETS[described.directions](np.random.default_rng(directions), count * described.pairs)
+    table = described.distribution.draw(np.random.default_rng(parameters), rows)
+    rng = np.random.default_rng(directions)
+    wi, wo = direction_sets.draw(described.directions, rng, count, described.pairs)
     row = np.repeat(np.arange(count, dtype=np.uint32), described.pairs)
     if described.distribution.coats == 0:
         f = evaluate.rows(table.kind, table.bottom, row, wi, wo)

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from urushi.data import directions as direction_sets
 from urushi.data import distribution as distributions
-from urushi.data.directions import SETS
-from urushi.data.distribution import Distribution
+from urushi.data.distribution import Source
 from urushi.errors import ParameterError
 
 
@@ -21,12 +21,12 @@ class Part:
         distribution: where the stacks' parameters come from.
         stacks: number of stacks.
         pairs: direction pairs for every stack; each stack has its own.
-        directions: the set of `directions.SETS` that they are drawn from.
+        directions: the set of `directions` that they are drawn from.
         walks: random walks for every pair; bottoms without a coat are analytic and need none.
     """
 
     name: str
-    distribution: Distribution
+    distribution: Source
     stacks: int
     pairs: int
     walks: int
@@ -39,11 +39,7 @@ class Part:
                 raise ParameterError(
                     f"part '{self.name}' has {name} = {value!r}; give a positive integer"
                 )
-        if self.directions not in SETS:
-            raise ParameterError(
-                f"part '{self.name}' has directions = {self.directions!r}; "
-                f"choose one of {', '.join(SETS)}"
-            )
+        direction_sets.check(self.directions, self.pairs, f"part '{self.name}'")
 
 
 @dataclass(frozen=True)

@@ -136,6 +136,14 @@ class Store:
         Raises:
             FileError: the part is incomplete or damaged.
         """
+        return self.read_rows(part, slice(0, part.stacks))
+
+    def read_rows(self, part: Part, rows: slice) -> dict[str, np.ndarray]:
+        """Read some rows of all arrays of a complete part, for data larger than memory.
+
+        Raises:
+            FileError: as of `read`.
+        """
         with _readable(self.path):
             root = zarr.open_group(self.path, mode="r")
             done = int(np.sum(_array(root, part, "complete")[:]))
@@ -144,7 +152,7 @@ class Store:
                     f"'{self.path}' is incomplete: part '{part.name}' has {done} of "
                     f"{self.spec.shard_count(part)} shards; resume it with `urushi data generate`"
                 )
-            arrays = {name: _array(root, part, name)[:] for name in _layout(part)}
+            arrays = {name: _array(root, part, name)[rows] for name in _layout(part)}
         if not all(np.isfinite(values).all() for values in arrays.values()):
             raise FileError(
                 f"'{self.path}' is damaged: part '{part.name}' has values that are not finite; "
