@@ -12,7 +12,6 @@ import numpy as np
 
 from urushi.errors import FileError
 from urushi.nets import tensorfile
-from urushi.train.optimiser import State
 
 FORMAT_VERSION = 1
 
@@ -22,17 +21,17 @@ class Checkpoint:
     """Where a training stands.
 
     Attributes:
-        stage: "networks" or "proposal".
+        stage: the name of one of the training's stages.
         step: steps of that stage that are done.
         seconds: time spent so far, all stages together.
-        state: as the stage's next step finds it.
+        state: as the stage's next step finds it, any tree of arrays.
         networks: the parameters that the stage before has finished.
     """
 
     stage: str
     step: int
     seconds: float
-    state: State
+    state: Any
     networks: dict[str, Any]
 
 

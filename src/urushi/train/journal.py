@@ -9,7 +9,8 @@ from urushi.files import atomic_write
 from urushi.train import checkpoint
 from urushi.train.checkpoint import Checkpoint
 
-_STAGES = ("networks", "proposal")
+#: Stages of the training of Urushi's own networks, in order.
+STAGES = ("networks", "proposal")
 
 
 class Journal:
@@ -18,12 +19,16 @@ class Journal:
     Args:
         folder: the run folder.
         identity: JSON values of preset and data; a checkpoint of another identity is refused.
+        stages: the stages' names, in order.
     """
 
-    def __init__(self, folder: Path, identity: Mapping[str, Any]) -> None:
+    def __init__(
+        self, folder: Path, identity: Mapping[str, Any], stages: tuple[str, ...] = STAGES
+    ) -> None:
         self._checkpoint = folder / "checkpoint.safetensors"
         self._log = folder / "log.jsonl"
         self._identity = identity
+        self._stages = stages
 
     def begun(self) -> bool:
         """Whether there is a checkpoint."""
@@ -41,7 +46,7 @@ class Journal:
         if self._log.exists():
             lines = self._log.read_text().splitlines(keepends=True)
             with atomic_write(self._log) as path:
-                path.write_text("".join(line for line in lines if _place(line) <= _of(point)))
+                path.write_text("".join(x for x in lines if self._place(x) <= self._of(point)))
         return point
 
     def save(self, point: Checkpoint) -> None:
@@ -55,15 +60,13 @@ class Journal:
         with self._log.open("a") as file:
             file.write(json.dumps(entry | rounded) + "\n")
 
+    def _of(self, point: Checkpoint) -> tuple[int, int]:
+        return self._stages.index(point.stage), point.step
 
-def _of(point: Checkpoint) -> tuple[int, int]:
-    return _STAGES.index(point.stage), point.step
-
-
-def _place(line: str) -> tuple[int, int]:
-    """Stage and step of a log line; a line that a kill has torn comes after everything."""
-    try:
-        entry = json.loads(line)
-    except ValueError:
-        return len(_STAGES), 0
-    return _STAGES.index(entry["stage"]), entry["step"]
+    def _place(self, line: str) -> tuple[int, int]:
+        """Stage and step of a log line; a line that a kill has torn comes after everything."""
+        try:
+            entry = json.loads(line)
+        except ValueError:
+            return len(self._stages), 0
+        return self._stages.index(entry["stage"]), entry["step"]

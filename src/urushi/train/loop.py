@@ -17,6 +17,7 @@ from tqdm import tqdm
 
 import urushi
 from urushi.data.generate import generate
+from urushi.data.store import Store
 from urushi.errors import FileError
 from urushi.nets import weights
 from urushi.nets.architecture import FIXED, Architecture, Params, init
@@ -29,6 +30,7 @@ from urushi.train.examples import Batches, Depth
 from urushi.train.journal import Journal
 from urushi.train.losses import compose, joint_loss
 from urushi.train.optimiser import State, compile_steps, start
+from urushi.train.paper.preset import PaperPreset
 from urushi.train.presets import Preset, Schedule
 from urushi.train.proposal import Scene, proposal_loss, variation
 
@@ -37,7 +39,7 @@ RUNS = Path("runs")
 
 
 def train(
-    preset: str | Preset,
+    preset: str | Preset | PaperPreset,
     *,
     data: str | os.PathLike | None = None,
     out: str | os.PathLike | None = None,
@@ -47,7 +49,7 @@ def train(
     """Train all networks and write the weights.
 
     Args:
-        preset: a name of `presets.NAMES`, or a `Preset`.
+        preset: a name of `presets.NAMES`, or the value itself.
         data: the data store, generated where it is missing or incomplete; default
             `runs/NAME/data.zarr`.
         out: the weights file; default `runs/NAME/weights.safetensors`.
@@ -64,6 +66,10 @@ def train(
             checkpoint and `resume` is not set.
     """
     preset = presets.get(preset) if isinstance(preset, str) else preset
+    if isinstance(preset, PaperPreset):
+        from urushi.train.paper import loop as paper  # it needs this module
+
+        return paper.train(preset, data=data, out=out, run=run, resume=resume)
     folder = Path(run) if run is not None else RUNS / preset.name
     out = Path(out) if out is not None else folder / "weights.safetensors"
     prepare(folder, out, resume)
@@ -73,8 +79,8 @@ def train(
     generated = time.monotonic() - began
     depths = examples.load(store, preset.arch, preset.pairs)
     checks = validation.load(store, preset.arch)
-    identity = {"preset": json.loads(json.dumps(preset.to_dict())), "data": store.hash()}
-    journal = Journal(folder, identity)
+    made_for = identity(preset, store)
+    journal = Journal(folder, made_for)
 
     params = initial(preset, depths)
     point = journal.restore(beginnings(preset, params)) if resume else None
@@ -106,7 +112,12 @@ def train(
         "sampling cv p95": float(np.percentile(spread, 95)),
     }
     cost = {"data seconds": round(generated), "training seconds": round(point.seconds)}
-    return weights.save(out, preset.arch, params, header(identity, metrics, cost))
+    return weights.save(out, preset.arch, params, header(made_for, metrics, cost))
+
+
+def identity(preset: Preset | PaperPreset, store: Store) -> dict[str, Any]:
+    """What a checkpoint must belong to: preset and data."""
+    return {"preset": json.loads(json.dumps(preset.to_dict())), "data": store.hash()}
 
 
 def prepare(folder: Path, out: Path, resume: bool) -> None:
@@ -130,14 +141,14 @@ def prepare(folder: Path, out: Path, resume: bool) -> None:
 
 
 def header(
-    identity: dict[str, Any], metrics: dict[str, float], cost: dict[str, int]
+    made_for: dict[str, Any], metrics: dict[str, float], cost: dict[str, int]
 ) -> dict[str, Any]:
     """What the weights file says of its making."""
     packages = {name: version(name) for name in ("jax", "optax", "numpy")}
     return {
-        "preset": identity["preset"],
-        "seed": identity["preset"]["seed"],
-        "data": identity["data"],
+        "preset": made_for["preset"],
+        "seed": made_for["preset"]["seed"],
+        "data": made_for["data"],
         "metrics": metrics,
         "cost": {**cost, "processors": os.cpu_count(), "machine": platform.machine()},
         "versions": {

@@ -1,5 +1,6 @@
 """The trainings that `urushi train --preset NAME` knows, each a frozen value."""
 
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -7,6 +8,7 @@ from urushi.data.distribution import Extended, Table2
 from urushi.data.spec import DataSpec, Part
 from urushi.errors import ParameterError
 from urushi.nets.architecture import Architecture
+from urushi.train.paper.preset import PaperPreset, paper
 
 
 @dataclass(frozen=True)
@@ -143,18 +145,26 @@ def validation(stacks: int = 64, walks: int = 8192) -> tuple[Part, ...]:
     )
 
 
-_PRESETS = {"quick": quick, "smoke": smoke}
+_PRESETS: dict[str, Callable[[], Preset | PaperPreset]] = {
+    "quick": quick,
+    "smoke": smoke,
+    "paper": paper,
+}
 
 #: The names that `--preset` takes.
 NAMES = tuple(_PRESETS)
 
 
-def get(name: str) -> Preset:
-    """Look a preset up by name.
+def get(name: str, scale: float | None = None) -> Preset | PaperPreset:
+    """Look a preset up by name; scale: shrinks "paper", see `paper.preset.paper`.
 
     Raises:
-        ParameterError: there is none of that name.
+        ParameterError: there is none of that name, or it cannot be scaled.
     """
     if name not in _PRESETS:
         raise ParameterError(f"there is no preset '{name}'; choose one of {', '.join(NAMES)}")
-    return _PRESETS[name]()
+    if scale is None:
+        return _PRESETS[name]()
+    if name != "paper":
+        raise ParameterError(f"the preset '{name}' has one size; only 'paper' takes a scale")
+    return paper(scale)

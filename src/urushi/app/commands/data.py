@@ -22,13 +22,16 @@ class Generate:
     """Store to write (.zarr)."""
     preset: str = "quick"
     """Training preset whose data specification is used."""
+    scale: float | None = None
+    """For the preset "paper": the share of its training samples, as of `urushi train`."""
 
     def run(self) -> int:
         extras.require("train")
         from urushi.data.generate import generate
         from urushi.train import presets
 
-        store = generate(presets.get(self.preset).data, self.output)
+        scaled = {} if self.scale is None else {"scale": self.scale}
+        store = generate(presets.get(self.preset, **scaled).data, self.output)
         print(f"{self.output}  {store.hash()}")
         return 0
 
