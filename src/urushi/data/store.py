@@ -17,7 +17,7 @@ import hashlib
 import json
 import os
 import platform
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -138,21 +138,31 @@ class Store:
         """
         return self.read_rows(part, slice(0, part.stacks))
 
-    def read_rows(self, part: Part, rows: slice) -> dict[str, np.ndarray]:
-        """Read some rows of all arrays of a complete part, for data larger than memory.
+    def read_rows(
+        self, part: Part, rows: slice, names: Collection[str] | None = None
+    ) -> dict[str, np.ndarray]:
+        """Read some rows of a part's arrays, for data larger than memory.
+
+        Args:
+            part: of this store.
+            rows: from one row to another, one by one.
+            names: the arrays that are wanted, as far as the part has them; by default all.
 
         Raises:
-            FileError: as of `read`.
+            FileError: a shard of these rows is missing or damaged.
         """
+        wanted = [name for name in _layout(part) if names is None or name in names]
+        shards = slice(rows.start // self.spec.shard, -(-rows.stop // self.spec.shard))
         with _readable(self.path):
             root = zarr.open_group(self.path, mode="r")
-            done = int(np.sum(_array(root, part, "complete")[:]))
-            if done < self.spec.shard_count(part):
+            complete = _array(root, part, "complete")
+            if not np.all(complete[shards]):
                 raise FileError(
-                    f"'{self.path}' is incomplete: part '{part.name}' has {done} of "
-                    f"{self.spec.shard_count(part)} shards; resume it with `urushi data generate`"
+                    f"'{self.path}' is incomplete: part '{part.name}' has "
+                    f"{int(np.sum(complete[:]))} of {self.spec.shard_count(part)} shards; "
+                    "resume it with `urushi data generate`"
                 )
-            arrays = {name: _array(root, part, name)[rows] for name in _layout(part)}
+            arrays = {name: _array(root, part, name)[rows] for name in wanted}
         if not all(np.isfinite(values).all() for values in arrays.values()):
             raise FileError(
                 f"'{self.path}' is damaged: part '{part.name}' has values that are not finite; "
@@ -160,11 +170,18 @@ class Store:
             )
         return arrays
 
+    def read_shard(
+        self, part: int, shard: int, names: Collection[str] | None = None
+    ) -> dict[str, np.ndarray]:
+        """Read one shard; as `read_rows` of the shard's rows."""
+        return self.read_rows(self.spec.parts[part], self.spec.rows(part, shard), names)
+
     def hash(self) -> str:
         """SHA-256 over the specification and all values f: what the weights say of their data."""
         digest = hashlib.sha256(json.dumps(self.spec.to_dict(), sort_keys=True).encode())
-        for part in self.spec.parts:
-            digest.update(np.ascontiguousarray(self.read(part)["f"]).tobytes())
+        for part, shard in self.spec.shards():
+            f = self.read_shard(part, shard, ("f",))["f"]
+            digest.update(np.ascontiguousarray(f).tobytes())
         return digest.hexdigest()
 
 
