@@ -173,8 +173,10 @@ def _weights() -> list[Finding]:
             continue
         header = model.header
         details = [f"fingerprint {model.fingerprint}"]
-        details += [f"{key} {header[key]}" for key in ("preset", "date") if header.get(key)]
-        findings.append(Finding(name, ", ".join(details), None, True))
+        if "preset" in header:
+            details.append(f"preset {header['preset']['name']}")
+        details += [f"{name} {value:.3g}" for name, value in header.get("metrics", {}).items()]
+        findings.append(Finding(f"weights {file.stem}", ", ".join(details), None, True))
     return findings
 
 
