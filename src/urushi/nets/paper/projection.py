@@ -20,8 +20,10 @@ STEPS = 16
 #: Errors below this share of a BRDF's mean value weigh as if they were this large.
 KNEE = 0.1
 
-#: The first damping, relative to the mean curvature, and its factors after good and bad steps.
-DAMPING, EASED, RAISED = 1e-2, 0.25, 8.0
+#: The first damping, relative to the mean curvature, and its factors after good and bad steps. Its
+#: least value keeps codes near their start where the values hardly depend on them: that costs no
+#: accuracy, and the layering network has to predict them.
+DAMPING, EASED, RAISED, LEAST = 1e-2, 0.25, 8.0, 1e-2
 
 
 class State(NamedTuple):
@@ -59,9 +61,9 @@ def step(params: Params, state: State, directions: Any, f: Any) -> State:
     slope = weighted @ state.error[..., None]
     identity = xp.eye(LATENT, dtype=f.dtype)
     mean = xp.mean(xp.sum(curvature * identity, axis=-1), axis=-1)  # of the diagonal
-    damped = curvature + ((state.damping + 1e-7) * mean + 1e-12)[:, None, None] * identity
+    damped = curvature + (state.damping * mean + 1e-12)[:, None, None] * identity
     trial = state.z - xp.linalg.solve(damped, slope)[..., 0]
-    new = _at(params, trial, directions, f, xp.maximum(state.damping * EASED, 1e-6))
+    new = _at(params, trial, directions, f, xp.maximum(state.damping * EASED, LEAST))
     old = state._replace(damping=state.damping * RAISED)
     better = new.loss < state.loss  # false for NaN
     return State(
