@@ -30,6 +30,7 @@ TINY = Preset(
     proposal=Schedule(16, 4, 3e-3, average=0.9, steps_per_call=4, checkpoint_every=8),
     stacks=(3, 9, 4),
     pairs=8,
+    memory=512,  # of 832 pairs: the examples stream
     arch=ARCH,
 )
 

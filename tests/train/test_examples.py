@@ -1,47 +1,58 @@
 """Batches: each example once an epoch, whatever the cutting, with what belongs together."""
 
 import dataclasses
+import gc
+import weakref
 
 import numpy as np
 import pytest
 
+from urushi.data.generate import generate
 from urushi.data.store import Store
-from urushi.errors import ParameterError
+from urushi.errors import FileError, ParameterError
 from urushi.nets.features import coat_features, direction_features
 from urushi.nets.probes import probe_pairs
 from urushi.reference import evaluate
 from urushi.train import examples
-from urushi.train.examples import Batches
+from urushi.train.examples import Batches, Depth
+
+EVERYTHING = 1 << 20  # direction pairs: more than the store has
 
 
 @pytest.fixture(scope="module")
 def depths(tiny, tiny_data):
-    return examples.load(Store.open(tiny_data), tiny.arch, tiny.pairs)
+    return examples.load(Store.open(tiny_data), tiny.arch, tiny.pairs, EVERYTHING)
 
 
-def test_examples_are_grouped_by_the_number_of_coats(depths):
-    assert [len(depth.probes) for depth in depths] == [12, 32, 8]
-    assert [depth.coats.shape[1] for depth in depths] == [0, 1, 2]
-    assert all(depth.runs == 2 for depth in depths)
+@pytest.fixture(scope="module")
+def held(depths):
+    return [depth.first() for depth in depths]
 
 
-def test_what_belongs_together_stays_together(tiny, tiny_data, depths):
+def test_examples_are_grouped_by_the_number_of_coats(held):
+    assert [len(depth.probes) for depth in held] == [12, 32, 8]
+    assert [depth.coats.shape[1] for depth in held] == [0, 1, 2]
+    for depth in held:
+        np.testing.assert_array_equal(depth.stack, np.repeat(np.arange(len(depth.probes)), 2))
+
+
+def test_what_belongs_together_stays_together(tiny, tiny_data, held):
     store = Store.open(tiny_data)
     arrays = store.read(tiny.data.parts[3])
     row, item = 5, 11  # the second run of the sixth stack
     pairs = slice(8, 16)
-    np.testing.assert_array_equal(depths[2].f[item], arrays["f"][row, pairs])
+    np.testing.assert_array_equal(held[2].f[item], arrays["f"][row, pairs])
     np.testing.assert_array_equal(
-        depths[2].features[item],
+        held[2].features[item],
         direction_features(arrays["wi"][row, pairs], arrays["wo"][row, pairs]),
     )
     np.testing.assert_allclose(
-        depths[2].coats[row], coat_features(*arrays["coats"][row].T), rtol=1e-6
+        held[2].coats[row], coat_features(*arrays["coats"][row].T), rtol=1e-6
     )
     bottom = {name: arrays["bottom"][[row], k] for k, name in enumerate(("alpha", "r0"))}
     wi, wo = probe_pairs(tiny.arch.probes)
     values = evaluate.rows("conductor", bottom, np.zeros(len(wi), np.uint32), wi, wo)
-    np.testing.assert_array_equal(depths[2].probes[row], values)
+    np.testing.assert_array_equal(held[2].probes[row], values)
 
 
 def test_batches_do_not_depend_on_how_the_steps_are_cut(tiny, depths):
@@ -55,34 +66,93 @@ def test_batches_do_not_depend_on_how_the_steps_are_cut(tiny, depths):
     assert (Batches(depths, tiny.stacks, seed=2).take(0, 40).f != whole.f).any()
 
 
-def test_an_epoch_sees_every_example_once(tiny, depths):
+def test_an_epoch_sees_every_example_once(tiny, depths, held):
     # 16 items with two coats, four a step: four steps an epoch; these come first in a batch.
     taken = Batches(depths, tiny.stacks, seed=1).take(0, 8)
     for epoch in (slice(0, 4), slice(4, 8)):
         seen = taken.f[epoch, :4].reshape(16, -1)
-        np.testing.assert_array_equal(np.sort(seen, axis=0), np.sort(depths[2].f, axis=0))
+        np.testing.assert_array_equal(np.sort(seen, axis=0), np.sort(held[2].f, axis=0))
     assert (taken.f[:4, :4] != taken.f[4:, :4]).any()
 
 
-def test_deeper_stacks_come_first_so_that_each_coat_meets_its_own_stack(tiny, depths):
+def test_deeper_stacks_come_first_so_that_each_coat_meets_its_own_stack(tiny, depths, held):
     batch = Batches(depths, tiny.stacks, seed=1).take(0, 2)
     lowest, highest = batch.coats
     assert lowest.shape == (2, 13, 16)
     assert highest.shape == (2, 4, 16)
     for step in range(2):
         for row in range(4):
-            match = (depths[2].probes == batch.probes[step, row]).all(-1)
-            coats = depths[2].coats[match][0]
+            match = (held[2].probes == batch.probes[step, row]).all(-1)
+            coats = held[2].coats[match][0]
             np.testing.assert_array_equal(coats[1], lowest[step, row])
             np.testing.assert_array_equal(coats[0], highest[step, row])
+
+
+@pytest.fixture
+def streamed(tiny, tiny_data, tmp_path):
+    """The same data in shards of four stacks, and room for a fifth of them."""
+    store = generate(dataclasses.replace(tiny.data, shard=4), tmp_path / "small.zarr")
+    return lambda memory=MEMORY: examples.load(store, tiny.arch, tiny.pairs, memory)
+
+
+MEMORY = 320  # of the 52 stacks' 832 training pairs; a shard has 64
+
+
+def test_a_store_larger_than_memory_streams_in_bounded_memory(tiny, streamed, monkeypatch):
+    windows, peak = [], []
+    read = Depth._read
+
+    def watched(self, window):
+        examples = read(self, window)
+        windows.append((weakref.ref(examples), examples.f.size))
+        peak.append(sum(size for alive, size in windows if alive() is not None))
+        return examples
+
+    monkeypatch.setattr(Depth, "_read", watched)
+    batches = Batches(streamed(), tiny.stacks, seed=1)
+    for step in range(0, 60, 3):
+        batches.take(step, 3)
+        gc.collect()
+    assert len(windows) > 20
+    # Two depths have 192 and 128 pairs, whose shares are below one shard's 64: it is held instead.
+    assert max(peak) <= MEMORY + 2 * 2 * 64
+
+
+def test_a_stream_sees_every_example_once_an_epoch(tiny, streamed):
+    count = tiny.stacks[1]
+    all_of_them = streamed(EVERYTHING)[1].first()
+    epoch = len(all_of_them.f)  # items of one coat; as many steps end with the end of an epoch
+    taken = Batches(streamed(), tiny.stacks, seed=1).take(0, epoch)
+    seen = taken.f[:, 4 : 4 + count].reshape(count, epoch, -1)
+    for once in seen:
+        np.testing.assert_array_equal(np.sort(once, axis=0), np.sort(all_of_them.f, axis=0))
+    assert (seen[0] != seen[1]).any()
+
+
+def test_a_stream_does_not_depend_on_how_the_steps_are_cut(tiny, streamed):
+    whole = Batches(streamed(), tiny.stacks, seed=1).take(0, 40)
+    for start, count in ((0, 3), (33, 7), (17, 5)):  # each as a resumed training begins
+        part = Batches(streamed(), tiny.stacks, seed=1).take(start, count)
+        for name in ("probes", "features", "f"):
+            np.testing.assert_array_equal(
+                getattr(part, name), getattr(whole, name)[start : start + count]
+            )
+
+
+def test_a_damaged_shard_is_reported_when_its_turn_comes(tiny, streamed):
+    depths = streamed()
+    chunk = depths[1]._store.path / "coated" / "f" / "c" / "4" / "0"
+    chunk.write_bytes(chunk.read_bytes()[:10])
+    with pytest.raises(FileError, match="cannot be used"):
+        Batches(depths, tiny.stacks, seed=1).take(0, 40)
 
 
 def test_presets_that_do_not_fit_their_data_get_one_sentence(tiny, tiny_data, depths):
     with pytest.raises(ParameterError, match="stacks of up to 2 coats, but the preset draws"):
         Batches(depths, (4, 4), seed=0)
     with pytest.raises(ParameterError, match="multiple of the 12 that a step sees"):
-        examples.load(Store.open(tiny_data), tiny.arch, 12)
+        examples.load(Store.open(tiny_data), tiny.arch, 12, EVERYTHING)
     store = Store.open(tiny_data)
     gap = dataclasses.replace(store.spec, parts=store.spec.parts[1:])
     with pytest.raises(ParameterError, match="without a gap, not of 1, 2"):
-        examples.load(Store(store.path, gap), tiny.arch, tiny.pairs)
+        examples.load(Store(store.path, gap), tiny.arch, tiny.pairs, EVERYTHING)

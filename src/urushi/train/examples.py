@@ -1,5 +1,10 @@
-"""Training examples in memory; which of them a step sees is a function of seed and step alone."""
+"""Training examples from a data store of any size, read window by window into bounded memory.
 
+Which examples a step sees is a function of seed and step alone, so that a training resumes to the
+same bits; see `order`.
+"""
+
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -9,9 +14,13 @@ from urushi.data.spec import Part
 from urushi.data.store import Store
 from urushi.errors import ParameterError
 from urushi.nets.architecture import Architecture
-from urushi.nets.features import coat_features, direction_features
+from urushi.nets.features import DIRECTION_FEATURES, coat_features, direction_features
 from urushi.nets.probes import probe_pairs
 from urushi.reference import evaluate
+from urushi.train.order import Order, Window
+
+#: What is read of a store.
+ARRAYS = ("coats", "bottom", "wi", "wo", "f")
 
 
 class Batch(NamedTuple):
@@ -20,7 +29,7 @@ class Batch(NamedTuple):
     Attributes:
         probes: (B, probes) the bottoms' values [1/sr] at the probe pairs.
         coats: for the lowest coat, the next one up, and so on: coat features of the first B_k
-            stacks, which are those that have this coat, (B_k, 16).
+            stacks, which are those that have this coat, (B_k, 17).
         features: (B, P, 8) of the direction pairs.
         f: (B, P) simulated values [1/sr].
     """
@@ -32,49 +41,143 @@ class Batch(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Depth:
-    """All examples with the same number of coats; an item is one run of a stack's pairs.
+class Examples:
+    """Examples in memory, all with the same number of coats; an item is one run of pairs.
 
     Attributes:
         probes: (S, probes).
-        coats: (S, N, 16) coat features, top to bottom.
-        features: (S R, P, 8), the R runs of a stack side by side.
-        f: (S R, P).
+        coats: (S, N, 17) coat features, top to bottom.
+        stack: (I,) the stack of each item; the items of a stack lie side by side.
+        features: (I, P, 8).
+        f: (I, P).
     """
 
     probes: np.ndarray
     coats: np.ndarray
+    stack: np.ndarray
     features: np.ndarray
     f: np.ndarray
 
-    @property
-    def runs(self) -> int:
-        """Runs of pairs of every stack."""
-        return len(self.f) // len(self.probes)
+
+class Depth:
+    """The examples of one depth: all of them in memory, or a window of them and the next one.
+
+    Args:
+        store: a complete store.
+        parts: the indices of its parts that have this depth.
+        arch: fixes the number of probes.
+        pairs: direction pairs of an item.
+        capacity: items of a window.
+        reader: reads the next window while one is in use.
+    """
+
+    def __init__(
+        self,
+        store: Store,
+        parts: list[int],
+        arch: Architecture,
+        pairs: int,
+        capacity: int,
+        reader: ThreadPoolExecutor,
+    ) -> None:
+        self.capacity = capacity
+        self._store, self._arch, self._pairs = store, arch, pairs
+        self._reader = reader
+        shards = [
+            [(part, shard) for shard in range(store.spec.shard_count(store.spec.parts[part]))]
+            for part in parts
+        ]
+        self._shards = [shard for of_part in shards for shard in of_part]
+        self.sizes = [[self._items(*shard) for shard in of_part] for of_part in shards]
+        self._held: dict[Window, Future[Examples]] = {}
+
+    def window(self, wanted: Window, following: Window) -> Examples:
+        """The examples of some shards; those of `following` are read in the background.
+
+        Whatever else was in memory is given up first, so that it never holds more than two windows.
+        """
+        self._held = {w: held for w, held in self._held.items() if w in (wanted, following)}
+        for window in (wanted, following):
+            if window not in self._held:
+                self._held[window] = self._reader.submit(self._read, window)
+        return self._held[wanted].result()
+
+    def first(self) -> Examples:
+        """One window: all examples where they fit into memory, otherwise a random choice."""
+        window = Order(self.sizes, self.capacity, seed=0).windows(0)[0]
+        return self.window(window, window)
+
+    def _items(self, part: int, shard: int) -> int:
+        rows = self._store.spec.rows(part, shard)
+        return (rows.stop - rows.start) * (self._store.spec.parts[part].pairs // self._pairs)
+
+    def _read(self, window: Window) -> Examples:
+        """Read shard after shard into arrays that have room for all."""
+        items = sum(self._items(*self._shards[k]) for k in window)
+        features = np.empty((items, self._pairs, DIRECTION_FEATURES), np.float32)
+        f = np.empty((items, self._pairs), np.float32)
+        probes, coats, stack, first, stacks = [], [], [], 0, 0
+        for index, shard in (self._shards[k] for k in window):
+            part = self._store.spec.parts[index]
+            arrays = self._store.read_shard(index, shard, ARRAYS)
+            place = slice(first, first + self._items(index, shard))
+            seen = direction_features(arrays["wi"], arrays["wo"])
+            features[place] = seen.reshape(-1, self._pairs, DIRECTION_FEATURES)
+            f[place] = arrays["f"].reshape(-1, self._pairs)
+            probes.append(bottom_values(part, arrays["bottom"], self._arch))
+            coats.append(coat_inputs(part, arrays))
+            numbers = np.arange(stacks, stacks + len(arrays["bottom"]), dtype=np.int32)
+            stack.append(np.repeat(numbers, part.pairs // self._pairs))
+            first, stacks = place.stop, stacks + len(numbers)
+        return Examples(
+            probes=np.concatenate(probes),
+            coats=np.concatenate(coats),
+            stack=np.concatenate(stack),
+            features=features,
+            f=f,
+        )
 
 
-def load(store: Store, arch: Architecture, pairs: int) -> list[Depth]:
-    """Read the training parts of a complete store.
+def load(store: Store, arch: Architecture, pairs: int, memory: int) -> list[Depth]:
+    """Prepare the training parts of a complete store.
 
     Args:
         store: the data.
         arch: fixes the number of probes.
         pairs: direction pairs that a step sees of one stack; every part has a multiple of it.
+        memory: direction pairs to have in memory at most, all depths together, one shard's more
+            while it is read; each depth's share is at least two shards.
 
     Returns:
         The examples by number of coats, from none up.
     """
-    by_depth: dict[int, list[Depth]] = {}
-    for part in store.spec.parts:
+    by_depth: dict[int, list[int]] = {}
+    for index, part in enumerate(store.spec.parts):
         if part.directions == "training":
-            example = _read(store, part, arch, pairs)
-            by_depth.setdefault(part.distribution.coats, []).append(example)
+            by_depth.setdefault(part.distribution.coats, []).append(index)
+            if part.pairs % pairs:
+                raise ParameterError(
+                    f"part '{part.name}' has {part.pairs} pairs for each stack; "
+                    f"that must be a multiple of the {pairs} that a step sees"
+                )
     if sorted(by_depth) != list(range(len(by_depth))):
         raise ParameterError(
             "the training data must hold stacks of 0, 1, ... coats without a gap, not of "
             + ", ".join(map(str, sorted(by_depth)))
         )
-    return [_joined(by_depth[coats]) for coats in range(len(by_depth))]
+    parts = store.spec.parts
+    totals = [
+        sum(parts[index].stacks * parts[index].pairs for index in by_depth[coats])
+        for coats in range(len(by_depth))
+    ]
+    total = sum(totals)
+    # What does not fit as a whole is held twice: the window in use, and the next one.
+    share = 1.0 if total <= memory else 0.5 * memory / total
+    reader = ThreadPoolExecutor(1, thread_name_prefix="examples")
+    return [
+        Depth(store, by_depth[coats], arch, pairs, int(totals[coats] * share) // pairs, reader)
+        for coats in range(len(by_depth))
+    ]
 
 
 def bottom_values(part: Part, bottom: np.ndarray, arch: Architecture) -> np.ndarray:
@@ -93,38 +196,15 @@ def bottom_values(part: Part, bottom: np.ndarray, arch: Architecture) -> np.ndar
 
 
 def coat_inputs(part: Part, arrays: dict[str, np.ndarray]) -> np.ndarray:
-    """Coat features (S, N, 16) of a part's arrays."""
+    """Coat features (S, N, 17) of a part's arrays."""
     if part.distribution.coats == 0:
-        nothing = np.zeros((part.stacks, 0), np.float32)
+        nothing = np.zeros((len(arrays["bottom"]), 0), np.float32)
         return coat_features(*(nothing,) * 5)
     return coat_features(*np.moveaxis(arrays["coats"], -1, 0)).astype(np.float32)
 
 
-def _read(store: Store, part: Part, arch: Architecture, pairs: int) -> Depth:
-    if part.pairs % pairs:
-        raise ParameterError(
-            f"part '{part.name}' has {part.pairs} pairs for each stack; "
-            f"that must be a multiple of the {pairs} that a step sees"
-        )
-    arrays = store.read(part)
-    features = direction_features(arrays["wi"], arrays["wo"]).astype(np.float32)
-    return Depth(
-        probes=bottom_values(part, arrays["bottom"], arch),
-        coats=coat_inputs(part, arrays),
-        features=features.reshape(-1, pairs, features.shape[-1]),
-        f=arrays["f"].reshape(-1, pairs),
-    )
-
-
-def _joined(parts: list[Depth]) -> Depth:
-    names = ("probes", "coats", "features", "f")
-    return Depth(
-        **{name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
-    )
-
-
 class Batches:
-    """Batches by step: every depth's items in shuffled epochs, each its own permutation.
+    """Batches by step: every depth's items in shuffled epochs.
 
     Args:
         depths: the examples, by number of coats.
@@ -140,19 +220,17 @@ class Batches:
             )
         self._depths = depths
         self._stacks = stacks
-        self._seed = seed
-        self._epochs: dict[int, tuple[int, np.ndarray]] = {}
+        self._orders = [
+            Order(depth.sizes, depth.capacity, seed, coats) for coats, depth in enumerate(depths)
+        ]
 
     def take(self, step: int, steps: int) -> Batch:
         """The batches of `steps` steps from `step` on, stacked along a first axis."""
         parts = []
         for coats in reversed(range(len(self._depths))):  # deepest first
-            depth, count = self._depths[coats], self._stacks[coats]
-            items = self._items(coats, step * count, steps * count).reshape(steps, count)
-            rows = items // depth.runs
-            parts.append(
-                (depth.probes[rows], depth.coats[rows], depth.features[items], depth.f[items])
-            )
+            count = self._stacks[coats]
+            arrays = self._take(coats, step * count, steps * count)
+            parts.append([array.reshape(steps, count, *array.shape[1:]) for array in arrays])
         levels = len(self._depths) - 1
         return Batch(
             probes=np.concatenate([part[0] for part in parts], axis=1),
@@ -164,20 +242,17 @@ class Batches:
             f=np.concatenate([part[3] for part in parts], axis=1),
         )
 
-    def _items(self, coats: int, start: int, count: int) -> np.ndarray:
-        """Items `start` to `start + count` of a depth's endless sequence of epochs."""
-        size = len(self._depths[coats].f)
+    def _take(self, coats: int, start: int, count: int) -> list[np.ndarray]:
+        """Probes, coats, features and f of consecutive items of a depth's sequence."""
         pieces = []
-        while count:
-            epoch, first = divmod(start, size)
-            piece = self._epoch(coats, epoch)[first : first + count]
-            pieces.append(piece)
-            start, count = start + len(piece), count - len(piece)
-        return np.concatenate(pieces)
-
-    def _epoch(self, coats: int, epoch: int) -> np.ndarray:
-        if self._epochs.get(coats, (-1,))[0] != epoch:
-            seeds = np.random.SeedSequence(self._seed, spawn_key=(coats, epoch))
-            order = np.random.default_rng(seeds).permutation(len(self._depths[coats].f))
-            self._epochs[coats] = epoch, order
-        return self._epochs[coats][1]
+        for run in self._orders[coats].runs(start, count):
+            held = self._depths[coats].window(run.window, run.following)
+            rows = held.stack[run.items]
+            pieces.append(
+                (held.probes[rows], held.coats[rows], held.features[run.items], held.f[run.items])
+            )
+            del held  # lest it outlive its window
+        return [
+            np.concatenate(arrays) if len(arrays) > 1 else arrays[0]
+            for arrays in zip(*pieces, strict=True)
+        ]

@@ -77,7 +77,7 @@ def train(
     began = time.monotonic()
     store = generate(preset.data, data if data is not None else folder / "data.zarr")
     generated = time.monotonic() - began
-    depths = examples.load(store, preset.arch, preset.pairs)
+    depths = examples.load(store, preset.arch, preset.pairs, preset.memory)
     checks = validation.load(store, preset.arch)
     made_for = identity(preset, store)
     journal = Journal(folder, made_for)
@@ -161,7 +161,7 @@ def header(
 
 def initial(preset: Preset, depths: list[Depth]) -> dict[str, Any]:
     """Fresh parameters, with the statistics of the bottoms at the probe pairs."""
-    bottoms = np.concatenate([depth.probes for depth in depths])
+    bottoms = np.concatenate([depth.first().probes for depth in depths])
     return {**init(preset.arch, preset.seed), **input_statistics(bottoms)}
 
 
@@ -237,6 +237,7 @@ def advance(
 
 
 def all_latents(params: Params, arch: Architecture, depths: list[Depth]) -> jax.Array:
-    """Latent codes (M, 32) of all training stacks, all depths together."""
+    """Latent codes (M, 32) of the training stacks of all depths, as far as memory holds them."""
     run = jax.jit(lambda probes, coats: compose(params, arch, probes, coats))
-    return jnp.concatenate([run(d.probes, tuple(np.moveaxis(d.coats, 1, 0)[::-1])) for d in depths])
+    held = (depth.first() for depth in depths)
+    return jnp.concatenate([run(d.probes, tuple(np.moveaxis(d.coats, 1, 0)[::-1])) for d in held])

@@ -53,6 +53,7 @@ class Preset:
         proposal: schedule of the sampler, trained on their latents afterwards.
         stacks: stacks of 0, 1, 2, ... coats that a step sees.
         pairs: direction pairs that a step sees of each stack.
+        memory: direction pairs held in memory at most, 36 bytes each; a larger store streams.
         seed: of the initial weights and of the order of the examples.
         arch: sizes of the networks.
     """
@@ -63,6 +64,7 @@ class Preset:
     proposal: Schedule
     stacks: tuple[int, ...]
     pairs: int = 64
+    memory: int = 1 << 26
     seed: int = 0
     arch: Architecture = field(default_factory=Architecture)
 
@@ -75,6 +77,7 @@ class Preset:
             "proposal": asdict(self.proposal),
             "stacks": list(self.stacks),
             "pairs": self.pairs,
+            "memory": self.memory,
             "seed": self.seed,
             "arch": asdict(self.arch),
         }
