@@ -1,6 +1,7 @@
 """The worst stacks as polar plots of their lobes in the plane of incidence."""
 
 import os
+import textwrap
 from collections.abc import Mapping
 
 import numpy as np
@@ -102,7 +103,7 @@ def describe(table: StackTable, stack: int) -> str:
         for coat in range(table.coats)
     ]
     bottom = " ".join(f"{name}={values[stack]:.2f}" for name, values in table.bottom.items())
-    return "\n".join([*lines, bottom])
+    return "\n".join([*lines, *textwrap.wrap(bottom, 60, break_long_words=False)])
 
 
 _SYMBOLS = {"alpha": "α", "eta": "η", "albedo": "A", "sigma_t": "σ", "g": "g"}

@@ -1,0 +1,106 @@
+"""The stored set: whole, drawn as it says, and what the simulator gives today."""
+
+import numpy as np
+import pytest
+
+from urushi.errors import FileError
+from urushi.eval import benchmark
+from urushi.eval import samples as sampling
+from urushi.eval.groups import GROUPS
+from urushi.nets import tensorfile
+
+
+@pytest.fixture(scope="module")
+def stored():
+    return benchmark.read()
+
+
+def test_write_and_read(sets, groups, tmp_path):
+    path = tmp_path / "set.safetensors"
+    digest = benchmark.write(path, sets, groups)
+    again = benchmark.read(path, groups)
+    for group in groups:
+        ours, theirs = again[group.name], sets[group.name]
+        for name in ("wi", "wo", "f"):
+            np.testing.assert_array_equal(getattr(ours, name), getattr(theirs, name))
+        np.testing.assert_array_equal(ours.table.bottom.keys(), theirs.table.bottom.keys())
+        np.testing.assert_array_equal(ours.table.eta, theirs.table.eta)
+    few, made = again["few"], sets["few"]
+    # Half precision: eleven bits, above its smallest normal number.
+    np.testing.assert_allclose(few.se, made.se, rtol=2**-11, atol=2**-25)
+    np.testing.assert_array_equal(few.probed[1], made.probed[1])
+    np.testing.assert_array_equal(few.albedo, made.albedo)
+    assert benchmark.write(path, again, groups) == digest
+
+
+def test_a_set_is_made_again_to_the_byte(groups, tmp_path, monkeypatch):
+    """The same command gives the same file; at a coarse aim, for time."""
+    for name in ("E_ERROR", "P_ERROR", "PROBE_ERROR", "ALBEDO_ERROR"):
+        monkeypatch.setattr(sampling, name, 0.1)
+    files = [tmp_path / name for name in ("a.safetensors", "b.safetensors")]
+    assert benchmark.make(files[0], groups[:1]) == benchmark.make(files[1], groups[:1])
+    assert files[0].read_bytes() == files[1].read_bytes()
+
+
+def test_the_stored_set_is_whole(stored):
+    """Every group; E of the reference's noise at most 0.3 %, but for a stack or two."""
+    assert list(stored) == [group.name for group in GROUPS]
+    assert benchmark.default_path().stat().st_size < 5e6
+    noise = np.concatenate([sampling.reference_error(stored[g.name])[0] for g in GROUPS])
+    assert np.mean(noise <= 0.003) > 0.99 and noise.max() < 0.004
+
+
+def test_the_stored_stacks_are_those_of_the_seed(stored):
+    """They are drawn again here: if a distribution changed, the set must be made again."""
+    for group in GROUPS:
+        table, ours = sampling.draw_stacks(group, benchmark.SEED), stored[group.name].table
+        # Within rounding: powers may differ in the last digit between machines.
+        np.testing.assert_allclose(ours.alpha, table.alpha, rtol=1e-6)
+        np.testing.assert_allclose(ours.sigma_t, table.sigma_t, rtol=1e-6, atol=1e-6)
+        for name, values in table.bottom.items():
+            np.testing.assert_allclose(ours.bottom[name], values, rtol=1e-6, atol=1e-7)
+
+
+@pytest.mark.parametrize("name", ["two, mixture", "three, diffuse", "six, conductor"])
+def test_the_simulator_of_today_agrees_with_the_stored_set(stored, name):
+    """Two stacks a group by 2048 new walks: differences are as large as their standard errors.
+
+    (f - f') / se has mean square 1; skewed single walks widen it, and their rare bright ones are
+    missed by most runs, so that the bounds are wide.
+    """
+    ours = stored[name]
+    part = sampling.first(ours.table, 2)
+    f, se = sampling.walk_all(part, ours.wi[:2], ours.wo[:2], 2048, seed=17)
+    z = (f - ours.f[:2]) / np.maximum(np.hypot(se, ours.se[:2]), 1e-6)
+    assert 0.7 < np.median(np.abs(z)) / 0.6745 < 1.3
+    assert abs(z.mean()) < 0.35
+
+
+@pytest.mark.parametrize("name", ["f", "coats"])
+def test_a_damaged_set_is_refused(sets, groups, tmp_path, name):
+    path = tmp_path / "set.safetensors"
+    benchmark.write(path, sets, groups)
+    description, arrays = tensorfile.read(path, "benchmark")
+    kind = description.pop("kind")
+    arrays[f"few.{name}"] = arrays[f"few.{name}"] * np.float32(1.001)
+    tensorfile.write(path, kind, description, arrays)
+    with pytest.raises(FileError, match="damaged: its hash is wrong; restore it from the rep"):
+        benchmark.read(path, groups)
+
+
+def test_sets_that_do_not_fit_are_refused(sets, groups, tmp_path, monkeypatch):
+    path = tmp_path / "set.safetensors"
+    with pytest.raises(FileError, match="there is no benchmark file"):
+        benchmark.read(path)
+    benchmark.write(path, sets, groups)
+    with pytest.raises(FileError, match="lacks the group 'two, table2'"):
+        benchmark.read(path)
+    path.write_bytes(path.read_bytes()[:-100])
+    with pytest.raises(FileError, match="is no benchmark file or is truncated"):
+        benchmark.read(path, groups)
+    benchmark.write(path, sets, groups, seed=1)  # says that other directions were used
+    with pytest.raises(FileError, match="cannot be drawn again"):
+        benchmark.read(path, groups)
+    monkeypatch.setattr(benchmark, "FORMAT_VERSION", 2)
+    with pytest.raises(FileError, match="version 1 of the benchmark format"):
+        benchmark.read(path, groups)
