@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from urushi.errors import ParameterError
 from urushi.nets.architecture import Params
 from urushi.nets.networks import Coat, Dielectrics
 from urushi.nets.paper.architecture import LATENT, PaperArchitecture
@@ -20,7 +21,7 @@ PAIRS = 512
 #: BRDFs that are projected together: more would leave the caches.
 TOGETHER = 4
 
-#: Different interfaces in one layering beyond which something else is meant than materials.
+#: Different interfaces in one layering, at most: a texture of widths would take hours.
 MAX_TOPS = 256
 
 _GOLDEN_ANGLE = np.pi * (3 - np.sqrt(5))
@@ -84,6 +85,12 @@ class PaperNetworks:
         """Codes (..., 32) of rough dielectrics."""
         alpha, eta = np.broadcast_arrays(np.float32(alpha), np.float32(eta))
         keys, index = np.unique(np.stack([alpha.ravel(), eta.ravel()]), axis=1, return_inverse=True)
+        if keys.shape[1] > MAX_TOPS:
+            raise ParameterError(
+                f"the layering has {keys.shape[1]} different interfaces, and the paper's networks "
+                f"must project each for about a second: give at most {MAX_TOPS} pairs of alpha "
+                "and eta, or use Urushi's own networks"
+            )
         new = [key for key in map(tuple, keys.T.tolist()) if key not in self._tops]
         if new:
             columns = np.array(new, np.float32).T
