@@ -158,7 +158,7 @@ def test_a_tiny_demo_writes_every_file(variant, tmp_path, monkeypatch):
 
 
 def test_the_networks_render_what_the_walk_renders(variant, tmp_path, monkeypatch):
-    """The demo's own figure, on a smaller picture: below 0.01 once the walk's noise is taken off."""
+    """The demo's figure on a smaller picture: below 0.01 once the walk's noise is taken off."""
     monkeypatch.setattr(scene, "TEXTURE_HEIGHT", 128)
     figures = run.run(tmp_path, size=96, spp=128, variant=variant)
     assert figures["relative_mse"] < 0.01
