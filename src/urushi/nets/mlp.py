@@ -43,10 +43,15 @@ def product(x: Any, weight: Any) -> Any:
     """Return x (..., in) times weight (in, out) as one large product of two matrices.
 
     NumPy would make many small ones of a stack, whose threads cost it up to thirty times as long.
+    A weight of two bytes a number, which training may use, has x rounded to its type as well.
     """
     xp = x.__array_namespace__()
     rows = xp.reshape(x, (-1, x.shape[-1]))
-    return xp.reshape(rows @ weight, (*x.shape[:-1], weight.shape[-1]))
+    if weight.dtype.itemsize == 2:
+        result = xp.astype(xp.astype(rows, weight.dtype) @ weight, x.dtype)
+    else:
+        result = rows @ weight
+    return xp.reshape(result, (*x.shape[:-1], weight.shape[-1]))
 
 
 def hidden_to_output(params: Params, prefix: str, first: Any, activation: str) -> Any:

@@ -24,8 +24,9 @@ from urushi.nets.architecture import FIXED, Architecture, Params, init
 from urushi.nets.encoder import input_statistics
 from urushi.nets.features import direction_features
 from urushi.nets.probes import probe_pairs
-from urushi.train import examples, presets, validation
+from urushi.train import devices, examples, presets, validation
 from urushi.train.checkpoint import Checkpoint
+from urushi.train.devices import Devices
 from urushi.train.examples import Batches, Depth
 from urushi.train.journal import Journal
 from urushi.train.losses import compose, joint_loss
@@ -64,6 +65,8 @@ def train(
         ParameterError: no such preset, or it does not fit its data.
         FileError: a file is foreign, damaged or cannot be written, or the run folder has a
             checkpoint and `resume` is not set.
+
+    Several JAX devices share the stacks of each step; see `devices`.
     """
     preset = presets.get(preset) if isinstance(preset, str) else preset
     if isinstance(preset, PaperPreset):
@@ -73,6 +76,7 @@ def train(
     folder = Path(run) if run is not None else RUNS / preset.name
     out = Path(out) if out is not None else folder / "weights.safetensors"
     prepare(folder, out, resume)
+    shared = devices.find(sum(preset.stacks))
 
     began = time.monotonic()
     store = generate(preset.data, data if data is not None else folder / "data.zarr")
@@ -93,10 +97,11 @@ def train(
         def report(state: State) -> dict[str, float]:
             return validation.measure({**params, **state.average}, preset.arch, checks)
 
-        learn = networks_stage(preset, depths, params)
+        learn = networks_stage(preset, depths, params, shared)
         point = advance(point, preset.networks, learn, report, journal)
         proposal = beginnings(preset, params)["proposal"]
-        point = replace(proposal, seconds=point.seconds, networks=point.state.average)
+        networks = shared.collect(point.state.average)
+        point = replace(proposal, seconds=point.seconds, networks=networks)
         journal.save(point)
 
     params |= point.networks
@@ -111,7 +116,11 @@ def train(
         "sampling cv median": float(np.median(spread)),
         "sampling cv p95": float(np.percentile(spread, 95)),
     }
-    cost = {"data seconds": round(generated), "training seconds": round(point.seconds)}
+    cost = {
+        "data seconds": round(generated),
+        "training seconds": round(point.seconds),
+        "devices": shared.count,
+    }
     return weights.save(out, preset.arch, params, header(made_for, metrics, cost))
 
 
@@ -185,7 +194,7 @@ class Learn:
     batches: Callable[[int, int], Any]
 
 
-def networks_stage(preset: Preset, depths: list[Depth], params: Params) -> Learn:
+def networks_stage(preset: Preset, depths: list[Depth], params: Params, shared: Devices) -> Learn:
     """Encoder, layerer and decoder on the simulated stacks."""
     features = jnp.asarray(direction_features(*probe_pairs(preset.arch.probes)))
     fixed = {name: params[name] for name in FIXED}
@@ -194,7 +203,7 @@ def networks_stage(preset: Preset, depths: list[Depth], params: Params) -> Learn
         return joint_loss({**fixed, **trained}, preset.arch, batch, features)
 
     batches = Batches(depths, preset.stacks, preset.seed)
-    return Learn(compile_steps(loss, preset.networks), batches.take)
+    return Learn(compile_steps(loss, preset.networks, shared), batches.take)
 
 
 def proposal_stage(preset: Preset, params: Params, latents: jax.Array) -> Learn:

@@ -8,6 +8,8 @@ import jax.numpy as jnp
 import optax
 import optax.contrib
 
+from urushi.train.devices import Devices
+from urushi.train.precision import lowered
 from urushi.train.presets import Schedule
 
 #: A pytree of arrays, here always a flat dict of parameters.
@@ -46,12 +48,13 @@ def start(params: Tree, schedule: Schedule) -> State:
     return State(params, {**params}, optimiser(schedule).init(params))
 
 
-def compile_steps(loss: Loss, schedule: Schedule) -> Steps:
+def compile_steps(loss: Loss, schedule: Schedule, devices: Devices | None = None) -> Steps:
     """A function that takes several steps in one compiled loop.
 
     Args:
         loss: (params, batch) to (loss, terms to log).
         schedule: see `presets.Schedule`.
+        devices: those that share the batches; by default JAX's default device alone.
 
     Returns:
         A function of a state and of batches stacked along a first axis; it returns the new state
@@ -60,8 +63,11 @@ def compile_steps(loss: Loss, schedule: Schedule) -> Steps:
     """
     rule = optimiser(schedule)
 
+    def evaluated(params: Tree, batch: Any) -> tuple[jax.Array, dict[str, jax.Array]]:
+        return loss(lowered(params, schedule.precision), batch)
+
     def step(state: State, batch: Any) -> tuple[State, dict[str, jax.Array]]:
-        (_, terms), gradient = jax.value_and_grad(loss, has_aux=True)(state.params, batch)
+        (_, terms), gradient = jax.value_and_grad(evaluated, has_aux=True)(state.params, batch)
         update, inner = rule.update(gradient, state.optimiser, state.params)
         params = optax.apply_updates(state.params, update)
         average = jax.tree.map(
@@ -73,4 +79,7 @@ def compile_steps(loss: Loss, schedule: Schedule) -> Steps:
         state, terms = jax.lax.scan(step, state, batches)
         return state, jax.tree.map(jnp.mean, terms)
 
-    return jax.jit(steps)
+    if devices is None:
+        return jax.jit(steps)
+    compiled = jax.jit(steps, out_shardings=devices.replicated())
+    return lambda state, batches: compiled(*devices.place(state, batches))

@@ -10,6 +10,9 @@ from urushi.errors import ParameterError
 from urushi.nets.architecture import Architecture
 from urushi.train.paper.preset import PaperPreset, paper
 
+#: What a schedule's precision may be.
+PRECISIONS = ("float32", "bfloat16")
+
 
 @dataclass(frozen=True)
 class Schedule:
@@ -23,6 +26,7 @@ class Schedule:
         average: decay by step of the exponential moving average of the weights that is exported.
         steps_per_call: steps that run in one call of the compiled loop.
         checkpoint_every: steps between two checkpoints, a multiple of `steps_per_call`.
+        precision: of the hidden layers' products, "float32" or "bfloat16"; see `precision`.
     """
 
     steps: int
@@ -32,8 +36,14 @@ class Schedule:
     average: float = 0.999
     steps_per_call: int = 16
     checkpoint_every: int = 2048
+    precision: str = "float32"
 
     def __post_init__(self) -> None:
+        if self.precision not in PRECISIONS:
+            raise ParameterError(
+                f"the schedule's precision is {self.precision!r}; choose one of "
+                + ", ".join(PRECISIONS)
+            )
         for name in ("steps", "checkpoint_every"):
             if getattr(self, name) % self.steps_per_call:
                 raise ParameterError(

@@ -1,0 +1,70 @@
+"""Data-parallel training: each device takes its share of a step's stacks, and all parameters."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import jax
+import numpy as np
+from jax.sharding import Mesh, NamedSharding, PartitionSpec
+
+from urushi.errors import ParameterError
+
+_AXIS = "stacks"
+
+
+@dataclass(frozen=True)
+class Devices:
+    """The devices that share a stage's work.
+
+    Attributes:
+        mesh: those devices in a row; None for JAX's default device alone.
+        stacks: stacks of a step, a multiple of their number.
+    """
+
+    mesh: Mesh | None
+    stacks: int
+
+    @property
+    def count(self) -> int:
+        """Number of devices."""
+        return 1 if self.mesh is None else self.mesh.size
+
+    def replicated(self) -> NamedSharding | None:
+        """Where the parameters lie: on every device."""
+        return None if self.mesh is None else NamedSharding(self.mesh, PartitionSpec())
+
+    def place(self, state: Any, batches: Any) -> tuple[Any, Any]:
+        """Put a state on every device, and each one's share of the batches on it.
+
+        Args:
+            state: a tree of arrays.
+            batches: a tree of arrays (steps, B, ...). Those of all the stacks are cut along B; what
+                only some stacks have, their coats, is small and goes whole to every device.
+        """
+        if self.mesh is None:
+            return state, batches
+        cut = NamedSharding(self.mesh, PartitionSpec(None, _AXIS))
+        whole = self.replicated()
+        shardings = jax.tree.map(lambda x: cut if x.shape[1] == self.stacks else whole, batches)
+        return jax.device_put(state, whole), jax.device_put(batches, shardings)
+
+    def collect(self, tree: Any) -> Any:
+        """Bring what lies on every device back to one."""
+        return tree if self.mesh is None else jax.device_put(tree, jax.local_devices()[0])
+
+
+def find(stacks: int) -> Devices:
+    """All devices of this process, or as many of them as divide the stacks of a step.
+
+    Raises:
+        ParameterError: there are several, but no two can share the stacks evenly.
+    """
+    devices = jax.local_devices()
+    count = max(n for n in range(1, len(devices) + 1) if stacks % n == 0)
+    if count == 1 < len(devices):
+        raise ParameterError(
+            f"a step sees {stacks} stacks, which {len(devices)} devices cannot share evenly; let "
+            f"the preset's stacks add up to a multiple of {len(devices)}, or show JAX one device "
+            "(CUDA_VISIBLE_DEVICES=0)"
+        )
+    return Devices(Mesh(np.array(devices[:count]), (_AXIS,)) if count > 1 else None, stacks)

@@ -1,0 +1,100 @@
+"""Several devices learn what one does; the processor plays four of them in another process."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import jax
+import numpy as np
+import pytest
+
+from urushi.errors import ParameterError
+from urushi.nets import weights
+from urushi.nets.features import COAT_FEATURES
+from urushi.train import devices
+from urushi.train.loop import train
+
+SCRIPT = """
+import json, sys
+sys.path.insert(0, sys.argv[1])
+import jax
+jax.config.update("jax_compilation_cache_dir", sys.argv[4])
+from conftest import TINY
+from urushi.train import devices, loop
+
+shared = devices.find(sum(TINY.stacks))
+rows = {}
+place = devices.Devices.place
+
+def watched(self, state, batches):
+    state, batches = place(self, state, batches)
+    rows["f"] = [list(shard.data.shape) for shard in batches.f.addressable_shards]
+    rows["coats"] = [list(coat.addressable_shards[0].data.shape) for coat in batches.coats]
+    weight = state.params["decoder.0.weight"]
+    rows["weight"] = [list(shard.data.shape) for shard in weight.addressable_shards]
+    return state, batches
+
+devices.Devices.place = watched
+loop.train(TINY, data=sys.argv[2], run=sys.argv[3])
+try:
+    devices.find(7)
+except Exception as error:
+    rows["error"] = str(error)
+rows["six stacks"] = devices.find(6).count
+print(json.dumps(rows))
+"""
+
+
+@pytest.fixture(scope="module")
+def four(tiny_data, tmp_path_factory):
+    """What a process with four devices says, and its weights."""
+    folder = tmp_path_factory.mktemp("four")
+    cache = jax.config.jax_compilation_cache_dir
+    command = [sys.executable, "-c", SCRIPT, str(Path(__file__).parent), tiny_data, folder, cache]
+    flags = {"XLA_FLAGS": "--xla_force_host_platform_device_count=4", "JAX_PLATFORMS": "cpu"}
+    run = subprocess.run(
+        command, env=os.environ | flags, capture_output=True, text=True, timeout=300
+    )
+    assert run.returncode == 0, run.stderr
+    return json.loads(run.stdout), weights.load(folder / "weights.safetensors")
+
+
+def test_each_device_has_its_share_of_the_stacks_and_all_parameters(four, tiny):
+    seen, steps = four[0], tiny.networks.steps_per_call
+    assert seen["f"] == [[steps, 4, tiny.pairs]] * 4  # 16 stacks a step
+    # Only some stacks have the lowest coat, fewer the next one: these go whole to every device.
+    assert seen["coats"] == [[steps, 13, COAT_FEATURES], [steps, 4, COAT_FEATURES]]
+    assert seen["weight"] == [[14, 16]] * 4
+
+
+def test_four_devices_learn_what_one_does(four, tiny, tiny_data, tmp_path):
+    one = train(tiny, data=tiny_data, run=tmp_path)
+    model = four[1]
+    assert model.header["cost"]["devices"] == 4
+    assert one.header["cost"]["devices"] == 1
+    for name, value in one.params.items():
+        # Sums over stacks are taken in another order, which float32 shows in the seventh digit; 24
+        # steps of 3e-3 through Muon's orthogonalised gradients may spread that to some 1e-4.
+        np.testing.assert_allclose(model.params[name], value, atol=1e-3, err_msg=name)
+    for name, value in one.header["metrics"].items():
+        assert model.header["metrics"][name] == pytest.approx(value, rel=1e-2)
+
+
+def test_stacks_that_do_not_divide_use_fewer_devices_or_are_refused(four):
+    assert four[0]["six stacks"] == 3
+    assert "a step sees 7 stacks, which 4 devices cannot share evenly" in four[0]["error"]
+
+
+def test_one_device_takes_any_number_of_stacks():
+    shared = devices.find(7)
+    assert shared.count == 1
+    state, batches = object(), object()
+    assert shared.place(state, batches) == (state, batches)
+
+
+def test_no_two_devices_for_a_prime(monkeypatch):
+    monkeypatch.setattr(jax, "local_devices", lambda: [None] * 2)
+    with pytest.raises(ParameterError, match="or show JAX one device"):
+        devices.find(9)
