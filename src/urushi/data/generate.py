@@ -1,14 +1,17 @@
 """Filling a data store shard by shard; each shard is a pure function of specification and index."""
 
 import os
+from collections.abc import Iterator
 
 import numpy as np
 from tqdm import tqdm
 
+from urushi.data import cluster
 from urushi.data import directions as direction_sets
 from urushi.data.distribution import BOTTOM_PARAMETERS, COAT_PARAMETERS
 from urushi.data.spec import DataSpec
-from urushi.data.store import Shard, Store
+from urushi.data.store import Shard, Store, versions
+from urushi.errors import PlatformError
 from urushi.reference import evaluate
 from urushi.reference.simulate import walk_pairs
 
@@ -49,20 +52,52 @@ def make_shard(spec: DataSpec, part: int, shard: int) -> Shard:
     return arrays
 
 
-def generate(spec: DataSpec, path: str | os.PathLike) -> Store:
+def generate(spec: DataSpec, path: str | os.PathLike, scheduler: str | None = None) -> Store:
     """Make the data of `spec` at `path`, or resume where an earlier run was stopped.
 
-    The result is the same to the byte, however often it was stopped.
+    The result is the same to the byte, however often it was stopped and whoever simulated it.
+
+    Args:
+        spec: what to make.
+        path: the store; only this process writes it.
+        scheduler: address of a Dask scheduler whose workers simulate the shards; by default this
+            process does, on all cores. Workers need the same software and the same kind of
+            processor, for the values to be the same to the last bit.
 
     Raises:
         FileError: `path` holds something else, or cannot be written.
+        PlatformError: there is no such scheduler, or its workers have other software.
     """
     store = Store.create(path, spec)
     missing = store.missing()
     total = sum(spec.walks(*index) for index in missing)
     with tqdm(total=total, unit="walk", unit_scale=True, disable=None) as progress:
-        for part, shard in missing:
+        for (part, shard), arrays in _shards(spec, missing, scheduler):
             progress.set_description(spec.parts[part].name)
-            store.write(part, shard, make_shard(spec, part, shard))
+            store.write(part, shard, arrays)
             progress.update(spec.walks(part, shard))
     return store
+
+
+def _shards(
+    spec: DataSpec, wanted: list[tuple[int, int]], scheduler: str | None
+) -> Iterator[tuple[tuple[int, int], Shard]]:
+    """Yield shards and their indices, in order if they are made here, as they come otherwise."""
+    if scheduler is None:
+        yield from ((index, make_shard(spec, *index)) for index in wanted)
+    elif wanted:
+        tasks = [(spec, part, shard, versions()) for part, shard in wanted]
+        for number, arrays in cluster.run(scheduler, _make_remotely, tasks):
+            yield wanted[number], arrays
+
+
+def _make_remotely(spec: DataSpec, part: int, shard: int, wanted: dict[str, str]) -> Shard:
+    """`make_shard` on a cluster's worker, which must have the software of the store's writer."""
+    found = versions()
+    for name in wanted:
+        if found[name] != wanted[name]:
+            raise PlatformError(
+                f"a worker of the cluster has {name} {found[name]}, but here it is {wanted[name]}; "
+                "install the same version everywhere, or the values would differ"
+            )
+    return make_shard(spec, part, shard)

@@ -82,7 +82,7 @@ class Store:
             root.attrs[_MANIFEST] = {
                 "format_version": FORMAT_VERSION,
                 "spec": spec.to_dict(),
-                "versions": _versions(),
+                "versions": versions(),
             }
         return cls(folder, spec)
 
@@ -250,7 +250,7 @@ def _difference(store: Store, spec: DataSpec) -> str:
     return f"its part '{part}' is described otherwise"
 
 
-def _versions() -> dict[str, str]:
-    """Versions of what the values depend on."""
+def versions() -> dict[str, str]:
+    """Versions of what the values and their files depend on, by name."""
     packages = {name: version(name) for name in ("numpy", "drjit", "zarr")}
     return {"urushi": urushi.__version__, "python": platform.python_version(), **packages}

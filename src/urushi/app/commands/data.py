@@ -13,7 +13,8 @@ from urushi.app import extras
 class Generate:
     """Simulate the training data of a preset.
 
-    A run that was stopped resumes where it was, and ends in the same store.
+    A run that was stopped resumes where it was, and ends in the same store; so does one on a Dask
+    cluster (`dask scheduler` on one machine, `dask worker ADDRESS` on each).
 
     Example: urushi data generate --preset quick -o runs/quick.zarr
     """
@@ -24,14 +25,18 @@ class Generate:
     """Training preset whose data specification is used."""
     scale: float | None = None
     """For the preset "paper": the share of its training samples, as of `urushi train`."""
+    scheduler: str | None = None
+    """Address of a Dask scheduler whose workers simulate; default: all cores of this machine."""
 
     def run(self) -> int:
         extras.require("train")
+        if self.scheduler is not None:
+            extras.require("cluster")
         from urushi.data.generate import generate
         from urushi.train import presets
 
         scaled = {} if self.scale is None else {"scale": self.scale}
-        store = generate(presets.get(self.preset, **scaled).data, self.output)
+        store = generate(presets.get(self.preset, **scaled).data, self.output, self.scheduler)
         print(f"{self.output}  {store.hash()}")
         return 0
 

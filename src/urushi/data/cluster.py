@@ -1,0 +1,91 @@
+"""Work on a Dask cluster: the one place that knows Dask (the optional extra `cluster`)."""
+
+import contextlib
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
+
+from urushi.errors import PlatformError
+
+#: Seconds to wait for the scheduler, and then for its first worker.
+PATIENCE = 20.0
+
+#: Tasks handed over for every worker process: one that runs, one whose input is there already.
+IN_FLIGHT = 2
+
+#: One task at a time in a worker process: each uses all its cores by itself.
+_alone = threading.Lock()
+
+
+def run(
+    address: str, function: Callable[..., Any], arguments: Sequence[tuple]
+) -> Iterator[tuple[int, Any]]:
+    """Call a pure function for many arguments on the cluster's workers.
+
+    Args:
+        address: of the scheduler, as `dask scheduler` prints it: "tcp://host:8786".
+        function: of a module that the workers have too; its results must not depend on where it
+            runs, for the tasks of a worker that dies run again elsewhere.
+        arguments: of each call.
+
+    Yields:
+        (index, result) of each call, in the order in which they end. No more than `IN_FLIGHT`
+        results for each worker are under way, so that the memory of neither side fills up.
+
+    Raises:
+        PlatformError: there is no such scheduler, it has no worker, or a task killed its workers
+            again and again.
+        Exception: what a call has raised.
+    """
+    from distributed import KilledWorker, as_completed
+
+    with _connected(address) as client:
+        waiting = iter(range(len(arguments)))
+        indices: dict[Any, int] = {}
+
+        def hand_over() -> list[Any]:
+            room = IN_FLIGHT * max(1, len(client.nthreads())) - len(indices)
+            chosen = [index for _, index in zip(range(room), waiting, strict=False)]
+            new = [client.submit(_call, function, arguments[k], pure=False) for k in chosen]
+            indices.update(zip(new, chosen, strict=True))
+            return new
+
+        done = as_completed(hand_over(), loop=client.loop)
+        for future in done:
+            try:
+                result = future.result()
+            except KilledWorker as error:
+                raise PlatformError(
+                    f"a task on the cluster at '{address}' killed its worker again and again; "
+                    "give each worker more memory"
+                ) from error
+            yield indices.pop(future), result
+            done.update(hand_over())
+
+
+def _call(function: Callable[..., Any], arguments: tuple) -> Any:
+    with _alone:
+        return function(*arguments)
+
+
+@contextlib.contextmanager
+def _connected(address: str) -> Iterator[Any]:
+    """A client of a cluster with at least one worker; whatever it has under way ends with it."""
+    from distributed import Client
+
+    try:
+        client = Client(address, timeout=PATIENCE, set_as_default=False)
+    except (OSError, ValueError) as error:  # a timeout is an OSError
+        raise PlatformError(
+            f"there is no Dask scheduler at '{address}'; start one with `dask scheduler`, "
+            "and give the address that it prints"
+        ) from error
+    with client:
+        try:
+            client.wait_for_workers(1, timeout=PATIENCE)
+        except TimeoutError as error:
+            raise PlatformError(
+                f"the Dask scheduler at '{address}' has no worker; "
+                f"start at least one with `dask worker {address}`"
+            ) from error
+        yield client

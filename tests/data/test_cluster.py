@@ -1,0 +1,156 @@
+"""A cluster's store is a single process's, byte for byte, whoever of its workers dies."""
+
+import hashlib
+import os
+import signal
+import time
+
+import pytest
+
+from urushi.data import cluster
+from urushi.data import generate as generation
+from urushi.data.distribution import Extended, Table2
+from urushi.data.generate import generate
+from urushi.data.spec import DataSpec, Part
+from urushi.data.store import Store
+from urushi.errors import ParameterError, PlatformError
+
+distributed = pytest.importorskip("distributed", reason="the extra 'cluster' is not installed")
+
+SPEC = DataSpec(
+    parts=(
+        Part("coated", Table2(), stacks=20, pairs=16, walks=4),
+        Part("twice", Extended(2, "diffuse"), stacks=6, pairs=8, walks=2),
+        Part("bare", Extended(0, "conductor_complex"), stacks=5, pairs=8, walks=1),
+    ),
+    seed=3,
+    shard=2,
+)
+SHARDS = 16
+
+
+def files(path):
+    """The bytes of every file of a store."""
+    return {
+        str(file.relative_to(path)): hashlib.sha256(file.read_bytes()).hexdigest()
+        for file in path.rglob("*")
+        if file.is_file()
+    }
+
+
+@pytest.fixture(scope="module")
+def two_workers():
+    """A cluster of two worker processes that are started again when they die."""
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=2, dashboard_address=":0", host="127.0.0.1"
+    ) as local:
+        yield local
+
+
+@pytest.fixture(scope="module")
+def single(tmp_path_factory):
+    """The store that this process makes by itself."""
+    path = tmp_path_factory.mktemp("single") / "data.zarr"
+    generate(SPEC, path)
+    return path
+
+
+def test_a_worker_killed_in_mid_run_loses_nothing(two_workers, single, tmp_path, monkeypatch):
+    address = two_workers.scheduler_address
+    with distributed.Client(address, set_as_default=False) as client:
+        pids = list(client.run(os.getpid).values())
+    write, written = Store.write, []
+
+    def killing(self, *shard):
+        written.append(shard[:2])
+        if len(written) == 2:  # while others are under way on either worker
+            os.kill(pids[0], signal.SIGKILL)
+        write(self, *shard)
+
+    monkeypatch.setattr(Store, "write", killing)
+    path = tmp_path / "cluster.zarr"
+    generate(SPEC, path, address)
+    assert sorted(written) == list(SPEC.shards())
+    assert len(written) == SHARDS
+    with distributed.Client(address, set_as_default=False) as client:
+        client.wait_for_workers(2, timeout=60)  # the nanny has started another one
+        assert pids[0] not in client.run(os.getpid).values()
+    assert files(path) == files(single)
+
+
+def test_an_interrupted_run_leaves_whole_shards_and_resumes(
+    two_workers, single, tmp_path, monkeypatch
+):
+    write, written = Store.write, []
+
+    def interrupted(self, *shard):
+        if len(written) == 5:
+            raise KeyboardInterrupt
+        written.append(shard[:2])
+        write(self, *shard)
+
+    monkeypatch.setattr(Store, "write", interrupted)
+    path = tmp_path / "cluster.zarr"
+    with pytest.raises(KeyboardInterrupt):
+        generate(SPEC, path, two_workers.scheduler_address)
+    monkeypatch.undo()
+    assert len(Store.open(path).missing()) == SHARDS - 5
+    generate(SPEC, path, two_workers.scheduler_address)
+    assert files(path) == files(single)
+
+
+def test_the_command_hands_the_scheduler_over(two_workers, single, tmp_path, monkeypatch):
+    from types import SimpleNamespace
+
+    from urushi.app import cli
+    from urushi.train import presets
+
+    monkeypatch.setattr(presets, "get", lambda name: SimpleNamespace(data=SPEC))
+    path = tmp_path / "command.zarr"
+    flags = ["-o", str(path), "--scheduler", two_workers.scheduler_address]
+    assert cli.main(["data", "generate", *flags]) == 0
+    assert files(path) == files(single)
+
+
+def double(x, folder):
+    """A task that leaves a trace of having run."""
+    (folder / f"{x}").touch()
+    return 2 * x
+
+
+def test_no_more_results_are_under_way_than_the_workers_have_room_for(two_workers, tmp_path):
+    begun = cluster.run(two_workers.scheduler_address, double, [(x, tmp_path) for x in range(40)])
+    taken = dict(next(begun) for _ in range(3))
+    time.sleep(1.0)  # the workers would go on now if they were let
+    # Two workers with two tasks each, handed over anew only when the next result is asked for.
+    assert len(list(tmp_path.iterdir())) <= 3 + 2 * cluster.IN_FLIGHT
+    taken |= dict(begun)
+    assert taken == {x: 2 * x for x in range(40)}
+
+
+def refuse(x):
+    raise ParameterError(f"{x} is refused")
+
+
+def test_an_error_of_a_task_arrives_as_it_was_raised(two_workers):
+    with pytest.raises(ParameterError, match="7 is refused"):
+        list(cluster.run(two_workers.scheduler_address, refuse, [(7,)]))
+
+
+def test_workers_with_other_software_are_refused(two_workers, tmp_path, monkeypatch):
+    other = {**generation.versions(), "drjit": "0.0"}
+    monkeypatch.setattr(generation, "versions", lambda: other)
+    with pytest.raises(
+        PlatformError, match="a worker of the cluster has drjit .*, but here .* 0.0"
+    ):
+        generate(SPEC, tmp_path / "data.zarr", two_workers.scheduler_address)
+
+
+def test_a_scheduler_that_is_not_there_and_one_without_workers(monkeypatch):
+    monkeypatch.setattr(cluster, "PATIENCE", 0.5)
+    for address in ("tcp://127.0.0.1:1", "nonsense://"):
+        with pytest.raises(PlatformError, match="there is no Dask scheduler at"):
+            list(cluster.run(address, double, [(1,)]))
+    with distributed.LocalCluster(n_workers=0, dashboard_address=":0", host="127.0.0.1") as empty:
+        with pytest.raises(PlatformError, match="has no worker; start at least one with `dask wor"):
+            list(cluster.run(empty.scheduler_address, double, [(1,)]))
