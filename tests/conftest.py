@@ -32,6 +32,16 @@ def oracle(test_data: Path) -> Mapping[str, np.ndarray]:
         return dict(archive)
 
 
+@pytest.fixture(scope="session")
+def two_workers():
+    """A Dask cluster of two worker processes, each started again when it dies."""
+    distributed = pytest.importorskip("distributed", reason="the extra 'cluster' is not installed")
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=2, dashboard_address=":0", host="127.0.0.1"
+    ) as cluster:
+        yield cluster
+
+
 Sphere = Callable[[np.ndarray], np.ndarray]
 
 

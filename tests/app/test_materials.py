@@ -32,6 +32,21 @@ def test_encode_a_description(tmp_path, capsys):
     np.testing.assert_array_equal(urushi.load(file).latents, expected.latents)
 
 
+@pytest.fixture
+def merl(tmp_path):
+    """Writes tables of MERL's format, all of one value [1/sr], by name."""
+
+    def write(name, value):
+        # The format's values are doubles over scales of 1/1500, 1.15/1500 and 1.66/1500.
+        scales = np.array([1.0, 1.15, 1.66]) / 1500
+        planes = [np.full(90 * 90 * 180, value / scale) for scale in scales]
+        file = tmp_path / f"{name}.binary"
+        file.write_bytes(np.array([90, 90, 180], "<i4").tobytes() + np.stack(planes).tobytes())
+        return file
+
+    return write
+
+
 SCENE = """<scene version="3.0.0">
     <shape type="sphere"><bsdf type="diffuse" id="{0}"><rgb name="reflectance" value="{1}"/></bsdf>
     </shape>
@@ -63,6 +78,51 @@ def test_a_bsdf_that_cannot_be_chosen(flags, sentence, tmp_path, capsys):
     assert sentence in capsys.readouterr().err
 
 
+def test_encode_several_sources_into_a_folder(merl, tmp_path, capsys):
+    table, other = merl("green", 0.5), merl("grey", 0.2)
+    folder = tmp_path / "materials"
+    assert cli.main(["encode", str(table), GOLD, str(other), "-o", str(folder)]) == 0
+    names = [folder / f"{name}.safetensors" for name in ("green", "conductor-2", "grey")]
+    assert sorted(capsys.readouterr().out.split()) == sorted(map(str, names))
+    sources = (urushi.load_measured(table), urushi.conductor(alpha=0.2, r0=(0.98, 0.77, 0.34)))
+    for file, source in zip(names, sources, strict=False):
+        np.testing.assert_array_equal(urushi.load(file).latents, urushi.encode(source).latents)
+
+
+def test_a_bad_source_stops_none_of_the_others(merl, tmp_path, capsys):
+    broken = tmp_path / "broken.binary"
+    broken.write_bytes(merl("green", 0.5).read_bytes()[:1000])
+    (tmp_path / "page.binary").write_text("<html>")
+    files = [str(tmp_path / f"{name}.binary") for name in ("green", "broken", "page")]
+    assert cli.main(["encode", *files, "-o", str(tmp_path / "materials")]) == 2
+    message = capsys.readouterr().err
+    assert "2 of 3 sources could not be encoded: " in message
+    assert "broken.binary" in message
+    assert "page.binary' is a web page" in message
+    assert [file.name for file in (tmp_path / "materials").iterdir()] == ["green.safetensors"]
+
+
+@pytest.mark.parametrize(
+    ("sources", "output", "sentence"),
+    [
+        ([], "folder", "there is nothing to encode"),
+        ([GOLD, GOLD], "one.safetensors", "is one file for 2 sources; give a folder"),
+        (["a/gold.binary", "b/gold.bsdf"], "folder", "two of the sources are called 'gold'"),
+        ([GOLD, "missing.binary"], "folder", "'missing.binary' is neither a file nor a descript"),
+    ],
+)
+def test_several_sources_that_do_not_go_together(sources, output, sentence, tmp_path, capsys):
+    assert cli.main(["encode", *sources, "-o", str(tmp_path / output)]) == 2
+    assert sentence in capsys.readouterr().err
+
+
+def test_a_scene_is_encoded_by_itself(tmp_path, capsys):
+    scene = tmp_path / "scene.xml"
+    scene.write_text(SCENE.format("wall", "0.5"))
+    assert cli.main(["encode", str(scene), GOLD, "-o", str(tmp_path / "folder")]) == 2
+    assert "is a scene file, which is encoded by itself" in capsys.readouterr().err
+
+
 def test_layer_a_file_and_a_description_alike(tmp_path):
     gold, coated, other = (tmp_path / f"{name}.safetensors" for name in ("gold", "coated", "other"))
     flags = ["--alpha", "0.05", "--eta", "1.4", "--albedo", "0.8", "--sigma-t", "0.2", "1", "3"]
@@ -91,7 +151,7 @@ def test_one_value_or_three():
         (["encode", "scene.xml"], "'scene.xml' is neither a file nor a description"),
         (["encode", "lacquer(1)"], "is neither a file nor a description"),
         (["encode", "diffuse(2)"], "reflectance is 2"),
-        (["encode", "diffuse(0.5)", "--bsdf", "wall"], "a description has no BSDFs"),
+        (["encode", "diffuse(0.5)", "--bsdf", "wall"], "other sources have no BSDFs"),
         (["layer", "missing.safetensors"], "missing.safetensors"),
         (["layer", GOLD, "--alpha", "0"], "alpha is 0"),
         (["layer", GOLD, "--eta", "1"], "eta is 1"),

@@ -39,15 +39,6 @@ def files(path):
 
 
 @pytest.fixture(scope="module")
-def two_workers():
-    """A cluster of two worker processes that are started again when they die."""
-    with distributed.LocalCluster(
-        n_workers=2, threads_per_worker=2, dashboard_address=":0", host="127.0.0.1"
-    ) as local:
-        yield local
-
-
-@pytest.fixture(scope="module")
 def single(tmp_path_factory):
     """The store that this process makes by itself."""
     path = tmp_path_factory.mktemp("single") / "data.zarr"

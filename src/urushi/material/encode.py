@@ -47,8 +47,16 @@ def encode(source: Any, model: Model | None = None) -> Material:
     model = model or default_model()
     if isinstance(source, Material) and source.model.fingerprint == model.fingerprint:
         return source
-    wi, wo = model.networks.pairs()
-    values = _checked(_brdf(source)(wi, wo), source, len(wi))
+    return encode_values(values_at(source, *model.networks.pairs()), model)
+
+
+def values_at(source: Any, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+    """Values (N, C) [1/sr] of a source of `encode` for float32 unit vectors (N, 3), checked."""
+    return _checked(_brdf(source)(wi, wo), source, len(wi))
+
+
+def encode_values(values: np.ndarray, model: Model) -> Material:
+    """The material of values (P, C) at `model.networks.pairs()`, which is all that codes tell."""
     return Material(encode_texels(model, values.T), model)
 
 

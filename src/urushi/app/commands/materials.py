@@ -5,41 +5,108 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import tyro
+from tqdm import tqdm
 
-from urushi.errors import FileError, ParameterError
+from urushi.app import extras
+from urushi.app.describe import describe, is_description
+from urushi.errors import FileError, ParameterError, UrushiError
+from urushi.files import new_folder
 
 
 @dataclass(frozen=True)
 class Encode:
-    """Encode a BRDF into a material: latent codes, one set per colour channel.
+    """Encode BRDFs into materials: latent codes, one set per colour channel.
 
-    The source is a description as in Python, or a BSDF of a Mitsuba scene file.
+    A source is a description as in Python, a measured BRDF (a MERL or an RGL file), or a BSDF of a
+    Mitsuba scene file. Several of the first two are encoded in parallel.
 
     Example: urushi encode "conductor(alpha=0.2, r0=(0.98, 0.77, 0.34))" -o gold.safetensors
+
+    Example: urushi encode merl/*.binary -o materials
     """
 
-    source: tyro.conf.Positional[str]
-    """conductor(...), coat(...), ... as in Python, or a Mitsuba scene file (XML)."""
+    sources: tyro.conf.Positional[tuple[str, ...]]
+    """conductor(...), coat(...), ... as in Python, measured files, or a Mitsuba scene (.xml)."""
     output: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
-    """Material file to write (.safetensors)."""
+    """File to write (.safetensors), or the folder for one file of each source."""
     bsdf: str | None = None
     """Which BSDF of the scene file: its id; needed when there are several."""
     mode: Annotated[str, tyro.conf.arg(aliases=["-m"])] = "llvm_ad_rgb"
     """Mitsuba variant for reading a scene file."""
+    scheduler: str | None = None
+    """Address of a Dask scheduler whose workers read and simulate; default: this machine."""
 
     def run(self) -> int:
-        import urushi
-        from urushi.app.describe import describe, is_description
+        from urushi.material.batch import encode_all
 
-        if is_description(self.source):
-            if self.bsdf is not None:
-                raise ParameterError("--bsdf chooses from a scene file; a description has no BSDFs")
-            source = describe(self.source)
-        else:
-            source = scene_bsdf(Path(self.source), self.bsdf, self.mode)
-        urushi.encode(source).save(self.output)
-        print(self.output)
+        if self.scheduler is not None:
+            extras.require("cluster")
+        targets = self.targets()
+        sources = [self.opened(text) for text in self.sources]
+        errors = []
+        with tqdm(total=len(sources), unit="BRDF", disable=len(sources) == 1 or None) as progress:
+            for index, made in encode_all(sources, scheduler=self.scheduler):
+                if isinstance(made, UrushiError):
+                    errors.append(made)
+                else:
+                    made.save(targets[index])
+                    tqdm.write(str(targets[index]))
+                progress.update()
+        if len(sources) == 1 and errors:
+            raise errors[0]
+        if errors:
+            raise UrushiError(
+                f"{len(errors)} of {len(sources)} sources could not be encoded: "
+                + "; ".join(map(str, errors))
+            )
         return 0
+
+    def targets(self) -> list[Path]:
+        """The file that each source is encoded into."""
+        if not self.sources:
+            raise ParameterError("there is nothing to encode; give a description or a file")
+        if self.output.suffix == ".safetensors":
+            if len(self.sources) > 1:
+                raise ParameterError(
+                    f"'{self.output}' is one file for {len(self.sources)} sources; "
+                    "give a folder for the materials"
+                )
+            return [self.output]
+        names = [
+            f"{text.strip().partition('(')[0]}-{number}"
+            if is_description(text)
+            else Path(text).stem
+            for number, text in enumerate(self.sources, 1)
+        ]
+        twice = next((name for name in names if names.count(name) > 1), None)
+        if twice is not None:
+            raise ParameterError(
+                f"two of the sources are called '{twice}' and would make the same file; "
+                "rename one, or encode it by itself"
+            )
+        return [new_folder(self.output) / f"{name}.safetensors" for name in names]
+
+    def opened(self, text: str) -> Any:
+        """What `encode_all` takes for a source."""
+        described = is_description(text)
+        scene = not described and Path(text).suffix == ".xml"
+        if self.bsdf is not None and not scene:
+            raise ParameterError("--bsdf chooses from a scene file; other sources have no BSDFs")
+        if described:
+            return describe(text)
+        if not Path(text).is_file():
+            raise FileError(
+                f"'{text}' is neither a file nor a description; give a measured BRDF or a Mitsuba "
+                'scene file, or write for example "conductor(alpha=0.2, r0=0.9)"'
+            )
+        if not scene:
+            return Path(text).absolute()  # a worker has another working folder
+        if len(self.sources) > 1 or self.scheduler is not None:
+            raise ParameterError(
+                f"'{text}' is a scene file, which is encoded by itself and on this machine; "
+                "leave out the other sources and --scheduler"
+            )
+        return scene_bsdf(Path(text), self.bsdf, self.mode)
 
 
 @dataclass(frozen=True)
@@ -69,7 +136,6 @@ class Layer:
 
     def run(self) -> int:
         import urushi
-        from urushi.app.describe import describe, is_description
 
         top = urushi.dielectric(scalar_or_rgb(self.alpha), scalar_or_rgb(self.eta))
         if is_description(self.material):
@@ -97,16 +163,11 @@ def scene_bsdf(path: Path, name: str | None, mode: str) -> Any:
     """The BSDF of a scene file that has the id `name`, or its only one.
 
     Raises:
-        FileError: the file is missing or no scene.
+        FileError: the file is no scene.
         ParameterError: there is no such BSDF, or several and none was named.
     """
     from urushi.app.commands.render import load_scene, set_variant
 
-    if not path.is_file():
-        raise FileError(
-            f"'{path}' is neither a file nor a description; give a Mitsuba scene file, or write "
-            'for example "conductor(alpha=0.2, r0=0.9)"'
-        )
     set_variant(mode)
     scene = load_scene(path, {})
     found = {shape.bsdf().id(): shape.bsdf() for shape in scene.shapes() if shape.bsdf()}

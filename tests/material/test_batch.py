@@ -1,0 +1,60 @@
+"""Many BRDFs at once become what each becomes alone, on this machine or on a cluster."""
+
+import os
+import signal
+
+import numpy as np
+import pytest
+
+import urushi
+from urushi.errors import FileError, ParameterError
+from urushi.material.batch import encode_all
+from urushi.material.encode import encode
+from urushi.nets import weights
+from urushi.nets.architecture import Architecture, init
+
+GOLD = urushi.conductor(alpha=0.2, r0=(0.98, 0.77, 0.34))
+SOURCES = [GOLD, urushi.diffuse(0.5), urushi.dielectric(alpha=0.1, eta=1.5)] * 4
+
+
+@pytest.fixture(scope="module")
+def model(tmp_path_factory):
+    path = tmp_path_factory.mktemp("weights") / "untrained.safetensors"
+    return weights.save(path, Architecture(), init(Architecture(), 0), {})
+
+
+def same(found, model):
+    """Whether every source became what `encode` makes of it."""
+    assert sorted(found) == list(range(len(SOURCES)))
+    for index, material in found.items():
+        np.testing.assert_array_equal(material.latents, encode(SOURCES[index], model).latents)
+
+
+def test_here(model):
+    same(dict(encode_all(SOURCES, model=model)), model)
+
+
+def test_on_a_cluster_whose_worker_is_killed(two_workers, model):
+    distributed = pytest.importorskip("distributed")
+    address = two_workers.scheduler_address
+    with distributed.Client(address, set_as_default=False) as client:
+        pid = next(iter(client.run(os.getpid).values()))
+    found = {}
+    for index, material in encode_all(SOURCES, model=model, scheduler=address):
+        if not found:
+            os.kill(pid, signal.SIGKILL)
+        found[index] = material
+    same(found, model)
+
+
+@pytest.mark.parametrize("where", ["here", "cluster"])
+def test_errors_belong_to_their_source(where, model, tmp_path, request):
+    address = None
+    if where == "cluster":
+        address = request.getfixturevalue("two_workers").scheduler_address
+    missing = [tmp_path / "absent.binary", tmp_path / "nothing.bsdf"]
+    found = dict(encode_all([*missing, GOLD, 7], model=model, scheduler=address))
+    assert isinstance(found[0], FileError) and "absent.binary" in str(found[0])
+    assert isinstance(found[1], FileError) and "nothing.bsdf" in str(found[1])
+    np.testing.assert_array_equal(found[2].latents, encode(GOLD, model).latents)
+    assert isinstance(found[3], ParameterError)
