@@ -1,18 +1,15 @@
-"""Encoding many BRDFs at once: their values are taken in parallel, by processes or a cluster."""
+"""Encoding many BRDFs at once: their values are taken in parallel, by all cores or a cluster."""
 
-import multiprocessing
 import os
-import signal
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from concurrent.futures.process import BrokenProcessPool
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from urushi.data import cluster
-from urushi.errors import PlatformError, UrushiError
+from urushi.errors import UrushiError
 from urushi.material.encode import encode_values, values_at
 from urushi.material.material import Material
 from urushi.measured import load_measured
@@ -29,15 +26,14 @@ def encode_all(
         sources: each a Path of a measured BRDF, which whoever reads it must reach, or else what
             `encode` takes; on a cluster it must be picklable, as descriptions are.
         model: the networks; by default those that Urushi ships.
-        scheduler: address of a Dask scheduler; by default processes read the files, one for each
-            core, and this process simulates the stacks, on all cores.
+        scheduler: address of a Dask scheduler; by default this process does it, on all cores.
 
     Yields:
         (index, Material) of each source as it is done, or the error that it has, which stops none
         of the others.
 
     Raises:
-        PlatformError: there is no such scheduler, or a process died.
+        PlatformError: there is no such scheduler.
         FileError: the shipped networks are missing.
     """
     model = model or default_model()
@@ -45,10 +41,8 @@ def encode_all(
     tasks = [(source, *pairs) for source in sources]
     results = cluster.run(scheduler, _values, tasks) if scheduler else _locally(tasks)
     for index, values in results:
-        if isinstance(values, UrushiError):
-            yield index, values
-        else:
-            yield index, encode_values(values, model)
+        failed = isinstance(values, UrushiError)
+        yield index, values if failed else encode_values(values, model)
 
 
 def _values(source: Any, wi: np.ndarray, wo: np.ndarray) -> np.ndarray | UrushiError:
@@ -60,30 +54,15 @@ def _values(source: Any, wi: np.ndarray, wo: np.ndarray) -> np.ndarray | UrushiE
 
 
 def _locally(tasks: list[tuple]) -> Iterator[tuple[int, Any]]:
-    """Files in processes, for a reader uses one core; the rest here, for Dr.Jit uses all."""
+    """Files in threads, for a reader uses one core; the rest here, for Dr.Jit uses all."""
     files = [k for k, task in enumerate(tasks) if isinstance(task[0], Path)]
-    if len(files) > 1:
-        yield from _in_processes(tasks, files)
-        files = []
-    for k, task in enumerate(tasks):
-        if k in files or not isinstance(task[0], Path):
-            yield k, _values(*task)
-
-
-def _in_processes(tasks: list[tuple], chosen: list[int]) -> Iterator[tuple[int, Any]]:
-    pool = ProcessPoolExecutor(
-        min(len(chosen), os.cpu_count() or 1),
-        mp_context=multiprocessing.get_context("spawn"),  # a fork would share Dr.Jit's threads
-        initializer=signal.signal,  # Ctrl-C is for this process, which then ends the others
-        initargs=(signal.SIGINT, signal.SIG_IGN),
-    )
+    pool = ThreadPoolExecutor(os.cpu_count())
     try:
-        futures = {pool.submit(_values, *tasks[k]): k for k in chosen}
+        futures = {pool.submit(_values, *tasks[k]): k for k in files}
         for future in as_completed(futures):
             yield futures[future], future.result()
-    except BrokenProcessPool as error:
-        raise PlatformError(
-            "a process that reads files died, perhaps for lack of memory; encode fewer at once"
-        ) from error
+        for k, task in enumerate(tasks):
+            if k not in files:
+                yield k, _values(*task)
     finally:
         pool.shutdown(cancel_futures=True)
