@@ -10,7 +10,7 @@ import pytest
 from urushi.data.generate import generate
 from urushi.data.store import Store
 from urushi.errors import FileError, ParameterError
-from urushi.nets.features import coat_features, direction_features
+from urushi.nets.features import COAT_FEATURES, coat_features, direction_features
 from urushi.nets.probes import probe_pairs
 from urushi.reference import evaluate
 from urushi.train import examples
@@ -78,8 +78,8 @@ def test_an_epoch_sees_every_example_once(tiny, depths, held):
 def test_deeper_stacks_come_first_so_that_each_coat_meets_its_own_stack(tiny, depths, held):
     batch = Batches(depths, tiny.stacks, seed=1).take(0, 2)
     lowest, highest = batch.coats
-    assert lowest.shape == (2, 13, 16)
-    assert highest.shape == (2, 4, 16)
+    assert lowest.shape == (2, 13, COAT_FEATURES)
+    assert highest.shape == (2, 4, COAT_FEATURES)
     for step in range(2):
         for row in range(4):
             match = (held[2].probes == batch.probes[step, row]).all(-1)
