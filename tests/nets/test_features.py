@@ -6,6 +6,7 @@ import numpy as np
 
 from urushi.nets.features import (
     COAT_FEATURES,
+    COAT_INPUTS,
     COAT_TABLE,
     DIRECTION_FEATURES,
     DIRECTION_TABLE,
@@ -92,4 +93,4 @@ def test_coat_features_tell_coats_apart():
         changed = base.copy()
         changed[index] += 0.1
         assert np.abs(coat_features(*changed) - reference).max() > 0.02
-    assert len(COAT_TABLE) == COAT_FEATURES
+    assert len(COAT_TABLE) == COAT_INPUTS

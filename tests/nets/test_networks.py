@@ -92,3 +92,17 @@ def test_everything_runs_at_the_probes(networks):
     z = encoder.encode(params, arch, np.ones((2, arch.probes), np.float32))
     f = decoder.decode(params, arch, z[:, None], direction_features(wi, wo)[None])
     assert encoder.encode(params, arch, f).shape == z.shape
+
+
+def test_a_vanishing_coat_leaves_the_bottom(networks):
+    """No facets to speak of, no index step, no medium: whatever the network says is not added."""
+    arch, params = networks
+    z = np.random.default_rng(8).normal(size=(9, 32)).astype(np.float32)
+    distance = []
+    for presence in (1e-2, 1e-3, 1e-4):
+        coat = coat_features(
+            *(np.full(9, x, np.float32) for x in (presence, 1 + presence, 0.5, presence, 0.3))
+        )
+        distance.append(np.abs(layerer.layer(params, arch, z, coat) - z).max())
+    # Proportional to the coat's presence, times a network whose inputs move by logarithms only.
+    assert distance[0] > 3 * distance[1] > 9 * distance[2] > 0

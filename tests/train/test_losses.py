@@ -8,6 +8,7 @@ import pytest
 from urushi.nets.architecture import Architecture, init
 from urushi.nets.decoder import decode
 from urushi.nets.encoder import encode
+from urushi.nets.features import COAT_FEATURES
 from urushi.nets.layerer import layer
 from urushi.train.examples import Batch
 from urushi.train.losses import CYCLE_STRIDE, FLOOR, KNEE, compose, joint_loss, relative_error
@@ -21,7 +22,7 @@ def batch():
     count = CYCLE_STRIDE + 3  # two stacks take part in the cycle
     return Batch(
         probes=rng.random((count, 6), np.float32),
-        coats=tuple(rng.standard_normal((n, 16), np.float32) for n in (14, 5)),
+        coats=tuple(rng.standard_normal((n, COAT_FEATURES), np.float32) for n in (14, 5)),
         features=rng.standard_normal((count, 7, 8), np.float32),
         f=rng.random((count, 7), np.float32),
     )

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from urushi.errors import ParameterError
-from urushi.nets.features import COAT_FEATURES, DIRECTION_FEATURES
+from urushi.nets.features import COAT_INPUTS, DIRECTION_FEATURES
 
 #: Parameters by name, such as "decoder.0.weight"; arrays of NumPy or of JAX.
 Params = Mapping[str, Any]
@@ -102,7 +102,7 @@ def layer_sizes(arch: Architecture, part: str) -> tuple[int, ...]:
     inputs = {
         "decoder": arch.latent + DIRECTION_FEATURES,
         "encoder": arch.probes,
-        "layerer": arch.latent + COAT_FEATURES,
+        "layerer": arch.latent + COAT_INPUTS,
         "sampler": arch.latent + 2,
     }
     outputs = {

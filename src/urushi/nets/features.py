@@ -19,6 +19,10 @@ DIRECTION_TABLE = (
 )
 DIRECTION_FEATURES = len(DIRECTION_TABLE)
 
+#: eta - 1 below this counts as this in the logarithm: networks are trained above it, and a
+#: vanishing interface must not send them where they know nothing.
+MIN_INDEX_STEP = 0.04
+
 #: The same for a coat; m = 1 - exp(-sigma_t). Whatever holds albedo or g vanishes with sigma_t.
 COAT_TABLE = (
     ("ln alpha", -1.45, 1.3),
@@ -38,7 +42,9 @@ COAT_TABLE = (
     ("ln(1 + sigma_t (1 - albedo))", 0.52, 0.54),
     ("ln(1 + sigma_t (1 - albedo g))", 1.15, 0.69),
 )
-COAT_FEATURES = len(COAT_TABLE)
+COAT_INPUTS = len(COAT_TABLE)
+#: Columns of `coat_features`: the network's inputs and the coat's presence.
+COAT_FEATURES = COAT_INPUTS + 1
 
 
 def _normalised(columns: list[Any], table: tuple[tuple[str, float, float], ...]) -> Any:
@@ -85,19 +91,23 @@ def direction_features(wi: Any, wo: Any) -> Any:
 
 
 def coat_features(alpha: Any, eta: Any, albedo: Any, sigma_t: Any, g: Any) -> Any:
-    """Return the features (..., 16) of coats; the parameters broadcast against each other.
+    """Return the features (..., 16 + 1) of coats; the parameters broadcast against each other.
 
     alpha in [0.01, 1], eta in (1, 3], albedo in [0, 1], sigma_t >= 0, g in (-1, 1). A medium of
     sigma_t = 0 gives the same features whatever its albedo and g.
+
+    The last is no input but the coat's presence in [0, 1), a factor of what it changes: 0 only
+    where there is neither an index step nor a medium nor, as rough facets mask each other whatever
+    their index, roughness. It is above 0.6 wherever eta > 1.05.
     """
     xp = alpha.__array_namespace__()
-    above = xp.maximum(eta - 1.0, 1e-3)
+    above = eta - 1.0
     ratio = above / (eta + 1.0)
     m = 1.0 - xp.exp(-sigma_t)
     columns = [
         xp.log(alpha),
         alpha,
-        xp.log(above),
+        xp.log(xp.maximum(above, MIN_INDEX_STEP)),
         above,
         ratio * ratio,
         m,
@@ -112,4 +122,7 @@ def coat_features(alpha: Any, eta: Any, albedo: Any, sigma_t: Any, g: Any) -> An
         xp.log1p(sigma_t * (1.0 - albedo)),
         xp.log1p(sigma_t * (1.0 - albedo * g)),
     ]
-    return _normalised(columns, COAT_TABLE)
+    presence = 1.0 - xp.exp(-20.0 * above - 4.0 * sigma_t - 10.0 * alpha)
+    features = _normalised(columns, COAT_TABLE)
+    presence = xp.broadcast_to(presence[..., None], (*features.shape[:-1], 1))
+    return xp.concat([features, presence], axis=-1)

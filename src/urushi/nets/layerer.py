@@ -9,8 +9,11 @@ from urushi.nets.mlp import hidden_to_output, split_linear
 def layer(params: Params, arch: Architecture, z_bottom: Any, coat: Any) -> Any:
     """Return the latent codes (..., 32) of bottoms z_bottom (..., 32) under coats.
 
-    coat: `features.coat_features` (..., 16); both broadcast against each other. The network gives
-    the difference to the bottom's code.
+    coat: `features.coat_features` (..., 17); both broadcast against each other. The network gives
+    the difference to the bottom's code, which is multiplied by the coat's presence, so that a
+    vanishing coat leaves the bottom itself.
     """
-    first = split_linear(params, "layerer.0", z_bottom, coat)
-    return z_bottom + hidden_to_output(params, "layerer", first, arch.activation)
+    inputs, presence = coat[..., :-1], coat[..., -1:]
+    first = split_linear(params, "layerer.0", z_bottom, inputs)
+    change = hidden_to_output(params, "layerer", first, arch.activation)
+    return z_bottom + presence * change

@@ -38,7 +38,7 @@ def compose(params: Params, arch: Architecture, probes: Any, coats: tuple[Any, .
     Args:
         params, arch: the networks.
         probes: (B, probes) the bottoms' values at the probe pairs.
-        coats: as in `Batch`: features of the lowest coats first, (B_k, 16) for the first B_k rows.
+        coats: as in `Batch`: features of the lowest coats first, (B_k, 17) for the first B_k rows.
     """
     z = encode(params, arch, probes)
     for coat in coats:
