@@ -29,7 +29,7 @@ class Batch(NamedTuple):
     Attributes:
         probes: (B, probes) the bottoms' values [1/sr] at the probe pairs.
         coats: for the lowest coat, the next one up, and so on: coat features of the first B_k
-            stacks, which are those that have this coat, (B_k, 17).
+            stacks, which are those that have this coat, (B_k, COAT_FEATURES).
         features: (B, P, 8) of the direction pairs.
         f: (B, P) simulated values [1/sr].
     """
@@ -46,7 +46,7 @@ class Examples:
 
     Attributes:
         probes: (S, probes).
-        coats: (S, N, 17) coat features, top to bottom.
+        coats: (S, N, COAT_FEATURES) coat features, top to bottom.
         stack: (I,) the stack of each item; the items of a stack lie side by side.
         features: (I, P, 8).
         f: (I, P).
@@ -196,7 +196,7 @@ def bottom_values(part: Part, bottom: np.ndarray, arch: Architecture) -> np.ndar
 
 
 def coat_inputs(part: Part, arrays: dict[str, np.ndarray]) -> np.ndarray:
-    """Coat features (S, N, 17) of a part's arrays."""
+    """Coat features (S, N, COAT_FEATURES) of a part's arrays."""
     if part.distribution.coats == 0:
         nothing = np.zeros((len(arrays["bottom"]), 0), np.float32)
         return coat_features(*(nothing,) * 5)
