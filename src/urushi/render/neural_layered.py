@@ -12,7 +12,7 @@ def define(base: type) -> type:
     """Make the plugin's class in the current variant; base: `neural_bsdf.define`'s class."""
 
     class NeuralLayered(base):
-        """A coated BSDF, noise-free, at about the cost of an analytic one (``neural_layered``).
+        """A coated BSDF by networks, without noise of its own (``neural_layered``).
 
         ============== ===================== ====================================================
         alpha          float, texture        GGX width of the coat's surface, 0.01 to 1.
