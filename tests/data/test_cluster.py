@@ -103,13 +103,14 @@ def test_the_command_hands_the_scheduler_over(two_workers, single, tmp_path, mon
     assert files(path) == files(single)
 
 
-def double(x, folder):
-    """A task that leaves a trace of having run."""
-    (folder / f"{x}").touch()
-    return 2 * x
+# Tasks are functions in functions: workers get these by value, as they cannot import the tests.
 
 
 def test_no_more_results_are_under_way_than_the_workers_have_room_for(two_workers, tmp_path):
+    def double(x, folder):
+        (folder / f"{x}").touch()  # a trace of having run
+        return 2 * x
+
     begun = cluster.run(two_workers.scheduler_address, double, [(x, tmp_path) for x in range(40)])
     taken = dict(next(begun) for _ in range(3))
     time.sleep(1.0)  # the workers would go on now if they were let
@@ -119,11 +120,10 @@ def test_no_more_results_are_under_way_than_the_workers_have_room_for(two_worker
     assert taken == {x: 2 * x for x in range(40)}
 
 
-def refuse(x):
-    raise ParameterError(f"{x} is refused")
-
-
 def test_an_error_of_a_task_arrives_as_it_was_raised(two_workers):
+    def refuse(x):
+        raise ParameterError(f"{x} is refused")
+
     with pytest.raises(ParameterError, match="7 is refused"):
         list(cluster.run(two_workers.scheduler_address, refuse, [(7,)]))
 
@@ -141,7 +141,7 @@ def test_a_scheduler_that_is_not_there_and_one_without_workers(monkeypatch):
     monkeypatch.setattr(cluster, "PATIENCE", 0.5)
     for address in ("tcp://127.0.0.1:1", "nonsense://"):
         with pytest.raises(PlatformError, match="there is no Dask scheduler at"):
-            list(cluster.run(address, double, [(1,)]))
+            list(cluster.run(address, abs, [(1,)]))
     with distributed.LocalCluster(n_workers=0, dashboard_address=":0", host="127.0.0.1") as empty:
         with pytest.raises(PlatformError, match="has no worker; start at least one with `dask wor"):
-            list(cluster.run(empty.scheduler_address, double, [(1,)]))
+            list(cluster.run(empty.scheduler_address, abs, [(1,)]))
