@@ -56,7 +56,8 @@ def new_folder(path: str | os.PathLike) -> Path:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise FileError(
-            f"cannot make the folder '{folder}': {error.strerror or error}; choose another place"
+            f"cannot make the folder '{folder}': {error.strerror or error}; "
+            "choose one that is writable"
         ) from error
     return folder
 

@@ -197,7 +197,7 @@ def test_a_damaged_chunk_is_reported(tmp_path):
 
 def test_an_unwritable_place_is_reported(tmp_path):
     (tmp_path / "file").write_text("text")
-    with pytest.raises(FileError, match=r"cannot create .* choose a folder that is writable"):
+    with pytest.raises(FileError, match=r"cannot make the folder .* choose one that is writable"):
         generate(SPEC, tmp_path / "file" / "store.zarr")
 
 

@@ -138,7 +138,7 @@ def test_a_checkpoint_of_another_preset_or_a_damaged_one_is_refused(
 
 def test_places_that_cannot_be_written_are_refused_before_the_work(tiny, tiny_data, tmp_path):
     (tmp_path / "file").write_text("text")
-    with pytest.raises(FileError, match="cannot create"):
+    with pytest.raises(FileError, match="cannot make the folder"):
         train(tiny, data=tiny_data, run=tmp_path / "file" / "run")
     with pytest.raises(FileError, match="it is a folder; give the name of a file"):
         train(tiny, data=tiny_data, run=tmp_path / "run", out=tmp_path)

@@ -30,6 +30,7 @@ import urushi
 from urushi.data.distribution import BOTTOM_PARAMETERS, COAT_PARAMETERS
 from urushi.data.spec import DataSpec, Part
 from urushi.errors import FileError, ParameterError
+from urushi.files import new_folder
 
 FORMAT_VERSION = 1
 _MANIFEST = "urushi_data"
@@ -68,12 +69,7 @@ class Store:
             for stray in folder.rglob("*.partial"):  # of a writer that was killed
                 stray.unlink()
             return store
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise FileError(
-                f"cannot create '{folder}': {error.strerror}; choose a folder that is writable"
-            ) from error
+        new_folder(folder)
         with _readable(folder):
             root = zarr.create_group(folder, zarr_format=3)
             for part in spec.parts:

@@ -19,6 +19,7 @@ import urushi
 from urushi.data.generate import generate
 from urushi.data.store import Store
 from urushi.errors import FileError
+from urushi.files import new_folder
 from urushi.nets import weights
 from urushi.nets.architecture import FIXED, Architecture, Params, init
 from urushi.nets.encoder import input_statistics
@@ -137,12 +138,7 @@ def prepare(folder: Path, out: Path, resume: bool) -> None:
             "or choose another run folder"
         )
     for place in (folder, out.parent):
-        try:
-            place.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise FileError(
-                f"cannot create '{place}': {error.strerror}; choose a folder that is writable"
-            ) from error
+        new_folder(place)
         if not os.access(place, os.W_OK):
             raise FileError(f"cannot write into '{place}'; choose a folder that is writable")
     if out.is_dir():

@@ -11,9 +11,9 @@ from tqdm import tqdm
 
 from urushi.app.demo import geometry, picture
 from urushi.app.demo.scene import scene
-from urushi.errors import FileError, ParameterError
+from urushi.errors import ParameterError
 from urushi.eval import metrics
-from urushi.files import atomic_write
+from urushi.files import atomic_write, new_folder
 
 #: Samples a pixel in one pass: bounds the memory, and is the step of the progress bar.
 PASS_SPP = 8
@@ -74,7 +74,7 @@ def run(
     if spp < 2 * PASS_SPP or spp % (2 * PASS_SPP):
         raise ParameterError(f"spp is {spp}; it must be a positive multiple of {2 * PASS_SPP}")
     mesh = out / "natsume.ply"
-    _make_folder(out)
+    new_folder(out)
     geometry.write_ply(geometry.lathe(geometry.natsume(), 256, 384), mesh)
     mi.set_variant(variant)
     renders = {  # with different seeds: noise that both share would hide in the comparison
@@ -156,12 +156,3 @@ def write(out: Path, renders: dict[str, Render], figures: dict[str, float]) -> N
     picture.write_png(panels, out / "comparison.png")
     with atomic_write(out / "report.json") as temporary:
         temporary.write_text(json.dumps(figures, indent=2) + "\n")
-
-
-def _make_folder(out: Path) -> None:
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise FileError(
-            f"cannot make the folder '{out}': {error.strerror}; choose one that is writable"
-        ) from error
