@@ -33,10 +33,10 @@ def test_decoder_broadcasts_codes_over_directions(networks, pairs):
 def test_first_layer_splits_into_a_latent_and_a_feature_part(networks, pairs):
     # What a renderer may store in a texel: the latent part of the first pre-activation.
     _, params = networks
-    z = np.random.default_rng(4).normal(size=(7, 32)).astype(np.float32)
+    z = np.random.default_rng(4).normal(size=(7, 31)).astype(np.float32)
     x = direction_features(*pairs)[:7]
     weight, bias = params["decoder.0.weight"], params["decoder.0.bias"]
-    split = (z @ weight[:32] + bias) + x @ weight[32:]
+    split = (z @ weight[:31] + bias) + x @ weight[31:]
     whole = linear(params, "decoder.0", np.concatenate([z, x], axis=-1))
     np.testing.assert_allclose(split, whole, atol=1e-5)
 
@@ -106,3 +106,14 @@ def test_a_vanishing_coat_leaves_the_bottom(networks):
         distance.append(np.abs(layerer.layer(params, arch, z, coat) - z).max())
     # Proportional to the coat's presence, times a network whose inputs move by logarithms only.
     assert distance[0] > 3 * distance[1] > 9 * distance[2] > 0
+
+
+def test_scaling_codes_scales_f_alike_for_all_pairs(networks, pairs):
+    arch, params = networks
+    z = np.random.default_rng(5).normal(size=(3, 1, 32)).astype(np.float32)
+    features = direction_features(*pairs)
+    factor = np.array([[0.25], [1.0], [3.0]], np.float32)
+    f = decoder.decode(params, arch, z, features)
+    scaled = decoder.decode(params, arch, decoder.scaled(z, factor), features)
+    assert np.allclose(scaled, factor * f, rtol=1e-5)  # single precision of the exponent
+    assert np.array_equal(scaled[1], f[1])

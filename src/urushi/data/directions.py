@@ -9,11 +9,14 @@ from collections.abc import Callable
 import numpy as np
 
 from urushi.errors import ParameterError
-from urushi.nets.probes import from_half_and_difference
+from urushi.nets.probes import from_half_and_difference, probe_pairs
 
 #: Pairs whose lower cosine is below this are not trained on: they carry no energy, and the
 #: features 0.5 ln(cos_i cos_o) of a few would outweigh those of all others.
 LOWEST_COSINE = 0.004
+
+#: Pairs at which the encoder sees a BRDF, of the sets that hold them.
+PROBES = 192
 
 #: Range of tan(theta_h) in the training pairs: beyond that of metric P on both sides.
 HALF_ANGLE_RANGE = (5e-4, 8.0)
@@ -116,25 +119,35 @@ def stratified_pairs(rng: np.random.Generator, n: int) -> Pairs:
     return wi, wo
 
 
-#: More of them, which are one grid over all directions that every stack has anew.
-GRIDS = {"stratified": stratified_pairs}
+def probed_pairs(rng: np.random.Generator, n: int) -> Pairs:
+    """The encoder's `PROBES` fixed pairs, then training pairs: a BRDF to encode, not to layer."""
+    probes, others = probe_pairs(PROBES), training_pairs(rng, n - PROBES)
+    return np.concatenate([probes[0], others[0]]), np.concatenate([probes[1], others[1]])
+
+
+#: More of them, of which every stack has a whole one of its own.
+WHOLE = {"stratified": stratified_pairs, "probed": probed_pairs}
 
 
 def check(name: str, pairs: int, where: str) -> None:
     """Raise a ParameterError that begins with `where` if a set cannot have so many pairs."""
-    if name not in SETS | GRIDS:
+    if name not in SETS | WHOLE:
         raise ParameterError(
-            f"{where} has directions = {name!r}; choose one of {', '.join(SETS | GRIDS)}"
+            f"{where} has directions = {name!r}; choose one of {', '.join(SETS | WHOLE)}"
         )
-    if name in GRIDS and round(pairs**0.25) ** 4 != pairs:
+    if name == "stratified" and round(pairs**0.25) ** 4 != pairs:
         raise ParameterError(f"{where} has {pairs} {name} pairs; give a fourth power, such as 625")
+    if name == "probed" and pairs <= PROBES:
+        raise ParameterError(
+            f"{where} has {pairs} {name} pairs; give more than the {PROBES} of the encoder"
+        )
 
 
 def draw(name: str, rng: np.random.Generator, stacks: int, pairs: int) -> Pairs:
     """The pairs of several stacks, one after the other: (stacks * pairs, 3) twice."""
-    if name not in GRIDS:
+    if name not in WHOLE:
         return SETS[name](rng, stacks * pairs)
-    parts = [GRIDS[name](rng, pairs) for _ in range(stacks)]
+    parts = [WHOLE[name](rng, pairs) for _ in range(stacks)]
     return np.concatenate([wi for wi, _ in parts]), np.concatenate([wo for _, wo in parts])
 
 

@@ -28,7 +28,7 @@ class Architecture:
     """Sizes of the four networks.
 
     Attributes:
-        latent: numbers in one channel's latent code.
+        latent: numbers in one channel's latent code, at least two; the first is a gain.
         decoder, encoder, layerer, sampler: widths of the hidden layers, at least one each.
         lobes: microfacet lobes of the sampling proposal (a cosine lobe comes on top).
         activation: "silu" or "relu", for all hidden layers.
@@ -100,7 +100,7 @@ def _positive(value: object) -> bool:
 def layer_sizes(arch: Architecture, part: str) -> tuple[int, ...]:
     """Return the sizes of one network's input, hidden layers and output."""
     inputs = {
-        "decoder": arch.latent + DIRECTION_FEATURES,
+        "decoder": arch.latent - 1 + DIRECTION_FEATURES,  # the gain bypasses it
         "encoder": arch.probes,
         "layerer": arch.latent + COAT_INPUTS,
         "sampler": arch.latent + 2,

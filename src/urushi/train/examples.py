@@ -10,14 +10,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from urushi.data.spec import Part
+from urushi.data.directions import PROBES
 from urushi.data.store import Store
 from urushi.errors import ParameterError
 from urushi.nets.architecture import Architecture
-from urushi.nets.features import DIRECTION_FEATURES, coat_features, direction_features
-from urushi.nets.probes import probe_pairs
-from urushi.reference import evaluate
+from urushi.nets.features import DIRECTION_FEATURES, direction_features
 from urushi.train.order import Order, Window
+from urushi.train.parts import TRAINING, bottom_values, coat_inputs, depth, no_coats, trained_pairs
 
 #: What is read of a store.
 ARRAYS = ("coats", "bottom", "wi", "wo", "f")
@@ -109,7 +108,8 @@ class Depth:
 
     def _items(self, part: int, shard: int) -> int:
         rows = self._store.spec.rows(part, shard)
-        return (rows.stop - rows.start) * (self._store.spec.parts[part].pairs // self._pairs)
+        seen = trained_pairs(self._store.spec.parts[part])
+        return (rows.stop - rows.start) * ((seen.stop - seen.start) // self._pairs)
 
     def _read(self, window: Window) -> Examples:
         """Read shard after shard into arrays that have room for all."""
@@ -121,13 +121,18 @@ class Depth:
             part = self._store.spec.parts[index]
             arrays = self._store.read_shard(index, shard, ARRAYS)
             place = slice(first, first + self._items(index, shard))
-            seen = direction_features(arrays["wi"], arrays["wo"])
-            features[place] = seen.reshape(-1, self._pairs, DIRECTION_FEATURES)
-            f[place] = arrays["f"].reshape(-1, self._pairs)
-            probes.append(bottom_values(part, arrays["bottom"], self._arch))
-            coats.append(coat_inputs(part, arrays))
-            numbers = np.arange(stacks, stacks + len(arrays["bottom"]), dtype=np.int32)
-            stack.append(np.repeat(numbers, part.pairs // self._pairs))
+            seen, values = trained_pairs(part), arrays["f"]
+            inputs = direction_features(arrays["wi"][:, seen], arrays["wo"][:, seen])
+            features[place] = inputs.reshape(-1, self._pairs, DIRECTION_FEATURES)
+            f[place] = values[:, seen].reshape(-1, self._pairs)
+            if part.directions == "probed":
+                probes.append(values[:, :PROBES])
+                coats.append(no_coats(len(values)))
+            else:
+                probes.append(bottom_values(part, arrays["bottom"], self._arch))
+                coats.append(coat_inputs(part, arrays))
+            numbers = np.arange(stacks, stacks + len(values), dtype=np.int32)
+            stack.append(np.repeat(numbers, (seen.stop - seen.start) // self._pairs))
             first, stacks = place.stop, stacks + len(numbers)
         return Examples(
             probes=np.concatenate(probes),
@@ -153,12 +158,18 @@ def load(store: Store, arch: Architecture, pairs: int, memory: int) -> list[Dept
     """
     by_depth: dict[int, list[int]] = {}
     for index, part in enumerate(store.spec.parts):
-        if part.directions == "training":
-            by_depth.setdefault(part.distribution.coats, []).append(index)
-            if part.pairs % pairs:
+        if part.directions in TRAINING:
+            by_depth.setdefault(depth(part), []).append(index)
+            seen = trained_pairs(part)
+            if (seen.stop - seen.start) % pairs:
                 raise ParameterError(
-                    f"part '{part.name}' has {part.pairs} pairs for each stack; "
-                    f"that must be a multiple of the {pairs} that a step sees"
+                    f"part '{part.name}' has {seen.stop - seen.start} pairs to train on for each "
+                    f"stack; that must be a multiple of the {pairs} that a step sees"
+                )
+            if part.directions == "probed" and arch.probes != PROBES:
+                raise ParameterError(
+                    f"part '{part.name}' holds {PROBES} probes, "
+                    f"but the architecture's encoder sees {arch.probes}"
                 )
     if sorted(by_depth) != list(range(len(by_depth))):
         raise ParameterError(
@@ -178,29 +189,6 @@ def load(store: Store, arch: Architecture, pairs: int, memory: int) -> list[Dept
         Depth(store, by_depth[coats], arch, pairs, int(totals[coats] * share) // pairs, reader)
         for coats in range(len(by_depth))
     ]
-
-
-def bottom_values(part: Part, bottom: np.ndarray, arch: Architecture) -> np.ndarray:
-    """Values (S, probes) [1/sr] of a part's bottoms (S, K), in air, at the probe pairs: exact."""
-    names = evaluate.BOTTOM_KINDS[part.distribution.bottom][1]
-    wi, wo = probe_pairs(arch.probes)
-    count = len(bottom)
-    values = evaluate.rows(
-        part.distribution.bottom,
-        dict(zip(names, bottom.T, strict=True)),
-        np.repeat(np.arange(count, dtype=np.uint32), arch.probes),
-        np.tile(wi, (count, 1)),
-        np.tile(wo, (count, 1)),
-    )
-    return values.reshape(count, arch.probes)
-
-
-def coat_inputs(part: Part, arrays: dict[str, np.ndarray]) -> np.ndarray:
-    """Coat features (S, N, COAT_FEATURES) of a part's arrays."""
-    if part.distribution.coats == 0:
-        nothing = np.zeros((len(arrays["bottom"]), 0), np.float32)
-        return coat_features(*(nothing,) * 5)
-    return coat_features(*np.moveaxis(arrays["coats"], -1, 0)).astype(np.float32)
 
 
 class Batches:

@@ -125,6 +125,7 @@ def quick() -> Preset:
         proposal=Schedule(steps=8_000, warmup=200, learning_rate=0.01, checkpoint_every=4_000),
         stacks=(36, 160, 44),
         pairs=128,
+        arch=Architecture(latent=33),
     )
 
 

@@ -12,7 +12,7 @@ from urushi.nets.decoder import decode
 from urushi.nets.encoder import encode
 from urushi.nets.features import direction_features
 from urushi.nets.layerer import layer
-from urushi.train.examples import bottom_values, coat_inputs
+from urushi.train.parts import bottom_values, coat_inputs
 
 
 @dataclass(frozen=True)
