@@ -7,7 +7,8 @@ from urushi.data.distribution import Extended, Table2
 from urushi.data.generate import generate
 from urushi.data.spec import DataSpec, Part
 from urushi.nets.architecture import Architecture
-from urushi.train.presets import Preset, Schedule, validation
+from urushi.train.datasets import validation
+from urushi.train.presets import Preset, Schedule
 
 ARCH = Architecture(
     latent=6, decoder=(16,), encoder=(16,), layerer=(16,), sampler=(8,), lobes=2, probes=24

@@ -23,6 +23,9 @@ DIRECTION_FEATURES = len(DIRECTION_TABLE)
 #: vanishing interface must not send them where they know nothing.
 MIN_INDEX_STEP = 0.04
 
+#: The least width of a coat's microfacet lobe: a mirror, as far as light sources resolve it.
+MIN_ALPHA = 0.01
+
 #: The same for a coat; m = 1 - exp(-sigma_t). Whatever holds albedo or g vanishes with sigma_t.
 COAT_TABLE = (
     ("ln alpha", -1.45, 1.3),
@@ -98,7 +101,7 @@ def coat_features(alpha: Any, eta: Any, albedo: Any, sigma_t: Any, g: Any) -> An
 
     The last is no input but the coat's presence in [0, 1), a factor of what it changes: 0 only
     where there is neither an index step nor a medium nor, as rough facets mask each other whatever
-    their index, roughness. It is above 0.6 wherever eta > 1.05.
+    their index, more than the least roughness. It is above 0.6 wherever eta > 1.05.
     """
     xp = alpha.__array_namespace__()
     above = eta - 1.0
@@ -122,7 +125,7 @@ def coat_features(alpha: Any, eta: Any, albedo: Any, sigma_t: Any, g: Any) -> An
         xp.log1p(sigma_t * (1.0 - albedo)),
         xp.log1p(sigma_t * (1.0 - albedo * g)),
     ]
-    presence = 1.0 - xp.exp(-20.0 * above - 4.0 * sigma_t - 10.0 * alpha)
+    presence = 1.0 - xp.exp(-20.0 * above - 4.0 * sigma_t - 10.0 * (alpha - MIN_ALPHA))
     features = _normalised(columns, COAT_TABLE)
     presence = xp.broadcast_to(presence[..., None], (*features.shape[:-1], 1))
     return xp.concat([features, presence], axis=-1)

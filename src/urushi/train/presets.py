@@ -8,6 +8,7 @@ from urushi.data.distribution import Extended, Table2
 from urushi.data.spec import DataSpec, Part
 from urushi.errors import ParameterError
 from urushi.nets.architecture import Architecture
+from urushi.train.datasets import validation
 from urushi.train.paper.preset import PaperPreset, paper
 
 #: What a schedule's precision may be.
@@ -148,14 +149,6 @@ def smoke() -> Preset:
         networks=Schedule(steps=512, warmup=64, learning_rate=0.02, average=0.98),
         proposal=Schedule(steps=128, warmup=16, learning_rate=0.01, average=0.95),
         stacks=(8, 48, 8),
-    )
-
-
-def validation(stacks: int = 64, walks: int = 8192) -> tuple[Part, ...]:
-    """Table 2 stacks, never trained on, at the direction pairs of metrics E and P."""
-    return (
-        Part("validation-e", Table2(1), stacks, 128, walks, "cosine"),
-        Part("validation-p", Table2(1), stacks, 128, walks, "half_angle"),
     )
 
 

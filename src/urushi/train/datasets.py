@@ -1,0 +1,59 @@
+"""The data that the presets are trained on, each as a specification of a store."""
+
+from collections.abc import Mapping
+
+from urushi.data.directions import PROBES
+from urushi.data.distribution import Distribution, Extended, Table2
+from urushi.data.spec import DataSpec, Part
+
+#: Numbers of stacks by distribution: "table2", or the kind of bottom of an `Extended`.
+Counts = Mapping[str, int]
+_NAMES = ("table2", "conductor", "conductor_complex", "dielectric", "diffuse", "mixture")
+
+
+def validation(stacks: int = 64, walks: int = 8192) -> tuple[Part, ...]:
+    """Table 2 stacks, never trained on, at the direction pairs of metrics E and P."""
+    return (
+        Part("validation-e", Table2(1), stacks, 128, walks, "cosine"),
+        Part("validation-p", Table2(1), stacks, 128, walks, "half_angle"),
+    )
+
+
+def whole_domain() -> DataSpec:
+    """Every kind of bottom under up to five coats: 9.7 G walks, 18 minutes on two cores.
+
+    Half of the walks go to one coat, the hardest to get right to a fraction of a percent; deeper
+    stacks teach the layering network its own outputs. 14,000 layered BRDFs also have their own
+    values at the encoder's probe pairs. Bare bottoms are analytic and cost nothing.
+    """
+    deep = _counts(8, 4, 4, 2, 4, 6)
+    layered = (_counts(128, 60, 44, 36, 60, 96), _counts(48, 16, 12, 8, 16, 24), deep, deep, deep)
+    probed = _counts(2, 1, 1, 1, 1, 2)
+    bare = _counts(0, 32, 16, 16, 2, 64)
+    parts: list[Part] = []
+    for coats, counts in enumerate(layered, start=1):
+        parts += _parts("", counts, coats, pairs=256 if coats == 1 else 128, walks=64)
+    for coats in (1, 2, 3):
+        counts = {name: count if coats == 1 else count // 2 for name, count in probed.items()}
+        parts += _parts("probed-", counts, coats, pairs=PROBES + 128, walks=128, of="probed")
+    parts += [Part(f"bare-{kind}", Extended(0, kind), n, 256, 1) for kind, n in bare.items()]
+    return DataSpec((*parts, *validation()), seed=1, shard=1024)
+
+
+def _counts(*thousands: int) -> Counts:
+    """From thousands (of 1,024) in the order of `_NAMES`, those that are zero left out."""
+    named = zip(_NAMES, thousands, strict=True)
+    return {name: 1024 * count for name, count in named if count}
+
+
+def _parts(
+    prefix: str, counts: Counts, coats: int, pairs: int, walks: int, of: str = "training"
+) -> list[Part]:
+    return [
+        Part(f"{prefix}{name}-{coats}", _distribution(name, coats), count, pairs, walks, of)
+        for name, count in counts.items()
+    ]
+
+
+def _distribution(name: str, coats: int) -> Distribution:
+    return Table2(coats) if name == "table2" else Extended(coats, name)
