@@ -5,14 +5,13 @@ functions take any leading shape.
 """
 
 import functools
-import math
 
 import numpy as np
 import numpy.typing as npt
 
 from urushi import checks
 from urushi.errors import ParameterError
-from urushi.material.chunks import in_chunks
+from urushi.material.cores import fill
 from urushi.nets.networks import Coat
 from urushi.nets.weights import Model
 
@@ -23,8 +22,9 @@ def encode_texels(model: Model, f: np.ndarray) -> np.ndarray:
     pairs = len(model.networks.pairs()[0])
     if not values.ndim or values.shape[-1] != pairs:
         raise ParameterError(f"f has shape {values.shape}; these networks need (..., {pairs})")
-    codes = in_chunks(model.networks.encode, values.reshape(-1, pairs))
-    return codes.reshape(*values.shape[:-1], model.arch.latent)
+    codes = np.empty((*values.shape[:-1], model.arch.latent), np.float32)
+    fill(codes, model.networks.encode, values, concurrent=model.networks.concurrent)
+    return codes
 
 
 def layer_texels(
@@ -66,14 +66,22 @@ def layer_texels(
             f"the coat's parameters ({shapes}) do not fit the bottom's {z.shape[:-1]}; "
             "give scalars or arrays of the same shape"
         ) from error
-    texels = math.prod(shape)
-    columns = [
-        np.broadcast_to(p.astype(np.float32), shape).reshape(texels) for p in parameters.values()
-    ]
-    rows = np.broadcast_to(z, (*shape, z.shape[-1])).reshape(texels, z.shape[-1])
     dielectrics = functools.partial(_dielectrics, model)
-    coated = in_chunks(lambda z, *p: model.networks.layer(z, Coat(*p), dielectrics), rows, *columns)
+    rows = shape or (1,)
+    coated = np.empty((*rows, z.shape[-1]), np.float32)
+    fill(
+        coated,
+        lambda z, *p: model.networks.layer(z, Coat(*p), dielectrics),
+        _leading(z, len(rows) + 1),
+        *(_leading(p.astype(np.float32), len(rows)) for p in parameters.values()),
+        concurrent=model.networks.concurrent,
+    )
     return coated.reshape(*shape, z.shape[-1])
+
+
+def _leading(array: np.ndarray, dimensions: int) -> np.ndarray:
+    """The array with as many dimensions, those of one before its own."""
+    return array.reshape((1,) * (dimensions - array.ndim) + array.shape)
 
 
 def _dielectrics(model: Model, alpha: np.ndarray, eta: np.ndarray) -> np.ndarray:

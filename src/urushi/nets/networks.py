@@ -42,6 +42,10 @@ class Networks(Protocol):
     Leading dimensions broadcast; arrays are of one namespace, NumPy or JAX.
     """
 
+    @property
+    def concurrent(self) -> bool:
+        """Whether several threads may `encode` and `layer` at once."""
+
     def pairs(self) -> tuple[np.ndarray, np.ndarray]:
         """The direction pairs wi, wo (P, 3) at which `encode` wants a BRDF's values."""
 
@@ -78,6 +82,11 @@ class UrushiNetworks(NamedTuple):
 
     params: Params
     arch: Architecture
+
+    @property
+    def concurrent(self) -> bool:
+        """Yes: pure functions of arrays."""
+        return True
 
     def pairs(self) -> tuple[np.ndarray, np.ndarray]:
         """The probe pairs."""

@@ -46,6 +46,11 @@ class PaperNetworks:
         self._params = params
         self._tops: dict[tuple[float, float], np.ndarray] = {}
 
+    @property
+    def concurrent(self) -> bool:
+        """No: interfaces are simulated and remembered, and a projection uses all cores itself."""
+        return False
+
     def pairs(self) -> tuple[np.ndarray, np.ndarray]:
         """The pairs at which a BRDF is projected."""
         return projection_pairs()
