@@ -13,8 +13,10 @@ from urushi.nets.architecture import FIXED
 from urushi.nets.weights import Model
 from urushi.reference import conductor, dielectric
 
-#: A texture of this many texels a side is layered, and its time scaled to `TEXTURE`.
+#: Textures of this many texels a side are layered, and the times scaled to `TEXTURE`.
 TILE, TEXTURE = 128, 1024
+
+GOLD, TOP = conductor(0.2, (0.98, 0.77, 0.34)), dielectric(0.05, 1.5)
 
 #: Pairs of directions in the measurement of evaluations a second.
 PAIRS = 1 << 16
@@ -32,29 +34,46 @@ def parameters(model: Model) -> dict[str, int]:
 
 def seconds(model: Model) -> dict[str, float]:
     """Median times of the public operations on NumPy, on this machine under its present load."""
-    gold = conductor(0.2, (0.98, 0.77, 0.34))
-    top = dielectric(0.05, 1.5)
-    bottom = encode(gold, model)
-    rng = np.random.default_rng(0)
-    texture = np.repeat(bottom.latents[None], TILE * TILE, axis=0).reshape(TILE, TILE, 3, -1)
-    coat: dict[str, Any] = {
-        "alpha": rng.uniform(0.05, 0.5, (TILE, TILE, 1)),
-        "eta": 1.5,
-        "albedo": rng.uniform(0, 1, (TILE, TILE, 3)),
-        "sigma_t": rng.uniform(0, 3, (TILE, TILE, 3)),
-        "g": 0.0,
+    single = {name: _median(run, 15) for name, run in single_operations(model).items()}
+    scale = (TEXTURE // TILE) ** 2
+    textures = {
+        f"layer a {TEXTURE}² RGB texture, {name} (from {TILE}²)": scale * _median(run, 3)
+        for name, run in texture_operations(model, TILE).items()
     }
-    wi, wo = rng.normal(size=(2, PAIRS, 3))
+    bottom = encode(GOLD, model)
+    wi, wo = np.random.default_rng(0).normal(size=(2, PAIRS, 3))
     wi, wo = (np.abs(w) / np.linalg.norm(w, axis=1, keepdims=True) for w in (wi, wo))
-    tiles = (TEXTURE // TILE) ** 2
+    evaluations = 1e6 / PAIRS * _median(lambda: bottom.f(wi, wo), 3)
+    return {**single, **textures, "a million RGB evaluations": evaluations}
+
+
+def single_operations(model: Model) -> dict[str, Callable[[], object]]:
+    """What is timed of one material."""
+    bottom = encode(GOLD, model)
     return {
-        "encode one RGB material": _median(lambda: encode(gold, model), 15),
-        "layer one RGB material": _median(
-            lambda: layer(top, bottom, albedo=0.8, sigma_t=(0.2, 1.0, 3.0)), 15
-        ),
-        f"layer a {TEXTURE}² RGB texture (from {TILE}²)": tiles
-        * _median(lambda: layer_texels(model, texture, **coat), 3),
-        "a million RGB evaluations": 1e6 / PAIRS * _median(lambda: bottom.f(wi, wo), 3),
+        "encode one RGB material": lambda: encode(GOLD, model),
+        "layer one RGB material": lambda: layer(TOP, bottom, albedo=0.8, sigma_t=(0.2, 1.0, 3.0)),
+    }
+
+
+def texture_operations(model: Model, side: int) -> dict[str, Callable[[], object]]:
+    """Layerings of side x side RGB texels whose coats differ in every parameter and channel."""
+    rng = np.random.default_rng(0)
+    shape = side, side, 3
+    coat: dict[str, Any] = {
+        "alpha": rng.uniform(0.05, 0.5, shape),
+        "eta": rng.uniform(1.3, 1.7, shape),
+        "albedo": rng.uniform(0, 1, shape),
+        "sigma_t": rng.uniform(0, 3, shape),
+        "g": rng.uniform(-0.5, 0.5, shape),
+    }
+    grey = {name: values[..., :1] for name, values in coat.items()}
+    one = encode(GOLD, model).latents
+    many = np.broadcast_to(one, (side, side, *one.shape)).copy()
+    return {
+        "all varying": lambda: layer_texels(model, many, **coat),
+        "one bottom": lambda: layer_texels(model, one, **coat),
+        "grey coat": lambda: layer_texels(model, many, **grey),
     }
 
 
