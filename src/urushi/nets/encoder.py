@@ -31,5 +31,9 @@ def input_statistics(f: np.ndarray) -> dict[str, np.ndarray]:
 
 def encode(params: Params, arch: Architecture, f_at_probes: Any) -> Any:
     """Return latent codes z (..., 32) from f (..., probes) [1/sr] at `probes.probe_pairs`."""
-    x = (log_values(f_at_probes) - params["encoder.input_mean"]) / params["encoder.input_scale"]
-    return mlp(params, "encoder", x, arch.activation)
+    return mlp(params, "encoder", normalised(params, log_values(f_at_probes)), arch.activation)
+
+
+def normalised(params: Params, logs: Any) -> Any:
+    """Return the network's inputs (..., probes) from `log_values`: about mean 0 and variance 1."""
+    return (logs - params["encoder.input_mean"]) / params["encoder.input_scale"]

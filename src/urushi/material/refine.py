@@ -1,0 +1,122 @@
+"""Refinement: a few steps that bring a code closer to the BRDF it was encoded from.
+
+The code that fits a BRDF's values best is of no use: many codes decode to nearly the same values,
+and the layering network knows only those that the encoder makes. So with l the logarithmic values
+at the probe pairs (`encoder.log_values`), D(z) those that a code decodes to and E the encoder, what
+is minimised for every channel is
+
+    mean rho(D(z) - l)  +  HOLD mean d^2,
+
+where rho is the square, linear beyond `KNEE` (Huber 1964), and d is the least change of D(z) after
+which the encoder gives z again, E(D(z) + d) = z to first order. Training asks for codes with d = 0
+(`train.losses`, the cycle). Both terms are relative errors of f, so that their balance depends
+neither on the sizes of the networks nor on the scale of codes. By the damped steps of Marquardt
+(1963).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from urushi.nets.encoder import OFFSET, log_values
+from urushi.nets.features import direction_features
+from urushi.nets.jacobian import decode_log, encode_log
+from urushi.nets.networks import Networks, UrushiNetworks
+
+#: Steps that are tried, each for one pass of decoder and encoder and back.
+STEPS = 8
+
+#: How much a code's distance from what the encoder makes weighs against its error. From 1 to 5 it
+#: hardly matters; without it layering over the codes fails (`python -m benchmarks.refinement`).
+HOLD = 2.0
+
+#: Errors of ln f above this count linearly: a factor of e. What the decoder cannot make at all must
+#: not drag along what it can.
+KNEE = 1.0
+
+#: The first damping, relative to the mean curvature; its factors after good and bad steps.
+DAMPING, EASED, RAISED = 1e-3, 0.25, 8.0
+
+#: Relative to their mean, variances of codes under changes of f below this count as this: numbers
+#: of a code that the encoder never changes stay as they are.
+LEAST_VARIANCE = 1e-6
+
+
+class State(NamedTuple):
+    """Where the optimisation of one code stands.
+
+    Attributes:
+        z: (L,) the code, float32; objective: what is minimised; slope: (L,) half its gradient;
+        curvature: (L, L) half its Hessian by Gauss and Newton, float64.
+    """
+
+    z: np.ndarray
+    objective: float
+    slope: np.ndarray
+    curvature: np.ndarray
+
+
+def refined(networks: Networks, f: np.ndarray) -> np.ndarray:
+    """Return codes float32 (C, L) of BRDFs with values f (C, P) [1/sr] at `networks.pairs`.
+
+    The encoder's, improved. Channel by channel, so that none depends on another even in its last
+    digit, which an optimisation may blow up. The paper's networks, which optimise to begin with,
+    do no more than encode.
+    """
+    if not isinstance(networks, UrushiNetworks):
+        return networks.encode(f)
+    rows = np.ascontiguousarray(f)
+    return np.stack([improved(networks, networks.encode(row[None])[0], row) for row in rows])
+
+
+def improved(
+    networks: UrushiNetworks, z: np.ndarray, f: np.ndarray, steps: int = STEPS
+) -> np.ndarray:
+    """Return a code float32 (L,) that fits f (P,) better than z (L,), or as well.
+
+    Every step is damped, and kept only where it lowers the objective.
+    """
+    logs = log_values(f)
+    state, damping = _at(networks, z, logs), DAMPING
+    for _ in range(steps):
+        mean = np.trace(state.curvature) / len(z)
+        damped = state.curvature + (damping * mean + 1e-12) * np.eye(len(z))
+        step = np.linalg.solve(damped, state.slope)
+        new = _at(networks, (state.z - step).astype(np.float32), logs)
+        better = new.objective < state.objective  # false for NaN
+        state, damping = (new, damping * EASED) if better else (state, damping * RAISED)
+    return state.z
+
+
+def objective(networks: UrushiNetworks, z: np.ndarray, f: np.ndarray) -> float:
+    """What `improved` minimises, of a code z (L,) and values f (P,)."""
+    return _at(networks, z, log_values(f)).objective
+
+
+def _at(networks: UrushiNetworks, z: np.ndarray, logs: np.ndarray) -> State:
+    """The state at a code z (L,) for logarithmic values (P,).
+
+    The encoder's Jacobian J (L, P) makes of changes d of D(z) changes J d of its code. The least d
+    that reaches the gap g = z - E(D(z)) has the square g' (J J')^-1 g, which is the second term;
+    its derivatives leave out how J itself changes.
+    """
+    params, arch = networks
+    log_f, slopes = decode_log(params, arch, z, direction_features(*networks.pairs()))
+    f = np.exp(log_f)
+    decoded = log_values(f)
+    outward = (slopes * (f / (f + OFFSET))[:, None]).astype(np.float64)  # dD/dz, (P, L)
+    code, inward = (x.astype(np.float64) for x in encode_log(params, arch, decoded))
+    variance = inward @ inward.T
+    variance += LEAST_VARIANCE * np.trace(variance) / len(z) * np.eye(len(z))
+    gap, error = z - code, (decoded - logs).astype(np.float64)
+    far = np.maximum(np.abs(error) / KNEE, 1.0)
+    loss = np.sum(error**2 * (2.0 - 1.0 / far) / far)
+    weighted = outward.T / far
+    gap_slope = np.eye(len(z)) - inward @ outward
+    whitened = np.linalg.solve(variance, np.column_stack([gap, gap_slope]))
+    return State(
+        z,
+        float(loss + HOLD * gap @ whitened[:, 0]) / len(logs),
+        (weighted @ error + HOLD * gap_slope.T @ whitened[:, 0]) / len(logs),
+        (weighted @ outward + HOLD * gap_slope.T @ whitened[:, 1:]) / len(logs),
+    )
