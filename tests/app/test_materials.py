@@ -32,6 +32,13 @@ def test_encode_a_description(tmp_path, capsys):
     np.testing.assert_array_equal(urushi.load(file).latents, expected.latents)
 
 
+def test_encode_and_refine(tmp_path):
+    file = tmp_path / "gold.safetensors"
+    assert cli.main(["encode", GOLD, "--refine", "-o", str(file)]) == 0
+    gold = urushi.conductor(alpha=0.2, r0=(0.98, 0.77, 0.34))
+    assert urushi.load(file) == urushi.encode(gold, refine=True) != urushi.encode(gold)
+
+
 @pytest.fixture
 def merl(tmp_path):
     """Writes tables of MERL's format, all of one value [1/sr], by name."""

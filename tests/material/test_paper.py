@@ -29,6 +29,7 @@ def test_encode_layer_lerp_save_and_load(paper, tmp_path, monkeypatch):
 
     bottom = urushi.encode(grey, paper)
     assert bottom.latents.shape == (1, 32)
+    assert urushi.encode(grey, paper, refine=True) == bottom  # projection leaves nothing to refine
     coated = urushi.layer(urushi.dielectric(0.2, 1.5), bottom, albedo=0.5, sigma_t=1.0, g=0.3)
     blend = urushi.lerp(bottom, coated, 0.5)
     np.testing.assert_allclose(blend.latents, (bottom.latents + coated.latents) / 2, rtol=1e-6)

@@ -18,7 +18,11 @@ from urushi.nets.weights import Model
 
 
 def encode_all(
-    sources: Sequence[Any], *, model: Model | None = None, scheduler: str | None = None
+    sources: Sequence[Any],
+    *,
+    model: Model | None = None,
+    scheduler: str | None = None,
+    refine: bool = False,
 ) -> Iterator[tuple[int, Material | UrushiError]]:
     """Encode many BRDFs, on all cores of this machine or on a cluster.
 
@@ -27,6 +31,7 @@ def encode_all(
             `encode` takes; on a cluster it must be picklable, as descriptions are.
         model: the networks; by default those that Urushi ships.
         scheduler: address of a Dask scheduler; by default this process does it, on all cores.
+        refine: as of `encode`; this process does it.
 
     Yields:
         (index, Material) of each source as it is done, or the error that it has, which stops none
@@ -42,7 +47,7 @@ def encode_all(
     results = cluster.run(scheduler, _values, tasks) if scheduler else _locally(tasks)
     for index, values in results:
         failed = isinstance(values, UrushiError)
-        yield index, values if failed else encode_values(values, model)
+        yield index, values if failed else encode_values(values, model, refine=refine)
 
 
 def _values(source: Any, wi: np.ndarray, wo: np.ndarray) -> np.ndarray | UrushiError:

@@ -7,6 +7,7 @@ import numpy as np
 
 from urushi.errors import ParameterError
 from urushi.material.material import Material
+from urushi.material.refine import refined
 from urushi.material.texture import encode_texels
 from urushi.nets.default import default_model
 from urushi.nets.weights import Model
@@ -29,7 +30,7 @@ def register_adapter(matches: Callable[[Any], bool], adapt: Callable[[Any], Brdf
     _adapters.append((matches, adapt))
 
 
-def encode(source: Any, model: Model | None = None) -> Material:
+def encode(source: Any, model: Model | None = None, *, refine: bool = False) -> Material:
     """Encode a BRDF into latent codes, one per channel.
 
     Args:
@@ -38,6 +39,11 @@ def encode(source: Any, model: Model | None = None) -> Material:
             f(wi, wo) -> (N, 3), (N, C), or (N,) for one channel [1/sr, no cosine], a measured
             BRDF, or a Mitsuba BSDF. It should be isotropic and reciprocal.
         model: the networks; by default those that Urushi ships.
+        refine: whether to follow the encoder's one pass by a few steps that bring the decoded
+            values closer to the given ones: for measured or unusual BRDFs, some 10 ms a channel.
+            The code stays one that the encoder could have made, so that it can be layered as well
+            (see `urushi.material.refine`). The paper's networks encode by optimisation anyway;
+            they do nothing more.
 
     Raises:
         ParameterError: the source is none of these, or what it gives has a wrong shape, is
@@ -47,7 +53,7 @@ def encode(source: Any, model: Model | None = None) -> Material:
     model = model or default_model()
     if isinstance(source, Material) and source.model.fingerprint == model.fingerprint:
         return source
-    return encode_values(values_at(source, *model.networks.pairs()), model)
+    return encode_values(values_at(source, *model.networks.pairs()), model, refine=refine)
 
 
 def values_at(source: Any, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
@@ -55,9 +61,10 @@ def values_at(source: Any, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
     return _checked(_brdf(source)(wi, wo), source, len(wi))
 
 
-def encode_values(values: np.ndarray, model: Model) -> Material:
+def encode_values(values: np.ndarray, model: Model, *, refine: bool = False) -> Material:
     """The material of values (P, C) at `model.networks.pairs()`, which is all that codes tell."""
-    return Material(encode_texels(model, values.T), model)
+    f = values.T
+    return Material(refined(model.networks, f) if refine else encode_texels(model, f), model)
 
 
 def _brdf(source: Any) -> Brdf:

@@ -35,6 +35,8 @@ class Encode:
     """Mitsuba variant for reading a scene file."""
     scheduler: str | None = None
     """Address of a Dask scheduler whose workers read and simulate; default: this machine."""
+    refine: bool = False
+    """Bring codes closer to measured or unusual BRDFs by a few steps of optimisation."""
 
     def run(self) -> int:
         from urushi.material.batch import encode_all
@@ -45,7 +47,7 @@ class Encode:
         sources = [self.opened(text) for text in self.sources]
         errors = []
         with tqdm(total=len(sources), unit="BRDF", disable=len(sources) == 1 or None) as progress:
-            for index, made in encode_all(sources, scheduler=self.scheduler):
+            for index, made in encode_all(sources, scheduler=self.scheduler, refine=self.refine):
                 if isinstance(made, UrushiError):
                     errors.append(made)
                 else:
