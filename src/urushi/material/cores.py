@@ -1,11 +1,12 @@
 """Filling large arrays by all cores, block by block, in bounded memory."""
 
+import contextlib
 import functools
 import itertools
 import math
 import os
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -90,6 +91,16 @@ def _run(task: Callable[[Block], None], pieces: list[Block]) -> None:
                 future.result()
         finally:
             pool.shutdown(cancel_futures=True)
+
+
+@contextlib.contextmanager
+def one_thread() -> Iterator[None]:
+    """Hold BLAS to one thread: where matrices are small, several only wait for each other.
+
+    Not within a function that `fill` calls.
+    """
+    with _turn, _blas().limit(limits=1):
+        yield
 
 
 def available() -> int:

@@ -18,6 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from urushi.material.cores import one_thread
 from urushi.nets.encoder import OFFSET, log_values
 from urushi.nets.features import direction_features
 from urushi.nets.jacobian import decode_log, encode_log
@@ -66,7 +67,8 @@ def refined(networks: Networks, f: np.ndarray) -> np.ndarray:
     if not isinstance(networks, UrushiNetworks):
         return networks.encode(f)
     rows = np.ascontiguousarray(f)
-    return np.stack([improved(networks, networks.encode(row[None])[0], row) for row in rows])
+    with one_thread():
+        return np.stack([improved(networks, networks.encode(row[None])[0], row) for row in rows])
 
 
 def improved(
