@@ -40,7 +40,7 @@ def encode(source: Any, model: Model | None = None, *, refine: bool = False) -> 
             BRDF, or a Mitsuba BSDF. It should be isotropic and reciprocal.
         model: the networks; by default those that Urushi ships.
         refine: whether to follow the encoder's one pass by a few steps that bring the decoded
-            values closer to the given ones: for measured or unusual BRDFs, some 10 ms a channel.
+            values closer to the given ones: for measured or unusual BRDFs, some 5 ms a channel.
             The code stays one that the encoder could have made, so that it can be layered as well
             (see `urushi.material.refine`). The paper's networks encode by optimisation anyway;
             they do nothing more.
