@@ -9,6 +9,7 @@ from urushi.eval import benchmark, predict
 from urushi.eval import samples as sampling
 from urushi.eval.groups import GROUPS
 from urushi.material import Material, encode
+from urushi.material.cores import one_thread
 from urushi.material.encode import encode_values, values_at
 from urushi.material.refine import STEPS, improved, objective
 from urushi.material.texture import layer_texels
@@ -45,10 +46,9 @@ def test_no_step_raises_the_objective(source, trained, model):
     for networks in (trained.networks, model.networks):
         for f in values(source, networks):
             z = networks.encode(f[None])[0]
-            course = [
-                objective(networks, improved(networks, z, f, steps), f)
-                for steps in range(STEPS + 1)
-            ]
+            with one_thread():
+                made = [improved(networks, z, f, steps) for steps in range(STEPS + 1)]
+                course = [objective(networks, z, f) for z in made]
             assert (np.diff(course) <= 0).all() and np.isfinite(course).all()
 
 
@@ -71,7 +71,8 @@ def test_a_code_is_found_again(trained):
         f_hat = networks.f(z[:, None], *networks.pairs())
         return np.median(np.abs(f_hat - decoded) / (decoded + 1e-3), axis=1)
 
-    found = [improved(networks, z, f) for z, f in zip(perturbed, decoded, strict=True)]
+    with one_thread():
+        found = [improved(networks, z, f) for z, f in zip(perturbed, decoded, strict=True)]
     before, after = distance(perturbed), distance(np.stack(found))
     # Least squares over ten times more values than numbers: at least a factor of two remains of
     # the quadratic convergence even where the prior pulls back to the encoder's own error.
