@@ -63,8 +63,9 @@ def test_the_text_has_every_line(result, monkeypatch):
 
 
 def test_parameters_are_counted(result, tiny):
-    # 39 x 16 + 16 (the gain bypasses it) and 16 + 1; the encoder's fixed statistics do not count.
-    assert result.parameters["decoder"] == 40 * 16 + 17
+    # 39 x 16 + 16 (the gain bypasses it), 31 x 16 scales and 16 + 1; the encoder's fixed statistics
+    # do not count.
+    assert result.parameters["decoder"] == 40 * 16 + 31 * 16 + 17
     assert result.parameters["encoder"] == 193 * 16 + 17 * 32
     assert set(result.parameters) == {"decoder", "encoder", "layerer", "sampler"}
 

@@ -39,8 +39,8 @@ def test_init_depends_on_the_seed_alone():
 
 
 def test_decoder_of_the_default_sizes_is_the_documented_one():
-    # 39-64-64-64-1 with biases, the gain apart: 40 * 64 + 2 * 65 * 64 + 65.
-    assert parameter_count(Architecture(), "decoder") == 40 * 64 + 2 * 65 * 64 + 65
+    # 39-64-64-64-1 with biases, the gain apart, and the first layer's scales.
+    assert parameter_count(Architecture(), "decoder") == 40 * 64 + 2 * 65 * 64 + 65 + 31 * 64
 
 
 @pytest.mark.parametrize(

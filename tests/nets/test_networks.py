@@ -3,8 +3,8 @@
 import numpy as np
 
 from urushi.nets import decoder, encoder, layerer, sampler
-from urushi.nets.architecture import Architecture, init
-from urushi.nets.features import coat_features, direction_features
+from urushi.nets.architecture import SCALE, Architecture, init
+from urushi.nets.features import MIN_ALPHA, coat_features, direction_features
 from urushi.nets.mlp import activate, linear
 from urushi.nets.probes import probe_pairs
 
@@ -30,15 +30,19 @@ def test_decoder_broadcasts_codes_over_directions(networks, pairs):
         np.testing.assert_allclose(together[row], alone, rtol=1e-4)
 
 
-def test_first_layer_splits_into_a_latent_and_a_feature_part(networks, pairs):
-    # What a renderer may store in a texel: the latent part of the first pre-activation.
+def test_a_code_scales_and_shifts_the_first_layers_response(networks, pairs):
+    # What a renderer computes once for a constant material: everything but the response.
     _, params = networks
-    z = np.random.default_rng(4).normal(size=(7, 31)).astype(np.float32)
+    rng = np.random.default_rng(4)
+    z = rng.normal(size=(7, 31)).astype(np.float32)
     x = direction_features(*pairs)[:7]
-    weight, bias = params["decoder.0.weight"], params["decoder.0.bias"]
-    split = (z @ weight[:31] + bias) + x @ weight[31:]
-    whole = linear(params, "decoder.0", np.concatenate([z, x], axis=-1))
-    np.testing.assert_allclose(split, whole, atol=1e-5)
+    plain = linear(params, "decoder.0", np.concatenate([z, x], axis=-1))
+    unscaled = decoder.first_layer(params | {SCALE: np.zeros_like(params[SCALE])}, z, x)
+    np.testing.assert_allclose(unscaled, plain, atol=1e-5)
+    scale = rng.normal(size=params[SCALE].shape).astype(np.float32)
+    scaled = decoder.first_layer(params | {SCALE: scale}, z, x)
+    expected = plain + (z @ scale) * (x @ params["decoder.0.weight"][31:])
+    np.testing.assert_allclose(scaled, expected, rtol=1e-4, atol=1e-4)
 
 
 def test_encoder_statistics_normalise_their_data():
@@ -100,9 +104,8 @@ def test_a_vanishing_coat_leaves_the_bottom(networks):
     z = np.random.default_rng(8).normal(size=(9, 32)).astype(np.float32)
     distance = []
     for presence in (1e-2, 1e-3, 1e-4):
-        coat = coat_features(
-            *(np.full(9, x, np.float32) for x in (presence, 1 + presence, 0.5, presence, 0.3))
-        )
+        parameters = (MIN_ALPHA + presence, 1 + presence, 0.5, presence, 0.3)
+        coat = coat_features(*(np.full(9, x, np.float32) for x in parameters))
         distance.append(np.abs(layerer.layer(params, arch, z, coat) - z).max())
     # Proportional to the coat's presence, times a network whose inputs move by logarithms only.
     assert distance[0] > 3 * distance[1] > 9 * distance[2] > 0

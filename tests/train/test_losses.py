@@ -11,7 +11,15 @@ from urushi.nets.encoder import encode
 from urushi.nets.features import COAT_FEATURES
 from urushi.nets.layerer import layer
 from urushi.train.examples import Batch
-from urushi.train.losses import CYCLE_STRIDE, FLOOR, KNEE, compose, joint_loss, relative_error
+from urushi.train.losses import (
+    CYCLE_STRIDE,
+    FLOOR,
+    KNEE,
+    compose,
+    joint_loss,
+    relative_errors,
+    stack_loss,
+)
 
 ARCH = Architecture(latent=4, decoder=(8,), encoder=(8,), layerer=(8,), sampler=(4,), probes=6)
 
@@ -23,8 +31,8 @@ def batch():
     return Batch(
         probes=rng.random((count, 6), np.float32),
         coats=tuple(rng.standard_normal((n, COAT_FEATURES), np.float32) for n in (14, 5)),
-        features=rng.standard_normal((count, 7, 8), np.float32),
-        f=rng.random((count, 7), np.float32),
+        features=rng.standard_normal((count, 8, 8), np.float32),
+        f=rng.random((count, 8), np.float32),
     )
 
 
@@ -39,7 +47,10 @@ def test_gradient_of_the_error_agrees_with_finite_differences(batch):
             z = compose(p, ARCH, inputs.probes, inputs.coats)
             return decode(p, ARCH, z[:, None], inputs.features)
 
-        constant = jax.jit(predict)(params) + FLOOR  # what the loss holds constant
+        seen = jax.jit(predict)(params)
+        brightness = jnp.pi * jnp.minimum(seen, 1).mean(axis=-1, keepdims=True)
+        assert float(brightness.min()) > 1  # so that the floor is the whole one
+        constant = seen + FLOOR  # what the loss holds constant
 
         @jax.jit
         def frozen(t):
@@ -47,7 +58,10 @@ def test_gradient_of_the_error_agrees_with_finite_differences(batch):
             error = jnp.abs(predict(moved) - inputs.f) / constant
             return jnp.mean(jnp.where(error < KNEE, error**2, KNEE * (2 * error - KNEE)))
 
-        gradient = jax.jit(jax.grad(lambda p: relative_error(predict(p), inputs.f)))(params)
+        def mean(p):
+            return jnp.mean(relative_errors(predict(p), inputs.f))
+
+        gradient = jax.jit(jax.grad(mean))(params)
         slope = sum(jnp.vdot(gradient[name], along[name]) for name in params)
         h = 1e-5  # central differences: error of order h^2
         assert float(slope) == pytest.approx(float((frozen(h) - frozen(-h)) / (2 * h)), rel=1e-5)
@@ -67,20 +81,46 @@ def test_every_trained_network_gets_a_gradient(batch):
 @pytest.mark.parametrize("spread", [0.3, 1.5])
 def test_the_minimum_under_noise_is_the_mean(spread):
     # Gamma noise of mean 0.4 and the given relative deviation: skewed, like Monte Carlo values.
+    # 16 pairs a stack: a weight that saw its own pairs' noise would be far too dark at 1.5.
     rng = np.random.default_rng(3)
     shape = 1 / spread**2
-    f = jnp.asarray(rng.gamma(shape, 0.4 / shape, 200_000), jnp.float32)
-    slope = jax.jit(jax.grad(lambda log_f_hat: relative_error(jnp.exp(log_f_hat), f)))
-    error = 2 * spread / np.sqrt(len(f))  # standard error of the slope at the mean
-    assert abs(slope(jnp.log(0.4))) < 4 * error
-    assert slope(jnp.log(0.4 * 1.05)) > 4 * error
-    assert slope(jnp.log(0.4 * 0.95)) < -4 * error
+    f = jnp.asarray(rng.gamma(shape, 0.4 / shape, (40_000, 16)), jnp.float32)
+
+    @jax.jit
+    @jax.vmap
+    def slopes(f, log_f_hat):
+        one_stack = jax.grad(lambda x: stack_loss(jnp.exp(x) + jnp.zeros((1, 16)), f[None]))
+        return one_stack(log_f_hat)
+
+    def slope(f_hat):
+        of_stacks = np.asarray(slopes(f, jnp.full(len(f), np.log(f_hat), jnp.float32)))
+        return of_stacks.mean(), of_stacks.std() / np.sqrt(len(f))
+
+    mean, error = slope(0.4)
+    assert abs(mean) < 4 * error
+    assert slope(0.4 * 1.1)[0] > 4 * error
+    assert slope(0.4 * 0.9)[0] < -4 * error
 
 
 def test_an_outlier_pulls_no_harder_than_the_knee():
-    slope = jax.grad(lambda f_hat: relative_error(f_hat, jnp.float32(1e6)))
+    slope = jax.grad(lambda f_hat: relative_errors(f_hat[None], jnp.float32(1e6))[0])
     # d/df_hat of KNEE (2 e - KNEE) with e = (f - f_hat) / (f_hat + FLOOR).
     assert slope(jnp.float32(1.0)) == pytest.approx(-2 * KNEE / (1 + FLOOR), rel=1e-5)
+
+
+def test_dark_stacks_are_judged_by_their_own_brightness():
+    # Ten times as dark, down to where pi f is the floor's least share, errors count the same.
+    f = np.array([[0.2, 0.3], [0.02, 0.03]], np.float32)
+    bright, dark = np.asarray(relative_errors(jnp.asarray(1.1 * f), f))
+    np.testing.assert_allclose(bright, dark, rtol=1e-3)
+
+
+def test_a_hard_stack_counts_by_about_the_root_of_its_error():
+    f = jnp.ones((1, 16), jnp.float32)
+    errors = [float(stack_loss(f * (1 + e), f)) for e in (1.0, 2.0, 4.0)]
+    relative = [e / (1 + e + FLOOR) for e in (1.0, 2.0, 4.0)]
+    # Its root times the root of TYPICAL; EASE is 1 % of the least square.
+    np.testing.assert_allclose(errors, 0.1 * np.array(relative), rtol=0.01)
 
 
 def test_compose_applies_the_lowest_coat_first(batch):

@@ -17,6 +17,9 @@ Params = Mapping[str, Any]
 #: The networks, each a multilayer perceptron whose parameters' names start with its own.
 PARTS = ("decoder", "encoder", "layerer", "sampler")
 
+#: What a code multiplies the decoder's first layer with, see `decoder.first_layer`.
+SCALE = "decoder.scale"
+
 #: Stored with the weights but never trained: the statistics that normalise the encoder's input.
 FIXED = ("encoder.input_mean", "encoder.input_scale")
 
@@ -122,20 +125,22 @@ def parameter_shapes(arch: Architecture) -> dict[str, tuple[int, ...]]:
         for index, (rows, columns) in enumerate(itertools.pairwise(sizes)):
             shapes[f"{part}.{index}.weight"] = (rows, columns)
             shapes[f"{part}.{index}.bias"] = (columns,)
+    shapes[SCALE] = (arch.latent - 1, arch.decoder[0])
     return shapes | dict.fromkeys(FIXED, (arch.probes,))
 
 
 def parameter_count(arch: Architecture, part: str) -> int:
     """Return how many trained numbers one network has."""
     sizes = layer_sizes(arch, part)
-    return sum((a + 1) * b for a, b in itertools.pairwise(sizes))
+    layers = sum((a + 1) * b for a, b in itertools.pairwise(sizes))
+    return layers + ((arch.latent - 1) * arch.decoder[0] if part == "decoder" else 0)
 
 
 def init(arch: Architecture, seed: int) -> dict[str, np.ndarray]:
     """Draw fresh float32 parameters: He et al. (2015) for hidden layers, zero biases.
 
-    Output layers start smaller, so that at first the layerer leaves the bottom's latent nearly
-    alone, the decoder answers about 1, and the sampler mixes all its lobes.
+    Output layers start smaller, and `SCALE` at zero, so that at first the layerer leaves the
+    bottom's latent nearly alone, the decoder answers about 1, and the sampler mixes all its lobes.
     The encoder's input statistics are rough constants: set them from data with
     `encoder.input_statistics`.
     """
@@ -150,6 +155,7 @@ def init(arch: Architecture, seed: int) -> dict[str, np.ndarray]:
             weight = rng.standard_normal((rows, columns)) * deviation
             params[f"{part}.{index}.weight"] = weight.astype(np.float32)
             params[f"{part}.{index}.bias"] = np.zeros(columns, np.float32)
+    params[SCALE] = np.zeros((arch.latent - 1, arch.decoder[0]), np.float32)
     params["encoder.input_mean"] = np.full(arch.probes, -2.0, np.float32)
     params["encoder.input_scale"] = np.full(arch.probes, 2.0, np.float32)
     return params

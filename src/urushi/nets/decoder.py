@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from urushi.nets.architecture import Architecture, Params
-from urushi.nets.mlp import hidden_to_output, split_linear
+from urushi.nets.architecture import SCALE, Architecture, Params
+from urushi.nets.mlp import hidden_to_output, product
 
 #: ln f is held within these, so that f is positive and finite whatever the weights.
 MIN_LOG, MAX_LOG = -25.0, 20.0
@@ -14,14 +14,24 @@ def decode(params: Params, arch: Architecture, z: Any, features: Any) -> Any:
 
     z and features broadcast: z (S, 1, 32) with features (S, P, 8) gives f (S, P).
     The first number of a code is a logarithmic gain that is added to the network's output and is
-    none of its inputs: it scales f exactly, see `scaled`. The first layer's rows 0..30 belong to
-    the others, the last 8 to the features, so that a renderer may store a texel's share of the
-    first layer in place of z.
+    none of its inputs: it scales f exactly, see `scaled`.
     """
-    first = split_linear(params, "decoder.0", z[..., 1:], features)
+    first = first_layer(params, z[..., 1:], features)
     output = z[..., 0] + hidden_to_output(params, "decoder", first, arch.activation)[..., 0]
     xp = output.__array_namespace__()
     return xp.exp(xp.clip(output, MIN_LOG, MAX_LOG))
+
+
+def first_layer(params: Params, z: Any, features: Any) -> Any:
+    """Return the first layer's pre-activation (..., width) from codes without gain (..., 31).
+
+    Every neuron's response to the features is multiplied by one plus a share of the code, which
+    moves and sharpens it, and another share is added: lobes of any width need few neurons. Only
+    the response itself depends on the directions, and it is the same for all channels.
+    """
+    weight, codes = params["decoder.0.weight"], z.shape[-1]
+    offset = product(z, weight[:codes, :]) + params["decoder.0.bias"]
+    return offset + (1.0 + product(z, params[SCALE])) * product(features, weight[codes:, :])
 
 
 def scaled(z: Any, factor: Any) -> Any:

@@ -8,7 +8,7 @@ from urushi.nets.architecture import Architecture, Params
 from urushi.nets.mlp import mlp
 
 #: Added to f before the logarithm: values far below it [1/sr] look alike to the encoder.
-OFFSET = 1e-3
+OFFSET = 1e-4
 
 
 def log_values(f: Any) -> Any:

@@ -2,10 +2,10 @@
 
 from typing import Any
 
-from urushi.nets.architecture import Architecture, Params
-from urushi.nets.decoder import MAX_LOG, MIN_LOG
+from urushi.nets.architecture import SCALE, Architecture, Params
+from urushi.nets.decoder import MAX_LOG, MIN_LOG, first_layer
 from urushi.nets.encoder import normalised
-from urushi.nets.mlp import activate, linear, product, split_linear
+from urushi.nets.mlp import activate, linear, product
 
 
 def decode_log(params: Params, arch: Architecture, z: Any, features: Any) -> tuple[Any, Any]:
@@ -15,10 +15,13 @@ def decode_log(params: Params, arch: Architecture, z: Any, features: Any) -> tup
     Each value depends on its own code alone, so the gradients are the Jacobian. They are zero
     where ln f is held at its least or greatest.
     """
-    first = split_linear(params, "decoder.0", z[..., 1:], features)
+    first = first_layer(params, z[..., 1:], features)
     output, gradient = _outputs(params, "decoder", first, arch.activation)
     xp = output.__array_namespace__()
-    inner = product(gradient[..., 0, :], params["decoder.0.weight"][: arch.latent - 1, :].T)
+    of_first = gradient[..., 0, :]
+    weight, codes = params["decoder.0.weight"], arch.latent - 1
+    scaled = product(of_first * product(features, weight[codes:, :]), params[SCALE].T)
+    inner = scaled + product(of_first, weight[:codes, :].T)
     gain = xp.ones_like(inner[..., :1])
     value = z[..., 0] + output[..., 0]
     held = (value > MIN_LOG) & (value < MAX_LOG)

@@ -39,6 +39,9 @@ from urushi.train.proposal import Scene, proposal_loss, variation
 #: Where everything goes that the caller does not place: data, run folder and weights.
 RUNS = Path("runs")
 
+#: Stacks of each depth whose codes the proposal is trained on, at most.
+SCENES = 1 << 15
+
 
 def train(
     preset: str | Preset | PaperPreset,
@@ -242,7 +245,10 @@ def advance(
 
 
 def all_latents(params: Params, arch: Architecture, depths: list[Depth]) -> jax.Array:
-    """Latent codes (M, 32) of the training stacks of all depths, as far as memory holds them."""
+    """Latent codes (M, 32) of training stacks of all depths, at most `SCENES` of each."""
     run = jax.jit(lambda probes, coats: compose(params, arch, probes, coats))
-    held = (depth.first() for depth in depths)
-    return jnp.concatenate([run(d.probes, tuple(np.moveaxis(d.coats, 1, 0)[::-1])) for d in held])
+    codes = []
+    for held in (depth.first() for depth in depths):
+        some = slice(None, None, -(-len(held.probes) // SCENES))  # parts lie one after the other
+        codes.append(run(held.probes[some], tuple(np.moveaxis(held.coats[some], 1, 0)[::-1])))
+    return jnp.concatenate(codes)

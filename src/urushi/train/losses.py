@@ -12,24 +12,51 @@ from urushi.nets.layerer import layer
 from urushi.train.examples import Batch
 
 #: [1/sr] Added to the prediction that errors are relative to: differences far below are invisible.
-FLOOR = 2e-3
+#: For a dark stack it is less, in proportion to its brightness, down to this share.
+FLOOR, DARKEST = 2e-3, 0.05
 
 #: Relative errors above this count linearly: a prediction far too dark must not drown the rest.
 KNEE = 10.0
+
+#: A stack whose mean squared relative error is the first counts as it is; the second is added to
+#: it, lest a stack that is nearly perfect rule. Both are near the noise of simulated values.
+TYPICAL, EASE = 1e-2, 3e-3
+
+#: Pairs lie in groups of this many of the same mixture, see `data.directions.training_pairs`.
+_PERIOD = 4
 
 #: Every how manieth stack of a batch takes part in the cycle, which decodes all probe pairs.
 CYCLE_STRIDE = 16
 
 
-def relative_error(f_hat: jax.Array, f: Any) -> jax.Array:
-    """Mean of ((f_hat - f) / (sg(f_hat) + FLOOR))^2, linear beyond `KNEE`.
+def relative_errors(f_hat: jax.Array, f: Any) -> jax.Array:
+    """Squared relative errors (S, P): ((f_hat - f) / (sg(f_hat) + floor))^2, linear beyond `KNEE`.
 
     The divisor is a constant to the gradient (sg), so that the gradient is linear in f and the
     minimum lies at the mean of a noisy f: Monte Carlo values of few walks teach without bias
     (Lehtinen et al. 2018), unlike a logarithm or an L1 norm of them.
     """
-    error = jnp.abs((f_hat - f) / (jax.lax.stop_gradient(f_hat) + FLOOR))
-    return jnp.mean(jnp.where(error < KNEE, error * error, KNEE * (2 * error - KNEE)))
+    seen = jax.lax.stop_gradient(f_hat)
+    brightness = jnp.pi * jnp.mean(jnp.minimum(seen, 1.0), axis=-1, keepdims=True)
+    error = jnp.abs((f_hat - f) / (seen + FLOOR * jnp.clip(brightness, DARKEST, 1.0)))
+    return jnp.where(error < KNEE, error * error, KNEE * (2 * error - KNEE))
+
+
+def stack_loss(f_hat: jax.Array, f: Any) -> jax.Array:
+    """Mean over stacks of about the root of their mean squared relative error.
+
+    Every stack's error is divided by about its own root, lest the few hardest ones, narrow lobes
+    and nearly black ones, rule what all others learn. A weight that knew the noise of the values
+    it weighs would be biased against fireflies; therefore the pairs are halved, and each half is
+    weighted by the other's error.
+
+    Args:
+        f_hat, f: (S, P) predicted and simulated values [1/sr], P a multiple of 8.
+    """
+    squares = relative_errors(f_hat, f)
+    halves = squares.reshape(len(squares), -1, 2, _PERIOD).mean(axis=(1, 3))
+    weights = jnp.sqrt(TYPICAL / (EASE + jax.lax.stop_gradient(halves[:, ::-1])))
+    return jnp.mean(halves * weights)
 
 
 def compose(params: Params, arch: Architecture, probes: Any, coats: tuple[Any, ...]) -> Any:
@@ -58,12 +85,12 @@ def joint_loss(
     - latent: distance between a latent and its cycled one.
     """
     z = compose(params, arch, batch.probes, batch.coats)
-    fit = relative_error(decode(params, arch, z[:, None], batch.features), batch.f)
+    fit = stack_loss(decode(params, arch, z[:, None], batch.features), batch.f)
 
     chosen = z[::CYCLE_STRIDE]
     again = encode(params, arch, decode(params, arch, chosen[:, None], probe_features))
     f_again = decode(params, arch, again[:, None], batch.features[::CYCLE_STRIDE])
-    cycle = relative_error(f_again, batch.f[::CYCLE_STRIDE])
+    cycle = stack_loss(f_again, batch.f[::CYCLE_STRIDE])
     latent = jnp.mean((again - jax.lax.stop_gradient(chosen)) ** 2)
 
     loss = fit + 0.2 * cycle + 0.1 * latent

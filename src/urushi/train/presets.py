@@ -8,7 +8,7 @@ from urushi.data.distribution import Extended, Table2
 from urushi.data.spec import DataSpec, Part
 from urushi.errors import ParameterError
 from urushi.nets.architecture import Architecture
-from urushi.train.datasets import validation
+from urushi.train.datasets import validation, whole_domain
 from urushi.train.paper.preset import PaperPreset, paper
 
 #: What a schedule's precision may be.
@@ -63,7 +63,7 @@ class Preset:
         networks: schedule of encoder, layerer and decoder, trained together.
         proposal: schedule of the sampler, trained on their latents afterwards.
         stacks: stacks of 0, 1, 2, ... coats that a step sees.
-        pairs: direction pairs that a step sees of each stack.
+        pairs: direction pairs that a step sees of each stack, a multiple of 8 for the loss.
         memory: direction pairs held in memory at most, 36 bytes each; a larger store streams.
         seed: of the initial weights and of the order of the examples.
         arch: sizes of the networks.
@@ -92,6 +92,23 @@ class Preset:
             "seed": self.seed,
             "arch": asdict(self.arch),
         }
+
+
+def base() -> Preset:
+    """The shipped default: the whole domain.
+
+    Command: `urushi train --preset base`
+    """
+    return Preset(
+        name="base",
+        data=whole_domain(),
+        networks=Schedule(steps=98_304, warmup=256, learning_rate=0.02),
+        proposal=Schedule(steps=8_000, warmup=200, learning_rate=0.01, checkpoint_every=4_000),
+        stacks=(48, 128, 40, 10, 7, 7),
+        pairs=128,
+        memory=1 << 28,
+        arch=Architecture(decoder=(60, 60, 60), layerer=(256, 256, 256)),
+    )
 
 
 def quick() -> Preset:
@@ -153,6 +170,7 @@ def smoke() -> Preset:
 
 
 _PRESETS: dict[str, Callable[[], Preset | PaperPreset]] = {
+    "base": base,
     "quick": quick,
     "smoke": smoke,
     "paper": paper,
