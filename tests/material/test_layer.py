@@ -105,8 +105,8 @@ def test_texels_are_coated_like_materials(material, model):
 
 
 def test_large_textures_pass_in_chunks(model):
-    z = np.random.default_rng(6).normal(size=(200, 200, 1, 32)).astype(np.float32)
-    sigma_t = np.linspace(0, 8, 40_000).reshape(200, 200, 1)
+    z = np.random.default_rng(6).normal(size=(200, 40, 1, 32)).astype(np.float32)
+    sigma_t = np.linspace(0, 8, 8_000).reshape(200, 40, 1)
     whole = layer_texels(model, z, alpha=0.1, eta=1.5, albedo=0.5, sigma_t=sigma_t, g=0)
     row = layer_texels(model, z[170], alpha=0.1, eta=1.5, albedo=0.5, sigma_t=sigma_t[170], g=0)
     np.testing.assert_allclose(whole[170], row, atol=1e-5)

@@ -5,8 +5,8 @@ import numpy as np
 from urushi.data.distribution import COAT_PARAMETERS
 from urushi.eval import samples as sampling
 from urushi.eval.samples import Samples
-from urushi.material import Material, encode
-from urushi.material.encode import STACK_WALKS
+from urushi.material import Material
+from urushi.material.encode import STACK_WALKS, encode_values, seen_pairs
 from urushi.material.texture import layer_texels
 from urushi.nets.probes import probe_pairs
 from urushi.nets.weights import Model
@@ -27,10 +27,9 @@ def materials(model: Model, samples: Samples, encoded: int = 0) -> list[Material
         S materials of one channel.
     """
 
-    def values(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-        return _lower_values(samples, encoded, wi, wo).T
-
-    latents = encode(values, model).latents
+    # Without coats the values are exact and cheap, and tell the bottoms' albedo as well.
+    pairs = model.networks.pairs() if encoded else seen_pairs(None, model)
+    latents = encode_values(_lower_values(samples, encoded, *pairs).T, model).latents
     table = samples.table
     for index in reversed(range(table.coats - encoded)):
         coat = {name: getattr(table, name)[:, index] for name in COAT_PARAMETERS}

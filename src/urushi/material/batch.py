@@ -10,7 +10,7 @@ import numpy as np
 
 from urushi.data import cluster
 from urushi.errors import UrushiError
-from urushi.material.encode import encode_values, values_at
+from urushi.material.encode import encode_values, seen_pairs, values_at
 from urushi.material.material import Material
 from urushi.measured import load_measured
 from urushi.nets.default import default_model
@@ -42,8 +42,7 @@ def encode_all(
         FileError: the shipped networks are missing.
     """
     model = model or default_model()
-    pairs = model.networks.pairs()
-    tasks = [(source, *pairs) for source in sources]
+    tasks = [(source, *seen_pairs(source, model)) for source in sources]
     results = cluster.run(scheduler, _values, tasks) if scheduler else _locally(tasks)
     for index, values in results:
         failed = isinstance(values, UrushiError)

@@ -6,9 +6,10 @@ from typing import Any
 import numpy as np
 
 from urushi.errors import ParameterError
+from urushi.material import energy
 from urushi.material.material import Material
 from urushi.material.refine import refined
-from urushi.material.texture import encode_texels
+from urushi.material.texture import encoded
 from urushi.nets.default import default_model
 from urushi.nets.weights import Model
 from urushi.reference.stack import Conductor, Dielectric, Diffuse, Stack
@@ -53,7 +54,20 @@ def encode(source: Any, model: Model | None = None, *, refine: bool = False) -> 
     model = model or default_model()
     if isinstance(source, Material) and source.model.fingerprint == model.fingerprint:
         return source
-    return encode_values(values_at(source, *model.networks.pairs()), model, refine=refine)
+    return encode_values(values_at(source, *seen_pairs(source, model)), model, refine=refine)
+
+
+def seen_pairs(source: Any, model: Model) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs of directions (N, 3) at which `encode_values` wants to know a source.
+
+    The networks' own, and those that tell the source's albedo, which its code's shall not exceed. A
+    Stack is not simulated at these: its albedo is at most 1.
+    """
+    wi, wo = model.networks.pairs()
+    if isinstance(source, Stack) or not model.networks.scalable:
+        return wi, wo
+    nodes = energy.rule()
+    return np.concatenate([wi, nodes.wi]), np.concatenate([wo, nodes.wo])
 
 
 def values_at(source: Any, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
@@ -62,9 +76,17 @@ def values_at(source: Any, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
 
 
 def encode_values(values: np.ndarray, model: Model, *, refine: bool = False) -> Material:
-    """The material of values (P, C) at `model.networks.pairs()`, which is all that codes tell."""
-    f = values.T
-    return Material(refined(model.networks, f) if refine else encode_texels(model, f), model)
+    """The material of values (N, C) at `seen_pairs`, or at `model.networks.pairs()` alone.
+
+    Its directional albedo is at most that of the values, or at most 1 if the pairs that tell it are
+    missing (see `urushi.material.energy`).
+    """
+    seen = len(model.networks.pairs()[0])
+    probed, rest = values[:seen].T, values[seen:].T
+    codes = refined(model.networks, probed) if refine else encoded(model, probed)
+    if not rest.size:
+        return Material(energy.limit(model, codes), model)
+    return Material(energy.limit(model, codes, energy.ceiling(energy.rule().albedo(rest))), model)
 
 
 def _brdf(source: Any) -> Brdf:

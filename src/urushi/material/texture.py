@@ -12,12 +12,21 @@ import numpy.typing as npt
 from urushi import checks
 from urushi.errors import ParameterError
 from urushi.material.cores import fill
+from urushi.material.energy import limit, limit_coated
 from urushi.nets.networks import Coat
 from urushi.nets.weights import Model
 
 
 def encode_texels(model: Model, f: np.ndarray) -> np.ndarray:
-    """Return codes float32 (..., 32) from f (..., P) [1/sr] at the pairs of `model.networks`."""
+    """Return codes float32 (..., 32) from f (..., P) [1/sr] at the pairs of `model.networks`.
+
+    Their directional albedo is at most 1 (see `urushi.material.energy`).
+    """
+    return limit(model, encoded(model, f))
+
+
+def encoded(model: Model, f: np.ndarray) -> np.ndarray:
+    """What the networks make of values f (..., P) [1/sr]: codes (..., 32) of any albedo."""
     values = np.asarray(f, np.float32)
     pairs = len(model.networks.pairs()[0])
     if not values.ndim or values.shape[-1] != pairs:
@@ -46,7 +55,8 @@ def layer_texels(
             that broadcast against each other and against z_bottom's leading shape, e.g. (H, W, 3).
 
     Returns:
-        float32 (..., 32), of the shape that all of them broadcast to.
+        float32 (..., 32), of the shape that all of them broadcast to. Their directional albedo is
+        at most 1, or that of the bottom if it gains energy (see `urushi.material.energy`).
 
     Raises:
         ParameterError: a parameter is out of range, or the shapes do not broadcast.
@@ -76,7 +86,7 @@ def layer_texels(
         *(_leading(p.astype(np.float32), len(rows)) for p in parameters.values()),
         concurrent=model.networks.concurrent,
     )
-    return coated.reshape(*shape, z.shape[-1])
+    return limit_coated(model, coated.reshape(*shape, z.shape[-1]), z)
 
 
 def _leading(array: np.ndarray, dimensions: int) -> np.ndarray:

@@ -58,6 +58,13 @@ class Networks(Protocol):
     def f(self, z: Any, wi: Any, wo: Any) -> Any:
         """BRDF values (...) [1/sr, no cosine], never negative, for wi, wo above the horizon."""
 
+    @property
+    def scalable(self) -> bool:
+        """Whether codes have a gain, which `scaled` changes."""
+
+    def scaled(self, z: Any, factor: Any) -> Any:
+        """Codes (..., 32) whose f is `factor` (...) > 0 times that of z; z if not `scalable`."""
+
     def proposal(self, z: Any, wi: Any) -> Proposal:
         """The sampling proposal of codes z (..., 32) for wi (..., 3) above the horizon."""
 
@@ -103,6 +110,15 @@ class UrushiNetworks(NamedTuple):
     def f(self, z: Any, wi: Any, wo: Any) -> Any:
         """Decode: positive, and the same bits with wi and wo exchanged."""
         return decoder.decode(self.params, self.arch, z, direction_features(wi, wo))
+
+    @property
+    def scalable(self) -> bool:
+        """Yes."""
+        return True
+
+    def scaled(self, z: Any, factor: Any) -> Any:
+        """Exactly, for all pairs of directions alike."""
+        return decoder.scaled(z, factor)
 
     def proposal(self, z: Any, wi: Any) -> LobeMixture:
         """GGX reflection lobes and a cosine lobe."""

@@ -82,6 +82,15 @@ class PaperNetworks:
         value = evaluate(self._params, z, direction_inputs(wi, wo))
         return np.maximum(value, 0)
 
+    @property
+    def scalable(self) -> bool:
+        """No: nothing in a code scales f, so that its energy cannot be limited."""
+        return False
+
+    def scaled(self, z: Any, factor: Any) -> Any:
+        """The codes as they are."""
+        return z
+
     def proposal(self, z: Any, wi: Any) -> GaussianMixture:
         """A Gaussian and a cosine lobe, the same for all wi."""
         return proxy(self._params, z)

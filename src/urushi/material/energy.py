@@ -1,0 +1,188 @@
+"""Conservation of energy: codes whose directional albedo is too high are scaled down.
+
+One factor for all pairs of directions leaves f exactly as reciprocal as it was. Codes that have no
+gain, those of the paper's networks, are left as they are.
+"""
+
+import functools
+from importlib.resources import files
+from typing import NamedTuple
+
+import numpy as np
+
+from urushi.material import screen
+from urushi.material.cores import ROWS, fill, one_thread
+from urushi.nets.weights import Model
+
+#: The rule's and the interpolation's error in the albedo: materials end this much below 1.
+MARGIN = 0.002
+
+#: By how much a code's albedo may exceed its source's; with the error above, 0.5 %.
+SLACK = 0.003
+
+#: A source whose albedo exceeds 1 by less conserves energy and has but numerical errors.
+TOLERANCE = 0.005
+
+#: Below this cosine of wi (84 degrees) a source's own albedo is no ceiling: the networks' errors in
+#: its last few degrees would darken all other directions.
+GRAZING = 0.1
+
+#: The interpolating polynomial is one in ln(cos + this).
+OFFSET = 0.1
+
+#: Cosines, evenly spaced in that variable, at which it is looked at.
+BETWEEN = 41
+
+#: No factor makes a code's albedo zero: less than this counts as this.
+BLACK = 1e-6
+
+#: Of more codes than these, only those that `screen` does not trust are measured.
+MANY = 4096
+
+
+class Rule(NamedTuple):
+    """A quadrature for the directional albedo at K angles of M nodes in all, and between them.
+
+    Attributes:
+        wi, wo: read-only float32 (M, 3).
+        weights: (M,), wo's cosine included; those of an angle follow each other.
+        first: (K,) where each angle begins.
+        cosines: (D,) of the wi for which albedos are told.
+        interpolation: (D, K), from the albedos at the angles to those at `cosines`.
+    """
+
+    wi: np.ndarray
+    wo: np.ndarray
+    weights: np.ndarray
+    first: np.ndarray
+    cosines: np.ndarray
+    interpolation: np.ndarray
+
+    def albedo(self, f: np.ndarray) -> np.ndarray:
+        """Directional albedos (..., D) of BRDFs with values f (..., M) at the nodes."""
+        at_angles = np.add.reduceat(f * self.weights, self.first, axis=-1)
+        return at_angles @ self.interpolation.T
+
+
+@functools.cache
+def rule() -> Rule:
+    """The rule of `albedo_rule.csv`, which `benchmarks/albedo_rule.py` makes and measures."""
+    lines = (files("urushi.material") / "albedo_rule.csv").read_text(encoding="ascii").splitlines()
+    cos_i, x, y, z, weights = np.loadtxt(lines, delimiter=",").T
+    wi = np.stack([np.sqrt(1 - cos_i**2), np.zeros_like(cos_i), cos_i], axis=-1).astype(np.float32)
+    wo = np.stack([x, y, z], axis=-1).astype(np.float32)
+    wi.flags.writeable = wo.flags.writeable = False
+    first = np.flatnonzero(np.diff(cos_i, prepend=2.0))
+    angles = np.log(cos_i[first] + OFFSET)
+    between = np.linspace(angles[0], angles[-1], BETWEEN)
+    interpolation = _lagrange(angles, between)
+    return Rule(wi, wo, weights, first, np.exp(between) - OFFSET, interpolation)
+
+
+def _lagrange(nodes: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """The matrix (X, N) from values at nodes (N,) to those of their polynomial at x (X,)."""
+    columns = []
+    for index, node in enumerate(nodes):
+        others = np.delete(nodes, index)
+        columns.append(np.prod((x[:, None] - others) / (node - others), axis=1))
+    return np.stack(columns, axis=1)
+
+
+def albedo(model: Model, z: np.ndarray) -> np.ndarray:
+    """Directional albedos (N, D) of codes (N, 32) at the cosines of `rule`."""
+    nodes, networks = rule(), model.networks
+
+    def measure(codes: np.ndarray) -> np.ndarray:
+        # One by one, so that the activations stay in a core's cache.
+        return np.stack([nodes.albedo(networks.f(code, nodes.wi, nodes.wo)) for code in codes])
+
+    if not len(z):
+        return np.zeros((0, BETWEEN), np.float32)
+    if len(z) <= ROWS:
+        with one_thread():
+            return measure(z)
+    result = np.empty((len(z), BETWEEN), np.float32)
+    fill(result, measure, z, concurrent=model.networks.concurrent)
+    return result
+
+
+def highest(own: np.ndarray) -> np.ndarray:
+    """The highest albedo (..., 1) that is allowed to what has the albedos own (..., D).
+
+    1 less the margin; of a source that gains energy, the largest that it has itself.
+    """
+    peak = own.max(axis=-1, keepdims=True)
+    return np.where(peak > 1 + TOLERANCE, peak, 1 - MARGIN)
+
+
+def ceiling(own: np.ndarray) -> np.ndarray:
+    """What the albedos (..., D) of the code of a source with albedos own (..., D) may be."""
+    top = highest(own)
+    return np.where(rule().cosines < GRAZING, top, np.minimum(own + SLACK, top))
+
+
+def limit(model: Model, z: np.ndarray, ceiling: np.ndarray | float = 1 - MARGIN) -> np.ndarray:
+    """Scale codes down so that their directional albedo is nowhere above a ceiling.
+
+    Args:
+        model: the networks.
+        z: float32 (..., 32).
+        ceiling: a number, or an array that broadcasts to (..., D), at the cosines of `rule`.
+
+    Returns:
+        float32 (..., 32); the same bits where a code is not above its ceiling, and for networks
+        whose codes have no gain.
+    """
+    return _scaled(model, z, _factors(model, z, ceiling))
+
+
+def limit_coated(model: Model, z: np.ndarray, z_bottom: np.ndarray) -> np.ndarray:
+    """`limit` codes (..., 32) of coats over bottoms z_bottom, which broadcast to the same.
+
+    To 1; a bottom that gains energy, with a larger albedo, may be as bright under a coat too.
+    """
+    factors = _factors(model, z)
+    over = factors < 1
+    if over.any():
+        if z_bottom.size > z[over].size:
+            z_bottom = np.broadcast_to(z_bottom, z.shape)[over]
+            factors[over] = _eased(model, factors[over], z_bottom)
+        else:
+            factors = _eased(model, factors, z_bottom)
+    return _scaled(model, z, factors)
+
+
+def _eased(model: Model, factors: np.ndarray, z_bottom: np.ndarray) -> np.ndarray:
+    """Factors (...) for the ceiling 1, for that of the bottoms (broadcast to (..., 32))."""
+    gaining = _factors(model, z_bottom, 1 + TOLERANCE)
+    top = np.where(gaining < 1, (1 + TOLERANCE) / gaining, 1 - MARGIN)
+    return np.minimum(factors * (top / (1 - MARGIN)), 1).astype(np.float32)
+
+
+def _factors(model: Model, z: np.ndarray, ceiling: np.ndarray | float = 1 - MARGIN) -> np.ndarray:
+    """The factors float32 (...) in (0, 1] that bring codes (..., 32) below a ceiling."""
+    result = np.ones(z.shape[:-1], np.float32)
+    if not model.networks.scalable or not z.size:
+        return result
+    rows = np.ascontiguousarray(z).reshape(-1, z.shape[-1])
+    if isinstance(ceiling, float) and len(rows) > MANY:
+        bright = screen.suspects(functools.partial(_peak, model), rows, ceiling)
+        result.reshape(-1)[bright] = ceiling / _peak(model, rows[bright])
+    else:
+        measured = np.maximum(albedo(model, rows), BLACK).reshape(*z.shape[:-1], -1)
+        result[...] = (np.maximum(ceiling, BLACK) / measured).min(axis=-1)
+    return np.minimum(result, 1, out=result)
+
+
+def _peak(model: Model, z: np.ndarray) -> np.ndarray:
+    """The largest albedo (N,) of codes (N, 32)."""
+    return np.maximum(albedo(model, z).max(axis=-1), BLACK)
+
+
+def _scaled(model: Model, z: np.ndarray, factors: np.ndarray) -> np.ndarray:
+    over = factors < 1
+    if not over.any():
+        return z
+    result = np.array(z)
+    result[over] = model.networks.scaled(z[over], factors[over])
+    return result
