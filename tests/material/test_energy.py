@@ -40,7 +40,7 @@ def true_albedo(description, wi):
 
 @pytest.mark.parametrize("alpha", [0.01, 0.017, 0.033, 0.08, 0.21, 0.47, 1.0])
 def test_the_rule_agrees_with_a_fine_one(alpha):
-    """At its own angles within 0.2 % of the albedo, between them within that of 1; diffuse too."""
+    """At its own angles within 0.2 %; between them too, but for lobes narrower than their steps."""
     rule = energy.rule()
     for description in (
         urushi.conductor(alpha, (0.0, 0.5, 1.0)),
@@ -51,11 +51,12 @@ def test_the_rule_agrees_with_a_fine_one(alpha):
         f = evaluate.f(description, rule.wi, rule.wo).T
         at_angles = np.add.reduceat(f * rule.weights, rule.first, axis=-1)
         expected = true_albedo(description, rule.wi[rule.first]).T
-        np.testing.assert_allclose(at_angles, expected, rtol=3e-3)
+        np.testing.assert_allclose(at_angles, expected, rtol=2e-3)
         cosines = rule.cosines[1:-1:3]
         wi = np.stack([np.sqrt(1 - cosines**2), 0 * cosines, cosines], axis=-1).astype(np.float32)
         between = rule.albedo(f)[:, 1:-1:3]
-        assert np.abs(between - true_albedo(description, wi).T).max() < 0.03
+        error = np.abs(between - true_albedo(description, wi).T).max()
+        assert error < (0.008 if alpha < 0.02 else 0.002)
 
 
 def test_weights_are_positive_and_nodes_are_unit_vectors():
@@ -156,8 +157,6 @@ def test_of_many_texels_the_bright_ones_are_limited(trained):
     bottoms = np.concatenate([
         encode(urushi.diffuse(rho), trained).latents[:1] for rho in (0.2, 0.6, 1.0)
     ])  # fmt: skip
-    # A gain that lifts some of the coats over the whitest bottom above 1, and no others.
-    bottoms = decoder.scaled(bottoms, np.array([1, 1, 1], np.float32))
     shape = 60, 40, 3
     coats = {
         "alpha": rng.uniform(0.05, 0.5, shape), "eta": 1.5, "sigma_t": rng.uniform(0, 2, shape),
