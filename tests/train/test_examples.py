@@ -7,7 +7,10 @@ import weakref
 import numpy as np
 import pytest
 
+from urushi.data.directions import PROBES
+from urushi.data.distribution import Table2
 from urushi.data.generate import generate
+from urushi.data.spec import DataSpec, Part
 from urushi.data.store import Store
 from urushi.errors import FileError, ParameterError
 from urushi.nets.features import COAT_FEATURES, coat_features, direction_features
@@ -145,6 +148,19 @@ def test_a_damaged_shard_is_reported_when_its_turn_comes(tiny, streamed):
     chunk.write_bytes(chunk.read_bytes()[:10])
     with pytest.raises(FileError, match="cannot be used"):
         Batches(depths, tiny.stacks, seed=1).take(0, 40)
+
+
+def test_probed_stacks_are_encoded_from_their_own_values(tiny, tmp_path):
+    arch = dataclasses.replace(tiny.arch, probes=PROBES)
+    part = Part("probed", Table2(1), 8, PROBES + 16, 4, "probed")
+    store = generate(DataSpec((part,), seed=6), tmp_path / "data.zarr")
+    (depth,) = examples.load(store, arch, 8, EVERYTHING)  # no coat is layered
+    arrays, held = store.read(part), depth.first()
+    np.testing.assert_array_equal(held.probes, arrays["f"][:, :PROBES])
+    np.testing.assert_array_equal(held.f, arrays["f"][:, PROBES:].reshape(16, 8))
+    assert held.coats.shape == (8, 0, COAT_FEATURES)
+    with pytest.raises(ParameterError, match="holds 192 probes, but the architecture's encoder"):
+        examples.load(store, tiny.arch, 8, EVERYTHING)
 
 
 def test_presets_that_do_not_fit_their_data_get_one_sentence(tiny, tiny_data, depths):
