@@ -145,7 +145,7 @@ def test_places_that_cannot_be_written_are_refused_before_the_work(tiny, tiny_da
 
 
 def test_unknown_presets_are_named():
-    with pytest.raises(ParameterError, match="no preset 'slow'; choose one of quick, smoke"):
+    with pytest.raises(ParameterError, match="no preset 'slow'; choose one of base, small, quick"):
         train("slow")
 
 

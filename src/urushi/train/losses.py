@@ -22,6 +22,13 @@ KNEE = 10.0
 #: it, lest a stack that is nearly perfect rule. Both are near the noise of simulated values.
 TYPICAL, EASE = 1e-2, 3e-3
 
+#: Errors above this count as this in a stack's weight: what is quite wrong must be drawn back.
+WORST = 0.3
+
+#: Codes are held within this, five times the largest that trained networks make: in the first
+#: steps five coats one after the other would otherwise let them explode.
+LARGEST_CODE = 20.0
+
 #: Pairs lie in groups of this many of the same mixture, see `data.directions.training_pairs`.
 _PERIOD = 4
 
@@ -55,8 +62,8 @@ def stack_loss(f_hat: jax.Array, f: Any) -> jax.Array:
     """
     squares = relative_errors(f_hat, f)
     halves = squares.reshape(len(squares), -1, 2, _PERIOD).mean(axis=(1, 3))
-    weights = jnp.sqrt(TYPICAL / (EASE + jax.lax.stop_gradient(halves[:, ::-1])))
-    return jnp.mean(halves * weights)
+    others = jnp.minimum(jax.lax.stop_gradient(halves[:, ::-1]), WORST)
+    return jnp.mean(halves * jnp.sqrt(TYPICAL / (EASE + others)))
 
 
 def compose(params: Params, arch: Architecture, probes: Any, coats: tuple[Any, ...]) -> Any:
@@ -67,11 +74,15 @@ def compose(params: Params, arch: Architecture, probes: Any, coats: tuple[Any, .
         probes: (B, probes) the bottoms' values at the probe pairs.
         coats: as in `Batch`: features of the lowest coats first, (B_k, 17) for the first B_k rows.
     """
-    z = encode(params, arch, probes)
+    z = _held(encode(params, arch, probes))
     for coat in coats:
         count = coat.shape[0]
-        z = jnp.concatenate([layer(params, arch, z[:count], coat), z[count:]])
+        z = jnp.concatenate([_held(layer(params, arch, z[:count], coat)), z[count:]])
     return z
+
+
+def _held(z: jax.Array) -> jax.Array:
+    return jnp.clip(z, -LARGEST_CODE, LARGEST_CODE)
 
 
 def joint_loss(
@@ -88,7 +99,7 @@ def joint_loss(
     fit = stack_loss(decode(params, arch, z[:, None], batch.features), batch.f)
 
     chosen = z[::CYCLE_STRIDE]
-    again = encode(params, arch, decode(params, arch, chosen[:, None], probe_features))
+    again = _held(encode(params, arch, decode(params, arch, chosen[:, None], probe_features)))
     f_again = decode(params, arch, again[:, None], batch.features[::CYCLE_STRIDE])
     cycle = stack_loss(f_again, batch.f[::CYCLE_STRIDE])
     latent = jnp.mean((again - jax.lax.stop_gradient(chosen)) ** 2)
