@@ -6,7 +6,7 @@ import pytest
 import urushi
 from urushi.app import cli
 from urushi.app.commands.materials import scalar_or_rgb
-from urushi.nets import default, weights
+from urushi.nets import shipped, weights
 from urushi.nets.architecture import Architecture, init
 
 GOLD = "conductor(alpha=0.2, r0=(0.98, 0.77, 0.34))"
@@ -15,13 +15,14 @@ GOLD = "conductor(alpha=0.2, r0=(0.98, 0.77, 0.34))"
 @pytest.fixture(autouse=True)
 def untrained(monkeypatch, tmp_path):
     """Untrained networks: what is tested here does not depend on how good they are."""
-    path = tmp_path / "weights" / "untrained.safetensors"
-    path.parent.mkdir()
-    weights.save(path, Architecture(), init(Architecture(), 0), {})
-    monkeypatch.setattr(default, "default_path", lambda: path)
-    default.default_model.cache_clear()
+    folder = tmp_path / "weights"
+    folder.mkdir()
+    for seed, name in enumerate(shipped.NAMES):
+        weights.save(folder / f"{name}.safetensors", Architecture(), init(Architecture(), seed), {})
+    monkeypatch.setattr(shipped, "folder", lambda: folder)
+    shipped.load.cache_clear()
     yield
-    default.default_model.cache_clear()
+    shipped.load.cache_clear()
 
 
 def test_encode_a_description(tmp_path, capsys):

@@ -37,13 +37,16 @@ def test_worst_stacks_are_coated_and_in_order(sets, some):
 
 
 def test_lobes_are_f_cos_of_both(sets, lax, monkeypatch):
-    """Networks that answer 1 have cos; the reference peaks on the mirror's side, about 45°."""
+    """Networks that answer 1, limited, have a share of cos; the reference is on the mirror's side."""
     monkeypatch.setattr(lobes, "WALKS", 64)
     table = sets["few"].table
     smooth = int(np.argmin(table.alpha[:, 0]))
     reference, network = lobes.lobe_values(lax, table, smooth)
     assert reference.shape == network.shape == (3, len(lobes.OUTGOING))
-    np.testing.assert_allclose(network, np.cos(lobes.OUTGOING)[None].repeat(3, 0), rtol=1e-5)
+    share = network.max()
+    assert 0 < share <= 1
+    cosines = np.cos(lobes.OUTGOING)[None].repeat(3, 0)
+    np.testing.assert_allclose(network, share * cosines / cosines.max(), rtol=1e-5)
     assert (reference[:, lobes.OUTGOING > 0].sum(1) > reference[:, lobes.OUTGOING < 0].sum(1)).all()
     assert len(lobes.describe(table, 0).splitlines()) == 2
 

@@ -7,7 +7,9 @@ import pytest
 import safetensors.numpy
 
 from urushi.errors import FileError
-from urushi.material import load
+from urushi.material import encode, load
+from urushi.nets import shipped
+from urushi.reference import conductor
 
 
 def test_round_trip(material, model, tmp_path):
@@ -82,3 +84,16 @@ def test_missing_and_unwritable_paths_are_named(material, model, tmp_path):
     with pytest.raises(FileError, match="cannot write"):
         material.save(tmp_path / "absent" / "a.safetensors")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_file_finds_the_shipped_networks_it_belongs_to(tmp_path):
+    for name in shipped.NAMES:
+        made = encode(conductor(0.3, 0.9), name)
+        made.save(tmp_path / name)
+        assert load(tmp_path / name) == made
+        assert load(tmp_path / name).model is shipped.load(name)
+
+
+def test_unknown_networks_name_the_shipped_ones(tmp_path):
+    with pytest.raises(FileError, match="no weights 'large'; give a file, or one of base"):
+        encode(conductor(0.3, 0.9), "large")

@@ -8,7 +8,7 @@ import pytest
 import safetensors.numpy
 
 from urushi.errors import FileError, ParameterError
-from urushi.nets import default, weights
+from urushi.nets import shipped, weights
 from urushi.nets.architecture import Architecture, init
 
 ARCH = Architecture(latent=4, decoder=(8,), encoder=(8,), layerer=(8,), sampler=(8,), probes=16)
@@ -139,14 +139,14 @@ def test_unwritable_output_is_named(tmp_path):
 
 
 def test_missing_default_weights_name_the_cure(monkeypatch, tmp_path):
-    monkeypatch.setattr(default, "default_path", lambda: tmp_path / "quick.safetensors")
-    with pytest.raises(FileError, match="urushi train --preset quick"):
-        default.default_model.__wrapped__()
+    monkeypatch.setattr(shipped, "folder", lambda: tmp_path)
+    with pytest.raises(FileError, match="urushi train --preset small"):
+        shipped.load.__wrapped__("small")
 
 
-def test_shipped_weights_are_small_and_say_where_they_come_from():
-    model = default.default_model()
-    assert model is default.default_model()
-    assert default.default_path().stat().st_size < 2_000_000
-    assert model.header["preset"]["name"] == default.default_path().stem
+@pytest.mark.parametrize("name", shipped.NAMES)
+def test_shipped_weights_are_small_and_say_where_they_come_from(name):
+    model = shipped.find(name)
+    assert model is shipped.load(name)
+    assert (shipped.folder() / f"{name}.safetensors").stat().st_size < 2_000_000
     assert {"seed", "data", "metrics", "cost", "versions"} <= set(model.header)

@@ -2,10 +2,14 @@
 
 import json
 
-from urushi.nets.default import default_model
+import pytest
+
+from urushi.nets import shipped
 from urushi.train import presets
 
 
-def test_the_shipped_weights_were_trained_by_the_preset_as_it_stands():
-    described = default_model().header["preset"]
+@pytest.mark.parametrize("name", shipped.NAMES)
+def test_the_shipped_weights_were_trained_by_the_preset_as_it_stands(name):
+    described = shipped.load(name).header["preset"]
+    assert described["name"] == name
     assert described == json.loads(json.dumps(presets.get(described["name"]).to_dict()))

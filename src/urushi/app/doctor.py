@@ -157,9 +157,9 @@ def _gpu() -> Finding:
 
 
 def _weights() -> list[Finding]:
-    from urushi.nets import default, weights
+    from urushi.nets import shipped, weights
 
-    folder = default.default_path().parent
+    folder = shipped.folder()
     files = sorted(folder.glob("*.safetensors"))
     if not files:
         return [Finding("weights", "missing", f"'{folder}' has none; install urushi again", True)]

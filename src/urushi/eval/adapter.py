@@ -29,8 +29,7 @@ from urushi.eval import samples as sampling
 from urushi.eval.groups import Group
 from urushi.eval.samples import Samples
 from urushi.files import atomic_write, new_folder
-from urushi.nets import tensorfile, weights
-from urushi.nets.default import default_model
+from urushi.nets import shipped, tensorfile
 from urushi.nets.weights import Model
 from urushi.reference import StackTable, walk_pairs
 
@@ -135,7 +134,7 @@ def report(
     """Compare networks by the protocol; returns the figures in lines.
 
     Args:
-        weights_path: file of the networks; default: the shipped ones.
+        weights_path: file of the networks, or a shipped one's name; default: `base`.
         output: folder for adapter.json and the simulated tables, which further networks reuse.
         protocol: the size; default: the publication's, whose simulation takes 10 to 20 minutes.
 
@@ -144,7 +143,7 @@ def report(
             size, or nothing can be written there.
     """
     protocol = protocol or Protocol()
-    model = default_model() if weights_path is None else weights.load(weights_path)
+    model = shipped.find(weights_path)
     folder = None if output is None else new_folder(output)
     tables = None if folder is None else new_folder(folder / "tables")
     outcome = measure(model, protocol, tables)

@@ -15,8 +15,7 @@ from urushi.eval.groups import GROUPS, ROWS, Group, Row
 from urushi.eval.samples import Samples
 from urushi.files import atomic_write, new_folder
 from urushi.material import Material
-from urushi.nets import weights
-from urushi.nets.default import default_model
+from urushi.nets import shipped
 from urushi.nets.weights import Model
 
 
@@ -53,7 +52,7 @@ def report(
     """Measure networks and tabulate the figures.
 
     Args:
-        weights_path: file of the networks; default: the shipped ones.
+        weights_path: file of the networks, or a shipped one's name; default: `base`.
         output: folder to write figures.json and the plots to.
         seed: simulate other held-out stacks by this seed, which takes long; default: compare with
             the stored set.
@@ -62,7 +61,7 @@ def report(
         FileError: the weights or the stored set are missing or damaged, or `output` cannot be
             written.
     """
-    model = default_model() if weights_path is None else weights.load(weights_path)
+    model = shipped.find(weights_path)
     folder = None if output is None else new_folder(output)
     sets = benchmark.read() if seed is None else sampling.simulate_all(GROUPS, seed)
     source = "the stored set" if seed is None else f"simulated by seed {seed}"

@@ -13,14 +13,14 @@ from urushi.errors import UrushiError
 from urushi.material.encode import encode_values, seen_pairs, values_at
 from urushi.material.material import Material
 from urushi.measured import load_measured
-from urushi.nets.default import default_model
-from urushi.nets.weights import Model
+from urushi.nets import shipped
+from urushi.nets.shipped import Weights
 
 
 def encode_all(
     sources: Sequence[Any],
     *,
-    model: Model | None = None,
+    model: Weights | None = None,
     scheduler: str | None = None,
     refine: bool = False,
 ) -> Iterator[tuple[int, Material | UrushiError]]:
@@ -29,7 +29,7 @@ def encode_all(
     Args:
         sources: each a Path of a measured BRDF, which whoever reads it must reach, or else what
             `encode` takes; on a cluster it must be picklable, as descriptions are.
-        model: the networks; by default those that Urushi ships.
+        model: the networks, as of `encode`.
         scheduler: address of a Dask scheduler; by default this process does it, on all cores.
         refine: as of `encode`; this process does it.
 
@@ -41,7 +41,7 @@ def encode_all(
         PlatformError: there is no such scheduler.
         FileError: the shipped networks are missing.
     """
-    model = model or default_model()
+    model = shipped.find(model)
     tasks = [(source, *seen_pairs(source, model)) for source in sources]
     results = cluster.run(scheduler, _values, tasks) if scheduler else _locally(tasks)
     for index, values in results:

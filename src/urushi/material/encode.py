@@ -10,7 +10,8 @@ from urushi.material import energy
 from urushi.material.material import Material
 from urushi.material.refine import refined
 from urushi.material.texture import encoded
-from urushi.nets.default import default_model
+from urushi.nets import shipped
+from urushi.nets.shipped import Weights
 from urushi.nets.weights import Model
 from urushi.reference.stack import Conductor, Dielectric, Diffuse, Stack
 
@@ -31,7 +32,7 @@ def register_adapter(matches: Callable[[Any], bool], adapt: Callable[[Any], Brdf
     _adapters.append((matches, adapt))
 
 
-def encode(source: Any, model: Model | None = None, *, refine: bool = False) -> Material:
+def encode(source: Any, model: Weights | None = None, *, refine: bool = False) -> Material:
     """Encode a BRDF into latent codes, one per channel.
 
     Args:
@@ -39,7 +40,7 @@ def encode(source: Any, model: Model | None = None, *, refine: bool = False) -> 
             seed), a Material, any callable or any object with a method f that gives
             f(wi, wo) -> (N, 3), (N, C), or (N,) for one channel [1/sr, no cosine], a measured
             BRDF, or a Mitsuba BSDF. It should be isotropic and reciprocal.
-        model: the networks; by default those that Urushi ships.
+        model: the networks: a Model, "base" (the default) or "small", or a weights file.
         refine: whether to follow the encoder's one pass by a few steps that bring the decoded
             values closer to the given ones: for measured or unusual BRDFs, some 5 ms a channel.
             The code stays one that the encoder could have made, so that it can be layered as well
@@ -51,7 +52,7 @@ def encode(source: Any, model: Model | None = None, *, refine: bool = False) -> 
             negative or is not finite.
         FileError: the shipped networks are missing.
     """
-    model = model or default_model()
+    model = shipped.find(model)
     if isinstance(source, Material) and source.model.fingerprint == model.fingerprint:
         return source
     return encode_values(values_at(source, *seen_pairs(source, model)), model, refine=refine)

@@ -1,6 +1,7 @@
 """The file of a material: its latent codes and the fingerprint of the networks they belong to."""
 
 import os
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -21,8 +22,8 @@ def write(path: str | os.PathLike, latents: np.ndarray, fingerprint: str) -> Non
     tensorfile.write(path, "material", description, {"latents": latents})
 
 
-def read(path: str | os.PathLike, model: Model) -> np.ndarray:
-    """Return the codes (C, 32) of a file, made with just these networks.
+def read(path: str | os.PathLike, models: Sequence[Model]) -> tuple[np.ndarray, Model]:
+    """Return the codes (C, 32) of a file, and which of some networks it was made with.
 
     Raises:
         FileError: missing, truncated, foreign, damaged, or made with other networks.
@@ -33,11 +34,13 @@ def read(path: str | os.PathLike, model: Model) -> np.ndarray:
             f"'{path}' has version {description.get('version')!r} of the material format, "
             f"this Urushi reads version {FORMAT_VERSION}; install the Urushi that wrote it"
         )
-    if description.get("weights") != model.fingerprint:
+    made_with = description.get("weights")
+    model = next((model for model in models if model.fingerprint == made_with), None)
+    if model is None:
+        known = " and ".join(model.fingerprint for model in models)
         raise FileError(
             f"'{path}' and the weights do not belong together: it was encoded with weights "
-            f"{description.get('weights')}, these are {model.fingerprint}; load those weights or "
-            "encode the material again"
+            f"{made_with}, these are {known}; load those weights or encode the material again"
         )
     latents = arrays.get("latents")
     width = model.arch.latent
@@ -45,4 +48,4 @@ def read(path: str | os.PathLike, model: Model) -> np.ndarray:
         raise FileError(f"the material file '{path}' is damaged: it has no latents (C, {width})")
     if latents.dtype != np.float32 or not np.isfinite(latents).all():
         raise FileError(f"the material file '{path}' is damaged: a latent is not finite float32")
-    return latents
+    return latents, model

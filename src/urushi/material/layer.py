@@ -10,7 +10,7 @@ from urushi.errors import ParameterError
 from urushi.material.encode import encode
 from urushi.material.material import Material
 from urushi.material.texture import layer_texels
-from urushi.nets.weights import Model
+from urushi.nets.shipped import Weights
 from urushi.reference.stack import Dielectric
 
 
@@ -21,7 +21,7 @@ def layer(
     albedo: npt.ArrayLike = 0.0,
     sigma_t: npt.ArrayLike = 0.0,
     g: npt.ArrayLike = 0.0,
-    model: Model | None = None,
+    model: Weights | None = None,
 ) -> Material:
     """Coat a material with a rough dielectric over a homogeneous medium of unit thickness.
 
@@ -31,7 +31,7 @@ def layer(
         albedo: single-scattering albedo of the medium in [0, 1].
         sigma_t: its optical depth, >= 0.
         g: its Henyey-Greenstein asymmetry in (-1, 1).
-        model: the networks if bottom is not a Material; by default those that Urushi ships.
+        model: the networks if bottom is not a Material, as of `encode`.
             Every parameter is a scalar or one value per RGB channel.
 
     Returns:

@@ -11,8 +11,9 @@ from urushi.errors import ParameterError
 from urushi.material import files
 from urushi.material.chunks import ROWS, in_chunks
 from urushi.material.quadrature import half_vector_rule
-from urushi.nets.default import default_model
+from urushi.nets import shipped
 from urushi.nets.networks import Proposal
+from urushi.nets.shipped import Weights
 from urushi.nets.weights import Model
 
 
@@ -159,16 +160,17 @@ class Material:
         files.write(path, self.latents, self.model.fingerprint)
 
 
-def load(path: str | os.PathLike, model: Model | None = None) -> Material:
+def load(path: str | os.PathLike, model: Weights | None = None) -> Material:
     """Read a material that `Material.save` wrote.
 
-    model: the networks it was made with; by default those that Urushi ships.
+    model: the networks it was made with: a Model, a name or a file; by default those of Urushi's
+        own that it belongs to.
 
     Raises:
         FileError: missing, truncated, foreign, damaged, or made with other networks.
     """
-    model = model or default_model()
-    return Material(files.read(path, model), model)
+    models = [shipped.find(model)] if model else [shipped.load(name) for name in shipped.NAMES]
+    return Material(*files.read(path, models))
 
 
 def _above(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:

@@ -4,7 +4,8 @@ import mitsuba as mi
 import numpy as np
 
 from urushi.errors import ParameterError
-from urushi.material.texture import encode_texels, layer_texels
+from urushi.material.energy import limit
+from urushi.material.texture import encode_texels, encoded, layer_texels
 from urushi.nets.weights import Model
 from urushi.render import probing, spectrum
 from urushi.render.latents import ConstantLatents, TexturedLatents
@@ -14,8 +15,8 @@ from urushi.render.parameters import CoatParameters, is_varying
 #: the largest side that is chosen without being asked for.
 PROCEDURAL, LARGEST = 256, 1024
 
-#: Texels that are baked at once: bounds memory.
-TEXELS = 1 << 13
+#: Texels whose bottom is probed at once, and whose coat is layered at once: both bound memory.
+PROBED, LAYERED = 1 << 13, 1 << 18
 
 
 def bake(
@@ -34,8 +35,8 @@ def bake(
     width, height = shape
     uv = texel_centres(width, height)
     parts = [
-        _layer(model, coat, encode, uv[start : start + TEXELS]).astype(np.float16)
-        for start in range(0, len(uv), TEXELS)
+        _layer(model, coat, encode, uv[start : start + LAYERED]).astype(np.float16)
+        for start in range(0, len(uv), LAYERED)
     ]
     latents = np.concatenate(parts)
     return TexturedLatents(model, latents.reshape(height, width, *latents.shape[1:]))
@@ -162,8 +163,12 @@ def _encoder(model: Model, where: str, bottom: "mi.BSDF", shape: tuple[int, int]
         return lambda uv: once
     repeats = probing.repeats(bottom, wi, wo, shape[0] * shape[1])
 
-    def encode(uv: np.ndarray) -> np.ndarray:
+    def probed(uv: np.ndarray) -> np.ndarray:
         f = probing.symmetric(bottom, wi, wo, uv, 2, repeats)
-        return encode_texels(model, np.moveaxis(probing.checked(f, where), -1, 1))
+        return encoded(model, np.moveaxis(probing.checked(f, where), -1, 1))
+
+    def encode(uv: np.ndarray) -> np.ndarray:
+        parts = [probed(uv[start : start + PROBED]) for start in range(0, len(uv), PROBED)]
+        return limit(model, np.concatenate(parts))
 
     return encode

@@ -19,7 +19,7 @@ def define(base: type) -> type:
         filename       string                File that ``urushi.Material.save`` wrote, relative to
                                              the scene file. (Required)
         weights        string                File of the networks that the material was encoded
-                                             with. (Default: those that Urushi ships)
+                                             with, unless they are Urushi's own.
         latents        tensor                The latent codes (channels, 32); exposed by
                                              ``mi.traverse``, not a property.
         ============== ===================== ====================================================
@@ -52,8 +52,9 @@ def define(base: type) -> type:
                     f"{where} has no filename; give the file of a material saved by Material.save"
                 )
             self._filename = props["filename"]
-            self.model = read_model(props)
-            material = load(resolve(self._filename), self.model)
+            named = read_model(props) if "weights" in props else None
+            material = load(resolve(self._filename), named)
+            self.model = material.model
             if material.channels not in (1, 3):
                 raise ParameterError(
                     f"{where}: '{self._filename}' has {material.channels} channels; "

@@ -2,17 +2,16 @@
 
 import mitsuba as mi
 
-from urushi.nets import weights
-from urushi.nets.default import default_model
+from urushi.nets import shipped
 from urushi.nets.weights import Model
 from urushi.render import spectrum
 from urushi.render.latents import ConstantLatents, TexturedLatents
 
 
 def read_model(props: "mi.Properties") -> Model:
-    """The networks that the property `weights` names, else the shipped ones."""
-    path = props.get("weights", "")
-    return weights.load(resolve(path)) if path else default_model()
+    """The networks that the property `weights` names, a shipped one or a file, else the default."""
+    given = props.get("weights", shipped.NAMES[0])
+    return shipped.find(given if given in shipped.NAMES else resolve(given))
 
 
 def resolve(path: str) -> str:

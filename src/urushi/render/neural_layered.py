@@ -33,8 +33,8 @@ def define(base: type) -> type:
         resolution     integer               Texels per side of the latent texture if anything is
                                              textured. (Default: that of the largest texture, at
                                              most 1024; 256 for procedural ones)
-        weights        string                File of the networks. (Default: those that Urushi
-                                             ships)
+        weights        string                Networks: ``base`` or ``small``, or a file of them.
+                                             (Default: ``base``)
         ============== ===================== ====================================================
 
         Takes the parameters of ``layered``, its reference, and adds the last two. When the scene

@@ -16,12 +16,12 @@ class Generate:
     A run that was stopped resumes where it was, and ends in the same store; so does one on a Dask
     cluster (`dask scheduler` on one machine, `dask worker ADDRESS` on each).
 
-    Example: urushi data generate --preset quick -o runs/quick.zarr
+    Example: urushi data generate --preset base -o runs/base.zarr
     """
 
     output: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
     """Store to write (.zarr)."""
-    preset: str = "quick"
+    preset: str = "base"
     """Training preset whose data specification is used."""
     scale: float | None = None
     """For the preset "paper": the share of its training samples, as of `urushi train`."""
@@ -45,7 +45,7 @@ class Generate:
 class Show:
     """Print what a store holds, and how much of it is done.
 
-    Example: urushi data show runs/quick.zarr
+    Example: urushi data show runs/base.zarr
     """
 
     store: tyro.conf.Positional[Path]
@@ -87,7 +87,7 @@ class Benchmark:
 class Data:
     """Generate simulated BRDF values, or look at a store of them.
 
-    Example: urushi data generate --preset quick -o runs/quick.zarr
+    Example: urushi data generate --preset base -o runs/base.zarr
     """
 
     command: (

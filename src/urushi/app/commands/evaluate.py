@@ -18,11 +18,11 @@ class Evaluate:
     reference's own; how well laws of physics are kept; sizes and times. docs/conventions.md says
     what E and P are. The reference values are stored: it takes seconds.
 
-    Example: urushi eval --weights runs/quick/weights.safetensors -o runs/quick/figures
+    Example: urushi eval --weights runs/small/weights.safetensors -o runs/small/figures
     """
 
-    weights: Path | None = None
-    """Weights file; default: the one that is shipped."""
+    weights: str | None = None
+    """Networks: base (the default), small, or a weights file."""
     output: Annotated[Path | None, tyro.conf.arg(aliases=["-o"])] = None
     """Folder to write the figures (JSON) and plots to."""
     seed: int | None = None

@@ -35,6 +35,8 @@ class Encode:
     """Mitsuba variant for reading a scene file."""
     scheduler: str | None = None
     """Address of a Dask scheduler whose workers read and simulate; default: this machine."""
+    weights: str | None = None
+    """Networks: base (the default), small, or a weights file."""
     refine: bool = False
     """Bring codes closer to measured or unusual BRDFs by a few steps of optimisation."""
 
@@ -47,7 +49,10 @@ class Encode:
         sources = [self.opened(text) for text in self.sources]
         errors = []
         with tqdm(total=len(sources), unit="BRDF", disable=len(sources) == 1 or None) as progress:
-            for index, made in encode_all(sources, scheduler=self.scheduler, refine=self.refine):
+            made_all = encode_all(
+                sources, model=self.weights, scheduler=self.scheduler, refine=self.refine
+            )
+            for index, made in made_all:
                 if isinstance(made, UrushiError):
                     errors.append(made)
                 else:

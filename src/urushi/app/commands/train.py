@@ -15,12 +15,12 @@ class Train:
 
     A run that was stopped goes on by --resume, and ends in the same weights.
 
-    Example: urushi train --preset quick
+    Example: urushi train --preset base
     """
 
-    preset: str = "quick"
-    """Name of the preset: quick, smoke to see in half a minute that everything runs, or paper, the
-    system of Fan et al. 2022."""
+    preset: str = "base"
+    """Name of the preset: base, small, quick for experiments, smoke to see in half a minute that
+    everything runs, or paper, the system of Fan et al. 2022."""
     scale: float | None = None
     """For the preset "paper": the share of its training samples that is seen, in (0, 1]; 4e-5 takes
     two cores about half an hour."""
