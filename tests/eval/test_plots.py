@@ -37,7 +37,7 @@ def test_worst_stacks_are_coated_and_in_order(sets, some):
 
 
 def test_lobes_are_f_cos_of_both(sets, lax, monkeypatch):
-    """Networks that answer 1, limited, have a share of cos; the reference is on the mirror's side."""
+    """Networks that answer 1, limited, have a share of cos; the reference has its mirror lobe."""
     monkeypatch.setattr(lobes, "WALKS", 64)
     table = sets["few"].table
     smooth = int(np.argmin(table.alpha[:, 0]))
