@@ -30,8 +30,7 @@ from urushi.eval.samples import Samples
 from urushi.material import Material, layer, refine
 from urushi.material.encode import encode_values, seen_pairs, values_at
 from urushi.material.texture import layer_texels
-from urushi.nets import weights
-from urushi.nets.default import default_model
+from urushi.nets import shipped, weights
 from urushi.nets.weights import Model
 
 #: Pairs of E for an odd material, of which the first are simulated under coats; walks for each.
@@ -205,7 +204,7 @@ def main() -> None:
     parser.add_argument("measured", type=Path, nargs="*", help="MERL or RGL files")
     options = parser.parse_args()
     mi.set_variant("llvm_ad_rgb")
-    model = weights.load(options.weights) if options.weights else default_model()
+    model = weights.load(options.weights) if options.weights else shipped.default_model()
     make = encoders(model)
     groups = tuple(group for group in GROUPS if group.distribution.coats < 3)
     sets = benchmark.read(groups=groups)

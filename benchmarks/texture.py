@@ -13,8 +13,7 @@ from collections.abc import Callable
 from statistics import median
 
 from urushi.eval.cost import parameters, single_operations, texture_operations
-from urushi.nets import weights
-from urushi.nets.default import default_path
+from urushi.nets import shipped
 
 
 def table(heading: str, operations: dict[str, Callable[[], object]], runs: int) -> None:
@@ -37,10 +36,10 @@ def _duration(seconds: float) -> str:
 def main() -> None:
     """Print both tables."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.texture", description=__doc__)
-    parser.add_argument("--weights", default=default_path(), help="a file of trained networks")
+    parser.add_argument("--weights", default="base", help="base, small, or a weights file")
     parser.add_argument("--side", type=int, default=1024, help="texels a side of the texture")
     arguments = parser.parse_args()
-    model = weights.load(arguments.weights)
+    model = shipped.find(arguments.weights)
     sizes = ", ".join(f"{part} {count:,}" for part, count in parameters(model).items())
     print(f"parameters: {sizes}\n")
     table("one RGB material", single_operations(model), 50)

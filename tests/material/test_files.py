@@ -95,5 +95,5 @@ def test_a_file_finds_the_shipped_networks_it_belongs_to(tmp_path):
 
 
 def test_unknown_networks_name_the_shipped_ones(tmp_path):
-    with pytest.raises(FileError, match="no weights 'large'; give a file, or one of base"):
+    with pytest.raises(FileError, match="no weights 'large'; give a file, or one of base, small"):
         encode(conductor(0.3, 0.9), "large")

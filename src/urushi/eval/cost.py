@@ -13,8 +13,9 @@ from urushi.nets.architecture import FIXED
 from urushi.nets.weights import Model
 from urushi.reference import conductor, dielectric
 
-#: Textures of this many texels a side are layered, and the times scaled to `TEXTURE`.
-TILE, TEXTURE = 128, 1024
+#: Textures of these many texels a side are layered, and the times continued to `TEXTURE` as a
+#: constant and a share for each texel.
+TILES, TEXTURE = (128, 256), 1024
 
 GOLD, TOP = conductor(0.2, (0.98, 0.77, 0.34)), dielectric(0.05, 1.5)
 
@@ -35,10 +36,15 @@ def parameters(model: Model) -> dict[str, int]:
 def seconds(model: Model) -> dict[str, float]:
     """Median times of the public operations on NumPy, on this machine under its present load."""
     single = {name: _median(run, 15) for name, run in single_operations(model).items()}
-    scale = (TEXTURE // TILE) ** 2
+    small, large = (
+        {name: _median(run, 3) for name, run in texture_operations(model, side).items()}
+        for side in TILES
+    )
+    beyond = (TEXTURE**2 - TILES[1] ** 2) / (TILES[1] ** 2 - TILES[0] ** 2)
     textures = {
-        f"layer a {TEXTURE}² RGB texture, {name} (from {TILE}²)": scale * _median(run, 3)
-        for name, run in texture_operations(model, TILE).items()
+        f"layer a {TEXTURE}² RGB texture, {name} (from {TILES[1]}²)": large[name]
+        + beyond * (large[name] - small[name])
+        for name in large
     }
     bottom = encode(GOLD, model)
     wi, wo = np.random.default_rng(0).normal(size=(2, PAIRS, 3))

@@ -9,7 +9,7 @@ from urushi.nets import weights
 from urushi.nets.weights import Model
 
 #: Files in the folder `weights` beside this module, the default first.
-NAMES = ("base",)
+NAMES = ("base", "small")
 
 #: Networks as users may give them: a Model, one of `NAMES`, or a weights file.
 Weights = Model | str | os.PathLike
