@@ -98,6 +98,9 @@ def base() -> Preset:
     """The shipped default: the whole domain.
 
     Command: `urushi train --preset base`
+    Time: 70 to 90 minutes on two cores (data 18 to 29, networks and proposal 50 to 57).
+    Expected of `urushi eval`: Table 2 stacks of two interfaces E mean 0.6 %, P median 0.4 %; the
+        extended domain E mean 0.9 %, six interfaces 1.3 %.
     """
     return Preset(
         name="base",
@@ -116,6 +119,9 @@ def small() -> Preset:
 
     Command: `urushi train --preset small --data runs/base/data.zarr`, after `base`, whose data it
     shares; without --data it makes the same again.
+    Time: 19 minutes on two cores, without the data.
+    Expected of `urushi eval`: Table 2 stacks of two interfaces E mean 1.0 %, P median 0.7 %; the
+        extended domain E mean 1.6 %, six interfaces 1.9 %.
     """
     return Preset(
         name="small",
