@@ -24,7 +24,7 @@ def result(tiny, sets, groups):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(physics, "WHITE_STACKS", 1)
         patch.setattr(physics, "absorption", lambda model: [])
-        patch.setattr(cost, "TILE", 8)
+        patch.setattr(cost, "TILES", (8, 16))
         patch.setattr(cost, "PAIRS", 64)
         return report.measure(tiny, sets, groups=groups, rows=ROWS, source="a few stacks")
 

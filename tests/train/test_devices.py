@@ -66,7 +66,7 @@ def test_each_device_has_its_share_of_the_stacks_and_all_parameters(four, tiny):
     assert seen["f"] == [[steps, 4, tiny.pairs]] * 4  # 16 stacks a step
     # Only some stacks have the lowest coat, fewer the next one: these go whole to every device.
     assert seen["coats"] == [[steps, 13, COAT_FEATURES], [steps, 4, COAT_FEATURES]]
-    assert seen["weight"] == [[14, 16]] * 4
+    assert seen["weight"] == [[5 + 8, 16]] * 4  # the code without its gain, and the directions
 
 
 def test_four_devices_learn_what_one_does(four, tiny, tiny_data, tmp_path):
