@@ -7,7 +7,7 @@ from scipy import stats
 from urushi.data import directions
 from urushi.errors import ParameterError
 from urushi.nets.features import DIRECTION_FEATURES, direction_features
-from urushi.nets.probes import probe_pairs
+from urushi.nets.probes import PROBES, probe_pairs
 
 N = 20_000
 
@@ -103,12 +103,12 @@ def test_metric_sets_have_features_within_the_networks_normalisation():
 
 
 def test_probed_stacks_each_begin_with_the_encoders_probe_pairs():
-    pairs = directions.PROBES + 16
+    pairs = PROBES + 16
     wi, wo = directions.draw("probed", np.random.default_rng(7), 3, pairs)
-    probes = probe_pairs(directions.PROBES)
+    probes = probe_pairs(PROBES)
     for stack in np.split(np.arange(3 * pairs), 3):
-        known, others = stack[: directions.PROBES], stack[directions.PROBES :]
+        known, others = stack[:PROBES], stack[PROBES:]
         assert np.array_equal(wi[known], probes[0]) and np.array_equal(wo[known], probes[1])
         assert not np.isin(wi[others], probes[0]).all(axis=1).any()
     with pytest.raises(ParameterError, match="part 'x' has 192 probed pairs; give more"):
-        directions.check("probed", directions.PROBES, "part 'x'")
+        directions.check("probed", PROBES, "part 'x'")

@@ -9,6 +9,7 @@ from urushi.eval import samples as sampling
 from urushi.eval.groups import GROUPS, ROWS, Group
 from urushi.eval.samples import Samples
 from urushi.material.quadrature import half_vector_rule
+from urushi.nets.probes import PROBES, probe_pairs
 from urushi.reference import coat, conductor
 from urushi.reference.albedo import albedo
 
@@ -61,7 +62,7 @@ def test_probed_values_are_those_of_the_lower_stack():
 def test_probed_values_agree_with_the_stack(sets):
     """The probes' values, within the noise of both: P's median at 8192 walks is below 1 %."""
     few = sets["few"]
-    probes = sampling.probe_pairs(sampling.PROBES)
+    probes = probe_pairs(PROBES)
     wi, wo = (np.broadcast_to(w, (3, *w.shape)) for w in probes)
     f, _ = sampling.walk_all(few.table, wi, wo, 8192, seed=5)
     error = np.abs(f - few.probed[1]) / (few.probed[1] + 1e-3)

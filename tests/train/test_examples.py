@@ -7,14 +7,13 @@ import weakref
 import numpy as np
 import pytest
 
-from urushi.data.directions import PROBES
 from urushi.data.distribution import Table2
 from urushi.data.generate import generate
 from urushi.data.spec import DataSpec, Part
 from urushi.data.store import Store
 from urushi.errors import FileError, ParameterError
 from urushi.nets.features import COAT_FEATURES, coat_features, direction_features
-from urushi.nets.probes import probe_pairs
+from urushi.nets.probes import PROBES, probe_pairs
 from urushi.reference import evaluate
 from urushi.train import examples
 from urushi.train.examples import Batches, Depth

@@ -9,14 +9,11 @@ from collections.abc import Callable
 import numpy as np
 
 from urushi.errors import ParameterError
-from urushi.nets.probes import from_half_and_difference, probe_pairs
+from urushi.nets.probes import PROBES, from_half_and_difference, probe_pairs
 
 #: Pairs whose lower cosine is below this are not trained on: they carry no energy, and the
 #: features 0.5 ln(cos_i cos_o) of a few would outweigh those of all others.
 LOWEST_COSINE = 0.004
-
-#: Pairs at which the encoder sees a BRDF, of the sets that hold them.
-PROBES = 192
 
 #: Range of tan(theta_h) in the training pairs: beyond that of metric P on both sides.
 HALF_ANGLE_RANGE = (5e-4, 8.0)

@@ -12,12 +12,11 @@ import numpy as np
 
 from urushi.data.palette import Palette
 from urushi.errors import ParameterError
+from urushi.nets.features import MIN_ALPHA
 from urushi.reference.table import BOTTOM_KINDS, StackTable
 
 #: The deepest recursion that is trained: five coats over a bottom have six interfaces.
 MAX_COATS = 5
-
-MIN_ALPHA = 0.01
 
 #: A coat's parameters, in the order of the data stores.
 COAT_PARAMETERS = ("alpha", "eta", "albedo", "sigma_t", "g")

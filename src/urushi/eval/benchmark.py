@@ -23,6 +23,7 @@ from urushi.eval import samples as sampling
 from urushi.eval.groups import GROUPS, Group
 from urushi.eval.samples import Samples
 from urushi.nets import tensorfile
+from urushi.nets.probes import PROBES
 from urushi.reference import StackTable
 
 #: Of the stored set; `urushi eval --seed` takes others.
@@ -173,7 +174,7 @@ def _describe(group: Group) -> dict[str, object]:
         "distribution": to_dict(group.distribution),
         "stacks": group.stacks,
         "probed": list(group.probed),
-        "pairs": [sampling.E_PAIRS, sampling.P_PAIRS, sampling.PROBES],
+        "pairs": [sampling.E_PAIRS, sampling.P_PAIRS, PROBES],
     }
 
 

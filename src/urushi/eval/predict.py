@@ -8,7 +8,7 @@ from urushi.eval.samples import Samples
 from urushi.material import Material
 from urushi.material.encode import STACK_WALKS, encode_values, seen_pairs
 from urushi.material.texture import layer_texels
-from urushi.nets.probes import probe_pairs
+from urushi.nets.probes import PROBES, probe_pairs
 from urushi.nets.weights import Model
 
 #: Seed of walks for networks that want values at other pairs than the stored ones.
@@ -55,7 +55,7 @@ def _lower_values(samples: Samples, coats: int, wi: np.ndarray, wo: np.ndarray) 
     wi_all, wo_all = (np.broadcast_to(w, (stacks, *w.shape)) for w in (wi, wo))
     if coats == 0:
         return sampling.evaluate_bottoms(samples.table, wi_all, wo_all)
-    known = probe_pairs(sampling.PROBES)
+    known = probe_pairs(PROBES)
     if coats in samples.probed and np.array_equal(known, (wi, wo)):
         return samples.probed[coats]
     lower = sampling.lowest(samples.table, coats)

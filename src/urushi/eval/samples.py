@@ -11,7 +11,7 @@ from urushi.data import directions, metrics
 from urushi.eval.groups import Group
 from urushi.material.encode import STACK_WALKS
 from urushi.material.quadrature import half_vector_rule
-from urushi.nets.probes import probe_pairs
+from urushi.nets.probes import PROBES, probe_pairs
 from urushi.reference import StackTable, evaluate, walk_pairs
 
 #: Drawn pairs of every stack: for E (cosine density) and for P (log half angle).
@@ -35,9 +35,6 @@ PROBE_ERROR = 0.005
 #: stacks of a group is measured; walks of the pilot run for each of the quadrature's 1536 nodes.
 ALBEDO_COSINES, ALBEDO_STACKS, ALBEDO_PILOT = (0.95, 0.6, 0.25), 8, 64
 
-#: Probe pairs of the shipped networks; for others the values are simulated when they are asked for.
-PROBES = 192
-
 
 #: From f and the standard deviation of one walk to the walks wanted; all (S, M).
 Allotment = Callable[[np.ndarray, np.ndarray], np.ndarray]
@@ -51,7 +48,8 @@ class Samples:
         table: the S stacks.
         wi, wo: (S, M, 3) float32, pairs for E first, then those for P.
         f, se: (S, M) float32 [1/sr], mean and standard error; without coats exact, se = 0.
-        probed: by number of coats, values (S, `PROBES`) [1/sr] of the lower parts of the stacks.
+        probed: by number of coats, values (S, `PROBES`) [1/sr] of the lower parts of the stacks;
+            for networks with other probes they are simulated when they are asked for.
         albedo, albedo_se: (up to `ALBEDO_STACKS`, `ALBEDO_COSINES`) float32, directional albedo of
             the first stacks; None without coats.
     """

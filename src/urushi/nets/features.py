@@ -23,7 +23,7 @@ DIRECTION_FEATURES = len(DIRECTION_TABLE)
 #: vanishing interface must not send them where they know nothing.
 MIN_INDEX_STEP = 0.04
 
-#: The least width of a coat's microfacet lobe: a mirror, as far as light sources resolve it.
+#: The least width of a microfacet lobe: a mirror, as far as light sources resolve it.
 MIN_ALPHA = 0.01
 
 #: The same for a coat; m = 1 - exp(-sigma_t). Whatever holds albedo or g vanishes with sigma_t.

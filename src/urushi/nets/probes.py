@@ -4,6 +4,9 @@ import functools
 
 import numpy as np
 
+#: How many the shipped encoders see.
+PROBES = 192
+
 #: Share of the pairs that is spread in the logarithm of the half angle; the rest is spread over
 #: both hemispheres.
 HALF_ANGLE_SHARE = 2 / 3
@@ -59,7 +62,7 @@ def _hemisphere_pairs(count: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 @functools.cache
-def probe_pairs(n: int = 192) -> tuple[np.ndarray, np.ndarray]:
+def probe_pairs(n: int = PROBES) -> tuple[np.ndarray, np.ndarray]:
     """Return the n pairs wi, wo: read-only float32 (n, 3), above the horizon, always the same.
 
     Two thirds have tan theta_h spread logarithmically over [0.001, 4] about difference angles up

@@ -3,12 +3,11 @@
 from typing import Any
 
 from urushi.nets.architecture import Architecture, Params
-from urushi.nets.features import MIN_COSINE
+from urushi.nets.features import MIN_ALPHA, MIN_COSINE
 from urushi.nets.mlp import hidden_to_output, split_linear
 
 #: The cosine lobe never gets less than this: it bounds f_cos / pdf where the network is wrong.
 MIN_COSINE_SHARE = 0.02
-MIN_ALPHA = 0.01
 _LOG_MIN_ALPHA = -4.605170185988092
 
 

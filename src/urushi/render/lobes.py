@@ -12,7 +12,8 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi.nets.sampler import MIN_ALPHA, MIN_COSINE_SHARE
+from urushi.nets.features import MIN_ALPHA
+from urushi.nets.sampler import MIN_COSINE_SHARE
 from urushi.nets.weights import Model
 from urushi.physics.frame import square_to_cosine_hemisphere
 from urushi.render import network

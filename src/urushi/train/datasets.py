@@ -2,9 +2,9 @@
 
 from collections.abc import Mapping
 
-from urushi.data.directions import PROBES
 from urushi.data.distribution import Distribution, Extended, Table2
 from urushi.data.spec import DataSpec, Part
+from urushi.nets.probes import PROBES
 
 #: Numbers of stacks by distribution: "table2", or the kind of bottom of an `Extended`.
 Counts = Mapping[str, int]

@@ -10,11 +10,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from urushi.data.directions import PROBES
 from urushi.data.store import Store
 from urushi.errors import ParameterError
 from urushi.nets.architecture import Architecture
 from urushi.nets.features import DIRECTION_FEATURES, direction_features
+from urushi.nets.probes import PROBES
 from urushi.train.order import Order, Window
 from urushi.train.parts import TRAINING, bottom_values, coat_inputs, depth, no_coats, trained_pairs
 

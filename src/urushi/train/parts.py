@@ -2,11 +2,10 @@
 
 import numpy as np
 
-from urushi.data.directions import PROBES
 from urushi.data.spec import Part
 from urushi.nets.architecture import Architecture
 from urushi.nets.features import coat_features
-from urushi.nets.probes import probe_pairs
+from urushi.nets.probes import PROBES, probe_pairs
 from urushi.reference import evaluate
 
 #: The direction sets of parts to train on.
