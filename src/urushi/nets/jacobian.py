@@ -46,7 +46,7 @@ def _outputs(params: Params, prefix: str, first: Any, activation: str) -> tuple[
     """
     slopes, index, x = [], 1, first
     while f"{prefix}.{index}.weight" in params:
-        slopes.append(_slope(x, activation))
+        slopes.append(slope(x, activation))
         x = linear(params, f"{prefix}.{index}", activate(x, activation))
         index += 1
     last = params[f"{prefix}.{index - 1}.weight"].T  # (out, width)
@@ -58,7 +58,7 @@ def _outputs(params: Params, prefix: str, first: Any, activation: str) -> tuple[
     return x, gradient
 
 
-def _slope(x: Any, activation: str) -> Any:
+def slope(x: Any, activation: str) -> Any:
     """The derivative of `mlp.activate`."""
     xp = x.__array_namespace__()
     if activation == "relu":
