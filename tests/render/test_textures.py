@@ -104,7 +104,8 @@ def test_a_textured_coat_under_another(rgb, networks):
         ({}, None),
         ({"albedo": "5x3"}, (5, 3)),
         ({"albedo": "5x3", "alpha": "procedural"}, (256, 256)),
-        ({"albedo": "5x3 twice"}, (10, 6)),
+        ({"albedo": "5x3 twice"}, (5, 3)),
+        ({"albedo": "5x3 twice", "alpha": "5x3"}, (10, 6)),
         ({"albedo": "procedural", "resolution": 32}, (32, 32)),
         ({"resolution": 32}, None),
     ],
@@ -121,12 +122,3 @@ def test_the_resolution_follows_the_textures(rgb, networks, properties, resoluti
         for key, value in properties.items()
     }
     assert load(rgb, "neural_layered", networks, **chosen).latents.resolution == resolution
-
-
-def test_distinct_rows_stand_for_all():
-    from urushi.render.baking import distinct
-
-    rows = np.random.default_rng(0).integers(3, size=(200, 4)).astype(float)
-    first, label = distinct(rows)
-    np.testing.assert_array_equal(rows[first][label], rows)
-    assert len(first) == len(np.unique(rows, axis=0))

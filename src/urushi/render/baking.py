@@ -1,45 +1,127 @@
-"""From a coat's parameters and the BSDF under it to latent codes, constant or a texture of them."""
+"""From a coat's parameters and the BSDF under it to latent codes, constant or a texture of them.
 
+Three stages: the bottom's codes (`bottom_codes`), the coat's parameters at every texel, and the
+layering of the one by the other. Each remembers what it was made from, and does only the rest when
+it is asked again.
+"""
+
+import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi.errors import ParameterError
-from urushi.material.energy import limit
-from urushi.material.texture import encode_texels, encoded, layer_texels
+from urushi.material import keys, packing
+from urushi.material.packing import Store
+from urushi.material.texture import layer_texels
 from urushi.nets.weights import Model
-from urushi.render import probing, spectrum
+from urushi.render import grid as grids
+from urushi.render import spectrum
+from urushi.render.bottom_codes import TEXELS, BottomCodes, nested_latents
+from urushi.render.grid import Grid
 from urushi.render.latents import ConstantLatents, TexturedLatents
-from urushi.render.parameters import CoatParameters, is_varying
-
-#: Texels per side of the latent texture for textures that have no resolution of their own, and
-#: the largest side that is chosen without being asked for.
-PROCEDURAL, LARGEST = 256, 1024
-
-#: Texels whose bottom is probed at once, and whose coat is layered at once: both bound memory.
-PROBED, LAYERED = 1 << 13, 1 << 18
+from urushi.render.parameters import CoatParameters
 
 
-def bake(
-    model: Model, coat: CoatParameters, bottom: "mi.BSDF", resolution: int
-) -> ConstantLatents | TexturedLatents:
-    """Encode the bottom and layer the coat on it; resolution: texels per side, 0 to choose.
+class Baker:
+    """A coat over a bottom as latent codes; `update` makes them, and makes them anew."""
+
+    def __init__(self, model: Model, coat: CoatParameters, bottom: "mi.BSDF", resolution: int):
+        """resolution: texels per side of a latent texture, 0 to choose."""
+        self._model, self._coat, self._bottom = model, coat, bottom
+        self._resolution = resolution
+        self._codes = BottomCodes(model, bottom, coat.where)
+        self._texture: CoatTexture | None = None
+
+    def update(self, bottom_changed: bool = True) -> ConstantLatents | TexturedLatents:
+        """The codes of the parameters as they are now; of a texture, only new rows are layered.
+
+        bottom_changed: whether the bottom may be another than when this was last called.
+
+        Raises:
+            ParameterError: a parameter is out of range, or the bottom gives what no BRDF gives.
+        """
+        grid = choose_grid(self._coat, self._bottom, self._model, self._resolution)
+        before = self._texture and self._texture.grid
+        if bottom_changed or grid != before:
+            self._codes.update(grid)
+        if grid is None:
+            self._texture = None
+            table = self._coat.table(np.full((1, 2), 0.5))
+            return ConstantLatents(
+                self._model, layer_texels(self._model, self._codes.read(0, 1)[1], **table)[0]
+            )
+        if self._texture is None or grid != before:
+            self._texture = CoatTexture(self._model, self._coat, grid)
+        return self._texture.update(self._codes)
+
+
+class CoatTexture:
+    """A texture of coats over a bottom: the packed codes, and the keys of what they are made of."""
+
+    def __init__(self, model: Model, coat: CoatParameters, grid: Grid):
+        self.grid = grid
+        self._model, self._coat = model, coat
+        self._keys = np.zeros((grid.texels, spectrum.channel_count()), np.uint64)
+        self._store = Store(packing.layout(model, self._keys.shape[1]), grid.texels)
+
+    def update(self, bottom: BottomCodes) -> TexturedLatents:
+        """Layer the rows, one a texel and channel, whose coat or bottom is not as before."""
+        grid = self.grid
+        dr.sync_thread()  # kernels may still read what is overwritten here
+        if self._store.empty:
+            self._keys[:] = 0  # an error ended the last attempt
+        with self._store.writing() as write:
+            for start in range(0, grid.texels, TEXELS):
+                stop = min(start + TEXELS, grid.texels)
+                table = self._coat.table(grid.uv(start, stop))
+                under, codes = bottom.read(start, stop)
+                before = self._keys[start:stop]
+                present = np.broadcast_to(keys.of([under, *table.values()]), before.shape)
+                texel, channel = np.nonzero(present != before)
+                if not len(texel):
+                    continue
+                layered = self._layered(present, texel, channel, table, codes)
+                if len(layered) == present.size:
+                    write(np.arange(start, stop), layered.reshape(*present.shape, -1))
+                else:
+                    rows, which = np.unique(texel, return_inverse=True)
+                    texels = self._store.read(start + rows)
+                    texels[which, channel] = layered
+                    write(start + rows, texels)
+                self._keys[start:stop] = present
+        return TexturedLatents(self._model, self._store, grid)
+
+    def _layered(
+        self,
+        present: np.ndarray,
+        texel: np.ndarray,
+        channel: np.ndarray,
+        table: dict[str, np.ndarray],
+        codes: np.ndarray,
+    ) -> np.ndarray:
+        """Codes (n, size) of rows (texel, channel), each of those that are alike once."""
+        row, row_of = keys.distinct(present[texel, channel])
+        texel, channel = texel[row], channel[row]
+
+        def at_rows(array: np.ndarray) -> np.ndarray:
+            count, width = array.shape[:2]
+            return array[texel if count > 1 else 0, channel if width > 1 else 0]
+
+        rows = {name: np.broadcast_to(at_rows(v), len(row)) for name, v in table.items()}
+        return layer_texels(self._model, at_rows(codes), **rows)[row_of]
+
+
+def choose_grid(
+    coat: CoatParameters, bottom: "mi.BSDF", model: Model, resolution: int
+) -> Grid | None:
+    """The grid of a coat's codes over a bottom; None: they are the same everywhere.
 
     Raises:
-        ParameterError: a parameter is out of range, or the bottom gives what no BRDF gives.
+        ParameterError: a texture is a mesh attribute.
     """
-    textures = [*coat.varying, *varying_textures(bottom)]
-    shape = texture_shape(textures, bottom, resolution)
-    encode = _encoder(model, coat.where, bottom, shape)
-    if shape is None:
-        return ConstantLatents(model, _layer(model, coat, encode, np.full((1, 2), 0.5))[0])
-    width, height = shape
-    uv = texel_centres(width, height)
-    parts = [
-        _layer(model, coat, encode, uv[start : start + LAYERED]).astype(np.float16)
-        for start in range(0, len(uv), LAYERED)
-    ]
-    latents = np.concatenate(parts)
-    return TexturedLatents(model, latents.reshape(height, width, *latents.shape[1:]))
+    nested = nested_latents(bottom, model)
+    below = [] if nested is not None else grids.varying_textures(bottom)
+    inner = nested.grid if nested is not None else None
+    return grids.choose([*coat.varying, *below], inner, resolution, coat.where)
 
 
 def check(coat: CoatParameters) -> None:
@@ -50,125 +132,9 @@ def check(coat: CoatParameters) -> None:
     """
     if any(texture.class_name() == "MeshAttribute" for texture in coat.varying):
         return  # known on a mesh only; the walk clips what it finds there
-    sizes = [_texture_size(texture) for texture in coat.varying]
-    width, height = (min(max(side), LARGEST) for side in zip((1, 1), *sizes, strict=True))
-    coat.table(texel_centres(width, height))
-
-
-def texel_centres(width: int, height: int) -> np.ndarray:
-    """Points uv (width * height, 2) in the unit square, row by row."""
-    x, y = (np.arange(width) + 0.5) / width, (np.arange(height) + 0.5) / height
-    return np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
-
-
-def texture_shape(
-    textures: list["mi.Texture"], bottom: "mi.BSDF", resolution: int
-) -> tuple[int, int] | None:
-    """Width and height of the latent texture that does the textures justice; None: constant."""
-    sizes = [_texture_size(texture) for texture in textures]
-    nested = getattr(bottom, "latents", None)
-    if nested is not None and nested.resolution is not None:
-        sizes.append(nested.resolution)
-    if not sizes:
-        return None
-    if resolution:
-        return resolution, resolution
-    width, height = (min(max(side), LARGEST) for side in zip(*sizes, strict=True))
-    return width, height
-
-
-def varying_textures(root: "mi.Object") -> list["mi.Texture"]:
-    """The textures that depend on the position, anywhere in a scene object."""
-    found, seen, waiting = [], set(), [root]
-    while waiting:
-        node = waiting.pop()
-        if id(node) in seen:
-            continue
-        seen.add(id(node))
-        if isinstance(node, mi.Texture) and is_varying(node):
-            found.append(node)
-        waiting += _children(node)
-    return found
-
-
-def _children(node: "mi.Object") -> list["mi.Object"]:
-    children = []
-
-    class Collector(mi.TraversalCallback):
-        def put(self, name, value, flags, cpptype=None):
-            if isinstance(value, mi.Object):
-                children.append(value)
-
-        def put_value(self, name, value, flags, cpptype=None):
-            pass
-
-        def put_object(self, name, value, flags):
-            if value is not None:
-                children.append(value)
-
-    node.traverse(Collector())
-    return children
-
-
-def _texture_size(texture: "mi.Texture") -> tuple[int, int]:
-    """Texels over the unit square of uv, repetitions by the texture's transform included."""
-    if texture.class_name() == "MeshAttribute":
-        raise ParameterError(
-            "neural_layered cannot bake mesh attributes, which are not given over uv; "
-            "use a texture, or the plugin 'layered'"
-        )
-    width, height = texture.resolution()
-    if width * height <= 1:
-        return PROCEDURAL, PROCEDURAL
-    parameters = mi.traverse(texture)
-    if "to_uv" in parameters:
-        scale = np.abs(np.asarray(parameters["to_uv"].matrix.numpy()).reshape(3, 3))
-        return tuple(
-            max(round(side * scale[i, :2].max()), 1) for i, side in enumerate((width, height))
-        )
-    return width, height
-
-
-def _layer(model: Model, coat: CoatParameters, encode, uv: np.ndarray) -> np.ndarray:
-    """Latent codes (M, C, 32) at points uv (M, 2)."""
-    table, bottom = coat.table(uv), encode(uv)
-    if len(bottom) > 1:
-        return layer_texels(model, bottom, eta=coat.eta, **table)
-    # Over one bottom, equal parameters give equal codes: patterns have few distinct texels.
-    first, label = distinct(np.concatenate(list(table.values()), axis=1))
-    rows = {name: values[first] for name, values in table.items()}
-    return layer_texels(model, bottom, eta=coat.eta, **rows)[label]
-
-
-def distinct(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Indices of rows (M, K) that stand for all, and of each row's among these (M,)."""
-    order = np.lexsort(rows.T)
-    change = (np.diff(rows[order], axis=0) != 0).any(axis=1)
-    label = np.empty(len(rows), np.intp)
-    label[order] = np.concatenate([[0], np.cumsum(change)])
-    return order[np.concatenate([[True], change])], label
-
-
-def _encoder(model: Model, where: str, bottom: "mi.BSDF", shape: tuple[int, int] | None):
-    """A function from points uv (M, 2) to the bottom's latent codes (M or 1, C, 32)."""
-    nested = getattr(bottom, "latents", None)
-    textured = bool(varying_textures(bottom))
-    if nested is not None and bottom.model.fingerprint == model.fingerprint:
-        first = nested.at(np.full((1, 2), 0.5))
-        if first.shape[1] == spectrum.channel_count():
-            return nested.at if nested.resolution else lambda uv: first
-    wi, wo = model.networks.pairs()
-    if shape is None or not textured:
-        once = encode_texels(model, probing.read(bottom, wi, wo, where).T)[None]
-        return lambda uv: once
-    repeats = probing.repeats(bottom, wi, wo, shape[0] * shape[1])
-
-    def probed(uv: np.ndarray) -> np.ndarray:
-        f = probing.symmetric(bottom, wi, wo, uv, 2, repeats)
-        return encoded(model, np.moveaxis(probing.checked(f, where), -1, 1))
-
-    def encode(uv: np.ndarray) -> np.ndarray:
-        parts = [probed(uv[start : start + PROBED]) for start in range(0, len(uv), PROBED)]
-        return limit(model, np.concatenate(parts))
-
-    return encode
+    grid = grids.choose(coat.varying, None, 0, coat.where)
+    if grid is None:
+        coat.table(np.full((1, 2), 0.5))
+        return
+    for start in range(0, grid.texels, TEXELS):
+        coat.table(grid.uv(start, min(start + TEXELS, grid.texels)))

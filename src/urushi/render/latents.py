@@ -10,8 +10,11 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from urushi.material.packing import Store
 from urushi.nets.weights import Model
 from urushi.render import twins
+from urushi.render.grid import Grid
+from urushi.render.latent_texture import LatentTexture
 from urushi.render.twins import Mixture
 
 
@@ -40,8 +43,18 @@ class ConstantLatents:
         return np.broadcast_to(self._latents, (len(uv), *self._latents.shape))
 
     @property
+    def channels(self) -> int:
+        """Codes that it has."""
+        return len(self._latents)
+
+    @property
     def resolution(self) -> tuple[int, int] | None:
         """Width and height of the texture; None: the same everywhere."""
+        return None
+
+    @property
+    def grid(self) -> Grid | None:
+        """The texture's grid; None: the same everywhere."""
         return None
 
     def __str__(self) -> str:
@@ -49,39 +62,31 @@ class ConstantLatents:
 
 
 class TexturedLatents:
-    """A bilinear, repeating texture of latent codes in half precision.
-
-    Half precision costs 5e-4 of a code's size and makes look-ups twice as fast as single.
-    """
+    """A texture of latent codes in few bytes, see `material.packing`."""
 
     DRJIT_STRUCT: ClassVar = {"_texture": object}  # for frozen functions
 
-    def __init__(self, model: Model, latents: np.ndarray):
-        """latents: (height, width, C, 32); the texel (y, x) lies at uv = (x, y) + 1/2."""
-        height, width, self._channels, self._size = latents.shape
+    def __init__(self, model: Model, store: Store, grid: Grid):
+        self.grid, self.channels = grid, store.layout.channels
+        self._size, self._bytes = store.layout.size, store.layout.texel_bytes
         self._decoder, self._proposal = twins.of(model)
-        self._shape = (width, height)
-        self._texture = mi.Texture2f16(
-            mi.TensorXf16(latents.reshape(height, width, -1).astype(np.float16)),
-            use_accel=False,
-            filter_mode=dr.FilterMode.Linear,
-            wrap_mode=dr.WrapMode.Repeat,
-        )
+        sizes = [(grid.width, grid.height)]
+        self._texture = LatentTexture(store.layout, sizes, store.packed, grid)
 
     def f(self, si, wo) -> list:
         """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
-        latents = self._look_up(si.uv)
+        latents = self._look_up(si)
         return self._decoder.of_latents(latents, si.wi, wo)
 
     def mixture(self, si) -> Mixture:
         """The proposal for si.wi."""
-        latents = self._look_up(si.uv)
-        mean = [sum(values) * (1 / self._channels) for values in zip(*latents, strict=True)]
+        latents = self._look_up(si)
+        mean = [sum(values) * (1 / self.channels) for values in zip(*latents, strict=True)]
         return self._proposal.of_latent(mean, si.wi.z)
 
     def at(self, uv: np.ndarray) -> np.ndarray:
         """Latent codes (M, C, 32) at points uv (M, 2)."""
-        latents = self._look_up(mi.Point2f(np.ascontiguousarray(uv.T)))
+        latents = self._texture.look_up(mi.Point2f(np.ascontiguousarray(uv.T, np.float32)))
         dr.eval(latents)
         channels = [np.stack([value.numpy() for value in z], axis=-1) for z in latents]
         return np.stack(channels, axis=1)
@@ -89,17 +94,19 @@ class TexturedLatents:
     @property
     def resolution(self) -> tuple[int, int]:
         """Width and height of the texture."""
-        return self._shape
+        return self.grid.width, self.grid.height
 
-    def _look_up(self, uv) -> list[list]:
+    def _look_up(self, si) -> list[list]:
         # No mask beyond that of the caller's caller: equal look-ups, of f and of the mixture, of
         # one direction and of another, then become one.
-        values = [mi.Float(value) for value in self._texture.eval(uv)]
-        return [values[i : i + self._size] for i in range(0, len(values), self._size)]
+        return self._texture.look_up(si.uv, si.duv_dx, si.duv_dy)
 
     def __str__(self) -> str:
-        width, height = self._shape
-        return f"{width} x {height} texels of {self._channels} x {self._size}"
+        width, height = self.resolution
+        return (
+            f"{width} x {height} texels of {self.channels} x {self._size} numbers "
+            f"in {self._bytes} bytes"
+        )
 
 
 def _opaque(values: np.ndarray) -> list:

@@ -3,7 +3,7 @@
 import mitsuba as mi
 
 from urushi.errors import ParameterError
-from urushi.render import baking
+from urushi.render.baking import Baker
 from urushi.render.neural_bsdf import read_model
 from urushi.render.parameters import CoatParameters, check_bottom, nested_bsdf
 
@@ -73,24 +73,22 @@ def define(base: type) -> type:
             self._bottom = nested_bsdf(props)
             self._coat = CoatParameters(props)
             check_bottom(self._bottom, self._coat.where)
-            self._resolution = int(props.get("resolution", 0))
-            if self._resolution < 0:
+            resolution = int(props.get("resolution", 0))
+            if resolution < 0:
                 raise ParameterError(
-                    f"{self._coat.where}: resolution is {self._resolution}; give texels per side, "
+                    f"{self._coat.where}: resolution is {resolution}; give texels per side, "
                     "or 0 to choose by the textures"
                 )
             self.model = read_model(props)
-            self._bake()
-
-        def _bake(self):
-            self.latents = baking.bake(self.model, self._coat, self._bottom, self._resolution)
+            self._baker = Baker(self.model, self._coat, self._bottom, resolution)
+            self.latents = self._baker.update()
 
         def traverse(self, callback):
             self._coat.traverse(callback)
             callback.put("bottom", self._bottom, mi.ParamFlags.NonDifferentiable)
 
         def parameters_changed(self, keys):
-            self._bake()
+            self.latents = self._baker.update(not keys or "bottom" in keys)
 
         def to_string(self):
             bottom = str(self._bottom).replace("\n", "\n  ")

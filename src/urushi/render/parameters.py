@@ -54,7 +54,7 @@ class CoatParameters:
         )
 
     def table(self, uv: np.ndarray) -> dict[str, np.ndarray]:
-        """Checked parameters at points uv (M, 2): alpha (M, 1), the others (M, channels).
+        """Checked parameters at points uv (M, 2): alpha and eta (M or 1, 1), others (M, channels).
 
         Raises:
             ParameterError: a value is out of range.
@@ -71,6 +71,7 @@ class CoatParameters:
             # Six digits: 0.01 in single precision is less than 0.01 in double.
             array = np.stack(rows, axis=-1).astype(np.float64).round(6)
             table[name] = _CHECKS[name](array, f"{self.where}: {name}", any_shape=True)
+        table["eta"] = np.full((1, 1), self.eta)
         return table
 
     @property

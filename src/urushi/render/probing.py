@@ -1,11 +1,14 @@
 """Reading a Mitsuba BSDF at pairs of directions, as the encoder wants to see it."""
 
+from typing import NamedTuple
+
 import drjit as dr
 import mitsuba as mi
 import numpy as np
 
 from urushi.errors import ParameterError
 from urushi.render import spectrum
+from urushi.render.grid import Grid
 from urushi.render.parameters import check_bottom
 
 #: Evaluations that are traced at once: bounds memory.
@@ -19,16 +22,23 @@ AZIMUTHS, ANISOTROPIC = 8, 0.05
 #: leaves fewer for each texel.
 REPEATS, BUDGET = 4096, 1 << 26
 
+#: Points at which a textured BSDF is asked whether it needs averaging, and the relative deviation
+#: from its averages up to which it does not.
+SOME, SAME = 64, 1e-3
+
 
 def interaction(wi: np.ndarray, uv: np.ndarray, repeat: float = 0.0) -> "mi.SurfaceInteraction3f":
     """Surface interactions (M) seen from wi (M, 3) at uv (M, 2), with a frame that has no tilt.
 
     `repeat` goes into the time: BSDFs that draw random numbers then draw others.
     """
-    si = dr.zeros(mi.SurfaceInteraction3f, len(wi))
-    si.wi = _vector(wi)
-    si.uv = mi.Point2f(np.ascontiguousarray(uv.T, np.float32))
-    si.time = repeat
+    return _interaction(_vector(wi), mi.Point2f(np.ascontiguousarray(uv.T, np.float32)), repeat)
+
+
+def _interaction(wi: "mi.Vector3f", uv: "mi.Point2f", repeat: float) -> "mi.SurfaceInteraction3f":
+    si = dr.zeros(mi.SurfaceInteraction3f, dr.width(wi))
+    si.wi, si.uv = wi, uv
+    si.time = dr.opaque(mi.Float, repeat)  # a constant would make another kernel each time
     si.n = mi.Normal3f(0, 0, 1)
     si.sh_frame = mi.Frame3f(mi.Vector3f(1, 0, 0), mi.Vector3f(0, 1, 0), mi.Vector3f(0, 0, 1))
     si.dp_du, si.dp_dv = mi.Vector3f(1, 0, 0), mi.Vector3f(0, 1, 0)
@@ -64,11 +74,80 @@ def symmetric(
     everywhere = np.repeat(uv, pairs, axis=0)
     total = np.zeros((points * pairs, spectrum.channel_count()))
     for index in range(azimuths):
-        a, b = (np.tile(_rotated(w, index / azimuths), (points, 1)) for w in (wi, wo))
+        a, b = (np.tile(rotated(w, index / azimuths), (points, 1)) for w in (wi, wo))
         for repeat in range(repeats):
             total += values(bsdf, a, b, everywhere, float(repeat))
             total += values(bsdf, b, a, everywhere, float(repeat))
     return (total / (2 * azimuths * repeats)).reshape(points, pairs, -1)
+
+
+class Average(NamedTuple):
+    """What a BSDF is averaged over, to be isotropic, reciprocal and without noise.
+
+    Attributes:
+        azimuths: common rotations of a pair about the normal.
+        exchanged: whether over the exchange of wi and wo as well.
+        repeats: evaluations of each, for BSDFs that draw random numbers.
+    """
+
+    azimuths: int = 1
+    exchanged: bool = False
+    repeats: int = 1
+
+
+def over_points(
+    bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, uv: np.ndarray, average: Average
+) -> np.ndarray:
+    """f float32 (M, C, P) [1/sr] at points uv (M, 2) for pairs (P, 3) above the horizon."""
+    pairs = len(wi)
+    most = max(CHUNK // pairs, 1)
+    result = np.empty((len(uv), spectrum.channel_count(), pairs), np.float32)
+    turns = [i / average.azimuths for i in range(average.azimuths)]
+    lit = [tuple(rotated(w, turn) for w in (wi, wo)) for turn in turns]
+    if average.exchanged:
+        lit += [pair[::-1] for pair in lit]
+    tables = [tuple(_vector(w) for w in pair) for pair in lit]
+    for start in range(0, len(uv), most):
+        part = uv[start : start + most]
+        texel, pair = _outer(len(part), pairs)
+        where = dr.gather(mi.Point2f, mi.Point2f(np.ascontiguousarray(part.T, np.float32)), texel)
+        total = [mi.Float(0)] * result.shape[1]
+        for repeat in range(average.repeats):
+            for table in tables:
+                a, b = (dr.gather(mi.Vector3f, w, pair) for w in table)
+                si = _interaction(a, where, float(repeat))
+                channels = spectrum.to_channels(bsdf.eval(mi.BSDFContext(), si, b) / b.z)
+                total = [x + y for x, y in zip(total, channels, strict=True)]
+                if average.repeats > 1:
+                    dr.eval(total)
+        count = average.repeats * len(tables)
+        for channel, value in enumerate(total):
+            values = np.broadcast_to((value / count).numpy(), len(part) * pairs)
+            result[start : start + most, channel] = values.reshape(len(part), pairs)
+    return result
+
+
+def _outer(rows: int, columns: int) -> tuple["mi.UInt32", "mi.UInt32"]:
+    """Row and column of every entry of a matrix, row by row."""
+    index = dr.arange(mi.UInt32, rows * columns)
+    row = index // columns
+    return row, index - row * columns
+
+
+def needed_average(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, grid: Grid) -> Average:
+    """What the values of a BSDF at pairs (P, 3) have to be averaged over, for all of a grid.
+
+    A BSDF that is isotropic and reciprocal at some of its texels is believed to be so everywhere.
+    """
+    count = repeats(bsdf, wi, wo, grid.texels)
+    whole = Average(2, True, count)
+    if count > 1:
+        return whole
+    texels = np.random.default_rng(0).integers(grid.texels, size=SOME)
+    some = np.concatenate([grid.uv(texel, texel + 1) for texel in texels])
+    once, mean = (over_points(bsdf, wi, wo, some, average) for average in (Average(), whole))
+    same = np.abs(once - mean) <= SAME * mean + 1e-5
+    return Average() if same.all() else whole
 
 
 def read(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, where: str) -> np.ndarray:
@@ -84,7 +163,7 @@ def read(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, where: str) -> np.ndar
     everywhere = np.repeat(uv, len(wi), axis=0)
     if count == 1:
         turns = [i / AZIMUTHS for i in range(AZIMUTHS)]
-        f = np.stack([values(bsdf, _rotated(wi, t), _rotated(wo, t), everywhere) for t in turns])
+        f = np.stack([values(bsdf, rotated(wi, t), rotated(wo, t), everywhere) for t in turns])
         spread = np.abs(f - f.mean(axis=0)).sum() / max(f.sum(), 1e-30)
         if spread > ANISOTROPIC:
             mi.Log(
@@ -118,7 +197,7 @@ def repeats(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, points: int) -> int
     return max(min(REPEATS, BUDGET // (points * len(wi))) // (2 * AZIMUTHS), 1)
 
 
-def _rotated(w: np.ndarray, turn: float) -> np.ndarray:
+def rotated(w: np.ndarray, turn: float) -> np.ndarray:
     """Directions (M, 3) turned about the normal by a fraction of a full turn."""
     cos, sin = np.cos(2 * np.pi * turn), np.sin(2 * np.pi * turn)
     rotation = np.array([[cos, sin, 0], [-sin, cos, 0], [0, 0, 1]])
