@@ -10,14 +10,16 @@ import pytest
 from urushi.app.demo import geometry, pattern, picture, run, scene
 from urushi.errors import FileError, ParameterError
 from urushi.eval import metrics
+from urushi.render.scenes.mesh import Mesh, write_ply
+from urushi.render.scenes.turned import lathe
 
 
 @pytest.fixture(scope="module")
-def mesh() -> geometry.Mesh:
-    return geometry.lathe(geometry.natsume(), 48, 96)
+def mesh() -> Mesh:
+    return lathe(geometry.natsume(), 48, 96)
 
 
-def _corners(mesh: geometry.Mesh) -> np.ndarray:
+def _corners(mesh: Mesh) -> np.ndarray:
     """Faces by position: vertices that lie in one place (the seam, the poles) count as one."""
     _, same = np.unique(mesh.positions, axis=0, return_inverse=True)
     return same.reshape(-1)[mesh.faces]
@@ -76,7 +78,7 @@ def test_ply_holds_the_mesh(mesh, tmp_path):
     import mitsuba as mi
 
     mi.set_variant("scalar_rgb")
-    geometry.write_ply(mesh, tmp_path / "caddy.ply")
+    write_ply(mesh, tmp_path / "caddy.ply")
     loaded = mi.load_dict({"type": "ply", "filename": str(tmp_path / "caddy.ply")})
     parameters = mi.traverse(loaded)
     for name, ours in (
@@ -171,7 +173,7 @@ def test_renders_of_other_seeds_are_independent(variant, tmp_path, monkeypatch):
     a seed that both renders share would leave nothing, and halves that share one would double it.
     """
     monkeypatch.setattr(scene, "coat", lambda _: {"type": "diffuse"})
-    geometry.write_ply(geometry.lathe(geometry.natsume(), 16, 32), tmp_path / "natsume.ply")
+    write_ply(lathe(geometry.natsume(), 16, 32), tmp_path / "natsume.ply")
     import mitsuba as mi
 
     mi.set_variant(variant)
@@ -192,7 +194,7 @@ def test_unwritable_output_is_one_sentence(tmp_path):
     ):
         run.run(tmp_path / "file" / "demo", size=8, spp=16)
     with pytest.raises(FileError, match=r"^cannot write .*; choose a folder that exists"):
-        geometry.write_ply(geometry.lathe(geometry.natsume(), 4, 8), Path("/proc/caddy.ply"))
+        write_ply(lathe(geometry.natsume(), 4, 8), Path("/proc/caddy.ply"))
 
 
 @pytest.mark.parametrize(("size", "spp"), [(0, 16), (8, 0), (8, 12), (8, -16)])

@@ -12,7 +12,6 @@ import pytest
 
 from urushi.errors import ParameterError
 from urushi.nets import weights
-from urushi.nets.features import COAT_FEATURES
 from urushi.train import devices
 from urushi.train.loop import train
 
@@ -65,7 +64,7 @@ def test_each_device_has_its_share_of_the_stacks_and_all_parameters(four, tiny):
     seen, steps = four[0], tiny.networks.steps_per_call
     assert seen["f"] == [[steps, 4, tiny.pairs]] * 4  # 16 stacks a step
     # Only some stacks have the lowest coat, fewer the next one: these go whole to every device.
-    assert seen["coats"] == [[steps, 13, COAT_FEATURES], [steps, 4, COAT_FEATURES]]
+    assert seen["coats"] == [[steps, 13, 5], [steps, 4, 5]]
     assert seen["weight"] == [[5 + 8, 16]] * 4  # the code without its gain, and the directions
 
 

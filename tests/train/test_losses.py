@@ -8,7 +8,7 @@ import pytest
 from urushi.nets.architecture import Architecture, init
 from urushi.nets.decoder import decode
 from urushi.nets.encoder import encode
-from urushi.nets.features import COAT_FEATURES
+from urushi.nets.features import coat_features
 from urushi.nets.layerer import layer
 from urushi.train.examples import Batch
 from urushi.train.losses import (
@@ -24,13 +24,18 @@ from urushi.train.losses import (
 ARCH = Architecture(latent=4, decoder=(8,), encoder=(8,), layerer=(8,), sampler=(4,), probes=6)
 
 
+def _coats(rng, count):
+    low, high = np.array([[0.01, 1.05, 0, 0, -0.8], [1, 2, 1, 8, 0.9]], np.float32)
+    return low + (high - low) * rng.random((count, 5), np.float32)
+
+
 @pytest.fixture
 def batch():
     rng = np.random.default_rng(0)
     count = CYCLE_STRIDE + 3  # two stacks take part in the cycle
     return Batch(
         probes=rng.random((count, 6), np.float32),
-        coats=tuple(rng.standard_normal((n, COAT_FEATURES), np.float32) for n in (14, 5)),
+        coats=tuple(_coats(rng, n) for n in (14, 5)),
         features=rng.standard_normal((count, 8, 8), np.float32),
         f=rng.random((count, 8), np.float32),
     )
@@ -131,7 +136,7 @@ def test_compose_applies_the_lowest_coat_first(batch):
     for row, probes in enumerate(batch.probes):
         code = encode(params, ARCH, probes)
         if row < len(lowest):
-            code = layer(params, ARCH, code, lowest[row])
+            code = layer(params, ARCH, code, coat_features(*lowest[row]))
         if row < len(highest):
-            code = layer(params, ARCH, code, highest[row])
+            code = layer(params, ARCH, code, coat_features(*highest[row]))
         np.testing.assert_allclose(z[row], code, rtol=1e-4, atol=1e-5)

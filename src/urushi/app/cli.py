@@ -15,6 +15,7 @@ from urushi.app.commands.doctor import Doctor
 from urushi.app.commands.evaluate import Evaluate
 from urushi.app.commands.materials import Encode, Layer
 from urushi.app.commands.render import Render
+from urushi.app.commands.scenes import Scenes
 from urushi.app.commands.simulate import Simulate
 from urushi.app.commands.train import Train
 from urushi.errors import UrushiError
@@ -32,7 +33,8 @@ explains itself and gives an example: `urushi render --help`.
 #: Every subcommand, and its line in the list of all.
 COMMANDS: dict[str, tuple[type, str]] = {
     "demo": (Demo, "Render a lacquered object and its reference."),
-    "render": (Render, "Render a Mitsuba scene file."),
+    "render": (Render, "Render a Mitsuba scene file or a shipped scene."),
+    "scenes": (Scenes, "Write a shipped scene into a folder."),
     "simulate": (Simulate, "Simulate a layered material without bias."),
     "encode": (Encode, "Encode a BRDF into a material file."),
     "layer": (Layer, "Coat a material in the latent space."),

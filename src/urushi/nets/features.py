@@ -23,6 +23,9 @@ DIRECTION_FEATURES = len(DIRECTION_TABLE)
 #: vanishing interface must not send them where they know nothing.
 MIN_INDEX_STEP = 0.04
 
+#: Interfaces of a lower eta - 1 vanish with its square, as what they reflect does.
+PRESENT_STEP = 0.05
+
 #: The least width of a microfacet lobe: a mirror, as far as light sources resolve it.
 MIN_ALPHA = 0.01
 
@@ -99,7 +102,7 @@ def coat_features(alpha: Any, eta: Any, albedo: Any, sigma_t: Any, g: Any) -> An
     alpha in [0.01, 1], eta in (1, 3], albedo in [0, 1], sigma_t >= 0, g in (-1, 1). A medium of
     sigma_t = 0 gives the same features whatever its albedo and g.
 
-    The last is no input but the coat's presence in [0, 1), a factor of what it changes: 0 only
+    The last is no input but the coat's presence in [0, 1], a factor of what it changes: 0 only
     where there is neither an index step nor a medium nor, as rough facets mask each other whatever
     their index, more than the least roughness. It is above 0.6 wherever eta > 1.05.
     """
@@ -125,7 +128,8 @@ def coat_features(alpha: Any, eta: Any, albedo: Any, sigma_t: Any, g: Any) -> An
         xp.log1p(sigma_t * (1.0 - albedo)),
         xp.log1p(sigma_t * (1.0 - albedo * g)),
     ]
-    presence = 1.0 - xp.exp(-20.0 * above - 4.0 * sigma_t - 10.0 * (alpha - MIN_ALPHA))
+    step = above * xp.minimum(above * (1.0 / PRESENT_STEP), 1.0)
+    presence = 1.0 - xp.exp(-20.0 * step - 4.0 * sigma_t - 10.0 * (alpha - MIN_ALPHA))
     features = _normalised(columns, COAT_TABLE)
     presence = xp.broadcast_to(presence[..., None], (*features.shape[:-1], 1))
     return xp.concat([features, presence], axis=-1)

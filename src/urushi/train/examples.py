@@ -16,7 +16,7 @@ from urushi.nets.architecture import Architecture
 from urushi.nets.features import DIRECTION_FEATURES, direction_features
 from urushi.nets.probes import PROBES
 from urushi.train.order import Order, Window
-from urushi.train.parts import TRAINING, bottom_values, coat_inputs, depth, no_coats, trained_pairs
+from urushi.train.parts import TRAINING, bottom_values, coats_to_layer, depth, trained_pairs
 
 #: What is read of a store.
 ARRAYS = ("coats", "bottom", "wi", "wo", "f")
@@ -27,8 +27,8 @@ class Batch(NamedTuple):
 
     Attributes:
         probes: (B, probes) the bottoms' values [1/sr] at the probe pairs.
-        coats: for the lowest coat, the next one up, and so on: coat features of the first B_k
-            stacks, which are those that have this coat, (B_k, COAT_FEATURES).
+        coats: for the lowest coat, the next one up, and so on: `data.distribution.COAT_PARAMETERS`
+            of the first B_k stacks, which are those that have this coat, (B_k, 5).
         features: (B, P, 8) of the direction pairs.
         f: (B, P) simulated values [1/sr].
     """
@@ -45,7 +45,7 @@ class Examples:
 
     Attributes:
         probes: (S, probes).
-        coats: (S, N, COAT_FEATURES) coat features, top to bottom.
+        coats: (S, N, 5) `data.distribution.COAT_PARAMETERS`, top to bottom.
         stack: (I,) the stack of each item; the items of a stack lie side by side.
         features: (I, P, 8).
         f: (I, P).
@@ -127,10 +127,9 @@ class Depth:
             f[place] = values[:, seen].reshape(-1, self._pairs)
             if part.directions == "probed":
                 probes.append(values[:, :PROBES])
-                coats.append(no_coats(len(values)))
             else:
                 probes.append(bottom_values(part, arrays["bottom"], self._arch))
-                coats.append(coat_inputs(part, arrays))
+            coats.append(coats_to_layer(part, arrays))
             numbers = np.arange(stacks, stacks + len(values), dtype=np.int32)
             stack.append(np.repeat(numbers, (seen.stop - seen.start) // self._pairs))
             first, stacks = place.stop, stacks + len(numbers)

@@ -8,8 +8,10 @@ import jax.numpy as jnp
 from urushi.nets.architecture import Architecture, Params
 from urushi.nets.decoder import decode
 from urushi.nets.encoder import encode
+from urushi.nets.features import coat_features
 from urushi.nets.layerer import layer
 from urushi.train.examples import Batch
+from urushi.train.monotony import rises
 
 #: [1/sr] Added to the prediction that errors are relative to: differences far below are invisible.
 #: For a dark stack it is less, in proportion to its brightness, down to this share.
@@ -34,6 +36,9 @@ _PERIOD = 4
 
 #: Every how manieth stack of a batch takes part in the cycle, which decodes all probe pairs.
 CYCLE_STRIDE = 16
+
+#: Every how manieth stack with a coat takes part in the penalty for rising with absorption.
+RISE_STRIDE = 12
 
 
 def relative_errors(f_hat: jax.Array, f: Any) -> jax.Array:
@@ -72,12 +77,16 @@ def compose(params: Params, arch: Architecture, probes: Any, coats: tuple[Any, .
     Args:
         params, arch: the networks.
         probes: (B, probes) the bottoms' values at the probe pairs.
-        coats: as in `Batch`: features of the lowest coats first, (B_k, 17) for the first B_k rows.
+        coats: as in `Batch`: the lowest coats first, (B_k, 5) for the first B_k rows.
     """
-    z = _held(encode(params, arch, probes))
+    return apply(params, arch, _held(encode(params, arch, probes)), coats)
+
+
+def apply(params: Params, arch: Architecture, z: Any, coats: tuple[Any, ...]) -> Any:
+    """Codes of stacks from those of their bottoms (B, 32); the coats as for `compose`."""
     for coat in coats:
-        count = coat.shape[0]
-        z = jnp.concatenate([_held(layer(params, arch, z[:count], coat)), z[count:]])
+        count, features = coat.shape[0], coat_features(*jnp.moveaxis(coat, -1, 0))
+        z = jnp.concatenate([_held(layer(params, arch, z[:count], features)), z[count:]])
     return z
 
 
@@ -93,9 +102,11 @@ def joint_loss(
     - fit: decoded values of the composed latents against the simulated ones;
     - cycle: the same after decoding at the probe pairs and encoding again, for some of the stacks,
       so that whatever the networks make can be encoded and coated once more;
-    - latent: distance between a latent and its cycled one.
+    - latent: distance between a latent and its cycled one;
+    - rise: by how much ln f rises as a bottom's first coat absorbs more, for some of the stacks.
     """
-    z = compose(params, arch, batch.probes, batch.coats)
+    bottoms = _held(encode(params, arch, batch.probes))
+    z = apply(params, arch, bottoms, batch.coats)
     fit = stack_loss(decode(params, arch, z[:, None], batch.features), batch.f)
 
     chosen = z[::CYCLE_STRIDE]
@@ -104,5 +115,9 @@ def joint_loss(
     cycle = stack_loss(f_again, batch.f[::CYCLE_STRIDE])
     latent = jnp.mean((again - jax.lax.stop_gradient(chosen)) ** 2)
 
-    loss = fit + 0.2 * cycle + 0.1 * latent
-    return loss, {"loss": loss, "fit": fit, "cycle": cycle, "latent": latent}
+    lowest = batch.coats[0][::RISE_STRIDE]
+    some = slice(0, len(batch.coats[0]), RISE_STRIDE)
+    rise = jnp.mean(rises(params, arch, bottoms[some], lowest, batch.features[some]))
+
+    loss = fit + 0.2 * cycle + 0.1 * latent + rise
+    return loss, {"loss": loss, "fit": fit, "cycle": cycle, "latent": latent, "rise": rise}

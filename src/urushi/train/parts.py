@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from urushi.data.distribution import COAT_PARAMETERS
 from urushi.data.spec import Part
 from urushi.nets.architecture import Architecture
-from urushi.nets.features import coat_features
 from urushi.nets.probes import PROBES, probe_pairs
 from urushi.reference import evaluate
 
@@ -25,12 +25,6 @@ def trained_pairs(part: Part) -> slice:
     return slice(PROBES if part.directions == "probed" else 0, part.pairs)
 
 
-def no_coats(stacks: int) -> np.ndarray:
-    """The coat features (S, 0, COAT_FEATURES) of stacks that are only encoded."""
-    nothing = np.zeros((stacks, 0), np.float32)
-    return coat_features(*(nothing,) * 5)
-
-
 def bottom_values(part: Part, bottom: np.ndarray, arch: Architecture) -> np.ndarray:
     """Values (S, probes) [1/sr] of a part's bottoms (S, K), in air, at the probe pairs: exact."""
     names = evaluate.BOTTOM_KINDS[part.distribution.bottom][1]
@@ -46,8 +40,8 @@ def bottom_values(part: Part, bottom: np.ndarray, arch: Architecture) -> np.ndar
     return values.reshape(count, arch.probes)
 
 
-def coat_inputs(part: Part, arrays: dict[str, np.ndarray]) -> np.ndarray:
-    """Coat features (S, N, COAT_FEATURES) of a part's arrays."""
-    if part.distribution.coats == 0:
-        return no_coats(len(arrays["bottom"]))
-    return coat_features(*np.moveaxis(arrays["coats"], -1, 0)).astype(np.float32)
+def coats_to_layer(part: Part, arrays: dict[str, np.ndarray]) -> np.ndarray:
+    """The coats (S, N, 5) of a part's stacks that are layered, top to bottom; see `depth`."""
+    if depth(part) == 0:
+        return np.zeros((len(arrays["bottom"]), 0, len(COAT_PARAMETERS)), np.float32)
+    return arrays["coats"]

@@ -105,10 +105,9 @@ def base() -> Preset:
     return Preset(
         name="base",
         data=whole_domain(),
-        networks=Schedule(steps=98_304, warmup=256, learning_rate=0.02),
+        networks=Schedule(steps=114_688, warmup=256, learning_rate=0.02),
         proposal=Schedule(steps=8_000, warmup=200, learning_rate=0.01, checkpoint_every=4_000),
         stacks=(48, 128, 40, 10, 7, 7),
-        pairs=128,
         memory=1 << 28,
         arch=Architecture(decoder=(60, 60, 60), layerer=(256, 256, 256)),
     )
@@ -127,6 +126,7 @@ def small() -> Preset:
         base(),
         name="small",
         networks=Schedule(steps=65_536, warmup=256, learning_rate=0.02),
+        pairs=128,
         arch=Architecture(latent=18, decoder=(32, 32), layerer=(256, 256, 256)),
     )
 

@@ -10,9 +10,9 @@ from urushi.data.store import Store
 from urushi.nets.architecture import Architecture, Params
 from urushi.nets.decoder import decode
 from urushi.nets.encoder import encode
-from urushi.nets.features import direction_features
+from urushi.nets.features import coat_features, direction_features
 from urushi.nets.layerer import layer
-from urushi.train.parts import bottom_values, coat_inputs
+from urushi.train.parts import bottom_values, coats_to_layer
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ def load(store: Store, arch: Architecture) -> list[Check]:
             Check(
                 metric=METRICS[part.directions],
                 probes=bottom_values(part, arrays["bottom"], arch),
-                coats=coat_inputs(part, arrays),
+                coats=coats_to_layer(part, arrays),
                 features=direction_features(wi, wo),
                 f=arrays["f"],
                 cos_i=wi[..., 2],
@@ -61,7 +61,7 @@ def measure(params: Params, arch: Architecture, checks: list[Check]) -> dict[str
     for check in checks:
         z = encode(host, arch, check.probes)
         for coat in np.moveaxis(check.coats, 1, 0)[::-1]:  # the lowest first
-            z = layer(host, arch, z, coat)
+            z = layer(host, arch, z, coat_features(*coat.T))
         f_hat = decode(host, arch, z[:, None], check.features)
         if check.metric == "E mean":
             errors = metrics.stack_error(f_hat, check.f, check.cos_i, check.cos_o)

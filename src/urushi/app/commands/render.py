@@ -1,6 +1,7 @@
 """`urushi render`: Mitsuba's own command line, with Urushi's plugins in it."""
 
 import re
+import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -19,19 +20,22 @@ SUFFIXES = (".exr", ".png", ".jpg")
 
 @dataclass(frozen=True)
 class Render:
-    """Render a Mitsuba scene file, Urushi's plugins included.
+    """Render a Mitsuba scene file, Urushi's plugins included, or one of the shipped scenes.
 
-    Flags are those of the `mitsuba` executable, which cannot see Python plugins itself.
+    Flags are those of the `mitsuba` executable, which cannot see Python plugins itself. The shipped
+    scenes are still-life, globe, teapot and shoe; they have the parameters $coat ("layered" gives
+    the reference), $spp, $resx and $resy.
 
-    Example: urushi render bowl.xml -m llvm_ad_rgb -D coat=neural_layered --spp 64 -o bowl.exr
+    Example: urushi render teapot -m llvm_ad_rgb -D coat=layered --spp 64 -o teapot.exr
     """
 
-    scene: tyro.conf.Positional[Path]
-    """Scene file (XML)."""
+    scene: tyro.conf.Positional[str]
+    """Scene file (XML), or the name of a shipped scene."""
     mode: Annotated[str, tyro.conf.arg(aliases=["-m"])] = "llvm_ad_rgb"
     """Mitsuba variant."""
     output: Annotated[Path | None, tyro.conf.arg(aliases=["-o"])] = None
-    """Picture to write (.exr, or .png/.jpg in sRGB); default: the scene's name with .exr."""
+    """Picture to write (.exr, or .png/.jpg in sRGB); default: beside the scene file, or for a
+    shipped scene in the working folder, with .exr."""
     sensor: Annotated[int, tyro.conf.arg(aliases=["-s"])] = 0
     """Index of the sensor, in the scene file's order."""
     define: Annotated[tuple[str, ...], tyro.conf.arg(aliases=["-D"]), tyro.conf.UseAppendAction] = (
@@ -57,7 +61,7 @@ class Render:
 
         if self.threads is not None:
             dr.set_thread_count(self.threads)
-        scene = load_scene(self.scene, definitions, self.append)
+        scene = self._load(definitions)
         sensors = len(scene.sensors())
         if not 0 <= self.sensor < sensors:
             raise ParameterError(
@@ -67,10 +71,21 @@ class Render:
             image = mi.render(scene, sensor=self.sensor, spp=self.spp or 0, seed=self.seed)
         except RuntimeError as error:
             raise PlatformError(f"cannot render '{self.scene}': {one_line(error)}") from error
-        target = self.output or self.scene.with_suffix(".exr")
+        target = self.output or Path(self.scene).with_suffix(".exr")
         write_picture(image, target)
         print(target)
         return 0
+
+    def _load(self, definitions: Mapping[str, str]) -> Any:
+        """The scene of the file, or the shipped one where no file has that name."""
+        from urushi.render.scenes import shipped
+
+        path = Path(self.scene)
+        if path.exists() or path.suffix:
+            return load_scene(path, definitions, self.append)
+        shipped.find(self.scene)
+        with tempfile.TemporaryDirectory(prefix="urushi-") as folder:
+            return load_scene(shipped.export(self.scene, folder), definitions, self.append)
 
 
 def write_picture(image: Any, path: Path) -> None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from urushi.app.demo.geometry import Profile, surface
+from urushi.render.scenes.turned import Profile, surface
 
 #: Number of lines in the stream, and how high they run.
 STREAM_LINES, STREAM_HEIGHT, STREAM_GAP = 7, 0.20, 0.026

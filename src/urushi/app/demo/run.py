@@ -14,6 +14,8 @@ from urushi.app.demo.scene import scene
 from urushi.errors import ParameterError
 from urushi.eval import metrics
 from urushi.files import atomic_write, new_folder
+from urushi.render.scenes.mesh import write_ply
+from urushi.render.scenes.turned import lathe
 
 #: Samples a pixel in one pass: bounds the memory, and is the step of the progress bar.
 PASS_SPP = 8
@@ -75,7 +77,7 @@ def run(
         raise ParameterError(f"spp is {spp}; it must be a positive multiple of {2 * PASS_SPP}")
     mesh = out / "natsume.ply"
     new_folder(out)
-    geometry.write_ply(geometry.lathe(geometry.natsume(), 256, 384), mesh)
+    write_ply(lathe(geometry.natsume(), 256, 384), mesh)
     mi.set_variant(variant)
     renders = {  # with different seeds: noise that both share would hide in the comparison
         name: render(name, mesh, size, spp, 2 * seed + index)
