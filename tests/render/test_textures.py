@@ -90,6 +90,69 @@ def test_a_textured_bottom(rgb, networks):
         np.testing.assert_allclose(a, b, rtol=1e-2)
 
 
+def looked_up(mi, bsdf, uv, duv=(0.0, 0.0)) -> np.ndarray:
+    """Codes (M, C, size) that are seen at points (M, 2) from pixels that lie duv apart."""
+    import drjit as dr
+
+    point = mi.Point2f(np.float32(uv).T)
+    steps = [mi.Vector2f(duv[0], 0), mi.Vector2f(0, duv[1])]
+    dr.make_opaque(steps)
+    codes = bsdf.latents._texture.look_up(point, *steps)
+    return np.array([[value.numpy() for value in z] for z in codes]).transpose(2, 0, 1)
+
+
+def grid_of_points(width: int, height: int) -> np.ndarray:
+    x, y = (np.arange(width) + 0.5) / width, (np.arange(height) + 0.5) / height
+    return np.stack(np.meshgrid(x, y), -1).reshape(-1, 2)
+
+
+def test_the_level_of_the_footprint_is_taken(rgb, networks):
+    rng = np.random.default_rng(0)
+    bsdf = load(rgb, "neural_layered", networks, albedo=bitmap(rgb, rng.random((8, 16, 3))))
+    fine = looked_up(rgb, bsdf, grid_of_points(16, 8))
+    np.testing.assert_array_equal(looked_up(rgb, bsdf, grid_of_points(16, 8), (0.01, 0.01)), fine)
+    # two texels along one axis or along both: the next level, averages of four
+    mean = fine.reshape(4, 2, 8, 2, *fine.shape[1:]).mean(axis=(1, 3)).reshape(32, *fine.shape[1:])
+    step = np.ptp(fine, axis=(0, 1)) / 255 + 1e-6
+    for duv in ((2 / 16, 2 / 8), (2 / 16, 0), (0, 2 / 8)):
+        assert (np.abs(looked_up(rgb, bsdf, grid_of_points(8, 4), duv) - mean) <= step).all()
+    # between two levels, half of each
+    between = looked_up(rgb, bsdf, grid_of_points(8, 4), (2**1.5 / 16, 0))
+    coarse = looked_up(rgb, bsdf, grid_of_points(8, 4), (4 / 16, 0))
+    assert (np.abs(between - 0.5 * (mean + coarse)) <= step).all()
+    # farther away than the last level
+    last = looked_up(rgb, bsdf, rng.random((5, 2)), (100.0, 100.0))
+    assert (np.abs(last - fine.mean(axis=0)) <= 3 * step).all()
+
+
+@pytest.mark.parametrize("wrap", ("repeat", "mirror", "clamp"))
+@pytest.mark.parametrize("filter_type", ("bilinear", "nearest"))
+def test_look_ups_continue_and_filter_as_the_texture_does(rgb, networks, wrap, filter_type):
+    # Codes of black media depend on sigma_t alone, texel by texel: Mitsuba's own texture of those
+    # that were stored is the reference.
+    rng = np.random.default_rng(0)
+    properties = {"wrap_mode": wrap, "filter_type": filter_type}
+    shear = rgb.ScalarTransform3f(np.float32([[1.5, 0.25, 0.1], [-0.5, 2.2, 0.3], [0, 0, 1]]))
+    pixels = rng.random((4, 6, 1))
+    texture = bitmap(rgb, pixels, to_uv=shear, **properties)
+    bsdf = load(rgb, "neural_layered", networks, sigma_t=texture)
+    assert bsdf.latents.resolution == (6, 4)
+    plain = load(rgb, "neural_layered", networks, sigma_t=bitmap(rgb, pixels, **properties))
+    stored = looked_up(rgb, plain, grid_of_points(6, 4)).reshape(4, 6, 3, -1)
+    uv = rng.uniform(-2, 3, (256, 2))
+    codes = looked_up(rgb, bsdf, uv)
+    si = rgb.SurfaceInteraction3f()
+    si.uv = rgb.Point2f(np.float32(uv).T)
+    for number in range(0, stored.shape[-1], 7):
+        expected = rgb.load_dict(
+            bitmap(rgb, stored[:, :, :, number], to_uv=shear, **properties)
+        ).eval_3(si)
+        # weights of 8 bits; a point that is nearest to two texels may take either
+        error = np.abs(codes[:, :, number] - np.array(expected).T)
+        tolerance = 2e-2 * np.ptp(stored[..., number]) + 1e-5
+        assert (error <= tolerance).mean() > 0.98
+
+
 def test_a_textured_coat_under_another(rgb, networks):
     rng = np.random.default_rng(0)
     inner = load(rgb, "neural_layered", networks, albedo=bitmap(rgb, rng.random((4, 4, 3))))

@@ -34,14 +34,7 @@ def read(path: str | os.PathLike, models: Sequence[Model]) -> tuple[np.ndarray, 
             f"'{path}' has version {description.get('version')!r} of the material format, "
             f"this Urushi reads version {FORMAT_VERSION}; install the Urushi that wrote it"
         )
-    made_with = description.get("weights")
-    model = next((model for model in models if model.fingerprint == made_with), None)
-    if model is None:
-        known = " and ".join(model.fingerprint for model in models)
-        raise FileError(
-            f"'{path}' and the weights do not belong together: it was encoded with weights "
-            f"{made_with}, these are {known}; load those weights or encode the material again"
-        )
+    model = belonging(path, description.get("weights"), models)
     latents = arrays.get("latents")
     width = model.arch.latent
     if latents is None or latents.ndim != 2 or not len(latents) or latents.shape[1] != width:
@@ -49,3 +42,19 @@ def read(path: str | os.PathLike, models: Sequence[Model]) -> tuple[np.ndarray, 
     if latents.dtype != np.float32 or not np.isfinite(latents).all():
         raise FileError(f"the material file '{path}' is damaged: a latent is not finite float32")
     return latents, model
+
+
+def belonging(path: str | os.PathLike, made_with: object, models: Sequence[Model]) -> Model:
+    """The one of some networks that a file was made with, by their fingerprint.
+
+    Raises:
+        FileError: it was made with others.
+    """
+    model = next((model for model in models if model.fingerprint == made_with), None)
+    if model is None:
+        known = " and ".join(model.fingerprint for model in models)
+        raise FileError(
+            f"'{path}' and the weights do not belong together: it was encoded with weights "
+            f"{made_with}, these are {known}; load those weights or encode the material again"
+        )
+    return model

@@ -7,8 +7,6 @@ rest have 8. Sixteen bits are two bytes of their own, high and low, so that a re
 interpolate all bytes alike and add up afterwards: interpolation is linear.
 """
 
-import contextlib
-from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -24,9 +22,6 @@ FINE = 2
 #: Random coats by which importance is measured, pairs of directions at most, the seed of all that
 #: is random in it, and the step in a number: the share of its range that 8 bits resolve.
 COATS, PAIRS, SEED, STEP = 256, 64, 0, 1 / 255
-
-#: Rows that are packed anew at once: bounds memory.
-TOGETHER = 1 << 17
 
 
 class Layout(NamedTuple):
@@ -119,14 +114,10 @@ def _no_dielectrics(alpha: np.ndarray, eta: np.ndarray) -> np.ndarray:
     raise NotImplementedError("Urushi's layerer takes the coat's parameters as they are")
 
 
-def pack(layout: Layout, codes: np.ndarray) -> Packed:
-    """Pack codes (T, channels, size) of any floating type."""
-    lowest = codes.min(axis=(0, 1)).astype(np.float32)
-    highest = codes.max(axis=(0, 1)).astype(np.float32)
-    step = ((highest - lowest) / layout.levels).astype(np.float32)
-    packed = Packed(np.zeros((len(codes), layout.texel_bytes), np.uint8), lowest, step)
-    write(layout, packed, slice(None), codes)
-    return packed
+def within(layout: Layout, texels: np.ndarray, lowest: np.ndarray, highest: np.ndarray) -> Packed:
+    """Bytes (T, B) whose numbers lie between given values (size,), to be written."""
+    bottom = lowest.astype(np.float32)
+    return Packed(texels, bottom, ((highest - bottom) / layout.levels).astype(np.float32))
 
 
 def write(layout: Layout, packed: Packed, rows: slice | np.ndarray, codes: np.ndarray) -> None:
@@ -163,66 +154,19 @@ def fits(packed: Packed, layout: Layout, codes: np.ndarray) -> bool:
 def unpack(layout: Layout, packed: Packed) -> np.ndarray:
     """Codes float32 (T, channels, size) of bytes (T, B)."""
     codes = np.empty((len(packed.bytes), layout.channels, layout.size), np.float32)
+    fill(codes.reshape(len(codes), -1), lambda rows: _codes(layout, packed, rows), packed.bytes)
+    return codes
+
+
+def _codes(layout: Layout, packed: Packed, rows: np.ndarray) -> np.ndarray:
+    """Codes (T, channels * size) of bytes (T, B)."""
+    codes = np.empty((len(rows), layout.channels, layout.size), np.float32)
     low = np.array(layout.low)
     fine = np.flatnonzero(low >= 0)
     for channel in range(layout.channels):
         start = channel * layout.stride
-        levels = packed.bytes[:, start : start + layout.size].astype(np.float32)
+        levels = rows[:, start : start + layout.size].astype(np.float32)
         levels[:, fine] *= 256
-        levels[:, fine] += packed.bytes[:, start + low[fine]]
+        levels[:, fine] += rows[:, start + low[fine]]
         codes[:, channel] = packed.lowest + levels * packed.step
-    return codes
-
-
-class Store:
-    """A packed texture of codes that is read and overwritten by rows.
-
-    Attributes:
-        layout, packed: what it holds; nothing before it is first written.
-    """
-
-    def __init__(self, layout: Layout, count: int):
-        """count: rows, texels."""
-        self.layout, self.count = layout, count
-        nothing = np.zeros(layout.size, np.float32)
-        self.packed = Packed(np.zeros((0, layout.texel_bytes), np.uint8), nothing, nothing)
-
-    def read(self, rows: slice | np.ndarray) -> np.ndarray:
-        """Codes float32 (n, channels, size) of rows."""
-        return unpack(self.layout, self.packed._replace(bytes=self.packed.bytes[rows]))
-
-    @property
-    def empty(self) -> bool:
-        """Whether it was never written."""
-        return not len(self.packed.bytes)
-
-    @contextlib.contextmanager
-    def writing(self) -> Iterator[Callable[[np.ndarray, np.ndarray], None]]:
-        """A function that writes codes (n, channels, size) to rows (n,).
-
-        All rows must be written the first time, which then are packed together at the end.
-        """
-        if not self.empty:
-            yield self._overwrite
-            return
-        shape = self.count, self.layout.channels, self.layout.size
-        whole = np.empty(shape, np.float16)
-        yield whole.__setitem__
-        self.packed = pack(self.layout, whole)
-
-    def _overwrite(self, rows: np.ndarray, codes: np.ndarray) -> None:
-        """Replace rows (n,) by codes (n, channels, size); wider ranges pack all anew."""
-        if not fits(self.packed, self.layout, codes):
-            self._widen(codes)
-        write(self.layout, self.packed, rows, codes)
-
-    def _widen(self, codes: np.ndarray) -> None:
-        lowest, levels = self.packed.lowest, self.layout.levels
-        highest = np.maximum(lowest + levels * self.packed.step, codes.max(axis=(0, 1)))
-        lowest = np.minimum(lowest, codes.min(axis=(0, 1)))
-        step = ((highest - lowest) / levels).astype(np.float32)
-        wider = Packed(self.packed.bytes, lowest.astype(np.float32), step)
-        for start in range(0, self.count, TOGETHER):
-            rows = slice(start, start + TOGETHER)
-            write(self.layout, wider, rows, self.read(rows))
-        self.packed = wider
+    return codes.reshape(len(rows), -1)

@@ -62,6 +62,15 @@ def read(path: str | os.PathLike, kind: str) -> tuple[dict[str, Any], dict[str, 
     return description, arrays
 
 
+def kind_of(path: str | os.PathLike) -> str | None:
+    """The kind of a file that `write` made; None: it is no such file, or is not there."""
+    try:
+        with safetensors.safe_open(path, framework="numpy") as file:
+            return _description((file.metadata() or {}).get(KEY, "")).get("kind")
+    except (OSError, safetensors.SafetensorError, AttributeError, TypeError, ValueError):
+        return None
+
+
 def _description(text: str) -> dict[str, Any]:
     try:
         description = json.loads(text)

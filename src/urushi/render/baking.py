@@ -10,7 +10,7 @@ import mitsuba as mi
 import numpy as np
 
 from urushi.material import keys, packing
-from urushi.material.packing import Store
+from urushi.material.store import Store
 from urushi.material.texture import layer_texels
 from urushi.nets.weights import Model
 from urushi.render import grid as grids
@@ -61,7 +61,8 @@ class CoatTexture:
         self.grid = grid
         self._model, self._coat = model, coat
         self._keys = np.zeros((grid.texels, spectrum.channel_count()), np.uint64)
-        self._store = Store(packing.layout(model, self._keys.shape[1]), grid.texels)
+        layout = packing.layout(model, self._keys.shape[1])
+        self._store = Store(layout, grid.width, grid.height, mipped=True)
 
     def update(self, bottom: BottomCodes) -> TexturedLatents:
         """Layer the rows, one a texel and channel, whose coat or bottom is not as before."""

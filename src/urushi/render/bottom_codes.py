@@ -9,7 +9,7 @@ import numpy as np
 
 from urushi.material import keys, packing
 from urushi.material.energy import limit
-from urushi.material.packing import Store
+from urushi.material.store import Store
 from urushi.material.texture import encode_texels, encoded
 from urushi.nets.weights import Model
 from urushi.render import probing, spectrum
@@ -65,7 +65,8 @@ class BottomCodes:
         channels = spectrum.channel_count()
         if self._grid != grid:
             self._grid = grid
-            self._codes = Store(packing.layout(self._model, channels), grid.texels)
+            layout = packing.layout(self._model, channels)
+            self._codes = Store(layout, grid.width, grid.height)
             self._keys = np.zeros((grid.texels, channels), np.uint64)
         assert isinstance(self._codes, Store)
         if self._codes.empty:

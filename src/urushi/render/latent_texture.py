@@ -6,14 +6,13 @@ the position between texels as finely. Against a texture of half floats this rea
 memory or less, and takes half the time.
 """
 
-from collections.abc import Sequence
 from typing import ClassVar
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi.material.packing import Layout, Packed
+from urushi.material.store import Store
 from urushi.render.grid import IDENTITY, Grid
 
 #: Integer weights of a texel's neighbours add up to this.
@@ -34,9 +33,10 @@ class LatentTexture:
         "_steps": list,
     }  # for frozen functions
 
-    def __init__(self, layout: Layout, levels: Sequence[tuple[int, int]], packed: Packed, at: Grid):
-        """levels: width and height of each, which follow each other in packed; at: the first's."""
-        self._layout, self._grid = layout, at
+    def __init__(self, store: Store, grid: Grid):
+        """grid: the place of the first level's texels."""
+        self._layout, self._grid = store.layout, grid
+        levels, packed = store.levels, store.packed
         words = packed.bytes.reshape(-1).view(np.uint32)
         self._words = mi.UInt32(words)  # on LLVM the same memory
         widths, heights = (np.array(sizes, np.uint32) for sizes in zip(*levels, strict=True))
@@ -49,7 +49,7 @@ class LatentTexture:
             mi.Int32(int(heights[0])),
             mi.Float(self._levels - 1),
         ]
-        self._affine = [mi.Float(value) for row in at.to_texture for value in row]
+        self._affine = [mi.Float(value) for row in grid.to_texture for value in row]
         self._lowest = [mi.Float(float(value)) for value in packed.lowest]
         self._steps = [mi.Float(float(value) / UNIT) for value in packed.step]
         # Read from memory, so that all textures of a model share their code.

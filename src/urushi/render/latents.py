@@ -4,13 +4,17 @@ Both answer the same two questions at a surface interaction: f of every channel,
 mixture, which is that of the mean latent code over the channels.
 """
 
+import os
 from typing import ClassVar
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi.material.packing import Store
+from urushi.material import texture_files
+from urushi.material.material import Material
+from urushi.material.store import Store
+from urushi.material.texture_files import Place
 from urushi.nets.weights import Model
 from urushi.render import twins
 from urushi.render.grid import Grid
@@ -25,7 +29,7 @@ class ConstantLatents:
 
     def __init__(self, model: Model, latents: np.ndarray):
         """latents: (C, 32) float32."""
-        self._latents = latents
+        self._model, self._latents = model, latents
         self._decoder, self._proposal = twins.of(model)
         self._shares = [_opaque(share) for share in self._decoder.first_layer(latents)]
         self._proposal_share = _opaque(self._proposal.first_layer(latents.mean(axis=0)))
@@ -57,6 +61,14 @@ class ConstantLatents:
         """The texture's grid; None: the same everywhere."""
         return None
 
+    def save(self, path: str | os.PathLike) -> None:
+        """Write a file that `neural_brdf` and `urushi.load` read.
+
+        Raises:
+            FileError: it cannot be written.
+        """
+        Material(self._latents, self._model).save(path)
+
     def __str__(self) -> str:
         return f"{len(self._latents)} x {self._latents.shape[1]}"
 
@@ -67,11 +79,11 @@ class TexturedLatents:
     DRJIT_STRUCT: ClassVar = {"_texture": object}  # for frozen functions
 
     def __init__(self, model: Model, store: Store, grid: Grid):
+        self._store, self._fingerprint = store, model.fingerprint
         self.grid, self.channels = grid, store.layout.channels
         self._size, self._bytes = store.layout.size, store.layout.texel_bytes
         self._decoder, self._proposal = twins.of(model)
-        sizes = [(grid.width, grid.height)]
-        self._texture = LatentTexture(store.layout, sizes, store.packed, grid)
+        self._texture = LatentTexture(store, grid)
 
     def f(self, si, wo) -> list:
         """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
@@ -95,6 +107,15 @@ class TexturedLatents:
     def resolution(self) -> tuple[int, int]:
         """Width and height of the texture."""
         return self.grid.width, self.grid.height
+
+    def save(self, path: str | os.PathLike) -> None:
+        """Write a file that `neural_brdf` reads.
+
+        Raises:
+            FileError: it cannot be written.
+        """
+        place = Place(self.grid.to_texture, self.grid.wrap, self.grid.nearest)
+        texture_files.write(path, self._store, place, self._fingerprint)
 
     def _look_up(self, si) -> list[list]:
         # No mask beyond that of the caller's caller: equal look-ups, of f and of the mixture, of

@@ -3,8 +3,10 @@
 import mitsuba as mi
 
 from urushi.errors import ParameterError
-from urushi.material import load
-from urushi.render.latents import ConstantLatents
+from urushi.material import load, texture_files
+from urushi.nets import shipped, tensorfile
+from urushi.render.grid import Grid
+from urushi.render.latents import ConstantLatents, TexturedLatents
 from urushi.render.neural_bsdf import read_model, resolve
 from urushi.render.parameters import describe
 
@@ -16,12 +18,13 @@ def define(base: type) -> type:
         """A saved material (``neural_brdf``).
 
         ============== ===================== ====================================================
-        filename       string                File that ``urushi.Material.save`` wrote, relative to
-                                             the scene file. (Required)
+        filename       string                File that ``urushi.Material.save`` wrote, or the
+                                             method ``save`` of a ``neural_layered``, textures
+                                             included; relative to the scene file. (Required)
         weights        string                File of the networks that the material was encoded
                                              with, unless they are Urushi's own.
-        latents        tensor                The latent codes (channels, 32); exposed by
-                                             ``mi.traverse``, not a property.
+        latents        tensor                The latent codes (channels, 32), unless they are a
+                                             texture; exposed by ``mi.traverse``, not a property.
         ============== ===================== ====================================================
 
         The material may come from a description, a simulation, a measurement or a function, and
@@ -44,6 +47,8 @@ def define(base: type) -> type:
         After Fan, Wang, Hašan, Yang and Yan, Neural Layered BRDFs, SIGGRAPH 2022.
         """
 
+        latents: ConstantLatents | TexturedLatents
+
         def __init__(self, props):
             super().__init__(props)
             where = describe(props)
@@ -53,21 +58,32 @@ def define(base: type) -> type:
                 )
             self._filename = props["filename"]
             named = read_model(props) if "weights" in props else None
-            material = load(resolve(self._filename), named)
-            self.model = material.model
-            if material.channels not in (1, 3):
+            path = resolve(self._filename)
+            if tensorfile.kind_of(path) == texture_files.KIND:
+                self._tensor = None
+                models = [named] if named else [shipped.load(name) for name in shipped.NAMES]
+                store, place, self.model = texture_files.read(path, models)
+                width, height = store.levels[0]
+                grid = Grid(width, height, place.to_texture, place.wrap, place.nearest)
+                self.latents = TexturedLatents(self.model, store, grid)
+            else:
+                material = load(path, named)
+                self.model = material.model
+                self._tensor = mi.TensorXf(material.latents)
+                self.latents = ConstantLatents(self.model, material.latents)
+            if self.latents.channels not in (1, 3):
                 raise ParameterError(
-                    f"{where}: '{self._filename}' has {material.channels} channels; "
+                    f"{where}: '{self._filename}' has {self.latents.channels} channels; "
                     "only materials of one or three can be rendered"
                 )
-            self._tensor = mi.TensorXf(material.latents)
-            self.latents = ConstantLatents(self.model, material.latents)
 
         def traverse(self, callback):
-            callback.put("latents", self._tensor, mi.ParamFlags.NonDifferentiable)
+            if self._tensor is not None:
+                callback.put("latents", self._tensor, mi.ParamFlags.NonDifferentiable)
 
         def parameters_changed(self, keys):
-            self.latents = ConstantLatents(self.model, self._tensor.numpy())
+            if self._tensor is not None:
+                self.latents = ConstantLatents(self.model, self._tensor.numpy())
 
         def to_string(self):
             return (

@@ -28,6 +28,14 @@ def define(base: type) -> type:
         model: Model
         latents: ConstantLatents | TexturedLatents
 
+        def save(self, path):
+            """Write the codes to a file that ``neural_brdf`` loads, textured or not.
+
+            Raises:
+                FileError: it cannot be written.
+            """
+            self.latents.save(path)
+
         def _f(self, ctx, si, wo, active):
             return spectrum.from_channels(self.latents.f(si, wo), si.wavelengths)
 

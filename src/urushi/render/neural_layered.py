@@ -32,7 +32,7 @@ def define(base: type) -> type:
                                              taken as they are in air.
         resolution     integer               Texels per side of the latent texture if anything is
                                              textured. (Default: that of the largest texture, at
-                                             most 1024; 256 for procedural ones)
+                                             most 2048; 256 for procedural ones)
         weights        string                Networks: ``base`` or ``small``, or a file of them.
                                              (Default: ``base``)
         ============== ===================== ====================================================
@@ -40,10 +40,11 @@ def define(base: type) -> type:
         Takes the parameters of ``layered``, its reference, and adds the last two. When the scene
         is loaded, the bottom is evaluated at the encoder's probe pairs, averaged over azimuth and
         over the exchange of the directions, encoded, and layered by the network. Textures are
-        sampled over the unit square of uv, which repeats. After a change through ``mi.traverse``
-        all of this is done anew; gradients do not flow through it. Reflects on the front side
-        only: nest it in ``twosided`` for both. Spectral variants treat the three channels as bands
-        at 611, 549 and 464 nm, linear in between.
+        baked in their own space if they share one ``to_uv``, and else over the unit square of uv,
+        which repeats. A change through ``mi.traverse`` computes anew what it changes; gradients do
+        not flow through it. The method ``save`` writes the codes to a file for ``neural_brdf``.
+        Reflects on the front side only: nest it in ``twosided`` for both. Spectral variants treat
+        the three channels as bands at 611, 549 and 464 nm, linear in between.
 
         .. tabs::
             .. code-tab:: xml
