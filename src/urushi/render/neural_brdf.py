@@ -1,9 +1,11 @@
 """The plugin `neural_brdf`: a material that was saved as latent codes."""
 
+import drjit as dr
 import mitsuba as mi
 
 from urushi.errors import ParameterError
 from urushi.material import load
+from urushi.render.attached import AttachedLatents
 from urushi.render.latents import ConstantLatents
 from urushi.render.neural_bsdf import read_model, resolve
 from urushi.render.parameters import describe
@@ -20,8 +22,8 @@ def define(base: type) -> type:
                                              the scene file. (Required)
         weights        string                File of the networks that the material was encoded
                                              with, unless they are Urushi's own.
-        latents        tensor                The latent codes (channels, 32); exposed by
-                                             ``mi.traverse``, not a property.
+        latents        tensor                The latent codes (channels, 32), differentiable;
+                                             exposed by ``mi.traverse``, not a property.
         ============== ===================== ====================================================
 
         The material may come from a description, a simulation, a measurement or a function, and
@@ -64,10 +66,13 @@ def define(base: type) -> type:
             self.latents = ConstantLatents(self.model, material.latents)
 
         def traverse(self, callback):
-            callback.put("latents", self._tensor, mi.ParamFlags.NonDifferentiable)
+            callback.put("latents", self._tensor, mi.ParamFlags.Differentiable)
 
         def parameters_changed(self, keys):
-            self.latents = ConstantLatents(self.model, self._tensor.numpy())
+            if dr.grad_enabled(self._tensor):
+                self.latents = AttachedLatents(self.model, self._tensor)
+            else:
+                self.latents = ConstantLatents(self.model, self._tensor.numpy())
 
         def to_string(self):
             return (

@@ -3,7 +3,7 @@
 import mitsuba as mi
 
 from urushi.errors import ParameterError
-from urushi.render import baking
+from urushi.render import baking, gradients
 from urushi.render.neural_bsdf import read_model
 from urushi.render.parameters import CoatParameters, check_bottom, nested_bsdf
 
@@ -35,15 +35,21 @@ def define(base: type) -> type:
                                              most 1024; 256 for procedural ones)
         weights        string                Networks: ``base`` or ``small``, or a file of them.
                                              (Default: ``base``)
+        eta            float                 The ratio int_ior / ext_ior; exposed by
+                                             ``mi.traverse``, not a property.
         ============== ===================== ====================================================
 
         Takes the parameters of ``layered``, its reference, and adds the last two. When the scene
         is loaded, the bottom is evaluated at the encoder's probe pairs, averaged over azimuth and
         over the exchange of the directions, encoded, and layered by the network. Textures are
         sampled over the unit square of uv, which repeats. After a change through ``mi.traverse``
-        all of this is done anew; gradients do not flow through it. Reflects on the front side
-        only: nest it in ``twosided`` for both. Spectral variants treat the three channels as bands
-        at 611, 549 and 464 nm, linear in between.
+        all of this is done anew. Reflects on the front side only: nest it in ``twosided`` for both.
+        Spectral variants treat the three channels as bands at 611, 549 and 464 nm, linear in
+        between.
+
+        Pictures can be differentiated with respect to all parameters, the bottom's included, by
+        Mitsuba's integrators for that, such as ``prb``: enable gradients of what ``mi.traverse``
+        shows, and update.
 
         .. tabs::
             .. code-tab:: xml
@@ -80,16 +86,23 @@ def define(base: type) -> type:
                     "or 0 to choose by the textures"
                 )
             self.model = read_model(props)
+            self._attached = mi.TensorXf()  # codes that carry gradients, shown to integrators
             self._bake()
 
         def _bake(self):
-            self.latents = baking.bake(self.model, self._coat, self._bottom, self._resolution)
+            bake = gradients.bake if gradients.wanted(self) else baking.bake
+            self.latents = bake(self.model, self._coat, self._bottom, self._resolution)
+            mi.set_property(self._attached, getattr(self.latents, "tensor", mi.TensorXf()))
 
         def traverse(self, callback):
-            self._coat.traverse(callback)
-            callback.put("bottom", self._bottom, mi.ParamFlags.NonDifferentiable)
+            self._coat.traverse(callback, mi.ParamFlags.Differentiable)
+            callback.put("bottom", self._bottom, mi.ParamFlags.Differentiable)
+            callback.put("latents", self._attached, mi.ParamFlags.ReadOnly)
 
         def parameters_changed(self, keys):
+            if keys == ["latents"]:
+                return  # which are shown to be read: they are computed from the others
+            self._coat.parameters_changed()
             self._bake()
 
         def to_string(self):

@@ -64,7 +64,7 @@ def symmetric(
     everywhere = np.repeat(uv, pairs, axis=0)
     total = np.zeros((points * pairs, spectrum.channel_count()))
     for index in range(azimuths):
-        a, b = (np.tile(_rotated(w, index / azimuths), (points, 1)) for w in (wi, wo))
+        a, b = (np.tile(rotated(w, index / azimuths), (points, 1)) for w in (wi, wo))
         for repeat in range(repeats):
             total += values(bsdf, a, b, everywhere, float(repeat))
             total += values(bsdf, b, a, everywhere, float(repeat))
@@ -84,7 +84,7 @@ def read(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, where: str) -> np.ndar
     everywhere = np.repeat(uv, len(wi), axis=0)
     if count == 1:
         turns = [i / AZIMUTHS for i in range(AZIMUTHS)]
-        f = np.stack([values(bsdf, _rotated(wi, t), _rotated(wo, t), everywhere) for t in turns])
+        f = np.stack([values(bsdf, rotated(wi, t), rotated(wo, t), everywhere) for t in turns])
         spread = np.abs(f - f.mean(axis=0)).sum() / max(f.sum(), 1e-30)
         if spread > ANISOTROPIC:
             mi.Log(
@@ -118,7 +118,7 @@ def repeats(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, points: int) -> int
     return max(min(REPEATS, BUDGET // (points * len(wi))) // (2 * AZIMUTHS), 1)
 
 
-def _rotated(w: np.ndarray, turn: float) -> np.ndarray:
+def rotated(w: np.ndarray, turn: float) -> np.ndarray:
     """Directions (M, 3) turned about the normal by a fraction of a full turn."""
     cos, sin = np.cos(2 * np.pi * turn), np.sin(2 * np.pi * turn)
     rotation = np.array([[cos, sin, 0], [-sin, cos, 0], [0, 0, 1]])
