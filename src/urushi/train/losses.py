@@ -91,7 +91,7 @@ def apply(params: Params, arch: Architecture, z: Any, coats: tuple[Any, ...]) ->
 
 
 def _held(z: jax.Array) -> jax.Array:
-    """Codes within bounds; the gradient is that of z itself, lest codes outside be lost for good."""
+    """Codes within bounds; the gradient is that of z, lest codes outside be lost for good."""
     beyond = z - jnp.clip(z, -LARGEST_CODE, LARGEST_CODE)
     return z - jax.lax.stop_gradient(beyond)
 
