@@ -15,6 +15,7 @@ from urushi.train.losses import (
     CYCLE_STRIDE,
     FLOOR,
     KNEE,
+    LARGEST_CODE,
     compose,
     joint_loss,
     relative_errors,
@@ -140,3 +141,15 @@ def test_compose_applies_the_lowest_coat_first(batch):
         if row < len(highest):
             code = layer(params, ARCH, code, coat_features(*highest[row]))
         np.testing.assert_allclose(z[row], code, rtol=1e-4, atol=1e-5)
+
+
+def test_codes_beyond_their_bounds_are_held_and_still_feel_their_gradient(batch):
+    params = init(ARCH, 0)
+    bias = params["encoder.1.bias"]
+    params["encoder.1.bias"] = np.full_like(bias, 10 * LARGEST_CODE)
+
+    def first(bias):
+        return compose(params | {"encoder.1.bias": bias}, ARCH, batch.probes, ())[0, 0]
+
+    assert float(first(params["encoder.1.bias"])) == pytest.approx(LARGEST_CODE)
+    assert float(jax.grad(first)(params["encoder.1.bias"])[0]) == pytest.approx(1)

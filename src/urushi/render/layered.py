@@ -94,10 +94,11 @@ def define(base: type) -> type:
             return Coats(self.coats, si, active).mixture(self.bottom_lobes, si.wi.z)
 
         def traverse(self, callback):
-            self._coat.traverse(callback)
+            self._coat.traverse(callback, mi.ParamFlags.NonDifferentiable)
             callback.put("bottom", self._nested, mi.ParamFlags.NonDifferentiable)
 
         def parameters_changed(self, keys):
+            self._coat.parameters_changed()
             self._prepare()
 
         def to_string(self):

@@ -1,10 +1,12 @@
 """The plugin `neural_brdf`: a material that was saved as latent codes."""
 
+import drjit as dr
 import mitsuba as mi
 
 from urushi.errors import ParameterError
 from urushi.material import load, texture_files
 from urushi.nets import shipped, tensorfile
+from urushi.render.attached import AttachedLatents
 from urushi.render.grid import Grid
 from urushi.render.latents import ConstantLatents, TexturedLatents
 from urushi.render.neural_bsdf import read_model, resolve
@@ -23,8 +25,9 @@ def define(base: type) -> type:
                                              included; relative to the scene file. (Required)
         weights        string                File of the networks that the material was encoded
                                              with, unless they are Urushi's own.
-        latents        tensor                The latent codes (channels, 32), unless they are a
-                                             texture; exposed by ``mi.traverse``, not a property.
+        latents        tensor                The latent codes (channels, 32), differentiable;
+                                             exposed by ``mi.traverse``, not a property, unless
+                                             they are a texture.
         ============== ===================== ====================================================
 
         The material may come from a description, a simulation, a measurement or a function, and
@@ -79,10 +82,14 @@ def define(base: type) -> type:
 
         def traverse(self, callback):
             if self._tensor is not None:
-                callback.put("latents", self._tensor, mi.ParamFlags.NonDifferentiable)
+                callback.put("latents", self._tensor, mi.ParamFlags.Differentiable)
 
         def parameters_changed(self, keys):
-            if self._tensor is not None:
+            if self._tensor is None:
+                return
+            if dr.grad_enabled(self._tensor):
+                self.latents = AttachedLatents(self.model, self._tensor)
+            else:
                 self.latents = ConstantLatents(self.model, self._tensor.numpy())
 
         def to_string(self):

@@ -3,6 +3,7 @@
 import mitsuba as mi
 
 from urushi.errors import ParameterError
+from urushi.render import gradients
 from urushi.render.baking import Baker
 from urushi.render.neural_bsdf import read_model
 from urushi.render.parameters import CoatParameters, check_bottom, nested_bsdf
@@ -35,16 +36,22 @@ def define(base: type) -> type:
                                              most 2048; 256 for procedural ones)
         weights        string                Networks: ``base`` or ``small``, or a file of them.
                                              (Default: ``base``)
+        eta            float                 The ratio int_ior / ext_ior; exposed by
+                                             ``mi.traverse``, not a property.
         ============== ===================== ====================================================
 
         Takes the parameters of ``layered``, its reference, and adds the last two. When the scene
         is loaded, the bottom is evaluated at the encoder's probe pairs, averaged over azimuth and
         over the exchange of the directions, encoded, and layered by the network. Textures are
         baked in their own space if they share one ``to_uv``, and else over the unit square of uv,
-        which repeats. A change through ``mi.traverse`` computes anew what it changes; gradients do
-        not flow through it. The method ``save`` writes the codes to a file for ``neural_brdf``.
-        Reflects on the front side only: nest it in ``twosided`` for both. Spectral variants treat
-        the three channels as bands at 611, 549 and 464 nm, linear in between.
+        which repeats. A change through ``mi.traverse`` computes anew what it changes. The method
+        ``save`` writes the codes to a file for ``neural_brdf``. Reflects on the front side only:
+        nest it in ``twosided`` for both. Spectral variants treat the three channels as bands at
+        611, 549 and 464 nm, linear in between.
+
+        Pictures can be differentiated with respect to all parameters, the bottom's included, by
+        Mitsuba's integrators for that, such as ``prb``: enable gradients of what ``mi.traverse``
+        shows, and update.
 
         .. tabs::
             .. code-tab:: xml
@@ -81,15 +88,33 @@ def define(base: type) -> type:
                     "or 0 to choose by the textures"
                 )
             self.model = read_model(props)
+            self._resolution = resolution
             self._baker = Baker(self.model, self._coat, self._bottom, resolution)
-            self.latents = self._baker.update()
+            self._baked = False  # whether the baker knows the bottom as it is
+            self._attached = mi.TensorXf()  # codes that carry gradients, shown to integrators
+            self._bake()
+
+        def _bake(self, bottom_changed=True):
+            if gradients.wanted(self):
+                self.latents = gradients.bake(
+                    self.model, self._coat, self._bottom, self._resolution
+                )
+                self._baked = False
+            else:
+                self.latents = self._baker.update(bottom_changed or not self._baked)
+                self._baked = True
+            mi.set_property(self._attached, getattr(self.latents, "tensor", mi.TensorXf()))
 
         def traverse(self, callback):
-            self._coat.traverse(callback)
-            callback.put("bottom", self._bottom, mi.ParamFlags.NonDifferentiable)
+            self._coat.traverse(callback, mi.ParamFlags.Differentiable)
+            callback.put("bottom", self._bottom, mi.ParamFlags.Differentiable)
+            callback.put("latents", self._attached, mi.ParamFlags.ReadOnly)
 
         def parameters_changed(self, keys):
-            self.latents = self._baker.update(not keys or "bottom" in keys)
+            if keys == ["latents"]:
+                return  # which are shown to be read: they are computed from the others
+            self._coat.parameters_changed()
+            self._bake(not keys or "bottom" in keys)
 
         def to_string(self):
             bottom = str(self._bottom).replace("\n", "\n  ")

@@ -41,9 +41,8 @@ class CoatParameters:
         ext_ior = ior.read(props, "ext_ior", "air", f"{self.where}: ext_ior")
         if not ext_ior > 0:
             raise ParameterError(f"{self.where}: ext_ior is {ext_ior:g}; it must be positive")
-        ratio = int_ior / ext_ior
-        self.eta = float(checks.eta(ratio, f"{self.where}: int_ior / ext_ior"))
-        self.opaque_eta = opaque(self.eta)
+        ratio = checks.eta(int_ior / ext_ior, f"{self.where}: int_ior / ext_ior")
+        self.opaque_eta = opaque(float(ratio))
 
     def evaluate(self, si, active) -> CoatValues:
         """The coat's parameters at a surface interaction."""
@@ -79,10 +78,25 @@ class CoatParameters:
         """The textures that depend on the position."""
         return [texture for texture in self.textures.values() if is_varying(texture)]
 
-    def traverse(self, callback) -> None:
-        """Show the textures to `mi.traverse`."""
+    @property
+    def eta(self) -> float:
+        """The relative index of refraction."""
+        return float(self.opaque_eta.numpy()[0])
+
+    def traverse(self, callback, flags: "mi.ParamFlags") -> None:
+        """Show the textures and `eta` to `mi.traverse`."""
         for name, texture in self.textures.items():
-            callback.put(name, texture, mi.ParamFlags.NonDifferentiable)
+            callback.put(name, texture, flags)
+        callback.put("eta", self.opaque_eta, flags)
+
+    def parameters_changed(self) -> None:
+        """Look at an `eta` that `mi.traverse` has changed.
+
+        Raises:
+            ParameterError: it is out of range.
+        """
+        checks.eta(self.eta, f"{self.where}: eta")
+        dr.make_opaque(self.opaque_eta)
 
     def __str__(self) -> str:
         lines = [f"  {name} = {_indent(texture)}" for name, texture in self.textures.items()]

@@ -91,7 +91,9 @@ def apply(params: Params, arch: Architecture, z: Any, coats: tuple[Any, ...]) ->
 
 
 def _held(z: jax.Array) -> jax.Array:
-    return jnp.clip(z, -LARGEST_CODE, LARGEST_CODE)
+    """Codes within bounds; the gradient is that of z, lest codes outside be lost for good."""
+    beyond = z - jnp.clip(z, -LARGEST_CODE, LARGEST_CODE)
+    return z - jax.lax.stop_gradient(beyond)
 
 
 def joint_loss(
@@ -119,5 +121,5 @@ def joint_loss(
     some = slice(0, len(batch.coats[0]), RISE_STRIDE)
     rise = jnp.mean(rises(params, arch, bottoms[some], lowest, batch.features[some]))
 
-    loss = fit + 0.2 * cycle + 0.1 * latent + rise
+    loss = fit + 0.2 * cycle + 0.1 * latent + 0.5 * rise
     return loss, {"loss": loss, "fit": fit, "cycle": cycle, "latent": latent, "rise": rise}
