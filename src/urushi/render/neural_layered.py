@@ -4,7 +4,9 @@ import mitsuba as mi
 
 from urushi.errors import ParameterError
 from urushi.render import gradients
+from urushi.render.attached import AttachedTexture
 from urushi.render.baking import Baker
+from urushi.render.latents import ConstantLatents, TexturedLatents
 from urushi.render.neural_bsdf import read_model
 from urushi.render.parameters import CoatParameters, check_bottom, nested_bsdf
 
@@ -75,6 +77,8 @@ def define(base: type) -> type:
 
         After Fan, Wang, Hašan, Yang and Yan, Neural Layered BRDFs, SIGGRAPH 2022.
         """
+
+        latents: ConstantLatents | TexturedLatents | AttachedTexture
 
         def __init__(self, props):
             super().__init__(props)
