@@ -13,8 +13,7 @@ import numpy as np
 
 from urushi.nets.weights import Model
 from urushi.render import twins
-from urushi.render.latents import ConstantLatents
-from urushi.render.twins import Mixture
+from urushi.render.latents import ConstantLatents, Vertex
 
 
 class AttachedLatents(ConstantLatents):
@@ -34,7 +33,7 @@ class AttachedLatents(ConstantLatents):
         self._numbers = latents.array
         dr.make_opaque(self._numbers)
 
-    def f(self, si, wo) -> list:
+    def f(self, vertex: Vertex, si, wo, active) -> list:
         """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
         return self._decoder.of_latents(self.codes(si.uv), si.wi, wo)
 
@@ -64,16 +63,16 @@ class AttachedTexture:
             wrap_mode=dr.WrapMode.Repeat,
         )
 
-    def f(self, si, wo) -> list:
+    def f(self, vertex: Vertex, si, wo, active) -> list:
         """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
         return self._decoder.of_latents(self.codes(si.uv), si.wi, wo)
 
-    def mixture(self, si) -> Mixture:
+    def vertex(self, si, active) -> Vertex:
         """The proposal for si.wi, which carries no gradient of the codes."""
         with dr.suspend_grad():
             latents = self.codes(si.uv)
         mean = [sum(values) * (1 / self._channels) for values in zip(*latents, strict=True)]
-        return self._proposal.of_latent(mean, si.wi.z)
+        return Vertex([], self._proposal.of_latent(mean, si.wi.z))
 
     def at(self, uv: np.ndarray) -> np.ndarray:
         """Detached codes (M, C, 32) at points uv (M, 2)."""
@@ -85,7 +84,7 @@ class AttachedTexture:
 
     def codes(self, uv: "mi.Point2f") -> list[list]:
         """Attached codes at points uv: of each channel a list (32) of Dr.Jit floats."""
-        values = self._texture.eval(uv)
+        values = list(self._texture.eval(uv))
         starts = range(0, self._channels * self._size, self._size)
         return [values[i : i + self._size] for i in starts]
 

@@ -1,10 +1,10 @@
 """Latent codes as a plugin holds them: one per channel, or a texture of them.
 
-Both answer the same two questions at a surface interaction: f of every channel, and the proposal's
-mixture, which is that of the mean latent code over the channels.
+Both answer the same two questions: what evaluating and sampling at a surface interaction share, a
+`Vertex`, and f of every channel there.
 """
 
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 import drjit as dr
 import mitsuba as mi
@@ -12,7 +12,20 @@ import numpy as np
 
 from urushi.nets.weights import Model
 from urushi.render import twins
+from urushi.render.network import only_where
 from urushi.render.twins import Mixture
+
+
+class Vertex(NamedTuple):
+    """What depends on the position and on wi alone.
+
+    Attributes:
+        shares: of every channel's latent code in the decoder, a list of Dr.Jit floats.
+        mixture: the proposal, that of the mean latent code over the channels.
+    """
+
+    shares: list[list]
+    mixture: Mixture
 
 
 class ConstantLatents:
@@ -27,13 +40,14 @@ class ConstantLatents:
         self._shares = [_opaque(share) for share in self._decoder.first_layer(latents)]
         self._proposal_share = _opaque(self._proposal.first_layer(latents.mean(axis=0)))
 
-    def f(self, si, wo) -> list:
-        """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
-        return self._decoder.of_first_layer(self._shares, si.wi, wo)
+    def vertex(self, si, active) -> Vertex:
+        """The vertex at a surface interaction."""
+        propose = self._proposal.of_first_layer
+        return Vertex(self._shares, only_where(active, propose, self._proposal_share, si.wi.z))
 
-    def mixture(self, si) -> Mixture:
-        """The proposal for si.wi."""
-        return self._proposal.of_first_layer(self._proposal_share, si.wi.z)
+    def f(self, vertex: Vertex, si, wo, active) -> list:
+        """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
+        return only_where(active, self._decoder.of_first_layer, vertex.shares, si.wi, wo)
 
     def at(self, uv: np.ndarray) -> np.ndarray:
         """Latent codes (M, C, 32) at points uv (M, 2)."""
@@ -68,16 +82,19 @@ class TexturedLatents:
             wrap_mode=dr.WrapMode.Repeat,
         )
 
-    def f(self, si, wo) -> list:
-        """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
-        latents = self._look_up(si.uv)
-        return self._decoder.of_latents(latents, si.wi, wo)
+    def vertex(self, si, active) -> Vertex:
+        """The vertex at a surface interaction."""
+        return only_where(active, self._vertex, si.uv, si.wi.z)
 
-    def mixture(self, si) -> Mixture:
-        """The proposal for si.wi."""
-        latents = self._look_up(si.uv)
+    def f(self, vertex: Vertex, si, wo, active) -> list:
+        """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
+        return only_where(active, self._decoder.of_first_layer, vertex.shares, si.wi, wo)
+
+    def _vertex(self, uv, cos_i) -> Vertex:
+        latents = self._look_up(uv)
         mean = [sum(values) * (1 / self._channels) for values in zip(*latents, strict=True)]
-        return self._proposal.of_latent(mean, si.wi.z)
+        mixture = self._proposal.of_latent(mean, cos_i)
+        return Vertex([self._decoder.share(z) for z in latents], mixture)
 
     def at(self, uv: np.ndarray) -> np.ndarray:
         """Latent codes (M, C, 32) at points uv (M, 2)."""
@@ -92,8 +109,6 @@ class TexturedLatents:
         return self._shape
 
     def _look_up(self, uv) -> list[list]:
-        # No mask beyond that of the caller's caller: equal look-ups, of f and of the mixture, of
-        # one direction and of another, then become one.
         values = [mi.Float(value) for value in self._texture.eval(uv)]
         return [values[i : i + self._size] for i in range(0, len(values), self._size)]
 
