@@ -143,13 +143,14 @@ def test_compose_applies_the_lowest_coat_first(batch):
         np.testing.assert_allclose(z[row], code, rtol=1e-4, atol=1e-5)
 
 
-def test_codes_beyond_their_bounds_are_held_and_still_feel_their_gradient(batch):
+@pytest.mark.parametrize("outwards", [-1, 1])
+def test_codes_beyond_their_bounds_are_held_and_can_come_back(batch, outwards):
     params = init(ARCH, 0)
-    bias = params["encoder.1.bias"]
-    params["encoder.1.bias"] = np.full_like(bias, 10 * LARGEST_CODE)
+    bias = np.full_like(params["encoder.1.bias"], 10 * LARGEST_CODE)
 
-    def first(bias):
-        return compose(params | {"encoder.1.bias": bias}, ARCH, batch.probes, ())[0, 0]
+    def objective(bias):
+        z = compose(params | {"encoder.1.bias": bias}, ARCH, batch.probes, ())
+        return -outwards * z[0, 0]  # least where the code is large, or small
 
-    assert float(first(params["encoder.1.bias"])) == pytest.approx(LARGEST_CODE)
-    assert float(jax.grad(first)(params["encoder.1.bias"])[0]) == pytest.approx(1)
+    assert float(objective(bias)) == pytest.approx(-outwards * LARGEST_CODE)
+    assert float(jax.grad(objective)(bias)[0]) == (0 if outwards > 0 else 1)

@@ -14,8 +14,7 @@ import numpy as np
 from urushi.nets.weights import Model
 from urushi.render import twins
 from urushi.render.grid import Grid
-from urushi.render.latents import ConstantLatents
-from urushi.render.twins import Mixture
+from urushi.render.latents import ConstantLatents, Vertex
 
 
 class AttachedLatents(ConstantLatents):
@@ -35,7 +34,7 @@ class AttachedLatents(ConstantLatents):
         self._numbers = latents.array
         dr.make_opaque(self._numbers)
 
-    def f(self, si, wo) -> list:
+    def f(self, vertex: Vertex, si, wo, active) -> list:
         """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
         return self._decoder.of_latents(self.codes(si.uv), si.wi, wo)
 
@@ -65,16 +64,16 @@ class AttachedTexture:
             wrap_mode=getattr(dr.WrapMode, grid.wrap.capitalize()),
         )
 
-    def f(self, si, wo) -> list:
+    def f(self, vertex: Vertex, si, wo, active) -> list:
         """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
         return self._decoder.of_latents(self.codes(si.uv), si.wi, wo)
 
-    def mixture(self, si) -> Mixture:
+    def vertex(self, si, active) -> Vertex:
         """The proposal for si.wi, which carries no gradient of the codes."""
         with dr.suspend_grad():
             latents = self.codes(si.uv)
         mean = [sum(values) * (1 / self.channels) for values in zip(*latents, strict=True)]
-        return self._proposal.of_latent(mean, si.wi.z)
+        return Vertex([], self._proposal.of_latent(mean, si.wi.z))
 
     def at(self, uv: np.ndarray) -> np.ndarray:
         """Detached codes (M, C, 32) at points uv (M, 2)."""
@@ -88,7 +87,7 @@ class AttachedTexture:
         """Attached codes at points uv: of each channel a list (32) of Dr.Jit floats."""
         (a, b, c), (d, e, f) = self.grid.to_texture
         point = mi.Point2f(a * uv.x + b * uv.y + c, d * uv.x + e * uv.y + f)
-        values = self._texture.eval(point)
+        values = list(self._texture.eval(point))
         starts = range(0, self.channels * self._size, self._size)
         return [values[i : i + self._size] for i in starts]
 

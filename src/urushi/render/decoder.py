@@ -36,31 +36,29 @@ class Decoder:
         gain, z = latents[..., :1], latents[..., 1:]
         return np.concatenate([gain, 1 + z @ self._scale, z @ self._offset + self._bias], axis=-1)
 
+    def share(self, latent: Sequence) -> list:
+        """The same from a latent code, a list (32) of Dr.Jit floats: a list (1 + 2 width)."""
+        return [latent[0], *network.compiled_once(self._share, *latent[1:])]
+
     def of_first_layer(self, shares: Sequence[Sequence], wi, wo) -> list:
         """f of each channel; shares: per channel a list (1 + 2 width) of Dr.Jit floats."""
-        response = self._responses(wi, wo)
+        # The response to the directions is the same for all channels.
+        response = network.dense(
+            direction_features(wi, wo), self._response, [0.0] * len(self._bias)
+        )
         return [network.compiled_once(self._of_share, *share, *response) for share in shares]
 
     def of_latents(self, latents: Sequence[Sequence], wi, wo) -> list:
         """f of each channel; latents: per channel a list (32) of Dr.Jit floats."""
-        response = self._responses(wi, wo)
-        return [network.compiled_once(self._of_latent, *z, *response) for z in latents]
+        return self.of_first_layer([self.share(z) for z in latents], wi, wo)
 
-    def _responses(self, wi, wo) -> list:
-        """The first layer's response to the directions, which all channels share."""
-        return network.dense(direction_features(wi, wo), self._response, [0.0] * len(self._bias))
+    def _share(self, *z):
+        scales = network.dense(z, self._scale, [1.0] * len(self._bias))
+        return [*scales, *network.dense(z, self._offset, self._bias.tolist())]
 
     def _of_share(self, gain, *rest):
         width = len(self._bias)
-        return self._rest(gain, rest[:width], rest[width : 2 * width], rest[2 * width :])
-
-    def _of_latent(self, gain, *rest):
-        z, response = rest[: len(self._offset)], rest[len(self._offset) :]
-        scales = network.dense(z, self._scale, [1.0] * len(self._bias))
-        offsets = network.dense(z, self._offset, self._bias.tolist())
-        return self._rest(gain, scales, offsets, response)
-
-    def _rest(self, gain, scales, offsets, response):
+        scales, offsets, response = rest[:width], rest[width : 2 * width], rest[2 * width :]
         first = [dr.fma(*values) for values in zip(scales, response, offsets, strict=True)]
         output = network.hidden_to_output(self._params, "decoder", first, self._activation)[0]
         return dr.exp(dr.clip(gain + output, MIN_LOG, MAX_LOG))

@@ -62,7 +62,7 @@ class LatentTexture:
         level of that resolution is taken, between two of them linearly.
         """
         point = self._to_texture(uv.x, uv.y, True)
-        if duv_dx is None or _is_zero(duv_dx, duv_dy) or self._levels == 1:
+        if duv_dx is None or self._levels == 1:
             return self._codes(self._sums(point, None))
         level = self._level(duv_dx, duv_dy)
         lower = dr.minimum(mi.UInt32(level), self._levels - 2)
@@ -175,6 +175,6 @@ class LatentTexture:
         return [values[i : i + size] for i in range(0, len(values), size)]
 
 
-def _is_zero(*vectors) -> bool:
+def is_zero(*vectors) -> bool:
     """Whether vectors are constants: integrators that know no footprint leave constant zeros."""
     return all(value.state == dr.VarState.Literal for vector in vectors for value in vector)

@@ -1,11 +1,11 @@
 """Latent codes as a plugin holds them: one per channel, or a texture of them.
 
-Both answer the same two questions at a surface interaction: f of every channel, and the proposal's
-mixture, which is that of the mean latent code over the channels.
+Both answer the same two questions: what evaluating and sampling at a surface interaction share, a
+`Vertex`, and f of every channel there.
 """
 
 import os
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 import drjit as dr
 import mitsuba as mi
@@ -18,8 +18,21 @@ from urushi.material.texture_files import Place
 from urushi.nets.weights import Model
 from urushi.render import twins
 from urushi.render.grid import Grid
-from urushi.render.latent_texture import LatentTexture
+from urushi.render.latent_texture import LatentTexture, is_zero
+from urushi.render.network import only_where
 from urushi.render.twins import Mixture
+
+
+class Vertex(NamedTuple):
+    """What depends on the position and on wi alone.
+
+    Attributes:
+        shares: of every channel's latent code in the decoder, a list of Dr.Jit floats.
+        mixture: the proposal, that of the mean latent code over the channels.
+    """
+
+    shares: list[list]
+    mixture: Mixture
 
 
 class ConstantLatents:
@@ -34,13 +47,14 @@ class ConstantLatents:
         self._shares = [_opaque(share) for share in self._decoder.first_layer(latents)]
         self._proposal_share = _opaque(self._proposal.first_layer(latents.mean(axis=0)))
 
-    def f(self, si, wo) -> list:
-        """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
-        return self._decoder.of_first_layer(self._shares, si.wi, wo)
+    def vertex(self, si, active) -> Vertex:
+        """The vertex at a surface interaction."""
+        propose = self._proposal.of_first_layer
+        return Vertex(self._shares, only_where(active, propose, self._proposal_share, si.wi.z))
 
-    def mixture(self, si) -> Mixture:
-        """The proposal for si.wi."""
-        return self._proposal.of_first_layer(self._proposal_share, si.wi.z)
+    def f(self, vertex: Vertex, si, wo, active) -> list:
+        """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
+        return only_where(active, self._decoder.of_first_layer, vertex.shares, si.wi, wo)
 
     def at(self, uv: np.ndarray) -> np.ndarray:
         """Latent codes (M, C, 32) at points uv (M, 2)."""
@@ -85,16 +99,22 @@ class TexturedLatents:
         self._decoder, self._proposal = twins.of(model)
         self._texture = LatentTexture(store, grid)
 
-    def f(self, si, wo) -> list:
-        """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
-        latents = self._look_up(si)
-        return self._decoder.of_latents(latents, si.wi, wo)
+    def vertex(self, si, active) -> Vertex:
+        """The vertex at a surface interaction."""
+        steps = [si.duv_dx, si.duv_dy]
+        if is_zero(*steps):
+            steps = []
+        return only_where(active, self._vertex, si.wi.z, si.uv, *steps)
 
-    def mixture(self, si) -> Mixture:
-        """The proposal for si.wi."""
-        latents = self._look_up(si)
+    def f(self, vertex: Vertex, si, wo, active) -> list:
+        """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
+        return only_where(active, self._decoder.of_first_layer, vertex.shares, si.wi, wo)
+
+    def _vertex(self, cos_i, uv, *steps) -> Vertex:
+        latents = self._texture.look_up(uv, *steps)
         mean = [sum(values) * (1 / self.channels) for values in zip(*latents, strict=True)]
-        return self._proposal.of_latent(mean, si.wi.z)
+        mixture = self._proposal.of_latent(mean, cos_i)
+        return Vertex([self._decoder.share(z) for z in latents], mixture)
 
     def at(self, uv: np.ndarray) -> np.ndarray:
         """Latent codes (M, C, 32) at points uv (M, 2)."""
@@ -116,11 +136,6 @@ class TexturedLatents:
         """
         place = Place(self.grid.to_texture, self.grid.wrap, self.grid.nearest)
         texture_files.write(path, self._store, place, self._fingerprint)
-
-    def _look_up(self, si) -> list[list]:
-        # No mask beyond that of the caller's caller: equal look-ups, of f and of the mixture, of
-        # one direction and of another, then become one.
-        return self._texture.look_up(si.uv, si.duv_dx, si.duv_dy)
 
     def __str__(self) -> str:
         width, height = self.resolution

@@ -80,7 +80,7 @@ def define(base: type) -> type:
             self.bottom = self._nested.bottom if below else self._nested
             self.bottom_lobes = self._nested.bottom_lobes if below else BottomLobes(self.bottom)
 
-        def _f(self, ctx, si, wo, active):
+        def _f(self, vertex, ctx, si, wo, active):
             def walked(si, wo, active):
                 coats = Coats(self.coats, si, active)
                 bottom = MitsubaBottom(self.bottom, ctx, si, active)
@@ -90,7 +90,7 @@ def define(base: type) -> type:
 
             return compiled_once(walked, si, wo, active)
 
-        def _mixture(self, si, active):
+        def _mixture(self, vertex, si, active):
             return Coats(self.coats, si, active).mixture(self.bottom_lobes, si.wi.z)
 
         def traverse(self, callback):

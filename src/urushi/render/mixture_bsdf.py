@@ -3,6 +3,8 @@
 import drjit as dr
 import mitsuba as mi
 
+from urushi.render import recent
+
 
 def define() -> type:
     """Make the class in the current variant."""
@@ -16,38 +18,61 @@ def define() -> type:
             self.m_components = [flags | mi.BSDFFlags.FrontSide]
             self.m_flags = self.m_components[0]
 
-        def _f(self, ctx, si, wo, active):
+        def _vertex(self, si, lit):
+            """What evaluating and sampling at si share: nothing, unless a subclass says so."""
+
+        def _f(self, vertex, ctx, si, wo, active):
             """The BRDF, a spectrum [1/sr], for si.wi and wo above the horizon."""
             raise NotImplementedError
 
-        def _mixture(self, si, active):
+        def _mixture(self, vertex, si, lit):
             """The proposal for si.wi, a `twins.Mixture`."""
             raise NotImplementedError
 
         def eval(self, ctx, si, wo, active=True):
-            active = self._lit(ctx, si, active) & (wo.z > 0)
-            return dr.select(active, self._f(ctx, si, wo, active) * wo.z, 0)
+            lit, vertex = self._seen(ctx, si, active)
+            return self._f_cos(vertex, ctx, si, wo, lit)
 
         def pdf(self, ctx, si, wo, active=True):
-            active = self._lit(ctx, si, active) & (wo.z > 0)
-            return dr.select(active, self._mixture(si, active).pdf(si.wi, wo), 0)
+            lit, vertex = self._seen(ctx, si, active)
+            return self._density(self._mixture(vertex, si, lit), si, wo, lit)
 
         def eval_pdf(self, ctx, si, wo, active=True):
-            return self.eval(ctx, si, wo, active), self.pdf(ctx, si, wo, active)
+            lit, vertex = self._seen(ctx, si, active)
+            density = self._density(self._mixture(vertex, si, lit), si, wo, lit)
+            return self._f_cos(vertex, ctx, si, wo, lit), density
 
         def sample(self, ctx, si, sample1, sample2, active=True):
-            active = self._lit(ctx, si, active)
-            mixture = self._mixture(si, active)
+            lit, vertex = self._seen(ctx, si, active)
+            mixture = self._mixture(vertex, si, lit)
             bs = dr.zeros(mi.BSDFSample3f)
             bs.wo = mixture.sample(si.wi, sample1, sample2)
-            bs.pdf = mixture.pdf(si.wi, bs.wo)
+            bs.pdf = self._density(mixture, si, bs.wo, lit)
             bs.eta = 1
             bs.sampled_type = mi.UInt32(+mi.BSDFFlags.GlossyReflection)
             bs.sampled_component = 0
-            active &= (bs.pdf > 0) & (bs.wo.z > 0)
-            bs.pdf = dr.select(active, bs.pdf, 0)
-            f_cos = self.eval(ctx, si, bs.wo, active)
-            return bs, dr.select(active, f_cos / bs.pdf, 0)
+            drawn = bs.pdf > 0
+            f_cos = self._f_cos(vertex, ctx, si, bs.wo, drawn)
+            return bs, dr.select(drawn, f_cos / bs.pdf, 0)
+
+        def _seen(self, ctx, si, active):
+            """Lanes that are wanted and whose wi is above the horizon, and the vertex there."""
+            active = mi.Bool(active)
+
+            def look():
+                lit = self._lit(ctx, si, active)
+                return lit, self._vertex(si, lit)
+
+            return recent.answer(self, (*si.wi, *si.uv, active), look)
+
+        def _f_cos(self, vertex, ctx, si, wo, lit):
+            above = lit & (wo.z > 0)
+            f_cos = dr.select(above, self._f(vertex, ctx, si, wo, above) * wo.z, 0)
+            recent.extend(self)
+            return f_cos
+
+        def _density(self, mixture, si, wo, lit):
+            return dr.select(lit & (wo.z > 0), mixture.pdf(si.wi, wo), 0)
 
         def _lit(self, ctx, si, active):
             """Lanes that the caller wants and whose wi is above the horizon."""

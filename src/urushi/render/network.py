@@ -5,6 +5,7 @@ its own. The price is compile time, so a network that is needed several times is
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import drjit as dr
 import mitsuba as mi
@@ -14,7 +15,7 @@ import numpy as np
 def activate(x, activation: str):
     """Apply "relu" or "silu" to one Dr.Jit float."""
     if activation == "relu":
-        return dr.maximum(x, 0)
+        return dr.select(x > 0, x, 0)  # dr.maximum takes care of NaN, at six times the price
     return x / (1 + dr.exp(-x))  # exp may overflow to infinity: the quotient is 0 then, rightly
 
 
@@ -44,7 +45,44 @@ def hidden_to_output(params: Mapping[str, np.ndarray], prefix: str, first, activ
 def compiled_once(function: Callable, *args):
     """Return function(*args), as a call of a routine that kernels hold once, however often called.
 
-    Dr.Jit inlines a call that has one possible target, and merges targets with equal code: hence
-    the same function twice.
+    Dr.Jit merges routines with equal code, of different materials too.
     """
-    return dr.switch(mi.UInt32(0), [function, function], *args)
+    return dr.switch(mi.UInt32(0), [function], *args)
+
+
+def only_where(active, function: Callable, *args):
+    """Return function(*args), zeros where not active.
+
+    Kernels jump over it where none of the lanes that they treat at once is active, as where the
+    rays have left the scene.
+    """
+    shape: list[Any] = []
+
+    def wanted(*args):
+        result = function(*args)
+        shape.append(result)
+        return _flat(result)
+
+    def unwanted(*args):
+        return [dr.zeros(type(value)) for value in _flat(shape[0])]
+
+    return _shaped(shape, dr.if_stmt(args, active, wanted, unwanted))
+
+
+def _flat(nested: Any) -> list:
+    """The Dr.Jit floats of nested lists and named tuples."""
+    if isinstance(nested, list | tuple):
+        return [value for part in nested for value in _flat(part)]
+    return [nested]
+
+
+def _shaped(shape: list, flat: list) -> Any:
+    """The inverse of `_flat`; shape: a list of one such nested list."""
+    values = iter(flat)
+
+    def fill(part: Any):
+        if hasattr(part, "_fields"):
+            return type(part)(*map(fill, part))
+        return [fill(value) for value in part] if isinstance(part, list) else next(values)
+
+    return fill(shape[0])

@@ -36,10 +36,14 @@ def define(base: type) -> type:
             """
             self.latents.save(path)
 
-        def _f(self, ctx, si, wo, active):
-            return spectrum.from_channels(self.latents.f(si, wo), si.wavelengths)
+        def _vertex(self, si, active):
+            return self.latents.vertex(si, active)
 
-        def _mixture(self, si, active):
-            return self.latents.mixture(si)
+        def _f(self, vertex, ctx, si, wo, active):
+            channels = self.latents.f(vertex, si, wo, active)
+            return spectrum.from_channels(channels, si.wavelengths)
+
+        def _mixture(self, vertex, si, active):
+            return vertex.mixture
 
     return NeuralBSDF

@@ -32,6 +32,10 @@ class PaperDecoder:
         """The latents themselves: here the first layer is a small part of the whole."""
         return latents
 
+    def share(self, latent: Sequence) -> list:
+        """The latent itself."""
+        return list(latent)
+
     def of_first_layer(self, shares: Sequence[Sequence], wi, wo) -> list:
         """f of each channel; shares: per channel a list (32) of Dr.Jit floats."""
         return self.of_latents(shares, wi, wo)

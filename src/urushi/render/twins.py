@@ -28,6 +28,9 @@ class Evaluation(Protocol):
     def first_layer(self, latents: np.ndarray) -> np.ndarray:
         """What evaluations need of latents (..., 32)."""
 
+    def share(self, latent: Sequence) -> list:
+        """The same from one latent, a list (32) of Dr.Jit floats."""
+
     def of_first_layer(self, shares: Sequence[Sequence], wi, wo) -> list:
         """f [1/sr] of each channel from what `first_layer` gave, as lists of Dr.Jit floats."""
 

@@ -90,10 +90,17 @@ def apply(params: Params, arch: Architecture, z: Any, coats: tuple[Any, ...]) ->
     return z
 
 
+@jax.custom_vjp
 def _held(z: jax.Array) -> jax.Array:
-    """Codes within bounds; the gradient is that of z, lest codes outside be lost for good."""
-    beyond = z - jnp.clip(z, -LARGEST_CODE, LARGEST_CODE)
-    return z - jax.lax.stop_gradient(beyond)
+    """Codes within bounds. Of those outside, the gradient is kept that brings them back."""
+    return jnp.clip(z, -LARGEST_CODE, LARGEST_CODE)
+
+
+def _held_pullback(z: jax.Array, gradient: jax.Array) -> tuple[jax.Array]:
+    return (jnp.where((jnp.abs(z) < LARGEST_CODE) | (gradient * z > 0), gradient, 0.0),)
+
+
+_held.defvjp(lambda z: (_held(z), z), _held_pullback)
 
 
 def joint_loss(

@@ -105,7 +105,7 @@ def base() -> Preset:
     return Preset(
         name="base",
         data=whole_domain(),
-        networks=Schedule(steps=98_304, warmup=256, learning_rate=0.008, clip=0.1),
+        networks=Schedule(steps=81_920, warmup=256, learning_rate=0.008, clip=0.1),
         proposal=Schedule(steps=8_000, warmup=200, learning_rate=0.01, checkpoint_every=4_000),
         stacks=(48, 128, 40, 10, 7, 7),
         memory=1 << 28,

@@ -28,7 +28,7 @@ class Folder:
         return {"type": "bitmap", "filename": self._image(name, values), "raw": True}
 
     def environment(self, name: str, radiance: np.ndarray) -> dict[str, Any]:
-        """A light from all around, (H, W, 3): zenith (z) in row 0, +x at the first column."""
+        """A light from all around, (H, W, 3): z in row 0, columns from +y by +x back to +y."""
         turned = mi.ScalarTransform4d().rotate([1, 0, 0], 90)
         return {"type": "envmap", "filename": self._image(name, radiance), "to_world": turned}
 

@@ -8,7 +8,7 @@ import numpy as np
 from urushi.render.scenes import continents, noise, stage
 from urushi.render.scenes.folder import Folder
 from urushi.render.scenes.mesh import Mesh, grid
-from urushi.render.scenes.stage import Options, rgb
+from urushi.render.scenes.stage import Light, Options, rgb
 from urushi.render.scenes.turned import Profile, lathe
 
 #: Rows of the map; it has twice as many columns.
@@ -25,11 +25,17 @@ def globe(folder: Folder, options: Options) -> dict[str, Any]:
     transform = mi.ScalarTransform4d()
     placed = transform.translate([0, 0, CENTRE]) @ transform.rotate([0, 1, 0], TILT)
     parts = {
-        "sky": stage.sky(folder, (0.40, 0.46, 0.58), (0.60, 0.54, 0.47), (0.05, 0.045, 0.04)),
-        "key": stage.softbox((-4.6, -3.6, 5.2), (0, 0, 1.5), (1.3, 1.3), (36, 33.5, 30)),
-        "rim": stage.softbox((4.2, 1.8, 3.2), (0, 0, 1.6), (0.5, 1.9), (22, 25, 30)),
-        "backdrop": folder.mesh("backdrop", stage.sweep())
-        | {"bsdf": stage.diffuse(0.20, 0.17, 0.15)},
+        "surround": stage.surround(
+            folder,
+            zenith=(0.40, 0.46, 0.58),
+            horizon=(0.26, 0.23, 0.20),
+            ground=(0.10, 0.085, 0.07),
+            lights=[
+                Light((-4.6, -3.6, 3.7), (0.36, 0.36), (10.5, 9.8, 8.8)),
+                Light((4.2, 1.8, 1.6), (0.20, 0.55), (8.0, 9.0, 10.6)),
+            ],
+        ),
+        "table": stage.table(5.0, 0.12, 0.085, 0.06),
         "globe": {
             "type": "sphere",
             "to_world": placed @ transform.rotate([0, 0, 1], -90 - FACING),

@@ -8,20 +8,26 @@ import numpy as np
 from urushi.render.scenes import last, leather, stage
 from urushi.render.scenes.folder import Folder
 from urushi.render.scenes.mesh import grid
-from urushi.render.scenes.stage import Options, rgb
+from urushi.render.scenes.stage import Light, Options, rgb
 
 #: Texels around the upper; half as many from the sole to the collar.
-TEXELS = 1536
+TEXELS = 1024
 
 
 def shoe(folder: Folder, options: Options) -> dict[str, Any]:
     """Describe the scene, its files in `folder`."""
     parts: dict[str, Any] = {
-        "sky": stage.sky(folder, (0.34, 0.36, 0.42), (0.40, 0.37, 0.33), (0.06, 0.05, 0.05)),
-        "key": stage.softbox((-3.5, -4.5, 5.5), (0.2, 0, 0.5), (1.5, 1.2), (20, 18.8, 17)),
-        "rim": stage.softbox((3.2, 3.6, 3.4), (0.3, 0, 0.5), (1.8, 0.5), (15, 16.5, 19)),
-        "backdrop": folder.mesh("backdrop", stage.sweep())
-        | {"bsdf": stage.diffuse(0.42, 0.38, 0.33)},
+        "surround": stage.surround(
+            folder,
+            zenith=(0.42, 0.46, 0.55),
+            horizon=(0.30, 0.275, 0.25),
+            ground=(0.12, 0.11, 0.10),
+            lights=[
+                Light((-3.7, -4.5, 5.0), (0.34, 0.30), (9.5, 9.0, 8.2)),
+                Light((2.9, 3.6, 2.9), (0.55, 0.20), (7.5, 8.1, 9.4)),
+            ],
+        ),
+        "table": stage.table(5.0, 0.34, 0.30, 0.25),
     }
     transform = mi.ScalarTransform4d()
     right = transform.translate([0.10, -0.55, 0]) @ transform.rotate([0, 0, 1], -22)

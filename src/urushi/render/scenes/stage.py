@@ -1,4 +1,4 @@
-"""What the scenes share: their options, camera, backdrop, lights, and the coat under study."""
+"""What the scenes share: their options, camera, table, lights, and the coat under study."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ import numpy as np
 from urushi.errors import ParameterError
 from urushi.nets import shipped
 from urushi.render.scenes.folder import Folder
-from urushi.render.scenes.mesh import Mesh, grid
+from urushi.render.scenes.noise import smoothstep
 
 Vector = Sequence[float]
 
@@ -109,40 +109,52 @@ def camera(options: Options, origin: Vector, target: Vector, fov: float) -> dict
     }
 
 
-def softbox(origin: Vector, target: Vector, size: Vector, radiance: Vector) -> dict[str, Any]:
-    """A light: a one-sided black rectangle of half sizes `size`, facing `target`."""
-    transform = mi.ScalarTransform4d()
-    return {
-        "type": "rectangle",
-        "to_world": transform.look_at(origin=origin, target=target, up=[0, 0, 1])
-        @ transform.scale([*size, 1]),
-        "emitter": {"type": "area", "radiance": rgb(*radiance)},
-        "bsdf": diffuse(0, 0, 0),
-    }
+@dataclass(frozen=True)
+class Light:
+    """A softbox far away: a square patch of the sky with soft edges.
 
-
-def sky(folder: Folder, zenith: Vector, horizon: Vector, ground: Vector) -> dict[str, Any]:
-    """A dim surround that fades from the zenith's radiance to the horizon's, and the ground's."""
-    up = np.cos(np.linspace(0, np.pi, 64))[:, None, None]
-    above = np.asarray(horizon) + np.subtract(zenith, horizon) * np.clip(up, 0, 1) ** 0.5
-    below = np.asarray(horizon) + np.subtract(ground, horizon) * np.clip(-4 * up, 0, 1)
-    radiance = np.where(up >= 0, above, below)
-    return folder.environment("sky", np.broadcast_to(radiance, (64, 128, 3)))
-
-
-def sweep(
-    depth: float = 5.0, radius: float = 2.5, height: float = 8.0, width: float = 30.0
-) -> Mesh:
-    """A photographer's backdrop: the floor z = 0, curving up into a wall behind, at y = depth.
-
-    u goes across (x), v from the front over the floor up the wall.
+    Attributes:
+        towards: direction in which it is seen; z is up.
+        size: half its width and half its height [rad].
+        radiance: in its middle.
     """
-    front = 12.0
-    bend = np.linspace(0, np.pi / 2, 33)
-    y = np.concatenate([[-front], depth - radius + radius * np.sin(bend), [depth]])
-    z = np.concatenate([[0], radius - radius * np.cos(bend), [height]])
-    x = np.array([-width / 2, width / 2])
-    points = np.zeros((len(y), 2, 3))
-    points[..., 0] = x
-    points[..., 1], points[..., 2] = y[:, None], z[:, None]
-    return grid(points)
+
+    towards: Vector
+    size: tuple[float, float]
+    radiance: Vector
+
+
+def surround(
+    folder: Folder, zenith: Vector, horizon: Vector, ground: Vector, lights: Sequence[Light]
+) -> dict[str, Any]:
+    """The only emitter: a smooth sky of three radiances, with lights in it.
+
+    One environment map is sampled with less noise than several lamps, of which a sample sees one.
+    """
+    theta, phi = np.pi * (np.arange(256) + 0.5) / 256, 2 * np.pi * (np.arange(512) + 0.5) / 512
+    up = np.broadcast_to(np.cos(theta)[:, None], (256, 512))
+    across = np.sin(theta)[:, None]
+    points = np.stack([across * np.sin(phi), across * np.cos(phi), up], axis=-1)
+    above = np.asarray(horizon) + np.subtract(zenith, horizon) * smoothstep(0, 0.6, up)[..., None]
+    radiance = above + (ground - above) * smoothstep(-0.02, -0.35, up)[..., None]
+    for light in lights:
+        axis = np.asarray(light.towards, float) / np.linalg.norm(light.towards)
+        side = np.cross(axis, [0.0, 0.0, 1.0])
+        side /= np.linalg.norm(side)
+        ahead = points @ axis
+        beside, over = (
+            np.abs(points @ along) / (np.maximum(ahead, 1e-3) * np.tan(size))
+            for along, size in zip((side, np.cross(side, axis)), light.size, strict=True)
+        )
+        edge = smoothstep(1.15, 0.85, beside) * smoothstep(1.15, 0.85, over) * (ahead > 0)
+        radiance = radiance + edge[..., None] * np.asarray(light.radiance)
+    return folder.environment("surround", radiance)
+
+
+def table(radius: float, *reflectance: float) -> dict[str, Any]:
+    """A round table, its top at z = 0; matt, so that noise is that of the coats."""
+    return {
+        "type": "disk",
+        "to_world": mi.ScalarTransform4d().scale(radius),
+        "bsdf": diffuse(*reflectance),
+    }

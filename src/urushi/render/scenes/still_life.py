@@ -14,7 +14,7 @@ from urushi.render.scenes import stage, wares
 from urushi.render.scenes.folder import Folder
 from urushi.render.scenes.mesh import derivatives, grid
 from urushi.render.scenes.relief import normal_map
-from urushi.render.scenes.stage import Options, rgb
+from urushi.render.scenes.stage import Light, Options, rgb
 from urushi.render.scenes.turned import Profile, lathe
 
 #: Rows of the largest textures.
@@ -31,9 +31,16 @@ BEAD = 0.21
 def still_life(folder: Folder, options: Options) -> dict[str, Any]:
     """Describe the scene, its files in `folder`."""
     parts: dict[str, Any] = {
-        "sky": stage.sky(folder, (0.34, 0.40, 0.52), (0.42, 0.37, 0.32), (0.04, 0.035, 0.03)),
-        "window": stage.softbox((-5.2, -2.6, 4.6), (0, 0, 0.7), (1.5, 1.8), (38, 37, 36)),
-        "lamp": stage.softbox((4.6, -1.2, 2.6), (0.3, 0, 0.7), (0.6, 1.2), (16, 13.5, 10.5)),
+        "surround": stage.surround(
+            folder,
+            zenith=(0.36, 0.42, 0.54),
+            horizon=(0.44, 0.39, 0.34),
+            ground=(0.05, 0.045, 0.04),
+            lights=[
+                Light((-5.2, -2.6, 3.9), (0.40, 0.48), (10.5, 10.2, 9.9)),
+                Light((4.6, -2.2, 2.2), (0.24, 0.42), (5.5, 4.6, 3.7)),
+            ],
+        ),
         "wall": folder.mesh("wall", _wall()) | {"bsdf": stage.diffuse(0.24, 0.21, 0.19)},
         "table": _table(folder, options),
         "vase": _vase(folder, options),

@@ -14,7 +14,7 @@ from urushi.render.scenes import noise, stage
 from urushi.render.scenes.bezier import Outline, Tube
 from urushi.render.scenes.folder import Folder
 from urushi.render.scenes.mesh import Mesh, grid
-from urushi.render.scenes.stage import Options
+from urushi.render.scenes.stage import Light, Options
 from urushi.render.scenes.turned import lathe, surface
 
 #: Texels around the body; half as many along it, and fewer on the other parts.
@@ -26,11 +26,17 @@ def teapot(folder: Folder, options: Options) -> dict[str, Any]:
     transform = mi.ScalarTransform4d()
     turned = transform.rotate([0, 0, 1], -28)
     parts: dict[str, Any] = {
-        "sky": stage.sky(folder, (0.30, 0.34, 0.42), (0.38, 0.36, 0.33), (0.06, 0.05, 0.05)),
-        "key": stage.softbox((-7, -5.5, 8.5), (0, 0, 1.4), (2.2, 2.2), (24, 22.5, 20)),
-        "rim": stage.softbox((7, 3.5, 5), (0, 0, 1.4), (0.8, 3.0), (14, 16, 19)),
-        "backdrop": folder.mesh("backdrop", stage.sweep(depth=9, width=60))
-        | {"bsdf": stage.diffuse(0.30, 0.27, 0.24)},
+        "surround": stage.surround(
+            folder,
+            zenith=(0.42, 0.48, 0.60),
+            horizon=(0.30, 0.285, 0.27),
+            ground=(0.13, 0.12, 0.11),
+            lights=[
+                Light((-7, -5.5, 7.1), (0.38, 0.38), (7.6, 7.2, 6.5)),
+                Light((7, 3.5, 3.6), (0.20, 0.50), (6.0, 6.7, 8.0)),
+            ],
+        ),
+        "table": stage.table(8.0, 0.26, 0.23, 0.20),
     }
     for name, (mesh, place) in pieces(options).items():
         albedo, depth = lacquer(place)
