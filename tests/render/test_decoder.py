@@ -130,3 +130,45 @@ def test_density_and_samples_of_a_mixture_agree_with_numpy(rgb):
     np.testing.assert_allclose(
         drawn.numpy().T, numpy_lobes.sample(weights, alphas, wi, u), atol=3e-4
     )
+
+
+def test_cooperative_vectors_agree_with_constants_in_code(rgb, model):
+    from urushi.render.decoder import Decoder
+    from urushi.render.lobes import Proposal
+
+    wi, wo = (vector(rgb, w) for w in pairs())
+    z, values, mixtures = latents(3), [], []
+    for cooperative in (False, True):
+        decoder = Decoder(model, cooperative)
+        shares = [[rgb.Float(x) for x in share] for share in decoder.first_layer(z)]
+        values.append(decoder.of_first_layer(shares, wi, wo))
+        proposal = Proposal(model, cooperative)
+        share = [rgb.Float(x) for x in proposal.first_layer(z[0])]
+        mixture = dr.switch(rgb.UInt32(0), [lambda c, s=share, p=proposal: flat(p, s, c)], wi.z)
+        mixtures.append(mixture)
+    for a, b in (*zip(*values, strict=True), *zip(*mixtures, strict=True)):
+        np.testing.assert_allclose(a.numpy(), b.numpy(), rtol=2e-4)
+
+
+def flat(proposal, share, cos_i) -> list:
+    mixture = proposal.of_first_layer(share, cos_i)
+    return [*mixture.weights, *mixture.alphas]
+
+
+def test_cuda_agrees_with_numpy(model):
+    import mitsuba as mi
+
+    try:
+        mi.set_variant("cuda_ad_rgb")
+        dr.eval(mi.Float(0) + dr.opaque(mi.Float, 1))
+    except (ImportError, RuntimeError):
+        pytest.skip("there is no CUDA device")
+    from urushi.render.latents import ConstantLatents
+
+    z = latents(3)
+    wi, wo = pairs()
+    f = evaluated(ConstantLatents(model, z), interaction(mi, wi), vector(mi, wo))
+    # half precision: 5e-4 of every activation, through a network that triples its output
+    np.testing.assert_allclose(
+        np.stack([x.numpy() for x in f], -1), Material(z, model).f(wi, wo), rtol=2e-2
+    )

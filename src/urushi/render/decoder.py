@@ -8,7 +8,7 @@ import numpy as np
 from urushi.nets.architecture import SCALE
 from urushi.nets.decoder import MAX_LOG, MIN_LOG
 from urushi.nets.weights import Model
-from urushi.render import network
+from urushi.render import hidden, network
 from urushi.render.features import direction_features
 
 
@@ -19,9 +19,10 @@ class Decoder:
     (`first_layer`); a textured one does so at every evaluation.
     """
 
-    def __init__(self, model: Model):
-        self._params = model.params
-        self._activation = model.arch.activation
+    def __init__(self, model: Model, cooperative: bool | None = None):
+        """cooperative: see `hidden.choose`."""
+        params, activation = model.params, model.arch.activation
+        self._rest = hidden.choose(params, "decoder", activation, cooperative)
         weight = model.params["decoder.0.weight"]
         codes = model.arch.latent - 1  # the gain bypasses the network
         self._offset, self._response = weight[:codes], weight[codes:]
@@ -60,5 +61,4 @@ class Decoder:
         width = len(self._bias)
         scales, offsets, response = rest[:width], rest[width : 2 * width], rest[2 * width :]
         first = [dr.fma(*values) for values in zip(scales, response, offsets, strict=True)]
-        output = network.hidden_to_output(self._params, "decoder", first, self._activation)[0]
-        return dr.exp(dr.clip(gain + output, MIN_LOG, MAX_LOG))
+        return dr.exp(dr.clip(gain + self._rest(first)[0], MIN_LOG, MAX_LOG))

@@ -16,7 +16,7 @@ from urushi.nets.features import MIN_ALPHA
 from urushi.nets.sampler import MIN_COSINE_SHARE
 from urushi.nets.weights import Model
 from urushi.physics.frame import square_to_cosine_hemisphere
-from urushi.render import network
+from urushi.render import hidden, network
 from urushi.render.features import sampler_features
 
 
@@ -38,9 +38,10 @@ class Mixture(NamedTuple):
 class Proposal:
     """Mixtures from a model's latent codes and the cosine of wi."""
 
-    def __init__(self, model: Model):
-        self._params = model.params
-        self._activation = model.arch.activation
+    def __init__(self, model: Model, cooperative: bool | None = None):
+        """cooperative: see `hidden.choose`."""
+        params, activation = model.params, model.arch.activation
+        self._rest = hidden.choose(params, "sampler", activation, cooperative)
         self._lobes = model.arch.lobes
         weight = model.params["sampler.0.weight"]
         self._from_latent = weight[: model.arch.latent]
@@ -54,8 +55,7 @@ class Proposal:
     def of_first_layer(self, share: Sequence, cos_i) -> Mixture:
         """The mixture for wi of cosine cos_i; share: a list (width) of Dr.Jit floats."""
         first = network.dense(sampler_features(cos_i), self._from_angle, share)
-        output = network.hidden_to_output(self._params, "sampler", first, self._activation)
-        return self._mixture(output)
+        return self._mixture(self._rest(first))
 
     def of_latent(self, latent: Sequence, cos_i) -> Mixture:
         """The same from a latent code, a list (32) of Dr.Jit floats."""

@@ -1,11 +1,12 @@
-"""Large networks as Dr.Jit code: weights in memory, as cooperative vectors want them.
+"""Networks as Dr.Jit code with weights in memory, as cooperative vectors want them.
 
-For networks whose weights are too many to be constants in unrolled code, as `render.network` has
-them. Activations are cooperative vectors throughout: taken apart into floats they would make the
-code long and its compilation slow.
+For GPUs, whose matrix units take them, in half precision; and, on CPUs, for networks whose weights
+are too many to be constants in unrolled code, as `render.network` has them. Activations are
+cooperative vectors throughout: taken apart into floats they would make the code long and its
+compilation slow.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import drjit as dr
 import mitsuba as mi
@@ -13,6 +14,7 @@ import numpy as np
 from drjit import nn
 
 from urushi.nets.paper.blocks import EPSILON
+from urushi.render import network
 
 
 class Linear:
@@ -55,5 +57,41 @@ class Norm:
         return average
 
 
+class Hidden:
+    """The hidden layers of a network after its first, the twin of `network.hidden_to_output`.
+
+    The output layer is left to constants in single precision: outputs are logarithms, of which
+    half precision would leave three digits.
+    """
+
+    def __init__(self, params: Mapping[str, np.ndarray], prefix: str, activation: str):
+        last = 1
+        while f"{prefix}.{last + 1}.weight" in params:
+            last += 1
+        self._layers = [Linear(params, f"{prefix}.{index}") for index in range(1, last)]
+        self._weight = params[f"{prefix}.{last}.weight"]
+        self._bias = params[f"{prefix}.{last}.bias"].tolist()
+        self._activation = activation
+
+    def __call__(self, first: Sequence) -> list:
+        """Carry the first layer's pre-activation, a list of floats, to the output, another."""
+        x = self._activate(nn.CoopVec(*map(_number(), first)))
+        for layer in self._layers:
+            x = self._activate(layer(x))
+        return network.dense([mi.Float(value) for value in x], self._weight, self._bias)
+
+    def _activate(self, x: nn.CoopVec) -> nn.CoopVec:
+        if self._activation == "relu":
+            return dr.maximum(x, 0)
+        half = x * 0.5
+        return dr.fma(half, dr.tanh(half), half)  # SiLU, as `nets.mlp.activate` has it
+
+
+def _number() -> type:
+    """What cooperative vectors hold: GPUs have half precision only."""
+    return mi.Float16 if dr.backend_v(mi.Float) == dr.JitBackend.CUDA else mi.Float
+
+
 def _packed(weight: np.ndarray, bias: np.ndarray) -> tuple:
-    return nn.pack(mi.TensorXf(weight), mi.TensorXf(bias), layout="inference")
+    tensor = dr.tensor_t(_number())
+    return nn.pack(tensor(weight), tensor(bias), layout="inference")
