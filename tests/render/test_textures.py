@@ -49,9 +49,9 @@ def test_a_constant_texture_is_the_constant(rgb, networks, name):
 
 
 @pytest.mark.parametrize("name", ("layered", "neural_layered"))
-@pytest.mark.parametrize("parameter", ("alpha", "albedo", "sigma_t"))
+@pytest.mark.parametrize("parameter", ("alpha", "albedo", "sigma_t", "g", "int_ior"))
 def test_every_texel_is_layered_with_its_own_values(rgb, networks, name, parameter):
-    values = np.float32([[0.2, 0.4, 0.6], [0.5, 0.9, 0.3]])
+    values = np.float32([[0.2, 0.4, 0.6], [0.5, 0.9, 0.3]]) + (parameter == "int_ior")
     textured = load(
         rgb, name, networks, **{parameter: bitmap(rgb, values[..., None], filter_type="nearest")}
     )

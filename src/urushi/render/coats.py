@@ -14,6 +14,8 @@ from urushi.render.parameters import CoatParameters, CoatValues, opaque
 
 #: Shares of the proposal that no lobe, and not the cosine lobe, falls below.
 MIN_SHARE, MIN_COSINE_SHARE = 0.02, 0.1
+#: A texture's filter may leave less of an index of refraction than the walk can refract by.
+LEAST_ETA = 1.0001
 #: Samples from which a bottom's lobes are estimated.
 SAMPLES = 1 << 14
 
@@ -28,8 +30,12 @@ class Coats:
 
     def __init__(self, parameters: Sequence[CoatParameters], si, active):
         self.count = len(parameters)
-        self._etas = [coat.opaque_eta for coat in parameters]
-        self._coats = [_for_walk(coat.evaluate(si, active)) for coat in parameters]
+        values = [coat.evaluate(si, active) for coat in parameters]
+        self._etas = [
+            dr.clip(value.eta, LEAST_ETA, 3) if coat.has_textured_eta else value.eta
+            for coat, value in zip(parameters, values, strict=True)
+        ]
+        self._coats = [_for_walk(value) for value in values]
 
     def interface(self, index):
         """(alpha, eta) of an interface; eta is relative to the medium above."""
@@ -140,6 +146,7 @@ def _for_walk(coat: CoatValues) -> CoatValues:
     """Parameters within their ranges, whatever a texture's filter or spectrum made of them."""
     return CoatValues(
         dr.clip(coat.alpha, 0.01, 1),
+        coat.eta,
         dr.clip(_color(coat.albedo), 0, 1),
         dr.maximum(_color(coat.sigma_t), 0),
         dr.clip(_color(coat.g), -0.999, 0.999),

@@ -40,8 +40,8 @@ def bake(
     uv = grid.uv() if grid else np.full((1, 2), 0.5)
     table = coat.table(uv)
     si = probing.interaction(np.tile([0.0, 0.0, 1.0], (len(uv), 1)), uv)
-    alpha, *others = coat.evaluate(si, mi.Bool(True))
-    parameters = [[alpha], [coat.opaque_eta], *map(spectrum.to_channels, others)]
+    alpha, eta, *others = coat.evaluate(si, mi.Bool(True))
+    parameters = [[alpha], [eta], *map(spectrum.to_channels, others)]
     z_bottom = _bottom_codes(model, coat.where, bottom, uv, grid)
     codes = operations.layer(model, table, z_bottom, parameters)
     if grid is None:

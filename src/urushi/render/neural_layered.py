@@ -20,8 +20,9 @@ def define(base: type) -> type:
         ============== ===================== ====================================================
         alpha          float, texture        GGX width of the coat's surface, 0.01 to 1.
                                              (Default: 0.1)
-        int_ior        float, string         Index of refraction inside the coat, a number or a
-                                             material such as "water". (Default: "bk7", 1.5046)
+        int_ior        float, string,        Index of refraction inside the coat, a number, a
+                       texture               material such as "water", or a texture of numbers.
+                                             (Default: "bk7", 1.5046)
         ext_ior        float, string         Index outside; the ratio of both must be within 1 to
                                              3, 1 excluded. (Default: "air", 1.000277)
         albedo         spectrum, texture     Single-scattering albedo of the coat's medium, 0 to 1.

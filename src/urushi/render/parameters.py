@@ -14,6 +14,7 @@ from urushi.render import ior, spectrum
 DEFAULTS = {"alpha": 0.1, "albedo": 0.0, "sigma_t": 0.0, "g": 0.0}
 _CHECKS = {
     "alpha": checks.alpha,
+    "eta": checks.eta,
     "albedo": checks.albedo,
     "sigma_t": checks.sigma_t,
     "g": checks.g,
@@ -21,9 +22,10 @@ _CHECKS = {
 
 
 class CoatValues(NamedTuple):
-    """A coat at a point: alpha a Dr.Jit float, the others spectra."""
+    """A coat at a point: alpha and eta Dr.Jit floats, the others spectra."""
 
     alpha: "mi.Float"
+    eta: "mi.Float"
     albedo: "mi.Spectrum"
     sigma_t: "mi.Spectrum"
     g: "mi.Spectrum"
@@ -37,23 +39,30 @@ class CoatParameters:
     def __init__(self, props: "mi.Properties"):
         self.where = describe(props)
         self.textures = {name: self._texture(props, name) for name in DEFAULTS}
-        int_ior = ior.read(props, "int_ior", "bk7", f"{self.where}: int_ior")
         ext_ior = ior.read(props, "ext_ior", "air", f"{self.where}: ext_ior")
         if not ext_ior > 0:
             raise ParameterError(f"{self.where}: ext_ior is {ext_ior:g}; it must be positive")
-        ratio = checks.eta(int_ior / ext_ior, f"{self.where}: int_ior / ext_ior")
-        self.opaque_eta = opaque(float(ratio))
+        if "int_ior" in props and props.type("int_ior") == mi.Properties.Type.Object:
+            self.textures["int_ior"] = self._texture(props, "int_ior")
+            self.opaque_eta = opaque(1 / ext_ior)
+        else:
+            int_ior = ior.read(props, "int_ior", "bk7", f"{self.where}: int_ior")
+            ratio = checks.eta(int_ior / ext_ior, f"{self.where}: int_ior / ext_ior")
+            self.opaque_eta = opaque(float(ratio))
 
     def evaluate(self, si, active) -> CoatValues:
         """The coat's parameters at a surface interaction."""
-        textures = self.textures
+        textures, eta = self.textures, self.opaque_eta
+        if self.has_textured_eta:
+            eta = eta * textures["int_ior"].eval_1(si, active)
         return CoatValues(
             textures["alpha"].eval_1(si, active),
+            eta,
             *(textures[name].eval(si, active) for name in ("albedo", "sigma_t", "g")),
         )
 
     def table(self, uv: np.ndarray) -> dict[str, np.ndarray]:
-        """Checked parameters at points uv (M, 2): alpha and eta (M or 1, 1), others (M, channels).
+        """Checked parameters at points uv (M, 2): alpha and eta (M, 1), the others (M, channels).
 
         Raises:
             ParameterError: a value is out of range.
@@ -65,12 +74,12 @@ class CoatParameters:
         dr.eval(values)
         table = {}
         for name, value in values.items():
-            channels = [value] if name == "alpha" else spectrum.to_channels(value)
+            channels = [value] if name in ("alpha", "eta") else spectrum.to_channels(value)
             rows = [np.broadcast_to(channel.numpy(), len(uv)) for channel in channels]
             # Six digits: 0.01 in single precision is less than 0.01 in double.
             array = np.stack(rows, axis=-1).astype(np.float64).round(6)
-            table[name] = _CHECKS[name](array, f"{self.where}: {name}", any_shape=True)
-        table["eta"] = np.full((1, 1), self.eta)
+            known = "int_ior / ext_ior" if name == "eta" else name
+            table[name] = _CHECKS[name](array, f"{self.where}: {known}", any_shape=True)
         return table
 
     @property
@@ -79,15 +88,21 @@ class CoatParameters:
         return [texture for texture in self.textures.values() if is_varying(texture)]
 
     @property
+    def has_textured_eta(self) -> bool:
+        """Whether `int_ior` is a texture, which `opaque_eta`, 1 / ext_ior, is multiplied with."""
+        return "int_ior" in self.textures
+
+    @property
     def eta(self) -> float:
-        """The relative index of refraction."""
+        """The relative index of refraction, unless it is textured."""
         return float(self.opaque_eta.numpy()[0])
 
     def traverse(self, callback, flags: "mi.ParamFlags") -> None:
         """Show the textures and `eta` to `mi.traverse`."""
         for name, texture in self.textures.items():
             callback.put(name, texture, flags)
-        callback.put("eta", self.opaque_eta, flags)
+        if not self.has_textured_eta:
+            callback.put("eta", self.opaque_eta, flags)
 
     def parameters_changed(self) -> None:
         """Look at an `eta` that `mi.traverse` has changed.
@@ -95,12 +110,15 @@ class CoatParameters:
         Raises:
             ParameterError: it is out of range.
         """
-        checks.eta(self.eta, f"{self.where}: eta")
+        if not self.has_textured_eta:
+            checks.eta(self.eta, f"{self.where}: eta")
         dr.make_opaque(self.opaque_eta)
 
     def __str__(self) -> str:
         lines = [f"  {name} = {_indent(texture)}" for name, texture in self.textures.items()]
-        return ",\n".join([*lines, f"  eta = {self.eta:g}"])
+        if not self.has_textured_eta:
+            lines.append(f"  eta = {self.eta:g}")
+        return ",\n".join(lines)
 
     def _texture(self, props: "mi.Properties", name: str) -> "mi.Texture":
         kind = props.type(name) if name in props else None
@@ -114,7 +132,7 @@ class CoatParameters:
             texture = mi.load_dict(spectrum.from_color(color))
         else:
             try:
-                texture = props.get_unbounded_texture(name, DEFAULTS[name])
+                texture = props.get_unbounded_texture(name, DEFAULTS.get(name, 1.5))
             except RuntimeError as error:
                 raise ParameterError(
                     f"{self.where}: {name} must be a number, a spectrum or a texture"
