@@ -1,7 +1,7 @@
 # Two commands: `make demo` and `make test`. Each does all set-up first; the second time it is quick.
 READY := .venv/.ready
 
-.PHONY: demo test set-up format clean
+.PHONY: demo test notebook set-up format clean
 
 demo: $(READY)
 	.venv/bin/urushi demo
@@ -12,6 +12,11 @@ test: $(READY)
 	.venv/bin/mypy
 	.venv/bin/lint-imports
 	.venv/bin/pytest
+
+# Executes the notebooks in docs and stores their results in them.
+notebook: $(READY)
+	VIRTUAL_ENV= UV_PROJECT_ENVIRONMENT=.venv .venv/bin/uv sync --quiet --locked --all-extras --inexact --group notebook
+	.venv/bin/jupyter execute --inplace --NotebookClient.record_timing=False docs/notebooks/*.ipynb
 
 set-up: $(READY)
 

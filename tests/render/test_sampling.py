@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
+from urushi.eval import benchmark, predict
 from urushi.material import Material
+from urushi.nets import shipped
 
 MATERIALS = 24
 #: Of wi from the normal [degrees].
@@ -69,6 +71,21 @@ def test_neural_layered(rgb, sampling, networks):
 
 def test_layered(rgb, sampling):
     check(sampling, [rgb.load_dict(coat | {"type": "layered"}) for coat in coats(MATERIALS)])
+
+
+def test_no_sample_of_the_shipped_networks_weighs_much():
+    made = [
+        material
+        for samples in benchmark.read().values()
+        for material in predict.materials(shipped.find("small"), samples)[::16]
+    ]
+    assert len(made) > 20
+    theta = np.radians(np.repeat([0, 30, 60, 75, 85], 200))
+    wi = np.stack([np.sin(theta), 0 * theta, np.cos(theta)], axis=-1).astype(np.float32)
+    for seed, material in enumerate(made):
+        wo, pdf = material.sample(wi, np.random.default_rng(seed).random(wi.shape, np.float32))
+        f_cos = material.f(wi, wo)[:, 0] * wo[:, 2]
+        assert (f_cos <= 50 * pdf).all()
 
 
 def test_nested_layered(rgb, sampling):

@@ -32,6 +32,8 @@ def define(base: type) -> type:
         (nested)       BSDF                  The bottom, under any name: any opaque BSDF that has
                                              no perfectly smooth lobe; coats nest. Its values are
                                              taken as they are in air.
+        eta            float                 The ratio int_ior / ext_ior; exposed by
+                                             ``mi.traverse``, not a property.
         ============== ===================== ====================================================
 
         Every evaluation is one random walk of unbounded depth between the coat's surface and the

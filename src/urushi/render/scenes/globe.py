@@ -72,7 +72,7 @@ def globe(folder: Folder, options: Options) -> dict[str, Any]:
         },
     }
     view = stage.camera(options, (0, -9.2, 2.6), (0, 0, 1.40), 26)
-    return stage.scene(options, view, parts)
+    return stage.scene(view, parts)
 
 
 def chart(rows: int) -> tuple[np.ndarray, np.ndarray]:

@@ -35,7 +35,7 @@ def shoe(folder: Folder, options: Options) -> dict[str, Any]:
     for side, placed in (("right", right), ("left", left)):
         parts |= _one(folder, options, side, placed)
     view = stage.camera(options, (0.6, -7.2, 3.3), (0.3, 0, 0.5), 29)
-    return stage.scene(options, view, parts)
+    return stage.scene(view, parts)
 
 
 def _one(folder: Folder, options: Options, side: str, placed: Any) -> dict[str, Any]:

@@ -80,7 +80,7 @@ def diffuse(*value: float) -> dict[str, Any]:
     return {"type": "diffuse", "reflectance": rgb(*value)}
 
 
-def scene(options: Options, camera: dict[str, Any], parts: dict[str, Any]) -> dict[str, Any]:
+def scene(camera: dict[str, Any], parts: dict[str, Any]) -> dict[str, Any]:
     """The whole scene: integrator, camera and parts, ready for `mi.load_dict`."""
     return {
         "type": "scene",

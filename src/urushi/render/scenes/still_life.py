@@ -62,7 +62,7 @@ def still_life(folder: Folder, options: Options) -> dict[str, Any]:
             ),
         }
     view = stage.camera(options, (0.2, -7.6, 3.0), (0.02, 0, 0.86), 31)
-    return stage.scene(options, view, parts)
+    return stage.scene(view, parts)
 
 
 def _wall():

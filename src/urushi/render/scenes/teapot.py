@@ -51,7 +51,7 @@ def teapot(folder: Folder, options: Options) -> dict[str, Any]:
             ),
         }
     view = stage.camera(options, (0, -13.5, 6.2), (0.05, 0, 1.38), 29)
-    return stage.scene(options, view, parts)
+    return stage.scene(view, parts)
 
 
 def pieces(options: Options) -> dict[str, tuple[Mesh, np.ndarray]]:
