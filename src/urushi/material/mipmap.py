@@ -1,10 +1,12 @@
 """Mip maps of latent textures: levels of half the resolution, averages of the level before.
 
-Levels are averages of codes, as in Fan et al. (2022). BRDFs do not average as their codes do, the
-gain, a logarithm, least of all; `benchmarks/mipmap.py` measures by how much.
+Levels are averages of codes, as in Fan et al. (2022), but for the gain, see `brightness`. BRDFs do
+not average as their codes do; `benchmarks/mipmap.py` measures by how much.
 """
 
 import numpy as np
+
+from urushi.material.brightness import Brightness
 
 
 def sizes(width: int, height: int) -> list[tuple[int, int]]:
@@ -19,6 +21,23 @@ def sizes(width: int, height: int) -> list[tuple[int, int]]:
 def sources(top: int, bottom: int, height: int) -> range:
     """The rows of a level of some height that the rows from top to bottom of the next one need."""
     return range(2 * top, 2 * bottom + height % 2) if height > 1 else range(1)
+
+
+def coarser(codes: np.ndarray, top: int, height: int, brightness: Brightness | None) -> np.ndarray:
+    """The next level's codes (h, w, ..., size), of a level's (H, W, ..., size), as `halved`.
+
+    Their gain keeps the light; without a measure of brightness it is an average as the rest.
+    """
+    averages = halved(codes, top, height)
+    if brightness is not None:
+        light = np.exp(codes[..., 0] + _each(brightness, codes))
+        mean = np.log(halved(light, top, height))
+        averages[..., 0] = mean - _each(brightness, averages)
+    return averages
+
+
+def _each(brightness: Brightness, codes: np.ndarray) -> np.ndarray:
+    return brightness(codes.reshape(-1, codes.shape[-1])).reshape(codes.shape[:-1])
 
 
 def halved(values: np.ndarray, top: int, height: int) -> np.ndarray:

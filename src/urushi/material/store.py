@@ -5,8 +5,10 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
+from urushi.material import brightness as brightnesses
 from urushi.material import mipmap, packing
 from urushi.material.packing import Layout, Packed
+from urushi.nets.weights import Model
 
 #: Texels that are packed anew, or averaged, at once: bounds memory.
 TOGETHER = 1 << 17
@@ -20,9 +22,9 @@ class Store:
         levels: width and height of every level.
     """
 
-    def __init__(self, layout: Layout, width: int, height: int, *, mipped: bool = False):
+    def __init__(self, model: Model, layout: Layout, width: int, height: int, *, mipped=False):
         """mipped: whether to hold all levels, which are made when it has been written."""
-        self.layout = layout
+        self.layout, self._model = layout, model
         self.levels = mipmap.sizes(width, height) if mipped else [(width, height)]
         nothing = np.zeros(layout.size, np.float32)
         self.packed = Packed(np.zeros((0, layout.texel_bytes), np.uint8), nothing, nothing)
@@ -85,6 +87,14 @@ class Store:
 
     def _fill_levels(self) -> None:
         """Make all levels but the first, each from the one before."""
+        width, height = self.levels[0]
+        channels = self.layout.channels
+
+        def read(index: np.ndarray) -> np.ndarray:
+            codes = self.read(index // channels)
+            return codes[np.arange(len(index)), index % channels]
+
+        brightness = brightnesses.fitted(self._model, read, width * height * channels)
         first = 0
         for width, height in self.levels[:-1]:
             after = first + width * height
@@ -94,7 +104,7 @@ class Store:
                 rows = mipmap.sources(top, min(top + together, half), height)
                 codes = self.read(slice(first + rows.start * width, first + rows.stop * width))
                 codes = codes.reshape(-1, width, *codes.shape[1:])
-                averages = mipmap.halved(codes, top, height)
+                averages = mipmap.coarser(codes, top, height, brightness)
                 averages = averages.reshape(-1, *codes.shape[2:])
                 start = after + top * max(width // 2, 1)
                 place = slice(start, start + len(averages))

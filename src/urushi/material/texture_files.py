@@ -88,7 +88,7 @@ def _store(description: dict[str, Any], arrays: dict[str, np.ndarray], model: Mo
     width, height = int(description["width"]), int(description["height"])
     if width < 1 or height < 1:
         raise ValueError("it has no texels")
-    store = Store(layout, width, height, mipped=True)
+    store = Store(model, layout, width, height, mipped=True)
     shape = sum(w * h for w, h in mipmap.sizes(width, height)), count
     packed = Packed(arrays["texels"], arrays["lowest"], arrays["step"])
     if packed.bytes.dtype != np.uint8 or packed.bytes.shape != shape:

@@ -62,7 +62,7 @@ class CoatTexture:
         self._model, self._coat = model, coat
         self._keys = np.zeros((grid.texels, spectrum.channel_count()), np.uint64)
         layout = packing.layout(model, self._keys.shape[1])
-        self._store = Store(layout, grid.width, grid.height, mipped=True)
+        self._store = Store(model, layout, grid.width, grid.height, mipped=True)
 
     def update(self, bottom: BottomCodes) -> TexturedLatents:
         """Layer the rows, one a texel and channel, whose coat or bottom is not as before."""

@@ -66,7 +66,7 @@ class BottomCodes:
         if self._grid != grid:
             self._grid = grid
             layout = packing.layout(self._model, channels)
-            self._codes = Store(layout, grid.width, grid.height)
+            self._codes = Store(self._model, layout, grid.width, grid.height)
             self._keys = np.zeros((grid.texels, channels), np.uint64)
         assert isinstance(self._codes, Store)
         if self._codes.empty:

@@ -1,0 +1,70 @@
+"""How bright codes are, from measuring a few of them: so that mip levels keep the light.
+
+The gain of a code is a logarithm, and its average is a geometric mean: a level of plain averages is
+darker than what it stands for. Its codes' gain is therefore chosen such that every texel reflects,
+under light from all sides, what those below it do on average.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from urushi.material import energy
+from urushi.material.cores import fill
+from urushi.material.screen import FEATURES, Estimate
+from urushi.nets.weights import Model
+
+#: Codes that are measured, half of them texels and half averages of several; the most of these.
+SAMPLE, AVERAGED = 1024, 16
+
+_RIDGE = 1e-3
+
+#: Brightness (n,) of codes (n, size): ln of their hemispherical albedo, but for the gain.
+Brightness = Callable[[np.ndarray], np.ndarray]
+
+
+def fitted(model: Model, read: Callable[[np.ndarray], np.ndarray], count: int) -> Brightness | None:
+    """A regression of brightness on codes; None for networks whose codes have no gain.
+
+    read: codes (n, size) by their indices below `count`. The seed is fixed.
+    """
+    if not model.networks.scalable:
+        return None
+    rng = np.random.default_rng(0)
+    half = SAMPLE // 2
+    single = read(rng.integers(count, size=half))
+    several = read(rng.integers(count, size=half * AVERAGED)).reshape(half, AVERAGED, -1)
+    share = rng.dirichlet(np.full(AVERAGED, 0.3), half).astype(np.float32)
+    mean = (share[..., None] * several).sum(axis=1)
+    z = np.concatenate([single, mean])
+    target = np.log(np.maximum(hemispherical(model, z), energy.BLACK)) - z[:, 0]
+    estimate = _regression(z[:, 1:], target, rng)
+
+    def brightness(codes: np.ndarray) -> np.ndarray:
+        result = np.empty((len(codes), 1), np.float32)
+        fill(result, lambda part: estimate(part[:, 1:])[:, None], codes)
+        return result[:, 0]
+
+    return brightness
+
+
+def hemispherical(model: Model, z: np.ndarray) -> np.ndarray:
+    """Hemispherical albedos (n,) of codes (n, size): reflected light over light from all sides."""
+    cosines = energy.rule().cosines
+    weights = np.abs(np.gradient(cosines)) * cosines
+    return energy.albedo(model, z) @ (weights / weights.sum())
+
+
+def _regression(x: np.ndarray, target: np.ndarray, rng: np.random.Generator) -> Estimate:
+    """Ridge regression of targets (n,) on numbers (n, K)."""
+    mean, spread = x.mean(axis=0), x.std(axis=0)
+    scale = (1 / np.maximum(spread, 0.01 * spread.max() + 1e-12)).astype(np.float32)
+    size = x.shape[1]
+    projection = (rng.normal(size=(size, FEATURES)) / np.sqrt(size)).astype(np.float32)
+    shift = rng.uniform(-2, 2, FEATURES).astype(np.float32)
+    reach = np.full(size, np.inf, np.float32)
+    bare = Estimate(mean, scale, reach, projection, shift, np.zeros(0, np.float32))
+    features = bare.features((x - mean) * scale).astype(np.float64)
+    matrix = features.T @ features / len(x) + _RIDGE * np.eye(features.shape[1])
+    coefficients = np.linalg.solve(matrix, features.T @ target / len(x))
+    return bare._replace(coefficients=coefficients.astype(np.float32))
