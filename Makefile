@@ -1,7 +1,7 @@
 # Two commands: `make demo` and `make test`. Each does all set-up first; the second time it is quick.
 READY := .venv/.ready
 
-.PHONY: demo test notebook set-up format clean
+.PHONY: demo test notebook thumbnails set-up format clean
 
 demo: $(READY)
 	.venv/bin/urushi demo
@@ -17,6 +17,13 @@ test: $(READY)
 notebook: $(READY)
 	VIRTUAL_ENV= UV_PROJECT_ENVIRONMENT=.venv .venv/bin/uv sync --quiet --locked --all-extras --inexact --group notebook
 	.venv/bin/jupyter execute --inplace --NotebookClient.record_timing=False docs/notebooks/*.ipynb
+
+# The README's pictures of the shipped scenes, by the present weights
+thumbnails: $(READY)
+	for scene in still-life globe teapot shoe; do \
+	    .venv/bin/urushi render $$scene -D resx=320 -D resy=240 --spp 128 \
+	        -o docs/images/$$scene.png || exit; \
+	done
 
 set-up: $(READY)
 

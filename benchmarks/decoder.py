@@ -28,13 +28,20 @@ def directions(seed: int) -> "mi.Vector3f":
 
 def forms(weights: str) -> dict[str, Callable[[], object]]:
     """The forms of a decoder, each as a function that evaluates it."""
+    from urushi.material import packing
+    from urushi.material.store import Store
     from urushi.nets import shipped
     from urushi.render.decoder import Decoder
+    from urushi.render.grid import IDENTITY, Grid
     from urushi.render.latents import ConstantLatents, TexturedLatents
 
     model = shipped.find(weights)
     rng = np.random.default_rng(0)
-    codes = rng.normal(size=(64, 64, 3, model.arch.latent)).astype(np.float32)
+    codes = rng.normal(size=(64 * 64, 3, model.arch.latent)).astype(np.float32)
+    store = Store(packing.layout(model, 3), 64, 64, mipped=True)
+    with store.writing() as write:
+        write(np.arange(len(codes)), codes)
+    grid = Grid(64, 64, IDENTITY, "repeat", False)
     si = dr.zeros(mi.SurfaceInteraction3f, COUNT)
     si.wi, wo = directions(1), directions(2)
     si.uv = mi.Point2f(rng.random((2, COUNT), np.float32))
@@ -43,11 +50,11 @@ def forms(weights: str) -> dict[str, Callable[[], object]]:
     def of(latents) -> Callable[[], object]:
         return lambda: latents.f(latents.vertex(si, mi.Bool(True)), si, wo, mi.Bool(True))
 
-    cooperative = ConstantLatents(model, codes[0, 0])
+    cooperative = ConstantLatents(model, codes[0])
     cooperative._decoder = Decoder(model, cooperative=True)
     return {
-        "constant codes": of(ConstantLatents(model, codes[0, 0])),
-        "textured codes": of(TexturedLatents(model, codes)),
+        "constant codes": of(ConstantLatents(model, codes[0])),
+        "textured codes": of(TexturedLatents(model, store, grid)),
         "cooperative vectors": of(cooperative),
     }
 

@@ -4,7 +4,8 @@ import drjit as dr
 import numpy as np
 import pytest
 
-from urushi.material import Material
+from urushi.material import Material, packing
+from urushi.material.store import Store
 from urushi.nets import features as numpy_features
 from urushi.nets import lobes as numpy_lobes
 from urushi.nets import sampler as numpy_sampler
@@ -86,10 +87,14 @@ def test_f_is_reciprocal_to_the_last_bit(rgb, parts):
 
 
 def test_textured_latents_are_the_constant_ones_where_the_texture_is_constant(rgb, model, parts):
+    from urushi.render.grid import IDENTITY, Grid
     from urushi.render.latents import TexturedLatents
 
     constant, _ = parts
-    textured = TexturedLatents(model, np.broadcast_to(latents(3), (4, 8, 3, 32)))
+    store = Store(packing.layout(model, 3), 8, 4, mipped=True)
+    with store.writing() as write:
+        write(np.arange(32), np.broadcast_to(latents(3), (32, 3, 32)))
+    textured = TexturedLatents(model, store, Grid(8, 4, IDENTITY, "repeat", False))
     wi, wo = pairs()
     si = interaction(rgb, wi)
     si.uv = rgb.Point2f(np.random.default_rng(0).normal(size=(2, len(wi))).astype(np.float32))

@@ -63,7 +63,8 @@ def define() -> type:
                 lit = self._lit(ctx, si, active)
                 return lit, self._vertex(si, lit)
 
-            return recent.answer(self, (*si.wi, *si.uv, active), look)
+            question = (*si.wi, *si.uv, *si.duv_dx, *si.duv_dy, active)
+            return recent.answer(self, question, look)
 
         def _f_cos(self, vertex, ctx, si, wo, lit):
             above = lit & (wo.z > 0)
