@@ -17,6 +17,9 @@ from urushi.nets.weights import Model
 #: Codes that are measured, half of them texels and half averages of several; the most of these.
 SAMPLE, AVERAGED = 1024, 16
 
+#: A code's numbers vary by more than this if they mean anything.
+LEAST_SPREAD = 1e-4
+
 _RIDGE = 1e-3
 
 #: Brightness (n,) of codes (n, size): ln of their hemispherical albedo, but for the gain.
@@ -58,7 +61,8 @@ def hemispherical(model: Model, z: np.ndarray) -> np.ndarray:
 def _regression(x: np.ndarray, target: np.ndarray, rng: np.random.Generator) -> Estimate:
     """Ridge regression of targets (n,) on numbers (n, K)."""
     mean, spread = x.mean(axis=0), x.std(axis=0)
-    scale = (1 / np.maximum(spread, 0.01 * spread.max() + 1e-12)).astype(np.float32)
+    # Numbers that hardly vary must not count as if they did.
+    scale = (1 / np.maximum(spread, 0.01 * spread.max() + LEAST_SPREAD)).astype(np.float32)
     size = x.shape[1]
     projection = (rng.normal(size=(size, FEATURES)) / np.sqrt(size)).astype(np.float32)
     shift = rng.uniform(-2, 2, FEATURES).astype(np.float32)
