@@ -98,9 +98,9 @@ def base() -> Preset:
     """The shipped default: the whole domain.
 
     Command: `urushi train --preset base`
-    Time: 70 to 90 minutes on two cores (data 18 to 29, networks and proposal 50 to 57).
+    Time: 60 to 75 minutes on two cores (data 18 to 29, networks and proposal 38 to 43).
     Expected of `urushi eval`: Table 2 stacks of two interfaces E mean 0.6 %, P median 0.4 %; the
-        extended domain E mean 0.9 %, six interfaces 1.3 %.
+        extended domain E mean 0.9 %, six interfaces 1.2 %.
     """
     return Preset(
         name="base",
