@@ -91,7 +91,7 @@ def test_textured_latents_are_the_constant_ones_where_the_texture_is_constant(rg
     from urushi.render.latents import TexturedLatents
 
     constant, _ = parts
-    store = Store(packing.layout(model, 3), 8, 4, mipped=True)
+    store = Store(model, packing.layout(model, 3), 8, 4, mipped=True)
     with store.writing() as write:
         write(np.arange(32), np.broadcast_to(latents(3), (32, 3, 32)))
     textured = TexturedLatents(model, store, Grid(8, 4, IDENTITY, "repeat", False))

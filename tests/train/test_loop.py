@@ -17,7 +17,7 @@ from urushi.errors import FileError, ParameterError
 from urushi.nets import weights
 from urushi.nets.decoder import decode
 from urushi.nets.encoder import encode
-from urushi.nets.features import direction_features
+from urushi.nets.features import coat_features, direction_features
 from urushi.nets.layerer import layer
 from urushi.train import presets, validation
 from urushi.train.journal import Journal
@@ -107,7 +107,7 @@ def test_validation_measures_what_the_exported_weights_give(uninterrupted, tiny,
             model.params,
             tiny.arch,
             encode(model.params, tiny.arch, check.probes),
-            check.coats[:, 0],
+            coat_features(*check.coats[:, 0].T),
         )
         values.append(decode(model.params, tiny.arch, z[:, None], check.features))
     arrays = store.read(store.spec.parts[4])

@@ -124,9 +124,11 @@ def joint_loss(
     cycle = stack_loss(f_again, batch.f[::CYCLE_STRIDE])
     latent = jnp.mean((again - jax.lax.stop_gradient(chosen)) ** 2)
 
-    lowest = batch.coats[0][::RISE_STRIDE]
-    some = slice(0, len(batch.coats[0]), RISE_STRIDE)
-    rise = jnp.mean(rises(params, arch, bottoms[some], lowest, batch.features[some]))
+    rise = jnp.zeros(())
+    for lowest in batch.coats[:1]:
+        some = slice(0, len(lowest), RISE_STRIDE)
+        coats, features = lowest[some], batch.features[some]
+        rise = jnp.mean(rises(params, arch, bottoms[some], coats, features))
 
     loss = fit + 0.2 * cycle + 0.1 * latent + 0.5 * rise
     return loss, {"loss": loss, "fit": fit, "cycle": cycle, "latent": latent, "rise": rise}
