@@ -100,12 +100,13 @@ def _interrupt():
     ("happening", "error"), [(_fail, ZeroDivisionError), (_interrupt, KeyboardInterrupt)]
 )
 def test_an_error_or_an_interrupt_ends_the_threads(happening, error, threads):
-    before, calls = _blas_threads(), []
+    before, calls, numbers = _blas_threads(), [], itertools.count(1)
 
     def function(x):
-        calls.append(len(x))
+        number = next(numbers)  # each is one call's, whatever the threads' order
+        calls.append(number)
         time.sleep(0.05)
-        if len(calls) == 5:
+        if number == 5:
             happening()
         return x
 
