@@ -9,9 +9,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from urushi.material import energy
+from urushi.material import energy, regression
 from urushi.material.cores import fill
-from urushi.material.screen import FEATURES, Estimate
 from urushi.nets.weights import Model
 
 #: Codes that are measured, half of them texels and half averages of several; the most of these.
@@ -19,8 +18,6 @@ SAMPLE, AVERAGED = 1024, 16
 
 #: A code's numbers vary by more than this if they mean anything.
 LEAST_SPREAD = 1e-4
-
-_RIDGE = 1e-3
 
 #: Brightness (n,) of codes (n, size): ln of their hemispherical albedo, but for the gain.
 Brightness = Callable[[np.ndarray], np.ndarray]
@@ -38,10 +35,12 @@ def fitted(model: Model, read: Callable[[np.ndarray], np.ndarray], count: int) -
     single = read(rng.integers(count, size=half))
     several = read(rng.integers(count, size=half * AVERAGED)).reshape(half, AVERAGED, -1)
     share = rng.dirichlet(np.full(AVERAGED, 0.3), half).astype(np.float32)
-    mean = (share[..., None] * several).sum(axis=1)
-    z = np.concatenate([single, mean])
+    z = np.concatenate([single, (share[..., None] * several).sum(axis=1)])
     target = np.log(np.maximum(hemispherical(model, z), energy.BLACK)) - z[:, 0]
-    estimate = _regression(z[:, 1:], target, rng)
+    mean, scale = regression.standard(z[:, 1:], LEAST_SPREAD)
+    everywhere = np.full_like(mean, np.inf)
+    even = np.ones_like(target)
+    estimate = regression.fitted(z[:, 1:], target, even, mean, scale, everywhere, rng)
 
     def brightness(codes: np.ndarray) -> np.ndarray:
         result = np.empty((len(codes), 1), np.float32)
@@ -56,19 +55,3 @@ def hemispherical(model: Model, z: np.ndarray) -> np.ndarray:
     cosines = energy.rule().cosines
     weights = np.abs(np.gradient(cosines)) * cosines
     return energy.albedo(model, z) @ (weights / weights.sum())
-
-
-def _regression(x: np.ndarray, target: np.ndarray, rng: np.random.Generator) -> Estimate:
-    """Ridge regression of targets (n,) on numbers (n, K)."""
-    mean, spread = x.mean(axis=0), x.std(axis=0)
-    # Numbers that hardly vary must not count as if they did.
-    scale = (1 / np.maximum(spread, 0.01 * spread.max() + LEAST_SPREAD)).astype(np.float32)
-    size = x.shape[1]
-    projection = (rng.normal(size=(size, FEATURES)) / np.sqrt(size)).astype(np.float32)
-    shift = rng.uniform(-2, 2, FEATURES).astype(np.float32)
-    reach = np.full(size, np.inf, np.float32)
-    bare = Estimate(mean, scale, reach, projection, shift, np.zeros(0, np.float32))
-    features = bare.features((x - mean) * scale).astype(np.float64)
-    matrix = features.T @ features / len(x) + _RIDGE * np.eye(features.shape[1])
-    coefficients = np.linalg.solve(matrix, features.T @ target / len(x))
-    return bare._replace(coefficients=coefficients.astype(np.float32))

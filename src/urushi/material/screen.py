@@ -6,15 +6,15 @@ to leave out those that are far from the ceiling.
 """
 
 from collections.abc import Callable
-from typing import NamedTuple
 
 import numpy as np
 
+from urushi.material import regression
 from urushi.material.cores import fill
+from urushi.material.regression import Estimate
 
-#: Codes that are measured, half of them to fit the regression and half to see its errors, and the
-#: random features that it has besides the codes themselves.
-SAMPLE, FEATURES = 1024, 64
+#: Codes that are measured, half of them to fit the regression and half to see its errors.
+SAMPLE = 1024
 
 #: The brighter a code, the more its error counts: weights are this power of the albedo. Of the
 #: held-out ones those within `NEAR` of the ceiling in ln albedo, and in any case the brightest
@@ -28,30 +28,6 @@ OUTSIDE = 1.25
 #: Rounds at most, each with a sample of its own, which must be worth it: suspects for each code
 #: that is measured.
 ROUNDS, WORTH = 4, 4
-
-_RIDGE = 1e-3
-
-
-class Estimate(NamedTuple):
-    """ln albedo, linear in a code's numbers and in tanh of random combinations of them."""
-
-    mean: np.ndarray
-    scale: np.ndarray
-    reach: np.ndarray
-    projection: np.ndarray
-    shift: np.ndarray
-    coefficients: np.ndarray
-
-    def __call__(self, z: np.ndarray) -> np.ndarray:
-        """Estimates (N,) for codes (N, 32); infinite for those far outside the sample."""
-        x = (z - self.mean) * self.scale
-        inside = (np.abs(x) <= self.reach).all(axis=-1)
-        return np.where(inside, self.features(x) @ self.coefficients, np.float32(np.inf))
-
-    def features(self, x: np.ndarray) -> np.ndarray:
-        """Features (N, F) of standardised codes (N, 32)."""
-        one = np.ones((len(x), 1), np.float32)
-        return np.concatenate([np.tanh(x @ self.projection + self.shift), x, one], axis=1)
 
 
 def suspects(peak: Callable[[np.ndarray], np.ndarray], z: np.ndarray, ceiling: float) -> np.ndarray:
@@ -90,17 +66,8 @@ def _suspects(
 def _fitted(
     z: np.ndarray, target: np.ndarray, sample: np.ndarray, rng: np.random.Generator
 ) -> Estimate:
-    """Ridge regression of targets (n,) on codes (n, 32), for use as far as the sample reaches."""
-    mean, spread = sample.mean(axis=0), sample.std(axis=0)
-    # Numbers that hardly vary must not count as if they did.
-    scale = 1 / np.maximum(spread, 0.01 * spread.max() + 1e-12)
+    """An estimate from targets (n,) of codes (n, 32), for use as far as the sample reaches."""
+    mean, scale = regression.standard(sample, 1e-12)
     reach = OUTSIDE * np.abs((sample - mean) * scale).max(axis=0) + 1e-3
-    size = z.shape[1]
-    projection = (rng.normal(size=(size, FEATURES)) / np.sqrt(size)).astype(np.float32)
-    shift = rng.uniform(-2, 2, FEATURES).astype(np.float32)
-    bare = Estimate(mean, scale, reach, projection, shift, np.zeros(0, np.float32))
-    x = bare.features((z - mean) * scale).astype(np.float64)
     weights = np.exp(POWER * (target - target.max()))
-    weighted = x.T * (weights / weights.sum())
-    coefficients = np.linalg.solve(weighted @ x + _RIDGE * np.eye(x.shape[1]), weighted @ target)
-    return bare._replace(coefficients=coefficients.astype(np.float32))
+    return regression.fitted(z, target, weights, mean, scale, reach, rng)
