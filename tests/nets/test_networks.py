@@ -88,6 +88,10 @@ def test_activations_match_their_definitions():
     near = x[np.abs(x) < 50]
     np.testing.assert_allclose(activate(near, "silu"), near / (1 + np.exp(-near)), atol=1e-13)
     assert np.isfinite(activate(x.astype(np.float32), "silu")).all()
+    within, step = np.clip(x, -2, 2), lambda t: t * t * (3 - 2 * t)  # Hermite's cubic
+    np.testing.assert_allclose(
+        activate(x, "smoothstep"), x * step((within + 2) / 4), rtol=1e-12, atol=1e-13
+    )
 
 
 def test_everything_runs_at_the_probes(networks):

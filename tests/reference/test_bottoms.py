@@ -5,9 +5,11 @@ import numpy as np
 import pytest
 
 from urushi.data.distribution import Extended
+from urushi.physics import microfacet
 from urushi.physics.frame import square_to_cosine_hemisphere
-from urushi.reference import bottoms, device
+from urushi.reference import bottoms, device, measured_like
 from urushi.reference.rng import stream
+from urushi.reference.table import BOTTOM_KINDS
 
 SAMPLES = 1 << 20
 
@@ -24,16 +26,17 @@ def directions(types, theta):
     return wi + dr.zeros(types.Array3f, SAMPLES), rng
 
 
-def mixtures(types, count):
-    table = Extended(0, "mixture").sample(np.random.default_rng(3), count)
+def drawn(types, kind, count):
+    table = Extended(0, kind).sample(np.random.default_rng(3), count)
     for row in range(count):
-        yield bottoms.LobeMixture(*(types.Float(float(v[row])) for v in table.bottom.values()))
+        yield BOTTOM_KINDS[kind][0](*(types.Float(float(v[row])) for v in table.bottom.values()))
 
 
 @pytest.mark.parametrize("theta", [0.2, 1.2])
-def test_mixture_weights_integrate_the_brdf_and_its_density(types, theta):
+@pytest.mark.parametrize("kind", ["mixture", "measured_like"])
+def test_mixture_weights_integrate_the_brdf_and_its_density(types, kind, theta):
     """The mean weight is the albedo, and the density integrates to the share that succeeds."""
-    for mixture in mixtures(types, 6):
+    for mixture in drawn(types, kind, 6):
         wi, rng = directions(types, theta)
         _, weight, pdf = mixture.sample(
             wi, rng.next_float32(), rng.next_float32(), rng.next_float32()
@@ -58,6 +61,37 @@ def test_mixture_of_one_lobe_is_that_lobe(types):
     np.testing.assert_allclose(lobe.numpy(), conductor.numpy(), rtol=1e-5)
     diffuse = bottoms.LobeMixture(half, zero, half, r0, zero, half, r0).f_pdf(wi, wo)[0]
     np.testing.assert_allclose(diffuse.numpy(), 0.5 / np.pi, rtol=1e-6)
+
+
+def test_trowbridge_reitz_lobe_of_exponent_two_is_ggx(types):
+    wi, rng = directions(types, 0.7)
+    wo = square_to_cosine_hemisphere(types.Array3f, rng.next_float32(), rng.next_float32())
+    zero, half, r0 = types.Float(0), types.Float(0.5), types.Float(0.3)
+    lobe, none = (types.Float(1), half, types.Float(2), r0, half), (zero, half, half, r0, half)
+    f = measured_like.MeasuredLike(zero, zero, zero, *lobe, *none).f_pdf(wi, wo)[0]
+    conductor = bottoms.schlick_conductor(half, r0).f_pdf(wi, wo)[0]
+    np.testing.assert_allclose(f.numpy(), conductor.numpy(), rtol=1e-4)
+
+
+@pytest.mark.parametrize("gamma", [0.6, 1.03, 3.0, 8.0])
+@pytest.mark.parametrize("alpha", [0.02, 0.5])
+def test_trowbridge_reitz_normals_are_drawn_with_their_density(types, alpha, gamma):
+    """Means of cos^2 by the samples and by quadrature over theta agree, as do means of one."""
+    rng = stream(types.PCG32, dr.arange(types.UInt64, SAMPLES), 1)
+    parameters = types.Float(alpha), types.Float(gamma)
+    m = microfacet.sample_gtr(types.Array3f, *parameters, rng.next_float32(), rng.next_float32())
+    drawn_sin2 = 1 - m.z.numpy().astype(np.float64) ** 2
+    # Midpoints in ln tan theta, which resolves every width.
+    edges = np.linspace(np.log(alpha * 1e-3), np.log(1e4), 20_001)
+    theta = np.arctan(np.exp(0.5 * (edges[1:] + edges[:-1])))
+    step = np.diff(np.arctan(np.exp(edges)))
+    normal = types.Array3f(*(types.Float(x) for x in (np.sin(theta), 0 * theta, np.cos(theta))))
+    density = microfacet.gtr_d(normal, *parameters).numpy() * np.cos(theta)
+    weight = 2 * np.pi * density * np.sin(theta) * step
+    assert np.sum(weight) == pytest.approx(1, abs=2e-3)  # float32 for gamma close to one
+    expected = np.sum(weight * np.sin(theta) ** 2)
+    # Five standard errors of the samples' mean.
+    assert abs(drawn_sin2.mean() - expected) < 5 * drawn_sin2.std() / SAMPLES**0.5 + 2e-3 * expected
 
 
 def test_beckmann_lobe_is_mitsubas(variant):

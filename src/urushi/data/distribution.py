@@ -13,6 +13,7 @@ import numpy as np
 from urushi.data.palette import Palette
 from urushi.errors import ParameterError
 from urushi.nets.features import MIN_ALPHA
+from urushi.reference.measured_like import LOBE_PARAMETERS
 from urushi.reference.table import BOTTOM_KINDS, StackTable
 
 #: The deepest recursion that is trained: five coats over a bottom have six interfaces.
@@ -83,8 +84,8 @@ class Extended(_Independent):
         coats: as in `Table2`.
         bottom: "conductor" (Schlick's R0 = U(0, 1)), "conductor_complex" (eta = U(0.05, 3.5),
             k = U(0.5, 8), about the range of the metals), "diffuse" (reflectance = U(0, 1)),
-            "dielectric" (the reflection of a rough interface, eta = U(1.05, 2)) or "mixture" (see
-            `_mixture`).
+            "dielectric" (the reflection of a rough interface, eta = U(1.05, 2)), "mixture" (see
+            `_mixture`) or "measured_like" (see `_measured_like`).
     """
 
     coats: int = 1
@@ -174,6 +175,39 @@ def _mixture(rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
     }
 
 
+def _measured_like(rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
+    """`reference.measured_like`: a quarter like paints and plastics, a quarter like metals.
+
+    Paints: both lobes with one R0 = U(0.02, 0.1) and weights that add up to 1; metals: a diffuse
+    term below 0.01. The other half has weights Dirichlet(1/2) times U(0, 1)^(1/3) and R0 =
+    U(0, 1). Exponents are log-uniform in [0.6, 8] (without 0.97 to 1.03), widths down to 0.004
+    for gamma = 2, masking alpha^U(0.4, 1).
+    """
+    kind = rng.integers(4, size=n)[:, None]
+    weights = rng.dirichlet((0.5, 0.5, 0.5), n) * rng.uniform(0, 1, (n, 1)) ** (1 / 3)
+    split = rng.uniform(0, 1, (n, 1))
+    paint = np.concatenate([rng.uniform(0, 0.9, (n, 1)) ** 2, split, 1 - split], axis=1)
+    dark = 0.01 * rng.uniform(0, 1, (n, 1)) ** 2
+    brightness = rng.uniform(0.2, 1, (n, 1))
+    metal = np.concatenate([dark, split * brightness, (1 - split) * brightness], axis=1)
+    weights = np.select([kind == 0, kind == 1], [paint, metal], weights)
+    r0 = np.where(kind == 0, rng.uniform(0.02, 0.1, (n, 1)), rng.uniform(0, 1, (n, 2)))
+    gamma = np.exp(rng.uniform(np.log(0.6), np.log(8.0), (n, 2)))
+    gamma = np.where(np.abs(gamma - 1) < 0.03, 1.03, gamma)
+    alpha = rng.uniform(0.004 ** (1 / 3), 0.98 ** (1 / 3), (n, 2)) ** 3
+    alpha = np.clip(alpha, 0.004 * np.sqrt(gamma / 2), 0.98)
+    masking = alpha ** rng.uniform(0.4, 1.0, (n, 2))
+    columns = {
+        "diffuse": weights[:, 0],
+        "roughness": rng.uniform(0, 1, n),
+        "sheen": np.where(rng.integers(2, size=n) == 0, 0.0, rng.uniform(0, 1, n) ** 3),
+    }
+    for k in (0, 1):
+        lobe = (weights[:, 1 + k], alpha[:, k], gamma[:, k], r0[:, k], masking[:, k])
+        columns |= {f"{name}_{k + 1}": x for name, x in zip(LOBE_PARAMETERS, lobe, strict=True)}
+    return columns
+
+
 _DRAW_BOTTOM = {
     "conductor": lambda rng, n: {"alpha": _alpha(rng, n), "r0": rng.uniform(0.0, 1.0, n)},
     "conductor_complex": lambda rng, n: {
@@ -184,6 +218,7 @@ _DRAW_BOTTOM = {
     "diffuse": lambda rng, n: {"reflectance": rng.uniform(0.0, 1.0, n)},
     "dielectric": lambda rng, n: {"alpha": _alpha(rng, n), "eta": rng.uniform(1.05, 2.0, n)},
     "mixture": _mixture,
+    "measured_like": _measured_like,
 }
 
 

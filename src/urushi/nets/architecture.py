@@ -23,7 +23,7 @@ SCALE = "decoder.scale"
 #: Stored with the weights but never trained: the statistics that normalise the encoder's input.
 FIXED = ("encoder.input_mean", "encoder.input_scale")
 
-ACTIVATIONS = ("silu", "relu")
+ACTIVATIONS = ("smoothstep", "silu", "relu")
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class Architecture:
         latent: numbers in one channel's latent code, at least two; the first is a gain.
         decoder, encoder, layerer, sampler: widths of the hidden layers, at least one each.
         lobes: microfacet lobes of the sampling proposal (a cosine lobe comes on top).
-        activation: "silu" or "relu", for all hidden layers.
+        activation: one of `ACTIVATIONS`, for all hidden layers (see `mlp.activate`).
         probes: direction pairs at which the encoder sees a BRDF.
     """
 
@@ -44,7 +44,7 @@ class Architecture:
     layerer: tuple[int, ...] = (192, 192, 192)
     sampler: tuple[int, ...] = (32, 32)
     lobes: int = 2
-    activation: str = "silu"
+    activation: str = "smoothstep"
     probes: int = 192
 
     def __post_init__(self) -> None:

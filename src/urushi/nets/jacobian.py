@@ -63,5 +63,8 @@ def slope(x: Any, activation: str) -> Any:
     xp = x.__array_namespace__()
     if activation == "relu":
         return xp.astype(x > 0.0, x.dtype)
+    if activation == "smoothstep":
+        t = xp.clip(x, -2.0, 2.0)
+        return 0.5 + t * (0.75 - 0.125 * t * t)
     logistic = 0.5 + 0.5 * xp.tanh(0.5 * x)
     return logistic * (1.0 + x * (1.0 - logistic))

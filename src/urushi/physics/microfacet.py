@@ -1,6 +1,6 @@
 """Isotropic microfacet distributions with separable Smith masking, G = G1(wi) G1(wo).
 
-Interfaces are GGX throughout; Beckmann's distribution serves bottoms alone.
+Interfaces are GGX throughout; the other distributions serve bottoms alone.
 """
 
 import drjit as dr
@@ -64,3 +64,26 @@ def beckmann_g1(w, alpha):
     a = dr.abs(w.z) / (alpha * dr.sqrt(w.x * w.x + w.y * w.y))
     fit = a * (3.535 + 2.181 * a) / (1 + a * (2.276 + 2.577 * a))
     return dr.select(a >= 1.6, 1, fit)
+
+
+def gtr_d(m, alpha, gamma):
+    """Generalised Trowbridge-Reitz distribution D(m) [1/sr] (Burley 2012, appendix B.2).
+
+    D is proportional to (alpha^2 cos^2 + sin^2)^-gamma and normalised, the integral of D cos being
+    one; alpha in (0, 1). gamma = 2 is GGX; a lower one, not 1, has longer tails.
+    """
+    alpha2 = alpha * alpha
+    base = dr.fma(alpha2 * m.z, m.z, m.x * m.x + m.y * m.y)
+    norm = (gamma - 1) * (1 - alpha2) / (dr.pi * (dr.power(alpha2, 1 - gamma) - 1))
+    return dr.select(m.z > 0, norm * dr.power(base, -gamma), 0)
+
+
+def sample_gtr(vector, alpha, gamma, u1, u2):
+    """Sample a facet normal with the density `gtr_d` times its cosine; vector: the type."""
+    alpha2 = alpha * alpha
+    most = dr.power(alpha2, 1 - gamma)
+    base = dr.power(dr.fma(u2, most - 1, 1), 1 / (1 - gamma))
+    sin2 = dr.clip((base - alpha2) / (1 - alpha2), 0, 1)
+    sin_phi, cos_phi = dr.sincos(2 * dr.pi * u1)
+    sin_theta = dr.sqrt(sin2)
+    return vector(sin_theta * cos_phi, sin_theta * sin_phi, dr.sqrt(1 - sin2))

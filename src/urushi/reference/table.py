@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from urushi.errors import ParameterError
-from urushi.reference import bottoms
+from urushi.reference import bottoms, measured_like
 from urushi.reference.stack import Conductor, Dielectric, Diffuse, Stack
 
 #: Parameters of each kind of bottom, in the order of its factory's arguments.
@@ -25,6 +25,15 @@ BOTTOM_KINDS: dict[str, tuple[Any, tuple[str, ...]]] = {
             "beckmann_weight",
             "beckmann_alpha",
             "beckmann_r0",
+        ),
+    ),
+    "measured_like": (
+        measured_like.MeasuredLike,
+        (
+            "diffuse",
+            "roughness",
+            "sheen",
+            *(f"{name}_{k}" for k in (1, 2) for name in measured_like.LOBE_PARAMETERS),
         ),
     ),
 }

@@ -83,6 +83,9 @@ class Hidden:
     def _activate(self, x: nn.CoopVec) -> nn.CoopVec:
         if self._activation == "relu":
             return dr.maximum(x, 0)
+        if self._activation == "smoothstep":
+            t = dr.minimum(dr.maximum(x, -2), 2)
+            return x * dr.fma(t, dr.fma(t * -0.03125, t, 0.375), 0.5)
         half = x * 0.5
         return dr.fma(half, dr.tanh(half), half)  # SiLU, as `nets.mlp.activate` has it
 

@@ -14,9 +14,13 @@ import numpy as np
 
 
 def activate(x, activation: str):
-    """Apply "relu" or "silu" to one Dr.Jit float."""
+    """Apply `nets.mlp.activate` to one Dr.Jit float."""
+    # Selections all through: dr.maximum and dr.clip take care of NaN, at six times the price.
     if activation == "relu":
-        return dr.select(x > 0, x, 0)  # dr.maximum takes care of NaN, at six times the price
+        return dr.select(x > 0, x, 0)
+    if activation == "smoothstep":
+        t = dr.select(x < 2, dr.select(x > -2, x, -2), 2)
+        return x * dr.fma(t, dr.fma(-0.03125 * t, t, 0.375), 0.5)
     return x / (1 + dr.exp(-x))  # exp may overflow to infinity: the quotient is 0 then, rightly
 
 

@@ -37,7 +37,23 @@ def whole_domain() -> DataSpec:
         counts = {name: count if coats == 1 else count // 2 for name, count in probed.items()}
         parts += _parts("probed-", counts, coats, pairs=PROBES + 128, walks=128, of="probed")
     parts += [Part(f"bare-{kind}", Extended(0, kind), n, 256, 1) for kind, n in bare.items()]
-    return DataSpec((*parts, *validation()), seed=1, shard=1024)
+    parts += validation()
+    parts += _measured_like()
+    return DataSpec(tuple(parts), seed=1, shard=1024)
+
+
+def _measured_like() -> list[Part]:
+    """Bottoms whose tails and grazing behaviour are those of measured BRDFs, bare and coated."""
+    kind = "measured_like"
+    parts = [Part(f"bare-{kind}", Extended(0, kind), 96 * 1024, 256, 1)]
+    for coats, thousands in enumerate((64, 12, 4, 3, 3), start=1):
+        pairs = 256 if coats == 1 else 128
+        parts += _parts("", {kind: 1024 * thousands}, coats, pairs=pairs, walks=64)
+    for coats in (1, 2):
+        parts += _parts(
+            "probed-", {kind: 2048 // coats}, coats, pairs=PROBES + 128, walks=128, of="probed"
+        )
+    return parts
 
 
 def _counts(*thousands: int) -> Counts:

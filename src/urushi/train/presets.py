@@ -105,9 +105,9 @@ def base() -> Preset:
     return Preset(
         name="base",
         data=whole_domain(),
-        networks=Schedule(steps=81_920, warmup=256, learning_rate=0.008, clip=0.1),
+        networks=Schedule(steps=147_456, warmup=256, learning_rate=0.01, clip=0.1),
         proposal=Schedule(steps=8_000, warmup=200, learning_rate=0.01, checkpoint_every=4_000),
-        stacks=(48, 128, 40, 10, 7, 7),
+        stacks=(64, 136, 40, 10, 7, 7),
         memory=1 << 28,
         arch=Architecture(decoder=(60, 60, 60), layerer=(256, 256, 256)),
     )
@@ -125,8 +125,7 @@ def small() -> Preset:
     return replace(
         base(),
         name="small",
-        networks=Schedule(steps=65_536, warmup=256, learning_rate=0.02),
-        pairs=128,
+        networks=Schedule(steps=65_536, warmup=256, learning_rate=0.01, clip=0.1),
         arch=Architecture(latent=18, decoder=(32, 32), layerer=(256, 256, 256)),
     )
 
