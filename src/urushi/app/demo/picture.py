@@ -5,6 +5,7 @@ import os
 import mitsuba as mi
 import numpy as np
 
+from urushi.eval.image_metrics import srgb
 from urushi.files import atomic_write
 
 #: Relative differences of this size and more are shown in full colour.
@@ -23,12 +24,6 @@ def tonemap(radiance: np.ndarray) -> np.ndarray:
     x = np.maximum(radiance, 0)
     curve = x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14)
     return srgb(np.clip(curve, 0, 1))
-
-
-def srgb(linear: np.ndarray) -> np.ndarray:
-    """The transfer function of IEC 61966-2-1, for values in [0, 1]."""
-    power = 1.055 * np.maximum(linear, 0.0031308) ** (1 / 2.4) - 0.055
-    return np.where(linear <= 0.0031308, 12.92 * linear, power)
 
 
 def difference(image: np.ndarray, reference: np.ndarray) -> np.ndarray:

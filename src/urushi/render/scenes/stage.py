@@ -135,8 +135,16 @@ def surround(
     up = np.broadcast_to(np.cos(theta)[:, None], (256, 512))
     across = np.sin(theta)[:, None]
     points = np.stack([across * np.sin(phi), across * np.cos(phi), up], axis=-1)
+    return folder.environment("surround", radiance(points, zenith, horizon, ground, lights))
+
+
+def radiance(
+    points: np.ndarray, zenith: Vector, horizon: Vector, ground: Vector, lights: Sequence[Light]
+) -> np.ndarray:
+    """What is seen of the sky and its lights, (..., 3), towards unit vectors (..., 3); z is up."""
+    up = points[..., 2]
     above = np.asarray(horizon) + np.subtract(zenith, horizon) * smoothstep(0, 0.6, up)[..., None]
-    radiance = above + (ground - above) * smoothstep(-0.02, -0.35, up)[..., None]
+    result = above + (ground - above) * smoothstep(-0.02, -0.35, up)[..., None]
     for light in lights:
         axis = np.asarray(light.towards, float) / np.linalg.norm(light.towards)
         side = np.cross(axis, [0.0, 0.0, 1.0])
@@ -147,8 +155,8 @@ def surround(
             for along, size in zip((side, np.cross(side, axis)), light.size, strict=True)
         )
         edge = smoothstep(1.15, 0.85, beside) * smoothstep(1.15, 0.85, over) * (ahead > 0)
-        radiance = radiance + edge[..., None] * np.asarray(light.radiance)
-    return folder.environment("surround", radiance)
+        result = result + edge[..., None] * np.asarray(light.radiance)
+    return result
 
 
 def table(radius: float, *reflectance: float) -> dict[str, Any]:

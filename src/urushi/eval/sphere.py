@@ -1,0 +1,201 @@
+"""Pictures of a sphere under light from all around, free of noise, for comparing BRDFs.
+
+The sphere is seen by an orthographic camera, so that a pixel's wi depends only on its distance from
+the middle. An isotropic BRDF then makes of any light a picture by a convolution in azimuth: what a
+pixel gets from a cell of the environment's grid depends on their azimuths' difference alone. That
+*transport* is integrated once for a BRDF, by nodes that are the same for all BRDFs, and gives its
+picture in every environment.
+
+Where the half angle is large, the nodes are the cells' middles. Around the mirror direction, where
+highlights may be far narrower than a cell, they lie on a polar grid of half vectors, dense towards
+the normal, and what they get is shared bilinearly among the cells around them; in between the two
+are blended.
+"""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+
+from urushi.eval.environment import AZIMUTHS, ELEVATIONS, Environment
+from urushi.material.chunks import in_chunks
+
+#: Circles of pixels: half the pictures' width and height.
+RINGS = 64
+
+#: Half vectors around the mirror direction: their number along both angles, and between which half
+#: angles the two kinds of nodes are blended [rad].
+HALF_ANGLES, HALF_AZIMUTHS = 40, 96
+BLEND = np.radians(4.0), np.radians(10.0)
+
+#: Mean radiance of a white Lambertian sphere in `exposed` environments.
+WHITE = 0.5
+
+#: f(wi, wo) -> (N, 3) or (N, 1) [1/sr].
+Brdf = Callable[[np.ndarray, np.ndarray], np.ndarray]
+
+
+@dataclass(frozen=True)
+class Nodes:
+    """The directions at which a BRDF is integrated, of all rings together.
+
+    Attributes:
+        wi, wo: float32 (N, 3), both above the horizon, in the frame of the surface.
+        cell: (N, 4) which numbers of an array (RINGS, ELEVATIONS, AZIMUTHS) a node contributes to.
+        weight: (N, 4) by how much: solid angle times the cosine of wo, times its share.
+    """
+
+    wi: np.ndarray
+    wo: np.ndarray
+    cell: np.ndarray
+    weight: np.ndarray
+
+
+def render(f: Brdf, environments: Iterable[Environment]) -> list[np.ndarray]:
+    """Pictures (2 RINGS, 2 RINGS, 3) of linear radiance, one an environment; black background."""
+    moved = transport(f)
+    return [picture(moved, environment) for environment in environments]
+
+
+def transport(f: Brdf) -> np.ndarray:
+    """What every ring gets from every elevation, complex64 (RINGS, ELEVATIONS, A // 2 + 1, 3).
+
+    The last axis but one holds Fourier coefficients over differences of azimuth.
+
+    Args:
+        f: an isotropic BRDF of one or three channels, given float32 unit vectors (N, 3).
+    """
+    known = nodes()
+    values = in_chunks(lambda wi, wo: np.asarray(f(wi, wo)), known.wi, known.wo, rows=1 << 18)
+    size = RINGS * ELEVATIONS * AZIMUTHS
+    shape = RINGS, ELEVATIONS, AZIMUTHS
+    channels = []
+    for value in np.broadcast_to(values, (len(values), 3)).T.astype(np.float64):
+        shared = (value[:, None] * known.weight).ravel()
+        moved = np.bincount(known.cell.ravel(), shared, minlength=size).reshape(shape)
+        channels.append(np.fft.rfft(moved, axis=2).astype(np.complex64))
+    return np.stack(channels, axis=-1)
+
+
+def picture(transported: np.ndarray, environment: Environment) -> np.ndarray:
+    """The picture (2 RINGS, 2 RINGS, 3) that a `transport` makes of an environment."""
+    light = np.fft.rfft(environment.radiance, axis=1)
+    spectrum = np.einsum("kmc,rkmc->rmc", light, transported.conj())
+    return _cartesian(np.fft.irfft(spectrum, AZIMUTHS, axis=1))
+
+
+def mask() -> np.ndarray:
+    """The pixels of the sphere: bool (2 RINGS, 2 RINGS)."""
+    return np.hypot(*_pixels()) <= RINGS - 0.5
+
+
+def exposed(environment: Environment) -> Environment:
+    """The environment, scaled so that a white Lambertian sphere has the mean luminance `WHITE`."""
+    luminance = picture(_white(), environment)[mask()].mean(0) @ [0.2126, 0.7152, 0.0722]
+    return replace(environment, radiance=environment.radiance * (WHITE / luminance))
+
+
+@cache
+def _white() -> np.ndarray:
+    return transport(lambda wi, wo: np.full((len(wi), 1), 1 / np.pi))
+
+
+@cache
+def nodes() -> Nodes:
+    """The nodes of all rings, some 800,000."""
+    parts = [part for ring in range(RINGS) for part in (_cells(ring), _half_vectors(ring))]
+    wi, wo, cell, weight = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
+    return Nodes(wi.astype(np.float32), wo.astype(np.float32), cell, weight)
+
+
+def _cells(ring: int) -> tuple[np.ndarray, ...]:
+    """Nodes in the cells' middles, less where half vectors take over."""
+    edges = np.cos(np.pi * np.arange(ELEVATIONS + 1) / ELEVATIONS)
+    theta = np.pi * (np.arange(ELEVATIONS) + 0.5) / ELEVATIONS
+    azimuth = 2 * np.pi * np.arange(AZIMUTHS) / AZIMUTHS
+    theta, azimuth = (x.ravel() for x in np.meshgrid(theta, azimuth, indexing="ij"))
+    sine = np.sin(theta)
+    world = np.stack([sine * np.cos(azimuth), sine * np.sin(azimuth), np.cos(theta)], axis=1)
+    wi, to_local = _view(ring)
+    wo = world @ to_local.T
+    solid_angle = np.repeat(edges[:-1] - edges[1:], AZIMUTHS) * (2 * np.pi / AZIMUTHS)
+    half = wi + wo
+    weight = solid_angle * wo[:, 2] * (1 - _near(np.arctan2(np.hypot(*half.T[:2]), half[:, 2])))
+    kept = np.flatnonzero((wo[:, 2] > 0) & (weight > 0))
+    own = kept + ring * ELEVATIONS * AZIMUTHS
+    # A single cell each: the other three shares are nothing.
+    cell = np.repeat(own[:, None], 4, axis=1)
+    shares = weight[kept, None] * np.array([1.0, 0.0, 0.0, 0.0])
+    return np.broadcast_to(wi, (len(kept), 3)), wo[kept], cell, shares
+
+
+def _half_vectors(ring: int) -> tuple[np.ndarray, ...]:
+    """Nodes about the mirror direction; their angles to the normal grow as squares."""
+    edge = BLEND[1] * (np.arange(HALF_ANGLES + 1) / HALF_ANGLES) ** 2
+    theta = BLEND[1] * ((np.arange(HALF_ANGLES) + 0.5) / HALF_ANGLES) ** 2
+    azimuth = 2 * np.pi * (np.arange(HALF_AZIMUTHS) + 0.5) / HALF_AZIMUTHS
+    area = np.repeat(np.cos(edge[:-1]) - np.cos(edge[1:]), HALF_AZIMUTHS)
+    area *= 2 * np.pi / HALF_AZIMUTHS
+    theta, azimuth = (x.ravel() for x in np.meshgrid(theta, azimuth, indexing="ij"))
+    sine = np.sin(theta)
+    half = np.stack([sine * np.cos(azimuth), sine * np.sin(azimuth), np.cos(theta)], axis=1)
+    wi, to_local = _view(ring)
+    cosine = half @ wi
+    wo = 2 * cosine[:, None] * half - wi
+    weight = 4 * cosine * area * wo[:, 2] * _near(theta)  # dwo = 4 (wi.h) dh (Walter et al. 2007)
+    kept = (cosine > 0) & (wo[:, 2] > 0) & (weight > 0)
+    wo, weight = wo[kept], weight[kept]
+    cell, share = _around(wo @ to_local)
+    wi = np.broadcast_to(wi, (len(wo), 3))
+    return wi, wo, cell + ring * ELEVATIONS * AZIMUTHS, weight[:, None] * share
+
+
+def _near(half_angle: np.ndarray) -> np.ndarray:
+    """How much of a half angle the half vectors take: 1 at 0, falling smoothly."""
+    t = np.clip((BLEND[1] - half_angle) / (BLEND[1] - BLEND[0]), 0, 1)
+    return t * t * (3 - 2 * t)
+
+
+def _around(world: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The four cells around directions (N, 3) and their shares, (N, 4) each."""
+    elevation = np.arctan2(np.hypot(world[:, 0], world[:, 1]), world[:, 2])
+    v = np.clip(elevation / np.pi * ELEVATIONS - 0.5, 0, ELEVATIONS - 1)
+    u = np.arctan2(world[:, 1], world[:, 0]) / (2 * np.pi) * AZIMUTHS
+    row, column = np.floor(v).astype(np.intp), np.floor(u).astype(np.intp)
+    down, right = v - row, u - column
+    below = np.minimum(row + 1, ELEVATIONS - 1)
+    left, beside = column % AZIMUTHS, (column + 1) % AZIMUTHS
+    cells = [row * AZIMUTHS + left, row * AZIMUTHS + beside]
+    cells += [below * AZIMUTHS + left, below * AZIMUTHS + beside]
+    shares = [(1 - down) * (1 - right), (1 - down) * right, down * (1 - right), down * right]
+    return np.stack(cells, axis=1), np.stack(shares, axis=1)
+
+
+def _view(ring: int) -> tuple[np.ndarray, np.ndarray]:
+    """wi of a ring's pixel at azimuth 0, and the rows of the frame of its surface."""
+    sine = (ring + 0.5) / RINGS
+    cosine = np.sqrt(1 - sine * sine)
+    frame = np.array([[cosine, 0, -sine], [0, 1, 0], [sine, 0, cosine]])
+    return frame[:, 2], frame
+
+
+def _pixels() -> tuple[np.ndarray, np.ndarray]:
+    """x to the right and y up of all pixels from the middle, in pixels."""
+    along = np.arange(2 * RINGS) + 0.5 - RINGS
+    x, y = np.meshgrid(along, -along)
+    return x, y
+
+
+def _cartesian(polar: np.ndarray) -> np.ndarray:
+    """A picture (2 RINGS, 2 RINGS, 3) of values by ring and azimuth (RINGS, AZIMUTHS, 3)."""
+    x, y = _pixels()
+    radius = np.clip(np.hypot(x, y) - 0.5, 0, RINGS - 1)
+    turn = np.arctan2(y, x) / (2 * np.pi) * AZIMUTHS
+    ring, column = np.floor(radius).astype(np.intp), np.floor(turn).astype(np.intp)
+    outward, onward = (radius - ring)[..., None], (turn - column)[..., None]
+    outer = np.minimum(ring + 1, RINGS - 1)
+    left, beside = column % AZIMUTHS, (column + 1) % AZIMUTHS
+    inner = polar[ring, left] * (1 - onward) + polar[ring, beside] * onward
+    beyond = polar[outer, left] * (1 - onward) + polar[outer, beside] * onward
+    return (inner * (1 - outward) + beyond * outward) * mask()[..., None]
