@@ -8,7 +8,7 @@ two halves of the reference's samples, each noisier than the whole. The aim is 0
 
 With default sizes it takes an hour or two on two cores, `--width 160 --spp 512` ten minutes.
 Pictures are kept in `--folder`; what was stopped resumes. Reference, networks and FLIP's map are
-written there side by side. It needs the package flip-evaluator, of the group `benchmarks`.
+written there side by side. It needs the package flip-evaluator, of the extra `eval`.
 """
 
 import argparse
