@@ -1,6 +1,5 @@
 """A cluster's store is a single process's, byte for byte, whoever of its workers dies."""
 
-import hashlib
 import os
 import signal
 import time
@@ -29,15 +28,6 @@ SPEC = DataSpec(
 SHARDS = 16
 
 
-def files(path):
-    """The bytes of every file of a store."""
-    return {
-        str(file.relative_to(path)): hashlib.sha256(file.read_bytes()).hexdigest()
-        for file in path.rglob("*")
-        if file.is_file()
-    }
-
-
 @pytest.fixture(scope="module")
 def single(tmp_path_factory):
     """The store that this process makes by itself."""
@@ -46,7 +36,9 @@ def single(tmp_path_factory):
     return path
 
 
-def test_a_worker_killed_in_mid_run_loses_nothing(two_workers, single, tmp_path, monkeypatch):
+def test_a_worker_killed_in_mid_run_loses_nothing(
+    two_workers, single, fingerprints, tmp_path, monkeypatch
+):
     address = two_workers.scheduler_address
     with distributed.Client(address, set_as_default=False) as client:
         pids = list(client.run(os.getpid).values())
@@ -66,11 +58,11 @@ def test_a_worker_killed_in_mid_run_loses_nothing(two_workers, single, tmp_path,
     with distributed.Client(address, set_as_default=False) as client:
         client.wait_for_workers(2, timeout=60)  # the nanny has started another one
         assert pids[0] not in client.run(os.getpid).values()
-    assert files(path) == files(single)
+    assert fingerprints(path) == fingerprints(single)
 
 
 def test_an_interrupted_run_leaves_whole_shards_and_resumes(
-    two_workers, single, tmp_path, monkeypatch
+    two_workers, single, fingerprints, tmp_path, monkeypatch
 ):
     write, written = Store.write, []
 
@@ -87,10 +79,12 @@ def test_an_interrupted_run_leaves_whole_shards_and_resumes(
     monkeypatch.undo()
     assert len(Store.open(path).missing()) == SHARDS - 5
     generate(SPEC, path, two_workers.scheduler_address)
-    assert files(path) == files(single)
+    assert fingerprints(path) == fingerprints(single)
 
 
-def test_the_command_hands_the_scheduler_over(two_workers, single, tmp_path, monkeypatch):
+def test_the_command_hands_the_scheduler_over(
+    two_workers, single, fingerprints, tmp_path, monkeypatch
+):
     from types import SimpleNamespace
 
     from urushi.app import cli
@@ -100,7 +94,7 @@ def test_the_command_hands_the_scheduler_over(two_workers, single, tmp_path, mon
     path = tmp_path / "command.zarr"
     flags = ["-o", str(path), "--scheduler", two_workers.scheduler_address]
     assert cli.main(["data", "generate", *flags]) == 0
-    assert files(path) == files(single)
+    assert fingerprints(path) == fingerprints(single)
 
 
 # Tasks are functions in functions: workers get these by value, as they cannot import the tests.

@@ -1,7 +1,6 @@
 """Stores: pure shards, resumption to the same bytes, and one sentence for what does not fit."""
 
 import dataclasses
-import hashlib
 import json
 import signal
 import subprocess
@@ -29,15 +28,6 @@ SPEC = DataSpec(
     seed=3,
     shard=4,
 )
-
-
-def fingerprint(path):
-    """Hash of every file's name and bytes."""
-    files = sorted(file for file in path.rglob("*") if file.is_file())
-    digest = hashlib.sha256()
-    for file in files:
-        digest.update(str(file.relative_to(path)).encode() + file.read_bytes())
-    return digest.hexdigest()
 
 
 @pytest.fixture(scope="module")
@@ -83,7 +73,9 @@ def test_stacks_of_different_shards_differ(finished):
     assert len(np.unique(coats[:, 0, 0])) == 10
 
 
-def test_a_generator_that_fails_midway_resumes_to_the_same_bytes(finished, tmp_path, monkeypatch):
+def test_a_generator_that_fails_midway_resumes_to_the_same_bytes(
+    fingerprints, finished, tmp_path, monkeypatch
+):
     path = tmp_path / "resumed.zarr"
     made = []
 
@@ -101,10 +93,10 @@ def test_a_generator_that_fails_midway_resumes_to_the_same_bytes(finished, tmp_p
         Store.open(path).read(SPEC.parts[0])
     monkeypatch.undo()
     generate(SPEC, path)
-    assert fingerprint(path) == fingerprint(finished)
+    assert fingerprints(path) == fingerprints(finished)
 
 
-def test_a_shard_without_its_mark_is_made_again(finished, tmp_path):
+def test_a_shard_without_its_mark_is_made_again(fingerprints, finished, tmp_path):
     path = tmp_path / "torn.zarr"
     generate(SPEC, path)
     (path / "coated" / "complete" / "c" / "1").unlink()
@@ -112,10 +104,10 @@ def test_a_shard_without_its_mark_is_made_again(finished, tmp_path):
     (path / "coated" / "f" / "c" / "1" / "0.123.partial").write_bytes(b"of a killed writer")
     assert Store.open(path).missing() == [(0, 1)]
     generate(SPEC, path)
-    assert fingerprint(path) == fingerprint(finished)
+    assert fingerprints(path) == fingerprints(finished)
 
 
-def test_a_killed_process_resumes_to_the_same_bytes(tmp_path):
+def test_a_killed_process_resumes_to_the_same_bytes(fingerprints, tmp_path):
     spec = DataSpec(
         parts=(Part("coated", Table2(), stacks=64, pairs=64, walks=64),), seed=1, shard=2
     )
@@ -136,7 +128,7 @@ def test_a_killed_process_resumes_to_the_same_bytes(tmp_path):
     assert 0 < len(Store.open(path).missing()) < 32
     generate(spec, path)
     generate(spec, tmp_path / "whole.zarr")
-    assert fingerprint(path) == fingerprint(tmp_path / "whole.zarr")
+    assert fingerprints(path) == fingerprints(tmp_path / "whole.zarr")
 
 
 def test_the_hash_depends_on_specification_and_values(finished, tmp_path):

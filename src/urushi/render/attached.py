@@ -14,7 +14,7 @@ import numpy as np
 from urushi.nets.weights import Model
 from urushi.render import twins
 from urushi.render.grid import Grid
-from urushi.render.latents import ConstantLatents, Vertex
+from urushi.render.latents import ConstantLatents, Vertex, looked_up
 
 
 class AttachedLatents(ConstantLatents):
@@ -78,10 +78,7 @@ class AttachedTexture:
     def at(self, uv: np.ndarray) -> np.ndarray:
         """Detached codes (M, C, 32) at points uv (M, 2)."""
         with dr.suspend_grad():
-            latents = self.codes(mi.Point2f(np.ascontiguousarray(uv.T)))
-        dr.eval(latents)
-        channels = [np.stack([value.numpy() for value in z], axis=-1) for z in latents]
-        return np.stack(channels, axis=1)
+            return looked_up(self.codes, uv)
 
     def codes(self, uv: "mi.Point2f") -> list[list]:
         """Attached codes at points uv: of each channel a list (32) of Dr.Jit floats."""

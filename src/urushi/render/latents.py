@@ -5,6 +5,7 @@ Both answer the same two questions: what evaluating and sampling at a surface in
 """
 
 import os
+from collections.abc import Callable
 from typing import ClassVar, NamedTuple
 
 import drjit as dr
@@ -118,10 +119,7 @@ class TexturedLatents:
 
     def at(self, uv: np.ndarray) -> np.ndarray:
         """Latent codes (M, C, 32) at points uv (M, 2)."""
-        latents = self._texture.look_up(mi.Point2f(np.ascontiguousarray(uv.T, np.float32)))
-        dr.eval(latents)
-        channels = [np.stack([value.numpy() for value in z], axis=-1) for z in latents]
-        return np.stack(channels, axis=1)
+        return looked_up(self._texture.look_up, uv)
 
     @property
     def resolution(self) -> tuple[int, int]:
@@ -143,6 +141,14 @@ class TexturedLatents:
             f"{width} x {height} texels of {self.channels} x {self._size} numbers "
             f"in {self._bytes} bytes"
         )
+
+
+def looked_up(look_up: Callable[["mi.Point2f"], list[list]], uv: np.ndarray) -> np.ndarray:
+    """Codes (M, C, 32) that a texture's look-up gives, as lists of floats, at points uv (M, 2)."""
+    latents = look_up(mi.Point2f(np.ascontiguousarray(uv.T, np.float32)))
+    dr.eval(latents)
+    channels = [np.stack([value.numpy() for value in z], axis=-1) for z in latents]
+    return np.stack(channels, axis=1)
 
 
 def _opaque(values: np.ndarray) -> list:
