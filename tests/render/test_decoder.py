@@ -117,19 +117,19 @@ def test_mixture_agrees_with_numpy(rgb, model, parts):
 
 
 def test_density_and_samples_of_a_mixture_agree_with_numpy(rgb):
-    from urushi.render import lobes
+    from urushi.physics.mixture import Mixture
 
     wi, wo = pairs()
     rng = np.random.default_rng(7)
     alphas = np.exp(rng.uniform(np.log(0.01), 0, (len(wi), 2))).astype(np.float32)
     weights = rng.dirichlet([1, 1, 1], len(wi)).astype(np.float32)
     u = rng.random((len(wi), 3), np.float32)
-    mixture = lobes.Mixture([rgb.Float(x) for x in weights.T], [rgb.Float(x) for x in alphas.T])
-    density = lobes.pdf(mixture, vector(rgb, wi), vector(rgb, wo)).numpy()
+    mixture = Mixture([rgb.Float(x) for x in weights.T], [rgb.Float(x) for x in alphas.T])
+    density = mixture.pdf(vector(rgb, wi), vector(rgb, wo)).numpy()
     # |h_xy|^2 of a lobe of width 0.01 loses digits where the directions nearly cancel
     np.testing.assert_allclose(density, numpy_lobes.pdf(weights, alphas, wi, wo), rtol=1e-3)
-    drawn = lobes.sample(
-        mixture, vector(rgb, wi), rgb.Float(u[:, 0]), rgb.Point2f(*map(rgb.Float, u[:, 1:].T))
+    drawn = mixture.sample(
+        vector(rgb, wi), rgb.Float(u[:, 0]), rgb.Point2f(*map(rgb.Float, u[:, 1:].T))
     )
     # reflecting about a normal that is nearly perpendicular to wi loses three of seven digits
     np.testing.assert_allclose(

@@ -23,7 +23,7 @@ def check(sampling, bsdfs) -> None:
 
 
 def test_neural_brdf(rgb, sampling, networks, model, tmp_path):
-    from urushi.render import lobes
+    from urushi.physics.mixture import Mixture
 
     bsdfs, widths = [], []
     for index in range(MATERIALS):
@@ -36,7 +36,7 @@ def test_neural_brdf(rgb, sampling, networks, model, tmp_path):
         si = rgb.SurfaceInteraction3f()
         si.wi = rgb.Vector3f(0, 0, 1)
         mixture = bsdfs[-1].latents.vertex(si, rgb.Bool(True)).mixture
-        assert isinstance(mixture, lobes.Mixture)
+        assert isinstance(mixture, Mixture)
         widths += [alpha[0] for alpha in mixture.alphas]
     assert min(widths) < 0.011  # the narrowest lobe is among them
     check(sampling, bsdfs)

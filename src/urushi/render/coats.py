@@ -8,8 +8,8 @@ import mitsuba as mi
 import numpy as np
 
 from urushi.physics import fresnel
+from urushi.physics.mixture import Mixture
 from urushi.render import probing
-from urushi.render.lobes import Mixture
 from urushi.render.parameters import CoatParameters, CoatValues, opaque
 
 #: Shares of the proposal that no lobe, and not the cosine lobe, falls below.

@@ -1,38 +1,20 @@
 """The sampling proposal in Dr.Jit: the twin of `nets.sampler` and `nets.lobes`.
 
-A mixture of GGX reflection lobes and a cosine lobe, its weights and widths from the proposal
-network; directions that fall below the horizon are mirrored up, so that the density is exactly
-normalised over the upper hemisphere.
+A mixture of GGX reflection lobes and a cosine lobe (`physics.mixture`), its weights and widths from
+the proposal network.
 """
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
 
 import drjit as dr
-import mitsuba as mi
 import numpy as np
 
 from urushi.nets.features import MIN_ALPHA
 from urushi.nets.sampler import MIN_COSINE_SHARE
 from urushi.nets.weights import Model
-from urushi.physics.frame import square_to_cosine_hemisphere
+from urushi.physics.mixture import Mixture
 from urushi.render import hidden, network
 from urushi.render.features import sampler_features
-
-
-class Mixture(NamedTuple):
-    """A proposal: weights (K+1, the last the cosine lobe's) that add up to 1, widths (K)."""
-
-    weights: Sequence[Any]
-    alphas: Sequence[Any]
-
-    def pdf(self, wi, wo):
-        """See `pdf` below."""
-        return pdf(self, wi, wo)
-
-    def sample(self, wi, choice, u):
-        """See `sample` below."""
-        return sample(self, wi, choice, u)
 
 
 class Proposal:
@@ -75,60 +57,3 @@ class Proposal:
         fractions = [1 / (1 + dr.exp(x)) for x in output[k + 1 :]]
         alphas = [dr.clip(dr.exp(float(np.log(MIN_ALPHA)) * x), MIN_ALPHA, 1) for x in fractions]
         return Mixture(weights, alphas)
-
-
-def pdf(mixture: Mixture, wi, wo):
-    """Density of `sample` at wo [1/sr]; zero where either direction is below the horizon."""
-    density = mixture.weights[-1] * (wo.z * dr.inv_pi)
-    for weight, alpha in zip(mixture.weights[:-1], mixture.alphas, strict=True):
-        density += weight * reflection_pdf(alpha, wi, wo)
-    return dr.select((wi.z > 0) & (wo.z > 0), density, 0)
-
-
-def reflection_pdf(alpha, wi, wo):
-    """Density of `sample_reflection` at wo above the horizon [1/sr], the mirrored part included.
-
-    D(h) / (2 (cos_i + root)) with Smith's shadowing in the root, see `nets.lobes.reflection_pdf`.
-    """
-    alpha2 = alpha * alpha
-    x, y = wi.x + wo.x, wi.y + wo.y
-    across = x * x + y * y
-    up, down = wi.z + wo.z, wi.z - wo.z
-    total = _scaled_ggx(alpha2, across, up)
-    total += dr.select(down > 0, _scaled_ggx(alpha2, across, down), 0)
-    root = dr.sqrt(alpha2 + (1 - alpha2) * (wi.z * wi.z))
-    return total * (alpha2 * (0.5 * dr.inv_pi)) / (wi.z + root)
-
-
-def _scaled_ggx(alpha2, across, z):
-    """pi D(h) / alpha^2 of a half vector with |h_xy|^2 = across and h_z = z."""
-    ratio = (across + z * z) / dr.maximum(across + alpha2 * (z * z), 1e-30)
-    return ratio * ratio
-
-
-def sample(mixture: Mixture, wi, choice, u):
-    """Draw wo above the horizon by the uniform numbers `choice` and `u` (two)."""
-    edge, alpha = mixture.weights[0], mixture.alphas[0]
-    for weight, next_alpha in zip(mixture.weights[1:-1], mixture.alphas[1:], strict=True):
-        alpha = dr.select(choice >= edge, next_alpha, alpha)
-        edge = edge + weight
-    cosine = square_to_cosine_hemisphere(mi.Vector3f, u.x, u.y)
-    return dr.select(choice >= edge, cosine, sample_reflection(alpha, wi, u.x, u.y))
-
-
-def sample_reflection(alpha, wi, u1, u2):
-    """Reflect wi about a visible GGX normal and mirror it up; density `reflection_pdf`.
-
-    The normal by a spherical cap (Dupuy and Benyoub 2023, listing 1).
-    """
-    stretched = dr.normalize(mi.Vector3f(alpha * wi.x, alpha * wi.y, wi.z))
-    sin_phi, cos_phi = dr.sincos(2 * dr.pi * u1)
-    cap_z = (1 - u2) * (1 + stretched.z) - stretched.z
-    cap_r = dr.safe_sqrt(1 - cap_z * cap_z)
-    h = mi.Vector3f(
-        alpha * (cap_r * cos_phi + stretched.x),
-        alpha * (cap_r * sin_phi + stretched.y),
-        cap_z + stretched.z,
-    )
-    wo = (2 * dr.dot(wi, h) / dr.maximum(dr.squared_norm(h), 1e-30)) * h - wi
-    return mi.Vector3f(wo.x, wo.y, dr.abs(wo.z))

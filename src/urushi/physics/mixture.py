@@ -1,0 +1,75 @@
+"""Mixtures of GGX reflection lobes and a cosine lobe, from which directions are drawn.
+
+Directions that fall below the horizon are mirrored up, so that the density is exactly normalised
+over the upper hemisphere.
+"""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import drjit as dr
+
+from urushi.physics.frame import square_to_cosine_hemisphere
+
+
+class Mixture(NamedTuple):
+    """For some wi: weights (K+1, the last the cosine lobe's) that add up to 1, widths (K)."""
+
+    weights: Sequence[Any]
+    alphas: Sequence[Any]
+
+    def pdf(self, wi, wo):
+        """Density of `sample` at wo [1/sr]; zero where either direction is below the horizon."""
+        density = self.weights[-1] * (wo.z * dr.inv_pi)
+        for weight, alpha in zip(self.weights[:-1], self.alphas, strict=True):
+            density += weight * reflection_pdf(alpha, wi, wo)
+        return dr.select((wi.z > 0) & (wo.z > 0), density, 0)
+
+    def sample(self, wi, choice, u):
+        """Draw wo above the horizon by the uniform numbers `choice` and `u` (two)."""
+        edge, alpha = self.weights[0], self.alphas[0]
+        for weight, next_alpha in zip(self.weights[1:-1], self.alphas[1:], strict=True):
+            alpha = dr.select(choice >= edge, next_alpha, alpha)
+            edge = edge + weight
+        cosine = square_to_cosine_hemisphere(type(wi), u[0], u[1])
+        return dr.select(choice >= edge, cosine, sample_reflection(alpha, wi, u[0], u[1]))
+
+
+def reflection_pdf(alpha, wi, wo):
+    """Density of `sample_reflection` at wo above the horizon [1/sr], the mirrored part included.
+
+    D(h) / (2 (cos_i + root)) with Smith's shadowing in the root, see `nets.lobes.reflection_pdf`.
+    """
+    alpha2 = alpha * alpha
+    x, y = wi.x + wo.x, wi.y + wo.y
+    across = x * x + y * y
+    up, down = wi.z + wo.z, wi.z - wo.z
+    total = _scaled_ggx(alpha2, across, up)
+    total += dr.select(down > 0, _scaled_ggx(alpha2, across, down), 0)
+    root = dr.sqrt(alpha2 + (1 - alpha2) * (wi.z * wi.z))
+    return total * (alpha2 * (0.5 * dr.inv_pi)) / (wi.z + root)
+
+
+def sample_reflection(alpha, wi, u1, u2):
+    """Reflect wi about a visible GGX normal and mirror it up; density `reflection_pdf`.
+
+    The normal by a spherical cap (Dupuy and Benyoub 2023, listing 1).
+    """
+    vector = type(wi)
+    stretched = dr.normalize(vector(alpha * wi.x, alpha * wi.y, wi.z))
+    sin_phi, cos_phi = dr.sincos(2 * dr.pi * u1)
+    cap_z = (1 - u2) * (1 + stretched.z) - stretched.z
+    cap_r = dr.safe_sqrt(1 - cap_z * cap_z)
+    h = vector(
+        alpha * (cap_r * cos_phi + stretched.x),
+        alpha * (cap_r * sin_phi + stretched.y),
+        cap_z + stretched.z,
+    )
+    wo = (2 * dr.dot(wi, h) / dr.maximum(dr.squared_norm(h), 1e-30)) * h - wi
+    return vector(wo.x, wo.y, dr.abs(wo.z))
+
+
+def _scaled_ggx(alpha2, across, z):
+    """pi D(h) / alpha^2 of a half vector with |h_xy|^2 = across and h_z = z."""
+    ratio = (across + z * z) / dr.maximum(across + alpha2 * (z * z), 1e-30)
+    return ratio * ratio
