@@ -1,4 +1,4 @@
-"""The errors that a user can cause; each message is one sentence: what, where and the cure."""
+"""Errors that a user can cause, and warnings; each is one sentence: what, where and the cure."""
 
 
 class UrushiError(Exception):
@@ -15,3 +15,7 @@ class FileError(UrushiError, OSError):
 
 class PlatformError(UrushiError, RuntimeError):
     """Something the machine must provide (libLLVM, a package, a device) is missing or unfit."""
+
+
+class UrushiWarning(UserWarning):
+    """Something was done that the user may not have meant."""

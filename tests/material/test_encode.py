@@ -6,6 +6,7 @@ import pytest
 from urushi.errors import ParameterError
 from urushi.material import encode as package_encode
 from urushi.material.encode import _adapters, encode, register_adapter
+from urushi.material.symmetry import Source
 from urushi.nets.probes import probe_pairs
 from urushi.reference import evaluate
 from urushi.reference.stack import coat, conductor, dielectric, diffuse
@@ -59,7 +60,7 @@ def test_registered_adapters_come_first(model):
         encode(Foreign(), model)
     register_adapter(
         lambda source: isinstance(source, Foreign),
-        lambda source: lambda wi, wo: np.full((len(wi), 3), source.level),
+        lambda source: Source(lambda wi, wo: np.full((len(wi), 3), source.level)),
     )
     try:
         expected = encode(lambda wi, wo: np.full((len(wi), 3), 0.25), model)

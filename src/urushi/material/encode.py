@@ -1,15 +1,18 @@
 """Encoding: from any BRDF that can be evaluated at the probe pairs to a material."""
 
+import warnings
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from urushi.errors import ParameterError
+from urushi.errors import ParameterError, UrushiWarning
 from urushi.material import energy
 from urushi.material.material import Material
 from urushi.material.refine import refined
+from urushi.material.symmetry import Findings, Source, symmetrised
 from urushi.material.texture import encoded
+from urushi.measured import Merl
 from urushi.nets import shipped
 from urushi.nets.shipped import Weights
 from urushi.nets.weights import Model
@@ -18,16 +21,25 @@ from urushi.reference.stack import Conductor, Dielectric, Diffuse, Stack
 #: Random walks per probe and channel for a Stack: about 0.5 % noise where f is not tiny.
 STACK_WALKS = 16384
 
-#: An evaluated BRDF: f(wi, wo) -> (N, 3), (N, C) or (N,) [1/sr] for float32 unit vectors (N, 3).
-Brdf = Callable[[np.ndarray, np.ndarray], Any]
-
-_adapters: list[tuple[Callable[[Any], bool], Callable[[Any], Brdf]]] = []
+_adapters: list[tuple[Callable[[Any], bool], Callable[[Any], Source]]] = []
 
 
-def register_adapter(matches: Callable[[Any], bool], adapt: Callable[[Any], Brdf]) -> None:
+class Reading(NamedTuple):
+    """What `encode` wants to know of a source.
+
+    Attributes:
+        values: float32 (N, C) [1/sr] at `seen_pairs`.
+        findings: how the source differs from what a material can be.
+    """
+
+    values: np.ndarray
+    findings: Findings
+
+
+def register_adapter(matches: Callable[[Any], bool], adapt: Callable[[Any], Source]) -> None:
     """Teach `encode` another type of source; floors above this one know types that it does not.
 
-    matches: whether this adapter takes a source; adapt: makes the source a function f(wi, wo).
+    matches: whether this adapter takes a source; adapt: opens the source.
     """
     _adapters.append((matches, adapt))
 
@@ -39,7 +51,9 @@ def encode(source: Any, model: Weights | None = None, *, refine: bool = False) -
         source: a description (conductor, dielectric, diffuse), a Stack (simulated with a fixed
             seed), a Material, any callable or any object with a method f that gives
             f(wi, wo) -> (N, 3), (N, C), or (N,) for one channel [1/sr, no cosine], a measured
-            BRDF, or a Mitsuba BSDF. It should be isotropic and reciprocal.
+            BRDF, or a Mitsuba BSDF. It is only asked about pairs above the horizon. What is not
+            isotropic or not reciprocal is averaged until it is (see `urushi.material.symmetry`);
+            of a BSDF that transmits, what it reflects is encoded.
         model: the networks: a Model, "base" (the default) or "small", or a weights file.
         refine: whether to follow the encoder's one pass by a few steps that bring the decoded
             values closer to the given ones: for measured or unusual BRDFs, some 5 ms a channel.
@@ -49,13 +63,21 @@ def encode(source: Any, model: Weights | None = None, *, refine: bool = False) -
 
     Raises:
         ParameterError: the source is none of these, or what it gives has a wrong shape, is
-            negative or is not finite.
+            negative or is not finite; or it is a BSDF that reflects nothing but mirror images, or
+            nothing at all.
         FileError: the shipped networks are missing.
+
+    Warns:
+        UrushiWarning: averaging changes the source by more than 10 %, or a share of the light is
+            left out.
     """
     model = shipped.find(model)
     if isinstance(source, Material) and source.model.fingerprint == model.fingerprint:
         return source
-    return encode_values(values_at(source, *seen_pairs(source, model)), model, refine=refine)
+    reading = read(source, *seen_pairs(source, model))
+    for sentence in reading.findings.warnings():
+        warnings.warn(f"encode {name_of(source)}: {sentence}", UrushiWarning, stacklevel=2)
+    return encode_values(reading.values, model, refine=refine)
 
 
 def seen_pairs(source: Any, model: Model) -> tuple[np.ndarray, np.ndarray]:
@@ -71,9 +93,16 @@ def seen_pairs(source: Any, model: Model) -> tuple[np.ndarray, np.ndarray]:
     return np.concatenate([wi, nodes.wi]), np.concatenate([wo, nodes.wo])
 
 
+def read(source: Any, wi: np.ndarray, wo: np.ndarray) -> Reading:
+    """Values of a source of `encode` for float32 unit vectors (N, 3), and what was found."""
+    return Reading(
+        *symmetrised(opened(source), wi, wo, lambda values, count: _checked(values, source, count))
+    )
+
+
 def values_at(source: Any, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
     """Values (N, C) [1/sr] of a source of `encode` for float32 unit vectors (N, 3), checked."""
-    return _checked(_brdf(source)(wi, wo), source, len(wi))
+    return _checked(opened(source).f(wi, wo), source, len(wi))
 
 
 def encode_values(values: np.ndarray, model: Model, *, refine: bool = False) -> Material:
@@ -90,31 +119,43 @@ def encode_values(values: np.ndarray, model: Model, *, refine: bool = False) -> 
     return Material(energy.limit(model, codes, energy.ceiling(energy.rule().albedo(rest))), model)
 
 
-def _brdf(source: Any) -> Brdf:
+def opened(source: Any) -> Source:
+    """A source of `encode` as something to evaluate.
+
+    Raises:
+        ParameterError: it cannot be encoded.
+    """
     for matches, adapt in reversed(_adapters):
         if matches(source):
             return adapt(source)
     if isinstance(source, Conductor | Dielectric | Diffuse):
         from urushi.reference import evaluate  # lazily: it starts Dr.Jit
 
-        return lambda wi, wo: evaluate.f(source, wi, wo)
+        return Source(lambda wi, wo: evaluate.f(source, wi, wo), symmetric=True)
     if isinstance(source, Stack):
         from urushi.reference.simulate import simulate
 
-        return lambda wi, wo: simulate(source, wi, wo, walks=STACK_WALKS, seed=0)[0]
+        return Source(
+            lambda wi, wo: simulate(source, wi, wo, walks=STACK_WALKS, seed=0)[0], symmetric=True
+        )
     if callable(getattr(source, "f", None)):
-        return source.f
+        return Source(source.f, symmetric=isinstance(source, Material | Merl))
     if callable(source) and not isinstance(source, type):
-        return source
+        return Source(source)
     raise ParameterError(
         f"cannot encode {type(source).__name__}; give a conductor, dielectric, diffuse, Stack, "
         "Material, measured or Mitsuba BRDF, or a function f(wi, wo) -> (N, 3)"
     )
 
 
+def name_of(source: Any) -> str:
+    """What messages call a source."""
+    return getattr(source, "__name__", type(source).__name__)
+
+
 def _checked(values: Any, source: Any, count: int) -> np.ndarray:
     """Return the values as float32 (N, C)."""
-    name = getattr(source, "__name__", type(source).__name__)
+    name = name_of(source)
     try:
         array = np.asarray(values, dtype=np.float32)
     except (TypeError, ValueError) as error:

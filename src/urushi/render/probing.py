@@ -27,18 +27,24 @@ REPEATS, BUDGET = 4096, 1 << 26
 SOME, SAME = 64, 1e-3
 
 
-def interaction(wi: np.ndarray, uv: np.ndarray, repeat: float = 0.0) -> "mi.SurfaceInteraction3f":
+def interaction(
+    wi: np.ndarray, uv: np.ndarray, repeat: float | np.ndarray = 0.0
+) -> "mi.SurfaceInteraction3f":
     """Surface interactions (M) seen from wi (M, 3) at uv (M, 2), with a frame that has no tilt.
 
-    `repeat` goes into the time: BSDFs that draw random numbers then draw others.
+    `repeat`, one number or (M,), goes into the time: BSDFs that draw random numbers then draw
+    others.
     """
     return _interaction(_vector(wi), mi.Point2f(np.ascontiguousarray(uv.T, np.float32)), repeat)
 
 
-def _interaction(wi: "mi.Vector3f", uv: "mi.Point2f", repeat: float) -> "mi.SurfaceInteraction3f":
+def _interaction(
+    wi: "mi.Vector3f", uv: "mi.Point2f", repeat: float | np.ndarray
+) -> "mi.SurfaceInteraction3f":
     si = dr.zeros(mi.SurfaceInteraction3f, dr.width(wi))
     si.wi, si.uv = wi, uv
-    si.time = dr.opaque(mi.Float, repeat)  # a constant would make another kernel each time
+    si.time = mi.Float(repeat)
+    dr.make_opaque(si.time)  # a constant would make another kernel each time
     si.n = mi.Normal3f(0, 0, 1)
     si.sh_frame = mi.Frame3f(mi.Vector3f(1, 0, 0), mi.Vector3f(0, 1, 0), mi.Vector3f(0, 0, 1))
     si.dp_du, si.dp_dv = mi.Vector3f(1, 0, 0), mi.Vector3f(0, 1, 0)
@@ -47,7 +53,11 @@ def _interaction(wi: "mi.Vector3f", uv: "mi.Point2f", repeat: float) -> "mi.Surf
 
 
 def values(
-    bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, uv: np.ndarray, repeat: float = 0.0
+    bsdf: "mi.BSDF",
+    wi: np.ndarray,
+    wo: np.ndarray,
+    uv: np.ndarray,
+    repeat: float | np.ndarray = 0.0,
 ) -> np.ndarray:
     """f (M, C) [1/sr] of a BSDF for wi, wo (M, 3) above the horizon at uv (M, 2)."""
     parts = []

@@ -27,13 +27,13 @@ def _on_variant(old: str | None, new: str) -> None:
     """Define the plugins' classes anew: a class belongs to the variant in which it was made."""
     if new.startswith("llvm"):
         backend.require_llvm()  # before a kernel is compiled, which an old one would not survive
+    _teach_encode()
     if new.startswith("scalar") or mi.is_polarized:
         for name in PLUGINS:
             mi.register_bsdf(name, _refusal(name, new))
         return
     from urushi.render import layered, mixture_bsdf, neural_brdf, neural_bsdf, neural_layered
 
-    _teach_encode()
     mixture = mixture_bsdf.define()
     neural = neural_bsdf.define(mixture)
     mi.register_bsdf("layered", layered.define(mixture))
@@ -45,12 +45,9 @@ def _on_variant(old: str | None, new: str) -> None:
 def _teach_encode() -> None:
     """Let `urushi.encode` take Mitsuba's BSDFs."""
     from urushi.material.encode import register_adapter
-    from urushi.render import probing
+    from urushi.render.opening import open_bsdf
 
-    register_adapter(
-        lambda source: isinstance(source, mi.BSDF),
-        lambda bsdf: lambda wi, wo: probing.read(bsdf, wi, wo, f"encode {type(bsdf).__name__}"),
-    )
+    register_adapter(lambda source: isinstance(source, mi.BSDF), open_bsdf)
 
 
 def _refusal(name: str, variant: str):

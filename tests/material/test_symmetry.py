@@ -1,0 +1,114 @@
+"""What is not isotropic or reciprocal is averaged until it is, and what that changes is told."""
+
+import warnings
+
+import numpy as np
+import pytest
+
+from urushi.data.directions import cosine_pairs
+from urushi.data.metrics import stack_error
+from urushi.errors import UrushiWarning
+from urushi.material.encode import encode, read, values_at
+from urushi.material.symmetry import AZIMUTHS, Findings, judged_pairs, turned
+from urushi.nets.probes import probe_pairs
+from urushi.reference.stack import conductor
+
+WI, WO = probe_pairs(192)
+
+
+def brushed(wi, wo):
+    """Reciprocal, not isotropic: brighter where the half vector lies along x."""
+    h = wi + wo
+    h = h / np.linalg.norm(h, axis=1, keepdims=True)
+    return 0.2 + 0.1 * (h[:, 0] ** 2 - h[:, 1] ** 2)
+
+
+def one_way(wi, wo):
+    """Isotropic, not reciprocal: a cosine that was left in."""
+    return 0.3 * wo[:, 2]
+
+
+def lambert(wi, wo):
+    return np.full((len(wi), 3), 0.1)
+
+
+def test_what_is_symmetric_keeps_its_bits():
+    reading = read(lambert, WI, WO)
+    assert np.array_equal(reading.values, lambert(WI, WO).astype(np.float32))
+    assert reading.findings == Findings()
+    rough = conductor(0.05, (0.9, 0.5, 0.2))
+    seen = read(lambda wi, wo: values_at(rough, wi, wo), WI, WO)
+    assert np.array_equal(seen.values, values_at(rough, WI, WO))
+    assert seen.findings == Findings()
+
+
+def test_the_mean_over_the_azimuth_is_what_is_encoded():
+    reading = read(brushed, WI, WO)
+    # cos(2 phi) has no mean over turns of an eighth.
+    np.testing.assert_allclose(reading.values, 0.2, rtol=1e-5)
+    wi, wo = judged_pairs()
+    turns = [brushed(*(turned(w, k / AZIMUTHS) for w in (wi, wo))) for k in range(AZIMUTHS)]
+    e = np.mean([stack_error(f, np.full(len(f), 0.2), wi[:, 2], wo[:, 2]) for f in turns])
+    assert reading.findings.anisotropy == pytest.approx(e, rel=1e-5)
+    assert reading.findings.reciprocity == pytest.approx(0, abs=1e-6)
+
+
+def test_the_mean_over_the_exchange_is_what_is_encoded():
+    reading = read(one_way, WI, WO)
+    np.testing.assert_allclose(reading.values[:, 0], 0.15 * (WI[:, 2] + WO[:, 2]), rtol=1e-5)
+    # Among other pairs of cosine density than those that are judged by: E of 1024 pairs has a
+    # statistical error of 2 %.
+    wi, wo = cosine_pairs(np.random.default_rng(1), 100_000, lowest_cosine=0.01)
+    mean = 0.15 * (wi[:, 2] + wo[:, 2])
+    e = stack_error(one_way(wi, wo), mean, wi[:, 2], wo[:, 2])
+    assert reading.findings.reciprocity == pytest.approx(e, rel=0.08)
+    assert reading.findings.anisotropy == pytest.approx(0, abs=1e-6)
+
+
+def test_mirror_images_count_as_one():
+    def handed(wi, wo):
+        """Isotropic, and unlike its mirror image where the elevations differ."""
+        across = wi[:, 0] * wo[:, 1] - wi[:, 1] * wo[:, 0]
+        return 0.2 + 0.1 * across * (wi[:, 2] - wo[:, 2])
+
+    reading = read(handed, WI, WO)
+    np.testing.assert_allclose(reading.values, 0.2, rtol=1e-5)
+    assert reading.findings.anisotropy > 0.01
+
+
+def test_a_user_is_warned_of_large_changes_alone(model):
+    with pytest.warns(UrushiWarning, match=r"encode brushed: the BRDF is anisotropic: .* \d+% "):
+        encode(lambda_named(lambda wi, wo: brushed(wi, wo) - 0.09, "brushed"), model)
+    with pytest.warns(UrushiWarning, match="encode one_way: the BRDF is not reciprocal"):
+        encode(one_way, model)
+    slightly = lambda_named(lambda wi, wo: 0.3 + 0.03 * wo[:, 2], "slightly")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        encode(slightly, model)
+    assert 0 < read(slightly, WI, WO).findings.reciprocity < 0.1
+
+
+def lambda_named(function, name):
+    function.__name__ = name
+    return function
+
+
+def test_a_material_of_an_averaged_source_is_that_of_the_mean(model):
+    def mean(wi, wo):
+        return 0.15 * (wi[:, 2] + wo[:, 2])
+
+    with pytest.warns(UrushiWarning):
+        averaged = encode(one_way, model)
+    np.testing.assert_allclose(averaged.latents, encode(mean, model).latents, rtol=1e-3, atol=1e-4)
+
+
+def test_functions_are_asked_above_the_horizon_only():
+    lowest = []
+
+    def f(wi, wo):
+        lowest.append(min(wi[:, 2].min(), wo[:, 2].min()))
+        return one_way(wi, wo)
+
+    read(f, WI, WO)
+    assert min(lowest) > 0
+    assert len(lowest) == 3 + 2 * AZIMUTHS  # asked by three, then all
