@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from urushi.measured import merl, table
 from urushi.nets import weights
 from urushi.nets.architecture import Architecture, init
 from urushi.nets.weights import Model
@@ -35,6 +36,27 @@ def networks(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def model(networks: Path) -> Model:
     """The same networks, loaded."""
     return weights.load(networks)
+
+
+def _plastic(wi, wo):
+    """A coloured GGX-like lobe of width 0.15 on a Lambertian base: reciprocal."""
+    h = wi + wo
+    h /= np.linalg.norm(h, axis=1, keepdims=True)
+    alpha2 = 0.15**2
+    lobe = alpha2 / (np.pi * (h[:, 2] ** 2 * (alpha2 - 1) + 1) ** 2)
+    shadow = 0.1 / np.maximum(wi[:, 2] + wo[:, 2], 0.05)
+    return np.array([0.6, 0.3, 0.1]) / np.pi + (lobe * shadow)[:, None] * [1.0, 0.8, 0.5]
+
+
+@pytest.fixture(scope="session")
+def merl_file(tmp_path_factory):
+    """A MERL file of a plastic."""
+    rows = table.tabulated(_plastic, merl.SHAPE).reshape(-1, 3)
+    path = tmp_path_factory.mktemp("merl") / "plastic.binary"
+    with path.open("wb") as file:
+        file.write(merl.HEADER)
+        (rows / np.array(merl.SCALE)).T.astype("<f8").tofile(file)
+    return path
 
 
 @pytest.fixture

@@ -6,6 +6,7 @@ import pytest
 from urushi.material import Material
 from urushi.nets import weights
 from urushi.nets.architecture import init
+from urushi.render import register
 
 COATS = ("layered", "neural_layered")
 
@@ -125,7 +126,7 @@ def test_mesh_attributes_cannot_be_baked(rgb, networks):
     load(rgb, networks, "layered", albedo=attribute)
 
 
-@pytest.mark.parametrize("name", ("layered", "neural_layered", "neural_brdf"))
+@pytest.mark.parametrize("name", register.PLUGINS)
 @pytest.mark.parametrize("variant", ("scalar_rgb", "scalar_spectral", "llvm_ad_mono_polarized"))
 def test_variants_that_cannot_work_say_which_can(name, variant):
     import mitsuba as mi

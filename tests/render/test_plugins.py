@@ -7,7 +7,7 @@ import pytest
 from urushi.material import Material
 
 COAT = {"alpha": 0.2, "int_ior": 1.4, "albedo": 0.7, "sigma_t": 0.8, "g": 0.3}
-PLUGINS = ("layered", "neural_layered", "neural_brdf")
+PLUGINS = ("layered", "neural_layered", "neural_brdf", "measured_brdf")
 
 
 def bottom() -> dict:
@@ -24,7 +24,7 @@ def saved(model, tmp_path):
 
 
 @pytest.fixture
-def describe(networks, saved):
+def describe(networks, saved, merl_file):
     """The dictionary of a plugin by its name."""
     described = {
         "layered": {"type": "layered", **COAT, "base": bottom()},
@@ -39,6 +39,7 @@ def describe(networks, saved):
             "filename": str(saved),
             "weights": str(networks),
         },
+        "measured_brdf": {"type": "measured_brdf", "filename": str(merl_file)},
     }
     return described.__getitem__
 

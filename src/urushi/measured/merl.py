@@ -8,6 +8,7 @@ Bin convention: the database's own reader (BRDFRead.cpp) finds a bin by truncati
 so bin i spans [i, i + 1) on its axis and its value belongs to the centre, i + 0.5.
 """
 
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +17,9 @@ import numpy.typing as npt
 from urushi.errors import FileError
 from urushi.measured.fill import fill_nearest
 from urushi.measured.hemisphere import evaluate
-from urushi.measured.rusinkiewicz import above_horizon, half_difference_angles
+from urushi.measured.rusinkiewicz import above_horizon
+from urushi.measured.surface import MeasuredSurface
+from urushi.measured.table import bin_centres, interpolated
 
 #: Bins along theta_h, theta_d and phi_d.
 SHAPE = (90, 90, 180)
@@ -31,7 +34,7 @@ HEADER = np.array(SHAPE, "<i4").tobytes()
 FILE_SIZE = len(HEADER) + 3 * 8 * SHAPE[0] * SHAPE[1] * SHAPE[2]
 
 
-class Merl:
+class Merl(MeasuredSurface):
     """A BRDF given by a table over half and difference angles; reciprocal and isotropic.
 
     Evaluation is trilinear between bin centres, along sqrt(theta_h), theta_d and phi_d:
@@ -64,11 +67,11 @@ class Merl:
             raise FileError(
                 f"the MERL table has {count} bins that are not finite; obtain the file again"
             )
-        valid = (values >= 0).all(-1) & above_horizon(*bin_centres())
+        valid = (values >= 0).all(-1) & above_horizon(*bin_centres(SHAPE))
         if not valid.any():
             raise FileError("the MERL table has no valid bin, all are negative; obtain it again")
         fill_nearest(values, valid)
-        self._table = values.reshape(-1, 3)
+        self._table = values
 
     def f(self, wi: npt.ArrayLike, wo: npt.ArrayLike) -> np.ndarray:
         """Evaluate.
@@ -82,21 +85,11 @@ class Merl:
         Raises:
             ParameterError: wrong shapes, or directions that are not unit vectors.
         """
-        return evaluate(self._interpolate, 3, wi, wo)
+        return evaluate(partial(interpolated, self._table), 3, wi, wo)
 
-    def _interpolate(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-        theta_h, theta_d, phi_d = half_difference_angles(wi, wo)
-        half = _between_centres(np.sqrt(theta_h / (np.pi / 2)), SHAPE[0])
-        difference = _between_centres(theta_d / (np.pi / 2), SHAPE[1])
-        turn = _between_centres(phi_d / np.pi, SHAPE[2], periodic=True)
-        result = np.zeros((len(wi), 3))
-        for i, weight_i in half:
-            for j, weight_j in difference:
-                for k, weight_k in turn:
-                    weight = weight_i * weight_j * weight_k
-                    bins = (i * SHAPE[1] + j) * SHAPE[2] + k
-                    result += weight[:, None] * self._table[bins]
-        return result
+    def table(self) -> np.ndarray:
+        """The filled table, (90, 90, 180, 3)."""
+        return self._table
 
 
 def read(path: Path) -> Merl:
@@ -132,30 +125,3 @@ def read(path: Path) -> Merl:
 def dimensions(header: bytes) -> str:
     """The dimensions that a header's twelve bytes claim, as text."""
     return " x ".join(str(n) for n in np.frombuffer(header[:12], "<i4"))
-
-
-def bin_centres() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """theta_h (90, 1, 1), theta_d (1, 90, 1) and phi_d (1, 1, 180) of the bins' centres [rad]."""
-    half, difference, turn = ((np.arange(n) + 0.5) / n for n in SHAPE)
-    return (
-        (half**2 * (np.pi / 2))[:, None, None],
-        (difference * (np.pi / 2))[None, :, None],
-        (turn * np.pi)[None, None, :],
-    )
-
-
-def _between_centres(
-    u: np.ndarray, bins: int, *, periodic: bool = False
-) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Return the two bins whose centres enclose u in [0, 1], each with its weight."""
-    position = u * bins - 0.5
-    if not periodic:
-        position = np.clip(position, 0, bins - 1)
-    lower = np.floor(position).astype(np.intp)
-    weight = position - lower
-    upper = lower + 1
-    if periodic:
-        lower, upper = lower % bins, upper % bins
-    else:
-        upper = np.minimum(upper, bins - 1)
-    return [(lower, 1 - weight), (upper, weight)]

@@ -7,7 +7,7 @@ import mitsuba as mi
 from urushi import backend
 from urushi.errors import PlatformError
 
-PLUGINS = ("layered", "neural_layered", "neural_brdf")
+PLUGINS = ("layered", "neural_layered", "neural_brdf", "measured_brdf")
 
 _registered = False
 
@@ -32,13 +32,21 @@ def _on_variant(old: str | None, new: str) -> None:
         for name in PLUGINS:
             mi.register_bsdf(name, _refusal(name, new))
         return
-    from urushi.render import layered, mixture_bsdf, neural_brdf, neural_bsdf, neural_layered
+    from urushi.render import (
+        layered,
+        measured_brdf,
+        mixture_bsdf,
+        neural_brdf,
+        neural_bsdf,
+        neural_layered,
+    )
 
     mixture = mixture_bsdf.define()
     neural = neural_bsdf.define(mixture)
     mi.register_bsdf("layered", layered.define(mixture))
     mi.register_bsdf("neural_layered", neural_layered.define(neural))
     mi.register_bsdf("neural_brdf", neural_brdf.define(neural))
+    mi.register_bsdf("measured_brdf", measured_brdf.define(mixture))
 
 
 @cache

@@ -1,0 +1,145 @@
+"""A BRDF that is given by a table, as the random walk and Mitsuba see it.
+
+The table is one of `measured.table`: trilinear between bin centres over sqrt(theta_h), theta_d and
+phi_d (Rusinkiewicz 1998). Directions are drawn from a mixture of GGX lobes and a cosine lobe that
+is fitted to the table (`lobe_fit`).
+"""
+
+import importlib
+from types import ModuleType
+from typing import Any, ClassVar
+
+import drjit as dr
+import numpy as np
+
+from urushi.physics.mixture import Mixture
+from urushi.reference import lobe_fit
+from urushi.reference.device import types
+
+
+class Tabulated:
+    """A tabulated BRDF on whatever backend it is asked: `urushi.reference.bottoms.Bottom`."""
+
+    def __init__(self, table: np.ndarray):
+        """table: float32 (theta_h, theta_d, phi_d, 3) [1/sr], finite and not negative."""
+        self._table = table
+        device = types()
+        self._lobes = lobe_fit.fitted(Lookup(device, table), device)
+        self._on: dict[ModuleType, Reflector] = {}
+
+    def on(self, scalar: type) -> "Reflector":
+        """The BRDF in device memory, for Dr.Jit arrays of the backend of a float type."""
+        device = importlib.import_module(scalar.__module__)
+        if device not in self._on:
+            self._on[device] = Reflector(Lookup(device, self._table), self._lobes, device)
+        return self._on[device]
+
+    def f_pdf(self, wi: Any, wo: Any) -> tuple[Any, Any]:
+        """BRDF [1/sr], a colour, and the density of `sample` at wo, zero below the horizon."""
+        reflector = self.on(type(wi.z))
+        return reflector.f(wi, wo), reflector.mixture(wi.z).pdf(wi, wo)
+
+    def sample(self, wi: Any, u0: Any, u1: Any, u2: Any) -> tuple[Any, Any, Any]:
+        """Draw wo by three uniform numbers; returns (wo, f cos / pdf, pdf)."""
+        reflector = self.on(type(wi.z))
+        mixture = reflector.mixture(wi.z)
+        wo = mixture.sample(wi, u0, (u1, u2))
+        pdf = mixture.pdf(wi, wo)
+        f = reflector.f(wi, wo)
+        return wo, dr.select(pdf > 0, f * (wo.z / pdf), 0), pdf
+
+
+class Reflector:
+    """A tabulated BRDF on one backend."""
+
+    DRJIT_STRUCT: ClassVar = {"_lookup": object, "_shares": object, "_alphas": list}  # to freeze
+
+    def __init__(self, lookup: "Lookup", lobes: lobe_fit.Lobes, device: ModuleType):
+        self._lookup, self._device = lookup, device
+        self._nodes = len(lobes.shares)
+        self._shares = device.Float(_padded(lobes.shares))
+        self._alphas = [device.Float(float(alpha)) for alpha in lobes.alphas]
+        dr.make_opaque(self._shares, self._alphas)
+
+    def f(self, wi: Any, wo: Any) -> Any:
+        """BRDF [1/sr], three channels, zero where a direction is below the horizon."""
+        return dr.select((wi.z > 0) & (wo.z > 0), self._lookup(wi, wo), 0)
+
+    def mixture(self, cos_i: Any) -> Mixture:
+        """The proposal for wi of cosine cos_i."""
+        index, share = _between_centres(cos_i * self._nodes, self._nodes)
+        low, high = (dr.gather(self._device.Array4f, self._shares, i) for i in (index, index + 1))
+        shares = dr.lerp(low, high, share)
+        return Mixture([shares[i] for i in range(len(self._alphas) + 1)], self._alphas)
+
+
+class Lookup:
+    """The table in device memory: f(wi, wo) of three channels for directions above the horizon.
+
+    The twin of `measured.table.interpolated`.
+    """
+
+    DRJIT_STRUCT: ClassVar = {"_bins": object}  # for frozen functions
+
+    def __init__(self, device: ModuleType, table: np.ndarray):
+        self._device = device
+        self._shape = table.shape[:3]
+        self._bins = device.Float(_padded(table))
+        dr.eval(self._bins)
+
+    def __call__(self, wi: Any, wo: Any) -> Any:
+        half, difference, turn = self._shape
+        u = half_difference_position(wi, wo)
+        i, x = _between_centres(u[0] * half, half)
+        j, y = _between_centres(u[1] * difference, difference)
+        k = u[2] * turn - 0.5  # periodic
+        before = dr.floor(k)
+        z = k - before
+        before = type(i)(dr.select(before < 0, turn - 1, before))
+        after = dr.select(before + 1 >= turn, 0, before + 1)
+        result = 0
+        for a, weight_i in ((i, 1 - x), (i + 1, x)):
+            for b, weight_j in ((j, 1 - y), (j + 1, y)):
+                row = (a * difference + b) * turn
+                for c, weight_k in ((before, 1 - z), (after, z)):
+                    bins = dr.gather(self._device.Array4f, self._bins, row + c)
+                    result += bins * (weight_i * weight_j * weight_k)
+        return self._device.Array3f(result[0], result[1], result[2])
+
+
+def half_difference_position(wi: Any, wo: Any) -> tuple[Any, Any, Any]:
+    """Where a pair is along the axes of a table, each in [0, 1].
+
+    sqrt(theta_h / 90 deg), theta_d / 90 deg and phi_d / 180 deg, the last modulo 1, by
+    reciprocity: the twin of `measured.rusinkiewicz.half_difference_angles`.
+    """
+    total, difference = wi + wo, wi - wo
+    length = dr.norm(total)
+    theta_d = dr.atan2(dr.norm(difference), length)
+    h = total / length
+    sin_h = dr.hypot(h.x, h.y)
+    theta_h = dr.atan2(sin_h, h.z)
+    at_normal = sin_h == 0
+    inverse = dr.select(at_normal, 0, 1 / sin_h)
+    cos_phi, sin_phi = dr.select(at_normal, 1, h.x * inverse), h.y * inverse
+    along = h.z * (cos_phi * difference.x + sin_phi * difference.y) - sin_h * difference.z
+    across = cos_phi * difference.y - sin_phi * difference.x
+    turn = dr.atan2(across, along) * dr.inv_pi
+    return (
+        dr.sqrt(theta_h * (2 * dr.inv_pi)),
+        theta_d * (2 * dr.inv_pi),
+        turn - dr.floor(turn),
+    )
+
+
+def _between_centres(position: Any, bins: int) -> tuple[Any, Any]:
+    """The bin whose centre, and the next one's, enclose a position in [0, bins]; its weight."""
+    position = dr.clip(position - 0.5, 0, bins - 1)
+    lower = dr.minimum(dr.floor(position), bins - 2)
+    return dr.uint32_array_t(type(position))(lower), position - lower
+
+
+def _padded(rows: np.ndarray) -> np.ndarray:
+    """Rows (..., 3) as float32, flat and each filled up to four numbers, which one load reads."""
+    padding = [(0, 0)] * (rows.ndim - 1) + [(0, 1)]
+    return np.pad(rows.astype(np.float32), padding).ravel()

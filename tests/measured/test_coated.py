@@ -1,0 +1,136 @@
+"""Measured BRDFs under coats: the walk sees what the readers give, and draws by exact densities."""
+
+import drjit as dr
+import numpy as np
+import pytest
+
+from urushi.measured import Merl, load_measured, table
+from urushi.physics.frame import square_to_cosine_hemisphere
+from urushi.reference import coat, device, diffuse, simulate
+from urushi.reference.albedo import albedo
+from urushi.reference.rng import stream
+
+SAMPLES = 1 << 18
+COLOUR = np.array([0.6, 0.3, 0.1])
+
+
+def glossy(wi, wo):
+    """A GGX lobe of width 0.1 without shadowing, on a Lambertian base: reciprocal."""
+    h = wi + wo
+    h /= np.linalg.norm(h, axis=1, keepdims=True)
+    alpha2 = 0.01
+    lobe = alpha2 / (np.pi * (h[:, 2] ** 2 * (alpha2 - 1) + 1) ** 2)
+    shadow = 0.1 / np.maximum(wi[:, 2] + wo[:, 2], 0.05)
+    return COLOUR / np.pi + (lobe * shadow)[:, None]
+
+
+@pytest.fixture(scope="module")
+def plastic():
+    return Merl(table.tabulated(glossy, (90, 90, 180)))
+
+
+@pytest.fixture(scope="module")
+def lambertian():
+    return Merl(np.broadcast_to(COLOUR / np.pi, (90, 90, 180, 3)))
+
+
+def vector(types, w):
+    return types.Array3f(np.ascontiguousarray(w.T))
+
+
+def test_the_walks_table_is_the_readers(random_directions):
+    """Of noise, so that every bin and weight counts."""
+    noise = Merl(np.random.default_rng(0).random((90, 90, 180, 3)))
+    types = device.types()
+    wi, wo = random_directions(20000, 1), random_directions(20000, 2)
+    wi[:100], wo[:100] = wo[:100], wi[:100]
+    wi[0] = wo[0] = (0, 0, 1)  # where angles have no meaning
+    wi[1] = wo[1]
+    f, _ = noise.f_pdf(vector(types, wi), vector(types, wo))
+    # Positions among bins are single precision: of 180 bins, 1e-5 of one, times steps of up to 1;
+    # much more of one where h is so close to the normal that its azimuth is lost.
+    error = np.abs(f.numpy().T - noise.f(wi, wo))
+    assert np.quantile(error, 0.999) < 1e-3
+    assert error.max() < 0.05
+
+
+def test_below_the_horizon_nothing_is_reflected(plastic):
+    types = device.types()
+    up, down = np.array([0.6, 0, 0.8]), np.array([0.6, 0, -0.8])
+    wi, wo = np.array([up, down, down]), np.array([down, up, down])
+    f, pdf = plastic.f_pdf(vector(types, wi), vector(types, wo))
+    assert not f.numpy().any()
+    assert not pdf.numpy().any()
+    u = [types.Float([0.1, 0.5, 0.9])] * 3
+    _, weight, pdf = plastic.sample(vector(types, np.array([down] * 3)), *u)
+    assert not weight.numpy().any()
+    assert not pdf.numpy().any()
+
+
+@pytest.mark.parametrize("cos_i", [1.0, 0.6, 0.1])
+def test_samples_integrate_the_brdf_and_their_density(plastic, cos_i):
+    types = device.types()
+    wi = types.Array3f(float(np.sqrt(1 - cos_i**2)), 0, cos_i) + dr.zeros(types.Array3f, SAMPLES)
+    rng = stream(types.PCG32, dr.arange(types.UInt64, SAMPLES), 1)
+    u = [rng.next_float32() for _ in range(5)]
+    _, weight, pdf = plastic.sample(wi, *u[:3])
+    grid = square_to_cosine_hemisphere(types.Array3f, *u[3:])
+    f, density = plastic.f_pdf(wi, grid)
+    weight, f = weight.numpy().mean(0), f.numpy().mean(0) * np.pi
+    error = np.hypot(weight.std(), f.std()) / SAMPLES**0.5
+    assert abs(weight.mean() - f.mean()) < 4 * error
+    assert weight.std() / weight.mean() < 0.5  # the lobes do follow it
+    total = (density * dr.pi / grid.z).numpy()
+    assert abs(total.mean() - 1) < 4 * total.std() / SAMPLES**0.5
+    assert (pdf.numpy() > 0).all()
+
+
+def test_a_constant_table_under_a_coat_is_a_coated_lambertian(lambertian, random_directions):
+    wi, wo = random_directions(20, 3, 0.1), random_directions(20, 4, 0.1)
+    layers = dict(alpha=0.2, eta=1.5, albedo=(0.9, 0.5, 0.1), sigma_t=0.7, g=0.3)
+    f, se = simulate(coat(lambertian, **layers), wi, wo, walks=1 << 13, progress=False)
+    expected, error = simulate(
+        coat(diffuse(COLOUR), **layers), wi, wo, walks=1 << 13, seed=1, progress=False
+    )
+    z = (f - expected) / np.hypot(se, error)
+    assert np.abs(z).max() < 4.5  # of 60
+    assert 0.5 < np.mean(z**2) < 2
+
+
+def test_under_a_vanishing_coat_it_is_as_measured(plastic, random_directions):
+    wi, wo = random_directions(50, 5, 0.2), random_directions(50, 6, 0.2)
+    f, se = simulate(coat(plastic, 0.01, 1.0001), wi, wo, walks=1 << 11, progress=False)
+    # What the interface reflects, 1e-8, and refracts, 1e-4, is not to be seen.
+    np.testing.assert_array_less(np.abs(f - plastic.f(wi, wo)), 5 * se + 2e-3)
+
+
+def test_a_coated_measured_brdf_is_reciprocal(plastic, random_directions):
+    wi, wo = random_directions(20, 7, 0.1), random_directions(20, 8, 0.1)
+    stack = coat(plastic, 0.3, 1.4, albedo=0.8, sigma_t=1.0)
+    f, se = simulate(stack, wi, wo, walks=1 << 13, progress=False)
+    back, error = simulate(stack, wo, wi, walks=1 << 13, seed=1, progress=False)
+    z = (f - back) / np.hypot(se, error)
+    assert np.abs(z).max() < 4.5  # of 60
+    assert np.mean(z**2) < 2
+
+
+def test_a_clear_coat_over_white_loses_nothing():
+    """But for what microfacets lose to a second reflection, little at this width."""
+    white = Merl(np.full((90, 90, 180, 3), 1 / np.pi))
+    wi = np.array([[0, 0, 1], [0.6, 0, 0.8], [0.98, 0, np.sqrt(1 - 0.98**2)]], np.float32)
+    found, se = albedo(coat(white, 0.01, 1.5), wi, walks=1 << 14)
+    np.testing.assert_allclose(found, 1, atol=0.01 + 4 * se.max())
+
+
+@pytest.mark.parametrize("name", ["aurora_white", "chm_mint", "cm_military_green"])
+def test_an_rgl_materials_table_is_its_mean_over_the_exchange(name, test_data, random_directions):
+    path = test_data / "data" / "rgl" / f"{name}_rgb.bsdf"
+    if not path.is_file():
+        pytest.skip(f"'{path}' is missing")
+    material = load_measured(path)
+    wi, wo = random_directions(4000, 9, 0.1), random_directions(4000, 10, 0.1)
+    expected = 0.5 * (material.f(wi, wo) + material.f(wo, wi))
+    f = table.interpolated(material.table(), wi.astype(float), wo.astype(float))
+    weight = (wi[:, 2] * wo[:, 2])[:, None]
+    # Files have few elevations, linear in between: their creases are rounded off.
+    assert (np.abs(f - expected) * weight).sum() < 0.02 * (expected * weight).sum()
