@@ -1,11 +1,13 @@
 """`urushi encode` and `urushi layer` make the files that `urushi.load` reads."""
 
+import json
+
 import numpy as np
 import pytest
 
 import urushi
 from urushi.app import cli
-from urushi.app.commands.materials import scalar_or_rgb
+from urushi.app.commands.layer import scalar_or_rgb
 from urushi.nets import shipped, weights
 from urushi.nets.architecture import Architecture, init
 
@@ -65,24 +67,25 @@ SCENE = """<scene version="3.0.0">
 def test_encode_a_bsdf_of_a_scene(tmp_path):
     scene, file = tmp_path / "scene.xml", tmp_path / "wall.safetensors"
     scene.write_text(SCENE.format("wall", "0.1, 0.5, 0.8"))
-    assert cli.main(["encode", str(scene), "--bsdf", "wall", "-o", str(file)]) == 0
+    assert cli.main(["encode", f"{scene}#wall", "--no-refine", "-o", str(file)]) == 0
     expected = urushi.encode(urushi.diffuse((0.1, 0.5, 0.8)))
     # Mitsuba and the reference evaluate 1 / pi in float32, each in its own way
     np.testing.assert_allclose(urushi.load(file).latents, expected.latents, rtol=1e-3, atol=1e-4)
 
 
 @pytest.mark.parametrize(
-    ("flags", "sentence"),
+    ("mark", "flags", "sentence"),
     [
-        ([], "has 2 BSDFs; name one by --bsdf: floor, wall"),
-        (["--bsdf", "roof"], "has no BSDF 'roof' on a shape; it has: floor, wall"),
-        (["--bsdf", "wall", "-m", "llvm_rgb"], "Mitsuba has no variant 'llvm_rgb'"),
+        ("", [], "has 2 BSDFs; name one as "),
+        ("", [], "#ID', with the ID out of: floor, wall"),
+        ("#roof", [], "has no BSDF 'roof' on a shape; it has: floor, wall"),
+        ("#wall", ["-m", "llvm_rgb"], "Mitsuba has no variant 'llvm_rgb'"),
     ],
 )
-def test_a_bsdf_that_cannot_be_chosen(flags, sentence, tmp_path, capsys):
+def test_a_bsdf_that_cannot_be_chosen(mark, flags, sentence, tmp_path, capsys):
     scene, file = tmp_path / "scene.xml", tmp_path / "wall.safetensors"
     scene.write_text(SCENE.format("wall", "0.5"))
-    assert cli.main(["encode", str(scene), *flags, "-o", str(file)]) == 2
+    assert cli.main(["encode", f"{scene}{mark}", *flags, "-o", str(file)]) == 2
     assert sentence in capsys.readouterr().err
 
 
@@ -93,21 +96,74 @@ def test_encode_several_sources_into_a_folder(merl, tmp_path, capsys):
     names = [folder / f"{name}.safetensors" for name in ("green", "conductor-2", "grey")]
     assert sorted(capsys.readouterr().out.split()) == sorted(map(str, names))
     sources = (urushi.load_measured(table), urushi.conductor(alpha=0.2, r0=(0.98, 0.77, 0.34)))
-    for file, source in zip(names, sources, strict=False):
-        np.testing.assert_array_equal(urushi.load(file).latents, urushi.encode(source).latents)
+    for file, source, refine in zip(names, sources, (True, False), strict=False):
+        expected = urushi.encode(source, refine=refine)  # measured files are refined by default
+        np.testing.assert_array_equal(urushi.load(file).latents, expected.latents)
+
+
+def test_no_refine(merl, tmp_path):
+    table, file = merl("green", 0.5), tmp_path / "green.safetensors"
+    assert cli.main(["encode", str(table), "--no-refine", "-o", str(file)]) == 0
+    assert urushi.load(file) == urushi.encode(urushi.load_measured(table))
 
 
 def test_a_bad_source_stops_none_of_the_others(merl, tmp_path, capsys):
     broken = tmp_path / "broken.binary"
     broken.write_bytes(merl("green", 0.5).read_bytes()[:1000])
     (tmp_path / "page.binary").write_text("<html>")
-    files = [str(tmp_path / f"{name}.binary") for name in ("green", "broken", "page")]
+    files = [str(tmp_path / f"{name}.binary") for name in ("absent", "green", "broken", "page")]
     assert cli.main(["encode", *files, "-o", str(tmp_path / "materials")]) == 2
-    message = capsys.readouterr().err
-    assert "2 of 3 sources could not be encoded: " in message
-    assert "broken.binary" in message
-    assert "page.binary' is a web page" in message
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == 4  # a sentence each, and how many there are
+    assert "absent.binary' is neither a file nor a description" in lines[0]
+    assert any("broken.binary' is truncated" in line for line in lines)
+    assert any("page.binary' is a web page" in line for line in lines)
+    assert lines[-1] == "urushi: 3 of 4 sources could not be encoded"
     assert [file.name for file in (tmp_path / "materials").iterdir()] == ["green.safetensors"]
+
+
+def test_encoding_again_encodes_again(tmp_path):
+    folder = tmp_path / "materials"
+    for description, name in (("diffuse(0.2)", "diffuse-1"), ("diffuse(0.7)", "diffuse-1")):
+        assert cli.main(["encode", description, "-o", str(folder)]) == 0
+        last = urushi.load(folder / f"{name}.safetensors")
+    assert last == urushi.encode(urushi.diffuse(0.7))
+
+
+def test_a_report(tmp_path, capsys):
+    pytest.importorskip("matplotlib")
+    bad, folder = tmp_path / "bad.binary", tmp_path / "report"
+    bad.write_text("nothing")
+    arguments = ["encode", GOLD, str(bad), "-o", str(tmp_path), "--report", str(folder)]
+    assert cli.main(arguments) == 2
+    assert "1 of 2 sources could not be encoded" in capsys.readouterr().err
+    names = ["conductor-1.png", "report.json", "report.md"]
+    assert sorted(file.name for file in folder.iterdir()) == names
+    content = json.loads((folder / "report.json").read_text())
+    assert list(content) == ["conductor-1", "bad"]
+    assert "is neither a MERL table" in content["bad"]["error"]
+    assert len(content["conductor-1"]["E"]) == 3
+
+
+def test_a_report_by_a_cluster(merl, two_workers, tmp_path):
+    pytest.importorskip("matplotlib")
+    table, file, folder = merl("green", 0.2), tmp_path / "green.safetensors", tmp_path / "report"
+    flags = ["--scheduler", two_workers.scheduler_address, "--report", str(folder)]
+    assert cli.main(["encode", str(table), *flags, "-o", str(file)]) == 0
+    assert urushi.load(file) == urushi.encode(urushi.load_measured(table), refine=True)
+    albedo = json.loads((folder / "report.json").read_text())["green"]["albedo"]["source"]
+    np.testing.assert_allclose(albedo, 0.2 * np.pi, rtol=2e-3)
+
+
+def test_what_is_lost_is_told(tmp_path, capsys):
+    scene = tmp_path / "scene.xml"
+    brushed = '<float name="alpha_u" value="0.05"/><float name="alpha_v" value="0.5"/>'
+    scene.write_text(
+        '<scene version="3.0.0"><shape type="sphere"><bsdf type="roughconductor" id="pan">'
+        f"{brushed}</bsdf></shape></scene>"
+    )
+    assert cli.main(["encode", str(scene), "-o", str(tmp_path / "pan.safetensors")]) == 0
+    assert f"urushi: {scene}: the BRDF is anisotropic" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
@@ -117,6 +173,7 @@ def test_a_bad_source_stops_none_of_the_others(merl, tmp_path, capsys):
         ([GOLD, GOLD], "one.safetensors", "is one file for 2 sources; give a folder"),
         (["a/gold.binary", "b/gold.bsdf"], "folder", "two of the sources are called 'gold'"),
         ([GOLD, "missing.binary"], "folder", "'missing.binary' is neither a file nor a descript"),
+        (["a.xml#wall", "b.xml#wall"], "folder", "two of the sources are called 'wall'"),
     ],
 )
 def test_several_sources_that_do_not_go_together(sources, output, sentence, tmp_path, capsys):
@@ -124,11 +181,21 @@ def test_several_sources_that_do_not_go_together(sources, output, sentence, tmp_
     assert sentence in capsys.readouterr().err
 
 
-def test_a_scene_is_encoded_by_itself(tmp_path, capsys):
+def test_several_bsdfs_of_a_scene(tmp_path):
+    scene, folder = tmp_path / "scene.xml", tmp_path / "folder"
+    scene.write_text(SCENE.format("wall", "0.5"))
+    assert cli.main(["encode", f"{scene}#wall", GOLD, f"{scene}#floor", "-o", str(folder)]) == 0
+    names = ["conductor-2.safetensors", "floor.safetensors", "wall.safetensors"]
+    assert sorted(file.name for file in folder.iterdir()) == names
+
+
+def test_scenes_are_not_sent_to_a_cluster(tmp_path, capsys):
+    pytest.importorskip("distributed")
     scene = tmp_path / "scene.xml"
     scene.write_text(SCENE.format("wall", "0.5"))
-    assert cli.main(["encode", str(scene), GOLD, "-o", str(tmp_path / "folder")]) == 2
-    assert "is a scene file, which is encoded by itself" in capsys.readouterr().err
+    flags = ["--scheduler", "tcp://127.0.0.1:1", "-o", str(tmp_path / "wall.safetensors")]
+    assert cli.main(["encode", f"{scene}#wall", *flags]) == 2
+    assert "are encoded on this machine" in capsys.readouterr().err
 
 
 def test_layer_a_file_and_a_description_alike(tmp_path):
@@ -159,7 +226,7 @@ def test_one_value_or_three():
         (["encode", "scene.xml"], "'scene.xml' is neither a file nor a description"),
         (["encode", "lacquer(1)"], "is neither a file nor a description"),
         (["encode", "diffuse(2)"], "reflectance is 2"),
-        (["encode", "diffuse(0.5)", "--bsdf", "wall"], "other sources have no BSDFs"),
+        (["encode", "diffuse(0.5)", "--refine", "--no-refine"], "exclude each other"),
         (["layer", "missing.safetensors"], "missing.safetensors"),
         (["layer", GOLD, "--alpha", "0"], "alpha is 0"),
         (["layer", GOLD, "--eta", "1"], "eta is 1"),

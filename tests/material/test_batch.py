@@ -26,8 +26,10 @@ def model(tmp_path_factory):
 def same(found, model):
     """Whether every source became what `encode` makes of it."""
     assert sorted(found) == list(range(len(SOURCES)))
-    for index, material in found.items():
-        np.testing.assert_array_equal(material.latents, encode(SOURCES[index], model).latents)
+    for index, encoded in found.items():
+        np.testing.assert_array_equal(
+            encoded.material.latents, encode(SOURCES[index], model).latents
+        )
 
 
 def test_here(model):
@@ -40,11 +42,17 @@ def test_on_a_cluster_whose_worker_is_killed(two_workers, model):
     with distributed.Client(address, set_as_default=False) as client:
         pid = next(iter(client.run(os.getpid).values()))
     found = {}
-    for index, material in encode_all(SOURCES, model=model, scheduler=address):
+    for index, encoded in encode_all(SOURCES, model=model, scheduler=address):
         if not found:
             os.kill(pid, signal.SIGKILL)
-        found[index] = material
+        found[index] = encoded
     same(found, model)
+
+
+def test_each_may_be_refined_by_itself(model):
+    found = dict(encode_all(SOURCES[:2], model=model, refine=[False, True]))
+    assert found[0].material == encode(SOURCES[0], model)
+    assert found[1].material == encode(SOURCES[1], model, refine=True)
 
 
 @pytest.mark.parametrize("where", ["here", "cluster"])
@@ -56,5 +64,5 @@ def test_errors_belong_to_their_source(where, model, tmp_path, request):
     found = dict(encode_all([*missing, GOLD, 7], model=model, scheduler=address))
     assert isinstance(found[0], FileError) and "absent.binary" in str(found[0])
     assert isinstance(found[1], FileError) and "nothing.bsdf" in str(found[1])
-    np.testing.assert_array_equal(found[2].latents, encode(GOLD, model).latents)
+    np.testing.assert_array_equal(found[2].material.latents, encode(GOLD, model).latents)
     assert isinstance(found[3], ParameterError)

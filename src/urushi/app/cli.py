@@ -12,10 +12,12 @@ from urushi import __version__
 from urushi.app.commands.data import Data
 from urushi.app.commands.demo import Demo
 from urushi.app.commands.doctor import Doctor
+from urushi.app.commands.encode import Encode
 from urushi.app.commands.evaluate import Evaluate
-from urushi.app.commands.materials import Encode, Layer
+from urushi.app.commands.layer import Layer
 from urushi.app.commands.render import Render
 from urushi.app.commands.scenes import Scenes
+from urushi.app.commands.sheet import Sheet
 from urushi.app.commands.simulate import Simulate
 from urushi.app.commands.train import Train
 from urushi.errors import UrushiError
@@ -38,6 +40,7 @@ COMMANDS: dict[str, tuple[type, str]] = {
     "simulate": (Simulate, "Simulate a layered material without bias."),
     "encode": (Encode, "Encode a BRDF into a material file."),
     "layer": (Layer, "Coat a material in the latent space."),
+    "sheet": (Sheet, "Draw blends of materials under coats."),
     "data": (Data, "Generate training data, or look at them."),
     "train": (Train, "Train the networks."),
     "eval": (Evaluate, "Measure networks on held-out materials."),

@@ -1,20 +1,28 @@
 """Encoding many BRDFs at once: their values are taken in parallel, by all cores or a cluster."""
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from urushi.data import cluster
 from urushi.errors import UrushiError
-from urushi.material.encode import encode_values, seen_pairs, values_at
+from urushi.material.encode import Reading, encode_values, read, seen_pairs
 from urushi.material.material import Material
+from urushi.material.symmetry import Findings
 from urushi.measured import load_measured
 from urushi.nets import shipped
 from urushi.nets.shipped import Weights
+
+
+class Encoded(NamedTuple):
+    """A material, and how its source differs from what a material can be."""
+
+    material: Material
+    findings: Findings
 
 
 def encode_all(
@@ -22,8 +30,8 @@ def encode_all(
     *,
     model: Weights | None = None,
     scheduler: str | None = None,
-    refine: bool = False,
-) -> Iterator[tuple[int, Material | UrushiError]]:
+    refine: bool | Sequence[bool] = False,
+) -> Iterator[tuple[int, Encoded | UrushiError]]:
     """Encode many BRDFs, on all cores of this machine or on a cluster.
 
     Args:
@@ -31,10 +39,10 @@ def encode_all(
             `encode` takes; on a cluster it must be picklable, as descriptions are.
         model: the networks, as of `encode`.
         scheduler: address of a Dask scheduler; by default this process does it, on all cores.
-        refine: as of `encode`; this process does it.
+        refine: as of `encode`, for all or for each; this process does it.
 
     Yields:
-        (index, Material) of each source as it is done, or the error that it has, which stops none
+        (index, Encoded) of each source as it is done, or the error that it has, which stops none
         of the others.
 
     Raises:
@@ -42,31 +50,50 @@ def encode_all(
         FileError: the shipped networks are missing.
     """
     model = shipped.find(model)
+    wanted = [refine] * len(sources) if isinstance(refine, bool) else list(refine)
     tasks = [(source, *seen_pairs(source, model)) for source in sources]
-    results = cluster.run(scheduler, _values, tasks) if scheduler else _locally(tasks)
-    for index, values in results:
-        failed = isinstance(values, UrushiError)
-        yield index, values if failed else encode_values(values, model, refine=refine)
+    for index, found in run_all(_read, tasks, scheduler):
+        if isinstance(found, UrushiError):
+            yield index, found
+        else:
+            material = encode_values(found.values, model, refine=wanted[index])
+            yield index, Encoded(material, found.findings)
 
 
-def _values(source: Any, wi: np.ndarray, wo: np.ndarray) -> np.ndarray | UrushiError:
-    """A source's values (N, C) at the pairs, or what is wrong with it."""
-    try:
-        return values_at(load_measured(source) if isinstance(source, Path) else source, wi, wo)
-    except UrushiError as error:
-        return error
+def run_all(
+    function: Callable[..., Any], tasks: Sequence[tuple], scheduler: str | None = None
+) -> Iterator[tuple[int, Any]]:
+    """Call a function of a source, and of whatever else, for many.
 
+    Args:
+        function: of a module; on a cluster its arguments must be picklable.
+        tasks: the arguments of each call, of which the first is the source: a Path is read by a
+            thread, for a reader uses one core; other sources one after the other, for Dr.Jit uses
+            all.
+        scheduler: as of `encode_all`.
 
-def _locally(tasks: list[tuple]) -> Iterator[tuple[int, Any]]:
-    """Files in threads, for a reader uses one core; the rest here, for Dr.Jit uses all."""
+    Yields:
+        (index, result) of each call as it is done.
+    """
+    if scheduler is not None and tasks:
+        yield from cluster.run(scheduler, function, tasks)
+        return
     files = [k for k, task in enumerate(tasks) if isinstance(task[0], Path)]
     pool = ThreadPoolExecutor(os.cpu_count())
     try:
-        futures = {pool.submit(_values, *tasks[k]): k for k in files}
+        futures = {pool.submit(function, *tasks[k]): k for k in files}
         for future in as_completed(futures):
             yield futures[future], future.result()
         for k, task in enumerate(tasks):
             if k not in files:
-                yield k, _values(*task)
+                yield k, function(*task)
     finally:
         pool.shutdown(cancel_futures=True)
+
+
+def _read(source: Any, wi: np.ndarray, wo: np.ndarray) -> Reading | UrushiError:
+    """What is to be known of a source at the pairs, or what is wrong with it."""
+    try:
+        return read(load_measured(source) if isinstance(source, Path) else source, wi, wo)
+    except UrushiError as error:
+        return error

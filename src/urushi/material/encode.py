@@ -120,11 +120,13 @@ def encode_values(values: np.ndarray, model: Model, *, refine: bool = False) -> 
 
 
 def opened(source: Any) -> Source:
-    """A source of `encode` as something to evaluate.
+    """A source of `encode`, unless it is one already, as something to evaluate.
 
     Raises:
         ParameterError: it cannot be encoded.
     """
+    if isinstance(source, Source):
+        return source
     for matches, adapt in reversed(_adapters):
         if matches(source):
             return adapt(source)

@@ -1,7 +1,7 @@
 """Making BRDFs isotropic and reciprocal, as materials are, and measuring what that changes."""
 
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -122,7 +122,7 @@ def symmetrised(
         asked = values(*(turned(w, ASKED_TURN, True) for w in (wi, wo)))
         if same(once, asked) and same(once, values(wo, wi)):
             return once[:count], _findings(source, 0.0, 0.0)
-    pairs = [tuple(turned(w, k / AZIMUTHS, k % 2 == 1) for w in (wi, wo)) for k in range(AZIMUTHS)]
+    pairs = list(_turns(wi, wo))
     # (exchange, azimuth, N, C)
     every = np.stack([[values(a, b) for a, b in pairs], [values(b, a) for a, b in pairs]])
     isotropic = every.mean(axis=1)
@@ -132,6 +132,11 @@ def symmetrised(
     anisotropy = _error(every[..., count:, :], isotropic[:, None, count:])
     reciprocity = _error(isotropic[:, count:], mean[count:])
     return mean[:count], _findings(source, anisotropy, reciprocity)
+
+
+def averaged(f: Callable[..., np.ndarray], wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+    """The mean of f(wi, wo) over the azimuth alone."""
+    return np.mean([f(*pair) for pair in _turns(wi, wo)], axis=0)
 
 
 def turned(w: np.ndarray, turn: float, mirrored: bool = False) -> np.ndarray:
@@ -152,6 +157,12 @@ def same(a: np.ndarray, b: np.ndarray) -> bool:
 def judged_pairs() -> tuple[np.ndarray, np.ndarray]:
     """The `JUDGED` pairs, the same always; none so low that a half vector is lost to rounding."""
     return cosine_pairs(np.random.default_rng(0), JUDGED, lowest_cosine=0.01)
+
+
+def _turns(wi: np.ndarray, wo: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """The pairs that f is averaged over: turned, and every second one mirrored."""
+    for k in range(AZIMUTHS):
+        yield turned(wi, k / AZIMUTHS, k % 2 == 1), turned(wo, k / AZIMUTHS, k % 2 == 1)
 
 
 def _findings(source: Source, anisotropy: float | None, reciprocity: float | None) -> Findings:

@@ -1,0 +1,244 @@
+"""`urushi encode`: making material files of descriptions, measured files and scenes' BSDFs."""
+
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import tyro
+from tqdm import tqdm
+
+from urushi.app import extras
+from urushi.app.describe import describe, is_description
+from urushi.errors import FileError, ParameterError, UrushiError
+from urushi.files import new_folder
+
+
+@dataclass(frozen=True)
+class Encode:
+    """Encode BRDFs into materials: latent codes, one set per colour channel.
+
+    A source is a description as in Python, a measured BRDF (a MERL or an RGL file), or a BSDF of a
+    Mitsuba scene file, SCENE.xml#ID, or SCENE.xml where it is the only one. Several are encoded in
+    parallel; one that cannot be encoded stops none of the others.
+
+    Example: urushi encode "conductor(alpha=0.2, r0=(0.98, 0.77, 0.34))" -o gold.safetensors
+
+    Example: urushi encode merl/*.binary -o materials --report materials/report
+    """
+
+    sources: tyro.conf.Positional[tuple[str, ...]]
+    """conductor(...), coat(...), ... as in Python, measured files, or SCENE.xml#ID."""
+    output: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
+    """File to write (.safetensors), or the folder for one file of each source."""
+    report: Path | None = None
+    """Folder to write report.json, report.md and a picture of every source to: errors,
+    asymmetry, albedos, slices, and a sphere of source and material side by side."""
+    refine: bool = False
+    """Refine all codes by a few steps of optimisation, those of descriptions too."""
+    no_refine: bool = False
+    """Refine none, not even those of measured files and of scenes' BSDFs."""
+    mode: Annotated[str, tyro.conf.arg(aliases=["-m"])] = "llvm_ad_rgb"
+    """Mitsuba variant for reading scene files."""
+    scheduler: str | None = None
+    """Address of a Dask scheduler whose workers read, simulate and compare; default: this
+    machine."""
+    weights: str | None = None
+    """Networks: base (the default), small, or a weights file."""
+
+    def run(self) -> int:
+        from urushi.material.batch import Encoded, encode_all
+
+        self._check()
+        targets = self.targets()
+        opened = self.opened()
+        errors = {k: source for k, source in enumerate(opened) if isinstance(source, UrushiError)}
+        if len(opened) > 1:
+            _say_all(errors)
+        known = [k for k in range(len(opened)) if k not in errors]
+        made: dict[int, Encoded] = {}
+        total = len(known) * (1 if self.report is None else 2)
+        with tqdm(total=total, unit="BRDF", disable=total <= 1 or None) as progress:
+            for index, result in encode_all(
+                [opened[k] for k in known],
+                model=self.weights,
+                scheduler=self.scheduler,
+                refine=[self._refined(self.sources[k]) for k in known],
+            ):
+                progress.update()
+                which = known[index]
+                if isinstance(result, UrushiError):
+                    errors[which] = result
+                    if len(opened) > 1:
+                        _say(str(result))
+                    continue
+                for sentence in result.findings.warnings():
+                    _say(f"{self.sources[which]}: {sentence}")
+                result.material.save(targets[which])
+                tqdm.write(str(targets[which]))
+                made[which] = result
+            if self.report is not None:
+                names = [target.stem for target in targets]
+                errors |= self._write_report(self.report, names, opened, made, errors, progress)
+        if len(opened) == 1 and errors:
+            raise errors[0]
+        if errors:
+            raise UrushiError(f"{len(errors)} of {len(opened)} sources could not be encoded")
+        return 0
+
+    def _check(self) -> None:
+        if self.refine and self.no_refine:
+            raise ParameterError("--refine and --no-refine exclude each other; give one of them")
+        if self.scheduler is not None:
+            extras.require("cluster")
+            scenes = [text for text in self.sources if _is_scene(text)]
+            if scenes:
+                raise ParameterError(
+                    f"'{scenes[0]}' is of a scene file, whose BSDFs are encoded on this machine; "
+                    "leave out --scheduler"
+                )
+        if self.report is not None:
+            extras.require("eval")
+
+    def _refined(self, text: str) -> bool:
+        return self.refine or not (self.no_refine or is_description(text))
+
+    def _write_report(
+        self,
+        folder: Path,
+        names: list[str],
+        sources: list[Any],
+        made: Mapping[int, Any],
+        errors: Mapping[int, UrushiError],
+        progress: tqdm,
+    ) -> dict[int, UrushiError]:
+        """Compare the materials with their sources; returns what went wrong with that."""
+        from urushi.eval import examine
+        from urushi.material.batch import run_all
+
+        indices = list(made)
+        tasks = [(sources[index], made[index].material) for index in indices]
+        examinations, failed = {}, {}
+        for task, result in run_all(examine.examined, tasks, self.scheduler):
+            progress.update()
+            if isinstance(result, UrushiError):
+                failed[indices[task]] = result
+            else:
+                examinations[indices[task]] = result
+        if len(sources) > 1:
+            _say_all(failed)
+        examine.write(
+            folder,
+            {names[index]: examinations[index] for index in sorted(examinations)},
+            {names[index]: str(error) for index, error in {**errors, **failed}.items()},
+        )
+        tqdm.write(str(folder / "report.md"))
+        return failed
+
+    def targets(self) -> list[Path]:
+        """The file that each source is encoded into."""
+        if not self.sources:
+            raise ParameterError("there is nothing to encode; give a description or a file")
+        if self.output.suffix == ".safetensors":
+            if len(self.sources) > 1:
+                raise ParameterError(
+                    f"'{self.output}' is one file for {len(self.sources)} sources; "
+                    "give a folder for the materials"
+                )
+            return [self.output]
+        names = [_name(text, number) for number, text in enumerate(self.sources, 1)]
+        twice = next((name for name in names if names.count(name) > 1), None)
+        if twice is not None:
+            raise ParameterError(
+                f"two of the sources are called '{twice}' and would make the same file; "
+                "rename one, or encode it by itself"
+            )
+        return [new_folder(self.output) / f"{name}.safetensors" for name in names]
+
+    def opened(self) -> list[Any]:
+        """Of each source what `encode_all` takes, or the error that it has."""
+        scenes: dict[Path, dict[str, Any]] = {}
+        result: list[Any] = []
+        for text in self.sources:
+            try:
+                result.append(self._opened(text, scenes))
+            except UrushiError as error:
+                result.append(error)
+        return result
+
+    def _opened(self, text: str, scenes: dict[Path, dict[str, Any]]) -> Any:
+        if is_description(text):
+            return describe(text)
+        path, bsdf = scene_and_bsdf(text)
+        if not path.is_file():
+            raise FileError(
+                f"'{path}' is neither a file nor a description; give a measured BRDF or a Mitsuba "
+                'scene file, or write for example "conductor(alpha=0.2, r0=0.9)"'
+            )
+        if not _is_scene(text):
+            return path.absolute()  # a worker has another working folder
+        if path not in scenes:
+            scenes[path] = scene_bsdfs(path, self.mode)
+        return choose(scenes[path], bsdf, path)
+
+
+def scene_and_bsdf(text: str) -> tuple[Path, str | None]:
+    """The file that a source names, and the id of one of its BSDFs if it is a scene with one."""
+    path, mark, bsdf = text.rpartition("#")
+    if mark and path.endswith(".xml"):
+        return Path(path), bsdf
+    return Path(text), None
+
+
+def scene_bsdfs(path: Path, mode: str) -> dict[str, Any]:
+    """The BSDFs on a scene's shapes by their ids.
+
+    Raises:
+        FileError: the file is no scene.
+    """
+    from urushi.app.commands.render import load_scene, set_variant
+
+    set_variant(mode)
+    scene = load_scene(path, {})
+    return {shape.bsdf().id(): shape.bsdf() for shape in scene.shapes() if shape.bsdf()}
+
+
+def choose(found: Mapping[str, Any], name: str | None, path: Path) -> Any:
+    """The BSDF of that id, or the only one.
+
+    Raises:
+        ParameterError: there is no such BSDF, or several and none was named.
+    """
+    names = ", ".join(sorted(found)) or "none"
+    if name is None and len(found) == 1:
+        return next(iter(found.values()))
+    if name is None:
+        raise ParameterError(
+            f"'{path}' has {len(found)} BSDFs; name one as '{path}#ID', with the ID out of: {names}"
+        )
+    if name not in found:
+        raise ParameterError(f"'{path}' has no BSDF '{name}' on a shape; it has: {names}")
+    return found[name]
+
+
+def _is_scene(text: str) -> bool:
+    return not is_description(text) and scene_and_bsdf(text)[0].suffix == ".xml"
+
+
+def _name(text: str, number: int) -> str:
+    """What the files of a source are called."""
+    if is_description(text):
+        return f"{text.strip().partition('(')[0]}-{number}"
+    path, bsdf = scene_and_bsdf(text)
+    return path.stem if bsdf is None else bsdf.replace("/", "-")
+
+
+def _say_all(errors: Mapping[int, UrushiError]) -> None:
+    for error in errors.values():
+        _say(str(error))
+
+
+def _say(sentence: str) -> None:
+    """A sentence on standard error, above the bar of progress."""
+    tqdm.write(f"urushi: {sentence}", file=sys.stderr)

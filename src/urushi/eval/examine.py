@@ -1,0 +1,220 @@
+"""How like its source an encoded material is: figures, slices and pictures of a sphere."""
+
+import json
+import os
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from urushi.data.directions import cosine_pairs, half_angle_pairs
+from urushi.data.metrics import energy_weight, pair_error
+from urushi.errors import ParameterError, UrushiError
+from urushi.eval import environment, image_metrics, sphere
+from urushi.files import atomic_write, new_folder
+from urushi.material import Material
+from urushi.material.encode import opened, read
+from urushi.material.quadrature import half_vector_rule
+from urushi.material.symmetry import SAME, Source, averaged
+from urushi.measured import load_measured
+from urushi.reference.simulate import simulate
+from urushi.reference.stack import Stack
+
+#: Pairs for E and for P.
+E_PAIRS, P_PAIRS = 4096, 2048
+
+#: Angles [degrees] of light in the slices, and of the directional albedos.
+INCIDENT, ALBEDO_ANGLES = (10.0, 45.0, 75.0), (0.0, 30.0, 60.0, 80.0)
+
+#: Angles [degrees] of the slices' outgoing directions; the mirror direction has a positive one.
+OUTGOING = np.linspace(-88.0, 88.0, 353)
+
+#: Walks for each set of pairs of a Stack, which is simulated: the figures hold its noise.
+WALKS = 1 << 24
+
+Brdf = Callable[[np.ndarray, np.ndarray], np.ndarray]
+
+
+@dataclass(frozen=True)
+class Examination:
+    """A source and the material that it was encoded into, compared.
+
+    Attributes:
+        figures: what `examine` says, fit for JSON.
+        slices: f [1/sr] of source and material in the plane of incidence, float32
+            (2, `INCIDENT`, `OUTGOING`, C).
+        pictures: a sphere of each in Urushi's studio, float32 (2, H, W, 3) of linear radiance.
+    """
+
+    figures: dict[str, Any]
+    slices: np.ndarray
+    pictures: np.ndarray
+
+
+def examine(source: Any, material: Material) -> Examination:
+    """Compare a source of `encode`, or a measured file's Path, with its material.
+
+    The figures are, channel by channel, the errors E and the median of P against the source made
+    isotropic and reciprocal, which is what was encoded, and directional albedos at `ALBEDO_ANGLES`;
+    how much the averaging has changed, and what is left out (`urushi.material.symmetry.Findings`);
+    and how much the sphere's pictures differ. There and in the slices the source is only made
+    isotropic. E is None where a channel is black.
+
+    Raises:
+        ParameterError: the material has neither one nor three channels, or as of `encode`.
+        FileError: the file cannot be read.
+        PlatformError: a package for comparing pictures is missing.
+    """
+    if material.channels not in (1, 3):
+        raise ParameterError(
+            f"the material has {material.channels} channels; "
+            "only those of one or three can be shown"
+        )
+    source = _opened(source)
+    rng = np.random.default_rng(1)
+    wi, wo = cosine_pairs(rng, E_PAIRS)
+    truth, findings = read(source, wi, wo)
+    weight = energy_weight(wi[:, 2], wo[:, 2])[:, None]
+    energy = (truth * weight).sum(0, dtype=np.float64)
+    error = (np.abs(material.f(wi, wo) - truth) * weight).sum(0, dtype=np.float64)
+    wi, wo = half_angle_pairs(rng, P_PAIRS)
+    p = pair_error(material.f(wi, wo), read(source, wi, wo).values)
+    seen = _seen(source, (findings.anisotropy or 0.0) > SAME)
+    pictures = [_sphere(f) for f in (seen, material.f)]
+    look = image_metrics.compare(
+        pictures[1], pictures[0], sphere.mask(), flip=find_spec("flip_evaluator") is not None
+    )
+    figures = {
+        "weights": material.model.fingerprint,
+        "E": [float(a / b) if b > 0 else None for a, b in zip(error, energy, strict=True)],
+        "P median": np.median(p, axis=0).tolist(),
+        **findings._asdict(),
+        "albedo": {
+            "angles [degrees]": list(ALBEDO_ANGLES),
+            "source": _albedo(seen).tolist(),
+            "material": _albedo(material.f).tolist(),
+        },
+        "sphere": {name: x for name, x in look.as_dict().items() if np.isfinite(x)},
+    }
+    slices = np.stack(np.broadcast_arrays(_slices(seen), _slices(material.f)))
+    return Examination(figures, slices, np.stack(pictures).astype(np.float32))
+
+
+def examined(source: Any, material: Material) -> Examination | UrushiError:
+    """`examine`, or what is wrong."""
+    try:
+        return examine(source, material)
+    except UrushiError as error:
+        return error
+
+
+def mean_error(figures: Mapping[str, Any]) -> float | None:
+    """The mean over channels of E, without black ones."""
+    known = [e for e in figures["E"] if e is not None]
+    return float(np.mean(known)) if known else None
+
+
+def write(
+    folder: str | os.PathLike,
+    examinations: Mapping[str, Examination],
+    errors: Mapping[str, str] | None = None,
+) -> None:
+    """Write report.json, report.md and a picture of each examination.
+
+    Args:
+        folder: made where it is missing.
+        examinations: by name; NAME.png is the picture's.
+        errors: why others could not be encoded, by name.
+
+    Raises:
+        FileError: a file cannot be written.
+    """
+    from urushi.eval.plots import likeness  # lazily: matplotlib is an extra
+
+    folder, errors = new_folder(folder), errors or {}
+    for name, examination in examinations.items():
+        likeness.draw(folder / f"{name}.png", name, examination)
+    content: dict[str, Any] = {name: e.figures for name, e in examinations.items()}
+    content |= {name: {"error": error} for name, error in errors.items()}
+    with atomic_write(folder / "report.json") as temporary:
+        temporary.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
+    with atomic_write(folder / "report.md") as temporary:
+        temporary.write_text(_markdown(examinations, errors), encoding="utf-8")
+
+
+def _markdown(examinations: Mapping[str, Examination], errors: Mapping[str, str]) -> str:
+    """A table of all, and the pictures below."""
+    lines = [
+        "# Encoded materials",
+        "",
+        "| | E, mean of channels | P, median | anisotropy | reciprocity error | PSNR of a sphere |",
+        "|---|---|---|---|---|---|",
+    ]
+    for name, examination in examinations.items():
+        figures = examination.figures
+        cells = [
+            _percent(mean_error(figures)),
+            _percent(float(np.median(figures["P median"]))),
+            _percent(figures["anisotropy"]),
+            _percent(figures["reciprocity"]),
+            f"{figures['sphere']['psnr']:.1f} dB",
+        ]
+        lines.append(f"| {name} | {' | '.join(cells)} |")
+    lines += [f"| {name} | {error} | | | | |" for name, error in errors.items()]
+    for name in examinations:
+        lines += ["", f"![{name}](<{name}.png>)"]
+    return "\n".join(lines) + "\n"
+
+
+def _percent(share: float | None) -> str:
+    return "unknown" if share is None else f"{share:.1%}"
+
+
+def _opened(source: Any) -> Source:
+    if isinstance(source, Path):
+        return opened(load_measured(source))
+    if not isinstance(source, Stack):
+        return opened(source)
+    return Source(
+        lambda wi, wo: simulate(source, wi, wo, walks=max(WALKS // len(wi), 1), seed=0)[0],
+        symmetric=True,
+    )
+
+
+def _seen(source: Source, anisotropic: bool) -> Brdf:
+    """f(wi, wo) -> (N, C) of a source, averaged over the azimuth if that is needed."""
+
+    def columns(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        return np.asarray(source.f(wi, wo), np.float32).reshape(len(wi), -1)
+
+    return (lambda wi, wo: averaged(columns, wi, wo)) if anisotropic else columns
+
+
+def _sphere(f: Brdf) -> np.ndarray:
+    (picture,) = sphere.render(f, [sphere.exposed(environment.own()[0])])
+    return picture
+
+
+def _albedo(f: Brdf) -> np.ndarray:
+    """Directional albedos (`ALBEDO_ANGLES`, C)."""
+    wi = _in_plane(-np.array(ALBEDO_ANGLES))
+    wo, weights = half_vector_rule(wi)
+    count, nodes = weights.shape
+    values = f(np.repeat(wi, nodes, axis=0), wo.reshape(-1, 3).astype(np.float32))
+    return np.einsum("inc,in->ic", values.reshape(count, nodes, -1), weights * wo[..., 2])
+
+
+def _slices(f: Brdf) -> np.ndarray:
+    """f in the plane of incidence (`INCIDENT`, `OUTGOING`, C)."""
+    count = len(INCIDENT), len(OUTGOING)
+    wi = np.repeat(_in_plane(-np.array(INCIDENT)), count[1], axis=0)
+    return f(wi, np.tile(_in_plane(OUTGOING), (count[0], 1))).reshape(*count, -1)
+
+
+def _in_plane(degrees: np.ndarray) -> np.ndarray:
+    """Unit vectors float32 (N, 3) in the xz plane, by signed angles from the normal."""
+    angles = np.radians(degrees)
+    return np.stack([np.sin(angles), 0 * angles, np.cos(angles)], axis=-1).astype(np.float32)

@@ -1,0 +1,112 @@
+"""A report on an encoded material tells its errors, and those alone."""
+
+import json
+
+import numpy as np
+import pytest
+
+from urushi.errors import FileError, ParameterError
+from urushi.eval import examine, image_metrics
+from urushi.eval.examine import ALBEDO_ANGLES, INCIDENT, OUTGOING
+from urushi.material import Material, encode
+from urushi.nets.architecture import Architecture, init
+from urushi.nets.weights import Model
+from urushi.reference.stack import coat, conductor, diffuse
+
+pytest.importorskip("skimage")
+ARCH = Architecture(decoder=(8,), encoder=(16,), layerer=(16,), sampler=(8,), probes=48)
+
+
+@pytest.fixture(scope="module")
+def material():
+    """Of three unlike channels, by untrained networks."""
+    model = Model.of(ARCH, init(ARCH, 2), {})
+    codes = np.random.default_rng(0).normal(size=(3, 32)).astype(np.float32)
+    return Material(codes, model)
+
+
+@pytest.fixture(scope="module")
+def itself(material):
+    return examine.examine(material, material)
+
+
+def test_a_material_is_exactly_like_itself(itself):
+    figures = itself.figures
+    assert figures["E"] == figures["P median"] == [0, 0, 0]
+    assert figures["anisotropy"] == figures["reciprocity"] == figures["transmitted"] == 0
+    assert figures["albedo"]["source"] == figures["albedo"]["material"]
+    assert figures["sphere"]["psnr"] == image_metrics.BEST_PSNR
+    assert np.array_equal(*itself.slices) and np.array_equal(*itself.pictures)
+    json.dumps(figures)  # nothing in it that JSON has not
+
+
+def test_errors_are_those_that_were_made(material):
+    factors = np.array([1.25, 0.5, 0.0])
+    found = examine.examine(lambda wi, wo: material.f(wi, wo) * factors, material)
+    # |f - k f| / k f, and nothing to compare with where the source is black.
+    assert found.figures["E"][:2] == pytest.approx([0.2, 1.0], rel=1e-5)
+    assert found.figures["E"][2] is None
+    assert examine.mean_error(found.figures) == pytest.approx(0.6, rel=1e-5)
+    albedo = found.figures["albedo"]
+    np.testing.assert_allclose(albedo["source"], factors * albedo["material"], rtol=1e-5)
+    np.testing.assert_allclose(found.slices[0], factors * found.slices[1], rtol=1e-5)
+    difference = found.pictures[0] - found.pictures[1] * factors
+    np.testing.assert_allclose(difference, 0, atol=1e-5)
+
+
+def test_a_slice_holds_the_mirror_direction_on_the_positive_side(material):
+    rough = conductor(0.05, (0.9, 0.5, 0.2))
+    slices = examine.examine(rough, material).slices
+    assert slices.shape == (2, len(INCIDENT), len(OUTGOING), 3)
+    brightest = OUTGOING[slices[0, :2, :, 0].argmax(axis=1)]
+    np.testing.assert_allclose(brightest, INCIDENT[:2], atol=2)  # off-specular peaks are small
+
+
+def test_albedo_of_a_lambertian_surface(material):
+    figures = examine.examine(diffuse((0.2, 0.5, 0.8)), material).figures
+    expected = np.tile([0.2, 0.5, 0.8], (len(ALBEDO_ANGLES), 1))
+    # The rule leaves out no energy but that below the first node.
+    np.testing.assert_allclose(figures["albedo"]["source"], expected, rtol=2e-3)
+
+
+def test_asymmetry_is_apart_from_the_error(material):
+    def brushed(wi, wo):
+        """The material, brighter across than along: its mean over the azimuth is the material."""
+        h = wi + wo
+        h = h / np.linalg.norm(h, axis=1, keepdims=True)
+        return material.f(wi, wo) * (1 + 0.8 * (h[:, :1] ** 2 - h[:, 1:2] ** 2))
+
+    found = examine.examine(brushed, material)
+    assert found.figures["anisotropy"] > 0.02
+    assert found.figures["E"] == pytest.approx([0, 0, 0], abs=1e-5)
+    np.testing.assert_allclose(*found.pictures, rtol=1e-4, atol=1e-6)  # both are isotropic
+
+
+def test_simulated_stacks_can_be_examined(material, monkeypatch):
+    monkeypatch.setattr(examine, "WALKS", 1 << 20)
+    stack = coat(diffuse(0.5), alpha=0.3, eta=1.5, sigma_t=1.0, albedo=0.5)
+    figures = examine.examine(stack, material).figures
+    assert all(np.isfinite(figures["E"]))
+    albedo = np.array(figures["albedo"]["source"])
+    assert (albedo > 0.05).all() and (albedo < 1).all()
+
+
+def test_what_cannot_be_shown(material, tmp_path):
+    two = encode(lambda wi, wo: np.ones((len(wi), 2)), material.model)
+    with pytest.raises(ParameterError, match="2 channels"):
+        examine.examine(two, two)
+    assert isinstance(examine.examined(tmp_path / "absent", material), FileError)
+
+
+def test_the_report_is_written(itself, tmp_path):
+    pytest.importorskip("matplotlib")
+    examine.write(tmp_path / "new" / "report", {"a b": itself}, {"bad": "is a web page"})
+    folder = tmp_path / "new" / "report"
+    assert sorted(file.name for file in folder.iterdir()) == ["a b.png", "report.json", "report.md"]
+    content = json.loads((folder / "report.json").read_text())
+    assert content["a b"] == itself.figures
+    assert content["bad"] == {"error": "is a web page"}
+    text = (folder / "report.md").read_text()
+    assert "| a b | 0.0% |" in text and "(<a b.png>)" in text and "is a web page" in text
+    with pytest.raises(FileError, match="cannot make the folder"):
+        examine.write(folder / "report.md" / "below", {})
