@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 class MeasuredSurface(ABC):
     """A measured BRDF; `f` evaluates it, `table` is what lies under a coat.
 
-    It can be coated, `urushi.coat(urushi.load_measured(path), alpha, eta)`: it has what the walk asks
-    of a bottom.
+    It can be coated, `urushi.coat(urushi.load_measured(path), alpha, eta)`, as it has what the walk
+    asks of a bottom.
     """
 
     @abstractmethod

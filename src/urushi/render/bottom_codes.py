@@ -8,6 +8,7 @@ import mitsuba as mi
 import numpy as np
 
 from urushi.material import keys, packing
+from urushi.material.encode import encode_values, seen_pairs
 from urushi.material.energy import limit
 from urushi.material.store import Store
 from urushi.material.texture import encode_texels, encoded
@@ -20,6 +21,10 @@ TEXELS, PROBED = 1 << 18, 1 << 13
 
 #: Of the probe pairs, every so manieth tells a texel's key.
 STRIDE = 24
+
+#: Classes of measured BSDFs, Urushi's and Mitsuba's own: their codes are refined, because no
+#: training data are quite like them.
+MEASURED = ("MeasuredBRDF", "Measured")
 
 
 class BottomCodes:
@@ -43,15 +48,23 @@ class BottomCodes:
         elif grid is not None and (nested is not None or varying_textures(self._bottom)):
             self._update_texels(grid, nested)
         else:
-            wi, wo = self._model.networks.pairs()
-            f = probing.read(self._bottom, wi, wo, self._where)
-            self._keep_same(encode_texels(self._model, f.T)[None])
+            self._keep_same(self._encoded()[None])
 
     def read(self, start: int, stop: int) -> tuple[np.ndarray, np.ndarray]:
         """Keys (n or 1, C) and codes (n or 1, C, size) of a range of texels."""
         if isinstance(self._codes, np.ndarray):
             return self._keys, self._codes
         return self._keys[start:stop], self._codes.read(slice(start, stop))
+
+    def _encoded(self) -> np.ndarray:
+        """Codes (C, size) of a bottom that is the same everywhere."""
+        model = self._model
+        if self._bottom.class_name() in MEASURED:
+            pairs = seen_pairs(self._bottom, model)
+            f = probing.read(self._bottom, *pairs, self._where)
+            return encode_values(f, model, refine=True).latents
+        f = probing.read(self._bottom, *model.networks.pairs(), self._where)
+        return encode_texels(model, f.T)
 
     def _probed(self, grid: Grid) -> "_Probed":
         return _Probed(self._model, self._bottom, self._where, grid)
