@@ -5,6 +5,8 @@ usage: python tests/measured/fuzz_readers.py SECONDS [SEED]
 Mutates small valid files; a mutant that reaches a new pair of successive lines in the readers joins
 the corpus. Anything but FileError or ParameterError ends the run and leaves the file behind, and so
 does a warning, a BRDF that is not finite or negative, or much more memory than the file's size.
+MERL tables, of which there is one size only, are too large for the corpus: a few mutants are such
+tables with numbers written over them.
 """
 
 import random
@@ -21,12 +23,16 @@ from pathlib import Path
 import numpy as np
 
 from urushi.errors import FileError, ParameterError
-from urushi.measured import load_measured
+from urushi.measured import load_measured, merl
 
 NUMBERS = [0, 1, 2, 3, 4, 8, 90, 180, 255, 2**15, 2**16 - 1, 2**31 - 1, 2**31, 2**32 - 1, 2**62]
 NUMBERS += [2**63, 2**64 - 1]
 FLOATS = [0.0, -0.0, 1.0, -1.0, 1e-45, 3e38, -3e38, float("inf"), float("nan"), 500.0, 1e-20]
+DOUBLES = [0.0, -1.0, 1e-300, 1e300, -1e300, 1e38, 5e-324, float("inf"), float("nan")]
 ALLOWANCE = 1 << 20
+
+#: Share of the mutants that are MERL tables.
+TABLES = 0.005
 
 
 @dataclass
@@ -44,19 +50,23 @@ def fuzz(folder: Path, seed: int, runs: int | None = None, seconds: float = 0) -
     seen: set[tuple] = set()
     path, report, end = folder / "mutant", Report(0, 0, 0), time.monotonic() + seconds
     while report.runs < runs if runs is not None else time.monotonic() < end:
+        content = None
         if report.runs < len(seeds):
             content = seeds[report.runs]
-        else:
+        elif report.runs > len(seeds) and chance.random() > TABLES:
             # Half of the mutants are of the valid files, or nearly all would die in the header.
             parent = chance.choice(seeds[:2] if chance.random() < 0.5 else corpus)
             content = _mutate(chance, parent, corpus)
-        path.write_bytes(content)
-        lines, loaded = _run(path, len(content))
+        if content is None:
+            _write_table(chance, path)
+        else:
+            path.write_bytes(content)
+        lines, loaded = _run(path, path.stat().st_size)
         report.runs += 1
         report.loaded += loaded
-        if lines - seen:
-            seen |= lines
+        if lines - seen and content is not None:
             corpus.append(content)
+        seen |= lines
     report.corpus = len(corpus)
     path.unlink()
     return report
@@ -123,6 +133,19 @@ def _mutate(chance: random.Random, content: bytes, corpus: list[bytes]) -> bytes
                 cut = chance.randrange(len(other) + 1)
                 mutant[at:] = other[cut : cut + len(content)]
     return bytes(mutant)
+
+
+def _write_table(chance: random.Random, path: Path) -> None:
+    """Write a MERL file, black but for what is written over it, in runs of 1 to 10,000 numbers."""
+    with path.open("wb") as file:
+        file.write(np.array(merl.SHAPE, "<i4").tobytes())
+        file.truncate(merl.FILE_SIZE + chance.choice([0, 0, 0, 0, 1, -1, -8, 8]))
+        for _ in range(chance.choice([0, 1, 2, 8, 100])):
+            number = chance.choice([*DOUBLES, chance.uniform(-1, 1e4)])
+            file.seek(
+                chance.choice([12 + 8 * chance.randrange(3 * 1458000), chance.randrange(100)])
+            )
+            file.write(struct.pack("<d", number) * int(10 ** chance.uniform(0, 4)))
 
 
 def _seeds() -> list[bytes]:
