@@ -39,3 +39,20 @@ def above_horizon(theta_h: np.ndarray, theta_d: np.ndarray, phi_d: np.ndarray) -
     return np.cos(theta_h) * np.cos(theta_d) > np.abs(
         np.sin(theta_h) * np.sin(theta_d) * np.cos(phi_d)
     )
+
+
+def directions(
+    theta_h: np.ndarray, theta_d: np.ndarray, phi_d: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return wi and wo, (N, 3) each, that have these angles (N,) [rad]; h lies at the azimuth 0.
+
+    Not all angles belong to pairs above the horizon: see `above_horizon`.
+    """
+    sin_h, cos_h = np.sin(theta_h), np.cos(theta_h)
+    along, across = np.sin(theta_d) * np.cos(phi_d), np.sin(theta_d) * np.sin(phi_d)
+    up = np.cos(theta_d)
+    wi, wo = (
+        np.stack([cos_h * x + sin_h * up, y, cos_h * up - sin_h * x], axis=1)
+        for x, y in ((along, across), (-along, -across))
+    )
+    return wi, wo

@@ -1,0 +1,89 @@
+"""Training of neural BRDFs, one network for each material (Sztrajman et al. 2021).
+
+What the authors' code leaves to taste was chosen for the best pictures of spheres: half angles are
+drawn as squares, like MERL's bins, which resolves highlights, and Adam's rate decays.
+"""
+
+from collections.abc import Callable
+from functools import partial
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import optax
+
+from urushi.measured.nbrdf import SHAPES, Nbrdf, logits, vectors
+from urushi.measured.rusinkiewicz import directions
+
+#: Samples and how many of them a step sees, as in the authors' code.
+SAMPLES, BATCH = 640_000, 512
+
+#: Passes over the samples; the authors' 100 at a constant rate of 0.0005 reach no more.
+PASSES = 30
+
+#: Adam's first rate; it decays as half a cosine.
+RATE = 5e-3
+
+
+def train(
+    f: Callable[[np.ndarray, np.ndarray], np.ndarray], *, passes: int = PASSES, seed: int = 0
+) -> Nbrdf:
+    """Train the network of a BRDF: 15 seconds of one core.
+
+    The loss is the authors' mean of |ln(1 + f' cos) - ln(1 + f cos)|.
+
+    Args:
+        f: f(wi, wo) -> (N, 3) or (N, 1) [1/sr] for float32 unit vectors (N, 3).
+        passes: over all samples.
+        seed: of samples, their order and the first weights.
+    """
+    x, f_cos, cosine = _samples(f, np.random.default_rng(seed))
+    steps = len(x) // BATCH
+    rule = optax.adam(optax.cosine_decay_schedule(RATE, passes * steps))
+    weights = _first(np.random.default_rng((seed, 1)))
+    state = weights, rule.init(weights)
+    key = jax.random.key(seed)
+    for i in range(passes):
+        state = _one_pass(rule, state, (x, f_cos, cosine), jax.random.fold_in(key, i))
+    return Nbrdf(np.asarray(state[0]))
+
+
+def _samples(f, rng: np.random.Generator) -> tuple[jax.Array, ...]:
+    u = rng.random((3, SAMPLES))
+    theta_h, theta_d, phi_d = u[0] ** 2 * (np.pi / 2), u[1] * (np.pi / 2), u[2] * np.pi
+    wi, wo = (w.astype(np.float32) for w in directions(theta_h, theta_d, phi_d))
+    above = np.minimum(wi[:, 2], wo[:, 2]) > 0
+    x = vectors(theta_h, theta_d, phi_d)[above]
+    values = np.asarray(f(wi[above], wo[above]), np.float64)
+    cosine = wi[above, 2:]
+    values = np.broadcast_to(values, (len(values), 3)) * cosine
+    return tuple(jnp.asarray(a, jnp.float32) for a in (x, values, cosine))
+
+
+def _first(rng: np.random.Generator) -> jax.Array:
+    """Weights by Glorot and Bengio 2010, biases zero."""
+    parts = [
+        rng.uniform(-1, 1, shape) * np.sqrt(6 / sum(shape)) if len(shape) == 2 else np.zeros(shape)
+        for shape in SHAPES
+    ]
+    return jnp.asarray(np.concatenate([part.ravel() for part in parts]), jnp.float32)
+
+
+@partial(jax.jit, static_argnums=0)
+def _one_pass(rule, state, data, key):
+    """All samples once, in a new order."""
+    count = len(data[0]) // BATCH
+    order = jax.random.permutation(key, len(data[0]))[: count * BATCH].reshape(count, BATCH)
+
+    def loss(weights, rows):
+        x, f_cos, cosine = (array[rows] for array in data)
+        f = jnp.expm1(logits(weights, x, jnp))
+        return jnp.mean(jnp.abs(jnp.log1p(f * cosine) - jnp.log1p(f_cos)))
+
+    def step(state, rows):
+        weights, moments = state
+        gradient = jax.grad(loss)(weights, rows)
+        update, moments = rule.update(gradient, moments)
+        return (optax.apply_updates(weights, update), moments), None
+
+    return jax.lax.scan(step, state, order)[0]
