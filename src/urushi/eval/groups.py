@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from urushi.data.distribution import BOTTOM_PARAMETERS, Distribution, Extended, Table2
+from urushi.data.distribution import Distribution, Extended, Table2
 from urushi.errors import ParameterError
 
 
@@ -69,7 +69,7 @@ def _e(limit: float) -> Aim:
     return Aim("E", "mean", limit)
 
 
-#: The kinds of bottom in words.
+#: The kinds of bottom that are measured, in words; the stored set has no others.
 BOTTOMS = {
     "conductor": "conductor (Schlick)",
     "conductor_complex": "conductor (complex)",
@@ -77,7 +77,7 @@ BOTTOMS = {
     "diffuse": "Lambertian",
     "mixture": "mixture",
 }
-_KINDS = tuple(BOTTOM_PARAMETERS)
+_KINDS = tuple(BOTTOMS)
 
 _BARE = tuple(Group(f"bare {kind}", Extended(0, kind), 64) for kind in _KINDS)
 _TWO = (
