@@ -1,7 +1,7 @@
 # Two commands: `make demo` and `make test`. Each does all set-up first; the second time it is quick.
 READY := .venv/.ready
 
-.PHONY: demo test notebook thumbnails set-up format clean
+.PHONY: demo test notebook thumbnails measured-pictures set-up format clean
 
 demo: $(READY)
 	.venv/bin/urushi demo
@@ -24,6 +24,13 @@ thumbnails: $(READY)
 	    .venv/bin/urushi render $$scene -D resx=320 -D resy=240 --spp 128 \
 	        -o docs/images/$$scene.png || exit; \
 	done
+
+# The pictures of docs/measured.md, by the present weights
+MATERIALS := velvet car-paint brushed
+measured-pictures: $(READY)
+	.venv/bin/urushi encode $(MATERIALS:%=docs/materials.xml#%) -o out/materials --report out/materials/report
+	cp out/materials/report/car-paint.png docs/images/encode_report.png
+	.venv/bin/urushi sheet $(MATERIALS:%=out/materials/%.safetensors) --rows 5 -o docs/images/sheet.jpg
 
 set-up: $(READY)
 

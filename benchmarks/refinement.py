@@ -28,7 +28,7 @@ from urushi.eval import samples as sampling
 from urushi.eval.groups import GROUPS, Group
 from urushi.eval.samples import Samples
 from urushi.material import Material, layer, refine
-from urushi.material.encode import encode_values, seen_pairs, values_at
+from urushi.material.encode import encode_values, read, seen_pairs
 from urushi.material.texture import layer_texels
 from urushi.nets import shipped, weights
 from urushi.nets.weights import Model
@@ -150,9 +150,9 @@ def odd_materials(files: list[Path]) -> Iterator[tuple[str, Any, dict[str, Any] 
 def odd(make: Encoders, source: Any, description: dict[str, Any] | None, model: Model) -> Errors:
     """An odd material, encoded and under coats."""
     wi, wo = directions.cosine_pairs(np.random.default_rng(5), PAIRS)
-    values = values_at(source, *seen_pairs(source, model))
+    values = read(source, *seen_pairs(source, model)).values
     made = [to_code(values) for to_code in make.values()]
-    truth = values_at(source, wi, wo)
+    truth = read(source, wi, wo).values
     encoded = [error(material.f(wi, wo), truth, wi, wo) for material in made]
     if description is None:
         return Errors(encoded, [np.nan] * len(make))

@@ -5,7 +5,7 @@ import pytest
 
 import urushi
 from urushi.material import Material, encode, energy, layer
-from urushi.material.encode import encode_values, seen_pairs, values_at
+from urushi.material.encode import encode_values, read, seen_pairs
 from urushi.material.quadrature import half_vector_rule
 from urushi.material.texture import encode_texels, encoded, layer_texels
 from urushi.nets import decoder
@@ -79,7 +79,7 @@ def test_lossless_stacks_reflect_at_most_everything(bottom, trained):
 
 def test_a_gaining_network_is_brought_back_to_the_source(gaining):
     gold = urushi.conductor(0.2, (0.98, 0.77, 0.34))
-    free = Material(encoded(gaining, values_at(gold, *gaining.networks.pairs()).T), gaining)
+    free = Material(encoded(gaining, read(gold, *gaining.networks.pairs()).values.T), gaining)
     assert (free.albedo(WI) > 1.2 * true_albedo(gold, WI)).all()
     lawful = COSINES > energy.GRAZING
     excess = encode(gold, gaining).albedo(WI) - true_albedo(gold, WI)
@@ -97,7 +97,7 @@ def test_a_gaining_network_layers_at_most_everything(gaining):
 def test_one_factor_for_all_directions(gaining, directions):
     """So that reciprocity is untouched: the same bits with wi and wo exchanged."""
     source = urushi.conductor(0.2, (0.98, 0.77, 0.34))
-    codes = encoded(gaining, values_at(source, *gaining.networks.pairs()).T)
+    codes = encoded(gaining, read(source, *gaining.networks.pairs()).values.T)
     limited = encode(source, gaining)
     wi, wo = directions[:500], directions[500:]
     above = (wi[:, 2] > 0) & (wo[:, 2] > 0)
@@ -108,7 +108,7 @@ def test_one_factor_for_all_directions(gaining, directions):
 
 
 def test_what_is_far_below_keeps_its_bits(trained):
-    dark = encoded(trained, values_at(urushi.diffuse(0.3), *trained.networks.pairs()).T)
+    dark = encoded(trained, read(urushi.diffuse(0.3), *trained.networks.pairs()).values.T)
     assert energy.limit(trained, dark) is dark
     again = energy.limit(trained, dark, energy.albedo(trained, dark) + 0.01)
     assert again is dark
@@ -136,10 +136,10 @@ def test_a_source_that_gains_energy_keeps_its_own_albedo(trained):
     albedo = own.albedo(WI)
     assert 1.15 < albedo.max() < 1.2 + BETWEEN
     pairs = seen_pairs(bright, trained)
-    assert encode_values(values_at(bright, *pairs), trained) == own
-    blind = encode_values(values_at(bright, *trained.networks.pairs()), trained)
+    assert encode_values(read(bright, *pairs).values, trained) == own
+    blind = encode_values(read(bright, *trained.networks.pairs()).values, trained)
     assert blind.albedo(WI).max() < 1 + BETWEEN
-    free = encoded(trained, values_at(bright, *trained.networks.pairs()).T)
+    free = encoded(trained, read(bright, *trained.networks.pairs()).values.T)
     coated = energy.limit_coated(trained, free * np.float32(1), own.latents)
     assert Material(coated, trained).albedo(WI).max() > 1.1
     coated = energy.limit_coated(trained, free * np.float32(1), blind.latents)

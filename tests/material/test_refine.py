@@ -10,7 +10,7 @@ from urushi.eval import samples as sampling
 from urushi.eval.groups import GROUPS
 from urushi.material import Material, encode
 from urushi.material.cores import one_thread
-from urushi.material.encode import encode_values, values_at
+from urushi.material.encode import encode_values, read
 from urushi.material.refine import STEPS, improved, objective
 from urushi.material.texture import layer_texels
 from urushi.reference.stack import conductor, diffuse
@@ -37,7 +37,7 @@ ODD = (
 
 def values(source, networks) -> np.ndarray:
     """A source's values (C, P) at the probe pairs."""
-    f = values_at(source, *networks.pairs())
+    f = read(source, *networks.pairs()).values
     return np.ascontiguousarray(f.T)
 
 

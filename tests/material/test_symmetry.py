@@ -8,7 +8,7 @@ import pytest
 from urushi.data.directions import cosine_pairs
 from urushi.data.metrics import stack_error
 from urushi.errors import UrushiWarning
-from urushi.material.encode import encode, read, values_at
+from urushi.material.encode import encode, read
 from urushi.material.symmetry import AZIMUTHS, Findings, judged_pairs, turned
 from urushi.nets.probes import probe_pairs
 from urushi.reference.stack import conductor
@@ -37,8 +37,8 @@ def test_what_is_symmetric_keeps_its_bits():
     assert np.array_equal(reading.values, lambert(WI, WO).astype(np.float32))
     assert reading.findings == Findings()
     rough = conductor(0.05, (0.9, 0.5, 0.2))
-    seen = read(lambda wi, wo: values_at(rough, wi, wo), WI, WO)
-    assert np.array_equal(seen.values, values_at(rough, WI, WO))
+    seen = read(lambda wi, wo: read(rough, wi, wo).values, WI, WO)
+    assert np.array_equal(seen.values, read(rough, WI, WO).values)
     assert seen.findings == Findings()
 
 

@@ -33,7 +33,7 @@ INCIDENT, ALBEDO_ANGLES = (10.0, 45.0, 75.0), (0.0, 30.0, 60.0, 80.0)
 OUTGOING = np.linspace(-88.0, 88.0, 353)
 
 #: Walks for each set of pairs of a Stack, which is simulated: the figures hold its noise.
-WALKS = 1 << 24
+WALKS = 1 << 23
 
 Brdf = Callable[[np.ndarray, np.ndarray], np.ndarray]
 

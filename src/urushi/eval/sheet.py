@@ -24,7 +24,7 @@ COATS: dict[str, dict[str, Any] | None] = {
     "satin": {"alpha": 0.25, "eta": 1.5},
     "amber": {"alpha": 0.05, "eta": 1.5, "sigma_t": (0.1, 0.5, 2.0)},
     "milky": {"alpha": 0.1, "eta": 1.5, "albedo": 0.95, "sigma_t": 0.7},
-    "lacquer": {"alpha": 0.05, "eta": 1.5, "albedo": (0.9, 0.15, 0.08), "sigma_t": 3.0},
+    "lacquer": {"alpha": 0.05, "eta": 1.5, "albedo": (0.9, 0.15, 0.08), "sigma_t": 1.2},
 }
 
 #: The suffixes a sheet may be written with.
@@ -118,7 +118,7 @@ def draw(
     axis.tick_params(length=0, top=False, labeltop=True, labelbottom=False)
     axis.spines[:].set_visible(False)
     with atomic_write(path) as temporary:
-        figure.savefig(temporary, dpi=100)
+        figure.savefig(temporary, dpi=100, bbox_inches="tight")
 
 
 def check_path(path: Path) -> None:

@@ -100,11 +100,6 @@ def read(source: Any, wi: np.ndarray, wo: np.ndarray) -> Reading:
     )
 
 
-def values_at(source: Any, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-    """Values (N, C) [1/sr] of a source of `encode` for float32 unit vectors (N, 3), checked."""
-    return _checked(opened(source).f(wi, wo), source, len(wi))
-
-
 def encode_values(values: np.ndarray, model: Model, *, refine: bool = False) -> Material:
     """The material of values (N, C) at `seen_pairs`, or at `model.networks.pairs()` alone.
 
