@@ -111,4 +111,18 @@ def test_functions_are_asked_above_the_horizon_only():
 
     read(f, WI, WO)
     assert min(lowest) > 0
-    assert len(lowest) == 3 + 2 * AZIMUTHS  # asked by three, then all
+    assert len(lowest) == 4 + 2 * AZIMUTHS  # three that ask, one for noise, then all
+
+
+def test_noise_is_not_taken_for_asymmetry():
+    rng = np.random.default_rng(0)
+
+    def noisy(wi, wo):
+        return rng.exponential(0.2, len(wi))
+
+    reading = read(noisy, WI, WO)
+    assert reading.findings.anisotropy is None and reading.findings.reciprocity is None
+    assert not reading.findings.warnings()
+    # Means of 16 values of deviation 0.2 each: 0.05, of which 192 are drawn.
+    assert abs(reading.values.mean() - 0.2) < 4 * 0.05 / np.sqrt(192)
+    assert np.abs(reading.values - 0.2).max() < 0.3

@@ -35,7 +35,8 @@ class Source(NamedTuple):
     Attributes:
         f: evaluates it at pairs above the horizon.
         symmetric: whether it is known to be isotropic and reciprocal.
-        noisy: whether it draws random numbers, so that its asymmetry cannot be told from noise.
+        noisy: whether it is known to draw random numbers, so that its asymmetry cannot be told
+            from noise.
         transmitted, mirrored: shares of the light, in [0, 1], that it lets through or reflects
             without any roughness: neither is in f.
         textured: whether f is that of one point of a texture.
@@ -117,17 +118,18 @@ def symmetrised(
     def values(a: np.ndarray, b: np.ndarray) -> np.ndarray:
         return check(source.f(a, b), len(a))
 
-    once = values(wi, wo)
-    if not source.noisy:
+    once, noisy = values(wi, wo), source.noisy
+    if not noisy:
         asked = values(*(turned(w, ASKED_TURN, True) for w in (wi, wo)))
         if same(once, asked) and same(once, values(wo, wi)):
             return once[:count], _findings(source, 0.0, 0.0)
+        noisy = not np.array_equal(once, values(wi, wo))
     pairs = list(_turns(wi, wo))
     # (exchange, azimuth, N, C)
     every = np.stack([[values(a, b) for a, b in pairs], [values(b, a) for a, b in pairs]])
     isotropic = every.mean(axis=1)
     mean = isotropic.mean(axis=0)
-    if source.noisy:
+    if noisy:
         return mean[:count], _findings(source, None, None)
     anisotropy = _error(every[..., count:, :], isotropic[:, None, count:])
     reciprocity = _error(isotropic[:, count:], mean[count:])
