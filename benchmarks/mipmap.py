@@ -1,27 +1,33 @@
-"""Mip maps against averages of BRDFs: `python -m benchmarks.mipmap`; a minute or two.
+"""Mip maps against averages of BRDFs: `python -m benchmarks.mipmap`; some minutes.
 
-For coats over a conductor whose parameters are noise (no two texels alike), a smooth pattern, or a
-checkerboard, prints the error E (docs/conventions.md) of each level of the mip map against the
-average of the BRDFs of the texels that it stands for, mean over the level's texels:
+For coats over a conductor whose parameters are noise (no two texels alike) or a smooth pattern,
+prints the error E (docs/conventions.md) of each level of the mip map against the average of the
+BRDFs of the texels that it stands for, mean over the level's texels:
 
 - plain: averages of codes, as in Fan et al. (2022);
-- Urushi: averages of codes that keep the light (`urushi/material/brightness.py`);
-- encoded: the code that the encoder makes of the averaged values, which costs 192 evaluations of
-  every texel.
+- Urushi: codes of averaged values (`urushi/material/probe_space.py`), which a regression tells;
+- decoded: the same, by decoding every texel.
+
+Then, for a texture of noise of 2048² texels (`--side` for another), the CPU time of all levels.
 """
 
 import argparse
+import time
 
 import numpy as np
 
 from urushi.data.metrics import stack_error
-from urushi.material import brightness, encode, mipmap
-from urushi.material.texture import encode_texels, layer_texels
+from urushi.material import encode, mipmap, probe_space
+from urushi.material.levels import Levels
+from urushi.material.texture import layer_texels
 from urushi.nets import shipped
 from urushi.nets.weights import Model
 from urushi.reference import conductor
 
-SIDE, LEVELS, PAIRS = 32, 4, 256
+SIDE, LEVELS, PAIRS = 32, 4, 128
+
+#: Codes that the regression is fitted to here: two thirds of the texture's.
+SAMPLE = 2048
 GOLD = conductor(0.2, (0.98, 0.77, 0.34))
 
 KINDS = {
@@ -69,47 +75,76 @@ def cosine_pairs(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
     return w[0].astype(np.float32), w[1].astype(np.float32)
 
 
-def errors(model: Model, kind: str) -> list[tuple[float, float, float]]:
-    """E of every level: of plain averages, of Urushi's, and of encoded average values."""
-    wi, wo = cosine_pairs(np.random.default_rng(1))
-    probes = model.networks.pairs()
+def made(model: Model, codes: np.ndarray, sample: int) -> list[np.ndarray]:
+    """All levels of codes (SIDE, SIDE, 3, size); sample: codes to fit the regression to."""
+    kept, probe_space.SAMPLE = probe_space.SAMPLE, sample
+    try:
+        levels = Levels(model, *codes.shape[1::-1], codes.shape[2])
+        count = sum(width * height for width, height in levels.sizes)
+        whole = np.empty((count, *codes.shape[2:]), np.float32)
+        whole[: codes.shape[0] * codes.shape[1]] = codes.reshape(-1, *codes.shape[2:])
+        levels.fill(whole.__getitem__, whole.__setitem__)
+    finally:
+        probe_space.SAMPLE = kept
+    ends = np.cumsum([width * height for width, height in levels.sizes])
+    parts = np.split(whole, ends)[1:]
+    return [
+        part.reshape(height, width, *part.shape[1:])
+        for part, (width, height) in zip(parts, levels.sizes[1:], strict=False)
+    ]
 
-    def values(codes: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+
+def errors(model: Model, kind: str) -> list[tuple[float, ...]]:
+    """E of every level: of plain averages, of Urushi's levels, and of these by decoding."""
+    wi, wo = cosine_pairs(np.random.default_rng(1))
+
+    def values(codes: np.ndarray) -> np.ndarray:
         rows = codes.reshape(-1, codes.shape[-1])
-        f = np.concatenate([model.networks.f(z[:, None], wi, wo) for z in np.split(rows, 3)])
+        parts = np.split(rows, 3)
+        f = np.concatenate([model.networks.f(z[:, None], wi, wo) for z in parts])
         return f.reshape(*codes.shape[:-1], -1)
 
-    codes = textured(model, kind)
-    rows = codes.reshape(-1, codes.shape[-1])
-    light = brightness.fitted(model, lambda index: rows[index], len(rows))
-    plain = ours = codes
-    f, probed = values(codes, wi, wo), values(codes, *probes)
+    plain = textured(model, kind)
+    f = values(plain)
+    estimated, decoded = (made(model, plain, sample) for sample in (SAMPLE, plain.size))
     result = []
     for level in range(LEVELS):
         height = SIDE >> level
-        f, probed = mipmap.halved(f, 0, height), mipmap.halved(probed, 0, height)
-        plain = mipmap.halved(plain, 0, height)
-        ours = mipmap.coarser(ours, 0, height, light)
-        encoded = encode_texels(model, probed)
+        f, plain = mipmap.halved(f, 0, height), mipmap.halved(plain, 0, height)
         result.append(
             tuple(
-                float(stack_error(values(z, wi, wo), f, wi[:, 2], wo[:, 2]).mean())
-                for z in (plain, ours, encoded)
+                float(stack_error(values(z), f, wi[:, 2], wo[:, 2]).mean())
+                for z in (plain, estimated[level], decoded[level])
             )
         )
     return result
+
+
+def seconds(model: Model, side: int) -> float:
+    """CPU time of all levels of a texture of noise."""
+    codes = textured(model, "all, noise").reshape(-1, 3, model.arch.latent)
+    mixed = np.random.default_rng(2).integers(len(codes), size=side * side)
+    levels = Levels(model, side, side, 3)
+    whole = np.empty((sum(w * h for w, h in levels.sizes), *codes.shape[1:]), np.float16)
+    whole[: side * side] = codes[mixed]
+    start = time.process_time()
+    levels.fill(whole.__getitem__, whole.__setitem__)
+    return time.process_time() - start
 
 
 def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.mipmap", description=__doc__)
     parser.add_argument("--weights", default="base", help="base, small, or a weights file")
-    model = shipped.find(parser.parse_args().weights)
-    print(f"{'E [%]':18}{'level':>7}{'plain':>9}{'Urushi':>9}{'encoded':>9}")
+    parser.add_argument("--side", type=int, default=2048, help="of the texture that is timed")
+    options = parser.parse_args()
+    model = shipped.find(options.weights)
+    print(f"{'E [%]':18}{'level':>7}{'plain':>9}{'Urushi':>9}{'decoded':>9}")
     for kind in KINDS:
         for level, row in enumerate(errors(model, kind), 1):
             name = kind if level == 1 else ""
             print(f"{name:18}{level:7}" + "".join(f"{100 * value:9.2f}" for value in row))
+    print(f"levels of {options.side}²: {seconds(model, options.side):.1f} s of CPU time")
 
 
 if __name__ == "__main__":

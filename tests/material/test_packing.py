@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from urushi.material import brightness, mipmap, packing
+from urushi.material import mipmap, packing
 from urushi.material.store import Store
-from urushi.material.texture import encode_texels, layer_texels
 
 
 @pytest.fixture
@@ -94,34 +93,3 @@ def test_bands_of_rows_are_halved_as_the_whole():
         rows = mipmap.sources(top, top + 1, 11)
         part = mipmap.halved(values[rows.start : rows.stop], top, 11)
         np.testing.assert_array_equal(part, whole[top : top + 1])
-
-
-def test_a_stored_map_averages_its_first_level(model, codes, monkeypatch):
-    codes = 0.3 * codes / np.abs(codes).max(axis=(0, 1))  # random networks explode otherwise
-    monkeypatch.setattr("urushi.material.store.TOGETHER", 28)  # several bands
-    store = stored(model, codes, 7, 5, mipped=True)
-    assert store.levels == [(7, 5), (3, 2), (1, 1)]
-    last = store.read(slice(-1, None))
-    tolerance = 2 * store.packed.step + 1e-3
-    error = np.abs(last - codes.mean(axis=0))
-    assert (error <= tolerance)[..., 1:].all()
-
-
-def test_every_level_keeps_the_light(trained):
-    rng = np.random.default_rng(0)
-    bottom = encode_texels(trained, np.full((1, len(trained.networks.pairs()[0])), 0.2))
-    coats = {"alpha": rng.uniform(0.05, 0.5, (64, 3)), "albedo": rng.random((64, 3))}
-    codes = layer_texels(trained, bottom, eta=1.5, sigma_t=1.0, g=0.0, **coats)
-    store = stored(trained, codes, 8, 8, mipped=True)
-    light = brightness.hemispherical(trained, codes.reshape(192, -1)).reshape(64, 3).mean(axis=0)
-    kept = brightness.hemispherical(trained, store.read(slice(-1, None))[0])
-    plain = brightness.hemispherical(trained, codes.mean(axis=0))
-    # the regression's own error in these is a fraction of a percent; plain averages lose several
-    np.testing.assert_allclose(kept, light, rtol=0.02)
-    assert (plain < 0.97 * light).all()
-
-
-def test_levels_of_one_material_are_that_material(trained):
-    bottom = encode_texels(trained, np.full((1, len(trained.networks.pairs()[0])), 0.2))
-    store = stored(trained, np.repeat(bottom[None], 16, axis=0), 4, 4, mipped=True)
-    assert np.ptp(store.read(slice(None)), axis=0).max() < 1e-5

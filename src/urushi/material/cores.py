@@ -6,8 +6,9 @@ import itertools
 import math
 import os
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from typing import Any
 
 import numpy as np
 from threadpoolctl import ThreadpoolController
@@ -51,7 +52,7 @@ def fill(
         out[block] = function(*(_part(array, block) for array in arrays))
 
     if concurrent and len(pieces) > 1:
-        _run(task, pieces)
+        run(task, pieces)
     else:
         for block in pieces:
             task(block)
@@ -80,8 +81,11 @@ def _part(array: np.ndarray, block: Block) -> np.ndarray:
     return array[tuple(slice(None) if n == 1 else cut for n, cut in zip(sizes, block, strict=True))]
 
 
-def _run(task: Callable[[Block], None], pieces: list[Block]) -> None:
-    """Call the task with every piece, on all cores; one call of this at a time has them."""
+def run(task: Callable[[Any], None], pieces: Sequence[Any]) -> None:
+    """Call the task with every piece, on all cores; one call of this at a time has them.
+
+    The task must call neither this nor `fill`.
+    """
     alone = functools.partial(_blas().limit, limits=1)
     with _turn, alone():  # threads of BLAS and ours would wait for each other
         # Some builds of BLAS count each thread's own threads: hence the initializer.

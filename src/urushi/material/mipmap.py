@@ -1,12 +1,6 @@
-"""Mip maps of latent textures: levels of half the resolution, averages of the level before.
-
-Levels are averages of codes, as in Fan et al. (2022), but for the gain, see `brightness`. BRDFs do
-not average as their codes do; `benchmarks/mipmap.py` measures by how much.
-"""
+"""Mip maps: levels of half the resolution, averages of the level before over areas."""
 
 import numpy as np
-
-from urushi.material.brightness import Brightness
 
 
 def sizes(width: int, height: int) -> list[tuple[int, int]]:
@@ -19,34 +13,23 @@ def sizes(width: int, height: int) -> list[tuple[int, int]]:
 
 
 def sources(top: int, bottom: int, height: int) -> range:
-    """The rows of a level of some height that the rows from top to bottom of the next one need."""
+    """The rows of a level of some height that the rows from top to bottom of the next one need.
+
+    Columns likewise, by the width.
+    """
     return range(2 * top, 2 * bottom + height % 2) if height > 1 else range(1)
 
 
-def coarser(codes: np.ndarray, top: int, height: int, brightness: Brightness | None) -> np.ndarray:
-    """The next level's codes (h, w, ..., size), of a level's (H, W, ..., size), as `halved`.
+def halved(
+    values: np.ndarray, top: int, height: int, left: int = 0, width: int | None = None
+) -> np.ndarray:
+    """Averages (h, w, ...) of a level's values (H, W, ...) over areas.
 
-    Their gain keeps the light; without a measure of brightness it is an average as the rest.
+    values: of the rows and columns that `sources` tells, for the next level's rows from `top` and
+    columns from `left` on; height, width: those of the whole level, by default as wide as values.
     """
-    averages = halved(codes, top, height)
-    if brightness is not None:
-        light = np.exp(codes[..., 0] + _each(brightness, codes))
-        mean = np.log(halved(light, top, height))
-        averages[..., 0] = mean - _each(brightness, averages)
-    return averages
-
-
-def _each(brightness: Brightness, codes: np.ndarray) -> np.ndarray:
-    return brightness(codes.reshape(-1, codes.shape[-1])).reshape(codes.shape[:-1])
-
-
-def halved(values: np.ndarray, top: int, height: int) -> np.ndarray:
-    """Averages (h, max(W // 2, 1), ...) of a level's values (H, W, ...) over areas.
-
-    values: of the rows that `sources` tells, for the next level's rows from `top` on; height: that
-    of the whole level.
-    """
-    return _halved(_halved(values, 0, top, height), 1, 0, values.shape[1])
+    width = values.shape[1] if width is None else width
+    return _halved(_halved(values, 0, top, height), 1, left, width)
 
 
 def _halved(values: np.ndarray, axis: int, first: int, count: int) -> np.ndarray:

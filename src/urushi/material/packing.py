@@ -158,6 +158,11 @@ def unpack(layout: Layout, packed: Packed) -> np.ndarray:
     return codes
 
 
+def unpack_alone(layout: Layout, packed: Packed) -> np.ndarray:
+    """The same by the calling thread alone."""
+    return _codes(layout, packed, packed.bytes).reshape(-1, layout.channels, layout.size)
+
+
 def _codes(layout: Layout, packed: Packed, rows: np.ndarray) -> np.ndarray:
     """Codes (T, channels * size) of bytes (T, B)."""
     codes = np.empty((len(rows), layout.channels, layout.size), np.float32)

@@ -1,62 +1,54 @@
-"""Regression of an albedo's logarithm on codes: linear, and by tanh of random combinations."""
+"""Regression on codes: linear, and by tanh of random combinations of their numbers."""
 
 from typing import NamedTuple
 
 import numpy as np
 
-#: Random features besides the codes themselves.
-FEATURES = 64
 
-_RIDGE = 1e-3
-
-
-class Estimate(NamedTuple):
-    """ln albedo, linear in a code's numbers and in tanh of random combinations of them."""
+class Features(NamedTuple):
+    """What is made of codes: tanh of random combinations, the standardised numbers, and one."""
 
     mean: np.ndarray
     scale: np.ndarray
-    reach: np.ndarray
     projection: np.ndarray
     shift: np.ndarray
-    coefficients: np.ndarray
 
     def __call__(self, z: np.ndarray) -> np.ndarray:
-        """Estimates (N,) for codes (N, 32); infinite for those far outside the sample."""
-        x = (z - self.mean) * self.scale
-        inside = (np.abs(x) <= self.reach).all(axis=-1)
-        return np.where(inside, self.features(x) @ self.coefficients, np.float32(np.inf))
+        """Features (N, F) of codes (N, K)."""
+        return self.of_standard(self.standard(z))
 
-    def features(self, x: np.ndarray) -> np.ndarray:
-        """Features (N, F) of standardised codes (N, 32)."""
+    def standard(self, z: np.ndarray) -> np.ndarray:
+        """Codes (N, K) in units of the sample's spread."""
+        return (z - self.mean) * self.scale
+
+    def of_standard(self, x: np.ndarray) -> np.ndarray:
+        """Features (N, F) of standardised codes (N, K)."""
         one = np.ones((len(x), 1), np.float32)
         return np.concatenate([np.tanh(x @ self.projection + self.shift), x, one], axis=1)
 
 
-def standard(codes: np.ndarray, least: float) -> tuple[np.ndarray, np.ndarray]:
-    """Mean and inverse spread (K,) of codes (n, K); spreads below `least` are no variation."""
-    mean, spread = codes.mean(axis=0), codes.std(axis=0)
-    # Numbers that hardly vary must not count as if they did.
-    return mean, 1 / np.maximum(spread, 0.01 * spread.max() + least)
+def features(codes: np.ndarray, count: int, least: float, rng: np.random.Generator) -> Features:
+    """Features for codes like those of a sample (n, K).
 
-
-def fitted(
-    codes: np.ndarray,
-    target: np.ndarray,
-    weights: np.ndarray,
-    mean: np.ndarray,
-    scale: np.ndarray,
-    reach: np.ndarray,
-    rng: np.random.Generator,
-) -> Estimate:
-    """Ridge regression of targets (n,) of some weights (n,) on codes (n, K).
-
-    mean, scale (K,): as of `standard`; reach (K,): how far it may be used, in these units.
+    count: how many are combinations; spreads below `least` are no variation.
     """
     size = codes.shape[1]
-    projection = (rng.normal(size=(size, FEATURES)) / np.sqrt(size)).astype(np.float32)
-    shift = rng.uniform(-2, 2, FEATURES).astype(np.float32)
-    bare = Estimate(mean, scale, reach, projection, shift, np.zeros(0, np.float32))
-    x = bare.features((codes - mean) * scale).astype(np.float64)
-    weighted = x.T * (weights / weights.sum())
-    coefficients = np.linalg.solve(weighted @ x + _RIDGE * np.eye(x.shape[1]), weighted @ target)
-    return bare._replace(coefficients=coefficients.astype(np.float32))
+    mean, spread = codes.mean(axis=0), codes.std(axis=0)
+    # Numbers that hardly vary must not count as if they did.
+    scale = 1 / np.maximum(spread, 0.01 * spread.max() + least)
+    projection = (rng.normal(size=(size, count)) / np.sqrt(size)).astype(np.float32)
+    return Features(mean, scale, projection, rng.uniform(-2, 2, count).astype(np.float32))
+
+
+def coefficients(
+    x: np.ndarray, target: np.ndarray, ridge: float, weights: np.ndarray | None = None
+) -> np.ndarray:
+    """Ridge regression: float32 (F,) or (F, T) for features x (n, F) and targets (n,) or (n, T).
+
+    weights: (n,), all alike by default.
+    """
+    x = x.astype(np.float64)
+    share = np.full(len(x), 1 / len(x)) if weights is None else weights / weights.sum()
+    weighted = x.T * share
+    normal = weighted @ x + ridge * np.eye(x.shape[1])
+    return np.linalg.solve(normal, weighted @ target).astype(np.float32)

@@ -6,12 +6,13 @@ to leave out those that are far from the ceiling.
 """
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
 from urushi.material import regression
 from urushi.material.cores import fill
-from urushi.material.regression import Estimate
+from urushi.material.regression import Features
 
 #: Codes that are measured, half of them to fit the regression and half to see its errors.
 SAMPLE = 1024
@@ -20,6 +21,9 @@ SAMPLE = 1024
 #: held-out ones those within `NEAR` of the ceiling in ln albedo, and in any case the brightest
 #: tenth, tell the error, which is trusted up to a factor and a constant.
 POWER, NEAR, TRUST, LEAST_MARGIN = 4.0, 0.25, 2.0, 0.02
+
+#: Of the regression: random features besides the codes themselves, and its ridge.
+FEATURES, RIDGE = 64, 1e-3
 
 #: A code that is this much farther out than all of the sample, in any number, is no matter of
 #: interpolation and is measured.
@@ -63,11 +67,27 @@ def _suspects(
     return np.flatnonzero(values[:, 0] > -margin)
 
 
+class Estimate(NamedTuple):
+    """ln albedo of codes, as far as a sample reaches."""
+
+    features: Features
+    reach: np.ndarray
+    coefficients: np.ndarray
+
+    def __call__(self, z: np.ndarray) -> np.ndarray:
+        """Estimates (N,) for codes (N, 32); infinite for those far outside the sample."""
+        x = self.features.standard(z)
+        inside = (np.abs(x) <= self.reach).all(axis=-1)
+        return np.where(
+            inside, self.features.of_standard(x) @ self.coefficients, np.float32(np.inf)
+        )
+
+
 def _fitted(
     z: np.ndarray, target: np.ndarray, sample: np.ndarray, rng: np.random.Generator
 ) -> Estimate:
     """An estimate from targets (n,) of codes (n, 32), for use as far as the sample reaches."""
-    mean, scale = regression.standard(sample, 1e-12)
-    reach = OUTSIDE * np.abs((sample - mean) * scale).max(axis=0) + 1e-3
+    features = regression.features(sample, FEATURES, 1e-12, rng)
+    reach = OUTSIDE * np.abs(features.standard(sample)).max(axis=0) + 1e-3
     weights = np.exp(POWER * (target - target.max()))
-    return regression.fitted(z, target, weights, mean, scale, reach, rng)
+    return Estimate(features, reach, regression.coefficients(features(z), target, RIDGE, weights))

@@ -5,12 +5,12 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from urushi.material import brightness as brightnesses
-from urushi.material import mipmap, packing
+from urushi.material import packing
+from urushi.material.levels import Levels
 from urushi.material.packing import Layout, Packed
 from urushi.nets.weights import Model
 
-#: Texels that are packed anew, or averaged, at once: bounds memory.
+#: Texels that are packed at once: bounds memory.
 TOGETHER = 1 << 17
 
 
@@ -24,8 +24,9 @@ class Store:
 
     def __init__(self, model: Model, layout: Layout, width: int, height: int, *, mipped=False):
         """mipped: whether to hold all levels, which are made when it has been written."""
-        self.layout, self._model = layout, model
-        self.levels = mipmap.sizes(width, height) if mipped else [(width, height)]
+        self.layout = layout
+        self._coarser = Levels(model, width, height, layout.channels) if mipped else None
+        self.levels = self._coarser.sizes if self._coarser else [(width, height)]
         nothing = np.zeros(layout.size, np.float32)
         self.packed = Packed(np.zeros((0, layout.texel_bytes), np.uint8), nothing, nothing)
 
@@ -43,22 +44,41 @@ class Store:
     def writing(self) -> Iterator[Callable[[np.ndarray, np.ndarray], None]]:
         """A function that writes codes (n, channels, size) to rows (n,) of the first level.
 
-        All rows must be written the first time, which then are packed together at the end.
+        All rows must be written the first time, which then are packed together at the end. The
+        other levels are made, or made anew where that is needed, at the end.
         """
+        width, height = self.levels[0]
         if self.empty:
-            width, height = self.levels[0]
-            whole = np.empty((width * height, self.layout.channels, self.layout.size), np.float16)
-            yield whole.__setitem__
+            texels = sum(width * height for width, height in self.levels)
+            whole = np.empty((texels, self.layout.channels, self.layout.size), np.float16)
+            yield whole[: width * height].__setitem__
+            if self._coarser:
+                self._coarser.fill(whole.__getitem__, whole.__setitem__)
             self._pack(whole)
-        else:
-            yield self._overwrite
-        if len(self.levels) > 1:
-            self._fill_levels()
+            return
+        changed = np.zeros(width * height, bool)
+
+        def write(rows: np.ndarray, codes: np.ndarray) -> None:
+            changed[rows] = True
+            self._overwrite(rows, codes)
+
+        yield write
+        if self._coarser and changed.any():
+            parts: list[tuple[np.ndarray, np.ndarray]] = []
+            self._coarser.fill(
+                self._read_alone, lambda *part: parts.append(part), np.flatnonzero(changed)
+            )
+            if parts:
+                self._overwrite(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
+
+    def _read_alone(self, rows: np.ndarray) -> np.ndarray:
+        """`read` for threads, of which each has one core."""
+        part = self.packed._replace(bytes=self.packed.bytes[rows])
+        return packing.unpack_alone(self.layout, part)
 
     def _pack(self, whole: np.ndarray) -> None:
         lowest, highest = whole.min(axis=(0, 1)), whole.max(axis=(0, 1))
-        texels = sum(width * height for width, height in self.levels)
-        empty = np.zeros((texels, self.layout.texel_bytes), np.uint8)
+        empty = np.zeros((len(whole), self.layout.texel_bytes), np.uint8)
         self.packed = packing.within(self.layout, empty, lowest, highest)
         for start in range(0, len(whole), TOGETHER):
             rows = slice(start, min(start + TOGETHER, len(whole)))
@@ -79,34 +99,8 @@ class Store:
             np.minimum(before.lowest, codes.min(axis=(0, 1))),
             np.maximum(highest, codes.max(axis=(0, 1))),
         )
-        width, height = self.levels[0]
-        for start in range(0, width * height, TOGETHER):
-            rows = slice(start, min(start + TOGETHER, width * height))
+        texels = len(before.bytes)
+        for start in range(0, texels, TOGETHER):
+            rows = slice(start, min(start + TOGETHER, texels))
             packing.write(self.layout, wider, rows, self.read(rows))
         self.packed = wider
-
-    def _fill_levels(self) -> None:
-        """Make all levels but the first, each from the one before."""
-        width, height = self.levels[0]
-        channels = self.layout.channels
-
-        def read(index: np.ndarray) -> np.ndarray:
-            codes = self.read(index // channels)
-            return codes[np.arange(len(index)), index % channels]
-
-        brightness = brightnesses.fitted(self._model, read, width * height * channels)
-        first = 0
-        for width, height in self.levels[:-1]:
-            after = first + width * height
-            half = max(height // 2, 1)
-            together = max(TOGETHER // (4 * width), 1)
-            for top in range(0, half, together):
-                rows = mipmap.sources(top, min(top + together, half), height)
-                codes = self.read(slice(first + rows.start * width, first + rows.stop * width))
-                codes = codes.reshape(-1, width, *codes.shape[1:])
-                averages = mipmap.coarser(codes, top, height, brightness)
-                averages = averages.reshape(-1, *codes.shape[2:])
-                start = after + top * max(width // 2, 1)
-                place = slice(start, start + len(averages))
-                packing.write(self.layout, self.packed, place, averages)
-            first = after
