@@ -8,10 +8,10 @@ from urushi.errors import ParameterError
 from urushi.eval import benchmark, predict
 from urushi.eval import samples as sampling
 from urushi.eval.groups import GROUPS
-from urushi.material import Material, encode
+from urushi.material import Material, encode, energy
 from urushi.material.cores import one_thread
 from urushi.material.encode import encode_values, read
-from urushi.material.refine import STEPS, improved, objective
+from urushi.material.refine import STEPS, improved, objective, refined, wanted
 from urushi.material.texture import layer_texels
 from urushi.reference.stack import conductor, diffuse
 
@@ -46,9 +46,10 @@ def test_no_step_raises_the_objective(source, trained, model):
     for networks in (trained.networks, model.networks):
         for f in values(source, networks):
             z = networks.encode(f[None])[0]
+            aim = wanted(networks, f)
             with one_thread():
-                made = [improved(networks, z, f, steps) for steps in range(STEPS + 1)]
-                course = [objective(networks, z, f) for z in made]
+                made = [improved(networks, z, aim, steps) for steps in range(0, STEPS + 1, 2)]
+                course = [objective(networks, z, aim) for z in made]
             assert (np.diff(course) <= 0).all() and np.isfinite(course).all()
 
 
@@ -72,7 +73,8 @@ def test_a_code_is_found_again(trained):
         return np.median(np.abs(f_hat - decoded) / (decoded + 1e-3), axis=1)
 
     with one_thread():
-        found = [improved(networks, z, f) for z, f in zip(perturbed, decoded, strict=True)]
+        aims = [wanted(networks, f) for f in decoded]
+        found = [improved(networks, z, aim) for z, aim in zip(perturbed, aims, strict=True)]
     before, after = distance(perturbed), distance(np.stack(found))
     # Least squares over ten times more values than numbers: at least a factor of two remains of
     # the quadratic convergence even where the prior pulls back to the encoder's own error.
@@ -113,6 +115,31 @@ def test_what_the_encoder_misses_comes_closer(trained):
         for z in (encode_values(f.T, trained, refine=refine).latents for refine in (False, True))
     ]
     assert errors[1] < errors[0]
+
+
+def test_values_at_nodes_bring_the_light_closer(trained):
+    """Albedos of a refined code are nearer to the source's when its values at nodes are used."""
+    rule = energy.rule()
+    f, nodes = (
+        np.ascontiguousarray(read(three_lobes, *pairs).values.T)
+        for pairs in (trained.networks.pairs(), (rule.wi, rule.wo))
+    )
+
+    def error(codes):
+        return np.abs(energy.albedo(trained, codes) / rule.albedo(nodes) - 1)[:, :30].mean()
+
+    with_nodes, without = (error(refined(trained.networks, f, n)) for n in (nodes, None))
+    assert with_nodes < without
+
+
+def test_black_nodes_count_for_nothing(trained):
+    rule = energy.rule()
+    black = np.zeros(len(trained.networks.pairs()[0]), np.float32)
+    aim = wanted(trained.networks, black, np.zeros(len(rule.wi), np.float32))
+    assert len(aim.logs) == aim.probes
+    some = wanted(trained.networks, black + 0.1, np.full(len(rule.wi), 0.1, np.float32))
+    assert some.weights.sum() == pytest.approx(1)
+    assert (some.weights > 0).all()
 
 
 def test_layering_over_refined_codes(trained):

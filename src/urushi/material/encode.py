@@ -56,7 +56,7 @@ def encode(source: Any, model: Weights | None = None, *, refine: bool = False) -
             of a BSDF that transmits, what it reflects is encoded.
         model: the networks: a Model, "base" (the default) or "small", or a weights file.
         refine: whether to follow the encoder's one pass by a few steps that bring the decoded
-            values closer to the given ones: for measured or unusual BRDFs, some 5 ms a channel.
+            values closer to the given ones: for measured or unusual BRDFs, some 25 ms a channel.
             The code stays one that the encoder could have made, so that it can be layered as well
             (see `urushi.material.refine`). The paper's networks encode by optimisation anyway;
             they do nothing more.
@@ -108,8 +108,9 @@ def encode_values(values: np.ndarray, model: Model, *, refine: bool = False) -> 
     """
     seen = len(model.networks.pairs()[0])
     probed, rest = values[:seen].T, values[seen:].T
-    codes = refined(model.networks, probed) if refine else encoded(model, probed)
-    if not rest.size:
+    nodes = rest if rest.size else None
+    codes = refined(model.networks, probed, nodes) if refine else encoded(model, probed)
+    if nodes is None:
         return Material(energy.limit(model, codes), model)
     return Material(energy.limit(model, codes, energy.ceiling(energy.rule().albedo(rest))), model)
 

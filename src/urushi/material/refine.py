@@ -18,6 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from urushi.material import energy
 from urushi.material.cores import one_thread
 from urushi.nets.encoder import OFFSET, log_values
 from urushi.nets.features import direction_features
@@ -25,11 +26,16 @@ from urushi.nets.jacobian import decode_log, encode_log
 from urushi.nets.networks import Networks, UrushiNetworks
 
 #: Steps that are tried, each for one pass of decoder and encoder and back.
-STEPS = 8
+STEPS = 20
 
-#: How much a code's distance from what the encoder makes weighs against its error. From 1 to 5 it
-#: hardly matters; without it layering over the codes fails (`python -m benchmarks.refinement`).
-HOLD = 2.0
+#: How much a code's distance from what the encoder makes weighs against its error. Less comes
+#: closer to odd BRDFs, and makes layering over them worse, slowly down to 0.2; without it layering
+#: fails (`python -m benchmarks.refinement`).
+HOLD = 0.5
+
+#: The nodes' share of the error, where their values are known; and the power of the light they
+#: reflect that weighs them.
+NODES_SHARE, NODES_POWER = 0.5, 0.5
 
 #: Errors of ln f above this count linearly: a factor of e. What the decoder cannot make at all must
 #: not drag along what it can.
@@ -57,68 +63,105 @@ class State(NamedTuple):
     curvature: np.ndarray
 
 
-def refined(networks: Networks, f: np.ndarray) -> np.ndarray:
+class Wanted(NamedTuple):
+    """What a code is to decode to, at P probe pairs and perhaps nodes, N in all.
+
+    Attributes:
+        features: (N, 8) of the pairs; logs: (N,) logarithmic values; weights: (N,), their sum is 1.
+        probes: P.
+    """
+
+    features: np.ndarray
+    logs: np.ndarray
+    weights: np.ndarray
+    probes: int
+
+
+def wanted(networks: UrushiNetworks, f: np.ndarray, nodes: np.ndarray | None = None) -> Wanted:
+    """From values f (P,) [1/sr] at `networks.pairs`, and (M,) at the nodes of `energy.rule`."""
+    count, features = len(f), direction_features(*networks.pairs())
+    weights = np.full(count, 1.0 / count)
+    rule = energy.rule()
+    light = np.zeros(0) if nodes is None else nodes * rule.weights * rule.wi[:, 2]
+    if nodes is None or not light.sum() > 0.0:
+        return Wanted(features, log_values(f), weights, count)
+    shares = light**NODES_POWER
+    return Wanted(
+        np.concatenate([features, direction_features(rule.wi, rule.wo)]),
+        log_values(np.concatenate([f, nodes])),
+        np.concatenate([(1 - NODES_SHARE) * weights, NODES_SHARE * shares / shares.sum()]),
+        count,
+    )
+
+
+def refined(networks: Networks, f: np.ndarray, nodes: np.ndarray | None = None) -> np.ndarray:
     """Return codes float32 (C, L) of BRDFs with values f (C, P) [1/sr] at `networks.pairs`.
 
     The encoder's, improved. Channel by channel, so that none depends on another even in its last
     digit, which an optimisation may blow up. The paper's networks, which optimise to begin with,
     do no more than encode.
+
+    nodes: (C, M), the BRDFs' values at the nodes of `energy.rule`, if they are known.
     """
     if not isinstance(networks, UrushiNetworks):
         return networks.encode(f)
     rows = np.ascontiguousarray(f)
+    further = [None] * len(rows) if nodes is None else np.ascontiguousarray(nodes)
     with one_thread():
-        return np.stack([improved(networks, networks.encode(row[None])[0], row) for row in rows])
+        aims = [wanted(networks, *both) for both in zip(rows, further, strict=True)]
+        starts = (networks.encode(row[None])[0] for row in rows)
+        return np.stack([improved(networks, z, aim) for z, aim in zip(starts, aims, strict=True)])
 
 
 def improved(
-    networks: UrushiNetworks, z: np.ndarray, f: np.ndarray, steps: int = STEPS
+    networks: UrushiNetworks, z: np.ndarray, aim: Wanted, steps: int = STEPS
 ) -> np.ndarray:
-    """Return a code float32 (L,) that fits f (P,) better than z (L,), or as well.
+    """Return a code float32 (L,) that is closer to its aim than z (L,), or as close.
 
     Every step is damped, and kept only where it lowers the objective.
     """
-    logs = log_values(f)
-    state, damping = _at(networks, z, logs), DAMPING
+    state, damping = _at(networks, z, aim), DAMPING
     for _ in range(steps):
         mean = np.trace(state.curvature) / len(z)
         damped = state.curvature + (damping * mean + 1e-12) * np.eye(len(z))
         step = np.linalg.solve(damped, state.slope)
-        new = _at(networks, (state.z - step).astype(np.float32), logs)
+        new = _at(networks, (state.z - step).astype(np.float32), aim)
         better = new.objective < state.objective  # false for NaN
         state, damping = (new, damping * EASED) if better else (state, damping * RAISED)
     return state.z
 
 
-def objective(networks: UrushiNetworks, z: np.ndarray, f: np.ndarray) -> float:
-    """What `improved` minimises, of a code z (L,) and values f (P,)."""
-    return _at(networks, z, log_values(f)).objective
+def objective(networks: UrushiNetworks, z: np.ndarray, aim: Wanted) -> float:
+    """What `improved` minimises, of a code z (L,)."""
+    return _at(networks, z, aim).objective
 
 
-def _at(networks: UrushiNetworks, z: np.ndarray, logs: np.ndarray) -> State:
-    """The state at a code z (L,) for logarithmic values (P,).
+def _at(networks: UrushiNetworks, z: np.ndarray, aim: Wanted) -> State:
+    """The state at a code z (L,).
 
     The encoder's Jacobian J (L, P) makes of changes d of D(z) changes J d of its code. The least d
     that reaches the gap g = z - E(D(z)) has the square g' (J J')^-1 g, which is the second term;
     its derivatives leave out how J itself changes.
     """
     params, arch = networks
-    log_f, slopes = decode_log(params, arch, z, direction_features(*networks.pairs()))
+    log_f, slopes = decode_log(params, arch, z, aim.features)
     f = np.exp(log_f)
     decoded = log_values(f)
-    outward = (slopes * (f / (f + OFFSET))[:, None]).astype(np.float64)  # dD/dz, (P, L)
-    code, inward = (x.astype(np.float64) for x in encode_log(params, arch, decoded))
+    outward = (slopes * (f / (f + OFFSET))[:, None]).astype(np.float64)  # dD/dz, (N, L)
+    probed = slice(aim.probes)
+    code, inward = (x.astype(np.float64) for x in encode_log(params, arch, decoded[probed]))
     variance = inward @ inward.T
     variance += LEAST_VARIANCE * np.trace(variance) / len(z) * np.eye(len(z))
-    gap, error = z - code, (decoded - logs).astype(np.float64)
+    gap, error = z - code, (decoded - aim.logs).astype(np.float64)
     far = np.maximum(np.abs(error) / KNEE, 1.0)
-    loss = np.sum(error**2 * (2.0 - 1.0 / far) / far)
-    weighted = outward.T / far
-    gap_slope = np.eye(len(z)) - inward @ outward
+    loss = aim.weights @ (error**2 * (2.0 - 1.0 / far) / far)
+    weighted = outward.T * (aim.weights / far)
+    gap_slope = np.eye(len(z)) - inward @ outward[probed]
     whitened = np.linalg.solve(variance, np.column_stack([gap, gap_slope]))
+    hold = HOLD / aim.probes
     return State(
         z,
-        float(loss + HOLD * gap @ whitened[:, 0]) / len(logs),
-        (weighted @ error + HOLD * gap_slope.T @ whitened[:, 0]) / len(logs),
-        (weighted @ outward + HOLD * gap_slope.T @ whitened[:, 1:]) / len(logs),
+        float(loss + hold * gap @ whitened[:, 0]),
+        weighted @ error + hold * gap_slope.T @ whitened[:, 0],
+        weighted @ outward + hold * gap_slope.T @ whitened[:, 1:],
     )
