@@ -36,6 +36,21 @@ Brdf = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
 @dataclass(frozen=True)
+class Reciprocal:
+    """A BRDF averaged over the exchange of wi and wo.
+
+    Files of RGL are reciprocal only as far as the measurement is, and all contenders exactly. What
+    they cannot represent would hide how well they do the rest.
+    """
+
+    source: Any
+
+    def f(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        """(N, 3) [1/sr] of unit vectors (N, 3)."""
+        return 0.5 * (self.source.f(wi, wo) + self.source.f(wo, wi))
+
+
+@dataclass(frozen=True)
 class Measured:
     """A measured material.
 
@@ -48,10 +63,11 @@ class Measured:
     name: str
     path: Path
 
-    def load(self) -> Any:
-        """The BRDF."""
+    def load(self) -> Merl | Reciprocal:
+        """The BRDF, made reciprocal."""
         if self.path.suffix != ".npz":
-            return load_measured(self.path)
+            source = load_measured(self.path)
+            return source if isinstance(source, Merl) else Reciprocal(source)
         with np.load(self.path) as archive:
             weights = archive[self.name].astype(np.float64)
         angles = (a.ravel() for a in np.broadcast_arrays(*bin_centres(SHAPE)))
@@ -65,7 +81,7 @@ class Measured:
 
     def digest(self) -> bytes:
         """A hash of what it holds."""
-        content = self.path.read_bytes()
+        content = self.path.read_bytes() + inspect.getsource(Reciprocal).encode()
         return hashlib.sha256(content + self.name.encode()).digest()
 
 
@@ -149,8 +165,7 @@ class Contest:
 class Judge:
     """Compares BRDFs with a measured one."""
 
-    def __init__(self, truth: Any, environments: list[Environment]) -> None:
-        """truth: an object with f."""
+    def __init__(self, truth: Merl | Reciprocal, environments: list[Environment]) -> None:
         self.truth = truth
         self._environments = environments
         self._pictures = sphere.render(truth.f, environments)

@@ -6,7 +6,8 @@ folder or archive is a set of its own, single files together are one, and each s
 
 - columns: Urushi's `encoded` and `refined` materials; fits of one and two GGX lobes and a
   Lambertian part, the best of several losses by this very PSNR (`urushi.measured.fits`); a network
-  trained for each material (`urushi.train.nbrdf`); Mitsuba's plugin `measured` on RGL files.
+  trained for each material (`urushi.train.nbrdf`). RGL files are made reciprocal first, which all
+  of these are; Mitsuba's plugin `measured` shows how far the files were from it.
 - figures: PSNR [dB] and FLIP of spheres, means over the environments, and E (docs/conventions.md)
   in per cent; then the means over materials of all measures, and the worst five by PSNR.
 
@@ -24,7 +25,6 @@ import argparse
 import json
 import multiprocessing
 import os
-import warnings
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
 
@@ -33,7 +33,6 @@ from benchmarks.contenders import NAMES, Contest, Measured, Result
 from tqdm import tqdm
 
 import urushi
-from urushi.errors import UrushiWarning
 from urushi.eval import environment, image_metrics, sphere
 from urushi.files import atomic_write, new_folder
 
@@ -77,7 +76,6 @@ def contenders(materials: list[Measured], wanted: list[str]) -> list[str]:
 
 def hold(contest: Contest, material: Measured, names: list[str]) -> None:
     """What a worker process does: `Contest.hold`."""
-    warnings.simplefilter("ignore", UrushiWarning)  # RGL files are not quite reciprocal
     contest.hold(material, names)
 
 
