@@ -1,11 +1,12 @@
-"""Measured materials under coats: `python -m benchmarks.coated_measured [FILE or FOLDER ...]`.
+"""Measured materials under coats: `python -m benchmarks.coated_measured FILE...`.
 
-Prints E (see docs/conventions.md) in per cent, the mean over channels, between the random walk
-through a coat over the measured BRDF and `urushi.layer(coat, urushi.encode(measured, refine=True))`
-for every file (MERL or RGL; of a folder, all) and every coat, beside E of the bare encoded material
-and the walk's own noise; then the means, and the five worst. `--picture FILE.png` draws spheres of
-the five materials with the largest mean, walk and network side by side. About 8 seconds of CPU time
-a material, 20 for each whose spheres are drawn.
+FILEs are MERL tables, RGL materials, folders of these, or archives of stand-ins, as those of
+`benchmarks.measured`. Prints E (docs/conventions.md) in per cent, the mean over channels, between
+the random walk through a coat over the measured BRDF and the layered code of its encoded material,
+`urushi.layer(coat, urushi.encode(measured, refine=True))`, for every material and coat, beside E of
+the bare encoded material and the walk's own noise; then the means, and the five worst. `--picture
+FILE.png` draws spheres of the five materials with the largest mean, walk and network side by side.
+About 8 seconds of CPU time a material, 20 for each whose spheres are drawn.
 """
 
 import argparse
@@ -15,6 +16,7 @@ from typing import NamedTuple
 
 import mitsuba as mi
 import numpy as np
+from benchmarks.measured import find_sets
 
 import urushi
 from urushi.data import directions, metrics
@@ -111,37 +113,34 @@ def show(name: str, bare: float, values: list[float], noise: float) -> None:
 def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("measured", type=Path, nargs="+", help="MERL or RGL files, or folders")
+    parser.add_argument("measured", type=Path, nargs="+", help="files, folders or archives")
     parser.add_argument("--weights", help="base, small, or a weights file")
     parser.add_argument("--picture", type=Path, help="where to draw spheres of the worst materials")
     options = parser.parse_args()
     mi.set_variant("llvm_ad_rgb")
     warnings.simplefilter("ignore", UrushiWarning)  # RGL files are not reciprocal
-    files = [
-        file
-        for path in options.measured
-        for file in (sorted(path.iterdir()) if path.is_dir() else [path])
-    ]
+    sets = find_sets(options.measured, None)
+    materials = [material for members in sets.values() for material in members]
     header = ("bare", *COATS, "mean of coats", "noise")
     print(f"{'E [%]':28}" + "".join(f"{name:>14}" for name in header))
-    rows: dict[Path, Row] = {}
-    for file in files:
-        surface = urushi.load_measured(file)
+    rows: list[Row] = []
+    for material in materials:
+        surface = material.load()
         row = measured(surface, urushi.encode(surface, options.weights, refine=True))
-        rows[file] = row
-        show(file.stem, row.bare, row.coated, float(np.mean(row.noise)))
-    every = np.array([row.coated for row in rows.values()])
-    noise = float(np.mean([row.noise for row in rows.values()]))
-    show("mean", float(np.mean([row.bare for row in rows.values()])), list(every.mean(0)), noise)
+        rows.append(row)
+        show(material.name, row.bare, row.coated, float(np.mean(row.noise)))
+    every = np.array([row.coated for row in rows])
+    noise = float(np.mean([row.noise for row in rows]))
+    show("mean", float(np.mean([row.bare for row in rows])), list(every.mean(0)), noise)
 
     print(f"\nthe worst of {every.size}:")
     for index in np.argsort(every, axis=None)[::-1][:WORST]:
-        material, coat = np.unravel_index(index, every.shape)
-        name = f"{files[material].stem}, {list(COATS)[coat]}"
-        print(f"  {name:44}{100 * every[material, coat]:8.2f}")
+        number, coat = np.unravel_index(index, every.shape)
+        name = f"{materials[number].name}, {list(COATS)[coat]}"
+        print(f"  {name:44}{100 * every[number, coat]:8.2f}")
     if options.picture:
         worst = np.argsort(every.mean(1))[::-1][:WORST]
-        surfaces = {files[i].stem: urushi.load_measured(files[i]) for i in worst}
+        surfaces = {materials[i].name: materials[i].load() for i in worst}
         draw(
             options.picture,
             {
