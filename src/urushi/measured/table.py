@@ -9,7 +9,7 @@ from collections.abc import Callable
 import numpy as np
 
 from urushi.measured.fill import fill_nearest
-from urushi.measured.rusinkiewicz import above_horizon, half_difference_angles
+from urushi.measured.rusinkiewicz import above_horizon, directions, half_difference_angles
 
 #: Bins along theta_h, theta_d and phi_d.
 Shape = tuple[int, int, int]
@@ -54,26 +54,13 @@ def tabulated(f: Callable[[np.ndarray, np.ndarray], np.ndarray], shape: Shape) -
     """
     angles = bin_centres(shape)
     above = above_horizon(*angles)
-    wi, wo = (w[above].astype(np.float32) for w in directions(*angles))
+    angles_above = (angle[above] for angle in np.broadcast_arrays(*angles))
+    wi, wo = (w.astype(np.float32) for w in directions(*angles_above))
     values = 0.5 * (f(wi, wo) + f(wo, wi))
     table = np.zeros((*above.shape, values.shape[1]), np.float32)
     table[above] = values
     fill_nearest(table, above)
     return table
-
-
-def directions(
-    theta_h: np.ndarray, theta_d: np.ndarray, phi_d: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """wi and wo (..., 3) of given angles (broadcast), the half vector in the plane y = 0."""
-    x, y = np.sin(theta_d) * np.cos(phi_d), np.sin(theta_d) * np.sin(phi_d)
-    along, across = np.cos(theta_d) * np.sin(theta_h), np.cos(theta_d) * np.cos(theta_h)
-    pair = (
-        (along + sign * np.cos(theta_h) * x, sign * y, across - sign * np.sin(theta_h) * x)
-        for sign in (1, -1)
-    )
-    wi, wo = (np.stack(np.broadcast_arrays(*parts), axis=-1) for parts in pair)
-    return wi, wo
 
 
 def _between_centres(
