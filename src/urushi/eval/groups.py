@@ -52,12 +52,14 @@ class Row:
         groups: the names of the groups.
         encoded: how many of each stack's coats are encoded with the bottom, from its values at
             the probe pairs; the others are layered. -1: all of them.
+        refined: whether the codes are refined before they are layered, see `material.refine`.
         aims: what the `base` networks should reach.
     """
 
     name: str
     groups: tuple[str, ...]
     encoded: int = 0
+    refined: bool = False
     aims: tuple[Aim, ...] = ()
 
     def coats(self, group: Group) -> int:
@@ -113,6 +115,14 @@ ROWS = (
         encoded=-1,
         aims=(_e(0.006), Aim("P", "median", 0.004)),
     ),
+    Row("bare surfaces, all, refined", _names(_BARE), refined=True, aims=(_e(0.005),)),
+    Row(
+        "simulated stacks, refined",
+        _names((*_TWO, *_THREE)),
+        encoded=-1,
+        refined=True,
+        aims=(_e(0.006), Aim("P", "median", 0.004)),
+    ),
     Row(
         "layer two interfaces, Table 2",
         _names(_TWO[:1]),
@@ -122,5 +132,6 @@ ROWS = (
     *(Row(f"  over {BOTTOMS[kind]}", (f"two, {kind}",)) for kind in _KINDS),
     Row("layer three interfaces", _names(_THREE), aims=(_e(0.012),)),
     Row("  upper over encoded lower", _names(_THREE), encoded=1),
+    Row("  upper over refined lower", _names(_THREE), encoded=1, refined=True),
     Row("layer six interfaces", _names(_SIX), aims=(_e(0.025),)),
 )  # fmt: skip

@@ -15,13 +15,16 @@ from urushi.nets.weights import Model
 _PROBE_SEED = 1
 
 
-def materials(model: Model, samples: Samples, encoded: int = 0) -> list[Material]:
+def materials(
+    model: Model, samples: Samples, encoded: int = 0, *, refined: bool = False
+) -> list[Material]:
     """Encode the bottoms, or lower parts of stacks, and layer the coats above them.
 
     Args:
         model: the networks.
         samples: S stacks.
         encoded: how many of a stack's coats are encoded with the bottom, from simulated values.
+        refined: whether codes are refined before coats are layered over them.
 
     Returns:
         S materials of one channel.
@@ -29,7 +32,8 @@ def materials(model: Model, samples: Samples, encoded: int = 0) -> list[Material
 
     # Without coats the values are exact and cheap, and tell the bottoms' albedo as well.
     pairs = model.networks.pairs() if encoded else seen_pairs(None, model)
-    latents = encode_values(_lower_values(samples, encoded, *pairs).T, model).latents
+    values = _lower_values(samples, encoded, *pairs)
+    latents = encode_values(values.T, model, refine=refined).latents
     table = samples.table
     for index in reversed(range(table.coats - encoded)):
         coat = {name: getattr(table, name)[:, index] for name in COAT_PARAMETERS}

@@ -5,7 +5,7 @@ import os
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -75,6 +75,14 @@ def report(
     return table.text(result)
 
 
+class _Way(NamedTuple):
+    """How materials of a group's stacks are made, see `groups.Row`."""
+
+    group: str
+    encoded: int = 0
+    refined: bool = False
+
+
 def measure(
     model: Model,
     sets: Mapping[str, Samples],
@@ -84,27 +92,29 @@ def measure(
     source: str = "",
 ) -> Result:
     """Take all figures of networks on the groups' sets."""
-    made: dict[tuple[str, int], list[Material]] = {}
-    values: dict[tuple[str, int], np.ndarray] = {}
+    made: dict[_Way, list[Material]] = {}
+    values: dict[_Way, np.ndarray] = {}
     by_name = {group.name: group for group in groups}
     for row in rows:
         for name in row.groups:
-            key = name, row.coats(by_name[name])
-            if key not in made:
-                made[key] = predict.materials(model, sets[name], key[1])
-                values[key] = predict.evaluate(made[key], sets[name].wi, sets[name].wo)
-    layered = {name: group for (name, encoded), group in made.items() if encoded == 0}
+            way = _Way(name, row.coats(by_name[name]), row.refined)
+            if way not in made:
+                made[way] = predict.materials(model, sets[name], way.encoded, refined=way.refined)
+                values[way] = predict.evaluate(made[way], sets[name].wi, sets[name].wo)
+    layered = {way.group: group for way, group in made.items() if way == _Way(way.group)}
     return Result(
         fingerprint=model.fingerprint,
         reference=source,
         rows={
-            row.name: _row([(sets[n], values[n, row.coats(by_name[n])]) for n in row.groups])
+            row.name: _row(
+                [(sets[n], values[_Way(n, row.coats(by_name[n]), row.refined)]) for n in row.groups]
+            )
             for row in rows
         },
         laws=physics.measure(model, sets, layered),
         parameters=cost.parameters(model),
         seconds=cost.seconds(model),
-        errors={name: sampling.stack_errors(values[name, 0], sets[name]) for name in layered},
+        errors={name: sampling.stack_errors(values[_Way(name)], sets[name]) for name in layered},
     )
 
 
