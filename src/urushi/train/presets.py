@@ -125,7 +125,8 @@ def small() -> Preset:
     return replace(
         base(),
         name="small",
-        networks=Schedule(steps=65_536, warmup=256, learning_rate=0.01, clip=0.1),
+        networks=Schedule(steps=57_344, warmup=256, learning_rate=0.016, clip=0.1),
+        pairs=128,
         arch=Architecture(latent=18, decoder=(32, 32), layerer=(256, 256, 256)),
     )
 
