@@ -2,10 +2,10 @@
 
 The code that fits a BRDF's values best is of no use: many codes decode to nearly the same values,
 and the layering network knows only those that the encoder makes. So with l the logarithmic values
-at the probe pairs (`encoder.log_values`), D(z) those that a code decodes to and E the encoder, what
-is minimised for every channel is
+ln(f + `UNSEEN`) at the probe pairs, l(z) those of what a code decodes to, D(z) the same as the
+encoder E sees them (`encoder.log_values`), what is minimised for every channel is
 
-    mean rho(D(z) - l)  +  HOLD mean d^2,
+    mean rho(l(z) - l)  +  HOLD mean d^2,
 
 where rho is the square, linear beyond `KNEE` (Huber 1964), and d is the least change of D(z) after
 which the encoder gives z again, E(D(z) + d) = z to first order. Training asks for codes with d = 0
@@ -37,9 +37,13 @@ HOLD = 0.5
 #: reflect that weighs them.
 NODES_SHARE, NODES_POWER = 0.5, 0.5
 
-#: Errors of ln f above this count linearly: a factor of e. What the decoder cannot make at all must
-#: not drag along what it can.
-KNEE = 1.0
+#: Added to f [1/sr] before logarithms are compared, as in the error P: values far below it are
+#: black to the eye, and measured colours outside of sRGB have channels that are zero.
+UNSEEN = 1e-3
+
+#: Errors of ln f above this count linearly. What the decoder cannot make at all must not drag along
+#: what it can.
+KNEE = 0.5
 
 #: The first damping, relative to the mean curvature; its factors after good and bad steps.
 DAMPING, EASED, RAISED = 1e-3, 0.25, 8.0
@@ -67,7 +71,8 @@ class Wanted(NamedTuple):
     """What a code is to decode to, at P probe pairs and perhaps nodes, N in all.
 
     Attributes:
-        features: (N, 8) of the pairs; logs: (N,) logarithmic values; weights: (N,), their sum is 1.
+        features: (N, 8) of the pairs; logs: (N,) values of ln(f + `UNSEEN`); weights: (N,), their
+            sum is 1.
         probes: P.
     """
 
@@ -84,11 +89,11 @@ def wanted(networks: UrushiNetworks, f: np.ndarray, nodes: np.ndarray | None = N
     rule = energy.rule()
     light = np.zeros(0) if nodes is None else nodes * rule.weights * rule.wi[:, 2]
     if nodes is None or not light.sum() > 0.0:
-        return Wanted(features, log_values(f), weights, count)
+        return Wanted(features, np.log(f + UNSEEN), weights, count)
     shares = light**NODES_POWER
     return Wanted(
         np.concatenate([features, direction_features(rule.wi, rule.wo)]),
-        log_values(np.concatenate([f, nodes])),
+        np.log(np.concatenate([f, nodes]) + UNSEEN),
         np.concatenate([(1 - NODES_SHARE) * weights, NODES_SHARE * shares / shares.sum()]),
         count,
     )
@@ -146,22 +151,22 @@ def _at(networks: UrushiNetworks, z: np.ndarray, aim: Wanted) -> State:
     params, arch = networks
     log_f, slopes = decode_log(params, arch, z, aim.features)
     f = np.exp(log_f)
-    decoded = log_values(f)
-    outward = (slopes * (f / (f + OFFSET))[:, None]).astype(np.float64)  # dD/dz, (N, L)
-    probed = slice(aim.probes)
-    code, inward = (x.astype(np.float64) for x in encode_log(params, arch, decoded[probed]))
+    seen = (slopes * (f / (f + UNSEEN))[:, None]).astype(np.float64)  # dl/dz, (N, L)
+    probed, slopes = f[: aim.probes], slopes[: aim.probes]
+    outward = (slopes * (probed / (probed + OFFSET))[:, None]).astype(np.float64)  # dD/dz, (P, L)
+    code, inward = (x.astype(np.float64) for x in encode_log(params, arch, log_values(probed)))
     variance = inward @ inward.T
     variance += LEAST_VARIANCE * np.trace(variance) / len(z) * np.eye(len(z))
-    gap, error = z - code, (decoded - aim.logs).astype(np.float64)
+    gap, error = z - code, (np.log(f + UNSEEN) - aim.logs).astype(np.float64)
     far = np.maximum(np.abs(error) / KNEE, 1.0)
     loss = aim.weights @ (error**2 * (2.0 - 1.0 / far) / far)
-    weighted = outward.T * (aim.weights / far)
-    gap_slope = np.eye(len(z)) - inward @ outward[probed]
+    weighted = seen.T * (aim.weights / far)
+    gap_slope = np.eye(len(z)) - inward @ outward
     whitened = np.linalg.solve(variance, np.column_stack([gap, gap_slope]))
     hold = HOLD / aim.probes
     return State(
         z,
         float(loss + hold * gap @ whitened[:, 0]),
         weighted @ error + hold * gap_slope.T @ whitened[:, 0],
-        weighted @ outward + hold * gap_slope.T @ whitened[:, 1:],
+        weighted @ seen + hold * gap_slope.T @ whitened[:, 1:],
     )
