@@ -108,11 +108,14 @@ class Contest:
         environments: exposed.
         weights: Urushi's networks, as `urushi.encode` takes them.
         folder: where results are kept.
+        code: by contender, a hash of the code and networks that its results depend on, as they were
+            when all began.
     """
 
     environments: list[Environment]
     weights: str
     folder: Path
+    code: dict[str, str]
 
     def hold(self, material: Measured, names: list[str]) -> None:
         """Write the results that are not kept yet."""
@@ -137,10 +140,7 @@ class Contest:
         digest = hashlib.sha256(material.digest())
         for environment in self.environments:
             digest.update(environment.radiance.tobytes())
-        if name in ("encoded", "refined"):
-            digest.update(shipped.find(self.weights).fingerprint.encode())
-        for module in (sphere, image_metrics, *_code(name)):
-            digest.update(inspect.getsource(module).encode())
+        digest.update(self.code[name].encode())
         label = name.replace(" ", "-")
         return self.folder / f"{material.name}.{label}.{digest.hexdigest()[:16]}.json"
 
@@ -195,15 +195,24 @@ class Judge:
         return Result(looks[place], self.error(made[place].f), seconds)
 
 
-def _code(name: str) -> list[ModuleType]:
-    """The modules that a contender's results depend on most."""
-    if name in ("encoded", "refined"):
-        return [energy, refine]
-    if name == "NBRDF":
+def code(names: list[str], weights: str) -> dict[str, str]:
+    """A hash, by contender, of the code that its results depend on most, and of networks."""
+    urushis, analytic = [energy, refine], [fitting, lobes]
+    modules: dict[str, list[ModuleType]] = {"encoded": urushis, "refined": urushis, "Mitsuba": []}
+    modules |= {"GGX": analytic, "two GGX": analytic}
+    if "NBRDF" in names:
         from urushi.train import nbrdf as training  # lazily: JAX
 
-        return [nbrdf, training]
-    return [] if name == "Mitsuba" else [fitting, lobes]
+        modules["NBRDF"] = [nbrdf, training]
+    result = {}
+    for name in names:
+        digest = hashlib.sha256()
+        for module in (sphere, image_metrics, *modules[name]):
+            digest.update(inspect.getsource(module).encode())
+        if name in ("encoded", "refined"):
+            digest.update(shipped.find(weights).fingerprint.encode())
+        result[name] = digest.hexdigest()
+    return result
 
 
 def _mitsuba(path: Path) -> Brdf:

@@ -29,7 +29,7 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
 
 import numpy as np
-from benchmarks.contenders import NAMES, Contest, Measured, Result
+from benchmarks.contenders import NAMES, Contest, Measured, Result, code
 from tqdm import tqdm
 
 import urushi
@@ -216,7 +216,10 @@ def main() -> None:
     lights = [environment.read(path) for path in maps] if maps else environment.own()
     folder = new_folder(options.folder)
     contest = Contest(
-        [sphere.exposed(light) for light in lights], options.weights, new_folder(folder / "rows")
+        [sphere.exposed(light) for light in lights],
+        options.weights,
+        new_folder(folder / "rows"),
+        code(options.contenders, options.weights),
     )
     sets = find_sets(options.data, options.materials)
     compete(contest, sets, options.contenders, options.jobs)
