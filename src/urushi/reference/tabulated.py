@@ -97,7 +97,7 @@ class Lookup:
         z = k - before
         before = type(i)(dr.select(before < 0, turn - 1, before))
         after = dr.select(before + 1 >= turn, 0, before + 1)
-        result = 0
+        result: Any = 0
         for a, weight_i in ((i, 1 - x), (i + 1, x)):
             for b, weight_j in ((j, 1 - y), (j + 1, y)):
                 row = (a * difference + b) * turn
