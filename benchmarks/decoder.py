@@ -38,7 +38,7 @@ def forms(weights: str) -> dict[str, Callable[[], object]]:
     model = shipped.find(weights)
     rng = np.random.default_rng(0)
     codes = rng.normal(size=(64 * 64, 3, model.arch.latent)).astype(np.float32)
-    store = Store(packing.layout(model, 3), 64, 64, mipped=True)
+    store = Store(model, packing.layout(model, 3), 64, 64, mipped=True)
     with store.writing() as write:
         write(np.arange(len(codes)), codes)
     grid = Grid(64, 64, IDENTITY, "repeat", False)
