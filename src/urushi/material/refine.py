@@ -31,7 +31,7 @@ STEPS = 20
 #: How much a code's distance from what the encoder makes weighs against its error. Less comes
 #: closer to odd BRDFs, and makes layering over them worse, slowly down to 0.2; without it layering
 #: fails (`python -m benchmarks.refinement`).
-HOLD = 0.5
+HOLD = 2.0
 
 #: The nodes' share of the error, where their values are known; and the power of the light they
 #: reflect that weighs them.
