@@ -8,23 +8,10 @@ import pytest
 import urushi
 from urushi.app import cli
 from urushi.app.commands.layer import scalar_or_rgb
-from urushi.nets import shipped, weights
-from urushi.nets.architecture import Architecture, init
+
+pytestmark = pytest.mark.usefixtures("untrained")
 
 GOLD = "conductor(alpha=0.2, r0=(0.98, 0.77, 0.34))"
-
-
-@pytest.fixture(autouse=True)
-def untrained(monkeypatch, tmp_path):
-    """Untrained networks: what is tested here does not depend on how good they are."""
-    folder = tmp_path / "weights"
-    folder.mkdir()
-    for seed, name in enumerate(shipped.NAMES):
-        weights.save(folder / f"{name}.safetensors", Architecture(), init(Architecture(), seed), {})
-    monkeypatch.setattr(shipped, "folder", lambda: folder)
-    shipped.load.cache_clear()
-    yield
-    shipped.load.cache_clear()
 
 
 def test_encode_a_description(tmp_path, capsys):

@@ -7,26 +7,15 @@ import urushi
 from urushi.app import cli
 from urushi.errors import ParameterError
 from urushi.eval import sheet, sphere
-from urushi.nets import shipped, weights
+from urushi.nets import weights
 from urushi.nets.architecture import Architecture, init
+
+pytestmark = pytest.mark.usefixtures("untrained")
 
 
 @pytest.fixture
-def materials():
+def materials(untrained):
     return [urushi.encode(urushi.diffuse(x)) for x in (0.1, 0.8, 0.3)]
-
-
-@pytest.fixture(autouse=True)
-def untrained(monkeypatch, tmp_path):
-    """Untrained networks: what is tested here does not depend on how good they are."""
-    folder = tmp_path / "weights"
-    folder.mkdir()
-    for seed, name in enumerate(shipped.NAMES):
-        weights.save(folder / f"{name}.safetensors", Architecture(), init(Architecture(), seed), {})
-    monkeypatch.setattr(shipped, "folder", lambda: folder)
-    shipped.load.cache_clear()
-    yield
-    shipped.load.cache_clear()
 
 
 def test_rows_pass_by_every_material_and_columns_are_coats(materials):

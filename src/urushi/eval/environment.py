@@ -8,6 +8,7 @@ import mitsuba as mi
 import numpy as np
 
 from urushi.errors import FileError
+from urushi.eval.periodic import bilinear
 from urushi.render.scenes import stage
 from urushi.render.scenes.stage import Light
 
@@ -127,11 +128,4 @@ def _look_up(image: np.ndarray, directions: np.ndarray) -> np.ndarray:
     x, y, z = np.moveaxis(directions, -1, 0)
     v = np.arccos(np.clip(y, -1, 1)) / np.pi * rows - 0.5
     u = np.arctan2(x, -z) / (2 * np.pi) * columns - 0.5
-    v = np.clip(v, 0, rows - 1)
-    row, column = np.floor(v).astype(np.intp), np.floor(u).astype(np.intp)
-    down, right = (v - row)[..., None], (u - column)[..., None]
-    below = np.minimum(row + 1, rows - 1)
-    left, beside = column % columns, (column + 1) % columns
-    upper = image[row, left] * (1 - right) + image[row, beside] * right
-    lower = image[below, left] * (1 - right) + image[below, beside] * right
-    return upper * (1 - down) + lower * down
+    return bilinear(image, np.clip(v, 0, rows - 1), u)

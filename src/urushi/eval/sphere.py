@@ -19,6 +19,7 @@ from functools import cache
 import numpy as np
 
 from urushi.eval.environment import AZIMUTHS, ELEVATIONS, Environment
+from urushi.eval.periodic import bilinear
 from urushi.material.chunks import in_chunks
 
 #: Circles of pixels: half the pictures' width and height.
@@ -192,10 +193,4 @@ def _cartesian(polar: np.ndarray) -> np.ndarray:
     x, y = _pixels()
     radius = np.clip(np.hypot(x, y) - 0.5, 0, RINGS - 1)
     turn = np.arctan2(y, x) / (2 * np.pi) * AZIMUTHS
-    ring, column = np.floor(radius).astype(np.intp), np.floor(turn).astype(np.intp)
-    outward, onward = (radius - ring)[..., None], (turn - column)[..., None]
-    outer = np.minimum(ring + 1, RINGS - 1)
-    left, beside = column % AZIMUTHS, (column + 1) % AZIMUTHS
-    inner = polar[ring, left] * (1 - onward) + polar[ring, beside] * onward
-    beyond = polar[outer, left] * (1 - onward) + polar[outer, beside] * onward
-    return (inner * (1 - outward) + beyond * outward) * mask()[..., None]
+    return bilinear(polar, radius, turn) * mask()[..., None]
