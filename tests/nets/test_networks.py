@@ -6,6 +6,9 @@ from urushi.nets import decoder, encoder, layerer, sampler
 from urushi.nets.architecture import SCALE, Architecture, init
 from urushi.nets.features import MIN_ALPHA, coat_features, direction_features
 from urushi.nets.mlp import activate, linear
+from urushi.nets.networks import UrushiNetworks
+from urushi.nets.paper.architecture import PaperArchitecture
+from urushi.nets.paper.networks import PaperNetworks
 from urushi.nets.probes import probe_pairs
 
 
@@ -124,3 +127,15 @@ def test_scaling_codes_scales_f_alike_for_all_pairs(networks, pairs):
     scaled = decoder.decode(params, arch, decoder.scaled(z, factor), features)
     assert np.allclose(scaled, factor * f, rtol=1e-5)  # single precision of the exponent
     assert np.array_equal(scaled[1], f[1])
+
+
+def test_networks_answer_whether_they_encode_in_one_pass(networks, pairs):
+    arch, params = networks
+    own, paper = UrushiNetworks(params, arch), PaperNetworks({}, PaperArchitecture())
+    assert paper.one_pass is None
+    rows = np.random.default_rng(9).uniform(0, 2, (3, arch.probes)).astype(np.float32)
+    codes, slopes = own.one_pass.encode_log(encoder.log_values(rows))
+    np.testing.assert_allclose(codes, own.encode(rows), atol=1e-4)
+    logs, _ = own.one_pass.decode_log(codes[:, None], direction_features(*pairs))
+    np.testing.assert_allclose(np.exp(logs), own.f(codes[:, None], *pairs), rtol=1e-4)
+    assert slopes.shape == (3, arch.latent, arch.probes)

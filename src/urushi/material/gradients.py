@@ -14,7 +14,6 @@ from urushi.errors import ParameterError
 from urushi.material import energy
 from urushi.material.cores import fill
 from urushi.nets import tangents
-from urushi.nets.architecture import Architecture
 from urushi.nets.features import direction_features
 from urushi.nets.jacobian import decode_log
 from urushi.nets.networks import Coat
@@ -30,7 +29,7 @@ def check(model: Model, where: str) -> None:
     Raises:
         ParameterError: they are the paper's.
     """
-    if not isinstance(model.arch, Architecture):
+    if model.networks.one_pass is None:
         raise ParameterError(
             f"{where}: gradients are asked for, but the weights are of the paper's networks, which "
             "have none here; use 'base' or 'small'"

@@ -16,7 +16,7 @@ import numpy as np
 from urushi.material import regression
 from urushi.material.cores import fill
 from urushi.material.regression import Features
-from urushi.nets.networks import UrushiNetworks
+from urushi.nets.networks import OnePass
 from urushi.nets.weights import Model
 
 #: Codes that the regression is fitted to; textures of no more are decoded as they are.
@@ -55,7 +55,7 @@ class Codes:
 class Decoded(NamedTuple):
     """Values at the probe pairs and the remainder, by decoding."""
 
-    networks: UrushiNetworks
+    networks: OnePass
 
     def lift(self, z: np.ndarray) -> np.ndarray:
         """f (n, P) and z - E(f)."""
@@ -113,14 +113,15 @@ def of(model: Model, read: Callable[[np.ndarray], np.ndarray], count: int) -> Sp
 
     The sample's seed is fixed.
     """
-    if not isinstance(model.networks, UrushiNetworks):
+    networks = model.networks.one_pass
+    if networks is None:
         return Codes()
-    exact = Decoded(model.networks)
+    exact = Decoded(networks)
     if count <= SAMPLE:
         return exact
     rng = np.random.default_rng(0)
     z = read(rng.integers(count, size=SAMPLE)).astype(np.float32)
-    pairs = len(model.networks.pairs()[0])
+    pairs = len(networks.pairs()[0])
     known = np.empty((len(z), pairs + z.shape[1]), np.float32)
     fill(known, exact.lift, z)
     logs = np.log(known[:, :pairs]).astype(np.float64) - z[:, :1]

@@ -22,8 +22,7 @@ from urushi.material import energy
 from urushi.material.cores import one_thread
 from urushi.nets.encoder import OFFSET, log_values
 from urushi.nets.features import direction_features
-from urushi.nets.jacobian import decode_log, encode_log
-from urushi.nets.networks import Networks, UrushiNetworks
+from urushi.nets.networks import Networks, OnePass
 
 #: Steps that are tried, each for one pass of decoder and encoder and back.
 STEPS = 20
@@ -82,7 +81,7 @@ class Wanted(NamedTuple):
     probes: int
 
 
-def wanted(networks: UrushiNetworks, f: np.ndarray, nodes: np.ndarray | None = None) -> Wanted:
+def wanted(networks: OnePass, f: np.ndarray, nodes: np.ndarray | None = None) -> Wanted:
     """From values f (P,) [1/sr] at `networks.pairs`, and (M,) at the nodes of `energy.rule`."""
     count, features = len(f), direction_features(*networks.pairs())
     weights = np.full(count, 1.0 / count)
@@ -108,19 +107,18 @@ def refined(networks: Networks, f: np.ndarray, nodes: np.ndarray | None = None) 
 
     nodes: (C, M), the BRDFs' values at the nodes of `energy.rule`, if they are known.
     """
-    if not isinstance(networks, UrushiNetworks):
+    encoder = networks.one_pass
+    if encoder is None:
         return networks.encode(f)
     rows = np.ascontiguousarray(f)
     further = [None] * len(rows) if nodes is None else np.ascontiguousarray(nodes)
     with one_thread():
-        aims = [wanted(networks, *both) for both in zip(rows, further, strict=True)]
-        starts = (networks.encode(row[None])[0] for row in rows)
-        return np.stack([improved(networks, z, aim) for z, aim in zip(starts, aims, strict=True)])
+        aims = [wanted(encoder, *both) for both in zip(rows, further, strict=True)]
+        starts = (encoder.encode(row[None])[0] for row in rows)
+        return np.stack([improved(encoder, z, aim) for z, aim in zip(starts, aims, strict=True)])
 
 
-def improved(
-    networks: UrushiNetworks, z: np.ndarray, aim: Wanted, steps: int = STEPS
-) -> np.ndarray:
+def improved(networks: OnePass, z: np.ndarray, aim: Wanted, steps: int = STEPS) -> np.ndarray:
     """Return a code float32 (L,) that is closer to its aim than z (L,), or as close.
 
     Every step is damped, and kept only where it lowers the objective.
@@ -136,25 +134,24 @@ def improved(
     return state.z
 
 
-def objective(networks: UrushiNetworks, z: np.ndarray, aim: Wanted) -> float:
+def objective(networks: OnePass, z: np.ndarray, aim: Wanted) -> float:
     """What `improved` minimises, of a code z (L,)."""
     return _at(networks, z, aim).objective
 
 
-def _at(networks: UrushiNetworks, z: np.ndarray, aim: Wanted) -> State:
+def _at(networks: OnePass, z: np.ndarray, aim: Wanted) -> State:
     """The state at a code z (L,).
 
     The encoder's Jacobian J (L, P) makes of changes d of D(z) changes J d of its code. The least d
     that reaches the gap g = z - E(D(z)) has the square g' (J J')^-1 g, which is the second term;
     its derivatives leave out how J itself changes.
     """
-    params, arch = networks
-    log_f, slopes = decode_log(params, arch, z, aim.features)
+    log_f, slopes = networks.decode_log(z, aim.features)
     f = np.exp(log_f)
     seen = (slopes * (f / (f + UNSEEN))[:, None]).astype(np.float64)  # dl/dz, (N, L)
     probed, slopes = f[: aim.probes], slopes[: aim.probes]
     outward = (slopes * (probed / (probed + OFFSET))[:, None]).astype(np.float64)  # dD/dz, (P, L)
-    code, inward = (x.astype(np.float64) for x in encode_log(params, arch, log_values(probed)))
+    code, inward = (x.astype(np.float64) for x in networks.encode_log(log_values(probed)))
     variance = inward @ inward.T
     variance += LEAST_VARIANCE * np.trace(variance) / len(z) * np.eye(len(z))
     gap, error = z - code, (np.log(f + UNSEEN) - aim.logs).astype(np.float64)

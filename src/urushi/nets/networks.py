@@ -5,7 +5,7 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from urushi.nets import decoder, encoder, layerer, lobes, sampler
+from urushi.nets import decoder, encoder, jacobian, layerer, lobes, sampler
 from urushi.nets.architecture import Architecture, Params
 from urushi.nets.features import coat_features, direction_features
 from urushi.nets.probes import probe_pairs
@@ -65,8 +65,22 @@ class Networks(Protocol):
     def scaled(self, z: Any, factor: Any) -> Any:
         """Codes (..., 32) whose f is `factor` (...) > 0 times that of z; z if not `scalable`."""
 
+    @property
+    def one_pass(self) -> "OnePass | None":
+        """These networks, if `encode` is one pass of a network; None if it is an optimisation."""
+
     def proposal(self, z: Any, wi: Any) -> Proposal:
         """The sampling proposal of codes z (..., 32) for wi (..., 3) above the horizon."""
+
+
+class OnePass(Networks, Protocol):
+    """Networks that encode in one pass: quickly, and with derivatives known."""
+
+    def decode_log(self, z: Any, features: Any) -> tuple[Any, Any]:
+        """See `jacobian.decode_log`."""
+
+    def encode_log(self, logs: Any) -> tuple[Any, Any]:
+        """See `jacobian.encode_log`."""
 
 
 class LobeMixture(NamedTuple):
@@ -119,6 +133,19 @@ class UrushiNetworks(NamedTuple):
     def scaled(self, z: Any, factor: Any) -> Any:
         """Exactly, for all pairs of directions alike."""
         return decoder.scaled(z, factor)
+
+    @property
+    def one_pass(self) -> "UrushiNetworks":
+        """Yes."""
+        return self
+
+    def decode_log(self, z: Any, features: Any) -> tuple[Any, Any]:
+        """Logarithmic values and their derivatives with respect to the code."""
+        return jacobian.decode_log(self.params, self.arch, z, features)
+
+    def encode_log(self, logs: Any) -> tuple[Any, Any]:
+        """Codes and their derivatives with respect to logarithmic values."""
+        return jacobian.encode_log(self.params, self.arch, logs)
 
     def proposal(self, z: Any, wi: Any) -> LobeMixture:
         """GGX reflection lobes and a cosine lobe."""

@@ -91,6 +91,11 @@ class PaperNetworks:
         """The codes as they are."""
         return z
 
+    @property
+    def one_pass(self) -> None:
+        """No: a projection optimises."""
+        return None
+
     def proposal(self, z: Any, wi: Any) -> GaussianMixture:
         """A Gaussian and a cosine lobe, the same for all wi."""
         return proxy(self._params, z)
