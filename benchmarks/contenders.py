@@ -219,7 +219,7 @@ def _mitsuba(path: Path) -> Brdf:
     """Mitsuba's own plugin on an RGL file."""
     import mitsuba as mi
 
-    from urushi.render import probing
+    from urushi.render.reading import probing
 
     mi.set_variant("llvm_ad_rgb")
     bsdf = mi.load_dict({"type": "measured", "filename": str(path)})

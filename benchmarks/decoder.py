@@ -31,9 +31,9 @@ def forms(weights: str) -> dict[str, Callable[[], object]]:
     from urushi.material import packing
     from urushi.material.store import Store
     from urushi.nets import shipped
-    from urushi.render.decoder import Decoder
-    from urushi.render.grid import IDENTITY, Grid
-    from urushi.render.latents import ConstantLatents, TexturedLatents
+    from urushi.render.codes.latents import ConstantLatents, TexturedLatents
+    from urushi.render.networks.decoder import Decoder
+    from urushi.render.reading.grid import IDENTITY, Grid
 
     model = shipped.find(weights)
     rng = np.random.default_rng(0)

@@ -172,7 +172,7 @@ def simulated(
     coat: dict[str, float], bottom: dict[str, Any], wi: np.ndarray, wo: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Mean and standard error (N, 3) of a coat over a Mitsuba BSDF by random walks."""
-    from urushi.render import probing
+    from urushi.render.reading import probing
 
     parameters = {name: value for name, value in coat.items() if name != "eta"}
     description = {"type": "layered", "int_ior": coat["eta"], "ext_ior": 1.0, **parameters}

@@ -1,5 +1,6 @@
-"""Mitsuba 3 plugins: `layered` (the random walk), `neural_layered` and `neural_brdf` (networks).
+"""Mitsuba 3 plugins: `layered` (a random walk), `neural_layered`, `neural_brdf`, `measured_brdf`.
 
-`register.register` makes them known to Mitsuba; the networks run as Dr.Jit code with their weights
-as constants, the twins of what `urushi.nets` computes with NumPy and JAX.
+`register` makes them known to Mitsuba. In `plugins` they are defined; `reading` looks at what a
+scene gives them; `codes` makes latent codes of it, constant, textured or with gradients; `networks`
+evaluates and samples codes inside Dr.Jit's kernels; `scenes` holds the shipped scenes.
 """

@@ -32,7 +32,7 @@ def _on_variant(old: str | None, new: str) -> None:
         for name in PLUGINS:
             mi.register_bsdf(name, _refusal(name, new))
         return
-    from urushi.render import (
+    from urushi.render.plugins import (
         layered,
         measured_brdf,
         mixture_bsdf,
@@ -53,7 +53,7 @@ def _on_variant(old: str | None, new: str) -> None:
 def _teach_encode() -> None:
     """Let `urushi.encode` take Mitsuba's BSDFs."""
     from urushi.material.encode import register_adapter
-    from urushi.render.opening import open_bsdf
+    from urushi.render.reading.opening import open_bsdf
 
     register_adapter(lambda source: isinstance(source, mi.BSDF), open_bsdf)
 

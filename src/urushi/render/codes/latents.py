@@ -1,0 +1,158 @@
+"""Latent codes as a plugin holds them: one per channel, or a texture of them.
+
+Both answer the same two questions: what evaluating and sampling at a surface interaction share, a
+`Vertex`, and f of every channel there.
+"""
+
+import os
+from collections.abc import Callable
+from typing import ClassVar, NamedTuple
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from urushi.material import texture_files
+from urushi.material.material import Material
+from urushi.material.store import Store
+from urushi.material.texture_files import Place
+from urushi.nets.weights import Model
+from urushi.render.codes.latent_texture import LatentTexture, is_zero
+from urushi.render.networks import twins
+from urushi.render.networks.network import only_where
+from urushi.render.networks.twins import Mixture
+from urushi.render.reading.grid import Grid
+
+
+class Vertex(NamedTuple):
+    """What depends on the position and on wi alone.
+
+    Attributes:
+        shares: of every channel's latent code in the decoder, a list of Dr.Jit floats.
+        mixture: the proposal, that of the mean latent code over the channels.
+    """
+
+    shares: list[list]
+    mixture: Mixture
+
+
+class ConstantLatents:
+    """One latent code per channel: the first layers' share of them is computed once, here."""
+
+    DRJIT_STRUCT: ClassVar = {"_shares": list, "_proposal_share": list}  # for frozen functions
+
+    def __init__(self, model: Model, latents: np.ndarray):
+        """latents: (C, 32) float32."""
+        self._model, self._latents = model, latents
+        self._decoder, self._proposal = twins.of(model)
+        self._shares = [_opaque(share) for share in self._decoder.first_layer(latents)]
+        self._proposal_share = _opaque(self._proposal.first_layer(latents.mean(axis=0)))
+
+    def vertex(self, si, active) -> Vertex:
+        """The vertex at a surface interaction."""
+        propose = self._proposal.of_first_layer
+        return Vertex(self._shares, only_where(active, propose, self._proposal_share, si.wi.z))
+
+    def f(self, vertex: Vertex, si, wo, active) -> list:
+        """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
+        return only_where(active, self._decoder.of_first_layer, vertex.shares, si.wi, wo)
+
+    def at(self, uv: np.ndarray) -> np.ndarray:
+        """Latent codes (M, C, 32) at points uv (M, 2)."""
+        return np.broadcast_to(self._latents, (len(uv), *self._latents.shape))
+
+    @property
+    def channels(self) -> int:
+        """Codes that it has."""
+        return len(self._latents)
+
+    @property
+    def resolution(self) -> tuple[int, int] | None:
+        """Width and height of the texture; None: the same everywhere."""
+        return None
+
+    @property
+    def grid(self) -> Grid | None:
+        """The texture's grid; None: the same everywhere."""
+        return None
+
+    def save(self, path: str | os.PathLike) -> None:
+        """Write a file that `neural_brdf` and `urushi.load` read.
+
+        Raises:
+            FileError: it cannot be written.
+        """
+        Material(self._latents, self._model).save(path)
+
+    def __str__(self) -> str:
+        return f"{len(self._latents)} x {self._latents.shape[1]}"
+
+
+class TexturedLatents:
+    """A texture of latent codes in few bytes, see `material.packing`."""
+
+    DRJIT_STRUCT: ClassVar = {"_texture": object}  # for frozen functions
+
+    def __init__(self, model: Model, store: Store, grid: Grid):
+        self._store, self._fingerprint = store, model.fingerprint
+        self.grid, self.channels = grid, store.layout.channels
+        self._size, self._bytes = store.layout.size, store.layout.texel_bytes
+        self._decoder, self._proposal = twins.of(model)
+        self._texture = LatentTexture(store, grid)
+
+    def vertex(self, si, active) -> Vertex:
+        """The vertex at a surface interaction."""
+        steps = [si.duv_dx, si.duv_dy]
+        if is_zero(*steps):
+            steps = []
+        return only_where(active, self._vertex, si.wi.z, si.uv, *steps)
+
+    def f(self, vertex: Vertex, si, wo, active) -> list:
+        """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
+        return only_where(active, self._decoder.of_first_layer, vertex.shares, si.wi, wo)
+
+    def _vertex(self, cos_i, uv, *steps) -> Vertex:
+        latents = self._texture.look_up(uv, *steps)
+        mean = [sum(values) * (1 / self.channels) for values in zip(*latents, strict=True)]
+        mixture = self._proposal.of_latent(mean, cos_i)
+        return Vertex([self._decoder.share(z) for z in latents], mixture)
+
+    def at(self, uv: np.ndarray) -> np.ndarray:
+        """Latent codes (M, C, 32) at points uv (M, 2)."""
+        return looked_up(self._texture.look_up, uv)
+
+    @property
+    def resolution(self) -> tuple[int, int]:
+        """Width and height of the texture."""
+        return self.grid.width, self.grid.height
+
+    def save(self, path: str | os.PathLike) -> None:
+        """Write a file that `neural_brdf` reads.
+
+        Raises:
+            FileError: it cannot be written.
+        """
+        place = Place(self.grid.to_texture, self.grid.wrap, self.grid.nearest)
+        texture_files.write(path, self._store, place, self._fingerprint)
+
+    def __str__(self) -> str:
+        width, height = self.resolution
+        return (
+            f"{width} x {height} texels of {self.channels} x {self._size} numbers "
+            f"in {self._bytes} bytes"
+        )
+
+
+def looked_up(look_up: Callable[["mi.Point2f"], list[list]], uv: np.ndarray) -> np.ndarray:
+    """Codes (M, C, 32) that a texture's look-up gives, as lists of floats, at points uv (M, 2)."""
+    latents = look_up(mi.Point2f(np.ascontiguousarray(uv.T, np.float32)))
+    dr.eval(latents)
+    channels = [np.stack([value.numpy() for value in z], axis=-1) for z in latents]
+    return np.stack(channels, axis=1)
+
+
+def _opaque(values: np.ndarray) -> list:
+    """Dr.Jit scalars that kernels read from memory, so that all materials share their code."""
+    scalars = [mi.Float(float(value)) for value in values]
+    dr.make_opaque(scalars)
+    return scalars

@@ -1,0 +1,101 @@
+"""The plugin `neural_brdf`: a material that was saved as latent codes."""
+
+import drjit as dr
+import mitsuba as mi
+
+from urushi.errors import ParameterError
+from urushi.material import load, texture_files
+from urushi.nets import shipped, tensorfile
+from urushi.render.codes.attached import AttachedLatents
+from urushi.render.codes.latents import ConstantLatents, TexturedLatents
+from urushi.render.plugins.neural_bsdf import read_model, resolve
+from urushi.render.reading.grid import Grid
+from urushi.render.reading.parameters import describe
+
+
+def define(base: type) -> type:
+    """Make the plugin's class in the current variant; base: `neural_bsdf.define`'s class."""
+
+    class NeuralBRDF(base):
+        """A saved material (``neural_brdf``).
+
+        ============== ===================== ====================================================
+        filename       string                File that ``urushi.Material.save`` wrote, or the
+                                             method ``save`` of a ``neural_layered``, textures
+                                             included; relative to the scene file. (Required)
+        weights        string                File of the networks that the material was encoded
+                                             with, unless they are Urushi's own.
+        latents        tensor                The latent codes (channels, 32), differentiable;
+                                             exposed by ``mi.traverse``, not a property, unless
+                                             they are a texture.
+        ============== ===================== ====================================================
+
+        The material may come from a description, a simulation, a measurement or a function, and
+        may be coated and blended: see ``urushi.encode``, ``urushi.layer`` and ``urushi.lerp``.
+        Reflects on the front side only. Mono variants take the luminance of a material of three
+        channels; spectral variants treat them as bands at 611, 549 and 464 nm, linear in between.
+
+        .. tabs::
+            .. code-tab:: xml
+
+                <bsdf type="neural_brdf">
+                    <string name="filename" value="lacquer.safetensors"/>
+                </bsdf>
+
+            .. code-tab:: python
+
+                'type': 'neural_brdf',
+                'filename': 'lacquer.safetensors'
+
+        After Fan, Wang, Hašan, Yang and Yan, Neural Layered BRDFs, SIGGRAPH 2022.
+        """
+
+        latents: ConstantLatents | TexturedLatents
+
+        def __init__(self, props):
+            super().__init__(props)
+            where = describe(props)
+            if "filename" not in props:
+                raise ParameterError(
+                    f"{where} has no filename; give the file of a material saved by Material.save"
+                )
+            self._filename = props["filename"]
+            named = read_model(props) if "weights" in props else None
+            path = resolve(self._filename)
+            if tensorfile.kind_of(path) == texture_files.KIND:
+                self._tensor = None
+                models = [named] if named else [shipped.load(name) for name in shipped.NAMES]
+                store, place, self.model = texture_files.read(path, models)
+                width, height = store.levels[0]
+                grid = Grid(width, height, place.to_texture, place.wrap, place.nearest)
+                self.latents = TexturedLatents(self.model, store, grid)
+            else:
+                material = load(path, named)
+                self.model = material.model
+                self._tensor = mi.TensorXf(material.latents)
+                self.latents = ConstantLatents(self.model, material.latents)
+            if self.latents.channels not in (1, 3):
+                raise ParameterError(
+                    f"{where}: '{self._filename}' has {self.latents.channels} channels; "
+                    "only materials of one or three can be rendered"
+                )
+
+        def traverse(self, callback):
+            if self._tensor is not None:
+                callback.put("latents", self._tensor, mi.ParamFlags.Differentiable)
+
+        def parameters_changed(self, keys):
+            if self._tensor is None:
+                return
+            if dr.grad_enabled(self._tensor):
+                self.latents = AttachedLatents(self.model, self._tensor)
+            else:
+                self.latents = ConstantLatents(self.model, self._tensor.numpy())
+
+        def to_string(self):
+            return (
+                f'NeuralBRDF[\n  filename = "{self._filename}",\n  latents = {self.latents},\n'
+                f"  weights = {self.model.fingerprint}\n]"
+            )
+
+    return NeuralBRDF

@@ -1,0 +1,200 @@
+"""The grid of texels on which a plugin's textures are baked: its resolution and place in uv.
+
+Textures that share one transform are baked in their own space, so that a pattern that is repeated
+by its transform is baked once and has no seam, whatever the transform.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from urushi.errors import ParameterError
+from urushi.render import spectrum
+from urushi.render.reading.parameters import is_varying
+
+#: Texels per side for textures that have no resolution of their own, and the largest side that is
+#: chosen without being asked for.
+PROCEDURAL, LARGEST = 256, 2048
+
+#: Points at which a bitmap is looked at to learn how it repeats and filters.
+POINTS = 64
+
+
+class Grid(NamedTuple):
+    """Texels over the unit square of texture space.
+
+    Attributes:
+        width, height: texels per side.
+        to_texture: the affine map (2, 3), as nested tuples, from uv to texture space.
+        wrap: what continues it beyond the unit square: "repeat", "mirror" or "clamp".
+        nearest: whether the nearest texel is taken as it is, without interpolation.
+    """
+
+    width: int
+    height: int
+    to_texture: tuple[tuple[float, float, float], tuple[float, float, float]]
+    wrap: str
+    nearest: bool
+
+    @property
+    def texels(self) -> int:
+        """Texels in all."""
+        return self.width * self.height
+
+    def uv(self, start: int = 0, stop: int | None = None) -> np.ndarray:
+        """The uv (M, 2) of texel centres in a range of them, row by row."""
+        index = np.arange(start, self.texels if stop is None else stop)
+        x = (index % self.width + 0.5) / self.width
+        y = (index // self.width + 0.5) / self.height
+        return from_texture(self.to_texture, np.stack([x, y], axis=-1))
+
+
+IDENTITY = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+
+
+def from_texture(to_texture: tuple, points: np.ndarray) -> np.ndarray:
+    """The uv (M, 2) of points of texture space (M, 2)."""
+    if to_texture == IDENTITY:
+        return points
+    matrix = np.array(to_texture)
+    return np.linalg.solve(matrix[:, :2], (points - matrix[:, 2]).T).T
+
+
+def choose(
+    textures: Sequence["mi.Texture"], nested: Grid | None, resolution: int, where: str
+) -> Grid | None:
+    """The grid that does textures justice, and codes that are a texture already; None: constant.
+
+    Args:
+        textures: those that depend on the position.
+        nested: the grid of the bottom's codes, if it has one.
+        resolution: texels per side, 0 to choose.
+        where: begins errors and warnings.
+
+    Raises:
+        ParameterError: a texture is a mesh attribute.
+    """
+    grids = [_of(texture, where) for texture in textures] + ([nested] if nested else [])
+    if not grids:
+        return None
+    spaces = {np.array(grid.to_texture).round(6).tobytes() for grid in grids}
+    wraps = {grid.wrap for grid in grids}
+    wrap = wraps.pop() if len(wraps) == 1 else "repeat"
+    if len(spaces) == 1:
+        place, sizes = grids[0].to_texture, [(grid.width, grid.height) for grid in grids]
+    else:
+        place, wrap, sizes = IDENTITY, "repeat", [_over_uv(grid) for grid in grids]
+        if any(not _seamless(grid) for grid in grids):
+            mi.Log(
+                mi.LogLevel.Warn,
+                f"{where}: its textures have different to_uv transforms, one of which does not map "
+                "the unit square of uv onto whole repetitions: a seam is left where uv repeats; "
+                "give all textures the same to_uv",
+            )
+    width, height = (min(max(side), LARGEST) for side in zip(*sizes, strict=True))
+    nearest = all(grid.nearest for grid in grids)
+    if resolution:
+        width = height = resolution
+    return Grid(width, height, place, wrap, nearest)
+
+
+def varying_textures(root: "mi.Object") -> list["mi.Texture"]:
+    """The textures that depend on the position, anywhere in a scene object."""
+    found, seen, waiting = [], set(), [root]
+    while waiting:
+        node = waiting.pop()
+        if id(node) in seen:
+            continue
+        seen.add(id(node))
+        if isinstance(node, mi.Texture) and is_varying(node):
+            found.append(node)
+        waiting += _children(node)
+    return found
+
+
+def _children(node: "mi.Object") -> list["mi.Object"]:
+    children = []
+
+    class Collector(mi.TraversalCallback):
+        def put(self, name, value, flags, cpptype=None):
+            if isinstance(value, mi.Object):
+                children.append(value)
+
+        def put_value(self, name, value, flags, cpptype=None):
+            pass
+
+        def put_object(self, name, value, flags):
+            if value is not None:
+                children.append(value)
+
+    node.traverse(Collector())
+    return children
+
+
+def _of(texture: "mi.Texture", where: str) -> Grid:
+    """A texture's own grid."""
+    if texture.class_name() == "MeshAttribute":
+        raise ParameterError(
+            f"{where} cannot bake mesh attributes, which are given on a mesh and not over uv; "
+            "use a texture, or the plugin 'layered'"
+        )
+    parameters = mi.traverse(texture)
+    place = IDENTITY
+    if "to_uv" in parameters:
+        matrix = np.asarray(parameters["to_uv"].matrix.numpy(), np.float64).reshape(3, 3)
+        (a, b, c), (d, e, f) = matrix[:2].tolist()
+        place = (a, b, c), (d, e, f)
+    width, height = texture.resolution()
+    if width * height <= 1:
+        return Grid(PROCEDURAL, PROCEDURAL, place, "repeat", False)
+    return Grid(width, height, place, *_addressing(texture, place, width, height))
+
+
+def _addressing(texture: "mi.Texture", place: tuple, width: int, height: int) -> tuple[str, bool]:
+    """How a bitmap goes on beyond its unit square, and whether it takes the nearest texel.
+
+    It does not tell: it is looked at.
+    """
+    rng = np.random.default_rng(0)
+    size = np.array([width, height])
+    texel = rng.integers(size, size=(POINTS, 2))
+    inside = (texel + 0.5) / size
+    outside = inside + 1
+    mirrored, clamped = 1 - inside, np.broadcast_to(1 - 0.5 / size, inside.shape)
+    shifted = (texel + 0.75) / size
+    values = [
+        _values(texture, from_texture(place, points))
+        for points in (outside, inside, mirrored, clamped, shifted)
+    ]
+    error = [np.abs(values[0] - other).max() for other in values[1:4]]
+    spread = max(np.ptp(values[1]), 1e-6)
+    wrap = ("repeat", "mirror", "clamp")[int(np.argmin([max(e, 0.01 * spread) for e in error]))]
+    nearest = bool(np.abs(values[4] - values[1]).max() < 1e-4 * spread)
+    return wrap, nearest and np.ptp(values[1]) > 0
+
+
+def _values(texture: "mi.Texture", uv: np.ndarray) -> np.ndarray:
+    """One number of a texture (M,) at points uv (M, 2)."""
+    si = dr.zeros(mi.SurfaceInteraction3f, len(uv))
+    si.uv = mi.Point2f(np.ascontiguousarray(uv.T, np.float32))
+    spectrum.set_bands(si)
+    try:
+        value = texture.eval(si)[0]
+    except RuntimeError:  # three raw numbers are no spectrum in some variants
+        value = texture.eval_3(si)[0]
+    return np.broadcast_to(value.numpy(), len(uv)).astype(np.float64)
+
+
+def _over_uv(grid: Grid) -> tuple[int, int]:
+    """Texels over the unit square of uv, repetitions by the transform included."""
+    scale = np.abs(np.array(grid.to_texture))[:, :2].max(axis=1)
+    return max(round(grid.width * scale[0]), 1), max(round(grid.height * scale[1]), 1)
+
+
+def _seamless(grid: Grid) -> bool:
+    """Whether a texture repeats with the unit square of uv."""
+    linear = np.array(grid.to_texture)[:, :2]
+    return grid.wrap == "repeat" and bool(np.abs(linear - linear.round()).max() < 1e-4)

@@ -1,0 +1,209 @@
+"""What `layered` and `neural_layered` are given: a coat's parameters and the BSDF under it."""
+
+from typing import ClassVar, NamedTuple
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from urushi import checks
+from urushi.errors import ParameterError
+from urushi.render import spectrum
+from urushi.render.reading import ior
+
+#: A coat's parameters that may be textures, and their values when they are not given.
+DEFAULTS = {"alpha": 0.1, "albedo": 0.0, "sigma_t": 0.0, "g": 0.0}
+_CHECKS = {
+    "alpha": checks.alpha,
+    "eta": checks.eta,
+    "albedo": checks.albedo,
+    "sigma_t": checks.sigma_t,
+    "g": checks.g,
+}
+
+
+class CoatValues(NamedTuple):
+    """A coat at a point: alpha and eta Dr.Jit floats, the others spectra."""
+
+    alpha: "mi.Float"
+    eta: "mi.Float"
+    albedo: "mi.Spectrum"
+    sigma_t: "mi.Spectrum"
+    g: "mi.Spectrum"
+
+
+class CoatParameters:
+    """A coat as it is read from a plugin's properties: textures, and the relative index `eta`."""
+
+    DRJIT_STRUCT: ClassVar = {"textures": dict, "opaque_eta": object}  # for frozen functions
+
+    def __init__(self, props: "mi.Properties"):
+        self.where = describe(props)
+        self.textures = {name: self._texture(props, name) for name in DEFAULTS}
+        ext_ior = ior.read(props, "ext_ior", "air", f"{self.where}: ext_ior")
+        if not ext_ior > 0:
+            raise ParameterError(f"{self.where}: ext_ior is {ext_ior:g}; it must be positive")
+        if "int_ior" in props and props.type("int_ior") == mi.Properties.Type.Object:
+            self.textures["int_ior"] = self._texture(props, "int_ior")
+            self.opaque_eta = opaque(1 / ext_ior)
+        else:
+            int_ior = ior.read(props, "int_ior", "bk7", f"{self.where}: int_ior")
+            ratio = checks.eta(int_ior / ext_ior, f"{self.where}: int_ior / ext_ior")
+            self.opaque_eta = opaque(float(ratio))
+
+    def evaluate(self, si, active) -> CoatValues:
+        """The coat's parameters at a surface interaction."""
+        textures, eta = self.textures, self.opaque_eta
+        if self.has_textured_eta:
+            eta = eta * textures["int_ior"].eval_1(si, active)
+        return CoatValues(
+            textures["alpha"].eval_1(si, active),
+            eta,
+            *(textures[name].eval(si, active) for name in ("albedo", "sigma_t", "g")),
+        )
+
+    def table(self, uv: np.ndarray) -> dict[str, np.ndarray]:
+        """Checked parameters at points uv (M, 2): alpha and eta (M, 1), the others (M, channels).
+
+        Raises:
+            ParameterError: a value is out of range.
+        """
+        si = dr.zeros(mi.SurfaceInteraction3f, len(uv))
+        si.uv = mi.Point2f(np.ascontiguousarray(uv.T, np.float32))
+        spectrum.set_bands(si)
+        values = self.evaluate(si, mi.Bool(True))._asdict()
+        dr.eval(values)
+        table = {}
+        for name, value in values.items():
+            channels = [value] if name in ("alpha", "eta") else spectrum.to_channels(value)
+            rows = [np.broadcast_to(channel.numpy(), len(uv)) for channel in channels]
+            # Six digits: 0.01 in single precision is less than 0.01 in double.
+            array = np.stack(rows, axis=-1).astype(np.float64).round(6)
+            known = "int_ior / ext_ior" if name == "eta" else name
+            table[name] = _CHECKS[name](array, f"{self.where}: {known}", any_shape=True)
+        return table
+
+    @property
+    def varying(self) -> list["mi.Texture"]:
+        """The textures that depend on the position."""
+        return [texture for texture in self.textures.values() if is_varying(texture)]
+
+    @property
+    def has_textured_eta(self) -> bool:
+        """Whether `int_ior` is a texture, which `opaque_eta`, 1 / ext_ior, is multiplied with."""
+        return "int_ior" in self.textures
+
+    @property
+    def eta(self) -> float:
+        """The relative index of refraction, unless it is textured."""
+        return float(self.opaque_eta.numpy()[0])
+
+    def traverse(self, callback, flags: "mi.ParamFlags") -> None:
+        """Show the textures and `eta` to `mi.traverse`."""
+        for name, texture in self.textures.items():
+            callback.put(name, texture, flags)
+        if not self.has_textured_eta:
+            callback.put("eta", self.opaque_eta, flags)
+
+    def parameters_changed(self) -> None:
+        """Look at an `eta` that `mi.traverse` has changed.
+
+        Raises:
+            ParameterError: it is out of range.
+        """
+        if not self.has_textured_eta:
+            checks.eta(self.eta, f"{self.where}: eta")
+        dr.make_opaque(self.opaque_eta)
+
+    def __str__(self) -> str:
+        lines = [f"  {name} = {_indent(texture)}" for name, texture in self.textures.items()]
+        if not self.has_textured_eta:
+            lines.append(f"  eta = {self.eta:g}")
+        return ",\n".join(lines)
+
+    def _texture(self, props: "mi.Properties", name: str) -> "mi.Texture":
+        kind = props.type(name) if name in props else None
+        if mi.is_spectral and kind == mi.Properties.Type.Color:
+            color = [float(value) for value in props[name]]
+            if min(color) < 0:
+                raise ParameterError(
+                    f"{self.where}: {name} has a negative channel, which spectral variants cannot "
+                    "represent; give one number"
+                )
+            texture = mi.load_dict(spectrum.from_color(color))
+        else:
+            try:
+                texture = props.get_unbounded_texture(name, DEFAULTS.get(name, 1.5))
+            except RuntimeError as error:
+                raise ParameterError(
+                    f"{self.where}: {name} must be a number, a spectrum or a texture"
+                ) from error
+        if name == "alpha" and kind in (mi.Properties.Type.Color, mi.Properties.Type.Spectrum):
+            raise ParameterError(
+                f"{self.where}: alpha must be a number or a texture; all channels share it"
+            )
+        return texture
+
+
+def opaque(value: float) -> "mi.Float":
+    """A Dr.Jit scalar that kernels read from memory, so that plugins of a kind share their code."""
+    scalar = mi.Float(value)
+    dr.make_opaque(scalar)
+    return scalar
+
+
+def describe(props: "mi.Properties") -> str:
+    """The plugin's name and, where the user gave one, its id, to begin an error with."""
+    name = props.id()
+    return props.plugin_name() + (f" '{name}'" if name and not name.startswith("__") else "")
+
+
+def nested_bsdf(props: "mi.Properties") -> "mi.BSDF":
+    """The one BSDF among the properties, by whatever name; call this before reading textures.
+
+    (Looking at the objects makes Mitsuba forget which of them were read.)
+
+    Raises:
+        ParameterError: there is none, or more than one.
+    """
+    found = [
+        (name, value)
+        for name, value in props.objects(mark_queried=False)
+        if isinstance(value, mi.BSDF)
+    ]
+    if len(found) != 1:
+        named = ", ".join(f"'{name}'" for name, _ in found)
+        amount = f"{len(found)} nested BSDFs ({named})" if found else "no nested BSDF"
+        raise ParameterError(
+            f"{describe(props)} has {amount}; nest exactly one, the bottom under the coat"
+        )
+    props.mark_queried(found[0][0])
+    return found[0][1]
+
+
+def check_bottom(bsdf: "mi.BSDF", where: str) -> None:
+    """Refuse BSDFs that a coat cannot lie on: they let light through, or are mirrors.
+
+    Raises:
+        ParameterError: the BSDF transmits, or has a delta lobe.
+    """
+    flags, has = bsdf.flags(), mi.has_flag
+    if has(flags, mi.BSDFFlags.Transmission) or has(flags, mi.BSDFFlags.Null):
+        raise ParameterError(
+            f"{where}: the nested BSDF lets light through; a coat needs an opaque bottom"
+        )
+    if has(flags, mi.BSDFFlags.Delta):
+        raise ParameterError(
+            f"{where}: the nested BSDF is perfectly smooth; give its rough variant, such as "
+            "'roughconductor' of alpha 0.01"
+        )
+
+
+def is_varying(texture: "mi.Texture") -> bool:
+    """Whether a texture depends on the position."""
+    # Mesh attributes do, though they deny it.
+    return texture.is_spatially_varying() or texture.class_name() == "MeshAttribute"
+
+
+def _indent(value: object) -> str:
+    return str(value).replace("\n", "\n  ")

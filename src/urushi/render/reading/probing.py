@@ -1,0 +1,218 @@
+"""Reading a Mitsuba BSDF at pairs of directions, as the encoder wants to see it."""
+
+from typing import NamedTuple
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from urushi.errors import ParameterError
+from urushi.render import spectrum
+from urushi.render.reading.grid import Grid
+from urushi.render.reading.parameters import check_bottom
+
+#: Evaluations that are traced at once: bounds memory.
+CHUNK = 1 << 21
+
+#: Rotations about the normal over which a BSDF is averaged, and the relative deviation between
+#: them from which on the user is told.
+AZIMUTHS, ANISOTROPIC = 8, 0.05
+
+#: Evaluations at every pair of a BSDF that draws random numbers, and of all pairs together, which
+#: leaves fewer for each texel.
+REPEATS, BUDGET = 4096, 1 << 26
+
+#: Points at which a textured BSDF is asked whether it needs averaging, and the relative deviation
+#: from its averages up to which it does not.
+SOME, SAME = 64, 1e-3
+
+
+def interaction(
+    wi: np.ndarray, uv: np.ndarray, repeat: float | np.ndarray = 0.0
+) -> "mi.SurfaceInteraction3f":
+    """Surface interactions (M) seen from wi (M, 3) at uv (M, 2), with a frame that has no tilt.
+
+    `repeat`, one number or (M,), goes into the time: BSDFs that draw random numbers then draw
+    others.
+    """
+    return _interaction(_vector(wi), mi.Point2f(np.ascontiguousarray(uv.T, np.float32)), repeat)
+
+
+def _interaction(
+    wi: "mi.Vector3f", uv: "mi.Point2f", repeat: float | np.ndarray
+) -> "mi.SurfaceInteraction3f":
+    si = dr.zeros(mi.SurfaceInteraction3f, dr.width(wi))
+    si.wi, si.uv = wi, uv
+    si.time = mi.Float(repeat)
+    dr.make_opaque(si.time)  # a constant would make another kernel each time
+    si.n = mi.Normal3f(0, 0, 1)
+    si.sh_frame = mi.Frame3f(mi.Vector3f(1, 0, 0), mi.Vector3f(0, 1, 0), mi.Vector3f(0, 0, 1))
+    si.dp_du, si.dp_dv = mi.Vector3f(1, 0, 0), mi.Vector3f(0, 1, 0)
+    spectrum.set_bands(si)
+    return si
+
+
+def values(
+    bsdf: "mi.BSDF",
+    wi: np.ndarray,
+    wo: np.ndarray,
+    uv: np.ndarray,
+    repeat: float | np.ndarray = 0.0,
+) -> np.ndarray:
+    """f (M, C) [1/sr] of a BSDF for wi, wo (M, 3) above the horizon at uv (M, 2)."""
+    parts = []
+    for start in range(0, len(wi), CHUNK):
+        rows = slice(start, start + CHUNK)
+        si = interaction(wi[rows], uv[rows], repeat)
+        out = _vector(wo[rows])
+        f = bsdf.eval(mi.BSDFContext(), si, out) / out.z
+        dr.eval(f)
+        channels = [channel.numpy() for channel in spectrum.to_channels(f)]
+        parts.append(np.stack(np.broadcast_arrays(*channels, wi[rows, 0])[:-1], axis=-1))
+    return np.concatenate(parts)
+
+
+def symmetric(
+    bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, uv: np.ndarray, azimuths: int, repeats: int = 1
+) -> np.ndarray:
+    """f (M, P, C) at points uv (M, 2) for pairs (P, 3), made isotropic and reciprocal by averaging.
+
+    Every value is the mean over `azimuths` common rotations of the pair about the normal, over
+    the exchange of wi and wo, and over `repeats`, for BSDFs that draw random numbers.
+    """
+    points, pairs = len(uv), len(wi)
+    everywhere = np.repeat(uv, pairs, axis=0)
+    total = np.zeros((points * pairs, spectrum.channel_count()))
+    for index in range(azimuths):
+        a, b = (np.tile(rotated(w, index / azimuths), (points, 1)) for w in (wi, wo))
+        for repeat in range(repeats):
+            total += values(bsdf, a, b, everywhere, float(repeat))
+            total += values(bsdf, b, a, everywhere, float(repeat))
+    return (total / (2 * azimuths * repeats)).reshape(points, pairs, -1)
+
+
+class Average(NamedTuple):
+    """What a BSDF is averaged over, to be isotropic, reciprocal and without noise.
+
+    Attributes:
+        azimuths: common rotations of a pair about the normal.
+        exchanged: whether over the exchange of wi and wo as well.
+        repeats: evaluations of each, for BSDFs that draw random numbers.
+    """
+
+    azimuths: int = 1
+    exchanged: bool = False
+    repeats: int = 1
+
+
+def over_points(
+    bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, uv: np.ndarray, average: Average
+) -> np.ndarray:
+    """f float32 (M, C, P) [1/sr] at points uv (M, 2) for pairs (P, 3) above the horizon."""
+    pairs = len(wi)
+    most = max(CHUNK // pairs, 1)
+    result = np.empty((len(uv), spectrum.channel_count(), pairs), np.float32)
+    turns = [i / average.azimuths for i in range(average.azimuths)]
+    lit = [tuple(rotated(w, turn) for w in (wi, wo)) for turn in turns]
+    if average.exchanged:
+        lit += [pair[::-1] for pair in lit]
+    tables = [tuple(_vector(w) for w in pair) for pair in lit]
+    for start in range(0, len(uv), most):
+        part = uv[start : start + most]
+        texel, pair = _outer(len(part), pairs)
+        where = dr.gather(mi.Point2f, mi.Point2f(np.ascontiguousarray(part.T, np.float32)), texel)
+        total = [mi.Float(0)] * result.shape[1]
+        for repeat in range(average.repeats):
+            for table in tables:
+                a, b = (dr.gather(mi.Vector3f, w, pair) for w in table)
+                si = _interaction(a, where, float(repeat))
+                channels = spectrum.to_channels(bsdf.eval(mi.BSDFContext(), si, b) / b.z)
+                total = [x + y for x, y in zip(total, channels, strict=True)]
+                if average.repeats > 1:
+                    dr.eval(total)
+        count = average.repeats * len(tables)
+        for channel, value in enumerate(total):
+            values = np.broadcast_to((value / count).numpy(), len(part) * pairs)
+            result[start : start + most, channel] = values.reshape(len(part), pairs)
+    return result
+
+
+def _outer(rows: int, columns: int) -> tuple["mi.UInt32", "mi.UInt32"]:
+    """Row and column of every entry of a matrix, row by row."""
+    index = dr.arange(mi.UInt32, rows * columns)
+    row = index // columns
+    return row, index - row * columns
+
+
+def needed_average(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, grid: Grid) -> Average:
+    """What the values of a BSDF at pairs (P, 3) have to be averaged over, for all of a grid.
+
+    A BSDF that is isotropic and reciprocal at some of its texels is believed to be so everywhere.
+    """
+    count = repeats(bsdf, wi, wo, grid.texels)
+    whole = Average(2, True, count)
+    if count > 1:
+        return whole
+    texels = np.random.default_rng(0).integers(grid.texels, size=SOME)
+    some = np.concatenate([grid.uv(texel, texel + 1) for texel in texels])
+    once, mean = (over_points(bsdf, wi, wo, some, average) for average in (Average(), whole))
+    same = np.abs(once - mean) <= SAME * mean + 1e-5
+    return Average() if same.all() else whole
+
+
+def read(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, where: str) -> np.ndarray:
+    """f (P, C) [1/sr] at pairs (P, 3), averaged as in `symmetric`, at the middle of uv.
+
+    where: begins errors and warnings.
+
+    Raises:
+        ParameterError: the BSDF transmits, is perfectly smooth, or is negative or not finite.
+    """
+    check_bottom(bsdf, where)
+    uv, count = np.full((1, 2), 0.5), repeats(bsdf, wi, wo, 1)
+    everywhere = np.repeat(uv, len(wi), axis=0)
+    if count == 1:
+        turns = [i / AZIMUTHS for i in range(AZIMUTHS)]
+        f = np.stack([values(bsdf, rotated(wi, t), rotated(wo, t), everywhere) for t in turns])
+        spread = np.abs(f - f.mean(axis=0)).sum() / max(f.sum(), 1e-30)
+        if spread > ANISOTROPIC:
+            mi.Log(
+                mi.LogLevel.Warn,
+                f"{where}: the nested BSDF is anisotropic ({spread:.0%} over the azimuth), but "
+                "Urushi's materials are isotropic: it is averaged over the azimuth",
+            )
+    return checked(symmetric(bsdf, wi, wo, uv, AZIMUTHS, count)[0], where)
+
+
+def checked(f: np.ndarray, where: str) -> np.ndarray:
+    """Return f if it could be a BRDF's.
+
+    Raises:
+        ParameterError: it is negative or not finite somewhere.
+    """
+    if not (np.isfinite(f) & (f >= 0)).all():
+        raise ParameterError(
+            f"{where}: the nested BSDF gives a negative or not finite value; "
+            "a BRDF must be finite and at least 0"
+        )
+    return f
+
+
+def repeats(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, points: int) -> int:
+    """How often to repeat evaluations: once, unless the answer differs from time to time."""
+    uv = np.full((len(wi), 2), 0.5)
+    first, second = (values(bsdf, wi, wo, uv, time) for time in (0.0, 1.0))
+    if np.array_equal(first, second):
+        return 1
+    return max(min(REPEATS, BUDGET // (points * len(wi))) // (2 * AZIMUTHS), 1)
+
+
+def rotated(w: np.ndarray, turn: float) -> np.ndarray:
+    """Directions (M, 3) turned about the normal by a fraction of a full turn."""
+    cos, sin = np.cos(2 * np.pi * turn), np.sin(2 * np.pi * turn)
+    rotation = np.array([[cos, sin, 0], [-sin, cos, 0], [0, 0, 1]])
+    return (w @ rotation).astype(np.float32)
+
+
+def _vector(w: np.ndarray) -> "mi.Vector3f":
+    return mi.Vector3f(np.ascontiguousarray(w.T, np.float32))

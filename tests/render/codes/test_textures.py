@@ -1,0 +1,193 @@
+"""Textured parameters and textured bottoms."""
+
+import numpy as np
+import pytest
+
+from urushi.material import probe_space
+
+COAT = {"alpha": 0.2, "albedo": 0.7, "sigma_t": 0.8, "g": 0.3}
+
+
+def bitmap(mi, pixels, **properties) -> dict:
+    return {
+        "type": "bitmap",
+        "bitmap": mi.Bitmap(np.asarray(pixels, np.float32)),
+        "raw": True,
+        **properties,
+    }
+
+
+def load(mi, name, networks, **properties):
+    extra = {} if name == "layered" else {"weights": str(networks)}
+    base = {"type": "diffuse", "reflectance": 0.5}
+    return mi.load_dict({"type": name, "base": base, **extra, **COAT, **properties})
+
+
+def mean_and_error(mi, bsdf, uv, count: int = 1 << 14) -> tuple[np.ndarray, np.ndarray]:
+    """f cos averaged over directions, at points around uv, and its standard error."""
+    from urushi.render.reading import probing
+
+    rng = np.random.default_rng(0)
+    w = rng.normal(size=(2, count, 3))
+    w[..., 2] = np.abs(w[..., 2]) + 0.2
+    wi, wo = (w / np.linalg.norm(w, axis=-1, keepdims=True)).astype(np.float32)
+    si = probing.interaction(wi, np.broadcast_to(np.float32(uv), (count, 2)))
+    value = bsdf.eval(mi.BSDFContext(), si, mi.Vector3f(np.ascontiguousarray(wo.T))).numpy()
+    return value.mean(axis=1), value.std(axis=1) / count**0.5
+
+
+@pytest.mark.parametrize("name", ("layered", "neural_layered"))
+def test_a_constant_texture_is_the_constant(rgb, networks, name):
+    constant = load(rgb, name, networks)
+    textured = load(
+        rgb, name, networks, **{key: bitmap(rgb, np.full((4, 4, 1), v)) for key, v in COAT.items()}
+    )
+    (a, error_a), (b, error_b) = (
+        mean_and_error(rgb, bsdf, (0.3, 0.7)) for bsdf in (constant, textured)
+    )
+    # noise of two walks; half precision of latents
+    noise = 4 * np.hypot(error_a, error_b) if name == "layered" else 1e-2 * a
+    assert (np.abs(a - b) <= noise).all()
+
+
+@pytest.mark.parametrize("name", ("layered", "neural_layered"))
+@pytest.mark.parametrize("parameter", ("alpha", "albedo", "sigma_t", "g", "int_ior"))
+def test_every_texel_is_layered_with_its_own_values(rgb, networks, name, parameter):
+    values = np.float32([[0.2, 0.4, 0.6], [0.5, 0.9, 0.3]]) + (parameter == "int_ior")
+    textured = load(
+        rgb, name, networks, **{parameter: bitmap(rgb, values[..., None], filter_type="nearest")}
+    )
+    for row in range(2):
+        for column in range(3):
+            # Mitsuba's bitmaps have v upwards: the first row is at the top
+            uv = ((column + 0.5) / 3, (row + 0.5) / 2)
+            si = rgb.SurfaceInteraction3f()
+            si.uv = rgb.Point2f(*uv)
+            texture = rgb.load_dict(bitmap(rgb, values[..., None], filter_type="nearest"))
+            value = float(texture.eval_1(si)[0])
+            constant = load(rgb, name, networks, **{parameter: value})
+            (a, error_a), (b, error_b) = (
+                mean_and_error(rgb, bsdf, uv, 1 << 12) for bsdf in (constant, textured)
+            )
+            noise = 5 * np.hypot(error_a, error_b) if name == "layered" else 1e-2 * a
+            assert (np.abs(a - b) <= noise).all(), (row, column)
+
+
+def test_a_textured_bottom(rgb, networks):
+    pixels = np.float32([[[0.1, 0.5, 0.9], [0.8, 0.2, 0.4]]] * 2)
+    textured = load(
+        rgb,
+        "neural_layered",
+        networks,
+        base={"type": "diffuse", "reflectance": bitmap(rgb, pixels)},
+    )
+    assert textured.latents.resolution == (2, 2)
+    for column in range(2):
+        base = {"type": "diffuse", "reflectance": {"type": "rgb", "value": pixels[0, column]}}
+        constant = load(rgb, "neural_layered", networks, base=base)
+        (a, _), (b, _) = (
+            mean_and_error(rgb, bsdf, ((column + 0.5) / 2, 0.5), 4096)
+            for bsdf in (constant, textured)
+        )
+        np.testing.assert_allclose(a, b, rtol=1e-2)
+
+
+def looked_up(mi, bsdf, uv, duv=(0.0, 0.0)) -> np.ndarray:
+    """Codes (M, C, size) that are seen at points (M, 2) from pixels that lie duv apart."""
+    import drjit as dr
+
+    point = mi.Point2f(np.float32(uv).T)
+    steps = [mi.Vector2f(duv[0], 0), mi.Vector2f(0, duv[1])]
+    dr.make_opaque(steps)
+    codes = bsdf.latents._texture.look_up(point, *steps)
+    return np.array([[value.numpy() for value in z] for z in codes]).transpose(2, 0, 1)
+
+
+def grid_of_points(width: int, height: int) -> np.ndarray:
+    x, y = (np.arange(width) + 0.5) / width, (np.arange(height) + 0.5) / height
+    return np.stack(np.meshgrid(x, y), -1).reshape(-1, 2)
+
+
+def test_the_level_of_the_footprint_is_taken(rgb, networks, monkeypatch):
+    """Of levels that are plain averages, so that it is known what to expect."""
+    monkeypatch.setattr(probe_space, "of", lambda *_: probe_space.Codes())
+    rng = np.random.default_rng(0)
+    bsdf = load(rgb, "neural_layered", networks, albedo=bitmap(rgb, rng.random((8, 16, 3))))
+    fine = looked_up(rgb, bsdf, grid_of_points(16, 8))
+    np.testing.assert_array_equal(looked_up(rgb, bsdf, grid_of_points(16, 8), (0.01, 0.01)), fine)
+    # two texels along one axis or along both: the next level, averages of four
+    mean = fine.reshape(4, 2, 8, 2, *fine.shape[1:]).mean(axis=(1, 3)).reshape(32, *fine.shape[1:])
+    # texels and averages are rounded apart, each by half a step of 8 bits, averages in half
+    # precision before
+    step = 1.5 * np.ptp(fine, axis=(0, 1)) / 255 + 1e-3
+    for duv in ((2 / 16, 2 / 8), (2 / 16, 0), (0, 2 / 8)):
+        assert (np.abs(looked_up(rgb, bsdf, grid_of_points(8, 4), duv) - mean) <= step).all()
+    # between two levels, half of each
+    between = looked_up(rgb, bsdf, grid_of_points(8, 4), (2**1.5 / 16, 0))
+    coarse = looked_up(rgb, bsdf, grid_of_points(8, 4), (4 / 16, 0))
+    assert (np.abs(between - 0.5 * (mean + coarse)) <= step).all()
+    # farther away than the last level
+    last = looked_up(rgb, bsdf, rng.random((5, 2)), (100.0, 100.0))
+    assert (np.abs(last - fine.mean(axis=0)) <= 3 * step).all()
+
+
+@pytest.mark.parametrize("wrap", ("repeat", "mirror", "clamp"))
+@pytest.mark.parametrize("filter_type", ("bilinear", "nearest"))
+def test_look_ups_continue_and_filter_as_the_texture_does(rgb, networks, wrap, filter_type):
+    # Codes of black media depend on sigma_t alone, texel by texel: Mitsuba's own texture of those
+    # that were stored is the reference.
+    rng = np.random.default_rng(0)
+    properties = {"wrap_mode": wrap, "filter_type": filter_type}
+    shear = rgb.ScalarTransform3f(np.float32([[1.5, 0.25, 0.1], [-0.5, 2.2, 0.3], [0, 0, 1]]))
+    pixels = rng.random((4, 6, 1))
+    texture = bitmap(rgb, pixels, to_uv=shear, **properties)
+    bsdf = load(rgb, "neural_layered", networks, sigma_t=texture)
+    assert bsdf.latents.resolution == (6, 4)
+    plain = load(rgb, "neural_layered", networks, sigma_t=bitmap(rgb, pixels, **properties))
+    stored = looked_up(rgb, plain, grid_of_points(6, 4)).reshape(4, 6, 3, -1)
+    uv = rng.uniform(-2, 3, (256, 2))
+    codes = looked_up(rgb, bsdf, uv)
+    si = rgb.SurfaceInteraction3f()
+    si.uv = rgb.Point2f(np.float32(uv).T)
+    for number in range(0, stored.shape[-1], 7):
+        expected = rgb.load_dict(
+            bitmap(rgb, stored[:, :, :, number], to_uv=shear, **properties)
+        ).eval_3(si)
+        # weights of 8 bits; a point that is nearest to two texels may take either
+        error = np.abs(codes[:, :, number] - np.array(expected).T)
+        tolerance = 2e-2 * np.ptp(stored[..., number]) + 1e-5
+        assert (error <= tolerance).mean() > 0.98
+
+
+def test_a_textured_coat_under_another(rgb, networks):
+    rng = np.random.default_rng(0)
+    inner = load(rgb, "neural_layered", networks, albedo=bitmap(rgb, rng.random((4, 4, 3))))
+    outer = load(rgb, "neural_layered", networks, base=inner)
+    assert outer.latents.resolution == (4, 4)
+    assert np.ptp(outer.latents.at(rng.random((16, 2))), axis=0).max() > 0.01
+
+
+@pytest.mark.parametrize(
+    ("properties", "resolution"),
+    [
+        ({}, None),
+        ({"albedo": "5x3"}, (5, 3)),
+        ({"albedo": "5x3", "alpha": "procedural"}, (256, 256)),
+        ({"albedo": "5x3 twice"}, (5, 3)),
+        ({"albedo": "5x3 twice", "alpha": "5x3"}, (10, 6)),
+        ({"albedo": "procedural", "resolution": 32}, (32, 32)),
+        ({"resolution": 32}, None),
+    ],
+)
+def test_the_resolution_follows_the_textures(rgb, networks, properties, resolution):
+    pixels = np.full((3, 5, 1), 0.5)
+    textures = {
+        "5x3": bitmap(rgb, pixels),
+        "5x3 twice": bitmap(rgb, pixels, to_uv=rgb.ScalarTransform3f().scale([2, 2])),
+        "procedural": {"type": "checkerboard"},
+    }
+    chosen = {
+        key: textures[value] if isinstance(value, str) else value
+        for key, value in properties.items()
+    }
+    assert load(rgb, "neural_layered", networks, **chosen).latents.resolution == resolution

@@ -1,0 +1,179 @@
+"""The networks in Dr.Jit against the same networks in NumPy, and the truths that both keep."""
+
+import drjit as dr
+import numpy as np
+import pytest
+
+from urushi.material import Material, packing
+from urushi.material.store import Store
+from urushi.nets import features as numpy_features
+from urushi.nets import lobes as numpy_lobes
+from urushi.nets import sampler as numpy_sampler
+
+
+def hemisphere(count: int, seed: int) -> np.ndarray:
+    """Unit vectors (count, 3) above the horizon, a third of them grazing."""
+    rng = np.random.default_rng(seed)
+    w = rng.normal(size=(count, 3))
+    w[::3, 2] *= 1e-2
+    w[:, 2] = np.abs(w[:, 2])
+    return (w / np.linalg.norm(w, axis=1, keepdims=True)).astype(np.float32)
+
+
+def pairs(count: int = 4096) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs, half of them close to mirror directions."""
+    wi, wo = hemisphere(count, 1), hemisphere(count, 2)
+    noise = np.random.default_rng(3).normal(size=(count, 3)) * 0.01
+    mirrored = wi * [-1, -1, 1] + noise
+    mirrored[:, 2] = np.abs(mirrored[:, 2])
+    wo[::2] = (mirrored / np.linalg.norm(mirrored, axis=1, keepdims=True))[::2]
+    return wi, wo
+
+
+def latents(count: int, seed: int = 0) -> np.ndarray:
+    return np.random.default_rng(seed).normal(size=(count, 32)).astype(np.float32)
+
+
+@pytest.fixture
+def parts(rgb, model):
+    """Constant latents in Dr.Jit and the same material in NumPy."""
+    from urushi.render.codes.latents import ConstantLatents
+
+    z = latents(3)
+    return ConstantLatents(model, z), Material(z, model)
+
+
+def vector(mi, w):
+    return mi.Vector3f(np.ascontiguousarray(w.T))
+
+
+def interaction(mi, wi):
+    si = dr.zeros(mi.SurfaceInteraction3f, len(wi))
+    si.wi = vector(mi, wi)
+    return si
+
+
+def evaluated(latents, si, wo) -> list:
+    """f of every channel."""
+    active = dr.full(dr.mask_t(si.t), True, dr.width(wo))
+    return latents.f(latents.vertex(si, active), si, wo, active)
+
+
+def test_features_agree_with_numpy(rgb):
+    from urushi.render.networks.features import direction_features
+
+    wi, wo = pairs()
+    ours = np.stack([x.numpy() for x in direction_features(vector(rgb, wi), vector(rgb, wo))], -1)
+    # rounding of logarithms of small half angles, in units of their spread
+    np.testing.assert_allclose(ours, numpy_features.direction_features(wi, wo), atol=2e-5)
+
+
+def test_f_agrees_with_numpy(rgb, parts):
+    drjit, numpy = parts
+    wi, wo = pairs()
+    f = evaluated(drjit, interaction(rgb, wi), vector(rgb, wo))
+    np.testing.assert_allclose(
+        np.stack([x.numpy() for x in f], -1), numpy.f(wi, wo), rtol=5e-4, atol=1e-9
+    )
+
+
+def test_f_is_reciprocal_to_the_last_bit(rgb, parts):
+    drjit, _ = parts
+    wi, wo = pairs()
+    there = evaluated(drjit, interaction(rgb, wi), vector(rgb, wo))
+    back = evaluated(drjit, interaction(rgb, wo), vector(rgb, wi))
+    for a, b in zip(there, back, strict=True):
+        np.testing.assert_array_equal(a.numpy(), b.numpy())
+
+
+def test_textured_latents_are_the_constant_ones_where_the_texture_is_constant(rgb, model, parts):
+    from urushi.render.codes.latents import TexturedLatents
+    from urushi.render.reading.grid import IDENTITY, Grid
+
+    constant, _ = parts
+    store = Store(model, packing.layout(model, 3), 8, 4, mipped=True)
+    with store.writing() as write:
+        write(np.arange(32), np.broadcast_to(latents(3), (32, 3, 32)))
+    textured = TexturedLatents(model, store, Grid(8, 4, IDENTITY, "repeat", False))
+    wi, wo = pairs()
+    si = interaction(rgb, wi)
+    si.uv = rgb.Point2f(np.random.default_rng(0).normal(size=(2, len(wi))).astype(np.float32))
+    values = [evaluated(latents, si, vector(rgb, wo)) for latents in (textured, constant)]
+    for a, b in zip(*values, strict=True):
+        # half precision: 5e-4 of a latent, 32 of them, through a network that triples its output
+        np.testing.assert_allclose(a.numpy(), b.numpy(), rtol=2e-2)
+
+
+def test_mixture_agrees_with_numpy(rgb, model, parts):
+    drjit, numpy = parts
+    wi, _ = pairs()
+    mixture = drjit.vertex(interaction(rgb, wi), rgb.Bool(True)).mixture
+    mean = numpy.latents.mean(axis=0)
+    weights, alphas = numpy_sampler.lobes(model.params, model.arch, mean[None], wi[:, 2])
+    np.testing.assert_allclose(
+        np.stack([x.numpy() for x in mixture.weights], -1), weights, atol=1e-4
+    )
+    np.testing.assert_allclose(np.stack([x.numpy() for x in mixture.alphas], -1), alphas, rtol=1e-3)
+
+
+def test_density_and_samples_of_a_mixture_agree_with_numpy(rgb):
+    from urushi.physics.mixture import Mixture
+
+    wi, wo = pairs()
+    rng = np.random.default_rng(7)
+    alphas = np.exp(rng.uniform(np.log(0.01), 0, (len(wi), 2))).astype(np.float32)
+    weights = rng.dirichlet([1, 1, 1], len(wi)).astype(np.float32)
+    u = rng.random((len(wi), 3), np.float32)
+    mixture = Mixture([rgb.Float(x) for x in weights.T], [rgb.Float(x) for x in alphas.T])
+    density = mixture.pdf(vector(rgb, wi), vector(rgb, wo)).numpy()
+    # |h_xy|^2 of a lobe of width 0.01 loses digits where the directions nearly cancel
+    np.testing.assert_allclose(density, numpy_lobes.pdf(weights, alphas, wi, wo), rtol=1e-3)
+    drawn = mixture.sample(
+        vector(rgb, wi), rgb.Float(u[:, 0]), rgb.Point2f(*map(rgb.Float, u[:, 1:].T))
+    )
+    # reflecting about a normal that is nearly perpendicular to wi loses three of seven digits
+    np.testing.assert_allclose(
+        drawn.numpy().T, numpy_lobes.sample(weights, alphas, wi, u), atol=3e-4
+    )
+
+
+def test_cooperative_vectors_agree_with_constants_in_code(rgb, model):
+    from urushi.render.networks.decoder import Decoder
+    from urushi.render.networks.lobes import Proposal
+
+    wi, wo = (vector(rgb, w) for w in pairs())
+    z, values, mixtures = latents(3), [], []
+    for cooperative in (False, True):
+        decoder = Decoder(model, cooperative)
+        shares = [[rgb.Float(x) for x in share] for share in decoder.first_layer(z)]
+        values.append(decoder.of_first_layer(shares, wi, wo))
+        proposal = Proposal(model, cooperative)
+        share = [rgb.Float(x) for x in proposal.first_layer(z[0])]
+        mixture = dr.switch(rgb.UInt32(0), [lambda c, s=share, p=proposal: flat(p, s, c)], wi.z)
+        mixtures.append(mixture)
+    for a, b in (*zip(*values, strict=True), *zip(*mixtures, strict=True)):
+        np.testing.assert_allclose(a.numpy(), b.numpy(), rtol=2e-4)
+
+
+def flat(proposal, share, cos_i) -> list:
+    mixture = proposal.of_first_layer(share, cos_i)
+    return [*mixture.weights, *mixture.alphas]
+
+
+def test_cuda_agrees_with_numpy(model):
+    import mitsuba as mi
+
+    try:
+        mi.set_variant("cuda_ad_rgb")
+        dr.eval(mi.Float(0) + dr.opaque(mi.Float, 1))
+    except (ImportError, RuntimeError):
+        pytest.skip("there is no CUDA device")
+    from urushi.render.codes.latents import ConstantLatents
+
+    z = latents(3)
+    wi, wo = pairs()
+    f = evaluated(ConstantLatents(model, z), interaction(mi, wi), vector(mi, wo))
+    # half precision: 5e-4 of every activation, through a network that triples its output
+    np.testing.assert_allclose(
+        np.stack([x.numpy() for x in f], -1), Material(z, model).f(wi, wo), rtol=2e-2
+    )
