@@ -25,7 +25,7 @@ def test_f_is_positive_above_and_zero_below_the_horizon(material, directions):
 
 
 def test_many_rows_are_the_same_as_few(material):
-    # More rows than one chunk: chunks change nothing but the order of float32 sums.
+    # More rows than one block: blocks change nothing but the order of float32 sums.
     rng = np.random.default_rng(1)
     wi = rng.normal(size=(70_000, 3))
     wi[:, 2] = np.abs(wi[:, 2])
@@ -35,6 +35,12 @@ def test_many_rows_are_the_same_as_few(material):
     rows = rng.integers(0, len(wi), 50)
     np.testing.assert_allclose(f[rows], material.f(wi[rows], wo[rows]), rtol=1e-4)
     np.testing.assert_allclose(pdf[rows], material.pdf(wi[rows], wo[rows]), rtol=1e-3)
+    u = rng.random((len(wi), 3))
+    few, many = material.sample(wi[rows], u[rows]), material.sample(wi, u)
+    for one, all_of_them in zip(few, many, strict=True):
+        np.testing.assert_allclose(one, all_of_them[rows], rtol=1e-3, atol=1e-5)
+    few = material.albedo(wi[rows[:20]])  # more than are integrated at once, and two of them alone
+    np.testing.assert_allclose(few[:2], [material.albedo(wi[r : r + 1])[0] for r in rows[:2]], 1e-5)
 
 
 def test_samples_come_with_their_density(material, directions):

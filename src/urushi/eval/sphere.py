@@ -20,7 +20,6 @@ import numpy as np
 
 from urushi.eval.environment import AZIMUTHS, ELEVATIONS, Environment
 from urushi.eval.periodic import bilinear
-from urushi.material.chunks import in_chunks
 
 #: Circles of pixels: half the pictures' width and height.
 RINGS = 64
@@ -29,6 +28,9 @@ RINGS = 64
 #: angles the two kinds of nodes are blended [rad].
 HALF_ANGLES, HALF_AZIMUTHS = 40, 96
 BLEND = np.radians(4.0), np.radians(10.0)
+
+#: In how many parts a BRDF is asked for its values at all nodes.
+PARTS = 4
 
 #: Mean radiance of a white Lambertian sphere in `exposed` environments.
 WHITE = 0.5
@@ -68,7 +70,9 @@ def transport(f: Brdf) -> np.ndarray:
         f: an isotropic BRDF of one or three channels, given float32 unit vectors (N, 3).
     """
     known = nodes()
-    values = in_chunks(lambda wi, wo: np.asarray(f(wi, wo)), known.wi, known.wo, rows=1 << 18)
+    # In parts, so that f needs little memory.
+    parts = zip(*(np.array_split(w, PARTS) for w in (known.wi, known.wo)), strict=True)
+    values = np.concatenate([np.asarray(f(wi, wo)) for wi, wo in parts])
     size = RINGS * ELEVATIONS * AZIMUTHS
     shape = RINGS, ELEVATIONS, AZIMUTHS
     channels = []

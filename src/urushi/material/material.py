@@ -9,12 +9,15 @@ import numpy.typing as npt
 from urushi import checks
 from urushi.errors import ParameterError
 from urushi.material import files
-from urushi.material.chunks import ROWS, in_chunks
+from urushi.material.cores import fill
 from urushi.material.quadrature import half_vector_rule
 from urushi.nets import shipped
 from urushi.nets.networks import Proposal
 from urushi.nets.shipped import Weights
 from urushi.nets.weights import Model
+
+#: Directions at once whose albedo is integrated, over 1536 others each.
+INTEGRATED = 16
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,11 +76,16 @@ class Material:
             ParameterError: wrong shapes, or directions that are not unit vectors.
         """
         wi, wo = checks.directions(wi, wo)
-        return in_chunks(self._f, wi, wo, rows=max(ROWS // self.channels, 1))
+        return self._filled(wi, wo)
 
-    def _f(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-        value = self.model.networks.f(self.latents[None], wi[:, None], wo[:, None])
-        return np.where(_above(wi, wo)[:, None], value, np.float32(0.0))
+    def _filled(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        f = np.empty((len(wi), self.channels), np.float32)
+        fill(f[..., None], self._f, self.latents[None], wi[:, None], wo[:, None])
+        return f
+
+    def _f(self, z: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        above = (wi[..., 2] > 0.0) & (wo[..., 2] > 0.0)
+        return np.where(above, self.model.networks.f(z, wi, wo), np.float32(0.0))[..., None]
 
     def pdf(self, wi: npt.ArrayLike, wo: npt.ArrayLike) -> np.ndarray:
         """Return the density of `sample` at wo given wi: float32 (N,) [1/sr].
@@ -89,10 +97,12 @@ class Material:
             ParameterError: wrong shapes, or directions that are not unit vectors.
         """
         wi, wo = checks.directions(wi, wo)
-        return in_chunks(self._pdf, wi, wo)
+        pdf = np.empty(len(wi), np.float32)
+        fill(pdf[:, None], self._pdf, wi, wo)
+        return pdf
 
     def _pdf(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-        return self._proposal(wi).pdf(wi, wo)
+        return self._proposal(wi).pdf(wi, wo)[:, None]
 
     def sample(self, wi: npt.ArrayLike, u: npt.ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """Draw directions wo, about in proportion to f times wo's cosine.
@@ -109,7 +119,8 @@ class Material:
         """
         wi = checks.direction(wi, "wi")
         u = _uniform(u, len(wi))
-        rows = in_chunks(self._sample, wi, u)
+        rows = np.empty((len(wi), 4), np.float32)
+        fill(rows, self._sample, wi, u)
         return np.ascontiguousarray(rows[:, :3]), np.ascontiguousarray(rows[:, 3])
 
     def _sample(self, wi: np.ndarray, u: np.ndarray) -> np.ndarray:
@@ -134,20 +145,20 @@ class Material:
         Raises:
             ParameterError: wrong shape, or directions that are not unit vectors.
         """
-        return in_chunks(self._albedo, checks.direction(wi, "wi"), rows=16)
+        wi = checks.direction(wi, "wi")
+        albedo = np.zeros((len(wi), self.channels), np.float32)
+        above = np.flatnonzero(wi[:, 2] > 0.0)
+        for start in range(0, len(above), INTEGRATED):
+            rows = above[start : start + INTEGRATED]
+            albedo[rows] = self._albedo(wi[rows])
+        return albedo
 
     def _albedo(self, wi: np.ndarray) -> np.ndarray:
-        result = np.zeros((len(wi), self.channels), np.float32)
-        above = wi[:, 2] > 0.0
-        if not above.any():
-            return result
-        wo, weights = half_vector_rule(wi[above])
-        count, nodes = weights.shape
-        pairs = np.repeat(wi[above], nodes, axis=0), wo.reshape(-1, 3).astype(np.float32)
-        f = in_chunks(self._f, *pairs, rows=max(ROWS // self.channels, 1))
-        f_cos = f.reshape(count, nodes, -1) * wo[..., 2, None]
-        result[above] = np.sum(f_cos * weights[..., None], axis=1)
-        return result
+        wo, weights = half_vector_rule(wi)
+        nodes = weights.shape[1]
+        f = self._filled(np.repeat(wi, nodes, axis=0), wo.reshape(-1, 3).astype(np.float32))
+        f_cos = f.reshape(*weights.shape, -1) * wo[..., 2, None]
+        return np.sum(f_cos * weights[..., None], axis=1)
 
     def save(self, path: str | os.PathLike) -> None:
         """Write the material to a safetensors file; `urushi.load` reads it.
@@ -171,10 +182,6 @@ def load(path: str | os.PathLike, model: Weights | None = None) -> Material:
     """
     models = [shipped.find(model)] if model else [shipped.load(name) for name in shipped.NAMES]
     return Material(*files.read(path, models))
-
-
-def _above(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-    return (wi[:, 2] > 0.0) & (wo[:, 2] > 0.0)
 
 
 def _uniform(u: npt.ArrayLike, count: int) -> np.ndarray:
