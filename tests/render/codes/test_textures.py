@@ -159,6 +159,51 @@ def test_look_ups_continue_and_filter_as_the_texture_does(rgb, networks, wrap, f
         assert (error <= tolerance).mean() > 0.98
 
 
+def test_a_checkerboard_is_as_sharp_as_it_is(rgb, networks):
+    turned = rgb.ScalarTransform3f(np.float32([[3, 1, 0.2], [-1, 2, 0.1], [0, 0, 1]]))
+    board = {"type": "checkerboard", "color0": 0.2, "color1": 0.9, "to_uv": turned}
+    bsdf = load(rgb, "neural_layered", networks, albedo=board)
+    uv = np.random.default_rng(0).uniform(-2, 2, (4096, 2)).astype(np.float32)
+    si = rgb.SurfaceInteraction3f()
+    si.uv = rgb.Point2f(uv.T)
+    values = rgb.load_dict(board).eval(si)[0].numpy()
+    codes = looked_up(rgb, bsdf, uv)
+    for value in (0.2, 0.9):
+        found = codes[np.isclose(values, value)]
+        assert len(found) > 1000
+        # but for points that rounding puts on either side of an edge
+        assert (found == np.median(found, axis=0)).all(axis=(1, 2)).mean() > 0.999
+        constant = load(rgb, "neural_layered", networks, albedo=value).latents.at(np.zeros((1, 2)))
+        step = 1e-2 * np.ptp(codes, axis=0) + 1e-3  # of storing 8 bits
+        assert (np.abs(np.median(found, axis=0) - constant[0]) <= step).all()
+
+
+def test_the_walk_takes_mesh_attributes_and_volumes(rgb):
+    mesh = rgb.Mesh("triangle", 3, 1)
+    parameters = rgb.traverse(mesh)
+    parameters["vertex_positions"] = [-3, -3, 0, 3, -3, 0, 0, 3, 0]
+    parameters["faces"] = [0, 1, 2]
+    parameters.update()
+    mesh.add_attribute("vertex_value", 1, np.float32([0.3, 0.3, 0.3]))
+    scene = rgb.load_dict({"type": "scene", "mesh": mesh})
+    u = np.random.default_rng(0).uniform(-1, 1, (2, 1 << 14)).astype(np.float32)
+    si = scene.ray_intersect(rgb.Ray3f(rgb.Point3f(*u, 1), rgb.Vector3f(0, 0, -1)))
+    place = rgb.ScalarTransform4f().translate(-2).scale(4)
+    grid = rgb.VolumeGrid(np.full((2, 2, 2, 1), 0.3, np.float32))
+    volume = {"type": "gridvolume", "grid": grid, "raw": True, "to_world": place}
+    wo = rgb.Vector3f(0.6, 0, 0.8)
+
+    def mean(value) -> np.ndarray:
+        coat = {"type": "layered", "base": {"type": "diffuse"}, "sigma_t": 1.0}
+        bsdf = rgb.load_dict(coat | {"alpha": value, "albedo": value})
+        return bsdf.eval(rgb.BSDFContext(), si, wo).numpy().mean(axis=1)
+
+    # The same walks, but for those that rounding has gone another way somewhere.
+    attribute = {"type": "mesh_attribute", "name": "vertex_value"}
+    np.testing.assert_allclose(mean(attribute), mean(0.3), rtol=1e-2)
+    np.testing.assert_allclose(mean({"type": "volume", "volume": volume}), mean(0.3), rtol=1e-2)
+
+
 def test_a_textured_coat_under_another(rgb, networks):
     rng = np.random.default_rng(0)
     inner = load(rgb, "neural_layered", networks, albedo=bitmap(rgb, rng.random((4, 4, 3))))

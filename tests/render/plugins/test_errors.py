@@ -119,11 +119,49 @@ def test_a_material_of_other_networks(rgb, networks, model, tmp_path):
         )
 
 
-def test_mesh_attributes_cannot_be_baked(rgb, networks):
-    attribute = {"type": "mesh_attribute", "name": "vertex_albedo"}
-    with pytest.raises(RuntimeError, match="cannot bake mesh attributes"):
-        load(rgb, networks, "neural_layered", albedo=attribute)
-    load(rgb, networks, "layered", albedo=attribute)
+def strangers(mi) -> dict[str, dict]:
+    """Textures that are not over uv."""
+    volume = mi.VolumeGrid(np.full((2, 2, 2, 1), 0.5, np.float32))
+    attribute = {"type": "mesh_attribute", "name": "vertex_value"}
+    return {
+        "a mesh attribute, which is given on a mesh": attribute,
+        "a volume, which is given in space": {
+            "type": "volume",
+            "volume": {"type": "gridvolume", "grid": volume, "raw": True},
+        },
+        "a mesh attribute, which": {"type": "checkerboard", "color0": attribute},
+    }
+
+
+@pytest.mark.parametrize("parameter", ("alpha", "albedo", "sigma_t", "g", "int_ior"))
+def test_what_is_not_over_uv_cannot_be_baked(rgb, networks, parameter):
+    for kind, texture in strangers(rgb).items():
+        with pytest.raises(RuntimeError, match=f"neural_layered: {parameter} depends on {kind}"):
+            load(rgb, networks, "neural_layered", **{parameter: texture})
+
+
+@pytest.mark.parametrize(
+    ("kind", "parameter"),
+    [
+        ("diffuse", "reflectance"),
+        ("roughconductor", "alpha"),
+        ("principled", "roughness"),
+        ("layered", "sigma_t"),
+    ],
+)
+def test_nor_can_bottoms_of_what_is_not_over_uv(rgb, networks, kind, parameter):
+    for what, texture in strangers(rgb).items():
+        inside = {"inside": bottom()} if kind == "layered" else {}
+        base = bottom(kind, **inside, **{parameter: texture})
+        with pytest.raises(RuntimeError, match=f"the nested BSDF depends on {what}"):
+            load(rgb, networks, "neural_layered", base=base)
+
+
+def test_beside_what_is_not_over_uv_the_walk_checks_the_rest(rgb, networks):
+    for texture in strangers(rgb).values():
+        load(rgb, networks, "layered", alpha=texture, int_ior=texture)
+        with pytest.raises(RuntimeError, match="layered: g is 1; it must be"):
+            load(rgb, networks, "layered", alpha=texture, int_ior=texture, g=1.0)
 
 
 @pytest.mark.parametrize("name", register.PLUGINS)

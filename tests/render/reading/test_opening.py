@@ -80,6 +80,13 @@ def test_a_texture_is_read_in_the_middle(rgb):
     assert len(np.unique(reading.values.round(6))) == 1
 
 
+def test_what_is_not_over_uv_is_refused(rgb):
+    attribute = {"type": "mesh_attribute", "name": "vertex_color"}
+    bsdf = rgb.load_dict({"type": "principled", "base_color": attribute})
+    with pytest.raises(ParameterError, match="Principled: the BSDF depends on a mesh attribute"):
+        opened(bsdf)
+
+
 def test_a_random_walk_is_averaged_and_not_judged(rgb):
     walk = {"type": "layered", "alpha": 0.3, "sigma_t": 1.0, "albedo": 0.8}
     reading = read(rgb.load_dict(walk | {"bottom": {"type": "diffuse"}}), WI, WO)

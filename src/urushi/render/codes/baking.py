@@ -117,25 +117,27 @@ def choose_grid(
     """The grid of a coat's codes over a bottom; None: they are the same everywhere.
 
     Raises:
-        ParameterError: a texture is a mesh attribute.
+        ParameterError: a texture is not over uv.
     """
     nested = nested_latents(bottom, model)
-    below = [] if nested is not None else grids.varying_textures(bottom)
+    below = {} if nested is not None else {"the nested BSDF": bottom}
     inner = nested.grid if nested is not None else None
-    return grids.choose([*coat.varying, *below], inner, resolution, coat.where)
+    return grids.choose({**coat.textures, **below}, inner, resolution, coat.where)
 
 
 def check(coat: CoatParameters) -> None:
-    """Look at the coat's parameters everywhere.
+    """Look at the coat's parameters all over uv; what is not over uv, the walk clips at each point.
 
     Raises:
         ParameterError: one is out of range.
     """
-    if any(texture.class_name() == "MeshAttribute" for texture in coat.varying):
-        return  # known on a mesh only; the walk clips what it finds there
-    grid = grids.choose(coat.varying, None, 0, coat.where)
+    known = {
+        name: texture for name, texture in coat.textures.items() if not grids.not_over_uv(texture)
+    }
+    unknown = coat.textures.keys() - known.keys()
+    grid = grids.choose(known, None, 0, coat.where)
     if grid is None:
-        coat.table(np.full((1, 2), 0.5))
+        coat.table(np.full((1, 2), 0.5), unknown)
         return
     for start in range(0, grid.texels, TEXELS):
-        coat.table(grid.uv(start, min(start + TEXELS, grid.texels)))
+        coat.table(grid.uv(start, min(start + TEXELS, grid.texels)), unknown)

@@ -4,7 +4,7 @@ Textures that share one transform are baked in their own space, so that a patter
 by its transform is baked once and has no seam, whatever the transform.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import drjit as dr
@@ -13,11 +13,16 @@ import numpy as np
 
 from urushi.errors import ParameterError
 from urushi.render import spectrum
-from urushi.render.reading.parameters import is_varying
 
 #: Texels per side for textures that have no resolution of their own, and the largest side that is
 #: chosen without being asked for.
 PROCEDURAL, LARGEST = 256, 2048
+
+#: Mitsuba's textures that are not over uv, and what they are.
+ELSEWHERE = {
+    "MeshAttribute": "a mesh attribute, which is given on a mesh",
+    "VolumeAdapter": "a volume, which is given in space",
+}
 
 #: Points at which a bitmap is looked at to learn how it repeats and filters.
 POINTS = 64
@@ -64,20 +69,28 @@ def from_texture(to_texture: tuple, points: np.ndarray) -> np.ndarray:
 
 
 def choose(
-    textures: Sequence["mi.Texture"], nested: Grid | None, resolution: int, where: str
+    parts: Mapping[str, "mi.Object"], nested: Grid | None, resolution: int, where: str
 ) -> Grid | None:
     """The grid that does textures justice, and codes that are a texture already; None: constant.
 
     Args:
-        textures: those that depend on the position.
+        parts: what holds the textures, by the names that errors call them.
         nested: the grid of the bottom's codes, if it has one.
         resolution: texels per side, 0 to choose.
         where: begins errors and warnings.
 
     Raises:
-        ParameterError: a texture is a mesh attribute.
+        ParameterError: a texture is not over uv.
     """
-    grids = [_of(texture, where) for texture in textures] + ([nested] if nested else [])
+    grids = [nested] if nested else []
+    for name, part in parts.items():
+        if stranger := not_over_uv(part):
+            raise ParameterError(
+                f"{where}: {name} depends on {stranger} and not over uv, where coats are baked; "
+                "give a texture over uv, or use the plugin 'layered', which looks at every point "
+                "anew"
+            )
+        grids += map(_of, varying_textures(part))
     if not grids:
         return None
     spaces = {np.array(grid.to_texture).round(6).tobytes() for grid in grids}
@@ -109,10 +122,20 @@ def varying_textures(root: "mi.Object") -> list["mi.Texture"]:
         if id(node) in seen:
             continue
         seen.add(id(node))
-        if isinstance(node, mi.Texture) and is_varying(node):
+        # Mesh attributes deny that they vary.
+        varies = isinstance(node, mi.Texture) and (
+            node.is_spatially_varying() or node.class_name() in ELSEWHERE
+        )
+        if varies:
             found.append(node)
         waiting += _children(node)
     return found
+
+
+def not_over_uv(root: "mi.Object") -> str | None:
+    """What a scene object depends on that is no function of uv, in words, or None."""
+    names = [texture.class_name() for texture in varying_textures(root)]
+    return next((ELSEWHERE[name] for name in names if name in ELSEWHERE), None)
 
 
 def _children(node: "mi.Object") -> list["mi.Object"]:
@@ -134,13 +157,8 @@ def _children(node: "mi.Object") -> list["mi.Object"]:
     return children
 
 
-def _of(texture: "mi.Texture", where: str) -> Grid:
+def _of(texture: "mi.Texture") -> Grid:
     """A texture's own grid."""
-    if texture.class_name() == "MeshAttribute":
-        raise ParameterError(
-            f"{where} cannot bake mesh attributes, which are given on a mesh and not over uv; "
-            "use a texture, or the plugin 'layered'"
-        )
     parameters = mi.traverse(texture)
     place = IDENTITY
     if "to_uv" in parameters:
@@ -149,7 +167,8 @@ def _of(texture: "mi.Texture", where: str) -> Grid:
         place = (a, b, c), (d, e, f)
     width, height = texture.resolution()
     if width * height <= 1:
-        return Grid(PROCEDURAL, PROCEDURAL, place, "repeat", False)
+        sharp = texture.class_name() == "Checkerboard"  # its edges fall between texels
+        return Grid(PROCEDURAL, PROCEDURAL, place, "repeat", sharp)
     return Grid(width, height, place, *_addressing(texture, place, width, height))
 
 

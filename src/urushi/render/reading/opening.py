@@ -7,7 +7,7 @@ from urushi.errors import ParameterError, PlatformError
 from urushi.material.symmetry import Source, judged_pairs
 from urushi.render import spectrum
 from urushi.render.reading import probing
-from urushi.render.reading.grid import varying_textures
+from urushi.render.reading.grid import not_over_uv, varying_textures
 
 #: Samples of the BSDF that tell the shares of light: they are known within some 0.2 %.
 SAMPLES = 1 << 16
@@ -17,7 +17,8 @@ def open_bsdf(bsdf: "mi.BSDF") -> Source:
     """A BSDF at the middle of uv, seen from the side of its normal.
 
     Raises:
-        ParameterError: it has no rough reflection: it is a mirror, or lets all light through.
+        ParameterError: it has no rough reflection: it is a mirror, or lets all light through; or it
+            depends on what is not over uv.
         PlatformError: the variant is a scalar or polarized one.
     """
     name = bsdf.class_name()
@@ -84,7 +85,12 @@ def shares(bsdf: "mi.BSDF") -> tuple[float, float]:
 
 
 def _check(bsdf: "mi.BSDF", name: str) -> None:
-    """Refuse what reflects no light roughly."""
+    """Refuse what has no value in the middle of uv, and what reflects no light roughly."""
+    if stranger := not_over_uv(bsdf):
+        raise ParameterError(
+            f"encode {name}: the BSDF depends on {stranger} and not over uv; "
+            "give a texture over uv, or what is the same everywhere"
+        )
     flags, has = bsdf.flags(), mi.has_flag
     if has(flags, mi.BSDFFlags.DiffuseReflection) or has(flags, mi.BSDFFlags.GlossyReflection):
         return

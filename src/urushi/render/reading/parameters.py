@@ -1,5 +1,6 @@
 """What `layered` and `neural_layered` are given: a coat's parameters and the BSDF under it."""
 
+from collections.abc import Collection
 from typing import ClassVar, NamedTuple
 
 import drjit as dr
@@ -62,8 +63,10 @@ class CoatParameters:
             *(textures[name].eval(si, active) for name in ("albedo", "sigma_t", "g")),
         )
 
-    def table(self, uv: np.ndarray) -> dict[str, np.ndarray]:
+    def table(self, uv: np.ndarray, unknown: Collection[str] = ()) -> dict[str, np.ndarray]:
         """Checked parameters at points uv (M, 2): alpha and eta (M, 1), the others (M, channels).
+
+        unknown: names of those that uv does not tell, which are left out.
 
         Raises:
             ParameterError: a value is out of range.
@@ -75,6 +78,8 @@ class CoatParameters:
         dr.eval(values)
         table = {}
         for name, value in values.items():
+            if name in unknown or (name == "eta" and "int_ior" in unknown):
+                continue
             channels = [value] if name in ("alpha", "eta") else spectrum.to_channels(value)
             rows = [np.broadcast_to(channel.numpy(), len(uv)) for channel in channels]
             # Six digits: 0.01 in single precision is less than 0.01 in double.
@@ -82,11 +87,6 @@ class CoatParameters:
             known = "int_ior / ext_ior" if name == "eta" else name
             table[name] = _CHECKS[name](array, f"{self.where}: {known}", any_shape=True)
         return table
-
-    @property
-    def varying(self) -> list["mi.Texture"]:
-        """The textures that depend on the position."""
-        return [texture for texture in self.textures.values() if is_varying(texture)]
 
     @property
     def has_textured_eta(self) -> bool:
@@ -197,12 +197,6 @@ def check_bottom(bsdf: "mi.BSDF", where: str) -> None:
             f"{where}: the nested BSDF is perfectly smooth; give its rough variant, such as "
             "'roughconductor' of alpha 0.01"
         )
-
-
-def is_varying(texture: "mi.Texture") -> bool:
-    """Whether a texture depends on the position."""
-    # Mesh attributes do, though they deny it.
-    return texture.is_spatially_varying() or texture.class_name() == "MeshAttribute"
 
 
 def _indent(value: object) -> str:
