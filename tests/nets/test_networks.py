@@ -139,3 +139,18 @@ def test_networks_answer_whether_they_encode_in_one_pass(networks, pairs):
     logs, _ = own.one_pass.decode_log(codes[:, None], direction_features(*pairs))
     np.testing.assert_allclose(np.exp(logs), own.f(codes[:, None], *pairs), rtol=1e-4)
     assert slopes.shape == (3, arch.latent, arch.probes)
+
+
+def test_an_encoder_of_fewer_probes_takes_what_tells_the_others(networks):
+    """Values whose normalised logarithms are a linear function of every third one's."""
+    arch, params = networks
+    rng = np.random.default_rng(10)
+    kept = np.arange(0, arch.probes, 3)
+    matrix = rng.normal(size=(len(kept), arch.probes)) / np.sqrt(len(kept))
+    offset = rng.normal(size=arch.probes)
+    matrix[:, kept], offset[kept] = np.eye(len(kept)), 0
+    own = UrushiNetworks(params | {"encoder.input_mean": np.zeros(arch.probes, np.float32)}, arch)
+    logs = (rng.normal(size=(5, len(kept))) @ matrix + offset) * params["encoder.input_scale"]
+    f = (np.exp(logs) - encoder.OFFSET).astype(np.float32)
+    encode = own.of_fewer(kept, matrix.astype(np.float32), offset.astype(np.float32))
+    np.testing.assert_allclose(encode(f[:, kept]), own.encode(f), atol=1e-3)

@@ -31,6 +31,7 @@ def fill(
     function: Callable[..., np.ndarray],
     *arrays: np.ndarray,
     concurrent: bool = True,
+    rows: int | None = None,
 ) -> None:
     """Write function(*arrays) to out (..., K), one block of its leading dimensions at a time.
 
@@ -42,11 +43,12 @@ def fill(
             rows share is worked out once a block.
         concurrent: whether the function may be called by several threads at once: then all cores
             share the blocks, which, like the result's bits, do not depend on how many they are.
+        rows: entries of the leading dimensions in a block, at most; by default as suits networks.
 
     An error or the user's interrupt drops the blocks that are not yet begun, and leaves `out`
     unfinished.
     """
-    pieces = blocks(out.shape[:-1], ROWS if concurrent else ROWS_ALONE)
+    pieces = blocks(out.shape[:-1], rows or (ROWS if concurrent else ROWS_ALONE))
 
     def task(block: Block) -> None:
         out[block] = function(*(_part(array, block) for array in arrays))

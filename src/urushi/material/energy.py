@@ -11,7 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from urushi.material import screen
-from urushi.material.cores import ROWS, fill, one_thread
+from urushi.material.cores import fill, one_thread
+from urushi.nets.features import direction_features
 from urushi.nets.weights import Model
 
 #: The rule's and the interpolation's error in the albedo: materials end this much below 1.
@@ -36,6 +37,9 @@ BETWEEN = 41
 #: No factor makes a code's albedo zero: less than this counts as this.
 BLACK = 1e-6
 
+#: Codes that a core measures at once; so few are measured by one.
+TOGETHER = 32
+
 #: Of more codes than these, only those that `screen` does not trust are measured.
 MANY = 4096
 
@@ -45,6 +49,7 @@ class Rule(NamedTuple):
 
     Attributes:
         wi, wo: read-only float32 (M, 3).
+        features: float32 (M, 8), what networks see of them.
         weights: (M,), wo's cosine included; those of an angle follow each other.
         first: (K,) where each angle begins.
         cosines: (D,) of the wi for which albedos are told.
@@ -53,6 +58,7 @@ class Rule(NamedTuple):
 
     wi: np.ndarray
     wo: np.ndarray
+    features: np.ndarray
     weights: np.ndarray
     first: np.ndarray
     cosines: np.ndarray
@@ -76,7 +82,8 @@ def rule() -> Rule:
     angles = np.log(cos_i[first] + OFFSET)
     between = np.linspace(angles[0], angles[-1], BETWEEN)
     interpolation = _lagrange(angles, between)
-    return Rule(wi, wo, weights, first, np.exp(between) - OFFSET, interpolation)
+    features = direction_features(wi, wo)
+    return Rule(wi, wo, features, weights, first, np.exp(between) - OFFSET, interpolation)
 
 
 def _lagrange(nodes: np.ndarray, x: np.ndarray) -> np.ndarray:
@@ -90,19 +97,24 @@ def _lagrange(nodes: np.ndarray, x: np.ndarray) -> np.ndarray:
 
 def albedo(model: Model, z: np.ndarray) -> np.ndarray:
     """Directional albedos (N, D) of codes (N, 32) at the cosines of `rule`."""
-    nodes, networks = rule(), model.networks
+    nodes, networks, decoder = rule(), model.networks, model.networks.one_pass
+
+    def values(code: np.ndarray) -> np.ndarray:
+        if decoder is None:
+            return networks.f(code, nodes.wi, nodes.wo)
+        return decoder.decode(code, nodes.features)
 
     def measure(codes: np.ndarray) -> np.ndarray:
         # One by one, so that the activations stay in a core's cache.
-        return np.stack([nodes.albedo(networks.f(code, nodes.wi, nodes.wo)) for code in codes])
+        return np.stack([nodes.albedo(values(code)) for code in codes])
 
     if not len(z):
         return np.zeros((0, BETWEEN), np.float32)
-    if len(z) <= ROWS:
+    if len(z) <= TOGETHER:
         with one_thread():
             return measure(z)
     result = np.empty((len(z), BETWEEN), np.float32)
-    fill(result, measure, z, concurrent=model.networks.concurrent)
+    fill(result, measure, z, concurrent=networks.concurrent, rows=TOGETHER)
     return result
 
 

@@ -6,15 +6,12 @@ results. Both take the result itself, which tells where the limit scaled a code 
 follows the logarithm of its largest albedo, with the opposite sign.
 """
 
-import functools
-
 import numpy as np
 
 from urushi.errors import ParameterError
 from urushi.material import energy
 from urushi.material.cores import fill
 from urushi.nets import tangents
-from urushi.nets.features import direction_features
 from urushi.nets.jacobian import decode_log
 from urushi.nets.networks import Coat
 from urushi.nets.weights import Model
@@ -144,7 +141,7 @@ def _log_peak(model: Model, z: np.ndarray) -> tuple[float, np.ndarray]:
     unlimited ones.
     """
     rule = energy.rule()
-    log_f, slopes = decode_log(model.params, model.arch, z[None], _features())
+    log_f, slopes = decode_log(model.params, model.arch, z[None], rule.features)
     f = np.exp(log_f)
     albedo = rule.albedo(f)
     largest = albedo.argmax()
@@ -152,9 +149,3 @@ def _log_peak(model: Model, z: np.ndarray) -> tuple[float, np.ndarray]:
     shares = np.repeat(rule.interpolation[largest], counts) * rule.weights * f
     peak = max(albedo[largest], energy.BLACK)
     return np.log(peak), (shares @ slopes / peak).astype(np.float32)
-
-
-@functools.cache
-def _features() -> np.ndarray:
-    rule = energy.rule()
-    return direction_features(rule.wi, rule.wo)

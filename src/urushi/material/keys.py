@@ -47,8 +47,13 @@ def _mixed(x: np.ndarray) -> np.ndarray:
 
 def distinct(keys: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Indices of keys (M,) that stand for all, ascending, and of each key's among these (M,)."""
-    _, first, label = np.unique(keys, return_index=True, return_inverse=True)
-    order = np.argsort(first)
-    rank = np.empty_like(order)
-    rank[order] = np.arange(len(order))
-    return first[order], rank[label]
+    order = np.argsort(keys)  # vectorised, unlike the stable one of np.unique
+    ordered = keys[order]
+    starts = np.flatnonzero(np.append(True, ordered[1:] != ordered[:-1])[: len(keys)])
+    first = np.minimum.reduceat(order, starts)
+    stands = np.zeros(len(keys), bool)
+    stands[first] = True
+    rank = np.cumsum(stands) - 1
+    label = np.empty_like(order)
+    label[order] = np.repeat(rank[first], np.diff(starts, append=len(keys)))
+    return np.flatnonzero(stands), label

@@ -122,9 +122,10 @@ def within(layout: Layout, texels: np.ndarray, lowest: np.ndarray, highest: np.n
 
 def write(layout: Layout, packed: Packed, rows: slice | np.ndarray, codes: np.ndarray) -> None:
     """Overwrite rows of a packed texture (T, B) by codes (n, channels, size) within its ranges."""
-    part = np.empty((len(codes), layout.texel_bytes), np.uint8)
+    part = packed.bytes[rows]  # of a slice, the bytes themselves
     fill(part, lambda z: _bytes(layout, packed, z), codes)
-    packed.bytes[rows] = part
+    if not isinstance(rows, slice):
+        packed.bytes[rows] = part
 
 
 def _bytes(layout: Layout, packed: Packed, codes: np.ndarray) -> np.ndarray:

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from urushi.material import packing
+from urushi.material import cores, packing
 from urushi.material.levels import Levels
 from urushi.material.packing import Layout, Packed
 from urushi.nets.weights import Model
@@ -77,7 +77,7 @@ class Store:
         return packing.unpack_alone(self.layout, part)
 
     def _pack(self, whole: np.ndarray) -> None:
-        lowest, highest = whole.min(axis=(0, 1)), whole.max(axis=(0, 1))
+        lowest, highest = _range(whole)
         empty = np.zeros((len(whole), self.layout.texel_bytes), np.uint8)
         self.packed = packing.within(self.layout, empty, lowest, highest)
         for start in range(0, len(whole), TOGETHER):
@@ -104,3 +104,16 @@ class Store:
             rows = slice(start, min(start + TOGETHER, texels))
             packing.write(self.layout, wider, rows, self.read(rows))
         self.packed = wider
+
+
+def _range(whole: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The smallest and the largest values float32 (size,) of codes (T, channels, size)."""
+    pieces = [slice(start, start + TOGETHER) for start in range(0, len(whole), TOGETHER)]
+    ends = np.empty((len(pieces), 2, whole.shape[-1]), np.float32)
+
+    def look(index: int) -> None:
+        part = whole[pieces[index]].astype(np.float32)  # of half precision it would take longer
+        ends[index] = part.min(axis=(0, 1)), part.max(axis=(0, 1))
+
+    cores.run(look, range(len(pieces)))
+    return ends[:, 0].min(axis=0), ends[:, 1].max(axis=0)

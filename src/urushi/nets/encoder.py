@@ -34,6 +34,21 @@ def encode(params: Params, arch: Architecture, f_at_probes: Any) -> Any:
     return mlp(params, "encoder", normalised(params, log_values(f_at_probes)), arch.activation)
 
 
+def of_fewer(params: Params, kept: np.ndarray, matrix: np.ndarray, offset: np.ndarray) -> Params:
+    """Return the parameters of an encoder that takes f (..., K) at some of the probe pairs.
+
+    kept (K,): which; matrix (K, P), offset (P,): what tells the inputs of all from those of these.
+    """
+    weight, bias = params["encoder.0.weight"], params["encoder.0.bias"]
+    return {
+        **params,
+        "encoder.0.weight": matrix @ weight,
+        "encoder.0.bias": bias + offset @ weight,
+        "encoder.input_mean": params["encoder.input_mean"][kept],
+        "encoder.input_scale": params["encoder.input_scale"][kept],
+    }
+
+
 def normalised(params: Params, logs: Any) -> Any:
     """Return the network's inputs (..., probes) from `log_values`: about mean 0 and variance 1."""
     return (logs - params["encoder.input_mean"]) / params["encoder.input_scale"]

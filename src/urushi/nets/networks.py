@@ -76,11 +76,20 @@ class Networks(Protocol):
 class OnePass(Networks, Protocol):
     """Networks that encode in one pass: quickly, and with derivatives known."""
 
+    def decode(self, z: Any, features: Any) -> Any:
+        """`f` at pairs of directions of which features (..., 8) are known."""
+
     def decode_log(self, z: Any, features: Any) -> tuple[Any, Any]:
         """See `jacobian.decode_log`."""
 
     def encode_log(self, logs: Any) -> tuple[Any, Any]:
         """See `jacobian.encode_log`."""
+
+    def normalised(self, f: Any) -> Any:
+        """What `encode` sees of f (..., P): logarithms of about mean 0 and variance 1."""
+
+    def of_fewer(self, kept: Any, matrix: Any, offset: Any) -> Callable[[Any], Any]:
+        """`encode` for f (..., K) at some of the pairs only, see `encoder.of_fewer`."""
 
 
 class LobeMixture(NamedTuple):
@@ -123,7 +132,7 @@ class UrushiNetworks(NamedTuple):
 
     def f(self, z: Any, wi: Any, wo: Any) -> Any:
         """Decode: positive, and the same bits with wi and wo exchanged."""
-        return decoder.decode(self.params, self.arch, z, direction_features(wi, wo))
+        return self.decode(z, direction_features(wi, wo))
 
     @property
     def scalable(self) -> bool:
@@ -139,6 +148,10 @@ class UrushiNetworks(NamedTuple):
         """Yes."""
         return self
 
+    def decode(self, z: Any, features: Any) -> Any:
+        """See `f`."""
+        return decoder.decode(self.params, self.arch, z, features)
+
     def decode_log(self, z: Any, features: Any) -> tuple[Any, Any]:
         """Logarithmic values and their derivatives with respect to the code."""
         return jacobian.decode_log(self.params, self.arch, z, features)
@@ -146,6 +159,15 @@ class UrushiNetworks(NamedTuple):
     def encode_log(self, logs: Any) -> tuple[Any, Any]:
         """Codes and their derivatives with respect to logarithmic values."""
         return jacobian.encode_log(self.params, self.arch, logs)
+
+    def normalised(self, f: Any) -> Any:
+        """The encoder's inputs."""
+        return encoder.normalised(self.params, encoder.log_values(f))
+
+    def of_fewer(self, kept: Any, matrix: Any, offset: Any) -> Callable[[Any], Any]:
+        """Some of the probe pairs tell the others."""
+        params = encoder.of_fewer(self.params, kept, matrix, offset)
+        return lambda f: encoder.encode(params, self.arch, f)
 
     def proposal(self, z: Any, wi: Any) -> LobeMixture:
         """GGX reflection lobes and a cosine lobe."""
