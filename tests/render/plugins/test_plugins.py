@@ -150,23 +150,6 @@ def test_every_variant_renders(describe, name):
         assert image.min() > 0
 
 
-@pytest.mark.parametrize("name", ("layered", "neural_layered"))
-@pytest.mark.parametrize("textured", (False, True))
-def test_frozen_functions_see_changed_parameters(rgb, describe, name, textured):
-    texture = {"albedo": {"type": "checkerboard"}, "resolution": 8} if textured else {}
-    if name == "layered":
-        texture.pop("resolution", None)
-    loaded = scene(rgb, describe(name) | texture)
-    parameters = rgb.traverse(loaded)
-    changed = next(key for key in parameters.keys() if key.endswith("sigma_t.value"))  # noqa: SIM118
-    frozen = dr.freeze(lambda scene: rgb.render(scene, spp=4, seed=0))
-    for value in (0.5, 1.0, 3.0):
-        parameters[changed] = value
-        parameters.update()
-        a, b = frozen(loaded).numpy(), rgb.render(loaded, spp=4, seed=0).numpy()
-        np.testing.assert_allclose(a, b, rtol=1e-4)
-
-
 def test_grey_in_spectral_is_grey_in_rgb(describe):
     import mitsuba as mi
 

@@ -13,6 +13,7 @@ import mitsuba as mi
 import numpy as np
 
 from urushi.material.store import Store
+from urushi.render.codes import arrays
 from urushi.render.reading.grid import IDENTITY, Grid
 
 #: Integer weights of a texel's neighbours add up to this.
@@ -37,19 +38,24 @@ class LatentTexture:
         """grid: the place of the first level's texels."""
         self._layout, self._grid = store.layout, grid
         levels, packed = store.levels, store.packed
-        words = packed.bytes.reshape(-1).view(np.uint32)
-        self._words = mi.UInt32(words)  # on LLVM the same memory
+        self._words = arrays.owned(mi.UInt32, packed.bytes.reshape(-1).view(np.uint32))
+        if dr.backend_v(mi.Float) == dr.JitBackend.LLVM:  # the same memory once more, not twice
+            own = self._words.numpy().view(np.uint8).reshape(packed.bytes.shape)
+            store.packed = packed._replace(bytes=own)
         widths, heights = (np.array(sizes, np.uint32) for sizes in zip(*levels, strict=True))
         texels = widths.astype(np.int64) * heights
-        self._offsets = mi.UInt32((np.cumsum(texels) - texels).astype(np.uint32))
-        self._widths, self._heights = mi.UInt32(widths), mi.UInt32(heights)
+        self._offsets, self._widths, self._heights = (
+            arrays.owned(mi.UInt32, numbers.astype(np.uint32))
+            for numbers in (np.cumsum(texels) - texels, widths, heights)
+        )
         self._levels = len(levels)
         self._base = [
             mi.Int32(int(widths[0])),
             mi.Int32(int(heights[0])),
             mi.Float(self._levels - 1),
         ]
-        self._affine = [mi.Float(value) for row in grid.to_texture for value in row]
+        numbers = [] if grid.to_texture == IDENTITY else np.ravel(grid.to_texture).tolist()
+        self._affine = list(map(mi.Float, numbers))  # of another length: frozen functions notice
         self._lowest = [mi.Float(float(value)) for value in packed.lowest]
         self._steps = [mi.Float(float(value) / UNIT) for value in packed.step]
         # Read from memory, so that all textures of a model share their code.
@@ -71,7 +77,7 @@ class LatentTexture:
         return self._codes([dr.lerp(a, b, share) for a, b in zip(fine, coarse, strict=True)])
 
     def _to_texture(self, x, y, point: bool) -> tuple:
-        if self._grid.to_texture == IDENTITY:
+        if not self._affine:
             return x, y
         a, b, c, d, e, f = self._affine
         if not point:

@@ -9,6 +9,7 @@ import numpy as np
 from urushi.material import gradients
 from urushi.material.texture import encode_texels, layer_texels
 from urushi.nets.weights import Model
+from urushi.render.codes import arrays
 from urushi.render.reading import probing
 
 #: Of each channel, numbers of M points as Dr.Jit floats of that size, or of one for all points.
@@ -102,7 +103,7 @@ class _Layer(dr.CustomOp):
             _flat(np.broadcast_to(coats, (*z.shape[:-1], len(COAT)))),
             _flat(z),
         )
-        return mi.TensorXf(z)
+        return mi.TensorXf(arrays.owned(mi.Float, z), z.shape)
 
     def forward(self):
         points, channels, _ = self._shape

@@ -5,7 +5,7 @@ its own. The price is compile time, so a network that is needed several times is
 GPUs `memory` has the faster form; `hidden.choose` decides.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import drjit as dr
@@ -83,11 +83,11 @@ def _flat(nested: Any) -> list:
 
 def _shaped(shape: list, flat: list) -> Any:
     """The inverse of `_flat`; shape: a list of one such nested list."""
-    values = iter(flat)
+    return _filled(shape[0], iter(flat))
 
-    def fill(part: Any):
-        if hasattr(part, "_fields"):
-            return type(part)(*map(fill, part))
-        return [fill(value) for value in part] if isinstance(part, list) else next(values)
 
-    return fill(shape[0])
+def _filled(part: Any, values: Iterator) -> Any:
+    # No closure that calls itself: it would keep the values until Python looks for cycles, and what
+    # is freed while a frozen function is recorded must not be a scene's last trace.
+    filled = [_filled(p, values) if isinstance(p, list | tuple) else next(values) for p in part]
+    return type(part)(*filled) if hasattr(part, "_fields") else filled

@@ -102,6 +102,7 @@ def define(base: type) -> type:
             callback.put("bottom", self._nested, mi.ParamFlags.NonDifferentiable)
 
         def parameters_changed(self, keys):
+            self._check_changeable()
             self._coat.parameters_changed()
             self._prepare()
 

@@ -6,7 +6,6 @@ from urushi.errors import ParameterError
 from urushi.measured import load_measured
 from urushi.render import spectrum
 from urushi.render.plugins.neural_bsdf import resolve
-from urushi.render.reading.parameters import describe
 
 
 def define(base: type) -> type:
@@ -51,7 +50,7 @@ def define(base: type) -> type:
         def __init__(self, props):
             super().__init__(props)
             if "filename" not in props:
-                raise ParameterError(f"{describe(props)} has no filename; give a MERL or RGL file")
+                raise ParameterError(f"{self._where} has no filename; give a MERL or RGL file")
             self._filename = props["filename"]
             self.source = load_measured(resolve(self._filename))
             self._reflector = self.source.tabulated.on(mi.Float)

@@ -3,7 +3,9 @@
 import drjit as dr
 import mitsuba as mi
 
-from urushi.render.plugins import recent
+from urushi.errors import ParameterError
+from urushi.render.plugins.recent import Recent
+from urushi.render.reading.parameters import describe
 
 
 def define() -> type:
@@ -17,6 +19,8 @@ def define() -> type:
             flags = mi.BSDFFlags.GlossyReflection | mi.BSDFFlags.DiffuseReflection
             self.m_components = [flags | mi.BSDFFlags.FrontSide]
             self.m_flags = self.m_components[0]
+            self._where = describe(props)  # begins errors
+            self._recent = Recent()
 
         def _vertex(self, si, lit):
             """What evaluating and sampling at si share: nothing, unless a subclass says so."""
@@ -55,6 +59,18 @@ def define() -> type:
             f_cos = self._f_cos(vertex, ctx, si, bs.wo, drawn)
             return bs, dr.select(drawn, f_cos / bs.pdf, 0)
 
+        def _check_changeable(self):
+            """Refuse changes that are made while a frozen function is recorded.
+
+            Raises:
+                ParameterError: this is one.
+            """
+            if dr.flag(dr.JitFlag.FreezingScope):
+                raise ParameterError(
+                    f"{self._where}: its parameters are updated inside a frozen function, which "
+                    "would not do again what a change takes; call parameters.update() before it"
+                )
+
         def _seen(self, ctx, si, active):
             """Lanes that are wanted and whose wi is above the horizon, and the vertex there."""
             active = mi.Bool(active)
@@ -64,12 +80,12 @@ def define() -> type:
                 return lit, self._vertex(si, lit)
 
             question = (*si.wi, *si.uv, *si.duv_dx, *si.duv_dy, active)
-            return recent.answer(self, question, look)
+            return self._recent.answer(question, look)
 
         def _f_cos(self, vertex, ctx, si, wo, lit):
             above = lit & (wo.z > 0)
             f_cos = dr.select(above, self._f(vertex, ctx, si, wo, above) * wo.z, 0)
-            recent.extend(self)
+            self._recent.extend()
             return f_cos
 
         def _density(self, mixture, si, wo, lit):

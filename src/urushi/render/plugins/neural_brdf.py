@@ -6,11 +6,11 @@ import mitsuba as mi
 from urushi.errors import ParameterError
 from urushi.material import load, texture_files
 from urushi.nets import shipped, tensorfile
+from urushi.render.codes import arrays
 from urushi.render.codes.attached import AttachedLatents
 from urushi.render.codes.latents import ConstantLatents, TexturedLatents
 from urushi.render.plugins.neural_bsdf import read_model, resolve
 from urushi.render.reading.grid import Grid
-from urushi.render.reading.parameters import describe
 
 
 def define(base: type) -> type:
@@ -54,10 +54,10 @@ def define(base: type) -> type:
 
         def __init__(self, props):
             super().__init__(props)
-            where = describe(props)
             if "filename" not in props:
                 raise ParameterError(
-                    f"{where} has no filename; give the file of a material saved by Material.save"
+                    f"{self._where} has no filename; give the file of a material saved by "
+                    "Material.save"
                 )
             self._filename = props["filename"]
             named = read_model(props) if "weights" in props else None
@@ -72,11 +72,12 @@ def define(base: type) -> type:
             else:
                 material = load(path, named)
                 self.model = material.model
-                self._tensor = mi.TensorXf(material.latents)
+                codes = arrays.owned(mi.Float, material.latents)
+                self._tensor = mi.TensorXf(codes, material.latents.shape)
                 self.latents = ConstantLatents(self.model, material.latents)
             if self.latents.channels not in (1, 3):
                 raise ParameterError(
-                    f"{where}: '{self._filename}' has {self.latents.channels} channels; "
+                    f"{self._where}: '{self._filename}' has {self.latents.channels} channels; "
                     "only materials of one or three can be rendered"
                 )
 
@@ -87,6 +88,7 @@ def define(base: type) -> type:
         def parameters_changed(self, keys):
             if self._tensor is None:
                 return
+            self._check_changeable()
             if dr.grad_enabled(self._tensor):
                 self.latents = AttachedLatents(self.model, self._tensor)
             else:

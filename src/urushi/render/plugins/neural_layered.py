@@ -118,6 +118,7 @@ def define(base: type) -> type:
         def parameters_changed(self, keys):
             if keys == ["latents"]:
                 return  # which are shown to be read: they are computed from the others
+            self._check_changeable()
             self._coat.parameters_changed()
             self._bake(not keys or "bottom" in keys)
 

@@ -5,37 +5,51 @@ other in the same recorded code, at the same vertex. Dr.Jit merges equal express
 """
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import drjit as dr
 
-#: Who asked (by id: this must keep no plugin alive), what about, in which scope of recorded code,
-#: and the answer.
-_last: tuple[int, Sequence, int, Any] | None = None
+
+class Answer(NamedTuple):
+    """What was asked, in which scope of recorded code, and the answer."""
+
+    question: Sequence
+    scope: int
+    result: Any
 
 
-def answer(asker: object, question: Sequence, compute: Callable[[], Any]) -> Any:
-    """Return compute(), or what it gave when the same was last asked, if that can still be used.
+class Recent:
+    """The last answer that a plugin gave."""
 
-    question: Dr.Jit arrays. An answer can be used in the scope that it was computed in, and
-    in those that `extend` reaches: those that follow it without leaving the recorded code.
-    """
-    global _last
-    known, _last = _last, None
-    scope, indices = _scope(question), _indices(question)
-    if known and (known[0], known[2], _indices(known[1])) == (id(asker), scope, indices):
-        return known[3]
-    result = compute()
-    if dr.detail.any_symbolic(question):  # otherwise all of it would be kept in memory
-        _last = (id(asker), question, _scope(question), result)
-    return result
+    def __init__(self):
+        self._last: Answer | None = None
+        self._replaced: list[Answer] = []
 
+    def answer(self, question: Sequence, compute: Callable[[], Any]) -> Any:
+        """Return compute(), or what it gave when the same was last asked, if that can be used.
 
-def extend(asker: object) -> None:
-    """Let the last answer be used in the present scope as well: only calls have come between."""
-    global _last
-    if _last and _last[0] == id(asker):
-        _last = (_last[0], _last[1], _scope(_last[1]), _last[3])
+        question: Dr.Jit arrays. An answer can be used in the scope that it was computed in, and
+        in those that `extend` reaches: those that follow it without leaving the recorded code.
+        """
+        known, self._last = self._last, None
+        scope, indices = _scope(question), _indices(question)
+        if known and (known.scope, _indices(known.question)) == (scope, indices):
+            return known.result
+        if not dr.flag(dr.JitFlag.FreezingScope):
+            self._replaced.clear()
+        elif known:
+            # It may be the last trace of a scene, and no scene can be freed while a frozen function
+            # is recorded: Dr.Jit ends the process.
+            self._replaced.append(known)
+        result = compute()
+        if dr.detail.any_symbolic(question):  # otherwise all of it would be kept in memory
+            self._last = Answer(question, _scope(question), result)
+        return result
+
+    def extend(self) -> None:
+        """Let the last answer be used in the present scope too: only calls have come between."""
+        if self._last:
+            self._last = self._last._replace(scope=_scope(self._last.question))
 
 
 def _scope(arrays: Sequence) -> int:

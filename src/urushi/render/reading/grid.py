@@ -5,6 +5,7 @@ by its transform is baked once and has no seam, whatever the transform.
 """
 
 from collections.abc import Mapping
+from functools import cache
 from typing import NamedTuple
 
 import drjit as dr
@@ -139,22 +140,35 @@ def not_over_uv(root: "mi.Object") -> str | None:
 
 
 def _children(node: "mi.Object") -> list["mi.Object"]:
-    children = []
+    collector = _collector(mi.variant())()
+    node.traverse(collector)
+    return collector.children
+
+
+@cache
+def _collector(variant: str) -> type:
+    """The class of what is shown a node's children, in a variant.
+
+    Made once: a class for each node would keep its children until Python looks for cycles.
+    """
 
     class Collector(mi.TraversalCallback):
+        def __init__(self):
+            super().__init__()
+            self.children = []
+
         def put(self, name, value, flags, cpptype=None):
             if isinstance(value, mi.Object):
-                children.append(value)
+                self.children.append(value)
 
         def put_value(self, name, value, flags, cpptype=None):
             pass
 
         def put_object(self, name, value, flags):
             if value is not None:
-                children.append(value)
+                self.children.append(value)
 
-    node.traverse(Collector())
-    return children
+    return Collector
 
 
 def _of(texture: "mi.Texture") -> Grid:

@@ -1,0 +1,166 @@
+"""Dr.Jit's frozen functions: recorded once, replayed with other parameters."""
+
+import gc
+import weakref
+
+import drjit as dr
+import numpy as np
+import pytest
+
+from urushi.material import Material
+
+COAT = {"alpha": 0.2, "int_ior": 1.4, "albedo": 0.7, "sigma_t": 0.8, "g": 0.3}
+
+
+def coat(mi, name: str, networks, textured: bool) -> dict:
+    pixels = np.random.default_rng(0).uniform(0.3, 0.8, (4, 4, 3)).astype(np.float32)
+    albedo = {"type": "bitmap", "bitmap": mi.Bitmap(pixels), "raw": True} if textured else 0.7
+    extra = {} if name == "layered" else {"weights": str(networks)}
+    base = {"type": "roughconductor", "distribution": "ggx", "alpha": 0.3}
+    return {"type": name, **COAT, "albedo": albedo, "base": base, **extra}
+
+
+def saved(model, networks, folder) -> dict:
+    codes = np.random.default_rng(0).normal(size=(3, 32))
+    Material(codes, model).save(folder / "material.safetensors")
+    file = str(folder / "material.safetensors")
+    return {"type": "neural_brdf", "filename": file, "weights": str(networks)}
+
+
+def scene(mi, bsdf, integrator: str = "path"):
+    """A sphere under a lamp and a sky."""
+    to_world = mi.ScalarTransform4f().look_at([0, -4, 1], [0, 0, 0], [0, 0, 1])
+    return mi.load_dict(
+        {
+            "type": "scene",
+            "integrator": {"type": integrator, "max_depth": 3},
+            "sky": {"type": "constant", "radiance": 0.5},
+            "lamp": {"type": "point", "position": [1, -2, 3], "intensity": 8.0},
+            "sphere": {"type": "sphere", "bsdf": bsdf},
+            "sensor": {
+                "type": "perspective",
+                "fov": 35,
+                "to_world": to_world,
+                "film": {"type": "hdrfilm", "width": 16, "height": 16},
+            },
+        }
+    )
+
+
+def picture(mi, loaded, seed) -> np.ndarray:
+    return mi.render(loaded, spp=4, seed=seed)
+
+
+@pytest.mark.parametrize("name", ("layered", "neural_layered"))
+@pytest.mark.parametrize("textured", (False, True))
+def test_they_see_changed_parameters(rgb, networks, name, textured):
+    loaded = scene(rgb, coat(rgb, name, networks, textured))
+    parameters = rgb.traverse(loaded)
+    frozen = dr.freeze(lambda loaded: picture(rgb, loaded, 0))
+    for value in (0.5, 1.0, 3.0):
+        parameters["sphere.bsdf.sigma_t.value"] = value
+        parameters.update()
+        np.testing.assert_allclose(
+            frozen(loaded).numpy(), picture(rgb, loaded, 0).numpy(), rtol=1e-4
+        )
+
+
+def test_they_see_changed_textures(rgb, networks):
+    loaded = scene(rgb, coat(rgb, "neural_layered", networks, True))
+    parameters = rgb.traverse(loaded)
+    frozen = dr.freeze(lambda loaded, seed: picture(rgb, loaded, seed))
+    rng = np.random.default_rng(0)
+    place = rgb.ScalarTransform3f()
+    changes = [
+        ("data", lambda: rgb.TensorXf(rng.random((4, 4, 3), np.float32))),
+        ("data", lambda: rgb.TensorXf(rng.random((*rng.integers(2, 9, 2), 3), np.float32))),
+        ("to_uv", lambda: place.scale(list(rng.uniform(1, 3, 2)))),
+    ]
+    for index, (name, value) in enumerate(change for change in changes for _ in range(4)):
+        parameters[f"sphere.bsdf.albedo.{name}"] = value()
+        parameters.update()
+        expected = picture(rgb, loaded, rgb.UInt32(index)).numpy()
+        found = frozen(loaded, rgb.UInt32(index)).numpy()
+        np.testing.assert_allclose(found, expected, rtol=1e-4)
+    assert frozen.n_recordings < index  # others are replayed
+
+
+@pytest.mark.parametrize("key", ("alpha.value", "albedo.data", "bottom.alpha.value", "latents"))
+def test_gradients_inside_are_those_outside(rgb, networks, model, tmp_path, key):
+    textured = key == "albedo.data"
+    bsdf = coat(rgb, "neural_layered", networks, textured)
+    if key == "latents":
+        bsdf = saved(model, networks, tmp_path)
+    loaded = scene(rgb, bsdf, "prb")
+    parameters = rgb.traverse(loaded)
+    key = f"sphere.bsdf.{key}"
+
+    def step(loaded, parameters, seed):
+        loss = dr.mean(rgb.render(loaded, parameters, spp=4, seed=seed), axis=None)
+        dr.backward(loss)
+        return loss
+
+    frozen = dr.freeze(step)
+    for index in range(5):  # the first are recorded, the others replayed
+        found = []
+        for function in (step, frozen):
+            parameters[key] = dr.detach(parameters[key]) * (0.95 if function is step else 1)
+            dr.enable_grad(parameters[key])
+            parameters.update()
+            loss = function(loaded, parameters, rgb.UInt32(index))
+            found.append([np.ravel(loss.numpy()), np.ravel(parameters[key].grad.numpy())])
+        for plain, replayed in zip(*found, strict=True):
+            assert np.abs(plain).max() > 0
+            np.testing.assert_allclose(replayed, plain, rtol=1e-4, atol=1e-5 * np.abs(plain).max())
+    assert frozen.n_recordings < 5
+
+
+@pytest.mark.parametrize("name", ("layered", "neural_layered", "neural_brdf"))
+def test_updates_inside_are_refused(rgb, networks, model, tmp_path, name):
+    if name == "neural_brdf":
+        bsdf = saved(model, networks, tmp_path)
+        key, value = "sphere.bsdf.latents", dr.ones(rgb.TensorXf, (3, 32))
+    else:
+        bsdf = coat(rgb, name, networks, False)
+        key, value = "sphere.bsdf.alpha.value", rgb.Float(0.5)
+    loaded = scene(rgb, bsdf)
+    parameters = rgb.traverse(loaded)
+
+    def changed(loaded, parameters, value):
+        parameters[key] = value
+        parameters.update()
+        return picture(rgb, loaded, 0)
+
+    with pytest.raises(RuntimeError, match="frozen") as caught:
+        dr.freeze(changed)(loaded, parameters, value)
+    causes = [caught.value]
+    while causes[-1].__cause__:
+        causes.append(causes[-1].__cause__)
+    assert f"{name} 'bsdf': its parameters are updated inside a frozen function" in str(causes[-1])
+
+
+@pytest.mark.parametrize("textured", (False, True))
+def test_a_scene_leaves_nothing_behind(rgb, networks, textured):
+    """What only Python's search for cycles frees may be freed while a function is recorded, and
+    Dr.Jit cannot record that."""
+    gc.collect()
+    gc.disable()
+    try:
+        bsdf = rgb.load_dict(coat(rgb, "neural_layered", networks, textured))
+        loaded = scene(rgb, bsdf)
+        picture(rgb, loaded, 0).numpy()
+        codes = weakref.ref(bsdf.latents)
+        del bsdf, loaded
+        assert codes() is None
+    finally:
+        gc.enable()
+
+
+def test_a_plugin_of_a_scene_that_is_gone(rgb, networks):
+    bsdf = rgb.load_dict(coat(rgb, "neural_layered", networks, False))
+    first, second = (scene(rgb, bsdf) for _ in range(2))
+    expected = picture(rgb, first, 0).numpy()
+    del first
+    gc.collect()
+    found = dr.freeze(lambda loaded: picture(rgb, loaded, 0))(second).numpy()
+    np.testing.assert_allclose(found, expected, rtol=1e-4)
