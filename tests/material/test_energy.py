@@ -114,6 +114,16 @@ def test_what_is_far_below_keeps_its_bits(trained):
     assert again is dark
 
 
+@pytest.mark.parametrize("excess", [8.0, 25.0, 70.0])
+def test_codes_far_beyond_the_largest_f_are_limited_too(excess, trained):
+    """How much a code exceeds its ceiling does not show where f is at the networks' largest."""
+    code = encode(urushi.conductor(0.4, 0.9), trained).latents[:1]
+    bright = np.array(code)
+    bright[:, 0] += excess  # the gain, a logarithm
+    limited = Material(energy.limit(trained, bright), trained)
+    assert 0.9 < limited.albedo(WI).max() < 1 + BETWEEN
+
+
 def test_channels_are_limited_apart(gaining):
     values = np.array([0.2, 0.7, 1.0], np.float32) / np.pi
     pairs = len(gaining.networks.pairs()[0])

@@ -7,7 +7,7 @@ import pytest
 import safetensors.numpy
 
 from urushi.errors import FileError
-from urushi.material import encode, load
+from urushi.material import Material, encode, load
 from urushi.nets import shipped
 from urushi.reference import conductor
 
@@ -18,6 +18,14 @@ def test_round_trip(material, model, tmp_path):
     again = tmp_path / "b.safetensors"
     load(tmp_path / "a.safetensors", model).save(again)
     assert again.read_bytes() == (tmp_path / "a.safetensors").read_bytes()
+
+
+def test_anchors_come_back(material, model, tmp_path):
+    held = Material(material.latents, model, material.latents + np.float32(0.5))
+    held.save(tmp_path / "held.safetensors")
+    again = load(tmp_path / "held.safetensors", model)
+    assert again == held != material
+    np.testing.assert_array_equal(again.anchors, held.anchors)
 
 
 def test_other_weights_are_refused_by_name(material, model, other_model, tmp_path):
@@ -60,6 +68,8 @@ def test_truncated_files_are_refused(size, material, model, tmp_path):
         {"latents": np.ones((0, 32), np.float32)},
         {"latents": np.ones((3, 32), np.float64)},
         {"latents": np.full((3, 32), np.inf, np.float32)},
+        {"latents": np.ones((3, 32), np.float32), "anchors": np.ones((2, 32), np.float32)},
+        {"latents": np.ones((3, 32), np.float32), "anchors": np.full((3, 32), np.nan, "f4")},
     ],
 )
 def test_damaged_files_are_refused(arrays, model, tmp_path):

@@ -33,6 +33,14 @@ def test_coats_nest_and_encodable_bottoms_are_encoded(model):
     assert layer(TOP, once).channels == 3
 
 
+def test_coats_are_layered_over_anchors(material, model):
+    held = Material(material.latents + np.float32(0.5), model, material.latents)
+    coats = {"albedo": 0.8, "sigma_t": 1}
+    assert layer(TOP, held, **coats) == layer(TOP, material, **coats)
+    coated = layer(TOP, held, **coats)
+    assert coated.anchors is coated.latents
+
+
 def test_one_channel_grows_to_three(model):
     grey = Material(np.ones((1, 32)), model)
     assert layer(TOP, grey, albedo=0.5, sigma_t=1).channels == 1
@@ -71,6 +79,13 @@ def test_lerp_is_linear_and_exact_at_its_ends(material):
     mixed = lerp(material, other, (0, 0.5, 1)).latents
     assert np.array_equal(mixed[0], material.latents[0])
     assert np.array_equal(mixed[2], other.latents[2])
+
+
+def test_lerp_blends_anchors_as_well(material, model):
+    held = Material(material.latents + 1, model, material.latents - 1)
+    blend = lerp(material, held, 0.25)
+    np.testing.assert_allclose(blend.latents, material.latents + 0.25, atol=1e-6)
+    np.testing.assert_allclose(blend.anchors, material.latents - 0.25, atol=1e-6)
 
 
 def test_lerp_of_one_and_three_channels(material, model):

@@ -33,8 +33,11 @@ def materials(
     # Without coats the values are exact and cheap, and tell the bottoms' albedo as well.
     pairs = model.networks.pairs() if encoded else seen_pairs(None, model)
     values = _lower_values(samples, encoded, *pairs)
-    latents = encode_values(values.T, model, refine=refined).latents
+    made = encode_values(values.T, model, refine=refined)
     table = samples.table
+    if table.coats == encoded:
+        return split(made)
+    latents = made.anchors
     for index in reversed(range(table.coats - encoded)):
         coat = {name: getattr(table, name)[:, index] for name in COAT_PARAMETERS}
         # Single precision may have rounded the least width down.
@@ -45,7 +48,8 @@ def materials(
 
 def split(material: Material) -> list[Material]:
     """The channels of a material, each as a material of its own."""
-    return [Material(code[None], material.model) for code in material.latents]
+    codes = zip(material.latents, material.anchors, strict=True)
+    return [Material(code[None], material.model, anchor[None]) for code, anchor in codes]
 
 
 def evaluate(made: list[Material], wi: np.ndarray, wo: np.ndarray) -> np.ndarray:

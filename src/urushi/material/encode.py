@@ -56,10 +56,10 @@ def encode(source: Any, model: Weights | None = None, *, refine: bool = False) -
             of a BSDF that transmits, what it reflects is encoded.
         model: the networks: a Model, "base" (the default) or "small", or a weights file.
         refine: whether to follow the encoder's one pass by a few steps that bring the decoded
-            values closer to the given ones: for measured or unusual BRDFs, some 25 ms a channel.
-            The code stays one that the encoder could have made, so that it can be layered as well
-            (see `urushi.material.refine`). The paper's networks encode by optimisation anyway;
-            they do nothing more.
+            values closer to the given ones: for measured or unusual BRDFs, some 50 ms a channel.
+            The material also gets codes that the encoder could have made, its `anchors`, so that
+            it can be coated as well (see `urushi.material.refine`). The paper's networks encode by
+            optimisation anyway; they do nothing more.
 
     Raises:
         ParameterError: the source is none of these, or what it gives has a wrong shape, is
@@ -109,10 +109,15 @@ def encode_values(values: np.ndarray, model: Model, *, refine: bool = False) -> 
     seen = len(model.networks.pairs()[0])
     probed, rest = values[:seen].T, values[seen:].T
     nodes = rest if rest.size else None
-    codes = refined(model.networks, probed, nodes) if refine else encoded(model, probed)
-    if nodes is None:
-        return Material(energy.limit(model, codes), model)
-    return Material(energy.limit(model, codes, energy.ceiling(energy.rule().albedo(rest))), model)
+    ceiling: np.ndarray | float = 1 - energy.MARGIN
+    if nodes is not None:
+        ceiling = energy.ceiling(energy.rule().albedo(rest))
+    if not refine:
+        return Material(energy.limit(model, encoded(model, probed), ceiling), model)
+    codes, anchors = (
+        energy.limit(model, z, ceiling) for z in refined(model.networks, probed, nodes)
+    )
+    return Material(codes, model, anchors)
 
 
 def opened(source: Any) -> Source:

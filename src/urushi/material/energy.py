@@ -37,6 +37,9 @@ BETWEEN = 41
 #: No factor makes a code's albedo zero: less than this counts as this.
 BLACK = 1e-6
 
+#: Codes that are scaled by less are looked at again, so many times at most: to exp(-80).
+FAR, FAR_STEPS = 1e-3, 3
+
 #: Codes that a core measures at once; so few are measured by one.
 TOGETHER = 32
 
@@ -172,7 +175,27 @@ def _eased(model: Model, factors: np.ndarray, z_bottom: np.ndarray) -> np.ndarra
 
 
 def _factors(model: Model, z: np.ndarray, ceiling: np.ndarray | float = 1 - MARGIN) -> np.ndarray:
-    """The factors float32 (...) in (0, 1] that bring codes (..., 32) below a ceiling."""
+    """The factors float32 (...) in (0, 1] that bring codes (..., 32) below a ceiling.
+
+    A code far from all that networks know may decode to the largest f there is (`decoder.MAX_LOG`).
+    How much it exceeds its ceiling shows only when it is scaled down, again and again.
+    """
+    result = _seen_factors(model, z, ceiling)
+    far = result < FAR
+    for _ in range(FAR_STEPS):
+        if not far.any():
+            break
+        ceilings = ceiling
+        if not isinstance(ceiling, float):
+            ceilings = np.broadcast_to(ceiling, (*z.shape[:-1], BETWEEN))[far]
+        further = _seen_factors(model, model.networks.scaled(z[far], result[far]), ceilings)
+        result[far] *= further
+        far[far] = further < FAR
+    return result
+
+
+def _seen_factors(model: Model, z: np.ndarray, ceiling: np.ndarray | float) -> np.ndarray:
+    """The factors by which codes exceed a ceiling, as far as f is not the largest there is."""
     result = np.ones(z.shape[:-1], np.float32)
     if not model.networks.scalable or not z.size:
         return result

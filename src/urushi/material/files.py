@@ -12,18 +12,23 @@ from urushi.nets.weights import Model
 FORMAT_VERSION = 1
 
 
-def write(path: str | os.PathLike, latents: np.ndarray, fingerprint: str) -> None:
-    """Write codes (C, 32) that belong to the networks of `fingerprint`.
+def write(
+    path: str | os.PathLike, latents: np.ndarray, anchors: np.ndarray, fingerprint: str
+) -> None:
+    """Write codes (C, 32), and those below coats, that belong to the networks of `fingerprint`.
 
     Raises:
         FileError: the file cannot be written.
     """
     description = {"version": FORMAT_VERSION, "weights": fingerprint}
-    tensorfile.write(path, "material", description, {"latents": latents})
+    arrays = {"latents": latents}
+    if not np.array_equal(latents, anchors):
+        arrays["anchors"] = anchors
+    tensorfile.write(path, "material", description, arrays)
 
 
-def read(path: str | os.PathLike, models: Sequence[Model]) -> tuple[np.ndarray, Model]:
-    """Return the codes (C, 32) of a file, and which of some networks it was made with.
+def read(path: str | os.PathLike, models: Sequence[Model]) -> tuple[np.ndarray, np.ndarray, Model]:
+    """Return a file's codes (C, 32), those below coats, and the networks, of some, that made it.
 
     Raises:
         FileError: missing, truncated, foreign, damaged, or made with other networks.
@@ -39,9 +44,16 @@ def read(path: str | os.PathLike, models: Sequence[Model]) -> tuple[np.ndarray, 
     width = model.arch.latent
     if latents is None or latents.ndim != 2 or not len(latents) or latents.shape[1] != width:
         raise FileError(f"the material file '{path}' is damaged: it has no latents (C, {width})")
-    if latents.dtype != np.float32 or not np.isfinite(latents).all():
-        raise FileError(f"the material file '{path}' is damaged: a latent is not finite float32")
-    return latents, model
+    anchors = arrays.get("anchors", latents)
+    if anchors.shape != latents.shape:
+        raise FileError(
+            f"the material file '{path}' is damaged: its anchors have shape {anchors.shape}, its "
+            f"latents {latents.shape}"
+        )
+    for codes in (latents, anchors):
+        if codes.dtype != np.float32 or not np.isfinite(codes).all():
+            raise FileError(f"the material file '{path}' is damaged: a code is not finite float32")
+    return latents, anchors, model
 
 
 def belonging(path: str | os.PathLike, made_with: object, models: Sequence[Model]) -> Model:

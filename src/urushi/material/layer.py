@@ -62,4 +62,4 @@ def layer(
                 f"the coat's {name} has three values, but the bottom has {bottom.channels} "
                 "channels; give a scalar"
             )
-    return Material(layer_texels(bottom.model, bottom.latents, **parameters), bottom.model)
+    return Material(layer_texels(bottom.model, bottom.anchors, **parameters), bottom.model)

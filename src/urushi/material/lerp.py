@@ -38,4 +38,8 @@ def lerp(a: Material, b: Material, t: npt.ArrayLike) -> Material:
     if share.ndim > 1 or not ((share >= 0.0) & (share <= 1.0)).all():
         raise ParameterError("lerp's t must be in [0, 1], a number or one per channel")
     share = np.broadcast_to(share, channels)[:, None]
-    return Material((1.0 - share) * a.latents + share * b.latents, a.model)
+    latents, anchors = (
+        (1.0 - share) * first + share * second
+        for first, second in ((a.latents, b.latents), (a.anchors, b.anchors))
+    )
+    return Material(latents, a.model, anchors)

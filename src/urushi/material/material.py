@@ -26,33 +26,42 @@ class Material:
 
     Attributes:
         latents: read-only float32 (C, 32), one code per channel (C = 3 for RGB, 1 for grey).
-        model: the networks. Materials equal each other if codes and networks do.
+        model: the networks.
+        anchors: read-only float32 (C, 32), codes near the latents that the encoder could have made:
+            coats are layered over these, and directions are sampled by them. Those of refined
+            materials only differ from the latents (see `urushi.material.refine`); by default they
+            are the latents.
+
+    Materials equal each other if codes and networks do.
     """
 
     latents: np.ndarray
     model: Model
+    anchors: np.ndarray = None  # type: ignore[assignment]  # __post_init__ puts the latents there
 
     def __post_init__(self) -> None:
-        latents = np.array(self.latents, dtype=np.float32)  # a copy
-        width = self.model.arch.latent
-        if latents.ndim != 2 or not len(latents) or latents.shape[1] != width:
+        latents = _checked(self.latents, self.model, "latents")
+        anchors = latents
+        if self.anchors is not None and self.anchors is not self.latents:
+            anchors = _checked(self.anchors, self.model, "anchors")
+        if anchors.shape != latents.shape:
             raise ParameterError(
-                f"a material's latents have shape {latents.shape}; give (channels, {width})"
+                f"a material has {len(latents)} latents, but {len(anchors)} anchors; give as many"
             )
-        if not np.isfinite(latents).all():
-            raise ParameterError("a material's latents hold a number that is not finite")
-        latents.flags.writeable = False
         object.__setattr__(self, "latents", latents)
+        object.__setattr__(self, "anchors", anchors)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Material):
             return NotImplemented
-        return self.model.fingerprint == other.model.fingerprint and np.array_equal(
-            self.latents, other.latents
+        return (
+            self.model.fingerprint == other.model.fingerprint
+            and np.array_equal(self.latents, other.latents)
+            and np.array_equal(self.anchors, other.anchors)
         )
 
     def __hash__(self) -> int:
-        return hash((self.model.fingerprint, self.latents.tobytes()))
+        return hash((self.model.fingerprint, self.latents.tobytes(), self.anchors.tobytes()))
 
     def __repr__(self) -> str:
         return f"Material({self.channels} channels, weights {self.model.fingerprint})"
@@ -134,7 +143,7 @@ class Material:
         return np.concatenate([wo, pdf[:, None]], axis=1)
 
     def _proposal(self, wi: np.ndarray) -> Proposal:
-        return self.model.networks.proposal(self.latents.mean(axis=0)[None], wi)
+        return self.model.networks.proposal(self.anchors.mean(axis=0)[None], wi)
 
     def albedo(self, wi: npt.ArrayLike) -> np.ndarray:
         """Integrate f times wo's cosine over the hemisphere: the directional albedo.
@@ -168,7 +177,7 @@ class Material:
         Raises:
             FileError: the file cannot be written.
         """
-        files.write(path, self.latents, self.model.fingerprint)
+        files.write(path, self.latents, self.anchors, self.model.fingerprint)
 
 
 def load(path: str | os.PathLike, model: Weights | None = None) -> Material:
@@ -181,7 +190,22 @@ def load(path: str | os.PathLike, model: Weights | None = None) -> Material:
         FileError: missing, truncated, foreign, damaged, or made with other networks.
     """
     models = [shipped.find(model)] if model else [shipped.load(name) for name in shipped.NAMES]
-    return Material(*files.read(path, models))
+    latents, anchors, made_with = files.read(path, models)
+    return Material(latents, made_with, anchors)
+
+
+def _checked(codes: npt.ArrayLike, model: Model, name: str) -> np.ndarray:
+    """A read-only copy float32 (C, 32) of a material's codes."""
+    array = np.array(codes, dtype=np.float32)
+    width = model.arch.latent
+    if array.ndim != 2 or not len(array) or array.shape[1] != width:
+        raise ParameterError(
+            f"a material's {name} have shape {array.shape}; give (channels, {width})"
+        )
+    if not np.isfinite(array).all():
+        raise ParameterError(f"a material's {name} hold a number that is not finite")
+    array.flags.writeable = False
+    return array
 
 
 def _uniform(u: npt.ArrayLike, count: int) -> np.ndarray:

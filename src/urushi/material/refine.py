@@ -1,25 +1,29 @@
 """Refinement: a few steps that bring a code closer to the BRDF it was encoded from.
 
-The code that fits a BRDF's values best is of no use: many codes decode to nearly the same values,
-and the layering network knows only those that the encoder makes. So with l the logarithmic values
-ln(f + `UNSEEN`) at the probe pairs, l(z) those of what a code decodes to, D(z) the same as the
-encoder E sees them (`encoder.log_values`), what is minimised for every channel is
+The code that fits a BRDF's values best cannot be layered: many codes decode to nearly the same
+values, and the layering network knows only those that the encoder makes. So with l the logarithmic
+values ln(f + `UNSEEN`) at the probe pairs, l(z) those of what a code decodes to, D(z) the same as
+the encoder E sees them (`encoder.log_values`), what is minimised for every channel is
 
-    mean rho(l(z) - l)  +  HOLD mean d^2,
+    mean rho(l(z) - l)  +  hold mean d^2,
 
 where rho is the square, linear beyond `KNEE` (Huber 1964), and d is the least change of D(z) after
 which the encoder gives z again, E(D(z) + d) = z to first order. Training asks for codes with d = 0
 (`train.losses`, the cycle). Both terms are relative errors of f, so that their balance depends
 neither on the sizes of the networks nor on the scale of codes. By the damped steps of Marquardt
 (1963).
+
+It is done twice: held by `ANCHORED`, which gives the anchor, the code that coats are layered over;
+and from there held by hardly anything, `LOOSE`, which gives the code that is looked at.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
-from urushi.material import energy
+from urushi.material import energy, starts
 from urushi.material.cores import one_thread
+from urushi.material.starts import UNSEEN
 from urushi.nets.encoder import OFFSET, log_values
 from urushi.nets.features import direction_features
 from urushi.nets.networks import Networks, OnePass
@@ -27,18 +31,17 @@ from urushi.nets.networks import Networks, OnePass
 #: Steps that are tried, each for one pass of decoder and encoder and back.
 STEPS = 20
 
-#: How much a code's distance from what the encoder makes weighs against its error. Less comes
-#: closer to odd BRDFs, and makes layering over them worse, slowly down to 0.2; without it layering
-#: fails (`python -m benchmarks.refinement`).
-HOLD = 2.0
+#: How much a code's distance from what the encoder makes weighs against its error. With less,
+#: layering over odd BRDFs gets worse; without it, layering fails (`python -m
+#: benchmarks.refinement`).
+ANCHORED = 4.0
+
+#: The same for codes that nothing is layered over. Not zero: the probe pairs do not see everything.
+LOOSE = 0.0005
 
 #: The nodes' share of the error, where their values are known; and the power of the light they
 #: reflect that weighs them.
 NODES_SHARE, NODES_POWER = 0.5, 0.5
-
-#: Added to f [1/sr] before logarithms are compared, as in the error P: values far below it are
-#: black to the eye, and measured colours outside of sRGB have channels that are zero.
-UNSEEN = 1e-3
 
 #: Errors of ln f above this count linearly. What the decoder cannot make at all must not drag along
 #: what it can.
@@ -98,8 +101,15 @@ def wanted(networks: OnePass, f: np.ndarray, nodes: np.ndarray | None = None) ->
     )
 
 
-def refined(networks: Networks, f: np.ndarray, nodes: np.ndarray | None = None) -> np.ndarray:
-    """Return codes float32 (C, L) of BRDFs with values f (C, P) [1/sr] at `networks.pairs`.
+class Refined(NamedTuple):
+    """Codes float32 (C, L): those that decode to what was asked for, and their anchors."""
+
+    codes: np.ndarray
+    anchors: np.ndarray
+
+
+def refined(networks: Networks, f: np.ndarray, nodes: np.ndarray | None = None) -> Refined:
+    """Return codes of BRDFs with values f (C, P) [1/sr] at `networks.pairs`.
 
     The encoder's, improved. Channel by channel, so that none depends on another even in its last
     digit, which an optimisation may blow up. The paper's networks, which optimise to begin with,
@@ -109,37 +119,43 @@ def refined(networks: Networks, f: np.ndarray, nodes: np.ndarray | None = None) 
     """
     encoder = networks.one_pass
     if encoder is None:
-        return networks.encode(f)
+        codes = networks.encode(f)
+        return Refined(codes, codes)
     rows = np.ascontiguousarray(f)
     further = [None] * len(rows) if nodes is None else np.ascontiguousarray(nodes)
+    codes, anchors = [], []
     with one_thread():
-        aims = [wanted(encoder, *both) for both in zip(rows, further, strict=True)]
-        starts = (encoder.encode(row[None])[0] for row in rows)
-        return np.stack([improved(encoder, z, aim) for z, aim in zip(starts, aims, strict=True)])
+        for row, at_nodes in zip(rows, further, strict=True):
+            aim = wanted(encoder, row, at_nodes)
+            anchors.append(improved(encoder, starts.nearest(encoder, row), aim, ANCHORED))
+            codes.append(improved(encoder, anchors[-1], aim, LOOSE))
+    return Refined(np.stack(codes), np.stack(anchors))
 
 
-def improved(networks: OnePass, z: np.ndarray, aim: Wanted, steps: int = STEPS) -> np.ndarray:
+def improved(
+    networks: OnePass, z: np.ndarray, aim: Wanted, hold: float, steps: int = STEPS
+) -> np.ndarray:
     """Return a code float32 (L,) that is closer to its aim than z (L,), or as close.
 
     Every step is damped, and kept only where it lowers the objective.
     """
-    state, damping = _at(networks, z, aim), DAMPING
+    state, damping = _at(networks, z, aim, hold), DAMPING
     for _ in range(steps):
         mean = np.trace(state.curvature) / len(z)
         damped = state.curvature + (damping * mean + 1e-12) * np.eye(len(z))
         step = np.linalg.solve(damped, state.slope)
-        new = _at(networks, (state.z - step).astype(np.float32), aim)
+        new = _at(networks, (state.z - step).astype(np.float32), aim, hold)
         better = new.objective < state.objective  # false for NaN
         state, damping = (new, damping * EASED) if better else (state, damping * RAISED)
     return state.z
 
 
-def objective(networks: OnePass, z: np.ndarray, aim: Wanted) -> float:
+def objective(networks: OnePass, z: np.ndarray, aim: Wanted, hold: float) -> float:
     """What `improved` minimises, of a code z (L,)."""
-    return _at(networks, z, aim).objective
+    return _at(networks, z, aim, hold).objective
 
 
-def _at(networks: OnePass, z: np.ndarray, aim: Wanted) -> State:
+def _at(networks: OnePass, z: np.ndarray, aim: Wanted, hold: float) -> State:
     """The state at a code z (L,).
 
     The encoder's Jacobian J (L, P) makes of changes d of D(z) changes J d of its code. The least d
@@ -160,7 +176,7 @@ def _at(networks: OnePass, z: np.ndarray, aim: Wanted) -> State:
     weighted = seen.T * (aim.weights / far)
     gap_slope = np.eye(len(z)) - inward @ outward
     whitened = np.linalg.solve(variance, np.column_stack([gap, gap_slope]))
-    hold = HOLD / aim.probes
+    hold /= aim.probes
     return State(
         z,
         float(loss + hold * gap @ whitened[:, 0]),

@@ -176,6 +176,35 @@ def test_a_nested_coat_is_layered_from_its_latents(rgb, describe, model):
     np.testing.assert_allclose(outer.latents.at(np.zeros((1, 2))), expected, rtol=1e-5, atol=1e-5)
 
 
+def test_a_saved_material_is_coated_over_its_anchors(rgb, saved, networks, model, tmp_path):
+    """Until its codes are edited: then over those."""
+    from urushi.material import layer, load
+    from urushi.reference import dielectric
+
+    anchors = load(saved, model).latents
+    held = Material(anchors + np.float32(0.3), model, anchors)
+    held.save(tmp_path / "held.safetensors")
+    weights = {"weights": str(networks)}
+    inner = rgb.load_dict(
+        {"type": "neural_brdf", "filename": str(tmp_path / "held.safetensors"), **weights}
+    )
+    coat = {"type": "neural_layered", "alpha": 0.1, "int_ior": 1.5, "ext_ior": 1.0, **weights}
+
+    def codes(bsdf):
+        return bsdf.latents.at(np.zeros((1, 2)))[0]
+
+    np.testing.assert_array_equal(codes(inner), held.latents)
+    expected = layer(dielectric(0.1, 1.5), held)
+    coated = rgb.load_dict(coat | {"base": inner})
+    np.testing.assert_allclose(codes(coated), expected.latents, rtol=1e-5, atol=1e-5)
+    parameters = rgb.traverse(inner)
+    parameters["latents"] = rgb.TensorXf(held.latents)
+    parameters.update()
+    expected = layer(dielectric(0.1, 1.5), Material(held.latents, model))
+    coated = rgb.load_dict(coat | {"base": inner})
+    np.testing.assert_allclose(codes(coated), expected.latents, rtol=1e-5, atol=1e-5)
+
+
 def test_a_change_through_traverse_layers_anew(rgb, describe):
     changed = rgb.load_dict(describe("neural_layered"))
     parameters = rgb.traverse(changed)

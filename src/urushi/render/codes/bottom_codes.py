@@ -63,7 +63,7 @@ class BottomCodes:
         if self._bottom.class_name() in MEASURED:
             pairs = seen_pairs(self._bottom, model)
             f = probing.read(self._bottom, *pairs, self._where)
-            return encode_values(f, model, refine=True).latents
+            return encode_values(f, model, refine=True).anchors
         f = probing.read(self._bottom, *model.networks.pairs(), self._where)
         return encode_texels(model, f.T)
 
@@ -98,11 +98,13 @@ class BottomCodes:
 
 
 def nested_latents(bottom: "mi.BSDF", model: Model):
-    """The latents of a bottom that has codes of the same networks and channels, or None."""
+    """The codes below a coat of a bottom that has codes of the same networks, or None."""
     nested = getattr(bottom, "latents", None)
     if nested is None or bottom.model.fingerprint != model.fingerprint:
         return None
-    return nested if nested.channels == spectrum.channel_count() else None
+    if nested.channels != spectrum.channel_count():
+        return None
+    return getattr(nested, "anchors", nested)
 
 
 class _Nested:
@@ -126,7 +128,7 @@ class _Probed:
     def __init__(self, model: Model, bottom: "mi.BSDF", where: str, grid: Grid):
         self._model, self._bottom, self._where = model, bottom, where
         self._pairs = model.networks.pairs()
-        self._average = probing.needed_average(bottom, *self._pairs, grid)
+        self._average = probing.needed_average(bottom, *self._pairs, grid, where)
 
     def keys(self, uv: np.ndarray) -> np.ndarray:
         """Keys (M, C) at points uv (M, 2): equal where the bottom is."""

@@ -41,12 +41,13 @@ class ConstantLatents:
 
     DRJIT_STRUCT: ClassVar = {"_shares": list, "_proposal_share": list}  # for frozen functions
 
-    def __init__(self, model: Model, latents: np.ndarray):
-        """latents: (C, 32) float32."""
-        self._model, self._latents = model, latents
+    def __init__(self, model: Model, latents: np.ndarray, anchors: np.ndarray | None = None):
+        """latents, anchors: (C, 32) float32, those of a `Material`."""
+        self._material = Material(latents, model, latents if anchors is None else anchors)
         self._decoder, self._proposal = twins.of(model)
         self._shares = [_opaque(share) for share in self._decoder.first_layer(latents)]
-        self._proposal_share = _opaque(self._proposal.first_layer(latents.mean(axis=0)))
+        mean = self._material.anchors.mean(axis=0)
+        self._proposal_share = _opaque(self._proposal.first_layer(mean))
 
     def vertex(self, si, active) -> Vertex:
         """The vertex at a surface interaction."""
@@ -59,12 +60,21 @@ class ConstantLatents:
 
     def at(self, uv: np.ndarray) -> np.ndarray:
         """Latent codes (M, C, 32) at points uv (M, 2)."""
-        return np.broadcast_to(self._latents, (len(uv), *self._latents.shape))
+        latents = self._material.latents
+        return np.broadcast_to(latents, (len(uv), *latents.shape))
+
+    @property
+    def anchors(self) -> "ConstantLatents":
+        """The codes that coats are layered over."""
+        material = self._material
+        if material.anchors is material.latents:
+            return self
+        return ConstantLatents(material.model, material.anchors)
 
     @property
     def channels(self) -> int:
         """Codes that it has."""
-        return len(self._latents)
+        return self._material.channels
 
     @property
     def resolution(self) -> tuple[int, int] | None:
@@ -82,10 +92,11 @@ class ConstantLatents:
         Raises:
             FileError: it cannot be written.
         """
-        Material(self._latents, self._model).save(path)
+        self._material.save(path)
 
     def __str__(self) -> str:
-        return f"{len(self._latents)} x {self._latents.shape[1]}"
+        count, size = self._material.latents.shape
+        return f"{count} x {size}"
 
 
 class TexturedLatents:

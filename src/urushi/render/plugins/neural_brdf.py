@@ -74,7 +74,7 @@ def define(base: type) -> type:
                 self.model = material.model
                 codes = arrays.owned(mi.Float, material.latents)
                 self._tensor = mi.TensorXf(codes, material.latents.shape)
-                self.latents = ConstantLatents(self.model, material.latents)
+                self.latents = ConstantLatents(self.model, material.latents, material.anchors)
             if self.latents.channels not in (1, 3):
                 raise ParameterError(
                     f"{self._where}: '{self._filename}' has {self.latents.channels} channels; "
