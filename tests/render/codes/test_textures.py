@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 
 from urushi.material import probe_space
+from urushi.material.texture import encode_texels, layer_texels
 
 COAT = {"alpha": 0.2, "albedo": 0.7, "sigma_t": 0.8, "g": 0.3}
+COAT_ARRAYS = {key: np.full((1, 1), value) for key, value in COAT.items()}
 
 
 def bitmap(mi, pixels, **properties) -> dict:
@@ -90,6 +92,33 @@ def test_a_textured_bottom(rgb, networks):
             for bsdf in (constant, textured)
         )
         np.testing.assert_allclose(a, b, rtol=1e-2)
+
+
+@pytest.mark.parametrize("textured", (False, True))
+def test_a_brushed_bottom_is_the_mean_over_its_azimuth(rgb, textured):
+    from urushi.nets import shipped
+    from urushi.render.reading import probing
+
+    model = shipped.load("small")
+    wi, wo = model.networks.pairs()
+    # light within a narrow lobe comes from few of the azimuths
+    widths = {"alpha_u": 0.03, "alpha_v": 0.5}
+    if textured:
+        widths = {key: bitmap(rgb, np.full((2, 2, 1), value)) for key, value in widths.items()}
+    brushed = rgb.load_dict({"type": "roughconductor", "distribution": "ggx", **widths})
+    turns = np.random.default_rng(0).random(2048)
+    f = np.zeros((len(wi), 3))
+    for a, b in ((wi, wo), (wo, wi)):
+        a, b = (np.concatenate([probing.rotated(w, turn) for turn in turns]) for w in (a, b))
+        values = probing.values(brushed, a, b, np.full((len(a), 2), 0.5))
+        f += values.reshape(len(turns), *f.shape).mean(axis=0) / 2
+    coat = {"type": "neural_layered", "weights": "small", **COAT}
+    found = rgb.load_dict(coat | {"bottom": brushed}).latents.at(np.full((1, 2), 0.5))
+    eta = np.full((1, 1), 1.5046 / 1.000277)
+    under = encode_texels(model, f.T.astype(np.float32))
+    expected = layer_texels(model, under, eta=eta, **COAT_ARRAYS)
+    # 2,048 random turns: some 3 % of values, and 8 bits of a texture's codes
+    assert np.abs(found - expected).max() < 0.05
 
 
 def looked_up(mi, bsdf, uv, duv=(0.0, 0.0)) -> np.ndarray:

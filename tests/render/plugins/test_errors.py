@@ -157,6 +157,19 @@ def test_nor_can_bottoms_of_what_is_not_over_uv(rgb, networks, kind, parameter):
             load(rgb, networks, "neural_layered", base=base)
 
 
+@pytest.mark.parametrize("kind", ("normalmap", "bumpmap"))
+def test_bottoms_have_no_normals_of_their_own(rgb, networks, kind):
+    bitmap = {"type": "bitmap", "bitmap": rgb.Bitmap(np.full((2, 2, 3), 0.5, np.float32))}
+    mapped = bottom(kind, normals=bitmap | {"raw": True}, inside=bottom())
+    if kind == "normalmap":
+        mapped["normalmap"] = mapped.pop("normals")
+    twosided = bottom("twosided", inside=mapped)
+    for base in (mapped, twosided):
+        with pytest.raises(RuntimeError, match=f"contains a '{kind}', and codes have no normals"):
+            load(rgb, networks, "neural_layered", base=base)
+        load(rgb, networks, "layered", base=base)
+
+
 def test_beside_what_is_not_over_uv_the_walk_checks_the_rest(rgb, networks):
     for texture in strangers(rgb).values():
         load(rgb, networks, "layered", alpha=texture, int_ior=texture)

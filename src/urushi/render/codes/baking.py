@@ -117,8 +117,9 @@ def choose_grid(
     """The grid of a coat's codes over a bottom; None: they are the same everywhere.
 
     Raises:
-        ParameterError: a texture is not over uv.
+        ParameterError: a texture is not over uv, or the bottom has normals of its own.
     """
+    grids.check_normals(bottom, coat.where)
     nested = nested_latents(bottom, model)
     below = {} if nested is not None else {"the nested BSDF": bottom}
     inner = nested.grid if nested is not None else None

@@ -18,8 +18,14 @@ from urushi.render.codes.baking import choose_grid
 from urushi.render.codes.bottom_codes import PROBED, BottomCodes
 from urushi.render.codes.operations import Columns
 from urushi.render.reading import probing
-from urushi.render.reading.grid import Grid, varying_textures
+from urushi.render.reading.grid import IDENTITY, Grid, varying_textures
 from urushi.render.reading.parameters import CoatParameters
+
+#: Rotations of an anisotropic bottom, at most: all are traced together.
+AZIMUTHS = 15
+
+#: The grid of a bottom that is the same everywhere.
+MIDDLE = Grid(1, 1, IDENTITY, "repeat", False)
 
 
 def wanted(bsdf: "mi.BSDF") -> bool:
@@ -67,24 +73,26 @@ def _bottom_codes(
             known.update(grid)
             return operations.columns(known.read(0, len(uv))[1])
     if grid is None or not varying_textures(bottom):
-        parts = [_probed(bottom, wi, wo, np.full((1, 2), 0.5), probing.AZIMUTHS)]
-    else:
-        starts = range(0, len(uv), PROBED)
-        parts = [_probed(bottom, wi, wo, uv[i : i + PROBED], 2) for i in starts]
+        grid, uv = MIDDLE, MIDDLE.uv()
+    with dr.suspend_grad():
+        average = probing.needed_average(bottom, wi, wo, grid, where)
+    starts = range(0, len(uv), PROBED)
+    parts = [_probed(bottom, wi, wo, uv[i : i + PROBED], average) for i in starts]
     return operations.encode(model, where, parts)
 
 
 def _probed(
-    bottom: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, uv: np.ndarray, azimuths: int
+    bottom: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, uv: np.ndarray, average: probing.Average
 ) -> list:
-    """`probing.symmetric`, attached: of each channel f (M * P) [1/sr] at points uv (M, 2)."""
+    """`probing.over_points`, attached: of each channel f (M * P) [1/sr] at points uv (M, 2)."""
+    azimuths = min(average.azimuths, AZIMUTHS)
     everywhere = np.repeat(uv, len(wi), axis=0)
     total = [dr.zeros(mi.Float, len(everywhere))] * spectrum.channel_count()
     for index in range(azimuths):
         a, b = (np.tile(probing.rotated(w, index / azimuths), (len(uv), 1)) for w in (wi, wo))
-        for one, other in ((a, b), (b, a)):
+        for one, other in ((a, b), (b, a))[: 1 + average.exchanged]:
             out = mi.Vector3f(np.ascontiguousarray(other.T))
             value = bottom.eval(mi.BSDFContext(), probing.interaction(one, everywhere), out)
             channels = spectrum.to_channels(value / out.z)
             total = [a + b for a, b in zip(total, channels, strict=True)]
-    return [value / (2 * azimuths) for value in total]
+    return [value / (azimuths * (1 + average.exchanged)) for value in total]

@@ -32,8 +32,8 @@ def define(base: type) -> type:
         g              spectrum, texture     Asymmetry of its Henyey-Greenstein phase function,
                                              -1 to 1, both excluded. (Default: 0)
         (nested)       BSDF                  The bottom, under any name: any opaque BSDF that has
-                                             no perfectly smooth lobe; coats nest. Its values are
-                                             taken as they are in air.
+                                             no perfectly smooth lobe and no normals of its own;
+                                             coats nest. Its values are taken as they are in air.
         resolution     integer               Texels per side of the latent texture if anything is
                                              textured. (Default: that of the largest texture, at
                                              most 2048; 256 for procedural ones)

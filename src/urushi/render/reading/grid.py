@@ -25,6 +25,9 @@ ELSEWHERE = {
     "VolumeAdapter": "a volume, which is given in space",
 }
 
+#: Mitsuba's BSDFs that have normals of their own, and their plugins.
+NORMALS = {"NormalMap": "normalmap", "BumpMap": "bumpmap"}
+
 #: Points at which a bitmap is looked at to learn how it repeats and filters.
 POINTS = 64
 
@@ -117,26 +120,44 @@ def choose(
 
 def varying_textures(root: "mi.Object") -> list["mi.Texture"]:
     """The textures that depend on the position, anywhere in a scene object."""
-    found, seen, waiting = [], set(), [root]
-    while waiting:
-        node = waiting.pop()
-        if id(node) in seen:
-            continue
-        seen.add(id(node))
-        # Mesh attributes deny that they vary.
-        varies = isinstance(node, mi.Texture) and (
-            node.is_spatially_varying() or node.class_name() in ELSEWHERE
-        )
-        if varies:
-            found.append(node)
-        waiting += _children(node)
-    return found
+    # Mesh attributes deny that they vary.
+    return [
+        node
+        for node in _within(root)
+        if isinstance(node, mi.Texture)
+        and (node.is_spatially_varying() or node.class_name() in ELSEWHERE)
+    ]
+
+
+def check_normals(bsdf: "mi.BSDF", where: str) -> None:
+    """Refuse a bottom that has normals of its own.
+
+    Raises:
+        ParameterError: there is a normal map or a bump map in it.
+    """
+    for node in _within(bsdf):
+        if node.class_name() in NORMALS:
+            raise ParameterError(
+                f"{where}: the nested BSDF contains a '{NORMALS[node.class_name()]}', and codes "
+                "have no normals; put it around the coat, or use the plugin 'layered'"
+            )
 
 
 def not_over_uv(root: "mi.Object") -> str | None:
     """What a scene object depends on that is no function of uv, in words, or None."""
     names = [texture.class_name() for texture in varying_textures(root)]
     return next((ELSEWHERE[name] for name in names if name in ELSEWHERE), None)
+
+
+def _within(root: "mi.Object") -> list["mi.Object"]:
+    """A scene object and all that it is made of, each once."""
+    found, waiting = {}, [root]
+    while waiting:
+        node = waiting.pop()
+        if id(node) not in found:
+            found[id(node)] = node
+            waiting += _children(node)
+    return list(found.values())
 
 
 def _children(node: "mi.Object") -> list["mi.Object"]:

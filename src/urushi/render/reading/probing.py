@@ -14,17 +14,26 @@ from urushi.render.reading.parameters import check_bottom
 #: Evaluations that are traced at once: bounds memory.
 CHUNK = 1 << 21
 
-#: Rotations about the normal over which a BSDF is averaged, and the relative deviation between
-#: them from which on the user is told.
-AZIMUTHS, ANISOTROPIC = 8, 0.05
+#: Rotations about the normal over which an anisotropic BSDF is averaged, and the relative deviation
+#: between them from which on the user is told. They are odd in number: most BSDFs are as before
+#: after half a turn, and so averaged over twice as many. Fewer leave a narrow lobe in pieces, which
+#: are like nothing that the encoder knows.
+AZIMUTHS, ANISOTROPIC = 63, 0.05
 
 #: Evaluations at every pair of a BSDF that draws random numbers, and of all pairs together, which
 #: leaves fewer for each texel.
 REPEATS, BUDGET = 4096, 1 << 26
 
-#: Points at which a textured BSDF is asked whether it needs averaging, and the relative deviation
-#: from its averages up to which it does not.
-SOME, SAME = 64, 1e-3
+#: Points at which a textured BSDF is asked whether it needs averaging, over how many rotations, and
+#: the relative deviation from its averages up to which it does not.
+SOME, ASKED, SAME = 64, 5, 1e-3
+
+#: Evaluations of an anisotropic textured BSDF in all: large textures are averaged over fewer
+#: rotations. So many evaluations take about a minute.
+ANISOTROPIC_BUDGET = 1 << 32
+
+#: Evaluations of a pair that are traced in one kernel, at most.
+TRACED = 4
 
 
 def interaction(
@@ -72,23 +81,13 @@ def values(
     return np.concatenate(parts)
 
 
-def symmetric(
-    bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, uv: np.ndarray, azimuths: int, repeats: int = 1
-) -> np.ndarray:
-    """f (M, P, C) at points uv (M, 2) for pairs (P, 3), made isotropic and reciprocal by averaging.
-
-    Every value is the mean over `azimuths` common rotations of the pair about the normal, over
-    the exchange of wi and wo, and over `repeats`, for BSDFs that draw random numbers.
-    """
-    points, pairs = len(uv), len(wi)
-    everywhere = np.repeat(uv, pairs, axis=0)
-    total = np.zeros((points * pairs, spectrum.channel_count()))
-    for index in range(azimuths):
-        a, b = (np.tile(rotated(w, index / azimuths), (points, 1)) for w in (wi, wo))
-        for repeat in range(repeats):
-            total += values(bsdf, a, b, everywhere, float(repeat))
-            total += values(bsdf, b, a, everywhere, float(repeat))
-    return (total / (2 * azimuths * repeats)).reshape(points, pairs, -1)
+def all_round(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, repeat: float = 0.0) -> np.ndarray:
+    """f (2, AZIMUTHS, P, C) at the middle of uv for pairs (P, 3), given and exchanged, turned."""
+    turns = [i / AZIMUTHS for i in range(AZIMUTHS)]
+    a, b = (np.concatenate([rotated(w, turn) for turn in turns]) for w in (wi, wo))
+    uv = np.full((len(a), 2), 0.5)
+    both = [values(bsdf, *pair, uv, repeat) for pair in ((a, b), (b, a))]
+    return np.stack(both).reshape(2, AZIMUTHS, len(wi), -1)
 
 
 class Average(NamedTuple):
@@ -117,6 +116,7 @@ def over_points(
     if average.exchanged:
         lit += [pair[::-1] for pair in lit]
     tables = [tuple(_vector(w) for w in pair) for pair in lit]
+    count = average.repeats * len(tables)
     for start in range(0, len(uv), most):
         part = uv[start : start + most]
         texel, pair = _outer(len(part), pairs)
@@ -128,9 +128,8 @@ def over_points(
                 si = _interaction(a, where, float(repeat))
                 channels = spectrum.to_channels(bsdf.eval(mi.BSDFContext(), si, b) / b.z)
                 total = [x + y for x, y in zip(total, channels, strict=True)]
-                if average.repeats > 1:
+                if count > TRACED:
                     dr.eval(total)
-        count = average.repeats * len(tables)
         for channel, value in enumerate(total):
             values = np.broadcast_to((value / count).numpy(), len(part) * pairs)
             result[start : start + most, channel] = values.reshape(len(part), pairs)
@@ -144,24 +143,37 @@ def _outer(rows: int, columns: int) -> tuple["mi.UInt32", "mi.UInt32"]:
     return row, index - row * columns
 
 
-def needed_average(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, grid: Grid) -> Average:
+def needed_average(
+    bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, grid: Grid, where: str
+) -> Average:
     """What the values of a BSDF at pairs (P, 3) have to be averaged over, for all of a grid.
 
     A BSDF that is isotropic and reciprocal at some of its texels is believed to be so everywhere.
+
+    where: begins warnings.
     """
     count = repeats(bsdf, wi, wo, grid.texels)
-    whole = Average(2, True, count)
     if count > 1:
-        return whole
+        return Average(2, True, count)
     texels = np.random.default_rng(0).integers(grid.texels, size=SOME)
     some = np.concatenate([grid.uv(texel, texel + 1) for texel in texels])
-    once, mean = (over_points(bsdf, wi, wo, some, average) for average in (Average(), whole))
-    same = np.abs(once - mean) <= SAME * mean + 1e-5
-    return Average() if same.all() else whole
+    once, turned, exchanged = (
+        over_points(bsdf, wi, wo, some, average)
+        for average in (Average(), Average(ASKED), Average(1, True))
+    )
+    reciprocal = bool((np.abs(once - exchanged) <= SAME * exchanged + 1e-5).all())
+    if (np.abs(once - turned) <= SAME * turned + 1e-5).all():
+        return Average(1, not reciprocal)
+    _tell(np.abs(once - turned).sum() / max(turned.sum(), 1e-30), where)
+    most = ANISOTROPIC_BUDGET // (grid.texels * len(wi) * (1 if reciprocal else 2))
+    return Average(min(max(most, ASKED), AZIMUTHS) // 2 * 2 + 1, not reciprocal)
 
 
 def read(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, where: str) -> np.ndarray:
-    """f (P, C) [1/sr] at pairs (P, 3), averaged as in `symmetric`, at the middle of uv.
+    """f (P, C) [1/sr] at pairs (P, 3) at the middle of uv, made isotropic and reciprocal.
+
+    Every value is the mean over `AZIMUTHS` common rotations of the pair about the normal, over the
+    exchange of wi and wo, and, for BSDFs that draw random numbers, over evaluations.
 
     where: begins errors and warnings.
 
@@ -169,19 +181,24 @@ def read(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, where: str) -> np.ndar
         ParameterError: the BSDF transmits, is perfectly smooth, or is negative or not finite.
     """
     check_bottom(bsdf, where)
-    uv, count = np.full((1, 2), 0.5), repeats(bsdf, wi, wo, 1)
-    everywhere = np.repeat(uv, len(wi), axis=0)
+    count = repeats(bsdf, wi, wo, 1)
+    f = all_round(bsdf, wi, wo)
+    for repeat in range(1, count):
+        f += all_round(bsdf, wi, wo, float(repeat))
+    f /= count
     if count == 1:
-        turns = [i / AZIMUTHS for i in range(AZIMUTHS)]
-        f = np.stack([values(bsdf, rotated(wi, t), rotated(wo, t), everywhere) for t in turns])
-        spread = np.abs(f - f.mean(axis=0)).sum() / max(f.sum(), 1e-30)
-        if spread > ANISOTROPIC:
-            mi.Log(
-                mi.LogLevel.Warn,
-                f"{where}: the nested BSDF is anisotropic ({spread:.0%} over the azimuth), but "
-                "Urushi's materials are isotropic: it is averaged over the azimuth",
-            )
-    return checked(symmetric(bsdf, wi, wo, uv, AZIMUTHS, count)[0], where)
+        _tell(np.abs(f[0] - f[0].mean(axis=0)).sum() / max(f[0].sum(), 1e-30), where)
+    return checked(f.mean(axis=(0, 1)), where)
+
+
+def _tell(spread: float, where: str) -> None:
+    """Warn of a BSDF that varies so much over the azimuth, relatively, if that is much."""
+    if spread > ANISOTROPIC:
+        mi.Log(
+            mi.LogLevel.Warn,
+            f"{where}: the nested BSDF is anisotropic ({spread:.0%} over the azimuth), but "
+            "Urushi's materials are isotropic: it is averaged over the azimuth",
+        )
 
 
 def checked(f: np.ndarray, where: str) -> np.ndarray:
