@@ -1,8 +1,13 @@
 """A cluster's store is a single process's, byte for byte, whoever of its workers dies."""
 
 import os
+import pkgutil
 import signal
+import subprocess
+import sys
+import sysconfig
 import time
+from pathlib import Path
 
 import pytest
 
@@ -139,3 +144,53 @@ def test_a_scheduler_that_is_not_there_and_one_without_workers(monkeypatch):
     with distributed.LocalCluster(n_workers=0, dashboard_address=":0", host="127.0.0.1") as empty:
         with pytest.raises(PlatformError, match="has no worker; start at least one with `dask wor"):
             list(cluster.run(empty.scheduler_address, abs, [(1,)]))
+
+
+@pytest.fixture
+def strange_worker(tmp_path, request):
+    """The address of a cluster with a worker that has everything but this Urushi.
+
+    request.param: the text of the module that it has in its place, or None.
+    """
+    folder = tmp_path / "packages"
+    folder.mkdir()
+    for entry in Path(sysconfig.get_paths()["purelib"]).iterdir():
+        if "urushi" not in entry.name:
+            (folder / entry.name).symlink_to(entry)
+    if request.param is not None:
+        (folder / "urushi.py").write_text(request.param)
+    with distributed.LocalCluster(n_workers=0, dashboard_address=":0", host="127.0.0.1") as cluster:
+        command = [sys.executable, "-S", "-m", "distributed.cli.dask_worker", "--no-nanny"]
+        where = ["--nthreads", "1", "--no-dashboard", "--local-directory", tmp_path]
+        worker = subprocess.Popen(
+            [*command, cluster.scheduler_address, *where],
+            env={**os.environ, "PYTHONPATH": str(folder)},
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+        try:
+            yield cluster.scheduler_address
+        finally:
+            worker.kill()
+            worker.wait()
+
+
+@pytest.mark.parametrize(
+    ("strange_worker", "words"),
+    [
+        (None, "worker at '.*' cannot import Urushi .*; install Urushi .* `dask worker` runs in"),
+        ("__version__ = '99.0'", "worker at '.*' has Urushi 99.0, but here it is .*; install the"),
+    ],
+    indirect=["strange_worker"],
+)
+def test_a_worker_without_this_urushi_is_refused_before_any_task(strange_worker, words, tmp_path):
+    with pytest.raises(PlatformError, match=words):
+        generate(SPEC, tmp_path / "data.zarr", strange_worker)
+
+
+def test_a_scheduler_without_urushi_is_refused(two_workers, monkeypatch):
+    """The tests' scheduler is in this process: it is asked for a package that is nowhere."""
+    missing = pkgutil.resolve_name, "urushi_of_another_name:__version__"
+    monkeypatch.setattr(cluster, "_VERSION", missing)
+    with pytest.raises(PlatformError, match="scheduler at '.*' cannot import Urushi"):
+        list(cluster.run(two_workers.scheduler_address, abs, [(1,)]))

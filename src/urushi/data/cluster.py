@@ -1,10 +1,12 @@
 """Work on a Dask cluster: the one place that knows Dask (the optional extra `cluster`)."""
 
 import contextlib
+import pkgutil
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
+import urushi
 from urushi.errors import PlatformError
 
 #: Seconds to wait for the scheduler, and then for its first worker.
@@ -33,18 +35,23 @@ def run(
         results for each worker are under way, so that the memory of neither side fills up.
 
     Raises:
-        PlatformError: there is no such scheduler, it has no worker, or a task killed its workers
-            again and again.
+        PlatformError: there is no such scheduler, it has no worker, it or a worker lacks this
+            Urushi, or a task killed its workers again and again.
         Exception: what a call has raised.
     """
     from distributed import KilledWorker, as_completed
 
     with _connected(address) as client:
+        _check_scheduler(client)
         waiting = iter(range(len(arguments)))
         indices: dict[Any, int] = {}
+        checked: set[str] = set()
 
         def hand_over() -> list[Any]:
-            room = IN_FLIGHT * max(1, len(client.nthreads())) - len(indices)
+            workers = set(client.nthreads())
+            _check_workers(client, workers - checked)
+            checked.update(workers)
+            room = IN_FLIGHT * max(1, len(workers)) - len(indices)
             chosen = [index for _, index in zip(range(room), waiting, strict=False)]
             new = [client.submit(_call, function, arguments[k], pure=False) for k in chosen]
             indices.update(zip(new, chosen, strict=True))
@@ -89,3 +96,40 @@ def _connected(address: str) -> Iterator[Any]:
                 f"start at least one with `dask worker {address}`"
             ) from error
         yield client
+
+
+#: Finds the version of Urushi wherever it runs. A task is a function of Urushi: whoever cannot
+#: import that would keep it for ever.
+_VERSION = pkgutil.resolve_name, f"{urushi.__name__}:__version__"
+
+
+def _check_scheduler(client: Any) -> None:
+    """Look whether the scheduler, which reads the tasks too, has this Urushi."""
+    try:
+        found = client.run_on_scheduler(*_VERSION)
+    except ImportError as error:
+        found = error
+    _check("scheduler", client.scheduler.address, found)
+
+
+def _check_workers(client: Any, workers: Iterable[str]) -> None:
+    """Look whether workers have this Urushi; those that are gone meanwhile do not matter."""
+    chosen = sorted(workers)
+    if chosen:
+        for address, found in client.run(*_VERSION, workers=chosen, on_error="return").items():
+            if isinstance(found, str | ImportError):
+                _check("worker", address, found)
+
+
+def _check(kind: str, address: str, found: str | ImportError) -> None:
+    wanted = urushi.__version__
+    if isinstance(found, ImportError):
+        raise PlatformError(
+            f"the Dask {kind} at '{address}' cannot import Urushi ({found}); install Urushi "
+            f"{wanted} in the environment that `dask {kind}` runs in"
+        )
+    if found != wanted:
+        raise PlatformError(
+            f"the Dask {kind} at '{address}' has Urushi {found}, but here it is {wanted}; "
+            "install the same version everywhere"
+        )
