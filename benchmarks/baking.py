@@ -9,7 +9,6 @@ single precision, of which no two channels are alike either. Every row is a proc
 """
 
 import argparse
-import os
 import resource
 import subprocess
 import sys
@@ -18,6 +17,8 @@ import time
 from pathlib import Path
 
 import numpy as np
+
+from urushi.processors import available
 
 ROWS = ("one bottom", "textured bottom")
 
@@ -91,7 +92,7 @@ def main() -> None:
         levels = 0 if arguments.float else 255
         measure(arguments.side, arguments.weights, arguments.row, levels)
         return
-    print(f"{arguments.side}² texels, {arguments.weights}, {os.cpu_count()} cores")
+    print(f"{arguments.side}² texels, {arguments.weights}, {available()} cores")
     print(
         f"{'':17}{'load':>10}{'CPU':>10}{'peak':>11}{'edit':>10}{'file':>11}{'save':>10}{'reload':>10}"
     )

@@ -35,6 +35,7 @@ from tqdm import tqdm
 import urushi
 from urushi.eval import environment, image_metrics, sphere
 from urushi.files import atomic_write, new_folder
+from urushi.processors import available
 
 #: Materials that are called the worst, and drawn.
 WORST = 5
@@ -210,7 +211,7 @@ def main() -> None:
     parser.add_argument("--envmaps", type=Path, nargs="+", help="default: Urushi's own two")
     parser.add_argument("--weights", default="base", help="base, small, or a weights file")
     parser.add_argument("--folder", type=Path, default=Path("runs/measured"), help="for results")
-    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="processes")
+    parser.add_argument("--jobs", type=int, default=available(), help="processes")
     options = parser.parse_args()
     maps = options.envmaps
     lights = [environment.read(path) for path in maps] if maps else environment.own()

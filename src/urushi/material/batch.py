@@ -1,6 +1,5 @@
 """Encoding many BRDFs at once: their values are taken in parallel, by all cores or a cluster."""
 
-import os
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
@@ -16,6 +15,7 @@ from urushi.material.symmetry import Findings
 from urushi.measured import load_measured
 from urushi.nets import shipped
 from urushi.nets.shipped import Weights
+from urushi.processors import available
 
 
 class Encoded(NamedTuple):
@@ -79,7 +79,7 @@ def run_all(
         yield from cluster.run(scheduler, function, tasks)
         return
     files = [k for k, task in enumerate(tasks) if isinstance(task[0], Path)]
-    pool = ThreadPoolExecutor(os.cpu_count())
+    pool = ThreadPoolExecutor(available())
     try:
         futures = {pool.submit(function, *tasks[k]): k for k in files}
         for future in as_completed(futures):

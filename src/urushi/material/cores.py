@@ -4,7 +4,6 @@ import contextlib
 import functools
 import itertools
 import math
-import os
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -12,6 +11,8 @@ from typing import Any
 
 import numpy as np
 from threadpoolctl import ThreadpoolController
+
+from urushi.processors import available
 
 #: Rows at once on each core: their activations about fill its own cache, and the matrices are
 #: large enough for full speed.
@@ -107,13 +108,6 @@ def one_thread() -> Iterator[None]:
     """
     with _turn, _blas().limit(limits=1):
         yield
-
-
-def available() -> int:
-    """Cores that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 @functools.cache

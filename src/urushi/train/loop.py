@@ -25,6 +25,7 @@ from urushi.nets.architecture import FIXED, Architecture, Params, init
 from urushi.nets.encoder import input_statistics
 from urushi.nets.features import direction_features
 from urushi.nets.probes import probe_pairs
+from urushi.processors import available
 from urushi.train import devices, examples, presets, validation
 from urushi.train.checkpoint import Checkpoint
 from urushi.train.devices import Devices
@@ -158,7 +159,7 @@ def header(
         "seed": made_for["preset"]["seed"],
         "data": made_for["data"],
         "metrics": metrics,
-        "cost": {**cost, "processors": os.cpu_count(), "machine": platform.machine()},
+        "cost": {**cost, "processors": available(), "machine": platform.machine()},
         "versions": {
             "urushi": urushi.__version__,
             "python": platform.python_version(),
