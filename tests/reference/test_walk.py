@@ -1,6 +1,5 @@
 """The random walk: reciprocity, independence of everything that must not matter, edge cases."""
 
-import importlib
 from types import ModuleType
 
 import drjit as dr
@@ -16,6 +15,7 @@ from urushi.reference import (
     conductor,
     dielectric,
     diffuse,
+    launch,
     simulate,
     walk,
     walk_pairs,
@@ -23,8 +23,6 @@ from urushi.reference import (
 from urushi.reference.device import types
 from urushi.reference.rng import stream
 from urushi.reference.table import BOTTOM_KINDS
-
-simulation = importlib.import_module("urushi.reference.simulate")  # its name is also a function
 
 
 def hemisphere(count: int, rng: np.random.Generator, lowest: float = 0.1) -> np.ndarray:
@@ -187,7 +185,7 @@ def test_the_result_does_not_depend_on_how_it_is_cut_into_launches(
     rng = np.random.default_rng(3)
     wi, wo = hemisphere(3, rng), hemisphere(3, rng)
     whole = simulate(STACK, wi, wo, walks=1000, seed=1, progress=False)
-    monkeypatch.setattr(simulation, "LANES", lanes)
+    monkeypatch.setattr(launch, "LANES", lanes)
     parts = simulate(STACK, wi, wo, walks=1000, seed=1, progress=False)
     np.testing.assert_allclose(parts[0], whole[0], rtol=1e-5)  # sums of float32 in other orders
     np.testing.assert_allclose(parts[1], whole[1], rtol=1e-3, atol=1e-6)

@@ -11,7 +11,7 @@ from urushi.physics import microfacet
 from urushi.physics.frame import reflect, square_to_cosine_hemisphere
 from urushi.reference import walk
 from urushi.reference.bottoms import Bottom
-from urushi.reference.launch import average
+from urushi.reference.launch import average, per_channel
 from urushi.reference.stack import Stack
 
 
@@ -36,7 +36,11 @@ def albedo(
         ParameterError: wrong shapes, directions that are not unit vectors, too few walks.
         PlatformError: no libLLVM that Dr.Jit can use.
     """
-    return average(stack, checks.direction(wi, "wi"), walks, seed, _reflected)
+    return per_channel(
+        stack,
+        (checks.direction(wi, "wi"),),
+        lambda table, row, wi: average(table, row, (wi,), _reflected, walks=walks, seed=seed),
+    )
 
 
 def _reflected(layers: Any, bottom: Bottom, wi: Any, rng: Any) -> Any:

@@ -15,7 +15,7 @@ from urushi import checks
 from urushi.physics import fresnel, microfacet, phase
 from urushi.physics.frame import from_cosine, reflect, refract
 from urushi.reference.bottoms import Bottom
-from urushi.reference.launch import average
+from urushi.reference.launch import average, per_channel
 from urushi.reference.stack import Stack
 
 
@@ -40,7 +40,11 @@ def analog_albedo(
         ParameterError: wrong shapes, directions that are not unit vectors, too few walks.
         PlatformError: no libLLVM that Dr.Jit can use.
     """
-    return average(stack, checks.direction(wi, "wi"), walks, seed, _photon)
+    return per_channel(
+        stack,
+        (checks.direction(wi, "wi"),),
+        lambda table, row, wi: average(table, row, (wi,), _photon, walks=walks, seed=seed),
+    )
 
 
 def _photon(layers: Any, bottom: Bottom, wi: Any, rng: Any) -> Any:
