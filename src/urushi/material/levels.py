@@ -132,7 +132,8 @@ class Levels:
         some = np.random.default_rng(0).integers(len(changed) * self._channels, size=ASKED)
         texel, channel = np.divmod(some, self._channels)
         codes = read(changed[texel])[np.arange(ASKED), channel]
-        return self._space.fits(codes.astype(np.float32))
+        with cores.one_thread():  # the matrices are small
+            return self._space.fits(codes.astype(np.float32))
 
     def _stale(self, changed: np.ndarray) -> np.ndarray:
         """Which texels of the kept level changed ones may have a part in."""
