@@ -27,7 +27,9 @@ def define(base: type) -> type:
                                              with, unless they are Urushi's own.
         latents        tensor                The latent codes (channels, 32), differentiable;
                                              exposed by ``mi.traverse``, not a property, unless
-                                             they are a texture.
+                                             they are a texture. A coat around a refined material
+                                             lies over its anchors; once the codes were edited,
+                                             over these.
         ============== ===================== ====================================================
 
         The material may come from a description, a simulation, a measurement or a function, and
