@@ -11,7 +11,16 @@ from urushi.eval.groups import GROUPS
 from urushi.material import Material, encode, energy
 from urushi.material.cores import one_thread
 from urushi.material.encode import encode_values, read
-from urushi.material.refine import ANCHORED, LOOSE, STEPS, improved, objective, refined, wanted
+from urushi.material.refine import (
+    ANCHORED,
+    LOOSE,
+    STEPS,
+    dimmed,
+    improved,
+    objective,
+    refined,
+    wanted,
+)
 from urushi.material.starts import nearest
 from urushi.material.texture import layer_texels
 from urushi.reference.stack import conductor, diffuse
@@ -216,3 +225,33 @@ def test_errors_stay_the_same(trained):
             encode(faulty, trained, refine=True)
     with pytest.raises(ParameterError, match="cannot encode NoneType"):
         encode(None, trained, refine=True)
+
+
+def tan2_h(wi, wo):
+    """The squared tangent of the half vector's angle to the normal."""
+    h = wi + wo
+    return np.sum(h[:, :2] ** 2, axis=1) / h[:, 2] ** 2
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        lambda wi, wo: 0.7 * np.exp(-10 * tan2_h(wi, wo)) + 2e-4,
+        lambda wi, wo: np.where(tan2_h(wi, wo) < 0.1, 0.5, 0.02),
+        lambda wi, wo: 0.05 + 0.5 * np.maximum(np.sum(wi * wo, axis=1), 0) ** 8,
+    ],
+)
+def test_no_angle_is_much_too_bright_when_the_limit_comes(source, trained):
+    """Else the limit of energy would darken all angles for one."""
+    rule, networks = energy.rule(), trained.networks
+    f, nodes = (
+        np.ascontiguousarray(read(source, *pairs).values.T)
+        for pairs in (networks.pairs(), (rule.wi, rule.wo))
+    )
+    aim, start = wanted(networks, f[0], nodes[0]), nearest(networks, f[0])
+    with one_thread():
+        codes = [way(networks, start, aim, LOOSE) for way in (improved, dimmed)]
+    ceiling = energy.ceiling(rule.albedo(nodes))
+    free, held = ((energy.albedo(trained, z[None]) - ceiling).max() for z in codes)
+    assert free > 0.005  # what there is to be mended
+    assert held < 0.7 * free

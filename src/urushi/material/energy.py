@@ -69,8 +69,11 @@ class Rule(NamedTuple):
 
     def albedo(self, f: np.ndarray) -> np.ndarray:
         """Directional albedos (..., D) of BRDFs with values f (..., M) at the nodes."""
-        at_angles = np.add.reduceat(f * self.weights, self.first, axis=-1)
-        return at_angles @ self.interpolation.T
+        return self.at_angles(f) @ self.interpolation.T
+
+    def at_angles(self, f: np.ndarray) -> np.ndarray:
+        """Directional albedos (..., K) at the rule's own angles."""
+        return np.add.reduceat(f * self.weights, self.first, axis=-1)
 
 
 @functools.cache

@@ -13,7 +13,11 @@ which the encoder gives z again, E(D(z) + d) = z to first order. Training asks f
 neither on the sizes of the networks nor on the scale of codes. By the damped steps of Marquardt
 (1963).
 
-It is done twice: held by `ANCHORED`, which gives the anchor, the code that coats are layered over;
+A code that is too bright at one angle would be scaled down at all (`urushi.material.energy`). So
+where it reflects more light than the BRDF, the values asked for at that angle are lowered by as
+much, and a few more steps follow.
+
+All is done twice: held by `ANCHORED`, which gives the anchor, the code that coats are layered over;
 and from there held by hardly anything, `LOOSE`, which gives the code that is looked at.
 """
 
@@ -23,6 +27,7 @@ import numpy as np
 
 from urushi.material import energy, starts
 from urushi.material.cores import one_thread
+from urushi.material.energy import BLACK
 from urushi.material.starts import UNSEEN
 from urushi.nets.encoder import OFFSET, log_values
 from urushi.nets.features import direction_features
@@ -42,6 +47,9 @@ LOOSE = 0.0005
 #: The nodes' share of the error, where their values are known; and the power of the light they
 #: reflect that weighs them.
 NODES_SHARE, NODES_POWER = 0.5, 0.5
+
+#: How often values asked for are lowered where a code is too bright, and the steps that follow.
+DIMMINGS, DIMMED_STEPS = 2, 6
 
 #: Errors of ln f above this count linearly. What the decoder cannot make at all must not drag along
 #: what it can.
@@ -127,9 +135,26 @@ def refined(networks: Networks, f: np.ndarray, nodes: np.ndarray | None = None) 
     with one_thread():
         for row, at_nodes in zip(rows, further, strict=True):
             aim = wanted(encoder, row, at_nodes)
-            anchors.append(improved(encoder, starts.nearest(encoder, row), aim, ANCHORED))
-            codes.append(improved(encoder, anchors[-1], aim, LOOSE))
+            anchors.append(dimmed(encoder, starts.nearest(encoder, row), aim, ANCHORED))
+            codes.append(dimmed(encoder, anchors[-1], aim, LOOSE))
     return Refined(np.stack(codes), np.stack(anchors))
+
+
+def dimmed(networks: OnePass, z: np.ndarray, aim: Wanted, hold: float) -> np.ndarray:
+    """`improved`, and then so that no angle is too bright, if the aim knows the nodes."""
+    z = improved(networks, z, aim, hold)
+    if len(aim.logs) == aim.probes:
+        return z
+    rule, nodes = energy.rule(), slice(aim.probes, None)
+    own = rule.at_angles(np.exp(aim.logs[nodes]) - UNSEEN)
+    counts = np.diff(rule.first, append=len(rule.wi))
+    aim = aim._replace(logs=aim.logs.copy())
+    for _ in range(DIMMINGS):
+        log_f, _ = networks.decode_log(z, aim.features[nodes])
+        excess = np.log(np.maximum(rule.at_angles(np.exp(log_f)) / np.maximum(own, BLACK), 1.0))
+        aim.logs[nodes] -= np.repeat(excess, counts)
+        z = improved(networks, z, aim, hold, DIMMED_STEPS)
+    return z
 
 
 def improved(
