@@ -141,20 +141,29 @@ def refined(networks: Networks, f: np.ndarray, nodes: np.ndarray | None = None) 
 
 
 def dimmed(networks: OnePass, z: np.ndarray, aim: Wanted, hold: float) -> np.ndarray:
-    """`improved`, and then so that no angle is too bright, if the aim knows the nodes."""
-    z = improved(networks, z, aim, hold)
+    """`improved`, and then so that no angle is too bright, if the aim knows the nodes.
+
+    Of all codes on the way, z included, the one that is closest once it is scaled down.
+    """
     if len(aim.logs) == aim.probes:
-        return z
+        return improved(networks, z, aim, hold)
     rule, nodes = energy.rule(), slice(aim.probes, None)
-    own = rule.at_angles(np.exp(aim.logs[nodes]) - UNSEEN)
+    own = np.maximum(rule.at_angles(np.exp(aim.logs[nodes]) - UNSEEN), BLACK)
+    ceiling = energy.ceiling(own @ rule.interpolation.T)
     counts = np.diff(rule.first, append=len(rule.wi))
-    aim = aim._replace(logs=aim.logs.copy())
-    for _ in range(DIMMINGS):
-        log_f, _ = networks.decode_log(z, aim.features[nodes])
-        excess = np.log(np.maximum(rule.at_angles(np.exp(log_f)) / np.maximum(own, BLACK), 1.0))
-        aim.logs[nodes] -= np.repeat(excess, counts)
-        z = improved(networks, z, aim, hold, DIMMED_STEPS)
-    return z
+    lower = aim._replace(logs=aim.logs.copy())
+    tried = []
+    for steps in (STEPS, *[DIMMED_STEPS] * DIMMINGS, 0):
+        log_f, _ = networks.decode_log(z, aim.features)
+        bright = rule.at_angles(np.exp(log_f[nodes]))
+        excess = np.log(np.maximum(bright / own, 1.0))
+        factor = min((ceiling / np.maximum(bright @ rule.interpolation.T, BLACK)).min(), 1.0)
+        errors = np.log(factor * np.exp(log_f) + UNSEEN) - aim.logs
+        tried.append((float(aim.weights @ np.abs(errors)), z))
+        if len(tried) > 1:
+            lower.logs[nodes] -= np.repeat(excess, counts)
+        z = improved(networks, z, lower, hold, steps)
+    return min(tried, key=lambda pair: pair[0])[1]
 
 
 def improved(
