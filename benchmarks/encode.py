@@ -15,7 +15,8 @@ import numpy as np
 
 import urushi
 from urushi.measured import merl
-from urushi.measured.table import bin_centres, directions
+from urushi.measured.rusinkiewicz import directions
+from urushi.measured.table import bin_centres
 from urushi.reference import evaluate
 
 RUNS = 5
@@ -47,8 +48,8 @@ def best(call: Callable[[], Any]) -> float:
 
 def made_up(path: Path) -> Path:
     """Write a MERL file."""
-    angles = directions(*bin_centres(merl.SHAPE))
-    wi, wo = (w.reshape(-1, 3).astype(np.float32) for w in angles)
+    centres = (angle.ravel() for angle in np.broadcast_arrays(*bin_centres(merl.SHAPE)))
+    wi, wo = (w.astype(np.float32) for w in directions(*centres))
     gold, base = urushi.conductor(0.2, (0.98, 0.77, 0.34)), urushi.diffuse((0.1, 0.05, 0.02))
     f = evaluate.f(gold, wi, wo) + evaluate.f(base, wi, wo)
     with path.open("wb") as file:
