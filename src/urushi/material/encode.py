@@ -56,7 +56,7 @@ def encode(source: Any, model: Weights | None = None, *, refine: bool = False) -
             of a BSDF that transmits, what it reflects is encoded.
         model: the networks: a Model, "base" (the default) or "small", or a weights file.
         refine: whether to follow the encoder's one pass by a few steps that bring the decoded
-            values closer to the given ones: for measured or unusual BRDFs, some 50 ms a channel.
+            values closer to the given ones: for measured or unusual BRDFs, some 80 ms a channel.
             The material also gets codes that the encoder could have made, its `anchors`, so that
             it can be coated as well (see `urushi.material.refine`). The paper's networks encode by
             optimisation anyway; they do nothing more.

@@ -160,6 +160,8 @@ def dimmed(networks: OnePass, z: np.ndarray, aim: Wanted, hold: float) -> np.nda
         factor = min((ceiling / np.maximum(bright @ rule.interpolation.T, BLACK)).min(), 1.0)
         errors = np.log(factor * np.exp(log_f) + UNSEEN) - aim.logs
         tried.append((float(aim.weights @ np.abs(errors)), z))
+        if not steps:
+            break
         if len(tried) > 1:
             lower.logs[nodes] -= np.repeat(excess, counts)
         z = improved(networks, z, lower, hold, steps)
