@@ -28,7 +28,7 @@ def pairs() -> tuple[np.ndarray, np.ndarray]:
     return both[0].astype(np.float32), both[1].astype(np.float32)
 
 
-@pytest.fixture(scope="session", params=["smoothstep", "silu", "relu"])
+@pytest.fixture(scope="session", params=["smoothstep", "silu7", "silu", "relu"])
 def networks(request):
     """An architecture and random parameters whose f spans several orders of magnitude."""
     arch = Architecture(activation=request.param)

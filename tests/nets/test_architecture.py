@@ -50,7 +50,7 @@ def test_decoder_of_the_default_sizes_is_the_documented_one():
         ({"probes": 1.5}, "probes is 1.5"),
         ({"decoder": ()}, "decoder is \\(\\)"),
         ({"sampler": (32, -1)}, "sampler is"),
-        ({"activation": "tanh"}, "choose one of smoothstep, silu, relu"),
+        ({"activation": "tanh"}, "choose one of smoothstep, silu7, silu, relu"),
     ],
 )
 def test_bad_sizes_are_refused(change, words):

@@ -1,11 +1,13 @@
 """What the networks promise whatever their weights: reciprocity, positivity, broadcasting."""
 
 import numpy as np
+import pytest
 
 from urushi.nets import decoder, encoder, layerer, sampler
-from urushi.nets.architecture import SCALE, Architecture, init
+from urushi.nets.activation import activate, slope
+from urushi.nets.architecture import ACTIVATIONS, SCALE, Architecture, init
 from urushi.nets.features import MIN_ALPHA, coat_features, direction_features
-from urushi.nets.mlp import activate, linear
+from urushi.nets.mlp import linear
 from urushi.nets.networks import UrushiNetworks
 from urushi.nets.paper.architecture import PaperArchitecture
 from urushi.nets.paper.networks import PaperNetworks
@@ -95,6 +97,16 @@ def test_activations_match_their_definitions():
     np.testing.assert_allclose(
         activate(x, "smoothstep"), x * step((within + 2) / 4), rtol=1e-12, atol=1e-13
     )
+    np.testing.assert_allclose(activate(x, "silu7"), activate(x, "silu"), atol=0.02)
+    outside = np.abs(x) > 6
+    np.testing.assert_allclose(activate(x, "silu7")[outside], np.maximum(x, 0)[outside], atol=1e-11)
+
+
+@pytest.mark.parametrize("activation", ACTIVATIONS)
+def test_slopes_are_the_activations_derivatives(activation):
+    x, step = np.linspace(-9.95, 9.95, 200), 1e-6  # no kink within a step
+    change = (activate(x + step, activation) - activate(x - step, activation)) / (2 * step)
+    np.testing.assert_allclose(slope(x, activation), change, atol=1e-7)
 
 
 def test_everything_runs_at_the_probes(networks):

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from urushi.errors import ParameterError
+from urushi.nets.activation import POLYNOMIALS
 from urushi.nets.features import COAT_INPUTS, DIRECTION_FEATURES
 
 #: Parameters by name, such as "decoder.0.weight"; arrays of NumPy or of JAX.
@@ -23,7 +24,7 @@ SCALE = "decoder.scale"
 #: Stored with the weights but never trained: the statistics that normalise the encoder's input.
 FIXED = ("encoder.input_mean", "encoder.input_scale")
 
-ACTIVATIONS = ("smoothstep", "silu", "relu")
+ACTIVATIONS = (*POLYNOMIALS, "silu", "relu")
 
 
 @dataclass(frozen=True)
@@ -34,7 +35,7 @@ class Architecture:
         latent: numbers in one channel's latent code, at least two; the first is a gain.
         decoder, encoder, layerer, sampler: widths of the hidden layers, at least one each.
         lobes: microfacet lobes of the sampling proposal (a cosine lobe comes on top).
-        activation: one of `ACTIVATIONS`, for all hidden layers (see `mlp.activate`).
+        activation: one of `ACTIVATIONS`, for all hidden layers (see `activation.activate`).
         probes: direction pairs at which the encoder sees a BRDF.
     """
 

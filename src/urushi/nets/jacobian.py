@@ -2,10 +2,11 @@
 
 from typing import Any
 
+from urushi.nets.activation import activate, slope
 from urushi.nets.architecture import SCALE, Architecture, Params
 from urushi.nets.decoder import MAX_LOG, MIN_LOG, first_layer
 from urushi.nets.encoder import normalised
-from urushi.nets.mlp import activate, linear, product
+from urushi.nets.mlp import linear, product
 
 
 def decode_log(params: Params, arch: Architecture, z: Any, features: Any) -> tuple[Any, Any]:
@@ -56,15 +57,3 @@ def _outputs(params: Params, prefix: str, first: Any, activation: str) -> tuple[
         gradient = product(gradient, params[f"{prefix}.{index - 1}.weight"].T)
         gradient = gradient * slopes.pop()[..., None, :]
     return x, gradient
-
-
-def slope(x: Any, activation: str) -> Any:
-    """The derivative of `mlp.activate`."""
-    xp = x.__array_namespace__()
-    if activation == "relu":
-        return xp.astype(x > 0.0, x.dtype)
-    if activation == "smoothstep":
-        t = xp.clip(x, -2.0, 2.0)
-        return 0.5 + t * (0.75 - 0.125 * t * t)
-    logistic = 0.5 + 0.5 * xp.tanh(0.5 * x)
-    return logistic * (1.0 + x * (1.0 - logistic))

@@ -2,23 +2,8 @@
 
 from typing import Any
 
+from urushi.nets.activation import activate
 from urushi.nets.architecture import Params
-
-
-def activate(x: Any, activation: str) -> Any:
-    """Apply an activation element by element.
-
-    "silu" is x times its logistic function. "smoothstep" is close to it, without an exponential or
-    a division: x (1/2 + t (3/8 - t^2 / 32)), t being x held within -2 and 2, is 0 below, x above.
-    """
-    xp = x.__array_namespace__()
-    if activation == "relu":
-        return xp.maximum(x, 0.0)
-    if activation == "smoothstep":
-        t = xp.clip(x, -2.0, 2.0)
-        return x * (0.5 + t * (0.375 - 0.03125 * t * t))
-    half = 0.5 * x
-    return half + half * xp.tanh(half)  # unlike 1 / (1 + exp(-x)) this cannot overflow
 
 
 def mlp(params: Params, prefix: str, x: Any, activation: str) -> Any:

@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
+from urushi.nets.activation import activate, slope
 from urushi.nets.architecture import Architecture, Params
 from urushi.nets.encoder import OFFSET, log_values, normalised
 from urushi.nets.features import coat_features
-from urushi.nets.jacobian import slope
-from urushi.nets.mlp import activate, hidden_to_output, linear, product, split_linear
+from urushi.nets.mlp import hidden_to_output, linear, product, split_linear
 
 #: The derivative with respect to albedo is taken at most this close to 1, where it is infinite for
 #: media that are infinitely deep.

@@ -12,6 +12,7 @@ import mitsuba as mi
 import numpy as np
 from drjit import nn
 
+from urushi.nets.activation import POLYNOMIALS
 from urushi.nets.paper.blocks import EPSILON
 from urushi.render.networks import network
 
@@ -82,11 +83,12 @@ class Hidden:
     def _activate(self, x: nn.CoopVec) -> nn.CoopVec:
         if self._activation == "relu":
             return dr.maximum(x, 0)
-        if self._activation == "smoothstep":
-            t = dr.minimum(dr.maximum(x, -2), 2)
-            return x * dr.fma(t, dr.fma(t * -0.03125, t, 0.375), 0.5)
+        if self._activation in POLYNOMIALS:
+            bound, coefficients = POLYNOMIALS[self._activation]
+            t = dr.minimum(dr.maximum(x, -bound), bound)
+            return x * dr.fma(t, network.horner(coefficients, t * t), 0.5)
         half = x * 0.5
-        return dr.fma(half, dr.tanh(half), half)  # SiLU, as `nets.mlp.activate` has it
+        return dr.fma(half, dr.tanh(half), half)  # SiLU, as `nets.activation.activate` has it
 
 
 def _number() -> type:

@@ -12,16 +12,28 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from urushi.nets.activation import POLYNOMIALS
+
 
 def activate(x, activation: str):
-    """Apply `nets.mlp.activate` to one Dr.Jit float."""
+    """Apply `nets.activation.activate` to one Dr.Jit float."""
     # Selections all through: dr.maximum and dr.clip take care of NaN, at six times the price.
     if activation == "relu":
         return dr.select(x > 0, x, 0)
-    if activation == "smoothstep":
-        t = dr.select(x < 2, dr.select(x > -2, x, -2), 2)
-        return x * dr.fma(t, dr.fma(-0.03125 * t, t, 0.375), 0.5)
+    if activation in POLYNOMIALS:
+        bound, coefficients = POLYNOMIALS[activation]
+        t = dr.select(x < bound, dr.select(x > -bound, x, -bound), bound)
+        return x * dr.fma(t, horner(coefficients, t * t), 0.5)
     return x / (1 + dr.exp(-x))  # exp may overflow to infinity: the quotient is 0 then, rightly
+
+
+def horner(coefficients: Sequence[float], u):
+    """The polynomial of u with these coefficients, at least two, lowest power first."""
+    *others, second, first = coefficients
+    total = dr.fma(u, first, second)
+    for coefficient in reversed(others):
+        total = dr.fma(u, total, coefficient)
+    return total
 
 
 def dense(x: Sequence, weight: np.ndarray, bias: Sequence) -> list:
