@@ -23,7 +23,7 @@ def main() -> None:
     for name in shipped.NAMES:
         model, rng = shipped.load(name), np.random.default_rng(0)
         metals = [conductor(rng.uniform(0.05, 0.6), rng.random(3)) for _ in range(BOTTOMS)]
-        bottoms = np.concatenate([encode(metal, model).latents for metal in metals])
+        bottoms = np.concatenate([encode(metal, model).anchors for metal in metals])
         count = 3 * TEXELS
         codes = layer_texels(
             model,

@@ -58,11 +58,11 @@ def encoders(model: Model) -> Encoders:
     """The three columns."""
 
     def free(values: np.ndarray) -> Material:
-        held, refine.HOLD = refine.HOLD, 0.0
+        held, refine.ANCHORED = refine.ANCHORED, 0.0
         try:
             return encode_values(values, model, refine=True)
         finally:
-            refine.HOLD = held
+            refine.ANCHORED = held
 
     return {
         "encoder": lambda values: encode_values(values, model),
@@ -92,7 +92,7 @@ def stored(make: Encoders, group: Group, samples: Samples, model: Model) -> Erro
     # Single precision may have rounded the least width down.
     coat["alpha"] = np.maximum(coat["alpha"].astype(np.float64), 0.01)
     layered = [
-        error(layer_texels(model, to_code(rest.T).latents, **coat)) for to_code in make.values()
+        error(layer_texels(model, to_code(rest.T).anchors, **coat)) for to_code in make.values()
     ]
     return Errors(encoded, layered)
 

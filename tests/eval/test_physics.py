@@ -42,7 +42,7 @@ def test_encoded_coats_are_encoded_from_the_stored_values(tiny, sets):
     made = predict.materials(tiny, few, encoded=1)
     for stack in range(3):
         expected = encode_values(few.probed[1][stack][:, None], tiny)
-        np.testing.assert_allclose(made[stack].latents, expected.latents, rtol=1e-4, atol=1e-5)
+        np.testing.assert_allclose(made[stack].anchors, expected.anchors, rtol=1e-4, atol=1e-5)
 
 
 def test_other_probes_are_simulated(tiny, sets, monkeypatch):

@@ -17,7 +17,7 @@ def test_a_function_and_its_description_encode_alike(model):
     function = encode(
         lambda wi, wo: np.tile(np.array([0.1, 0.5, 0.9]) / np.pi, (len(wi), 1)), model
     )
-    np.testing.assert_allclose(encode(description, model).latents, function.latents, atol=1e-4)
+    np.testing.assert_allclose(encode(description, model).anchors, function.anchors, atol=1e-4)
 
 
 @pytest.mark.parametrize(

@@ -98,7 +98,7 @@ def test_one_factor_for_all_directions(gaining, directions):
     """So that reciprocity is untouched: the same bits with wi and wo exchanged."""
     source = urushi.conductor(0.2, (0.98, 0.77, 0.34))
     codes = encoded(gaining, read(source, *gaining.networks.pairs()).values.T)
-    limited = encode(source, gaining)
+    limited = Material(encode(source, gaining).anchors, gaining)  # what the encoder made
     wi, wo = directions[:500], directions[500:]
     above = (wi[:, 2] > 0) & (wo[:, 2] > 0)
     ratio = limited.f(wi, wo)[above] / Material(codes, gaining).f(wi, wo)[above]
@@ -165,7 +165,7 @@ def test_of_many_texels_the_bright_ones_are_limited(trained):
     """A texture too large to be measured whole: the same codes as measured one by one."""
     rng = np.random.default_rng(3)
     bottoms = np.concatenate([
-        encode(urushi.diffuse(rho), trained).latents[:1] for rho in (0.2, 0.6, 1.0)
+        encode(urushi.diffuse(rho), trained).anchors[:1] for rho in (0.2, 0.6, 1.0)
     ])  # fmt: skip
     shape = 60, 40, 3
     coats = {

@@ -124,7 +124,7 @@ def vanishing_coat(model: Model, sets: Mapping[str, Samples]) -> Figure:
     for samples in sets.values():
         if samples.table.coats:
             continue
-        latents = np.concatenate([m.latents for m in predict.materials(model, samples)])
+        latents = np.concatenate([m.anchors for m in predict.materials(model, samples)])
         coated = predict.split(Material(layer_texels(model, latents, **VANISHING), model))
         f_hat = predict.evaluate(coated, samples.wi, samples.wo)
         errors.append(sampling.stack_errors(f_hat, samples))
@@ -143,7 +143,7 @@ def absorption(model: Model, stacks: int = 16) -> list[Figure]:
         table, (wi, wo) = sampling.draw_stacks(group), sampling.draw_pairs(group)
         nothing = np.zeros(wi.shape[:2], np.float32)
         bare = Samples(sampling.lowest(table, 0), wi, wo, nothing, nothing)
-        latents = np.concatenate([m.latents for m in predict.materials(model, bare)])
+        latents = np.concatenate([m.anchors for m in predict.materials(model, bare)])
         coat = {name: getattr(table, name)[:, 0].astype(np.float64) for name in COAT_PARAMETERS}
         coat["alpha"] = np.maximum(coat["alpha"], 0.01)
         scattering = coat["albedo"] * coat["sigma_t"]

@@ -1,4 +1,7 @@
-"""Encoding: from any BRDF that can be evaluated at the probe pairs to a material."""
+"""Encoding: from any BRDF that can be evaluated at the probe pairs to a material.
+
+One pass of the encoder, and two steps of correction (`correct`) or many of refinement (`refine`).
+"""
 
 import warnings
 from collections.abc import Callable
@@ -8,6 +11,7 @@ import numpy as np
 
 from urushi.errors import ParameterError, UrushiWarning
 from urushi.material import energy
+from urushi.material.correct import corrected
 from urushi.material.material import Material
 from urushi.material.refine import refined
 from urushi.material.symmetry import Findings, Source, symmetrised
@@ -55,11 +59,10 @@ def encode(source: Any, model: Weights | None = None, *, refine: bool = False) -
             isotropic or not reciprocal is averaged until it is (see `urushi.material.symmetry`);
             of a BSDF that transmits, what it reflects is encoded.
         model: the networks: a Model, "base" (the default) or "small", or a weights file.
-        refine: whether to follow the encoder's one pass by a few steps that bring the decoded
-            values closer to the given ones: for measured or unusual BRDFs, some 80 ms a channel.
-            The material also gets codes that the encoder could have made, its `anchors`, so that
-            it can be coated as well (see `urushi.material.refine`). The paper's networks encode by
-            optimisation anyway; they do nothing more.
+        refine: whether to follow the encoder's one pass by more than two quick steps that bring
+            the decoded values closer to the given ones: for measured or unusual BRDFs, some 80 ms a
+            channel (see `urushi.material.refine`). The paper's networks encode by optimisation
+            anyway; they do nothing more.
 
     Raises:
         ParameterError: the source is none of these, or what it gives has a wrong shape, is
@@ -112,11 +115,12 @@ def encode_values(values: np.ndarray, model: Model, *, refine: bool = False) -> 
     ceiling: np.ndarray | float = 1 - energy.MARGIN
     if nodes is not None:
         ceiling = energy.ceiling(energy.rule().albedo(rest))
-    if not refine:
-        return Material(energy.limit(model, encoded(model, probed), ceiling), model)
-    codes, anchors = (
-        energy.limit(model, z, ceiling) for z in refined(model.networks, probed, nodes)
-    )
+    if refine:
+        both = np.stack(refined(model.networks, probed, nodes))
+    else:
+        anchors = encoded(model, probed)
+        both = np.stack([corrected(model.networks, anchors, probed), anchors])
+    codes, anchors = energy.limit(model, both, ceiling)
     return Material(codes, model, anchors)
 
 

@@ -28,9 +28,9 @@ class Material:
         latents: read-only float32 (C, 32), one code per channel (C = 3 for RGB, 1 for grey).
         model: the networks.
         anchors: read-only float32 (C, 32), codes near the latents that the encoder could have made:
-            coats are layered over these, and directions are sampled by them. Those of refined
-            materials only differ from the latents (see `urushi.material.refine`); by default they
-            are the latents.
+            coats are layered over these, and directions are sampled by them. Those of encoded
+            materials differ from the latents, which are corrected (see `urushi.material.correct`
+            and `refine`); those of coated ones are the latents, and so they are by default.
 
     Materials equal each other if codes and networks do.
     """

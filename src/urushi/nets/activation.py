@@ -19,7 +19,12 @@ def activate(x: Any, activation: str) -> Any:
     """
     xp = x.__array_namespace__()
     if activation in POLYNOMIALS:
-        t, q, _ = _polynomial(x, activation)
+        bound, coefficients = POLYNOMIALS[activation]
+        t = xp.clip(x, -bound, bound)
+        *others, second, first = coefficients
+        q = second + first * t * t
+        for coefficient in reversed(others):
+            q = coefficient + q * t * t  # t^2 is not kept: memory counts more than a product
         return x * (0.5 + t * q)
     if activation == "relu":
         return xp.maximum(x, 0.0)
@@ -27,25 +32,20 @@ def activate(x: Any, activation: str) -> Any:
     return half + half * xp.tanh(half)  # unlike 1 / (1 + exp(-x)) this cannot overflow
 
 
-def slope(x: Any, activation: str) -> Any:
-    """The derivative of `activate`."""
+def with_slope(x: Any, activation: str) -> tuple[Any, Any]:
+    """`activate` and its derivative."""
     xp = x.__array_namespace__()
     if activation in POLYNOMIALS:
-        t, q, growth = _polynomial(x, activation)
-        return 0.5 + t * (2.0 * q + growth)
+        bound, coefficients = POLYNOMIALS[activation]
+        t = xp.clip(x, -bound, bound)
+        *others, second, first = coefficients
+        u = t * t
+        q, dq = second + u * first, first
+        for coefficient in reversed(others):
+            q, dq = coefficient + u * q, q + u * dq
+        tq = t * q
+        return x * (0.5 + tq), 0.5 + 2.0 * tq + 2.0 * t * u * dq
     if activation == "relu":
-        return xp.astype(x > 0.0, x.dtype)
+        return xp.maximum(x, 0.0), xp.astype(x > 0.0, x.dtype)
     logistic = 0.5 + 0.5 * xp.tanh(0.5 * x)
-    return logistic * (1.0 + x * (1.0 - logistic))
-
-
-def _polynomial(x: Any, activation: str) -> tuple[Any, Any, Any]:
-    """t, q(t^2) and t times its derivative by t."""
-    bound, coefficients = POLYNOMIALS[activation]
-    t = x.__array_namespace__().clip(x, -bound, bound)
-    u = t * t
-    q, growth = coefficients[-1], 2 * (len(coefficients) - 1) * coefficients[-1]
-    for power in reversed(range(len(coefficients) - 1)):
-        q = coefficients[power] + u * q
-        growth = 2 * power * coefficients[power] + u * growth
-    return t, q, growth
+    return x * logistic, logistic * (1.0 + x * (1.0 - logistic))

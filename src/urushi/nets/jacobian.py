@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from urushi.nets.activation import activate, slope
+from urushi.nets.activation import with_slope
 from urushi.nets.architecture import SCALE, Architecture, Params
 from urushi.nets.decoder import MAX_LOG, MIN_LOG, first_layer
 from urushi.nets.encoder import normalised
@@ -47,8 +47,9 @@ def _outputs(params: Params, prefix: str, first: Any, activation: str) -> tuple[
     """
     slopes, index, x = [], 1, first
     while f"{prefix}.{index}.weight" in params:
-        slopes.append(slope(x, activation))
-        x = linear(params, f"{prefix}.{index}", activate(x, activation))
+        x, rise = with_slope(x, activation)
+        slopes.append(rise)
+        x = linear(params, f"{prefix}.{index}", x)
         index += 1
     last = params[f"{prefix}.{index - 1}.weight"].T  # (out, width)
     gradient = last * slopes.pop()[..., None, :]

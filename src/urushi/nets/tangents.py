@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from urushi.nets.activation import activate, slope
+from urushi.nets.activation import with_slope
 from urushi.nets.architecture import Architecture, Params
 from urushi.nets.encoder import OFFSET, log_values, normalised
 from urushi.nets.features import coat_features
@@ -97,8 +97,9 @@ def _pushforward(params: Params, prefix: str, first: Any, dfirst: Any, activatio
     """The change (N, out) of `mlp.hidden_to_output` for one of the pre-activation (N, width)."""
     index, x, dx = 1, first, dfirst
     while f"{prefix}.{index}.weight" in params:
-        dx = product(slope(x, activation) * dx, params[f"{prefix}.{index}.weight"])
-        x = linear(params, f"{prefix}.{index}", activate(x, activation))
+        x, rise = with_slope(x, activation)
+        dx = product(rise * dx, params[f"{prefix}.{index}.weight"])
+        x = linear(params, f"{prefix}.{index}", x)
         index += 1
     return dx
 
@@ -107,8 +108,9 @@ def _pullback(params: Params, prefix: str, first: Any, doutput: Any, activation:
     """The gradient (N, width) with respect to the pre-activation, given that of outputs."""
     slopes, index, x = [], 1, first
     while f"{prefix}.{index}.weight" in params:
-        slopes.append(slope(x, activation))
-        x = linear(params, f"{prefix}.{index}", activate(x, activation))
+        x, rise = with_slope(x, activation)
+        slopes.append(rise)
+        x = linear(params, f"{prefix}.{index}", x)
         index += 1
     gradient = doutput
     while slopes:
