@@ -14,6 +14,10 @@ import numpy as np
 
 from urushi.nets.activation import POLYNOMIALS
 
+#: Outputs of a layer that are summed up at the same time: of the 32 registers of AVX-512 some must
+#: be left for inputs and weights.
+BLOCK = 20
+
 
 def activate(x, activation: str):
     """Apply `nets.activation.activate` to one Dr.Jit float."""
@@ -37,15 +41,21 @@ def horner(coefficients: Sequence[float], u):
 
 
 def dense(x: Sequence, weight: np.ndarray, bias: Sequence) -> list:
-    """Multiply the list x (in) by a constant weight (in, out) and add bias (out): a list (out)."""
+    """Multiply the list x (in) by a constant weight (in, out) and add bias (out): a list (out).
+
+    Outputs are summed up `BLOCK` at a time, which a processor can hold in its registers, and input
+    after input, which is then loaded once for all of them. Code is emitted scope by scope; left to
+    itself Dr.Jit would finish one output after the other, at two thirds of the speed and less.
+    """
+    totals = [mi.Float(offset) for offset in bias]
     columns = weight.astype(float).T.tolist()
-    out = []
-    for column, offset in zip(columns, bias, strict=True):
-        total = offset
-        for value, factor in zip(x, column, strict=True):
-            total = dr.fma(value, factor, total)
-        out.append(total)
-    return out
+    for first in range(0, len(totals), BLOCK):
+        block = range(first, min(first + BLOCK, len(totals)))
+        for i, value in enumerate(x):
+            dr.detail.new_scope(dr.backend_v(mi.Float))
+            for k in block:
+                totals[k] = dr.fma(value, columns[k][i], totals[k])
+    return totals
 
 
 def hidden_to_output(params: Mapping[str, np.ndarray], prefix: str, first, activation: str) -> list:
