@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from urushi.data import bottom_draws, distribution
-from urushi.data.distribution import Edges, Extended, Table2
+from urushi.data import distribution
+from urushi.data.distribution import Extended, Table2
 from urushi.errors import ParameterError
 
 N = 20_000
@@ -78,28 +78,7 @@ def test_bottoms_without_a_coat_are_a_distribution_too():
     assert (len(table), table.coats) == (10, 0)
 
 
-@pytest.mark.parametrize("bottom", bottom_draws.EDGES)
-def test_edges_stay_within_the_domain_and_lie_at_its_edges(bottom):
-    edges, uniform = (
-        d.sample(np.random.default_rng(0), N) for d in (Edges(1, bottom), Extended(1, bottom))
-    )
-    logarithmic = {"alpha": (0, 0.01, 1), "eta": (1, 0.05, 1), "sigma_t": (0, 0.01, 8)}
-    for name, (base, low, high) in logarithmic.items():
-        values = np.log(np.maximum(getattr(edges, name) - base, low) / low) / np.log(high / low)
-        assert kolmogorov(values, uniform_cdf(0, 1)) > 1e-3, name
-    assert edges.albedo.min() >= 0 and edges.albedo.max() <= 1
-    for name, values in edges.bottom.items():
-        low, high = uniform.bottom[name].min(), uniform.bottom[name].max()
-        assert low - 1e-3 <= values.min() and values.max() <= high + 0.1, name
-        if name in ("alpha", "ggx_alpha", "beckmann_alpha", "reflectance"):
-            tenth = np.quantile(uniform.bottom[name], 0.1)
-            assert (values < tenth).mean() > 0.18, name  # twice as many, nearly
-
-
-@pytest.mark.parametrize(
-    "drawn",
-    [Table2(3), Extended(1, "diffuse"), Extended(0, "dielectric"), Edges(0, "mixture")],
-)
+@pytest.mark.parametrize("drawn", [Table2(3), Extended(1, "diffuse"), Extended(0, "dielectric")])
 def test_json_round_trip(drawn):
     assert distribution.from_dict(distribution.to_dict(drawn)) == drawn
 
@@ -109,7 +88,6 @@ def test_json_round_trip(drawn):
     [
         (lambda: Table2(6), "coats is 6; it must be an integer from 0 to 5"),
         (lambda: Extended(1, "velvet"), "bottom is 'velvet'; choose one of conductor"),
-        (lambda: Edges(1, "measured_like"), "bottom is 'measured_like'; choose one of conductor"),
         (lambda: distribution.from_dict({"kind": "table3"}), "kind 'table3'; choose one of"),
         (lambda: distribution.from_dict({"kind": "table2", "depth": 1}), "has no such field"),
     ],

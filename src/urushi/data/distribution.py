@@ -1,4 +1,4 @@
-"""Distributions of layered materials' parameters: the paper's Table 2, its extension, its edges.
+"""Distributions of layered materials' parameters: the paper's Table 2 and its extension.
 
 A distribution is a frozen dataclass; `sample` draws a table of single-channel stacks that all have
 the same number of coats and the same kind of bottom. Mixtures are lists of distributions.
@@ -10,11 +10,10 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from urushi.data import bottom_draws
-from urushi.data.bottom_draws import alpha, log_uniform
 from urushi.data.palette import Palette
 from urushi.errors import ParameterError
 from urushi.nets.features import MIN_ALPHA
+from urushi.reference.measured_like import LOBE_PARAMETERS
 from urushi.reference.table import BOTTOM_KINDS, StackTable
 
 #: The deepest recursion that is trained: five coats over a bottom have six interfaces.
@@ -86,7 +85,7 @@ class Extended(_Independent):
         bottom: "conductor" (Schlick's R0 = U(0, 1)), "conductor_complex" (eta = U(0.05, 3.5),
             k = U(0.5, 8), about the range of the metals), "diffuse" (reflectance = U(0, 1)),
             "dielectric" (the reflection of a rough interface, eta = U(1.05, 2)), "mixture" (see
-            `bottom_draws`) or "measured_like" (see there as well).
+            `_mixture`) or "measured_like" (see `_measured_like`).
     """
 
     coats: int = 1
@@ -104,63 +103,22 @@ class Extended(_Independent):
         shape = (n, self.coats)
         return _table(
             self.bottom,
-            alpha=alpha(rng, shape),
+            alpha=_alpha(rng, shape),
             eta=rng.uniform(1.05, 2.0, shape),
             albedo=1 - rng.uniform(0.0, 1.0, shape) ** 2,
             sigma_t=8 * rng.uniform(0.0, 1.0, shape) ** 2,
             g=rng.uniform(-0.8, 0.9, shape),
-            bottom=bottom_draws.UNIFORM[self.bottom](rng, n),
-        )
-
-
-@dataclass(frozen=True)
-class Edges(_Independent):
-    """The domain of `Extended`, mostly at its edges, which uniform numbers seldom come close to.
-
-    alpha, eta - 1 and sigma_t (from 0.01 on) are log-uniform; of albedos a half are U(0, 1), the
-    others 1 less a log-uniform number above 0.001; bottoms as of `bottom_draws.EDGES`.
-
-    Attributes:
-        coats, bottom: as in `Extended`; nothing that is measured has such edges.
-    """
-
-    coats: int = 1
-    bottom: str = "conductor"
-
-    def __post_init__(self) -> None:
-        _check_coats(self.coats)
-        if self.bottom not in bottom_draws.EDGES:
-            raise ParameterError(
-                f"bottom is {self.bottom!r}; choose one of {', '.join(bottom_draws.EDGES)}"
-            )
-
-    def sample(self, rng: np.random.Generator, n: int) -> StackTable:
-        """Draw n stacks."""
-        shape = (n, self.coats)
-        bright = 1 - log_uniform(rng, 1e-3, 1.0, shape)
-        return _table(
-            self.bottom,
-            alpha=np.maximum(log_uniform(rng, MIN_ALPHA, 1.0, shape), MIN_ALPHA),
-            eta=1 + log_uniform(rng, 0.05, 1.0, shape),
-            albedo=np.where(rng.integers(2, size=shape) == 0, rng.uniform(0, 1, shape), bright),
-            sigma_t=log_uniform(rng, 0.01, 8.0, shape),
-            g=rng.uniform(-0.8, 0.9, shape),
-            bottom=bottom_draws.EDGES[self.bottom](rng, n),
+            bottom=_DRAW_BOTTOM[self.bottom](rng, n),
         )
 
 
 #: Endless sources of stacks.
-Distribution = Table2 | Extended | Edges
+Distribution = Table2 | Extended
 
 #: What a part of a data store may be drawn from.
 Source = Distribution | Palette
 
-_KINDS: dict[str, type[Source]] = {
-    "table2": Table2,
-    "extended": Extended,
-    "edges": Edges,
-    "palette": Palette,
-}
+_KINDS: dict[str, type[Source]] = {"table2": Table2, "extended": Extended, "palette": Palette}
 
 
 def to_dict(distribution: Source) -> dict[str, Any]:
@@ -185,6 +143,83 @@ def from_dict(description: Mapping[str, Any]) -> Source:
         return _KINDS[kind](**fields)
     except TypeError as error:
         raise ParameterError(f"distribution '{kind}' has no such field: {error}") from error
+
+
+def _alpha(rng: np.random.Generator, shape: int | tuple[int, ...]) -> np.ndarray:
+    return np.maximum(rng.uniform(MIN_ALPHA ** (1 / 3), 1.0, shape) ** 3, MIN_ALPHA)
+
+
+def _mixture(rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
+    """A diffuse term, a GGX and a Beckmann lobe, of weights that add up to one or less.
+
+    A quarter each are bare Beckmann conductors and plastics of either distribution (a lobe of low
+    R0 = U(0.02, 0.1) over a diffuse term); in the other half all three weights are Dirichlet(1/2)
+    times U(0, 1)^(1/3), so that one or two of them often rule.
+    """
+    kind = rng.integers(4, size=n)
+    weights = rng.dirichlet((0.5, 0.5, 0.5), n) * rng.uniform(0, 1, (n, 1)) ** (1 / 3)
+    r0 = rng.uniform(0.0, 1.0, (n, 2))
+    which = rng.integers(2, size=n)
+    plastic = np.stack([rng.uniform(0, 0.9, n), which == 0, which == 1], axis=-1)
+    weights = np.where((kind == 0)[:, None], [0.0, 0.0, 1.0], weights)
+    weights = np.where((kind == 1)[:, None], plastic, weights)
+    r0 = np.where((kind == 1)[:, None], rng.uniform(0.02, 0.1, (n, 1)), r0)
+    return {
+        "diffuse": weights[:, 0],
+        "ggx_weight": weights[:, 1],
+        "ggx_alpha": _alpha(rng, n),
+        "ggx_r0": r0[:, 0],
+        "beckmann_weight": weights[:, 2],
+        "beckmann_alpha": _alpha(rng, n),
+        "beckmann_r0": r0[:, 1],
+    }
+
+
+def _measured_like(rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
+    """`reference.measured_like`: a quarter like paints and plastics, a quarter like metals.
+
+    Paints: both lobes with one R0 = U(0.02, 0.1) and weights that add up to 1; metals: a diffuse
+    term below 0.01. The other half has weights Dirichlet(1/2) times U(0, 1)^(1/3) and R0 =
+    U(0, 1). Exponents are log-uniform in [0.6, 8] (without 0.97 to 1.03), widths down to 0.004
+    for gamma = 2, masking alpha^U(0.4, 1).
+    """
+    kind = rng.integers(4, size=n)[:, None]
+    weights = rng.dirichlet((0.5, 0.5, 0.5), n) * rng.uniform(0, 1, (n, 1)) ** (1 / 3)
+    split = rng.uniform(0, 1, (n, 1))
+    paint = np.concatenate([rng.uniform(0, 0.9, (n, 1)) ** 2, split, 1 - split], axis=1)
+    dark = 0.01 * rng.uniform(0, 1, (n, 1)) ** 2
+    brightness = rng.uniform(0.2, 1, (n, 1))
+    metal = np.concatenate([dark, split * brightness, (1 - split) * brightness], axis=1)
+    weights = np.select([kind == 0, kind == 1], [paint, metal], weights)
+    r0 = np.where(kind == 0, rng.uniform(0.02, 0.1, (n, 1)), rng.uniform(0, 1, (n, 2)))
+    gamma = np.exp(rng.uniform(np.log(0.6), np.log(8.0), (n, 2)))
+    gamma = np.where(np.abs(gamma - 1) < 0.03, 1.03, gamma)
+    alpha = rng.uniform(0.004 ** (1 / 3), 0.98 ** (1 / 3), (n, 2)) ** 3
+    alpha = np.clip(alpha, 0.004 * np.sqrt(gamma / 2), 0.98)
+    masking = alpha ** rng.uniform(0.4, 1.0, (n, 2))
+    columns = {
+        "diffuse": weights[:, 0],
+        "roughness": rng.uniform(0, 1, n),
+        "sheen": np.where(rng.integers(2, size=n) == 0, 0.0, rng.uniform(0, 1, n) ** 3),
+    }
+    for k in (0, 1):
+        lobe = (weights[:, 1 + k], alpha[:, k], gamma[:, k], r0[:, k], masking[:, k])
+        columns |= {f"{name}_{k + 1}": x for name, x in zip(LOBE_PARAMETERS, lobe, strict=True)}
+    return columns
+
+
+_DRAW_BOTTOM = {
+    "conductor": lambda rng, n: {"alpha": _alpha(rng, n), "r0": rng.uniform(0.0, 1.0, n)},
+    "conductor_complex": lambda rng, n: {
+        "alpha": _alpha(rng, n),
+        "eta": rng.uniform(0.05, 3.5, n),
+        "k": rng.uniform(0.5, 8.0, n),
+    },
+    "diffuse": lambda rng, n: {"reflectance": rng.uniform(0.0, 1.0, n)},
+    "dielectric": lambda rng, n: {"alpha": _alpha(rng, n), "eta": rng.uniform(1.05, 2.0, n)},
+    "mixture": _mixture,
+    "measured_like": _measured_like,
+}
 
 
 def _check_coats(coats: int) -> None:
