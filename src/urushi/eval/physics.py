@@ -124,8 +124,8 @@ def vanishing_coat(model: Model, sets: Mapping[str, Samples]) -> Figure:
     for samples in sets.values():
         if samples.table.coats:
             continue
-        latents = np.concatenate([m.anchors for m in predict.materials(model, samples)])
-        coated = predict.split(Material(layer_texels(model, latents, **VANISHING), model))
+        anchors = np.concatenate([m.anchors for m in predict.materials(model, samples)])
+        coated = predict.split(Material(layer_texels(model, anchors, **VANISHING), model))
         f_hat = predict.evaluate(coated, samples.wi, samples.wo)
         errors.append(sampling.stack_errors(f_hat, samples))
     mean = float(np.concatenate(errors).mean()) if errors else 0.0
@@ -143,7 +143,7 @@ def absorption(model: Model, stacks: int = 16) -> list[Figure]:
         table, (wi, wo) = sampling.draw_stacks(group), sampling.draw_pairs(group)
         nothing = np.zeros(wi.shape[:2], np.float32)
         bare = Samples(sampling.lowest(table, 0), wi, wo, nothing, nothing)
-        latents = np.concatenate([m.anchors for m in predict.materials(model, bare)])
+        anchors = np.concatenate([m.anchors for m in predict.materials(model, bare)])
         coat = {name: getattr(table, name)[:, 0].astype(np.float64) for name in COAT_PARAMETERS}
         coat["alpha"] = np.maximum(coat["alpha"], 0.01)
         scattering = coat["albedo"] * coat["sigma_t"]
@@ -151,7 +151,7 @@ def absorption(model: Model, stacks: int = 16) -> list[Figure]:
         for sigma_a in ABSORPTION:
             coat["sigma_t"] = scattering + sigma_a
             coat["albedo"] = scattering / np.maximum(coat["sigma_t"], 1e-9)
-            made = predict.split(Material(layer_texels(model, latents, **coat), model))
+            made = predict.split(Material(layer_texels(model, anchors, **coat), model))
             values.append(predict.evaluate(made, wi, wo).astype(np.float64))
             albedos.append(_albedo(made))
         f = np.stack(values)

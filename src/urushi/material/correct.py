@@ -5,20 +5,15 @@ those that the encoder makes, so that coats lie over the encoder's own, the anch
 why, and does all of this with more patience).
 """
 
-import functools
-
 import numpy as np
 
 from urushi.material.cores import one_thread
+from urushi.material.refine import huber, probe_features
 from urushi.material.starts import UNSEEN
-from urushi.nets.features import direction_features
 from urushi.nets.networks import Networks
 
 #: Steps, and their damping relative to the mean curvature (Marquardt 1963).
 STEPS, DAMPING = 2, 1e-3
-
-#: Errors of ln f above this count linearly (Huber 1964).
-KNEE = 0.5
 
 
 def corrected(networks: Networks, z: np.ndarray, f: np.ndarray) -> np.ndarray:
@@ -30,7 +25,7 @@ def corrected(networks: Networks, z: np.ndarray, f: np.ndarray) -> np.ndarray:
     decoder = networks.one_pass
     if decoder is None:
         return z
-    features = _features(*(w.tobytes() for w in networks.pairs()))
+    features = probe_features(decoder)
     logs = np.log(f + UNSEEN)
     least = np.full(len(z), np.inf)
     tried, best = z, z
@@ -47,8 +42,8 @@ def corrected(networks: Networks, z: np.ndarray, f: np.ndarray) -> np.ndarray:
 
 def _step(z: np.ndarray, error: np.ndarray, slopes: np.ndarray) -> np.ndarray:
     """Codes (C, L) one step from z, by errors (C, P) and their derivatives (C, P, L)."""
-    weights = 1.0 / np.maximum(np.abs(error) / KNEE, 1.0)
-    weighted = np.swapaxes(slopes * weights[..., None], -1, -2)
+    _, far = huber(error)
+    weighted = np.swapaxes(slopes / far[..., None], -1, -2)
     curvature = (weighted @ slopes).astype(np.float64)
     mean = np.trace(curvature, axis1=-2, axis2=-1) / z.shape[-1]
     curvature += (DAMPING * mean + 1e-12)[:, None, None] * np.eye(z.shape[-1])
@@ -60,12 +55,6 @@ def _better(
     best: np.ndarray, least: np.ndarray, tried: np.ndarray, error: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """The better of two sets of codes (C, L), one by one, and their losses (C,)."""
-    size = np.abs(error)
-    loss = np.where(size < KNEE, size * size, KNEE * (2 * size - KNEE)).sum(axis=-1)
+    loss = huber(error)[0].sum(axis=-1)
     better = loss < least  # false for NaN
     return np.where(better[:, None], tried, best), np.where(better, loss, least)
-
-
-@functools.lru_cache(4)
-def _features(wi: bytes, wo: bytes) -> np.ndarray:
-    return direction_features(*(np.frombuffer(w, np.float32).reshape(-1, 3) for w in (wi, wo)))

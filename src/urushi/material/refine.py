@@ -21,6 +21,7 @@ All is done twice: held by `ANCHORED`, which gives the anchor, the code that coa
 and from there held by hardly anything, `LOOSE`, which gives the code that is looked at.
 """
 
+import functools
 from typing import NamedTuple
 
 import numpy as np
@@ -51,8 +52,8 @@ NODES_SHARE, NODES_POWER = 0.5, 0.5
 #: How often values asked for are lowered where a code is too bright, and the steps that follow.
 DIMMINGS, DIMMED_STEPS = 2, 6
 
-#: Errors of ln f above this count linearly. What the decoder cannot make at all must not drag along
-#: what it can.
+#: Errors of ln f above this count linearly (Huber 1964). What the decoder cannot make at
+#: all must not drag along what it can.
 KNEE = 0.5
 
 #: The first damping, relative to the mean curvature; its factors after good and bad steps.
@@ -94,7 +95,7 @@ class Wanted(NamedTuple):
 
 def wanted(networks: OnePass, f: np.ndarray, nodes: np.ndarray | None = None) -> Wanted:
     """From values f (P,) [1/sr] at `networks.pairs`, and (M,) at the nodes of `energy.rule`."""
-    count, features = len(f), direction_features(*networks.pairs())
+    count, features = len(f), probe_features(networks)
     weights = np.full(count, 1.0 / count)
     rule = energy.rule()
     light = np.zeros(0) if nodes is None else nodes * rule.weights * rule.wi[:, 2]
@@ -107,6 +108,22 @@ def wanted(networks: OnePass, f: np.ndarray, nodes: np.ndarray | None = None) ->
         np.concatenate([(1 - NODES_SHARE) * weights, NODES_SHARE * shares / shares.sum()]),
         count,
     )
+
+
+def probe_features(networks: OnePass) -> np.ndarray:
+    """What the decoder sees (P, 8) of `networks.pairs`."""
+    return _features(*(w.tobytes() for w in networks.pairs()))
+
+
+@functools.lru_cache(4)
+def _features(wi: bytes, wo: bytes) -> np.ndarray:
+    return direction_features(*(np.frombuffer(w, np.float32).reshape(-1, 3) for w in (wi, wo)))
+
+
+def huber(error: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Losses (...) of errors (...), and what the weights of their squares are divided by."""
+    far = np.maximum(np.abs(error) / KNEE, 1.0)
+    return error**2 * (2.0 - 1.0 / far) / far, far
 
 
 class Refined(NamedTuple):
@@ -207,8 +224,8 @@ def _at(networks: OnePass, z: np.ndarray, aim: Wanted, hold: float) -> State:
     variance = inward @ inward.T
     variance += LEAST_VARIANCE * np.trace(variance) / len(z) * np.eye(len(z))
     gap, error = z - code, (np.log(f + UNSEEN) - aim.logs).astype(np.float64)
-    far = np.maximum(np.abs(error) / KNEE, 1.0)
-    loss = aim.weights @ (error**2 * (2.0 - 1.0 / far) / far)
+    losses, far = huber(error)
+    loss = aim.weights @ losses
     weighted = seen.T * (aim.weights / far)
     gap_slope = np.eye(len(z)) - inward @ outward
     whitened = np.linalg.solve(variance, np.column_stack([gap, gap_slope]))
