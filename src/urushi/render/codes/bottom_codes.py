@@ -144,12 +144,13 @@ class _Probed:
         channels = present.shape[1]
         texel, texel_of = keys.distinct(keys.of(list(present.T)))
         row, row_of = keys.distinct(present[texel].ravel())
-        parts, first = [], 0
-        points = uv[texel]
-        for f in probing.in_parts(self._bottom, *self._pairs, points, self._average, PROBED):
-            f = probing.checked(f, self._where).reshape(len(f) * channels, -1)
+        parts = []
+        for start in range(0, len(texel), PROBED):
+            points = uv[texel[start : start + PROBED]]
+            f = probing.over_points(self._bottom, *self._pairs, points, self._average)
+            f = probing.checked(f, self._where).reshape(len(points) * channels, -1)
+            first = start * channels
             own = row[slice(*np.searchsorted(row, [first, first + len(f)]))]
             parts.append(encoded(self._model, f[own - first]))
-            first += len(f)
         codes = limit(self._model, np.concatenate(parts))
         return codes[row_of].reshape(len(texel), channels, -1)[texel_of]

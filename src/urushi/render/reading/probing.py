@@ -1,6 +1,5 @@
 """Reading a Mitsuba BSDF at pairs of directions, as the encoder wants to see it."""
 
-from collections.abc import Iterator
 from typing import NamedTuple
 
 import drjit as dr
@@ -109,64 +108,32 @@ def over_points(
     bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, uv: np.ndarray, average: Average
 ) -> np.ndarray:
     """f float32 (M, C, P) [1/sr] at points uv (M, 2) for pairs (P, 3) above the horizon."""
-    most = max(CHUNK // len(wi), 1)
-    result = np.empty((len(uv), spectrum.channel_count(), len(wi)), np.float32)
-    for k, f in enumerate(in_parts(bsdf, wi, wo, uv, average, most)):
-        result[k * most : k * most + len(f)] = f
-    return result
-
-
-def in_parts(
-    bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, uv: np.ndarray, average: Average, most: int
-) -> Iterator[np.ndarray]:
-    """The same for `most` points at a time.
-
-    The next ones are evaluated in the background while the caller is busy with what it was given.
-    """
+    pairs = len(wi)
+    most = max(CHUNK // pairs, 1)
+    result = np.empty((len(uv), spectrum.channel_count(), pairs), np.float32)
     turns = [i / average.azimuths for i in range(average.azimuths)]
     lit = [tuple(rotated(w, turn) for w in (wi, wo)) for turn in turns]
     if average.exchanged:
         lit += [pair[::-1] for pair in lit]
     tables = [tuple(_vector(w) for w in pair) for pair in lit]
-    launched: list = []
+    count = average.repeats * len(tables)
     for start in range(0, len(uv), most):
         part = uv[start : start + most]
-        total = _launch(bsdf, tables, part, len(wi), average.repeats)
-        if launched:
-            yield _fetched(launched.pop(), len(wi))
-        launched.append((total, len(part)))
-    if launched:
-        yield _fetched(launched.pop(), len(wi))
-
-
-def _launch(
-    bsdf: "mi.BSDF", tables: list[tuple], uv: np.ndarray, pairs: int, repeats: int
-) -> list["mi.Float"]:
-    """Of each channel the means at all points and pairs, which need not be there yet."""
-    texel, pair = _outer(len(uv), pairs)
-    where = dr.gather(mi.Point2f, mi.Point2f(np.ascontiguousarray(uv.T, np.float32)), texel)
-    total = [mi.Float(0)] * spectrum.channel_count()
-    count = repeats * len(tables)
-    for repeat in range(repeats):
-        for table in tables:
-            a, b = (dr.gather(mi.Vector3f, w, pair) for w in table)
-            si = _interaction(a, where, float(repeat))
-            channels = spectrum.to_channels(bsdf.eval(mi.BSDFContext(), si, b) / b.z)
-            total = [x + y for x, y in zip(total, channels, strict=True)]
-            if count > TRACED:
-                dr.eval(total)
-    means = [value / count for value in total]
-    dr.eval(means)
-    return means
-
-
-def _fetched(launched: tuple[list["mi.Float"], int], pairs: int) -> np.ndarray:
-    """f float32 (M, C, P) from what `_launch` returned for M points."""
-    channels, points = launched
-    f = np.empty((points, len(channels), pairs), np.float32)
-    for channel, value in enumerate(channels):
-        f[:, channel] = np.broadcast_to(value.numpy(), points * pairs).reshape(points, pairs)
-    return f
+        texel, pair = _outer(len(part), pairs)
+        where = dr.gather(mi.Point2f, mi.Point2f(np.ascontiguousarray(part.T, np.float32)), texel)
+        total = [mi.Float(0)] * result.shape[1]
+        for repeat in range(average.repeats):
+            for table in tables:
+                a, b = (dr.gather(mi.Vector3f, w, pair) for w in table)
+                si = _interaction(a, where, float(repeat))
+                channels = spectrum.to_channels(bsdf.eval(mi.BSDFContext(), si, b) / b.z)
+                total = [x + y for x, y in zip(total, channels, strict=True)]
+                if count > TRACED:
+                    dr.eval(total)
+        for channel, value in enumerate(total):
+            values = np.broadcast_to((value / count).numpy(), len(part) * pairs)
+            result[start : start + most, channel] = values.reshape(len(part), pairs)
+    return result
 
 
 def _outer(rows: int, columns: int) -> tuple["mi.UInt32", "mi.UInt32"]:
