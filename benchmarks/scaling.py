@@ -109,15 +109,15 @@ def train(folder: Path) -> None:
 
 def measure(store: str, memory: int, precision: str) -> None:
     """Print speed and peak memory of the networks' training, as of `quick`."""
-    from urushi.train import devices, examples, loop, presets
+    from urushi.train import examples, loop, presets, stages
 
     preset = presets.quick()
     schedule = dataclasses.replace(preset.networks, precision=precision)
     preset = dataclasses.replace(preset, networks=schedule)
     depths = examples.load(Store.open(store), preset.arch, preset.pairs, memory)
     params = loop.initial(preset, depths)
-    learn = loop.networks_stage(preset, depths, params, devices.find(sum(preset.stacks)))
-    state = loop.beginnings(preset, params)["networks"].state
+    learn = stages.networks_stage(preset, depths, params)
+    state = stages.begin("networks", preset, params).state
     steps, taking = schedule.steps_per_call, 0.0
     times = []
     for call in range(CALLS + 1):

@@ -37,7 +37,7 @@ def errors(trained, z, f):
 def test_correction_brings_codes_closer(trained, surfaces):
     z = trained.networks.encode(surfaces)
     before, after = (
-        errors(trained, c, surfaces) for c in (z, corrected(trained.networks, z, surfaces))
+        errors(trained, c, surfaces) for c in (z, corrected(trained.networks, z, surfaces)[0])
     )
     assert (after <= before * (1 + 1e-5)).all()
     assert np.sqrt(after).mean() < 0.8 * np.sqrt(before).mean()
@@ -56,7 +56,7 @@ def test_no_code_gets_worse_whatever_the_networks_and_values(trained, model):
     ).astype(np.float32)
     for networks in (trained, model):
         z = networks.networks.encode(odd)
-        found = corrected(networks.networks, z, odd)
+        found, _ = corrected(networks.networks, z, odd)
         assert np.isfinite(found).all()
         assert (errors(networks, found, odd) <= errors(networks, z, odd) * (1 + 1e-5)).all()
 
@@ -68,11 +68,26 @@ def test_materials_keep_the_encoders_codes_for_coats(trained, surfaces):
     assert not np.array_equal(material.anchors, material.latents)
 
 
+def test_anchors_that_could_bring_light_into_a_coat_are_dimmed(trained, surfaces):
+    """At most by a factor of `excess` is an encoder's code brighter than what was encoded."""
+    z = trained.networks.encode(surfaces)
+    f_hat = trained.networks.f(z[:, None], *trained.networks.pairs())
+    expected = ((f_hat + UNSEEN) / (surfaces + UNSEEN)).max(axis=1)
+    np.testing.assert_allclose(corrected(trained.networks, z, surfaces)[1], expected, rtol=1e-4)
+    nodes = energy.rule()
+    for surface in SURFACES:
+        pairs = (np.concatenate([own, more]) for own, more in zip(
+            trained.networks.pairs(), (nodes.wi, nodes.wo), strict=True
+        ))  # fmt: skip
+        material = encode_values(evaluate.f(surface, *pairs), trained)
+        assert energy.albedo(trained, material.anchors).max() <= 1 - energy.MARGIN + 1e-4
+
+
 def test_channels_are_corrected_by_themselves(trained, surfaces):
     z = trained.networks.encode(surfaces)
-    together = corrected(trained.networks, z, surfaces)
+    together, _ = corrected(trained.networks, z, surfaces)
     alone = np.concatenate(
-        [corrected(trained.networks, z[k : k + 1], surfaces[k : k + 1]) for k in range(len(z))]
+        [corrected(trained.networks, z[k : k + 1], surfaces[k : k + 1])[0] for k in range(len(z))]
     )
     f = [
         trained.networks.f(codes[:, None], *trained.networks.pairs()) for codes in (together, alone)
@@ -84,4 +99,6 @@ def test_networks_that_optimise_are_left_alone():
     arch = PaperArchitecture()
     networks = weights.Model.of(arch, init(0), {}).networks
     z, f = np.zeros((1, 32), np.float32), np.ones((1, len(networks.pairs()[0])), np.float32)
-    assert corrected(networks, z, f) is z
+    codes, excess = corrected(networks, z, f)
+    assert codes is z
+    assert np.isinf(excess).all()

@@ -8,10 +8,10 @@ from urushi.data.generate import generate
 from urushi.data.spec import DataSpec, Part
 from urushi.nets.architecture import Architecture
 from urushi.train.datasets import validation
-from urushi.train.presets import Preset, Schedule
+from urushi.train.presets import Layering, Preset, Schedule
 
 ARCH = Architecture(
-    latent=6, decoder=(16,), encoder=(16,), layerer=(16,), sampler=(8,), lobes=2, probes=24
+    latent=6, decoder=(16,), encoder=(16,), layerer=(24,), sampler=(8,), lobes=2, probes=24
 )
 
 TINY = Preset(
@@ -28,6 +28,12 @@ TINY = Preset(
         shard=16,
     ),
     networks=Schedule(24, 4, 3e-3, average=0.9, steps_per_call=4, checkpoint_every=8),
+    layering=Layering(
+        Schedule(16, 4, 1e-3, average=0.9, steps_per_call=4, checkpoint_every=8, rule="soap"),
+        stacks=(10, 2),
+        before=(16,),
+    ),
+    decoding=Schedule(16, 4, 1e-3, average=0.9, steps_per_call=4, checkpoint_every=8, rule="soap"),
     proposal=Schedule(16, 4, 3e-3, average=0.9, steps_per_call=4, checkpoint_every=8),
     stacks=(3, 9, 4),
     pairs=8,

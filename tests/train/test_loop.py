@@ -35,11 +35,11 @@ def log(folder):
     return [{k: v for k, v in line.items() if k != "seconds"} for line in lines]
 
 
-@pytest.mark.parametrize("saves", [1, 4, 5])
+@pytest.mark.parametrize("saves", [1, 4, 5, 8, 11])
 def test_a_training_that_fails_midway_resumes_to_the_same_bits(
     saves, uninterrupted, tiny, tiny_data, tmp_path, monkeypatch
 ):
-    """Checkpoints: of the networks (three), the change of stage, two of the proposal."""
+    """Checkpoints: three of the networks, then three times a change of stage and two more."""
     model, folder = uninterrupted
     save, count = Journal.save, []
 

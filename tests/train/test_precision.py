@@ -76,3 +76,8 @@ def test_a_lowered_training_learns_and_keeps_float32():
 def test_an_unknown_precision_is_named():
     with pytest.raises(ParameterError, match="precision is 'half'; choose one of float32, bfloat"):
         Schedule(8, 1, 1e-3, steps_per_call=4, checkpoint_every=4, precision="half")
+
+
+def test_an_unknown_rule_is_named():
+    with pytest.raises(ParameterError, match="rule is 'sgd'; choose one of muon, soap"):
+        Schedule(8, 1, 1e-3, steps_per_call=4, checkpoint_every=4, rule="sgd")

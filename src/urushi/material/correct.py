@@ -16,28 +16,37 @@ from urushi.nets.networks import Networks
 STEPS, DAMPING = 2, 1e-3
 
 
-def corrected(networks: Networks, z: np.ndarray, f: np.ndarray) -> np.ndarray:
-    """Return codes float32 (C, L) that decode to values f (C, P) [1/sr] at `networks.pairs`.
+def corrected(networks: Networks, z: np.ndarray, f: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return codes that decode to given values, and how much too bright the encoder's are.
 
-    Closer than z (C, L), what the encoder makes of them, or as close. Codes of networks that
-    encode by an optimisation are left as they are.
+    Args:
+        networks: which encode and decode.
+        z: (C, L) what the encoder makes of f.
+        f: (C, P) values [1/sr] at `networks.pairs`.
+
+    Returns:
+        Codes float32 (C, L), closer than z or as close; and the factors (C,) by which what z
+        decodes to exceeds f at most. Codes of networks that encode by an optimisation are left as
+        they are, and the factors infinite.
     """
     decoder = networks.one_pass
     if decoder is None:
-        return z
+        return z, np.full(len(z), np.inf)
     features = probe_features(decoder)
     logs = np.log(f + UNSEEN)
     least = np.full(len(z), np.inf)
-    tried, best = z, z
+    tried, best, excess = z, z, np.ones(len(z))
     with one_thread():
-        for _ in range(STEPS):
+        for step in range(STEPS):
             log_f, slopes = decoder.decode_log(tried[:, None], features)
             f_hat = np.exp(log_f)
             error = np.log(f_hat + UNSEEN) - logs
+            if step == 0:
+                excess = np.exp(error.max(axis=-1))
             best, least = _better(best, least, tried, error)
             tried = _step(tried, error, slopes * (f_hat / (f_hat + UNSEEN))[..., None])
         error = np.log(decoder.decode(tried[:, None], features) + UNSEEN) - logs
-    return _better(best, least, tried, error)[0]
+    return _better(best, least, tried, error)[0], excess
 
 
 def _step(z: np.ndarray, error: np.ndarray, slopes: np.ndarray) -> np.ndarray:

@@ -112,16 +112,21 @@ def encode_values(values: np.ndarray, model: Model, *, refine: bool = False) -> 
     seen = len(model.networks.pairs()[0])
     probed, rest = values[:seen].T, values[seen:].T
     nodes = rest if rest.size else None
-    ceiling: np.ndarray | float = 1 - energy.MARGIN
+    own, ceiling = np.ones((len(probed), 1)), np.full((len(probed), 1), 1 - energy.MARGIN)
     if nodes is not None:
-        ceiling = energy.ceiling(energy.rule().albedo(rest))
+        own = energy.rule().albedo(rest)
+        ceiling = energy.ceiling(own)
     if refine:
         both = np.stack(refined(model.networks, probed, nodes))
-    else:
-        anchors = encoded(model, probed)
-        both = np.stack([corrected(model.networks, anchors, probed), anchors])
-    codes, anchors = energy.limit(model, both, ceiling)
-    return Material(codes, model, anchors)
+        codes, anchors = energy.limit(model, both, ceiling)
+        return Material(codes, model, anchors)
+    anchors = encoded(model, probed)
+    codes, excess = corrected(model.networks, anchors, probed)
+    # Anchors are not looked at. They only must not bring light into a coat, which few come near to.
+    bright = own.max(axis=-1) * excess > 1 - energy.MARGIN
+    if bright.any():
+        anchors[bright] = energy.limit(model, anchors[bright], ceiling[bright])
+    return Material(energy.limit(model, codes, ceiling), model, anchors)
 
 
 def opened(source: Any) -> Source:

@@ -106,6 +106,10 @@ class Depth:
         window = Order(self.sizes, self.capacity, seed=0).windows(0)[0]
         return self.window(window, window)
 
+    def forget(self) -> None:
+        """Give up what is in memory, until it is asked for again."""
+        self._held.clear()
+
     def _items(self, part: int, shard: int) -> int:
         rows = self._store.spec.rows(part, shard)
         seen = trained_pairs(self._store.spec.parts[part])

@@ -1,16 +1,13 @@
 """The run folder: the last checkpoint, and a log with one JSON object a line."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from urushi.files import atomic_write
 from urushi.train import checkpoint
 from urushi.train.checkpoint import Checkpoint
-
-#: Stages of the training of Urushi's own networks, in order.
-STAGES = ("networks", "proposal")
 
 
 class Journal:
@@ -22,9 +19,7 @@ class Journal:
         stages: the stages' names, in order.
     """
 
-    def __init__(
-        self, folder: Path, identity: Mapping[str, Any], stages: tuple[str, ...] = STAGES
-    ) -> None:
+    def __init__(self, folder: Path, identity: Mapping[str, Any], stages: Sequence[str]) -> None:
         self._checkpoint = folder / "checkpoint.safetensors"
         self._log = folder / "log.jsonl"
         self._identity = identity

@@ -1,17 +1,16 @@
-"""Training from nothing to a weights file: data, networks, proposal, export."""
+"""Training from nothing to a weights file: data, stage after stage, export."""
 
 import json
 import os
 import platform
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 from tqdm import tqdm
 
@@ -21,27 +20,22 @@ from urushi.data.store import Store
 from urushi.errors import FileError
 from urushi.files import new_folder
 from urushi.nets import weights
-from urushi.nets.architecture import FIXED, Architecture, Params, init
+from urushi.nets.architecture import Architecture, Params, init
 from urushi.nets.encoder import input_statistics
-from urushi.nets.features import direction_features
-from urushi.nets.probes import probe_pairs
 from urushi.processors import available
 from urushi.train import devices, examples, presets, validation
 from urushi.train.checkpoint import Checkpoint
-from urushi.train.devices import Devices
-from urushi.train.examples import Batches, Depth
+from urushi.train.examples import Depth
 from urushi.train.journal import Journal
-from urushi.train.losses import compose, joint_loss
-from urushi.train.optimiser import State, compile_steps, start
+from urushi.train.optimiser import State
 from urushi.train.paper.preset import PaperPreset
 from urushi.train.presets import Preset, Schedule
-from urushi.train.proposal import Scene, proposal_loss, variation
+from urushi.train.proposal import variation
+from urushi.train.stages import STAGES, Learn, all_latents, begin, beginnings
+from urushi.train.validation import Check
 
 #: Where everything goes that the caller does not place: data, run folder and weights.
 RUNS = Path("runs")
-
-#: Stacks of each depth whose codes the proposal is trained on, at most.
-SCENES = 1 << 15
 
 
 def train(
@@ -81,7 +75,7 @@ def train(
     folder = Path(run) if run is not None else RUNS / preset.name
     out = Path(out) if out is not None else folder / "weights.safetensors"
     prepare(folder, out, resume)
-    shared = devices.find(sum(preset.stacks))
+    shared, names = devices.find(sum(preset.stacks)), list(STAGES)
 
     began = time.monotonic()
     store = generate(preset.data, data if data is not None else folder / "data.zarr")
@@ -89,33 +83,30 @@ def train(
     depths = examples.load(store, preset.arch, preset.pairs, preset.memory)
     checks = validation.load(store, preset.arch)
     made_for = identity(preset, store)
-    journal = Journal(folder, made_for)
+    journal = Journal(folder, made_for, names)
 
     params = initial(preset, depths)
     point = journal.restore(beginnings(preset, params)) if resume else None
     if point is None:
         journal.clear()
-        point = beginnings(preset, params)["networks"]
+        point = begin("networks", preset, params)
 
-    if point.stage == "networks":
-
-        def report(state: State) -> dict[str, float]:
-            return validation.measure({**params, **state.average}, preset.arch, checks)
-
-        learn = networks_stage(preset, depths, params, shared)
-        point = advance(point, preset.networks, learn, report, journal)
-        proposal = beginnings(preset, params)["proposal"]
-        networks = shared.collect(point.state.average)
-        point = replace(proposal, seconds=point.seconds, networks=networks)
-        journal.save(point)
-
-    params |= point.networks
-    latents = all_latents(params, preset.arch, depths)
-    learn = proposal_stage(preset, params, latents)
-    point = advance(point, preset.proposal, learn, lambda state: {}, journal)
-    params |= point.state.average
+    for name in names[names.index(point.stage) :]:
+        stage = STAGES[name]
+        params |= point.networks
+        clock = time.monotonic()
+        learn = stage.learn(preset, depths, params)
+        point = replace(point, seconds=point.seconds + time.monotonic() - clock)
+        arch = preset.first_arch if name == "networks" else preset.arch
+        report = partial(figures, {**params}, arch, checks)
+        point = advance(point, stage.schedule(preset), learn, report, journal)
+        params |= learn.devices.collect(point.state.average)
+        if name != names[-1]:
+            point = begin(names[names.index(name) + 1], preset, params, point.seconds)
+            journal.save(point)
 
     metrics = validation.measure(params, preset.arch, checks)
+    latents = all_latents(params, preset.arch, depths)
     spread = np.asarray(variation(params, preset.arch, latents, seed=preset.seed + 1))
     metrics |= {
         "sampling cv median": float(np.median(spread)),
@@ -136,7 +127,7 @@ def identity(preset: Preset | PaperPreset, store: Store) -> dict[str, Any]:
 
 def prepare(folder: Path, out: Path, resume: bool) -> None:
     """Refuse what would fail at the end: an unwritable place, or a run that would be lost."""
-    if not resume and Journal(folder, {}).begun():
+    if not resume and Journal(folder, {}, ()).begun():
         raise FileError(
             f"'{folder}' holds a training that was begun; give --resume to go on with it, "
             "or choose another run folder"
@@ -171,52 +162,14 @@ def header(
 def initial(preset: Preset, depths: list[Depth]) -> dict[str, Any]:
     """Fresh parameters, with the statistics of the bottoms at the probe pairs."""
     bottoms = np.concatenate([depth.first().probes for depth in depths])
-    return {**init(preset.arch, preset.seed), **input_statistics(bottoms)}
+    return {**init(preset.first_arch, preset.seed), **input_statistics(bottoms)}
 
 
-def beginnings(preset: Preset, params: Params) -> dict[str, Checkpoint]:
-    """Each stage's start. The encoder's input statistics are fixed and in neither."""
-    sampler = {name: value for name, value in params.items() if name.startswith("sampler.")}
-    others = {
-        name: value for name, value in params.items() if name not in sampler and name not in FIXED
-    }
-    return {
-        "networks": Checkpoint("networks", 0, 0.0, start(others, preset.networks), {}),
-        "proposal": Checkpoint("proposal", 0, 0.0, start(sampler, preset.proposal), others),
-    }
-
-
-@dataclass(frozen=True)
-class Learn:
-    """A stage's compiled steps and where their batches come from."""
-
-    steps: Callable[[State, Any], tuple[State, dict[str, jax.Array]]]
-    batches: Callable[[int, int], Any]
-
-
-def networks_stage(preset: Preset, depths: list[Depth], params: Params, shared: Devices) -> Learn:
-    """Encoder, layerer and decoder on the simulated stacks."""
-    features = jnp.asarray(direction_features(*probe_pairs(preset.arch.probes)))
-    fixed = {name: params[name] for name in FIXED}
-
-    def loss(trained: Params, batch: Any) -> tuple[jax.Array, dict[str, jax.Array]]:
-        return joint_loss({**fixed, **trained}, preset.arch, batch, features)
-
-    batches = Batches(depths, preset.stacks, preset.seed)
-    return Learn(compile_steps(loss, preset.networks, shared), batches.take)
-
-
-def proposal_stage(preset: Preset, params: Params, latents: jax.Array) -> Learn:
-    """The sampler on the latents that the other networks made; its batches are step numbers."""
-    scene = Scene(dict(params), latents, jax.random.key(preset.seed))
-
-    def loss(trained: Params, step: jax.Array) -> tuple[jax.Array, dict[str, jax.Array]]:
-        return proposal_loss(trained, preset.arch, scene, step)
-
-    return Learn(
-        compile_steps(loss, preset.proposal),
-        lambda step, steps: np.arange(step, step + steps, dtype=np.uint32),
-    )
+def figures(
+    params: Params, arch: Architecture, checks: list[Check], state: State
+) -> dict[str, float]:
+    """What the validation parts say of parameters, those in `state` by their averages."""
+    return validation.measure({**params, **state.average}, arch, checks)
 
 
 def advance(
@@ -236,20 +189,10 @@ def advance(
             done = step + schedule.steps_per_call
             bar.update(schedule.steps_per_call)
             if done % schedule.checkpoint_every == 0 or done == schedule.steps:
-                figures = {name: float(value) for name, value in terms.items()} | report(state)
+                found = {name: float(value) for name, value in terms.items()} | report(state)
                 seconds = spent + time.monotonic() - clock
                 point = replace(point, step=done, seconds=seconds, state=state)
-                bar.set_postfix({name: f"{value:.4f}" for name, value in figures.items()})
-                journal.log(point, figures)
+                bar.set_postfix({name: f"{value:.4f}" for name, value in found.items()})
+                journal.log(point, found)
                 journal.save(point)
     return replace(point, seconds=spent + time.monotonic() - clock)
-
-
-def all_latents(params: Params, arch: Architecture, depths: list[Depth]) -> jax.Array:
-    """Latent codes (M, 32) of training stacks of all depths, at most `SCENES` of each."""
-    run = jax.jit(lambda probes, coats: compose(params, arch, probes, coats))
-    codes = []
-    for held in (depth.first() for depth in depths):
-        some = slice(None, None, -(-len(held.probes) // SCENES))  # parts lie one after the other
-        codes.append(run(held.probes[some], tuple(np.moveaxis(held.coats[some], 1, 0)[::-1])))
-    return jnp.concatenate(codes)

@@ -41,34 +41,52 @@ CYCLE_STRIDE = 16
 RISE_STRIDE = 12
 
 
-def relative_errors(f_hat: jax.Array, f: Any) -> jax.Array:
-    """Squared relative errors (S, P): ((f_hat - f) / (sg(f_hat) + floor))^2, linear beyond `KNEE`.
+def divisor(f_hat: jax.Array) -> jax.Array:
+    """What errors (S, P) are relative to: the prediction and a floor, constants to the gradient.
 
-    The divisor is a constant to the gradient (sg), so that the gradient is linear in f and the
-    minimum lies at the mean of a noisy f: Monte Carlo values of few walks teach without bias
-    (Lehtinen et al. 2018), unlike a logarithm or an L1 norm of them.
+    The gradient is linear in f then, and the minimum lies at the mean of a noisy f: Monte Carlo
+    values of few walks teach without bias (Lehtinen et al. 2018), unlike a logarithm or an L1 norm
+    of them.
     """
     seen = jax.lax.stop_gradient(f_hat)
     brightness = jnp.pi * jnp.mean(jnp.minimum(seen, 1.0), axis=-1, keepdims=True)
-    error = jnp.abs((f_hat - f) / (seen + FLOOR * jnp.clip(brightness, DARKEST, 1.0)))
-    return jnp.where(error < KNEE, error * error, KNEE * (2 * error - KNEE))
+    return seen + FLOOR * jnp.clip(brightness, DARKEST, 1.0)
 
 
-def stack_loss(f_hat: jax.Array, f: Any) -> jax.Array:
-    """Mean over stacks of about the root of their mean squared relative error.
+def squared(error: jax.Array) -> tuple[jax.Array, jax.Array]:
+    """Squares of relative errors, linear beyond `KNEE`, and half of their slope over the error."""
+    size = jnp.abs(error)
+    near = jnp.where(size < KNEE, 1.0, KNEE / jnp.maximum(size, KNEE))
+    return jnp.where(size < KNEE, error * error, KNEE * (2 * size - KNEE)), near
+
+
+def relative_errors(f_hat: jax.Array, f: Any) -> jax.Array:
+    """Squared relative errors (S, P), linear beyond `KNEE`."""
+    return squared((f_hat - f) / divisor(f_hat))[0]
+
+
+def halves_weight(squares: jax.Array) -> jax.Array:
+    """What each of the squared relative errors (S, P) of a stack counts: constants (S, P).
 
     Every stack's error is divided by about its own root, lest the few hardest ones, narrow lobes
     and nearly black ones, rule what all others learn. A weight that knew the noise of the values
     it weighs would be biased against fireflies; therefore the pairs are halved, and each half is
     weighted by the other's error.
+    """
+    halves = jax.lax.stop_gradient(squares).reshape(len(squares), -1, 2, _PERIOD)
+    others = jnp.minimum(halves.mean(axis=(1, 3))[:, None, ::-1, None], WORST)
+    weight = jnp.sqrt(TYPICAL / (EASE + others))
+    return jnp.broadcast_to(weight, halves.shape).reshape(squares.shape)
+
+
+def stack_loss(f_hat: jax.Array, f: Any) -> jax.Array:
+    """Mean over stacks of about the root of their mean squared relative error.
 
     Args:
         f_hat, f: (S, P) predicted and simulated values [1/sr], P a multiple of 8.
     """
     squares = relative_errors(f_hat, f)
-    halves = squares.reshape(len(squares), -1, 2, _PERIOD).mean(axis=(1, 3))
-    others = jnp.minimum(jax.lax.stop_gradient(halves[:, ::-1]), WORST)
-    return jnp.mean(halves * jnp.sqrt(TYPICAL / (EASE + others)))
+    return jnp.mean(halves_weight(squares) * squares)
 
 
 def compose(params: Params, arch: Architecture, probes: Any, coats: tuple[Any, ...]) -> Any:

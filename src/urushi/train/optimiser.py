@@ -1,4 +1,4 @@
-"""The optimiser of both stages: Muon, warm-up, half a cosine, clipping and averaged weights."""
+"""The optimisers of all stages: warm-up, half a cosine, clipping and averaged weights."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -11,6 +11,7 @@ import optax.contrib
 from urushi.train.devices import Devices
 from urushi.train.precision import lowered
 from urushi.train.presets import Schedule
+from urushi.train.soap import MEAN, SQUARES, soap
 
 #: A pytree of arrays, here always a flat dict of parameters.
 Tree = Any
@@ -29,17 +30,24 @@ Steps = Callable[[State, Any], tuple[State, dict[str, jax.Array]]]
 
 
 def optimiser(schedule: Schedule) -> optax.GradientTransformation:
-    """Muon (Jordan et al. 2024) for the weight matrices, Adam (Kingma & Ba 2015) for the biases.
+    """The schedule's rule for the weight matrices, Adam (Kingma & Ba 2015) for the biases.
 
-    Muon makes each matrix's step orthogonal. At these widths that costs a tenth of the gradient,
-    and it reaches the same error in less than half of Adam's steps.
+    "muon" (Jordan et al. 2024) makes each matrix's step orthogonal. At these widths that costs a
+    tenth of the gradient, and it reaches the same error in less than half of Adam's steps. "soap"
+    knows the curvature's main directions: close to a minimum it goes on where Muon's steps, as
+    long whatever the gradient, only lift the error.
     """
     rate = optax.warmup_cosine_decay_schedule(
         0.0, schedule.learning_rate, schedule.warmup, schedule.steps
     )
-    return optax.chain(
-        optax.clip_by_global_norm(schedule.clip), optax.contrib.muon(rate, adam_b2=0.99)
-    )
+    if schedule.rule == "muon":
+        rule = optax.contrib.muon(rate, adam_b2=0.99)
+    else:
+        adam = optax.adam(rate, b1=MEAN, b2=SQUARES)
+        rule = optax.partition(
+            {2: soap(rate), 1: adam}, lambda params: jax.tree.map(jnp.ndim, params)
+        )
+    return optax.chain(optax.clip_by_global_norm(schedule.clip), rule)
 
 
 def start(params: Tree, schedule: Schedule) -> State:

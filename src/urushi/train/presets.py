@@ -11,8 +11,9 @@ from urushi.nets.architecture import Architecture
 from urushi.train.datasets import validation, whole_domain
 from urushi.train.paper.preset import PaperPreset, paper
 
-#: What a schedule's precision may be.
+#: What a schedule's precision and rule may be.
 PRECISIONS = ("float32", "bfloat16")
+RULES = ("muon", "soap")
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,7 @@ class Schedule:
         steps_per_call: steps that run in one call of the compiled loop.
         checkpoint_every: steps between two checkpoints, a multiple of `steps_per_call`.
         precision: of the hidden layers' products, "float32" or "bfloat16"; see `precision`.
+        rule: of the optimiser, "muon" or "soap"; see `optimiser`.
     """
 
     steps: int
@@ -38,13 +40,15 @@ class Schedule:
     steps_per_call: int = 16
     checkpoint_every: int = 2048
     precision: str = "float32"
+    rule: str = "muon"
 
     def __post_init__(self) -> None:
-        if self.precision not in PRECISIONS:
-            raise ParameterError(
-                f"the schedule's precision is {self.precision!r}; choose one of "
-                + ", ".join(PRECISIONS)
-            )
+        for name, choices in (("precision", PRECISIONS), ("rule", RULES)):
+            if getattr(self, name) not in choices:
+                raise ParameterError(
+                    f"the schedule's {name} is {getattr(self, name)!r}; choose one of "
+                    + ", ".join(choices)
+                )
         for name in ("steps", "checkpoint_every"):
             if getattr(self, name) % self.steps_per_call:
                 raise ParameterError(
@@ -54,13 +58,30 @@ class Schedule:
 
 
 @dataclass(frozen=True)
+class Layering:
+    """The stage that trains the layerer alone, see `layering`.
+
+    Attributes:
+        schedule: as for the other stages.
+        stacks: stacks of 1, 2, ... coats that a step sees.
+        before: widths of the layerer's hidden layers in the stage before; None: as afterwards.
+    """
+
+    schedule: Schedule
+    stacks: tuple[int, ...]
+    before: tuple[int, ...] | None = None
+
+
+@dataclass(frozen=True)
 class Preset:
-    """A whole training: data, networks, and the schedules of its two stages.
+    """A whole training: data, networks, and its stages.
 
     Attributes:
         name: what `--preset` calls it.
         data: what is generated; parts with other directions than "training" validate.
         networks: schedule of encoder, layerer and decoder, trained together.
+        layering: the stage that then trains the layerer alone.
+        decoding: schedule of the decoder alone, on the codes of the others.
         proposal: schedule of the sampler, trained on their latents afterwards.
         stacks: stacks of 0, 1, 2, ... coats that a step sees.
         pairs: direction pairs that a step sees of each stack, a multiple of 8 for the loss.
@@ -72,6 +93,8 @@ class Preset:
     name: str
     data: DataSpec
     networks: Schedule
+    layering: Layering
+    decoding: Schedule
     proposal: Schedule
     stacks: tuple[int, ...]
     pairs: int = 64
@@ -79,12 +102,19 @@ class Preset:
     seed: int = 0
     arch: Architecture = field(default_factory=Architecture)
 
+    @property
+    def first_arch(self) -> Architecture:
+        """Sizes of the networks while they are trained together."""
+        return replace(self.arch, layerer=self.layering.before or self.arch.layerer)
+
     def to_dict(self) -> dict[str, Any]:
         """Describe the preset for JSON, in checkpoints and in the weights' header."""
         return {
             "name": self.name,
             "data": self.data.to_dict(),
             "networks": asdict(self.networks),
+            "layering": asdict(self.layering),
+            "decoding": asdict(self.decoding),
             "proposal": asdict(self.proposal),
             "stacks": list(self.stacks),
             "pairs": self.pairs,
@@ -92,6 +122,17 @@ class Preset:
             "seed": self.seed,
             "arch": asdict(self.arch),
         }
+
+
+def _soap(steps: int, learning_rate: float) -> Schedule:
+    return Schedule(
+        steps=steps,
+        warmup=128,
+        learning_rate=learning_rate,
+        clip=0.05,
+        average=0.9995,
+        rule="soap",
+    )
 
 
 def base() -> Preset:
@@ -107,10 +148,14 @@ def base() -> Preset:
         name="base",
         data=whole_domain(),
         networks=Schedule(steps=147_456, warmup=256, learning_rate=0.01, clip=0.1),
+        layering=Layering(
+            _soap(12_288, learning_rate=0.002), (512, 128, 48, 40, 40), before=(256, 256, 256)
+        ),
+        decoding=_soap(10_240, learning_rate=0.002),
         proposal=Schedule(steps=8_000, warmup=200, learning_rate=0.01, checkpoint_every=4_000),
         stacks=(64, 136, 40, 10, 7, 7),
         memory=1 << 28,
-        arch=Architecture(decoder=(60, 60, 60), layerer=(256, 256, 256)),
+        arch=Architecture(decoder=(60, 60, 60), layerer=(320, 320, 320)),
     )
 
 
@@ -130,9 +175,9 @@ def small() -> Preset:
         name="small",
         data=whole_domain(measured_like=False),
         stacks=(48, 128, 40, 10, 7, 7),
-        networks=Schedule(steps=65_536, warmup=256, learning_rate=0.02),
+        networks=Schedule(steps=73_728, warmup=256, learning_rate=0.017, clip=0.3),
         pairs=128,
-        arch=Architecture(latent=18, decoder=(32, 32), layerer=(256, 256, 256), activation="silu"),
+        arch=Architecture(latent=18, decoder=(32, 32), layerer=(320, 320, 320), activation="silu7"),
     )
 
 
@@ -165,6 +210,8 @@ def quick() -> Preset:
         name="quick",
         data=DataSpec(parts, seed=1),
         networks=Schedule(steps=20_480, warmup=256, learning_rate=0.02, checkpoint_every=1_024),
+        layering=Layering(_soap(4_096, learning_rate=0.002), (512, 128)),
+        decoding=_soap(2_048, learning_rate=0.002),
         proposal=Schedule(steps=8_000, warmup=200, learning_rate=0.01, checkpoint_every=4_000),
         stacks=(36, 160, 44),
         pairs=128,
@@ -184,10 +231,13 @@ def smoke() -> Preset:
         Part("bare-conductor", Extended(0, "conductor"), 128, 128, 1),
         *validation(stacks=16, walks=256),
     )
+    brief = Schedule(steps=128, warmup=16, learning_rate=0.001, average=0.95, rule="soap")
     return Preset(
         name="smoke",
         data=DataSpec(parts, seed=1),
         networks=Schedule(steps=512, warmup=64, learning_rate=0.02, average=0.98),
+        layering=Layering(brief, (48, 8)),
+        decoding=brief,
         proposal=Schedule(steps=128, warmup=16, learning_rate=0.01, average=0.95),
         stacks=(8, 48, 8),
     )

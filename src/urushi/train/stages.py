@@ -1,0 +1,160 @@
+"""The stages of a training, one after the other: what each trains, and on what."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from urushi.nets.architecture import FIXED, Architecture, Params
+from urushi.nets.decoder import decode
+from urushi.nets.features import direction_features
+from urushi.nets.probes import probe_pairs
+from urushi.train import devices
+from urushi.train.checkpoint import Checkpoint
+from urushi.train.devices import Devices
+from urushi.train.examples import Batches, Depth
+from urushi.train.forms import measure
+from urushi.train.layering import LayeringBatches, layering_loss
+from urushi.train.losses import compose, joint_loss, stack_loss
+from urushi.train.optimiser import State, compile_steps, start
+from urushi.train.presets import Preset, Schedule
+from urushi.train.proposal import Scene, proposal_loss
+from urushi.train.widening import widened
+
+#: Stacks of each depth whose codes the proposal is trained on, at most.
+SCENES = 1 << 15
+
+
+class Learn(NamedTuple):
+    """A stage's compiled steps, where their batches come from, and what shares the work."""
+
+    steps: Callable[[State, Any], tuple[State, dict[str, jax.Array]]]
+    batches: Callable[[int, int], Any]
+    devices: Devices
+
+
+@dataclass(frozen=True)
+class Stage:
+    """One stage.
+
+    Attributes:
+        trained: the networks that learn; all others are held.
+        schedule: of a preset.
+        learn: from preset, examples by depth and all parameters so far.
+    """
+
+    trained: tuple[str, ...]
+    schedule: Callable[[Preset], Schedule]
+    learn: Callable[[Preset, list[Depth], Params], Learn]
+
+
+def networks_stage(preset: Preset, depths: list[Depth], params: Params) -> Learn:
+    """Encoder, layerer and decoder together on the simulated stacks."""
+    features = jnp.asarray(direction_features(*probe_pairs(preset.arch.probes)))
+    fixed = {name: params[name] for name in FIXED}
+
+    def loss(trained: Params, batch: Any) -> tuple[jax.Array, dict[str, jax.Array]]:
+        return joint_loss({**fixed, **trained}, preset.first_arch, batch, features)
+
+    shared = devices.find(sum(preset.stacks))
+    batches = Batches(depths, preset.stacks, preset.seed)
+    return Learn(compile_steps(loss, preset.networks, shared), batches.take, shared)
+
+
+def layering_stage(preset: Preset, depths: list[Depth], params: Params) -> Learn:
+    """The layerer on quadratic forms of the stacks, as many as fit into memory."""
+    stacks, schedule = preset.layering.stacks, preset.layering.schedule
+    forms = []
+    for depth in depths[1:]:
+        forms.append(measure(params, preset.first_arch, depth.first()))
+        depth.forget()
+
+    def loss(trained: Params, batch: Any) -> tuple[jax.Array, dict[str, jax.Array]]:
+        return layering_loss(trained, preset.arch, batch)
+
+    shared = devices.find(sum(stacks))
+    batches = LayeringBatches(forms, stacks, preset.seed)
+    return Learn(compile_steps(loss, schedule, shared), batches.take, shared)
+
+
+def decoding_stage(preset: Preset, depths: list[Depth], params: Params) -> Learn:
+    """The decoder on the simulated stacks, whose codes stay as they are."""
+
+    def loss(trained: Params, batch: Any) -> tuple[jax.Array, dict[str, jax.Array]]:
+        z = compose(params, preset.arch, batch.probes, batch.coats)
+        f_hat = decode(trained, preset.arch, z[:, None], batch.features)
+        fit = stack_loss(f_hat, batch.f)
+        return fit, {"loss": fit}
+
+    shared = devices.find(sum(preset.stacks))
+    batches = Batches(depths, preset.stacks, preset.seed + 1)
+    return Learn(compile_steps(loss, preset.decoding, shared), batches.take, shared)
+
+
+def proposal_stage(preset: Preset, depths: list[Depth], params: Params) -> Learn:
+    """The sampler on the latents that the other networks made; its batches are step numbers."""
+    latents = all_latents(params, preset.arch, depths)
+    scene = Scene(dict(params), latents, jax.random.key(preset.seed))
+
+    def loss(trained: Params, step: jax.Array) -> tuple[jax.Array, dict[str, jax.Array]]:
+        return proposal_loss(trained, preset.arch, scene, step)
+
+    def batches(step: int, steps: int) -> np.ndarray:
+        return np.arange(step, step + steps, dtype=np.uint32)
+
+    return Learn(compile_steps(loss, preset.proposal), batches, Devices(None, 0))
+
+
+#: All stages, in order.
+STAGES = {
+    "networks": Stage(
+        ("decoder", "encoder", "layerer"), lambda preset: preset.networks, networks_stage
+    ),
+    "layering": Stage(("layerer",), lambda preset: preset.layering.schedule, layering_stage),
+    "decoding": Stage(("decoder",), lambda preset: preset.decoding, decoding_stage),
+    "proposal": Stage(("sampler",), lambda preset: preset.proposal, proposal_stage),
+}
+
+
+def begin(name: str, preset: Preset, params: Params, seconds: float = 0.0) -> Checkpoint:
+    """A stage's start.
+
+    Args:
+        name: the stage's.
+        preset: the training.
+        params: all parameters, as the stage before has left them; of the first stage, fresh ones.
+        seconds: time spent so far.
+    """
+    stage = STAGES[name]
+    trained = {k: v for k, v in params.items() if _of(k) in stage.trained and k not in FIXED}
+    if name == "layering" and preset.layering.before is not None:
+        wide = preset.arch.layerer
+        trained = widened(params, preset.first_arch, "layerer", wide, preset.seed)
+    made = {k: v for k, v in params.items() if _of(k) != "sampler" and k not in FIXED}
+    state = start(trained, stage.schedule(preset))
+    return Checkpoint(name, 0, seconds, state, {} if name == "networks" else made)
+
+
+def beginnings(preset: Preset, params: Params) -> dict[str, Checkpoint]:
+    """Every stage's start from fresh parameters: what comes before is there in shape only."""
+    first = {name: begin(name, preset, params) for name in ("networks", "layering")}
+    wide = {**params, **first["layering"].state.params}
+    return first | {name: begin(name, preset, wide) for name in STAGES if name not in first}
+
+
+def all_latents(params: Params, arch: Architecture, depths: list[Depth]) -> jax.Array:
+    """Latent codes (M, 32) of training stacks of all depths, at most `SCENES` of each."""
+    run = jax.jit(lambda probes, coats: compose(params, arch, probes, coats))
+    codes = []
+    for held in (depth.first() for depth in depths):
+        some = slice(None, None, -(-len(held.probes) // SCENES))  # parts lie one after the other
+        codes.append(run(held.probes[some], tuple(np.moveaxis(held.coats[some], 1, 0)[::-1])))
+    return jnp.concatenate(codes)
+
+
+def _of(name: str) -> str:
+    """The network that a parameter belongs to."""
+    return name.split(".")[0]

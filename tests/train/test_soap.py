@@ -1,0 +1,85 @@
+"""SOAP finds the axes of a curvature, along which it is Adam."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import optax
+import pytest
+
+from urushi.train.optimiser import compile_steps, start
+from urushi.train.presets import Schedule
+from urushi.train.soap import soap
+
+SHAPE = (12, 8)
+
+
+def rotation(rng, n):
+    return np.linalg.qr(rng.standard_normal((n, n)))[0]
+
+
+def least(rule, left, right, steps):
+    """The loss |L W R|^2 after some steps from a random W: its minimum is zero, at zero."""
+    left, right = (jnp.asarray(m, jnp.float32) for m in (left, right))
+    rng = np.random.default_rng(1)
+    weight = {"w": jnp.asarray(rng.standard_normal(SHAPE), jnp.float32)}
+
+    @jax.jit
+    def step(weight, state):
+        loss, slope = jax.value_and_grad(lambda w: jnp.sum((left @ w["w"] @ right) ** 2))(weight)
+        update, state = rule.update(slope, state, weight)
+        return optax.apply_updates(weight, update), state, loss
+
+    state = rule.init(weight)
+    for _ in range(steps):
+        weight, state, loss = step(weight, state)
+    return float(loss)
+
+
+def test_a_rotated_curvature_is_no_harder_than_one_along_the_axes():
+    rng = np.random.default_rng(0)
+    steep, flat = np.diag(np.logspace(-1.5, 1.5, 12)), np.diag(np.logspace(-0.5, 0.5, 8))
+    rotated = rotation(rng, 12) @ steep @ rotation(rng, 12), rotation(rng, 8) @ flat
+    rate = optax.cosine_decay_schedule(0.02, 400)
+    start_loss = least(soap(rate), *rotated, 1)
+    along = least(optax.adam(rate, b1=0.95, b2=0.99), steep, flat, 400)
+    across = least(optax.adam(rate, b1=0.95, b2=0.99), *rotated, 400)
+    found = least(soap(rate), *rotated, 400)
+    assert found < 1e-4 * start_loss
+    assert found < 0.1 * across  # what Adam makes of the rotated one
+    assert found < 10 * max(along, 1e-6 * start_loss)
+
+
+def test_steps_are_those_of_adam_where_the_gradient_has_one_entry():
+    """A gradient along one axis has that axis as its eigenvector, whatever comes later."""
+    gradient = np.zeros(SHAPE, np.float32)
+    gradient[3, 2] = 0.7
+    rule, adam = (f(optax.constant_schedule(0.1)) for f in (soap, lambda r: optax.adam(r, 0.95)))
+    weight = {"w": jnp.zeros(SHAPE)}
+    state, other = rule.init(weight), adam.init(weight)
+    for size in (1.0, 1.0, 1.0):
+        slope = {"w": jnp.asarray(size * gradient)}
+        update, state = rule.update(slope, state)
+        expected, other = adam.update(slope, other)
+        np.testing.assert_allclose(update["w"], expected["w"], atol=1e-5)
+
+
+@pytest.mark.parametrize("rule", ["muon", "soap"])
+def test_both_rules_take_matrices_and_biases(rule):
+    schedule = Schedule(
+        400, 10, 3e-2, average=0.9, steps_per_call=50, checkpoint_every=50, rule=rule
+    )
+    rng = np.random.default_rng(2)
+    x = jnp.asarray(rng.standard_normal((64, 5)), jnp.float32)
+    target = x @ jnp.asarray(rng.standard_normal((5, 3)), jnp.float32) + 1.5
+
+    def loss(params, _):
+        error = jnp.mean((x @ params["weight"] + params["bias"] - target) ** 2)
+        return error, {"loss": error}
+
+    zeros = {"weight": np.zeros((5, 3), np.float32), "bias": np.zeros(3, np.float32)}
+    state = start(zeros, schedule)
+    steps, losses = compile_steps(loss, schedule), []
+    for first in range(0, schedule.steps, 50):
+        state, terms = steps(state, np.arange(first, first + 50, dtype=np.uint32))
+        losses.append(float(terms["loss"]))
+    assert losses[-1] < 0.02 * losses[0]
