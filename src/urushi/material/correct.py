@@ -10,10 +10,13 @@ import numpy as np
 from urushi.material.cores import one_thread
 from urushi.material.refine import huber, probe_features
 from urushi.material.starts import UNSEEN
-from urushi.nets.networks import Networks
+from urushi.nets.networks import Networks, OnePass
 
 #: Steps, and their damping relative to the mean curvature (Marquardt 1963).
 STEPS, DAMPING = 2, 1e-3
+
+#: Every how manieth probe pair the steps look at; all of them judge the result.
+STRIDE = 2
 
 
 def corrected(networks: Networks, z: np.ndarray, f: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -34,19 +37,37 @@ def corrected(networks: Networks, z: np.ndarray, f: np.ndarray) -> tuple[np.ndar
         return z, np.full(len(z), np.inf)
     features = probe_features(decoder)
     logs = np.log(f + UNSEEN)
-    least = np.full(len(z), np.inf)
-    tried, best, excess = z, z, np.ones(len(z))
+
+    def errors(codes: np.ndarray, rows: np.ndarray) -> np.ndarray:
+        return np.log(decoder.decode(codes[:, None], features) + UNSEEN) - logs[rows]
+
+    rows = np.arange(len(z))
     with one_thread():
-        for step in range(STEPS):
-            log_f, slopes = decoder.decode_log(tried[:, None], features)
-            f_hat = np.exp(log_f)
-            error = np.log(f_hat + UNSEEN) - logs
-            if step == 0:
-                excess = np.exp(error.max(axis=-1))
-            best, least = _better(best, least, tried, error)
-            tried = _step(tried, error, slopes * (f_hat / (f_hat + UNSEEN))[..., None])
-        error = np.log(decoder.decode(tried[:, None], features) + UNSEEN) - logs
-    return _better(best, least, tried, error)[0], excess
+        before = errors(z, rows)
+        steps = _steps(decoder, z, features[::STRIDE], logs[:, ::STRIDE])
+        best, least = np.array(z), huber(before)[0].sum(axis=-1)
+        for tried in reversed(steps):  # the last one is hardly ever worse than what was encoded
+            loss = huber(errors(tried[rows], rows))[0].sum(axis=-1)
+            better = loss < least[rows]  # false for NaN
+            best[rows[better]] = tried[rows[better]]
+            rows = rows[~better]
+            if not len(rows):
+                break
+    return best, np.exp(before.max(axis=-1))
+
+
+def _steps(
+    decoder: OnePass, z: np.ndarray, features: np.ndarray, logs: np.ndarray
+) -> list[np.ndarray]:
+    """Codes (C, L) after each step towards logarithms (C, P), at pairs of features (P, 8)."""
+    found = []
+    for _ in range(STEPS):
+        log_f, slopes = decoder.decode_log(z[:, None], features)
+        f_hat = np.exp(log_f)
+        error = np.log(f_hat + UNSEEN) - logs
+        z = _step(z, error, slopes * (f_hat / (f_hat + UNSEEN))[..., None])
+        found.append(z)
+    return found
 
 
 def _step(z: np.ndarray, error: np.ndarray, slopes: np.ndarray) -> np.ndarray:
@@ -58,12 +79,3 @@ def _step(z: np.ndarray, error: np.ndarray, slopes: np.ndarray) -> np.ndarray:
     curvature += (DAMPING * mean + 1e-12)[:, None, None] * np.eye(z.shape[-1])
     step = np.linalg.solve(curvature, (weighted @ error[..., None]).astype(np.float64))
     return (z - step[..., 0]).astype(np.float32)
-
-
-def _better(
-    best: np.ndarray, least: np.ndarray, tried: np.ndarray, error: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """The better of two sets of codes (C, L), one by one, and their losses (C,)."""
-    loss = huber(error)[0].sum(axis=-1)
-    better = loss < least  # false for NaN
-    return np.where(better[:, None], tried, best), np.where(better, loss, least)

@@ -1,5 +1,6 @@
 """The activations of hidden layers, and their derivatives."""
 
+from collections.abc import Sequence
 from typing import Any
 
 #: Activations x (1/2 + t q(t^2)), t being x held within plus and minus the first number; the others
@@ -38,14 +39,21 @@ def with_slope(x: Any, activation: str) -> tuple[Any, Any]:
     if activation in POLYNOMIALS:
         bound, coefficients = POLYNOMIALS[activation]
         t = xp.clip(x, -bound, bound)
-        *others, second, first = coefficients
         u = t * t
-        q, dq = second + u * first, first
-        for coefficient in reversed(others):
-            q, dq = coefficient + u * q, q + u * dq
-        tq = t * q
-        return x * (0.5 + tq), 0.5 + 2.0 * tq + 2.0 * t * u * dq
+        logistic = 0.5 + t * _horner(coefficients, u)
+        # Beyond the bound t stands still, but there the polynomial's own slope is 0 as well.
+        slopes = [(2 * k + 1) * coefficient for k, coefficient in enumerate(coefficients)]
+        return x * logistic, logistic + t * _horner(slopes, u)
     if activation == "relu":
         return xp.maximum(x, 0.0), xp.astype(x > 0.0, x.dtype)
     logistic = 0.5 + 0.5 * xp.tanh(0.5 * x)
     return x * logistic, logistic * (1.0 + x * (1.0 - logistic))
+
+
+def _horner(coefficients: Sequence[float], u: Any) -> Any:
+    """The polynomial of u with these coefficients, at least two, lowest power first."""
+    *others, second, first = coefficients
+    total = second + u * first
+    for coefficient in reversed(others):
+        total = coefficient + u * total
+    return total

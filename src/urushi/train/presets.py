@@ -139,10 +139,10 @@ def base() -> Preset:
     """The shipped default: the whole domain.
 
     Command: `urushi train --preset base`
-    Time: 112 minutes on two cores that did other work as well (data 34, networks and proposal 78);
-        alone they make 44 steps a second, 57 minutes for all.
-    Expected of `urushi eval`: Table 2 stacks of two interfaces E mean 0.6 %, P median 0.5 %; the
-        extended domain E mean 0.9 %, six interfaces 1.2 %.
+    Time: 124 minutes on two cores that did other work as well (data 34, networks 78, the other
+        stages 12); alone they make 44 steps of the first stage a second, 56 minutes for all.
+    Expected of `urushi eval`: Table 2 stacks of two interfaces E mean 0.5 %, P median 0.4 %; the
+        extended domain E mean 0.8 %, six interfaces 1.0 %.
     """
     return Preset(
         name="base",
