@@ -98,7 +98,9 @@ def test_one_factor_for_all_directions(gaining, directions):
     """So that reciprocity is untouched: the same bits with wi and wo exchanged."""
     source = urushi.conductor(0.2, (0.98, 0.77, 0.34))
     codes = encoded(gaining, read(source, *gaining.networks.pairs()).values.T)
-    limited = Material(encode(source, gaining).anchors, gaining)  # what the encoder made
+    nodes = energy.rule()
+    own = nodes.albedo(read(source, nodes.wi, nodes.wo).values.T)
+    limited = Material(energy.limit(gaining, codes, energy.ceiling(own)), gaining)
     wi, wo = directions[:500], directions[500:]
     above = (wi[:, 2] > 0) & (wo[:, 2] > 0)
     ratio = limited.f(wi, wo)[above] / Material(codes, gaining).f(wi, wo)[above]

@@ -235,9 +235,9 @@ def tan2_h(wi, wo):
 @pytest.mark.parametrize(
     "source",
     [
-        lambda wi, wo: 0.7 * np.exp(-10 * tan2_h(wi, wo)) + 2e-4,
         lambda wi, wo: np.where(tan2_h(wi, wo) < 0.1, 0.5, 0.02),
-        lambda wi, wo: 0.05 + 0.5 * np.maximum(np.sum(wi * wo, axis=1), 0) ** 8,
+        lambda wi, wo: np.where(tan2_h(wi, wo) < 0.03, 1.5, 0.02),
+        lambda wi, wo: 0.05 + np.maximum(np.sum(wi * wo, axis=1), 0) ** 20,
     ],
 )
 def test_no_angle_is_much_too_bright_when_the_limit_comes(source, trained):

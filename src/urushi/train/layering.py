@@ -1,6 +1,6 @@
 """The layering stage: the layerer alone, wider, on quadratic forms about what it makes so far."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -9,12 +9,7 @@ import numpy as np
 from urushi.nets.architecture import Architecture, Params
 from urushi.train.forms import Forms, risen
 from urushi.train.losses import apply
-from urushi.train.monotony import rises
 from urushi.train.order import Order
-
-#: How many stacks of one coat take part in the penalty for rising with absorption, and every how
-#: manieth of the probe pairs; its weight, that of `losses.joint_loss`.
-RISE_STACKS, RISE_PAIRS, RISE = 32, 4, 0.5
 
 #: What a stack counts whose uppermost coat lies over a code that was decoded and encoded again,
 #: as against the same stack layered coat after coat.
@@ -84,15 +79,12 @@ class LayeringBatches:
 
 
 def layering_loss(
-    params: Params, arch: Architecture, batch: LayeringBatch, probe_features: Any
+    params: Params, arch: Architecture, batch: LayeringBatch
 ) -> tuple[jax.Array, dict[str, jax.Array]]:
     """By how much the stacks' loss exceeds that of the codes before, and its terms.
 
     - fit: coat after coat over the encoded bottom;
-    - reentry: the uppermost coat over all that is below, decoded and encoded again;
-    - rise: as in `losses.joint_loss`, of some stacks of one coat.
-
-    params: those of layerer and decoder.
+    - reentry: the uppermost coat over all that is below, decoded and encoded again.
     """
     z = apply(params, arch, batch.bottoms, batch.coats)
     fit = risen(z, batch.z, batch.slope, batch.curvature)
@@ -100,9 +92,5 @@ def layering_loss(
     again = apply(params, arch, batch.below, (batch.top,))
     reentry = risen(again, batch.z[some], batch.slope[some], batch.curvature[some])
     count = len(fit) + REENTRY * len(reentry)
-    plain = slice(-RISE_STACKS, None)
-    pairs = probe_features[None, ::RISE_PAIRS]
-    rise = jnp.mean(rises(params, arch, batch.bottoms[plain], batch.coats[0][plain], pairs))
-    loss = (jnp.sum(fit) + REENTRY * jnp.sum(reentry)) / count + RISE * rise
-    terms = {"fit": jnp.mean(fit), "reentry": jnp.sum(reentry) / count, "rise": rise}
-    return loss, {"loss": loss, **terms}
+    loss = (jnp.sum(fit) + REENTRY * jnp.sum(reentry)) / count
+    return loss, {"loss": loss, "fit": jnp.mean(fit), "reentry": jnp.sum(reentry) / count}

@@ -72,11 +72,8 @@ def layering_stage(preset: Preset, depths: list[Depth], params: Params) -> Learn
         forms.append(measure(params, preset.first_arch, depth.first()))
         depth.forget()
 
-    features = jnp.asarray(direction_features(*probe_pairs(preset.arch.probes)))
-    decoder = {name: value for name, value in params.items() if _of(name) == "decoder"}
-
     def loss(trained: Params, batch: Any) -> tuple[jax.Array, dict[str, jax.Array]]:
-        return layering_loss({**decoder, **trained}, preset.arch, batch, features)
+        return layering_loss(trained, preset.arch, batch)
 
     shared = devices.find(sum(stacks))
     batches = LayeringBatches(forms, stacks, preset.seed)
