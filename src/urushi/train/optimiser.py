@@ -13,6 +13,16 @@ from urushi.train.precision import lowered
 from urushi.train.presets import Schedule
 from urushi.train.soap import MEAN, SQUARES, soap
 
+#: Muon's iterations, each a polynomial a x + b x^3 + c x^5 of the singular values: they bring
+#: everything in [0.005, 1] to within a twelfth of 1, each the best for where the one before has
+#: led (Amsel et al. 2025). Four do what five of Jordan's do, and they are half of a step's cost.
+ITERATIONS = (
+    (8.2987, -24.4305, 18.0903),
+    (3.9152, -2.9211, 0.5592),
+    (3.1746, -2.3804, 0.4978),
+    (2.1895, -1.5672, 0.4079),
+)
+
 #: A pytree of arrays, here always a flat dict of parameters.
 Tree = Any
 
@@ -32,8 +42,8 @@ Steps = Callable[[State, Any], tuple[State, dict[str, jax.Array]]]
 def optimiser(schedule: Schedule) -> optax.GradientTransformation:
     """The schedule's rule for the weight matrices, Adam (Kingma & Ba 2015) for the biases.
 
-    "muon" (Jordan et al. 2024) makes each matrix's step orthogonal. At these widths that costs a
-    tenth of the gradient, and it reaches the same error in less than half of Adam's steps. "soap"
+    "muon" (Jordan et al. 2024) makes each matrix's step orthogonal. That costs up to as much as the
+    gradient, and it reaches the same error in less than half of Adam's steps. "soap"
     knows the curvature's main directions: close to a minimum it goes on where Muon's steps, as
     long whatever the gradient, only lift the error.
     """
@@ -41,7 +51,7 @@ def optimiser(schedule: Schedule) -> optax.GradientTransformation:
         0.0, schedule.learning_rate, schedule.warmup, schedule.steps
     )
     if schedule.rule == "muon":
-        rule = optax.contrib.muon(rate, adam_b2=0.99)
+        rule = optax.contrib.muon(rate, ITERATIONS, len(ITERATIONS), adam_b2=0.99)
     else:
         adam = optax.adam(rate, b1=MEAN, b2=SQUARES)
         rule = optax.partition(
