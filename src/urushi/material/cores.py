@@ -16,7 +16,7 @@ from urushi.processors import available
 
 #: Rows at once on each core: their activations about fill its own cache, and the matrices are
 #: large enough for full speed.
-ROWS = 1 << 11
+ROWS = 1 << 10
 
 #: Rows at once where one thread evaluates and NumPy's BLAS has threads of its own.
 ROWS_ALONE = 1 << 15

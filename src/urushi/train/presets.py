@@ -162,13 +162,12 @@ def base() -> Preset:
 def small() -> Preset:
     """A decoder of 2,465 parameters and codes of 18 numbers, for rendering at the least cost.
 
-    Its decoder has no room for measured-like BRDFs, which its data leave out. The shipped weights
-    were trained before the penalty for rising with absorption came into the loss.
+    Its decoder has no room for measured-like BRDFs, which its data leave out.
 
     Command: `urushi train --preset small`
-    Time: 37 minutes on two cores (data 18, networks and proposal 19).
-    Expected of `urushi eval`: Table 2 stacks of two interfaces E mean 1.0 %, P median 0.7 %; the
-        extended domain E mean 1.6 %, six interfaces 1.9 %.
+    Time: 55 minutes on two cores that did other work as well (data 29, networks 18, the others 8).
+    Expected of `urushi eval`: Table 2 stacks of two interfaces E mean 0.9 %, P median 0.7 %; the
+        extended domain E mean 1.4 %, six interfaces 1.6 %.
     """
     return replace(
         base(),
