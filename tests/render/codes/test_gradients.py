@@ -253,7 +253,7 @@ def test_pictures_are_the_same_bits_before_and_after(rgb, textured):
 
 
 def test_descent_finds_a_coat(rgb):
-    """From a wrong albedo and a wrong optical depth most of the error goes in a dozen steps."""
+    """From a wrong albedo and a wrong optical depth most of the error goes in sixteen steps."""
     scene = load(rgb, coat(rgb))
     target = rgb.render(scene, spp=16, seed=100)
     parameters = rgb.traverse(scene)
@@ -263,7 +263,7 @@ def test_descent_finds_a_coat(rgb):
         parameters[key] = rgb.Color3f(0.5)
         optimiser[key] = parameters[key]
     losses = []
-    for step in range(12):
+    for step in range(16):
         parameters.update(optimiser)
         image = rgb.render(scene, parameters, spp=8, seed=step)
         loss = dr.mean(dr.square(image - target), axis=None)
