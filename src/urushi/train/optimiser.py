@@ -43,9 +43,9 @@ def optimiser(schedule: Schedule) -> optax.GradientTransformation:
     """The schedule's rule for the weight matrices, Adam (Kingma & Ba 2015) for the biases.
 
     "muon" (Jordan et al. 2024) makes each matrix's step orthogonal. That costs up to as much as the
-    gradient, and it reaches the same error in less than half of Adam's steps. "soap"
-    knows the curvature's main directions: close to a minimum it goes on where Muon's steps, as
-    long whatever the gradient, only lift the error.
+    gradient, and it reaches the same error in less than half of Adam's steps. "soap" knows the
+    curvature's main directions: close to a minimum it goes on where Muon's steps, as long whatever
+    the gradient, only lift the error.
     """
     rate = optax.warmup_cosine_decay_schedule(
         0.0, schedule.learning_rate, schedule.warmup, schedule.steps
