@@ -15,8 +15,8 @@ from urushi.nets.networks import Networks, OnePass
 #: Steps, and their damping relative to the mean curvature (Marquardt 1963).
 STEPS, DAMPING = 2, 1e-3
 
-#: Every how manieth probe pair the steps look at; all of them judge the result.
-STRIDE = 2
+#: The probe pairs that the steps look at, and the others; all of them judge the result.
+SEEN, OTHERS = slice(0, None, 2), slice(1, None, 2)
 
 
 def corrected(networks: Networks, z: np.ndarray, f: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -38,13 +38,14 @@ def corrected(networks: Networks, z: np.ndarray, f: np.ndarray) -> tuple[np.ndar
     features = probe_features(decoder)
     logs = np.log(f + UNSEEN)
 
-    def errors(codes: np.ndarray, rows: np.ndarray) -> np.ndarray:
-        return np.log(decoder.decode(codes[:, None], features) + UNSEEN) - logs[rows]
+    def errors(codes: np.ndarray, rows: np.ndarray, pairs: slice = slice(None)) -> np.ndarray:
+        f_hat = decoder.decode(codes[:, None], features[pairs])
+        return np.log(f_hat + UNSEEN) - logs[rows, pairs]
 
     rows = np.arange(len(z))
     with one_thread():
-        before = errors(z, rows)
-        steps = _steps(decoder, z, features[::STRIDE], logs[:, ::STRIDE])
+        steps, known = _steps(decoder, z, features[SEEN], logs[:, SEEN])
+        before = np.concatenate([known, errors(z, rows, OTHERS)], axis=-1)
         best, least = np.array(z), huber(before)[0].sum(axis=-1)
         for tried in reversed(steps):  # the last one is hardly ever worse than what was encoded
             loss = huber(errors(tried[rows], rows))[0].sum(axis=-1)
@@ -58,16 +59,19 @@ def corrected(networks: Networks, z: np.ndarray, f: np.ndarray) -> tuple[np.ndar
 
 def _steps(
     decoder: OnePass, z: np.ndarray, features: np.ndarray, logs: np.ndarray
-) -> list[np.ndarray]:
-    """Codes (C, L) after each step towards logarithms (C, P), at pairs of features (P, 8)."""
-    found = []
+) -> tuple[list[np.ndarray], np.ndarray]:
+    """Codes (C, L) after each step towards logarithms (C, P), at pairs of features (P, 8).
+
+    And the errors (C, P) before the first one.
+    """
+    codes, errors = [z], []
     for _ in range(STEPS):
-        log_f, slopes = decoder.decode_log(z[:, None], features)
+        log_f, slopes = decoder.decode_log(codes[-1][:, None], features)
         f_hat = np.exp(log_f)
-        error = np.log(f_hat + UNSEEN) - logs
-        z = _step(z, error, slopes * (f_hat / (f_hat + UNSEEN))[..., None])
-        found.append(z)
-    return found
+        errors.append(np.log(f_hat + UNSEEN) - logs)
+        slopes *= (f_hat / (f_hat + UNSEEN))[..., None]
+        codes.append(_step(codes[-1], errors[-1], slopes))
+    return codes[1:], errors[0]
 
 
 def _step(z: np.ndarray, error: np.ndarray, slopes: np.ndarray) -> np.ndarray:

@@ -22,11 +22,16 @@ def activate(x: Any, activation: str) -> Any:
     if activation in POLYNOMIALS:
         bound, coefficients = POLYNOMIALS[activation]
         t = xp.clip(x, -bound, bound)
-        *others, second, first = coefficients
-        q = second + first * t * t
+        *others, first = coefficients
+        # In place where arrays can be changed, and without t^2: memory counts more than a product.
+        q = t * first
         for coefficient in reversed(others):
-            q = coefficient + q * t * t  # t^2 is not kept: memory counts more than a product
-        return x * (0.5 + t * q)
+            q *= t
+            q += coefficient
+            q *= t
+        q += 0.5
+        q *= x
+        return q
     if activation == "relu":
         return xp.maximum(x, 0.0)
     half = 0.5 * x

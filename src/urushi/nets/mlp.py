@@ -16,7 +16,9 @@ def mlp(params: Params, prefix: str, x: Any, activation: str) -> Any:
 
 def linear(params: Params, name: str, x: Any) -> Any:
     """Return x (..., in) times the layer's weight (in, out) plus its bias."""
-    return product(x, params[f"{name}.weight"]) + params[f"{name}.bias"]
+    result = product(x, params[f"{name}.weight"])
+    result += params[f"{name}.bias"]  # in place where arrays can be changed
+    return result
 
 
 def split_linear(params: Params, name: str, x: Any, y: Any) -> Any:
