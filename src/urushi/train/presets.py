@@ -8,7 +8,7 @@ from urushi.data.distribution import Extended, Table2
 from urushi.data.spec import DataSpec, Part
 from urushi.errors import ParameterError
 from urushi.nets.architecture import Architecture
-from urushi.train.datasets import validation, whole_domain
+from urushi.train.datasets import more_coats, validation, whole_domain
 from urushi.train.paper.preset import PaperPreset, paper
 
 #: What a schedule's precision and rule may be.
@@ -139,23 +139,22 @@ def base() -> Preset:
     """The shipped default: the whole domain.
 
     Command: `urushi train --preset base`
-    Time: 124 minutes on two cores that did other work as well (data 34, networks 78, the other
-        stages 12); alone they make 44 steps of the first stage a second, 56 minutes for all.
+    Time: 72 minutes on two cores (data 29, networks 32, the other stages 11).
     Expected of `urushi eval`: Table 2 stacks of two interfaces E mean 0.5 %, P median 0.4 %; the
-        extended domain E mean 0.8 %, six interfaces 1.0 %.
+        extended domain E mean 0.75 %, six interfaces 0.9 %.
     """
     return Preset(
         name="base",
-        data=whole_domain(),
-        networks=Schedule(steps=147_456, warmup=256, learning_rate=0.01, clip=0.1),
+        data=more_coats(),
+        networks=Schedule(steps=98_304, warmup=256, learning_rate=0.01, clip=0.1),
         layering=Layering(
-            _soap(12_288, learning_rate=0.002), (512, 128, 48, 40, 40), before=(256, 256, 256)
+            _soap(16_384, learning_rate=0.002), (512, 128, 48, 40, 40), before=(256, 256, 256)
         ),
         decoding=_soap(10_240, learning_rate=0.002),
         proposal=Schedule(steps=8_000, warmup=200, learning_rate=0.01, checkpoint_every=4_000),
         stacks=(64, 136, 40, 10, 7, 7),
         memory=1 << 28,
-        arch=Architecture(decoder=(60, 60, 60), layerer=(320, 320, 320)),
+        arch=Architecture(decoder=(60, 60, 60), layerer=(288, 288, 288)),
     )
 
 
@@ -175,6 +174,7 @@ def small() -> Preset:
         data=whole_domain(measured_like=False),
         stacks=(48, 128, 40, 10, 7, 7),
         networks=Schedule(steps=73_728, warmup=256, learning_rate=0.017, clip=0.3),
+        layering=replace(base().layering, schedule=_soap(12_288, learning_rate=0.002)),
         pairs=128,
         arch=Architecture(latent=18, decoder=(32, 32), layerer=(320, 320, 320), activation="silu7"),
     )
