@@ -51,7 +51,7 @@ def more_coats() -> DataSpec:
     What the layerer errs by in its own stage is mostly these walks' noise. And more Lambertians:
     a few percent too much at grazing angles, and the limit of energy darkens white ones.
     """
-    counts = _counts(80, 38, 27, 22, 38, 60) | {"measured_like": 40 * 1024}
+    counts = {**_counts(80, 38, 27, 22, 38, 60), "measured_like": 40 * 1024}
     spec = whole_domain()
     more = _parts("more-", counts, coats=1, pairs=64, walks=256)
     matt = Part("more-bare-diffuse", Extended(0, "diffuse"), 14 * 1024, 256, 1)
