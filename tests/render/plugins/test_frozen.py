@@ -12,6 +12,16 @@ from urushi.material import Material
 COAT = {"alpha": 0.2, "int_ior": 1.4, "albedo": 0.7, "sigma_t": 0.8, "g": 0.3}
 
 
+@pytest.fixture(autouse=True)
+def no_garbage():
+    """What other tests left in cycles must not be freed while a function is recorded: Dr.Jit, which
+    cannot record that, ends the process."""
+    gc.collect()
+    gc.disable()
+    yield
+    gc.enable()
+
+
 def coat(mi, name: str, networks, textured: bool) -> dict:
     pixels = np.random.default_rng(0).uniform(0.3, 0.8, (4, 4, 3)).astype(np.float32)
     albedo = {"type": "bitmap", "bitmap": mi.Bitmap(pixels), "raw": True} if textured else 0.7
@@ -143,17 +153,13 @@ def test_updates_inside_are_refused(rgb, networks, model, tmp_path, name):
 def test_a_scene_leaves_nothing_behind(rgb, networks, textured):
     """What only Python's search for cycles frees may be freed while a function is recorded, and
     Dr.Jit cannot record that."""
-    gc.collect()
-    gc.disable()
-    try:
-        bsdf = rgb.load_dict(coat(rgb, "neural_layered", networks, textured))
-        loaded = scene(rgb, bsdf)
-        picture(rgb, loaded, 0).numpy()
-        codes = weakref.ref(bsdf.latents)
-        del bsdf, loaded
-        assert codes() is None
-    finally:
-        gc.enable()
+    assert not gc.isenabled()
+    bsdf = rgb.load_dict(coat(rgb, "neural_layered", networks, textured))
+    loaded = scene(rgb, bsdf)
+    picture(rgb, loaded, 0).numpy()
+    codes = weakref.ref(bsdf.latents)
+    del bsdf, loaded
+    assert codes() is None
 
 
 def test_a_plugin_of_a_scene_that_is_gone(rgb, networks):
