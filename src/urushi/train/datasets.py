@@ -27,7 +27,7 @@ def whole_domain(measured_like: bool = True) -> DataSpec:
     deeper stacks teach the layering network its own outputs. 19,000 layered BRDFs also have their
     own values at the encoder's probe pairs. Bare bottoms are analytic and cost nothing.
 
-    measured_like: whether some bottoms are like measured BRDFs; without them 9.7 G walks remain.
+    measured_like: whether some bottoms are like measured BRDFs; without them 9.5 G walks remain.
     """
     deep = _counts(8, 4, 4, 2, 4, 6)
     layered = (_counts(128, 60, 44, 36, 60, 96), _counts(48, 16, 12, 8, 16, 24), deep, deep, deep)
@@ -45,7 +45,7 @@ def whole_domain(measured_like: bool = True) -> DataSpec:
     return DataSpec(tuple(parts), seed=1, shard=1024)
 
 
-def more_coats() -> DataSpec:
+def enlarged_domain() -> DataSpec:
     """The whole domain and 5.0 G walks more of one coat: 16.0 G, about 30 minutes on two cores.
 
     What the layerer errs by in its own stage is mostly these walks' noise. And more Lambertians:

@@ -8,7 +8,7 @@ from urushi.data.distribution import Extended, Table2
 from urushi.data.spec import DataSpec, Part
 from urushi.errors import ParameterError
 from urushi.nets.architecture import Architecture
-from urushi.train.datasets import more_coats, validation, whole_domain
+from urushi.train.datasets import enlarged_domain, validation, whole_domain
 from urushi.train.paper.preset import PaperPreset, paper
 
 #: What a schedule's precision and rule may be.
@@ -146,7 +146,7 @@ def base() -> Preset:
     """
     return Preset(
         name="base",
-        data=more_coats(),
+        data=enlarged_domain(),
         networks=Schedule(steps=147_456, warmup=256, learning_rate=0.01, clip=0.1),
         layering=Layering(
             _soap(16_384, learning_rate=0.002), (512, 128, 48, 40, 40), before=(256, 256, 256)
