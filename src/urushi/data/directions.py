@@ -82,22 +82,21 @@ def training_pairs(rng: np.random.Generator, n: int) -> Pairs:
     Args:
         n: number of pairs, a multiple of 4.
     """
-    parts = (
-        half_angle_pairs(rng, n // 2, tangents=HALF_ANGLE_RANGE, lowest_cosine=LOWEST_COSINE),
-        cosine_pairs(rng, n // 4, lowest_cosine=LOWEST_COSINE),
-        uniform_pairs(rng, n // 4, lowest_cosine=LOWEST_COSINE),
-    )
-    wi, wo = np.empty((n, 3), np.float32), np.empty((n, 3), np.float32)
-    for (part_wi, part_wo), where in zip(
-        parts, (slice(0, None, 2), slice(1, None, 4), slice(3, None, 4)), strict=True
-    ):
-        wi[where], wo[where] = part_wi, part_wo
-    return wi, wo
+    return _interleaved(rng, n, uniform_pairs)
+
+
+def grazing_pairs(rng: np.random.Generator, n: int) -> Pairs:
+    """As `training_pairs`, but wi of the last quarter has a log-uniform cosine: most of it grazing.
+
+    The other direction has cosine density, so that together they tell the albedo of every wi.
+    """
+    return _interleaved(rng, n, _one_grazing)
 
 
 #: The sets by the name that a data specification uses.
 SETS: dict[str, Callable[[np.random.Generator, int], Pairs]] = {
     "training": training_pairs,
+    "grazing": grazing_pairs,
     "cosine": cosine_pairs,
     "half_angle": half_angle_pairs,
 }
@@ -146,6 +145,33 @@ def draw(name: str, rng: np.random.Generator, stacks: int, pairs: int) -> Pairs:
         return SETS[name](rng, stacks * pairs)
     parts = [WHOLE[name](rng, pairs) for _ in range(stacks)]
     return np.concatenate([wi for wi, _ in parts]), np.concatenate([wo for _, wo in parts])
+
+
+def _interleaved(rng: np.random.Generator, n: int, last: Callable[..., Pairs]) -> Pairs:
+    """n pairs: spread in log half angle, cosine, spread in log half angle, `last`, and so on."""
+    parts = (
+        half_angle_pairs(rng, n // 2, tangents=HALF_ANGLE_RANGE, lowest_cosine=LOWEST_COSINE),
+        cosine_pairs(rng, n // 4, lowest_cosine=LOWEST_COSINE),
+        last(rng, n // 4, lowest_cosine=LOWEST_COSINE),
+    )
+    wi, wo = np.empty((n, 3), np.float32), np.empty((n, 3), np.float32)
+    for (part_wi, part_wo), where in zip(
+        parts, (slice(0, None, 2), slice(1, None, 4), slice(3, None, 4)), strict=True
+    ):
+        wi[where], wo[where] = part_wi, part_wo
+    return wi, wo
+
+
+def _one_grazing(rng: np.random.Generator, n: int, *, lowest_cosine: float) -> Pairs:
+    """ln cos(theta_i) uniform between `lowest_cosine` and 1, wo of cosine density."""
+    return _accepted(
+        lambda count: (
+            _direction(lowest_cosine ** rng.random(count), rng.random(count)),
+            _direction(np.sqrt(rng.random(count)), rng.random(count)),
+        ),
+        n,
+        lowest_cosine,
+    )
 
 
 def _accepted(draw: Callable[[int], Pairs], n: int, lowest_cosine: float) -> Pairs:

@@ -48,13 +48,14 @@ def whole_domain(measured_like: bool = True) -> DataSpec:
 def enlarged_domain() -> DataSpec:
     """The whole domain and 5.0 G walks more of one coat: 16.0 G, about 30 minutes on two cores.
 
-    What the layerer errs by in its own stage is mostly these walks' noise. And more Lambertians:
-    a few percent too much at grazing angles, and the limit of energy darkens white ones.
+    What the layerer errs by in its own stage is mostly these walks' noise. And more Lambertians,
+    above all at grazing angles: a few percent too much there, and the limit of energy darkens white
+    ones at all angles.
     """
     counts = {**_counts(80, 38, 27, 22, 38, 60), "measured_like": 40 * 1024}
     spec = whole_domain()
     more = _parts("more-", counts, coats=1, pairs=64, walks=256)
-    matt = Part("more-bare-diffuse", Extended(0, "diffuse"), 14 * 1024, 256, 1)
+    matt = Part("more-bare-diffuse", Extended(0, "diffuse"), 14 * 1024, 256, 1, "grazing")
     return replace(spec, parts=(*spec.parts, *more, matt))
 
 

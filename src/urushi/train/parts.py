@@ -9,7 +9,7 @@ from urushi.nets.probes import PROBES, probe_pairs
 from urushi.reference import evaluate
 
 #: The direction sets of parts to train on.
-TRAINING = ("training", "probed")
+TRAINING = ("training", "grazing", "probed")
 
 
 def depth(part: Part) -> int:

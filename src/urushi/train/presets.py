@@ -78,7 +78,7 @@ class Preset:
 
     Attributes:
         name: what `--preset` calls it.
-        data: what is generated; parts with other directions than "training" validate.
+        data: what is generated; parts with other directions than `parts.TRAINING` validate.
         networks: schedule of encoder, layerer and decoder, trained together.
         layering: the stage that then trains the layerer alone.
         decoding: schedule of the decoder alone, on the codes of the others.
@@ -147,7 +147,7 @@ def base() -> Preset:
     return Preset(
         name="base",
         data=enlarged_domain(),
-        networks=Schedule(steps=147_456, warmup=256, learning_rate=0.01, clip=0.1),
+        networks=Schedule(steps=122_880, warmup=256, learning_rate=0.01, clip=0.1),
         layering=Layering(
             _soap(16_384, learning_rate=0.002), (512, 128, 48, 40, 40), before=(256, 256, 256)
         ),
