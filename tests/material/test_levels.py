@@ -57,8 +57,8 @@ def test_levels_are_the_averages_of_brdfs(trained, monkeypatch, sample):
             for z in (level, plain)
         )
         # An average of unlike lobes is no BRDF that the networks were trained for.
-        assert found < 0.06
-        assert found < 0.5 * naive
+        assert found < 0.02
+        assert found < 0.15 * naive
 
 
 def test_a_regression_tells_what_decoding_does(trained, monkeypatch):
@@ -83,8 +83,8 @@ def test_every_level_keeps_the_light(trained):
         return energy.albedo(trained, z.reshape(-1, z.shape[-1])) @ (weights / weights.sum())
 
     whole = light(codes).reshape(64, 3).mean(axis=0)
-    # Averages of unlike lobes are like no BRDF of the training data: a few percent of E.
-    np.testing.assert_allclose(light(made(trained, codes)[-1]), whole, rtol=0.025)
+    # An average of unlike lobes is like no BRDF of the training data: a percent of E.
+    np.testing.assert_allclose(light(made(trained, codes)[-1]), whole, rtol=0.01)
     assert (light(codes.mean(axis=(0, 1))) < 0.97 * whole).all()  # codes' averages lose more
 
 

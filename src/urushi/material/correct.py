@@ -35,6 +35,14 @@ def corrected(networks: Networks, z: np.ndarray, f: np.ndarray) -> tuple[np.ndar
     decoder = networks.one_pass
     if decoder is None:
         return z, np.full(len(z), np.inf)
+    with one_thread():
+        return closer(decoder, z, f, DAMPING)
+
+
+def closer(
+    decoder: OnePass, z: np.ndarray, f: np.ndarray, damping: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """`corrected` codes z (C, L), on this thread: damping as above."""
     features = probe_features(decoder)
     logs = np.log(f + UNSEEN)
 
@@ -43,22 +51,21 @@ def corrected(networks: Networks, z: np.ndarray, f: np.ndarray) -> tuple[np.ndar
         return np.log(f_hat + UNSEEN) - logs[rows, pairs]
 
     rows = np.arange(len(z))
-    with one_thread():
-        steps, known = _steps(decoder, z, features[SEEN], logs[:, SEEN])
-        before = np.concatenate([known, errors(z, rows, OTHERS)], axis=-1)
-        best, least = np.array(z), huber(before)[0].sum(axis=-1)
-        for tried in reversed(steps):  # the last one is hardly ever worse than what was encoded
-            loss = huber(errors(tried[rows], rows))[0].sum(axis=-1)
-            better = loss < least[rows]  # false for NaN
-            best[rows[better]] = tried[rows[better]]
-            rows = rows[~better]
-            if not len(rows):
-                break
+    steps, known = _steps(decoder, z, features[SEEN], logs[:, SEEN], damping)
+    before = np.concatenate([known, errors(z, rows, OTHERS)], axis=-1)
+    best, least = np.array(z), huber(before)[0].sum(axis=-1)
+    for tried in reversed(steps):  # the last one is hardly ever worse than what was encoded
+        loss = huber(errors(tried[rows], rows))[0].sum(axis=-1)
+        better = loss < least[rows]  # false for NaN
+        best[rows[better]] = tried[rows[better]]
+        rows = rows[~better]
+        if not len(rows):
+            break
     return best, np.exp(before.max(axis=-1))
 
 
 def _steps(
-    decoder: OnePass, z: np.ndarray, features: np.ndarray, logs: np.ndarray
+    decoder: OnePass, z: np.ndarray, features: np.ndarray, logs: np.ndarray, damping: float
 ) -> tuple[list[np.ndarray], np.ndarray]:
     """Codes (C, L) after each step towards logarithms (C, P), at pairs of features (P, 8).
 
@@ -70,16 +77,16 @@ def _steps(
         f_hat = np.exp(log_f)
         errors.append(np.log(f_hat + UNSEEN) - logs)
         slopes *= (f_hat / (f_hat + UNSEEN))[..., None]
-        codes.append(_step(codes[-1], errors[-1], slopes))
+        codes.append(_step(codes[-1], errors[-1], slopes, damping))
     return codes[1:], errors[0]
 
 
-def _step(z: np.ndarray, error: np.ndarray, slopes: np.ndarray) -> np.ndarray:
+def _step(z: np.ndarray, error: np.ndarray, slopes: np.ndarray, damping: float) -> np.ndarray:
     """Codes (C, L) one step from z, by errors (C, P) and their derivatives (C, P, L)."""
     _, far = huber(error)
     weighted = np.swapaxes(slopes / far[..., None], -1, -2)
     curvature = (weighted @ slopes).astype(np.float64)
     mean = np.trace(curvature, axis1=-2, axis2=-1) / z.shape[-1]
-    curvature += (DAMPING * mean + 1e-12)[:, None, None] * np.eye(z.shape[-1])
+    curvature += (damping * mean + 1e-12)[:, None, None] * np.eye(z.shape[-1])
     step = np.linalg.solve(curvature, (weighted @ error[..., None]).astype(np.float64))
     return (z - step[..., 0]).astype(np.float32)
