@@ -107,3 +107,13 @@ def test_the_script_is_light():
     )
     run = subprocess.run([sys.executable, "-c", code], env=os.environ, capture_output=True)
     assert run.returncode == 0, run.stderr.decode()
+
+
+def test_output_that_nobody_reads_ends_the_command_without_a_word():
+    code = "import sys; from urushi.app.cli import main; sys.exit(main(['doctor']))"
+    process = subprocess.Popen(
+        [sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    process.stdout.close()
+    assert process.stderr.read() == ""
+    assert process.wait(timeout=120) == cli.UNHEARD

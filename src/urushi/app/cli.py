@@ -2,6 +2,7 @@
 
 import functools
 import operator
+import os
 import sys
 from collections.abc import Sequence
 from typing import Annotated, Any
@@ -24,6 +25,7 @@ from urushi.errors import UrushiError
 
 FAILURE = 2
 INTERRUPTED = 130  # 128 + SIGINT, as shells report it
+UNHEARD = 141  # 128 + SIGPIPE
 
 DESCRIPTION = """Layered materials in a neural latent space, for Mitsuba 3.
 
@@ -73,7 +75,7 @@ def main(args: Sequence[str] | None = None) -> int:
     """Run the command that `args` (default: the process's) name; returns the exit code.
 
     0: done; 1: `doctor` found something essential wrong; 2: a user's error, told in one sentence
-    on standard error; 130: interrupted.
+    on standard error; 130: interrupted; 141: who read the output has gone, as `head` does.
     """
     arguments = list(sys.argv[1:] if args is None else args)
     if arguments == ["--version"]:
@@ -81,13 +83,29 @@ def main(args: Sequence[str] | None = None) -> int:
         return 0
     command = parse(arguments)
     try:
-        return command.run()
+        code = command.run()
+        sys.stdout.flush()
+        return code
     except UrushiError as error:
         print(f"urushi: {error}", file=sys.stderr)
         return FAILURE
     except KeyboardInterrupt:
         print("urushi: interrupted; nothing half-written was left behind", file=sys.stderr)
         return INTERRUPTED
+    except BrokenPipeError:
+        if not _unheard():
+            raise
+        return UNHEARD
+
+
+def _unheard() -> bool:
+    """Whether nobody reads standard output; if so, what is left of it goes nowhere."""
+    try:
+        sys.stdout.flush()
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return True
+    return False
 
 
 if __name__ == "__main__":
