@@ -101,7 +101,7 @@ def main(args: Sequence[str] | None = None) -> int:
 def _unheard() -> bool:
     """Whether nobody reads standard output; if so, what is left of it goes nowhere."""
     try:
-        sys.stdout.flush()
+        print(flush=True)
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return True
