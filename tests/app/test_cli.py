@@ -111,9 +111,8 @@ def test_the_script_is_light():
 
 def test_output_that_nobody_reads_ends_the_command_without_a_word():
     code = "import sys; from urushi.app.cli import main; sys.exit(main(['doctor']))"
-    process = subprocess.Popen(
-        [sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    )
-    process.stdout.close()
-    assert process.stderr.read() == ""
-    assert process.wait(timeout=120) == cli.UNHEARD
+    command = [sys.executable, "-c", code]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        process.stdout.close()
+        assert process.stderr.read() == b""
+        assert process.wait(timeout=120) == cli.UNHEARD
