@@ -60,17 +60,18 @@ class Settling(NamedTuple):
         return change + z
 
 
-def settling(
-    z: np.ndarray, rest: np.ndarray, mean: np.ndarray, aim: np.ndarray, rng: np.random.Generator
-) -> Settling:
-    """The regression from averages as for `Settling.__call__` and what `exact` makes of them."""
+def settling(z: np.ndarray, rest: np.ndarray, mean: np.ndarray, aim: np.ndarray) -> Settling:
+    """The regression from averages as for `Settling.__call__` and what `exact` makes of them.
+
+    Its random features' seed is fixed.
+    """
     spread = mean.std(axis=0)
     scale = 1 / (spread + 0.01 * spread.max() + LEAST_SPREAD)
     distance = _distance(z, mean, scale)
     near = NEAR * float(np.median(distance)) + ROUNDING
     share = np.maximum(_share(distance, near), NEAR)
     seen = _seen(z, rest)
-    features = regression.features(seen, FEATURES, LEAST_SPREAD, rng)
+    features = regression.features(seen, FEATURES, LEAST_SPREAD, np.random.default_rng(0))
     coefficients = regression.coefficients(
         features(seen), (aim - z) / share[:, None], RIDGE, weights=share**2
     )

@@ -152,17 +152,32 @@ def of(model: Model, read: Callable[[np.ndarray], np.ndarray], count: int) -> Sp
     with one_thread():
         kept, encode = _fewer(networks, np.concatenate([exact.parts(part)[0] for part in mixed]))
         f, rest, _ = exact.parts(known)
-        features = regression.features(z, FEATURES, LEAST_SPREAD, rng)
-        target = np.concatenate([np.log(f[:, kept]) - z[:, :1], rest], axis=1)
-        coefficients = regression.coefficients(features(z), target, RIDGE)
-    f, rest, mean = exact.parts(np.concatenate([part[:SETTLED] for part in mixed[1:]]))
+        features, coefficients = _told(z, f, rest, kept, rng)
+    settle = _settling(exact, kept, encode, np.concatenate([part[:SETTLED] for part in mixed[1:]]))
+    made = Estimated(exact, kept, encode, settle, features, coefficients, 0.0)
+    with one_thread():
+        return made._replace(error=made.distance(z[:JUDGED]))
+
+
+def _told(
+    z: np.ndarray, f: np.ndarray, rest: np.ndarray, kept: np.ndarray, rng: np.random.Generator
+) -> tuple[Features, np.ndarray]:
+    """Features and coefficients of `Estimated`, from codes (n, size) that were lifted exactly."""
+    features = regression.features(z, FEATURES, LEAST_SPREAD, rng)
+    target = np.concatenate([np.log(f[:, kept]) - z[:, :1], rest], axis=1)
+    return features, regression.coefficients(features(z), target, RIDGE)
+
+
+def _settling(
+    exact: Decoded, kept: np.ndarray, encode: Callable[[np.ndarray], np.ndarray], means: np.ndarray
+) -> Settling:
+    """What the codes of averages (n, P + 2 size) lack, once they are encoded by some pairs."""
+    f, rest, mean = exact.parts(means)
     start = encode(f[:, kept]) + rest
     aim = np.empty_like(start)
-    fill(aim, partial(averages.exact, networks), start, f, rows=DECODED)
+    fill(aim, partial(averages.exact, exact.networks), start, f, rows=DECODED)
     with one_thread():
-        settle = averages.settling(start, rest, mean, aim, rng)
-        made = Estimated(exact, kept, encode, settle, features, coefficients, 0.0)
-        return made._replace(error=made.distance(z[:JUDGED]))
+        return averages.settling(start, rest, mean, aim)
 
 
 def _few(rows: np.ndarray) -> list[slice]:
