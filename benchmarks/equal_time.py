@@ -12,8 +12,9 @@ error is mostly bias; and where the walk overtakes. The aim is 10 at some time. 
 of all threads, without loading and compiling, which is printed apart.
 
 With default sizes it takes about ten minutes on two cores. Pictures much smaller would tell a path
-tracer's fixed costs, about 0.06 s a pass, more than the methods'. The reference is kept in `--folder`; what was stopped resumes. `equal-time.png` there shows
-the errors as they were measured while samples added up, and the lines that follow from the table.
+tracer's fixed costs, about 0.06 s a pass, more than the methods'. The reference is kept in
+`--folder`; what was stopped resumes. `equal-time.png` there shows the errors as they were measured
+while samples added up, and the lines that follow from the table.
 """
 
 import argparse
