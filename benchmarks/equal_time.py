@@ -132,8 +132,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.equal_time", description=__doc__)
     add_arguments(parser)
     parser.add_argument("--spp", type=int, default=1024, help="samples a pixel of the reference")
-    parser.add_argument("--passes", type=int, default=8, help="passes of 16 samples a method")
-    parser.set_defaults(width=640)
+    parser.add_argument("--passes", type=int, default=16, help="passes of 16 samples a method")
     arguments = parser.parse_args()
     mi.set_variant(arguments.mode)
     print(
