@@ -11,8 +11,8 @@ takes for 4, 16, 64 and 256 samples a pixel; from how many of the walk's samples
 error is mostly bias; and where the walk overtakes. The aim is 10 at some time. Times are CPU times
 of all threads, without loading and compiling, which is printed apart.
 
-With default sizes it takes about ten minutes on two cores. Pictures much smaller would tell a path
-tracer's fixed costs, about 0.06 s a pass, more than the methods'. The reference is kept in
+With default sizes it takes some twenty minutes on two cores. Pictures much smaller would tell a
+path tracer's fixed costs, about 0.06 s a pass, more than the methods'. The reference is kept in
 `--folder`; what was stopped resumes. `equal-time.png` there shows the errors as they were measured
 while samples added up, and the lines that follow from the table.
 """
@@ -25,12 +25,12 @@ from typing import Any
 
 import mitsuba as mi
 import numpy as np
-from benchmarks.converged import REFERENCE, Picture, add_arguments, converged, load
+from benchmarks.converged import PASS_SPP, REFERENCE, Picture, add_arguments, converged, load
 
 from urushi.eval import metrics
 
-#: Samples a pixel in one pass, and times at which errors are compared, in samples of the walk.
-PASS_SPP, TIMES = 16, (4, 16, 64, 256)
+#: Times at which errors are compared, in samples of the walk.
+TIMES = (4, 16, 64, 256)
 AIM = 10
 
 
@@ -132,7 +132,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.equal_time", description=__doc__)
     add_arguments(parser)
     parser.add_argument("--spp", type=int, default=1024, help="samples a pixel of the reference")
-    parser.add_argument("--passes", type=int, default=16, help="passes of 16 samples a method")
+    parser.add_argument("--passes", type=int, default=16, help="passes a method")
     arguments = parser.parse_args()
     mi.set_variant(arguments.mode)
     print(

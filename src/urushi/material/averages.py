@@ -22,8 +22,9 @@ DAMPING = 1e-2
 #: spread of a number that means anything.
 FEATURES, RIDGE, LEAST_SPREAD = 128, 1e-3, 1e-4
 
-#: What is closer than this share of the typical distance is hardly an average, and left alone.
-NEAR = 0.05
+#: What is closer than this share of the typical distance is hardly an average, and left alone; and
+#: no change is divided by less when the regression is fitted.
+NEAR, LEAST_SHARE = 0.05, 0.05
 
 #: Averages of codes are known to this, in units of their spread, squared.
 ROUNDING = 1e-6
@@ -69,7 +70,7 @@ def settling(z: np.ndarray, rest: np.ndarray, mean: np.ndarray, aim: np.ndarray)
     scale = 1 / (spread + 0.01 * spread.max() + LEAST_SPREAD)
     distance = _distance(z, mean, scale)
     near = NEAR * float(np.median(distance)) + ROUNDING
-    share = np.maximum(_share(distance, near), NEAR)
+    share = np.maximum(_share(distance, near), LEAST_SHARE)
     seen = _seen(z, rest)
     features = regression.features(seen, FEATURES, LEAST_SPREAD, np.random.default_rng(0))
     coefficients = regression.coefficients(
