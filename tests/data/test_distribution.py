@@ -5,7 +5,7 @@ import pytest
 from scipy import stats
 
 from urushi.data import distribution
-from urushi.data.distribution import Extended, Table2
+from urushi.data.distribution import Clear, Extended, Table2
 from urushi.errors import ParameterError
 
 N = 20_000
@@ -43,6 +43,17 @@ def test_table_2_has_the_papers_distributions(coats):
     assert (table.g == 0).all()
 
 
+def test_clear_coats_are_extended_ones_over_little_or_nothing():
+    clear = Clear(2, "conductor_complex").sample(np.random.default_rng(0), N)
+    extended = Extended(2, "conductor_complex").sample(np.random.default_rng(1), N)
+    assert clear.kind == extended.kind
+    for name in ("alpha", "eta", "albedo", "g"):
+        both = getattr(clear, name).ravel(), getattr(extended, name).ravel()
+        assert stats.ks_2samp(*both).pvalue > 1e-3, name
+    assert stats.binomtest(int((clear.sigma_t == 0).sum()), clear.sigma_t.size).pvalue > 1e-3
+    assert kolmogorov(clear.sigma_t[clear.sigma_t > 0], uniform_cdf(0, 0.3)) > 1e-3
+
+
 def test_table_2_has_the_moments_of_its_formulas():
     table = Table2().sample(np.random.default_rng(1), N)
     # E[U(a, 1)^3] = (1 - a^4) / (4 (1 - a)); E[1 - U^2] = 2/3; tolerance: 4 standard errors.
@@ -78,7 +89,7 @@ def test_bottoms_without_a_coat_are_a_distribution_too():
     assert (len(table), table.coats) == (10, 0)
 
 
-@pytest.mark.parametrize("drawn", [Table2(3), Extended(1, "diffuse"), Extended(0, "dielectric")])
+@pytest.mark.parametrize("drawn", [Table2(3), Extended(1, "diffuse"), Clear(1, "diffuse")])
 def test_json_round_trip(drawn):
     assert distribution.from_dict(distribution.to_dict(drawn)) == drawn
 

@@ -169,3 +169,7 @@ def test_presets_that_do_not_fit_their_data_get_one_sentence(tiny, tiny_data, de
     gap = dataclasses.replace(store.spec, parts=store.spec.parts[1:])
     with pytest.raises(ParameterError, match="without a gap, not of 1, 2"):
         examples.load(Store(store.path, gap), tiny.arch, tiny.pairs, EVERYTHING)
+    whole = Part("whole", Table2(1), 8, 81, 4, "stratified")
+    foreign = dataclasses.replace(store.spec, parts=(*store.spec.parts, whole))
+    with pytest.raises(ParameterError, match="'whole' has directions 'stratified', which"):
+        examples.load(Store(store.path, foreign), tiny.arch, tiny.pairs, EVERYTHING)

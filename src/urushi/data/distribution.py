@@ -112,13 +112,33 @@ class Extended(_Independent):
         )
 
 
+@dataclass(frozen=True)
+class Clear(Extended):
+    """`Extended` with coats over nothing, or over a medium so thin that it hides nothing.
+
+    sigma_t = max(0, U(-0.3, 0.3)). The lobes of all interfaces are seen as sharp as they are, as
+    under varnish: what is hardest to get right.
+    """
+
+    def sample(self, rng: np.random.Generator, n: int) -> StackTable:
+        """Draw n stacks."""
+        table = super().sample(rng, n)
+        table.sigma_t[:] = np.maximum(rng.uniform(-0.3, 0.3, table.sigma_t.shape), 0.0)
+        return table
+
+
 #: Endless sources of stacks.
 Distribution = Table2 | Extended
 
 #: What a part of a data store may be drawn from.
 Source = Distribution | Palette
 
-_KINDS: dict[str, type[Source]] = {"table2": Table2, "extended": Extended, "palette": Palette}
+_KINDS: dict[str, type[Source]] = {
+    "table2": Table2,
+    "extended": Extended,
+    "clear": Clear,
+    "palette": Palette,
+}
 
 
 def to_dict(distribution: Source) -> dict[str, Any]:

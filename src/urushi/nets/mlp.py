@@ -40,12 +40,12 @@ def product(x: Any, weight: Any) -> Any:
     A weight of two bytes a number, which training may use, has x rounded to its type as well.
     """
     xp = x.__array_namespace__()
-    rows = xp.reshape(x, (-1, x.shape[-1]))
+    rows = x if x.ndim == 2 else xp.reshape(x, (-1, x.shape[-1]))
     if weight.dtype.itemsize == 2:
         result = xp.astype(xp.astype(rows, weight.dtype) @ weight, x.dtype)
     else:
         result = rows @ weight
-    return xp.reshape(result, (*x.shape[:-1], weight.shape[-1]))
+    return result if x.ndim == 2 else xp.reshape(result, (*x.shape[:-1], weight.shape[-1]))
 
 
 def hidden_to_output(params: Params, prefix: str, first: Any, activation: str) -> Any:

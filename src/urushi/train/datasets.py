@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import replace
 
-from urushi.data.distribution import Distribution, Extended, Table2
+from urushi.data.distribution import Clear, Distribution, Extended, Table2
 from urushi.data.spec import DataSpec, Part
 from urushi.nets.probes import PROBES
 
@@ -46,17 +46,21 @@ def whole_domain(measured_like: bool = True) -> DataSpec:
 
 
 def enlarged_domain() -> DataSpec:
-    """The whole domain and 5.0 G walks more of one coat: 16.0 G, about 30 minutes on two cores.
+    """The whole domain and 9.6 G walks more of one coat: 20.7 G, about 33 minutes on two cores.
 
-    What the layerer errs by in its own stage is mostly these walks' noise. And more Lambertians,
-    above all at grazing angles: a few percent too much there, and the limit of energy darkens white
-    ones at all angles.
+    What the layerer errs by in its own stage is mostly these walks' noise. More Lambertians, above
+    all at grazing angles: a few percent too much there, and the limit of energy darkens white ones
+    at all angles. And clear coats, where the worst stacks were.
     """
     counts = {**_counts(80, 38, 27, 22, 38, 60), "measured_like": 40 * 1024}
     spec = whole_domain()
     more = _parts("more-", counts, coats=1, pairs=64, walks=256)
     matt = Part("more-bare-diffuse", Extended(0, "diffuse"), 14 * 1024, 256, 1, "grazing")
-    return replace(spec, parts=(*spec.parts, *more, matt))
+    clear = [
+        Part(f"clear-{name}-1", Clear(1, name), count, 64, 256)
+        for name, count in _counts(0, 128, 56, 48, 8, 40).items()
+    ]
+    return replace(spec, parts=(*spec.parts, *more, matt, *clear))
 
 
 def _measured_like() -> list[Part]:

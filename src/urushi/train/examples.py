@@ -16,7 +16,14 @@ from urushi.nets.architecture import Architecture
 from urushi.nets.features import DIRECTION_FEATURES, direction_features
 from urushi.nets.probes import PROBES
 from urushi.train.order import Order, Window
-from urushi.train.parts import TRAINING, bottom_values, coats_to_layer, depth, trained_pairs
+from urushi.train.parts import (
+    METRICS,
+    TRAINING,
+    bottom_values,
+    coats_to_layer,
+    depth,
+    trained_pairs,
+)
 
 #: What is read of a store.
 ARRAYS = ("coats", "bottom", "wi", "wo", "f")
@@ -174,6 +181,11 @@ def load(store: Store, arch: Architecture, pairs: int, memory: int) -> list[Dept
                     f"part '{part.name}' holds {PROBES} probes, "
                     f"but the architecture's encoder sees {arch.probes}"
                 )
+        elif part.directions not in METRICS:
+            raise ParameterError(
+                f"part '{part.name}' has directions '{part.directions}', which a training does not "
+                f"know; give it one of {', '.join((*TRAINING, *METRICS))}"
+            )
     if sorted(by_depth) != list(range(len(by_depth))):
         raise ParameterError(
             "the training data must hold stacks of 0, 1, ... coats without a gap, not of "

@@ -11,6 +11,9 @@ from urushi.reference import evaluate
 #: The direction sets of parts to train on.
 TRAINING = ("training", "grazing", "probed")
 
+#: Those to validate on, and the metric that is taken there.
+METRICS = {"cosine": "E mean", "half_angle": "P median"}
+
 
 def depth(part: Part) -> int:
     """How many coats are layered to make the stacks of a training part.

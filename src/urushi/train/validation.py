@@ -12,7 +12,7 @@ from urushi.nets.decoder import decode
 from urushi.nets.encoder import encode
 from urushi.nets.features import coat_features, direction_features
 from urushi.nets.layerer import layer
-from urushi.train.parts import bottom_values, coats_to_layer
+from urushi.train.parts import METRICS, bottom_values, coats_to_layer
 
 
 @dataclass(frozen=True)
@@ -26,10 +26,6 @@ class Check:
     f: np.ndarray
     cos_i: np.ndarray
     cos_o: np.ndarray
-
-
-#: Metric by the direction set that it is taken on.
-METRICS = {"cosine": "E mean", "half_angle": "P median"}
 
 
 def load(store: Store, arch: Architecture) -> list[Check]:
