@@ -237,7 +237,7 @@ def tan2_h(wi, wo):
     [
         lambda wi, wo: np.where(tan2_h(wi, wo) < 0.1, 0.5, 0.02),
         lambda wi, wo: np.where(tan2_h(wi, wo) < 0.03, 1.5, 0.02),
-        lambda wi, wo: 0.2 + np.maximum(np.sum(wi * wo, axis=1), 0) ** 40,
+        lambda wi, wo: 0.2 + np.maximum(np.sum(wi * wo, axis=1), 0) ** 60,
     ],
 )
 def test_no_angle_is_much_too_bright_when_the_limit_comes(source, trained):
