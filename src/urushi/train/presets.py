@@ -139,8 +139,8 @@ def base() -> Preset:
     """The shipped default: the whole domain.
 
     Command: `urushi train --preset base`
-    Time: 91 minutes on two cores that did other work as well (data 37; networks 37, layering 10,
-        decoding 7, proposal 1).
+    Time: 91 minutes on two cores that did other work as well (data 37, or 28 without it; networks
+        37, layering 10, decoding 7, proposal 1).
     Expected of `urushi eval`: Table 2 stacks of two interfaces E mean 0.5 %, P median 0.4 %; the
         extended domain E mean 0.7 %, six interfaces 0.9 %.
     """
