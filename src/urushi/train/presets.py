@@ -78,7 +78,7 @@ class Preset:
 
     Attributes:
         name: what `--preset` calls it.
-        data: what is generated; parts with other directions than `parts.TRAINING` validate.
+        data: what is generated; its parts are `parts.TRAINING` or validate, by `parts.METRICS`.
         networks: schedule of encoder, layerer and decoder, trained together.
         layering: the stage that then trains the layerer alone.
         decoding: schedule of the decoder alone, on the codes of the others.
