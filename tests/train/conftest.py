@@ -34,6 +34,7 @@ TINY = Preset(
         before=(16,),
     ),
     decoding=Schedule(16, 4, 1e-3, average=0.9, steps_per_call=4, checkpoint_every=8, rule="soap"),
+    relayering=Schedule(8, 4, 1e-3, average=0.9, steps_per_call=4, checkpoint_every=8, rule="soap"),
     proposal=Schedule(16, 4, 3e-3, average=0.9, steps_per_call=4, checkpoint_every=8),
     stacks=(3, 9, 4),
     pairs=8,

@@ -35,11 +35,11 @@ def log(folder):
     return [{k: v for k, v in line.items() if k != "seconds"} for line in lines]
 
 
-@pytest.mark.parametrize("saves", [1, 4, 5, 8, 11])
+@pytest.mark.parametrize("saves", [1, 4, 5, 8, 10, 11, 13])
 def test_a_training_that_fails_midway_resumes_to_the_same_bits(
     saves, uninterrupted, tiny, tiny_data, tmp_path, monkeypatch
 ):
-    """Checkpoints: three of the networks, then three times a change of stage and two more."""
+    """Checkpoints: three of the networks, then a change of stage and what it has, four times."""
     model, folder = uninterrupted
     save, count = Journal.save, []
 
@@ -78,6 +78,16 @@ def test_a_killed_process_resumes_to_the_same_bits(uninterrupted, tmp_path, tiny
     assert not (tmp_path / "weights.safetensors").exists()
     resumed = train(tiny, data=tiny_data, run=tmp_path, resume=True)
     assert resumed.fingerprint == uninterrupted[0].fingerprint
+
+
+def test_a_preset_may_leave_out_weights_of_pairs_and_relayering(tiny, tiny_data, tmp_path):
+    brief = dataclasses.replace(tiny, weigh_pairs=False, relayering=None)
+    model = train(brief, data=tiny_data, run=tmp_path)
+    lines = log(tmp_path)
+    stages = [line["stage"] for line in lines]
+    assert list(dict.fromkeys(stages)) == ["networks", "layering", "decoding", "proposal"]
+    assert not any("scatter" in line for line in lines)
+    assert model.header["preset"]["relayering"] is None
 
 
 def test_the_header_says_where_the_weights_come_from(uninterrupted, tiny, tiny_data):

@@ -21,7 +21,7 @@ def activate(x: Any, activation: str) -> Any:
     xp = x.__array_namespace__()
     if activation in POLYNOMIALS:
         bound, coefficients = POLYNOMIALS[activation]
-        t = xp.clip(x, -bound, bound)
+        t = x.clip(-bound, bound)
         *others, first = coefficients
         # In place where arrays can be changed, and without t^2: memory counts more than a product.
         q = t * first
@@ -43,7 +43,7 @@ def with_slope(x: Any, activation: str) -> tuple[Any, Any]:
     xp = x.__array_namespace__()
     if activation in POLYNOMIALS:
         bound, coefficients = POLYNOMIALS[activation]
-        t = xp.clip(x, -bound, bound)
+        t = x.clip(-bound, bound)
         u = t * t
         logistic = 0.5 + t * _horner(coefficients, u)
         # Beyond the bound t stands still, but there the polynomial's own slope is 0 as well.

@@ -19,7 +19,7 @@ def decode(params: Params, arch: Architecture, z: Any, features: Any) -> Any:
     first = first_layer(params, z[..., 1:], features)
     output = z[..., 0] + hidden_to_output(params, "decoder", first, arch.activation)[..., 0]
     xp = output.__array_namespace__()
-    return xp.exp(xp.clip(output, MIN_LOG, MAX_LOG))
+    return xp.exp(output.clip(MIN_LOG, MAX_LOG))
 
 
 def first_layer(params: Params, z: Any, features: Any) -> Any:

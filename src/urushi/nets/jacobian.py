@@ -27,7 +27,7 @@ def decode_log(params: Params, arch: Architecture, z: Any, features: Any) -> tup
     value = z[..., 0] + output[..., 0]
     held = (value > MIN_LOG) & (value < MAX_LOG)
     slope = xp.where(held[..., None], xp.concat([gain, inner], axis=-1), 0.0)
-    return xp.clip(value, MIN_LOG, MAX_LOG), slope
+    return value.clip(MIN_LOG, MAX_LOG), slope
 
 
 def encode_log(params: Params, arch: Architecture, logs: Any) -> tuple[Any, Any]:

@@ -39,13 +39,13 @@ def product(x: Any, weight: Any) -> Any:
     NumPy would make many small ones of a stack, whose threads cost it up to thirty times as long.
     A weight of two bytes a number, which training may use, has x rounded to its type as well.
     """
-    xp = x.__array_namespace__()
-    rows = x if x.ndim == 2 else xp.reshape(x, (-1, x.shape[-1]))
+    rows = x if x.ndim == 2 else x.reshape((-1, x.shape[-1]))
     if weight.dtype.itemsize == 2:
+        xp = x.__array_namespace__()
         result = xp.astype(xp.astype(rows, weight.dtype) @ weight, x.dtype)
     else:
         result = rows @ weight
-    return result if x.ndim == 2 else xp.reshape(result, (*x.shape[:-1], weight.shape[-1]))
+    return result if x.ndim == 2 else result.reshape((*x.shape[:-1], weight.shape[-1]))
 
 
 def hidden_to_output(params: Params, prefix: str, first: Any, activation: str) -> Any:

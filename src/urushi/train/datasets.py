@@ -48,7 +48,7 @@ def whole_domain(measured_like: bool = True) -> DataSpec:
 def enlarged_domain() -> DataSpec:
     """The whole domain and 9.7 G walks more of one coat: 20.9 G, about 28 minutes on two cores.
 
-    What the layerer errs by in its own stage is mostly these walks' noise. More Lambertians, above
+    What the layerer errs by in its own stages is mostly these walks' noise. More Lambertians, above
     all at grazing angles: a few percent too much there, and the limit of energy darkens white ones
     at all angles. And clear coats, where the worst stacks were.
     """

@@ -31,7 +31,7 @@ from urushi.train.optimiser import State
 from urushi.train.paper.preset import PaperPreset
 from urushi.train.presets import Preset, Schedule
 from urushi.train.proposal import variation
-from urushi.train.stages import STAGES, Learn, all_latents, begin, beginnings
+from urushi.train.stages import STAGES, Learn, all_latents, begin, beginnings, learnt, schedules
 from urushi.train.validation import Check
 
 #: Where everything goes that the caller does not place: data, run folder and weights.
@@ -75,7 +75,8 @@ def train(
     folder = Path(run) if run is not None else RUNS / preset.name
     out = Path(out) if out is not None else folder / "weights.safetensors"
     prepare(folder, out, resume)
-    shared, names = devices.find(sum(preset.stacks)), list(STAGES)
+    shared, plan = devices.find(sum(preset.stacks)), schedules(preset)
+    names = list(plan)
 
     began = time.monotonic()
     store = generate(preset.data, data if data is not None else folder / "data.zarr")
@@ -92,15 +93,14 @@ def train(
         point = begin("networks", preset, params)
 
     for name in names[names.index(point.stage) :]:
-        stage = STAGES[name]
         params |= point.networks
         clock = time.monotonic()
-        learn = stage.learn(preset, depths, params)
+        learn = STAGES[name].learn(preset, plan[name], depths, params)
         point = replace(point, seconds=point.seconds + time.monotonic() - clock)
         arch = preset.first_arch if name == "networks" else preset.arch
         report = partial(figures, {**params}, arch, checks)
-        point = advance(point, stage.schedule(preset), learn, report, journal)
-        params |= learn.devices.collect(point.state.average)
+        point = advance(point, plan[name], learn, report, journal)
+        params |= learnt(learn.devices.collect(point.state.average))
         if name != names[-1]:
             point = begin(names[names.index(name) + 1], preset, params, point.seconds)
             journal.save(point)
