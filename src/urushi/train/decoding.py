@@ -10,7 +10,7 @@ import numpy as np
 from urushi.nets.architecture import Architecture, Params, init
 from urushi.nets.decoder import decode
 from urushi.train.examples import Batch
-from urushi.train.losses import compose, halves_weight, relative_errors, stack_loss
+from urushi.train.losses import compose, relative_errors, stack_loss, stacks_mean
 
 #: The network of the scatter has the decoder's form, and these hidden layers.
 WIDTHS = (16, 16)
@@ -45,7 +45,8 @@ def scatter(params: Params, arch: Architecture, z: Any, features: Any) -> Any:
     directions only: whatever it weighs is not biased by the noise of the value at hand. The gain,
     which relative errors do not depend on, is left out.
     """
-    alike = {_renamed(k, "scatter", "decoder"): v for k, v in params.items()}
+    own = (name for name in params if name.startswith("scatter"))
+    alike = {_renamed(name, "scatter", "decoder"): params[name] for name in own}
     z = jnp.concatenate([jnp.zeros_like(z[..., :1]), z[..., 1:]], axis=-1)
     return decode(alike, replace(arch, decoder=WIDTHS), z[:, None], features)
 
@@ -92,11 +93,10 @@ def weighted_loss(
         params: all others.
     """
     z = compose(params, arch, batch.probes, batch.coats)
-    by_name = {k: v for k, v in trained.items() if k.startswith("scatter")}
     squares = relative_errors(decode(trained, arch, z[:, None], batch.features), batch.f)
-    expected = scatter(by_name, arch, z, batch.features)
+    expected = scatter(trained, arch, z, batch.features)
     weights = jax.lax.stop_gradient(pair_weights(expected))
-    fit = jnp.mean(weights * halves_weight(squares) * squares)
+    fit = stacks_mean(squares, weights)
     unlikely = unlikelihood(expected, jax.lax.stop_gradient(squares))
     loss = fit + _SHARE * unlikely
     return loss, {"loss": loss, "fit": fit, "scatter": unlikely}

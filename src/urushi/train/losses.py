@@ -85,8 +85,12 @@ def stack_loss(f_hat: jax.Array, f: Any) -> jax.Array:
     Args:
         f_hat, f: (S, P) predicted and simulated values [1/sr], P a multiple of 8.
     """
-    squares = relative_errors(f_hat, f)
-    return jnp.mean(halves_weight(squares) * squares)
+    return stacks_mean(relative_errors(f_hat, f))
+
+
+def stacks_mean(squares: jax.Array, weights: Any = 1.0) -> jax.Array:
+    """The same from squared relative errors (S, P), of which each counts `weights` (S, P)."""
+    return jnp.mean(weights * halves_weight(squares) * squares)
 
 
 def compose(params: Params, arch: Architecture, probes: Any, coats: tuple[Any, ...]) -> Any:
