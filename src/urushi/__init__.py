@@ -5,25 +5,23 @@ Importing this package chooses a libLLVM that Dr.Jit can use and registers the M
 first used.
 """
 
-import importlib
 from typing import TYPE_CHECKING, Any
 
-from urushi import backend
+from urushi import platform
+from urushi.version import __version__
 
 if TYPE_CHECKING:
     from urushi.material.encode import encode
     from urushi.material.layer import layer
-    from urushi.material.lerp import lerp
-    from urushi.material.material import Material, load
+    from urushi.material.material import Material, lerp, load
     from urushi.measured import load_measured
     from urushi.reference.simulate import simulate
     from urushi.reference.stack import Stack, coat, conductor, dielectric, diffuse
 
-__version__ = "0.1.0"
-
 __all__ = [
     "Material",
     "Stack",
+    "__version__",
     "coat",
     "conductor",
     "dielectric",
@@ -36,35 +34,28 @@ __all__ = [
     "simulate",
 ]
 
-_HOME = {
-    "coat": "urushi.reference",
-    "conductor": "urushi.reference",
-    "dielectric": "urushi.reference",
-    "diffuse": "urushi.reference",
-    "simulate": "urushi.reference",
-    "Stack": "urushi.reference",
-    "encode": "urushi.material",
-    "layer": "urushi.material",
-    "lerp": "urushi.material",
-    "load": "urushi.material",
-    "Material": "urushi.material",
-    "load_measured": "urushi.measured",
-}
-
 
 def __getattr__(name: str) -> Any:
-    if name not in _HOME:
+    """Load the public names when one of them is first used: they start Dr.Jit."""
+    if name not in __all__ or name == "__version__":
         raise AttributeError(f"module 'urushi' has no attribute '{name}'")
-    backend.require_drjit()
-    value = getattr(importlib.import_module(_HOME[name]), name)
-    globals()[name] = value
-    return value
+    platform.require_drjit()
+    from urushi.material import Material, encode, layer, lerp, load
+    from urushi.measured import load_measured
+    from urushi.reference import Stack, coat, conductor, dielectric, diffuse, simulate
+
+    public = (Material, encode, layer, lerp, load, load_measured, simulate)
+    described = (Stack, coat, conductor, dielectric, diffuse)
+    globals().update({value.__name__: value for value in (*public, *described)})
+    return globals()[name]
 
 
 def __dir__() -> list[str]:
     return sorted([*globals(), *__all__])
 
 
-backend.choose_llvm()
-if backend.missing_library() is None:  # else Mitsuba cannot be imported, as `urushi doctor` says
-    importlib.import_module("urushi.render.register").register()
+platform.choose_llvm()
+if platform.missing_library() is None:  # else Mitsuba cannot be imported, as `urushi doctor` says
+    from urushi.render.register import register
+
+    register()

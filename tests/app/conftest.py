@@ -2,7 +2,7 @@
 
 import pytest
 
-from urushi.nets import shipped, weights
+from urushi.nets import weights
 from urushi.nets.architecture import Architecture, init
 
 
@@ -11,9 +11,9 @@ def untrained(monkeypatch, tmp_path):
     """Untrained networks: for what does not depend on how good they are."""
     folder = tmp_path / "weights"
     folder.mkdir()
-    for seed, name in enumerate(shipped.NAMES):
+    for seed, name in enumerate(weights.SHIPPED):
         weights.save(folder / f"{name}.safetensors", Architecture(), init(Architecture(), seed), {})
-    monkeypatch.setattr(shipped, "folder", lambda: folder)
-    shipped.load.cache_clear()
+    monkeypatch.setattr(weights, "shipped_folder", lambda: folder)
+    weights.load_shipped.cache_clear()
     yield
-    shipped.load.cache_clear()
+    weights.load_shipped.cache_clear()

@@ -11,7 +11,7 @@ import pytest
 import urushi
 from urushi.app import cli
 from urushi.app.commands.data import Generate, Show
-from urushi.app.commands.doctor import Doctor
+from urushi.app.doctor import Doctor
 from urushi.errors import ParameterError
 
 FAMILIES = {(name,): command for name, (command, _) in cli.COMMANDS.items()}
@@ -82,7 +82,7 @@ def test_ctrl_c_in_a_real_process():
     code = (
         "import time, sys\n"
         "from urushi.app import cli\n"
-        "from urushi.app.commands.doctor import Doctor\n"
+        "from urushi.app.doctor import Doctor\n"
         "def wait(self): print('ready', flush=True); time.sleep(60)\n"
         "Doctor.run = wait\n"
         "sys.exit(cli.main(['doctor']))"

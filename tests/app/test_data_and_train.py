@@ -14,7 +14,7 @@ pytest.importorskip("zarr", reason="the extra 'train' is not installed")
 from urushi.data.distribution import Extended, Table2
 from urushi.data.spec import DataSpec, Part
 from urushi.data.store import Store
-from urushi.train import loop, presets
+from urushi.train import presets, training
 
 
 @pytest.fixture
@@ -60,7 +60,7 @@ def test_train_hands_the_flags_over(monkeypatch, capsys):
         seen.update(options, preset=preset)
         return model
 
-    monkeypatch.setattr(loop, "train", train)
+    monkeypatch.setattr(training, "train", train)
     flags = ["--preset", "smoke", "--data", "d.zarr", "--run-folder", "r", "-o", "w.safetensors"]
     assert cli.main(["train", *flags, "--resume"]) == 0
     assert seen == {

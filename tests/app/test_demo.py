@@ -7,16 +7,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from urushi.app.demo import geometry, pattern, picture, run, scene
+from urushi.app import demo
 from urushi.errors import FileError, ParameterError
 from urushi.eval import metrics
-from urushi.render.scenes.mesh import Mesh, write_ply
-from urushi.render.scenes.turned import lathe
+from urushi.scenes import caddy, caddy_pattern
+from urushi.scenes.mesh import Mesh, lathe, write_ply
 
 
 @pytest.fixture(scope="module")
 def mesh() -> Mesh:
-    return lathe(geometry.natsume(), 48, 96)
+    return lathe(caddy.natsume(), 48, 96)
 
 
 def _corners(mesh: Mesh) -> np.ndarray:
@@ -44,7 +44,7 @@ def test_the_caddy_is_oriented_outwards(mesh):
     """Its signed volume (divergence theorem) is positive and close to that of the profile."""
     a, b, c = (mesh.positions[mesh.faces[:, k]].astype(float) for k in range(3))
     volume = (np.cross(a, b) * c).sum() / 6
-    points, _ = geometry.natsume()(np.linspace(0, 1, 4000))
+    points, _ = caddy.natsume()(np.linspace(0, 1, 4000))
     turned = np.pi * np.trapezoid(points[:, 0] ** 2, points[:, 1])
     # A 48-gon has (sin x) / x = 0.9971 of its circle's area, x = 2 pi / 48.
     assert volume == pytest.approx(turned * 0.9971, rel=2e-3)
@@ -67,7 +67,7 @@ def test_texture_coordinates_cover_the_unit_square(mesh):
 
 
 def test_the_profile_is_parametrised_by_its_length():
-    points, tangents = geometry.natsume()(np.linspace(0, 1, 4001))
+    points, tangents = caddy.natsume()(np.linspace(0, 1, 4001))
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
     assert np.ptp(steps) < 0.05 * steps.mean()
     np.testing.assert_allclose(np.linalg.norm(tangents, axis=1), 1, atol=1e-12)
@@ -92,36 +92,36 @@ def test_ply_holds_the_mesh(mesh, tmp_path):
 
 
 def test_the_pattern_is_deterministic_and_in_range():
-    first = pattern.gold(geometry.natsume(), 64)
+    first = caddy_pattern.gold(caddy.natsume(), 64)
     assert first.shape == (64, 128) and first.dtype == np.float32
     assert first.min() == 0 and 0.7 < first.max() <= 1
-    np.testing.assert_array_equal(first, pattern.gold(geometry.natsume(), 64))
-    assert (first != pattern.gold(geometry.natsume(), 64, seed=9)).any()
+    np.testing.assert_array_equal(first, caddy_pattern.gold(caddy.natsume(), 64))
+    assert (first != caddy_pattern.gold(caddy.natsume(), 64, seed=9)).any()
 
 
 def test_the_pattern_closes_around_the_caddy():
     """Columns on both sides of the seam differ no more than other neighbours do."""
-    image = pattern.gold(geometry.natsume(), 128)
+    image = caddy_pattern.gold(caddy.natsume(), 128)
     steps = np.abs(np.diff(image, axis=1)).mean(axis=0)
     assert np.abs(image[:, 0] - image[:, -1]).mean() <= steps.max()
 
 
 def test_the_lacquer_is_a_valid_coat():
-    depth, albedo = scene.lacquer()
-    assert depth.shape == albedo.shape == (scene.TEXTURE_HEIGHT, 2 * scene.TEXTURE_HEIGHT, 3)
+    depth, albedo = caddy.lacquer()
+    assert depth.shape == albedo.shape == (caddy.TEXTURE_HEIGHT, 2 * caddy.TEXTURE_HEIGHT, 3)
     assert depth.min() > 0 and depth.max() <= 8, "within what the networks are trained on"
     assert albedo.min() >= 0 and albedo.max() <= 1
 
 
 def test_tone_curve_is_monotone_and_within_the_display_range():
-    ramp = picture.tonemap(np.linspace(0, 50, 1000))
+    ramp = demo.tonemap(np.linspace(0, 50, 1000))
     assert ramp[0] == 0 and ramp[-1] == pytest.approx(1)
     assert (np.diff(ramp) >= 0).all()
 
 
 def test_difference_shows_sign_and_size():
     grey = np.full((1, 3, 3), 0.45)
-    shown = picture.difference(grey * [[[1.0], [2.0], [0.5]]], grey)
+    shown = demo.difference_picture(grey * [[[1.0], [2.0], [0.5]]], grey)
     np.testing.assert_array_equal(shown[0, 0], 0)
     assert shown[0, 1, 0] > shown[0, 1, 2] and shown[0, 2, 2] > shown[0, 2, 0]
 
@@ -129,8 +129,8 @@ def test_difference_shows_sign_and_size():
 def test_figures_of_equal_images_are_their_noise():
     """Both renders have the halves 0.9 and 1.1: no difference, variance 0.01 each."""
     halves = np.full((4, 4, 3), 0.9), np.full((4, 4, 3), 1.1)
-    same = run.Render(*halves, seconds=1.0, start=2.0)
-    figures = run.compare(same, same)
+    same = demo.Render(*halves, seconds=1.0, start=2.0)
+    figures = demo.compare(same, same)
     noise = 0.01 / (1 + 0.01)
     assert figures["mse"] == 0
     assert figures["reference_noise"] == pytest.approx(noise)
@@ -139,8 +139,8 @@ def test_figures_of_equal_images_are_their_noise():
 
 
 def test_a_tiny_demo_writes_every_file(variant, tmp_path, monkeypatch):
-    monkeypatch.setattr(scene, "TEXTURE_HEIGHT", 32)
-    figures = run.run(tmp_path / "new" / "demo", size=32, spp=16, variant=variant)
+    monkeypatch.setattr(caddy, "TEXTURE_HEIGHT", 32)
+    figures = demo.run(tmp_path / "new" / "demo", size=32, spp=16, variant=variant)
     names = {path.name for path in (tmp_path / "new" / "demo").iterdir()}
     assert names == {
         "natsume.ply",
@@ -156,13 +156,13 @@ def test_a_tiny_demo_writes_every_file(variant, tmp_path, monkeypatch):
     assert json.loads((tmp_path / "new" / "demo" / "report.json").read_text()) == figures
     assert all(np.isfinite(value) for value in figures.values())
     assert figures["mse"] > 0
-    assert f"{figures['relative_mse']:.4f}" in run.describe(figures)
+    assert f"{figures['relative_mse']:.4f}" in demo.describe(figures)
 
 
 def test_the_networks_render_what_the_walk_renders(variant, tmp_path, monkeypatch):
     """The demo's figure on a smaller picture: below 0.01 once the walk's noise is taken off."""
-    monkeypatch.setattr(scene, "TEXTURE_HEIGHT", 128)
-    figures = run.run(tmp_path, size=96, spp=128, variant=variant)
+    monkeypatch.setattr(caddy, "TEXTURE_HEIGHT", 128)
+    figures = demo.run(tmp_path, size=96, spp=128, variant=variant)
     assert figures["relative_mse"] < 0.01
 
 
@@ -172,13 +172,13 @@ def test_renders_of_other_seeds_are_independent(variant, tmp_path, monkeypatch):
     Half a dozen pairs of renders at 96 * 96 pixels lay within 6 % of that, relative to brightness;
     a seed that both renders share would leave nothing, and halves that share one would double it.
     """
-    monkeypatch.setattr(scene, "coat", lambda _: {"type": "diffuse"})
-    write_ply(lathe(geometry.natsume(), 16, 32), tmp_path / "natsume.ply")
+    monkeypatch.setattr(caddy, "coat", lambda _: {"type": "diffuse"})
+    write_ply(lathe(caddy.natsume(), 16, 32), tmp_path / "natsume.ply")
     import mitsuba as mi
 
     mi.set_variant(variant)
     first, second = (
-        run.render("diffuse", tmp_path / "natsume.ply", size=64, spp=32, seed=seed)
+        demo.render("diffuse", tmp_path / "natsume.ply", size=64, spp=32, seed=seed)
         for seed in (0, 1)
     )
     noise = metrics.relative_mse(first.image, second.image)
@@ -192,12 +192,12 @@ def test_unwritable_output_is_one_sentence(tmp_path):
     with pytest.raises(
         FileError, match=r"^cannot make the folder .*; choose one that is writable$"
     ):
-        run.run(tmp_path / "file" / "demo", size=8, spp=16)
+        demo.run(tmp_path / "file" / "demo", size=8, spp=16)
     with pytest.raises(FileError, match=r"^cannot write .*; choose a folder that exists"):
-        write_ply(lathe(geometry.natsume(), 4, 8), Path("/proc/caddy.ply"))
+        write_ply(lathe(caddy.natsume(), 4, 8), Path("/proc/caddy.ply"))
 
 
 @pytest.mark.parametrize(("size", "spp"), [(0, 16), (8, 0), (8, 12), (8, -16)])
 def test_bad_sizes_are_refused(size, spp, tmp_path):
     with pytest.raises(ParameterError, match=r"size is 0|spp is"):
-        run.run(tmp_path, size=size, spp=spp)
+        demo.run(tmp_path, size=size, spp=spp)

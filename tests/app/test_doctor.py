@@ -6,10 +6,9 @@ import sys
 
 import pytest
 
-from urushi import backend
+from urushi import platform
 from urushi.app import doctor
-from urushi.app.commands.doctor import Doctor
-from urushi.app.doctor import Finding
+from urushi.app.doctor import Doctor, Finding
 
 
 def test_everything_is_looked_at():
@@ -61,7 +60,7 @@ def test_a_variant_that_kills_its_process(monkeypatch):
 
 def test_weights_that_cannot_be_read(monkeypatch, tmp_path):
     (tmp_path / "broken.safetensors").write_bytes(b"no weights")
-    monkeypatch.setattr("urushi.nets.shipped.folder", lambda: tmp_path)
+    monkeypatch.setattr("urushi.nets.weights.shipped_folder", lambda: tmp_path)
     (finding,) = doctor._weights()
     assert finding.name == "weights broken"
     assert finding.essential
@@ -69,7 +68,7 @@ def test_weights_that_cannot_be_read(monkeypatch, tmp_path):
 
 
 def test_missing_weights(monkeypatch, tmp_path):
-    monkeypatch.setattr("urushi.nets.shipped.folder", lambda: tmp_path)
+    monkeypatch.setattr("urushi.nets.weights.shipped_folder", lambda: tmp_path)
     (finding,) = doctor._weights()
     assert finding.found == "missing"
     assert finding.essential
@@ -79,7 +78,7 @@ def test_survives_a_missing_library():
     """Without any libLLVM the doctor still runs, and names it."""
     run = subprocess.run(
         [sys.executable, "-m", "urushi.app.cli", "doctor"],
-        env={**os.environ, backend.VARIABLE: "/nowhere/libLLVM.so"},
+        env={**os.environ, platform.LLVM_VARIABLE: "/nowhere/libLLVM.so"},
         capture_output=True,
         text=True,
         timeout=120,

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from urushi.app import cli
-from urushi.eval import adapter, benchmark, report
+from urushi.eval import benchmark, direction_tables, report
 
 
 @pytest.fixture
@@ -19,7 +19,9 @@ def seen(monkeypatch) -> dict:
         return "the table"
 
     monkeypatch.setattr(report, "report", table)
-    monkeypatch.setattr(adapter, "report", lambda *args: calls.update(adapter=args) or "tables")
+    monkeypatch.setattr(
+        direction_tables, "report", lambda *args: calls.update(adapter=args) or "tables"
+    )
     monkeypatch.setattr(benchmark, "make", lambda path: calls.update(path=path) or "0123abcd")
     return calls
 

@@ -17,7 +17,7 @@ from urushi.data.generate import generate, make_shard
 from urushi.data.spec import DataSpec, Part
 from urushi.data.store import Store
 from urushi.errors import FileError, ParameterError
-from urushi.reference import evaluate
+from urushi.reference import analytic
 
 SPEC = DataSpec(
     parts=(
@@ -56,7 +56,7 @@ def test_bottoms_without_a_coat_are_exact(finished):
     columns = dict(zip(("alpha", "eta", "k"), arrays["bottom"].T, strict=True))
     row = np.repeat(np.arange(part.stacks, dtype=np.uint32), part.pairs)
     wi, wo = (arrays[name].reshape(-1, 3) for name in ("wi", "wo"))
-    f = evaluate.rows("conductor_complex", columns, row, wi, wo)
+    f = analytic.rows("conductor_complex", columns, row, wi, wo)
     np.testing.assert_array_equal(arrays["f"].ravel(), f)
     assert (arrays["se"] == 0).all()
 

@@ -7,7 +7,7 @@ from urushi.errors import FileError
 from urushi.eval import benchmark
 from urushi.eval import samples as sampling
 from urushi.eval.groups import GROUPS
-from urushi.nets import tensorfile
+from urushi.files import read_tensors, write_tensors
 
 
 @pytest.fixture(scope="module")
@@ -80,10 +80,10 @@ def test_the_simulator_of_today_agrees_with_the_stored_set(stored, name):
 def test_a_damaged_set_is_refused(sets, groups, tmp_path, name):
     path = tmp_path / "set.safetensors"
     benchmark.write(path, sets, groups)
-    description, arrays = tensorfile.read(path, "benchmark")
+    description, arrays = read_tensors(path, "benchmark")
     kind = description.pop("kind")
     arrays[f"few.{name}"] = arrays[f"few.{name}"] * np.float32(1.001)
-    tensorfile.write(path, kind, description, arrays)
+    write_tensors(path, kind, description, arrays)
     with pytest.raises(FileError, match="damaged: its hash is wrong; restore it from the rep"):
         benchmark.read(path, groups)
 

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from urushi.errors import FileError, ParameterError
-from urushi.eval import examine, image_metrics
+from urushi.eval import examine, metrics
 from urushi.eval.examine import ALBEDO_ANGLES, INCIDENT, OUTGOING
+from urushi.eval.plots import likeness
 from urushi.material import Material, encode
 from urushi.nets.architecture import Architecture, init
 from urushi.nets.weights import Model
@@ -35,7 +36,7 @@ def test_a_material_is_exactly_like_itself(itself):
     assert figures["E"] == figures["P median"] == [0, 0, 0]
     assert figures["anisotropy"] == figures["reciprocity"] == figures["transmitted"] == 0
     assert figures["albedo"]["source"] == figures["albedo"]["material"]
-    assert figures["sphere"]["psnr"] == image_metrics.BEST_PSNR
+    assert figures["sphere"]["psnr"] == metrics.BEST_PSNR
     assert np.array_equal(*itself.slices) and np.array_equal(*itself.pictures)
     json.dumps(figures)  # nothing in it that JSON has not
 
@@ -102,7 +103,7 @@ def test_what_cannot_be_shown(material, tmp_path):
 
 def test_the_report_is_written(itself, tmp_path):
     pytest.importorskip("matplotlib")
-    examine.write(tmp_path / "new" / "report", {"a b": itself}, {"bad": "is a web page"})
+    likeness.write_report(tmp_path / "new" / "report", {"a b": itself}, {"bad": "is a web page"})
     folder = tmp_path / "new" / "report"
     assert sorted(file.name for file in folder.iterdir()) == ["a b.png", "report.json", "report.md"]
     content = json.loads((folder / "report.json").read_text())
@@ -111,4 +112,4 @@ def test_the_report_is_written(itself, tmp_path):
     text = (folder / "report.md").read_text()
     assert "| a b | 0.0% |" in text and "(<a b.png>)" in text and "is a web page" in text
     with pytest.raises(FileError, match="cannot make the folder"):
-        examine.write(folder / "report.md" / "below", {})
+        likeness.write_report(folder / "report.md" / "below", {})

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from urushi.errors import ParameterError, PlatformError
-from urushi.eval.image_metrics import BEST_PSNR, Comparison, compare, shown, srgb, ssim_map
+from urushi.eval.metrics import BEST_PSNR, Comparison, compare, shown, srgb, ssim_map
 
 #: flip-evaluator has no wheels for some platforms.
 FLIP = find_spec("flip_evaluator") is not None

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from urushi.errors import FileError
-from urushi.eval import benchmark, cost, metrics, physics, report, table
+from urushi.eval import benchmark, cost, metrics, physical_laws, report, table
 from urushi.eval import samples as sampling
 from urushi.eval.groups import Aim, Row
 from urushi.nets import weights
@@ -22,8 +22,8 @@ ROWS = (
 @pytest.fixture(scope="module")
 def result(tiny, sets, groups):
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(physics, "WHITE_STACKS", 1)
-        patch.setattr(physics, "absorption", lambda model: [])
+        patch.setattr(physical_laws, "WHITE_STACKS", 1)
+        patch.setattr(physical_laws, "absorption", lambda model: [])
         patch.setattr(cost, "TILES", (8, 16))
         patch.setattr(cost, "PAIRS", 64)
         return report.measure(tiny, sets, groups=groups, rows=ROWS, source="a few stacks")

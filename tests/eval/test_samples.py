@@ -8,10 +8,10 @@ from urushi.errors import ParameterError
 from urushi.eval import samples as sampling
 from urushi.eval.groups import GROUPS, ROWS, Group
 from urushi.eval.samples import Samples
-from urushi.material.quadrature import half_vector_rule
-from urushi.nets.probes import PROBES, probe_pairs
+from urushi.geometry.probe_pairs import PROBES, probe_pairs
+from urushi.geometry.quadrature import half_vector_rule
 from urushi.reference import coat, conductor
-from urushi.reference.albedo import albedo
+from urushi.reference.simulate import albedo
 
 
 def test_the_reference_reaches_its_aim(sets, aim):

@@ -5,8 +5,7 @@ import pytest
 
 from urushi.material import Material
 from urushi.nets.architecture import Architecture, init
-from urushi.nets.shipped import default_model
-from urushi.nets.weights import Model
+from urushi.nets.weights import Model, default_model
 
 RGB = np.random.default_rng(41).normal(size=(3, 32)).astype(np.float32)
 

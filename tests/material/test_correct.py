@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
+from urushi.geometry.error_metrics import UNSEEN
 from urushi.material import energy
-from urushi.material.correct import corrected
-from urushi.material.encode import encode_values
-from urushi.material.starts import UNSEEN
+from urushi.material.encode import material_from_values
+from urushi.material.fit import corrected
 from urushi.nets import weights
-from urushi.nets.paper.architecture import PaperArchitecture, init
-from urushi.reference import evaluate
+from urushi.paper.architecture import PaperArchitecture, init
+from urushi.reference import analytic
 from urushi.reference.stack import conductor, dielectric, diffuse
 
 SURFACES = (
@@ -24,7 +24,7 @@ SURFACES = (
 def surfaces(trained) -> np.ndarray:
     """Values (12, P) of plain surfaces, three channels each."""
     pairs = trained.networks.pairs()
-    return np.concatenate([evaluate.f(surface, *pairs).T for surface in SURFACES])
+    return np.concatenate([analytic.f(surface, *pairs).T for surface in SURFACES])
 
 
 def errors(trained, z, f):
@@ -62,7 +62,7 @@ def test_no_code_gets_worse_whatever_the_networks_and_values(trained, model):
 
 
 def test_materials_keep_the_encoders_codes_for_coats(trained, surfaces):
-    material = encode_values(surfaces[:3].T, trained)
+    material = material_from_values(surfaces[:3].T, trained)
     expected = energy.limit(trained, trained.networks.encode(surfaces[:3]))
     np.testing.assert_allclose(material.anchors, expected, rtol=1e-4, atol=1e-4)
     assert not np.array_equal(material.anchors, material.latents)
@@ -79,7 +79,7 @@ def test_anchors_that_could_bring_light_into_a_coat_are_dimmed(trained, surfaces
         pairs = (np.concatenate([own, more]) for own, more in zip(
             trained.networks.pairs(), (nodes.wi, nodes.wo), strict=True
         ))  # fmt: skip
-        material = encode_values(evaluate.f(surface, *pairs), trained)
+        material = material_from_values(analytic.f(surface, *pairs), trained)
         assert energy.albedo(trained, material.anchors).max() <= 1 - energy.MARGIN + 1e-4
 
 

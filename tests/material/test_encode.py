@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from urushi.errors import ParameterError
+from urushi.geometry.probe_pairs import probe_pairs
 from urushi.material import encode as package_encode
 from urushi.material.encode import _adapters, encode, register_adapter
 from urushi.material.symmetry import Source
-from urushi.nets.probes import probe_pairs
-from urushi.reference import evaluate
+from urushi.reference import analytic
 from urushi.reference.stack import coat, conductor, dielectric, diffuse
 
 
@@ -26,7 +26,7 @@ def test_a_function_and_its_description_encode_alike(model):
 def test_descriptions_have_three_channels(description, model):
     material = encode(description, model)
     assert material.latents.shape == (3, 32)
-    by_function = encode(lambda wi, wo: evaluate.f(description, wi, wo), model)
+    by_function = encode(lambda wi, wo: analytic.f(description, wi, wo), model)
     assert np.array_equal(material.latents, by_function.latents)
 
 

@@ -4,15 +4,21 @@ import numpy as np
 import pytest
 
 import urushi
+from urushi.geometry.quadrature import half_vector_rule
 from urushi.material import Material, encode, energy, layer
-from urushi.material.encode import encode_values, read, seen_pairs
-from urushi.material.quadrature import half_vector_rule
-from urushi.material.texture import encode_texels, encoded, layer_texels
+from urushi.material.encode import (
+    encoder_codes,
+    limited_codes,
+    material_from_values,
+    read,
+    seen_pairs,
+)
+from urushi.material.layer import layer_texels
 from urushi.nets import decoder
-from urushi.nets.paper.architecture import PaperArchitecture
-from urushi.nets.paper.architecture import init as init_paper
 from urushi.nets.weights import Model
-from urushi.reference import evaluate
+from urushi.paper.architecture import PaperArchitecture
+from urushi.paper.architecture import init as init_paper
+from urushi.reference import analytic
 
 #: None of the rule's ten angles is among these.
 COSINES = np.array([0.99, 0.85, 0.62, 0.4, 0.24, 0.12, 0.06, 0.025])
@@ -34,7 +40,7 @@ def true_albedo(description, wi):
     """Directional albedo (N, 3) of a description by the fine rule."""
     wo, weights = half_vector_rule(wi)
     pairs = np.repeat(wi, weights.shape[1], axis=0), wo.reshape(-1, 3).astype(np.float32)
-    f = evaluate.f(description, *pairs).reshape(*weights.shape, 3)
+    f = analytic.f(description, *pairs).reshape(*weights.shape, 3)
     return np.sum(f * (weights * wo[..., 2])[..., None], axis=1)
 
 
@@ -48,7 +54,7 @@ def test_the_rule_agrees_with_a_fine_one(alpha):
         urushi.dielectric(alpha, 1.5),
         urushi.diffuse(0.8),
     ):
-        f = evaluate.f(description, rule.wi, rule.wo).T
+        f = analytic.f(description, rule.wi, rule.wo).T
         at_angles = np.add.reduceat(f * rule.weights, rule.first, axis=-1)
         expected = true_albedo(description, rule.wi[rule.first]).T
         np.testing.assert_allclose(at_angles, expected, rtol=2e-3)
@@ -79,7 +85,7 @@ def test_lossless_stacks_reflect_at_most_everything(bottom, trained):
 
 def test_a_gaining_network_is_brought_back_to_the_source(gaining):
     gold = urushi.conductor(0.2, (0.98, 0.77, 0.34))
-    free = Material(encoded(gaining, read(gold, *gaining.networks.pairs()).values.T), gaining)
+    free = Material(encoder_codes(gaining, read(gold, *gaining.networks.pairs()).values.T), gaining)
     assert (free.albedo(WI) > 1.2 * true_albedo(gold, WI)).all()
     lawful = COSINES > energy.GRAZING
     excess = encode(gold, gaining).albedo(WI) - true_albedo(gold, WI)
@@ -97,7 +103,7 @@ def test_a_gaining_network_layers_at_most_everything(gaining):
 def test_one_factor_for_all_directions(gaining, directions):
     """So that reciprocity is untouched: the same bits with wi and wo exchanged."""
     source = urushi.conductor(0.2, (0.98, 0.77, 0.34))
-    codes = encoded(gaining, read(source, *gaining.networks.pairs()).values.T)
+    codes = encoder_codes(gaining, read(source, *gaining.networks.pairs()).values.T)
     nodes = energy.rule()
     own = nodes.albedo(read(source, nodes.wi, nodes.wo).values.T)
     limited = Material(energy.limit(gaining, codes, energy.ceiling(own)), gaining)
@@ -110,7 +116,7 @@ def test_one_factor_for_all_directions(gaining, directions):
 
 
 def test_what_is_far_below_keeps_its_bits(trained):
-    dark = encoded(trained, read(urushi.diffuse(0.3), *trained.networks.pairs()).values.T)
+    dark = encoder_codes(trained, read(urushi.diffuse(0.3), *trained.networks.pairs()).values.T)
     assert energy.limit(trained, dark) is dark
     again = energy.limit(trained, dark, energy.albedo(trained, dark) + 0.01)
     assert again is dark
@@ -130,11 +136,11 @@ def test_channels_are_limited_apart(gaining):
     values = np.array([0.2, 0.7, 1.0], np.float32) / np.pi
     pairs = len(gaining.networks.pairs()[0])
     f = np.repeat(values[:, None], pairs, axis=1)
-    limited, free = encode_texels(gaining, f), encoded(gaining, f)
+    limited, free = limited_codes(gaining, f), encoder_codes(gaining, f)
     assert np.array_equal(limited[0], free[0])
     assert limited[2, 0] < free[2, 0]
     for channel in range(3):
-        alone = encode_texels(gaining, f[channel : channel + 1])
+        alone = limited_codes(gaining, f[channel : channel + 1])
         np.testing.assert_allclose(alone[0], limited[channel], atol=1e-5)  # float32 sums
 
 
@@ -148,10 +154,10 @@ def test_a_source_that_gains_energy_keeps_its_own_albedo(trained):
     albedo = own.albedo(WI)
     assert 1.15 < albedo.max() < 1.2 + BETWEEN
     pairs = seen_pairs(bright, trained)
-    assert encode_values(read(bright, *pairs).values, trained) == own
-    blind = encode_values(read(bright, *trained.networks.pairs()).values, trained)
+    assert material_from_values(read(bright, *pairs).values, trained) == own
+    blind = material_from_values(read(bright, *trained.networks.pairs()).values, trained)
     assert blind.albedo(WI).max() < 1 + BETWEEN
-    free = encoded(trained, read(bright, *trained.networks.pairs()).values.T)
+    free = encoder_codes(trained, read(bright, *trained.networks.pairs()).values.T)
     coated = energy.limit_coated(trained, free * np.float32(1), own.latents)
     assert Material(coated, trained).albedo(WI).max() > 1.1
     coated = energy.limit_coated(trained, free * np.float32(1), blind.latents)

@@ -8,7 +8,7 @@ import safetensors.numpy
 
 from urushi.errors import FileError
 from urushi.material import Material, encode, load
-from urushi.nets import shipped
+from urushi.nets import weights
 from urushi.reference import conductor
 
 
@@ -97,11 +97,11 @@ def test_missing_and_unwritable_paths_are_named(material, model, tmp_path):
 
 
 def test_a_file_finds_the_shipped_networks_it_belongs_to(tmp_path):
-    for name in shipped.NAMES:
+    for name in weights.SHIPPED:
         made = encode(conductor(0.3, 0.9), name)
         made.save(tmp_path / name)
         assert load(tmp_path / name) == made
-        assert load(tmp_path / name).model is shipped.load(name)
+        assert load(tmp_path / name).model is weights.load_shipped(name)
 
 
 def test_unknown_networks_name_the_shipped_ones(tmp_path):

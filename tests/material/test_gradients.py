@@ -5,10 +5,11 @@ import pytest
 
 from urushi.errors import ParameterError
 from urushi.material import gradients
-from urushi.material.texture import encode_texels, encoded, layer_texels
-from urushi.nets.paper.architecture import PaperArchitecture
-from urushi.nets.paper.architecture import init as init_paper
+from urushi.material.encode import encoder_codes, limited_codes
+from urushi.material.layer import layer_texels
 from urushi.nets.weights import Model
+from urushi.paper.architecture import PaperArchitecture
+from urushi.paper.architecture import init as init_paper
 
 ROWS = 24
 NAMES = ("alpha", "eta", "albedo", "sigma_t", "g")
@@ -33,7 +34,7 @@ def inputs(gaining):
     reflectance = np.linspace(0.1, 0.99, ROWS)[:, None]
     f = np.broadcast_to(reflectance / np.pi, (ROWS, len(gaining.networks.pairs()[0])))
     f = (f * np.exp(0.05 * rng.normal(size=f.shape))).astype(np.float32)
-    z = encode_texels(gaining, f)
+    z = limited_codes(gaining, f)
     z[-5:, 0] += 0.2  # albedos above one
     coat = np.where(np.arange(ROWS)[:, None] % 2, CLEAR, CLOUDY).astype(np.float32)
     return f, z, coat
@@ -54,7 +55,7 @@ def test_the_limit_acts_on_some_codes_and_not_on_others(gaining, inputs):
     unlimited = gradients._unlimited(gaining, z, coat)
     over = gradients._limited(layered(gaining, z, coat), unlimited)
     assert 0 < len(over) < ROWS
-    over = gradients._limited(encode_texels(gaining, f), encoded(gaining, f))
+    over = gradients._limited(limited_codes(gaining, f), encoder_codes(gaining, f))
     assert 0 < len(over) < ROWS
 
 
@@ -80,8 +81,8 @@ def test_encode_against_differences(gaining, inputs):
     """As above."""
     f, _, _ = inputs
     df = f * np.random.default_rng(1).normal(size=f.shape).astype(np.float32)
-    expected = differences(lambda step: encode_texels(gaining, f + np.float32(step) * df), 2e-3)
-    actual = gradients.encode_pushforward(gaining, f, encode_texels(gaining, f), df)
+    expected = differences(lambda step: limited_codes(gaining, f + np.float32(step) * df), 2e-3)
+    actual = gradients.encode_pushforward(gaining, f, limited_codes(gaining, f), df)
     error = np.abs(actual - expected).max(axis=-1) / np.abs(expected).max(axis=-1)
     assert np.sort(error)[-3] < 5e-3
 
@@ -100,7 +101,7 @@ def test_backward_is_the_transpose_of_forward(gaining, inputs):
     np.testing.assert_allclose((forward.sum(axis=-1) - backward) / size, 0, atol=1e-4)
 
     df = f * rng.normal(size=f.shape).astype(np.float32)
-    codes = encode_texels(gaining, f)
+    codes = limited_codes(gaining, f)
     forward = u * gradients.encode_pushforward(gaining, f, codes, df)
     backward = (gradients.encode_pullback(gaining, f, codes, u) * df).sum(axis=-1)
     size = np.abs(forward).sum(axis=-1)

@@ -9,20 +9,20 @@ from urushi.eval import benchmark, predict
 from urushi.eval import samples as sampling
 from urushi.eval.groups import GROUPS
 from urushi.material import Material, encode, energy
-from urushi.material.cores import one_thread
-from urushi.material.encode import encode_values, read
-from urushi.material.refine import (
-    ANCHORED,
-    LOOSE,
+from urushi.material.encode import material_from_values, read
+from urushi.material.fit import (
+    ANCHOR_HOLD,
+    LATENT_HOLD,
     STEPS,
-    dimmed,
-    improved,
+    fit_target,
+    fitted_below_ceiling,
+    initial_code,
+    levenberg_marquardt,
     objective,
     refined,
-    wanted,
 )
-from urushi.material.starts import nearest
-from urushi.material.texture import layer_texels
+from urushi.material.layer import layer_texels
+from urushi.parallel import one_blas_thread
 from urushi.reference.stack import conductor, diffuse
 
 
@@ -51,15 +51,18 @@ def values(source, networks) -> np.ndarray:
     return np.ascontiguousarray(f.T)
 
 
-@pytest.mark.parametrize("hold", [ANCHORED, LOOSE])
+@pytest.mark.parametrize("hold", [ANCHOR_HOLD, LATENT_HOLD])
 @pytest.mark.parametrize("source", ODD)
 def test_no_step_raises_the_objective(source, hold, trained, model):
     for networks in (trained.networks, model.networks):
         for f in values(source, networks):
             z = networks.encode(f[None])[0]
-            aim = wanted(networks, f)
-            with one_thread():
-                made = [improved(networks, z, aim, hold, steps) for steps in range(0, STEPS + 1, 4)]
+            aim = fit_target(networks, f)
+            with one_blas_thread():
+                made = [
+                    levenberg_marquardt(networks, z, aim, hold, steps)
+                    for steps in range(0, STEPS + 1, 4)
+                ]
                 course = [objective(networks, z, aim, hold) for z in made]
             assert (np.diff(course) <= 0).all() and np.isfinite(course).all()
 
@@ -83,10 +86,11 @@ def test_a_code_is_found_again(trained):
         f_hat = networks.f(z[:, None], *networks.pairs())
         return np.median(np.abs(f_hat - decoded) / (decoded + 1e-3), axis=1)
 
-    with one_thread():
-        aims = [wanted(networks, f) for f in decoded]
+    with one_blas_thread():
+        aims = [fit_target(networks, f) for f in decoded]
         found = [
-            improved(networks, z, aim, ANCHORED) for z, aim in zip(perturbed, aims, strict=True)
+            levenberg_marquardt(networks, z, aim, ANCHOR_HOLD)
+            for z, aim in zip(perturbed, aims, strict=True)
         ]
     before, after = distance(perturbed), distance(np.stack(found))
     # Least squares over ten times more values than numbers: at least a factor of two remains of
@@ -129,7 +133,7 @@ def misses(networks, z, f) -> np.ndarray:
 def test_what_the_encoder_misses_comes_closer_than_its_anchor(trained):
     """The less a code is held, the closer it comes."""
     f = values(three_lobes, trained.networks)
-    encoded, made = (encode_values(f.T, trained, refine=refine) for refine in (False, True))
+    encoded, made = (material_from_values(f.T, trained, refine=refine) for refine in (False, True))
     free, held, one_pass = (
         misses(trained.networks, z, f).mean() for z in (made.latents, made.anchors, encoded.anchors)
     )
@@ -141,11 +145,11 @@ def test_no_start_is_worse_than_the_encoder(trained, model):
     for source in ODD:
         for networks in (trained.networks, model.networks):
             f = values(source, networks)
-            start = np.stack([nearest(networks, row) for row in f])
+            start = np.stack([initial_code(networks, row) for row in f])
             encoded = misses(networks, networks.encode(f), f)
             assert (misses(networks, start, f) < encoded + 1e-4).all()  # float32 sums
     f = values(conductor(0.2, 0.8), trained.networks)[:1]
-    assert np.array_equal(nearest(trained.networks, f[0]), trained.networks.encode(f[:1])[0])
+    assert np.array_equal(initial_code(trained.networks, f[0]), trained.networks.encode(f[:1])[0])
 
 
 def test_a_far_code_is_left_for_a_plain_one(trained):
@@ -159,7 +163,7 @@ def test_a_far_code_is_left_for_a_plain_one(trained):
             return 5e-4 + 1.5 * np.exp(-tan2 / (1 - width))
 
         f = values(bell, trained.networks)[:1]
-        assert misses(trained.networks, nearest(trained.networks, f[0])[None], f)[0] < 1
+        assert misses(trained.networks, initial_code(trained.networks, f[0])[None], f)[0] < 1
 
 
 def test_values_at_nodes_bring_the_light_closer(trained):
@@ -182,9 +186,9 @@ def test_values_at_nodes_bring_the_light_closer(trained):
 def test_black_nodes_count_for_nothing(trained):
     rule = energy.rule()
     black = np.zeros(len(trained.networks.pairs()[0]), np.float32)
-    aim = wanted(trained.networks, black, np.zeros(len(rule.wi), np.float32))
+    aim = fit_target(trained.networks, black, np.zeros(len(rule.wi), np.float32))
     assert len(aim.logs) == aim.probes
-    some = wanted(trained.networks, black + 0.1, np.full(len(rule.wi), 0.1, np.float32))
+    some = fit_target(trained.networks, black + 0.1, np.full(len(rule.wi), 0.1, np.float32))
     assert some.weights.sum() == pytest.approx(1)
     assert (some.weights > 0).all()
 
@@ -201,7 +205,7 @@ def test_layering_over_refined_codes(trained):
     for group in groups:
         samples = sets[group.name]
         for refine, found in errors.items():
-            lower = encode_values(samples.probed[1].T, trained, refine=refine).anchors
+            lower = material_from_values(samples.probed[1].T, trained, refine=refine).anchors
             table = samples.table
             coat = {
                 name: getattr(table, name)[:, 0].astype(np.float64)
@@ -247,9 +251,12 @@ def test_no_angle_is_much_too_bright_when_the_limit_comes(source, trained):
         np.ascontiguousarray(read(source, *pairs).values.T)
         for pairs in (networks.pairs(), (rule.wi, rule.wo))
     )
-    aim, start = wanted(networks, f[0], nodes[0]), nearest(networks, f[0])
-    with one_thread():
-        codes = [way(networks, start, aim, LOOSE) for way in (improved, dimmed)]
+    aim, start = fit_target(networks, f[0], nodes[0]), initial_code(networks, f[0])
+    with one_blas_thread():
+        codes = [
+            way(networks, start, aim, LATENT_HOLD)
+            for way in (levenberg_marquardt, fitted_below_ceiling)
+        ]
     ceiling = energy.ceiling(rule.albedo(nodes))
     free, held = ((energy.albedo(trained, z[None]) - ceiling).max() for z in codes)
     assert free > 0.005  # what there is to be mended

@@ -5,12 +5,12 @@ import warnings
 import numpy as np
 import pytest
 
-from urushi.data.directions import cosine_pairs
-from urushi.data.metrics import stack_error
 from urushi.errors import UrushiWarning
+from urushi.geometry.direction_sets import cosine_pairs
+from urushi.geometry.error_metrics import stack_error
+from urushi.geometry.probe_pairs import probe_pairs
 from urushi.material.encode import encode, read
 from urushi.material.symmetry import AZIMUTHS, Findings, judged_pairs, turned
-from urushi.nets.probes import probe_pairs
 from urushi.reference.stack import conductor
 
 WI, WO = probe_pairs(192)

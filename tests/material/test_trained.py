@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from urushi.material import encode, layer
-from urushi.reference import evaluate
+from urushi.reference import analytic
 from urushi.reference.simulate import simulate
 from urushi.reference.stack import coat, conductor, dielectric, diffuse
 
@@ -35,7 +35,7 @@ def test_conductors_are_encoded(alpha, trained):
     # Wider than the layering goal of 2 % on average: single materials.
     description = conductor(alpha, (0.95, 0.6, 0.2))
     wi, wo = _pairs(2000, 1)
-    truth = evaluate.f(description, wi, wo)
+    truth = analytic.f(description, wi, wo)
     assert _error(encode(description, trained), truth, wi, wo) < 0.05
 
 

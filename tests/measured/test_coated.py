@@ -4,11 +4,11 @@ import drjit as dr
 import numpy as np
 import pytest
 
-from urushi.measured import Merl, load_measured, table
+from urushi.measured import Merl, load_measured, tabulated
 from urushi.physics.frame import square_to_cosine_hemisphere
-from urushi.reference import coat, conductor, device, diffuse, evaluate, simulate
-from urushi.reference.albedo import albedo
+from urushi.reference import analytic, coat, conductor, diffuse, launch, simulate
 from urushi.reference.rng import stream
+from urushi.reference.simulate import albedo
 
 SAMPLES = 1 << 18
 COLOUR = np.array([0.6, 0.3, 0.1])
@@ -26,7 +26,7 @@ def glossy(wi, wo):
 
 @pytest.fixture(scope="module")
 def plastic():
-    return Merl(table.tabulated(glossy, (90, 90, 180)))
+    return Merl(tabulated.tabulated(glossy, (90, 90, 180)))
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +41,7 @@ def vector(types, w):
 def test_the_walks_table_is_the_readers(random_directions):
     """Of noise, so that every bin and weight counts."""
     noise = Merl(np.random.default_rng(0).random((90, 90, 180, 3)))
-    types = device.types()
+    types = launch.types()
     wi, wo = random_directions(20000, 1), random_directions(20000, 2)
     wi[:100], wo[:100] = wo[:100], wi[:100]
     wi[0] = wo[0] = (0, 0, 1)  # where angles have no meaning
@@ -55,7 +55,7 @@ def test_the_walks_table_is_the_readers(random_directions):
 
 
 def test_below_the_horizon_nothing_is_reflected(plastic):
-    types = device.types()
+    types = launch.types()
     up, down = np.array([0.6, 0, 0.8]), np.array([0.6, 0, -0.8])
     wi, wo = np.array([up, down, down]), np.array([down, up, down])
     f, pdf = plastic.f_pdf(vector(types, wi), vector(types, wo))
@@ -69,7 +69,7 @@ def test_below_the_horizon_nothing_is_reflected(plastic):
 
 @pytest.mark.parametrize("cos_i", [1.0, 0.6, 0.1])
 def test_samples_integrate_the_brdf_and_their_density(plastic, cos_i):
-    types = device.types()
+    types = launch.types()
     wi = types.Array3f(float(np.sqrt(1 - cos_i**2)), 0, cos_i) + dr.zeros(types.Array3f, SAMPLES)
     rng = stream(types.PCG32, dr.arange(types.UInt64, SAMPLES), 1)
     u = [rng.next_float32() for _ in range(5)]
@@ -100,7 +100,7 @@ def test_a_constant_table_under_a_coat_is_a_coated_lambertian(lambertian, random
 def test_a_tabulated_conductor_under_a_coat_is_the_coated_conductor(random_directions):
     """The table's lookups and lobes against the analytic bottom and its own sampling."""
     gold = conductor(0.3, (0.95, 0.6, 0.2))
-    copy = Merl(table.tabulated(lambda wi, wo: evaluate.f(gold, wi, wo), (90, 90, 180)))
+    copy = Merl(tabulated.tabulated(lambda wi, wo: analytic.f(gold, wi, wo), (90, 90, 180)))
     wi, wo = random_directions(20, 11, 0.1), random_directions(20, 12, 0.1)
     layers = dict(alpha=0.2, eta=1.5, albedo=(0.9, 0.5, 0.1), sigma_t=0.3, g=0.3)
     f, se = simulate(coat(copy, **layers), wi, wo, walks=1 << 13, progress=False)
@@ -142,7 +142,7 @@ def test_an_rgl_materials_table_is_its_mean_over_the_exchange(name, test_data, r
     material = load_measured(path)
     wi, wo = random_directions(4000, 9, 0.1), random_directions(4000, 10, 0.1)
     expected = 0.5 * (material.f(wi, wo) + material.f(wo, wi))
-    f = table.interpolated(material.table(), wi.astype(float), wo.astype(float))
+    f = tabulated.interpolated(material.table(), wi.astype(float), wo.astype(float))
     weight = (wi[:, 2] * wo[:, 2])[:, None]
     # Files have few elevations, linear in between: their creases are rounded off.
     assert (np.abs(f - expected) * weight).sum() < 0.02 * (expected * weight).sum()

@@ -5,9 +5,9 @@ import sys
 import numpy as np
 import pytest
 
-from urushi.measured import Merl, hemisphere, load_measured
-from urushi.measured.fill import fill_nearest
-from urushi.measured.rusinkiewicz import half_difference_angles
+from urushi.geometry.half_vector import half_difference_angles
+from urushi.measured import Merl, load_measured, tabulated
+from urushi.measured.tabulated import fill_nearest
 
 ALPHA = 0.3
 COLOUR = np.array([0.9, 0.5, 0.2])
@@ -135,7 +135,7 @@ def test_angles_of_directions_from_angles(writers):
 def test_chunks_do_not_change_the_result(analytic, random_directions, monkeypatch):
     wi, wo = random_directions(1000, 10), random_directions(1000, 11)
     whole = analytic.f(wi, wo)
-    monkeypatch.setattr(hemisphere, "CHUNK", 100)
+    monkeypatch.setattr(tabulated, "CHUNK", 100)
     np.testing.assert_array_equal(analytic.f(wi, wo), whole)
 
 

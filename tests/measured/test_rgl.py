@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from urushi.measured import Rgl, load_measured
-from urushi.measured.colour import srgb_weights
-from urushi.measured.rgl import LEAST_COSINE
+from urushi.measured.rgl import LEAST_COSINE, srgb_weights
 
 NAMES = [
     "aurora_white", "cc_green_malachite", "cc_ibiza_sunset", "chm_mint", "cm_military_green",

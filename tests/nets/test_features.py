@@ -4,6 +4,8 @@ import math
 
 import numpy as np
 
+from urushi.geometry.half_vector import from_half_and_difference
+from urushi.geometry.probe_pairs import probe_pairs
 from urushi.nets.features import (
     COAT_FEATURES,
     COAT_INPUTS,
@@ -13,7 +15,6 @@ from urushi.nets.features import (
     coat_features,
     direction_features,
 )
-from urushi.nets.probes import from_half_and_difference, probe_pairs
 
 
 def _raw(features, table):

@@ -3,15 +3,14 @@
 import numpy as np
 import pytest
 
+from urushi.geometry.probe_pairs import probe_pairs
 from urushi.nets import decoder, encoder, layerer, sampler
-from urushi.nets.activation import activate, with_slope
 from urushi.nets.architecture import ACTIVATIONS, SCALE, Architecture, init
 from urushi.nets.features import MIN_ALPHA, coat_features, direction_features
-from urushi.nets.mlp import linear
+from urushi.nets.mlp import activate, linear, with_slope
 from urushi.nets.networks import UrushiNetworks
-from urushi.nets.paper.architecture import PaperArchitecture
-from urushi.nets.paper.networks import PaperNetworks
-from urushi.nets.probes import probe_pairs
+from urushi.paper.architecture import PaperArchitecture
+from urushi.paper.networks import PaperNetworks
 
 
 def test_decoder_is_reciprocal_bit_for_bit_positive_and_finite(networks, pairs):
@@ -80,7 +79,7 @@ def test_sampler_gives_a_mixture(networks):
     arch, params = networks
     z = np.random.default_rng(7).normal(size=(200, 1, 32)).astype(np.float32) * 100
     cos_i = np.linspace(0, 1, 50, dtype=np.float32)
-    weights, alphas = sampler.lobes(params, arch, z, cos_i)
+    weights, alphas = sampler.mixture(params, arch, z, cos_i)
     assert weights.shape == (200, 50, 3) and alphas.shape == (200, 50, 2)
     np.testing.assert_allclose(weights.sum(axis=-1), 1, atol=1e-6)
     assert (weights >= 0).all() and (weights[..., -1] >= 0.0199).all()

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from urushi.nets import encoder, layerer, tangents
+from urushi.nets import derivatives, encoder, layerer
 from urushi.nets.features import coat_features
 
 ROWS = 40
@@ -50,7 +50,7 @@ def test_layer_forward_against_differences(double, rng):
     change += layered(params, arch, z, coat + step * np.abs(dcoat) * [0, 0, 0, 1, 0])
     expected = (change - 2 * layered(params, arch, z, coat)) / step
     dcoat[:, 3] = np.abs(dcoat[:, 3])
-    actual = tangents.layer_pushforward(params, arch, z, coat, dz, dcoat)
+    actual = derivatives.layer_pushforward(params, arch, z, coat, dz, dcoat)
     scale = np.abs(expected).max()
     assert np.mean(np.abs(actual - expected) > 1e-5 * scale) < 0.01
 
@@ -62,7 +62,7 @@ def test_encode_forward_against_differences(double, rng):
     step = 1e-6
     upper, lower = (encoder.encode(params, arch, f + sign * step * df) for sign in (1, -1))
     close_but_for_kinks(
-        tangents.encode_pushforward(params, arch, f, df), (upper - lower) / (2 * step)
+        derivatives.encode_pushforward(params, arch, f, df), (upper - lower) / (2 * step)
     )
 
 
@@ -71,15 +71,15 @@ def test_backward_is_the_transpose_of_forward(double, rng):
     params, arch = double
     z, coat, u = rng.normal(size=(ROWS, 32)), coats(rng), rng.normal(size=(ROWS, 32))
     dz, dcoat = rng.normal(size=(ROWS, 32)), rng.normal(size=(ROWS, 5))
-    of_z, of_coat = tangents.layer_pullback(params, arch, z, coat, u)
-    forward = (u * tangents.layer_pushforward(params, arch, z, coat, dz, dcoat)).sum(axis=-1)
+    of_z, of_coat = derivatives.layer_pullback(params, arch, z, coat, u)
+    forward = (u * derivatives.layer_pushforward(params, arch, z, coat, dz, dcoat)).sum(axis=-1)
     backward = (of_z * dz).sum(axis=-1) + (of_coat * dcoat).sum(axis=-1)
     np.testing.assert_allclose(forward, backward, rtol=1e-9, atol=1e-9)
 
     f = np.exp(rng.uniform(-6, 4, size=(ROWS, 192)))
     df = f * rng.normal(size=f.shape)
-    forward = (u * tangents.encode_pushforward(params, arch, f, df)).sum(axis=-1)
-    backward = (tangents.encode_pullback(params, arch, f, u) * df).sum(axis=-1)
+    forward = (u * derivatives.encode_pushforward(params, arch, f, df)).sum(axis=-1)
+    backward = (derivatives.encode_pullback(params, arch, f, u) * df).sum(axis=-1)
     np.testing.assert_allclose(forward, backward, rtol=1e-9, atol=1e-9)
 
 
@@ -87,11 +87,11 @@ def test_white_media_and_black_brdfs_have_finite_derivatives(double, rng):
     params, arch = double
     coat = coats(rng)
     coat[:, 2] = 1.0
-    of_z, of_coat = tangents.layer_pullback(
+    of_z, of_coat = derivatives.layer_pullback(
         params, arch, rng.normal(size=(ROWS, 32)), coat, rng.normal(size=(ROWS, 32))
     )
     assert np.isfinite(of_z).all()
     assert np.isfinite(of_coat).all()
-    gradient = tangents.encode_pullback(params, arch, np.zeros((1, 192)), np.ones((1, 32)))
+    gradient = derivatives.encode_pullback(params, arch, np.zeros((1, 192)), np.ones((1, 32)))
     assert np.isfinite(gradient).all()
     assert gradient.any()

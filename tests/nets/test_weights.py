@@ -8,7 +8,7 @@ import pytest
 import safetensors.numpy
 
 from urushi.errors import FileError, ParameterError
-from urushi.nets import shipped, weights
+from urushi.nets import weights
 from urushi.nets.architecture import Architecture, init
 
 ARCH = Architecture(latent=4, decoder=(8,), encoder=(8,), layerer=(8,), sampler=(8,), probes=16)
@@ -22,7 +22,7 @@ def saved(tmp_path):
 
 def test_round_trip(saved):
     path, model = saved
-    again = weights.load(path)
+    again = weights.read(path)
     assert again.arch == ARCH and again.header == {"preset": "quick", "seed": 0}
     assert again.fingerprint == model.fingerprint
     assert all(np.array_equal(again.params[name], model.params[name]) for name in model.params)
@@ -75,7 +75,7 @@ def test_broken_parameters_are_refused(words, saved):
     metadata = {"kind": "weights", "version": 1, "architecture": json.loads(ARCH.to_json())}
     path.write_bytes(safetensors.numpy.save(params, {"urushi": json.dumps(metadata)}))
     with pytest.raises(FileError, match=words):
-        weights.load(path)
+        weights.read(path)
 
 
 def _hostile(good: bytes) -> dict[str, bytes]:
@@ -122,15 +122,15 @@ def test_hostile_files_are_refused_in_one_sentence(case, tmp_path):
     path = tmp_path / "hostile.safetensors"
     path.write_bytes(_hostile(_good())[case])
     with pytest.raises(FileError, match=r"hostile\.safetensors") as caught:
-        weights.load(path)
+        weights.read(path)
     assert "\n" not in str(caught.value)
 
 
 def test_missing_files_and_folders_are_named(tmp_path):
     with pytest.raises(FileError, match=r"no weights file '.*absent"):
-        weights.load(tmp_path / "absent.safetensors")
+        weights.read(tmp_path / "absent.safetensors")
     with pytest.raises(FileError, match="weights file"):
-        weights.load(tmp_path)
+        weights.read(tmp_path)
 
 
 def test_unwritable_output_is_named(tmp_path):
@@ -139,14 +139,14 @@ def test_unwritable_output_is_named(tmp_path):
 
 
 def test_missing_default_weights_name_the_cure(monkeypatch, tmp_path):
-    monkeypatch.setattr(shipped, "folder", lambda: tmp_path)
+    monkeypatch.setattr(weights, "shipped_folder", lambda: tmp_path)
     with pytest.raises(FileError, match="urushi train --preset small"):
-        shipped.load.__wrapped__("small")
+        weights.load_shipped.__wrapped__("small")
 
 
-@pytest.mark.parametrize("name", shipped.NAMES)
+@pytest.mark.parametrize("name", weights.SHIPPED)
 def test_shipped_weights_are_small_and_say_where_they_come_from(name):
-    model = shipped.find(name)
-    assert model is shipped.load(name)
-    assert (shipped.folder() / f"{name}.safetensors").stat().st_size < 2_000_000
+    model = weights.find(name)
+    assert model is weights.load_shipped(name)
+    assert (weights.shipped_folder() / f"{name}.safetensors").stat().st_size < 2_000_000
     assert {"seed", "data", "metrics", "cost", "versions"} <= set(model.header)

@@ -4,7 +4,7 @@ from types import ModuleType
 
 import pytest
 
-from urushi.reference.device import types
+from urushi.reference.launch import types
 
 
 @pytest.fixture(scope="session")

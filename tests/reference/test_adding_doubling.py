@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from urushi.errors import ParameterError
-from urushi.reference import Stack, adding_doubling, coat, conductor, dielectric, diffuse, simulate
-from urushi.reference.adding_doubling import interface, medium, surfaces
-from urushi.reference.adding_doubling.quadrature import Grid, fourier, series
+from urushi.reference import Stack, coat, conductor, dielectric, diffuse, simulate
+from urushi.reference.validation import adding_doubling
+from urushi.reference.validation.adding_doubling import layers, surfaces
+from urushi.reference.validation.adding_doubling.quadrature import CosineGrid, fourier, series
 
 
 def directions(count: int, seed: int) -> np.ndarray:
@@ -31,8 +32,8 @@ STACKS = {"conductor": ONE_COAT, "two coats": TWO_COATS, "diffuse": DIFFUSE}
 
 @pytest.mark.parametrize("g", [0.0, 0.5, -0.5, 0.9])
 def test_fourier_modes_of_the_phase_function_sum_to_it(g: float) -> None:
-    grid = Grid.gauss(nodes=64, modes=128)
-    forward, backward = medium._phase_modes(grid, g)
+    grid = CosineGrid.gauss(nodes=64, modes=128)
+    forward, backward = layers._phase_modes(grid, g)
     phi = 0.7
     sines = np.sqrt(1 - grid.mu**2)
     for modes, sign in ((forward, 1), (backward, -1)):
@@ -46,16 +47,16 @@ def test_fourier_modes_of_the_phase_function_sum_to_it(g: float) -> None:
 @pytest.mark.parametrize("g", [0.0, 0.5, -0.5, 0.9])
 @pytest.mark.parametrize("sigma_t", [0.05, 1.0, 8.0])
 def test_a_white_medium_conserves_energy(g: float, sigma_t: float) -> None:
-    grid = Grid.gauss(nodes=24, modes=1)
-    reflect, transmit = medium.slab(grid, albedo=1.0, sigma_t=sigma_t, g=g)
+    grid = CosineGrid.gauss(nodes=24, modes=1)
+    reflect, transmit = layers.slab(grid, albedo=1.0, sigma_t=sigma_t, g=g)
     # Uniform radiance enters from above: what comes out on both sides is its flux.
     np.testing.assert_allclose((reflect[0] + transmit[0]) @ grid.root, grid.root, rtol=2e-6)
 
 
 @pytest.mark.parametrize("albedo", [0.5, 0.9, 0.99])
 def test_half_space_is_chandrasekhars(albedo: float) -> None:
-    grid = Grid.gauss(nodes=32, modes=1)
-    reflect = medium.slab(grid, albedo=albedo, sigma_t=200.0, g=0.0)[0][0]
+    grid = CosineGrid.gauss(nodes=32, modes=1)
+    reflect = layers.slab(grid, albedo=albedo, sigma_t=200.0, g=0.0)[0][0]
     h = np.ones_like(grid.mu)
     kernel = grid.root**2 / (2 * np.pi) / np.add.outer(grid.mu, grid.mu)
     for _ in range(500):  # Chandrasekhar 1960, chapter V, solved for 1 / H
@@ -66,9 +67,9 @@ def test_half_space_is_chandrasekhars(albedo: float) -> None:
 
 
 def test_doubling_needs_no_start() -> None:
-    grid = Grid.gauss(nodes=16, modes=8)
-    thin = medium.slab(grid, 0.9, 0.5, 0.6)
-    thick = medium.slab(grid, 0.9, 1.0, 0.6)
+    grid = CosineGrid.gauss(nodes=16, modes=8)
+    thin = layers.slab(grid, 0.9, 0.5, 0.6)
+    thick = layers.slab(grid, 0.9, 1.0, 0.6)
     between = np.linalg.solve(np.eye(16) - thin[0] @ thin[0], thin[1])
     np.testing.assert_allclose(thick[1], thin[1] @ between, atol=1e-7)
     np.testing.assert_allclose(thick[0], thin[0] + thin[1] @ thin[0] @ between, atol=1e-7)
@@ -78,8 +79,8 @@ def test_doubling_needs_no_start() -> None:
 def test_interface_passes_what_microfacets_pass(alpha: float, eta: float) -> None:
     """Fourier modes and graded quadrature against a sum over microfacet normals."""
     cos_i = np.array([0.2, 0.6, 0.95])
-    grid = Grid.gauss(nodes=24, modes=2)
-    passed = eta**2 * interface.transmission(grid, cos_i, alpha, eta)[0] @ grid.root
+    grid = CosineGrid.gauss(nodes=24, modes=2)
+    passed = eta**2 * layers.transmission(grid, cos_i, alpha, eta)[0] @ grid.root
     expected = [microfacet_transmittance(c, alpha, eta) for c in cos_i]
     np.testing.assert_allclose(passed, expected, rtol=2e-3)
 

@@ -7,7 +7,7 @@ import pytest
 from urushi.data.distribution import Extended
 from urushi.physics import microfacet
 from urushi.physics.frame import square_to_cosine_hemisphere
-from urushi.reference import bottoms, device, measured_like
+from urushi.reference import bottoms, launch
 from urushi.reference.rng import stream
 from urushi.reference.table import BOTTOM_KINDS
 
@@ -16,7 +16,7 @@ SAMPLES = 1 << 20
 
 @pytest.fixture(scope="module")
 def types():
-    return device.types()
+    return launch.types()
 
 
 def directions(types, theta):
@@ -56,10 +56,10 @@ def test_mixture_of_one_lobe_is_that_lobe(types):
     wo = square_to_cosine_hemisphere(types.Array3f, rng.next_float32(), rng.next_float32())
     one, half, r0 = types.Float(1), types.Float(0.5), types.Float(0.3)
     zero = types.Float(0)
-    lobe = bottoms.LobeMixture(zero, one, half, r0, zero, half, r0).f_pdf(wi, wo)[0]
+    lobe = bottoms.MixtureBottom(zero, one, half, r0, zero, half, r0).f_pdf(wi, wo)[0]
     conductor = bottoms.schlick_conductor(half, r0).f_pdf(wi, wo)[0]
     np.testing.assert_allclose(lobe.numpy(), conductor.numpy(), rtol=1e-5)
-    diffuse = bottoms.LobeMixture(half, zero, half, r0, zero, half, r0).f_pdf(wi, wo)[0]
+    diffuse = bottoms.MixtureBottom(half, zero, half, r0, zero, half, r0).f_pdf(wi, wo)[0]
     np.testing.assert_allclose(diffuse.numpy(), 0.5 / np.pi, rtol=1e-6)
 
 
@@ -68,7 +68,7 @@ def test_trowbridge_reitz_lobe_of_exponent_two_is_ggx(types):
     wo = square_to_cosine_hemisphere(types.Array3f, rng.next_float32(), rng.next_float32())
     zero, half, r0 = types.Float(0), types.Float(0.5), types.Float(0.3)
     lobe, none = (types.Float(1), half, types.Float(2), r0, half), (zero, half, half, r0, half)
-    f = measured_like.MeasuredLike(zero, zero, zero, *lobe, *none).f_pdf(wi, wo)[0]
+    f = bottoms.MeasuredLike(zero, zero, zero, *lobe, *none).f_pdf(wi, wo)[0]
     conductor = bottoms.schlick_conductor(half, r0).f_pdf(wi, wo)[0]
     np.testing.assert_allclose(f.numpy(), conductor.numpy(), rtol=1e-4)
 
@@ -110,6 +110,6 @@ def test_beckmann_lobe_is_mitsubas(variant):
     si.wi = wi
     theirs = bsdf.eval(mi.BSDFContext(), si, wo)[0].numpy()
     zero, one, alpha = mi.Float(0), mi.Float(1), mi.Float(0.3)
-    ours = bottoms.LobeMixture(zero, zero, alpha, one, one, alpha, one).f_pdf(wi, wo)[0] * wo.z
+    ours = bottoms.MixtureBottom(zero, zero, alpha, one, one, alpha, one).f_pdf(wi, wo)[0] * wo.z
     # Mitsuba's rational fit of Smith's term has the same coefficients; float32 remains.
     np.testing.assert_allclose(ours.numpy(), theirs, rtol=2e-3, atol=1e-6)

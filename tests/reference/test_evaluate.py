@@ -5,7 +5,7 @@ import pytest
 
 from urushi.errors import ParameterError
 from urushi.reference import conductor, dielectric, diffuse
-from urushi.reference.evaluate import f
+from urushi.reference.analytic import f
 
 DESCRIPTIONS = {
     "schlick": conductor((0.1, 0.3, 1.0), 0.5),

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from urushi.reference import interface
-from urushi.reference.device import types
+from urushi.reference.launch import types
 
 COUNT = 200_000
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from urushi.reference import StackTable, coat, conductor, walk_pairs
-from urushi.reference.albedo import albedo
-from urushi.reference.analog import analog_albedo
+from urushi.reference.simulate import albedo
+from urushi.reference.validation.analog import analog_albedo
 
 WALKS = 1 << 14  # a standard error of 0.4 % in the median; the reference's own is 1 %
 

@@ -5,7 +5,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from urushi.reference import adding_doubling, coat, conductor, diffuse, simulate, slab
+from urushi.reference import coat, conductor, diffuse, simulate
+from urushi.reference.validation import adding_doubling, slab
 
 
 def walsh(n: float) -> float:

@@ -20,7 +20,7 @@ from urushi.reference import (
     walk,
     walk_pairs,
 )
-from urushi.reference.device import types
+from urushi.reference.launch import types
 from urushi.reference.rng import stream
 from urushi.reference.table import BOTTOM_KINDS
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from urushi.measured import merl, table
+from urushi.measured import merl, tabulated
 from urushi.nets import weights
 from urushi.nets.architecture import Architecture, init
 from urushi.nets.weights import Model
@@ -35,7 +35,7 @@ def networks(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="session")
 def model(networks: Path) -> Model:
     """The same networks, loaded."""
-    return weights.load(networks)
+    return weights.read(networks)
 
 
 def _plastic(wi, wo):
@@ -51,7 +51,7 @@ def _plastic(wi, wo):
 @pytest.fixture(scope="session")
 def merl_file(tmp_path_factory):
     """A MERL file of a plastic."""
-    rows = table.tabulated(_plastic, merl.SHAPE).reshape(-1, 3)
+    rows = tabulated.tabulated(_plastic, merl.SHAPE).reshape(-1, 3)
     path = tmp_path_factory.mktemp("merl") / "plastic.binary"
     with path.open("wb") as file:
         file.write(merl.HEADER)

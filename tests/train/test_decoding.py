@@ -7,7 +7,11 @@ import pytest
 
 from urushi.nets.architecture import Architecture, init
 from urushi.nets.decoder import decode
-from urushi.train.decoding import (
+from urushi.train.examples import Batch
+from urushi.train.losses import compose, halves_weight, relative_errors, stacks_mean
+from urushi.train.optimiser import compile_steps, start
+from urushi.train.presets import Schedule
+from urushi.train.stages.decoding import (
     fresh_scatter,
     pair_weights,
     plain_loss,
@@ -15,10 +19,6 @@ from urushi.train.decoding import (
     unlikelihood,
     weighted_loss,
 )
-from urushi.train.examples import Batch
-from urushi.train.losses import compose, halves_weight, relative_errors, stacks_mean
-from urushi.train.optimiser import compile_steps, start
-from urushi.train.presets import Schedule
 
 ARCH = Architecture(latent=4, decoder=(8,), encoder=(8,), layerer=(8,), sampler=(4,), probes=6)
 

@@ -13,7 +13,7 @@ import pytest
 from urushi.errors import ParameterError
 from urushi.nets import weights
 from urushi.train import devices
-from urushi.train.loop import train
+from urushi.train.training import train
 
 SCRIPT = """
 import json, sys
@@ -61,7 +61,7 @@ def four(tiny_data, tmp_path_factory):
         command, env=os.environ | flags, capture_output=True, text=True, timeout=300
     )
     assert run.returncode == 0, run.stderr
-    return json.loads(run.stdout), weights.load(folder / "weights.safetensors")
+    return json.loads(run.stdout), weights.read(folder / "weights.safetensors")
 
 
 def test_each_device_has_its_share_of_the_stacks_and_all_parameters(four, tiny):

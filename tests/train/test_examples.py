@@ -12,9 +12,9 @@ from urushi.data.generate import generate
 from urushi.data.spec import DataSpec, Part
 from urushi.data.store import Store
 from urushi.errors import FileError, ParameterError
+from urushi.geometry.probe_pairs import PROBES, probe_pairs
 from urushi.nets.features import direction_features
-from urushi.nets.probes import PROBES, probe_pairs
-from urushi.reference import evaluate
+from urushi.reference import analytic
 from urushi.train import examples
 from urushi.train.examples import Batches, Depth
 
@@ -51,7 +51,7 @@ def test_what_belongs_together_stays_together(tiny, tiny_data, held):
     np.testing.assert_array_equal(held[2].coats[row], arrays["coats"][row])
     bottom = {name: arrays["bottom"][[row], k] for k, name in enumerate(("alpha", "r0"))}
     wi, wo = probe_pairs(tiny.arch.probes)
-    values = evaluate.rows("conductor", bottom, np.zeros(len(wi), np.uint32), wi, wo)
+    values = analytic.rows("conductor", bottom, np.zeros(len(wi), np.uint32), wi, wo)
     np.testing.assert_array_equal(held[2].probes[row], values)
 
 

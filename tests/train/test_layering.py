@@ -11,10 +11,10 @@ from urushi.errors import ParameterError
 from urushi.nets.architecture import init
 from urushi.nets.features import coat_features
 from urushi.nets.layerer import layer
-from urushi.train import examples, forms
-from urushi.train.layering import LayeringBatches, layering_loss
+from urushi.train import examples
 from urushi.train.soap import soap
-from urushi.train.widening import widened
+from urushi.train.stages.layering import LayeringBatches, layering_loss, widened
+from urushi.train.stages.stage import quadratic_loss
 
 
 @pytest.fixture(scope="module")
@@ -25,7 +25,10 @@ def narrow(tiny):
 @pytest.fixture(scope="module")
 def made(tiny, tiny_data, narrow):
     depths = examples.load(Store.open(tiny_data), tiny.arch, tiny.pairs, memory=1 << 20)
-    return [forms.measure(narrow, tiny.first_arch, depth.first()) for depth in depths[1:]]
+    return [
+        quadratic_loss.measure_quadratic_losses(narrow, tiny.first_arch, depth.first())
+        for depth in depths[1:]
+    ]
 
 
 @pytest.fixture(scope="module")

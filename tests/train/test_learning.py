@@ -5,19 +5,19 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from urushi.data.directions import training_pairs
-from urushi.nets import lobes
+from urushi.geometry.direction_sets import training_pairs
+from urushi.geometry.probe_pairs import probe_pairs
 from urushi.nets.architecture import Architecture, init
 from urushi.nets.encoder import input_statistics
 from urushi.nets.features import direction_features
-from urushi.nets.probes import probe_pairs
-from urushi.reference import conductor, evaluate
-from urushi.train import proposal
+from urushi.nets.sampler import mixture_pdf
+from urushi.reference import analytic, conductor
 from urushi.train.examples import Batch
 from urushi.train.losses import compose, joint_loss
 from urushi.train.optimiser import compile_steps, start
 from urushi.train.presets import Schedule
-from urushi.train.proposal import Scene, proposal_loss, variation
+from urushi.train.stages.sampling import SamplerScene, sampler_loss, variation
+from urushi.train.stages.stage import sampling
 
 ARCH = Architecture(
     latent=4, decoder=(32, 32), encoder=(8,), layerer=(4,), sampler=(16,), probes=32
@@ -26,7 +26,7 @@ GOLD = conductor(alpha=0.2, r0=0.8)
 
 
 def gold(wi, wo):
-    return evaluate.f(GOLD, wi, wo)[:, 0]
+    return analytic.f(GOLD, wi, wo)[:, 0]
 
 
 @pytest.fixture(scope="module")
@@ -60,8 +60,8 @@ def test_the_proposal_learns_its_lobe(overfitted):
     latents = compose(params, ARCH, jnp.asarray(probes), ())
     before = np.asarray(variation(params, ARCH, latents, seed=1, materials=16))
     schedule = Schedule(200, 10, 1e-2, average=0.9, steps_per_call=50, checkpoint_every=50)
-    scene = Scene(params, latents, jax.random.key(0))
-    steps = compile_steps(lambda p, step: proposal_loss(p, ARCH, scene, step), schedule)
+    scene = SamplerScene(params, latents, jax.random.key(0))
+    steps = compile_steps(lambda p, step: sampler_loss(p, ARCH, scene, step), schedule)
     sampler = {name: value for name, value in params.items() if name.startswith("sampler.")}
     state = start(sampler, schedule)
     for first in range(0, schedule.steps, 50):
@@ -77,9 +77,11 @@ def test_variation_is_that_of_a_known_integrand(overfitted, monkeypatch):
     params, _, _ = overfitted
     weights, alphas = jnp.array([0.5, 0.0, 0.5]), jnp.array([0.5, 0.5])
     wi = jnp.array([[0.6, 0.0, 0.8]])
-    monkeypatch.setattr(proposal, "propose", lambda *_: (weights, alphas))
-    monkeypatch.setattr(proposal, "incoming", lambda u: jnp.broadcast_to(wi, (len(u), 3)))
-    monkeypatch.setattr(proposal, "mean_f_cos", lambda p, arch, z, wi, wo: wo[..., 2] / jnp.pi)
+    monkeypatch.setattr(sampling, "propose", lambda *_: (weights, alphas))
+    monkeypatch.setattr(
+        sampling, "incoming_directions", lambda u: jnp.broadcast_to(wi, (len(u), 3))
+    )
+    monkeypatch.setattr(sampling, "mean_f_cos", lambda p, arch, z, wi, wo: wo[..., 2] / jnp.pi)
     latents = jnp.zeros((2, ARCH.latent))
     cv = np.asarray(variation(params, ARCH, latents, seed=0, materials=4))
     # Independent: second moment of f cos / p under p is the integral of (f cos)^2 / p.
@@ -88,6 +90,6 @@ def test_variation_is_that_of_a_known_integrand(overfitted, monkeypatch):
     )
     sine = np.sqrt(1 - cosine**2)
     wo = np.stack([sine * np.cos(phi), sine * np.sin(phi), cosine], -1)
-    p = np.asarray(lobes.pdf(weights, alphas, wi, jnp.asarray(wo, jnp.float32)))
+    p = np.asarray(mixture_pdf(weights, alphas, wi, jnp.asarray(wo, jnp.float32)))
     second = ((wo[..., 2] / np.pi) ** 2 / p).mean() * 2 * np.pi
     np.testing.assert_allclose(cv, np.sqrt(second - 1), rtol=0.1)  # of 4,096 samples

@@ -11,17 +11,17 @@ import time
 import numpy as np
 import pytest
 
-from urushi.data import metrics
 from urushi.data.store import Store
 from urushi.errors import FileError, ParameterError
+from urushi.geometry import error_metrics
 from urushi.nets import weights
 from urushi.nets.decoder import decode
 from urushi.nets.encoder import encode
 from urushi.nets.features import coat_features, direction_features
 from urushi.nets.layerer import layer
 from urushi.train import presets, validation
-from urushi.train.journal import Journal
-from urushi.train.loop import train
+from urushi.train.checkpoint import Journal
+from urushi.train.training import train
 
 
 @pytest.fixture(scope="module")
@@ -64,7 +64,7 @@ def test_a_killed_process_resumes_to_the_same_bits(uninterrupted, tmp_path, tiny
         "import sys\n"
         "sys.path.insert(0, sys.argv[1])\n"
         "from conftest import TINY\n"
-        "from urushi.train.loop import train\n"
+        "from urushi.train.training import train\n"
         "train(TINY, data=sys.argv[2], run=sys.argv[3])\n"
     )
     here = str(__file__).rsplit("/", 1)[0]
@@ -92,7 +92,7 @@ def test_a_preset_may_leave_out_weights_of_pairs_and_relayering(tiny, tiny_data,
 
 def test_the_header_says_where_the_weights_come_from(uninterrupted, tiny, tiny_data):
     model, folder = uninterrupted
-    read = weights.load(folder / "weights.safetensors")
+    read = weights.read(folder / "weights.safetensors")
     assert read.fingerprint == model.fingerprint
     header = read.header
     assert header["preset"]["name"] == "tiny"
@@ -123,8 +123,8 @@ def test_validation_measures_what_the_exported_weights_give(uninterrupted, tiny,
     arrays = store.read(store.spec.parts[4])
     wi, wo = arrays["wi"], arrays["wo"]
     np.testing.assert_array_equal(checks[0].features, direction_features(wi, wo))
-    e = metrics.stack_error(values[0], arrays["f"], wi[..., 2], wo[..., 2]).mean()
-    p = np.median(metrics.pair_error(values[1], store.read(store.spec.parts[5])["f"]))
+    e = error_metrics.stack_error(values[0], arrays["f"], wi[..., 2], wo[..., 2]).mean()
+    p = np.median(error_metrics.pair_error(values[1], store.read(store.spec.parts[5])["f"]))
     assert figures == pytest.approx({"E mean": e, "P median": p}, rel=1e-4)  # float32 sums
 
 

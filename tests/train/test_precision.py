@@ -5,13 +5,12 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from urushi.data.directions import training_pairs
 from urushi.errors import ParameterError
+from urushi.geometry.direction_sets import training_pairs
 from urushi.nets.architecture import Architecture, init
 from urushi.nets.decoder import decode
 from urushi.nets.features import direction_features
-from urushi.train.optimiser import compile_steps, start
-from urushi.train.precision import lowered
+from urushi.train.optimiser import compile_steps, lowered, start
 from urushi.train.presets import Schedule
 
 ARCH = Architecture(

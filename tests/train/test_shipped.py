@@ -4,12 +4,12 @@ import json
 
 import pytest
 
-from urushi.nets import shipped
+from urushi.nets import weights
 from urushi.train import presets
 
 
-@pytest.mark.parametrize("name", shipped.NAMES)
+@pytest.mark.parametrize("name", weights.SHIPPED)
 def test_the_shipped_weights_were_trained_by_the_preset_as_it_stands(name):
-    described = shipped.load(name).header["preset"]
+    described = weights.load_shipped(name).header["preset"]
     assert described["name"] == name
     assert described == json.loads(json.dumps(presets.get(described["name"]).to_dict()))

@@ -9,19 +9,17 @@ from typing import Annotated, Any
 
 import tyro
 
-from urushi import __version__
 from urushi.app.commands.data import Data
-from urushi.app.commands.demo import Demo
-from urushi.app.commands.doctor import Doctor
 from urushi.app.commands.encode import Encode
-from urushi.app.commands.evaluate import Evaluate
 from urushi.app.commands.layer import Layer
-from urushi.app.commands.render import Render
-from urushi.app.commands.scenes import Scenes
+from urushi.app.commands.render import Render, Scenes
 from urushi.app.commands.sheet import Sheet
 from urushi.app.commands.simulate import Simulate
-from urushi.app.commands.train import Train
+from urushi.app.commands.train import Evaluate, Train
+from urushi.app.demo import Demo
+from urushi.app.doctor import Doctor
 from urushi.errors import UrushiError
+from urushi.version import __version__
 
 FAILURE = 2
 INTERRUPTED = 130  # 128 + SIGINT, as shells report it

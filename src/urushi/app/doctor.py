@@ -1,4 +1,7 @@
-"""What `urushi doctor` finds. Whatever may abort a process runs in another one."""
+"""What `urushi doctor` finds. Whatever may abort a process runs in another one.
+
+`urushi doctor`: what this machine has, and what is wrong with it.
+"""
 
 import importlib.metadata
 import platform
@@ -8,9 +11,8 @@ import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from urushi import backend
-from urushi.app.extras import EXTRAS
 from urushi.errors import UrushiError
+from urushi.platform import EXTRAS, llvm_status, require_drjit
 
 VARIANTS = ("scalar_rgb", "llvm_ad_rgb", "llvm_ad_mono", "llvm_ad_spectral", "cuda_ad_rgb")
 _PROBE = """
@@ -98,14 +100,14 @@ def _package(
 
 def _drjit() -> Finding:
     try:
-        backend.require_drjit()
+        require_drjit()
     except UrushiError as error:
         return Finding("drjit", _version("drjit") or "missing", str(error), True)
     return _package("drjit")
 
 
 def _llvm() -> Finding:
-    status = backend.llvm_status()
+    status = llvm_status()
     if status.ok:
         return Finding("LLVM", f"{status.version} ({status.path})", None, True)
     found = "missing" if status.path is None else f"{status.version or '?'} ({status.path})"
@@ -157,9 +159,9 @@ def _gpu() -> Finding:
 
 
 def _weights() -> list[Finding]:
-    from urushi.nets import shipped, weights
+    from urushi.nets import weights
 
-    folder = shipped.folder()
+    folder = weights.shipped_folder()
     files = sorted(folder.glob("*.safetensors"))
     if not files:
         return [Finding("weights", "missing", f"'{folder}' has none; install urushi again", True)]
@@ -167,7 +169,7 @@ def _weights() -> list[Finding]:
     for file in files:
         name = f"weights {file.stem}"
         try:
-            model = weights.load(file)
+            model = weights.read(file)
         except UrushiError as error:
             findings.append(Finding(name, "not usable", str(error), True))
             continue
@@ -198,3 +200,20 @@ def _version(package: str) -> str | None:
         return importlib.metadata.version(package)
     except importlib.metadata.PackageNotFoundError:
         return None
+
+
+@dataclass(frozen=True)
+class Doctor:
+    """Print what Urushi finds on this machine, and what is wrong with each.
+
+    Python, Mitsuba, Dr.Jit, LLVM, the variants that run, GPU and the shipped weights. The exit code
+    is 1 if something essential is wrong.
+
+    Example: urushi doctor
+    """
+
+    def run(self) -> int:
+
+        findings = examine()
+        print(report(findings))
+        return 1 if any(finding.essential and finding.problem for finding in findings) else 0

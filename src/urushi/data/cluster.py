@@ -6,8 +6,8 @@ import threading
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
-import urushi
 from urushi.errors import PlatformError
+from urushi.version import __version__
 
 #: Seconds to wait for the scheduler, and then for its first worker.
 PATIENCE = 20.0
@@ -100,7 +100,7 @@ def _connected(address: str) -> Iterator[Any]:
 
 #: Finds the version of Urushi wherever it runs. A task is a function of Urushi: whoever cannot
 #: import that would keep it for ever.
-_VERSION = pkgutil.resolve_name, f"{urushi.__name__}:__version__"
+_VERSION = pkgutil.resolve_name, "urushi.version:__version__"
 
 
 def _check_scheduler(client: Any) -> None:
@@ -122,7 +122,7 @@ def _check_workers(client: Any, workers: Iterable[str]) -> None:
 
 
 def _check(kind: str, address: str, found: str | ImportError) -> None:
-    wanted = urushi.__version__
+    wanted = __version__
     if isinstance(found, ImportError):
         raise PlatformError(
             f"the Dask {kind} at '{address}' cannot import Urushi ({found}); install Urushi "

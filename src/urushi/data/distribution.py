@@ -10,10 +10,10 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from urushi.data.palette import Palette
 from urushi.errors import ParameterError
 from urushi.nets.features import MIN_ALPHA
-from urushi.reference.measured_like import LOBE_PARAMETERS
+from urushi.paper.palette import Palette
+from urushi.reference.bottoms import LOBE_PARAMETERS
 from urushi.reference.table import BOTTOM_KINDS, StackTable
 
 #: The deepest recursion that is trained: five coats over a bottom have six interfaces.
@@ -196,7 +196,7 @@ def _mixture(rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
 
 
 def _measured_like(rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
-    """`reference.measured_like`: a quarter like paints and plastics, a quarter like metals.
+    """`reference.bottoms`: a quarter like paints and plastics, a quarter like metals.
 
     Paints: both lobes with one R0 = U(0.02, 0.1) and weights that add up to 1; metals: a diffuse
     term below 0.01. The other half has weights Dirichlet(1/2) times U(0, 1)^(1/3) and R0 =

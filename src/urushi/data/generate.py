@@ -7,12 +7,12 @@ import numpy as np
 from tqdm import tqdm
 
 from urushi.data import cluster
-from urushi.data import directions as direction_sets
 from urushi.data.distribution import BOTTOM_PARAMETERS, COAT_PARAMETERS
 from urushi.data.spec import DataSpec
 from urushi.data.store import Shard, Store, versions
 from urushi.errors import PlatformError
-from urushi.reference import evaluate
+from urushi.geometry import direction_sets
+from urushi.reference import analytic
 from urushi.reference.simulate import walk_pairs
 
 
@@ -32,10 +32,10 @@ def make_shard(spec: DataSpec, part: int, shard: int) -> Shard:
     parameters, directions, walks = spec.seeds(part, shard).spawn(3)
     table = described.distribution.draw(np.random.default_rng(parameters), rows)
     rng = np.random.default_rng(directions)
-    wi, wo = direction_sets.draw(described.directions, rng, count, described.pairs)
+    wi, wo = direction_sets.draw_pairs(described.directions, rng, count, described.pairs)
     row = np.repeat(np.arange(count, dtype=np.uint32), described.pairs)
     if described.distribution.coats == 0:
-        f = evaluate.rows(table.kind, table.bottom, row, wi, wo)
+        f = analytic.rows(table.kind, table.bottom, row, wi, wo)
         se = np.zeros_like(f)
     else:
         seed = int(walks.generate_state(1)[0])

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from urushi.data import directions as direction_sets
 from urushi.data import distribution as distributions
 from urushi.data.distribution import Source
 from urushi.errors import ParameterError
+from urushi.geometry import direction_sets
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class Part:
                 raise ParameterError(
                     f"part '{self.name}' has {name} = {value!r}; give a positive integer"
                 )
-        direction_sets.check(self.directions, self.pairs, f"part '{self.name}'")
+        direction_sets.check_set(self.directions, self.pairs, f"part '{self.name}'")
 
 
 @dataclass(frozen=True)

@@ -26,11 +26,11 @@ from typing import Any
 import numpy as np
 import zarr
 
-import urushi
 from urushi.data.distribution import BOTTOM_PARAMETERS, COAT_PARAMETERS
 from urushi.data.spec import DataSpec, Part
 from urushi.errors import FileError, ParameterError
 from urushi.files import new_folder
+from urushi.version import __version__
 
 FORMAT_VERSION = 1
 _MANIFEST = "urushi_data"
@@ -249,4 +249,4 @@ def _difference(store: Store, spec: DataSpec) -> str:
 def versions() -> dict[str, str]:
     """Versions of what the values and their files depend on, by name."""
     packages = {name: version(name) for name in ("numpy", "drjit", "zarr")}
-    return {"urushi": urushi.__version__, "python": platform.python_version(), **packages}
+    return {"urushi": __version__, "python": platform.python_version(), **packages}

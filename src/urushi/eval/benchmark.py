@@ -16,15 +16,15 @@ from typing import Any
 
 import numpy as np
 
-import urushi
+from urushi import files
 from urushi.data.distribution import BOTTOM_PARAMETERS, COAT_PARAMETERS, to_dict
 from urushi.errors import FileError
 from urushi.eval import samples as sampling
 from urushi.eval.groups import GROUPS, Group
 from urushi.eval.samples import Samples
-from urushi.nets import tensorfile
-from urushi.nets.probes import PROBES
+from urushi.geometry.probe_pairs import PROBES
 from urushi.reference import StackTable
+from urushi.version import __version__
 
 #: Of the stored set; `urushi eval --seed` takes others.
 SEED = 0
@@ -71,12 +71,12 @@ def write(
         "groups": [_describe(group) for group in simulated],
         "hash": _hash(arrays),
         "versions": {
-            "urushi": urushi.__version__,
+            "urushi": __version__,
             "python": platform.python_version(),
             **packages,
         },
     }
-    tensorfile.write(path, _KIND, description, arrays)
+    files.write_tensors(path, _KIND, description, arrays)
     return description["hash"]
 
 
@@ -93,7 +93,7 @@ def read(
         FileError: missing, foreign, damaged, or made for other groups.
     """
     path = default_path() if path is None else path
-    description, arrays = tensorfile.read(path, _KIND)
+    description, arrays = files.read_tensors(path, _KIND)
     if description.get("version") != FORMAT_VERSION:
         raise FileError(
             f"'{path}' has version {description.get('version')!r} of the benchmark format, this "

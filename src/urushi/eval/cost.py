@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from urushi.material import encode, layer
-from urushi.material.texture import layer_texels
+from urushi.material.layer import layer_texels
 from urushi.nets.architecture import FIXED
 from urushi.nets.weights import Model
 from urushi.reference import conductor, dielectric

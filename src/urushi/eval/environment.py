@@ -1,4 +1,7 @@
-"""Light from all around, as sphere pictures take it: maps from files, and two of Urushi's own."""
+"""Light from all around, as sphere pictures take it: maps from files, and two of Urushi's own.
+
+Looking up pictures whose columns close into a circle: environments, and spheres by azimuth.
+"""
 
 import os
 from dataclasses import dataclass
@@ -8,9 +11,8 @@ import mitsuba as mi
 import numpy as np
 
 from urushi.errors import FileError
-from urushi.eval.periodic import bilinear
-from urushi.render.scenes import stage
-from urushi.render.scenes.stage import Light
+from urushi.scenes import stage
+from urushi.scenes.stage import Light
 
 #: Cells of the grid: elevations from the camera's direction, and azimuths about it.
 ELEVATIONS, AZIMUTHS = 96, 192
@@ -128,4 +130,20 @@ def _look_up(image: np.ndarray, directions: np.ndarray) -> np.ndarray:
     x, y, z = np.moveaxis(directions, -1, 0)
     v = np.arccos(np.clip(y, -1, 1)) / np.pi * rows - 0.5
     u = np.arctan2(x, -z) / (2 * np.pi) * columns - 0.5
-    return bilinear(image, np.clip(v, 0, rows - 1), u)
+    return periodic_bilinear(image, np.clip(v, 0, rows - 1), u)
+
+
+def periodic_bilinear(image: np.ndarray, row: np.ndarray, column: np.ndarray) -> np.ndarray:
+    """Values (..., C) between the pixels of image (H, W, C).
+
+    row (...): in [0, H - 1], the first row's pixels at 0; column (...): any, of period W, the first
+    column's pixels at 0.
+    """
+    rows, columns = image.shape[:2]
+    above, left = np.floor(row).astype(np.intp), np.floor(column).astype(np.intp)
+    down, right = (row - above)[..., None], (column - left)[..., None]
+    below = np.minimum(above + 1, rows - 1)
+    left, beside = left % columns, (left + 1) % columns
+    upper = image[above, left] * (1 - right) + image[above, beside] * right
+    lower = image[below, left] * (1 - right) + image[below, beside] * right
+    return upper * (1 - down) + lower * down

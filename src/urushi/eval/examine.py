@@ -1,7 +1,5 @@
 """How like its source an encoded material is: figures, slices and pictures of a sphere."""
 
-import json
-import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib.util import find_spec
@@ -10,14 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from urushi.data.directions import cosine_pairs, half_angle_pairs
-from urushi.data.metrics import energy_weight, pair_error
 from urushi.errors import ParameterError, UrushiError
-from urushi.eval import environment, image_metrics, sphere
-from urushi.files import atomic_write, new_folder
+from urushi.eval import environment, metrics, sphere
+from urushi.geometry.direction_sets import cosine_pairs, half_angle_pairs
+from urushi.geometry.error_metrics import energy_weight, pair_error
+from urushi.geometry.quadrature import half_vector_rule
 from urushi.material import Material
 from urushi.material.encode import opened, read
-from urushi.material.quadrature import half_vector_rule
 from urushi.material.symmetry import SAME, Source, averaged
 from urushi.measured import load_measured
 from urushi.reference.simulate import simulate
@@ -84,7 +81,7 @@ def examine(source: Any, material: Material) -> Examination:
     p = pair_error(material.f(wi, wo), read(source, wi, wo).values)
     seen = _seen(source, (findings.anisotropy or 0.0) > SAME)
     pictures = [_sphere(f) for f in (seen, material.f)]
-    look = image_metrics.compare(
+    look = metrics.compare(
         pictures[1], pictures[0], sphere.mask(), flip=find_spec("flip_evaluator") is not None
     )
     figures = {
@@ -115,62 +112,6 @@ def mean_error(figures: Mapping[str, Any]) -> float | None:
     """The mean over channels of E, without black ones."""
     known = [e for e in figures["E"] if e is not None]
     return float(np.mean(known)) if known else None
-
-
-def write(
-    folder: str | os.PathLike,
-    examinations: Mapping[str, Examination],
-    errors: Mapping[str, str] | None = None,
-) -> None:
-    """Write report.json, report.md and a picture of each examination.
-
-    Args:
-        folder: made where it is missing.
-        examinations: by name; NAME.png is the picture's.
-        errors: why others could not be encoded, by name.
-
-    Raises:
-        FileError: a file cannot be written.
-    """
-    from urushi.eval.plots import likeness  # lazily: matplotlib is an extra
-
-    folder, errors = new_folder(folder), errors or {}
-    for name, examination in examinations.items():
-        likeness.draw(folder / f"{name}.png", name, examination)
-    content: dict[str, Any] = {name: e.figures for name, e in examinations.items()}
-    content |= {name: {"error": error} for name, error in errors.items()}
-    with atomic_write(folder / "report.json") as temporary:
-        temporary.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
-    with atomic_write(folder / "report.md") as temporary:
-        temporary.write_text(_markdown(examinations, errors), encoding="utf-8")
-
-
-def _markdown(examinations: Mapping[str, Examination], errors: Mapping[str, str]) -> str:
-    """A table of all, and the pictures below."""
-    lines = [
-        "# Encoded materials",
-        "",
-        "| | E, mean of channels | P, median | anisotropy | reciprocity error | PSNR of a sphere |",
-        "|---|---|---|---|---|---|",
-    ]
-    for name, examination in examinations.items():
-        figures = examination.figures
-        cells = [
-            _percent(mean_error(figures)),
-            _percent(float(np.median(figures["P median"]))),
-            _percent(figures["anisotropy"]),
-            _percent(figures["reciprocity"]),
-            f"{figures['sphere']['psnr']:.1f} dB",
-        ]
-        lines.append(f"| {name} | {' | '.join(cells)} |")
-    lines += [f"| {name} | {error} | | | | |" for name, error in errors.items()]
-    for name in examinations:
-        lines += ["", f"![{name}](<{name}.png>)"]
-    return "\n".join(lines) + "\n"
-
-
-def _percent(share: float | None) -> str:
-    return "unknown" if share is None else f"{share:.1%}"
 
 
 def _opened(source: Any) -> Source:

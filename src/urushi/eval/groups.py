@@ -52,7 +52,7 @@ class Row:
         groups: the names of the groups.
         encoded: how many of each stack's coats are encoded with the bottom, from its values at
             the probe pairs; the others are layered. -1: all of them.
-        refined: whether the codes are refined before they are layered, see `material.refine`.
+        refined: whether the codes are refined before they are layered, see `material.fit`.
         aims: what the `base` networks should reach.
     """
 

@@ -1,10 +1,15 @@
-"""Measures of error of images and of tables of BRDF values, and what sums errors up."""
+"""Measures of error of images and of tables of BRDF values, and what sums errors up.
+
+Measures of how alike two pictures look on a display, over a part of them.
+"""
+
+from dataclasses import asdict, dataclass, fields
 
 import numpy as np
 import numpy.typing as npt
 
 from urushi import checks
-from urushi.errors import ParameterError
+from urushi.errors import ParameterError, PlatformError
 
 #: Added to the squared reference in the relative error of images, against division by zero.
 IMAGE_OFFSET = 1e-2
@@ -78,3 +83,132 @@ def smape(table: npt.ArrayLike, reference: npt.ArrayLike) -> float:
     table, reference = checks.finite(table=table, reference=reference)
     total = np.abs(table) + np.abs(reference)
     return float((2 * np.abs(table - reference) / np.where(total > 0, total, 1)).mean())
+
+
+#: PSNR of pictures without any difference counts as this [dB]: means of it must stay finite. It
+#: is beyond what 16 bits a channel can hold.
+BEST_PSNR = 100.0
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """How a picture differs from another, both as they are shown: sRGB in [0, 1].
+
+    Attributes:
+        mae, rmse: mean absolute difference, and the root of the mean squared one.
+        psnr: peak signal-to-noise ratio [dB], at most `BEST_PSNR`.
+        ssim: structural similarity (Wang et al. 2004), 1 for equal pictures.
+        flip: mean of FLIP (Andersson et al. 2020), 0 for equal pictures; NaN if not asked for.
+    """
+
+    mae: float
+    rmse: float
+    psnr: float
+    ssim: float
+    flip: float = np.nan
+
+    @classmethod
+    def mean(cls, several: "list[Comparison]") -> "Comparison":
+        """The mean of every measure over pictures."""
+        return cls(*(float(np.mean([getattr(c, f.name) for c in several])) for f in fields(cls)))
+
+    def as_dict(self) -> dict[str, float]:
+        """The measures by name."""
+        return asdict(self)
+
+
+def srgb(linear: np.ndarray) -> np.ndarray:
+    """The transfer function of IEC 61966-2-1, for values in [0, 1]."""
+    power = 1.055 * np.maximum(linear, 0.0031308) ** (1 / 2.4) - 0.055
+    return np.where(linear <= 0.0031308, 12.92 * linear, power)
+
+
+def shown(radiance: npt.ArrayLike) -> np.ndarray:
+    """A picture on a display: (H, W, 3) of linear radiance, clipped at 1, to sRGB in [0, 1]."""
+    (radiance,) = checks.finite(radiance=radiance)
+    return srgb(np.clip(radiance, 0, 1))
+
+
+def compare(
+    image: npt.ArrayLike,
+    reference: npt.ArrayLike,
+    mask: npt.ArrayLike | None = None,
+    *,
+    flip: bool = True,
+) -> Comparison:
+    """Compare pictures as they are shown.
+
+    Args:
+        image, reference: (H, W, 3) linear radiance, at least 11 pixels high and wide.
+        mask: bool (H, W), the pixels that count; default: all. A black background would make
+            every measure look better.
+        flip: whether FLIP is wanted, which takes the package flip-evaluator.
+
+    Raises:
+        ParameterError: shapes that do not fit, numbers that are not finite, an empty mask.
+        PlatformError: a package is missing.
+    """
+    image, reference = shown(image), shown(reference)
+    _check_shapes(image, reference)
+    inside = np.ones(image.shape[:2], bool) if mask is None else np.asarray(mask, bool)
+    if inside.shape != image.shape[:2] or not inside.any():
+        raise ParameterError(
+            f"the mask has shape {inside.shape} and {inside.sum()} pixels of an image of "
+            f"{image.shape[:2]}; give one of the image's shape that is not empty"
+        )
+    some, wanted = image[inside], reference[inside]
+    return Comparison(
+        mae=mae(some, wanted),
+        rmse=float(np.sqrt(mse(some, wanted))),
+        psnr=min(psnr(some, wanted), BEST_PSNR),
+        ssim=float(ssim_map(image, reference)[inside].mean()),
+        flip=float(flip_map(image, reference)[inside].mean()) if flip else np.nan,
+    )
+
+
+def ssim_map(image: np.ndarray, reference: np.ndarray) -> np.ndarray:
+    """Structural similarity by pixel (H, W), the mean over channels, of values in [0, 1].
+
+    With the Gaussian window and the constants of Wang et al. 2004.
+    """
+    try:
+        from skimage.metrics import structural_similarity  # lazily: an extra
+    except ImportError as error:
+        raise PlatformError(
+            "SSIM needs the package scikit-image; install it with: pip install 'urushi[eval]'"
+        ) from error
+    _, result = structural_similarity(
+        reference,
+        image,
+        data_range=1.0,
+        channel_axis=2,
+        gaussian_weights=True,
+        sigma=1.5,
+        use_sample_covariance=False,
+        full=True,
+    )
+    return result.mean(axis=2)
+
+
+def flip_map(image: np.ndarray, reference: np.ndarray) -> np.ndarray:
+    """FLIP by pixel (H, W) of pictures in [0, 1], at 67 pixels a degree of the observer's view."""
+    try:
+        import flip_evaluator  # lazily: it has no wheels for some platforms
+    except ImportError as error:
+        raise PlatformError(
+            "FLIP needs the package flip-evaluator; install it with: pip install flip-evaluator"
+        ) from error
+    pair = (np.ascontiguousarray(x, dtype=np.float32) for x in (reference, image))
+    result, _, _ = flip_evaluator.evaluate(*pair, "LDR", applyMagma=False)
+    return result.reshape(image.shape[:2])
+
+
+def _check_shapes(image: np.ndarray, reference: np.ndarray) -> None:
+    if image.shape != reference.shape or image.ndim != 3 or image.shape[2] != 3:
+        raise ParameterError(
+            f"the pictures have shapes {image.shape} and {reference.shape}; give two (H, W, 3)"
+        )
+    if min(image.shape[:2]) < 11:
+        raise ParameterError(
+            f"the pictures have {image.shape[:2]} pixels; SSIM needs 11 in each direction"
+        )

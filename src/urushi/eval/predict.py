@@ -5,10 +5,10 @@ import numpy as np
 from urushi.data.distribution import COAT_PARAMETERS
 from urushi.eval import samples as sampling
 from urushi.eval.samples import Samples
+from urushi.geometry.probe_pairs import PROBES, probe_pairs
 from urushi.material import Material
-from urushi.material.encode import STACK_WALKS, encode_values, seen_pairs
-from urushi.material.texture import layer_texels
-from urushi.nets.probes import PROBES, probe_pairs
+from urushi.material.encode import STACK_WALKS, material_from_values, seen_pairs
+from urushi.material.layer import layer_texels
 from urushi.nets.weights import Model
 
 #: Seed of walks for networks that want values at other pairs than the stored ones.
@@ -33,7 +33,7 @@ def materials(
     # Without coats the values are exact and cheap, and tell the bottoms' albedo as well.
     pairs = model.networks.pairs() if encoded else seen_pairs(None, model)
     values = _lower_values(samples, encoded, *pairs)
-    made = encode_values(values.T, model, refine=refined)
+    made = material_from_values(values.T, model, refine=refined)
     table = samples.table
     if table.coats == encoded:
         return split(made)

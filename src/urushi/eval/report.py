@@ -9,13 +9,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from urushi.eval import benchmark, cost, metrics, physics, predict, table
+from urushi.eval import benchmark, cost, metrics, physical_laws, predict, table
 from urushi.eval import samples as sampling
 from urushi.eval.groups import GROUPS, ROWS, Group, Row
 from urushi.eval.samples import Samples
 from urushi.files import atomic_write, new_folder
 from urushi.material import Material
-from urushi.nets import shipped
+from urushi.nets import weights
 from urushi.nets.weights import Model
 
 
@@ -37,7 +37,7 @@ class Result:
     fingerprint: str
     reference: str
     rows: dict[str, dict[str, Any]]
-    laws: list[physics.Figure]
+    laws: list[physical_laws.Figure]
     parameters: dict[str, int]
     seconds: dict[str, float]
     errors: dict[str, np.ndarray]
@@ -61,7 +61,7 @@ def report(
         FileError: the weights or the stored set are missing or damaged, or `output` cannot be
             written.
     """
-    model = shipped.find(weights_path)
+    model = weights.find(weights_path)
     folder = None if output is None else new_folder(output)
     sets = benchmark.read() if seed is None else sampling.simulate_all(GROUPS, seed)
     source = "the stored set" if seed is None else f"simulated by seed {seed}"
@@ -111,7 +111,7 @@ def measure(
             )
             for row in rows
         },
-        laws=physics.measure(model, sets, layered),
+        laws=physical_laws.measure(model, sets, layered),
         parameters=cost.parameters(model),
         seconds=cost.seconds(model),
         errors={name: sampling.stack_errors(values[_Way(name)], sets[name]) for name in layered},

@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from tqdm import tqdm
 
-from urushi.data import directions, metrics
 from urushi.eval.groups import Group
+from urushi.geometry import direction_sets, error_metrics
+from urushi.geometry.probe_pairs import PROBES, probe_pairs
+from urushi.geometry.quadrature import half_vector_rule
 from urushi.material.encode import STACK_WALKS
-from urushi.material.quadrature import half_vector_rule
-from urushi.nets.probes import PROBES, probe_pairs
-from urushi.reference import StackTable, evaluate, walk_pairs
+from urushi.reference import StackTable, analytic, walk_pairs
 
 #: Drawn pairs of every stack: for E (cosine density) and for P (log half angle).
 E_PAIRS, P_PAIRS = 100, 200
@@ -72,8 +72,8 @@ def draw_stacks(group: Group, seed: int = 0) -> StackTable:
 def draw_pairs(group: Group, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
     """Draw every stack's own pairs, those of E and those of P; two arrays (S, M, 3) float32."""
     rng = _generator(group, seed, 1)
-    for_e = directions.cosine_pairs(rng, group.stacks * E_PAIRS)
-    for_p = directions.half_angle_pairs(rng, group.stacks * P_PAIRS)
+    for_e = direction_sets.cosine_pairs(rng, group.stacks * E_PAIRS)
+    for_p = direction_sets.half_angle_pairs(rng, group.stacks * P_PAIRS)
     wi, wo = (
         np.concatenate([e.reshape(-1, E_PAIRS, 3), p.reshape(-1, P_PAIRS, 3)], axis=1)
         for e, p in zip(for_e, for_p, strict=True)
@@ -121,7 +121,7 @@ def simulate(group: Group, seed: int = 0) -> Samples:
 def evaluate_bottoms(table: StackTable, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
     """The bottoms' own values (S, M) [1/sr], in air, at every stack's pairs (S, M, 3): exact."""
     row = np.repeat(np.arange(len(table), dtype=np.uint32), wi.shape[1])
-    f = evaluate.rows(table.kind, table.bottom, row, wi.reshape(-1, 3), wo.reshape(-1, 3))
+    f = analytic.rows(table.kind, table.bottom, row, wi.reshape(-1, 3), wo.reshape(-1, 3))
     return f.reshape(wi.shape[:2])
 
 
@@ -192,7 +192,7 @@ def _pooled(f: np.ndarray, se: np.ndarray) -> np.ndarray:
     A pair whose rare bright walks the pilot run did not meet looks less noisy than it is; others of
     the same stack met theirs.
     """
-    relative = se / (f + metrics.P_OFFSET)
+    relative = se / (f + error_metrics.DARK_OFFSET)
     typical = np.sqrt((relative**2).mean(axis=1, keepdims=True))
     return np.hypot(se, 0.5 * typical * f)
 
@@ -205,17 +205,17 @@ def _walks_for_errors(
     For E the fewest walks n in all: sum w sd / sqrt(n) is fixed, so n ~ (w sd)^(2/3).
     """
     part = slice(None, E_PAIRS)
-    weight = metrics.energy_weight(cos_i, cos_o)[:, part]
+    weight = error_metrics.energy_weight(cos_i, cos_o)[:, part]
     share = (weight * sd[:, part]) ** (2 / 3)
     allowed = E_ERROR * (weight * f[:, part]).sum(1, keepdims=True)
     for_e = share * (share.sum(1, keepdims=True) / np.maximum(allowed, 1e-12)) ** 2
-    for_p = (sd / (f + metrics.P_OFFSET) / P_ERROR)[:, E_PAIRS:] ** 2
+    for_p = (sd / (f + error_metrics.DARK_OFFSET) / P_ERROR)[:, E_PAIRS:] ** 2
     return np.concatenate([for_e, np.minimum(for_p, MAX_P_WALKS)], axis=1)
 
 
 def _walks_for_probes(f: np.ndarray, sd: np.ndarray) -> np.ndarray:
     """Walks (S, M) with which P of a pair's noise is `PROBE_ERROR`, as many as `encode` takes."""
-    return np.minimum((sd / (f + metrics.P_OFFSET) / PROBE_ERROR) ** 2, STACK_WALKS)
+    return np.minimum((sd / (f + error_metrics.DARK_OFFSET) / PROBE_ERROR) ** 2, STACK_WALKS)
 
 
 def albedo_directions() -> np.ndarray:
@@ -266,9 +266,9 @@ def stack_errors(f_hat: np.ndarray, samples: Samples) -> np.ndarray:
     """E of every stack, (S,), from values (S, M) at all pairs."""
     part = slice(None, E_PAIRS)
     cos_i, cos_o = samples.wi[:, part, 2], samples.wo[:, part, 2]
-    return metrics.stack_error(f_hat[:, part], samples.f[:, part], cos_i, cos_o)
+    return error_metrics.stack_error(f_hat[:, part], samples.f[:, part], cos_i, cos_o)
 
 
 def pair_errors(f_hat: np.ndarray, samples: Samples) -> np.ndarray:
     """P of every pair, (S, P_PAIRS), from values (S, M) at all pairs."""
-    return metrics.pair_error(f_hat[:, E_PAIRS:], samples.f[:, E_PAIRS:])
+    return error_metrics.pair_error(f_hat[:, E_PAIRS:], samples.f[:, E_PAIRS:])

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from urushi.errors import ParameterError
-from urushi.eval import environment, image_metrics, sphere
+from urushi.eval import environment, metrics, sphere
 from urushi.files import atomic_write
 from urushi.material import Material, layer, lerp
 from urushi.reference.stack import dielectric
@@ -112,7 +112,7 @@ def draw(
     whole = pictures.transpose(0, 2, 1, 3, 4).reshape(rows * height, columns * width, 3)
     figure = Figure(figsize=(1.3 * columns + 1.2, 1.3 * rows + 0.4), layout="constrained")
     axis = figure.subplots()
-    axis.imshow(image_metrics.shown(whole), interpolation="lanczos")
+    axis.imshow(metrics.shown(whole), interpolation="lanczos")
     axis.set_xticks((np.arange(columns) + 0.5) * width, column_labels)
     axis.set_yticks((np.arange(rows) + 0.5) * height, row_labels, linespacing=1.4)
     axis.tick_params(length=0, top=False, labeltop=True, labelbottom=False)

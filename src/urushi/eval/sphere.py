@@ -18,8 +18,7 @@ from functools import cache
 
 import numpy as np
 
-from urushi.eval.environment import AZIMUTHS, ELEVATIONS, Environment
-from urushi.eval.periodic import bilinear
+from urushi.eval.environment import AZIMUTHS, ELEVATIONS, Environment, periodic_bilinear
 
 #: Circles of pixels: half the pictures' width and height.
 RINGS = 64
@@ -197,4 +196,4 @@ def _cartesian(polar: np.ndarray) -> np.ndarray:
     x, y = _pixels()
     radius = np.clip(np.hypot(x, y) - 0.5, 0, RINGS - 1)
     turn = np.arctan2(y, x) / (2 * np.pi) * AZIMUTHS
-    return bilinear(polar, radius, turn) * mask()[..., None]
+    return periodic_bilinear(polar, radius, turn) * mask()[..., None]

@@ -2,7 +2,6 @@
 
 from urushi.material.encode import encode, register_adapter
 from urushi.material.layer import layer
-from urushi.material.lerp import lerp
-from urushi.material.material import Material, load
+from urushi.material.material import Material, lerp, load
 
 __all__ = ["Material", "encode", "layer", "lerp", "load", "register_adapter"]

@@ -9,13 +9,13 @@ import numpy as np
 
 from urushi.data import cluster
 from urushi.errors import UrushiError
-from urushi.material.encode import Reading, encode_values, read, seen_pairs
+from urushi.material.encode import Reading, material_from_values, read, seen_pairs
 from urushi.material.material import Material
 from urushi.material.symmetry import Findings
 from urushi.measured import load_measured
-from urushi.nets import shipped
-from urushi.nets.shipped import Weights
-from urushi.processors import available
+from urushi.nets import weights
+from urushi.nets.weights import Weights
+from urushi.platform import available_cores
 
 
 class Encoded(NamedTuple):
@@ -49,14 +49,14 @@ def encode_all(
         PlatformError: there is no such scheduler.
         FileError: the shipped networks are missing.
     """
-    model = shipped.find(model)
+    model = weights.find(model)
     wanted = [refine] * len(sources) if isinstance(refine, bool) else list(refine)
     tasks = [(source, *seen_pairs(source, model)) for source in sources]
     for index, found in run_all(_read, tasks, scheduler):
         if isinstance(found, UrushiError):
             yield index, found
         else:
-            material = encode_values(found.values, model, refine=wanted[index])
+            material = material_from_values(found.values, model, refine=wanted[index])
             yield index, Encoded(material, found.findings)
 
 
@@ -79,7 +79,7 @@ def run_all(
         yield from cluster.run(scheduler, function, tasks)
         return
     files = [k for k, task in enumerate(tasks) if isinstance(task[0], Path)]
-    pool = ThreadPoolExecutor(available())
+    pool = ThreadPoolExecutor(available_cores())
     try:
         futures = {pool.submit(function, *tasks[k]): k for k in files}
         for future in as_completed(futures):

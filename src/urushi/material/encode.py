@@ -11,15 +11,14 @@ import numpy as np
 
 from urushi.errors import ParameterError, UrushiWarning
 from urushi.material import energy
-from urushi.material.correct import corrected
+from urushi.material.energy import limit
+from urushi.material.fit import corrected, refined
 from urushi.material.material import Material
-from urushi.material.refine import refined
 from urushi.material.symmetry import Findings, Source, symmetrised
-from urushi.material.texture import encoded
 from urushi.measured import Merl
-from urushi.nets import shipped
-from urushi.nets.shipped import Weights
-from urushi.nets.weights import Model
+from urushi.nets import weights
+from urushi.nets.weights import Model, Weights
+from urushi.parallel import fill_blocks
 from urushi.reference.stack import Conductor, Dielectric, Diffuse, Stack
 
 #: Random walks per probe and channel for a Stack: about 0.5 % noise where f is not tiny.
@@ -61,7 +60,7 @@ def encode(source: Any, model: Weights | None = None, *, refine: bool = False) -
         model: the networks: a Model, "base" (the default) or "small", or a weights file.
         refine: whether to follow the encoder's one pass by more than two quick steps that bring
             the decoded values closer to the given ones: for measured or unusual BRDFs, some 80 ms a
-            channel (see `urushi.material.refine`). The paper's networks encode by optimisation
+            channel (see `urushi.material.fit`). The paper's networks encode by optimisation
             anyway; they do nothing more.
 
     Raises:
@@ -74,13 +73,13 @@ def encode(source: Any, model: Weights | None = None, *, refine: bool = False) -
         UrushiWarning: averaging changes the source by more than 10 %, or a share of the light is
             left out.
     """
-    model = shipped.find(model)
+    model = weights.find(model)
     if isinstance(source, Material) and source.model.fingerprint == model.fingerprint:
         return source
     reading = read(source, *seen_pairs(source, model))
     for sentence in reading.findings.warnings():
         warnings.warn(f"encode {name_of(source)}: {sentence}", UrushiWarning, stacklevel=2)
-    return encode_values(reading.values, model, refine=refine)
+    return material_from_values(reading.values, model, refine=refine)
 
 
 def seen_pairs(source: Any, model: Model) -> tuple[np.ndarray, np.ndarray]:
@@ -103,7 +102,7 @@ def read(source: Any, wi: np.ndarray, wo: np.ndarray) -> Reading:
     )
 
 
-def encode_values(values: np.ndarray, model: Model, *, refine: bool = False) -> Material:
+def material_from_values(values: np.ndarray, model: Model, *, refine: bool = False) -> Material:
     """The material of values (N, C) at `seen_pairs`, or at `model.networks.pairs()` alone.
 
     Its directional albedo is at most that of the values, or at most 1 if the pairs that tell it are
@@ -120,7 +119,7 @@ def encode_values(values: np.ndarray, model: Model, *, refine: bool = False) -> 
         both = np.stack(refined(model.networks, probed, nodes))
         codes, anchors = energy.limit(model, both, ceiling)
         return Material(codes, model, anchors)
-    anchors = encoded(model, probed)
+    anchors = encoder_codes(model, probed)
     codes, excess = corrected(model.networks, anchors, probed)
     # Anchors are not looked at. They only must not bring light into a coat, which few come near to.
     bright = own.max(axis=-1) * excess > 1 - energy.MARGIN
@@ -141,9 +140,9 @@ def opened(source: Any) -> Source:
         if matches(source):
             return adapt(source)
     if isinstance(source, Conductor | Dielectric | Diffuse):
-        from urushi.reference import evaluate  # lazily: it starts Dr.Jit
+        from urushi.reference import analytic  # lazily: it starts Dr.Jit
 
-        return Source(lambda wi, wo: evaluate.f(source, wi, wo), symmetric=True)
+        return Source(lambda wi, wo: analytic.f(source, wi, wo), symmetric=True)
     if isinstance(source, Stack):
         from urushi.reference.simulate import simulate
 
@@ -186,3 +185,22 @@ def _checked(values: Any, source: Any, count: int) -> np.ndarray:
             f"{name} gives a negative or not finite value; a BRDF must be finite and at least 0"
         )
     return array
+
+
+def limited_codes(model: Model, f: np.ndarray) -> np.ndarray:
+    """Return codes float32 (..., 32) from f (..., P) [1/sr] at the pairs of `model.networks`.
+
+    Their directional albedo is at most 1 (see `urushi.material.energy`).
+    """
+    return limit(model, encoder_codes(model, f))
+
+
+def encoder_codes(model: Model, f: np.ndarray) -> np.ndarray:
+    """What the networks make of values f (..., P) [1/sr]: codes (..., 32) of any albedo."""
+    values = np.asarray(f, np.float32)
+    pairs = len(model.networks.pairs()[0])
+    if not values.ndim or values.shape[-1] != pairs:
+        raise ParameterError(f"f has shape {values.shape}; these networks need (..., {pairs})")
+    codes = np.empty((*values.shape[:-1], model.arch.latent), np.float32)
+    fill_blocks(codes, model.networks.encode, values, concurrent=model.networks.concurrent)
+    return codes

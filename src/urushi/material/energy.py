@@ -2,18 +2,26 @@
 
 One factor for all pairs of directions leaves f exactly as reciprocal as it was. Codes that have no
 gain, those of the paper's networks, are left as they are.
+
+Which of very many codes may be too bright, from measuring a few of them.
+
+A texture has millions of codes, and to measure one costs some hundred evaluations of the decoder.
+But they lie close together: a regression on a thousand of them tells the others' albedo well enough
+to leave out those that are far from the ceiling.
 """
 
 import functools
+from collections.abc import Callable
 from importlib.resources import files
 from typing import NamedTuple
 
 import numpy as np
 
-from urushi.material import screen
-from urushi.material.cores import fill, one_thread
+from urushi.material import regression
+from urushi.material.regression import Features
 from urushi.nets.features import direction_features
 from urushi.nets.weights import Model
+from urushi.parallel import fill_blocks, one_blas_thread
 
 #: The rule's and the interpolation's error in the albedo: materials end this much below 1.
 MARGIN = 0.002
@@ -78,7 +86,7 @@ class Rule(NamedTuple):
 
 @functools.cache
 def rule() -> Rule:
-    """The rule of `albedo_rule.csv`, which `benchmarks/albedo_rule.py` makes and measures."""
+    """The rule of `albedo_rule.csv`; `benchmarks/quality/albedo_rule.py` makes and measures it."""
     lines = (files("urushi.material") / "albedo_rule.csv").read_text(encoding="ascii").splitlines()
     cos_i, x, y, z, weights = np.loadtxt(lines, delimiter=",").T
     wi = np.stack([np.sqrt(1 - cos_i**2), np.zeros_like(cos_i), cos_i], axis=-1).astype(np.float32)
@@ -117,10 +125,10 @@ def albedo(model: Model, z: np.ndarray) -> np.ndarray:
     if not len(z):
         return np.zeros((0, BETWEEN), np.float32)
     if len(z) <= TOGETHER:
-        with one_thread():
+        with one_blas_thread():
             return measure(z)
     result = np.empty((len(z), BETWEEN), np.float32)
-    fill(result, measure, z, concurrent=networks.concurrent, rows=TOGETHER)
+    fill_blocks(result, measure, z, concurrent=networks.concurrent, rows=TOGETHER)
     return result
 
 
@@ -204,7 +212,7 @@ def _seen_factors(model: Model, z: np.ndarray, ceiling: np.ndarray | float) -> n
         return result
     rows = np.ascontiguousarray(z).reshape(-1, z.shape[-1])
     if isinstance(ceiling, float) and len(rows) > MANY:
-        bright = screen.suspects(functools.partial(_peak, model), rows, ceiling)
+        bright = codes_to_measure(functools.partial(_peak, model), rows, ceiling)
         result.reshape(-1)[bright] = ceiling / _peak(model, rows[bright])
     else:
         measured = np.maximum(albedo(model, rows), BLACK).reshape(*z.shape[:-1], -1)
@@ -224,3 +232,86 @@ def _scaled(model: Model, z: np.ndarray, factors: np.ndarray) -> np.ndarray:
     result = np.array(z)
     result[over] = model.networks.scaled(z[over], factors[over])
     return result
+
+
+#: Codes that are measured, half of them to fit the regression and half to see its errors.
+SCREEN_SAMPLE = 1024
+
+#: The brighter a code, the more its error counts: weights are this power of the albedo. Of the
+#: held-out ones those within `NEAR` of the ceiling in ln albedo, and in any case the brightest
+#: tenth, tell the error, which is trusted up to a factor and a constant.
+POWER, NEAR, TRUST, LEAST_MARGIN = 4.0, 0.25, 2.0, 0.02
+
+#: Of the regression: random features besides the codes themselves, and its ridge.
+SCREEN_FEATURES, SCREEN_RIDGE = 64, 1e-3
+
+#: A code that is this much farther out than all of the sample, in any number, is no matter of
+#: interpolation and is measured.
+OUTSIDE = 1.25
+
+#: Rounds at most, each with a sample of its own, which must be worth it: suspects for each code
+#: that is measured.
+SCREEN_ROUNDS, WORTH = 4, 4
+
+
+def codes_to_measure(
+    peak: Callable[[np.ndarray], np.ndarray], z: np.ndarray, ceiling: float
+) -> np.ndarray:
+    """Indices of the codes among z (N, 32) whose largest albedo may exceed a ceiling.
+
+    peak: measures the largest albedo (n,), positive, of codes (n, 32). Samples have fixed seeds.
+
+    What remains is looked at again, for as long as that pays: among codes that are all bright, a
+    regression is more exact.
+    """
+    index = np.arange(len(z))
+    for seed in range(SCREEN_ROUNDS):
+        before = len(index)
+        index = index[_codes_to_measure(peak, z[index] if seed else z, ceiling, seed)]
+        if len(index) > before // 2 or len(index) < WORTH * SCREEN_SAMPLE:
+            break
+    return index
+
+
+def _codes_to_measure(
+    peak: Callable[[np.ndarray], np.ndarray], z: np.ndarray, ceiling: float, seed: int
+) -> np.ndarray:
+    rng = np.random.default_rng(seed)
+    sample = z[rng.integers(len(z), size=SCREEN_SAMPLE)]
+    target = np.log(peak(sample)) - np.log(ceiling)
+    half = SCREEN_SAMPLE // 2
+    estimate = _fitted(sample[:half], target[:half], sample, rng)
+    errors = target[half:] - estimate(sample[half:])
+    near = target[half:] >= min(-NEAR, np.quantile(target[half:], 0.9))
+    margin = TRUST * max(float(errors[near].max()), 0) + LEAST_MARGIN
+    values = np.empty((len(z), 1), np.float32)
+    fill_blocks(values, lambda codes: estimate(codes)[:, None], z)
+    return np.flatnonzero(values[:, 0] > -margin)
+
+
+class AlbedoRegression(NamedTuple):
+    """ln albedo of codes, as far as a sample reaches."""
+
+    features: Features
+    reach: np.ndarray
+    coefficients: np.ndarray
+
+    def __call__(self, z: np.ndarray) -> np.ndarray:
+        """Estimates (N,) for codes (N, 32); infinite for those far outside the sample."""
+        x = self.features.standard(z)
+        inside = (np.abs(x) <= self.reach).all(axis=-1)
+        return np.where(
+            inside, self.features.of_standard(x) @ self.coefficients, np.float32(np.inf)
+        )
+
+
+def _fitted(
+    z: np.ndarray, target: np.ndarray, sample: np.ndarray, rng: np.random.Generator
+) -> AlbedoRegression:
+    """An estimate from targets (n,) of codes (n, 32), for use as far as the sample reaches."""
+    features = regression.features(sample, SCREEN_FEATURES, 1e-12, rng)
+    reach = OUTSIDE * np.abs(features.standard(sample)).max(axis=0) + 1e-3
+    weights = np.exp(POWER * (target - target.max()))
+    return AlbedoRegression(
+        features, reach, regression.coefficients(features(z), target, SCREEN_RIDGE, weights)
+    )

@@ -10,11 +10,11 @@ import numpy as np
 
 from urushi.errors import ParameterError
 from urushi.material import energy
-from urushi.material.cores import fill
-from urushi.nets import tangents
-from urushi.nets.jacobian import decode_log
+from urushi.nets import derivatives
+from urushi.nets.derivatives import decode_log
 from urushi.nets.networks import Coat
 from urushi.nets.weights import Model
+from urushi.parallel import fill_blocks
 
 #: A code was scaled down if its gain is lower than the network's by more than rounding.
 _ROUNDING = 1e-5
@@ -48,7 +48,9 @@ def layer_pushforward(
     """
 
     def block(z_bottom, coat, z, dz_bottom, dcoat):
-        dz = tangents.layer_pushforward(model.params, model.arch, z_bottom, coat, dz_bottom, dcoat)
+        dz = derivatives.layer_pushforward(
+            model.params, model.arch, z_bottom, coat, dz_bottom, dcoat
+        )
         rows = _limited(z, _unlimited(model, z_bottom, coat))
         for row in rows:
             of_z, of_bottom = _log_factor(model, z[row], z_bottom[row])
@@ -72,7 +74,9 @@ def layer_pullback(
             of_z, of_bottom = _log_factor(model, z[row], z_bottom[row])
             of_limit[row] = dz[row, 0] * of_bottom
             dz[row] += dz[row, 0] * of_z
-        of_bottom, of_coat = tangents.layer_pullback(model.params, model.arch, z_bottom, coat, dz)
+        of_bottom, of_coat = derivatives.layer_pullback(
+            model.params, model.arch, z_bottom, coat, dz
+        )
         return np.concatenate([of_bottom + of_limit, of_coat], axis=-1)
 
     both = _filled(model.arch.latent + coat.shape[-1], block, z_bottom, coat, z, dz)
@@ -83,7 +87,7 @@ def encode_pushforward(model: Model, f: np.ndarray, z: np.ndarray, df: np.ndarra
     """Return the change (N, 32) of `encode_texels`' codes z of f (N, P) for a change df (N, P)."""
 
     def block(f, z, df):
-        dz = tangents.encode_pushforward(model.params, model.arch, f, df)
+        dz = derivatives.encode_pushforward(model.params, model.arch, f, df)
         for row in _limited(z, model.networks.encode(f)):
             dz[row, 0] -= _log_peak(model, z[row])[1] @ dz[row]
         return dz
@@ -98,7 +102,7 @@ def encode_pullback(model: Model, f: np.ndarray, z: np.ndarray, dz: np.ndarray) 
         dz = dz.copy()
         for row in _limited(z, model.networks.encode(f)):
             dz[row] -= dz[row, 0] * _log_peak(model, z[row])[1]
-        return tangents.encode_pullback(model.params, model.arch, f, dz)
+        return derivatives.encode_pullback(model.params, model.arch, f, dz)
 
     return _filled(f.shape[-1], block, f, z, dz)
 
@@ -106,7 +110,7 @@ def encode_pullback(model: Model, f: np.ndarray, z: np.ndarray, dz: np.ndarray) 
 def _filled(columns: int, block, *arrays: np.ndarray) -> np.ndarray:
     """The rows of block(*arrays) (N, columns), on all cores."""
     result = np.empty((len(arrays[0]), columns), np.float32)
-    fill(result, block, *(np.asarray(array, np.float32) for array in arrays))
+    fill_blocks(result, block, *(np.asarray(array, np.float32) for array in arrays))
     return result
 
 

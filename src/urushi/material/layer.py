@@ -1,5 +1,12 @@
-"""Layering: coating a material in the latent space."""
+"""Layering: coating a material in the latent space.
 
+Latent textures: codes (..., 32) of many texels at once, in bounded memory.
+
+A latent texture is a float32 array (H, W, C, 32); filtering and mip maps are linear in it. The
+functions take any leading shape.
+"""
+
+import functools
 from typing import Any
 
 import numpy as np
@@ -8,9 +15,11 @@ import numpy.typing as npt
 from urushi import checks
 from urushi.errors import ParameterError
 from urushi.material.encode import encode
+from urushi.material.energy import limit_coated
 from urushi.material.material import Material
-from urushi.material.texture import layer_texels
-from urushi.nets.shipped import Weights
+from urushi.nets.networks import Coat
+from urushi.nets.weights import Model, Weights
+from urushi.parallel import fill_blocks
 from urushi.reference.stack import Dielectric
 
 
@@ -63,3 +72,73 @@ def layer(
                 "channels; give a scalar"
             )
     return Material(layer_texels(bottom.model, bottom.anchors, **parameters), bottom.model)
+
+
+def layer_texels(
+    model: Model,
+    z_bottom: np.ndarray,
+    *,
+    alpha: npt.ArrayLike,
+    eta: npt.ArrayLike,
+    albedo: npt.ArrayLike,
+    sigma_t: npt.ArrayLike,
+    g: npt.ArrayLike,
+) -> np.ndarray:
+    """Coat many texels by the layering network.
+
+    Args:
+        model: the networks.
+        z_bottom: codes (..., 32) of the bottoms.
+        alpha, eta: of the coat's interface; albedo, sigma_t, g: of the medium below it. Arrays
+            that broadcast against each other and against z_bottom's leading shape, e.g. (H, W, 3).
+
+    Returns:
+        float32 (..., 32), of the shape that all of them broadcast to. Their directional albedo is
+        at most 1, or that of the bottom if it gains energy (see `urushi.material.energy`).
+
+    Raises:
+        ParameterError: a parameter is out of range, or the shapes do not broadcast.
+    """
+    parameters = {
+        name: getattr(checks, name)(value, f"the coat's {name}", any_shape=True)
+        for name, value in (
+            ("alpha", alpha), ("eta", eta), ("albedo", albedo), ("sigma_t", sigma_t), ("g", g)
+        )
+    }  # fmt: skip
+    z = np.asarray(z_bottom, np.float32)
+    try:
+        shape = np.broadcast_shapes(z.shape[:-1], *(p.shape for p in parameters.values()))
+    except ValueError as error:
+        shapes = ", ".join(f"{name} {p.shape}" for name, p in parameters.items())
+        raise ParameterError(
+            f"the coat's parameters ({shapes}) do not fit the bottom's {z.shape[:-1]}; "
+            "give scalars or arrays of the same shape"
+        ) from error
+    dielectrics = functools.partial(_dielectrics, model)
+    rows = shape or (1,)
+    coated = np.empty((*rows, z.shape[-1]), np.float32)
+    fill_blocks(
+        coated,
+        lambda z, *p: model.networks.layer(z, Coat(*p), dielectrics),
+        _leading(z, len(rows) + 1),
+        *(_leading(p.astype(np.float32), len(rows)) for p in parameters.values()),
+        concurrent=model.networks.concurrent,
+    )
+    return limit_coated(model, coated.reshape(*shape, z.shape[-1]), z)
+
+
+def _leading(array: np.ndarray, dimensions: int) -> np.ndarray:
+    """The array with as many dimensions, those of one before its own."""
+    return array.reshape((1,) * (dimensions - array.ndim) + array.shape)
+
+
+def _dielectrics(model: Model, alpha: np.ndarray, eta: np.ndarray) -> np.ndarray:
+    """Values (S, P) [1/sr] of rough dielectrics' reflection at the pairs of `model.networks`."""
+    from urushi.reference import analytic  # lazily: it starts Dr.Jit
+
+    wi, wo = model.networks.pairs()
+    count = len(alpha)
+    row = np.repeat(np.arange(count, dtype=np.uint32), len(wi))
+    columns = {"alpha": alpha, "eta": eta}
+    f = analytic.rows("dielectric", columns, row, np.tile(wi, (count, 1)), np.tile(wo, (count, 1)))
+    return f.reshape(count, -1)

@@ -1,4 +1,7 @@
-"""A material: one latent code per channel, and the networks that give it meaning."""
+"""A material: one latent code per channel, and the networks that give it meaning.
+
+Blending materials linearly in the latent space.
+"""
 
 import os
 from dataclasses import dataclass
@@ -8,13 +11,11 @@ import numpy.typing as npt
 
 from urushi import checks
 from urushi.errors import ParameterError
-from urushi.material import files
-from urushi.material.cores import fill
-from urushi.material.quadrature import half_vector_rule
-from urushi.nets import shipped
+from urushi.geometry.quadrature import half_vector_rule
+from urushi.material import file
 from urushi.nets.networks import Proposal
-from urushi.nets.shipped import Weights
-from urushi.nets.weights import Model
+from urushi.nets.weights import SHIPPED, Model, Weights, find, load_shipped
+from urushi.parallel import fill_blocks
 
 #: Directions at once whose albedo is integrated, over 1536 others each.
 INTEGRATED = 16
@@ -29,7 +30,7 @@ class Material:
         model: the networks.
         anchors: read-only float32 (C, 32), codes near the latents that the encoder could have made:
             coats are layered over these, and directions are sampled by them. Those of encoded
-            materials differ from the latents, which are corrected (see `urushi.material.correct`
+            materials differ from the latents, which are corrected (see `urushi.material.fit`
             and `refine`); those of coated ones are the latents, and so they are by default.
 
     Materials equal each other if codes and networks do.
@@ -89,7 +90,7 @@ class Material:
 
     def _filled(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         f = np.empty((len(wi), self.channels), np.float32)
-        fill(f[..., None], self._f, self.latents[None], wi[:, None], wo[:, None])
+        fill_blocks(f[..., None], self._f, self.latents[None], wi[:, None], wo[:, None])
         return f
 
     def _f(self, z: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
@@ -107,7 +108,7 @@ class Material:
         """
         wi, wo = checks.directions(wi, wo)
         pdf = np.empty(len(wi), np.float32)
-        fill(pdf[:, None], self._pdf, wi, wo)
+        fill_blocks(pdf[:, None], self._pdf, wi, wo)
         return pdf
 
     def _pdf(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
@@ -129,7 +130,7 @@ class Material:
         wi = checks.direction(wi, "wi")
         u = _uniform(u, len(wi))
         rows = np.empty((len(wi), 4), np.float32)
-        fill(rows, self._sample, wi, u)
+        fill_blocks(rows, self._sample, wi, u)
         return np.ascontiguousarray(rows[:, :3]), np.ascontiguousarray(rows[:, 3])
 
     def _sample(self, wi: np.ndarray, u: np.ndarray) -> np.ndarray:
@@ -177,7 +178,7 @@ class Material:
         Raises:
             FileError: the file cannot be written.
         """
-        files.write(path, self.latents, self.anchors, self.model.fingerprint)
+        file.write(path, self.latents, self.anchors, self.model.fingerprint)
 
 
 def load(path: str | os.PathLike, model: Weights | None = None) -> Material:
@@ -189,8 +190,8 @@ def load(path: str | os.PathLike, model: Weights | None = None) -> Material:
     Raises:
         FileError: missing, truncated, foreign, damaged, or made with other networks.
     """
-    models = [shipped.find(model)] if model else [shipped.load(name) for name in shipped.NAMES]
-    latents, anchors, made_with = files.read(path, models)
+    models = [find(model)] if model else [load_shipped(name) for name in SHIPPED]
+    latents, anchors, made_with = file.read(path, models)
     return Material(latents, made_with, anchors)
 
 
@@ -220,3 +221,41 @@ def _uniform(u: npt.ArrayLike, count: int) -> np.ndarray:
     if not ((array >= 0.0) & (array <= 1.0)).all():
         raise ParameterError("u holds a number outside [0, 1); give uniform random numbers")
     return np.minimum(array, np.float32(1.0 - 2.0**-24))  # float64 numbers may round up to 1
+
+
+def lerp(a: Material, b: Material, t: npt.ArrayLike) -> Material:
+    """Return the material of codes (1 - t) a + t b.
+
+    t: in [0, 1], a scalar or one number per RGB channel. A material of one channel blends with one
+    of three. t = 0 gives exactly a's codes, t = 1 exactly b's.
+
+    Raises:
+        ParameterError: a and b belong to different networks or numbers of channels, or t is out
+            of range or of a wrong shape.
+    """
+    for name, material in (("a", a), ("b", b)):
+        if not isinstance(material, Material):
+            raise ParameterError(
+                f"lerp's {name} is a {type(material).__name__}; encode it into a Material first"
+            )
+    if a.model.fingerprint != b.model.fingerprint:
+        raise ParameterError(
+            f"the materials belong to different weights, {a.model.fingerprint} and "
+            f"{b.model.fingerprint}; encode both with the same model"
+        )
+    try:
+        share = np.asarray(t, np.float32)
+        channels = np.broadcast_shapes((a.channels,), (b.channels,), share.shape)
+    except (TypeError, ValueError) as error:
+        raise ParameterError(
+            f"lerp's t ({np.shape(t)}) does not fit materials of {a.channels} and {b.channels} "
+            "channels; give a number or one per channel"
+        ) from error
+    if share.ndim > 1 or not ((share >= 0.0) & (share <= 1.0)).all():
+        raise ParameterError("lerp's t must be in [0, 1], a number or one per channel")
+    share = np.broadcast_to(share, channels)[:, None]
+    latents, anchors = (
+        (1.0 - share) * first + share * second
+        for first, second in ((a.latents, b.latents), (a.anchors, b.anchors))
+    )
+    return Material(latents, a.model, anchors)

@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from urushi.data.directions import cosine_pairs
-from urushi.data.metrics import energy_weight
+from urushi.geometry.direction_sets import cosine_pairs
+from urushi.geometry.error_metrics import energy_weight
 
 #: Common turns of a pair about the normal over which a BRDF is averaged: twice an odd number, see
 #: `_turns`. Fewer leave the narrow lobe of a brushed metal in pieces, which are like nothing that

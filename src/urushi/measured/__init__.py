@@ -4,7 +4,7 @@ import os
 from pathlib import Path
 
 from urushi.errors import FileError, ParameterError
-from urushi.measured import merl, rgl, tensorfile
+from urushi.measured import merl, rgl, rgl_file
 from urushi.measured.merl import Merl
 from urushi.measured.rgl import Rgl
 
@@ -32,7 +32,7 @@ def load_measured(path: str | os.PathLike) -> Merl | Rgl:
     try:
         with source.open("rb") as file:
             start = file.read(512)
-        if start.startswith(tensorfile.MAGIC):
+        if start.startswith(rgl_file.MAGIC):
             return rgl.read(source)
         if start.startswith(merl.HEADER):
             return merl.read(source)

@@ -15,11 +15,14 @@ import numpy as np
 import numpy.typing as npt
 
 from urushi.errors import FileError
-from urushi.measured.fill import fill_nearest
-from urushi.measured.hemisphere import evaluate
-from urushi.measured.rusinkiewicz import above_horizon
-from urushi.measured.surface import MeasuredSurface
-from urushi.measured.table import bin_centres, interpolated
+from urushi.geometry.half_vector import above_horizon
+from urushi.measured.tabulated import (
+    MeasuredSurface,
+    bin_centres,
+    evaluate,
+    fill_nearest,
+    interpolated,
+)
 
 #: Bins along theta_h, theta_d and phi_d.
 SHAPE = (90, 90, 180)

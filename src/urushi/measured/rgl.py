@@ -8,20 +8,20 @@ where D is the microfacet density, sigma the projected area of the microfacets, 
 makes the density of visible normals (vndf) uniform, and S what was measured, on v's square.
 D / (4 sigma) is absent where the file's flag `jacobian` is 0. vndf and S are linear in between
 elevations theta_i.
+
+From spectra to linear sRGB.
 """
 
+from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 
 from urushi.errors import FileError
-from urushi.measured import tensorfile
-from urushi.measured.colour import VISIBLE, srgb_weights
-from urushi.measured.hemisphere import evaluate
-from urushi.measured.surface import MeasuredSurface
-from urushi.measured.table import tabulated
-from urushi.measured.warp import Grid, Slices, Warp
+from urushi.measured import rgl_file
+from urushi.measured.tabulated import MeasuredSurface, evaluate, tabulated
+from urushi.measured.warp import BilinearGrid, Slices, Warp
 
 #: Dimensions and type of the tensors that every file has.
 TENSORS = {
@@ -75,7 +75,7 @@ class Rgl(MeasuredSurface):
         self._ndf = tensors["ndf"][0].astype(np.float64)
         self._sigma = tensors["sigma"][0].astype(np.float64)
         self._vndf = Warp(np.maximum(tensors["vndf"][0], 0))
-        self._measured = Grid(np.moveaxis(measured[0], 1, -1).copy())
+        self._measured = BilinearGrid(np.moveaxis(measured[0], 1, -1).copy())
         self._jacobian = bool(tensors["jacobian"][0])
         self._channels = measured.shape[2]
         self._to_rgb = np.eye(3)
@@ -146,7 +146,7 @@ def read(path: Path) -> Rgl:
     Raises:
         FileError: as of `tensorfile.read` and `Rgl`.
     """
-    tensors = tensorfile.read(path)
+    tensors = rgl_file.read(path)
     try:
         return Rgl(tensors)
     except FileError as error:
@@ -231,3 +231,39 @@ def _elevation(w: np.ndarray) -> np.ndarray:
 def _linear(values: np.ndarray, u: np.ndarray) -> np.ndarray:
     """Values at equally spaced nodes over [0, 1], linear in between."""
     return np.interp(u, np.linspace(0, 1, len(values)), values)
+
+
+#: CIE XYZ to linear sRGB (IEC 61966-2-1).
+XYZ_TO_SRGB = np.array(
+    [[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0.0557, -0.2040, 1.0570]]
+)
+
+#: The visible range, inside which a spectrum needs samples [nm].
+VISIBLE = (380.0, 780.0)
+
+
+def srgb_weights(wavelengths: np.ndarray) -> np.ndarray:
+    """Return weights (W, 3) such that spectrum @ weights is linear sRGB.
+
+    The spectrum of a reflectance or BRDF, piecewise linear between its samples and constant outside
+    of them, is integrated against the CIE 1931 observer under illuminant D65, sRGB's white. A
+    constant spectrum c gives exactly (c, c, c). Saturated spectra can give negative numbers.
+
+    Args:
+        wavelengths: (W,) strictly increasing [nm], W >= 2, some inside the visible range.
+    """
+    lines = (files("urushi.measured") / "cie.csv").read_text(encoding="ascii").splitlines()
+    table = np.loadtxt(lines, delimiter=",")
+    nm = np.arange(VISIBLE[0], VISIBLE[1] + 0.5)  # finer than any measured spectrum
+    observer = np.stack([np.interp(nm, table[:, 0], column) for column in table.T[1:4]])
+    light = np.interp(nm, table[:, 0], table[:, 4])
+    curves = (XYZ_TO_SRGB @ (observer * light)).T  # (nm, 3)
+
+    # The samples on either side of each nm share what it contributes.
+    lower = np.clip(np.searchsorted(wavelengths, nm) - 1, 0, len(wavelengths) - 2)
+    gap = wavelengths[lower + 1] - wavelengths[lower]
+    share = np.clip((nm - wavelengths[lower]) / gap, 0, 1)[:, None]
+    weights = np.zeros((len(wavelengths), 3))
+    np.add.at(weights, lower, (1 - share) * curves)
+    np.add.at(weights, lower + 1, share * curves)
+    return weights / weights.sum(0)

@@ -23,7 +23,7 @@ class Slices:
         return [(lower, 1 - weight), (lower + 1, weight)]
 
 
-class Grid:
+class BilinearGrid:
     """Values at the nodes of a regular grid over the unit square, bilinear in between."""
 
     def __init__(self, values: np.ndarray) -> None:

@@ -2,18 +2,13 @@
 
 import itertools
 import json
-from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
-from typing import Any
 
 import numpy as np
 
 from urushi.errors import ParameterError
-from urushi.nets.activation import POLYNOMIALS
 from urushi.nets.features import COAT_INPUTS, DIRECTION_FEATURES
-
-#: Parameters by name, such as "decoder.0.weight"; arrays of NumPy or of JAX.
-Params = Mapping[str, Any]
+from urushi.nets.mlp import POLYNOMIALS
 
 #: The networks, each a multilayer perceptron whose parameters' names start with its own.
 PARTS = ("decoder", "encoder", "layerer", "sampler")

@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from urushi.nets.architecture import SCALE, Architecture, Params
-from urushi.nets.mlp import hidden_to_output, product
+from urushi.nets.architecture import SCALE, Architecture
+from urushi.nets.mlp import Params, hidden_to_output, product
 
 #: ln f is held within these, so that f is positive and finite whatever the weights.
 MIN_LOG, MAX_LOG = -25.0, 20.0

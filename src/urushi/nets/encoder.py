@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from urushi.nets.architecture import Architecture, Params
-from urushi.nets.mlp import mlp
+from urushi.nets.architecture import Architecture
+from urushi.nets.mlp import Params, mlp
 
 #: Added to f before the logarithm: values far below it [1/sr] look alike to the encoder.
 OFFSET = 1e-4

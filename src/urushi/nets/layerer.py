@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from urushi.nets.architecture import Architecture, Params
-from urushi.nets.mlp import hidden_to_output, split_linear
+from urushi.nets.architecture import Architecture
+from urushi.nets.mlp import Params, hidden_to_output, split_linear
 
 
 def layer(params: Params, arch: Architecture, z_bottom: Any, coat: Any) -> Any:

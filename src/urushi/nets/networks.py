@@ -5,10 +5,11 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from urushi.nets import decoder, encoder, jacobian, layerer, lobes, sampler
-from urushi.nets.architecture import Architecture, Params
+from urushi.geometry.probe_pairs import probe_pairs
+from urushi.nets import decoder, derivatives, encoder, layerer, sampler
+from urushi.nets.architecture import Architecture
 from urushi.nets.features import coat_features, direction_features
-from urushi.nets.probes import probe_pairs
+from urushi.nets.mlp import Params
 
 
 class Coat(NamedTuple):
@@ -92,7 +93,7 @@ class OnePass(Networks, Protocol):
         """`encode` for f (..., K) at some of the pairs only, see `encoder.of_fewer`."""
 
 
-class LobeMixture(NamedTuple):
+class LobeProposal(NamedTuple):
     """The proposal of `lobes`: weights (..., K+1) and GGX widths (..., K)."""
 
     weights: Any
@@ -100,11 +101,11 @@ class LobeMixture(NamedTuple):
 
     def pdf(self, wi: Any, wo: Any) -> Any:
         """See `lobes.pdf`."""
-        return lobes.pdf(self.weights, self.alphas, wi, wo)
+        return sampler.mixture_pdf(self.weights, self.alphas, wi, wo)
 
     def sample(self, wi: Any, u: Any) -> Any:
         """See `lobes.sample`."""
-        return lobes.sample(self.weights, self.alphas, wi, u)
+        return sampler.sample_mixture(self.weights, self.alphas, wi, u)
 
 
 class UrushiNetworks(NamedTuple):
@@ -154,11 +155,11 @@ class UrushiNetworks(NamedTuple):
 
     def decode_log(self, z: Any, features: Any) -> tuple[Any, Any]:
         """Logarithmic values and their derivatives with respect to the code."""
-        return jacobian.decode_log(self.params, self.arch, z, features)
+        return derivatives.decode_log(self.params, self.arch, z, features)
 
     def encode_log(self, logs: Any) -> tuple[Any, Any]:
         """Codes and their derivatives with respect to logarithmic values."""
-        return jacobian.encode_log(self.params, self.arch, logs)
+        return derivatives.encode_log(self.params, self.arch, logs)
 
     def normalised(self, f: Any) -> Any:
         """The encoder's inputs."""
@@ -169,6 +170,6 @@ class UrushiNetworks(NamedTuple):
         params = encoder.of_fewer(self.params, kept, matrix, offset)
         return lambda f: encoder.encode(params, self.arch, f)
 
-    def proposal(self, z: Any, wi: Any) -> LobeMixture:
+    def proposal(self, z: Any, wi: Any) -> LobeProposal:
         """GGX reflection lobes and a cosine lobe."""
-        return LobeMixture(*sampler.lobes(self.params, self.arch, z, wi[..., 2]))
+        return LobeProposal(*sampler.mixture(self.params, self.arch, z, wi[..., 2]))

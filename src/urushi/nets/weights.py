@@ -1,19 +1,75 @@
-"""Trained networks as one value, and the file that they are kept in."""
+"""The kinds of architecture that a weights file may hold, each with the networks it makes.
+
+Trained networks as one value, and the file that they are kept in.
+
+The networks that ship with Urushi, by name, and those that are used when none are named.
+"""
 
 import functools
 import hashlib
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from urushi import files
 from urushi.errors import FileError, ParameterError
-from urushi.nets import kinds, tensorfile
-from urushi.nets.architecture import Params
-from urushi.nets.networks import Networks
+from urushi.nets.architecture import Architecture, parameter_shapes
+from urushi.nets.mlp import Params
+from urushi.nets.networks import Networks, UrushiNetworks
+from urushi.paper.architecture import PaperArchitecture
+from urushi.paper.architecture import parameter_shapes as paper_shapes
+from urushi.paper.networks import PaperNetworks
+
+
+@dataclass(frozen=True)
+class Kind:
+    """One kind of architecture.
+
+    Attributes:
+        architecture: its class, with `latent`, `to_json` and `from_json`.
+        shapes: the parameters' shapes by name.
+        bind: the networks of such parameters.
+    """
+
+    architecture: Any
+    shapes: Callable[[Any], dict[str, tuple[int, ...]]]
+    bind: Callable[[Params, Any], Networks]
+
+
+KINDS = {
+    "urushi": Kind(Architecture, parameter_shapes, UrushiNetworks),
+    "paper": Kind(PaperArchitecture, paper_shapes, PaperNetworks),
+}
+
+
+def kind_name(arch: Any) -> str:
+    """The key in `KINDS` of an architecture."""
+    return next(name for name, kind in KINDS.items() if isinstance(arch, kind.architecture))
+
+
+def kind_of(arch: Any) -> Kind:
+    """The kind that an architecture belongs to."""
+    return KINDS[kind_name(arch)]
+
+
+def read_architecture(description: Any) -> Any:
+    """The architecture of a weights file's description; one without `kind` is Urushi's own.
+
+    Raises:
+        ParameterError: it is of no known kind, or not as its kind wants it.
+    """
+    name = description.get("kind", "urushi") if isinstance(description, dict) else "urushi"
+    if name not in KINDS:
+        raise ParameterError(
+            f"the architecture is of kind {name!r}; this Urushi knows {', '.join(KINDS)}"
+        )
+    return KINDS[name].architecture.from_json(json.dumps(description))
+
 
 FORMAT_VERSION = 1
 
@@ -41,7 +97,7 @@ class Model:
         Raises:
             ParameterError: a parameter is missing, unknown, of a wrong shape or not finite.
         """
-        shapes = kinds.of(arch).shapes(arch)
+        shapes = kind_of(arch).shapes(arch)
         unmatched = sorted(set(shapes) ^ set(params))
         if unmatched:
             state = "missing" if unmatched[0] in shapes else "unknown"
@@ -52,7 +108,7 @@ class Model:
     @functools.cached_property
     def networks(self) -> Networks:
         """What the model can do: encode, layer, evaluate, and propose directions."""
-        return kinds.of(self.arch).bind(self.params, self.arch)
+        return kind_of(self.arch).bind(self.params, self.arch)
 
 
 def _checked(name: str, value: Any, shape: tuple[int, ...]) -> np.ndarray:
@@ -91,24 +147,80 @@ def save(path: str | os.PathLike, arch: Any, params: Params, header: Mapping[str
         "architecture": json.loads(arch.to_json()),
         "header": dict(header),
     }
-    tensorfile.write(path, "weights", description, model.params)
+    files.write_tensors(path, "weights", description, model.params)
     return model
 
 
-def load(path: str | os.PathLike) -> Model:
+def read(path: str | os.PathLike) -> Model:
     """Read a file of `save`.
 
     Raises:
         FileError: missing, truncated, foreign, of another version, or the arrays do not fit.
     """
-    description, arrays = tensorfile.read(path, "weights")
+    description, arrays = files.read_tensors(path, "weights")
     if description.get("version") != FORMAT_VERSION:
         raise FileError(
             f"'{path}' has version {description.get('version')!r} of the weights format, "
             f"this Urushi reads version {FORMAT_VERSION}; install the Urushi that wrote it"
         )
     try:
-        arch = kinds.read(description.get("architecture"))
+        arch = read_architecture(description.get("architecture"))
         return Model.of(arch, arrays, description.get("header") or {})
     except (ParameterError, TypeError, ValueError) as error:
         raise FileError(f"the weights file '{path}' is damaged: {error}") from error
+
+
+#: Files in the folder `weights` beside this module, the default first.
+SHIPPED = ("base", "small")
+
+#: Networks as users may give them: a Model, one of `NAMES`, or a weights file.
+Weights = Model | str | os.PathLike
+
+
+def shipped_folder() -> Path:
+    """Where the shipped weights lie."""
+    return Path(__file__).with_name("weights")
+
+
+@functools.cache
+def load_shipped(name: str) -> Model:
+    """Load the shipped networks of a name, once a process.
+
+    Raises:
+        FileError: they are missing from this installation, or damaged.
+    """
+    path = shipped_folder() / f"{name}.safetensors"
+    if not path.exists():
+        raise FileError(
+            f"Urushi's trained weights '{path}' are missing; install the package again, "
+            f"or make them with 'urushi train --preset {name}'"
+        )
+    return read(path)
+
+
+def default_model() -> Model:
+    """The networks that are used when none are named.
+
+    Raises:
+        FileError: as of `load`.
+    """
+    return load_shipped(SHIPPED[0])
+
+
+def find(given: Weights | None) -> Model:
+    """The networks that a user means; None: the default ones.
+
+    Raises:
+        FileError: there is no such file, and no shipped networks of that name.
+    """
+    if isinstance(given, Model):
+        return given
+    if given is None:
+        return default_model()
+    if str(given) in SHIPPED:
+        return load_shipped(str(given))
+    if not Path(given).exists():
+        raise FileError(
+            f"there are no weights '{given}'; give a file, or one of {', '.join(SHIPPED)}"
+        )
+    return read(given)

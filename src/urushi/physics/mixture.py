@@ -38,7 +38,7 @@ class Mixture(NamedTuple):
 def reflection_pdf(alpha, wi, wo):
     """Density of `sample_reflection` at wo above the horizon [1/sr], the mirrored part included.
 
-    D(h) / (2 (cos_i + root)) with Smith's shadowing in the root, see `nets.lobes.reflection_pdf`.
+    D(h) / (2 (cos_i + root)) with Smith's shadowing in the root, see `nets.sampler.reflection_pdf`.
     """
     alpha2 = alpha * alpha
     x, y = wi.x + wo.x, wi.y + wo.y

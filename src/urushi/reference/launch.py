@@ -1,18 +1,23 @@
-"""Averages over random walks that start at given directions, in launches of bounded size."""
+"""Averages over random walks that start at given directions, in launches of bounded size.
 
+Which Dr.Jit backend the reference runs on: CUDA where there is one, else LLVM.
+"""
+
+import functools
+import importlib
 from collections.abc import Callable, Sequence
+from types import ModuleType
 from typing import Any
 
 import drjit as dr
 import numpy as np
 from tqdm import tqdm
 
+from urushi import platform
 from urushi.errors import ParameterError
-from urushi.reference.device import types
-from urushi.reference.lanes import TableLayers, table_bottom
 from urushi.reference.rng import stream
 from urushi.reference.stack import Stack
-from urushi.reference.table import StackTable, from_stack
+from urushi.reference.table import StackTable, TableLayers, from_stack, table_bottom
 
 #: Walks per kernel launch; bounds device memory to a few hundred MB.
 LANES = 1 << 22
@@ -124,3 +129,16 @@ def _launch(
     sums = dr.block_sum(value, count), dr.block_sum(value * value, count)
     dr.eval(*sums)
     return np.stack([x.numpy().astype(np.float64) for x in sums])
+
+
+@functools.cache
+def types() -> ModuleType:
+    """The module of Dr.Jit array types to use (`drjit.cuda` or `drjit.llvm`).
+
+    Raises:
+        PlatformError: there is no GPU, and no libLLVM that Dr.Jit can use.
+    """
+    if dr.has_backend(dr.JitBackend.CUDA):
+        return importlib.import_module("drjit.cuda")
+    platform.require_llvm()
+    return importlib.import_module("drjit.llvm")

@@ -1,12 +1,16 @@
-"""Many monochrome stacks of one shape as arrays."""
+"""Many monochrome stacks of one shape as arrays.
+
+How the random walk reads a table of stacks: one row per lane, from device memory.
+"""
 
 from dataclasses import dataclass, field
 from typing import Any
 
+import drjit as dr
 import numpy as np
 
 from urushi.errors import ParameterError
-from urushi.reference import bottoms, measured_like
+from urushi.reference import bottoms
 from urushi.reference.stack import Conductor, Dielectric, Diffuse, Stack
 
 #: Parameters of each kind of bottom, in the order of its factory's arguments.
@@ -16,7 +20,7 @@ BOTTOM_KINDS: dict[str, tuple[Any, tuple[str, ...]]] = {
     "dielectric": (bottoms.dielectric_reflector, ("alpha", "eta")),
     "diffuse": (bottoms.Lambertian, ("reflectance",)),
     "mixture": (
-        bottoms.LobeMixture,
+        bottoms.MixtureBottom,
         (
             "diffuse",
             "ggx_weight",
@@ -28,12 +32,12 @@ BOTTOM_KINDS: dict[str, tuple[Any, tuple[str, ...]]] = {
         ),
     ),
     "measured_like": (
-        measured_like.MeasuredLike,
+        bottoms.MeasuredLike,
         (
             "diffuse",
             "roughness",
             "sheen",
-            *(f"{name}_{k}" for k in (1, 2) for name in measured_like.LOBE_PARAMETERS),
+            *(f"{name}_{k}" for k in (1, 2) for name in bottoms.LOBE_PARAMETERS),
         ),
     ),
 }
@@ -128,3 +132,61 @@ def from_stack(stack: Stack) -> StackTable:
         return StackTable(**coats, kind="custom", custom=stack.bottom)
     kind, columns = bottom_columns(stack.bottom, channels)
     return StackTable(**coats, kind=kind, bottom=columns)
+
+
+class TableLayers:
+    """The walk's `Layers`: one row of a table per lane, gathered from device memory."""
+
+    def __init__(self, types: Any, table: StackTable, row: Any) -> None:
+        self.count = table.coats
+        self._row = row * self.count
+        self._columns = {
+            name: types.Float(getattr(table, name).ravel())
+            for name in ("alpha", "eta", "albedo", "sigma_t", "g")
+        }
+        self._float = types.Float
+        if self.count == 1:  # no layer index: read each parameter once, outside of the loop
+            self._cached = {name: self._gather(name, row) for name in self._columns}
+
+    def _gather(self, name: str, index: Any) -> Any:
+        return dr.gather(self._float, self._columns[name], index)
+
+    def _read(self, index: Any, *names: str) -> tuple[Any, ...]:
+        if self.count == 1:
+            return tuple(self._cached[name] for name in names)
+        return tuple(self._gather(name, self._row + index) for name in names)
+
+    def interface(self, index: Any) -> tuple[Any, Any]:
+        return self._read(index, "alpha", "eta")
+
+    def medium(self, index: Any) -> tuple[Any, Any, Any]:
+        return self._read(index, "albedo", "sigma_t", "g")
+
+
+class ChannelOf:
+    """A custom bottom whose colours are read at one channel, the lane's row."""
+
+    def __init__(self, brdf: Any, row: Any) -> None:
+        self._brdf = brdf
+        self._row = row
+
+    def _channel(self, value: Any) -> Any:
+        if dr.size_v(type(value)) != 3 or dr.depth_v(type(value)) < 2:
+            return value
+        return dr.select(self._row == 0, value[0], dr.select(self._row == 1, value[1], value[2]))
+
+    def f_pdf(self, wi: Any, wo: Any) -> tuple[Any, Any]:
+        f, pdf = self._brdf.f_pdf(wi, wo)
+        return self._channel(f), pdf
+
+    def sample(self, wi: Any, u0: Any, u1: Any, u2: Any) -> tuple[Any, Any, Any]:
+        wo, weight, pdf = self._brdf.sample(wi, u0, u1, u2)
+        return wo, self._channel(weight), pdf
+
+
+def table_bottom(types: Any, table: StackTable, row: Any) -> bottoms.Bottom:
+    """The walk's bottom for one row of a table per lane."""
+    if table.kind == "custom":
+        return ChannelOf(table.custom, row)
+    factory, names = BOTTOM_KINDS[table.kind]
+    return factory(*(dr.gather(types.Float, types.Float(table.bottom[n]), row) for n in names))

@@ -5,7 +5,7 @@ is analytic. It starts refracted at the top from wi and is unbounded in depth. T
 wo, combined by the power heuristic over the direction with which light rises to the top interface:
 
 - A, next-event estimation: every vertex connects along a path drawn once, by refracting *wo*
-  down through the interfaces (see `urushi.reference.escape`);
+  down through the interfaces (see `urushi.reference.exits`);
 - B: a direction drawn by a vertex's own scattering reaches the top, where the interface's BTDF
   towards wo is evaluated.
 
@@ -21,9 +21,9 @@ import drjit as dr
 
 from urushi.physics import phase
 from urushi.physics.frame import from_cosine
-from urushi.reference import channels, interface
+from urushi.reference import interface, spectral_mis
 from urushi.reference.bottoms import Bottom
-from urushi.reference.escape import Escape, Escapes
+from urushi.reference.exits import ExitPath, ExitPaths
 from urushi.reference.interface import flip
 
 #: Walks whose throughput falls below this continue with probability throughput / threshold.
@@ -67,12 +67,12 @@ def estimate(
     """
     scalar, vector = type(wi.z), type(wi)
     index_type = dr.uint32_array_t(scalar)
-    hero = channels.pick(color, rng.next_float32())
+    hero = spectral_mis.pick(color, rng.next_float32())
     alpha, eta = layers.interface(index_type(0))
     w, weight = interface.sample_transmission(
         wi, alpha, eta, rng.next_float32(), rng.next_float32()
     )
-    escapes = Escapes(layers, wo, rng)
+    escapes = ExitPaths(layers, wo, rng)
 
     state = {
         "active": active & (weight > 0) & (wi.z > 0) & (wo.z > 0),
@@ -108,7 +108,9 @@ def top_reflection(layers: Layers, wi: Any, wo: Any) -> Any:
     return interface.reflection(wi, wo, alpha, eta)
 
 
-def advance(s: dict[str, Any], layers: Layers, bottom: Bottom, escapes: Escapes, hero: Any) -> None:
+def advance(
+    s: dict[str, Any], layers: Layers, bottom: Bottom, escapes: ExitPaths, hero: Any
+) -> None:
     """One step of the walk: fly to the next vertex, connect to wo, scatter, play roulette."""
     rng, color = s["rng"], type(s["throughput"])
     active = dr.mask_t(s["depth"])(s["active"])
@@ -135,16 +137,16 @@ def advance(s: dict[str, Any], layers: Layers, bottom: Bottom, escapes: Escapes,
         s["depth"] = dr.select(inner, dr.select(rising, 1, 0), s["depth"])
 
     # A connection's density ends at its vertex: the direction drawn there is not part of it.
-    mean = channels.mean(s["spectral"], hero)
+    mean = spectral_mis.mean(s["spectral"], hero)
     s["result"] += dr.select(active, color(chosen.contribution) / mean, 0)
     if hero is not None:
         cos_theta = dr.dot(s["w"], inside.direction)
-        ratio = channels.phase_ratio(cos_theta, medium[2], hero)
+        ratio = spectral_mis.phase_ratio(cos_theta, medium[2], hero)
         s["spectral"] *= dr.select(in_medium, ratio, 1)
-        mean = channels.mean(s["spectral"], hero)
+        mean = spectral_mis.mean(s["spectral"], hero)
     s["w"], s["pdf"], s["rival"] = chosen.direction, chosen.pdf, chosen.rival
     survival = dr.minimum(
-        channels.strongest(chosen.throughput, hero) / (mean * ROULETTE_THRESHOLD), 1
+        spectral_mis.strongest(chosen.throughput, hero) / (mean * ROULETTE_THRESHOLD), 1
     )
     s["throughput"] = dr.select(survival > 0, chosen.throughput / survival, 0)
     s["active"] = active & (rng.next_float32() < survival) & (s["w"].z != 0)
@@ -153,18 +155,18 @@ def advance(s: dict[str, Any], layers: Layers, bottom: Bottom, escapes: Escapes,
 def fly(s: dict[str, Any], sigma_t: Any, hero: Any) -> Any:
     """Move along w to the next collision or boundary of the unit layer; true where it collides."""
     to_boundary = dr.select(s["w"].z < 0, 1 - s["depth"], s["depth"]) / dr.abs(s["w"].z)
-    flight = -dr.log(1 - s["rng"].next_float32()) / channels.of_hero(sigma_t, hero)
+    flight = -dr.log(1 - s["rng"].next_float32()) / spectral_mis.of_hero(sigma_t, hero)
     in_medium = flight < to_boundary
     distance = dr.select(in_medium, flight, to_boundary)
     s["depth"] = dr.clip(s["depth"] - s["w"].z * distance, 0, 1)
     if hero is not None:
-        ratio = channels.flight_ratio(sigma_t, distance, in_medium, hero)
+        ratio = spectral_mis.flight_ratio(sigma_t, distance, in_medium, hero)
         s["throughput"] *= ratio
         s["spectral"] *= ratio
     return in_medium
 
 
-def transmittance(sigma_t: Any, depth: Any, escape: Escape) -> Any:
+def transmittance(sigma_t: Any, depth: Any, escape: ExitPath) -> Any:
     """Beer's law from `depth` to the top of a layer along the escape direction."""
     return dr.exp(-sigma_t * (depth / escape.direction.z))
 
@@ -175,7 +177,12 @@ def select_event(mask: Any, a: Event, b: Event) -> Event:
 
 
 def medium_event(
-    s: dict[str, Any], medium: tuple[Any, Any, Any], visible: Any, escape: Escape, hero: Any, u: Any
+    s: dict[str, Any],
+    medium: tuple[Any, Any, Any],
+    visible: Any,
+    escape: ExitPath,
+    hero: Any,
+    u: Any,
 ) -> Event:
     """A collision in a medium: absorb, and scatter by Henyey and Greenstein's phase function."""
     albedo, _, g = medium
@@ -184,15 +191,15 @@ def medium_event(
     towards_escape = phase.hg(cos_escape, g)
     connected = throughput * towards_escape * visible
     connected *= escape.weight / escape.direction.z
-    contribution = connected * escape.mis(channels.mixture(towards_escape, s["spectral"], hero))
-    cos_theta = phase.sample_hg_cosine(channels.of_hero(g, hero), u[1])
+    contribution = connected * escape.mis(spectral_mis.mixture(towards_escape, s["spectral"], hero))
+    cos_theta = phase.sample_hg_cosine(spectral_mis.of_hero(g, hero), u[1])
     direction = from_cosine(s["w"], cos_theta, 2 * dr.pi * u[2])
-    throughput *= channels.phase_ratio(cos_theta, g, hero)
-    pdf = channels.mixture(phase.hg(cos_theta, g), s["spectral"], hero)
+    throughput *= spectral_mis.phase_ratio(cos_theta, g, hero)
+    pdf = spectral_mis.mixture(phase.hg(cos_theta, g), s["spectral"], hero)
     return Event(contribution, direction, throughput, pdf, type(pdf)(0))
 
 
-def top_event(s: dict[str, Any], escapes: Escapes, u: Any) -> Event:
+def top_event(s: dict[str, Any], escapes: ExitPaths, u: Any) -> Event:
     """The topmost interface from below: technique B's exit, then forced internal reflection."""
     f, pdf_escape = escapes.through_top(s["w"])
     ratio = pdf_escape / s["pdf"]
@@ -203,7 +210,9 @@ def top_event(s: dict[str, Any], escapes: Escapes, u: Any) -> Event:
     return Event(s["throughput"] * f * mis, direction, s["throughput"] * weight, zero, zero)
 
 
-def bottom_event(s: dict[str, Any], bottom: Bottom, visible: Any, escape: Escape, u: Any) -> Event:
+def bottom_event(
+    s: dict[str, Any], bottom: Bottom, visible: Any, escape: ExitPath, u: Any
+) -> Event:
     """Reflection by the bottom BRDF."""
     f, pdf = bottom.f_pdf(-s["w"], escape.direction)
     contribution = s["throughput"] * f * visible * escape.weight * escape.mis(pdf)
@@ -211,7 +220,7 @@ def bottom_event(s: dict[str, Any], bottom: Bottom, visible: Any, escape: Escape
     return Event(contribution, direction, s["throughput"] * weight, pdf, type(pdf)(0))
 
 
-def inner_event(s: dict[str, Any], layers: Layers, escapes: Escapes, down: Any, u: Any) -> Event:
+def inner_event(s: dict[str, Any], layers: Layers, escapes: ExitPaths, down: Any, u: Any) -> Event:
     """An interface between two media of the stack, from either side; its chain is that above it."""
     index = dr.clip(dr.select(down, s["layer"] + 1, s["layer"]), 1, layers.count - 1)
     above = index - 1

@@ -4,7 +4,7 @@ from functools import cache
 
 import mitsuba as mi
 
-from urushi import backend
+from urushi import platform
 from urushi.errors import PlatformError
 
 PLUGINS = ("layered", "neural_layered", "neural_brdf", "measured_brdf")
@@ -26,23 +26,16 @@ def register() -> None:
 def _on_variant(old: str | None, new: str) -> None:
     """Define the plugins' classes anew: a class belongs to the variant in which it was made."""
     if new.startswith("llvm"):
-        backend.require_llvm()  # before a kernel is compiled, which an old one would not survive
+        platform.require_llvm()  # before a kernel is compiled, which an old one would not survive
     _teach_encode()
     if new.startswith("scalar") or mi.is_polarized:
         for name in PLUGINS:
             mi.register_bsdf(name, _refusal(name, new))
         return
-    from urushi.render.plugins import (
-        layered,
-        measured_brdf,
-        mixture_bsdf,
-        neural_brdf,
-        neural_bsdf,
-        neural_layered,
-    )
+    from urushi.render.plugins import base, layered, measured_brdf, neural_brdf, neural_layered
 
-    mixture = mixture_bsdf.define()
-    neural = neural_bsdf.define(mixture)
+    mixture = base.define_mixture_bsdf()
+    neural = base.define_neural_bsdf(mixture)
     mi.register_bsdf("layered", layered.define(mixture))
     mi.register_bsdf("neural_layered", neural_layered.define(neural))
     mi.register_bsdf("neural_brdf", neural_brdf.define(neural))
@@ -53,7 +46,7 @@ def _on_variant(old: str | None, new: str) -> None:
 def _teach_encode() -> None:
     """Let `urushi.encode` take Mitsuba's BSDFs."""
     from urushi.material.encode import register_adapter
-    from urushi.render.reading.opening import open_bsdf
+    from urushi.render.reading.bsdf import open_bsdf
 
     register_adapter(lambda source: isinstance(source, mi.BSDF), open_bsdf)
 

@@ -1,7 +1,11 @@
-"""Checkpoints: a stage's whole state in one file, with the preset that it belongs to."""
+"""Checkpoints: a stage's whole state in one file, with the preset that it belongs to.
 
+The run folder: the last checkpoint, and a log with one JSON object a line.
+"""
+
+import json
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,8 +14,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from urushi import files
 from urushi.errors import FileError
-from urushi.nets import tensorfile
+from urushi.files import atomic_write
 
 FORMAT_VERSION = 1
 
@@ -48,7 +53,7 @@ def save(path: str | os.PathLike, point: Checkpoint, identity: Mapping[str, Any]
         "identity": dict(identity),
     }
     arrays = {name: np.asarray(leaf) for name, leaf in _named_leaves(point)}
-    tensorfile.write(path, "checkpoint", description, arrays)
+    files.write_tensors(path, "checkpoint", description, arrays)
 
 
 def load(path: Path, like: Mapping[str, Checkpoint], identity: Mapping[str, Any]) -> Checkpoint:
@@ -62,7 +67,7 @@ def load(path: Path, like: Mapping[str, Checkpoint], identity: Mapping[str, Any]
     Raises:
         FileError: missing, truncated, foreign, or of another training.
     """
-    description, arrays = tensorfile.read(path, "checkpoint")
+    description, arrays = files.read_tensors(path, "checkpoint")
     if description.get("version") != FORMAT_VERSION or description.get("identity") != identity:
         raise FileError(
             f"'{path}' is a checkpoint of another preset, data or version; "
@@ -84,3 +89,60 @@ def load(path: Path, like: Mapping[str, Checkpoint], identity: Mapping[str, Any]
 def _named_leaves(point: Checkpoint) -> list[tuple[str, Any]]:
     leaves, _ = jax.tree_util.tree_flatten_with_path((point.state, point.networks))
     return [(jax.tree_util.keystr(path), leaf) for path, leaf in leaves]
+
+
+class Journal:
+    """Keeps one training's checkpoint and log.
+
+    Args:
+        folder: the run folder.
+        identity: JSON values of preset and data; a checkpoint of another identity is refused.
+        stages: the stages' names, in order.
+    """
+
+    def __init__(self, folder: Path, identity: Mapping[str, Any], stages: Sequence[str]) -> None:
+        self._checkpoint = folder / "checkpoint.safetensors"
+        self._log = folder / "log.jsonl"
+        self._identity = identity
+        self._stages = stages
+
+    def begun(self) -> bool:
+        """Whether there is a checkpoint."""
+        return self._checkpoint.exists()
+
+    def clear(self) -> None:
+        """Forget an earlier training's log."""
+        self._log.unlink(missing_ok=True)
+
+    def restore(self, beginnings: Mapping[str, Checkpoint]) -> Checkpoint | None:
+        """The last checkpoint, or None; log lines of steps that it has not done are removed."""
+        if not self.begun():
+            return None
+        point = load(self._checkpoint, beginnings, self._identity)
+        if self._log.exists():
+            lines = self._log.read_text().splitlines(keepends=True)
+            with atomic_write(self._log) as path:
+                path.write_text("".join(x for x in lines if self._place(x) <= self._of(point)))
+        return point
+
+    def save(self, point: Checkpoint) -> None:
+        """Replace the checkpoint."""
+        save(self._checkpoint, point, self._identity)
+
+    def log(self, point: Checkpoint, figures: Mapping[str, float]) -> None:
+        """Append a line for the steps up to `point`."""
+        rounded = {name: float(f"{value:.5g}") for name, value in figures.items()}
+        entry = {"stage": point.stage, "step": point.step, "seconds": round(point.seconds, 1)}
+        with self._log.open("a") as file:
+            file.write(json.dumps(entry | rounded) + "\n")
+
+    def _of(self, point: Checkpoint) -> tuple[int, int]:
+        return self._stages.index(point.stage), point.step
+
+    def _place(self, line: str) -> tuple[int, int]:
+        """Stage and step of a log line; a line that a kill has torn comes after everything."""
+        try:
+            entry = json.loads(line)
+        except ValueError:
+            return len(self._stages), 0
+        return self._stages.index(entry["stage"]), entry["step"]

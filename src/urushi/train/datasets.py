@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from urushi.data.distribution import Clear, Distribution, Extended, Table2
 from urushi.data.spec import DataSpec, Part
-from urushi.nets.probes import PROBES
+from urushi.geometry.probe_pairs import PROBES
 
 #: Numbers of stacks by distribution: "table2", or the kind of bottom of an `Extended`.
 Counts = Mapping[str, int]

@@ -2,6 +2,8 @@
 
 Which examples a step sees is a function of seed and step alone, so that a training resumes to the
 same bits; see `order`.
+
+What a data store's parts are to a training: how many coats are layered, and on which values.
 """
 
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -10,20 +12,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from urushi.data.distribution import COAT_PARAMETERS
+from urushi.data.spec import Part
 from urushi.data.store import Store
 from urushi.errors import ParameterError
+from urushi.geometry.probe_pairs import PROBES, probe_pairs
 from urushi.nets.architecture import Architecture
 from urushi.nets.features import DIRECTION_FEATURES, direction_features
-from urushi.nets.probes import PROBES
+from urushi.reference import analytic
 from urushi.train.order import Order, Window
-from urushi.train.parts import (
-    METRICS,
-    TRAINING,
-    bottom_values,
-    coats_to_layer,
-    depth,
-    trained_pairs,
-)
 
 #: What is read of a store.
 ARRAYS = ("coats", "bottom", "wi", "wo", "f")
@@ -259,3 +256,45 @@ class Batches:
             np.concatenate(arrays) if len(arrays) > 1 else arrays[0]
             for arrays in zip(*pieces, strict=True)
         ]
+
+
+#: The direction sets of parts to train on.
+TRAINING = ("training", "grazing", "probed")
+
+#: Those to validate on, and the metric that is taken there.
+METRICS = {"cosine": "E mean", "half_angle": "P median"}
+
+
+def depth(part: Part) -> int:
+    """How many coats are layered to make the stacks of a training part.
+
+    Stacks whose own values at the probe pairs are known are encoded as they are.
+    """
+    return 0 if part.directions == "probed" else part.distribution.coats
+
+
+def trained_pairs(part: Part) -> slice:
+    """Which of its direction pairs a training part is trained on."""
+    return slice(PROBES if part.directions == "probed" else 0, part.pairs)
+
+
+def bottom_values(part: Part, bottom: np.ndarray, arch: Architecture) -> np.ndarray:
+    """Values (S, probes) [1/sr] of a part's bottoms (S, K), in air, at the probe pairs: exact."""
+    names = analytic.BOTTOM_KINDS[part.distribution.bottom][1]
+    wi, wo = probe_pairs(arch.probes)
+    count = len(bottom)
+    values = analytic.rows(
+        part.distribution.bottom,
+        dict(zip(names, bottom.T, strict=True)),
+        np.repeat(np.arange(count, dtype=np.uint32), arch.probes),
+        np.tile(wi, (count, 1)),
+        np.tile(wo, (count, 1)),
+    )
+    return values.reshape(count, arch.probes)
+
+
+def coats_to_layer(part: Part, arrays: dict[str, np.ndarray]) -> np.ndarray:
+    """The coats (S, N, 5) of a part's stacks that are layered, top to bottom; see `depth`."""
+    if depth(part) == 0:
+        return np.zeros((len(arrays["bottom"]), 0, len(COAT_PARAMETERS)), np.float32)
+    return arrays["coats"]

@@ -1,17 +1,24 @@
-"""What the networks are trained to minimise."""
+"""What the networks are trained to minimise.
+
+A penalty for coats that brighten as their medium absorbs more.
+
+Every path through a medium loses by absorption, hence f falls everywhere as sigma_a rises and the
+scattering stays. The simulated values say so too, but only of stacks that differ in everything
+else as well; the penalty compares a coat with a darker one, and needs no simulated values.
+"""
 
 from typing import Any
 
 import jax
 import jax.numpy as jnp
 
-from urushi.nets.architecture import Architecture, Params
+from urushi.nets.architecture import Architecture
 from urushi.nets.decoder import decode
 from urushi.nets.encoder import encode
 from urushi.nets.features import coat_features
 from urushi.nets.layerer import layer
+from urushi.nets.mlp import Params
 from urushi.train.examples import Batch
-from urushi.train.monotony import rises
 
 #: [1/sr] Added to the prediction that errors are relative to: differences far below are invisible.
 #: For a dark stack it is less, in proportion to its brightness, down to this share.
@@ -31,7 +38,7 @@ WORST = 0.3
 #: steps five coats one after the other would otherwise let them explode.
 LARGEST_CODE = 20.0
 
-#: Pairs lie in groups of this many of the same mixture, see `data.directions.training_pairs`.
+#: Consecutive pairs of one mixture, see `geometry.direction_sets.training_pairs`.
 _PERIOD = 4
 
 #: Every how manieth stack of a batch takes part in the cycle, which decodes all probe pairs.
@@ -150,7 +157,37 @@ def joint_loss(
     for lowest in batch.coats[:1]:
         some = slice(0, len(lowest), RISE_STRIDE)
         coats, features = lowest[some], batch.features[some]
-        rise = jnp.mean(rises(params, arch, bottoms[some], coats, features))
+        rise = jnp.mean(absorption_penalty(params, arch, bottoms[some], coats, features))
 
     loss = fit + 0.2 * cycle + 0.1 * latent + 0.5 * rise
     return loss, {"loss": loss, "fit": fit, "cycle": cycle, "latent": latent, "rise": rise}
+
+
+#: Optical depth that is added by absorption alone: these, row by row and over again.
+ABSORPTION_STEPS = (0.1, 0.3, 1.0)
+
+
+def absorption_penalty(
+    params: Params, arch: Architecture, z_bottom: Any, coats: Any, features: Any
+) -> jax.Array:
+    """Return by how much ln f rises with absorption: (B, P), 0 where it falls.
+
+    Args:
+        params, arch: the networks.
+        z_bottom: (B, 32) codes of bottoms.
+        coats: (B, 5) `data.distribution.COAT_PARAMETERS`.
+        features: (B, P, 8) of direction pairs.
+    """
+
+    def logs(coats: Any) -> jax.Array:
+        z = layer(params, arch, z_bottom, coat_features(*jnp.moveaxis(coats, -1, 0)))
+        return jnp.log(decode(params, arch, z[:, None], features))
+
+    return jnp.maximum(logs(with_more_absorption(coats)) - logs(coats), 0.0)
+
+
+def with_more_absorption(coats: Any) -> jax.Array:
+    """The same coats (B, 5) with more absorption, by one of `STEPS`, and the same scattering."""
+    alpha, eta, albedo, sigma_t, g = jnp.moveaxis(coats, -1, 0)
+    more = sigma_t + jnp.resize(jnp.asarray(ABSORPTION_STEPS), sigma_t.shape)
+    return jnp.stack([alpha, eta, albedo * sigma_t / more, more, g], axis=-1)

@@ -1,4 +1,7 @@
-"""The optimisers of all stages: warm-up, half a cosine, clipping and averaged weights."""
+"""The optimisers of all stages: warm-up, half a cosine, clipping and averaged weights.
+
+The precision of the large matrix products in training.
+"""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -8,8 +11,8 @@ import jax.numpy as jnp
 import optax
 import optax.contrib
 
+from urushi.nets.mlp import Params
 from urushi.train.devices import Devices
-from urushi.train.precision import lowered
 from urushi.train.presets import Schedule
 from urushi.train.soap import MEAN, SQUARES, soap
 
@@ -27,7 +30,7 @@ ITERATIONS = (
 Tree = Any
 
 
-class State(NamedTuple):
+class TrainState(NamedTuple):
     """Everything that a stage carries from step to step."""
 
     params: Tree  # the trained ones
@@ -36,7 +39,7 @@ class State(NamedTuple):
 
 
 Loss = Callable[[Tree, Any], tuple[jax.Array, dict[str, jax.Array]]]
-Steps = Callable[[State, Any], tuple[State, dict[str, jax.Array]]]
+Steps = Callable[[TrainState, Any], tuple[TrainState, dict[str, jax.Array]]]
 
 
 def optimiser(schedule: Schedule) -> optax.GradientTransformation:
@@ -60,10 +63,10 @@ def optimiser(schedule: Schedule) -> optax.GradientTransformation:
     return optax.chain(optax.clip_by_global_norm(schedule.clip), rule)
 
 
-def start(params: Tree, schedule: Schedule) -> State:
+def start(params: Tree, schedule: Schedule) -> TrainState:
     """The state before the first step."""
     params = {name: jnp.asarray(value) for name, value in params.items()}
-    return State(params, {**params}, optimiser(schedule).init(params))
+    return TrainState(params, {**params}, optimiser(schedule).init(params))
 
 
 def compile_steps(loss: Loss, schedule: Schedule, devices: Devices | None = None) -> Steps:
@@ -84,16 +87,16 @@ def compile_steps(loss: Loss, schedule: Schedule, devices: Devices | None = None
     def evaluated(params: Tree, batch: Any) -> tuple[jax.Array, dict[str, jax.Array]]:
         return loss(lowered(params, schedule.precision), batch)
 
-    def step(state: State, batch: Any) -> tuple[State, dict[str, jax.Array]]:
+    def step(state: TrainState, batch: Any) -> tuple[TrainState, dict[str, jax.Array]]:
         (_, terms), gradient = jax.value_and_grad(evaluated, has_aux=True)(state.params, batch)
         update, inner = rule.update(gradient, state.optimiser, state.params)
         params = optax.apply_updates(state.params, update)
         average = jax.tree.map(
             lambda mean, new: mean + (1 - schedule.average) * (new - mean), state.average, params
         )
-        return State(params, average, inner), terms
+        return TrainState(params, average, inner), terms
 
-    def steps(state: State, batches: Any) -> tuple[State, dict[str, jax.Array]]:
+    def steps(state: TrainState, batches: Any) -> tuple[TrainState, dict[str, jax.Array]]:
         state, terms = jax.lax.scan(step, state, batches)
         return state, jax.tree.map(jnp.mean, terms)
 
@@ -101,3 +104,21 @@ def compile_steps(loss: Loss, schedule: Schedule, devices: Devices | None = None
         return jax.jit(steps)
     compiled = jax.jit(steps, out_shardings=devices.replicated())
     return lambda state, batches: compiled(*devices.place(state, batches))
+
+
+def lowered(params: Params, precision: str) -> dict[str, Any]:
+    """Parameters with which a loss is evaluated: as they are, or hidden matrices in bfloat16.
+
+    Their products are then of bfloat16 factors. The first and the last layer of every network stay
+    in float32, for a feature or an output with 8 bits would be wrong by half a per cent; so do all
+    biases, activations, and the parameters that the optimiser keeps.
+    """
+    if precision == "float32":
+        return dict(params)
+    layers = [name.split(".") for name in params if name.endswith(".weight")]
+    last = {net: max(int(k) for other, k, _ in layers if other == net) for net, _, _ in layers}
+    hidden = {f"{net}.{k}.weight" for net, k, _ in layers if 0 < int(k) < last[net]}
+    return {
+        name: value.astype(jnp.bfloat16) if name in hidden else value
+        for name, value in params.items()
+    }

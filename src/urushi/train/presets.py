@@ -8,8 +8,8 @@ from urushi.data.distribution import Extended, Table2
 from urushi.data.spec import DataSpec, Part
 from urushi.errors import ParameterError
 from urushi.nets.architecture import Architecture
+from urushi.paper.train.preset import PaperPreset, paper
 from urushi.train.datasets import enlarged_domain, validation, whole_domain
-from urushi.train.paper.preset import PaperPreset, paper
 
 #: What a schedule's precision and rule may be.
 PRECISIONS = ("float32", "bfloat16")

@@ -33,7 +33,7 @@ class Matrix(NamedTuple):
     right: Side
 
 
-class State(NamedTuple):
+class SoapState(NamedTuple):
     """The number of steps, and each matrix's moments, a tree like the parameters."""
 
     step: jax.Array
@@ -43,16 +43,16 @@ class State(NamedTuple):
 def soap(rate: optax.Schedule) -> optax.GradientTransformation:
     """The rule for trees of matrices; `rate`: the learning rate by step."""
 
-    def init(params: Any) -> State:
-        return State(jnp.zeros((), jnp.int32), jax.tree.map(_beginning, params))
+    def init(params: Any) -> SoapState:
+        return SoapState(jnp.zeros((), jnp.int32), jax.tree.map(_beginning, params))
 
-    def update(gradients: Any, state: State, params: Any = None) -> tuple[Any, State]:
+    def update(gradients: Any, state: SoapState, params: Any = None) -> tuple[Any, SoapState]:
         del params
         step = state.step + 1
         moved = jax.tree.map(lambda g, kept: _moved(g, kept, step), gradients, state.matrices)
         factor = -rate(state.step)
         updates = jax.tree.map(lambda _, pair: factor * pair[0], gradients, moved)
-        return updates, State(step, jax.tree.map(lambda _, pair: pair[1], gradients, moved))
+        return updates, SoapState(step, jax.tree.map(lambda _, pair: pair[1], gradients, moved))
 
     return optax.GradientTransformation(init, update)
 

@@ -5,14 +5,15 @@ from typing import Any
 
 import numpy as np
 
-from urushi.data import metrics
 from urushi.data.store import Store
-from urushi.nets.architecture import Architecture, Params
+from urushi.geometry import error_metrics
+from urushi.nets.architecture import Architecture
 from urushi.nets.decoder import decode
 from urushi.nets.encoder import encode
 from urushi.nets.features import coat_features, direction_features
 from urushi.nets.layerer import layer
-from urushi.train.parts import METRICS, bottom_values, coats_to_layer
+from urushi.nets.mlp import Params
+from urushi.train.examples import METRICS, bottom_values, coats_to_layer
 
 
 @dataclass(frozen=True)
@@ -60,8 +61,8 @@ def measure(params: Params, arch: Architecture, checks: list[Check]) -> dict[str
             z = layer(host, arch, z, coat_features(*coat.T))
         f_hat = decode(host, arch, z[:, None], check.features)
         if check.metric == "E mean":
-            errors = metrics.stack_error(f_hat, check.f, check.cos_i, check.cos_o)
+            errors = error_metrics.stack_error(f_hat, check.f, check.cos_i, check.cos_o)
             figures[check.metric] = float(errors.mean())
         else:
-            figures[check.metric] = float(np.median(metrics.pair_error(f_hat, check.f)))
+            figures[check.metric] = float(np.median(error_metrics.pair_error(f_hat, check.f)))
     return figures

@@ -4,11 +4,12 @@ import drjit as dr
 import numpy as np
 import pytest
 
-from urushi.material import Material, packing
-from urushi.material.store import Store
+from urushi.material import Material
 from urushi.nets import features as numpy_features
-from urushi.nets import lobes as numpy_lobes
+from urushi.nets import sampler as numpy_lobes
 from urushi.nets import sampler as numpy_sampler
+from urushi.textures import packing
+from urushi.textures.store import TextureStore
 
 
 def hemisphere(count: int, seed: int) -> np.ndarray:
@@ -37,7 +38,7 @@ def latents(count: int, seed: int = 0) -> np.ndarray:
 @pytest.fixture
 def parts(rgb, model):
     """Constant latents in Dr.Jit and the same material in NumPy."""
-    from urushi.render.codes.latents import ConstantLatents
+    from urushi.render.latents.holders import ConstantLatents
 
     z = latents(3)
     return ConstantLatents(model, z), Material(z, model)
@@ -87,14 +88,14 @@ def test_f_is_reciprocal_to_the_last_bit(rgb, parts):
 
 
 def test_textured_latents_are_the_constant_ones_where_the_texture_is_constant(rgb, model, parts):
-    from urushi.render.codes.latents import TexturedLatents
-    from urushi.render.reading.grid import IDENTITY, Grid
+    from urushi.render.latents.holders import TexturedLatents
+    from urushi.render.reading.grid import IDENTITY, TexelGrid
 
     constant, _ = parts
-    store = Store(model, packing.layout(model, 3), 8, 4, mipped=True)
+    store = TextureStore(model, packing.layout(model, 3), 8, 4, mipped=True)
     with store.writing() as write:
         write(np.arange(32), np.broadcast_to(latents(3), (32, 3, 32)))
-    textured = TexturedLatents(model, store, Grid(8, 4, IDENTITY, "repeat", False))
+    textured = TexturedLatents(model, store, TexelGrid(8, 4, IDENTITY, "repeat", False))
     wi, wo = pairs()
     si = interaction(rgb, wi)
     si.uv = rgb.Point2f(np.random.default_rng(0).normal(size=(2, len(wi))).astype(np.float32))
@@ -109,7 +110,7 @@ def test_mixture_agrees_with_numpy(rgb, model, parts):
     wi, _ = pairs()
     mixture = drjit.vertex(interaction(rgb, wi), rgb.Bool(True)).mixture
     mean = numpy.latents.mean(axis=0)
-    weights, alphas = numpy_sampler.lobes(model.params, model.arch, mean[None], wi[:, 2])
+    weights, alphas = numpy_sampler.mixture(model.params, model.arch, mean[None], wi[:, 2])
     np.testing.assert_allclose(
         np.stack([x.numpy() for x in mixture.weights], -1), weights, atol=1e-4
     )
@@ -127,19 +128,19 @@ def test_density_and_samples_of_a_mixture_agree_with_numpy(rgb):
     mixture = Mixture([rgb.Float(x) for x in weights.T], [rgb.Float(x) for x in alphas.T])
     density = mixture.pdf(vector(rgb, wi), vector(rgb, wo)).numpy()
     # |h_xy|^2 of a lobe of width 0.01 loses digits where the directions nearly cancel
-    np.testing.assert_allclose(density, numpy_lobes.pdf(weights, alphas, wi, wo), rtol=1e-3)
+    np.testing.assert_allclose(density, numpy_lobes.mixture_pdf(weights, alphas, wi, wo), rtol=1e-3)
     drawn = mixture.sample(
         vector(rgb, wi), rgb.Float(u[:, 0]), rgb.Point2f(*map(rgb.Float, u[:, 1:].T))
     )
     # reflecting about a normal that is nearly perpendicular to wi loses three of seven digits
     np.testing.assert_allclose(
-        drawn.numpy().T, numpy_lobes.sample(weights, alphas, wi, u), atol=3e-4
+        drawn.numpy().T, numpy_lobes.sample_mixture(weights, alphas, wi, u), atol=3e-4
     )
 
 
 def test_cooperative_vectors_agree_with_constants_in_code(rgb, model):
     from urushi.render.networks.decoder import Decoder
-    from urushi.render.networks.lobes import Proposal
+    from urushi.render.networks.sampler import Proposal
 
     wi, wo = (vector(rgb, w) for w in pairs())
     z, values, mixtures = latents(3), [], []
@@ -168,7 +169,7 @@ def test_cuda_agrees_with_numpy(model):
         dr.eval(mi.Float(0) + dr.opaque(mi.Float, 1))
     except (ImportError, RuntimeError):
         pytest.skip("there is no CUDA device")
-    from urushi.render.codes.latents import ConstantLatents
+    from urushi.render.latents.holders import ConstantLatents
 
     z = latents(3)
     wi, wo = pairs()

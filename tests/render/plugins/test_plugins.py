@@ -165,7 +165,7 @@ def test_grey_in_spectral_is_grey_in_rgb(describe):
 def test_a_nested_coat_is_layered_from_its_latents(rgb, describe, model):
     inner = rgb.load_dict(describe("neural_layered"))
     outer = rgb.load_dict(describe("neural_layered") | {"base": inner})
-    from urushi.material.texture import layer_texels
+    from urushi.material.layer import layer_texels
 
     expected = layer_texels(
         model,

@@ -5,7 +5,7 @@ import pytest
 
 from urushi.eval import benchmark, predict
 from urushi.material import Material
-from urushi.nets import shipped
+from urushi.nets import weights
 
 MATERIALS = 24
 #: Of wi from the normal [degrees].
@@ -77,7 +77,7 @@ def test_no_sample_of_the_shipped_networks_weighs_much():
     made = [
         material
         for samples in benchmark.read().values()
-        for material in predict.materials(shipped.find("small"), samples)[::16]
+        for material in predict.materials(weights.find("small"), samples)[::16]
     ]
     assert len(made) > 20
     theta = np.radians(np.repeat([0, 30, 60, 75, 85], 200))

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import tyro
 
-from urushi.app import extras
+from urushi import platform
 
 
 @dataclass(frozen=True)
@@ -29,9 +29,9 @@ class Generate:
     """Address of a Dask scheduler whose workers simulate; default: all cores of this machine."""
 
     def run(self) -> int:
-        extras.require("train")
+        platform.require_extra("train")
         if self.scheduler is not None:
-            extras.require("cluster")
+            platform.require_extra("cluster")
         from urushi.data.generate import generate
         from urushi.train import presets
 
@@ -52,7 +52,7 @@ class Show:
     """Store to read (.zarr)."""
 
     def run(self) -> int:
-        extras.require("train")
+        platform.require_extra("train")
         from urushi.data.store import Store
 
         store = Store.open(self.store)

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import tyro
 from tqdm import tqdm
 
-from urushi.app import extras
+from urushi import platform
 from urushi.app.describe import describe, is_description
 from urushi.errors import FileError, ParameterError, UrushiError
 from urushi.files import new_folder
@@ -91,7 +91,7 @@ class Encode:
         if self.refine and self.no_refine:
             raise ParameterError("--refine and --no-refine exclude each other; give one of them")
         if self.scheduler is not None:
-            extras.require("cluster")
+            platform.require_extra("cluster")
             scenes = [text for text in self.sources if _is_scene(text)]
             if scenes:
                 raise ParameterError(
@@ -99,7 +99,7 @@ class Encode:
                     "leave out --scheduler"
                 )
         if self.report is not None:
-            extras.require("eval")
+            platform.require_extra("eval")
 
     def _refined(self, text: str) -> bool:
         return self.refine or not (self.no_refine or is_description(text))
@@ -115,6 +115,7 @@ class Encode:
     ) -> dict[int, UrushiError]:
         """Compare the materials with their sources; returns what went wrong with that."""
         from urushi.eval import examine
+        from urushi.eval.plots import likeness
         from urushi.material.batch import run_all
 
         indices = list(made)
@@ -128,7 +129,7 @@ class Encode:
                 examinations[indices[task]] = result
         if len(sources) > 1:
             _say_all(failed)
-        examine.write(
+        likeness.write_report(
             folder,
             {names[index]: examinations[index] for index in sorted(examinations)},
             {names[index]: str(error) for index, error in {**errors, **failed}.items()},

@@ -1,15 +1,19 @@
-"""`urushi render`: Mitsuba's own command line, with Urushi's plugins in it."""
+"""`urushi render`: Mitsuba's own command line, with Urushi's plugins in it.
+
+`urushi scenes`: the shipped scenes as folders, to look into and to change.
+"""
 
 import re
+import sys
 import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import tyro
 
-from urushi import backend
+from urushi import platform
 from urushi.errors import FileError, ParameterError, PlatformError
 from urushi.files import atomic_write
 
@@ -78,7 +82,7 @@ class Render:
 
     def _load(self, definitions: Mapping[str, str]) -> Any:
         """The scene of the file, or the shipped one where no file has that name."""
-        from urushi.render.scenes import shipped
+        from urushi.scenes import shipped
 
         path = Path(self.scene)
         if path.exists() or path.suffix:
@@ -125,7 +129,7 @@ def load_scene(path: Path, definitions: Mapping[str, str], folders: Sequence[Pat
 
 def set_variant(name: str) -> None:
     """Switch Mitsuba to a variant; PlatformError or ParameterError says why it cannot be had."""
-    backend.require_drjit()
+    platform.require_drjit()
     import mitsuba as mi
 
     if name not in mi.variants():
@@ -133,7 +137,7 @@ def set_variant(name: str) -> None:
             f"Mitsuba has no variant '{name}'; choose one of {', '.join(mi.variants())}"
         )
     if name.startswith("llvm"):
-        backend.require_llvm()
+        platform.require_llvm()
     try:
         mi.set_variant(name)
     except ImportError as error:
@@ -163,3 +167,67 @@ def one_line(error: BaseException) -> str:
     text = re.sub(r"^\[\w+\.cpp:\d+\] ", "", text)
     text = re.sub(r"Traceback \(most recent call last\):\n(?:\s+.*\n)*(?:[\w.]+: )?", "", text)
     return " ".join(text.split()).rstrip(".")
+
+
+@dataclass(frozen=True)
+class ExportScene:
+    """Write a shipped scene into a folder: scene.xml, and the meshes and textures that it names.
+
+    The scenes are still-life, globe, teapot and shoe. `urushi render FOLDER/scene.xml` renders
+    what was written.
+
+    Example: urushi scenes export still-life out/still-life
+    """
+
+    scene: tyro.conf.Positional[str]
+    """Name of the scene."""
+    folder: tyro.conf.Positional[Path]
+    """Folder to write to; made where it is missing."""
+    coat: Literal["neural_layered", "layered"] = "neural_layered"
+    """Plugin of the coats; the file's parameter $coat overrides it."""
+    weights: str = "base"
+    """Networks of neural_layered: base, small or a weights file."""
+    detail: float = 1.0
+    """Scale of the sizes of textures."""
+
+    def run(self) -> int:
+
+        set_variant("scalar_rgb")  # describes a scene as well as any, and needs no LLVM
+        from urushi.scenes import shipped
+        from urushi.scenes.stage import Options
+
+        options = Options(coat=self.coat, weights=self.weights, detail=self.detail)
+        print(shipped.export(self.scene, self.folder, options))
+        return 0
+
+
+@dataclass(frozen=True)
+class ListScenes:
+    """Print the shipped scenes' names and what they show.
+
+    Example: urushi scenes list
+    """
+
+    def run(self) -> int:
+        from urushi.scenes import shipped
+
+        for name, make in shipped.SCENES.items():
+            subject = (sys.modules[make.__module__].__doc__ or "").splitlines()[0]
+            print(f"{name:12}{subject.partition(': ')[2]}")
+        return 0
+
+
+@dataclass(frozen=True)
+class Scenes:
+    """The scenes that ship with Urushi, made by code.
+
+    Example: urushi scenes export still-life out/still-life
+    """
+
+    command: (
+        Annotated[ExportScene, tyro.conf.subcommand("export")]
+        | Annotated[ListScenes, tyro.conf.subcommand("list")]
+    )
+
+    def run(self) -> int:
+        return self.command.run()

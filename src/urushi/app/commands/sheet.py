@@ -8,7 +8,7 @@ import numpy as np
 import tyro
 from tqdm import tqdm
 
-from urushi.app import extras
+from urushi import platform
 from urushi.app.describe import describe, is_description
 from urushi.errors import ParameterError
 
@@ -38,7 +38,7 @@ class Sheet:
     """Networks: base (the default), small, or a weights file."""
 
     def run(self) -> int:
-        extras.require("eval")
+        platform.require_extra("eval")
         from urushi.eval import sheet
 
         sheet.check_path(self.output)

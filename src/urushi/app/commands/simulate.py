@@ -81,7 +81,7 @@ def evaluate(
 ) -> tuple[np.ndarray, np.ndarray]:
     """f and its standard error, (N, 3) each; a surface without a coat is evaluated exactly."""
     import urushi
-    from urushi.reference import evaluate as exact
+    from urushi.reference import analytic as exact
 
     if isinstance(description, urushi.Stack):
         return urushi.simulate(description, wi, wo, walks=walks, seed=seed)
@@ -94,7 +94,7 @@ def evaluate_albedo(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Directional albedo of a stack and its standard error, (N, 3) each."""
     import urushi
-    from urushi.reference.albedo import albedo
+    from urushi.reference.simulate import albedo
 
     if not isinstance(description, urushi.Stack):
         raise ParameterError("--albedo simulates coats; describe a coat(...) of one or more")

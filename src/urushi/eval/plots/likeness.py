@@ -1,15 +1,17 @@
 """A source and its material: slices, directional albedo and a sphere of each."""
 
+import json
 import os
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from urushi.eval import examine, image_metrics
+from urushi.eval import examine, metrics
 from urushi.eval.examine import ALBEDO_ANGLES, INCIDENT, OUTGOING, Examination
-from urushi.files import atomic_write
+from urushi.files import atomic_write, new_folder
 
 #: Colours by number of channels.
 COLOURS = {1: ("black",), 3: ("#d62728", "#2ca02c", "#1f77b4")}
@@ -43,7 +45,7 @@ def draw(path: str | os.PathLike, name: str, examination: Examination) -> None:
     for axis, picture, title in zip(
         lower[1:], examination.pictures, ("source", "material"), strict=True
     ):
-        axis.imshow(image_metrics.shown(picture), interpolation="lanczos")
+        axis.imshow(metrics.shown(picture), interpolation="lanczos")
         axis.set_axis_off()
         axis.set_title(title)
     figure.suptitle(_title(name, examination))
@@ -78,3 +80,59 @@ def _title(name: str, examination: Examination) -> str:
         if value is not None and value >= 5e-4:
             parts.append(f"{words} {value:.1%}")
     return ", ".join(parts)
+
+
+def write_report(
+    folder: str | os.PathLike,
+    examinations: Mapping[str, Examination],
+    errors: Mapping[str, str] | None = None,
+) -> None:
+    """Write report.json, report.md and a picture of each examination.
+
+    Args:
+        folder: made where it is missing.
+        examinations: by name; NAME.png is the picture's.
+        errors: why others could not be encoded, by name.
+
+    Raises:
+        FileError: a file cannot be written.
+    """
+    from urushi.eval.plots import likeness  # lazily: matplotlib is an extra
+
+    folder, errors = new_folder(folder), errors or {}
+    for name, examination in examinations.items():
+        likeness.draw(folder / f"{name}.png", name, examination)
+    content: dict[str, Any] = {name: e.figures for name, e in examinations.items()}
+    content |= {name: {"error": error} for name, error in errors.items()}
+    with atomic_write(folder / "report.json") as temporary:
+        temporary.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
+    with atomic_write(folder / "report.md") as temporary:
+        temporary.write_text(_markdown(examinations, errors), encoding="utf-8")
+
+
+def _markdown(examinations: Mapping[str, Examination], errors: Mapping[str, str]) -> str:
+    """A table of all, and the pictures below."""
+    lines = [
+        "# Encoded materials",
+        "",
+        "| | E, mean of channels | P, median | anisotropy | reciprocity error | PSNR of a sphere |",
+        "|---|---|---|---|---|---|",
+    ]
+    for name, examination in examinations.items():
+        figures = examination.figures
+        cells = [
+            _percent(examine.mean_error(figures)),
+            _percent(float(np.median(figures["P median"]))),
+            _percent(figures["anisotropy"]),
+            _percent(figures["reciprocity"]),
+            f"{figures['sphere']['psnr']:.1f} dB",
+        ]
+        lines.append(f"| {name} | {' | '.join(cells)} |")
+    lines += [f"| {name} | {error} | | | | |" for name, error in errors.items()]
+    for name in examinations:
+        lines += ["", f"![{name}](<{name}.png>)"]
+    return "\n".join(lines) + "\n"
+
+
+def _percent(share: float | None) -> str:
+    return "unknown" if share is None else f"{share:.1%}"

@@ -8,7 +8,8 @@ import numpy as np
 from urushi.nets.architecture import SCALE
 from urushi.nets.decoder import MAX_LOG, MIN_LOG
 from urushi.nets.weights import Model
-from urushi.render.networks import hidden, network
+from urushi.render.networks import mlp
+from urushi.render.networks.cooperative import hidden_layers
 from urushi.render.networks.features import direction_features
 
 
@@ -22,7 +23,7 @@ class Decoder:
     def __init__(self, model: Model, cooperative: bool | None = None):
         """cooperative: see `hidden.choose`."""
         params, activation = model.params, model.arch.activation
-        self._rest = hidden.choose(params, "decoder", activation, cooperative)
+        self._rest = hidden_layers(params, "decoder", activation, cooperative)
         weight = model.params["decoder.0.weight"]
         codes = model.arch.latent - 1  # the gain bypasses the network
         self._offset, self._response = weight[:codes], weight[codes:]
@@ -39,23 +40,21 @@ class Decoder:
 
     def share(self, latent: Sequence) -> list:
         """The same from a latent code, a list (32) of Dr.Jit floats: a list (1 + 2 width)."""
-        return [latent[0], *network.compiled_once(self._share, *latent[1:])]
+        return [latent[0], *mlp.compiled_once(self._share, *latent[1:])]
 
     def of_first_layer(self, shares: Sequence[Sequence], wi, wo) -> list:
         """f of each channel; shares: per channel a list (1 + 2 width) of Dr.Jit floats."""
         # The response to the directions is the same for all channels.
-        response = network.dense(
-            direction_features(wi, wo), self._response, [0.0] * len(self._bias)
-        )
-        return [network.compiled_once(self._of_share, *share, *response) for share in shares]
+        response = mlp.dense(direction_features(wi, wo), self._response, [0.0] * len(self._bias))
+        return [mlp.compiled_once(self._of_share, *share, *response) for share in shares]
 
     def of_latents(self, latents: Sequence[Sequence], wi, wo) -> list:
         """f of each channel; latents: per channel a list (32) of Dr.Jit floats."""
         return self.of_first_layer([self.share(z) for z in latents], wi, wo)
 
     def _share(self, *z):
-        scales = network.dense(z, self._scale, [1.0] * len(self._bias))
-        return [*scales, *network.dense(z, self._offset, self._bias.tolist())]
+        scales = mlp.dense(z, self._scale, [1.0] * len(self._bias))
+        return [*scales, *mlp.dense(z, self._offset, self._bias.tolist())]
 
     def _of_share(self, gain, *rest):
         width = len(self._bias)

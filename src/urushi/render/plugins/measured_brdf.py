@@ -5,7 +5,7 @@ import mitsuba as mi
 from urushi.errors import ParameterError
 from urushi.measured import load_measured
 from urushi.render import spectrum
-from urushi.render.plugins.neural_bsdf import resolve
+from urushi.render.plugins.base import resolve
 
 
 def define(base: type) -> type:

@@ -3,14 +3,15 @@
 import drjit as dr
 import mitsuba as mi
 
+from urushi import files
 from urushi.errors import ParameterError
-from urushi.material import load, texture_files
-from urushi.nets import shipped, tensorfile
-from urushi.render.codes import arrays
-from urushi.render.codes.attached import AttachedLatents
-from urushi.render.codes.latents import ConstantLatents, TexturedLatents
-from urushi.render.plugins.neural_bsdf import read_model, resolve
-from urushi.render.reading.grid import Grid
+from urushi.material import load
+from urushi.nets import weights
+from urushi.render.latents import lookup
+from urushi.render.latents.holders import ConstantLatents, DifferentiableLatents, TexturedLatents
+from urushi.render.plugins.base import read_model, resolve
+from urushi.render.reading.grid import TexelGrid
+from urushi.textures import file
 
 
 def define(base: type) -> type:
@@ -64,17 +65,19 @@ def define(base: type) -> type:
             self._filename = props["filename"]
             named = read_model(props) if "weights" in props else None
             path = resolve(self._filename)
-            if tensorfile.kind_of(path) == texture_files.KIND:
+            if files.tensor_file_kind(path) == file.KIND:
                 self._tensor = None
-                models = [named] if named else [shipped.load(name) for name in shipped.NAMES]
-                store, place, self.model = texture_files.read(path, models)
+                models = (
+                    [named] if named else [weights.load_shipped(name) for name in weights.SHIPPED]
+                )
+                store, place, self.model = file.read(path, models)
                 width, height = store.levels[0]
-                grid = Grid(width, height, place.to_texture, place.wrap, place.nearest)
+                grid = TexelGrid(width, height, place.to_texture, place.wrap, place.nearest)
                 self.latents = TexturedLatents(self.model, store, grid)
             else:
                 material = load(path, named)
                 self.model = material.model
-                codes = arrays.owned(mi.Float, material.latents)
+                codes = lookup.owned(mi.Float, material.latents)
                 self._tensor = mi.TensorXf(codes, material.latents.shape)
                 self.latents = ConstantLatents(self.model, material.latents, material.anchors)
             if self.latents.channels not in (1, 3):
@@ -92,7 +95,7 @@ def define(base: type) -> type:
                 return
             self._check_changeable()
             if dr.grad_enabled(self._tensor):
-                self.latents = AttachedLatents(self.model, self._tensor)
+                self.latents = DifferentiableLatents(self.model, self._tensor)
             else:
                 self.latents = ConstantLatents(self.model, self._tensor.numpy())
 

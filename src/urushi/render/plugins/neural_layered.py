@@ -3,11 +3,10 @@
 import mitsuba as mi
 
 from urushi.errors import ParameterError
-from urushi.render.codes import gradients
-from urushi.render.codes.attached import AttachedTexture
-from urushi.render.codes.baking import Baker
-from urushi.render.codes.latents import ConstantLatents, TexturedLatents
-from urushi.render.plugins.neural_bsdf import read_model
+from urushi.render.latents import gradients
+from urushi.render.latents.baking import Baker
+from urushi.render.latents.holders import ConstantLatents, DifferentiableTexture, TexturedLatents
+from urushi.render.plugins.base import read_model
 from urushi.render.reading.parameters import CoatParameters, check_bottom, nested_bsdf
 
 
@@ -79,7 +78,7 @@ def define(base: type) -> type:
         After Fan, Wang, Hašan, Yang and Yan, Neural Layered BRDFs, SIGGRAPH 2022.
         """
 
-        latents: ConstantLatents | TexturedLatents | AttachedTexture
+        latents: ConstantLatents | TexturedLatents | DifferentiableTexture
 
         def __init__(self, props):
             super().__init__(props)

@@ -32,7 +32,7 @@ NORMALS = {"NormalMap": "normalmap", "BumpMap": "bumpmap"}
 POINTS = 64
 
 
-class Grid(NamedTuple):
+class TexelGrid(NamedTuple):
     """Texels over the unit square of texture space.
 
     Attributes:
@@ -73,8 +73,8 @@ def from_texture(to_texture: tuple, points: np.ndarray) -> np.ndarray:
 
 
 def choose(
-    parts: Mapping[str, "mi.Object"], nested: Grid | None, resolution: int, where: str
-) -> Grid | None:
+    parts: Mapping[str, "mi.Object"], nested: TexelGrid | None, resolution: int, where: str
+) -> TexelGrid | None:
     """The grid that does textures justice, and codes that are a texture already; None: constant.
 
     Args:
@@ -115,7 +115,7 @@ def choose(
     nearest = all(grid.nearest for grid in grids)
     if resolution:
         width = height = resolution
-    return Grid(width, height, place, wrap, nearest)
+    return TexelGrid(width, height, place, wrap, nearest)
 
 
 def varying_textures(root: "mi.Object") -> list["mi.Texture"]:
@@ -192,7 +192,7 @@ def _collector(variant: str) -> type:
     return Collector
 
 
-def _of(texture: "mi.Texture") -> Grid:
+def _of(texture: "mi.Texture") -> TexelGrid:
     """A texture's own grid."""
     parameters = mi.traverse(texture)
     place = IDENTITY
@@ -203,8 +203,8 @@ def _of(texture: "mi.Texture") -> Grid:
     width, height = texture.resolution()
     if width * height <= 1:
         sharp = texture.class_name() == "Checkerboard"  # its edges fall between texels
-        return Grid(PROCEDURAL, PROCEDURAL, place, "repeat", sharp)
-    return Grid(width, height, place, *_addressing(texture, place, width, height))
+        return TexelGrid(PROCEDURAL, PROCEDURAL, place, "repeat", sharp)
+    return TexelGrid(width, height, place, *_addressing(texture, place, width, height))
 
 
 def _addressing(texture: "mi.Texture", place: tuple, width: int, height: int) -> tuple[str, bool]:
@@ -242,13 +242,13 @@ def _values(texture: "mi.Texture", uv: np.ndarray) -> np.ndarray:
     return np.broadcast_to(value.numpy(), len(uv)).astype(np.float64)
 
 
-def _over_uv(grid: Grid) -> tuple[int, int]:
+def _over_uv(grid: TexelGrid) -> tuple[int, int]:
     """Texels over the unit square of uv, repetitions by the transform included."""
     scale = np.abs(np.array(grid.to_texture))[:, :2].max(axis=1)
     return max(round(grid.width * scale[0]), 1), max(round(grid.height * scale[1]), 1)
 
 
-def _seamless(grid: Grid) -> bool:
+def _seamless(grid: TexelGrid) -> bool:
     """Whether a texture repeats with the unit square of uv."""
     linear = np.array(grid.to_texture)[:, :2]
     return grid.wrap == "repeat" and bool(np.abs(linear - linear.round()).max() < 1e-4)

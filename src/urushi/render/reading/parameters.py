@@ -1,4 +1,9 @@
-"""What `layered` and `neural_layered` are given: a coat's parameters and the BSDF under it."""
+"""What `layered` and `neural_layered` are given: a coat's parameters and the BSDF under it.
+
+Indices of refraction by name, the same names and values as in Mitsuba's own plugins.
+
+Measured at about 589 nm; most are from Hecht, Optics, fourth edition.
+"""
 
 from collections.abc import Collection
 from typing import ClassVar, NamedTuple
@@ -10,7 +15,6 @@ import numpy as np
 from urushi import checks
 from urushi.errors import ParameterError
 from urushi.render import spectrum
-from urushi.render.reading import ior
 
 #: A coat's parameters that may be textures, and their values when they are not given.
 DEFAULTS = {"alpha": 0.1, "albedo": 0.0, "sigma_t": 0.0, "g": 0.0}
@@ -41,14 +45,14 @@ class CoatParameters:
     def __init__(self, props: "mi.Properties"):
         self.where = describe(props)
         self.textures = {name: self._texture(props, name) for name in DEFAULTS}
-        ext_ior = ior.read(props, "ext_ior", "air", f"{self.where}: ext_ior")
+        ext_ior = read(props, "ext_ior", "air", f"{self.where}: ext_ior")
         if not ext_ior > 0:
             raise ParameterError(f"{self.where}: ext_ior is {ext_ior:g}; it must be positive")
         if "int_ior" in props and props.type("int_ior") == mi.Properties.Type.Object:
             self.textures["int_ior"] = self._texture(props, "int_ior")
             self.opaque_eta = opaque(1 / ext_ior)
         else:
-            int_ior = ior.read(props, "int_ior", "bk7", f"{self.where}: int_ior")
+            int_ior = read(props, "int_ior", "bk7", f"{self.where}: int_ior")
             ratio = checks.eta(int_ior / ext_ior, f"{self.where}: int_ior / ext_ior")
             self.opaque_eta = opaque(float(ratio))
 
@@ -201,3 +205,46 @@ def check_bottom(bsdf: "mi.BSDF", where: str) -> None:
 
 def _indent(value: object) -> str:
     return str(value).replace("\n", "\n  ")
+
+
+IOR = {
+    "vacuum": 1.0,
+    "helium": 1.000036,
+    "hydrogen": 1.000132,
+    "air": 1.000277,
+    "carbon dioxide": 1.00045,
+    "water": 1.3330,
+    "acetone": 1.36,
+    "ethanol": 1.361,
+    "carbon tetrachloride": 1.461,
+    "glycerol": 1.4729,
+    "benzene": 1.501,
+    "silicone oil": 1.52045,
+    "bromine": 1.661,
+    "water ice": 1.31,
+    "fused quartz": 1.458,
+    "pyrex": 1.470,
+    "acrylic glass": 1.49,
+    "polypropylene": 1.49,
+    "bk7": 1.5046,
+    "sodium chloride": 1.544,
+    "amber": 1.55,
+    "pet": 1.5750,
+    "diamond": 2.419,
+}
+
+
+def read(props: "mi.Properties", name: str, default: str, where: str) -> float:
+    """The index that the property gives as a number or a material's name.
+
+    Raises:
+        ParameterError: neither a number nor a known name.
+    """
+    value = props.get(name, default)
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        return float(value)
+    if isinstance(value, str) and value.lower() in IOR:
+        return IOR[value.lower()]
+    raise ParameterError(
+        f"{where} is {value!r}; give a number or one of the materials " + ", ".join(IOR)
+    )

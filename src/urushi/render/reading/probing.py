@@ -8,7 +8,7 @@ import numpy as np
 
 from urushi.errors import ParameterError
 from urushi.render import spectrum
-from urushi.render.reading.grid import Grid
+from urushi.render.reading.grid import TexelGrid
 from urushi.render.reading.parameters import check_bottom
 
 #: Evaluations that are traced at once: bounds memory.
@@ -144,7 +144,7 @@ def _outer(rows: int, columns: int) -> tuple["mi.UInt32", "mi.UInt32"]:
 
 
 def needed_average(
-    bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, grid: Grid, where: str
+    bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, grid: TexelGrid, where: str
 ) -> Average:
     """What the values of a BSDF at pairs (P, 3) have to be averaged over, for all of a grid.
 

@@ -1,0 +1,104 @@
+"""Pictures of the shipped scenes with many samples, kept in files so that stopped runs resume.
+
+Samples add up in two independent halves, from which the noise that is left is known.
+"""
+
+import argparse
+import hashlib
+import tempfile
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import mitsuba as mi
+import numpy as np
+from tqdm import tqdm
+
+import urushi  # noqa: F401  (registers the plugins)
+from urushi.eval import metrics
+from urushi.files import atomic_write, new_folder
+from urushi.nets import weights as networks
+from urushi.scenes import shipped
+from urushi.scenes.stage import Options
+
+#: Samples a pixel in one pass, which bounds the memory; and seconds between saves.
+PASS_SPP, SAVE_EVERY = 16, 30.0
+#: The reference's plugin, and what other names stand for: networks of `neural_layered`.
+REFERENCE = "layered"
+
+
+@dataclass(frozen=True)
+class Picture:
+    """Means (H, W, 3) of two independent halves of the samples, linear radiance."""
+
+    first: np.ndarray
+    second: np.ndarray
+
+    @property
+    def image(self) -> np.ndarray:
+        return (self.first + self.second) / 2
+
+    @property
+    def noise(self) -> float:
+        """Mean over all pixels of the image's variance, an unbiased estimate."""
+        return float(metrics.halves_variance(self.first, self.second).mean())
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Arguments that every benchmark of pictures takes."""
+    parser.add_argument("--scenes", nargs="+", default=list(shipped.SCENES), help="names of scenes")
+    parser.add_argument("--weights", nargs="+", default=list(networks.SHIPPED), help="networks")
+    parser.add_argument("--width", type=int, default=320, help="pixels across; 3/4 of it down")
+    parser.add_argument("--detail", type=float, default=1.0, help="scale of the textures' sizes")
+    parser.add_argument("--mode", default="llvm_ad_rgb", help="Mitsuba variant")
+    parser.add_argument("--folder", type=Path, default=Path("runs/pictures"), help="for results")
+
+
+def load(name: str, method: str, arguments: argparse.Namespace) -> tuple[Any, str]:
+    """A scene for `mi.render`, and the hash of everything that decides its picture.
+
+    Args:
+        name: of the scene.
+        method: REFERENCE, or networks by name or file.
+    """
+    size = {"width": arguments.width, "height": arguments.width * 3 // 4}
+    coat = {"coat": REFERENCE} if method == REFERENCE else {"weights": method}
+    options = Options(**coat, **size, detail=arguments.detail)
+    digest = hashlib.sha256(f"{mi.__version__} {PASS_SPP}".encode())
+    if method != REFERENCE:
+        digest.update(networks.find(method).fingerprint.encode())
+    with tempfile.TemporaryDirectory(prefix="urushi-") as folder:
+        path = shipped.export(name, folder, options)
+        for file in sorted(path.parent.iterdir()):
+            digest.update(file.read_bytes())
+        return mi.load_file(str(path)), digest.hexdigest()
+
+
+def converged(name: str, method: str, spp: int, arguments: argparse.Namespace) -> Picture:
+    """Render a scene with `spp` samples a pixel, less those that an earlier run has saved."""
+    new_folder(arguments.folder)
+    path = arguments.folder / f"{name}-{Path(method).stem}-{arguments.width}.npz"
+    scene, key = load(name, method, arguments)
+    sums, done = _saved(path, key, (arguments.width * 3 // 4, arguments.width))
+    passes = max(2, 2 * round(spp / PASS_SPP / 2))
+    saved = time.monotonic()
+    for index in tqdm(range(done, passes), desc=f"{name}, {method}", initial=done, total=passes):
+        # The methods' seeds differ, so that no noise is common to two pictures.
+        seed = int(hashlib.sha256(f"{method} {index}".encode()).hexdigest()[:8], 16)
+        sums[index % 2] += mi.render(scene, spp=PASS_SPP, seed=seed).numpy()
+        if time.monotonic() - saved > SAVE_EVERY or index == passes - 1:
+            with atomic_write(path) as temporary:
+                np.savez(temporary, sums=sums, passes=index + 1, key=key)
+            saved = time.monotonic()
+    count = max(passes, done)
+    return Picture(sums[0] / ((count + 1) // 2), sums[1] / (count // 2))
+
+
+def _saved(path: Path, key: str, size: tuple[int, int]) -> tuple[np.ndarray, int]:
+    """Sums of the passes of both halves (2, H, W, 3), and how many passes there were."""
+    if path.exists():
+        with np.load(path) as file:
+            if str(file["key"]) == key:
+                return file["sums"], int(file["passes"])
+    return np.zeros((2, *size, 3)), 0

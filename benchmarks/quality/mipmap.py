@@ -1,0 +1,154 @@
+"""Mip maps against averages of BRDFs: `python -m benchmarks.quality.mipmap`; some minutes.
+
+For coats over a conductor whose parameters are noise (no two texels alike) or a smooth pattern,
+prints the error E (docs/conventions.md) of each level of the mip map against the average of the
+BRDFs of the texels that it stands for, mean over the level's texels:
+
+- plain: averages of codes, as in Fan et al. (2022);
+- Urushi: codes of averaged values (`urushi/material/probe_space.py`), which a regression tells;
+- decoded: the same, by decoding every texel.
+
+Then, for a texture of noise of 2048² texels (`--side` for another), the CPU time of all levels.
+"""
+
+import argparse
+import time
+
+import numpy as np
+
+from urushi.geometry.error_metrics import stack_error
+from urushi.material import encode
+from urushi.material.layer import layer_texels
+from urushi.nets import weights
+from urushi.nets.weights import Model
+from urushi.reference import conductor
+from urushi.textures import averaging, mip_pyramid
+from urushi.textures.mip_pyramid import MipPyramid
+
+SIDE, LEVELS, PAIRS = 32, 4, 128
+
+#: Codes that the regression is fitted to here: two thirds of the texture's.
+SAMPLE = 2048
+GOLD = conductor(0.2, (0.98, 0.77, 0.34))
+
+KINDS = {
+    "alpha, smooth": ("alpha", True),
+    "alpha, noise": ("alpha", False),
+    "albedo, smooth": ("albedo", True),
+    "albedo, noise": ("albedo", False),
+    "sigma_t, noise": ("sigma_t", False),
+    "all, smooth": ("alpha albedo sigma_t", True),
+    "all, noise": ("alpha albedo sigma_t", False),
+}
+
+
+def pattern(rng: np.random.Generator, smooth: bool) -> np.ndarray:
+    """Numbers (SIDE, SIDE) in [0, 1], about uniform."""
+    if not smooth:
+        return rng.random((SIDE, SIDE))
+    angle = 2 * np.pi * np.arange(SIDE) / SIDE
+    x, y = np.meshgrid(angle, angle)
+    waves = [np.sin(k * x + m * y + rng.uniform(0, 6)) for k in (1, 2, 3) for m in (-2, 1, 3)]
+    order = np.sum(waves, axis=0).ravel().argsort().argsort()
+    return (order / order.max()).reshape(SIDE, SIDE)
+
+
+def textured(model: Model, kind: str) -> np.ndarray:
+    """Codes (SIDE, SIDE, 3, size) of a coat."""
+    rng = np.random.default_rng(0)
+    names, smooth = KINDS[kind]
+    coat = {"alpha": 0.1, "albedo": 0.8, "sigma_t": 1.0}
+    ranges = {
+        "alpha": lambda u: 0.02 * 25.0**u,
+        "albedo": lambda u: u,
+        "sigma_t": lambda u: 3 * u,
+    }
+    for name in names.split():
+        coat[name] = ranges[name](pattern(rng, smooth))[..., None]
+    return layer_texels(model, encode(GOLD, model).anchors, eta=1.5, g=0.0, **coat)
+
+
+def cosine_pairs(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs of directions (PAIRS, 3) that both have cosine density."""
+    u, turn = rng.random((2, PAIRS)), 2 * np.pi * rng.random((2, PAIRS))
+    r = np.sqrt(u)
+    w = np.stack([r * np.cos(turn), r * np.sin(turn), np.sqrt(1 - u)], axis=-1)
+    return w[0].astype(np.float32), w[1].astype(np.float32)
+
+
+def made(model: Model, codes: np.ndarray, sample: int) -> list[np.ndarray]:
+    """All levels of codes (SIDE, SIDE, 3, size); sample: codes to fit the regression to."""
+    kept, averaging.SAMPLE = averaging.SAMPLE, sample
+    try:
+        levels = MipPyramid(model, *codes.shape[1::-1], codes.shape[2])
+        count = sum(width * height for width, height in levels.sizes)
+        whole = np.empty((count, *codes.shape[2:]), np.float32)
+        whole[: codes.shape[0] * codes.shape[1]] = codes.reshape(-1, *codes.shape[2:])
+        levels.fill(whole.__getitem__, whole.__setitem__)
+    finally:
+        averaging.SAMPLE = kept
+    ends = np.cumsum([width * height for width, height in levels.sizes])
+    parts = np.split(whole, ends)[1:]
+    return [
+        part.reshape(height, width, *part.shape[1:])
+        for part, (width, height) in zip(parts, levels.sizes[1:], strict=False)
+    ]
+
+
+def errors(model: Model, kind: str) -> list[tuple[float, ...]]:
+    """E of every level: of plain averages, of Urushi's levels, and of these by decoding."""
+    wi, wo = cosine_pairs(np.random.default_rng(1))
+
+    def values(codes: np.ndarray) -> np.ndarray:
+        rows = codes.reshape(-1, codes.shape[-1])
+        parts = np.split(rows, 3)
+        f = np.concatenate([model.networks.f(z[:, None], wi, wo) for z in parts])
+        return f.reshape(*codes.shape[:-1], -1)
+
+    plain = textured(model, kind)
+    f = values(plain)
+    estimated, decoded = (made(model, plain, sample) for sample in (SAMPLE, plain.size))
+    result = []
+    for level in range(LEVELS):
+        height = SIDE >> level
+        f, plain = mip_pyramid.halved(f, 0, height), mip_pyramid.halved(plain, 0, height)
+        result.append(
+            tuple(
+                float(stack_error(values(z), f, wi[:, 2], wo[:, 2]).mean())
+                for z in (plain, estimated[level], decoded[level])
+            )
+        )
+    return result
+
+
+def seconds(model: Model, side: int) -> float:
+    """CPU time of all levels of a texture of noise."""
+    codes = textured(model, "all, noise").reshape(-1, 3, model.arch.latent)
+    mixed = np.random.default_rng(2).integers(len(codes), size=side * side)
+    levels = MipPyramid(model, side, side, 3)
+    whole = np.empty((sum(w * h for w, h in levels.sizes), *codes.shape[1:]), np.float16)
+    whole[: side * side] = codes[mixed]
+    start = time.process_time()
+    levels.fill(whole.__getitem__, whole.__setitem__)
+    return time.process_time() - start
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(
+        prog="python -m benchmarks.quality.mipmap", description=__doc__
+    )
+    parser.add_argument("--weights", default="base", help="base, small, or a weights file")
+    parser.add_argument("--side", type=int, default=2048, help="of the texture that is timed")
+    options = parser.parse_args()
+    model = weights.find(options.weights)
+    print(f"{'E [%]':18}{'level':>7}{'plain':>9}{'Urushi':>9}{'decoded':>9}")
+    for kind in KINDS:
+        for level, row in enumerate(errors(model, kind), 1):
+            name = kind if level == 1 else ""
+            print(f"{name:18}{level:7}" + "".join(f"{100 * value:9.2f}" for value in row))
+    print(f"levels of {options.side}²: {seconds(model, options.side):.1f} s of CPU time")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,100 @@
+"""Variance of importance sampling: `python -m benchmarks.quality.sampling`; three minutes.
+
+Over held-out stacks (those of `urushi eval`, spread over its groups) and wi from 0 to 85 degrees:
+the coefficient of variation of f cos / pdf, which is the relative noise of a picture under a
+uniform sky at one sample a pixel, and the largest f cos / pdf that was met. Three proposals: the
+networks' own; the one of the paper, a Gaussian on the projected half vector and a cosine lobe
+without regard to wi (`paper.proxy`), its width and share the best for each material instead of
+a network's; and a cosine lobe. `--weights` names the networks.
+
+All figures come from the same directions, drawn by the networks' proposal: the second moment of
+f cos / q is the integral of (f cos)^2 / q.
+"""
+
+import argparse
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from urushi.eval import benchmark, predict
+from urushi.material import Material
+from urushi.nets import weights
+from urushi.paper.proxy import MIN_SHARE, MIN_SIGMA, GaussianMixture
+
+MATERIALS, SAMPLES = 200, 512
+ANGLES = tuple(range(0, 90, 5))
+
+#: Candidates for the best Gaussian's width and share.
+SIGMAS = np.geomspace(MIN_SIGMA, 1, 24).astype(np.float32)
+SHARES = np.linspace(MIN_SHARE, 1 - MIN_SHARE, 17).astype(np.float32)
+
+
+class Drawn(NamedTuple):
+    """Of one material: directions (A, S, 3), their density and f cos (A, S), by angle of wi."""
+
+    wi: np.ndarray
+    wo: np.ndarray
+    pdf: np.ndarray
+    f_cos: np.ndarray
+
+
+def draw(material: Material, seed: int) -> Drawn:
+    """Directions by the material's own proposal."""
+    theta = np.radians(ANGLES)
+    wi = np.stack([np.sin(theta), 0 * theta, np.cos(theta)], axis=-1).astype(np.float32)
+    wi = np.repeat(wi, SAMPLES, axis=0)
+    u = np.random.default_rng(seed).random((len(wi), 3), np.float32)
+    wo, pdf = material.sample(wi, u)
+    f_cos = material.f(wi, wo).mean(axis=1) * wo[:, 2]
+    shape = (len(ANGLES), SAMPLES)
+    return Drawn(*(array.reshape(*shape, *array.shape[1:]) for array in (wi, wo, pdf, f_cos)))
+
+
+def variation(drawn: Drawn, q: np.ndarray) -> np.ndarray:
+    """Coefficients of variation (A,) of f cos / q, q (A, S) a density."""
+    mean = (drawn.f_cos / drawn.pdf).mean(axis=1)
+    second = (drawn.f_cos**2 / (q * drawn.pdf)).mean(axis=1)
+    return np.sqrt(np.maximum(second / mean**2 - 1, 0))
+
+
+def best_gaussian(drawn: Drawn) -> np.ndarray:
+    """Density (A, S) of the paper's proposal of least divergence from f cos, over all wi."""
+    target = drawn.f_cos / drawn.pdf
+    target = target / target.sum(axis=1, keepdims=True)
+    best, least = drawn.pdf, math.inf
+    for sigma in SIGMAS:
+        parts = [GaussianMixture(sigma, np.float32(s)).pdf(drawn.wi, drawn.wo) for s in (0, 1)]
+        for share in SHARES:
+            q = np.maximum((1 - share) * parts[0] + share * parts[1], 1e-12)
+            divergence = -(target * np.log(q)).sum()
+            if divergence < least:
+                best, least = q, divergence
+    return best
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(
+        prog="python -m benchmarks.quality.sampling", description=__doc__
+    )
+    parser.add_argument("--weights", default="base", help="base, small, or a weights file")
+    model = weights.find(parser.parse_args().weights)
+    made = [m for samples in benchmark.read().values() for m in predict.materials(model, samples)]
+    chosen = np.linspace(0, len(made) - 1, MATERIALS).astype(int)
+    figures: dict[str, list] = {"this proposal": [], "the paper's, best": [], "cosine": []}
+    for seed, index in enumerate(chosen):
+        drawn = draw(made[index], seed)
+        densities = (drawn.pdf, best_gaussian(drawn), drawn.wo[..., 2] / math.pi)
+        for values, q in zip(figures.values(), densities, strict=True):
+            values.append((variation(drawn, q), (drawn.f_cos / q).max(axis=1)))
+    print(f"{MATERIALS} materials, {len(ANGLES)} angles{'':4}", end="")
+    print("".join(f"{name:>10}" for name in ("median", "95 %", "worst", "largest")))
+    for name, values in figures.items():
+        cv, weight = (np.concatenate(column) for column in zip(*values, strict=True))
+        row = (*np.quantile(cv, (0.5, 0.95, 1)), weight.max())
+        print(f"{name:28}" + "".join(f"{figure:10.2f}" for figure in row))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,226 @@
+"""Ways to represent a measured BRDF, and how well each does, for `benchmarks.quality.measured`."""
+
+import hashlib
+import inspect
+import json
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+from benchmarks.rivals import ggx_fit, nbrdf
+
+import urushi
+from urushi.eval import metrics, sphere
+from urushi.eval.environment import Environment
+from urushi.eval.metrics import Comparison
+from urushi.files import atomic_write
+from urushi.geometry import direction_sets, error_metrics
+from urushi.material import energy, fit
+from urushi.measured import Merl, fits, load_measured
+from urushi.measured.merl import SHAPE
+from urushi.measured.tabulated import bin_centres
+from urushi.nets.weights import find
+
+#: Their names, in the order of the columns.
+NAMES = ("encoded", "refined", "GGX", "two GGX", "NBRDF", "Mitsuba")
+
+#: Pairs of directions of E.
+PAIRS = 4096
+
+#: f(wi, wo) -> (N, 3) [1/sr].
+Brdf = Callable[[np.ndarray, np.ndarray], np.ndarray]
+
+
+@dataclass(frozen=True)
+class Reciprocal:
+    """A BRDF averaged over the exchange of wi and wo.
+
+    Files of RGL are reciprocal only as far as the measurement is, and all contenders exactly. What
+    they cannot represent would hide how well they do the rest.
+    """
+
+    source: Any
+
+    def f(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        """(N, 3) [1/sr] of unit vectors (N, 3)."""
+        return 0.5 * (self.source.f(wi, wo) + self.source.f(wo, wi))
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A measured material.
+
+    Attributes:
+        name: unique in its set.
+        path: a MERL or RGL file, or an archive (.npz) of networks of 675 weights under that name
+            among others, whose table in MERL's bins stands in for a file that was measured.
+    """
+
+    name: str
+    path: Path
+
+    def load(self) -> Merl | Reciprocal:
+        """The BRDF, made reciprocal."""
+        if self.path.suffix != ".npz":
+            source = load_measured(self.path)
+            return source if isinstance(source, Merl) else Reciprocal(source)
+        with np.load(self.path) as archive:
+            weights = archive[self.name].astype(np.float64)
+        angles = (a.ravel() for a in np.broadcast_arrays(*bin_centres(SHAPE)))
+        table = np.maximum(np.expm1(nbrdf.logits(weights, nbrdf.vectors(*angles))), 0)
+        return Merl(table.reshape(*SHAPE, 3))
+
+    @property
+    def is_rgl(self) -> bool:
+        """Whether Mitsuba's `measured` can read it."""
+        return self.path.suffix == ".bsdf"
+
+    def digest(self) -> bytes:
+        """A hash of what it holds."""
+        content = self.path.read_bytes() + inspect.getsource(Reciprocal).encode()
+        return hashlib.sha256(content + self.name.encode()).digest()
+
+
+@dataclass(frozen=True)
+class Result:
+    """How well a contender does with a material.
+
+    Attributes:
+        look: of the spheres, the mean over environments.
+        error: E, the mean over channels that are not black.
+        seconds: of one core, to make it.
+    """
+
+    look: Comparison
+    error: float
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Contest:
+    """What all materials are compared by.
+
+    Attributes:
+        environments: exposed.
+        weights: Urushi's networks, as `urushi.encode` takes them.
+        folder: where results are kept.
+        code: by contender, a hash of the code and networks that its results depend on, as they were
+            when all began.
+    """
+
+    environments: list[Environment]
+    weights: str
+    folder: Path
+    code: dict[str, str]
+
+    def hold(self, material: Measured, names: list[str]) -> None:
+        """Write the results that are not kept yet."""
+        missing = [name for name in names if not self.file(material, name).is_file()]
+        if not missing:
+            return
+        judge = Judge(material.load(), self.environments)
+        for name in missing:
+            result = self._compete(material, name, judge)
+            content = {"E": result.error, "seconds": result.seconds, **result.look.as_dict()}
+            with atomic_write(self.file(material, name)) as temporary:
+                temporary.write_text(json.dumps(content) + "\n")
+
+    def result(self, material: Measured, name: str) -> Result:
+        """A kept result."""
+        content = json.loads(self.file(material, name).read_text())
+        error, seconds = content.pop("E"), content.pop("seconds")
+        return Result(Comparison(**content), error, seconds)
+
+    def file(self, material: Measured, name: str) -> Path:
+        """Where a result is kept; the name holds a hash of all that decides it."""
+        digest = hashlib.sha256(material.digest())
+        for environment in self.environments:
+            digest.update(environment.radiance.tobytes())
+        digest.update(self.code[name].encode())
+        label = name.replace(" ", "-")
+        return self.folder / f"{material.name}.{label}.{digest.hexdigest()[:16]}.json"
+
+    def _compete(self, material: Measured, name: str, judge: "Judge") -> Result:
+        start = time.process_time()
+        if name == "encoded":
+            f = urushi.encode(judge.truth, self.weights).f
+        elif name == "refined":
+            f = urushi.encode(judge.truth, self.weights, refine=True).f
+        elif name == "NBRDF":
+            from benchmarks.rivals.nbrdf import train  # lazily: JAX
+
+            f = train(judge.truth.f).f
+        elif name == "Mitsuba":
+            f = _mitsuba(material.path)
+        else:
+            return judge.best(fits.candidates(judge.truth.f, 1 if name == "GGX" else 2))
+        seconds = time.process_time() - start
+        return Result(judge.look(f), judge.error(f), seconds)
+
+
+class Judge:
+    """Compares BRDFs with a measured one."""
+
+    def __init__(self, truth: Merl | Reciprocal, environments: list[Environment]) -> None:
+        self.truth = truth
+        self._environments = environments
+        self._pictures = sphere.render(truth.f, environments)
+        self._wi, self._wo = direction_sets.cosine_pairs(np.random.default_rng(1), PAIRS)
+        self._values = truth.f(self._wi, self._wo)
+
+    def look(self, f: Brdf) -> Comparison:
+        """How the spheres look."""
+        pictures = sphere.render(f, self._environments)
+        both = zip(pictures, self._pictures, strict=True)
+        return Comparison.mean([metrics.compare(*pair, sphere.mask()) for pair in both])
+
+    def error(self, f: Brdf) -> float:
+        """E, the mean over channels."""
+        values, f_hat = self._values.T, f(self._wi, self._wo).T
+        lit = values.max(axis=1) > 0
+        cosines = self._wi[:, 2], self._wo[:, 2]
+        return float(error_metrics.stack_error(f_hat[lit], values[lit], *cosines).mean())
+
+    def best(self, candidates: Iterator[fits.GgxFit]) -> Result:
+        """The result of the one whose spheres have the highest mean PSNR; seconds of all."""
+        start = time.process_time()
+        made = list(candidates)
+        seconds = time.process_time() - start
+        looks = [self.look(one.f) for one in made]
+        place = int(np.argmax([look.psnr for look in looks]))
+        return Result(looks[place], self.error(made[place].f), seconds)
+
+
+def code(names: list[str], weights: str) -> dict[str, str]:
+    """A hash, by contender, of the code that its results depend on most, and of networks."""
+    urushis, analytic = [energy, fit], [ggx_fit, ggx_fit]
+    modules: dict[str, list[ModuleType]] = {"encoded": urushis, "refined": urushis, "Mitsuba": []}
+    modules |= {"GGX": analytic, "two GGX": analytic}
+    if "NBRDF" in names:
+        from benchmarks.rivals import nbrdf as training  # lazily: JAX
+
+        modules["NBRDF"] = [nbrdf, training]
+    result = {}
+    for name in names:
+        digest = hashlib.sha256()
+        for module in (sphere, metrics, *modules[name]):
+            digest.update(inspect.getsource(module).encode())
+        if name in ("encoded", "refined"):
+            digest.update(find(weights).fingerprint.encode())
+        result[name] = digest.hexdigest()
+    return result
+
+
+def _mitsuba(path: Path) -> Brdf:
+    """Mitsuba's own plugin on an RGL file."""
+    import mitsuba as mi
+
+    from urushi.render.reading import probing
+
+    mi.set_variant("llvm_ad_rgb")
+    bsdf = mi.load_dict({"type": "measured", "filename": str(path)})
+    return lambda wi, wo: probing.values(bsdf, wi, wo, np.full((len(wi), 2), 0.5, np.float32))

@@ -1,0 +1,305 @@
+"""The fitted model: a Lambertian part and GGX lobes with Schlick's Fresnel term, in NumPy.
+
+Least-squares fits of GGX lobes to any BRDF, from several starts, by a choice of losses.
+
+In a plain fit the highlight's peak would drown all else. So cosine-weighted values are compared
+after a compressive map, and pairs may count by the solid angle they stand for. Which choice looks
+best depends on the material (Fores et al. 2012; Bieron and Peers 2020); whoever compares should
+take the best of `candidates` for each.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+import numpy.typing as npt
+from threadpoolctl import threadpool_limits
+
+from urushi.errors import ParameterError, PlatformError
+from urushi.geometry.half_vector import directions_at
+from urushi.measured.tabulated import evaluate
+
+
+@dataclass(frozen=True)
+class Lobe:
+    """One lobe, ks D G F / (4 cos cos).
+
+    Attributes:
+        alpha: GGX width, the same in all channels.
+        f0: Schlick's (1994) reflectance at normal incidence, the same in all channels.
+        weight: (3,) the colour ks that multiplies it.
+    """
+
+    alpha: float
+    f0: float
+    weight: np.ndarray
+
+
+@dataclass(frozen=True)
+class GgxFit:
+    """A BRDF of a Lambertian part and lobes.
+
+    Widths and Fresnel terms are shared by the channels and the colours are free, as is customary
+    since Ngan et al. 2005 ("Experimental analysis of BRDF models").
+
+    Attributes:
+        diffuse: (3,) the reflectance kd.
+        lobes: one or two.
+    """
+
+    diffuse: np.ndarray
+    lobes: tuple[Lobe, ...]
+
+    def f(self, wi: npt.ArrayLike, wo: npt.ArrayLike) -> np.ndarray:
+        """Evaluate: float32 (N, 3) [1/sr], without cosine, zero below the horizon.
+
+        wi, wo: (N, 3) unit vectors.
+
+        Raises:
+            ParameterError: wrong shapes, or directions that are not unit vectors.
+        """
+        return evaluate(self._f, 3, wi, wo)
+
+    def _f(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        geometry = Geometry.of(wi, wo)
+        result = np.broadcast_to(self.diffuse / np.pi, (len(wi), 3))
+        for lobe in self.lobes:
+            grey = shape(geometry, lobe.alpha) * schlick(geometry, lobe.f0)
+            result = result + grey[:, None] * lobe.weight
+        return result
+
+
+@dataclass(frozen=True)
+class Geometry:
+    """What lobes depend on, (N,) each.
+
+    Attributes:
+        sin2_h, cos2_h: of the half vector's angle to the normal.
+        tan2_i, tan2_o: of the directions' angles to it.
+        cosines: product of the directions' cosines.
+        edge: (1 - cos theta_d)^5.
+    """
+
+    sin2_h: np.ndarray
+    cos2_h: np.ndarray
+    tan2_i: np.ndarray
+    tan2_o: np.ndarray
+    cosines: np.ndarray
+    edge: np.ndarray
+
+    @classmethod
+    def of(cls, wi: np.ndarray, wo: np.ndarray) -> "Geometry":
+        """wi, wo: float64 (N, 3), unit vectors above the horizon."""
+        half = wi + wo
+        half /= np.linalg.norm(half, axis=1, keepdims=True)
+        x2, y2, z2 = (half**2).T
+        tan2_i, tan2_o = ((w[:, 0] ** 2 + w[:, 1] ** 2) / w[:, 2] ** 2 for w in (wi, wo))
+        edge = (1 - np.clip(np.sum(half * wi, axis=1), 0, 1)) ** 5
+        return cls(x2 + y2, z2, tan2_i, tan2_o, wi[:, 2] * wo[:, 2], edge)
+
+
+def shape(g: Geometry, alpha: float) -> np.ndarray:
+    """D G / (4 cos cos) with separable masking (Walter et al. 2007, equations 33, 34 and 20)."""
+    alpha2 = alpha * alpha
+    d = alpha2 / (np.pi * (alpha2 * g.cos2_h + g.sin2_h) ** 2)
+    i, o = (1 + np.sqrt(1 + alpha2 * tan2) for tan2 in (g.tan2_i, g.tan2_o))
+    return d / (i * o * g.cosines)  # G = (2 / i) (2 / o)
+
+
+def schlick(g: Geometry, f0: float) -> np.ndarray:
+    """Schlick's (1994) Fresnel term."""
+    return f0 + (1 - f0) * g.edge
+
+
+#: What is compared: a map of f cos theta_i, and its derivative.
+#: "linear": Ngan et al. 2005. "log": Löw et al. 2012, ln(1 + x). "root": the cube root of Fores et
+#: al. 2012, with an offset that keeps its slope finite.
+LOSSES: dict[str, Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]] = {
+    "linear": lambda x: (x, np.ones_like(x)),
+    "log": lambda x: (np.log1p(x), 1 / (1 + x)),
+    "root": lambda x: (np.cbrt(x + 1e-3), np.cbrt(x + 1e-3) ** -2 / 3),
+}
+
+#: Powers of a pair's solid angle and cosines that weigh its squared error: by energy, and half-way
+#: to all pairs alike, of which as on MERL's bins most lie near the highlight.
+MEASURES = 0.5, 1.0
+
+#: Widths that fits start from, of one lobe and of two.
+STARTS: dict[int, tuple[tuple[float, ...], ...]] = {
+    1: ((0.01,), (0.05,), (0.15,), (0.4,)),
+    2: ((0.01, 0.05), (0.02, 0.2), (0.05, 0.15), (0.1, 0.4), (0.3, 0.8)),
+}
+
+#: Narrowest and widest lobes.
+ALPHAS = 0.002, 1.0
+
+#: Bounds of the logarithms of kd and ks.
+WEIGHTS = -14.0, 7.0
+
+#: Bounds of the logit of f0.
+F0 = -7.0, 7.0
+
+#: Cosine below which pairs are left out: what is grazing is hardly ever measured.
+LEAST_COSINE = 0.02
+
+#: Angles of the pairs that are fitted: theta_h (as squares, like MERL's bins), theta_d, phi_d.
+ANGLES = 64, 16, 8
+
+
+#: f(wi, wo) -> (N, 3) or (N, 1) [1/sr] for float32 unit vectors (N, 3).
+Brdf = Callable[[np.ndarray, np.ndarray], np.ndarray]
+
+
+def candidates(f: Brdf, lobes: int) -> Iterator[GgxFit]:
+    """Fits of at most so many lobes by every loss and measure; the arguments are those of `fit`."""
+    for count in range(1, lobes + 1):
+        for loss in LOSSES:
+            for measure in MEASURES:
+                yield fit(f, count, loss, measure)
+
+
+def fit(f: Brdf, lobes: int = 1, loss: str = "log", measure: float = 1.0) -> GgxFit:
+    """Fit a Lambertian part and GGX lobes to a BRDF.
+
+    Args:
+        f: f(wi, wo) -> (N, 3) or (N, 1) [1/sr] for float32 unit vectors (N, 3).
+        lobes: one or two.
+        loss: a name in `LOSSES`.
+        measure: see `MEASURES`.
+
+    Raises:
+        ParameterError: another number of lobes or another loss.
+        PlatformError: SciPy is missing.
+    """
+    if lobes not in STARTS or loss not in LOSSES:
+        raise ParameterError(
+            f"cannot fit {lobes} lobes by the loss '{loss}'; fit {' or '.join(map(str, STARTS))} "
+            f"by one of {', '.join(LOSSES)}"
+        )
+    try:
+        from scipy.optimize import least_squares  # lazily: an extra
+    except ImportError as error:
+        raise PlatformError(
+            "fits need the package scipy; install it with: pip install 'urushi[eval]'"
+        ) from error
+    wi, wo = pairs()
+    values = np.broadcast_to(np.asarray(f(wi, wo), np.float64), (len(wi), 3))
+    weight = solid_angles() ** (measure / 2)
+    geometry = Geometry.of(*(w.astype(np.float64) for w in (wi, wo)))
+    problem = _Problem(geometry, values, loss, weight / weight.mean())
+    with threadpool_limits(1):  # such small matrices only lose by more
+        found = [
+            least_squares(
+                problem.residuals,
+                problem.start(alphas),
+                problem.jacobian,
+                problem.bounds(lobes),
+                max_nfev=60,
+                x_scale="jac",
+            )
+            for alphas in STARTS[lobes]
+        ]
+    return problem.model(min(found, key=lambda one: one.cost).x)
+
+
+def pairs() -> tuple[np.ndarray, np.ndarray]:
+    """The pairs (N, 3) that are fitted: a grid of Rusinkiewicz's angles, above the horizon."""
+    wi, wo, _ = _grid()
+    return wi, wo
+
+
+def solid_angles() -> np.ndarray:
+    """What the fitted pairs stand for, (N,): products of solid angles and cosines, to a factor."""
+    return _grid()[2]
+
+
+@cache
+def _grid() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    half, difference, turn = ((np.arange(n) + 0.5) / n for n in ANGLES)
+    grid = np.meshgrid(half**2 * (np.pi / 2), difference * (np.pi / 2), turn * np.pi, indexing="ij")
+    theta_h, theta_d, phi_d = (angle.ravel() for angle in grid)
+    wi, wo = directions_at(theta_h, theta_d, phi_d)
+    # dwi dwo = 4 cos theta_d dh dd (Rusinkiewicz 1998); theta_h is a square of what is even.
+    weight = np.sin(theta_h) * np.sqrt(theta_h) * np.sin(theta_d) * np.cos(theta_d)
+    above = np.minimum(wi[:, 2], wo[:, 2]) > LEAST_COSINE
+    weight = (weight * wi[:, 2] * wo[:, 2])[above]
+    return wi[above].astype(np.float32), wo[above].astype(np.float32), weight
+
+
+class _Problem:
+    """Residuals and their derivatives with respect to a vector of parameters.
+
+    They are ln kd (3), then for every lobe ln alpha, logit f0, ln ks (3).
+    """
+
+    def __init__(
+        self, geometry: Geometry, values: np.ndarray, loss: str, weight: np.ndarray
+    ) -> None:
+        self._geometry = geometry
+        self._weight = weight[:, None]
+        self._map = LOSSES[loss]
+        cos_i = 1 / np.sqrt(1 + geometry.tan2_i)
+        self._cosine = cos_i[:, None]
+        self._wanted = self._map(values * self._cosine)[0]
+        self._values = values
+
+    def bounds(self, lobes: int) -> tuple[np.ndarray, np.ndarray]:
+        lobe = [np.log(ALPHAS), F0, *[WEIGHTS] * 3]
+        lower, upper = np.array([WEIGHTS] * 3 + lobe * lobes).T
+        return lower, upper
+
+    def start(self, alphas: tuple[float, ...]) -> np.ndarray:
+        """Given widths and f0 = 0.2: the weights that fit best, relative errors counting."""
+        from scipy.optimize import nnls
+
+        f0 = 0.2
+        grey = [shape(self._geometry, alpha) * schlick(self._geometry, f0) for alpha in alphas]
+        columns = np.stack([np.full(len(self._values), 1 / np.pi), *grey], axis=1)
+        weights = []
+        for value in self._values.T:
+            scale = 1 / (value + 0.05 * value.mean() + 1e-6)
+            weights.append(nnls(columns * scale[:, None], value * scale)[0])
+        logs = np.log(np.clip(weights, 1e-3, 1e2)).T  # (1 + lobes, 3)
+        logit = np.log(f0 / (1 - f0))
+        parts = [
+            np.r_[np.log(alpha), logit, log] for alpha, log in zip(alphas, logs[1:], strict=True)
+        ]
+        return np.concatenate([logs[0], *parts])
+
+    def model(self, x: np.ndarray) -> GgxFit:
+        return GgxFit(
+            np.exp(x[:3]),
+            tuple(
+                Lobe(float(np.exp(p[0])), float(1 / (1 + np.exp(-p[1]))), np.exp(p[2:]))
+                for p in x[3:].reshape(-1, 5)
+            ),
+        )
+
+    def residuals(self, x: np.ndarray) -> np.ndarray:
+        model = self.model(x)
+        value = np.broadcast_to(model.diffuse / np.pi, self._values.shape)
+        for lobe in model.lobes:
+            grey = shape(self._geometry, lobe.alpha) * schlick(self._geometry, lobe.f0)
+            value = value + grey[:, None] * lobe.weight
+        return ((self._map(value * self._cosine)[0] - self._wanted) * self._weight).ravel()
+
+    def jacobian(self, x: np.ndarray) -> np.ndarray:
+        """(3 N, parameters); by alpha as a central difference of the lobe's shape alone."""
+        model = self.model(x)
+        value = np.broadcast_to(model.diffuse / np.pi, self._values.shape)
+        columns = np.zeros((len(x), *self._values.shape))
+        columns[:3] = np.eye(3)[:, None] * (model.diffuse / np.pi)
+        for i, lobe in enumerate(model.lobes):
+            lobed, fresnel = shape(self._geometry, lobe.alpha), schlick(self._geometry, lobe.f0)
+            own = columns[3 + 5 * i : 8 + 5 * i]
+            step = 1e-4
+            wider, narrower = (shape(self._geometry, lobe.alpha * np.exp(s)) for s in (step, -step))
+            own[0] = ((wider - narrower) / (2 * step) * fresnel)[:, None] * lobe.weight
+            slope = lobe.f0 * (1 - lobe.f0) * (1 - self._geometry.edge)
+            own[1] = (lobed * slope)[:, None] * lobe.weight
+            each = (lobed * fresnel)[:, None] * lobe.weight
+            own[2:] = np.eye(3)[:, None] * each
+            value = value + each
+        slope = self._map(value * self._cosine)[1] * self._cosine * self._weight
+        return (columns * slope).reshape(len(x), -1).T

@@ -1,0 +1,104 @@
+"""Time to load a coat with textured parameters: `python -m benchmarks.speed.baking`; minutes.
+
+Prints, for a coat of 2048² RGB texels (`--side` for another) with alpha, albedo, sigma_t and g each
+a texture, how long the plugin `neural_layered` takes to load over a bottom that is the same
+everywhere and over a textured one (a rough conductor, its width and its reflectance textures), the
+peak memory of the process, textures included, and what an edit, a file and a reload cost. Textures
+hold 8 bits, as images do: noise, of which hardly two texels are alike. `--float` takes noise of
+single precision, of which no two channels are alike either. Every row is a process of its own.
+"""
+
+import argparse
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+from urushi.platform import available_cores
+
+ROWS = ("one bottom", "textured bottom")
+
+
+def measure(side: int, weights: str, bottom: str, levels: int) -> None:
+    """Print one row, in this process."""
+    import mitsuba as mi
+
+    import urushi  # noqa: F401  (registers the plugins)
+
+    mi.set_variant("llvm_ad_rgb")
+    rng = np.random.default_rng(0)
+
+    def texture(low: float, high: float, channels: int):
+        noise = rng.random((side, side, channels), np.float32)
+        if levels:
+            noise = np.floor(noise * levels) / levels
+        pixels = (low + (high - low) * noise).astype(np.float32)
+        return mi.load_dict({"type": "bitmap", "bitmap": mi.Bitmap(pixels), "raw": True})
+
+    base: dict = {"type": "roughconductor", "distribution": "ggx", "alpha": 0.2}
+    if bottom == ROWS[1]:
+        base |= {"alpha": texture(0.05, 0.5, 1), "specular_reflectance": texture(0.1, 1, 3)}
+    coat = {
+        "type": "neural_layered",
+        "weights": weights,
+        "alpha": texture(0.02, 0.3, 1),
+        "albedo": texture(0, 1, 3),
+        "sigma_t": texture(0, 2, 3),
+        "g": texture(-0.5, 0.5, 1),
+        "base": mi.load_dict(base),
+    }
+    small = {**coat, "resolution": 2}
+    mi.load_dict(small)  # compiles kernels, once a machine
+    start, cpu = time.perf_counter(), time.process_time()
+    bsdf = mi.load_dict(coat)
+    wall, cpu = time.perf_counter() - start, time.process_time() - cpu
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
+    parameters = mi.traverse(bsdf)
+    pixels = np.array(parameters["albedo.data"])
+    pixels[: side // 64, : side // 64] = 0.5
+    parameters["albedo.data"] = mi.TensorXf(pixels)
+    edit = _timed(parameters.update)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "coat.safetensors"
+        save = _timed(lambda: bsdf.save(path))
+        size = path.stat().st_size / 2**20
+        described = {"type": "neural_brdf", "filename": str(path)}
+        reload = _timed(lambda: mi.load_dict(described))
+    print(
+        f"{bottom:17}{wall:8.1f} s{cpu:8.1f} s{peak:8.2f} GB{edit:8.2f} s{size:8.0f} MB"
+        f"{save:8.2f} s{reload:8.2f} s"
+    )
+
+
+def _timed(operation) -> float:
+    start = time.perf_counter()
+    operation()
+    return time.perf_counter() - start
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.speed.baking", description=__doc__)
+    parser.add_argument("--weights", default="base", help="base, small, or a weights file")
+    parser.add_argument("--side", type=int, default=2048, help="texels a side of the textures")
+    parser.add_argument("--float", action="store_true", help="noise of single precision")
+    parser.add_argument("--row", choices=ROWS, help=argparse.SUPPRESS)
+    arguments = parser.parse_args()
+    if arguments.row:
+        levels = 0 if arguments.float else 255
+        measure(arguments.side, arguments.weights, arguments.row, levels)
+        return
+    print(f"{arguments.side}² texels, {arguments.weights}, {available_cores()} cores")
+    print(
+        f"{'':17}{'load':>10}{'CPU':>10}{'peak':>11}{'edit':>10}{'file':>11}{'save':>10}{'reload':>10}"
+    )
+    for row in ROWS:
+        subprocess.run([sys.executable, *sys.orig_argv[1:], "--row", row], check=True)
+
+
+if __name__ == "__main__":
+    main()

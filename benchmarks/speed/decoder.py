@@ -1,0 +1,92 @@
+"""Speed of the decoder alone: `python -m benchmarks.speed.decoder`; two minutes on two quiet cores.
+
+Prints millions of RGB evaluations of f per second, by wall time and by CPU time (times the number
+of cores: what a quiet machine would reach), the best of several alternating runs: of constant
+codes, of textured ones, whose share of the first layer is computed anew at every evaluation, and of
+the same network in Dr.Jit's cooperative vectors. `--weights` names the networks.
+"""
+
+import argparse
+import os
+import time
+from collections.abc import Callable
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+COUNT, RUNS = 1 << 20, 7
+
+
+def directions(seed: int) -> "mi.Vector3f":
+    """Unit vectors of uniform density over the hemisphere, in memory."""
+    rng = np.random.default_rng(seed)
+    z, phi = rng.uniform(0.01, 1, COUNT), rng.uniform(0, 2 * np.pi, COUNT)
+    r = np.sqrt(1 - z * z)
+    return mi.Vector3f(np.stack([r * np.cos(phi), r * np.sin(phi), z]).astype(np.float32))
+
+
+def forms(weights: str) -> dict[str, Callable[[], object]]:
+    """The forms of a decoder, each as a function that evaluates it."""
+    from urushi.nets.weights import find
+    from urushi.render.latents.holders import ConstantLatents, TexturedLatents
+    from urushi.render.networks.decoder import Decoder
+    from urushi.render.reading.grid import IDENTITY, TexelGrid
+    from urushi.textures import packing
+    from urushi.textures.store import TextureStore
+
+    model = find(weights)
+    rng = np.random.default_rng(0)
+    codes = rng.normal(size=(64 * 64, 3, model.arch.latent)).astype(np.float32)
+    store = TextureStore(model, packing.layout(model, 3), 64, 64, mipped=True)
+    with store.writing() as write:
+        write(np.arange(len(codes)), codes)
+    grid = TexelGrid(64, 64, IDENTITY, "repeat", False)
+    si = dr.zeros(mi.SurfaceInteraction3f, COUNT)
+    si.wi, wo = directions(1), directions(2)
+    si.uv = mi.Point2f(rng.random((2, COUNT), np.float32))
+    dr.eval(si, wo)
+
+    def of(latents) -> Callable[[], object]:
+        return lambda: latents.f(latents.vertex(si, mi.Bool(True)), si, wo, mi.Bool(True))
+
+    cooperative = ConstantLatents(model, codes[0])
+    cooperative._decoder = Decoder(model, cooperative=True)
+    return {
+        "constant codes": of(ConstantLatents(model, codes[0])),
+        "textured codes": of(TexturedLatents(model, store, grid)),
+        "cooperative vectors": of(cooperative),
+    }
+
+
+def seconds(evaluate: Callable[[], object]) -> tuple[float, float]:
+    """Wall and CPU seconds of one kernel."""
+    f = evaluate()
+    wall, cpu = time.perf_counter(), time.process_time()
+    dr.eval(f)
+    dr.sync_thread()
+    return time.perf_counter() - wall, time.process_time() - cpu
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.speed.decoder", description=__doc__)
+    parser.add_argument("--weights", nargs="+", default=["small", "base"])
+    given = parser.parse_args()
+    cases = {(name, form): f for name in given.weights for form, f in forms(name).items()}
+    times: dict[tuple, list] = {case: [] for case in cases}
+    for run in range(RUNS + 1):
+        for case, evaluate in cases.items():
+            result = seconds(evaluate)
+            if run:  # the first one compiles
+                times[case].append(result)
+    cores = len(os.sched_getaffinity(0))
+    print(f"{'million RGB evaluations per second':40}{'wall':>8}{f'CPU x {cores}':>9}")
+    for (name, form), values in times.items():
+        wall, cpu = COUNT / 1e6 / np.min(values, axis=0)
+        print(f"{name:10}{form:30}{wall:8.2f}{cores * cpu:9.2f}", flush=True)
+
+
+if __name__ == "__main__":
+    mi.set_variant("llvm_ad_rgb")
+    main()

@@ -1,0 +1,62 @@
+"""What reading and encoding a measured BRDF costs: `python -m benchmarks.speed.encode [FILE...]`.
+
+Prints processor time, which sums up all threads, for each file; without files, for a table of
+MERL's format that it writes: a rough conductor over a Lambertian surface. The best of several runs.
+"""
+
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import urushi
+from urushi.geometry.half_vector import directions_at
+from urushi.measured import merl
+from urushi.measured.tabulated import bin_centres
+from urushi.reference import analytic
+
+RUNS = 5
+
+
+def main(paths: list[str]) -> None:
+    """Print a line for each file."""
+    print(f"{'processor seconds':32}{'read':>8}{'encode':>8}{'refine':>8}{'all':>8}")
+    with tempfile.TemporaryDirectory() as folder:
+        for path in map(Path, paths or [made_up(Path(folder) / "made-up.binary")]):
+            brdf = urushi.load_measured(path)
+            read = best(lambda path=path: urushi.load_measured(path))
+            encode = best(lambda brdf=brdf: urushi.encode(brdf))
+            both = best(lambda brdf=brdf: urushi.encode(brdf, refine=True))
+            print(
+                f"{path.name[:31]:32}{read:8.2f}{encode:8.2f}{both - encode:8.2f}{read + both:8.2f}"
+            )
+
+
+def best(call: Callable[[], Any]) -> float:
+    """The least processor time [s] of several calls."""
+    times = []
+    for _ in range(RUNS):
+        start = time.process_time()
+        call()
+        times.append(time.process_time() - start)
+    return min(times)
+
+
+def made_up(path: Path) -> Path:
+    """Write a MERL file."""
+    centres = (angle.ravel() for angle in np.broadcast_arrays(*bin_centres(merl.SHAPE)))
+    wi, wo = (w.astype(np.float32) for w in directions_at(*centres))
+    gold, base = urushi.conductor(0.2, (0.98, 0.77, 0.34)), urushi.diffuse((0.1, 0.05, 0.02))
+    f = analytic.f(gold, wi, wo) + analytic.f(base, wi, wo)
+    with path.open("wb") as file:
+        np.array(merl.SHAPE, "<i4").tofile(file)
+        (f / np.array(merl.SCALE)).T.astype("<f8").tofile(file)
+    return path
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,162 @@
+"""What data cost, by size: `python -m benchmarks.speed.scaling data`, or `train`, or `cluster`.
+
+About a minute each on two cores; the figures of docs/scaling.md come from here. All stores are in
+a temporary folder (TMPDIR) and need some hundred MB.
+
+data     time, files and bytes of a shard as the preset `quick` has it, made, written and read.
+train    samples a second and peak memory of training from a store that fits into memory, from the
+         same with room for an eighth, the same twice for a store four times as large, and with
+         hidden products in bfloat16. Each in a process of its own.
+cluster  the same small store by this process and by a Dask cluster of one worker on this machine.
+"""
+
+import dataclasses
+import json
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+import zarr
+
+from urushi.data.distribution import Extended, Table2
+from urushi.data.generate import generate, make_shard
+from urushi.data.spec import DataSpec, Part
+from urushi.data.store import Store
+from urushi.train.order import Order
+
+#: As of the preset `quick`.
+PAIRS, WALKS = 512, 32
+
+#: Calls of the compiled loop that are timed, after one that compiles.
+CALLS = 12
+
+
+def quick_like(stacks: int) -> DataSpec:
+    """Parts of no coat, one and two, in about the shares of `quick`; two walks, for haste."""
+    parts = (
+        Part("bare", Extended(0, "conductor"), stacks // 4, PAIRS, 1),
+        Part("once", Table2(1), stacks, PAIRS, 2),
+        Part("twice", Table2(2), stacks // 4, PAIRS, 2),
+    )
+    return DataSpec(parts, seed=1)
+
+
+def data(folder: Path) -> None:
+    """Print what a shard costs."""
+    for coats in (0, 1, 2):
+        spec = DataSpec((Part("a", Extended(coats, "conductor"), 512, PAIRS, WALKS),), seed=1)
+        make_shard(spec, 0, 1)  # compiles the kernels
+        began = time.perf_counter()
+        made = make_shard(spec, 0, 0)
+        simulated = time.perf_counter()
+        store = Store.create(folder / f"{coats}.zarr", spec)
+        before = set(store.path.rglob("*"))
+        opened = time.perf_counter()
+        store.write(0, 0, made)
+        written = time.perf_counter()
+        files = [x for x in set(store.path.rglob("*")) - before if x.is_file()]
+        read_began = time.perf_counter()
+        store.read_shard(0, 0)
+        read = time.perf_counter()
+        size = sum(file.stat().st_size for file in files)
+        print(
+            f"{coats} coats: a shard of 256 x {PAIRS} pairs, {WALKS} walks: "
+            f"make {simulated - began:.2f} s ({spec.walks(0, 0) / (simulated - began) / 1e6:.1f} M "
+            f"walks/s), write {written - opened:.3f} s, read {read - read_began:.3f} s, "
+            f"{len(files)} files, {size / 2**20:.2f} MB on disk, "
+            f"{sum(x.nbytes for x in made.values()) / 2**20:.2f} MB in memory"
+        )
+    whole = generate(quick_like(1024), folder / "whole.zarr")
+    began = time.perf_counter()
+    whole.hash()
+    shards = len(list(whole.spec.shards()))
+    print(f"hash: {(time.perf_counter() - began) / shards * 1e3:.1f} ms a shard")
+    began = time.perf_counter()
+    windows = len(Order([[1024] * 192_000], 1024 * 256, 0).windows(0))
+    print(
+        f"an epoch's order, 192,000 shards: {time.perf_counter() - began:.2f} s, {windows} windows"
+    )
+    spec = DataSpec((Part("a", Table2(1), 4096, 4, 2),), seed=1, shard=1)
+    store = Store.create(folder / "many.zarr", spec)
+    zarr.open_group(store.path)["a/complete"][:] = 1
+    began = time.perf_counter()
+    store.missing()
+    print(f"what is missing of 4,096 shards: {time.perf_counter() - began:.2f} s")
+
+
+def train(folder: Path) -> None:
+    """Run `measure` in a process for each case."""
+    whole, large = folder / "whole.zarr", folder / "large.zarr"
+    generate(quick_like(2048), whole)
+    generate(quick_like(8192), large)
+    small = 3072 * PAIRS // 8
+    for label, store, memory, precision in (
+        ("1.6 M pairs, all in memory", whole, 1 << 26, "float32"),
+        ("1.6 M pairs, room for 0.2 M", whole, small, "float32"),
+        ("6.3 M pairs, all in memory", large, 1 << 26, "float32"),
+        ("6.3 M pairs, room for 0.2 M", large, small, "float32"),
+        ("1.6 M pairs, all in memory, bfloat16", whole, 1 << 26, "bfloat16"),
+    ):
+        arguments = json.dumps([str(store), memory, precision])
+        run = [sys.executable, "-m", "benchmarks.speed.scaling", "measure", arguments]
+        said = subprocess.run(run, check=True, capture_output=True, text=True).stdout
+        print(f"{label}: {said.strip()}")
+
+
+def measure(store: str, memory: int, precision: str) -> None:
+    """Print speed and peak memory of the networks' training, as of `quick`."""
+    from urushi.train import examples, presets, training
+    from urushi.train.stages.stage import stage
+
+    preset = presets.quick()
+    schedule = dataclasses.replace(preset.networks, precision=precision)
+    preset = dataclasses.replace(preset, networks=schedule)
+    depths = examples.load(Store.open(store), preset.arch, preset.pairs, memory)
+    params = training.initial(preset, depths)
+    learn = stage.networks_stage(preset, depths, params)
+    state = stage.begin("networks", preset, params).state
+    steps, taking = schedule.steps_per_call, 0.0
+    times = []
+    for call in range(CALLS + 1):
+        began = time.perf_counter()
+        batches = learn.batches(call * steps, steps)
+        taken = time.perf_counter()
+        state, terms = learn.steps(state, batches)
+        terms["loss"].block_until_ready()
+        if call:
+            times.append(time.perf_counter() - began)
+            taking += taken - began
+    samples = steps * sum(preset.stacks) * preset.pairs / 1e6
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**10
+    print(
+        f"best {samples / min(times):.2f}, mean {samples / np.mean(times):.2f} M samples/s; "
+        f"{taking / sum(times):.1%} of it waits for batches; peak {peak:.0f} MB"
+    )
+
+
+def cluster(folder: Path) -> None:
+    """Compare this process with a cluster of one worker that has as many cores."""
+    from distributed import LocalCluster
+
+    spec = DataSpec((Part("a", Table2(1), 2048, PAIRS, WALKS),), seed=1)
+    make_shard(spec, 0, 0)
+    began = time.perf_counter()
+    generate(spec, folder / "here.zarr")
+    here = time.perf_counter() - began
+    with LocalCluster(n_workers=1, dashboard_address=":0") as local:
+        began = time.perf_counter()
+        generate(spec, folder / "there.zarr", local.scheduler_address)
+        there = time.perf_counter() - began
+    print(f"8 shards here {here:.1f} s, by a worker {there:.1f} s (its kernels' compilation in it)")
+
+
+if __name__ == "__main__":
+    if sys.argv[1] == "measure":
+        measure(*json.loads(sys.argv[2]))
+    else:
+        with tempfile.TemporaryDirectory() as temporary:
+            {"data": data, "train": train, "cluster": cluster}[sys.argv[1]](Path(temporary))

@@ -1,0 +1,51 @@
+"""Speed of encoding and layering: `python -m benchmarks.speed.texture`; two minutes.
+
+Prints, for one RGB material and for a texture of 1024 x 1024 RGB texels (`--side` for another), the
+best and the median time of several runs, which alternate, so that other load meets all alike.
+The texture's coats differ in all parameters, texel by texel and channel by channel, over a textured
+bottom; then the same over one bottom; then coats that are the same in all channels. At 1024 x 1024
+it needs 1.5 GB of memory. `--weights` names other networks than the shipped ones.
+"""
+
+import argparse
+import time
+from collections.abc import Callable
+from statistics import median
+
+from urushi.eval.cost import parameters, single_operations, texture_operations
+from urushi.nets import weights
+
+
+def table(heading: str, operations: dict[str, Callable[[], object]], runs: int) -> None:
+    """Print the times of operations."""
+    times: dict[str, list[float]] = {name: [] for name in operations}
+    for _ in range(runs):
+        for name, operation in operations.items():
+            start = time.perf_counter()
+            operation()
+            times[name].append(time.perf_counter() - start)
+    print(f"{heading:36}{'best':>12}{'median':>12}")
+    for name, values in times.items():
+        print(f"{name:36}{_duration(min(values))}{_duration(median(values))}")
+
+
+def _duration(seconds: float) -> str:
+    return f"{seconds:10.2f} s" if seconds >= 1 else f"{1000 * seconds:9.2f} ms"
+
+
+def main() -> None:
+    """Print both tables."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.speed.texture", description=__doc__)
+    parser.add_argument("--weights", default="base", help="base, small, or a weights file")
+    parser.add_argument("--side", type=int, default=1024, help="texels a side of the texture")
+    arguments = parser.parse_args()
+    model = weights.find(arguments.weights)
+    sizes = ", ".join(f"{part} {count:,}" for part, count in parameters(model).items())
+    print(f"parameters: {sizes}\n")
+    table("one RGB material", single_operations(model), 50)
+    print()
+    table(f"{arguments.side}² RGB texture", texture_operations(model, arguments.side), 3)
+
+
+if __name__ == "__main__":
+    main()

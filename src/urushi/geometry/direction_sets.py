@@ -1,0 +1,191 @@
+"""Sets of direction pairs: what the networks are trained on, and what metrics E and P are taken on.
+
+Every set is drawn in double precision from a generator that the caller seeds, and returned as
+float32 unit vectors wi, wo of shape (n, 3), z the normal, both above the horizon.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from urushi.errors import ParameterError
+from urushi.geometry.half_vector import from_half_and_difference
+from urushi.geometry.probe_pairs import PROBES, probe_pairs
+
+#: Pairs whose lower cosine is below this are not trained on: they carry no energy, and the
+#: features 0.5 ln(cos_i cos_o) of a few would outweigh those of all others.
+LOWEST_COSINE = 0.004
+
+#: Range of tan(theta_h) in the training pairs: beyond that of metric P on both sides.
+HALF_ANGLE_RANGE = (5e-4, 8.0)
+
+#: Range of tan(theta_h) in metric P.
+METRIC_HALF_ANGLE_RANGE = (1e-3, 4.0)
+
+Pairs = tuple[np.ndarray, np.ndarray]
+
+
+def half_angle_pairs(
+    rng: np.random.Generator,
+    n: int,
+    *,
+    tangents: tuple[float, float] = METRIC_HALF_ANGLE_RANGE,
+    lowest_cosine: float = 0.0,
+) -> Pairs:
+    """Pairs with ln tan(theta_h) uniform about difference directions over the whole hemisphere.
+
+    The half vector h lies in the xz plane with ln tan(theta_h) uniform in ln `tangents`; about it
+    wi has the difference angles theta_d uniform in [0, pi/2) and phi_d uniform (Rusinkiewicz 1998);
+    wo mirrors wi in h. Pairs of which one direction lies below `lowest_cosine` are drawn again, so
+    that the density of the accepted ones is the stated one, cut off there.
+    """
+    low, high = np.log(tangents)
+
+    def draw(count: int) -> Pairs:
+        u = rng.random((3, count))
+        return from_half_and_difference(
+            np.exp(low + (high - low) * u[0]), 0.5 * np.pi * u[1], 2 * np.pi * u[2]
+        )
+
+    return _accepted(draw, n, lowest_cosine)
+
+
+def cosine_pairs(rng: np.random.Generator, n: int, *, lowest_cosine: float = 0.0) -> Pairs:
+    """Pairs of independent directions, both of density cos(theta) / pi: those of metric E."""
+    return _accepted(
+        lambda count: (
+            _direction(np.sqrt(rng.random(count)), rng.random(count)),
+            _direction(np.sqrt(rng.random(count)), rng.random(count)),
+        ),
+        n,
+        lowest_cosine,
+    )
+
+
+def uniform_pairs(rng: np.random.Generator, n: int, *, lowest_cosine: float = 0.0) -> Pairs:
+    """Pairs of independent directions, both uniform over the hemisphere: more grazing ones."""
+    return _accepted(
+        lambda count: (
+            _direction(rng.random(count), rng.random(count)),
+            _direction(rng.random(count), rng.random(count)),
+        ),
+        n,
+        lowest_cosine,
+    )
+
+
+def training_pairs(rng: np.random.Generator, n: int) -> Pairs:
+    """Half of the pairs spread in log half angle, a quarter cosine and a quarter uniform.
+
+    They are interleaved in this order with a period of four, so that any run of pairs has the
+    same mixture.
+
+    Args:
+        n: number of pairs, a multiple of 4.
+    """
+    return _interleaved(rng, n, uniform_pairs)
+
+
+def grazing_pairs(rng: np.random.Generator, n: int) -> Pairs:
+    """As `training_pairs`, but wi of the last quarter has a log-uniform cosine: most of it grazing.
+
+    The other direction has cosine density, so that together they tell the albedo of every wi.
+    """
+    return _interleaved(rng, n, _one_grazing)
+
+
+#: The sets by the name that a data specification uses.
+DIRECTION_SETS: dict[str, Callable[[np.random.Generator, int], Pairs]] = {
+    "training": training_pairs,
+    "grazing": grazing_pairs,
+    "cosine": cosine_pairs,
+    "half_angle": half_angle_pairs,
+}
+
+
+def stratified_pairs(rng: np.random.Generator, n: int) -> Pairs:
+    """One pair in each of n = k^4 strata: theta and phi of both directions cut into k each.
+
+    All four angles are uniform in their stratum, as the paper has it (Fan et al. 2022, section
+    4.1), hence denser towards the normal than solid angle is.
+    """
+    k = round(n**0.25)
+    cells = np.stack(np.unravel_index(np.arange(n), (k, k, k, k)))
+    u = (cells + rng.random((4, n))) / k
+    wi, wo = (_direction(np.cos(0.5 * np.pi * u[i]), u[i + 1]).astype(np.float32) for i in (0, 2))
+    return wi, wo
+
+
+def probed_pairs(rng: np.random.Generator, n: int) -> Pairs:
+    """The encoder's `PROBES` fixed pairs, then training pairs: a BRDF to encode, not to layer."""
+    probes, others = probe_pairs(PROBES), training_pairs(rng, n - PROBES)
+    return np.concatenate([probes[0], others[0]]), np.concatenate([probes[1], others[1]])
+
+
+#: More of them, of which every stack has a whole one of its own.
+WHOLE = {"stratified": stratified_pairs, "probed": probed_pairs}
+
+
+def check_set(name: str, pairs: int, where: str) -> None:
+    """Raise a ParameterError that begins with `where` if a set cannot have so many pairs."""
+    if name not in DIRECTION_SETS | WHOLE:
+        raise ParameterError(
+            f"{where} has directions = {name!r}; choose one of {', '.join(DIRECTION_SETS | WHOLE)}"
+        )
+    if name == "stratified" and round(pairs**0.25) ** 4 != pairs:
+        raise ParameterError(f"{where} has {pairs} {name} pairs; give a fourth power, such as 625")
+    if name == "probed" and pairs <= PROBES:
+        raise ParameterError(
+            f"{where} has {pairs} {name} pairs; give more than the {PROBES} of the encoder"
+        )
+
+
+def draw_pairs(name: str, rng: np.random.Generator, stacks: int, pairs: int) -> Pairs:
+    """The pairs of several stacks, one after the other: (stacks * pairs, 3) twice."""
+    if name not in WHOLE:
+        return DIRECTION_SETS[name](rng, stacks * pairs)
+    parts = [WHOLE[name](rng, pairs) for _ in range(stacks)]
+    return np.concatenate([wi for wi, _ in parts]), np.concatenate([wo for _, wo in parts])
+
+
+def _interleaved(rng: np.random.Generator, n: int, last: Callable[..., Pairs]) -> Pairs:
+    """n pairs: spread in log half angle, cosine, spread in log half angle, `last`, and so on."""
+    parts = (
+        half_angle_pairs(rng, n // 2, tangents=HALF_ANGLE_RANGE, lowest_cosine=LOWEST_COSINE),
+        cosine_pairs(rng, n // 4, lowest_cosine=LOWEST_COSINE),
+        last(rng, n // 4, lowest_cosine=LOWEST_COSINE),
+    )
+    wi, wo = np.empty((n, 3), np.float32), np.empty((n, 3), np.float32)
+    for (part_wi, part_wo), where in zip(
+        parts, (slice(0, None, 2), slice(1, None, 4), slice(3, None, 4)), strict=True
+    ):
+        wi[where], wo[where] = part_wi, part_wo
+    return wi, wo
+
+
+def _one_grazing(rng: np.random.Generator, n: int, *, lowest_cosine: float) -> Pairs:
+    """ln cos(theta_i) uniform between `lowest_cosine` and 1, wo of cosine density."""
+    return _accepted(
+        lambda count: (
+            _direction(lowest_cosine ** rng.random(count), rng.random(count)),
+            _direction(np.sqrt(rng.random(count)), rng.random(count)),
+        ),
+        n,
+        lowest_cosine,
+    )
+
+
+def _accepted(draw: Callable[[int], Pairs], n: int, lowest_cosine: float) -> Pairs:
+    """Draw until `n` pairs have both cosines above `lowest_cosine`, in the order drawn."""
+    wi, wo = np.empty((0, 3), np.float32), np.empty((0, 3), np.float32)
+    while len(wi) < n:
+        new_wi, new_wo = (direction.astype(np.float32) for direction in draw(n))
+        keep = np.minimum(new_wi[:, 2], new_wo[:, 2]) > lowest_cosine
+        wi, wo = np.concatenate([wi, new_wi[keep]]), np.concatenate([wo, new_wo[keep]])
+    return wi[:n], wo[:n]
+
+
+def _direction(cosine: np.ndarray, u: np.ndarray) -> np.ndarray:
+    """Unit vectors (n, 3) of the given cosine, at azimuth 2 pi u."""
+    sine = np.sqrt(np.maximum(0.0, 1 - cosine * cosine))
+    return np.stack([sine * np.cos(2 * np.pi * u), sine * np.sin(2 * np.pi * u), cosine], -1)

@@ -1,0 +1,76 @@
+"""Half and difference angles (Rusinkiewicz, "A new change of variables", 1998)."""
+
+import numpy as np
+
+
+def half_difference_angles(
+    wi: np.ndarray, wo: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return theta_h, theta_d in [0, pi/2] and phi_d in [0, pi] of unit vectors above the horizon.
+
+    wi, wo: float64 (N, 3); each result is (N,) [rad]. phi_d is taken modulo pi: exchanging wi and
+    wo adds pi to it, so that every function of these angles is reciprocal, here bit for bit.
+    phi_d is 0 where it has no meaning (wi = wo); where h is the normal it counts from the x axis.
+    """
+    total, difference = wi + wo, wi - wo
+    # Arc tangents of lengths: an arc cosine would lose the small angles, where highlights are.
+    theta_d = np.arctan2(np.linalg.norm(difference, axis=1), np.linalg.norm(total, axis=1))
+    h = total / np.linalg.norm(total, axis=1, keepdims=True)
+    sin_h, cos_h = np.hypot(h[:, 0], h[:, 1]), h[:, 2]
+    theta_h = np.arctan2(sin_h, cos_h)
+
+    # The frame about h: tangent = dh/dtheta, bitangent = dh/dphi; wi - wo lies in its plane.
+    at_normal = sin_h == 0
+    safe = np.where(at_normal, 1.0, sin_h)
+    cos_phi = np.where(at_normal, 1.0, h[:, 0] / safe)
+    sin_phi = np.where(at_normal, 0.0, h[:, 1] / safe)
+    x, y, z = difference.T
+    along = cos_h * (cos_phi * x + sin_phi * y) - sin_h * z
+    across = cos_phi * y - sin_phi * x
+    turned = (across < 0) | ((across == 0) & (along < 0))
+    sign = np.where(turned, -1.0, 1.0)
+    phi_d = np.arctan2(sign * across + 0.0, sign * along + 0.0)  # + 0.0: no negative zeros
+    return theta_h, theta_d, phi_d
+
+
+def above_horizon(theta_h: np.ndarray, theta_d: np.ndarray, phi_d: np.ndarray) -> np.ndarray:
+    """Whether both directions of given angles (broadcast) are above the horizon."""
+    # cos theta of the pair = cos h cos d -+ sin h sin d cos phi_d.
+    return np.cos(theta_h) * np.cos(theta_d) > np.abs(
+        np.sin(theta_h) * np.sin(theta_d) * np.cos(phi_d)
+    )
+
+
+def directions_at(
+    theta_h: np.ndarray, theta_d: np.ndarray, phi_d: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return wi and wo, (N, 3) each, that have these angles (N,) [rad]; h lies at the azimuth 0.
+
+    Not all angles belong to pairs above the horizon: see `above_horizon`.
+    """
+    sin_h, cos_h = np.sin(theta_h), np.cos(theta_h)
+    along, across = np.sin(theta_d) * np.cos(phi_d), np.sin(theta_d) * np.sin(phi_d)
+    up = np.cos(theta_d)
+    wi, wo = (
+        np.stack([cos_h * x + sin_h * up, y, cos_h * up - sin_h * x], axis=1)
+        for x, y in ((along, across), (-along, -across))
+    )
+    return wi, wo
+
+
+def from_half_and_difference(
+    tan_h: np.ndarray, theta_d: np.ndarray, phi_d: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return pairs (N, 3) whose half vector lies in the xz plane (Rusinkiewicz 1998).
+
+    tan_h (N,): tangent of the half vector's angle to the normal; theta_d, phi_d (N,): the pair's
+    angles about the half vector [radians]. A direction may come out below the horizon.
+    """
+    cos_h = 1.0 / np.sqrt(1.0 + tan_h * tan_h)
+    sin_h = tan_h * cos_h
+    x, y, z = np.sin(theta_d) * np.cos(phi_d), np.sin(theta_d) * np.sin(phi_d), np.cos(theta_d)
+
+    def tilt(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        return np.stack([cos_h * x + sin_h * z, y, cos_h * z - sin_h * x], axis=-1)
+
+    return tilt(x, y), tilt(-x, -y)

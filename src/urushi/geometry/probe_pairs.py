@@ -1,0 +1,62 @@
+"""The fixed pairs of directions at which the encoder sees a BRDF."""
+
+import functools
+
+import numpy as np
+
+from urushi.geometry.half_vector import from_half_and_difference
+
+#: How many the shipped encoders see.
+PROBES = 192
+
+#: Share of the pairs that is spread in the logarithm of the half angle; the rest is spread over
+#: both hemispheres.
+HALF_ANGLE_SHARE = 2 / 3
+MIN_TANGENT, MAX_TANGENT = 1e-3, 4.0
+MAX_DIFFERENCE = np.radians(86.0)
+MIN_COSINE = 0.02
+
+
+def _points(count: int, dimension: int) -> np.ndarray:
+    """Return the first points of Roberts' R sequence (2018) in the unit cube, float64."""
+    base = 2.0
+    for _ in range(64):  # the root of x^(d+1) = x + 1, by fixed-point iteration
+        base = (1.0 + base) ** (1.0 / (dimension + 1))
+    steps = base ** -np.arange(1.0, dimension + 1)
+    return (0.5 + np.arange(1, count + 1)[:, None] * steps) % 1.0
+
+
+def _half_angle_pairs(count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs log-spread in tan theta_h; phi_d within a quadrant, by reciprocity and mirroring."""
+    u = _points(8 * count, 3)
+    tan_h = MIN_TANGENT * (MAX_TANGENT / MIN_TANGENT) ** u[:, 0]
+    wi, wo = from_half_and_difference(tan_h, MAX_DIFFERENCE * u[:, 1], 0.5 * np.pi * u[:, 2])
+    above = np.flatnonzero((wi[:, 2] > MIN_COSINE) & (wo[:, 2] > MIN_COSINE))[:count]
+    return wi[above], wo[above]
+
+
+def _hemisphere_pairs(count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs with independent uniform cosines and a uniform azimuth between them."""
+    u = _points(count, 3)
+    cos_i, cos_o = (MIN_COSINE + (1.0 - MIN_COSINE) * u[:, i] for i in (0, 1))
+    sin_i, sin_o = np.sqrt(1.0 - cos_i**2), np.sqrt(1.0 - cos_o**2)
+    phi = np.pi * u[:, 2]
+    wi = np.stack([sin_i, np.zeros(count), cos_i], axis=-1)
+    return wi, np.stack([sin_o * np.cos(phi), sin_o * np.sin(phi), cos_o], axis=-1)
+
+
+@functools.cache
+def probe_pairs(n: int = PROBES) -> tuple[np.ndarray, np.ndarray]:
+    """Return the n pairs wi, wo: read-only float32 (n, 3), above the horizon, always the same.
+
+    Two thirds have tan theta_h spread logarithmically over [0.001, 4] about difference angles up
+    to 86 degrees, so that lobes down to alpha = 0.01 are resolved; the rest cover the hemispheres.
+    """
+    first = round(n * HALF_ANGLE_SHARE)
+    parts = _half_angle_pairs(first), _hemisphere_pairs(n - first)
+    pairs = []
+    for side in (0, 1):
+        directions = np.concatenate([part[side] for part in parts]).astype(np.float32)
+        directions.flags.writeable = False
+        pairs.append(directions)
+    return pairs[0], pairs[1]

@@ -1,0 +1,113 @@
+"""The paper's networks as chains of blocks, of fixed sizes (Fan et al. 2022, figures 2 and 3)."""
+
+import json
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from urushi.errors import ParameterError
+from urushi.paper import blocks
+from urushi.paper.blocks import Block, Linear, Skip, fc, rb
+
+LATENT = 32
+
+#: Every entry of a latent code before it is optimised.
+FIRST_LATENT = 1.0
+
+#: view.xy, light.xy, view.z, light.z: the evaluation network's first inputs, before the latent.
+DIRECTIONS = 6
+
+
+@dataclass(frozen=True)
+class PaperArchitecture:
+    """Marks a model as the paper's; nothing about it can be chosen."""
+
+    latent: ClassVar[int] = LATENT
+
+    def to_json(self) -> str:
+        """Return the kind as a JSON object."""
+        return json.dumps({"kind": "paper"})
+
+    @classmethod
+    def from_json(cls, text: str) -> "PaperArchitecture":
+        """Read `to_json`'s text.
+
+        Raises:
+            ParameterError: it holds anything else.
+        """
+        if json.loads(text) != {"kind": "paper"}:
+            raise ParameterError("the paper's architecture has no sizes of its own to choose")
+        return cls()
+
+
+def _residual(name: str, n: int) -> Skip:
+    """R{RB, FC, RB}."""
+    return Skip((*rb(f"{name}.0", n), *fc(f"{name}.1", n, n), *rb(f"{name}.2", n)))
+
+
+def _evaluation() -> tuple[Block, ...]:
+    name, n = "evaluation", 256
+
+    def half(name: str) -> Skip:
+        parts = _residual(f"{name}.0", n), *fc(f"{name}.1", n, n), _residual(f"{name}.2", n)
+        return Skip(parts)
+
+    middle = half(f"{name}.1.0"), *fc(f"{name}.1.1", n, n), half(f"{name}.1.2")
+    return (
+        *fc(f"{name}.0", DIRECTIONS + LATENT, n),
+        Skip(middle),
+        *fc(f"{name}.2", n, n),
+        Linear(f"{name}.3", n, 1),
+    )
+
+
+def _layering() -> tuple[Block, ...]:
+    name, n = "layering", 512
+    middle = (
+        *rb(f"{name}.1.0", n),
+        *fc(f"{name}.1.1", n, n),
+        _residual(f"{name}.1.2", n),
+        *fc(f"{name}.1.3", n, n),
+        *rb(f"{name}.1.4", n),
+    )
+    return (
+        *fc(f"{name}.0", 2 * LATENT + 2, n),
+        Skip(middle),
+        *fc(f"{name}.2", n, 128),
+        Linear(f"{name}.3", 128, LATENT),
+    )
+
+
+def _proxy() -> tuple[Linear, ...]:
+    sizes = (LATENT, 128, 512, 128, 32, 2)
+    return tuple(Linear(f"proxy.{i}", sizes[i], sizes[i + 1]) for i in range(len(sizes) - 1))
+
+
+#: 1,074,689 parameters.
+EVALUATION = _evaluation()
+
+#: 1,954,208 parameters.
+LAYERING = _layering()
+
+#: The proxy has plain ReLUs between its layers: evaluate it by `mlp`.
+PROXY = _proxy()
+
+PARTS = {"evaluation": EVALUATION, "layering": LAYERING, "proxy": PROXY}
+
+
+def parameter_shapes(arch: PaperArchitecture) -> dict[str, tuple[int, ...]]:
+    """Return every parameter's shape by name."""
+    return {name: shape for part in PARTS.values() for name, shape in blocks.shapes(part).items()}
+
+
+def parameter_count(part: str) -> int:
+    """Return how many numbers one network has."""
+    return sum(math.prod(shape) for shape in blocks.shapes(PARTS[part]).values())
+
+
+def init(seed: int) -> dict[str, np.ndarray]:
+    """Draw fresh parameters of all three networks."""
+    rng = np.random.default_rng(seed)
+    return {name: v for part in PARTS.values() for name, v in blocks.init(part, rng).items()}

@@ -1,0 +1,161 @@
+"""The blocks that the paper's networks are built of, as values: shapes, evaluation, gradient.
+
+A network is a tuple of blocks, one after the other. `apply` runs on NumPy and JAX; `pulled_back`
+also answers how the output depends on the input, by hand, so that latent codes can be optimised
+where JAX is not installed.
+"""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from urushi.nets.mlp import Params, linear, product
+
+#: Added to the variance in layer normalisation, as PyTorch does.
+EPSILON = 1e-5
+
+Pullback = Callable[[Any], Any]
+Shapes = dict[str, tuple[int, ...]]
+
+
+@dataclass(frozen=True)
+class Linear:
+    """x (..., rows) times a weight, plus a bias: (..., columns)."""
+
+    name: str
+    rows: int
+    columns: int
+
+    def shapes(self) -> Shapes:
+        """The parameters' shapes by name."""
+        return {
+            f"{self.name}.weight": (self.rows, self.columns),
+            f"{self.name}.bias": (self.columns,),
+        }
+
+    def apply(self, params: Params, x: Any) -> Any:
+        """Evaluate."""
+        return linear(params, self.name, x)
+
+    def pulled_back(self, params: Params, x: Any) -> tuple[Any, Pullback]:
+        """Evaluate, and a function from the output's gradient to the input's."""
+        weight = params[f"{self.name}.weight"]
+        return self.apply(params, x), lambda dy: product(dy, weight.T)
+
+
+@dataclass(frozen=True)
+class Norm:
+    """Layer normalisation (Ba et al. 2016) over the last axis, then ReLU."""
+
+    name: str
+    width: int
+
+    def shapes(self) -> Shapes:
+        """The parameters' shapes by name."""
+        return {f"{self.name}.scale": (self.width,), f"{self.name}.shift": (self.width,)}
+
+    def apply(self, params: Params, x: Any) -> Any:
+        """Evaluate."""
+        return self._evaluate(params, x)[0]
+
+    def pulled_back(self, params: Params, x: Any) -> tuple[Any, Pullback]:
+        """Evaluate, and a function from the output's gradient to the input's."""
+        xp = x.__array_namespace__()
+        y, normal, inverse = self._evaluate(params, x)
+        scale = params[f"{self.name}.scale"]
+
+        def pull(dy: Any) -> Any:
+            d = xp.where(y > 0, dy, 0) * scale
+            along = xp.mean(d * normal, axis=-1, keepdims=True)
+            return (d - xp.mean(d, axis=-1, keepdims=True) - normal * along) * inverse
+
+        return y, pull
+
+    def _evaluate(self, params: Params, x: Any) -> tuple[Any, Any, Any]:
+        xp = x.__array_namespace__()
+        centred = x - xp.mean(x, axis=-1, keepdims=True)
+        inverse = 1 / xp.sqrt(xp.mean(centred * centred, axis=-1, keepdims=True) + EPSILON)
+        normal = centred * inverse
+        y = normal * params[f"{self.name}.scale"] + params[f"{self.name}.shift"]
+        return xp.maximum(y, 0), normal, inverse
+
+
+@dataclass(frozen=True)
+class Skip:
+    """R{m} = m(x) + x, m being a chain of blocks."""
+
+    inner: tuple["Block", ...]
+
+    def shapes(self) -> Shapes:
+        """The parameters' shapes by name."""
+        return shapes(self.inner)
+
+    def apply(self, params: Params, x: Any) -> Any:
+        """Evaluate."""
+        return apply(params, self.inner, x) + x
+
+    def pulled_back(self, params: Params, x: Any) -> tuple[Any, Pullback]:
+        """Evaluate, and a function from the output's gradient to the input's."""
+        y, pull = pulled_back(params, self.inner, x)
+        return y + x, lambda dy: pull(dy) + dy
+
+
+Block = Linear | Norm | Skip
+
+
+def fc(name: str, rows: int, columns: int) -> tuple[Block, ...]:
+    """FC(rows, columns): Linear, LayerNorm, ReLU."""
+    return Linear(name, rows, columns), Norm(name, columns)
+
+
+def rb(name: str, n: int) -> tuple[Block, ...]:
+    """RB(n): x + Linear(n/2, n)(FC(n, n/2)(x)), then LayerNorm and ReLU."""
+    inner = (*fc(f"{name}.in", n, n // 2), Linear(f"{name}.out", n // 2, n))
+    return Skip(inner), Norm(name, n)
+
+
+def shapes(blocks: Iterable[Block]) -> Shapes:
+    """The shapes of all parameters of a chain, by name."""
+    return {name: shape for block in blocks for name, shape in block.shapes().items()}
+
+
+def apply(params: Params, blocks: Iterable[Block], x: Any) -> Any:
+    """Evaluate a chain."""
+    for block in blocks:
+        x = block.apply(params, x)
+    return x
+
+
+def pulled_back(params: Params, blocks: Iterable[Block], x: Any) -> tuple[Any, Pullback]:
+    """Evaluate a chain, and a function from its output's gradient to its input's."""
+    pulls: list[Pullback] = []
+    for block in blocks:
+        x, pull = block.pulled_back(params, x)
+        pulls.append(pull)
+
+    def through(dy: Any) -> Any:
+        for pull in reversed(pulls):
+            dy = pull(dy)
+        return dy
+
+    return x, through
+
+
+def init(blocks: Iterable[Block], rng: np.random.Generator) -> dict[str, np.ndarray]:
+    """Draw float32 parameters as PyTorch does, the paper says nothing of it.
+
+    Weights and biases uniform within 1 / sqrt(rows); normalisation starts as the identity.
+    """
+    params: dict[str, np.ndarray] = {}
+    bound = 1.0
+    for name, shape in shapes(blocks).items():
+        kind = name.rsplit(".", 1)[1]
+        if kind == "weight":
+            bound = shape[0] ** -0.5
+        if kind in ("weight", "bias"):
+            params[name] = rng.uniform(-bound, bound, shape).astype(np.float32)
+        else:
+            params[name] = np.full(shape, 1.0 if kind == "scale" else 0.0, np.float32)
+    return params

@@ -1,0 +1,69 @@
+"""The paper's evaluation network: from a latent code and a pair of directions to the value.
+
+Unlike Urushi's decoder it sees plain coordinates: it is not reciprocal, knows of isotropy only what
+it has learned, and its output may be negative.
+
+The paper's layering network: from two latent codes and a medium to the coated code.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from urushi.nets.mlp import Params, product, split_linear
+from urushi.paper import blocks
+from urushi.paper.architecture import DIRECTIONS, EVALUATION, LAYERING
+
+#: The first layer, which is evaluated apart: one code meets many directions.
+_FIRST = "evaluation.0"
+
+
+def direction_inputs(wi: Any, wo: Any) -> Any:
+    """The inputs (..., 6): view.xy, light.xy, view.z, light.z; wi is the view, wo the light."""
+    xp = wi.__array_namespace__()
+    wi, wo = xp.broadcast_arrays(wi, wo)
+    return xp.concat([wi[..., :2], wo[..., :2], wi[..., 2:], wo[..., 2:]], axis=-1)
+
+
+def evaluate(params: Params, z: Any, directions: Any) -> Any:
+    """Return values (...) [1/sr], negative ones included.
+
+    z (..., 32) and `direction_inputs` (..., 6) broadcast against each other.
+    """
+    first = split_linear(params, _FIRST, directions, z)
+    return blocks.apply(params, EVALUATION[1:], first)[..., 0]
+
+
+def value_and_gradient(params: Params, z: Any, directions: Any) -> tuple[Any, Any]:
+    """Return values (...) and their gradients (..., 32) with respect to z, as of `evaluate`.
+
+    Samples are independent, so one backward pass gives every sample's own gradient: the Jacobian.
+    """
+    first = split_linear(params, _FIRST, directions, z)
+    xp = first.__array_namespace__()
+    y, pull = blocks.pulled_back(params, EVALUATION[1:], first)
+    weight = params[f"{_FIRST}.weight"][DIRECTIONS:, :]
+    return y[..., 0], product(pull(xp.ones_like(y)), weight.T)
+
+
+def layer(params: Params, z_top: Any, z_bottom: Any, albedo: Any, sigma_t: Any) -> Any:
+    """Return codes (..., 32) of bottoms z_bottom (..., 32) under dielectrics z_top (..., 32).
+
+    albedo, sigma_t (...): of the medium between them, which scatters isotropically. Leading
+    dimensions broadcast. Codes are about 1, hence shifted by it on the way in and out.
+    """
+    xp = z_top.__array_namespace__()
+    medium = xp.stack(xp.broadcast_arrays(albedo, sigma_t), axis=-1)
+    parts = [z_top - 1, z_bottom - 1, medium]
+    shape = np.broadcast_shapes(*(part.shape[:-1] for part in parts))
+    x = xp.concat([xp.broadcast_to(p, (*shape, p.shape[-1])) for p in parts], axis=-1)
+    return blocks.apply(params, LAYERING, x) + 1
+
+
+def isotropic(albedo: Any, sigma_t: Any, g: Any) -> tuple[Any, Any]:
+    """Return albedo and sigma_t of the isotropic medium that resembles one of asymmetry g.
+
+    By similarity (van de Hulst 1980): absorption stays, scattering is reduced by 1 - g.
+    """
+    reduced = 1 - albedo * g
+    return albedo * (1 - g) / reduced, sigma_t * reduced

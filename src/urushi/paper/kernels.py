@@ -1,0 +1,164 @@
+"""The paper's networks in Dr.Jit: the twin of `paper`.
+
+A million weights are read from memory, see `memory`: some hundred times as slow as Urushi's own
+decoder, and compiled in half a minute.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+from drjit import nn
+
+from urushi.nets.weights import Model
+from urushi.paper import proxy
+from urushi.paper.architecture import EVALUATION, PROXY
+from urushi.paper.blocks import EPSILON, Block, Linear, Norm
+from urushi.paper.proxy import MIN_SHARE, MIN_SIGMA
+from urushi.physics.frame import square_to_cosine_hemisphere
+from urushi.render.networks import cooperative
+from urushi.render.networks.mlp import compiled_once
+
+
+class NormKernel:
+    """Layer normalisation and ReLU, as `paper.blocks.Norm`."""
+
+    def __init__(self, params: Mapping[str, np.ndarray], name: str):
+        scale, shift = params[f"{name}.scale"], params[f"{name}.shift"]
+        width = len(scale)
+        none = np.zeros((width, 1), np.float32)
+        # A vector in memory becomes an operand as the offset of a matrix of zeros.
+        self._scale, self._shift = cooperative.packed(none, scale), cooperative.packed(none, shift)
+        self._mean = cooperative.packed(
+            np.full((1, width), 1 / width, np.float32), np.zeros(1, np.float32)
+        )
+
+    def __call__(self, x: nn.CoopVec) -> nn.CoopVec:
+        """Apply to activations."""
+        centred = x - self._average(x)
+        inverse = dr.rsqrt(self._average(centred * centred) + EPSILON)
+        scale, shift = (
+            nn.matvec(weight, nn.CoopVec(mi.Float(0)), bias)
+            for weight, bias in (self._scale, self._shift)
+        )
+        return dr.maximum(dr.fma(centred * inverse, scale, shift), 0)
+
+    def _average(self, x: nn.CoopVec):
+        weight, bias = self._mean
+        (average,) = nn.matvec(weight, x, bias)
+        return average
+
+
+class PaperDecoder:
+    """f [1/sr] from latent codes, by the evaluation network."""
+
+    def __init__(self, model: Model):
+        self._steps = _bound(model.params, EVALUATION)
+
+    def first_layer(self, latents: np.ndarray) -> np.ndarray:
+        """The latents themselves: here the first layer is a small part of the whole."""
+        return latents
+
+    def share(self, latent: Sequence) -> list:
+        """The latent itself."""
+        return list(latent)
+
+    def of_first_layer(self, shares: Sequence[Sequence], wi, wo) -> list:
+        """f of each channel; shares: per channel a list (32) of Dr.Jit floats."""
+        return self.of_latents(shares, wi, wo)
+
+    def of_latents(self, latents: Sequence[Sequence], wi, wo) -> list:
+        """f of each channel, never negative; latents: per channel a list (32) of Dr.Jit floats."""
+        directions = [wi.x, wi.y, wo.x, wo.y, wi.z, wo.z]
+        return [compiled_once(self._f, *directions, *z) for z in latents]
+
+    def _f(self, *inputs):
+        (value,) = _chained(self._steps, nn.CoopVec(*inputs))
+        return dr.maximum(value, 0)
+
+
+def _bound(params: Mapping[str, np.ndarray], chain: Sequence[Block]) -> list:
+    """Functions of activations, one for each block of a chain."""
+    steps: list = []
+    for block in chain:
+        if isinstance(block, Linear):
+            steps.append(cooperative.Linear(params, block.name))
+        elif isinstance(block, Norm):
+            steps.append(NormKernel(params, block.name))
+        else:
+            steps.append(_skip(_bound(params, block.inner)))
+    return steps
+
+
+def _skip(inner: list) -> Callable:
+    """m(x) + x."""
+    return lambda x: _chained(inner, x) + x
+
+
+def _chained(steps: Sequence[Callable], x: nn.CoopVec) -> nn.CoopVec:
+    for step in steps:
+        x = step(x)
+    return x
+
+
+class Gaussian(NamedTuple):
+    """A proposal, as `paper.proxy.GaussianMixture`: Dr.Jit floats."""
+
+    sigma: Any
+    share: Any
+
+    def pdf(self, wi, wo):
+        """Density of `sample` at wo [1/sr]; zero where either direction is below the horizon."""
+        x, y = wi.x + wo.x, wi.y + wo.y
+        across = x * x + y * y
+        gaussian = self._reflected(across, wi.z + wo.z) + self._reflected(across, wi.z - wo.z)
+        density = self.share * gaussian + (1 - self.share) * (wo.z * dr.inv_pi)
+        return dr.select((wi.z > 0) & (wo.z > 0), density, 0)
+
+    def sample(self, wi, choice, u):
+        """Draw wo above the horizon by the uniform numbers `choice` and `u` (two)."""
+        variance2 = 2 * self.sigma * self.sigma
+        squared = -variance2 * dr.log(1 - u.x * (1 - dr.exp(-1 / variance2)))
+        squared = dr.clip(squared, 0, 1)
+        sin_phi, cos_phi = dr.sincos(2 * dr.pi * u.y)
+        radius = dr.sqrt(squared)
+        h = mi.Vector3f(radius * cos_phi, radius * sin_phi, dr.sqrt(1 - squared))
+        wo = 2 * dr.dot(wi, h) * h - wi
+        gaussian = mi.Vector3f(wo.x, wo.y, dr.abs(wo.z))
+        cosine = square_to_cosine_hemisphere(mi.Vector3f, u.x, u.y)
+        return dr.select(choice < self.share, gaussian, cosine)
+
+    def _reflected(self, across, up):
+        squared = dr.maximum(across + up * up, 1e-12)
+        variance2 = 2 * self.sigma * self.sigma
+        inside = 1 - dr.exp(-1 / variance2)
+        density = dr.exp(-(across / squared) / variance2) / (dr.pi * variance2 * inside)
+        return density * dr.abs(up) / (2 * squared)
+
+
+class PaperProposal:
+    """Proposals from latent codes, the same for all directions."""
+
+    def __init__(self, model: Model):
+        self._params = model.params
+        self._steps = _bound(model.params, PROXY)
+
+    def first_layer(self, latent: np.ndarray) -> np.ndarray:
+        """Width and share (2): they do not depend on directions."""
+        return np.array(proxy.proxy(self._params, latent), np.float32)
+
+    def of_first_layer(self, share: Sequence, cos_i) -> Gaussian:
+        """The proposal; share: a list (2) of Dr.Jit floats."""
+        return Gaussian(*share)
+
+    def of_latent(self, latent: Sequence, cos_i) -> Gaussian:
+        """The proposal of a latent code, a list (32) of Dr.Jit floats."""
+        x = self._steps[0](nn.CoopVec(*latent))
+        for step in self._steps[1:]:
+            x = step(dr.maximum(x, 0))
+        size, share = (1 / (1 + dr.exp(value)) for value in x)
+        return Gaussian(
+            dr.exp(float(np.log(MIN_SIGMA)) * size), MIN_SHARE + (1 - 2 * MIN_SHARE) * share
+        )

@@ -1,0 +1,118 @@
+"""The paper's system behind the interface that all architectures share."""
+
+import functools
+from typing import Any
+
+import numpy as np
+
+from urushi.errors import ParameterError
+from urushi.geometry.probe_pairs import probe_pairs
+from urushi.nets.mlp import Params
+from urushi.nets.networks import Coat, Dielectrics
+from urushi.paper.architecture import LATENT, PaperArchitecture
+from urushi.paper.evaluation import direction_inputs, evaluate, isotropic, layer
+from urushi.paper.projection import project
+from urushi.paper.proxy import GaussianMixture, proxy
+
+#: Pairs at which a BRDF is seen to be projected.
+PAIRS = 512
+
+#: BRDFs that are projected together: more would leave the caches.
+TOGETHER = 4
+
+#: Different interfaces in one layering, at most: a texture of widths would take hours.
+MAX_TOPS = 256
+
+_GOLDEN_ANGLE = np.pi * (3 - np.sqrt(5))
+
+
+@functools.cache
+def projection_pairs() -> tuple[np.ndarray, np.ndarray]:
+    """The probe pairs, each turned to an azimuth of its own: this network knows no isotropy."""
+    turn = _GOLDEN_ANGLE * np.arange(PAIRS)
+    cos, sin, zero, one = np.cos(turn), np.sin(turn), np.zeros(PAIRS), np.ones(PAIRS)
+    rows = [(cos, -sin, zero), (sin, cos, zero), (zero, zero, one)]
+    rotation = np.moveaxis(np.array(rows), -1, 0)
+    wi, wo = (np.einsum("nij,nj->ni", rotation, w).astype(np.float32) for w in probe_pairs(PAIRS))
+    wi.flags.writeable = wo.flags.writeable = False
+    return wi, wo
+
+
+class PaperNetworks:
+    """Projection, layering, evaluation and sampling by the paper's networks (NumPy)."""
+
+    def __init__(self, params: Params, arch: PaperArchitecture):
+        self._params = params
+        self._tops: dict[tuple[float, float], np.ndarray] = {}
+
+    @property
+    def concurrent(self) -> bool:
+        """No: interfaces are simulated and remembered, and a projection uses all cores itself."""
+        return False
+
+    def pairs(self) -> tuple[np.ndarray, np.ndarray]:
+        """The pairs at which a BRDF is projected."""
+        return projection_pairs()
+
+    def encode(self, f: Any) -> np.ndarray:
+        """Codes (..., 32) by projection, about a second each."""
+        values = np.asarray(f, np.float32)
+        rows = values.reshape(-1, PAIRS)
+        directions = direction_inputs(*self.pairs())[None]
+        parts = [
+            project(self._params, directions, rows[start : start + TOGETHER])[0]
+            for start in range(0, len(rows), TOGETHER)
+        ]
+        codes = np.concatenate(parts) if parts else np.zeros((0, LATENT), np.float32)
+        return codes.reshape(*values.shape[:-1], LATENT)
+
+    def layer(self, z_bottom: Any, coat: Coat, dielectrics: Dielectrics) -> Any:
+        """Codes (..., 32) by the layering network, which wants the interface as a code too.
+
+        Every pair of alpha and eta is projected once and remembered. Media that scatter
+        anisotropically enter as the isotropic ones that resemble them.
+        """
+        z_top = self._top(coat.alpha, coat.eta, dielectrics)
+        medium = isotropic(coat.albedo, coat.sigma_t, coat.g)
+        return layer(self._params, z_top, z_bottom, *medium)
+
+    def f(self, z: Any, wi: Any, wo: Any) -> Any:
+        """Values, cut off at zero: the network may go below."""
+        value = evaluate(self._params, z, direction_inputs(wi, wo))
+        return np.maximum(value, 0)
+
+    @property
+    def scalable(self) -> bool:
+        """No: nothing in a code scales f, so that its energy cannot be limited."""
+        return False
+
+    def scaled(self, z: Any, factor: Any) -> Any:
+        """The codes as they are."""
+        return z
+
+    @property
+    def one_pass(self) -> None:
+        """No: a projection optimises."""
+        return None
+
+    def proposal(self, z: Any, wi: Any) -> GaussianMixture:
+        """A Gaussian and a cosine lobe, the same for all wi."""
+        return proxy(self._params, z)
+
+    def _top(self, alpha: Any, eta: Any, dielectrics: Dielectrics) -> np.ndarray:
+        """Codes (..., 32) of rough dielectrics."""
+        alpha, eta = np.broadcast_arrays(np.float32(alpha), np.float32(eta))
+        keys, index = np.unique(np.stack([alpha.ravel(), eta.ravel()]), axis=1, return_inverse=True)
+        if keys.shape[1] > MAX_TOPS:
+            raise ParameterError(
+                f"the layering has {keys.shape[1]} different interfaces, and the paper's networks "
+                f"must project each for about a second: give at most {MAX_TOPS} pairs of alpha "
+                "and eta, or use Urushi's own networks"
+            )
+        new = [key for key in map(tuple, keys.T.tolist()) if key not in self._tops]
+        if new:
+            columns = np.array(new, np.float32).T
+            codes = self.encode(dielectrics(*columns))
+            self._tops |= dict(zip(new, codes, strict=True))
+        codes = np.array([self._tops[key] for key in map(tuple, keys.T.tolist())])
+        return codes[index.reshape(alpha.shape)]

@@ -1,0 +1,81 @@
+"""The paper's sampling proposal: a Gaussian on the projected half vector and a cosine lobe.
+
+A small network gives their width and shares for a whole material, whatever the direction (Fan et
+al. 2022, supplement; it leaves open how the outputs become a width and a share, and what happens
+to directions below the horizon). Here the Gaussian is cut off at the unit disk, and what it
+reflects below the horizon is mirrored up, so that the density is exactly normalised.
+"""
+
+import math
+from typing import Any, NamedTuple
+
+from urushi.nets.mlp import Params, mlp
+
+#: The width sigma lies within this and 1; the shares of both lobes are at least this.
+MIN_SIGMA, MIN_SHARE = 0.005, 0.02
+
+
+class GaussianMixture(NamedTuple):
+    """The proposal: the Gaussian's width sigma (...) and its share (...) of all samples."""
+
+    sigma: Any
+    share: Any
+
+    def pdf(self, wi: Any, wo: Any) -> Any:
+        """Density (...) of `sample` at wo [1/sr]; 0 where either is below the horizon."""
+        xp = wi.__array_namespace__()
+        cos_i, cos_o = wi[..., 2], wo[..., 2]
+        x, y = wi[..., 0] + wo[..., 0], wi[..., 1] + wo[..., 1]
+        across = x * x + y * y  # the same for wo's mirror image
+        gaussian = sum(
+            reflected_density(self.sigma, across, up) for up in (cos_i + cos_o, cos_i - cos_o)
+        )
+        density = self.share * gaussian + (1 - self.share) * (cos_o / math.pi)
+        return xp.where((cos_i > 0) & (cos_o > 0), density, 0.0)
+
+    def sample(self, wi: Any, u: Any) -> Any:
+        """Directions wo (..., 3) from uniform numbers u (..., 3); the first chooses the lobe."""
+        xp = wi.__array_namespace__()
+        choice, u1, phi = u[..., 0], u[..., 1], (2 * math.pi) * u[..., 2]
+        variance2 = 2 * self.sigma * self.sigma
+        inside = 1 - xp.exp(-1 / variance2)
+        squared = xp.clip(-variance2 * xp.log(1 - u1 * inside), 0.0, 1.0)
+        radius, hz = xp.sqrt(squared), xp.sqrt(1 - squared)
+        hx, hy = radius * xp.cos(phi), radius * xp.sin(phi)
+        twice = 2 * (wi[..., 0] * hx + wi[..., 1] * hy + wi[..., 2] * hz)
+        gaussian = (
+            twice * hx - wi[..., 0], twice * hy - wi[..., 1], xp.abs(twice * hz - wi[..., 2])
+        )  # fmt: skip
+        disk = xp.sqrt(u1)
+        cosine = disk * xp.cos(phi), disk * xp.sin(phi), xp.sqrt(1 - u1)
+        chosen = choice < self.share
+        wo = [xp.where(chosen, a, b) for a, b in zip(gaussian, cosine, strict=True)]
+        return xp.stack(xp.broadcast_arrays(*wo), axis=-1)
+
+
+def proxy(params: Params, z: Any) -> GaussianMixture:
+    """Return the proposal of codes z (..., 32)."""
+    output = mlp(params, "proxy", z, "relu")
+    xp = output.__array_namespace__()
+    logistic = 0.5 - 0.5 * xp.tanh(0.5 * output)  # cannot overflow
+    sigma = xp.exp(math.log(MIN_SIGMA) * logistic[..., 0])
+    return GaussianMixture(sigma, MIN_SHARE + (1 - 2 * MIN_SHARE) * logistic[..., 1])
+
+
+def disk_density(sigma: Any, squared: Any) -> Any:
+    """Density of the Gaussian at a projected half vector of squared length `squared`, in [0, 1]."""
+    xp = sigma.__array_namespace__()
+    variance2 = 2 * sigma * sigma
+    inside = 1 - xp.exp(-1 / variance2)
+    return xp.exp(-squared / variance2) / (math.pi * variance2 * inside)
+
+
+def reflected_density(sigma: Any, across: Any, up: Any) -> Any:
+    """Density [1/sr] of reflecting about the Gaussian's half vectors, from wi + wo = (x, y, up).
+
+    across = x^2 + y^2. The projection on the disk costs the half vector's cosine, the reflection
+    4 wi.h, which is twice the length of wi + wo for unit vectors.
+    """
+    xp = across.__array_namespace__()
+    squared = xp.maximum(across + up * up, 1e-12)
+    return disk_density(sigma, across / squared) * xp.abs(up) / (2 * squared)

@@ -1,0 +1,92 @@
+"""Training of the layering network on projected codes: codes in, codes out, L1."""
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import optax
+
+from urushi.nets.mlp import Params
+from urushi.paper.evaluation import layer
+from urushi.paper.palette import Palette
+from urushi.paper.train.preset import PaperPreset
+
+RULE = optax.scale_by_adam()
+
+#: How often the learning rate falls: the paper's 1,000 epochs by 50.
+DECAYS = 20
+
+
+class Examples(NamedTuple):
+    """Layerings: codes of dielectrics, lower parts and results (N, 32), the media's (N,)."""
+
+    z_top: np.ndarray
+    z_bottom: np.ndarray
+    albedo: np.ndarray
+    sigma_t: np.ndarray
+    target: np.ndarray
+
+
+class LayeringState(NamedTuple):
+    """The layering network and Adam's state for it."""
+
+    params: Params
+    optimiser: Any
+
+
+def start(params: Params) -> LayeringState:
+    """The state before the first step."""
+    params = {name: jnp.asarray(v) for name, v in params.items() if name.startswith("layering.")}
+    return LayeringState(params, RULE.init(params))
+
+
+def examples(preset: PaperPreset, codes: dict[str, np.ndarray]) -> dict[str, Examples]:
+    """The examples "train", "validation" (two layers) and "three-layer" from all parts' codes."""
+    sets = {}
+    for name, lower in (("two-layer", "conductor"), ("three-layer", "two-layer")):
+        part = preset.part(name)
+        source = part.distribution
+        assert isinstance(source, Palette)  # for the type checker
+        top, below, albedo, sigma_t = source.parts(slice(0, part.stacks))
+        columns = codes["dielectric"][top], codes[lower][below], albedo, sigma_t, codes[name]
+        sets[name] = Examples(*(np.asarray(column, np.float32) for column in columns))
+    last = preset.part("two-layer").stacks - preset.validation
+    return {
+        "train": Examples(*(column[:last] for column in sets["two-layer"])),
+        "validation": Examples(*(column[last:] for column in sets["two-layer"])),
+        "three-layer": sets["three-layer"],
+    }
+
+
+def l1_loss(params: Params, batch: Examples) -> jax.Array:
+    """Mean |z_pred - z|."""
+    z = layer(params, batch.z_top, batch.z_bottom, batch.albedo, batch.sigma_t)
+    return jnp.mean(jnp.abs(z - batch.target))
+
+
+@jax.jit
+def step(state: LayeringState, batch: Examples, rate: float) -> tuple[LayeringState, jax.Array]:
+    """Update the weights; returns the loss too."""
+    loss, slope = jax.value_and_grad(l1_loss)(state.params, batch)
+    update, optimiser = RULE.update(slope, state.optimiser)
+    params = optax.apply_updates(state.params, jax.tree.map(lambda change: -rate * change, update))
+    return LayeringState(params, optimiser), loss
+
+
+def learn_epoch(
+    state: LayeringState, sets: dict[str, Examples], preset: PaperPreset, epoch: int
+) -> tuple[LayeringState, float]:
+    """Take the steps of one epoch, of two layers first, of three when those are over."""
+    period = max(1, preset.layering_epochs // DECAYS)
+    if epoch < preset.layering_epochs:
+        data = sets["train"]
+        rate = preset.layering_rate * preset.layering_decay ** (epoch // period)
+    else:
+        data, rate = sets["three-layer"], preset.finetuning_rate
+    order = np.random.default_rng((preset.seed, 1, epoch)).permutation(len(data.target))
+    losses = []
+    for rows in np.array_split(order, -(-len(order) // preset.rows)):
+        state, loss = step(state, Examples(*(column[rows] for column in data)), rate)
+        losses.append(loss)
+    return state, float(np.mean(jax.device_get(losses)))

@@ -1,0 +1,158 @@
+"""Batches of the two-layer BRDFs, streamed from the store in bounded memory.
+
+Joint training of the evaluation network and the latent codes of all training BRDFs.
+"""
+
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import optax
+
+from urushi.data.store import Store
+from urushi.nets.mlp import Params
+from urushi.paper.architecture import FIRST_LATENT, LATENT
+from urushi.paper.evaluation import direction_inputs, evaluate
+from urushi.paper.train.preset import PaperPreset
+
+#: Direction pairs in memory together, at most: half a gigabyte.
+GROUP = 1 << 24
+
+
+class Batch(NamedTuple):
+    """B different BRDFs at P pairs each.
+
+    Attributes:
+        rows: (B,) which BRDFs; wi, wo: (B, P, 3); f: (B, P) [1/sr].
+    """
+
+    rows: np.ndarray
+    wi: np.ndarray
+    wo: np.ndarray
+    f: np.ndarray
+
+
+def epoch(store: Store, preset: PaperPreset, index: int) -> Iterator[Batch]:
+    """The batches of one epoch, in an order that depends on seed and epoch alone.
+
+    Groups of BRDFs that fit into memory come in random order. Within a group the pairs of every
+    BRDF are shuffled and cut into runs; a batch has one run each of different BRDFs.
+    """
+    rng = np.random.default_rng((preset.seed, index))
+    for shards in shuffled_groups(preset, rng):
+        rows, arrays = _trained(store, preset, shards)
+        count, pairs = arrays["f"].shape
+        run = min(preset.pairs, pairs)
+        order = rng.permuted(np.tile(np.arange(pairs), (count, 1)), axis=1)
+        for first in range(0, pairs - run + 1, run):
+            stacks = rng.permutation(count)
+            for chosen in np.array_split(stacks, -(-count // preset.stacks)):
+                at = chosen[:, None], order[chosen, first : first + run]
+                yield Batch(rows[chosen], arrays["wi"][at], arrays["wo"][at], arrays["f"][at])
+
+
+def shuffled_groups(preset: PaperPreset, rng: np.random.Generator) -> list[np.ndarray]:
+    """Shards with BRDFs to train on, in random order, in groups that fit into memory."""
+    part, shard = preset.part("two-layer"), preset.data.shard
+    shards = rng.permutation(-(-trained(preset) // shard))
+    together = max(1, GROUP // (part.pairs * shard))
+    return np.array_split(shards, -(-len(shards) // together))
+
+
+def trained(preset: PaperPreset) -> int:
+    """Number of two-layer BRDFs that are trained on, the first ones."""
+    return preset.part("two-layer").stacks - preset.validation
+
+
+def _trained(
+    store: Store, preset: PaperPreset, shards: np.ndarray
+) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """Rows (R,) int32 and arrays of some shards' BRDFs, without those for validation."""
+    part = [described.name for described in preset.data.parts].index("two-layer")
+    slices = [preset.data.rows(part, shard) for shard in shards]
+    rows = np.concatenate([np.arange(s.start, s.stop, dtype=np.int32) for s in slices])
+    kept = rows < trained(preset)
+    read = [store.read_shard(part, int(shard), ("wi", "wo", "f")) for shard in shards]
+    arrays = {name: np.concatenate([a[name] for a in read])[kept] for name in ("wi", "wo", "f")}
+    return rows[kept], arrays
+
+
+#: Adam's constants (Kingma and Ba 2015), the customary ones: the paper does not name them.
+FIRST_MOMENT, SECOND_MOMENT, TINY = 0.9, 0.999, 1e-8
+
+RULE = optax.scale_by_adam(FIRST_MOMENT, SECOND_MOMENT, TINY)
+
+
+class RepresentationState(NamedTuple):
+    """Everything that is carried from step to step.
+
+    Attributes:
+        params: the evaluation network.
+        optimiser: Adam's state for it.
+        latents: (M, 32), all BRDFs' codes, with Adam's moments `first` and `second` (M, 32) and
+            the number of steps (M,) that have seen each: only those of a batch are updated.
+    """
+
+    params: Params
+    optimiser: Any
+    latents: jax.Array
+    first: jax.Array
+    second: jax.Array
+    steps: jax.Array
+
+
+def start(params: Params, brdfs: int) -> RepresentationState:
+    """The state before the first step: all codes are 1."""
+    params = {name: jnp.asarray(v) for name, v in params.items() if name.startswith("evaluation.")}
+    zeros = jnp.zeros((brdfs, LATENT))
+    latents = jnp.full((brdfs, LATENT), FIRST_LATENT)
+    return RepresentationState(
+        params, RULE.init(params), latents, zeros, zeros, jnp.zeros(brdfs, jnp.int32)
+    )
+
+
+def l1_loss(params: Params, z: jax.Array, batch: Batch) -> jax.Array:
+    """Mean |f_pred - f|; z: (B, 32)."""
+    directions = direction_inputs(jnp.asarray(batch.wi), jnp.asarray(batch.wo))
+    return jnp.mean(jnp.abs(evaluate(params, z[:, None], directions) - batch.f))
+
+
+@jax.jit
+def step(
+    state: RepresentationState, batch: Batch, weights_rate: float, latents_rate: float
+) -> tuple[RepresentationState, jax.Array]:
+    """Update the weights and the batch's codes; returns the loss too."""
+    z = state.latents[batch.rows]
+    loss, (slope, z_slope) = jax.value_and_grad(l1_loss, (0, 1))(state.params, z, batch)
+    update, optimiser = RULE.update(slope, state.optimiser)
+    params = optax.apply_updates(
+        state.params, jax.tree.map(lambda change: -weights_rate * change, update)
+    )
+    # The loss is a mean over the batch; Adam does not mind the factor.
+    first = FIRST_MOMENT * state.first[batch.rows] + (1 - FIRST_MOMENT) * z_slope
+    second = SECOND_MOMENT * state.second[batch.rows] + (1 - SECOND_MOMENT) * z_slope**2
+    steps = state.steps[batch.rows] + 1
+    bias = (1 - power[:, None] for power in (FIRST_MOMENT**steps, SECOND_MOMENT**steps))
+    mean, square = (moment / b for moment, b in zip((first, second), bias, strict=True))
+    z = z - latents_rate * mean / (jnp.sqrt(square) + TINY)
+    return RepresentationState(
+        params,
+        optimiser,
+        state.latents.at[batch.rows].set(z),
+        state.first.at[batch.rows].set(first),
+        state.second.at[batch.rows].set(second),
+        state.steps.at[batch.rows].set(steps),
+    ), loss
+
+
+def learn_epoch(
+    state: RepresentationState, batches: Any, weights_rate: float, latents_rate: float
+) -> tuple[RepresentationState, float]:
+    """Take the steps of one epoch; returns the mean loss too."""
+    losses = []
+    for batch in batches:
+        state, loss = step(state, batch, weights_rate, latents_rate)
+        losses.append(loss)
+    return state, float(np.mean(jax.device_get(losses)))

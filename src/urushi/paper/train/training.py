@@ -1,0 +1,175 @@
+"""The paper's training from nothing to a weights file."""
+
+import os
+import time
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import jax
+import numpy as np
+from tqdm import tqdm
+
+from urushi.data.generate import generate
+from urushi.data.store import Store
+from urushi.nets import weights
+from urushi.paper.architecture import LATENT, init
+from urushi.paper.train import layering, proxy, representation
+from urushi.paper.train.preset import PaperPreset
+from urushi.paper.train.projection import project_part
+from urushi.train import training
+from urushi.train.checkpoint import Checkpoint, Journal
+
+STAGES = ("representation", "layering", "proxy")
+
+
+def train(
+    preset: PaperPreset,
+    *,
+    data: str | os.PathLike | None,
+    out: str | os.PathLike | None,
+    run: str | os.PathLike | None,
+    resume: bool,
+) -> weights.Model:
+    """Train the three networks in turn and write the weights; arguments as of `loop.train`.
+
+    The evaluation network learns together with its latents; all BRDFs are then projected, and the
+    layering network learns from their codes; last comes the sampling proxy. A checkpoint is
+    written after every epoch of the first, after every twentieth of the second, and between.
+    """
+    folder = Path(run) if run is not None else training.RUNS / preset.name
+    out = Path(out) if out is not None else folder / "weights.safetensors"
+    training.prepare(folder, out, resume)
+    began = time.monotonic()
+    store = generate(preset.data, data if data is not None else folder / "data.zarr")
+    generated = time.monotonic() - began
+    identity = training.identity(preset, store)
+    journal = Journal(folder, identity, STAGES)
+
+    starts = beginnings(preset)
+    point = journal.restore(starts) if resume else None
+    if point is None:
+        journal.clear()
+        point = starts["representation"]
+    clock = Clock(point.seconds)
+
+    if point.stage == "representation":
+        point = represent(point, preset, store, journal, clock)
+        networks = {**point.state.params, **projected(point.state.params, preset, store)}
+        point = replace(starts["layering"], seconds=clock.seconds(), networks=networks)
+        journal.save(point)
+    if point.stage == "layering":
+        point = learn_layering(point, preset, journal, clock)
+        networks = {**point.networks, **point.state.params}
+        point = Checkpoint("proxy", 0, clock.seconds(), {}, networks)
+        journal.save(point)
+
+    results = {name: np.asarray(value) for name, value in point.networks.items()}
+    params = {name: v for name, v in results.items() if not name.startswith(("codes.", "error."))}
+    sampling, divergence = learn_proxy(params, preset, results["codes.two-layer"])
+    metrics = figures(params, preset, results) | {"proxy divergence": divergence}
+    cost = {"data seconds": round(generated), "training seconds": round(clock.seconds())}
+    header = {**training.header(identity, metrics, cost), "scale": preset.scale}
+    return weights.save(out, preset.arch, {**params, **sampling}, header)
+
+
+class Clock:
+    """Seconds spent, earlier runs included."""
+
+    def __init__(self, before: float) -> None:
+        self._start = time.monotonic() - before
+
+    def seconds(self) -> float:
+        """Up to now."""
+        return time.monotonic() - self._start
+
+
+def beginnings(preset: PaperPreset) -> dict[str, Checkpoint]:
+    """Each stage's start; what earlier stages made is there in shape only."""
+    params = init(preset.seed)
+    first = representation.start(params, representation.trained(preset))
+    second = layering.start(params)
+    made: dict[str, Any] = dict(first.params)
+    for part in preset.data.parts:
+        made[f"codes.{part.name}"] = np.zeros((part.stacks, LATENT), np.float32)
+        made[f"error.{part.name}"] = np.zeros(part.stacks, np.float32)
+    return {
+        "representation": Checkpoint("representation", 0, 0.0, first, {}),
+        "layering": Checkpoint("layering", 0, 0.0, second, made),
+        "proxy": Checkpoint("proxy", 0, 0.0, {}, {**made, **second.params}),
+    }
+
+
+def represent(
+    point: Checkpoint, preset: PaperPreset, store: Store, journal: Journal, clock: Clock
+) -> Checkpoint:
+    """The epochs that are left of the evaluation network's training."""
+    pairs = preset.part("two-layer").pairs
+    runs = pairs // min(preset.pairs, pairs)
+    for epoch in range(point.step, preset.epochs):
+        rates = (rate * preset.decay**epoch for rate in (preset.weights_rate, preset.latents_rate))
+        batches = tqdm(
+            representation.epoch(store, preset, epoch),
+            total=runs * -(-representation.trained(preset) // preset.stacks),
+            desc=f"epoch {epoch + 1} of {preset.epochs}",
+            disable=None,
+        )
+        state, loss = representation.learn_epoch(point.state, batches, *rates)
+        point = replace(point, step=epoch + 1, seconds=clock.seconds(), state=state)
+        journal.log(point, {"loss": loss})
+        journal.save(point)
+    return point
+
+
+def projected(params: Mapping[str, Any], preset: PaperPreset, store: Store) -> dict[str, Any]:
+    """Codes and errors of all parts, by name."""
+    made: dict[str, Any] = {}
+    for index, part in enumerate(preset.data.parts):
+        codes, errors = project_part(params, store, index, preset.seed)
+        made |= {f"codes.{part.name}": codes, f"error.{part.name}": errors}
+    return made
+
+
+def codes_of(preset: PaperPreset, made: Mapping[str, Any]) -> dict[str, np.ndarray]:
+    """The codes of `projected` by the parts' names."""
+    return {part.name: np.asarray(made[f"codes.{part.name}"]) for part in preset.data.parts}
+
+
+def learn_layering(
+    point: Checkpoint, preset: PaperPreset, journal: Journal, clock: Clock
+) -> Checkpoint:
+    """The epochs that are left of the layering network's training."""
+    codes = codes_of(preset, point.networks)
+    sets = layering.examples(preset, codes)
+    epochs = preset.layering_epochs + preset.finetuning_epochs
+    for epoch in tqdm(range(point.step, epochs), desc="layering", disable=None):
+        state, loss = layering.learn_epoch(point.state, sets, preset, epoch)
+        point = replace(point, step=epoch + 1, seconds=clock.seconds(), state=state)
+        if (epoch + 1) % layering.DECAYS == 0 or epoch + 1 == epochs:
+            journal.log(point, {"loss": loss})
+            journal.save(point)
+    return point
+
+
+def learn_proxy(
+    params: Mapping[str, Any], preset: PaperPreset, codes: np.ndarray
+) -> tuple[Mapping[str, Any], float]:
+    """The sampling proxy, and its divergence."""
+    wi = proxy.incoming(preset.proxy_incoming, preset.seed)
+    data = proxy.histograms(params, codes[: preset.proxy_materials], wi)
+    return proxy.learn(init(preset.seed), data)
+
+
+def figures(
+    params: Mapping[str, Any], preset: PaperPreset, results: Mapping[str, Any]
+) -> dict[str, float]:
+    """Mean absolute errors [1/sr] of projections, and of the layering network's codes."""
+    codes = codes_of(preset, results)
+    sets = layering.examples(preset, codes)
+    loss = jax.jit(layering.l1_loss)
+    named = {f"L1 {p.name}": np.mean(results[f"error.{p.name}"]) for p in preset.data.parts}
+    held_out = np.mean(results["error.two-layer"][-preset.validation :])
+    named |= {"L1 validation": held_out}
+    named |= {f"L1 codes {name}": loss(params, examples) for name, examples in sets.items()}
+    return {name: float(value) for name, value in named.items()}

@@ -1,0 +1,272 @@
+"""Which libLLVM Dr.Jit shall use: a fit one is chosen before it loads any, an unfit one refused.
+
+Dr.Jit compiles for the CPU through a libLLVM that the system provides, and takes the one that
+the variable DRJIT_LIBLLVM_PATH names or else the first that it finds. Version 14 disables its LLVM
+backend; with 15 and 16 it starts, but the process aborts when a kernel with an instruction that
+they lack is compiled, which no `except` can catch. So the version is read from the outside.
+
+How many cores this process may use, of those that the machine has.
+
+Packages that only some commands need.
+"""
+
+import ctypes
+import glob
+import importlib
+import math
+import os
+import re
+import subprocess
+import sys
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+from urushi.errors import PlatformError
+
+#: The variable by which Dr.Jit can be told which library to load.
+LLVM_VARIABLE = "DRJIT_LIBLLVM_PATH"
+#: The oldest major version that compiles every kernel.
+OLDEST_LLVM = 17
+
+_LIBATOMIC = "libatomic.so.1"
+_LLVM_PATTERNS = {
+    "linux": (
+        "/usr/lib/*-linux-gnu/libLLVM*.so*",
+        "/usr/lib/wsl/lib/libLLVM*.so*",
+        "/usr/lib64/libLLVM*.so*",
+        "/usr/lib64/llvm*/lib/libLLVM*.so*",
+        "/usr/lib/libLLVM*.so*",
+        "/usr/lib/llvm*/lib/libLLVM*.so*",
+        "/usr/local/lib/libLLVM*.so*",
+    ),
+    "darwin": (
+        "/opt/homebrew/Cellar/llvm*/*/lib/libLLVM.dylib",
+        "/opt/homebrew/opt/llvm*/lib/libLLVM.dylib",
+        "/usr/local/Cellar/llvm*/*/lib/libLLVM.dylib",
+        "/usr/local/opt/llvm*/lib/libLLVM.dylib",
+    ),
+    "win32": (r"C:\Program Files\LLVM\bin\LLVM-C.dll",),
+}
+_INSTALL_LLVM = {
+    "linux": "install it (Debian: apt install libllvm19)",
+    "darwin": "install it (brew install llvm)",
+    "win32": "install it (winget install LLVM.LLVM)",
+}
+# libLLVM-14.so.1, libLLVM.so.19.1, libLLVM-17.so, and Homebrew's .../Cellar/llvm/19.1.7/lib/...
+_VERSION_IN_NAME = re.compile(
+    r"libLLVM-(\d+)|libLLVM\.so\.(\d+)|/Cellar/llvm[^/]*/(\d+)[^/]*/lib/libLLVM\.dylib"
+)
+# LLVMGetVersion came with LLVM 16; a library that loads and lacks it is older
+_ASK_LIBRARY = """
+import ctypes, sys
+library, version = ctypes.CDLL(sys.argv[1]), [ctypes.c_uint() for _ in range(3)]
+if not hasattr(library, "LLVMGetVersion"):
+    print(15)
+else:
+    library.LLVMGetVersion(*map(ctypes.byref, version))
+    print(version[0].value)
+"""
+
+
+@dataclass(frozen=True)
+class LlvmStatus:
+    """What is known of the libLLVM that Dr.Jit uses, or would use, in this process.
+
+    Attributes:
+        path: the library's file, or None where none was found.
+        version: its major version, or None where it is missing or unreadable.
+        ok: whether every kernel can be compiled with it.
+        message: one sentence: what is used, or what is wrong and the cure.
+    """
+
+    path: Path | None
+    version: int | None
+    ok: bool
+    message: str
+
+
+def choose_llvm() -> None:
+    """Point Dr.Jit to the newest fit libLLVM of the system, unless the user has named one.
+
+    Has no effect once Dr.Jit is imported, for it loads its library then.
+    """
+    if "drjit" in sys.modules or os.environ.get(LLVM_VARIABLE):
+        return
+    path, version = _newest_llvm()
+    if path is not None and version is not None and version >= OLDEST_LLVM:
+        os.environ[LLVM_VARIABLE] = str(path)
+
+
+@cache
+def missing_library() -> str | None:
+    """The system library that Dr.Jit's wheel is linked to and that is not there, or None.
+
+    Without it, `import drjit` fails with an error that does not name it.
+    """
+    if sys.platform != "linux":
+        return None
+    try:
+        ctypes.CDLL(_LIBATOMIC)
+    except OSError:
+        return _LIBATOMIC
+    return None
+
+
+def require_drjit() -> None:
+    """Raise PlatformError, in one sentence with the cure, if Dr.Jit cannot be imported here."""
+    library = missing_library()
+    if library is not None:
+        raise PlatformError(
+            f"{library}, which Mitsuba needs, was not found; install it "
+            "(Debian: apt install libatomic1)"
+        )
+
+
+def llvm_status() -> LlvmStatus:
+    """Find the libLLVM in use, or that would be; loads nothing into this process."""
+    named = os.environ.get(LLVM_VARIABLE)
+    set_variable = f"set {LLVM_VARIABLE} to the file of libLLVM {OLDEST_LLVM} or newer"
+    install = f"{_INSTALL_LLVM.get(sys.platform, 'install it')} or {set_variable}"
+    loaded = _loaded_llvm()
+    if loaded is not None:
+        cure = (
+            f"import urushi before mitsuba and drjit, which chooses a newer one, or {set_variable}"
+        )
+        return _llvm_judged(
+            *loaded, cure if not named and (_newest_llvm()[1] or 0) >= OLDEST_LLVM else install
+        )
+    if named:
+        cure = f"{set_variable}, or unset it to let Urushi look for one"
+        return _llvm_judged(Path(named), llvm_version_of(Path(named)), cure)
+    return _llvm_judged(*_newest_llvm(), install)
+
+
+def require_llvm() -> None:
+    """Raise PlatformError, in one sentence with the cure, unless a fit libLLVM is at hand."""
+    require_drjit()
+    status = llvm_status()
+    if not status.ok:
+        raise PlatformError(status.message)
+
+
+@cache
+def llvm_version_of(path: Path) -> int | None:
+    """The major version of a libLLVM: from its file name, else asked in another process.
+
+    None where the file is missing or no LLVM library.
+    """
+    target = path
+    if path.name != str(path):  # a bare name is left to the dynamic linker's search
+        try:
+            target = path.resolve(strict=True)
+        except OSError:
+            return None
+        found = _VERSION_IN_NAME.search(target.as_posix())
+        if found:
+            return int(next(group for group in found.groups() if group))
+    try:
+        run = subprocess.run(
+            [sys.executable, "-S", "-c", _ASK_LIBRARY, str(target)],
+            capture_output=True,
+            text=True,
+            timeout=30,
+        )
+        return int(run.stdout)
+    except (OSError, ValueError, subprocess.TimeoutExpired):
+        return None
+
+
+def _newest_llvm() -> tuple[Path | None, int | None]:
+    """The system's newest libLLVM and its major version."""
+    patterns = list(_LLVM_PATTERNS.get(sys.platform, ()))
+    if sys.platform == "linux":
+        folders = [*os.environ.get("LD_LIBRARY_PATH", "").split(":"), f"{sys.prefix}/lib"]
+        patterns += [f"{glob.escape(f)}/libLLVM*.so*" for f in folders if f]
+    # libLLVM's own parts (libLLVMCore.so, ...) and plain archives are no candidates
+    libraries = {
+        Path(name).resolve()
+        for pattern in patterns
+        for name in glob.glob(pattern)
+        if re.fullmatch(r"(libLLVM(-\d+)?(\.so[\d.]*|\.dylib)|LLVM-C\.dll)", Path(name).name)
+    }
+    versions = {path: llvm_version_of(path) for path in sorted(libraries)}
+    return max(versions.items(), key=lambda item: item[1] or 0, default=(None, None))
+
+
+def _loaded_llvm() -> tuple[Path | None, int | None] | None:
+    """The library that Dr.Jit has loaded here, or None while Dr.Jit is not imported."""
+    drjit = sys.modules.get("drjit")
+    detail = getattr(drjit, "detail", None)
+    if detail is None:
+        return None
+    version = detail.llvm_version()[0]
+    if version < 0:  # found none, or refused it
+        named = os.environ.get(LLVM_VARIABLE)
+        path = Path(named) if named else None
+        return (path, llvm_version_of(path)) if path else (None, None)
+    return _mapped_llvm(), version
+
+
+def _mapped_llvm() -> Path | None:
+    """The file of the libLLVM in this process's memory (known on Linux only)."""
+    try:
+        maps = Path("/proc/self/maps").read_text()
+    except OSError:
+        return None
+    found = re.search(r"/\S*libLLVM[^/\s]*$", maps, re.MULTILINE)
+    return Path(found.group()) if found else None
+
+
+def _llvm_judged(path: Path | None, version: int | None, cure: str) -> LlvmStatus:
+    if path is None and version is None:
+        message = f"libLLVM {OLDEST_LLVM} or newer, which Mitsuba needs, was not found; {cure}"
+    elif version is None:
+        message = f"'{path}' is missing or no LLVM library; {cure}"
+    elif version < OLDEST_LLVM:
+        message = (
+            f"LLVM {version} ('{path}') is too old for Dr.Jit, which would abort with it; {cure}"
+        )
+    else:
+        return LlvmStatus(path, version, True, f"LLVM {version} ('{path}')")
+    return LlvmStatus(path, version, False, message)
+
+
+#: What a container is allowed: microseconds of processor time in each so many, or "max" (the file
+#: `cpu.max` of control groups, version 2).
+CGROUP_CPU_MAX = Path("/sys/fs/cgroup/cpu.max")
+
+
+def available_cores() -> int:
+    """Cores that this process may use, at least 1.
+
+    Those of its affinity mask, and no more than a container's limit of processor time pays for.
+    """
+    if hasattr(os, "sched_getaffinity"):
+        count = len(os.sched_getaffinity(0))
+    else:
+        count = os.cpu_count() or 1
+    try:
+        share, period = CGROUP_CPU_MAX.read_text(encoding="ascii").split()
+        return max(min(count, math.ceil(int(share) / int(period))), 1)
+    except (OSError, ValueError):  # no such file, or no limit
+        return count
+
+
+#: The extras of the package and what each brings.
+EXTRAS = {
+    "train": ("jax", "optax", "zarr"),
+    "cluster": ("distributed",),
+    "eval": ("matplotlib",),
+}
+
+
+def require_extra(extra: str) -> None:
+    """Raise PlatformError unless the packages of an extra can be imported."""
+    for package in EXTRAS[extra]:
+        try:
+            importlib.import_module(package)
+        except ImportError as error:
+            raise PlatformError(
+                f"this command needs the package '{package}'; pip install 'urushi[{extra}]'"
+            ) from error

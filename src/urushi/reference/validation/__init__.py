@@ -1,0 +1,1 @@
+"""Independent solutions of the same transport, which the tests compare the random walk with."""

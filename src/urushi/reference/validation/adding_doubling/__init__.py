@@ -1,0 +1,10 @@
+"""Deterministic adding-doubling solver of layered BRDFs, the twin of the random walk.
+
+Azimuthal Fourier modes times Gauss quadrature in the polar cosine (van de Hulst, Multiple Light
+Scattering, 1980; Jakob, d'Eon, Jakob and Marschner, A comprehensive framework for rendering layered
+materials, 2014; Zeltner and Jakob, The layer laboratory, 2018). For rough interfaces only.
+"""
+
+from urushi.reference.validation.adding_doubling.solver import albedo, solve
+
+__all__ = ["albedo", "solve"]

@@ -1,0 +1,152 @@
+"""Adding: what a reflector becomes under a medium and under a rough interface.
+
+All operators are (M, N, N), weighted on both sides (see quadrature.py), seen from above.
+
+A homogeneous Henyey-Greenstein slab by doubling (van de Hulst 1980, chapter 4).
+
+Operators of a rough dielectric interface whose kernels the nodes of a medium cannot resolve.
+
+Transmission is narrow for a smooth interface or one of small eta, and for a rough one it jumps
+where the microfacet normal crosses the horizon; inner reflection has the root of Fresnel's formula
+at the critical angle. Each direction therefore gets its own composite Gauss quadrature, graded
+about the lobe and split at the fault; only the field inside is interpolated (product integration).
+"""
+
+import numpy as np
+
+from urushi.reference.validation.adding_doubling import surfaces
+from urushi.reference.validation.adding_doubling.quadrature import (
+    CosineGrid,
+    azimuths,
+    graded,
+    project,
+)
+
+
+def under_medium(
+    grid: CosineGrid, reflector: np.ndarray, albedo: float, sigma_t: float, g: float
+) -> np.ndarray:
+    """Reflection R + T A (1 - R A)^-1 T of a slab (R, T) over the reflector A."""
+    straight = direct(grid, sigma_t)
+    result = straight[:, None] * reflector * straight
+    if sigma_t == 0 or albedo == 0:
+        return result
+    reflect, transmit = slab(grid, albedo, sigma_t, g)
+    bottom = reflector[: len(reflect)]
+    between = np.linalg.solve(np.eye(len(grid.mu)) - reflect @ bottom, transmit)
+    result[: len(reflect)] = reflect + transmit @ bottom @ between
+    return result
+
+
+def trapped(grid: CosineGrid, reflector: np.ndarray, alpha: float, eta: float) -> np.ndarray:
+    """All bounces A (1 - I A)^-1 between the reflector A and the inner side I of an interface."""
+    inner = inner_reflection(grid, alpha, eta)
+    system = np.eye(len(grid.mu)) - reflector @ inner
+    return np.linalg.solve(system, reflector)
+
+
+def under_interface(
+    grid: CosineGrid, reflector: np.ndarray, alpha: float, eta: float
+) -> np.ndarray:
+    """Reflection of a rough interface over the reflector, between the nodes of the medium above."""
+    outer = grid.operator(surfaces.outer_reflection(alpha, eta))
+    # The flux is conserved by eta**2 S inwards and S outwards.
+    through = grid.root[:, None] * transmission(grid, grid.mu, alpha, eta)
+    bounces = trapped(grid, reflector, alpha, eta)
+    return outer + eta**2 * through @ bounces @ np.swapaxes(through, 1, 2)
+
+
+#: Optical depth of the first layer. Its light scattered twice is left out: an error of this order.
+_THIN = 2e-8
+
+#: Modes of the phase function below this are dropped: g**m bounds mode m.
+_NEGLIGIBLE = 1e-9
+
+
+def slab(
+    grid: CosineGrid, albedo: float, sigma_t: float, g: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Weighted reflection and transmission of a slab of optical depth `sigma_t`.
+
+    Returns:
+        reflection, transmission: (K, N, N) for the K <= M modes that scatter (at least one); the
+        transmission includes the unscattered light on its diagonal. The modes that are left out
+        reflect nothing and transmit `direct(grid, sigma_t)`.
+    """
+    doublings = max(0, int(np.ceil(np.log2(max(sigma_t, _THIN) / _THIN))))
+    thin = sigma_t / 2**doublings
+    forward, backward = _phase_modes(grid, g)
+    mu, weight = grid.mu, np.outer(grid.root, grid.root)
+    sum_inv = 1 / mu[:, None] + 1 / mu
+    reflection = albedo * backward * weight * -np.expm1(-thin * sum_inv) / np.add.outer(mu, mu)
+    # (exp(-t/a) - exp(-t/b)) / (a - b) without cancellation, the diagonal being its limit.
+    gap = thin * (1 / mu[:, None] - 1 / mu)
+    slope = np.where(np.abs(gap) > 1e-12, -np.expm1(-gap) / np.where(gap == 0, 1, gap), 1.0)
+    path = np.exp(-thin / mu) * slope * thin / np.outer(mu, mu)
+    transmission = albedo * forward * weight * path + np.diag(np.exp(-thin / mu))
+    identity = np.eye(len(mu))
+    for _ in range(doublings):
+        between = np.linalg.solve(identity - reflection @ reflection, transmission)
+        reflection = reflection + transmission @ reflection @ between
+        transmission = transmission @ between
+    return reflection, transmission
+
+
+def direct(grid: CosineGrid, sigma_t: float) -> np.ndarray:
+    """Unscattered transmission exp(-sigma_t / mu) of the nodes, (N,)."""
+    return np.exp(-sigma_t / grid.mu)
+
+
+def _phase_modes(grid: CosineGrid, g: float) -> tuple[np.ndarray, np.ndarray]:
+    """Modes (K, N, N) of the phase function, to the same and to the other hemisphere [1/sr].
+
+    From Legendre's addition theorem, with degrees up to 2 N - 1, for which Gauss's quadrature of
+    each hemisphere is exact: the phase function is then normalised to rounding, for any g.
+    """
+    degrees = 2 * len(grid.mu)
+    kept = 1 if g == 0 else 1 + int(np.log(_NEGLIGIBLE) / np.log(abs(g)))
+    forward, backward = [], []
+    for m in range(min(grid.modes, kept, degrees)):
+        legendre = _associated_legendre(m, degrees, grid.mu)
+        degree = np.arange(m, degrees)
+        moment = (2 * degree + 1) / (4 * np.pi) * float(g) ** degree
+        mirrored = moment * (-1.0) ** (degree + m)
+        forward.append((legendre.T * moment) @ legendre)
+        backward.append((legendre.T * mirrored) @ legendre)
+    return np.stack(forward), np.stack(backward)
+
+
+def _associated_legendre(m: int, degrees: int, mu: np.ndarray) -> np.ndarray:
+    """sqrt((l - m)! / (l + m)!) P_l^m(mu) for l = m to degrees - 1, by recurrence."""
+    rows = np.zeros((degrees - m, len(mu)))
+    order = np.arange(1, m + 1)
+    rows[0] = np.prod(np.sqrt((2 * order - 1) / (2 * order))) * (1 - mu**2) ** (m / 2)
+    if degrees - m > 1:
+        rows[1] = np.sqrt(2 * m + 1) * mu * rows[0]
+    for n in range(2, degrees - m):
+        deg = m + n
+        rows[n] = (2 * deg - 1) * mu * rows[n - 1] - np.sqrt((deg - 1) ** 2 - m**2) * rows[n - 2]
+        rows[n] /= np.sqrt(deg**2 - m**2)
+    return rows
+
+
+def transmission(grid: CosineGrid, mu_out: np.ndarray, alpha: float, eta: float) -> np.ndarray:
+    """Modes (M, A, N) of the symmetric kernel S from (A,) outside cosines to the nodes inside."""
+    mu_t = np.sqrt(1 - (1 - mu_out**2) / eta**2)
+    # Tilting the microfacet by d turns the refracted direction by d (1 - cos_i / (eta cos_t)).
+    width = alpha * np.maximum(1 - 1 / eta, 1 - mu_out / (eta * mu_t))
+    # The normal -(out + eta in) is level where mu_out = eta mu_in.
+    fine = graded(np.arccos(mu_t), width, np.arccos(mu_out / eta))
+    intervals = azimuths(alpha * (1 - 1 / eta))
+    return project(grid, surfaces.transmission(alpha, eta), mu_out, fine, intervals)
+
+
+def inner_reflection(grid: CosineGrid, alpha: float, eta: float) -> np.ndarray:
+    """Reflection on the side of the larger index between the nodes, (M, N, N), weighted."""
+    theta, critical = np.arccos(grid.mu), np.arcsin(1 / eta)
+    # In the plane of incidence, facets half way to this border are met at the critical angle.
+    fine = graded(theta, np.full_like(theta, 2 * alpha), 2 * critical - theta)
+    kernel = surfaces.inner_reflection(alpha, eta)
+    # In azimuth the lobe narrows towards grazing; at a fifth of its width the flux is negligible.
+    rows = grid.root[:, None] * project(grid, kernel, grid.mu, fine, azimuths(alpha / 5))
+    return (rows + np.swapaxes(rows, 1, 2)) / 2  # reciprocal, but for the error of the rows

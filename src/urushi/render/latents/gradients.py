@@ -1,0 +1,223 @@
+"""Encoding and layering as operations of Dr.Jit's differentiation, computed by NumPy.
+
+Gradients through layering: latent codes that remember what they come from.
+
+Where a parameter of a coat or of its bottom carries a gradient, `bake` does the work of
+`baking.Baker` and attaches the codes to the parameters. The bottom's values at the probe pairs are
+differentiated by Dr.Jit, encoder and layerer by `operations`.
+"""
+
+from collections.abc import Sequence
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from urushi.material import gradients
+from urushi.material.encode import limited_codes
+from urushi.material.layer import layer_texels
+from urushi.nets.weights import Model
+from urushi.render import spectrum
+from urushi.render.latents import lookup
+from urushi.render.latents.baking import PROBED, BottomCodes, choose_grid
+from urushi.render.latents.holders import DifferentiableLatents, DifferentiableTexture
+from urushi.render.reading import probing
+from urushi.render.reading.grid import IDENTITY, TexelGrid, varying_textures
+from urushi.render.reading.parameters import CoatParameters
+
+#: Of each channel, numbers of M points as Dr.Jit floats of that size, or of one for all points.
+Columns = Sequence[Sequence]
+
+#: In the order of derivatives.
+COAT = ("alpha", "eta", "albedo", "sigma_t", "g")
+
+
+def encode(model: Model, where: str, parts: Sequence[Sequence]) -> Columns:
+    """`material.encode.limited_codes`, attached to f: codes, 32 columns a channel.
+
+    parts: the points in groups, f (M * P) [1/sr] of each channel and group at the probe pairs.
+    where: begins errors.
+
+    Raises:
+        ParameterError: f is negative or not finite.
+    """
+    return dr.custom(_Encode, model, where, list(parts))
+
+
+def layer(
+    model: Model, table: dict[str, np.ndarray], z_bottom: Columns, coat: Columns
+) -> "mi.TensorXf":
+    """`material.layer.layer_texels`, attached to the bottoms' codes and to coats.
+
+    table: the coats' checked parameters, (M or 1, C or 1), in double precision.
+    coat: the same in the order of `COAT`: of each parameter a column, or one for each channel.
+
+    Returns:
+        Codes (M, C, 32).
+    """
+    return dr.custom(_Layer, model, table, z_bottom, coat)
+
+
+def columns(values: np.ndarray) -> Columns:
+    """Numbers (M, C, K) as Dr.Jit floats, K of each channel."""
+    channels = np.moveaxis(values, 1, 0)
+    return [[mi.Float(np.ascontiguousarray(k, np.float32)) for k in z.T] for z in channels]
+
+
+def rows(columns: Columns, points: int = 1) -> np.ndarray:
+    """The numbers (M, C, K) in columns, K of each channel; M is at least `points`."""
+    arrays = [column.numpy() for channel in columns for column in channel]
+    points = max(points, *map(len, arrays))
+    stacked = np.stack([np.broadcast_to(array, points) for array in arrays], axis=-1)
+    return stacked.reshape(points, len(columns), -1)
+
+
+class _Encode(dr.CustomOp):
+    def eval(self, model, where, parts):
+        self._model, self._pairs = model, len(model.networks.pairs()[0])
+        self._points = [len(part[0]) // self._pairs for part in parts]
+        self._f = probing.checked(self._joined(parts), where)
+        self._z = limited_codes(model, self._f)
+        return columns(self._z)
+
+    def forward(self):
+        df = self._joined(self.grad_in("parts"))
+        dz = gradients.encode_pushforward(self._model, *map(_flat, (self._f, self._z, df)))
+        self.set_grad_out(columns(dz.reshape(self._z.shape)))
+
+    def backward(self):
+        dz = rows(self.grad_out(), len(self._z))
+        df = gradients.encode_pullback(self._model, *map(_flat, (self._f, self._z, dz)))
+        parts = np.split(df.reshape(self._f.shape), np.cumsum(self._points)[:-1])
+        channels = [np.moveaxis(part, 1, 0).reshape(part.shape[1], -1) for part in parts]
+        self.set_grad_in("parts", [[mi.Float(f) for f in part] for part in channels])
+
+    def _joined(self, parts):
+        """The values (M, C, P) of all parts."""
+        arrays = [
+            rows([part], count * self._pairs).reshape(count, self._pairs, -1)
+            for part, count in zip(parts, self._points, strict=True)
+        ]
+        return np.moveaxis(np.concatenate(arrays), -1, 1)
+
+    def name(self):
+        return "encode"
+
+
+class _Layer(dr.CustomOp):
+    def eval(self, model, table, z_bottom, coat):
+        bottom = rows(z_bottom)
+        z = layer_texels(model, bottom, **table)
+        coats = np.stack(np.broadcast_arrays(*(table[name] for name in COAT)), axis=-1)
+        self._model, self._shape = model, z.shape
+        self._channels = [len(parameter) for parameter in coat]
+        self._inputs = (
+            _flat(np.broadcast_to(bottom, z.shape)),
+            _flat(np.broadcast_to(coats, (*z.shape[:-1], len(COAT)))),
+            _flat(z),
+        )
+        return mi.TensorXf(lookup.owned(mi.Float, z), z.shape)
+
+    def forward(self):
+        points, channels, _ = self._shape
+        dz_bottom = np.broadcast_to(rows(self.grad_in("z_bottom"), points), self._shape)
+        changes = [rows([parameter], points)[:, 0] for parameter in self.grad_in("coat")]
+        dcoat = np.stack([np.broadcast_to(c, (points, channels)) for c in changes], axis=-1)
+        dz = gradients.layer_pushforward(self._model, *self._inputs, _flat(dz_bottom), _flat(dcoat))
+        self.set_grad_out(mi.TensorXf(dz.reshape(self._shape)))
+
+    def backward(self):
+        points, channels, _ = self._shape
+        dz = _flat(self.grad_out().numpy().reshape(self._shape))
+        of_bottom, of_coat = gradients.layer_pullback(self._model, *self._inputs, dz)
+        self.set_grad_in("z_bottom", columns(of_bottom.reshape(self._shape)))
+        of_coat = np.moveaxis(of_coat.reshape(points, channels, -1), -1, 0)
+        summed = [
+            gradient if count > 1 else gradient.sum(axis=1, keepdims=True)
+            for gradient, count in zip(of_coat, self._channels, strict=True)
+        ]
+        self.set_grad_in("coat", [columns(gradient[:, None])[0] for gradient in summed])
+
+    def name(self):
+        return "layer"
+
+
+def _flat(array: np.ndarray) -> np.ndarray:
+    return array.reshape(-1, array.shape[-1])
+
+
+#: Rotations of an anisotropic bottom, at most: all are traced together.
+AZIMUTHS = 15
+
+#: The grid of a bottom that is the same everywhere.
+MIDDLE = TexelGrid(1, 1, IDENTITY, "repeat", False)
+
+
+def wanted(bsdf: "mi.BSDF") -> bool:
+    """Whether a parameter anywhere in a BSDF carries a gradient; codes are none."""
+    parameters = mi.traverse(bsdf)
+    flags, read_only = parameters.flags, mi.ParamFlags.ReadOnly
+    return any(dr.grad_enabled(value) for key, value in parameters if not flags(key) & read_only)
+
+
+def bake(
+    model: Model, coat: CoatParameters, bottom: "mi.BSDF", resolution: int
+) -> DifferentiableLatents | DifferentiableTexture:
+    """`baking.Baker.update`, with codes attached to the parameters.
+
+    Raises:
+        ParameterError: as there, or the networks are the paper's.
+    """
+    gradients.check(model, coat.where)
+    grid = choose_grid(coat, bottom, model, resolution)
+    uv = grid.uv() if grid else np.full((1, 2), 0.5)
+    table = coat.table(uv)
+    si = probing.interaction(np.tile([0.0, 0.0, 1.0], (len(uv), 1)), uv)
+    alpha, eta, *others = coat.evaluate(si, mi.Bool(True))
+    parameters = [[alpha], [eta], *map(spectrum.to_channels, others)]
+    z_bottom = _bottom_codes(model, coat.where, bottom, uv, grid)
+    codes = layer(model, table, z_bottom, parameters)
+    if grid is None:
+        return DifferentiableLatents(model, codes)
+    shape = grid.height, grid.width, *codes.shape[1:]
+    return DifferentiableTexture(model, mi.TensorXf(codes.array, shape), grid)
+
+
+def _bottom_codes(
+    model: Model, where: str, bottom: "mi.BSDF", uv: np.ndarray, grid: TexelGrid | None
+) -> Columns:
+    """The bottom's codes at points uv (M, 2), or one code if it is the same everywhere."""
+    nested = getattr(bottom, "latents", None)
+    known = nested is not None and bottom.model.fingerprint == model.fingerprint
+    if known and isinstance(nested, DifferentiableLatents | DifferentiableTexture):
+        return nested.codes(mi.Point2f(np.ascontiguousarray(uv.T, np.float32)))
+    wi, wo = model.networks.pairs()
+    if not wanted(bottom) or probing.repeats(bottom, wi, wo, len(uv)) > 1:
+        with dr.suspend_grad():  # a random walk's loop cannot be differentiated
+            known = BottomCodes(model, bottom, where)
+            known.update(grid)
+            return columns(known.read(0, len(uv))[1])
+    if grid is None or not varying_textures(bottom):
+        grid, uv = MIDDLE, MIDDLE.uv()
+    with dr.suspend_grad():
+        average = probing.needed_average(bottom, wi, wo, grid, where)
+    starts = range(0, len(uv), PROBED)
+    parts = [_probed(bottom, wi, wo, uv[i : i + PROBED], average) for i in starts]
+    return encode(model, where, parts)
+
+
+def _probed(
+    bottom: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, uv: np.ndarray, average: probing.Average
+) -> list:
+    """`probing.over_points`, attached: of each channel f (M * P) [1/sr] at points uv (M, 2)."""
+    azimuths = min(average.azimuths, AZIMUTHS)
+    everywhere = np.repeat(uv, len(wi), axis=0)
+    total = [dr.zeros(mi.Float, len(everywhere))] * spectrum.channel_count()
+    for index in range(azimuths):
+        a, b = (np.tile(probing.rotated(w, index / azimuths), (len(uv), 1)) for w in (wi, wo))
+        for one, other in ((a, b), (b, a))[: 1 + average.exchanged]:
+            out = mi.Vector3f(np.ascontiguousarray(other.T))
+            value = bottom.eval(mi.BSDFContext(), probing.interaction(one, everywhere), out)
+            channels = spectrum.to_channels(value / out.z)
+            total = [a + b for a, b in zip(total, channels, strict=True)]
+    return [value / (azimuths * (1 + average.exchanged)) for value in total]

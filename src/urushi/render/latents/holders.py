@@ -1,0 +1,270 @@
+"""Latent codes as a plugin holds them: one per channel, or a texture of them.
+
+Both answer the same two questions: what evaluating and sampling at a surface interaction share, a
+`Vertex`, and f of every channel there.
+
+Latent codes that carry gradients, as a plugin holds them: the counterparts of `latents`.
+
+Only f depends on them in a way that is differentiated. Directions are drawn, and their densities
+told, by detached codes: as in all of Mitsuba's differentiable integrators, samples stay where they
+are while the integrand changes.
+"""
+
+import os
+from collections.abc import Callable
+from typing import ClassVar, NamedTuple
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from urushi.material.material import Material
+from urushi.nets.weights import Model
+from urushi.render.latents.lookup import LatentTexture, is_zero
+from urushi.render.networks import choice
+from urushi.render.networks.choice import Mixture
+from urushi.render.networks.mlp import only_where
+from urushi.render.reading.grid import TexelGrid
+from urushi.textures import file
+from urushi.textures.file import Place
+from urushi.textures.store import TextureStore
+
+
+class Vertex(NamedTuple):
+    """What depends on the position and on wi alone.
+
+    Attributes:
+        shares: of every channel's latent code in the decoder, a list of Dr.Jit floats.
+        mixture: the proposal, that of the mean latent code over the channels.
+    """
+
+    shares: list[list]
+    mixture: Mixture
+
+
+class ConstantLatents:
+    """One latent code per channel: the first layers' share of them is computed once, here."""
+
+    DRJIT_STRUCT: ClassVar = {"_shares": list, "_proposal_share": list}  # for frozen functions
+
+    def __init__(self, model: Model, latents: np.ndarray, anchors: np.ndarray | None = None):
+        """latents, anchors: (C, 32) float32, those of a `Material`."""
+        self._material = Material(latents, model, latents if anchors is None else anchors)
+        self._decoder, self._proposal = choice.networks_of(model)
+        self._shares = [_opaque(share) for share in self._decoder.first_layer(latents)]
+        mean = self._material.anchors.mean(axis=0)
+        self._proposal_share = _opaque(self._proposal.first_layer(mean))
+
+    def vertex(self, si, active) -> Vertex:
+        """The vertex at a surface interaction."""
+        propose = self._proposal.of_first_layer
+        return Vertex(self._shares, only_where(active, propose, self._proposal_share, si.wi.z))
+
+    def f(self, vertex: Vertex, si, wo, active) -> list:
+        """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
+        return only_where(active, self._decoder.of_first_layer, vertex.shares, si.wi, wo)
+
+    def at(self, uv: np.ndarray) -> np.ndarray:
+        """Latent codes (M, C, 32) at points uv (M, 2)."""
+        latents = self._material.latents
+        return np.broadcast_to(latents, (len(uv), *latents.shape))
+
+    @property
+    def anchors(self) -> "ConstantLatents":
+        """The codes that coats are layered over."""
+        material = self._material
+        if material.anchors is material.latents:
+            return self
+        return ConstantLatents(material.model, material.anchors)
+
+    @property
+    def channels(self) -> int:
+        """Codes that it has."""
+        return self._material.channels
+
+    @property
+    def resolution(self) -> tuple[int, int] | None:
+        """Width and height of the texture; None: the same everywhere."""
+        return None
+
+    @property
+    def grid(self) -> TexelGrid | None:
+        """The texture's grid; None: the same everywhere."""
+        return None
+
+    def save(self, path: str | os.PathLike) -> None:
+        """Write a file that `neural_brdf` and `urushi.load` read.
+
+        Raises:
+            FileError: it cannot be written.
+        """
+        self._material.save(path)
+
+    def __str__(self) -> str:
+        count, size = self._material.latents.shape
+        return f"{count} x {size}"
+
+
+class TexturedLatents:
+    """A texture of latent codes in few bytes, see `textures.packing`."""
+
+    DRJIT_STRUCT: ClassVar = {"_texture": object}  # for frozen functions
+
+    def __init__(self, model: Model, store: TextureStore, grid: TexelGrid):
+        self._store, self._fingerprint = store, model.fingerprint
+        self.grid, self.channels = grid, store.layout.channels
+        self._size, self._bytes = store.layout.size, store.layout.texel_bytes
+        self._decoder, self._proposal = choice.networks_of(model)
+        self._texture = LatentTexture(store, grid)
+
+    def vertex(self, si, active) -> Vertex:
+        """The vertex at a surface interaction."""
+        steps = [si.duv_dx, si.duv_dy]
+        if is_zero(*steps):
+            steps = []
+        return only_where(active, self._vertex, si.wi.z, si.uv, *steps)
+
+    def f(self, vertex: Vertex, si, wo, active) -> list:
+        """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
+        return only_where(active, self._decoder.of_first_layer, vertex.shares, si.wi, wo)
+
+    def _vertex(self, cos_i, uv, *steps) -> Vertex:
+        latents = self._texture.look_up(uv, *steps)
+        mean = [sum(values) * (1 / self.channels) for values in zip(*latents, strict=True)]
+        mixture = self._proposal.of_latent(mean, cos_i)
+        return Vertex([self._decoder.share(z) for z in latents], mixture)
+
+    def at(self, uv: np.ndarray) -> np.ndarray:
+        """Latent codes (M, C, 32) at points uv (M, 2)."""
+        return looked_up(self._texture.look_up, uv)
+
+    @property
+    def resolution(self) -> tuple[int, int]:
+        """Width and height of the texture."""
+        return self.grid.width, self.grid.height
+
+    def save(self, path: str | os.PathLike) -> None:
+        """Write a file that `neural_brdf` reads.
+
+        Raises:
+            FileError: it cannot be written.
+        """
+        place = Place(self.grid.to_texture, self.grid.wrap, self.grid.nearest)
+        file.write(path, self._store, place, self._fingerprint)
+
+    def __str__(self) -> str:
+        width, height = self.resolution
+        return (
+            f"{width} x {height} texels of {self.channels} x {self._size} numbers "
+            f"in {self._bytes} bytes"
+        )
+
+
+def looked_up(look_up: Callable[["mi.Point2f"], list[list]], uv: np.ndarray) -> np.ndarray:
+    """Codes (M, C, 32) that a texture's look-up gives, as lists of floats, at points uv (M, 2)."""
+    latents = look_up(mi.Point2f(np.ascontiguousarray(uv.T, np.float32)))
+    dr.eval(latents)
+    channels = [np.stack([value.numpy() for value in z], axis=-1) for z in latents]
+    return np.stack(channels, axis=1)
+
+
+def _opaque(values: np.ndarray) -> list:
+    """Dr.Jit scalars that kernels read from memory, so that all materials share their code."""
+    scalars = [mi.Float(float(value)) for value in values]
+    dr.make_opaque(scalars)
+    return scalars
+
+
+class DifferentiableLatents(ConstantLatents):
+    """One attached code per channel.
+
+    The decoder multiplies codes with its first layer at every evaluation: its shares of them are
+    four times as many numbers, each of which would gather its gradient from all evaluations.
+    """
+
+    DRJIT_STRUCT: ClassVar[dict] = ConstantLatents.DRJIT_STRUCT | {"_numbers": object}
+
+    def __init__(self, model: Model, latents: "mi.TensorXf"):
+        """latents: (C, 32) or (1, C, 32)."""
+        channels, self._size = latents.shape[-2:]
+        super().__init__(model, dr.detach(latents).numpy().reshape(channels, self._size))
+        self.tensor = latents
+        self._numbers = latents.array
+        dr.make_opaque(self._numbers)
+
+    def f(self, vertex: Vertex, si, wo, active) -> list:
+        """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
+        return self._decoder.of_latents(self.codes(si.uv), si.wi, wo)
+
+    def codes(self, uv: "mi.Point2f") -> list[list]:
+        """Attached codes: of each channel a list (32) of Dr.Jit floats."""
+        # Read here, and not once for all: what a call within a call is given must be the result of
+        # an operation in the outer one, or Dr.Jit overlooks its gradient.
+        numbers = [dr.gather(mi.Float, self._numbers, i) for i in range(len(self._numbers))]
+        return [numbers[i : i + self._size] for i in range(0, len(numbers), self._size)]
+
+
+class DifferentiableTexture:
+    """A texture of attached codes, in single precision."""
+
+    DRJIT_STRUCT: ClassVar = {"_texture": object}  # for frozen functions
+
+    def __init__(self, model: Model, latents: "mi.TensorXf", grid: TexelGrid):
+        """latents: (height, width, C, 32), of the grid's texels."""
+        height, width, self.channels, self._size = latents.shape
+        self._decoder, self._proposal = choice.networks_of(model)
+        self.grid = grid
+        self.tensor = _filled_up(latents.array, (height, width), self.channels * self._size)
+        self._texture = mi.Texture2f(
+            self.tensor,
+            use_accel=False,
+            filter_mode=dr.FilterMode.Nearest if grid.nearest else dr.FilterMode.Linear,
+            wrap_mode=getattr(dr.WrapMode, grid.wrap.capitalize()),
+        )
+
+    def f(self, vertex: Vertex, si, wo, active) -> list:
+        """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
+        return self._decoder.of_latents(self.codes(si.uv), si.wi, wo)
+
+    def vertex(self, si, active) -> Vertex:
+        """The proposal for si.wi, which carries no gradient of the codes."""
+        with dr.suspend_grad():
+            latents = self.codes(si.uv)
+        mean = [sum(values) * (1 / self.channels) for values in zip(*latents, strict=True)]
+        return Vertex([], self._proposal.of_latent(mean, si.wi.z))
+
+    def at(self, uv: np.ndarray) -> np.ndarray:
+        """Detached codes (M, C, 32) at points uv (M, 2)."""
+        with dr.suspend_grad():
+            return looked_up(self.codes, uv)
+
+    def codes(self, uv: "mi.Point2f") -> list[list]:
+        """Attached codes at points uv: of each channel a list (32) of Dr.Jit floats."""
+        (a, b, c), (d, e, f) = self.grid.to_texture
+        point = mi.Point2f(a * uv.x + b * uv.y + c, d * uv.x + e * uv.y + f)
+        values = list(self._texture.eval(point))
+        starts = range(0, self.channels * self._size, self._size)
+        return [values[i : i + self._size] for i in starts]
+
+    @property
+    def resolution(self) -> tuple[int, int]:
+        """Width and height of the texture."""
+        return self.grid.width, self.grid.height
+
+    def __str__(self) -> str:
+        width, height = self.resolution
+        return f"{width} x {height} texels of {self.channels} x {self._size}"
+
+
+def _filled_up(values: "mi.Float", shape: tuple[int, int], size: int) -> "mi.TensorXf":
+    """A tensor (*shape, K) of values, `size` for each texel, and zeros up to a power of two.
+
+    Dr.Jit's texture would fill itself up, by values that could not be reached from outside.
+    """
+    whole = 1 << (size - 1).bit_length()
+    index = dr.arange(mi.UInt32, shape[0] * shape[1] * whole)
+    texel = index // whole
+    number = index - texel * whole
+    return mi.TensorXf(
+        dr.gather(mi.Float, values, texel * size + number, number < size), (*shape, whole)
+    )

@@ -1,0 +1,88 @@
+"""Networks as Dr.Jit code with weights in memory, as cooperative vectors want them.
+
+For GPUs, whose matrix units take them, in half precision; and, on CPUs, for networks whose weights
+are too many to be constants in unrolled code, as `network` has them. Activations are cooperative
+vectors throughout: taken apart into floats they would make the code long and its compilation slow.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+from drjit import nn
+
+from urushi.nets.mlp import POLYNOMIALS
+from urushi.render.networks import mlp
+
+
+class Linear:
+    """A linear layer called `name`."""
+
+    def __init__(self, params: Mapping[str, np.ndarray], name: str):
+        weight = np.ascontiguousarray(params[f"{name}.weight"].T)
+        self._layer = packed(weight, params[f"{name}.bias"])
+
+    def __call__(self, x: nn.CoopVec) -> nn.CoopVec:
+        """Apply to activations."""
+        weight, bias = self._layer
+        return nn.matvec(weight, x, bias)
+
+
+class Hidden:
+    """The hidden layers of a network after its first, the twin of `network.hidden_to_output`.
+
+    The output layer is left to constants in single precision: outputs are logarithms, of which
+    half precision would leave three digits.
+    """
+
+    def __init__(self, params: Mapping[str, np.ndarray], prefix: str, activation: str):
+        last = 1
+        while f"{prefix}.{last + 1}.weight" in params:
+            last += 1
+        self._layers = [Linear(params, f"{prefix}.{index}") for index in range(1, last)]
+        self._weight = params[f"{prefix}.{last}.weight"]
+        self._bias = params[f"{prefix}.{last}.bias"].tolist()
+        self._activation = activation
+
+    def __call__(self, first: Sequence) -> list:
+        """Carry the first layer's pre-activation, a list of floats, to the output, another."""
+        x = self._activate(nn.CoopVec(*map(_number(), first)))
+        for layer in self._layers:
+            x = self._activate(layer(x))
+        return mlp.dense([mi.Float(value) for value in x], self._weight, self._bias)
+
+    def _activate(self, x: nn.CoopVec) -> nn.CoopVec:
+        if self._activation == "relu":
+            return dr.maximum(x, 0)
+        if self._activation in POLYNOMIALS:
+            bound, coefficients = POLYNOMIALS[self._activation]
+            t = dr.minimum(dr.maximum(x, -bound), bound)
+            return x * dr.fma(t, mlp.horner(coefficients, t * t), 0.5)
+        half = x * 0.5
+        return dr.fma(half, dr.tanh(half), half)  # SiLU, as `nets.mlp.activate` has it
+
+
+def _number() -> type:
+    """What cooperative vectors hold: GPUs have half precision only."""
+    return mi.Float16 if dr.backend_v(mi.Float) == dr.JitBackend.CUDA else mi.Float
+
+
+def packed(weight: np.ndarray, bias: np.ndarray) -> tuple:
+    tensor = dr.tensor_t(_number())
+    return nn.pack(tensor(weight), tensor(bias), layout="inference")
+
+
+def hidden_layers(
+    params: Mapping[str, np.ndarray], prefix: str, activation: str, cooperative: bool | None = None
+) -> Callable[[Sequence], list]:
+    """The function from a network's first pre-activation to its output, both lists.
+
+    cooperative: in cooperative vectors; None: where there is hardware for them.
+    """
+    if cooperative is None:
+        cooperative = dr.backend_v(mi.Float) == dr.JitBackend.CUDA
+    if cooperative:
+        return Hidden(params, prefix, activation)
+    return partial(mlp.hidden_to_output, params, prefix, activation=activation)

@@ -1,0 +1,94 @@
+"""The shipped scenes by name: as dictionaries for `mi.load_dict`, or as folders with XML."""
+
+import os
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import mitsuba as mi
+
+from urushi.errors import ParameterError
+from urushi.files import atomic_write
+from urushi.scenes.globe import globe
+from urushi.scenes.shoe import shoe
+from urushi.scenes.stage import COATS, Folder, Options
+from urushi.scenes.still_life import still_life
+from urushi.scenes.teapot import teapot
+
+SCENES: dict[str, Callable[[Folder, Options], dict[str, Any]]] = {
+    "still-life": still_life,
+    "globe": globe,
+    "teapot": teapot,
+    "shoe": shoe,
+}
+
+
+def build(name: str, folder: str | os.PathLike, options: Options | None = None) -> dict[str, Any]:
+    """Make a scene: write its meshes and textures, and describe it.
+
+    Args:
+        name: one of `SCENES`.
+        folder: where the files go; made where it is missing.
+        options: see `Options`.
+
+    Returns:
+        The scene for `mi.load_dict`, in the current variant.
+
+    Raises:
+        ParameterError: there is no such scene.
+        FileError: the folder cannot be written.
+    """
+    return find(name)(Folder(Path(folder)), options or Options())
+
+
+def export(name: str, folder: str | os.PathLike, options: Options | None = None) -> Path:
+    """Make a scene as a folder that needs nothing else: `scene.xml`, meshes and textures.
+
+    The XML file's parameters $coat, $spp, $resx and $resy hold the options of these names.
+
+    Returns:
+        The path of `scene.xml`.
+
+    Raises:
+        ParameterError, FileError: as of `build`.
+    """
+    options = options or Options()
+    description = _relative(build(name, folder, options), Path(folder).resolve())
+    target = Path(folder) / "scene.xml"
+    with atomic_write(target) as temporary:
+        temporary.write_text(_xml(description, options.coat))
+    return target
+
+
+def find(name: str) -> Callable[[Folder, Options], dict[str, Any]]:
+    """The function that makes the scene of a name; ParameterError says which there are."""
+    if name not in SCENES:
+        raise ParameterError(f"there is no scene '{name}'; choose one of {', '.join(SCENES)}")
+    return SCENES[name]
+
+
+def _relative(node: dict[str, Any], folder: Path) -> dict[str, Any]:
+    """The description with the names of its files relative to the folder that they are in."""
+    result = {}
+    for key, value in node.items():
+        if isinstance(value, dict):
+            value = _relative(value, folder)
+        elif key == "filename":
+            value = str(Path(value).relative_to(folder))
+        result[key] = value
+    return result
+
+
+def _xml(description: dict[str, Any], coat: str) -> str:
+    """The description as Mitsuba's XML, with the plugin of the coats as the parameter $coat."""
+    state = mi.parser.parse_dict(mi.parser.ParserConfig(mi.variant()), description)
+    nodes = state.nodes
+    for node in nodes:
+        if node.props.plugin_name() in COATS:
+            node.type = mi.ObjectType.BSDF  # Mitsuba does not know of plugins in Python
+    state.nodes = nodes
+    text = mi.parser.write_string(state).replace(f'<bsdf type="{coat}"', '<bsdf type="$coat"')
+    text = re.sub(r"-?\d+\.\d{13,}(e-?\d+)?", lambda number: f"{float(number[0]):.12g}", text)
+    first, rest = text.split("\n", 1)
+    return f'{first}\n    <default name="coat" value="{coat}"/>\n{rest}'

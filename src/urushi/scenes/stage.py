@@ -1,0 +1,205 @@
+"""The files of a scene: meshes and textures that it refers to, written into one folder.
+
+What the scenes share: their options, camera, table, lights, and the coat under study.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import mitsuba as mi
+import numpy as np
+
+from urushi.errors import ParameterError
+from urushi.files import atomic_write, new_folder
+from urushi.nets.weights import SHIPPED
+from urushi.scenes.mesh import Mesh, write_ply
+from urushi.scenes.noise import smoothstep
+
+
+class Folder:
+    """Writes what a scene needs and gives the nodes of its dictionary that refer to it."""
+
+    def __init__(self, path: Path):
+        """Write into the folder `path`; FileError where it cannot be made."""
+        self.path = new_folder(path).resolve()
+
+    def mesh(self, name: str, mesh: Mesh) -> dict[str, Any]:
+        """A shape of the mesh, as a PLY file."""
+        file = self.path / f"{name}.ply"
+        write_ply(mesh, file)
+        return {"type": "ply", "filename": str(file)}
+
+    def texture(self, name: str, values: np.ndarray) -> dict[str, Any]:
+        """A texture of (H, W) or (H, W, 3) values, taken as they are; row 0 is at v = 0."""
+        return {"type": "bitmap", "filename": self._image(name, values), "raw": True}
+
+    def environment(self, name: str, radiance: np.ndarray) -> dict[str, Any]:
+        """A light from all around, (H, W, 3): z in row 0, columns from +y by +x back to +y."""
+        turned = mi.ScalarTransform4d().rotate([1, 0, 0], 90)
+        return {"type": "envmap", "filename": self._image(name, radiance), "to_world": turned}
+
+    def _image(self, name: str, values: np.ndarray) -> str:
+        """Write an EXR file of half floats; returns its path."""
+        pixels = np.ascontiguousarray(values, dtype=np.float16)
+        file = self.path / f"{name}.exr"
+        with atomic_write(file) as temporary:
+            mi.Bitmap(pixels if pixels.ndim == 3 else pixels[..., None]).write(str(temporary))
+        return str(file)
+
+
+Vector = Sequence[float]
+
+#: The plugins that a scene's coats can be made of, the networks first.
+COATS = ("neural_layered", "layered")
+
+
+@dataclass(frozen=True)
+class Options:
+    """How a scene is to be rendered.
+
+    Attributes:
+        coat: plugin of all coats, "neural_layered" or "layered".
+        weights: networks of "neural_layered": "base", "small" or a weights file.
+        width, height: of the film [pixels].
+        spp: samples a pixel.
+        detail: scale of the sizes of textures; below 1 the scene loads faster and looks coarser.
+    """
+
+    coat: str = COATS[0]
+    weights: str = "base"
+    width: int = 640
+    height: int = 480
+    spp: int = 64
+    detail: float = 1.0
+
+    def __post_init__(self):
+        if self.coat not in COATS:
+            raise ParameterError(f"coat is '{self.coat}'; choose one of {', '.join(COATS)}")
+        for name in ("width", "height", "spp"):
+            if getattr(self, name) < 1:
+                raise ParameterError(f"{name} is {getattr(self, name)}; it must be at least 1")
+        if not 0 < self.detail <= 4:
+            raise ParameterError(f"detail is {self.detail:g}; it must be above 0 and at most 4")
+
+    def texels(self, count: int) -> int:
+        """Texels along a side that has `count` at full detail."""
+        return max(8, round(count * self.detail))
+
+    def coated(self, bottom: dict[str, Any], **parameters: Any) -> dict[str, Any]:
+        """The coat with these parameters over `bottom`; only what differs from defaults is said.
+
+        So one word is all that tells the network's scene from its reference's.
+        """
+        named = self.coat == COATS[0] and self.weights != SHIPPED[0]
+        weights = {"weights": self.weights} if named else {}
+        return {"type": self.coat, **parameters, **weights, "bottom": bottom}
+
+
+def rgb(*value: float) -> dict[str, Any]:
+    """A colour."""
+    return {"type": "rgb", "value": list(value)}
+
+
+def conductor(material: str, alpha: float) -> dict[str, Any]:
+    """A rough metal, by the name of its measured index."""
+    return {
+        "type": "roughconductor",
+        "distribution": "ggx",
+        "material": material,
+        "alpha": alpha,
+    }
+
+
+def diffuse(*value: float) -> dict[str, Any]:
+    """A Lambertian surface."""
+    return {"type": "diffuse", "reflectance": rgb(*value)}
+
+
+def scene(camera: dict[str, Any], parts: dict[str, Any]) -> dict[str, Any]:
+    """The whole scene: integrator, camera and parts, ready for `mi.load_dict`."""
+    return {
+        "type": "scene",
+        "integrator": {"type": "path", "max_depth": 6},
+        "sensor": camera,
+        **parts,
+    }
+
+
+def camera(options: Options, origin: Vector, target: Vector, fov: float) -> dict[str, Any]:
+    """A perspective camera, z up; fov is across the larger side [degrees]."""
+    return {
+        "type": "perspective",
+        "fov": fov,
+        "fov_axis": "larger",
+        "to_world": mi.ScalarTransform4d().look_at(origin=origin, target=target, up=[0, 0, 1]),
+        "film": {
+            "type": "hdrfilm",
+            "width": options.width,
+            "height": options.height,
+            "rfilter": {"type": "gaussian"},
+            "pixel_format": "rgb",
+            "component_format": "float32",
+        },
+        "sampler": {"type": "independent", "sample_count": options.spp},
+    }
+
+
+@dataclass(frozen=True)
+class Light:
+    """A softbox far away: a square patch of the sky with soft edges.
+
+    Attributes:
+        towards: direction in which it is seen; z is up.
+        size: half its width and half its height [rad].
+        radiance: in its middle.
+    """
+
+    towards: Vector
+    size: tuple[float, float]
+    radiance: Vector
+
+
+def surround(
+    folder: Folder, zenith: Vector, horizon: Vector, ground: Vector, lights: Sequence[Light]
+) -> dict[str, Any]:
+    """The only emitter: a smooth sky of three radiances, with lights in it.
+
+    One environment map is sampled with less noise than several lamps, of which a sample sees one.
+    """
+    theta, phi = np.pi * (np.arange(256) + 0.5) / 256, 2 * np.pi * (np.arange(512) + 0.5) / 512
+    up = np.broadcast_to(np.cos(theta)[:, None], (256, 512))
+    across = np.sin(theta)[:, None]
+    points = np.stack([across * np.sin(phi), across * np.cos(phi), up], axis=-1)
+    return folder.environment("surround", radiance(points, zenith, horizon, ground, lights))
+
+
+def radiance(
+    points: np.ndarray, zenith: Vector, horizon: Vector, ground: Vector, lights: Sequence[Light]
+) -> np.ndarray:
+    """What is seen of the sky and its lights, (..., 3), towards unit vectors (..., 3); z is up."""
+    up = points[..., 2]
+    above = np.asarray(horizon) + np.subtract(zenith, horizon) * smoothstep(0, 0.6, up)[..., None]
+    result = above + (ground - above) * smoothstep(-0.02, -0.35, up)[..., None]
+    for light in lights:
+        axis = np.asarray(light.towards, float) / np.linalg.norm(light.towards)
+        side = np.cross(axis, [0.0, 0.0, 1.0])
+        side /= np.linalg.norm(side)
+        ahead = points @ axis
+        beside, over = (
+            np.abs(points @ along) / (np.maximum(ahead, 1e-3) * np.tan(size))
+            for along, size in zip((side, np.cross(side, axis)), light.size, strict=True)
+        )
+        edge = smoothstep(1.15, 0.85, beside) * smoothstep(1.15, 0.85, over) * (ahead > 0)
+        result = result + edge[..., None] * np.asarray(light.radiance)
+    return result
+
+
+def table(radius: float, *reflectance: float) -> dict[str, Any]:
+    """A round table, its top at z = 0; matt, so that noise is that of the coats."""
+    return {
+        "type": "disk",
+        "to_world": mi.ScalarTransform4d().scale(radius),
+        "bsdf": diffuse(*reflectance),
+    }

@@ -1,0 +1,208 @@
+"""The levels of a latent texture's mip map: codes of the average BRDFs of what they stand for.
+
+The average is carried from level to level as it is in `probe_space`, not as codes, so that errors
+do not add up. Tile by tile, by all cores: a tile's averages never leave a core's cache.
+
+Mip maps: levels of half the resolution, averages of the level before over areas.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from urushi import parallel
+from urushi.nets.weights import Model
+from urushi.textures import averaging
+from urushi.textures.averaging import AveragingSpace, RegressionSpace
+
+#: The first level of at most so many texels keeps its averages, of which the further levels are
+#: made; so many texels of the first level make a tile.
+KEPT, TILE = 1 << 14, 1 << 10
+
+#: Changed codes that tell whether the space still holds for them.
+ASKED = 256
+
+#: Codes float (n, channels, size) of texels by their indices.
+Read = Callable[[np.ndarray], np.ndarray]
+
+#: Takes texels' indices (n,), levels following each other, and their codes (n, channels, size).
+Write = Callable[[np.ndarray, np.ndarray], None]
+
+
+class MipPyramid:
+    """All levels but the first of a texture, made and made anew where it has changed."""
+
+    def __init__(self, model: Model, width: int, height: int, channels: int):
+        self._model, self._channels = model, channels
+        self.sizes = level_sizes(width, height)
+        counts = [w * h for w, h in self.sizes]
+        self._first = np.cumsum([0, *counts])
+        self._kept = next(level for level, count in enumerate(counts) if count <= KEPT)
+        self._means: np.ndarray = np.zeros(0, np.float32)
+        self._space: AveragingSpace | None = None
+
+    def fill(self, read: Read, write: Write, changed: np.ndarray | None = None) -> None:
+        """Make the levels' codes.
+
+        Args:
+            read: gives the first level's codes; threads call it.
+            write: is given those of the others; threads call it.
+            changed: (n,) the texels that are not as they were; all, the first time.
+        """
+        width, height = self.sizes[0]
+        if changed is None or self._space is None or not self._holds(read, changed):
+            changed = None
+            self._space = averaging.averaging_space(
+                self._model, self._rows(read), width * height * self._channels
+            )
+        space = self._space
+        columns, rows = self.sizes[self._kept]
+        step = max(TILE >> (2 * self._kept), 1)
+        tiles = [(y, x) for y in range(rows) for x in range(0, columns, step)]
+        if changed is not None:
+            stale = self._stale(changed)
+            tiles = [(y, x) for y, x in tiles if stale[y, x : x + step].any()]
+
+        def make(tile: tuple[int, int]) -> None:
+            y, x = tile
+            across = range(x, min(x + step, columns))
+            part = self._average(space, read, write, self._kept, range(y, y + 1), across)
+            self._means[y, x : x + step] = part
+
+        if changed is None:
+            some = space.lift(self._rows(read)(np.zeros(1, np.intp)).astype(np.float32))
+            self._means = np.empty((rows, columns, self._channels, some.shape[1]), np.float32)
+        parallel.run_all_cores(make, tiles)
+        means = self._means
+        for level in range(self._kept + 1, len(self.sizes)):
+            w, h = self.sizes[level - 1]
+            means = halved(means, 0, h, 0, w)
+            self._write(space, write, level, range(len(means)), range(means.shape[1]), means)
+
+    def _average(
+        self,
+        space: AveragingSpace,
+        read: Read,
+        write: Write,
+        level: int,
+        rows: range,
+        columns: range,
+    ) -> np.ndarray:
+        """Averages (h, w, channels, K) of a part of a level; writes it, and what is below it."""
+        if level == 0:
+            codes = read(self._indices(0, rows, columns)).astype(np.float32)
+            lifted = space.lift(codes.reshape(-1, codes.shape[-1]))
+            return lifted.reshape(len(rows), len(columns), self._channels, -1)
+        width, height = self.sizes[level - 1]
+        below = self._average(
+            space,
+            read,
+            write,
+            level - 1,
+            source_rows(rows.start, rows.stop, height),
+            source_rows(columns.start, columns.stop, width),
+        )
+        means = halved(below, rows.start, height, columns.start, width)
+        self._write(space, write, level, rows, columns, means)
+        return means
+
+    def _write(
+        self,
+        space: AveragingSpace,
+        write: Write,
+        level: int,
+        rows: range,
+        columns: range,
+        means: np.ndarray,
+    ) -> None:
+        codes = space.drop(means.reshape(-1, means.shape[-1]))
+        write(
+            self._indices(level, rows, columns), codes.reshape(-1, self._channels, codes.shape[-1])
+        )
+
+    def _indices(self, level: int, rows: range, columns: range) -> np.ndarray:
+        """Indices of a part of a level, row by row."""
+        lines = np.arange(rows.start, rows.stop)[:, None] * self.sizes[level][0]
+        return (self._first[level] + lines + np.arange(columns.start, columns.stop)).ravel()
+
+    def _rows(self, read: Read) -> Callable[[np.ndarray], np.ndarray]:
+        """Reads single codes: those of all channels of a texel follow each other."""
+
+        def of(index: np.ndarray) -> np.ndarray:
+            texel, channel = np.divmod(index, self._channels)
+            return read(texel)[np.arange(len(index)), channel]
+
+        return of
+
+    def _holds(self, read: Read, changed: np.ndarray) -> bool:
+        """Whether the space that was fitted to the texture as it was holds for what is new."""
+        if not isinstance(self._space, RegressionSpace) or not len(changed):
+            return True
+        some = np.random.default_rng(0).integers(len(changed) * self._channels, size=ASKED)
+        texel, channel = np.divmod(some, self._channels)
+        codes = read(changed[texel])[np.arange(ASKED), channel]
+        with parallel.one_blas_thread():  # the matrices are small
+            return self._space.fits(codes.astype(np.float32))
+
+    def _stale(self, changed: np.ndarray) -> np.ndarray:
+        """Which texels of the kept level changed ones may have a part in."""
+        columns, rows = self.sizes[self._kept]
+        y, x = (at >> self._kept for at in np.divmod(changed, self.sizes[0][0]))
+        stale = np.zeros((rows, columns), bool)
+        for down in (0, 1):  # of an odd number of texels, the last belongs to two
+            for across in (0, 1):
+                at = np.clip(y - down, 0, rows - 1), np.clip(x - across, 0, columns - 1)
+                stale[at] = True
+        return stale
+
+
+def level_sizes(width: int, height: int) -> list[tuple[int, int]]:
+    """Width and height of all levels, from the given one to a single texel."""
+    levels = [(width, height)]
+    while levels[-1] != (1, 1):
+        width, height = (max(side // 2, 1) for side in levels[-1])
+        levels.append((width, height))
+    return levels
+
+
+def source_rows(top: int, bottom: int, height: int) -> range:
+    """The rows of a level of some height that the rows from top to bottom of the next one need.
+
+    Columns likewise, by the width.
+    """
+    return range(2 * top, 2 * bottom + height % 2) if height > 1 else range(1)
+
+
+def halved(
+    values: np.ndarray, top: int, height: int, left: int = 0, width: int | None = None
+) -> np.ndarray:
+    """Averages (h, w, ...) of a level's values (H, W, ...) over areas.
+
+    values: of the rows and columns that `sources` tells, for the next level's rows from `top` and
+    columns from `left` on; height, width: those of the whole level, by default as wide as values.
+    """
+    width = values.shape[1] if width is None else width
+    return _halved(_halved(values, 0, top, height), 1, left, width)
+
+
+def _halved(values: np.ndarray, axis: int, first: int, count: int) -> np.ndarray:
+    """Averages along an axis: of two values each, or of three by the areas that they share."""
+    if count == 1:
+        return values
+    half = values.shape[axis] // 2
+    parts = [_every_second(values, axis, start, half) for start in (0, 1)]
+    if count % 2 == 0:
+        return 0.5 * (parts[0] + parts[1])
+    parts.append(_every_second(values, axis, 2, half))
+    shape = [1] * values.ndim
+    shape[axis] = half
+    index = np.arange(first, first + half, dtype=np.float32).reshape(shape)
+    whole = count // 2
+    weights = (whole - index) / count, np.float32(whole / count), (index + 1) / count
+    return sum(weight * part for weight, part in zip(weights, parts, strict=True))
+
+
+def _every_second(values: np.ndarray, axis: int, first: int, count: int) -> np.ndarray:
+    index: list[slice] = [slice(None)] * values.ndim
+    index[axis] = slice(first, first + 2 * count - 1, 2)
+    return values[tuple(index)]

@@ -1,0 +1,180 @@
+"""Latent textures in few bytes: every number of a texel as 8 or 16 bits of its range.
+
+Fan et al. (2022) keep a latent texture as it is. Here each of a code's numbers is a fixed-point
+number between its smallest and its largest value in the texture. Those on which f depends most,
+the gain first, have 16 bits, as many as fit into the power of two of bytes that a texel takes; the
+rest have 8. Sixteen bits are two bytes of their own, high and low, so that a renderer may
+interpolate all bytes alike and add up afterwards: interpolation is linear.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from urushi.nets.features import MIN_ALPHA
+from urushi.nets.networks import Coat
+from urushi.nets.weights import Model
+from urushi.parallel import fill_blocks
+
+#: Numbers of each channel that have 16 bits at least: the gain and the next most important one.
+FINE = 2
+
+#: Random coats by which importance is measured, pairs of directions at most, the seed of all that
+#: is random in it, and the step in a number: the share of its range that 8 bits resolve.
+COATS, PAIRS, SEED, STEP = 256, 64, 0, 1 / 255
+
+
+class Layout(NamedTuple):
+    """Where in a texel's bytes the numbers of its codes are.
+
+    Attributes:
+        channels, size: codes in a texel, and numbers in a code.
+        low: (size,) for a channel: the byte that each number has beside its own, or -1. Its own is
+            the high one, and they are in the numbers' order.
+        stride: bytes of a channel; channel c begins at byte c * stride.
+        texel_bytes: a power of two of 4 at least; bytes at the end may be unused.
+    """
+
+    channels: int
+    size: int
+    low: tuple[int, ...]
+    stride: int
+    texel_bytes: int
+
+    @property
+    def levels(self) -> np.ndarray:
+        """Steps (size,) from the smallest to the largest value."""
+        return np.where(np.array(self.low) < 0, 255, 65535)
+
+
+class Packed(NamedTuple):
+    """A packed texture.
+
+    Attributes:
+        bytes: uint8 (..., B), B = `Layout.texel_bytes`.
+        lowest, step: float32 (size,): a number's smallest value, and that of one step.
+    """
+
+    bytes: np.ndarray
+    lowest: np.ndarray
+    step: np.ndarray
+
+
+def layout(model: Model, channels: int) -> Layout:
+    """The layout of texels of codes (channels, size) of a model."""
+    size = model.arch.latent
+    count = 4
+    while count < channels * (size + FINE):
+        count *= 2
+    fine = min(count // channels - size, size)
+    second = {number: size + index for index, number in enumerate(importance(model)[:fine])}
+    low = tuple(second.get(number, -1) for number in range(size))
+    return Layout(channels, size, low, size + fine, count)
+
+
+def importance(model: Model) -> list[int]:
+    """The numbers of a code, that on which f depends most first (the paper's: as they come)."""
+    if model.fingerprint not in _importance:
+        _importance[model.fingerprint] = _measured(model) if model.networks.scalable else []
+    return _importance[model.fingerprint] or list(range(model.arch.latent))
+
+
+#: By fingerprint.
+_importance: dict[str, list[int]] = {}
+
+
+def _measured(model: Model) -> list[int]:
+    """Importance by the change of ln f, in codes of random coats over diffuse bottoms."""
+    rng = np.random.default_rng(SEED)
+    wi, wo = model.networks.pairs()
+    f = np.repeat(rng.uniform(0, 1 / np.pi, (COATS, 1)), len(wi), axis=1).astype(np.float32)
+    columns = (
+        np.exp(rng.uniform(np.log(MIN_ALPHA), 0, COATS)),
+        rng.uniform(1.2, 2, COATS),
+        rng.random(COATS),
+        rng.exponential(1, COATS),
+        rng.uniform(-0.8, 0.8, COATS),
+    )
+    coat = Coat(*(column.astype(np.float32) for column in columns))
+    networks = model.networks
+    z = networks.layer(networks.encode(f), coat, _no_dielectrics)
+    seen = slice(None, None, len(wi) // PAIRS + 1)
+    wi, wo = wi[seen], wo[seen]
+    before = np.log(networks.f(z[:, None], wi, wo))
+    spread = STEP * np.ptp(z, axis=0)
+    change = []
+    for number in range(z.shape[1]):
+        moved = z.copy()
+        moved[:, number] += spread[number]
+        change.append(np.abs(np.log(networks.f(moved[:, None], wi, wo)) - before).mean())
+    return [int(number) for number in np.argsort(change)[::-1]]
+
+
+def _no_dielectrics(alpha: np.ndarray, eta: np.ndarray) -> np.ndarray:
+    raise NotImplementedError("Urushi's layerer takes the coat's parameters as they are")
+
+
+def within(layout: Layout, texels: np.ndarray, lowest: np.ndarray, highest: np.ndarray) -> Packed:
+    """Bytes (T, B) whose numbers lie between given values (size,), to be written."""
+    bottom = lowest.astype(np.float32)
+    return Packed(texels, bottom, ((highest - bottom) / layout.levels).astype(np.float32))
+
+
+def write(layout: Layout, packed: Packed, rows: slice | np.ndarray, codes: np.ndarray) -> None:
+    """Overwrite rows of a packed texture (T, B) by codes (n, channels, size) within its ranges."""
+    part = packed.bytes[rows]  # of a slice, the bytes themselves
+    fill_blocks(part, lambda z: _bytes(layout, packed, z), codes)
+    if not isinstance(rows, slice):
+        packed.bytes[rows] = part
+
+
+def _bytes(layout: Layout, packed: Packed, codes: np.ndarray) -> np.ndarray:
+    inverse = 1 / np.where(packed.step > 0, packed.step, 1)
+    levels = np.rint((codes - packed.lowest) * inverse)
+    whole = np.clip(levels, 0, layout.levels).astype(np.uint16)
+    result = np.zeros((len(codes), layout.texel_bytes), np.uint8)
+    low = np.array(layout.low)
+    fine = np.flatnonzero(low >= 0)
+    for channel in range(layout.channels):
+        start = channel * layout.stride
+        numbers = whole[:, channel]
+        high = numbers.copy()
+        high[:, fine] >>= 8
+        result[:, start : start + layout.size] = high
+        result[:, start + low[fine]] = numbers[:, fine] & 255
+    return result
+
+
+def fits(packed: Packed, layout: Layout, codes: np.ndarray) -> bool:
+    """Whether codes (T, channels, size) lie within a packed texture's ranges, about."""
+    slack = packed.step
+    highest = packed.lowest + layout.levels * packed.step
+    return bool((codes >= packed.lowest - slack).all() and (codes <= highest + slack).all())
+
+
+def unpack(layout: Layout, packed: Packed) -> np.ndarray:
+    """Codes float32 (T, channels, size) of bytes (T, B)."""
+    codes = np.empty((len(packed.bytes), layout.channels, layout.size), np.float32)
+    fill_blocks(
+        codes.reshape(len(codes), -1), lambda rows: _codes(layout, packed, rows), packed.bytes
+    )
+    return codes
+
+
+def unpack_alone(layout: Layout, packed: Packed) -> np.ndarray:
+    """The same by the calling thread alone."""
+    return _codes(layout, packed, packed.bytes).reshape(-1, layout.channels, layout.size)
+
+
+def _codes(layout: Layout, packed: Packed, rows: np.ndarray) -> np.ndarray:
+    """Codes (T, channels * size) of bytes (T, B)."""
+    codes = np.empty((len(rows), layout.channels, layout.size), np.float32)
+    low = np.array(layout.low)
+    fine = np.flatnonzero(low >= 0)
+    for channel in range(layout.channels):
+        start = channel * layout.stride
+        levels = rows[:, start : start + layout.size].astype(np.float32)
+        levels[:, fine] *= 256
+        levels[:, fine] += rows[:, start + low[fine]]
+        codes[:, channel] = packed.lowest + levels * packed.step
+    return codes.reshape(len(rows), -1)

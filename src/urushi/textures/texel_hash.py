@@ -1,0 +1,59 @@
+"""Keys of rows of numbers: equal rows have equal keys, and others have others.
+
+By them a texture's texels are compared with each other, so that what is the same is computed once,
+and with those of before a change, so that what has not changed is not computed again.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+#: Numbers are rounded to so many bits of their mantissa, to 1e-4: texture filters do not give the
+#: very texel, and it is less than what half precision would round off.
+MANTISSA_BITS = 12
+
+#: Of splitmix64 (Steele, Lea and Flood 2014).
+_GAMMA, _FIRST, _SECOND = (
+    np.uint64(x) for x in (0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9, 0x94D049BB133111EB)
+)
+
+
+def row_hashes(columns: Sequence[np.ndarray]) -> np.ndarray:
+    """Keys uint64 (...) of rows that are given by their columns, arrays that broadcast to (...).
+
+    Columns are floating numbers, rounded, or keys (uint64). Different rows have the same key with a
+    probability of 2^-64 for each pair.
+    """
+    key: np.ndarray = np.zeros((), np.uint64)
+    for column in columns:
+        bits = column if column.dtype == np.uint64 else rounded_bits(column).astype(np.uint64)
+        key = _mixed((key ^ bits) + _GAMMA)
+    return np.asarray(key)
+
+
+def rounded_bits(numbers: np.ndarray) -> np.ndarray:
+    """The bits, uint32, of numbers in single precision, rounded to `KEPT` bits."""
+    bits = np.ascontiguousarray(numbers + np.float32(0), np.float32).view(np.uint32)  # -0 is 0
+    dropped = 23 - MANTISSA_BITS
+    return (bits + np.uint32(1 << (dropped - 1))) >> np.uint32(dropped)
+
+
+def _mixed(x: np.ndarray) -> np.ndarray:
+    with np.errstate(over="ignore"):
+        x = (x ^ (x >> np.uint64(30))) * _FIRST
+        x = (x ^ (x >> np.uint64(27))) * _SECOND
+        return x ^ (x >> np.uint64(31))
+
+
+def unique_rows(keys: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Indices of keys (M,) that stand for all, ascending, and of each key's among these (M,)."""
+    order = np.argsort(keys)  # vectorised, unlike the stable one of np.unique
+    ordered = keys[order]
+    starts = np.flatnonzero(np.append(True, ordered[1:] != ordered[:-1])[: len(keys)])
+    first = np.minimum.reduceat(order, starts)
+    stands = np.zeros(len(keys), bool)
+    stands[first] = True
+    rank = np.cumsum(stands) - 1
+    label = np.empty_like(order)
+    label[order] = np.repeat(rank[first], np.diff(starts, append=len(keys)))
+    return np.flatnonzero(stands), label

@@ -1,0 +1,55 @@
+"""Neural BRDFs of 675 weights: form, symmetry, and agreement with the published fits' generator."""
+
+import numpy as np
+import pytest
+from benchmarks.rivals import nbrdf
+from benchmarks.rivals.nbrdf import Nbrdf
+
+from urushi.errors import ParameterError
+from urushi.geometry.half_vector import directions_at, half_difference_angles
+
+
+@pytest.fixture
+def network():
+    return Nbrdf(np.random.default_rng(1).normal(0, 0.4, nbrdf.SIZE))
+
+
+def test_a_material_has_675_weights(network):
+    assert network.weights.shape == (675,)
+    with pytest.raises(ParameterError, match="has 675 finite weights; these have shape"):
+        Nbrdf(np.zeros(674))
+    with pytest.raises(ParameterError, match="675 finite weights"):
+        Nbrdf(np.full(675, np.nan))
+
+
+def test_reciprocal_positive_and_turned_with_the_surface(network, random_directions):
+    wi, wo = (random_directions(300, seed) for seed in (1, 2))
+    f = network.f(wi, wo)
+    assert f.shape == (300, 3)
+    assert (f >= 0).all()
+    assert f.max() > 0
+    np.testing.assert_array_equal(f, network.f(wo, wi))
+    cos, sin = np.cos(0.7), np.sin(0.7)
+    turn = np.array([[cos, -sin, 0], [sin, cos, 0], [0, 0, 1]], np.float32)
+    np.testing.assert_allclose(network.f(wi @ turn.T, wo @ turn.T), f, rtol=1e-3, atol=1e-5)
+
+
+def test_agrees_with_the_published_fits(tool, random_directions):
+    fits = np.load(tool.FITS)
+    x = tool.merl_grid()[::997]
+    angles = np.arctan2(x[:, 0], x[:, 2]), np.arccos(x[:, 5]), np.arctan2(x[:, 4], x[:, 3])
+    np.testing.assert_allclose(nbrdf.vectors(*angles), x, atol=1e-9)
+    for name in ("chrome", "red-fabric"):
+        weights = fits[name].astype(np.float64)
+        values = np.maximum(np.expm1(nbrdf.logits(weights, x)), 0)
+        np.testing.assert_allclose(values, tool.network(weights, x), rtol=1e-6, atol=1e-9)
+
+
+def test_directions_have_the_angles_they_are_made_of():
+    rng = np.random.default_rng(3)
+    angles = rng.uniform(0.05, 0.7, 200), rng.uniform(0.05, 0.7, 200), rng.uniform(0, np.pi, 200)
+    wi, wo = directions_at(*angles)
+    np.testing.assert_allclose(np.linalg.norm(wi, axis=1), 1)
+    np.testing.assert_allclose(np.linalg.norm(wo, axis=1), 1)
+    for found, wanted in zip(half_difference_angles(wi, wo), angles, strict=True):
+        np.testing.assert_allclose(found, wanted, atol=1e-9)

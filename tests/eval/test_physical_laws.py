@@ -1,0 +1,134 @@
+"""Networks' materials are made by the public operations, and broken laws of physics are found."""
+
+import numpy as np
+import pytest
+
+import urushi
+from urushi.data.distribution import Extended
+from urushi.eval import physical_laws, predict
+from urushi.eval import samples as sampling
+from urushi.eval.groups import Group
+from urushi.eval.samples import Samples
+from urushi.material import Material, energy
+from urushi.material.encode import material_from_values
+
+
+def of(figures, name):
+    return next(figure for figure in figures if figure.name.startswith(name))
+
+
+def test_materials_are_those_of_the_public_functions(tiny):
+    """encode, then layer from the lowest coat to the top one, for stacks of two coats."""
+    group = Group("two coats", Extended(2, "diffuse"), 2)
+    table, (wi, wo) = sampling.draw_stacks(group), sampling.draw_pairs(group)
+    nothing = np.zeros(wi.shape[:2], np.float32)
+    f = predict.evaluate(predict.materials(tiny, Samples(table, wi, wo, nothing, nothing)), wi, wo)
+    assert f.shape == wi.shape[:2] and f.dtype == np.float32
+    for stack in range(2):
+        made = urushi.encode(urushi.diffuse(float(table.bottom["reflectance"][stack])), tiny)
+        for coat in (1, 0):
+            alpha, eta, albedo, sigma_t, g = (
+                float(getattr(table, name)[stack, coat])
+                for name in ("alpha", "eta", "albedo", "sigma_t", "g")
+            )
+            top = urushi.dielectric(alpha, eta)
+            made = urushi.layer(top, made, albedo=albedo, sigma_t=sigma_t, g=g)
+        expected = made.f(wi[stack], wo[stack])[:, 0]
+        np.testing.assert_allclose(f[stack], expected, rtol=1e-4)  # float32 in another order
+
+
+def test_encoded_coats_are_encoded_from_the_stored_values(tiny, sets):
+    few = sets["few"]
+    made = predict.materials(tiny, few, encoded=1)
+    for stack in range(3):
+        expected = material_from_values(few.probed[1][stack][:, None], tiny)
+        np.testing.assert_allclose(made[stack].anchors, expected.anchors, rtol=1e-4, atol=1e-5)
+
+
+def test_other_probes_are_simulated(tiny, sets, monkeypatch):
+    """Without stored values for the pairs that networks want, the walk gives them."""
+    few = sets["few"]
+    monkeypatch.setattr(predict, "STACK_WALKS", 2048)
+    bare = Samples(few.table, few.wi, few.wo, few.f, few.se)
+    wi, wo = tiny.networks.pairs()
+    values = predict._lower_values(bare, 1, wi, wo)
+    error = np.abs(values - few.probed[1]) / (few.probed[1] + 1e-3)
+    assert np.median(error) < 0.03  # 0.44 / sqrt(2048), the walk's spread in P, is 0.01
+
+
+def test_lawful_networks_keep_the_laws(sets, tiny):
+    """Reciprocity and the sign hold by construction, trained or not."""
+    made = {name: predict.materials(tiny, samples) for name, samples in sets.items()}
+    figures = physical_laws.reciprocity_and_sign(sets, made)
+    assert of(figures, "reciprocity").value == 0 and of(figures, "reciprocity").kept
+    assert of(figures, "smallest f").value > 0 and of(figures, "smallest f").kept
+
+
+def test_broken_reciprocity_is_found(sets, tiny, monkeypatch):
+    made = {"few": predict.materials(tiny, sets["few"])}
+    monkeypatch.setattr(Material, "f", lambda self, wi, wo: wo[:, 2:] - 0.1)
+    figures = physical_laws.reciprocity_and_sign(sets, made)
+    assert of(figures, "reciprocity").value > 800 and not of(figures, "reciprocity").kept
+    assert not of(figures, "smallest f").kept
+
+
+@pytest.fixture
+def unlimited(monkeypatch):
+    """Materials as networks make them, however bright."""
+    monkeypatch.setattr(energy, "_factors", lambda model, z, *ceiling: np.ones(z.shape[:-1]))
+
+
+def test_excess_of_the_albedo(sets, lax, unlimited):
+    """f = 1 has the albedo pi, about which the stacks' own is known."""
+    made = {name: predict.materials(lax, samples) for name, samples in sets.items()}
+    figures = physical_laws.albedo_excess(sets, made)
+    least = sets["few"].albedo.min()
+    assert of(figures, "  with its noise").value == pytest.approx(100 * (np.pi - least), abs=0.2)
+    assert of(figures, "albedo above").kept is False
+    assert of(figures, "  mean absolute").value == pytest.approx(
+        100 * (np.pi - sets["few"].albedo).mean(), abs=0.2
+    )
+
+
+def test_white_albedo(lax, monkeypatch, unlimited):
+    monkeypatch.setattr(physical_laws, "WHITE_STACKS", 1)
+    assert physical_laws.white_albedo(lax).value == pytest.approx(100 * np.pi, rel=1e-3)
+
+
+def test_energy_is_conserved_by_any_networks(sets, lax, monkeypatch):
+    monkeypatch.setattr(physical_laws, "WHITE_STACKS", 1)
+    assert physical_laws.white_albedo(lax).kept
+    made = {"bare": predict.materials(lax, sets["bare"])}
+    bare = sets["bare"]
+    own = [energy.rule().albedo(f) for f in predict._lower_values(bare, 0, *energy.rule()[:2])]
+    for material, albedo in zip(made["bare"], own, strict=True):
+        excess = energy.albedo(lax, material.latents)[0] - albedo
+        lawful = energy.rule().cosines > energy.GRAZING
+        assert excess[lawful].max() < energy.SLACK + 1e-5
+
+
+def test_vanishing_coat(sets, lax, unlimited):
+    """Networks that always answer 1 are as far from every bottom as 1 is."""
+    figure = physical_laws.vanishing_coat(lax, sets)
+    ones = np.ones_like(sets["bare"].f)
+    expected = sampling.stack_errors(ones, sets["bare"]).mean()
+    assert figure.value == pytest.approx(100 * expected, rel=1e-6) and not figure.kept
+
+
+def test_the_reference_itself_tends_to_the_bottom(sets):
+    """The coat that networks should make vanish does vanish, in E, in the simulator."""
+    bare = sets["bare"]
+    shape = (len(bare.table), 1)
+    coats = {name: np.full(shape, x, np.float32) for name, x in physical_laws.VANISHING.items()}
+    table = type(bare.table)(**coats, kind=bare.table.kind, bottom=bare.table.bottom)
+    f, _ = sampling.walk_all(table, bare.wi, bare.wo, 1024, seed=3)
+    # Grazing pairs lose some light by the shadowing of even the smoothest interface.
+    assert (sampling.stack_errors(f, bare) < physical_laws.VANISHING_ERROR).all()
+
+
+def test_absorption(lax, tiny):
+    """A constant never rises; and untrained networks rise somewhere."""
+    share, rise, albedo = physical_laws.absorption(lax, stacks=1)
+    assert share.kept and share.value == rise.value == albedo.value == 0
+    share, rise, _ = physical_laws.absorption(tiny, stacks=1)
+    assert not share.kept and 0 < share.value <= 100 and rise.value > 0

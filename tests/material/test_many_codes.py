@@ -1,0 +1,119 @@
+"""Texels in great number: as one by one, whatever broadcasts, on any number of cores."""
+
+import tracemalloc
+
+import numpy as np
+import pytest
+
+from urushi import parallel
+from urushi.material.encode import limited_codes
+from urushi.material.layer import layer_texels
+from urushi.nets.features import coat_features
+from urushi.nets.layerer import layer
+from urushi.nets.weights import Model
+
+H, W = 60, 70  # three channels of these are several blocks
+
+#: Sums of some hundred terms of size about 1 in float32, in another order.
+ROUNDING = dict(atol=3e-5, rtol=0)
+
+BOTTOMS = [(32,), (3, 32), (1, 1, 1, 32), (W, 1, 32), (H, 1, 3, 32), (H, W, 1, 32), (H, W, 3, 32)]
+COATS = {
+    "scalars": ((), (), (), (), ()),
+    "grey": ((H, W, 1), (), (H, W, 1), (H, W, 1), (1, 1, 1)),
+    "mixed": ((H, W, 1), (), (3,), (H, W, 3), (W, 1)),
+    "rgb": ((H, W, 3),) * 5,
+}
+
+
+@pytest.fixture(scope="module")
+def model(model) -> Model:
+    """Networks of so low an albedo that nothing is scaled: rows are as the networks give them."""
+    params = dict(model.params)
+    params["decoder.3.bias"] = params["decoder.3.bias"] - 100
+    return Model.of(model.arch, params, {})
+
+
+def _coat(shapes):
+    rng = np.random.default_rng(1)
+    low, high = [0.01, 1.05, 0, 0, -0.8], [1, 2, 1, 8, 0.9]
+    values = [rng.uniform(*bounds, shape) for *bounds, shape in zip(low, high, shapes, strict=True)]
+    return dict(zip(("alpha", "eta", "albedo", "sigma_t", "g"), values, strict=True))
+
+
+def _plainly(model, z, coat):
+    """All rows in one pass of the layering network."""
+    columns = np.broadcast_arrays(*coat.values())
+    shape = np.broadcast_shapes(z.shape[:-1], columns[0].shape)
+    rows = [np.broadcast_to(c, shape).astype(np.float32).ravel() for c in columns]
+    z = np.broadcast_to(z, (*shape, 32)).reshape(-1, 32)
+    return layer(model.params, model.arch, z, coat_features(*rows)).reshape(*shape, 32)
+
+
+@pytest.mark.parametrize("shapes", COATS.values(), ids=COATS)
+@pytest.mark.parametrize("bottom", BOTTOMS)
+def test_whatever_broadcasts_is_layered_as_plain_rows_are(bottom, shapes, model):
+    z = np.random.default_rng(2).normal(size=bottom).astype(np.float32)
+    coat = _coat(shapes)
+    coated = layer_texels(model, z, **coat)
+    expected = _plainly(model, z, coat)
+    assert coated.shape == expected.shape and coated.dtype == np.float32
+    np.testing.assert_allclose(coated, expected, **ROUNDING)
+
+
+def test_bits_do_not_depend_on_the_number_of_cores(model, monkeypatch):
+    rng = np.random.default_rng(3)
+    z = rng.normal(size=(H, W, 3, 32)).astype(np.float32)
+    f = np.exp(rng.normal(size=(H, W, 192))).astype(np.float32)
+    results = []
+    for count in (1, 2, 5):
+        monkeypatch.setattr(parallel, "available", lambda count=count: count)
+        results.append((layer_texels(model, z, **_coat(COATS["rgb"])), limited_codes(model, f)))
+    for coated, codes in results[1:]:
+        np.testing.assert_array_equal(coated, results[0][0])
+        np.testing.assert_array_equal(codes, results[0][1])
+
+
+def test_texels_are_encoded_as_plain_rows_are(model):
+    f = np.exp(np.random.default_rng(4).normal(-2, 2, (H, 192, W))).astype(np.float32)
+    values = np.moveaxis(f, 1, -1)  # as a renderer gives them, not contiguous
+    codes = limited_codes(model, values)
+    assert codes.shape == (H, W, 32) and codes.dtype == np.float32
+    expected = model.networks.encode(values.reshape(-1, 192))
+    np.testing.assert_allclose(codes.reshape(-1, 32), expected, **ROUNDING)
+
+
+@pytest.mark.parametrize("operation", ["layer", "layer one bottom", "encode"])
+def test_memory_is_the_result_and_some_blocks(operation, model, monkeypatch):
+    # 98,304 rows. Beyond the result there are the parameters (five numbers a row at most, in two
+    # precisions, and their checks) and on each of two cores a few activations of a block.
+    monkeypatch.setattr(parallel, "available", lambda: 2)
+    side = 256, 128, 3
+    rng = np.random.default_rng(5)
+    coat = dict(alpha=0.1, eta=1.5, albedo=rng.random(side), sigma_t=rng.random(side), g=0)
+    z = rng.normal(size=(*side, 32)).astype(np.float32)
+    f = rng.random((20_000, 192), np.float32)
+    run = {
+        "layer": lambda: layer_texels(model, z, **coat),
+        "layer one bottom": lambda: layer_texels(model, z[0, 0], **coat),
+        "encode": lambda: limited_codes(model, f),
+    }[operation]
+    parallel._blas()
+    tracemalloc.start()
+    size = run().nbytes
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    block = parallel.ROWS * 256 * 4
+    parameters = 2 * 98_304 * (8 + 8 + 4)
+    assert peak < size + parameters + 2 * 6 * block
+
+
+def test_one_texel_and_none(model):
+    z = np.ones(32, np.float32)
+    coat = dict(alpha=0.1, eta=1.5, albedo=0.5, sigma_t=1, g=0)
+    alone = layer_texels(model, z, **coat)
+    assert alone.shape == (32,)
+    np.testing.assert_allclose(layer_texels(model, z[None, None], **coat)[0, 0], alone, **ROUNDING)
+    assert layer_texels(model, np.ones((0, 3, 32)), **coat).shape == (0, 3, 32)
+    assert limited_codes(model, np.ones((0, 3, 192))).shape == (0, 3, 32)
+    assert limited_codes(model, np.ones(192)).shape == (32,)

@@ -1,0 +1,152 @@
+"""The paper's networks: their sizes, what they compute, and their gradient by hand."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from urushi.errors import ParameterError
+from urushi.nets import weights
+from urushi.nets.architecture import Architecture
+from urushi.nets.architecture import init as init_urushi
+from urushi.paper import architecture, evaluation
+from urushi.paper.architecture import PaperArchitecture, init
+from urushi.paper.evaluation import direction_inputs, evaluate, value_and_gradient
+from urushi.paper.proxy import proxy
+
+
+@pytest.fixture(scope="module")
+def params():
+    """Random networks whose normalisations are not the identity."""
+    rng = np.random.default_rng(1)
+    return {
+        name: value + (0.1 * rng.normal(size=value.shape).astype(np.float32) if value.ndim else 0)
+        for name, value in init(0).items()
+    }
+
+
+@pytest.fixture(scope="module")
+def inputs(pairs):
+    rng = np.random.default_rng(2)
+    z = (1 + 0.5 * rng.normal(size=(300, 32))).astype(np.float32)
+    wi, wo = (w[:300] for w in pairs)
+    return z, direction_inputs(wi, wo)
+
+
+def fc(p, name, x):
+    x = x @ p[f"{name}.weight"] + p[f"{name}.bias"]
+    return normalised(p, name, x)
+
+
+def normalised(p, name, x):
+    x = (x - x.mean(-1, keepdims=True)) / np.sqrt(x.var(-1, keepdims=True) + 1e-5)
+    return np.maximum(x * p[f"{name}.scale"] + p[f"{name}.shift"], 0)
+
+
+def rb(p, name, x):
+    inner = fc(p, f"{name}.in", x) @ p[f"{name}.out.weight"] + p[f"{name}.out.bias"]
+    return normalised(p, name, x + inner)
+
+
+def r(p, name, x):
+    """R{RB, FC, RB}."""
+    return rb(p, f"{name}.2", fc(p, f"{name}.1", rb(p, f"{name}.0", x))) + x
+
+
+def half(p, name, x):
+    return r(p, f"{name}.2", fc(p, f"{name}.1", r(p, f"{name}.0", x))) + x
+
+
+def test_sizes_are_the_papers():
+    assert architecture.parameter_count("evaluation") == 1_074_689
+    assert architecture.parameter_count("layering") == 1_954_208
+    shapes = architecture.parameter_shapes(PaperArchitecture())
+    assert shapes["evaluation.0.weight"] == (38, 256)
+    assert shapes["evaluation.3.weight"] == (256, 1)
+    assert shapes["layering.0.weight"] == (66, 512)
+    assert shapes["layering.1.0.in.weight"] == (512, 256)
+    assert shapes["layering.2.weight"] == (512, 128)
+    assert shapes["layering.3.weight"] == (128, 32)
+    widths = [shapes[f"proxy.{i}.weight"][1] for i in range(5)]
+    assert widths == [128, 512, 128, 32, 2]
+
+
+def test_evaluation_is_the_papers_formula(params, inputs):
+    """Written out in double precision: R{ R{R, FC, R}, FC, R{R, FC, R} } between the ends."""
+    p = {name: value.astype(np.float64) for name, value in params.items()}
+    z, directions = (x.astype(np.float64) for x in inputs)
+    n = "evaluation"
+    x = fc(p, f"{n}.0", np.concatenate([directions, z], axis=-1))
+    y = half(p, f"{n}.1.2", fc(p, f"{n}.1.1", half(p, f"{n}.1.0", x))) + x
+    y = fc(p, f"{n}.2", y) @ p[f"{n}.3.weight"] + p[f"{n}.3.bias"]
+    np.testing.assert_allclose(evaluate(params, *inputs), y[:, 0], atol=1e-4)
+
+
+def test_layering_is_the_papers_formula(params):
+    p = {name: value.astype(np.float64) for name, value in params.items()}
+    rng = np.random.default_rng(3)
+    top, bottom = (1 + rng.normal(size=(2, 20, 32))).astype(np.float32)
+    albedo, sigma_t = rng.random((2, 20)).astype(np.float32)
+    n = "layering"
+    x = fc(p, f"{n}.0", np.concatenate([top - 1, bottom - 1, albedo[:, None], sigma_t[:, None]], 1))
+    y = fc(p, f"{n}.1.1", rb(p, f"{n}.1.0", x))
+    y = fc(p, f"{n}.1.3", r(p, f"{n}.1.2", y))
+    y = rb(p, f"{n}.1.4", y) + x
+    y = fc(p, f"{n}.2", y) @ p[f"{n}.3.weight"] + p[f"{n}.3.bias"] + 1
+    ours = evaluation.layer(params, top, bottom, albedo, sigma_t)
+    np.testing.assert_allclose(ours, y, atol=1e-4)
+
+
+def test_inputs_are_view_and_light_in_the_papers_order():
+    view, light = np.array([[0.1, 0.2, 0.3]]), np.array([[0.4, 0.5, 0.6]])
+    np.testing.assert_array_equal(direction_inputs(view, light), [[0.1, 0.2, 0.4, 0.5, 0.3, 0.6]])
+
+
+def test_gradient_by_hand_is_that_of_jax(params, inputs):
+    z, directions = inputs
+    value, gradient = value_and_gradient(params, z, directions)
+    expected = jax.vmap(jax.grad(lambda z, d: evaluate(params, z, d)))(
+        jnp.asarray(z), jnp.asarray(directions)
+    )
+    np.testing.assert_allclose(value, evaluate(params, z, directions), atol=1e-6)
+    np.testing.assert_allclose(gradient, expected, atol=1e-5 * float(np.abs(expected).max()))
+
+
+def test_numpy_and_jax_agree(params, inputs):
+    z, directions = inputs
+    there = evaluate(params, jnp.asarray(z), jnp.asarray(directions))
+    np.testing.assert_allclose(evaluate(params, z, directions), there, atol=1e-5)
+    medium = np.full(len(z), 0.5, np.float32)
+    ours = evaluation.layer(params, z, z[::-1], medium, medium)
+    there = evaluation.layer(params, *map(jnp.asarray, (z, z[::-1], medium, medium)))
+    np.testing.assert_allclose(ours, there, atol=1e-5)
+    for a, b in zip(proxy(params, z), proxy(params, jnp.asarray(z)), strict=True):
+        np.testing.assert_allclose(a, b, rtol=1e-4)
+
+
+def test_isotropic_media_stay_and_absorption_does_for_all():
+    albedo, sigma_t = np.array([0.0, 0.5, 1.0]), np.array([1.0, 2.0, 3.0])
+    same = evaluation.isotropic(albedo, sigma_t, 0.0)
+    np.testing.assert_array_equal(same, (albedo, sigma_t))
+    other, thickness = evaluation.isotropic(albedo, sigma_t, 0.7)
+    np.testing.assert_allclose(thickness * (1 - other), sigma_t * (1 - albedo), atol=1e-12)
+    np.testing.assert_allclose(thickness * other, sigma_t * albedo * 0.3, atol=1e-12)
+
+
+def test_weights_of_both_kinds_survive_a_round_trip(params, tmp_path):
+    paper = weights.save(tmp_path / "paper", PaperArchitecture(), params, {"scale": 0.5})
+    read = weights.read(tmp_path / "paper")
+    assert read.arch == PaperArchitecture()
+    assert read.fingerprint == paper.fingerprint
+    assert read.header["scale"] == 0.5
+    arch = Architecture(decoder=(8,), encoder=(8,), layerer=(8,), sampler=(8,))
+    own = weights.save(tmp_path / "own", arch, init_urushi(arch, 0), {})
+    assert weights.read(tmp_path / "own").fingerprint == own.fingerprint
+    assert (weights.kind_name(read.arch), weights.kind_name(own.arch)) == ("paper", "urushi")
+
+
+def test_unknown_kinds_and_other_sizes_are_refused():
+    with pytest.raises(ParameterError, match="of kind 'other'; this Urushi knows urushi, paper"):
+        weights.read_architecture({"kind": "other"})
+    with pytest.raises(ParameterError, match="has no sizes of its own to choose"):
+        weights.read_architecture({"kind": "paper", "latent": 16})

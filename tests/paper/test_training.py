@@ -1,0 +1,160 @@
+"""The paper's training: its numbers, that it learns, and that it runs from data to weights."""
+
+import json
+
+import numpy as np
+import pytest
+
+from urushi.data.generate import generate
+from urushi.errors import ParameterError
+from urushi.geometry.direction_sets import stratified_pairs
+from urushi.material import Material
+from urushi.nets import weights
+from urushi.paper.architecture import init
+from urushi.paper.palette import Palette
+from urushi.paper.train import layering, projection, proxy, representation
+from urushi.paper.train.preset import paper
+from urushi.reference import analytic
+from urushi.train import presets
+from urushi.train.checkpoint import Journal
+from urushi.train.training import train
+
+TINY = 1e-10
+
+
+def test_at_scale_one_all_numbers_are_the_papers():
+    preset = presets.get("paper")
+    parts = {part.name: (part.stacks, part.pairs) for part in preset.data.parts}
+    assert parts == {
+        "conductor": (300, 25**4),
+        "dielectric": (300, 25**4),
+        "two-layer": (12_720, 25**4),
+        "three-layer": (1_800, 25**4),
+    }
+    assert representation.trained(preset) == 12_000
+    assert (preset.epochs, preset.weights_rate, preset.latents_rate) == (50, 3e-4, 1e-4)
+    assert preset.decay == 0.9
+    assert (preset.layering_epochs, preset.layering_rate) == (1000, 3e-3)
+    assert preset.layering_decay == 0.7
+    assert preset.layering_epochs // layering.DECAYS == 50
+
+
+def test_scale_is_the_share_of_training_samples():
+    whole, small = paper(), paper(1e-4)
+
+    def samples(preset):
+        return representation.trained(preset) * preset.part("two-layer").pairs * preset.epochs
+
+    assert samples(small) / samples(whole) == pytest.approx(1e-4, rel=0.3)  # whole numbers
+    assert small.decay**small.epochs == pytest.approx(0.9**50)
+
+
+def test_scales_out_of_range_or_place_are_refused():
+    with pytest.raises(ParameterError, match="scale is 2; it must be in"):
+        presets.get("paper", 2)
+    with pytest.raises(ParameterError, match="'quick' has one size; only 'paper' takes a scale"):
+        presets.get("quick", 0.5)
+
+
+def test_one_brdf_is_learned_by_heart():
+    """A rough conductor at 256 pairs: L1 falls far below what a constant leaves."""
+    wi, wo = stratified_pairs(np.random.default_rng(9), 256)
+    columns = {"alpha": np.array([0.4]), "r0": np.array([0.9])}
+    f = analytic.rows("conductor", columns, np.zeros(256, np.uint32), wi, wo)
+    batch = representation.Batch(np.zeros(1, np.int32), wi[None], wo[None], f[None])
+    state = representation.start(init(0), brdfs=2)
+    for step in range(200):
+        rate = 3e-4 * 0.985**step
+        state, loss = representation.step(state, batch, rate, rate)
+    assert loss < 0.4 * np.abs(f - np.median(f)).mean()
+    assert np.abs(state.latents[0] - 1).max() > 1e-3
+    np.testing.assert_array_equal(state.latents[1], 1)  # only the batch's codes learn
+
+
+def test_an_epoch_shows_every_brdf_equally_often_and_is_repeatable(tmp_path):
+    preset = paper(TINY)
+    store = generate(preset.data, tmp_path / "data.zarr")
+    batches = list(representation.epoch(store, preset, 3))
+    rows = np.concatenate([batch.rows for batch in batches])
+    counts = np.bincount(rows, minlength=preset.part("two-layer").stacks)
+    assert len(set(counts[: representation.trained(preset)])) == 1
+    assert not counts[representation.trained(preset) :].any()
+    again = next(iter(representation.epoch(store, preset, 3)))
+    for a, b in zip(again, batches[0], strict=True):
+        np.testing.assert_array_equal(a, b)
+    other = next(iter(representation.epoch(store, preset, 4)))
+    assert not np.array_equal(other.f, batches[0].f)
+
+
+def test_projection_looks_at_different_pairs_more_of_them_near_highlights():
+    rng = np.random.default_rng(10)
+    wi, wo = (w[None] for w in stratified_pairs(rng, 7**4))
+    at = projection.spread(wi, wo, rng)
+    assert len(set(at[0])) == projection.PAIRS
+    half = wi + wo
+    cos_h = half[0, :, 2] / np.linalg.norm(half[0], axis=-1)
+    assert np.median(cos_h[at[0]]) > np.median(cos_h)
+
+
+def test_layering_examples_join_codes_of_the_right_parts():
+    preset = paper(TINY)
+    codes = {
+        part.name: np.arange(part.stacks)[:, None] + 1000 * index + np.zeros((1, 32))
+        for index, part in enumerate(preset.data.parts)
+    }
+    sets = layering.examples(preset, codes)
+    source = preset.part("three-layer").distribution
+    assert isinstance(source, Palette)
+    top, below, _, sigma_t = source.parts(slice(0, preset.part("three-layer").stacks))
+    three = sets["three-layer"]
+    np.testing.assert_array_equal(three.z_top[:, 0], 1000 + top)
+    np.testing.assert_array_equal(three.z_bottom[:, 0], 2000 + below)
+    np.testing.assert_array_equal(three.sigma_t, sigma_t)
+    assert len(sets["train"].target) == representation.trained(preset)
+    assert len(sets["validation"].target) == preset.validation
+
+
+def test_the_proxy_learns_to_tell_narrow_from_wide():
+    """Histograms of a Gaussian and of a cosine lobe are recognised by width and share."""
+    squared = (proxy.centres() ** 2).sum(axis=1)
+    narrow = np.exp(-squared / (2 * 0.1**2))
+    cosine = np.where(squared < 1, 1.0, 0.0)
+    z = np.random.default_rng(11).normal(size=(2, 32)).astype(np.float32)
+    shares = np.stack([narrow / narrow.sum(), cosine / cosine.sum()]).astype(np.float32)
+    data = proxy.Histograms(z, shares, shares[1])
+    trained, divergence = proxy.learn(init(0), data)
+    mixture = proxy.proxy(trained, z)
+    assert divergence < 0.1
+    assert mixture.sigma[0] == pytest.approx(0.1, rel=0.3)
+    assert mixture.share[0] > 0.9
+
+
+def test_from_data_to_weights_and_the_same_bits_after_an_interruption(tmp_path, monkeypatch):
+    preset = paper(TINY)
+    model = train(preset, data=tmp_path / "data.zarr", run=tmp_path / "whole")
+    header = weights.read(tmp_path / "whole" / "weights.safetensors").header
+    assert header["scale"] == TINY
+    assert header["preset"]["name"] == "paper"
+    assert all(np.isfinite(value) for value in header["metrics"].values())
+    stages = [
+        json.loads(line)["stage"]
+        for line in (tmp_path / "whole" / "log.jsonl").read_text().splitlines()
+    ]
+    assert stages == sorted(stages, reverse=True)  # representation, then layering
+    material = Material(np.ones((1, 32)), model)
+    assert (material.f([[0, 0, 1]], [[0.6, 0, 0.8]]) >= 0).all()
+
+    save, count = Journal.save, []
+
+    def interrupted(self, point):
+        save(self, point)
+        count.append(point)
+        if len(count) == 2:  # the projections are done
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(Journal, "save", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        train(preset, data=tmp_path / "data.zarr", run=tmp_path / "cut")
+    monkeypatch.undo()
+    resumed = train(preset, data=tmp_path / "data.zarr", run=tmp_path / "cut", resume=True)
+    assert resumed.fingerprint == model.fingerprint

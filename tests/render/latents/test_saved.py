@@ -1,0 +1,123 @@
+"""Baked materials that are saved and loaded again, textures included."""
+
+import numpy as np
+import pytest
+
+from urushi import files
+from urushi.nets import weights
+from urushi.nets.architecture import init
+
+PIXELS = np.random.default_rng(0).uniform(0.1, 0.9, (5, 6, 3)).astype(np.float32)
+
+
+def described(mi, networks, **properties) -> dict:
+    return {
+        "type": "neural_layered",
+        "weights": str(networks),
+        "sigma_t": 0.8,
+        "albedo": {"type": "bitmap", "bitmap": mi.Bitmap(PIXELS), "raw": True, **properties},
+        "base": {"type": "roughconductor", "alpha": 0.3},
+    }
+
+
+def loaded(mi, path, networks):
+    return mi.load_dict({"type": "neural_brdf", "filename": str(path), "weights": str(networks)})
+
+
+@pytest.fixture
+def saved(rgb, networks, tmp_path):
+    """A baked texture and its file."""
+    path = tmp_path / "coat.safetensors"
+    shear = rgb.ScalarTransform3f(np.float32([[1.5, 0.25, 0.1], [-0.5, 2.2, 0.3], [0, 0, 1]]))
+    bsdf = rgb.load_dict(described(rgb, networks, to_uv=shear, wrap_mode="mirror"))
+    bsdf.save(path)
+    return bsdf, path
+
+
+def test_a_texture_loads_as_it_was_saved(rgb, networks, saved):
+    bsdf, path = saved
+    again = loaded(rgb, path, networks)
+    uv = np.random.default_rng(1).uniform(-2, 2, (256, 2))
+    np.testing.assert_array_equal(again.latents.at(uv), bsdf.latents.at(uv))
+    assert again.latents.grid == bsdf.latents.grid
+
+
+def test_a_saved_texture_is_written_the_same_again(rgb, networks, saved, tmp_path):
+    _, path = saved
+    loaded(rgb, path, networks).save(tmp_path / "again.safetensors")
+    assert (tmp_path / "again.safetensors").read_bytes() == path.read_bytes()
+
+
+def test_a_constant_coat_is_saved_as_a_material(rgb, networks, tmp_path):
+    import urushi
+
+    properties = described(rgb, networks) | {"albedo": 0.5}
+    bsdf = rgb.load_dict(properties)
+    bsdf.save(tmp_path / "coat.safetensors")
+    material = urushi.load(tmp_path / "coat.safetensors", networks)
+    np.testing.assert_array_equal(material.latents, bsdf.latents.at(np.zeros((1, 2)))[0])
+    assert str(loaded(rgb, tmp_path / "coat.safetensors", networks))
+
+
+def test_a_saved_texture_can_be_coated(rgb, networks, saved):
+    bsdf, path = saved
+    coat = {"type": "neural_layered", "weights": str(networks), "alpha": 0.05}
+    uv = np.random.default_rng(1).random((64, 2))
+    codes = [
+        rgb.load_dict(coat | {"base": base}).latents.at(uv)
+        for base in (bsdf, loaded(rgb, path, networks))
+    ]
+    np.testing.assert_array_equal(*codes)
+
+
+def rewritten(path, change) -> None:
+    """Let `change` have a file's description and arrays, and write them again."""
+    description, arrays = files.read_tensors(path, "texture")
+    change(description, arrays)
+    description.pop("kind")
+    files.write_tensors(path, "texture", description, arrays)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda description, arrays: arrays.pop("texels"),
+        lambda description, arrays: arrays.update(texels=arrays["texels"][:-1]),
+        lambda description, arrays: arrays.update(step=arrays["step"] * np.float32(np.nan)),
+        lambda description, arrays: description.update(width=7),
+        lambda description, arrays: description.update(height=0),
+        lambda description, arrays: description["layout"].update(stride=400),
+        lambda description, arrays: description["layout"].update(low=[0] * 32),
+        lambda description, arrays: description["layout"].pop("size"),
+        lambda description, arrays: description["place"].update(wrap="around"),
+        lambda description, arrays: description["place"].update(to_texture=[1, 2]),
+        lambda description, arrays: description.pop("place"),
+    ],
+)
+def test_a_damaged_file_is_refused(rgb, networks, saved, change):
+    _, path = saved
+    rewritten(path, change)
+    with pytest.raises(RuntimeError, match="FileError: the texture file .* is damaged"):
+        loaded(rgb, path, networks)
+
+
+def test_a_truncated_file_is_refused(rgb, networks, saved):
+    _, path = saved
+    path.write_bytes(path.read_bytes()[:-100])
+    with pytest.raises(RuntimeError, match="FileError: .*truncated"):
+        loaded(rgb, path, networks)
+
+
+def test_a_file_of_another_version_is_refused(rgb, networks, saved):
+    _, path = saved
+    rewritten(path, lambda description, arrays: description.update(version=99))
+    with pytest.raises(RuntimeError, match="FileError: .* has version 99 of the texture format"):
+        loaded(rgb, path, networks)
+
+
+def test_a_file_of_other_networks_is_refused(rgb, model, saved, tmp_path):
+    _, path = saved
+    other = tmp_path / "other.safetensors"
+    weights.save(other, model.arch, init(model.arch, seed=99), {})
+    with pytest.raises(RuntimeError, match="FileError: .* do not belong together"):
+        loaded(rgb, path, other)

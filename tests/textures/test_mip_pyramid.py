@@ -1,0 +1,153 @@
+"""Mip levels stand for the averages of BRDFs, and are made anew where a texture has changed."""
+
+import numpy as np
+import pytest
+
+from urushi.geometry.direction_sets import cosine_pairs
+from urushi.geometry.error_metrics import stack_error
+from urushi.material import energy
+from urushi.material.encode import limited_codes
+from urushi.material.layer import layer_texels
+from urushi.textures import averaging, mip_pyramid, packing
+from urushi.textures.mip_pyramid import MipPyramid
+from urushi.textures.store import TextureStore
+
+
+def coats(model, height: int, width: int) -> np.ndarray:
+    """Codes (height, width, 3, size) of coats that differ in everything from texel to texel."""
+    rng = np.random.default_rng(0)
+    bottom = limited_codes(model, np.full((1, len(model.networks.pairs()[0])), 0.2))
+    shape = height, width, 3
+    return layer_texels(
+        model,
+        bottom,
+        alpha=rng.uniform(0.05, 0.4, shape),
+        eta=1.5,
+        albedo=rng.random(shape),
+        sigma_t=2 * rng.random(shape),
+        g=0.0,
+    )
+
+
+def made(model, codes: np.ndarray) -> list[np.ndarray]:
+    """All levels of codes (H, W, C, size), the first included."""
+    height, width, channels, size = codes.shape
+    of = MipPyramid(model, width, height, channels)
+    whole = np.zeros((sum(w * h for w, h in of.sizes), channels, size), np.float32)
+    whole[: width * height] = codes.reshape(-1, channels, size)
+    of.fill(whole.__getitem__, whole.__setitem__)
+    ends = np.cumsum([w * h for w, h in of.sizes])[:-1]
+    parts = np.split(whole, ends)
+    return [p.reshape(h, w, channels, size) for p, (w, h) in zip(parts, of.sizes, strict=True)]
+
+
+def values(model, codes: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+    return model.networks.f(codes[..., None, :], wi, wo)
+
+
+@pytest.mark.parametrize("sample", (256, 4096))  # by a regression, and by decoding
+def test_levels_are_the_averages_of_brdfs(trained, monkeypatch, sample):
+    monkeypatch.setattr(averaging, "SAMPLE", sample)
+    monkeypatch.setattr(mip_pyramid, "KEPT", 64)  # so that tiles and what is above them take part
+    codes = coats(trained, 16, 16)
+    wi, wo = cosine_pairs(np.random.default_rng(1), 100)
+    f, plain = values(trained, codes, wi, wo), codes
+    for level in made(trained, codes)[1:]:
+        f, plain = (mip_pyramid.halved(x, 0, len(x)) for x in (f, plain))
+        found, naive = (
+            stack_error(values(trained, z, wi, wo), f, wi[:, 2], wo[:, 2]).mean()
+            for z in (level, plain)
+        )
+        # An average of unlike lobes is no BRDF that the networks were trained for.
+        assert found < 0.02
+        assert found < 0.15 * naive
+
+
+def test_a_regression_tells_what_decoding_does(trained, monkeypatch):
+    codes = coats(trained, 32, 32).reshape(-1, trained.arch.latent)
+    estimated = averaging.averaging_space(trained, codes.__getitem__, len(codes))
+    assert isinstance(estimated, averaging.RegressionSpace)
+    kept = len(estimated.kept)
+    told, known = estimated.lift(codes)[:, :kept], estimated.exact.lift(codes)[:, estimated.kept]
+    assert np.sqrt(np.square(np.log(told / known)).mean()) < 0.03
+    assert estimated.fits(codes[:100])
+    strange = codes[:100] + np.random.default_rng(1).normal(size=(100, codes.shape[1]))
+    assert not estimated.fits(strange.astype(np.float32))
+
+
+def test_every_level_keeps_the_light(trained):
+    """Under light from all sides."""
+    codes = coats(trained, 8, 8)
+    cosines = energy.rule().cosines
+    weights = np.abs(np.gradient(cosines)) * cosines
+
+    def light(z):
+        return energy.albedo(trained, z.reshape(-1, z.shape[-1])) @ (weights / weights.sum())
+
+    whole = light(codes).reshape(64, 3).mean(axis=0)
+    # An average of unlike lobes is like no BRDF of the training data: a percent of E.
+    np.testing.assert_allclose(light(made(trained, codes)[-1]), whole, rtol=0.01)
+    assert (light(codes.mean(axis=(0, 1))) < 0.97 * whole).all()  # codes' averages lose more
+
+
+@pytest.mark.parametrize("side", (4, 64))  # by decoding, and by a regression
+def test_levels_of_one_material_are_that_material(trained, side):
+    bottom = limited_codes(trained, np.full((1, len(trained.networks.pairs()[0])), 0.2))
+    whole = made(trained, np.broadcast_to(bottom, (side, side, *bottom.shape)))
+    for level in whole[1:]:
+        np.testing.assert_allclose(level, whole[0][: len(level), : len(level)], atol=1e-4)
+
+
+@pytest.mark.parametrize(("width", "height"), [(37, 29), (16, 64), (1, 9), (1, 1)])
+def test_plain_averages_go_through_the_same_tiles(model, monkeypatch, width, height):
+    """Of the paper's networks' codes: they must be those of whole levels, also of odd sizes."""
+    monkeypatch.setattr(mip_pyramid, "KEPT", 20)
+    monkeypatch.setattr(averaging, "averaging_space", lambda *_: averaging.CodeSpace())
+    level = np.random.default_rng(0).normal(size=(height, width, 2, model.arch.latent))
+    for found in made(model, level.astype(np.float32)):
+        np.testing.assert_allclose(found, level, atol=1e-5)
+        level = mip_pyramid.halved(level, 0, len(level))
+
+
+@pytest.mark.parametrize("place", [(0, 0), (17, 20), (28, 36)])
+def test_only_tiles_that_changed_are_made_anew(trained, monkeypatch, place):
+    monkeypatch.setattr(mip_pyramid, "KEPT", 20)
+    monkeypatch.setattr(mip_pyramid, "TILE", 8)
+    height, width = 29, 37
+    codes = coats(trained, height, width).reshape(height * width, 3, -1)
+    of = MipPyramid(trained, width, height, 3)
+    whole = np.zeros((sum(w * h for w, h in of.sizes), *codes.shape[1:]), np.float32)
+    whole[: len(codes)] = codes
+    of.fill(whole.__getitem__, whole.__setitem__)
+    changed = np.array([place[0] * width + place[1]])
+    whole[changed] = codes[0] if changed[0] else codes[1]
+    seen = []
+
+    def read(index):
+        seen.append(index)
+        return whole[index]
+
+    of.fill(read, whole.__setitem__, changed)
+    assert len(np.unique(np.concatenate(seen))) < 0.6 * len(codes)
+    again = np.array(whole)
+    of.fill(again.__getitem__, again.__setitem__, np.arange(len(codes)))
+    # Products of other sizes are summed in another order.
+    np.testing.assert_allclose(whole, again, atol=1e-5)
+
+
+def test_a_store_has_levels_within_what_it_can_store(trained):
+    """Encoded averages may lie outside of what the first level's codes span."""
+    codes = coats(trained, 8, 8).astype(np.float16).astype(np.float32)  # as it is written
+    store = TextureStore(trained, packing.layout(trained, 3), 8, 8, mipped=True)
+    with store.writing() as write:
+        write(slice(None), codes.reshape(64, 3, -1))
+    expected = np.concatenate([z.reshape(-1, 3, z.shape[-1]) for z in made(trained, codes)])
+    error = np.abs(store.read(slice(None)) - expected)
+    assert (error <= 0.6 * store.packed.step + 1e-3).all()
+    with store.writing() as write:  # an edit that all ranges must be widened for
+        write(np.arange(2), 1.5 * codes[0, :2])
+    codes[0, :2] *= 1.5
+    expected = np.concatenate([z.reshape(-1, 3, z.shape[-1]) for z in made(trained, codes)])
+    # Rounded twice; and what is averaged has been rounded before.
+    error = np.abs(store.read(slice(None)) - expected)
+    assert (error <= 2 * store.packed.step + 0.05).all()

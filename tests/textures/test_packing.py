@@ -1,0 +1,95 @@
+"""Packed latent textures and their mip maps."""
+
+import numpy as np
+import pytest
+
+from urushi.textures import mip_pyramid, packing
+from urushi.textures.store import TextureStore
+
+
+@pytest.fixture
+def codes(model):
+    """Codes (35, 3, size) whose numbers have very different ranges."""
+    rng = np.random.default_rng(0)
+    size = model.arch.latent
+    return (rng.normal(size=(35, 3, size)) * 10.0 ** rng.uniform(-2, 1, size)).astype(np.float32)
+
+
+def stored(model, codes, width: int, height: int, **options) -> TextureStore:
+    store = TextureStore(model, packing.layout(model, codes.shape[1]), width, height, **options)
+    with store.writing() as write:
+        write(slice(None), codes)
+    return store
+
+
+@pytest.mark.parametrize("channels", (1, 2, 3, 5))
+def test_a_layout_fills_a_power_of_two_with_every_number_once(model, channels):
+    layout = packing.layout(model, channels)
+    seconds = [byte for byte in layout.low if byte >= 0]
+    assert len(seconds) >= packing.FINE
+    assert sorted(seconds) == list(range(layout.size, layout.stride))
+    assert channels * layout.stride <= layout.texel_bytes
+    assert layout.texel_bytes.bit_count() == 1
+    # the next important number would not fit into all channels
+    assert layout.texel_bytes < channels * (layout.stride + 1) or layout.stride == 2 * layout.size
+
+
+def test_the_gain_matters_most(model):
+    order = packing.importance(model)
+    assert sorted(order) == list(range(model.arch.latent))
+    assert packing.layout(model, 3).low[0] >= 0
+
+
+def test_packing_is_as_fine_as_its_steps(model, codes):
+    store = stored(model, codes, 7, 5)
+    error = np.abs(store.read(slice(None)) - codes)
+    half = 0.5 * store.packed.step + 1e-3 * np.abs(codes)  # and half precision on the way
+    assert (error <= half).all()
+    ranges = np.ptp(codes, axis=(0, 1))
+    np.testing.assert_allclose(store.packed.step * store.layout.levels, ranges, rtol=2e-3)
+
+
+def test_a_constant_number_is_exact(model, codes):
+    codes[..., 4] = 0.5
+    np.testing.assert_array_equal(stored(model, codes, 7, 5).read(slice(None))[..., 4], 0.5)
+
+
+def test_overwritten_rows_are_the_new_ones_and_others_stay(model, codes):
+    store = stored(model, codes, 7, 5)
+    before = store.read(slice(None))
+    rows = np.array([3, 9])
+    with store.writing() as write:
+        write(rows, codes[[20, 21]])
+    after = store.read(slice(None))
+    rounding = store.packed.step + 1e-3 * np.abs(codes[[20, 21]])
+    assert (np.abs(after[rows] - before[[20, 21]]) <= rounding).all()
+    np.testing.assert_array_equal(np.delete(after, rows, 0), np.delete(before, rows, 0))
+
+
+def test_codes_out_of_range_widen_it(model, codes):
+    store = stored(model, codes, 7, 5)
+    beyond = 2 * codes[:1] + 3 * np.sign(codes[:1])
+    with store.writing() as write:
+        write(np.array([0]), beyond)
+    expected = np.concatenate([beyond, codes[1:]])
+    assert (np.abs(store.read(slice(None)) - expected) <= 1.01 * store.packed.step + 1e-2).all()
+
+
+@pytest.mark.parametrize(("width", "height"), [(8, 4), (7, 5), (5, 1), (1, 6)])
+def test_every_level_keeps_the_average(width, height):
+    values = np.random.default_rng(1).random((height, width, 2)).astype(np.float32)
+    mean = values.mean(axis=(0, 1))
+    for w, h in mip_pyramid.level_sizes(width, height)[:-1]:
+        assert values.shape == (h, w, 2)
+        values = mip_pyramid.halved(values, 0, h)
+        np.testing.assert_allclose(values.mean(axis=(0, 1)), mean, rtol=1e-5)
+    assert values.shape == (1, 1, 2)
+
+
+def test_bands_of_rows_are_halved_as_the_whole():
+    values = np.random.default_rng(1).random((11, 6, 2)).astype(np.float32)
+    whole = mip_pyramid.halved(values, 0, 11)
+    for top in range(5):
+        rows = mip_pyramid.source_rows(top, top + 1, 11)
+        part = mip_pyramid.halved(values[rows.start : rows.stop], top, 11)
+        np.testing.assert_array_equal(part, whole[top : top + 1])

@@ -1,0 +1,43 @@
+"""The penalty for f that rises with absorption."""
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from urushi.nets.architecture import Architecture, init
+from urushi.train.losses import ABSORPTION_STEPS, absorption_penalty, with_more_absorption
+
+ARCH = Architecture(latent=4, decoder=(8,), encoder=(8,), layerer=(8,), sampler=(4,), probes=6)
+
+
+@pytest.fixture
+def coats():
+    rng = np.random.default_rng(3)
+    low, high = np.array([[0.01, 1.05, 0, 0, -0.8], [1, 2, 1, 8, 0.9]], np.float32)
+    return low + (high - low) * rng.random((7, 5), np.float32)
+
+
+def test_absorption_is_added_and_nothing_else_changes(coats):
+    darker = np.asarray(with_more_absorption(jnp.asarray(coats)))
+    np.testing.assert_array_equal(darker[:, [0, 1, 4]], coats[:, [0, 1, 4]])
+    scattering, extinction = coats[:, 2] * coats[:, 3], coats[:, 3]
+    np.testing.assert_allclose(darker[:, 2] * darker[:, 3], scattering, rtol=1e-5, atol=1e-6)
+    added = np.array([ABSORPTION_STEPS[row % len(ABSORPTION_STEPS)] for row in range(len(coats))])
+    np.testing.assert_allclose(darker[:, 3] - extinction, added, rtol=1e-5)
+
+
+@pytest.mark.parametrize("sign", [-1, 1])
+def test_a_network_that_brightens_by_absorption_alone_is_charged(coats, sign):
+    # All weights zero but one path: from the feature ln(1 + sigma_t (1 - albedo)), which grows with
+    # absorption, through one neuron to the gain.
+    params = {name: np.zeros_like(value) for name, value in init(ARCH, 0).items()}
+    absorbed = 14
+    params["layerer.0.weight"][ARCH.latent + absorbed, 0] = 1
+    params["layerer.1.weight"][0, 0] = sign
+    params["layerer.0.bias"][0] = 5  # where the activation grows
+    features = np.zeros((7, 3, 8), np.float32)
+    charge = np.asarray(
+        absorption_penalty(params, ARCH, np.zeros((7, 4), np.float32), coats, features)
+    )
+    assert charge.shape == (7, 3)
+    assert (charge > 0).all() if sign > 0 else (charge == 0).all()
