@@ -56,6 +56,8 @@ def __dir__() -> list[str]:
 
 platform.choose_llvm()
 if platform.missing_library() is None:  # else Mitsuba cannot be imported, as `urushi doctor` says
+    from urushi import paper
     from urushi.render.register import register
 
     register()
+    paper.register()

@@ -1,6 +1,7 @@
 """Range and shape checks shared by every entry point; each raises one sentence naming the cure."""
 
 from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -9,6 +10,28 @@ from urushi.errors import ParameterError
 
 #: Largest deviation from length one that a direction may have.
 UNIT_TOLERANCE = 1e-3
+
+
+class CoatParameters(NamedTuple):
+    """The parameters of one coat or of many: numbers, or arrays that broadcast.
+
+    Attributes:
+        alpha: GGX width of the interface, in [0.01, 1].
+        eta: its index of refraction relative to the medium above, in (1, 3].
+        albedo: single-scattering albedo of the medium below it, in [0, 1].
+        sigma_t: optical depth of that medium, at least 0.
+        g: its Henyey-Greenstein asymmetry, in (-1, 1).
+    """
+
+    alpha: Any
+    eta: Any
+    albedo: Any
+    sigma_t: Any
+    g: Any
+
+
+#: A coat that is given no parameters: borosilicate glass (BK7, 1.5046) in air (1.000277), clear.
+DEFAULT_COAT = CoatParameters(0.1, 1.5046 / 1.000277, 0.0, 0.0, 0.0)
 
 
 def _parameter(
@@ -129,3 +152,14 @@ def finite(**arrays: npt.ArrayLike) -> list[np.ndarray]:
         shapes = ", ".join(f"{name} {array.shape}" for name, array in result.items())
         raise ParameterError(f"shapes do not fit together: {shapes}") from error
     return list(result.values())
+
+
+def coat(parameters: CoatParameters, where: str, *, any_shape: bool = False) -> CoatParameters:
+    """Check all parameters of a coat; `where` begins errors, e.g. "the coat's"."""
+    checks = CoatParameters(alpha, eta, albedo, sigma_t, g)
+    return CoatParameters(
+        *(
+            check(value, f"{where} {name}", any_shape=any_shape)
+            for check, value, name in zip(checks, parameters, CoatParameters._fields, strict=True)
+        )
+    )

@@ -18,9 +18,6 @@ from urushi.platform import available_cores
 #: large enough for full speed.
 ROWS = 1 << 10
 
-#: Rows at once where one thread evaluates and NumPy's BLAS has threads of its own.
-ROWS_ALONE = 1 << 15
-
 Block = tuple[slice, ...]
 
 #: BLAS is held to one thread for the whole process, and only who found it free may free it.
@@ -31,7 +28,6 @@ def fill_blocks(
     out: np.ndarray,
     function: Callable[..., np.ndarray],
     *arrays: np.ndarray,
-    concurrent: bool = True,
     rows: int | None = None,
 ) -> None:
     """Write function(*arrays) to out (..., K), one block of its leading dimensions at a time.
@@ -42,19 +38,17 @@ def fill_blocks(
         arrays: as many first dimensions as out's leading ones, to which they broadcast. Blocks
             broadcast in the same manner, a dimension of one being left as it is, so that what
             rows share is worked out once a block.
-        concurrent: whether the function may be called by several threads at once: then all cores
-            share the blocks, which, like the result's bits, do not depend on how many they are.
         rows: entries of the leading dimensions in a block, at most; by default as suits networks.
 
     An error or the user's interrupt drops the blocks that are not yet begun, and leaves `out`
     unfinished.
     """
-    pieces = blocks(out.shape[:-1], rows or (ROWS if concurrent else ROWS_ALONE))
+    pieces = blocks(out.shape[:-1], rows or ROWS)
 
     def task(block: Block) -> None:
         out[block] = function(*(_part(array, block) for array in arrays))
 
-    if concurrent and len(pieces) > 1:
+    if len(pieces) > 1:
         run_all_cores(task, pieces)
     else:
         for block in pieces:

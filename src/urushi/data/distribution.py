@@ -6,13 +6,13 @@ the same number of coats and the same kind of bottom. Mixtures are lists of dist
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
+from urushi.checks import CoatParameters
 from urushi.errors import ParameterError
 from urushi.nets.features import MIN_ALPHA
-from urushi.paper.palette import Palette
 from urushi.reference.bottoms import LOBE_PARAMETERS
 from urushi.reference.table import BOTTOM_KINDS, StackTable
 
@@ -20,7 +20,7 @@ from urushi.reference.table import BOTTOM_KINDS, StackTable
 MAX_COATS = 5
 
 #: A coat's parameters, in the order of the data stores.
-COAT_PARAMETERS = ("alpha", "eta", "albedo", "sigma_t", "g")
+COAT_PARAMETERS = CoatParameters._fields
 
 #: The parameters of every kind of bottom, in the order of the data stores.
 BOTTOM_PARAMETERS = {kind: names for kind, (_, names) in BOTTOM_KINDS.items()}
@@ -130,21 +130,36 @@ class Clear(Extended):
 #: Endless sources of stacks.
 Distribution = Table2 | Extended
 
-#: What a part of a data store may be drawn from.
-Source = Distribution | Palette
 
-_KINDS: dict[str, type[Source]] = {
-    "table2": Table2,
-    "extended": Extended,
-    "clear": Clear,
-    "palette": Palette,
-}
+class Source(Protocol):
+    """What a part of a data store is drawn from: a frozen dataclass, `Distribution` or registered.
+
+    Attributes:
+        coats: coats of every stack.
+        bottom: the kind of its bottom, a key of `BOTTOM_PARAMETERS`.
+    """
+
+    @property
+    def coats(self) -> int: ...
+
+    @property
+    def bottom(self) -> str: ...
+
+    def draw(self, rng: np.random.Generator, rows: slice) -> StackTable: ...
+
+
+_sources: dict[str, Any] = {"table2": Table2, "extended": Extended, "clear": Clear}
+
+
+def register_source(kind: str, source: type) -> None:
+    """Let data stores hold parts of another source, under the name `kind` in their manifest."""
+    _sources[kind] = source
 
 
 def to_dict(distribution: Source) -> dict[str, Any]:
     """Describe a distribution for JSON; `from_dict` reads it back."""
-    kind = next(name for name, cls in _KINDS.items() if type(distribution) is cls)
-    return {"kind": kind, **asdict(distribution)}
+    kind = next(name for name, cls in _sources.items() if type(distribution) is cls)
+    return {"kind": kind, **asdict(distribution)}  # type: ignore[call-overload]
 
 
 def from_dict(description: Mapping[str, Any]) -> Source:
@@ -155,12 +170,12 @@ def from_dict(description: Mapping[str, Any]) -> Source:
     """
     fields = dict(description)
     kind = fields.pop("kind", None)
-    if kind not in _KINDS:
+    if kind not in _sources:
         raise ParameterError(
-            f"distribution is of kind {kind!r}; choose one of {', '.join(sorted(_KINDS))}"
+            f"distribution is of kind {kind!r}; choose one of {', '.join(sorted(_sources))}"
         )
     try:
-        return _KINDS[kind](**fields)
+        return _sources[kind](**fields)
     except TypeError as error:
         raise ParameterError(f"distribution '{kind}' has no such field: {error}") from error
 

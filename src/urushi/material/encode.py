@@ -17,6 +17,7 @@ from urushi.material.material import Material
 from urushi.material.symmetry import Findings, Source, symmetrised
 from urushi.measured import Merl
 from urushi.nets import weights
+from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model, Weights
 from urushi.parallel import fill_blocks
 from urushi.reference.stack import Conductor, Dielectric, Diffuse, Stack
@@ -89,7 +90,7 @@ def seen_pairs(source: Any, model: Model) -> tuple[np.ndarray, np.ndarray]:
     Stack is not simulated at these: its albedo is at most 1.
     """
     wi, wo = model.networks.pairs()
-    if isinstance(source, Stack) or not model.networks.scalable:
+    if isinstance(source, Stack) or not isinstance(model.networks, UrushiNetworks):
         return wi, wo
     nodes = energy.rule()
     return np.concatenate([wi, nodes.wi]), np.concatenate([wo, nodes.wo])
@@ -202,5 +203,5 @@ def encoder_codes(model: Model, f: np.ndarray) -> np.ndarray:
     if not values.ndim or values.shape[-1] != pairs:
         raise ParameterError(f"f has shape {values.shape}; these networks need (..., {pairs})")
     codes = np.empty((*values.shape[:-1], model.arch.latent), np.float32)
-    fill_blocks(codes, model.networks.encode, values, concurrent=model.networks.concurrent)
+    fill_blocks(codes, model.networks.encode, values)
     return codes

@@ -19,7 +19,9 @@ import numpy as np
 
 from urushi.material import regression
 from urushi.material.regression import Features
+from urushi.nets.decoder import scaled
 from urushi.nets.features import direction_features
+from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
 from urushi.parallel import fill_blocks, one_blas_thread
 
@@ -111,16 +113,12 @@ def _lagrange(nodes: np.ndarray, x: np.ndarray) -> np.ndarray:
 
 def albedo(model: Model, z: np.ndarray) -> np.ndarray:
     """Directional albedos (N, D) of codes (N, 32) at the cosines of `rule`."""
-    nodes, networks, decoder = rule(), model.networks, model.networks.one_pass
-
-    def values(code: np.ndarray) -> np.ndarray:
-        if decoder is None:
-            return networks.f(code, nodes.wi, nodes.wo)
-        return decoder.decode(code, nodes.features)
+    nodes, networks = rule(), model.networks
+    assert isinstance(networks, UrushiNetworks)  # for the type checker
 
     def measure(codes: np.ndarray) -> np.ndarray:
         # One by one, so that the activations stay in a core's cache.
-        return np.stack([nodes.albedo(values(code)) for code in codes])
+        return np.stack([nodes.albedo(networks.decode(code, nodes.features)) for code in codes])
 
     if not len(z):
         return np.zeros((0, BETWEEN), np.float32)
@@ -128,7 +126,7 @@ def albedo(model: Model, z: np.ndarray) -> np.ndarray:
         with one_blas_thread():
             return measure(z)
     result = np.empty((len(z), BETWEEN), np.float32)
-    fill_blocks(result, measure, z, concurrent=networks.concurrent, rows=TOGETHER)
+    fill_blocks(result, measure, z, rows=TOGETHER)
     return result
 
 
@@ -199,7 +197,7 @@ def _factors(model: Model, z: np.ndarray, ceiling: np.ndarray | float = 1 - MARG
         ceilings = ceiling
         if not isinstance(ceiling, float):
             ceilings = np.broadcast_to(ceiling, (*z.shape[:-1], BETWEEN))[far]
-        further = _seen_factors(model, model.networks.scaled(z[far], result[far]), ceilings)
+        further = _seen_factors(model, scaled(z[far], result[far]), ceilings)
         result[far] *= further
         far[far] = further < FAR
     return result
@@ -208,7 +206,7 @@ def _factors(model: Model, z: np.ndarray, ceiling: np.ndarray | float = 1 - MARG
 def _seen_factors(model: Model, z: np.ndarray, ceiling: np.ndarray | float) -> np.ndarray:
     """The factors by which codes exceed a ceiling, as far as f is not the largest there is."""
     result = np.ones(z.shape[:-1], np.float32)
-    if not model.networks.scalable or not z.size:
+    if not isinstance(model.networks, UrushiNetworks) or not z.size:
         return result
     rows = np.ascontiguousarray(z).reshape(-1, z.shape[-1])
     if isinstance(ceiling, float) and len(rows) > MANY:
@@ -230,7 +228,7 @@ def _scaled(model: Model, z: np.ndarray, factors: np.ndarray) -> np.ndarray:
     if not over.any():
         return z
     result = np.array(z)
-    result[over] = model.networks.scaled(z[over], factors[over])
+    result[over] = scaled(z[over], factors[over])
     return result
 
 

@@ -42,7 +42,7 @@ from urushi.material import energy
 from urushi.material.energy import BLACK
 from urushi.nets.encoder import OFFSET, log_values
 from urushi.nets.features import direction_features
-from urushi.nets.networks import Networks, OnePass
+from urushi.nets.networks import Networks, UrushiNetworks
 from urushi.parallel import one_blas_thread
 from urushi.reference.stack import conductor, diffuse
 
@@ -50,7 +50,7 @@ from urushi.reference.stack import conductor, diffuse
 INITIAL_ALPHAS, INITIAL_WHITE_SHARES = (0.05, 0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 1.0), (0.0, 0.02, 0.2)
 
 
-def initial_code(networks: OnePass, f: np.ndarray) -> np.ndarray:
+def initial_code(networks: UrushiNetworks, f: np.ndarray) -> np.ndarray:
     """The code float32 (L,) of these that decodes to what is closest to values f (P,) [1/sr].
 
     Codes of plain surfaces are brought to the values' brightness. Closest is the least mean
@@ -65,7 +65,7 @@ def initial_code(networks: OnePass, f: np.ndarray) -> np.ndarray:
     return codes[errors.argmin()].astype(np.float32)
 
 
-def _plain(networks: OnePass) -> np.ndarray:
+def _plain(networks: UrushiNetworks) -> np.ndarray:
     """Values float32 (M, P) of plain surfaces at the networks' pairs."""
     wi, wo = networks.pairs()
     return _plain_values(np.asarray(wi).tobytes(), np.asarray(wo).tobytes())
@@ -142,7 +142,9 @@ class FitTarget(NamedTuple):
     probes: int
 
 
-def fit_target(networks: OnePass, f: np.ndarray, nodes: np.ndarray | None = None) -> FitTarget:
+def fit_target(
+    networks: UrushiNetworks, f: np.ndarray, nodes: np.ndarray | None = None
+) -> FitTarget:
     """From values f (P,) [1/sr] at `networks.pairs`, and (M,) at the nodes of `energy.rule`."""
     count, features = len(f), probe_features(networks)
     weights = np.full(count, 1.0 / count)
@@ -159,7 +161,7 @@ def fit_target(networks: OnePass, f: np.ndarray, nodes: np.ndarray | None = None
     )
 
 
-def probe_features(networks: OnePass) -> np.ndarray:
+def probe_features(networks: UrushiNetworks) -> np.ndarray:
     """What the decoder sees (P, 8) of `networks.pairs`."""
     return _features(*(w.tobytes() for w in networks.pairs()))
 
@@ -191,8 +193,7 @@ def refined(networks: Networks, f: np.ndarray, nodes: np.ndarray | None = None) 
 
     nodes: (C, M), the BRDFs' values at the nodes of `energy.rule`, if they are known.
     """
-    encoder = networks.one_pass
-    if encoder is None:
+    if not isinstance(networks, UrushiNetworks):
         codes = networks.encode(f)
         return Refined(codes, codes)
     rows = np.ascontiguousarray(f)
@@ -200,16 +201,16 @@ def refined(networks: Networks, f: np.ndarray, nodes: np.ndarray | None = None) 
     codes, anchors = [], []
     with one_blas_thread():
         for row, at_nodes in zip(rows, further, strict=True):
-            aim = fit_target(encoder, row, at_nodes)
+            aim = fit_target(networks, row, at_nodes)
             anchors.append(
-                fitted_below_ceiling(encoder, initial_code(encoder, row), aim, ANCHOR_HOLD)
+                fitted_below_ceiling(networks, initial_code(networks, row), aim, ANCHOR_HOLD)
             )
-            codes.append(fitted_below_ceiling(encoder, anchors[-1], aim, LATENT_HOLD))
+            codes.append(fitted_below_ceiling(networks, anchors[-1], aim, LATENT_HOLD))
     return Refined(np.stack(codes), np.stack(anchors))
 
 
 def fitted_below_ceiling(
-    networks: OnePass, z: np.ndarray, aim: FitTarget, hold: float
+    networks: UrushiNetworks, z: np.ndarray, aim: FitTarget, hold: float
 ) -> np.ndarray:
     """`improved`, and then so that no angle is too bright, if the aim knows the nodes.
 
@@ -239,7 +240,7 @@ def fitted_below_ceiling(
 
 
 def levenberg_marquardt(
-    networks: OnePass, z: np.ndarray, aim: FitTarget, hold: float, steps: int = STEPS
+    networks: UrushiNetworks, z: np.ndarray, aim: FitTarget, hold: float, steps: int = STEPS
 ) -> np.ndarray:
     """Return a code float32 (L,) that is closer to its aim than z (L,), or as close.
 
@@ -258,12 +259,12 @@ def levenberg_marquardt(
     return state.z
 
 
-def objective(networks: OnePass, z: np.ndarray, aim: FitTarget, hold: float) -> float:
+def objective(networks: UrushiNetworks, z: np.ndarray, aim: FitTarget, hold: float) -> float:
     """What `improved` minimises, of a code z (L,)."""
     return _state_at(networks, z, aim, hold).objective
 
 
-def _state_at(networks: OnePass, z: np.ndarray, aim: FitTarget, hold: float) -> FitState:
+def _state_at(networks: UrushiNetworks, z: np.ndarray, aim: FitTarget, hold: float) -> FitState:
     """The state at a code z (L,).
 
     The encoder's Jacobian J (L, P) makes of changes d of D(z) changes J d of its code. The least d
@@ -313,15 +314,14 @@ def corrected(networks: Networks, z: np.ndarray, f: np.ndarray) -> tuple[np.ndar
         decodes to exceeds f at most. Codes of networks that encode by an optimisation are left as
         they are, and the factors infinite.
     """
-    decoder = networks.one_pass
-    if decoder is None:
+    if not isinstance(networks, UrushiNetworks):
         return z, np.full(len(z), np.inf)
     with one_blas_thread():
-        return corrected_codes(decoder, z, f, CORRECTION_DAMPING)
+        return corrected_codes(networks, z, f, CORRECTION_DAMPING)
 
 
 def corrected_codes(
-    decoder: OnePass, z: np.ndarray, f: np.ndarray, damping: float
+    decoder: UrushiNetworks, z: np.ndarray, f: np.ndarray, damping: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """`corrected` codes z (C, L), on this thread: damping as above."""
     features = probe_features(decoder)
@@ -348,7 +348,7 @@ def corrected_codes(
 
 
 def _correction_steps(
-    decoder: OnePass, z: np.ndarray, features: np.ndarray, logs: np.ndarray, damping: float
+    decoder: UrushiNetworks, z: np.ndarray, features: np.ndarray, logs: np.ndarray, damping: float
 ) -> tuple[list[np.ndarray], np.ndarray]:
     """Codes (C, L) after each step towards logarithms (C, P), at pairs of features (P, 8).
 

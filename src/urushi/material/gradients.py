@@ -8,11 +8,12 @@ follows the logarithm of its largest albedo, with the opposite sign.
 
 import numpy as np
 
+from urushi.checks import CoatParameters
 from urushi.errors import ParameterError
 from urushi.material import energy
 from urushi.nets import derivatives
 from urushi.nets.derivatives import decode_log
-from urushi.nets.networks import Coat
+from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
 from urushi.parallel import fill_blocks
 
@@ -26,7 +27,7 @@ def check(model: Model, where: str) -> None:
     Raises:
         ParameterError: they are the paper's.
     """
-    if model.networks.one_pass is None:
+    if not isinstance(model.networks, UrushiNetworks):
         raise ParameterError(
             f"{where}: gradients are asked for, but the weights are of the paper's networks, which "
             "have none here; use 'base' or 'small'"
@@ -116,11 +117,7 @@ def _filled(columns: int, block, *arrays: np.ndarray) -> np.ndarray:
 
 def _unlimited(model: Model, z_bottom: np.ndarray, coat: np.ndarray) -> np.ndarray:
     """What the layerer makes before energy is limited: codes (N, 32)."""
-
-    def none(alpha, eta):
-        raise NotImplementedError("these layerers need no values of dielectrics")
-
-    return model.networks.layer(z_bottom, Coat(*coat.T), none)
+    return model.networks.layer(z_bottom, CoatParameters(*coat.T))
 
 
 def _limited(z: np.ndarray, unlimited: np.ndarray) -> np.ndarray:

@@ -6,18 +6,17 @@ A latent texture is a float32 array (H, W, C, 32); filtering and mip maps are li
 functions take any leading shape.
 """
 
-import functools
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from urushi import checks
+from urushi.checks import CoatParameters
 from urushi.errors import ParameterError
 from urushi.material.encode import encode
 from urushi.material.energy import limit_coated
 from urushi.material.material import Material
-from urushi.nets.networks import Coat
 from urushi.nets.weights import Model, Weights
 from urushi.parallel import fill_blocks
 from urushi.reference.stack import Dielectric
@@ -99,30 +98,24 @@ def layer_texels(
     Raises:
         ParameterError: a parameter is out of range, or the shapes do not broadcast.
     """
-    parameters = {
-        name: getattr(checks, name)(value, f"the coat's {name}", any_shape=True)
-        for name, value in (
-            ("alpha", alpha), ("eta", eta), ("albedo", albedo), ("sigma_t", sigma_t), ("g", g)
-        )
-    }  # fmt: skip
+    coat = CoatParameters(alpha, eta, albedo, sigma_t, g)
+    coat = checks.coat(coat, "the coat's", any_shape=True)
     z = np.asarray(z_bottom, np.float32)
     try:
-        shape = np.broadcast_shapes(z.shape[:-1], *(p.shape for p in parameters.values()))
+        shape = np.broadcast_shapes(z.shape[:-1], *(p.shape for p in coat))
     except ValueError as error:
-        shapes = ", ".join(f"{name} {p.shape}" for name, p in parameters.items())
+        shapes = ", ".join(f"{name} {p.shape}" for name, p in coat._asdict().items())
         raise ParameterError(
             f"the coat's parameters ({shapes}) do not fit the bottom's {z.shape[:-1]}; "
             "give scalars or arrays of the same shape"
         ) from error
-    dielectrics = functools.partial(_dielectrics, model)
     rows = shape or (1,)
     coated = np.empty((*rows, z.shape[-1]), np.float32)
     fill_blocks(
         coated,
-        lambda z, *p: model.networks.layer(z, Coat(*p), dielectrics),
+        lambda z, *p: model.networks.layer(z, CoatParameters(*p)),
         _leading(z, len(rows) + 1),
-        *(_leading(p.astype(np.float32), len(rows)) for p in parameters.values()),
-        concurrent=model.networks.concurrent,
+        *(_leading(p.astype(np.float32), len(rows)) for p in coat),
     )
     return limit_coated(model, coated.reshape(*shape, z.shape[-1]), z)
 
@@ -130,15 +123,3 @@ def layer_texels(
 def _leading(array: np.ndarray, dimensions: int) -> np.ndarray:
     """The array with as many dimensions, those of one before its own."""
     return array.reshape((1,) * (dimensions - array.ndim) + array.shape)
-
-
-def _dielectrics(model: Model, alpha: np.ndarray, eta: np.ndarray) -> np.ndarray:
-    """Values (S, P) [1/sr] of rough dielectrics' reflection at the pairs of `model.networks`."""
-    from urushi.reference import analytic  # lazily: it starts Dr.Jit
-
-    wi, wo = model.networks.pairs()
-    count = len(alpha)
-    row = np.repeat(np.arange(count, dtype=np.uint32), len(wi))
-    columns = {"alpha": alpha, "eta": eta}
-    f = analytic.rows("dielectric", columns, row, np.tile(wi, (count, 1)), np.tile(wo, (count, 1)))
-    return f.reshape(count, -1)

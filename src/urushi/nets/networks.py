@@ -5,26 +5,12 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
+from urushi.checks import CoatParameters
 from urushi.geometry.probe_pairs import probe_pairs
 from urushi.nets import decoder, derivatives, encoder, layerer, sampler
 from urushi.nets.architecture import Architecture
 from urushi.nets.features import coat_features, direction_features
 from urushi.nets.mlp import Params
-
-
-class Coat(NamedTuple):
-    """Parameters of coats: arrays (...) that broadcast against each other."""
-
-    alpha: Any
-    eta: Any
-    albedo: Any
-    sigma_t: Any
-    g: Any
-
-
-#: Values f (S, P) [1/sr] at `Networks.pairs` of the rough dielectrics of alpha (S,), eta (S,): what
-#: an architecture may ask of physics, which the networks do not know.
-Dielectrics = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
 class Proposal(Protocol):
@@ -38,59 +24,27 @@ class Proposal(Protocol):
 
 
 class Networks(Protocol):
-    """The operations of the neural algebra on latent codes z (..., 32), one monochrome BRDF each.
+    """What any system of networks offers: operations on latent codes z (..., L).
 
-    Leading dimensions broadcast; arrays are of one namespace, NumPy or JAX.
+    A code stands for one monochrome BRDF. Leading dimensions broadcast; arrays are NumPy's. Several
+    threads may call every operation at once. `UrushiNetworks` offers more: every code has a gain,
+    and derivatives are known. What depends on these is left out for other systems.
     """
 
-    @property
-    def concurrent(self) -> bool:
-        """Whether several threads may `encode` and `layer` at once."""
-
     def pairs(self) -> tuple[np.ndarray, np.ndarray]:
-        """The direction pairs wi, wo (P, 3) at which `encode` wants a BRDF's values."""
+        """The direction pairs wi, wo (P, 3) at which `encode` needs a BRDF's values."""
 
     def encode(self, f: Any) -> Any:
-        """Codes (..., 32) of BRDFs with values f (..., P) [1/sr] at `pairs`."""
+        """Codes (..., L) of BRDFs with values f (..., P) [1/sr] at `pairs`."""
 
-    def layer(self, z_bottom: Any, coat: Coat, dielectrics: Dielectrics) -> Any:
-        """Codes (..., 32) of bottoms under coats."""
+    def layer(self, z_bottom: Any, coat: CoatParameters) -> Any:
+        """Codes (..., L) of bottoms under coats."""
 
     def f(self, z: Any, wi: Any, wo: Any) -> Any:
         """BRDF values (...) [1/sr, no cosine], never negative, for wi, wo above the horizon."""
 
-    @property
-    def scalable(self) -> bool:
-        """Whether codes have a gain, which `scaled` changes."""
-
-    def scaled(self, z: Any, factor: Any) -> Any:
-        """Codes (..., 32) whose f is `factor` (...) > 0 times that of z; z if not `scalable`."""
-
-    @property
-    def one_pass(self) -> "OnePass | None":
-        """These networks, if `encode` is one pass of a network; None if it is an optimisation."""
-
     def proposal(self, z: Any, wi: Any) -> Proposal:
-        """The sampling proposal of codes z (..., 32) for wi (..., 3) above the horizon."""
-
-
-class OnePass(Networks, Protocol):
-    """Networks that encode in one pass: quickly, and with derivatives known."""
-
-    def decode(self, z: Any, features: Any) -> Any:
-        """`f` at pairs of directions of which features (..., 8) are known."""
-
-    def decode_log(self, z: Any, features: Any) -> tuple[Any, Any]:
-        """See `jacobian.decode_log`."""
-
-    def encode_log(self, logs: Any) -> tuple[Any, Any]:
-        """See `jacobian.encode_log`."""
-
-    def normalised(self, f: Any) -> Any:
-        """What `encode` sees of f (..., P): logarithms of about mean 0 and variance 1."""
-
-    def of_fewer(self, kept: Any, matrix: Any, offset: Any) -> Callable[[Any], Any]:
-        """`encode` for f (..., K) at some of the pairs only, see `encoder.of_fewer`."""
+        """The sampling proposal of codes z (..., L) for wi (..., 3) above the horizon."""
 
 
 class LobeProposal(NamedTuple):
@@ -114,11 +68,6 @@ class UrushiNetworks(NamedTuple):
     params: Params
     arch: Architecture
 
-    @property
-    def concurrent(self) -> bool:
-        """Yes: pure functions of arrays."""
-        return True
-
     def pairs(self) -> tuple[np.ndarray, np.ndarray]:
         """The probe pairs."""
         return probe_pairs(self.arch.probes)
@@ -127,27 +76,17 @@ class UrushiNetworks(NamedTuple):
         """One pass of the encoder."""
         return encoder.encode(self.params, self.arch, f)
 
-    def layer(self, z_bottom: Any, coat: Coat, dielectrics: Dielectrics) -> Any:
-        """One pass of the layerer, which takes the coat's parameters as they are."""
+    def layer(self, z_bottom: Any, coat: CoatParameters) -> Any:
+        """One pass of the layerer."""
         return layerer.layer(self.params, self.arch, z_bottom, coat_features(*coat))
 
     def f(self, z: Any, wi: Any, wo: Any) -> Any:
         """Decode: positive, and the same bits with wi and wo exchanged."""
         return self.decode(z, direction_features(wi, wo))
 
-    @property
-    def scalable(self) -> bool:
-        """Yes."""
-        return True
-
     def scaled(self, z: Any, factor: Any) -> Any:
         """Exactly, for all pairs of directions alike."""
         return decoder.scaled(z, factor)
-
-    @property
-    def one_pass(self) -> "UrushiNetworks":
-        """Yes."""
-        return self
 
     def decode(self, z: Any, features: Any) -> Any:
         """See `f`."""

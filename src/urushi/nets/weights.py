@@ -1,9 +1,4 @@
-"""The kinds of architecture that a weights file may hold, each with the networks it makes.
-
-Trained networks as one value, and the file that they are kept in.
-
-The networks that ship with Urushi, by name, and those that are used when none are named.
-"""
+"""Trained networks as one value, their file, and the networks that ship with Urushi."""
 
 import functools
 import hashlib
@@ -21,54 +16,49 @@ from urushi.errors import FileError, ParameterError
 from urushi.nets.architecture import Architecture, parameter_shapes
 from urushi.nets.mlp import Params
 from urushi.nets.networks import Networks, UrushiNetworks
-from urushi.paper.architecture import PaperArchitecture
-from urushi.paper.architecture import parameter_shapes as paper_shapes
-from urushi.paper.networks import PaperNetworks
 
 
 @dataclass(frozen=True)
-class Kind:
-    """One kind of architecture.
+class System:
+    """A kind of architecture: how a weights file describes it, and the networks that it makes.
 
     Attributes:
         architecture: its class, with `latent`, `to_json` and `from_json`.
-        shapes: the parameters' shapes by name.
-        bind: the networks of such parameters.
+        parameter_shapes: from an architecture, the parameters' shapes by name.
+        networks: from parameters and an architecture, the networks.
     """
 
     architecture: Any
-    shapes: Callable[[Any], dict[str, tuple[int, ...]]]
-    bind: Callable[[Params, Any], Networks]
+    parameter_shapes: Callable[[Any], dict[str, tuple[int, ...]]]
+    networks: Callable[[Params, Any], Networks]
 
 
-KINDS = {
-    "urushi": Kind(Architecture, parameter_shapes, UrushiNetworks),
-    "paper": Kind(PaperArchitecture, paper_shapes, PaperNetworks),
-}
+#: The systems that weights may belong to, by the name in their files.
+_systems = {"urushi": System(Architecture, parameter_shapes, UrushiNetworks)}
 
 
-def kind_name(arch: Any) -> str:
-    """The key in `KINDS` of an architecture."""
-    return next(name for name, kind in KINDS.items() if isinstance(arch, kind.architecture))
+def register_system(name: str, system: System) -> None:
+    """Let weights files and models hold networks of another system."""
+    _systems[name] = system
 
 
-def kind_of(arch: Any) -> Kind:
-    """The kind that an architecture belongs to."""
-    return KINDS[kind_name(arch)]
+def _system_of(arch: Any) -> System:
+    """The system that an architecture belongs to."""
+    return next(system for system in _systems.values() if isinstance(arch, system.architecture))
 
 
-def read_architecture(description: Any) -> Any:
+def _read_architecture(description: Any) -> Any:
     """The architecture of a weights file's description; one without `kind` is Urushi's own.
 
     Raises:
-        ParameterError: it is of no known kind, or not as its kind wants it.
+        ParameterError: the kind is unknown, or the description does not fit its kind.
     """
     name = description.get("kind", "urushi") if isinstance(description, dict) else "urushi"
-    if name not in KINDS:
+    if name not in _systems:
         raise ParameterError(
-            f"the architecture is of kind {name!r}; this Urushi knows {', '.join(KINDS)}"
+            f"the architecture is of kind {name!r}; this Urushi knows {', '.join(_systems)}"
         )
-    return KINDS[name].architecture.from_json(json.dumps(description))
+    return _systems[name].architecture.from_json(json.dumps(description))
 
 
 FORMAT_VERSION = 1
@@ -97,7 +87,7 @@ class Model:
         Raises:
             ParameterError: a parameter is missing, unknown, of a wrong shape or not finite.
         """
-        shapes = kind_of(arch).shapes(arch)
+        shapes = _system_of(arch).parameter_shapes(arch)
         unmatched = sorted(set(shapes) ^ set(params))
         if unmatched:
             state = "missing" if unmatched[0] in shapes else "unknown"
@@ -108,7 +98,7 @@ class Model:
     @functools.cached_property
     def networks(self) -> Networks:
         """What the model can do: encode, layer, evaluate, and propose directions."""
-        return kind_of(self.arch).bind(self.params, self.arch)
+        return _system_of(self.arch).networks(self.params, self.arch)
 
 
 def _checked(name: str, value: Any, shape: tuple[int, ...]) -> np.ndarray:
@@ -164,7 +154,7 @@ def read(path: str | os.PathLike) -> Model:
             f"this Urushi reads version {FORMAT_VERSION}; install the Urushi that wrote it"
         )
     try:
-        arch = read_architecture(description.get("architecture"))
+        arch = _read_architecture(description.get("architecture"))
         return Model.of(arch, arrays, description.get("header") or {})
     except (ParameterError, TypeError, ValueError) as error:
         raise FileError(f"the weights file '{path}' is damaged: {error}") from error

@@ -1,1 +1,19 @@
-"""The networks of Neural Layered BRDFs (Fan, Wang, Hašan, Yang and Yan, SIGGRAPH 2022)."""
+"""The system of Neural Layered BRDFs (Fan, Wang, Hašan, Yang and Yan, SIGGRAPH 2022), whole.
+
+Its networks, data and training are as published. The rest of Urushi does not know this package;
+`register` lets weights files, materials and plugins hold its networks.
+"""
+
+
+def register() -> None:
+    """Let Urushi read the paper's weights and data."""
+    from urushi.data import distribution
+    from urushi.nets import weights
+    from urushi.paper.architecture import PaperArchitecture, parameter_shapes
+    from urushi.paper.networks import PaperNetworks
+    from urushi.paper.palette import Palette
+
+    weights.register_system(
+        "paper", weights.System(PaperArchitecture, parameter_shapes, PaperNetworks)
+    )
+    distribution.register_source("palette", Palette)

@@ -1,18 +1,24 @@
 """The paper's system behind the interface that all architectures share."""
 
 import functools
-from typing import Any
+import threading
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from urushi.checks import CoatParameters
 from urushi.errors import ParameterError
 from urushi.geometry.probe_pairs import probe_pairs
 from urushi.nets.mlp import Params
-from urushi.nets.networks import Coat, Dielectrics
+from urushi.nets.weights import Model
 from urushi.paper.architecture import LATENT, PaperArchitecture
 from urushi.paper.evaluation import direction_inputs, evaluate, isotropic, layer
 from urushi.paper.projection import project
 from urushi.paper.proxy import GaussianMixture, proxy
+from urushi.reference import analytic
+
+if TYPE_CHECKING:
+    from urushi.paper.kernels import PaperDecoder, PaperProposal
 
 #: Pairs at which a BRDF is seen to be projected.
 PAIRS = 512
@@ -43,12 +49,8 @@ class PaperNetworks:
 
     def __init__(self, params: Params, arch: PaperArchitecture):
         self._params = params
+        self._lock = threading.Lock()  # of the remembered interfaces
         self._tops: dict[tuple[float, float], np.ndarray] = {}
-
-    @property
-    def concurrent(self) -> bool:
-        """No: interfaces are simulated and remembered, and a projection uses all cores itself."""
-        return False
 
     def pairs(self) -> tuple[np.ndarray, np.ndarray]:
         """The pairs at which a BRDF is projected."""
@@ -66,13 +68,13 @@ class PaperNetworks:
         codes = np.concatenate(parts) if parts else np.zeros((0, LATENT), np.float32)
         return codes.reshape(*values.shape[:-1], LATENT)
 
-    def layer(self, z_bottom: Any, coat: Coat, dielectrics: Dielectrics) -> Any:
+    def layer(self, z_bottom: Any, coat: CoatParameters) -> Any:
         """Codes (..., 32) by the layering network, which wants the interface as a code too.
 
         Every pair of alpha and eta is projected once and remembered. Media that scatter
         anisotropically enter as the isotropic ones that resemble them.
         """
-        z_top = self._top(coat.alpha, coat.eta, dielectrics)
+        z_top = self._top(coat.alpha, coat.eta)
         medium = isotropic(coat.albedo, coat.sigma_t, coat.g)
         return layer(self._params, z_top, z_bottom, *medium)
 
@@ -81,25 +83,11 @@ class PaperNetworks:
         value = evaluate(self._params, z, direction_inputs(wi, wo))
         return np.maximum(value, 0)
 
-    @property
-    def scalable(self) -> bool:
-        """No: nothing in a code scales f, so that its energy cannot be limited."""
-        return False
-
-    def scaled(self, z: Any, factor: Any) -> Any:
-        """The codes as they are."""
-        return z
-
-    @property
-    def one_pass(self) -> None:
-        """No: a projection optimises."""
-        return None
-
     def proposal(self, z: Any, wi: Any) -> GaussianMixture:
         """A Gaussian and a cosine lobe, the same for all wi."""
         return proxy(self._params, z)
 
-    def _top(self, alpha: Any, eta: Any, dielectrics: Dielectrics) -> np.ndarray:
+    def _top(self, alpha: Any, eta: Any) -> np.ndarray:
         """Codes (..., 32) of rough dielectrics."""
         alpha, eta = np.broadcast_arrays(np.float32(alpha), np.float32(eta))
         keys, index = np.unique(np.stack([alpha.ravel(), eta.ravel()]), axis=1, return_inverse=True)
@@ -109,10 +97,26 @@ class PaperNetworks:
                 f"must project each for about a second: give at most {MAX_TOPS} pairs of alpha "
                 "and eta, or use Urushi's own networks"
             )
-        new = [key for key in map(tuple, keys.T.tolist()) if key not in self._tops]
-        if new:
-            columns = np.array(new, np.float32).T
-            codes = self.encode(dielectrics(*columns))
-            self._tops |= dict(zip(new, codes, strict=True))
+        with self._lock:
+            new = [key for key in map(tuple, keys.T.tolist()) if key not in self._tops]
+            if new:
+                columns = np.array(new, np.float32).T
+                codes = self.encode(self._dielectrics(*columns))
+                self._tops |= dict(zip(new, codes, strict=True))
         codes = np.array([self._tops[key] for key in map(tuple, keys.T.tolist())])
         return codes[index.reshape(alpha.shape)]
+
+    def _dielectrics(self, alpha: np.ndarray, eta: np.ndarray) -> np.ndarray:
+        """Values (S, P) [1/sr] of the reflection by rough dielectrics at `pairs`."""
+        wi, wo = self.pairs()
+        count = len(alpha)
+        row = np.repeat(np.arange(count, dtype=np.uint32), len(wi))
+        columns = {"alpha": alpha, "eta": eta}
+        wi, wo = np.tile(wi, (count, 1)), np.tile(wo, (count, 1))
+        return analytic.rows("dielectric", columns, row, wi, wo).reshape(count, -1)
+
+    def kernels(self, model: Model) -> "tuple[PaperDecoder, PaperProposal]":
+        """The evaluation network and the proxy in Dr.Jit, in the current variant."""
+        from urushi.paper.kernels import PaperDecoder, PaperProposal  # lazily: it starts Mitsuba
+
+        return PaperDecoder(model), PaperProposal(model)

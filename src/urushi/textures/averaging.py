@@ -26,7 +26,7 @@ from urushi.material import regression
 from urushi.material.fit import corrected_codes
 from urushi.material.regression import Features
 from urushi.nets.features import direction_features
-from urushi.nets.networks import OnePass
+from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
 from urushi.parallel import fill_blocks, one_blas_thread
 
@@ -46,7 +46,7 @@ NEAR, LEAST_SHARE = 0.05, 0.05
 ROUNDING = 1e-6
 
 
-def corrected_averages(networks: OnePass, z: np.ndarray, f: np.ndarray) -> np.ndarray:
+def corrected_averages(networks: UrushiNetworks, z: np.ndarray, f: np.ndarray) -> np.ndarray:
     """Codes (n, L) that decode to averages f (n, P) at the probe pairs, starting at z (n, L)."""
     return corrected_codes(networks, z, f, DAMPING)[0]
 
@@ -154,7 +154,7 @@ class CodeSpace:
 class DecodedSpace(NamedTuple):
     """Values at the probe pairs and the remainder, by decoding."""
 
-    networks: OnePass
+    networks: UrushiNetworks
 
     def lift(self, z: np.ndarray) -> np.ndarray:
         """f (n, P), z - E(f), and z."""
@@ -226,8 +226,8 @@ def averaging_space(
 
     The sample's seed is fixed.
     """
-    networks = model.networks.one_pass
-    if networks is None:
+    networks = model.networks
+    if not isinstance(networks, UrushiNetworks):
         return CodeSpace()
     exact = DecodedSpace(networks)
     if count <= SAMPLE:
@@ -288,7 +288,7 @@ def _parts(rows: np.ndarray, pairs: int) -> list[np.ndarray]:
 
 
 def _reduced_encoder(
-    networks: OnePass, f: np.ndarray
+    networks: UrushiNetworks, f: np.ndarray
 ) -> tuple[np.ndarray, Callable[[np.ndarray], np.ndarray]]:
     """Which pairs (K,) tell what the encoder sees of f (n, P), and how it encodes them.
 

@@ -11,8 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from urushi.checks import CoatParameters
 from urushi.nets.features import MIN_ALPHA
-from urushi.nets.networks import Coat
+from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
 from urushi.parallel import fill_blocks
 
@@ -75,7 +76,9 @@ def layout(model: Model, channels: int) -> Layout:
 def importance(model: Model) -> list[int]:
     """The numbers of a code, that on which f depends most first (the paper's: as they come)."""
     if model.fingerprint not in _importance:
-        _importance[model.fingerprint] = _measured(model) if model.networks.scalable else []
+        _importance[model.fingerprint] = (
+            _measured(model) if isinstance(model.networks, UrushiNetworks) else []
+        )
     return _importance[model.fingerprint] or list(range(model.arch.latent))
 
 
@@ -95,9 +98,9 @@ def _measured(model: Model) -> list[int]:
         rng.exponential(1, COATS),
         rng.uniform(-0.8, 0.8, COATS),
     )
-    coat = Coat(*(column.astype(np.float32) for column in columns))
+    coat = CoatParameters(*(column.astype(np.float32) for column in columns))
     networks = model.networks
-    z = networks.layer(networks.encode(f), coat, _no_dielectrics)
+    z = networks.layer(networks.encode(f), coat)
     seen = slice(None, None, len(wi) // PAIRS + 1)
     wi, wo = wi[seen], wo[seen]
     before = np.log(networks.f(z[:, None], wi, wo))
@@ -108,10 +111,6 @@ def _measured(model: Model) -> list[int]:
         moved[:, number] += spread[number]
         change.append(np.abs(np.log(networks.f(moved[:, None], wi, wo)) - before).mean())
     return [int(number) for number in np.argsort(change)[::-1]]
-
-
-def _no_dielectrics(alpha: np.ndarray, eta: np.ndarray) -> np.ndarray:
-    raise NotImplementedError("Urushi's layerer takes the coat's parameters as they are")
 
 
 def within(layout: Layout, texels: np.ndarray, lowest: np.ndarray, highest: np.ndarray) -> Packed:

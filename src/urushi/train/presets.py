@@ -8,7 +8,6 @@ from urushi.data.distribution import Extended, Table2
 from urushi.data.spec import DataSpec, Part
 from urushi.errors import ParameterError
 from urushi.nets.architecture import Architecture
-from urushi.paper.train.preset import PaperPreset, paper
 from urushi.train.datasets import enlarged_domain, validation, whole_domain
 
 #: What a schedule's precision and rule may be.
@@ -256,28 +255,23 @@ def smoke() -> Preset:
     )
 
 
-_PRESETS: dict[str, Callable[[], Preset | PaperPreset]] = {
+_PRESETS: dict[str, Callable[[], Preset]] = {
     "base": base,
     "small": small,
     "quick": quick,
     "smoke": smoke,
-    "paper": paper,
 }
 
 #: The names that `--preset` takes.
 NAMES = tuple(_PRESETS)
 
 
-def get(name: str, scale: float | None = None) -> Preset | PaperPreset:
-    """Look a preset up by name; scale: shrinks "paper", see `paper.preset.paper`.
+def get(name: str) -> Preset:
+    """Look a preset up by name.
 
     Raises:
-        ParameterError: there is none of that name, or it cannot be scaled.
+        ParameterError: there is none of that name.
     """
     if name not in _PRESETS:
         raise ParameterError(f"there is no preset '{name}'; choose one of {', '.join(NAMES)}")
-    if scale is None:
-        return _PRESETS[name]()
-    if name != "paper":
-        raise ParameterError(f"the preset '{name}' has one size; only 'paper' takes a scale")
-    return paper(scale)
+    return _PRESETS[name]()

@@ -22,7 +22,6 @@ from urushi.nets import weights
 from urushi.nets.architecture import Architecture, init
 from urushi.nets.encoder import input_statistics
 from urushi.nets.mlp import Params
-from urushi.paper.train.preset import PaperPreset
 from urushi.platform import available_cores
 from urushi.train import devices, examples, presets, validation
 from urushi.train.checkpoint import Checkpoint, Journal
@@ -47,7 +46,7 @@ RUNS = Path("runs")
 
 
 def train(
-    preset: str | Preset | PaperPreset,
+    preset: str | Preset,
     *,
     data: str | os.PathLike | None = None,
     out: str | os.PathLike | None = None,
@@ -76,10 +75,6 @@ def train(
     Several JAX devices share the stacks of each step; see `devices`.
     """
     preset = presets.get(preset) if isinstance(preset, str) else preset
-    if isinstance(preset, PaperPreset):
-        from urushi.paper.train import training as paper  # it needs this module
-
-        return paper.train(preset, data=data, out=out, run=run, resume=resume)
     folder = Path(run) if run is not None else RUNS / preset.name
     out = Path(out) if out is not None else folder / "weights.safetensors"
     prepare(folder, out, resume)
@@ -128,7 +123,7 @@ def train(
     return weights.save(out, preset.arch, params, header(made_for, metrics, cost))
 
 
-def identity(preset: Preset | PaperPreset, store: Store) -> dict[str, Any]:
+def identity(preset: Any, store: Store) -> dict[str, Any]:
     """What a checkpoint must belong to: preset and data."""
     return {"preset": json.loads(json.dumps(preset.to_dict())), "data": store.hash()}
 

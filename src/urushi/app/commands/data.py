@@ -7,6 +7,7 @@ from typing import Annotated
 import tyro
 
 from urushi import platform
+from urushi.app.commands.train import find_preset
 
 
 @dataclass(frozen=True)
@@ -33,10 +34,9 @@ class Generate:
         if self.scheduler is not None:
             platform.require_extra("cluster")
         from urushi.data.generate import generate
-        from urushi.train import presets
 
-        scaled = {} if self.scale is None else {"scale": self.scale}
-        store = generate(presets.get(self.preset, **scaled).data, self.output, self.scheduler)
+        preset = find_preset(self.preset, self.scale)
+        store = generate(preset.data, self.output, self.scheduler)
         print(f"{self.output}  {store.hash()}")
         return 0
 

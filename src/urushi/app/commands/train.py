@@ -1,16 +1,37 @@
-"""`urushi train`.
-
-`urushi eval`: errors of trained networks on held-out stacks.
-"""
+"""`urushi train` and `urushi eval`: making networks, and measuring them on held-out stacks."""
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import tyro
 
 from urushi import platform
 from urushi.errors import ParameterError
+
+if TYPE_CHECKING:
+    from urushi.paper.train.preset import PaperPreset
+    from urushi.train.presets import Preset
+
+
+def find_preset(name: str, scale: float | None = None) -> "Preset | PaperPreset":
+    """The training preset of a name; scale: shrinks "paper", see `paper.train.preset.paper`.
+
+    Raises:
+        ParameterError: there is none of that name, or it cannot be scaled.
+    """
+    from urushi.paper.train.preset import paper
+    from urushi.train import presets
+
+    if name == "paper":
+        return paper() if scale is None else paper(scale)
+    if scale is not None and name in presets.NAMES:
+        raise ParameterError(f"the preset '{name}' has one size; only 'paper' takes a scale")
+    if name not in presets.NAMES:
+        raise ParameterError(
+            f"there is no preset '{name}'; choose one of {', '.join((*presets.NAMES, 'paper'))}"
+        )
+    return presets.get(name)
 
 
 @dataclass(frozen=True)
@@ -39,15 +60,21 @@ class Train:
 
     def run(self) -> int:
         platform.require_extra("train")
-        from urushi.train import presets, training
+        from urushi.paper.train import training as paper_training
+        from urushi.paper.train.preset import PaperPreset
+        from urushi.train import training
 
-        model = training.train(
-            self.preset if self.scale is None else presets.get(self.preset, self.scale),
-            data=self.data,
-            out=self.output,
-            run=self.run_folder,
-            resume=self.resume,
-        )
+        preset = find_preset(self.preset, self.scale)
+        places: dict[str, Any] = {
+            "data": self.data,
+            "out": self.output,
+            "run": self.run_folder,
+            "resume": self.resume,
+        }
+        if isinstance(preset, PaperPreset):
+            model = paper_training.train(preset, **places)
+        else:
+            model = training.train(preset, **places)
         for name, value in model.header.get("metrics", {}).items():
             print(f"{name}  {value:.4g}")
         print(f"fingerprint  {model.fingerprint}")

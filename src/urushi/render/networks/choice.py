@@ -1,13 +1,12 @@
 """The Dr.Jit twins of a model's networks, by the kind of its architecture."""
 
 from collections.abc import Sequence
-from typing import Any, Protocol
+from typing import Protocol, cast
 
 import numpy as np
 
-from urushi.nets import weights
+from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
-from urushi.paper.kernels import PaperDecoder, PaperProposal
 from urushi.render.networks import sampler
 from urushi.render.networks.decoder import Decoder
 
@@ -51,13 +50,15 @@ class Sampling(Protocol):
         """The proposal from a latent, a list (32) of Dr.Jit floats."""
 
 
-TWINS: dict[str, tuple[Any, Any]] = {
-    "urushi": (Decoder, sampler.Proposal),
-    "paper": (PaperDecoder, PaperProposal),
-}
+class BringsKernels(Protocol):
+    """Networks of another system, with a Dr.Jit form of their own."""
+
+    def kernels(self, model: Model) -> tuple[Evaluation, Sampling]:
+        """Decoder and proposal network in the current variant."""
 
 
 def networks_of(model: Model) -> tuple[Evaluation, Sampling]:
-    """The twins of a model's decoder and proposal, in the current variant."""
-    evaluation, sampling = TWINS[weights.kind_name(model.arch)]
-    return evaluation(model), sampling(model)
+    """A model's decoder and proposal network in Dr.Jit, in the current variant."""
+    if isinstance(model.networks, UrushiNetworks):
+        return Decoder(model), sampler.Proposal(model)
+    return cast(BringsKernels, model.networks).kernels(model)
