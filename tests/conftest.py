@@ -1,5 +1,6 @@
 """Fixtures that every floor's tests share."""
 
+import importlib.util
 import os
 import subprocess
 import sys
@@ -107,3 +108,65 @@ def variant(request: pytest.FixtureRequest) -> str:
 
     mi.set_variant(name)
     return name
+
+
+def _unit(vectors: np.ndarray) -> np.ndarray:
+    return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
+
+
+@pytest.fixture(scope="session")
+def pairs() -> tuple[np.ndarray, np.ndarray]:
+    """2,003 pairs on the upper hemisphere: any, near the mirror direction, grazing, degenerate."""
+    rng = np.random.default_rng(11)
+    wi, wo = (_unit(rng.normal(size=(2000, 3))) for _ in range(2))
+    wi[:, 2], wo[:, 2] = np.abs(wi[:, 2]), np.abs(wo[:, 2])
+    mirrored = wi[:500] * [-1, -1, 1] + 1e-3 * rng.normal(size=(500, 3))
+    wo[:500] = _unit(mirrored * [1, 1, 0] + [0, 0, 1] * np.abs(mirrored))
+    wi[500:700, 2] *= 1e-4
+    wi[500:700] = _unit(wi[500:700])
+    corners = (
+        np.array([[0, 0, 1], [1, 0, 0], [1, 0, 0]]),
+        np.array([[0, 0, 1], [-1, 0, 0], [1, 0, 0]]),
+    )
+    both = np.concatenate([wi, corners[0]]), np.concatenate([wo, corners[1]])
+    return both[0].astype(np.float32), both[1].astype(np.float32)
+
+
+@pytest.fixture(scope="session")
+def directions() -> np.ndarray:
+    """1,000 float32 unit vectors over the whole sphere, grazing ones included."""
+    vectors = np.random.default_rng(43).normal(size=(1000, 3))
+    vectors[::10, 2] *= 1e-3
+    vectors /= np.linalg.norm(vectors, axis=1, keepdims=True)
+    return vectors.astype(np.float32)
+
+
+@pytest.fixture(scope="session")
+def random_directions():
+    """A function (count, seed) -> float32 (count, 3), uniform over the upper hemisphere."""
+
+    def draw(count, seed, least_cosine=0.0):
+        rng = np.random.default_rng(seed)
+        z = rng.uniform(least_cosine, 1, count)
+        phi = rng.uniform(0, 2 * np.pi, count)
+        r = np.sqrt(1 - z * z)
+        return np.stack([r * np.cos(phi), r * np.sin(phi), z], 1).astype(np.float32)
+
+    return draw
+
+
+def _load_module(path: Path):
+    """Import a Python file that is not part of a package."""
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture(scope="session")
+def tool(test_data):
+    """The tool that writes stand-ins for the database's files, as a module."""
+    path = test_data / "tools" / "merl_from_nbrdf.py"
+    if not path.is_file():
+        pytest.skip(f"'{path}' is missing")
+    return _load_module(path)

@@ -148,8 +148,8 @@ def test_import_chooses_before_drjit_loads():
     _real(at_least=platform.OLDEST_LLVM)
     code = (
         "import urushi, sys, os; assert 'jax' not in sys.modules and 'zarr' not in sys.modules;"
-        "from urushi import backend; assert backend.llvm_status().ok;"
-        "import mitsuba as mi; mi.set_variant('llvm_ad_rgb'); assert backend.llvm_status().ok;"
+        "from urushi import platform; assert platform.llvm_status().ok;"
+        "import mitsuba as mi; mi.set_variant('llvm_ad_rgb'); assert platform.llvm_status().ok;"
         "import drjit; assert drjit.detail.llvm_version()[0] >= 17"
     )
     run = _python(code, **{platform.LLVM_VARIABLE: ""})
@@ -159,8 +159,8 @@ def test_import_chooses_before_drjit_loads():
 def test_an_old_library_that_is_already_loaded_is_told():
     old = _real(below=platform.OLDEST_LLVM)
     code = (
-        "import drjit, urushi; from urushi import backend, errors\n"
-        "try: backend.require_llvm()\n"
+        "import drjit, urushi; from urushi import platform, errors\n"
+        "try: platform.require_llvm()\n"
         "except errors.PlatformError as error: print(error)"
     )
     run = _python(code, **{platform.LLVM_VARIABLE: old})

@@ -20,7 +20,7 @@ from urushi.eval.metrics import Comparison
 from urushi.files import atomic_write
 from urushi.geometry import direction_sets, error_metrics
 from urushi.material import energy, fit
-from urushi.measured import Merl, fits, load_measured
+from urushi.measured import Merl, load_measured
 from urushi.measured.merl import SHAPE
 from urushi.measured.tabulated import bin_centres
 from urushi.nets.weights import find
@@ -157,7 +157,7 @@ class Contest:
         elif name == "Mitsuba":
             f = _mitsuba(material.path)
         else:
-            return judge.best(fits.candidates(judge.truth.f, 1 if name == "GGX" else 2))
+            return judge.best(ggx_fit.candidates(judge.truth.f, 1 if name == "GGX" else 2))
         seconds = time.process_time() - start
         return Result(judge.look(f), judge.error(f), seconds)
 
@@ -185,7 +185,7 @@ class Judge:
         cosines = self._wi[:, 2], self._wo[:, 2]
         return float(error_metrics.stack_error(f_hat[lit], values[lit], *cosines).mean())
 
-    def best(self, candidates: Iterator[fits.GgxFit]) -> Result:
+    def best(self, candidates: Iterator[ggx_fit.GgxFit]) -> Result:
         """The result of the one whose spheres have the highest mean PSNR; seconds of all."""
         start = time.process_time()
         made = list(candidates)

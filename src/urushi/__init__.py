@@ -7,7 +7,7 @@ first used.
 
 from typing import TYPE_CHECKING, Any
 
-from urushi import platform
+from urushi import paper, platform
 from urushi.version import __version__
 
 if TYPE_CHECKING:
@@ -40,6 +40,7 @@ def __getattr__(name: str) -> Any:
     if name not in __all__ or name == "__version__":
         raise AttributeError(f"module 'urushi' has no attribute '{name}'")
     platform.require_drjit()
+    paper.register()
     from urushi.material import Material, encode, layer, lerp, load
     from urushi.measured import load_measured
     from urushi.reference import Stack, coat, conductor, dielectric, diffuse, simulate
@@ -56,8 +57,6 @@ def __dir__() -> list[str]:
 
 platform.choose_llvm()
 if platform.missing_library() is None:  # else Mitsuba cannot be imported, as `urushi doctor` says
-    from urushi import paper
     from urushi.render.register import register
 
-    register()
-    paper.register()
+    register(paper.register)

@@ -27,6 +27,7 @@ def tiny(monkeypatch) -> DataSpec:
     )
 
     monkeypatch.setattr(presets, "get", lambda name: SimpleNamespace(data=spec))
+    monkeypatch.setattr(presets, "NAMES", ("tiny",))
     return spec
 
 
@@ -46,7 +47,7 @@ def test_generate_and_show(tiny, tmp_path, capsys):
 def test_generate_resumes_to_the_same_store(tiny, tmp_path, capsys):
     path = tmp_path / "tiny.zarr"
     for _ in range(2):
-        assert cli.main(["data", "generate", "-o", str(path)]) == 0
+        assert cli.main(["data", "generate", "--preset", "tiny", "-o", str(path)]) == 0
     first, second = capsys.readouterr().out.split("\n")[:2]
     assert first == second
 
@@ -64,7 +65,7 @@ def test_train_hands_the_flags_over(monkeypatch, capsys):
     flags = ["--preset", "smoke", "--data", "d.zarr", "--run-folder", "r", "-o", "w.safetensors"]
     assert cli.main(["train", *flags, "--resume"]) == 0
     assert seen == {
-        "preset": "smoke",
+        "preset": presets.get("smoke"),
         "data": Path("d.zarr"),
         "run": Path("r"),
         "out": Path("w.safetensors"),

@@ -5,7 +5,7 @@ import sys
 import numpy as np
 import pytest
 from benchmarks.rivals import ggx_fit
-from urushi.measured.fits import LOSSES, MEASURES, GgxFit, Lobe, candidates, fit
+from benchmarks.rivals.ggx_fit import LOSSES, MEASURES, GgxFit, Lobe, candidates, fit
 
 from urushi.errors import ParameterError, PlatformError
 

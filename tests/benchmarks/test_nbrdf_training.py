@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from benchmarks.rivals import nbrdf
-from urushi.measured.fits import GgxFit, Lobe
+from benchmarks.rivals.ggx_fit import GgxFit, Lobe
 
 
 @pytest.fixture

@@ -37,12 +37,3 @@ def material(model) -> Material:
 def trained() -> Model:
     """The networks that Urushi ships."""
     return default_model()
-
-
-@pytest.fixture(scope="session")
-def directions() -> np.ndarray:
-    """1,000 float32 unit vectors over the whole sphere, grazing ones included."""
-    vectors = np.random.default_rng(43).normal(size=(1000, 3))
-    vectors[::10, 2] *= 1e-3
-    vectors /= np.linalg.norm(vectors, axis=1, keepdims=True)
-    return vectors.astype(np.float32)

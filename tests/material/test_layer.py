@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from urushi.errors import ParameterError
-from urushi.material import Material, encode, layer
+from urushi.material import Material, encode, layer, lerp
 from urushi.material.layer import layer_texels
 from urushi.reference.stack import conductor, dielectric
 
@@ -73,38 +73,38 @@ def test_three_values_do_not_fit_five_channels(model):
 
 def test_lerp_is_linear_and_exact_at_its_ends(material):
     other = layer(TOP, material, albedo=0.5, sigma_t=1)
-    assert material(material, other, 0) == material and material(material, other, 1) == other
-    half = material(material, other, 0.5).latents
+    assert lerp(material, other, 0) == material and lerp(material, other, 1) == other
+    half = lerp(material, other, 0.5).latents
     np.testing.assert_allclose(half, (material.latents + other.latents) / 2, atol=1e-6)
-    mixed = material(material, other, (0, 0.5, 1)).latents
+    mixed = lerp(material, other, (0, 0.5, 1)).latents
     assert np.array_equal(mixed[0], material.latents[0])
     assert np.array_equal(mixed[2], other.latents[2])
 
 
 def test_lerp_blends_anchors_as_well(material, model):
     held = Material(material.latents + 1, model, material.latents - 1)
-    blend = material(material, held, 0.25)
+    blend = lerp(material, held, 0.25)
     np.testing.assert_allclose(blend.latents, material.latents + 0.25, atol=1e-6)
     np.testing.assert_allclose(blend.anchors, material.latents - 0.25, atol=1e-6)
 
 
 def test_lerp_of_one_and_three_channels(material, model):
-    assert material(material, Material(np.ones((1, 32)), model), 0.5).channels == 3
+    assert lerp(material, Material(np.ones((1, 32)), model), 0.5).channels == 3
 
 
 def test_lerp_refuses_strangers(material, model, other_model):
     with pytest.raises(ParameterError, match="different weights"):
-        material(material, Material(material.latents, other_model), 0.5)
+        lerp(material, Material(material.latents, other_model), 0.5)
     with pytest.raises(ParameterError, match="encode it into a Material"):
-        material(material, conductor(0.1, 0.9), 0.5)
+        lerp(material, conductor(0.1, 0.9), 0.5)
     with pytest.raises(ParameterError, match="does not fit"):
-        material(material, Material(np.ones((2, 32)), model), 0.5)
+        lerp(material, Material(np.ones((2, 32)), model), 0.5)
 
 
 @pytest.mark.parametrize("t", [-0.1, 1.1, np.nan, (0.1, 0.2), np.zeros((2, 3)), "half"])
 def test_lerp_refuses_bad_shares(t, material):
     with pytest.raises(ParameterError, match="lerp's t"):
-        material(material, material, t)
+        lerp(material, material, t)
 
 
 def test_texels_are_coated_like_materials(material, model):

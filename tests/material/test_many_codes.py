@@ -67,7 +67,7 @@ def test_bits_do_not_depend_on_the_number_of_cores(model, monkeypatch):
     f = np.exp(rng.normal(size=(H, W, 192))).astype(np.float32)
     results = []
     for count in (1, 2, 5):
-        monkeypatch.setattr(parallel, "available", lambda count=count: count)
+        monkeypatch.setattr(parallel, "available_cores", lambda count=count: count)
         results.append((layer_texels(model, z, **_coat(COATS["rgb"])), limited_codes(model, f)))
     for coated, codes in results[1:]:
         np.testing.assert_array_equal(coated, results[0][0])
@@ -87,7 +87,7 @@ def test_texels_are_encoded_as_plain_rows_are(model):
 def test_memory_is_the_result_and_some_blocks(operation, model, monkeypatch):
     # 98,304 rows. Beyond the result there are the parameters (five numbers a row at most, in two
     # precisions, and their checks) and on each of two cores a few activations of a block.
-    monkeypatch.setattr(parallel, "available", lambda: 2)
+    monkeypatch.setattr(parallel, "available_cores", lambda: 2)
     side = 256, 128, 3
     rng = np.random.default_rng(5)
     coat = dict(alpha=0.1, eta=1.5, albedo=rng.random(side), sigma_t=rng.random(side), g=0)

@@ -9,8 +9,6 @@ from urushi.nets.architecture import ACTIVATIONS, SCALE, Architecture, init
 from urushi.nets.features import MIN_ALPHA, coat_features, direction_features
 from urushi.nets.mlp import activate, linear, with_slope
 from urushi.nets.networks import UrushiNetworks
-from urushi.paper.architecture import PaperArchitecture
-from urushi.paper.networks import PaperNetworks
 
 
 def test_decoder_is_reciprocal_bit_for_bit_positive_and_finite(networks, pairs):
@@ -142,14 +140,13 @@ def test_scaling_codes_scales_f_alike_for_all_pairs(networks, pairs):
     assert np.array_equal(scaled[1], f[1])
 
 
-def test_networks_answer_whether_they_encode_in_one_pass(networks, pairs):
+def test_values_and_derivatives_come_from_the_same_networks(networks, pairs):
     arch, params = networks
-    own, paper = UrushiNetworks(params, arch), PaperNetworks({}, PaperArchitecture())
-    assert paper.one_pass is None
+    own = UrushiNetworks(params, arch)
     rows = np.random.default_rng(9).uniform(0, 2, (3, arch.probes)).astype(np.float32)
-    codes, slopes = own.one_pass.encode_log(encoder.log_values(rows))
+    codes, slopes = own.encode_log(encoder.log_values(rows))
     np.testing.assert_allclose(codes, own.encode(rows), atol=1e-4)
-    logs, _ = own.one_pass.decode_log(codes[:, None], direction_features(*pairs))
+    logs, _ = own.decode_log(codes[:, None], direction_features(*pairs))
     np.testing.assert_allclose(np.exp(logs), own.f(codes[:, None], *pairs), rtol=1e-4)
     assert slopes.shape == (3, arch.latent, arch.probes)
 

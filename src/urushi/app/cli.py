@@ -9,6 +9,7 @@ from typing import Annotated, Any
 
 import tyro
 
+from urushi import paper
 from urushi.app.commands.data import Data
 from urushi.app.commands.encode import Encode
 from urushi.app.commands.layer import Layer
@@ -81,6 +82,7 @@ def main(args: Sequence[str] | None = None) -> int:
         return 0
     command = parse(arguments)
     try:
+        paper.register()
         code = command.run()
         sys.stdout.flush()
         return code

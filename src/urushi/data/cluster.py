@@ -100,7 +100,7 @@ def _connected(address: str) -> Iterator[Any]:
 
 #: Finds the version of Urushi wherever it runs. A task is a function of Urushi: whoever cannot
 #: import that would keep it for ever.
-_VERSION = pkgutil.resolve_name, "urushi.version:__version__"
+_VERSION = pkgutil.resolve_name, "urushi:__version__"
 
 
 def _check_scheduler(client: Any) -> None:

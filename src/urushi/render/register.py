@@ -1,5 +1,6 @@
 """Making the plugins known to Mitsuba, in every variant, whenever it is set."""
 
+from collections.abc import Callable
 from functools import cache
 
 import mitsuba as mi
@@ -12,15 +13,23 @@ PLUGINS = ("layered", "neural_layered", "neural_brdf", "measured_brdf")
 _registered = False
 
 
-def register() -> None:
-    """Register the plugins in the current variant, if any, and in all that are set later."""
+def register(prepare: Callable[[], None] = lambda: None) -> None:
+    """Register the plugins in the current variant, if any, and in all that are set later.
+
+    prepare: called before the plugins of a variant are defined.
+    """
     global _registered
     if _registered:
         return
     _registered = True
-    mi.detail.add_variant_callback(_on_variant)
+
+    def on_variant(old: str | None, new: str) -> None:
+        prepare()
+        _on_variant(old, new)
+
+    mi.detail.add_variant_callback(on_variant)
     if mi.variant() is not None:
-        _on_variant(None, mi.variant())
+        on_variant(None, mi.variant())
 
 
 def _on_variant(old: str | None, new: str) -> None:
