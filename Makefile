@@ -1,7 +1,7 @@
 # Two commands: `make demo` and `make test`. Each does all set-up first; the second time it is quick.
 READY := .venv/.ready
 
-.PHONY: demo test docs cookbook notebook thumbnails measured-pictures set-up format clean
+.PHONY: demo test docs cookbook tutorial notebook thumbnails measured-pictures set-up format clean
 
 demo: $(READY)
 	.venv/bin/urushi demo
@@ -18,12 +18,17 @@ docs: $(READY)
 	VIRTUAL_ENV= UV_PROJECT_ENVIRONMENT=.venv .venv/bin/uv sync --quiet --locked --all-extras --inexact --group docs
 	.venv/bin/python -m sphinx -b html -W --keep-going -q docs out/docs
 
-# Renders the scenes of the cookbook by the shipped weights.
+# The pictures of the cookbook and of the tutorial, by the present weights
 cookbook: $(READY)
 	for scene in docs/cookbook/*.xml; do \
-	    case $$scene in */stage-*) continue ;; esac; \
-	    .venv/bin/urushi render $$scene -o docs/cookbook/$$(basename $$scene .xml).jpg || exit; \
+	    .venv/bin/urushi render $$scene -o out/cookbook/$$(basename $$scene .xml).png || exit; \
 	done
+	.venv/bin/python docs/small_jpg.py out/cookbook/*.png docs/cookbook
+
+tutorial: $(READY)
+	mkdir -p out/tutorial
+	.venv/bin/python docs/tutorial/first_coat.py out/tutorial
+	.venv/bin/python docs/small_jpg.py out/tutorial/*.png docs/tutorial
 
 # Executes the notebooks in docs and stores their results in them.
 notebook: $(READY)
