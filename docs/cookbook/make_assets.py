@@ -98,7 +98,9 @@ def write_ply(path: Path, positions: np.ndarray, uv: np.ndarray, quads: np.ndarr
     faces = np.empty(len(triangles), dtype=[("count", "u1"), ("vertex", "<i4", 3)])
     faces["count"], faces["vertex"] = 3, triangles
     data = np.hstack([positions, normals, uv]).astype("<f4")
-    path.write_bytes("\n".join([*header, "end_header\n"]).encode() + data.tobytes() + faces.tobytes())
+    path.write_bytes(
+        "\n".join([*header, "end_header\n"]).encode() + data.tobytes() + faces.tobytes()
+    )
 
 
 def smooth_normals(positions: np.ndarray, quads: np.ndarray) -> np.ndarray:
@@ -113,7 +115,7 @@ def smooth_normals(positions: np.ndarray, quads: np.ndarray) -> np.ndarray:
 
 
 def texels(control: list[tuple[float, float]], width: int, height: int) -> np.ndarray:
-    """Points (height, width, 3) of a turned surface under a texture's texels; v is 0 in the first row."""
+    """Points (height, width, 3) of a turned surface at a texture's texels; v is 0 in row 0."""
     points = outline(control, 4 * height)
     rows = points[np.clip(((np.arange(height) + 0.5) * 4).astype(int), 0, len(points) - 1)]
     turn = 2 * np.pi * (np.arange(width) + 0.5) / width
@@ -185,6 +187,7 @@ def waves(size: int = 256) -> tuple[np.ndarray, np.ndarray]:
     near = np.abs(bands - np.round(bands))
     wire = ((near < 0.075) & (np.round(bands) >= 1)).astype(float)
     arc = np.floor(bands + 1e-9)
+
     def down(a: np.ndarray) -> np.ndarray:
         return a.reshape(size, 3, size, 3).mean(axis=(1, 3))
 
@@ -192,14 +195,14 @@ def waves(size: int = 256) -> tuple[np.ndarray, np.ndarray]:
 
 
 def glaze_depth() -> np.ndarray:
-    """Optical depth of a glaze that has run from the shoulder and stands in drops above the foot."""
+    """Optical depth of a glaze that has run down and stands in drops above the foot."""
     p = texels(VASE, 256, 256)
     x, y, z = np.moveaxis(p, -1, 0)
     turn = np.stack([np.cos(np.arctan2(y, x)), np.sin(np.arctan2(y, x)), 0 * z], -1)
     edge = 0.62 + 0.26 * fractal(turn * 2.3, 3, 3)
     above = z - edge
-    roll = np.exp(-((above - 0.05) / 0.05) ** 2)
-    run = smoothstep(-0.01, 0.03, above) * (0.45 + 1.6 * np.exp(-np.maximum(above, 0) / 0.45))
+    roll = np.exp(-(((above - 0.05) / 0.05) ** 2))
+    run = smoothstep(-0.01, 0.03, above) * (0.85 + 1.9 * np.exp(-np.maximum(above, 0) / 0.45))
     streaks = 1 + 0.35 * fractal(np.concatenate([turn[..., :2] * 7, p[..., 2:] * 0.9], -1), 3, 8)
     lip = 1 - 0.75 * smoothstep(2.05, 2.25, z)
     return 0.12 + (run * streaks + 2.2 * roll) * lip
@@ -264,7 +267,9 @@ def write_textures() -> None:
 
     write("wood.jpg", wood())
     wire, arc = waves()
-    cells = np.array([[0.05, 0.14, 0.60], [0.06, 0.46, 0.74], [0.60, 0.90, 0.90], [0.975, 0.975, 0.95]])
+    cells = np.array(
+        [[0.05, 0.14, 0.60], [0.06, 0.46, 0.74], [0.60, 0.90, 0.90], [0.975, 0.975, 0.95]]
+    )
     index = np.clip(arc, 0, 3)
     low = np.floor(index).astype(int)
     colour = mix(0, 1, index - low) * (cells[np.minimum(low + 1, 3)] - cells[low]) + cells[low]

@@ -6,6 +6,14 @@ Renders the tutorial's pictures into FOLDER, by default the working folder.
 import argparse
 from pathlib import Path
 
+# [start]
+import mitsuba as mi
+
+import urushi
+
+mi.set_variant("llvm_ad_rgb")  # or "cuda_ad_rgb"
+# [end start]
+
 parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("folder", type=Path, nargs="?", default=Path())
 parser.add_argument("--size", type=int, default=320, help="width and height [pixels]")
@@ -13,28 +21,23 @@ parser.add_argument("--spp", type=int, default=128, help="samples per pixel")
 arguments = parser.parse_args()
 folder, size, spp = arguments.folder, arguments.size, arguments.spp
 
-# [start]
-import mitsuba as mi
-import urushi
-
-mi.set_variant("llvm_ad_rgb")  # or "cuda_ad_rgb"
-# [end start]
-
 # [scene]
 T = mi.ScalarTransform4d
 
 
 def softbox(origin, scale, radiance):
     """A rectangle of light that looks at the ball."""
+    to_ball = T().look_at(origin=origin, target=[0, 0, 1], up=[0, 0, 1])
     return {
         "type": "rectangle",
-        "to_world": T().look_at(origin=origin, target=[0, 0, 1], up=[0, 0, 1]).scale(scale),
+        "to_world": to_ball.scale(scale),
         "emitter": {"type": "area", "radiance": {"type": "rgb", "value": radiance}},
     }
 
 
 def render(bsdf, name):
     """Render a ball of this material on a floor."""
+    view = T().look_at(origin=[0, -9, 3.2], target=[0, 0, 0.95], up=[0, 0, 1])
     scene = mi.load_dict(
         {
             "type": "scene",
@@ -42,7 +45,7 @@ def render(bsdf, name):
             "camera": {
                 "type": "perspective",
                 "fov": 17,
-                "to_world": T().look_at(origin=[0, -9, 3.2], target=[0, 0, 0.95], up=[0, 0, 1]),
+                "to_world": view,
                 "film": {"type": "hdrfilm", "width": size, "height": size},
                 "sampler": {"type": "independent", "sample_count": spp},
             },
@@ -59,12 +62,21 @@ def render(bsdf, name):
 # [end scene]
 
 # [metal]
-copper = {"type": "roughconductor", "material": "Cu", "distribution": "ggx", "alpha": 0.25}
+copper = {
+    "type": "roughconductor",
+    "material": "Cu",
+    "distribution": "ggx",
+    "alpha": 0.25,
+}
 render(copper, "metal.png")
 # [end metal]
 
 # [clear]
-clear = {"type": "neural_layered", "alpha": 0.02, "bottom": copper}
+clear = {
+    "type": "neural_layered",
+    "alpha": 0.02,
+    "bottom": copper,
+}
 render(clear, "clear.png")
 # [end clear]
 
@@ -100,9 +112,14 @@ render({**tinted, "alpha": checks}, "texture.png")
 # [end texture]
 
 # [nested]
-nested = {"type": "neural_layered", "alpha": 0.01, "ext_ior": 1.0, "int_ior": 1.4, "bottom": milky}
-nested["bottom"] = {**milky, "alpha": 0.3, "ext_ior": 1.4, "int_ior": 1.6}
-render(nested, "nested.png")
+inner = {**milky, "alpha": 0.3, "ext_ior": 1.4, "int_ior": 1.6}
+outer = {
+    "type": "neural_layered",
+    "alpha": 0.01,
+    "int_ior": 1.4,
+    "bottom": inner,
+}
+render(outer, "nested.png")
 # [end nested]
 
 # [reference]
@@ -110,7 +127,8 @@ render({**milky, "type": "layered"}, "reference.png")
 # [end reference]
 
 # [python]
-material = urushi.encode(urushi.conductor(alpha=0.25, r0=(0.96, 0.64, 0.54)))
+copper = urushi.conductor(alpha=0.25, r0=(0.96, 0.64, 0.54))
+material = urushi.encode(copper)
 lacquer = urushi.layer(
     urushi.dielectric(alpha=0.02, eta=1.5), material, albedo=(0.3, 0.9, 0.8), sigma_t=1.5
 )
@@ -118,5 +136,9 @@ lacquer.save(folder / "lacquer.safetensors")
 # [end python]
 
 # [saved]
-render({"type": "neural_brdf", "filename": str(folder / "lacquer.safetensors")}, "saved.png")
+saved = {
+    "type": "neural_brdf",
+    "filename": str(folder / "lacquer.safetensors"),
+}
+render(saved, "saved.png")
 # [end saved]
