@@ -199,7 +199,7 @@ def glaze_depth() -> np.ndarray:
     p = texels(VASE, 256, 256)
     x, y, z = np.moveaxis(p, -1, 0)
     turn = np.stack([np.cos(np.arctan2(y, x)), np.sin(np.arctan2(y, x)), 0 * z], -1)
-    edge = 0.62 + 0.26 * fractal(turn * 2.3, 3, 3)
+    edge = 0.92 - 0.62 * np.hypot(noise(turn * 3.3, 3), 0.12)
     above = z - edge
     roll = np.exp(-(((above - 0.05) / 0.05) ** 2))
     run = smoothstep(-0.01, 0.03, above) * (0.85 + 1.9 * np.exp(-np.maximum(above, 0) / 0.45))
