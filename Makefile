@@ -1,7 +1,7 @@
 # Two commands: `make demo` and `make test`. Each does all set-up first; the second time it is quick.
 READY := .venv/.ready
 
-.PHONY: demo test notebook thumbnails measured-pictures set-up format clean
+.PHONY: demo test docs cookbook tutorial notebook thumbnails measured-pictures set-up format clean
 
 demo: $(READY)
 	.venv/bin/urushi demo
@@ -12,6 +12,23 @@ test: $(READY)
 	.venv/bin/mypy
 	.venv/bin/lint-imports
 	.venv/bin/pytest
+
+# Builds the documentation site into out/docs; a warning is an error.
+docs: $(READY)
+	VIRTUAL_ENV= UV_PROJECT_ENVIRONMENT=.venv .venv/bin/uv sync --quiet --locked --all-extras --inexact --group docs
+	.venv/bin/python -m sphinx -b html -W --keep-going -q docs out/docs
+
+# The pictures of the cookbook and of the tutorial, by the present weights
+cookbook: $(READY)
+	for scene in docs/cookbook/*.xml; do \
+	    .venv/bin/urushi render $$scene -o out/cookbook/$$(basename $$scene .xml).png || exit; \
+	done
+	.venv/bin/python docs/small_jpg.py out/cookbook/*.png docs/cookbook
+
+tutorial: $(READY)
+	mkdir -p out/tutorial
+	.venv/bin/python docs/tutorial/first_coat.py out/tutorial
+	.venv/bin/python docs/small_jpg.py out/tutorial/*.png docs/tutorial
 
 # Executes the notebooks in docs and stores their results in them.
 notebook: $(READY)
