@@ -138,7 +138,7 @@ def test_only_tiles_that_changed_are_made_anew(trained, monkeypatch, place):
 def test_a_store_has_levels_within_what_it_can_store(trained):
     """Encoded averages may lie outside of what the first level's codes span."""
     codes = coats(trained, 8, 8).astype(np.float16).astype(np.float32)  # as it is written
-    store = TextureStore(trained, packing.layout(trained, 3), 8, 8, mipped=True)
+    store = TextureStore(trained, packing.layout(trained, 3), 8, 8, mipmaps=True)
     with store.writing() as write:
         write(slice(None), codes.reshape(64, 3, -1))
     expected = np.concatenate([z.reshape(-1, 3, z.shape[-1]) for z in made(trained, codes)])

@@ -1,4 +1,4 @@
-"""The file of a latent texture: its packed texels, all levels of them, and where they lie in uv."""
+"""The file of a latent texture: its packed texels, level by level, and where they lie in uv."""
 
 import os
 from collections.abc import Sequence
@@ -14,7 +14,8 @@ from urushi.textures import mip_pyramid
 from urushi.textures.packing import Layout, Packed
 from urushi.textures.store import TextureStore
 
-KIND, FORMAT_VERSION = "texture", 1
+#: Files of version 1 have no entry `levels`; they hold all levels of the mip pyramid.
+KIND, FORMAT_VERSION = "texture", 2
 
 #: How a texture goes on beyond its unit square.
 WRAPS = ("repeat", "mirror", "clamp")
@@ -46,6 +47,7 @@ def write(path: str | os.PathLike, store: TextureStore, place: Place, fingerprin
         "weights": fingerprint,
         "width": width,
         "height": height,
+        "levels": len(store.levels),
         "layout": store.layout._asdict(),
         "place": place._asdict(),
     }
@@ -61,10 +63,10 @@ def read(path: str | os.PathLike, models: Sequence[Model]) -> tuple[TextureStore
         FileError: missing, truncated, foreign, damaged, or made with other networks.
     """
     description, arrays = files.read_tensors(path, KIND)
-    if description.get("version") != FORMAT_VERSION:
+    if description.get("version") not in (1, FORMAT_VERSION):
         raise FileError(
             f"'{path}' has version {description.get('version')!r} of the texture format, "
-            f"this Urushi reads version {FORMAT_VERSION}; install the Urushi that wrote it"
+            f"this Urushi reads versions 1 and {FORMAT_VERSION}; install the Urushi that wrote it"
         )
     model = belonging(path, description.get("weights"), models)
     try:
@@ -90,8 +92,12 @@ def _store(
     width, height = int(description["width"]), int(description["height"])
     if width < 1 or height < 1:
         raise ValueError("it has no texels")
-    store = TextureStore(model, layout, width, height, mipped=True)
-    shape = sum(w * h for w, h in mip_pyramid.level_sizes(width, height)), count
+    every_level = len(mip_pyramid.level_sizes(width, height))
+    levels = every_level if description["version"] == 1 else description["levels"]
+    if levels not in (1, every_level):
+        raise ValueError(f"it has {levels!r} levels, not 1 or {every_level}")
+    store = TextureStore(model, layout, width, height, mipmaps=levels > 1)
+    shape = sum(w * h for w, h in store.levels), count
     packed = Packed(arrays["texels"], arrays["lowest"], arrays["step"])
     if packed.bytes.dtype != np.uint8 or packed.bytes.shape != shape:
         raise ValueError("texels are missing")

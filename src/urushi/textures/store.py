@@ -1,4 +1,4 @@
-"""A packed latent texture that is read and overwritten by rows, with its mip map."""
+"""A packed latent texture that is read and overwritten by rows, with or without a mip pyramid."""
 
 import contextlib
 from collections.abc import Callable, Iterator
@@ -23,10 +23,10 @@ class TextureStore:
         levels: width and height of every level.
     """
 
-    def __init__(self, model: Model, layout: Layout, width: int, height: int, *, mipped=False):
-        """mipped: whether to hold all levels, which are made when it has been written."""
+    def __init__(self, model: Model, layout: Layout, width: int, height: int, *, mipmaps=False):
+        """mipmaps: whether to hold all levels of the mip pyramid; else the first one only."""
         self.layout = layout
-        self._coarser = MipPyramid(model, width, height, layout.channels) if mipped else None
+        self._coarser = MipPyramid(model, width, height, layout.channels) if mipmaps else None
         self.levels = self._coarser.sizes if self._coarser else [(width, height)]
         nothing = np.zeros(layout.size, np.float32)
         self.packed = Packed(np.zeros((0, layout.texel_bytes), np.uint8), nothing, nothing)

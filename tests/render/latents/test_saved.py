@@ -6,6 +6,7 @@ import pytest
 from urushi import files
 from urushi.nets import weights
 from urushi.nets.architecture import init
+from urushi.textures import mip_pyramid
 
 PIXELS = np.random.default_rng(0).uniform(0.1, 0.9, (5, 6, 3)).astype(np.float32)
 
@@ -24,12 +25,19 @@ def loaded(mi, path, networks):
     return mi.load_dict({"type": "neural_brdf", "filename": str(path), "weights": str(networks)})
 
 
+@pytest.fixture(params=(False, True), ids=("one level", "mipmaps"))
+def mipmaps(request) -> bool:
+    """Whether a coat is baked with a mip pyramid."""
+    return request.param
+
+
 @pytest.fixture
-def saved(rgb, networks, tmp_path):
+def saved(rgb, networks, tmp_path, mipmaps):
     """A baked texture and its file."""
     path = tmp_path / "coat.safetensors"
     shear = rgb.ScalarTransform3f(np.float32([[1.5, 0.25, 0.1], [-0.5, 2.2, 0.3], [0, 0, 1]]))
-    bsdf = rgb.load_dict(described(rgb, networks, to_uv=shear, wrap_mode="mirror"))
+    coat = described(rgb, networks, to_uv=shear, wrap_mode="mirror")
+    bsdf = rgb.load_dict(coat | {"mipmaps": mipmaps})
     bsdf.save(path)
     return bsdf, path
 
@@ -48,6 +56,26 @@ def test_a_saved_texture_is_written_the_same_again(rgb, networks, saved, tmp_pat
     assert (tmp_path / "again.safetensors").read_bytes() == path.read_bytes()
 
 
+def test_a_file_holds_the_levels_that_were_baked(saved, mipmaps):
+    description, arrays = files.read_tensors(saved[1], "texture")
+    sizes = mip_pyramid.level_sizes(6, 5) if mipmaps else [(6, 5)]
+    assert description["levels"] == len(sizes)
+    assert len(arrays["texels"]) == sum(width * height for width, height in sizes)
+
+
+@pytest.mark.parametrize("mipmaps", [True], indirect=True)
+def test_a_file_of_version_1_has_all_levels(rgb, networks, saved):
+    bsdf, path = saved
+
+    def older(description, arrays):
+        description["version"] = 1
+        del description["levels"]
+
+    rewritten(path, older)
+    uv = np.random.default_rng(1).uniform(-2, 2, (256, 2))
+    np.testing.assert_array_equal(loaded(rgb, path, networks).latents.at(uv), bsdf.latents.at(uv))
+
+
 def test_a_constant_coat_is_saved_as_a_material(rgb, networks, tmp_path):
     import urushi
 
@@ -59,6 +87,7 @@ def test_a_constant_coat_is_saved_as_a_material(rgb, networks, tmp_path):
     assert str(loaded(rgb, tmp_path / "coat.safetensors", networks))
 
 
+@pytest.mark.parametrize("mipmaps", [False], indirect=True)
 def test_a_saved_texture_can_be_coated(rgb, networks, saved):
     bsdf, path = saved
     coat = {"type": "neural_layered", "weights": str(networks), "alpha": 0.05}
@@ -78,6 +107,7 @@ def rewritten(path, change) -> None:
     files.write_tensors(path, "texture", description, arrays)
 
 
+@pytest.mark.parametrize("mipmaps", [True], indirect=True)
 @pytest.mark.parametrize(
     "change",
     [
@@ -92,6 +122,8 @@ def rewritten(path, change) -> None:
         lambda description, arrays: description["place"].update(wrap="around"),
         lambda description, arrays: description["place"].update(to_texture=[1, 2]),
         lambda description, arrays: description.pop("place"),
+        lambda description, arrays: description.pop("levels"),
+        lambda description, arrays: description.update(levels=2),
     ],
 )
 def test_a_damaged_file_is_refused(rgb, networks, saved, change):
@@ -101,6 +133,7 @@ def test_a_damaged_file_is_refused(rgb, networks, saved, change):
         loaded(rgb, path, networks)
 
 
+@pytest.mark.parametrize("mipmaps", [False], indirect=True)
 def test_a_truncated_file_is_refused(rgb, networks, saved):
     _, path = saved
     path.write_bytes(path.read_bytes()[:-100])
@@ -108,6 +141,7 @@ def test_a_truncated_file_is_refused(rgb, networks, saved):
         loaded(rgb, path, networks)
 
 
+@pytest.mark.parametrize("mipmaps", [False], indirect=True)
 def test_a_file_of_another_version_is_refused(rgb, networks, saved):
     _, path = saved
     rewritten(path, lambda description, arrays: description.update(version=99))
@@ -115,6 +149,7 @@ def test_a_file_of_another_version_is_refused(rgb, networks, saved):
         loaded(rgb, path, networks)
 
 
+@pytest.mark.parametrize("mipmaps", [False], indirect=True)
 def test_a_file_of_other_networks_is_refused(rgb, model, saved, tmp_path):
     _, path = saved
     other = tmp_path / "other.safetensors"

@@ -142,7 +142,9 @@ def test_the_level_of_the_footprint_is_taken(rgb, networks, monkeypatch):
     """Of levels that are plain averages, so that it is known what to expect."""
     monkeypatch.setattr(averaging, "averaging_space", lambda *_: averaging.CodeSpace())
     rng = np.random.default_rng(0)
-    bsdf = load(rgb, "neural_layered", networks, albedo=bitmap(rgb, rng.random((8, 16, 3))))
+    bsdf = load(
+        rgb, "neural_layered", networks, albedo=bitmap(rgb, rng.random((8, 16, 3))), mipmaps=True
+    )
     fine = looked_up(rgb, bsdf, grid_of_points(16, 8))
     np.testing.assert_array_equal(looked_up(rgb, bsdf, grid_of_points(16, 8), (0.01, 0.01)), fine)
     # two texels along one axis or along both: the next level, averages of four
@@ -159,6 +161,17 @@ def test_the_level_of_the_footprint_is_taken(rgb, networks, monkeypatch):
     # farther away than the last level
     last = looked_up(rgb, bsdf, rng.random((5, 2)), (100.0, 100.0))
     assert (np.abs(last - fine.mean(axis=0)) <= 3 * step).all()
+
+
+def test_the_first_level_is_the_same_without_the_others(rgb, networks):
+    albedo = bitmap(rgb, np.random.default_rng(0).random((8, 16, 3)))
+    points = grid_of_points(16, 8)
+    one, all_levels = (
+        load(rgb, "neural_layered", networks, albedo=albedo, mipmaps=mipmaps).latents.at(points)
+        for mipmaps in (False, True)
+    )
+    # bytes resolve the range of the numbers of all levels
+    assert (np.abs(one - all_levels) <= 0.01 * np.ptp(one, axis=(0, 1)) + 1e-5).all()
 
 
 @pytest.mark.parametrize("wrap", ("repeat", "mirror", "clamp"))

@@ -5,18 +5,14 @@ import pytest
 
 from urushi.errors import ParameterError
 from urushi.nets.networks import UrushiNetworks
-from urushi.textures import averaging, packing
+from urushi.textures import packing
 
 SIDE = 16
 
 
 @pytest.fixture
 def rows(monkeypatch, model):
-    """A function that tells how many rows encoder and layerer were given.
-
-    Mip levels are plain averages here, lest encoding them be counted.
-    """
-    monkeypatch.setattr(averaging, "averaging_space", lambda *_: averaging.CodeSpace())
+    """A function that returns how many rows encoder and layerer were given."""
     packing.importance(model)  # measured once a model, with rows of its own
     counts = {"encode": 0, "layer": 0}
     encode, layer = UrushiNetworks.encode, UrushiNetworks.layer
@@ -25,8 +21,8 @@ def rows(monkeypatch, model):
         counts["encode"] += f[..., 0].size
         return encode(self, f)
 
-    def counted_layer(self, z, coat, dielectrics):
-        result = layer(self, z, coat, dielectrics)
+    def counted_layer(self, z, coat):
+        result = layer(self, z, coat)
         counts["layer"] += result[..., 0].size
         return result
 

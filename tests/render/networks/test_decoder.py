@@ -92,7 +92,7 @@ def test_textured_latents_are_the_constant_ones_where_the_texture_is_constant(rg
     from urushi.render.reading.grid import IDENTITY, TexelGrid
 
     constant, _ = parts
-    store = TextureStore(model, packing.layout(model, 3), 8, 4, mipped=True)
+    store = TextureStore(model, packing.layout(model, 3), 8, 4)
     with store.writing() as write:
         write(np.arange(32), np.broadcast_to(latents(3), (32, 3, 32)))
     textured = TexturedLatents(model, store, TexelGrid(8, 4, IDENTITY, "repeat", False))

@@ -169,10 +169,21 @@ class _Probed:
 class Baker:
     """A coat over a bottom as latent codes; `update` makes them, and makes them anew."""
 
-    def __init__(self, model: Model, coat: CoatParameters, bottom: "mi.BSDF", resolution: int):
-        """resolution: texels per side of a latent texture, 0 to choose."""
+    def __init__(
+        self,
+        model: Model,
+        coat: CoatParameters,
+        bottom: "mi.BSDF",
+        resolution: int,
+        mipmaps: bool = False,
+    ):
+        """Prepare a coat; nothing is evaluated before `update`.
+
+        resolution: texels per side of a latent texture, 0 to choose.
+        mipmaps: whether a latent texture has a mip pyramid.
+        """
         self._model, self._coat, self._bottom = model, coat, bottom
-        self._resolution = resolution
+        self._resolution, self._mipmaps = resolution, mipmaps
         self._codes = BottomCodes(model, bottom, coat.where)
         self._texture: CoatTexture | None = None
 
@@ -195,19 +206,19 @@ class Baker:
                 self._model, layer_texels(self._model, self._codes.read(0, 1)[1], **table)[0]
             )
         if self._texture is None or grid != before:
-            self._texture = CoatTexture(self._model, self._coat, grid)
+            self._texture = CoatTexture(self._model, self._coat, grid, self._mipmaps)
         return self._texture.update(self._codes)
 
 
 class CoatTexture:
     """A texture of coats over a bottom: the packed codes, and the keys of what they are made of."""
 
-    def __init__(self, model: Model, coat: CoatParameters, grid: TexelGrid):
+    def __init__(self, model: Model, coat: CoatParameters, grid: TexelGrid, mipmaps: bool):
         self.grid = grid
         self._model, self._coat = model, coat
         self._keys = np.zeros((grid.texels, spectrum.channel_count()), np.uint64)
         layout = packing.layout(model, self._keys.shape[1])
-        self._store = TextureStore(model, layout, grid.width, grid.height, mipped=True)
+        self._store = TextureStore(model, layout, grid.width, grid.height, mipmaps=mipmaps)
 
     def update(self, bottom: BottomCodes) -> TexturedLatents:
         """Layer the rows, one a texel and channel, whose coat or bottom is not as before."""

@@ -38,11 +38,16 @@ def define(base: type) -> type:
                                              most 2048; 256 for procedural ones)
         weights        string                Networks: ``base`` or ``small``, or a file of them.
                                              (Default: ``base``)
+        mipmaps        boolean               Whether to build the mip pyramid of the latent texture:
+                                             averages of it at lower resolutions, for integrators
+                                             that compute derivatives of uv. Those that ship with
+                                             Mitsuba do not. (Default: false)
         eta            float                 The ratio int_ior / ext_ior; exposed by
                                              ``mi.traverse``, not a property.
         ============== ===================== ====================================================
 
-        Takes the parameters of ``layered``, its reference, and adds the last two. When the scene
+        Takes the parameters of ``layered``, its reference, and adds ``resolution``,
+        ``weights`` and ``mipmaps``. When the scene
         is loaded, the bottom is evaluated at the encoder's probe pairs, averaged over azimuth and
         over the exchange of the directions, encoded, and layered by the network. Textures are
         baked in their own space if they share one ``to_uv``, and else over the unit square of uv,
@@ -93,7 +98,8 @@ def define(base: type) -> type:
                 )
             self.model = read_model(props)
             self._resolution = resolution
-            self._baker = Baker(self.model, self._coat, self._bottom, resolution)
+            mipmaps = bool(props.get("mipmaps", False))
+            self._baker = Baker(self.model, self._coat, self._bottom, resolution, mipmaps)
             self._baked = False  # whether the baker knows the bottom as it is
             self._attached = mi.TensorXf()  # codes that carry gradients, shown to integrators
             self._bake()
