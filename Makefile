@@ -1,17 +1,33 @@
-# Two commands: `make demo` and `make test`. Each does all set-up first; the second time it is quick.
+# Two commands: `make demo` and `make test`. Each sets up .venv first; later runs skip that.
 READY := .venv/.ready
+# One worker for each core; a file's tests stay together, since they share fixtures.
+PYTEST := .venv/bin/pytest --numprocesses auto --dist loadfile --no-loadscope-reorder
 
-.PHONY: demo test docs cookbook tutorial notebook thumbnails measured-pictures set-up format clean
+.PHONY: demo test test-slow test-all lint check-wheel docs cookbook tutorial notebook thumbnails \
+    measured-pictures set-up format clean
 
 demo: $(READY)
 	.venv/bin/urushi demo
 
-test: $(READY)
+# The static checks and all tests that are not marked as slow
+test: lint
+	$(PYTEST) -m "not slow"
+
+# The long sweeps: tests marked as slow
+test-slow: $(READY)
+	$(PYTEST) -m slow
+
+test-all: test-slow test
+
+lint: $(READY)
 	.venv/bin/ruff check .
 	.venv/bin/ruff format --check .
 	.venv/bin/mypy
 	.venv/bin/lint-imports
-	.venv/bin/pytest
+
+# Installs the built wheel into an empty environment and uses it there.
+check-wheel: $(READY)
+	scripts/check_wheel
 
 # Builds the documentation site into out/docs; a warning is an error.
 docs: $(READY)

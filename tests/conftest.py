@@ -2,8 +2,11 @@
 
 import importlib.util
 import os
+import shutil
+import signal
 import subprocess
 import sys
+import tempfile
 from collections.abc import Callable, Mapping
 from functools import cache
 from pathlib import Path
@@ -11,7 +14,58 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from urushi.platform import available_cores
+
 ROOT = Path(__file__).resolve().parents[1]
+
+#: The files whose tests take longest, the longest first. Workers take files in this order, so that
+#: none is left alone with a long file at the end.
+LONGEST_FILES = (
+    "train/test_loop.py",
+    "train/test_devices.py",
+    "render/latents/test_textures.py",
+    "render/plugins/test_frozen.py",
+    "paper/test_training.py",
+    "render/latents/test_gradients.py",
+    "scenes/test_scenes.py",
+    "paper/test_kernels.py",
+    "train/test_decoding.py",
+    "train/test_losses.py",
+    "render/plugins/test_wrappers.py",
+    "train/test_examples.py",
+    "render/plugins/test_plugins.py",
+    "train/test_layering.py",
+    "train/test_quadratic_loss.py",
+    "reference/test_walk.py",
+    "render/plugins/test_bias.py",
+    "render/plugins/test_sampling.py",
+    "train/test_learning.py",
+)
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Settings that all workers and the processes started by tests inherit."""
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # a shell's background job
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+    if hasattr(config, "workerinput"):
+        return
+    # JAX compiles each training step once, though many tests and workers use it.
+    folder = tempfile.mkdtemp(prefix="urushi-test-jax-")
+    config.add_cleanup(lambda: shutil.rmtree(folder, ignore_errors=True))
+    os.environ["JAX_COMPILATION_CACHE_DIR"] = folder
+    os.environ["JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS"] = "0.2"
+    workers = config.getoption("numprocesses", None) or 1
+    if workers > 1:  # each has its share of the cores: threads that wait for a core spin
+        threads = max(available_cores() // workers, 1)
+        os.environ.setdefault("OPENBLAS_NUM_THREADS", str(threads))
+        if threads == 1:
+            os.environ.setdefault("XLA_FLAGS", "--xla_cpu_multi_thread_eigen=false")
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Sort the tests by file, the longest first."""
+    place = {ROOT / "tests" / name: index for index, name in enumerate(LONGEST_FILES)}
+    items.sort(key=lambda item: place.get(item.path, len(place)))
 
 
 @pytest.fixture(scope="session")

@@ -1,6 +1,5 @@
 """A training so small that it takes seconds, on data that every test of this floor shares."""
 
-import jax
 import pytest
 
 from urushi.data.distribution import Extended, Table2
@@ -41,21 +40,6 @@ TINY = Preset(
     memory=512,  # of 832 pairs: the examples stream
     arch=ARCH,
 )
-
-
-@pytest.fixture(scope="session", autouse=True)
-def compilation_cache(tmp_path_factory):
-    """Compile each training once, though many tests begin it anew: compiling takes most time."""
-    settings = {
-        "jax_compilation_cache_dir": str(tmp_path_factory.mktemp("compiled")),
-        "jax_persistent_cache_min_compile_time_secs": 0.2,
-    }
-    before = {name: getattr(jax.config, name) for name in settings}
-    for name, value in settings.items():
-        jax.config.update(name, value)
-    yield
-    for name, value in before.items():
-        jax.config.update(name, value)
 
 
 @pytest.fixture(scope="session")

@@ -18,10 +18,8 @@ from urushi.train.training import train
 SCRIPT = """
 import json, sys
 sys.path.insert(0, sys.argv[1])
-import jax
-jax.config.update("jax_compilation_cache_dir", sys.argv[4])
 from conftest import TINY
-from urushi.train import devices, loop
+from urushi.train import devices, training
 
 shared = devices.find(sum(TINY.stacks))
 rows = {}
@@ -40,7 +38,7 @@ def watched(self, state, batches):
     return state, batches
 
 devices.Devices.place = watched
-loop.train(TINY, data=sys.argv[2], run=sys.argv[3])
+training.train(TINY, data=sys.argv[2], run=sys.argv[3])
 try:
     devices.find(7)
 except Exception as error:
@@ -54,8 +52,7 @@ print(json.dumps(rows))
 def four(tiny_data, tmp_path_factory):
     """What a process with four devices says, and its weights."""
     folder = tmp_path_factory.mktemp("four")
-    cache = jax.config.jax_compilation_cache_dir
-    command = [sys.executable, "-c", SCRIPT, str(Path(__file__).parent), tiny_data, folder, cache]
+    command = [sys.executable, "-c", SCRIPT, str(Path(__file__).parent), tiny_data, folder]
     flags = {"XLA_FLAGS": "--xla_force_host_platform_device_count=4", "JAX_PLATFORMS": "cpu"}
     run = subprocess.run(
         command, env=os.environ | flags, capture_output=True, text=True, timeout=300
