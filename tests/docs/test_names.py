@@ -1,0 +1,91 @@
+"""What the pages name exists: modules, functions, files, benchmarks and make targets."""
+
+import ast
+import re
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+SOURCE = ROOT / "src"
+PAGES = sorted(page for kind in ("md", "rst") for page in ROOT.glob(f"docs/**/*.{kind}"))
+PAGES += sorted([*ROOT.glob("*.md"), *SOURCE.glob("**/*.md")])
+FLOORS = sorted(path.parent.name for path in SOURCE.glob("urushi/*/__init__.py"))
+
+
+@cache
+def names_in(path: Path) -> set[str]:
+    """The names that a Python file defines or imports at its top level, and its classes' own."""
+    names: set[str] = set()
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.FunctionDef | ast.ClassDef):
+            names.add(node.name)
+        elif isinstance(node, ast.Import | ast.ImportFrom):
+            names.update((alias.asname or alias.name).split(".")[0] for alias in node.names)
+        elif isinstance(node, ast.Assign):
+            names.update(n.id for t in node.targets for n in ast.walk(t) if isinstance(n, ast.Name))
+        elif isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
+            names.add(node.target.id)
+    return names
+
+
+def exists(dotted: str) -> bool:
+    """Whether a dotted name is a module of the package, or a name in one of its modules."""
+    parts = dotted.split(".")
+    for cut in range(len(parts), 0, -1):
+        place = SOURCE.joinpath(*parts[:cut])
+        file = (
+            place.with_suffix(".py")
+            if place.with_suffix(".py").is_file()
+            else place / "__init__.py"
+        )
+        if file.is_file():
+            return all(part in names_in(file) for part in parts[cut : cut + 1])
+        if place.is_dir():
+            return cut == len(parts)
+    return False
+
+
+def in_code(page: Path) -> list[str]:
+    """The text between single backticks of a page, and its code blocks."""
+    return re.findall(r"```.*?```|`[^`\n]+`", page.read_text(), re.DOTALL)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_names_of_the_package_exist(page):
+    text = "\n".join(in_code(page))
+    dotted = set(re.findall(r"(?<![\w./-])urushi(?:\.[A-Za-z_]\w*)+(?!\w|\.html)", text))
+    assert [name for name in sorted(dotted) if not exists(name)] == []
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_files_benchmarks_and_targets_exist(page):
+    text = "\n".join(in_code(page))
+    files = set(re.findall(r"(?<![\w./-])((?:[\w-]+/)*[\w-]+\.py)\b", text))
+    places = [ROOT, SOURCE, SOURCE / "urushi", page.parent, ROOT / "docs"]
+    folders = [p.parent for place in places[:3] for p in place.glob("**/*.py")] if files else []
+    missing = [
+        name
+        for name in sorted(files)
+        if not any((place / name).is_file() for place in [*places, *folders])
+    ]
+    assert missing == []
+    modules = set(re.findall(r"python -m (benchmarks(?:\.\w+)+)", text))
+    assert [m for m in modules if not (ROOT / (m.replace(".", "/") + ".py")).is_file()] == []
+    makefile = (ROOT / "Makefile").read_text()
+    targets = set(re.findall(r"\bmake ([a-z][\w-]+)", text))
+    assert [t for t in targets if not re.search(rf"^{re.escape(t)}:", makefile, re.MULTILINE)] == []
+
+
+@pytest.mark.parametrize("floor", FLOORS)
+def test_docstrings_and_comments_name_what_exists(floor):
+    """References such as `material.fit` or `urushi.nets.weights.read` in the source itself."""
+    wrong = []
+    for path in sorted(SOURCE.glob(f"urushi/{floor}/**/*.py")):
+        quoted = re.findall(r"(?<!`)`([A-Za-z_][\w.]*)`", path.read_text())
+        for name in sorted(set(quoted)):
+            first, *rest = name.removeprefix("urushi.").split(".")
+            if first in FLOORS and rest and not exists(f"urushi.{first}.{'.'.join(rest)}"):
+                wrong.append(f"{path.relative_to(SOURCE)}: {name}")
+    assert wrong == []
