@@ -48,6 +48,11 @@ def test_shapes(check):
     assert check(np.full((4, 5), 0.5) + 0.6 * (check is checks.eta), any_shape=True).shape == (4, 5)
 
 
+def test_negative_zero_becomes_zero():
+    assert not np.signbit(checks.sigma_t(-0.0))
+    assert not np.signbit(checks.g((-0.0, 0.0, -0.0))).any()
+
+
 @pytest.mark.parametrize("nonsense", ["rough", None, object(), [0.1, [0.2]]])
 def test_nonsense(nonsense):
     with pytest.raises(ParameterError):

@@ -54,7 +54,7 @@ def _parameter(
     bad = ~(np.isfinite(array) & valid(array))
     if bad.any():
         raise ParameterError(f"{where} is {array[bad].flat[0]:g}; it must be {domain}")
-    return array
+    return np.asarray(array + 0.0)  # makes -0.0 to 0.0, by which a walk may divide
 
 
 def alpha(value: npt.ArrayLike, where: str = "alpha", *, any_shape: bool = False) -> np.ndarray:

@@ -6,8 +6,8 @@ import pytest
 
 from urushi.measured import Merl, load_measured, tabulated
 from urushi.physics.frame import square_to_cosine_hemisphere
+from urushi.physics.random import stream
 from urushi.reference import analytic, coat, conductor, diffuse, launch, simulate
-from urushi.reference.rng import stream
 from urushi.reference.simulate import albedo
 
 SAMPLES = 1 << 18

@@ -4,6 +4,8 @@ import struct
 
 import numpy as np
 
+from urushi.geometry.half_vector import directions_at
+
 TYPES = {"u1": 1, "i1": 2, "u2": 3, "i2": 4, "u4": 5, "i4": 6, "u8": 7, "i8": 8, "f2": 9}
 TYPES |= {"f4": 10, "f8": 11}
 
@@ -16,18 +18,7 @@ def merl_directions():
     theta_d = (np.arange(90) + 0.5) * np.pi / 180
     phi_d = (np.arange(180) + 0.5) * np.pi / 180
     angles = (a.ravel() for a in np.meshgrid(theta_h, theta_d, phi_d, indexing="ij"))
-    return directions(*angles)
-
-
-def directions(theta_h, theta_d, phi_d):
-    """wi, wo from half and difference angles, with the half vector in the plane y = 0."""
-    d = np.stack([np.sin(theta_d) * np.cos(phi_d), np.sin(theta_d) * np.sin(phi_d)])
-    pair = []
-    for x, y in (d, -d):
-        z = np.cos(theta_d)
-        cos_h, sin_h = np.cos(theta_h), np.sin(theta_h)
-        pair.append(np.stack([cos_h * x + sin_h * z, y, cos_h * z - sin_h * x], 1))
-    return pair
+    return directions_at(*angles)
 
 
 def write_merl(path, rgb, dimensions=(90, 90, 180)):

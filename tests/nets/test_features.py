@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from urushi.geometry.half_vector import from_half_and_difference
+from urushi.geometry.half_vector import directions_at_tangent
 from urushi.geometry.probe_pairs import probe_pairs
 from urushi.nets.features import (
     COAT_FEATURES,
@@ -50,7 +50,7 @@ def test_features_are_the_documented_functions_of_the_angles():
     # tan theta_h = 0.001, in float32. The absolute rounding of wi + wo is 1e-7, hence 1e-3 in
     # the logarithm of the smallest tangent's square plus 1e-6.
     tan_h, theta_d = np.meshgrid(np.geomspace(1e-3, 1, 20), np.linspace(0, 1.2, 13))
-    wi, wo = from_half_and_difference(tan_h.ravel(), theta_d.ravel(), np.full(tan_h.size, 0.9))
+    wi, wo = directions_at_tangent(tan_h.ravel(), theta_d.ravel(), np.full(tan_h.size, 0.9))
     keep = (wi[:, 2] > 0.01) & (wo[:, 2] > 0.01)
     wi, wo, tan_h, d = wi[keep], wo[keep], tan_h.ravel()[keep], theta_d.ravel()[keep]
     h = np.arctan(tan_h)

@@ -7,8 +7,8 @@ import pytest
 from urushi.data.distribution import Extended
 from urushi.physics import microfacet
 from urushi.physics.frame import square_to_cosine_hemisphere
+from urushi.physics.random import stream
 from urushi.reference import bottoms, launch
-from urushi.reference.rng import stream
 from urushi.reference.table import BOTTOM_KINDS
 
 SAMPLES = 1 << 20

@@ -31,6 +31,13 @@ def test_descriptions_are_values() -> None:
     assert made.coats[0].alpha == 0.5
 
 
+def test_default_coat_is_the_plugins() -> None:
+    """BK7 glass (1.5046) in air (1.000277), as Mitsuba's rough dielectrics, of width 0.1, clear."""
+    eta = 1.5046 / 1.000277
+    assert coat(diffuse(0.5)) == coat(diffuse(0.5), 0.1, eta, 0, 0, 0)
+    assert dielectric() == dielectric(0.1, eta)
+
+
 def test_coating_a_stack_adds_on_top() -> None:
     inner = coat(diffuse(0.5), 0.1, 1.3)
     outer = coat(inner, 0.2, 1.5)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from urushi.physics.frame import from_cosine
+from urushi.physics.random import stream
 from urushi.reference import (
     Coat,
     StackTable,
@@ -21,7 +22,6 @@ from urushi.reference import (
     walk_pairs,
 )
 from urushi.reference.launch import types
-from urushi.reference.rng import stream
 from urushi.reference.table import BOTTOM_KINDS
 
 
@@ -282,3 +282,22 @@ def test_extreme_stacks_stay_finite() -> None:
         assert np.all(np.isfinite(f))
         assert np.all(np.isfinite(se))
         assert np.all(f >= 0)
+
+
+def test_optical_depth_of_negative_zero_is_zero() -> None:
+    """-0.0 passes the range check; a walk that divided by it would stop at once in the medium."""
+    wi, wo = [[0.6, 0.0, 0.8]], [[0.0, 0.3, np.sqrt(0.91)]]
+    clear, negative = (
+        simulate(coat(diffuse(0.5), 0.1, 1.5, sigma_t=depth), wi, wo, walks=64, progress=False)
+        for depth in (0.0, -0.0)
+    )
+    np.testing.assert_array_equal(negative, clear)
+    table = StackTable(
+        *np.float32([[[0.1]], [[1.5]], [[0.0]], [[-0.0]], [[0.0]]]),
+        "diffuse",
+        {"reflectance": np.float32([0.5])},
+    )
+    f, _ = walk_pairs(
+        table, np.zeros(1, np.uint32), np.float32(wi), np.float32(wo), walks=64, seed=0
+    )
+    np.testing.assert_array_equal(f, clear[0][:, 0])

@@ -9,7 +9,7 @@ from collections.abc import Callable
 import numpy as np
 
 from urushi.errors import ParameterError
-from urushi.geometry.half_vector import from_half_and_difference
+from urushi.geometry.half_vector import directions_at_tangent
 from urushi.geometry.probe_pairs import PROBES, probe_pairs
 
 #: Pairs whose lower cosine is below this are not trained on: they carry no energy, and the
@@ -43,7 +43,7 @@ def half_angle_pairs(
 
     def draw(count: int) -> Pairs:
         u = rng.random((3, count))
-        return from_half_and_difference(
+        return directions_at_tangent(
             np.exp(low + (high - low) * u[0]), 0.5 * np.pi * u[1], 2 * np.pi * u[2]
         )
 

@@ -44,33 +44,29 @@ def above_horizon(theta_h: np.ndarray, theta_d: np.ndarray, phi_d: np.ndarray) -
 def directions_at(
     theta_h: np.ndarray, theta_d: np.ndarray, phi_d: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return wi and wo, (N, 3) each, that have these angles (N,) [rad]; h lies at the azimuth 0.
+    """Return wi and wo, (N, 3) each, of these angles (N,) [rad]; h lies at the azimuth 0.
 
     Not all angles belong to pairs above the horizon: see `above_horizon`.
     """
-    sin_h, cos_h = np.sin(theta_h), np.cos(theta_h)
+    return _about_half_vector(np.sin(theta_h), np.cos(theta_h), theta_d, phi_d)
+
+
+def directions_at_tangent(
+    tan_h: np.ndarray, theta_d: np.ndarray, phi_d: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the pairs of `directions_at`, given tan(theta_h) (N,) instead of theta_h."""
+    cos_h = 1.0 / np.sqrt(1.0 + tan_h * tan_h)
+    return _about_half_vector(tan_h * cos_h, cos_h, theta_d, phi_d)
+
+
+def _about_half_vector(
+    sin_h: np.ndarray, cos_h: np.ndarray, theta_d: np.ndarray, phi_d: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """The pair at the difference angles about h = (sin_h, 0, cos_h)."""
     along, across = np.sin(theta_d) * np.cos(phi_d), np.sin(theta_d) * np.sin(phi_d)
     up = np.cos(theta_d)
     wi, wo = (
-        np.stack([cos_h * x + sin_h * up, y, cos_h * up - sin_h * x], axis=1)
+        np.stack([cos_h * x + sin_h * up, y, cos_h * up - sin_h * x], axis=-1)
         for x, y in ((along, across), (-along, -across))
     )
     return wi, wo
-
-
-def from_half_and_difference(
-    tan_h: np.ndarray, theta_d: np.ndarray, phi_d: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return pairs (N, 3) whose half vector lies in the xz plane (Rusinkiewicz 1998).
-
-    tan_h (N,): tangent of the half vector's angle to the normal; theta_d, phi_d (N,): the pair's
-    angles about the half vector [radians]. A direction may come out below the horizon.
-    """
-    cos_h = 1.0 / np.sqrt(1.0 + tan_h * tan_h)
-    sin_h = tan_h * cos_h
-    x, y, z = np.sin(theta_d) * np.cos(phi_d), np.sin(theta_d) * np.sin(phi_d), np.cos(theta_d)
-
-    def tilt(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        return np.stack([cos_h * x + sin_h * z, y, cos_h * z - sin_h * x], axis=-1)
-
-    return tilt(x, y), tilt(-x, -y)

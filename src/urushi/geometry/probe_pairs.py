@@ -4,7 +4,7 @@ import functools
 
 import numpy as np
 
-from urushi.geometry.half_vector import from_half_and_difference
+from urushi.geometry.half_vector import directions_at_tangent
 
 #: How many the shipped encoders see.
 PROBES = 192
@@ -30,7 +30,7 @@ def _half_angle_pairs(count: int) -> tuple[np.ndarray, np.ndarray]:
     """Pairs log-spread in tan theta_h; phi_d within a quadrant, by reciprocity and mirroring."""
     u = _points(8 * count, 3)
     tan_h = MIN_TANGENT * (MAX_TANGENT / MIN_TANGENT) ** u[:, 0]
-    wi, wo = from_half_and_difference(tan_h, MAX_DIFFERENCE * u[:, 1], 0.5 * np.pi * u[:, 2])
+    wi, wo = directions_at_tangent(tan_h, MAX_DIFFERENCE * u[:, 1], 0.5 * np.pi * u[:, 2])
     above = np.flatnonzero((wi[:, 2] > MIN_COSINE) & (wo[:, 2] > MIN_COSINE))[:count]
     return wi[above], wo[above]
 

@@ -30,14 +30,27 @@ def visible_normal_pdf(w, m, alpha):
 
 
 def sample_visible_normal(w, alpha, u1, u2):
-    """Sample a facet normal visible from `w` (w.z > 0); spherical caps of Dupuy & Benyoub 2023."""
-    vector = type(w)
-    stretched = dr.normalize(vector(alpha * w.x, alpha * w.y, w.z))
-    sin_phi, cos_phi = dr.sincos(2 * dr.pi * u1)
-    z = dr.fma(1 - u2, 1 + stretched.z, -stretched.z)
+    """Sample a unit facet normal visible from `w` (w.z > 0), uniformly on a spherical cap."""
+    w = stretched(w, alpha)
+    m = cap_normal(w, alpha, dr.fma(1 - u2, 1 + w.z, -w.z), u1)
+    return dr.normalize(type(m)(m.x, m.y, dr.maximum(m.z, 0)))
+
+
+def stretched(w, alpha):
+    """The direction `w` in the space where the GGX surface of width `alpha` is a hemisphere."""
+    return dr.normalize(type(w)(alpha * w.x, alpha * w.y, w.z))
+
+
+def cap_normal(w, alpha, z, u):
+    """The facet normal of a point of the spherical cap seen from the `stretched` direction `w`.
+
+    The point has the height z in [-w.z, 1] and the azimuth 2 pi u. The normal has any length.
+    Source: Dupuy & Benyoub 2023, listing 1.
+    """
+    sin_phi, cos_phi = dr.sincos(2 * dr.pi * u)
     sin_theta = dr.safe_sqrt(1 - z * z)
-    m = vector(sin_theta * cos_phi, sin_theta * sin_phi, z) + stretched
-    return dr.normalize(vector(alpha * m.x, alpha * m.y, dr.maximum(m.z, 0)))
+    x, y = alpha * (sin_theta * cos_phi + w.x), alpha * (sin_theta * sin_phi + w.y)
+    return type(w)(x, y, z + w.z)
 
 
 def reflection_lobe(wi, wo, alpha):

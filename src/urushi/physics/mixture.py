@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import drjit as dr
 
+from urushi.physics import microfacet
 from urushi.physics.frame import square_to_cosine_hemisphere
 
 
@@ -51,22 +52,11 @@ def reflection_pdf(alpha, wi, wo):
 
 
 def sample_reflection(alpha, wi, u1, u2):
-    """Reflect wi about a visible GGX normal and mirror it up; density `reflection_pdf`.
-
-    The normal by a spherical cap (Dupuy and Benyoub 2023, listing 1).
-    """
-    vector = type(wi)
-    stretched = dr.normalize(vector(alpha * wi.x, alpha * wi.y, wi.z))
-    sin_phi, cos_phi = dr.sincos(2 * dr.pi * u1)
-    cap_z = (1 - u2) * (1 + stretched.z) - stretched.z
-    cap_r = dr.safe_sqrt(1 - cap_z * cap_z)
-    h = vector(
-        alpha * (cap_r * cos_phi + stretched.x),
-        alpha * (cap_r * sin_phi + stretched.y),
-        cap_z + stretched.z,
-    )
+    """Reflect wi about a visible GGX normal and mirror it up; density `reflection_pdf`."""
+    w = microfacet.stretched(wi, alpha)
+    h = microfacet.cap_normal(w, alpha, (1 - u2) * (1 + w.z) - w.z, u1)
     wo = (2 * dr.dot(wi, h) / dr.maximum(dr.squared_norm(h), 1e-30)) * h - wi
-    return vector(wo.x, wo.y, dr.abs(wo.z))
+    return type(wi)(wo.x, wo.y, dr.abs(wo.z))
 
 
 def _scaled_ggx(alpha2, across, z):

@@ -15,7 +15,7 @@ from tqdm import tqdm
 
 from urushi import platform
 from urushi.errors import ParameterError
-from urushi.reference.rng import stream
+from urushi.physics.random import stream
 from urushi.reference.stack import Stack
 from urushi.reference.table import StackTable, TableLayers, from_stack, table_bottom
 

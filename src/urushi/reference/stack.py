@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from urushi import checks
+from urushi.checks import DEFAULT_COAT, CoatParameters
 from urushi.errors import ParameterError
 
 #: A number, or one number per RGB channel.
@@ -55,8 +56,8 @@ class Dielectric:
     As a coat's top it transmits; as a BRDF of its own, what it transmits is lost.
     """
 
-    alpha: Value
-    eta: Value
+    alpha: Value = DEFAULT_COAT.alpha
+    eta: Value = DEFAULT_COAT.eta
 
     def __post_init__(self) -> None:
         _set(self, "alpha", checks.alpha(self.alpha, "the dielectric's alpha"))
@@ -81,14 +82,14 @@ class Coat:
     asymmetry of its Henyey-Greenstein phase function; `eta` is relative to the medium above.
     """
 
-    alpha: Value
-    eta: Value
-    albedo: Value = 0.0
-    sigma_t: Value = 0.0
-    g: Value = 0.0
+    alpha: Value = DEFAULT_COAT.alpha
+    eta: Value = DEFAULT_COAT.eta
+    albedo: Value = DEFAULT_COAT.albedo
+    sigma_t: Value = DEFAULT_COAT.sigma_t
+    g: Value = DEFAULT_COAT.g
 
     def __post_init__(self) -> None:
-        for name in ("alpha", "eta", "albedo", "sigma_t", "g"):
+        for name in CoatParameters._fields:
             check = getattr(checks, name)
             _set(self, name, check(getattr(self, name), f"the coat's {name}"))
 
@@ -136,8 +137,14 @@ def conductor(
     return Conductor(alpha, r0, eta, k)  # type: ignore[arg-type]
 
 
-def dielectric(alpha: npt.ArrayLike, eta: npt.ArrayLike) -> Dielectric:
-    """Describe a rough dielectric interface: `alpha` in [0.01, 1], relative index `eta` in (1, 3].
+def dielectric(
+    alpha: npt.ArrayLike = DEFAULT_COAT.alpha, eta: npt.ArrayLike = DEFAULT_COAT.eta
+) -> Dielectric:
+    """Describe a rough dielectric interface.
+
+    Args:
+        alpha: GGX width in [0.01, 1].
+        eta: index relative to the medium above, in (1, 3]; by default that of BK7 glass in air.
 
     Raises:
         ParameterError: a value is out of range.
@@ -156,11 +163,11 @@ def diffuse(reflectance: npt.ArrayLike) -> Diffuse:
 
 def coat(
     bottom: BottomDescription,
-    alpha: npt.ArrayLike,
-    eta: npt.ArrayLike,
-    albedo: npt.ArrayLike = 0.0,
-    sigma_t: npt.ArrayLike = 0.0,
-    g: npt.ArrayLike = 0.0,
+    alpha: npt.ArrayLike = DEFAULT_COAT.alpha,
+    eta: npt.ArrayLike = DEFAULT_COAT.eta,
+    albedo: npt.ArrayLike = DEFAULT_COAT.albedo,
+    sigma_t: npt.ArrayLike = DEFAULT_COAT.sigma_t,
+    g: npt.ArrayLike = DEFAULT_COAT.g,
 ) -> Stack:
     """Put a coat on `bottom`; coating a Stack adds the coat on top of its coats.
 
@@ -168,7 +175,7 @@ def coat(
         bottom: a description, a Stack, or an object with `f_pdf` and `sample` on Dr.Jit arrays
             (see `urushi.reference.bottoms.Bottom`).
         alpha: GGX width of the interface in [0.01, 1].
-        eta: its index relative to the medium above, in (1, 3].
+        eta: its index relative to the medium above, in (1, 3]; by default that of BK7 glass in air.
         albedo: single-scattering albedo of the medium below it in [0, 1].
         sigma_t: optical depth of that medium, >= 0.
         g: its Henyey-Greenstein asymmetry in (-1, 1).

@@ -8,7 +8,9 @@ from typing import Any
 
 import drjit as dr
 import numpy as np
+import numpy.typing as npt
 
+from urushi.checks import CoatParameters
 from urushi.errors import ParameterError
 from urushi.reference import bottoms
 from urushi.reference.stack import Conductor, Dielectric, Diffuse, Stack
@@ -69,12 +71,12 @@ class StackTable:
             raise ParameterError(
                 f"a table of '{self.kind}' bottoms needs the parameters {', '.join(names)}"
             )
-        for name in ("alpha", "eta", "albedo", "sigma_t", "g"):
-            array = np.ascontiguousarray(getattr(self, name), np.float32)
+        for name in CoatParameters._fields:
+            array = _column(getattr(self, name))
             if array.ndim != 2 or array.shape != np.shape(self.alpha):
                 raise ParameterError(f"the table's {name} must have shape (stacks, coats)")
             object.__setattr__(self, name, array)
-        columns = {k: np.ascontiguousarray(v, np.float32) for k, v in self.bottom.items()}
+        columns = {name: _column(values) for name, values in self.bottom.items()}
         if any(v.shape != (len(self),) for v in columns.values()):
             raise ParameterError("the table's bottom parameters must have one number per stack")
         object.__setattr__(self, "bottom", columns)
@@ -86,6 +88,11 @@ class StackTable:
     def coats(self) -> int:
         """Number of coats of every stack."""
         return int(self.alpha.shape[1])
+
+
+def _column(values: npt.ArrayLike) -> np.ndarray:
+    """The values as contiguous float32; -0.0, by which the walk may divide, becomes 0.0."""
+    return np.ascontiguousarray(values, np.float32) + np.float32(0)
 
 
 def channel_count(description: object) -> int:
@@ -126,7 +133,7 @@ def from_stack(stack: Stack) -> StackTable:
         name: np.stack(
             [np.broadcast_to(getattr(coat, name), (channels,)) for coat in stack.coats], axis=1
         )
-        for name in ("alpha", "eta", "albedo", "sigma_t", "g")
+        for name in CoatParameters._fields
     }
     if not isinstance(stack.bottom, Conductor | Dielectric | Diffuse):
         return StackTable(**coats, kind="custom", custom=stack.bottom)
@@ -141,8 +148,7 @@ class TableLayers:
         self.count = table.coats
         self._row = row * self.count
         self._columns = {
-            name: types.Float(getattr(table, name).ravel())
-            for name in ("alpha", "eta", "albedo", "sigma_t", "g")
+            name: types.Float(getattr(table, name).ravel()) for name in CoatParameters._fields
         }
         self._float = types.Float
         if self.count == 1:  # no layer index: read each parameter once, outside of the loop

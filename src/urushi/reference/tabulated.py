@@ -22,8 +22,8 @@ import drjit as dr
 import numpy as np
 
 from urushi.physics.mixture import Mixture
+from urushi.physics.random import stream
 from urushi.reference.launch import types
-from urushi.reference.rng import stream
 
 #: Widths that are tried, a fixed ratio apart.
 ALPHAS = np.geomspace(0.01, 0.8, 11)

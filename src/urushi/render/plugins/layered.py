@@ -1,13 +1,9 @@
-"""The plugin `layered`: a coat over any BSDF by random walks, the reference of `neural_layered`.
+"""The plugin `layered`: a coat over any BSDF by random walks, the reference of `neural_layered`."""
 
-Random numbers for a BSDF that needs its own: Mitsuba hands none to `eval`.
-"""
-
-import drjit as dr
 import mitsuba as mi
 
+from urushi.physics.random import hashed_stream
 from urushi.reference import walk
-from urushi.reference.rng import mix64
 from urushi.render.latents import baking
 from urushi.render.networks.mlp import compiled_once
 from urushi.render.plugins.coats import BottomLobes, Coats, MitsubaBottom, walk_color
@@ -92,8 +88,9 @@ def define(base: type) -> type:
             def walked(si, wo, active):
                 coats = Coats(self.coats, si, active)
                 bottom = MitsubaBottom(self.bottom, ctx, si, active)
-                random = hashed(si, wo)
-                f = walk.estimate(coats, bottom, si.wi, wo, random, walk_color(), active)
+                # Mitsuba gives `eval` no random numbers: hash all that distinguishes the call.
+                rng = hashed_stream(mi.PCG32, (*si.wi, *wo, *si.p, *si.uv, si.time))
+                f = walk.estimate(coats, bottom, si.wi, wo, rng, walk_color(), active)
                 return mi.Spectrum(f + walk.top_reflection(coats, si.wi, wo))
 
             return compiled_once(walked, si, wo, active)
@@ -115,20 +112,3 @@ def define(base: type) -> type:
             return f"Layered[\n{self._coat},\n  bottom = {bottom}\n]"
 
     return Layered
-
-
-def hashed(si, wo) -> "mi.PCG32":
-    """A generator per lane, seeded by every bit of what is asked: wi, wo, position, uv and time.
-
-    The same question gets the same answer, and different samples of a pixel, which differ in
-    position or direction, get independent ones.
-    """
-    state = mi.UInt64(0)
-    for value in (*si.wi, *wo, *si.p, *si.uv, si.time):
-        bits = mi.UInt64(dr.reinterpret_array(mi.UInt32, value))
-        state = mix64(state * 0x9E3779B97F4A7C15 + bits + 1)
-    rng = mi.PCG32(size=1, initstate=0, initseq=0)
-    rng.state = state
-    rng.inc = mix64(state + 0x9E3779B97F4A7C15) | 1
-    rng.next_uint32()  # the first output is a plain function of the state: skip it
-    return rng
