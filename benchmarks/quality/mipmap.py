@@ -111,7 +111,10 @@ def errors(model: Model, kind: str) -> list[tuple[float, ...]]:
     result = []
     for level in range(LEVELS):
         height = SIDE >> level
-        f, plain = mip_pyramid.halved(f, 0, height), mip_pyramid.halved(plain, 0, height)
+        f, plain = (
+            mip_pyramid.half_resolution(f, 0, height),
+            mip_pyramid.half_resolution(plain, 0, height),
+        )
         result.append(
             tuple(
                 float(stack_error(values(z), f, wi[:, 2], wo[:, 2]).mean())

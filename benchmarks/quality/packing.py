@@ -35,12 +35,12 @@ def main() -> None:
             sigma_t=rng.exponential(1, count),
             g=rng.uniform(-0.7, 0.7, count),
         )
-        layout = packing.layout(model, 3)
+        layout = packing.texel_layout(model, 3)
         texels = codes.reshape(TEXELS, 3, -1)
         lowest, highest = codes.min(axis=0), codes.max(axis=0)
         empty = np.zeros((TEXELS, layout.texel_bytes), np.uint8)
-        packed = packing.within(layout, empty, lowest, highest)
-        packing.write(layout, packed, slice(None), texels)
+        packed = packing.with_ranges(layout, empty, lowest, highest)
+        packing.pack_rows(layout, packed, slice(None), texels)
         wi, wo = cosine_pairs(rng)
         f = model.networks.f(codes[:, None], wi, wo)
         stored = packing.unpack(layout, packed).reshape(codes.shape), codes.astype(np.float16)

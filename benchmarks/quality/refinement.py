@@ -30,7 +30,7 @@ from urushi.eval.groups import GROUPS, Group
 from urushi.eval.samples import Samples
 from urushi.geometry import direction_sets, error_metrics
 from urushi.material import Material, fit, layer
-from urushi.material.encode import material_from_values, read, seen_pairs
+from urushi.material.encode import evaluate_source, material_from_values, required_pairs
 from urushi.material.layer import layer_texels
 from urushi.nets import weights
 from urushi.nets.weights import Model
@@ -75,7 +75,7 @@ def encoders(model: Model) -> Encoders:
 
 def stored(make: Encoders, group: Group, samples: Samples, model: Model) -> Errors:
     """A stored group: its stacks encoded whole, and the uppermost coat over the encoded rest."""
-    pairs = seen_pairs(None, model)
+    pairs = required_pairs(None, model)
     wi, wo = (np.broadcast_to(w, (len(samples.table), *w.shape)) for w in pairs)
     bottoms = sampling.evaluate_bottoms(samples.table, wi, wo)
     coats = group.distribution.coats
@@ -152,9 +152,9 @@ def odd_materials(files: list[Path]) -> Iterator[tuple[str, Any, dict[str, Any] 
 def odd(make: Encoders, source: Any, description: dict[str, Any] | None, model: Model) -> Errors:
     """An odd material, encoded and under coats."""
     wi, wo = direction_sets.cosine_pairs(np.random.default_rng(5), PAIRS)
-    values = read(source, *seen_pairs(source, model)).values
+    values = evaluate_source(source, *required_pairs(source, model)).values
     made = [to_code(values) for to_code in make.values()]
-    truth = read(source, wi, wo).values
+    truth = evaluate_source(source, wi, wo).values
     encoded = [error(material.f(wi, wo), truth, wi, wo) for material in made]
     if description is None:
         return Errors(encoded, [np.nan] * len(make))
@@ -181,7 +181,7 @@ def simulated(
     bsdf = mi.load_dict({**description, "bottom": bottom})
     # Places, which the BSDF does not depend on, go into the hash that its walks start from.
     uv = np.random.default_rng(3).random((len(wi) * WALKS, 2))
-    f = probing.values(bsdf, np.repeat(wi, WALKS, axis=0), np.repeat(wo, WALKS, axis=0), uv)
+    f = probing.bsdf_values(bsdf, np.repeat(wi, WALKS, axis=0), np.repeat(wo, WALKS, axis=0), uv)
     walks = f.reshape(len(wi), WALKS, -1)
     return walks.mean(axis=1), walks.std(axis=1) / np.sqrt(WALKS)
 

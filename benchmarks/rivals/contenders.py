@@ -223,4 +223,4 @@ def _mitsuba(path: Path) -> Brdf:
 
     mi.set_variant("llvm_ad_rgb")
     bsdf = mi.load_dict({"type": "measured", "filename": str(path)})
-    return lambda wi, wo: probing.values(bsdf, wi, wo, np.full((len(wi), 2), 0.5, np.float32))
+    return lambda wi, wo: probing.bsdf_values(bsdf, wi, wo, np.full((len(wi), 2), 0.5, np.float32))

@@ -31,14 +31,14 @@ def forms(weights: str) -> dict[str, Callable[[], object]]:
     from urushi.nets.weights import find
     from urushi.render.latents.holders import ConstantLatents, TexturedLatents
     from urushi.render.networks.decoder import Decoder
-    from urushi.render.reading.grid import IDENTITY, TexelGrid
     from urushi.textures import packing
+    from urushi.textures.grid import IDENTITY, TexelGrid
     from urushi.textures.store import TextureStore
 
     model = find(weights)
     rng = np.random.default_rng(0)
     codes = rng.normal(size=(64 * 64, 3, model.arch.latent)).astype(np.float32)
-    store = TextureStore(model, packing.layout(model, 3), 64, 64)
+    store = TextureStore(model, packing.texel_layout(model, 3), 64, 64)
     with store.writing() as write:
         write(np.arange(len(codes)), codes)
     grid = TexelGrid(64, 64, IDENTITY, "repeat", False)

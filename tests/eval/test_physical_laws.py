@@ -75,7 +75,9 @@ def test_broken_reciprocity_is_found(sets, tiny, monkeypatch):
 @pytest.fixture
 def unlimited(monkeypatch):
     """Materials as networks make them, however bright."""
-    monkeypatch.setattr(energy, "_factors", lambda model, z, *ceiling: np.ones(z.shape[:-1]))
+    monkeypatch.setattr(
+        energy, "_limiting_factors", lambda model, z, *ceiling: np.ones(z.shape[:-1])
+    )
 
 
 def test_excess_of_the_albedo(sets, lax, unlimited):
@@ -100,10 +102,13 @@ def test_energy_is_conserved_by_any_networks(sets, lax, monkeypatch):
     assert physical_laws.white_albedo(lax).kept
     made = {"bare": predict.materials(lax, sets["bare"])}
     bare = sets["bare"]
-    own = [energy.rule().albedo(f) for f in predict._lower_values(bare, 0, *energy.rule()[:2])]
+    own = [
+        energy.albedo_rule().albedo(f)
+        for f in predict._lower_values(bare, 0, *energy.albedo_rule()[:2])
+    ]
     for material, albedo in zip(made["bare"], own, strict=True):
-        excess = energy.albedo(lax, material.latents)[0] - albedo
-        lawful = energy.rule().cosines > energy.GRAZING
+        excess = energy.directional_albedos(lax, material.latents)[0] - albedo
+        lawful = energy.albedo_rule().cosines > energy.GRAZING
         assert excess[lawful].max() < energy.SLACK + 1e-5
 
 

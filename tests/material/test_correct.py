@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from urushi.geometry.error_metrics import UNSEEN
+from urushi.geometry.error_metrics import DARK_OFFSET
 from urushi.material import energy
 from urushi.material.encode import material_from_values
-from urushi.material.fit import corrected
+from urushi.material.fit import correct_codes
 from urushi.nets import weights
 from urushi.paper.architecture import PaperArchitecture, init
 from urushi.reference import analytic
@@ -30,14 +30,14 @@ def surfaces(trained) -> np.ndarray:
 def errors(trained, z, f):
     """Huber's loss (C,) of the logarithms at the probe pairs."""
     f_hat = trained.networks.f(z[:, None], *trained.networks.pairs())
-    size = np.abs(np.log((f_hat + UNSEEN) / (f + UNSEEN)))
+    size = np.abs(np.log((f_hat + DARK_OFFSET) / (f + DARK_OFFSET)))
     return np.where(size < 0.5, size**2, size - 0.25).sum(axis=1)
 
 
 def test_correction_brings_codes_closer(trained, surfaces):
     z = trained.networks.encode(surfaces)
     before, after = (
-        errors(trained, c, surfaces) for c in (z, corrected(trained.networks, z, surfaces)[0])
+        errors(trained, c, surfaces) for c in (z, correct_codes(trained.networks, z, surfaces)[0])
     )
     assert (after <= before * (1 + 1e-5)).all()
     assert np.sqrt(after).mean() < 0.9 * np.sqrt(before).mean()
@@ -56,14 +56,14 @@ def test_no_code_gets_worse_whatever_the_networks_and_values(trained, model):
     ).astype(np.float32)
     for networks in (trained, model):
         z = networks.networks.encode(odd)
-        found, _ = corrected(networks.networks, z, odd)
+        found, _ = correct_codes(networks.networks, z, odd)
         assert np.isfinite(found).all()
         assert (errors(networks, found, odd) <= errors(networks, z, odd) * (1 + 1e-5)).all()
 
 
 def test_materials_keep_the_encoders_codes_for_coats(trained, surfaces):
     material = material_from_values(surfaces[:3].T, trained)
-    expected = energy.limit(trained, trained.networks.encode(surfaces[:3]))
+    expected = energy.limit_albedo(trained, trained.networks.encode(surfaces[:3]))
     np.testing.assert_allclose(material.anchors, expected, rtol=1e-4, atol=1e-4)
     assert not np.array_equal(material.anchors, material.latents)
 
@@ -72,22 +72,27 @@ def test_anchors_that_could_bring_light_into_a_coat_are_dimmed(trained, surfaces
     """At most by a factor of `excess` is an encoder's code brighter than what was encoded."""
     z = trained.networks.encode(surfaces)
     f_hat = trained.networks.f(z[:, None], *trained.networks.pairs())
-    expected = ((f_hat + UNSEEN) / (surfaces + UNSEEN)).max(axis=1)
-    np.testing.assert_allclose(corrected(trained.networks, z, surfaces)[1], expected, rtol=1e-4)
-    nodes = energy.rule()
+    expected = ((f_hat + DARK_OFFSET) / (surfaces + DARK_OFFSET)).max(axis=1)
+    np.testing.assert_allclose(correct_codes(trained.networks, z, surfaces)[1], expected, rtol=1e-4)
+    nodes = energy.albedo_rule()
     for surface in SURFACES:
         pairs = (np.concatenate([own, more]) for own, more in zip(
             trained.networks.pairs(), (nodes.wi, nodes.wo), strict=True
         ))  # fmt: skip
         material = material_from_values(analytic.f(surface, *pairs), trained)
-        assert energy.albedo(trained, material.anchors).max() <= 1 - energy.MARGIN + 1e-4
+        assert (
+            energy.directional_albedos(trained, material.anchors).max() <= 1 - energy.MARGIN + 1e-4
+        )
 
 
 def test_channels_are_corrected_by_themselves(trained, surfaces):
     z = trained.networks.encode(surfaces)
-    together, _ = corrected(trained.networks, z, surfaces)
+    together, _ = correct_codes(trained.networks, z, surfaces)
     alone = np.concatenate(
-        [corrected(trained.networks, z[k : k + 1], surfaces[k : k + 1])[0] for k in range(len(z))]
+        [
+            correct_codes(trained.networks, z[k : k + 1], surfaces[k : k + 1])[0]
+            for k in range(len(z))
+        ]
     )
     f = [
         trained.networks.f(codes[:, None], *trained.networks.pairs()) for codes in (together, alone)
@@ -99,6 +104,6 @@ def test_networks_that_optimise_are_left_alone():
     arch = PaperArchitecture()
     networks = weights.Model.of(arch, init(0), {}).networks
     z, f = np.zeros((1, 32), np.float32), np.ones((1, len(networks.pairs()[0])), np.float32)
-    codes, excess = corrected(networks, z, f)
+    codes, excess = correct_codes(networks, z, f)
     assert codes is z
     assert np.isinf(excess).all()

@@ -6,7 +6,7 @@ import pytest
 from urushi.errors import ParameterError
 from urushi.geometry.probe_pairs import probe_pairs
 from urushi.material import encode as package_encode
-from urushi.material.encode import _adapters, encode, register_adapter
+from urushi.material.encode import as_source, encode
 from urushi.material.symmetry import Source
 from urushi.reference import analytic
 from urushi.reference.stack import coat, conductor, dielectric, diffuse
@@ -52,21 +52,17 @@ def test_objects_with_f_and_materials(material, model, other_model):
     assert encode(material, other_model).model is other_model
 
 
-def test_registered_adapters_come_first(model):
+def test_other_types_of_sources_can_be_registered(model):
     class Foreign:
         level = 0.25
 
     with pytest.raises(ParameterError, match="cannot encode Foreign"):
         encode(Foreign(), model)
-    register_adapter(
-        lambda source: isinstance(source, Foreign),
-        lambda source: Source(lambda wi, wo: np.full((len(wi), 3), source.level)),
+    as_source.register(
+        Foreign, lambda source: Source(lambda wi, wo: np.full((len(wi), 3), source.level))
     )
-    try:
-        expected = encode(lambda wi, wo: np.full((len(wi), 3), 0.25), model)
-        assert package_encode(Foreign(), model) == expected
-    finally:
-        _adapters.pop()
+    expected = encode(lambda wi, wo: np.full((len(wi), 3), 0.25), model)
+    assert package_encode(Foreign(), model) == expected
 
 
 def test_the_source_sees_the_probe_pairs(model):

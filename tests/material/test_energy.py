@@ -8,10 +8,10 @@ from urushi.geometry.quadrature import half_vector_rule
 from urushi.material import Material, encode, energy, layer
 from urushi.material.encode import (
     encoder_codes,
+    evaluate_source,
     limited_codes,
     material_from_values,
-    read,
-    seen_pairs,
+    required_pairs,
 )
 from urushi.material.layer import layer_texels
 from urushi.nets import decoder
@@ -47,7 +47,7 @@ def true_albedo(description, wi):
 @pytest.mark.parametrize("alpha", [0.01, 0.017, 0.033, 0.08, 0.21, 0.47, 1.0])
 def test_the_rule_agrees_with_a_fine_one(alpha):
     """At its own angles within 0.2 %; between them too, but for lobes narrower than their steps."""
-    rule = energy.rule()
+    rule = energy.albedo_rule()
     for description in (
         urushi.conductor(alpha, (0.0, 0.5, 1.0)),
         urushi.conductor(alpha, eta=0.2, k=3.9),
@@ -66,7 +66,7 @@ def test_the_rule_agrees_with_a_fine_one(alpha):
 
 
 def test_weights_are_positive_and_nodes_are_unit_vectors():
-    rule = energy.rule()
+    rule = energy.albedo_rule()
     assert (rule.weights > 0).all() and (rule.wo[:, 2] > 0).all()
     np.testing.assert_allclose(np.linalg.norm(rule.wo, axis=1), 1, atol=1e-6)
     np.testing.assert_allclose(rule.interpolation.sum(axis=1), 1, atol=1e-9)
@@ -85,7 +85,9 @@ def test_lossless_stacks_reflect_at_most_everything(bottom, trained):
 
 def test_a_gaining_network_is_brought_back_to_the_source(gaining):
     gold = urushi.conductor(0.2, (0.98, 0.77, 0.34))
-    free = Material(encoder_codes(gaining, read(gold, *gaining.networks.pairs()).values.T), gaining)
+    free = Material(
+        encoder_codes(gaining, evaluate_source(gold, *gaining.networks.pairs()).values.T), gaining
+    )
     assert (free.albedo(WI) > 1.2 * true_albedo(gold, WI)).all()
     lawful = COSINES > energy.GRAZING
     excess = encode(gold, gaining).albedo(WI) - true_albedo(gold, WI)
@@ -103,10 +105,10 @@ def test_a_gaining_network_layers_at_most_everything(gaining):
 def test_one_factor_for_all_directions(gaining, directions):
     """So that reciprocity is untouched: the same bits with wi and wo exchanged."""
     source = urushi.conductor(0.2, (0.98, 0.77, 0.34))
-    codes = encoder_codes(gaining, read(source, *gaining.networks.pairs()).values.T)
-    nodes = energy.rule()
-    own = nodes.albedo(read(source, nodes.wi, nodes.wo).values.T)
-    limited = Material(energy.limit(gaining, codes, energy.ceiling(own)), gaining)
+    codes = encoder_codes(gaining, evaluate_source(source, *gaining.networks.pairs()).values.T)
+    nodes = energy.albedo_rule()
+    own = nodes.albedo(evaluate_source(source, nodes.wi, nodes.wo).values.T)
+    limited = Material(energy.limit_albedo(gaining, codes, energy.albedo_ceiling(own)), gaining)
     wi, wo = directions[:500], directions[500:]
     above = (wi[:, 2] > 0) & (wo[:, 2] > 0)
     ratio = limited.f(wi, wo)[above] / Material(codes, gaining).f(wi, wo)[above]
@@ -116,9 +118,11 @@ def test_one_factor_for_all_directions(gaining, directions):
 
 
 def test_what_is_far_below_keeps_its_bits(trained):
-    dark = encoder_codes(trained, read(urushi.diffuse(0.3), *trained.networks.pairs()).values.T)
-    assert energy.limit(trained, dark) is dark
-    again = energy.limit(trained, dark, energy.albedo(trained, dark) + 0.01)
+    dark = encoder_codes(
+        trained, evaluate_source(urushi.diffuse(0.3), *trained.networks.pairs()).values.T
+    )
+    assert energy.limit_albedo(trained, dark) is dark
+    again = energy.limit_albedo(trained, dark, energy.directional_albedos(trained, dark) + 0.01)
     assert again is dark
 
 
@@ -128,7 +132,7 @@ def test_codes_far_beyond_the_largest_f_are_limited_too(excess, trained):
     code = encode(urushi.conductor(0.4, 0.9), trained).latents[:1]
     bright = np.array(code)
     bright[:, 0] += excess  # the gain, a logarithm
-    limited = Material(energy.limit(trained, bright), trained)
+    limited = Material(energy.limit_albedo(trained, bright), trained)
     assert 0.9 < limited.albedo(WI).max() < 1 + BETWEEN
 
 
@@ -153,14 +157,14 @@ def test_a_source_that_gains_energy_keeps_its_own_albedo(trained):
     own = encode(bright, trained)
     albedo = own.albedo(WI)
     assert 1.15 < albedo.max() < 1.2 + BETWEEN
-    pairs = seen_pairs(bright, trained)
-    assert material_from_values(read(bright, *pairs).values, trained) == own
-    blind = material_from_values(read(bright, *trained.networks.pairs()).values, trained)
+    pairs = required_pairs(bright, trained)
+    assert material_from_values(evaluate_source(bright, *pairs).values, trained) == own
+    blind = material_from_values(evaluate_source(bright, *trained.networks.pairs()).values, trained)
     assert blind.albedo(WI).max() < 1 + BETWEEN
-    free = encoder_codes(trained, read(bright, *trained.networks.pairs()).values.T)
-    coated = energy.limit_coated(trained, free * np.float32(1), own.latents)
+    free = encoder_codes(trained, evaluate_source(bright, *trained.networks.pairs()).values.T)
+    coated = energy.limit_coated_albedo(trained, free * np.float32(1), own.latents)
     assert Material(coated, trained).albedo(WI).max() > 1.1
-    coated = energy.limit_coated(trained, free * np.float32(1), blind.latents)
+    coated = energy.limit_coated_albedo(trained, free * np.float32(1), blind.latents)
     assert Material(coated, trained).albedo(WI).max() < 1 + BETWEEN
 
 
@@ -182,10 +186,14 @@ def test_of_many_texels_the_bright_ones_are_limited(trained):
     }  # fmt: skip
     free = layer_texels(trained, bottoms, **coats)
     lifted = decoder.scaled(free, np.float32(1.15) * np.ones(shape, np.float32))
-    assert lifted[..., 0].size > energy.MANY
-    limited = energy.limit(trained, lifted)
-    peaks = energy.albedo(trained, limited.reshape(-1, limited.shape[-1])[::5]).max(axis=-1)
-    before = energy.albedo(trained, lifted.reshape(-1, limited.shape[-1])[::5]).max(axis=-1)
+    assert lifted[..., 0].size > energy.SCREENED_COUNT
+    limited = energy.limit_albedo(trained, lifted)
+    peaks = energy.directional_albedos(trained, limited.reshape(-1, limited.shape[-1])[::5]).max(
+        axis=-1
+    )
+    before = energy.directional_albedos(trained, lifted.reshape(-1, limited.shape[-1])[::5]).max(
+        axis=-1
+    )
     assert (before > 1).mean() > 0.02  # the test tests something
     assert peaks.max() <= 1
     untouched = (limited == lifted).all(axis=-1).reshape(-1)[::5]
@@ -197,15 +205,15 @@ def test_the_papers_codes_have_no_gain_and_pass():
     params["evaluation.3.bias"] = params["evaluation.3.bias"] + np.float32(9)
     paper = Model.of(PaperArchitecture(), params, {})
     z = np.ones((3, 32), np.float32)
-    assert energy.limit(paper, z) is z
+    assert energy.limit_albedo(paper, z) is z
 
 
 def test_sources_are_asked_where_their_albedo_is_told(trained):
     """But not a Stack, whose every pair costs thousands of walks."""
-    wi, wo = seen_pairs(urushi.diffuse(0.5), trained)
+    wi, wo = required_pairs(urushi.diffuse(0.5), trained)
     pairs = len(trained.networks.pairs()[0])
-    assert np.array_equal(wi[pairs:], energy.rule().wi) and np.array_equal(
-        wo[pairs:], energy.rule().wo
+    assert np.array_equal(wi[pairs:], energy.albedo_rule().wi) and np.array_equal(
+        wo[pairs:], energy.albedo_rule().wo
     )
     stack = urushi.coat(urushi.diffuse(0.5), alpha=0.1, eta=1.5)
-    assert len(seen_pairs(stack, trained)[0]) == pairs
+    assert len(required_pairs(stack, trained)[0]) == pairs

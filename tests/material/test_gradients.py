@@ -53,9 +53,9 @@ def test_the_limit_acts_on_some_codes_and_not_on_others(gaining, inputs):
     """Lest the tests below compare nothing."""
     f, z, coat = inputs
     unlimited = gradients._unlimited(gaining, z, coat)
-    over = gradients._limited(layered(gaining, z, coat), unlimited)
+    over = gradients._limited_rows(layered(gaining, z, coat), unlimited)
     assert 0 < len(over) < ROWS
-    over = gradients._limited(limited_codes(gaining, f), encoder_codes(gaining, f))
+    over = gradients._limited_rows(limited_codes(gaining, f), encoder_codes(gaining, f))
     assert 0 < len(over) < ROWS
 
 
@@ -113,4 +113,4 @@ def test_the_papers_networks_are_refused():
     with pytest.raises(
         ParameterError, match="the coat: gradients are asked for.*'base' or 'small'"
     ):
-        gradients.check(model, "the coat")
+        gradients.check_differentiable(model, "the coat")

@@ -9,17 +9,17 @@ from urushi.eval import benchmark, predict
 from urushi.eval import samples as sampling
 from urushi.eval.groups import GROUPS
 from urushi.material import Material, encode, energy
-from urushi.material.encode import material_from_values, read
+from urushi.material.encode import evaluate_source, material_from_values
 from urushi.material.fit import (
     ANCHOR_HOLD,
-    LATENT_HOLD,
-    STEPS,
+    CODE_HOLD,
+    REFINEMENT_STEPS,
+    fit_below_ceiling,
     fit_target,
-    fitted_below_ceiling,
     initial_code,
     levenberg_marquardt,
     objective,
-    refined,
+    refine_codes,
 )
 from urushi.material.layer import layer_texels
 from urushi.parallel import one_blas_thread
@@ -47,11 +47,11 @@ ODD = (
 
 def values(source, networks) -> np.ndarray:
     """A source's values (C, P) at the probe pairs."""
-    f = read(source, *networks.pairs()).values
+    f = evaluate_source(source, *networks.pairs()).values
     return np.ascontiguousarray(f.T)
 
 
-@pytest.mark.parametrize("hold", [ANCHOR_HOLD, LATENT_HOLD])
+@pytest.mark.parametrize("hold", [ANCHOR_HOLD, CODE_HOLD])
 @pytest.mark.parametrize("source", ODD)
 def test_no_step_raises_the_objective(source, hold, trained, model):
     for networks in (trained.networks, model.networks):
@@ -61,7 +61,7 @@ def test_no_step_raises_the_objective(source, hold, trained, model):
             with one_blas_thread():
                 made = [
                     levenberg_marquardt(networks, z, aim, hold, steps)
-                    for steps in range(0, STEPS + 1, 4)
+                    for steps in range(0, REFINEMENT_STEPS + 1, 4)
                 ]
                 course = [objective(networks, z, aim, hold) for z in made]
             assert (np.diff(course) <= 0).all() and np.isfinite(course).all()
@@ -168,9 +168,9 @@ def test_a_far_code_is_left_for_a_plain_one(trained):
 
 def test_values_at_nodes_bring_the_light_closer(trained):
     """Where a source reflects light, refinement that knows its values there errs less."""
-    rule = energy.rule()
+    rule = energy.albedo_rule()
     f, nodes = (
-        np.ascontiguousarray(read(three_lobes, *pairs).values.T)
+        np.ascontiguousarray(evaluate_source(three_lobes, *pairs).values.T)
         for pairs in (trained.networks.pairs(), (rule.wi, rule.wo))
     )
     light = np.sqrt(nodes * rule.weights * rule.wi[:, 2])
@@ -179,12 +179,12 @@ def test_values_at_nodes_bring_the_light_closer(trained):
         f_hat = trained.networks.f(codes[:, None], rule.wi, rule.wo)
         return np.average(np.abs(np.log(f_hat / nodes)), weights=light)
 
-    with_nodes, without = (error(refined(trained.networks, f, n).codes) for n in (nodes, None))
+    with_nodes, without = (error(refine_codes(trained.networks, f, n).codes) for n in (nodes, None))
     assert with_nodes < without
 
 
 def test_black_nodes_count_for_nothing(trained):
-    rule = energy.rule()
+    rule = energy.albedo_rule()
     black = np.zeros(len(trained.networks.pairs()[0]), np.float32)
     aim = fit_target(trained.networks, black, np.zeros(len(rule.wi), np.float32))
     assert len(aim.logs) == aim.probes
@@ -246,18 +246,17 @@ def tan2_h(wi, wo):
 )
 def test_no_angle_is_much_too_bright_when_the_limit_comes(source, trained):
     """Else the limit of energy would darken all angles for one."""
-    rule, networks = energy.rule(), trained.networks
+    rule, networks = energy.albedo_rule(), trained.networks
     f, nodes = (
-        np.ascontiguousarray(read(source, *pairs).values.T)
+        np.ascontiguousarray(evaluate_source(source, *pairs).values.T)
         for pairs in (networks.pairs(), (rule.wi, rule.wo))
     )
     aim, start = fit_target(networks, f[0], nodes[0]), initial_code(networks, f[0])
     with one_blas_thread():
         codes = [
-            way(networks, start, aim, LATENT_HOLD)
-            for way in (levenberg_marquardt, fitted_below_ceiling)
+            way(networks, start, aim, CODE_HOLD) for way in (levenberg_marquardt, fit_below_ceiling)
         ]
-    ceiling = energy.ceiling(rule.albedo(nodes))
-    free, held = ((energy.albedo(trained, z[None]) - ceiling).max() for z in codes)
+    ceiling = energy.albedo_ceiling(rule.albedo(nodes))
+    free, held = ((energy.directional_albedos(trained, z[None]) - ceiling).max() for z in codes)
     assert free > 0.005  # what there is to be mended
     assert held < 0.7 * free

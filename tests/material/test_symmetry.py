@@ -9,8 +9,8 @@ from urushi.errors import UrushiWarning
 from urushi.geometry.direction_sets import cosine_pairs
 from urushi.geometry.error_metrics import stack_error
 from urushi.geometry.probe_pairs import probe_pairs
-from urushi.material.encode import encode, read
-from urushi.material.symmetry import AZIMUTHS, Findings, judged_pairs, turned
+from urushi.material.encode import encode, evaluate_source
+from urushi.material.symmetry import AZIMUTHS, Deviations, asymmetry_pairs, rotated
 from urushi.reference.stack import conductor
 
 WI, WO = probe_pairs(192)
@@ -33,36 +33,36 @@ def lambert(wi, wo):
 
 
 def test_what_is_symmetric_keeps_its_bits():
-    reading = read(lambert, WI, WO)
+    reading = evaluate_source(lambert, WI, WO)
     assert np.array_equal(reading.values, lambert(WI, WO).astype(np.float32))
-    assert reading.findings == Findings()
+    assert reading.deviations == Deviations()
     rough = conductor(0.05, (0.9, 0.5, 0.2))
-    seen = read(lambda wi, wo: read(rough, wi, wo).values, WI, WO)
-    assert np.array_equal(seen.values, read(rough, WI, WO).values)
-    assert seen.findings == Findings()
+    seen = evaluate_source(lambda wi, wo: evaluate_source(rough, wi, wo).values, WI, WO)
+    assert np.array_equal(seen.values, evaluate_source(rough, WI, WO).values)
+    assert seen.deviations == Deviations()
 
 
 def test_the_mean_over_the_azimuth_is_what_is_encoded():
-    reading = read(brushed, WI, WO)
+    reading = evaluate_source(brushed, WI, WO)
     # cos(2 phi) has no mean over an odd number of turns.
     np.testing.assert_allclose(reading.values, 0.2, rtol=1e-5)
-    wi, wo = judged_pairs()
-    turns = [brushed(*(turned(w, k / 999) for w in (wi, wo))) for k in range(999)]
+    wi, wo = asymmetry_pairs()
+    turns = [brushed(*(rotated(w, k / 999) for w in (wi, wo))) for k in range(999)]
     e = np.mean([stack_error(f, np.full(len(f), 0.2), wi[:, 2], wo[:, 2]) for f in turns])
-    assert reading.findings.anisotropy == pytest.approx(e, rel=1e-3)
-    assert reading.findings.reciprocity == pytest.approx(0, abs=1e-6)
+    assert reading.deviations.anisotropy == pytest.approx(e, rel=1e-3)
+    assert reading.deviations.reciprocity == pytest.approx(0, abs=1e-6)
 
 
 def test_the_mean_over_the_exchange_is_what_is_encoded():
-    reading = read(one_way, WI, WO)
+    reading = evaluate_source(one_way, WI, WO)
     np.testing.assert_allclose(reading.values[:, 0], 0.15 * (WI[:, 2] + WO[:, 2]), rtol=1e-5)
     # Among other pairs of cosine density than those that are judged by: E of 1024 pairs has a
     # statistical error of 2 %.
     wi, wo = cosine_pairs(np.random.default_rng(1), 100_000, lowest_cosine=0.01)
     mean = 0.15 * (wi[:, 2] + wo[:, 2])
     e = stack_error(one_way(wi, wo), mean, wi[:, 2], wo[:, 2])
-    assert reading.findings.reciprocity == pytest.approx(e, rel=0.08)
-    assert reading.findings.anisotropy == pytest.approx(0, abs=1e-6)
+    assert reading.deviations.reciprocity == pytest.approx(e, rel=0.08)
+    assert reading.deviations.anisotropy == pytest.approx(0, abs=1e-6)
 
 
 def test_a_narrow_lobe_is_averaged_whole():
@@ -75,9 +75,9 @@ def test_a_narrow_lobe_is_averaged_whole():
         return (1 / (lobe**2 * (wi[:, 2] + wo[:, 2])))[:, None]
 
     expected = np.mean(
-        [metal(*(turned(w, k / 1999) for w in (WI, WO))) for k in range(1999)], axis=0
+        [metal(*(rotated(w, k / 1999) for w in (WI, WO))) for k in range(1999)], axis=0
     )
-    found = read(metal, WI, WO).values
+    found = evaluate_source(metal, WI, WO).values
     assert np.abs(found - expected).sum() < 5e-3 * expected.sum()
 
 
@@ -87,9 +87,9 @@ def test_mirror_images_count_as_one():
         across = wi[:, 0] * wo[:, 1] - wi[:, 1] * wo[:, 0]
         return 0.2 + 0.1 * across * (wi[:, 2] - wo[:, 2])
 
-    reading = read(handed, WI, WO)
+    reading = evaluate_source(handed, WI, WO)
     np.testing.assert_allclose(reading.values, 0.2, rtol=1e-5)
-    assert reading.findings.anisotropy > 0.01
+    assert reading.deviations.anisotropy > 0.01
 
 
 def test_a_user_is_warned_of_large_changes_alone(model):
@@ -101,7 +101,7 @@ def test_a_user_is_warned_of_large_changes_alone(model):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         encode(slightly, model)
-    assert 0 < read(slightly, WI, WO).findings.reciprocity < 0.1
+    assert 0 < evaluate_source(slightly, WI, WO).deviations.reciprocity < 0.1
 
 
 def lambda_named(function, name):
@@ -125,7 +125,7 @@ def test_functions_are_asked_above_the_horizon_only():
         lowest.append(min(wi[:, 2].min(), wo[:, 2].min()))
         return one_way(wi, wo)
 
-    read(f, WI, WO)
+    evaluate_source(f, WI, WO)
     assert min(lowest) > 0
     assert len(lowest) == 4 + 2 * AZIMUTHS  # three that ask, one for noise, then all
 
@@ -136,9 +136,9 @@ def test_noise_is_not_taken_for_asymmetry():
     def noisy(wi, wo):
         return rng.exponential(0.2, len(wi))
 
-    reading = read(noisy, WI, WO)
-    assert reading.findings.anisotropy is None and reading.findings.reciprocity is None
-    assert not reading.findings.warnings()
+    reading = evaluate_source(noisy, WI, WO)
+    assert reading.deviations.anisotropy is None and reading.deviations.reciprocity is None
+    assert not reading.deviations.warnings()
     # Means of 16 values and more of deviation 0.2 each: 0.05, of which 192 are drawn.
     assert abs(reading.values.mean() - 0.2) < 4 * 0.05 / np.sqrt(192)
     assert np.abs(reading.values - 0.2).max() < 0.3

@@ -48,12 +48,14 @@ def values(model, codes: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarr
 @pytest.mark.parametrize("sample", (256, 4096))  # by a regression, and by decoding
 def test_levels_are_the_averages_of_brdfs(trained, monkeypatch, sample):
     monkeypatch.setattr(averaging, "SAMPLE", sample)
-    monkeypatch.setattr(mip_pyramid, "KEPT", 64)  # so that tiles and what is above them take part
+    monkeypatch.setattr(
+        mip_pyramid, "KEPT_TEXELS", 64
+    )  # so that tiles and what is above them take part
     codes = coats(trained, 16, 16)
     wi, wo = cosine_pairs(np.random.default_rng(1), 100)
     f, plain = values(trained, codes, wi, wo), codes
     for level in made(trained, codes)[1:]:
-        f, plain = (mip_pyramid.halved(x, 0, len(x)) for x in (f, plain))
+        f, plain = (mip_pyramid.half_resolution(x, 0, len(x)) for x in (f, plain))
         found, naive = (
             stack_error(values(trained, z, wi, wo), f, wi[:, 2], wo[:, 2]).mean()
             for z in (level, plain)
@@ -78,11 +80,13 @@ def test_a_regression_tells_what_decoding_does(trained, monkeypatch):
 def test_every_level_keeps_the_light(trained):
     """Under light from all sides."""
     codes = coats(trained, 8, 8)
-    cosines = energy.rule().cosines
+    cosines = energy.albedo_rule().cosines
     weights = np.abs(np.gradient(cosines)) * cosines
 
     def light(z):
-        return energy.albedo(trained, z.reshape(-1, z.shape[-1])) @ (weights / weights.sum())
+        return energy.directional_albedos(trained, z.reshape(-1, z.shape[-1])) @ (
+            weights / weights.sum()
+        )
 
     whole = light(codes).reshape(64, 3).mean(axis=0)
     # An average of unlike lobes is like no BRDF of the training data: a percent of E.
@@ -101,18 +105,18 @@ def test_levels_of_one_material_are_that_material(trained, side):
 @pytest.mark.parametrize(("width", "height"), [(37, 29), (16, 64), (1, 9), (1, 1)])
 def test_plain_averages_go_through_the_same_tiles(model, monkeypatch, width, height):
     """Of the paper's networks' codes: they must be those of whole levels, also of odd sizes."""
-    monkeypatch.setattr(mip_pyramid, "KEPT", 20)
-    monkeypatch.setattr(averaging, "averaging_space", lambda *_: averaging.CodeSpace())
+    monkeypatch.setattr(mip_pyramid, "KEPT_TEXELS", 20)
+    monkeypatch.setattr(averaging, "averaging_space", lambda *_: averaging.LatentSpace())
     level = np.random.default_rng(0).normal(size=(height, width, 2, model.arch.latent))
     for found in made(model, level.astype(np.float32)):
         np.testing.assert_allclose(found, level, atol=1e-5)
-        level = mip_pyramid.halved(level, 0, len(level))
+        level = mip_pyramid.half_resolution(level, 0, len(level))
 
 
 @pytest.mark.parametrize("place", [(0, 0), (17, 20), (28, 36)])
 def test_only_tiles_that_changed_are_made_anew(trained, monkeypatch, place):
-    monkeypatch.setattr(mip_pyramid, "KEPT", 20)
-    monkeypatch.setattr(mip_pyramid, "TILE", 8)
+    monkeypatch.setattr(mip_pyramid, "KEPT_TEXELS", 20)
+    monkeypatch.setattr(mip_pyramid, "TILE_TEXELS", 8)
     height, width = 29, 37
     codes = coats(trained, height, width).reshape(height * width, 3, -1)
     of = MipPyramid(trained, width, height, 3)
@@ -138,7 +142,7 @@ def test_only_tiles_that_changed_are_made_anew(trained, monkeypatch, place):
 def test_a_store_has_levels_within_what_it_can_store(trained):
     """Encoded averages may lie outside of what the first level's codes span."""
     codes = coats(trained, 8, 8).astype(np.float16).astype(np.float32)  # as it is written
-    store = TextureStore(trained, packing.layout(trained, 3), 8, 8, mipmaps=True)
+    store = TextureStore(trained, packing.texel_layout(trained, 3), 8, 8, mipmaps=True)
     with store.writing() as write:
         write(slice(None), codes.reshape(64, 3, -1))
     expected = np.concatenate([z.reshape(-1, 3, z.shape[-1]) for z in made(trained, codes)])

@@ -16,7 +16,9 @@ def codes(model):
 
 
 def stored(model, codes, width: int, height: int, **options) -> TextureStore:
-    store = TextureStore(model, packing.layout(model, codes.shape[1]), width, height, **options)
+    store = TextureStore(
+        model, packing.texel_layout(model, codes.shape[1]), width, height, **options
+    )
     with store.writing() as write:
         write(slice(None), codes)
     return store
@@ -24,9 +26,9 @@ def stored(model, codes, width: int, height: int, **options) -> TextureStore:
 
 @pytest.mark.parametrize("channels", (1, 2, 3, 5))
 def test_a_layout_fills_a_power_of_two_with_every_number_once(model, channels):
-    layout = packing.layout(model, channels)
+    layout = packing.texel_layout(model, channels)
     seconds = [byte for byte in layout.low if byte >= 0]
-    assert len(seconds) >= packing.FINE
+    assert len(seconds) >= packing.LEAST_FINE_NUMBERS
     assert sorted(seconds) == list(range(layout.size, layout.stride))
     assert channels * layout.stride <= layout.texel_bytes
     assert layout.texel_bytes.bit_count() == 1
@@ -35,9 +37,9 @@ def test_a_layout_fills_a_power_of_two_with_every_number_once(model, channels):
 
 
 def test_the_gain_matters_most(model):
-    order = packing.importance(model)
+    order = packing.importance_order(model)
     assert sorted(order) == list(range(model.arch.latent))
-    assert packing.layout(model, 3).low[0] >= 0
+    assert packing.texel_layout(model, 3).low[0] >= 0
 
 
 def test_packing_is_as_fine_as_its_steps(model, codes):
@@ -81,15 +83,15 @@ def test_every_level_keeps_the_average(width, height):
     mean = values.mean(axis=(0, 1))
     for w, h in mip_pyramid.level_sizes(width, height)[:-1]:
         assert values.shape == (h, w, 2)
-        values = mip_pyramid.halved(values, 0, h)
+        values = mip_pyramid.half_resolution(values, 0, h)
         np.testing.assert_allclose(values.mean(axis=(0, 1)), mean, rtol=1e-5)
     assert values.shape == (1, 1, 2)
 
 
 def test_bands_of_rows_are_halved_as_the_whole():
     values = np.random.default_rng(1).random((11, 6, 2)).astype(np.float32)
-    whole = mip_pyramid.halved(values, 0, 11)
+    whole = mip_pyramid.half_resolution(values, 0, 11)
     for top in range(5):
         rows = mip_pyramid.source_rows(top, top + 1, 11)
-        part = mip_pyramid.halved(values[rows.start : rows.stop], top, 11)
+        part = mip_pyramid.half_resolution(values[rows.start : rows.stop], top, 11)
         np.testing.assert_array_equal(part, whole[top : top + 1])

@@ -14,8 +14,8 @@ from urushi.geometry.direction_sets import cosine_pairs, half_angle_pairs
 from urushi.geometry.error_metrics import energy_weight, pair_error
 from urushi.geometry.quadrature import half_vector_rule
 from urushi.material import Material
-from urushi.material.encode import opened, read
-from urushi.material.symmetry import SAME, Source, averaged
+from urushi.material.encode import as_source, evaluate_source
+from urushi.material.symmetry import RELATIVE_TOLERANCE, Source, azimuthal_mean
 from urushi.measured import load_measured
 from urushi.reference.simulate import simulate
 from urushi.reference.stack import Stack
@@ -56,9 +56,9 @@ def examine(source: Any, material: Material) -> Examination:
 
     The figures are, channel by channel, the errors E and the median of P against the source made
     isotropic and reciprocal, which is what was encoded, and directional albedos at `ALBEDO_ANGLES`;
-    how much the averaging has changed, and what is left out (`urushi.material.symmetry.Findings`);
-    and how much the sphere's pictures differ. There and in the slices the source is only made
-    isotropic. E is None where a channel is black.
+    how much the averaging has changed, and what is left out
+    (`urushi.material.symmetry.Deviations`); and how much the sphere's pictures differ. There and in
+    the slices the source is only made isotropic. E is None where a channel is black.
 
     Raises:
         ParameterError: the material has neither one nor three channels, or as of `encode`.
@@ -73,13 +73,13 @@ def examine(source: Any, material: Material) -> Examination:
     source = _opened(source)
     rng = np.random.default_rng(1)
     wi, wo = cosine_pairs(rng, E_PAIRS)
-    truth, findings = read(source, wi, wo)
+    truth, findings = evaluate_source(source, wi, wo)
     weight = energy_weight(wi[:, 2], wo[:, 2])[:, None]
     energy = (truth * weight).sum(0, dtype=np.float64)
     error = (np.abs(material.f(wi, wo) - truth) * weight).sum(0, dtype=np.float64)
     wi, wo = half_angle_pairs(rng, P_PAIRS)
-    p = pair_error(material.f(wi, wo), read(source, wi, wo).values)
-    seen = _seen(source, (findings.anisotropy or 0.0) > SAME)
+    p = pair_error(material.f(wi, wo), evaluate_source(source, wi, wo).values)
+    seen = _seen(source, (findings.anisotropy or 0.0) > RELATIVE_TOLERANCE)
     pictures = [_sphere(f) for f in (seen, material.f)]
     look = metrics.compare(
         pictures[1], pictures[0], sphere.mask(), flip=find_spec("flip_evaluator") is not None
@@ -116,9 +116,9 @@ def mean_error(figures: Mapping[str, Any]) -> float | None:
 
 def _opened(source: Any) -> Source:
     if isinstance(source, Path):
-        return opened(load_measured(source))
+        return as_source(load_measured(source))
     if not isinstance(source, Stack):
-        return opened(source)
+        return as_source(source)
     return Source(
         lambda wi, wo: simulate(source, wi, wo, walks=max(WALKS // len(wi), 1), seed=0)[0],
         symmetric=True,
@@ -131,7 +131,7 @@ def _seen(source: Source, anisotropic: bool) -> Brdf:
     def columns(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         return np.asarray(source.f(wi, wo), np.float32).reshape(len(wi), -1)
 
-    return (lambda wi, wo: averaged(columns, wi, wo)) if anisotropic else columns
+    return (lambda wi, wo: azimuthal_mean(columns, wi, wo)) if anisotropic else columns
 
 
 def _sphere(f: Brdf) -> np.ndarray:

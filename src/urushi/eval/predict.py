@@ -7,7 +7,7 @@ from urushi.eval import samples as sampling
 from urushi.eval.samples import Samples
 from urushi.geometry.probe_pairs import PROBES, probe_pairs
 from urushi.material import Material
-from urushi.material.encode import STACK_WALKS, material_from_values, seen_pairs
+from urushi.material.encode import STACK_WALKS, material_from_values, required_pairs
 from urushi.material.layer import layer_texels
 from urushi.nets.weights import Model
 
@@ -31,7 +31,7 @@ def materials(
     """
 
     # Without coats the values are exact and cheap, and tell the bottoms' albedo as well.
-    pairs = model.networks.pairs() if encoded else seen_pairs(None, model)
+    pairs = model.networks.pairs() if encoded else required_pairs(None, model)
     values = _lower_values(samples, encoded, *pairs)
     made = material_from_values(values.T, model, refine=refined)
     table = samples.table

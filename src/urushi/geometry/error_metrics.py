@@ -9,7 +9,8 @@ from urushi.errors import ParameterError
 #: Cosines below this count as this, so that single grazing pairs carry no less than any other.
 COSINE_FLOOR = 0.02
 
-#: [1/sr] Added to the reference in P: differences far below it are invisible.
+#: [1/sr] Added to f in P and before logarithms are compared: values far below it look black, and
+#: measured colours outside of sRGB have channels that are zero.
 DARK_OFFSET = 1e-3
 
 
@@ -57,8 +58,3 @@ def pair_error(f_hat: npt.ArrayLike, f: npt.ArrayLike) -> np.ndarray:
     """
     f_hat, f = checks.finite(f_hat=f_hat, f=f)
     return np.abs(f_hat - f) / (f + DARK_OFFSET)
-
-
-#: Added to f [1/sr] before logarithms are compared, as in the error P: values far below it are
-#: black to the eye, and measured colours outside of sRGB have channels that are zero.
-UNSEEN = 1e-3

@@ -1,7 +1,7 @@
 """Materials as latent codes: encode a BRDF, coat it, blend it, evaluate and sample it in NumPy."""
 
-from urushi.material.encode import encode, register_adapter
+from urushi.material.encode import encode
 from urushi.material.layer import layer
 from urushi.material.material import Material, lerp, load
 
-__all__ = ["Material", "encode", "layer", "lerp", "load", "register_adapter"]
+__all__ = ["Material", "encode", "layer", "lerp", "load"]

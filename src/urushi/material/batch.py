@@ -9,20 +9,25 @@ import numpy as np
 
 from urushi.data import cluster
 from urushi.errors import UrushiError
-from urushi.material.encode import Reading, material_from_values, read, seen_pairs
+from urushi.material.encode import (
+    SourceValues,
+    evaluate_source,
+    material_from_values,
+    required_pairs,
+)
 from urushi.material.material import Material
-from urushi.material.symmetry import Findings
+from urushi.material.symmetry import Deviations
 from urushi.measured import load_measured
 from urushi.nets import weights
 from urushi.nets.weights import Weights
 from urushi.platform import available_cores
 
 
-class Encoded(NamedTuple):
+class EncodedSource(NamedTuple):
     """A material, and how its source differs from what a material can be."""
 
     material: Material
-    findings: Findings
+    deviations: Deviations
 
 
 def encode_all(
@@ -31,7 +36,7 @@ def encode_all(
     model: Weights | None = None,
     scheduler: str | None = None,
     refine: bool | Sequence[bool] = False,
-) -> Iterator[tuple[int, Encoded | UrushiError]]:
+) -> Iterator[tuple[int, EncodedSource | UrushiError]]:
     """Encode many BRDFs, on all cores of this machine or on a cluster.
 
     Args:
@@ -51,16 +56,16 @@ def encode_all(
     """
     model = weights.find(model)
     wanted = [refine] * len(sources) if isinstance(refine, bool) else list(refine)
-    tasks = [(source, *seen_pairs(source, model)) for source in sources]
-    for index, found in run_all(_read, tasks, scheduler):
+    tasks = [(source, *required_pairs(source, model)) for source in sources]
+    for index, found in map_sources(_read, tasks, scheduler):
         if isinstance(found, UrushiError):
             yield index, found
         else:
             material = material_from_values(found.values, model, refine=wanted[index])
-            yield index, Encoded(material, found.findings)
+            yield index, EncodedSource(material, found.deviations)
 
 
-def run_all(
+def map_sources(
     function: Callable[..., Any], tasks: Sequence[tuple], scheduler: str | None = None
 ) -> Iterator[tuple[int, Any]]:
     """Call a function of a source, and of whatever else, for many.
@@ -91,9 +96,11 @@ def run_all(
         pool.shutdown(cancel_futures=True)
 
 
-def _read(source: Any, wi: np.ndarray, wo: np.ndarray) -> Reading | UrushiError:
+def _read(source: Any, wi: np.ndarray, wo: np.ndarray) -> SourceValues | UrushiError:
     """What is to be known of a source at the pairs, or what is wrong with it."""
     try:
-        return read(load_measured(source) if isinstance(source, Path) else source, wi, wo)
+        return evaluate_source(
+            load_measured(source) if isinstance(source, Path) else source, wi, wo
+        )
     except UrushiError as error:
         return error

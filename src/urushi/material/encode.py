@@ -3,18 +3,18 @@
 One pass of the encoder, and two steps of correction (`correct`) or many of refinement (`refine`).
 """
 
+import functools
 import warnings
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from urushi.errors import ParameterError, UrushiWarning
 from urushi.material import energy
-from urushi.material.energy import limit
-from urushi.material.fit import corrected, refined
+from urushi.material.energy import limit_albedo
+from urushi.material.fit import correct_codes, refine_codes
 from urushi.material.material import Material
-from urushi.material.symmetry import Findings, Source, symmetrised
+from urushi.material.symmetry import Deviations, Source, symmetrise
 from urushi.measured import Merl
 from urushi.nets import weights
 from urushi.nets.networks import UrushiNetworks
@@ -25,27 +25,17 @@ from urushi.reference.stack import Conductor, Dielectric, Diffuse, Stack
 #: Random walks per probe and channel for a Stack: about 0.5 % noise where f is not tiny.
 STACK_WALKS = 16384
 
-_adapters: list[tuple[Callable[[Any], bool], Callable[[Any], Source]]] = []
 
-
-class Reading(NamedTuple):
+class SourceValues(NamedTuple):
     """What `encode` wants to know of a source.
 
     Attributes:
-        values: float32 (N, C) [1/sr] at `seen_pairs`.
-        findings: how the source differs from what a material can be.
+        values: float32 (N, C) [1/sr] at `required_pairs`.
+        deviations: how the source differs from what a material can be.
     """
 
     values: np.ndarray
-    findings: Findings
-
-
-def register_adapter(matches: Callable[[Any], bool], adapt: Callable[[Any], Source]) -> None:
-    """Teach `encode` another type of source; floors above this one know types that it does not.
-
-    matches: whether this adapter takes a source; adapt: opens the source.
-    """
-    _adapters.append((matches, adapt))
+    deviations: Deviations
 
 
 def encode(source: Any, model: Weights | None = None, *, refine: bool = False) -> Material:
@@ -77,14 +67,14 @@ def encode(source: Any, model: Weights | None = None, *, refine: bool = False) -
     model = weights.find(model)
     if isinstance(source, Material) and source.model.fingerprint == model.fingerprint:
         return source
-    reading = read(source, *seen_pairs(source, model))
-    for sentence in reading.findings.warnings():
-        warnings.warn(f"encode {name_of(source)}: {sentence}", UrushiWarning, stacklevel=2)
-    return material_from_values(reading.values, model, refine=refine)
+    result = evaluate_source(source, *required_pairs(source, model))
+    for sentence in result.deviations.warnings():
+        warnings.warn(f"encode {source_name(source)}: {sentence}", UrushiWarning, stacklevel=2)
+    return material_from_values(result.values, model, refine=refine)
 
 
-def seen_pairs(source: Any, model: Model) -> tuple[np.ndarray, np.ndarray]:
-    """Pairs of directions (N, 3) at which `encode_values` wants to know a source.
+def required_pairs(source: Any, model: Model) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs of directions (N, 3) at which `material_from_values` wants to know a source.
 
     The networks' own, and those that tell the source's albedo, which its code's shall not exceed. A
     Stack is not simulated at these: its albedo is at most 1.
@@ -92,19 +82,21 @@ def seen_pairs(source: Any, model: Model) -> tuple[np.ndarray, np.ndarray]:
     wi, wo = model.networks.pairs()
     if isinstance(source, Stack) or not isinstance(model.networks, UrushiNetworks):
         return wi, wo
-    nodes = energy.rule()
+    nodes = energy.albedo_rule()
     return np.concatenate([wi, nodes.wi]), np.concatenate([wo, nodes.wo])
 
 
-def read(source: Any, wi: np.ndarray, wo: np.ndarray) -> Reading:
+def evaluate_source(source: Any, wi: np.ndarray, wo: np.ndarray) -> SourceValues:
     """Values of a source of `encode` for float32 unit vectors (N, 3), and what was found."""
-    return Reading(
-        *symmetrised(opened(source), wi, wo, lambda values, count: _checked(values, source, count))
+    return SourceValues(
+        *symmetrise(
+            as_source(source), wi, wo, lambda values, count: _checked(values, source, count)
+        )
     )
 
 
 def material_from_values(values: np.ndarray, model: Model, *, refine: bool = False) -> Material:
-    """The material of values (N, C) at `seen_pairs`, or at `model.networks.pairs()` alone.
+    """The material of values (N, C) at `required_pairs`, or at `model.networks.pairs()` alone.
 
     Its directional albedo is at most that of the values, or at most 1 if the pairs that tell it are
     missing (see `urushi.material.energy`).
@@ -114,42 +106,31 @@ def material_from_values(values: np.ndarray, model: Model, *, refine: bool = Fal
     nodes = rest if rest.size else None
     own, ceiling = np.ones((len(probed), 1)), np.full((len(probed), 1), 1 - energy.MARGIN)
     if nodes is not None:
-        own = energy.rule().albedo(rest)
-        ceiling = energy.ceiling(own)
+        own = energy.albedo_rule().albedo(rest)
+        ceiling = energy.albedo_ceiling(own)
     if refine:
-        both = np.stack(refined(model.networks, probed, nodes))
-        codes, anchors = energy.limit(model, both, ceiling)
+        both = np.stack(refine_codes(model.networks, probed, nodes))
+        codes, anchors = energy.limit_albedo(model, both, ceiling)
         return Material(codes, model, anchors)
     anchors = encoder_codes(model, probed)
-    codes, excess = corrected(model.networks, anchors, probed)
+    codes, excess = correct_codes(model.networks, anchors, probed)
     # Anchors are not looked at. They only must not bring light into a coat, which few come near to.
     bright = own.max(axis=-1) * excess > 1 - energy.MARGIN
     if bright.any():
-        anchors[bright] = energy.limit(model, anchors[bright], ceiling[bright])
-    return Material(energy.limit(model, codes, ceiling), model, anchors)
+        anchors[bright] = energy.limit_albedo(model, anchors[bright], ceiling[bright])
+    return Material(energy.limit_albedo(model, codes, ceiling), model, anchors)
 
 
-def opened(source: Any) -> Source:
-    """A source of `encode`, unless it is one already, as something to evaluate.
+@functools.singledispatch
+def as_source(source: Any) -> Source:
+    """A source of `encode` as a function that can be evaluated.
+
+    Other types of sources are added by `as_source.register(type, function)`; the render floor adds
+    Mitsuba's BSDFs.
 
     Raises:
-        ParameterError: it cannot be encoded.
+        ParameterError: the source cannot be encoded.
     """
-    if isinstance(source, Source):
-        return source
-    for matches, adapt in reversed(_adapters):
-        if matches(source):
-            return adapt(source)
-    if isinstance(source, Conductor | Dielectric | Diffuse):
-        from urushi.reference import analytic  # lazily: it starts Dr.Jit
-
-        return Source(lambda wi, wo: analytic.f(source, wi, wo), symmetric=True)
-    if isinstance(source, Stack):
-        from urushi.reference.simulate import simulate
-
-        return Source(
-            lambda wi, wo: simulate(source, wi, wo, walks=STACK_WALKS, seed=0)[0], symmetric=True
-        )
     if callable(getattr(source, "f", None)):
         return Source(source.f, symmetric=isinstance(source, Material | Merl))
     if callable(source) and not isinstance(source, type):
@@ -160,14 +141,37 @@ def opened(source: Any) -> Source:
     )
 
 
-def name_of(source: Any) -> str:
+@as_source.register
+def _(source: Source) -> Source:
+    return source
+
+
+@as_source.register(Conductor)
+@as_source.register(Dielectric)
+@as_source.register(Diffuse)
+def _(source: Conductor | Dielectric | Diffuse) -> Source:
+    from urushi.reference import analytic  # lazily: it starts Dr.Jit
+
+    return Source(lambda wi, wo: analytic.f(source, wi, wo), symmetric=True)
+
+
+@as_source.register
+def _(source: Stack) -> Source:
+    from urushi.reference.simulate import simulate
+
+    return Source(
+        lambda wi, wo: simulate(source, wi, wo, walks=STACK_WALKS, seed=0)[0], symmetric=True
+    )
+
+
+def source_name(source: Any) -> str:
     """What messages call a source."""
     return getattr(source, "__name__", type(source).__name__)
 
 
 def _checked(values: Any, source: Any, count: int) -> np.ndarray:
     """Return the values as float32 (N, C)."""
-    name = name_of(source)
+    name = source_name(source)
     try:
         array = np.asarray(values, dtype=np.float32)
     except (TypeError, ValueError) as error:
@@ -193,7 +197,7 @@ def limited_codes(model: Model, f: np.ndarray) -> np.ndarray:
 
     Their directional albedo is at most 1 (see `urushi.material.energy`).
     """
-    return limit(model, encoder_codes(model, f))
+    return limit_albedo(model, encoder_codes(model, f))
 
 
 def encoder_codes(model: Model, f: np.ndarray) -> np.ndarray:

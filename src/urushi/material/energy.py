@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from urushi.material import regression
-from urushi.material.regression import Features
+from urushi.material.regression import CodeFeatures
 from urushi.nets.decoder import scaled
 from urushi.nets.features import direction_features
 from urushi.nets.networks import UrushiNetworks
@@ -39,25 +39,25 @@ TOLERANCE = 0.005
 GRAZING = 0.1
 
 #: The interpolating polynomial is one in ln(cos + this).
-OFFSET = 0.1
+COSINE_OFFSET = 0.1
 
 #: Cosines, evenly spaced in that variable, at which it is looked at.
-BETWEEN = 41
+INTERPOLATED_COSINES = 41
 
 #: No factor makes a code's albedo zero: less than this counts as this.
-BLACK = 1e-6
+LEAST_ALBEDO = 1e-6
 
 #: Codes that are scaled by less are looked at again, so many times at most: to exp(-80).
-FAR, FAR_STEPS = 1e-3, 3
+TINY_FACTOR, TINY_FACTOR_ROUNDS = 1e-3, 3
 
 #: Codes that a core measures at once; so few are measured by one.
-TOGETHER = 32
+BLOCK = 32
 
 #: Of more codes than these, only those that `screen` does not trust are measured.
-MANY = 4096
+SCREENED_COUNT = 4096
 
 
-class Rule(NamedTuple):
+class AlbedoRule(NamedTuple):
     """A quadrature for the directional albedo at K angles of M nodes in all, and between them.
 
     Attributes:
@@ -87,7 +87,7 @@ class Rule(NamedTuple):
 
 
 @functools.cache
-def rule() -> Rule:
+def albedo_rule() -> AlbedoRule:
     """The rule of `albedo_rule.csv`; `benchmarks/quality/albedo_rule.py` makes and measures it."""
     lines = (files("urushi.material") / "albedo_rule.csv").read_text(encoding="ascii").splitlines()
     cos_i, x, y, z, weights = np.loadtxt(lines, delimiter=",").T
@@ -95,11 +95,13 @@ def rule() -> Rule:
     wo = np.stack([x, y, z], axis=-1).astype(np.float32)
     wi.flags.writeable = wo.flags.writeable = False
     first = np.flatnonzero(np.diff(cos_i, prepend=2.0))
-    angles = np.log(cos_i[first] + OFFSET)
-    between = np.linspace(angles[0], angles[-1], BETWEEN)
+    angles = np.log(cos_i[first] + COSINE_OFFSET)
+    between = np.linspace(angles[0], angles[-1], INTERPOLATED_COSINES)
     interpolation = _lagrange(angles, between)
     features = direction_features(wi, wo)
-    return Rule(wi, wo, features, weights, first, np.exp(between) - OFFSET, interpolation)
+    return AlbedoRule(
+        wi, wo, features, weights, first, np.exp(between) - COSINE_OFFSET, interpolation
+    )
 
 
 def _lagrange(nodes: np.ndarray, x: np.ndarray) -> np.ndarray:
@@ -111,9 +113,9 @@ def _lagrange(nodes: np.ndarray, x: np.ndarray) -> np.ndarray:
     return np.stack(columns, axis=1)
 
 
-def albedo(model: Model, z: np.ndarray) -> np.ndarray:
+def directional_albedos(model: Model, z: np.ndarray) -> np.ndarray:
     """Directional albedos (N, D) of codes (N, 32) at the cosines of `rule`."""
-    nodes, networks = rule(), model.networks
+    nodes, networks = albedo_rule(), model.networks
     assert isinstance(networks, UrushiNetworks)  # for the type checker
 
     def measure(codes: np.ndarray) -> np.ndarray:
@@ -121,16 +123,16 @@ def albedo(model: Model, z: np.ndarray) -> np.ndarray:
         return np.stack([nodes.albedo(networks.decode(code, nodes.features)) for code in codes])
 
     if not len(z):
-        return np.zeros((0, BETWEEN), np.float32)
-    if len(z) <= TOGETHER:
+        return np.zeros((0, INTERPOLATED_COSINES), np.float32)
+    if len(z) <= BLOCK:
         with one_blas_thread():
             return measure(z)
-    result = np.empty((len(z), BETWEEN), np.float32)
-    fill_blocks(result, measure, z, rows=TOGETHER)
+    result = np.empty((len(z), INTERPOLATED_COSINES), np.float32)
+    fill_blocks(result, measure, z, rows=BLOCK)
     return result
 
 
-def highest(own: np.ndarray) -> np.ndarray:
+def peak_ceiling(own: np.ndarray) -> np.ndarray:
     """The highest albedo (..., 1) that is allowed to what has the albedos own (..., D).
 
     1 less the margin; of a source that gains energy, the largest that it has itself.
@@ -139,13 +141,15 @@ def highest(own: np.ndarray) -> np.ndarray:
     return np.where(peak > 1 + TOLERANCE, peak, 1 - MARGIN)
 
 
-def ceiling(own: np.ndarray) -> np.ndarray:
+def albedo_ceiling(own: np.ndarray) -> np.ndarray:
     """What the albedos (..., D) of the code of a source with albedos own (..., D) may be."""
-    top = highest(own)
-    return np.where(rule().cosines < GRAZING, top, np.minimum(own + SLACK, top))
+    top = peak_ceiling(own)
+    return np.where(albedo_rule().cosines < GRAZING, top, np.minimum(own + SLACK, top))
 
 
-def limit(model: Model, z: np.ndarray, ceiling: np.ndarray | float = 1 - MARGIN) -> np.ndarray:
+def limit_albedo(
+    model: Model, z: np.ndarray, ceiling: np.ndarray | float = 1 - MARGIN
+) -> np.ndarray:
     """Scale codes down so that their directional albedo is nowhere above a ceiling.
 
     Args:
@@ -157,70 +161,74 @@ def limit(model: Model, z: np.ndarray, ceiling: np.ndarray | float = 1 - MARGIN)
         float32 (..., 32); the same bits where a code is not above its ceiling, and for networks
         whose codes have no gain.
     """
-    return _scaled(model, z, _factors(model, z, ceiling))
+    return _scaled(model, z, _limiting_factors(model, z, ceiling))
 
 
-def limit_coated(model: Model, z: np.ndarray, z_bottom: np.ndarray) -> np.ndarray:
+def limit_coated_albedo(model: Model, z: np.ndarray, z_bottom: np.ndarray) -> np.ndarray:
     """`limit` codes (..., 32) of coats over bottoms z_bottom, which broadcast to the same.
 
     To 1; a bottom that gains energy, with a larger albedo, may be as bright under a coat too.
     """
-    factors = _factors(model, z)
+    factors = _limiting_factors(model, z)
     over = factors < 1
     if over.any():
         if z_bottom.size > z[over].size:
             z_bottom = np.broadcast_to(z_bottom, z.shape)[over]
-            factors[over] = _eased(model, factors[over], z_bottom)
+            factors[over] = _relaxed_factors(model, factors[over], z_bottom)
         else:
-            factors = _eased(model, factors, z_bottom)
+            factors = _relaxed_factors(model, factors, z_bottom)
     return _scaled(model, z, factors)
 
 
-def _eased(model: Model, factors: np.ndarray, z_bottom: np.ndarray) -> np.ndarray:
+def _relaxed_factors(model: Model, factors: np.ndarray, z_bottom: np.ndarray) -> np.ndarray:
     """Factors (...) for the ceiling 1, for that of the bottoms (broadcast to (..., 32))."""
-    gaining = _factors(model, z_bottom, 1 + TOLERANCE)
+    gaining = _limiting_factors(model, z_bottom, 1 + TOLERANCE)
     top = np.where(gaining < 1, (1 + TOLERANCE) / gaining, 1 - MARGIN)
     return np.minimum(factors * (top / (1 - MARGIN)), 1).astype(np.float32)
 
 
-def _factors(model: Model, z: np.ndarray, ceiling: np.ndarray | float = 1 - MARGIN) -> np.ndarray:
+def _limiting_factors(
+    model: Model, z: np.ndarray, ceiling: np.ndarray | float = 1 - MARGIN
+) -> np.ndarray:
     """The factors float32 (...) in (0, 1] that bring codes (..., 32) below a ceiling.
 
     A code far from all that networks know may decode to the largest f there is (`decoder.MAX_LOG`).
     How much it exceeds its ceiling shows only when it is scaled down, again and again.
     """
-    result = _seen_factors(model, z, ceiling)
-    far = result < FAR
-    for _ in range(FAR_STEPS):
+    result = _measured_factors(model, z, ceiling)
+    far = result < TINY_FACTOR
+    for _ in range(TINY_FACTOR_ROUNDS):
         if not far.any():
             break
         ceilings = ceiling
         if not isinstance(ceiling, float):
-            ceilings = np.broadcast_to(ceiling, (*z.shape[:-1], BETWEEN))[far]
-        further = _seen_factors(model, scaled(z[far], result[far]), ceilings)
+            ceilings = np.broadcast_to(ceiling, (*z.shape[:-1], INTERPOLATED_COSINES))[far]
+        further = _measured_factors(model, scaled(z[far], result[far]), ceilings)
         result[far] *= further
-        far[far] = further < FAR
+        far[far] = further < TINY_FACTOR
     return result
 
 
-def _seen_factors(model: Model, z: np.ndarray, ceiling: np.ndarray | float) -> np.ndarray:
+def _measured_factors(model: Model, z: np.ndarray, ceiling: np.ndarray | float) -> np.ndarray:
     """The factors by which codes exceed a ceiling, as far as f is not the largest there is."""
     result = np.ones(z.shape[:-1], np.float32)
     if not isinstance(model.networks, UrushiNetworks) or not z.size:
         return result
     rows = np.ascontiguousarray(z).reshape(-1, z.shape[-1])
-    if isinstance(ceiling, float) and len(rows) > MANY:
-        bright = codes_to_measure(functools.partial(_peak, model), rows, ceiling)
-        result.reshape(-1)[bright] = ceiling / _peak(model, rows[bright])
+    if isinstance(ceiling, float) and len(rows) > SCREENED_COUNT:
+        bright = codes_to_measure(functools.partial(_peak_albedos, model), rows, ceiling)
+        result.reshape(-1)[bright] = ceiling / _peak_albedos(model, rows[bright])
     else:
-        measured = np.maximum(albedo(model, rows), BLACK).reshape(*z.shape[:-1], -1)
-        result[...] = (np.maximum(ceiling, BLACK) / measured).min(axis=-1)
+        measured = np.maximum(directional_albedos(model, rows), LEAST_ALBEDO).reshape(
+            *z.shape[:-1], -1
+        )
+        result[...] = (np.maximum(ceiling, LEAST_ALBEDO) / measured).min(axis=-1)
     return np.minimum(result, 1, out=result)
 
 
-def _peak(model: Model, z: np.ndarray) -> np.ndarray:
+def _peak_albedos(model: Model, z: np.ndarray) -> np.ndarray:
     """The largest albedo (N,) of codes (N, 32)."""
-    return np.maximum(albedo(model, z).max(axis=-1), BLACK)
+    return np.maximum(directional_albedos(model, z).max(axis=-1), LEAST_ALBEDO)
 
 
 def _scaled(model: Model, z: np.ndarray, factors: np.ndarray) -> np.ndarray:
@@ -238,18 +246,18 @@ SCREEN_SAMPLE = 1024
 #: The brighter a code, the more its error counts: weights are this power of the albedo. Of the
 #: held-out ones those within `NEAR` of the ceiling in ln albedo, and in any case the brightest
 #: tenth, tell the error, which is trusted up to a factor and a constant.
-POWER, NEAR, TRUST, LEAST_MARGIN = 4.0, 0.25, 2.0, 0.02
+SCREEN_WEIGHT_POWER, SCREEN_NEAR, SCREEN_ERROR_FACTOR, SCREEN_LEAST_MARGIN = 4.0, 0.25, 2.0, 0.02
 
 #: Of the regression: random features besides the codes themselves, and its ridge.
 SCREEN_FEATURES, SCREEN_RIDGE = 64, 1e-3
 
 #: A code that is this much farther out than all of the sample, in any number, is no matter of
 #: interpolation and is measured.
-OUTSIDE = 1.25
+SCREEN_REACH = 1.25
 
 #: Rounds at most, each with a sample of its own, which must be worth it: suspects for each code
 #: that is measured.
-SCREEN_ROUNDS, WORTH = 4, 4
+SCREEN_ROUNDS, SCREEN_GAIN = 4, 4
 
 
 def codes_to_measure(
@@ -266,7 +274,7 @@ def codes_to_measure(
     for seed in range(SCREEN_ROUNDS):
         before = len(index)
         index = index[_codes_to_measure(peak, z[index] if seed else z, ceiling, seed)]
-        if len(index) > before // 2 or len(index) < WORTH * SCREEN_SAMPLE:
+        if len(index) > before // 2 or len(index) < SCREEN_GAIN * SCREEN_SAMPLE:
             break
     return index
 
@@ -278,10 +286,10 @@ def _codes_to_measure(
     sample = z[rng.integers(len(z), size=SCREEN_SAMPLE)]
     target = np.log(peak(sample)) - np.log(ceiling)
     half = SCREEN_SAMPLE // 2
-    estimate = _fitted(sample[:half], target[:half], sample, rng)
+    estimate = _fit_albedo_regression(sample[:half], target[:half], sample, rng)
     errors = target[half:] - estimate(sample[half:])
-    near = target[half:] >= min(-NEAR, np.quantile(target[half:], 0.9))
-    margin = TRUST * max(float(errors[near].max()), 0) + LEAST_MARGIN
+    near = target[half:] >= min(-SCREEN_NEAR, np.quantile(target[half:], 0.9))
+    margin = SCREEN_ERROR_FACTOR * max(float(errors[near].max()), 0) + SCREEN_LEAST_MARGIN
     values = np.empty((len(z), 1), np.float32)
     fill_blocks(values, lambda codes: estimate(codes)[:, None], z)
     return np.flatnonzero(values[:, 0] > -margin)
@@ -290,7 +298,7 @@ def _codes_to_measure(
 class AlbedoRegression(NamedTuple):
     """ln albedo of codes, as far as a sample reaches."""
 
-    features: Features
+    features: CodeFeatures
     reach: np.ndarray
     coefficients: np.ndarray
 
@@ -303,13 +311,13 @@ class AlbedoRegression(NamedTuple):
         )
 
 
-def _fitted(
+def _fit_albedo_regression(
     z: np.ndarray, target: np.ndarray, sample: np.ndarray, rng: np.random.Generator
 ) -> AlbedoRegression:
     """An estimate from targets (n,) of codes (n, 32), for use as far as the sample reaches."""
-    features = regression.features(sample, SCREEN_FEATURES, 1e-12, rng)
-    reach = OUTSIDE * np.abs(features.standard(sample)).max(axis=0) + 1e-3
-    weights = np.exp(POWER * (target - target.max()))
+    features = regression.fit_features(sample, SCREEN_FEATURES, 1e-12, rng)
+    reach = SCREEN_REACH * np.abs(features.standard(sample)).max(axis=0) + 1e-3
+    weights = np.exp(SCREEN_WEIGHT_POWER * (target - target.max()))
     return AlbedoRegression(
-        features, reach, regression.coefficients(features(z), target, SCREEN_RIDGE, weights)
+        features, reach, regression.ridge_coefficients(features(z), target, SCREEN_RIDGE, weights)
     )

@@ -39,7 +39,7 @@ def read(path: str | os.PathLike, models: Sequence[Model]) -> tuple[np.ndarray, 
             f"'{path}' has version {description.get('version')!r} of the material format, "
             f"this Urushi reads version {FORMAT_VERSION}; install the Urushi that wrote it"
         )
-    model = belonging(path, description.get("weights"), models)
+    model = matching_weights(path, description.get("weights"), models)
     latents = arrays.get("latents")
     width = model.arch.latent
     if latents is None or latents.ndim != 2 or not len(latents) or latents.shape[1] != width:
@@ -56,7 +56,7 @@ def read(path: str | os.PathLike, models: Sequence[Model]) -> tuple[np.ndarray, 
     return latents, anchors, model
 
 
-def belonging(path: str | os.PathLike, made_with: object, models: Sequence[Model]) -> Model:
+def matching_weights(path: str | os.PathLike, made_with: object, models: Sequence[Model]) -> Model:
     """The one of some networks that a file was made with, by their fingerprint.
 
     Raises:

@@ -7,8 +7,8 @@ Refinement: a few steps that bring a code closer to the BRDF it was encoded from
 
 The code that fits a BRDF's values best cannot be layered: many codes decode to nearly the same
 values, and the layering network knows only those that the encoder makes. So with l the logarithmic
-values ln(f + `UNSEEN`) at the probe pairs, l(z) those of what a code decodes to, D(z) the same as
-the encoder E sees them (`encoder.log_values`), what is minimised for every channel is
+values ln(f + `DARK_OFFSET`) at the probe pairs, l(z) those of what a code decodes to, D(z) the same
+as the encoder E sees them (`encoder.log_values`), what is minimised for every channel is
 
     mean rho(l(z) - l)  +  hold mean d^2,
 
@@ -37,9 +37,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from urushi.geometry.error_metrics import UNSEEN
+from urushi.geometry.error_metrics import DARK_OFFSET
 from urushi.material import energy
-from urushi.material.energy import BLACK
+from urushi.material.energy import LEAST_ALBEDO
 from urushi.nets.encoder import OFFSET, log_values
 from urushi.nets.features import direction_features
 from urushi.nets.networks import Networks, UrushiNetworks
@@ -57,22 +57,22 @@ def initial_code(networks: UrushiNetworks, f: np.ndarray) -> np.ndarray:
     difference of logarithms.
     """
     pairs = networks.pairs()
-    plain = networks.encode(_plain(networks))
-    logs = np.log(f + UNSEEN)
-    gains = np.median(logs - np.log(networks.f(plain[:, None], *pairs) + UNSEEN), axis=-1)
+    plain = networks.encode(_surface_codes(networks))
+    logs = np.log(f + DARK_OFFSET)
+    gains = np.median(logs - np.log(networks.f(plain[:, None], *pairs) + DARK_OFFSET), axis=-1)
     codes = np.concatenate([networks.encode(f[None]), networks.scaled(plain, np.exp(gains))])
-    errors = np.abs(np.log(networks.f(codes[:, None], *pairs) + UNSEEN) - logs).mean(axis=-1)
+    errors = np.abs(np.log(networks.f(codes[:, None], *pairs) + DARK_OFFSET) - logs).mean(axis=-1)
     return codes[errors.argmin()].astype(np.float32)
 
 
-def _plain(networks: UrushiNetworks) -> np.ndarray:
+def _surface_codes(networks: UrushiNetworks) -> np.ndarray:
     """Values float32 (M, P) of plain surfaces at the networks' pairs."""
     wi, wo = networks.pairs()
-    return _plain_values(np.asarray(wi).tobytes(), np.asarray(wo).tobytes())
+    return _surface_values(np.asarray(wi).tobytes(), np.asarray(wo).tobytes())
 
 
 @functools.lru_cache(4)
-def _plain_values(wi: bytes, wo: bytes) -> np.ndarray:
+def _surface_values(wi: bytes, wo: bytes) -> np.ndarray:
     from urushi.reference import analytic  # lazily: it starts Dr.Jit
 
     pairs = [np.frombuffer(w, np.float32).reshape(-1, 3) for w in (wi, wo)]
@@ -84,7 +84,7 @@ def _plain_values(wi: bytes, wo: bytes) -> np.ndarray:
 
 
 #: Steps that are tried, each for one pass of decoder and encoder and back.
-STEPS = 20
+REFINEMENT_STEPS = 20
 
 #: How much a code's distance from what the encoder makes weighs against its error. With less,
 #: layering over odd BRDFs gets worse; without it, layering fails (`python -m
@@ -92,7 +92,7 @@ STEPS = 20
 ANCHOR_HOLD = 4.0
 
 #: The same for codes that nothing is layered over. Not zero: the probe pairs do not see everything.
-LATENT_HOLD = 0.0005
+CODE_HOLD = 0.0005
 
 #: The nodes' share of the error, where their values are known; and the power of the light they
 #: reflect that weighs them.
@@ -103,10 +103,10 @@ CEILING_ROUNDS, CEILING_STEPS = 2, 6
 
 #: Errors of ln f above this count linearly (Huber 1964). What the decoder cannot make at
 #: all must not drag along what it can.
-KNEE = 0.5
+HUBER_KNEE = 0.5
 
 #: The first damping, relative to the mean curvature; its factors after good and bad steps.
-DAMPING, DAMPING_DECREASE, DAMPING_INCREASE = 1e-3, 0.25, 8.0
+FIRST_DAMPING, DAMPING_DECREASE, DAMPING_INCREASE = 1e-3, 0.25, 8.0
 
 #: Relative to their mean, variances of codes under changes of f below this count as this: numbers
 #: of a code that the encoder never changes stay as they are.
@@ -131,7 +131,7 @@ class FitTarget(NamedTuple):
     """What a code is to decode to, at P probe pairs and perhaps nodes, N in all.
 
     Attributes:
-        features: (N, 8) of the pairs; logs: (N,) values of ln(f + `UNSEEN`); weights: (N,), their
+        features: (N, 8) of the pairs; logs: (N,) of ln(f + `DARK_OFFSET`); weights: (N,), their
             sum is 1.
         probes: P.
     """
@@ -148,14 +148,14 @@ def fit_target(
     """From values f (P,) [1/sr] at `networks.pairs`, and (M,) at the nodes of `energy.rule`."""
     count, features = len(f), probe_features(networks)
     weights = np.full(count, 1.0 / count)
-    rule = energy.rule()
+    rule = energy.albedo_rule()
     light = np.zeros(0) if nodes is None else nodes * rule.weights * rule.wi[:, 2]
     if nodes is None or not light.sum() > 0.0:
-        return FitTarget(features, np.log(f + UNSEEN), weights, count)
+        return FitTarget(features, np.log(f + DARK_OFFSET), weights, count)
     shares = light**NODES_POWER
     return FitTarget(
         np.concatenate([features, direction_features(rule.wi, rule.wo)]),
-        np.log(np.concatenate([f, nodes]) + UNSEEN),
+        np.log(np.concatenate([f, nodes]) + DARK_OFFSET),
         np.concatenate([(1 - NODES_SHARE) * weights, NODES_SHARE * shares / shares.sum()]),
         count,
     )
@@ -163,28 +163,30 @@ def fit_target(
 
 def probe_features(networks: UrushiNetworks) -> np.ndarray:
     """What the decoder sees (P, 8) of `networks.pairs`."""
-    return _features(*(w.tobytes() for w in networks.pairs()))
+    return _cached_features(*(w.tobytes() for w in networks.pairs()))
 
 
 @functools.lru_cache(4)
-def _features(wi: bytes, wo: bytes) -> np.ndarray:
+def _cached_features(wi: bytes, wo: bytes) -> np.ndarray:
     return direction_features(*(np.frombuffer(w, np.float32).reshape(-1, 3) for w in (wi, wo)))
 
 
-def huber(error: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def huber_loss(error: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Losses (...) of errors (...), and what the weights of their squares are divided by."""
-    far = np.maximum(np.abs(error) / KNEE, 1.0)
+    far = np.maximum(np.abs(error) / HUBER_KNEE, 1.0)
     return error**2 * (2.0 - 1.0 / far) / far, far
 
 
-class Refined(NamedTuple):
+class RefinedCodes(NamedTuple):
     """Codes float32 (C, L): those that decode to what was asked for, and their anchors."""
 
     codes: np.ndarray
     anchors: np.ndarray
 
 
-def refined(networks: Networks, f: np.ndarray, nodes: np.ndarray | None = None) -> Refined:
+def refine_codes(
+    networks: Networks, f: np.ndarray, nodes: np.ndarray | None = None
+) -> RefinedCodes:
     """Return codes of BRDFs with values f (C, P) [1/sr] at `networks.pairs`.
 
     The encoder's, improved. Channel by channel, so that none depends on another even in its last
@@ -195,7 +197,7 @@ def refined(networks: Networks, f: np.ndarray, nodes: np.ndarray | None = None) 
     """
     if not isinstance(networks, UrushiNetworks):
         codes = networks.encode(f)
-        return Refined(codes, codes)
+        return RefinedCodes(codes, codes)
     rows = np.ascontiguousarray(f)
     further = [None] * len(rows) if nodes is None else np.ascontiguousarray(nodes)
     codes, anchors = [], []
@@ -203,13 +205,13 @@ def refined(networks: Networks, f: np.ndarray, nodes: np.ndarray | None = None) 
         for row, at_nodes in zip(rows, further, strict=True):
             aim = fit_target(networks, row, at_nodes)
             anchors.append(
-                fitted_below_ceiling(networks, initial_code(networks, row), aim, ANCHOR_HOLD)
+                fit_below_ceiling(networks, initial_code(networks, row), aim, ANCHOR_HOLD)
             )
-            codes.append(fitted_below_ceiling(networks, anchors[-1], aim, LATENT_HOLD))
-    return Refined(np.stack(codes), np.stack(anchors))
+            codes.append(fit_below_ceiling(networks, anchors[-1], aim, CODE_HOLD))
+    return RefinedCodes(np.stack(codes), np.stack(anchors))
 
 
-def fitted_below_ceiling(
+def fit_below_ceiling(
     networks: UrushiNetworks, z: np.ndarray, aim: FitTarget, hold: float
 ) -> np.ndarray:
     """`improved`, and then so that no angle is too bright, if the aim knows the nodes.
@@ -218,18 +220,18 @@ def fitted_below_ceiling(
     """
     if len(aim.logs) == aim.probes:
         return levenberg_marquardt(networks, z, aim, hold)
-    rule, nodes = energy.rule(), slice(aim.probes, None)
-    own = np.maximum(rule.at_angles(np.exp(aim.logs[nodes]) - UNSEEN), BLACK)
-    ceiling = energy.ceiling(own @ rule.interpolation.T)
+    rule, nodes = energy.albedo_rule(), slice(aim.probes, None)
+    own = np.maximum(rule.at_angles(np.exp(aim.logs[nodes]) - DARK_OFFSET), LEAST_ALBEDO)
+    ceiling = energy.albedo_ceiling(own @ rule.interpolation.T)
     counts = np.diff(rule.first, append=len(rule.wi))
     lower = aim._replace(logs=aim.logs.copy())
     tried = []
-    for steps in (STEPS, *[CEILING_STEPS] * CEILING_ROUNDS, 0):
+    for steps in (REFINEMENT_STEPS, *[CEILING_STEPS] * CEILING_ROUNDS, 0):
         log_f, _ = networks.decode_log(z, aim.features)
         bright = rule.at_angles(np.exp(log_f[nodes]))
         excess = np.log(np.maximum(bright / own, 1.0))
-        factor = min((ceiling / np.maximum(bright @ rule.interpolation.T, BLACK)).min(), 1.0)
-        errors = np.log(factor * np.exp(log_f) + UNSEEN) - aim.logs
+        factor = min((ceiling / np.maximum(bright @ rule.interpolation.T, LEAST_ALBEDO)).min(), 1.0)
+        errors = np.log(factor * np.exp(log_f) + DARK_OFFSET) - aim.logs
         tried.append((float(aim.weights @ np.abs(errors)), z))
         if not steps:
             break
@@ -240,13 +242,17 @@ def fitted_below_ceiling(
 
 
 def levenberg_marquardt(
-    networks: UrushiNetworks, z: np.ndarray, aim: FitTarget, hold: float, steps: int = STEPS
+    networks: UrushiNetworks,
+    z: np.ndarray,
+    aim: FitTarget,
+    hold: float,
+    steps: int = REFINEMENT_STEPS,
 ) -> np.ndarray:
     """Return a code float32 (L,) that is closer to its aim than z (L,), or as close.
 
     Every step is damped, and kept only where it lowers the objective.
     """
-    state, damping = _state_at(networks, z, aim, hold), DAMPING
+    state, damping = _state_at(networks, z, aim, hold), FIRST_DAMPING
     for _ in range(steps):
         mean = np.trace(state.curvature) / len(z)
         damped = state.curvature + (damping * mean + 1e-12) * np.eye(len(z))
@@ -273,14 +279,14 @@ def _state_at(networks: UrushiNetworks, z: np.ndarray, aim: FitTarget, hold: flo
     """
     log_f, slopes = networks.decode_log(z, aim.features)
     f = np.exp(log_f)
-    seen = (slopes * (f / (f + UNSEEN))[:, None]).astype(np.float64)  # dl/dz, (N, L)
+    seen = (slopes * (f / (f + DARK_OFFSET))[:, None]).astype(np.float64)  # dl/dz, (N, L)
     probed, slopes = f[: aim.probes], slopes[: aim.probes]
     outward = (slopes * (probed / (probed + OFFSET))[:, None]).astype(np.float64)  # dD/dz, (P, L)
     code, inward = (x.astype(np.float64) for x in networks.encode_log(log_values(probed)))
     variance = inward @ inward.T
     variance += LEAST_VARIANCE * np.trace(variance) / len(z) * np.eye(len(z))
-    gap, error = z - code, (np.log(f + UNSEEN) - aim.logs).astype(np.float64)
-    losses, far = huber(error)
+    gap, error = z - code, (np.log(f + DARK_OFFSET) - aim.logs).astype(np.float64)
+    losses, far = huber_loss(error)
     loss = aim.weights @ losses
     weighted = seen.T * (aim.weights / far)
     gap_slope = np.eye(len(z)) - inward @ outward
@@ -301,7 +307,9 @@ CORRECTION_STEPS, CORRECTION_DAMPING = 2, 1e-3
 FITTED_PAIRS, CHECKED_PAIRS = slice(0, None, 2), slice(1, None, 2)
 
 
-def corrected(networks: Networks, z: np.ndarray, f: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def correct_codes(
+    networks: Networks, z: np.ndarray, f: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Return codes that decode to given values, and how much too bright the encoder's are.
 
     Args:
@@ -317,28 +325,28 @@ def corrected(networks: Networks, z: np.ndarray, f: np.ndarray) -> tuple[np.ndar
     if not isinstance(networks, UrushiNetworks):
         return z, np.full(len(z), np.inf)
     with one_blas_thread():
-        return corrected_codes(networks, z, f, CORRECTION_DAMPING)
+        return correct_codes_serial(networks, z, f, CORRECTION_DAMPING)
 
 
-def corrected_codes(
+def correct_codes_serial(
     decoder: UrushiNetworks, z: np.ndarray, f: np.ndarray, damping: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """`corrected` codes z (C, L), on this thread: damping as above."""
     features = probe_features(decoder)
-    logs = np.log(f + UNSEEN)
+    logs = np.log(f + DARK_OFFSET)
 
     def errors(codes: np.ndarray, rows: np.ndarray, pairs: slice = slice(None)) -> np.ndarray:
         f_hat = decoder.decode(codes[:, None], features[pairs])
-        return np.log(f_hat + UNSEEN) - logs[rows, pairs]
+        return np.log(f_hat + DARK_OFFSET) - logs[rows, pairs]
 
     rows = np.arange(len(z))
     steps, known = _correction_steps(
         decoder, z, features[FITTED_PAIRS], logs[:, FITTED_PAIRS], damping
     )
     before = np.concatenate([known, errors(z, rows, CHECKED_PAIRS)], axis=-1)
-    best, least = np.array(z), huber(before)[0].sum(axis=-1)
+    best, least = np.array(z), huber_loss(before)[0].sum(axis=-1)
     for tried in reversed(steps):  # the last one is hardly ever worse than what was encoded
-        loss = huber(errors(tried[rows], rows))[0].sum(axis=-1)
+        loss = huber_loss(errors(tried[rows], rows))[0].sum(axis=-1)
         better = loss < least[rows]  # false for NaN
         best[rows[better]] = tried[rows[better]]
         rows = rows[~better]
@@ -358,8 +366,8 @@ def _correction_steps(
     for _ in range(CORRECTION_STEPS):
         log_f, slopes = decoder.decode_log(codes[-1][:, None], features)
         f_hat = np.exp(log_f)
-        errors.append(np.log(f_hat + UNSEEN) - logs)
-        slopes *= (f_hat / (f_hat + UNSEEN))[..., None]
+        errors.append(np.log(f_hat + DARK_OFFSET) - logs)
+        slopes *= (f_hat / (f_hat + DARK_OFFSET))[..., None]
         codes.append(_correction_step(codes[-1], errors[-1], slopes, damping))
     return codes[1:], errors[0]
 
@@ -368,7 +376,7 @@ def _correction_step(
     z: np.ndarray, error: np.ndarray, slopes: np.ndarray, damping: float
 ) -> np.ndarray:
     """Codes (C, L) one step from z, by errors (C, P) and their derivatives (C, P, L)."""
-    _, far = huber(error)
+    _, far = huber_loss(error)
     weighted = np.swapaxes(slopes / far[..., None], -1, -2)
     curvature = (weighted @ slopes).astype(np.float64)
     mean = np.trace(curvature, axis1=-2, axis2=-1) / z.shape[-1]

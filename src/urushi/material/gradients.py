@@ -21,7 +21,7 @@ from urushi.parallel import fill_blocks
 _ROUNDING = 1e-5
 
 
-def check(model: Model, where: str) -> None:
+def check_differentiable(model: Model, where: str) -> None:
     """Look whether derivatives of these networks are known.
 
     Raises:
@@ -52,13 +52,13 @@ def layer_pushforward(
         dz = derivatives.layer_pushforward(
             model.params, model.arch, z_bottom, coat, dz_bottom, dcoat
         )
-        rows = _limited(z, _unlimited(model, z_bottom, coat))
+        rows = _limited_rows(z, _unlimited(model, z_bottom, coat))
         for row in rows:
             of_z, of_bottom = _log_factor(model, z[row], z_bottom[row])
             dz[row, 0] += of_z @ dz[row] + of_bottom @ dz_bottom[row]
         return dz
 
-    return _filled(model.arch.latent, block, z_bottom, coat, z, dz_bottom, dcoat)
+    return _fill_rows(model.arch.latent, block, z_bottom, coat, z, dz_bottom, dcoat)
 
 
 def layer_pullback(
@@ -71,7 +71,7 @@ def layer_pullback(
 
     def block(z_bottom, coat, z, dz):
         dz, of_limit = dz.copy(), np.zeros_like(dz)
-        for row in _limited(z, _unlimited(model, z_bottom, coat)):
+        for row in _limited_rows(z, _unlimited(model, z_bottom, coat)):
             of_z, of_bottom = _log_factor(model, z[row], z_bottom[row])
             of_limit[row] = dz[row, 0] * of_bottom
             dz[row] += dz[row, 0] * of_z
@@ -80,20 +80,20 @@ def layer_pullback(
         )
         return np.concatenate([of_bottom + of_limit, of_coat], axis=-1)
 
-    both = _filled(model.arch.latent + coat.shape[-1], block, z_bottom, coat, z, dz)
+    both = _fill_rows(model.arch.latent + coat.shape[-1], block, z_bottom, coat, z, dz)
     return both[:, : model.arch.latent], both[:, model.arch.latent :]
 
 
 def encode_pushforward(model: Model, f: np.ndarray, z: np.ndarray, df: np.ndarray) -> np.ndarray:
-    """Return the change (N, 32) of `encode_texels`' codes z of f (N, P) for a change df (N, P)."""
+    """Return the change (N, 32) of `limited_codes`' codes z of f (N, P) for a change df (N, P)."""
 
     def block(f, z, df):
         dz = derivatives.encode_pushforward(model.params, model.arch, f, df)
-        for row in _limited(z, model.networks.encode(f)):
+        for row in _limited_rows(z, model.networks.encode(f)):
             dz[row, 0] -= _log_peak(model, z[row])[1] @ dz[row]
         return dz
 
-    return _filled(model.arch.latent, block, f, z, df)
+    return _fill_rows(model.arch.latent, block, f, z, df)
 
 
 def encode_pullback(model: Model, f: np.ndarray, z: np.ndarray, dz: np.ndarray) -> np.ndarray:
@@ -101,14 +101,14 @@ def encode_pullback(model: Model, f: np.ndarray, z: np.ndarray, dz: np.ndarray) 
 
     def block(f, z, dz):
         dz = dz.copy()
-        for row in _limited(z, model.networks.encode(f)):
+        for row in _limited_rows(z, model.networks.encode(f)):
             dz[row] -= dz[row, 0] * _log_peak(model, z[row])[1]
         return derivatives.encode_pullback(model.params, model.arch, f, dz)
 
-    return _filled(f.shape[-1], block, f, z, dz)
+    return _fill_rows(f.shape[-1], block, f, z, dz)
 
 
-def _filled(columns: int, block, *arrays: np.ndarray) -> np.ndarray:
+def _fill_rows(columns: int, block, *arrays: np.ndarray) -> np.ndarray:
     """The rows of block(*arrays) (N, columns), on all cores."""
     result = np.empty((len(arrays[0]), columns), np.float32)
     fill_blocks(result, block, *(np.asarray(array, np.float32) for array in arrays))
@@ -120,7 +120,7 @@ def _unlimited(model: Model, z_bottom: np.ndarray, coat: np.ndarray) -> np.ndarr
     return model.networks.layer(z_bottom, CoatParameters(*coat.T))
 
 
-def _limited(z: np.ndarray, unlimited: np.ndarray) -> np.ndarray:
+def _limited_rows(z: np.ndarray, unlimited: np.ndarray) -> np.ndarray:
     """The rows (K,) of codes that the limit scaled down."""
     return np.flatnonzero(z[:, 0] < unlimited[:, 0] - _ROUNDING)
 
@@ -141,12 +141,12 @@ def _log_peak(model: Model, z: np.ndarray) -> tuple[float, np.ndarray]:
     The gradient of ln f does not change with the gain, so that limited codes may stand for
     unlimited ones.
     """
-    rule = energy.rule()
+    rule = energy.albedo_rule()
     log_f, slopes = decode_log(model.params, model.arch, z[None], rule.features)
     f = np.exp(log_f)
     albedo = rule.albedo(f)
     largest = albedo.argmax()
     counts = np.diff(rule.first, append=len(rule.weights))
     shares = np.repeat(rule.interpolation[largest], counts) * rule.weights * f
-    peak = max(albedo[largest], energy.BLACK)
+    peak = max(albedo[largest], energy.LEAST_ALBEDO)
     return np.log(peak), (shares @ slopes / peak).astype(np.float32)

@@ -15,7 +15,7 @@ from urushi import checks
 from urushi.checks import CoatParameters
 from urushi.errors import ParameterError
 from urushi.material.encode import encode
-from urushi.material.energy import limit_coated
+from urushi.material.energy import limit_coated_albedo
 from urushi.material.material import Material
 from urushi.nets.weights import Model, Weights
 from urushi.parallel import fill_blocks
@@ -114,12 +114,12 @@ def layer_texels(
     fill_blocks(
         coated,
         lambda z, *p: model.networks.layer(z, CoatParameters(*p)),
-        _leading(z, len(rows) + 1),
-        *(_leading(p.astype(np.float32), len(rows)) for p in coat),
+        _with_leading_axes(z, len(rows) + 1),
+        *(_with_leading_axes(p.astype(np.float32), len(rows)) for p in coat),
     )
-    return limit_coated(model, coated.reshape(*shape, z.shape[-1]), z)
+    return limit_coated_albedo(model, coated.reshape(*shape, z.shape[-1]), z)
 
 
-def _leading(array: np.ndarray, dimensions: int) -> np.ndarray:
+def _with_leading_axes(array: np.ndarray, dimensions: int) -> np.ndarray:
     """The array with as many dimensions, those of one before its own."""
     return array.reshape((1,) * (dimensions - array.ndim) + array.shape)

@@ -18,7 +18,7 @@ from urushi.nets.weights import SHIPPED, Model, Weights, find, load_shipped
 from urushi.parallel import fill_blocks
 
 #: Directions at once whose albedo is integrated, over 1536 others each.
-INTEGRATED = 16
+ALBEDO_BLOCK = 16
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,8 +158,8 @@ class Material:
         wi = checks.direction(wi, "wi")
         albedo = np.zeros((len(wi), self.channels), np.float32)
         above = np.flatnonzero(wi[:, 2] > 0.0)
-        for start in range(0, len(above), INTEGRATED):
-            rows = above[start : start + INTEGRATED]
+        for start in range(0, len(above), ALBEDO_BLOCK):
+            rows = above[start : start + ALBEDO_BLOCK]
             albedo[rows] = self._albedo(wi[rows])
         return albedo
 

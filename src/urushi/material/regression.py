@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 
-class Features(NamedTuple):
+class CodeFeatures(NamedTuple):
     """What is made of codes: tanh of random combinations, the standardised numbers, and one."""
 
     mean: np.ndarray
@@ -27,7 +27,9 @@ class Features(NamedTuple):
         return np.concatenate([np.tanh(x @ self.projection + self.shift), x, one], axis=1)
 
 
-def features(codes: np.ndarray, count: int, least: float, rng: np.random.Generator) -> Features:
+def fit_features(
+    codes: np.ndarray, count: int, least: float, rng: np.random.Generator
+) -> CodeFeatures:
     """Features for codes like those of a sample (n, K).
 
     count: how many are combinations; spreads below `least` are no variation.
@@ -37,10 +39,10 @@ def features(codes: np.ndarray, count: int, least: float, rng: np.random.Generat
     # Numbers that hardly vary must not count as if they did.
     scale = 1 / np.maximum(spread, 0.01 * spread.max() + least)
     projection = (rng.normal(size=(size, count)) / np.sqrt(size)).astype(np.float32)
-    return Features(mean, scale, projection, rng.uniform(-2, 2, count).astype(np.float32))
+    return CodeFeatures(mean, scale, projection, rng.uniform(-2, 2, count).astype(np.float32))
 
 
-def coefficients(
+def ridge_coefficients(
     x: np.ndarray, target: np.ndarray, ridge: float, weights: np.ndarray | None = None
 ) -> np.ndarray:
     """Ridge regression: float32 (F,) or (F, T) for features x (n, F) and targets (n,) or (n, T).

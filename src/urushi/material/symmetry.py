@@ -16,16 +16,16 @@ AZIMUTHS = 62
 
 #: The turn, as a fraction of a whole one, that tells whether a BRDF needs averaging: not a simple
 #: one, for the sake of BRDFs that repeat themselves after such.
-ASKED_TURN = 0.155
+TEST_ROTATION = 0.155
 
 #: Relative difference up to which values count as the same: single precision in steep lobes.
-SAME, SAME_OFFSET = 1e-3, 1e-5
+RELATIVE_TOLERANCE, ABSOLUTE_TOLERANCE = 1e-3, 1e-5
 
 #: Pairs of cosine density at which the asymmetry is measured.
-JUDGED = 1024
+ASYMMETRY_PAIRS = 1024
 
 #: Findings above these are worth a warning: an error E for asymmetries, a share of the light.
-NOTABLE, NOTABLE_SHARE = 0.1, 0.01
+WARNED_ASYMMETRY, WARNED_SHARE = 0.1, 0.01
 
 #: An evaluated BRDF: f(wi, wo) -> (N, 3), (N, C) or (N,) [1/sr] for float32 unit vectors (N, 3).
 Brdf = Callable[[np.ndarray, np.ndarray], Any]
@@ -52,7 +52,7 @@ class Source(NamedTuple):
     textured: bool = False
 
 
-class Findings(NamedTuple):
+class Deviations(NamedTuple):
     """How a source differs from what a material can be.
 
     Attributes:
@@ -71,22 +71,22 @@ class Findings(NamedTuple):
     def warnings(self) -> list[str]:
         """What a user should know, a sentence each."""
         sentences = []
-        if (self.anisotropy or 0.0) > NOTABLE:
+        if (self.anisotropy or 0.0) > WARNED_ASYMMETRY:
             sentences.append(
                 f"the BRDF is anisotropic: it differs by {self.anisotropy:.0%} from its mean over "
                 "the azimuth, which is encoded, because materials are isotropic"
             )
-        if (self.reciprocity or 0.0) > NOTABLE:
+        if (self.reciprocity or 0.0) > WARNED_ASYMMETRY:
             sentences.append(
                 f"the BRDF is not reciprocal: it differs by {self.reciprocity:.0%} from its mean "
                 "over the exchange of wi and wo, which is encoded"
             )
-        if self.transmitted > NOTABLE_SHARE:
+        if self.transmitted > WARNED_SHARE:
             sentences.append(
                 f"the BSDF lets {self.transmitted:.0%} of the light through: only what it reflects "
                 "is encoded, and the material is opaque"
             )
-        if self.mirrored > NOTABLE_SHARE:
+        if self.mirrored > WARNED_SHARE:
             sentences.append(
                 f"the BSDF reflects {self.mirrored:.0%} of the light by a perfectly smooth "
                 "surface, which is left out; give its rough variant"
@@ -96,9 +96,9 @@ class Findings(NamedTuple):
         return sentences
 
 
-def symmetrised(
+def symmetrise(
     source: Source, wi: np.ndarray, wo: np.ndarray, check: Callable[[Any, int], np.ndarray]
-) -> tuple[np.ndarray, Findings]:
+) -> tuple[np.ndarray, Deviations]:
     """Values of a source, made isotropic and reciprocal, and what that has changed.
 
     A source that shows no asymmetry gives its own values. Any other's are means over `AZIMUTHS`
@@ -113,37 +113,37 @@ def symmetrised(
         float32 (N, C), and the findings.
     """
     if source.symmetric:
-        return check(source.f(wi, wo), len(wi)), _findings(source, 0.0, 0.0)
+        return check(source.f(wi, wo), len(wi)), _deviations(source, 0.0, 0.0)
     count = len(wi)
-    wi, wo = (np.concatenate(sides) for sides in zip((wi, wo), judged_pairs(), strict=True))
+    wi, wo = (np.concatenate(sides) for sides in zip((wi, wo), asymmetry_pairs(), strict=True))
 
     def values(a: np.ndarray, b: np.ndarray) -> np.ndarray:
         return check(source.f(a, b), len(a))
 
     once, noisy = values(wi, wo), source.noisy
     if not noisy:
-        asked = values(*(turned(w, ASKED_TURN, True) for w in (wi, wo)))
-        if same(once, asked) and same(once, values(wo, wi)):
-            return once[:count], _findings(source, 0.0, 0.0)
+        asked = values(*(rotated(w, TEST_ROTATION, True) for w in (wi, wo)))
+        if nearly_equal(once, asked) and nearly_equal(once, values(wo, wi)):
+            return once[:count], _deviations(source, 0.0, 0.0)
         noisy = not np.array_equal(once, values(wi, wo))
-    pairs = list(_turns(wi, wo))
+    pairs = list(rotated_pairs(wi, wo))
     # (exchange, azimuth, N, C)
     every = np.stack([[values(a, b) for a, b in pairs], [values(b, a) for a, b in pairs]])
     isotropic = every.mean(axis=1)
     mean = isotropic.mean(axis=0)
     if noisy:
-        return mean[:count], _findings(source, None, None)
+        return mean[:count], _deviations(source, None, None)
     anisotropy = _error(every[..., count:, :], isotropic[:, None, count:])
     reciprocity = _error(isotropic[:, count:], mean[count:])
-    return mean[:count], _findings(source, anisotropy, reciprocity)
+    return mean[:count], _deviations(source, anisotropy, reciprocity)
 
 
-def averaged(f: Callable[..., np.ndarray], wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+def azimuthal_mean(f: Callable[..., np.ndarray], wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
     """The mean of f(wi, wo) over the azimuth alone."""
-    return np.mean([f(*pair) for pair in _turns(wi, wo)], axis=0)
+    return np.mean([f(*pair) for pair in rotated_pairs(wi, wo)], axis=0)
 
 
-def turned(w: np.ndarray, turn: float, mirrored: bool = False) -> np.ndarray:
+def rotated(w: np.ndarray, turn: float, mirrored: bool = False) -> np.ndarray:
     """Directions (N, 3) turned about the normal by a part of a whole turn, then y negated."""
     cos, sin = np.cos(2 * np.pi * turn), np.sin(2 * np.pi * turn)
     sign = -1.0 if mirrored else 1.0
@@ -152,18 +152,18 @@ def turned(w: np.ndarray, turn: float, mirrored: bool = False) -> np.ndarray:
     )
 
 
-def same(a: np.ndarray, b: np.ndarray) -> bool:
+def nearly_equal(a: np.ndarray, b: np.ndarray) -> bool:
     """Whether two arrays of values [1/sr] are equal but for rounding."""
-    return bool((np.abs(a - b) <= SAME * np.maximum(a, b) + SAME_OFFSET).all())
+    return bool((np.abs(a - b) <= RELATIVE_TOLERANCE * np.maximum(a, b) + ABSOLUTE_TOLERANCE).all())
 
 
 @functools.cache
-def judged_pairs() -> tuple[np.ndarray, np.ndarray]:
+def asymmetry_pairs() -> tuple[np.ndarray, np.ndarray]:
     """The `JUDGED` pairs, the same always; none so low that a half vector is lost to rounding."""
-    return cosine_pairs(np.random.default_rng(0), JUDGED, lowest_cosine=0.01)
+    return cosine_pairs(np.random.default_rng(0), ASYMMETRY_PAIRS, lowest_cosine=0.01)
 
 
-def _turns(wi: np.ndarray, wo: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+def rotated_pairs(wi: np.ndarray, wo: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """The pairs that f is averaged over: turned, and every second one mirrored.
 
     Most anisotropic BRDFs are as before after half a turn, and as their mirror image. They too are
@@ -174,16 +174,16 @@ def _turns(wi: np.ndarray, wo: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndar
     for k in range(odd):
         for mirrored in (False, True):
             turn = (k + 0.25 * mirrored) / odd
-            yield turned(wi, turn, mirrored), turned(wo, turn, mirrored)
+            yield rotated(wi, turn, mirrored), rotated(wo, turn, mirrored)
 
 
-def _findings(source: Source, anisotropy: float | None, reciprocity: float | None) -> Findings:
-    return Findings(anisotropy, reciprocity, source.transmitted, source.mirrored, source.textured)
+def _deviations(source: Source, anisotropy: float | None, reciprocity: float | None) -> Deviations:
+    return Deviations(anisotropy, reciprocity, source.transmitted, source.mirrored, source.textured)
 
 
 def _error(f: np.ndarray, mean: np.ndarray) -> float:
     """E of values (..., JUDGED, C) against their mean (broadcast), all channels together."""
-    wi, wo = judged_pairs()
+    wi, wo = asymmetry_pairs()
     weight = energy_weight(wi[:, 2], wo[:, 2])[:, None]
     energy = float((np.broadcast_to(mean, f.shape) * weight).sum())
     return float((np.abs(f - mean) * weight).sum()) / energy if energy > 0 else 0.0

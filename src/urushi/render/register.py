@@ -1,7 +1,6 @@
 """Making the plugins known to Mitsuba, in every variant, whenever it is set."""
 
 from collections.abc import Callable
-from functools import cache
 
 import mitsuba as mi
 
@@ -36,7 +35,10 @@ def _on_variant(old: str | None, new: str) -> None:
     """Define the plugins' classes anew: a class belongs to the variant in which it was made."""
     if new.startswith("llvm"):
         platform.require_llvm()  # before a kernel is compiled, which an old one would not survive
-    _teach_encode()
+    from urushi.material.encode import as_source
+    from urushi.render.reading.bsdf import bsdf_source
+
+    as_source.register(mi.BSDF, bsdf_source)  # for `urushi.encode`
     if new.startswith("scalar") or mi.is_polarized:
         for name in PLUGINS:
             mi.register_bsdf(name, _refusal(name, new))
@@ -49,15 +51,6 @@ def _on_variant(old: str | None, new: str) -> None:
     mi.register_bsdf("neural_layered", neural_layered.define(neural))
     mi.register_bsdf("neural_brdf", neural_brdf.define(neural))
     mi.register_bsdf("measured_brdf", measured_brdf.define(mixture))
-
-
-@cache
-def _teach_encode() -> None:
-    """Let `urushi.encode` take Mitsuba's BSDFs."""
-    from urushi.material.encode import register_adapter
-    from urushi.render.reading.bsdf import open_bsdf
-
-    register_adapter(lambda source: isinstance(source, mi.BSDF), open_bsdf)
 
 
 def _refusal(name: str, variant: str):

@@ -23,8 +23,8 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from urushi.material import regression
-from urushi.material.fit import corrected_codes
-from urushi.material.regression import Features
+from urushi.material.fit import correct_codes_serial
+from urushi.material.regression import CodeFeatures
 from urushi.nets.features import direction_features
 from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
@@ -32,7 +32,7 @@ from urushi.parallel import fill_blocks, one_blas_thread
 
 #: Damping of the steps: more than for what is encoded, as a regression cannot follow what small
 #: changes of the values do to numbers of a code that they hardly determine.
-DAMPING = 1e-2
+CORRECTION_DAMPING = 1e-2
 
 #: Of the regression: random features besides the numbers themselves, its ridge, and the least
 #: spread of a number that means anything.
@@ -40,7 +40,7 @@ CORRECTION_FEATURES, CORRECTION_RIDGE, CORRECTION_LEAST_SPREAD = 128, 1e-3, 1e-4
 
 #: What is closer than this share of the typical distance is hardly an average, and left alone; and
 #: no change is divided by less when the regression is fitted.
-NEAR, LEAST_SHARE = 0.05, 0.05
+NEAR_SHARE, LEAST_SHARE = 0.05, 0.05
 
 #: Averages of codes are known to this, in units of their spread, squared.
 ROUNDING = 1e-6
@@ -48,7 +48,7 @@ ROUNDING = 1e-6
 
 def corrected_averages(networks: UrushiNetworks, z: np.ndarray, f: np.ndarray) -> np.ndarray:
     """Codes (n, L) that decode to averages f (n, P) at the probe pairs, starting at z (n, L)."""
-    return corrected_codes(networks, z, f, DAMPING)[0]
+    return correct_codes_serial(networks, z, f, CORRECTION_DAMPING)[0]
 
 
 class AverageCorrection(NamedTuple):
@@ -61,7 +61,7 @@ class AverageCorrection(NamedTuple):
             average of codes, in units of the spread.
     """
 
-    features: Features
+    features: CodeFeatures
     coefficients: np.ndarray
     scale: np.ndarray
     near: float
@@ -72,8 +72,8 @@ class AverageCorrection(NamedTuple):
         z: (n, L) as encoded; rest: (n, L) the part of it that the encoder has not told; mean:
         (n, L) of the codes that were averaged.
         """
-        change = self.features(_seen(z, rest)) @ self.coefficients
-        change *= _share(_distance(z, mean, self.scale), self.near)[:, None]
+        change = self.features(_correction_inputs(z, rest)) @ self.coefficients
+        change *= _correction_share(_distance(z, mean, self.scale), self.near)[:, None]
         return change + z
 
 
@@ -87,19 +87,19 @@ def fit_average_correction(
     spread = mean.std(axis=0)
     scale = 1 / (spread + 0.01 * spread.max() + CORRECTION_LEAST_SPREAD)
     distance = _distance(z, mean, scale)
-    near = NEAR * float(np.median(distance)) + ROUNDING
-    share = np.maximum(_share(distance, near), LEAST_SHARE)
-    seen = _seen(z, rest)
-    features = regression.features(
+    near = NEAR_SHARE * float(np.median(distance)) + ROUNDING
+    share = np.maximum(_correction_share(distance, near), LEAST_SHARE)
+    seen = _correction_inputs(z, rest)
+    features = regression.fit_features(
         seen, CORRECTION_FEATURES, CORRECTION_LEAST_SPREAD, np.random.default_rng(0)
     )
-    coefficients = regression.coefficients(
+    coefficients = regression.ridge_coefficients(
         features(seen), (aim - z) / share[:, None], CORRECTION_RIDGE, weights=share**2
     )
     return AverageCorrection(features, coefficients, scale, near)
 
 
-def _seen(z: np.ndarray, rest: np.ndarray) -> np.ndarray:
+def _correction_inputs(z: np.ndarray, rest: np.ndarray) -> np.ndarray:
     """What the change depends on: not on the gain, the first number of a code."""
     return np.concatenate([z[:, 1:], rest], axis=1)
 
@@ -108,7 +108,7 @@ def _distance(z: np.ndarray, mean: np.ndarray, scale: np.ndarray) -> np.ndarray:
     return np.square((z - mean) * scale).mean(axis=1)
 
 
-def _share(distance: np.ndarray, near: float) -> np.ndarray:
+def _correction_share(distance: np.ndarray, near: float) -> np.ndarray:
     return distance / (distance + near)
 
 
@@ -119,11 +119,11 @@ SAMPLE = 2048
 FEATURES, RIDGE = 128, 1e-6
 
 #: Probe pairs that tell the others; by averages of 2, 4, ... so many times two random codes.
-KEPT, HALVINGS = 48, 4
+KEPT_PAIRS, HALVINGS = 48, 4
 
 #: Codes that are decoded at once, at all pairs; that tell the regression's error; and averages of
 #: each halving that tell what the encoder lacks.
-DECODED, JUDGED, SETTLED = 8, 256, 256
+DECODED_BLOCK, ERROR_SAMPLE, CORRECTION_SAMPLE = 8, 256, 256
 
 #: A code's numbers vary by more than this if they mean anything.
 LEAST_SPREAD = 1e-4
@@ -139,7 +139,7 @@ class AveragingSpace(Protocol):
         """The codes (n, size) of averages (n, K)."""
 
 
-class CodeSpace:
+class LatentSpace:
     """Codes as they are, as in Fan et al. (2022): for the paper's networks."""
 
     def lift(self, z: np.ndarray) -> np.ndarray:
@@ -171,7 +171,7 @@ class DecodedSpace(NamedTuple):
 
     def parts(self, means: np.ndarray) -> list[np.ndarray]:
         """Values (n, P), remainders (n, size) and codes (n, size) of averages."""
-        return _parts(means, len(self.networks.pairs()[0]))
+        return _split_means(means, len(self.networks.pairs()[0]))
 
 
 class RegressionSpace(NamedTuple):
@@ -191,7 +191,7 @@ class RegressionSpace(NamedTuple):
     kept: np.ndarray
     encode: Callable[[np.ndarray], np.ndarray]
     settle: AverageCorrection
-    features: Features
+    features: CodeFeatures
     coefficients: np.ndarray
     error: float
 
@@ -205,7 +205,7 @@ class RegressionSpace(NamedTuple):
 
     def drop(self, means: np.ndarray) -> np.ndarray:
         """As of `Decoded`."""
-        f, rest, mean = _parts(means, len(self.kept))
+        f, rest, mean = _split_means(means, len(self.kept))
         return self.settle(self.encode(f) + rest, rest, mean)
 
     def fits(self, z: np.ndarray) -> bool:
@@ -228,14 +228,14 @@ def averaging_space(
     """
     networks = model.networks
     if not isinstance(networks, UrushiNetworks):
-        return CodeSpace()
+        return LatentSpace()
     exact = DecodedSpace(networks)
     if count <= SAMPLE:
         return exact
     rng = np.random.default_rng(0)
     z = read(rng.integers(count, size=SAMPLE)).astype(np.float32)
     known = np.empty((len(z), len(networks.pairs()[0]) + 2 * z.shape[1]), np.float32)
-    fill_blocks(known, exact.lift, z, rows=DECODED)
+    fill_blocks(known, exact.lift, z, rows=DECODED_BLOCK)
     mixed = [known]
     for _ in range(HALVINGS):
         mixed.append(0.5 * (mixed[-1] + rng.permutation(mixed[-1])))
@@ -246,20 +246,20 @@ def averaging_space(
         f, rest, _ = exact.parts(known)
         features, coefficients = _fit_regression(z, f, rest, kept, rng)
     settle = _fit_correction(
-        exact, kept, encode, np.concatenate([part[:SETTLED] for part in mixed[1:]])
+        exact, kept, encode, np.concatenate([part[:CORRECTION_SAMPLE] for part in mixed[1:]])
     )
     made = RegressionSpace(exact, kept, encode, settle, features, coefficients, 0.0)
     with one_blas_thread():
-        return made._replace(error=made.distance(z[:JUDGED]))
+        return made._replace(error=made.distance(z[:ERROR_SAMPLE]))
 
 
 def _fit_regression(
     z: np.ndarray, f: np.ndarray, rest: np.ndarray, kept: np.ndarray, rng: np.random.Generator
-) -> tuple[Features, np.ndarray]:
+) -> tuple[CodeFeatures, np.ndarray]:
     """Features and coefficients of `Estimated`, from codes (n, size) that were lifted exactly."""
-    features = regression.features(z, FEATURES, LEAST_SPREAD, rng)
+    features = regression.fit_features(z, FEATURES, LEAST_SPREAD, rng)
     target = np.concatenate([np.log(f[:, kept]) - z[:, :1], rest], axis=1)
-    return features, regression.coefficients(features(z), target, RIDGE)
+    return features, regression.ridge_coefficients(features(z), target, RIDGE)
 
 
 def _fit_correction(
@@ -272,17 +272,17 @@ def _fit_correction(
     f, rest, mean = exact.parts(means)
     start = encode(f[:, kept]) + rest
     aim = np.empty_like(start)
-    fill_blocks(aim, partial(corrected_averages, exact.networks), start, f, rows=DECODED)
+    fill_blocks(aim, partial(corrected_averages, exact.networks), start, f, rows=DECODED_BLOCK)
     with one_blas_thread():
         return fit_average_correction(start, rest, mean, aim)
 
 
 def _blocks(rows: np.ndarray) -> list[slice]:
     """Cuts rows into blocks that fit a core's cache once they are decoded."""
-    return [slice(start, start + DECODED) for start in range(0, len(rows), DECODED)]
+    return [slice(start, start + DECODED_BLOCK) for start in range(0, len(rows), DECODED_BLOCK)]
 
 
-def _parts(rows: np.ndarray, pairs: int) -> list[np.ndarray]:
+def _split_means(rows: np.ndarray, pairs: int) -> list[np.ndarray]:
     """Cut rows (n, pairs + 2 size)."""
     return np.split(rows, [pairs, (pairs + rows.shape[1]) // 2], axis=1)
 
@@ -299,7 +299,7 @@ def _reduced_encoder(
     mean = seen.mean(axis=0)
     covariance = np.cov(seen, rowvar=False) + RIDGE * np.eye(len(mean))
     left, kept = covariance.copy(), []
-    for _ in range(min(KEPT, len(mean))):
+    for _ in range(min(KEPT_PAIRS, len(mean))):
         kept.append(int(left.diagonal().argmax()))
         left -= np.outer(left[:, kept[-1]], left[kept[-1]]) / left[kept[-1], kept[-1]]
     matrix = np.linalg.solve(covariance[np.ix_(kept, kept)], covariance[kept])

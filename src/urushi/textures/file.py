@@ -2,62 +2,45 @@
 
 import os
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from urushi import files
 from urushi.errors import FileError
-from urushi.material.file import belonging
+from urushi.material.file import matching_weights
 from urushi.nets.weights import Model
 from urushi.textures import mip_pyramid
-from urushi.textures.packing import Layout, Packed
+from urushi.textures.grid import WRAPS, TexelGrid
+from urushi.textures.packing import PackedTexels, TexelLayout
 from urushi.textures.store import TextureStore
 
 #: Files of version 1 have no entry `levels`; they hold all levels of the mip pyramid.
 KIND, FORMAT_VERSION = "texture", 2
 
-#: How a texture goes on beyond its unit square.
-WRAPS = ("repeat", "mirror", "clamp")
 
-
-class Place(NamedTuple):
-    """Where a texture's texels lie.
-
-    Attributes:
-        to_texture: the affine map (2, 3) from uv to the unit square of texels, as nested tuples.
-        wrap: one of `WRAPS`.
-        nearest: whether the nearest texel is taken as it is, without interpolation.
-    """
-
-    to_texture: tuple
-    wrap: str
-    nearest: bool
-
-
-def write(path: str | os.PathLike, store: TextureStore, place: Place, fingerprint: str) -> None:
-    """Write a texture whose codes belong to the networks of `fingerprint`.
+def write(path: str | os.PathLike, store: TextureStore, grid: TexelGrid, fingerprint: str) -> None:
+    """Write a texture over `grid`, made with the networks of `fingerprint`.
 
     Raises:
         FileError: the file cannot be written.
     """
-    width, height = store.levels[0]
     description = {
         "version": FORMAT_VERSION,
         "weights": fingerprint,
-        "width": width,
-        "height": height,
+        "width": grid.width,
+        "height": grid.height,
         "levels": len(store.levels),
         "layout": store.layout._asdict(),
-        "place": place._asdict(),
+        "place": {"to_texture": grid.to_texture, "wrap": grid.wrap, "nearest": grid.nearest},
     }
     packed = store.packed
     arrays = {"texels": packed.bytes, "lowest": packed.lowest, "step": packed.step}
     files.write_tensors(path, KIND, description, arrays)
 
 
-def read(path: str | os.PathLike, models: Sequence[Model]) -> tuple[TextureStore, Place, Model]:
-    """Return a file's texture, its place, and which of some networks it was made with.
+def read(path: str | os.PathLike, models: Sequence[Model]) -> tuple[TextureStore, TexelGrid, Model]:
+    """Return a file's texture, its grid, and the one of `models` that it was made with.
 
     Raises:
         FileError: missing, truncated, foreign, damaged, or made with other networks.
@@ -68,20 +51,20 @@ def read(path: str | os.PathLike, models: Sequence[Model]) -> tuple[TextureStore
             f"'{path}' has version {description.get('version')!r} of the texture format, "
             f"this Urushi reads versions 1 and {FORMAT_VERSION}; install the Urushi that wrote it"
         )
-    model = belonging(path, description.get("weights"), models)
+    model = matching_weights(path, description.get("weights"), models)
     try:
         store = _store(description, arrays, model)
-        place = _place(description["place"])
+        grid = _checked_grid(*store.levels[0], description["place"])
     except (KeyError, TypeError, ValueError) as error:
         raise FileError(f"the texture file '{path}' is damaged ({error}); save it again") from error
-    return store, place, model
+    return store, grid, model
 
 
 def _store(
     description: dict[str, Any], arrays: dict[str, np.ndarray], model: Model
 ) -> TextureStore:
     entries = description["layout"]
-    layout = Layout(**{**entries, "low": tuple(int(byte) for byte in entries["low"])})
+    layout = TexelLayout(**{**entries, "low": tuple(int(byte) for byte in entries["low"])})
     size, count = model.arch.latent, layout.texel_bytes
     places = [byte for byte in layout.low if byte >= 0]
     fits = 0 < layout.channels * layout.stride <= count and count % 4 == 0
@@ -98,7 +81,7 @@ def _store(
         raise ValueError(f"it has {levels!r} levels, not 1 or {every_level}")
     store = TextureStore(model, layout, width, height, mipmaps=levels > 1)
     shape = sum(w * h for w, h in store.levels), count
-    packed = Packed(arrays["texels"], arrays["lowest"], arrays["step"])
+    packed = PackedTexels(arrays["texels"], arrays["lowest"], arrays["step"])
     if packed.bytes.dtype != np.uint8 or packed.bytes.shape != shape:
         raise ValueError("texels are missing")
     for range_ in (packed.lowest, packed.step):
@@ -109,9 +92,10 @@ def _store(
     return store
 
 
-def _place(entries: dict[str, Any]) -> Place:
+def _checked_grid(width: int, height: int, entries: dict[str, Any]) -> TexelGrid:
     matrix = np.array(entries["to_texture"], np.float64)
     if matrix.shape != (2, 3) or not np.isfinite(matrix).all() or entries["wrap"] not in WRAPS:
         raise ValueError("its place in uv is unknown")
     (a, b, c), (d, e, f) = matrix.tolist()
-    return Place(((a, b, c), (d, e, f)), entries["wrap"], bool(entries["nearest"]))
+    matrix_rows = (a, b, c), (d, e, f)
+    return TexelGrid(width, height, matrix_rows, entries["wrap"], bool(entries["nearest"]))

@@ -17,16 +17,16 @@ from urushi.textures.averaging import AveragingSpace, RegressionSpace
 
 #: The first level of at most so many texels keeps its averages, of which the further levels are
 #: made; so many texels of the first level make a tile.
-KEPT, TILE = 1 << 14, 1 << 10
+KEPT_TEXELS, TILE_TEXELS = 1 << 14, 1 << 10
 
 #: Changed codes that tell whether the space still holds for them.
-ASKED = 256
+CHECKED_CODES = 256
 
 #: Codes float (n, channels, size) of texels by their indices.
-Read = Callable[[np.ndarray], np.ndarray]
+ReadCodes = Callable[[np.ndarray], np.ndarray]
 
 #: Takes texels' indices (n,), levels following each other, and their codes (n, channels, size).
-Write = Callable[[np.ndarray, np.ndarray], None]
+WriteCodes = Callable[[np.ndarray, np.ndarray], None]
 
 
 class MipPyramid:
@@ -37,11 +37,11 @@ class MipPyramid:
         self.sizes = level_sizes(width, height)
         counts = [w * h for w, h in self.sizes]
         self._first = np.cumsum([0, *counts])
-        self._kept = next(level for level, count in enumerate(counts) if count <= KEPT)
+        self._kept = next(level for level, count in enumerate(counts) if count <= KEPT_TEXELS)
         self._means: np.ndarray = np.zeros(0, np.float32)
         self._space: AveragingSpace | None = None
 
-    def fill(self, read: Read, write: Write, changed: np.ndarray | None = None) -> None:
+    def fill(self, read: ReadCodes, write: WriteCodes, changed: np.ndarray | None = None) -> None:
         """Make the levels' codes.
 
         Args:
@@ -57,7 +57,7 @@ class MipPyramid:
             )
         space = self._space
         columns, rows = self.sizes[self._kept]
-        step = max(TILE >> (2 * self._kept), 1)
+        step = max(TILE_TEXELS >> (2 * self._kept), 1)
         tiles = [(y, x) for y in range(rows) for x in range(0, columns, step)]
         if changed is not None:
             stale = self._stale(changed)
@@ -76,14 +76,14 @@ class MipPyramid:
         means = self._means
         for level in range(self._kept + 1, len(self.sizes)):
             w, h = self.sizes[level - 1]
-            means = halved(means, 0, h, 0, w)
+            means = half_resolution(means, 0, h, 0, w)
             self._write(space, write, level, range(len(means)), range(means.shape[1]), means)
 
     def _average(
         self,
         space: AveragingSpace,
-        read: Read,
-        write: Write,
+        read: ReadCodes,
+        write: WriteCodes,
         level: int,
         rows: range,
         columns: range,
@@ -102,14 +102,14 @@ class MipPyramid:
             source_rows(rows.start, rows.stop, height),
             source_rows(columns.start, columns.stop, width),
         )
-        means = halved(below, rows.start, height, columns.start, width)
+        means = half_resolution(below, rows.start, height, columns.start, width)
         self._write(space, write, level, rows, columns, means)
         return means
 
     def _write(
         self,
         space: AveragingSpace,
-        write: Write,
+        write: WriteCodes,
         level: int,
         rows: range,
         columns: range,
@@ -125,7 +125,7 @@ class MipPyramid:
         lines = np.arange(rows.start, rows.stop)[:, None] * self.sizes[level][0]
         return (self._first[level] + lines + np.arange(columns.start, columns.stop)).ravel()
 
-    def _rows(self, read: Read) -> Callable[[np.ndarray], np.ndarray]:
+    def _rows(self, read: ReadCodes) -> Callable[[np.ndarray], np.ndarray]:
         """Reads single codes: those of all channels of a texel follow each other."""
 
         def of(index: np.ndarray) -> np.ndarray:
@@ -134,13 +134,13 @@ class MipPyramid:
 
         return of
 
-    def _holds(self, read: Read, changed: np.ndarray) -> bool:
+    def _holds(self, read: ReadCodes, changed: np.ndarray) -> bool:
         """Whether the space that was fitted to the texture as it was holds for what is new."""
         if not isinstance(self._space, RegressionSpace) or not len(changed):
             return True
-        some = np.random.default_rng(0).integers(len(changed) * self._channels, size=ASKED)
+        some = np.random.default_rng(0).integers(len(changed) * self._channels, size=CHECKED_CODES)
         texel, channel = np.divmod(some, self._channels)
-        codes = read(changed[texel])[np.arange(ASKED), channel]
+        codes = read(changed[texel])[np.arange(CHECKED_CODES), channel]
         with parallel.one_blas_thread():  # the matrices are small
             return self._space.fits(codes.astype(np.float32))
 
@@ -173,7 +173,7 @@ def source_rows(top: int, bottom: int, height: int) -> range:
     return range(2 * top, 2 * bottom + height % 2) if height > 1 else range(1)
 
 
-def halved(
+def half_resolution(
     values: np.ndarray, top: int, height: int, left: int = 0, width: int | None = None
 ) -> np.ndarray:
     """Averages (h, w, ...) of a level's values (H, W, ...) over areas.
@@ -182,10 +182,10 @@ def halved(
     columns from `left` on; height, width: those of the whole level, by default as wide as values.
     """
     width = values.shape[1] if width is None else width
-    return _halved(_halved(values, 0, top, height), 1, left, width)
+    return _half_along_axis(_half_along_axis(values, 0, top, height), 1, left, width)
 
 
-def _halved(values: np.ndarray, axis: int, first: int, count: int) -> np.ndarray:
+def _half_along_axis(values: np.ndarray, axis: int, first: int, count: int) -> np.ndarray:
     """Averages along an axis: of two values each, or of three by the areas that they share."""
     if count == 1:
         return values

@@ -18,14 +18,14 @@ from urushi.nets.weights import Model
 from urushi.parallel import fill_blocks
 
 #: Numbers of each channel that have 16 bits at least: the gain and the next most important one.
-FINE = 2
+LEAST_FINE_NUMBERS = 2
 
 #: Random coats by which importance is measured, pairs of directions at most, the seed of all that
 #: is random in it, and the step in a number: the share of its range that 8 bits resolve.
 COATS, PAIRS, SEED, STEP = 256, 64, 0, 1 / 255
 
 
-class Layout(NamedTuple):
+class TexelLayout(NamedTuple):
     """Where in a texel's bytes the numbers of its codes are.
 
     Attributes:
@@ -48,7 +48,7 @@ class Layout(NamedTuple):
         return np.where(np.array(self.low) < 0, 255, 65535)
 
 
-class Packed(NamedTuple):
+class PackedTexels(NamedTuple):
     """A packed texture.
 
     Attributes:
@@ -61,23 +61,23 @@ class Packed(NamedTuple):
     step: np.ndarray
 
 
-def layout(model: Model, channels: int) -> Layout:
+def texel_layout(model: Model, channels: int) -> TexelLayout:
     """The layout of texels of codes (channels, size) of a model."""
     size = model.arch.latent
     count = 4
-    while count < channels * (size + FINE):
+    while count < channels * (size + LEAST_FINE_NUMBERS):
         count *= 2
     fine = min(count // channels - size, size)
-    second = {number: size + index for index, number in enumerate(importance(model)[:fine])}
+    second = {number: size + index for index, number in enumerate(importance_order(model)[:fine])}
     low = tuple(second.get(number, -1) for number in range(size))
-    return Layout(channels, size, low, size + fine, count)
+    return TexelLayout(channels, size, low, size + fine, count)
 
 
-def importance(model: Model) -> list[int]:
+def importance_order(model: Model) -> list[int]:
     """The numbers of a code, that on which f depends most first (the paper's: as they come)."""
     if model.fingerprint not in _importance:
         _importance[model.fingerprint] = (
-            _measured(model) if isinstance(model.networks, UrushiNetworks) else []
+            measure_importance(model) if isinstance(model.networks, UrushiNetworks) else []
         )
     return _importance[model.fingerprint] or list(range(model.arch.latent))
 
@@ -86,7 +86,7 @@ def importance(model: Model) -> list[int]:
 _importance: dict[str, list[int]] = {}
 
 
-def _measured(model: Model) -> list[int]:
+def measure_importance(model: Model) -> list[int]:
     """Importance by the change of ln f, in codes of random coats over diffuse bottoms."""
     rng = np.random.default_rng(SEED)
     wi, wo = model.networks.pairs()
@@ -113,13 +113,17 @@ def _measured(model: Model) -> list[int]:
     return [int(number) for number in np.argsort(change)[::-1]]
 
 
-def within(layout: Layout, texels: np.ndarray, lowest: np.ndarray, highest: np.ndarray) -> Packed:
+def with_ranges(
+    layout: TexelLayout, texels: np.ndarray, lowest: np.ndarray, highest: np.ndarray
+) -> PackedTexels:
     """Bytes (T, B) whose numbers lie between given values (size,), to be written."""
     bottom = lowest.astype(np.float32)
-    return Packed(texels, bottom, ((highest - bottom) / layout.levels).astype(np.float32))
+    return PackedTexels(texels, bottom, ((highest - bottom) / layout.levels).astype(np.float32))
 
 
-def write(layout: Layout, packed: Packed, rows: slice | np.ndarray, codes: np.ndarray) -> None:
+def pack_rows(
+    layout: TexelLayout, packed: PackedTexels, rows: slice | np.ndarray, codes: np.ndarray
+) -> None:
     """Overwrite rows of a packed texture (T, B) by codes (n, channels, size) within its ranges."""
     part = packed.bytes[rows]  # of a slice, the bytes themselves
     fill_blocks(part, lambda z: _bytes(layout, packed, z), codes)
@@ -127,7 +131,7 @@ def write(layout: Layout, packed: Packed, rows: slice | np.ndarray, codes: np.nd
         packed.bytes[rows] = part
 
 
-def _bytes(layout: Layout, packed: Packed, codes: np.ndarray) -> np.ndarray:
+def _bytes(layout: TexelLayout, packed: PackedTexels, codes: np.ndarray) -> np.ndarray:
     inverse = 1 / np.where(packed.step > 0, packed.step, 1)
     levels = np.rint((codes - packed.lowest) * inverse)
     whole = np.clip(levels, 0, layout.levels).astype(np.uint16)
@@ -144,14 +148,14 @@ def _bytes(layout: Layout, packed: Packed, codes: np.ndarray) -> np.ndarray:
     return result
 
 
-def fits(packed: Packed, layout: Layout, codes: np.ndarray) -> bool:
+def in_ranges(packed: PackedTexels, layout: TexelLayout, codes: np.ndarray) -> bool:
     """Whether codes (T, channels, size) lie within a packed texture's ranges, about."""
     slack = packed.step
     highest = packed.lowest + layout.levels * packed.step
     return bool((codes >= packed.lowest - slack).all() and (codes <= highest + slack).all())
 
 
-def unpack(layout: Layout, packed: Packed) -> np.ndarray:
+def unpack(layout: TexelLayout, packed: PackedTexels) -> np.ndarray:
     """Codes float32 (T, channels, size) of bytes (T, B)."""
     codes = np.empty((len(packed.bytes), layout.channels, layout.size), np.float32)
     fill_blocks(
@@ -160,12 +164,12 @@ def unpack(layout: Layout, packed: Packed) -> np.ndarray:
     return codes
 
 
-def unpack_alone(layout: Layout, packed: Packed) -> np.ndarray:
+def unpack_serial(layout: TexelLayout, packed: PackedTexels) -> np.ndarray:
     """The same by the calling thread alone."""
     return _codes(layout, packed, packed.bytes).reshape(-1, layout.channels, layout.size)
 
 
-def _codes(layout: Layout, packed: Packed, rows: np.ndarray) -> np.ndarray:
+def _codes(layout: TexelLayout, packed: PackedTexels, rows: np.ndarray) -> np.ndarray:
     """Codes (T, channels * size) of bytes (T, B)."""
     codes = np.empty((len(rows), layout.channels, layout.size), np.float32)
     low = np.array(layout.low)

@@ -9,10 +9,10 @@ from urushi import parallel
 from urushi.nets.weights import Model
 from urushi.textures import packing
 from urushi.textures.mip_pyramid import MipPyramid
-from urushi.textures.packing import Layout, Packed
+from urushi.textures.packing import PackedTexels, TexelLayout
 
 #: Texels that are packed at once: bounds memory.
-TOGETHER = 1 << 17
+PACKED_BLOCK = 1 << 17
 
 
 class TextureStore:
@@ -23,13 +23,15 @@ class TextureStore:
         levels: width and height of every level.
     """
 
-    def __init__(self, model: Model, layout: Layout, width: int, height: int, *, mipmaps=False):
+    def __init__(
+        self, model: Model, layout: TexelLayout, width: int, height: int, *, mipmaps=False
+    ):
         """mipmaps: whether to hold all levels of the mip pyramid; else the first one only."""
         self.layout = layout
         self._coarser = MipPyramid(model, width, height, layout.channels) if mipmaps else None
         self.levels = self._coarser.sizes if self._coarser else [(width, height)]
         nothing = np.zeros(layout.size, np.float32)
-        self.packed = Packed(np.zeros((0, layout.texel_bytes), np.uint8), nothing, nothing)
+        self.packed = PackedTexels(np.zeros((0, layout.texel_bytes), np.uint8), nothing, nothing)
 
     @property
     def empty(self) -> bool:
@@ -75,41 +77,41 @@ class TextureStore:
     def _read_alone(self, rows: np.ndarray) -> np.ndarray:
         """`read` for threads, of which each has one core."""
         part = self.packed._replace(bytes=self.packed.bytes[rows])
-        return packing.unpack_alone(self.layout, part)
+        return packing.unpack_serial(self.layout, part)
 
     def _pack(self, whole: np.ndarray) -> None:
-        lowest, highest = _range(whole)
+        lowest, highest = _value_range(whole)
         empty = np.zeros((len(whole), self.layout.texel_bytes), np.uint8)
-        self.packed = packing.within(self.layout, empty, lowest, highest)
-        for start in range(0, len(whole), TOGETHER):
-            rows = slice(start, min(start + TOGETHER, len(whole)))
-            packing.write(self.layout, self.packed, rows, whole[rows])
+        self.packed = packing.with_ranges(self.layout, empty, lowest, highest)
+        for start in range(0, len(whole), PACKED_BLOCK):
+            rows = slice(start, min(start + PACKED_BLOCK, len(whole)))
+            packing.pack_rows(self.layout, self.packed, rows, whole[rows])
 
     def _overwrite(self, rows: np.ndarray, codes: np.ndarray) -> None:
         """Replace rows (n,) by codes (n, channels, size); wider ranges pack all anew."""
-        if not packing.fits(self.packed, self.layout, codes):
+        if not packing.in_ranges(self.packed, self.layout, codes):
             self._widen(codes)
-        packing.write(self.layout, self.packed, rows, codes)
+        packing.pack_rows(self.layout, self.packed, rows, codes)
 
     def _widen(self, codes: np.ndarray) -> None:
         before = self.packed
         highest = before.lowest + self.layout.levels * before.step
-        wider = packing.within(
+        wider = packing.with_ranges(
             self.layout,
             before.bytes,
             np.minimum(before.lowest, codes.min(axis=(0, 1))),
             np.maximum(highest, codes.max(axis=(0, 1))),
         )
         texels = len(before.bytes)
-        for start in range(0, texels, TOGETHER):
-            rows = slice(start, min(start + TOGETHER, texels))
-            packing.write(self.layout, wider, rows, self.read(rows))
+        for start in range(0, texels, PACKED_BLOCK):
+            rows = slice(start, min(start + PACKED_BLOCK, texels))
+            packing.pack_rows(self.layout, wider, rows, self.read(rows))
         self.packed = wider
 
 
-def _range(whole: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _value_range(whole: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The smallest and the largest values float32 (size,) of codes (T, channels, size)."""
-    pieces = [slice(start, start + TOGETHER) for start in range(0, len(whole), TOGETHER)]
+    pieces = [slice(start, start + PACKED_BLOCK) for start in range(0, len(whole), PACKED_BLOCK)]
     ends = np.empty((len(pieces), 2, whole.shape[-1]), np.float32)
 
     def look(index: int) -> None:

@@ -111,7 +111,7 @@ def test_a_brushed_bottom_is_the_mean_over_its_azimuth(rgb, textured):
     f = np.zeros((len(wi), 3))
     for a, b in ((wi, wo), (wo, wi)):
         a, b = (np.concatenate([probing.rotated(w, turn) for turn in turns]) for w in (a, b))
-        values = probing.values(brushed, a, b, np.full((len(a), 2), 0.5))
+        values = probing.bsdf_values(brushed, a, b, np.full((len(a), 2), 0.5))
         f += values.reshape(len(turns), *f.shape).mean(axis=0) / 2
     coat = {"type": "neural_layered", "weights": "small", **COAT}
     found = rgb.load_dict(coat | {"bottom": brushed}).latents.at(np.full((1, 2), 0.5))
@@ -140,7 +140,7 @@ def grid_of_points(width: int, height: int) -> np.ndarray:
 
 def test_the_level_of_the_footprint_is_taken(rgb, networks, monkeypatch):
     """Of levels that are plain averages, so that it is known what to expect."""
-    monkeypatch.setattr(averaging, "averaging_space", lambda *_: averaging.CodeSpace())
+    monkeypatch.setattr(averaging, "averaging_space", lambda *_: averaging.LatentSpace())
     rng = np.random.default_rng(0)
     bsdf = load(
         rgb, "neural_layered", networks, albedo=bitmap(rgb, rng.random((8, 16, 3))), mipmaps=True

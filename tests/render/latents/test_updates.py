@@ -13,7 +13,7 @@ SIDE = 16
 @pytest.fixture
 def rows(monkeypatch, model):
     """A function that returns how many rows encoder and layerer were given."""
-    packing.importance(model)  # measured once a model, with rows of its own
+    packing.importance_order(model)  # measured once a model, with rows of its own
     counts = {"encode": 0, "layer": 0}
     encode, layer = UrushiNetworks.encode, UrushiNetworks.layer
 

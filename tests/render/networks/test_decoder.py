@@ -89,10 +89,10 @@ def test_f_is_reciprocal_to_the_last_bit(rgb, parts):
 
 def test_textured_latents_are_the_constant_ones_where_the_texture_is_constant(rgb, model, parts):
     from urushi.render.latents.holders import TexturedLatents
-    from urushi.render.reading.grid import IDENTITY, TexelGrid
+    from urushi.textures.grid import IDENTITY, TexelGrid
 
     constant, _ = parts
-    store = TextureStore(model, packing.layout(model, 3), 8, 4)
+    store = TextureStore(model, packing.texel_layout(model, 3), 8, 4)
     with store.writing() as write:
         write(np.arange(32), np.broadcast_to(latents(3), (32, 3, 32)))
     textured = TexturedLatents(model, store, TexelGrid(8, 4, IDENTITY, "repeat", False))

@@ -22,7 +22,7 @@ def test_it_is_what_the_reader_gives(rgb, merl_file):
 
     wi, wo = pairs(2000, 0)
     bsdf = rgb.load_dict({"type": "measured_brdf", "filename": str(merl_file)})
-    f = probing.values(bsdf, wi, wo, np.zeros((len(wi), 2)))
+    f = probing.bsdf_values(bsdf, wi, wo, np.zeros((len(wi), 2)))
     np.testing.assert_allclose(f, urushi.load_measured(merl_file).f(wi, wo), rtol=1e-3)
 
 
@@ -50,7 +50,7 @@ def test_under_layered_it_is_the_simulation(rgb, merl_file):
     )
     # Places, which the BSDF does not depend on, go into the hash that its walks start from.
     uv = np.random.default_rng(3).random((len(wi) * walks, 2))
-    every = probing.values(bsdf, np.repeat(wi, walks, 0), np.repeat(wo, walks, 0), uv)
+    every = probing.bsdf_values(bsdf, np.repeat(wi, walks, 0), np.repeat(wo, walks, 0), uv)
     every = every.reshape(len(wi), walks, 3)
     stack = urushi.coat(urushi.load_measured(merl_file), eta=1.5, **COAT)
     f, se = urushi.simulate(stack, wi, wo, walks=walks, progress=False)

@@ -48,7 +48,7 @@ class Encode:
     """Networks: base (the default), small, or a weights file."""
 
     def run(self) -> int:
-        from urushi.material.batch import Encoded, encode_all
+        from urushi.material.batch import EncodedSource, encode_all
 
         self._check()
         targets = self.targets()
@@ -57,7 +57,7 @@ class Encode:
         if len(opened) > 1:
             _say_all(errors)
         known = [k for k in range(len(opened)) if k not in errors]
-        made: dict[int, Encoded] = {}
+        made: dict[int, EncodedSource] = {}
         total = len(known) * (1 if self.report is None else 2)
         with tqdm(total=total, unit="BRDF", disable=total <= 1 or None) as progress:
             for index, result in encode_all(
@@ -73,7 +73,7 @@ class Encode:
                     if len(opened) > 1:
                         _say(str(result))
                     continue
-                for sentence in result.findings.warnings():
+                for sentence in result.deviations.warnings():
                     _say(f"{self.sources[which]}: {sentence}")
                 result.material.save(targets[which])
                 tqdm.write(str(targets[which]))
@@ -116,12 +116,12 @@ class Encode:
         """Compare the materials with their sources; returns what went wrong with that."""
         from urushi.eval import examine
         from urushi.eval.plots import likeness
-        from urushi.material.batch import run_all
+        from urushi.material.batch import map_sources
 
         indices = list(made)
         tasks = [(sources[index], made[index].material) for index in indices]
         examinations, failed = {}, {}
-        for task, result in run_all(examine.examined, tasks, self.scheduler):
+        for task, result in map_sources(examine.examined, tasks, self.scheduler):
             progress.update()
             if isinstance(result, UrushiError):
                 failed[indices[task]] = result

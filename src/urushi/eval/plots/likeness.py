@@ -97,11 +97,10 @@ def write_report(
     Raises:
         FileError: a file cannot be written.
     """
-    from urushi.eval.plots import likeness  # lazily: matplotlib is an extra
 
     folder, errors = new_folder(folder), errors or {}
     for name, examination in examinations.items():
-        likeness.draw(folder / f"{name}.png", name, examination)
+        draw(folder / f"{name}.png", name, examination)
     content: dict[str, Any] = {name: e.figures for name, e in examinations.items()}
     content |= {name: {"error": error} for name, error in errors.items()}
     with atomic_write(folder / "report.json") as temporary:

@@ -14,24 +14,30 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi.material.encode import encoder_codes, limited_codes, material_from_values, seen_pairs
-from urushi.material.energy import limit
+from urushi.material.encode import (
+    encoder_codes,
+    limited_codes,
+    material_from_values,
+    required_pairs,
+)
+from urushi.material.energy import limit_albedo
 from urushi.material.layer import layer_texels
 from urushi.nets.weights import Model
 from urushi.render import spectrum
 from urushi.render.latents.holders import ConstantLatents, TexturedLatents
 from urushi.render.reading import grid as grids
 from urushi.render.reading import probing
-from urushi.render.reading.grid import TexelGrid, varying_textures
+from urushi.render.reading.grid import varying_textures
 from urushi.render.reading.parameters import CoatParameters
 from urushi.textures import packing, texel_hash
+from urushi.textures.grid import TexelGrid
 from urushi.textures.store import TextureStore
 
 #: Texels that are compared and encoded at once, and that are probed at once: both bound memory.
-TEXELS, PROBED = 1 << 18, 1 << 13
+TEXEL_BLOCK, PROBED_TEXELS = 1 << 18, 1 << 13
 
 #: Of the probe pairs, every so manieth tells a texel's key.
-STRIDE = 24
+KEY_STRIDE = 24
 
 #: Classes of measured BSDFs, Urushi's and Mitsuba's own: their codes are refined, because no
 #: training data are quite like them.
@@ -71,14 +77,14 @@ class BottomCodes:
         """Codes (C, size) of a bottom that is the same everywhere."""
         model = self._model
         if self._bottom.class_name() in MEASURED:
-            pairs = seen_pairs(self._bottom, model)
-            f = probing.read(self._bottom, *pairs, self._where)
+            pairs = required_pairs(self._bottom, model)
+            f = probing.read_constant(self._bottom, *pairs, self._where)
             return material_from_values(f, model, refine=True).anchors
-        f = probing.read(self._bottom, *model.networks.pairs(), self._where)
+        f = probing.read_constant(self._bottom, *model.networks.pairs(), self._where)
         return limited_codes(model, f.T)
 
-    def _probed(self, grid: TexelGrid) -> "_Probed":
-        return _Probed(self._model, self._bottom, self._where, grid)
+    def _probed(self, grid: TexelGrid) -> "_ProbedBottom":
+        return _ProbedBottom(self._model, self._bottom, self._where, grid)
 
     def _keep_same(self, codes: np.ndarray) -> None:
         """One code a channel, (1, C, size)."""
@@ -89,16 +95,16 @@ class BottomCodes:
         channels = spectrum.channel_count()
         if self._grid != grid:
             self._grid = grid
-            layout = packing.layout(self._model, channels)
+            layout = packing.texel_layout(self._model, channels)
             self._codes = TextureStore(self._model, layout, grid.width, grid.height)
             self._keys = np.zeros((grid.texels, channels), np.uint64)
         assert isinstance(self._codes, TextureStore)
         if self._codes.empty:
             self._keys[:] = 0  # an error ended the last attempt
-        source = _Nested(nested) if nested else self._probed(grid)
+        source = _NestedBottom(nested) if nested else self._probed(grid)
         with self._codes.writing() as write:
-            for start in range(0, grid.texels, TEXELS):
-                stop = min(start + TEXELS, grid.texels)
+            for start in range(0, grid.texels, TEXEL_BLOCK):
+                stop = min(start + TEXEL_BLOCK, grid.texels)
                 uv = grid.uv(start, stop)
                 present = source.keys(uv)
                 rows = np.flatnonzero((present != self._keys[start:stop]).any(axis=1))
@@ -117,7 +123,7 @@ def nested_latents(bottom: "mi.BSDF", model: Model):
     return getattr(nested, "anchors", nested)
 
 
-class _Nested:
+class _NestedBottom:
     """Codes that the bottom has already."""
 
     def __init__(self, latents):
@@ -132,13 +138,13 @@ class _Nested:
         return self._latents.at(uv)
 
 
-class _Probed:
+class _ProbedBottom:
     """Codes from evaluating the bottom."""
 
     def __init__(self, model: Model, bottom: "mi.BSDF", where: str, grid: TexelGrid):
         self._model, self._bottom, self._where = model, bottom, where
         self._pairs = model.networks.pairs()
-        self._average = probing.needed_average(bottom, *self._pairs, grid, where)
+        self._average = probing.needed_averaging(bottom, *self._pairs, grid, where)
 
     def keys(self, uv: np.ndarray) -> np.ndarray:
         """Keys (M, C) at points uv (M, 2): equal where the bottom is."""
@@ -146,7 +152,9 @@ class _Probed:
         if self._average.repeats > 1:  # it draws random numbers: what it gives tells nothing
             shape = len(uv), spectrum.channel_count()
             return np.random.default_rng().integers(1 << 63, size=shape).astype(np.uint64)
-        f = probing.over_points(self._bottom, wi[::STRIDE], wo[::STRIDE], uv, probing.Average())
+        f = probing.texel_values(
+            self._bottom, wi[::KEY_STRIDE], wo[::KEY_STRIDE], uv, probing.Averaging()
+        )
         return texel_hash.row_hashes(list(np.moveaxis(f, -1, 0)))
 
     def codes(self, uv: np.ndarray, present: np.ndarray) -> np.ndarray:
@@ -155,14 +163,14 @@ class _Probed:
         texel, texel_of = texel_hash.unique_rows(texel_hash.row_hashes(list(present.T)))
         row, row_of = texel_hash.unique_rows(present[texel].ravel())
         parts = []
-        for start in range(0, len(texel), PROBED):
-            points = uv[texel[start : start + PROBED]]
-            f = probing.over_points(self._bottom, *self._pairs, points, self._average)
-            f = probing.checked(f, self._where).reshape(len(points) * channels, -1)
+        for start in range(0, len(texel), PROBED_TEXELS):
+            points = uv[texel[start : start + PROBED_TEXELS]]
+            f = probing.texel_values(self._bottom, *self._pairs, points, self._average)
+            f = probing.check_values(f, self._where).reshape(len(points) * channels, -1)
             first = start * channels
             own = row[slice(*np.searchsorted(row, [first, first + len(f)]))]
             parts.append(encoder_codes(self._model, f[own - first]))
-        codes = limit(self._model, np.concatenate(parts))
+        codes = limit_albedo(self._model, np.concatenate(parts))
         return codes[row_of].reshape(len(texel), channels, -1)[texel_of]
 
 
@@ -217,7 +225,7 @@ class CoatTexture:
         self.grid = grid
         self._model, self._coat = model, coat
         self._keys = np.zeros((grid.texels, spectrum.channel_count()), np.uint64)
-        layout = packing.layout(model, self._keys.shape[1])
+        layout = packing.texel_layout(model, self._keys.shape[1])
         self._store = TextureStore(model, layout, grid.width, grid.height, mipmaps=mipmaps)
 
     def update(self, bottom: BottomCodes) -> TexturedLatents:
@@ -227,8 +235,8 @@ class CoatTexture:
         if self._store.empty:
             self._keys[:] = 0  # an error ended the last attempt
         with self._store.writing() as write:
-            for start in range(0, grid.texels, TEXELS):
-                stop = min(start + TEXELS, grid.texels)
+            for start in range(0, grid.texels, TEXEL_BLOCK):
+                stop = min(start + TEXEL_BLOCK, grid.texels)
                 table = self._coat.table(grid.uv(start, stop))
                 under, codes = bottom.read(start, stop)
                 before = self._keys[start:stop]
@@ -298,5 +306,5 @@ def check(coat: CoatParameters) -> None:
     if grid is None:
         coat.table(np.full((1, 2), 0.5), unknown)
         return
-    for start in range(0, grid.texels, TEXELS):
-        coat.table(grid.uv(start, min(start + TEXELS, grid.texels)), unknown)
+    for start in range(0, grid.texels, TEXEL_BLOCK):
+        coat.table(grid.uv(start, min(start + TEXEL_BLOCK, grid.texels)), unknown)

@@ -19,11 +19,12 @@ from urushi.material.layer import layer_texels
 from urushi.nets.weights import Model
 from urushi.render import spectrum
 from urushi.render.latents import lookup
-from urushi.render.latents.baking import PROBED, BottomCodes, choose_grid
+from urushi.render.latents.baking import PROBED_TEXELS, BottomCodes, choose_grid
 from urushi.render.latents.holders import DifferentiableLatents, DifferentiableTexture
 from urushi.render.reading import probing
-from urushi.render.reading.grid import IDENTITY, TexelGrid, varying_textures
+from urushi.render.reading.grid import varying_textures
 from urushi.render.reading.parameters import CoatParameters
+from urushi.textures.grid import IDENTITY, TexelGrid
 
 #: Of each channel, numbers of M points as Dr.Jit floats of that size, or of one for all points.
 Columns = Sequence[Sequence]
@@ -76,7 +77,7 @@ class _Encode(dr.CustomOp):
     def eval(self, model, where, parts):
         self._model, self._pairs = model, len(model.networks.pairs()[0])
         self._points = [len(part[0]) // self._pairs for part in parts]
-        self._f = probing.checked(self._joined(parts), where)
+        self._f = probing.check_values(self._joined(parts), where)
         self._z = limited_codes(model, self._f)
         return columns(self._z)
 
@@ -168,7 +169,7 @@ def bake(
     Raises:
         ParameterError: as there, or the networks are the paper's.
     """
-    gradients.check(model, coat.where)
+    gradients.check_differentiable(model, coat.where)
     grid = choose_grid(coat, bottom, model, resolution)
     uv = grid.uv() if grid else np.full((1, 2), 0.5)
     table = coat.table(uv)
@@ -192,7 +193,7 @@ def _bottom_codes(
     if known and isinstance(nested, DifferentiableLatents | DifferentiableTexture):
         return nested.codes(mi.Point2f(np.ascontiguousarray(uv.T, np.float32)))
     wi, wo = model.networks.pairs()
-    if not wanted(bottom) or probing.repeats(bottom, wi, wo, len(uv)) > 1:
+    if not wanted(bottom) or probing.needed_repeats(bottom, wi, wo, len(uv)) > 1:
         with dr.suspend_grad():  # a random walk's loop cannot be differentiated
             known = BottomCodes(model, bottom, where)
             known.update(grid)
@@ -200,14 +201,14 @@ def _bottom_codes(
     if grid is None or not varying_textures(bottom):
         grid, uv = MIDDLE, MIDDLE.uv()
     with dr.suspend_grad():
-        average = probing.needed_average(bottom, wi, wo, grid, where)
-    starts = range(0, len(uv), PROBED)
-    parts = [_probed(bottom, wi, wo, uv[i : i + PROBED], average) for i in starts]
+        average = probing.needed_averaging(bottom, wi, wo, grid, where)
+    starts = range(0, len(uv), PROBED_TEXELS)
+    parts = [_probed(bottom, wi, wo, uv[i : i + PROBED_TEXELS], average) for i in starts]
     return encode(model, where, parts)
 
 
 def _probed(
-    bottom: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, uv: np.ndarray, average: probing.Average
+    bottom: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, uv: np.ndarray, average: probing.Averaging
 ) -> list:
     """`probing.over_points`, attached: of each channel f (M * P) [1/sr] at points uv (M, 2)."""
     azimuths = min(average.azimuths, AZIMUTHS)

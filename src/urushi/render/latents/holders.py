@@ -24,9 +24,8 @@ from urushi.render.latents.lookup import LatentTexture, is_zero
 from urushi.render.networks import choice
 from urushi.render.networks.choice import Mixture
 from urushi.render.networks.mlp import only_where
-from urushi.render.reading.grid import TexelGrid
 from urushi.textures import file
-from urushi.textures.file import Place
+from urushi.textures.grid import TexelGrid
 from urushi.textures.store import TextureStore
 
 
@@ -149,8 +148,7 @@ class TexturedLatents:
         Raises:
             FileError: it cannot be written.
         """
-        place = Place(self.grid.to_texture, self.grid.wrap, self.grid.nearest)
-        file.write(path, self._store, place, self._fingerprint)
+        file.write(path, self._store, self.grid, self._fingerprint)
 
     def __str__(self) -> str:
         width, height = self.resolution

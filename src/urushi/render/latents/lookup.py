@@ -14,7 +14,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi.render.reading.grid import IDENTITY, TexelGrid
+from urushi.textures.grid import IDENTITY, TexelGrid
 from urushi.textures.store import TextureStore
 
 

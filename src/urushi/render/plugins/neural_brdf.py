@@ -10,7 +10,6 @@ from urushi.nets import weights
 from urushi.render.latents import lookup
 from urushi.render.latents.holders import ConstantLatents, DifferentiableLatents, TexturedLatents
 from urushi.render.plugins.base import read_model, resolve
-from urushi.render.reading.grid import TexelGrid
 from urushi.textures import file
 
 
@@ -70,9 +69,7 @@ def define(base: type) -> type:
                 models = (
                     [named] if named else [weights.load_shipped(name) for name in weights.SHIPPED]
                 )
-                store, place, self.model = file.read(path, models)
-                width, height = store.levels[0]
-                grid = TexelGrid(width, height, place.to_texture, place.wrap, place.nearest)
+                store, grid, self.model = file.read(path, models)
                 self.latents = TexturedLatents(self.model, store, grid)
             else:
                 material = load(path, named)

@@ -4,7 +4,7 @@ import mitsuba as mi
 import numpy as np
 
 from urushi.errors import ParameterError, PlatformError
-from urushi.material.symmetry import Source, judged_pairs
+from urushi.material.symmetry import Source, asymmetry_pairs
 from urushi.render import spectrum
 from urushi.render.reading import probing
 from urushi.render.reading.grid import not_over_uv, varying_textures
@@ -13,7 +13,7 @@ from urushi.render.reading.grid import not_over_uv, varying_textures
 SAMPLES = 1 << 16
 
 
-def open_bsdf(bsdf: "mi.BSDF") -> Source:
+def bsdf_source(bsdf: "mi.BSDF") -> Source:
     """A BSDF at the middle of uv, seen from the side of its normal.
 
     Raises:
@@ -27,35 +27,35 @@ def open_bsdf(bsdf: "mi.BSDF") -> Source:
             f"encode {name}: BSDFs are not read in the variant {mi.variant()}; choose llvm_ad_rgb "
             "or another vectorised one without polarization before loading the scene"
         )
-    _check(bsdf, name)
-    transmitted, mirrored = shares(bsdf)
+    _check_encodable(bsdf, name)
+    transmitted, mirrored = excluded_shares(bsdf)
 
     def f(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-        return _mean(bsdf, wi, wo, probing.repeats(bsdf, wi, wo, 1))
+        return _mean_values(bsdf, wi, wo, probing.needed_repeats(bsdf, wi, wo, 1))
 
-    wi, wo = (w[:64] for w in judged_pairs())
+    wi, wo = (w[:64] for w in asymmetry_pairs())
     return Source(
         f,
-        noisy=probing.repeats(bsdf, wi, wo, 1) > 1,
+        noisy=probing.needed_repeats(bsdf, wi, wo, 1) > 1,
         transmitted=transmitted,
         mirrored=mirrored,
         textured=bool(varying_textures(bsdf)),
     )
 
 
-def _mean(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, repeats: int) -> np.ndarray:
+def _mean_values(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, repeats: int) -> np.ndarray:
     """f (M, C) [1/sr] as the mean of so many evaluations, many of them traced at once."""
     total, most = np.zeros((len(wi), 1)), max(probing.CHUNK // len(wi), 1)
     for start in range(0, repeats, most):
         times = np.arange(start, min(start + most, repeats), dtype=np.float32)
         a, b = (np.tile(w, (len(times), 1)) for w in (wi, wo))
         uv, time = np.full((len(a), 2), 0.5), np.repeat(times, len(wi))
-        f = probing.values(bsdf, a, b, uv, time)
+        f = probing.bsdf_values(bsdf, a, b, uv, time)
         total = total + f.reshape(len(times), len(wi), -1).sum(axis=0)
     return total / repeats
 
 
-def shares(bsdf: "mi.BSDF") -> tuple[float, float]:
+def excluded_shares(bsdf: "mi.BSDF") -> tuple[float, float]:
     """Shares of diffuse light from above that a BSDF lets through, and reflects without roughness.
 
     Means over the channels of what its own `sample` gives: that one is right is Mitsuba's word.
@@ -84,7 +84,7 @@ def shares(bsdf: "mi.BSDF") -> tuple[float, float]:
     return share(through), share(mirrored)
 
 
-def _check(bsdf: "mi.BSDF", name: str) -> None:
+def _check_encodable(bsdf: "mi.BSDF", name: str) -> None:
     """Refuse what has no value in the middle of uv, and what reflects no light roughly."""
     if stranger := not_over_uv(bsdf):
         raise ParameterError(

@@ -6,7 +6,6 @@ by its transform is baked once and has no seam, whatever the transform.
 
 from collections.abc import Mapping
 from functools import cache
-from typing import NamedTuple
 
 import drjit as dr
 import mitsuba as mi
@@ -14,6 +13,7 @@ import numpy as np
 
 from urushi.errors import ParameterError
 from urushi.render import spectrum
+from urushi.textures.grid import IDENTITY, TexelGrid, from_texture
 
 #: Texels per side for textures that have no resolution of their own, and the largest side that is
 #: chosen without being asked for.
@@ -30,46 +30,6 @@ NORMALS = {"NormalMap": "normalmap", "BumpMap": "bumpmap"}
 
 #: Points at which a bitmap is looked at to learn how it repeats and filters.
 POINTS = 64
-
-
-class TexelGrid(NamedTuple):
-    """Texels over the unit square of texture space.
-
-    Attributes:
-        width, height: texels per side.
-        to_texture: the affine map (2, 3), as nested tuples, from uv to texture space.
-        wrap: what continues it beyond the unit square: "repeat", "mirror" or "clamp".
-        nearest: whether the nearest texel is taken as it is, without interpolation.
-    """
-
-    width: int
-    height: int
-    to_texture: tuple[tuple[float, float, float], tuple[float, float, float]]
-    wrap: str
-    nearest: bool
-
-    @property
-    def texels(self) -> int:
-        """Texels in all."""
-        return self.width * self.height
-
-    def uv(self, start: int = 0, stop: int | None = None) -> np.ndarray:
-        """The uv (M, 2) of texel centres in a range of them, row by row."""
-        index = np.arange(start, self.texels if stop is None else stop)
-        x = (index % self.width + 0.5) / self.width
-        y = (index // self.width + 0.5) / self.height
-        return from_texture(self.to_texture, np.stack([x, y], axis=-1))
-
-
-IDENTITY = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
-
-
-def from_texture(to_texture: tuple, points: np.ndarray) -> np.ndarray:
-    """The uv (M, 2) of points of texture space (M, 2)."""
-    if to_texture == IDENTITY:
-        return points
-    matrix = np.array(to_texture)
-    return np.linalg.solve(matrix[:, :2], (points - matrix[:, 2]).T).T
 
 
 def choose(

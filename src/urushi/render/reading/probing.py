@@ -8,8 +8,8 @@ import numpy as np
 
 from urushi.errors import ParameterError
 from urushi.render import spectrum
-from urushi.render.reading.grid import TexelGrid
 from urushi.render.reading.parameters import check_bottom
+from urushi.textures.grid import TexelGrid
 
 #: Evaluations that are traced at once: bounds memory.
 CHUNK = 1 << 21
@@ -26,14 +26,14 @@ REPEATS, BUDGET = 4096, 1 << 26
 
 #: Points at which a textured BSDF is asked whether it needs averaging, over how many rotations, and
 #: the relative deviation from its averages up to which it does not.
-SOME, ASKED, SAME = 64, 5, 1e-3
+TESTED_TEXELS, LEAST_ROTATIONS, SAME = 64, 5, 1e-3
 
 #: Evaluations of an anisotropic textured BSDF in all: large textures are averaged over fewer
 #: rotations. So many evaluations take about a minute.
 ANISOTROPIC_BUDGET = 1 << 32
 
 #: Evaluations of a pair that are traced in one kernel, at most.
-TRACED = 4
+KERNEL_EVALUATIONS = 4
 
 
 def interaction(
@@ -61,7 +61,7 @@ def _interaction(
     return si
 
 
-def values(
+def bsdf_values(
     bsdf: "mi.BSDF",
     wi: np.ndarray,
     wo: np.ndarray,
@@ -86,11 +86,11 @@ def all_round(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, repeat: float = 0
     turns = [i / AZIMUTHS for i in range(AZIMUTHS)]
     a, b = (np.concatenate([rotated(w, turn) for turn in turns]) for w in (wi, wo))
     uv = np.full((len(a), 2), 0.5)
-    both = [values(bsdf, *pair, uv, repeat) for pair in ((a, b), (b, a))]
+    both = [bsdf_values(bsdf, *pair, uv, repeat) for pair in ((a, b), (b, a))]
     return np.stack(both).reshape(2, AZIMUTHS, len(wi), -1)
 
 
-class Average(NamedTuple):
+class Averaging(NamedTuple):
     """What a BSDF is averaged over, to be isotropic, reciprocal and without noise.
 
     Attributes:
@@ -104,8 +104,8 @@ class Average(NamedTuple):
     repeats: int = 1
 
 
-def over_points(
-    bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, uv: np.ndarray, average: Average
+def texel_values(
+    bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, uv: np.ndarray, average: Averaging
 ) -> np.ndarray:
     """f float32 (M, C, P) [1/sr] at points uv (M, 2) for pairs (P, 3) above the horizon."""
     pairs = len(wi)
@@ -128,7 +128,7 @@ def over_points(
                 si = _interaction(a, where, float(repeat))
                 channels = spectrum.to_channels(bsdf.eval(mi.BSDFContext(), si, b) / b.z)
                 total = [x + y for x, y in zip(total, channels, strict=True)]
-                if count > TRACED:
+                if count > KERNEL_EVALUATIONS:
                     dr.eval(total)
         for channel, value in enumerate(total):
             values = np.broadcast_to((value / count).numpy(), len(part) * pairs)
@@ -143,33 +143,33 @@ def _outer(rows: int, columns: int) -> tuple["mi.UInt32", "mi.UInt32"]:
     return row, index - row * columns
 
 
-def needed_average(
+def needed_averaging(
     bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, grid: TexelGrid, where: str
-) -> Average:
+) -> Averaging:
     """What the values of a BSDF at pairs (P, 3) have to be averaged over, for all of a grid.
 
     A BSDF that is isotropic and reciprocal at some of its texels is believed to be so everywhere.
 
     where: begins warnings.
     """
-    count = repeats(bsdf, wi, wo, grid.texels)
+    count = needed_repeats(bsdf, wi, wo, grid.texels)
     if count > 1:
-        return Average(2, True, count)
-    texels = np.random.default_rng(0).integers(grid.texels, size=SOME)
+        return Averaging(2, True, count)
+    texels = np.random.default_rng(0).integers(grid.texels, size=TESTED_TEXELS)
     some = np.concatenate([grid.uv(texel, texel + 1) for texel in texels])
     once, turned, exchanged = (
-        over_points(bsdf, wi, wo, some, average)
-        for average in (Average(), Average(ASKED), Average(1, True))
+        texel_values(bsdf, wi, wo, some, average)
+        for average in (Averaging(), Averaging(LEAST_ROTATIONS), Averaging(1, True))
     )
     reciprocal = bool((np.abs(once - exchanged) <= SAME * exchanged + 1e-5).all())
     if (np.abs(once - turned) <= SAME * turned + 1e-5).all():
-        return Average(1, not reciprocal)
-    _tell(np.abs(once - turned).sum() / max(turned.sum(), 1e-30), where)
+        return Averaging(1, not reciprocal)
+    _warn_anisotropic(np.abs(once - turned).sum() / max(turned.sum(), 1e-30), where)
     most = ANISOTROPIC_BUDGET // (grid.texels * len(wi) * (1 if reciprocal else 2))
-    return Average(min(max(most, ASKED), AZIMUTHS) // 2 * 2 + 1, not reciprocal)
+    return Averaging(min(max(most, LEAST_ROTATIONS), AZIMUTHS) // 2 * 2 + 1, not reciprocal)
 
 
-def read(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, where: str) -> np.ndarray:
+def read_constant(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, where: str) -> np.ndarray:
     """f (P, C) [1/sr] at pairs (P, 3) at the middle of uv, made isotropic and reciprocal.
 
     Every value is the mean over `AZIMUTHS` common rotations of the pair about the normal, over the
@@ -181,17 +181,17 @@ def read(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, where: str) -> np.ndar
         ParameterError: the BSDF transmits, is perfectly smooth, or is negative or not finite.
     """
     check_bottom(bsdf, where)
-    count = repeats(bsdf, wi, wo, 1)
+    count = needed_repeats(bsdf, wi, wo, 1)
     f = all_round(bsdf, wi, wo)
     for repeat in range(1, count):
         f += all_round(bsdf, wi, wo, float(repeat))
     f /= count
     if count == 1:
-        _tell(np.abs(f[0] - f[0].mean(axis=0)).sum() / max(f[0].sum(), 1e-30), where)
-    return checked(f.mean(axis=(0, 1)), where)
+        _warn_anisotropic(np.abs(f[0] - f[0].mean(axis=0)).sum() / max(f[0].sum(), 1e-30), where)
+    return check_values(f.mean(axis=(0, 1)), where)
 
 
-def _tell(spread: float, where: str) -> None:
+def _warn_anisotropic(spread: float, where: str) -> None:
     """Warn of a BSDF that varies so much over the azimuth, relatively, if that is much."""
     if spread > ANISOTROPIC:
         mi.Log(
@@ -201,7 +201,7 @@ def _tell(spread: float, where: str) -> None:
         )
 
 
-def checked(f: np.ndarray, where: str) -> np.ndarray:
+def check_values(f: np.ndarray, where: str) -> np.ndarray:
     """Return f if it could be a BRDF's.
 
     Raises:
@@ -215,10 +215,10 @@ def checked(f: np.ndarray, where: str) -> np.ndarray:
     return f
 
 
-def repeats(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, points: int) -> int:
+def needed_repeats(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, points: int) -> int:
     """How often to repeat evaluations: once, unless the answer differs from time to time."""
     uv = np.full((len(wi), 2), 0.5)
-    first, second = (values(bsdf, wi, wo, uv, time) for time in (0.0, 1.0))
+    first, second = (bsdf_values(bsdf, wi, wo, uv, time) for time in (0.0, 1.0))
     if np.array_equal(first, second):
         return 1
     return max(min(REPEATS, BUDGET // (points * len(wi))) // (2 * AZIMUTHS), 1)

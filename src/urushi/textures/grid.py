@@ -1,0 +1,48 @@
+"""The grid of texels of a latent texture: its resolution and its place in uv."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+#: How a texture continues beyond its unit square.
+WRAPS = ("repeat", "mirror", "clamp")
+
+#: Texture space equal to uv.
+IDENTITY = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+
+
+class TexelGrid(NamedTuple):
+    """Texels over the unit square of texture space.
+
+    Attributes:
+        width, height: texels per side.
+        to_texture: the affine map (2, 3), as nested tuples, from uv to texture space.
+        wrap: how the texture continues beyond the unit square, one of `WRAPS`.
+        nearest: whether a look-up returns the nearest texel instead of interpolating.
+    """
+
+    width: int
+    height: int
+    to_texture: tuple[tuple[float, float, float], tuple[float, float, float]] = IDENTITY
+    wrap: str = "repeat"
+    nearest: bool = False
+
+    @property
+    def texels(self) -> int:
+        """Number of texels."""
+        return self.width * self.height
+
+    def uv(self, start: int = 0, stop: int | None = None) -> np.ndarray:
+        """The uv (M, 2) of the centres of texels start to stop - 1, in row-major order."""
+        index = np.arange(start, self.texels if stop is None else stop)
+        x = (index % self.width + 0.5) / self.width
+        y = (index // self.width + 0.5) / self.height
+        return from_texture(self.to_texture, np.stack([x, y], axis=-1))
+
+
+def from_texture(to_texture: tuple, points: np.ndarray) -> np.ndarray:
+    """The uv (M, 2) of points of texture space (M, 2)."""
+    if to_texture == IDENTITY:
+        return points
+    matrix = np.array(to_texture)
+    return np.linalg.solve(matrix[:, :2], (points - matrix[:, 2]).T).T
