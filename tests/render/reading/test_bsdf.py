@@ -7,7 +7,7 @@ import pytest
 
 from urushi.errors import ParameterError, PlatformError, UrushiWarning
 from urushi.geometry.probe_pairs import probe_pairs
-from urushi.material.encode import encode, evaluate_source, opened
+from urushi.material.encode import as_source, encode, evaluate_source
 from urushi.reference import analytic
 from urushi.reference.stack import conductor
 
@@ -23,7 +23,7 @@ def test_an_isotropic_one_is_read_as_it_is(rgb):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         reading = evaluate_source(source, WI, WO)
-    assert not any(reading.findings)
+    assert not any(reading.deviations)
     exact = analytic.f(conductor(0.25, r0), WI, WO)  # its alpha is the roughness squared
     np.testing.assert_allclose(reading.values, exact, rtol=0.02, atol=1e-4)
 
@@ -41,12 +41,12 @@ def test_an_anisotropic_one_is_averaged_and_told(rgb, model):
 def test_what_is_let_through_is_told_and_left_out(rgb):
     reading = evaluate_source(rgb.load_dict({"type": "roughdielectric", "alpha": 0.3}), WI, WO)
     # Diffuse light onto glass of 1.5: 9.2 % come back (Walsh 1926); roughness loses a little.
-    assert 0.9 < reading.findings.transmitted < 0.93
-    assert reading.findings.mirrored == 0
-    assert "lets 9" in reading.findings.warnings()[0]
+    assert 0.9 < reading.deviations.transmitted < 0.93
+    assert reading.deviations.mirrored == 0
+    assert "lets 9" in reading.deviations.warnings()[0]
     veiled = rgb.load_dict({"type": "mask", "opacity": 0.4, "nested": {"type": "diffuse"}})
     reading = evaluate_source(veiled, WI, WO)
-    assert reading.findings.transmitted == pytest.approx(0.6, abs=0.01)  # 65,536 samples
+    assert reading.deviations.transmitted == pytest.approx(0.6, abs=0.01)  # 65,536 samples
     np.testing.assert_allclose(reading.values, 0.4 * 0.5 / np.pi, rtol=1e-4)
 
 
@@ -54,9 +54,9 @@ def test_smooth_reflection_is_told_and_left_out(rgb):
     glazed = rgb.load_dict({"type": "plastic", "int_ior": 1.5, "ext_ior": 1.0})
     reading = evaluate_source(glazed, WI, WO)
     # Diffuse light onto glass of 1.5, as above; 65,536 samples that vary by about 100 %.
-    assert reading.findings.mirrored == pytest.approx(0.0918, abs=0.0015)
-    assert reading.findings.transmitted == 0
-    assert "9% of the light by a perfectly smooth surface" in reading.findings.warnings()[0]
+    assert reading.deviations.mirrored == pytest.approx(0.0918, abs=0.0015)
+    assert reading.deviations.transmitted == 0
+    assert "9% of the light by a perfectly smooth surface" in reading.deviations.warnings()[0]
 
 
 @pytest.mark.parametrize(
@@ -69,14 +69,14 @@ def test_smooth_reflection_is_told_and_left_out(rgb):
 )
 def test_what_reflects_nothing_roughly_is_refused(rgb, kind, sentence):
     with pytest.raises(ParameterError, match=sentence):
-        opened(rgb.load_dict({"type": kind}))
+        as_source(rgb.load_dict({"type": kind}))
 
 
 def test_a_texture_is_read_in_the_middle(rgb):
     checks = {"type": "checkerboard", "color0": 0.2, "color1": 0.6}
     reading = evaluate_source(rgb.load_dict({"type": "diffuse", "reflectance": checks}), WI, WO)
-    assert reading.findings.textured
-    assert "middle of uv" in reading.findings.warnings()[0]
+    assert reading.deviations.textured
+    assert "middle of uv" in reading.deviations.warnings()[0]
     assert len(np.unique(reading.values.round(6))) == 1
 
 
@@ -84,13 +84,13 @@ def test_what_is_not_over_uv_is_refused(rgb):
     attribute = {"type": "mesh_attribute", "name": "vertex_color"}
     bsdf = rgb.load_dict({"type": "principled", "base_color": attribute})
     with pytest.raises(ParameterError, match="Principled: the BSDF depends on a mesh attribute"):
-        opened(bsdf)
+        as_source(bsdf)
 
 
 def test_a_random_walk_is_averaged_and_not_judged(rgb):
     walk = {"type": "layered", "alpha": 0.3, "sigma_t": 1.0, "albedo": 0.8}
     reading = evaluate_source(rgb.load_dict(walk | {"bottom": {"type": "diffuse"}}), WI, WO)
-    assert reading.findings.anisotropy is None and reading.findings.reciprocity is None
+    assert reading.deviations.anisotropy is None and reading.deviations.reciprocity is None
     swapped = evaluate_source(rgb.load_dict(walk | {"bottom": {"type": "diffuse"}}), WO, WI)
     # 4,096 walks each: about 2 % by pair, and no more than its fluctuations remain.
     error = np.abs(reading.values - swapped.values).sum() / swapped.values.sum()
@@ -102,4 +102,4 @@ def test_scalar_variants_are_refused():
 
     mi.set_variant("scalar_rgb")
     with pytest.raises(PlatformError, match="not read in the variant scalar_rgb"):
-        opened(mi.load_dict({"type": "diffuse"}))
+        as_source(mi.load_dict({"type": "diffuse"}))
