@@ -54,7 +54,7 @@ notebook: $(READY)
 # The README's pictures of the shipped scenes, by the present weights
 thumbnails: $(READY)
 	for scene in still-life globe teapot shoe; do \
-	    .venv/bin/urushi render $$scene -D resx=320 -D resy=240 --spp 128 \
+	    .venv/bin/urushi render $$scene --width 320 --height 240 --spp 128 \
 	        -o docs/images/$$scene.png || exit; \
 	done
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from urushi import parallel
-from urushi.parallel import ROWS, ROWS_ALONE, blocks, fill_blocks
+from urushi.parallel import ROWS, blocks, fill_blocks
 
 
 def _blas_threads():
@@ -19,7 +19,7 @@ def _blas_threads():
 
 @pytest.fixture(params=[1, 3])
 def threads(request, monkeypatch):
-    monkeypatch.setattr(parallel, "available", lambda: request.param)
+    monkeypatch.setattr(parallel, "available_cores", lambda: request.param)
     return request.param
 
 
@@ -61,20 +61,6 @@ def test_blocks_broadcast_as_the_whole_does(a, b, threads):
         assert all(m == 1 for n, m in zip(whole, part, strict=False) if n == 1)
 
 
-def test_a_function_of_one_thread_stays_in_it(threads):
-    callers = set()
-
-    def function(x):
-        callers.add(threading.get_ident())
-        return x
-
-    x = np.arange(3.0 * ROWS_ALONE).reshape(-1, 1)
-    out = np.empty_like(x)
-    fill_blocks(out, function, x, concurrent=False)
-    np.testing.assert_array_equal(out, x)
-    assert callers == {threading.get_ident()}
-
-
 def test_blas_is_held_and_let_go():
     before = _blas_threads()
     inside = []
@@ -96,6 +82,15 @@ def _interrupt():
     os.kill(os.getpid(), signal.SIGINT)  # reaches the main thread, which waits
 
 
+@pytest.fixture
+def interruptible():
+    """SIGINT raises KeyboardInterrupt even if the shell that started the tests ignores it."""
+    previous = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, previous)
+
+
+@pytest.mark.usefixtures("interruptible")
 @pytest.mark.parametrize(
     ("happening", "error"), [(_fail, ZeroDivisionError), (_interrupt, KeyboardInterrupt)]
 )

@@ -21,6 +21,7 @@ import sys
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from typing import NamedTuple
 
 from urushi.errors import PlatformError
 
@@ -253,20 +254,47 @@ def available_cores() -> int:
         return count
 
 
-#: The extras of the package and what each brings.
+class Package(NamedTuple):
+    """An optional package.
+
+    Attributes:
+        name: as pip installs it.
+        module: as Python imports it.
+        purpose: what Urushi uses it for.
+        required: whether the commands of its extra refuse to start without it.
+    """
+
+    name: str
+    module: str
+    purpose: str
+    required: bool = True
+
+
+#: The package's extras, `pip install 'urushi[EXTRA]'`.
 EXTRAS = {
-    "train": ("jax", "optax", "zarr"),
-    "cluster": ("distributed",),
-    "eval": ("matplotlib",),
+    "train": (
+        Package("jax", "jax", "gradients for training"),
+        Package("optax", "optax", "optimiser of training"),
+        Package("zarr", "zarr", "stores of training data"),
+    ),
+    "cluster": (Package("distributed", "distributed", "work on several machines (Dask)"),),
+    "eval": (
+        Package("matplotlib", "matplotlib", "plots"),
+        Package("scikit-image", "skimage", "structural similarity of pictures"),
+        Package("flip-evaluator", "flip_evaluator", "FLIP, perceived difference", required=False),
+        Package("scipy", "scipy", "fits and statistical tests of the benchmarks", required=False),
+    ),
 }
 
 
 def require_extra(extra: str) -> None:
-    """Raise PlatformError unless the packages of an extra can be imported."""
+    """Raise PlatformError unless the required packages of an extra can be imported."""
     for package in EXTRAS[extra]:
-        try:
-            importlib.import_module(package)
-        except ImportError as error:
-            raise PlatformError(
-                f"this command needs the package '{package}'; pip install 'urushi[{extra}]'"
-            ) from error
+        if package.required:
+            try:
+                importlib.import_module(package.module)
+            except ImportError as error:
+                raise PlatformError(
+                    f"this command needs the package '{package.name}'; "
+                    f"pip install 'urushi[{extra}]'"
+                ) from error

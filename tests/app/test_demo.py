@@ -1,13 +1,15 @@
 """The demo: its shapes, its pattern, its scene, and what it writes."""
 
 import json
+import shlex
 from collections import Counter
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from urushi.app import demo
+from urushi.app import cli, demo
+from urushi.app.describe import describe
 from urushi.errors import FileError, ParameterError
 from urushi.eval import metrics
 from urushi.scenes import caddy, caddy_pattern
@@ -140,7 +142,7 @@ def test_figures_of_equal_images_are_their_noise():
 
 def test_a_tiny_demo_writes_every_file(variant, tmp_path, monkeypatch):
     monkeypatch.setattr(caddy, "TEXTURE_HEIGHT", 32)
-    figures = demo.run(tmp_path / "new" / "demo", size=32, spp=16, variant=variant)
+    figures = demo.run(tmp_path / "new" / "demo", width=40, height=32, spp=16, variant=variant)
     names = {path.name for path in (tmp_path / "new" / "demo").iterdir()}
     assert names == {
         "natsume.ply",
@@ -156,13 +158,24 @@ def test_a_tiny_demo_writes_every_file(variant, tmp_path, monkeypatch):
     assert json.loads((tmp_path / "new" / "demo" / "report.json").read_text()) == figures
     assert all(np.isfinite(value) for value in figures.values())
     assert figures["mse"] > 0
-    assert f"{figures['relative_mse']:.4f}" in demo.describe(figures)
+    text = demo.describe(figures, tmp_path / "new" / "demo")
+    assert f"{figures['relative_mse']:.4f}" in text
+    assert str(tmp_path / "new" / "demo" / "comparison.png") in text
+
+
+@pytest.mark.parametrize("command", [command for command, _ in demo.NEXT_COMMANDS])
+def test_the_suggested_commands_can_be_parsed(command):
+    program, *arguments = shlex.split(command)
+    assert program == "urushi"
+    parsed = cli.parse(arguments)
+    if hasattr(parsed, "description"):
+        describe(parsed.description)
 
 
 def test_the_networks_render_what_the_walk_renders(variant, tmp_path, monkeypatch):
     """The demo's figure on a smaller picture: below 0.01 once the walk's noise is taken off."""
     monkeypatch.setattr(caddy, "TEXTURE_HEIGHT", 128)
-    figures = demo.run(tmp_path, size=96, spp=128, variant=variant)
+    figures = demo.run(tmp_path, width=96, height=96, spp=128, variant=variant)
     assert figures["relative_mse"] < 0.01
 
 
@@ -178,7 +191,7 @@ def test_renders_of_other_seeds_are_independent(variant, tmp_path, monkeypatch):
 
     mi.set_variant(variant)
     first, second = (
-        demo.render("diffuse", tmp_path / "natsume.ply", size=64, spp=32, seed=seed)
+        demo.render("diffuse", tmp_path / "natsume.ply", width=64, height=64, spp=32, seed=seed)
         for seed in (0, 1)
     )
     noise = metrics.relative_mse(first.image, second.image)
@@ -192,12 +205,21 @@ def test_unwritable_output_is_one_sentence(tmp_path):
     with pytest.raises(
         FileError, match=r"^cannot make the folder .*; choose one that is writable$"
     ):
-        demo.run(tmp_path / "file" / "demo", size=8, spp=16)
+        demo.run(tmp_path / "file" / "demo", width=8, height=8, spp=16)
     with pytest.raises(FileError, match=r"^cannot write .*; choose a folder that exists"):
         write_ply(lathe(caddy.natsume(), 4, 8), Path("/proc/caddy.ply"))
 
 
-@pytest.mark.parametrize(("size", "spp"), [(0, 16), (8, 0), (8, 12), (8, -16)])
-def test_bad_sizes_are_refused(size, spp, tmp_path):
-    with pytest.raises(ParameterError, match=r"size is 0|spp is"):
-        demo.run(tmp_path, size=size, spp=spp)
+@pytest.mark.parametrize(
+    ("size", "sentence"),
+    [
+        ({"width": 0}, "width is 0"),
+        ({"height": 0}, "height is 0"),
+        ({"spp": 0}, "spp is 0"),
+        ({"spp": 12}, "spp is 12"),
+        ({"spp": -16}, "spp is -16"),
+    ],
+)
+def test_bad_sizes_are_refused(size, sentence, tmp_path):
+    with pytest.raises(ParameterError, match=sentence):
+        demo.run(tmp_path, **size)

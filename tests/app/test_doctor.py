@@ -16,7 +16,19 @@ def test_everything_is_looked_at():
     for expected in ("Python", "mitsuba", "drjit", "LLVM", "GPU", "variant llvm_ad_rgb"):
         assert expected in names
     assert any(name.startswith("weights") for name in names)
-    assert "extra train" in names
+    for extra, packages in platform.EXTRAS.items():
+        for package in packages:
+            assert f"extra {extra}: {package.name}" in names
+
+
+def test_optional_packages_are_listed_with_their_purpose(monkeypatch):
+    """A missing required package is a note with the cure, a missing optional one is only listed."""
+    monkeypatch.setattr(doctor, "_version", lambda name: None)
+    findings = {finding.name: finding for finding in doctor._extras()}
+    required = findings["extra eval: scikit-image"]
+    assert required.found == "missing (structural similarity of pictures)"
+    assert "pip install 'urushi[eval]'" in required.problem and not required.essential
+    assert findings["extra eval: flip-evaluator"].problem is None
 
 
 @pytest.mark.parametrize(

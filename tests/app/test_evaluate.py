@@ -20,7 +20,7 @@ def seen(monkeypatch) -> dict:
 
     monkeypatch.setattr(report, "report", table)
     monkeypatch.setattr(
-        direction_tables, "report", lambda *args: calls.update(adapter=args) or "tables"
+        direction_tables, "report", lambda *args: calls.update(tables=args) or "tables"
     )
     monkeypatch.setattr(benchmark, "make", lambda path: calls.update(path=path) or "0123abcd")
     return calls
@@ -34,13 +34,13 @@ def test_eval_uses_the_stored_set_unless_a_seed_is_given(seen, capsys):
     assert seen == {"weights": "w.safetensors", "output": None, "seed": 3}
 
 
-def test_eval_by_the_adapters_protocol(seen, capsys):
-    flags = ["--protocol", "adapter", "--weights", "w.safetensors", "-o", "out"]
+def test_eval_by_direction_tables(seen, capsys):
+    flags = ["--protocol", "direction-tables", "--weights", "w.safetensors", "-o", "out"]
     assert cli.main(["eval", *flags]) == 0
-    assert seen == {"adapter": ("w.safetensors", Path("out"))}
+    assert seen == {"tables": ("w.safetensors", Path("out"))}
     assert capsys.readouterr().out == "tables\n"
-    assert cli.main(["eval", "--protocol", "adapter", "--seed", "1"]) == 2
-    assert "--seed goes with the table" in capsys.readouterr().err
+    assert cli.main(["eval", "--protocol", "direction-tables", "--seed", "1"]) == 2
+    assert "--seed belongs to --protocol errors" in capsys.readouterr().err
 
 
 def test_benchmark(seen, capsys):

@@ -1,6 +1,7 @@
 """`urushi encode` and `urushi layer` make the files that `urushi.load` reads."""
 
 import json
+import sys
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ import pytest
 import urushi
 from urushi.app import cli
 from urushi.app.commands.layer import scalar_or_rgb
+from urushi.checks import DEFAULT_COAT
 
 pytestmark = pytest.mark.usefixtures("untrained")
 
@@ -153,6 +155,17 @@ def test_what_is_lost_is_told(tmp_path, capsys):
     assert f"urushi: {scene}: the BRDF is anisotropic" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("package", ["matplotlib", "skimage"])
+def test_a_report_without_its_packages_is_refused_before_the_work(
+    package, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.setitem(sys.modules, package, None)
+    file = tmp_path / "gold.safetensors"
+    assert cli.main(["encode", GOLD, "-o", str(file), "--report", str(tmp_path / "report")]) == 2
+    assert "pip install 'urushi[eval]'" in capsys.readouterr().err
+    assert not file.exists()
+
+
 @pytest.mark.parametrize(
     ("sources", "output", "sentence"),
     [
@@ -200,6 +213,15 @@ def test_layer_a_file_and_a_description_alike(tmp_path):
     )
     np.testing.assert_array_equal(urushi.load(coated).latents, expected.latents)
     np.testing.assert_array_equal(urushi.load(other).latents, expected.latents)
+
+
+def test_layer_has_the_coat_of_python_by_default(tmp_path):
+    """The defaults are those of `urushi.coat`; the networks are those of --weights."""
+    file = tmp_path / "coated.safetensors"
+    assert cli.main(["layer", GOLD, "--weights", "small", "-o", str(file)]) == 0
+    gold = urushi.encode(urushi.conductor(alpha=0.2, r0=(0.98, 0.77, 0.34)), "small")
+    top = urushi.dielectric(DEFAULT_COAT.alpha, DEFAULT_COAT.eta)
+    assert urushi.load(file, "small") == urushi.layer(top, gold)
 
 
 def test_one_value_or_three():

@@ -74,7 +74,7 @@ def test_report_keeps_its_tables(tiny, tmp_path, monkeypatch):
     weights.save(path, tiny.arch, tiny.params, {})
     text = direction_tables.report(path, tmp_path / "out", TINY)
     assert "2 stacks, tables of 3 x 4 x 3 x 4, 64 walks a pair" in text
-    first = json.loads((tmp_path / "out" / "adapter.json").read_text())
+    first = json.loads((tmp_path / "out" / "direction_tables.json").read_text())
     assert first["weights"] == tiny.fingerprint and first["stacks"] == 2
 
     def walk_pairs(*args, **options):
@@ -82,7 +82,7 @@ def test_report_keeps_its_tables(tiny, tmp_path, monkeypatch):
 
     monkeypatch.setattr(direction_tables, "walk_pairs", walk_pairs)
     direction_tables.report(path, tmp_path / "out", TINY)
-    again = json.loads((tmp_path / "out" / "adapter.json").read_text())
+    again = json.loads((tmp_path / "out" / "direction_tables.json").read_text())
     assert again["mae"] == first["mae"]
     assert again["noise_mae"] == pytest.approx(first["noise_mae"], rel=1e-3)  # half precision
     other = direction_tables.Protocol(stacks=2, polar=3, azimuth=4, walks=128)

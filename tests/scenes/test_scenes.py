@@ -1,13 +1,15 @@
 """The shipped scenes: they load and render, one word swaps networks and walk, and XML is Python."""
 
 import re
+from functools import partial
 
 import numpy as np
 import pytest
 
 from urushi.app import cli
-from urushi.app.commands.render import load_scene
+from urushi.app.commands.render import Overrides, load_scene
 from urushi.errors import ParameterError
+from urushi.nets import weights
 from urushi.scenes import shipped
 from urushi.scenes.stage import COATS, Options
 
@@ -66,7 +68,7 @@ def test_the_coat_is_a_parameter_of_the_file(mi, tmp_path):
     text = path.read_text()
     assert '<default name="coat" value="neural_layered"/>' in text
     assert text.count('type="$coat"') == 2
-    small = load_scene(path, {"coat": "layered", "resx": "8", "resy": "6", "spp": "2"})
+    small = load_scene(path, {"coat": "layered", "width": "8", "height": "6", "spp": "2"})
     assert mi.render(small).shape == (6, 8, 3)
     kinds = {type(shape.bsdf()).__name__ for shape in small.shapes()}
     assert "Layered" in kinds and "NeuralLayered" not in kinds
@@ -82,10 +84,30 @@ def test_weights_are_named_only_where_they_matter():
 
 def test_render_takes_a_scenes_name(mi, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    flags = ["-D", "coat=layered", "-D", "resx=16", "-D", "resy=12", "--spp", "2"]
+    monkeypatch.setattr(shipped, "Options", partial(Options, detail=0.05))
+    flags = ["-D", "coat=layered", "-D", "width=16", "--height", "12", "--spp", "2"]
     assert cli.main(["render", "globe", *flags]) == 0
     assert capsys.readouterr().out == "globe.exr\n"
     assert list(mi.Bitmap("globe.exr").size()) == [16, 12]
+
+
+def test_render_replaces_weights_and_size_of_a_scene_file(mi, tmp_path):
+    """Weights only where a coat names none itself; the size always."""
+    path = shipped.export("globe", tmp_path, Options(**TINY))
+    coats = path.read_text().split('type="$coat"')
+    assert len(coats) == 3
+    named = '<string name="weights" value="base"/>'
+    path.write_text('type="$coat"'.join([*coats[:2], coats[2].replace(">", f">{named}", 1)]))
+    scene = load_scene(path, {}, overrides=Overrides("small", width=8, height=6))
+    assert list(scene.sensors()[0].film().size()) == [8, 6]
+    found = {
+        shape.bsdf().model.fingerprint
+        for shape in scene.shapes()
+        if type(shape.bsdf()).__name__ == "NeuralLayered"
+    }
+    assert found == {weights.load_shipped(name).fingerprint for name in weights.SHIPPED}
+    with pytest.raises(ParameterError, match="^width is 0; it must be at least 1$"):
+        Overrides(width=0)
 
 
 def test_export_and_list(tmp_path, capsys):

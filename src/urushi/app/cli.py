@@ -1,4 +1,4 @@
-"""The `urushi` command: reads the arguments into one command object, runs it, reports failure."""
+"""The `urushi` command: parses the arguments, runs one subcommand, reports its failure."""
 
 import functools
 import operator
@@ -12,9 +12,8 @@ import tyro
 from urushi import paper
 from urushi.app.commands.data import Data
 from urushi.app.commands.encode import Encode
-from urushi.app.commands.layer import Layer
+from urushi.app.commands.layer import Layer, Sheet
 from urushi.app.commands.render import Render, Scenes
-from urushi.app.commands.sheet import Sheet
 from urushi.app.commands.simulate import Simulate
 from urushi.app.commands.train import Evaluate, Train
 from urushi.app.demo import Demo
@@ -24,33 +23,33 @@ from urushi.version import __version__
 
 FAILURE = 2
 INTERRUPTED = 130  # 128 + SIGINT, as shells report it
-UNHEARD = 141  # 128 + SIGPIPE
+OUTPUT_CLOSED = 141  # 128 + SIGPIPE
 
 DESCRIPTION = """Layered materials in a neural latent space, for Mitsuba 3.
 
-Start with `urushi demo`; if something is amiss, `urushi doctor` says what. Every command
-explains itself and gives an example: `urushi render --help`.
+Start with `urushi demo`. If something does not work, `urushi doctor` says why. Every command has
+help with an example: `urushi render --help`.
 """
 
 
-#: Every subcommand, and its line in the list of all.
+#: Every subcommand by name, with its line in the list of commands.
 COMMANDS: dict[str, tuple[type, str]] = {
-    "demo": (Demo, "Render a lacquered object and its reference."),
+    "demo": (Demo, "Render a lacquered object by networks and by the reference, and compare."),
     "render": (Render, "Render a Mitsuba scene file or a shipped scene."),
-    "scenes": (Scenes, "Write a shipped scene into a folder."),
-    "simulate": (Simulate, "Simulate a layered material without bias."),
+    "scenes": (Scenes, "List the shipped scenes, or write one into a folder."),
+    "simulate": (Simulate, "Simulate the BRDF of a layered material without bias."),
     "encode": (Encode, "Encode a BRDF into a material file."),
     "layer": (Layer, "Coat a material in the latent space."),
-    "sheet": (Sheet, "Draw blends of materials under coats."),
-    "data": (Data, "Generate training data, or look at them."),
-    "train": (Train, "Train the networks."),
+    "sheet": (Sheet, "Draw spheres of blended materials under coats."),
+    "data": (Data, "Simulate training data, or show a store of them."),
+    "train": (Train, "Train networks."),
     "eval": (Evaluate, "Measure networks on held-out materials."),
-    "doctor": (Doctor, "Say what this machine has, and what is wrong."),
+    "doctor": (Doctor, "Check this machine and say what is missing."),
 }
 
 
 def _union(listing: bool) -> Any:
-    """The type that tyro reads; the list of all shows summaries, a command its own full text."""
+    """The union of all commands for tyro; `listing`: with the one-line descriptions."""
     members = (
         Annotated[command, tyro.conf.subcommand(name, description=summary if listing else None)]
         for name, (command, summary) in COMMANDS.items()
@@ -59,7 +58,7 @@ def _union(listing: bool) -> Any:
 
 
 def parse(arguments: Sequence[str]) -> Any:
-    """The command object that the arguments describe; exits where they describe none."""
+    """The command object of the arguments; exits the process if they cannot be parsed."""
     listing = list(arguments) in ([], ["-h"], ["--help"])
     return tyro.cli(
         _union(listing),
@@ -71,10 +70,11 @@ def parse(arguments: Sequence[str]) -> Any:
 
 
 def main(args: Sequence[str] | None = None) -> int:
-    """Run the command that `args` (default: the process's) name; returns the exit code.
+    """Run the command of `args` (default: the process's arguments); returns the exit code.
 
-    0: done; 1: `doctor` found something essential wrong; 2: a user's error, told in one sentence
-    on standard error; 130: interrupted; 141: who read the output has gone, as `head` does.
+    0: success; 1: `doctor` found a problem that keeps Urushi from working; 2: a user's error,
+    printed as one sentence to standard error; 130: interrupted; 141: the reader of standard output
+    has closed it, as `head` does.
     """
     arguments = list(sys.argv[1:] if args is None else args)
     if arguments == ["--version"]:
@@ -93,13 +93,13 @@ def main(args: Sequence[str] | None = None) -> int:
         print("urushi: interrupted; nothing half-written was left behind", file=sys.stderr)
         return INTERRUPTED
     except BrokenPipeError:
-        if not _unheard():
+        if not _output_is_closed():
             raise
-        return UNHEARD
+        return OUTPUT_CLOSED
 
 
-def _unheard() -> bool:
-    """Whether nobody reads standard output; if so, what is left of it goes nowhere."""
+def _output_is_closed() -> bool:
+    """Whether standard output is closed; if so, the rest of it goes to the null device."""
     try:
         print(flush=True)
     except BrokenPipeError:

@@ -1,4 +1,4 @@
-"""Reads a description of a material written as in Python, e.g. "conductor(alpha=0.2, r0=0.9)"."""
+"""Descriptions of materials, written as in Python: "conductor(alpha=0.2, r0=0.9)"."""
 
 import ast
 import inspect
@@ -7,16 +7,16 @@ from typing import Any
 import urushi
 from urushi.errors import ParameterError
 
-#: The functions that a description may call; they are those of the Python interface.
+#: The functions of the Python interface that a description may call.
 MAKERS = ("coat", "conductor", "dielectric", "diffuse")
 
 
 def describe(text: str) -> Any:
     """Build the Conductor, Dielectric, Diffuse or Stack that `text` describes.
 
-    The text is an expression of the Python interface without `urushi.`, coats nested as there:
-    "coat(conductor(alpha=0.2, r0=0.9), alpha=0.05, eta=1.5)". Only the four functions of `MAKERS`,
-    numbers and tuples of numbers may occur; nothing else is ever evaluated.
+    The text is a Python expression without the prefix `urushi.`; coats may be nested:
+    "coat(conductor(alpha=0.2, r0=0.9), alpha=0.05, eta=1.5)". It may hold the functions of
+    `MAKERS`, numbers and tuples of numbers; nothing else is evaluated.
 
     Raises:
         ParameterError: the text is no such expression, or a parameter is unknown or out of range.
@@ -29,7 +29,7 @@ def describe(text: str) -> Any:
 
 
 def is_description(text: str) -> bool:
-    """Whether `text` is meant as a description rather than a file name."""
+    """Whether `text` begins with a call of `MAKERS`, and so is no file name."""
     return text.strip().startswith(tuple(f"{maker}(" for maker in MAKERS))
 
 
@@ -50,7 +50,7 @@ def _build(node: ast.expr, text: str) -> Any:
 
 
 def parameters_text(signature: inspect.Signature) -> str:
-    """The parameters' names and defaults, without their types."""
+    """The parameters' names and defaults in parentheses, without types."""
     bare = [p.replace(annotation=inspect.Parameter.empty) for p in signature.parameters.values()]
     return str(inspect.Signature(bare))
 

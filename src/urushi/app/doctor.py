@@ -1,6 +1,7 @@
-"""What `urushi doctor` finds. Whatever may abort a process runs in another one.
+"""`urushi doctor`: check this machine, and say what is missing and how to mend it.
 
-`urushi doctor`: what this machine has, and what is wrong with it.
+Every Mitsuba variant is tried in a process of its own, because a bad LLVM library or driver may
+abort the process.
 """
 
 import importlib.metadata
@@ -21,23 +22,19 @@ import urushi, mitsuba as mi
 mi.set_variant(sys.argv[1])
 assert mi.Point3f(1, 2, 3).z * 2 == 6
 """
+#: Longest time for a variant to start [s].
 _TIMEOUT = 120
-_PURPOSE = {
-    "train": "for `urushi train` and `urushi data`",
-    "cluster": "for generating data on more than one machine",
-    "eval": "for the figures",
-}
 
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing looked at.
+    """The result of one check.
 
     Attributes:
-        name: what it is.
-        found: what was found.
-        problem: what is wrong with it, and the cure; None where nothing is.
-        essential: whether Urushi works at all without it.
+        name: what was checked.
+        found: its version or state.
+        problem: what is wrong and the cure, or None if all is well.
+        essential: whether Urushi cannot work without it.
     """
 
     name: str
@@ -50,7 +47,7 @@ _NO_GPU = Finding("GPU", "no NVIDIA driver; the LLVM variants run on the CPU, th
 
 
 def examine() -> list[Finding]:
-    """Look at everything, most basic first."""
+    """Run all checks, the most basic first."""
     gpu = _gpu()
     return [
         _python(),
@@ -65,7 +62,7 @@ def examine() -> list[Finding]:
 
 
 def report(findings: Sequence[Finding]) -> str:
-    """The findings as lines, and a closing sentence."""
+    """The findings as lines of text, with a closing sentence."""
     width = max(len(finding.name) for finding in findings)
     lines = []
     for finding in findings:
@@ -115,7 +112,7 @@ def _llvm() -> Finding:
 
 
 def _variants(names: Sequence[str]) -> list[Finding]:
-    """Start every variant in a process of its own, all at the same time."""
+    """Start every variant, each in its own process, all at the same time."""
     processes = [
         subprocess.Popen(
             [sys.executable, "-c", _PROBE, name],
@@ -183,15 +180,19 @@ def _weights() -> list[Finding]:
 
 
 def _extras() -> list[Finding]:
-    """The optional packages, by what they are for."""
+    """The optional packages, one finding each."""
     findings = []
     for extra, packages in EXTRAS.items():
-        versions = {name: _version(name) for name in packages}
-        found = ", ".join(f"{name} {version or 'missing'}" for name, version in versions.items())
-        problem = f"{_PURPOSE[extra]}: pip install 'urushi[{extra}]'"
-        findings.append(
-            Finding(f"extra {extra}", found, None if all(versions.values()) else problem)
-        )
+        for package in packages:
+            version = _version(package.name)
+            cure = f"needed for {package.purpose}: pip install 'urushi[{extra}]'"
+            findings.append(
+                Finding(
+                    f"extra {extra}: {package.name}",
+                    f"{version or 'missing'} ({package.purpose})",
+                    cure if version is None and package.required else None,
+                )
+            )
     return findings
 
 
@@ -204,16 +205,15 @@ def _version(package: str) -> str | None:
 
 @dataclass(frozen=True)
 class Doctor:
-    """Print what Urushi finds on this machine, and what is wrong with each.
+    """Check this machine: print what Urushi finds, what is wrong, and how to mend it.
 
-    Python, Mitsuba, Dr.Jit, LLVM, the variants that run, GPU and the shipped weights. The exit code
-    is 1 if something essential is wrong.
+    Checks Python, Mitsuba, Dr.Jit, LLVM, the GPU, Mitsuba's variants, the shipped weights and every
+    optional package. The exit code is 1 if something is wrong that Urushi cannot work without.
 
     Example: urushi doctor
     """
 
     def run(self) -> int:
-
         findings = examine()
         print(report(findings))
         return 1 if any(finding.essential and finding.problem for finding in findings) else 0

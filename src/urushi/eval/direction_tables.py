@@ -30,8 +30,7 @@ from urushi.eval import samples as sampling
 from urushi.eval.groups import Group
 from urushi.eval.samples import Samples
 from urushi.files import atomic_write, new_folder
-from urushi.nets import weights
-from urushi.nets.weights import Model
+from urushi.nets.weights import Model, Weights, find
 from urushi.reference import StackTable, walk_pairs
 
 _KIND = "direction table"
@@ -128,15 +127,15 @@ class Outcome:
 
 
 def report(
-    weights_path: str | os.PathLike | None = None,
+    weights: Weights | None = None,
     output: str | os.PathLike | None = None,
     protocol: Protocol | None = None,
 ) -> str:
     """Compare networks by the protocol; returns the figures in lines.
 
     Args:
-        weights_path: file of the networks, or a shipped one's name; default: `base`.
-        output: folder for adapter.json and the simulated tables, which further networks reuse.
+        weights: the networks: "base" (the default), "small", a weights file, or a Model.
+        output: folder for direction_tables.json and the simulated tables, which later calls reuse.
         protocol: the size; default: the publication's, whose simulation takes 10 to 20 minutes.
 
     Raises:
@@ -144,13 +143,13 @@ def report(
             size, or nothing can be written there.
     """
     protocol = protocol or Protocol()
-    model = weights.find(weights_path)
+    model = find(weights)
     folder = None if output is None else new_folder(output)
     tables = None if folder is None else new_folder(folder / "tables")
     outcome = measure(model, protocol, tables)
     if folder is not None:
         content = {"weights": model.fingerprint, **asdict(protocol), **asdict(outcome)}
-        with atomic_write(folder / "adapter.json") as temporary:
+        with atomic_write(folder / "direction_tables.json") as temporary:
             temporary.write_text(json.dumps(content, indent=2) + "\n")
     return outcome.text(protocol)
 

@@ -15,8 +15,7 @@ from urushi.eval.groups import GROUPS, ROWS, Group, Row
 from urushi.eval.samples import Samples
 from urushi.files import atomic_write, new_folder
 from urushi.material import Material
-from urushi.nets import weights
-from urushi.nets.weights import Model
+from urushi.nets.weights import Model, Weights, find
 
 
 @dataclass(frozen=True)
@@ -44,7 +43,7 @@ class Result:
 
 
 def report(
-    weights_path: str | os.PathLike | None = None,
+    weights: Weights | None = None,
     output: str | os.PathLike | None = None,
     *,
     seed: int | None = None,
@@ -52,7 +51,7 @@ def report(
     """Measure networks and tabulate the figures.
 
     Args:
-        weights_path: file of the networks, or a shipped one's name; default: `base`.
+        weights: the networks: "base" (the default), "small", a weights file, or a Model.
         output: folder to write figures.json and the plots to.
         seed: simulate other held-out stacks by this seed, which takes long; default: compare with
             the stored set.
@@ -61,7 +60,7 @@ def report(
         FileError: the weights or the stored set are missing or damaged, or `output` cannot be
             written.
     """
-    model = weights.find(weights_path)
+    model = find(weights)
     folder = None if output is None else new_folder(output)
     sets = benchmark.read() if seed is None else sampling.simulate_all(GROUPS, seed)
     source = "the stored set" if seed is None else f"simulated by seed {seed}"

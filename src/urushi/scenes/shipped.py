@@ -1,4 +1,4 @@
-"""The shipped scenes by name: as dictionaries for `mi.load_dict`, or as folders with XML."""
+"""The shipped scenes by name, as dictionaries for `mi.load_dict` or as folders with an XML file."""
 
 import os
 import re
@@ -25,11 +25,11 @@ SCENES: dict[str, Callable[[Folder, Options], dict[str, Any]]] = {
 
 
 def build(name: str, folder: str | os.PathLike, options: Options | None = None) -> dict[str, Any]:
-    """Make a scene: write its meshes and textures, and describe it.
+    """Describe a scene; its meshes and textures are written into a folder.
 
     Args:
         name: one of `SCENES`.
-        folder: where the files go; made where it is missing.
+        folder: for these files; made if it is missing.
         options: see `Options`.
 
     Returns:
@@ -43,9 +43,9 @@ def build(name: str, folder: str | os.PathLike, options: Options | None = None) 
 
 
 def export(name: str, folder: str | os.PathLike, options: Options | None = None) -> Path:
-    """Make a scene as a folder that needs nothing else: `scene.xml`, meshes and textures.
+    """Write a scene as a self-contained folder: `scene.xml`, meshes and textures.
 
-    The XML file's parameters $coat, $spp, $resx and $resy hold the options of these names.
+    The options `coat`, `spp`, `width` and `height` are parameters of the XML file: $coat, ...
 
     Returns:
         The path of `scene.xml`.
@@ -62,14 +62,18 @@ def export(name: str, folder: str | os.PathLike, options: Options | None = None)
 
 
 def find(name: str) -> Callable[[Folder, Options], dict[str, Any]]:
-    """The function that makes the scene of a name; ParameterError says which there are."""
+    """The function that describes the scene `name`.
+
+    Raises:
+        ParameterError: there is no such scene; the message lists the names.
+    """
     if name not in SCENES:
         raise ParameterError(f"there is no scene '{name}'; choose one of {', '.join(SCENES)}")
     return SCENES[name]
 
 
 def _relative(node: dict[str, Any], folder: Path) -> dict[str, Any]:
-    """The description with the names of its files relative to the folder that they are in."""
+    """The description with all file names relative to `folder`."""
     result = {}
     for key, value in node.items():
         if isinstance(value, dict):
@@ -81,14 +85,17 @@ def _relative(node: dict[str, Any], folder: Path) -> dict[str, Any]:
 
 
 def _xml(description: dict[str, Any], coat: str) -> str:
-    """The description as Mitsuba's XML, with the plugin of the coats as the parameter $coat."""
+    """The description as Mitsuba's XML, with the parameters $coat, $spp, $width and $height."""
     state = mi.parser.parse_dict(mi.parser.ParserConfig(mi.variant()), description)
     nodes = state.nodes
     for node in nodes:
         if node.props.plugin_name() in COATS:
-            node.type = mi.ObjectType.BSDF  # Mitsuba does not know of plugins in Python
+            node.type = mi.ObjectType.BSDF  # Mitsuba does not know the type of plugins in Python
     state.nodes = nodes
     text = mi.parser.write_string(state).replace(f'<bsdf type="{coat}"', '<bsdf type="$coat"')
+    for written, name in (("resx", "width"), ("resy", "height")):  # as Mitsuba names them
+        text = text.replace(f'name="{written}"', f'name="{name}"')
+        text = text.replace(f'"${written}"', f'"${name}"')
     text = re.sub(r"-?\d+\.\d{13,}(e-?\d+)?", lambda number: f"{float(number[0]):.12g}", text)
     first, rest = text.split("\n", 1)
     return f'{first}\n    <default name="coat" value="{coat}"/>\n{rest}'

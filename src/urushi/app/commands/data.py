@@ -1,4 +1,4 @@
-"""`urushi data`: the stores of simulated BRDF values that networks are trained on."""
+"""`urushi data`: stores of simulated BRDF values for training, and the stored benchmark."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,8 +14,8 @@ from urushi.app.commands.train import find_preset
 class Generate:
     """Simulate the training data of a preset.
 
-    A run that was stopped resumes where it was, and ends in the same store; so does one on a Dask
-    cluster (`dask scheduler` on one machine, `dask worker ADDRESS` on each).
+    An interrupted run continues where it stopped and ends in the same store. A Dask cluster
+    (`dask scheduler` on one machine, `dask worker ADDRESS` on each) makes the same store too.
 
     Example: urushi data generate --preset base -o runs/base.zarr
     """
@@ -23,11 +23,11 @@ class Generate:
     output: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
     """Store to write (.zarr)."""
     preset: str = "base"
-    """Training preset whose data specification is used."""
+    """Training preset whose data are simulated: base, small, quick, smoke or paper."""
     scale: float | None = None
-    """For the preset "paper": the share of its training samples, as of `urushi train`."""
+    """Only for the preset "paper": fraction of its training samples, as for `urushi train`."""
     scheduler: str | None = None
-    """Address of a Dask scheduler whose workers simulate; default: all cores of this machine."""
+    """Address of a Dask scheduler whose workers simulate. Default: all cores of this machine."""
 
     def run(self) -> int:
         platform.require_extra("train")
@@ -43,7 +43,7 @@ class Generate:
 
 @dataclass(frozen=True)
 class Show:
-    """Print what a store holds, and how much of it is done.
+    """Print the contents of a store and how much of it is simulated.
 
     Example: urushi data show runs/base.zarr
     """
@@ -68,7 +68,7 @@ class Show:
 
 @dataclass(frozen=True)
 class Benchmark:
-    """Simulate the stored set that `urushi eval` compares with; about ten minutes.
+    """Simulate the benchmark set that `urushi eval` compares with: about ten minutes.
 
     Example: urushi data benchmark -o src/urushi/eval/benchmark.safetensors
     """
@@ -85,7 +85,7 @@ class Benchmark:
 
 @dataclass(frozen=True)
 class Data:
-    """Generate simulated BRDF values, or look at a store of them.
+    """Simulate training data, show what a store holds, or simulate the benchmark set.
 
     Example: urushi data generate --preset base -o runs/base.zarr
     """

@@ -1,4 +1,4 @@
-"""`urushi encode`: making material files of descriptions, measured files and scenes' BSDFs."""
+"""`urushi encode`: material files from descriptions, measured files and BSDFs of scenes."""
 
 import sys
 from collections.abc import Mapping
@@ -17,11 +17,11 @@ from urushi.files import new_folder
 
 @dataclass(frozen=True)
 class Encode:
-    """Encode BRDFs into materials: latent codes, one set per colour channel.
+    """Encode BRDFs into material files: one latent code per colour channel.
 
     A source is a description as in Python, a measured BRDF (a MERL or an RGL file), or a BSDF of a
-    Mitsuba scene file, SCENE.xml#ID, or SCENE.xml where it is the only one. Several are encoded in
-    parallel; one that cannot be encoded stops none of the others.
+    Mitsuba scene file: SCENE.xml#ID, or SCENE.xml if it has only one. Several sources are encoded
+    in parallel. If one cannot be encoded, the others still are.
 
     Example: urushi encode "conductor(alpha=0.2, r0=(0.98, 0.77, 0.34))" -o gold.safetensors
 
@@ -29,21 +29,22 @@ class Encode:
     """
 
     sources: tyro.conf.Positional[tuple[str, ...]]
-    """conductor(...), coat(...), ... as in Python, measured files, or SCENE.xml#ID."""
+    """What to encode: descriptions such as "conductor(alpha=0.2, r0=0.9)", measured files, or
+    SCENE.xml#ID."""
     output: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
-    """File to write (.safetensors), or the folder for one file of each source."""
+    """Material file to write (.safetensors), or a folder that gets one file per source."""
     report: Path | None = None
-    """Folder to write report.json, report.md and a picture of every source to: errors,
-    asymmetry, albedos, slices, and a sphere of source and material side by side."""
+    """Folder for a comparison of every material with its source: report.json, report.md and a
+    picture each, with errors, asymmetry, albedos, slices and spheres side by side."""
     refine: bool = False
-    """Refine all codes by a few steps of optimisation, those of descriptions too."""
+    """Refine every latent code by optimisation. Default: automatic, which refines those of
+    measured files and of scenes' BSDFs."""
     no_refine: bool = False
-    """Refine none, not even those of measured files and of scenes' BSDFs."""
+    """Refine no latent code."""
     mode: Annotated[str, tyro.conf.arg(aliases=["-m"])] = "llvm_ad_rgb"
     """Mitsuba variant for reading scene files."""
     scheduler: str | None = None
-    """Address of a Dask scheduler whose workers read, simulate and compare; default: this
-    machine."""
+    """Address of a Dask scheduler whose workers do the work. Default: this machine alone."""
     weights: str | None = None
     """Networks: base (the default), small, or a weights file."""
 
@@ -52,42 +53,43 @@ class Encode:
 
         self._check()
         targets = self.targets()
-        opened = self.opened()
-        errors = {k: source for k, source in enumerate(opened) if isinstance(source, UrushiError)}
-        if len(opened) > 1:
-            _say_all(errors)
-        known = [k for k in range(len(opened)) if k not in errors]
-        made: dict[int, EncodedSource] = {}
-        total = len(known) * (1 if self.report is None else 2)
+        sources = self.opened()
+        errors = {k: source for k, source in enumerate(sources) if isinstance(source, UrushiError)}
+        if len(sources) > 1:
+            _print_errors(errors)
+        readable = [k for k in range(len(sources)) if k not in errors]
+        encoded: dict[int, EncodedSource] = {}
+        total = len(readable) * (1 if self.report is None else 2)
         with tqdm(total=total, unit="BRDF", disable=total <= 1 or None) as progress:
-            for index, result in encode_all(
-                [opened[k] for k in known],
+            for position, result in encode_all(
+                [sources[k] for k in readable],
                 model=self.weights,
                 scheduler=self.scheduler,
-                refine=[self._refined(self.sources[k]) for k in known],
+                refine=[self._is_refined(self.sources[k]) for k in readable],
             ):
                 progress.update()
-                which = known[index]
+                index = readable[position]
                 if isinstance(result, UrushiError):
-                    errors[which] = result
-                    if len(opened) > 1:
-                        _say(str(result))
+                    errors[index] = result
+                    if len(sources) > 1:
+                        _print_to_stderr(str(result))
                     continue
                 for sentence in result.deviations.warnings():
-                    _say(f"{self.sources[which]}: {sentence}")
-                result.material.save(targets[which])
-                tqdm.write(str(targets[which]))
-                made[which] = result
+                    _print_to_stderr(f"{self.sources[index]}: {sentence}")
+                result.material.save(targets[index])
+                tqdm.write(str(targets[index]))
+                encoded[index] = result
             if self.report is not None:
                 names = [target.stem for target in targets]
-                errors |= self._write_report(self.report, names, opened, made, errors, progress)
-        if len(opened) == 1 and errors:
+                errors |= self._write_report(self.report, names, sources, encoded, errors, progress)
+        if len(sources) == 1 and errors:
             raise errors[0]
         if errors:
-            raise UrushiError(f"{len(errors)} of {len(opened)} sources could not be encoded")
+            raise UrushiError(f"{len(errors)} of {len(sources)} sources could not be encoded")
         return 0
 
     def _check(self) -> None:
+        """Raise before any work what is wrong with the flags, or that a package is missing."""
         if self.refine and self.no_refine:
             raise ParameterError("--refine and --no-refine exclude each other; give one of them")
         if self.scheduler is not None:
@@ -101,7 +103,7 @@ class Encode:
         if self.report is not None:
             platform.require_extra("eval")
 
-    def _refined(self, text: str) -> bool:
+    def _is_refined(self, text: str) -> bool:
         return self.refine or not (self.no_refine or is_description(text))
 
     def _write_report(
@@ -109,17 +111,17 @@ class Encode:
         folder: Path,
         names: list[str],
         sources: list[Any],
-        made: Mapping[int, Any],
+        encoded: Mapping[int, Any],
         errors: Mapping[int, UrushiError],
         progress: tqdm,
     ) -> dict[int, UrushiError]:
-        """Compare the materials with their sources; returns what went wrong with that."""
+        """Compare the materials with their sources; returns the comparisons' errors by index."""
         from urushi.eval import examine
         from urushi.eval.plots import likeness
         from urushi.material.batch import map_sources
 
-        indices = list(made)
-        tasks = [(sources[index], made[index].material) for index in indices]
+        indices = list(encoded)
+        tasks = [(sources[index], encoded[index].material) for index in indices]
         examinations, failed = {}, {}
         for task, result in map_sources(examine.examined, tasks, self.scheduler):
             progress.update()
@@ -128,7 +130,7 @@ class Encode:
             else:
                 examinations[indices[task]] = result
         if len(sources) > 1:
-            _say_all(failed)
+            _print_errors(failed)
         likeness.write_report(
             folder,
             {names[index]: examinations[index] for index in sorted(examinations)},
@@ -138,7 +140,11 @@ class Encode:
         return failed
 
     def targets(self) -> list[Path]:
-        """The file that each source is encoded into."""
+        """The file to write for each source.
+
+        Raises:
+            ParameterError: no source, one file for several, or two sources of the same name.
+        """
         if not self.sources:
             raise ParameterError("there is nothing to encode; give a description or a file")
         if self.output.suffix == ".safetensors":
@@ -158,7 +164,7 @@ class Encode:
         return [new_folder(self.output) / f"{name}.safetensors" for name in names]
 
     def opened(self) -> list[Any]:
-        """Of each source what `encode_all` takes, or the error that it has."""
+        """Each source as `encode_all` takes it, or the error that reading it raised."""
         scenes: dict[Path, dict[str, Any]] = {}
         result: list[Any] = []
         for text in self.sources:
@@ -178,14 +184,14 @@ class Encode:
                 'scene file, or write for example "conductor(alpha=0.2, r0=0.9)"'
             )
         if not _is_scene(text):
-            return path.absolute()  # a worker has another working folder
+            return path.absolute()  # a worker process has another working folder
         if path not in scenes:
             scenes[path] = scene_bsdfs(path, self.mode)
         return choose(scenes[path], bsdf, path)
 
 
 def scene_and_bsdf(text: str) -> tuple[Path, str | None]:
-    """The file that a source names, and the id of one of its BSDFs if it is a scene with one."""
+    """The path of a source, and the BSDF's id if it is written SCENE.xml#ID."""
     path, mark, bsdf = text.rpartition("#")
     if mark and path.endswith(".xml"):
         return Path(path), bsdf
@@ -193,7 +199,7 @@ def scene_and_bsdf(text: str) -> tuple[Path, str | None]:
 
 
 def scene_bsdfs(path: Path, mode: str) -> dict[str, Any]:
-    """The BSDFs on a scene's shapes by their ids.
+    """The BSDFs of a scene's shapes by id; `mode`: the Mitsuba variant.
 
     Raises:
         FileError: the file is no scene.
@@ -205,22 +211,22 @@ def scene_bsdfs(path: Path, mode: str) -> dict[str, Any]:
     return {shape.bsdf().id(): shape.bsdf() for shape in scene.shapes() if shape.bsdf()}
 
 
-def choose(found: Mapping[str, Any], name: str | None, path: Path) -> Any:
-    """The BSDF of that id, or the only one.
+def choose(bsdfs: Mapping[str, Any], name: str | None, path: Path) -> Any:
+    """The BSDF with the id `name`, or the only one if `name` is None.
 
     Raises:
-        ParameterError: there is no such BSDF, or several and none was named.
+        ParameterError: there is no such BSDF, or there are several and `name` is None.
     """
-    names = ", ".join(sorted(found)) or "none"
-    if name is None and len(found) == 1:
-        return next(iter(found.values()))
+    names = ", ".join(sorted(bsdfs)) or "none"
+    if name is None and len(bsdfs) == 1:
+        return next(iter(bsdfs.values()))
     if name is None:
         raise ParameterError(
-            f"'{path}' has {len(found)} BSDFs; name one as '{path}#ID', with the ID out of: {names}"
+            f"'{path}' has {len(bsdfs)} BSDFs; name one as '{path}#ID', with the ID out of: {names}"
         )
-    if name not in found:
+    if name not in bsdfs:
         raise ParameterError(f"'{path}' has no BSDF '{name}' on a shape; it has: {names}")
-    return found[name]
+    return bsdfs[name]
 
 
 def _is_scene(text: str) -> bool:
@@ -228,18 +234,18 @@ def _is_scene(text: str) -> bool:
 
 
 def _name(text: str, number: int) -> str:
-    """What the files of a source are called."""
+    """File name, without suffix, of a source's material; `number`: its place, from 1."""
     if is_description(text):
         return f"{text.strip().partition('(')[0]}-{number}"
     path, bsdf = scene_and_bsdf(text)
     return path.stem if bsdf is None else bsdf.replace("/", "-")
 
 
-def _say_all(errors: Mapping[int, UrushiError]) -> None:
+def _print_errors(errors: Mapping[int, UrushiError]) -> None:
     for error in errors.values():
-        _say(str(error))
+        _print_to_stderr(str(error))
 
 
-def _say(sentence: str) -> None:
-    """A sentence on standard error, above the bar of progress."""
+def _print_to_stderr(sentence: str) -> None:
+    """Print to standard error, above the progress bar."""
     tqdm.write(f"urushi: {sentence}", file=sys.stderr)

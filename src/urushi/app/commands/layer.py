@@ -1,50 +1,58 @@
-"""`urushi layer`: coating a material file."""
+"""`urushi layer` coats one material; `urushi sheet` draws blends of materials under coats."""
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
+import numpy as np
 import tyro
+from tqdm import tqdm
 
+from urushi import platform
 from urushi.app.describe import describe, is_description
+from urushi.checks import DEFAULT_COAT
+from urushi.errors import ParameterError
+
+if TYPE_CHECKING:
+    from urushi.material import Material
 
 
 @dataclass(frozen=True)
 class Layer:
-    """Coat a material with a dielectric layer and a medium, in the latent space.
+    """Coat a material with a rough dielectric interface and a medium, in the latent space.
 
-    Each number may be one value, or three for red, green and blue.
+    Every parameter of the coat is one value, or three for red, green and blue. The defaults make a
+    clear coat of glass in air.
 
     Example: urushi layer gold.safetensors --alpha 0.05 --eta 1.5 --albedo 0.8 --sigma-t 0.2 1 3
     -o lacquered.safetensors
     """
 
     material: tyro.conf.Positional[str]
-    """Material file to coat, or a description as in Python."""
+    """Material to coat: a material file, a measured BRDF (MERL or RGL), or a description as in
+    Python, such as "conductor(alpha=0.2, r0=0.9)"."""
     output: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
     """Material file to write (.safetensors)."""
-    alpha: tuple[float, ...] = (0.05,)
-    """GGX width of the coat's surface, in [0.01, 1]."""
-    eta: tuple[float, ...] = (1.5,)
-    """Its index of refraction relative to the medium above, in (1, 3]."""
-    albedo: tuple[float, ...] = (0.0,)
-    """Single-scattering albedo of the medium, in [0, 1]."""
-    sigma_t: tuple[float, ...] = (0.0,)
-    """Optical depth of the medium, zero or more."""
-    g: tuple[float, ...] = (0.0,)
-    """Henyey-Greenstein asymmetry of the medium, in (-1, 1)."""
+    alpha: tuple[float, ...] = (DEFAULT_COAT.alpha,)
+    """GGX width (roughness) of the coat's interface, in [0.01, 1]."""
+    eta: tuple[float, ...] = (DEFAULT_COAT.eta,)
+    """Index of refraction of the coat relative to the medium above, in (1, 3]."""
+    albedo: tuple[float, ...] = (DEFAULT_COAT.albedo,)
+    """Single-scattering albedo of the medium inside the coat, in [0, 1]."""
+    sigma_t: tuple[float, ...] = (DEFAULT_COAT.sigma_t,)
+    """Optical depth of the medium, zero or more; 0 is a clear coat."""
+    g: tuple[float, ...] = (DEFAULT_COAT.g,)
+    """Henyey-Greenstein asymmetry of the medium, in (-1, 1): above 0 it scatters forwards."""
+    weights: str | None = None
+    """Networks: base (the default), small, or a weights file."""
 
     def run(self) -> int:
         import urushi
 
         top = urushi.dielectric(scalar_or_rgb(self.alpha), scalar_or_rgb(self.eta))
-        if is_description(self.material):
-            bottom = urushi.encode(describe(self.material))
-        else:
-            bottom = urushi.load(self.material)
         coated = urushi.layer(
             top,
-            bottom,
+            read_material(self.material, self.weights),
             albedo=scalar_or_rgb(self.albedo),
             sigma_t=scalar_or_rgb(self.sigma_t),
             g=scalar_or_rgb(self.g),
@@ -54,6 +62,64 @@ class Layer:
         return 0
 
 
+@dataclass(frozen=True)
+class Sheet:
+    """Draw a sheet of spheres: rows blend from one material to the next, columns are coats.
+
+    Rows are linear blends of latent codes; the layering network adds the coats. A material is a
+    file of `urushi encode`, a measured BRDF (MERL or RGL) or a description as in Python.
+
+    Example: urushi sheet gold.safetensors "diffuse(0.4)" --rows 5 -o sheet.png
+    """
+
+    materials: tyro.conf.Positional[tuple[str, ...]]
+    """Two or more materials: the first row, those in between, and the last row, in this order."""
+    output: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
+    """Picture to write (.png, .jpg or .pdf)."""
+    rows: int = 5
+    """Number of rows, two or more."""
+    coats: tuple[str, ...] = ("bare", "clear", "satin", "amber", "milky", "lacquer")
+    """Coats of the columns, by name. The default lists all that exist."""
+    weights: str | None = None
+    """Networks: base (the default), small, or a weights file."""
+
+    def run(self) -> int:
+        platform.require_extra("eval")
+        from urushi.eval import sheet
+
+        sheet.check_path(self.output)
+        coats = sheet.chosen(self.coats)
+        if len(self.materials) < 2:
+            raise ParameterError("a sheet goes from one material to another; give two or more")
+        materials = [read_material(text, self.weights) for text in self.materials]
+        pictures: dict[tuple[int, int], np.ndarray] = {}
+        total = self.rows * len(coats)
+        with tqdm(total=total, unit="sphere", disable=None) as progress:
+            for cell in sheet.cells(materials, self.rows, coats):
+                pictures[cell.row, cell.column] = sheet.picture(cell.material)
+                progress.update()
+        grid = np.stack([[pictures[i, k] for k in range(len(coats))] for i in range(self.rows)])
+        names = [text if is_description(text) else Path(text).stem for text in self.materials]
+        sheet.draw(self.output, grid, sheet.labels(names, self.rows), list(coats))
+        print(self.output)
+        return 0
+
+
+def read_material(text: str, weights: str | None) -> "Material":
+    """The material of a file of `urushi encode`, or an encoded description or measured file.
+
+    Raises:
+        UrushiError: as of `urushi.load`, `urushi.encode`, `urushi.load_measured` and `describe`.
+    """
+    import urushi
+
+    if is_description(text):
+        return urushi.encode(describe(text), weights)
+    if Path(text).suffix == ".safetensors":
+        return urushi.load(text, weights)
+    return urushi.encode(urushi.load_measured(text), weights, refine=True)
+
+
 def scalar_or_rgb(values: tuple[float, ...]) -> Any:
-    """One value as a number; several as they are, for the range checks to judge."""
+    """One value as a number; several unchanged: the range checks refuse other counts than three."""
     return values[0] if len(values) == 1 else values

@@ -1,12 +1,10 @@
-"""`urushi render`: Mitsuba's own command line, with Urushi's plugins in it.
-
-`urushi scenes`: the shipped scenes as folders, to look into and to change.
-"""
+"""`urushi render` and `urushi scenes`: scene files with Urushi's plugins, and shipped scenes."""
 
 import re
 import sys
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -17,20 +15,67 @@ from urushi import platform
 from urushi.errors import FileError, ParameterError, PlatformError
 from urushi.files import atomic_write
 
-#: What Mitsuba puts into long messages so that they break well.
+#: Mitsuba puts this into long messages as a place to break the line.
 ZERO_WIDTH_SPACE = "\u200b"
 SUFFIXES = (".exr", ".png", ".jpg")
+
+#: Number of samples per pixel that makes Mitsuba use the scene's own.
+SCENES_OWN = 0
+
+
+@dataclass(frozen=True)
+class Overrides:
+    """Properties of a scene file that the command line replaces; None keeps the file's own.
+
+    Attributes:
+        weights: networks of every `neural_layered` that names none itself: "base", "small" or a
+            weights file, relative to the working folder.
+        width, height: size of the film of every sensor [pixels].
+    """
+
+    weights: str | None = None
+    width: int | None = None
+    height: int | None = None
+
+    def __post_init__(self):
+        for name in ("width", "height"):
+            pixels = getattr(self, name)
+            if pixels is not None and pixels < 1:
+                raise ParameterError(f"{name} is {pixels}; it must be at least 1")
+
+    def apply(self, state: Any) -> None:
+        """Change the nodes of a `mi.parser.ParserState`."""
+        import mitsuba as mi
+
+        nodes = state.nodes  # a copy
+        for node in nodes:
+            if node.type == mi.ObjectType.Film:
+                for name in ("width", "height"):
+                    if getattr(self, name) is not None:
+                        node.props[name] = getattr(self, name)
+            neural = node.props.plugin_name() == "neural_layered"
+            if neural and self.weights is not None and "weights" not in node.props:
+                node.props["weights"] = _shipped_or_absolute(self.weights)
+        state.nodes = nodes
+
+
+def _shipped_or_absolute(weights: str) -> str:
+    """A shipped name unchanged, a file as absolute path: the scene has another folder."""
+    from urushi.nets.weights import SHIPPED
+
+    return weights if weights in SHIPPED else str(Path(weights).absolute())
 
 
 @dataclass(frozen=True)
 class Render:
-    """Render a Mitsuba scene file, Urushi's plugins included, or one of the shipped scenes.
+    """Render a Mitsuba scene file that may use Urushi's plugins, or one of the shipped scenes.
 
-    Flags are those of the `mitsuba` executable, which cannot see Python plugins itself. The shipped
-    scenes are still-life, globe, teapot and shoe; they have the parameters $coat ("layered" gives
-    the reference), $spp, $resx and $resy.
+    The flags -m, -o, -s, -D, -a and -t mean what they mean to Mitsuba's own executable, which
+    cannot load plugins written in Python. The shipped scenes are still-life, globe, teapot and
+    shoe. Their parameters are $coat, $spp, $width and $height: -D coat=layered renders the
+    reference.
 
-    Example: urushi render teapot -m llvm_ad_rgb -D coat=layered --spp 64 -o teapot.exr
+    Example: urushi render teapot --weights small --width 320 --height 240 --spp 64 -o teapot.exr
     """
 
     scene: tyro.conf.Positional[str]
@@ -38,41 +83,50 @@ class Render:
     mode: Annotated[str, tyro.conf.arg(aliases=["-m"])] = "llvm_ad_rgb"
     """Mitsuba variant."""
     output: Annotated[Path | None, tyro.conf.arg(aliases=["-o"])] = None
-    """Picture to write (.exr, or .png/.jpg in sRGB); default: beside the scene file, or for a
-    shipped scene in the working folder, with .exr."""
+    """Picture to write: .exr (linear), .png or .jpg (sRGB). Default: an .exr file of the scene's
+    name, beside the scene file or, for a shipped scene, in the working folder."""
     sensor: Annotated[int, tyro.conf.arg(aliases=["-s"])] = 0
-    """Index of the sensor, in the scene file's order."""
+    """Index of the sensor (camera), counted from 0 in the scene file's order."""
     define: Annotated[tuple[str, ...], tyro.conf.arg(aliases=["-D"]), tyro.conf.UseAppendAction] = (
         field(default=())
     )
-    """Give the scene file's parameter $key a value: -D key=value; may be repeated."""
+    """Set the scene file's parameter $key: -D key=value. May be repeated."""
     append: Annotated[
         tuple[Path, ...], tyro.conf.arg(aliases=["-a"]), tyro.conf.UseAppendAction
     ] = field(default=())
-    """Also look for the scene's files in this folder; may be repeated."""
+    """Another folder to search for the scene's files. May be repeated."""
     threads: Annotated[int | None, tyro.conf.arg(aliases=["-t"])] = None
-    """Number of threads; default: all."""
+    """Number of threads. Default: one per core."""
+    weights: str | None = None
+    """Networks of every neural_layered that names none itself: base, small, or a weights file.
+    Default: base."""
+    width: int | None = None
+    """Width of the picture in pixels. Default: the scene's own."""
+    height: int | None = None
+    """Height of the picture in pixels. Default: the scene's own."""
     spp: int | None = None
-    """Samples per pixel; default: the scene's own."""
+    """Samples per pixel. Default: the scene's own."""
     seed: int = 0
     """Seed of the random numbers."""
 
     def run(self) -> int:
         definitions = parse_definitions(self.define)
+        overrides = Overrides(self.weights, self.width, self.height)
         set_variant(self.mode)
         import drjit as dr
         import mitsuba as mi
 
         if self.threads is not None:
             dr.set_thread_count(self.threads)
-        scene = self._load(definitions)
+        scene = self._load(definitions, overrides)
         sensors = len(scene.sensors())
         if not 0 <= self.sensor < sensors:
             raise ParameterError(
                 f"--sensor is {self.sensor}, but '{self.scene}' has {sensors}, counted from 0"
             )
+        spp = SCENES_OWN if self.spp is None else self.spp
         try:
-            image = mi.render(scene, sensor=self.sensor, spp=self.spp or 0, seed=self.seed)
+            image = mi.render(scene, sensor=self.sensor, spp=spp, seed=self.seed)
         except RuntimeError as error:
             raise PlatformError(f"cannot render '{self.scene}': {one_line(error)}") from error
         target = self.output or Path(self.scene).with_suffix(".exr")
@@ -80,16 +134,17 @@ class Render:
         print(target)
         return 0
 
-    def _load(self, definitions: Mapping[str, str]) -> Any:
-        """The scene of the file, or the shipped one where no file has that name."""
+    def _load(self, definitions: Mapping[str, str], overrides: Overrides) -> Any:
+        """Load the scene file, or the shipped scene if no file has that name."""
         from urushi.scenes import shipped
 
         path = Path(self.scene)
         if path.exists() or path.suffix:
-            return load_scene(path, definitions, self.append)
+            return load_scene(path, definitions, self.append, overrides)
         shipped.find(self.scene)
         with tempfile.TemporaryDirectory(prefix="urushi-") as folder:
-            return load_scene(shipped.export(self.scene, folder), definitions, self.append)
+            path = shipped.export(self.scene, folder)
+            return load_scene(path, definitions, self.append, overrides)
 
 
 def write_picture(image: Any, path: Path) -> None:
@@ -105,21 +160,37 @@ def write_picture(image: Any, path: Path) -> None:
             raise FileError(f"cannot write '{path}': {one_line(error)}") from error
 
 
-def load_scene(path: Path, definitions: Mapping[str, str], folders: Sequence[Path] = ()) -> Any:
-    """Load a scene file, looking for its files in `folders` too.
+def load_scene(
+    path: Path,
+    definitions: Mapping[str, str],
+    folders: Sequence[Path] = (),
+    overrides: Overrides | None = None,
+) -> Any:
+    """Load a scene file as `mi.load_file` does.
+
+    Args:
+        path: the XML file.
+        definitions: values of the file's parameters by name.
+        folders: where its meshes and textures are looked for, after the file's own folder.
+        overrides: properties to replace.
+
+    Returns:
+        The `mi.Scene`.
 
     Raises:
-        FileError: it is missing, or Mitsuba refuses it; the message holds Mitsuba's reason.
+        FileError: the file is missing, or Mitsuba refuses it; the message gives Mitsuba's reason.
     """
     import mitsuba as mi
 
     if not path.is_file():
         raise FileError(f"scene file '{path}' does not exist")
-    resolver = mi.file_resolver()
-    for folder in folders:
-        resolver.append(str(folder))
     try:
-        scene = mi.load_file(str(path), **definitions)
+        with _search_path(path.parent, folders):
+            config = mi.parser.ParserConfig(mi.variant())
+            state = mi.parser.parse_file(config, str(path), **definitions)
+            (overrides or Overrides()).apply(state)
+            mi.parser.transform_all(config, state)
+            scene = mi.parser.instantiate(config, state)
     except Exception as error:  # Mitsuba raises several kinds, plugins their own
         raise FileError(f"cannot load '{path}': {one_line(error)}") from error
     if not isinstance(scene, mi.Scene):
@@ -127,8 +198,30 @@ def load_scene(path: Path, definitions: Mapping[str, str], folders: Sequence[Pat
     return scene
 
 
+@contextmanager
+def _search_path(first: Path, last: Sequence[Path]) -> Iterator[None]:
+    """Let Mitsuba look for files in `first` before, and in `last` after, its usual folders."""
+    import mitsuba as mi
+
+    resolver = mi.file_resolver()
+    resolver.prepend(str(first))
+    for folder in last:
+        resolver.append(str(folder))
+    try:
+        yield
+    finally:
+        del resolver[0]
+        for _ in last:
+            del resolver[len(resolver) - 1]
+
+
 def set_variant(name: str) -> None:
-    """Switch Mitsuba to a variant; PlatformError or ParameterError says why it cannot be had."""
+    """Switch Mitsuba to a variant.
+
+    Raises:
+        ParameterError: Mitsuba has no such variant.
+        PlatformError: the variant needs LLVM, a GPU or a library that is missing here.
+    """
     platform.require_drjit()
     import mitsuba as mi
 
@@ -160,8 +253,8 @@ def parse_definitions(pairs: tuple[str, ...]) -> dict[str, str]:
 def one_line(error: BaseException) -> str:
     """An error's message in one line, without what Mitsuba adds for its own developers.
 
-    That is: source positions in its parser, invisible characters, and the stack of calls of a
-    plugin written in Python, of which only the error at the end is kept.
+    Removes source positions of Mitsuba's parser, invisible characters, and the traceback of a
+    plugin written in Python except its last line, the error.
     """
     text = str(error).replace(ZERO_WIDTH_SPACE, "")
     text = re.sub(r"^\[\w+\.cpp:\d+\] ", "", text)
@@ -171,10 +264,10 @@ def one_line(error: BaseException) -> str:
 
 @dataclass(frozen=True)
 class ExportScene:
-    """Write a shipped scene into a folder: scene.xml, and the meshes and textures that it names.
+    """Write a shipped scene into a folder: scene.xml with its meshes and textures.
 
     The scenes are still-life, globe, teapot and shoe. `urushi render FOLDER/scene.xml` renders
-    what was written.
+    the written scene.
 
     Example: urushi scenes export still-life out/still-life
     """
@@ -182,28 +275,40 @@ class ExportScene:
     scene: tyro.conf.Positional[str]
     """Name of the scene."""
     folder: tyro.conf.Positional[Path]
-    """Folder to write to; made where it is missing."""
+    """Folder to write to. It is made if it is missing."""
     coat: Literal["neural_layered", "layered"] = "neural_layered"
-    """Plugin of the coats; the file's parameter $coat overrides it."""
+    """Plugin of the coats: the networks, or the walk. The file has it as its parameter $coat."""
     weights: str = "base"
-    """Networks of neural_layered: base, small or a weights file."""
+    """Networks of neural_layered: base, small, or a weights file."""
+    width: int = 640
+    """Width of the picture in pixels. The file has it as its parameter $width."""
+    height: int = 480
+    """Height of the picture in pixels. The file has it as its parameter $height."""
+    spp: int = 64
+    """Samples per pixel. The file has it as its parameter $spp."""
     detail: float = 1.0
-    """Scale of the sizes of textures."""
+    """Factor on the width and height of every texture, above 0 and at most 4."""
 
     def run(self) -> int:
-
-        set_variant("scalar_rgb")  # describes a scene as well as any, and needs no LLVM
+        set_variant("scalar_rgb")  # enough for describing a scene, and needs no LLVM
         from urushi.scenes import shipped
         from urushi.scenes.stage import Options
 
-        options = Options(coat=self.coat, weights=self.weights, detail=self.detail)
+        options = Options(
+            coat=self.coat,
+            weights=self.weights,
+            width=self.width,
+            height=self.height,
+            spp=self.spp,
+            detail=self.detail,
+        )
         print(shipped.export(self.scene, self.folder, options))
         return 0
 
 
 @dataclass(frozen=True)
 class ListScenes:
-    """Print the shipped scenes' names and what they show.
+    """Print the names and subjects of the shipped scenes.
 
     Example: urushi scenes list
     """
@@ -219,7 +324,7 @@ class ListScenes:
 
 @dataclass(frozen=True)
 class Scenes:
-    """The scenes that ship with Urushi, made by code.
+    """List the scenes that ship with Urushi, or write one into a folder.
 
     Example: urushi scenes export still-life out/still-life
     """

@@ -1,4 +1,4 @@
-"""`urushi simulate`: the reference's BRDF of a described material."""
+"""`urushi simulate`: BRDF values and albedos of a described material by the reference walk."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,37 +11,38 @@ import tyro
 from urushi.errors import FileError, ParameterError
 from urushi.files import atomic_write
 
-#: Polar angles of the printed table, in degrees; negative ones lie on the light's side.
+#: Polar angles of the printed table [degrees]; negative ones are on the light's side.
 POLAR_DEGREES = tuple(range(-80, 81, 10))
-#: Angles of incidence at which the albedo is printed, in degrees.
+#: Angles of incidence of the printed albedos [degrees].
 INCIDENCE_DEGREES = tuple(range(0, 90, 15))
 _HEADS = f"{'red':>21}  {'green':>21}  {'blue':>21}"
 
 
 @dataclass(frozen=True)
 class Simulate:
-    """Simulate a layered material without bias: f [1/sr] and its standard error.
+    """Simulate the BRDF of a layered material without bias: f [1/sr] and its standard error.
 
-    The material is described as in Python. Prints a table over the plane of incidence, or takes the
-    directions of a file, or prints the directional albedo; --output keeps the numbers.
+    The material is described as in Python. Prints f in the plane of incidence, or f at the pairs of
+    directions of a file (--pairs), or the directional albedo (--albedo). With --output the numbers
+    go to a file instead.
 
     Example: urushi simulate "coat(conductor(alpha=0.2, r0=0.9), alpha=0.05, eta=1.5, sigma_t=1)"
     """
 
     description: tyro.conf.Positional[str]
-    """coat(...), conductor(...), dielectric(...) or diffuse(...), coats nested."""
+    """Material: coat(...), conductor(...), dielectric(...) or diffuse(...); coats may be nested."""
     incidence: float = 30.0
-    """Angle of wi to the normal, in degrees, in [0, 90)."""
+    """Angle between the incident direction and the normal [degrees], in [0, 90)."""
     pairs: Path | None = None
-    """NPZ file with wi and wo, both (N, 3), to be used in place of the table."""
+    """NPZ file with arrays wi and wo, (N, 3) unit vectors, that replace the plane of incidence."""
     albedo: bool = False
-    """The fraction of light that is reflected, by the angle of incidence, in place of f."""
+    """Print the directional albedo, the reflected fraction of light, instead of f."""
     walks: int = 4096
     """Random walks per pair of directions (or per angle of incidence) and channel."""
     seed: int = 0
     """Seed of the random numbers."""
     output: Annotated[Path | None, tyro.conf.arg(aliases=["-o"])] = None
-    """NPZ file to write."""
+    """NPZ file to write the numbers to. Default: print them."""
 
     def run(self) -> int:
         from urushi.app.describe import describe
@@ -50,14 +51,14 @@ class Simulate:
         if self.albedo:
             wi = _polar(np.array(INCIDENCE_DEGREES, float))
             albedo, se = evaluate_albedo(description, wi, walks=self.walks, seed=self.seed)
-            return self._give(albedo_table(albedo, se), wi=wi, albedo=albedo, se=se)
+            return self._print_or_save(albedo_table(albedo, se), wi=wi, albedo=albedo, se=se)
         wi, wo = self._plane() if self.pairs is None else read_pairs(self.pairs)
         f, se = evaluate(description, wi, wo, walks=self.walks, seed=self.seed)
         text = table(self.incidence, f, se) if self.pairs is None else rows(wi, wo, f, se)
-        return self._give(text, wi=wi, wo=wo, f=f, se=se)
+        return self._print_or_save(text, wi=wi, wo=wo, f=f, se=se)
 
-    def _give(self, text: str, **arrays: np.ndarray) -> int:
-        """Write the arrays if a file was named, else print the text."""
+    def _print_or_save(self, text: str, **arrays: np.ndarray) -> int:
+        """Write the arrays to the output file, or print the text if there is none."""
         if self.output is None:
             print(text)
             return 0
@@ -67,7 +68,7 @@ class Simulate:
         return 0
 
     def _plane(self) -> tuple[np.ndarray, np.ndarray]:
-        """Directions in the plane of incidence; the mirror direction has a positive angle."""
+        """wi and wo (N, 3) in the plane of incidence; the mirror direction has a positive angle."""
         if not 0 <= self.incidence < 90:
             raise ParameterError(
                 f"--incidence is {self.incidence:g}; it must be in [0, 90) degrees"
@@ -79,13 +80,13 @@ class Simulate:
 def evaluate(
     description: Any, wi: np.ndarray, wo: np.ndarray, *, walks: int, seed: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """f and its standard error, (N, 3) each; a surface without a coat is evaluated exactly."""
+    """f [1/sr] and its standard error, (N, 3) each; without a coat f is analytic and exact."""
     import urushi
-    from urushi.reference import analytic as exact
+    from urushi.reference import analytic
 
     if isinstance(description, urushi.Stack):
         return urushi.simulate(description, wi, wo, walks=walks, seed=seed)
-    f = exact.f(description, wi, wo)
+    f = analytic.f(description, wi, wo)
     return f, np.zeros_like(f)
 
 
@@ -102,9 +103,13 @@ def evaluate_albedo(
 
 
 def read_pairs(path: Path) -> tuple[np.ndarray, np.ndarray]:
-    """The arrays wi and wo of an NPZ file."""
+    """The arrays wi and wo of an NPZ file.
+
+    Raises:
+        FileError: the file is missing, is no NPZ file, or lacks an array.
+    """
     try:
-        # numpy leaves a file open that it cannot read, so it does not get to open it
+        # opened here, because numpy does not close a file that it cannot read
         with path.open("rb") as file, np.load(file, allow_pickle=False) as archive:
             return archive["wi"], archive["wo"]
     except KeyError as error:
@@ -115,7 +120,7 @@ def read_pairs(path: Path) -> tuple[np.ndarray, np.ndarray]:
 
 
 def table(incidence: float, f: np.ndarray, se: np.ndarray) -> str:
-    """The plane of incidence as text, one polar angle a line."""
+    """f in the plane of incidence as text, one polar angle per line."""
     lines = [
         f"f [1/sr] ± standard error for light from {incidence:g}°; "
         "the mirror direction is on the positive side",
@@ -127,7 +132,7 @@ def table(incidence: float, f: np.ndarray, se: np.ndarray) -> str:
 
 
 def albedo_table(albedo: np.ndarray, se: np.ndarray) -> str:
-    """Albedos as text, one angle of incidence a line."""
+    """Albedos as text, one angle of incidence per line."""
     lines = ["directional albedo ± standard error", f"{'angle':>6}  {_HEADS}"]
     for angle, values, errors in zip(INCIDENCE_DEGREES, albedo, se, strict=True):
         lines.append(f"{angle:>5}°  {_cells(values, errors)}")
@@ -135,7 +140,7 @@ def albedo_table(albedo: np.ndarray, se: np.ndarray) -> str:
 
 
 def rows(wi: np.ndarray, wo: np.ndarray, f: np.ndarray, se: np.ndarray) -> str:
-    """Pairs as text, one a line: wi, wo, then f and standard error per channel."""
+    """Pairs as text, one per line: wi, wo, then f and standard error of each channel."""
     lines = [f"{'wi':>24}  {'wo':>24}  f [1/sr] ± standard error"]
     for i, o, values, errors in zip(wi, wo, f, se, strict=True):
         directions = "  ".join(" ".join(f"{x:>7.4f}" for x in w).rjust(24) for w in (i, o))

@@ -1,4 +1,4 @@
-"""`urushi train` and `urushi eval`: making networks, and measuring them on held-out stacks."""
+"""`urushi train` and `urushi eval`: train networks, and measure them on held-out stacks."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,10 +15,10 @@ if TYPE_CHECKING:
 
 
 def find_preset(name: str, scale: float | None = None) -> "Preset | PaperPreset":
-    """The training preset of a name; scale: shrinks "paper", see `paper.train.preset.paper`.
+    """The training preset of a name; `scale` is for "paper", see `paper.train.preset.paper`.
 
     Raises:
-        ParameterError: there is none of that name, or it cannot be scaled.
+        ParameterError: there is no such preset, or it takes no scale.
     """
     from urushi.paper.train.preset import paper
     from urushi.train import presets
@@ -36,27 +36,27 @@ def find_preset(name: str, scale: float | None = None) -> "Preset | PaperPreset"
 
 @dataclass(frozen=True)
 class Train:
-    """Train the networks by a preset: its data are simulated first, unless they are there.
+    """Train networks by a preset. Training data that are missing are simulated first.
 
-    A run that was stopped goes on by --resume, and ends in the same weights.
+    A run that was interrupted continues with --resume and ends in the same weights.
 
     Example: urushi train --preset base
     """
 
     preset: str = "base"
-    """Name of the preset: base, small, quick for experiments, smoke to see in half a minute that
-    everything runs, or paper, the system of Fan et al. 2022."""
+    """Name of the preset: base, small, quick (for experiments), smoke (half a minute, a check that
+    training runs), or paper (the system of Fan et al. 2022)."""
     scale: float | None = None
-    """For the preset "paper": the share of its training samples that is seen, in (0, 1]; 4e-5 takes
-    two cores about half an hour."""
+    """Only for the preset "paper": fraction of its training samples to use, in (0, 1]. 4e-5 takes
+    about half an hour on two cores."""
     data: Path | None = None
-    """Data store (.zarr); default: runs/PRESET/data.zarr."""
+    """Store of training data (.zarr). Default: runs/PRESET/data.zarr."""
     run_folder: Path | None = None
-    """Folder of checkpoints and log; default: runs/PRESET."""
+    """Folder for checkpoints and log. Default: runs/PRESET."""
     output: Annotated[Path | None, tyro.conf.arg(aliases=["-o"])] = None
-    """Weights file to write (.safetensors); default: weights.safetensors in the run folder."""
+    """Weights file to write (.safetensors). Default: weights.safetensors in the run folder."""
     resume: bool = False
-    """Go on from the run folder's checkpoint."""
+    """Continue from the checkpoint in the run folder."""
 
     def run(self) -> int:
         platform.require_extra("train")
@@ -65,16 +65,16 @@ class Train:
         from urushi.train import training
 
         preset = find_preset(self.preset, self.scale)
-        places: dict[str, Any] = {
+        files: dict[str, Any] = {
             "data": self.data,
             "out": self.output,
             "run": self.run_folder,
             "resume": self.resume,
         }
         if isinstance(preset, PaperPreset):
-            model = paper_training.train(preset, **places)
+            model = paper_training.train(preset, **files)
         else:
-            model = training.train(preset, **places)
+            model = training.train(preset, **files)
         for name, value in model.header.get("metrics", {}).items():
             print(f"{name}  {value:.4g}")
         print(f"fingerprint  {model.fingerprint}")
@@ -85,9 +85,10 @@ class Train:
 class Evaluate:
     """Measure networks on layered materials that they were not trained on.
 
-    Prints the errors E (of energy) and P (of pairs) of every kind of stack, in percent, beside the
-    reference's own; how well laws of physics are kept; sizes and times. docs/conventions.md says
-    what E and P are. The reference values are stored: it takes seconds.
+    Prints for every kind of stack the errors E (energy-weighted, per stack) and P (relative, per
+    pair of directions) in percent with the reference's own error; then how well the networks keep
+    laws of physics, their sizes and their times. docs/conventions.md defines E and P. The
+    reference values are stored with Urushi, so that it takes one to two minutes.
 
     Example: urushi eval --weights runs/small/weights.safetensors -o runs/small/figures
     """
@@ -95,19 +96,21 @@ class Evaluate:
     weights: str | None = None
     """Networks: base (the default), small, or a weights file."""
     output: Annotated[Path | None, tyro.conf.arg(aliases=["-o"])] = None
-    """Folder to write the figures (JSON) and plots to."""
+    """Folder for the figures (JSON) and plots."""
     seed: int | None = None
-    """Simulate other stacks by this seed instead of the stored ones; about ten minutes."""
-    protocol: Literal["table", "adapter"] = "table"
-    """What to measure: the table, or, at 10 to 20 minutes, the direction tables of 89 stacks by
-    which the Neural Material Adapter was compared."""
+    """Seed of other stacks, which are simulated first (ten minutes). Default: the stored ones."""
+    protocol: Literal["errors", "direction-tables"] = "errors"
+    """What to measure: the errors above, or full direction tables of 89 stacks, the comparison of
+    Sharma et al. 2026, which takes 10 to 20 minutes."""
 
     def run(self) -> int:
-        if self.protocol == "adapter":
+        if self.protocol == "direction-tables":
             from urushi.eval import direction_tables
 
             if self.seed is not None:
-                raise ParameterError("--seed goes with the table; leave it out with adapter")
+                raise ParameterError(
+                    "--seed belongs to --protocol errors; leave it out with direction-tables"
+                )
             print(direction_tables.report(self.weights, self.output))
             return 0
         if self.output is not None:
