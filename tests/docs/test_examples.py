@@ -1,0 +1,93 @@
+"""The code of README and documentation runs, at small sizes."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).parents[2]
+DOCS = ROOT / "docs"
+
+PYTHON_BLOCK = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+
+
+def run(folder: Path, *arguments: str | Path) -> str:
+    """Run Python in a folder and return what it prints."""
+    result = subprocess.run(
+        [sys.executable, *arguments],
+        cwd=folder,
+        env=os.environ | {"PYTHONPATH": str(ROOT / "src")},
+        capture_output=True,
+        text=True,
+        timeout=600,
+    )
+    assert result.returncode == 0, result.stderr
+    return result.stdout
+
+
+def is_lit(path: Path, width: int, height: int) -> bool:
+    """Whether a picture has this size, finite pixels and light."""
+    import mitsuba as mi
+
+    mi.set_variant("scalar_rgb")
+    pixels = np.array(mi.Bitmap(str(path)))
+    return pixels.shape[:2] == (height, width) and np.isfinite(pixels).all() and pixels.max() > 0
+
+
+def test_readme(tmp_path):
+    (block,) = PYTHON_BLOCK.findall((ROOT / "README.md").read_text())
+    assert block.count("spp=64") == 1
+    # The Cornell box of Mitsuba has 256 x 256 pixels.
+    run(tmp_path, "-c", block.replace("spp=64", "spp=1"))
+    assert is_lit(tmp_path / "box.png", 256, 256)
+    assert (tmp_path / "lacquer.safetensors").is_file()
+
+
+@pytest.mark.slow
+def test_tutorial(tmp_path):
+    """Every picture of the page is made."""
+    run(tmp_path, DOCS / "tutorial" / "first_coat.py", tmp_path, "--size", "16", "--spp", "2")
+    page = (DOCS / "tutorial" / "index.md").read_text()
+    names = set(re.findall(r"(\w+)\.jpg", page))
+    assert names == {path.stem for path in tmp_path.glob("*.png")}
+    assert all(is_lit(tmp_path / f"{name}.png", 16, 16) for name in names)
+
+
+def test_gradients(tmp_path):
+    """The target is grey, so that the gradient differs by channel and none is zero."""
+    printed = run(tmp_path, DOCS / "examples" / "gradients.py")
+    gradient = [float(number) for number in re.findall(r"-?\d+\.?\d*(?:e-?\d+)?", printed)]
+    assert len(gradient) == 3
+    assert all(np.isfinite(gradient)) and len(set(gradient)) == 3 and 0 not in gradient
+
+
+def test_textures(tmp_path):
+    assert "8 x 8 texels" in run(tmp_path, DOCS / "examples" / "textures.py", tmp_path)
+
+
+def test_measured(tmp_path):
+    """Every Python block of the page runs, on an RGB table in MERL's format."""
+    from benchmarks.speed.encode import made_up
+
+    made_up(tmp_path / "gold-paint.binary")
+    blocks = PYTHON_BLOCK.findall((DOCS / "measured.md").read_text())
+    assert len(blocks) == 2
+    before = """
+import numpy as np
+import urushi
+wi, wo = np.array([[0.0, 0.6, 0.8]]), np.array([[0.0, -0.6, 0.8]])
+"""
+    after = "\nassert (f > 0).all() and (coated.f(wi, wo) > 0).all()\n"
+    run(tmp_path, "-c", before + "\n".join(blocks) + after)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("scene", sorted(DOCS.glob("cookbook/*.xml")), ids=lambda path: path.stem)
+def test_cookbook(scene, tmp_path):
+    size = ("-D", "width=12", "-D", "height=8", "--spp", "1")
+    run(tmp_path, "-m", "urushi.app.cli", "render", scene, *size, "-o", "scene.exr")
+    assert is_lit(tmp_path / "scene.exr", 12, 8)
