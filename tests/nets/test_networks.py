@@ -151,8 +151,8 @@ def test_values_and_derivatives_come_from_the_same_networks(networks, pairs):
     assert slopes.shape == (3, arch.latent, arch.probes)
 
 
-def test_an_encoder_of_fewer_probes_takes_what_tells_the_others(networks):
-    """Values whose normalised logarithms are a linear function of every third one's."""
+def test_reduced_encoder_estimates_the_left_out_inputs_linearly(networks):
+    """The normalised logarithms of all values are a linear function of every third one."""
     arch, params = networks
     rng = np.random.default_rng(10)
     kept = np.arange(0, arch.probes, 3)
@@ -162,5 +162,5 @@ def test_an_encoder_of_fewer_probes_takes_what_tells_the_others(networks):
     own = UrushiNetworks(params | {"encoder.input_mean": np.zeros(arch.probes, np.float32)}, arch)
     logs = (rng.normal(size=(5, len(kept))) @ matrix + offset) * params["encoder.input_scale"]
     f = (np.exp(logs) - encoder.OFFSET).astype(np.float32)
-    encode = own.of_fewer(kept, matrix.astype(np.float32), offset.astype(np.float32))
+    encode = own.reduced_encoder(kept, matrix.astype(np.float32), offset.astype(np.float32))
     np.testing.assert_allclose(encode(f[:, kept]), own.encode(f), atol=1e-3)

@@ -1,4 +1,4 @@
-"""The networks' sizes as one value, the names and shapes of their parameters, and a fresh start."""
+"""Sizes of the networks as one value; names, shapes and initial values of their parameters."""
 
 import itertools
 import json
@@ -10,13 +10,14 @@ from urushi.errors import ParameterError
 from urushi.nets.features import COAT_INPUTS, DIRECTION_FEATURES
 from urushi.nets.mlp import POLYNOMIALS
 
-#: The networks, each a multilayer perceptron whose parameters' names start with its own.
+#: The networks. Each is a multilayer perceptron; its name begins the names of its parameters.
 PARTS = ("decoder", "encoder", "layerer", "sampler")
 
-#: What a code multiplies the decoder's first layer with, see `decoder.first_layer`.
+#: Parameter that turns a latent code into factors of the decoder's first layer, see
+#: `decoder.first_layer`.
 SCALE = "decoder.scale"
 
-#: Stored with the weights but never trained: the statistics that normalise the encoder's input.
+#: Parameters that are stored but not trained: statistics that normalise the encoder's input.
 FIXED = ("encoder.input_mean", "encoder.input_scale")
 
 ACTIVATIONS = (*POLYNOMIALS, "silu", "relu")
@@ -27,11 +28,11 @@ class Architecture:
     """Sizes of the four networks.
 
     Attributes:
-        latent: numbers in one channel's latent code, at least two; the first is a gain.
+        latent: size of one channel's latent code, at least two; its first number is a gain.
         decoder, encoder, layerer, sampler: widths of the hidden layers, at least one each.
-        lobes: microfacet lobes of the sampling proposal (a cosine lobe comes on top).
-        activation: one of `ACTIVATIONS`, for all hidden layers (see `activation.activate`).
-        probes: direction pairs at which the encoder sees a BRDF.
+        lobes: number of microfacet lobes in the proposal, which has a cosine lobe as well.
+        activation: one of `ACTIVATIONS`, for all hidden layers (see `mlp.activate`).
+        probes: number of probe pairs, at which the encoder needs the values of a BRDF.
     """
 
     latent: int = 32
@@ -77,7 +78,8 @@ class Architecture:
         """Read `to_json`'s text.
 
         Raises:
-            ParameterError: the text is no JSON object of just these fields, or a value is invalid.
+            ParameterError: the text is no JSON object of exactly these fields, or a value is
+                invalid.
         """
         try:
             entries = json.loads(text)
@@ -93,6 +95,7 @@ class Architecture:
 
 
 def _positive(value: object) -> bool:
+    """Whether a value is a positive integer that is small enough for a size."""
     return isinstance(value, int) and not isinstance(value, bool) and 0 < value <= 1 << 16
 
 
@@ -126,19 +129,19 @@ def parameter_shapes(arch: Architecture) -> dict[str, tuple[int, ...]]:
 
 
 def parameter_count(arch: Architecture, part: str) -> int:
-    """Return how many trained numbers one network has."""
+    """Return the number of trained parameters of one network."""
     sizes = layer_sizes(arch, part)
     layers = sum((a + 1) * b for a, b in itertools.pairwise(sizes))
     return layers + ((arch.latent - 1) * arch.decoder[0] if part == "decoder" else 0)
 
 
 def init(arch: Architecture, seed: int) -> dict[str, np.ndarray]:
-    """Draw fresh float32 parameters: He et al. (2015) for hidden layers, zero biases.
+    """Draw initial float32 parameters: He et al. (2015) for hidden layers, zero biases.
 
-    Output layers start smaller, and `SCALE` at zero, so that at first the layerer leaves the
-    bottom's latent nearly alone, the decoder answers about 1, and the sampler mixes all its lobes.
-    The encoder's input statistics are rough constants: set them from data with
-    `encoder.input_statistics`.
+    Output layers start smaller and `SCALE` starts at zero. At first the layerer therefore hardly
+    changes the bottom's latent code, the decoder gives about 1, and the sampler gives similar
+    weights to all lobes. The encoder's input statistics are rough constants: set them from data
+    with `encoder.input_statistics`.
     """
     rng = np.random.default_rng(seed)
     output_gain = {"decoder": 0.3, "encoder": 1.0, "layerer": 0.1, "sampler": 0.1}

@@ -1,11 +1,11 @@
-"""The decoder: from a latent code and a pair of directions to the BRDF's value."""
+"""The decoder: maps a latent code and a pair of directions to the value of the BRDF."""
 
 from typing import Any
 
 from urushi.nets.architecture import SCALE, Architecture
 from urushi.nets.mlp import Params, hidden_to_output, product
 
-#: ln f is held within these, so that f is positive and finite whatever the weights.
+#: Range to which ln f is clamped, so that f is positive and finite for any weights.
 MIN_LOG, MAX_LOG = -25.0, 20.0
 
 
@@ -13,8 +13,8 @@ def decode(params: Params, arch: Architecture, z: Any, features: Any) -> Any:
     """Return f (...) [1/sr, no cosine] for z (..., 32) and `direction_features` (..., 8).
 
     z and features broadcast: z (S, 1, 32) with features (S, P, 8) gives f (S, P).
-    The first number of a code is a logarithmic gain that is added to the network's output and is
-    none of its inputs: it scales f exactly, see `scaled`.
+    The first number of a code is a logarithmic gain. It is no input of the network but is added
+    to its output, so that it scales f exactly, see `scaled`.
     """
     first = first_layer(params, z[..., 1:], features)
     output = z[..., 0] + hidden_to_output(params, "decoder", first, arch.activation)[..., 0]
@@ -25,9 +25,10 @@ def decode(params: Params, arch: Architecture, z: Any, features: Any) -> Any:
 def first_layer(params: Params, z: Any, features: Any) -> Any:
     """Return the first layer's pre-activation (..., width) from codes without gain (..., 31).
 
-    Every neuron's response to the features is multiplied by one plus a share of the code, which
-    moves and sharpens it, and another share is added: lobes of any width need few neurons. Only
-    the response itself depends on the directions, and it is the same for all channels.
+    Each neuron's response to the features is multiplied by one plus a linear function of the code,
+    and a second linear function of the code is added. The code so shifts and sharpens the
+    response, and few neurons suffice for lobes of any width. The response itself depends on the
+    directions alone and is the same for all channels.
     """
     weight, codes = params["decoder.0.weight"], z.shape[-1]
     offset = product(z, weight[:codes, :]) + params["decoder.0.bias"]
@@ -35,9 +36,9 @@ def first_layer(params: Params, z: Any, features: Any) -> Any:
 
 
 def scaled(z: Any, factor: Any) -> Any:
-    """Return the codes (..., 32) whose f is `factor` (...) > 0 times that of z, for all directions.
+    """Return the codes (..., 32) of `factor` (...) > 0 times the BRDFs of z (..., 32).
 
-    One factor for all pairs of directions keeps f reciprocal.
+    The factor is the same for all directions, so that f stays reciprocal.
     """
     xp = z.__array_namespace__()
     gain = z[..., :1] + xp.log(factor)[..., None]

@@ -1,4 +1,4 @@
-"""The encoder: from a BRDF's values at the fixed probe pairs to its latent code."""
+"""The encoder: maps the values of a BRDF at the fixed probe pairs to its latent code."""
 
 from typing import Any
 
@@ -7,12 +7,12 @@ import numpy as np
 from urushi.nets.architecture import Architecture
 from urushi.nets.mlp import Params, mlp
 
-#: Added to f before the logarithm: values far below it [1/sr] look alike to the encoder.
+#: [1/sr] Added to f before the logarithm; differences between values far below it are ignored.
 OFFSET = 1e-4
 
 
 def log_values(f: Any) -> Any:
-    """Return ln(f + `OFFSET`); negative f, which only a faulty callable gives, counts as 0."""
+    """Return ln(f + `OFFSET`). Negative f, which only a faulty BRDF has, counts as 0."""
     xp = f.__array_namespace__()
     return xp.log(xp.maximum(f, 0.0) + OFFSET)
 
@@ -20,7 +20,8 @@ def log_values(f: Any) -> Any:
 def input_statistics(f: np.ndarray) -> dict[str, np.ndarray]:
     """Return the fixed parameters that normalise the inputs, from f (materials, probes).
 
-    The scale is at least 0.1, lest a probe that is nearly constant over the data blow up noise.
+    The scale is at least 0.1: a smaller one, of a probe that is nearly constant over the data,
+    would amplify noise.
     """
     values = log_values(np.asarray(f, np.float64))
     return {
@@ -30,14 +31,27 @@ def input_statistics(f: np.ndarray) -> dict[str, np.ndarray]:
 
 
 def encode(params: Params, arch: Architecture, f_at_probes: Any) -> Any:
-    """Return latent codes z (..., 32) from f (..., probes) [1/sr] at `probes.probe_pairs`."""
+    """Return latent codes z (..., 32) from f (..., probes) [1/sr] at `probe_pairs`."""
     return mlp(params, "encoder", normalised(params, log_values(f_at_probes)), arch.activation)
 
 
-def of_fewer(params: Params, kept: np.ndarray, matrix: np.ndarray, offset: np.ndarray) -> Params:
-    """Return the parameters of an encoder that takes f (..., K) at some of the probe pairs.
+def normalised(params: Params, logs: Any) -> Any:
+    """Return the network's inputs (..., probes) from `log_values`, of mean 0 and variance 1."""
+    return (logs - params["encoder.input_mean"]) / params["encoder.input_scale"]
 
-    kept (K,): which; matrix (K, P), offset (P,): what tells the inputs of all from those of these.
+
+def reduced_encoder(
+    params: Params, kept: np.ndarray, matrix: np.ndarray, offset: np.ndarray
+) -> Params:
+    """Return the parameters of an encoder that needs f (..., K) at K of the probe pairs only.
+
+    The inputs at all P pairs are estimated from those at the kept pairs by a linear map, which is
+    folded into the first layer.
+
+    Args:
+        params: the parameters of the full encoder.
+        kept: (K,) indices of the kept pairs.
+        matrix, offset: (K, P) and (P,): all inputs = kept inputs @ matrix + offset.
     """
     weight, bias = params["encoder.0.weight"], params["encoder.0.bias"]
     return {
@@ -47,8 +61,3 @@ def of_fewer(params: Params, kept: np.ndarray, matrix: np.ndarray, offset: np.nd
         "encoder.input_mean": params["encoder.input_mean"][kept],
         "encoder.input_scale": params["encoder.input_scale"][kept],
     }
-
-
-def normalised(params: Params, logs: Any) -> Any:
-    """Return the network's inputs (..., probes) from `log_values`: about mean 0 and variance 1."""
-    return (logs - params["encoder.input_mean"]) / params["encoder.input_scale"]

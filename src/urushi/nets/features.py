@@ -1,12 +1,13 @@
-"""What the networks see of a pair of directions and of a coat, normalised by fixed constants."""
+"""Inputs of the networks: normalised features of a pair of directions and of a coat."""
 
 from typing import Any
 
-#: Cosines to the normal are raised to this: f is taken as constant closer to the horizon.
+#: Least cosine to the normal; closer to the horizon f is taken as constant.
 MIN_COSINE = 5e-3
 
-#: Of each feature of a pair of directions: its name, and the mean and scale that bring it to about
-#: mean zero and variance one (pairs half spread in log half angle, half over the hemisphere).
+#: Features of a pair of directions: formula, mean, scale. Normalisation by mean and scale gives
+#: about mean 0 and variance 1 over pairs that are spread half in the logarithm of the half angle
+#: and half over the hemisphere.
 DIRECTION_TABLE = (
     ("ln(tan^2 theta_h + 1e-6)", -3.2, 4.6),
     ("(sin^2 theta_h)^(1/4)", 0.55, 0.34),
@@ -19,17 +20,18 @@ DIRECTION_TABLE = (
 )
 DIRECTION_FEATURES = len(DIRECTION_TABLE)
 
-#: eta - 1 below this counts as this in the logarithm: networks are trained above it, and a
-#: vanishing interface must not send them where they know nothing.
+#: Least eta - 1 in the logarithm. Networks are trained above it, and the logarithm for a vanishing
+#: interface would be far outside of the range of their training.
 MIN_INDEX_STEP = 0.04
 
-#: Interfaces of a lower eta - 1 vanish with its square, as what they reflect does.
+#: Below this eta - 1 the presence of an interface is quadratic in it, as its reflectance is.
 PRESENT_STEP = 0.05
 
-#: The least width of a microfacet lobe: a mirror, as far as light sources resolve it.
+#: Least width of a microfacet lobe: light sources do not resolve a sharper one from a mirror's.
 MIN_ALPHA = 0.01
 
-#: The same for a coat; m = 1 - exp(-sigma_t). Whatever holds albedo or g vanishes with sigma_t.
+#: Features of a coat: formula, mean, scale; m = 1 - exp(-sigma_t). All terms with albedo or g
+#: vanish with sigma_t.
 COAT_TABLE = (
     ("ln alpha", -1.45, 1.3),
     ("alpha", 0.4, 0.3),
@@ -65,11 +67,11 @@ def _normalised(columns: list[Any], table: tuple[tuple[str, float, float], ...])
 def direction_features(wi: Any, wo: Any) -> Any:
     """Return the features (..., 8) of unit vectors wi, wo (..., 3), z the normal.
 
-    Exchanging wi and wo gives the same bits, because only commutative sums, products and minima
-    join the two: this makes the decoder reciprocal by construction. All angles come from the sum
-    of the vectors without normalising it (theta_h: half vector to normal; theta_d: half vector to
-    either direction; Rusinkiewicz 1998), so that small half angles keep their digits in float32.
-    Finite for every pair; cosines below `MIN_COSINE` count as that.
+    wi and wo enter through commutative sums, products and minima alone. Exchanging them gives the
+    same bits, which makes the decoder reciprocal by construction. All angles are computed from
+    wi + wo without normalising it (theta_h: half vector to normal; theta_d: half vector to either
+    direction; Rusinkiewicz 1998), so that small half angles keep their digits in float32.
+    The features are finite for every pair; cosines are clamped to at least `MIN_COSINE`.
     """
     xp = wi.__array_namespace__()
     cos_i = xp.maximum(wi[..., 2], MIN_COSINE)
@@ -99,12 +101,13 @@ def direction_features(wi: Any, wo: Any) -> Any:
 def coat_features(alpha: Any, eta: Any, albedo: Any, sigma_t: Any, g: Any) -> Any:
     """Return the features (..., 16 + 1) of coats; the parameters broadcast against each other.
 
-    alpha in [0.01, 1], eta in (1, 3], albedo in [0, 1], sigma_t >= 0, g in (-1, 1). A medium of
-    sigma_t = 0 gives the same features whatever its albedo and g.
+    alpha in [0.01, 1], eta in (1, 3], albedo in [0, 1], sigma_t >= 0, g in (-1, 1). For
+    sigma_t = 0 the features do not depend on albedo and g.
 
-    The last is no input but the coat's presence in [0, 1], a factor of what it changes: 0 only
-    where there is neither an index step nor a medium nor, as rough facets mask each other whatever
-    their index, more than the least roughness. It is above 0.6 wherever eta > 1.05.
+    The last column is no input of the layerer but the coat's presence in [0, 1], by which its
+    output is multiplied. It is 0 only for a coat without an index step, without a medium and of
+    the least roughness (rough facets mask each other whatever their index). It is above 0.6 where
+    eta > 1.05.
     """
     xp = alpha.__array_namespace__()
     above = eta - 1.0

@@ -1,7 +1,4 @@
-"""The multilayer perceptron that all four networks are.
-
-The activations of hidden layers, and their derivatives.
-"""
+"""Multilayer perceptrons, which all four networks are: layers, activations and their slopes."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -9,9 +6,9 @@ from typing import Any
 #: Parameters by name, such as "decoder.0.weight"; arrays of NumPy or of JAX.
 Params = Mapping[str, Any]
 
-#: Activations x (1/2 + t q(t^2)), t being x held within plus and minus the first number; the others
-#: are q's coefficients, lowest power first. There q has brought the bracket to 1, or 0, and its
-#: slope to 0. "smoothstep" is the plainest; "silu7" is within 0.02 of SiLU.
+#: Activations x (1/2 + t q(t^2)) by name: (bound, coefficients of the polynomial q, lowest power
+#: first). t is x clamped to [-bound, bound]. At the bounds the factor in parentheses is 0 or 1 and
+#: its slope is 0. "smoothstep" is the simplest; "silu7" is within 0.02 of SiLU.
 POLYNOMIALS = {
     "smoothstep": (2.0, (0.375, -0.03125)),
     "silu7": (5.75, (0.225729, -0.010473, 2.924521977775268e-4, -3.1043713096403e-6)),
@@ -21,7 +18,7 @@ POLYNOMIALS = {
 def mlp(params: Params, prefix: str, x: Any, activation: str) -> Any:
     """Evaluate the network called `prefix` on x (..., in); returns (..., out).
 
-    Every layer but the last is followed by the activation.
+    The activation follows every layer except the last.
     """
     return hidden_to_output(params, prefix, linear(params, f"{prefix}.0", x), activation)
 
@@ -36,8 +33,8 @@ def linear(params: Params, name: str, x: Any) -> Any:
 def split_linear(params: Params, name: str, x: Any, y: Any) -> Any:
     """Return `linear` of x and y concatenated, without concatenating them.
 
-    x (..., a) and y (..., b) broadcast against each other, so that one latent code meets many
-    directions at the cost of one product; the weight's first a rows belong to x.
+    x (..., a) and y (..., b) broadcast against each other: one latent code is combined with many
+    directions at the cost of one product. The first a rows of the weight belong to x.
     """
     weight = params[f"{name}.weight"]
     rows = x.shape[-1]
@@ -48,8 +45,8 @@ def split_linear(params: Params, name: str, x: Any, y: Any) -> Any:
 def product(x: Any, weight: Any) -> Any:
     """Return x (..., in) times weight (in, out) as one large product of two matrices.
 
-    NumPy would make many small ones of a stack, whose threads cost it up to thirty times as long.
-    A weight of two bytes a number, which training may use, has x rounded to its type as well.
+    NumPy would multiply a stack of matrices one by one, which takes up to thirty times as long.
+    If the weight has two bytes per number, as it may in training, x is rounded to its type.
     """
     rows = x if x.ndim == 2 else x.reshape((-1, x.shape[-1]))
     if weight.dtype.itemsize == 2:
@@ -61,7 +58,7 @@ def product(x: Any, weight: Any) -> Any:
 
 
 def hidden_to_output(params: Params, prefix: str, first: Any, activation: str) -> Any:
-    """Carry the first layer's pre-activation (..., width) through the rest of the network."""
+    """Evaluate the rest of the network from the first layer's pre-activation (..., width)."""
     index = 1
     x = first
     while f"{prefix}.{index}.weight" in params:
@@ -71,17 +68,18 @@ def hidden_to_output(params: Params, prefix: str, first: Any, activation: str) -
 
 
 def activate(x: Any, activation: str) -> Any:
-    """Apply an activation element by element.
+    """Apply an activation to each element.
 
-    "relu" is the positive part, "silu" is x times its logistic function. `POLYNOMIALS` are like it
-    without an exponential or a division, which makes a renderer faster.
+    "relu" is the positive part; "silu" is x times its logistic function. `POLYNOMIALS` resemble
+    "silu" without an exponential or a division, which makes rendering faster.
     """
     xp = x.__array_namespace__()
     if activation in POLYNOMIALS:
         bound, coefficients = POLYNOMIALS[activation]
         t = x.clip(-bound, bound)
         *others, first = coefficients
-        # In place where arrays can be changed, and without t^2: memory counts more than a product.
+        # In place where arrays can be changed, and without storing t^2: memory traffic costs more
+        # than a product.
         q = t * first
         for coefficient in reversed(others):
             q *= t
@@ -97,14 +95,14 @@ def activate(x: Any, activation: str) -> Any:
 
 
 def with_slope(x: Any, activation: str) -> tuple[Any, Any]:
-    """`activate` and its derivative."""
+    """Return `activate` and its derivative."""
     xp = x.__array_namespace__()
     if activation in POLYNOMIALS:
         bound, coefficients = POLYNOMIALS[activation]
         t = x.clip(-bound, bound)
         u = t * t
         logistic = 0.5 + t * _horner(coefficients, u)
-        # Beyond the bound t stands still, but there the polynomial's own slope is 0 as well.
+        # Beyond the bound t is constant; the polynomial's slope is 0 there as well.
         slopes = [(2 * k + 1) * coefficient for k, coefficient in enumerate(coefficients)]
         return x * logistic, logistic + t * _horner(slopes, u)
     if activation == "relu":
@@ -114,7 +112,7 @@ def with_slope(x: Any, activation: str) -> tuple[Any, Any]:
 
 
 def _horner(coefficients: Sequence[float], u: Any) -> Any:
-    """The polynomial of u with these coefficients, at least two, lowest power first."""
+    """The polynomial of u with two or more coefficients, lowest power first."""
     *others, second, first = coefficients
     total = second + u * first
     for coefficient in reversed(others):

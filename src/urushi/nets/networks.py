@@ -1,4 +1,4 @@
-"""What a model offers, whatever its architecture: the interface that all floors above use."""
+"""The interface of networks of any architecture, and its implementation by Urushi's own."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple, Protocol
@@ -14,7 +14,7 @@ from urushi.nets.mlp import Params
 
 
 class Proposal(Protocol):
-    """A normalised density over the upper hemisphere, for sampling."""
+    """A normalised density over the upper hemisphere from which directions are drawn."""
 
     def pdf(self, wi: Any, wo: Any) -> Any:
         """Density (...) [1/sr] of `sample` at wo (..., 3); 0 where either is below the horizon."""
@@ -24,11 +24,11 @@ class Proposal(Protocol):
 
 
 class Networks(Protocol):
-    """What any system of networks offers: operations on latent codes z (..., L).
+    """Operations on latent codes z (..., L) that every kind of networks has.
 
-    A code stands for one monochrome BRDF. Leading dimensions broadcast; arrays are NumPy's. Several
-    threads may call every operation at once. `UrushiNetworks` offers more: every code has a gain,
-    and derivatives are known. What depends on these is left out for other systems.
+    A code represents one monochrome BRDF. Leading dimensions broadcast; arrays are NumPy's. The
+    operations are thread-safe. `UrushiNetworks` has more: gains of codes, and derivatives.
+    Features that need these are skipped for other kinds.
     """
 
     def pairs(self) -> tuple[np.ndarray, np.ndarray]:
@@ -48,17 +48,22 @@ class Networks(Protocol):
 
 
 class LobeProposal(NamedTuple):
-    """The proposal of `lobes`: weights (..., K+1) and GGX widths (..., K)."""
+    """A mixture of K GGX reflection lobes and a cosine lobe.
+
+    Attributes:
+        weights: (..., K+1), the last the cosine lobe's; they add up to 1.
+        alphas: (..., K) GGX widths.
+    """
 
     weights: Any
     alphas: Any
 
     def pdf(self, wi: Any, wo: Any) -> Any:
-        """See `lobes.pdf`."""
+        """Density (...) [1/sr] of `sample`, see `sampler.mixture_pdf`."""
         return sampler.mixture_pdf(self.weights, self.alphas, wi, wo)
 
     def sample(self, wi: Any, u: Any) -> Any:
-        """See `lobes.sample`."""
+        """Directions (..., 3), see `sampler.sample_mixture`."""
         return sampler.sample_mixture(self.weights, self.alphas, wi, u)
 
 
@@ -69,46 +74,46 @@ class UrushiNetworks(NamedTuple):
     arch: Architecture
 
     def pairs(self) -> tuple[np.ndarray, np.ndarray]:
-        """The probe pairs."""
+        """The probe pairs wi, wo: float32 (P, 3)."""
         return probe_pairs(self.arch.probes)
 
     def encode(self, f: Any) -> Any:
-        """One pass of the encoder."""
+        """Codes (..., 32) of values f (..., P) [1/sr] at the probe pairs."""
         return encoder.encode(self.params, self.arch, f)
 
     def layer(self, z_bottom: Any, coat: CoatParameters) -> Any:
-        """One pass of the layerer."""
+        """Codes (..., 32) of bottoms under coats."""
         return layerer.layer(self.params, self.arch, z_bottom, coat_features(*coat))
 
     def f(self, z: Any, wi: Any, wo: Any) -> Any:
-        """Decode: positive, and the same bits with wi and wo exchanged."""
+        """Values (...) [1/sr]: positive, and the same bits with wi and wo exchanged."""
         return self.decode(z, direction_features(wi, wo))
 
     def scaled(self, z: Any, factor: Any) -> Any:
-        """Exactly, for all pairs of directions alike."""
+        """Codes of `factor` (...) > 0 times the BRDFs, exact for all directions."""
         return decoder.scaled(z, factor)
 
     def decode(self, z: Any, features: Any) -> Any:
-        """See `f`."""
+        """Values (...) [1/sr] from `features.direction_features` (..., 8)."""
         return decoder.decode(self.params, self.arch, z, features)
 
     def decode_log(self, z: Any, features: Any) -> tuple[Any, Any]:
-        """Logarithmic values and their derivatives with respect to the code."""
+        """ln f (...) and its derivatives (..., 32) with respect to the code."""
         return derivatives.decode_log(self.params, self.arch, z, features)
 
     def encode_log(self, logs: Any) -> tuple[Any, Any]:
-        """Codes and their derivatives with respect to logarithmic values."""
+        """Codes (..., 32) and their derivatives (..., 32, P) with respect to `logs` (..., P)."""
         return derivatives.encode_log(self.params, self.arch, logs)
 
     def normalised(self, f: Any) -> Any:
-        """The encoder's inputs."""
+        """The normalised inputs (..., P) of the encoder from values f (..., P) [1/sr]."""
         return encoder.normalised(self.params, encoder.log_values(f))
 
-    def of_fewer(self, kept: Any, matrix: Any, offset: Any) -> Callable[[Any], Any]:
-        """Some of the probe pairs tell the others."""
-        params = encoder.of_fewer(self.params, kept, matrix, offset)
+    def reduced_encoder(self, kept: Any, matrix: Any, offset: Any) -> Callable[[Any], Any]:
+        """A function from f (..., K) to codes, see `encoder.reduced_encoder`."""
+        params = encoder.reduced_encoder(self.params, kept, matrix, offset)
         return lambda f: encoder.encode(params, self.arch, f)
 
     def proposal(self, z: Any, wi: Any) -> LobeProposal:
-        """GGX reflection lobes and a cosine lobe."""
+        """The proposal of codes z (..., 32) for wi (..., 3) above the horizon."""
         return LobeProposal(*sampler.mixture(self.params, self.arch, z, wi[..., 2]))

@@ -1,11 +1,10 @@
-"""The proposal network: from a latent code and an angle to the mixture that `lobes` samples.
+"""The sampler: maps a latent code and a cosine to the proposal, from which directions are drawn.
 
-The sampling proposal: a mixture of GGX reflection lobes and a cosine lobe, exactly normalised.
-
-A lobe reflects wi about a visible GGX normal. Some reflected directions fall below the horizon;
-they are mirrored up (z to |z|) instead of being lost, so that a direction's density is the
-reflection density at the direction plus that at its mirror image, and integrates to one over the
-upper hemisphere. Directions are (..., 3), z the normal, wi above the horizon.
+The proposal is a mixture of GGX reflection lobes and a cosine lobe, exactly normalised. A lobe
+reflects wi about a visible GGX normal. Reflected directions below the horizon are mirrored up
+(z to |z|). The density of a direction is therefore the reflection density at the direction plus
+that at its mirror image, and integrates to one over the upper hemisphere. Directions are (..., 3),
+z is the normal, wi is above the horizon.
 """
 
 import math
@@ -15,13 +14,15 @@ from urushi.nets.architecture import Architecture
 from urushi.nets.features import MIN_ALPHA, MIN_COSINE
 from urushi.nets.mlp import Params, hidden_to_output, split_linear
 
-#: The cosine lobe never gets less than this: it bounds f_cos / pdf where the network is wrong.
+#: Least weight of the cosine lobe. It bounds f cos / pdf where the network is wrong.
 MIN_COSINE_SHARE = 0.02
+
+#: ln `MIN_ALPHA`
 _LOG_MIN_ALPHA = -4.605170185988092
 
 
 def sampler_features(cos_i: Any) -> Any:
-    """Return the angle's two features (..., 2): the cosine and its logarithm, normalised."""
+    """Return two features (..., 2) of an angle: its cosine and the logarithm, normalised."""
     xp = cos_i.__array_namespace__()
     raised = xp.maximum(cos_i, MIN_COSINE)
     return xp.stack([(raised - 0.5) * 3.0, xp.log(raised) + 1.0], axis=-1)
@@ -41,14 +42,14 @@ def mixture(params: Params, arch: Architecture, z: Any, cos_i: Any) -> tuple[Any
     shares = xp.exp(logits - xp.max(logits, axis=-1, keepdims=True))
     shares = shares * ((1.0 - MIN_COSINE_SHARE) / xp.sum(shares, axis=-1, keepdims=True))
     weights = xp.concat([shares[..., :k], shares[..., k:] + MIN_COSINE_SHARE], axis=-1)
-    # A logistic function by tanh, which cannot overflow; geometric between 1 and MIN_ALPHA.
+    # Logistic interpolation between ln 1 and ln MIN_ALPHA; tanh cannot overflow.
     fraction = 0.5 - 0.5 * xp.tanh(0.5 * output[..., k + 1 :])
     alphas = xp.clip(xp.exp(_LOG_MIN_ALPHA * fraction), MIN_ALPHA, 1.0)
     return weights, alphas
 
 
 def mixture_pdf(weights: Any, alphas: Any, wi: Any, wo: Any) -> Any:
-    """Return the density (...) of `sample` at wo [1/sr]; 0 where either is below the horizon.
+    """Return the density (...) of `sample_mixture` at wo [1/sr]; 0 below the horizon.
 
     weights (..., K+1): positive, of sum 1, the last the cosine lobe's; alphas (..., K): GGX widths.
     """
@@ -60,11 +61,12 @@ def mixture_pdf(weights: Any, alphas: Any, wi: Any, wo: Any) -> Any:
 
 
 def reflection_pdf(alpha: Any, wi: Any, wo: Any) -> Any:
-    """Return one lobe's density (...), mirrored part included [1/sr]; wi, wo above the horizon.
+    """Return the density (...) [1/sr] of `sample_reflection`, for wi and wo above the horizon.
 
-    A visible normal has density G1(wi) (wi.h) D(h) / cos_i (Heitz 2018, eq. 1), its reflection
-    that over 4 wi.h. With Smith's G1 for GGX this is D(h) / (2 (cos_i + root)), see `_root`; D
-    comes from h = wi + wo without normalising it.
+    A visible normal has the density G1(wi) (wi.h) D(h) / cos_i (Heitz 2018, eq. 1); its
+    reflection has that density divided by 4 wi.h. With Smith's G1 for GGX the quotient is
+    D(h) / (2 (cos_i + root)), see `_root`. D is computed from h = wi + wo without normalising it.
+    The density of the mirrored directions is included.
     """
     xp = wi.__array_namespace__()
     cos_i, cos_o = wi[..., 2], wo[..., 2]
@@ -75,7 +77,7 @@ def reflection_pdf(alpha: Any, wi: Any, wo: Any) -> Any:
     total = _scaled_ggx(alpha2, across, up) + xp.where(
         down > 0.0, _scaled_ggx(alpha2, across, down), 0.0
     )
-    below = xp.maximum(cos_i, 0.0) + _root(alpha2, cos_i)  # positive even for a masked direction
+    below = xp.maximum(cos_i, 0.0) + _root(alpha2, cos_i)  # > 0 even below the horizon
     return total * (alpha2 / (2.0 * math.pi)) / below
 
 
@@ -93,9 +95,9 @@ def _root(alpha2: Any, cos_i: Any) -> Any:
 
 
 def sample_mixture(weights: Any, alphas: Any, wi: Any, u: Any) -> Any:
-    """Return directions wo (..., 3) of density `pdf` from uniform numbers u (..., 3) in [0, 1).
+    """Return directions wo (..., 3) of density `mixture_pdf` from uniform u (..., 3) in [0, 1).
 
-    u[..., 0] chooses the lobe, the other two the direction in it.
+    u[..., 0] selects the lobe, the other two numbers the direction.
     """
     xp = wi.__array_namespace__()
     choice, u1, u2 = u[..., 0], u[..., 1], u[..., 2]
@@ -113,7 +115,7 @@ def sample_mixture(weights: Any, alphas: Any, wi: Any, u: Any) -> Any:
 def sample_reflection(alpha: Any, wi: Any, u1: Any, u2: Any) -> Any:
     """Return wi (..., 3) reflected about a visible normal, mirrored up; density `reflection_pdf`.
 
-    The normal by a spherical cap (Dupuy and Benyoub 2023, listing 1).
+    The normal is sampled on a spherical cap (Dupuy and Benyoub 2023, listing 1).
     """
     xp = wi.__array_namespace__()
     x, y, z = alpha * wi[..., 0], alpha * wi[..., 1], wi[..., 2]

@@ -1,4 +1,4 @@
-"""Trained networks as one value, their file, and the networks that ship with Urushi."""
+"""Trained networks as one value, their file format, and the networks that Urushi ships."""
 
 import functools
 import hashlib
@@ -17,15 +17,21 @@ from urushi.nets.architecture import Architecture, parameter_shapes
 from urushi.nets.mlp import Params
 from urushi.nets.networks import Networks, UrushiNetworks
 
+#: Version of the file format.
+FORMAT_VERSION = 1
+
+#: Names of the shipped networks, the default first: files in the folder `weights`.
+SHIPPED = ("base", "small")
+
 
 @dataclass(frozen=True)
-class System:
-    """A kind of architecture: how a weights file describes it, and the networks that it makes.
+class ArchitectureKind:
+    """How models and weights files handle one class of architectures.
 
     Attributes:
-        architecture: its class, with `latent`, `to_json` and `from_json`.
-        parameter_shapes: from an architecture, the parameters' shapes by name.
-        networks: from parameters and an architecture, the networks.
+        architecture: the class; it has `latent`, `to_json` and `from_json`.
+        parameter_shapes: maps an architecture to its parameters' shapes by name.
+        networks: makes networks of parameters and an architecture.
     """
 
     architecture: Any
@@ -33,46 +39,43 @@ class System:
     networks: Callable[[Params, Any], Networks]
 
 
-#: The systems that weights may belong to, by the name in their files.
-_systems = {"urushi": System(Architecture, parameter_shapes, UrushiNetworks)}
+#: Kinds of architectures by the name that files record as `kind`; "urushi" is the default.
+_kinds = {"urushi": ArchitectureKind(Architecture, parameter_shapes, UrushiNetworks)}
 
 
-def register_system(name: str, system: System) -> None:
-    """Let weights files and models hold networks of another system."""
-    _systems[name] = system
+def register_kind(name: str, kind: ArchitectureKind) -> None:
+    """Let models and weights files hold networks of another kind of architecture."""
+    _kinds[name] = kind
 
 
-def _system_of(arch: Any) -> System:
-    """The system that an architecture belongs to."""
-    return next(system for system in _systems.values() if isinstance(arch, system.architecture))
+def _kind_of(arch: Any) -> ArchitectureKind:
+    """The kind of an architecture."""
+    return next(kind for kind in _kinds.values() if isinstance(arch, kind.architecture))
 
 
 def _read_architecture(description: Any) -> Any:
-    """The architecture of a weights file's description; one without `kind` is Urushi's own.
+    """The architecture that a weights file describes.
 
     Raises:
         ParameterError: the kind is unknown, or the description does not fit its kind.
     """
     name = description.get("kind", "urushi") if isinstance(description, dict) else "urushi"
-    if name not in _systems:
+    if name not in _kinds:
         raise ParameterError(
-            f"the architecture is of kind {name!r}; this Urushi knows {', '.join(_systems)}"
+            f"the architecture is of kind {name!r}; this Urushi knows {', '.join(_kinds)}"
         )
-    return _systems[name].architecture.from_json(json.dumps(description))
-
-
-FORMAT_VERSION = 1
+    return _kinds[name].architecture.from_json(json.dumps(description))
 
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """Networks: sizes, parameters and where they come from. Build it with `Model.of` or `load`.
+    """Trained networks: architecture, parameters and origin. Make one by `Model.of` or `read`.
 
     Attributes:
-        arch: the sizes, an architecture of a kind in `kinds`.
+        arch: the architecture, of a registered kind.
         params: read-only float32 NumPy arrays by name.
-        header: free JSON values: preset, seed, data, metrics, versions.
-        fingerprint: twelve hexadecimal digits that identify arch and params, not the header.
+        header: any JSON values: preset, seed, data, metrics, versions.
+        fingerprint: twelve hexadecimal digits that identify arch and params, but not the header.
     """
 
     arch: Any
@@ -82,12 +85,12 @@ class Model:
 
     @classmethod
     def of(cls, arch: Any, params: Params, header: Mapping[str, Any]) -> "Model":
-        """Check parameters (arrays of NumPy or JAX) and make them a model.
+        """Make a model of parameters (arrays of NumPy or JAX).
 
         Raises:
             ParameterError: a parameter is missing, unknown, of a wrong shape or not finite.
         """
-        shapes = _system_of(arch).parameter_shapes(arch)
+        shapes = _kind_of(arch).parameter_shapes(arch)
         unmatched = sorted(set(shapes) ^ set(params))
         if unmatched:
             state = "missing" if unmatched[0] in shapes else "unknown"
@@ -97,12 +100,13 @@ class Model:
 
     @functools.cached_property
     def networks(self) -> Networks:
-        """What the model can do: encode, layer, evaluate, and propose directions."""
-        return _system_of(self.arch).networks(self.params, self.arch)
+        """The networks: encoder, layerer, evaluation and proposals."""
+        return _kind_of(self.arch).networks(self.params, self.arch)
 
 
 def _checked(name: str, value: Any, shape: tuple[int, ...]) -> np.ndarray:
-    array = np.array(value, dtype=np.float32, order="C")  # a copy
+    """A read-only float32 copy of a parameter, after checks of its shape and values."""
+    array = np.array(value, dtype=np.float32, order="C")
     if array.shape != shape:
         raise ParameterError(
             f"the parameter '{name}' has shape {array.shape}, but its architecture asks for {shape}"
@@ -114,7 +118,7 @@ def _checked(name: str, value: Any, shape: tuple[int, ...]) -> np.ndarray:
 
 
 def fingerprint(arch: Any, params: Params) -> str:
-    """Return the first twelve hexadecimal digits of SHA-256 over sizes, names and arrays."""
+    """Return twelve hexadecimal digits of the SHA-256 of the architecture, names and arrays."""
     digest = hashlib.sha256(arch.to_json().encode())
     for name in sorted(params):
         digest.update(name.encode() + b"\0")
@@ -123,9 +127,9 @@ def fingerprint(arch: Any, params: Params) -> str:
 
 
 def save(path: str | os.PathLike, arch: Any, params: Params, header: Mapping[str, Any]) -> Model:
-    """Write networks to a safetensors file; returns them as a model.
+    """Write networks to a safetensors file and return them as a model.
 
-    header: JSON values that say where they come from.
+    header: JSON values that describe their origin.
 
     Raises:
         ParameterError: as of `Model.of`.
@@ -142,10 +146,11 @@ def save(path: str | os.PathLike, arch: Any, params: Params, header: Mapping[str
 
 
 def read(path: str | os.PathLike) -> Model:
-    """Read a file of `save`.
+    """Read a weights file that `save` wrote.
 
     Raises:
-        FileError: missing, truncated, foreign, of another version, or the arrays do not fit.
+        FileError: the file is missing, truncated, foreign or of another version, or its arrays do
+            not fit its architecture.
     """
     description, arrays = files.read_tensors(path, "weights")
     if description.get("version") != FORMAT_VERSION:
@@ -160,24 +165,21 @@ def read(path: str | os.PathLike) -> Model:
         raise FileError(f"the weights file '{path}' is damaged: {error}") from error
 
 
-#: Files in the folder `weights` beside this module, the default first.
-SHIPPED = ("base", "small")
-
-#: Networks as users may give them: a Model, one of `NAMES`, or a weights file.
+#: Networks as a user may give them: a Model, a name in `SHIPPED`, or a weights file.
 Weights = Model | str | os.PathLike
 
 
 def shipped_folder() -> Path:
-    """Where the shipped weights lie."""
+    """The folder of the shipped weights."""
     return Path(__file__).with_name("weights")
 
 
 @functools.cache
 def load_shipped(name: str) -> Model:
-    """Load the shipped networks of a name, once a process.
+    """Load the shipped networks of a name, once per process.
 
     Raises:
-        FileError: they are missing from this installation, or damaged.
+        FileError: the file is missing from this installation, or damaged.
     """
     path = shipped_folder() / f"{name}.safetensors"
     if not path.exists():
@@ -189,19 +191,19 @@ def load_shipped(name: str) -> Model:
 
 
 def default_model() -> Model:
-    """The networks that are used when none are named.
+    """The networks that are used by default.
 
     Raises:
-        FileError: as of `load`.
+        FileError: as `load_shipped`.
     """
     return load_shipped(SHIPPED[0])
 
 
 def find(given: Weights | None) -> Model:
-    """The networks that a user means; None: the default ones.
+    """The networks that a user gave; the default ones for None.
 
     Raises:
-        FileError: there is no such file, and no shipped networks of that name.
+        FileError: there is neither such a file nor a shipped name, or the file is damaged.
     """
     if isinstance(given, Model):
         return given

@@ -13,7 +13,7 @@ def register() -> None:
     from urushi.paper.networks import PaperNetworks
     from urushi.paper.palette import Palette
 
-    weights.register_system(
-        "paper", weights.System(PaperArchitecture, parameter_shapes, PaperNetworks)
+    weights.register_kind(
+        "paper", weights.ArchitectureKind(PaperArchitecture, parameter_shapes, PaperNetworks)
     )
     distribution.register_source("palette", Palette)

@@ -305,4 +305,4 @@ def _reduced_encoder(
     matrix = np.linalg.solve(covariance[np.ix_(kept, kept)], covariance[kept])
     offset = mean - mean[kept] @ matrix
     few = np.array(kept)
-    return few, networks.of_fewer(few, matrix.astype(np.float32), offset.astype(np.float32))
+    return few, networks.reduced_encoder(few, matrix.astype(np.float32), offset.astype(np.float32))
