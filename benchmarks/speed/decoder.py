@@ -30,7 +30,7 @@ def forms(weights: str) -> dict[str, Callable[[], object]]:
     """The forms of a decoder, each as a function that evaluates it."""
     from urushi.nets.weights import find
     from urushi.render.latents.holders import ConstantLatents, TexturedLatents
-    from urushi.render.networks.decoder import Decoder
+    from urushi.render.networks.decoder import UrushiDecoder
     from urushi.textures import packing
     from urushi.textures.grid import IDENTITY, TexelGrid
     from urushi.textures.store import TextureStore
@@ -51,7 +51,7 @@ def forms(weights: str) -> dict[str, Callable[[], object]]:
         return lambda: latents.f(latents.vertex(si, mi.Bool(True)), si, wo, mi.Bool(True))
 
     cooperative = ConstantLatents(model, codes[0])
-    cooperative._decoder = Decoder(model, cooperative=True)
+    cooperative._decoder = UrushiDecoder(model, cooperative=True)
     return {
         "constant codes": of(ConstantLatents(model, codes[0])),
         "textured codes": of(TexturedLatents(model, store, grid)),

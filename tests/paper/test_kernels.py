@@ -37,12 +37,12 @@ def test_blocks_agree_with_numpy(rgb):
 
 
 def test_proposals_agree_with_numpy(rgb, networks):
-    from urushi.paper.kernels import Gaussian, PaperProposal
+    from urushi.paper.kernels import Gaussian, PaperSampler
 
     model, _ = networks
     z = np.random.default_rng(7).normal(size=(50, 32)).astype(np.float32)
     expected = proxy(model.params, z)
-    ours = PaperProposal(model).of_latent([rgb.Float(column) for column in z.T], 1)
+    ours = PaperSampler(model).proposal([rgb.Float(column) for column in z.T], 1)
     np.testing.assert_allclose(ours.sigma.numpy(), expected.sigma, rtol=1e-3)
     np.testing.assert_allclose(ours.share.numpy(), expected.share, rtol=1e-3)
 

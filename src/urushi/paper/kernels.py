@@ -19,7 +19,7 @@ from urushi.paper.blocks import EPSILON, Block, Linear, Norm
 from urushi.paper.proxy import MIN_SHARE, MIN_SIGMA
 from urushi.physics.frame import square_to_cosine_hemisphere
 from urushi.render.networks import cooperative
-from urushi.render.networks.mlp import compiled_once
+from urushi.render.recording import compiled_once
 
 
 class NormKernel:
@@ -30,8 +30,8 @@ class NormKernel:
         width = len(scale)
         none = np.zeros((width, 1), np.float32)
         # A vector in memory becomes an operand as the offset of a matrix of zeros.
-        self._scale, self._shift = cooperative.packed(none, scale), cooperative.packed(none, shift)
-        self._mean = cooperative.packed(
+        self._scale, self._shift = cooperative.pack(none, scale), cooperative.pack(none, shift)
+        self._mean = cooperative.pack(
             np.full((1, width), 1 / width, np.float32), np.zeros(1, np.float32)
         )
 
@@ -57,19 +57,19 @@ class PaperDecoder:
     def __init__(self, model: Model):
         self._steps = _bound(model.params, EVALUATION)
 
-    def first_layer(self, latents: np.ndarray) -> np.ndarray:
+    def code_terms(self, latents: np.ndarray) -> np.ndarray:
         """The latents themselves: here the first layer is a small part of the whole."""
         return latents
 
-    def share(self, latent: Sequence) -> list:
+    def code_terms_drjit(self, latent: Sequence) -> list:
         """The latent itself."""
         return list(latent)
 
-    def of_first_layer(self, shares: Sequence[Sequence], wi, wo) -> list:
-        """f of each channel; shares: per channel a list (32) of Dr.Jit floats."""
-        return self.of_latents(shares, wi, wo)
+    def f_of_terms(self, terms: Sequence[Sequence], wi, wo) -> list:
+        """f of each channel; terms: per channel a list (32) of Dr.Jit floats."""
+        return self.f(terms, wi, wo)
 
-    def of_latents(self, latents: Sequence[Sequence], wi, wo) -> list:
+    def f(self, latents: Sequence[Sequence], wi, wo) -> list:
         """f of each channel, never negative; latents: per channel a list (32) of Dr.Jit floats."""
         directions = [wi.x, wi.y, wo.x, wo.y, wi.z, wo.z]
         return [compiled_once(self._f, *directions, *z) for z in latents]
@@ -138,22 +138,22 @@ class Gaussian(NamedTuple):
         return density * dr.abs(up) / (2 * squared)
 
 
-class PaperProposal:
+class PaperSampler:
     """Proposals from latent codes, the same for all directions."""
 
     def __init__(self, model: Model):
         self._params = model.params
         self._steps = _bound(model.params, PROXY)
 
-    def first_layer(self, latent: np.ndarray) -> np.ndarray:
+    def code_terms(self, latent: np.ndarray) -> np.ndarray:
         """Width and share (2): they do not depend on directions."""
         return np.array(proxy.proxy(self._params, latent), np.float32)
 
-    def of_first_layer(self, share: Sequence, cos_i) -> Gaussian:
-        """The proposal; share: a list (2) of Dr.Jit floats."""
-        return Gaussian(*share)
+    def proposal_of_terms(self, terms: Sequence, cos_i) -> Gaussian:
+        """The proposal; terms: a list (2) of Dr.Jit floats."""
+        return Gaussian(*terms)
 
-    def of_latent(self, latent: Sequence, cos_i) -> Gaussian:
+    def proposal(self, latent: Sequence, cos_i) -> Gaussian:
         """The proposal of a latent code, a list (32) of Dr.Jit floats."""
         x = self._steps[0](nn.CoopVec(*latent))
         for step in self._steps[1:]:

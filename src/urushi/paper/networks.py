@@ -18,7 +18,7 @@ from urushi.paper.proxy import GaussianMixture, proxy
 from urushi.reference import analytic
 
 if TYPE_CHECKING:
-    from urushi.paper.kernels import PaperDecoder, PaperProposal
+    from urushi.paper.kernels import PaperDecoder, PaperSampler
 
 #: Pairs at which a BRDF is seen to be projected.
 PAIRS = 512
@@ -115,8 +115,8 @@ class PaperNetworks:
         wi, wo = np.tile(wi, (count, 1)), np.tile(wo, (count, 1))
         return analytic.rows("dielectric", columns, row, wi, wo).reshape(count, -1)
 
-    def kernels(self, model: Model) -> "tuple[PaperDecoder, PaperProposal]":
+    def drjit(self, model: Model) -> "tuple[PaperDecoder, PaperSampler]":
         """The evaluation network and the proxy in Dr.Jit, in the current variant."""
-        from urushi.paper.kernels import PaperDecoder, PaperProposal  # lazily: it starts Mitsuba
+        from urushi.paper.kernels import PaperDecoder, PaperSampler  # lazily: it starts Mitsuba
 
-        return PaperDecoder(model), PaperProposal(model)
+        return PaperDecoder(model), PaperSampler(model)

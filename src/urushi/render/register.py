@@ -45,12 +45,12 @@ def _on_variant(old: str | None, new: str) -> None:
         return
     from urushi.render.plugins import base, layered, measured_brdf, neural_brdf, neural_layered
 
-    mixture = base.define_mixture_bsdf()
-    neural = base.define_neural_bsdf(mixture)
-    mi.register_bsdf("layered", layered.define(mixture))
-    mi.register_bsdf("neural_layered", neural_layered.define(neural))
-    mi.register_bsdf("neural_brdf", neural_brdf.define(neural))
-    mi.register_bsdf("measured_brdf", measured_brdf.define(mixture))
+    proposal_bsdf = base.define_proposal_bsdf()
+    neural_bsdf = base.define_neural_bsdf(proposal_bsdf)
+    mi.register_bsdf("layered", layered.define(proposal_bsdf))
+    mi.register_bsdf("neural_layered", neural_layered.define(neural_bsdf))
+    mi.register_bsdf("neural_brdf", neural_brdf.define(neural_bsdf))
+    mi.register_bsdf("measured_brdf", measured_brdf.define(proposal_bsdf))
 
 
 def _refusal(name: str, variant: str):

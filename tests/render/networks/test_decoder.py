@@ -61,7 +61,7 @@ def evaluated(latents, si, wo) -> list:
 
 
 def test_features_agree_with_numpy(rgb):
-    from urushi.render.networks.features import direction_features
+    from urushi.render.networks.decoder import direction_features
 
     wi, wo = pairs()
     ours = np.stack([x.numpy() for x in direction_features(vector(rgb, wi), vector(rgb, wo))], -1)
@@ -108,7 +108,7 @@ def test_textured_latents_are_the_constant_ones_where_the_texture_is_constant(rg
 def test_mixture_agrees_with_numpy(rgb, model, parts):
     drjit, numpy = parts
     wi, _ = pairs()
-    mixture = drjit.vertex(interaction(rgb, wi), rgb.Bool(True)).mixture
+    mixture = drjit.vertex(interaction(rgb, wi), rgb.Bool(True)).proposal
     mean = numpy.latents.mean(axis=0)
     weights, alphas = numpy_sampler.mixture(model.params, model.arch, mean[None], wi[:, 2])
     np.testing.assert_allclose(
@@ -139,25 +139,25 @@ def test_density_and_samples_of_a_mixture_agree_with_numpy(rgb):
 
 
 def test_cooperative_vectors_agree_with_constants_in_code(rgb, model):
-    from urushi.render.networks.decoder import Decoder
-    from urushi.render.networks.sampler import Proposal
+    from urushi.render.networks.decoder import UrushiDecoder
+    from urushi.render.networks.sampler import UrushiSampler
 
     wi, wo = (vector(rgb, w) for w in pairs())
     z, values, mixtures = latents(3), [], []
     for cooperative in (False, True):
-        decoder = Decoder(model, cooperative)
-        shares = [[rgb.Float(x) for x in share] for share in decoder.first_layer(z)]
-        values.append(decoder.of_first_layer(shares, wi, wo))
-        proposal = Proposal(model, cooperative)
-        share = [rgb.Float(x) for x in proposal.first_layer(z[0])]
-        mixture = dr.switch(rgb.UInt32(0), [lambda c, s=share, p=proposal: flat(p, s, c)], wi.z)
+        decoder = UrushiDecoder(model, cooperative)
+        terms = [[rgb.Float(x) for x in channel] for channel in decoder.code_terms(z)]
+        values.append(decoder.f_of_terms(terms, wi, wo))
+        sampler = UrushiSampler(model, cooperative)
+        first = [rgb.Float(x) for x in sampler.code_terms(z[0])]
+        mixture = dr.switch(rgb.UInt32(0), [lambda c, s=sampler, t=first: flat(s, t, c)], wi.z)
         mixtures.append(mixture)
     for a, b in (*zip(*values, strict=True), *zip(*mixtures, strict=True)):
         np.testing.assert_allclose(a.numpy(), b.numpy(), rtol=2e-4)
 
 
-def flat(proposal, share, cos_i) -> list:
-    mixture = proposal.of_first_layer(share, cos_i)
+def flat(sampler, terms, cos_i) -> list:
+    mixture = sampler.proposal_of_terms(terms, cos_i)
     return [*mixture.weights, *mixture.alphas]
 
 

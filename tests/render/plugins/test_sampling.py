@@ -35,7 +35,7 @@ def test_neural_brdf(rgb, sampling, networks, model, tmp_path):
         )
         si = rgb.SurfaceInteraction3f()
         si.wi = rgb.Vector3f(0, 0, 1)
-        mixture = bsdfs[-1].latents.vertex(si, rgb.Bool(True)).mixture
+        mixture = bsdfs[-1].latents.vertex(si, rgb.Bool(True)).proposal
         assert isinstance(mixture, Mixture)
         widths += [alpha[0] for alpha in mixture.alphas]
     assert min(widths) < 0.011  # the narrowest lobe is among them

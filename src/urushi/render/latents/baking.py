@@ -28,7 +28,7 @@ from urushi.render.latents.holders import ConstantLatents, TexturedLatents
 from urushi.render.reading import grid as grids
 from urushi.render.reading import probing
 from urushi.render.reading.grid import varying_textures
-from urushi.render.reading.parameters import CoatParameters
+from urushi.render.reading.parameters import CoatTextures
 from urushi.textures import packing, texel_hash
 from urushi.textures.grid import TexelGrid
 from urushi.textures.store import TextureStore
@@ -180,7 +180,7 @@ class Baker:
     def __init__(
         self,
         model: Model,
-        coat: CoatParameters,
+        coat: CoatTextures,
         bottom: "mi.BSDF",
         resolution: int,
         mipmaps: bool = False,
@@ -221,7 +221,7 @@ class Baker:
 class CoatTexture:
     """A texture of coats over a bottom: the packed codes, and the keys of what they are made of."""
 
-    def __init__(self, model: Model, coat: CoatParameters, grid: TexelGrid, mipmaps: bool):
+    def __init__(self, model: Model, coat: CoatTextures, grid: TexelGrid, mipmaps: bool):
         self.grid = grid
         self._model, self._coat = model, coat
         self._keys = np.zeros((grid.texels, spectrum.channel_count()), np.uint64)
@@ -278,7 +278,7 @@ class CoatTexture:
 
 
 def choose_grid(
-    coat: CoatParameters, bottom: "mi.BSDF", model: Model, resolution: int
+    coat: CoatTextures, bottom: "mi.BSDF", model: Model, resolution: int
 ) -> TexelGrid | None:
     """The grid of a coat's codes over a bottom; None: they are the same everywhere.
 
@@ -292,7 +292,7 @@ def choose_grid(
     return grids.choose({**coat.textures, **below}, inner, resolution, coat.where)
 
 
-def check(coat: CoatParameters) -> None:
+def check(coat: CoatTextures) -> None:
     """Look at the coat's parameters all over uv; what is not over uv, the walk clips at each point.
 
     Raises:

@@ -13,6 +13,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from urushi.checks import CoatParameters
 from urushi.material import gradients
 from urushi.material.encode import limited_codes
 from urushi.material.layer import layer_texels
@@ -20,17 +21,14 @@ from urushi.nets.weights import Model
 from urushi.render import spectrum
 from urushi.render.latents import lookup
 from urushi.render.latents.baking import PROBED_TEXELS, BottomCodes, choose_grid
-from urushi.render.latents.holders import DifferentiableLatents, DifferentiableTexture
+from urushi.render.latents.holders import DifferentiableConstant, DifferentiableTexture
 from urushi.render.reading import probing
 from urushi.render.reading.grid import varying_textures
-from urushi.render.reading.parameters import CoatParameters
+from urushi.render.reading.parameters import CoatTextures
 from urushi.textures.grid import IDENTITY, TexelGrid
 
 #: Of each channel, numbers of M points as Dr.Jit floats of that size, or of one for all points.
 Columns = Sequence[Sequence]
-
-#: In the order of derivatives.
-COAT = ("alpha", "eta", "albedo", "sigma_t", "g")
 
 
 def encode(model: Model, where: str, parts: Sequence[Sequence]) -> Columns:
@@ -51,7 +49,7 @@ def layer(
     """`material.layer.layer_texels`, attached to the bottoms' codes and to coats.
 
     table: the coats' checked parameters, (M or 1, C or 1), in double precision.
-    coat: the same in the order of `COAT`: of each parameter a column, or one for each channel.
+    coat: the same in the order of `CoatParameters`: a column per parameter, or one per channel.
 
     Returns:
         Codes (M, C, 32).
@@ -109,12 +107,14 @@ class _Layer(dr.CustomOp):
     def eval(self, model, table, z_bottom, coat):
         bottom = rows(z_bottom)
         z = layer_texels(model, bottom, **table)
-        coats = np.stack(np.broadcast_arrays(*(table[name] for name in COAT)), axis=-1)
+        coats = np.stack(
+            np.broadcast_arrays(*(table[name] for name in CoatParameters._fields)), axis=-1
+        )
         self._model, self._shape = model, z.shape
         self._channels = [len(parameter) for parameter in coat]
         self._inputs = (
             _flat(np.broadcast_to(bottom, z.shape)),
-            _flat(np.broadcast_to(coats, (*z.shape[:-1], len(COAT)))),
+            _flat(np.broadcast_to(coats, (*z.shape[:-1], len(CoatParameters._fields)))),
             _flat(z),
         )
         return mi.TensorXf(lookup.owned(mi.Float, z), z.shape)
@@ -162,8 +162,8 @@ def wanted(bsdf: "mi.BSDF") -> bool:
 
 
 def bake(
-    model: Model, coat: CoatParameters, bottom: "mi.BSDF", resolution: int
-) -> DifferentiableLatents | DifferentiableTexture:
+    model: Model, coat: CoatTextures, bottom: "mi.BSDF", resolution: int
+) -> DifferentiableConstant | DifferentiableTexture:
     """`baking.Baker.update`, with codes attached to the parameters.
 
     Raises:
@@ -179,7 +179,7 @@ def bake(
     z_bottom = _bottom_codes(model, coat.where, bottom, uv, grid)
     codes = layer(model, table, z_bottom, parameters)
     if grid is None:
-        return DifferentiableLatents(model, codes)
+        return DifferentiableConstant(model, codes)
     shape = grid.height, grid.width, *codes.shape[1:]
     return DifferentiableTexture(model, mi.TensorXf(codes.array, shape), grid)
 
@@ -190,7 +190,7 @@ def _bottom_codes(
     """The bottom's codes at points uv (M, 2), or one code if it is the same everywhere."""
     nested = getattr(bottom, "latents", None)
     known = nested is not None and bottom.model.fingerprint == model.fingerprint
-    if known and isinstance(nested, DifferentiableLatents | DifferentiableTexture):
+    if known and isinstance(nested, DifferentiableConstant | DifferentiableTexture):
         return nested.codes(mi.Point2f(np.ascontiguousarray(uv.T, np.float32)))
     wi, wo = model.networks.pairs()
     if not wanted(bottom) or probing.needed_repeats(bottom, wi, wo, len(uv)) > 1:

@@ -21,47 +21,50 @@ import numpy as np
 from urushi.material.material import Material
 from urushi.nets.weights import Model
 from urushi.render.latents.lookup import LatentTexture, is_zero
-from urushi.render.networks import choice
-from urushi.render.networks.choice import Mixture
-from urushi.render.networks.mlp import only_where
+from urushi.render.networks.protocols import Proposal, decoder_and_sampler
+from urushi.render.recording import only_where
 from urushi.textures import file
 from urushi.textures.grid import TexelGrid
 from urushi.textures.store import TextureStore
 
 
 class Vertex(NamedTuple):
-    """What depends on the position and on wi alone.
+    """Quantities that depend on the position and on wi alone.
 
     Attributes:
-        shares: of every channel's latent code in the decoder, a list of Dr.Jit floats.
-        mixture: the proposal, that of the mean latent code over the channels.
+        decoder_terms: per channel the decoder's terms of the latent code, as Dr.Jit floats.
+        proposal: that of the mean latent code over the channels.
     """
 
-    shares: list[list]
-    mixture: Mixture
+    decoder_terms: list[list]
+    proposal: Proposal
 
 
 class ConstantLatents:
     """One latent code per channel: the first layers' share of them is computed once, here."""
 
-    DRJIT_STRUCT: ClassVar = {"_shares": list, "_proposal_share": list}  # for frozen functions
+    DRJIT_STRUCT: ClassVar = {
+        "_decoder_terms": list,
+        "_sampler_terms": list,
+    }  # for frozen functions
 
     def __init__(self, model: Model, latents: np.ndarray, anchors: np.ndarray | None = None):
         """latents, anchors: (C, 32) float32, those of a `Material`."""
         self._material = Material(latents, model, latents if anchors is None else anchors)
-        self._decoder, self._proposal = choice.networks_of(model)
-        self._shares = [_opaque(share) for share in self._decoder.first_layer(latents)]
+        self._decoder, self._sampler = decoder_and_sampler(model)
+        self._decoder_terms = [_opaque(terms) for terms in self._decoder.code_terms(latents)]
         mean = self._material.anchors.mean(axis=0)
-        self._proposal_share = _opaque(self._proposal.first_layer(mean))
+        self._sampler_terms = _opaque(self._sampler.code_terms(mean))
 
     def vertex(self, si, active) -> Vertex:
         """The vertex at a surface interaction."""
-        propose = self._proposal.of_first_layer
-        return Vertex(self._shares, only_where(active, propose, self._proposal_share, si.wi.z))
+        propose = self._sampler.proposal_of_terms
+        proposal = only_where(active, propose, self._sampler_terms, si.wi.z)
+        return Vertex(self._decoder_terms, proposal)
 
     def f(self, vertex: Vertex, si, wo, active) -> list:
         """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
-        return only_where(active, self._decoder.of_first_layer, vertex.shares, si.wi, wo)
+        return only_where(active, self._decoder.f_of_terms, vertex.decoder_terms, si.wi, wo)
 
     def at(self, uv: np.ndarray) -> np.ndarray:
         """Latent codes (M, C, 32) at points uv (M, 2)."""
@@ -113,7 +116,7 @@ class TexturedLatents:
         self._store, self._fingerprint = store, model.fingerprint
         self.grid, self.channels = grid, store.layout.channels
         self._size, self._bytes = store.layout.size, store.layout.texel_bytes
-        self._decoder, self._proposal = choice.networks_of(model)
+        self._decoder, self._sampler = decoder_and_sampler(model)
         self._texture = LatentTexture(store, grid)
 
     def vertex(self, si, active) -> Vertex:
@@ -125,13 +128,13 @@ class TexturedLatents:
 
     def f(self, vertex: Vertex, si, wo, active) -> list:
         """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
-        return only_where(active, self._decoder.of_first_layer, vertex.shares, si.wi, wo)
+        return only_where(active, self._decoder.f_of_terms, vertex.decoder_terms, si.wi, wo)
 
     def _vertex(self, cos_i, uv, *steps) -> Vertex:
         latents = self._texture.look_up(uv, *steps)
         mean = [sum(values) * (1 / self.channels) for values in zip(*latents, strict=True)]
-        mixture = self._proposal.of_latent(mean, cos_i)
-        return Vertex([self._decoder.share(z) for z in latents], mixture)
+        proposal = self._sampler.proposal(mean, cos_i)
+        return Vertex([self._decoder.code_terms_drjit(z) for z in latents], proposal)
 
     def at(self, uv: np.ndarray) -> np.ndarray:
         """Latent codes (M, C, 32) at points uv (M, 2)."""
@@ -173,7 +176,7 @@ def _opaque(values: np.ndarray) -> list:
     return scalars
 
 
-class DifferentiableLatents(ConstantLatents):
+class DifferentiableConstant(ConstantLatents):
     """One attached code per channel.
 
     The decoder multiplies codes with its first layer at every evaluation: its shares of them are
@@ -192,7 +195,7 @@ class DifferentiableLatents(ConstantLatents):
 
     def f(self, vertex: Vertex, si, wo, active) -> list:
         """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
-        return self._decoder.of_latents(self.codes(si.uv), si.wi, wo)
+        return self._decoder.f(self.codes(si.uv), si.wi, wo)
 
     def codes(self, uv: "mi.Point2f") -> list[list]:
         """Attached codes: of each channel a list (32) of Dr.Jit floats."""
@@ -210,7 +213,7 @@ class DifferentiableTexture:
     def __init__(self, model: Model, latents: "mi.TensorXf", grid: TexelGrid):
         """latents: (height, width, C, 32), of the grid's texels."""
         height, width, self.channels, self._size = latents.shape
-        self._decoder, self._proposal = choice.networks_of(model)
+        self._decoder, self._sampler = decoder_and_sampler(model)
         self.grid = grid
         self.tensor = _filled_up(latents.array, (height, width), self.channels * self._size)
         self._texture = mi.Texture2f(
@@ -222,14 +225,14 @@ class DifferentiableTexture:
 
     def f(self, vertex: Vertex, si, wo, active) -> list:
         """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
-        return self._decoder.of_latents(self.codes(si.uv), si.wi, wo)
+        return self._decoder.f(self.codes(si.uv), si.wi, wo)
 
     def vertex(self, si, active) -> Vertex:
         """The proposal for si.wi, which carries no gradient of the codes."""
         with dr.suspend_grad():
             latents = self.codes(si.uv)
         mean = [sum(values) * (1 / self.channels) for values in zip(*latents, strict=True)]
-        return Vertex([], self._proposal.of_latent(mean, si.wi.z))
+        return Vertex([], self._sampler.proposal(mean, si.wi.z))
 
     def at(self, uv: np.ndarray) -> np.ndarray:
         """Detached codes (M, C, 32) at points uv (M, 2)."""

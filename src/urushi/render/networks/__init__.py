@@ -1,1 +1,1 @@
-"""The networks as Dr.Jit code, inside kernels: the twins of what `urushi.nets` does with NumPy."""
+"""The networks of `urushi.nets` as Dr.Jit code inside kernels."""

@@ -1,8 +1,8 @@
-"""Networks as Dr.Jit code with weights in memory, as cooperative vectors want them.
+"""Networks as Dr.Jit code with weights in memory, by cooperative vectors.
 
-For GPUs, whose matrix units take them, in half precision; and, on CPUs, for networks whose weights
-are too many to be constants in unrolled code, as `network` has them. Activations are cooperative
-vectors throughout: taken apart into floats they would make the code long and its compilation slow.
+GPUs evaluate these on their matrix units in half precision. CPUs use them for networks that have
+too many weights for the unrolled code of `mlp`. Activations stay cooperative vectors throughout:
+separate floats would make the code long and its compilation slow.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -22,7 +22,7 @@ class Linear:
 
     def __init__(self, params: Mapping[str, np.ndarray], name: str):
         weight = np.ascontiguousarray(params[f"{name}.weight"].T)
-        self._layer = packed(weight, params[f"{name}.bias"])
+        self._layer = pack(weight, params[f"{name}.bias"])
 
     def __call__(self, x: nn.CoopVec) -> nn.CoopVec:
         """Apply to activations."""
@@ -31,10 +31,10 @@ class Linear:
 
 
 class Hidden:
-    """The hidden layers of a network after its first, the twin of `network.hidden_to_output`.
+    """The layers of a network after its first one; see `mlp.hidden_to_output`.
 
-    The output layer is left to constants in single precision: outputs are logarithms, of which
-    half precision would leave three digits.
+    The output layer has constant weights in single precision: outputs are logarithms, and half
+    precision has only three digits.
     """
 
     def __init__(self, params: Mapping[str, np.ndarray], prefix: str, activation: str):
@@ -61,15 +61,16 @@ class Hidden:
             t = dr.minimum(dr.maximum(x, -bound), bound)
             return x * dr.fma(t, mlp.horner(coefficients, t * t), 0.5)
         half = x * 0.5
-        return dr.fma(half, dr.tanh(half), half)  # SiLU, as `nets.mlp.activate` has it
+        return dr.fma(half, dr.tanh(half), half)  # SiLU, as in `nets.mlp.activate`
 
 
 def _number() -> type:
-    """What cooperative vectors hold: GPUs have half precision only."""
+    """The component type of cooperative vectors: GPUs support half precision only."""
     return mi.Float16 if dr.backend_v(mi.Float) == dr.JitBackend.CUDA else mi.Float
 
 
-def packed(weight: np.ndarray, bias: np.ndarray) -> tuple:
+def pack(weight: np.ndarray, bias: np.ndarray) -> tuple:
+    """A weight (out, in) and a bias (out,) in memory, as `nn.matvec` takes them."""
     tensor = dr.tensor_t(_number())
     return nn.pack(tensor(weight), tensor(bias), layout="inference")
 
@@ -79,7 +80,7 @@ def hidden_layers(
 ) -> Callable[[Sequence], list]:
     """The function from a network's first pre-activation to its output, both lists.
 
-    cooperative: in cooperative vectors; None: where there is hardware for them.
+    cooperative: whether by cooperative vectors. None: on CUDA, where hardware supports them.
     """
     if cooperative is None:
         cooperative = dr.backend_v(mi.Float) == dr.JitBackend.CUDA

@@ -1,4 +1,4 @@
-"""The decoder in Dr.Jit: the twin of `nets.decoder`, for several channels that share directions."""
+"""The decoder in Dr.Jit: the counterpart of `nets.decoder`, for channels that share directions."""
 
 from collections.abc import Sequence
 
@@ -7,57 +7,85 @@ import numpy as np
 
 from urushi.nets.architecture import SCALE
 from urushi.nets.decoder import MAX_LOG, MIN_LOG
+from urushi.nets.features import DIRECTION_TABLE, MIN_COSINE
 from urushi.nets.weights import Model
 from urushi.render.networks import mlp
 from urushi.render.networks.cooperative import hidden_layers
-from urushi.render.networks.features import direction_features
+from urushi.render.recording import compiled_once
 
 
-class Decoder:
-    """f [1/sr] from a model's latent codes, given as such or as their first layer's share.
+class UrushiDecoder:
+    """f [1/sr] of latent codes; see `protocols.Decoder`.
 
-    A constant material multiplies its latent code with the first layer once, on the host
-    (`first_layer`); a textured one does so at every evaluation.
+    The terms of a code (1 + 2 width) are its gain, and the scales and the offsets of the first
+    layer's units.
     """
 
     def __init__(self, model: Model, cooperative: bool | None = None):
-        """cooperative: see `hidden.choose`."""
+        """cooperative: see `cooperative.hidden_layers`."""
         params, activation = model.params, model.arch.activation
-        self._rest = hidden_layers(params, "decoder", activation, cooperative)
+        self._hidden = hidden_layers(params, "decoder", activation, cooperative)
         weight = model.params["decoder.0.weight"]
-        codes = model.arch.latent - 1  # the gain bypasses the network
-        self._offset, self._response = weight[:codes], weight[codes:]
+        numbers = model.arch.latent - 1  # the gain bypasses the network
+        self._offset, self._response = weight[:numbers], weight[numbers:]
         self._scale = model.params[SCALE]
         self._bias = model.params["decoder.0.bias"]
 
-    def first_layer(self, latents: np.ndarray) -> np.ndarray:
-        """What a constant material needs of its latents: (..., 32) -> (..., 1 + 2 width).
-
-        The gain, the first layer's scales and its offsets.
-        """
+    def code_terms(self, latents: np.ndarray) -> np.ndarray:
+        """Terms (..., 1 + 2 width) of latent codes (..., 32)."""
         gain, z = latents[..., :1], latents[..., 1:]
         return np.concatenate([gain, 1 + z @ self._scale, z @ self._offset + self._bias], axis=-1)
 
-    def share(self, latent: Sequence) -> list:
-        """The same from a latent code, a list (32) of Dr.Jit floats: a list (1 + 2 width)."""
-        return [latent[0], *mlp.compiled_once(self._share, *latent[1:])]
+    def code_terms_drjit(self, latent: Sequence) -> list:
+        """The same of one latent code: a list (1 + 2 width) from a list (32) of Dr.Jit floats."""
+        return [latent[0], *compiled_once(self._scales_and_offsets, *latent[1:])]
 
-    def of_first_layer(self, shares: Sequence[Sequence], wi, wo) -> list:
-        """f of each channel; shares: per channel a list (1 + 2 width) of Dr.Jit floats."""
+    def f_of_terms(self, terms: Sequence[Sequence], wi, wo) -> list:
+        """f of each channel, from a list (1 + 2 width) of Dr.Jit floats for each."""
         # The response to the directions is the same for all channels.
         response = mlp.dense(direction_features(wi, wo), self._response, [0.0] * len(self._bias))
-        return [mlp.compiled_once(self._of_share, *share, *response) for share in shares]
+        return [compiled_once(self._f, *channel, *response) for channel in terms]
 
-    def of_latents(self, latents: Sequence[Sequence], wi, wo) -> list:
-        """f of each channel; latents: per channel a list (32) of Dr.Jit floats."""
-        return self.of_first_layer([self.share(z) for z in latents], wi, wo)
+    def f(self, latents: Sequence[Sequence], wi, wo) -> list:
+        """f of each channel, from a list (32) of Dr.Jit floats for each."""
+        return self.f_of_terms([self.code_terms_drjit(z) for z in latents], wi, wo)
 
-    def _share(self, *z):
+    def _scales_and_offsets(self, *z):
         scales = mlp.dense(z, self._scale, [1.0] * len(self._bias))
         return [*scales, *mlp.dense(z, self._offset, self._bias.tolist())]
 
-    def _of_share(self, gain, *rest):
+    def _f(self, gain, *first_layer):
         width = len(self._bias)
-        scales, offsets, response = rest[:width], rest[width : 2 * width], rest[2 * width :]
+        scales, offsets = first_layer[:width], first_layer[width : 2 * width]
+        response = first_layer[2 * width :]
         first = [dr.fma(*values) for values in zip(scales, response, offsets, strict=True)]
-        return dr.exp(dr.clip(gain + self._rest(first)[0], MIN_LOG, MAX_LOG))
+        return dr.exp(dr.clip(gain + self._hidden(first)[0], MIN_LOG, MAX_LOG))
+
+
+def direction_features(wi, wo):
+    """The decoder's eight features of unit vectors wi and wo (z the normal), as a list.
+
+    Exchanging wi and wo gives the same bits, see `nets.features.direction_features`.
+    """
+    cos_i, cos_o = dr.maximum(wi.z, MIN_COSINE), dr.maximum(wo.z, MIN_COSINE)
+    x, y, z = wi.x + wo.x, wi.y + wo.y, cos_i + cos_o
+    across = x * x + y * y
+    squared = across + z * z
+    length = dr.sqrt(squared)
+    cos_d = dr.minimum(0.5 * length, 1)
+    opposite = 1 - cos_d
+    opposite2 = opposite * opposite
+    columns = [
+        dr.log(across / (z * z) + 1e-6),
+        dr.sqrt(dr.sqrt(across / squared)),
+        z / length,
+        cos_d,
+        opposite2 * opposite2 * opposite,
+        0.5 * dr.log(cos_i * cos_o),
+        dr.log(z),
+        dr.minimum(cos_i, cos_o),
+    ]
+    return [
+        (column - mean) * (1 / scale)
+        for column, (_, mean, scale) in zip(columns, DIRECTION_TABLE, strict=True)
+    ]

@@ -1,4 +1,4 @@
-"""A stack of coats over a Mitsuba BSDF, as the random walk and its sampling see them."""
+"""A stack of coats over a Mitsuba BSDF, in the form that the random walk and its proposal take."""
 
 from collections.abc import Sequence
 from typing import ClassVar
@@ -7,15 +7,16 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from urushi.checks import CoatParameters
 from urushi.physics import fresnel
 from urushi.physics.mixture import Mixture
 from urushi.render.reading import probing
-from urushi.render.reading.parameters import CoatParameters, CoatValues, opaque
+from urushi.render.reading.parameters import CoatTextures, opaque
 
-#: Shares of the proposal that no lobe, and not the cosine lobe, falls below.
+#: Smallest unnormalised weights of a lobe and of the cosine lobe in a proposal.
 MIN_SHARE, MIN_COSINE_SHARE = 0.02, 0.1
-#: A texture's filter may leave less of an index of refraction than the walk can refract by.
-LEAST_ETA = 1.0001
+#: Smallest index of refraction in a walk: a texture's filter may return less.
+MIN_ETA = 1.0001
 #: Samples from which a bottom's lobes are estimated.
 SAMPLES = 1 << 14
 
@@ -25,17 +26,17 @@ def walk_color() -> type:
     return mi.Float if mi.is_monochromatic else mi.Spectrum
 
 
-class Coats:
-    """Coats at a surface interaction, top to bottom: `urushi.reference.walk.Layers`."""
+class CoatStack:
+    """Coats at a surface interaction, top to bottom; see `urushi.reference.walk.Layers`."""
 
-    def __init__(self, parameters: Sequence[CoatParameters], si, active):
+    def __init__(self, parameters: Sequence[CoatTextures], si, active):
         self.count = len(parameters)
         values = [coat.evaluate(si, active) for coat in parameters]
         self._etas = [
-            dr.clip(value.eta, LEAST_ETA, 3) if coat.has_textured_eta else value.eta
+            dr.clip(value.eta, MIN_ETA, 3) if coat.has_textured_eta else value.eta
             for coat, value in zip(parameters, values, strict=True)
         ]
-        self._coats = [_for_walk(value) for value in values]
+        self._coats = [_clipped(value) for value in values]
 
     def interface(self, index):
         """(alpha, eta) of an interface; eta is relative to the medium above."""
@@ -48,18 +49,18 @@ class Coats:
             for name in ("albedo", "sigma_t", "g")
         )
 
-    def mixture(self, bottom: "BottomLobes", cos_i) -> Mixture:
-        """A proposal that follows light down: one lobe an interface, two of the bottom, a cosine.
+    def proposal(self, bottom: "BottomLobes", cos_i) -> Mixture:
+        """A proposal: one lobe for each interface, two for the bottom, and a cosine lobe.
 
-        Lobes from below are widened by the indices of refraction that they pass and by the
-        roughness of the interfaces. Heuristic: it steers the noise, never the result.
+        Lobes from below are widened by refraction at the interfaces above and by their roughness.
+        A heuristic: it affects the noise only, not the mean.
         """
         reached, diffuse = mi.Float(1), mi.Float(MIN_COSINE_SHARE)
         stretch, blur = mi.Float(1), mi.Float(0)  # alpha^2 outside = stretch alpha^2 + blur
         alphas, shares = [], []
         for coat, eta in zip(self._coats, self._etas, strict=True):
             reflectance, cos_t = fresnel.dielectric(cos_i, eta)
-            alphas.append(_outside(coat.alpha, stretch, blur))
+            alphas.append(_width_outside(coat.alpha, stretch, blur))
             shares.append(reached * reflectance + MIN_SHARE)
             passed = dr.exp(-_mean(coat.sigma_t) * (2 / dr.maximum(cos_t, 0.1)))
             reached = reached * (1 - reflectance)
@@ -69,7 +70,7 @@ class Coats:
             stretch *= eta * eta
             cos_i = cos_t
         for alpha in bottom.alphas:
-            alphas.append(_outside(alpha, stretch, blur))
+            alphas.append(_width_outside(alpha, stretch, blur))
             shares.append(reached * (0.5 * bottom.albedo) + MIN_SHARE)
         shares.append(diffuse)
         scale = 1 / sum(shares)
@@ -83,7 +84,7 @@ class Coats:
 
 
 class MitsubaBottom:
-    """A Mitsuba BSDF at a surface interaction, as `urushi.reference.bottoms.Bottom`."""
+    """A Mitsuba BSDF at a surface interaction; see `urushi.reference.bottoms.Bottom`."""
 
     def __init__(self, bsdf: "mi.BSDF", ctx, si, active):
         self._bsdf, self._si, self._active = bsdf, si, active
@@ -92,29 +93,29 @@ class MitsubaBottom:
     def f_pdf(self, wi, wo):
         """BRDF [1/sr] and the density of `sample` at wo, both zero below the horizon."""
         valid = self._active & (wi.z > 0) & (wo.z > 0)
-        f_cos, pdf = self._bsdf.eval_pdf(self._ctx, self._seen_from(wi), wo, valid)
+        f_cos, pdf = self._bsdf.eval_pdf(self._ctx, self._interaction(wi), wo, valid)
         return dr.select(valid, _color(f_cos) / wo.z, 0), dr.select(valid, pdf, 0)
 
     def sample(self, wi, u0, u1, u2):
         """Draw wo; returns (wo, f cos / pdf, pdf), weight 0 on failure."""
         valid = self._active & (wi.z > 0)
-        si, u = self._seen_from(wi), mi.Point2f(u1, u2)
+        si, u = self._interaction(wi), mi.Point2f(u1, u2)
         bs, weight = self._bsdf.sample(self._ctx, si, u0, u, valid)
         valid &= (bs.wo.z > 0) & (bs.pdf > 0)
         return bs.wo, dr.select(valid, _color(weight), 0), dr.select(valid, bs.pdf, 0)
 
-    def _seen_from(self, wi):
+    def _interaction(self, wi):
         si = mi.SurfaceInteraction3f(self._si)
         si.wi = wi
         return si
 
 
 class BottomLobes:
-    """How wide a BSDF reflects: two GGX widths and the albedo, at normal incidence.
+    """Two GGX widths and the directional albedo of a BSDF at normal incidence, by sampling it.
 
-    Of a GGX reflector seen from the normal, the share q of samples with tan theta_h below t obeys
-    q = t^2 / (alpha^2 + t^2), so that every quantile tells alpha; of another BSDF, the quartiles
-    tell a narrow and a wide lobe.
+    For a GGX reflector and wi at the normal, the share q of samples with tan theta_h below t is
+    q = t^2 / (alpha^2 + t^2), so that alpha follows from any quantile. The first and the third
+    quartile of another BSDF give a narrow and a wide lobe.
     """
 
     DRJIT_STRUCT: ClassVar = {"albedo": object, "alphas": list}  # for frozen functions
@@ -136,15 +137,15 @@ class BottomLobes:
 
 
 def _width(tangent: np.ndarray, below: np.ndarray, q: float) -> float:
-    """The GGX width that the q-quantile tells; tangents ascending, with the shares below them."""
+    """The GGX width from the q-quantile; tangents ascending, and the cumulative weights."""
     if below[-1] == 0:
-        return 0.5  # black: any width will do
+        return 0.5  # black: the width does not matter
     return float(tangent[np.searchsorted(below, q * below[-1])] * ((1 - q) / q) ** 0.5)
 
 
-def _for_walk(coat: CoatValues) -> CoatValues:
-    """Parameters within their ranges, whatever a texture's filter or spectrum made of them."""
-    return CoatValues(
+def _clipped(coat: CoatParameters) -> CoatParameters:
+    """Parameters clipped to their ranges: filters and spectra may leave them."""
+    return CoatParameters(
         dr.clip(coat.alpha, 0.01, 1),
         coat.eta,
         dr.clip(_color(coat.albedo), 0, 1),
@@ -153,8 +154,8 @@ def _for_walk(coat: CoatValues) -> CoatValues:
     )
 
 
-def _outside(alpha, stretch, blur):
-    """The width outside the stack of a lobe of width alpha inside it."""
+def _width_outside(alpha, stretch, blur):
+    """The width, seen from outside the stack, of a lobe of width alpha inside it."""
     return dr.clip(dr.sqrt(stretch * alpha * alpha + blur), 0.01, 1)
 
 

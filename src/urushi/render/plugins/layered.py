@@ -5,13 +5,13 @@ import mitsuba as mi
 from urushi.physics.random import hashed_stream
 from urushi.reference import walk
 from urushi.render.latents import baking
-from urushi.render.networks.mlp import compiled_once
-from urushi.render.plugins.coats import BottomLobes, Coats, MitsubaBottom, walk_color
-from urushi.render.reading.parameters import CoatParameters, check_bottom, nested_bsdf
+from urushi.render.plugins.coats import BottomLobes, CoatStack, MitsubaBottom, walk_color
+from urushi.render.reading.parameters import CoatTextures, check_bottom, nested_bsdf
+from urushi.render.recording import compiled_once
 
 
 def define(base: type) -> type:
-    """Make the plugin's class in the current variant; base: `mixture_bsdf.define`'s class."""
+    """Make the plugin's class in the current variant; base: of `define_proposal_bsdf`."""
 
     class Layered(base):
         """A coated BSDF by unbiased random walks (``layered``).
@@ -72,7 +72,7 @@ def define(base: type) -> type:
         def __init__(self, props):
             super().__init__(props)
             self._nested = nested_bsdf(props)
-            self._coat = CoatParameters(props)
+            self._coat = CoatTextures(props)
             check_bottom(self._nested, self._coat.where)
             self._prepare()
 
@@ -86,7 +86,7 @@ def define(base: type) -> type:
 
         def _f(self, vertex, ctx, si, wo, active):
             def walked(si, wo, active):
-                coats = Coats(self.coats, si, active)
+                coats = CoatStack(self.coats, si, active)
                 bottom = MitsubaBottom(self.bottom, ctx, si, active)
                 # Mitsuba gives `eval` no random numbers: hash all that distinguishes the call.
                 rng = hashed_stream(mi.PCG32, (*si.wi, *wo, *si.p, *si.uv, si.time))
@@ -95,8 +95,8 @@ def define(base: type) -> type:
 
             return compiled_once(walked, si, wo, active)
 
-        def _mixture(self, vertex, si, active):
-            return Coats(self.coats, si, active).mixture(self.bottom_lobes, si.wi.z)
+        def _proposal(self, vertex, si, active):
+            return CoatStack(self.coats, si, active).proposal(self.bottom_lobes, si.wi.z)
 
         def traverse(self, callback):
             self._coat.traverse(callback, mi.ParamFlags.NonDifferentiable)

@@ -9,7 +9,7 @@ from urushi.render.plugins.base import resolve
 
 
 def define(base: type) -> type:
-    """Make the plugin's class in the current variant; base: `mixture_bsdf.define`'s class."""
+    """Make the plugin's class in the current variant; base: of `define_proposal_bsdf`."""
 
     class MeasuredBRDF(base):
         """A measured BRDF (``measured_brdf``).
@@ -59,7 +59,7 @@ def define(base: type) -> type:
             channels = self._reflector.f(si.wi, wo)
             return spectrum.from_channels(list(channels), si.wavelengths)
 
-        def _mixture(self, vertex, si, active):
+        def _proposal(self, vertex, si, active):
             return self._reflector.mixture(si.wi.z)
 
         def to_string(self):

@@ -8,13 +8,13 @@ from urushi.errors import ParameterError
 from urushi.material import load
 from urushi.nets import weights
 from urushi.render.latents import lookup
-from urushi.render.latents.holders import ConstantLatents, DifferentiableLatents, TexturedLatents
-from urushi.render.plugins.base import read_model, resolve
+from urushi.render.latents.holders import ConstantLatents, DifferentiableConstant, TexturedLatents
+from urushi.render.plugins.base import read_weights, resolve
 from urushi.textures import file
 
 
 def define(base: type) -> type:
-    """Make the plugin's class in the current variant; base: `neural_bsdf.define`'s class."""
+    """Make the plugin's class in the current variant; base: of `define_neural_bsdf`."""
 
     class NeuralBRDF(base):
         """A saved material (``neural_brdf``).
@@ -62,7 +62,7 @@ def define(base: type) -> type:
                     "Material.save"
                 )
             self._filename = props["filename"]
-            named = read_model(props) if "weights" in props else None
+            named = read_weights(props) if "weights" in props else None
             path = resolve(self._filename)
             if files.tensor_file_kind(path) == file.KIND:
                 self._tensor = None
@@ -92,7 +92,7 @@ def define(base: type) -> type:
                 return
             self._check_changeable()
             if dr.grad_enabled(self._tensor):
-                self.latents = DifferentiableLatents(self.model, self._tensor)
+                self.latents = DifferentiableConstant(self.model, self._tensor)
             else:
                 self.latents = ConstantLatents(self.model, self._tensor.numpy())
 

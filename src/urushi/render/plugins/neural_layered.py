@@ -6,12 +6,12 @@ from urushi.errors import ParameterError
 from urushi.render.latents import gradients
 from urushi.render.latents.baking import Baker
 from urushi.render.latents.holders import ConstantLatents, DifferentiableTexture, TexturedLatents
-from urushi.render.plugins.base import read_model
-from urushi.render.reading.parameters import CoatParameters, check_bottom, nested_bsdf
+from urushi.render.plugins.base import read_weights
+from urushi.render.reading.parameters import CoatTextures, check_bottom, nested_bsdf
 
 
 def define(base: type) -> type:
-    """Make the plugin's class in the current variant; base: `neural_bsdf.define`'s class."""
+    """Make the plugin's class in the current variant; base: of `define_neural_bsdf`."""
 
     class NeuralLayered(base):
         """A coated BSDF by networks, without noise of its own (``neural_layered``).
@@ -88,7 +88,7 @@ def define(base: type) -> type:
         def __init__(self, props):
             super().__init__(props)
             self._bottom = nested_bsdf(props)
-            self._coat = CoatParameters(props)
+            self._coat = CoatTextures(props)
             check_bottom(self._bottom, self._coat.where)
             resolution = int(props.get("resolution", 0))
             if resolution < 0:
@@ -96,7 +96,7 @@ def define(base: type) -> type:
                     f"{self._coat.where}: resolution is {resolution}; give texels per side, "
                     "or 0 to choose by the textures"
                 )
-            self.model = read_model(props)
+            self.model = read_weights(props)
             self._resolution = resolution
             mipmaps = bool(props.get("mipmaps", False))
             self._baker = Baker(self.model, self._coat, self._bottom, resolution, mipmaps)

@@ -1,67 +1,78 @@
-"""What `layered` and `neural_layered` are given: a coat's parameters and the BSDF under it.
-
-Indices of refraction by name, the same names and values as in Mitsuba's own plugins.
-
-Measured at about 589 nm; most are from Hecht, Optics, fourth edition.
-"""
+"""The parameters of `layered` and `neural_layered`: a coat's textures and the BSDF under it."""
 
 from collections.abc import Collection
-from typing import ClassVar, NamedTuple
+from typing import ClassVar
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
 
 from urushi import checks
+from urushi.checks import DEFAULT_COAT, CoatParameters
 from urushi.errors import ParameterError
 from urushi.render import spectrum
 
-#: A coat's parameters that may be textures, and their values when they are not given.
-DEFAULTS = {"alpha": 0.1, "albedo": 0.0, "sigma_t": 0.0, "g": 0.0}
-_CHECKS = {
-    "alpha": checks.alpha,
-    "eta": checks.eta,
-    "albedo": checks.albedo,
-    "sigma_t": checks.sigma_t,
-    "g": checks.g,
+#: Parameters of a coat that may be textures, and their defaults. The index of refraction is given
+#: by two properties of its own.
+DEFAULTS = {name: value for name, value in DEFAULT_COAT._asdict().items() if name != "eta"}
+
+#: The check of each parameter.
+CHECKS = CoatParameters(checks.alpha, checks.eta, checks.albedo, checks.sigma_t, checks.g)
+
+#: Indices of refraction by name, the same names and values as in Mitsuba's own plugins; at about
+#: 589 nm, most from Hecht, Optics, fourth edition.
+IOR = {
+    "vacuum": 1.0,
+    "helium": 1.000036,
+    "hydrogen": 1.000132,
+    "air": 1.000277,
+    "carbon dioxide": 1.00045,
+    "water": 1.3330,
+    "acetone": 1.36,
+    "ethanol": 1.361,
+    "carbon tetrachloride": 1.461,
+    "glycerol": 1.4729,
+    "benzene": 1.501,
+    "silicone oil": 1.52045,
+    "bromine": 1.661,
+    "water ice": 1.31,
+    "fused quartz": 1.458,
+    "pyrex": 1.470,
+    "acrylic glass": 1.49,
+    "polypropylene": 1.49,
+    "bk7": 1.5046,
+    "sodium chloride": 1.544,
+    "amber": 1.55,
+    "pet": 1.5750,
+    "diamond": 2.419,
 }
 
 
-class CoatValues(NamedTuple):
-    """A coat at a point: alpha and eta Dr.Jit floats, the others spectra."""
-
-    alpha: "mi.Float"
-    eta: "mi.Float"
-    albedo: "mi.Spectrum"
-    sigma_t: "mi.Spectrum"
-    g: "mi.Spectrum"
-
-
-class CoatParameters:
-    """A coat as it is read from a plugin's properties: textures, and the relative index `eta`."""
+class CoatTextures:
+    """The textures of a coat, read from a plugin's properties, and its relative index `eta`."""
 
     DRJIT_STRUCT: ClassVar = {"textures": dict, "opaque_eta": object}  # for frozen functions
 
     def __init__(self, props: "mi.Properties"):
         self.where = describe(props)
         self.textures = {name: self._texture(props, name) for name in DEFAULTS}
-        ext_ior = read(props, "ext_ior", "air", f"{self.where}: ext_ior")
+        ext_ior = index_of_refraction(props, "ext_ior", "air", f"{self.where}: ext_ior")
         if not ext_ior > 0:
             raise ParameterError(f"{self.where}: ext_ior is {ext_ior:g}; it must be positive")
         if "int_ior" in props and props.type("int_ior") == mi.Properties.Type.Object:
             self.textures["int_ior"] = self._texture(props, "int_ior")
             self.opaque_eta = opaque(1 / ext_ior)
         else:
-            int_ior = read(props, "int_ior", "bk7", f"{self.where}: int_ior")
+            int_ior = index_of_refraction(props, "int_ior", "bk7", f"{self.where}: int_ior")
             ratio = checks.eta(int_ior / ext_ior, f"{self.where}: int_ior / ext_ior")
             self.opaque_eta = opaque(float(ratio))
 
-    def evaluate(self, si, active) -> CoatValues:
-        """The coat's parameters at a surface interaction."""
+    def evaluate(self, si, active) -> CoatParameters:
+        """The coat at a surface interaction: alpha and eta Dr.Jit floats, the others spectra."""
         textures, eta = self.textures, self.opaque_eta
         if self.has_textured_eta:
             eta = eta * textures["int_ior"].eval_1(si, active)
-        return CoatValues(
+        return CoatParameters(
             textures["alpha"].eval_1(si, active),
             eta,
             *(textures[name].eval(si, active) for name in ("albedo", "sigma_t", "g")),
@@ -70,7 +81,7 @@ class CoatParameters:
     def table(self, uv: np.ndarray, unknown: Collection[str] = ()) -> dict[str, np.ndarray]:
         """Checked parameters at points uv (M, 2): alpha and eta (M, 1), the others (M, channels).
 
-        unknown: names of those that uv does not tell, which are left out.
+        unknown: names of parameters that are no functions of uv; they are left out.
 
         Raises:
             ParameterError: a value is out of range.
@@ -88,13 +99,13 @@ class CoatParameters:
             rows = [np.broadcast_to(channel.numpy(), len(uv)) for channel in channels]
             # Six digits: 0.01 in single precision is less than 0.01 in double.
             array = np.stack(rows, axis=-1).astype(np.float64).round(6)
-            known = "int_ior / ext_ior" if name == "eta" else name
-            table[name] = _CHECKS[name](array, f"{self.where}: {known}", any_shape=True)
+            label = "int_ior / ext_ior" if name == "eta" else name
+            table[name] = getattr(CHECKS, name)(array, f"{self.where}: {label}", any_shape=True)
         return table
 
     @property
     def has_textured_eta(self) -> bool:
-        """Whether `int_ior` is a texture, which `opaque_eta`, 1 / ext_ior, is multiplied with."""
+        """Whether `int_ior` is a texture; `opaque_eta` is 1 / ext_ior then."""
         return "int_ior" in self.textures
 
     @property
@@ -103,14 +114,14 @@ class CoatParameters:
         return float(self.opaque_eta.numpy()[0])
 
     def traverse(self, callback, flags: "mi.ParamFlags") -> None:
-        """Show the textures and `eta` to `mi.traverse`."""
+        """List the textures and `eta` for `mi.traverse`."""
         for name, texture in self.textures.items():
             callback.put(name, texture, flags)
         if not self.has_textured_eta:
             callback.put("eta", self.opaque_eta, flags)
 
     def parameters_changed(self) -> None:
-        """Look at an `eta` that `mi.traverse` has changed.
+        """Check `eta`, which `mi.traverse` may have changed.
 
         Raises:
             ParameterError: it is out of range.
@@ -149,23 +160,39 @@ class CoatParameters:
         return texture
 
 
+def index_of_refraction(props: "mi.Properties", name: str, default: str, where: str) -> float:
+    """The index of refraction that a property gives as a number or as a material's name.
+
+    Raises:
+        ParameterError: neither a number nor a known name.
+    """
+    value = props.get(name, default)
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        return float(value)
+    if isinstance(value, str) and value.lower() in IOR:
+        return IOR[value.lower()]
+    raise ParameterError(
+        f"{where} is {value!r}; give a number or one of the materials " + ", ".join(IOR)
+    )
+
+
 def opaque(value: float) -> "mi.Float":
-    """A Dr.Jit scalar that kernels read from memory, so that plugins of a kind share their code."""
+    """A Dr.Jit scalar that kernels read from memory, so that plugins of one type share code."""
     scalar = mi.Float(value)
     dr.make_opaque(scalar)
     return scalar
 
 
 def describe(props: "mi.Properties") -> str:
-    """The plugin's name and, where the user gave one, its id, to begin an error with."""
+    """The plugin's name, and its id if the user gave one; begins errors."""
     name = props.id()
     return props.plugin_name() + (f" '{name}'" if name and not name.startswith("__") else "")
 
 
 def nested_bsdf(props: "mi.Properties") -> "mi.BSDF":
-    """The one BSDF among the properties, by whatever name; call this before reading textures.
+    """The one BSDF among the properties, under any name. Call this before reading textures.
 
-    (Looking at the objects makes Mitsuba forget which of them were read.)
+    Listing the objects resets Mitsuba's record of which properties were read.
 
     Raises:
         ParameterError: there is none, or more than one.
@@ -186,7 +213,7 @@ def nested_bsdf(props: "mi.Properties") -> "mi.BSDF":
 
 
 def check_bottom(bsdf: "mi.BSDF", where: str) -> None:
-    """Refuse BSDFs that a coat cannot lie on: they let light through, or are mirrors.
+    """Refuse BSDFs that cannot be coated: those that transmit light or have a delta lobe.
 
     Raises:
         ParameterError: the BSDF transmits, or has a delta lobe.
@@ -205,46 +232,3 @@ def check_bottom(bsdf: "mi.BSDF", where: str) -> None:
 
 def _indent(value: object) -> str:
     return str(value).replace("\n", "\n  ")
-
-
-IOR = {
-    "vacuum": 1.0,
-    "helium": 1.000036,
-    "hydrogen": 1.000132,
-    "air": 1.000277,
-    "carbon dioxide": 1.00045,
-    "water": 1.3330,
-    "acetone": 1.36,
-    "ethanol": 1.361,
-    "carbon tetrachloride": 1.461,
-    "glycerol": 1.4729,
-    "benzene": 1.501,
-    "silicone oil": 1.52045,
-    "bromine": 1.661,
-    "water ice": 1.31,
-    "fused quartz": 1.458,
-    "pyrex": 1.470,
-    "acrylic glass": 1.49,
-    "polypropylene": 1.49,
-    "bk7": 1.5046,
-    "sodium chloride": 1.544,
-    "amber": 1.55,
-    "pet": 1.5750,
-    "diamond": 2.419,
-}
-
-
-def read(props: "mi.Properties", name: str, default: str, where: str) -> float:
-    """The index that the property gives as a number or a material's name.
-
-    Raises:
-        ParameterError: neither a number nor a known name.
-    """
-    value = props.get(name, default)
-    if isinstance(value, int | float) and not isinstance(value, bool):
-        return float(value)
-    if isinstance(value, str) and value.lower() in IOR:
-        return IOR[value.lower()]
-    raise ParameterError(
-        f"{where} is {value!r}; give a number or one of the materials " + ", ".join(IOR)
-    )

@@ -1,0 +1,108 @@
+"""Code that Dr.Jit records: routines compiled once, work that is skipped, a cache of the vertex."""
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, NamedTuple
+
+import drjit as dr
+import mitsuba as mi
+
+
+def compiled_once(function: Callable, *args):
+    """Return function(*args) as a call of a routine that a kernel holds once, however often called.
+
+    Dr.Jit merges routines of equal code, those of different materials too.
+    """
+    return dr.switch(mi.UInt32(0), [function], *args)
+
+
+def only_where(active, function: Callable, *args):
+    """Return function(*args), zeros where not active.
+
+    Kernels jump over the function where none of the lanes of a vector is active, for instance where
+    all rays have left the scene.
+    """
+    results: list[Any] = []  # of the recorded call: its structure is needed for the zeros
+
+    def evaluated(*args):
+        result = function(*args)
+        results.append(result)
+        return _flat(result)
+
+    def zeros(*args):
+        return [dr.zeros(type(value)) for value in _flat(results[0])]
+
+    values = dr.if_stmt(args, active, evaluated, zeros)
+    return _nested_like(results[0], iter(values))
+
+
+def _flat(nested: Any) -> list:
+    """The Dr.Jit floats of nested lists and named tuples."""
+    if isinstance(nested, list | tuple):
+        return [value for part in nested for value in _flat(part)]
+    return [nested]
+
+
+def _nested_like(template: Any, values: Iterator) -> Any:
+    """The inverse of `_flat`: values in the nested lists and named tuples of a template."""
+    # No closure that calls itself: it would keep the values until Python looks for cycles. While a
+    # frozen function is recorded, no scene may be freed.
+    parts = [
+        _nested_like(part, values) if isinstance(part, list | tuple) else next(values)
+        for part in template
+    ]
+    return type(template)(*parts) if hasattr(template, "_fields") else parts
+
+
+class CacheEntry(NamedTuple):
+    """Inputs (Dr.Jit arrays), the scope of recorded code that they were used in, and the result."""
+
+    inputs: Sequence
+    scope: int
+    result: Any
+
+
+class VertexCache:
+    """The last result that a plugin computed at a vertex of a path.
+
+    Path integrators evaluate a BSDF towards a light and then draw a direction, one right after the
+    other in the same recorded code, at the same vertex. Dr.Jit merges equal expressions but not
+    equal calls.
+    """
+
+    def __init__(self):
+        self._last: CacheEntry | None = None
+        self._replaced: list[CacheEntry] = []
+
+    def get(self, inputs: Sequence, compute: Callable[[], Any]) -> Any:
+        """Return compute(), or the last result if the inputs are the same and it can be used.
+
+        inputs: Dr.Jit arrays. A result can be used in the scope that it was computed in, and in
+        those that `extend` reaches: those that follow it without leaving the recorded code.
+        """
+        last, self._last = self._last, None
+        scope, indices = _scope(inputs), _indices(inputs)
+        if last and (last.scope, _indices(last.inputs)) == (scope, indices):
+            return last.result
+        if not dr.flag(dr.JitFlag.FreezingScope):
+            self._replaced.clear()
+        elif last:
+            # The entry may hold the last reference to a scene. Dr.Jit ends the process if a scene
+            # is freed while a frozen function is recorded.
+            self._replaced.append(last)
+        result = compute()
+        if dr.detail.any_symbolic(inputs):  # evaluated arrays would stay in memory
+            self._last = CacheEntry(inputs, _scope(inputs), result)
+        return result
+
+    def extend(self) -> None:
+        """Let the last result be used in the present scope too: only calls have come between."""
+        if self._last:
+            self._last = self._last._replace(scope=_scope(self._last.inputs))
+
+
+def _scope(arrays: Sequence) -> int:
+    return dr.detail.scope(dr.backend_v(arrays[0]))
+
+
+def _indices(arrays: Sequence) -> list[tuple[int, int]]:
+    return [(array.index, array.index_ad) for array in arrays]
