@@ -60,6 +60,7 @@ def test_proposals_agree_with_numpy(rgb, networks):
     np.testing.assert_allclose(drawn.numpy().T[gaussian], there[gaussian], atol=1e-4)
 
 
+@pytest.mark.slow
 def test_a_plate_in_white_light_shows_the_albedo(rgb, networks, tmp_path):
     """16 x 16 pixels through `neural_brdf`; in constant light of one, radiance is the albedo."""
     model, path = networks

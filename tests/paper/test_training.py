@@ -129,6 +129,7 @@ def test_the_proxy_learns_to_tell_narrow_from_wide():
     assert mixture.share[0] > 0.9
 
 
+@pytest.mark.slow
 def test_from_data_to_weights_and_the_same_bits_after_an_interruption(tmp_path, monkeypatch):
     preset = paper(TINY)
     model = train(preset, data=tmp_path / "data.zarr", run=tmp_path / "whole")

@@ -15,6 +15,12 @@ from urushi.scenes.stage import COATS, Options
 
 TINY = {"width": 64, "height": 48, "spp": 16, "detail": 0.1}
 
+#: The scenes; two of them take longest to compile.
+NAMES = [
+    pytest.param(name, marks=pytest.mark.slow) if name in ("still-life", "shoe") else name
+    for name in shipped.SCENES
+]
+
 
 @pytest.fixture(scope="module")
 def mi():
@@ -26,7 +32,7 @@ def mi():
     return mitsuba
 
 
-@pytest.mark.parametrize("name", shipped.SCENES)
+@pytest.mark.parametrize("name", NAMES)
 def test_networks_and_walk_give_a_scene_the_same_light(mi, name, tmp_path):
     """Mean radiances differ by less than 2 % and three standard errors.
 
@@ -47,7 +53,7 @@ def test_networks_and_walk_give_a_scene_the_same_light(mi, name, tmp_path):
     assert abs(networks.mean() - walk.mean()) < 0.02 * walk.mean() + 3 * error
 
 
-@pytest.mark.parametrize("name", shipped.SCENES)
+@pytest.mark.parametrize("name", NAMES)
 def test_the_exported_file_renders_as_the_dictionary_does(mi, name, tmp_path):
     """With the same seed, to what transforms lose when they are written as steps."""
     options = Options(coat="layered", **TINY)

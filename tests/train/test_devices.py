@@ -61,6 +61,7 @@ def four(tiny_data, tmp_path_factory):
     return json.loads(run.stdout), weights.read(folder / "weights.safetensors")
 
 
+@pytest.mark.slow
 def test_each_device_has_its_share_of_the_stacks_and_all_parameters(four, tiny):
     seen, steps = four[0]["Batch"], tiny.networks.steps_per_call
     assert seen["f"] == [[steps, 4, tiny.pairs]] * 4  # 16 stacks a step
@@ -74,6 +75,7 @@ def test_each_device_has_its_share_of_the_stacks_and_all_parameters(four, tiny):
     assert seen["weight"] == [[6 + 16, 24]] * 4
 
 
+@pytest.mark.slow
 def test_four_devices_learn_what_one_does(four, tiny, tiny_data, tmp_path):
     one = train(tiny, data=tiny_data, run=tmp_path)
     model = four[1]
@@ -90,6 +92,7 @@ def test_four_devices_learn_what_one_does(four, tiny, tiny_data, tmp_path):
         assert model.header["metrics"][name] == pytest.approx(value, rel=1e-2)
 
 
+@pytest.mark.slow
 def test_stacks_that_do_not_divide_use_fewer_devices_or_are_refused(four):
     assert four[0]["six stacks"] == 3
     assert "a step sees 7 stacks, which 4 devices cannot share evenly" in four[0]["error"]

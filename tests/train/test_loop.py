@@ -35,7 +35,9 @@ def log(folder):
     return [{k: v for k, v in line.items() if k != "seconds"} for line in lines]
 
 
-@pytest.mark.parametrize("saves", [1, 4, 5, 8, 10, 11, 13])
+@pytest.mark.parametrize(
+    "saves", [1, *(pytest.param(n, marks=pytest.mark.slow) for n in (4, 5, 8, 10, 11)), 13]
+)
 def test_a_training_that_fails_midway_resumes_to_the_same_bits(
     saves, uninterrupted, tiny, tiny_data, tmp_path, monkeypatch
 ):

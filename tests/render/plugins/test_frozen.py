@@ -95,7 +95,15 @@ def test_they_see_changed_textures(rgb, networks):
     assert frozen.n_recordings < index  # others are replayed
 
 
-@pytest.mark.parametrize("key", ("alpha.value", "albedo.data", "bottom.alpha.value", "latents"))
+@pytest.mark.parametrize(
+    "key",
+    (
+        "alpha.value",
+        pytest.param("albedo.data", marks=pytest.mark.slow),
+        pytest.param("bottom.alpha.value", marks=pytest.mark.slow),
+        "latents",
+    ),
+)
 def test_gradients_inside_are_those_outside(rgb, networks, model, tmp_path, key):
     textured = key == "albedo.data"
     bsdf = coat(rgb, "neural_layered", networks, textured)
