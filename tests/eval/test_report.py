@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from urushi.errors import FileError
-from urushi.eval import benchmark, cost, metrics, physical_laws, report, table
+from urushi.eval import benchmark, cost, metrics, physical_laws, report
 from urushi.eval import samples as sampling
 from urushi.eval.groups import Aim, Row
 from urushi.nets import weights
@@ -47,8 +47,8 @@ def test_rows_are_the_figures_of_the_networks(result, tiny, sets):
 
 
 def test_the_text_has_every_line(result, monkeypatch):
-    monkeypatch.setattr(table, "ROWS", ROWS)
-    text = table.text(result)
+    monkeypatch.setattr(report, "ROWS", ROWS)
+    text = report.table(result)
     lines = {line.strip()[:22].strip(): line for line in text.splitlines()}
     for name in ("encode bare ones", "encode simulated ones", "all together", "decoder"):
         assert name in lines

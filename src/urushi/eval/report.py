@@ -1,4 +1,4 @@
-"""The evaluation of networks: every figure of the table, as text, JSON and plots."""
+"""`urushi eval`: all figures of networks, as a table, JSON and plots."""
 
 import json
 import os
@@ -9,13 +9,21 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from urushi.eval import benchmark, cost, metrics, physical_laws, predict, table
+from urushi.eval import benchmark, cost, metrics, physical_laws, predict
 from urushi.eval import samples as sampling
-from urushi.eval.groups import GROUPS, ROWS, Group, Row
+from urushi.eval.groups import GROUPS, ROWS, Aim, Group, Row
 from urushi.eval.samples import Samples
 from urushi.files import atomic_write, new_folder
 from urushi.material import Material
 from urushi.nets.weights import Model, Weights, find
+
+#: Columns of the errors. The mean of P is left out: a few pairs in dark tails dominate it.
+COLUMNS = [("E", "mean"), ("E", "median"), ("E", "p95"), ("E", "reference")]
+COLUMNS += [("P", "median"), ("P", "p95"), ("P", "reference")]
+
+#: A decoder of at most this many parameters is `small`: its aims are twice as large.
+SMALL_DECODER = 2500
+_SHORT = {"reference": "ref"}
 
 
 @dataclass(frozen=True)
@@ -24,13 +32,13 @@ class Result:
 
     Attributes:
         fingerprint: of the networks.
-        reference: where the reference values are from, in words.
+        reference: origin of the reference values, in words.
         rows: by row name, stacks and by metric "E" (over stacks) and "P" (over all pairs): mean,
             median, p95 and reference, the reference's own error (mean of E, median of P).
         laws: the laws of physics.
-        parameters: trained numbers by network.
-        seconds: times by operation.
-        errors: by group, E of its stacks, coat after coat layered.
+        parameters: number of trained parameters by network.
+        seconds: time of every operation [s].
+        errors: by group, E (S,) of its stacks with every coat layered.
     """
 
     fingerprint: str
@@ -48,13 +56,13 @@ def report(
     *,
     seed: int | None = None,
 ) -> str:
-    """Measure networks and tabulate the figures.
+    """Measure networks; returns the table of all figures as text.
 
     Args:
         weights: the networks: "base" (the default), "small", a weights file, or a Model.
         output: folder to write figures.json and the plots to.
-        seed: simulate other held-out stacks by this seed, which takes long; default: compare with
-            the stored set.
+        seed: of other held-out stacks, which are then simulated in about ten minutes; default: the
+            stored set.
 
     Raises:
         FileError: the weights or the stored set are missing or damaged, or `output` cannot be
@@ -71,15 +79,59 @@ def report(
 
         errors.draw(folder / "errors.png", sets, result.errors)
         lobes.draw(folder / "worst.png", model, sets, result.errors)
-    return table.text(result)
+    return table(result)
 
 
-class _Way(NamedTuple):
-    """How materials of a group's stacks are made, see `groups.Row`."""
+class Way(NamedTuple):
+    """How the materials of a group's stacks are made, see `groups.Row`."""
 
     group: str
     encoded: int = 0
     refined: bool = False
+
+
+class Errors(NamedTuple):
+    """The errors of networks on the groups' stacks.
+
+    Attributes:
+        rows: as of `Result`.
+        materials: by group, the networks' materials with every coat layered.
+        stacks: by group, E (S,) of these materials.
+    """
+
+    rows: dict[str, dict[str, Any]]
+    materials: dict[str, list[Material]]
+    stacks: dict[str, np.ndarray]
+
+
+def measure_errors(
+    model: Model,
+    sets: Mapping[str, Samples],
+    *,
+    groups: tuple[Group, ...] = GROUPS,
+    rows: tuple[Row, ...] = ROWS,
+) -> Errors:
+    """Errors E and P of networks on the groups' sets, row by row."""
+    materials: dict[Way, list[Material]] = {}
+    values: dict[Way, np.ndarray] = {}
+    by_name = {group.name: group for group in groups}
+
+    def ways(row: Row) -> list[Way]:
+        return [Way(name, row.coats(by_name[name]), row.refined) for name in row.groups]
+
+    for way in (way for row in rows for way in ways(row)):
+        if way not in materials:
+            samples = sets[way.group]
+            materials[way] = predict.materials(model, samples, way.encoded, refined=way.refined)
+            values[way] = predict.evaluate(materials[way], samples.wi, samples.wo)
+    layered = [way for way in materials if way == Way(way.group)]
+    return Errors(
+        rows={
+            row.name: _row([(sets[way.group], values[way]) for way in ways(row)]) for row in rows
+        },
+        materials={way.group: materials[way] for way in layered},
+        stacks={way.group: sampling.stack_errors(values[way], sets[way.group]) for way in layered},
+    )
 
 
 def measure(
@@ -90,35 +142,21 @@ def measure(
     rows: tuple[Row, ...] = ROWS,
     source: str = "",
 ) -> Result:
-    """Take all figures of networks on the groups' sets."""
-    made: dict[_Way, list[Material]] = {}
-    values: dict[_Way, np.ndarray] = {}
-    by_name = {group.name: group for group in groups}
-    for row in rows:
-        for name in row.groups:
-            way = _Way(name, row.coats(by_name[name]), row.refined)
-            if way not in made:
-                made[way] = predict.materials(model, sets[name], way.encoded, refined=way.refined)
-                values[way] = predict.evaluate(made[way], sets[name].wi, sets[name].wo)
-    layered = {way.group: group for way, group in made.items() if way == _Way(way.group)}
+    """All figures of networks on the groups' sets; `source`: where the sets are from, in words."""
+    errors = measure_errors(model, sets, groups=groups, rows=rows)
     return Result(
         fingerprint=model.fingerprint,
         reference=source,
-        rows={
-            row.name: _row(
-                [(sets[n], values[_Way(n, row.coats(by_name[n]), row.refined)]) for n in row.groups]
-            )
-            for row in rows
-        },
-        laws=physical_laws.measure(model, sets, layered),
+        rows=errors.rows,
+        laws=physical_laws.measure(model, sets, errors.materials),
         parameters=cost.parameters(model),
         seconds=cost.seconds(model),
-        errors={name: sampling.stack_errors(values[_Way(name)], sets[name]) for name in layered},
+        errors=errors.stacks,
     )
 
 
 def _row(parts: list[tuple[Samples, np.ndarray]]) -> dict[str, Any]:
-    """Figures over the stacks of several sets together, each with the networks' values."""
+    """Figures over the stacks of several sets together, each with the networks' values (S, M)."""
     e = np.concatenate([sampling.stack_errors(f_hat, s) for s, f_hat in parts])
     p = np.concatenate([sampling.pair_errors(f_hat, s).ravel() for s, f_hat in parts])
     own = [sampling.reference_error(s) for s, _ in parts]
@@ -137,3 +175,41 @@ def write_json(path: Path, result: Result) -> None:
     content["errors"] = {name: errors.tolist() for name, errors in result.errors.items()}
     with atomic_write(path) as temporary:
         temporary.write_text(json.dumps(content, indent=2) + "\n")
+
+
+def table(result: Result) -> str:
+    """The whole table: errors in percent, laws of physics, sizes and times."""
+    slack = 2 if result.parameters.get("decoder", 0) <= SMALL_DECODER else 1
+    aims = {row.name: row.aims for row in ROWS}
+    width = max(map(len, [*result.rows, *(law.name for law in result.laws), *result.seconds]))
+    heads = " ".join(f"{metric + ' ' + _SHORT.get(key, key):>8}" for metric, key in COLUMNS)
+    title = f"networks {result.fingerprint}, reference: {result.reference}"
+    lines = [title, "", f"{'errors [%]':<{width}} {'stacks':>6} {heads}  aims"]
+    for name, row in result.rows.items():
+        numbers = " ".join(f"{100 * row[metric][key]:8.2f}" for metric, key in COLUMNS)
+        verdict = "; ".join(_aim(aim, row, slack) for aim in aims.get(name, ()))
+        lines.append(f"{name:<{width}} {row['stacks']:>6} {numbers}  {verdict}".rstrip())
+    lines += ["", "laws of physics"]
+    for law in result.laws:
+        lines.append(f"{law.name:<{width}} {law.value:>10.4g} {law.unit:<4} {_limit(law)}".rstrip())
+    lines += ["", "parameters"]
+    lines += [f"{name:<{width}} {count:>10,}" for name, count in result.parameters.items()]
+    lines += ["", "times, on this machine now"]
+    lines += [f"{name:<{width}} {_duration(value)}" for name, value in result.seconds.items()]
+    return "\n".join(lines)
+
+
+def _aim(aim: Aim, row: dict[str, Any], slack: int) -> str:
+    limit = slack * aim.limit
+    verdict = "ok" if row[aim.metric][aim.statistic] <= limit else "MISSED"
+    return f"{aim.metric} {aim.statistic} <= {100 * limit:g} {verdict}"
+
+
+def _limit(law: Any) -> str:
+    if law.limit is None:
+        return ""
+    return f"{'>' if law.lower else '<='} {law.limit:g} {'ok' if law.kept else 'BROKEN'}"
+
+
+def _duration(seconds: float) -> str:
+    return f"{seconds:>10.3g} s" if seconds >= 1 else f"{1000 * seconds:>10.3g} ms"
