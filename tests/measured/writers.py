@@ -76,3 +76,37 @@ def rgl_fields(rng, *, wavelengths=None, size=8, elevations=4):
         return fields | {"rgb": colour.astype(np.float32)}
     spectral = {"wavelengths": np.asarray(wavelengths, np.float32)}
     return fields | spectral | {"spectra": colour.astype(np.float32)}
+
+
+def rgl_ggx_fields(alpha, r0, *, wavelengths=None, size=96, elevations=48):
+    """The tensors of a GGX conductor of width alpha with Schlick's reflectances r0 (channels,).
+
+    `vndf` is uniform, so that its warp is the identity. With sigma = cos_i / G1(wi), the values
+    that the format stores are F(wi.m) G1(wo).
+    """
+    node = np.linspace(0, 1, size)
+    theta_i, theta_m = np.linspace(0, np.pi / 2, elevations), node**2 * np.pi / 2
+    azimuth, i = (2 * node - 1)[:, None] * np.pi, theta_i[:, None, None]
+    m = np.sin(theta_m) * np.cos(azimuth), np.sin(theta_m) * np.sin(azimuth), np.cos(theta_m)
+    cos_d = np.sin(i) * m[0] + np.cos(i) * m[2]  # wi.m, (elevations, azimuth, theta_m)
+    cos_o = np.abs(2 * cos_d * m[2] - np.cos(i))
+    g1 = 2 * cos_o / (cos_o + np.sqrt(alpha**2 + (1 - alpha**2) * cos_o**2))
+    fresnel = np.multiply.outer(1 - np.asarray(r0), (1 - np.maximum(cos_d, 0)) ** 5)
+    fresnel += np.reshape(r0, (-1, 1, 1, 1))
+    colour = np.moveaxis(fresnel * g1, 0, 1)[None].astype(np.float32)
+    cos = np.cos(theta_m)
+    ndf = alpha**2 / (np.pi * (cos**2 * (alpha**2 - 1) + 1) ** 2)
+    sigma = 0.5 * (cos + np.sqrt(alpha**2 + (1 - alpha**2) * cos**2))
+    fields = {
+        "description": np.frombuffer(b"GGX", np.uint8),
+        "phi_i": np.zeros(1, np.float32),
+        "theta_i": theta_i.astype(np.float32),
+        "ndf": np.tile(ndf.astype(np.float32), (2, 1)),
+        "sigma": np.tile(sigma.astype(np.float32), (2, 1)),
+        "vndf": np.ones((1, elevations, 2, 2), np.float32),
+        "luminance": np.ones((1, elevations, 2, 2), np.float32),
+        "jacobian": np.ones(1, np.uint8),
+    }
+    if wavelengths is None:
+        return fields | {"rgb": colour}
+    return fields | {"wavelengths": np.asarray(wavelengths, np.float32), "spectra": colour}

@@ -1,4 +1,4 @@
-"""Readers of measured BRDFs: MERL tables and RGL materials."""
+"""Measured BRDFs: MERL tables and RGL materials."""
 
 import os
 from pathlib import Path
@@ -12,7 +12,7 @@ __all__ = ["Merl", "Rgl", "load_measured"]
 
 
 def load_measured(path: str | os.PathLike) -> Merl | Rgl:
-    """Read a measured BRDF; what the file holds, not its name, decides how.
+    """Read a measured BRDF. The file's contents, not its name, determine the format.
 
     Args:
         path: a MERL table (Matusik et al. 2003, `.binary`) or an isotropic RGL material, RGB or
@@ -22,8 +22,8 @@ def load_measured(path: str | os.PathLike) -> Merl | Rgl:
         An object whose f(wi, wo) -> (N, 3) is linear RGB [1/sr] without cosine.
 
     Raises:
-        FileError: the file is missing, unreadable, neither of both, damaged or anisotropic.
-        ParameterError: `path` is no path.
+        FileError: the file is missing, unreadable, damaged, anisotropic or of another format.
+        ParameterError: `path` is not a path.
     """
     try:
         source = Path(path)
@@ -48,7 +48,7 @@ def load_measured(path: str | os.PathLike) -> Merl | Rgl:
 
 
 def _foreign(source: Path, start: bytes) -> FileError:
-    """The error for a file that no reader knows, in words that help to see what it is."""
+    """The error for a file of another format; it says what the file resembles."""
     text = start.lstrip().lower()
     if text.startswith((b"<!doctype", b"<html", b"<?xml", b"<head")):
         return FileError(f"'{source}' is a web page, not a BRDF; download the file itself")

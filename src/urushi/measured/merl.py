@@ -1,11 +1,12 @@
 """MERL tables: isotropic BRDFs measured by Matusik et al., "A data-driven reflectance model", 2003.
 
-A `.binary` file is three int32 (90, 90, 180), then planes R, G, B of float64, each indexed by
-(theta_h, theta_d, phi_d) and to be multiplied by 1/1500, 1.15/1500 and 1.66/1500; little-endian.
+A `.binary` file is little-endian: three int32 (90, 90, 180), then the planes R, G and B of float64,
+each indexed by (theta_h, theta_d, phi_d). The planes are in units of 1/1500, 1.15/1500 and
+1.66/1500 per steradian.
 
-Bin convention: the database's own reader (BRDFRead.cpp) finds a bin by truncation,
-    i = floor(90 sqrt(theta_h / 90 deg)),  j = floor(theta_d / 1 deg),  k = floor(phi_d / 1 deg),
-so bin i spans [i, i + 1) on its axis and its value belongs to the centre, i + 0.5.
+The database's own reader (BRDFRead.cpp) finds a bin by truncation,
+    i = floor(90 sqrt(theta_h / 90 deg)),  j = floor(theta_d / 1 deg),  k = floor(phi_d / 1 deg).
+Bin i therefore spans [i, i + 1) on its axis, and its value belongs to the centre, i + 0.5.
 """
 
 from functools import partial
@@ -27,7 +28,7 @@ from urushi.measured.tabulated import (
 #: Bins along theta_h, theta_d and phi_d.
 SHAPE = (90, 90, 180)
 
-#: What the three planes are multiplied with, to be in 1/sr.
+#: Factors of the planes R, G and B that give values in 1/sr.
 SCALE = (1 / 1500, 1.15 / 1500, 1.66 / 1500)
 
 #: The first bytes of every MERL file.
@@ -41,14 +42,14 @@ class Merl(MeasuredSurface):
     """A BRDF given by a table over half and difference angles; reciprocal and isotropic.
 
     Evaluation is trilinear between bin centres, along sqrt(theta_h), theta_d and phi_d:
-    - phi_d is periodic over 180 degrees, as reciprocity demands; f(wi, wo) = f(wo, wi) exactly.
-    - Before the first centre of theta_h and theta_d the first bin holds. Reciprocity makes f even
-      about both zeros, so nothing is lost there.
-    - Beyond the last centre, at grazing angles, the last bin holds.
-    - A bin is invalid where any channel is negative (so the database marks what it could not
-      measure: much of what lies beyond about 80 degrees) or where its centre has a direction below
-      the horizon. Invalid bins take the values of the nearest valid bin along theta_d or phi_d,
-      whichever is fewer bins away, so that no mark leaks into its neighbours' interpolation.
+    - phi_d is periodic over 180 degrees, as reciprocity requires; f(wi, wo) = f(wo, wi) exactly.
+    - Below the first centre of theta_h and theta_d the first bin's value is used. Reciprocity makes
+      f even about both zeros, so that this loses nothing.
+    - Above the last centre, at grazing angles, the last bin's value is used.
+    - A bin is invalid if any channel is negative or if its centre has a direction below the
+      horizon. Negative values mark bins that could not be measured, many of them beyond about 80
+      degrees. Invalid bins are filled by `tabulated.fill_nearest`, so that no mark enters the
+      interpolation.
     - f is 0 where a direction is below the horizon.
     """
 
@@ -91,7 +92,7 @@ class Merl(MeasuredSurface):
         return evaluate(partial(interpolated, self._table), 3, wi, wo)
 
     def table(self) -> np.ndarray:
-        """The filled table, (90, 90, 180, 3)."""
+        """The filled table, float32 (90, 90, 180, 3) [1/sr]."""
         return self._table
 
 
@@ -117,7 +118,7 @@ def read(path: Path) -> Merl:
             )
         for channel, scale in enumerate(SCALE):
             plane = np.fromfile(file, "<f8", SHAPE[0] * SHAPE[1] * SHAPE[2])
-            with np.errstate(all="ignore"):  # what does not fit is refused below, as not finite
+            with np.errstate(all="ignore"):  # values out of range become infinite: see Merl
                 table[..., channel] = (plane * scale).reshape(SHAPE)
     try:
         return Merl(table)
@@ -126,5 +127,5 @@ def read(path: Path) -> Merl:
 
 
 def dimensions(header: bytes) -> str:
-    """The dimensions that a header's twelve bytes claim, as text."""
+    """The dimensions in a header's first twelve bytes, as text."""
     return " x ".join(str(n) for n in np.frombuffer(header[:12], "<i4"))

@@ -1,15 +1,14 @@
-"""RGL materials: isotropic BRDFs measured by Dupuy and Jakob, "An adaptive parameterization for
-efficient material acquisition and rendering", 2018, in RGB or spectral.
+"""RGL materials: isotropic BRDFs measured by Dupuy and Jakob 2018, in RGB or spectral.
 
-With m the half vector and u_m its position on the unit square, x = sqrt(2 theta_m / pi) and
-y = (phi_m - phi_i + pi) / (2 pi), the file gives
+Source: "An adaptive parameterization for efficient material acquisition and rendering".
+
+Let m be the half vector and u_m = (x, y) its position on the unit square, x = sqrt(2 theta_m / pi)
+and y = (phi_m - phi_i + pi) / (2 pi). Then
     f cos theta_o = S(v(u_m)) D(u_m) / (4 sigma(theta_i)),
 where D is the microfacet density, sigma the projected area of the microfacets, v the warp that
-makes the density of visible normals (vndf) uniform, and S what was measured, on v's square.
-D / (4 sigma) is absent where the file's flag `jacobian` is 0. vndf and S are linear in between
-elevations theta_i.
-
-From spectra to linear sRGB.
+makes the density of visible normals (`vndf`) uniform, and S the measured values on the square of v.
+The factor D / (4 sigma) is absent if the file's flag `jacobian` is 0. vndf and S are interpolated
+linearly between elevations theta_i.
 """
 
 from importlib.resources import files
@@ -23,7 +22,7 @@ from urushi.measured import rgl_file
 from urushi.measured.tabulated import MeasuredSurface, evaluate, tabulated
 from urushi.measured.warp import BilinearGrid, Slices, Warp
 
-#: Dimensions and type of the tensors that every file has.
+#: Number of dimensions and type of each tensor that every file has.
 TENSORS = {
     "description": (1, "u1"),
     "phi_i": (1, "f4"),
@@ -34,34 +33,46 @@ TENSORS = {
     "jacobian": (1, "u1"),
 }
 
-#: A file's colour: the measured tensor's name in RGB files and in spectral ones.
+#: Name of the measured tensor in RGB files and in spectral ones.
 RGB, SPECTRA = "rgb", "spectra"
 
-#: cos theta_o is not taken smaller when f cos theta_o is divided by it (89.4 degrees): the data do
-#: not vanish at the horizon, and f would grow without bound.
-LEAST_COSINE = 0.01
+#: Least cos theta_o by which f cos theta_o is divided (89.4 degrees). The data do not vanish at the
+#: horizon, so that f would be unbounded there.
+MIN_COSINE = 0.01
 
-#: Bins of the table that lies under a coat: it differs from the reader, averaged over the exchange
-#: of the directions, by an E of about 1 %, of which most is theta_h's.
-TABLE = (256, 64, 64)
+#: Bins of the table for the random walk. Its error E against the reciprocal mean of `Rgl.f` is
+#: about 1 %, most of it from the resolution of theta_h.
+TABLE_SHAPE = (256, 64, 64)
+
+#: CIE XYZ to linear sRGB (IEC 61966-2-1).
+XYZ_TO_SRGB = np.array(
+    [[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0.0557, -0.2040, 1.0570]]
+)
+
+#: [nm] The visible range, in which a spectrum needs at least two samples.
+VISIBLE = (380.0, 780.0)
 
 
 class Rgl(MeasuredSurface):
     """A BRDF in the adaptive parameterization; isotropic by construction, nearly reciprocal.
 
-    It is reciprocal as far as the measurement and its interpolation over few theta_i are (wi and
-    wo have different parts in the formula). f is 0 where a direction is below the horizon.
+    wi and wo enter the formula in different ways, so that f is reciprocal only up to errors of
+    the measurement and of the interpolation over few theta_i. f is 0 where a direction is below
+    the horizon.
 
     Attributes:
-        description: the file's own words.
-        wavelengths: float64 (W,) [nm] of a spectral file; None if the file is in RGB.
+        description: the description in the file.
+        wavelengths: float64 (W,) [nm] of a spectral file; None for an RGB file.
     """
 
     description: str
     wavelengths: np.ndarray | None
 
     def __init__(self, tensors: dict[str, np.ndarray]) -> None:
-        """Take a file's tensors by name (see `TENSORS`, and "rgb", or "spectra" and "wavelengths").
+        """Make a BRDF of a file's tensors by name.
+
+        Args:
+            tensors: those of `TENSORS`, and "rgb", or "spectra" and "wavelengths".
 
         Raises:
             FileError: a tensor is missing, of another shape or type, not finite, or out of range,
@@ -85,12 +96,13 @@ class Rgl(MeasuredSurface):
             self._to_rgb = srgb_weights(self.wavelengths)
 
     def f(self, wi: npt.ArrayLike, wo: npt.ArrayLike) -> np.ndarray:
-        """Evaluate in linear sRGB; spectra are seen under D65, so that a constant one is neutral.
+        """Evaluate in linear sRGB.
 
-        Colours outside of sRGB have a negative channel, which is set to 0.
+        Spectra are converted under the illuminant D65, so that a constant spectrum is neutral.
+        Negative channels, of colours outside of sRGB, are set to 0.
 
         Args:
-            wi, wo: (N, 3) unit vectors; a file is measured with light from wi.
+            wi, wo: (N, 3) unit vectors; wi is the direction of the light in the measurement.
 
         Returns:
             float32 (N, 3): [1/sr], without cosine, never negative.
@@ -105,18 +117,18 @@ class Rgl(MeasuredSurface):
         return evaluate(lookup, 3, wi, wo, width=self._channels)
 
     def table(self) -> np.ndarray:
-        """f averaged over the exchange of wi and wo, (256, 64, 64, 3)."""
-        return tabulated(self.f, TABLE)
+        """The mean of f over the exchange of wi and wo, float32 (256, 64, 64, 3) [1/sr]."""
+        return tabulated(self.f, TABLE_SHAPE)
 
     def f_channels(self, wi: npt.ArrayLike, wo: npt.ArrayLike) -> np.ndarray:
-        """Evaluate as measured.
+        """Evaluate in the channels of the file.
 
         Args:
             wi, wo: (N, 3) unit vectors.
 
         Returns:
-            float32 (N, W) at the file's wavelengths, or (N, 3) linear sRGB of an RGB file, where
-            a colour outside of sRGB has a negative channel: [1/sr], without cosine.
+            float32 (N, W) [1/sr] at the file's wavelengths, or (N, 3) in linear sRGB for an RGB
+            file, without cosine. Colours outside of sRGB have negative channels.
 
         Raises:
             ParameterError: wrong shapes, or directions that are not unit vectors.
@@ -124,17 +136,18 @@ class Rgl(MeasuredSurface):
         return evaluate(self._lookup, self._channels, wi, wo, width=self._channels)
 
     def _lookup(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        """The formula of this module for float64 (N, 3) directions above the horizon."""
         m = wi + wo
         theta_i, theta_m = _elevation(wi), _elevation(m)
-        # phi_m - phi_i, from products so that it depends on nothing but the difference.
-        turn = np.arctan2(
+        # phi_m - phi_i, by products, so that it depends on the difference of the azimuths alone.
+        azimuth = np.arctan2(
             wi[:, 0] * m[:, 1] - wi[:, 1] * m[:, 0], wi[:, 0] * m[:, 0] + wi[:, 1] * m[:, 1]
         )
         x_i, x_m = (np.sqrt(theta / (np.pi / 2)) for theta in (theta_i, theta_m))
-        u_m = np.stack([x_m, (turn + np.pi) / (2 * np.pi)], 1)
+        u_m = np.stack([x_m, (azimuth + np.pi) / (2 * np.pi)], 1)
         slices = self._slices.find(theta_i)
         result = self._measured.evaluate(self._vndf.invert(u_m, slices), slices)
-        scale = 1 / np.maximum(wo[:, 2], LEAST_COSINE)
+        scale = 1 / np.maximum(wo[:, 2], MIN_COSINE)
         if self._jacobian:
             scale *= _linear(self._ndf, x_m) / (4 * _linear(self._sigma, x_i))
         return result * scale[:, None]
@@ -144,7 +157,7 @@ def read(path: Path) -> Rgl:
     """Read an RGL file.
 
     Raises:
-        FileError: as of `tensorfile.read` and `Rgl`.
+        FileError: as `rgl_file.read` and `Rgl`.
     """
     tensors = rgl_file.read(path)
     try:
@@ -189,9 +202,10 @@ def _check_structure(tensors: dict[str, np.ndarray]) -> np.ndarray:
 
 
 def _check_isotropic(tensors: dict[str, np.ndarray]) -> None:
+    """Raise a FileError if there are several azimuths or if `ndf` or `sigma` depends on them."""
     count = len(tensors["phi_i"])
-    turns = any((tensors[name] != tensors[name][:1]).any() for name in ("ndf", "sigma"))
-    if count > 1 or turns:
+    varies = any((tensors[name] != tensors[name][:1]).any() for name in ("ndf", "sigma"))
+    if count > 1 or varies:
         raise FileError(
             f"the material is anisotropic (measured at {count} azimuths), "
             "and only isotropic ones can be used"
@@ -199,6 +213,7 @@ def _check_isotropic(tensors: dict[str, np.ndarray]) -> None:
 
 
 def _check_values(tensors: dict[str, np.ndarray], measured: np.ndarray) -> None:
+    """Raise a FileError if a number is not finite or out of range."""
     named = {name: tensors[name] for name, (_, dtype) in TENSORS.items() if dtype == "f4"}
     named |= {RGB if SPECTRA not in tensors else SPECTRA: measured}
     if SPECTRA in tensors:
@@ -224,30 +239,22 @@ def _check_values(tensors: dict[str, np.ndarray], measured: np.ndarray) -> None:
 
 
 def _elevation(w: np.ndarray) -> np.ndarray:
-    """The angle from the normal [rad], exact near zero, of vectors (N, 3) of any length."""
+    """The angle [rad] of vectors (N, 3) of any length from the normal, accurate near zero."""
     return np.arctan2(np.hypot(w[:, 0], w[:, 1]), w[:, 2])
 
 
 def _linear(values: np.ndarray, u: np.ndarray) -> np.ndarray:
-    """Values at equally spaced nodes over [0, 1], linear in between."""
+    """Linear interpolation at u of values at equally spaced nodes over [0, 1]."""
     return np.interp(u, np.linspace(0, 1, len(values)), values)
-
-
-#: CIE XYZ to linear sRGB (IEC 61966-2-1).
-XYZ_TO_SRGB = np.array(
-    [[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0.0557, -0.2040, 1.0570]]
-)
-
-#: The visible range, inside which a spectrum needs samples [nm].
-VISIBLE = (380.0, 780.0)
 
 
 def srgb_weights(wavelengths: np.ndarray) -> np.ndarray:
     """Return weights (W, 3) such that spectrum @ weights is linear sRGB.
 
-    The spectrum of a reflectance or BRDF, piecewise linear between its samples and constant outside
-    of them, is integrated against the CIE 1931 observer under illuminant D65, sRGB's white. A
-    constant spectrum c gives exactly (c, c, c). Saturated spectra can give negative numbers.
+    The spectrum of a reflectance or BRDF is taken as linear between its samples and constant
+    outside of them. It is integrated against the CIE 1931 observer under the illuminant D65, the
+    white of sRGB. A constant spectrum c gives exactly (c, c, c). Saturated spectra can give
+    negative numbers.
 
     Args:
         wavelengths: (W,) strictly increasing [nm], W >= 2, some inside the visible range.
@@ -259,7 +266,7 @@ def srgb_weights(wavelengths: np.ndarray) -> np.ndarray:
     light = np.interp(nm, table[:, 0], table[:, 4])
     curves = (XYZ_TO_SRGB @ (observer * light)).T  # (nm, 3)
 
-    # The samples on either side of each nm share what it contributes.
+    # Each nm contributes to the samples on both sides in proportion to its distance from them.
     lower = np.clip(np.searchsorted(wavelengths, nm) - 1, 0, len(wavelengths) - 2)
     gap = wavelengths[lower + 1] - wavelengths[lower]
     share = np.clip((nm - wavelengths[lower]) / gap, 0, 1)[:, None]

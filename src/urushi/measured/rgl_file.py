@@ -1,8 +1,8 @@
-"""The container of the RGL database: named arrays in one little-endian "tensor_file".
+"""The file format of the RGL database: named arrays in one little-endian "tensor_file".
 
 char[12] "tensor_file\\0", uint8 version[2], uint32 number of fields; then for each field uint16
 length of the name, the name, uint16 number of dimensions, uint8 type, uint64 offset of the data
-from the file's start, uint64 shape[]. (Not Urushi's own files: those are safetensors.)
+from the start of the file, uint64 shape[].
 """
 
 import math
@@ -18,10 +18,10 @@ from urushi.errors import FileError
 MAGIC = b"tensor_file\0"
 VERSION = (1, 0)
 
-#: Far more than any file of the database has (11 fields of up to 5 dimensions).
-MOST_FIELDS, MOST_DIMENSIONS = 256, 16
+#: Limits; files of the database have 11 fields of up to 5 dimensions.
+MAX_FIELDS, MAX_DIMENSIONS = 256, 16
 
-#: The types of numbers, by their codes.
+#: NumPy types by their codes in the file.
 TYPES = {
     1: "u1", 2: "i1", 3: "<u2", 4: "<i2", 5: "<u4", 6: "<i4", 7: "<u8", 8: "<i8",
     9: "<f2", 10: "<f4", 11: "<f8",
@@ -30,6 +30,8 @@ TYPES = {
 
 @dataclass(frozen=True)
 class _Field:
+    """A tensor's entry in the header; `start` and `end` are byte offsets in the file."""
+
     name: str
     dtype: np.dtype
     shape: tuple[int, ...]
@@ -38,14 +40,14 @@ class _Field:
 
 
 def read(path: Path) -> dict[str, np.ndarray]:
-    """Return every array by its name.
+    """Return the arrays by name.
 
-    Sizes are checked against the file before anything is allocated: together the arrays are never
-    larger than the file.
+    Sizes are checked against the size of the file before memory is allocated, so that all arrays
+    together are never larger than the file.
 
     Raises:
-        FileError: no tensor file, another version, truncated, or tensors that repeat a name,
-            overlap, or lie outside the file.
+        FileError: the file is no tensor file, of another version or truncated, or its tensors
+            repeat a name, overlap, or lie outside of the file.
     """
     size = path.stat().st_size
     with path.open("rb") as file:
@@ -59,7 +61,7 @@ def read(path: Path) -> dict[str, np.ndarray]:
                 "only 1.0 can be read"
             )
         (count,) = reader.unpack("I")
-        if count > MOST_FIELDS:
+        if count > MAX_FIELDS:
             raise reader.damaged(f"it claims {count} fields")
         fields = [_field(reader) for _ in range(count)]
         _check_places(fields, file.tell(), reader)
@@ -67,7 +69,7 @@ def read(path: Path) -> dict[str, np.ndarray]:
 
 
 class _Reader:
-    """Reads the header; running out of the file is a FileError."""
+    """Reads the header; raises a FileError at the end of the file."""
 
     def __init__(self, file: BinaryIO, path: Path, size: int) -> None:
         self.file, self.path, self.size = file, path, size
@@ -88,12 +90,13 @@ class _Reader:
 
 
 def _field(reader: _Reader) -> _Field:
+    """Read one tensor's entry in the header."""
     (length,) = reader.unpack("H")
     name = reader.take(length).decode("utf-8", "replace")[:40]
     dimensions, code, start = reader.unpack("HBQ")
     if code not in TYPES:
         raise reader.damaged(f"its tensor {name!r} has the unknown type {code}")
-    if dimensions > MOST_DIMENSIONS:
+    if dimensions > MAX_DIMENSIONS:
         raise reader.damaged(f"its tensor {name!r} claims {dimensions} dimensions")
     shape = reader.unpack(f"{dimensions}Q")
     dtype = np.dtype(TYPES[code])
@@ -101,6 +104,7 @@ def _field(reader: _Reader) -> _Field:
 
 
 def _check_places(fields: list[_Field], header_end: int, reader: _Reader) -> None:
+    """Raise a FileError if tensors repeat a name, overlap, or lie outside of the file."""
     if len({field.name for field in fields}) < len(fields):
         raise reader.damaged("it names a tensor twice")
     end, previous = header_end, "the header"
@@ -115,11 +119,12 @@ def _check_places(fields: list[_Field], header_end: int, reader: _Reader) -> Non
 
 
 def _array(file: BinaryIO, field: _Field, reader: _Reader) -> np.ndarray:
+    """Read one tensor's data."""
     file.seek(field.start)
     data = np.fromfile(file, field.dtype, math.prod(field.shape))
     if data.nbytes < field.end - field.start:
         raise reader.damaged(f"its tensor {field.name!r} is truncated")
     try:
         return data.reshape(field.shape)
-    except ValueError as error:  # no entry, yet a dimension beyond what NumPy can count
+    except ValueError as error:  # a dimension too large for NumPy in an empty array
         raise reader.damaged(f"its tensor {field.name!r} has the shape {field.shape}") from error

@@ -1,13 +1,8 @@
-"""Tables of BRDFs over half and difference angles: MERL's layout, of any resolution.
+"""Measured BRDFs as surfaces: evaluation of directions, and tables over half and difference angles.
 
-Bin i of n along theta_h spans [i, i + 1) of n sqrt(theta_h / 90 deg); along theta_d and phi_d bins
-are equal parts of 90 and 180 degrees. A bin's value belongs to its centre.
-
-Filling of a MERL table's invalid bins from their nearest valid neighbours.
-
-What every measured BRDF does with its directions before it looks anything up.
-
-What every measured BRDF is: something to evaluate, and the bottom of a coat's random walk.
+A table has MERL's layout at any resolution (H, D, P). Bin i along theta_h spans [i, i + 1) of
+H sqrt(theta_h / 90 deg). Along theta_d and phi_d, bins are equal parts of 90 and 180 degrees. The
+value of a bin belongs to its centre.
 """
 
 from abc import ABC, abstractmethod
@@ -21,130 +16,48 @@ import numpy.typing as npt
 from urushi import checks
 from urushi.geometry.half_vector import above_horizon, directions_at, half_difference_angles
 
-#: Bins along theta_h, theta_d and phi_d.
+if TYPE_CHECKING:
+    from urushi.reference.tabulated import Tabulated
+
+#: Numbers of bins along theta_h, theta_d and phi_d.
 Shape = tuple[int, int, int]
 
-
-def bin_centres(shape: Shape) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """theta_h (H, 1, 1), theta_d (1, D, 1) and phi_d (1, 1, P) of the bins' centres [rad]."""
-    half, difference, turn = ((np.arange(n) + 0.5) / n for n in shape)
-    return (
-        (half**2 * (np.pi / 2))[:, None, None],
-        (difference * (np.pi / 2))[None, :, None],
-        (turn * np.pi)[None, None, :],
-    )
-
-
-def interpolated(table: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-    """Values (N, C) of a table (H, D, P, C) at directions float64 (N, 3) above the horizon.
-
-    Trilinear between bin centres, along sqrt(theta_h), theta_d and phi_d. phi_d is periodic over
-    180 degrees, as reciprocity demands. Before the first centre of theta_h and theta_d the first
-    bin holds, beyond the last one the last.
-    """
-    shape, rows = table.shape[:3], table.reshape(-1, table.shape[3])
-    theta_h, theta_d, phi_d = half_difference_angles(wi, wo)
-    half = _between_centres(np.sqrt(theta_h / (np.pi / 2)), shape[0])
-    difference = _between_centres(theta_d / (np.pi / 2), shape[1])
-    turn = _between_centres(phi_d / np.pi, shape[2], periodic=True)
-    result = np.zeros((len(wi), table.shape[3]))
-    for i, weight_i in half:
-        for j, weight_j in difference:
-            for k, weight_k in turn:
-                weight = weight_i * weight_j * weight_k
-                bins = (i * shape[1] + j) * shape[2] + k
-                result += weight[:, None] * rows[bins]
-    return result
-
-
-def tabulated(f: Callable[[np.ndarray, np.ndarray], np.ndarray], shape: Shape) -> np.ndarray:
-    """The table float32 (H, D, P, C) of a BRDF f(wi, wo) -> (N, C), averaged over the exchange.
-
-    What has a direction below the horizon is filled as of `fill_nearest`.
-    """
-    angles = bin_centres(shape)
-    above = above_horizon(*angles)
-    angles_above = (angle[above] for angle in np.broadcast_arrays(*angles))
-    wi, wo = (w.astype(np.float32) for w in directions_at(*angles_above))
-    values = 0.5 * (f(wi, wo) + f(wo, wi))
-    table = np.zeros((*above.shape, values.shape[1]), np.float32)
-    table[above] = values
-    fill_nearest(table, above)
-    return table
-
-
-def _between_centres(
-    u: np.ndarray, bins: int, *, periodic: bool = False
-) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Return the two bins whose centres enclose u in [0, 1], each with its weight."""
-    position = u * bins - 0.5
-    if not periodic:
-        position = np.clip(position, 0, bins - 1)
-    lower = np.floor(position).astype(np.intp)
-    weight = position - lower
-    upper = lower + 1
-    if periodic:
-        lower, upper = lower % bins, upper % bins
-    else:
-        upper = np.minimum(upper, bins - 1)
-    return [(lower, 1 - weight), (upper, weight)]
-
-
-def fill_nearest(values: np.ndarray, valid: np.ndarray) -> None:
-    """Overwrite invalid bins, in place.
-
-    Each takes the nearest valid bin of its row along theta_d or along phi_d (periodic), whichever
-    is fewer bins away (phi_d, if equal: it keeps the Fresnel term). What has neither takes part in
-    another round, as soon as its neighbours are filled; slices of theta_h without any valid bin
-    take the nearest slice.
-
-    Args:
-        values: (theta_h, theta_d, phi_d, channels).
-        valid: bool, the first three of these axes; at least one is true.
-    """
-    for slice_values, slice_valid in zip(values, valid, strict=True):
-        known = slice_valid.copy()
-        while known.any() and not known.all():
-            _fill_once(slice_values, known)
-    empty = ~valid.any(axis=(1, 2))
-    if empty.any():
-        filled = np.flatnonzero(~empty)
-        for i in np.flatnonzero(empty):
-            values[i] = values[filled[np.argmin(np.abs(filled - i))]]
-
-
-def _fill_once(values: np.ndarray, known: np.ndarray) -> None:
-    """Fill what has a known bin in its row or column of (theta_d, phi_d); mark it as known."""
-    count = known.shape[1]
-    in_column, column_distance = _nearest(known)
-    wrapped, row_distance = _nearest(np.tile(known, (1, 3)).T)  # three turns: periodic
-    in_row = wrapped.T[:, count : 2 * count] % count
-    row_distance = row_distance.T[:, count : 2 * count]
-    by_row = row_distance <= column_distance
-    found = ~known & np.isfinite(np.minimum(row_distance, column_distance))
-    j, k = np.nonzero(found)
-    source_j = np.where(by_row[j, k], j, in_column[j, k])
-    source_k = np.where(by_row[j, k], in_row[j, k], k)
-    values[j, k] = values[source_j, source_k]
-    known[j, k] = True
-
-
-def _nearest(known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Along axis 0: the nearest known entry's index and its distance (infinite: there is none)."""
-    count = len(known)
-    index = np.broadcast_to(np.arange(count)[:, None], known.shape)
-    before = np.maximum.accumulate(np.where(known, index, -3 * count), axis=0)
-    after = np.minimum.accumulate(np.where(known, index, 3 * count)[::-1], axis=0)[::-1]
-    nearest = np.where(index - before <= after - index, before, after)
-    distance = np.abs(nearest - index).astype(np.float64)
-    missing = distance > count
-    return np.where(missing, 0, nearest), np.where(missing, np.inf, distance)
-
-
-#: Numbers looked up at once: bounds the memory of a call, whatever the number of pairs.
+#: Numbers that are looked up at once; bounds the memory of a call.
 CHUNK = 1 << 19
 
+#: Largest value that float32 results hold.
 _LARGEST = float(np.finfo(np.float32).max)
+
+
+class MeasuredSurface(ABC):
+    """A measured BRDF, which can also be the bottom of a stack.
+
+    `f` evaluates it. Under a coat, as in `urushi.coat(urushi.load_measured(path))`, the random
+    walk uses `table` instead.
+    """
+
+    @abstractmethod
+    def f(self, wi: npt.ArrayLike, wo: npt.ArrayLike) -> np.ndarray:
+        """Linear RGB, float32 (N, 3) [1/sr] without cosine, for unit vectors (N, 3)."""
+
+    @abstractmethod
+    def table(self) -> np.ndarray:
+        """The BRDF made reciprocal, as a table float32 (H, D, P, 3) [1/sr]."""
+
+    @cached_property
+    def tabulated(self) -> "Tabulated":
+        """The table as a bottom of the random walk."""
+        from urushi.reference.tabulated import Tabulated  # imported here because it starts Dr.Jit
+
+        return Tabulated(self.table())
+
+    def f_pdf(self, wi: Any, wo: Any) -> tuple[Any, Any]:
+        """See `urushi.reference.bottoms.Bottom`."""
+        return self.tabulated.f_pdf(wi, wo)
+
+    def sample(self, wi: Any, u0: Any, u1: Any, u2: Any) -> tuple[Any, Any, Any]:
+        """See `urushi.reference.bottoms.Bottom`."""
+        return self.tabulated.sample(wi, u0, u1, u2)
 
 
 def evaluate(
@@ -155,13 +68,13 @@ def evaluate(
     *,
     width: int = 3,
 ) -> np.ndarray:
-    """Evaluate pairs in the upper hemisphere, a chunk at a time; zero where one is not above it.
+    """Evaluate a BRDF at pairs, a chunk at a time; zero where a direction is not above the horizon.
 
     Args:
         lookup: maps exact unit vectors wi, wo, float64 (M, 3), to finite values (M, channels).
-        channels: how many values `lookup` gives for a pair.
+        channels: number of values per pair.
         wi, wo: (N, 3) unit vectors.
-        width: how many numbers `lookup` handles for a pair on its way.
+        width: numbers per pair that `lookup` holds in memory.
 
     Returns:
         float32 (N, channels).
@@ -181,43 +94,126 @@ def evaluate(
 
 
 def _unit(w: np.ndarray) -> np.ndarray:
+    """Directions (N, 3) as float64, normalised."""
     w = w.astype(np.float64)
     return w / np.linalg.norm(w, axis=1, keepdims=True)
 
 
-if TYPE_CHECKING:
-    from urushi.reference.tabulated import Tabulated
+def bin_centres(shape: Shape) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return theta_h (H, 1, 1), theta_d (1, D, 1), phi_d (1, 1, P) of the bins' centres [rad]."""
+    half, difference, turn = ((np.arange(n) + 0.5) / n for n in shape)
+    return (
+        (half**2 * (np.pi / 2))[:, None, None],
+        (difference * (np.pi / 2))[None, :, None],
+        (turn * np.pi)[None, None, :],
+    )
 
 
-class MeasuredSurface(ABC):
-    """A measured BRDF; `f` evaluates it, `table` is what lies under a coat.
+def interpolated(table: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+    """Return values (N, C) of a table (H, D, P, C) at float64 (N, 3) directions above the horizon.
 
-    It can be coated, `urushi.coat(urushi.load_measured(path), alpha, eta)`, as it has what the walk
-    asks of a bottom.
+    Interpolation is trilinear between bin centres, along sqrt(theta_h), theta_d and phi_d. phi_d
+    is periodic over 180 degrees, as reciprocity requires. Below the first centre of theta_h and
+    theta_d the first bin's value is used, above the last centre the last bin's.
     """
+    shape, rows = table.shape[:3], table.reshape(-1, table.shape[3])
+    theta_h, theta_d, phi_d = half_difference_angles(wi, wo)
+    half = _between_centres(np.sqrt(theta_h / (np.pi / 2)), shape[0])
+    difference = _between_centres(theta_d / (np.pi / 2), shape[1])
+    turn = _between_centres(phi_d / np.pi, shape[2], periodic=True)
+    result = np.zeros((len(wi), table.shape[3]))
+    for i, weight_i in half:
+        for j, weight_j in difference:
+            for k, weight_k in turn:
+                weight = weight_i * weight_j * weight_k
+                bins = (i * shape[1] + j) * shape[2] + k
+                result += weight[:, None] * rows[bins]
+    return result
 
-    @abstractmethod
-    def f(self, wi: npt.ArrayLike, wo: npt.ArrayLike) -> np.ndarray:
-        """Linear RGB, float32 (N, 3) [1/sr] without cosine, for unit vectors (N, 3)."""
 
-    @abstractmethod
-    def table(self) -> np.ndarray:
-        """The reciprocal BRDF over half and difference angles, float32 (H, D, P, 3) [1/sr].
+def _between_centres(
+    u: np.ndarray, bins: int, *, periodic: bool = False
+) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Return the two bins whose centres enclose u in [0, 1], each with its linear weight."""
+    position = u * bins - 0.5
+    if not periodic:
+        position = np.clip(position, 0, bins - 1)
+    lower = np.floor(position).astype(np.intp)
+    weight = position - lower
+    upper = lower + 1
+    if periodic:
+        lower, upper = lower % bins, upper % bins
+    else:
+        upper = np.minimum(upper, bins - 1)
+    return [(lower, 1 - weight), (upper, weight)]
 
-        See `urushi.measured.tabulated`.
-        """
 
-    @cached_property
-    def tabulated(self) -> "Tabulated":
-        """The table in Dr.Jit, with lobes to draw directions from."""
-        from urushi.reference.tabulated import Tabulated  # lazily: it starts Dr.Jit
+def tabulated(f: Callable[[np.ndarray, np.ndarray], np.ndarray], shape: Shape) -> np.ndarray:
+    """Return the table float32 (H, D, P, C) of a BRDF f(wi, wo) -> (N, C).
 
-        return Tabulated(self.table())
+    Each value is the mean over the exchange of wi and wo. Bins with a direction below the horizon
+    are filled by `fill_nearest`.
+    """
+    angles = bin_centres(shape)
+    above = above_horizon(*angles)
+    angles_above = (angle[above] for angle in np.broadcast_arrays(*angles))
+    wi, wo = (w.astype(np.float32) for w in directions_at(*angles_above))
+    values = 0.5 * (f(wi, wo) + f(wo, wi))
+    table = np.zeros((*above.shape, values.shape[1]), np.float32)
+    table[above] = values
+    fill_nearest(table, above)
+    return table
 
-    def f_pdf(self, wi: Any, wo: Any) -> tuple[Any, Any]:
-        """As of `urushi.reference.bottoms.Bottom`, on Dr.Jit arrays."""
-        return self.tabulated.f_pdf(wi, wo)
 
-    def sample(self, wi: Any, u0: Any, u1: Any, u2: Any) -> tuple[Any, Any, Any]:
-        """As of `urushi.reference.bottoms.Bottom`, on Dr.Jit arrays."""
-        return self.tabulated.sample(wi, u0, u1, u2)
+def fill_nearest(values: np.ndarray, valid: np.ndarray) -> None:
+    """Overwrite invalid bins in place with values of nearby valid ones.
+
+    An invalid bin takes the nearest valid value along theta_d or along phi_d (periodic), whichever
+    is fewer bins away; phi_d if they are equally far, because that keeps the Fresnel term. Bins
+    with neither are filled in a further round, from the bins just filled. A slice of theta_h
+    without valid bins takes the nearest filled slice.
+
+    Args:
+        values: (theta_h, theta_d, phi_d, channels).
+        valid: bool (theta_h, theta_d, phi_d), at least one true.
+    """
+    for slice_values, slice_valid in zip(values, valid, strict=True):
+        known = slice_valid.copy()
+        while known.any() and not known.all():
+            _fill_once(slice_values, known)
+    empty = ~valid.any(axis=(1, 2))
+    if empty.any():
+        filled = np.flatnonzero(~empty)
+        for i in np.flatnonzero(empty):
+            values[i] = values[filled[np.argmin(np.abs(filled - i))]]
+
+
+def _fill_once(values: np.ndarray, known: np.ndarray) -> None:
+    """Fill the bins of a slice (theta_d, phi_d) with a known bin in their row or column.
+
+    known: bool (theta_d, phi_d); is updated in place.
+    """
+    count = known.shape[1]
+    in_column, column_distance = _nearest(known)
+    wrapped, row_distance = _nearest(np.tile(known, (1, 3)).T)  # three periods
+    in_row = wrapped.T[:, count : 2 * count] % count
+    row_distance = row_distance.T[:, count : 2 * count]
+    by_row = row_distance <= column_distance
+    found = ~known & np.isfinite(np.minimum(row_distance, column_distance))
+    j, k = np.nonzero(found)
+    source_j = np.where(by_row[j, k], j, in_column[j, k])
+    source_k = np.where(by_row[j, k], in_row[j, k], k)
+    values[j, k] = values[source_j, source_k]
+    known[j, k] = True
+
+
+def _nearest(known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Index of the nearest known entry along axis 0, and its distance (infinite if none is)."""
+    count = len(known)
+    index = np.broadcast_to(np.arange(count)[:, None], known.shape)
+    before = np.maximum.accumulate(np.where(known, index, -3 * count), axis=0)
+    after = np.minimum.accumulate(np.where(known, index, 3 * count)[::-1], axis=0)[::-1]
+    nearest = np.where(index - before <= after - index, before, after)
+    distance = np.abs(nearest - index).astype(np.float64)
+    missing = distance > count
+    return np.where(missing, 0, nearest), np.where(missing, np.inf, distance)

@@ -1,4 +1,4 @@
-"""Bilinear grids on the unit square that depend on the elevation of wi, and their warps.
+"""Bilinear grids on the unit square, one per elevation of wi, and warps that make them uniform.
 
 As in Mitsuba's Marginal2D (continuous) and the reference code of Dupuy and Jakob, "An adaptive
 parameterization for efficient material acquisition and rendering", 2018.
@@ -8,7 +8,7 @@ import numpy as np
 
 
 class Slices:
-    """Linear interpolation between slices given at increasing parameters, clamped at both ends."""
+    """Linear interpolation between slices at increasing parameters, clamped at both ends."""
 
     def __init__(self, parameters: np.ndarray) -> None:
         """parameters: (T,), T >= 2, strictly increasing."""
@@ -16,15 +16,15 @@ class Slices:
 
     def find(self, parameter: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
         """Return the two slices around each parameter (N,), each with its weight."""
-        known = self._parameters
-        lower = np.clip(np.searchsorted(known, parameter) - 1, 0, len(known) - 2)
-        gap = known[lower + 1] - known[lower]
-        weight = np.clip((parameter - known[lower]) / gap, 0, 1)
+        nodes = self._parameters
+        lower = np.clip(np.searchsorted(nodes, parameter) - 1, 0, len(nodes) - 2)
+        gap = nodes[lower + 1] - nodes[lower]
+        weight = np.clip((parameter - nodes[lower]) / gap, 0, 1)
         return [(lower, 1 - weight), (lower + 1, weight)]
 
 
 class BilinearGrid:
-    """Values at the nodes of a regular grid over the unit square, bilinear in between."""
+    """Bilinear interpolation between the nodes of a regular grid over the unit square."""
 
     def __init__(self, values: np.ndarray) -> None:
         """values: (T, rows, columns, channels); u = (x along columns, y along rows)."""
@@ -43,10 +43,10 @@ class BilinearGrid:
 
 
 class Warp:
-    """The map that turns a density, bilinear on a grid, into the uniform one.
+    """The warp of the uniform density on the unit square to a density that is bilinear on a grid.
 
-    First along x given y (the conditional), then along y (the marginal). Between slices the
-    densities and their integrals are interpolated, not the maps.
+    It acts along x given y (the conditional), then along y (the marginal). Between slices the
+    densities and their integrals are interpolated, not the warps.
     """
 
     def __init__(self, density: np.ndarray) -> None:
@@ -60,7 +60,7 @@ class Warp:
         self._marginal = along_y / total[:, None]
 
     def invert(self, u: np.ndarray, slices: list[tuple[np.ndarray, np.ndarray]]) -> np.ndarray:
-        """Return the uniform point (N, 2) in [0, 1] that the warp takes to u (N, 2)."""
+        """Return the points (N, 2) in [0, 1] that the warp maps to u (N, 2)."""
         rows, columns = self._density.shape[1:]
         (column, row), (x, y) = _cell(u, rows, columns)
 
@@ -70,7 +70,8 @@ class Warp:
         def between_rows(table: np.ndarray, i: np.ndarray) -> np.ndarray:
             return (1 - y) * at(table, row, i) + y * at(table, row + 1, i)
 
-        # Integrals of the density along x up to u, and of what lies below along y.
+        # Integrals of the density: along the row up to u's x, along the whole row, and over all
+        # rows below u's y.
         left, right = (between_rows(self._density, i) for i in (column, column + 1))
         part = between_rows(self._conditional, column) + x * (left + 0.5 * x * (right - left))
         last = np.full_like(column, columns - 1)
@@ -78,20 +79,20 @@ class Warp:
         lower, upper = (at(self._conditional, j, last) for j in (row, row + 1))
         below = at(self._marginal, row) + y * (lower + 0.5 * y * (upper - lower))
 
-        empty = whole <= 0  # no density in this row: any x warps to the same
+        empty = whole <= 0  # no density in this row: every x is mapped to the same point
         sample = np.stack([part / np.where(empty, 1.0, whole), below], 1)
         return np.clip(sample, 0, 1)
 
 
 def _integrate(values: np.ndarray) -> np.ndarray:
-    """Integrals from the first node to each along the last axis, of linear pieces of length 1."""
+    """Integrals from the first node to each node along the last axis, of linear pieces."""
     result = np.zeros_like(values)
     np.cumsum(0.5 * (values[..., 1:] + values[..., :-1]), axis=-1, out=result[..., 1:])
     return result
 
 
 def _cell(u: np.ndarray, rows: int, columns: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return the lower (column, row) of the cell around each u and the position inside of it."""
+    """Return the lower (column, row) of the cell around each u, and the position in the cell."""
     last = np.array([columns - 1, rows - 1])
     position = np.clip(u, 0, 1) * last
     cell = np.minimum(position.astype(np.intp), last - 1)
