@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from urushi.nets import weights
 from urushi.textures import mip_pyramid, packing
 from urushi.textures.store import TextureStore
 
@@ -40,6 +41,12 @@ def test_the_gain_matters_most(model):
     order = packing.importance_order(model)
     assert sorted(order) == list(range(model.arch.latent))
     assert packing.texel_layout(model, 3).low[0] >= 0
+
+
+@pytest.mark.parametrize("name", weights.SHIPPED)
+def test_the_stored_importance_is_the_measured_one(name):
+    networks = weights.load_shipped(name)
+    assert packing.importance_order(networks) == packing.measure_importance(networks)
 
 
 def test_packing_is_as_fine_as_its_steps(model, codes):

@@ -1,7 +1,7 @@
 """A packed latent texture that is read and overwritten by rows, with or without a mip pyramid."""
 
 import contextlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
@@ -13,6 +13,9 @@ from urushi.textures.packing import PackedTexels, TexelLayout
 
 #: Texels that are packed at once: bounds memory.
 PACKED_BLOCK = 1 << 17
+
+#: Texels by slice or index.
+Rows = slice | np.ndarray
 
 
 class TextureStore:
@@ -44,31 +47,51 @@ class TextureStore:
         return packing.unpack(self.layout, part)
 
     @contextlib.contextmanager
-    def writing(self) -> Iterator[Callable[[np.ndarray, np.ndarray], None]]:
-        """A function that writes codes (n, channels, size) to rows (n,) of the first level.
+    def writing(self) -> Iterator[Callable[..., None]]:
+        """A function write(rows, codes, index=None) for the codes of rows (n,) of the first level.
 
-        All rows must be written the first time, which then are packed together at the end. The
-        other levels are made, or made anew where that is needed, at the end.
+        codes: (n, channels, size); or (k, size) that texels share, with the index (n, channels) of
+        each texel's codes among them.
+
+        All rows must be written the first time, and are packed together at the end. The other
+        levels are computed at the end, where they change.
         """
         width, height = self.levels[0]
-        if self.empty:
+        coarser = self._coarser
+        if self.empty and not coarser:
+            written: list[tuple[Rows, np.ndarray, np.ndarray]] = []
+
+            def collect(rows: Rows, codes: np.ndarray, index: np.ndarray | None = None) -> None:
+                if index is None:
+                    index = np.arange(codes[..., 0].size).reshape(codes.shape[:-1])
+                shared = codes.reshape(-1, codes.shape[-1]).astype(np.float16)
+                written.append((rows, shared, index))
+
+            yield collect
+            self._pack_shared(written)
+            return
+        if self.empty and coarser:
             texels = sum(width * height for width, height in self.levels)
             whole = np.empty((texels, self.layout.channels, self.layout.size), np.float16)
-            yield whole[: width * height].__setitem__
-            if self._coarser:
-                self._coarser.fill(whole.__getitem__, whole.__setitem__)
+            first = whole[: width * height]
+
+            def keep(rows: Rows, codes: np.ndarray, index: np.ndarray | None = None) -> None:
+                first[rows] = codes if index is None else codes[index]
+
+            yield keep
+            coarser.fill(whole.__getitem__, whole.__setitem__)
             self._pack(whole)
             return
         changed = np.zeros(width * height, bool)
 
-        def write(rows: np.ndarray, codes: np.ndarray) -> None:
+        def write(rows: Rows, codes: np.ndarray, index: np.ndarray | None = None) -> None:
             changed[rows] = True
-            self._overwrite(rows, codes)
+            self._overwrite(rows, codes if index is None else codes[index])
 
         yield write
-        if self._coarser and changed.any():
+        if coarser and changed.any():
             parts: list[tuple[np.ndarray, np.ndarray]] = []
-            self._coarser.fill(
+            coarser.fill(
                 self._read_alone, lambda *part: parts.append(part), np.flatnonzero(changed)
             )
             if parts:
@@ -79,6 +102,19 @@ class TextureStore:
         part = self.packed._replace(bytes=self.packed.bytes[rows])
         return packing.unpack_serial(self.layout, part)
 
+    def _pack_shared(self, written: Sequence[tuple[Rows, np.ndarray, np.ndarray]]) -> None:
+        """Pack every code once, and copy its bytes to the texels that share it."""
+        ranges = [_value_range(codes[:, None]) for _, codes, _ in written]
+        lowest, highest = (np.stack(ends) for ends in zip(*ranges, strict=True))
+        width, height = self.levels[0]
+        empty = np.zeros((width * height, self.layout.texel_bytes), np.uint8)
+        packed = packing.with_ranges(self.layout, empty, lowest.min(axis=0), highest.max(axis=0))
+        for rows, codes, index in written:
+            shared = packing.pack_codes(self.layout, packed, codes)
+            used = self.layout.channels * self.layout.stride
+            packed.bytes[rows, :used] = shared[index].reshape(-1, used)
+        self.packed = packed
+
     def _pack(self, whole: np.ndarray) -> None:
         lowest, highest = _value_range(whole)
         empty = np.zeros((len(whole), self.layout.texel_bytes), np.uint8)
@@ -87,7 +123,7 @@ class TextureStore:
             rows = slice(start, min(start + PACKED_BLOCK, len(whole)))
             packing.pack_rows(self.layout, self.packed, rows, whole[rows])
 
-    def _overwrite(self, rows: np.ndarray, codes: np.ndarray) -> None:
+    def _overwrite(self, rows: Rows, codes: np.ndarray) -> None:
         """Replace rows (n,) by codes (n, channels, size); wider ranges pack all anew."""
         if not packing.in_ranges(self.packed, self.layout, codes):
             self._widen(codes)

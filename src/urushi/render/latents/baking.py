@@ -246,13 +246,13 @@ class CoatTexture:
                 texel, channel = np.nonzero(present != before)
                 if not len(texel):
                     continue
-                layered = self._layered(present, texel, channel, table, codes)
-                if len(layered) == present.size:
-                    write(np.arange(start, stop), layered.reshape(*present.shape, -1))
+                layered, row_of = self._layered(present, texel, channel, table, codes)
+                if len(row_of) == present.size:
+                    write(np.arange(start, stop), layered, row_of.reshape(present.shape))
                 else:
                     rows, which = np.unique(texel, return_inverse=True)
                     texels = self._store.read(start + rows)
-                    texels[which, channel] = layered
+                    texels[which, channel] = layered[row_of]
                     write(start + rows, texels)
                 self._keys[start:stop] = present
         return TexturedLatents(self._model, self._store, grid)
@@ -264,8 +264,8 @@ class CoatTexture:
         channel: np.ndarray,
         table: dict[str, np.ndarray],
         codes: np.ndarray,
-    ) -> np.ndarray:
-        """Codes (n, size) of rows (texel, channel), each of those that are alike once."""
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Distinct codes (k, size) of rows (texel, channel), and the code of each row (n,)."""
         row, row_of = texel_hash.unique_rows(present[texel, channel])
         texel, channel = texel[row], channel[row]
 
@@ -274,7 +274,7 @@ class CoatTexture:
             return array[texel if count > 1 else 0, channel if width > 1 else 0]
 
         rows = {name: np.broadcast_to(at_rows(v), len(row)) for name, v in table.items()}
-        return layer_texels(self._model, at_rows(codes), **rows)[row_of]
+        return layer_texels(self._model, at_rows(codes), **rows), row_of
 
 
 def choose_grid(
