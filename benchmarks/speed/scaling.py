@@ -108,29 +108,29 @@ def train(folder: Path) -> None:
 
 
 def measure(store: str, memory: int, precision: str) -> None:
-    """Print speed and peak memory of the networks' training, as of `quick`."""
+    """Print speed and peak memory of the joint stage of `quick`."""
     from urushi.train import examples, presets, training
-    from urushi.train.stages.stage import stage
 
     preset = presets.quick()
-    schedule = dataclasses.replace(preset.networks, precision=precision)
-    preset = dataclasses.replace(preset, networks=schedule)
+    schedule = dataclasses.replace(preset.stages[0].schedule, precision=precision)
+    joint = dataclasses.replace(preset.stages[0], schedule=schedule)
+    preset = dataclasses.replace(preset, stages=(joint, *preset.stages[1:]))
     depths = examples.load(Store.open(store), preset.arch, preset.pairs, memory)
     params = training.initial(preset, depths)
-    learn = stage.networks_stage(preset, depths, params)
-    state = stage.begin("networks", preset, params).state
+    learner = joint.learn(params, preset.architectures()[1], depths, preset.seed)
+    state = training.begin(preset, 0, params).state
     steps, taking = schedule.steps_per_call, 0.0
     times = []
     for call in range(CALLS + 1):
         began = time.perf_counter()
-        batches = learn.batches(call * steps, steps)
+        batches = learner.batches(call * steps, steps)
         taken = time.perf_counter()
-        state, terms = learn.steps(state, batches)
+        state, terms = learner.steps(state, batches)
         terms["loss"].block_until_ready()
         if call:
             times.append(time.perf_counter() - began)
             taking += taken - began
-    samples = steps * sum(preset.stacks) * preset.pairs / 1e6
+    samples = steps * sum(joint.stacks) * preset.pairs / 1e6
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**10
     print(
         f"best {samples / min(times):.2f}, mean {samples / np.mean(times):.2f} M samples/s; "

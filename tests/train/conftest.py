@@ -1,4 +1,4 @@
-"""A training so small that it takes seconds, on data that every test of this floor shares."""
+"""A training of a few steps, and its data, which the tests of this folder share."""
 
 import pytest
 
@@ -7,11 +7,21 @@ from urushi.data.generate import generate
 from urushi.data.spec import DataSpec, Part
 from urushi.nets.architecture import Architecture
 from urushi.train.datasets import validation
-from urushi.train.presets import Layering, Preset, Schedule
+from urushi.train.optimiser import Schedule
+from urushi.train.presets import Preset
+from urushi.train.stages.decoding import Decoding
+from urushi.train.stages.joint import Joint
+from urushi.train.stages.layering import Layering
+from urushi.train.stages.sampling import Sampling
 
 ARCH = Architecture(
     latent=6, decoder=(16,), encoder=(16,), layerer=(24,), sampler=(8,), lobes=2, probes=24
 )
+
+#: Stacks of 0, 1 and 2 coats in a step.
+STACKS = (3, 9, 4)
+
+SOAP = Schedule(8, 4, 1e-3, average=0.9, steps_per_call=4, checkpoint_every=4, rule="soap")
 
 TINY = Preset(
     name="tiny",
@@ -26,16 +36,13 @@ TINY = Preset(
         seed=5,
         shard=16,
     ),
-    networks=Schedule(24, 4, 3e-3, average=0.9, steps_per_call=4, checkpoint_every=8),
-    layering=Layering(
-        Schedule(16, 4, 1e-3, average=0.9, steps_per_call=4, checkpoint_every=8, rule="soap"),
-        stacks=(10, 2),
-        before=(16,),
+    stages=(
+        Joint(Schedule(8, 4, 3e-3, average=0.9, steps_per_call=4, checkpoint_every=4), STACKS),
+        Layering(SOAP, stacks=(10, 2), widen_from=(16,)),
+        Decoding(SOAP, STACKS),
+        Layering(SOAP, stacks=(10, 2), seed_offset=2, name="relayering"),
+        Sampling(Schedule(8, 4, 3e-3, average=0.9, steps_per_call=4, checkpoint_every=4)),
     ),
-    decoding=Schedule(16, 4, 1e-3, average=0.9, steps_per_call=4, checkpoint_every=8, rule="soap"),
-    relayering=Schedule(8, 4, 1e-3, average=0.9, steps_per_call=4, checkpoint_every=8, rule="soap"),
-    proposal=Schedule(16, 4, 3e-3, average=0.9, steps_per_call=4, checkpoint_every=8),
-    stacks=(3, 9, 4),
     pairs=8,
     memory=512,  # of 832 pairs: the examples stream
     arch=ARCH,

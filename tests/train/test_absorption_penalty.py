@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from urushi.nets.architecture import Architecture, init
-from urushi.train.losses import ABSORPTION_STEPS, absorption_penalty, with_more_absorption
+from urushi.train.stages.joint import ABSORPTION_STEPS, absorption_penalty, with_more_absorption
 
 ARCH = Architecture(latent=4, decoder=(8,), encoder=(8,), layerer=(8,), sampler=(4,), probes=6)
 

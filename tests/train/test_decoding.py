@@ -1,22 +1,20 @@
-"""The decoding stage: what scatters is found out, weighs less, and biases nothing."""
+"""The decoding stage: the scatter is learnt, its pairs weigh less, and nothing is biased."""
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from urushi.nets.architecture import Architecture, init
-from urushi.nets.decoder import decode
+from urushi.nets.architecture import FIXED, Architecture, init
 from urushi.train.examples import Batch
-from urushi.train.losses import compose, halves_weight, relative_errors, stacks_mean
-from urushi.train.optimiser import compile_steps, start
-from urushi.train.presets import Schedule
+from urushi.train.losses import FLOOR, mean_loss, squared_errors
+from urushi.train.optimiser import Schedule, compile_steps, start
 from urushi.train.stages.decoding import (
     fresh_scatter,
+    negative_log_likelihood,
     pair_weights,
     plain_loss,
     scatter,
-    unlikelihood,
     weighted_loss,
 )
 
@@ -42,7 +40,7 @@ def batch():
 def test_the_likeliest_scatter_is_the_mean_of_the_squares():
     # Squares of a Gaussian's errors: a mean over 4e5 of them is known to 0.4 %.
     squares = np.random.default_rng(1).normal(0, 0.1, (1, 400_000)) ** 2
-    at = jax.jit(lambda v: unlikelihood(jnp.full(squares.shape, v), squares))
+    at = jax.jit(lambda v: negative_log_likelihood(jnp.full(squares.shape, v), squares))
     guesses = squares.mean() * np.array([0.95, 1.0, 1.05])
     below, there, above = map(float, map(at, guesses))
     assert there < min(below, above)
@@ -67,7 +65,7 @@ def test_scatter_that_differs_by_direction_and_code_is_learnt():
 
     def loss(params, batch):
         z, features, error = batch
-        value = unlikelihood(scatter(params, ARCH, z, features), error**2)
+        value = negative_log_likelihood(scatter(params, ARCH, z, features), error**2)
         return value, {"loss": value}
 
     state, run = start(fresh_scatter(ARCH, 3), schedule), compile_steps(loss, schedule)
@@ -83,13 +81,13 @@ def test_scatter_that_differs_by_direction_and_code_is_learnt():
     assert np.percentile(off, 95) < 0.7
 
 
-def test_a_stack_counts_as_before_and_its_sure_pairs_most():
+def test_weights_have_mean_one_and_fall_with_the_scatter():
     values = jnp.array([[1e-4, 1e-2, 1.0, 4.0], [1e-9, 1e-9, 1e-9, 1e-9]])
     weights = np.asarray(pair_weights(values))
     np.testing.assert_allclose(weights.mean(axis=1), 1.0, rtol=1e-6)
     assert (np.diff(weights[0]) < 0).all()
     np.testing.assert_allclose(weights[1], 1.0, rtol=1e-6)
-    # Four times the scatter, half the weight, where both are far above what is good enough.
+    # Four times the scatter, half the weight, where both are far above the least scatter.
     assert weights[0, 2] / weights[0, 3] == pytest.approx(2.0, rel=1e-4)
 
 
@@ -103,7 +101,7 @@ def test_gains_do_not_change_the_scatter(batch):
     )
 
 
-def test_the_scatter_teaches_the_decoder_nothing_and_the_other_way_round(batch):
+def test_decoder_and_scatter_get_no_gradient_from_each_others_loss(batch):
     trained, others = _split(init(ARCH, 0))
     slope = jax.jit(jax.grad(weighted_loss, has_aux=True), static_argnums=2)
     gradient, terms = slope(trained, others, ARCH, batch)
@@ -121,22 +119,22 @@ def test_the_scatter_teaches_the_decoder_nothing_and_the_other_way_round(batch):
         assert not bool(jnp.any((by_scatter if name.startswith("decoder") else by_fit)[name] != 0))
 
 
-def test_the_plain_loss_is_the_mean_error_of_the_stacks(batch):
-    params = init(ARCH, 0)
-    loss, terms = plain_loss(params, params, ARCH, batch)
-    f_hat = decode(
-        params, ARCH, compose(params, ARCH, batch.probes, batch.coats)[:, None], batch.features
-    )
-    squares = np.asarray(relative_errors(f_hat, batch.f))
-    weights = np.asarray(halves_weight(jnp.asarray(squares)))
-    assert (
-        float(loss) == float(terms["loss"]) == pytest.approx((weights * squares).mean(), rel=1e-5)
-    )
+def test_the_plain_loss_of_two_known_errors(batch):
+    """Networks of zero weights decode to 1; errors of 0.1 and 0.2 in turn, four pairs each.
+
+    With TYPICAL = 0.01 and EASE = 0.003, each half weighted by the error of the other, the loss is
+    (0.1^2 sqrt(0.01 / (0.003 + 0.2^2)) + 0.2^2 sqrt(0.01 / (0.003 + 0.1^2))) / 2 = 0.019952.
+    """
+    params = {k: v if k in FIXED else np.zeros_like(v) for k, v in init(ARCH, 0).items()}
+    error = np.tile(np.repeat([0.1, 0.2], 4), (12, 2)).astype(np.float32)
+    f = 1 - (1 + FLOOR) * error
+    loss, terms = plain_loss(params, params, ARCH, batch._replace(f=f))
+    assert float(loss) == float(terms["loss"]) == pytest.approx(0.019952, rel=1e-4)
 
 
 @pytest.mark.parametrize("spread", [0.3, 1.0])
 def test_the_minimum_under_uneven_noise_is_the_mean(spread):
-    # Gamma noise, every other pair four times as wide, weighted by what it really is.
+    # Gamma noise, every other pair four times as wide, weighted by its true variance.
     rng = np.random.default_rng(5)
     deviations = np.tile([spread / 4, spread], 8)
     shape = 1 / deviations**2
@@ -147,8 +145,8 @@ def test_the_minimum_under_uneven_noise_is_the_mean(spread):
     @jax.vmap
     def slopes(f, log_f_hat):
         def one_stack(x):
-            squares = relative_errors(jnp.exp(x) + jnp.zeros((1, 16)), f[None])
-            return stacks_mean(squares, weights)
+            squares = squared_errors(jnp.exp(x) + jnp.zeros((1, 16)), f[None])
+            return mean_loss(squares, weights)
 
         return jax.grad(one_stack)(log_f_hat)
 

@@ -56,19 +56,21 @@ def test_what_belongs_together_stays_together(tiny, tiny_data, held):
 
 
 def test_batches_do_not_depend_on_how_the_steps_are_cut(tiny, depths):
-    whole = Batches(depths, tiny.stacks, seed=1).take(0, 40)
-    other = Batches(depths, tiny.stacks, seed=1)
+    whole = Batches(depths, tiny.stages[0].stacks, seed=1).take(0, 40)
+    other = Batches(depths, tiny.stages[0].stacks, seed=1)
     pieces = [other.take(start, count) for start, count in ((0, 3), (3, 30), (33, 7))]
     for name in ("probes", "features", "f"):
         joined = np.concatenate([getattr(piece, name) for piece in pieces])
         np.testing.assert_array_equal(getattr(whole, name), joined)
-    np.testing.assert_array_equal(Batches(depths, tiny.stacks, seed=1).take(33, 7).f, pieces[2].f)
-    assert (Batches(depths, tiny.stacks, seed=2).take(0, 40).f != whole.f).any()
+    np.testing.assert_array_equal(
+        Batches(depths, tiny.stages[0].stacks, seed=1).take(33, 7).f, pieces[2].f
+    )
+    assert (Batches(depths, tiny.stages[0].stacks, seed=2).take(0, 40).f != whole.f).any()
 
 
 def test_an_epoch_sees_every_example_once(tiny, depths, held):
     # 16 items with two coats, four a step: four steps an epoch; these come first in a batch.
-    taken = Batches(depths, tiny.stacks, seed=1).take(0, 8)
+    taken = Batches(depths, tiny.stages[0].stacks, seed=1).take(0, 8)
     for epoch in (slice(0, 4), slice(4, 8)):
         seen = taken.f[epoch, :4].reshape(16, -1)
         np.testing.assert_array_equal(np.sort(seen, axis=0), np.sort(held[2].f, axis=0))
@@ -76,7 +78,7 @@ def test_an_epoch_sees_every_example_once(tiny, depths, held):
 
 
 def test_deeper_stacks_come_first_so_that_each_coat_meets_its_own_stack(tiny, depths, held):
-    batch = Batches(depths, tiny.stacks, seed=1).take(0, 2)
+    batch = Batches(depths, tiny.stages[0].stacks, seed=1).take(0, 2)
     lowest, highest = batch.coats
     assert lowest.shape == (2, 13, 5)
     assert highest.shape == (2, 4, 5)
@@ -109,7 +111,7 @@ def test_a_store_larger_than_memory_streams_in_bounded_memory(tiny, streamed, mo
         return examples
 
     monkeypatch.setattr(Depth, "_read", watched)
-    batches = Batches(streamed(), tiny.stacks, seed=1)
+    batches = Batches(streamed(), tiny.stages[0].stacks, seed=1)
     for step in range(0, 60, 3):
         batches.take(step, 3)
         gc.collect()
@@ -119,10 +121,10 @@ def test_a_store_larger_than_memory_streams_in_bounded_memory(tiny, streamed, mo
 
 
 def test_a_stream_sees_every_example_once_an_epoch(tiny, streamed):
-    count = tiny.stacks[1]
+    count = tiny.stages[0].stacks[1]
     all_of_them = streamed(EVERYTHING)[1].first()
     epoch = len(all_of_them.f)  # items of one coat; as many steps end with the end of an epoch
-    taken = Batches(streamed(), tiny.stacks, seed=1).take(0, epoch)
+    taken = Batches(streamed(), tiny.stages[0].stacks, seed=1).take(0, epoch)
     seen = taken.f[:, 4 : 4 + count].reshape(count, epoch, -1)
     for once in seen:
         np.testing.assert_array_equal(np.sort(once, axis=0), np.sort(all_of_them.f, axis=0))
@@ -130,9 +132,9 @@ def test_a_stream_sees_every_example_once_an_epoch(tiny, streamed):
 
 
 def test_a_stream_does_not_depend_on_how_the_steps_are_cut(tiny, streamed):
-    whole = Batches(streamed(), tiny.stacks, seed=1).take(0, 40)
+    whole = Batches(streamed(), tiny.stages[0].stacks, seed=1).take(0, 40)
     for start, count in ((0, 3), (33, 7), (17, 5)):  # each as a resumed training begins
-        part = Batches(streamed(), tiny.stacks, seed=1).take(start, count)
+        part = Batches(streamed(), tiny.stages[0].stacks, seed=1).take(start, count)
         for name in ("probes", "features", "f"):
             np.testing.assert_array_equal(
                 getattr(part, name), getattr(whole, name)[start : start + count]
@@ -144,7 +146,7 @@ def test_a_damaged_shard_is_reported_when_its_turn_comes(tiny, streamed):
     chunk = depths[1]._store.path / "coated" / "f" / "c" / "4" / "0"
     chunk.write_bytes(chunk.read_bytes()[:10])
     with pytest.raises(FileError, match="cannot be used"):
-        Batches(depths, tiny.stacks, seed=1).take(0, 40)
+        Batches(depths, tiny.stages[0].stacks, seed=1).take(0, 40)
 
 
 def test_probed_stacks_are_encoded_from_their_own_values(tiny, tmp_path):

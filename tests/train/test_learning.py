@@ -13,11 +13,11 @@ from urushi.nets.features import direction_features
 from urushi.nets.sampler import mixture_pdf
 from urushi.reference import analytic, conductor
 from urushi.train.examples import Batch
-from urushi.train.losses import compose, joint_loss
-from urushi.train.optimiser import compile_steps, start
-from urushi.train.presets import Schedule
-from urushi.train.stages.sampling import SamplerScene, sampler_loss, variation
-from urushi.train.stages.stage import sampling
+from urushi.train.losses import compose
+from urushi.train.optimiser import Schedule, compile_steps, start
+from urushi.train.stages import sampling
+from urushi.train.stages.joint import joint_loss
+from urushi.train.stages.sampling import Targets, sampler_loss, variation
 
 ARCH = Architecture(
     latent=4, decoder=(32, 32), encoder=(8,), layerer=(4,), sampler=(16,), probes=32
@@ -60,7 +60,7 @@ def test_the_proposal_learns_its_lobe(overfitted):
     latents = compose(params, ARCH, jnp.asarray(probes), ())
     before = np.asarray(variation(params, ARCH, latents, seed=1, materials=16))
     schedule = Schedule(200, 10, 1e-2, average=0.9, steps_per_call=50, checkpoint_every=50)
-    scene = SamplerScene(params, latents, jax.random.key(0))
+    scene = Targets(params, latents, jax.random.key(0))
     steps = compile_steps(lambda p, step: sampler_loss(p, ARCH, scene, step), schedule)
     sampler = {name: value for name, value in params.items() if name.startswith("sampler.")}
     state = start(sampler, schedule)

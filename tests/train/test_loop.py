@@ -21,13 +21,29 @@ from urushi.nets.features import coat_features, direction_features
 from urushi.nets.layerer import layer
 from urushi.train import presets, validation
 from urushi.train.checkpoint import Journal
+from urushi.train.optimiser import Schedule
 from urushi.train.training import train
 
 
 @pytest.fixture(scope="module")
 def uninterrupted(tiny, tiny_data, tmp_path_factory):
-    folder = tmp_path_factory.mktemp("whole")
-    return train(tiny, data=tiny_data, out=folder / "weights.safetensors", run=folder), folder
+    """A model, its run folder, and copies of that folder as interruptions would have left it.
+
+    Copy k is made before save k + 1 (from k = 1 on): the log is then ahead of the checkpoint.
+    """
+    folder, copies = tmp_path_factory.mktemp("whole"), tmp_path_factory.mktemp("copies")
+    save, count = Journal.save, []
+
+    def copied(self, point):
+        if count:
+            shutil.copytree(folder, copies / str(len(count)))
+        count.append(point)
+        save(self, point)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Journal, "save", copied)
+        model = train(tiny, data=tiny_data, out=folder / "weights.safetensors", run=folder)
+    return model, folder, copies
 
 
 def log(folder):
@@ -36,29 +52,27 @@ def log(folder):
 
 
 @pytest.mark.parametrize(
-    "saves", [1, *(pytest.param(n, marks=pytest.mark.slow) for n in (4, 5, 8, 10, 11)), 13]
+    "saves",
+    [
+        pytest.param(2, id="before the layerer is widened"),
+        pytest.param(4, id="within layering", marks=pytest.mark.slow),
+        pytest.param(7, id="within decoding", marks=pytest.mark.slow),
+        pytest.param(13, id="within sampling"),
+    ],
 )
-def test_a_training_that_fails_midway_resumes_to_the_same_bits(
-    saves, uninterrupted, tiny, tiny_data, tmp_path, monkeypatch
+def test_an_interrupted_training_resumes_to_the_same_bits(
+    saves, uninterrupted, tiny, tiny_data, tmp_path
 ):
-    """Checkpoints: three of the networks, then a change of stage and what it has, four times."""
-    model, folder = uninterrupted
-    save, count = Journal.save, []
+    """Two checkpoints in every stage and one at each change of stage: 14 saves.
 
-    def interrupted(self, point):
-        if len(count) == saves:
-            raise KeyboardInterrupt
-        count.append(point)
-        save(self, point)
-
-    monkeypatch.setattr(Journal, "save", interrupted)
-    with pytest.raises(KeyboardInterrupt):
-        train(tiny, data=tiny_data, run=tmp_path)
-    monkeypatch.undo()
-    assert not (tmp_path / "weights.safetensors").exists()
-    resumed = train(tiny, data=tiny_data, run=tmp_path, resume=True)
+    The first of all is that of the killed process below.
+    """
+    model, folder, copies = uninterrupted
+    run = tmp_path / "run"
+    shutil.copytree(copies / str(saves), run)
+    resumed = train(tiny, data=tiny_data, run=run, resume=True)
     assert resumed.fingerprint == model.fingerprint
-    assert log(tmp_path) == log(folder)
+    assert log(run) == log(folder)
 
 
 def test_a_killed_process_resumes_to_the_same_bits(uninterrupted, tmp_path, tiny, tiny_data):
@@ -82,23 +96,25 @@ def test_a_killed_process_resumes_to_the_same_bits(uninterrupted, tmp_path, tiny
     assert resumed.fingerprint == uninterrupted[0].fingerprint
 
 
-def test_a_preset_may_leave_out_weights_of_pairs_and_relayering(tiny, tiny_data, tmp_path):
-    brief = dataclasses.replace(tiny, weigh_pairs=False, relayering=None)
+def test_a_preset_may_leave_out_stages_and_weights_of_pairs(tiny, tiny_data, tmp_path):
+    joint, _, decoding, _, _ = tiny.stages
+    plain = dataclasses.replace(decoding, weigh_pairs=False)
+    brief = dataclasses.replace(tiny, stages=(joint, plain), arch=tiny.architectures()[0])
     model = train(brief, data=tiny_data, run=tmp_path)
     lines = log(tmp_path)
-    stages = [line["stage"] for line in lines]
-    assert list(dict.fromkeys(stages)) == ["networks", "layering", "decoding", "proposal"]
+    assert list(dict.fromkeys(line["stage"] for line in lines)) == ["joint", "decoding"]
     assert not any("scatter" in line for line in lines)
-    assert model.header["preset"]["relayering"] is None
+    assert [stage["kind"] for stage in model.header["preset"]["stages"]] == ["joint", "decoding"]
+    assert set(model.header["metrics"]) == {"E mean", "P median"}
 
 
 def test_the_header_says_where_the_weights_come_from(uninterrupted, tiny, tiny_data):
-    model, folder = uninterrupted
+    model, folder, _ = uninterrupted
     read = weights.read(folder / "weights.safetensors")
     assert read.fingerprint == model.fingerprint
     header = read.header
     assert header["preset"]["name"] == "tiny"
-    assert header["preset"]["networks"]["steps"] == 24
+    assert header["preset"]["stages"][0]["schedule"]["steps"] == 8
     assert header["seed"] == tiny.seed
     assert header["data"] == Store.open(tiny_data).hash()
     assert set(header["metrics"]) == {
@@ -173,4 +189,4 @@ def test_presets_state_their_command_time_and_figures(name):
 
 def test_schedules_must_divide():
     with pytest.raises(ParameterError, match="steps is 10; it must be a multiple of its 4"):
-        presets.Schedule(10, 1, 1e-3, steps_per_call=4)
+        Schedule(10, 1, 1e-3, steps_per_call=4)

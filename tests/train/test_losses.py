@@ -12,15 +12,14 @@ from urushi.nets.features import coat_features
 from urushi.nets.layerer import layer
 from urushi.train.examples import Batch
 from urushi.train.losses import (
-    CYCLE_STRIDE,
     FLOOR,
     KNEE,
     LARGEST_CODE,
     compose,
-    joint_loss,
-    relative_errors,
+    squared_errors,
     stack_loss,
 )
+from urushi.train.stages.joint import CYCLE_STRIDE, joint_loss
 
 ARCH = Architecture(latent=4, decoder=(8,), encoder=(8,), layerer=(8,), sampler=(4,), probes=6)
 
@@ -65,7 +64,7 @@ def test_gradient_of_the_error_agrees_with_finite_differences(batch):
             return jnp.mean(jnp.where(error < KNEE, error**2, KNEE * (2 * error - KNEE)))
 
         def mean(p):
-            return jnp.mean(relative_errors(predict(p), inputs.f))
+            return jnp.mean(squared_errors(predict(p), inputs.f))
 
         gradient = jax.jit(jax.grad(mean))(params)
         slope = sum(jnp.vdot(gradient[name], along[name]) for name in params)
@@ -109,7 +108,7 @@ def test_the_minimum_under_noise_is_the_mean(spread):
 
 
 def test_an_outlier_pulls_no_harder_than_the_knee():
-    slope = jax.grad(lambda f_hat: relative_errors(f_hat[None], jnp.float32(1e6))[0])
+    slope = jax.grad(lambda f_hat: squared_errors(f_hat[None], jnp.float32(1e6))[0])
     # d/df_hat of KNEE (2 e - KNEE) with e = (f - f_hat) / (f_hat + FLOOR).
     assert slope(jnp.float32(1.0)) == pytest.approx(-2 * KNEE / (1 + FLOOR), rel=1e-5)
 
@@ -117,7 +116,7 @@ def test_an_outlier_pulls_no_harder_than_the_knee():
 def test_dark_stacks_are_judged_by_their_own_brightness():
     # Ten times as dark, down to where pi f is the floor's least share, errors count the same.
     f = np.array([[0.2, 0.3], [0.02, 0.03]], np.float32)
-    bright, dark = np.asarray(relative_errors(jnp.asarray(1.1 * f), f))
+    bright, dark = np.asarray(squared_errors(jnp.asarray(1.1 * f), f))
     np.testing.assert_allclose(bright, dark, rtol=1e-3)
 
 

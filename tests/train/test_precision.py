@@ -10,8 +10,7 @@ from urushi.geometry.direction_sets import training_pairs
 from urushi.nets.architecture import Architecture, init
 from urushi.nets.decoder import decode
 from urushi.nets.features import direction_features
-from urushi.train.optimiser import compile_steps, lowered, start
-from urushi.train.presets import Schedule
+from urushi.train.optimiser import Schedule, compile_steps, lowered, start
 
 ARCH = Architecture(
     latent=4, decoder=(32, 32), encoder=(8, 8), layerer=(8,), sampler=(8,), probes=8

@@ -14,7 +14,7 @@ from urushi.nets.features import coat_features, direction_features
 from urushi.nets.layerer import layer
 from urushi.train import examples
 from urushi.train.losses import stack_loss
-from urushi.train.stages.stage import quadratic_loss
+from urushi.train.stages import quadratic_loss
 
 
 @pytest.fixture(scope="module")

@@ -6,8 +6,7 @@ import numpy as np
 import optax
 import pytest
 
-from urushi.train.optimiser import compile_steps, start
-from urushi.train.presets import Schedule
+from urushi.train.optimiser import Schedule, compile_steps, start
 from urushi.train.soap import soap
 
 SHAPE = (12, 8)

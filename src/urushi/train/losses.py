@@ -1,11 +1,4 @@
-"""What the networks are trained to minimise.
-
-A penalty for coats that brighten as their medium absorbs more.
-
-Every path through a medium loses by absorption, hence f falls everywhere as sigma_a rises and the
-scattering stays. The simulated values say so too, but only of stacks that differ in everything
-else as well; the penalty compares a coat with a darker one, and needs no simulated values.
-"""
+"""The loss of decoded stacks against their simulated values, and the codes of coated stacks."""
 
 from typing import Any
 
@@ -13,72 +6,70 @@ import jax
 import jax.numpy as jnp
 
 from urushi.nets.architecture import Architecture
-from urushi.nets.decoder import decode
 from urushi.nets.encoder import encode
 from urushi.nets.features import coat_features
 from urushi.nets.layerer import layer
 from urushi.nets.mlp import Params
-from urushi.train.examples import Batch
 
-#: [1/sr] Added to the prediction that errors are relative to: differences far below are invisible.
-#: For a dark stack it is less, in proportion to its brightness, down to this share.
+#: Errors are divided by the prediction plus this floor [1/sr]: smaller differences are invisible.
+#: The floor of a dark stack is scaled by the stack's brightness, at least by the second number.
 FLOOR, DARKEST = 2e-3, 0.05
 
-#: Relative errors above this count linearly: a prediction far too dark must not drown the rest.
+#: The loss is linear in relative errors above this: a prediction that is far too dark must not
+#: dominate the gradient.
 KNEE = 10.0
 
-#: A stack whose mean squared relative error is the first counts as it is; the second is added to
-#: it, lest a stack that is nearly perfect rule. Both are near the noise of simulated values.
+#: Mean squared relative error of a stack of weight one, and a constant that is added to each
+#: stack's, so that nearly perfect stacks do not dominate. Both are close to the noise of
+#: simulated values.
 TYPICAL, EASE = 1e-2, 3e-3
 
-#: Errors above this count as this in a stack's weight: what is quite wrong must be drawn back.
+#: Upper bound of the mean squared relative error in a stack's weight: a stack that is quite wrong
+#: must keep a gradient large enough to recover.
 WORST = 0.3
 
-#: Codes are held within this, five times the largest that trained networks make: in the first
-#: steps five coats one after the other would otherwise let them explode.
+#: Bound of the numbers in a code, five times the largest that trained networks produce. Without
+#: it codes diverge in the first steps, when five coats are applied one after the other.
 LARGEST_CODE = 20.0
 
 #: Consecutive pairs of one mixture, see `geometry.direction_sets.training_pairs`.
 _PERIOD = 4
 
-#: Every how manieth stack of a batch takes part in the cycle, which decodes all probe pairs.
-CYCLE_STRIDE = 16
 
-#: Every how manieth stack with a coat takes part in the penalty for rising with absorption.
-RISE_STRIDE = 12
+def error_scale(f_hat: jax.Array) -> jax.Array:
+    """Divisors (S, P) of errors: the prediction plus a floor, constant to the gradient.
 
-
-def divisor(f_hat: jax.Array) -> jax.Array:
-    """What errors (S, P) are relative to: the prediction and a floor, constants to the gradient.
-
-    The gradient is linear in f then, and the minimum lies at the mean of a noisy f: Monte Carlo
-    values of few walks teach without bias (Lehtinen et al. 2018), unlike a logarithm or an L1 norm
-    of them.
+    The gradient is linear in f, hence the minimum lies at the mean of a noisy f, and Monte Carlo
+    values of few walks teach without bias (Lehtinen et al. 2018). A logarithm or an L1 norm of
+    them would not.
     """
-    seen = jax.lax.stop_gradient(f_hat)
-    brightness = jnp.pi * jnp.mean(jnp.minimum(seen, 1.0), axis=-1, keepdims=True)
-    return seen + FLOOR * jnp.clip(brightness, DARKEST, 1.0)
+    constant = jax.lax.stop_gradient(f_hat)
+    brightness = jnp.pi * jnp.mean(jnp.minimum(constant, 1.0), axis=-1, keepdims=True)
+    return constant + FLOOR * jnp.clip(brightness, DARKEST, 1.0)
 
 
-def squared(error: jax.Array) -> tuple[jax.Array, jax.Array]:
-    """Squares of relative errors, linear beyond `KNEE`, and half of their slope over the error."""
+def huber(error: jax.Array) -> tuple[jax.Array, jax.Array]:
+    """Squares of relative errors, linear beyond `KNEE`, and half of their slope over the error.
+
+    Twice the loss of Huber (1964).
+    """
     size = jnp.abs(error)
-    near = jnp.where(size < KNEE, 1.0, KNEE / jnp.maximum(size, KNEE))
-    return jnp.where(size < KNEE, error * error, KNEE * (2 * size - KNEE)), near
+    weight = jnp.where(size < KNEE, 1.0, KNEE / jnp.maximum(size, KNEE))
+    return jnp.where(size < KNEE, error * error, KNEE * (2 * size - KNEE)), weight
 
 
-def relative_errors(f_hat: jax.Array, f: Any) -> jax.Array:
+def squared_errors(f_hat: jax.Array, f: Any) -> jax.Array:
     """Squared relative errors (S, P), linear beyond `KNEE`."""
-    return squared((f_hat - f) / divisor(f_hat))[0]
+    return huber((f_hat - f) / error_scale(f_hat))[0]
 
 
-def halves_weight(squares: jax.Array) -> jax.Array:
-    """What each of the squared relative errors (S, P) of a stack counts: constants (S, P).
+def stack_weights(squares: jax.Array) -> jax.Array:
+    """Weights (S, P) of squared relative errors (S, P), constant to the gradient.
 
-    Every stack's error is divided by about its own root, lest the few hardest ones, narrow lobes
-    and nearly black ones, rule what all others learn. A weight that knew the noise of the values
-    it weighs would be biased against fireflies; therefore the pairs are halved, and each half is
-    weighted by the other's error.
+    Each stack's error is divided by about its own root mean square, so that the few hardest stacks,
+    those of narrow lobes and the nearly black ones, do not dominate the gradient. A weight computed
+    from the same noisy values that it multiplies would be biased against fireflies; therefore the
+    pairs are split into halves, and each half is weighted by the error of the other.
     """
     halves = jax.lax.stop_gradient(squares).reshape(len(squares), -1, 2, _PERIOD)
     others = jnp.minimum(halves.mean(axis=(1, 3))[:, None, ::-1, None], WORST)
@@ -92,12 +83,12 @@ def stack_loss(f_hat: jax.Array, f: Any) -> jax.Array:
     Args:
         f_hat, f: (S, P) predicted and simulated values [1/sr], P a multiple of 8.
     """
-    return stacks_mean(relative_errors(f_hat, f))
+    return mean_loss(squared_errors(f_hat, f))
 
 
-def stacks_mean(squares: jax.Array, weights: Any = 1.0) -> jax.Array:
-    """The same from squared relative errors (S, P), of which each counts `weights` (S, P)."""
-    return jnp.mean(weights * halves_weight(squares) * squares)
+def mean_loss(squares: jax.Array, weights: Any = 1.0) -> jax.Array:
+    """`stack_loss` from squared relative errors (S, P) and further weights (S, P) of the pairs."""
+    return jnp.mean(weights * stack_weights(squares) * squares)
 
 
 def compose(params: Params, arch: Architecture, probes: Any, coats: tuple[Any, ...]) -> Any:
@@ -105,89 +96,28 @@ def compose(params: Params, arch: Architecture, probes: Any, coats: tuple[Any, .
 
     Args:
         params, arch: the networks.
-        probes: (B, probes) the bottoms' values at the probe pairs.
-        coats: as in `Batch`: the lowest coats first, (B_k, 5) for the first B_k rows.
+        probes: (B, probes) the bottoms' values [1/sr] at the probe pairs.
+        coats: as in `examples.Batch`: the lowest coats first, (B_k, 5) for the first B_k rows.
     """
-    return apply(params, arch, _held(encode(params, arch, probes)), coats)
+    return apply_coats(params, arch, bounded(encode(params, arch, probes)), coats)
 
 
-def apply(params: Params, arch: Architecture, z: Any, coats: tuple[Any, ...]) -> Any:
-    """Codes of stacks from those of their bottoms (B, 32); the coats as for `compose`."""
+def apply_coats(params: Params, arch: Architecture, z: Any, coats: tuple[Any, ...]) -> Any:
+    """Codes (B, 32) of stacks from the codes z (B, 32) of their bottoms; coats as of `compose`."""
     for coat in coats:
         count, features = coat.shape[0], coat_features(*jnp.moveaxis(coat, -1, 0))
-        z = jnp.concatenate([_held(layer(params, arch, z[:count], features)), z[count:]])
+        z = jnp.concatenate([bounded(layer(params, arch, z[:count], features)), z[count:]])
     return z
 
 
 @jax.custom_vjp
-def _held(z: jax.Array) -> jax.Array:
-    """Codes within bounds. Of those outside, the gradient is kept that brings them back."""
+def bounded(z: jax.Array) -> jax.Array:
+    """Codes clipped to `LARGEST_CODE`. Outside, only gradients that lead back inside remain."""
     return jnp.clip(z, -LARGEST_CODE, LARGEST_CODE)
 
 
-def _held_pullback(z: jax.Array, gradient: jax.Array) -> tuple[jax.Array]:
+def _bounded_pullback(z: jax.Array, gradient: jax.Array) -> tuple[jax.Array]:
     return (jnp.where((jnp.abs(z) < LARGEST_CODE) | (gradient * z > 0), gradient, 0.0),)
 
 
-_held.defvjp(lambda z: (_held(z), z), _held_pullback)
-
-
-def joint_loss(
-    params: Params, arch: Architecture, batch: Batch, probe_features: Any
-) -> tuple[jax.Array, dict[str, jax.Array]]:
-    """Loss of encoder, layerer and decoder together, and its terms.
-
-    - fit: decoded values of the composed latents against the simulated ones;
-    - cycle: the same after decoding at the probe pairs and encoding again, for some of the stacks,
-      so that whatever the networks make can be encoded and coated once more;
-    - latent: distance between a latent and its cycled one;
-    - rise: by how much ln f rises as a bottom's first coat absorbs more, for some of the stacks.
-    """
-    bottoms = _held(encode(params, arch, batch.probes))
-    z = apply(params, arch, bottoms, batch.coats)
-    fit = stack_loss(decode(params, arch, z[:, None], batch.features), batch.f)
-
-    chosen = z[::CYCLE_STRIDE]
-    again = _held(encode(params, arch, decode(params, arch, chosen[:, None], probe_features)))
-    f_again = decode(params, arch, again[:, None], batch.features[::CYCLE_STRIDE])
-    cycle = stack_loss(f_again, batch.f[::CYCLE_STRIDE])
-    latent = jnp.mean((again - jax.lax.stop_gradient(chosen)) ** 2)
-
-    rise = jnp.zeros(())
-    for lowest in batch.coats[:1]:
-        some = slice(0, len(lowest), RISE_STRIDE)
-        coats, features = lowest[some], batch.features[some]
-        rise = jnp.mean(absorption_penalty(params, arch, bottoms[some], coats, features))
-
-    loss = fit + 0.2 * cycle + 0.1 * latent + 0.5 * rise
-    return loss, {"loss": loss, "fit": fit, "cycle": cycle, "latent": latent, "rise": rise}
-
-
-#: Optical depth that is added by absorption alone: these, row by row and over again.
-ABSORPTION_STEPS = (0.1, 0.3, 1.0)
-
-
-def absorption_penalty(
-    params: Params, arch: Architecture, z_bottom: Any, coats: Any, features: Any
-) -> jax.Array:
-    """Return by how much ln f rises with absorption: (B, P), 0 where it falls.
-
-    Args:
-        params, arch: the networks.
-        z_bottom: (B, 32) codes of bottoms.
-        coats: (B, 5) `data.distribution.COAT_PARAMETERS`.
-        features: (B, P, 8) of direction pairs.
-    """
-
-    def logs(coats: Any) -> jax.Array:
-        z = layer(params, arch, z_bottom, coat_features(*jnp.moveaxis(coats, -1, 0)))
-        return jnp.log(decode(params, arch, z[:, None], features))
-
-    return jnp.maximum(logs(with_more_absorption(coats)) - logs(coats), 0.0)
-
-
-def with_more_absorption(coats: Any) -> jax.Array:
-    """The same coats (B, 5) with more absorption, by one of `STEPS`, and the same scattering."""
-    alpha, eta, albedo, sigma_t, g = jnp.moveaxis(coats, -1, 0)
-    more = sigma_t + jnp.resize(jnp.asarray(ABSORPTION_STEPS), sigma_t.shape)
-    return jnp.stack([alpha, eta, albedo * sigma_t / more, more, g], axis=-1)
+bounded.defvjp(lambda z: (bounded(z), z), _bounded_pullback)

@@ -1,9 +1,7 @@
-"""The optimisers of all stages: warm-up, half a cosine, clipping and averaged weights.
-
-The precision of the large matrix products in training.
-"""
+"""The optimisers of all stages: schedules, update rules, averaged weights and precision."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import jax
@@ -11,14 +9,15 @@ import jax.numpy as jnp
 import optax
 import optax.contrib
 
+from urushi.errors import ParameterError
 from urushi.nets.mlp import Params
 from urushi.train.devices import Devices
-from urushi.train.presets import Schedule
 from urushi.train.soap import MEAN, SQUARES, soap
 
-#: Muon's iterations, each a polynomial a x + b x^3 + c x^5 of the singular values: they bring
-#: everything in [0.005, 1] to within a twelfth of 1, each the best for where the one before has
-#: led (Amsel et al. 2025). Four do what five of Jordan's do, and they are half of a step's cost.
+#: Coefficients (a, b, c) of Muon's iterations, polynomials a x + b x^3 + c x^5 of the singular
+#: values. Together they map [0.005, 1] to within a twelfth of 1, each optimal for the range that
+#: the one before leaves (Amsel et al. 2025). Four of them do the work of five of Jordan's; they
+#: are half of a step's cost.
 ITERATIONS = (
     (8.2987, -24.4305, 18.0903),
     (3.9152, -2.9211, 0.5592),
@@ -26,15 +25,66 @@ ITERATIONS = (
     (2.1895, -1.5672, 0.4079),
 )
 
-#: A pytree of arrays, here always a flat dict of parameters.
+#: A pytree of arrays.
 Tree = Any
+
+#: Values of a schedule's `precision` and `rule`.
+PRECISIONS = ("float32", "bfloat16")
+RULES = ("muon", "soap")
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """Length, learning rate and optimiser of one stage.
+
+    Attributes:
+        steps: optimiser steps; the learning rate falls to zero at the last one (half a cosine).
+        warmup: steps in which the learning rate rises from zero.
+        learning_rate: its peak.
+        clip: largest norm of the gradient.
+        average: decay per step of the exponential moving average of the weights, which is exported.
+        steps_per_call: steps that run in one call of the compiled loop.
+        checkpoint_every: steps between two checkpoints, a multiple of `steps_per_call`.
+        precision: of the hidden layers' products, "float32" or "bfloat16"; see `lowered`.
+        rule: update rule of the weight matrices, "muon" or "soap"; see `optimiser`.
+    """
+
+    steps: int
+    warmup: int
+    learning_rate: float
+    clip: float = 1.0
+    average: float = 0.999
+    steps_per_call: int = 16
+    checkpoint_every: int = 2048
+    precision: str = "float32"
+    rule: str = "muon"
+
+    def __post_init__(self) -> None:
+        for name, choices in (("precision", PRECISIONS), ("rule", RULES)):
+            if getattr(self, name) not in choices:
+                raise ParameterError(
+                    f"the schedule's {name} is {getattr(self, name)!r}; choose one of "
+                    + ", ".join(choices)
+                )
+        for name in ("steps", "checkpoint_every"):
+            if getattr(self, name) % self.steps_per_call:
+                raise ParameterError(
+                    f"the schedule's {name} is {getattr(self, name)}; "
+                    f"it must be a multiple of its {self.steps_per_call} steps_per_call"
+                )
 
 
 class TrainState(NamedTuple):
-    """Everything that a stage carries from step to step."""
+    """The state of a stage between two steps.
 
-    params: Tree  # the trained ones
-    average: Tree  # their exponential moving average
+    Attributes:
+        params: the parameters that learn.
+        average: their exponential moving average.
+        optimiser: the state of the update rule.
+    """
+
+    params: Tree
+    average: Tree
     optimiser: Tree
 
 
@@ -43,12 +93,13 @@ Steps = Callable[[TrainState, Any], tuple[TrainState, dict[str, jax.Array]]]
 
 
 def optimiser(schedule: Schedule) -> optax.GradientTransformation:
-    """The schedule's rule for the weight matrices, Adam (Kingma & Ba 2015) for the biases.
+    """The schedule's rule for the weight matrices, Adam (Kingma and Ba 2015) for the biases.
 
-    "muon" (Jordan et al. 2024) makes each matrix's step orthogonal. That costs up to as much as the
-    gradient, and it reaches the same error in less than half of Adam's steps. "soap" knows the
-    curvature's main directions: close to a minimum it goes on where Muon's steps, as long whatever
-    the gradient, only lift the error.
+    The learning rate rises linearly, then falls by half a cosine; gradients are clipped. "muon"
+    (Jordan et al. 2024) makes each matrix's step orthogonal. That costs up to as much as the
+    gradient, and it reaches the same error in less than half of Adam's steps. "soap" steps along
+    the main directions of the curvature. It still lowers the error close to a minimum, where Muon
+    raises it, because Muon's steps do not become shorter with the gradient.
     """
     rate = optax.warmup_cosine_decay_schedule(
         0.0, schedule.learning_rate, schedule.warmup, schedule.steps
@@ -70,25 +121,25 @@ def start(params: Tree, schedule: Schedule) -> TrainState:
 
 
 def compile_steps(loss: Loss, schedule: Schedule, devices: Devices | None = None) -> Steps:
-    """A function that takes several steps in one compiled loop.
+    """Compile a function that takes several steps in one loop.
 
     Args:
         loss: (params, batch) to (loss, terms to log).
-        schedule: see `presets.Schedule`.
+        schedule: of the stage.
         devices: those that share the batches; by default JAX's default device alone.
 
     Returns:
         A function of a state and of batches stacked along a first axis; it returns the new state
-        and the terms' means. One call for many steps, because handing over a small step costs
-        about as much as computing it.
+        and the means of the terms. One call takes many steps, because the overhead of a call is
+        about the cost of a small step.
     """
     rule = optimiser(schedule)
 
-    def evaluated(params: Tree, batch: Any) -> tuple[jax.Array, dict[str, jax.Array]]:
+    def lowered_loss(params: Tree, batch: Any) -> tuple[jax.Array, dict[str, jax.Array]]:
         return loss(lowered(params, schedule.precision), batch)
 
     def step(state: TrainState, batch: Any) -> tuple[TrainState, dict[str, jax.Array]]:
-        (_, terms), gradient = jax.value_and_grad(evaluated, has_aux=True)(state.params, batch)
+        (_, terms), gradient = jax.value_and_grad(lowered_loss, has_aux=True)(state.params, batch)
         update, inner = rule.update(gradient, state.optimiser, state.params)
         params = optax.apply_updates(state.params, update)
         average = jax.tree.map(
@@ -107,16 +158,16 @@ def compile_steps(loss: Loss, schedule: Schedule, devices: Devices | None = None
 
 
 def lowered(params: Params, precision: str) -> dict[str, Any]:
-    """Parameters with which a loss is evaluated: as they are, or hidden matrices in bfloat16.
+    """The parameters that a loss is evaluated with: unchanged, or hidden matrices in bfloat16.
 
-    Their products are then of bfloat16 factors. The first and the last layer of every network stay
-    in float32, for a feature or an output with 8 bits would be wrong by half a per cent; so do all
-    biases, activations, and the parameters that the optimiser keeps.
+    Then the factors of these products are bfloat16. The first and the last layer of every network
+    stay in float32, because a feature or an output of 8 bits would be wrong by half a percent; so
+    do all biases, activations, and the parameters that the optimiser keeps.
     """
     if precision == "float32":
         return dict(params)
     layers = [name.split(".") for name in params if name.endswith(".weight")]
-    last = {net: max(int(k) for other, k, _ in layers if other == net) for net, _, _ in layers}
+    last = {net: max(int(k) for name, k, _ in layers if name == net) for net, _, _ in layers}
     hidden = {f"{net}.{k}.weight" for net, k, _ in layers if 0 < int(k) < last[net]}
     return {
         name: value.astype(jnp.bfloat16) if name in hidden else value

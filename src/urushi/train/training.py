@@ -1,4 +1,4 @@
-"""Training from nothing to a weights file: data, stage after stage, export."""
+"""A whole training: simulate the data, run stage after stage, write the weights."""
 
 import json
 import os
@@ -23,25 +23,16 @@ from urushi.nets.architecture import Architecture, init
 from urushi.nets.encoder import input_statistics
 from urushi.nets.mlp import Params
 from urushi.platform import available_cores
-from urushi.train import devices, examples, presets, validation
+from urushi.train import examples, presets, validation
 from urushi.train.checkpoint import Checkpoint, Journal
 from urushi.train.examples import Depth
-from urushi.train.optimiser import TrainState
-from urushi.train.presets import Preset, Schedule
-from urushi.train.stages.sampling import variation
-from urushi.train.stages.stage import (
-    STAGES,
-    Learn,
-    all_latents,
-    begin,
-    beginnings,
-    learnt,
-    schedules,
-)
+from urushi.train.optimiser import TrainState, start
+from urushi.train.presets import Preset
+from urushi.train.stages.stage import Learner, Stage, parameters_of
 from urushi.train.validation import Check
 from urushi.version import __version__
 
-#: Where everything goes that the caller does not place: data, run folder and weights.
+#: Default folder of data, checkpoints, logs and weights.
 RUNS = Path("runs")
 
 
@@ -56,80 +47,103 @@ def train(
     """Train all networks and write the weights.
 
     Args:
-        preset: a name of `presets.NAMES`, or the value itself.
-        data: the data store, generated where it is missing or incomplete; default
-            `runs/NAME/data.zarr`.
+        preset: a name of `presets.NAMES`, or a preset.
+        data: the data store, which is completed if necessary; default `runs/NAME/data.zarr`.
         out: the weights file; default `runs/NAME/weights.safetensors`.
         run: folder of the checkpoint and of `log.jsonl`; default `runs/NAME`.
-        resume: go on from the run folder's checkpoint. The weights are those that an
-            uninterrupted training gives, bit for bit on the same machine and software.
+        resume: continue from the run folder's checkpoint. The weights are bit for bit those of an
+            uninterrupted training on the same machine and software.
 
     Returns:
         The trained model, as written to `out`.
 
     Raises:
-        ParameterError: no such preset, or it does not fit its data.
+        ParameterError: there is no such preset, or it does not fit its data.
         FileError: a file is foreign, damaged or cannot be written, or the run folder has a
             checkpoint and `resume` is not set.
 
-    Several JAX devices share the stacks of each step; see `devices`.
+    Several JAX devices share the stacks of each step, see `devices`.
     """
     preset = presets.get(preset) if isinstance(preset, str) else preset
     folder = Path(run) if run is not None else RUNS / preset.name
     out = Path(out) if out is not None else folder / "weights.safetensors"
     prepare(folder, out, resume)
-    shared, plan = devices.find(sum(preset.stacks)), schedules(preset)
-    names = list(plan)
+    stages, sizes = preset.stages, preset.architectures()
+    names = [stage.name for stage in stages]
+    device_count = max(stage.devices().count for stage in stages)
 
     began = time.monotonic()
     store = generate(preset.data, data if data is not None else folder / "data.zarr")
     generated = time.monotonic() - began
     depths = examples.load(store, preset.arch, preset.pairs, preset.memory)
     checks = validation.load(store, preset.arch)
-    made_for = identity(preset, store)
-    journal = Journal(folder, made_for, names)
+    origin = identity(preset, store)
+    journal = Journal(folder, origin, names)
 
     params = initial(preset, depths)
     point = journal.restore(beginnings(preset, params)) if resume else None
     if point is None:
         journal.clear()
-        point = begin("networks", preset, params)
+        point = begin(preset, 0, params)
 
-    for name in names[names.index(point.stage) :]:
+    for index in range(names.index(point.stage), len(stages)):
+        stage, arch = stages[index], sizes[index + 1]
         params |= point.networks
         clock = time.monotonic()
-        learn = STAGES[name].learn(preset, plan[name], depths, params)
+        learner = stage.learn(params, arch, depths, preset.seed)
         point = replace(point, seconds=point.seconds + time.monotonic() - clock)
-        arch = preset.first_arch if name == "networks" else preset.arch
         report = partial(figures, {**params}, arch, checks)
-        point = advance(point, plan[name], learn, report, journal)
-        params |= learnt(learn.devices.collect(point.state.average))
-        if name != names[-1]:
-            point = begin(names[names.index(name) + 1], preset, params, point.seconds)
+        point = advance(point, stage, learner, report, journal)
+        params |= parameters_of(stage.devices().collect(point.state.average), stage.trains)
+        if index + 1 < len(stages):
+            point = begin(preset, index + 1, params, point.seconds)
             journal.save(point)
 
     metrics = validation.measure(params, preset.arch, checks)
-    latents = all_latents(params, preset.arch, depths)
-    spread = np.asarray(variation(params, preset.arch, latents, seed=preset.seed + 1))
-    metrics |= {
-        "sampling cv median": float(np.median(spread)),
-        "sampling cv p95": float(np.percentile(spread, 95)),
-    }
+    for stage in stages:
+        metrics |= stage.measure(params, preset.arch, depths, preset.seed)
     cost = {
         "data seconds": round(generated),
         "training seconds": round(point.seconds),
-        "devices": shared.count,
+        "devices": device_count,
     }
-    return weights.save(out, preset.arch, params, header(made_for, metrics, cost))
+    return weights.save(out, preset.arch, params, header(origin, metrics, cost))
+
+
+def begin(preset: Preset, index: int, params: Params, seconds: float = 0.0) -> Checkpoint:
+    """The checkpoint before the first step of a stage.
+
+    Args:
+        preset: the training.
+        index: the stage's place among the preset's.
+        params: all parameters, as the stage before has left them; fresh ones for the first stage.
+        seconds: time spent so far.
+    """
+    stage, arch = preset.stages[index], preset.architectures()[index + 1]
+    state = start(stage.begin(params, arch, preset.seed), stage.schedule)
+    earlier = {network for before in preset.stages[:index] for network in before.trains}
+    return Checkpoint(stage.name, 0, seconds, state, parameters_of(params, earlier))
+
+
+def beginnings(preset: Preset, params: Params) -> dict[str, Checkpoint]:
+    """The first checkpoint of every stage by its name, from fresh parameters.
+
+    Only structure and shapes are those of a training, not the values of what earlier stages learn.
+    """
+    points, params = {}, {**params}
+    for index, stage in enumerate(preset.stages):
+        points[stage.name] = begin(preset, index, params)
+        params |= parameters_of(points[stage.name].state.params, stage.trains)
+    return points
 
 
 def identity(preset: Any, store: Store) -> dict[str, Any]:
-    """What a checkpoint must belong to: preset and data."""
+    """Preset and data of a training, as JSON values; a checkpoint of others is refused."""
     return {"preset": json.loads(json.dumps(preset.to_dict())), "data": store.hash()}
 
 
 def prepare(folder: Path, out: Path, resume: bool) -> None:
-    """Refuse what would fail at the end: an unwritable place, or a run that would be lost."""
+    """Make the folders; refuse unwritable places, and an earlier training that would be lost."""
     if not resume and Journal(folder, {}, ()).begun():
         raise FileError(
             f"'{folder}' holds a training that was begun; give --resume to go on with it, "
@@ -144,14 +158,14 @@ def prepare(folder: Path, out: Path, resume: bool) -> None:
 
 
 def header(
-    made_for: dict[str, Any], metrics: dict[str, float], cost: dict[str, int]
+    origin: dict[str, Any], metrics: dict[str, float], cost: dict[str, int]
 ) -> dict[str, Any]:
-    """What the weights file says of its making."""
+    """The weights file's record of its training; `origin` is that of `identity`."""
     packages = {name: version(name) for name in ("jax", "optax", "numpy")}
     return {
-        "preset": made_for["preset"],
-        "seed": made_for["preset"]["seed"],
-        "data": made_for["data"],
+        "preset": origin["preset"],
+        "seed": origin["preset"]["seed"],
+        "data": origin["data"],
         "metrics": metrics,
         "cost": {**cost, "processors": available_cores(), "machine": platform.machine()},
         "versions": {
@@ -163,39 +177,40 @@ def header(
 
 
 def initial(preset: Preset, depths: list[Depth]) -> dict[str, Any]:
-    """Fresh parameters, with the statistics of the bottoms at the probe pairs."""
+    """Fresh parameters, with the statistics of the bottoms' values at the probe pairs."""
     bottoms = np.concatenate([depth.first().probes for depth in depths])
-    return {**init(preset.first_arch, preset.seed), **input_statistics(bottoms)}
+    return {**init(preset.architectures()[0], preset.seed), **input_statistics(bottoms)}
 
 
 def figures(
     params: Params, arch: Architecture, checks: list[Check], state: TrainState
 ) -> dict[str, float]:
-    """What the validation parts say of parameters, those in `state` by their averages."""
+    """Validation errors of `params`, with the averages of those that are learning."""
     return validation.measure({**params, **state.average}, arch, checks)
 
 
 def advance(
     point: Checkpoint,
-    schedule: Schedule,
-    learn: Learn,
+    stage: Stage,
+    learner: Learner,
     report: Callable[[TrainState], dict[str, float]],
     journal: Journal,
 ) -> Checkpoint:
-    """Take the rest of a stage's steps, with a log line and a checkpoint now and then."""
+    """Take the remaining steps of a stage, with log lines and checkpoints by its schedule."""
+    schedule = stage.schedule
     state, clock, spent = point.state, time.monotonic(), point.seconds
     bar = tqdm(total=schedule.steps, initial=point.step, desc=point.stage, disable=None)
     with bar:
         for step in range(point.step, schedule.steps, schedule.steps_per_call):
-            batches = learn.batches(step, schedule.steps_per_call)
-            state, terms = learn.steps(state, batches)
+            batches = learner.batches(step, schedule.steps_per_call)
+            state, terms = learner.steps(state, batches)
             done = step + schedule.steps_per_call
             bar.update(schedule.steps_per_call)
             if done % schedule.checkpoint_every == 0 or done == schedule.steps:
-                found = {name: float(value) for name, value in terms.items()} | report(state)
+                logged = {name: float(value) for name, value in terms.items()} | report(state)
                 seconds = spent + time.monotonic() - clock
                 point = replace(point, step=done, seconds=seconds, state=state)
-                bar.set_postfix({name: f"{value:.4f}" for name, value in found.items()})
-                journal.log(point, found)
+                bar.set_postfix({name: f"{value:.4f}" for name, value in logged.items()})
+                journal.log(point, logged)
                 journal.save(point)
     return replace(point, seconds=spent + time.monotonic() - clock)

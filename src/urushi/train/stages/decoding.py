@@ -1,7 +1,12 @@
-"""The decoding stage: the decoder alone, on pairs that may be weighted by their scatter."""
+"""The decoding stage: the decoder alone, with pairs that may be weighted by their scatter.
 
-from dataclasses import replace
-from typing import Any
+The scatter of a pair is its expected squared relative error: noise of the simulated value and error
+of the decoder together. A small network predicts it from code and directions; it is trained beside
+the decoder and discarded after the stage.
+"""
+
+from dataclasses import dataclass, field, replace
+from typing import Any, ClassVar
 
 import jax
 import jax.numpy as jnp
@@ -10,29 +15,67 @@ import numpy as np
 from urushi.nets.architecture import Architecture, init
 from urushi.nets.decoder import decode
 from urushi.nets.mlp import Params
-from urushi.train.examples import Batch
-from urushi.train.losses import compose, relative_errors, stack_loss, stacks_mean
+from urushi.train import devices
+from urushi.train.devices import Devices
+from urushi.train.examples import Batch, Batches, Depth
+from urushi.train.losses import compose, mean_loss, squared_errors, stack_loss
+from urushi.train.optimiser import compile_steps
+from urushi.train.stages.stage import Learner, Stage
 
-#: The network of the scatter has the decoder's form, and these hidden layers.
+#: Widths of the hidden layers of the scatter's network, which has the form of the decoder.
 WIDTHS = (16, 16)
 
-#: Logarithm of the mean squared relative error that it starts from, about that of all pairs.
+#: Logarithm of the scatter at the start, about that of all pairs.
 _START = -5.0
 
-#: Squared relative errors above this count as this to the scatter, and their likelihoods as that:
-#: a single firefly shall not make a whole region count nothing.
-_LARGEST, _UNLIKELY = 1.0, 50.0
+#: Upper bounds of a squared relative error and of its ratio to the scatter, in the likelihood: a
+#: single firefly must not remove the weight of a whole region.
+_LARGEST, _LARGEST_RATIO = 1.0, 50.0
 
-#: Mean squared relative errors below this make a pair count no more: 0.3 % is good enough.
+#: Scatter below which the weight of a pair no longer increases: an error of 0.3 % is good enough.
 _LEAST = 1e-5
 
-#: What the scatter's likelihood counts beside the decoder's loss, whose gradient it shares a limit
-#: with and nothing else.
+#: Weight of the scatter's likelihood in the loss. The two networks share the bound of the
+#: gradient's norm and nothing else.
 _SHARE = 0.02
 
 
+@dataclass(frozen=True)
+class Decoding(Stage):
+    """The decoder on the codes that the other networks compose.
+
+    Attributes:
+        stacks: stacks of 0, 1, 2, ... coats in a step.
+        weigh_pairs: whether pairs are weighted by their scatter.
+    """
+
+    stacks: tuple[int, ...]
+    weigh_pairs: bool = True
+    name: str = field(default="decoding", kw_only=True)
+    trains: ClassVar[tuple[str, ...]] = ("decoder",)
+
+    def devices(self) -> Devices:
+        """The devices that share the stacks of a step."""
+        return devices.find(sum(self.stacks))
+
+    def begin(self, params: Params, arch: Architecture, seed: int) -> dict[str, Any]:
+        """The decoder, and a fresh network of the scatter if pairs are weighted."""
+        trained = super().begin(params, arch, seed)
+        return trained | (fresh_scatter(arch, seed) if self.weigh_pairs else {})
+
+    def learn(self, params: Params, arch: Architecture, depths: list[Depth], seed: int) -> Learner:
+        """Steps of `weighted_loss` or `plain_loss` on all simulated stacks."""
+        minimised = weighted_loss if self.weigh_pairs else plain_loss
+
+        def loss(trained: Params, batch: Any) -> tuple[jax.Array, dict[str, jax.Array]]:
+            return minimised(trained, params, arch, batch)
+
+        steps = compile_steps(loss, self.schedule, self.devices())
+        return Learner(steps, Batches(depths, self.stacks, seed + 1).take)
+
+
 def fresh_scatter(arch: Architecture, seed: int) -> dict[str, np.ndarray]:
-    """Parameters "scatter.*" of a network that knows nothing yet."""
+    """Untrained parameters "scatter.*"."""
     drawn = init(replace(arch, decoder=WIDTHS), seed)
     params = {_renamed(k, "decoder", "scatter"): drawn[k] for k in drawn if k.startswith("decoder")}
     params[f"scatter.{len(WIDTHS)}.bias"] += np.float32(_START)
@@ -40,29 +83,29 @@ def fresh_scatter(arch: Architecture, seed: int) -> dict[str, np.ndarray]:
 
 
 def scatter(params: Params, arch: Architecture, z: Any, features: Any) -> Any:
-    """Mean squared relative error (S, P) to be expected at codes z (S, L), features (S, P, 8).
+    """Expected squared relative error (S, P) at codes z (S, L) and features (S, P, 8).
 
-    It is what a simulated value's noise and the decoder's own error make together, by code and
-    directions only: whatever it weighs is not biased by the noise of the value at hand. The gain,
-    which relative errors do not depend on, is left out.
+    It depends on code and directions only, so that weighting by it is not biased by the noise of
+    the value that is weighted. The gain, the first number of a code, does not enter, because
+    relative errors do not depend on it.
     """
     own = (name for name in params if name.startswith("scatter"))
-    alike = {_renamed(name, "scatter", "decoder"): params[name] for name in own}
+    as_decoder = {_renamed(name, "scatter", "decoder"): params[name] for name in own}
     z = jnp.concatenate([jnp.zeros_like(z[..., :1]), z[..., 1:]], axis=-1)
-    return decode(alike, replace(arch, decoder=WIDTHS), z[:, None], features)
+    return decode(as_decoder, replace(arch, decoder=WIDTHS), z[:, None], features)
 
 
-def unlikelihood(scatter: Any, squares: Any) -> jax.Array:
-    """Least, on average over `squares` (S, P), where `scatter` (S, P) is their mean.
+def negative_log_likelihood(scatter: Any, squares: Any) -> jax.Array:
+    """Mean over `squares` (S, P), least where `scatter` (S, P) is their mean.
 
-    Of a Gaussian's logarithm, whose variance is predicted (Nix & Weigend 1994).
+    Of a Gaussian whose variance is predicted (Nix and Weigend 1994), up to factor and constant.
     """
     ratio = jnp.minimum(squares, _LARGEST) / scatter
-    return jnp.mean(jnp.minimum(ratio, _UNLIKELY) + jnp.log(scatter))
+    return jnp.mean(jnp.minimum(ratio, _LARGEST_RATIO) + jnp.log(scatter))
 
 
 def pair_weights(scatter: Any) -> jax.Array:
-    """What each pair of a stack (S, P) counts: the root of its precision, 1 on average."""
+    """Weights (S, P) of a stack's pairs: the root of their precision, 1 on average."""
     weights = 1.0 / jnp.sqrt(scatter + _LEAST)
     return weights / jnp.mean(weights, axis=-1, keepdims=True)
 
@@ -70,11 +113,13 @@ def pair_weights(scatter: Any) -> jax.Array:
 def plain_loss(
     trained: Params, params: Params, arch: Architecture, batch: Batch
 ) -> tuple[jax.Array, dict[str, jax.Array]]:
-    """`losses.stack_loss` on the codes that the others make, all pairs alike, and its terms.
+    """`losses.stack_loss` on composed codes, all pairs of equal weight, and its terms.
 
     Args:
         trained: "decoder.*".
-        params: all others.
+        params: all parameters; those of encoder and layerer compose the codes.
+        arch: sizes of the networks.
+        batch: simulated stacks.
     """
     z = compose(params, arch, batch.probes, batch.coats)
     fit = stack_loss(decode(trained, arch, z[:, None], batch.features), batch.f)
@@ -84,21 +129,21 @@ def plain_loss(
 def weighted_loss(
     trained: Params, params: Params, arch: Architecture, batch: Batch
 ) -> tuple[jax.Array, dict[str, jax.Array]]:
-    """Loss of decoder and scatter on the codes that the others make, and its terms.
+    """Loss of decoder and scatter on composed codes, and its terms.
 
-    - fit: as `losses.stack_loss`, but pairs that are hard, or whose values are noisy, count less;
-    - scatter: the unlikelihood of the errors.
+    - fit: as `losses.stack_loss`, with less weight for pairs that are hard or noisy;
+    - scatter: the negative log-likelihood of the errors.
 
     Args:
         trained: "decoder.*" and "scatter.*".
-        params: all others.
+        params, arch, batch: as of `plain_loss`.
     """
     z = compose(params, arch, batch.probes, batch.coats)
-    squares = relative_errors(decode(trained, arch, z[:, None], batch.features), batch.f)
+    squares = squared_errors(decode(trained, arch, z[:, None], batch.features), batch.f)
     expected = scatter(trained, arch, z, batch.features)
     weights = jax.lax.stop_gradient(pair_weights(expected))
-    fit = stacks_mean(squares, weights)
-    unlikely = unlikelihood(expected, jax.lax.stop_gradient(squares))
+    fit = mean_loss(squares, weights)
+    unlikely = negative_log_likelihood(expected, jax.lax.stop_gradient(squares))
     loss = fit + _SHARE * unlikely
     return loss, {"loss": loss, "fit": fit, "scatter": unlikely}
 

@@ -1,9 +1,7 @@
-"""The layering stage: the layerer alone, wider, on quadratic forms about what it makes so far.
+"""The layering stage: the layerer alone, which may be widened, on quadratic losses of its codes."""
 
-Wider hidden layers for a trained network, which at first computes what it did before.
-"""
-
-from typing import NamedTuple
+from dataclasses import dataclass, field, replace
+from typing import Any, ClassVar, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -12,22 +10,76 @@ import numpy as np
 from urushi.errors import ParameterError
 from urushi.nets.architecture import Architecture, layer_sizes
 from urushi.nets.mlp import Params
-from urushi.train.losses import apply
+from urushi.train import devices
+from urushi.train.devices import Devices
+from urushi.train.examples import Depth
+from urushi.train.losses import apply_coats
+from urushi.train.optimiser import compile_steps
 from urushi.train.order import Order
-from urushi.train.stages.quadratic_loss import QuadraticLosses, loss_increase
+from urushi.train.stages.quadratic_loss import (
+    QuadraticLosses,
+    loss_increase,
+    measure_quadratic_losses,
+)
+from urushi.train.stages.stage import Learner, Stage
 
-#: What a stack counts whose uppermost coat lies over a code that was decoded and encoded again,
-#: as against the same stack layered coat after coat.
+#: Loss weight of stacks whose lower part was decoded and encoded again, relative to the same stacks
+#: layered coat after coat.
 REENTRY = 0.5
+
+
+@dataclass(frozen=True)
+class Layering(Stage):
+    """The layerer on the quadratic losses of as many stacks as fit into memory.
+
+    Attributes:
+        stacks: stacks of 1, 2, ... coats in a step.
+        widen_from: widths of the layerer's hidden layers before this stage; None: as after it.
+        seed_offset: added to the preset's seed for the order of the stacks.
+    """
+
+    stacks: tuple[int, ...]
+    widen_from: tuple[int, ...] | None = None
+    seed_offset: int = 0
+    name: str = field(default="layering", kw_only=True)
+    trains: ClassVar[tuple[str, ...]] = ("layerer",)
+
+    def arch_before(self, arch: Architecture) -> Architecture:
+        """The sizes with a layerer that is not yet widened."""
+        return arch if self.widen_from is None else replace(arch, layerer=self.widen_from)
+
+    def devices(self) -> Devices:
+        """The devices that share the stacks of a step."""
+        return devices.find(sum(self.stacks))
+
+    def begin(self, params: Params, arch: Architecture, seed: int) -> dict[str, Any]:
+        """The layerer, widened if it was narrower before."""
+        if self.widen_from is None:
+            return super().begin(params, arch, seed)
+        return widened(params, self.arch_before(arch), "layerer", arch.layerer, seed)
+
+    def learn(self, params: Params, arch: Architecture, depths: list[Depth], seed: int) -> Learner:
+        """Steps of `layering_loss` on quadratic losses, which are measured first."""
+        losses = []
+        for depth in depths[1:]:
+            losses.append(measure_quadratic_losses(params, self.arch_before(arch), depth.first()))
+            depth.forget()
+
+        def loss(trained: Params, batch: Any) -> tuple[jax.Array, dict[str, jax.Array]]:
+            return layering_loss(trained, arch, batch)
+
+        steps = compile_steps(loss, self.schedule, self.devices())
+        batches = LayeringBatches(losses, self.stacks, seed + self.seed_offset)
+        return Learner(steps, batches.take)
 
 
 class LayeringBatch(NamedTuple):
     """Stacks of all depths, deepest first; B of them, B_k with k coats or more.
 
     Attributes:
-        bottoms, z, slope, curvature: as in `Forms`, of all B.
+        bottoms, z, slope, curvature: as in `QuadraticLosses`, of all B.
         coats: for the lowest coat, the next one up, and so on, (B_k, 5) for the first B_k stacks.
-        below: (B_2, L) as in `Forms`.
+        below: (B_2, L) as in `QuadraticLosses`.
         top: (B_2, 5) their uppermost coats.
     """
 
@@ -44,28 +96,28 @@ class LayeringBatches:
     """Batches by step: every depth's stacks in shuffled epochs.
 
     Args:
-        forms: by number of coats, from one up.
-        stacks: how many stacks of each of these depths a step sees.
+        losses: by number of coats, from one up.
+        stacks: stacks of each of these depths in a step.
         seed: of the shuffling.
     """
 
-    def __init__(self, forms: list[QuadraticLosses], stacks: tuple[int, ...], seed: int) -> None:
-        self._forms, self._stacks = forms, stacks
-        sizes = [len(held.z) for held in forms]
+    def __init__(self, losses: list[QuadraticLosses], stacks: tuple[int, ...], seed: int) -> None:
+        self._losses, self._stacks = losses, stacks
+        sizes = [len(of_depth.z) for of_depth in losses]
         self._orders = [Order([[n]], n, seed, coats) for coats, n in enumerate(sizes, start=1)]
 
     def take(self, step: int, steps: int) -> LayeringBatch:
         """The batches of `steps` steps from `step` on, stacked along a first axis."""
         parts: list[QuadraticLosses] = []
-        for forms, order, count in reversed(
-            list(zip(self._forms, self._orders, self._stacks, strict=True))
+        for losses, order, count in reversed(
+            list(zip(self._losses, self._orders, self._stacks, strict=True))
         ):
             runs = order.runs(step * count, steps * count)
             rows = np.concatenate([run.items for run in runs])
             parts.append(
-                QuadraticLosses(*(x[rows].reshape(steps, count, *x.shape[1:]) for x in forms))
+                QuadraticLosses(*(x[rows].reshape(steps, count, *x.shape[1:]) for x in losses))
             )
-        levels = len(parts)
+        depth = len(parts)
 
         def joined(name: str) -> np.ndarray:
             return np.concatenate([getattr(part, name) for part in parts], axis=1)
@@ -74,8 +126,8 @@ class LayeringBatches:
         return LayeringBatch(
             bottoms=joined("bottoms"),
             coats=tuple(
-                np.concatenate([part.coats[:, :, -1 - k] for part in parts[: levels - k]], axis=1)
-                for k in range(levels)
+                np.concatenate([part.coats[:, :, -1 - k] for part in parts[: depth - k]], axis=1)
+                for k in range(depth)
             ),
             below=np.concatenate([part.below for part in several], axis=1),
             top=np.concatenate([part.coats[:, :, 0] for part in several], axis=1),
@@ -88,16 +140,16 @@ class LayeringBatches:
 def layering_loss(
     params: Params, arch: Architecture, batch: LayeringBatch
 ) -> tuple[jax.Array, dict[str, jax.Array]]:
-    """By how much the stacks' loss exceeds that of the codes before, and its terms.
+    """Increase of the stacks' loss relative to that of the measured codes, and its terms.
 
     - fit: coat after coat over the encoded bottom;
-    - reentry: the uppermost coat over all that is below, decoded and encoded again.
+    - reentry: the uppermost coat over the decoded and encoded lower part.
     """
-    z = apply(params, arch, batch.bottoms, batch.coats)
+    z = apply_coats(params, arch, batch.bottoms, batch.coats)
     fit = loss_increase(z, batch.z, batch.slope, batch.curvature)
-    some = slice(len(batch.below))
-    again = apply(params, arch, batch.below, (batch.top,))
-    reentry = loss_increase(again, batch.z[some], batch.slope[some], batch.curvature[some])
+    rows = slice(len(batch.below))
+    again = apply_coats(params, arch, batch.below, (batch.top,))
+    reentry = loss_increase(again, batch.z[rows], batch.slope[rows], batch.curvature[rows])
     count = len(fit) + REENTRY * len(reentry)
     loss = (jnp.sum(fit) + REENTRY * jnp.sum(reentry)) / count
     return loss, {"loss": loss, "fit": jnp.mean(fit), "reentry": jnp.sum(reentry) / count}
@@ -106,20 +158,20 @@ def layering_loss(
 def widened(
     params: Params, arch: Architecture, part: str, widths: tuple[int, ...], seed: int
 ) -> dict[str, np.ndarray]:
-    """The parameters of one network with hidden layers of other widths (Chen et al. 2016).
+    """The parameters of one network after its hidden layers are widened (Chen et al. 2016).
 
-    New neurons see all of the layer below by random weights, and weigh nothing in what the old
-    ones above see, or the output: values and derivatives by the old parameters stay as they were.
+    New neurons have random weights to the layer below, and zero weights to the old neurons above
+    and to the output. The network's values and its derivatives by the old parameters are unchanged.
 
     Args:
         params: all parameters, of the sizes `arch`.
-        arch: the sizes before.
+        arch: the sizes before widening.
         part: the network, one of `architecture.PARTS`.
-        widths: of its hidden layers, as many as before and none of them less.
+        widths: the new widths of its hidden layers: as many as before, none smaller.
         seed: of the new neurons' weights.
 
     Raises:
-        ParameterError: the widths are not such.
+        ParameterError: the number of layers differs, or a layer would become narrower.
     """
     before = getattr(arch, part)
     pairs = zip(before, widths, strict=False)

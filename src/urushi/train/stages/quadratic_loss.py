@@ -1,8 +1,7 @@
-"""Quadratic forms: what the loss of a stack is to codes close to those that the networks make.
+"""Quadratic losses: the loss of a stack, expanded to second order about its latent code.
 
-All of a stack's simulated values speak through one gradient and one matrix of the size of a code.
-A step that trains on them sees every value of its stacks for a hundredth of what decoding a quarter
-of them costs.
+One gradient and one matrix of the size of a code represent all simulated values of a stack. A
+training step on them costs a hundredth of a step that decodes a quarter of these values.
 """
 
 from typing import Any, NamedTuple
@@ -20,20 +19,20 @@ from urushi.nets.encoder import encode
 from urushi.nets.features import direction_features
 from urushi.nets.mlp import Params
 from urushi.train.examples import Examples
-from urushi.train.losses import compose, divisor, halves_weight, squared
+from urushi.train.losses import compose, error_scale, huber, stack_weights
 
 #: Items that are decoded at once.
 _BLOCK = 1024
 
 
 class QuadraticLosses(NamedTuple):
-    """S stacks of N coats, and their loss about the codes z.
+    """The losses of S stacks of N coats about their codes z.
 
     Attributes:
         bottoms: (S, L) codes of the bottoms.
-        below: (S, L) codes of all but the uppermost coat, decoded at the probe pairs and encoded
-            again, as by users who coat what they have measured; those of the bottoms for N = 1.
-        coats: (S, N, 5) `data.distribution.COAT_PARAMETERS`, top to bottom.
+        below: (S, L) codes of the stacks without their uppermost coat, decoded at the probe pairs
+            and encoded again, as when a measured stack is coated; the bottoms' codes for N = 1.
+        coats: (S, N, 5) in the order of `checks.CoatParameters`, top to bottom.
         z: (S, L) codes of the stacks.
         slope, curvature: (S, L), (S, L, L) of the loss with respect to the code, at z.
     """
@@ -47,7 +46,7 @@ class QuadraticLosses(NamedTuple):
 
 
 def loss_increase(codes: Any, z: Any, slope: Any, curvature: Any) -> jax.Array:
-    """By how much the loss at `codes` (B, L) exceeds that at z (B, L): (B,)."""
+    """Increase (B,) of the loss from z (B, L) to `codes` (B, L)."""
     d = codes - z
     return jnp.sum(slope * d, axis=-1) + 0.5 * jnp.einsum("bk,bkl,bl->b", d, curvature, d)
 
@@ -55,26 +54,26 @@ def loss_increase(codes: Any, z: Any, slope: Any, curvature: Any) -> jax.Array:
 def quadratic_expansion(
     params: Params, arch: Architecture, z: Any, features: Any, f: Any
 ) -> tuple[jax.Array, jax.Array]:
-    """Slope (B, L) and curvature (B, L, L) of `losses.stack_loss`'s summands at codes z (B, L).
+    """Slope (B, L) and curvature (B, L, L) of the summands of `losses.stack_loss` at z (B, L).
 
-    features (B, P, 8), f (B, P) as for `stack_loss`. The curvature is Gauss and Newton's: that of
-    f linear in the code. The weights of errors are held as they are.
+    features (B, P, 8), f (B, P) as of `stack_loss`. The curvature is that of Gauss and Newton, as
+    if f were linear in the code. The weights of the errors are constant.
     """
-    log_f, rise = decode_log(params, arch, z[:, None], features)
+    log_f, log_slope = decode_log(params, arch, z[:, None], features)
     f_hat = jnp.exp(log_f)
-    by = divisor(f_hat)
-    error = (f_hat - f) / by
-    squares, near = squared(error)
-    weight = 2.0 * halves_weight(squares) * near / f.shape[-1]
-    along = (f_hat / by)[..., None] * rise
-    slope = jnp.einsum("bp,bpl->bl", weight * error, along)
-    return slope, jnp.einsum("bpk,bpl->bkl", weight[..., None] * along, along)
+    scale = error_scale(f_hat)
+    error = (f_hat - f) / scale
+    squares, huber_weight = huber(error)
+    weight = 2.0 * stack_weights(squares) * huber_weight / f.shape[-1]
+    jacobian = (f_hat / scale)[..., None] * log_slope
+    slope = jnp.einsum("bp,bpl->bl", weight * error, jacobian)
+    return slope, jnp.einsum("bpk,bpl->bkl", weight[..., None] * jacobian, jacobian)
 
 
 def measure_quadratic_losses(
     params: Params, arch: Architecture, examples: Examples
 ) -> QuadraticLosses:
-    """The forms of all stacks of one depth, from all of their pairs. At least one coat."""
+    """The quadratic losses of all stacks of one depth, at least one coat, from all their pairs."""
     at_probes = jnp.asarray(direction_features(*probe_pairs(arch.probes)))
 
     @jax.jit
@@ -85,7 +84,7 @@ def measure_quadratic_losses(
         return encode(params, arch, values), below, compose(params, arch, values, coats)
 
     @jax.jit
-    def forms(z: Any, features: Any, f: Any, local: Any) -> tuple[jax.Array, jax.Array]:
+    def expansions(z: Any, features: Any, f: Any, local: Any) -> tuple[jax.Array, jax.Array]:
         slope, curvature = quadratic_expansion(params, arch, z, features, f)
         return (
             jax.ops.segment_sum(slope, local, _BLOCK),
@@ -94,24 +93,24 @@ def measure_quadratic_losses(
 
     coats = tuple(np.moveaxis(examples.coats, 1, 0)[::-1])
     stacks, size = len(examples.coats), arch.latent
-    made: list[list[np.ndarray]] = [[], [], []]
+    blocks: list[list[np.ndarray]] = [[], [], []]
     for first in range(0, stacks, _BLOCK):
-        some = slice(first, first + _BLOCK)
-        block = codes(examples.probes[some], tuple(coat[some] for coat in coats))
-        for held, part in zip(made, block, strict=True):
-            held.append(np.asarray(part))
-    bottoms, below, z = map(np.concatenate, made)
+        rows = slice(first, first + _BLOCK)
+        block = codes(examples.probes[rows], tuple(coat[rows] for coat in coats))
+        for column, part in zip(blocks, block, strict=True):
+            column.append(np.asarray(part))
+    bottoms, below, z = map(np.concatenate, blocks)
 
     slope = np.zeros((stacks, size), np.float32)
     curvature = np.zeros((stacks, size, size), np.float32)
-    items = np.bincount(examples.stack, minlength=stacks).astype(np.float32)
-    for first in tqdm(range(0, len(examples.f), _BLOCK), desc="forms", disable=None):
-        some = slice(first, first + _BLOCK)
-        rows = examples.stack[some]
-        sums = forms(z[rows], examples.features[some], examples.f[some], rows - rows[0])
-        here = slice(rows[0], rows[-1] + 1)
+    counts = np.bincount(examples.stack, minlength=stacks).astype(np.float32)
+    for first in tqdm(range(0, len(examples.f), _BLOCK), desc="quadratic losses", disable=None):
+        items = slice(first, first + _BLOCK)
+        stack = examples.stack[items]
+        sums = expansions(z[stack], examples.features[items], examples.f[items], stack - stack[0])
+        rows = slice(stack[0], stack[-1] + 1)
         for total, part in zip((slope, curvature), sums, strict=True):
-            total[here] += np.asarray(part)[: len(total[here])]
-    slope /= items[:, None]
-    curvature /= items[:, None, None]
+            total[rows] += np.asarray(part)[: len(total[rows])]
+    slope /= counts[:, None]
+    curvature /= counts[:, None, None]
     return QuadraticLosses(bottoms, below, examples.coats, z, slope, curvature)

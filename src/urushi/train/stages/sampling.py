@@ -1,10 +1,12 @@
-"""Training of the proposal network: lobes whose density follows f cos_o as closely as they can."""
+"""The sampling stage: the sampler learns lobes whose density follows f cos_o."""
 
 import math
-from typing import Any, NamedTuple
+from dataclasses import dataclass, field
+from typing import Any, ClassVar, NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
 from urushi.nets import sampler
 from urushi.nets.architecture import Architecture
@@ -12,58 +14,115 @@ from urushi.nets.decoder import decode
 from urushi.nets.features import direction_features
 from urushi.nets.mlp import Params
 from urushi.nets.sampler import mixture as propose
+from urushi.train.examples import Depth
+from urushi.train.losses import compose
+from urushi.train.optimiser import compile_steps
+from urushi.train.stages.stage import Learner, Stage
 
-#: Materials and incoming directions that a step sees, and outgoing directions for each.
+#: Largest number of training stacks of each depth whose codes the sampler is trained on.
+STACKS = 1 << 15
+
+#: Materials in a step, each with one incoming direction, and outgoing directions for each.
 MATERIALS, DIRECTIONS = 96, 64
 
-#: Channels of a material; all share one proposal, made for their mean latent.
+#: Channels of a material; they share one proposal, that of their mean code.
 CHANNELS = 3
 
-#: Half of the directions are drawn from this fixed mixture, so that no part of a BRDF is missed.
+#: Fixed mixture from which half of the directions are drawn, so that no part of a BRDF is missed.
 FIXED_ALPHAS = (0.015, 0.06, 0.25)
 FIXED_WEIGHTS = (0.25, 0.25, 0.25, 0.25)
 
 
-class SamplerScene(NamedTuple):
-    """What the proposal's loss needs of the world."""
+@dataclass(frozen=True)
+class Sampling(Stage):
+    """The sampler on codes that encoder and layerer make; its batches are step numbers."""
 
-    params: Params  # trained encoder, layerer and decoder
-    latents: jax.Array  # (M, 32) codes of layered and bare materials, one channel each
+    name: str = field(default="sampling", kw_only=True)
+    trains: ClassVar[tuple[str, ...]] = ("sampler",)
+
+    def learn(self, params: Params, arch: Architecture, depths: list[Depth], seed: int) -> Learner:
+        """Steps of `sampler_loss` on random materials between the codes of training stacks."""
+        targets = Targets(dict(params), training_codes(params, arch, depths), jax.random.key(seed))
+
+        def loss(trained: Params, step: jax.Array) -> tuple[jax.Array, dict[str, jax.Array]]:
+            return sampler_loss(trained, arch, targets, step)
+
+        def batches(step: int, steps: int) -> np.ndarray:
+            return np.arange(step, step + steps, dtype=np.uint32)
+
+        return Learner(compile_steps(loss, self.schedule, self.devices()), batches)
+
+    def measure(
+        self, params: Params, arch: Architecture, depths: list[Depth], seed: int
+    ) -> dict[str, float]:
+        """Median and 95th percentile of `variation` over random materials."""
+        latents = training_codes(params, arch, depths)
+        spread = np.asarray(variation(params, arch, latents, seed=seed + 1))
+        return {
+            "sampling cv median": float(np.median(spread)),
+            "sampling cv p95": float(np.percentile(spread, 95)),
+        }
+
+
+class Targets(NamedTuple):
+    """The BRDFs that the proposals shall follow.
+
+    Attributes:
+        params: trained encoder, layerer and decoder.
+        latents: (M, 32) codes of layered and bare stacks, one channel each.
+        key: of all random numbers.
+    """
+
+    params: Params
+    latents: jax.Array
     key: jax.Array
 
 
+def training_codes(params: Params, arch: Architecture, depths: list[Depth]) -> jax.Array:
+    """Latent codes (M, 32) of training stacks of all depths, at most `STACKS` of each."""
+    run = jax.jit(lambda probes, coats: compose(params, arch, probes, coats))
+    codes = []
+    for examples in (depth.first() for depth in depths):
+        # Parts lie one after the other: a stride takes some of each.
+        rows = slice(None, None, -(-len(examples.probes) // STACKS))
+        coats = tuple(np.moveaxis(examples.coats[rows], 1, 0)[::-1])
+        codes.append(run(examples.probes[rows], coats))
+    return jnp.concatenate(codes)
+
+
 def sampler_loss(
-    trained: Params, arch: Architecture, scene: SamplerScene, step: jax.Array
+    trained: Params, arch: Architecture, targets: Targets, step: jax.Array
 ) -> tuple[jax.Array, dict[str, jax.Array]]:
     """Divergence and spread of importance sampling by the proposal, for random materials.
 
-    For each material and wi the directions come half from the proposal itself (held constant to
-    the gradient) and half from a fixed mixture, of joint density q. Weighted by f cos_o / q they
+    For each material and wi, half of the directions are drawn from the proposal (constant to the
+    gradient) and half from a fixed mixture; q is their joint density. Weighted by f cos_o / q they
     estimate the cross entropy of the proposal p to the normalised f cos_o, and the second moment
     of f cos_o / p under p, whose logarithm is ln(1 + cv^2) of one sample.
     """
-    picked, angles, own, fixed = jax.random.split(jax.random.fold_in(scene.key, step), 4)
-    z = pick_materials(picked, scene.latents, MATERIALS)
+    picked, angles, own, fixed = jax.random.split(jax.random.fold_in(targets.key, step), 4)
+    z = pick_materials(picked, targets.latents, MATERIALS)
     u = jax.random.uniform(angles, (MATERIALS, 2))
     wi = incoming_directions(u)[:, None]
     weights, alphas = propose(trained, arch, jnp.mean(z, axis=1), wi[:, 0, 2])
     weights, alphas = weights[:, None], alphas[:, None]
     current = jax.lax.stop_gradient((weights, alphas))
-    defence = jnp.array(FIXED_WEIGHTS), jnp.array(FIXED_ALPHAS)
+    defensive = jnp.array(FIXED_WEIGHTS), jnp.array(FIXED_ALPHAS)
 
     half = (MATERIALS, DIRECTIONS // 2, 3)
     wo = jnp.concatenate(
         [
             sampler.sample_mixture(*current, wi, jax.random.uniform(own, half)),
-            sampler.sample_mixture(*_spread(defence), wi, jax.random.uniform(fixed, half)),
+            sampler.sample_mixture(*_broadcastable(defensive), wi, jax.random.uniform(fixed, half)),
         ],
         axis=1,
     )
     wo = jax.lax.stop_gradient(wo)
     q = 0.5 * (
-        sampler.mixture_pdf(*current, wi, wo) + sampler.mixture_pdf(*_spread(defence), wi, wo)
+        sampler.mixture_pdf(*current, wi, wo)
+        + sampler.mixture_pdf(*_broadcastable(defensive), wi, wo)
     )
-    f_cos = mean_f_cos(scene.params, arch, z, wi, wo)
+    f_cos = mean_f_cos(targets.params, arch, z, wi, wo)
     p = sampler.mixture_pdf(weights, alphas, wi, wo)
 
     valid = q > 0
@@ -78,10 +137,10 @@ def sampler_loss(
 
 
 def pick_materials(key: jax.Array, latents: jax.Array, count: int) -> jax.Array:
-    """Latents (count, CHANNELS, 32): half of the materials grey, half a blend of two towards one.
+    """Codes (count, CHANNELS, 32) of random materials, about half of them grey.
 
-    The channels of a real material are alike, so the coloured ones lie between two codes, at three
-    places in the first half of the way.
+    The channels of a real material are similar: those of a coloured one are blends of two codes,
+    with a share of the second in [0, 1/2).
     """
     first, second, place, grey = jax.random.split(key, 4)
     z0 = latents[jax.random.randint(first, (count, 1), 0, len(latents))]
@@ -92,13 +151,13 @@ def pick_materials(key: jax.Array, latents: jax.Array, count: int) -> jax.Array:
 
 
 def incoming_directions(u: jax.Array) -> jax.Array:
-    """Directions (N, 3) in the xz plane: theta_i uniform up to 88 degrees by u[:, 0]."""
+    """Directions (N, 3) in the xz plane, with theta_i = 88 degrees times u[:, 0]."""
     theta = u[:, 0] * math.radians(88)
     return jnp.stack([jnp.sin(theta), jnp.zeros_like(theta), jnp.cos(theta)], axis=-1)
 
 
 def mean_f_cos(params: Params, arch: Architecture, z: Any, wi: Any, wo: Any) -> jax.Array:
-    """f cos_o (N, M) averaged over the channels of z (N, CHANNELS, 32), for wi, wo (N, M, 3)."""
+    """Mean f cos_o (N, M) over the channels of z (N, CHANNELS, 32), for wi, wo (N, M, 3)."""
     features = direction_features(jnp.broadcast_to(wi, wo.shape), wo)
     f = decode(params, arch, z[:, :, None], features[:, None])
     return jnp.mean(f, axis=1) * wo[..., 2]
@@ -109,7 +168,7 @@ def variation(
 ) -> jax.Array:
     """Coefficient of variation (materials,) of f cos_o / pdf over 4,096 samples of the proposal.
 
-    Materials as in training, theta_i uniform in 0 to 85 degrees.
+    Materials as in training; theta_i uniform from 0 to 85 degrees.
     """
     keys = jax.random.split(jax.random.key(seed), 3)
     z = pick_materials(keys[0], latents, materials)
@@ -127,7 +186,7 @@ def variation(
     return jax.lax.map(lambda entry: one(*entry), (z, wi, per_material))
 
 
-def _spread(mixture: tuple[jax.Array, jax.Array]) -> tuple[jax.Array, jax.Array]:
-    """One mixture for every direction of every material."""
+def _broadcastable(mixture: tuple[jax.Array, jax.Array]) -> tuple[jax.Array, jax.Array]:
+    """One mixture, with axes for materials and directions."""
     weights, alphas = mixture
     return weights[None, None], alphas[None, None]

@@ -1,0 +1,120 @@
+"""The joint stage: encoder, layerer and decoder learn together on the simulated stacks."""
+
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+import jax
+import jax.numpy as jnp
+
+from urushi.geometry.probe_pairs import probe_pairs
+from urushi.nets.architecture import FIXED, Architecture
+from urushi.nets.decoder import decode
+from urushi.nets.encoder import encode
+from urushi.nets.features import coat_features, direction_features
+from urushi.nets.layerer import layer
+from urushi.nets.mlp import Params
+from urushi.train import devices
+from urushi.train.devices import Devices
+from urushi.train.examples import Batch, Batches, Depth
+from urushi.train.losses import apply_coats, bounded, stack_loss
+from urushi.train.optimiser import compile_steps
+from urushi.train.stages.stage import Learner, Stage
+
+#: Stride of the stacks used in the cycle loss, which decodes all probe pairs.
+CYCLE_STRIDE = 16
+
+#: Stride of the stacks used in the absorption penalty, among those with a coat.
+ABSORPTION_STRIDE = 12
+
+#: Optical depths of added absorption, assigned to the rows of a batch in turn.
+ABSORPTION_STEPS = (0.1, 0.3, 1.0)
+
+
+@dataclass(frozen=True)
+class Joint(Stage):
+    """Encoder, layerer and decoder together.
+
+    Attributes:
+        stacks: stacks of 0, 1, 2, ... coats in a step.
+    """
+
+    stacks: tuple[int, ...]
+    name: str = field(default="joint", kw_only=True)
+    trains: ClassVar[tuple[str, ...]] = ("decoder", "encoder", "layerer")
+
+    def devices(self) -> Devices:
+        """The devices that share the stacks of a step."""
+        return devices.find(sum(self.stacks))
+
+    def learn(self, params: Params, arch: Architecture, depths: list[Depth], seed: int) -> Learner:
+        """Steps of `joint_loss` on all simulated stacks."""
+        features = jnp.asarray(direction_features(*probe_pairs(arch.probes)))
+        fixed = {name: params[name] for name in FIXED}
+
+        def loss(trained: Params, batch: Any) -> tuple[jax.Array, dict[str, jax.Array]]:
+            return joint_loss({**fixed, **trained}, arch, batch, features)
+
+        steps = compile_steps(loss, self.schedule, self.devices())
+        return Learner(steps, Batches(depths, self.stacks, seed).take)
+
+
+def joint_loss(
+    params: Params, arch: Architecture, batch: Batch, probe_features: Any
+) -> tuple[jax.Array, dict[str, jax.Array]]:
+    """Loss of encoder, layerer and decoder, and its terms.
+
+    - fit: decoded values of the composed latent codes against the simulated values;
+    - cycle: the same after decoding at the probe pairs and encoding again, for every
+      `CYCLE_STRIDE`th stack, so that the networks' own output can be encoded and coated;
+    - latent: mean squared distance between the codes before and after this cycle;
+    - rise: `absorption_penalty` of a bottom's lowest coat, for every `ABSORPTION_STRIDE`th stack.
+    """
+    bottoms = bounded(encode(params, arch, batch.probes))
+    z = apply_coats(params, arch, bottoms, batch.coats)
+    fit = stack_loss(decode(params, arch, z[:, None], batch.features), batch.f)
+
+    chosen = z[::CYCLE_STRIDE]
+    again = bounded(encode(params, arch, decode(params, arch, chosen[:, None], probe_features)))
+    f_again = decode(params, arch, again[:, None], batch.features[::CYCLE_STRIDE])
+    cycle = stack_loss(f_again, batch.f[::CYCLE_STRIDE])
+    latent = jnp.mean((again - jax.lax.stop_gradient(chosen)) ** 2)
+
+    rise = jnp.zeros(())
+    for lowest in batch.coats[:1]:
+        rows = slice(0, len(lowest), ABSORPTION_STRIDE)
+        coats, features = lowest[rows], batch.features[rows]
+        rise = jnp.mean(absorption_penalty(params, arch, bottoms[rows], coats, features))
+
+    loss = fit + 0.2 * cycle + 0.1 * latent + 0.5 * rise
+    return loss, {"loss": loss, "fit": fit, "cycle": cycle, "latent": latent, "rise": rise}
+
+
+def absorption_penalty(
+    params: Params, arch: Architecture, z_bottom: Any, coats: Any, features: Any
+) -> jax.Array:
+    """Increase of ln f (B, P) when a coat's medium absorbs more; 0 where f falls.
+
+    Every path through a medium loses energy by absorption, hence f falls everywhere as sigma_a
+    rises at constant scattering. Simulated stacks differ in all their parameters, so that they
+    show this only indirectly; the penalty compares a coat with a darker one and needs no simulated
+    values.
+
+    Args:
+        params, arch: the networks.
+        z_bottom: (B, 32) codes of bottoms.
+        coats: (B, 5) in the order of `checks.CoatParameters`.
+        features: (B, P, 8) of direction pairs.
+    """
+
+    def log_f(coats: Any) -> jax.Array:
+        z = layer(params, arch, z_bottom, coat_features(*jnp.moveaxis(coats, -1, 0)))
+        return jnp.log(decode(params, arch, z[:, None], features))
+
+    return jnp.maximum(log_f(with_more_absorption(coats)) - log_f(coats), 0.0)
+
+
+def with_more_absorption(coats: Any) -> jax.Array:
+    """Coats (B, 5) with absorption added, by one of `ABSORPTION_STEPS`, and equal scattering."""
+    alpha, eta, albedo, sigma_t, g = jnp.moveaxis(coats, -1, 0)
+    more = sigma_t + jnp.resize(jnp.asarray(ABSORPTION_STEPS), sigma_t.shape)
+    return jnp.stack([alpha, eta, albedo * sigma_t / more, more, g], axis=-1)
