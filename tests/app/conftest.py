@@ -1,7 +1,8 @@
-"""What tests of commands share."""
+"""Fixtures of the commands' tests."""
 
 import pytest
 
+from urushi.eval import sphere
 from urushi.nets import weights
 from urushi.nets.architecture import Architecture, init
 
@@ -17,3 +18,14 @@ def untrained(monkeypatch, tmp_path):
     weights.load_shipped.cache_clear()
     yield
     weights.load_shipped.cache_clear()
+
+
+@pytest.fixture
+def small_spheres(monkeypatch):
+    """Pictures of spheres of 24 x 24 pixels, whose nodes take a fraction of the time."""
+    monkeypatch.setattr(sphere, "RINGS", 12)
+    sphere.nodes.cache_clear()
+    sphere._white.cache_clear()
+    yield
+    sphere.nodes.cache_clear()
+    sphere._white.cache_clear()

@@ -42,7 +42,7 @@ def test_means_what_python_means(text):
         ("diffuse(True)", "neither a number nor three"),
         ("diffuse(**{'reflectance': 0.5})", "cannot read"),
         ("diffuse(0.5, gloss=1)", "unexpected keyword argument 'gloss' in diffuse(reflectance)"),
-        ("dielectric(0.5)", "missing a required argument: 'eta' in dielectric(alpha, eta)"),
+        ("diffuse()", "missing a required argument: 'reflectance' in diffuse(reflectance)"),
     ],
 )
 def test_refuses_with_the_reason_and_an_example(text, reason):

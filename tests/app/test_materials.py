@@ -119,7 +119,7 @@ def test_encoding_again_encodes_again(tmp_path):
     assert last == urushi.encode(urushi.diffuse(0.7))
 
 
-def test_a_report(tmp_path, capsys):
+def test_a_report(small_spheres, tmp_path, capsys):
     pytest.importorskip("matplotlib")
     bad, folder = tmp_path / "bad.binary", tmp_path / "report"
     bad.write_text("nothing")
@@ -134,6 +134,7 @@ def test_a_report(tmp_path, capsys):
     assert len(content["conductor-1"]["E"]) == 3
 
 
+@pytest.mark.slow
 def test_a_report_by_a_cluster(merl, two_workers, tmp_path):
     pytest.importorskip("matplotlib")
     table, file, folder = merl("green", 0.2), tmp_path / "green.safetensors", tmp_path / "report"

@@ -100,7 +100,7 @@ def test_a_picture_needs_its_suffix(tmp_path, capsys):
     assert "has no suffix of a picture" in capsys.readouterr().err
 
 
-def test_a_picture_is_a_lit_sphere():
+def test_a_picture_is_a_lit_sphere(small_spheres):
     material = urushi.encode(urushi.diffuse(0.5))
     picture = sheet.picture(material)
     inside = sphere.mask()
