@@ -1,15 +1,17 @@
-"""The quadrature that limits codes' energy: `python -m benchmarks.quality.albedo_rule`; a minute.
+"""Quadrature of the albedo that bounds codes' energy: `python -m benchmarks.quality.albedo_rule`.
 
-Writes src/urushi/material/albedo_rule.csv: for each of ten angles of incidence, the fewest nodes
-that integrate a family of BRDFs, each on its own, to 0.2 % of its albedo. They are picked from a
-fine rule one by one, where the largest error is correlated best, all weights being fitted anew each
-time by non-negative least squares (Lawson and Hanson 1974, stopped early): mixtures of the family
-have no larger an error, and no weight is negative. Prints nodes and errors.
+Takes a minute. Writes src/urushi/material/albedo_rule.csv, or the file given by `--output`: for
+each of ten angles of incidence, the fewest nodes that integrate every member of a family of BRDFs
+to 0.2 % of its albedo. Nodes are picked from a fine rule one by one, each where it correlates best
+with the residual, and all weights are fitted again after each by non-negative least squares (Lawson
+and Hanson 1974, stopped early). No weight is negative, and a mixture of members has no larger error
+than its members. Prints the number of nodes and the largest error of each angle.
 
-The angles are Chebyshev's in ln(cos + 0.1): the albedo, smooth in this variable, is a polynomial
-between them.
+The angles are Chebyshev points in ln(cos + 0.1): the albedo is smooth in this variable, and a
+polynomial interpolates it between them.
 """
 
+import argparse
 from pathlib import Path
 
 import numpy as np
@@ -36,11 +38,11 @@ def cosines() -> np.ndarray:
 
 
 def family(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-    """BRDFs (F, N) at wi (3,), wo (N, 3), up to factors: lobes and diffuse ones, and beneath coats.
+    """BRDFs (F, N) at wi (3,), wo (N, 3), up to factors: lobes and diffuse BRDFs, bare and coated.
 
-    GGX with several Fresnel terms; with what an interface above and a medium do to light on its
-    way out; and lobes with tails of any power times random smooth functions of all angles, which
-    stand for whatever networks make.
+    GGX lobes with several Fresnel terms; the same after the transmission of an interface and the
+    absorption of a medium above them; and lobes whose tails have any power, times random smooth
+    functions of all angles, in place of the shapes that networks produce.
     """
     h = wi + wo
     h /= np.linalg.norm(h, axis=-1, keepdims=True)
@@ -85,12 +87,12 @@ def _smith(c: np.ndarray, alpha: float) -> np.ndarray:
 
 
 def pick(values: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """At most `count` columns of values (F, N), and weights, that sum to about 1 in every row."""
+    """At most `count` columns of values (F, N), and weights by which every row sums to about 1."""
     norms, one = np.linalg.norm(values, axis=0), np.ones(len(values))
     picked: list[int] = []
-    rest = one
-    for _ in range(4 * count):  # columns that lose their weight are dropped, others follow
-        gain = values.T @ rest / norms
+    residual = one
+    for _ in range(4 * count):  # columns of weight 0 are dropped, and others follow
+        gain = values.T @ residual / norms
         gain[picked] = 0
         if gain.max() < 1e-9:
             break
@@ -98,7 +100,7 @@ def pick(values: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
         weights, _ = nnls(values[:, picked], one, maxiter=10_000)
         picked = [p for p, w in zip(picked, weights, strict=True) if w > 0]
         weights = weights[weights > 0]
-        rest = one - values[:, picked] @ weights
+        residual = one - values[:, picked] @ weights
         if len(picked) == count:
             break
     return np.array(picked), weights
@@ -119,7 +121,14 @@ def nodes(cos_i: float) -> tuple[np.ndarray, np.ndarray, float]:
 
 
 def main() -> None:
-    """Make the rule."""
+    """Write the rule."""
+    parser = argparse.ArgumentParser(
+        prog="python -m benchmarks.quality.albedo_rule",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--output", type=Path, default=OUT, help="file to write")
+    output = parser.parse_args().output
     lines = [
         "# Directional albedo at ten angles, sums of weight f(wi, wo): "
         "by benchmarks.quality.albedo_rule",
@@ -130,7 +139,7 @@ def main() -> None:
         print(f"cos {cos_i:.4f}: {len(wo)} nodes, largest error {100 * error:.3f} %", flush=True)
         for (x, y, z), weight in zip(wo, weights, strict=True):
             lines.append(f"{cos_i:.8f},{x:.8f},{abs(y):.8f},{z:.8f},{weight:.6g}")
-    OUT.write_text("\n".join(lines) + "\n", encoding="ascii")
+    output.write_text("\n".join(lines) + "\n", encoding="ascii")
 
 
 if __name__ == "__main__":

@@ -1,13 +1,13 @@
 """Measured materials under coats: `python -m benchmarks.quality.coated_measured FILE...`.
 
-FILEs are MERL tables, RGL materials, folders of these, or archives of stand-ins, as those of
-`benchmarks.quality.measured`. Prints E (docs/conventions.md) in per cent, the mean
-over channels, between
-the random walk through a coat over the measured BRDF and the layered code of its encoded material,
-`urushi.layer(coat, urushi.encode(measured, refine=True))`, for every material and coat, beside E of
-the bare encoded material and the walk's own noise; then the means, and the five worst. `--picture
-FILE.png` draws spheres of the five materials with the largest mean, walk and network side by side.
-About 8 seconds of CPU time a material, 20 for each whose spheres are drawn.
+FILEs are MERL tables, RGL materials, folders of these, or archives of stand-ins as in
+`benchmarks.quality.measured`. For each material and coat, prints the error E (docs/conventions.md),
+in per cent and as a mean over channels, between the random walk through a coat over the measured
+BRDF and the layered code of its encoded material,
+`urushi.layer(coat, urushi.encode(measured, refine=True))`. Also prints E of the bare encoded
+material, the walk's own noise, the means, and the five largest errors. `--picture FILE.png` draws
+spheres of the five materials with the largest mean, walk and network side by side. Takes about 8
+seconds of CPU time for a material, and 20 for one whose spheres are drawn.
 """
 
 import argparse
@@ -18,7 +18,7 @@ from typing import NamedTuple
 import mitsuba as mi
 import numpy as np
 from benchmarks.quality.measured import find_sets
-from benchmarks.rivals.contenders import Measured, Reciprocal
+from benchmarks.rivals.comparisons import Measured, Reciprocal
 
 import urushi
 from urushi.errors import UrushiWarning
@@ -29,7 +29,7 @@ from urushi.measured.tabulated import MeasuredSurface
 #: Pairs of directions of E, and walks for each pair and channel; walks for each node of a sphere.
 PAIRS, WALKS, SPHERE_WALKS = 300, 4096, 8
 
-#: Materials that are called the worst, or drawn.
+#: Number of materials that are listed as the worst, and drawn.
 WORST = 5
 
 COATS = {
@@ -43,7 +43,7 @@ COATS = {
 
 
 class Row(NamedTuple):
-    """E of a material: bare and encoded, under every coat, and of the walk's noise under each."""
+    """Errors E of one material: encoded and bare, under every coat, and the walk's noise there."""
 
     bare: float
     coated: list[float]
@@ -51,13 +51,13 @@ class Row(NamedTuple):
 
 
 def load(material: Measured) -> MeasuredSurface:
-    """The BRDF as the walk takes it."""
+    """The BRDF in the form that the walk samples."""
     loaded = material.load()
     return loaded.source if isinstance(loaded, Reciprocal) else loaded
 
 
 def coated(material: Material, coat: dict) -> Material:
-    """A coat by the layering network."""
+    """The material under a coat, by the layering network."""
     medium = {name: value for name, value in coat.items() if name not in ("alpha", "eta")}
     return urushi.layer(urushi.dielectric(coat["alpha"], coat["eta"]), material, **medium)
 
@@ -82,7 +82,7 @@ def measured(surface: MeasuredSurface, material: Material) -> Row:
 
 
 def draw(path: Path, chosen: dict[str, tuple[MeasuredSurface, Material]]) -> None:
-    """Spheres in a studio's light: a row a material, of each coat the walk and the network."""
+    """Spheres in a studio: one row for each material; for each coat, walk and network."""
     from matplotlib import pyplot as plt
 
     from urushi.eval import environment, sphere
@@ -113,14 +113,18 @@ def draw(path: Path, chosen: dict[str, tuple[MeasuredSurface, Material]]) -> Non
 
 
 def show(name: str, bare: float, values: list[float], noise: float) -> None:
-    """Print one line."""
+    """Print one line of the table."""
     cells = [bare, *values, float(np.mean(values)), noise]
     print(f"{name:28}" + "".join(f"{100 * cell:14.2f}" for cell in cells), flush=True)
 
 
 def main() -> None:
     """Print the table."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(
+        prog="python -m benchmarks.quality.coated_measured",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
     parser.add_argument("measured", type=Path, nargs="+", help="files, folders or archives")
     parser.add_argument("--weights", help="base, small, or a weights file")
     parser.add_argument("--picture", type=Path, help="where to draw spheres of the worst materials")

@@ -1,6 +1,6 @@
-"""Pictures of the shipped scenes with many samples, kept in files so that stopped runs resume.
+"""Pictures of the shipped scenes with many samples, stored in files so that stopped runs resume.
 
-Samples add up in two independent halves, from which the noise that is left is known.
+Samples are accumulated in two independent halves, from which the remaining noise is estimated.
 """
 
 import argparse
@@ -22,9 +22,9 @@ from urushi.nets import weights as networks
 from urushi.scenes import shipped
 from urushi.scenes.stage import Options
 
-#: Samples a pixel in one pass, which bounds the memory; and seconds between saves.
+#: Samples per pixel of one pass, which bounds the memory; and seconds between two saves.
 PASS_SPP, SAVE_EVERY = 16, 30.0
-#: The reference's plugin, and what other names stand for: networks of `neural_layered`.
+#: The method of the reference, which is its plugin; other methods are weights of `neural_layered`.
 REFERENCE = "layered"
 
 
@@ -46,21 +46,27 @@ class Picture:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments that every benchmark of pictures takes."""
+    """Add the arguments that all benchmarks of pictures share."""
     parser.add_argument("--scenes", nargs="+", default=list(shipped.SCENES), help="names of scenes")
-    parser.add_argument("--weights", nargs="+", default=list(networks.SHIPPED), help="networks")
-    parser.add_argument("--width", type=int, default=320, help="pixels across; 3/4 of it down")
-    parser.add_argument("--detail", type=float, default=1.0, help="scale of the textures' sizes")
+    parser.add_argument(
+        "--weights", nargs="+", default=list(networks.SHIPPED), help="weights of neural_layered"
+    )
+    parser.add_argument(
+        "--width", type=int, default=320, help="width of pictures [pixels]; the height is 3/4 of it"
+    )
+    parser.add_argument("--detail", type=float, default=1.0, help="scale of the sizes of textures")
     parser.add_argument("--mode", default="llvm_ad_rgb", help="Mitsuba variant")
-    parser.add_argument("--folder", type=Path, default=Path("runs/pictures"), help="for results")
+    parser.add_argument(
+        "--folder", type=Path, default=Path("runs/pictures"), help="folder of results"
+    )
 
 
 def load(name: str, method: str, arguments: argparse.Namespace) -> tuple[Any, str]:
-    """A scene for `mi.render`, and the hash of everything that decides its picture.
+    """A scene for `mi.render`, and the hash of everything that its picture depends on.
 
     Args:
-        name: of the scene.
-        method: REFERENCE, or networks by name or file.
+        name: name of the scene.
+        method: REFERENCE, or weights by name or file.
     """
     size = {"width": arguments.width, "height": arguments.width * 3 // 4}
     coat = {"coat": REFERENCE} if method == REFERENCE else {"weights": method}
@@ -76,7 +82,7 @@ def load(name: str, method: str, arguments: argparse.Namespace) -> tuple[Any, st
 
 
 def converged(name: str, method: str, spp: int, arguments: argparse.Namespace) -> Picture:
-    """Render a scene with `spp` samples a pixel, less those that an earlier run has saved."""
+    """Render a scene with `spp` samples per pixel, less those that are already stored."""
     new_folder(arguments.folder)
     path = arguments.folder / f"{name}-{Path(method).stem}-{arguments.width}.npz"
     scene, key = load(name, method, arguments)
@@ -84,7 +90,7 @@ def converged(name: str, method: str, spp: int, arguments: argparse.Namespace) -
     passes = max(2, 2 * round(spp / PASS_SPP / 2))
     saved = time.monotonic()
     for index in tqdm(range(done, passes), desc=f"{name}, {method}", initial=done, total=passes):
-        # The methods' seeds differ, so that no noise is common to two pictures.
+        # Methods have different seeds, so that two pictures share no noise.
         seed = int(hashlib.sha256(f"{method} {index}".encode()).hexdigest()[:8], 16)
         sums[index % 2] += mi.render(scene, spp=PASS_SPP, seed=seed).numpy()
         if time.monotonic() - saved > SAVE_EVERY or index == passes - 1:
@@ -96,7 +102,7 @@ def converged(name: str, method: str, spp: int, arguments: argparse.Namespace) -
 
 
 def _saved(path: Path, key: str, size: tuple[int, int]) -> tuple[np.ndarray, int]:
-    """Sums of the passes of both halves (2, H, W, 3), and how many passes there were."""
+    """Sums of the saved passes of both halves (2, H, W, 3), and the number of passes."""
     if path.exists():
         with np.load(path) as file:
             if str(file["key"]) == key:

@@ -1,20 +1,24 @@
-"""Error at equal time, networks against the walk: `python -m benchmarks.quality.equal_time`.
+"""Error at equal time of networks and walk: `python -m benchmarks.quality.equal_time`.
 
-A picture of n samples a pixel by `layered` has the mean squared error V / n, V being the variance
-of one sample; one by `neural_layered` has V' / n + b, b being the square of what its networks are
-wrong by. All are measured: V and the time of a sample from passes that alternate between the
-methods, b against a reference of many samples by `layered`, both pictures' own noise taken off.
+A picture by `layered` with n samples per pixel has the mean squared error V / n, where V is the
+variance of one sample. A picture by `neural_layered` has V' / n + b, where b is the square of its
+networks' error. All are measured: variances and times of a sample from passes that alternate
+between the methods, and b against a reference of many samples by `layered`, with the noise of both
+pictures subtracted.
 
-The table says, for each scene and networks: the time of a sample over that of the walk, and its
-variance over the walk's; the walk's mean squared error over the networks' at the time that the walk
-takes for 4, 16, 64 and 256 samples a pixel; from how many of the walk's samples on the networks'
-error is mostly bias; and where the walk overtakes. The aim is 10 at some time. Times are CPU times
-of all threads, without loading and compiling, which is printed apart.
+For each scene and networks, the table has
 
-With default sizes it takes some twenty minutes on two cores. Pictures much smaller would tell a
-path tracer's fixed costs, about 0.06 s a pass, more than the methods'. The reference is kept in
-`--folder`; what was stopped resumes. `equal-time.png` there shows the errors as they were measured
-while samples added up, and the lines that follow from the table.
+- the time and the variance of a sample, relative to the walk;
+- the walk's mean squared error divided by the networks', at the times in which the walk takes 4,
+  16, 64 and 256 samples per pixel; the aim is 10 at one of them;
+- the number of the walk's samples above which the networks' error is mostly bias, and the number at
+  which the walk becomes better.
+
+Times are CPU times of all threads; loading and compiling are printed separately. With default sizes
+it takes twenty minutes on two cores. In much smaller pictures the fixed cost of a pass, about
+0.06 s, would hide the difference between methods. The reference is stored in `--folder`, and a
+stopped run resumes. `equal-time.png` there shows the measured errors while samples accumulate, and
+the lines that the table predicts.
 """
 
 import argparse
@@ -43,7 +47,15 @@ AIM = 10
 
 @dataclass
 class Method:
-    """A way to render a scene: its passes' times [s of CPU] and pictures, as far as they went."""
+    """A way to render a scene, and the passes rendered so far.
+
+    Attributes:
+        scene: the loaded scene.
+        start: CPU time of loading and of the first render, which compiles [s].
+        seconds: CPU time of each pass [s].
+        total, squares: sums over passes of the pictures (H, W, 3), and of their squares.
+        errors: (samples per pixel, mean squared error) at powers of two of the passes.
+    """
 
     scene: Any
     start: float
@@ -58,24 +70,24 @@ class Method:
 
     @property
     def second(self) -> float:
-        """CPU seconds of one sample a pixel."""
+        """CPU time of one sample per pixel [s]."""
         return median(self.seconds) / PASS_SPP
 
     @property
     def variance(self) -> float:
-        """Of one sample a pixel, the mean over all pixels."""
+        """Variance of one sample per pixel, as a mean over all pixels."""
         mean = self.total / self.passes
         spread = (self.squares / self.passes - mean**2) * self.passes / (self.passes - 1)
         return float(spread.mean()) * PASS_SPP
 
     def bias(self, reference: Picture) -> float:
-        """Mean squared error for endless samples, an unbiased estimate: it may fall below zero."""
+        """Unbiased estimate of the mean squared error of endless samples; it may be negative."""
         noise = self.variance / (self.passes * PASS_SPP) + reference.noise
         return metrics.mse(self.total / self.passes, reference.image) - noise
 
 
 def start(name: str, method: str, arguments: argparse.Namespace) -> Method:
-    """Load a scene and render it once, which compiles."""
+    """Load a scene and render it once, so that its kernels are compiled."""
     begin = time.process_time()
     scene, _ = load(name, method, arguments)
     shape = np.array(mi.render(scene, spp=PASS_SPP, seed=0)).shape
@@ -84,7 +96,7 @@ def start(name: str, method: str, arguments: argparse.Namespace) -> Method:
 
 
 def sample(method: Method, seed: int, reference: Picture) -> None:
-    """Add one pass; at powers of two, note the error of all passes together."""
+    """Add one pass; at powers of two, store the error of the mean over all passes."""
     begin = time.process_time()
     image = np.array(mi.render(method.scene, spp=PASS_SPP, seed=seed), dtype=np.float64)
     method.seconds.append(time.process_time() - begin)
@@ -97,18 +109,20 @@ def sample(method: Method, seed: int, reference: Picture) -> None:
 
 def row(walk: Method, network: Method, reference: Picture) -> str:
     """One line of the table."""
-    slower, calmer = network.second / walk.second, network.variance / walk.variance
+    time_ratio, variance_ratio = network.second / walk.second, network.variance / walk.variance
     bias = max(network.bias(reference), 0.0)
-    ratios = [walk.variance / count / (network.variance * slower / count + bias) for count in TIMES]
-    limits = (network.variance * slower, walk.variance - network.variance * slower)
+    ratios = [
+        walk.variance / count / (network.variance * time_ratio / count + bias) for count in TIMES
+    ]
+    limits = (network.variance * time_ratio, walk.variance - network.variance * time_ratio)
     biased, overtaken = (f"{limit / bias:8.0f}" if bias else "   never" for limit in limits)
     verdict = "ok" if max(ratios) >= AIM else "MISSED"
     numbers = " ".join(f"{ratio:7.2f}" for ratio in ratios) + f" {biased} {overtaken}"
-    return f"{slower:8.2f} {calmer:8.3f} {numbers} {network.start:7.0f} s {verdict}"
+    return f"{time_ratio:8.2f} {variance_ratio:8.3f} {numbers} {network.start:7.0f} s {verdict}"
 
 
 def plot(measured: dict[str, dict[str, Method]], references: dict[str, Picture], path) -> None:
-    """Errors against time for every scene: points as measured, lines by variance and bias."""
+    """Draw errors over time for every scene: measured points, and lines by variance and bias."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -137,11 +151,13 @@ def plot(measured: dict[str, dict[str, Method]], references: dict[str, Picture],
 def main() -> None:
     """Print the table and draw the plot."""
     parser = argparse.ArgumentParser(
-        prog="python -m benchmarks.quality.equal_time", description=__doc__
+        prog="python -m benchmarks.quality.equal_time",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     add_arguments(parser)
-    parser.add_argument("--spp", type=int, default=1024, help="samples a pixel of the reference")
-    parser.add_argument("--passes", type=int, default=16, help="passes a method")
+    parser.add_argument("--spp", type=int, default=1024, help="samples per pixel of the reference")
+    parser.add_argument("--passes", type=int, default=16, help="passes of each method")
     arguments = parser.parse_args()
     mi.set_variant(arguments.mode)
     print(
@@ -156,7 +172,7 @@ def main() -> None:
         methods = measured[name] = {
             method: start(name, method, arguments) for method in (REFERENCE, *arguments.weights)
         }
-        for index in range(arguments.passes):  # in turns, so that other load meets all alike
+        for index in range(arguments.passes):  # alternating, so that other load affects all equally
             for number, method in enumerate(methods.values()):
                 sample(method, 1000 * (index + 1) + number, reference)
         walk = methods[REFERENCE]
@@ -165,8 +181,8 @@ def main() -> None:
             print(f"{name:12} {networks:8} {line}", flush=True)
         print(
             f"{name:12} {REFERENCE:8} {walk.second:.3g} s of CPU and a variance of "
-            f"{walk.variance:.3g} a sample, {walk.start:.0f} s to start; the reference's variance "
-            f"is {reference.noise:.2g}",
+            f"{walk.variance:.3g} per sample, {walk.start:.0f} s to start, "
+            f"reference variance {reference.noise:.2g}",
             flush=True,
         )
     path = arguments.folder / "equal-time.png"

@@ -1,14 +1,18 @@
 """FLIP between converged pictures of networks and walk: `python -m benchmarks.quality.flip`.
 
-Renders each shipped scene with `neural_layered` and with `layered`, and prints the mean FLIP
-(Andersson et al. 2020) of the pictures as they are shown, sRGB clipped at 1; HDR-FLIP (2021) of the
-radiance, the largest error over all exposures; the relative mean squared error, noise taken off;
-and by how much the mean radiance differs. Beside FLIP stands what it gives for noise alone: between
-two halves of the reference's samples, each noisier than the whole. The aim is 0.02.
+Renders each shipped scene with `neural_layered` and with `layered`, and prints
 
-With default sizes it takes an hour or two on two cores, `--width 160 --spp 512` ten minutes.
-Pictures are kept in `--folder`; what was stopped resumes. Reference, networks and FLIP's map are
-written there side by side. It needs the package flip-evaluator, of the extra `eval`.
+- the mean FLIP (Andersson et al. 2020) of the displayed pictures, sRGB clipped at 1; the aim is
+  0.02;
+- HDR-FLIP (2021) of the radiance, the largest error over all exposures;
+- the same two figures for noise alone: between two halves of the reference's samples, which are
+  noisier than the whole;
+- the relative mean squared error with the noise subtracted;
+- the relative difference of the mean radiance.
+
+With default sizes it takes one to two hours on two cores; `--width 160 --spp 512` takes ten
+minutes. Pictures are stored in `--folder`, and a stopped run resumes. Reference, networks and the
+map of FLIP are written there side by side. Needs the package flip-evaluator, of the extra `eval`.
 """
 
 import argparse
@@ -25,12 +29,12 @@ AIM = 0.02
 
 
 def shown(image: np.ndarray) -> np.ndarray:
-    """The picture on a display: (H, W, 3) float32 in [0, 1]."""
+    """The displayed picture: sRGB (H, W, 3) float32 in [0, 1]."""
     return srgb(np.clip(image, 0, 1)).astype(np.float32)
 
 
 def flip(image: np.ndarray, reference: np.ndarray) -> tuple[np.ndarray, float, float]:
-    """FLIP's map in its false colours, its mean, and the mean of HDR-FLIP."""
+    """The map of FLIP in false colours, the mean of FLIP, and the mean of HDR-FLIP."""
     colours, mean, _ = flip_evaluator.evaluate(shown(reference), shown(image), "LDR")
     radiance = (np.maximum(x, 0).astype(np.float32) for x in (reference, image))
     _, hdr, _ = flip_evaluator.evaluate(*radiance, "HDR")
@@ -38,7 +42,7 @@ def flip(image: np.ndarray, reference: np.ndarray) -> tuple[np.ndarray, float, f
 
 
 def row(picture: Picture, reference: Picture) -> tuple[np.ndarray, str]:
-    """FLIP's map and one line of the table."""
+    """The map of FLIP, and one line of the table."""
     colours, mean, hdr = flip(picture.image, reference.image)
     _, noise, noise_hdr = flip(reference.first, reference.second)
     variance = sum(metrics.halves_variance(of.first, of.second) for of in (picture, reference))
@@ -53,9 +57,13 @@ def row(picture: Picture, reference: Picture) -> tuple[np.ndarray, str]:
 
 def main() -> None:
     """Print the table."""
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.quality.flip", description=__doc__)
+    parser = argparse.ArgumentParser(
+        prog="python -m benchmarks.quality.flip",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
     add_arguments(parser)
-    parser.add_argument("--spp", type=int, default=4096, help="samples a pixel of every picture")
+    parser.add_argument("--spp", type=int, default=4096, help="samples per pixel of every picture")
     arguments = parser.parse_args()
     mi.set_variant(arguments.mode)
     lines = []

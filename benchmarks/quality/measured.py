@@ -1,24 +1,25 @@
-"""Measured materials, encoded and by the rivals: `python -m benchmarks.quality.measured FILE... `.
+"""Measured materials, encoded and fitted by other methods: `python -m benchmarks.quality.measured`.
 
-FILEs are MERL tables (.binary), RGL materials (.bsdf), folders of these, or archives (.npz) of
+Takes FILEs: MERL tables (.binary), RGL materials (.bsdf), folders of these, or archives (.npz) of
 published neural fits of 675 weights each, whose tables in MERL's bins stand in for MERL files. Each
-folder or archive is a set of its own, single files together are one, and each set gets a table:
+folder or archive is a set, single files together are one, and each set gets a table:
 
 - columns: Urushi's `encoded` and `refined` materials; fits of one and two GGX lobes and a
-  Lambertian part, the best of several losses by this very PSNR (`urushi.measured.fits`); a network
-  trained for each material (`benchmarks.rivals.nbrdf`). RGL files are made reciprocal first, which
-  all   of these are; Mitsuba's plugin `measured` shows how far the files were from it.
+  Lambertian part (`benchmarks.rivals.ggx_fit`), for each material the best of several losses by
+  PSNR; a network trained for each material (`benchmarks.rivals.nbrdf`); and Mitsuba's `measured`.
+  RGL files are made reciprocal first, because all other methods are reciprocal; the column of
+  Mitsuba shows how much that changes.
 - figures: PSNR [dB] and FLIP of spheres, means over the environments, and E (docs/conventions.md)
-  in per cent; then the means over materials of all measures, and the worst five by PSNR.
+  in per cent; then the means of all measures over materials, and the five lowest PSNR.
 
-Spheres are free of noise and shown in sRGB, the background is not counted, and every environment is
-exposed for a white Lambertian sphere of mean luminance 0.5. By default there are two environments
-of Urushi's own; `--envmaps` takes others (HDR or EXR).
+Spheres are free of noise and displayed in sRGB, the background is not counted, and every
+environment is exposed so that a white Lambertian sphere has a mean luminance of 0.5. By default
+there are two environments of Urushi; `--envmaps` replaces them (HDR or EXR).
 
-About a minute of one core a material, on all cores; results are kept in `--folder`, so that what
-was stopped resumes, and new weights cost no new rivals. There also lies SET.json, all figures, and
-SET-worst.png: original, refined and ten times their difference. Stand-ins favour NBRDF: they are
-themselves made by such networks.
+A material takes about a minute of one core, and all cores are used. Results are stored in
+`--folder`, so that a stopped run resumes and new weights do not repeat the other methods. SET.json
+there has all figures, and SET-worst.png shows original, refined and ten times their difference.
+Stand-ins favour NBRDF, because such networks made them.
 """
 
 import argparse
@@ -29,7 +30,7 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
 
 import numpy as np
-from benchmarks.rivals.contenders import NAMES, Contest, Measured, Result, code
+from benchmarks.rivals.comparisons import METHODS, Comparisons, Measured, Result, code_hashes
 from tqdm import tqdm
 
 import urushi
@@ -37,13 +38,13 @@ from urushi.eval import environment, metrics, sphere
 from urushi.files import atomic_write, new_folder
 from urushi.platform import available_cores
 
-#: Materials that are called the worst, and drawn.
+#: Number of materials that are listed as the worst, and drawn.
 WORST = 5
 
-#: How much differences are brightened in pictures.
+#: Factor by which pictures of differences are brightened.
 BRIGHTER = 10
 
-#: What a worker process must be told before it imports anything: processes share the cores.
+#: Environment of worker processes: one thread each, because the processes share the cores.
 ONE_THREAD = {
     "OMP_NUM_THREADS": "1",
     "OPENBLAS_NUM_THREADS": "1",
@@ -54,7 +55,7 @@ Results = dict[str, dict[str, Result]]
 
 
 def find_sets(paths: list[Path], wanted: list[str] | None) -> dict[str, list[Measured]]:
-    """The materials by set, those named in `wanted` alone."""
+    """The materials of each set; only those named in `wanted`, if it is given."""
     sets: dict[str, list[Measured]] = {}
     for path in paths:
         if path.is_dir():
@@ -70,25 +71,25 @@ def find_sets(paths: list[Path], wanted: list[str] | None) -> dict[str, list[Mea
     return {name: materials for name, materials in sets.items() if materials}
 
 
-def contenders(materials: list[Measured], wanted: list[str]) -> list[str]:
-    """Those that apply to a set."""
+def methods_of(materials: list[Measured], wanted: list[str]) -> list[str]:
+    """The methods that apply to all materials of a set."""
     return [n for n in wanted if n != "Mitsuba" or all(m.is_rgl for m in materials)]
 
 
-def hold(contest: Contest, material: Measured, names: list[str]) -> None:
-    """What a worker process does: `Contest.hold`."""
-    contest.hold(material, names)
+def run_material(comparisons: Comparisons, material: Measured, names: list[str]) -> None:
+    """Task of a worker process: `Comparisons.run`."""
+    comparisons.run(material, names)
 
 
-def compete(
-    contest: Contest, sets: dict[str, list[Measured]], wanted: list[str], jobs: int
+def run_all(
+    comparisons: Comparisons, sets: dict[str, list[Measured]], wanted: list[str], jobs: int
 ) -> None:
-    """Fill in all results that are not kept yet."""
+    """Compute all results that are not stored yet."""
     os.environ |= ONE_THREAD
     spawn = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(jobs, spawn) as pool:
         tasks = [
-            pool.submit(hold, contest, material, contenders(materials, wanted))
+            pool.submit(run_material, comparisons, material, methods_of(materials, wanted))
             for materials in sets.values()
             for material in materials
         ]
@@ -121,8 +122,8 @@ def show(results: Results, names: list[str]) -> None:
         )
     for rival in ("GGX", "two GGX", "NBRDF"):
         if {"refined", rival} <= set(names):
-            wins = sum(r["refined"].look.psnr > r[rival].look.psnr for r in results.values())
-            print(f"refined has a higher PSNR than {rival} on {wins} of {len(results)} materials")
+            higher = sum(r["refined"].look.psnr > r[rival].look.psnr for r in results.values())
+            print(f"refined has a higher PSNR than {rival} on {higher} of {len(results)} materials")
 
 
 def worst(results: Results) -> list[str]:
@@ -130,21 +131,21 @@ def worst(results: Results) -> list[str]:
     return sorted(results, key=lambda name: results[name]["refined"].look.psnr)[:WORST]
 
 
-def draw(path: Path, contest: Contest, materials: list[Measured], results: Results) -> None:
+def draw(path: Path, comparisons: Comparisons, materials: list[Measured], results: Results) -> None:
     """Spheres of materials: original, refined and their difference in every environment."""
     from matplotlib import pyplot as plt
 
-    count = 3 * len(contest.environments)
+    count = 3 * len(comparisons.environments)
     figure, axes = plt.subplots(
         len(materials), count, figsize=(1.5 * count, 1.6 * len(materials) + 0.3), squeeze=False
     )
     for row, material in zip(axes, materials, strict=True):
         truth = material.load()
-        refined = urushi.encode(truth, contest.weights, refine=True)
+        refined = urushi.encode(truth, comparisons.weights, refine=True)
         pairs = zip(
-            *(sphere.render(f, contest.environments) for f in (truth.f, refined.f)), strict=True
+            *(sphere.render(f, comparisons.environments) for f in (truth.f, refined.f)), strict=True
         )
-        for i, (light, pair) in enumerate(zip(contest.environments, pairs, strict=True)):
+        for i, (light, pair) in enumerate(zip(comparisons.environments, pairs, strict=True)):
             original, encoded = (metrics.shown(picture) for picture in pair)
             difference = np.clip(BRIGHTER * np.abs(encoded - original), 0, 1)
             psnr = metrics.compare(*pair[::-1], sphere.mask(), flip=False).psnr
@@ -169,10 +170,10 @@ def draw(path: Path, contest: Contest, materials: list[Measured], results: Resul
     plt.close(figure)
 
 
-def write_json(path: Path, contest: Contest, results: Results) -> None:
+def write_json(path: Path, comparisons: Comparisons, results: Results) -> None:
     """All figures of a set."""
     content = {
-        "environments": [light.name for light in contest.environments],
+        "environments": [light.name for light in comparisons.environments],
         "materials": {
             material: {
                 name: {**r.look.as_dict(), "E": r.error, "seconds": r.seconds}
@@ -189,12 +190,12 @@ def _cells(result: Result) -> str:
     return f"{result.look.psnr:7.1f}{result.look.flip:6.3f}{100 * result.error:6.1f}"
 
 
-def _mean(several: list[Result]) -> Result:
-    looks = metrics.Comparison.mean([r.look for r in several])
+def _mean(results: list[Result]) -> Result:
+    looks = metrics.Comparison.mean([r.look for r in results])
     return Result(
         looks,
-        float(np.mean([r.error for r in several])),
-        float(np.mean([r.seconds for r in several])),
+        float(np.mean([r.error for r in results])),
+        float(np.mean([r.seconds for r in results])),
     )
 
 
@@ -207,34 +208,36 @@ def main() -> None:
     )
     parser.add_argument("data", type=Path, nargs="+", help="files, folders or archives")
     parser.add_argument("--materials", nargs="+", help="names; default: all")
-    parser.add_argument("--contenders", nargs="+", choices=NAMES, default=list(NAMES))
+    parser.add_argument("--methods", nargs="+", choices=METHODS, default=list(METHODS))
     parser.add_argument("--envmaps", type=Path, nargs="+", help="default: Urushi's own two")
     parser.add_argument("--weights", default="base", help="base, small, or a weights file")
-    parser.add_argument("--folder", type=Path, default=Path("runs/measured"), help="for results")
-    parser.add_argument("--jobs", type=int, default=available_cores(), help="processes")
+    parser.add_argument(
+        "--folder", type=Path, default=Path("runs/measured"), help="folder of results"
+    )
+    parser.add_argument("--jobs", type=int, default=available_cores(), help="number of processes")
     options = parser.parse_args()
     maps = options.envmaps
     lights = [environment.read(path) for path in maps] if maps else environment.own()
     folder = new_folder(options.folder)
-    contest = Contest(
+    comparisons = Comparisons(
         [sphere.exposed(light) for light in lights],
         options.weights,
         new_folder(folder / "rows"),
-        code(options.contenders, options.weights),
+        code_hashes(options.methods, options.weights),
     )
     sets = find_sets(options.data, options.materials)
-    compete(contest, sets, options.contenders, options.jobs)
+    run_all(comparisons, sets, options.methods, options.jobs)
     for name, materials in sets.items():
-        columns = contenders(materials, options.contenders)
-        results = {m.name: {c: contest.result(m, c) for c in columns} for m in materials}
+        columns = methods_of(materials, options.methods)
+        results = {m.name: {c: comparisons.result(m, c) for c in columns} for m in materials}
         print(f"\n{name}: {len(materials)} materials, {len(lights)} environments")
         show(results, columns)
-        write_json(folder / f"{name}.json", contest, results)
+        write_json(folder / f"{name}.json", comparisons, results)
         if "refined" in columns:
             names = worst(results)
             print(f"worst by refined: {', '.join(names)}")
             chosen = [next(m for m in materials if m.name == n) for n in names]
-            draw(folder / f"{name}-worst.png", contest, chosen, results)
+            draw(folder / f"{name}-worst.png", comparisons, chosen, results)
 
 
 if __name__ == "__main__":

@@ -1,14 +1,15 @@
-"""Mip maps against averages of BRDFs: `python -m benchmarks.quality.mipmap`; some minutes.
+"""Mip pyramids against averages of BRDFs: `python -m benchmarks.quality.mipmap`; some minutes.
 
-For coats over a conductor whose parameters are noise (no two texels alike) or a smooth pattern,
-prints the error E (docs/conventions.md) of each level of the mip map against the average of the
-BRDFs of the texels that it stands for, mean over the level's texels:
+The textures are coats over a conductor whose parameters are noise (no two texels alike) or a smooth
+pattern. For each level of the pyramid, prints the error E (docs/conventions.md) against the average
+of the BRDFs of the texels below, as a mean over the level's texels:
 
 - plain: averages of codes, as in Fan et al. (2022);
-- Urushi: codes of averaged values (`urushi/material/probe_space.py`), which a regression tells;
-- decoded: the same, by decoding every texel.
+- Urushi: codes of averaged values, predicted by a regression (`urushi/textures/averaging.py`);
+- decoded: codes of averaged values, with every texel decoded.
 
-Then, for a texture of noise of 2048² texels (`--side` for another), the CPU time of all levels.
+Then prints the CPU time of all levels of a texture of noise of 2048² texels (`--side` sets another
+size).
 """
 
 import argparse
@@ -27,7 +28,7 @@ from urushi.textures.mip_pyramid import MipPyramid
 
 SIDE, LEVELS, PAIRS = 32, 4, 128
 
-#: Codes that the regression is fitted to here: two thirds of the texture's.
+#: Number of codes that the regression is fitted to: two thirds of those of the texture.
 SAMPLE = 2048
 GOLD = conductor(0.2, (0.98, 0.77, 0.34))
 
@@ -43,7 +44,7 @@ KINDS = {
 
 
 def pattern(rng: np.random.Generator, smooth: bool) -> np.ndarray:
-    """Numbers (SIDE, SIDE) in [0, 1], about uniform."""
+    """Numbers (SIDE, SIDE) in [0, 1], approximately uniformly distributed."""
     if not smooth:
         return rng.random((SIDE, SIDE))
     angle = 2 * np.pi * np.arange(SIDE) / SIDE
@@ -54,7 +55,7 @@ def pattern(rng: np.random.Generator, smooth: bool) -> np.ndarray:
 
 
 def textured(model: Model, kind: str) -> np.ndarray:
-    """Codes (SIDE, SIDE, 3, size) of a coat."""
+    """Codes (SIDE, SIDE, 3, size) of a textured coat."""
     rng = np.random.default_rng(0)
     names, smooth = KINDS[kind]
     coat = {"alpha": 0.1, "albedo": 0.8, "sigma_t": 1.0}
@@ -69,16 +70,19 @@ def textured(model: Model, kind: str) -> np.ndarray:
 
 
 def cosine_pairs(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
-    """Pairs of directions (PAIRS, 3) that both have cosine density."""
+    """PAIRS pairs of directions (PAIRS, 3), both of cosine density."""
     u, turn = rng.random((2, PAIRS)), 2 * np.pi * rng.random((2, PAIRS))
     r = np.sqrt(u)
     w = np.stack([r * np.cos(turn), r * np.sin(turn), np.sqrt(1 - u)], axis=-1)
     return w[0].astype(np.float32), w[1].astype(np.float32)
 
 
-def made(model: Model, codes: np.ndarray, sample: int) -> list[np.ndarray]:
-    """All levels of codes (SIDE, SIDE, 3, size); sample: codes to fit the regression to."""
-    kept, averaging.SAMPLE = averaging.SAMPLE, sample
+def pyramid(model: Model, codes: np.ndarray, sample: int) -> list[np.ndarray]:
+    """The coarser levels of codes (SIDE, SIDE, 3, size).
+
+    sample: number of codes that the regression is fitted to.
+    """
+    default, averaging.SAMPLE = averaging.SAMPLE, sample
     try:
         levels = MipPyramid(model, *codes.shape[1::-1], codes.shape[2])
         count = sum(width * height for width, height in levels.sizes)
@@ -86,7 +90,7 @@ def made(model: Model, codes: np.ndarray, sample: int) -> list[np.ndarray]:
         whole[: codes.shape[0] * codes.shape[1]] = codes.reshape(-1, *codes.shape[2:])
         levels.fill(whole.__getitem__, whole.__setitem__)
     finally:
-        averaging.SAMPLE = kept
+        averaging.SAMPLE = default
     ends = np.cumsum([width * height for width, height in levels.sizes])
     parts = np.split(whole, ends)[1:]
     return [
@@ -96,7 +100,7 @@ def made(model: Model, codes: np.ndarray, sample: int) -> list[np.ndarray]:
 
 
 def errors(model: Model, kind: str) -> list[tuple[float, ...]]:
-    """E of every level: of plain averages, of Urushi's levels, and of these by decoding."""
+    """E of every level: plain averages, Urushi's levels, and levels with every texel decoded."""
     wi, wo = cosine_pairs(np.random.default_rng(1))
 
     def values(codes: np.ndarray) -> np.ndarray:
@@ -107,7 +111,7 @@ def errors(model: Model, kind: str) -> list[tuple[float, ...]]:
 
     plain = textured(model, kind)
     f = values(plain)
-    estimated, decoded = (made(model, plain, sample) for sample in (SAMPLE, plain.size))
+    estimated, decoded = (pyramid(model, plain, sample) for sample in (SAMPLE, plain.size))
     result = []
     for level in range(LEVELS):
         height = SIDE >> level
@@ -127,10 +131,10 @@ def errors(model: Model, kind: str) -> list[tuple[float, ...]]:
 def seconds(model: Model, side: int) -> float:
     """CPU time of all levels of a texture of noise."""
     codes = textured(model, "all, noise").reshape(-1, 3, model.arch.latent)
-    mixed = np.random.default_rng(2).integers(len(codes), size=side * side)
+    choice = np.random.default_rng(2).integers(len(codes), size=side * side)
     levels = MipPyramid(model, side, side, 3)
     whole = np.empty((sum(w * h for w, h in levels.sizes), *codes.shape[1:]), np.float16)
-    whole[: side * side] = codes[mixed]
+    whole[: side * side] = codes[choice]
     start = time.process_time()
     levels.fill(whole.__getitem__, whole.__setitem__)
     return time.process_time() - start
@@ -139,10 +143,12 @@ def seconds(model: Model, side: int) -> float:
 def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(
-        prog="python -m benchmarks.quality.mipmap", description=__doc__
+        prog="python -m benchmarks.quality.mipmap",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--weights", default="base", help="base, small, or a weights file")
-    parser.add_argument("--side", type=int, default=2048, help="of the texture that is timed")
+    parser.add_argument("--side", type=int, default=2048, help="side of the timed texture [texels]")
     options = parser.parse_args()
     model = weights.find(options.weights)
     print(f"{'E [%]':18}{'level':>7}{'plain':>9}{'Urushi':>9}{'decoded':>9}")

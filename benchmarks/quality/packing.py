@@ -1,8 +1,8 @@
-"""What packing latent textures costs: `python -m benchmarks.quality.packing`; some seconds.
+"""Error of packed latent textures: `python -m benchmarks.quality.packing`; some seconds.
 
-Prints bytes a texel and the error E (docs/conventions.md) of packed codes, and of codes in half
-precision, against the codes themselves: random coats, over all ranges of their parameters, on
-random conductors, three channels a texel.
+Prints bytes per texel and the error E (docs/conventions.md) of packed codes, and of codes in half
+precision, against the codes themselves: random coats over all ranges of their parameters, on random
+conductors, three channels per texel.
 """
 
 import numpy as np

@@ -1,17 +1,16 @@
-"""Effect of refinement on codes.
+"""Effect of refinement on codes: `python -m benchmarks.quality.refinement [MEASURED...]`.
 
-`python -m benchmarks.quality.refinement [--weights FILE] [MEASURED...]`
-
-About two minutes on two cores. Prints E (see docs/conventions.md) in per cent, the mean over stacks
-and channels, of materials whose codes are the encoder's, are refined, and are refined freely, not
-held to what the encoder makes. On the left of what is encoded itself, on the right of coats layered
-over it, where codes must be such as the layering network knows.
+About two minutes on two cores. Prints the error E (docs/conventions.md) in per cent, as a mean over
+stacks and channels, of materials whose codes are the encoder's, refined, and refined without the
+term that keeps codes close to the encoder's. The columns on the left are of the encoded material
+itself; those on the right are of coats layered over it, which needs codes of the kind that the
+layering network was trained on.
 
 - Stored groups of `urushi eval`: bare bottoms; stacks encoded whole, and the uppermost coat layered
   over the encoded rest.
-- Odd materials, of kinds that are in no training data, and MEASURED files (MERL or RGL); the
-  reference under coats is Mitsuba's plugin `layered`, whose own noise is the last column (none over
-  MERL's files, which Mitsuba does not read).
+- Unusual materials, of kinds that no training data contain, and MEASURED files (MERL or RGL). The
+  reference under coats is Mitsuba's plugin `layered`; the last column is its noise. Coats over MERL
+  files are left out, because Mitsuba does not read them.
 """
 
 import argparse
@@ -35,21 +34,21 @@ from urushi.material.layer import layer_texels
 from urushi.nets import weights
 from urushi.nets.weights import Model
 
-#: Pairs of E for an odd material, of which the first are simulated under coats; walks for each.
+#: Pairs of E for an unusual material; the first of them are simulated under coats; walks per pair.
 PAIRS, COATED_PAIRS, WALKS = 400, 60, 4096
 
-#: The coats that odd materials get: a smooth clear one, and a rough one over a scattering medium.
+#: Coats of unusual materials: a smooth clear one, and a rough one with a scattering medium.
 COATS = (
     {"alpha": 0.05, "eta": 1.5, "albedo": 0.0, "sigma_t": 0.0, "g": 0.0},
     {"alpha": 0.2, "eta": 1.4, "albedo": 0.9, "sigma_t": 1.0, "g": 0.3},
 )
 
-#: Makes codes of values (P, C): by the encoder, refined, refined freely.
+#: Functions from values (P, C) to a material: by the encoder, refined, refined freely.
 Encoders = dict[str, Callable[[np.ndarray], Material]]
 
 
 class Errors(NamedTuple):
-    """E by encoder, in the order of `Encoders`; NaN where it is not measured."""
+    """E for each of the `Encoders`, in their order; NaN where it is not measured."""
 
     encoded: list[float]
     layered: list[float]
@@ -57,14 +56,14 @@ class Errors(NamedTuple):
 
 
 def encoders(model: Model) -> Encoders:
-    """The three columns."""
+    """The encoders of the three columns."""
 
     def free(values: np.ndarray) -> Material:
-        held, fit.ANCHOR_HOLD = fit.ANCHOR_HOLD, 0.0
+        default, fit.ANCHOR_HOLD = fit.ANCHOR_HOLD, 0.0
         try:
             return material_from_values(values, model, refine=True)
         finally:
-            fit.ANCHOR_HOLD = held
+            fit.ANCHOR_HOLD = default
 
     return {
         "encoder": lambda values: material_from_values(values, model),
@@ -74,7 +73,7 @@ def encoders(model: Model) -> Encoders:
 
 
 def stored(make: Encoders, group: Group, samples: Samples, model: Model) -> Errors:
-    """A stored group: its stacks encoded whole, and the uppermost coat over the encoded rest."""
+    """E of a stored group: stacks encoded whole, and the uppermost coat over the encoded rest."""
     pairs = required_pairs(None, model)
     wi, wo = (np.broadcast_to(w, (len(samples.table), *w.shape)) for w in pairs)
     bottoms = sampling.evaluate_bottoms(samples.table, wi, wo)
@@ -91,7 +90,7 @@ def stored(make: Encoders, group: Group, samples: Samples, model: Model) -> Erro
         return Errors(encoded, [np.nan] * len(make))
     rest = samples.probed[coats - 1] if coats > 1 else bottoms
     coat = {name: getattr(samples.table, name)[:, 0] for name in COAT_PARAMETERS}
-    # Single precision may have rounded the least width down.
+    # In single precision, the smallest width may be rounded below 0.01.
     coat["alpha"] = np.maximum(coat["alpha"].astype(np.float64), 0.01)
     layered = [
         error(layer_texels(model, to_code(rest.T).anchors, **coat)) for to_code in make.values()
@@ -100,7 +99,7 @@ def stored(make: Encoders, group: Group, samples: Samples, model: Model) -> Erro
 
 
 def lobe(alpha: float, colour: tuple[float, float, float]) -> dict[str, Any]:
-    """A GGX lobe of Mitsuba's."""
+    """A GGX lobe as a BSDF of Mitsuba."""
     return {
         "type": "roughconductor",
         "distribution": "ggx",
@@ -119,7 +118,7 @@ def three_lobes(*alphas: float) -> dict[str, Any]:
 
 
 def principled(**parameters: float) -> dict[str, Any]:
-    """Disney's BSDF in brown."""
+    """A brown `principled` BSDF."""
     return {
         "type": "principled",
         "base_color": {"type": "rgb", "value": (0.6, 0.2, 0.05)},
@@ -127,7 +126,7 @@ def principled(**parameters: float) -> dict[str, Any]:
     }
 
 
-def odd_materials(files: list[Path]) -> Iterator[tuple[str, Any, dict[str, Any] | None]]:
+def unusual_materials(files: list[Path]) -> Iterator[tuple[str, Any, dict[str, Any] | None]]:
     """Name, source for `encode`, and description for Mitsuba, if it has one."""
     described = {
         "three lobes, 0.02 0.1 0.5": three_lobes(0.02, 0.1, 0.5),
@@ -141,16 +140,18 @@ def odd_materials(files: list[Path]) -> Iterator[tuple[str, Any, dict[str, Any] 
     for name, description in described.items():
         yield name, mi.load_dict(description), description
     for path in files:
-        known = path.suffix == ".bsdf"
+        is_rgl = path.suffix == ".bsdf"
         yield (
             path.stem,
             urushi.load_measured(path),
-            {"type": "measured", "filename": str(path)} if known else None,
+            {"type": "measured", "filename": str(path)} if is_rgl else None,
         )
 
 
-def odd(make: Encoders, source: Any, description: dict[str, Any] | None, model: Model) -> Errors:
-    """An odd material, encoded and under coats."""
+def unusual(
+    make: Encoders, source: Any, description: dict[str, Any] | None, model: Model
+) -> Errors:
+    """E of an unusual material, encoded and under coats."""
     wi, wo = direction_sets.cosine_pairs(np.random.default_rng(5), PAIRS)
     values = evaluate_source(source, *required_pairs(source, model)).values
     made = [to_code(values) for to_code in make.values()]
@@ -179,7 +180,7 @@ def simulated(
     parameters = {name: value for name, value in coat.items() if name != "eta"}
     description = {"type": "layered", "int_ior": coat["eta"], "ext_ior": 1.0, **parameters}
     bsdf = mi.load_dict({**description, "bottom": bottom})
-    # Places, which the BSDF does not depend on, go into the hash that its walks start from.
+    # The BSDF does not depend on uv, but the seeds of its walks do.
     uv = np.random.default_rng(3).random((len(wi) * WALKS, 2))
     f = probing.bsdf_values(bsdf, np.repeat(wi, WALKS, axis=0), np.repeat(wo, WALKS, axis=0), uv)
     walks = f.reshape(len(wi), WALKS, -1)
@@ -195,14 +196,18 @@ def error(f_hat: np.ndarray, f: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> f
 def show(name: str, errors: Errors) -> None:
     """Print one line."""
     columns = [*errors.encoded, *errors.layered, errors.noise]
-    cells = ("" if np.isnan(e) else f"{100 * e:.2f}" if e < 1e3 else "explodes" for e in columns)
+    cells = ("" if np.isnan(e) else f"{100 * e:.2f}" if e < 1e3 else "diverges" for e in columns)
     print(f"{name:32}" + "".join(f"{cell:>10}" for cell in cells), flush=True)
 
 
 def main() -> None:
     """Print the table."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--weights", type=Path, help="default: those that Urushi ships")
+    parser = argparse.ArgumentParser(
+        prog="python -m benchmarks.quality.refinement",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--weights", type=Path, help="weights file; default: the shipped base")
     parser.add_argument("measured", type=Path, nargs="*", help="MERL or RGL files")
     options = parser.parse_args()
     mi.set_variant("llvm_ad_rgb")
@@ -219,20 +224,20 @@ def main() -> None:
         show(group.name, found[-1])
     show("mean of these", mean(found))
     found = []
-    for name, source, description in odd_materials(options.measured):
-        found.append(odd(make, source, description, model))
+    for name, source, description in unusual_materials(options.measured):
+        found.append(unusual(make, source, description, model))
         show(name, found[-1])
     show("median of these", median(found))
 
 
 def mean(found: list[Errors]) -> Errors:
-    """Of each column, without what was not measured."""
+    """Means of the columns, over what was measured."""
     encoded, layered = (np.nanmean(columns, axis=0) for columns in _columns(found))
     return Errors(list(encoded), list(layered))
 
 
 def median(found: list[Errors]) -> Errors:
-    """The same by medians: a single explosion would be all that a mean shows."""
+    """Medians of the columns: one diverging material would decide a mean."""
     encoded, layered = (np.nanmedian(columns, axis=0) for columns in _columns(found))
     return Errors(list(encoded), list(layered))
 

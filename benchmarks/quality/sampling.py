@@ -1,13 +1,17 @@
 """Variance of importance sampling: `python -m benchmarks.quality.sampling`; three minutes.
 
-Over held-out stacks (those of `urushi eval`, spread over its groups) and wi from 0 to 85 degrees:
-the coefficient of variation of f cos / pdf, which is the relative noise of a picture under a
-uniform sky at one sample a pixel, and the largest f cos / pdf that was met. Three proposals: the
-networks' own; the one of the paper, a Gaussian on the projected half vector and a cosine lobe
-without regard to wi (`paper.proxy`), its width and share the best for each material instead of
-a network's; and a cosine lobe. `--weights` names the networks.
+For 200 held-out stacks, taken evenly from the groups of `urushi eval`, and wi from 0 to 85 degrees,
+prints the coefficient of variation of f cos / pdf and the largest f cos / pdf. The coefficient of
+variation is the relative noise of a picture under a uniform sky at one sample per pixel. There are
+three proposals:
 
-All figures come from the same directions, drawn by the networks' proposal: the second moment of
+- the networks' own;
+- the one of Fan et al. 2022 (`urushi.paper.proxy`), a Gaussian on the projected half vector and a
+  cosine lobe, both independent of wi; its width and share are the best for each material, in place
+  of a network's;
+- a cosine lobe.
+
+All figures use the same directions, drawn from the networks' proposal: the second moment of
 f cos / q is the integral of (f cos)^2 / q.
 """
 
@@ -25,13 +29,13 @@ from urushi.paper.proxy import MIN_SHARE, MIN_SIGMA, GaussianMixture
 MATERIALS, SAMPLES = 200, 512
 ANGLES = tuple(range(0, 90, 5))
 
-#: Candidates for the best Gaussian's width and share.
+#: Candidates for the width of the best Gaussian and the share of the cosine lobe.
 SIGMAS = np.geomspace(MIN_SIGMA, 1, 24).astype(np.float32)
 SHARES = np.linspace(MIN_SHARE, 1 - MIN_SHARE, 17).astype(np.float32)
 
 
 class Drawn(NamedTuple):
-    """Of one material: directions (A, S, 3), their density and f cos (A, S), by angle of wi."""
+    """Samples of one material by angle of wi: directions (A, S, 3), density and f cos (A, S)."""
 
     wi: np.ndarray
     wo: np.ndarray
@@ -40,7 +44,7 @@ class Drawn(NamedTuple):
 
 
 def draw(material: Material, seed: int) -> Drawn:
-    """Directions by the material's own proposal."""
+    """Draw directions from the material's own proposal."""
     theta = np.radians(ANGLES)
     wi = np.stack([np.sin(theta), 0 * theta, np.cos(theta)], axis=-1).astype(np.float32)
     wi = np.repeat(wi, SAMPLES, axis=0)
@@ -52,14 +56,14 @@ def draw(material: Material, seed: int) -> Drawn:
 
 
 def variation(drawn: Drawn, q: np.ndarray) -> np.ndarray:
-    """Coefficients of variation (A,) of f cos / q, q (A, S) a density."""
+    """Coefficients of variation (A,) of f cos / q for a density q (A, S)."""
     mean = (drawn.f_cos / drawn.pdf).mean(axis=1)
     second = (drawn.f_cos**2 / (q * drawn.pdf)).mean(axis=1)
     return np.sqrt(np.maximum(second / mean**2 - 1, 0))
 
 
 def best_gaussian(drawn: Drawn) -> np.ndarray:
-    """Density (A, S) of the paper's proposal of least divergence from f cos, over all wi."""
+    """Density (A, S) of the paper's proposal that diverges least from f cos over all wi."""
     target = drawn.f_cos / drawn.pdf
     target = target / target.sum(axis=1, keepdims=True)
     best, least = drawn.pdf, math.inf
@@ -76,7 +80,9 @@ def best_gaussian(drawn: Drawn) -> np.ndarray:
 def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(
-        prog="python -m benchmarks.quality.sampling", description=__doc__
+        prog="python -m benchmarks.quality.sampling",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--weights", default="base", help="base, small, or a weights file")
     model = weights.find(parser.parse_args().weights)

@@ -1,11 +1,9 @@
-"""The fitted model: a Lambertian part and GGX lobes with Schlick's Fresnel term, in NumPy.
+"""Least-squares fits of a Lambertian part and GGX lobes with Schlick's Fresnel term to any BRDF.
 
-Least-squares fits of GGX lobes to any BRDF, from several starts, by a choice of losses.
-
-In a plain fit the highlight's peak would drown all else. So cosine-weighted values are compared
-after a compressive map, and pairs may count by the solid angle they stand for. Which choice looks
-best depends on the material (Fores et al. 2012; Bieron and Peers 2020); whoever compares should
-take the best of `candidates` for each.
+In a plain fit, the peak of the highlight outweighs everything else. Therefore cosine-weighted
+values are compared after a compressive map, and pairs may be weighted by their solid angle. The
+best choice depends on the material (Fores et al. 2012; Bieron and Peers 2020): a comparison should
+take the best of `candidates` for each. Every fit starts from several initial widths.
 """
 
 from collections.abc import Callable, Iterator
@@ -40,8 +38,8 @@ class Lobe:
 class GgxFit:
     """A BRDF of a Lambertian part and lobes.
 
-    Widths and Fresnel terms are shared by the channels and the colours are free, as is customary
-    since Ngan et al. 2005 ("Experimental analysis of BRDF models").
+    Channels share widths and Fresnel terms, and colours are free, as in Ngan et al. 2005
+    ("Experimental analysis of BRDF models").
 
     Attributes:
         diffuse: (3,) the reflectance kd.
@@ -72,13 +70,13 @@ class GgxFit:
 
 @dataclass(frozen=True)
 class Geometry:
-    """What lobes depend on, (N,) each.
+    """Quantities that lobes depend on, (N,) each.
 
     Attributes:
         sin2_h, cos2_h: of the half vector's angle to the normal.
         tan2_i, tan2_o: of the directions' angles to it.
         cosines: product of the directions' cosines.
-        edge: (1 - cos theta_d)^5.
+        edge: (1 - cos theta_d)^5, of Schlick's Fresnel term.
     """
 
     sin2_h: np.ndarray
@@ -112,7 +110,7 @@ def schlick(g: Geometry, f0: float) -> np.ndarray:
     return f0 + (1 - f0) * g.edge
 
 
-#: What is compared: a map of f cos theta_i, and its derivative.
+#: The compared quantity: a map of x = f cos theta_i, with its derivative.
 #: "linear": Ngan et al. 2005. "log": Löw et al. 2012, ln(1 + x). "root": the cube root of Fores et
 #: al. 2012, with an offset that keeps its slope finite.
 LOSSES: dict[str, Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]] = {
@@ -121,12 +119,13 @@ LOSSES: dict[str, Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]] = {
     "root": lambda x: (np.cbrt(x + 1e-3), np.cbrt(x + 1e-3) ** -2 / 3),
 }
 
-#: Powers of a pair's solid angle and cosines that weigh its squared error: by energy, and half-way
-#: to all pairs alike, of which as on MERL's bins most lie near the highlight.
+#: Exponents of the pair's weight, which is its solid angle times both cosines. 1 weights squared
+#: errors by energy; 0.5 is half-way to equal weights, under which most of the weight lies near the
+#: highlight, as in MERL's bins.
 MEASURES = 0.5, 1.0
 
-#: Widths that fits start from, of one lobe and of two.
-STARTS: dict[int, tuple[tuple[float, ...], ...]] = {
+#: Initial widths of fits of one lobe and of two.
+INITIAL_WIDTHS: dict[int, tuple[tuple[float, ...], ...]] = {
     1: ((0.01,), (0.05,), (0.15,), (0.4,)),
     2: ((0.01, 0.05), (0.02, 0.2), (0.05, 0.15), (0.1, 0.4), (0.3, 0.8)),
 }
@@ -140,10 +139,11 @@ WEIGHTS = -14.0, 7.0
 #: Bounds of the logit of f0.
 F0 = -7.0, 7.0
 
-#: Cosine below which pairs are left out: what is grazing is hardly ever measured.
+#: Smallest cosine of a fitted direction: grazing angles are rarely measured.
 LEAST_COSINE = 0.02
 
-#: Angles of the pairs that are fitted: theta_h (as squares, like MERL's bins), theta_d, phi_d.
+#: Numbers of angles of the fitted pairs: theta_h (spaced as squares, like MERL's bins), theta_d,
+#: phi_d.
 ANGLES = 64, 16, 8
 
 
@@ -152,7 +152,7 @@ Brdf = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
 def candidates(f: Brdf, lobes: int) -> Iterator[GgxFit]:
-    """Fits of at most so many lobes by every loss and measure; the arguments are those of `fit`."""
+    """Fits of up to `lobes` lobes by every loss and measure; arguments as in `fit`."""
     for count in range(1, lobes + 1):
         for loss in LOSSES:
             for measure in MEASURES:
@@ -172,10 +172,10 @@ def fit(f: Brdf, lobes: int = 1, loss: str = "log", measure: float = 1.0) -> Ggx
         ParameterError: another number of lobes or another loss.
         PlatformError: SciPy is missing.
     """
-    if lobes not in STARTS or loss not in LOSSES:
+    if lobes not in INITIAL_WIDTHS or loss not in LOSSES:
         raise ParameterError(
-            f"cannot fit {lobes} lobes by the loss '{loss}'; fit {' or '.join(map(str, STARTS))} "
-            f"by one of {', '.join(LOSSES)}"
+            f"cannot fit {lobes} lobes by the loss '{loss}'; "
+            f"fit {' or '.join(map(str, INITIAL_WIDTHS))} by one of {', '.join(LOSSES)}"
         )
     try:
         from scipy.optimize import least_squares  # lazily: an extra
@@ -188,19 +188,19 @@ def fit(f: Brdf, lobes: int = 1, loss: str = "log", measure: float = 1.0) -> Ggx
     weight = solid_angles() ** (measure / 2)
     geometry = Geometry.of(*(w.astype(np.float64) for w in (wi, wo)))
     problem = _Problem(geometry, values, loss, weight / weight.mean())
-    with threadpool_limits(1):  # such small matrices only lose by more
-        found = [
+    with threadpool_limits(1):  # more threads slow such small matrices down
+        solutions = [
             least_squares(
                 problem.residuals,
-                problem.start(alphas),
+                problem.initial(alphas),
                 problem.jacobian,
                 problem.bounds(lobes),
                 max_nfev=60,
                 x_scale="jac",
             )
-            for alphas in STARTS[lobes]
+            for alphas in INITIAL_WIDTHS[lobes]
         ]
-    return problem.model(min(found, key=lambda one: one.cost).x)
+    return problem.model(min(solutions, key=lambda solution: solution.cost).x)
 
 
 def pairs() -> tuple[np.ndarray, np.ndarray]:
@@ -210,7 +210,7 @@ def pairs() -> tuple[np.ndarray, np.ndarray]:
 
 
 def solid_angles() -> np.ndarray:
-    """What the fitted pairs stand for, (N,): products of solid angles and cosines, to a factor."""
+    """Weights of the fitted pairs (N,): solid angles times cosines, up to a factor."""
     return _grid()[2]
 
 
@@ -220,7 +220,7 @@ def _grid() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     grid = np.meshgrid(half**2 * (np.pi / 2), difference * (np.pi / 2), turn * np.pi, indexing="ij")
     theta_h, theta_d, phi_d = (angle.ravel() for angle in grid)
     wi, wo = directions_at(theta_h, theta_d, phi_d)
-    # dwi dwo = 4 cos theta_d dh dd (Rusinkiewicz 1998); theta_h is a square of what is even.
+    # dwi dwo = 4 cos theta_d dh dd (Rusinkiewicz 1998); theta_h is the square of an even spacing.
     weight = np.sin(theta_h) * np.sqrt(theta_h) * np.sin(theta_d) * np.cos(theta_d)
     above = np.minimum(wi[:, 2], wo[:, 2]) > LEAST_COSINE
     weight = (weight * wi[:, 2] * wo[:, 2])[above]
@@ -241,7 +241,7 @@ class _Problem:
         self._map = LOSSES[loss]
         cos_i = 1 / np.sqrt(1 + geometry.tan2_i)
         self._cosine = cos_i[:, None]
-        self._wanted = self._map(values * self._cosine)[0]
+        self._target = self._map(values * self._cosine)[0]
         self._values = values
 
     def bounds(self, lobes: int) -> tuple[np.ndarray, np.ndarray]:
@@ -249,8 +249,8 @@ class _Problem:
         lower, upper = np.array([WEIGHTS] * 3 + lobe * lobes).T
         return lower, upper
 
-    def start(self, alphas: tuple[float, ...]) -> np.ndarray:
-        """Given widths and f0 = 0.2: the weights that fit best, relative errors counting."""
+    def initial(self, alphas: tuple[float, ...]) -> np.ndarray:
+        """Parameters of the given widths, f0 = 0.2, and the weights of least relative error."""
         from scipy.optimize import nnls
 
         f0 = 0.2
@@ -282,23 +282,26 @@ class _Problem:
         for lobe in model.lobes:
             grey = shape(self._geometry, lobe.alpha) * schlick(self._geometry, lobe.f0)
             value = value + grey[:, None] * lobe.weight
-        return ((self._map(value * self._cosine)[0] - self._wanted) * self._weight).ravel()
+        return ((self._map(value * self._cosine)[0] - self._target) * self._weight).ravel()
 
     def jacobian(self, x: np.ndarray) -> np.ndarray:
-        """(3 N, parameters); by alpha as a central difference of the lobe's shape alone."""
+        """Derivatives (3 N, parameters); by alpha as central differences of the lobe's shape."""
         model = self.model(x)
         value = np.broadcast_to(model.diffuse / np.pi, self._values.shape)
         columns = np.zeros((len(x), *self._values.shape))
         columns[:3] = np.eye(3)[:, None] * (model.diffuse / np.pi)
         for i, lobe in enumerate(model.lobes):
-            lobed, fresnel = shape(self._geometry, lobe.alpha), schlick(self._geometry, lobe.f0)
+            lobe_shape, fresnel = (
+                shape(self._geometry, lobe.alpha),
+                schlick(self._geometry, lobe.f0),
+            )
             own = columns[3 + 5 * i : 8 + 5 * i]
             step = 1e-4
             wider, narrower = (shape(self._geometry, lobe.alpha * np.exp(s)) for s in (step, -step))
             own[0] = ((wider - narrower) / (2 * step) * fresnel)[:, None] * lobe.weight
             slope = lobe.f0 * (1 - lobe.f0) * (1 - self._geometry.edge)
-            own[1] = (lobed * slope)[:, None] * lobe.weight
-            each = (lobed * fresnel)[:, None] * lobe.weight
+            own[1] = (lobe_shape * slope)[:, None] * lobe.weight
+            each = (lobe_shape * fresnel)[:, None] * lobe.weight
             own[2:] = np.eye(3)[:, None] * each
             value = value + each
         slope = self._map(value * self._cosine)[1] * self._cosine * self._weight

@@ -1,12 +1,9 @@
 """Neural BRDFs: one network of 675 weights for each material (Sztrajman et al. 2021).
 
-Rusinkiewicz's half and difference vectors, as six numbers, pass two hidden layers of 21 ReLU; RGB
-is exp(x) - 1, cut at zero. Training is in `benchmarks.rivals.nbrdf`.
-
-Training of neural BRDFs, one network for each material (Sztrajman et al. 2021).
-
-What the authors' code leaves to taste was chosen for the best pictures of spheres: half angles are
-drawn as squares, like MERL's bins, which resolves highlights, and Adam's rate decays.
+Half and difference vectors (Rusinkiewicz 1998), as six numbers, pass two hidden layers of 21 ReLU;
+RGB is exp(x) - 1, clipped at zero. Where the authors leave a choice, training uses what gives the
+best pictures of spheres: half angles are drawn as squares, like MERL's bins, which resolves
+highlights, and the rate of Adam decays.
 """
 
 from collections.abc import Callable
@@ -25,16 +22,16 @@ from urushi.errors import ParameterError
 from urushi.geometry.half_vector import directions_at, half_difference_angles
 from urushi.measured.tabulated import evaluate
 
-#: Shapes of the weights and biases, in the order in which they lie in one row.
+#: Shapes of weights and biases, in the order in which they are stored.
 SHAPES = (6, 21), (21,), (21, 21), (21,), (21, 3), (3,)
 
-#: How many numbers a material has.
+#: Number of weights of a material.
 SIZE = sum(int(np.prod(shape)) for shape in SHAPES)
 
 
 @dataclass(frozen=True, eq=False)
 class Nbrdf:
-    """A BRDF given by a network of its own.
+    """A BRDF represented by its own network.
 
     Attributes:
         weights: (675,) numbers in the order of `SHAPES`.
@@ -66,9 +63,9 @@ class Nbrdf:
 
 
 def inputs(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-    """What the network sees of unit vectors (N, 3) above the horizon: h and d, (N, 6) float64.
+    """The network's inputs h and d, (N, 6) float64, of unit vectors (N, 3) above the horizon.
 
-    h lies at the azimuth 0; d's azimuth is taken modulo pi, so that f is reciprocal.
+    The azimuth of h is 0; that of d is taken modulo pi, so that f is reciprocal.
     """
     return vectors(*half_difference_angles(wi.astype(np.float64), wo.astype(np.float64)))
 
@@ -96,13 +93,13 @@ def logits(weights: Any, x: Any, xp: ModuleType = np) -> Any:
     return x
 
 
-#: Samples and how many of them a step sees, as in the authors' code.
+#: Number of samples, and samples per step, as in the authors' code.
 SAMPLES, BATCH = 640_000, 512
 
-#: Passes over the samples; the authors' 100 at a constant rate of 0.0005 reach no more.
+#: Passes over the samples; the authors' 100 passes at a constant rate of 0.0005 are no better.
 PASSES = 30
 
-#: Adam's first rate; it decays as half a cosine.
+#: Initial rate of Adam; it decays as half a cosine.
 RATE = 5e-3
 
 
@@ -115,13 +112,13 @@ def train(
 
     Args:
         f: f(wi, wo) -> (N, 3) or (N, 1) [1/sr] for float32 unit vectors (N, 3).
-        passes: over all samples.
-        seed: of samples, their order and the first weights.
+        passes: number of passes over all samples.
+        seed: seed of samples, their order and the initial weights.
     """
     x, f_cos, cosine = _samples(f, np.random.default_rng(seed))
     steps = len(x) // BATCH
     rule = optax.adam(optax.cosine_decay_schedule(RATE, passes * steps))
-    weights = _first(np.random.default_rng((seed, 1)))
+    weights = _initial(np.random.default_rng((seed, 1)))
     state = weights, rule.init(weights)
     key = jax.random.key(seed)
     for i in range(passes):
@@ -141,8 +138,8 @@ def _samples(f, rng: np.random.Generator) -> tuple[jax.Array, ...]:
     return tuple(jnp.asarray(a, jnp.float32) for a in (x, values, cosine))
 
 
-def _first(rng: np.random.Generator) -> jax.Array:
-    """Weights by Glorot and Bengio 2010, biases zero."""
+def _initial(rng: np.random.Generator) -> jax.Array:
+    """Initial weights by Glorot and Bengio 2010; biases are zero."""
     parts = [
         rng.uniform(-1, 1, shape) * np.sqrt(6 / sum(shape)) if len(shape) == 2 else np.zeros(shape)
         for shape in SHAPES
@@ -152,7 +149,7 @@ def _first(rng: np.random.Generator) -> jax.Array:
 
 @partial(jax.jit, static_argnums=0)
 def _one_pass(rule, state, data, key):
-    """All samples once, in a new order."""
+    """Use all samples once, in a new order."""
     count = len(data[0]) // BATCH
     order = jax.random.permutation(key, len(data[0]))[: count * BATCH].reshape(count, BATCH)
 

@@ -1,11 +1,11 @@
 """Time to load a coat with textured parameters: `python -m benchmarks.speed.baking`; minutes.
 
-Prints, for a coat of 2048² RGB texels (`--side` for another) with alpha, albedo, sigma_t and g each
-a texture, how long the plugin `neural_layered` takes to load over a bottom that is the same
-everywhere and over a textured one (a rough conductor, its width and its reflectance textures), the
-peak memory of the process, textures included, and what an edit, a file and a reload cost. Textures
-hold 8 bits, as images do: noise, of which hardly two texels are alike. `--float` takes noise of
-single precision, of which no two channels are alike either. Every row is a process of its own.
+The coat has RGB textures of 2048² texels (`--side` sets another size) for alpha, albedo, sigma_t
+and g. Prints the time in which the plugin `neural_layered` loads over a constant bottom, and over a
+rough conductor whose width and reflectance are textures; the peak memory of the process, textures
+included; and the times of an edit, of writing a file and of reading it. Textures hold noise of 8
+bits, as images do, and hardly two texels are equal. With `--float`, noise has single precision, and
+no two channels are equal either. Every row is measured in a process of its own.
 """
 
 import argparse
@@ -52,7 +52,7 @@ def measure(side: int, weights: str, bottom: str, levels: int) -> None:
         "base": mi.load_dict(base),
     }
     small = {**coat, "resolution": 2}
-    mi.load_dict(small)  # compiles kernels, once a machine
+    mi.load_dict(small)  # compiles kernels, which are then stored
     start, cpu = time.perf_counter(), time.process_time()
     bsdf = mi.load_dict(coat)
     wall, cpu = time.perf_counter() - start, time.process_time() - cpu
@@ -82,9 +82,13 @@ def _timed(operation) -> float:
 
 def main() -> None:
     """Print the table."""
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.speed.baking", description=__doc__)
+    parser = argparse.ArgumentParser(
+        prog="python -m benchmarks.speed.baking",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
     parser.add_argument("--weights", default="base", help="base, small, or a weights file")
-    parser.add_argument("--side", type=int, default=2048, help="texels a side of the textures")
+    parser.add_argument("--side", type=int, default=2048, help="side of the textures [texels]")
     parser.add_argument("--float", action="store_true", help="noise of single precision")
     parser.add_argument("--row", choices=ROWS, help=argparse.SUPPRESS)
     arguments = parser.parse_args()

@@ -1,9 +1,9 @@
-"""Speed of the decoder alone: `python -m benchmarks.speed.decoder`; two minutes on two quiet cores.
+"""Speed of the decoder alone: `python -m benchmarks.speed.decoder`; two minutes on two idle cores.
 
-Prints millions of RGB evaluations of f per second, by wall time and by CPU time (times the number
-of cores: what a quiet machine would reach), the best of several alternating runs: of constant
-codes, of textured ones, whose share of the first layer is computed anew at every evaluation, and of
-the same network in Dr.Jit's cooperative vectors. `--weights` names the networks.
+Prints millions of RGB evaluations of f per second, the best of several alternating runs. The second
+column is computed from CPU time, times the number of cores: the speed of an idle machine. The rows
+are constant codes; textured codes, for which every evaluation computes the codes' part of the first
+layer again; and constant codes in Dr.Jit's cooperative vectors.
 """
 
 import argparse
@@ -19,15 +19,15 @@ COUNT, RUNS = 1 << 20, 7
 
 
 def directions(seed: int) -> "mi.Vector3f":
-    """Unit vectors of uniform density over the hemisphere, in memory."""
+    """COUNT unit vectors, uniformly distributed over the hemisphere."""
     rng = np.random.default_rng(seed)
     z, phi = rng.uniform(0.01, 1, COUNT), rng.uniform(0, 2 * np.pi, COUNT)
     r = np.sqrt(1 - z * z)
     return mi.Vector3f(np.stack([r * np.cos(phi), r * np.sin(phi), z]).astype(np.float32))
 
 
-def forms(weights: str) -> dict[str, Callable[[], object]]:
-    """The forms of a decoder, each as a function that evaluates it."""
+def evaluations(weights: str) -> dict[str, Callable[[], object]]:
+    """For each row of the table, a function that evaluates the decoder."""
     from urushi.nets.weights import find
     from urushi.render.latents.holders import ConstantLatents, TexturedLatents
     from urushi.render.networks.decoder import UrushiDecoder
@@ -60,7 +60,7 @@ def forms(weights: str) -> dict[str, Callable[[], object]]:
 
 
 def seconds(evaluate: Callable[[], object]) -> tuple[float, float]:
-    """Wall and CPU seconds of one kernel."""
+    """Wall and CPU time of one kernel [s]."""
     f = evaluate()
     wall, cpu = time.perf_counter(), time.process_time()
     dr.eval(f)
@@ -70,15 +70,19 @@ def seconds(evaluate: Callable[[], object]) -> tuple[float, float]:
 
 def main() -> None:
     """Print the table."""
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.speed.decoder", description=__doc__)
-    parser.add_argument("--weights", nargs="+", default=["small", "base"])
+    parser = argparse.ArgumentParser(
+        prog="python -m benchmarks.speed.decoder",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--weights", nargs="+", default=["small", "base"], help="names or files")
     given = parser.parse_args()
-    cases = {(name, form): f for name in given.weights for form, f in forms(name).items()}
+    cases = {(name, form): f for name in given.weights for form, f in evaluations(name).items()}
     times: dict[tuple, list] = {case: [] for case in cases}
     for run in range(RUNS + 1):
         for case, evaluate in cases.items():
             result = seconds(evaluate)
-            if run:  # the first one compiles
+            if run:  # the first run compiles
                 times[case].append(result)
     cores = len(os.sched_getaffinity(0))
     print(f"{'million RGB evaluations per second':40}{'wall':>8}{f'CPU x {cores}':>9}")

@@ -1,10 +1,10 @@
-"""What reading and encoding a measured BRDF costs: `python -m benchmarks.speed.encode [FILE...]`.
+"""Time to read and encode a measured BRDF: `python -m benchmarks.speed.encode [FILE...]`.
 
-Prints processor time, which sums up all threads, for each file; without files, for a table of
-MERL's format that it writes: a rough conductor over a Lambertian surface. The best of several runs.
+Takes seconds. Prints CPU times, summed over threads, for each file; without files, for a table in
+MERL's format that it writes, a rough conductor plus a Lambertian BRDF. The best of several runs.
 """
 
-import sys
+import argparse
 import tempfile
 import time
 from collections.abc import Callable
@@ -22,11 +22,18 @@ from urushi.reference import analytic
 RUNS = 5
 
 
-def main(paths: list[str]) -> None:
+def main() -> None:
     """Print a line for each file."""
-    print(f"{'processor seconds':32}{'read':>8}{'encode':>8}{'refine':>8}{'all':>8}")
+    parser = argparse.ArgumentParser(
+        prog="python -m benchmarks.speed.encode",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("files", nargs="*", type=Path, help="MERL or RGL files")
+    paths = parser.parse_args().files
+    print(f"{'CPU seconds':32}{'read':>8}{'encode':>8}{'refine':>8}{'all':>8}")
     with tempfile.TemporaryDirectory() as folder:
-        for path in map(Path, paths or [made_up(Path(folder) / "made-up.binary")]):
+        for path in paths or [synthetic_merl(Path(folder) / "synthetic.binary")]:
             brdf = urushi.load_measured(path)
             read = best(lambda path=path: urushi.load_measured(path))
             encode = best(lambda brdf=brdf: urushi.encode(brdf))
@@ -37,7 +44,7 @@ def main(paths: list[str]) -> None:
 
 
 def best(call: Callable[[], Any]) -> float:
-    """The least processor time [s] of several calls."""
+    """The smallest CPU time [s] of several calls."""
     times = []
     for _ in range(RUNS):
         start = time.process_time()
@@ -46,8 +53,8 @@ def best(call: Callable[[], Any]) -> float:
     return min(times)
 
 
-def made_up(path: Path) -> Path:
-    """Write a MERL file."""
+def synthetic_merl(path: Path) -> Path:
+    """Write a table in MERL's format: a rough conductor plus a Lambertian BRDF."""
     centres = (angle.ravel() for angle in np.broadcast_arrays(*bin_centres(merl.SHAPE)))
     wi, wo = (w.astype(np.float32) for w in directions_at(*centres))
     gold, base = urushi.conductor(0.2, (0.98, 0.77, 0.34)), urushi.diffuse((0.1, 0.05, 0.02))
@@ -59,4 +66,4 @@ def made_up(path: Path) -> Path:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    main()

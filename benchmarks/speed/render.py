@@ -1,14 +1,16 @@
-"""Speed of whole renders: `python -m benchmarks.speed.render`; 15 minutes on two quiet cores.
+"""Speed of whole renders: `python -m benchmarks.speed.render`; 15 minutes on two idle cores.
 
-A sphere under an environment map, 512², 32 samples a pixel, path depth 6, `llvm_ad_rgb`, default
-flags; with one value for every parameter and with a texture for every parameter. Prints the median
-time of alternating runs of one process, its ratios to `principled` with equal textures and to
-`layered`, and the same ratios by CPU time, which other load disturbs less. Then what compiling
-costs: the first render less the later ones, without kernels that an earlier run left on the disk,
-and compilation and one render of one and of ten different materials in one scene.
+The scene is a sphere under an environment map, 512², 32 samples per pixel, path depth 6,
+`llvm_ad_rgb`, default flags; with one value for every parameter, and with a texture for every
+parameter. Prints
 
-Mitsuba compiles all BSDFs that are in memory into every kernel, so every run loads its scene anew
-and drops it. `--side`, `--spp` and `--runs` make it shorter; `--only` names some of the plugins.
+- the median time of alternating runs of one process, and its ratios to `principled` with as many
+  textures and to `layered`, by wall time and by CPU time, which other load disturbs less;
+- the time to compile: the first render minus the later ones, with an empty kernel cache;
+- times to compile and to render one and ten different materials in one scene.
+
+Mitsuba compiles all BSDFs in memory into every kernel, so that every run loads its scene again and
+then releases it. `--side`, `--spp` and `--runs` shorten the benchmark; `--only` selects plugins.
 """
 
 import argparse
@@ -26,7 +28,7 @@ import numpy as np
 PLUGINS = ("principled", "small", "base", "layered")
 TEXELS = 64
 MATERIALS = 10
-FRESH = "URUSHI_FRESH_KERNELS"  # set in the process that measures
+FRESH = "URUSHI_FRESH_KERNELS"  # set in the measuring process
 
 
 def texture(low: float, high: float, channels: int, seed: int) -> dict:
@@ -70,7 +72,7 @@ def material(plugin: str, textured: bool, seed: int = 0) -> dict:
 
 
 def scene(bsdfs: list[dict], side: int) -> "mi.Scene":
-    """Spheres of these BSDFs in a row, one fills the picture, under an environment map."""
+    """Spheres of these BSDFs in a row, which fills the picture, under an environment map."""
     sky = np.random.default_rng(0).uniform(0.5, 1.5, (64, 128, 1)).repeat(3, axis=2)
     sky[10:16, 30:40] = 20
     count = len(bsdfs)
@@ -97,7 +99,7 @@ def scene(bsdfs: list[dict], side: int) -> "mi.Scene":
 
 
 def rendered(loaded: "mi.Scene", spp: int, seed: int) -> tuple[float, float]:
-    """Wall and CPU seconds of one render."""
+    """Wall and CPU time of one render [s]."""
     wall, cpu = time.perf_counter(), time.process_time()
     dr.eval(mi.render(loaded, spp=spp, seed=seed))
     dr.sync_thread()
@@ -105,7 +107,7 @@ def rendered(loaded: "mi.Scene", spp: int, seed: int) -> tuple[float, float]:
 
 
 def first_and_later(bsdfs: list[dict], side: int, spp: int) -> tuple[np.ndarray, np.ndarray]:
-    """(Wall, CPU) seconds of the first render and of the better of two later ones."""
+    """(Wall, CPU) time [s] of the first render, and of the faster of two later ones."""
     loaded = scene(bsdfs, side)
     first = np.array(rendered(loaded, spp, 0))
     later = np.min([rendered(loaded, spp, seed) for seed in (1, 2)], axis=0)
@@ -125,21 +127,21 @@ def speed(plugins: list[str], side: int, spp: int, runs: int) -> None:
             times[case].append(later)
             if run == 0:
                 compiling[case] = first - later
-    middle = {case: np.median(values, axis=0) for case, values in times.items()}
+    medians = {case: np.median(values, axis=0) for case, values in times.items()}
     print(f"{side}², {spp} spp{'':14}{'seconds':>9}{'principled':>12}{'layered':>9}", end="")
     print(f"{'by CPU time':>13}{'':9}{'compile':>9}{'CPU':>7}")
     for plugin, textured in cases:
         name = plugin if plugin in ("principled", "layered") else f"neural_layered, {plugin}"
-        line = f"{name:22}{'textured' if textured else '':9}{middle[plugin, textured][0]:8.2f}"
+        line = f"{name:22}{'textured' if textured else '':9}{medians[plugin, textured][0]:8.2f}"
         for clock in (0, 1):
             for other, width in (("principled", 12), ("layered", 9)):
-                ratio = middle[plugin, textured] / middle.get((other, textured), np.nan)
+                ratio = medians[plugin, textured] / medians.get((other, textured), np.nan)
                 line += f"{ratio[clock]:{width}.2f}"
         print(line + "{:9.1f}{:7.1f}".format(*compiling[plugin, textured]), flush=True)
 
 
 def compiling(plugins: list[str], side: int) -> None:
-    """Print what one and ten materials cost."""
+    """Print the times of one and of ten materials."""
     print(f"\n{'materials in the scene':31}{'compile':>9}{'CPU':>7}{'1 spp':>9}{'CPU':>7}")
     for plugin in plugins:
         if plugin == "layered":
@@ -153,11 +155,15 @@ def compiling(plugins: list[str], side: int) -> None:
 
 def main() -> None:
     """Print both tables."""
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.speed.render", description=__doc__)
-    parser.add_argument("--side", type=int, default=512, help="pixels a side")
-    parser.add_argument("--spp", type=int, default=32, help="samples a pixel")
-    parser.add_argument("--runs", type=int, default=5, help="alternating runs")
-    parser.add_argument("--only", nargs="+", default=PLUGINS, choices=PLUGINS)
+    parser = argparse.ArgumentParser(
+        prog="python -m benchmarks.speed.render",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--side", type=int, default=512, help="width and height [pixels]")
+    parser.add_argument("--spp", type=int, default=32, help="samples per pixel")
+    parser.add_argument("--runs", type=int, default=5, help="number of alternating runs")
+    parser.add_argument("--only", nargs="+", default=PLUGINS, choices=PLUGINS, help="rows")
     given = parser.parse_args()
     speed(given.only, given.side, given.spp, given.runs)
     compiling(given.only, given.side)
@@ -169,7 +175,7 @@ if __name__ == "__main__":
         import urushi  # noqa: F401  (registers the plugins)
 
         main()
-    else:  # again, where Dr.Jit finds no kernels of earlier runs
+    else:  # in a new process, whose home folder has no cached kernels
         with tempfile.TemporaryDirectory() as folder:
             command = [sys.executable, "-m", "benchmarks.speed.render", *sys.argv[1:]]
             subprocess.run(command, env=os.environ | {"HOME": folder, FRESH: "1"}, check=True)

@@ -1,15 +1,16 @@
-"""What data cost, by size: `python -m benchmarks.speed.scaling data`, or `train`, or `cluster`.
+"""Cost of data by size: `python -m benchmarks.speed.scaling data`, or `train`, or `cluster`.
 
-About a minute each on two cores; the figures of docs/scaling.md come from here. All stores are in
-a temporary folder (TMPDIR) and need some hundred MB.
+Takes about a minute each on two cores; the figures of docs/scaling.md come from here. Stores are
+written to a temporary folder (TMPDIR) and take some hundred MB.
 
-data     time, files and bytes of a shard as the preset `quick` has it, made, written and read.
-train    samples a second and peak memory of training from a store that fits into memory, from the
-         same with room for an eighth, the same twice for a store four times as large, and with
-         hidden products in bfloat16. Each in a process of its own.
-cluster  the same small store by this process and by a Dask cluster of one worker on this machine.
+data     time, files and bytes of a shard in the sizes of the preset `quick`: simulate, write, read
+train    samples per second and peak memory of training: from a store that fits into memory; with
+         memory for an eighth of it; both with a store four times as large; and with products of
+         hidden layers in bfloat16. Each in a process of its own
+cluster  time of a small store by this process, and by a Dask cluster of one worker on this machine
 """
 
+import argparse
 import dataclasses
 import json
 import resource
@@ -28,15 +29,15 @@ from urushi.data.spec import DataSpec, Part
 from urushi.data.store import Store
 from urushi.train.order import Order
 
-#: As of the preset `quick`.
+#: Direction pairs per stack and walks per pair, as in the preset `quick`.
 PAIRS, WALKS = 512, 32
 
-#: Calls of the compiled loop that are timed, after one that compiles.
+#: Number of timed calls of the compiled loop, after one that compiles.
 CALLS = 12
 
 
 def quick_like(stacks: int) -> DataSpec:
-    """Parts of no coat, one and two, in about the shares of `quick`; two walks, for haste."""
+    """Parts of no coat, one and two, in about the proportions of `quick`; two walks per pair."""
     parts = (
         Part("bare", Extended(0, "conductor"), stacks // 4, PAIRS, 1),
         Part("once", Table2(1), stacks, PAIRS, 2),
@@ -46,7 +47,7 @@ def quick_like(stacks: int) -> DataSpec:
 
 
 def data(folder: Path) -> None:
-    """Print what a shard costs."""
+    """Print the cost of shards."""
     for coats in (0, 1, 2):
         spec = DataSpec((Part("a", Extended(coats, "conductor"), 512, PAIRS, WALKS),), seed=1)
         make_shard(spec, 0, 1)  # compiles the kernels
@@ -89,7 +90,7 @@ def data(folder: Path) -> None:
 
 
 def train(folder: Path) -> None:
-    """Run `measure` in a process for each case."""
+    """Run `measure` in a process of its own for each case."""
     whole, large = folder / "whole.zarr", folder / "large.zarr"
     generate(quick_like(2048), whole)
     generate(quick_like(8192), large)
@@ -102,9 +103,9 @@ def train(folder: Path) -> None:
         ("1.6 M pairs, all in memory, bfloat16", whole, 1 << 26, "bfloat16"),
     ):
         arguments = json.dumps([str(store), memory, precision])
-        run = [sys.executable, "-m", "benchmarks.speed.scaling", "measure", arguments]
-        said = subprocess.run(run, check=True, capture_output=True, text=True).stdout
-        print(f"{label}: {said.strip()}")
+        run = [sys.executable, "-m", "benchmarks.speed.scaling", "train", "--measure", arguments]
+        printed = subprocess.run(run, check=True, capture_output=True, text=True).stdout
+        print(f"{label}: {printed.strip()}")
 
 
 def measure(store: str, memory: int, precision: str) -> None:
@@ -119,27 +120,27 @@ def measure(store: str, memory: int, precision: str) -> None:
     params = training.initial(preset, depths)
     learner = joint.learn(params, preset.architectures()[1], depths, preset.seed)
     state = training.begin(preset, 0, params).state
-    steps, taking = schedule.steps_per_call, 0.0
+    steps, waiting = schedule.steps_per_call, 0.0
     times = []
     for call in range(CALLS + 1):
         began = time.perf_counter()
         batches = learner.batches(call * steps, steps)
-        taken = time.perf_counter()
+        drawn = time.perf_counter()
         state, terms = learner.steps(state, batches)
         terms["loss"].block_until_ready()
         if call:
             times.append(time.perf_counter() - began)
-            taking += taken - began
+            waiting += drawn - began
     samples = steps * sum(joint.stacks) * preset.pairs / 1e6
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**10
     print(
         f"best {samples / min(times):.2f}, mean {samples / np.mean(times):.2f} M samples/s; "
-        f"{taking / sum(times):.1%} of it waits for batches; peak {peak:.0f} MB"
+        f"{waiting / sum(times):.1%} of it waits for batches; peak {peak:.0f} MB"
     )
 
 
 def cluster(folder: Path) -> None:
-    """Compare this process with a cluster of one worker that has as many cores."""
+    """Compare this process with a cluster of one worker that has all cores."""
     from distributed import LocalCluster
 
     spec = DataSpec((Part("a", Table2(1), 2048, PAIRS, WALKS),), seed=1)
@@ -154,9 +155,23 @@ def cluster(folder: Path) -> None:
     print(f"8 shards here {here:.1f} s, by a worker {there:.1f} s (its kernels' compilation in it)")
 
 
+def main() -> None:
+    """Run one of the parts."""
+    parser = argparse.ArgumentParser(
+        prog="python -m benchmarks.speed.scaling",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parts = {"data": data, "train": train, "cluster": cluster}
+    parser.add_argument("part", choices=parts)
+    parser.add_argument("--measure", help=argparse.SUPPRESS)  # of a process of its own
+    arguments = parser.parse_args()
+    if arguments.measure:
+        measure(*json.loads(arguments.measure))
+        return
+    with tempfile.TemporaryDirectory() as temporary:
+        parts[arguments.part](Path(temporary))
+
+
 if __name__ == "__main__":
-    if sys.argv[1] == "measure":
-        measure(*json.loads(sys.argv[2]))
-    else:
-        with tempfile.TemporaryDirectory() as temporary:
-            {"data": data, "train": train, "cluster": cluster}[sys.argv[1]](Path(temporary))
+    main()

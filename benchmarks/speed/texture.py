@@ -1,10 +1,10 @@
 """Speed of encoding and layering: `python -m benchmarks.speed.texture`; two minutes.
 
-Prints, for one RGB material and for a texture of 1024 x 1024 RGB texels (`--side` for another), the
-best and the median time of several runs, which alternate, so that other load meets all alike.
-The texture's coats differ in all parameters, texel by texel and channel by channel, over a textured
-bottom; then the same over one bottom; then coats that are the same in all channels. At 1024 x 1024
-it needs 1.5 GB of memory. `--weights` names other networks than the shipped ones.
+Prints the best and the median time of several runs, for one RGB material and for a texture of
+1024 x 1024 RGB texels (`--side` sets another size). Runs of the operations alternate, so that other
+load affects all equally. The texture's coats differ in all parameters by texel and by channel, over
+a textured bottom; then the same over one bottom; then coats that are equal in all channels. At
+1024 x 1024 it needs 1.5 GB of memory.
 """
 
 import argparse
@@ -17,7 +17,7 @@ from urushi.nets import weights
 
 
 def table(heading: str, operations: dict[str, Callable[[], object]], runs: int) -> None:
-    """Print the times of operations."""
+    """Print the times of some operations."""
     times: dict[str, list[float]] = {name: [] for name in operations}
     for _ in range(runs):
         for name, operation in operations.items():
@@ -35,9 +35,13 @@ def _duration(seconds: float) -> str:
 
 def main() -> None:
     """Print both tables."""
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.speed.texture", description=__doc__)
+    parser = argparse.ArgumentParser(
+        prog="python -m benchmarks.speed.texture",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
     parser.add_argument("--weights", default="base", help="base, small, or a weights file")
-    parser.add_argument("--side", type=int, default=1024, help="texels a side of the texture")
+    parser.add_argument("--side", type=int, default=1024, help="side of the texture [texels]")
     arguments = parser.parse_args()
     model = weights.find(arguments.weights)
     sizes = ", ".join(f"{part} {count:,}" for part, count in parameters(model).items())

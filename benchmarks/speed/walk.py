@@ -1,10 +1,11 @@
 """Speed of the random walk: `python -m benchmarks.speed.walk`; under a minute on two cores.
 
-Prints, for three stacks, millions of walks per second: the best and the median of several runs,
-the first of which (with the compilation of the kernel) is shown apart. A walk is one estimate of f
-for one pair of directions and one channel.
+Prints, for three stacks, millions of walks per second: the best and the median of several runs, and
+the time of the first run, which compiles the kernel. A walk is one estimate of f for one pair of
+directions and one channel.
 """
 
+import argparse
 import time
 from statistics import median
 
@@ -42,10 +43,17 @@ def seconds(stack: Stack, seed: int) -> float:
 
 
 def main() -> None:
-    """Print the table; runs of the stacks alternate, so that other load meets all alike."""
+    """Print the table; runs of the stacks alternate, so that other load affects all equally."""
+    parser = argparse.ArgumentParser(
+        prog="python -m benchmarks.speed.walk",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--runs", type=int, default=RUNS, help="number of runs of each stack")
+    count = parser.parse_args().runs
     first = {name: seconds(stack, 0) for name, stack in STACKS.items()}
     times: dict[str, list[float]] = {name: [] for name in STACKS}
-    for run in range(1, RUNS + 1):
+    for run in range(1, count + 1):
         for name, stack in STACKS.items():
             times[name].append(seconds(stack, run))
     millions = PAIRS * WALKS / 1e6

@@ -63,7 +63,7 @@ def test_the_derivatives_are_those_of_the_residuals():
         problem = ggx_fit._Problem(
             ggx_fit.Geometry.of(wi, wo), TWO._f(wi, wo), loss, np.ones(len(wi))
         )
-        x = problem.start((0.05, 0.4))
+        x = problem.initial((0.05, 0.4))
         for i, column in enumerate(problem.jacobian(x).T):
             step = np.eye(len(x))[i] * 1e-5
             slope = (problem.residuals(x + step) - problem.residuals(x - step)) / 2e-5

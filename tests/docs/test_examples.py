@@ -71,9 +71,9 @@ def test_textures(tmp_path):
 
 def test_measured(tmp_path):
     """Every Python block of the page runs, on an RGB table in MERL's format."""
-    from benchmarks.speed.encode import made_up
+    from benchmarks.speed.encode import synthetic_merl
 
-    made_up(tmp_path / "gold-paint.binary")
+    synthetic_merl(tmp_path / "gold-paint.binary")
     blocks = PYTHON_BLOCK.findall((DOCS / "measured.md").read_text())
     assert len(blocks) == 2
     before = """

@@ -1,4 +1,4 @@
-"""Ways to represent a measured BRDF, and how well each does, for `benchmarks.quality.measured`."""
+"""Methods that represent a measured BRDF, and their errors, for `benchmarks.quality.measured`."""
 
 import hashlib
 import inspect
@@ -25,8 +25,8 @@ from urushi.measured.merl import SHAPE
 from urushi.measured.tabulated import bin_centres
 from urushi.nets.weights import find
 
-#: Their names, in the order of the columns.
-NAMES = ("encoded", "refined", "GGX", "two GGX", "NBRDF", "Mitsuba")
+#: The methods, in the order of the columns.
+METHODS = ("encoded", "refined", "GGX", "two GGX", "NBRDF", "Mitsuba")
 
 #: Pairs of directions of E.
 PAIRS = 4096
@@ -39,8 +39,8 @@ Brdf = Callable[[np.ndarray, np.ndarray], np.ndarray]
 class Reciprocal:
     """A BRDF averaged over the exchange of wi and wo.
 
-    Files of RGL are reciprocal only as far as the measurement is, and all contenders exactly. What
-    they cannot represent would hide how well they do the rest.
+    RGL files are only as reciprocal as their measurement; most methods are exactly reciprocal, and
+    an error that none of them can avoid would hide their differences.
     """
 
     source: Any
@@ -55,9 +55,9 @@ class Measured:
     """A measured material.
 
     Attributes:
-        name: unique in its set.
-        path: a MERL or RGL file, or an archive (.npz) of networks of 675 weights under that name
-            among others, whose table in MERL's bins stands in for a file that was measured.
+        name: name of the material, unique in its set.
+        path: a MERL or RGL file, or an archive (.npz) of networks of 675 weights by name. The table
+            of the network `name` in MERL's bins stands in for a measured file.
     """
 
     name: str
@@ -80,19 +80,19 @@ class Measured:
         return self.path.suffix == ".bsdf"
 
     def digest(self) -> bytes:
-        """A hash of what it holds."""
+        """A hash of the material's content and name."""
         content = self.path.read_bytes() + inspect.getsource(Reciprocal).encode()
         return hashlib.sha256(content + self.name.encode()).digest()
 
 
 @dataclass(frozen=True)
 class Result:
-    """How well a contender does with a material.
+    """Errors and cost of a method for a material.
 
     Attributes:
-        look: of the spheres, the mean over environments.
+        look: errors of the spheres, means over environments.
         error: E, the mean over channels that are not black.
-        seconds: of one core, to make it.
+        seconds: CPU time to encode, fit or train [s].
     """
 
     look: Comparison
@@ -101,15 +101,15 @@ class Result:
 
 
 @dataclass(frozen=True)
-class Contest:
-    """What all materials are compared by.
+class Comparisons:
+    """Settings of all comparisons, and their stored results.
 
     Attributes:
-        environments: exposed.
-        weights: Urushi's networks, as `urushi.encode` takes them.
-        folder: where results are kept.
-        code: by contender, a hash of the code and networks that its results depend on, as they were
-            when all began.
+        environments: environments with their exposure.
+        weights: Urushi's networks, in the form that `urushi.encode` accepts.
+        folder: folder of stored results.
+        code: for each method, a hash of the code and networks that its results depend on, taken
+            once at the start.
     """
 
     environments: list[Environment]
@@ -117,26 +117,26 @@ class Contest:
     folder: Path
     code: dict[str, str]
 
-    def hold(self, material: Measured, names: list[str]) -> None:
-        """Write the results that are not kept yet."""
+    def run(self, material: Measured, names: list[str]) -> None:
+        """Compute and store the results that are missing."""
         missing = [name for name in names if not self.file(material, name).is_file()]
         if not missing:
             return
-        judge = Judge(material.load(), self.environments)
+        reference = Reference(material.load(), self.environments)
         for name in missing:
-            result = self._compete(material, name, judge)
+            result = self._run(material, name, reference)
             content = {"E": result.error, "seconds": result.seconds, **result.look.as_dict()}
             with atomic_write(self.file(material, name)) as temporary:
                 temporary.write_text(json.dumps(content) + "\n")
 
     def result(self, material: Measured, name: str) -> Result:
-        """A kept result."""
+        """A stored result."""
         content = json.loads(self.file(material, name).read_text())
         error, seconds = content.pop("E"), content.pop("seconds")
         return Result(Comparison(**content), error, seconds)
 
     def file(self, material: Measured, name: str) -> Path:
-        """Where a result is kept; the name holds a hash of all that decides it."""
+        """The file of a result; its name has a hash of everything that the result depends on."""
         digest = hashlib.sha256(material.digest())
         for environment in self.environments:
             digest.update(environment.radiance.tobytes())
@@ -144,26 +144,24 @@ class Contest:
         label = name.replace(" ", "-")
         return self.folder / f"{material.name}.{label}.{digest.hexdigest()[:16]}.json"
 
-    def _compete(self, material: Measured, name: str, judge: "Judge") -> Result:
+    def _run(self, material: Measured, name: str, reference: "Reference") -> Result:
         start = time.process_time()
         if name == "encoded":
-            f = urushi.encode(judge.truth, self.weights).f
+            f = urushi.encode(reference.truth, self.weights).f
         elif name == "refined":
-            f = urushi.encode(judge.truth, self.weights, refine=True).f
+            f = urushi.encode(reference.truth, self.weights, refine=True).f
         elif name == "NBRDF":
-            from benchmarks.rivals.nbrdf import train  # lazily: JAX
-
-            f = train(judge.truth.f).f
+            f = nbrdf.train(reference.truth.f).f
         elif name == "Mitsuba":
             f = _mitsuba(material.path)
         else:
-            return judge.best(ggx_fit.candidates(judge.truth.f, 1 if name == "GGX" else 2))
+            return reference.best(ggx_fit.candidates(reference.truth.f, 1 if name == "GGX" else 2))
         seconds = time.process_time() - start
-        return Result(judge.look(f), judge.error(f), seconds)
+        return Result(reference.look(f), reference.error(f), seconds)
 
 
-class Judge:
-    """Compares BRDFs with a measured one."""
+class Reference:
+    """A measured BRDF, its pictures and values, with which others are compared."""
 
     def __init__(self, truth: Merl | Reciprocal, environments: list[Environment]) -> None:
         self.truth = truth
@@ -173,7 +171,7 @@ class Judge:
         self._values = truth.f(self._wi, self._wo)
 
     def look(self, f: Brdf) -> Comparison:
-        """How the spheres look."""
+        """Errors of the pictures of spheres, means over environments."""
         pictures = sphere.render(f, self._environments)
         both = zip(pictures, self._pictures, strict=True)
         return Comparison.mean([metrics.compare(*pair, sphere.mask()) for pair in both])
@@ -186,24 +184,25 @@ class Judge:
         return float(error_metrics.stack_error(f_hat[lit], values[lit], *cosines).mean())
 
     def best(self, candidates: Iterator[ggx_fit.GgxFit]) -> Result:
-        """The result of the one whose spheres have the highest mean PSNR; seconds of all."""
+        """The result of the fit of highest mean PSNR of spheres, with the time of all fits."""
         start = time.process_time()
-        made = list(candidates)
+        fits = list(candidates)
         seconds = time.process_time() - start
-        looks = [self.look(one.f) for one in made]
+        looks = [self.look(fit.f) for fit in fits]
         place = int(np.argmax([look.psnr for look in looks]))
-        return Result(looks[place], self.error(made[place].f), seconds)
+        return Result(looks[place], self.error(fits[place].f), seconds)
 
 
-def code(names: list[str], weights: str) -> dict[str, str]:
-    """A hash, by contender, of the code that its results depend on most, and of networks."""
-    urushis, analytic = [energy, fit], [ggx_fit, ggx_fit]
-    modules: dict[str, list[ModuleType]] = {"encoded": urushis, "refined": urushis, "Mitsuba": []}
-    modules |= {"GGX": analytic, "two GGX": analytic}
-    if "NBRDF" in names:
-        from benchmarks.rivals import nbrdf as training  # lazily: JAX
-
-        modules["NBRDF"] = [nbrdf, training]
+def code_hashes(names: list[str], weights: str) -> dict[str, str]:
+    """For each method, a hash of the modules that its results depend on most, and of networks."""
+    modules: dict[str, list[ModuleType]] = {
+        "encoded": [energy, fit],
+        "refined": [energy, fit],
+        "GGX": [ggx_fit],
+        "two GGX": [ggx_fit],
+        "NBRDF": [nbrdf],
+        "Mitsuba": [],
+    }
     result = {}
     for name in names:
         digest = hashlib.sha256()
