@@ -1,6 +1,6 @@
 """Mitsuba 3 plugins: `layered` (a random walk), `neural_layered`, `neural_brdf`, `measured_brdf`.
 
-`register` makes them known to Mitsuba. In `plugins` they are defined; `reading` looks at what a
-scene gives them; `codes` makes latent codes of it, constant, textured or with gradients; `networks`
-evaluates and samples codes inside Dr.Jit's kernels; `scenes` holds the shipped scenes.
+`register` makes them known to Mitsuba and `plugins` defines them. `reading` evaluates the textures
+and BSDFs that a scene gives them. `latents` bakes latent codes from these, constant, textured or
+with gradients. `networks` evaluates and samples codes inside Dr.Jit's kernels.
 """

@@ -1,4 +1,4 @@
-"""Making the plugins known to Mitsuba, in every variant, whenever it is set."""
+"""Registration of the plugins with Mitsuba, in every variant that is set."""
 
 from collections.abc import Callable
 
@@ -32,9 +32,9 @@ def register(prepare: Callable[[], None] = lambda: None) -> None:
 
 
 def _on_variant(old: str | None, new: str) -> None:
-    """Define the plugins' classes anew: a class belongs to the variant in which it was made."""
+    """Define the plugins' classes: a class belongs to the variant in which it was defined."""
     if new.startswith("llvm"):
-        platform.require_llvm()  # before a kernel is compiled, which an old one would not survive
+        platform.require_llvm()  # an old LLVM would crash when the first kernel is compiled
     from urushi.material.encode import as_source
     from urushi.render.reading.bsdf import bsdf_source
 

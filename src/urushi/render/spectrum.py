@@ -20,7 +20,7 @@ def channel_count() -> int:
 
 
 def set_bands(si) -> None:
-    """Give a surface interaction the bands' wavelengths; nothing in variants that have none."""
+    """Set a surface interaction's wavelengths to the bands', in spectral variants."""
     if mi.is_spectral:
         lanes = dr.size_v(mi.Spectrum)
         si.wavelengths = mi.Spectrum([*BANDS, *[BANDS[-1]] * (lanes - len(BANDS))])

@@ -1,1 +1,1 @@
-"""The latent codes of a plugin: how they are made when a scene is loaded, held, and looked up."""
+"""The latent codes of a plugin: baked when a scene is loaded, held, and looked up in kernels."""

@@ -1,10 +1,8 @@
-"""Encoding and layering as operations of Dr.Jit's differentiation, computed by NumPy.
+"""Baking with gradients: latent codes that are differentiable in the parameters of a scene.
 
-Gradients through layering: latent codes that remember what they come from.
-
-Where a parameter of a coat or of its bottom carries a gradient, `bake` does the work of
-`baking.Baker` and attaches the codes to the parameters. The bottom's values at the probe pairs are
-differentiated by Dr.Jit, encoder and layerer by `operations`.
+Where a parameter of a coat or of its bottom carries a gradient, `bake` replaces `baking.Baker`. The
+bottom's values at the probe pairs are differentiated by Dr.Jit. Encoder and layerer are custom
+operations of Dr.Jit, whose values and derivatives NumPy computes (`material.gradients`).
 """
 
 from collections.abc import Sequence
@@ -27,14 +25,90 @@ from urushi.render.reading.grid import varying_textures
 from urushi.render.reading.parameters import CoatTextures
 from urushi.textures.grid import IDENTITY, TexelGrid
 
-#: Of each channel, numbers of M points as Dr.Jit floats of that size, or of one for all points.
+#: For each channel a list of Dr.Jit floats, each with one entry per point, or one for all points.
 Columns = Sequence[Sequence]
+
+#: Largest number of rotations of an anisotropic bottom: all are traced together.
+AZIMUTHS = 15
+
+#: The grid of a bottom without textures.
+MIDDLE = TexelGrid(1, 1, IDENTITY, "repeat", False)
+
+
+def wanted(bsdf: "mi.BSDF") -> bool:
+    """Whether any parameter of a BSDF carries a gradient; read-only codes do not count."""
+    parameters = mi.traverse(bsdf)
+    flags, read_only = parameters.flags, mi.ParamFlags.ReadOnly
+    return any(dr.grad_enabled(value) for key, value in parameters if not flags(key) & read_only)
+
+
+def bake(
+    model: Model, coat: CoatTextures, bottom: "mi.BSDF", resolution: int
+) -> DifferentiableConstant | DifferentiableTexture:
+    """`baking.Baker.update` with codes that are differentiable in the parameters.
+
+    Raises:
+        ParameterError: as there, or the networks have no derivatives (the paper's).
+    """
+    gradients.check_differentiable(model, coat.where)
+    grid = choose_grid(coat, bottom, model, resolution)
+    uv = grid.uv() if grid else np.full((1, 2), 0.5)
+    table = coat.table(uv)
+    si = probing.interaction(np.tile([0.0, 0.0, 1.0], (len(uv), 1)), uv)
+    alpha, eta, *others = coat.evaluate(si, mi.Bool(True))
+    parameters = [[alpha], [eta], *map(spectrum.to_channels, others)]
+    z_bottom = _bottom_codes(model, coat.where, bottom, uv, grid)
+    codes = layer(model, table, z_bottom, parameters)
+    if grid is None:
+        return DifferentiableConstant(model, codes)
+    shape = grid.height, grid.width, *codes.shape[1:]
+    return DifferentiableTexture(model, mi.TensorXf(codes.array, shape), grid)
+
+
+def _bottom_codes(
+    model: Model, where: str, bottom: "mi.BSDF", uv: np.ndarray, grid: TexelGrid | None
+) -> Columns:
+    """The bottom's codes at points uv (M, 2), or one code if it is the same everywhere."""
+    nested = getattr(bottom, "latents", None)
+    same_networks = nested is not None and bottom.model.fingerprint == model.fingerprint
+    if same_networks and isinstance(nested, DifferentiableConstant | DifferentiableTexture):
+        return nested.codes(mi.Point2f(np.ascontiguousarray(uv.T, np.float32)))
+    wi, wo = model.networks.pairs()
+    if not wanted(bottom) or probing.needed_repeats(bottom, wi, wo, len(uv)) > 1:
+        with dr.suspend_grad():  # a random walk's loop cannot be differentiated
+            codes = BottomCodes(model, bottom, where)
+            codes.update(grid)
+            return columns(codes.read(0, len(uv))[1])
+    if grid is None or not varying_textures(bottom):
+        grid, uv = MIDDLE, MIDDLE.uv()
+    with dr.suspend_grad():
+        average = probing.needed_averaging(bottom, wi, wo, grid, where)
+    starts = range(0, len(uv), PROBED_TEXELS)
+    parts = [_probed(bottom, wi, wo, uv[i : i + PROBED_TEXELS], average) for i in starts]
+    return encode(model, where, parts)
+
+
+def _probed(
+    bottom: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, uv: np.ndarray, average: probing.Averaging
+) -> list:
+    """`probing.over_points` with gradients: per channel f (M * P) [1/sr] at points uv (M, 2)."""
+    azimuths = min(average.azimuths, AZIMUTHS)
+    everywhere = np.repeat(uv, len(wi), axis=0)
+    total = [dr.zeros(mi.Float, len(everywhere))] * spectrum.channel_count()
+    for index in range(azimuths):
+        a, b = (np.tile(probing.rotated(w, index / azimuths), (len(uv), 1)) for w in (wi, wo))
+        for one, other in ((a, b), (b, a))[: 1 + average.exchanged]:
+            out = mi.Vector3f(np.ascontiguousarray(other.T))
+            value = bottom.eval(mi.BSDFContext(), probing.interaction(one, everywhere), out)
+            channels = spectrum.to_channels(value / out.z)
+            total = [a + b for a, b in zip(total, channels, strict=True)]
+    return [value / (azimuths * (1 + average.exchanged)) for value in total]
 
 
 def encode(model: Model, where: str, parts: Sequence[Sequence]) -> Columns:
-    """`material.encode.limited_codes`, attached to f: codes, 32 columns a channel.
+    """`material.encode.limited_codes`, differentiable in f: codes, 32 columns per channel.
 
-    parts: the points in groups, f (M * P) [1/sr] of each channel and group at the probe pairs.
+    parts: groups of points; for each group and channel f (M * P) [1/sr] at the probe pairs.
     where: begins errors.
 
     Raises:
@@ -46,7 +120,7 @@ def encode(model: Model, where: str, parts: Sequence[Sequence]) -> Columns:
 def layer(
     model: Model, table: dict[str, np.ndarray], z_bottom: Columns, coat: Columns
 ) -> "mi.TensorXf":
-    """`material.layer.layer_texels`, attached to the bottoms' codes and to coats.
+    """`material.layer.layer_texels`, differentiable in the bottoms' codes and the coats.
 
     table: the coats' checked parameters, (M or 1, C or 1), in double precision.
     coat: the same in the order of `CoatParameters`: a column per parameter, or one per channel.
@@ -58,13 +132,13 @@ def layer(
 
 
 def columns(values: np.ndarray) -> Columns:
-    """Numbers (M, C, K) as Dr.Jit floats, K of each channel."""
+    """Values (M, C, K) as Dr.Jit floats, K for each channel."""
     channels = np.moveaxis(values, 1, 0)
     return [[mi.Float(np.ascontiguousarray(k, np.float32)) for k in z.T] for z in channels]
 
 
 def rows(columns: Columns, points: int = 1) -> np.ndarray:
-    """The numbers (M, C, K) in columns, K of each channel; M is at least `points`."""
+    """The values (M, C, K) of columns, K for each channel; M is at least `points`."""
     arrays = [column.numpy() for channel in columns for column in channel]
     points = max(points, *map(len, arrays))
     stacked = np.stack([np.broadcast_to(array, points) for array in arrays], axis=-1)
@@ -145,80 +219,3 @@ class _Layer(dr.CustomOp):
 
 def _flat(array: np.ndarray) -> np.ndarray:
     return array.reshape(-1, array.shape[-1])
-
-
-#: Rotations of an anisotropic bottom, at most: all are traced together.
-AZIMUTHS = 15
-
-#: The grid of a bottom that is the same everywhere.
-MIDDLE = TexelGrid(1, 1, IDENTITY, "repeat", False)
-
-
-def wanted(bsdf: "mi.BSDF") -> bool:
-    """Whether a parameter anywhere in a BSDF carries a gradient; codes are none."""
-    parameters = mi.traverse(bsdf)
-    flags, read_only = parameters.flags, mi.ParamFlags.ReadOnly
-    return any(dr.grad_enabled(value) for key, value in parameters if not flags(key) & read_only)
-
-
-def bake(
-    model: Model, coat: CoatTextures, bottom: "mi.BSDF", resolution: int
-) -> DifferentiableConstant | DifferentiableTexture:
-    """`baking.Baker.update`, with codes attached to the parameters.
-
-    Raises:
-        ParameterError: as there, or the networks are the paper's.
-    """
-    gradients.check_differentiable(model, coat.where)
-    grid = choose_grid(coat, bottom, model, resolution)
-    uv = grid.uv() if grid else np.full((1, 2), 0.5)
-    table = coat.table(uv)
-    si = probing.interaction(np.tile([0.0, 0.0, 1.0], (len(uv), 1)), uv)
-    alpha, eta, *others = coat.evaluate(si, mi.Bool(True))
-    parameters = [[alpha], [eta], *map(spectrum.to_channels, others)]
-    z_bottom = _bottom_codes(model, coat.where, bottom, uv, grid)
-    codes = layer(model, table, z_bottom, parameters)
-    if grid is None:
-        return DifferentiableConstant(model, codes)
-    shape = grid.height, grid.width, *codes.shape[1:]
-    return DifferentiableTexture(model, mi.TensorXf(codes.array, shape), grid)
-
-
-def _bottom_codes(
-    model: Model, where: str, bottom: "mi.BSDF", uv: np.ndarray, grid: TexelGrid | None
-) -> Columns:
-    """The bottom's codes at points uv (M, 2), or one code if it is the same everywhere."""
-    nested = getattr(bottom, "latents", None)
-    known = nested is not None and bottom.model.fingerprint == model.fingerprint
-    if known and isinstance(nested, DifferentiableConstant | DifferentiableTexture):
-        return nested.codes(mi.Point2f(np.ascontiguousarray(uv.T, np.float32)))
-    wi, wo = model.networks.pairs()
-    if not wanted(bottom) or probing.needed_repeats(bottom, wi, wo, len(uv)) > 1:
-        with dr.suspend_grad():  # a random walk's loop cannot be differentiated
-            known = BottomCodes(model, bottom, where)
-            known.update(grid)
-            return columns(known.read(0, len(uv))[1])
-    if grid is None or not varying_textures(bottom):
-        grid, uv = MIDDLE, MIDDLE.uv()
-    with dr.suspend_grad():
-        average = probing.needed_averaging(bottom, wi, wo, grid, where)
-    starts = range(0, len(uv), PROBED_TEXELS)
-    parts = [_probed(bottom, wi, wo, uv[i : i + PROBED_TEXELS], average) for i in starts]
-    return encode(model, where, parts)
-
-
-def _probed(
-    bottom: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, uv: np.ndarray, average: probing.Averaging
-) -> list:
-    """`probing.over_points`, attached: of each channel f (M * P) [1/sr] at points uv (M, 2)."""
-    azimuths = min(average.azimuths, AZIMUTHS)
-    everywhere = np.repeat(uv, len(wi), axis=0)
-    total = [dr.zeros(mi.Float, len(everywhere))] * spectrum.channel_count()
-    for index in range(azimuths):
-        a, b = (np.tile(probing.rotated(w, index / azimuths), (len(uv), 1)) for w in (wi, wo))
-        for one, other in ((a, b), (b, a))[: 1 + average.exchanged]:
-            out = mi.Vector3f(np.ascontiguousarray(other.T))
-            value = bottom.eval(mi.BSDFContext(), probing.interaction(one, everywhere), out)
-            channels = spectrum.to_channels(value / out.z)
-            total = [a + b for a, b in zip(total, channels, strict=True)]
-    return [value / (azimuths * (1 + average.exchanged)) for value in total]

@@ -1,13 +1,10 @@
-"""Latent codes as a plugin holds them: one per channel, or a texture of them.
+"""The latent codes of a plugin: one per channel or a texture of them, with or without gradients.
 
-Both answer the same two questions: what evaluating and sampling at a surface interaction share, a
-`Vertex`, and f of every channel there.
+All four classes have two operations: `vertex` computes what evaluating and sampling at a surface
+interaction share, and `f` evaluates every channel there.
 
-Latent codes that carry gradients, as a plugin holds them: the counterparts of `latents`.
-
-Only f depends on them in a way that is differentiated. Directions are drawn, and their densities
-told, by detached codes: as in all of Mitsuba's differentiable integrators, samples stay where they
-are while the integrand changes.
+Only f is differentiated with respect to codes. Proposals depend on detached codes: as in all of
+Mitsuba's differentiable integrators, samples are fixed while the integrand changes.
 """
 
 import os
@@ -20,7 +17,7 @@ import numpy as np
 
 from urushi.material.material import Material
 from urushi.nets.weights import Model
-from urushi.render.latents.lookup import LatentTexture, is_zero
+from urushi.render.latents.lookup import LatentTexture, are_constant
 from urushi.render.networks.protocols import Proposal, decoder_and_sampler
 from urushi.render.recording import only_where
 from urushi.textures import file
@@ -41,7 +38,7 @@ class Vertex(NamedTuple):
 
 
 class ConstantLatents:
-    """One latent code per channel: the first layers' share of them is computed once, here."""
+    """One latent code per channel. The networks' terms of the codes are computed once, here."""
 
     DRJIT_STRUCT: ClassVar = {
         "_decoder_terms": list,
@@ -81,7 +78,7 @@ class ConstantLatents:
 
     @property
     def channels(self) -> int:
-        """Codes that it has."""
+        """Number of codes, one per channel."""
         return self._material.channels
 
     @property
@@ -108,7 +105,7 @@ class ConstantLatents:
 
 
 class TexturedLatents:
-    """A texture of latent codes in few bytes, see `textures.packing`."""
+    """A packed texture of latent codes, see `textures.packing`."""
 
     DRJIT_STRUCT: ClassVar = {"_texture": object}  # for frozen functions
 
@@ -121,17 +118,17 @@ class TexturedLatents:
 
     def vertex(self, si, active) -> Vertex:
         """The vertex at a surface interaction."""
-        steps = [si.duv_dx, si.duv_dy]
-        if is_zero(*steps):
-            steps = []
-        return only_where(active, self._vertex, si.wi.z, si.uv, *steps)
+        footprint = [si.duv_dx, si.duv_dy]
+        if are_constant(*footprint):
+            footprint = []
+        return only_where(active, self._vertex, si.wi.z, si.uv, *footprint)
 
     def f(self, vertex: Vertex, si, wo, active) -> list:
         """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
         return only_where(active, self._decoder.f_of_terms, vertex.decoder_terms, si.wi, wo)
 
-    def _vertex(self, cos_i, uv, *steps) -> Vertex:
-        latents = self._texture.look_up(uv, *steps)
+    def _vertex(self, cos_i, uv, *footprint) -> Vertex:
+        latents = self._texture.look_up(uv, *footprint)
         mean = [sum(values) * (1 / self.channels) for values in zip(*latents, strict=True)]
         proposal = self._sampler.proposal(mean, cos_i)
         return Vertex([self._decoder.code_terms_drjit(z) for z in latents], proposal)
@@ -162,7 +159,7 @@ class TexturedLatents:
 
 
 def looked_up(look_up: Callable[["mi.Point2f"], list[list]], uv: np.ndarray) -> np.ndarray:
-    """Codes (M, C, 32) that a texture's look-up gives, as lists of floats, at points uv (M, 2)."""
+    """Codes (M, C, 32) at points uv (M, 2), from a look-up that returns lists of floats."""
     latents = look_up(mi.Point2f(np.ascontiguousarray(uv.T, np.float32)))
     dr.eval(latents)
     channels = [np.stack([value.numpy() for value in z], axis=-1) for z in latents]
@@ -170,17 +167,17 @@ def looked_up(look_up: Callable[["mi.Point2f"], list[list]], uv: np.ndarray) -> 
 
 
 def _opaque(values: np.ndarray) -> list:
-    """Dr.Jit scalars that kernels read from memory, so that all materials share their code."""
+    """Dr.Jit scalars that kernels read from memory, so that all materials share compiled code."""
     scalars = [mi.Float(float(value)) for value in values]
     dr.make_opaque(scalars)
     return scalars
 
 
 class DifferentiableConstant(ConstantLatents):
-    """One attached code per channel.
+    """One code per channel that carries gradients.
 
-    The decoder multiplies codes with its first layer at every evaluation: its shares of them are
-    four times as many numbers, each of which would gather its gradient from all evaluations.
+    The decoder's terms of the codes are computed at every evaluation. There are four times as many
+    terms as numbers in a code, and each would accumulate its gradient from all evaluations.
     """
 
     DRJIT_STRUCT: ClassVar[dict] = ConstantLatents.DRJIT_STRUCT | {"_numbers": object}
@@ -198,15 +195,15 @@ class DifferentiableConstant(ConstantLatents):
         return self._decoder.f(self.codes(si.uv), si.wi, wo)
 
     def codes(self, uv: "mi.Point2f") -> list[list]:
-        """Attached codes: of each channel a list (32) of Dr.Jit floats."""
-        # Read here, and not once for all: what a call within a call is given must be the result of
-        # an operation in the outer one, or Dr.Jit overlooks its gradient.
+        """Codes with gradients: of each channel a list (32) of Dr.Jit floats."""
+        # Gathered at every call: an argument of a nested call must be the result of an operation in
+        # the outer call, or Dr.Jit loses its gradient.
         numbers = [dr.gather(mi.Float, self._numbers, i) for i in range(len(self._numbers))]
         return [numbers[i : i + self._size] for i in range(0, len(numbers), self._size)]
 
 
 class DifferentiableTexture:
-    """A texture of attached codes, in single precision."""
+    """A texture of codes that carry gradients, in single precision."""
 
     DRJIT_STRUCT: ClassVar = {"_texture": object}  # for frozen functions
 
@@ -215,7 +212,7 @@ class DifferentiableTexture:
         height, width, self.channels, self._size = latents.shape
         self._decoder, self._sampler = decoder_and_sampler(model)
         self.grid = grid
-        self.tensor = _filled_up(latents.array, (height, width), self.channels * self._size)
+        self.tensor = _padded(latents.array, (height, width), self.channels * self._size)
         self._texture = mi.Texture2f(
             self.tensor,
             use_accel=False,
@@ -228,7 +225,7 @@ class DifferentiableTexture:
         return self._decoder.f(self.codes(si.uv), si.wi, wo)
 
     def vertex(self, si, active) -> Vertex:
-        """The proposal for si.wi, which carries no gradient of the codes."""
+        """The proposal for si.wi, without gradients of the codes."""
         with dr.suspend_grad():
             latents = self.codes(si.uv)
         mean = [sum(values) * (1 / self.channels) for values in zip(*latents, strict=True)]
@@ -240,7 +237,7 @@ class DifferentiableTexture:
             return looked_up(self.codes, uv)
 
     def codes(self, uv: "mi.Point2f") -> list[list]:
-        """Attached codes at points uv: of each channel a list (32) of Dr.Jit floats."""
+        """Codes with gradients at points uv: of each channel a list (32) of Dr.Jit floats."""
         (a, b, c), (d, e, f) = self.grid.to_texture
         point = mi.Point2f(a * uv.x + b * uv.y + c, d * uv.x + e * uv.y + f)
         values = list(self._texture.eval(point))
@@ -257,15 +254,15 @@ class DifferentiableTexture:
         return f"{width} x {height} texels of {self.channels} x {self._size}"
 
 
-def _filled_up(values: "mi.Float", shape: tuple[int, int], size: int) -> "mi.TensorXf":
-    """A tensor (*shape, K) of values, `size` for each texel, and zeros up to a power of two.
+def _padded(values: "mi.Float", shape: tuple[int, int], size: int) -> "mi.TensorXf":
+    """A tensor (*shape, K) of values, `size` for each texel, padded with zeros to a power of two.
 
-    Dr.Jit's texture would fill itself up, by values that could not be reached from outside.
+    Dr.Jit's texture would pad a copy, whose gradients cannot be accessed.
     """
-    whole = 1 << (size - 1).bit_length()
-    index = dr.arange(mi.UInt32, shape[0] * shape[1] * whole)
-    texel = index // whole
-    number = index - texel * whole
+    padded = 1 << (size - 1).bit_length()
+    index = dr.arange(mi.UInt32, shape[0] * shape[1] * padded)
+    texel = index // padded
+    number = index - texel * padded
     return mi.TensorXf(
-        dr.gather(mi.Float, values, texel * size + number, number < size), (*shape, whole)
+        dr.gather(mi.Float, values, texel * size + number, number < size), (*shape, padded)
     )

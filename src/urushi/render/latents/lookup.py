@@ -1,11 +1,9 @@
-"""NumPy's numbers in memory of Dr.Jit's own, as frozen functions need them.
-
-Looking up a packed latent texture in Dr.Jit: `textures.packing`, level by level.
+"""Look-up of packed latent textures (`textures.packing`) in Dr.Jit, with mip levels.
 
 A texel is gathered as words of four bytes. Bytes are interpolated two at a time in the halves of a
-word, by integer weights that add up to 256, so that nothing overflows: graphics hardware resolves
-the position between texels as finely. Against a texture of half floats this reads two thirds of the
-memory or less, and takes half the time.
+word, by integer weights that add up to 256, so that nothing overflows. Graphics hardware resolves
+the position between texels equally finely. Compared with a texture of half floats, a look-up reads
+two thirds of the memory or less and takes half the time.
 """
 
 from typing import ClassVar
@@ -17,14 +15,16 @@ import numpy as np
 from urushi.textures.grid import IDENTITY, TexelGrid
 from urushi.textures.store import TextureStore
 
+#: Sum of the integer weights of the four texels around a point.
+UNIT = 256
+
 
 def owned(kind: type, values: np.ndarray):
-    """A copy of numbers, flattened, as a Dr.Jit array of a kind.
+    """A flattened copy of NumPy values as a Dr.Jit array of type `kind`, in Dr.Jit's own memory.
 
-    Dr.Jit takes NumPy's memory as it is where it can. But what a plugin holds must not be: where
-    that memory does not start at a multiple of the vector width, frozen functions (Dr.Jit 1.5) are
-    replayed with the numbers of their recording; and while one is recorded, such an array cannot be
-    freed without ending the process.
+    Dr.Jit shares NumPy's memory where it can. A plugin must not hold such memory: if it does not
+    start at a multiple of the vector width, frozen functions (Dr.Jit 1.5) are replayed with the
+    values of their recording; and freeing it while a function is recorded ends the process.
     """
     source = kind(np.ascontiguousarray(values).reshape(-1))
     copy = dr.zeros(kind, len(source))
@@ -33,12 +33,8 @@ def owned(kind: type, values: np.ndarray):
     return copy
 
 
-#: Integer weights of a texel's neighbours add up to this.
-UNIT = 256
-
-
 class LatentTexture:
-    """Codes at points of uv: linearly filtered, between levels too where the footprint is known."""
+    """Codes at points of uv by bilinear filtering, trilinear where the footprint is known."""
 
     DRJIT_STRUCT: ClassVar = {
         "_words": object,
@@ -56,7 +52,7 @@ class LatentTexture:
         self._layout, self._grid = store.layout, grid
         levels, packed = store.levels, store.packed
         self._words = owned(mi.UInt32, packed.bytes.reshape(-1).view(np.uint32))
-        if dr.backend_v(mi.Float) == dr.JitBackend.LLVM:  # the same memory once more, not twice
+        if dr.backend_v(mi.Float) == dr.JitBackend.LLVM:  # the store shares Dr.Jit's memory
             own = self._words.numpy().view(np.uint8).reshape(packed.bytes.shape)
             store.packed = packed._replace(bytes=own)
         widths, heights = (np.array(sizes, np.uint32) for sizes in zip(*levels, strict=True))
@@ -71,27 +67,29 @@ class LatentTexture:
             mi.Int32(int(heights[0])),
             mi.Float(self._levels - 1),
         ]
-        numbers = [] if grid.to_texture == IDENTITY else np.ravel(grid.to_texture).tolist()
-        self._affine = list(map(mi.Float, numbers))  # of another length: frozen functions notice
+        affine = [] if grid.to_texture == IDENTITY else np.ravel(grid.to_texture).tolist()
+        self._affine = list(
+            map(mi.Float, affine)
+        )  # a new length makes frozen functions record again
         self._lowest = [mi.Float(float(value)) for value in packed.lowest]
         self._steps = [mi.Float(float(value) / UNIT) for value in packed.step]
-        # Read from memory, so that all textures of a model share their code.
+        # Read from memory, so that all textures of a model share compiled code.
         dr.make_opaque(self._base, self._affine, self._lowest, self._steps)
 
     def look_up(self, uv, duv_dx=None, duv_dy=None) -> list[list]:
         """Codes at uv (Point2f): of each channel a list (size) of Dr.Jit floats.
 
-        duv_dx, duv_dy: how far uv moves from one pixel to the next, where that is known: then the
-        level of that resolution is taken, between two of them linearly.
+        duv_dx, duv_dy: change of uv from one pixel to the next, if known. The level with texels of
+        that size is used, interpolated linearly between two levels.
         """
         point = self._to_texture(uv.x, uv.y, True)
         if duv_dx is None or self._levels == 1:
             return self._codes(self._sums(point, None))
         level = self._level(duv_dx, duv_dy)
         lower = dr.minimum(mi.UInt32(level), self._levels - 2)
-        share = level - mi.Float(lower)
+        fraction = level - mi.Float(lower)
         fine, coarse = (self._sums(point, index) for index in (lower, lower + 1))
-        return self._codes([dr.lerp(a, b, share) for a, b in zip(fine, coarse, strict=True)])
+        return self._codes([dr.lerp(a, b, fraction) for a, b in zip(fine, coarse, strict=True)])
 
     def _to_texture(self, x, y, point: bool) -> tuple:
         if not self._affine:
@@ -102,16 +100,16 @@ class LatentTexture:
         return dr.fma(a, x, dr.fma(b, y, c)), dr.fma(d, x, dr.fma(e, y, f))
 
     def _level(self, duv_dx, duv_dy):
-        """The level, a float, whose texels are as far apart as pixels along the longer axis."""
+        """The level, a float, whose texels have the size of a pixel along the longer axis."""
         width, height, last = self._base
         squared = mi.Float(1)
-        for step in (duv_dx, duv_dy):
-            x, y = self._to_texture(step.x, step.y, False)
+        for change in (duv_dx, duv_dy):
+            x, y = self._to_texture(change.x, change.y, False)
             squared = dr.maximum(squared, dr.square(x * width) + dr.square(y * height))
         return dr.minimum(0.5 * dr.log2(squared), last)
 
     def _sums(self, point: tuple, level) -> list:
-        """Sums of weighted bytes, as floats, 0 to 255 or 65535 times `UNIT`: one a number."""
+        """Weighted sums of each number, as floats in steps: 0 to 255 or 65535, times `UNIT`."""
         if level is None:
             offset, (width, height) = 0, self._base[:2]
         else:
@@ -136,7 +134,7 @@ class LatentTexture:
         return [self._number(even, odd, *place) for place in self._places()]
 
     def _neighbours(self, x, count):
-        """The two texels beside x along an axis, and the integer weight of the second."""
+        """The two texels around x along an axis, and the integer weight of the second."""
         if self._grid.wrap == "repeat":
             x -= dr.floor(x)
         elif self._grid.wrap == "mirror":
@@ -145,22 +143,22 @@ class LatentTexture:
             x = dr.clip(x, 0, 1)
         x = x * count - 0.5
         first = dr.floor(x)
-        share = x - first
-        share = mi.UInt32(
-            dr.select(share >= 0.5, UNIT, 0) if self._grid.nearest else UNIT * share + 0.5
+        fraction = x - first
+        weight = mi.UInt32(
+            dr.select(fraction >= 0.5, UNIT, 0) if self._grid.nearest else UNIT * fraction + 0.5
         )
         first = mi.Int32(first)
         if self._grid.wrap == "repeat":
-            first = dr.select(first < 0, count - 1, first)  # also whatever is no number
+            first = dr.select(first < 0, count - 1, first)  # NaN too
             second = dr.select(first + 1 >= count, 0, first + 1)
         else:
             second = dr.clip(first + 1, 0, count - 1)
             first = dr.clip(first, 0, count - 1)
-        return (first, second), share
+        return (first, second), weight
 
     @property
     def _used(self) -> int:
-        """Words of a texel that hold anything."""
+        """Words of a texel that hold numbers; the others are padding."""
         return -(-self._layout.channels * self._layout.stride // 4)
 
     def _gather(self, texel) -> list:
@@ -171,7 +169,7 @@ class LatentTexture:
         return list(dr.gather(mi.ArrayXu, self._words, texel, shape=shape))[: self._used]
 
     def _places(self) -> list[tuple[int, int]]:
-        """First and second byte, or -1, of all numbers."""
+        """High byte and low byte, or -1, of every number."""
         layout = self._layout
         return [
             (start + number, start + low if low >= 0 else -1)
@@ -198,6 +196,6 @@ class LatentTexture:
         return [values[i : i + size] for i in range(0, len(values), size)]
 
 
-def is_zero(*vectors) -> bool:
-    """Whether vectors are constants: integrators that know no footprint leave constant zeros."""
+def are_constant(*vectors) -> bool:
+    """Whether vectors are literals: integrators without footprints leave literal zeros."""
     return all(value.state == dr.VarState.Literal for vector in vectors for value in vector)

@@ -1,1 +1,1 @@
-"""The plugins that scenes name, what they share, and the stack of coats that `layered` walks."""
+"""The four plugins, their base classes, and the stack of coats that `layered` walks through."""

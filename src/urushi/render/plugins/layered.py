@@ -31,19 +31,19 @@ def define(base: type) -> type:
         g              spectrum, texture     Asymmetry of its Henyey-Greenstein phase function,
                                              -1 to 1, both excluded. (Default: 0)
         (nested)       BSDF                  The bottom, under any name: any opaque BSDF that has
-                                             no perfectly smooth lobe; coats nest. Its values are
-                                             taken as they are in air.
+                                             no perfectly smooth lobe; coats nest. Its values in
+                                             air are used, unchanged by the coat's index.
         eta            float                 The ratio int_ior / ext_ior; exposed by
                                              ``mi.traverse``, not a property.
         ============== ===================== ====================================================
 
         Every evaluation is one random walk of unbounded depth between the coat's surface and the
-        bottom, so that images are noisy and right: it is what ``neural_layered``, which takes the
-        same parameters, is to be compared with. The density of its sampling has no noise. The walk
-        draws its random numbers from a hash of directions, position, uv and time. Directly nested
-        coats are walked through as one stack. Reflects on the front side only: nest it in
-        ``twosided`` for both. Spectral variants evaluate parameters at the rays' wavelengths;
-        colours are taken as bands at 611, 549 and 464 nm, linear in between.
+        bottom. Images are noisy and unbiased: they are the reference for ``neural_layered``, which
+        takes the same parameters. The density of directions has no noise. Random numbers come from
+        a hash of directions, position, uv and time. Directly nested coats form one stack.
+        Reflects on the front side only: nest it in ``twosided`` for both sides. Spectral variants
+        evaluate parameters at the rays' wavelengths; colours are bands at 611, 549 and 464 nm,
+        linear in between.
 
         .. tabs::
             .. code-tab:: xml
@@ -77,7 +77,7 @@ def define(base: type) -> type:
             self._prepare()
 
         def _prepare(self):
-            """Check the parameters, flatten nested coats, and look at the bottom's lobes."""
+            """Check the parameters, flatten nested coats, and estimate the bottom's lobes."""
             baking.check(self._coat)
             below = isinstance(self._nested, Layered)
             self.coats = [self._coat, *(self._nested.coats if below else [])]

@@ -16,17 +16,17 @@ def define(base: type) -> type:
 
         ============== ===================== ====================================================
         filename       string                A MERL table (``.binary``) or an isotropic RGL material
-                                             (``.bsdf``), relative to the scene file; what it
-                                             holds, not its name, decides. (Required)
+                                             (``.bsdf``), relative to the scene file; the
+                                             content decides, not the name. (Required)
         ============== ===================== ====================================================
 
-        Stands alone, and under coats: ``layered`` walks through the coat to the measured BRDF, and
-        ``neural_layered`` encodes it, by ``urushi.encode(..., refine=True)``. Evaluation is
-        trilinear in a table over half and difference angles, as of ``urushi.load_measured``; an RGL
-        material, which is not quite reciprocal, is averaged over the exchange of its directions and
-        tabulated on 256 x 64 x 64 bins (Mitsuba's own ``measured`` takes it as it is). Directions
-        are drawn from two GGX lobes and a cosine lobe that are fitted to the table. Reflects on the
-        front side only: nest it in ``twosided`` for both. Mono variants take the luminance;
+        Can be used alone or under a coat: ``layered`` walks through the coat to the measured BRDF,
+        and ``neural_layered`` encodes it with refinement. Evaluation is trilinear in a table over
+        half and difference angles, as by ``urushi.load_measured``. An RGL material is not exactly
+        reciprocal: it is averaged over the exchange of its directions and tabulated on
+        256 x 64 x 64 bins (Mitsuba's own ``measured`` does not average). Directions are drawn from
+        two GGX lobes and a cosine lobe that are fitted to the table. Reflects on the front side
+        only: nest it in ``twosided`` for both sides. Mono variants take the luminance;
         spectral variants treat the three channels as bands at 611, 549 and 464 nm, linear in
         between.
 

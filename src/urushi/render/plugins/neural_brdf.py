@@ -24,12 +24,13 @@ def define(base: type) -> type:
                                              method ``save`` of a ``neural_layered``, textures
                                              included; relative to the scene file. (Required)
         weights        string                File of the networks that the material was encoded
-                                             with, unless they are Urushi's own.
+                                             with. (Default: the shipped networks that the
+                                             material names)
         latents        tensor                The latent codes (channels, 32), differentiable;
-                                             exposed by ``mi.traverse``, not a property, unless
-                                             they are a texture. A coat around a refined material
-                                             lies over its anchors; once the codes were edited,
-                                             over these.
+                                             exposed by ``mi.traverse``, not a property, and not
+                                             for textures. A coat around a refined material lies
+                                             over its anchors, or over these codes once they were
+                                             edited.
         ============== ===================== ====================================================
 
         The material may come from a description, a simulation, a measurement or a function, and

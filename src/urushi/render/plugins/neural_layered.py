@@ -14,7 +14,7 @@ def define(base: type) -> type:
     """Make the plugin's class in the current variant; base: of `define_neural_bsdf`."""
 
     class NeuralLayered(base):
-        """A coated BSDF by networks, without noise of its own (``neural_layered``).
+        """A coated BSDF by neural networks, evaluated without noise (``neural_layered``).
 
         ============== ===================== ====================================================
         alpha          float, texture        GGX width of the coat's surface, 0.01 to 1.
@@ -32,7 +32,7 @@ def define(base: type) -> type:
                                              -1 to 1, both excluded. (Default: 0)
         (nested)       BSDF                  The bottom, under any name: any opaque BSDF that has
                                              no perfectly smooth lobe and no normals of its own;
-                                             coats nest. Its values are taken as they are in air.
+                                             coats nest. Its values in air are used.
         resolution     integer               Texels per side of the latent texture if anything is
                                              textured. (Default: that of the largest texture, at
                                              most 2048; 256 for procedural ones)
@@ -46,19 +46,18 @@ def define(base: type) -> type:
                                              ``mi.traverse``, not a property.
         ============== ===================== ====================================================
 
-        Takes the parameters of ``layered``, its reference, and adds ``resolution``,
-        ``weights`` and ``mipmaps``. When the scene
-        is loaded, the bottom is evaluated at the encoder's probe pairs, averaged over azimuth and
-        over the exchange of the directions, encoded, and layered by the network. Textures are
-        baked in their own space if they share one ``to_uv``, and else over the unit square of uv,
-        which repeats. A change through ``mi.traverse`` computes anew what it changes. The method
-        ``save`` writes the codes to a file for ``neural_brdf``. Reflects on the front side only:
-        nest it in ``twosided`` for both. Spectral variants treat the three channels as bands at
-        611, 549 and 464 nm, linear in between.
+        Takes the parameters of ``layered``, its reference, and adds ``resolution``, ``weights`` and
+        ``mipmaps``. When the scene is loaded, the bottom is evaluated at the encoder's probe pairs,
+        averaged over azimuth and over the exchange of the directions, encoded, and layered by the
+        network. Textures are baked in their own space if they share one ``to_uv``, otherwise over
+        the unit square of uv, which repeats. A change through ``mi.traverse`` recomputes the codes
+        that depend on it. The method ``save`` writes the codes to a file for ``neural_brdf``.
+        Reflects on the front side only: nest it in ``twosided`` for both sides. Spectral variants
+        treat the three channels as bands at 611, 549 and 464 nm, linear in between.
 
-        Pictures can be differentiated with respect to all parameters, the bottom's included, by
-        Mitsuba's integrators for that, such as ``prb``: enable gradients of what ``mi.traverse``
-        shows, and update.
+        Pictures can be differentiated with respect to all parameters, including the bottom's, by
+        Mitsuba's differentiable integrators such as ``prb``: enable gradients of the parameters
+        that ``mi.traverse`` lists, and update.
 
         .. tabs::
             .. code-tab:: xml
@@ -100,8 +99,8 @@ def define(base: type) -> type:
             self._resolution = resolution
             mipmaps = bool(props.get("mipmaps", False))
             self._baker = Baker(self.model, self._coat, self._bottom, resolution, mipmaps)
-            self._baked = False  # whether the baker knows the bottom as it is
-            self._attached = mi.TensorXf()  # codes that carry gradients, shown to integrators
+            self._baked = False  # whether the baker has the present bottom
+            self._differentiable = mi.TensorXf()  # codes with gradients, for integrators
             self._bake()
 
         def _bake(self, bottom_changed=True):
@@ -113,16 +112,16 @@ def define(base: type) -> type:
             else:
                 self.latents = self._baker.update(bottom_changed or not self._baked)
                 self._baked = True
-            mi.set_property(self._attached, getattr(self.latents, "tensor", mi.TensorXf()))
+            mi.set_property(self._differentiable, getattr(self.latents, "tensor", mi.TensorXf()))
 
         def traverse(self, callback):
             self._coat.traverse(callback, mi.ParamFlags.Differentiable)
             callback.put("bottom", self._bottom, mi.ParamFlags.Differentiable)
-            callback.put("latents", self._attached, mi.ParamFlags.ReadOnly)
+            callback.put("latents", self._differentiable, mi.ParamFlags.ReadOnly)
 
         def parameters_changed(self, keys):
             if keys == ["latents"]:
-                return  # which are shown to be read: they are computed from the others
+                return  # read-only: they are computed from the others
             self._check_changeable()
             self._coat.parameters_changed()
             self._bake(not keys or "bottom" in keys)

@@ -1,7 +1,7 @@
-"""The grid of texels on which a plugin's textures are baked: its resolution and place in uv.
+"""The grid of texels on which a plugin's textures are baked, chosen from the textures.
 
-Textures that share one transform are baked in their own space, so that a pattern that is repeated
-by its transform is baked once and has no seam, whatever the transform.
+Textures that share one `to_uv` transform are baked in their own space. A pattern that the transform
+repeats is then baked once and has no seam.
 """
 
 from collections.abc import Mapping
@@ -15,30 +15,29 @@ from urushi.errors import ParameterError
 from urushi.render import spectrum
 from urushi.textures.grid import IDENTITY, TexelGrid, from_texture
 
-#: Texels per side for textures that have no resolution of their own, and the largest side that is
-#: chosen without being asked for.
+#: Texels per side for procedural textures, and the largest side that is chosen automatically.
 PROCEDURAL, LARGEST = 256, 2048
 
-#: Mitsuba's textures that are not over uv, and what they are.
+#: Classes of Mitsuba's textures that are no functions of uv, and their description in errors.
 ELSEWHERE = {
     "MeshAttribute": "a mesh attribute, which is given on a mesh",
     "VolumeAdapter": "a volume, which is given in space",
 }
 
-#: Mitsuba's BSDFs that have normals of their own, and their plugins.
+#: Classes of Mitsuba's BSDFs that change normals, and their plugins.
 NORMALS = {"NormalMap": "normalmap", "BumpMap": "bumpmap"}
 
-#: Points at which a bitmap is looked at to learn how it repeats and filters.
+#: Points at which a bitmap is evaluated to detect how it wraps and filters.
 POINTS = 64
 
 
 def choose(
     parts: Mapping[str, "mi.Object"], nested: TexelGrid | None, resolution: int, where: str
 ) -> TexelGrid | None:
-    """The grid that does textures justice, and codes that are a texture already; None: constant.
+    """The grid that resolves all textures, and codes that are a texture already; None: constant.
 
     Args:
-        parts: what holds the textures, by the names that errors call them.
+        parts: the objects that hold the textures, by the names that errors use.
         nested: the grid of the bottom's codes, if it has one.
         resolution: texels per side, 0 to choose.
         where: begins errors and warnings.
@@ -48,13 +47,13 @@ def choose(
     """
     grids = [nested] if nested else []
     for name, part in parts.items():
-        if stranger := not_over_uv(part):
+        if dependence := not_over_uv(part):
             raise ParameterError(
-                f"{where}: {name} depends on {stranger} and not over uv, where coats are baked; "
+                f"{where}: {name} depends on {dependence} and not over uv, where coats are baked; "
                 "give a texture over uv, or use the plugin 'layered', which looks at every point "
                 "anew"
             )
-        grids += map(_of, varying_textures(part))
+        grids += map(_texture_grid, varying_textures(part))
     if not grids:
         return None
     spaces = {np.array(grid.to_texture).round(6).tobytes() for grid in grids}
@@ -80,7 +79,7 @@ def choose(
 
 def varying_textures(root: "mi.Object") -> list["mi.Texture"]:
     """The textures that depend on the position, anywhere in a scene object."""
-    # Mesh attributes deny that they vary.
+    # Mesh attributes report that they do not vary.
     return [
         node
         for node in _within(root)
@@ -90,10 +89,10 @@ def varying_textures(root: "mi.Object") -> list["mi.Texture"]:
 
 
 def check_normals(bsdf: "mi.BSDF", where: str) -> None:
-    """Refuse a bottom that has normals of its own.
+    """Refuse a bottom that contains a normal map or a bump map.
 
     Raises:
-        ParameterError: there is a normal map or a bump map in it.
+        ParameterError: it contains one.
     """
     for node in _within(bsdf):
         if node.class_name() in NORMALS:
@@ -104,20 +103,20 @@ def check_normals(bsdf: "mi.BSDF", where: str) -> None:
 
 
 def not_over_uv(root: "mi.Object") -> str | None:
-    """What a scene object depends on that is no function of uv, in words, or None."""
+    """Description of a texture in a scene object that is no function of uv, or None."""
     names = [texture.class_name() for texture in varying_textures(root)]
     return next((ELSEWHERE[name] for name in names if name in ELSEWHERE), None)
 
 
 def _within(root: "mi.Object") -> list["mi.Object"]:
-    """A scene object and all that it is made of, each once."""
-    found, waiting = {}, [root]
-    while waiting:
-        node = waiting.pop()
-        if id(node) not in found:
-            found[id(node)] = node
-            waiting += _children(node)
-    return list(found.values())
+    """A scene object and all objects nested in it, each once."""
+    nodes, pending = {}, [root]
+    while pending:
+        node = pending.pop()
+        if id(node) not in nodes:
+            nodes[id(node)] = node
+            pending += _children(node)
+    return list(nodes.values())
 
 
 def _children(node: "mi.Object") -> list["mi.Object"]:
@@ -128,9 +127,9 @@ def _children(node: "mi.Object") -> list["mi.Object"]:
 
 @cache
 def _collector(variant: str) -> type:
-    """The class of what is shown a node's children, in a variant.
+    """The class of a callback that collects the children of a node, in a variant.
 
-    Made once: a class for each node would keep its children until Python looks for cycles.
+    Defined once: a new class for each node would keep the children until Python collects cycles.
     """
 
     class Collector(mi.TraversalCallback):
@@ -152,7 +151,7 @@ def _collector(variant: str) -> type:
     return Collector
 
 
-def _of(texture: "mi.Texture") -> TexelGrid:
+def _texture_grid(texture: "mi.Texture") -> TexelGrid:
     """A texture's own grid."""
     parameters = mi.traverse(texture)
     place = IDENTITY
@@ -168,9 +167,9 @@ def _of(texture: "mi.Texture") -> TexelGrid:
 
 
 def _addressing(texture: "mi.Texture", place: tuple, width: int, height: int) -> tuple[str, bool]:
-    """How a bitmap goes on beyond its unit square, and whether it takes the nearest texel.
+    """How a bitmap continues beyond its unit square, and whether it takes the nearest texel.
 
-    It does not tell: it is looked at.
+    Detected from its values, because Mitsuba's bitmaps do not expose these properties.
     """
     rng = np.random.default_rng(0)
     size = np.array([width, height])
@@ -191,24 +190,24 @@ def _addressing(texture: "mi.Texture", place: tuple, width: int, height: int) ->
 
 
 def _values(texture: "mi.Texture", uv: np.ndarray) -> np.ndarray:
-    """One number of a texture (M,) at points uv (M, 2)."""
+    """The first channel of a texture (M,) at points uv (M, 2)."""
     si = dr.zeros(mi.SurfaceInteraction3f, len(uv))
     si.uv = mi.Point2f(np.ascontiguousarray(uv.T, np.float32))
     spectrum.set_bands(si)
     try:
         value = texture.eval(si)[0]
-    except RuntimeError:  # three raw numbers are no spectrum in some variants
+    except RuntimeError:  # some variants have no spectrum of three raw numbers
         value = texture.eval_3(si)[0]
     return np.broadcast_to(value.numpy(), len(uv)).astype(np.float64)
 
 
 def _over_uv(grid: TexelGrid) -> tuple[int, int]:
-    """Texels over the unit square of uv, repetitions by the transform included."""
+    """Texels over the unit square of uv, including repetitions by the transform."""
     scale = np.abs(np.array(grid.to_texture))[:, :2].max(axis=1)
     return max(round(grid.width * scale[0]), 1), max(round(grid.height * scale[1]), 1)
 
 
 def _seamless(grid: TexelGrid) -> bool:
-    """Whether a texture repeats with the unit square of uv."""
+    """Whether a texture repeats with a period of one in u and v."""
     linear = np.array(grid.to_texture)[:, :2]
     return grid.wrap == "repeat" and bool(np.abs(linear - linear.round()).max() < 1e-4)
