@@ -7,7 +7,7 @@ import pytest
 from urushi.measured import Merl, load_measured, tabulated
 from urushi.physics.frame import square_to_cosine_hemisphere
 from urushi.physics.random import stream
-from urushi.reference import analytic, coat, conductor, diffuse, launch, simulate
+from urushi.reference import analytic, coat, conductor, diffuse, monte_carlo, simulate
 from urushi.reference.simulate import albedo
 
 SAMPLES = 1 << 18
@@ -41,7 +41,7 @@ def vector(types, w):
 def test_the_walks_table_is_the_readers(random_directions):
     """Of noise, so that every bin and weight counts."""
     noise = Merl(np.random.default_rng(0).random((90, 90, 180, 3)))
-    types = launch.types()
+    types = monte_carlo.backend()
     wi, wo = random_directions(20000, 1), random_directions(20000, 2)
     wi[:100], wo[:100] = wo[:100], wi[:100]
     wi[0] = wo[0] = (0, 0, 1)  # where angles have no meaning
@@ -55,7 +55,7 @@ def test_the_walks_table_is_the_readers(random_directions):
 
 
 def test_below_the_horizon_nothing_is_reflected(plastic):
-    types = launch.types()
+    types = monte_carlo.backend()
     up, down = np.array([0.6, 0, 0.8]), np.array([0.6, 0, -0.8])
     wi, wo = np.array([up, down, down]), np.array([down, up, down])
     f, pdf = plastic.f_pdf(vector(types, wi), vector(types, wo))
@@ -69,7 +69,7 @@ def test_below_the_horizon_nothing_is_reflected(plastic):
 
 @pytest.mark.parametrize("cos_i", [1.0, 0.6, 0.1])
 def test_samples_integrate_the_brdf_and_their_density(plastic, cos_i):
-    types = launch.types()
+    types = monte_carlo.backend()
     wi = types.Array3f(float(np.sqrt(1 - cos_i**2)), 0, cos_i) + dr.zeros(types.Array3f, SAMPLES)
     rng = stream(types.PCG32, dr.arange(types.UInt64, SAMPLES), 1)
     u = [rng.next_float32() for _ in range(5)]

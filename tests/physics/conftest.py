@@ -4,10 +4,10 @@ from types import ModuleType
 
 import pytest
 
-from urushi.reference.launch import types
+from urushi.reference.monte_carlo import backend
 
 
 @pytest.fixture(scope="session")
 def jit() -> ModuleType:
     """A module of Dr.Jit array types, `drjit.llvm` or `drjit.cuda`."""
-    return types()
+    return backend()

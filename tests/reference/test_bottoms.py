@@ -8,7 +8,7 @@ from urushi.data.distribution import Extended
 from urushi.physics import microfacet
 from urushi.physics.frame import square_to_cosine_hemisphere
 from urushi.physics.random import stream
-from urushi.reference import bottoms, launch
+from urushi.reference import bottoms, monte_carlo
 from urushi.reference.table import BOTTOM_KINDS
 
 SAMPLES = 1 << 20
@@ -16,7 +16,7 @@ SAMPLES = 1 << 20
 
 @pytest.fixture(scope="module")
 def types():
-    return launch.types()
+    return monte_carlo.backend()
 
 
 def directions(types, theta):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from urushi.reference import interface
-from urushi.reference.launch import types
+from urushi.reference.monte_carlo import backend
 
 COUNT = 200_000
 
@@ -27,7 +27,7 @@ CASES = [
 @pytest.fixture(scope="module")
 def jit() -> ModuleType:
     """The backend's array types."""
-    return types()
+    return backend()
 
 
 def direction(jit: ModuleType, theta: float):

@@ -16,12 +16,12 @@ from urushi.reference import (
     conductor,
     dielectric,
     diffuse,
-    launch,
+    monte_carlo,
     simulate,
     walk,
     walk_pairs,
 )
-from urushi.reference.launch import types
+from urushi.reference.monte_carlo import backend
 from urushi.reference.table import BOTTOM_KINDS
 
 
@@ -121,7 +121,7 @@ class ColorLayers:
 
 def walk_in_color(stack, wi: np.ndarray, wo: np.ndarray, walks: int, seed: int):
     """Mean and standard error (N, 3) of walks that carry three channels at once."""
-    jit = types()
+    jit = backend()
     pair = dr.arange(jit.UInt32, len(wi) * walks) // walks
     a, b = (dr.gather(jit.Array3f, jit.Array3f(np.ascontiguousarray(w.T)), pair) for w in (wi, wo))
     layers = ColorLayers(jit, stack.coats)
@@ -185,7 +185,7 @@ def test_the_result_does_not_depend_on_how_it_is_cut_into_launches(
     rng = np.random.default_rng(3)
     wi, wo = hemisphere(3, rng), hemisphere(3, rng)
     whole = simulate(STACK, wi, wo, walks=1000, seed=1, progress=False)
-    monkeypatch.setattr(launch, "LANES", lanes)
+    monkeypatch.setattr(monte_carlo, "LANES", lanes)
     parts = simulate(STACK, wi, wo, walks=1000, seed=1, progress=False)
     np.testing.assert_allclose(parts[0], whole[0], rtol=1e-5)  # sums of float32 in other orders
     np.testing.assert_allclose(parts[1], whole[1], rtol=1e-3, atol=1e-6)
@@ -213,7 +213,7 @@ class Reflector:
         self.reflectance = reflectance
 
     def _value(self, wi):
-        jit = types()
+        jit = backend()
         return jit.Array3f(*(r / np.pi for r in self.reflectance))
 
     def f_pdf(self, wi, wo):
@@ -245,7 +245,7 @@ def test_a_bottom_of_ones_own_equals_the_built_in_one() -> None:
 
 
 def test_the_built_in_bottoms_serve_as_ones_own() -> None:
-    jit = types()
+    jit = backend()
     rng = np.random.default_rng(7)
     wi, wo = hemisphere(5, rng), hemisphere(5, rng)
     own = coat(bottoms.schlick_conductor(jit.Float(0.2), jit.Float(0.9)), 0.2, 1.5, 0.9, 1.0)

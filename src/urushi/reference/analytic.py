@@ -1,11 +1,11 @@
-"""Analytic BRDFs of described surfaces without coats: no walk, no noise."""
+"""BRDFs of described surfaces without coats, in closed form."""
 
 import drjit as dr
 import numpy as np
 import numpy.typing as npt
 
 from urushi import checks
-from urushi.reference.launch import types
+from urushi.reference.monte_carlo import backend
 from urushi.reference.stack import Conductor, Dielectric, Diffuse
 from urushi.reference.table import BOTTOM_KINDS, bottom_columns, channel_count
 
@@ -16,7 +16,7 @@ def f(
     """Evaluate a described surface in air.
 
     Args:
-        description: a conductor, dielectric (its reflection) or diffuse description.
+        description: a conductor, a dielectric (its reflection alone) or a diffuse surface.
         wi, wo: (N, 3) unit vectors.
 
     Returns:
@@ -38,12 +38,12 @@ def rows(
 ) -> np.ndarray:
     """Evaluate surface row[i] of `kind` at (wi[i], wo[i]); returns float32 (M,) [1/sr].
 
-    `columns` holds the kind's parameters (see `urushi.reference.table.BOTTOM_KINDS`) by name, each
-    of shape (S,).
+    `columns` has the parameters of the kind (see `urushi.reference.table.BOTTOM_KINDS`) by name,
+    (S,) each.
     """
     if not len(row):
         return np.zeros(0, np.float32)
-    device = types()
+    device = backend()
     index = device.UInt32(np.ascontiguousarray(row, np.uint32))
     factory, names = BOTTOM_KINDS[kind]
     parameters = (

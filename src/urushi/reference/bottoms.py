@@ -1,12 +1,7 @@
-"""Opaque BRDFs under a stack, as the random walk sees them: f, sample and pdf on Dr.Jit arrays.
+"""BRDFs of bottoms for the random walk: density, sampling and values as Dr.Jit arrays.
 
-The protocol (`Bottom`) has no cosine in `f` [1/sr]; `sample` returns (wo, weight, pdf) with
-weight = f cos / pdf. Values are Dr.Jit floats or colours; parameters may vary per lane.
-
-A bottom with what measured BRDFs have and microfacet models lack: long tails, retro-reflection.
-
-Its parameters are no physical description; it spans shapes, so that networks trained on it know
-those of measured materials.
+`Bottom` is the protocol. `f` is without cosine [1/sr]. Values are Dr.Jit floats or colours; the
+parameters of a bottom may vary per lane.
 """
 
 import dataclasses
@@ -17,19 +12,25 @@ import drjit as dr
 from urushi.physics import fresnel, microfacet
 from urushi.physics.frame import reflect, square_to_cosine_hemisphere
 
+#: Least share of cosine-distributed samples of `MeasuredLike`.
+MIN_COSINE_SHARE = 0.1
+
 
 class Bottom(Protocol):
-    """What the walk asks of the BRDF under the lowest medium."""
+    """The BRDF under the lowest medium, as the random walk uses it."""
 
     def f_pdf(self, wi: Any, wo: Any) -> tuple[Any, Any]:
         """BRDF [1/sr] and the density of `sample` at wo, both zero below the horizon."""
 
     def sample(self, wi: Any, u0: Any, u1: Any, u2: Any) -> tuple[Any, Any, Any]:
-        """Draw wo by three uniform numbers; returns (wo, weight, pdf), weight 0 on failure."""
+        """Draw wo by three uniform numbers; returns (wo, weight, pdf).
+
+        weight = f cos / pdf; it is 0 if the sample fails.
+        """
 
 
 class Microfacet:
-    """A GGX reflector; `fresnel_term` maps the cosine wi.m to a reflectance or colour."""
+    """A GGX reflector; `fresnel_term` maps the cosine wi.m to a reflectance, a float or colour."""
 
     def __init__(self, alpha, fresnel_term):
         self.alpha = alpha
@@ -73,8 +74,8 @@ class MixtureBottom:
     """A diffuse term, a GGX lobe and a Beckmann lobe: plastics, paints and the like.
 
     f = diffuse / pi + ggx_weight GGX(ggx_alpha, ggx_r0) + beckmann_weight Beckmann(...), each lobe
-    with Schlick's Fresnel term. Both lobes are sampled by GGX's visible normals, whose tails
-    dominate Beckmann's.
+    with Schlick's Fresnel term. Both lobes are sampled by visible normals of GGX, whose tails are
+    longer than Beckmann's.
     """
 
     def __init__(
@@ -135,23 +136,19 @@ def conductor(alpha, eta, k):
 
 
 def dielectric_reflector(alpha, eta):
-    """The reflection of a rough dielectric alone; what it transmits is lost."""
+    """The reflection of a rough dielectric; the transmitted light is lost."""
     return Microfacet(alpha, lambda cos_m: fresnel.dielectric(cos_m, eta)[0])
-
-
-#: The least share of the samples that is cosine-distributed.
-LEAST_COSINE_SHARE = 0.1
 
 
 @dataclasses.dataclass(frozen=True)
 class Lobe:
-    """A specular lobe of generalised Trowbridge-Reitz normals with Smith's masking of GGX.
+    """A specular lobe with generalised Trowbridge-Reitz normals and the Smith masking of GGX.
 
     Attributes:
         weight: factor of the lobe, in [0, 1].
         alpha, gamma: width and exponent, see `microfacet.gtr_d`.
         r0: Schlick's reflectance at normal incidence.
-        masking: the width of the GGX distribution whose masking it has.
+        masking: GGX width for the masking.
     """
 
     weight: Any
@@ -165,7 +162,7 @@ class Lobe:
         return microfacet.gtr_d(m, self.alpha, self.gamma)
 
     def f(self, wi, wo, m):
-        """BRDF [1/sr], both directions above the horizon and m half way between them."""
+        """BRDF [1/sr] for directions above the horizon; m is their normalised half vector."""
         masked = microfacet.smith_g1(wi, self.masking) * microfacet.smith_g1(wo, self.masking)
         reflectance = fresnel.schlick(dr.abs(dr.dot(wi, m)), self.r0)
         return self.weight * reflectance * self.d(m) * masked / (4 * wi.z * wo.z)
@@ -175,15 +172,16 @@ class Lobe:
         return self.d(m) * m.z / (4 * dr.abs(dr.dot(wi, m)))
 
 
-#: A lobe's parameters, in order.
+#: Names of a lobe's parameters, in order.
 LOBE_PARAMETERS = tuple(field.name for field in dataclasses.fields(Lobe))
 
 
 class MeasuredLike:
-    """A diffuse term with retro-reflection, sheen, and two lobes of their own tails.
+    """A BRDF with features of measured ones: retro-reflection, sheen, and two long-tailed lobes.
 
     f = diffuse / pi R(cos_i) R(cos_o) + sheen / pi (1 - cos_d)^5 + lobes, where
     R(c) = 1 + (F - 1) (1 - c)^5 with F = 1/2 + 2 roughness cos_d^2 (Burley 2012, section 5.3).
+    The parameters span shapes for training; they are no physical description.
     """
 
     def __init__(self, diffuse, roughness, sheen, *lobes):
@@ -191,7 +189,7 @@ class MeasuredLike:
         self._lobes = Lobe(*lobes[:5]), Lobe(*lobes[5:])
         first, second = (lobe.weight for lobe in self._lobes)
         total = first + second + diffuse + 1e-6
-        self._shares = tuple((1 - LEAST_COSINE_SHARE) * w / total for w in (first, second))
+        self._shares = tuple((1 - MIN_COSINE_SHARE) * w / total for w in (first, second))
 
     def f_pdf(self, wi, wo):
         m = dr.normalize(wi + wo)
@@ -219,5 +217,6 @@ class MeasuredLike:
 
 
 def _fifth(x):
+    """The fifth power of x, clamped to [0, 1]."""
     x = dr.clip(x, 0, 1)
     return dr.square(dr.square(x)) * x

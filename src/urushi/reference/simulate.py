@@ -1,7 +1,4 @@
-"""Averages of random walks over pairs of directions: for one Stack, or for a table of many.
-
-Directional albedo of a stack: the hemispherical integral of the walk's f cos.
-"""
+"""BRDF and directional albedo of stacks by random walks: the reference."""
 
 import functools
 from typing import Any
@@ -16,7 +13,7 @@ from urushi.physics import microfacet
 from urushi.physics.frame import reflect, square_to_cosine_hemisphere
 from urushi.reference import walk
 from urushi.reference.bottoms import Bottom
-from urushi.reference.launch import average, per_channel, types
+from urushi.reference.monte_carlo import average, backend, per_channel
 from urushi.reference.stack import Stack
 from urushi.reference.table import StackTable, TableLayers
 
@@ -87,13 +84,13 @@ def walk_pairs(
 
 
 def _estimate(layers: Any, bottom: Bottom, wi: Any, wo: Any, rng: Any) -> Any:
-    """One walk's f, less the topmost interface's own."""
+    """One walk's f, without the reflection of the topmost interface."""
     return walk.estimate(layers, bottom, wi, wo, rng, type(wi.z))
 
 
 def _top(table: StackTable, row: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-    """The topmost interface's own reflection, (M,)."""
-    device = types()
+    """The reflection of the topmost interface, (M,) [1/sr]."""
+    device = backend()
     rows = device.UInt32(np.ascontiguousarray(row, np.uint32))
     wi, wo = (device.Array3f(np.ascontiguousarray(w.T)) for w in (wi, wo))
     return walk.top_reflection(TableLayers(device, table, rows), wi, wo).numpy()
@@ -102,10 +99,10 @@ def _top(table: StackTable, row: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> 
 def albedo(
     stack: Stack, wi: npt.ArrayLike, *, walks: int = 1 << 16, seed: int = 0
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Estimate which fraction of the light from `wi` a stack reflects, through its BRDF.
+    """Estimate the fraction of the light from `wi` that a stack reflects, from its BRDF.
 
-    Every walk goes to another wo, drawn from a mixture of the top interface's lobe, a wider one
-    and a cosine lobe.
+    Every walk has its own wo, drawn from a mixture of the top interface's lobe, a wider lobe and a
+    cosine lobe.
 
     Args:
         stack: what to simulate (`urushi.coat`).
@@ -140,8 +137,8 @@ def _sample_outgoing(layers: Any, wi: Any, rng: Any) -> tuple[Any, Any]:
     """Draw wo by one of three techniques; returns (wo, density [1/sr] of the mixture)."""
     choice, u1, u2 = rng.next_float32(), rng.next_float32(), rng.next_float32()
     alpha, _ = layers.interface(dr.uint32_array_t(type(wi.z))(0))
-    # Light that scattered below comes back in a lobe wider than the top's; the root spans the gap
-    # between a sharp top and the cosine lobe.
+    # Light that was scattered below leaves in a lobe wider than the top interface's. The root of
+    # alpha lies between a narrow lobe and the cosine lobe.
     widths = alpha, dr.sqrt(alpha)
     width = dr.select(choice < 1 / 3, *widths)
     m = microfacet.sample_visible_normal(wi, width, u1, u2)

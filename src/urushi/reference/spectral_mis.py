@@ -1,9 +1,10 @@
 """Colours that share one random walk: single-sample spectral MIS (Wilkie et al. 2014).
 
-Free flights and phase functions are sampled for one channel, the walk's hero, picked uniformly. A
-walk carries, beside its throughput (f / density of the hero), every channel's density relative to
-the hero's; dividing contributions by the mean of these is the balance heuristic over channels. With
-a scalar colour type all of this vanishes at trace time: `hero` is None and ratios are 1.
+Free flights and phase functions are sampled for one channel, the hero, which is chosen uniformly
+per walk. Besides its throughput (f / density of the hero), a walk carries the density of every
+channel relative to the hero's. Dividing contributions by the mean of these densities is the
+balance heuristic over channels. For a scalar colour type, `hero` is None and all ratios are the
+constant 1, so that nothing of this is compiled.
 """
 
 from typing import Any
@@ -14,7 +15,7 @@ from urushi.physics import phase
 
 
 def pick(color: type, u: Any) -> Any:
-    """The hero channel's index from a uniform number; None if `color` is a scalar type."""
+    """The index of the hero channel from a uniform number; None if `color` is a scalar type."""
     if dr.depth_v(color) < 2:
         return None
     count = dr.size_v(color)
@@ -53,10 +54,10 @@ def mean(spectral: Any, hero: Any) -> Any:
 
 
 def mixture(density: Any, spectral: Any, hero: Any) -> Any:
-    """The density of what a vertex draws, whichever channel is the hero, given the walk so far.
+    """The density of a vertex's sample over all choices of the hero, given the walk so far.
 
-    The weights that combine techniques must be made of this: with the hero's own density they
-    would differ between heroes, and the techniques' shares would not sum to one.
+    Weights that combine techniques must use this density. With the hero's own density they would
+    differ between heroes, and the weights of the techniques would not sum to one.
     """
     return density if hero is None else dr.mean(spectral * density) / dr.mean(spectral)
 

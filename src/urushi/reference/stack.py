@@ -1,4 +1,4 @@
-"""Descriptions of materials: plain values, checked when they are made, equal when they are equal.
+"""Descriptions of layered materials: immutable values, checked when they are made.
 
 Every parameter is a number or one number per RGB channel, stored as a float or a tuple of three.
 """
@@ -53,7 +53,7 @@ class Conductor:
 class Dielectric:
     """A rough dielectric interface: GGX of width `alpha`, relative index `eta`.
 
-    As a coat's top it transmits; as a BRDF of its own, what it transmits is lost.
+    `urushi.layer` uses it as a coat. As a bottom it only reflects: the transmitted light is lost.
     """
 
     alpha: Value = DEFAULT_COAT.alpha
@@ -94,13 +94,13 @@ class Coat:
             _set(self, name, check(getattr(self, name), f"the coat's {name}"))
 
 
-#: What may lie under a stack: a description, or an object with the walk's f_pdf and sample.
+#: A bottom: a description, or an object with the methods of `bottoms.Bottom`.
 BottomDescription = Conductor | Dielectric | Diffuse | object
 
 
 @dataclass(frozen=True)
 class Stack:
-    """Coats, top to bottom, over a bottom BRDF, which is taken as it is in air."""
+    """Coats, top to bottom, over a bottom BRDF, whose values are those in air."""
 
     coats: tuple[Coat, ...]
     bottom: BottomDescription
@@ -128,11 +128,11 @@ def conductor(
 
     Args:
         alpha: GGX width in [0.01, 1].
-        r0: reflectance at normal incidence in [0, 1] (Schlick 1994), or else
+        r0: reflectance at normal incidence in [0, 1] (Schlick 1994); or give eta and k.
         eta, k: real and imaginary part of the index of refraction, >= 0, relative to air.
 
     Raises:
-        ParameterError: a value is out of range, or neither or both kinds of Fresnel term are given.
+        ParameterError: a value is out of range, or not exactly one kind of Fresnel term is given.
     """
     return Conductor(alpha, r0, eta, k)  # type: ignore[arg-type]
 

@@ -1,7 +1,4 @@
-"""Many monochrome stacks of one shape as arrays.
-
-How the random walk reads a table of stacks: one row per lane, from device memory.
-"""
+"""Many monochrome stacks of one shape as arrays, from which each lane of a walk reads one row."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -15,7 +12,7 @@ from urushi.errors import ParameterError
 from urushi.reference import bottoms
 from urushi.reference.stack import Conductor, Dielectric, Diffuse, Stack
 
-#: Parameters of each kind of bottom, in the order of its factory's arguments.
+#: Factory of each kind of bottom, and the names of its arguments in order.
 BOTTOM_KINDS: dict[str, tuple[Any, tuple[str, ...]]] = {
     "conductor": (bottoms.schlick_conductor, ("alpha", "r0")),
     "conductor_complex": (bottoms.conductor, ("alpha", "eta", "k")),
@@ -51,9 +48,9 @@ class StackTable:
 
     Attributes:
         alpha, eta, albedo, sigma_t, g: float32 (S, N), coats from top to bottom.
-        kind: a key of `BOTTOM_KINDS`, or "custom" with the walk's `custom` object.
-        bottom: the bottom's parameters by name, float32 (S,).
-        custom: an object with f_pdf and sample; its colours are indexed by row.
+        kind: a key of `BOTTOM_KINDS`, or "custom".
+        bottom: parameters of the bottom by name, float32 (S,).
+        custom: for "custom", a `bottoms.Bottom`; row i reads channel i of its colours.
     """
 
     alpha: np.ndarray
@@ -96,15 +93,15 @@ def _column(values: npt.ArrayLike) -> np.ndarray:
 
 
 def channel_count(description: object) -> int:
-    """3 if any parameter of a description or Stack differs per channel, else 1."""
+    """3 if a parameter of a description or Stack is given per channel, else 1."""
     parts = (
         (*description.coats, description.bottom)
         if isinstance(description, Stack)
         else (description,)
     )
-    known = (Conductor, Dielectric, Diffuse)
+    described = (Conductor, Dielectric, Diffuse)
     for part in parts:
-        if part is parts[-1] and not isinstance(part, known):
+        if part is parts[-1] and not isinstance(part, described):
             return 3
         if any(isinstance(value, tuple) for value in vars(part).values()):
             return 3
@@ -114,7 +111,7 @@ def channel_count(description: object) -> int:
 def bottom_columns(
     description: Conductor | Dielectric | Diffuse, channels: int
 ) -> tuple[str, dict[str, np.ndarray]]:
-    """The kind of a described bottom and its parameters as float32 (channels,)."""
+    """The kind of a described bottom, and its parameters as float32 (channels,) by name."""
     if isinstance(description, Conductor):
         kind = "conductor" if description.r0 is not None else "conductor_complex"
     else:
@@ -142,7 +139,7 @@ def from_stack(stack: Stack) -> StackTable:
 
 
 class TableLayers:
-    """The walk's `Layers`: one row of a table per lane, gathered from device memory."""
+    """The walk's `Layers`: one row of a table per lane."""
 
     def __init__(self, types: Any, table: StackTable, row: Any) -> None:
         self.count = table.coats
@@ -151,7 +148,7 @@ class TableLayers:
             name: types.Float(getattr(table, name).ravel()) for name in CoatParameters._fields
         }
         self._float = types.Float
-        if self.count == 1:  # no layer index: read each parameter once, outside of the loop
+        if self.count == 1:  # read each parameter once, outside of the walk's loop
             self._cached = {name: self._gather(name, row) for name in self._columns}
 
     def _gather(self, name: str, index: Any) -> Any:
@@ -169,8 +166,8 @@ class TableLayers:
         return self._read(index, "albedo", "sigma_t", "g")
 
 
-class ChannelOf:
-    """A custom bottom whose colours are read at one channel, the lane's row."""
+class ChannelBottom:
+    """A custom bottom of which each lane reads one channel, the number of its row."""
 
     def __init__(self, brdf: Any, row: Any) -> None:
         self._brdf = brdf
@@ -191,8 +188,8 @@ class ChannelOf:
 
 
 def table_bottom(types: Any, table: StackTable, row: Any) -> bottoms.Bottom:
-    """The walk's bottom for one row of a table per lane."""
+    """The walk's bottom: one row of a table per lane."""
     if table.kind == "custom":
-        return ChannelOf(table.custom, row)
+        return ChannelBottom(table.custom, row)
     factory, names = BOTTOM_KINDS[table.kind]
     return factory(*(dr.gather(types.Float, types.Float(table.bottom[n]), row) for n in names))

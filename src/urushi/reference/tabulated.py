@@ -1,15 +1,10 @@
-"""Lobes to draw directions from, fitted to a BRDF that is known by its values alone.
+"""Tabulated BRDFs as bottoms of the random walk, with sampling by fitted lobes.
 
-For every wi of some elevation, what is minimised is the second moment of f cos / pdf, the integral
-of (f cos)^2 / pdf, pdf being a mixture of two GGX lobes and a cosine lobe. It is convex in the
-lobes' shares, which are found by multiplicative steps; the widths, the same for all elevations, by
-trying every pair of a list.
-
-A BRDF that is given by a table, as the random walk and Mitsuba see it.
-
-The table is one of `measured.tabulated`: trilinear between bin centres over sqrt(theta_h), theta_d
-and phi_d (Rusinkiewicz 1998). Directions are drawn from a mixture of GGX lobes and a cosine lobe
-that is fitted to the table.
+A table is one of `measured.tabulated`: trilinear between bin centres over sqrt(theta_h), theta_d
+and phi_d (Rusinkiewicz 1998). Directions are drawn from a mixture of two GGX lobes and a cosine lobe.
+The lobes minimise the second moment of f cos / pdf, the integral of (f cos)^2 / pdf, for wi of
+several elevations. The moment is convex in the lobes' shares, which multiplicative steps optimise;
+the two widths, common to all elevations, are found by trial of all pairs from a list.
 """
 
 import importlib
@@ -23,51 +18,56 @@ import numpy as np
 
 from urushi.physics.mixture import Mixture
 from urushi.physics.random import stream
-from urushi.reference.launch import types
+from urushi.reference.monte_carlo import backend
 
-#: Widths that are tried, a fixed ratio apart.
+#: GGX widths that are tried, in a geometric series.
 ALPHAS = np.geomspace(0.01, 0.8, 11)
 
-#: Elevations, at the centres of equal intervals of the cosine; directions at each; the seed.
+#: Number of elevations of wi, at the centres of equal intervals of the cosine; samples of wo at
+#: each; seed.
 ELEVATIONS, SAMPLES, SEED = 16, 2048, 0
 
-#: Steps by which shares are found: while widths are tried, and at the end.
+#: Steps of the optimisation of shares: for each trial of widths, and for the final ones.
 TRIAL_STEPS, STEPS = 15, 100
 
-#: What no lobe's share, and the cosine lobe's, falls below: f need not be what the samples show.
-LEAST_SHARE, LEAST_COSINE_SHARE = 0.02, 0.1
+#: Least share of a GGX lobe, and of the cosine lobe, because samples may miss parts of f.
+MIN_SHARE, MIN_COSINE_SHARE = 0.02, 0.1
 
 
 class Lobes(NamedTuple):
-    """A proposal by elevation.
+    """A proposal for each elevation of wi.
 
     Attributes:
         alphas: (2,) widths of the GGX lobes.
-        shares: (ELEVATIONS, 3) of the lobes and, last, the cosine lobe; they add up to 1. For wi
-            of the cosines (i + 0.5) / ELEVATIONS.
+        shares: (ELEVATIONS, 3) shares of the GGX lobes and of the cosine lobe, of sum 1, for wi of
+            the cosines (i + 0.5) / ELEVATIONS.
     """
 
     alphas: np.ndarray
     shares: np.ndarray
 
 
-def fitted(f: Callable[[Any, Any], Any], device: ModuleType) -> Lobes:
+def fit_lobes(f: Callable[[Any, Any], Any], device: ModuleType) -> Lobes:
     """Fit lobes to a BRDF f(wi, wo) of three channels, evaluated in the types of `device`."""
-    cost, densities = _measured(f, device)
+    cost, densities = _lobe_samples(f, device)
     cosine = len(ALPHAS)
     best = min(
         itertools.combinations(range(cosine), 2),
-        key=lambda pair: _shared(cost, densities[..., [*pair, cosine]], TRIAL_STEPS)[1],
+        key=lambda pair: _best_shares(cost, densities[..., [*pair, cosine]], TRIAL_STEPS)[1],
     )
-    shares, _ = _shared(cost, densities[..., [*best, cosine]], STEPS)
-    least = np.array([LEAST_SHARE, LEAST_SHARE, LEAST_COSINE_SHARE])
+    shares, _ = _best_shares(cost, densities[..., [*best, cosine]], STEPS)
+    least = np.array([MIN_SHARE, MIN_SHARE, MIN_COSINE_SHARE])
     return Lobes(ALPHAS[list(best)], least + (1 - least.sum()) * shares)
 
 
-def _measured(f: Callable[[Any, Any], Any], device: ModuleType) -> tuple[np.ndarray, np.ndarray]:
-    """Of directions drawn from all lobes alike: cost (A, S), densities (A, S, K + 1) of lobes.
+def _lobe_samples(
+    f: Callable[[Any, Any], Any], device: ModuleType
+) -> tuple[np.ndarray, np.ndarray]:
+    """Draw S directions for each of A elevations from all K + 1 lobes with equal shares.
 
-    Summed over S, cost / pdf is the integral of (f cos)^2 / pdf, relative to that of f cos squared.
+    Returns:
+        cost (A, S) and the densities (A, S, K + 1) of the lobes. The sum over S of cost / pdf
+        estimates the integral of (f cos)^2 / pdf, relative to the squared integral of f cos.
     """
     count = ELEVATIONS * SAMPLES
     lane = dr.arange(device.UInt32, count)
@@ -75,9 +75,9 @@ def _measured(f: Callable[[Any, Any], Any], device: ModuleType) -> tuple[np.ndar
     wi = device.Array3f(dr.sqrt(1 - cos_i * cos_i), 0, cos_i)
     rng = stream(device.PCG32, device.UInt64(lane), SEED)
     alphas = [device.Float(float(alpha)) for alpha in ALPHAS]
-    even = Mixture([device.Float(1 / (len(alphas) + 1))] * (len(alphas) + 1), alphas)
+    uniform = Mixture([device.Float(1 / (len(alphas) + 1))] * (len(alphas) + 1), alphas)
     u = rng.next_float32(), rng.next_float32(), rng.next_float32()
-    wo = even.sample(wi, u[0], u[1:])
+    wo = uniform.sample(wi, u[0], u[1:])
     f_cos = (dr.mean(f(wi, wo)) * wo.z).numpy().astype(np.float64)
     lobes = [Mixture([1.0, 0.0], [alpha]).pdf(wi, wo).numpy() for alpha in alphas]
     cosine = (wo.z * dr.inv_pi).numpy()
@@ -89,10 +89,10 @@ def _measured(f: Callable[[Any, Any], Any], device: ModuleType) -> tuple[np.ndar
     return cost, densities
 
 
-def _shared(cost: np.ndarray, densities: np.ndarray, steps: int) -> tuple[np.ndarray, float]:
-    """The best shares (A, 3) for cost (A, S) and densities (A, S, 3), and their mean cost.
+def _best_shares(cost: np.ndarray, densities: np.ndarray, steps: int) -> tuple[np.ndarray, float]:
+    """Optimal shares (A, 3) for cost (A, S) and densities (A, S, 3), and their mean cost.
 
-    The multiplicative steps of optimal design (Silvey, Titterington and Torsney 1978).
+    Uses the multiplicative algorithm of optimal design (Silvey, Titterington and Torsney 1978).
     """
     shares = np.full((len(cost), densities.shape[-1]), 1 / densities.shape[-1])
     for _ in range(steps):
@@ -105,17 +105,17 @@ def _shared(cost: np.ndarray, densities: np.ndarray, steps: int) -> tuple[np.nda
 
 
 class Tabulated:
-    """A tabulated BRDF on whatever backend it is asked: `urushi.reference.bottoms.Bottom`."""
+    """A tabulated BRDF on any backend: a `urushi.reference.bottoms.Bottom`."""
 
     def __init__(self, table: np.ndarray):
         """table: float32 (theta_h, theta_d, phi_d, 3) [1/sr], finite and not negative."""
         self._table = table
-        device = types()
-        self._lobes = fitted(Lookup(device, table), device)
+        device = backend()
+        self._lobes = fit_lobes(Lookup(device, table), device)
         self._on: dict[ModuleType, Reflector] = {}
 
     def on(self, scalar: type) -> "Reflector":
-        """The BRDF in device memory, for Dr.Jit arrays of the backend of a float type."""
+        """The BRDF in the memory of the backend that a Dr.Jit float type belongs to."""
         device = importlib.import_module(scalar.__module__)
         if device not in self._on:
             self._on[device] = Reflector(Lookup(device, self._table), self._lobes, device)
@@ -161,9 +161,9 @@ class Reflector:
 
 
 class Lookup:
-    """The table in device memory: f(wi, wo) of three channels for directions above the horizon.
+    """Interpolation in the table: f(wi, wo) of three channels for directions above the horizon.
 
-    The twin of `measured.tabulated.interpolated`.
+    The Dr.Jit twin of `measured.tabulated.interpolated`.
     """
 
     DRJIT_STRUCT: ClassVar = {"_bins": object}  # for frozen functions
@@ -195,10 +195,10 @@ class Lookup:
 
 
 def half_difference_position(wi: Any, wo: Any) -> tuple[Any, Any, Any]:
-    """Where a pair is along the axes of a table, each in [0, 1].
+    """Position of a pair along the three axes of a table, each in [0, 1].
 
-    sqrt(theta_h / 90 deg), theta_d / 90 deg and phi_d / 180 deg, the last modulo 1, by
-    reciprocity: the twin of `geometry.half_vector.half_difference_angles`.
+    The axes are sqrt(theta_h / 90 deg), theta_d / 90 deg and phi_d / 180 deg, the last modulo 1 by
+    reciprocity. The Dr.Jit twin of `geometry.half_vector.half_difference_angles`.
     """
     total, difference = wi + wo, wi - wo
     length = dr.norm(total)
@@ -220,13 +220,13 @@ def half_difference_position(wi: Any, wo: Any) -> tuple[Any, Any, Any]:
 
 
 def _between_centres(position: Any, bins: int) -> tuple[Any, Any]:
-    """The bin whose centre, and the next one's, enclose a position in [0, bins]; its weight."""
+    """The lower of the two bins around a position in [0, bins], and the weight of the upper."""
     position = dr.clip(position - 0.5, 0, bins - 1)
     lower = dr.minimum(dr.floor(position), bins - 2)
     return dr.uint32_array_t(type(position))(lower), position - lower
 
 
 def _padded(rows: np.ndarray) -> np.ndarray:
-    """Rows (..., 3) as float32, flat and each filled up to four numbers, which one load reads."""
+    """Rows (..., 3) as flat float32 with four numbers per row, so that one load reads a row."""
     padding = [(0, 0)] * (rows.ndim - 1) + [(0, 1)]
     return np.pad(rows.astype(np.float32), padding).ravel()

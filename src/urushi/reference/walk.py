@@ -1,16 +1,18 @@
 """The position-free random walk through a layered stack (Guo, Hasan & Zhao 2018), in Dr.Jit.
 
 One walk estimates the BRDF f(wi, wo) [1/sr] without the reflection of the topmost interface, which
-is analytic. It starts refracted at the top from wi and is unbounded in depth. Two techniques reach
-wo, combined by the power heuristic over the direction with which light rises to the top interface:
+is analytic. It starts with the refraction of wi at the top and has no limit of depth. Two
+techniques reach wo. The power heuristic combines them over the direction in which light rises to
+the top interface:
 
-- A, next-event estimation: every vertex connects along a path drawn once, by refracting *wo*
-  down through the interfaces (see `urushi.reference.exits`);
-- B: a direction drawn by a vertex's own scattering reaches the top, where the interface's BTDF
-  towards wo is evaluated.
+- A, next-event estimation: every vertex connects to wo along a path that is drawn once per walk,
+  by refracting *wo* down through the interfaces (see `urushi.reference.exits`);
+- B: a direction drawn by a vertex's own scattering reaches the top, where the BTDF of the
+  interface towards wo is evaluated.
 
-The weight of a direction drawn by B needs the density with which A, starting *outside at wo*, would
-have drawn it. And a vertex connects by A before its own sampling, which may fail and end the walk.
+The weight of a direction drawn by B needs the density with which A, starting *outside at wo*,
+would have drawn it. A vertex connects by A before its own sampling, which may fail and end the
+walk.
 
 The code is generic over Dr.Jit's backends and over scalar or colour throughputs.
 """
@@ -43,13 +45,13 @@ class Layers(Protocol):
 
 
 class Event(NamedTuple):
-    """What happens at a vertex: its contribution to wo, and the direction the walk goes on in."""
+    """The result of a vertex: its contribution to wo, and the next segment of the walk."""
 
     contribution: Any
     direction: Any
     throughput: Any
     pdf: Any  # density [1/sr] of the direction
-    rival: Any  # sum of squared ratios of the ways that connect earlier, below this vertex
+    ratios: Any  # sum of squared density ratios of the techniques that connect below this vertex
 
 
 def estimate(
@@ -72,7 +74,7 @@ def estimate(
     w, weight = interface.sample_transmission(
         wi, alpha, eta, rng.next_float32(), rng.next_float32()
     )
-    escapes = ExitPaths(layers, wo, rng)
+    exits = ExitPaths(layers, wo, rng)
 
     state = {
         "active": active & (weight > 0) & (wi.z > 0) & (wo.z > 0),
@@ -82,14 +84,14 @@ def estimate(
         "throughput": color(weight),
         "spectral": color(1),  # all channels' densities relative to the hero's
         "pdf": scalar(0),  # density with which the last vertex drew w
-        "rival": scalar(0),  # see Event
+        "ratios": scalar(0),  # see Event
         "result": color(0),
         "rng": rng,
     }
 
     def body(*values: Any) -> tuple[Any, ...]:
         s = dict(zip(state, values, strict=True))
-        advance(s, layers, bottom, escapes, hero)
+        advance(s, layers, bottom, exits, hero)
         return tuple(s.values())
 
     values = dr.while_loop(
@@ -103,40 +105,38 @@ def estimate(
 
 
 def top_reflection(layers: Layers, wi: Any, wo: Any) -> Any:
-    """The part of f(wi, wo) [1/sr] that the topmost interface reflects without letting it in."""
+    """The part of f(wi, wo) [1/sr] that is reflected by the topmost interface."""
     alpha, eta = layers.interface(dr.uint32_array_t(type(wi.z))(0))
     return interface.reflection(wi, wo, alpha, eta)
 
 
-def advance(
-    s: dict[str, Any], layers: Layers, bottom: Bottom, escapes: ExitPaths, hero: Any
-) -> None:
+def advance(s: dict[str, Any], layers: Layers, bottom: Bottom, exits: ExitPaths, hero: Any) -> None:
     """One step of the walk: fly to the next vertex, connect to wo, scatter, play roulette."""
     rng, color = s["rng"], type(s["throughput"])
     active = dr.mask_t(s["depth"])(s["active"])
     down = s["w"].z < 0
     medium = layers.medium(s["layer"])
-    escape = escapes.at(s["layer"])
+    path = exits.at(s["layer"])
     in_medium = fly(s, medium[1], hero) & active
-    visible = transmittance(medium[1], s["depth"], escape)
+    visible = transmittance(medium[1], s["depth"], path)
     u = rng.next_float32(), rng.next_float32(), rng.next_float32()
 
     at_boundary = active & ~in_medium
     at_top = at_boundary & ~down & (s["layer"] == 0)
     at_bottom = at_boundary & down & (s["layer"] == layers.count - 1)
-    inside = medium_event(s, medium, visible, escape, hero, u)
-    top = top_event(s, escapes, u)
-    low = bottom_event(s, bottom, visible, escape, u)
+    inside = medium_event(s, medium, visible, path, hero, u)
+    top = top_event(s, exits, u)
+    low = bottom_event(s, bottom, visible, path, u)
     chosen = select_event(in_medium, inside, select_event(at_top, top, low))
     if layers.count > 1:
         inner = at_boundary & ~at_top & ~at_bottom
-        chosen = select_event(inner, inner_event(s, layers, escapes, down, u), chosen)
+        chosen = select_event(inner, inner_event(s, layers, exits, down, u), chosen)
         below = dr.select(down, s["layer"] + 1, s["layer"])
         rising = chosen.direction.z > 0
         s["layer"] = dr.select(inner, dr.select(rising, below - 1, below), s["layer"])
         s["depth"] = dr.select(inner, dr.select(rising, 1, 0), s["depth"])
 
-    # A connection's density ends at its vertex: the direction drawn there is not part of it.
+    # The density of a connection ends at its vertex: it excludes the direction drawn there.
     mean = spectral_mis.mean(s["spectral"], hero)
     s["result"] += dr.select(active, color(chosen.contribution) / mean, 0)
     if hero is not None:
@@ -144,7 +144,7 @@ def advance(
         ratio = spectral_mis.phase_ratio(cos_theta, medium[2], hero)
         s["spectral"] *= dr.select(in_medium, ratio, 1)
         mean = spectral_mis.mean(s["spectral"], hero)
-    s["w"], s["pdf"], s["rival"] = chosen.direction, chosen.pdf, chosen.rival
+    s["w"], s["pdf"], s["ratios"] = chosen.direction, chosen.pdf, chosen.ratios
     survival = dr.minimum(
         spectral_mis.strongest(chosen.throughput, hero) / (mean * ROULETTE_THRESHOLD), 1
     )
@@ -153,7 +153,7 @@ def advance(
 
 
 def fly(s: dict[str, Any], sigma_t: Any, hero: Any) -> Any:
-    """Move along w to the next collision or boundary of the unit layer; true where it collides."""
+    """Move along w to the next collision or boundary of the layer; returns whether it collides."""
     to_boundary = dr.select(s["w"].z < 0, 1 - s["depth"], s["depth"]) / dr.abs(s["w"].z)
     flight = -dr.log(1 - s["rng"].next_float32()) / spectral_mis.of_hero(sigma_t, hero)
     in_medium = flight < to_boundary
@@ -166,9 +166,9 @@ def fly(s: dict[str, Any], sigma_t: Any, hero: Any) -> Any:
     return in_medium
 
 
-def transmittance(sigma_t: Any, depth: Any, escape: ExitPath) -> Any:
-    """Beer's law from `depth` to the top of a layer along the escape direction."""
-    return dr.exp(-sigma_t * (depth / escape.direction.z))
+def transmittance(sigma_t: Any, depth: Any, path: ExitPath) -> Any:
+    """Beer's law from `depth` to the top of a layer along the exit path."""
+    return dr.exp(-sigma_t * (depth / path.direction.z))
 
 
 def select_event(mask: Any, a: Event, b: Event) -> Event:
@@ -180,18 +180,18 @@ def medium_event(
     s: dict[str, Any],
     medium: tuple[Any, Any, Any],
     visible: Any,
-    escape: ExitPath,
+    path: ExitPath,
     hero: Any,
     u: Any,
 ) -> Event:
-    """A collision in a medium: absorb, and scatter by Henyey and Greenstein's phase function."""
+    """A collision in a medium: absorption, and Henyey-Greenstein scattering."""
     albedo, _, g = medium
     throughput = s["throughput"] * albedo
-    cos_escape = dr.dot(s["w"], escape.direction)
-    towards_escape = phase.hg(cos_escape, g)
-    connected = throughput * towards_escape * visible
-    connected *= escape.weight / escape.direction.z
-    contribution = connected * escape.mis(spectral_mis.mixture(towards_escape, s["spectral"], hero))
+    cos_exit = dr.dot(s["w"], path.direction)
+    towards_exit = phase.hg(cos_exit, g)
+    connected = throughput * towards_exit * visible
+    connected *= path.weight / path.direction.z
+    contribution = connected * path.mis(spectral_mis.mixture(towards_exit, s["spectral"], hero))
     cos_theta = phase.sample_hg_cosine(spectral_mis.of_hero(g, hero), u[1])
     direction = from_cosine(s["w"], cos_theta, 2 * dr.pi * u[2])
     throughput *= spectral_mis.phase_ratio(cos_theta, g, hero)
@@ -199,48 +199,46 @@ def medium_event(
     return Event(contribution, direction, throughput, pdf, type(pdf)(0))
 
 
-def top_event(s: dict[str, Any], escapes: ExitPaths, u: Any) -> Event:
-    """The topmost interface from below: technique B's exit, then forced internal reflection."""
-    f, pdf_escape = escapes.through_top(s["w"])
-    ratio = pdf_escape / s["pdf"]
-    mis = dr.select(s["pdf"] > 0, 1 / (1 + ratio * ratio * (1 + s["rival"])), 0)
-    direction, weight = escapes.reflect_at_top(s["w"], u[1], u[2])
-    # No vertex is connected upwards before the next one: this density is never asked for.
+def top_event(s: dict[str, Any], exits: ExitPaths, u: Any) -> Event:
+    """The topmost interface from below: exit by technique B, then forced internal reflection."""
+    f, pdf_exit = exits.through_top(s["w"])
+    ratio = pdf_exit / s["pdf"]
+    mis = dr.select(s["pdf"] > 0, 1 / (1 + ratio * ratio * (1 + s["ratios"])), 0)
+    direction, weight = exits.reflect_at_top(s["w"], u[1], u[2])
+    # The next vertex is below: no connection uses this density.
     zero = type(weight)(0)
     return Event(s["throughput"] * f * mis, direction, s["throughput"] * weight, zero, zero)
 
 
-def bottom_event(
-    s: dict[str, Any], bottom: Bottom, visible: Any, escape: ExitPath, u: Any
-) -> Event:
+def bottom_event(s: dict[str, Any], bottom: Bottom, visible: Any, path: ExitPath, u: Any) -> Event:
     """Reflection by the bottom BRDF."""
-    f, pdf = bottom.f_pdf(-s["w"], escape.direction)
-    contribution = s["throughput"] * f * visible * escape.weight * escape.mis(pdf)
+    f, pdf = bottom.f_pdf(-s["w"], path.direction)
+    contribution = s["throughput"] * f * visible * path.weight * path.mis(pdf)
     direction, weight, pdf = bottom.sample(-s["w"], *u)
     return Event(contribution, direction, s["throughput"] * weight, pdf, type(pdf)(0))
 
 
-def inner_event(s: dict[str, Any], layers: Layers, escapes: ExitPaths, down: Any, u: Any) -> Event:
-    """An interface between two media of the stack, from either side; its chain is that above it."""
+def inner_event(s: dict[str, Any], layers: Layers, exits: ExitPaths, down: Any, u: Any) -> Event:
+    """An interface between two media, from either side. It connects along the chain above it."""
     index = dr.clip(dr.select(down, s["layer"] + 1, s["layer"]), 1, layers.count - 1)
     above = index - 1
     alpha, eta_below = layers.interface(index)
     eta = dr.select(down, eta_below, 1 / eta_below)
     incident = dr.select(down, -s["w"], flip(-s["w"]))
 
-    def rival_of(outside: Any) -> Any:
-        """The ways that connect below, for a walk that rises through here along `outside`."""
-        _, pdf_escape = interface.transmission(outside, -s["w"], alpha, eta_below)
-        ratio = pdf_escape / s["pdf"]
-        return dr.select(down | (s["pdf"] <= 0), 0, ratio * ratio * (1 + s["rival"]))
+    def ratios_below(outside: Any) -> Any:
+        """Squared ratios of connections below, for a walk that goes on upwards along `outside`."""
+        _, pdf_exit = interface.transmission(outside, -s["w"], alpha, eta_below)
+        ratio = pdf_exit / s["pdf"]
+        return dr.select(down | (s["pdf"] <= 0), 0, ratio * ratio * (1 + s["ratios"]))
 
-    escape = escapes.at(above)
-    outgoing = dr.select(down, escape.direction, flip(escape.direction))
+    path = exits.at(above)
+    outgoing = dr.select(down, path.direction, flip(path.direction))
     f, pdf = interface.scatter(incident, outgoing, alpha, eta)
     _, sigma_t, _ = layers.medium(above)
-    connected = s["throughput"] * f * transmittance(sigma_t, 1, escape) * escape.weight
-    contribution = connected * escape.mis(pdf, rival_of(escape.direction))
+    connected = s["throughput"] * f * transmittance(sigma_t, 1, path) * path.weight
+    contribution = connected * path.mis(pdf, ratios_below(path.direction))
     direction, weight, pdf = interface.sample(incident, alpha, eta, *u)
     direction = dr.select(down, direction, flip(direction))
-    rival = dr.select(direction.z > 0, rival_of(direction), 0)
-    return Event(contribution, direction, s["throughput"] * weight, pdf, rival)
+    ratios = dr.select(direction.z > 0, ratios_below(direction), 0)
+    return Event(contribution, direction, s["throughput"] * weight, pdf, ratios)

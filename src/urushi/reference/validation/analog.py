@@ -1,8 +1,8 @@
-"""Directional albedo by counting photons: the walk's independent twin.
+"""Directional albedo by analog Monte Carlo, independent of the random walk's estimator.
 
-Every event is drawn as nature draws it: reflection or refraction at each interface, the free
-flight, absorption, scattering. No event is forced, no direction connected, no weight carried, so
-that nothing is shared with the estimator of `urushi.reference.walk` but the physics.
+Every event is drawn with its physical probability: reflection or refraction at each interface, the
+free flight, absorption, scattering. No event is forced, no vertex connects to wo, and photons have
+no weights, so that only the physics is common with `urushi.reference.walk`.
 """
 
 from typing import Any
@@ -15,7 +15,7 @@ from urushi import checks
 from urushi.physics import fresnel, microfacet, phase
 from urushi.physics.frame import from_cosine, reflect, refract
 from urushi.reference.bottoms import Bottom
-from urushi.reference.launch import average, per_channel
+from urushi.reference.monte_carlo import average, per_channel
 from urushi.reference.stack import Stack
 
 
@@ -98,7 +98,7 @@ def _event(layers: Any, bottom: Bottom, w: Any, layer: Any, depth: Any, rng: Any
     rises = w.z > 0
     at_interface = ~collides & ~at_bottom
     escaped = at_interface & (index == 0) & rises & survives
-    # Above interface i lies layer i - 1, whose bottom it is; below it lies the top of layer i.
+    # Interface i is the bottom of layer i - 1 and the top of layer i.
     layer = dr.select(at_interface, dr.select(rises & ~escaped, index - 1, index), layer)
     depth = dr.select(collides, collision, dr.select(at_bottom | rises, 1, 0))
     return w, layer, depth, survives, escaped

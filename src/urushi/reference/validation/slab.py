@@ -1,7 +1,7 @@
 """Closed forms of a smooth dielectric slab that absorbs, over a mirror or a Lambertian.
 
-The limit of the layered model for alpha -> 0 without scattering, in NumPy float64 and sharing no
-code with the random walk. Monochrome; all cosines are those in air, in (0, 1].
+The limit of the layered model for alpha -> 0 without scattering, in NumPy float64, without code of
+the random walk. Monochrome; all cosines are those in air, in (0, 1].
 """
 
 import numpy as np
@@ -40,8 +40,8 @@ def mirror_albedo(cos: npt.ArrayLike, eta: float, sigma_t: float, r0: float) -> 
 def internal_return(eta: float, sigma_t: float = 0.0) -> float:
     """Fraction of Lambertian light that a slab returns to the bottom it came from.
 
-    The integral of 2 mu F(mu) exp(-2 sigma_t / mu) over the cosine mu inside: light goes up through
-    the medium, is reflected by the surface and comes down again. Without absorption this is the
+    The integral of 2 mu F(mu) exp(-2 sigma_t / mu) over the cosine mu inside. Light rises through
+    the medium, is reflected by the surface and descends again. Without absorption this is the
     diffuse internal reflectance (Walsh 1926).
     """
     x, w = np.polynomial.legendre.leggauss(96)
@@ -49,7 +49,7 @@ def internal_return(eta: float, sigma_t: float = 0.0) -> float:
     critical = np.sqrt(1 - 1 / eta**2)
     total = critical * x  # beyond the critical angle
     trapped = critical * (w * 2 * total * np.exp(-2 * sigma_t / total)).sum()
-    # Below it, the cosine in air as variable removes the root that F has at the critical angle:
+    # Below the critical angle, the cosine in air as variable removes the square root of F there:
     # mu dmu = cos dcos / eta^2.
     mu = refracted(x, eta)
     weak = (w * 2 * x * interface_reflectance(x, eta) * np.exp(-2 * sigma_t / mu)).sum() / eta**2

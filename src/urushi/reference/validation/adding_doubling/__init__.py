@@ -1,4 +1,4 @@
-"""Deterministic adding-doubling solver of layered BRDFs, the twin of the random walk.
+"""Deterministic adding-doubling solver of layered BRDFs, independent of the random walk.
 
 Azimuthal Fourier modes times Gauss quadrature in the polar cosine (van de Hulst, Multiple Light
 Scattering, 1980; Jakob, d'Eon, Jakob and Marschner, A comprehensive framework for rendering layered

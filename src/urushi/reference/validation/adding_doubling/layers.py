@@ -1,15 +1,13 @@
-"""Adding: what a reflector becomes under a medium and under a rough interface.
+"""Operators of the layers: media by doubling, rough interfaces, and their addition to a reflector.
 
-All operators are (M, N, N), weighted on both sides (see quadrature.py), seen from above.
+All operators are (M, N, N), weighted on both sides (see quadrature.py), seen from above. A slab of
+a Henyey-Greenstein medium is doubled (van de Hulst 1980, chapter 4).
 
-A homogeneous Henyey-Greenstein slab by doubling (van de Hulst 1980, chapter 4).
-
-Operators of a rough dielectric interface whose kernels the nodes of a medium cannot resolve.
-
-Transmission is narrow for a smooth interface or one of small eta, and for a rough one it jumps
-where the microfacet normal crosses the horizon; inner reflection has the root of Fresnel's formula
-at the critical angle. Each direction therefore gets its own composite Gauss quadrature, graded
-about the lobe and split at the fault; only the field inside is interpolated (product integration).
+The nodes of a medium cannot resolve all kernels of an interface. Transmission is narrow for a
+smooth interface or one of small eta, and for a rough one it jumps where the microfacet normal
+crosses the horizon; inner reflection has the square root of Fresnel's formula at the critical
+angle. Each direction therefore has its own composite Gauss quadrature, graded about the lobe and
+split at the discontinuity, and only the field inside is interpolated (product integration).
 """
 
 import numpy as np
@@ -21,6 +19,12 @@ from urushi.reference.validation.adding_doubling.quadrature import (
     graded,
     project,
 )
+
+#: Optical depth of the first layer. Double scattering in it is neglected, an error of this order.
+_THIN = 2e-8
+
+#: Modes of the phase function below this are dropped: g**m bounds mode m.
+_NEGLIGIBLE = 1e-9
 
 
 def under_medium(
@@ -54,13 +58,6 @@ def under_interface(
     through = grid.root[:, None] * transmission(grid, grid.mu, alpha, eta)
     bounces = trapped(grid, reflector, alpha, eta)
     return outer + eta**2 * through @ bounces @ np.swapaxes(through, 1, 2)
-
-
-#: Optical depth of the first layer. Its light scattered twice is left out: an error of this order.
-_THIN = 2e-8
-
-#: Modes of the phase function below this are dropped: g**m bounds mode m.
-_NEGLIGIBLE = 1e-9
 
 
 def slab(

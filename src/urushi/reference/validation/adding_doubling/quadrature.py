@@ -15,7 +15,7 @@ import numpy as np
 #: A kernel (mu_out, mu_in, cos(phi)) -> [1/sr], broadcasting its three arguments.
 Kernel = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 
-#: Most kernel values held at once; bounds the memory to some hundred megabytes.
+#: Largest number of kernel values in memory; bounds it to a few hundred megabytes.
 _CHUNK = 1 << 20
 
 #: Gauss points in each panel of polar angle of a graded quadrature.
@@ -59,12 +59,12 @@ def fourier(
 ) -> np.ndarray:
     """Fourier modes (M, A, B) of a kernel that is even in phi.
 
-    The trapezium rule on 4 M intervals of [0, pi], or more where asked for, converges faster than
-    any power for a smooth kernel, and aliases no mode below 7 M on the M kept.
+    The trapezium rule on at least 4 M intervals of [0, pi] converges faster than any power for a
+    smooth kernel, and aliases no mode below 7 M on the M kept.
 
     Args:
         mu_out: (A,) cosines.
-        mu_in: (B,) cosines, or (A, B), others for every outgoing one.
+        mu_in: (B,) cosines, or (A, B), different for each outgoing one.
         intervals: least number of intervals.
     """
     intervals = max(4 * modes, intervals)
@@ -90,11 +90,11 @@ def azimuths(width: float) -> int:
 def graded(
     centre: np.ndarray, width: np.ndarray, border: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Composite Gauss quadrature of the hemisphere's cosine, one for each lobe.
+    """Composite Gauss quadratures of the cosine over the hemisphere, one for each lobe.
 
     Args:
         centre, width: (A,) polar angle and half width of the lobe, radians.
-        border: (A,) a further panel border, where the integrand jumps.
+        border: (A,) polar angle of a further panel border, where the integrand jumps.
 
     Returns:
         cosines (A, Q) and their weights, which sum to 1.
@@ -133,9 +133,9 @@ def project(
 ) -> np.ndarray:
     """Modes (M, A, N) of a kernel from (A,) cosines to the nodes, by product integration.
 
-    On a radiance g at the nodes, weighted as root * g, it gives the integral of kernel g mu: the
-    kernel is integrated on the quadratures `fine` (cosines and weights, (A, Q) each, see `graded`),
-    and only the smooth g is interpolated between the nodes.
+    Applied to a radiance g at the nodes, weighted as root * g, the result is the integral of
+    kernel g mu. The kernel is integrated on the quadratures `fine` (cosines and weights, (A, Q)
+    each, see `graded`); only the smooth g is interpolated between the nodes.
     """
     mu, weight = fine
     modes = fourier(kernel, mu_out, mu, grid.modes, intervals) * (2 * np.pi * mu * weight)

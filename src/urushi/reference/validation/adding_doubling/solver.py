@@ -1,7 +1,4 @@
-"""A stack's description as the different monochrome stacks that its channels are.
-
-The layered BRDF at arbitrary directions, from operators between quadrature nodes.
-"""
+"""BRDF and albedo of stacks at arbitrary directions, from operators between quadrature nodes."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -22,6 +19,9 @@ from urushi.reference.validation.adding_doubling.quadrature import (
     series,
 )
 
+#: Pairs evaluated at once; bounds the memory to modes * pairs * nodes numbers.
+_PAIRS = 256
+
 
 @dataclass(frozen=True)
 class Layer:
@@ -36,10 +36,10 @@ class Layer:
 
 @dataclass(frozen=True)
 class Monochrome:
-    """What one or more of the three channels see.
+    """The monochrome stack of one or more of the three channels.
 
     Attributes:
-        channels: their numbers.
+        channels: numbers of the channels, in 0 to 2.
         layers: the coats, top to bottom.
         bottom: kernel of the bottom BRDF.
     """
@@ -50,7 +50,7 @@ class Monochrome:
 
 
 def split(stack: Stack) -> list[Monochrome]:
-    """The different channels of a stack; equal ones come together.
+    """The different monochrome stacks of a stack's channels.
 
     Raises:
         ParameterError: the bottom is not one of this package's descriptions.
@@ -73,7 +73,7 @@ def split(stack: Stack) -> list[Monochrome]:
 
 
 def _bottom(bottom: BottomDescription) -> tuple[Callable[..., Kernel], list[Value]]:
-    """The maker of a bottom's kernel and the parameters that it takes, per channel."""
+    """The factory of a bottom's kernel, and its arguments."""
     match bottom:
         case Diffuse(reflectance):
             return surfaces.lambertian, [reflectance]
@@ -89,23 +89,19 @@ def _bottom(bottom: BottomDescription) -> tuple[Callable[..., Kernel], list[Valu
     )
 
 
-#: Pairs evaluated at once; bounds the memory to modes * pairs * nodes numbers.
-_PAIRS = 256
-
-
 def solve(
     stack: Stack, wi: npt.ArrayLike, wo: npt.ArrayLike, *, nodes: int = 48, modes: int = 48
 ) -> np.ndarray:
     """BRDF of a stack of rough dielectrics and Henyey-Greenstein media over an opaque bottom.
 
-    Deterministic, and shares no formula's code with the random walk. The reflection at the top is
-    analytic, and the top interface joins the medium with the asked directions themselves: no
-    output is interpolated. Nodes and modes must resolve the lobes of reflection *inside*, of half
-    width 2 alpha or so, by nodes about 2 / nodes radians apart.
+    Deterministic; no code is common with the random walk. The reflection at the top is analytic.
+    The operators of the top interface are evaluated at the directions themselves, so that no
+    output is interpolated. Nodes, about 2 / nodes radians apart, and modes must resolve the lobes
+    of reflection *inside*, of half width about 2 alpha.
 
     Error with the defaults: about 1e-4 where every alpha >= 0.15; at alpha of 0.05 to 0.1, 1e-3 for
     95 of 100 pairs and up to 1e-2 near grazing. For smoother surfaces raise nodes and modes.
-    Cost: about 0.5 s a channel with 240 pairs on an idle core (where cores are shared, set
+    Cost: about 0.5 s per channel with 240 pairs on an idle core (where cores are shared, set
     OPENBLAS_NUM_THREADS=1), growing with 1 / (alpha (1 - 1 / eta)) of the top interface.
 
     Args:
@@ -118,7 +114,7 @@ def solve(
         (P, 3) float64, f [1/sr] without cosine; 0 where a direction is at or below the horizon.
 
     Raises:
-        ParameterError: wrong directions, or a bottom that is none of these.
+        ParameterError: wrong directions, or another bottom.
     """
     wi, wo = (np.asarray(w, np.float64) for w in checks.directions(wi, wo))
     result = np.zeros((len(wi), 3))
@@ -145,7 +141,7 @@ def albedo(stack: Stack, cos_i: npt.ArrayLike, *, nodes: int = 48, modes: int = 
     Args:
         stack, nodes: as for `solve`.
         cos_i: (A,) cosines in (0, 1].
-        modes: the mean over azimuth needs one mode; this sets the azimuths, at least 4 modes + 1.
+        modes: sets the number of azimuths, at least 4 modes + 1; the mean needs one mode only.
 
     Returns:
         (A, 3) float64.
@@ -171,7 +167,7 @@ def _top_albedo(cos_i: np.ndarray, top: Layer) -> np.ndarray:
     """Directional albedo (A,) of the reflection by the top interface alone."""
     theta = np.arccos(cos_i)
     mu, weight = graded(theta, np.full_like(theta, top.alpha), theta)
-    # Seen at grazing angles, the lobe is narrow in azimuth too.
+    # At grazing angles the lobe is narrow in azimuth as well.
     intervals = azimuths(top.alpha * max(0.05, float(cos_i.min())))
     kernel = surfaces.outer_reflection(top.alpha, top.eta)
     return (2 * np.pi * mu * weight * fourier(kernel, cos_i, mu, 1, intervals)[0]).sum(1)
@@ -185,7 +181,7 @@ def _through_top(
     mu_o: np.ndarray,
     phi: np.ndarray,
 ) -> np.ndarray:
-    """Light that entered, met the inside and left, for pairs (P,) -> (P,)."""
+    """The light that passes the top interface twice, for pairs (P,) -> (P,)."""
     cosines, index = np.unique(np.concatenate([mu_i, mu_o]), return_inverse=True)
     through = layers.transmission(grid, cosines, top.alpha, top.eta)
     enter, leave = through[:, index[: len(mu_i)]], through[:, index[len(mu_i) :]]
@@ -193,7 +189,7 @@ def _through_top(
 
 
 def _inside(grid: CosineGrid, mono: Monochrome) -> np.ndarray:
-    """Everything below the top interface and its inner side, (M, N, N)."""
+    """The operator (M, N, N) of all below the top interface, with its inner reflection."""
     reflector = grid.operator(mono.bottom)
     for depth, layer in reversed(list(enumerate(mono.layers))):
         reflector = layers.under_medium(grid, reflector, layer.albedo, layer.sigma_t, layer.g)

@@ -1,6 +1,6 @@
 """Rough surfaces as kernels of cosines and azimuth: GGX, separable Smith, single scattering.
 
-Formulae of Walter et al. 2007, written in scalar products only. cos_phi is the cosine of the
+Formulae of Walter et al. 2007, in scalar products only. cos_phi is the cosine of the
 azimuth between the directions of propagation, 1 for a mirror and for straight transmission.
 """
 
@@ -45,6 +45,7 @@ def _smith(mu: np.ndarray, alpha: float) -> np.ndarray:
 
 
 def _horizontal(mu_a: np.ndarray, mu_b: np.ndarray, cos_phi: np.ndarray) -> np.ndarray:
+    """Scalar product of the components of two directions in the surface."""
     return np.sqrt((1 - mu_a**2) * (1 - mu_b**2)) * cos_phi
 
 
@@ -80,7 +81,7 @@ def conductor_schlick(alpha: float, r0: float) -> Kernel:
 
 
 def conductor_complex(alpha: float, eta: float, k: float) -> Kernel:
-    """Rough conductor with a complex index of refraction, as it is in air."""
+    """Rough conductor with a complex index of refraction, in air."""
     return lambda o, i, c: _reflection(o, i, c, alpha, lambda d: fresnel_conductor(d, eta, k))
 
 
@@ -105,11 +106,11 @@ def transmission(alpha: float, eta: float) -> Kernel:
         out_half = -(1 + eta * dot) / np.sqrt(length2)
         in_half = (dot + eta) / np.sqrt(length2)
         # Both directions must see the front of the microfacet, else Smith's G1 is zero.
-        seen = (half_z > 0) & (out_half > 0)
+        valid = (half_z > 0) & (out_half > 0)
         out_half = np.clip(out_half, 0.0, 1.0)
         shape = _ggx(np.minimum(half_z**2 / length2, 1.0), alpha)
         shape = shape * _smith(mu_out, alpha) * _smith(mu_in, alpha)
         passed = (1 - fresnel_dielectric(out_half, eta)) * out_half * in_half
-        return np.where(seen, passed * shape / (mu_out * mu_in * length2), 0.0)
+        return np.where(valid, passed * shape / (mu_out * mu_in * length2), 0.0)
 
     return kernel

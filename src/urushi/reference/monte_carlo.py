@@ -1,7 +1,4 @@
-"""Averages over random walks that start at given directions, in launches of bounded size.
-
-Which Dr.Jit backend the reference runs on: CUDA where there is one, else LLVM.
-"""
+"""Monte Carlo means over random walks, with standard errors, in kernel launches of bounded size."""
 
 import functools
 import importlib
@@ -22,9 +19,21 @@ from urushi.reference.table import StackTable, TableLayers, from_stack, table_bo
 #: Walks per kernel launch; bounds device memory to a few hundred MB.
 LANES = 1 << 22
 
-#: One walk through layers and bottom, for directions, with its random stream: walk(layers, bottom,
-#: *directions, rng) is a Dr.Jit float per lane.
+#: One walk per lane: walk(layers, bottom, *directions, rng) returns a Dr.Jit float.
 Walk = Callable[..., Any]
+
+
+@functools.cache
+def backend() -> ModuleType:
+    """The module of Dr.Jit's array types: `drjit.cuda` if there is a GPU, else `drjit.llvm`.
+
+    Raises:
+        PlatformError: there is neither a GPU nor a libLLVM that Dr.Jit can use.
+    """
+    if dr.has_backend(dr.JitBackend.CUDA):
+        return importlib.import_module("drjit.cuda")
+    platform.require_llvm()
+    return importlib.import_module("drjit.llvm")
 
 
 def per_channel(
@@ -32,15 +41,15 @@ def per_channel(
     directions: Sequence[np.ndarray],
     function: Callable[..., tuple[np.ndarray, np.ndarray]],
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Call a function of rows for every channel of a stack.
+    """Evaluate a function for every channel of a stack.
 
     Args:
         stack: the stack.
-        directions: float32 (N, 3) unit vectors each.
+        directions: arrays float32 (N, 3) of unit vectors.
         function: function(table, row, *directions) -> two arrays (M,), see `average`.
 
     Returns:
-        Its results (N, 3) each.
+        Its two results, (N, 3) each.
     """
     table, count = from_stack(stack), len(directions[0])
     channels = len(table)
@@ -67,8 +76,8 @@ def average(
     Args:
         table: S monochrome stacks.
         row: (M,) unsigned integers below S.
-        directions: float32 (M, 3) unit vectors each, which the walk is given.
-        walk: what to average.
+        directions: arrays float32 (M, 3) of unit vectors, the arguments of the walk.
+        walk: the function to average.
         walks: random walks per row, at least 2.
         seed: any integer.
         progress: show a progress bar (on a terminal only).
@@ -85,11 +94,12 @@ def average(
     with tqdm(total=launches, disable=None if progress else True, unit="launch") as bar:
         for start in range(0, len(row), rows_per_launch):
             part = slice(start, start + rows_per_launch)
-            some = [w[part] for w in directions]
+            directions_part = [w[part] for w in directions]
             for first in range(0, walks, block):
                 count = min(block, walks - first)
-                at = start, first
-                total[:, part] += _launch(table, row[part], some, walk, count, at, seed, walks)
+                total[:, part] += _launch(
+                    table, row[part], directions_part, walk, count, (start, first), seed, walks
+                )
                 bar.update()
     mean = total[0] / walks
     variance = np.maximum(total[1] / walks - mean * mean, 0) / (walks - 1)
@@ -106,12 +116,13 @@ def _launch(
     seed: int,
     walks: int,
 ) -> np.ndarray:
-    """Sum and sum of squares of `count` walks for each row, (2, rows).
+    """Sum and sum of squares, (2, rows), of `count` walks for each row, in one kernel launch.
 
-    Each walk's random stream depends on its place in the whole request alone, so that the result
-    is the same however the request is cut into launches.
+    `first` is the number of the first row and of the first walk in the whole request. A walk's
+    random numbers depend on these alone, so that the result does not depend on how the request is
+    divided into launches.
     """
-    device = types()
+    device = backend()
     lane = dr.arange(device.UInt32, len(row) * count)
     start = lane // count if count > 1 else lane
     place = device.UInt64(start) + first[0]
@@ -129,16 +140,3 @@ def _launch(
     sums = dr.block_sum(value, count), dr.block_sum(value * value, count)
     dr.eval(*sums)
     return np.stack([x.numpy().astype(np.float64) for x in sums])
-
-
-@functools.cache
-def types() -> ModuleType:
-    """The module of Dr.Jit array types to use (`drjit.cuda` or `drjit.llvm`).
-
-    Raises:
-        PlatformError: there is no GPU, and no libLLVM that Dr.Jit can use.
-    """
-    if dr.has_backend(dr.JitBackend.CUDA):
-        return importlib.import_module("drjit.cuda")
-    platform.require_llvm()
-    return importlib.import_module("drjit.llvm")
