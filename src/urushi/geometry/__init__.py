@@ -1,1 +1,1 @@
-"""Directions in NumPy: half vectors, sets of pairs, quadrature, and the errors E and P."""
+"""Directions in NumPy: frames, half vectors, sets of pairs, quadrature, and the errors E and P."""

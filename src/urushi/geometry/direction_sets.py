@@ -1,4 +1,4 @@
-"""Sets of direction pairs: what the networks are trained on, and what metrics E and P are taken on.
+"""Random sets of direction pairs for training and for the errors E and P.
 
 Every set is drawn in double precision from a generator that the caller seeds, and returned as
 float32 unit vectors wi, wo of shape (n, 3), z the normal, both above the horizon.
@@ -12,14 +12,14 @@ from urushi.errors import ParameterError
 from urushi.geometry.half_vector import directions_at_tangent
 from urushi.geometry.probe_pairs import PROBES, probe_pairs
 
-#: Pairs whose lower cosine is below this are not trained on: they carry no energy, and the
-#: features 0.5 ln(cos_i cos_o) of a few would outweigh those of all others.
+#: Least cosine of training pairs. Pairs below it carry no energy, and the feature
+#: 0.5 ln(cos_i cos_o) of a few would outweigh that of all others.
 LOWEST_COSINE = 0.004
 
-#: Range of tan(theta_h) in the training pairs: beyond that of metric P on both sides.
+#: Range of tan(theta_h) in training pairs, wider than that of the error P.
 HALF_ANGLE_RANGE = (5e-4, 8.0)
 
-#: Range of tan(theta_h) in metric P.
+#: Range of tan(theta_h) for the error P.
 METRIC_HALF_ANGLE_RANGE = (1e-3, 4.0)
 
 Pairs = tuple[np.ndarray, np.ndarray]
@@ -36,8 +36,8 @@ def half_angle_pairs(
 
     The half vector h lies in the xz plane with ln tan(theta_h) uniform in ln `tangents`; about it
     wi has the difference angles theta_d uniform in [0, pi/2) and phi_d uniform (Rusinkiewicz 1998);
-    wo mirrors wi in h. Pairs of which one direction lies below `lowest_cosine` are drawn again, so
-    that the density of the accepted ones is the stated one, cut off there.
+    wo is the mirror image of wi about h. Pairs with a cosine below `lowest_cosine` are drawn
+    again, so that the accepted pairs have this density, cut off there.
     """
     low, high = np.log(tangents)
 
@@ -51,7 +51,7 @@ def half_angle_pairs(
 
 
 def cosine_pairs(rng: np.random.Generator, n: int, *, lowest_cosine: float = 0.0) -> Pairs:
-    """Pairs of independent directions, both of density cos(theta) / pi: those of metric E."""
+    """Pairs of independent directions, both of density cos(theta) / pi, as for the error E."""
     return _accepted(
         lambda count: (
             _direction(np.sqrt(rng.random(count)), rng.random(count)),
@@ -63,7 +63,7 @@ def cosine_pairs(rng: np.random.Generator, n: int, *, lowest_cosine: float = 0.0
 
 
 def uniform_pairs(rng: np.random.Generator, n: int, *, lowest_cosine: float = 0.0) -> Pairs:
-    """Pairs of independent directions, both uniform over the hemisphere: more grazing ones."""
+    """Pairs of independent directions, both uniform over the hemisphere."""
     return _accepted(
         lambda count: (
             _direction(rng.random(count), rng.random(count)),
@@ -75,10 +75,9 @@ def uniform_pairs(rng: np.random.Generator, n: int, *, lowest_cosine: float = 0.
 
 
 def training_pairs(rng: np.random.Generator, n: int) -> Pairs:
-    """Half of the pairs spread in log half angle, a quarter cosine and a quarter uniform.
+    """Half of the pairs log-uniform in the half angle, a quarter cosine, a quarter uniform.
 
-    They are interleaved in this order with a period of four, so that any run of pairs has the
-    same mixture.
+    They are interleaved with a period of four, so that any run of pairs has the same mixture.
 
     Args:
         n: number of pairs, a multiple of 4.
@@ -87,14 +86,14 @@ def training_pairs(rng: np.random.Generator, n: int) -> Pairs:
 
 
 def grazing_pairs(rng: np.random.Generator, n: int) -> Pairs:
-    """As `training_pairs`, but wi of the last quarter has a log-uniform cosine: most of it grazing.
+    """As `training_pairs`, but in the last quarter wi has a log-uniform cosine, mostly grazing.
 
-    The other direction has cosine density, so that together they tell the albedo of every wi.
+    wo has cosine density there, so that the pairs sample the directional albedo of every wi.
     """
     return _interleaved(rng, n, _one_grazing)
 
 
-#: The sets by the name that a data specification uses.
+#: Sets by name whose pairs may be divided among stacks; data specifications use the names.
 DIRECTION_SETS: dict[str, Callable[[np.random.Generator, int], Pairs]] = {
     "training": training_pairs,
     "grazing": grazing_pairs,
@@ -104,10 +103,10 @@ DIRECTION_SETS: dict[str, Callable[[np.random.Generator, int], Pairs]] = {
 
 
 def stratified_pairs(rng: np.random.Generator, n: int) -> Pairs:
-    """One pair in each of n = k^4 strata: theta and phi of both directions cut into k each.
+    """One pair in each of n = k^4 strata: k intervals for theta and phi of both directions.
 
-    All four angles are uniform in their stratum, as the paper has it (Fan et al. 2022, section
-    4.1), hence denser towards the normal than solid angle is.
+    All four angles are uniform in their stratum (Fan et al. 2022, section 4.1), so that pairs are
+    denser towards the normal than in solid angle.
     """
     k = round(n**0.25)
     cells = np.stack(np.unravel_index(np.arange(n), (k, k, k, k)))
@@ -117,21 +116,20 @@ def stratified_pairs(rng: np.random.Generator, n: int) -> Pairs:
 
 
 def probed_pairs(rng: np.random.Generator, n: int) -> Pairs:
-    """The encoder's `PROBES` fixed pairs, then training pairs: a BRDF to encode, not to layer."""
+    """The encoder's `PROBES` fixed pairs, then training pairs."""
     probes, others = probe_pairs(PROBES), training_pairs(rng, n - PROBES)
     return np.concatenate([probes[0], others[0]]), np.concatenate([probes[1], others[1]])
 
 
-#: More of them, of which every stack has a whole one of its own.
-WHOLE = {"stratified": stratified_pairs, "probed": probed_pairs}
+#: Further sets by name, of which every stack has a complete one.
+COMPLETE_SETS = {"stratified": stratified_pairs, "probed": probed_pairs}
 
 
 def check_set(name: str, pairs: int, where: str) -> None:
-    """Raise a ParameterError that begins with `where` if a set cannot have so many pairs."""
-    if name not in DIRECTION_SETS | WHOLE:
-        raise ParameterError(
-            f"{where} has directions = {name!r}; choose one of {', '.join(DIRECTION_SETS | WHOLE)}"
-        )
+    """Raise a ParameterError that begins with `where` if a set cannot have this number of pairs."""
+    names = DIRECTION_SETS | COMPLETE_SETS
+    if name not in names:
+        raise ParameterError(f"{where} has directions = {name!r}; choose one of {', '.join(names)}")
     if name == "stratified" and round(pairs**0.25) ** 4 != pairs:
         raise ParameterError(f"{where} has {pairs} {name} pairs; give a fourth power, such as 625")
     if name == "probed" and pairs <= PROBES:
@@ -142,24 +140,23 @@ def check_set(name: str, pairs: int, where: str) -> None:
 
 def draw_pairs(name: str, rng: np.random.Generator, stacks: int, pairs: int) -> Pairs:
     """The pairs of several stacks, one after the other: (stacks * pairs, 3) twice."""
-    if name not in WHOLE:
+    if name not in COMPLETE_SETS:
         return DIRECTION_SETS[name](rng, stacks * pairs)
-    parts = [WHOLE[name](rng, pairs) for _ in range(stacks)]
+    parts = [COMPLETE_SETS[name](rng, pairs) for _ in range(stacks)]
     return np.concatenate([wi for wi, _ in parts]), np.concatenate([wo for _, wo in parts])
 
 
 def _interleaved(rng: np.random.Generator, n: int, last: Callable[..., Pairs]) -> Pairs:
-    """n pairs: spread in log half angle, cosine, spread in log half angle, `last`, and so on."""
+    """n pairs with the period: log-uniform in the half angle, cosine, log-uniform, `last`."""
     parts = (
         half_angle_pairs(rng, n // 2, tangents=HALF_ANGLE_RANGE, lowest_cosine=LOWEST_COSINE),
         cosine_pairs(rng, n // 4, lowest_cosine=LOWEST_COSINE),
         last(rng, n // 4, lowest_cosine=LOWEST_COSINE),
     )
     wi, wo = np.empty((n, 3), np.float32), np.empty((n, 3), np.float32)
-    for (part_wi, part_wo), where in zip(
-        parts, (slice(0, None, 2), slice(1, None, 4), slice(3, None, 4)), strict=True
-    ):
-        wi[where], wo[where] = part_wi, part_wo
+    places = slice(0, None, 2), slice(1, None, 4), slice(3, None, 4)
+    for (part_wi, part_wo), place in zip(parts, places, strict=True):
+        wi[place], wo[place] = part_wi, part_wo
     return wi, wo
 
 

@@ -1,4 +1,4 @@
-"""The measures of a stack's error, E and P, on values at the direction sets `directions` draws."""
+"""The errors E and P of BRDF values at the pairs of `direction_sets`."""
 
 import numpy as np
 import numpy.typing as npt
@@ -6,7 +6,7 @@ import numpy.typing as npt
 from urushi import checks
 from urushi.errors import ParameterError
 
-#: Cosines below this count as this, so that single grazing pairs carry no less than any other.
+#: Least cosine in the weights of E, so that grazing pairs are not ignored.
 COSINE_FLOOR = 0.02
 
 #: [1/sr] Added to f in P and before logarithms are compared: values far below it look black, and
@@ -15,7 +15,7 @@ DARK_OFFSET = 1e-3
 
 
 def energy_weight(cos_i: npt.ArrayLike, cos_o: npt.ArrayLike) -> np.ndarray:
-    """What a pair counts in E: the product of its cosines (...), clamped to `COSINE_FLOOR`."""
+    """The weight of a pair in E: the product of its cosines (...), clamped to `COSINE_FLOOR`."""
     return np.maximum(cos_i, COSINE_FLOOR) * np.maximum(cos_o, COSINE_FLOOR)
 
 
@@ -31,7 +31,7 @@ def stack_error(
         cos_i, cos_o: (..., M) cosines of the pairs to the normal; clamped to `COSINE_FLOOR`.
 
     Returns:
-        (...) float64: 0 is exact, 1 means an error as large as the reflected energy itself.
+        (...) float64: 0 for exact values, 1 for an error as large as the reflected energy.
 
     Raises:
         ParameterError: a value is not finite, a shape does not fit, or a reference is black.

@@ -10,16 +10,16 @@ def half_difference_angles(
 
     wi, wo: float64 (N, 3); each result is (N,) [rad]. phi_d is taken modulo pi: exchanging wi and
     wo adds pi to it, so that every function of these angles is reciprocal, here bit for bit.
-    phi_d is 0 where it has no meaning (wi = wo); where h is the normal it counts from the x axis.
+    phi_d is 0 if it is undefined (wi = wo); if h is the normal, it counts from the x axis.
     """
     total, difference = wi + wo, wi - wo
-    # Arc tangents of lengths: an arc cosine would lose the small angles, where highlights are.
+    # Arc tangents of lengths: an arc cosine would lose the digits of small angles.
     theta_d = np.arctan2(np.linalg.norm(difference, axis=1), np.linalg.norm(total, axis=1))
     h = total / np.linalg.norm(total, axis=1, keepdims=True)
     sin_h, cos_h = np.hypot(h[:, 0], h[:, 1]), h[:, 2]
     theta_h = np.arctan2(sin_h, cos_h)
 
-    # The frame about h: tangent = dh/dtheta, bitangent = dh/dphi; wi - wo lies in its plane.
+    # wi - wo in the frame about h with the tangent dh/dtheta and the bitangent dh/dphi.
     at_normal = sin_h == 0
     safe = np.where(at_normal, 1.0, sin_h)
     cos_phi = np.where(at_normal, 1.0, h[:, 0] / safe)
@@ -27,14 +27,14 @@ def half_difference_angles(
     x, y, z = difference.T
     along = cos_h * (cos_phi * x + sin_phi * y) - sin_h * z
     across = cos_phi * y - sin_phi * x
-    turned = (across < 0) | ((across == 0) & (along < 0))
-    sign = np.where(turned, -1.0, 1.0)
+    flipped = (across < 0) | ((across == 0) & (along < 0))
+    sign = np.where(flipped, -1.0, 1.0)
     phi_d = np.arctan2(sign * across + 0.0, sign * along + 0.0)  # + 0.0: no negative zeros
     return theta_h, theta_d, phi_d
 
 
 def above_horizon(theta_h: np.ndarray, theta_d: np.ndarray, phi_d: np.ndarray) -> np.ndarray:
-    """Whether both directions of given angles (broadcast) are above the horizon."""
+    """Return whether both directions of the angles (broadcast) are above the horizon."""
     # cos theta of the pair = cos h cos d -+ sin h sin d cos phi_d.
     return np.cos(theta_h) * np.cos(theta_d) > np.abs(
         np.sin(theta_h) * np.sin(theta_d) * np.cos(phi_d)

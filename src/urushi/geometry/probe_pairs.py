@@ -1,4 +1,4 @@
-"""The fixed pairs of directions at which the encoder sees a BRDF."""
+"""The probe pairs: fixed pairs of directions at which the encoder needs a BRDF's values."""
 
 import functools
 
@@ -6,12 +6,14 @@ import numpy as np
 
 from urushi.geometry.half_vector import directions_at_tangent
 
-#: How many the shipped encoders see.
+#: Number of probe pairs of the shipped encoders.
 PROBES = 192
 
-#: Share of the pairs that is spread in the logarithm of the half angle; the rest is spread over
-#: both hemispheres.
+#: Share of the pairs that is uniform in the logarithm of the half angle. The rest has independent
+#: directions over the hemisphere.
 HALF_ANGLE_SHARE = 2 / 3
+
+#: Range of tan theta_h, largest theta_d [rad], and least cosine of either direction.
 MIN_TANGENT, MAX_TANGENT = 1e-3, 4.0
 MAX_DIFFERENCE = np.radians(86.0)
 MIN_COSINE = 0.02
@@ -27,7 +29,7 @@ def _points(count: int, dimension: int) -> np.ndarray:
 
 
 def _half_angle_pairs(count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Pairs log-spread in tan theta_h; phi_d within a quadrant, by reciprocity and mirroring."""
+    """Pairs log-uniform in tan theta_h; phi_d in one quadrant, by reciprocity and isotropy."""
     u = _points(8 * count, 3)
     tan_h = MIN_TANGENT * (MAX_TANGENT / MIN_TANGENT) ** u[:, 0]
     wi, wo = directions_at_tangent(tan_h, MAX_DIFFERENCE * u[:, 1], 0.5 * np.pi * u[:, 2])
@@ -36,7 +38,7 @@ def _half_angle_pairs(count: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _hemisphere_pairs(count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Pairs with independent uniform cosines and a uniform azimuth between them."""
+    """Pairs with independent uniform cosines and a uniform difference of azimuths."""
     u = _points(count, 3)
     cos_i, cos_o = (MIN_COSINE + (1.0 - MIN_COSINE) * u[:, i] for i in (0, 1))
     sin_i, sin_o = np.sqrt(1.0 - cos_i**2), np.sqrt(1.0 - cos_o**2)
@@ -49,8 +51,8 @@ def _hemisphere_pairs(count: int) -> tuple[np.ndarray, np.ndarray]:
 def probe_pairs(n: int = PROBES) -> tuple[np.ndarray, np.ndarray]:
     """Return the n pairs wi, wo: read-only float32 (n, 3), above the horizon, always the same.
 
-    Two thirds have tan theta_h spread logarithmically over [0.001, 4] about difference angles up
-    to 86 degrees, so that lobes down to alpha = 0.01 are resolved; the rest cover the hemispheres.
+    Two thirds have tan theta_h log-uniform in [0.001, 4] and theta_d up to 86 degrees, so that
+    lobes down to alpha = 0.01 are resolved. The rest covers the hemisphere.
     """
     first = round(n * HALF_ANGLE_SHARE)
     parts = _half_angle_pairs(first), _hemisphere_pairs(n - first)

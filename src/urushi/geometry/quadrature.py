@@ -1,23 +1,23 @@
-"""Integrals over the hemisphere of outgoing directions, exact enough for any GGX-like lobe."""
+"""Quadrature over the hemisphere of outgoing directions that resolves any GGX-like lobe."""
 
 import numpy as np
 
-#: Gauss-Legendre nodes in the logarithm of tan theta_h, and in each half of the azimuth's range.
+#: Gauss-Legendre nodes in ln tan theta_h, and in each half of the range [0, pi] of the azimuth.
 POLAR_NODES, AZIMUTH_NODES = 48, 16
-#: Half angles below this tangent are left out: 1e-6 of a lobe of alpha = 0.01.
+#: Least tan theta_h. Smaller half angles hold 1e-6 of a lobe of alpha = 0.01.
 MIN_TANGENT = 1e-5
 
 
 def half_vector_rule(wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return wo (N, M, 3) and weights (N, M): sums of f(wo) cos_o weights integrate f cos_o.
+    """Return wo (N, M, 3) and weights (N, M): the sum of f(wo) cos_o weights integrates f cos_o.
 
-    wi: (N, 3) unit vectors above the horizon. For isotropic f only: the integrand must be the same
-    on both sides of the plane of incidence, of which one is sampled.
+    wi: (N, 3) unit vectors above the horizon. f must be isotropic: nodes lie on one side of the
+    plane of incidence, and the integrand must be the same on the other.
 
-    Integration over half vectors, logarithmic in tan theta_h, resolves narrow and wide lobes
-    alike. With wi = (s, 0, c) and h at (theta, phi), wo's cosine is
-    s cos(phi) sin(2 theta) + c cos(2 theta), whose zero is known: no node is wasted and no jump is
-    integrated. The Jacobian of reflection is 4 wi.h.
+    The integration variable is the half vector, logarithmic in tan theta_h, which resolves narrow
+    and wide lobes. With wi = (s, 0, c) and h at (theta, phi), the cosine of wo is
+    s cos(phi) sin(2 theta) + c cos(2 theta). The range of theta ends at its zero, so that all nodes
+    are above the horizon and no discontinuity is integrated. The Jacobian of reflection is 4 wi.h.
     """
     wi = np.asarray(wi, np.float64)
     c = wi[:, 2, None, None]
@@ -40,11 +40,11 @@ def half_vector_rule(wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     wo[..., 2] -= c
     # d(omega_h) = sin theta d(theta) d(phi), and d(theta) = sin cos d(ln tan theta)
     weight = 4.0 * dot * sin_h * sin_h * cos_h * (0.5 * span * weights) * phi_weight
-    return _turned(wo.reshape(len(wi), -1, 3), wi), weight.reshape(len(wi), -1)
+    return _rotated_to(wo.reshape(len(wi), -1, 3), wi), weight.reshape(len(wi), -1)
 
 
-def _turned(wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
-    """Turn directions about the normal so that the plane of incidence, first xz, contains wi."""
+def _rotated_to(wo: np.ndarray, wi: np.ndarray) -> np.ndarray:
+    """Rotate directions about the normal so that the xz plane becomes the plane of incidence."""
     azimuth = np.arctan2(wi[:, 1], wi[:, 0])
     cos, sin = np.cos(azimuth)[:, None], np.sin(azimuth)[:, None]
     x, y = wo[..., 0], wo[..., 1]

@@ -1,6 +1,6 @@
 """Isotropic microfacet distributions with separable Smith masking, G = G1(wi) G1(wo).
 
-Interfaces are GGX throughout; the other distributions serve bottoms alone.
+All interfaces are GGX. The other distributions are used by bottoms only.
 """
 
 import drjit as dr
@@ -83,7 +83,7 @@ def gtr_d(m, alpha, gamma):
     """Generalised Trowbridge-Reitz distribution D(m) [1/sr] (Burley 2012, appendix B.2).
 
     D is proportional to (alpha^2 cos^2 + sin^2)^-gamma and normalised, the integral of D cos being
-    one; alpha in (0, 1). gamma = 2 is GGX; a lower one, not 1, has longer tails.
+    one; alpha in (0, 1). gamma = 2 is GGX; a lower gamma (not 1) has longer tails.
     """
     alpha2 = alpha * alpha
     base = dr.fma(alpha2 * m.z, m.z, m.x * m.x + m.y * m.y)
@@ -92,10 +92,10 @@ def gtr_d(m, alpha, gamma):
 
 
 def sample_gtr(vector, alpha, gamma, u1, u2):
-    """Sample a facet normal with the density `gtr_d` times its cosine; vector: the type."""
+    """Sample a facet normal of type `vector` with the density `gtr_d` times its cosine."""
     alpha2 = alpha * alpha
-    most = dr.power(alpha2, 1 - gamma)
-    base = dr.power(dr.fma(u2, most - 1, 1), 1 / (1 - gamma))
+    highest = dr.power(alpha2, 1 - gamma)
+    base = dr.power(dr.fma(u2, highest - 1, 1), 1 / (1 - gamma))
     sin2 = dr.clip((base - alpha2) / (1 - alpha2), 0, 1)
     sin_phi, cos_phi = dr.sincos(2 * dr.pi * u1)
     sin_theta = dr.sqrt(sin2)

@@ -1,7 +1,7 @@
-"""Mixtures of GGX reflection lobes and a cosine lobe, from which directions are drawn.
+"""Proposals: mixtures of GGX reflection lobes and a cosine lobe, from which directions are drawn.
 
-Directions that fall below the horizon are mirrored up, so that the density is exactly normalised
-over the upper hemisphere.
+Directions below the horizon are mirrored up, so that the density is exactly normalised over the
+upper hemisphere.
 """
 
 from collections.abc import Sequence
@@ -14,7 +14,12 @@ from urushi.physics.frame import square_to_cosine_hemisphere
 
 
 class Mixture(NamedTuple):
-    """For some wi: weights (K+1, the last the cosine lobe's) that add up to 1, widths (K)."""
+    """The proposal for one wi.
+
+    Attributes:
+        weights: K + 1 numbers of sum 1, the last the cosine lobe's.
+        alphas: the K GGX widths.
+    """
 
     weights: Sequence[Any]
     alphas: Sequence[Any]
@@ -27,7 +32,7 @@ class Mixture(NamedTuple):
         return dr.select((wi.z > 0) & (wo.z > 0), density, 0)
 
     def sample(self, wi, choice, u):
-        """Draw wo above the horizon by the uniform numbers `choice` and `u` (two)."""
+        """Draw wo above the horizon by uniform numbers: `choice` for the lobe, two `u` for wo."""
         edge, alpha = self.weights[0], self.alphas[0]
         for weight, next_alpha in zip(self.weights[1:-1], self.alphas[1:], strict=True):
             alpha = dr.select(choice >= edge, next_alpha, alpha)

@@ -1,10 +1,10 @@
 """Tabulated BRDFs as bottoms of the random walk, with sampling by fitted lobes.
 
 A table is one of `measured.tabulated`: trilinear between bin centres over sqrt(theta_h), theta_d
-and phi_d (Rusinkiewicz 1998). Directions are drawn from a mixture of two GGX lobes and a cosine lobe.
-The lobes minimise the second moment of f cos / pdf, the integral of (f cos)^2 / pdf, for wi of
-several elevations. The moment is convex in the lobes' shares, which multiplicative steps optimise;
-the two widths, common to all elevations, are found by trial of all pairs from a list.
+and phi_d (Rusinkiewicz 1998). Directions are drawn from a mixture of two GGX lobes and a cosine
+lobe. The lobes minimise the second moment of f cos / pdf, the integral of (f cos)^2 / pdf, for wi
+of several elevations. The moment is convex in the lobes' shares, which multiplicative steps
+optimise; the two widths, common to all elevations, are found by trial of all pairs from a list.
 """
 
 import importlib
