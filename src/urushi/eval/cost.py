@@ -1,4 +1,4 @@
-"""Sizes and times of networks: reported, not judged."""
+"""Sizes and times of networks, which are reported without aims."""
 
 import statistics
 import time
@@ -13,18 +13,18 @@ from urushi.nets.architecture import FIXED
 from urushi.nets.weights import Model
 from urushi.reference import conductor, dielectric
 
-#: Textures of these many texels a side are layered, and the times continued to `TEXTURE` as a
-#: constant and a share for each texel.
+#: Texels per side of the textures that are layered; the times are extrapolated to `TEXTURE` texels
+#: per side as a constant plus a time per texel.
 TILES, TEXTURE = (128, 256), 1024
 
 GOLD, TOP = conductor(0.2, (0.98, 0.77, 0.34)), dielectric(0.05, 1.5)
 
-#: Pairs of directions in the measurement of evaluations a second.
+#: Pairs of directions in the measurement of evaluations per second.
 PAIRS = 1 << 16
 
 
 def parameters(model: Model) -> dict[str, int]:
-    """Trained numbers by network."""
+    """Number of trained parameters by network."""
     counts: dict[str, int] = {}
     for name, array in model.params.items():
         if name not in FIXED:
@@ -34,7 +34,7 @@ def parameters(model: Model) -> dict[str, int]:
 
 
 def seconds(model: Model) -> dict[str, float]:
-    """Median times of the public operations on NumPy, on this machine under its present load."""
+    """Median times [s] of the public operations on NumPy, on this machine at its present load."""
     single = {name: _median(run, 15) for name, run in single_operations(model).items()}
     small, large = (
         {name: _median(run, 3) for name, run in texture_operations(model, side).items()}
@@ -54,7 +54,7 @@ def seconds(model: Model) -> dict[str, float]:
 
 
 def single_operations(model: Model) -> dict[str, Callable[[], object]]:
-    """What is timed of one material."""
+    """Operations on one material, by name."""
     bottom = encode(GOLD, model)
     return {
         "encode one RGB material": lambda: encode(GOLD, model),
@@ -63,7 +63,7 @@ def single_operations(model: Model) -> dict[str, Callable[[], object]]:
 
 
 def texture_operations(model: Model, side: int) -> dict[str, Callable[[], object]]:
-    """Layerings of side x side RGB texels whose coats differ in every parameter and channel."""
+    """Layering of side x side RGB texels, by name; coats vary in every parameter and channel."""
     rng = np.random.default_rng(0)
     shape = side, side, 3
     coat: dict[str, Any] = {
@@ -84,7 +84,7 @@ def texture_operations(model: Model, side: int) -> dict[str, Callable[[], object
 
 
 def _median(operation: Callable[[], object], runs: int) -> float:
-    """Median time of an operation, after one that is not counted."""
+    """Median time [s] of an operation over `runs`, after one run that is not counted."""
     operation()
     times = []
     for _ in range(runs):

@@ -1,15 +1,15 @@
-"""Full direction tables of unseen stacks: the comparison of the Neural Material Adapter.
+"""Errors in full tables of directions, the comparison of the Neural Material Adapter.
 
-Sharma et al. (2026) compare on 89 unseen stacks of three components (here: a rough interface, a
+Sharma et al. (2026) compare on 89 held-out stacks of three components (here: a rough interface, a
 medium and a conductor, by Table 2) in tables over theta_i, phi_i, theta_o and phi_o, of 40 x 80 x
 40 x 80 directions. Isotropic BRDFs need phi_i = 0 only: averages over all phi_i are the same, so
 that a table has 40 x 40 x 80 values. Polar angles are at the cells' centres, azimuths at multiples
-of 360/80 degrees. What the publication leaves open is fixed here: values are f without cosine,
-PSNR's peak is the reference table's largest value, SMAPE is the mean of 2 |a - b| / (|a| + |b|),
-and every measure is averaged over stacks. Only figures taken with this same code compare.
+of 360/80 degrees. The publication leaves details open, which are fixed here: values are f without
+cosine, PSNR's peak is the reference table's largest value, SMAPE is the mean of 2 |a - b| / (|a| +
+|b|), and every measure is averaged over stacks. Compare only figures made by this code.
 
 The walk simulates each distinct entry once (mirrored azimuths are equal, and so are exchanged
-directions); the networks are asked for every entry.
+directions); the networks are evaluated at every entry.
 """
 
 import json
@@ -41,9 +41,9 @@ class Protocol:
     """Size of the comparison.
 
     Attributes:
-        stacks: how many.
+        stacks: number of stacks.
         polar, azimuth: numbers of angles; azimuth must be even.
-        walks: for every simulated pair; at 1024 a value's standard error is about 1.5 %.
+        walks: number per simulated pair; at 1024 a value's standard error is about 1.5 %.
         seed: of stacks and walks.
     """
 
@@ -62,6 +62,7 @@ class Protocol:
 
     def table(self) -> StackTable:
         """The stacks."""
+        # The stacks depend on the group's name: another name would draw others.
         return sampling.draw_stacks(Group("adapter", Table2(1), self.stacks), self.seed)
 
     def directions(self) -> tuple[np.ndarray, np.ndarray]:
@@ -79,7 +80,7 @@ class Protocol:
         return wi.astype(np.float32), wo.astype(np.float32)
 
     def distinct(self) -> tuple[np.ndarray, np.ndarray]:
-        """Indices of entries that no symmetry relates, and for every entry which of those it is."""
+        """Indices of one entry per class of equal entries, and the class of every entry."""
         shape = self.polar, self.polar, self.azimuth
         i, o, j = np.indices(shape)
         mirrored = np.minimum(j, self.azimuth - j)
@@ -90,13 +91,13 @@ class Protocol:
 
 @dataclass(frozen=True)
 class Outcome:
-    """Averages over the stacks; those of the noise are what an exact network would show.
+    """Averages over the stacks; an exact network would show those of the noise.
 
     Attributes:
         mae, psnr, smape: errors of the networks, the reference's noise included; psnr in dB.
-        noise_mae, noise_psnr, noise_smape: the part of the reference's noise alone.
-        evaluations: values that the networks gave.
-        seconds: that they took for it.
+        noise_mae, noise_psnr, noise_smape: expected errors from the reference's noise alone.
+        evaluations: number of values evaluated by the networks.
+        seconds: their time.
     """
 
     mae: float
@@ -109,7 +110,7 @@ class Outcome:
     seconds: float
 
     def text(self, protocol: Protocol) -> str:
-        """The figures in lines."""
+        """The figures as lines of text."""
         rate = self.evaluations / max(self.seconds, 1e-9)
         full = protocol.azimuth * self.evaluations / rate
         return "\n".join(
@@ -131,7 +132,7 @@ def report(
     output: str | os.PathLike | None = None,
     protocol: Protocol | None = None,
 ) -> str:
-    """Compare networks by the protocol; returns the figures in lines.
+    """Compare networks by the protocol; returns the figures as text.
 
     Args:
         weights: the networks: "base" (the default), "small", a weights file, or a Model.
@@ -160,7 +161,7 @@ def measure(model: Model, protocol: Protocol, folder: str | os.PathLike | None =
     Args:
         model: the networks.
         protocol: the size.
-        folder: where the simulated tables are kept for the next networks; default: nowhere.
+        folder: for the simulated tables, which later calls reuse; default: they are not stored.
 
     Raises:
         FileError: the folder's tables are damaged, of another size, or cannot be written.
@@ -168,10 +169,10 @@ def measure(model: Model, protocol: Protocol, folder: str | os.PathLike | None =
     table, (wi, wo), (_, place) = protocol.table(), protocol.directions(), protocol.distinct()
     nothing = np.zeros((len(table), 0), np.float32)
     no_pairs = np.zeros((len(table), 0, 3), np.float32)
-    made = predict.materials(model, Samples(table, no_pairs, no_pairs, nothing, nothing))
+    materials = predict.materials(model, Samples(table, no_pairs, no_pairs, nothing, nothing))
     figures, seconds = [], 0.0
     with tqdm(total=len(table), desc="tables", unit="stack", disable=None) as progress:
-        for material, (f, se) in zip(made, _tables(protocol, table, folder), strict=True):
+        for material, (f, se) in zip(materials, _tables(protocol, table, folder), strict=True):
             start = time.perf_counter()
             f_hat = material.f(wi, wo)[:, 0]
             seconds += time.perf_counter() - start
@@ -220,8 +221,8 @@ def _tables(
 
 def _stored(path: Path, protocol: Protocol, stack: int) -> tuple[np.ndarray, np.ndarray]:
     description, arrays = files.read_tensors(path, _KIND)
-    wanted = _description(protocol, stack)
-    if any(description.get(name) != value for name, value in wanted.items()):
+    expected = _description(protocol, stack)
+    if any(description.get(name) != value for name, value in expected.items()):
         raise FileError(f"'{path}' is a table of another protocol; choose another folder")
     return arrays["f"], arrays["se"].astype(np.float32)
 

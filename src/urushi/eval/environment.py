@@ -1,7 +1,4 @@
-"""Light from all around, as sphere pictures take it: maps from files, and two of Urushi's own.
-
-Looking up pictures whose columns close into a circle: environments, and spheres by azimuth.
-"""
+"""Environment maps for pictures of spheres: two of Urushi's own, and maps from files."""
 
 import os
 from dataclasses import dataclass
@@ -17,10 +14,10 @@ from urushi.scenes.stage import Light
 #: Cells of the grid: elevations from the camera's direction, and azimuths about it.
 ELEVATIONS, AZIMUTHS = 96, 192
 
-#: Points of a cell along each axis, whose mean is the cell's radiance.
+#: Points per axis of a cell; their mean is the cell's radiance.
 FINE = 8
 
-#: Rows and columns of a file's map above which it is made smaller first.
+#: Maps with more rows or columns than these are reduced first.
 LARGEST = (512, 1024)
 
 
@@ -41,7 +38,7 @@ class Environment:
 
 
 def cell_points() -> np.ndarray:
-    """Unit vectors (ELEVATIONS, FINE, AZIMUTHS, FINE, 3) at which a cell's mean is taken."""
+    """Unit vectors (ELEVATIONS, FINE, AZIMUTHS, FINE, 3) whose values are averaged over cells."""
     fine = (np.arange(FINE) + 0.5) / FINE
     theta = np.pi * np.add.outer(np.arange(ELEVATIONS), fine) / ELEVATIONS
     phi = 2 * np.pi * np.add.outer(np.arange(AZIMUTHS), fine - 0.5) / AZIMUTHS
@@ -52,7 +49,7 @@ def cell_points() -> np.ndarray:
 
 
 def own() -> list[Environment]:
-    """Two that need no file: a studio with softboxes, and a low sun in a clear sky."""
+    """Two environments by code: a studio with softboxes, and a low sun in a clear sky."""
     white, warm, blue = (1.0, 1.0, 1.0), (1.0, 0.85, 0.65), (0.55, 0.75, 1.0)
     studio = (
         Light(towards=(-1.0, -0.6, 0.9), size=(0.35, 0.35), radiance=tuple(9 * c for c in white)),
@@ -96,7 +93,7 @@ def _of_stage(
     ground: stage.Vector,
     lights: tuple[Light, ...],
 ) -> Environment:
-    """A sky of the shipped scenes, where z is up and the camera at negative y."""
+    """A sky of `stage.radiance`, in whose frame z is up and the camera at negative y."""
     x, y, z = np.moveaxis(cell_points(), -1, 0)
     points = np.stack([x, -z, y], axis=-1)
     return Environment(name, _cell_means(stage.radiance(points, zenith, horizon, ground, lights)))
@@ -113,7 +110,7 @@ def _cell_means(fine: np.ndarray) -> np.ndarray:
 def _reduced(image: np.ndarray) -> np.ndarray:
     """The map (H, W, 3) with blocks of pixels averaged until it is at most as large as `LARGEST`.
 
-    Without that, points could step over the pixels of a small sun.
+    Otherwise the points of `cell_points` could miss the pixels of a small sun.
     """
     for axis, most in enumerate(LARGEST):
         count = -(-image.shape[axis] // most)
@@ -134,10 +131,10 @@ def _look_up(image: np.ndarray, directions: np.ndarray) -> np.ndarray:
 
 
 def periodic_bilinear(image: np.ndarray, row: np.ndarray, column: np.ndarray) -> np.ndarray:
-    """Values (..., C) between the pixels of image (H, W, C).
+    """Bilinear values (..., C) of an image (H, W, C) whose columns are periodic.
 
-    row (...): in [0, H - 1], the first row's pixels at 0; column (...): any, of period W, the first
-    column's pixels at 0.
+    row (...): in [0, H - 1], pixel centres at whole numbers; column (...): any number, of period W,
+    pixel centres at whole numbers.
     """
     rows, columns = image.shape[:2]
     above, left = np.floor(row).astype(np.intp), np.floor(column).astype(np.intp)

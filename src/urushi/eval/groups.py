@@ -1,4 +1,4 @@
-"""Which stacks networks are measured on, and which rows of figures are made of them."""
+"""The held-out stacks that networks are measured on, and the rows of the table of errors."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,11 +13,11 @@ class Group:
     """Held-out stacks of one distribution.
 
     Attributes:
-        name: unique; the group's stacks and directions depend on it.
-        distribution: where the stacks' parameters come from.
-        stacks: how many.
-        probed: numbers of coats, at least one: of each stack's lowest coats over the bottom the
-            values at the probe pairs are simulated too, for the encoder.
+        name: unique; seeds the group's stacks and directions.
+        distribution: of the stacks' parameters.
+        stacks: number of stacks.
+        probed: numbers of coats, each at least one. For each number the lowest coats over the
+            bottom are simulated at the probe pairs too, as input of the encoder.
     """
 
     name: str
@@ -36,7 +36,7 @@ class Group:
 
 
 class Aim(NamedTuple):
-    """A figure that the project wants: `metric`'s `statistic` at or below `limit` (a fraction)."""
+    """An aim of the project: `metric`'s `statistic` is at most `limit` (a fraction)."""
 
     metric: str
     statistic: str
@@ -45,15 +45,15 @@ class Aim(NamedTuple):
 
 @dataclass(frozen=True)
 class Row:
-    """One line of the table: what is made of several groups' stacks together.
+    """One line of the table: errors over the stacks of several groups.
 
     Attributes:
-        name: what the line says.
+        name: of the line.
         groups: the names of the groups.
-        encoded: how many of each stack's coats are encoded with the bottom, from its values at
-            the probe pairs; the others are layered. -1: all of them.
+        encoded: number of each stack's lowest coats that are encoded with the bottom, from values
+            at the probe pairs; the others are layered. -1: all.
         refined: whether the codes are refined before they are layered, see `material.fit`.
-        aims: what the `base` networks should reach.
+        aims: of the `base` networks.
     """
 
     name: str
@@ -63,7 +63,7 @@ class Row:
     aims: tuple[Aim, ...] = ()
 
     def coats(self, group: Group) -> int:
-        """How many coats of a group's stacks are encoded."""
+        """Number of coats of a group's stacks that are encoded."""
         return group.distribution.coats if self.encoded < 0 else self.encoded
 
 
@@ -71,7 +71,7 @@ def _e(limit: float) -> Aim:
     return Aim("E", "mean", limit)
 
 
-#: The kinds of bottom that are measured, in words; the stored set has no others.
+#: The kinds of bottom that are measured, with their names in the table.
 BOTTOMS = {
     "conductor": "conductor (Schlick)",
     "conductor_complex": "conductor (complex)",

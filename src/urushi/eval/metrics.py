@@ -1,6 +1,6 @@
-"""Measures of error of images and of tables of BRDF values, and what sums errors up.
+"""Error measures of images and of tables of BRDF values, and their summaries.
 
-Measures of how alike two pictures look on a display, over a part of them.
+First measures of linear values, then measures of pictures as a display shows them.
 """
 
 from dataclasses import asdict, dataclass, fields
@@ -16,7 +16,7 @@ IMAGE_OFFSET = 1e-2
 
 
 def summary(errors: npt.ArrayLike) -> dict[str, float]:
-    """Mean, median and 95th percentile over all `errors` of any shape."""
+    """Mean, median and 95th percentile of all `errors`, an array of any shape."""
     (errors,) = checks.finite(errors=errors)
     if errors.size == 0:
         raise ParameterError("errors is empty; there is nothing to summarise")
@@ -42,8 +42,8 @@ def relative_mse(
     Args:
         image, reference: (H, W, C) linear radiance.
         variance: variance of the noise in these images, by pixel or constant, as
-            `halves_variance` gives it. What is left is the error that more samples of the
-            reference would not remove; by chance it may fall below zero.
+            `halves_variance` gives it. The rest is the error that more samples would not remove;
+            by chance it may be below zero.
         offset: keeps dark pixels finite, in units of the squared radiance.
     """
     image, reference, variance = checks.finite(image=image, reference=reference, variance=variance)
@@ -53,8 +53,8 @@ def relative_mse(
 def halves_variance(first: npt.ArrayLike, second: npt.ArrayLike) -> np.ndarray:
     """Estimate by pixel the variance of (first + second) / 2 from two independent renders.
 
-    Unbiased, with one degree of freedom a pixel: Var = (first - second)^2 / 4. Noisy for one
-    pixel, good for a mean over many.
+    Unbiased, with one degree of freedom per pixel: Var = (first - second)^2 / 4. It is noisy in
+    one pixel and accurate in the mean of many.
 
     Args:
         first, second: (...) renders of one scene, of equal sample count, with different seeds.
@@ -85,20 +85,20 @@ def smape(table: npt.ArrayLike, reference: npt.ArrayLike) -> float:
     return float((2 * np.abs(table - reference) / np.where(total > 0, total, 1)).mean())
 
 
-#: PSNR of pictures without any difference counts as this [dB]: means of it must stay finite. It
-#: is beyond what 16 bits a channel can hold.
+#: PSNR of equal pictures [dB], finite so that means are finite. It is higher than that of any two
+#: different pictures of 16 bits per channel.
 BEST_PSNR = 100.0
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """How a picture differs from another, both as they are shown: sRGB in [0, 1].
+    """Differences of two pictures in sRGB values in [0, 1].
 
     Attributes:
-        mae, rmse: mean absolute difference, and the root of the mean squared one.
+        mae, rmse: mean absolute and root mean squared difference.
         psnr: peak signal-to-noise ratio [dB], at most `BEST_PSNR`.
         ssim: structural similarity (Wang et al. 2004), 1 for equal pictures.
-        flip: mean of FLIP (Andersson et al. 2020), 0 for equal pictures; NaN if not asked for.
+        flip: mean of FLIP (Andersson et al. 2020), 0 for equal pictures; NaN: not computed.
     """
 
     mae: float
@@ -109,7 +109,7 @@ class Comparison:
 
     @classmethod
     def mean(cls, several: "list[Comparison]") -> "Comparison":
-        """The mean of every measure over pictures."""
+        """The mean of every measure over several comparisons."""
         return cls(*(float(np.mean([getattr(c, f.name) for c in several])) for f in fields(cls)))
 
     def as_dict(self) -> dict[str, float]:
@@ -124,7 +124,7 @@ def srgb(linear: np.ndarray) -> np.ndarray:
 
 
 def shown(radiance: npt.ArrayLike) -> np.ndarray:
-    """A picture on a display: (H, W, 3) of linear radiance, clipped at 1, to sRGB in [0, 1]."""
+    """sRGB values in [0, 1] of linear radiance (H, W, 3), clipped at 1."""
     (radiance,) = checks.finite(radiance=radiance)
     return srgb(np.clip(radiance, 0, 1))
 
@@ -136,16 +136,16 @@ def compare(
     *,
     flip: bool = True,
 ) -> Comparison:
-    """Compare pictures as they are shown.
+    """Compare two pictures in sRGB values.
 
     Args:
         image, reference: (H, W, 3) linear radiance, at least 11 pixels high and wide.
-        mask: bool (H, W), the pixels that count; default: all. A black background would make
-            every measure look better.
-        flip: whether FLIP is wanted, which takes the package flip-evaluator.
+        mask: bool (H, W), the pixels to compare; default: all. A black background would make
+            every measure better.
+        flip: whether to compute FLIP, which needs the package flip-evaluator.
 
     Raises:
-        ParameterError: shapes that do not fit, numbers that are not finite, an empty mask.
+        ParameterError: shapes differ, a number is not finite, or the mask is empty.
         PlatformError: a package is missing.
     """
     image, reference = shown(image), shown(reference)
@@ -156,20 +156,20 @@ def compare(
             f"the mask has shape {inside.shape} and {inside.sum()} pixels of an image of "
             f"{image.shape[:2]}; give one of the image's shape that is not empty"
         )
-    some, wanted = image[inside], reference[inside]
+    pixels, expected = image[inside], reference[inside]
     return Comparison(
-        mae=mae(some, wanted),
-        rmse=float(np.sqrt(mse(some, wanted))),
-        psnr=min(psnr(some, wanted), BEST_PSNR),
+        mae=mae(pixels, expected),
+        rmse=float(np.sqrt(mse(pixels, expected))),
+        psnr=min(psnr(pixels, expected), BEST_PSNR),
         ssim=float(ssim_map(image, reference)[inside].mean()),
         flip=float(flip_map(image, reference)[inside].mean()) if flip else np.nan,
     )
 
 
 def ssim_map(image: np.ndarray, reference: np.ndarray) -> np.ndarray:
-    """Structural similarity by pixel (H, W), the mean over channels, of values in [0, 1].
+    """Structural similarity by pixel (H, W), averaged over channels, of values in [0, 1].
 
-    With the Gaussian window and the constants of Wang et al. 2004.
+    Gaussian window and constants of Wang et al. 2004.
     """
     try:
         from skimage.metrics import structural_similarity  # lazily: an extra
@@ -191,7 +191,7 @@ def ssim_map(image: np.ndarray, reference: np.ndarray) -> np.ndarray:
 
 
 def flip_map(image: np.ndarray, reference: np.ndarray) -> np.ndarray:
-    """FLIP by pixel (H, W) of pictures in [0, 1], at 67 pixels a degree of the observer's view."""
+    """FLIP by pixel (H, W) of pictures in [0, 1], at 67 pixels per degree of the visual field."""
     try:
         import flip_evaluator  # lazily: it has no wheels for some platforms
     except ImportError as error:

@@ -1,4 +1,4 @@
-"""Laws of physics that networks' materials must keep, each as one figure."""
+"""Laws of physics that networks' materials should keep, each measured by one figure."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -15,28 +15,28 @@ from urushi.material import Material
 from urushi.material.layer import layer_texels
 from urushi.nets.weights import Model
 
-#: Stacks that absorb nothing, for every number of coats and both kinds of perfect bottom.
+#: Number of stacks that absorb nothing, per number of coats and kind of bottom; numbers of coats.
 WHITE_STACKS, WHITE_COATS = 16, (1, 2, 3, 5)
 
-#: The coat that is nearly not there, and the E to the bare bottom that is allowed.
+#: A coat that changes almost nothing, and the allowed E to the bare bottom.
 VANISHING = {"alpha": 0.01, "eta": 1.001, "albedo": 0.5, "sigma_t": 0.0, "g": 0.0}
 VANISHING_ERROR = 0.01
 
-#: Steps of the coats' absorption sigma_a in the test of monotony, added to a fixed scattering.
+#: Absorption sigma_a of the coats in the test of absorption, at a fixed scattering.
 ABSORPTION = np.linspace(0.0, 4.0, 9)
 
-#: A rise of f by less than this fraction does not count as one: single precision.
+#: Rises of f below this fraction are rounding errors of single precision.
 RISE = 1e-5
 
 
 @dataclass(frozen=True)
 class Figure:
-    """One law: how far it is broken at worst.
+    """The worst deviation from one law.
 
     Attributes:
         name: the law in words.
         value: the figure, in `unit`.
-        limit: what is allowed; None if the figure is only reported.
+        limit: allowed value; None if the figure is only reported.
         lower: whether `limit` is a lower bound.
     """
 
@@ -48,19 +48,19 @@ class Figure:
 
     @property
     def kept(self) -> bool | None:
-        """Whether the law is kept; None if nothing was asked."""
+        """Whether the law is kept; None without a limit."""
         if self.limit is None:
             return None
         return bool(self.value > self.limit if self.lower else self.value <= self.limit)
 
 
 def measure(
-    model: Model, sets: Mapping[str, Samples], made: Mapping[str, list[Material]]
+    model: Model, sets: Mapping[str, Samples], materials: Mapping[str, list[Material]]
 ) -> list[Figure]:
-    """All laws, on the groups' materials `made` and on stacks of their own."""
+    """All laws, on the networks' `materials` of the groups and on stacks of this module."""
     return [
-        *reciprocity_and_sign(sets, made),
-        *albedo_excess(sets, made),
+        *reciprocity_and_sign(sets, materials),
+        *albedo_excess(sets, materials),
         white_albedo(model),
         vanishing_coat(model, sets),
         *absorption(model),
@@ -68,11 +68,11 @@ def measure(
 
 
 def reciprocity_and_sign(
-    sets: Mapping[str, Samples], made: Mapping[str, list[Material]]
+    sets: Mapping[str, Samples], materials: Mapping[str, list[Material]]
 ) -> list[Figure]:
-    """Pairs whose value changes by a bit with wi and wo exchanged; and the least value."""
+    """Number of pairs whose value changes if wi and wo are exchanged; and the smallest value."""
     differ, least = 0, np.inf
-    for name, group in made.items():
+    for name, group in materials.items():
         wi, wo = sets[name].wi, sets[name].wo
         forward, backward = (predict.evaluate(group, *pairs) for pairs in ((wi, wo), (wo, wi)))
         differ += int((forward != backward).sum())
@@ -84,10 +84,12 @@ def reciprocity_and_sign(
     ]
 
 
-def albedo_excess(sets: Mapping[str, Samples], made: Mapping[str, list[Material]]) -> list[Figure]:
-    """By how much the directional albedo exceeds the reference's at worst, and its mean error."""
+def albedo_excess(
+    sets: Mapping[str, Samples], materials: Mapping[str, list[Material]]
+) -> list[Figure]:
+    """Largest excess of the directional albedo over the reference's, and its mean error."""
     excess, noise = [], []
-    for name, group in made.items():
+    for name, group in materials.items():
         albedo, se = sets[name].albedo, sets[name].albedo_se
         if albedo is not None and se is not None:
             excess.append((_albedo(group[: len(albedo)]) - albedo).ravel())
@@ -119,7 +121,7 @@ def white_albedo(model: Model) -> Figure:
 
 
 def vanishing_coat(model: Model, sets: Mapping[str, Samples]) -> Figure:
-    """Mean E between bare bottoms and the same under a coat that is nearly not there."""
+    """Mean E between bare bottoms and these bottoms under the `VANISHING` coat."""
     errors = []
     for samples in sets.values():
         if samples.table.coats:
@@ -133,9 +135,9 @@ def vanishing_coat(model: Model, sets: Mapping[str, Samples]) -> Figure:
 
 
 def absorption(model: Model, stacks: int = 16) -> list[Figure]:
-    """How often, and by how much, f rises as the medium absorbs more and scatters the same.
+    """How often and by how much f rises as absorption grows at a fixed scattering.
 
-    Physics says never: every path through the medium loses.
+    It must never rise: every path through the medium loses energy.
     """
     rises, albedo_rises = [], []
     for kind in ("conductor", "diffuse"):
@@ -151,9 +153,9 @@ def absorption(model: Model, stacks: int = 16) -> list[Figure]:
         for sigma_a in ABSORPTION:
             coat["sigma_t"] = scattering + sigma_a
             coat["albedo"] = scattering / np.maximum(coat["sigma_t"], 1e-9)
-            made = predict.split(Material(layer_texels(model, anchors, **coat), model))
-            values.append(predict.evaluate(made, wi, wo).astype(np.float64))
-            albedos.append(_albedo(made))
+            materials = predict.split(Material(layer_texels(model, anchors, **coat), model))
+            values.append(predict.evaluate(materials, wi, wo).astype(np.float64))
+            albedos.append(_albedo(materials))
         f = np.stack(values)
         rises.append((f[1:] - f[:-1]) / (f[:-1] + error_metrics.DARK_OFFSET))
         albedo_rises.append(np.diff(np.stack(albedos), axis=0))
@@ -167,7 +169,7 @@ def absorption(model: Model, stacks: int = 16) -> list[Figure]:
     ]
 
 
-def _albedo(made: list[Material]) -> np.ndarray:
+def _albedo(materials: list[Material]) -> np.ndarray:
     """Directional albedo (S, A) of materials of one channel."""
     wi = sampling.albedo_directions().astype(np.float32)
-    return np.stack([material.albedo(wi)[:, 0] for material in made])
+    return np.stack([material.albedo(wi)[:, 0] for material in materials])

@@ -1,4 +1,4 @@
-"""What networks make of held-out stacks, by the operations that their users call."""
+"""Materials that networks make of held-out stacks, by the public operations."""
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from urushi.material.encode import STACK_WALKS, material_from_values, required_p
 from urushi.material.layer import layer_texels
 from urushi.nets.weights import Model
 
-#: Seed of walks for networks that want values at other pairs than the stored ones.
+#: Seed of walks for networks whose probe pairs are not the stored ones.
 _PROBE_SEED = 1
 
 
@@ -23,38 +23,38 @@ def materials(
     Args:
         model: the networks.
         samples: S stacks.
-        encoded: how many of a stack's coats are encoded with the bottom, from simulated values.
+        encoded: number of a stack's lowest coats encoded with the bottom, from simulated values.
         refined: whether codes are refined before coats are layered over them.
 
     Returns:
         S materials of one channel.
     """
 
-    # Without coats the values are exact and cheap, and tell the bottoms' albedo as well.
+    # Without coats the values are exact and cheap, so the bottoms' albedo is computed as well.
     pairs = model.networks.pairs() if encoded else required_pairs(None, model)
     values = _lower_values(samples, encoded, *pairs)
-    made = material_from_values(values.T, model, refine=refined)
+    material = material_from_values(values.T, model, refine=refined)
     table = samples.table
     if table.coats == encoded:
-        return split(made)
-    latents = made.anchors
+        return split(material)
+    latents = material.anchors
     for index in reversed(range(table.coats - encoded)):
         coat = {name: getattr(table, name)[:, index] for name in COAT_PARAMETERS}
-        # Single precision may have rounded the least width down.
+        # Single precision may round the smallest width down.
         coat["alpha"] = np.maximum(coat["alpha"].astype(np.float64), 0.01)
         latents = layer_texels(model, latents, **coat)
     return split(Material(latents, model))
 
 
 def split(material: Material) -> list[Material]:
-    """The channels of a material, each as a material of its own."""
+    """Each channel of a material as a material with one channel."""
     codes = zip(material.latents, material.anchors, strict=True)
     return [Material(code[None], material.model, anchor[None]) for code, anchor in codes]
 
 
-def evaluate(made: list[Material], wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+def evaluate(materials: list[Material], wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
     """Values float32 (S, M) [1/sr] of S materials, each at its own pairs (S, M, 3)."""
-    return np.stack([m.f(*pairs)[:, 0] for m, *pairs in zip(made, wi, wo, strict=True)])
+    return np.stack([m.f(*pairs)[:, 0] for m, *pairs in zip(materials, wi, wo, strict=True)])
 
 
 def _lower_values(samples: Samples, coats: int, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
@@ -63,8 +63,8 @@ def _lower_values(samples: Samples, coats: int, wi: np.ndarray, wo: np.ndarray) 
     wi_all, wo_all = (np.broadcast_to(w, (stacks, *w.shape)) for w in (wi, wo))
     if coats == 0:
         return sampling.evaluate_bottoms(samples.table, wi_all, wo_all)
-    known = probe_pairs(PROBES)
-    if coats in samples.probed and np.array_equal(known, (wi, wo)):
+    stored = probe_pairs(PROBES)
+    if coats in samples.probed and np.array_equal(stored, (wi, wo)):
         return samples.probed[coats]
     lower = sampling.lowest(samples.table, coats)
     return sampling.walk_all(lower, wi_all, wo_all, STACK_WALKS, _PROBE_SEED)[0]

@@ -20,23 +20,23 @@ E_PAIRS, P_PAIRS = 100, 200
 #: The first entropy word of every held-out draw: no training data are seeded with four words.
 HELD_OUT_SEED = 4711
 
-#: What the walks are allotted for: the reference's own E, P of every pair, and the directional
-#: albedo's standard error. Most stacks stay well below, as the number of walks is rounded up.
+#: Errors that determine the number of walks: the reference's own E, P of every pair, and the
+#: standard error of the directional albedo. Most are well below, as walks are rounded up.
 E_ERROR, P_ERROR, ALBEDO_ERROR = 0.003, 0.003, 0.0015
 
-#: Walks for every pair: in the pilot run, and at most. A few of P's pairs, in dark tails, would
-#: take most of the time and do not move its median.
+#: Walks per pair: of the pilot run, at most, and at most for P. A few pairs of P in dark tails
+#: would take most of the time without changing its median.
 PILOT_WALKS, MAX_WALKS, MAX_P_WALKS = 2048, 1 << 22, 1 << 16
 
-#: The simulated values that an encoder gets may be as noisy as this in P, as `urushi.encode`'s are.
+#: Noise, as P, of the simulated values that the encoder reads; about that of `urushi.encode`.
 PROBE_ERROR = 0.005
 
-#: Cosines of the directions that light comes from where the directional albedo of the first few
-#: stacks of a group is measured; walks of the pilot run for each of the quadrature's 1536 nodes.
+#: Directional albedo: cosines of the incident directions, number of stacks per group that are
+#: measured, and walks of the pilot run per node of the quadrature (1536 nodes).
 ALBEDO_COSINES, ALBEDO_STACKS, ALBEDO_PILOT = (0.95, 0.6, 0.25), 8, 64
 
 
-#: From f and the standard deviation of one walk to the walks wanted; all (S, M).
+#: Number of walks from f and the standard deviation of one walk; all (S, M).
 Allotment = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
@@ -49,7 +49,7 @@ class Samples:
         wi, wo: (S, M, 3) float32, pairs for E first, then those for P.
         f, se: (S, M) float32 [1/sr], mean and standard error; without coats exact, se = 0.
         probed: by number of coats, values (S, `PROBES`) [1/sr] of the lower parts of the stacks;
-            for networks with other probes they are simulated when they are asked for.
+            networks with other probe pairs have them simulated on demand.
         albedo, albedo_se: (up to `ALBEDO_STACKS`, `ALBEDO_COSINES`) float32, directional albedo of
             the first stacks; None without coats.
     """
@@ -88,15 +88,15 @@ def _generator(group: Group, seed: int, purpose: int) -> np.random.Generator:
 
 
 def simulate_all(groups: Iterable[Group], seed: int = 0) -> dict[str, Samples]:
-    """Simulate groups; by their names."""
+    """Simulate groups; returns their sets by name."""
     return {group.name: simulate(group, seed) for group in groups}
 
 
 def simulate(group: Group, seed: int = 0) -> Samples:
-    """Draw a group's stacks and simulate each pair with as many walks as its noise asks for.
+    """Draw a group's stacks and simulate each pair with a number of walks that follows its noise.
 
-    A pilot run measures the noise and is then thrown away, so that the number of walks does not
-    depend on the values that are kept: the reference stays unbiased.
+    A pilot run measures the noise. Its values are discarded, so that the number of walks does not
+    depend on the values that are kept and the reference stays unbiased.
     """
     table, (wi, wo) = draw_stacks(group, seed), draw_pairs(group, seed)
     if not table.coats:
@@ -169,17 +169,17 @@ def _adaptive(
     name: str,
     pilot: int = PILOT_WALKS,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Pilot run, then walks as `allot` asks for; mean and standard error (S, M)."""
+    """Pilot run, then as many walks as `allot` returns; mean and standard error (S, M)."""
     first, second = (int(word) for word in rng.integers(1 << 31, size=2))
     f, se = walk_all(table, wi, wo, pilot, first)
-    wanted = allot(f, _pooled(f, se) * np.sqrt(pilot))
-    exponent = np.ceil(np.log2(np.clip(wanted, pilot, MAX_WALKS))).astype(int)
+    walks_by_pair = allot(f, _pooled(f, se) * np.sqrt(pilot))
+    exponent = np.ceil(np.log2(np.clip(walks_by_pair, pilot, MAX_WALKS))).astype(int)
     f, se = np.zeros_like(f), np.zeros_like(se)
     total = int((2**exponent).sum())
     with tqdm(total=total, desc=name, unit="walk", unit_scale=True, disable=None) as progress:
         for power in np.unique(exponent):
             chosen = exponent == power
-            # A seed of its own: streams are numbered within a request, and would be shared.
+            # Another seed per power: random streams are numbered within one call.
             part = _walk_some(table, chosen, wi, wo, 1 << int(power), second + int(power))
             f, se = f + part[0], se + part[1]
             progress.update(int(chosen.sum()) << int(power))
@@ -189,8 +189,8 @@ def _adaptive(
 def _pooled(f: np.ndarray, se: np.ndarray) -> np.ndarray:
     """Standard errors (S, M) raised by half of the stack's typical relative one.
 
-    A pair whose rare bright walks the pilot run did not meet looks less noisy than it is; others of
-    the same stack met theirs.
+    A pair whose rare bright walks are missing in the pilot run looks less noisy than it is; other
+    pairs of the same stack show the noise.
     """
     relative = se / (f + error_metrics.DARK_OFFSET)
     typical = np.sqrt((relative**2).mean(axis=1, keepdims=True))
@@ -202,7 +202,8 @@ def _walks_for_errors(
 ) -> np.ndarray:
     """Walks (S, M) with which E of a stack's noise is `E_ERROR` and P of a pair's `P_ERROR`.
 
-    For E the fewest walks n in all: sum w sd / sqrt(n) is fixed, so n ~ (w sd)^(2/3).
+    For E this minimises the total number of walks n at a fixed sum of w sd / sqrt(n), so that
+    n ~ (w sd)^(2/3).
     """
     part = slice(None, E_PAIRS)
     weight = error_metrics.energy_weight(cos_i, cos_o)[:, part]
@@ -214,7 +215,7 @@ def _walks_for_errors(
 
 
 def _walks_for_probes(f: np.ndarray, sd: np.ndarray) -> np.ndarray:
-    """Walks (S, M) with which P of a pair's noise is `PROBE_ERROR`, as many as `encode` takes."""
+    """Walks (S, M) with which P of a pair's noise is `PROBE_ERROR`, at most those of `encode`."""
     return np.minimum((sd / (f + error_metrics.DARK_OFFSET) / PROBE_ERROR) ** 2, STACK_WALKS)
 
 
@@ -237,7 +238,7 @@ def _albedo(
     pairs_wo = np.tile(wo.reshape(-1, 3).astype(np.float32), (len(table), 1, 1))
 
     def allot(f: np.ndarray, sd: np.ndarray) -> np.ndarray:
-        """The fewest walks n in all: sum (w sd)^2 / n is fixed, so n ~ w sd."""
+        """Minimise the total number n at a fixed sum of (w sd)^2 / n, so that n ~ w sd."""
         share = sd.reshape(shape) * weights
         walks = share * share.sum(-1, keepdims=True) / ALBEDO_ERROR**2
         return walks.reshape(sd.shape)
@@ -253,7 +254,7 @@ def _albedo(
 
 
 def reference_error(samples: Samples) -> tuple[np.ndarray, np.ndarray]:
-    """The reference's own error by stack: E of one standard error, and the median of P's.
+    """The reference's own error by stack: E and the median of P of one standard error.
 
     Returns:
         Two float64 arrays (S,).
