@@ -214,7 +214,7 @@ def values() -> Entries:
         "f": hashed(layered.f(wi, wo)),
         "pdf": hashed(layered.pdf(wi, wo)),
         "sample": hashed(*layered.sample(wi, u)[:2]),
-        "directional albedo": hashed(layered.albedo(wi[:20])),
+        "directional albedo": hashed(layered.directional_albedo(wi[:20])),
     }
 
 

@@ -76,11 +76,11 @@ def test_weights_are_positive_and_nodes_are_unit_vectors():
 @pytest.mark.parametrize("bottom", [urushi.conductor(0.05, 1.0), urushi.diffuse(1.0)])
 def test_lossless_stacks_reflect_at_most_everything(bottom, trained):
     material = encode(bottom, trained)
-    assert material.albedo(WI).max() < 1 + BETWEEN
+    assert material.directional_albedo(WI).max() < 1 + BETWEEN
     for alpha, eta, sigma_t, g in ((0.02, 1.3, 0, 0), (0.1, 1.5, 2, 0.5), (0.4, 1.8, 6, 0)):
         top = urushi.dielectric(alpha, eta)
         material = layer(top, material, albedo=1, sigma_t=sigma_t, g=g)
-        assert material.albedo(WI).max() < 1 + BETWEEN
+        assert material.directional_albedo(WI).max() < 1 + BETWEEN
 
 
 def test_a_gaining_network_is_brought_back_to_the_source(gaining):
@@ -88,9 +88,9 @@ def test_a_gaining_network_is_brought_back_to_the_source(gaining):
     free = Material(
         encoder_codes(gaining, evaluate_source(gold, *gaining.networks.pairs()).values.T), gaining
     )
-    assert (free.albedo(WI) > 1.2 * true_albedo(gold, WI)).all()
+    assert (free.directional_albedo(WI) > 1.2 * true_albedo(gold, WI)).all()
     lawful = COSINES > energy.GRAZING
-    excess = encode(gold, gaining).albedo(WI) - true_albedo(gold, WI)
+    excess = encode(gold, gaining).directional_albedo(WI) - true_albedo(gold, WI)
     assert excess[lawful].max() < 0.005
     # It is brought down no farther than its worst direction asks for.
     assert excess[lawful].max(axis=0).min() > -0.01
@@ -99,7 +99,7 @@ def test_a_gaining_network_is_brought_back_to_the_source(gaining):
 def test_a_gaining_network_layers_at_most_everything(gaining):
     white = encode(urushi.diffuse(1.0), gaining)
     coated = layer(urushi.dielectric(0.3, 1.5), white, albedo=1, sigma_t=1)
-    assert coated.albedo(WI).max() < 1 + BETWEEN
+    assert coated.directional_albedo(WI).max() < 1 + BETWEEN
 
 
 def test_one_factor_for_all_directions(gaining, directions):
@@ -133,7 +133,7 @@ def test_codes_far_beyond_the_largest_f_are_limited_too(excess, trained):
     bright = np.array(code)
     bright[:, 0] += excess  # the gain, a logarithm
     limited = Material(energy.limit_albedo(trained, bright), trained)
-    assert 0.9 < limited.albedo(WI).max() < 1 + BETWEEN
+    assert 0.9 < limited.directional_albedo(WI).max() < 1 + BETWEEN
 
 
 def test_channels_are_limited_apart(gaining):
@@ -155,22 +155,22 @@ def test_a_source_that_gains_energy_keeps_its_own_albedo(trained):
         return np.full(len(wi), 1.2 / np.pi)
 
     own = encode(bright, trained)
-    albedo = own.albedo(WI)
+    albedo = own.directional_albedo(WI)
     assert 1.15 < albedo.max() < 1.2 + BETWEEN
     pairs = required_pairs(bright, trained)
     assert material_from_values(evaluate_source(bright, *pairs).values, trained) == own
     blind = material_from_values(evaluate_source(bright, *trained.networks.pairs()).values, trained)
-    assert blind.albedo(WI).max() < 1 + BETWEEN
+    assert blind.directional_albedo(WI).max() < 1 + BETWEEN
     free = encoder_codes(trained, evaluate_source(bright, *trained.networks.pairs()).values.T)
     coated = energy.limit_coated_albedo(trained, free * np.float32(1), own.latents)
-    assert Material(coated, trained).albedo(WI).max() > 1.1
+    assert Material(coated, trained).directional_albedo(WI).max() > 1.1
     coated = energy.limit_coated_albedo(trained, free * np.float32(1), blind.latents)
-    assert Material(coated, trained).albedo(WI).max() < 1 + BETWEEN
+    assert Material(coated, trained).directional_albedo(WI).max() < 1 + BETWEEN
 
 
 def test_a_black_source_gives_a_finite_code(trained):
     black = encode(lambda wi, wo: np.zeros(len(wi)), trained)
-    assert np.isfinite(black.latents).all() and black.albedo(WI).max() < 0.005
+    assert np.isfinite(black.latents).all() and black.directional_albedo(WI).max() < 0.005
 
 
 def test_of_many_texels_the_bright_ones_are_limited(trained):

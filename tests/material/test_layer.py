@@ -28,7 +28,7 @@ def test_an_empty_medium_has_no_albedo_and_no_g(material):
 
 def test_coats_nest_and_encodable_bottoms_are_encoded(model):
     gold = conductor(0.2, (0.98, 0.77, 0.34))
-    once = layer(TOP, gold, albedo=0.8, sigma_t=1, model=model)
+    once = layer(TOP, gold, albedo=0.8, sigma_t=1, weights=model)
     assert once == layer(TOP, encode(gold, model), albedo=0.8, sigma_t=1)
     assert layer(TOP, once).channels == 3
 

@@ -39,8 +39,12 @@ def test_many_rows_are_the_same_as_few(material):
     few, many = material.sample(wi[rows], u[rows]), material.sample(wi, u)
     for one, all_of_them in zip(few, many, strict=True):
         np.testing.assert_allclose(one, all_of_them[rows], rtol=1e-3, atol=1e-5)
-    few = material.albedo(wi[rows[:20]])  # more than are integrated at once, and two of them alone
-    np.testing.assert_allclose(few[:2], [material.albedo(wi[r : r + 1])[0] for r in rows[:2]], 1e-5)
+    few = material.directional_albedo(
+        wi[rows[:20]]
+    )  # more than are integrated at once, and two of them alone
+    np.testing.assert_allclose(
+        few[:2], [material.directional_albedo(wi[r : r + 1])[0] for r in rows[:2]], 1e-5
+    )
 
 
 def test_samples_come_with_their_density(material, directions):
@@ -62,13 +66,13 @@ def test_albedo_by_quadrature_is_albedo_by_sampling(material, cos_i):
     wo, pdf = material.sample(many, np.random.default_rng(3).random((count, 3)))
     weight = material.f(many, wo) * wo[:, 2:] / pdf[:, None]
     mean, error = weight.mean(axis=0), weight.std(axis=0) / np.sqrt(count)
-    albedo = material.albedo(wi)[0]
+    albedo = material.directional_albedo(wi)[0]
     assert (np.abs(albedo - mean) < 5 * error + 1e-3 * mean).all()
 
 
 def test_albedo_below_the_horizon_is_zero_and_isotropic(material):
     wi = np.array([[0.6, 0, 0.8], [0, -0.6, 0.8], [0.6, 0, -0.8]], np.float32)
-    albedo = material.albedo(wi)
+    albedo = material.directional_albedo(wi)
     assert albedo.shape == (3, 3) and (albedo[2] == 0).all()
     np.testing.assert_allclose(albedo[0], albedo[1], rtol=1e-4)
 
@@ -78,12 +82,12 @@ def test_no_directions_are_no_error(material):
     assert material.f(none, none).shape == (0, 3)
     assert material.pdf(none, none).shape == (0,)
     assert material.sample(none, none)[0].shape == (0, 3)
-    assert material.albedo(none).shape == (0, 3)
+    assert material.directional_albedo(none).shape == (0, 3)
 
 
 def test_one_channel(model):
     grey = Material(np.ones((1, 32)), model)
-    assert grey.f(UP, UP).shape == (1, 1) and grey.albedo(UP).shape == (1, 1)
+    assert grey.f(UP, UP).shape == (1, 1) and grey.directional_albedo(UP).shape == (1, 1)
 
 
 def test_a_material_is_a_value(material, model, other_model):
@@ -114,7 +118,7 @@ def test_bad_directions_are_refused(bad, material):
         lambda: material.f(UP, bad),
         lambda: material.pdf(bad, UP),
         lambda: material.sample(bad, np.zeros((1, 3))),
-        lambda: material.albedo(bad),
+        lambda: material.directional_albedo(bad),
     ):
         with pytest.raises(ParameterError):
             call()

@@ -8,9 +8,10 @@ import pytest
 from urushi.errors import UrushiWarning
 from urushi.geometry.direction_sets import cosine_pairs
 from urushi.geometry.error_metrics import stack_error
+from urushi.geometry.frames import rotated
 from urushi.geometry.probe_pairs import probe_pairs
 from urushi.material.encode import encode, evaluate_source
-from urushi.material.symmetry import AZIMUTHS, Deviations, asymmetry_pairs, rotated
+from urushi.material.symmetry import AZIMUTHS, Deviations, asymmetry_pairs
 from urushi.reference.stack import conductor
 
 WI, WO = probe_pairs(192)

@@ -73,13 +73,13 @@ def examine(source: Any, material: Material) -> Examination:
     source = _opened(source)
     rng = np.random.default_rng(1)
     wi, wo = cosine_pairs(rng, E_PAIRS)
-    truth, findings = evaluate_source(source, wi, wo)
+    truth, deviations, _ = evaluate_source(source, wi, wo)
     weight = energy_weight(wi[:, 2], wo[:, 2])[:, None]
     energy = (truth * weight).sum(0, dtype=np.float64)
     error = (np.abs(material.f(wi, wo) - truth) * weight).sum(0, dtype=np.float64)
     wi, wo = half_angle_pairs(rng, P_PAIRS)
     p = pair_error(material.f(wi, wo), evaluate_source(source, wi, wo).values)
-    seen = _seen(source, (findings.anisotropy or 0.0) > RELATIVE_TOLERANCE)
+    seen = _seen(source, (deviations.anisotropy or 0.0) > RELATIVE_TOLERANCE)
     pictures = [_sphere(f) for f in (seen, material.f)]
     look = metrics.compare(
         pictures[1], pictures[0], sphere.mask(), flip=find_spec("flip_evaluator") is not None
@@ -88,7 +88,7 @@ def examine(source: Any, material: Material) -> Examination:
         "weights": material.model.fingerprint,
         "E": [float(a / b) if b > 0 else None for a, b in zip(error, energy, strict=True)],
         "P median": np.median(p, axis=0).tolist(),
-        **findings._asdict(),
+        **deviations._asdict(),
         "albedo": {
             "angles [degrees]": list(ALBEDO_ANGLES),
             "source": _albedo(seen).tolist(),

@@ -172,4 +172,4 @@ def absorption(model: Model, stacks: int = 16) -> list[Figure]:
 def _albedo(materials: list[Material]) -> np.ndarray:
     """Directional albedo (S, A) of materials of one channel."""
     wi = sampling.albedo_directions().astype(np.float32)
-    return np.stack([material.albedo(wi)[:, 0] for material in materials])
+    return np.stack([material.directional_albedo(wi)[:, 0] for material in materials])

@@ -11,15 +11,14 @@ from urushi.data import cluster
 from urushi.errors import UrushiError
 from urushi.material.encode import (
     SourceValues,
+    encode_values,
     evaluate_source,
-    material_from_values,
     required_pairs,
 )
 from urushi.material.material import Material
 from urushi.material.symmetry import Deviations
 from urushi.measured import load_measured
-from urushi.nets import weights
-from urushi.nets.weights import Weights
+from urushi.nets.weights import Weights, find
 from urushi.platform import available_cores
 
 
@@ -33,18 +32,18 @@ class EncodedSource(NamedTuple):
 def encode_all(
     sources: Sequence[Any],
     *,
-    model: Weights | None = None,
+    weights: Weights | None = None,
     scheduler: str | None = None,
-    refine: bool | Sequence[bool] = False,
+    refine: bool | Sequence[bool | None] | None = None,
 ) -> Iterator[tuple[int, EncodedSource | UrushiError]]:
     """Encode many BRDFs, on all cores of this machine or on a cluster.
 
     Args:
         sources: each a Path of a measured BRDF, which whoever reads it must reach, or else what
             `encode` takes; on a cluster it must be picklable, as descriptions are.
-        model: the networks, as of `encode`.
+        weights: the networks, as of `encode`.
         scheduler: address of a Dask scheduler; by default this process does it, on all cores.
-        refine: as of `encode`, for all or for each; this process does it.
+        refine: as of `encode`, one value for all sources or one for each; this process refines.
 
     Yields:
         (index, Encoded) of each source as it is done, or the error that it has, which stops none
@@ -54,14 +53,14 @@ def encode_all(
         PlatformError: there is no such scheduler.
         FileError: the shipped networks are missing.
     """
-    model = weights.find(model)
-    wanted = [refine] * len(sources) if isinstance(refine, bool) else list(refine)
+    model = find(weights)
+    wanted = list(refine) if isinstance(refine, Sequence) else [refine] * len(sources)
     tasks = [(source, *required_pairs(source, model)) for source in sources]
     for index, found in map_sources(_read, tasks, scheduler):
         if isinstance(found, UrushiError):
             yield index, found
         else:
-            material = material_from_values(found.values, model, refine=wanted[index])
+            material = encode_values(found, model, refine=wanted[index])
             yield index, EncodedSource(material, found.deviations)
 
 

@@ -1,6 +1,7 @@
 """Encoding: from any BRDF that can be evaluated at the probe pairs to a material.
 
-One pass of the encoder, and two steps of correction (`correct`) or many of refinement (`refine`).
+One pass of the encoder, followed by two steps of correction or by a refinement of many steps
+(`urushi.material.fit`).
 """
 
 import functools
@@ -10,74 +11,102 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from urushi.errors import ParameterError, UrushiWarning
+from urushi.geometry.error_metrics import DARK_OFFSET
 from urushi.material import energy
 from urushi.material.energy import limit_albedo
 from urushi.material.fit import correct_codes, refine_codes
 from urushi.material.material import Material
 from urushi.material.symmetry import Deviations, Source, symmetrise
-from urushi.measured import Merl
-from urushi.nets import weights
+from urushi.measured import Merl, Rgl
 from urushi.nets.networks import UrushiNetworks
-from urushi.nets.weights import Model, Weights
+from urushi.nets.weights import Model, Weights, find
 from urushi.parallel import fill_blocks
 from urushi.reference.stack import Conductor, Dielectric, Diffuse, Stack
 
 #: Random walks per probe and channel for a Stack: about 0.5 % noise where f is not tiny.
 STACK_WALKS = 16384
 
+#: Root mean square of the residual in ln(f + `DARK_OFFSET`) above which a source is refined unless
+#: the caller decides. Measured with both shipped networks: descriptions, coats and stacks of the
+#: training distribution stay below 0.18, Mitsuba's `principled`, `roughconductor` and
+#: `roughplastic` below 0.35; retro-reflectors, Phong lobes and velvet exceed 0.5.
+UNUSUAL_RESIDUAL = 0.4
+
 
 class SourceValues(NamedTuple):
-    """What `encode` wants to know of a source.
+    """Values of a source of `encode`.
 
     Attributes:
-        values: float32 (N, C) [1/sr] at `required_pairs`.
-        deviations: how the source differs from what a material can be.
+        values: float32 (N, C) [1/sr], made isotropic and reciprocal.
+        deviations: of the source from what a material can represent.
+        measured: whether the source is a measured BRDF.
     """
 
     values: np.ndarray
     deviations: Deviations
+    measured: bool
 
 
-def encode(source: Any, model: Weights | None = None, *, refine: bool = False) -> Material:
+def encode(source: Any, weights: Weights | None = None, *, refine: bool | None = None) -> Material:
     """Encode a BRDF into latent codes, one per channel.
 
     Args:
         source: a description (conductor, dielectric, diffuse), a Stack (simulated with a fixed
             seed), a Material, any callable or any object with a method f that gives
             f(wi, wo) -> (N, 3), (N, C), or (N,) for one channel [1/sr, no cosine], a measured
-            BRDF, or a Mitsuba BSDF. It is only asked about pairs above the horizon. What is not
-            isotropic or not reciprocal is averaged until it is (see `urushi.material.symmetry`);
-            of a BSDF that transmits, what it reflects is encoded.
-        model: the networks: a Model, "base" (the default) or "small", or a weights file.
-        refine: whether to follow the encoder's one pass by more than two quick steps that bring
-            the decoded values closer to the given ones: for measured or unusual BRDFs, some 80 ms a
-            channel (see `urushi.material.fit`). The paper's networks encode by optimisation
-            anyway; they do nothing more.
+            BRDF, or a Mitsuba BSDF. It is evaluated at pairs above the horizon only. A source that
+            is not isotropic or not reciprocal is averaged until it is (see
+            `urushi.material.symmetry`); of a BSDF that transmits, the reflection is encoded.
+        weights: the networks: a Model, "base" (the default) or "small", or a weights file.
+        refine: whether to follow the encoder's pass by an optimisation, some 80 ms a channel, that
+            brings the decoded values closer to the given ones, instead of by two quick steps (see
+            `urushi.material.fit`). None: for measured BRDFs, and for any source whose residual
+            exceeds `UNUSUAL_RESIDUAL`. The paper's networks always encode by optimisation.
 
     Raises:
-        ParameterError: the source is none of these, or what it gives has a wrong shape, is
-            negative or is not finite; or it is a BSDF that reflects nothing but mirror images, or
-            nothing at all.
+        ParameterError: the source is none of these, or its values have a wrong shape, are negative
+            or not finite; or it is a BSDF that reflects nothing but mirror images, or nothing.
         FileError: the shipped networks are missing.
 
     Warns:
         UrushiWarning: averaging changes the source by more than 10 %, or a share of the light is
             left out.
     """
-    model = weights.find(model)
+    model = find(weights)
     if isinstance(source, Material) and source.model.fingerprint == model.fingerprint:
         return source
-    result = evaluate_source(source, *required_pairs(source, model))
-    for sentence in result.deviations.warnings():
+    material, deviations = encode_source(source, model, refine=refine)
+    for sentence in deviations.warnings():
         warnings.warn(f"encode {source_name(source)}: {sentence}", UrushiWarning, stacklevel=2)
-    return material_from_values(result.values, model, refine=refine)
+    return material
+
+
+def encode_source(
+    source: Any, model: Model, *, refine: bool | None = None, name: str | None = None
+) -> tuple[Material, Deviations]:
+    """`encode` without its warnings.
+
+    name: begins errors; by default that of the source's type.
+
+    Returns:
+        The material, and the source's deviations.
+    """
+    found = evaluate_source(source, *required_pairs(source, model), name)
+    return encode_values(found, model, refine=refine), found.deviations
+
+
+def encode_values(found: SourceValues, model: Model, *, refine: bool | None = None) -> Material:
+    """The material of a source's values at `required_pairs`; refine: as of `encode`."""
+    refine = True if refine is None and found.measured else refine
+    return material_from_values(found.values, model, refine=refine)
 
 
 def required_pairs(source: Any, model: Model) -> tuple[np.ndarray, np.ndarray]:
-    """Pairs of directions (N, 3) at which `material_from_values` wants to know a source.
+    """Pairs of directions (N, 3) at which a source has to be known to be encoded.
 
-    The networks' own, and those that tell the source's albedo, which its code's shall not exceed. A
-    Stack is not simulated at these: its albedo is at most 1.
+    These are the networks' own pairs, and the nodes of `energy.albedo_rule`, for the albedo of the
+    source, which limits that of the material. A Stack is not simulated at the nodes: its albedo is
+    at most 1.
     """
     wi, wo = model.networks.pairs()
     if isinstance(source, Stack) or not isinstance(model.networks, UrushiNetworks):
@@ -86,53 +115,79 @@ def required_pairs(source: Any, model: Model) -> tuple[np.ndarray, np.ndarray]:
     return np.concatenate([wi, nodes.wi]), np.concatenate([wo, nodes.wo])
 
 
-def evaluate_source(source: Any, wi: np.ndarray, wo: np.ndarray) -> SourceValues:
-    """Values of a source of `encode` for float32 unit vectors (N, 3), and what was found."""
-    return SourceValues(
-        *symmetrise(
-            as_source(source), wi, wo, lambda values, count: _checked(values, source, count)
-        )
+def evaluate_source(
+    source: Any, wi: np.ndarray, wo: np.ndarray, name: str | None = None
+) -> SourceValues:
+    """Values of a source of `encode` for float32 unit vectors (N, 3) above the horizon.
+
+    name: begins errors; by default that of the source's type.
+
+    Raises:
+        ParameterError: as `encode`.
+    """
+    opened, name = as_source(source), name or source_name(source)
+    values, deviations = symmetrise(
+        opened, wi, wo, lambda values, count: _checked(values, name, count)
     )
+    return SourceValues(values, deviations, opened.measured)
 
 
-def material_from_values(values: np.ndarray, model: Model, *, refine: bool = False) -> Material:
+def material_from_values(
+    values: np.ndarray, model: Model, *, refine: bool | None = False
+) -> Material:
     """The material of values (N, C) at `required_pairs`, or at `model.networks.pairs()` alone.
 
-    Its directional albedo is at most that of the values, or at most 1 if the pairs that tell it are
-    missing (see `urushi.material.energy`).
+    Its directional albedo is at most that of the values, or at most 1 if the values at the nodes
+    are missing (see `urushi.material.energy`).
+
+    refine: whether to refine the codes; None: if the residual of one exceeds `UNUSUAL_RESIDUAL`.
     """
-    seen = len(model.networks.pairs()[0])
-    probed, rest = values[:seen].T, values[seen:].T
-    nodes = rest if rest.size else None
-    own, ceiling = np.ones((len(probed), 1)), np.full((len(probed), 1), 1 - energy.MARGIN)
+    pairs = len(model.networks.pairs()[0])
+    probed, at_nodes = values[:pairs].T, values[pairs:].T
+    nodes = at_nodes if at_nodes.size else None
+    source_albedo, ceiling = np.ones((len(probed), 1)), np.full((len(probed), 1), 1 - energy.MARGIN)
     if nodes is not None:
-        own = energy.albedo_rule().albedo(rest)
-        ceiling = energy.albedo_ceiling(own)
+        source_albedo = energy.albedo_rule().albedo(at_nodes)
+        ceiling = energy.albedo_ceiling(source_albedo)
+    if not refine:
+        anchors = encoder_codes(model, probed)
+        codes, excess = correct_codes(model.networks, anchors, probed)
+        if refine is None:
+            refine = bool((residual(model, codes, probed) > UNUSUAL_RESIDUAL).any())
     if refine:
         both = np.stack(refine_codes(model.networks, probed, nodes))
         codes, anchors = energy.limit_albedo(model, both, ceiling)
         return Material(codes, model, anchors)
-    anchors = encoder_codes(model, probed)
-    codes, excess = correct_codes(model.networks, anchors, probed)
-    # Anchors are not looked at. They only must not bring light into a coat, which few come near to.
-    bright = own.max(axis=-1) * excess > 1 - energy.MARGIN
+    # Anchors are never rendered. They are limited only where they would bring light into a coat.
+    bright = source_albedo.max(axis=-1) * excess > 1 - energy.MARGIN
     if bright.any():
         anchors[bright] = energy.limit_albedo(model, anchors[bright], ceiling[bright])
     return Material(energy.limit_albedo(model, codes, ceiling), model, anchors)
+
+
+def residual(model: Model, z: np.ndarray, f: np.ndarray) -> np.ndarray:
+    """Root mean squares (C,) of ln(f + `DARK_OFFSET`) between codes (C, L) and values f (C, P).
+
+    Zero for the paper's networks, whose codes cannot be refined.
+    """
+    if not isinstance(model.networks, UrushiNetworks):
+        return np.zeros(len(z))
+    decoded = model.networks.f(z[:, None], *model.networks.pairs())
+    return np.sqrt(np.square(np.log((decoded + DARK_OFFSET) / (f + DARK_OFFSET))).mean(axis=-1))
 
 
 @functools.singledispatch
 def as_source(source: Any) -> Source:
     """A source of `encode` as a function that can be evaluated.
 
-    Other types of sources are added by `as_source.register(type, function)`; the render floor adds
-    Mitsuba's BSDFs.
+    `as_source.register(type, function)` adds a type of source; the render floor adds Mitsuba's
+    BSDFs.
 
     Raises:
         ParameterError: the source cannot be encoded.
     """
     if callable(getattr(source, "f", None)):
-        return Source(source.f, symmetric=isinstance(source, Material | Merl))
+        return Source(source.f)
     if callable(source) and not isinstance(source, type):
         return Source(source)
     raise ParameterError(
@@ -144,6 +199,21 @@ def as_source(source: Any) -> Source:
 @as_source.register
 def _(source: Source) -> Source:
     return source
+
+
+@as_source.register
+def _(source: Material) -> Source:
+    return Source(source.f, symmetric=True)
+
+
+@as_source.register
+def _(source: Merl) -> Source:
+    return Source(source.f, symmetric=True, measured=True)
+
+
+@as_source.register
+def _(source: Rgl) -> Source:
+    return Source(source.f, measured=True)
 
 
 @as_source.register(Conductor)
@@ -165,13 +235,12 @@ def _(source: Stack) -> Source:
 
 
 def source_name(source: Any) -> str:
-    """What messages call a source."""
+    """The name of a source in messages."""
     return getattr(source, "__name__", type(source).__name__)
 
 
-def _checked(values: Any, source: Any, count: int) -> np.ndarray:
-    """Return the values as float32 (N, C)."""
-    name = source_name(source)
+def _checked(values: Any, name: str, count: int) -> np.ndarray:
+    """Return the values at `count` pairs as float32 (N, C); name: begins errors."""
     try:
         array = np.asarray(values, dtype=np.float32)
     except (TypeError, ValueError) as error:
@@ -193,15 +262,16 @@ def _checked(values: Any, source: Any, count: int) -> np.ndarray:
 
 
 def limited_codes(model: Model, f: np.ndarray) -> np.ndarray:
-    """Return codes float32 (..., 32) from f (..., P) [1/sr] at the pairs of `model.networks`.
-
-    Their directional albedo is at most 1 (see `urushi.material.energy`).
-    """
+    """`encoder_codes` with directional albedos of at most 1 (see `urushi.material.energy`)."""
     return limit_albedo(model, encoder_codes(model, f))
 
 
 def encoder_codes(model: Model, f: np.ndarray) -> np.ndarray:
-    """What the networks make of values f (..., P) [1/sr]: codes (..., 32) of any albedo."""
+    """Codes float32 (..., 32) that the encoder makes of f (..., P) [1/sr] at its pairs.
+
+    Raises:
+        ParameterError: P is not the number of these pairs.
+    """
     values = np.asarray(f, np.float32)
     pairs = len(model.networks.pairs()[0])
     if not values.ndim or values.shape[-1] != pairs:

@@ -26,10 +26,11 @@ def layer(
     top: Dielectric,
     bottom: Any,
     *,
-    albedo: npt.ArrayLike = 0.0,
-    sigma_t: npt.ArrayLike = 0.0,
-    g: npt.ArrayLike = 0.0,
-    model: Weights | None = None,
+    albedo: npt.ArrayLike = checks.DEFAULT_COAT.albedo,
+    sigma_t: npt.ArrayLike = checks.DEFAULT_COAT.sigma_t,
+    g: npt.ArrayLike = checks.DEFAULT_COAT.g,
+    weights: Weights | None = None,
+    refine: bool | None = None,
 ) -> Material:
     """Coat a material with a rough dielectric over a homogeneous medium of unit thickness.
 
@@ -39,8 +40,9 @@ def layer(
         albedo: single-scattering albedo of the medium in [0, 1].
         sigma_t: its optical depth, >= 0.
         g: its Henyey-Greenstein asymmetry in (-1, 1).
-        model: the networks if bottom is not a Material, as of `encode`.
-            Every parameter is a scalar or one value per RGB channel.
+        weights, refine: as of `encode`, by which a bottom is encoded that is no Material.
+
+    Every parameter is a scalar or one value per RGB channel.
 
     Returns:
         A Material of the bottom's channels, or of three if the bottom has one and a parameter has
@@ -54,8 +56,8 @@ def layer(
             f"the top of a layering is a {type(top).__name__}; give the coat's interface, "
             "urushi.dielectric(alpha, eta)"
         )
-    if not isinstance(bottom, Material) or model is not None:
-        bottom = encode(bottom, model)
+    if not isinstance(bottom, Material) or weights is not None:
+        bottom = encode(bottom, weights, refine=refine)
     parameters = {
         "alpha": np.asarray(top.alpha),
         "eta": np.asarray(top.eta),

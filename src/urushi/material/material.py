@@ -4,6 +4,7 @@ Blending materials linearly in the latent space.
 """
 
 import os
+import warnings
 from dataclasses import dataclass
 
 import numpy as np
@@ -147,6 +148,15 @@ class Material:
         return self.model.networks.proposal(self.anchors.mean(axis=0)[None], wi)
 
     def albedo(self, wi: npt.ArrayLike) -> np.ndarray:
+        """Deprecated: the former name of `directional_albedo`."""
+        warnings.warn(
+            "Material.albedo is deprecated; use Material.directional_albedo",
+            DeprecationWarning,
+            stacklevel=2,
+        )
+        return self.directional_albedo(wi)
+
+    def directional_albedo(self, wi: npt.ArrayLike) -> np.ndarray:
         """Integrate f times wo's cosine over the hemisphere: the directional albedo.
 
         wi: (N, 3) unit vectors. Returns float32 (N, C), zero where wi is below the horizon. By a
@@ -181,16 +191,16 @@ class Material:
         file.write(path, self.latents, self.anchors, self.model.fingerprint)
 
 
-def load(path: str | os.PathLike, model: Weights | None = None) -> Material:
+def load(path: str | os.PathLike, weights: Weights | None = None) -> Material:
     """Read a material that `Material.save` wrote.
 
-    model: the networks it was made with: a Model, a name or a file; by default those of Urushi's
-        own that it belongs to.
+    weights: the networks that made it: a Model, a name or a file; by default those of the shipped
+        networks that made it.
 
     Raises:
         FileError: missing, truncated, foreign, damaged, or made with other networks.
     """
-    models = [find(model)] if model else [load_shipped(name) for name in SHIPPED]
+    models = [find(weights)] if weights else [load_shipped(name) for name in SHIPPED]
     latents, anchors, made_with = file.read(path, models)
     return Material(latents, made_with, anchors)
 
@@ -241,7 +251,7 @@ def lerp(a: Material, b: Material, t: npt.ArrayLike) -> Material:
     if a.model.fingerprint != b.model.fingerprint:
         raise ParameterError(
             f"the materials belong to different weights, {a.model.fingerprint} and "
-            f"{b.model.fingerprint}; encode both with the same model"
+            f"{b.model.fingerprint}; encode both with the same weights"
         )
     try:
         share = np.asarray(t, np.float32)

@@ -1,4 +1,4 @@
-"""Making BRDFs isotropic and reciprocal, as materials are, and measuring what that changes."""
+"""Averages that make a BRDF isotropic and reciprocal, as materials are, and what they change."""
 
 import functools
 from collections.abc import Callable, Iterator
@@ -8,23 +8,25 @@ import numpy as np
 
 from urushi.geometry.direction_sets import cosine_pairs
 from urushi.geometry.error_metrics import energy_weight
+from urushi.geometry.frames import rotated
 
-#: Common turns of a pair about the normal over which a BRDF is averaged: twice an odd number, see
-#: `_turns`. Fewer leave the narrow lobe of a brushed metal in pieces, which are like nothing that
-#: encoders know.
+#: Number of common rotations of a pair about the normal over which a BRDF is averaged: twice an odd
+#: number, see `rotated_pairs`. With fewer, the narrow lobe of a brushed metal leaves separate
+#: peaks, unlike any BRDF that the encoder was trained on.
 AZIMUTHS = 62
 
-#: The turn, as a fraction of a whole one, that tells whether a BRDF needs averaging: not a simple
-#: one, for the sake of BRDFs that repeat themselves after such.
+#: The rotation, as a fraction of a full turn, by which isotropy is tested. It is no simple
+#: fraction, because some BRDFs are equal after one.
 TEST_ROTATION = 0.155
 
-#: Relative difference up to which values count as the same: single precision in steep lobes.
+#: Differences up to which two values are equal: relative, for single precision in steep lobes, and
+#: absolute [1/sr].
 RELATIVE_TOLERANCE, ABSOLUTE_TOLERANCE = 1e-3, 1e-5
 
-#: Pairs of cosine density at which the asymmetry is measured.
+#: Number of pairs of cosine density at which the asymmetry is measured.
 ASYMMETRY_PAIRS = 1024
 
-#: Findings above these are worth a warning: an error E for asymmetries, a share of the light.
+#: Deviations above these cause a warning: the error E of an asymmetry, and a share of the light.
 WARNED_ASYMMETRY, WARNED_SHARE = 0.1, 0.01
 
 #: An evaluated BRDF: f(wi, wo) -> (N, 3), (N, C) or (N,) [1/sr] for float32 unit vectors (N, 3).
@@ -35,31 +37,32 @@ class Source(NamedTuple):
     """A BRDF to be encoded.
 
     Attributes:
-        f: evaluates it at pairs above the horizon.
-        symmetric: whether it is known to be isotropic and reciprocal.
-        noisy: whether it is known to draw random numbers, so that its asymmetry cannot be told
-            from noise.
-        transmitted, mirrored: shares of the light, in [0, 1], that it lets through or reflects
-            without any roughness: neither is in f.
+        f: evaluates the BRDF at pairs above the horizon.
+        symmetric: whether f is isotropic and reciprocal by construction.
+        noisy: whether f draws random numbers, so that its asymmetry cannot be told from noise.
+        measured: whether f is a measured BRDF.
+        transmitted, mirrored: shares of the light, in [0, 1], that are transmitted, or reflected by
+            a perfectly smooth surface; f contains neither.
         textured: whether f is that of one point of a texture.
     """
 
     f: Brdf
     symmetric: bool = False
     noisy: bool = False
+    measured: bool = False
     transmitted: float = 0.0
     mirrored: float = 0.0
     textured: bool = False
 
 
 class Deviations(NamedTuple):
-    """How a source differs from what a material can be.
+    """Deviations of a source from what a material can represent.
 
     Attributes:
-        anisotropy: E between the source and its mean over the azimuth: none is 0, and no isotropic
-            BRDF is much closer to the source. None where noise forbids to tell.
+        anisotropy: E between the source and its mean over the azimuth: 0 for an isotropic source,
+            and no isotropic BRDF is much closer to the source. None if the source is noisy.
         reciprocity: the same for the mean over the exchange of wi and wo.
-        transmitted, mirrored, textured: as of `Source`.
+        transmitted, mirrored, textured: as in `Source`.
     """
 
     anisotropy: float | None = 0.0
@@ -69,7 +72,7 @@ class Deviations(NamedTuple):
     textured: bool = False
 
     def warnings(self) -> list[str]:
-        """What a user should know, a sentence each."""
+        """Sentences for the user about deviations that are not small."""
         sentences = []
         if (self.anisotropy or 0.0) > WARNED_ASYMMETRY:
             sentences.append(
@@ -92,25 +95,25 @@ class Deviations(NamedTuple):
                 "surface, which is left out; give its rough variant"
             )
         if self.textured:
-            sentences.append("the BSDF is textured: it is encoded as it is in the middle of uv")
+            sentences.append("the BSDF is textured: its value in the middle of uv is encoded")
         return sentences
 
 
 def symmetrise(
     source: Source, wi: np.ndarray, wo: np.ndarray, check: Callable[[Any, int], np.ndarray]
 ) -> tuple[np.ndarray, Deviations]:
-    """Values of a source, made isotropic and reciprocal, and what that has changed.
+    """Values of a source made isotropic and reciprocal, and how much that changed them.
 
-    A source that shows no asymmetry gives its own values. Any other's are means over `AZIMUTHS`
-    turns of the pair about the normal, every second one mirrored, each with wi and wo exchanged.
+    A source that shows no asymmetry gives its own values. The values of any other are means over
+    `rotated_pairs` and over the exchange of wi and wo.
 
     Args:
-        source: what is evaluated.
+        source: the BRDF.
         wi, wo: float32 (N, 3), above the horizon.
-        check: makes of what the source gives, for so many pairs, an array float32 (N, C).
+        check: turns the result of `source.f` for a number of pairs into float32 (N, C).
 
     Returns:
-        float32 (N, C), and the findings.
+        float32 (N, C), and the deviations.
     """
     if source.symmetric:
         return check(source.f(wi, wo), len(wi)), _deviations(source, 0.0, 0.0)
@@ -122,11 +125,12 @@ def symmetrise(
 
     once, noisy = values(wi, wo), source.noisy
     if not noisy:
-        asked = values(*(rotated(w, TEST_ROTATION, True) for w in (wi, wo)))
-        if nearly_equal(once, asked) and nearly_equal(once, values(wo, wi)):
+        if nearly_equal(once, values(*isotropy_test_pairs(wi, wo))) and nearly_equal(
+            once, values(wo, wi)
+        ):
             return once[:count], _deviations(source, 0.0, 0.0)
         noisy = not np.array_equal(once, values(wi, wo))
-    pairs = list(rotated_pairs(wi, wo))
+    pairs = list(rotated_pairs(wi, wo, AZIMUTHS))
     # (exchange, azimuth, N, C)
     every = np.stack([[values(a, b) for a, b in pairs], [values(b, a) for a, b in pairs]])
     isotropic = every.mean(axis=1)
@@ -140,41 +144,45 @@ def symmetrise(
 
 def azimuthal_mean(f: Callable[..., np.ndarray], wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
     """The mean of f(wi, wo) over the azimuth alone."""
-    return np.mean([f(*pair) for pair in rotated_pairs(wi, wo)], axis=0)
+    return np.mean([f(*pair) for pair in rotated_pairs(wi, wo, AZIMUTHS)], axis=0)
 
 
-def rotated(w: np.ndarray, turn: float, mirrored: bool = False) -> np.ndarray:
-    """Directions (N, 3) turned about the normal by a part of a whole turn, then y negated."""
-    cos, sin = np.cos(2 * np.pi * turn), np.sin(2 * np.pi * turn)
-    sign = -1.0 if mirrored else 1.0
-    return (w @ np.array([[cos, sign * sin, 0], [-sin, sign * cos, 0], [0, 0, 1]])).astype(
-        np.float32
-    )
+def rotated_pairs(
+    wi: np.ndarray, wo: np.ndarray, count: int
+) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """A pair (N, 3) rotated about the normal by `count` angles; every second one is mirrored.
 
+    Most anisotropic BRDFs are equal after half a turn, and to their mirror image. Still, all angles
+    then count: an odd number of rotations is spread evenly over half a turn, and those of the
+    mirrored pairs lie halfway between them.
 
-def nearly_equal(a: np.ndarray, b: np.ndarray) -> bool:
-    """Whether two arrays of values [1/sr] are equal but for rounding."""
-    return bool((np.abs(a - b) <= RELATIVE_TOLERANCE * np.maximum(a, b) + ABSOLUTE_TOLERANCE).all())
-
-
-@functools.cache
-def asymmetry_pairs() -> tuple[np.ndarray, np.ndarray]:
-    """The `JUDGED` pairs, the same always; none so low that a half vector is lost to rounding."""
-    return cosine_pairs(np.random.default_rng(0), ASYMMETRY_PAIRS, lowest_cosine=0.01)
-
-
-def rotated_pairs(wi: np.ndarray, wo: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """The pairs that f is averaged over: turned, and every second one mirrored.
-
-    Most anisotropic BRDFs are as before after half a turn, and as their mirror image. They too are
-    seen from `AZIMUTHS` sides: an odd number of turns lies evenly over half a turn, and those of
-    the mirrored pairs lie in the middle between them.
+    count: 1, for the pair itself, or twice an odd number.
     """
-    odd = AZIMUTHS // 2
+    if count == 1:
+        yield wi, wo
+        return
+    odd = count // 2
     for k in range(odd):
         for mirrored in (False, True):
             turn = (k + 0.25 * mirrored) / odd
             yield rotated(wi, turn, mirrored), rotated(wo, turn, mirrored)
+
+
+def isotropy_test_pairs(wi: np.ndarray, wo: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The pairs (N, 3) at which an isotropic BRDF has the same values as at wi, wo."""
+    return rotated(wi, TEST_ROTATION, True), rotated(wo, TEST_ROTATION, True)
+
+
+def nearly_equal(a: np.ndarray, b: np.ndarray) -> bool:
+    """Whether two arrays of values [1/sr] are equal up to rounding."""
+    tolerance = RELATIVE_TOLERANCE * np.maximum(a, b) + ABSOLUTE_TOLERANCE
+    return bool((np.abs(a - b) <= tolerance).all())
+
+
+@functools.cache
+def asymmetry_pairs() -> tuple[np.ndarray, np.ndarray]:
+    """Two fixed arrays (`ASYMMETRY_PAIRS`, 3), high enough for an exact half vector."""
+    return cosine_pairs(np.random.default_rng(0), ASYMMETRY_PAIRS, lowest_cosine=0.01)
 
 
 def _deviations(source: Source, anisotropy: float | None, reciprocity: float | None) -> Deviations:
@@ -182,7 +190,7 @@ def _deviations(source: Source, anisotropy: float | None, reciprocity: float | N
 
 
 def _error(f: np.ndarray, mean: np.ndarray) -> float:
-    """E of values (..., JUDGED, C) against their mean (broadcast), all channels together."""
+    """E of values (..., `ASYMMETRY_PAIRS`, C) against their mean (broadcast), over all channels."""
     wi, wo = asymmetry_pairs()
     weight = energy_weight(wi[:, 2], wo[:, 2])[:, None]
     energy = float((np.broadcast_to(mean, f.shape) * weight).sum())

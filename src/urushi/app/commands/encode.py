@@ -38,7 +38,7 @@ class Encode:
     picture each, with errors, asymmetry, albedos, slices and spheres side by side."""
     refine: bool = False
     """Refine every latent code by optimisation. Default: automatic, which refines those of
-    measured files and of scenes' BSDFs."""
+    measured and of unusual BRDFs."""
     no_refine: bool = False
     """Refine no latent code."""
     mode: Annotated[str, tyro.conf.arg(aliases=["-m"])] = "llvm_ad_rgb"
@@ -63,9 +63,9 @@ class Encode:
         with tqdm(total=total, unit="BRDF", disable=total <= 1 or None) as progress:
             for position, result in encode_all(
                 [sources[k] for k in readable],
-                model=self.weights,
+                weights=self.weights,
                 scheduler=self.scheduler,
-                refine=[self._is_refined(self.sources[k]) for k in readable],
+                refine=True if self.refine else False if self.no_refine else None,
             ):
                 progress.update()
                 index = readable[position]
@@ -102,9 +102,6 @@ class Encode:
                 )
         if self.report is not None:
             platform.require_extra("eval")
-
-    def _is_refined(self, text: str) -> bool:
-        return self.refine or not (self.no_refine or is_description(text))
 
     def _write_report(
         self,

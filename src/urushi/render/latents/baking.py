@@ -14,12 +14,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi.material.encode import (
-    encoder_codes,
-    limited_codes,
-    material_from_values,
-    required_pairs,
-)
+from urushi.material.encode import encode_source, encoder_codes
 from urushi.material.energy import limit_albedo
 from urushi.material.layer import layer_texels
 from urushi.nets.weights import Model
@@ -27,8 +22,9 @@ from urushi.render import spectrum
 from urushi.render.latents.holders import ConstantLatents, TexturedLatents
 from urushi.render.reading import grid as grids
 from urushi.render.reading import probing
+from urushi.render.reading.bsdf import reflection_source
 from urushi.render.reading.grid import varying_textures
-from urushi.render.reading.parameters import CoatTextures
+from urushi.render.reading.parameters import CoatTextures, check_bottom
 from urushi.textures import packing, texel_hash
 from urushi.textures.grid import TexelGrid
 from urushi.textures.store import TextureStore
@@ -38,10 +34,6 @@ TEXEL_BLOCK, PROBED_TEXELS = 1 << 18, 1 << 13
 
 #: Of the probe pairs, every so manieth tells a texel's key.
 KEY_STRIDE = 24
-
-#: Classes of measured BSDFs, Urushi's and Mitsuba's own: their codes are refined, because no
-#: training data are quite like them.
-MEASURED = ("MeasuredBRDF", "Measured")
 
 
 class BottomCodes:
@@ -75,13 +67,13 @@ class BottomCodes:
 
     def _encoded(self) -> np.ndarray:
         """Codes (C, size) of a bottom that is the same everywhere."""
-        model = self._model
-        if self._bottom.class_name() in MEASURED:
-            pairs = required_pairs(self._bottom, model)
-            f = probing.read_constant(self._bottom, *pairs, self._where)
-            return material_from_values(f, model, refine=True).anchors
-        f = probing.read_constant(self._bottom, *model.networks.pairs(), self._where)
-        return limited_codes(model, f.T)
+        check_bottom(self._bottom, self._where)
+        material, deviations = encode_source(
+            reflection_source(self._bottom), self._model, name=f"{self._where}: the nested BSDF"
+        )
+        for sentence in deviations.warnings():
+            mi.Log(mi.LogLevel.Warn, f"{self._where}: {sentence}")
+        return material.anchors
 
     def _probed(self, grid: TexelGrid) -> "_ProbedBottom":
         return _ProbedBottom(self._model, self._bottom, self._where, grid)

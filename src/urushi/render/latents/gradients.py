@@ -15,6 +15,7 @@ from urushi.checks import CoatParameters
 from urushi.material import gradients
 from urushi.material.encode import limited_codes
 from urushi.material.layer import layer_texels
+from urushi.material.symmetry import rotated_pairs
 from urushi.nets.weights import Model
 from urushi.render import spectrum
 from urushi.render.latents import lookup
@@ -28,8 +29,9 @@ from urushi.textures.grid import IDENTITY, TexelGrid
 #: For each channel a list of Dr.Jit floats, each with one entry per point, or one for all points.
 Columns = Sequence[Sequence]
 
-#: Largest number of rotations of an anisotropic bottom: all are traced together.
-AZIMUTHS = 15
+#: Largest number of rotations of an anisotropic bottom, twice an odd number: all are traced
+#: together.
+AZIMUTHS = 14
 
 #: The grid of a bottom without textures.
 MIDDLE = TexelGrid(1, 1, IDENTITY, "repeat", False)
@@ -91,12 +93,12 @@ def _bottom_codes(
 def _probed(
     bottom: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, uv: np.ndarray, average: probing.Averaging
 ) -> list:
-    """`probing.over_points` with gradients: per channel f (M * P) [1/sr] at points uv (M, 2)."""
+    """`probing.texel_values` with gradients: per channel f (M * P) [1/sr] at points uv (M, 2)."""
     azimuths = min(average.azimuths, AZIMUTHS)
     everywhere = np.repeat(uv, len(wi), axis=0)
     total = [dr.zeros(mi.Float, len(everywhere))] * spectrum.channel_count()
-    for index in range(azimuths):
-        a, b = (np.tile(probing.rotated(w, index / azimuths), (len(uv), 1)) for w in (wi, wo))
+    for pair in rotated_pairs(wi, wo, azimuths):
+        a, b = (np.tile(w, (len(uv), 1)) for w in pair)
         for one, other in ((a, b), (b, a))[: 1 + average.exchanged]:
             out = mi.Vector3f(np.ascontiguousarray(other.T))
             value = bottom.eval(mi.BSDFContext(), probing.interaction(one, everywhere), out)

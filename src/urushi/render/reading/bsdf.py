@@ -1,24 +1,29 @@
-"""A Mitsuba BSDF as `urushi.encode` reads it: its rough reflection, and what that leaves out."""
+"""Mitsuba BSDFs as sources of `urushi.encode`: the rough reflection, and the shares it excludes."""
 
 import mitsuba as mi
 import numpy as np
 
 from urushi.errors import ParameterError, PlatformError
+from urushi.material.encode import as_source
 from urushi.material.symmetry import Source, asymmetry_pairs
+from urushi.measured.tabulated import MeasuredSurface
 from urushi.render import spectrum
 from urushi.render.reading import probing
 from urushi.render.reading.grid import not_over_uv, varying_textures
 
-#: Samples of the BSDF that tell the shares of light: they are known within some 0.2 %.
+#: Samples by which the excluded shares of the light are measured, to about 0.2 %.
 SAMPLES = 1 << 16
+
+#: Class of Mitsuba's own plugin for measured BRDFs, `measured`.
+MITSUBA_MEASURED = "Measured"
 
 
 def bsdf_source(bsdf: "mi.BSDF") -> Source:
-    """A BSDF at the middle of uv, seen from the side of its normal.
+    """A BSDF at the middle of uv, seen from the side of its normal, as a source of `encode`.
 
     Raises:
-        ParameterError: it has no rough reflection: it is a mirror, or lets all light through; or it
-            depends on what is not over uv.
+        ParameterError: it has no rough reflection, because it is a mirror or only transmits; or it
+            depends on a position that is not over uv.
         PlatformError: the variant is a scalar or polarized one.
     """
     name = bsdf.class_name()
@@ -29,6 +34,16 @@ def bsdf_source(bsdf: "mi.BSDF") -> Source:
         )
     _check_encodable(bsdf, name)
     transmitted, mirrored = excluded_shares(bsdf)
+    return reflection_source(bsdf)._replace(
+        transmitted=transmitted, mirrored=mirrored, textured=bool(varying_textures(bsdf))
+    )
+
+
+def reflection_source(bsdf: "mi.BSDF") -> Source:
+    """`bsdf_source` of a BSDF that is known to be opaque and rough, and not to be textured."""
+    table = getattr(bsdf, "source", None)
+    if isinstance(table, MeasuredSurface) and spectrum.channel_count() == 3:
+        return as_source(table)  # what `urushi.load_measured` gives, to the bit
 
     def f(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         return _mean_values(bsdf, wi, wo, probing.needed_repeats(bsdf, wi, wo, 1))
@@ -37,14 +52,12 @@ def bsdf_source(bsdf: "mi.BSDF") -> Source:
     return Source(
         f,
         noisy=probing.needed_repeats(bsdf, wi, wo, 1) > 1,
-        transmitted=transmitted,
-        mirrored=mirrored,
-        textured=bool(varying_textures(bsdf)),
+        measured=isinstance(table, MeasuredSurface) or bsdf.class_name() == MITSUBA_MEASURED,
     )
 
 
 def _mean_values(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, repeats: int) -> np.ndarray:
-    """f (M, C) [1/sr] as the mean of so many evaluations, many of them traced at once."""
+    """f (M, C) [1/sr] as the mean of `repeats` evaluations, many in one launch."""
     total, most = np.zeros((len(wi), 1)), max(probing.CHUNK // len(wi), 1)
     for start in range(0, repeats, most):
         times = np.arange(start, min(start + most, repeats), dtype=np.float32)
@@ -56,9 +69,9 @@ def _mean_values(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, repeats: int) 
 
 
 def excluded_shares(bsdf: "mi.BSDF") -> tuple[float, float]:
-    """Shares of diffuse light from above that a BSDF lets through, and reflects without roughness.
+    """Shares of diffuse light from above that are transmitted, and reflected by a smooth surface.
 
-    Means over the channels of what its own `sample` gives: that one is right is Mitsuba's word.
+    Means over the channels, by the BSDF's own `sample`, whose weights are trusted.
     """
     rng = np.random.default_rng(0)
     u = rng.random((5, SAMPLES))
@@ -85,7 +98,7 @@ def excluded_shares(bsdf: "mi.BSDF") -> tuple[float, float]:
 
 
 def _check_encodable(bsdf: "mi.BSDF", name: str) -> None:
-    """Refuse what has no value in the middle of uv, and what reflects no light roughly."""
+    """Refuse a BSDF that has no value in the middle of uv, or no rough reflection."""
     if stranger := not_over_uv(bsdf):
         raise ParameterError(
             f"encode {name}: the BSDF depends on {stranger} and not over uv; "

@@ -1,4 +1,4 @@
-"""Reading a Mitsuba BSDF at pairs of directions, as the encoder wants to see it."""
+"""Evaluation of Mitsuba BSDFs at pairs of directions, for the encoder."""
 
 from typing import NamedTuple
 
@@ -7,42 +7,46 @@ import mitsuba as mi
 import numpy as np
 
 from urushi.errors import ParameterError
+from urushi.material.symmetry import (
+    AZIMUTHS,
+    WARNED_ASYMMETRY,
+    Deviations,
+    isotropy_test_pairs,
+    nearly_equal,
+    rotated_pairs,
+)
 from urushi.render import spectrum
-from urushi.render.reading.parameters import check_bottom
 from urushi.textures.grid import TexelGrid
 
-#: Evaluations that are traced at once: bounds memory.
+#: Greatest number of evaluations in one launch: bounds memory.
 CHUNK = 1 << 21
 
-#: Rotations about the normal over which an anisotropic BSDF is averaged, and the relative deviation
-#: between them from which on the user is told. They are odd in number: most BSDFs are as before
-#: after half a turn, and so averaged over twice as many. Fewer leave a narrow lobe in pieces, which
-#: are like nothing that the encoder knows.
-AZIMUTHS, ANISOTROPIC = 63, 0.05
-
-#: Evaluations at every pair of a BSDF that draws random numbers, and of all pairs together, which
-#: leaves fewer for each texel.
+#: Evaluations of a BSDF that draws random numbers: for each pair, and at most for all pairs of all
+#: texels together.
 REPEATS, BUDGET = 4096, 1 << 26
 
-#: Points at which a textured BSDF is asked whether it needs averaging, over how many rotations, and
-#: the relative deviation from its averages up to which it does not.
-TESTED_TEXELS, LEAST_ROTATIONS, SAME = 64, 5, 1e-3
+#: Texels at which a textured BSDF is tested for asymmetry.
+TESTED_TEXELS = 64
 
-#: Evaluations of an anisotropic textured BSDF in all: large textures are averaged over fewer
-#: rotations. So many evaluations take about a minute.
+#: Least number of rotations about the normal over which an anisotropic textured BSDF is averaged;
+#: twice an odd number, see `symmetry.rotated_pairs`.
+LEAST_AZIMUTHS = 6
+
+#: Greatest number of evaluations of an anisotropic textured BSDF, about a minute: large textures
+#: are averaged over fewer rotations than `symmetry.AZIMUTHS`.
 ANISOTROPIC_BUDGET = 1 << 32
 
-#: Evaluations of a pair that are traced in one kernel, at most.
+#: Greatest number of evaluations of a pair in one kernel.
 KERNEL_EVALUATIONS = 4
 
 
 def interaction(
     wi: np.ndarray, uv: np.ndarray, repeat: float | np.ndarray = 0.0
 ) -> "mi.SurfaceInteraction3f":
-    """Surface interactions (M) seen from wi (M, 3) at uv (M, 2), with a frame that has no tilt.
+    """Surface interactions (M) seen from wi (M, 3) at uv (M, 2), in the frame of the coordinates.
 
-    `repeat`, one number or (M,), goes into the time: BSDFs that draw random numbers then draw
-    others.
+    repeat: the time, one number or (M,). BSDFs that draw random numbers draw others at another
+        time.
     """
     return _interaction(_vector(wi), mi.Point2f(np.ascontiguousarray(uv.T, np.float32)), repeat)
 
@@ -81,22 +85,14 @@ def bsdf_values(
     return np.concatenate(parts)
 
 
-def all_round(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, repeat: float = 0.0) -> np.ndarray:
-    """f (2, AZIMUTHS, P, C) at the middle of uv for pairs (P, 3), given and exchanged, turned."""
-    turns = [i / AZIMUTHS for i in range(AZIMUTHS)]
-    a, b = (np.concatenate([rotated(w, turn) for turn in turns]) for w in (wi, wo))
-    uv = np.full((len(a), 2), 0.5)
-    both = [bsdf_values(bsdf, *pair, uv, repeat) for pair in ((a, b), (b, a))]
-    return np.stack(both).reshape(2, AZIMUTHS, len(wi), -1)
-
-
 class Averaging(NamedTuple):
-    """What a BSDF is averaged over, to be isotropic, reciprocal and without noise.
+    """An average of a BSDF that is isotropic, reciprocal and free of noise.
 
     Attributes:
-        azimuths: common rotations of a pair about the normal.
-        exchanged: whether over the exchange of wi and wo as well.
-        repeats: evaluations of each, for BSDFs that draw random numbers.
+        azimuths: number of common rotations of a pair about the normal, of
+            `symmetry.rotated_pairs`.
+        exchanged: whether the average is also over the exchange of wi and wo.
+        repeats: evaluations of each pair, for BSDFs that draw random numbers.
     """
 
     azimuths: int = 1
@@ -111,11 +107,10 @@ def texel_values(
     pairs = len(wi)
     most = max(CHUNK // pairs, 1)
     result = np.empty((len(uv), spectrum.channel_count(), pairs), np.float32)
-    turns = [i / average.azimuths for i in range(average.azimuths)]
-    lit = [tuple(rotated(w, turn) for w in (wi, wo)) for turn in turns]
+    averaged = list(rotated_pairs(wi, wo, average.azimuths))
     if average.exchanged:
-        lit += [pair[::-1] for pair in lit]
-    tables = [tuple(_vector(w) for w in pair) for pair in lit]
+        averaged += [pair[::-1] for pair in averaged]
+    tables = [tuple(_vector(w) for w in pair) for pair in averaged]
     count = average.repeats * len(tables)
     for start in range(0, len(uv), most):
         part = uv[start : start + most]
@@ -146,9 +141,9 @@ def _outer(rows: int, columns: int) -> tuple["mi.UInt32", "mi.UInt32"]:
 def needed_averaging(
     bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, grid: TexelGrid, where: str
 ) -> Averaging:
-    """What the values of a BSDF at pairs (P, 3) have to be averaged over, for all of a grid.
+    """The averaging that makes a textured BSDF isotropic and reciprocal at pairs (P, 3).
 
-    A BSDF that is isotropic and reciprocal at some of its texels is believed to be so everywhere.
+    A BSDF that is isotropic and reciprocal at `TESTED_TEXELS` texels is taken to be so everywhere.
 
     where: begins warnings.
     """
@@ -156,56 +151,28 @@ def needed_averaging(
     if count > 1:
         return Averaging(2, True, count)
     texels = np.random.default_rng(0).integers(grid.texels, size=TESTED_TEXELS)
-    some = np.concatenate([grid.uv(texel, texel + 1) for texel in texels])
+    uv = np.concatenate([grid.uv(texel, texel + 1) for texel in texels])
     once, turned, exchanged = (
-        texel_values(bsdf, wi, wo, some, average)
-        for average in (Averaging(), Averaging(LEAST_ROTATIONS), Averaging(1, True))
+        texel_values(bsdf, *pair, uv, Averaging())
+        for pair in ((wi, wo), isotropy_test_pairs(wi, wo), (wo, wi))
     )
-    reciprocal = bool((np.abs(once - exchanged) <= SAME * exchanged + 1e-5).all())
-    if (np.abs(once - turned) <= SAME * turned + 1e-5).all():
+    reciprocal = nearly_equal(once, exchanged)
+    if nearly_equal(once, turned):
         return Averaging(1, not reciprocal)
-    _warn_anisotropic(np.abs(once - turned).sum() / max(turned.sum(), 1e-30), where)
+    mean = texel_values(bsdf, wi, wo, uv, Averaging(LEAST_AZIMUTHS))
+    spread = np.abs(once - mean).sum() / max(mean.sum(), 1e-30)
+    if spread > WARNED_ASYMMETRY:
+        mi.Log(mi.LogLevel.Warn, f"{where}: " + Deviations(anisotropy=spread).warnings()[0])
     most = ANISOTROPIC_BUDGET // (grid.texels * len(wi) * (1 if reciprocal else 2))
-    return Averaging(min(max(most, LEAST_ROTATIONS), AZIMUTHS) // 2 * 2 + 1, not reciprocal)
-
-
-def read_constant(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, where: str) -> np.ndarray:
-    """f (P, C) [1/sr] at pairs (P, 3) at the middle of uv, made isotropic and reciprocal.
-
-    Every value is the mean over `AZIMUTHS` common rotations of the pair about the normal, over the
-    exchange of wi and wo, and, for BSDFs that draw random numbers, over evaluations.
-
-    where: begins errors and warnings.
-
-    Raises:
-        ParameterError: the BSDF transmits, is perfectly smooth, or is negative or not finite.
-    """
-    check_bottom(bsdf, where)
-    count = needed_repeats(bsdf, wi, wo, 1)
-    f = all_round(bsdf, wi, wo)
-    for repeat in range(1, count):
-        f += all_round(bsdf, wi, wo, float(repeat))
-    f /= count
-    if count == 1:
-        _warn_anisotropic(np.abs(f[0] - f[0].mean(axis=0)).sum() / max(f[0].sum(), 1e-30), where)
-    return check_values(f.mean(axis=(0, 1)), where)
-
-
-def _warn_anisotropic(spread: float, where: str) -> None:
-    """Warn of a BSDF that varies so much over the azimuth, relatively, if that is much."""
-    if spread > ANISOTROPIC:
-        mi.Log(
-            mi.LogLevel.Warn,
-            f"{where}: the nested BSDF is anisotropic ({spread:.0%} over the azimuth), but "
-            "Urushi's materials are isotropic: it is averaged over the azimuth",
-        )
+    odd = (min(max(most, LEAST_AZIMUTHS), AZIMUTHS) // 2 - 1) // 2 * 2 + 1
+    return Averaging(2 * odd, not reciprocal)
 
 
 def check_values(f: np.ndarray, where: str) -> np.ndarray:
-    """Return f if it could be a BRDF's.
+    """Return f.
 
     Raises:
-        ParameterError: it is negative or not finite somewhere.
+        ParameterError: a value is negative or not finite; the error begins with `where`.
     """
     if not (np.isfinite(f) & (f >= 0)).all():
         raise ParameterError(
@@ -216,19 +183,12 @@ def check_values(f: np.ndarray, where: str) -> np.ndarray:
 
 
 def needed_repeats(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, points: int) -> int:
-    """How often to repeat evaluations: once, unless the answer differs from time to time."""
+    """Number of evaluations to average over at `points` texels: 1 unless the BSDF is random."""
     uv = np.full((len(wi), 2), 0.5)
     first, second = (bsdf_values(bsdf, wi, wo, uv, time) for time in (0.0, 1.0))
     if np.array_equal(first, second):
         return 1
     return max(min(REPEATS, BUDGET // (points * len(wi))) // (2 * AZIMUTHS), 1)
-
-
-def rotated(w: np.ndarray, turn: float) -> np.ndarray:
-    """Directions (M, 3) turned about the normal by a fraction of a full turn."""
-    cos, sin = np.cos(2 * np.pi * turn), np.sin(2 * np.pi * turn)
-    rotation = np.array([[cos, sin, 0], [-sin, cos, 0], [0, 0, 1]])
-    return (w @ rotation).astype(np.float32)
 
 
 def _vector(w: np.ndarray) -> "mi.Vector3f":
