@@ -8,6 +8,7 @@ from urushi.geometry.probe_pairs import probe_pairs
 from urushi.material import encode as package_encode
 from urushi.material.encode import as_source, encode
 from urushi.material.symmetry import Source
+from urushi.nets.weights import SHIPPED
 from urushi.reference import analytic
 from urushi.reference.stack import coat, conductor, dielectric, diffuse
 
@@ -95,3 +96,29 @@ def test_other_things_are_refused(source, model):
 def test_faulty_functions_are_refused(values, words, model):
     with pytest.raises(ParameterError, match=words):
         encode(lambda wi, wo: values(len(wi)), model)
+
+
+def retro_reflector(wi, wo):
+    return 5 * np.exp(-200 * ((wi - wo) ** 2).sum(axis=1)) + 0.05
+
+
+def velvet(wi, wo):
+    h = (wi + wo) / np.linalg.norm(wi + wo, axis=1, keepdims=True)
+    return 0.3 * np.exp(-4 * h[:, 2])
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+@pytest.mark.parametrize("source", [retro_reflector, velvet])
+def test_unusual_sources_are_refined(source, name):
+    assert encode(source, name) == encode(source, name, refine=True)
+    assert encode(source, name) != encode(source, name, refine=False)
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+@pytest.mark.parametrize(
+    "source",
+    [conductor(0.05, (0.98, 0.77, 0.34)), dielectric(0.3, 1.5), diffuse((0.1, 0.5, 0.9))],
+    ids=lambda source: type(source).__name__,
+)
+def test_sources_like_the_training_data_are_not_refined(source, name):
+    assert encode(source, name) == encode(source, name, refine=False)

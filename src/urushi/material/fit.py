@@ -42,6 +42,7 @@ from urushi.material import energy
 from urushi.material.energy import LEAST_ALBEDO
 from urushi.nets.encoder import OFFSET, log_values
 from urushi.nets.features import direction_features
+from urushi.nets.least_squares import damped_step
 from urushi.nets.networks import Networks, UrushiNetworks
 from urushi.parallel import one_blas_thread
 from urushi.reference.stack import conductor, diffuse
@@ -254,9 +255,7 @@ def levenberg_marquardt(
     """
     state, damping = _state_at(networks, z, aim, hold), FIRST_DAMPING
     for _ in range(steps):
-        mean = np.trace(state.curvature) / len(z)
-        damped = state.curvature + (damping * mean + 1e-12) * np.eye(len(z))
-        step = np.linalg.solve(damped, state.slope)
+        step = damped_step(state.curvature, state.slope, damping)
         new = _state_at(networks, (state.z - step).astype(np.float32), aim, hold)
         better = new.objective < state.objective  # false for NaN
         state, damping = (
@@ -379,7 +378,5 @@ def _correction_step(
     _, far = huber_loss(error)
     weighted = np.swapaxes(slopes / far[..., None], -1, -2)
     curvature = (weighted @ slopes).astype(np.float64)
-    mean = np.trace(curvature, axis1=-2, axis2=-1) / z.shape[-1]
-    curvature += (damping * mean + 1e-12)[:, None, None] * np.eye(z.shape[-1])
-    step = np.linalg.solve(curvature, (weighted @ error[..., None]).astype(np.float64))
-    return (z - step[..., 0]).astype(np.float32)
+    slope = (weighted @ error[..., None]).astype(np.float64)[..., 0]
+    return (z - damped_step(curvature, slope, damping)).astype(np.float32)

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from urushi.nets.least_squares import damped_step
 from urushi.nets.mlp import Params
 from urushi.paper.architecture import FIRST_LATENT, LATENT
 from urushi.paper.evaluation import value_and_gradient
@@ -58,11 +59,8 @@ def step(params: Params, state: ProjectionState, directions: Any, f: Any) -> Pro
     weight = 1 / xp.maximum(xp.abs(state.error), knee)
     weighted = xp.matrix_transpose(state.jacobian * weight[..., None])
     curvature = weighted @ state.jacobian
-    slope = weighted @ state.error[..., None]
-    identity = xp.eye(LATENT, dtype=f.dtype)
-    mean = xp.mean(xp.sum(curvature * identity, axis=-1), axis=-1)  # of the diagonal
-    damped = curvature + (state.damping * mean + 1e-12)[:, None, None] * identity
-    trial = state.z - xp.linalg.solve(damped, slope)[..., 0]
+    slope = (weighted @ state.error[..., None])[..., 0]
+    trial = state.z - damped_step(curvature, slope, state.damping)
     new = _at(params, trial, directions, f, xp.maximum(state.damping * EASED, LEAST))
     old = state._replace(damping=state.damping * RAISED)
     better = new.loss < state.loss  # false for NaN

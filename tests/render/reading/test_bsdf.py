@@ -8,8 +8,9 @@ import pytest
 from urushi.errors import ParameterError, PlatformError, UrushiWarning
 from urushi.geometry.probe_pairs import probe_pairs
 from urushi.material.encode import as_source, encode, evaluate_source
+from urushi.material.layer import layer
 from urushi.reference import analytic
-from urushi.reference.stack import conductor
+from urushi.reference.stack import conductor, dielectric
 
 WI, WO = probe_pairs(64)
 
@@ -103,3 +104,22 @@ def test_scalar_variants_are_refused():
     mi.set_variant("scalar_rgb")
     with pytest.raises(PlatformError, match="not read in the variant scalar_rgb"):
         as_source(mi.load_dict({"type": "diffuse"}))
+
+
+@pytest.mark.parametrize(
+    "bottom",
+    [
+        {"type": "roughplastic", "alpha": 0.2},
+        {"type": "roughconductor", "material": "Al", "alpha_u": 0.1, "alpha_v": 0.3},
+    ],
+    ids=lambda bottom: bottom["type"],
+)
+def test_a_coat_lies_over_the_same_codes_in_python_and_in_the_plugin(rgb, bottom):
+    """Isotropic, or anisotropic and averaged: one symmetriser, so that no bit differs."""
+    coated = rgb.load_dict(
+        {"type": "neural_layered", "alpha": 0.1, "int_ior": 1.5, "ext_ior": 1.0, "base": bottom}
+    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UrushiWarning)  # of the anisotropy
+        expected = layer(dielectric(0.1, 1.5), rgb.load_dict(bottom))
+    np.testing.assert_array_equal(coated.latents.at(np.full((1, 2), 0.5))[0], expected.latents)
