@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import shutil
 import signal
 import subprocess
 import sys
@@ -61,11 +62,12 @@ def test_bottoms_without_a_coat_are_exact(finished):
     assert (arrays["se"] == 0).all()
 
 
-def test_shards_do_not_depend_on_the_order_in_which_they_are_made():
+def test_shards_do_not_depend_on_the_order_in_which_they_are_made(finished):
+    store = Store.open(finished)  # made first to last
     for index in reversed(list(SPEC.shards())):
-        first, again = make_shard(SPEC, *index), make_shard(SPEC, *index)
-        for name in first:
-            np.testing.assert_array_equal(first[name], again[name])
+        again, stored = make_shard(SPEC, *index), store.read_shard(*index)
+        for name in again:
+            np.testing.assert_array_equal(again[name], stored[name])
 
 
 def test_stacks_of_different_shards_differ(finished):
@@ -132,9 +134,14 @@ def test_a_killed_process_resumes_to_the_same_bytes(fingerprints, tmp_path):
 
 
 def test_the_hash_depends_on_specification_and_values(finished, tmp_path):
-    assert Store.open(finished).hash() == Store.open(finished).hash()
+    expected = Store.open(finished).hash()
+    assert generate(SPEC, tmp_path / "again.zarr").hash() == expected
     other = generate(dataclasses.replace(SPEC, seed=4), tmp_path / "other.zarr")
-    assert other.hash() != Store.open(finished).hash()
+    assert other.hash() != expected
+    shutil.copytree(finished, tmp_path / "changed.zarr")
+    f = zarr.open_group(tmp_path / "changed.zarr")["coated/f"]
+    f[7, 3] = f[7, 3] * 1.001
+    assert Store.open(tmp_path / "changed.zarr").hash() != expected
 
 
 @pytest.mark.parametrize(
