@@ -1,4 +1,4 @@
-"""Range and shape checks shared by every entry point; each raises one sentence naming the cure."""
+"""Checks of ranges and shapes at every entry point; an error is one sentence with the cure."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from urushi.errors import ParameterError
 
-#: Largest deviation from length one that a direction may have.
+#: Largest deviation of a direction's length from one.
 UNIT_TOLERANCE = 1e-3
 
 
@@ -30,7 +30,7 @@ class CoatParameters(NamedTuple):
     g: Any
 
 
-#: A coat that is given no parameters: borosilicate glass (BK7, 1.5046) in air (1.000277), clear.
+#: The default coat: borosilicate glass (BK7, 1.5046) in air (1.000277), without absorption.
 DEFAULT_COAT = CoatParameters(0.1, 1.5046 / 1.000277, 0.0, 0.0, 0.0)
 
 
@@ -41,6 +41,7 @@ def _parameter(
     domain: str,
     any_shape: bool,
 ) -> np.ndarray:
+    """A parameter as float64, after checks of its shape and range; -0.0 becomes 0.0."""
     try:
         array = np.asarray(value, dtype=np.float64)
     except (TypeError, ValueError) as error:
@@ -54,11 +55,11 @@ def _parameter(
     bad = ~(np.isfinite(array) & valid(array))
     if bad.any():
         raise ParameterError(f"{where} is {array[bad].flat[0]:g}; it must be {domain}")
-    return np.asarray(array + 0.0)  # makes -0.0 to 0.0, by which a walk may divide
+    return np.asarray(array + 0.0)  # a walk that divides by -0.0 gets a negative distance
 
 
 def alpha(value: npt.ArrayLike, where: str = "alpha", *, any_shape: bool = False) -> np.ndarray:
-    """Check GGX widths in [0.01, 1]; returns float64 of shape () or (3,), or any if `any_shape`."""
+    """Check GGX widths in [0.01, 1]; returns float64 of shape () or (3,), any if `any_shape`."""
     return _parameter(
         value, where, lambda x: (x >= 0.01) & (x <= 1), "a GGX width in [0.01, 1]", any_shape
     )
@@ -108,7 +109,7 @@ def nonnegative(value: npt.ArrayLike, where: str, *, any_shape: bool = False) ->
 
 
 def direction(value: npt.ArrayLike, where: str) -> np.ndarray:
-    """Check unit vectors; returns float32 (N, 3). A direction below the horizon is no error."""
+    """Check unit vectors; returns float32 (N, 3). Directions below the horizon are valid."""
     try:
         array = np.asarray(value, dtype=np.float32)
     except (TypeError, ValueError) as error:
@@ -137,7 +138,7 @@ def directions(wi: npt.ArrayLike, wo: npt.ArrayLike) -> tuple[np.ndarray, np.nda
 
 
 def finite(**arrays: npt.ArrayLike) -> list[np.ndarray]:
-    """Check values that are compared: finite, broadcastable; errors name the keyword.
+    """Check that arrays are finite and broadcast together; errors name the keyword.
 
     Returns:
         Float64 arrays, in the keywords' order.
@@ -155,7 +156,7 @@ def finite(**arrays: npt.ArrayLike) -> list[np.ndarray]:
 
 
 def coat(parameters: CoatParameters, where: str, *, any_shape: bool = False) -> CoatParameters:
-    """Check all parameters of a coat; `where` begins errors, e.g. "the coat's"."""
+    """Check all parameters of a coat. `where` begins the errors, for example "the coat's"."""
     checks = CoatParameters(alpha, eta, albedo, sigma_t, g)
     return CoatParameters(
         *(

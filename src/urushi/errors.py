@@ -1,4 +1,4 @@
-"""Errors that a user can cause, and warnings; each is one sentence: what, where and the cure."""
+"""Errors that a user can cause, and warnings. Each is one sentence: what, where, and the cure."""
 
 
 class UrushiError(Exception):
@@ -18,4 +18,4 @@ class PlatformError(UrushiError, RuntimeError):
 
 
 class UrushiWarning(UserWarning):
-    """Something was done that the user may not have meant."""
+    """A result may not be what the user intended."""

@@ -1,6 +1,6 @@
-"""Writing files so that a reader sees either the whole new file or the old one; and folders.
+"""Files: atomic writing, folders, and Urushi's own format.
 
-Urushi's own files: named arrays and one JSON description in the safetensors format.
+Urushi's files are safetensors files with named arrays and one JSON description.
 """
 
 import contextlib
@@ -17,12 +17,16 @@ import safetensors.numpy
 
 from urushi.errors import FileError
 
+#: The only metadata key. Several keys would be written in a different order from run to run.
+METADATA_KEY = "urushi"
+
 
 @contextlib.contextmanager
 def atomic_write(path: str | os.PathLike) -> Iterator[Path]:
-    """Yield a temporary path beside `path`, of the same suffix; rename it to `path` on success.
+    """Yield a temporary path in the folder of `path`; rename it to `path` on success.
 
-    On any exception the temporary file is removed and `path` is left as it was.
+    Readers see either the old file or the whole new one. The temporary path has the same suffix.
+    On any exception the temporary file is removed and `path` is unchanged.
 
     Raises:
         FileError: the folder is missing or cannot be written, or the disk is full.
@@ -55,7 +59,7 @@ def atomic_write(path: str | os.PathLike) -> Iterator[Path]:
 
 
 def new_folder(path: str | os.PathLike) -> Path:
-    """Make a folder and those above it, unless it is there.
+    """Make a folder and its parents, unless it exists.
 
     Raises:
         FileError: it cannot be made, or is a file.
@@ -72,20 +76,16 @@ def new_folder(path: str | os.PathLike) -> Path:
 
 
 def _umask() -> int:
-    """The process's file mode mask (readable only by setting it)."""
+    """The process's file mode mask, which can only be read by setting it."""
     mask = os.umask(0)
     os.umask(mask)
     return mask
 
 
-#: The metadata's only key: one key keeps the bytes of a file the same from run to run.
-METADATA_KEY = "urushi"
-
-
 def write_tensors(
     path: str | os.PathLike, kind: str, description: Mapping[str, Any], arrays: Mapping[str, Any]
 ) -> None:
-    """Write arrays and a description (JSON values) as a file of a kind such as "weights".
+    """Write arrays and a description (JSON values) as a file of a kind, for example "weights".
 
     Raises:
         FileError: the file cannot be written.
@@ -101,7 +101,7 @@ def write_tensors(
 def read_tensors(
     path: str | os.PathLike, kind: str
 ) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
-    """Return the description and the arrays of a file that `write` made.
+    """Return the description and the arrays of a file that `write_tensors` wrote.
 
     Raises:
         FileError: the file is missing, unreadable, truncated, foreign or of another kind.
@@ -130,7 +130,7 @@ def read_tensors(
 
 
 def tensor_file_kind(path: str | os.PathLike) -> str | None:
-    """The kind of a file that `write` made; None: it is no such file, or is not there."""
+    """The kind of a file that `write_tensors` wrote; None for any other or a missing file."""
     try:
         with safetensors.safe_open(path, framework="numpy") as file:
             return _description((file.metadata() or {}).get(METADATA_KEY, "")).get("kind")
@@ -139,6 +139,7 @@ def tensor_file_kind(path: str | os.PathLike) -> str | None:
 
 
 def _description(text: str) -> dict[str, Any]:
+    """The JSON object in a file's metadata; empty if there is none."""
     try:
         description = json.loads(text)
     except ValueError:

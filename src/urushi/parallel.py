@@ -1,4 +1,4 @@
-"""Filling large arrays by all cores, block by block, in bounded memory."""
+"""Parallel evaluation of large arrays on all cores, block by block, in bounded memory."""
 
 import contextlib
 import functools
@@ -14,14 +14,14 @@ from threadpoolctl import ThreadpoolController
 
 from urushi.platform import available_cores
 
-#: Rows at once on each core: their activations about fill its own cache, and the matrices are
-#: large enough for full speed.
+#: Default number of rows per block. The activations of a block about fill a core's cache, and its
+#: matrices are large enough for full speed.
 ROWS = 1 << 10
 
 Block = tuple[slice, ...]
 
-#: BLAS is held to one thread for the whole process, and only who found it free may free it.
-_turn = threading.Lock()
+#: Held while BLAS is limited to one thread, a limit that applies to the whole process.
+_blas_lock = threading.Lock()
 
 
 def fill_blocks(
@@ -30,18 +30,18 @@ def fill_blocks(
     *arrays: np.ndarray,
     rows: int | None = None,
 ) -> None:
-    """Write function(*arrays) to out (..., K), one block of its leading dimensions at a time.
+    """Write function(*arrays) to out (..., K), one block of the leading dimensions at a time.
 
     Args:
         out: the result.
-        function: of blocks of the arrays; returns (..., K). It must not call `fill`.
-        arrays: as many first dimensions as out's leading ones, to which they broadcast. Blocks
-            broadcast in the same manner, a dimension of one being left as it is, so that what
-            rows share is worked out once a block.
-        rows: entries of the leading dimensions in a block, at most; by default as suits networks.
+        function: maps blocks of the arrays to (..., K). It must not call `fill_blocks`.
+        arrays: arrays whose first dimensions broadcast to the leading dimensions of `out`. Blocks
+            keep dimensions of size one, so that the function computes shared values once per
+            block.
+        rows: largest number of entries of the leading dimensions in a block; `ROWS` by default.
 
-    An error or the user's interrupt drops the blocks that are not yet begun, and leaves `out`
-    unfinished.
+    After an error or an interrupt by the user, blocks that have not begun are dropped and `out`
+    is incomplete.
     """
     pieces = blocks(out.shape[:-1], rows or ROWS)
 
@@ -56,8 +56,8 @@ def fill_blocks(
 
 
 def blocks(shape: tuple[int, ...], rows: int) -> list[Block]:
-    """Cut an array of a shape into blocks of at most `rows` entries, as even as its axes allow."""
-    axis, inner = len(shape), 1  # the axes from this one on fit into a block together
+    """Divide an array of a shape into blocks of at most `rows` entries, of about equal size."""
+    axis, inner = len(shape), 1  # the axes from this one on fit into one block
     while axis and inner * shape[axis - 1] <= rows:
         axis -= 1
         inner *= shape[axis]
@@ -73,20 +73,20 @@ def blocks(shape: tuple[int, ...], rows: int) -> list[Block]:
 
 
 def _part(array: np.ndarray, block: Block) -> np.ndarray:
-    """The part of an array that broadcasts to a block."""
+    """The part of an array that belongs to a block; dimensions of size one are kept."""
     sizes = array.shape[: len(block)]
     return array[tuple(slice(None) if n == 1 else cut for n, cut in zip(sizes, block, strict=True))]
 
 
 def run_all_cores(task: Callable[[Any], None], pieces: Sequence[Any]) -> None:
-    """Call the task with every piece, on all cores; one call of this at a time has them.
+    """Call the task for every piece, on all cores. Concurrent calls wait for each other.
 
-    The task must call neither this nor `fill`.
+    The task must call neither this function nor `fill_blocks`.
     """
-    alone = functools.partial(_blas().limit, limits=1)
-    with _turn, alone():  # threads of BLAS and ours would wait for each other
-        # Some builds of BLAS count each thread's own threads: hence the initializer.
-        pool = ThreadPoolExecutor(available_cores(), "urushi", initializer=alone)
+    one_thread = functools.partial(_blas().limit, limits=1)
+    with _blas_lock, one_thread():  # threads of BLAS would compete with those of the pool
+        # Some builds of BLAS limit each calling thread separately: hence the initializer.
+        pool = ThreadPoolExecutor(available_cores(), "urushi", initializer=one_thread)
         try:
             for future in [pool.submit(task, piece) for piece in pieces]:
                 future.result()
@@ -96,14 +96,15 @@ def run_all_cores(task: Callable[[Any], None], pieces: Sequence[Any]) -> None:
 
 @contextlib.contextmanager
 def one_blas_thread() -> Iterator[None]:
-    """Hold BLAS to one thread: where matrices are small, several only wait for each other.
+    """Limit BLAS to one thread, which is faster for small matrices.
 
-    Not within a function that `fill` calls.
+    It must not be used within a function that `fill_blocks` calls.
     """
-    with _turn, _blas().limit(limits=1):
+    with _blas_lock, _blas().limit(limits=1):
         yield
 
 
 @functools.cache
 def _blas() -> ThreadpoolController:
+    """The BLAS libraries of this process."""
     return ThreadpoolController().select(user_api="blas")

@@ -1,13 +1,10 @@
-"""Which libLLVM Dr.Jit shall use: a fit one is chosen before it loads any, an unfit one refused.
+"""The platform: the choice of libLLVM for Dr.Jit, available cores, and optional packages.
 
-Dr.Jit compiles for the CPU through a libLLVM that the system provides, and takes the one that
-the variable DRJIT_LIBLLVM_PATH names or else the first that it finds. Version 14 disables its LLVM
-backend; with 15 and 16 it starts, but the process aborts when a kernel with an instruction that
-they lack is compiled, which no `except` can catch. So the version is read from the outside.
-
-How many cores this process may use, of those that the machine has.
-
-Packages that only some commands need.
+Dr.Jit compiles for the CPU with a libLLVM of the system: the one that the variable
+DRJIT_LIBLLVM_PATH names, or else the first that it finds. With version 14 its LLVM backend is
+disabled. With 15 and 16 it starts, but the process aborts when a kernel needs an instruction that
+they lack, which no `except` can catch. Urushi therefore reads the version without loading the
+library, chooses one of version 17 or newer before Dr.Jit loads any, and refuses older ones.
 """
 
 import ctypes
@@ -25,7 +22,7 @@ from typing import NamedTuple
 
 from urushi.errors import PlatformError
 
-#: The variable by which Dr.Jit can be told which library to load.
+#: Environment variable that names the library for Dr.Jit.
 LLVM_VARIABLE = "DRJIT_LIBLLVM_PATH"
 #: The oldest major version that compiles every kernel.
 OLDEST_LLVM = 17
@@ -58,7 +55,7 @@ _INSTALL_LLVM = {
 _VERSION_IN_NAME = re.compile(
     r"libLLVM-(\d+)|libLLVM\.so\.(\d+)|/Cellar/llvm[^/]*/(\d+)[^/]*/lib/libLLVM\.dylib"
 )
-# LLVMGetVersion came with LLVM 16; a library that loads and lacks it is older
+# LLVMGetVersion was added in LLVM 16; a library without it is older.
 _ASK_LIBRARY = """
 import ctypes, sys
 library, version = ctypes.CDLL(sys.argv[1]), [ctypes.c_uint() for _ in range(3)]
@@ -69,16 +66,20 @@ else:
     print(version[0].value)
 """
 
+#: File of control groups, version 2: a container's limit of processor time in microseconds, or
+#: "max", and the period that it applies to.
+CGROUP_CPU_MAX = Path("/sys/fs/cgroup/cpu.max")
+
 
 @dataclass(frozen=True)
 class LlvmStatus:
-    """What is known of the libLLVM that Dr.Jit uses, or would use, in this process.
+    """The libLLVM that Dr.Jit uses, or would use, in this process.
 
     Attributes:
-        path: the library's file, or None where none was found.
-        version: its major version, or None where it is missing or unreadable.
+        path: the library's file, or None if none was found.
+        version: its major version, or None if it is missing or unreadable.
         ok: whether every kernel can be compiled with it.
-        message: one sentence: what is used, or what is wrong and the cure.
+        message: one sentence that names the library, or the problem and the cure.
     """
 
     path: Path | None
@@ -88,9 +89,9 @@ class LlvmStatus:
 
 
 def choose_llvm() -> None:
-    """Point Dr.Jit to the newest fit libLLVM of the system, unless the user has named one.
+    """Let Dr.Jit use the newest suitable libLLVM of the system, unless the user has named one.
 
-    Has no effect once Dr.Jit is imported, for it loads its library then.
+    It has no effect after the import of Dr.Jit, which loads the library.
     """
     if "drjit" in sys.modules or os.environ.get(LLVM_VARIABLE):
         return
@@ -101,9 +102,9 @@ def choose_llvm() -> None:
 
 @cache
 def missing_library() -> str | None:
-    """The system library that Dr.Jit's wheel is linked to and that is not there, or None.
+    """The missing system library to which Dr.Jit's wheel is linked, or None.
 
-    Without it, `import drjit` fails with an error that does not name it.
+    Without the library, `import drjit` fails with an error that does not name it.
     """
     if sys.platform != "linux":
         return None
@@ -125,7 +126,7 @@ def require_drjit() -> None:
 
 
 def llvm_status() -> LlvmStatus:
-    """Find the libLLVM in use, or that would be; loads nothing into this process."""
+    """Find the libLLVM that is or would be in use, without loading it."""
     named = os.environ.get(LLVM_VARIABLE)
     set_variable = f"set {LLVM_VARIABLE} to the file of libLLVM {OLDEST_LLVM} or newer"
     install = f"{_INSTALL_LLVM.get(sys.platform, 'install it')} or {set_variable}"
@@ -144,7 +145,7 @@ def llvm_status() -> LlvmStatus:
 
 
 def require_llvm() -> None:
-    """Raise PlatformError, in one sentence with the cure, unless a fit libLLVM is at hand."""
+    """Raise PlatformError, in one sentence with the cure, without a suitable libLLVM."""
     require_drjit()
     status = llvm_status()
     if not status.ok:
@@ -153,12 +154,12 @@ def require_llvm() -> None:
 
 @cache
 def llvm_version_of(path: Path) -> int | None:
-    """The major version of a libLLVM: from its file name, else asked in another process.
+    """The major version of a libLLVM, from its file name or from a process that loads it.
 
-    None where the file is missing or no LLVM library.
+    None if the file is missing or is no LLVM library.
     """
     target = path
-    if path.name != str(path):  # a bare name is left to the dynamic linker's search
+    if path.name != str(path):  # the dynamic linker searches for a bare name
         try:
             target = path.resolve(strict=True)
         except OSError:
@@ -184,7 +185,7 @@ def _newest_llvm() -> tuple[Path | None, int | None]:
     if sys.platform == "linux":
         folders = [*os.environ.get("LD_LIBRARY_PATH", "").split(":"), f"{sys.prefix}/lib"]
         patterns += [f"{glob.escape(f)}/libLLVM*.so*" for f in folders if f]
-    # libLLVM's own parts (libLLVMCore.so, ...) and plain archives are no candidates
+    # Parts of LLVM (libLLVMCore.so, ...) and archives are no candidates.
     libraries = {
         Path(name).resolve()
         for pattern in patterns
@@ -196,7 +197,7 @@ def _newest_llvm() -> tuple[Path | None, int | None]:
 
 
 def _loaded_llvm() -> tuple[Path | None, int | None] | None:
-    """The library that Dr.Jit has loaded here, or None while Dr.Jit is not imported."""
+    """The library that Dr.Jit has loaded, or None if Dr.Jit is not imported."""
     drjit = sys.modules.get("drjit")
     detail = getattr(drjit, "detail", None)
     if detail is None:
@@ -220,6 +221,7 @@ def _mapped_llvm() -> Path | None:
 
 
 def _llvm_judged(path: Path | None, version: int | None, cure: str) -> LlvmStatus:
+    """The status of a library; `cure` ends the sentence if it is unsuitable."""
     if path is None and version is None:
         message = f"libLLVM {OLDEST_LLVM} or newer, which Mitsuba needs, was not found; {cure}"
     elif version is None:
@@ -233,15 +235,10 @@ def _llvm_judged(path: Path | None, version: int | None, cure: str) -> LlvmStatu
     return LlvmStatus(path, version, False, message)
 
 
-#: What a container is allowed: microseconds of processor time in each so many, or "max" (the file
-#: `cpu.max` of control groups, version 2).
-CGROUP_CPU_MAX = Path("/sys/fs/cgroup/cpu.max")
-
-
 def available_cores() -> int:
-    """Cores that this process may use, at least 1.
+    """Number of cores that this process may use, at least 1.
 
-    Those of its affinity mask, and no more than a container's limit of processor time pays for.
+    It is the number in the affinity mask, limited by the processor time of a container.
     """
     if hasattr(os, "sched_getaffinity"):
         count = len(os.sched_getaffinity(0))
