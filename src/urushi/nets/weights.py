@@ -132,7 +132,7 @@ def save(path: str | os.PathLike, arch: Any, params: Params, header: Mapping[str
     header: JSON values that describe their origin.
 
     Raises:
-        ParameterError: as of `Model.of`.
+        ParameterError: as `Model.of`.
         FileError: the file cannot be written.
     """
     model = Model.of(arch, params, header)
