@@ -1,4 +1,4 @@
-"""Fixtures that every floor's tests share."""
+"""Settings of the test run, and fixtures that tests of several floors share."""
 
 import importlib.util
 import os
@@ -71,10 +71,10 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 @pytest.fixture(scope="session")
 def test_data() -> Path:
-    """The folder of test data that is not part of the repository; skips where there is none."""
+    """The folder of test data outside the repository; without it, the test is skipped."""
     folder = Path(os.environ.get("URUSHI_TEST_DATA", ROOT.parent / "shared"))
     if not folder.is_dir():
-        pytest.skip(f"no test data in '{folder}'; set URUSHI_TEST_DATA to the folder that has them")
+        pytest.skip(f"no test data in '{folder}'; set URUSHI_TEST_DATA to their folder")
     return folder
 
 
@@ -90,7 +90,7 @@ def oracle(test_data: Path) -> Mapping[str, np.ndarray]:
 
 @pytest.fixture(scope="session")
 def two_workers():
-    """A Dask cluster of two worker processes, each started again when it dies."""
+    """A Dask cluster of two worker processes, which are restarted when they die."""
     distributed = pytest.importorskip("distributed", reason="the extra 'cluster' is not installed")
     with distributed.LocalCluster(
         n_workers=2, threads_per_worker=2, dashboard_address=":0", host="127.0.0.1"
@@ -108,11 +108,11 @@ def sphere_test() -> Callable[[np.ndarray, Sphere], float]:
 
 
 def sphere_p_value(samples: np.ndarray, pdf: Sphere, *, cells: int = 24, fine: int = 48) -> float:
-    """The p-value of `samples` (N, 3) having the density `pdf` [1/sr] on the sphere.
+    """The p-value of the hypothesis that `samples` (N, 3) have the density `pdf` [1/sr].
 
-    Rows that are NaN are samples that failed; their share must be what the density lacks to one.
-    The sphere is cut into `cells` x `cells` of equal solid angle, each integrated on `fine` x
-    `fine` Gauss points; cells that expect fewer than 10 samples are pooled.
+    Rows of NaN are failed samples; their share must equal one minus the integral of the density.
+    The sphere is divided into `cells` x `cells` of equal solid angle, and the density is integrated
+    over each by `fine` x `fine` Gauss points. Cells that expect fewer than 10 samples are pooled.
     """
     from scipy import stats
 
@@ -130,9 +130,9 @@ def sphere_p_value(samples: np.ndarray, pdf: Sphere, *, cells: int = 24, fine: i
     angle = np.arctan2(found[:, 1], found[:, 0])
     column = np.clip((angle / np.pi + 1) / 2 * cells, 0, cells - 1).astype(int)
     observed = np.bincount(row * cells + column, minlength=cells**2).astype(np.float64)
-    # Kinks of the density, at critical angles, leave the quadrature an error of 0.2 % of the whole.
-    share, lack = 1 - len(found) / count, 1 - expected.sum() / count
-    assert abs(share - lack) < 5 * np.sqrt(share / count) + 2e-3
+    # At critical angles the density has kinks; the error of the quadrature is up to 0.2 %.
+    share, missing = 1 - len(found) / count, 1 - expected.sum() / count
+    assert abs(share - missing) < 5 * np.sqrt(share / count) + 2e-3
     expected *= len(found) / expected.sum()
     small = expected < 10
     expected = np.append(expected[~small], expected[small].sum())
@@ -145,7 +145,7 @@ def sphere_p_value(samples: np.ndarray, pdf: Sphere, *, cells: int = 24, fine: i
 
 @cache
 def has_cuda() -> bool:
-    """Whether a CUDA kernel runs here (asked in another process: a driver may abort this one)."""
+    """Whether CUDA kernels run here. Another process tries: a driver may abort its process."""
     probe = "import drjit.cuda as c; assert (c.Float([1, 2]) + 1)[1] == 3"
     run = subprocess.run([sys.executable, "-c", probe], capture_output=True, timeout=120)
     return run.returncode == 0
@@ -153,7 +153,7 @@ def has_cuda() -> bool:
 
 @pytest.fixture(params=["llvm_ad_rgb", "cuda_ad_rgb"])
 def variant(request: pytest.FixtureRequest) -> str:
-    """Run the test once in each Mitsuba variant that this machine can run."""
+    """The variant of Mitsuba; the test runs once in each that this machine supports."""
     name = request.param
     if name.startswith("cuda") and not has_cuda():
         pytest.skip("no NVIDIA GPU that Dr.Jit can use")
@@ -171,7 +171,7 @@ def _unit(vectors: np.ndarray) -> np.ndarray:
 
 @pytest.fixture(scope="session")
 def pairs() -> tuple[np.ndarray, np.ndarray]:
-    """2,003 pairs on the upper hemisphere: any, near the mirror direction, grazing, degenerate."""
+    """2,003 pairs on the upper hemisphere: random, near the mirror direction, grazing, normal."""
     rng = np.random.default_rng(11)
     wi, wo = (_unit(rng.normal(size=(2000, 3))) for _ in range(2))
     wi[:, 2], wo[:, 2] = np.abs(wi[:, 2]), np.abs(wo[:, 2])
@@ -189,7 +189,7 @@ def pairs() -> tuple[np.ndarray, np.ndarray]:
 
 @pytest.fixture(scope="session")
 def directions() -> np.ndarray:
-    """1,000 float32 unit vectors over the whole sphere, grazing ones included."""
+    """1,000 float32 unit vectors over the whole sphere; a tenth of them are grazing."""
     vectors = np.random.default_rng(43).normal(size=(1000, 3))
     vectors[::10, 2] *= 1e-3
     vectors /= np.linalg.norm(vectors, axis=1, keepdims=True)
@@ -220,7 +220,7 @@ def _load_module(path: Path):
 
 @pytest.fixture(scope="session")
 def tool(test_data):
-    """The tool that writes stand-ins for the database's files, as a module."""
+    """The module that writes stand-ins for files of the MERL database."""
     path = test_data / "tools" / "merl_from_nbrdf.py"
     if not path.is_file():
         pytest.skip(f"'{path}' is missing")

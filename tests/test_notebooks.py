@@ -1,4 +1,4 @@
-"""The notebooks in docs are stored as a run from top to bottom left them, and tell nothing else."""
+"""Notebooks in docs are stored with the outputs of one run from top to bottom, without warnings."""
 
 import json
 from pathlib import Path
@@ -14,12 +14,12 @@ def test_a_notebook_was_executed_in_order(path):
     assert [cell["execution_count"] for cell in cells] == list(range(1, len(cells) + 1))
     outputs = [output for cell in cells for output in cell["outputs"]]
     assert outputs
-    # a warning or an error would name files of the machine that it was executed on
+    # Warnings and errors would contain file names of the machine that executed the notebook.
     assert all(output["output_type"] != "error" for output in outputs)
     assert all(output.get("name") != "stderr" for output in outputs)
 
 
 def test_notebooks_are_small():
-    """A repository keeps every version of their pictures."""
+    """The repository stores every version of the pictures in them."""
     assert NOTEBOOKS
     assert all(path.stat().st_size < 300_000 for path in NOTEBOOKS)
