@@ -22,7 +22,7 @@ import mitsuba as mi
 import numpy as np
 
 import urushi
-from urushi.data.distribution import COAT_PARAMETERS
+from urushi.checks import CoatParameters
 from urushi.eval import benchmark, predict
 from urushi.eval import samples as sampling
 from urushi.eval.groups import GROUPS, Group
@@ -89,7 +89,7 @@ def stored(make: Encoders, group: Group, samples: Samples, model: Model) -> Erro
     if not coats:
         return Errors(encoded, [np.nan] * len(make))
     rest = samples.probed[coats - 1] if coats > 1 else bottoms
-    coat = {name: getattr(samples.table, name)[:, 0] for name in COAT_PARAMETERS}
+    coat = {name: getattr(samples.table, name)[:, 0] for name in CoatParameters._fields}
     # In single precision, the smallest width may be rounded below 0.01.
     coat["alpha"] = np.maximum(coat["alpha"].astype(np.float64), 0.01)
     layered = [

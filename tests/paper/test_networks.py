@@ -9,9 +9,9 @@ from urushi.errors import ParameterError
 from urushi.nets import weights
 from urushi.nets.architecture import Architecture
 from urushi.nets.architecture import init as init_urushi
-from urushi.paper import architecture, evaluation
+from urushi.paper import architecture, inference
 from urushi.paper.architecture import PaperArchitecture, init
-from urushi.paper.evaluation import direction_inputs, evaluate, value_and_gradient
+from urushi.paper.inference import direction_inputs, evaluate, value_and_gradient
 from urushi.paper.proxy import proxy
 
 
@@ -93,7 +93,7 @@ def test_layering_is_the_papers_formula(params):
     y = fc(p, f"{n}.1.3", r(p, f"{n}.1.2", y))
     y = rb(p, f"{n}.1.4", y) + x
     y = fc(p, f"{n}.2", y) @ p[f"{n}.3.weight"] + p[f"{n}.3.bias"] + 1
-    ours = evaluation.layer(params, top, bottom, albedo, sigma_t)
+    ours = inference.layer(params, top, bottom, albedo, sigma_t)
     np.testing.assert_allclose(ours, y, atol=1e-4)
 
 
@@ -117,8 +117,8 @@ def test_numpy_and_jax_agree(params, inputs):
     there = evaluate(params, jnp.asarray(z), jnp.asarray(directions))
     np.testing.assert_allclose(evaluate(params, z, directions), there, atol=1e-5)
     medium = np.full(len(z), 0.5, np.float32)
-    ours = evaluation.layer(params, z, z[::-1], medium, medium)
-    there = evaluation.layer(params, *map(jnp.asarray, (z, z[::-1], medium, medium)))
+    ours = inference.layer(params, z, z[::-1], medium, medium)
+    there = inference.layer(params, *map(jnp.asarray, (z, z[::-1], medium, medium)))
     np.testing.assert_allclose(ours, there, atol=1e-5)
     for a, b in zip(proxy(params, z), proxy(params, jnp.asarray(z)), strict=True):
         np.testing.assert_allclose(a, b, rtol=1e-4)
@@ -126,9 +126,9 @@ def test_numpy_and_jax_agree(params, inputs):
 
 def test_isotropic_media_stay_and_absorption_does_for_all():
     albedo, sigma_t = np.array([0.0, 0.5, 1.0]), np.array([1.0, 2.0, 3.0])
-    same = evaluation.isotropic(albedo, sigma_t, 0.0)
+    same = inference.isotropic(albedo, sigma_t, 0.0)
     np.testing.assert_array_equal(same, (albedo, sigma_t))
-    other, thickness = evaluation.isotropic(albedo, sigma_t, 0.7)
+    other, thickness = inference.isotropic(albedo, sigma_t, 0.7)
     np.testing.assert_allclose(thickness * (1 - other), sigma_t * (1 - albedo), atol=1e-12)
     np.testing.assert_allclose(thickness * other, sigma_t * albedo * 0.3, atol=1e-12)
 

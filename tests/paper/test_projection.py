@@ -4,7 +4,7 @@ import numpy as np
 
 from urushi.paper import networks, projection
 from urushi.paper.architecture import PaperArchitecture, init
-from urushi.paper.evaluation import direction_inputs, evaluate
+from urushi.paper.inference import direction_inputs, evaluate
 from urushi.paper.networks import PAIRS, PaperNetworks, projection_pairs
 
 

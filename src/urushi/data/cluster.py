@@ -1,4 +1,4 @@
-"""Work on a Dask cluster: the one place that knows Dask (the optional extra `cluster`)."""
+"""Function calls on a Dask cluster; no other module imports Dask (the optional extra `cluster`)."""
 
 import contextlib
 import pkgutil
@@ -12,10 +12,10 @@ from urushi.version import __version__
 #: Seconds to wait for the scheduler, and then for its first worker.
 PATIENCE = 20.0
 
-#: Tasks handed over for every worker process: one that runs, one whose input is there already.
+#: Tasks submitted for every worker process: one that runs, and one that waits with its input.
 IN_FLIGHT = 2
 
-#: One task at a time in a worker process: each uses all its cores by itself.
+#: Held by the running task of a worker process: a task uses all cores.
 _alone = threading.Lock()
 
 
@@ -27,17 +27,17 @@ def run(
     Args:
         address: of the scheduler, as `dask scheduler` prints it: "tcp://host:8786".
         function: of a module that the workers have too; its results must not depend on where it
-            runs, for the tasks of a worker that dies run again elsewhere.
+            runs, because the tasks of a worker that dies run again on another.
         arguments: of each call.
 
     Yields:
-        (index, result) of each call, in the order in which they end. No more than `IN_FLIGHT`
-        results for each worker are under way, so that the memory of neither side fills up.
+        (index, result) of each call, in the order of completion. At most `IN_FLIGHT` tasks of each
+        worker are submitted at a time, which bounds the memory on both sides.
 
     Raises:
         PlatformError: there is no such scheduler, it has no worker, it or a worker lacks this
             Urushi, or a task killed its workers again and again.
-        Exception: what a call has raised.
+        Exception: raised by a call.
     """
     from distributed import KilledWorker, as_completed
 
@@ -77,7 +77,7 @@ def _call(function: Callable[..., Any], arguments: tuple) -> Any:
 
 @contextlib.contextmanager
 def _connected(address: str) -> Iterator[Any]:
-    """A client of a cluster with at least one worker; whatever it has under way ends with it."""
+    """A client of a cluster with at least one worker; its tasks are cancelled at the end."""
     from distributed import Client
 
     try:
@@ -98,13 +98,13 @@ def _connected(address: str) -> Iterator[Any]:
         yield client
 
 
-#: Finds the version of Urushi wherever it runs. A task is a function of Urushi: whoever cannot
-#: import that would keep it for ever.
+#: A call that finds the version of Urushi on a remote process. A process that cannot import Urushi
+#: would never finish a task, which is a function of it.
 _VERSION = pkgutil.resolve_name, "urushi:__version__"
 
 
 def _check_scheduler(client: Any) -> None:
-    """Look whether the scheduler, which reads the tasks too, has this Urushi."""
+    """Check that the scheduler, which also unpickles the tasks, has this version of Urushi."""
     try:
         found = client.run_on_scheduler(*_VERSION)
     except ImportError as error:
@@ -113,7 +113,7 @@ def _check_scheduler(client: Any) -> None:
 
 
 def _check_workers(client: Any, workers: Iterable[str]) -> None:
-    """Look whether workers have this Urushi; those that are gone meanwhile do not matter."""
+    """Check that workers have this version of Urushi; those that have left are ignored."""
     chosen = sorted(workers)
     if chosen:
         for address, found in client.run(*_VERSION, workers=chosen, on_error="return").items():

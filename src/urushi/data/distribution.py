@@ -1,4 +1,4 @@
-"""Distributions of layered materials' parameters: the paper's Table 2 and its extension.
+"""Distributions of layered materials' parameters: Table 2 of Fan et al. (2022) and its extension.
 
 A distribution is a frozen dataclass; `sample` draws a table of single-channel stacks that all have
 the same number of coats and the same kind of bottom. Mixtures are lists of distributions.
@@ -10,7 +10,6 @@ from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
-from urushi.checks import CoatParameters
 from urushi.errors import ParameterError
 from urushi.nets.features import MIN_ALPHA
 from urushi.reference.bottoms import LOBE_PARAMETERS
@@ -18,9 +17,6 @@ from urushi.reference.table import BOTTOM_KINDS, StackTable
 
 #: The deepest recursion that is trained: five coats over a bottom have six interfaces.
 MAX_COATS = 5
-
-#: A coat's parameters, in the order of the data stores.
-COAT_PARAMETERS = CoatParameters._fields
 
 #: The parameters of every kind of bottom, in the order of the data stores.
 BOTTOM_PARAMETERS = {kind: names for kind, (_, names) in BOTTOM_KINDS.items()}
@@ -34,7 +30,7 @@ class _Independent:
         raise NotImplementedError
 
     def draw(self, rng: np.random.Generator, rows: slice) -> StackTable:
-        """The stacks of some rows of a data store's part: as many are drawn."""
+        """The stacks of some rows of a data store's part; their number alone matters."""
         return self.sample(rng, rows.stop - rows.start)
 
 
@@ -46,8 +42,8 @@ class Table2(_Independent):
     sigma_t from {0, 1, 2, 5} with equal chances, g = 0.
 
     Attributes:
-        coats: number of dielectric interfaces with a medium below; the bottom comes on top of
-            that, so that one coat makes the paper's "two layers".
+        coats: number of dielectric interfaces, each with a medium below. The bottom is not
+            counted, so that one coat makes the "two layers" of Fan et al.
     """
 
     coats: int = 1
@@ -114,10 +110,10 @@ class Extended(_Independent):
 
 @dataclass(frozen=True)
 class Clear(Extended):
-    """`Extended` with coats over nothing, or over a medium so thin that it hides nothing.
+    """`Extended` with clear or optically thin media, as of varnish.
 
-    sigma_t = max(0, U(-0.3, 0.3)). The lobes of all interfaces are seen as sharp as they are, as
-    under varnish: what is hardest to get right.
+    sigma_t = max(0, U(-0.3, 0.3)). No medium blurs the lobes of the interfaces, which makes these
+    stacks the hardest to predict.
     """
 
     def sample(self, rng: np.random.Generator, n: int) -> StackTable:
@@ -127,12 +123,12 @@ class Clear(Extended):
         return table
 
 
-#: Endless sources of stacks.
+#: Distributions of which any number of stacks can be drawn.
 Distribution = Table2 | Extended
 
 
 class Source(Protocol):
-    """What a part of a data store is drawn from: a frozen dataclass, `Distribution` or registered.
+    """The source of a data store's part: a frozen dataclass, a `Distribution` or a registered one.
 
     Attributes:
         coats: coats of every stack.
@@ -189,7 +185,7 @@ def _mixture(rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
 
     A quarter each are bare Beckmann conductors and plastics of either distribution (a lobe of low
     R0 = U(0.02, 0.1) over a diffuse term); in the other half all three weights are Dirichlet(1/2)
-    times U(0, 1)^(1/3), so that one or two of them often rule.
+    times U(0, 1)^(1/3), so that one or two of them often dominate.
     """
     kind = rng.integers(4, size=n)
     weights = rng.dirichlet((0.5, 0.5, 0.5), n) * rng.uniform(0, 1, (n, 1)) ** (1 / 3)
@@ -211,7 +207,7 @@ def _mixture(rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
 
 
 def _measured_like(rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
-    """`reference.bottoms`: a quarter like paints and plastics, a quarter like metals.
+    """Columns of "measured_like" bottoms: a quarter like paints, a quarter like metals.
 
     Paints: both lobes with one R0 = U(0.02, 0.1) and weights that add up to 1; metals: a diffuse
     term below 0.01. The other half has weights Dirichlet(1/2) times U(0, 1)^(1/3) and R0 =
@@ -263,7 +259,7 @@ def _check_coats(coats: int) -> None:
 
 
 def _table(kind: str, *, bottom: Mapping[str, np.ndarray], **coats: np.ndarray) -> StackTable:
-    """A table in float32, as the walk wants it."""
+    """A table in float32, the precision of the walk."""
     return StackTable(
         **{name: value.astype(np.float32) for name, value in coats.items()},
         kind=kind,

@@ -1,4 +1,4 @@
-"""Filling a data store shard by shard; each shard is a pure function of specification and index."""
+"""Generation of a data store; each shard is a pure function of specification and index."""
 
 import os
 from collections.abc import Iterator
@@ -6,8 +6,9 @@ from collections.abc import Iterator
 import numpy as np
 from tqdm import tqdm
 
+from urushi.checks import CoatParameters
 from urushi.data import cluster
-from urushi.data.distribution import BOTTOM_PARAMETERS, COAT_PARAMETERS
+from urushi.data.distribution import BOTTOM_PARAMETERS
 from urushi.data.spec import DataSpec
 from urushi.data.store import Shard, Store, versions
 from urushi.errors import PlatformError
@@ -24,7 +25,7 @@ def make_shard(spec: DataSpec, part: int, shard: int) -> Shard:
         part, shard: which shard of it.
 
     Returns:
-        The arrays of `store`'s layout, the same whenever and wherever they are made.
+        The arrays of `store`'s layout; they depend on the arguments alone.
     """
     described = spec.parts[part]
     rows = spec.rows(part, shard)
@@ -48,18 +49,20 @@ def make_shard(spec: DataSpec, part: int, shard: int) -> Shard:
         "se": se.reshape(count, -1),
     }
     if described.distribution.coats:
-        arrays["coats"] = np.stack([getattr(table, name) for name in COAT_PARAMETERS], axis=-1)
+        arrays["coats"] = np.stack(
+            [getattr(table, name) for name in CoatParameters._fields], axis=-1
+        )
     return arrays
 
 
 def generate(spec: DataSpec, path: str | os.PathLike, scheduler: str | None = None) -> Store:
     """Make the data of `spec` at `path`, or resume where an earlier run was stopped.
 
-    The result is the same to the byte, however often it was stopped and whoever simulated it.
+    The result is the same to the byte, however often it was stopped and on whichever workers.
 
     Args:
-        spec: what to make.
-        path: the store; only this process writes it.
+        spec: the content.
+        path: the store; only this process writes to it.
         scheduler: address of a Dask scheduler whose workers simulate the shards; by default this
             process does, on all cores. Workers need the same software and the same kind of
             processor, for the values to be the same to the last bit.
@@ -82,7 +85,7 @@ def generate(spec: DataSpec, path: str | os.PathLike, scheduler: str | None = No
 def _shards(
     spec: DataSpec, wanted: list[tuple[int, int]], scheduler: str | None
 ) -> Iterator[tuple[tuple[int, int], Shard]]:
-    """Yield shards and their indices, in order if they are made here, as they come otherwise."""
+    """Yield indices and shards: in order if simulated here, in any order from a cluster."""
     if scheduler is None:
         yield from ((index, make_shard(spec, *index)) for index in wanted)
     elif wanted:

@@ -1,4 +1,4 @@
-"""What a data store holds, as one frozen value: it is the store's manifest and a preset's field."""
+"""The specification of a data store: its manifest, and a field of a preset."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -18,11 +18,11 @@ class Part:
 
     Attributes:
         name: the part's name in the store, unique there.
-        distribution: where the stacks' parameters come from.
+        distribution: of the stacks' parameters.
         stacks: number of stacks.
-        pairs: direction pairs for every stack; each stack has its own.
-        directions: the set of `directions` that they are drawn from.
-        walks: random walks for every pair; bottoms without a coat are analytic and need none.
+        pairs: direction pairs of every stack, drawn for each stack anew.
+        directions: their direction set, see `geometry.direction_sets`.
+        walks: random walks of every pair; bottoms without a coat are analytic and need none.
     """
 
     name: str
@@ -47,7 +47,7 @@ class DataSpec:
     """The parts of a data store, its seed and how it is cut into shards.
 
     Attributes:
-        parts: what is generated, in this order.
+        parts: in the order of generation.
         seed: of parameters, directions and walks.
         shard: stacks that are drawn, simulated and written together.
     """

@@ -7,8 +7,8 @@ Layout, for every part of the specification one group with arrays whose first ax
     wi, wo  (S, P, 3)  unit direction pairs, float32
     f, se   (S, P)     BRDF value [1/sr] and its standard error
 
-One chunk is one shard. A shard counts only once its entry of `complete` is written, which happens
-last: a store whose writer was killed holds whole shards and is resumed. The group's attribute
+One chunk is one shard. A shard is complete when its entry of `complete` is written, which happens
+last: a store whose writer was killed holds whole shards and can be resumed. The group's attribute
 `urushi_data` is the manifest.
 """
 
@@ -26,7 +26,8 @@ from typing import Any
 import numpy as np
 import zarr
 
-from urushi.data.distribution import BOTTOM_PARAMETERS, COAT_PARAMETERS
+from urushi.checks import CoatParameters
+from urushi.data.distribution import BOTTOM_PARAMETERS
 from urushi.data.spec import DataSpec, Part
 from urushi.errors import FileError, ParameterError
 from urushi.files import new_folder
@@ -45,7 +46,7 @@ class Store:
 
     Attributes:
         path: the store's folder.
-        spec: what it holds or will hold.
+        spec: its content, once it is complete.
     """
 
     path: Path
@@ -141,8 +142,8 @@ class Store:
 
         Args:
             part: of this store.
-            rows: from one row to another, one by one.
-            names: the arrays that are wanted, as far as the part has them; by default all.
+            rows: consecutive ones.
+            names: of the arrays to read, if the part has them; by default all.
 
         Raises:
             FileError: a shard of these rows is missing or damaged.
@@ -173,7 +174,7 @@ class Store:
         return self.read_rows(self.spec.parts[part], self.spec.rows(part, shard), names)
 
     def hash(self) -> str:
-        """SHA-256 over the specification and all values f: what the weights say of their data."""
+        """SHA-256 over the specification and all values f, recorded in the weights' header."""
         digest = hashlib.sha256(json.dumps(self.spec.to_dict(), sort_keys=True).encode())
         for part, shard in self.spec.shards():
             f = self.read_shard(part, shard, ("f",))["f"]
@@ -186,7 +187,7 @@ _ZARR_ERRORS = (OSError, ValueError, KeyError, TypeError, RuntimeError)
 
 @contextlib.contextmanager
 def _readable(path: Path) -> Iterator[None]:
-    """Turn what zarr raises for a damaged or unwritable store into one sentence."""
+    """Turn zarr's errors about a damaged or unwritable store into a `FileError`."""
     try:
         yield
     except FileError:
@@ -201,7 +202,7 @@ def _readable(path: Path) -> Iterator[None]:
 def _layout(part: Part) -> dict[str, tuple[int, ...]]:
     """Shapes of a part's arrays for one stack."""
     layout = {
-        "coats": (part.distribution.coats, len(COAT_PARAMETERS)),
+        "coats": (part.distribution.coats, len(CoatParameters._fields)),
         "bottom": (len(BOTTOM_PARAMETERS[part.distribution.bottom]),),
         "wi": (part.pairs, 3),
         "wo": (part.pairs, 3),
@@ -215,7 +216,7 @@ def _layout(part: Part) -> dict[str, tuple[int, ...]]:
 
 def _create_part(root: zarr.Group, spec: DataSpec, part: Part) -> None:
     group = root.create_group(part.name)
-    names = {"coats": COAT_PARAMETERS, "bottom": BOTTOM_PARAMETERS[part.distribution.bottom]}
+    names = {"coats": CoatParameters._fields, "bottom": BOTTOM_PARAMETERS[part.distribution.bottom]}
     for name, shape in _layout(part).items():
         array = group.create_array(
             name,
@@ -247,6 +248,6 @@ def _difference(store: Store, spec: DataSpec) -> str:
 
 
 def versions() -> dict[str, str]:
-    """Versions of what the values and their files depend on, by name."""
+    """Versions of the software that values and files depend on, by name."""
     packages = {name: version(name) for name in ("numpy", "drjit", "zarr")}
     return {"urushi": __version__, "python": platform.python_version(), **packages}

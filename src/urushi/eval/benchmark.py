@@ -17,7 +17,8 @@ from typing import Any
 import numpy as np
 
 from urushi import files
-from urushi.data.distribution import BOTTOM_PARAMETERS, COAT_PARAMETERS, to_dict
+from urushi.checks import CoatParameters
+from urushi.data.distribution import BOTTOM_PARAMETERS, to_dict
 from urushi.errors import FileError
 from urushi.eval import samples as sampling
 from urushi.eval.groups import GROUPS, Group
@@ -122,7 +123,7 @@ def _arrays(samples: Samples) -> dict[str, np.ndarray]:
     """What is stored of a set."""
     table = samples.table
     bottom = [table.bottom[name] for name in BOTTOM_PARAMETERS[table.kind]]
-    coats = [getattr(table, name) for name in COAT_PARAMETERS]
+    coats = [getattr(table, name) for name in CoatParameters._fields]
     return {
         "coats": np.stack(coats, axis=-1),
         "bottom": np.stack(bottom, axis=-1),
@@ -153,7 +154,7 @@ def _samples(
             f"another Urushi made it; {_REMEDY}"
         )
     kind = group.distribution.bottom
-    columns = dict(zip(COAT_PARAMETERS, np.moveaxis(arrays["coats"], -1, 0), strict=True))
+    columns = dict(zip(CoatParameters._fields, np.moveaxis(arrays["coats"], -1, 0), strict=True))
     bottom = dict(zip(BOTTOM_PARAMETERS[kind], arrays["bottom"].T, strict=True))
     return Samples(
         table=StackTable(**columns, kind=kind, bottom=bottom),

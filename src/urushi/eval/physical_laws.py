@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from urushi.data.distribution import COAT_PARAMETERS, Extended
+from urushi.checks import CoatParameters
+from urushi.data.distribution import Extended
 from urushi.eval import predict
 from urushi.eval import samples as sampling
 from urushi.eval.groups import Group
@@ -146,7 +147,9 @@ def absorption(model: Model, stacks: int = 16) -> list[Figure]:
         nothing = np.zeros(wi.shape[:2], np.float32)
         bare = Samples(sampling.lowest(table, 0), wi, wo, nothing, nothing)
         anchors = np.concatenate([m.anchors for m in predict.materials(model, bare)])
-        coat = {name: getattr(table, name)[:, 0].astype(np.float64) for name in COAT_PARAMETERS}
+        coat = {
+            name: getattr(table, name)[:, 0].astype(np.float64) for name in CoatParameters._fields
+        }
         coat["alpha"] = np.maximum(coat["alpha"], 0.01)
         scattering = coat["albedo"] * coat["sigma_t"]
         values, albedos = [], []

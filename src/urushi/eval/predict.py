@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from urushi.data.distribution import COAT_PARAMETERS
+from urushi.checks import CoatParameters
 from urushi.eval import samples as sampling
 from urushi.eval.samples import Samples
 from urushi.geometry.probe_pairs import PROBES, probe_pairs
@@ -39,7 +39,7 @@ def materials(
         return split(material)
     latents = material.anchors
     for index in reversed(range(table.coats - encoded)):
-        coat = {name: getattr(table, name)[:, index] for name in COAT_PARAMETERS}
+        coat = {name: getattr(table, name)[:, index] for name in CoatParameters._fields}
         # Single precision may round the smallest width down.
         coat["alpha"] = np.maximum(coat["alpha"].astype(np.float64), 0.01)
         latents = layer_texels(model, latents, **coat)

@@ -12,7 +12,7 @@ from urushi.geometry.probe_pairs import probe_pairs
 from urushi.nets.mlp import Params
 from urushi.nets.weights import Model
 from urushi.paper.architecture import LATENT, PaperArchitecture
-from urushi.paper.evaluation import direction_inputs, evaluate, isotropic, layer
+from urushi.paper.inference import direction_inputs, evaluate, isotropic, layer
 from urushi.paper.projection import project
 from urushi.paper.proxy import GaussianMixture, proxy
 from urushi.reference import analytic

@@ -13,7 +13,7 @@ import numpy as np
 from urushi.nets.least_squares import damped_step
 from urushi.nets.mlp import Params
 from urushi.paper.architecture import FIRST_LATENT, LATENT
-from urushi.paper.evaluation import value_and_gradient
+from urushi.paper.inference import value_and_gradient
 
 #: Forward and backward passes that a projection takes.
 STEPS = 16

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from urushi.data.distribution import COAT_PARAMETERS
+from urushi.checks import CoatParameters
 from urushi.data.spec import Part
 from urushi.data.store import Store
 from urushi.errors import ParameterError
@@ -31,7 +31,7 @@ class Batch(NamedTuple):
 
     Attributes:
         probes: (B, probes) the bottoms' values [1/sr] at the probe pairs.
-        coats: for the lowest coat, the next one up, and so on: `data.distribution.COAT_PARAMETERS`
+        coats: for the lowest coat, the next one up, and so on: `checks.CoatParameters`
             of the first B_k stacks, which are those that have this coat, (B_k, 5).
         features: (B, P, 8) of the direction pairs.
         f: (B, P) simulated values [1/sr].
@@ -49,7 +49,7 @@ class Examples:
 
     Attributes:
         probes: (S, probes).
-        coats: (S, N, 5) `data.distribution.COAT_PARAMETERS`, top to bottom.
+        coats: (S, N, 5) `checks.CoatParameters`, top to bottom.
         stack: (I,) the stack of each item; the items of a stack lie side by side.
         features: (I, P, 8).
         f: (I, P).
@@ -296,5 +296,5 @@ def bottom_values(part: Part, bottom: np.ndarray, arch: Architecture) -> np.ndar
 def coats_to_layer(part: Part, arrays: dict[str, np.ndarray]) -> np.ndarray:
     """The coats (S, N, 5) of a part's stacks that are layered, top to bottom; see `depth`."""
     if depth(part) == 0:
-        return np.zeros((len(arrays["bottom"]), 0, len(COAT_PARAMETERS)), np.float32)
+        return np.zeros((len(arrays["bottom"]), 0, len(CoatParameters._fields)), np.float32)
     return arrays["coats"]

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.figure import Figure
 
-from urushi.data.distribution import COAT_PARAMETERS
+from urushi.checks import CoatParameters
 from urushi.eval.samples import Samples
 from urushi.files import atomic_write
 
@@ -62,7 +62,9 @@ def points(
         table = sets[group].table
         columns = {f"{table.kind}: {name}": x for name, x in table.bottom.items()}
         if table.coats:
-            columns |= {f"top coat: {name}": getattr(table, name)[:, 0] for name in COAT_PARAMETERS}
+            columns |= {
+                f"top coat: {name}": getattr(table, name)[:, 0] for name in CoatParameters._fields
+            }
         for name, x in columns.items():
             # Zero errors, which only exact networks have, would be lost on the logarithmic axis.
             entry = x, np.maximum(100 * e, 1e-4), np.full(len(e), table.coats)

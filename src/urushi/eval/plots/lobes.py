@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.figure import Figure
 
-from urushi.data.distribution import COAT_PARAMETERS
+from urushi.checks import CoatParameters
 from urushi.eval import predict
 from urushi.eval import samples as sampling
 from urushi.eval.samples import Samples
@@ -98,7 +98,8 @@ def describe(table: StackTable, stack: int) -> str:
     """The parameters of one stack in a few lines."""
     lines = [
         " ".join(
-            f"{_SYMBOLS[name]}={getattr(table, name)[stack, coat]:.2f}" for name in COAT_PARAMETERS
+            f"{_SYMBOLS[name]}={getattr(table, name)[stack, coat]:.2f}"
+            for name in CoatParameters._fields
         )
         for coat in range(table.coats)
     ]
@@ -111,7 +112,7 @@ _SYMBOLS = {"alpha": "α", "eta": "η", "albedo": "A", "sigma_t": "σ", "g": "g"
 
 def _single(table: StackTable, stack: int) -> StackTable:
     rows = slice(stack, stack + 1)
-    coats = {name: getattr(table, name)[rows] for name in COAT_PARAMETERS}
+    coats = {name: getattr(table, name)[rows] for name in CoatParameters._fields}
     bottom = {name: values[rows] for name, values in table.bottom.items()}
     return StackTable(**coats, kind=table.kind, bottom=bottom)
 

@@ -8,7 +8,7 @@ import numpy as np
 import optax
 
 from urushi.nets.mlp import Params
-from urushi.paper.evaluation import layer
+from urushi.paper.inference import layer
 from urushi.paper.palette import Palette
 from urushi.paper.train.preset import PaperPreset
 

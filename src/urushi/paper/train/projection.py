@@ -7,7 +7,7 @@ from tqdm import tqdm
 from urushi.data.store import Store
 from urushi.nets.mlp import Params
 from urushi.paper import projection
-from urushi.paper.evaluation import direction_inputs
+from urushi.paper.inference import direction_inputs
 from urushi.paper.networks import PAIRS
 
 #: BRDFs that are projected together.

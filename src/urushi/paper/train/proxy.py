@@ -8,7 +8,7 @@ import numpy as np
 import optax
 
 from urushi.nets.mlp import Params
-from urushi.paper.evaluation import direction_inputs, evaluate
+from urushi.paper.inference import direction_inputs, evaluate
 from urushi.paper.proxy import proxy
 
 #: Bins on each side of the square around the unit disk of projected half vectors.

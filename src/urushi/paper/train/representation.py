@@ -14,7 +14,7 @@ import optax
 from urushi.data.store import Store
 from urushi.nets.mlp import Params
 from urushi.paper.architecture import FIRST_LATENT, LATENT
-from urushi.paper.evaluation import direction_inputs, evaluate
+from urushi.paper.inference import direction_inputs, evaluate
 from urushi.paper.train.preset import PaperPreset
 
 #: Direction pairs in memory together, at most: half a gigabyte.

@@ -1,9 +1,7 @@
-"""The paper's evaluation network: from a latent code and a pair of directions to the value.
+"""The paper's evaluation and layering networks: codes and directions to f, coats to codes.
 
-Unlike Urushi's decoder it sees plain coordinates: it is not reciprocal, knows of isotropy only what
-it has learned, and its output may be negative.
-
-The paper's layering network: from two latent codes and a medium to the coated code.
+Unlike Urushi's decoder, the evaluation network takes the coordinates of the directions. It is not
+reciprocal, it is isotropic only as far as it has learnt to be, and its output may be negative.
 """
 
 from typing import Any
@@ -14,7 +12,7 @@ from urushi.nets.mlp import Params, product, split_linear
 from urushi.paper import blocks
 from urushi.paper.architecture import DIRECTIONS, EVALUATION, LAYERING
 
-#: The first layer, which is evaluated apart: one code meets many directions.
+#: The first layer; its product with the code is shared by all directions.
 _FIRST = "evaluation.0"
 
 
@@ -37,7 +35,7 @@ def evaluate(params: Params, z: Any, directions: Any) -> Any:
 def value_and_gradient(params: Params, z: Any, directions: Any) -> tuple[Any, Any]:
     """Return values (...) and their gradients (..., 32) with respect to z, as of `evaluate`.
 
-    Samples are independent, so one backward pass gives every sample's own gradient: the Jacobian.
+    Samples are independent: one backward pass gives the gradient of each, hence the Jacobian.
     """
     first = split_linear(params, _FIRST, directions, z)
     xp = first.__array_namespace__()
@@ -50,7 +48,7 @@ def layer(params: Params, z_top: Any, z_bottom: Any, albedo: Any, sigma_t: Any) 
     """Return codes (..., 32) of bottoms z_bottom (..., 32) under dielectrics z_top (..., 32).
 
     albedo, sigma_t (...): of the medium between them, which scatters isotropically. Leading
-    dimensions broadcast. Codes are about 1, hence shifted by it on the way in and out.
+    dimensions broadcast. Codes are close to 1, which is subtracted from the input and added again.
     """
     xp = z_top.__array_namespace__()
     medium = xp.stack(xp.broadcast_arrays(albedo, sigma_t), axis=-1)
@@ -61,9 +59,9 @@ def layer(params: Params, z_top: Any, z_bottom: Any, albedo: Any, sigma_t: Any) 
 
 
 def isotropic(albedo: Any, sigma_t: Any, g: Any) -> tuple[Any, Any]:
-    """Return albedo and sigma_t of the isotropic medium that resembles one of asymmetry g.
+    """Return albedo and sigma_t of the isotropic medium similar to one of asymmetry g.
 
-    By similarity (van de Hulst 1980): absorption stays, scattering is reduced by 1 - g.
+    Similarity relation (van de Hulst 1980): equal absorption, scattering times 1 - g.
     """
     reduced = 1 - albedo * g
     return albedo * (1 - g) / reduced, sigma_t * reduced
