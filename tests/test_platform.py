@@ -58,11 +58,11 @@ def test_homebrew_names_the_version_in_the_folder(tmp_path):
     assert platform.llvm_version_of(library) == 19
 
 
-def test_a_library_with_a_silent_name_is_asked(tmp_path):
+def test_version_is_read_from_the_library_if_its_name_lacks_it(tmp_path):
     real = _real(at_least=platform.OLDEST_LLVM)
     link = tmp_path / "LLVM-C.dll"
     try:
-        link.hardlink_to(real)  # a soft link would be followed to the name that tells
+        link.hardlink_to(real)  # a symbolic link would be resolved to a name with the version
     except OSError:
         pytest.skip("temporary files lie on another disk than libLLVM")
     assert platform.llvm_version_of(link) == platform.llvm_version_of(Path(real))

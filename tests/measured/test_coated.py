@@ -1,4 +1,4 @@
-"""Measured BRDFs under coats: the walk sees what the readers give, and draws by exact densities."""
+"""Measured BRDFs under coats: walk and readers agree, and samples have the stated density."""
 
 import drjit as dr
 import numpy as np
@@ -38,8 +38,8 @@ def vector(types, w):
     return types.Array3f(np.ascontiguousarray(w.T))
 
 
-def test_the_walks_table_is_the_readers(random_directions):
-    """Of noise, so that every bin and weight counts."""
+def test_walk_and_reader_agree(random_directions):
+    """On a table of noise, in which every bin and weight matters."""
     noise = Merl(np.random.default_rng(0).random((90, 90, 180, 3)))
     types = monte_carlo.backend()
     wi, wo = random_directions(20000, 1), random_directions(20000, 2)

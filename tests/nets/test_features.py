@@ -74,7 +74,7 @@ def test_normalisation_suits_the_probes():
     assert features.std(axis=0).min() > 0.3 and features.std(axis=0).max() < 1.5
 
 
-def test_a_coat_without_medium_forgets_albedo_and_g():
+def test_coat_without_medium_does_not_depend_on_albedo_and_g():
     albedo, g = (x.astype(np.float32) for x in np.meshgrid(np.linspace(0, 1, 5), [-0.9, 0, 0.9]))
     features = coat_features(np.float32(0.2), np.float32(1.5), albedo, np.float32(0.0), g)
     assert features.shape == (3, 5, COAT_FEATURES)
@@ -87,7 +87,7 @@ def test_coat_features_are_finite_to_the_ends_of_their_ranges():
     assert np.isfinite(features).all()
 
 
-def test_coat_features_tell_coats_apart():
+def test_coat_features_of_different_coats_differ():
     base = np.array([0.2, 1.5, 0.5, 1.0, 0.3], np.float32)
     reference = coat_features(*base)
     for index in range(5):

@@ -1,4 +1,4 @@
-"""Derivatives by hand agree with finite differences and with JAX's automatic ones."""
+"""Jacobians agree with finite differences and with the automatic derivatives of JAX."""
 
 import jax
 import jax.numpy as jnp
@@ -94,7 +94,7 @@ def test_one_definition_runs_on_jax(networks, codes, features):
         np.testing.assert_allclose(a, b, atol=1e-4, rtol=1e-3)
 
 
-def test_held_values_have_no_slope(networks, codes, features):
+def test_clamped_values_have_no_slope(networks, codes, features):
     arch, params = networks
     dark = codes[:, None].astype(np.float32)
     dark[..., 0] = -1000.0

@@ -1,4 +1,4 @@
-"""What the networks promise whatever their weights: reciprocity, positivity, broadcasting."""
+"""Properties of the networks for any weights: reciprocity, positivity, broadcasting."""
 
 import numpy as np
 import pytest
@@ -32,7 +32,7 @@ def test_decoder_broadcasts_codes_over_directions(networks, pairs):
         np.testing.assert_allclose(together[row], alone, rtol=1e-4)
 
 
-def test_a_code_scales_and_shifts_the_first_layers_response(networks, pairs):
+def test_code_scales_and_shifts_the_response_of_the_first_layer(networks, pairs):
     # What a renderer computes once for a constant material: everything but the response.
     _, params = networks
     rng = np.random.default_rng(4)
@@ -59,7 +59,7 @@ def test_encoder_statistics_normalise_their_data():
     assert (scale >= 0.0999).all()  # constant probes do not blow up
 
 
-def test_encoder_takes_black_and_blinding_materials(networks):
+def test_encoder_is_finite_for_black_and_very_bright_materials(networks):
     arch, params = networks
     f = np.stack([np.zeros(192), np.full(192, 1e-30), np.full(192, 1e6)]).astype(np.float32)
     assert np.isfinite(encoder.encode(params, arch, f)).all()
@@ -129,7 +129,7 @@ def test_a_vanishing_coat_leaves_the_bottom(networks):
     assert distance[0] > 3 * distance[1] > 9 * distance[2] > 0
 
 
-def test_scaling_codes_scales_f_alike_for_all_pairs(networks, pairs):
+def test_scaled_codes_scale_f_equally_for_all_pairs(networks, pairs):
     arch, params = networks
     z = np.random.default_rng(5).normal(size=(3, 1, 32)).astype(np.float32)
     features = direction_features(*pairs)

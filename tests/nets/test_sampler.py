@@ -1,4 +1,4 @@
-"""The proposal's density integrates to one and is the density that `sample` draws from."""
+"""The density of the proposal integrates to one and is that of its samples."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Derivatives along directions: forward against differences, backward against forward."""
+"""Pushforwards agree with finite differences, and pullbacks with pushforwards."""
 
 import numpy as np
 import pytest
@@ -22,7 +22,7 @@ def rng():
 
 
 def coats(rng) -> np.ndarray:
-    """Coats (N, 5): alpha, eta, albedo, sigma_t, g; some without a medium, some hardly there."""
+    """Coats (N, 5): alpha, eta, albedo, sigma_t, g; a few with a thin medium or little effect."""
     low, high = [0.01, 1.02, 0.0, 0.0, -0.9], [1.0, 2.5, 0.999, 8.0, 0.9]
     coat = rng.uniform(low, high, size=(ROWS, 5))
     coat[:8, 3] = rng.uniform(0, 0.01, size=8)
