@@ -1,7 +1,4 @@
-"""Checkpoints: a stage's whole state in one file, with the preset that it belongs to.
-
-The run folder: the last checkpoint, and a log with one JSON object a line.
-"""
+"""Checkpoints and the run folder: the state of a stage in one file, and a log of JSON lines."""
 
 import json
 import os
@@ -23,14 +20,14 @@ FORMAT_VERSION = 1
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """Where a training stands.
+    """The state of a training.
 
     Attributes:
         stage: the name of one of the training's stages.
-        step: steps of that stage that are done.
+        step: number of completed steps of that stage.
         seconds: time spent so far, all stages together.
-        state: as the stage's next step finds it, any tree of arrays.
-        networks: the parameters that the stage before has finished.
+        state: input of the stage's next step, any tree of arrays.
+        networks: the parameters that earlier stages have trained.
     """
 
     stage: str
@@ -61,7 +58,7 @@ def load(path: Path, like: Mapping[str, Checkpoint], identity: Mapping[str, Any]
 
     Args:
         path: the file.
-        like: each stage's beginning, for the structure and the shapes.
+        like: each stage's first checkpoint, for the structure and the shapes.
         identity: the preset and data that the checkpoint must belong to.
 
     Raises:
@@ -140,7 +137,7 @@ class Journal:
         return self._stages.index(point.stage), point.step
 
     def _place(self, line: str) -> tuple[int, int]:
-        """Stage and step of a log line; a line that a kill has torn comes after everything."""
+        """Stage and step of a log line; an incomplete line of a killed process is placed last."""
         try:
             entry = json.loads(line)
         except ValueError:

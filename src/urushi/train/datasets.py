@@ -48,9 +48,9 @@ def whole_domain(measured_like: bool = True) -> DataSpec:
 def enlarged_domain() -> DataSpec:
     """The whole domain and 9.7 G walks more of one coat: 20.9 G, about 28 minutes on two cores.
 
-    What the layerer errs by in its own stages is mostly these walks' noise. More Lambertians, above
-    all at grazing angles: a few percent too much there, and the limit of energy darkens white ones
-    at all angles. And clear coats, where the worst stacks were.
+    The layerer's error after its own stages is mostly the noise of these walks. Lambertians are
+    added, above all at grazing angles: an excess of a few percent there makes the limit of energy
+    darken white ones at all angles. Clear coats are added because the worst stacks had them.
     """
     counts = {**_counts(80, 38, 27, 22, 38, 60), "measured_like": 40 * 1024}
     spec = whole_domain()

@@ -1,4 +1,4 @@
-"""Data-parallel training: each device takes its share of a step's stacks, and all parameters."""
+"""Data-parallel training: every device has all parameters and a share of a step's stacks."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -17,7 +17,7 @@ class Devices:
     """The devices that share a stage's work.
 
     Attributes:
-        mesh: those devices in a row; None for JAX's default device alone.
+        mesh: of one axis; None for JAX's default device alone.
         stacks: stacks of a step, a multiple of their number.
     """
 
@@ -30,7 +30,7 @@ class Devices:
         return 1 if self.mesh is None else self.mesh.size
 
     def replicated(self) -> NamedSharding | None:
-        """Where the parameters lie: on every device."""
+        """The sharding of the parameters: a copy on every device."""
         return None if self.mesh is None else NamedSharding(self.mesh, PartitionSpec())
 
     def place(self, state: Any, batches: Any) -> tuple[Any, Any]:
@@ -38,8 +38,8 @@ class Devices:
 
         Args:
             state: a tree of arrays.
-            batches: a tree of arrays (steps, B, ...). Those of all the stacks are cut along B; what
-                only some stacks have, their coats, is small and goes whole to every device.
+            batches: a tree of arrays (steps, B, ...). Arrays of all stacks are split along B; those
+                of some stacks, the coats, are small and copied to every device.
         """
         if self.mesh is None:
             return state, batches
@@ -49,7 +49,7 @@ class Devices:
         return jax.device_put(state, whole), jax.device_put(batches, shardings)
 
     def collect(self, tree: Any) -> Any:
-        """Bring what lies on every device back to one."""
+        """Copy replicated arrays to a single device."""
         return tree if self.mesh is None else jax.device_put(tree, jax.local_devices()[0])
 
 

@@ -1,9 +1,7 @@
 """Training examples from a data store of any size, read window by window into bounded memory.
 
-Which examples a step sees is a function of seed and step alone, so that a training resumes to the
-same bits; see `order`.
-
-What a data store's parts are to a training: how many coats are layered, and on which values.
+The examples of a step depend on seed and step alone, so that a training resumes to the same bits;
+see `order`.
 """
 
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -22,7 +20,7 @@ from urushi.nets.features import DIRECTION_FEATURES, direction_features
 from urushi.reference import analytic
 from urushi.train.order import Order, Window
 
-#: What is read of a store.
+#: The arrays that are read from a store.
 ARRAYS = ("coats", "bottom", "wi", "wo", "f")
 
 
@@ -97,7 +95,7 @@ class Depth:
     def window(self, wanted: Window, following: Window) -> Examples:
         """The examples of some shards; those of `following` are read in the background.
 
-        Whatever else was in memory is given up first, so that it never holds more than two windows.
+        All other windows are released first, so that at most two are in memory.
         """
         self._held = {w: held for w, held in self._held.items() if w in (wanted, following)}
         for window in (wanted, following):
@@ -111,7 +109,7 @@ class Depth:
         return self.window(window, window)
 
     def forget(self) -> None:
-        """Give up what is in memory, until it is asked for again."""
+        """Release the examples in memory; the next use reads them again."""
         self._held.clear()
 
     def _items(self, part: int, shard: int) -> int:
@@ -194,7 +192,7 @@ def load(store: Store, arch: Architecture, pairs: int, memory: int) -> list[Dept
         for coats in range(len(by_depth))
     ]
     total = sum(totals)
-    # What does not fit as a whole is held twice: the window in use, and the next one.
+    # Data larger than memory need room for two windows: the one in use and the next one.
     share = 1.0 if total <= memory else 0.5 * memory / total
     reader = ThreadPoolExecutor(1, thread_name_prefix="examples")
     return [
@@ -208,7 +206,7 @@ class Batches:
 
     Args:
         depths: the examples, by number of coats.
-        stacks: how many stacks of each depth a step sees.
+        stacks: stacks of each depth in a step.
         seed: of the shuffling.
     """
 
@@ -266,15 +264,15 @@ METRICS = {"cosine": "E mean", "half_angle": "P median"}
 
 
 def depth(part: Part) -> int:
-    """How many coats are layered to make the stacks of a training part.
+    """Number of coats that are layered onto the encoded codes of a training part.
 
-    Stacks whose own values at the probe pairs are known are encoded as they are.
+    It is 0 for stacks with values of their own at the probe pairs: these are encoded directly.
     """
     return 0 if part.directions == "probed" else part.distribution.coats
 
 
 def trained_pairs(part: Part) -> slice:
-    """Which of its direction pairs a training part is trained on."""
+    """The direction pairs of a training part that the loss uses."""
     return slice(PROBES if part.directions == "probed" else 0, part.pairs)
 
 

@@ -1,8 +1,8 @@
-"""The order in which a depth's examples are seen: a pure function of seed, epoch and position.
+"""The order of a depth's examples: a pure function of seed, epoch and position.
 
 Items lie in shards. An epoch visits the shards in a random order, cut into windows that fit into
-memory, and the items of a window in a random order of their own. What fits as a whole is one
-window, and its order that of a plain shuffle.
+memory; the items of a window are shuffled. Data that fit into memory are one window, which is
+shuffled as a whole.
 """
 
 from collections.abc import Sequence

@@ -12,7 +12,7 @@ MEAN, SQUARES = 0.95, 0.99
 #: Steps between two updates of the eigenbases: a decomposition costs more than a step.
 EVERY = 20
 
-#: Gradients this small against the largest are rounding: steps along them shall not be whole ones.
+#: Gradients below this share of the largest are rounding errors: their steps are reduced.
 _ROUNDING = 1e-5
 _TINY = 1e-30
 
@@ -25,7 +25,7 @@ class Side(NamedTuple):
 
 
 class Matrix(NamedTuple):
-    """What is kept of one matrix (rows, columns)."""
+    """Moments of one matrix (rows, columns)."""
 
     mean: jax.Array
     squares: jax.Array  # in the eigenbases
