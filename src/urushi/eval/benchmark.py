@@ -1,9 +1,9 @@
-"""The stored benchmark set: the reference values that `urushi eval` compares with by default.
+"""The stored benchmark set: reference values that `urushi eval` compares with by default.
 
 One safetensors file of about 1 MB, made by `urushi data benchmark`. It holds, for every group that
 must be simulated, the stacks' parameters, f in single and its standard error in half precision, the
 values at the probe pairs and the directional albedo. The pairs of directions are drawn again from
-the seed; one of every stack is kept to notice if that ever gives others.
+the seed; the last pair of every stack is stored to detect if other pairs are drawn.
 """
 
 import hashlib
@@ -27,7 +27,7 @@ from urushi.geometry.probe_pairs import PROBES
 from urushi.reference import StackTable
 from urushi.version import __version__
 
-#: Of the stored set; `urushi eval --seed` takes others.
+#: Seed of the stored set; `urushi eval --seed` draws another set.
 SEED = 0
 FORMAT_VERSION = 1
 _KIND = "benchmark"
@@ -35,7 +35,7 @@ _REMEDY = "restore it from the repository, or make it again with `urushi data be
 
 
 def default_path() -> Path:
-    """Return where the stored set lies."""
+    """Path of the stored set."""
     return Path(__file__).with_name("benchmark.safetensors")
 
 
@@ -88,7 +88,7 @@ def read(
 
     Args:
         path: the file; default: the stored set.
-        groups: those wanted.
+        groups: to return.
 
     Raises:
         FileError: missing, foreign, damaged, or made for other groups.
@@ -120,7 +120,7 @@ def read(
 
 
 def _arrays(samples: Samples) -> dict[str, np.ndarray]:
-    """What is stored of a set."""
+    """The stored arrays of a set by name."""
     table = samples.table
     bottom = [table.bottom[name] for name in BOTTOM_PARAMETERS[table.kind]]
     coats = [getattr(table, name) for name in CoatParameters._fields]

@@ -1,4 +1,4 @@
-"""How like its source an encoded material is: figures, slices and pictures of a sphere."""
+"""Comparison of an encoded material with its source: figures, slices and pictures of a sphere."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -40,7 +40,7 @@ class Examination:
     """A source and the material that it was encoded into, compared.
 
     Attributes:
-        figures: what `examine` says, fit for JSON.
+        figures: of `examine`, as JSON values.
         slices: f [1/sr] of source and material in the plane of incidence, float32
             (2, `INCIDENT`, `OUTGOING`, C).
         pictures: a sphere of each in Urushi's studio, float32 (2, H, W, 3) of linear radiance.
@@ -79,8 +79,8 @@ def examine(source: Any, material: Material) -> Examination:
     error = (np.abs(material.f(wi, wo) - truth) * weight).sum(0, dtype=np.float64)
     wi, wo = half_angle_pairs(rng, P_PAIRS)
     p = pair_error(material.f(wi, wo), evaluate_source(source, wi, wo).values)
-    seen = _seen(source, (deviations.anisotropy or 0.0) > RELATIVE_TOLERANCE)
-    pictures = [_sphere(f) for f in (seen, material.f)]
+    isotropic = _isotropic(source, (deviations.anisotropy or 0.0) > RELATIVE_TOLERANCE)
+    pictures = [_sphere(f) for f in (isotropic, material.f)]
     look = metrics.compare(
         pictures[1], pictures[0], sphere.mask(), flip=find_spec("flip_evaluator") is not None
     )
@@ -91,17 +91,17 @@ def examine(source: Any, material: Material) -> Examination:
         **deviations._asdict(),
         "albedo": {
             "angles [degrees]": list(ALBEDO_ANGLES),
-            "source": _albedo(seen).tolist(),
+            "source": _albedo(isotropic).tolist(),
             "material": _albedo(material.f).tolist(),
         },
         "sphere": {name: x for name, x in look.as_dict().items() if np.isfinite(x)},
     }
-    slices = np.stack(np.broadcast_arrays(_slices(seen), _slices(material.f)))
+    slices = np.stack(np.broadcast_arrays(_slices(isotropic), _slices(material.f)))
     return Examination(figures, slices, np.stack(pictures).astype(np.float32))
 
 
 def examined(source: Any, material: Material) -> Examination | UrushiError:
-    """`examine`, or what is wrong."""
+    """As `examine`, but returns its error instead of raising it, for parallel work."""
     try:
         return examine(source, material)
     except UrushiError as error:
@@ -109,9 +109,9 @@ def examined(source: Any, material: Material) -> Examination | UrushiError:
 
 
 def mean_error(figures: Mapping[str, Any]) -> float | None:
-    """The mean over channels of E, without black ones."""
-    known = [e for e in figures["E"] if e is not None]
-    return float(np.mean(known)) if known else None
+    """Mean E of the channels that are not black, or None."""
+    errors = [e for e in figures["E"] if e is not None]
+    return float(np.mean(errors)) if errors else None
 
 
 def _opened(source: Any) -> Source:
@@ -125,7 +125,7 @@ def _opened(source: Any) -> Source:
     )
 
 
-def _seen(source: Source, anisotropic: bool) -> Brdf:
+def _isotropic(source: Source, anisotropic: bool) -> Brdf:
     """f(wi, wo) -> (N, C) of a source, averaged over the azimuth if that is needed."""
 
     def columns(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:

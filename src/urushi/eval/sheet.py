@@ -27,12 +27,12 @@ COATS: dict[str, dict[str, Any] | None] = {
     "lacquer": {"alpha": 0.05, "eta": 1.5, "albedo": (0.9, 0.15, 0.08), "sigma_t": 1.2},
 }
 
-#: The suffixes a sheet may be written with.
+#: Suffixes of the picture files that a sheet can be written to.
 SUFFIXES = (".png", ".jpg", ".pdf")
 
 
 class Cell(NamedTuple):
-    """One sphere of a sheet, and where it belongs."""
+    """One sphere of a sheet with its row and column."""
 
     row: int
     column: int
@@ -45,10 +45,10 @@ def cells(
     """The materials of a sheet, row by row.
 
     Args:
-        materials: two or more; rows go from the first to the last by way of the others, at equal
-            steps. All of the same networks.
+        materials: two or more, of the same networks; rows go from the first over the others to the
+            last at equal steps.
         rows: two or more.
-        coats: as of `COATS`.
+        coats: by name, as in `COATS`.
 
     Raises:
         ParameterError: too few materials or rows, no coats, different networks, materials that
@@ -62,7 +62,7 @@ def cells(
 
 
 def steps(materials: int, rows: int) -> list[tuple[int, float]]:
-    """Of each row the first of the two materials that it lies between, and how far along it is."""
+    """For each row the index of the material before it, and its fraction of the way to the next."""
     positions = [row * (materials - 1) / (rows - 1) for row in range(rows)]
     lower = [min(int(position), materials - 2) for position in positions]
     return [(k, min(position - k, 1.0)) for k, position in zip(lower, positions, strict=True)]
@@ -80,7 +80,7 @@ def picture(material: Material) -> np.ndarray:
 
 
 def labels(names: Sequence[str], rows: int) -> list[str]:
-    """What the rows show, in a few words each."""
+    """The label of each row: its materials and their shares."""
     result = []
     for k, t in steps(len(names), rows):
         parts = [(names[k], 1 - t), (names[k + 1], t)]
@@ -101,7 +101,7 @@ def draw(
     Args:
         path: .png, .jpg or .pdf.
         pictures: (rows, columns, H, W, 3) of linear radiance.
-        row_labels, column_labels: what they show.
+        row_labels, column_labels: text beside the rows and above the columns.
 
     Raises:
         FileError: the file cannot be written.

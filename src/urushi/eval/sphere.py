@@ -1,15 +1,15 @@
-"""Pictures of a sphere under light from all around, free of noise, for comparing BRDFs.
+"""Noise-free pictures of a sphere under an environment map, for comparing BRDFs.
 
 The sphere is seen by an orthographic camera, so that a pixel's wi depends only on its distance from
-the middle. An isotropic BRDF then makes of any light a picture by a convolution in azimuth: what a
-pixel gets from a cell of the environment's grid depends on their azimuths' difference alone. That
-*transport* is integrated once for a BRDF, by nodes that are the same for all BRDFs, and gives its
-picture in every environment.
+the middle. With an isotropic BRDF the picture is then a convolution in azimuth: the light that a
+pixel receives from a cell of the environment's grid depends only on the difference of their
+azimuths. This *transport* is integrated once per BRDF, at nodes that are the same for all BRDFs,
+and gives its picture in every environment.
 
 Where the half angle is large, the nodes are the cells' middles. Around the mirror direction, where
 highlights may be far narrower than a cell, they lie on a polar grid of half vectors, dense towards
-the normal, and what they get is shared bilinearly among the cells around them; in between the two
-are blended.
+the normal, and their values are distributed bilinearly to the cells around them. Between the two
+regions the weights are blended.
 """
 
 from collections.abc import Callable, Iterable
@@ -28,7 +28,7 @@ RINGS = 64
 HALF_ANGLES, HALF_AZIMUTHS = 40, 96
 BLEND = np.radians(4.0), np.radians(10.0)
 
-#: In how many parts a BRDF is asked for its values at all nodes.
+#: Number of parts in which a BRDF is evaluated at all nodes, to bound the memory.
 PARTS = 4
 
 #: Mean radiance of a white Lambertian sphere in `exposed` environments.
@@ -44,8 +44,8 @@ class Nodes:
 
     Attributes:
         wi, wo: float32 (N, 3), both above the horizon, in the frame of the surface.
-        cell: (N, 4) which numbers of an array (RINGS, ELEVATIONS, AZIMUTHS) a node contributes to.
-        weight: (N, 4) by how much: solid angle times the cosine of wo, times its share.
+        cell: (N, 4) flat indices into (RINGS, ELEVATIONS, AZIMUTHS) that a node contributes to.
+        weight: (N, 4) of these contributions: solid angle times cosine of wo times share.
     """
 
     wi: np.ndarray
@@ -55,29 +55,30 @@ class Nodes:
 
 
 def render(f: Brdf, environments: Iterable[Environment]) -> list[np.ndarray]:
-    """Pictures (2 RINGS, 2 RINGS, 3) of linear radiance, one an environment; black background."""
+    """Pictures (2 RINGS, 2 RINGS, 3) of linear radiance, one per environment; black background."""
     moved = transport(f)
     return [picture(moved, environment) for environment in environments]
 
 
 def transport(f: Brdf) -> np.ndarray:
-    """What every ring gets from every elevation, complex64 (RINGS, ELEVATIONS, A // 2 + 1, 3).
+    """Light that every ring receives from every elevation.
 
-    The last axis but one holds Fourier coefficients over differences of azimuth.
+    Returns complex64 (RINGS, ELEVATIONS, AZIMUTHS // 2 + 1, 3). The last axis but one holds Fourier
+    coefficients over differences of azimuth.
 
     Args:
         f: an isotropic BRDF of one or three channels, given float32 unit vectors (N, 3).
     """
-    known = nodes()
+    rule = nodes()
     # In parts, so that f needs little memory.
-    parts = zip(*(np.array_split(w, PARTS) for w in (known.wi, known.wo)), strict=True)
+    parts = zip(*(np.array_split(w, PARTS) for w in (rule.wi, rule.wo)), strict=True)
     values = np.concatenate([np.asarray(f(wi, wo)) for wi, wo in parts])
     size = RINGS * ELEVATIONS * AZIMUTHS
     shape = RINGS, ELEVATIONS, AZIMUTHS
     channels = []
     for value in np.broadcast_to(values, (len(values), 3)).T.astype(np.float64):
-        shared = (value[:, None] * known.weight).ravel()
-        moved = np.bincount(known.cell.ravel(), shared, minlength=size).reshape(shape)
+        shared = (value[:, None] * rule.weight).ravel()
+        moved = np.bincount(rule.cell.ravel(), shared, minlength=size).reshape(shape)
         channels.append(np.fft.rfft(moved, axis=2).astype(np.complex64))
     return np.stack(channels, axis=-1)
 
@@ -114,7 +115,7 @@ def nodes() -> Nodes:
 
 
 def _cells(ring: int) -> tuple[np.ndarray, ...]:
-    """Nodes in the cells' middles, less where half vectors take over."""
+    """Nodes in the cells' middles; their weight vanishes where half vectors are used."""
     edges = np.cos(np.pi * np.arange(ELEVATIONS + 1) / ELEVATIONS)
     theta = np.pi * (np.arange(ELEVATIONS) + 0.5) / ELEVATIONS
     azimuth = 2 * np.pi * np.arange(AZIMUTHS) / AZIMUTHS
@@ -128,7 +129,7 @@ def _cells(ring: int) -> tuple[np.ndarray, ...]:
     weight = solid_angle * wo[:, 2] * (1 - _near(np.arctan2(np.hypot(*half.T[:2]), half[:, 2])))
     kept = np.flatnonzero((wo[:, 2] > 0) & (weight > 0))
     own = kept + ring * ELEVATIONS * AZIMUTHS
-    # A single cell each: the other three shares are nothing.
+    # Each belongs to one cell: the other three shares are zero.
     cell = np.repeat(own[:, None], 4, axis=1)
     shares = weight[kept, None] * np.array([1.0, 0.0, 0.0, 0.0])
     return np.broadcast_to(wi, (len(kept), 3)), wo[kept], cell, shares
@@ -156,7 +157,7 @@ def _half_vectors(ring: int) -> tuple[np.ndarray, ...]:
 
 
 def _near(half_angle: np.ndarray) -> np.ndarray:
-    """How much of a half angle the half vectors take: 1 at 0, falling smoothly."""
+    """Weight of the half vectors at a half angle: 1 at 0, falling smoothly to 0."""
     t = np.clip((BLEND[1] - half_angle) / (BLEND[1] - BLEND[0]), 0, 1)
     return t * t * (3 - 2 * t)
 

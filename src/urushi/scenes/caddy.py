@@ -1,7 +1,4 @@
-"""The demo's scene: the lacquered caddy on a dark table between softboxes.
-
-The demo's shape: a tea caddy.
-"""
+"""The demo's scene: a lacquered tea caddy on a dark table between softboxes."""
 
 from typing import Any
 
@@ -19,7 +16,7 @@ BLACK = np.array([4.0, 5.0, 6.0]), np.array([0.30, 0.05, 0.03])
 RED = np.array([3.0, 6.0, 6.0]), np.array([0.85, 0.14, 0.05])
 GOLD = np.array([0.02, 0.05, 0.15]), np.array([0.9, 0.8, 0.6])
 
-#: Turn of the caddy that shows the blossoms to the camera [degrees].
+#: Rotation of the caddy about its axis, which turns the blossoms to the camera [degrees].
 TURN = 105.0
 
 
@@ -77,12 +74,12 @@ def coat(bsdf: str) -> dict[str, Any]:
 def lacquer() -> tuple[np.ndarray, np.ndarray]:
     """Optical depth and albedo of the coat, (H, W, 3) each: black to red to black, then gold.
 
-    Depths are blended by ratios, as layers of lacquer are: one more coat of the brush each time.
+    Depths are interpolated in their logarithms.
     """
     profile = natsume()
     gold = caddy_pattern.gold(profile, TEXTURE_HEIGHT)[..., None]
     height = profile((np.arange(TEXTURE_HEIGHT) + 0.5) / TEXTURE_HEIGHT)[0][:, 1]
-    red = np.exp(-(((height - 0.42) / 0.30) ** 2))[:, None, None]  # the dawn between black bands
+    red = np.exp(-(((height - 0.42) / 0.30) ** 2))[:, None, None]  # a red band between black ones
     depth = np.exp(_blend(gold, _blend(red, *np.log([BLACK[0], RED[0]])), np.log(GOLD[0])))
     return depth, _blend(gold, _blend(red, BLACK[1], RED[1]), GOLD[1])
 
@@ -92,7 +89,7 @@ def _blend(amount: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndar
 
 
 def _texture(values: np.ndarray) -> dict[str, Any]:
-    """An (H, W, 3) array as a texture, taken as it is."""
+    """An (H, W, 3) array as a texture without colour conversion."""
     return {
         "type": "bitmap",
         "data": mi.TensorXf(values.astype(np.float32)),

@@ -1,7 +1,7 @@
 """Maki-e, drawn by code: cherry blossoms drifting over a stream, in gold under lacquer.
 
-Every motif is drawn in the surface's own metric, so that nothing is stretched where the texture
-is. Lengths are those of the object, which is about one high.
+Every motif is drawn in the metric of the surface, so that the texture does not stretch it. Lengths
+are those of the object, which is about one high.
 """
 
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ import numpy as np
 
 from urushi.scenes.mesh import Profile, surface
 
-#: Number of lines in the stream, and how high they run.
+#: Lines of the stream: their number, mean height and distance.
 STREAM_LINES, STREAM_HEIGHT, STREAM_GAP = 7, 0.20, 0.026
 
 
@@ -32,7 +32,7 @@ class Canvas:
 
 @dataclass(frozen=True)
 class Placement:
-    """Where a motif lies: centre (u, v), radius, and turn in the tangent plane [rad]."""
+    """Place of a motif: centre (u, v), radius, and rotation in the tangent plane [rad]."""
 
     u: float
     v: float
@@ -41,7 +41,7 @@ class Placement:
 
 
 def gold(profile: Profile, height: int = 512, *, seed: int = 5) -> np.ndarray:
-    """Draw the pattern: how much the gold shows through, texel by texel.
+    """Draw the pattern: the amount of gold that shows through, by texel.
 
     Args:
         profile: the turned shape that the texture wraps.
@@ -114,7 +114,7 @@ def _wrap(u: np.ndarray | float) -> np.ndarray | float:
 
 
 def _stamp(canvas: Canvas, profile: Profile, place: Placement, motif, image: np.ndarray) -> None:
-    """Draw `motif` over what is there, in its local frame on the surface."""
+    """Draw `motif` over the image, in its local frame on the surface."""
     centre, normal = surface(profile, place.u, place.v)
     turn = 2 * np.pi * place.u
     across = np.array([-np.sin(turn), np.cos(turn), 0.0])
@@ -131,7 +131,7 @@ def _stamp(canvas: Canvas, profile: Profile, place: Placement, motif, image: np.
 
 
 def _blossom(r: np.ndarray, angle: np.ndarray, soft: float) -> tuple[np.ndarray, np.ndarray]:
-    """Five notched petals with veins and stamens; returns (gold, what it hides below)."""
+    """Five notched petals with veins and stamens; returns gold and cover, both in [0, 1]."""
     sector = 2 * np.pi / 5
     a = (angle + sector / 2) % sector - sector / 2  # angle to the middle of the petal
     outline = 0.52 + 0.48 * np.abs(np.cos(2.5 * a)) ** 0.7

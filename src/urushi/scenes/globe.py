@@ -18,7 +18,7 @@ FACING = 28.0
 
 
 def globe(folder: Folder, options: Options) -> dict[str, Any]:
-    """Describe the scene, its files in `folder`."""
+    """Describe the scene for `mi.load_dict`; its files are written into `folder`."""
     albedo, depth = chart(options.texels(ROWS))
     transform = mi.ScalarTransform4d()
     placed = transform.translate([0, 0, CENTRE]) @ transform.rotate([0, 1, 0], TILT)

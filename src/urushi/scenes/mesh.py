@@ -1,9 +1,4 @@
-"""Triangle meshes: their arrays, surfaces given on a grid, and PLY files.
-
-Turned shapes: a smooth profile revolved about the z axis into a triangle mesh.
-
-Normal maps from heights, in the metric of the surface that they lie on.
-"""
+"""Triangle meshes: surfaces on a grid, shapes turned on a lathe, PLY files, and normal maps."""
 
 import os
 from collections.abc import Callable
@@ -33,11 +28,11 @@ class Mesh:
 
 
 def grid(positions: np.ndarray, *, closed: bool = False) -> Mesh:
-    """A surface given by its points at regular (u, v).
+    """The mesh of a surface from its points at regular (u, v).
 
     Args:
-        positions: (V, U, 3) points; u grows along the second axis. Normals are du x dv, by
-            differences; the front is where they point.
+        positions: (V, U, 3) points; u grows along the second axis. Normals are du x dv by finite
+            differences and point to the front.
         closed: the last column repeats the first, and normals are continuous there.
     """
     along_u, along_v = derivatives(positions, closed=closed)
@@ -58,7 +53,7 @@ def grid(positions: np.ndarray, *, closed: bool = False) -> Mesh:
 
 
 def derivatives(positions: np.ndarray, *, closed: bool = False) -> tuple[np.ndarray, np.ndarray]:
-    """Derivatives by u and by v, both in [0, 1], of points (V, U, ...) as of `grid`."""
+    """Derivatives by u and by v, both in [0, 1], of points (V, U, ...) on a grid as for `grid`."""
     rows, columns = positions.shape[:2]
     along_v = np.gradient(positions, axis=0) * (rows - 1)
     along_u = np.gradient(positions, axis=1) * (columns - 1)
@@ -87,8 +82,8 @@ def write_ply(mesh: Mesh, path: str | os.PathLike) -> None:
         temporary.write_bytes(header.encode() + b"\n" + vertices.tobytes() + faces.tobytes())
 
 
-#: Half an outline: points (radius, height) and unit tangents at fractions v of it, from the axis up
-#: and back to the axis, or to an edge.
+#: Half an outline: points (radius, height) and unit tangents at fractions v of its length, from the
+#: axis at the bottom to the axis or an edge at the top.
 Outline = Callable[[npt.ArrayLike], tuple[np.ndarray, np.ndarray]]
 
 
@@ -148,8 +143,8 @@ def surface(profile: Outline, u: npt.ArrayLike, v: npt.ArrayLike) -> tuple[np.nd
     """Positions and outward unit normals of the turned shape.
 
     Args:
-        u: (...) turn about the axis as a fraction, anticlockwise seen from above.
-        v: (...) fraction of the outline's length, from the centre of the foot to the top's.
+        u: (...) fraction of a turn about the axis, anticlockwise seen from above.
+        v: (...) fraction of the outline's length, from the centre of the foot to that of the top.
 
     Returns:
         Two float64 arrays (..., 3).
@@ -169,7 +164,7 @@ def lathe(profile: Outline, segments: int, rings: int) -> Mesh:
     at_pole = (v == 0) | (v == 1)
     positions, normals = surface(profile, u, v)
     normals[at_pole] = np.round(normals[at_pole])  # straight down and up
-    # A vertex on the axis serves one triangle, whose middle its u is.
+    # A vertex on the axis belongs to one triangle; its u is that of the triangle's middle.
     u = np.clip(u + np.select([v == 0, v == 1], [0.5, -0.5]) / segments, 0, 1)
     uv = np.stack([u, v], axis=-1)
 
@@ -190,7 +185,7 @@ def lathe(profile: Outline, segments: int, rings: int) -> Mesh:
 def normal_map(
     height: np.ndarray, length_u: npt.ArrayLike, length_v: npt.ArrayLike, *, closed: bool = False
 ) -> np.ndarray:
-    """Encode the normals of a height field for Mitsuba's `normalmap`.
+    """Normal map of a height field for Mitsuba's `normalmap`.
 
     Args:
         height: (H, W) heights above the surface, in its units; row 0 is at v = 0.

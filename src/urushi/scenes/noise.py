@@ -8,20 +8,20 @@ _TABLE_BITS = 12
 def fractal(
     points: np.ndarray, octaves: int = 5, *, seed: int = 0, gain: float = 0.5
 ) -> np.ndarray:
-    """A sum of octaves of gradient noise, each of twice the frequency and `gain` times the size.
+    """Octaves of gradient noise, each of twice the frequency and `gain` times the amplitude.
 
     Args:
         points: (..., 3); features of the first octave are about one unit large.
         octaves: number of terms.
         seed: chooses the pattern.
-        gain: ratio of the sizes of successive octaves.
+        gain: ratio of the amplitudes of successive octaves.
 
     Returns:
         (...) float32 with mean about 0, mostly within [-1, 1].
     """
     total, size = np.zeros(points.shape[:-1], np.float32), 1.0
     for octave in range(octaves):
-        shift = 17.3 * octave  # else lattice points of all octaves would coincide
+        shift = 17.3 * octave  # otherwise lattice points of all octaves would coincide
         total += size * gradient(points * 2.0**octave + shift, seed=seed + octave)
         size *= gain
     return total * (1 - gain) / (1 - gain**octaves) * 1.5

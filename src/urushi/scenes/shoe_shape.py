@@ -10,7 +10,8 @@ import numpy as np
 
 from urushi.scenes.noise import smoothstep
 
-# The sole seen from above, (x, y), from the heel's back along the outer side; a closed B-spline.
+#: The sole seen from above: control points (x, y) of a closed B-spline, from the heel's back along
+#: the outer side.
 OUTLINE = np.array(
     [
         (-1.32, 0.00),
@@ -34,7 +35,7 @@ OUTLINE = np.array(
         (-1.27, 0.25),
     ]
 )
-#: The heel's, in the same way.
+#: The heel seen from above, in the same order.
 HEEL = np.array(
     [
         (-1.32, 0.00),
@@ -87,7 +88,7 @@ def collar(u: np.ndarray) -> np.ndarray:
 
 
 def upper(u: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """From the welt over the instep to the collar: a Bézier curve for every u."""
+    """Points (..., 3) from the welt over the instep to the collar: a Bézier curve for every u."""
     u, v = np.broadcast_arrays(np.asarray(u, float), np.asarray(v, float))
     flat, top = outline(u), collar(u)
     bottom = np.concatenate([0.97 * flat, (lift(flat[..., 0]) + SOLE)[..., None]], axis=-1)
@@ -106,7 +107,7 @@ def upper(u: np.ndarray, v: np.ndarray) -> np.ndarray:
 
 
 def lining(u: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """From the collar down inside to the insole, and over it to its middle."""
+    """Points (..., 3) from the collar down the inside to the middle of the insole."""
     u, v = np.broadcast_arrays(np.asarray(u, float), np.asarray(v, float))
     top = collar(u)
     flat = outline(u) * 0.86

@@ -1,7 +1,4 @@
-"""The files of a scene: meshes and textures that it refers to, written into one folder.
-
-What the scenes share: their options, camera, table, lights, and the coat under study.
-"""
+"""Parts that the shipped scenes share: files, options, materials, camera, light and table."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -19,24 +16,24 @@ from urushi.scenes.noise import smoothstep
 
 
 class Folder:
-    """Writes what a scene needs and gives the nodes of its dictionary that refer to it."""
+    """Folder of a scene's files: writes meshes and textures, returns nodes that refer to them."""
 
     def __init__(self, path: Path):
-        """Write into the folder `path`; FileError where it cannot be made."""
+        """Use the folder `path`, made if it is missing; FileError if it cannot be made."""
         self.path = new_folder(path).resolve()
 
     def mesh(self, name: str, mesh: Mesh) -> dict[str, Any]:
-        """A shape of the mesh, as a PLY file."""
+        """The shape of a mesh, which is written as a PLY file."""
         file = self.path / f"{name}.ply"
         write_ply(mesh, file)
         return {"type": "ply", "filename": str(file)}
 
     def texture(self, name: str, values: np.ndarray) -> dict[str, Any]:
-        """A texture of (H, W) or (H, W, 3) values, taken as they are; row 0 is at v = 0."""
+        """A texture of (H, W) or (H, W, 3) values without colour conversion; row 0 is at v = 0."""
         return {"type": "bitmap", "filename": self._image(name, values), "raw": True}
 
     def environment(self, name: str, radiance: np.ndarray) -> dict[str, Any]:
-        """A light from all around, (H, W, 3): z in row 0, columns from +y by +x back to +y."""
+        """An environment map (H, W, 3): row 0 is +z, columns go from +y over +x back to +y."""
         turned = mi.ScalarTransform4d().rotate([1, 0, 0], 90)
         return {"type": "envmap", "filename": self._image(name, radiance), "to_world": turned}
 
@@ -51,20 +48,21 @@ class Folder:
 
 Vector = Sequence[float]
 
-#: The plugins that a scene's coats can be made of, the networks first.
+#: The plugins for the coats of a scene, the networks first.
 COATS = ("neural_layered", "layered")
 
 
 @dataclass(frozen=True)
 class Options:
-    """How a scene is to be rendered.
+    """Options of a shipped scene.
 
     Attributes:
         coat: plugin of all coats, "neural_layered" or "layered".
         weights: networks of "neural_layered": "base", "small" or a weights file.
         width, height: of the film [pixels].
-        spp: samples a pixel.
-        detail: scale of the sizes of textures; below 1 the scene loads faster and looks coarser.
+        spp: samples per pixel.
+        detail: factor on the width and height of textures, in (0, 4]; below 1 the scene loads
+            faster and looks coarser.
     """
 
     coat: str = COATS[0]
@@ -88,9 +86,9 @@ class Options:
         return max(8, round(count * self.detail))
 
     def coated(self, bottom: dict[str, Any], **parameters: Any) -> dict[str, Any]:
-        """The coat with these parameters over `bottom`; only what differs from defaults is said.
+        """The coat with these parameters over `bottom`; `weights` only if they are not the default.
 
-        So one word is all that tells the network's scene from its reference's.
+        So the scenes of networks and reference differ in one word.
         """
         named = self.coat == COATS[0] and self.weights != SHIPPED[0]
         weights = {"weights": self.weights} if named else {}
@@ -98,12 +96,12 @@ class Options:
 
 
 def rgb(*value: float) -> dict[str, Any]:
-    """A colour."""
+    """A colour of linear RGB values."""
     return {"type": "rgb", "value": list(value)}
 
 
 def conductor(material: str, alpha: float) -> dict[str, Any]:
-    """A rough metal, by the name of its measured index."""
+    """A rough metal by Mitsuba's name of its index of refraction; alpha: its GGX width."""
     return {
         "type": "roughconductor",
         "distribution": "ggx",
@@ -128,7 +126,7 @@ def scene(camera: dict[str, Any], parts: dict[str, Any]) -> dict[str, Any]:
 
 
 def camera(options: Options, origin: Vector, target: Vector, fov: float) -> dict[str, Any]:
-    """A perspective camera, z up; fov is across the larger side [degrees]."""
+    """A perspective camera with z up; fov: of the larger side [degrees]."""
     return {
         "type": "perspective",
         "fov": fov,
@@ -151,9 +149,9 @@ class Light:
     """A softbox far away: a square patch of the sky with soft edges.
 
     Attributes:
-        towards: direction in which it is seen; z is up.
+        towards: direction from the scene to it; z is up.
         size: half its width and half its height [rad].
-        radiance: in its middle.
+        radiance: linear RGB, of its middle.
     """
 
     towards: Vector
@@ -166,7 +164,7 @@ def surround(
 ) -> dict[str, Any]:
     """The only emitter: a smooth sky of three radiances, with lights in it.
 
-    One environment map is sampled with less noise than several lamps, of which a sample sees one.
+    Sampling one environment map has less noise than sampling one of several lamps.
     """
     theta, phi = np.pi * (np.arange(256) + 0.5) / 256, 2 * np.pi * (np.arange(512) + 0.5) / 512
     up = np.broadcast_to(np.cos(theta)[:, None], (256, 512))
@@ -178,7 +176,7 @@ def surround(
 def radiance(
     points: np.ndarray, zenith: Vector, horizon: Vector, ground: Vector, lights: Sequence[Light]
 ) -> np.ndarray:
-    """What is seen of the sky and its lights, (..., 3), towards unit vectors (..., 3); z is up."""
+    """Radiance (..., 3) of the sky and its lights towards unit vectors (..., 3); z is up."""
     up = points[..., 2]
     above = np.asarray(horizon) + np.subtract(zenith, horizon) * smoothstep(0, 0.6, up)[..., None]
     result = above + (ground - above) * smoothstep(-0.02, -0.35, up)[..., None]
@@ -197,7 +195,7 @@ def radiance(
 
 
 def table(radius: float, *reflectance: float) -> dict[str, Any]:
-    """A round table, its top at z = 0; matt, so that noise is that of the coats."""
+    """A round table, its top at z = 0; matt, so that the noise is that of the coats."""
     return {
         "type": "disk",
         "to_world": mi.ScalarTransform4d().scale(radius),

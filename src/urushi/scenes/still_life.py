@@ -1,8 +1,8 @@
 """The scene "still-life": glazed, lacquered and enamelled things on a table of varnished wood.
 
-What varies: the roughness of the coats (the three beads in front, with their indices), the
-albedo and the depth of the medium (fruit, vase and plate), the bottom (metals, clay, wood), and
-the relief (the hammered bowl).
+The things vary the roughness and the index of the coats (the three beads in front), the albedo and
+the depth of the medium (fruit, vase and plate), the bottom (metals, clay, wood), and the relief
+(the hammered bowl).
 """
 
 from typing import Any
@@ -26,7 +26,7 @@ BEAD = 0.21
 
 
 def still_life(folder: Folder, options: Options) -> dict[str, Any]:
-    """Describe the scene, its files in `folder`."""
+    """Describe the scene for `mi.load_dict`; its files are written into `folder`."""
     parts: dict[str, Any] = {
         "surround": stage.surround(
             folder,

@@ -1,6 +1,6 @@
-"""The things of the still life: their outlines and their patterns.
+"""Outlines and patterns of the things in the still life.
 
-Patterns take the positions of texels, so that nothing is stretched where the texture is.
+Patterns are functions of the texels' positions in space, so that textures do not stretch them.
 """
 
 import numpy as np
@@ -11,7 +11,7 @@ from urushi.scenes.noise import smoothstep
 
 
 def texels(profile: Profile, rows: int) -> np.ndarray:
-    """Where the centres of a turned shape's texels lie, (rows, 2 rows, 3)."""
+    """Positions (rows, 2 rows, 3) of the centres of a turned shape's texels."""
     u, v = (np.arange(2 * rows) + 0.5) / (2 * rows), (np.arange(rows) + 0.5) / rows
     return surface(profile, u[None, :], v[:, None])[0]
 
@@ -91,7 +91,7 @@ def waves(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def hammered(points: np.ndarray) -> np.ndarray:
-    """Heights of metal that a hammer has dented, in the shape's own lengths."""
+    """Heights of hammered metal at points (..., 3), in the shape's unit of length."""
     first, _ = noise.cells(points * 7, seed=6)
     return 0.016 * np.minimum(first, 0.75) ** 2 / 0.4
 

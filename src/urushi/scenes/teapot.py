@@ -1,9 +1,8 @@
-"""Cubic Bézier outlines of turned shapes, and tubes of mirrored bicubic patches (Bézier 1968).
+"""The scene "teapot": Newell's teapot in many-coloured lacquer, polished flat, over rough silver.
 
-The scene "teapot": Newell's teapot in many-coloured lacquer, polished flat, over rough silver.
-
-The pattern is that of tsugaru-nuri: layers of many colours are laid over an uneven ground and
-polished down, so that they show as contour lines.
+The pattern is that of tsugaru-nuri: layers of many colours over an uneven ground are polished
+down, so that they show as contour lines. The shapes are cubic Bézier outlines and tubes of mirrored
+bicubic patches (Bézier 1968).
 """
 
 from collections.abc import Callable
@@ -21,7 +20,7 @@ from urushi.scenes.stage import Folder, Light, Options
 
 @dataclass(frozen=True)
 class Outline:
-    """Half of a turned shape's outline: joined cubic segments, taken as `turned.Profile` is.
+    """Half of a turned shape's outline: joined cubic segments, as a `mesh.Outline`.
 
     Attributes:
         control: (3 S + 1, 2) control points (radius, height) of S segments, from the bottom up.
@@ -30,7 +29,7 @@ class Outline:
     control: np.ndarray
 
     def __call__(self, v: npt.ArrayLike) -> tuple[np.ndarray, np.ndarray]:
-        """Points and unit tangents, each of v's shape + (2,); every segment takes as much of v."""
+        """Points and unit tangents, each of v's shape + (2,); segments have equal shares of v."""
         segments = (len(self.control) - 1) // 3
         at = np.asarray(v, float) * segments
         first = np.clip(at.astype(int), 0, segments - 1)
@@ -77,7 +76,7 @@ TEXELS = 1024
 
 
 def teapot(folder: Folder, options: Options) -> dict[str, Any]:
-    """Describe the scene, its files in `folder`."""
+    """Describe the scene for `mi.load_dict`; its files are written into `folder`."""
     transform = mi.ScalarTransform4d()
     turned = transform.rotate([0, 0, 1], -28)
     parts: dict[str, Any] = {
@@ -132,7 +131,7 @@ def _tube(tube: Tube) -> Mesh:
 
 
 def _texels(place: Callable, width: int, height: int) -> np.ndarray:
-    """Where the centres of a texture's texels lie, (height, width, 3)."""
+    """Positions (height, width, 3) of the centres of a texture's texels."""
     u, v = (np.arange(width) + 0.5) / width, (np.arange(height) + 0.5) / height
     return place(u[None, :], v[:, None])
 

@@ -1,4 +1,4 @@
-"""A source and its material: slices, directional albedo and a sphere of each."""
+"""Pictures and reports that compare sources with their materials."""
 
 import json
 import os
@@ -16,7 +16,7 @@ from urushi.files import atomic_write, new_folder
 #: Colours by number of channels.
 COLOURS = {1: ("black",), 3: ("#d62728", "#2ca02c", "#1f77b4")}
 
-#: How the source's lines and the material's are drawn.
+#: Line styles of source and material.
 SOURCE: dict[str, Any] = {"linewidth": 3.5, "alpha": 0.35}
 MATERIAL: dict[str, Any] = {"linewidth": 1.0}
 
@@ -25,7 +25,7 @@ RANGE = 1e-5
 
 
 def draw(path: str | os.PathLike, name: str, examination: Examination) -> None:
-    """Draw what `examine` found: f over the plane of incidence, albedos, and spheres.
+    """Draw an examination: f in the plane of incidence, albedos, and spheres.
 
     Raises:
         FileError: the file cannot be written.
@@ -90,9 +90,9 @@ def write_report(
     """Write report.json, report.md and a picture of each examination.
 
     Args:
-        folder: made where it is missing.
-        examinations: by name; NAME.png is the picture's.
-        errors: why others could not be encoded, by name.
+        folder: made if it is missing.
+        examinations: by name; the picture is NAME.png.
+        errors: sentences of sources that could not be encoded, by name.
 
     Raises:
         FileError: a file cannot be written.
@@ -110,7 +110,7 @@ def write_report(
 
 
 def _markdown(examinations: Mapping[str, Examination], errors: Mapping[str, str]) -> str:
-    """A table of all, and the pictures below."""
+    """A table of all examinations and errors, followed by the pictures."""
     lines = [
         "# Encoded materials",
         "",

@@ -15,10 +15,10 @@ from urushi.files import atomic_write
 from urushi.nets.weights import Model
 from urushi.reference import StackTable
 
-#: Stacks that are shown, angles [degrees] that light comes from, and walks for a direction.
+#: Number of stacks shown, angles of incidence [degrees], and walks per direction.
 COUNT, INCIDENT, WALKS = 10, (10.0, 45.0, 75.0), 4096
 
-#: Radii show f cos to this power, so that sharp lobes leave the rest visible.
+#: Radii show f cos to this power, so that wide lobes stay visible beside sharp ones.
 POWER = 1 / 3
 
 #: Angles of the outgoing directions in the plane, from the normal.
@@ -80,7 +80,7 @@ def worst_stacks(
 
 
 def lobe_values(model: Model, table: StackTable, stack: int) -> tuple[np.ndarray, np.ndarray]:
-    """f cos [1/sr] of reference and networks, (`INCIDENT`, `OUTGOING`) each; noise as it comes."""
+    """f cos [1/sr] of reference and networks, (`INCIDENT`, `OUTGOING`) each, noise included."""
     angles = np.radians(INCIDENT)
     count = len(angles), len(OUTGOING)
     # Positive outgoing angles are on the mirror's side.
@@ -88,8 +88,8 @@ def lobe_values(model: Model, table: StackTable, stack: int) -> tuple[np.ndarray
     wo = np.tile(_in_plane(OUTGOING), (count[0], 1))
     one = _single(table, stack)
     f, se = sampling.walk_all(one, wi[None], wo[None], WALKS, seed=0)
-    made = predict.materials(model, Samples(one, wi[None], wo[None], f, se))
-    f_hat = predict.evaluate(made, wi[None], wo[None])
+    materials = predict.materials(model, Samples(one, wi[None], wo[None], f, se))
+    f_hat = predict.evaluate(materials, wi[None], wo[None])
     cosine = wo[:, 2].reshape(count)
     return f.reshape(count) * cosine, f_hat.reshape(count) * cosine
 
