@@ -1,4 +1,4 @@
-"""Encoding many BRDFs at once: their values are taken in parallel, by all cores or a cluster."""
+"""Encoding of many BRDFs: their values are computed in parallel, on all cores or a cluster."""
 
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
@@ -23,7 +23,7 @@ from urushi.platform import available_cores
 
 
 class EncodedSource(NamedTuple):
-    """A material, and how its source differs from what a material can be."""
+    """A material, and its source's deviations from what a material can represent."""
 
     material: Material
     deviations: Deviations
@@ -46,8 +46,8 @@ def encode_all(
         refine: as of `encode`, one value for all sources or one for each; this process refines.
 
     Yields:
-        (index, Encoded) of each source as it is done, or the error that it has, which stops none
-        of the others.
+        (index, EncodedSource) of each source as it is done, or its error, which stops none of the
+        others.
 
     Raises:
         PlatformError: there is no such scheduler.
@@ -67,7 +67,7 @@ def encode_all(
 def map_sources(
     function: Callable[..., Any], tasks: Sequence[tuple], scheduler: str | None = None
 ) -> Iterator[tuple[int, Any]]:
-    """Call a function of a source, and of whatever else, for many.
+    """Call a function for many sources.
 
     Args:
         function: of a module; on a cluster its arguments must be picklable.
@@ -96,7 +96,7 @@ def map_sources(
 
 
 def _read(source: Any, wi: np.ndarray, wo: np.ndarray) -> SourceValues | UrushiError:
-    """What is to be known of a source at the pairs, or what is wrong with it."""
+    """Values of a source at the pairs, or its error."""
     try:
         return evaluate_source(
             load_measured(source) if isinstance(source, Path) else source, wi, wo

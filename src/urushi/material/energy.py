@@ -1,13 +1,11 @@
 """Conservation of energy: codes whose directional albedo is too high are scaled down.
 
-One factor for all pairs of directions leaves f exactly as reciprocal as it was. Codes that have no
-gain, those of the paper's networks, are left as they are.
+One factor for all pairs of directions leaves f exactly reciprocal. Codes that have no gain, those
+of the paper's networks, are not changed.
 
-Which of very many codes may be too bright, from measuring a few of them.
-
-A texture has millions of codes, and to measure one costs some hundred evaluations of the decoder.
-But they lie close together: a regression on a thousand of them tells the others' albedo well enough
-to leave out those that are far from the ceiling.
+To measure one code costs some hundred evaluations of the decoder, and a texture has millions of
+codes. They lie close together, so a regression on a thousand of them predicts the albedo of the
+others well enough to exclude those that are far below the ceiling (`codes_to_measure`).
 """
 
 import functools
@@ -25,35 +23,35 @@ from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
 from urushi.parallel import fill_blocks, one_blas_thread
 
-#: The rule's and the interpolation's error in the albedo: materials end this much below 1.
+#: Error of the quadrature and of the interpolation in the albedo: the ceiling is 1 less this.
 MARGIN = 0.002
 
-#: By how much a code's albedo may exceed its source's; with the error above, 0.5 %.
+#: Amount by which a code's albedo may exceed that of its source; with `MARGIN`, 0.5 %.
 SLACK = 0.003
 
-#: A source whose albedo exceeds 1 by less conserves energy and has but numerical errors.
+#: Excess over an albedo of 1 that counts as a numerical error of a source that conserves energy.
 TOLERANCE = 0.005
 
-#: Below this cosine of wi (84 degrees) a source's own albedo is no ceiling: the networks' errors in
-#: its last few degrees would darken all other directions.
+#: Cosine of wi (84 degrees) below which the source's albedo is no ceiling: the networks' errors in
+#: the last few degrees would darken all other directions.
 GRAZING = 0.1
 
-#: The interpolating polynomial is one in ln(cos + this).
+#: The variable of the interpolating polynomial is ln(cos + this).
 COSINE_OFFSET = 0.1
 
-#: Cosines, evenly spaced in that variable, at which it is looked at.
+#: Number of cosines, evenly spaced in that variable, at which the polynomial is evaluated.
 INTERPOLATED_COSINES = 41
 
-#: No factor makes a code's albedo zero: less than this counts as this.
+#: Least albedo in a division.
 LEAST_ALBEDO = 1e-6
 
-#: Codes that are scaled by less are looked at again, so many times at most: to exp(-80).
+#: Codes with a smaller factor are measured again, at most so many times: to exp(-80).
 TINY_FACTOR, TINY_FACTOR_ROUNDS = 1e-3, 3
 
-#: Codes that a core measures at once; so few are measured by one.
+#: Codes that one core measures at once; fewer codes are measured by the calling thread.
 BLOCK = 32
 
-#: Of more codes than these, only those that `screen` does not trust are measured.
+#: Number of codes above which only those of `codes_to_measure` are measured.
 SCREENED_COUNT = 4096
 
 
@@ -62,10 +60,10 @@ class AlbedoRule(NamedTuple):
 
     Attributes:
         wi, wo: read-only float32 (M, 3).
-        features: float32 (M, 8), what networks see of them.
-        weights: (M,), wo's cosine included; those of an angle follow each other.
-        first: (K,) where each angle begins.
-        cosines: (D,) of the wi for which albedos are told.
+        features: float32 (M, 8), the decoder's input features of wi and wo.
+        weights: (M,), wo's cosine included; the nodes of an angle are contiguous.
+        first: (K,) index of the first node of each angle.
+        cosines: (D,) of the wi at which albedos are interpolated.
         interpolation: (D, K), from the albedos at the angles to those at `cosines`.
     """
 
@@ -133,16 +131,16 @@ def directional_albedos(model: Model, z: np.ndarray) -> np.ndarray:
 
 
 def peak_ceiling(own: np.ndarray) -> np.ndarray:
-    """The highest albedo (..., 1) that is allowed to what has the albedos own (..., D).
+    """The greatest permitted albedo (..., 1) of a code, from its source's albedos own (..., D).
 
-    1 less the margin; of a source that gains energy, the largest that it has itself.
+    1 less the margin; for a source that gains energy, its own greatest albedo.
     """
     peak = own.max(axis=-1, keepdims=True)
     return np.where(peak > 1 + TOLERANCE, peak, 1 - MARGIN)
 
 
 def albedo_ceiling(own: np.ndarray) -> np.ndarray:
-    """What the albedos (..., D) of the code of a source with albedos own (..., D) may be."""
+    """Ceiling (..., D) of a code's albedos, from its source's albedos own (..., D)."""
     top = peak_ceiling(own)
     return np.where(albedo_rule().cosines < GRAZING, top, np.minimum(own + SLACK, top))
 
@@ -165,9 +163,9 @@ def limit_albedo(
 
 
 def limit_coated_albedo(model: Model, z: np.ndarray, z_bottom: np.ndarray) -> np.ndarray:
-    """`limit` codes (..., 32) of coats over bottoms z_bottom, which broadcast to the same.
+    """`limit_albedo` for codes (..., 32) of coats over bottoms z_bottom (broadcast to the same).
 
-    To 1; a bottom that gains energy, with a larger albedo, may be as bright under a coat too.
+    The ceiling is 1, or the albedo of the bottom if it gains energy.
     """
     factors = _limiting_factors(model, z)
     over = factors < 1
@@ -181,7 +179,7 @@ def limit_coated_albedo(model: Model, z: np.ndarray, z_bottom: np.ndarray) -> np
 
 
 def _relaxed_factors(model: Model, factors: np.ndarray, z_bottom: np.ndarray) -> np.ndarray:
-    """Factors (...) for the ceiling 1, for that of the bottoms (broadcast to (..., 32))."""
+    """Factors (...) for the ceilings of the bottoms z_bottom, from those for the ceiling 1."""
     gaining = _limiting_factors(model, z_bottom, 1 + TOLERANCE)
     top = np.where(gaining < 1, (1 + TOLERANCE) / gaining, 1 - MARGIN)
     return np.minimum(factors * (top / (1 - MARGIN)), 1).astype(np.float32)
@@ -192,8 +190,8 @@ def _limiting_factors(
 ) -> np.ndarray:
     """The factors float32 (...) in (0, 1] that bring codes (..., 32) below a ceiling.
 
-    A code far from all that networks know may decode to the largest f there is (`decoder.MAX_LOG`).
-    How much it exceeds its ceiling shows only when it is scaled down, again and again.
+    A code far from the training data may decode to the greatest f that the decoder represents
+    (`decoder.MAX_LOG`). Then the factor is found by scaling and measuring repeatedly.
     """
     result = _measured_factors(model, z, ceiling)
     far = result < TINY_FACTOR
@@ -210,7 +208,7 @@ def _limiting_factors(
 
 
 def _measured_factors(model: Model, z: np.ndarray, ceiling: np.ndarray | float) -> np.ndarray:
-    """The factors by which codes exceed a ceiling, as far as f is not the largest there is."""
+    """`_limiting_factors` by one measurement, exact where f is below the decoder's maximum."""
     result = np.ones(z.shape[:-1], np.float32)
     if not isinstance(model.networks, UrushiNetworks) or not z.size:
         return result
@@ -240,23 +238,22 @@ def _scaled(model: Model, z: np.ndarray, factors: np.ndarray) -> np.ndarray:
     return result
 
 
-#: Codes that are measured, half of them to fit the regression and half to see its errors.
+#: Number of codes that are measured, half to fit the regression and half to estimate its error.
 SCREEN_SAMPLE = 1024
 
-#: The brighter a code, the more its error counts: weights are this power of the albedo. Of the
-#: held-out ones those within `NEAR` of the ceiling in ln albedo, and in any case the brightest
-#: tenth, tell the error, which is trusted up to a factor and a constant.
+#: Power of the albedo by which codes are weighted in the fit; and the error of the regression: the
+#: greatest over held-out codes within `SCREEN_NEAR` of the ceiling in ln albedo, or over the
+#: brightest tenth, times a factor, plus a constant.
 SCREEN_WEIGHT_POWER, SCREEN_NEAR, SCREEN_ERROR_FACTOR, SCREEN_LEAST_MARGIN = 4.0, 0.25, 2.0, 0.02
 
-#: Of the regression: random features besides the codes themselves, and its ridge.
+#: Regression: number of random features, and ridge.
 SCREEN_FEATURES, SCREEN_RIDGE = 64, 1e-3
 
-#: A code that is this much farther out than all of the sample, in any number, is no matter of
-#: interpolation and is measured.
+#: Factor on the range of the sample outside of which, in any number, a code is always measured.
 SCREEN_REACH = 1.25
 
-#: Rounds at most, each with a sample of its own, which must be worth it: suspects for each code
-#: that is measured.
+#: Greatest number of rounds, each with its own sample. The rounds stop when fewer than
+#: `SCREEN_GAIN` times `SCREEN_SAMPLE` candidates remain.
 SCREEN_ROUNDS, SCREEN_GAIN = 4, 4
 
 
@@ -267,8 +264,8 @@ def codes_to_measure(
 
     peak: measures the largest albedo (n,), positive, of codes (n, 32). Samples have fixed seeds.
 
-    What remains is looked at again, for as long as that pays: among codes that are all bright, a
-    regression is more exact.
+    The candidates are screened again in further rounds, because a regression on bright codes alone
+    is more exact.
     """
     index = np.arange(len(z))
     for seed in range(SCREEN_ROUNDS):
@@ -296,7 +293,7 @@ def _codes_to_measure(
 
 
 class AlbedoRegression(NamedTuple):
-    """ln albedo of codes, as far as a sample reaches."""
+    """Regression of ln albedo of codes within the range of a sample."""
 
     features: CodeFeatures
     reach: np.ndarray
@@ -314,7 +311,7 @@ class AlbedoRegression(NamedTuple):
 def _fit_albedo_regression(
     z: np.ndarray, target: np.ndarray, sample: np.ndarray, rng: np.random.Generator
 ) -> AlbedoRegression:
-    """An estimate from targets (n,) of codes (n, 32), for use as far as the sample reaches."""
+    """Fit the regression to targets (n,) of codes (n, 32); sample: codes that define its range."""
     features = regression.fit_features(sample, SCREEN_FEATURES, 1e-12, rng)
     reach = SCREEN_REACH * np.abs(features.standard(sample)).max(axis=0) + 1e-3
     weights = np.exp(SCREEN_WEIGHT_POWER * (target - target.max()))

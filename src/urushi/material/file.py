@@ -15,7 +15,7 @@ FORMAT_VERSION = 1
 def write(
     path: str | os.PathLike, latents: np.ndarray, anchors: np.ndarray, fingerprint: str
 ) -> None:
-    """Write codes (C, 32), and those below coats, that belong to the networks of `fingerprint`.
+    """Write latents and anchors (C, 32) that belong to the networks of `fingerprint`.
 
     Raises:
         FileError: the file cannot be written.
@@ -28,7 +28,7 @@ def write(
 
 
 def read(path: str | os.PathLike, models: Sequence[Model]) -> tuple[np.ndarray, np.ndarray, Model]:
-    """Return a file's codes (C, 32), those below coats, and the networks, of some, that made it.
+    """Return a file's latents and anchors (C, 32), and the one of `models` that made it.
 
     Raises:
         FileError: missing, truncated, foreign, damaged, or made with other networks.
@@ -57,7 +57,7 @@ def read(path: str | os.PathLike, models: Sequence[Model]) -> tuple[np.ndarray, 
 
 
 def matching_weights(path: str | os.PathLike, made_with: object, models: Sequence[Model]) -> Model:
-    """The one of some networks that a file was made with, by their fingerprint.
+    """The one of `models` that a file was made with, by its fingerprint.
 
     Raises:
         FileError: it was made with others.

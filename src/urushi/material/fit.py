@@ -1,35 +1,33 @@
-"""Codes from which a refinement may start: the encoder's, and those of plain surfaces.
+"""Fits of latent codes to BRDF values: two quick steps of correction, or a full refinement.
 
-A BRDF unlike all that the encoder was trained on may get a code that is far off, from which no step
-leads back; one of a rough conductor or a diffuse surface is then nearer.
+Correction. Two damped steps of Gauss and Newton follow the encoder's pass and remove a third to a
+half of its error. A corrected code is not one that the encoder makes, and the layering network
+knows only those. So a material keeps the encoder's code as its anchor, over which coats are
+layered.
 
-Refinement: a few steps that bring a code closer to the BRDF it was encoded from.
-
-The code that fits a BRDF's values best cannot be layered: many codes decode to nearly the same
-values, and the layering network knows only those that the encoder makes. So with l the logarithmic
-values ln(f + `DARK_OFFSET`) at the probe pairs, l(z) those of what a code decodes to, D(z) the same
-as the encoder E sees them (`encoder.log_values`), what is minimised for every channel is
+Refinement. An optimisation of one channel at a time. The code that fits a BRDF's values best cannot
+be layered, because many codes decode to nearly the same values. So the distance from the encoder's
+codes is part of the objective. Let l be the logarithmic values ln(f + `DARK_OFFSET`) at the probe
+pairs, l(z) those that a code z decodes to, and D(z) the decoded values as the encoder E sees them
+(`encoder.log_values`). The objective of every channel is
 
     mean rho(l(z) - l)  +  hold mean d^2,
 
-where rho is the square, linear beyond `KNEE` (Huber 1964), and d is the least change of D(z) after
-which the encoder gives z again, E(D(z) + d) = z to first order. Training asks for codes with d = 0
-(`train.losses`, the cycle). Both terms are relative errors of f, so that their balance depends
-neither on the sizes of the networks nor on the scale of codes. By the damped steps of Marquardt
-(1963).
+where rho is the square, linear beyond `HUBER_KNEE` (Huber 1964), and d is the smallest change of
+D(z) after which the encoder gives z again, E(D(z) + d) = z to first order. Training asks for codes
+with d = 0 (`train.losses`, the cycle). Both terms are relative errors of f, so that their balance
+depends neither on the size of the networks nor on the scale of codes. The minimum is found by
+damped steps (Marquardt 1963).
 
-A code that is too bright at one angle would be scaled down at all (`urushi.material.energy`). So
-where it reflects more light than the BRDF, the values asked for at that angle are lowered by as
-much, and a few more steps follow.
+A code that is too bright at one angle would be scaled down as a whole (`urushi.material.energy`).
+So where a code reflects more light than the BRDF, the target values at that angle are lowered by
+the excess, and a few more steps follow.
 
-All is done twice: held by `ANCHORED`, which gives the anchor, the code that coats are layered over;
-and from there held by hardly anything, `LOOSE`, which gives the code that is looked at.
+Two codes are fitted: with the hold `ANCHOR_HOLD`, the anchor; from there with the much smaller
+`CODE_HOLD`, the code that is evaluated.
 
-Correction: two steps of Gauss and Newton that follow the encoder's pass.
-
-They take off a third to a half of what the encoder misses. A code that is corrected is beside
-those that the encoder makes, so that coats lie over the encoder's own, the anchor (`refine` says
-why, and does all of this with more patience).
+Initial guesses. A BRDF unlike all training data may get a code from which no step leads back; the
+code of a rough conductor or of a diffuse surface is then a better start.
 """
 
 import functools
@@ -47,15 +45,16 @@ from urushi.nets.networks import Networks, UrushiNetworks
 from urushi.parallel import one_blas_thread
 from urushi.reference.stack import conductor, diffuse
 
-#: Widths of the conductors, and what share of white is added to each.
+#: Roughness of the conductors among the initial guesses, and shares of a white diffuse lobe that
+#: are added to each.
 INITIAL_ALPHAS, INITIAL_WHITE_SHARES = (0.05, 0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 1.0), (0.0, 0.02, 0.2)
 
 
 def initial_code(networks: UrushiNetworks, f: np.ndarray) -> np.ndarray:
-    """The code float32 (L,) of these that decodes to what is closest to values f (P,) [1/sr].
+    """The initial guess float32 (L,) with the least mean error of ln f for values f (P,) [1/sr].
 
-    Codes of plain surfaces are brought to the values' brightness. Closest is the least mean
-    difference of logarithms.
+    The candidates are the encoder's code, and codes of conductors and a diffuse surface, scaled to
+    the brightness of f.
     """
     pairs = networks.pairs()
     plain = networks.encode(_surface_codes(networks))
@@ -67,7 +66,7 @@ def initial_code(networks: UrushiNetworks, f: np.ndarray) -> np.ndarray:
 
 
 def _surface_codes(networks: UrushiNetworks) -> np.ndarray:
-    """Values float32 (M, P) of plain surfaces at the networks' pairs."""
+    """Values float32 (M, P) [1/sr] of conductors and a diffuse surface at the networks' pairs."""
     wi, wo = networks.pairs()
     return _surface_values(np.asarray(wi).tobytes(), np.asarray(wo).tobytes())
 
@@ -84,41 +83,44 @@ def _surface_values(wi: bytes, wo: bytes) -> np.ndarray:
     )
 
 
-#: Steps that are tried, each for one pass of decoder and encoder and back.
+#: Number of trial steps; each costs one forward and backward pass of decoder and encoder.
 REFINEMENT_STEPS = 20
 
-#: How much a code's distance from what the encoder makes weighs against its error. With less,
-#: layering over odd BRDFs gets worse; without it, layering fails (`python -m
-#: benchmarks.quality.refinement`).
+#: Weight of the distance from the encoder's codes, for anchors. With less, layering over unusual
+#: BRDFs gets worse; without it, layering fails (`python -m benchmarks.quality.refinement`).
 ANCHOR_HOLD = 4.0
 
-#: The same for codes that nothing is layered over. Not zero: the probe pairs do not see everything.
+#: The same weight for codes that are only evaluated. It is not zero, because the probe pairs do not
+#: determine f everywhere.
 CODE_HOLD = 0.0005
 
-#: The nodes' share of the error, where their values are known; and the power of the light they
-#: reflect that weighs them.
+#: Share of the albedo nodes in the error, where their values are known, and the exponent applied to
+#: each node's reflected energy to get its weight.
 NODES_SHARE, NODES_POWER = 0.5, 0.5
 
-#: How often values asked for are lowered where a code is too bright, and the steps that follow.
+#: Number of times that target values are lowered where a code is too bright, and steps after each.
 CEILING_ROUNDS, CEILING_STEPS = 2, 6
 
-#: Errors of ln f above this count linearly (Huber 1964). What the decoder cannot make at
-#: all must not drag along what it can.
+#: Errors of ln f above this count linearly (Huber 1964), so that values that the decoder cannot
+#: reach do not spoil the others.
 HUBER_KNEE = 0.5
 
-#: The first damping, relative to the mean curvature; its factors after good and bad steps.
+#: Initial damping, relative to the mean curvature, and its factors after accepted and after
+#: rejected steps.
 FIRST_DAMPING, DAMPING_DECREASE, DAMPING_INCREASE = 1e-3, 0.25, 8.0
 
-#: Relative to their mean, variances of codes under changes of f below this count as this: numbers
-#: of a code that the encoder never changes stay as they are.
+#: Least variance of a code's numbers under changes of f, relative to their mean: numbers that the
+#: encoder never changes keep their value.
 LEAST_VARIANCE = 1e-6
 
 
 class FitState(NamedTuple):
-    """Where the optimisation of one code stands.
+    """State of the optimisation of one code.
 
     Attributes:
-        z: (L,) the code, float32; objective: what is minimised; slope: (L,) half its gradient;
+        z: (L,) the code, float32.
+        objective: the objective at z.
+        slope: (L,) half its gradient.
         curvature: (L, L) half its Hessian by Gauss and Newton, float64.
     """
 
@@ -129,7 +131,7 @@ class FitState(NamedTuple):
 
 
 class FitTarget(NamedTuple):
-    """What a code is to decode to, at P probe pairs and perhaps nodes, N in all.
+    """Target values of a fit at N pairs: the P probe pairs, and the albedo nodes if known.
 
     Attributes:
         features: (N, 8) of the pairs; logs: (N,) of ln(f + `DARK_OFFSET`); weights: (N,), their
@@ -146,7 +148,10 @@ class FitTarget(NamedTuple):
 def fit_target(
     networks: UrushiNetworks, f: np.ndarray, nodes: np.ndarray | None = None
 ) -> FitTarget:
-    """From values f (P,) [1/sr] at `networks.pairs`, and (M,) at the nodes of `energy.rule`."""
+    """The target of values f (P,) [1/sr] at `networks.pairs` and nodes (M,) at the albedo nodes.
+
+    The albedo nodes are those of `energy.albedo_rule`.
+    """
     count, features = len(f), probe_features(networks)
     weights = np.full(count, 1.0 / count)
     rule = energy.albedo_rule()
@@ -163,7 +168,7 @@ def fit_target(
 
 
 def probe_features(networks: UrushiNetworks) -> np.ndarray:
-    """What the decoder sees (P, 8) of `networks.pairs`."""
+    """The decoder's input features (P, 8) of `networks.pairs`."""
     return _cached_features(*(w.tobytes() for w in networks.pairs()))
 
 
@@ -173,13 +178,13 @@ def _cached_features(wi: bytes, wo: bytes) -> np.ndarray:
 
 
 def huber_loss(error: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Losses (...) of errors (...), and what the weights of their squares are divided by."""
+    """Losses (...) of errors (...), and the factors by which the weights of squares are reduced."""
     far = np.maximum(np.abs(error) / HUBER_KNEE, 1.0)
     return error**2 * (2.0 - 1.0 / far) / far, far
 
 
 class RefinedCodes(NamedTuple):
-    """Codes float32 (C, L): those that decode to what was asked for, and their anchors."""
+    """Codes float32 (C, L) that fit the target values, and their anchors."""
 
     codes: np.ndarray
     anchors: np.ndarray
@@ -188,13 +193,12 @@ class RefinedCodes(NamedTuple):
 def refine_codes(
     networks: Networks, f: np.ndarray, nodes: np.ndarray | None = None
 ) -> RefinedCodes:
-    """Return codes of BRDFs with values f (C, P) [1/sr] at `networks.pairs`.
+    """Return refined codes of BRDFs with values f (C, P) [1/sr] at `networks.pairs`.
 
-    The encoder's, improved. Channel by channel, so that none depends on another even in its last
-    digit, which an optimisation may blow up. The paper's networks, which optimise to begin with,
-    do no more than encode.
+    Each channel is optimised by itself, so that no rounding error of one affects another. The
+    paper's networks, which encode by optimisation, only encode.
 
-    nodes: (C, M), the BRDFs' values at the nodes of `energy.rule`, if they are known.
+    nodes: (C, M) [1/sr], the BRDFs' values at the nodes of `energy.albedo_rule`, if known.
     """
     if not isinstance(networks, UrushiNetworks):
         codes = networks.encode(f)
@@ -215,9 +219,10 @@ def refine_codes(
 def fit_below_ceiling(
     networks: UrushiNetworks, z: np.ndarray, aim: FitTarget, hold: float
 ) -> np.ndarray:
-    """`improved`, and then so that no angle is too bright, if the aim knows the nodes.
+    """`levenberg_marquardt`, repeated with lower targets at angles where the code is too bright.
 
-    Of all codes on the way, z included, the one that is closest once it is scaled down.
+    The rounds follow only if the target has albedo nodes. Returns the code, of z and the result of
+    each round, that is closest to the target once it is scaled down to its ceiling.
     """
     if len(aim.logs) == aim.probes:
         return levenberg_marquardt(networks, z, aim, hold)
@@ -249,9 +254,9 @@ def levenberg_marquardt(
     hold: float,
     steps: int = REFINEMENT_STEPS,
 ) -> np.ndarray:
-    """Return a code float32 (L,) that is closer to its aim than z (L,), or as close.
+    """Return a code float32 (L,) whose objective is at most that of z (L,).
 
-    Every step is damped, and kept only where it lowers the objective.
+    Every step is damped, and accepted only if it lowers the objective.
     """
     state, damping = _state_at(networks, z, aim, hold), FIRST_DAMPING
     for _ in range(steps):
@@ -265,16 +270,16 @@ def levenberg_marquardt(
 
 
 def objective(networks: UrushiNetworks, z: np.ndarray, aim: FitTarget, hold: float) -> float:
-    """What `improved` minimises, of a code z (L,)."""
+    """The objective of `levenberg_marquardt` at a code z (L,)."""
     return _state_at(networks, z, aim, hold).objective
 
 
 def _state_at(networks: UrushiNetworks, z: np.ndarray, aim: FitTarget, hold: float) -> FitState:
     """The state at a code z (L,).
 
-    The encoder's Jacobian J (L, P) makes of changes d of D(z) changes J d of its code. The least d
-    that reaches the gap g = z - E(D(z)) has the square g' (J J')^-1 g, which is the second term;
-    its derivatives leave out how J itself changes.
+    The encoder's Jacobian J (L, P) maps a change d of D(z) to the change J d of its code. The
+    smallest d that closes the gap g = z - E(D(z)) has the square g' (J J')^-1 g, which is the
+    second term of the objective. Its derivatives neglect the change of J.
     """
     log_f, slopes = networks.decode_log(z, aim.features)
     f = np.exp(log_f)
@@ -299,27 +304,27 @@ def _state_at(networks: UrushiNetworks, z: np.ndarray, aim: FitTarget, hold: flo
     )
 
 
-#: Steps, and their damping relative to the mean curvature (Marquardt 1963).
+#: Number of correction steps, and their damping relative to the mean curvature (Marquardt 1963).
 CORRECTION_STEPS, CORRECTION_DAMPING = 2, 1e-3
 
-#: The probe pairs that the steps look at, and the others; all of them judge the result.
+#: Probe pairs that the correction fits, and the others; a result is accepted by its error at both.
 FITTED_PAIRS, CHECKED_PAIRS = slice(0, None, 2), slice(1, None, 2)
 
 
 def correct_codes(
     networks: Networks, z: np.ndarray, f: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return codes that decode to given values, and how much too bright the encoder's are.
+    """Return corrected codes, and factors by which the encoder's codes are too bright.
 
     Args:
-        networks: which encode and decode.
-        z: (C, L) what the encoder makes of f.
+        networks: the networks.
+        z: (C, L) the encoder's codes of f.
         f: (C, P) values [1/sr] at `networks.pairs`.
 
     Returns:
-        Codes float32 (C, L), closer than z or as close; and the factors (C,) by which what z
-        decodes to exceeds f at most. Codes of networks that encode by an optimisation are left as
-        they are, and the factors infinite.
+        Codes float32 (C, L) whose error is at most that of z, and the greatest ratios (C,) of the
+        values that z decodes to and f. For networks that encode by optimisation, z itself and
+        infinity.
     """
     if not isinstance(networks, UrushiNetworks):
         return z, np.full(len(z), np.inf)
@@ -330,7 +335,7 @@ def correct_codes(
 def correct_codes_serial(
     decoder: UrushiNetworks, z: np.ndarray, f: np.ndarray, damping: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """`corrected` codes z (C, L), on this thread: damping as above."""
+    """The same on the calling thread; damping: relative to the mean curvature."""
     features = probe_features(decoder)
     logs = np.log(f + DARK_OFFSET)
 
@@ -344,7 +349,7 @@ def correct_codes_serial(
     )
     before = np.concatenate([known, errors(z, rows, CHECKED_PAIRS)], axis=-1)
     best, least = np.array(z), huber_loss(before)[0].sum(axis=-1)
-    for tried in reversed(steps):  # the last one is hardly ever worse than what was encoded
+    for tried in reversed(steps):  # the last step is rarely worse than the encoder
         loss = huber_loss(errors(tried[rows], rows))[0].sum(axis=-1)
         better = loss < least[rows]  # false for NaN
         best[rows[better]] = tried[rows[better]]
@@ -357,9 +362,9 @@ def correct_codes_serial(
 def _correction_steps(
     decoder: UrushiNetworks, z: np.ndarray, features: np.ndarray, logs: np.ndarray, damping: float
 ) -> tuple[list[np.ndarray], np.ndarray]:
-    """Codes (C, L) after each step towards logarithms (C, P), at pairs of features (P, 8).
+    """Codes (C, L) after each step, and the errors (C, P) before the first one.
 
-    And the errors (C, P) before the first one.
+    features: (P, 8) of the pairs; logs: (C, P) the target values of ln(f + `DARK_OFFSET`).
     """
     codes, errors = [z], []
     for _ in range(CORRECTION_STEPS):
@@ -374,7 +379,7 @@ def _correction_steps(
 def _correction_step(
     z: np.ndarray, error: np.ndarray, slopes: np.ndarray, damping: float
 ) -> np.ndarray:
-    """Codes (C, L) one step from z, by errors (C, P) and their derivatives (C, P, L)."""
+    """Codes (C, L) after one step from z, from errors (C, P) and their derivatives (C, P, L)."""
     _, far = huber_loss(error)
     weighted = np.swapaxes(slopes / far[..., None], -1, -2)
     curvature = (weighted @ slopes).astype(np.float64)

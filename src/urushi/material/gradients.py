@@ -1,9 +1,9 @@
-"""Derivatives of what `texture` computes: of layering and encoding, the limit of energy included.
+"""Derivatives of `layer_texels` and `limited_codes`, the limit of the albedo included.
 
 Rows (N, ...) are codes of one channel each. A pushforward gives the change of the result for a
 change of the inputs, a pullback the gradient with respect to the inputs of a weighted sum of the
-results. Both take the result itself, which tells where the limit scaled a code down: there its gain
-follows the logarithm of its largest albedo, with the opposite sign.
+results. Both take the result itself, to find the codes that the limit scaled down: their gain
+follows the logarithm of their greatest albedo, with the opposite sign.
 """
 
 import numpy as np
@@ -22,7 +22,7 @@ _ROUNDING = 1e-5
 
 
 def check_differentiable(model: Model, where: str) -> None:
-    """Look whether derivatives of these networks are known.
+    """Check that these networks have derivatives.
 
     Raises:
         ParameterError: they are the paper's.

@@ -1,10 +1,4 @@
-"""Layering: coating a material in the latent space.
-
-Latent textures: codes (..., 32) of many texels at once, in bounded memory.
-
-A latent texture is a float32 array (H, W, C, 32); filtering and mip maps are linear in it. The
-functions take any leading shape.
-"""
+"""Layering: coats over materials in the latent space, one material or many texels at once."""
 
 from typing import Any
 
@@ -123,5 +117,5 @@ def layer_texels(
 
 
 def _with_leading_axes(array: np.ndarray, dimensions: int) -> np.ndarray:
-    """The array with as many dimensions, those of one before its own."""
+    """The array with axes of length one before its own, up to a number of dimensions."""
     return array.reshape((1,) * (dimensions - array.ndim) + array.shape)

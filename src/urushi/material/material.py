@@ -1,7 +1,4 @@
-"""A material: one latent code per channel, and the networks that give it meaning.
-
-Blending materials linearly in the latent space.
-"""
+"""A material: one latent code per channel, with the networks that decode it; blends of two."""
 
 import os
 import warnings
@@ -18,7 +15,7 @@ from urushi.nets.networks import Proposal
 from urushi.nets.weights import SHIPPED, Model, Weights, find, load_shipped
 from urushi.parallel import fill_blocks
 
-#: Directions at once whose albedo is integrated, over 1536 others each.
+#: Directions whose albedo is integrated at once, over 1536 others each.
 ALBEDO_BLOCK = 16
 
 
@@ -29,10 +26,10 @@ class Material:
     Attributes:
         latents: read-only float32 (C, 32), one code per channel (C = 3 for RGB, 1 for grey).
         model: the networks.
-        anchors: read-only float32 (C, 32), codes near the latents that the encoder could have made:
-            coats are layered over these, and directions are sampled by them. Those of encoded
-            materials differ from the latents, which are corrected (see `urushi.material.fit`
-            and `refine`); those of coated ones are the latents, and so they are by default.
+        anchors: read-only float32 (C, 32), codes near the latents that the encoder could have made.
+            Coats are layered over them, and directions are sampled by them. They differ from the
+            latents of encoded materials, which are corrected or refined (see
+            `urushi.material.fit`), and equal those of coated materials. Default: the latents.
 
     Materials equal each other if codes and networks do.
     """

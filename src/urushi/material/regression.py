@@ -1,4 +1,4 @@
-"""Regression on codes: linear, and by tanh of random combinations of their numbers."""
+"""Ridge regression on codes, linear and by tanh of random combinations of their numbers."""
 
 from typing import NamedTuple
 
@@ -6,7 +6,7 @@ import numpy as np
 
 
 class CodeFeatures(NamedTuple):
-    """What is made of codes: tanh of random combinations, the standardised numbers, and one."""
+    """Features of codes: tanh of random combinations, the standardised numbers, and one."""
 
     mean: np.ndarray
     scale: np.ndarray
@@ -32,11 +32,11 @@ def fit_features(
 ) -> CodeFeatures:
     """Features for codes like those of a sample (n, K).
 
-    count: how many are combinations; spreads below `least` are no variation.
+    count: number of combinations; least: spread below which a number counts as constant.
     """
     size = codes.shape[1]
     mean, spread = codes.mean(axis=0), codes.std(axis=0)
-    # Numbers that hardly vary must not count as if they did.
+    # Numbers that hardly vary must not be amplified.
     scale = 1 / np.maximum(spread, 0.01 * spread.max() + least)
     projection = (rng.normal(size=(size, count)) / np.sqrt(size)).astype(np.float32)
     return CodeFeatures(mean, scale, projection, rng.uniform(-2, 2, count).astype(np.float32))
@@ -47,7 +47,7 @@ def ridge_coefficients(
 ) -> np.ndarray:
     """Ridge regression: float32 (F,) or (F, T) for features x (n, F) and targets (n,) or (n, T).
 
-    weights: (n,), all alike by default.
+    weights: (n,), equal by default.
     """
     x = x.astype(np.float64)
     share = np.full(len(x), 1 / len(x)) if weights is None else weights / weights.sum()

@@ -1,19 +1,14 @@
-"""What the code of an average lacks once it is encoded, as a regression.
+"""Averages of BRDFs as latent codes, for the levels of a mip pyramid.
 
-Two steps of Gauss and Newton bring an encoded average of unlike BRDFs five times closer to its
-values (`correct`). Millions of texels have no time for them: a regression on some averages of a
-texture tells what they would change.
+BRDFs do not average as their codes do, but their values at the encoder's probe pairs do. The
+average of codes z is E(mean D(z)), where D decodes to values at the probe pairs and E encodes.
+E(D(z)) differs a little from z, so the mean of the remainder z - E(D(z)) is added, and a constant
+texture keeps its code. Two damped steps of Gauss and Newton (`material.fit`) then bring the code
+five times closer to the averaged values.
 
-Averages of BRDFs as codes: taken of their values, and encoded again.
-
-BRDFs do not average as their codes do. Their values at the encoder's probe pairs do: the average of
-codes z is E(mean D(z)), with D the values that a code decodes to and E the encoder. E(D(z)) is not
-quite z, so that the mean of z - E(D(z)) is added: what is the same everywhere keeps its code. What
-still lacks, `averages` adds.
-
-Decoding millions of codes at all pairs would take hours; but the codes of a texture lie close
-together. A regression on some of them gives ln D(z) and the remainder, at few of the pairs, which
-tell the encoder all others.
+To decode millions of codes at all pairs would take hours, but the codes of a texture lie close
+together. Three regressions, fitted to a sample of them, replace the exact operations: ln D(z) and
+the remainder at a few of the pairs, an encoder of these pairs, and the change by the two steps.
 """
 
 from collections.abc import Callable
@@ -30,35 +25,37 @@ from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
 from urushi.parallel import fill_blocks, one_blas_thread
 
-#: Damping of the steps: more than for what is encoded, as a regression cannot follow what small
-#: changes of the values do to numbers of a code that they hardly determine.
+#: Damping of the steps, relative to the mean curvature. It is greater than in `material.fit`,
+#: because a regression cannot follow numbers of a code that the values hardly determine.
 CORRECTION_DAMPING = 1e-2
 
-#: Of the regression: random features besides the numbers themselves, its ridge, and the least
-#: spread of a number that means anything.
+#: Regression of the change by the steps: number of random features, ridge, and least spread of a
+#: number that is not constant.
 CORRECTION_FEATURES, CORRECTION_RIDGE, CORRECTION_LEAST_SPREAD = 128, 1e-3, 1e-4
 
-#: What is closer than this share of the typical distance is hardly an average, and left alone; and
-#: no change is divided by less when the regression is fitted.
+#: Share of the median distance below which a code is hardly an average and changes by less than
+#: half of the regression's value; and the least share by which a target is divided.
 NEAR_SHARE, LEAST_SHARE = 0.05, 0.05
 
-#: Averages of codes are known to this, in units of their spread, squared.
+#: Rounding error of averages of codes, in units of their spread, squared.
 ROUNDING = 1e-6
 
 
 def corrected_averages(networks: UrushiNetworks, z: np.ndarray, f: np.ndarray) -> np.ndarray:
-    """Codes (n, L) that decode to averages f (n, P) at the probe pairs, starting at z (n, L)."""
+    """Codes (n, L) that decode to averages f (n, P) at the probe pairs, by steps from z (n, L)."""
     return correct_codes_serial(networks, z, f, CORRECTION_DAMPING)[0]
 
 
 class AverageCorrection(NamedTuple):
-    """The same by a regression; where nothing was averaged, codes stay as they are.
+    """Regression that predicts the correction of encoded averages.
+
+    Codes of which nothing was averaged stay unchanged.
 
     Attributes:
-        features, coefficients: (F, L), of the change.
+        features, coefficients: (F, L), the regression of the change.
         scale: (L,) one over the spread of codes.
-        near: where the change is halved: a squared distance between the encoded average and the
-            average of codes, in units of the spread.
+        near: squared distance between the encoded average and the average of codes, in units of the
+            spread, at which the change is halved.
     """
 
     features: CodeFeatures
@@ -67,10 +64,12 @@ class AverageCorrection(NamedTuple):
     near: float
 
     def __call__(self, z: np.ndarray, rest: np.ndarray, mean: np.ndarray) -> np.ndarray:
-        """Codes (n, L).
+        """Corrected codes (n, L).
 
-        z: (n, L) as encoded; rest: (n, L) the part of it that the encoder has not told; mean:
-        (n, L) of the codes that were averaged.
+        Args:
+            z: (n, L) encoded averages, remainder included.
+            rest: (n, L) the encoder's remainder, averaged.
+            mean: (n, L) averages of the codes.
         """
         change = self.features(_correction_inputs(z, rest)) @ self.coefficients
         change *= _correction_share(_distance(z, mean, self.scale), self.near)[:, None]
@@ -80,9 +79,9 @@ class AverageCorrection(NamedTuple):
 def fit_average_correction(
     z: np.ndarray, rest: np.ndarray, mean: np.ndarray, aim: np.ndarray
 ) -> AverageCorrection:
-    """The regression from averages as for `Settling.__call__` and what `exact` makes of them.
+    """Fit the regression to averages, as in `AverageCorrection.__call__`, and corrected codes aim.
 
-    Its random features' seed is fixed.
+    The seed of the random features is fixed.
     """
     spread = mean.std(axis=0)
     scale = 1 / (spread + 0.01 * spread.max() + CORRECTION_LEAST_SPREAD)
@@ -100,7 +99,7 @@ def fit_average_correction(
 
 
 def _correction_inputs(z: np.ndarray, rest: np.ndarray) -> np.ndarray:
-    """What the change depends on: not on the gain, the first number of a code."""
+    """Inputs of the regression; the gain, the first number of a code, is none of them."""
     return np.concatenate([z[:, 1:], rest], axis=1)
 
 
@@ -112,35 +111,36 @@ def _correction_share(distance: np.ndarray, near: float) -> np.ndarray:
     return distance / (distance + near)
 
 
-#: Codes that the regression is fitted to; textures of no more are decoded as they are.
+#: Number of codes that the regressions are fitted to; textures of fewer use the exact operations.
 SAMPLE = 2048
 
-#: Of the regression: random features besides the codes themselves, and its ridge.
+#: Regression of values and remainder: number of random features, and ridge.
 FEATURES, RIDGE = 128, 1e-6
 
-#: Probe pairs that tell the others; by averages of 2, 4, ... so many times two random codes.
+#: Number of probe pairs that are kept, and of times that random halves of the sample are averaged:
+#: averages of 2, 4, 8, ... codes.
 KEPT_PAIRS, HALVINGS = 48, 4
 
-#: Codes that are decoded at once, at all pairs; that tell the regression's error; and averages of
-#: each halving that tell what the encoder lacks.
+#: Number of codes that are decoded at once, of those that measure the regression's error, and of
+#: averages of each halving that the correction is fitted to.
 DECODED_BLOCK, ERROR_SAMPLE, CORRECTION_SAMPLE = 8, 256, 256
 
-#: A code's numbers vary by more than this if they mean anything.
+#: Least spread of a number of a code that is not constant.
 LEAST_SPREAD = 1e-4
 
 
 class AveragingSpace(Protocol):
-    """Where codes are averaged."""
+    """A space in which codes are averaged linearly."""
 
     def lift(self, z: np.ndarray) -> np.ndarray:
-        """What of codes (n, size) averages linearly, (n, K)."""
+        """Representation (n, K) of codes (n, size) that averages linearly."""
 
     def drop(self, means: np.ndarray) -> np.ndarray:
         """The codes (n, size) of averages (n, K)."""
 
 
 class LatentSpace:
-    """Codes as they are, as in Fan et al. (2022): for the paper's networks."""
+    """Averages of the codes themselves, as in Fan et al. (2022): for the paper's networks."""
 
     def lift(self, z: np.ndarray) -> np.ndarray:
         """The codes."""
@@ -163,7 +163,7 @@ class DecodedSpace(NamedTuple):
         return np.concatenate([f, z - self.networks.encode(f), z], axis=1)
 
     def drop(self, means: np.ndarray) -> np.ndarray:
-        """Encode, add the remainder, and settle."""
+        """Encode, add the remainder, and correct."""
         f, rest, _ = self.parts(means)
         z = self.networks.encode(f) + rest
         parts = [corrected_averages(self.networks, z[some], f[some]) for some in _blocks(z)]
@@ -175,16 +175,16 @@ class DecodedSpace(NamedTuple):
 
 
 class RegressionSpace(NamedTuple):
-    """The same, by a regression.
+    """`DecodedSpace` by regressions.
 
     Attributes:
-        exact: what it stands for.
-        kept: (K,) the probe pairs that tell the others.
-        encode: makes codes of values at these.
-        settle: adds what these lack.
-        features, coefficients: (F, K + size); the first numbers tell ln f less the gain, the others
-            the remainder.
-        error: root mean square of ln f, of codes that were lifted and dropped.
+        exact: the space that is approximated.
+        kept: (K,) indices of the probe pairs at which values are averaged.
+        encode: makes codes of values at these pairs.
+        settle: corrects these codes.
+        features, coefficients: (F, K + size), the regression of ln f without the gain, and of the
+            remainder.
+        error: root mean square error of ln f after `lift` and `drop`, over the sample.
     """
 
     exact: DecodedSpace
@@ -196,24 +196,24 @@ class RegressionSpace(NamedTuple):
     error: float
 
     def lift(self, z: np.ndarray) -> np.ndarray:
-        """f (n, K) and z - E(f), about; and z."""
-        told = self.features(z) @ self.coefficients
-        logs = told[:, : len(self.kept)]
+        """Estimates of f (n, K) and z - E(f); and z."""
+        estimated = self.features(z) @ self.coefficients
+        logs = estimated[:, : len(self.kept)]
         logs += z[:, :1]
         np.exp(logs, out=logs)
-        return np.concatenate([told, z], axis=1)
+        return np.concatenate([estimated, z], axis=1)
 
     def drop(self, means: np.ndarray) -> np.ndarray:
-        """As of `Decoded`."""
+        """Encode, add the remainder, and correct by the regression."""
         f, rest, mean = _split_means(means, len(self.kept))
         return self.settle(self.encode(f) + rest, rest, mean)
 
     def fits(self, z: np.ndarray) -> bool:
-        """Whether codes (n, size) are told about as well as the sample was."""
+        """Whether the error for codes (n, size) is similar to that for the sample."""
         return self.distance(z) <= 2 * self.error + 0.01
 
     def distance(self, z: np.ndarray) -> float:
-        """Root mean square of ln f between codes (n, size) and what comes back of them."""
+        """Root mean square error of ln f of codes (n, size) after `lift` and `drop`."""
         lifted = (self.exact.lift(codes) for codes in (z, self.drop(self.lift(z))))
         f, again = (self.exact.parts(rows)[0] for rows in lifted)
         return float(np.sqrt(np.square(np.log(again / f)).mean()))
@@ -222,9 +222,9 @@ class RegressionSpace(NamedTuple):
 def averaging_space(
     model: Model, read: Callable[[np.ndarray], np.ndarray], count: int
 ) -> AveragingSpace:
-    """The space for a texture's codes; read: codes (n, size) by their indices below `count`.
+    """The averaging space for a texture of `count` codes.
 
-    The sample's seed is fixed.
+    read: gives codes (n, size) by their indices. The seed of the sample is fixed.
     """
     networks = model.networks
     if not isinstance(networks, UrushiNetworks):
@@ -256,7 +256,7 @@ def averaging_space(
 def _fit_regression(
     z: np.ndarray, f: np.ndarray, rest: np.ndarray, kept: np.ndarray, rng: np.random.Generator
 ) -> tuple[CodeFeatures, np.ndarray]:
-    """Features and coefficients of `Estimated`, from codes (n, size) that were lifted exactly."""
+    """Features and coefficients of `RegressionSpace`, from exactly lifted codes (n, size)."""
     features = regression.fit_features(z, FEATURES, LEAST_SPREAD, rng)
     target = np.concatenate([np.log(f[:, kept]) - z[:, :1], rest], axis=1)
     return features, regression.ridge_coefficients(features(z), target, RIDGE)
@@ -268,7 +268,7 @@ def _fit_correction(
     encode: Callable[[np.ndarray], np.ndarray],
     means: np.ndarray,
 ) -> AverageCorrection:
-    """What the codes of averages (n, P + 2 size) lack, once they are encoded by some pairs."""
+    """The correction for averages (n, P + 2 size) that are encoded by the kept pairs."""
     f, rest, mean = exact.parts(means)
     start = encode(f[:, kept]) + rest
     aim = np.empty_like(start)
@@ -278,22 +278,22 @@ def _fit_correction(
 
 
 def _blocks(rows: np.ndarray) -> list[slice]:
-    """Cuts rows into blocks that fit a core's cache once they are decoded."""
+    """Blocks of rows whose decoded values fit into a core's cache."""
     return [slice(start, start + DECODED_BLOCK) for start in range(0, len(rows), DECODED_BLOCK)]
 
 
 def _split_means(rows: np.ndarray, pairs: int) -> list[np.ndarray]:
-    """Cut rows (n, pairs + 2 size)."""
+    """Split rows (n, pairs + 2 size) into values, remainders and codes."""
     return np.split(rows, [pairs, (pairs + rows.shape[1]) // 2], axis=1)
 
 
 def _reduced_encoder(
     networks: UrushiNetworks, f: np.ndarray
 ) -> tuple[np.ndarray, Callable[[np.ndarray], np.ndarray]]:
-    """Which pairs (K,) tell what the encoder sees of f (n, P), and how it encodes them.
+    """Indices (K,) of pairs that predict the encoder's input best, and an encoder of these.
 
-    The pairs are those of a pivoted Cholesky factorisation: each is the one of which those before
-    it tell least.
+    The pairs are the pivots of a Cholesky factorisation of the covariance over f (n, P): each is
+    the pair with the greatest variance given those before it.
     """
     seen = networks.normalised(f).astype(np.float64)
     mean = seen.mean(axis=0)
@@ -304,5 +304,7 @@ def _reduced_encoder(
         left -= np.outer(left[:, kept[-1]], left[kept[-1]]) / left[kept[-1], kept[-1]]
     matrix = np.linalg.solve(covariance[np.ix_(kept, kept)], covariance[kept])
     offset = mean - mean[kept] @ matrix
-    few = np.array(kept)
-    return few, networks.reduced_encoder(few, matrix.astype(np.float32), offset.astype(np.float32))
+    indices = np.array(kept)
+    return indices, networks.reduced_encoder(
+        indices, matrix.astype(np.float32), offset.astype(np.float32)
+    )

@@ -1,9 +1,7 @@
-"""The levels of a latent texture's mip map: codes of the average BRDFs of what they stand for.
+"""The mip pyramid of a latent texture: codes of BRDFs averaged over areas.
 
-The average is carried from level to level as it is in `probe_space`, not as codes, so that errors
-do not add up. Tile by tile, by all cores: a tile's averages never leave a core's cache.
-
-Mip maps: levels of half the resolution, averages of the level before over areas.
+Averages are carried from level to level in the space of `textures.averaging`, not as codes, so that
+errors do not add up. All cores work tile by tile; the averages of a tile stay in a core's cache.
 """
 
 from collections.abc import Callable
@@ -15,11 +13,11 @@ from urushi.nets.weights import Model
 from urushi.textures import averaging
 from urushi.textures.averaging import AveragingSpace, RegressionSpace
 
-#: The first level of at most so many texels keeps its averages, of which the further levels are
-#: made; so many texels of the first level make a tile.
+#: Greatest number of texels of the level whose averages are kept, from which coarser levels are
+#: made; and number of texels of the first level in a tile.
 KEPT_TEXELS, TILE_TEXELS = 1 << 14, 1 << 10
 
-#: Changed codes that tell whether the space still holds for them.
+#: Number of changed codes by which the space is checked.
 CHECKED_CODES = 256
 
 #: Codes float (n, channels, size) of texels by their indices.
@@ -30,7 +28,7 @@ WriteCodes = Callable[[np.ndarray, np.ndarray], None]
 
 
 class MipPyramid:
-    """All levels but the first of a texture, made and made anew where it has changed."""
+    """All levels but the first of a texture, updated where the texture changes."""
 
     def __init__(self, model: Model, width: int, height: int, channels: int):
         self._model, self._channels = model, channels
@@ -135,7 +133,7 @@ class MipPyramid:
         return of
 
     def _holds(self, read: ReadCodes, changed: np.ndarray) -> bool:
-        """Whether the space that was fitted to the texture as it was holds for what is new."""
+        """Whether the space fitted to the former texture represents the changed texels."""
         if not isinstance(self._space, RegressionSpace) or not len(changed):
             return True
         some = np.random.default_rng(0).integers(len(changed) * self._channels, size=CHECKED_CODES)
@@ -145,7 +143,7 @@ class MipPyramid:
             return self._space.fits(codes.astype(np.float32))
 
     def _stale(self, changed: np.ndarray) -> np.ndarray:
-        """Which texels of the kept level changed ones may have a part in."""
+        """Texels of the kept level that average a changed texel, as a mask."""
         columns, rows = self.sizes[self._kept]
         y, x = (at >> self._kept for at in np.divmod(changed, self.sizes[0][0]))
         stale = np.zeros((rows, columns), bool)
@@ -178,7 +176,7 @@ def half_resolution(
 ) -> np.ndarray:
     """Averages (h, w, ...) of a level's values (H, W, ...) over areas.
 
-    values: of the rows and columns that `sources` tells, for the next level's rows from `top` and
+    values: of the rows and columns of `source_rows`, for the next level's rows from `top` and
     columns from `left` on; height, width: those of the whole level, by default as wide as values.
     """
     width = values.shape[1] if width is None else width

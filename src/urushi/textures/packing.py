@@ -1,10 +1,10 @@
 """Latent textures in few bytes: every number of a texel as 8 or 16 bits of its range.
 
-Fan et al. (2022) keep a latent texture as it is. Here each of a code's numbers is a fixed-point
-number between its smallest and its largest value in the texture. Those on which f depends most,
-the gain first, have 16 bits, as many as fit into the power of two of bytes that a texel takes; the
-rest have 8. Sixteen bits are two bytes of their own, high and low, so that a renderer may
-interpolate all bytes alike and add up afterwards: interpolation is linear.
+Fan et al. (2022) keep the numbers of a latent texture in floating point. Here each number of a code
+is a fixed-point number between its least and its greatest value in the texture. Those with the
+greatest effect on f, the gain first, have 16 bits, as many of them as fit into the power of two of
+bytes that a texel takes; the others have 8. Sixteen bits are two separate bytes, high and low, so
+that a renderer may interpolate all bytes alike and add them afterwards: interpolation is linear.
 """
 
 from typing import NamedTuple
@@ -17,7 +17,7 @@ from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
 from urushi.parallel import fill_blocks
 
-#: Numbers of each channel that have 16 bits at least: the gain and the next most important one.
+#: Least number of 16-bit numbers in a channel: the gain and the next most important one.
 LEAST_FINE_NUMBERS = 2
 
 #: Random coats by which importance is measured, pairs of directions at most, the seed of all that
@@ -26,12 +26,12 @@ COATS, PAIRS, SEED, STEP = 256, 64, 0, 1 / 255
 
 
 class TexelLayout(NamedTuple):
-    """Where in a texel's bytes the numbers of its codes are.
+    """Positions of the numbers of a texel's codes in its bytes.
 
     Attributes:
         channels, size: codes in a texel, and numbers in a code.
-        low: (size,) for a channel: the byte that each number has beside its own, or -1. Its own is
-            the high one, and they are in the numbers' order.
+        low: (size,) for a channel: the position of each number's low byte, or -1. The high bytes
+            come first, in the order of the numbers.
         stride: bytes of a channel; channel c begins at byte c * stride.
         texel_bytes: a power of two of 4 at least; bytes at the end may be unused.
     """
@@ -74,7 +74,7 @@ def texel_layout(model: Model, channels: int) -> TexelLayout:
 
 
 def importance_order(model: Model) -> list[int]:
-    """The numbers of a code, that on which f depends most first (the paper's: as they come)."""
+    """The numbers of a code by their effect on f, the greatest first; the paper's: in order."""
     if model.fingerprint not in _importance:
         _importance[model.fingerprint] = (
             measure_importance(model) if isinstance(model.networks, UrushiNetworks) else []
@@ -93,7 +93,7 @@ _importance: dict[str, list[int]] = {
 
 
 def measure_importance(model: Model) -> list[int]:
-    """Importance by the change of ln f, in codes of random coats over diffuse bottoms."""
+    """`importance_order` by the change of ln f, in codes of random coats over diffuse bottoms."""
     rng = np.random.default_rng(SEED)
     wi, wo = model.networks.pairs()
     f = np.repeat(rng.uniform(0, 1 / np.pi, (COATS, 1)), len(wi), axis=1).astype(np.float32)
@@ -122,7 +122,7 @@ def measure_importance(model: Model) -> list[int]:
 def with_ranges(
     layout: TexelLayout, texels: np.ndarray, lowest: np.ndarray, highest: np.ndarray
 ) -> PackedTexels:
-    """Bytes (T, B) whose numbers lie between given values (size,), to be written."""
+    """Packed texels of bytes (T, B), with ranges from lowest to highest (size,)."""
     bottom = lowest.astype(np.float32)
     return PackedTexels(texels, bottom, ((highest - bottom) / layout.levels).astype(np.float32))
 
@@ -179,7 +179,7 @@ def unpack(layout: TexelLayout, packed: PackedTexels) -> np.ndarray:
 
 
 def unpack_serial(layout: TexelLayout, packed: PackedTexels) -> np.ndarray:
-    """The same by the calling thread alone."""
+    """`unpack` on the calling thread alone."""
     return _codes(layout, packed, packed.bytes).reshape(-1, layout.channels, layout.size)
 
 

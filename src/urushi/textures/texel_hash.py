@@ -1,28 +1,27 @@
-"""Keys of rows of numbers: equal rows have equal keys, and others have others.
+"""Hashes of rows of numbers, by which the texels of a texture are compared.
 
-By them a texture's texels are compared with each other, so that what is the same is computed once,
-and with those of before a change, so that what has not changed is not computed again.
+Equal texels are computed once, and texels that a change leaves equal are not computed again.
 """
 
 from collections.abc import Sequence
 
 import numpy as np
 
-#: Numbers are rounded to so many bits of their mantissa, to 1e-4: texture filters do not give the
-#: very texel, and it is less than what half precision would round off.
+#: Bits of the mantissa that numbers are rounded to, a relative step of 1e-4: texture filters return
+#: texels with rounding errors, and half precision rounds more.
 MANTISSA_BITS = 12
 
-#: Of splitmix64 (Steele, Lea and Flood 2014).
+#: Constants of splitmix64 (Steele, Lea and Flood 2014).
 _GAMMA, _FIRST, _SECOND = (
     np.uint64(x) for x in (0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9, 0x94D049BB133111EB)
 )
 
 
 def row_hashes(columns: Sequence[np.ndarray]) -> np.ndarray:
-    """Keys uint64 (...) of rows that are given by their columns, arrays that broadcast to (...).
+    """Hashes uint64 (...) of rows, given by their columns, arrays that broadcast to (...).
 
-    Columns are floating numbers, rounded, or keys (uint64). Different rows have the same key with a
-    probability of 2^-64 for each pair.
+    Columns are floating-point numbers, which are rounded, or hashes (uint64). Two different rows
+    have the same hash with a probability of 2^-64.
     """
     key: np.ndarray = np.zeros((), np.uint64)
     for column in columns:
@@ -32,7 +31,7 @@ def row_hashes(columns: Sequence[np.ndarray]) -> np.ndarray:
 
 
 def rounded_bits(numbers: np.ndarray) -> np.ndarray:
-    """The bits, uint32, of numbers in single precision, rounded to `KEPT` bits."""
+    """The bits, uint32, of numbers in single precision, rounded to `MANTISSA_BITS` bits."""
     bits = np.ascontiguousarray(numbers + np.float32(0), np.float32).view(np.uint32)  # -0 is 0
     dropped = 23 - MANTISSA_BITS
     return (bits + np.uint32(1 << (dropped - 1))) >> np.uint32(dropped)
@@ -46,7 +45,7 @@ def _mixed(x: np.ndarray) -> np.ndarray:
 
 
 def unique_rows(keys: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Indices of keys (M,) that stand for all, ascending, and of each key's among these (M,)."""
+    """Indices of the first of each distinct key among keys (M,), and labels (M,) into these."""
     order = np.argsort(keys)  # vectorised, unlike the stable one of np.unique
     ordered = keys[order]
     starts = np.flatnonzero(np.append(True, ordered[1:] != ordered[:-1])[: len(keys)])
