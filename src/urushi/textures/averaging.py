@@ -1,14 +1,15 @@
-"""Averages of BRDFs as latent codes, for the levels of a mip pyramid.
+"""Averaging BRDFs that are given as latent codes, for the mip pyramid.
 
-BRDFs do not average as their codes do, but their values at the encoder's probe pairs do. The
-average of codes z is E(mean D(z)), where D decodes to values at the probe pairs and E encodes.
-E(D(z)) differs a little from z, so the mean of the remainder z - E(D(z)) is added, and a constant
-texture keeps its code. Two damped steps of Gauss and Newton (`material.fit`) then bring the code
-five times closer to the averaged values.
+The code of an average BRDF is not the average of the codes. Averages are therefore taken of values
+at the encoder's probe pairs, and encoded again: E(mean D(z)), where D decodes a code z at the probe
+pairs and E is the encoder. E(D(z)) differs slightly from z. The mean of this *residual* z - E(D(z))
+is added, so that an area of equal codes keeps its code exactly. Two damped Gauss-Newton steps
+(`material.fit`) then bring the code five times closer to the averaged values.
 
-To decode millions of codes at all pairs would take hours, but the codes of a texture lie close
-together. Three regressions, fitted to a sample of them, replace the exact operations: ln D(z) and
-the remainder at a few of the pairs, an encoder of these pairs, and the change by the two steps.
+A texture has millions of codes, which cannot all be decoded. They lie close together, however. For
+large textures two regressions, fitted to a sample of the texture's codes, replace the decoder and
+the Gauss-Newton steps. The first predicts ln D(z) at a few probe pairs, and the residual. The
+second predicts the change that the steps would make.
 """
 
 from collections.abc import Callable
@@ -25,206 +26,59 @@ from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
 from urushi.parallel import fill_blocks, one_blas_thread
 
-#: Damping of the steps, relative to the mean curvature. It is greater than in `material.fit`,
-#: because a regression cannot follow numbers of a code that the values hardly determine.
+#: Number of codes in the sample. Textures with no more codes are decoded exactly.
+SAMPLE = 2048
+
+#: Regression of decoded values: number of random features, ridge, and the least spread of a number
+#: of the code that counts as variation.
+FEATURES, RIDGE, LEAST_SPREAD = 128, 1e-6, 1e-4
+
+#: Number of probe pairs whose values are predicted; the encoder derives the others from them.
+KEPT_PAIRS = 48
+
+#: The sample is mixed this many times: averages of 2, 4, ..., 2^HALVINGS random codes.
+HALVINGS = 4
+
+#: Codes decoded at a time at all pairs; codes that measure the error of the regression; averages of
+#: each mixture to which the correction is fitted.
+DECODED_BLOCK, ERROR_SAMPLE, CORRECTION_SAMPLE = 8, 256, 256
+
+#: Damping of the Gauss-Newton steps. It is larger than for encoded sources, because a regression
+#: cannot predict numbers of a code on which the values hardly depend.
 CORRECTION_DAMPING = 1e-2
 
-#: Regression of the change by the steps: number of random features, ridge, and least spread of a
-#: number that is not constant.
+#: Regression of the correction, as above.
 CORRECTION_FEATURES, CORRECTION_RIDGE, CORRECTION_LEAST_SPREAD = 128, 1e-3, 1e-4
 
-#: Share of the median distance below which a code is hardly an average and changes by less than
-#: half of the regression's value; and the least share by which a target is divided.
+#: The correction is halved where an average moves its code by this share of the median distance:
+#: there the averaged codes are almost equal. The fit divides by a share of at least the second.
 NEAR_SHARE, LEAST_SHARE = 0.05, 0.05
 
-#: Rounding error of averages of codes, in units of their spread, squared.
+#: Squared rounding error of averaged codes, in units of their spread.
 ROUNDING = 1e-6
 
 
-def corrected_averages(networks: UrushiNetworks, z: np.ndarray, f: np.ndarray) -> np.ndarray:
-    """Codes (n, L) that decode to averages f (n, P) at the probe pairs, by steps from z (n, L)."""
-    return correct_codes_serial(networks, z, f, CORRECTION_DAMPING)[0]
-
-
-class AverageCorrection(NamedTuple):
-    """Regression that predicts the correction of encoded averages.
-
-    Codes of which nothing was averaged stay unchanged.
-
-    Attributes:
-        features, coefficients: (F, L), the regression of the change.
-        scale: (L,) one over the spread of codes.
-        near: squared distance between the encoded average and the average of codes, in units of the
-            spread, at which the change is halved.
-    """
-
-    features: CodeFeatures
-    coefficients: np.ndarray
-    scale: np.ndarray
-    near: float
-
-    def __call__(self, z: np.ndarray, rest: np.ndarray, mean: np.ndarray) -> np.ndarray:
-        """Corrected codes (n, L).
-
-        Args:
-            z: (n, L) encoded averages, remainder included.
-            rest: (n, L) the encoder's remainder, averaged.
-            mean: (n, L) averages of the codes.
-        """
-        change = self.features(_correction_inputs(z, rest)) @ self.coefficients
-        change *= _correction_share(_distance(z, mean, self.scale), self.near)[:, None]
-        return change + z
-
-
-def fit_average_correction(
-    z: np.ndarray, rest: np.ndarray, mean: np.ndarray, aim: np.ndarray
-) -> AverageCorrection:
-    """Fit the regression to averages, as in `AverageCorrection.__call__`, and corrected codes aim.
-
-    The seed of the random features is fixed.
-    """
-    spread = mean.std(axis=0)
-    scale = 1 / (spread + 0.01 * spread.max() + CORRECTION_LEAST_SPREAD)
-    distance = _distance(z, mean, scale)
-    near = NEAR_SHARE * float(np.median(distance)) + ROUNDING
-    share = np.maximum(_correction_share(distance, near), LEAST_SHARE)
-    seen = _correction_inputs(z, rest)
-    features = regression.fit_features(
-        seen, CORRECTION_FEATURES, CORRECTION_LEAST_SPREAD, np.random.default_rng(0)
-    )
-    coefficients = regression.ridge_coefficients(
-        features(seen), (aim - z) / share[:, None], CORRECTION_RIDGE, weights=share**2
-    )
-    return AverageCorrection(features, coefficients, scale, near)
-
-
-def _correction_inputs(z: np.ndarray, rest: np.ndarray) -> np.ndarray:
-    """Inputs of the regression; the gain, the first number of a code, is none of them."""
-    return np.concatenate([z[:, 1:], rest], axis=1)
-
-
-def _distance(z: np.ndarray, mean: np.ndarray, scale: np.ndarray) -> np.ndarray:
-    return np.square((z - mean) * scale).mean(axis=1)
-
-
-def _correction_share(distance: np.ndarray, near: float) -> np.ndarray:
-    return distance / (distance + near)
-
-
-#: Number of codes that the regressions are fitted to; textures of fewer use the exact operations.
-SAMPLE = 2048
-
-#: Regression of values and remainder: number of random features, and ridge.
-FEATURES, RIDGE = 128, 1e-6
-
-#: Number of probe pairs that are kept, and of times that random halves of the sample are averaged:
-#: averages of 2, 4, 8, ... codes.
-KEPT_PAIRS, HALVINGS = 48, 4
-
-#: Number of codes that are decoded at once, of those that measure the regression's error, and of
-#: averages of each halving that the correction is fitted to.
-DECODED_BLOCK, ERROR_SAMPLE, CORRECTION_SAMPLE = 8, 256, 256
-
-#: Least spread of a number of a code that is not constant.
-LEAST_SPREAD = 1e-4
-
-
 class AveragingSpace(Protocol):
-    """A space in which codes are averaged linearly."""
+    """A linear space in which BRDFs are averaged."""
 
     def lift(self, z: np.ndarray) -> np.ndarray:
-        """Representation (n, K) of codes (n, size) that averages linearly."""
+        """Points (n, K) of latent codes (n, L)."""
 
     def drop(self, means: np.ndarray) -> np.ndarray:
-        """The codes (n, size) of averages (n, K)."""
-
-
-class LatentSpace:
-    """Averages of the codes themselves, as in Fan et al. (2022): for the paper's networks."""
-
-    def lift(self, z: np.ndarray) -> np.ndarray:
-        """The codes."""
-        return z
-
-    def drop(self, means: np.ndarray) -> np.ndarray:
-        """Their averages."""
-        return means
-
-
-class DecodedSpace(NamedTuple):
-    """Values at the probe pairs and the remainder, by decoding."""
-
-    networks: UrushiNetworks
-
-    def lift(self, z: np.ndarray) -> np.ndarray:
-        """f (n, P), z - E(f), and z."""
-        features = direction_features(*self.networks.pairs())
-        f = np.concatenate([self.networks.decode(z[some, None], features) for some in _blocks(z)])
-        return np.concatenate([f, z - self.networks.encode(f), z], axis=1)
-
-    def drop(self, means: np.ndarray) -> np.ndarray:
-        """Encode, add the remainder, and correct."""
-        f, rest, _ = self.parts(means)
-        z = self.networks.encode(f) + rest
-        parts = [corrected_averages(self.networks, z[some], f[some]) for some in _blocks(z)]
-        return np.concatenate(parts)
-
-    def parts(self, means: np.ndarray) -> list[np.ndarray]:
-        """Values (n, P), remainders (n, size) and codes (n, size) of averages."""
-        return _split_means(means, len(self.networks.pairs()[0]))
-
-
-class RegressionSpace(NamedTuple):
-    """`DecodedSpace` by regressions.
-
-    Attributes:
-        exact: the space that is approximated.
-        kept: (K,) indices of the probe pairs at which values are averaged.
-        encode: makes codes of values at these pairs.
-        settle: corrects these codes.
-        features, coefficients: (F, K + size), the regression of ln f without the gain, and of the
-            remainder.
-        error: root mean square error of ln f after `lift` and `drop`, over the sample.
-    """
-
-    exact: DecodedSpace
-    kept: np.ndarray
-    encode: Callable[[np.ndarray], np.ndarray]
-    settle: AverageCorrection
-    features: CodeFeatures
-    coefficients: np.ndarray
-    error: float
-
-    def lift(self, z: np.ndarray) -> np.ndarray:
-        """Estimates of f (n, K) and z - E(f); and z."""
-        estimated = self.features(z) @ self.coefficients
-        logs = estimated[:, : len(self.kept)]
-        logs += z[:, :1]
-        np.exp(logs, out=logs)
-        return np.concatenate([estimated, z], axis=1)
-
-    def drop(self, means: np.ndarray) -> np.ndarray:
-        """Encode, add the remainder, and correct by the regression."""
-        f, rest, mean = _split_means(means, len(self.kept))
-        return self.settle(self.encode(f) + rest, rest, mean)
-
-    def fits(self, z: np.ndarray) -> bool:
-        """Whether the error for codes (n, size) is similar to that for the sample."""
-        return self.distance(z) <= 2 * self.error + 0.01
-
-    def distance(self, z: np.ndarray) -> float:
-        """Root mean square error of ln f of codes (n, size) after `lift` and `drop`."""
-        lifted = (self.exact.lift(codes) for codes in (z, self.drop(self.lift(z))))
-        f, again = (self.exact.parts(rows)[0] for rows in lifted)
-        return float(np.sqrt(np.square(np.log(again / f)).mean()))
+        """Latent codes (n, L) of averaged points (n, K)."""
 
 
 def averaging_space(
     model: Model, read: Callable[[np.ndarray], np.ndarray], count: int
 ) -> AveragingSpace:
-    """The averaging space for a texture of `count` codes.
+    """The space in which the codes of one texture are averaged.
 
-    read: gives codes (n, size) by their indices. The seed of the sample is fixed.
+    Args:
+        model: the networks. Codes of other systems than Urushi's own are averaged themselves.
+        read: from indices below `count` to codes (n, L).
+        count: number of codes in the texture.
+
+    The seed of the sample is fixed.
     """
     networks = model.networks
     if not isinstance(networks, UrushiNetworks):
@@ -234,31 +88,187 @@ def averaging_space(
         return exact
     rng = np.random.default_rng(0)
     z = read(rng.integers(count, size=SAMPLE)).astype(np.float32)
-    known = np.empty((len(z), len(networks.pairs()[0]) + 2 * z.shape[1]), np.float32)
-    fill_blocks(known, exact.lift, z, rows=DECODED_BLOCK)
-    mixed = [known]
+    points = np.empty((len(z), len(networks.pairs()[0]) + 2 * z.shape[1]), np.float32)
+    fill_blocks(points, exact.lift, z, rows=DECODED_BLOCK)
+    mixtures = [points]
     for _ in range(HALVINGS):
-        mixed.append(0.5 * (mixed[-1] + rng.permutation(mixed[-1])))
+        mixtures.append(0.5 * (mixtures[-1] + rng.permutation(mixtures[-1])))
     with one_blas_thread():
         kept, encode = _reduced_encoder(
-            networks, np.concatenate([exact.parts(part)[0] for part in mixed])
+            networks, np.concatenate([exact.split(part)[0] for part in mixtures])
         )
-        f, rest, _ = exact.parts(known)
-        features, coefficients = _fit_regression(z, f, rest, kept, rng)
-    settle = _fit_correction(
-        exact, kept, encode, np.concatenate([part[:CORRECTION_SAMPLE] for part in mixed[1:]])
+        f, residual, _ = exact.split(points)
+        features, coefficients = _fit_decoder(z, f, residual, kept, rng)
+    correct = _fit_correction(
+        exact, kept, encode, np.concatenate([part[:CORRECTION_SAMPLE] for part in mixtures[1:]])
     )
-    made = RegressionSpace(exact, kept, encode, settle, features, coefficients, 0.0)
+    space = RegressionSpace(exact, kept, encode, correct, features, coefficients, 0.0)
     with one_blas_thread():
-        return made._replace(error=made.distance(z[:ERROR_SAMPLE]))
+        return space._replace(error=space.round_trip_error(z[:ERROR_SAMPLE]))
 
 
-def _fit_regression(
-    z: np.ndarray, f: np.ndarray, rest: np.ndarray, kept: np.ndarray, rng: np.random.Generator
+class LatentSpace:
+    """Averages of the codes themselves, as in Fan et al. (2022)."""
+
+    def lift(self, z: np.ndarray) -> np.ndarray:
+        """The codes."""
+        return z
+
+    def drop(self, means: np.ndarray) -> np.ndarray:
+        """The averaged codes."""
+        return means
+
+
+class DecodedSpace(NamedTuple):
+    """Values at all P probe pairs, the residual, and the code: K = P + 2 L. Exact, but slow."""
+
+    networks: UrushiNetworks
+
+    def lift(self, z: np.ndarray) -> np.ndarray:
+        """f (n, P), z - E(f) (n, L) and z (n, L), side by side."""
+        features = direction_features(*self.networks.pairs())
+        f = np.concatenate([self.networks.decode(z[rows, None], features) for rows in _blocks(z)])
+        return np.concatenate([f, z - self.networks.encode(f), z], axis=1)
+
+    def drop(self, means: np.ndarray) -> np.ndarray:
+        """Encode, add the residual, and take the Gauss-Newton steps."""
+        f, residual, _ = self.split(means)
+        z = self.networks.encode(f) + residual
+        blocks = [corrected_averages(self.networks, z[rows], f[rows]) for rows in _blocks(z)]
+        return np.concatenate(blocks)
+
+    def split(self, means: np.ndarray) -> list[np.ndarray]:
+        """Values (n, P), residuals (n, L) and codes (n, L) of points."""
+        return _split(means, len(self.networks.pairs()[0]))
+
+
+class RegressionSpace(NamedTuple):
+    """The same at K of the probe pairs, by regressions instead of decoder and steps.
+
+    Attributes:
+        exact: the space that this one approximates.
+        kept: (K,) indices of the probe pairs.
+        encode: from values (n, K) at these to codes.
+        correct: the regression that replaces the Gauss-Newton steps.
+        features, coefficients: (F, K + L) of the regression that replaces the decoder. The first K
+            columns give ln f less the gain, the others the residual.
+        error: root mean square error of ln f after a round trip of sampled codes.
+    """
+
+    exact: DecodedSpace
+    kept: np.ndarray
+    encode: Callable[[np.ndarray], np.ndarray]
+    correct: "AverageCorrection"
+    features: CodeFeatures
+    coefficients: np.ndarray
+    error: float
+
+    def lift(self, z: np.ndarray) -> np.ndarray:
+        """Estimates of f (n, K) and of the residual (n, L), and z (n, L), side by side."""
+        estimates = self.features(z) @ self.coefficients
+        log_f = estimates[:, : len(self.kept)]
+        log_f += z[:, :1]
+        np.exp(log_f, out=log_f)
+        return np.concatenate([estimates, z], axis=1)
+
+    def drop(self, means: np.ndarray) -> np.ndarray:
+        """Encode, add the residual, and add the estimated correction."""
+        f, residual, mean = _split(means, len(self.kept))
+        return self.correct(self.encode(f) + residual, residual, mean)
+
+    def fits(self, z: np.ndarray) -> bool:
+        """Whether other codes (n, L) are estimated about as well as the sample."""
+        return self.round_trip_error(z) <= 2 * self.error + 0.01
+
+    def round_trip_error(self, z: np.ndarray) -> float:
+        """Root mean square difference of ln f between codes (n, L) and drop(lift(z))."""
+        points = (self.exact.lift(codes) for codes in (z, self.drop(self.lift(z))))
+        f, again = (self.exact.split(part)[0] for part in points)
+        return float(np.sqrt(np.square(np.log(again / f)).mean()))
+
+
+class AverageCorrection(NamedTuple):
+    """The regression that replaces the Gauss-Newton steps.
+
+    Where the averaged codes are equal, there is nothing to correct; the change vanishes there.
+
+    Attributes:
+        features, coefficients: (F, L), of the change.
+        scale: (L,) the inverse spread of the codes.
+        near: the squared distance, in units of the spread, between the encoded average and the
+            average of the codes at which the change is halved.
+    """
+
+    features: CodeFeatures
+    coefficients: np.ndarray
+    scale: np.ndarray
+    near: float
+
+    def __call__(self, z: np.ndarray, residual: np.ndarray, mean: np.ndarray) -> np.ndarray:
+        """Corrected codes (n, L).
+
+        Args:
+            z: (n, L) the encoded averages, residual included.
+            residual: (n, L) the averaged residuals.
+            mean: (n, L) the averages of the codes.
+        """
+        change = self.features(_correction_inputs(z, residual)) @ self.coefficients
+        change *= _share(_distance(z, mean, self.scale), self.near)[:, None]
+        return change + z
+
+
+def corrected_averages(networks: UrushiNetworks, z: np.ndarray, f: np.ndarray) -> np.ndarray:
+    """Codes (n, L) closer to averages f (n, P) at the probe pairs than z (n, L): Gauss-Newton."""
+    return correct_codes_serial(networks, z, f, CORRECTION_DAMPING)[0]
+
+
+def fit_average_correction(
+    z: np.ndarray, residual: np.ndarray, mean: np.ndarray, target: np.ndarray
+) -> AverageCorrection:
+    """Fit the regression to averages and their codes after the Gauss-Newton steps.
+
+    Args:
+        z, residual, mean: (n, L) as of `AverageCorrection.__call__`.
+        target: (n, L) what `corrected_averages` makes of z.
+
+    The seed of the random features is fixed.
+    """
+    spread = mean.std(axis=0)
+    scale = 1 / (spread + 0.01 * spread.max() + CORRECTION_LEAST_SPREAD)
+    distance = _distance(z, mean, scale)
+    near = NEAR_SHARE * float(np.median(distance)) + ROUNDING
+    share = np.maximum(_share(distance, near), LEAST_SHARE)
+    inputs = _correction_inputs(z, residual)
+    features = regression.fit_features(
+        inputs, CORRECTION_FEATURES, CORRECTION_LEAST_SPREAD, np.random.default_rng(0)
+    )
+    coefficients = regression.ridge_coefficients(
+        features(inputs), (target - z) / share[:, None], CORRECTION_RIDGE, weights=share**2
+    )
+    return AverageCorrection(features, coefficients, scale, near)
+
+
+def _correction_inputs(z: np.ndarray, residual: np.ndarray) -> np.ndarray:
+    """Inputs (n, 2 L - 1) of the correction: all but the gain, on which it does not depend."""
+    return np.concatenate([z[:, 1:], residual], axis=1)
+
+
+def _distance(z: np.ndarray, mean: np.ndarray, scale: np.ndarray) -> np.ndarray:
+    """Mean squared distances (n,) in units of the spread."""
+    return np.square((z - mean) * scale).mean(axis=1)
+
+
+def _share(distance: np.ndarray, near: float) -> np.ndarray:
+    """The share of the correction (n,) that is applied: 0 at distance 0, 1/2 at `near`."""
+    return distance / (distance + near)
+
+
+def _fit_decoder(
+    z: np.ndarray, f: np.ndarray, residual: np.ndarray, kept: np.ndarray, rng: np.random.Generator
 ) -> tuple[CodeFeatures, np.ndarray]:
-    """Features and coefficients of `RegressionSpace`, from exactly lifted codes (n, size)."""
+    """Features and coefficients of `RegressionSpace`, from codes (n, L) and their exact values."""
     features = regression.fit_features(z, FEATURES, LEAST_SPREAD, rng)
-    target = np.concatenate([np.log(f[:, kept]) - z[:, :1], rest], axis=1)
+    target = np.concatenate([np.log(f[:, kept]) - z[:, :1], residual], axis=1)
     return features, regression.ridge_coefficients(features(z), target, RIDGE)
 
 
@@ -268,43 +278,45 @@ def _fit_correction(
     encode: Callable[[np.ndarray], np.ndarray],
     means: np.ndarray,
 ) -> AverageCorrection:
-    """The correction for averages (n, P + 2 size) that are encoded by the kept pairs."""
-    f, rest, mean = exact.parts(means)
-    start = encode(f[:, kept]) + rest
-    aim = np.empty_like(start)
-    fill_blocks(aim, partial(corrected_averages, exact.networks), start, f, rows=DECODED_BLOCK)
+    """The correction of averages (n, P + 2 L) that are encoded from their values at `kept`."""
+    f, residual, mean = exact.split(means)
+    start = encode(f[:, kept]) + residual
+    target = np.empty_like(start)
+    fill_blocks(target, partial(corrected_averages, exact.networks), start, f, rows=DECODED_BLOCK)
     with one_blas_thread():
-        return fit_average_correction(start, rest, mean, aim)
-
-
-def _blocks(rows: np.ndarray) -> list[slice]:
-    """Blocks of rows whose decoded values fit into a core's cache."""
-    return [slice(start, start + DECODED_BLOCK) for start in range(0, len(rows), DECODED_BLOCK)]
-
-
-def _split_means(rows: np.ndarray, pairs: int) -> list[np.ndarray]:
-    """Split rows (n, pairs + 2 size) into values, remainders and codes."""
-    return np.split(rows, [pairs, (pairs + rows.shape[1]) // 2], axis=1)
+        return fit_average_correction(start, residual, mean, target)
 
 
 def _reduced_encoder(
     networks: UrushiNetworks, f: np.ndarray
 ) -> tuple[np.ndarray, Callable[[np.ndarray], np.ndarray]]:
-    """Indices (K,) of pairs that predict the encoder's input best, and an encoder of these.
+    """Choose the kept probe pairs (K,), and an encoder that needs the values at these alone.
 
-    The pairs are the pivots of a Cholesky factorisation of the covariance over f (n, P): each is
-    the pair with the greatest variance given those before it.
+    f: (n, P) values of codes and of their averages. A pivoted Cholesky factorisation of the
+    covariance of the encoder's inputs chooses the pairs: each is the one that the pairs before it
+    predict worst. The inputs at the other pairs follow by linear regression.
     """
-    seen = networks.normalised(f).astype(np.float64)
-    mean = seen.mean(axis=0)
-    covariance = np.cov(seen, rowvar=False) + RIDGE * np.eye(len(mean))
-    left, kept = covariance.copy(), []
+    inputs = networks.normalised(f).astype(np.float64)
+    mean = inputs.mean(axis=0)
+    covariance = np.cov(inputs, rowvar=False) + RIDGE * np.eye(len(mean))
+    remaining, pivots = covariance.copy(), []
     for _ in range(min(KEPT_PAIRS, len(mean))):
-        kept.append(int(left.diagonal().argmax()))
-        left -= np.outer(left[:, kept[-1]], left[kept[-1]]) / left[kept[-1], kept[-1]]
-    matrix = np.linalg.solve(covariance[np.ix_(kept, kept)], covariance[kept])
-    offset = mean - mean[kept] @ matrix
-    indices = np.array(kept)
-    return indices, networks.reduced_encoder(
-        indices, matrix.astype(np.float32), offset.astype(np.float32)
+        pivots.append(int(remaining.diagonal().argmax()))
+        column, row = remaining[:, pivots[-1]], remaining[pivots[-1]]
+        remaining -= np.outer(column, row) / remaining[pivots[-1], pivots[-1]]
+    matrix = np.linalg.solve(covariance[np.ix_(pivots, pivots)], covariance[pivots])
+    offset = mean - mean[pivots] @ matrix
+    kept = np.array(pivots)
+    return kept, networks.reduced_encoder(
+        kept, matrix.astype(np.float32), offset.astype(np.float32)
     )
+
+
+def _blocks(rows: np.ndarray) -> list[slice]:
+    """Slices of rows whose decoded values fit into a core's cache."""
+    return [slice(start, start + DECODED_BLOCK) for start in range(0, len(rows), DECODED_BLOCK)]
+
+
+def _split(points: np.ndarray, pairs: int) -> list[np.ndarray]:
+    """Cut points (n, pairs + 2 L) into values, residuals and codes."""
+    return np.split(points, [pairs, (pairs + points.shape[1]) // 2], axis=1)

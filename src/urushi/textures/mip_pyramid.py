@@ -1,7 +1,8 @@
-"""The mip pyramid of a latent texture: codes of BRDFs averaged over areas.
+"""The mip pyramid of a latent texture: codes of BRDFs averaged over areas, level by level.
 
-Averages are carried from level to level in the space of `textures.averaging`, not as codes, so that
-errors do not add up. All cores work tile by tile; the averages of a tile stay in a core's cache.
+Averages are carried from level to level in the averaging space (`textures.averaging`), not as
+codes, so that errors do not accumulate. All cores share the work, tile by tile; the averages of a
+tile stay in a core's cache.
 """
 
 from collections.abc import Callable
@@ -13,22 +14,22 @@ from urushi.nets.weights import Model
 from urushi.textures import averaging
 from urushi.textures.averaging import AveragingSpace, RegressionSpace
 
-#: Greatest number of texels of the level whose averages are kept, from which coarser levels are
-#: made; and number of texels of the first level in a tile.
+#: Coarser levels are made from the averages of the first level with at most this many texels, which
+#: are kept; and the number of texels of the first level in a tile.
 KEPT_TEXELS, TILE_TEXELS = 1 << 14, 1 << 10
 
-#: Number of changed codes by which the space is checked.
+#: Number of changed codes that check whether the fitted space still holds.
 CHECKED_CODES = 256
 
-#: Codes float (n, channels, size) of texels by their indices.
+#: From indices (n,) of texels to their codes (n, channels, size).
 ReadCodes = Callable[[np.ndarray], np.ndarray]
 
-#: Takes texels' indices (n,), levels following each other, and their codes (n, channels, size).
+#: Stores codes (n, channels, size) of texels with indices (n,). Indices run through all levels.
 WriteCodes = Callable[[np.ndarray, np.ndarray], None]
 
 
 class MipPyramid:
-    """All levels but the first of a texture, updated where the texture changes."""
+    """All levels of a texture but the first. Only what has changed is computed again."""
 
     def __init__(self, model: Model, width: int, height: int, channels: int):
         self._model, self._channels = model, channels
@@ -40,15 +41,16 @@ class MipPyramid:
         self._space: AveragingSpace | None = None
 
     def fill(self, read: ReadCodes, write: WriteCodes, changed: np.ndarray | None = None) -> None:
-        """Make the levels' codes.
+        """Compute the codes of the levels.
 
         Args:
-            read: gives the first level's codes; threads call it.
-            write: is given those of the others; threads call it.
-            changed: (n,) the texels that are not as they were; all, the first time.
+            read: reads codes of the first level; several threads call it.
+            write: stores codes of the other levels; several threads call it.
+            changed: (n,) indices of the texels of the first level that have changed; by default,
+                and the first time, all.
         """
         width, height = self.sizes[0]
-        if changed is None or self._space is None or not self._holds(read, changed):
+        if changed is None or self._space is None or not self._still_fits(read, changed):
             changed = None
             self._space = averaging.averaging_space(
                 self._model, self._rows(read), width * height * self._channels
@@ -86,13 +88,13 @@ class MipPyramid:
         rows: range,
         columns: range,
     ) -> np.ndarray:
-        """Averages (h, w, channels, K) of a part of a level; writes it, and what is below it."""
+        """Averages (h, w, channels, K) of a part of a level; stores it and all finer levels."""
         if level == 0:
             codes = read(self._indices(0, rows, columns)).astype(np.float32)
             lifted = space.lift(codes.reshape(-1, codes.shape[-1]))
             return lifted.reshape(len(rows), len(columns), self._channels, -1)
         width, height = self.sizes[level - 1]
-        below = self._average(
+        finer = self._average(
             space,
             read,
             write,
@@ -100,7 +102,7 @@ class MipPyramid:
             source_rows(rows.start, rows.stop, height),
             source_rows(columns.start, columns.stop, width),
         )
-        means = half_resolution(below, rows.start, height, columns.start, width)
+        means = half_resolution(finer, rows.start, height, columns.start, width)
         self._write(space, write, level, rows, columns, means)
         return means
 
@@ -113,6 +115,7 @@ class MipPyramid:
         columns: range,
         means: np.ndarray,
     ) -> None:
+        """Store the codes of averages (h, w, channels, K) of a part of a level."""
         codes = space.drop(means.reshape(-1, means.shape[-1]))
         write(
             self._indices(level, rows, columns), codes.reshape(-1, self._channels, codes.shape[-1])
@@ -124,16 +127,16 @@ class MipPyramid:
         return (self._first[level] + lines + np.arange(columns.start, columns.stop)).ravel()
 
     def _rows(self, read: ReadCodes) -> Callable[[np.ndarray], np.ndarray]:
-        """Reads single codes: those of all channels of a texel follow each other."""
+        """From indices of single codes, channel by channel and texel by texel, to codes (n, L)."""
 
-        def of(index: np.ndarray) -> np.ndarray:
+        def codes(index: np.ndarray) -> np.ndarray:
             texel, channel = np.divmod(index, self._channels)
             return read(texel)[np.arange(len(index)), channel]
 
-        return of
+        return codes
 
-    def _holds(self, read: ReadCodes, changed: np.ndarray) -> bool:
-        """Whether the space fitted to the former texture represents the changed texels."""
+    def _still_fits(self, read: ReadCodes, changed: np.ndarray) -> bool:
+        """Whether the space that was fitted before the change holds for the changed codes."""
         if not isinstance(self._space, RegressionSpace) or not len(changed):
             return True
         some = np.random.default_rng(0).integers(len(changed) * self._channels, size=CHECKED_CODES)
@@ -143,11 +146,11 @@ class MipPyramid:
             return self._space.fits(codes.astype(np.float32))
 
     def _stale(self, changed: np.ndarray) -> np.ndarray:
-        """Texels of the kept level that average a changed texel, as a mask."""
+        """Mask (rows, columns) of the texels of the kept level that changed texels may affect."""
         columns, rows = self.sizes[self._kept]
         y, x = (at >> self._kept for at in np.divmod(changed, self.sizes[0][0]))
         stale = np.zeros((rows, columns), bool)
-        for down in (0, 1):  # of an odd number of texels, the last belongs to two
+        for down in (0, 1):  # with an odd number of texels, the last one belongs to two
             for across in (0, 1):
                 at = np.clip(y - down, 0, rows - 1), np.clip(x - across, 0, columns - 1)
                 stale[at] = True
@@ -164,9 +167,9 @@ def level_sizes(width: int, height: int) -> list[tuple[int, int]]:
 
 
 def source_rows(top: int, bottom: int, height: int) -> range:
-    """The rows of a level of some height that the rows from top to bottom of the next one need.
+    """Rows of a level of the given height that rows `top` to `bottom` of the next level average.
 
-    Columns likewise, by the width.
+    The same holds for columns and the width.
     """
     return range(2 * top, 2 * bottom + height % 2) if height > 1 else range(1)
 
@@ -174,17 +177,19 @@ def source_rows(top: int, bottom: int, height: int) -> range:
 def half_resolution(
     values: np.ndarray, top: int, height: int, left: int = 0, width: int | None = None
 ) -> np.ndarray:
-    """Averages (h, w, ...) of a level's values (H, W, ...) over areas.
+    """Averages (h, w, ...) over areas of a level's values (H, W, ...): a part of the next level.
 
-    values: of the rows and columns of `source_rows`, for the next level's rows from `top` and
-    columns from `left` on; height, width: those of the whole level, by default as wide as values.
+    Args:
+        values: of the rows and columns that `source_rows` gives.
+        top, left: first row and column of the part.
+        height, width: of the whole level; by default as wide as `values`.
     """
     width = values.shape[1] if width is None else width
     return _half_along_axis(_half_along_axis(values, 0, top, height), 1, left, width)
 
 
 def _half_along_axis(values: np.ndarray, axis: int, first: int, count: int) -> np.ndarray:
-    """Averages along an axis: of two values each, or of three by the areas that they share."""
+    """Averages along an axis: of two values, or of three weighted by area if `count` is odd."""
     if count == 1:
         return values
     half = values.shape[axis] // 2
