@@ -1,13 +1,8 @@
-"""The latent codes of a bottom, the same everywhere or texel by texel: the first stage of baking.
+"""Latent codes of a coat over a Mitsuba BSDF, constant or a texture.
 
-A textured bottom is probed where it is new only: a few probes tell each texel's key, texels of
-equal keys have equal codes, and after a change those whose keys are as before keep theirs.
-
-From a coat's parameters and the BSDF under it to latent codes, constant or a texture of them.
-
-Three stages: the bottom's codes (`bottom_codes`), the coat's parameters at every texel, and the
-layering of the one by the other. Each remembers what it was made from, and does only the rest when
-it is asked again.
+Three stages: the codes of the bottom, the coat's parameters at every texel, and the layering. Each
+stage remembers its inputs and repeats only the work for inputs that have changed. A textured bottom
+is compared by a few probes of each texel: texels with equal hashes share their codes.
 """
 
 import drjit as dr
@@ -26,18 +21,19 @@ from urushi.render.reading.bsdf import reflection_source
 from urushi.render.reading.grid import varying_textures
 from urushi.render.reading.parameters import CoatTextures, check_bottom
 from urushi.textures import packing, texel_hash
+from urushi.textures.bake import TEXEL_BLOCK, CoatTexture
 from urushi.textures.grid import TexelGrid
 from urushi.textures.store import TextureStore
 
-#: Texels that are compared and encoded at once, and that are probed at once: both bound memory.
-TEXEL_BLOCK, PROBED_TEXELS = 1 << 18, 1 << 13
+#: Texels that are probed at once: bounds memory.
+PROBED_TEXELS = 1 << 13
 
-#: Of the probe pairs, every so manieth tells a texel's key.
+#: Stride of the probe pairs by which texels are compared.
 KEY_STRIDE = 24
 
 
 class BottomCodes:
-    """A bottom's codes; `update` makes them, and makes them anew after a change."""
+    """The codes of a bottom; `update` computes them, and computes them again after a change."""
 
     def __init__(self, model: Model, bottom: "mi.BSDF", where: str):
         self._model, self._bottom, self._where = model, bottom, where
@@ -46,10 +42,10 @@ class BottomCodes:
         self._keys = np.zeros((1, 1), np.uint64)
 
     def update(self, grid: TexelGrid | None) -> None:
-        """Encode what is not as it was when this was last called, with the same grid.
+        """Encode the bottom where it has changed since the last call with the same grid.
 
         Raises:
-            ParameterError: the bottom gives what no BRDF gives.
+            ParameterError: a value of the bottom is negative or not finite.
         """
         nested = nested_latents(self._bottom, self._model)
         if nested is not None and nested.resolution is None:
@@ -66,7 +62,7 @@ class BottomCodes:
         return self._keys[start:stop], self._codes.read(slice(start, stop))
 
     def _encoded(self) -> np.ndarray:
-        """Codes (C, size) of a bottom that is the same everywhere."""
+        """Codes (C, size) of a constant bottom."""
         check_bottom(self._bottom, self._where)
         material, deviations = encode_source(
             reflection_source(self._bottom), self._model, name=f"{self._where}: the nested BSDF"
@@ -116,7 +112,7 @@ def nested_latents(bottom: "mi.BSDF", model: Model):
 
 
 class _NestedBottom:
-    """Codes that the bottom has already."""
+    """Codes of a bottom that consists of codes itself."""
 
     def __init__(self, latents):
         self._latents = latents
@@ -131,7 +127,7 @@ class _NestedBottom:
 
 
 class _ProbedBottom:
-    """Codes from evaluating the bottom."""
+    """Codes of a bottom that is evaluated at the probe pairs."""
 
     def __init__(self, model: Model, bottom: "mi.BSDF", where: str, grid: TexelGrid):
         self._model, self._bottom, self._where = model, bottom, where
@@ -141,7 +137,7 @@ class _ProbedBottom:
     def keys(self, uv: np.ndarray) -> np.ndarray:
         """Keys (M, C) at points uv (M, 2): equal where the bottom is."""
         wi, wo = self._pairs
-        if self._average.repeats > 1:  # it draws random numbers: what it gives tells nothing
+        if self._average.repeats > 1:  # values of a random BSDF cannot be compared
             shape = len(uv), spectrum.channel_count()
             return np.random.default_rng().integers(1 << 63, size=shape).astype(np.uint64)
         f = probing.texel_values(
@@ -167,7 +163,7 @@ class _ProbedBottom:
 
 
 class Baker:
-    """A coat over a bottom as latent codes; `update` makes them, and makes them anew."""
+    """The codes of a coat over a bottom; `update` computes them, and again after a change."""
 
     def __init__(
         self,
@@ -206,67 +202,12 @@ class Baker:
                 self._model, layer_texels(self._model, self._codes.read(0, 1)[1], **table)[0]
             )
         if self._texture is None or grid != before:
-            self._texture = CoatTexture(self._model, self._coat, grid, self._mipmaps)
-        return self._texture.update(self._codes)
-
-
-class CoatTexture:
-    """A texture of coats over a bottom: the packed codes, and the keys of what they are made of."""
-
-    def __init__(self, model: Model, coat: CoatTextures, grid: TexelGrid, mipmaps: bool):
-        self.grid = grid
-        self._model, self._coat = model, coat
-        self._keys = np.zeros((grid.texels, spectrum.channel_count()), np.uint64)
-        layout = packing.texel_layout(model, self._keys.shape[1])
-        self._store = TextureStore(model, layout, grid.width, grid.height, mipmaps=mipmaps)
-
-    def update(self, bottom: BottomCodes) -> TexturedLatents:
-        """Layer the rows, one a texel and channel, whose coat or bottom is not as before."""
-        grid = self.grid
+            self._texture = CoatTexture(self._model, grid, spectrum.channel_count(), self._mipmaps)
         dr.sync_thread()  # kernels may still read what is overwritten here
-        if self._store.empty:
-            self._keys[:] = 0  # an error ended the last attempt
-        with self._store.writing() as write:
-            for start in range(0, grid.texels, TEXEL_BLOCK):
-                stop = min(start + TEXEL_BLOCK, grid.texels)
-                table = self._coat.table(grid.uv(start, stop))
-                under, codes = bottom.read(start, stop)
-                before = self._keys[start:stop]
-                present = np.broadcast_to(
-                    texel_hash.row_hashes([under, *table.values()]), before.shape
-                )
-                texel, channel = np.nonzero(present != before)
-                if not len(texel):
-                    continue
-                layered, row_of = self._layered(present, texel, channel, table, codes)
-                if len(row_of) == present.size:
-                    write(np.arange(start, stop), layered, row_of.reshape(present.shape))
-                else:
-                    rows, which = np.unique(texel, return_inverse=True)
-                    texels = self._store.read(start + rows)
-                    texels[which, channel] = layered[row_of]
-                    write(start + rows, texels)
-                self._keys[start:stop] = present
-        return TexturedLatents(self._model, self._store, grid)
-
-    def _layered(
-        self,
-        present: np.ndarray,
-        texel: np.ndarray,
-        channel: np.ndarray,
-        table: dict[str, np.ndarray],
-        codes: np.ndarray,
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Distinct codes (k, size) of rows (texel, channel), and the code of each row (n,)."""
-        row, row_of = texel_hash.unique_rows(present[texel, channel])
-        texel, channel = texel[row], channel[row]
-
-        def at_rows(array: np.ndarray) -> np.ndarray:
-            count, width = array.shape[:2]
-            return array[texel if count > 1 else 0, channel if width > 1 else 0]
-
-        rows = {name: np.broadcast_to(at_rows(v), len(row)) for name, v in table.items()}
-        return layer_texels(self._model, at_rows(codes), **rows), row_of
+        self._texture.update(
+            lambda start, stop: self._coat.table(grid.uv(start, stop)), self._codes.read
+        )
+        return TexturedLatents(self._model, self._texture.store, grid)
 
 
 def choose_grid(
