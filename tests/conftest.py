@@ -165,6 +165,17 @@ def variant(request: pytest.FixtureRequest) -> str:
     return name
 
 
+@pytest.fixture
+def rgb():
+    """Mitsuba in the variant llvm_ad_rgb."""
+    import mitsuba as mi
+
+    import urushi  # noqa: F401  (registers the plugins)
+
+    mi.set_variant("llvm_ad_rgb")
+    return mi
+
+
 def _unit(vectors: np.ndarray) -> np.ndarray:
     return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
 

@@ -59,22 +59,6 @@ def merl_file(tmp_path_factory):
     return path
 
 
-@pytest.fixture
-def rgb():
-    """Mitsuba in the variant llvm_ad_rgb."""
-    return use("llvm_ad_rgb")
-
-
-def use(variant: str):
-    """Mitsuba in a variant."""
-    import mitsuba as mi
-
-    import urushi  # noqa: F401  (registers the plugins)
-
-    mi.set_variant(variant)
-    return mi
-
-
 @pytest.fixture(scope="session")
 def sampling():
     """The module of the chi-squared test beside this file."""
