@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from urushi.geometry.frames import rotated
 from urushi.material.encode import limited_codes
 from urushi.material.layer import layer_texels
 from urushi.textures import averaging
@@ -76,18 +77,18 @@ def test_every_texel_is_layered_with_its_own_values(rgb, networks, name, paramet
             assert (np.abs(a - b) <= noise).all(), (row, column)
 
 
-def test_a_textured_bottom(rgb, networks):
+def test_a_textured_bottom(rgb):
     pixels = np.float32([[[0.1, 0.5, 0.9], [0.8, 0.2, 0.4]]] * 2)
     textured = load(
         rgb,
         "neural_layered",
-        networks,
+        "small",
         base={"type": "diffuse", "reflectance": bitmap(rgb, pixels)},
     )
     assert textured.latents.resolution == (2, 2)
     for column in range(2):
         base = {"type": "diffuse", "reflectance": {"type": "rgb", "value": pixels[0, column]}}
-        constant = load(rgb, "neural_layered", networks, base=base)
+        constant = load(rgb, "neural_layered", "small", base=base)
         (a, _), (b, _) = (
             mean_and_error(rgb, bsdf, ((column + 0.5) / 2, 0.5), 4096)
             for bsdf in (constant, textured)
@@ -110,7 +111,7 @@ def test_a_brushed_bottom_is_the_mean_over_its_azimuth(rgb, textured):
     turns = np.random.default_rng(0).random(2048)
     f = np.zeros((len(wi), 3))
     for a, b in ((wi, wo), (wo, wi)):
-        a, b = (np.concatenate([probing.rotated(w, turn) for turn in turns]) for w in (a, b))
+        a, b = (np.concatenate([rotated(w, turn) for turn in turns]) for w in (a, b))
         values = probing.bsdf_values(brushed, a, b, np.full((len(a), 2), 0.5))
         f += values.reshape(len(turns), *f.shape).mean(axis=0) / 2
     coat = {"type": "neural_layered", "weights": "small", **COAT}
