@@ -61,7 +61,7 @@ def encode(source: Any, weights: Weights | None = None, *, refine: bool | None =
         refine: whether to follow the encoder's pass by an optimisation, some 80 ms a channel, that
             brings the decoded values closer to the given ones, instead of by two quick steps (see
             `urushi.material.fit`). None: for measured BRDFs, and for any source whose residual
-            exceeds `UNUSUAL_RESIDUAL`. The paper's networks always encode by optimisation.
+            exceeds `UNUSUAL_RESIDUAL`. Networks without an encoder always encode by optimisation.
 
     Raises:
         ParameterError: the source is none of these, or its values have a wrong shape, are negative
@@ -168,7 +168,7 @@ def material_from_values(
 def residual(model: Model, z: np.ndarray, f: np.ndarray) -> np.ndarray:
     """Root mean squares (C,) of ln(f + `DARK_OFFSET`) between codes (C, L) and values f (C, P).
 
-    Zero for the paper's networks, whose codes cannot be refined.
+    Zero for networks of another system, whose codes cannot be refined.
     """
     if not isinstance(model.networks, UrushiNetworks):
         return np.zeros(len(z))

@@ -1,7 +1,7 @@
 """Conservation of energy: codes whose directional albedo is too high are scaled down.
 
-One factor for all pairs of directions leaves f exactly reciprocal. Codes that have no gain, those
-of the paper's networks, are not changed.
+One factor for all pairs of directions leaves f exactly reciprocal. Codes of networks without a gain
+are not changed.
 
 To measure one code costs some hundred evaluations of the decoder, and a texture has millions of
 codes. They lie close together, so a regression on a thousand of them predicts the albedo of the
@@ -45,7 +45,8 @@ INTERPOLATED_COSINES = 41
 #: Least albedo in a division.
 LEAST_ALBEDO = 1e-6
 
-#: Codes with a smaller factor are measured again, at most so many times: to exp(-80).
+#: A code with a factor below `TINY_FACTOR` is measured again, at most `TINY_FACTOR_ROUNDS` times:
+#: down to exp(-80).
 TINY_FACTOR, TINY_FACTOR_ROUNDS = 1e-3, 3
 
 #: Codes that one core measures at once; fewer codes are measured by the calling thread.

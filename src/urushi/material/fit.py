@@ -195,8 +195,8 @@ def refine_codes(
 ) -> RefinedCodes:
     """Return refined codes of BRDFs with values f (C, P) [1/sr] at `networks.pairs`.
 
-    Each channel is optimised by itself, so that no rounding error of one affects another. The
-    paper's networks, which encode by optimisation, only encode.
+    Each channel is optimised by itself, so that no rounding error of one affects another. Networks
+    of another system, which encode by optimisation, only encode.
 
     nodes: (C, M) [1/sr], the BRDFs' values at the nodes of `energy.albedo_rule`, if known.
     """

@@ -25,11 +25,11 @@ def check_differentiable(model: Model, where: str) -> None:
     """Check that these networks have derivatives.
 
     Raises:
-        ParameterError: they are the paper's.
+        ParameterError: they are networks of another system.
     """
     if not isinstance(model.networks, UrushiNetworks):
         raise ParameterError(
-            f"{where}: gradients are asked for, but the weights are of the paper's networks, which "
+            f"{where}: gradients are asked for, but networks such as those of Fan et al. (2022) "
             "have none here; use 'base' or 'small'"
         )
 

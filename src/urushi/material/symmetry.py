@@ -39,7 +39,7 @@ class Source(NamedTuple):
     Attributes:
         f: evaluates the BRDF at pairs above the horizon.
         symmetric: whether f is isotropic and reciprocal by construction.
-        noisy: whether f draws random numbers, so that its asymmetry cannot be told from noise.
+        noisy: whether f draws random numbers; its asymmetry then cannot be separated from noise.
         measured: whether f is a measured BRDF.
         transmitted, mirrored: shares of the light, in [0, 1], that are transmitted, or reflected by
             a perfectly smooth surface; f contains neither.

@@ -1,4 +1,4 @@
-"""The file of a latent texture: its packed texels, level by level, and where they lie in uv."""
+"""The file of a latent texture: its packed texels, level by level, and its grid over uv."""
 
 import os
 from collections.abc import Sequence
@@ -20,7 +20,7 @@ KIND, FORMAT_VERSION = "texture", 2
 
 
 def write(path: str | os.PathLike, store: TextureStore, grid: TexelGrid, fingerprint: str) -> None:
-    """Write a texture over `grid`, made with the networks of `fingerprint`.
+    """Write a texture over `grid` that the networks with this fingerprint have made.
 
     Raises:
         FileError: the file cannot be written.
@@ -95,7 +95,7 @@ def _store(
 def _checked_grid(width: int, height: int, entries: dict[str, Any]) -> TexelGrid:
     matrix = np.array(entries["to_texture"], np.float64)
     if matrix.shape != (2, 3) or not np.isfinite(matrix).all() or entries["wrap"] not in WRAPS:
-        raise ValueError("its place in uv is unknown")
+        raise ValueError("its place in uv is missing or wrong")
     (a, b, c), (d, e, f) = matrix.tolist()
     matrix_rows = (a, b, c), (d, e, f)
     return TexelGrid(width, height, matrix_rows, entries["wrap"], bool(entries["nearest"]))

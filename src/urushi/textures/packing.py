@@ -1,10 +1,10 @@
 """Latent textures in few bytes: every number of a texel as 8 or 16 bits of its range.
 
 Fan et al. (2022) keep the numbers of a latent texture in floating point. Here each number of a code
-is a fixed-point number between its least and its greatest value in the texture. Those with the
-greatest effect on f, the gain first, have 16 bits, as many of them as fit into the power of two of
-bytes that a texel takes; the others have 8. Sixteen bits are two separate bytes, high and low, so
-that a renderer may interpolate all bytes alike and add them afterwards: interpolation is linear.
+is a fixed-point number between its least and its greatest value in the texture. A texel takes a
+power of two of bytes. The numbers with the greatest effect on f have 16 bits, as many as fit, the
+gain first; the others have 8. Sixteen bits are two separate bytes, high and low: interpolation is
+linear, so that a renderer may interpolate all bytes alike and add them afterwards.
 """
 
 from typing import NamedTuple
@@ -20,8 +20,8 @@ from urushi.parallel import fill_blocks
 #: Least number of 16-bit numbers in a channel: the gain and the next most important one.
 LEAST_FINE_NUMBERS = 2
 
-#: Random coats by which importance is measured, pairs of directions at most, the seed of all that
-#: is random in it, and the step in a number: the share of its range that 8 bits resolve.
+#: The measurement of importance: number of random coats, maximum number of direction pairs, seed of
+#: its random numbers, and change of a number, as the share of its range that 8 bits resolve.
 COATS, PAIRS, SEED, STEP = 256, 64, 0, 1 / 255
 
 
@@ -33,7 +33,7 @@ class TexelLayout(NamedTuple):
         low: (size,) for a channel: the position of each number's low byte, or -1. The high bytes
             come first, in the order of the numbers.
         stride: bytes of a channel; channel c begins at byte c * stride.
-        texel_bytes: a power of two of 4 at least; bytes at the end may be unused.
+        texel_bytes: a power of two, at least 4; bytes at the end may be unused.
     """
 
     channels: int
@@ -52,8 +52,8 @@ class PackedTexels(NamedTuple):
     """A packed texture.
 
     Attributes:
-        bytes: uint8 (..., B), B = `Layout.texel_bytes`.
-        lowest, step: float32 (size,): a number's smallest value, and that of one step.
+        bytes: uint8 (..., B), B = `TexelLayout.texel_bytes`.
+        lowest, step: float32 (size,): a number's smallest value, and the size of one step.
     """
 
     bytes: np.ndarray
@@ -74,7 +74,10 @@ def texel_layout(model: Model, channels: int) -> TexelLayout:
 
 
 def importance_order(model: Model) -> list[int]:
-    """The numbers of a code by their effect on f, the greatest first; the paper's: in order."""
+    """The numbers of a code by their effect on f, the greatest first.
+
+    Codes of networks without a gain keep their order.
+    """
     if model.fingerprint not in _importance:
         _importance[model.fingerprint] = (
             measure_importance(model) if isinstance(model.networks, UrushiNetworks) else []
@@ -107,14 +110,14 @@ def measure_importance(model: Model) -> list[int]:
     coat = CoatParameters(*(column.astype(np.float32) for column in columns))
     networks = model.networks
     z = networks.layer(networks.encode(f), coat)
-    seen = slice(None, None, len(wi) // PAIRS + 1)
-    wi, wo = wi[seen], wo[seen]
+    chosen = slice(None, None, len(wi) // PAIRS + 1)
+    wi, wo = wi[chosen], wo[chosen]
     before = np.log(networks.f(z[:, None], wi, wo))
-    spread = STEP * np.ptp(z, axis=0)
+    shift = STEP * np.ptp(z, axis=0)
     change = []
     for number in range(z.shape[1]):
         moved = z.copy()
-        moved[:, number] += spread[number]
+        moved[:, number] += shift[number]
         change.append(np.abs(np.log(networks.f(moved[:, None], wi, wo)) - before).mean())
     return [int(number) for number in np.argsort(change)[::-1]]
 
@@ -131,14 +134,14 @@ def pack_rows(
     layout: TexelLayout, packed: PackedTexels, rows: slice | np.ndarray, codes: np.ndarray
 ) -> None:
     """Overwrite rows of a packed texture (T, B) by codes (n, channels, size) within its ranges."""
-    part = packed.bytes[rows]  # of a slice, the bytes themselves
+    part = packed.bytes[rows]  # a view if `rows` is a slice, else a copy
     fill_blocks(part, lambda z: _bytes(layout, packed, z), codes)
     if not isinstance(rows, slice):
         packed.bytes[rows] = part
 
 
 def pack_codes(layout: TexelLayout, packed: PackedTexels, codes: np.ndarray) -> np.ndarray:
-    """Bytes (n, `layout.stride`) of single codes (n, size): what one channel of a texel takes."""
+    """Bytes (n, `layout.stride`) of single codes (n, size), each one channel of a texel."""
     one = layout._replace(channels=1, texel_bytes=layout.stride)
     result = np.empty((len(codes), layout.stride), np.uint8)
     fill_blocks(result, lambda z: _bytes(one, packed, z[:, None]), codes)
@@ -163,7 +166,7 @@ def _bytes(layout: TexelLayout, packed: PackedTexels, codes: np.ndarray) -> np.n
 
 
 def in_ranges(packed: PackedTexels, layout: TexelLayout, codes: np.ndarray) -> bool:
-    """Whether codes (T, channels, size) lie within a packed texture's ranges, about."""
+    """Whether codes (T, channels, size) lie within a packed texture's ranges or one step beyond."""
     slack = packed.step
     highest = packed.lowest + layout.levels * packed.step
     return bool((codes >= packed.lowest - slack).all() and (codes <= highest + slack).all())

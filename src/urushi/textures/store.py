@@ -19,10 +19,10 @@ Rows = slice | np.ndarray
 
 
 class TextureStore:
-    """Codes of a texture's texels, row by row; those of its levels follow each other.
+    """Codes of a texture's texels, row by row; the rows of its levels follow each other.
 
     Attributes:
-        layout, packed: what it holds; nothing before it is first written.
+        layout, packed: layout and bytes of the texels; none before the first writing.
         levels: width and height of every level.
     """
 
@@ -38,7 +38,7 @@ class TextureStore:
 
     @property
     def empty(self) -> bool:
-        """Whether it was never written."""
+        """Whether nothing has been written yet."""
         return not len(self.packed.bytes)
 
     def read(self, rows: slice | np.ndarray) -> np.ndarray:
@@ -48,13 +48,13 @@ class TextureStore:
 
     @contextlib.contextmanager
     def writing(self) -> Iterator[Callable[..., None]]:
-        """A function write(rows, codes, index=None) for the codes of rows (n,) of the first level.
+        """A function write(rows, codes, index=None) that sets rows (n,) of the first level.
 
-        codes: (n, channels, size); or (k, size) that texels share, with the index (n, channels) of
-        each texel's codes among them.
+        codes: (n, channels, size); or (k, size) codes that texels share, and index (n, channels)
+        chooses each texel's codes among them.
 
-        All rows must be written the first time, and are packed together at the end. The other
-        levels are computed at the end, where they change.
+        The first writing must set all rows; they are packed together at its end. The other levels
+        are computed at the end of a writing, where they change.
         """
         width, height = self.levels[0]
         coarser = self._coarser
@@ -98,7 +98,7 @@ class TextureStore:
                 self._overwrite(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
 
     def _read_alone(self, rows: np.ndarray) -> np.ndarray:
-        """`read` for threads, of which each has one core."""
+        """`read` on the calling thread alone."""
         part = self.packed._replace(bytes=self.packed.bytes[rows])
         return packing.unpack_serial(self.layout, part)
 
@@ -124,21 +124,21 @@ class TextureStore:
             packing.pack_rows(self.layout, self.packed, rows, whole[rows])
 
     def _overwrite(self, rows: Rows, codes: np.ndarray) -> None:
-        """Replace rows (n,) by codes (n, channels, size); wider ranges pack all anew."""
+        """Replace rows (n,) by codes (n, channels, size); a wider range repacks all texels."""
         if not packing.in_ranges(self.packed, self.layout, codes):
             self._widen(codes)
         packing.pack_rows(self.layout, self.packed, rows, codes)
 
     def _widen(self, codes: np.ndarray) -> None:
-        before = self.packed
-        highest = before.lowest + self.layout.levels * before.step
+        narrower = self.packed
+        highest = narrower.lowest + self.layout.levels * narrower.step
         wider = packing.with_ranges(
             self.layout,
-            before.bytes,
-            np.minimum(before.lowest, codes.min(axis=(0, 1))),
+            narrower.bytes,
+            np.minimum(narrower.lowest, codes.min(axis=(0, 1))),
             np.maximum(highest, codes.max(axis=(0, 1))),
         )
-        texels = len(before.bytes)
+        texels = len(narrower.bytes)
         for start in range(0, texels, PACKED_BLOCK):
             rows = slice(start, min(start + PACKED_BLOCK, texels))
             packing.pack_rows(self.layout, wider, rows, self.read(rows))
@@ -150,9 +150,9 @@ def _value_range(whole: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     pieces = [slice(start, start + PACKED_BLOCK) for start in range(0, len(whole), PACKED_BLOCK)]
     ends = np.empty((len(pieces), 2, whole.shape[-1]), np.float32)
 
-    def look(index: int) -> None:
-        part = whole[pieces[index]].astype(np.float32)  # of half precision it would take longer
+    def find_ends(index: int) -> None:
+        part = whole[pieces[index]].astype(np.float32)  # faster than in half precision
         ends[index] = part.min(axis=(0, 1)), part.max(axis=(0, 1))
 
-    parallel.run_all_cores(look, range(len(pieces)))
+    parallel.run_all_cores(find_ends, range(len(pieces)))
     return ends[:, 0].min(axis=0), ends[:, 1].max(axis=0)

@@ -1,6 +1,6 @@
 """Hashes of rows of numbers, by which the texels of a texture are compared.
 
-Equal texels are computed once, and texels that a change leaves equal are not computed again.
+Equal texels are computed once, and texels that stay equal after a change are not computed again.
 """
 
 from collections.abc import Sequence
@@ -18,7 +18,7 @@ _GAMMA, _FIRST, _SECOND = (
 
 
 def row_hashes(columns: Sequence[np.ndarray]) -> np.ndarray:
-    """Hashes uint64 (...) of rows, given by their columns, arrays that broadcast to (...).
+    """Hashes uint64 (...) of rows; the columns are arrays that broadcast to (...).
 
     Columns are floating-point numbers, which are rounded, or hashes (uint64). Two different rows
     have the same hash with a probability of 2^-64.
@@ -45,7 +45,7 @@ def _mixed(x: np.ndarray) -> np.ndarray:
 
 
 def unique_rows(keys: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Indices of the first of each distinct key among keys (M,), and labels (M,) into these."""
+    """Index of the first of each distinct key among keys (M,), and labels (M,) into these indices."""
     order = np.argsort(keys)  # vectorised, unlike the stable one of np.unique
     ordered = keys[order]
     starts = np.flatnonzero(np.append(True, ordered[1:] != ordered[:-1])[: len(keys)])

@@ -184,9 +184,9 @@ class Baker:
         self._texture: CoatTexture | None = None
 
     def update(self, bottom_changed: bool = True) -> ConstantLatents | TexturedLatents:
-        """The codes of the parameters as they are now; of a texture, only new rows are layered.
+        """The codes for the current parameters; in a texture, only changed rows are layered.
 
-        bottom_changed: whether the bottom may be another than when this was last called.
+        bottom_changed: whether the bottom may have changed since the last call.
 
         Raises:
             ParameterError: a parameter is out of range, or the bottom gives what no BRDF gives.

@@ -50,7 +50,7 @@ def bake(
     """`baking.Baker.update` with codes that are differentiable in the parameters.
 
     Raises:
-        ParameterError: as there, or the networks have no derivatives (the paper's).
+        ParameterError: as for `baking.Baker.update`, or the networks have no derivatives.
     """
     gradients.check_differentiable(model, coat.where)
     grid = choose_grid(coat, bottom, model, resolution)

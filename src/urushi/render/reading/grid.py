@@ -18,7 +18,7 @@ from urushi.textures.grid import IDENTITY, TexelGrid, from_texture
 #: Texels per side for procedural textures, and the largest side that is chosen automatically.
 PROCEDURAL, LARGEST = 256, 2048
 
-#: Classes of Mitsuba's textures that are no functions of uv, and their description in errors.
+#: Classes of Mitsuba's textures that are not functions of uv, and their description in errors.
 ELSEWHERE = {
     "MeshAttribute": "a mesh attribute, which is given on a mesh",
     "VolumeAdapter": "a volume, which is given in space",
@@ -34,24 +34,23 @@ POINTS = 64
 def choose(
     parts: Mapping[str, "mi.Object"], nested: TexelGrid | None, resolution: int, where: str
 ) -> TexelGrid | None:
-    """The grid that resolves all textures, and codes that are a texture already; None: constant.
+    """The grid that resolves all textures and the bottom's latent texture; None if all is constant.
 
     Args:
         parts: the objects that hold the textures, by the names that errors use.
         nested: the grid of the bottom's codes, if it has one.
-        resolution: texels per side, 0 to choose.
-        where: begins errors and warnings.
+        resolution: texels per side; 0 to choose it from the textures.
+        where: start of errors and warnings.
 
     Raises:
-        ParameterError: a texture is not over uv.
+        ParameterError: a texture is not a function of uv.
     """
     grids = [nested] if nested else []
     for name, part in parts.items():
         if dependence := not_over_uv(part):
             raise ParameterError(
                 f"{where}: {name} depends on {dependence} and not over uv, where coats are baked; "
-                "give a texture over uv, or use the plugin 'layered', which looks at every point "
-                "anew"
+                "give a texture over uv, or use the plugin 'layered', which evaluates every point"
             )
         grids += map(_texture_grid, varying_textures(part))
     if not grids:
@@ -103,7 +102,7 @@ def check_normals(bsdf: "mi.BSDF", where: str) -> None:
 
 
 def not_over_uv(root: "mi.Object") -> str | None:
-    """Description of a texture in a scene object that is no function of uv, or None."""
+    """Description of a texture in a scene object that is not a function of uv, or None."""
     names = [texture.class_name() for texture in varying_textures(root)]
     return next((ELSEWHERE[name] for name in names if name in ELSEWHERE), None)
 
@@ -152,7 +151,7 @@ def _collector(variant: str) -> type:
 
 
 def _texture_grid(texture: "mi.Texture") -> TexelGrid:
-    """A texture's own grid."""
+    """The grid of one texture."""
     parameters = mi.traverse(texture)
     place = IDENTITY
     if "to_uv" in parameters:
@@ -167,7 +166,7 @@ def _texture_grid(texture: "mi.Texture") -> TexelGrid:
 
 
 def _addressing(texture: "mi.Texture", place: tuple, width: int, height: int) -> tuple[str, bool]:
-    """How a bitmap continues beyond its unit square, and whether it takes the nearest texel.
+    """Wrap mode of a bitmap beyond its unit square, and whether it is filtered by nearest texel.
 
     Detected from its values, because Mitsuba's bitmaps do not expose these properties.
     """

@@ -65,7 +65,7 @@ class Sampling(Stage):
 
 
 class Targets(NamedTuple):
-    """The BRDFs that the proposals shall follow.
+    """The BRDFs that the proposals learn to follow.
 
     Attributes:
         params: trained encoder, layerer and decoder.
