@@ -1,7 +1,7 @@
-"""The system of Neural Layered BRDFs (Fan, Wang, Hašan, Yang and Yan, SIGGRAPH 2022), whole.
+"""The whole system of Neural Layered BRDFs (Fan, Wang, Hašan, Yang and Yan, SIGGRAPH 2022).
 
-Its networks, data and training are as published. The rest of Urushi does not know this package;
-`register` lets weights files, materials and plugins hold its networks.
+Networks, data and training are as published. The rest of Urushi does not import this package;
+after `register`, weights files, materials and plugins can hold its networks.
 """
 
 

@@ -13,32 +13,32 @@ from urushi.paper.blocks import Block, Linear, Skip, fc, rb
 
 LATENT = 32
 
-#: Every entry of a latent code before it is optimised.
+#: Initial value of every entry of a latent code.
 FIRST_LATENT = 1.0
 
-#: view.xy, light.xy, view.z, light.z: the evaluation network's first inputs, before the latent.
+#: Number of direction inputs of the evaluation network, which precede the latent code.
 DIRECTIONS = 6
 
 
 @dataclass(frozen=True)
 class PaperArchitecture:
-    """Marks a model as the paper's; nothing about it can be chosen."""
+    """The architecture of the paper's networks; it has no options."""
 
     latent: ClassVar[int] = LATENT
 
     def to_json(self) -> str:
-        """Return the kind as a JSON object."""
+        """Return the kind as the text of a JSON object."""
         return json.dumps({"kind": "paper"})
 
     @classmethod
     def from_json(cls, text: str) -> "PaperArchitecture":
-        """Read `to_json`'s text.
+        """Read the text that `to_json` returns.
 
         Raises:
-            ParameterError: it holds anything else.
+            ParameterError: the text has other entries.
         """
         if json.loads(text) != {"kind": "paper"}:
-            raise ParameterError("the paper's architecture has no sizes of its own to choose")
+            raise ParameterError("the paper's architecture has no sizes to choose")
         return cls()
 
 
@@ -85,13 +85,13 @@ def _proxy() -> tuple[Linear, ...]:
     return tuple(Linear(f"proxy.{i}", sizes[i], sizes[i + 1]) for i in range(len(sizes) - 1))
 
 
-#: 1,074,689 parameters.
+#: The evaluation network: 1,074,689 parameters.
 EVALUATION = _evaluation()
 
-#: 1,954,208 parameters.
+#: The layering network: 1,954,208 parameters.
 LAYERING = _layering()
 
-#: The proxy has plain ReLUs between its layers: evaluate it by `mlp`.
+#: The sampling proxy, an MLP with plain ReLUs between its layers (evaluated by `nets.mlp`).
 PROXY = _proxy()
 
 PARTS = {"evaluation": EVALUATION, "layering": LAYERING, "proxy": PROXY}
@@ -103,11 +103,11 @@ def parameter_shapes(arch: PaperArchitecture) -> dict[str, tuple[int, ...]]:
 
 
 def parameter_count(part: str) -> int:
-    """Return how many numbers one network has."""
+    """Return the number of parameters of one network, named as in `PARTS`."""
     return sum(math.prod(shape) for shape in blocks.shapes(PARTS[part]).values())
 
 
 def init(seed: int) -> dict[str, np.ndarray]:
-    """Draw fresh parameters of all three networks."""
+    """Draw initial parameters of all three networks."""
     rng = np.random.default_rng(seed)
     return {name: v for part in PARTS.values() for name, v in blocks.init(part, rng).items()}

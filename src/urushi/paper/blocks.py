@@ -1,8 +1,8 @@
-"""The blocks that the paper's networks are built of, as values: shapes, evaluation, gradient.
+"""The blocks of the paper's networks: parameter shapes, evaluation and gradient.
 
-A network is a tuple of blocks, one after the other. `apply` runs on NumPy and JAX; `pulled_back`
-also answers how the output depends on the input, by hand, so that latent codes can be optimised
-where JAX is not installed.
+A network is a chain of blocks, kept as a tuple. `apply` runs on NumPy and JAX. `pulled_back` also
+returns the gradient with respect to the input, written by hand, so that latent codes can be
+optimised where JAX is not installed.
 """
 
 from collections.abc import Callable, Iterable
@@ -13,7 +13,7 @@ import numpy as np
 
 from urushi.nets.mlp import Params, linear, product
 
-#: Added to the variance in layer normalisation, as PyTorch does.
+#: Added to the variance in layer normalisation; PyTorch's default.
 EPSILON = 1e-5
 
 Pullback = Callable[[Any], Any]
@@ -84,7 +84,7 @@ class Norm:
 
 @dataclass(frozen=True)
 class Skip:
-    """R{m} = m(x) + x, m being a chain of blocks."""
+    """R{m} = m(x) + x for a chain of blocks m."""
 
     inner: tuple["Block", ...]
 
@@ -144,9 +144,9 @@ def pulled_back(params: Params, blocks: Iterable[Block], x: Any) -> tuple[Any, P
 
 
 def init(blocks: Iterable[Block], rng: np.random.Generator) -> dict[str, np.ndarray]:
-    """Draw float32 parameters as PyTorch does, the paper says nothing of it.
+    """Draw float32 parameters as PyTorch does; the paper does not state the initialisation.
 
-    Weights and biases uniform within 1 / sqrt(rows); normalisation starts as the identity.
+    Weights and biases are uniform within +-1 / sqrt(rows); scales are 1 and shifts 0.
     """
     params: dict[str, np.ndarray] = {}
     bound = 1.0

@@ -17,7 +17,7 @@ _FIRST = "evaluation.0"
 
 
 def direction_inputs(wi: Any, wo: Any) -> Any:
-    """The inputs (..., 6): view.xy, light.xy, view.z, light.z; wi is the view, wo the light."""
+    """The direction inputs (..., 6): wi.xy, wo.xy, wi.z, wo.z; wi is the view, wo the light."""
     xp = wi.__array_namespace__()
     wi, wo = xp.broadcast_arrays(wi, wo)
     return xp.concat([wi[..., :2], wo[..., :2], wi[..., 2:], wo[..., 2:]], axis=-1)
@@ -33,9 +33,9 @@ def evaluate(params: Params, z: Any, directions: Any) -> Any:
 
 
 def value_and_gradient(params: Params, z: Any, directions: Any) -> tuple[Any, Any]:
-    """Return values (...) and their gradients (..., 32) with respect to z, as of `evaluate`.
+    """Return `evaluate`'s values (...) and their gradients (..., 32) with respect to z.
 
-    Samples are independent: one backward pass gives the gradient of each, hence the Jacobian.
+    The values are independent of each other, so one backward pass gives all gradients.
     """
     first = split_linear(params, _FIRST, directions, z)
     xp = first.__array_namespace__()
@@ -48,7 +48,7 @@ def layer(params: Params, z_top: Any, z_bottom: Any, albedo: Any, sigma_t: Any) 
     """Return codes (..., 32) of bottoms z_bottom (..., 32) under dielectrics z_top (..., 32).
 
     albedo, sigma_t (...): of the medium between them, which scatters isotropically. Leading
-    dimensions broadcast. Codes are close to 1, which is subtracted from the input and added again.
+    dimensions broadcast. Codes are close to 1, so the network reads and returns codes minus 1.
     """
     xp = z_top.__array_namespace__()
     medium = xp.stack(xp.broadcast_arrays(albedo, sigma_t), axis=-1)
@@ -59,7 +59,7 @@ def layer(params: Params, z_top: Any, z_bottom: Any, albedo: Any, sigma_t: Any) 
 
 
 def isotropic(albedo: Any, sigma_t: Any, g: Any) -> tuple[Any, Any]:
-    """Return albedo and sigma_t of the isotropic medium similar to one of asymmetry g.
+    """Return albedo and sigma_t of the isotropic medium similar to a medium of asymmetry g.
 
     Similarity relation (van de Hulst 1980): equal absorption, scattering times 1 - g.
     """

@@ -1,7 +1,7 @@
-"""The paper's networks in Dr.Jit: the twin of `paper`.
+"""The evaluation network and the sampling proxy in Dr.Jit, for the plugins.
 
-A million weights are read from memory, see `memory`: some hundred times as slow as Urushi's own
-decoder, and compiled in half a minute.
+The million weights are read from memory. An evaluation takes about a hundred times as long as one
+of Urushi's own decoder, and compilation takes half a minute.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -23,14 +23,14 @@ from urushi.render.recording import compiled_once
 
 
 class NormKernel:
-    """Layer normalisation and ReLU, as `paper.blocks.Norm`."""
+    """Layer normalisation and ReLU, equal to `paper.blocks.Norm`."""
 
     def __init__(self, params: Mapping[str, np.ndarray], name: str):
         scale, shift = params[f"{name}.scale"], params[f"{name}.shift"]
         width = len(scale)
-        none = np.zeros((width, 1), np.float32)
-        # A vector in memory becomes an operand as the offset of a matrix of zeros.
-        self._scale, self._shift = cooperative.pack(none, scale), cooperative.pack(none, shift)
+        zeros = np.zeros((width, 1), np.float32)
+        # A vector in memory can be used only as the bias of a matrix, here of zeros.
+        self._scale, self._shift = cooperative.pack(zeros, scale), cooperative.pack(zeros, shift)
         self._mean = cooperative.pack(
             np.full((1, width), 1 / width, np.float32), np.zeros(1, np.float32)
         )
@@ -58,7 +58,7 @@ class PaperDecoder:
         self._steps = _bound(model.params, EVALUATION)
 
     def code_terms(self, latents: np.ndarray) -> np.ndarray:
-        """The latents themselves: here the first layer is a small part of the whole."""
+        """The latents themselves: the first layer is a small part of the work."""
         return latents
 
     def code_terms_drjit(self, latent: Sequence) -> list:
@@ -80,7 +80,7 @@ class PaperDecoder:
 
 
 def _bound(params: Mapping[str, np.ndarray], chain: Sequence[Block]) -> list:
-    """Functions of activations, one for each block of a chain."""
+    """One function of activations for each block of a chain."""
     steps: list = []
     for block in chain:
         if isinstance(block, Linear):
@@ -104,7 +104,7 @@ def _chained(steps: Sequence[Callable], x: nn.CoopVec) -> nn.CoopVec:
 
 
 class Gaussian(NamedTuple):
-    """A proposal, as `paper.proxy.GaussianMixture`: Dr.Jit floats."""
+    """The proposal of `paper.proxy.GaussianMixture`, with Dr.Jit floats."""
 
     sigma: Any
     share: Any
@@ -118,7 +118,7 @@ class Gaussian(NamedTuple):
         return dr.select((wi.z > 0) & (wo.z > 0), density, 0)
 
     def sample(self, wi, choice, u):
-        """Draw wo above the horizon by the uniform numbers `choice` and `u` (two)."""
+        """Draw wo above the horizon from uniform numbers: `choice`, and two in `u`."""
         variance2 = 2 * self.sigma * self.sigma
         squared = -variance2 * dr.log(1 - u.x * (1 - dr.exp(-1 / variance2)))
         squared = dr.clip(squared, 0, 1)
@@ -146,7 +146,7 @@ class PaperSampler:
         self._steps = _bound(model.params, PROXY)
 
     def code_terms(self, latent: np.ndarray) -> np.ndarray:
-        """Width and share (2): they do not depend on directions."""
+        """Width and share (2); neither depends on directions."""
         return np.array(proxy.proxy(self._params, latent), np.float32)
 
     def proposal_of_terms(self, terms: Sequence, cos_i) -> Gaussian:

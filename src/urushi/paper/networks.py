@@ -1,4 +1,4 @@
-"""The paper's system behind the interface that all architectures share."""
+"""The paper's networks behind the interface that all architectures share."""
 
 import functools
 import threading
@@ -20,13 +20,13 @@ from urushi.reference import analytic
 if TYPE_CHECKING:
     from urushi.paper.kernels import PaperDecoder, PaperSampler
 
-#: Pairs at which a BRDF is seen to be projected.
+#: Number of direction pairs at which a BRDF is evaluated for its projection.
 PAIRS = 512
 
-#: BRDFs that are projected together: more would leave the caches.
+#: Number of BRDFs that are projected together; more would not fit into the caches.
 TOGETHER = 4
 
-#: Different interfaces in one layering, at most: a texture of widths would take hours.
+#: Maximum number of different interfaces in one layering: a texture of widths would take hours.
 MAX_TOPS = 256
 
 _GOLDEN_ANGLE = np.pi * (3 - np.sqrt(5))
@@ -34,7 +34,7 @@ _GOLDEN_ANGLE = np.pi * (3 - np.sqrt(5))
 
 @functools.cache
 def projection_pairs() -> tuple[np.ndarray, np.ndarray]:
-    """The probe pairs, each turned to an azimuth of its own: this network knows no isotropy."""
+    """The probe pairs, each at another azimuth: the evaluation network is not isotropic."""
     turn = _GOLDEN_ANGLE * np.arange(PAIRS)
     cos, sin, zero, one = np.cos(turn), np.sin(turn), np.zeros(PAIRS), np.ones(PAIRS)
     rows = [(cos, -sin, zero), (sin, cos, zero), (zero, zero, one)]
@@ -49,7 +49,7 @@ class PaperNetworks:
 
     def __init__(self, params: Params, arch: PaperArchitecture):
         self._params = params
-        self._lock = threading.Lock()  # of the remembered interfaces
+        self._lock = threading.Lock()  # guards the codes of interfaces
         self._tops: dict[tuple[float, float], np.ndarray] = {}
 
     def pairs(self) -> tuple[np.ndarray, np.ndarray]:
@@ -69,17 +69,17 @@ class PaperNetworks:
         return codes.reshape(*values.shape[:-1], LATENT)
 
     def layer(self, z_bottom: Any, coat: CoatParameters) -> Any:
-        """Codes (..., 32) by the layering network, which wants the interface as a code too.
+        """Codes (..., 32) by the layering network, whose inputs include the interface's code.
 
-        Every pair of alpha and eta is projected once and remembered. Media that scatter
-        anisotropically enter as the isotropic ones that resemble them.
+        Every pair of alpha and eta is projected once, and its code is kept. A medium that scatters
+        anisotropically is replaced by the similar isotropic one (`inference.isotropic`).
         """
         z_top = self._top(coat.alpha, coat.eta)
         medium = isotropic(coat.albedo, coat.sigma_t, coat.g)
         return layer(self._params, z_top, z_bottom, *medium)
 
     def f(self, z: Any, wi: Any, wo: Any) -> Any:
-        """Values, cut off at zero: the network may go below."""
+        """Values (...) [1/sr]; the network's negative outputs become zero."""
         value = evaluate(self._params, z, direction_inputs(wi, wo))
         return np.maximum(value, 0)
 
@@ -94,8 +94,8 @@ class PaperNetworks:
         if keys.shape[1] > MAX_TOPS:
             raise ParameterError(
                 f"the layering has {keys.shape[1]} different interfaces, and the paper's networks "
-                f"must project each for about a second: give at most {MAX_TOPS} pairs of alpha "
-                "and eta, or use Urushi's own networks"
+                f"need about a second for each; give at most {MAX_TOPS} pairs of alpha and eta, "
+                "or use Urushi's own networks"
             )
         with self._lock:
             new = [key for key in map(tuple, keys.T.tolist()) if key not in self._tops]
@@ -107,7 +107,7 @@ class PaperNetworks:
         return codes[index.reshape(alpha.shape)]
 
     def _dielectrics(self, alpha: np.ndarray, eta: np.ndarray) -> np.ndarray:
-        """Values (S, P) [1/sr] of the reflection by rough dielectrics at `pairs`."""
+        """Values (S, P) [1/sr] of the reflection by rough dielectrics, at `pairs`."""
         wi, wo = self.pairs()
         count = len(alpha)
         row = np.repeat(np.arange(count, dtype=np.uint32), len(wi))

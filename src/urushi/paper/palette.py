@@ -1,4 +1,4 @@
-"""The paper's own set of materials: stacks composed of a few hundred interfaces."""
+"""The paper's set of materials: stacks composed of a few hundred interfaces."""
 
 from dataclasses import dataclass
 
@@ -13,18 +13,19 @@ Stacked = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 
 @dataclass(frozen=True)
 class Palette:
-    """Fan et al. 2022, section 4.1: conductors and dielectrics, and stacks of just these.
+    """Conductors, dielectrics, and stacks made of them (Fan et al. 2022, section 4.1).
 
-    Parameters as in their Table 2. A stack of one coat has a random dielectric over a random
-    conductor, one of two coats a random dielectric over a random stack of one. Which, depends on
-    the seed and the row alone, so that a stack's components can be found in the other parts.
+    Parameters as in their Table 2. A stack of one coat is a random dielectric over a random
+    conductor; a stack of two coats is a random dielectric over a random stack of one coat. The
+    choice depends only on the seed and the row, so that a stack's components can be found in the
+    other parts.
 
     Attributes:
         coats: 0 for the components themselves, 1 or 2.
-        bottom: "conductor"; for the components also "dielectric".
+        bottom: "conductor"; without coats also "dielectric".
         components: number of dielectrics, and of conductors.
-        stacks: number of stacks of one coat, from which those of two coats choose.
-        seed: of everything.
+        stacks: number of stacks of one coat, from which the stacks of two coats are made.
+        seed: of all random choices and parameters.
     """
 
     coats: int
@@ -41,7 +42,7 @@ class Palette:
                 f"{self.bottom!r}; give 0, 1 or 2 coats over 'conductor', or 0 and 'dielectric'"
             )
         if min(self.components, self.stacks) < 1:
-            raise ParameterError("the paper's materials need components and stacks of them")
+            raise ParameterError("the paper's materials need at least one component and one stack")
 
     def draw(self, rng: np.random.Generator, rows: slice) -> StackTable:
         """The stacks of some rows; `rng` is not needed."""
@@ -52,16 +53,16 @@ class Palette:
             columns = (*self._interface("dielectric", top), albedo, sigma_t)
             for column, values in zip(coats.values(), columns, strict=True):
                 column.append(values)
-        none = np.zeros((len(index), 0))
-        table = {k: np.stack(v, axis=1) if v else none for k, v in coats.items()}
+        no_coats = np.zeros((len(index), 0))
+        table = {k: np.stack(v, axis=1) if v else no_coats for k, v in coats.items()}
         names = ("alpha", "r0") if self.bottom == "conductor" else ("alpha", "eta")
         bottom = dict(zip(names, self._interface(self.bottom, index), strict=True))
         return StackTable(**table, g=np.zeros_like(table["alpha"]), kind=self.bottom, bottom=bottom)
 
     def parts(self, rows: slice) -> Stacked:
-        """What stacks are made of.
+        """The components of some rows' stacks.
 
-        The lower part is a conductor under one coat, a stack of one coat under two.
+        The lower part is a conductor under one coat, and a stack of one coat under two coats.
         """
         return self._stacked(self.coats, np.arange(rows.start, rows.stop))
 

@@ -1,9 +1,9 @@
-"""Projection: the latent code whose decoded values come closest in L1, the weights held fixed.
+"""Projection: the latent code whose decoded values are closest in L1, at fixed weights.
 
-The paper optimises the latent alone by back-propagation and does not say with which optimiser. A
-code is only 32 numbers and one backward pass gives the whole Jacobian, so this is
-Levenberg-Marquardt on iteratively reweighted squares, whose sum is the L1 loss: 16 passes do what
-takes gradient descent some thousands. One definition runs on NumPy and JAX.
+The paper optimises the latent code by back-propagation and does not name the optimiser. A code has
+only 32 numbers and one backward pass gives the whole Jacobian, so this is Levenberg-Marquardt on
+iteratively reweighted squares, whose sum is the L1 loss. Gradient descent needs some thousands of
+passes where this needs 16. One definition runs on NumPy and JAX.
 """
 
 from typing import Any, NamedTuple
@@ -15,20 +15,20 @@ from urushi.nets.mlp import Params
 from urushi.paper.architecture import FIRST_LATENT, LATENT
 from urushi.paper.inference import value_and_gradient
 
-#: Forward and backward passes that a projection takes.
+#: Number of forward and backward passes of a projection.
 STEPS = 16
 
 #: Errors below this share of a BRDF's mean value weigh as if they were this large.
 KNEE = 0.1
 
-#: The first damping, relative to the mean curvature, and its factors after good and bad steps. Its
-#: least value keeps codes near their start where the values hardly depend on them: that costs no
-#: accuracy, and the layering network has to predict them.
+#: The first damping, relative to the mean curvature; its factors after good and bad steps; and its
+#: least value. The least damping keeps codes near their start where the values hardly depend on
+#: them. This costs no accuracy and makes the codes easier to predict for the layering network.
 DAMPING, EASED, RAISED, LEAST = 1e-2, 0.25, 8.0, 1e-2
 
 
 class ProjectionState(NamedTuple):
-    """Where the optimisation of M codes at P pairs stands: the best codes so far.
+    """State of the optimisation of M codes at P pairs, with the best codes so far.
 
     Attributes:
         z: (M, 32); loss: (M,) mean absolute error; error: (M, P); jacobian: (M, P, 32);
@@ -53,7 +53,7 @@ def start(params: Params, directions: Any, f: Any) -> ProjectionState:
 
 
 def step(params: Params, state: ProjectionState, directions: Any, f: Any) -> ProjectionState:
-    """Try one damped step for every code; keep it where it lowers the loss."""
+    """Try one damped step for every code, and keep the steps that lower the loss."""
     xp = f.__array_namespace__()
     knee = KNEE * xp.mean(xp.abs(f), axis=-1, keepdims=True) + 1e-6
     weight = 1 / xp.maximum(xp.abs(state.error), knee)

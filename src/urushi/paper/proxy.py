@@ -1,9 +1,10 @@
 """The paper's sampling proposal: a Gaussian on the projected half vector and a cosine lobe.
 
-A small network gives their width and shares for a whole material, whatever the direction (Fan et
-al. 2022, supplement; it leaves open how the outputs become a width and a share, and what happens
-to directions below the horizon). Here the Gaussian is cut off at the unit disk, and what it
-reflects below the horizon is mirrored up, so that the density is exactly normalised.
+A small network predicts the Gaussian's width and share from a material's code; neither depends on
+the direction (Fan et al. 2022, supplement). The supplement does not define how the outputs become a
+width and a share, nor how directions below the horizon are treated. Here the Gaussian is cut off at
+the unit disk, and directions below the horizon are mirrored up, so that the density is exactly
+normalised.
 """
 
 import math
@@ -11,7 +12,7 @@ from typing import Any, NamedTuple
 
 from urushi.nets.mlp import Params, mlp
 
-#: The width sigma lies within this and 1; the shares of both lobes are at least this.
+#: Least width sigma (the greatest is 1), and least share of either lobe.
 MIN_SIGMA, MIN_SHARE = 0.005, 0.02
 
 
@@ -38,8 +39,8 @@ class GaussianMixture(NamedTuple):
         xp = wi.__array_namespace__()
         choice, u1, phi = u[..., 0], u[..., 1], (2 * math.pi) * u[..., 2]
         variance2 = 2 * self.sigma * self.sigma
-        inside = 1 - xp.exp(-1 / variance2)
-        squared = xp.clip(-variance2 * xp.log(1 - u1 * inside), 0.0, 1.0)
+        mass_inside = 1 - xp.exp(-1 / variance2)
+        squared = xp.clip(-variance2 * xp.log(1 - u1 * mass_inside), 0.0, 1.0)
         radius, hz = xp.sqrt(squared), xp.sqrt(1 - squared)
         hx, hy = radius * xp.cos(phi), radius * xp.sin(phi)
         twice = 2 * (wi[..., 0] * hx + wi[..., 1] * hy + wi[..., 2] * hz)
@@ -66,15 +67,15 @@ def disk_density(sigma: Any, squared: Any) -> Any:
     """Density of the Gaussian at a projected half vector of squared length `squared`, in [0, 1]."""
     xp = sigma.__array_namespace__()
     variance2 = 2 * sigma * sigma
-    inside = 1 - xp.exp(-1 / variance2)
-    return xp.exp(-squared / variance2) / (math.pi * variance2 * inside)
+    mass_inside = 1 - xp.exp(-1 / variance2)
+    return xp.exp(-squared / variance2) / (math.pi * variance2 * mass_inside)
 
 
 def reflected_density(sigma: Any, across: Any, up: Any) -> Any:
-    """Density [1/sr] of reflecting about the Gaussian's half vectors, from wi + wo = (x, y, up).
+    """Density [1/sr] of wi reflected about the Gaussian's half vectors, from wi + wo = (x, y, up).
 
-    across = x^2 + y^2. The projection on the disk costs the half vector's cosine, the reflection
-    4 wi.h, which is twice the length of wi + wo for unit vectors.
+    across = x^2 + y^2. The Jacobian of the projection on the disk is the half vector's cosine; that
+    of the reflection is 4 wi.h, twice the length of wi + wo for unit vectors.
     """
     xp = across.__array_namespace__()
     squared = xp.maximum(across + up * up, 1e-12)

@@ -45,7 +45,7 @@ def _mixed(x: np.ndarray) -> np.ndarray:
 
 
 def unique_rows(keys: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Index of the first of each distinct key among keys (M,), and labels (M,) into these indices."""
+    """Indices where each distinct key of keys (M,) occurs first, and labels (M,) into these."""
     order = np.argsort(keys)  # vectorised, unlike the stable one of np.unique
     ordered = keys[order]
     starts = np.flatnonzero(np.append(True, ordered[1:] != ordered[:-1])[: len(keys)])

@@ -1,4 +1,4 @@
-"""Training of the layering network on projected codes: codes in, codes out, L1."""
+"""Training of the layering network: it maps projected codes to projected codes, with an L1 loss."""
 
 from typing import Any, NamedTuple
 
@@ -14,12 +14,12 @@ from urushi.paper.train.preset import PaperPreset
 
 RULE = optax.scale_by_adam()
 
-#: How often the learning rate falls: the paper's 1,000 epochs by 50.
+#: Number of decays of the learning rate: the paper's rate decays every 50 of 1,000 epochs.
 DECAYS = 20
 
 
 class Examples(NamedTuple):
-    """Layerings: codes of dielectrics, lower parts and results (N, 32), the media's (N,)."""
+    """Layerings: codes (N, 32) of dielectrics, lower parts and results; the media (N,)."""
 
     z_top: np.ndarray
     z_bottom: np.ndarray
@@ -77,7 +77,7 @@ def step(state: LayeringState, batch: Examples, rate: float) -> tuple[LayeringSt
 def learn_epoch(
     state: LayeringState, sets: dict[str, Examples], preset: PaperPreset, epoch: int
 ) -> tuple[LayeringState, float]:
-    """Take the steps of one epoch, of two layers first, of three when those are over."""
+    """Take the steps of one epoch: on two layers at first, on three layers after these epochs."""
     period = max(1, preset.layering_epochs // DECAYS)
     if epoch < preset.layering_epochs:
         data = sets["train"]

@@ -1,4 +1,4 @@
-"""The paper's training as one value, and its shrinking."""
+"""The preset of the paper's training, at full or smaller scale."""
 
 from dataclasses import asdict, dataclass, field
 from typing import Any
@@ -17,16 +17,17 @@ class PaperPreset:
     """Data and schedules of Fan et al. 2022, section 4.
 
     Attributes:
-        name: what `--preset` calls it.
-        scale: share of the paper's training samples that is seen.
+        name: the value of `--preset`.
+        scale: share of the paper's number of training samples.
         data: parts "conductor", "dielectric", "two-layer" and "three-layer".
-        validation: so many of the last two-layer BRDFs are not trained on.
-        epochs, decay: passes over the two-layer BRDFs, and both rates' factor after each.
+        validation: number of two-layer BRDFs, the last ones, that are not trained on.
+        epochs, decay: passes over the two-layer BRDFs, and the factor on both rates after each.
         weights_rate, latents_rate: Adam's learning rates of evaluation network and latents.
-        stacks, pairs: BRDFs that a step sees, and direction pairs of each.
-        layering_epochs, layering_rate, layering_decay: the rate falls by the factor twenty times.
-        finetuning_epochs, finetuning_rate: the same on the three-layer BRDFs.
-        rows: layerings that a step sees.
+        stacks, pairs: BRDFs in a step, and direction pairs of each.
+        layering_epochs, layering_rate, layering_decay: training of the layering network; the rate
+            is multiplied by the decay twenty times.
+        finetuning_epochs, finetuning_rate: its training on the three-layer BRDFs, at a fixed rate.
+        rows: layerings in a step.
         proxy_materials, proxy_incoming: materials that the sampling proxy learns from, and
             incoming directions over which their histograms are averaged.
         seed: of the initial weights and of the order of the examples.
@@ -63,18 +64,18 @@ class PaperPreset:
 
 
 def paper(scale: float = 1.0) -> PaperPreset:
-    """Neural Layered BRDFs (Fan et al. 2022) from its own data, or a smaller version of it.
+    """Neural Layered BRDFs (Fan et al. 2022), trained as published or at a smaller scale.
 
-    `scale` is the share of the paper's 2.3e11 training samples that is seen: BRDFs and epochs
-    shrink by its fourth root, direction pairs by its square root. The rates' whole decay is kept,
-    and the latents' rate is raised, at most a hundredfold, by the inverse square root of scale:
-    otherwise they would not leave their start in so few steps.
+    `scale` is the share of the paper's 2.3e11 training samples: BRDFs and epochs shrink by its
+    fourth root, direction pairs by its square root. The total decay of the rates stays the same.
+    The latents' rate is raised by the inverse square root of scale, at most a hundredfold, because
+    the latents would otherwise stay near their initial value in the few steps.
 
     Command: `urushi train --preset paper --scale 4e-5`
     Time: 25 minutes on two cores at that scale (data 3, evaluation network 12, projections 7,
         the rest 3), 40 hours of a GPU at scale 1.
-    Expected: at that scale no sharp highlights, far from the paper's figures; the header has the
-        mean absolute errors of its projections.
+    Expected: at that scale no sharp highlights, and errors far above the paper's; the header of the
+        weights file has the mean absolute errors of the projections.
     """
     if not 0 < scale <= 1:
         raise ParameterError(f"the paper preset's scale is {scale!r}; it must be in (0, 1]")

@@ -14,7 +14,7 @@ from urushi.paper.proxy import proxy
 #: Bins on each side of the square around the unit disk of projected half vectors.
 BINS = 40
 
-#: Steps and learning rate, of which nothing is known; each step sees all materials.
+#: Steps and learning rate, which are not published; each step uses all materials.
 STEPS, RATE = 500, 1e-3
 
 RULE = optax.adam(RATE)
@@ -24,8 +24,9 @@ class Histograms(NamedTuple):
     """Shares (BINS^2,) of the projected half vectors, averaged over incoming directions.
 
     Attributes:
-        latents: (M, 32) the materials; shares: (M, BINS^2) of f cos_o; cosine: (BINS^2,) of a
-            cosine lobe.
+        latents: (M, 32) codes of the materials.
+        shares: (M, BINS^2) for f cos_o.
+        cosine: (BINS^2,) for a cosine lobe.
     """
 
     latents: jax.Array

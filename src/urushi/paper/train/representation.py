@@ -1,6 +1,6 @@
-"""Batches of the two-layer BRDFs, streamed from the store in bounded memory.
+"""Joint training of the evaluation network and the latent codes of all training BRDFs.
 
-Joint training of the evaluation network and the latent codes of all training BRDFs.
+Batches of the two-layer BRDFs are streamed from the store in bounded memory.
 """
 
 from collections.abc import Iterator
@@ -17,7 +17,7 @@ from urushi.paper.architecture import FIRST_LATENT, LATENT
 from urushi.paper.inference import direction_inputs, evaluate
 from urushi.paper.train.preset import PaperPreset
 
-#: Direction pairs in memory together, at most: half a gigabyte.
+#: Maximum number of direction pairs in memory at once: half a gigabyte.
 GROUP = 1 << 24
 
 
@@ -25,7 +25,7 @@ class Batch(NamedTuple):
     """B different BRDFs at P pairs each.
 
     Attributes:
-        rows: (B,) which BRDFs; wi, wo: (B, P, 3); f: (B, P) [1/sr].
+        rows: (B,) rows of the BRDFs in the store's part; wi, wo: (B, P, 3); f: (B, P) [1/sr].
     """
 
     rows: np.ndarray
@@ -35,10 +35,10 @@ class Batch(NamedTuple):
 
 
 def epoch(store: Store, preset: PaperPreset, index: int) -> Iterator[Batch]:
-    """The batches of one epoch, in an order that depends on seed and epoch alone.
+    """The batches of one epoch, in an order that depends only on seed and epoch.
 
-    Groups of BRDFs that fit into memory come in random order. Within a group the pairs of every
-    BRDF are shuffled and cut into runs; a batch has one run each of different BRDFs.
+    Groups of BRDFs that fit into memory are visited in random order. Within a group the pairs of
+    every BRDF are shuffled and cut into runs; a batch has one run from each of different BRDFs.
     """
     rng = np.random.default_rng((preset.seed, index))
     for shards in shuffled_groups(preset, rng):
@@ -62,7 +62,7 @@ def shuffled_groups(preset: PaperPreset, rng: np.random.Generator) -> list[np.nd
 
 
 def trained(preset: PaperPreset) -> int:
-    """Number of two-layer BRDFs that are trained on, the first ones."""
+    """Number of two-layer BRDFs to train on; they are the first ones of the part."""
     return preset.part("two-layer").stacks - preset.validation
 
 
@@ -79,20 +79,21 @@ def _trained(
     return rows[kept], arrays
 
 
-#: Adam's constants (Kingma and Ba 2015), the customary ones: the paper does not name them.
+#: Adam's default constants (Kingma and Ba 2015); the paper does not state its own.
 FIRST_MOMENT, SECOND_MOMENT, TINY = 0.9, 0.999, 1e-8
 
 RULE = optax.scale_by_adam(FIRST_MOMENT, SECOND_MOMENT, TINY)
 
 
 class RepresentationState(NamedTuple):
-    """Everything that is carried from step to step.
+    """The state that is carried from step to step.
 
     Attributes:
         params: the evaluation network.
         optimiser: Adam's state for it.
-        latents: (M, 32), all BRDFs' codes, with Adam's moments `first` and `second` (M, 32) and
-            the number of steps (M,) that have seen each: only those of a batch are updated.
+        latents: (M, 32) codes of all BRDFs; a step updates only those of its batch.
+        first, second: (M, 32) Adam's moments of the codes.
+        steps: (M,) number of updates of each code.
     """
 
     params: Params
@@ -130,7 +131,7 @@ def step(
     params = optax.apply_updates(
         state.params, jax.tree.map(lambda change: -weights_rate * change, update)
     )
-    # The loss is a mean over the batch; Adam does not mind the factor.
+    # The loss is a mean over the batch; Adam's step does not depend on that factor.
     first = FIRST_MOMENT * state.first[batch.rows] + (1 - FIRST_MOMENT) * z_slope
     second = SECOND_MOMENT * state.second[batch.rows] + (1 - SECOND_MOMENT) * z_slope**2
     steps = state.steps[batch.rows] + 1

@@ -1,4 +1,4 @@
-"""The paper's training from nothing to a weights file."""
+"""The whole training of the paper's networks, from data to a weights file."""
 
 import os
 import time
@@ -32,11 +32,12 @@ def train(
     run: str | os.PathLike | None,
     resume: bool,
 ) -> weights.Model:
-    """Train the three networks in turn and write the weights; arguments as of `loop.train`.
+    """Train the three networks in turn and write the weights; arguments as for `loop.train`.
 
-    The evaluation network learns together with its latents; all BRDFs are then projected, and the
-    layering network learns from their codes; last comes the sampling proxy. A checkpoint is
-    written after every epoch of the first, after every twentieth of the second, and between.
+    The evaluation network is trained together with its latents. Then all BRDFs are projected, and
+    the layering network is trained on their codes. The sampling proxy is trained last. A checkpoint
+    is written after every epoch of the evaluation network, after every twentieth epoch of the
+    layering network, and between the stages.
     """
     folder = Path(run) if run is not None else training.RUNS / preset.name
     out = Path(out) if out is not None else folder / "weights.safetensors"
@@ -75,36 +76,36 @@ def train(
 
 
 class Clock:
-    """Seconds spent, earlier runs included."""
+    """Seconds of training, including those of earlier runs."""
 
     def __init__(self, before: float) -> None:
         self._start = time.monotonic() - before
 
     def seconds(self) -> float:
-        """Up to now."""
+        """The seconds up to now."""
         return time.monotonic() - self._start
 
 
 def beginnings(preset: PaperPreset) -> dict[str, Checkpoint]:
-    """Each stage's start; what earlier stages made is there in shape only."""
+    """Each stage's first checkpoint; only the shapes of earlier results count."""
     params = init(preset.seed)
     first = representation.start(params, representation.trained(preset))
     second = layering.start(params)
-    made: dict[str, Any] = dict(first.params)
+    arrays: dict[str, Any] = dict(first.params)
     for part in preset.data.parts:
-        made[f"codes.{part.name}"] = np.zeros((part.stacks, LATENT), np.float32)
-        made[f"error.{part.name}"] = np.zeros(part.stacks, np.float32)
+        arrays[f"codes.{part.name}"] = np.zeros((part.stacks, LATENT), np.float32)
+        arrays[f"error.{part.name}"] = np.zeros(part.stacks, np.float32)
     return {
         "representation": Checkpoint("representation", 0, 0.0, first, {}),
-        "layering": Checkpoint("layering", 0, 0.0, second, made),
-        "proxy": Checkpoint("proxy", 0, 0.0, {}, {**made, **second.params}),
+        "layering": Checkpoint("layering", 0, 0.0, second, arrays),
+        "proxy": Checkpoint("proxy", 0, 0.0, {}, {**arrays, **second.params}),
     }
 
 
 def represent(
     point: Checkpoint, preset: PaperPreset, store: Store, journal: Journal, clock: Clock
 ) -> Checkpoint:
-    """The epochs that are left of the evaluation network's training."""
+    """Train the evaluation network for its remaining epochs."""
     pairs = preset.part("two-layer").pairs
     runs = pairs // min(preset.pairs, pairs)
     for epoch in range(point.step, preset.epochs):
@@ -124,22 +125,22 @@ def represent(
 
 def projected(params: Mapping[str, Any], preset: PaperPreset, store: Store) -> dict[str, Any]:
     """Codes and errors of all parts, by name."""
-    made: dict[str, Any] = {}
+    arrays: dict[str, Any] = {}
     for index, part in enumerate(preset.data.parts):
         codes, errors = project_part(params, store, index, preset.seed)
-        made |= {f"codes.{part.name}": codes, f"error.{part.name}": errors}
-    return made
+        arrays |= {f"codes.{part.name}": codes, f"error.{part.name}": errors}
+    return arrays
 
 
-def codes_of(preset: PaperPreset, made: Mapping[str, Any]) -> dict[str, np.ndarray]:
+def codes_of(preset: PaperPreset, arrays: Mapping[str, Any]) -> dict[str, np.ndarray]:
     """The codes of `projected` by the parts' names."""
-    return {part.name: np.asarray(made[f"codes.{part.name}"]) for part in preset.data.parts}
+    return {part.name: np.asarray(arrays[f"codes.{part.name}"]) for part in preset.data.parts}
 
 
 def learn_layering(
     point: Checkpoint, preset: PaperPreset, journal: Journal, clock: Clock
 ) -> Checkpoint:
-    """The epochs that are left of the layering network's training."""
+    """Train the layering network for its remaining epochs."""
     codes = codes_of(preset, point.networks)
     sets = layering.examples(preset, codes)
     epochs = preset.layering_epochs + preset.finetuning_epochs
@@ -155,7 +156,7 @@ def learn_layering(
 def learn_proxy(
     params: Mapping[str, Any], preset: PaperPreset, codes: np.ndarray
 ) -> tuple[Mapping[str, Any], float]:
-    """The sampling proxy, and its divergence."""
+    """Train the sampling proxy; returns its parameters and its divergence."""
     wi = proxy.incoming(preset.proxy_incoming, preset.seed)
     data = proxy.histograms(params, codes[: preset.proxy_materials], wi)
     return proxy.learn(init(preset.seed), data)
