@@ -148,10 +148,10 @@ def test_the_hash_depends_on_specification_and_values(finished, tmp_path):
     ("change", "message"),
     [
         ({"seed": 5}, r"another specification \(its seed is 3, not 5\)"),
-        ({"parts": SPEC.parts[:1]}, "its parts are coated, twice, bare, not coated"),
+        ({"parts": SPEC.parts[:1]}, "its parts are coated, twice, bare instead of coated"),
         (
             {"parts": (dataclasses.replace(SPEC.parts[0], walks=8), *SPEC.parts[1:])},
-            "its part 'coated' is described otherwise",
+            "its part 'coated' has another specification",
         ),
     ],
 )
@@ -173,7 +173,7 @@ def test_foreign_folders_and_files_are_refused_and_left_alone(tmp_path):
     file.write_text("text")
     zarr.create_group(tmp_path / "foreign.zarr")
     for path in (folder, file, tmp_path / "foreign.zarr"):
-        with pytest.raises(FileError, match="is no Urushi data store"):
+        with pytest.raises(FileError, match="is not a data store of Urushi"):
             generate(SPEC, path)
     assert (folder / "cat.jpg").read_bytes() == b"meow"
 

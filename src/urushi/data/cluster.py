@@ -12,10 +12,10 @@ from urushi.version import __version__
 #: Seconds to wait for the scheduler, and then for its first worker.
 PATIENCE = 20.0
 
-#: Tasks submitted for every worker process: one that runs, and one that waits with its input.
+#: Number of tasks submitted for every worker process: one runs, and one waits there for it to end.
 IN_FLIGHT = 2
 
-#: Held by the running task of a worker process: a task uses all cores.
+#: Held by the running task of a worker process, because a task uses all cores.
 _alone = threading.Lock()
 
 
@@ -25,10 +25,10 @@ def run(
     """Call a pure function for many arguments on the cluster's workers.
 
     Args:
-        address: of the scheduler, as `dask scheduler` prints it: "tcp://host:8786".
-        function: of a module that the workers have too; its results must not depend on where it
-            runs, because the tasks of a worker that dies run again on another.
-        arguments: of each call.
+        address: the scheduler's address, as `dask scheduler` prints it: "tcp://host:8786".
+        function: a function of a module that the workers can import. Its result must not depend on
+            the worker, because the tasks of a worker that dies run again on another one.
+        arguments: the arguments of each call.
 
     Yields:
         (index, result) of each call, in the order of completion. At most `IN_FLIGHT` tasks of each
@@ -98,8 +98,8 @@ def _connected(address: str) -> Iterator[Any]:
         yield client
 
 
-#: A call that finds the version of Urushi on a remote process. A process that cannot import Urushi
-#: would never finish a task, which is a function of it.
+#: A call that returns the version of Urushi in a remote process. It uses the standard library only,
+#: because a process that cannot import Urushi would never finish a call of Urushi's own function.
 _VERSION = pkgutil.resolve_name, "urushi:__version__"
 
 
@@ -113,7 +113,7 @@ def _check_scheduler(client: Any) -> None:
 
 
 def _check_workers(client: Any, workers: Iterable[str]) -> None:
-    """Check that workers have this version of Urushi; those that have left are ignored."""
+    """Check that workers have this version of Urushi; workers that have left are ignored."""
     chosen = sorted(workers)
     if chosen:
         for address, found in client.run(*_VERSION, workers=chosen, on_error="return").items():

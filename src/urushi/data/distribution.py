@@ -15,7 +15,7 @@ from urushi.nets.features import MIN_ALPHA
 from urushi.reference.bottoms import LOBE_PARAMETERS
 from urushi.reference.table import BOTTOM_KINDS, StackTable
 
-#: The deepest recursion that is trained: five coats over a bottom have six interfaces.
+#: Maximum number of coats of a trained stack: five coats over a bottom have six interfaces.
 MAX_COATS = 5
 
 #: The parameters of every kind of bottom, in the order of the data stores.
@@ -30,7 +30,7 @@ class _Independent:
         raise NotImplementedError
 
     def draw(self, rng: np.random.Generator, rows: slice) -> StackTable:
-        """The stacks of some rows of a data store's part; their number alone matters."""
+        """The stacks of some rows of a data store's part; only the number of rows matters."""
         return self.sample(rng, rows.stop - rows.start)
 
 
@@ -43,7 +43,7 @@ class Table2(_Independent):
 
     Attributes:
         coats: number of dielectric interfaces, each with a medium below. The bottom is not
-            counted, so that one coat makes the "two layers" of Fan et al.
+            counted: the "two layers" of Fan et al. are one coat.
     """
 
     coats: int = 1
@@ -73,13 +73,13 @@ class Table2(_Independent):
 class Extended(_Independent):
     """Table 2 with a continuous sigma_t, anisotropic media and more kinds of bottom.
 
-    alpha = U(0.01^(1/3), 1)^3, hence down to 0.01; eta and albedo as in Table 2;
-    sigma_t = 8 U(0, 1)^2 in [0, 8], denser where it is thin; g = U(-0.8, 0.9).
+    alpha = U(0.01^(1/3), 1)^3, in [0.01, 1]; eta and albedo as in Table 2;
+    sigma_t = 8 U(0, 1)^2 in [0, 8], with more thin media than thick ones; g = U(-0.8, 0.9).
 
     Attributes:
         coats: as in `Table2`.
         bottom: "conductor" (Schlick's R0 = U(0, 1)), "conductor_complex" (eta = U(0.05, 3.5),
-            k = U(0.5, 8), about the range of the metals), "diffuse" (reflectance = U(0, 1)),
+            k = U(0.5, 8), about the range of metals), "diffuse" (reflectance = U(0, 1)),
             "dielectric" (the reflection of a rough interface, eta = U(1.05, 2)), "mixture" (see
             `_mixture`) or "measured_like" (see `_measured_like`).
     """
@@ -110,7 +110,7 @@ class Extended(_Independent):
 
 @dataclass(frozen=True)
 class Clear(Extended):
-    """`Extended` with clear or optically thin media, as of varnish.
+    """`Extended` with clear or optically thin media, such as varnish.
 
     sigma_t = max(0, U(-0.3, 0.3)). No medium blurs the lobes of the interfaces, which makes these
     stacks the hardest to predict.
@@ -123,7 +123,7 @@ class Clear(Extended):
         return table
 
 
-#: Distributions of which any number of stacks can be drawn.
+#: Distributions from which any number of stacks can be drawn.
 Distribution = Table2 | Extended
 
 
@@ -159,7 +159,7 @@ def to_dict(distribution: Source) -> dict[str, Any]:
 
 
 def from_dict(description: Mapping[str, Any]) -> Source:
-    """Read `to_dict`'s description.
+    """Return the distribution that `to_dict` has described.
 
     Raises:
         ParameterError: the kind or a field is unknown, or a value is out of range.
@@ -181,11 +181,11 @@ def _alpha(rng: np.random.Generator, shape: int | tuple[int, ...]) -> np.ndarray
 
 
 def _mixture(rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
-    """A diffuse term, a GGX and a Beckmann lobe, of weights that add up to one or less.
+    """A diffuse term, a GGX lobe and a Beckmann lobe, with weights that add up to at most one.
 
-    A quarter each are bare Beckmann conductors and plastics of either distribution (a lobe of low
-    R0 = U(0.02, 0.1) over a diffuse term); in the other half all three weights are Dirichlet(1/2)
-    times U(0, 1)^(1/3), so that one or two of them often dominate.
+    A quarter are Beckmann conductors alone. A quarter are plastics of either distribution (a lobe
+    of low R0 = U(0.02, 0.1) over a diffuse term). In the other half all three weights are
+    Dirichlet(1/2) times U(0, 1)^(1/3), so that one or two of them often dominate.
     """
     kind = rng.integers(4, size=n)
     weights = rng.dirichlet((0.5, 0.5, 0.5), n) * rng.uniform(0, 1, (n, 1)) ** (1 / 3)
@@ -209,10 +209,10 @@ def _mixture(rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
 def _measured_like(rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
     """Columns of "measured_like" bottoms: a quarter like paints, a quarter like metals.
 
-    Paints: both lobes with one R0 = U(0.02, 0.1) and weights that add up to 1; metals: a diffuse
-    term below 0.01. The other half has weights Dirichlet(1/2) times U(0, 1)^(1/3) and R0 =
-    U(0, 1). Exponents are log-uniform in [0.6, 8] (without 0.97 to 1.03), widths down to 0.004
-    for gamma = 2, masking alpha^U(0.4, 1).
+    Paints have the same R0 = U(0.02, 0.1) in both lobes, and weights of the lobes that add up to 1.
+    Metals have a diffuse term below 0.01. The other half has weights Dirichlet(1/2) times
+    U(0, 1)^(1/3) and R0 = U(0, 1). The exponents gamma are log-uniform in [0.6, 8] without 0.97 to
+    1.03. The least width is 0.004 for gamma = 2. The width of masking is alpha^U(0.4, 1).
     """
     kind = rng.integers(4, size=n)[:, None]
     weights = rng.dirichlet((0.5, 0.5, 0.5), n) * rng.uniform(0, 1, (n, 1)) ** (1 / 3)

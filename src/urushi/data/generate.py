@@ -1,4 +1,4 @@
-"""Generation of a data store; each shard is a pure function of specification and index."""
+"""Generation of a data store; each shard is a pure function of the specification and its index."""
 
 import os
 from collections.abc import Iterator
@@ -22,10 +22,10 @@ def make_shard(spec: DataSpec, part: int, shard: int) -> Shard:
 
     Args:
         spec: the whole specification.
-        part, shard: which shard of it.
+        part, shard: indices of the part and of its shard.
 
     Returns:
-        The arrays of `store`'s layout; they depend on the arguments alone.
+        The arrays of `store`'s layout; they depend only on the arguments.
     """
     described = spec.parts[part]
     rows = spec.rows(part, shard)
@@ -58,18 +58,18 @@ def make_shard(spec: DataSpec, part: int, shard: int) -> Shard:
 def generate(spec: DataSpec, path: str | os.PathLike, scheduler: str | None = None) -> Store:
     """Make the data of `spec` at `path`, or resume where an earlier run was stopped.
 
-    The result is the same to the byte, however often it was stopped and on whichever workers.
+    The bytes of the result do not depend on interruptions, nor on the workers that simulate it.
 
     Args:
         spec: the content.
-        path: the store; only this process writes to it.
+        path: the store's folder; only this process writes to it.
         scheduler: address of a Dask scheduler whose workers simulate the shards; by default this
-            process does, on all cores. Workers need the same software and the same kind of
-            processor, for the values to be the same to the last bit.
+            process simulates them on all cores. Values are equal to the last bit only if the
+            workers have the same software and the same kind of processor.
 
     Raises:
         FileError: `path` holds something else, or cannot be written.
-        PlatformError: there is no such scheduler, or its workers have other software.
+        PlatformError: there is no such scheduler, or its workers have different software.
     """
     store = Store.create(path, spec)
     missing = store.missing()

@@ -1,4 +1,4 @@
-"""The specification of a data store: its manifest, and a field of a preset."""
+"""The specification of a data store, which is in the store's manifest and in a preset."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -18,11 +18,11 @@ class Part:
 
     Attributes:
         name: the part's name in the store, unique there.
-        distribution: of the stacks' parameters.
+        distribution: the distribution of the stacks' parameters.
         stacks: number of stacks.
-        pairs: direction pairs of every stack, drawn for each stack anew.
-        directions: their direction set, see `geometry.direction_sets`.
-        walks: random walks of every pair; bottoms without a coat are analytic and need none.
+        pairs: number of direction pairs of a stack; every stack has its own.
+        directions: name of the pairs' direction set, see `geometry.direction_sets`.
+        walks: number of random walks of a pair; bottoms without a coat are analytic and need none.
     """
 
     name: str
@@ -47,9 +47,9 @@ class DataSpec:
     """The parts of a data store, its seed and how it is cut into shards.
 
     Attributes:
-        parts: in the order of generation.
-        seed: of parameters, directions and walks.
-        shard: stacks that are drawn, simulated and written together.
+        parts: the parts, in the order of generation.
+        seed: seed of parameters, directions and walks.
+        shard: number of stacks that are drawn, simulated and written together.
     """
 
     parts: tuple[Part, ...]
@@ -80,7 +80,7 @@ class DataSpec:
         return np.random.SeedSequence(self.seed, spawn_key=(part, shard))
 
     def walks(self, part: int, shard: int) -> int:
-        """Random walks that one shard takes."""
+        """Number of random walks of one shard."""
         rows, described = self.rows(part, shard), self.parts[part]
         if described.distribution.coats == 0:
             return 0
@@ -96,7 +96,7 @@ class DataSpec:
 
     @classmethod
     def from_dict(cls, description: Mapping[str, Any]) -> "DataSpec":
-        """Read `to_dict`'s description.
+        """Return the specification that `to_dict` has described.
 
         Raises:
             ParameterError: an entry is missing, unknown or out of range.

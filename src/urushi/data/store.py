@@ -1,15 +1,15 @@
 """The store of simulated BRDF values: a zarr v3 group that describes itself.
 
-Layout, for every part of the specification one group with arrays whose first axis is the stack:
+Layout: every part of the specification is one group of arrays, whose first axis is the stack:
 
     coats   (S, N, 5)  alpha, eta, albedo, sigma_t, g of the coats, top to bottom (none if N = 0)
     bottom  (S, K)     the bottom's parameters, named by the array's attribute `names`
     wi, wo  (S, P, 3)  unit direction pairs, float32
     f, se   (S, P)     BRDF value [1/sr] and its standard error
 
-One chunk is one shard. A shard is complete when its entry of `complete` is written, which happens
-last: a store whose writer was killed holds whole shards and can be resumed. The group's attribute
-`urushi_data` is the manifest.
+One chunk is one shard. The shard's entry of `complete` is written last. If the writer is killed,
+the store still holds whole shards and can be resumed. The group's attribute `urushi_data` is the
+manifest.
 """
 
 import contextlib
@@ -46,7 +46,7 @@ class Store:
 
     Attributes:
         path: the store's folder.
-        spec: its content, once it is complete.
+        spec: the content of the complete store.
     """
 
     path: Path
@@ -67,7 +67,7 @@ class Store:
                     f"'{folder}' holds data of another specification ({_difference(store, spec)}); "
                     "choose another path or delete that folder"
                 )
-            for stray in folder.rglob("*.partial"):  # of a writer that was killed
+            for stray in folder.rglob("*.partial"):  # left by a writer that was killed
                 stray.unlink()
             return store
         new_folder(folder)
@@ -88,14 +88,16 @@ class Store:
         """Open an existing store; it may be incomplete.
 
         Raises:
-            FileError: it is missing, no such store, or of a newer format.
+            FileError: it is missing, is not a data store, or has another format version.
         """
         folder = Path(path)
         if not folder.exists():
             raise FileError(
                 f"there is no data store '{folder}'; make it with `urushi data generate`"
             )
-        foreign = f"'{folder}' is no Urushi data store; give the folder of `urushi data generate`"
+        foreign = (
+            f"'{folder}' is not a data store of Urushi; give the folder of `urushi data generate`"
+        )
         try:
             manifest: Any = zarr.open_group(folder, mode="r").attrs[_MANIFEST]
             found, described = manifest["format_version"], manifest["spec"]
@@ -141,9 +143,9 @@ class Store:
         """Read some rows of a part's arrays, for data larger than memory.
 
         Args:
-            part: of this store.
-            rows: consecutive ones.
-            names: of the arrays to read, if the part has them; by default all.
+            part: a part of this store.
+            rows: consecutive rows.
+            names: the arrays to read, where the part has them; by default all.
 
         Raises:
             FileError: a shard of these rows is missing or damaged.
@@ -170,7 +172,7 @@ class Store:
     def read_shard(
         self, part: int, shard: int, names: Collection[str] | None = None
     ) -> dict[str, np.ndarray]:
-        """Read one shard; as `read_rows` of the shard's rows."""
+        """Read one shard: `read_rows` for the shard's rows."""
         return self.read_rows(self.spec.parts[part], self.spec.rows(part, shard), names)
 
     def hash(self) -> str:
@@ -241,10 +243,10 @@ def _difference(store: Store, spec: DataSpec) -> str:
             return f"its {name} is {getattr(found, name)}, not {getattr(wanted, name)}"
     names = [part.name for part in found.parts], [part.name for part in wanted.parts]
     if names[0] != names[1]:
-        return f"its parts are {', '.join(names[0])}, not {', '.join(names[1])}"
+        return f"its parts are {', '.join(names[0])} instead of {', '.join(names[1])}"
     pairs = zip(found.parts, wanted.parts, strict=True)
     part = next(ours.name for ours, theirs in pairs if ours != theirs)
-    return f"its part '{part}' is described otherwise"
+    return f"its part '{part}' has another specification"
 
 
 def versions() -> dict[str, str]:

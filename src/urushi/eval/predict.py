@@ -1,4 +1,4 @@
-"""Materials that networks make of held-out stacks, by the public operations."""
+"""Materials of held-out stacks, encoded and layered by the public operations."""
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from urushi.material.encode import STACK_WALKS, material_from_values, required_p
 from urushi.material.layer import layer_texels
 from urushi.nets.weights import Model
 
-#: Seed of walks for networks whose probe pairs are not the stored ones.
+#: Seed of the walks for networks whose probe pairs differ from the stored ones.
 _PROBE_SEED = 1
 
 
@@ -23,7 +23,7 @@ def materials(
     Args:
         model: the networks.
         samples: S stacks.
-        encoded: number of a stack's lowest coats encoded with the bottom, from simulated values.
+        encoded: number of lowest coats that are encoded with the bottom, from simulated values.
         refined: whether codes are refined before coats are layered over them.
 
     Returns:

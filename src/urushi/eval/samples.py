@@ -14,29 +14,29 @@ from urushi.geometry.quadrature import half_vector_rule
 from urushi.material.encode import STACK_WALKS
 from urushi.reference import StackTable, analytic, walk_pairs
 
-#: Drawn pairs of every stack: for E (cosine density) and for P (log half angle).
+#: Number of drawn pairs of a stack: for E (cosine density) and for P (log half angle).
 E_PAIRS, P_PAIRS = 100, 200
 
-#: The first entropy word of every held-out draw: no training data are seeded with four words.
+#: First entropy word of every held-out draw; no training data are seeded with four words.
 HELD_OUT_SEED = 4711
 
 #: Errors that determine the number of walks: the reference's own E, P of every pair, and the
-#: standard error of the directional albedo. Most are well below, as walks are rounded up.
+#: standard error of the directional albedo. Most errors are far smaller, as walks are rounded up.
 E_ERROR, P_ERROR, ALBEDO_ERROR = 0.003, 0.003, 0.0015
 
-#: Walks per pair: of the pilot run, at most, and at most for P. A few pairs of P in dark tails
-#: would take most of the time without changing its median.
+#: Walks per pair: number in the pilot run, maximum, and maximum for P. Without the last limit a few
+#: pairs in dark tails would take most of the time without changing the median of P.
 PILOT_WALKS, MAX_WALKS, MAX_P_WALKS = 2048, 1 << 22, 1 << 16
 
-#: Noise, as P, of the simulated values that the encoder reads; about that of `urushi.encode`.
+#: Noise, as P, of the simulated values that the encoder reads; about equal to `urushi.encode`'s.
 PROBE_ERROR = 0.005
 
-#: Directional albedo: cosines of the incident directions, number of stacks per group that are
-#: measured, and walks of the pilot run per node of the quadrature (1536 nodes).
+#: Directional albedo: cosines of the incident directions, number of stacks of a group, and number
+#: of walks of the pilot run for each of the 1536 nodes of the quadrature.
 ALBEDO_COSINES, ALBEDO_STACKS, ALBEDO_PILOT = (0.95, 0.6, 0.25), 8, 64
 
 
-#: Number of walks from f and the standard deviation of one walk; all (S, M).
+#: Function from f and the standard deviation of one walk to the number of walks; all (S, M).
 Allotment = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
@@ -46,10 +46,10 @@ class Samples:
 
     Attributes:
         table: the S stacks.
-        wi, wo: (S, M, 3) float32, pairs for E first, then those for P.
-        f, se: (S, M) float32 [1/sr], mean and standard error; without coats exact, se = 0.
+        wi, wo: (S, M, 3) float32, the pairs for E first, then the pairs for P.
+        f, se: (S, M) float32 [1/sr], mean and standard error; exact without coats (se = 0).
         probed: by number of coats, values (S, `PROBES`) [1/sr] of the lower parts of the stacks;
-            networks with other probe pairs have them simulated on demand.
+            for networks with other probe pairs the values are simulated when they are needed.
         albedo, albedo_se: (up to `ALBEDO_STACKS`, `ALBEDO_COSINES`) float32, directional albedo of
             the first stacks; None without coats.
     """
@@ -70,7 +70,7 @@ def draw_stacks(group: Group, seed: int = 0) -> StackTable:
 
 
 def draw_pairs(group: Group, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
-    """Draw every stack's own pairs, those of E and those of P; two arrays (S, M, 3) float32."""
+    """Draw every stack's pairs, first for E and then for P; two arrays (S, M, 3) float32."""
     rng = _generator(group, seed, 1)
     for_e = direction_sets.cosine_pairs(rng, group.stacks * E_PAIRS)
     for_p = direction_sets.half_angle_pairs(rng, group.stacks * P_PAIRS)
@@ -82,7 +82,7 @@ def draw_pairs(group: Group, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _generator(group: Group, seed: int, purpose: int) -> np.random.Generator:
-    """Independent for stacks, pairs and walks, for every group and seed."""
+    """An independent generator for each group, seed and purpose (stacks, pairs or walks)."""
     name = zlib.crc32(group.name.encode())
     return np.random.default_rng((HELD_OUT_SEED, seed, name, purpose))
 
@@ -119,7 +119,7 @@ def simulate(group: Group, seed: int = 0) -> Samples:
 
 
 def evaluate_bottoms(table: StackTable, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-    """The bottoms' own values (S, M) [1/sr], in air, at every stack's pairs (S, M, 3): exact."""
+    """Exact values (S, M) [1/sr] of the bottoms in air, at every stack's pairs (S, M, 3)."""
     row = np.repeat(np.arange(len(table), dtype=np.uint32), wi.shape[1])
     f = analytic.rows(table.kind, table.bottom, row, wi.reshape(-1, 3), wo.reshape(-1, 3))
     return f.reshape(wi.shape[:2])
@@ -128,29 +128,29 @@ def evaluate_bottoms(table: StackTable, wi: np.ndarray, wo: np.ndarray) -> np.nd
 def lowest(table: StackTable, coats: int) -> StackTable:
     """The lower parts of stacks: their last `coats` coats over the bottom."""
     names = ("alpha", "eta", "albedo", "sigma_t", "g")
-    kept = {name: getattr(table, name)[:, table.coats - coats :] for name in names}
-    return StackTable(**kept, kind=table.kind, bottom=table.bottom)
+    columns = {name: getattr(table, name)[:, table.coats - coats :] for name in names}
+    return StackTable(**columns, kind=table.kind, bottom=table.bottom)
 
 
 def first(table: StackTable, stacks: int) -> StackTable:
     """The first stacks of a table."""
     names = ("alpha", "eta", "albedo", "sigma_t", "g")
-    kept = {name: getattr(table, name)[:stacks] for name in names}
+    columns = {name: getattr(table, name)[:stacks] for name in names}
     bottom = {name: values[:stacks] for name, values in table.bottom.items()}
-    return StackTable(**kept, kind=table.kind, bottom=bottom)
+    return StackTable(**columns, kind=table.kind, bottom=bottom)
 
 
 def walk_all(
     table: StackTable, wi: np.ndarray, wo: np.ndarray, walks: int, seed: int
 ) -> tuple[np.ndarray, np.ndarray]:
     """Mean and standard error (S, M) of every stack at its pairs (S, M, 3)."""
-    return _walk_some(table, np.ones(wi.shape[:2], bool), wi, wo, walks, seed)
+    return _walk_chosen(table, np.ones(wi.shape[:2], bool), wi, wo, walks, seed)
 
 
-def _walk_some(
+def _walk_chosen(
     table: StackTable, chosen: np.ndarray, wi: np.ndarray, wo: np.ndarray, walks: int, seed: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """As `walk_all`, zero where `chosen` (S, M) is not set."""
+    """`walk_all` at the pairs where `chosen` (S, M) is set; zero at the others."""
     f, se = np.zeros(chosen.shape, np.float32), np.zeros(chosen.shape, np.float32)
     row = np.nonzero(chosen)[0].astype(np.uint32)
     f[chosen], se[chosen] = walk_pairs(
@@ -169,7 +169,7 @@ def _adaptive(
     name: str,
     pilot: int = PILOT_WALKS,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Pilot run, then as many walks as `allot` returns; mean and standard error (S, M)."""
+    """Mean and standard error (S, M) of the walks that `allot` requires after a pilot run."""
     first, second = (int(word) for word in rng.integers(1 << 31, size=2))
     f, se = walk_all(table, wi, wo, pilot, first)
     walks_by_pair = allot(f, _pooled(f, se) * np.sqrt(pilot))
@@ -179,18 +179,18 @@ def _adaptive(
     with tqdm(total=total, desc=name, unit="walk", unit_scale=True, disable=None) as progress:
         for power in np.unique(exponent):
             chosen = exponent == power
-            # Another seed per power: random streams are numbered within one call.
-            part = _walk_some(table, chosen, wi, wo, 1 << int(power), second + int(power))
+            # Every power has its own seed, because random streams are numbered within one call.
+            part = _walk_chosen(table, chosen, wi, wo, 1 << int(power), second + int(power))
             f, se = f + part[0], se + part[1]
             progress.update(int(chosen.sum()) << int(power))
     return f, se
 
 
 def _pooled(f: np.ndarray, se: np.ndarray) -> np.ndarray:
-    """Standard errors (S, M) raised by half of the stack's typical relative one.
+    """Standard errors (S, M) raised by half of the stack's typical relative error.
 
-    A pair whose rare bright walks are missing in the pilot run looks less noisy than it is; other
-    pairs of the same stack show the noise.
+    The error of a pair is too small if its rare bright walks are missing in the pilot run; the
+    other pairs of the same stack show the noise.
     """
     relative = se / (f + error_metrics.DARK_OFFSET)
     typical = np.sqrt((relative**2).mean(axis=1, keepdims=True))
@@ -200,7 +200,7 @@ def _pooled(f: np.ndarray, se: np.ndarray) -> np.ndarray:
 def _walks_for_errors(
     f: np.ndarray, sd: np.ndarray, cos_i: np.ndarray, cos_o: np.ndarray
 ) -> np.ndarray:
-    """Walks (S, M) with which E of a stack's noise is `E_ERROR` and P of a pair's `P_ERROR`.
+    """Walks (S, M) for which E of a stack's noise is `E_ERROR`, and P of a pair's noise `P_ERROR`.
 
     For E this minimises the total number of walks n at a fixed sum of w sd / sqrt(n), so that
     n ~ (w sd)^(2/3).
@@ -215,7 +215,7 @@ def _walks_for_errors(
 
 
 def _walks_for_probes(f: np.ndarray, sd: np.ndarray) -> np.ndarray:
-    """Walks (S, M) with which P of a pair's noise is `PROBE_ERROR`, at most those of `encode`."""
+    """Walks (S, M) for which P of a pair's noise is `PROBE_ERROR`; at most those of `encode`."""
     return np.minimum((sd / (f + error_metrics.DARK_OFFSET) / PROBE_ERROR) ** 2, STACK_WALKS)
 
 
@@ -228,7 +228,7 @@ def albedo_directions() -> np.ndarray:
 def _albedo(
     table: StackTable, rng: np.random.Generator, name: str
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Directional albedo and its standard error (S, A), by the rule that `Material.albedo` uses."""
+    """Directional albedo and its standard error (S, A), by the quadrature of `Material.albedo`."""
     wi = albedo_directions()
     wo, weights = half_vector_rule(wi)
     count, nodes = weights.shape

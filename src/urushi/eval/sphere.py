@@ -20,11 +20,11 @@ import numpy as np
 
 from urushi.eval.environment import AZIMUTHS, ELEVATIONS, Environment, periodic_bilinear
 
-#: Circles of pixels: half the pictures' width and height.
+#: Number of rings of pixels: half the pictures' width and height.
 RINGS = 64
 
-#: Half vectors around the mirror direction: their number along both angles, and between which half
-#: angles the two kinds of nodes are blended [rad].
+#: Number of half vectors around the mirror direction along both angles, and the range of half
+#: angles where the two kinds of nodes are blended [rad].
 HALF_ANGLES, HALF_AZIMUTHS = 40, 96
 BLEND = np.radians(4.0), np.radians(10.0)
 
@@ -40,12 +40,12 @@ Brdf = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 @dataclass(frozen=True)
 class Nodes:
-    """The directions at which a BRDF is integrated, of all rings together.
+    """The direction pairs at which a BRDF is integrated, for all rings.
 
     Attributes:
         wi, wo: float32 (N, 3), both above the horizon, in the frame of the surface.
-        cell: (N, 4) flat indices into (RINGS, ELEVATIONS, AZIMUTHS) that a node contributes to.
-        weight: (N, 4) of these contributions: solid angle times cosine of wo times share.
+        cell: (N, 4) flat indices into (RINGS, ELEVATIONS, AZIMUTHS): cells to which a node adds.
+        weight: (N, 4) solid angle times cosine of wo times share, for each of these cells.
     """
 
     wi: np.ndarray
@@ -56,18 +56,19 @@ class Nodes:
 
 def render(f: Brdf, environments: Iterable[Environment]) -> list[np.ndarray]:
     """Pictures (2 RINGS, 2 RINGS, 3) of linear radiance, one per environment; black background."""
-    moved = transport(f)
-    return [picture(moved, environment) for environment in environments]
+    transported = transport(f)
+    return [picture(transported, environment) for environment in environments]
 
 
 def transport(f: Brdf) -> np.ndarray:
-    """Light that every ring receives from every elevation.
-
-    Returns complex64 (RINGS, ELEVATIONS, AZIMUTHS // 2 + 1, 3). The last axis but one holds Fourier
-    coefficients over differences of azimuth.
+    """The light that every ring receives from every elevation.
 
     Args:
-        f: an isotropic BRDF of one or three channels, given float32 unit vectors (N, 3).
+        f: an isotropic BRDF of one or three channels; its arguments are float32 unit vectors.
+
+    Returns:
+        complex64 (RINGS, ELEVATIONS, AZIMUTHS // 2 + 1, 3); the third axis holds Fourier
+        coefficients over differences of azimuth.
     """
     rule = nodes()
     # In parts, so that f needs little memory.
@@ -78,8 +79,8 @@ def transport(f: Brdf) -> np.ndarray:
     channels = []
     for value in np.broadcast_to(values, (len(values), 3)).T.astype(np.float64):
         shared = (value[:, None] * rule.weight).ravel()
-        moved = np.bincount(rule.cell.ravel(), shared, minlength=size).reshape(shape)
-        channels.append(np.fft.rfft(moved, axis=2).astype(np.complex64))
+        received = np.bincount(rule.cell.ravel(), shared, minlength=size).reshape(shape)
+        channels.append(np.fft.rfft(received, axis=2).astype(np.complex64))
     return np.stack(channels, axis=-1)
 
 
@@ -108,14 +109,14 @@ def _white() -> np.ndarray:
 
 @cache
 def nodes() -> Nodes:
-    """The nodes of all rings, some 800,000."""
+    """The nodes of all rings, about 800,000."""
     parts = [part for ring in range(RINGS) for part in (_cells(ring), _half_vectors(ring))]
     wi, wo, cell, weight = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
     return Nodes(wi.astype(np.float32), wo.astype(np.float32), cell, weight)
 
 
 def _cells(ring: int) -> tuple[np.ndarray, ...]:
-    """Nodes in the cells' middles; their weight vanishes where half vectors are used."""
+    """Nodes in the cells' middles; their weight is zero where only half vectors are used."""
     edges = np.cos(np.pi * np.arange(ELEVATIONS + 1) / ELEVATIONS)
     theta = np.pi * (np.arange(ELEVATIONS) + 0.5) / ELEVATIONS
     azimuth = 2 * np.pi * np.arange(AZIMUTHS) / AZIMUTHS
@@ -126,17 +127,21 @@ def _cells(ring: int) -> tuple[np.ndarray, ...]:
     wo = world @ to_local.T
     solid_angle = np.repeat(edges[:-1] - edges[1:], AZIMUTHS) * (2 * np.pi / AZIMUTHS)
     half = wi + wo
-    weight = solid_angle * wo[:, 2] * (1 - _near(np.arctan2(np.hypot(*half.T[:2]), half[:, 2])))
+    weight = (
+        solid_angle
+        * wo[:, 2]
+        * (1 - _half_vector_weight(np.arctan2(np.hypot(*half.T[:2]), half[:, 2])))
+    )
     kept = np.flatnonzero((wo[:, 2] > 0) & (weight > 0))
-    own = kept + ring * ELEVATIONS * AZIMUTHS
-    # Each belongs to one cell: the other three shares are zero.
-    cell = np.repeat(own[:, None], 4, axis=1)
+    ring_cell = kept + ring * ELEVATIONS * AZIMUTHS
+    # Each node belongs to one cell: the other three shares are zero.
+    cell = np.repeat(ring_cell[:, None], 4, axis=1)
     shares = weight[kept, None] * np.array([1.0, 0.0, 0.0, 0.0])
     return np.broadcast_to(wi, (len(kept), 3)), wo[kept], cell, shares
 
 
 def _half_vectors(ring: int) -> tuple[np.ndarray, ...]:
-    """Nodes about the mirror direction; their angles to the normal grow as squares."""
+    """Nodes around the mirror direction; the half angle grows with the square of the index."""
     edge = BLEND[1] * (np.arange(HALF_ANGLES + 1) / HALF_ANGLES) ** 2
     theta = BLEND[1] * ((np.arange(HALF_ANGLES) + 0.5) / HALF_ANGLES) ** 2
     azimuth = 2 * np.pi * (np.arange(HALF_AZIMUTHS) + 0.5) / HALF_AZIMUTHS
@@ -148,7 +153,9 @@ def _half_vectors(ring: int) -> tuple[np.ndarray, ...]:
     wi, to_local = _view(ring)
     cosine = half @ wi
     wo = 2 * cosine[:, None] * half - wi
-    weight = 4 * cosine * area * wo[:, 2] * _near(theta)  # dwo = 4 (wi.h) dh (Walter et al. 2007)
+    weight = (
+        4 * cosine * area * wo[:, 2] * _half_vector_weight(theta)
+    )  # dwo = 4 (wi.h) dh (Walter et al. 2007)
     kept = (cosine > 0) & (wo[:, 2] > 0) & (weight > 0)
     wo, weight = wo[kept], weight[kept]
     cell, share = _around(wo @ to_local)
@@ -156,8 +163,8 @@ def _half_vectors(ring: int) -> tuple[np.ndarray, ...]:
     return wi, wo, cell + ring * ELEVATIONS * AZIMUTHS, weight[:, None] * share
 
 
-def _near(half_angle: np.ndarray) -> np.ndarray:
-    """Weight of the half vectors at a half angle: 1 at 0, falling smoothly to 0."""
+def _half_vector_weight(half_angle: np.ndarray) -> np.ndarray:
+    """Weight of the half vectors at a half angle; it falls smoothly from 1 to 0 over `BLEND`."""
     t = np.clip((BLEND[1] - half_angle) / (BLEND[1] - BLEND[0]), 0, 1)
     return t * t * (3 - 2 * t)
 
@@ -186,14 +193,14 @@ def _view(ring: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _pixels() -> tuple[np.ndarray, np.ndarray]:
-    """x to the right and y up of all pixels from the middle, in pixels."""
+    """Coordinates of all pixels from the middle, in pixels: x to the right and y up."""
     along = np.arange(2 * RINGS) + 0.5 - RINGS
     x, y = np.meshgrid(along, -along)
     return x, y
 
 
 def _cartesian(polar: np.ndarray) -> np.ndarray:
-    """A picture (2 RINGS, 2 RINGS, 3) of values by ring and azimuth (RINGS, AZIMUTHS, 3)."""
+    """A picture (2 RINGS, 2 RINGS, 3) from values by ring and azimuth (RINGS, AZIMUTHS, 3)."""
     x, y = _pixels()
     radius = np.clip(np.hypot(x, y) - 0.5, 0, RINGS - 1)
     turn = np.arctan2(y, x) / (2 * np.pi) * AZIMUTHS

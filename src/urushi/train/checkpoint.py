@@ -38,9 +38,9 @@ class Checkpoint:
 
 
 def save(path: str | os.PathLike, point: Checkpoint, identity: Mapping[str, Any]) -> None:
-    """Write a checkpoint; readers see the old file or the new one.
+    """Write a checkpoint, so that readers find either the old file or the new one.
 
-    `identity` (JSON values: preset and data) must be the same on `load`.
+    identity: JSON values that describe preset and data; `load` requires the same.
     """
     description = {
         "version": FORMAT_VERSION,
@@ -62,7 +62,7 @@ def load(path: Path, like: Mapping[str, Checkpoint], identity: Mapping[str, Any]
         identity: the preset and data that the checkpoint must belong to.
 
     Raises:
-        FileError: missing, truncated, foreign, or of another training.
+        FileError: the file is missing, truncated, foreign, or of another training.
     """
     description, arrays = files.read_tensors(path, "checkpoint")
     if description.get("version") != FORMAT_VERSION or description.get("identity") != identity:
@@ -72,9 +72,9 @@ def load(path: Path, like: Mapping[str, Checkpoint], identity: Mapping[str, Any]
         )
     beginning = like[description["stage"]]
     expected = _named_leaves(beginning)
-    sizes = {name: leaf.size for name, leaf in expected}  # a file has no arrays without axes
+    sizes = {name: leaf.size for name, leaf in expected}  # in a file, scalars are arrays of one
     if {name: array.size for name, array in arrays.items()} != sizes:
-        raise FileError(f"'{path}' has other arrays than its preset asks for; delete it")
+        raise FileError(f"'{path}' has other arrays than its preset needs; delete it")
     structure = jax.tree.structure((beginning.state, beginning.networks))
     leaves = [jnp.asarray(arrays[name].reshape(leaf.shape)) for name, leaf in expected]
     state, networks = jax.tree.unflatten(structure, leaves)
@@ -89,11 +89,11 @@ def _named_leaves(point: Checkpoint) -> list[tuple[str, Any]]:
 
 
 class Journal:
-    """Keeps one training's checkpoint and log.
+    """The checkpoint and the log of one training.
 
     Args:
         folder: the run folder.
-        identity: JSON values of preset and data; a checkpoint of another identity is refused.
+        identity: JSON values of preset and data; a checkpoint of another identity is an error.
         stages: the stages' names, in order.
     """
 
@@ -108,18 +108,20 @@ class Journal:
         return self._checkpoint.exists()
 
     def clear(self) -> None:
-        """Forget an earlier training's log."""
+        """Delete the log of an earlier training."""
         self._log.unlink(missing_ok=True)
 
     def restore(self, beginnings: Mapping[str, Checkpoint]) -> Checkpoint | None:
-        """The last checkpoint, or None; log lines of steps that it has not done are removed."""
+        """The last checkpoint, or None; later lines of the log are removed."""
         if not self.begun():
             return None
         point = load(self._checkpoint, beginnings, self._identity)
         if self._log.exists():
             lines = self._log.read_text().splitlines(keepends=True)
             with atomic_write(self._log) as path:
-                path.write_text("".join(x for x in lines if self._place(x) <= self._of(point)))
+                path.write_text(
+                    "".join(x for x in lines if self._place(x) <= self._progress(point))
+                )
         return point
 
     def save(self, point: Checkpoint) -> None:
@@ -133,7 +135,7 @@ class Journal:
         with self._log.open("a") as file:
             file.write(json.dumps(entry | rounded) + "\n")
 
-    def _of(self, point: Checkpoint) -> tuple[int, int]:
+    def _progress(self, point: Checkpoint) -> tuple[int, int]:
         return self._stages.index(point.stage), point.step
 
     def _place(self, line: str) -> tuple[int, int]:

@@ -1,4 +1,4 @@
-"""The data that the presets are trained on, each as a specification of a store."""
+"""The training data of the presets, as specifications of data stores."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -23,11 +23,11 @@ def validation(stacks: int = 64, walks: int = 8192) -> tuple[Part, ...]:
 def whole_domain(measured_like: bool = True) -> DataSpec:
     """Every kind of bottom under up to five coats: 11.0 G walks, about 22 minutes on two cores.
 
-    Four fifths of the walks go to one coat, the hardest to get right to a fraction of a percent;
-    deeper stacks teach the layering network its own outputs. 19,000 layered BRDFs also have their
-    own values at the encoder's probe pairs. Bare bottoms are analytic and cost nothing.
+    Four fifths of the walks are spent on one coat, where the error must be a fraction of a percent.
+    Deeper stacks train the layering network on its own outputs. 19,000 layered BRDFs also have
+    values at the encoder's probe pairs. Bare bottoms are analytic and need no walks.
 
-    measured_like: whether some bottoms are like measured BRDFs; without them 9.5 G walks remain.
+    measured_like: whether some bottoms are like measured BRDFs; without them it is 9.5 G walks.
     """
     deep = _counts(8, 4, 4, 2, 4, 6)
     layered = (_counts(128, 60, 44, 36, 60, 96), _counts(48, 16, 12, 8, 16, 24), deep, deep, deep)
@@ -46,11 +46,12 @@ def whole_domain(measured_like: bool = True) -> DataSpec:
 
 
 def enlarged_domain() -> DataSpec:
-    """The whole domain and 9.7 G walks more of one coat: 20.9 G, about 28 minutes on two cores.
+    """The whole domain and 9.7 G more walks of one coat: 20.9 G, about 28 minutes on two cores.
 
-    The layerer's error after its own stages is mostly the noise of these walks. Lambertians are
-    added, above all at grazing angles: an excess of a few percent there makes the limit of energy
-    darken white ones at all angles. Clear coats are added because the worst stacks had them.
+    After the layerer's own stages its error is mostly the noise of these walks. Lambertians are
+    added, mostly at grazing angles: an excess of a few percent there makes the limit of energy
+    darken white Lambertians at all angles. Clear coats are added because the stacks with the
+    largest errors had them.
     """
     counts = {**_counts(80, 38, 27, 22, 38, 60), "measured_like": 40 * 1024}
     spec = whole_domain()
@@ -76,7 +77,7 @@ def _measured_like() -> list[Part]:
 
 
 def _counts(*thousands: int) -> Counts:
-    """From thousands (of 1,024) in the order of `_NAMES`, those that are zero left out."""
+    """Counts from multiples of 1,024 in the order of `_NAMES`; zeros are left out."""
     named = zip(_NAMES, thousands, strict=True)
     return {name: 1024 * count for name, count in named if count}
 

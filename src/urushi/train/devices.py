@@ -17,8 +17,8 @@ class Devices:
     """The devices that share a stage's work.
 
     Attributes:
-        mesh: of one axis; None for JAX's default device alone.
-        stacks: stacks of a step, a multiple of their number.
+        mesh: a mesh of one axis; None for JAX's default device alone.
+        stacks: number of stacks of a step, a multiple of the number of devices.
     """
 
     mesh: Mesh | None
@@ -34,12 +34,12 @@ class Devices:
         return None if self.mesh is None else NamedSharding(self.mesh, PartitionSpec())
 
     def place(self, state: Any, batches: Any) -> tuple[Any, Any]:
-        """Put a state on every device, and each one's share of the batches on it.
+        """Copy a state to every device, and split the batches between the devices.
 
         Args:
             state: a tree of arrays.
-            batches: a tree of arrays (steps, B, ...). Arrays of all stacks are split along B; those
-                of some stacks, the coats, are small and copied to every device.
+            batches: a tree of arrays (steps, B, ...). Arrays of all stacks are split along B. The
+                coats, which only some stacks have, are small and copied to every device.
         """
         if self.mesh is None:
             return state, batches
@@ -54,10 +54,10 @@ class Devices:
 
 
 def find(stacks: int) -> Devices:
-    """All devices of this process, or as many of them as divide the stacks of a step.
+    """All devices of this process, or the largest number of them that divides a step's stacks.
 
     Raises:
-        ParameterError: there are several, but no two can share the stacks evenly.
+        ParameterError: there are several devices, but no two can share the stacks evenly.
     """
     devices = jax.local_devices()
     count = max(n for n in range(1, len(devices) + 1) if stacks % n == 0)

@@ -1,7 +1,7 @@
 """Training examples from a data store of any size, read window by window into bounded memory.
 
-The examples of a step depend on seed and step alone, so that a training resumes to the same bits;
-see `order`.
+The examples of a step depend only on seed and step (see `order`), so that a training that was
+interrupted continues to the same bits.
 """
 
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -25,12 +25,12 @@ ARRAYS = ("coats", "bottom", "wi", "wo", "f")
 
 
 class Batch(NamedTuple):
-    """Stacks of all depths, deepest first, so that coat after coat is applied to fewer of them.
+    """Stacks of all depths, deepest first, so that each coat belongs to the first stacks.
 
     Attributes:
         probes: (B, probes) the bottoms' values [1/sr] at the probe pairs.
-        coats: for the lowest coat, the next one up, and so on: `checks.CoatParameters`
-            of the first B_k stacks, which are those that have this coat, (B_k, 5).
+        coats: (B_k, 5) `checks.CoatParameters` of each coat, the lowest first, for the B_k stacks
+            that have this coat, which are the first ones of the batch.
         features: (B, P, 8) of the direction pairs.
         f: (B, P) simulated values [1/sr].
     """
@@ -66,10 +66,10 @@ class Depth:
     Args:
         store: a complete store.
         parts: the indices of its parts that have this depth.
-        arch: fixes the number of probes.
-        pairs: direction pairs of an item.
-        capacity: items of a window.
-        reader: reads the next window while one is in use.
+        arch: determines the number of probes.
+        pairs: number of direction pairs of an item.
+        capacity: maximum number of items of a window.
+        reader: executor that reads the next window while one is in use.
     """
 
     def __init__(
@@ -93,7 +93,7 @@ class Depth:
         self._held: dict[Window, Future[Examples]] = {}
 
     def window(self, wanted: Window, following: Window) -> Examples:
-        """The examples of some shards; those of `following` are read in the background.
+        """The examples of the shards `wanted`; those of `following` are read in the background.
 
         All other windows are released first, so that at most two are in memory.
         """
@@ -114,8 +114,8 @@ class Depth:
 
     def _items(self, part: int, shard: int) -> int:
         rows = self._store.spec.rows(part, shard)
-        seen = trained_pairs(self._store.spec.parts[part])
-        return (rows.stop - rows.start) * ((seen.stop - seen.start) // self._pairs)
+        used = trained_pairs(self._store.spec.parts[part])
+        return (rows.stop - rows.start) * ((used.stop - used.start) // self._pairs)
 
     def _read(self, window: Window) -> Examples:
         """Read shard after shard into arrays that have room for all."""
@@ -127,17 +127,17 @@ class Depth:
             part = self._store.spec.parts[index]
             arrays = self._store.read_shard(index, shard, ARRAYS)
             place = slice(first, first + self._items(index, shard))
-            seen, values = trained_pairs(part), arrays["f"]
-            inputs = direction_features(arrays["wi"][:, seen], arrays["wo"][:, seen])
+            used, values = trained_pairs(part), arrays["f"]
+            inputs = direction_features(arrays["wi"][:, used], arrays["wo"][:, used])
             features[place] = inputs.reshape(-1, self._pairs, DIRECTION_FEATURES)
-            f[place] = values[:, seen].reshape(-1, self._pairs)
+            f[place] = values[:, used].reshape(-1, self._pairs)
             if part.directions == "probed":
                 probes.append(values[:, :PROBES])
             else:
                 probes.append(bottom_values(part, arrays["bottom"], self._arch))
             coats.append(coats_to_layer(part, arrays))
             numbers = np.arange(stacks, stacks + len(values), dtype=np.int32)
-            stack.append(np.repeat(numbers, (seen.stop - seen.start) // self._pairs))
+            stack.append(np.repeat(numbers, (used.stop - used.start) // self._pairs))
             first, stacks = place.stop, stacks + len(numbers)
         return Examples(
             probes=np.concatenate(probes),
@@ -153,22 +153,23 @@ def load(store: Store, arch: Architecture, pairs: int, memory: int) -> list[Dept
 
     Args:
         store: the data.
-        arch: fixes the number of probes.
-        pairs: direction pairs that a step sees of one stack; every part has a multiple of it.
-        memory: direction pairs to have in memory at most, all depths together, one shard's more
-            while it is read; each depth's share is at least two shards.
+        arch: determines the number of probes.
+        pairs: direction pairs of one stack in a step; the number of pairs of every part must be a
+            multiple of it.
+        memory: maximum number of direction pairs in memory, all depths together. One shard more is
+            in memory while it is read. Each depth has room for at least two shards.
 
     Returns:
-        The examples by number of coats, from none up.
+        The examples by number of coats, from 0 up.
     """
     by_depth: dict[int, list[int]] = {}
     for index, part in enumerate(store.spec.parts):
         if part.directions in TRAINING:
             by_depth.setdefault(depth(part), []).append(index)
-            seen = trained_pairs(part)
-            if (seen.stop - seen.start) % pairs:
+            used = trained_pairs(part)
+            if (used.stop - used.start) % pairs:
                 raise ParameterError(
-                    f"part '{part.name}' has {seen.stop - seen.start} pairs to train on for each "
+                    f"part '{part.name}' has {used.stop - used.start} pairs to train on for each "
                     f"stack; that must be a multiple of the {pairs} that a step sees"
                 )
             if part.directions == "probed" and arch.probes != PROBES:
@@ -205,9 +206,9 @@ class Batches:
     """Batches by step: every depth's items in shuffled epochs.
 
     Args:
-        depths: the examples, by number of coats.
-        stacks: stacks of each depth in a step.
-        seed: of the shuffling.
+        depths: the examples by number of coats.
+        stacks: number of stacks of each depth in a step.
+        seed: seed of the shuffling.
     """
 
     def __init__(self, depths: list[Depth], stacks: tuple[int, ...], seed: int) -> None:
@@ -249,7 +250,7 @@ class Batches:
             pieces.append(
                 (held.probes[rows], held.coats[rows], held.features[run.items], held.f[run.items])
             )
-            del held  # lest it outlive its window
+            del held  # otherwise the window's arrays would stay in memory
         return [
             np.concatenate(arrays) if len(arrays) > 1 else arrays[0]
             for arrays in zip(*pieces, strict=True)
@@ -259,14 +260,14 @@ class Batches:
 #: The direction sets of parts to train on.
 TRAINING = ("training", "grazing", "probed")
 
-#: Those to validate on, and the metric that is taken there.
+#: The direction sets of parts to validate on, and the metric that is computed there.
 METRICS = {"cosine": "E mean", "half_angle": "P median"}
 
 
 def depth(part: Part) -> int:
     """Number of coats that are layered onto the encoded codes of a training part.
 
-    It is 0 for stacks with values of their own at the probe pairs: these are encoded directly.
+    It is 0 for stacks with stored values at the probe pairs, because these are encoded directly.
     """
     return 0 if part.directions == "probed" else part.distribution.coats
 
@@ -277,7 +278,7 @@ def trained_pairs(part: Part) -> slice:
 
 
 def bottom_values(part: Part, bottom: np.ndarray, arch: Architecture) -> np.ndarray:
-    """Values (S, probes) [1/sr] of a part's bottoms (S, K), in air, at the probe pairs: exact."""
+    """Exact values (S, probes) [1/sr] of a part's bottoms (S, K) in air, at the probe pairs."""
     names = analytic.BOTTOM_KINDS[part.distribution.bottom][1]
     wi, wo = probe_pairs(arch.probes)
     count = len(bottom)

@@ -20,8 +20,8 @@ class Run:
 
     Attributes:
         window: the shards to have in memory.
-        following: the window that comes after it, to be read meanwhile.
-        items: (n,) places in those shards' items, laid end to end.
+        following: the next window, which can be read in the background.
+        items: (n,) indices into the concatenated items of the window's shards.
     """
 
     window: Window
@@ -33,9 +33,9 @@ class Order:
     """The endless sequence of one depth's items, epoch after epoch.
 
     Args:
-        sizes: the items of every shard, for every part.
-        capacity: items that a window may hold; a shard that is larger is a window by itself.
-        seed: of all shuffling.
+        sizes: number of items of every shard, for every part.
+        capacity: maximum number of items of a window; a larger shard is a window by itself.
+        seed: seed of all shuffling.
         key: distinguishes sequences of the same seed.
     """
 
@@ -51,7 +51,7 @@ class Order:
 
     @property
     def size(self) -> int:
-        """Items of an epoch."""
+        """Number of items of an epoch."""
         return int(self._sizes.sum())
 
     def windows(self, epoch: int) -> list[Window]:
@@ -59,7 +59,7 @@ class Order:
         return self._epoch(epoch)[0]
 
     def runs(self, start: int, count: int) -> list[Run]:
-        """The runs that make up the items `start` to `start + count` of the sequence."""
+        """The runs that contain the items `start` to `start + count` of the sequence."""
         found = []
         while count:
             epoch, first = divmod(start, self.size)
@@ -79,8 +79,8 @@ class Order:
         if epoch not in self._epochs:
             windows = self._cut(self._generator(epoch))
             lengths = [int(self._sizes[list(window)].sum()) for window in windows]
-            near = {k: v for k, v in self._epochs.items() if abs(k - epoch) == 1}
-            self._epochs = {**near, epoch: (windows, np.cumsum(lengths))}
+            adjacent = {k: v for k, v in self._epochs.items() if abs(k - epoch) == 1}
+            self._epochs = {**adjacent, epoch: (windows, np.cumsum(lengths))}
         return self._epochs[epoch]
 
     def _cut(self, rng: np.random.Generator) -> list[Window]:

@@ -6,7 +6,7 @@ import jax
 import jax.numpy as jnp
 import optax
 
-#: Decay of the mean gradient, and that of squares and of the preconditioner.
+#: Decay of the mean gradient, and decay of squares and preconditioner.
 MEAN, SQUARES = 0.95, 0.99
 
 #: Steps between two updates of the eigenbases: a decomposition costs more than a step.
@@ -34,14 +34,14 @@ class Matrix(NamedTuple):
 
 
 class SoapState(NamedTuple):
-    """The number of steps, and each matrix's moments, a tree like the parameters."""
+    """The number of steps, and the moments of all matrices as a tree like the parameters."""
 
     step: jax.Array
     matrices: Any
 
 
 def soap(rate: optax.Schedule) -> optax.GradientTransformation:
-    """The rule for trees of matrices; `rate`: the learning rate by step."""
+    """The update rule for trees of matrices; `rate` is the learning rate by step."""
 
     def init(params: Any) -> SoapState:
         return SoapState(jnp.zeros((), jnp.int32), jax.tree.map(_beginning, params))
@@ -63,7 +63,7 @@ def _beginning(x: jax.Array) -> Matrix:
 
 
 def _moved(gradient: jax.Array, kept: Matrix, step: jax.Array) -> tuple[jax.Array, Matrix]:
-    """The direction of a step, not yet scaled, and the moments with this gradient in them."""
+    """The direction of a step, before the learning rate, and the updated moments."""
     left = _followed(kept.left, gradient @ gradient.T, step)
     right = _followed(kept.right, gradient.T @ gradient, step)
     rotated = left.basis.T @ gradient @ right.basis
@@ -76,7 +76,7 @@ def _moved(gradient: jax.Array, kept: Matrix, step: jax.Array) -> tuple[jax.Arra
 
 
 def _followed(side: Side, outer: jax.Array, step: jax.Array) -> Side:
-    """A side with one more outer product; now and then its basis follows, by a power iteration."""
+    """A side with one more outer product; a power iteration updates its basis from time to time."""
     first = step == 1
     outer = jnp.where(first, outer, SQUARES * side.outer + (1 - SQUARES) * outer)
     basis = jax.lax.cond(

@@ -18,7 +18,7 @@ from urushi.train.examples import METRICS, bottom_values, coats_to_layer
 
 @dataclass(frozen=True)
 class Check:
-    """One validation part in memory: as `examples.Depth`, with the pairs' cosines."""
+    """One validation part in memory: the arrays of `examples.Examples`, and the pairs' cosines."""
 
     metric: str
     probes: np.ndarray
@@ -52,7 +52,7 @@ def load(store: Store, arch: Architecture) -> list[Check]:
 
 
 def measure(params: Params, arch: Architecture, checks: list[Check]) -> dict[str, float]:
-    """E mean and P median, as fractions, the noise of the reference included."""
+    """E mean and P median, as fractions; they include the noise of the reference."""
     host: dict[str, Any] = {name: np.asarray(value) for name, value in params.items()}
     figures = {}
     for check in checks:

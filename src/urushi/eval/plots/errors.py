@@ -1,4 +1,4 @@
-"""Error E of held-out stacks against each of their parameters."""
+"""Plot of the error E of held-out stacks against each of their parameters."""
 
 import os
 from collections.abc import Mapping
@@ -10,7 +10,7 @@ from urushi.checks import CoatParameters
 from urushi.eval.samples import Samples
 from urushi.files import atomic_write
 
-#: Stacks in one window of the running median.
+#: Number of stacks in a window of the running median.
 WINDOW = 15
 
 #: Colours by number of coats.
@@ -24,8 +24,8 @@ def draw(
 
     Args:
         path: PNG file to write.
-        sets: the groups' stacks.
-        errors: E (S,) of the groups' stacks.
+        sets: stacks by group.
+        errors: E (S,) of the stacks, by group.
 
     Raises:
         FileError: the file cannot be written.
@@ -56,7 +56,7 @@ def draw(
 def points(
     sets: Mapping[str, Samples], errors: Mapping[str, np.ndarray]
 ) -> dict[str, tuple[np.ndarray, np.ndarray, np.ndarray]]:
-    """By the name of a parameter: its values, E in percent, and the stacks' numbers of coats."""
+    """For each parameter by name: its values, E in percent, and the stacks' numbers of coats."""
     collected: dict[str, list[tuple[np.ndarray, np.ndarray, np.ndarray]]] = {}
     for group, e in errors.items():
         table = sets[group].table
@@ -66,7 +66,7 @@ def points(
                 f"top coat: {name}": getattr(table, name)[:, 0] for name in CoatParameters._fields
             }
         for name, x in columns.items():
-            # Zero errors, which only exact networks have, would be lost on the logarithmic axis.
+            # Exact networks have zero errors, which a logarithmic axis cannot show.
             entry = x, np.maximum(100 * e, 1e-4), np.full(len(e), table.coats)
             collected.setdefault(name, []).append(entry)
     order = sorted(collected, key=lambda name: (not name.startswith("top coat"), name))
@@ -78,7 +78,7 @@ def points(
 
 
 def running_median(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Medians of x and y over windows of `WINDOW` neighbours in x, or all if there are fewer."""
+    """Medians of x and y over windows of `WINDOW` neighbours in x; over all if there are fewer."""
     order = np.argsort(x, kind="stable")
     size = min(WINDOW, len(x))
     windows = np.lib.stride_tricks.sliding_window_view
