@@ -1,6 +1,6 @@
-"""The coasts of the Earth, coarsely, as polygons of (longitude, latitude) in degrees.
+"""The coasts of the Earth as coarse polygons of (longitude, latitude) in degrees.
 
-Drawn for a globe of a hand's size: a few degrees off in places. Rings are filled by the even-odd
+They are drawn for a small globe and are up to a few degrees wrong. Rings are filled by the even-odd
 rule, so that a ring within another is water.
 """
 
@@ -84,14 +84,14 @@ def rings() -> list[np.ndarray]:
 
 
 def land(rows: int, *, crinkle: float = 0.9) -> np.ndarray:
-    """How much of each texel of a map is land, (rows, 2 rows) in steps of 1/4.
+    """The fraction of land in each texel of a map, (rows, 2 rows) in steps of 1/4.
 
     The map is equirectangular: row 0 is at the north pole, column 0 at longitude 0, and columns go
     east.
 
     Args:
-        rows: texels from pole to pole.
-        crinkle: how far fractal noise moves the straight coasts [degrees].
+        rows: number of texels from pole to pole.
+        crinkle: amplitude of the fractal noise that moves the straight coasts [degrees].
     """
     longitude, latitude = (x[..., None] for x in grid(rows))
     points = sphere(longitude[..., 0], latitude[..., 0]) * 14
@@ -130,7 +130,7 @@ def sphere(longitude: np.ndarray, latitude: np.ndarray) -> np.ndarray:
 
 
 def _within(ring: np.ndarray, longitude: np.ndarray, latitude: np.ndarray) -> np.ndarray:
-    """Whether points lie in a polygon: an odd number of its edges lie east of them."""
+    """Whether points lie in a polygon: an odd number of its edges then lies east of them."""
     low, high = ring.min(axis=0), ring.max(axis=0)
     near = (longitude >= low[0]) & (longitude <= high[0])
     near &= (latitude >= low[1]) & (latitude <= high[1])

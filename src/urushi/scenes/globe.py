@@ -1,4 +1,4 @@
-"""The scene "globe": a lacquered globe, its map in the medium, gold under it, in a brass ring."""
+"""The scene "globe": a lacquered globe on gold, with the map in the medium, in a brass ring."""
 
 from typing import Any
 
@@ -9,9 +9,9 @@ from urushi.scenes import continents, noise, stage
 from urushi.scenes.mesh import Mesh, Profile, grid, lathe
 from urushi.scenes.stage import Folder, Light, Options, rgb
 
-#: Rows of the map; it has twice as many columns.
+#: Number of rows of the map; it has twice as many columns.
 ROWS = 512
-#: Height of the globe's centre above the table, its radius being 1; and the tilt of the axis.
+#: Height of the globe's centre above the table, in radii; and tilt of its axis [degrees].
 CENTRE, TILT = 1.72, 23.4
 #: Longitude that faces the camera [degrees].
 FACING = 28.0
@@ -76,8 +76,8 @@ def globe(folder: Folder, options: Options) -> dict[str, Any]:
 def chart(rows: int) -> tuple[np.ndarray, np.ndarray]:
     """The map: albedo and optical depth of the medium, (rows, 2 rows, 3) each; row 0 is north.
 
-    Land is thin and warm, so that the gold shines through; seas are deep; lines of the graticule
-    and coasts are bare gold.
+    The medium is thin and warm over land, so that the gold shines through, and deep over seas. The
+    lines of the graticule and the coasts are bare gold.
     """
     longitude, latitude = continents.grid(rows)
     points = continents.sphere(longitude, latitude)
@@ -98,12 +98,12 @@ def chart(rows: int) -> tuple[np.ndarray, np.ndarray]:
     deep = np.array([3.4, 2.6, 2.0]) * (1 - 0.45 * shelf)
     shallow = np.array([0.55, 0.65, 1.0]) * (1 + 2.2 * ice) * (1 + 0.4 * relief)
     depth = deep + (np.maximum(shallow, 0.1) - deep) * land
-    bare = np.maximum(0.85 * _graticule(longitude, latitude), _coast(land))
-    return albedo, depth * (1 - bare) + 0.08 * bare
+    gold_share = np.maximum(0.85 * _graticule(longitude, latitude), _coast(land))
+    return albedo, depth * (1 - gold_share) + 0.08 * gold_share
 
 
 def _graticule(longitude: np.ndarray, latitude: np.ndarray) -> np.ndarray:
-    """Thin lines every 15 degrees, as wide on the sphere everywhere."""
+    """Thin lines every 15 degrees, whose width on the sphere is the same everywhere."""
     off_latitude = np.abs((latitude + 7.5) % 15 - 7.5)
     off_longitude = np.abs((longitude + 7.5) % 15 - 7.5) * np.cos(np.radians(latitude))
     off_longitude = np.where(np.abs(latitude) < 75.2, off_longitude, np.inf)
@@ -144,7 +144,7 @@ def ring(radius: float, thick: float, wide: float) -> Mesh:
     return grid(points, closed=True)
 
 
-# Radius and height, from the middle of the underside to the top, which bears the ring.
+# The foot's outline (radius and height), from the middle of the underside to the top.
 FOOT = [
     (0.00, 0.00),
     (0.40, 0.00),

@@ -33,7 +33,7 @@ def grid(positions: np.ndarray, *, closed: bool = False) -> Mesh:
     Args:
         positions: (V, U, 3) points; u grows along the second axis. Normals are du x dv by finite
             differences and point to the front.
-        closed: the last column repeats the first, and normals are continuous there.
+        closed: whether the last column repeats the first; normals are then continuous there.
     """
     along_u, along_v = derivatives(positions, closed=closed)
     normals = np.cross(along_u, along_v)
@@ -53,7 +53,7 @@ def grid(positions: np.ndarray, *, closed: bool = False) -> Mesh:
 
 
 def derivatives(positions: np.ndarray, *, closed: bool = False) -> tuple[np.ndarray, np.ndarray]:
-    """Derivatives by u and by v, both in [0, 1], of points (V, U, ...) on a grid as for `grid`."""
+    """Derivatives by u and by v, both in [0, 1], of points (V, U, ...) arranged as for `grid`."""
     rows, columns = positions.shape[:2]
     along_v = np.gradient(positions, axis=0) * (rows - 1)
     along_u = np.gradient(positions, axis=1) * (columns - 1)
@@ -64,7 +64,7 @@ def derivatives(positions: np.ndarray, *, closed: bool = False) -> tuple[np.ndar
 
 
 def write_ply(mesh: Mesh, path: str | os.PathLike) -> None:
-    """Write `mesh` as a binary PLY file, whole or not at all.
+    """Write `mesh` as a binary PLY file; no partial file is left.
 
     Raises:
         FileError: the folder is missing or cannot be written.
@@ -93,8 +93,8 @@ class Profile:
 
     Attributes:
         control: (K, 2) control points (radius, height), from the centre of the foot to the centre
-            of the top. The curve starts and ends on the axis, with a horizontal tangent: the
-            outline is continued by its mirror image.
+            of the top. Mirror images of control points continue the outline, so that the curve
+            starts and ends on the axis with a horizontal tangent.
     """
 
     control: np.ndarray
@@ -159,12 +159,12 @@ def surface(profile: Outline, u: npt.ArrayLike, v: npt.ArrayLike) -> tuple[np.nd
 
 
 def lathe(profile: Outline, segments: int, rings: int) -> Mesh:
-    """Revolve `profile` into a closed mesh of `segments` around times `rings` along the outline."""
+    """Revolve `profile` into a closed mesh of `segments` around the axis and `rings` along it."""
     u, v = np.meshgrid(np.arange(segments + 1) / segments, np.arange(rings + 1) / rings)
     at_pole = (v == 0) | (v == 1)
     positions, normals = surface(profile, u, v)
     normals[at_pole] = np.round(normals[at_pole])  # straight down and up
-    # A vertex on the axis belongs to one triangle; its u is that of the triangle's middle.
+    # A vertex on the axis belongs to one triangle, and its u is the u of the triangle's middle.
     u = np.clip(u + np.select([v == 0, v == 1], [0.5, -0.5]) / segments, 0, 1)
     uv = np.stack([u, v], axis=-1)
 
@@ -189,12 +189,12 @@ def normal_map(
 
     Args:
         height: (H, W) heights above the surface, in its units; row 0 is at v = 0.
-        length_u, length_v: length of the surface from u = 0 to 1, and from v = 0 to 1; numbers or
+        length_u, length_v: lengths of the surface from u = 0 to 1 and from v = 0 to 1; numbers or
             arrays that broadcast to (H, W).
-        closed: the texture repeats in u, as around a turned shape.
+        closed: whether the texture repeats in u, as around a turned shape.
 
     Returns:
-        (H, W, 3) float32 in [0, 1], 0.5 + 0.5 n.
+        (H, W, 3) float32 in [0, 1]: 0.5 + 0.5 n for normals n.
     """
     rows, columns = height.shape
     wide = np.pad(height, ((0, 0), (1, 1)), mode="wrap" if closed else "edge")

@@ -1,4 +1,4 @@
-"""Procedural patterns in space: gradient noise, its sums over octaves, and cells."""
+"""Procedural patterns in space: gradient noise, fractal noise and cells."""
 
 import numpy as np
 
@@ -11,7 +11,7 @@ def fractal(
     """Octaves of gradient noise, each of twice the frequency and `gain` times the amplitude.
 
     Args:
-        points: (..., 3); features of the first octave are about one unit large.
+        points: (..., 3); features of the first octave are about one unit in size.
         octaves: number of terms.
         seed: chooses the pattern.
         gain: ratio of the amplitudes of successive octaves.
@@ -48,10 +48,10 @@ def gradient(points: np.ndarray, *, seed: int = 0) -> np.ndarray:
 
 
 def cells(points: np.ndarray, *, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
-    """Distances from points (..., 3) to the nearest and second nearest of scattered seeds.
+    """Distances from points (..., 3) to the nearest and the second nearest seed.
 
-    One seed lies in each unit cell (Worley 1996); the difference of both distances is zero on the
-    borders of the seeds' regions.
+    One seed lies at random in each unit cell (Worley 1996). The difference of both distances is
+    zero on the borders between the seeds' regions.
     """
     places = np.random.default_rng(seed).random((1 << _TABLE_BITS, 3))
     cell = np.floor(points).astype(np.int64)
@@ -72,7 +72,7 @@ def smoothstep(low: float, high: float, x: np.ndarray) -> np.ndarray:
 
 
 def _hash(cell: np.ndarray) -> np.ndarray:
-    """Table indices of lattice cells (..., 3): primes as of Teschner et al. 2003, then mixed."""
+    """Table indices of lattice cells (..., 3): the primes of Teschner et al. 2003, then mixed."""
     x = cell[..., 0] * 73856093 ^ cell[..., 1] * 19349663 ^ cell[..., 2] * 83492791
     x = (x ^ (x >> 13)) * 0x5BD1E995
     return (x ^ (x >> 15)) & ((1 << _TABLE_BITS) - 1)

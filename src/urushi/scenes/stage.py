@@ -16,10 +16,10 @@ from urushi.scenes.noise import smoothstep
 
 
 class Folder:
-    """Folder of a scene's files: writes meshes and textures, returns nodes that refer to them."""
+    """The folder of a scene's files; it writes meshes and textures, and returns their nodes."""
 
     def __init__(self, path: Path):
-        """Use the folder `path`, made if it is missing; FileError if it cannot be made."""
+        """Use the folder `path`, and make it if it is missing; FileError if it cannot be made."""
         self.path = new_folder(path).resolve()
 
     def mesh(self, name: str, mesh: Mesh) -> dict[str, Any]:
@@ -33,7 +33,7 @@ class Folder:
         return {"type": "bitmap", "filename": self._image(name, values), "raw": True}
 
     def environment(self, name: str, radiance: np.ndarray) -> dict[str, Any]:
-        """An environment map (H, W, 3): row 0 is +z, columns go from +y over +x back to +y."""
+        """An environment map (H, W, 3): row 0 is +z; columns run from +y through +x to +y again."""
         turned = mi.ScalarTransform4d().rotate([1, 0, 0], 90)
         return {"type": "envmap", "filename": self._image(name, radiance), "to_world": turned}
 
@@ -48,7 +48,7 @@ class Folder:
 
 Vector = Sequence[float]
 
-#: The plugins for the coats of a scene, the networks first.
+#: The plugins for the coats of a scene; the first one uses networks, the second one walks.
 COATS = ("neural_layered", "layered")
 
 
@@ -59,10 +59,10 @@ class Options:
     Attributes:
         coat: plugin of all coats, "neural_layered" or "layered".
         weights: networks of "neural_layered": "base", "small" or a weights file.
-        width, height: of the film [pixels].
+        width, height: size of the film [pixels].
         spp: samples per pixel.
-        detail: factor on the width and height of textures, in (0, 4]; below 1 the scene loads
-            faster and looks coarser.
+        detail: factor on the width and height of textures, in (0, 4]; with less detail the scene
+            loads faster.
     """
 
     coat: str = COATS[0]
@@ -82,13 +82,14 @@ class Options:
             raise ParameterError(f"detail is {self.detail:g}; it must be above 0 and at most 4")
 
     def texels(self, count: int) -> int:
-        """Texels along a side that has `count` at full detail."""
+        """Number of texels along a side that has `count` texels at detail 1."""
         return max(8, round(count * self.detail))
 
     def coated(self, bottom: dict[str, Any], **parameters: Any) -> dict[str, Any]:
-        """The coat with these parameters over `bottom`; `weights` only if they are not the default.
+        """The coat with these parameters over `bottom`.
 
-        So the scenes of networks and reference differ in one word.
+        `weights` are left out if they are the default, so that the scenes of networks and reference
+        differ in one word.
         """
         named = self.coat == COATS[0] and self.weights != SHIPPED[0]
         weights = {"weights": self.weights} if named else {}
@@ -101,7 +102,7 @@ def rgb(*value: float) -> dict[str, Any]:
 
 
 def conductor(material: str, alpha: float) -> dict[str, Any]:
-    """A rough metal by Mitsuba's name of its index of refraction; alpha: its GGX width."""
+    """A rough metal; material: Mitsuba's name of its index of refraction; alpha: its GGX width."""
     return {
         "type": "roughconductor",
         "distribution": "ggx",
@@ -126,7 +127,7 @@ def scene(camera: dict[str, Any], parts: dict[str, Any]) -> dict[str, Any]:
 
 
 def camera(options: Options, origin: Vector, target: Vector, fov: float) -> dict[str, Any]:
-    """A perspective camera with z up; fov: of the larger side [degrees]."""
+    """A perspective camera with z up; fov: field of view along the larger side [degrees]."""
     return {
         "type": "perspective",
         "fov": fov,
@@ -150,8 +151,8 @@ class Light:
 
     Attributes:
         towards: direction from the scene to it; z is up.
-        size: half its width and half its height [rad].
-        radiance: linear RGB, of its middle.
+        size: half of its width and half of its height [rad].
+        radiance: linear RGB in its middle.
     """
 
     towards: Vector
@@ -164,7 +165,7 @@ def surround(
 ) -> dict[str, Any]:
     """The only emitter: a smooth sky of three radiances, with lights in it.
 
-    Sampling one environment map has less noise than sampling one of several lamps.
+    Samples of one environment map have less noise than samples of several lamps.
     """
     theta, phi = np.pi * (np.arange(256) + 0.5) / 256, 2 * np.pi * (np.arange(512) + 0.5) / 512
     up = np.broadcast_to(np.cos(theta)[:, None], (256, 512))
@@ -195,7 +196,7 @@ def radiance(
 
 
 def table(radius: float, *reflectance: float) -> dict[str, Any]:
-    """A round table, its top at z = 0; matt, so that the noise is that of the coats."""
+    """A round table with its top at z = 0; it is matt, so that only the coats cause noise."""
     return {
         "type": "disk",
         "to_world": mi.ScalarTransform4d().scale(radius),

@@ -1,6 +1,6 @@
-"""The scene "still-life": glazed, lacquered and enamelled things on a table of varnished wood.
+"""The scene "still-life": glazed, lacquered and enamelled objects on a table of varnished wood.
 
-The things vary the roughness and the index of the coats (the three beads in front), the albedo and
+The objects vary the roughness and the index of the coats (the three beads in front), the albedo and
 the depth of the medium (fruit, vase and plate), the bottom (metals, clay, wood), and the relief
 (the hammered bowl).
 """
@@ -14,9 +14,9 @@ from urushi.scenes import stage, still_life_objects
 from urushi.scenes.mesh import Profile, derivatives, grid, lathe, normal_map
 from urushi.scenes.stage import Folder, Light, Options, rgb
 
-#: Rows of the largest textures.
+#: Number of rows of the largest textures.
 ROWS = 512
-#: The beads: where they lie, their coats' GGX widths and indices, and their media.
+#: The beads: positions, GGX widths and indices of their coats, and their media.
 BEADS = [
     ((-0.98, -1.42), 0.02, 1.9, (0.10, 0.30, 0.85), (2.4, 1.6, 0.5)),
     ((-0.42, -1.62), 0.15, 1.5, (0.12, 0.65, 0.40), (2.2, 0.6, 1.4)),
@@ -114,7 +114,7 @@ def _vase(folder: Folder, options: Options) -> dict[str, Any]:
 
 
 def _plate(folder: Folder, options: Options) -> dict[str, Any]:
-    """A lacquered plate that leans on the wall, waves in gold under red and black."""
+    """A lacquered plate that leans on the wall, with golden waves under red and black lacquer."""
     profile = Profile(np.array(still_life_objects.PLATE))
     points = still_life_objects.texels(profile, options.texels(2 * ROWS) // 2)
     depth, albedo = still_life_objects.waves(points)
@@ -159,7 +159,7 @@ def _bowl(folder: Folder, options: Options) -> dict[str, Any]:
 
 
 def _fruit(folder: Folder, options: Options) -> dict[str, Any]:
-    """Apples: the medium's albedo goes from green to red, over a pale ground."""
+    """Apples: the medium's albedo varies from green to red, over a pale bottom."""
     profile = Profile(np.array(still_life_objects.APPLE))
     mesh = folder.mesh("apple", lathe(profile, 128, 192))
     stem = folder.mesh("stem", still_life_objects.stem())

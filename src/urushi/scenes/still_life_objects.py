@@ -1,6 +1,6 @@
-"""Outlines and patterns of the things in the still life.
+"""Outlines and patterns of the objects in the still life.
 
-Patterns are functions of the texels' positions in space, so that textures do not stretch them.
+Patterns are functions of the texels' positions in space, so that the mapping does not stretch them.
 """
 
 import numpy as np
@@ -17,7 +17,7 @@ def texels(profile: Profile, rows: int) -> np.ndarray:
 
 
 def wood(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Reflectance of boards along x, 0.55 wide, at points (H, W): (H, W, 3)."""
+    """Reflectance (H, W, 3) of boards along x, each 0.55 wide, at points x, y (H, W)."""
     board = np.floor(y / 0.55)
     points = np.stack([x * 0.35 + 7 * board, y * 2.2 + 3.1 * board, 5 * board], axis=-1)
     rings = points[..., 1] * 3 + 1.8 * noise.fractal(points * [0.7, 0.6, 1], 4, seed=1)
@@ -30,7 +30,7 @@ def wood(x: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 
 def clay(points: np.ndarray) -> np.ndarray:
-    """Reflectance of a vase of clay with grasses brushed on it in iron."""
+    """Reflectance of a clay vase with grasses painted on it in iron."""
     angle = np.arctan2(points[..., 1], points[..., 0])
     z = points[..., 2]
     ink = np.zeros(z.shape)
@@ -49,7 +49,7 @@ def clay(points: np.ndarray) -> np.ndarray:
 
 
 def celadon(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Optical depth and albedo of a glaze that is thin on the rim and has gathered below."""
+    """Optical depth and albedo of a glaze that is thin on the rim and thick near the foot."""
     z = points[..., 2]
     run = 0.16 * noise.fractal(points * [3.2, 3.2, 0.8], 4, seed=8)
     thick = 0.25 + 0.5 * smoothstep(2.0, 1.0, z) + 1.2 * smoothstep(0.75, 0.25, z + run)
@@ -61,12 +61,12 @@ def celadon(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def waves(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Optical depth and albedo of lacquer on a plate: seigaiha, waves of the blue sea, in gold."""
+    """Optical depth and albedo of lacquer on a plate with golden seigaiha (a pattern of waves)."""
     x, y = points[..., 0], points[..., 1]
     radius = np.hypot(x, y)
     size = 0.20
     line = np.zeros(x.shape)
-    # Scales overlap from the back row to the front one, which hides what is behind it.
+    # Scales overlap: each row hides the parts of the rows behind it.
     for row in np.arange(np.ceil(y.max() / size * 2), np.floor(y.min() / size * 2) - 3, -1):
         centre_y = row * size / 2
         shift = (row % 2) * size
@@ -97,7 +97,7 @@ def hammered(points: np.ndarray) -> np.ndarray:
 
 
 def skin(points: np.ndarray, *, seed: int) -> tuple[np.ndarray, np.ndarray]:
-    """Albedo and optical depth of an apple's skin, blushed on one side and streaked."""
+    """Albedo and optical depth of an apple's skin with streaks, red on one side."""
     angle = np.arctan2(points[..., 1], points[..., 0])
     streak = noise.fractal(
         np.stack([3 * np.cos(angle), 3 * np.sin(angle), 0.6 * points[..., 2]], axis=-1) * 2.2,
@@ -123,7 +123,7 @@ def stem() -> Mesh:
     return grid(np.stack(np.broadcast_arrays(x, y, 0.36 + 0.26 * along), axis=-1), closed=True)
 
 
-# Outlines: radius and height, from the middle of the foot to the end on the axis.
+# Outlines: radius and height, from the middle of the foot to the top.
 VASE = [
     (0.00, 0.04),
     (0.18, 0.04),
