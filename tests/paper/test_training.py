@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 
+from urushi.app.commands.train import find_preset
 from urushi.data.generate import generate
 from urushi.errors import ParameterError
 from urushi.geometry.direction_sets import stratified_pairs
@@ -14,16 +15,15 @@ from urushi.paper.architecture import init
 from urushi.paper.palette import Palette
 from urushi.paper.train import layering, projection, proxy, representation
 from urushi.paper.train.preset import paper
+from urushi.paper.train.training import train
 from urushi.reference import analytic
-from urushi.train import presets
 from urushi.train.checkpoint import Journal
-from urushi.train.training import train
 
 TINY = 1e-10
 
 
 def test_at_scale_one_all_numbers_are_the_papers():
-    preset = presets.get("paper")
+    preset = paper()
     parts = {part.name: (part.stacks, part.pairs) for part in preset.data.parts}
     assert parts == {
         "conductor": (300, 25**4),
@@ -51,9 +51,9 @@ def test_scale_is_the_share_of_training_samples():
 
 def test_scales_out_of_range_or_place_are_refused():
     with pytest.raises(ParameterError, match="scale is 2; it must be in"):
-        presets.get("paper", 2)
+        paper(2)
     with pytest.raises(ParameterError, match="'quick' has one size; only 'paper' takes a scale"):
-        presets.get("quick", 0.5)
+        find_preset("quick", 0.5)
 
 
 def test_one_brdf_is_learned_by_heart():

@@ -27,12 +27,12 @@ STAGES = ("representation", "layering", "proxy")
 def train(
     preset: PaperPreset,
     *,
-    data: str | os.PathLike | None,
-    out: str | os.PathLike | None,
-    run: str | os.PathLike | None,
-    resume: bool,
+    data: str | os.PathLike | None = None,
+    out: str | os.PathLike | None = None,
+    run: str | os.PathLike | None = None,
+    resume: bool = False,
 ) -> weights.Model:
-    """Train the three networks in turn and write the weights; arguments as for `loop.train`.
+    """Train the three networks in turn and write the weights; arguments as for `train.training.train`.
 
     The evaluation network is trained together with its latents. Then all BRDFs are projected, and
     the layering network is trained on their codes. The sampling proxy is trained last. A checkpoint
