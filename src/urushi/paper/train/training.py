@@ -32,7 +32,9 @@ def train(
     run: str | os.PathLike | None = None,
     resume: bool = False,
 ) -> weights.Model:
-    """Train the three networks in turn and write the weights; arguments as for `train.training.train`.
+    """Train the three networks in turn and write the weights.
+
+    Arguments as for `urushi.train.training.train`.
 
     The evaluation network is trained together with its latents. Then all BRDFs are projected, and
     the layering network is trained on their codes. The sampling proxy is trained last. A checkpoint
