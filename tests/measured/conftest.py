@@ -1,4 +1,4 @@
-"""Writers of test files, and directions."""
+"""Fixtures that load the writers of test files."""
 
 import importlib.util
 from pathlib import Path

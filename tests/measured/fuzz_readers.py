@@ -3,10 +3,10 @@
 usage: python tests/measured/fuzz_readers.py SECONDS [SEED]
 
 Mutates small valid files; a mutant that reaches a new pair of successive lines in the readers joins
-the corpus. Anything but FileError or ParameterError ends the run and leaves the file behind, and so
-does a warning, a BRDF that is not finite or negative, or much more memory than the file's size.
-MERL tables, of which there is one size only, are too large for the corpus: a few mutants are such
-tables with numbers written over them.
+the corpus. The run ends and keeps the file if the readers raise anything but FileError or
+ParameterError, warn, return a BRDF that is negative or not finite, or need much more memory than
+the file's size. MERL tables have a single size, which is too large for the corpus: a few mutants
+are MERL tables whose numbers are partly overwritten.
 """
 
 import random
@@ -43,18 +43,18 @@ class Report:
 
 
 def fuzz(folder: Path, seed: int, runs: int | None = None, seconds: float = 0) -> Report:
-    """Run `runs` mutants, or for some seconds; raise what escapes the readers."""
+    """Run `runs` mutants, or for `seconds`; raise any error that is not a user's error."""
     chance = random.Random(seed)
     seeds = _seeds()
     corpus = list(seeds)
-    seen: set[tuple] = set()
+    reached: set[tuple] = set()
     path, report, end = folder / "mutant", Report(0, 0, 0), time.monotonic() + seconds
     while report.runs < runs if runs is not None else time.monotonic() < end:
         content = None
         if report.runs < len(seeds):
             content = seeds[report.runs]
         elif report.runs > len(seeds) and chance.random() > TABLES:
-            # Half of the mutants are of the valid files, or nearly all would die in the header.
+            # Half of the mutants derive from valid files; else nearly all would fail in the header.
             parent = chance.choice(seeds[:2] if chance.random() < 0.5 else corpus)
             content = _mutate(chance, parent, corpus)
         if content is None:
@@ -64,9 +64,9 @@ def fuzz(folder: Path, seed: int, runs: int | None = None, seconds: float = 0) -
         lines, loaded = _run(path, path.stat().st_size)
         report.runs += 1
         report.loaded += loaded
-        if lines - seen and content is not None:
+        if lines - reached and content is not None:
             corpus.append(content)
-        seen |= lines
+        reached |= lines
     report.corpus = len(corpus)
     path.unlink()
     return report
@@ -136,7 +136,7 @@ def _mutate(chance: random.Random, content: bytes, corpus: list[bytes]) -> bytes
 
 
 def _write_table(chance: random.Random, path: Path) -> None:
-    """Write a MERL file, black but for what is written over it, in runs of 1 to 10,000 numbers."""
+    """Write a black MERL file that is overwritten in runs of 1 to 10,000 numbers."""
     with path.open("wb") as file:
         file.write(np.array(merl.SHAPE, "<i4").tobytes())
         file.truncate(merl.FILE_SIZE + chance.choice([0, 0, 0, 0, 1, -1, -8, 8]))

@@ -39,16 +39,16 @@ def vector(types, w):
 
 
 def test_walk_and_reader_agree(random_directions):
-    """On a table of noise, in which every bin and weight matters."""
+    """The table is noise, so that every bin and weight matters."""
     noise = Merl(np.random.default_rng(0).random((90, 90, 180, 3)))
     types = monte_carlo.backend()
     wi, wo = random_directions(20000, 1), random_directions(20000, 2)
     wi[:100], wo[:100] = wo[:100], wi[:100]
-    wi[0] = wo[0] = (0, 0, 1)  # where angles have no meaning
+    wi[0] = wo[0] = (0, 0, 1)  # where azimuths are undefined
     wi[1] = wo[1]
     f, _ = noise.f_pdf(vector(types, wi), vector(types, wo))
-    # Positions among bins are single precision: of 180 bins, 1e-5 of one, times steps of up to 1;
-    # much more of one where h is so close to the normal that its azimuth is lost.
+    # Positions in the table are in single precision: an error of 1e-5 of a bin, times steps of up
+    # to 1; the error is larger where h is so close to the normal that its azimuth is lost.
     error = np.abs(f.numpy().T - noise.f(wi, wo))
     assert np.quantile(error, 0.999) < 1e-3
     assert error.max() < 0.05
@@ -79,7 +79,7 @@ def test_samples_integrate_the_brdf_and_their_density(plastic, cos_i):
     weight, f = weight.numpy().mean(0), f.numpy().mean(0) * np.pi
     error = np.hypot(weight.std(), f.std()) / SAMPLES**0.5
     assert abs(weight.mean() - f.mean()) < 4 * error
-    assert weight.std() / weight.mean() < 0.5  # the lobes do follow it
+    assert weight.std() / weight.mean() < 0.5  # the lobes follow the BRDF
     total = (density * dr.pi / grid.z).numpy()
     assert abs(total.mean() - 1) < 4 * total.std() / SAMPLES**0.5
     assert (pdf.numpy() > 0).all()
@@ -109,10 +109,10 @@ def test_a_tabulated_conductor_under_a_coat_is_the_coated_conductor(random_direc
     np.testing.assert_array_less(np.abs(f - expected), 4.5 * np.hypot(se, error) + 0.01 * expected)
 
 
-def test_under_a_vanishing_coat_it_is_as_measured(plastic, random_directions):
+def test_a_vanishing_coat_leaves_the_measured_brdf(plastic, random_directions):
     wi, wo = random_directions(50, 5, 0.2), random_directions(50, 6, 0.2)
     f, se = simulate(coat(plastic, 0.01, 1.0001), wi, wo, walks=1 << 11, progress=False)
-    # What the interface reflects, 1e-8, and refracts, 1e-4, is not to be seen.
+    # The interface's effects are too small to be detected: 1e-8 reflected, 1e-4 refracted.
     np.testing.assert_array_less(np.abs(f - plastic.f(wi, wo)), 5 * se + 2e-3)
 
 
@@ -127,7 +127,7 @@ def test_a_coated_measured_brdf_is_reciprocal(plastic, random_directions):
 
 
 def test_a_clear_coat_over_white_loses_nothing():
-    """But for what microfacets lose to a second reflection, little at this width."""
+    """Only the loss of single scattering at microfacets remains, which is small at this width."""
     white = Merl(np.full((90, 90, 180, 3), 1 / np.pi))
     wi = np.array([[0, 0, 1], [0.6, 0, 0.8], [0.98, 0, np.sqrt(1 - 0.98**2)]], np.float32)
     found, se = albedo(coat(white, 0.01, 1.5), wi, walks=1 << 14)
@@ -144,5 +144,5 @@ def test_an_rgl_materials_table_is_its_mean_over_the_exchange(name, test_data, r
     expected = 0.5 * (material.f(wi, wo) + material.f(wo, wi))
     f = tabulated.interpolated(material.table(), wi.astype(float), wo.astype(float))
     weight = (wi[:, 2] * wo[:, 2])[:, None]
-    # Files have few elevations, linear in between: their creases are rounded off.
+    # Files have few elevations with linear interpolation between; the table smooths the kinks.
     assert (np.abs(f - expected) * weight).sum() < 0.02 * (expected * weight).sum()

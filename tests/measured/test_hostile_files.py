@@ -1,4 +1,4 @@
-"""Damaged, foreign and lying files: one sentence each, and no more memory than they warrant."""
+"""Damaged, foreign and inconsistent files: one error sentence each, and bounded memory."""
 
 import os
 import tracemalloc
@@ -44,7 +44,7 @@ def fields(writers):
         (b"tensor_file\0\1\0\1\0\0\0\xff\xffshort", "its header is truncated"),
     ],
 )
-def test_a_bad_start_gets_one_sentence(tmp_path, content, message):
+def test_a_bad_beginning_gets_one_sentence(tmp_path, content, message):
     path = tmp_path / "any.binary"
     path.write_bytes(content)
     with pytest.raises(FileError, match=message) as caught:
@@ -72,7 +72,9 @@ def test_a_bad_start_gets_one_sentence(tmp_path, content, message):
         ({"jacobian": ((0,), None, None)}, "shapes do not fit"),
     ],
 )
-def test_a_lying_tensor_header_gets_one_sentence(writers, fields, tmp_path, forged, message):
+def test_an_inconsistent_tensor_header_gets_one_sentence(
+    writers, fields, tmp_path, forged, message
+):
     path = tmp_path / "lies.bsdf"
     path.write_bytes(writers.tensor_file(fields, forge=forged))
     tracemalloc.start()
@@ -194,11 +196,11 @@ def test_memory_is_in_proportion_to_the_file(writers, fields, tmp_path):
         _, peak = tracemalloc.get_traced_memory()
     finally:
         tracemalloc.stop()
-    # The densities' integrals are kept in float64: a few times the file.
+    # The integrals of the densities are in float64: a few times the file's size.
     assert peak < 10 * path.stat().st_size
 
 
-def test_paths_that_are_no_files(tmp_path):
+def test_paths_that_are_not_files(tmp_path):
     with pytest.raises(FileError, match="there is no file '.*missing'; check the path"):
         load_measured(tmp_path / "missing")
     with pytest.raises(FileError, match="cannot read"):
@@ -221,5 +223,5 @@ def test_the_fuzzer_finds_nothing(load_module, tmp_path):
     fuzzer = load_module(Path(__file__).with_name("fuzz_readers.py"))
     report = fuzzer.fuzz(tmp_path, seed=0, runs=400)
     assert report.runs == 400
-    assert report.loaded > 10  # not all mutants die at once
+    assert report.loaded > 10  # some mutants are valid files
     assert report.corpus > 20  # new lines of the readers were found

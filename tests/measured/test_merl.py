@@ -14,7 +14,7 @@ COLOUR = np.array([0.9, 0.5, 0.2])
 
 
 def lambert_and_ggx(wi, wo):
-    """A diffuse base under a GGX lobe with Schlick's Fresnel term: smooth, and written anew."""
+    """A diffuse base under a GGX lobe with Schlick's Fresnel term, independent of Urushi's own."""
     h = wi + wo
     h /= np.linalg.norm(h, axis=1, keepdims=True)
     i, o, n, d = wi[:, 2], wo[:, 2], h[:, 2], (wi * h).sum(1)
@@ -27,7 +27,7 @@ def lambert_and_ggx(wi, wo):
 
 @pytest.fixture(scope="module")
 def analytic(writers, tmp_path_factory):
-    """The analytic BRDF through a file, with -1 for all that has a direction beyond 85 degrees."""
+    """The analytic BRDF read from a file, which has -1 where a direction is beyond 85 degrees."""
     wi, wo = writers.merl_directions()
     rgb = lambert_and_ggx(wi, wo)
     missing = np.minimum(wi[:, 2], wo[:, 2]) < np.cos(np.radians(85))
@@ -38,7 +38,7 @@ def analytic(writers, tmp_path_factory):
     return brdf
 
 
-def test_the_value_at_a_bin_centre_is_that_of_the_bin(writers, analytic):
+def test_the_value_at_a_bin_centre_is_the_bins_value(writers, analytic):
     wi, wo = writers.merl_directions()
     valid = np.minimum(wi[:, 2], wo[:, 2]) > np.cos(np.radians(84))
     rows = np.random.default_rng(0).choice(np.flatnonzero(valid), 20000, replace=False)
@@ -48,7 +48,7 @@ def test_the_value_at_a_bin_centre_is_that_of_the_bin(writers, analytic):
     )
 
 
-def test_between_centres_it_agrees_with_the_analytic_brdf(analytic, random_directions):
+def test_values_between_centres_agree_with_the_analytic_brdf(analytic, random_directions):
     wi, wo = random_directions(20000, 1, 0.2), random_directions(20000, 2, 0.2)
     expected = lambert_and_ggx(wi.astype(float), wo.astype(float))
     # Linear interpolation is off by (step / width)^2 / 8 times a number of order 1: steps of up to
@@ -58,7 +58,7 @@ def test_between_centres_it_agrees_with_the_analytic_brdf(analytic, random_direc
     assert error.max() < 0.02
 
 
-def test_reciprocity_is_exact_and_turning_changes_nothing(analytic, random_directions):
+def test_f_is_exactly_reciprocal_and_isotropic(analytic, random_directions):
     wi, wo = random_directions(5000, 3), random_directions(5000, 4)
     wi[0], wo[0] = (0, 0, 1), (0, 0, 1)
     f = analytic.f(wi, wo)
@@ -81,10 +81,10 @@ def test_no_invalid_bin_leaks_into_a_constant_brdf(writers, tmp_path, random_dir
     rgb = np.tile(COLOUR, (len(wi), 1))
     rgb[np.minimum(wi[:, 2], wo[:, 2]) < 0.17] = -1  # beyond 80 degrees, and below the horizon
     rgb[rng.random(len(rgb)) < 0.3, 1] = -1  # one negative channel is enough
-    rgb[(wi[:, 2] <= 0) | (wo[:, 2] <= 0)] = 1e6  # not marked, and still not used
+    rgb[(wi[:, 2] <= 0) | (wo[:, 2] <= 0)] = 1e6  # not marked as invalid, but never used
     brdf = load_measured(writers.write_merl(tmp_path / "constant", rgb))
     f = brdf.f(random_directions(50000, 6), random_directions(50000, 7))
-    # Seen up to the horizon, rounded to float32.
+    # Directions reach down to the horizon; values are rounded to float32.
     np.testing.assert_allclose(f, np.broadcast_to(COLOUR, f.shape), rtol=1e-6)
 
 
@@ -101,7 +101,7 @@ def test_the_fill_takes_the_nearest_valid_bin_of_row_or_column():
     rng = np.random.default_rng(8)
     values = rng.random((6, 9, 10, 1))
     valid = rng.random((6, 9, 10)) < 0.4
-    valid[:, :, 0] = True  # something in every row, so that one round suffices
+    valid[:, :, 0] = True  # one valid bin in every row, so that one round suffices
     filled = values.copy()
     fill_nearest(filled, valid)
     assert np.array_equal(filled[valid], values[valid])

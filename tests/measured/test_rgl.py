@@ -38,8 +38,8 @@ def assert_close(f_channels, wo, expected):
     cosine = wo[:, 2:]
     ours, expected = (a[cosine[:, 0] > MIN_COSINE] for a in (f_channels * cosine, expected))
     # Mitsuba computes in float32: its warps are known to about 1e-6 of the square, in which the
-    # mirror-like materials vary by their whole height over a 32nd. A pair right on the border of a
-    # cell of the steepest one can be off by some 1e-3; so small a share as a thousandth may.
+    # mirror-like materials vary by their full range over a 32nd. A pair on the border of a cell of
+    # the steepest one can differ by about 1e-3; one pair in a thousand may.
     scale = np.abs(expected) + 1e-3 * np.abs(expected).mean()
     error = np.abs(ours - expected) / scale
     assert np.quantile(error, 0.999) < 1e-3
@@ -69,7 +69,7 @@ def test_spectra_agree_with_mitsuba(writers, tmp_path, random_directions):
     assert_close(brdf.f_channels(wi, wo), wo, mitsuba_f_cos(path, wi, wo, nm))
 
 
-def test_f_is_finite_not_negative_and_turns_freely(material, random_directions):
+def test_f_is_finite_not_negative_and_isotropic(material, random_directions):
     brdf = load_measured(material)
     wi, wo = random_directions(2000, 6, 0.02), random_directions(2000, 7, 0.02)
     f = brdf.f(wi, wo)
@@ -80,14 +80,14 @@ def test_f_is_finite_not_negative_and_turns_freely(material, random_directions):
     np.testing.assert_allclose(brdf.f(wi @ turn, wo @ turn), f, rtol=1e-2, atol=1e-3 * f.mean())
 
 
-def test_f_is_the_brdf_without_cosine_as_reciprocity_shows(test_data, random_directions):
+def test_f_has_no_cosine_because_it_is_reciprocal(test_data, random_directions):
     path = test_data / "data" / "rgl" / "aurora_white_rgb.bsdf"
     if not path.is_file():
         pytest.skip(f"'{path}' is missing")
     brdf = load_measured(path)
     wi, wo = random_directions(5000, 8, 0.3), random_directions(5000, 9, 0.3)
     f, turned = brdf.f(wi, wo), brdf.f(wo, wi)
-    # A rough white film. With the cosine left in, exchange would change f by about 30 %.
+    # A rough white film. If f contained the cosine, exchange would change it by about 30 %.
     assert np.abs(f - turned).sum() < 0.08 * f.sum()
 
 
@@ -143,7 +143,7 @@ def test_a_constant_spectrum_is_neutral():
 
 @pytest.mark.parametrize("spectral", [False, True])
 def test_a_ggx_conductor_in_the_format_is_read_back(spectral, writers, tmp_path, random_directions):
-    """Against the closed form, whose colour Mitsuba converts from the spectrum."""
+    """The reference is the closed form, whose spectrum Mitsuba converts to a colour."""
     r0, wavelengths, alpha = (0.9, 0.5, 0.2), None, 0.4
     if spectral:
         wavelengths, nm = np.linspace(360, 840, 33), np.arange(360.0, 831.0)

@@ -1,4 +1,4 @@
-"""Writers of measured files, for the tests: independent of the readers, and willing to lie."""
+"""Writers of measured files for the tests, independent of the readers; headers can be forged."""
 
 import struct
 
@@ -13,7 +13,7 @@ MERL_SCALE = np.array([1.0, 1.15, 1.66]) / 1500.0
 
 
 def merl_directions():
-    """wi, wo (1458000, 3) at the bin centres of a MERL table; z < 0 where below the horizon."""
+    """wi, wo (1458000, 3) at the bin centres of a MERL table; z < 0 below the horizon."""
     theta_h = ((np.arange(90) + 0.5) / 90) ** 2 * np.pi / 2
     theta_d = (np.arange(90) + 0.5) * np.pi / 180
     phi_d = (np.arange(180) + 0.5) * np.pi / 180
@@ -32,7 +32,7 @@ def write_merl(path, rgb, dimensions=(90, 90, 180)):
 def tensor_file(fields, *, version=(1, 0), count=None, forge=None):
     """The bytes of a tensor file with the given arrays.
 
-    forge: maps names to (shape, type code, offset) that the header claims, None for the truth.
+    forge: maps names to false (shape, type code, offset) in the header; None is the true value.
     """
     header = b"tensor_file\0" + bytes(version)
     header += struct.pack("<I", len(fields) if count is None else count)

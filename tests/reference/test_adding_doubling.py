@@ -1,4 +1,4 @@
-"""The adding-doubling solver: exact limits, conservation, convergence, and its two rivals."""
+"""The adding-doubling solver: exact limits, conservation, convergence, and two other methods."""
 
 from collections.abc import Mapping
 
@@ -31,7 +31,7 @@ STACKS = {"conductor": ONE_COAT, "two coats": TWO_COATS, "diffuse": DIFFUSE}
 
 
 @pytest.mark.parametrize("g", [0.0, 0.5, -0.5, 0.9])
-def test_fourier_modes_of_the_phase_function_sum_to_it(g: float) -> None:
+def test_fourier_modes_sum_to_the_phase_function(g: float) -> None:
     grid = CosineGrid.gauss(nodes=64, modes=128)
     forward, backward = layers._phase_modes(grid, g)
     phi = 0.7
@@ -40,7 +40,7 @@ def test_fourier_modes_of_the_phase_function_sum_to_it(g: float) -> None:
         cos = sign * np.outer(grid.mu, grid.mu) + np.outer(sines, sines) * np.cos(phi)
         exact = (1 - g**2) / (4 * np.pi * (1 + g**2 - 2 * g * cos) ** 1.5)
         value = series(modes.reshape(len(modes), -1), np.float64(phi)).reshape(cos.shape)
-        # 128 degrees leave 0.9^128 * 128 of the peak out.
+        # Modes above degree 128 are left out: 0.9^128 * 128 of the peak.
         np.testing.assert_allclose(value, exact, atol=1e-6 if abs(g) < 0.9 else 5e-3)
 
 
@@ -49,7 +49,7 @@ def test_fourier_modes_of_the_phase_function_sum_to_it(g: float) -> None:
 def test_a_white_medium_conserves_energy(g: float, sigma_t: float) -> None:
     grid = CosineGrid.gauss(nodes=24, modes=1)
     reflect, transmit = layers.slab(grid, albedo=1.0, sigma_t=sigma_t, g=g)
-    # Uniform radiance enters from above: what comes out on both sides is its flux.
+    # Under uniform radiance from above, all of its flux leaves on the two sides.
     np.testing.assert_allclose((reflect[0] + transmit[0]) @ grid.root, grid.root, rtol=2e-6)
 
 
@@ -62,7 +62,7 @@ def test_half_space_is_chandrasekhars(albedo: float) -> None:
     for _ in range(500):  # Chandrasekhar 1960, chapter V, solved for 1 / H
         h = 1 / (np.sqrt(1 - albedo) + 0.5 * albedo * (kernel @ h))
     f = albedo / (4 * np.pi) * np.outer(h, h) / np.add.outer(grid.mu, grid.mu)
-    # The discrete equations have the discrete H as their exact solution, but for the thin layer.
+    # The discrete H solves the discrete equations exactly, except for the thin first layer.
     np.testing.assert_allclose(reflect / np.outer(grid.root, grid.root), f, rtol=1e-5)
 
 
@@ -76,7 +76,7 @@ def test_doubling_needs_no_start() -> None:
 
 
 @pytest.mark.parametrize(("alpha", "eta"), [(0.15, 1.5), (0.5, 1.1), (0.9, 2.0)])
-def test_interface_passes_what_microfacets_pass(alpha: float, eta: float) -> None:
+def test_transmittance_of_the_interface_is_that_of_microfacets(alpha: float, eta: float) -> None:
     """Fourier modes and graded quadrature against a sum over microfacet normals."""
     cos_i = np.array([0.2, 0.6, 0.95])
     grid = CosineGrid.gauss(nodes=24, modes=2)
@@ -93,13 +93,13 @@ def microfacet_transmittance(cos_i: float, alpha: float, eta: float) -> float:
     phi = 2 * np.pi * (np.arange(400) + 0.5) / 400
     dot = np.maximum(sin_i * sin_m * np.cos(phi) + cos_i * cos_m, 0)
     cos_t = np.sqrt(1 - (1 - dot**2) / eta**2)
-    z = (dot / eta - cos_t) * cos_m - cos_i / eta  # of the refracted direction
+    z = (dot / eta - cos_t) * cos_m - cos_i / eta  # z of the refracted direction
     masked = surfaces._smith(np.clip(-z, 1e-9, 1), alpha) * surfaces._smith(cos_i, alpha) * (z < 0)
     flux = (1 - surfaces.fresnel_dielectric(dot, eta)) * masked * dot / cos_i
     return float((surfaces._ggx(cos_m**2, alpha) * flux * sin_m * weight).sum() * 2 * np.pi / 400)
 
 
-def test_white_furnace_loses_only_what_microfacets_lose() -> None:
+def test_white_furnace_loses_only_the_energy_of_single_scattering() -> None:
     cos = np.array([0.1, 0.5, 1.0])
     albedo = np.stack(
         [
@@ -109,7 +109,7 @@ def test_white_furnace_loses_only_what_microfacets_lose() -> None:
     )
     assert np.all(np.diff(albedo, axis=0) > 0)  # smoother loses less
     assert np.all(albedo < 1)
-    # Towards the smooth interface nothing is lost: a third of the loss for a third of the width.
+    # The loss vanishes with the width: a third of the width has a third of the loss.
     assert np.all(1 - albedo[2] < 0.5 * (1 - albedo[1]))
     assert np.all(albedo[-1, 1:] > 0.97)
 
@@ -208,7 +208,7 @@ def oracle_stacks(oracle: Mapping[str, np.ndarray]) -> list[tuple[str, int, Stac
 def test_agrees_with_reference_values(oracle: Mapping[str, np.ndarray]) -> None:
     ratios, scores = [], []
     for kind, row, stack in oracle_stacks(oracle):
-        # Every fourth pair of the longer lists: all kinds of pairs in less time.
+        # Every fourth pair of the longer lists, to cover all kinds of pairs in less time.
         step = 4 if kind == "two" else 1
         wi, wo, reference, se = (
             oracle[f"{kind}_{k}"][row, ::step] for k in ("wi", "wo", "f", "se")
@@ -234,7 +234,7 @@ def test_albedo_agrees_with_reference_values(oracle: Mapping[str, np.ndarray]) -
 
 
 def test_aliasing_is_below_the_kept_modes() -> None:
-    """A kernel of known modes: exp(a cos phi) has the modified Bessel functions of a."""
+    """A kernel of known modes: those of exp(a cos phi) are modified Bessel functions of a."""
     one = np.ones(1)
     modes = fourier(lambda o, i, c: np.exp(o * i * 2 * c), one, one, 20)[:, 0, 0]
     phi = np.linspace(0, np.pi, 7)

@@ -1,4 +1,4 @@
-"""Directional albedos: two unlike estimators agree, and energy is neither made nor lost."""
+"""Directional albedos: two different estimators agree, and energy is conserved."""
 
 import numpy as np
 import pytest
@@ -28,7 +28,7 @@ STACKS = {
 
 
 @pytest.mark.parametrize("stack", STACKS.values(), ids=STACKS.keys())
-def test_the_brdf_reflects_as_many_photons_as_nature_does(stack) -> None:
+def test_the_integral_of_the_brdf_agrees_with_the_analog_walk(stack) -> None:
     through_brdf, se = albedo(stack, WI, walks=1 << 16, seed=1)
     counted, se_counted = analog_albedo(stack, WI, walks=1 << 16, seed=2)
     z = (through_brdf - counted) / np.hypot(se, se_counted)
@@ -48,20 +48,20 @@ def test_a_smooth_stack_that_absorbs_nothing_reflects_everything(
 ) -> None:
     stack = coat(bottom, 0.01, 1.5, 1.0, sigma_t, 0.3)
     value, se = estimate(stack, WI[:3], walks=1 << 16, seed=3)
-    # Only what facets hide from each other is lost, of order alpha^2 = 1e-4 at each of the few
-    # dozen reflections that light locked in a coat goes through.
+    # Only the light that facets hide from each other is lost: alpha^2 = 1e-4 at each of the few
+    # dozen reflections of light that is trapped in a coat.
     assert np.all(value > 0.99 - 5 * se)
     assert np.all(value < 1 + 5 * se)
 
 
-def test_rough_facets_lose_light_and_never_make_any() -> None:
+def test_rough_facets_lose_light_and_never_gain_any() -> None:
     lost = []
     for alpha in (0.05, 0.3, 1.0):
         stack = coat(conductor(alpha, 1.0), alpha, 1.5, 1.0, 1.0)
         value, se = albedo(stack, WI, walks=1 << 16, seed=4)
         assert np.all(value < 1 + 5 * se)
         lost.append(1 - value.mean())
-    # The model has no scattering between facets, so that its loss grows with roughness.
+    # The model has no scattering between facets, so its loss grows with roughness.
     assert lost[0] < lost[1] < lost[2]
 
 
@@ -80,7 +80,7 @@ def test_a_stack_that_absorbs_less_reflects_more(estimate) -> None:
         assert np.all(rise > 3 * error)
 
 
-def test_a_black_diffuse_bottom_leaves_the_top_reflection_alone() -> None:
+def test_a_black_diffuse_bottom_leaves_only_the_top_reflection() -> None:
     top, se_top = albedo(coat(diffuse(0.0), 0.2, 1.5), WI, walks=1 << 16, seed=6)
     counted, se = analog_albedo(coat(diffuse(0.0), 0.2, 1.5, 0.0, 5.0), WI, walks=1 << 16, seed=7)
     assert np.abs((top - counted) / np.hypot(se, se_top)).max() < 4
@@ -89,7 +89,7 @@ def test_a_black_diffuse_bottom_leaves_the_top_reflection_alone() -> None:
 
 
 @pytest.mark.parametrize("estimate", [albedo, analog_albedo])
-def test_below_the_horizon_nothing_comes_back(estimate) -> None:
+def test_directions_below_the_horizon_have_zero_albedo(estimate) -> None:
     value, se = estimate(STACKS["diffuse"], [[0, 0.6, -0.8], [1, 0, 0]], walks=100)
     assert not value.any()
     assert not se.any()
@@ -111,7 +111,7 @@ def test_no_directions_give_no_values(estimate) -> None:
 
 
 @pytest.mark.parametrize("estimate", [albedo, analog_albedo])
-def test_bad_input_is_named(estimate) -> None:
+def test_errors_name_the_bad_input(estimate) -> None:
     with pytest.raises(ParameterError, match="walks is 1; a standard error needs at least 2"):
         estimate(STACKS["diffuse"], WI, walks=1)
     with pytest.raises(ParameterError, match=r"wi\[0\] = .* is not a unit vector"):

@@ -1,4 +1,4 @@
-"""Bottoms of the walk: their densities are those that their samples have, and limits are known."""
+"""Bottoms of the walk: samples follow their densities, and known limits are reached."""
 
 import drjit as dr
 import numpy as np
@@ -76,7 +76,7 @@ def test_trowbridge_reitz_lobe_of_exponent_two_is_ggx(types):
 @pytest.mark.parametrize("gamma", [0.6, 1.03, 3.0, 8.0])
 @pytest.mark.parametrize("alpha", [0.02, 0.5])
 def test_trowbridge_reitz_normals_are_drawn_with_their_density(types, alpha, gamma):
-    """Means of cos^2 by the samples and by quadrature over theta agree, as do means of one."""
+    """Samples and quadrature over theta have one mean of cos^2, and the density integrates to 1."""
     rng = stream(types.PCG32, dr.arange(types.UInt64, SAMPLES), 1)
     parameters = types.Float(alpha), types.Float(gamma)
     m = microfacet.sample_gtr(types.Array3f, *parameters, rng.next_float32(), rng.next_float32())
@@ -111,5 +111,5 @@ def test_beckmann_lobe_is_mitsubas(variant):
     theirs = bsdf.eval(mi.BSDFContext(), si, wo)[0].numpy()
     zero, one, alpha = mi.Float(0), mi.Float(1), mi.Float(0.3)
     ours = bottoms.MixtureBottom(zero, zero, alpha, one, one, alpha, one).f_pdf(wi, wo)[0] * wo.z
-    # Mitsuba's rational fit of Smith's term has the same coefficients; float32 remains.
+    # Mitsuba's rational fit of Smith's term has the same coefficients, so only float32 differs.
     np.testing.assert_allclose(ours.numpy(), theirs, rtol=2e-3, atol=1e-6)

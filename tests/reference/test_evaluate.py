@@ -1,4 +1,4 @@
-"""Surfaces without coats: closed forms, energy, reciprocity, and their walk-side twins."""
+"""Surfaces without coats: closed forms, energy and reciprocity."""
 
 import numpy as np
 import pytest
@@ -53,7 +53,7 @@ def test_conductors_follow_the_closed_form() -> None:
         np.testing.assert_allclose(found, exact, rtol=3e-4)
 
 
-def test_a_clear_conductor_is_a_dielectric() -> None:
+def test_a_conductor_without_absorption_is_a_dielectric() -> None:
     wi, wo = hemisphere(500, 2), hemisphere(500, 3)
     metal = f(conductor(0.3, eta=1.5, k=0.0), wi, wo)
     np.testing.assert_allclose(metal, f(dielectric(0.3, 1.5), wi, wo), rtol=1e-3, atol=1e-6)
@@ -104,7 +104,7 @@ def test_no_directions_give_no_values() -> None:
         assert f(description, nothing, nothing).shape == (0, 3)
 
 
-def test_bad_directions_are_named() -> None:
+def test_errors_name_bad_directions() -> None:
     with pytest.raises(ParameterError, match=r"wi\[1\] = .* is not a unit vector"):
         f(diffuse(0.5), [[0, 0, 1], [0, 0, 1.1]], [[0, 0, 1], [0, 0, 1]])
     with pytest.raises(ParameterError, match="wi has 1 directions and wo has 2"):

@@ -1,4 +1,4 @@
-"""The rough dielectric interface: its samplers, its two directions, its energy."""
+"""The rough dielectric interface: samplers, reciprocity between its two sides, and energy."""
 
 import math
 from types import ModuleType
@@ -12,7 +12,7 @@ from urushi.reference.monte_carlo import backend
 
 COUNT = 200_000
 
-#: (alpha, eta, polar angle); eta < 1 is the view from below, where light can be locked in.
+#: (alpha, eta, polar angle); eta < 1 is the view from below, with total internal reflection.
 CASES = [
     (0.3, 1.5, 0.3),
     (0.3, 1 / 1.5, 0.3),
@@ -48,7 +48,7 @@ def arrays(jit: ModuleType, points: np.ndarray):
 
 
 @pytest.mark.parametrize(("alpha", "eta", "theta"), CASES)
-def test_samples_have_the_density_that_scatter_states(
+def test_samples_follow_the_stated_density(
     jit: ModuleType, sphere_test, alpha: float, eta: float, theta: float
 ) -> None:
     wi, a, e = direction(jit, theta), jit.Float(alpha), jit.Float(eta)
@@ -63,7 +63,7 @@ def test_samples_have_the_density_that_scatter_states(
 
 
 @pytest.mark.parametrize(("alpha", "eta", "theta"), CASES)
-def test_transmission_samples_have_the_density_that_it_states(
+def test_transmission_samples_follow_the_stated_density(
     jit: ModuleType, sphere_test, alpha: float, eta: float, theta: float
 ) -> None:
     wi, a, e = direction(jit, theta), jit.Float(alpha), jit.Float(eta)
@@ -88,8 +88,8 @@ def test_a_sample_carries_f_cos_over_its_density(
     pairs = (density, pdf), (f * dr.abs(wo.z), weight * pdf)
     for found, expected in pairs:
         ratio = found.numpy()[kept] / expected.numpy()[kept]
-        # The half vector is found again from wi + eta wo. Where these are nearly opposite, or the
-        # facet is seen edge-on, float32 leaves it few digits: one sample in a thousand is spared.
+        # The half vector is computed from wi + eta wo. Where these are nearly opposite, or the
+        # facet is seen edge-on, float32 leaves few digits: one sample in a thousand may differ.
         assert np.mean(np.abs(ratio - 1) > 2e-3) < 1e-3
 
 
@@ -111,7 +111,7 @@ def test_split_sampling_adds_up_to_both(
 
 @pytest.mark.parametrize("eta", [1.1, 1.5, 3.0])
 @pytest.mark.parametrize("alpha", [0.05, 0.5])
-def test_the_two_ways_through_differ_by_the_squared_index(
+def test_transmission_up_and_down_differ_by_the_squared_index(
     jit: ModuleType, alpha: float, eta: float
 ) -> None:
     # In flux convention f(up) = f(down) / eta^2 (Veach 1997, section 5.2, with light's eta^2 out).
@@ -128,7 +128,7 @@ def test_the_two_ways_through_differ_by_the_squared_index(
 
 
 @pytest.mark.parametrize(("alpha", "eta", "theta"), CASES)
-def test_no_energy_is_made(jit: ModuleType, alpha: float, eta: float, theta: float) -> None:
+def test_samples_never_gain_energy(jit: ModuleType, alpha: float, eta: float, theta: float) -> None:
     wi = direction(jit, theta)
     _, weight, _ = interface.sample(wi, jit.Float(alpha), jit.Float(eta), *uniform(jit, 3))
     assert weight.numpy().max() <= 1  # it is the masking of wo
@@ -138,7 +138,7 @@ def test_no_energy_is_made(jit: ModuleType, alpha: float, eta: float, theta: flo
 def test_a_smooth_interface_loses_no_energy(jit: ModuleType, eta: float) -> None:
     wi = direction(jit, 0.5)
     _, weight, _ = interface.sample(wi, jit.Float(0.01), jit.Float(eta), *uniform(jit, 3))
-    # Single scattering loses what facets hide from each other: of order alpha^2.
+    # Single scattering loses the light that facets hide from each other, of order alpha^2.
     assert weight.numpy().mean() > 1 - 1e-3
 
 

@@ -41,7 +41,7 @@ def compared(
     row = np.repeat(np.arange(count, dtype=np.uint32), pairs)
     f, se = walk_pairs(table(oracle, family), row, wi, wo, walks=WALKS, seed=1)
     f, se = (x.reshape(count, pairs).astype(np.float64) for x in (f, se))
-    # float32 and rounded parameters on both sides: 0.2 % of f is granted.
+    # float32 and rounded parameters on both sides: a difference of 0.2 % of f is allowed.
     variance = se**2 + se_reference**2 + (0.002 * f) ** 2
     return f / reference, (f - reference) ** 2 / variance
 
@@ -51,7 +51,7 @@ def test_the_median_ratio_is_one(compared) -> None:
     assert abs(np.median(ratio) - 1) < 0.003
 
 
-def test_deviations_are_as_large_as_the_errors_say(compared) -> None:
+def test_deviations_agree_with_the_standard_errors(compared) -> None:
     _, z2 = compared
     assert z2.mean() < 1.4
     assert z2.mean() > 0.5  # else the standard errors are too large
@@ -60,9 +60,9 @@ def test_deviations_are_as_large_as_the_errors_say(compared) -> None:
 def test_every_configuration_agrees(compared) -> None:
     ratio, z2 = compared
     pairs = ratio.shape[1]
-    # The median of n deviations of 1.1 % has a standard error of 1.25 * 1.1 % / sqrt(n), and the
-    # mean of n squares one of sqrt(2 / n), here doubled because noise of walks has long tails;
-    # four standard errors each.
+    # Four standard errors are allowed. That of the median of n deviations of 1.1 % is
+    # 1.25 * 1.1 % / sqrt(n). That of the mean of n squares is sqrt(2 / n), here doubled because
+    # the noise of walks has long tails.
     assert np.abs(np.median(ratio, axis=1) - 1).max() < 4 * 1.25 * 0.011 / np.sqrt(pairs)
     assert z2.mean(axis=1).max() < 1 + 8 * np.sqrt(2 / pairs)
 

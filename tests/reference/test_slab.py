@@ -1,4 +1,4 @@
-"""The closed forms of a smooth slab: known identities, and the two simulators' smooth limit."""
+"""Closed forms of a smooth slab: known identities, and the smooth limit of both simulators."""
 
 from itertools import pairwise
 
@@ -36,7 +36,7 @@ def test_absorption_weakens_the_internal_return() -> None:
 def test_white_furnace() -> None:
     cos = np.linspace(0.02, 1, 25)
     np.testing.assert_allclose(slab.mirror_albedo(cos, 1.5, 0.0, 1.0), 1, rtol=1e-12)
-    # Quadrature of the outgoing directions meets the root of Fresnel's formula at grazing.
+    # The error is the quadrature's: Fresnel's formula has a square root at grazing directions.
     np.testing.assert_allclose(slab.lambertian_albedo(cos, 1.5, 0.0, 1.0), 1, rtol=1e-6)
 
 
@@ -56,7 +56,7 @@ def pairs_off_the_mirror() -> tuple[np.ndarray, np.ndarray]:
     """Pairs at 0 to 60 degrees whose half vector is 10 degrees or more from the normal."""
     theta_i, theta_o = (a.ravel() for a in np.meshgrid([0.35, 0.7, 1.05], [0.35, 0.7, 1.05]))
     wi = np.stack([np.sin(theta_i), 0 * theta_i, np.cos(theta_i)], axis=1)
-    # At a right angle to the plane of incidence.
+    # The half vector is tilted at a right angle to the plane of incidence.
     wo = np.stack([0 * theta_o, np.sin(theta_o), np.cos(theta_o)], axis=1)
     return wi, wo
 
@@ -87,7 +87,7 @@ def test_adding_doubling_over_a_lambertian_approaches_the_smooth_limit() -> None
 
 
 def top_reflection(wi: np.ndarray, wo: np.ndarray, alpha: float) -> np.ndarray:
-    """The surface's own reflection: that over a black bottom."""
+    """The reflection of the top interface alone: that of a stack with a black bottom."""
     black = coat(diffuse(0.0), alpha, 1.5, albedo=0.0, sigma_t=1.0)
     return adding_doubling.solve(black, wi, wo, nodes=8, modes=2)[:, 0]
 
@@ -98,7 +98,7 @@ def test_walk_over_a_mirror_reaches_the_smooth_limit(theta: float) -> None:
     mean, se = albedo_about_the_mirror(stack, theta, alpha=0.02, samples=40_000)
     for channel, (sigma_t, r0) in enumerate(zip(SIGMA_T, REFLECTANCE, strict=True)):
         expected = slab.mirror_albedo(np.cos(theta), 1.5, sigma_t, r0)
-        # 1 %: what GGX's tails reflect below the horizon is lost.
+        # 1 %: light that GGX's tails reflect below the horizon is lost.
         assert abs(mean[channel] - expected) < 0.01 * expected + 3 * se[channel]
 
 

@@ -1,4 +1,4 @@
-"""Descriptions: values, equality, and a sentence for every mistake."""
+"""Descriptions: values, equality, and an error sentence for every mistake."""
 
 import numpy as np
 import pytest
@@ -23,15 +23,15 @@ STACK = coat(diffuse(0.5), 0.1, 1.5)
 
 
 def test_descriptions_are_values() -> None:
-    made = coat(conductor(0.1, [0.9, 0.8, 0.7]), np.float32(0.5), 1.5, albedo=np.array(0.5))
+    stack = coat(conductor(0.1, [0.9, 0.8, 0.7]), np.float32(0.5), 1.5, albedo=np.array(0.5))
     again = coat(conductor(0.1, (0.9, 0.8, 0.7)), 0.5, 1.5, 0.5)
-    assert made == again
-    assert hash(made) == hash(again)
-    assert made.bottom.r0 == (0.9, 0.8, 0.7)
-    assert made.coats[0].alpha == 0.5
+    assert stack == again
+    assert hash(stack) == hash(again)
+    assert stack.bottom.r0 == (0.9, 0.8, 0.7)
+    assert stack.coats[0].alpha == 0.5
 
 
-def test_default_coat_is_the_plugins() -> None:
+def test_defaults_of_coat_are_those_of_the_plugins() -> None:
     """BK7 glass (1.5046) in air (1.000277), as Mitsuba's rough dielectrics, of width 0.1, clear."""
     eta = 1.5046 / 1.000277
     assert coat(diffuse(0.5)) == coat(diffuse(0.5), 0.1, eta, 0, 0, 0)
@@ -86,7 +86,7 @@ def test_a_table_has_a_row_per_channel_that_differs() -> None:
         (lambda: Stack((diffuse(1),), diffuse(1)), "a Stack needs one or more Coat objects"),
     ],
 )
-def test_mistakes_in_descriptions_are_named(make, sentence: str) -> None:
+def test_errors_name_mistakes_in_descriptions(make, sentence: str) -> None:
     with pytest.raises(ParameterError, match=sentence):
         make()
 
@@ -103,7 +103,7 @@ def test_mistakes_in_descriptions_are_named(make, sentence: str) -> None:
         ((STACK, "up", UP), r"wi must be an \(N, 3\) array of unit vectors"),
     ],
 )
-def test_mistakes_in_a_simulation_are_named(arguments: tuple, sentence: str) -> None:
+def test_errors_name_mistakes_in_a_simulation(arguments: tuple, sentence: str) -> None:
     with pytest.raises(ParameterError, match=sentence):
         simulate(*arguments)
 
@@ -123,7 +123,7 @@ def test_no_directions_give_no_values() -> None:
     assert f.shape == se.shape == (0, 3)
 
 
-def test_mistakes_in_a_table_are_named() -> None:
+def test_errors_name_mistakes_in_a_table() -> None:
     one = np.ones((2, 1))
     with pytest.raises(ParameterError, match="'conductor' bottoms needs the parameters alpha, r0"):
         StackTable(one, one, one, one, one, "conductor", {"alpha": np.ones(2)})

@@ -1,4 +1,4 @@
-"""The random walk: reciprocity, independence of everything that must not matter, edge cases."""
+"""The random walk: reciprocity, independence of launches and channels, and edge cases."""
 
 from types import ModuleType
 
@@ -66,7 +66,7 @@ FAMILIES = [
 ]
 
 
-def test_light_may_go_either_way_on_200_random_stacks() -> None:
+def test_200_random_stacks_are_reciprocal() -> None:
     rng = np.random.default_rng(5)
     there, back, z = [], [], []
     for kind, coats in FAMILIES:
@@ -76,14 +76,14 @@ def test_light_may_go_either_way_on_200_random_stacks() -> None:
         both = np.concatenate([wi, wo]), np.concatenate([wo, wi])
         f, se = walk_pairs(table, row, *both, walks=1 << 15, seed=6)
         f, se = f.reshape(2, 25), se.reshape(2, 25)
-        # Rounding of the analytic reflection is granted where a stack returns nothing else.
+        # Rounding of the analytic reflection is allowed where a stack reflects nothing else.
         z.append((f[0] - f[1]) / np.sqrt(se[0] ** 2 + se[1] ** 2 + (1e-5 * f[0]) ** 2 + 1e-30))
         there.append(f[0])
         back.append(f[1])
     z, there, back = (np.concatenate(x) for x in (z, there, back))
     assert np.count_nonzero(there) == len(there) == 200
-    # 200 values: sampled heavy tails make a standard error itself uncertain, so that z is wider
-    # than a Gaussian; a bias of one or two standard errors in a fourth of the pairs would show.
+    # 200 values: heavy tails make the standard errors uncertain, so z is wider than a Gaussian.
+    # The test would still detect a bias of one or two standard errors in a fourth of the pairs.
     assert np.abs(z).max() < 5
     assert abs(z.mean()) < 4 / np.sqrt(200)
     assert np.mean(z**2) < 1.5
@@ -91,7 +91,7 @@ def test_light_may_go_either_way_on_200_random_stacks() -> None:
 
 
 class ColorLayers:
-    """Coats with one value per channel, as a renderer hands them to the walk."""
+    """Coats with one value per channel, as a renderer passes them to the walk."""
 
     def __init__(self, jit: ModuleType, coats: tuple[Coat, ...]) -> None:
         self.count = len(coats)
@@ -138,7 +138,7 @@ COLORED = {
     "sigma_t": [dict(albedo=0.9, sigma_t=(0.2, 1.0, 6.0), g=0.3)],
     "clear in one channel": [dict(albedo=(0.9, 0.5, 1.0), sigma_t=(0.0, 2.0, 5.0), g=0.4)],
     "g": [dict(albedo=0.95, sigma_t=2.0, g=(-0.5, 0.1, 0.8))],
-    # a rough top, where directions that the phase function draws leave as often as connections
+    # a rough top: light leaves by sampled phase directions as often as by connections
     "g, rough": [dict(alpha=1.0, albedo=0.95, sigma_t=2.0, g=(-0.8, 0.0, 0.9))],
     "two coats": [
         dict(albedo=(0.9, 0.5, 0.99), sigma_t=(0.0, 1.0, 2.0), g=(0.6, 0.1, -0.4)),
@@ -160,7 +160,7 @@ def test_one_walk_for_all_channels_equals_a_walk_per_channel(coats: list[dict]) 
     # 18 values, of which the three channels of a colour walk are correlated.
     assert np.abs(z).max() < 4.5
     assert np.mean(z**2) < 2
-    assert np.median(se_color / f) < 0.02  # and the comparison is sharp enough to mean something
+    assert np.median(se_color / f) < 0.02  # the comparison has enough samples
 
 
 STACK = coat(coat(conductor(0.2, (0.9, 0.6, 0.3)), 0.3, 1.3, 0.9, 1.0, 0.5), 0.1, 1.5, 0.5, 0.3)
@@ -178,7 +178,7 @@ def test_a_seed_gives_the_same_numbers_again_and_another_gives_others() -> None:
 
 
 @pytest.mark.parametrize("lanes", [700, 3000, 1 << 13])
-def test_the_result_does_not_depend_on_how_it_is_cut_into_launches(
+def test_the_result_does_not_depend_on_the_division_into_launches(
     monkeypatch: pytest.MonkeyPatch, lanes: int
 ) -> None:
     # 700: parts of a row; 3000: three rows; 2^13: eight rows and the last one alone.
@@ -192,7 +192,7 @@ def test_the_result_does_not_depend_on_how_it_is_cut_into_launches(
 
 
 def test_pairs_and_seeds_are_independent() -> None:
-    # The same pair 2000 times: its spread must be what the standard error says.
+    # The same pair 2000 times: the values' deviation must agree with the standard error.
     wi, wo = hemisphere(2, np.random.default_rng(4))[:, None]
     wi, wo = np.repeat(wi, 2000, axis=0), np.repeat(wo, 2000, axis=0)
     stack = coat(diffuse(0.5), 0.3, 1.5, 0.9, 1.0)
@@ -200,14 +200,14 @@ def test_pairs_and_seeds_are_independent() -> None:
         simulate(stack, wi, wo, walks=256, seed=seed, progress=False) for seed in (1, 2)
     )
     f, se, other = f[:, 0], se[:, 0], other[:, 0]
-    # The spread of 2000 values is known to 2 %, and somewhat less well with long tails.
+    # The deviation of 2000 values is known to 2 %, and slightly worse with long tails.
     assert f.std() == pytest.approx(np.sqrt(np.mean(se**2)), rel=0.1)
     for a, b in ((f, other), (f[1:], f[:-1]), (f[1:], other[:-1])):
         assert abs(np.corrcoef(a, b)[0, 1]) < 4 / np.sqrt(2000)
 
 
 class Reflector:
-    """A Lambertian reflector per channel that samples uniformly: a bottom of the user's own."""
+    """A custom bottom: one Lambertian reflectance per channel, sampled uniformly."""
 
     def __init__(self, reflectance: tuple[float, float, float]) -> None:
         self.reflectance = reflectance
@@ -227,37 +227,37 @@ class Reflector:
         return wo, self._value(wi) * (wo.z / pdf), type(wo.z)(pdf)
 
 
-def test_a_bottom_of_ones_own_equals_the_built_in_one() -> None:
+def test_a_custom_bottom_equals_the_built_in_one() -> None:
     reflectance = (0.8, 0.4, 0.1)
     rng = np.random.default_rng(6)
     wi, wo = hemisphere(6, rng), hemisphere(6, rng)
     for sigma_t in (0.0, 1.0):
         coats = 0.2, 1.5, (0.9, 0.5, 0.2), sigma_t, 0.5
-        own, se_own = simulate(
+        custom_f, se_custom = simulate(
             coat(Reflector(reflectance), *coats), wi, wo, walks=1 << 16, seed=1, progress=False
         )
         f, se = simulate(
             coat(diffuse(reflectance), *coats), wi, wo, walks=1 << 16, seed=2, progress=False
         )
-        z = (own - f) / np.hypot(se, se_own)
+        z = (custom_f - f) / np.hypot(se, se_custom)
         assert np.abs(z).max() < 4
         assert np.mean(z**2) < 2  # 18 values
 
 
-def test_the_built_in_bottoms_serve_as_ones_own() -> None:
+def test_built_in_bottoms_can_be_used_as_custom_bottoms() -> None:
     jit = backend()
     rng = np.random.default_rng(7)
     wi, wo = hemisphere(5, rng), hemisphere(5, rng)
-    own = coat(bottoms.schlick_conductor(jit.Float(0.2), jit.Float(0.9)), 0.2, 1.5, 0.9, 1.0)
+    stack = coat(bottoms.schlick_conductor(jit.Float(0.2), jit.Float(0.9)), 0.2, 1.5, 0.9, 1.0)
     same = coat(conductor(0.2, 0.9), 0.2, 1.5, 0.9, 1.0)
-    custom, _ = simulate(own, wi, wo, walks=1 << 14, seed=3, progress=False)
+    custom, _ = simulate(stack, wi, wo, walks=1 << 14, seed=3, progress=False)
     f, se = simulate(same, wi, wo, walks=1 << 14, seed=3, progress=False)
     assert np.all(np.abs(custom - f) < 6 * se)
-    # Pairs of a custom bottom are three rows each, so that only the first pair's stream is shared.
+    # A pair of a custom bottom has three rows: only the first pair has the same random stream.
     np.testing.assert_allclose(custom[0, 0], f[0, 0], rtol=1e-4)
 
 
-def test_below_the_horizon_it_is_dark() -> None:
+def test_f_is_zero_below_the_horizon() -> None:
     up, down, level = [0, 0.6, 0.8], [0, 0.6, -0.8], [1, 0, 0]
     wi, wo = [up, down, down, level, up], [down, up, down, up, level]
     for stack in (STACK, coat(diffuse(1.0), 0.5, 1.5)):

@@ -1,4 +1,4 @@
-"""A training of a few steps, and its data, which the tests of this folder share."""
+"""The shared fixtures of this folder: a training of a few steps and its data."""
 
 import pytest
 
@@ -18,7 +18,7 @@ ARCH = Architecture(
     latent=6, decoder=(16,), encoder=(16,), layerer=(24,), sampler=(8,), lobes=2, probes=24
 )
 
-#: Stacks of 0, 1 and 2 coats in a step.
+#: Numbers of stacks of 0, 1 and 2 coats in a step.
 STACKS = (3, 9, 4)
 
 SOAP = Schedule(8, 4, 1e-3, average=0.9, steps_per_call=4, checkpoint_every=4, rule="soap")
@@ -44,7 +44,7 @@ TINY = Preset(
         Sampling(Schedule(8, 4, 3e-3, average=0.9, steps_per_call=4, checkpoint_every=4)),
     ),
     pairs=8,
-    memory=512,  # of 832 pairs: the examples stream
+    memory=512,  # fewer than the 832 pairs, so that examples are streamed
     arch=ARCH,
 )
 

@@ -1,4 +1,4 @@
-"""The penalty for f that rises with absorption."""
+"""The penalty for an f that rises with absorption."""
 
 import jax.numpy as jnp
 import numpy as np
@@ -17,7 +17,7 @@ def coats():
     return low + (high - low) * rng.random((7, 5), np.float32)
 
 
-def test_absorption_is_added_and_nothing_else_changes(coats):
+def test_only_absorption_is_added(coats):
     darker = np.asarray(with_more_absorption(jnp.asarray(coats)))
     np.testing.assert_array_equal(darker[:, [0, 1, 4]], coats[:, [0, 1, 4]])
     scattering, extinction = coats[:, 2] * coats[:, 3], coats[:, 3]
@@ -27,17 +27,17 @@ def test_absorption_is_added_and_nothing_else_changes(coats):
 
 
 @pytest.mark.parametrize("sign", [-1, 1])
-def test_a_network_that_brightens_by_absorption_alone_is_charged(coats, sign):
-    # All weights zero but one path: from the feature ln(1 + sigma_t (1 - albedo)), which grows with
-    # absorption, through one neuron to the gain.
+def test_only_a_network_that_brightens_with_absorption_is_penalised(coats, sign):
+    # All weights are zero except on one path: from the feature ln(1 + sigma_t (1 - albedo)), which
+    # grows with absorption, through one neuron to the gain.
     params = {name: np.zeros_like(value) for name, value in init(ARCH, 0).items()}
     absorbed = 14
     params["layerer.0.weight"][ARCH.latent + absorbed, 0] = 1
     params["layerer.1.weight"][0, 0] = sign
     params["layerer.0.bias"][0] = 5  # where the activation grows
     features = np.zeros((7, 3, 8), np.float32)
-    charge = np.asarray(
+    penalty = np.asarray(
         absorption_penalty(params, ARCH, np.zeros((7, 4), np.float32), coats, features)
     )
-    assert charge.shape == (7, 3)
-    assert (charge > 0).all() if sign > 0 else (charge == 0).all()
+    assert penalty.shape == (7, 3)
+    assert (penalty > 0).all() if sign > 0 else (penalty == 0).all()

@@ -1,4 +1,4 @@
-"""The decoding stage: the scatter is learnt, its pairs weigh less, and nothing is biased."""
+"""The decoding stage: it learns the scatter, gives such pairs less weight, and adds no bias."""
 
 import jax
 import jax.numpy as jnp
@@ -87,7 +87,7 @@ def test_weights_have_mean_one_and_fall_with_the_scatter():
     np.testing.assert_allclose(weights.mean(axis=1), 1.0, rtol=1e-6)
     assert (np.diff(weights[0]) < 0).all()
     np.testing.assert_allclose(weights[1], 1.0, rtol=1e-6)
-    # Four times the scatter, half the weight, where both are far above the least scatter.
+    # Four times the scatter gives half the weight, if both are far above the least scatter.
     assert weights[0, 2] / weights[0, 3] == pytest.approx(2.0, rel=1e-4)
 
 
@@ -120,7 +120,7 @@ def test_decoder_and_scatter_get_no_gradient_from_each_others_loss(batch):
 
 
 def test_the_plain_loss_of_two_known_errors(batch):
-    """Networks of zero weights decode to 1; errors of 0.1 and 0.2 in turn, four pairs each.
+    """Networks of zero weights decode to 1; errors alternate between 0.1 and 0.2, four pairs each.
 
     With TYPICAL = 0.01 and EASE = 0.003, each half weighted by the error of the other, the loss is
     (0.1^2 sqrt(0.01 / (0.003 + 0.2^2)) + 0.2^2 sqrt(0.01 / (0.003 + 0.1^2))) / 2 = 0.019952.
@@ -134,7 +134,7 @@ def test_the_plain_loss_of_two_known_errors(batch):
 
 @pytest.mark.parametrize("spread", [0.3, 1.0])
 def test_the_minimum_under_uneven_noise_is_the_mean(spread):
-    # Gamma noise, every other pair four times as wide, weighted by its true variance.
+    # Gamma noise, four times as wide in every other pair, and weights of the true variance.
     rng = np.random.default_rng(5)
     deviations = np.tile([spread / 4, spread], 8)
     shape = 1 / deviations**2

@@ -1,4 +1,4 @@
-"""Several devices learn what one does; a process with four virtual devices stands for them."""
+"""Several devices learn the same as one; a process with four virtual devices replaces them."""
 
 import dataclasses
 import json
@@ -67,7 +67,7 @@ def four(tiny_data, tmp_path_factory):
 def test_each_device_has_its_share_of_the_stacks_and_all_parameters(four, tiny):
     shapes, steps = four[0]["Batch"], tiny.stages[0].schedule.steps_per_call
     assert shapes["f"] == [[steps, 4, tiny.pairs]] * 4  # 16 stacks a step
-    # Only some stacks have the lowest coat, fewer the next one: these go whole to every device.
+    # Only some stacks have the lowest coat, and fewer the next one: every device gets all coats.
     assert shapes["coats"] == [[steps, 13, 5], [steps, 4, 5]]
     assert shapes["weight"] == [[6 + 16, 16]] * 4  # the code and the coat
     shapes = four[0]["LayeringBatch"]
@@ -78,16 +78,16 @@ def test_each_device_has_its_share_of_the_stacks_and_all_parameters(four, tiny):
 
 
 @pytest.mark.slow
-def test_four_devices_learn_what_one_does(four, tiny, tiny_data, tmp_path):
+def test_four_devices_learn_the_same_as_one(four, tiny, tiny_data, tmp_path):
     one = train(dataclasses.replace(tiny, stages=tiny.stages[:2]), data=tiny_data, run=tmp_path)
     model = four[1]
     assert model.header["cost"]["devices"] == 4
     assert one.header["cost"]["devices"] == 1
     for name, value in one.params.items():
-        # Sums over stacks are taken in another order, which changes the seventh digit in float32;
-        # 8 steps of 3e-3 with Muon's orthogonalised gradients may increase that to 1e-4. SOAP
-        # normalises every gradient, also one that is rounding alone, which moves the layerer's
-        # weights but not its values: the metrics below compare those.
+        # Sums over stacks have another order, which changes the seventh digit in float32; 8 steps
+        # of 3e-3 with Muon's orthogonalised gradients may increase that to 1e-4. SOAP normalises
+        # every gradient, even if it is only rounding, which changes the layerer's weights but not
+        # its values: the metrics below compare the values.
         if not name.startswith("layerer."):
             np.testing.assert_allclose(model.params[name], value, atol=1e-3, err_msg=name)
     for name, value in one.header["metrics"].items():
@@ -107,7 +107,7 @@ def test_one_device_takes_any_number_of_stacks():
     assert shared.place(state, batches) == (state, batches)
 
 
-def test_no_two_devices_for_a_prime(monkeypatch):
+def test_a_prime_number_of_stacks_is_refused(monkeypatch):
     monkeypatch.setattr(jax, "local_devices", lambda: [None] * 2)
     with pytest.raises(ParameterError, match="or show JAX one device"):
         devices.find(9)

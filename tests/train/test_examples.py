@@ -1,4 +1,4 @@
-"""Batches: each example once an epoch, whatever the cutting, with what belongs together."""
+"""Batches: each example once an epoch, with its own arrays, for any division into steps."""
 
 import dataclasses
 import gc
@@ -18,7 +18,7 @@ from urushi.reference import analytic
 from urushi.train import examples
 from urushi.train.examples import Batches, Depth
 
-EVERYTHING = 1 << 20  # direction pairs: more than the store has
+EVERYTHING = 1 << 20  # more direction pairs than the store has
 
 
 @pytest.fixture(scope="module")
@@ -38,7 +38,7 @@ def test_examples_are_grouped_by_the_number_of_coats(held):
         np.testing.assert_array_equal(depth.stack, np.repeat(np.arange(len(depth.probes)), 2))
 
 
-def test_what_belongs_together_stays_together(tiny, tiny_data, held):
+def test_the_arrays_of_an_example_belong_together(tiny, tiny_data, held):
     store = Store.open(tiny_data)
     arrays = store.read(tiny.data.parts[3])
     row, item = 5, 11  # the second run of the sixth stack
@@ -55,7 +55,7 @@ def test_what_belongs_together_stays_together(tiny, tiny_data, held):
     np.testing.assert_array_equal(held[2].probes[row], values)
 
 
-def test_batches_do_not_depend_on_how_the_steps_are_cut(tiny, depths):
+def test_batches_do_not_depend_on_the_division_into_steps(tiny, depths):
     whole = Batches(depths, tiny.stages[0].stacks, seed=1).take(0, 40)
     other = Batches(depths, tiny.stages[0].stacks, seed=1)
     pieces = [other.take(start, count) for start, count in ((0, 3), (3, 30), (33, 7))]
@@ -68,16 +68,16 @@ def test_batches_do_not_depend_on_how_the_steps_are_cut(tiny, depths):
     assert (Batches(depths, tiny.stages[0].stacks, seed=2).take(0, 40).f != whole.f).any()
 
 
-def test_an_epoch_sees_every_example_once(tiny, depths, held):
-    # 16 items with two coats, four a step: four steps an epoch; these come first in a batch.
+def test_an_epoch_has_every_example_once(tiny, depths, held):
+    # 16 items have two coats, four of them in a step: an epoch is four steps. They come first.
     taken = Batches(depths, tiny.stages[0].stacks, seed=1).take(0, 8)
     for epoch in (slice(0, 4), slice(4, 8)):
-        seen = taken.f[epoch, :4].reshape(16, -1)
-        np.testing.assert_array_equal(np.sort(seen, axis=0), np.sort(held[2].f, axis=0))
+        values = taken.f[epoch, :4].reshape(16, -1)
+        np.testing.assert_array_equal(np.sort(values, axis=0), np.sort(held[2].f, axis=0))
     assert (taken.f[:4, :4] != taken.f[4:, :4]).any()
 
 
-def test_deeper_stacks_come_first_so_that_each_coat_meets_its_own_stack(tiny, depths, held):
+def test_deeper_stacks_come_first_so_that_coats_match_their_stacks(tiny, depths, held):
     batch = Batches(depths, tiny.stages[0].stacks, seed=1).take(0, 2)
     lowest, highest = batch.coats
     assert lowest.shape == (2, 13, 5)
@@ -92,12 +92,12 @@ def test_deeper_stacks_come_first_so_that_each_coat_meets_its_own_stack(tiny, de
 
 @pytest.fixture
 def streamed(tiny, tiny_data, tmp_path):
-    """The same data in shards of four stacks, and room for a fifth of them."""
+    """The same data in shards of four stacks, for streaming."""
     store = generate(dataclasses.replace(tiny.data, shard=4), tmp_path / "small.zarr")
     return lambda memory=MEMORY: examples.load(store, tiny.arch, tiny.pairs, memory)
 
 
-MEMORY = 320  # of the 52 stacks' 832 training pairs; a shard has 64
+MEMORY = 320  # direction pairs; the 52 stacks have 832 training pairs, and a shard has 64
 
 
 def test_a_store_larger_than_memory_streams_in_bounded_memory(tiny, streamed, monkeypatch):
@@ -116,24 +116,24 @@ def test_a_store_larger_than_memory_streams_in_bounded_memory(tiny, streamed, mo
         batches.take(step, 3)
         gc.collect()
     assert len(windows) > 20
-    # Two depths have 192 and 128 pairs, whose shares are below one shard's 64: it is held instead.
+    # Two depths have 192 and 128 pairs. Their shares are below the 64 of a shard, which is held.
     assert max(peak) <= MEMORY + 2 * 2 * 64
 
 
-def test_a_stream_sees_every_example_once_an_epoch(tiny, streamed):
+def test_a_stream_has_every_example_once_an_epoch(tiny, streamed):
     count = tiny.stages[0].stacks[1]
     all_of_them = streamed(EVERYTHING)[1].first()
-    epoch = len(all_of_them.f)  # items of one coat; as many steps end with the end of an epoch
+    epoch = len(all_of_them.f)  # items of one coat; after this number of steps an epoch ends
     taken = Batches(streamed(), tiny.stages[0].stacks, seed=1).take(0, epoch)
-    seen = taken.f[:, 4 : 4 + count].reshape(count, epoch, -1)
-    for once in seen:
+    values = taken.f[:, 4 : 4 + count].reshape(count, epoch, -1)
+    for once in values:
         np.testing.assert_array_equal(np.sort(once, axis=0), np.sort(all_of_them.f, axis=0))
-    assert (seen[0] != seen[1]).any()
+    assert (values[0] != values[1]).any()
 
 
-def test_a_stream_does_not_depend_on_how_the_steps_are_cut(tiny, streamed):
+def test_a_stream_does_not_depend_on_the_division_into_steps(tiny, streamed):
     whole = Batches(streamed(), tiny.stages[0].stacks, seed=1).take(0, 40)
-    for start, count in ((0, 3), (33, 7), (17, 5)):  # each as a resumed training begins
+    for start, count in ((0, 3), (33, 7), (17, 5)):  # the first steps of resumed trainings
         part = Batches(streamed(), tiny.stages[0].stacks, seed=1).take(start, count)
         for name in ("probes", "features", "f"):
             np.testing.assert_array_equal(
@@ -141,7 +141,7 @@ def test_a_stream_does_not_depend_on_how_the_steps_are_cut(tiny, streamed):
             )
 
 
-def test_a_damaged_shard_is_reported_when_its_turn_comes(tiny, streamed):
+def test_a_damaged_shard_is_reported_when_it_is_read(tiny, streamed):
     depths = streamed()
     chunk = depths[1]._store.path / "coated" / "f" / "c" / "4" / "0"
     chunk.write_bytes(chunk.read_bytes()[:10])

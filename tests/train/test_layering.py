@@ -1,4 +1,4 @@
-"""The layering stage: widening keeps the layerer's values, its batches, and that it learns."""
+"""The layering stage: widening keeps the layerer's values, batches are complete, and it learns."""
 
 import dataclasses
 
@@ -57,14 +57,14 @@ def test_narrower_layers_or_another_number_of_them_are_refused(tiny, narrow, wid
 
 
 def test_every_stack_of_a_depth_comes_once_an_epoch(measured):
-    # 32 stacks of one coat by 8, 8 of two by 2: four steps are an epoch of both.
+    # 32 stacks of one coat, 8 in a step; 8 of two coats, 2 in a step: four steps are an epoch.
     batches = LayeringBatches(measured, (8, 2), seed=2)
     epoch = batches.take(4, 4)
     assert epoch.z.shape[:2] == (4, 10)
     of_two, of_one = (x.reshape(-1, x.shape[-1]) for x in np.split(epoch.z, [2], 1))
     for drawn, losses in zip((of_one, of_two), measured, strict=True):
         assert sorted(row.tobytes() for row in drawn) == sorted(row.tobytes() for row in losses.z)
-    # Deepest first: the lowest coat is the last of two, the only of one.
+    # Deepest first: the lowest coat is the last of two coats, or the only one.
     rows = [np.flatnonzero((measured[1].z == z).all(-1))[0] for z in of_two]
     np.testing.assert_array_equal(epoch.coats[0][:, :2].reshape(8, 5), measured[1].coats[rows, 1])
     np.testing.assert_array_equal(epoch.coats[1].reshape(8, 5), measured[1].coats[rows, 0])

@@ -1,4 +1,4 @@
-"""The networks learn: one BRDF by heart, and a proposal that follows it."""
+"""The networks can overfit one BRDF, and the proposal learns to follow it."""
 
 import jax
 import jax.numpy as jnp
@@ -31,7 +31,7 @@ def gold(wi, wo):
 
 @pytest.fixture(scope="module")
 def overfitted():
-    """Networks that know one conductor, its probe values, and the last error."""
+    """Networks trained on one conductor, its probe values, and the last error."""
     schedule = Schedule(1000, 20, 1e-2, average=0.9, steps_per_call=50, checkpoint_every=50)
     wi, wo = training_pairs(np.random.default_rng(0), 1024)
     probes = gold(*probe_pairs(ARCH.probes))[None]
@@ -50,7 +50,7 @@ def overfitted():
     return {**state.average, **fixed}, probes, float(terms["fit"])
 
 
-def test_one_brdf_is_learnt_by_heart(overfitted):
+def test_one_brdf_can_be_overfitted(overfitted):
     # A mean squared relative error of 1e-4 is one per cent: GGX is nearly linear in the features.
     assert overfitted[2] < 1e-4
 
@@ -73,7 +73,7 @@ def test_the_proposal_learns_its_lobe(overfitted):
 
 
 def test_variation_is_that_of_a_known_integrand(overfitted, monkeypatch):
-    # A Lambertian f and a proposal of the cosine lobe and one lobe: cv against quadrature over u.
+    # A Lambertian f, and a proposal of the cosine lobe and one other: cv agrees with quadrature.
     params, _, _ = overfitted
     weights, alphas = jnp.array([0.5, 0.0, 0.5]), jnp.array([0.5, 0.5])
     wi = jnp.array([[0.6, 0.0, 0.8]])
@@ -84,7 +84,7 @@ def test_variation_is_that_of_a_known_integrand(overfitted, monkeypatch):
     monkeypatch.setattr(sampling, "mean_f_cos", lambda p, arch, z, wi, wo: wo[..., 2] / jnp.pi)
     latents = jnp.zeros((2, ARCH.latent))
     cv = np.asarray(variation(params, ARCH, latents, seed=0, materials=4))
-    # Independent: second moment of f cos / p under p is the integral of (f cos)^2 / p.
+    # The reference: the second moment of f cos / p under p is the integral of (f cos)^2 / p.
     cosine, phi = np.meshgrid(
         (np.arange(800) + 0.5) / 800, (np.arange(800) + 0.5) / 800 * 2 * np.pi
     )

@@ -1,4 +1,4 @@
-"""Training as a whole: resumption bit for bit, the weights' header, figures, refusals."""
+"""Whole trainings: bit-exact resumption, the weights' header, figures, and errors."""
 
 import dataclasses
 import json
@@ -65,7 +65,7 @@ def test_an_interrupted_training_resumes_to_the_same_bits(
 ):
     """Two checkpoints in every stage and one at each change of stage: 14 saves.
 
-    The first of all is that of the killed process below.
+    The first save of all is tested by the killed process below.
     """
     model, folder, copies = uninterrupted
     run = tmp_path / "run"
@@ -96,7 +96,7 @@ def test_a_killed_process_resumes_to_the_same_bits(uninterrupted, tmp_path, tiny
     assert resumed.fingerprint == uninterrupted[0].fingerprint
 
 
-def test_a_preset_may_leave_out_stages_and_weights_of_pairs(tiny, tiny_data, tmp_path):
+def test_stages_and_pair_weights_are_optional(tiny, tiny_data, tmp_path):
     joint, _, decoding, _, _ = tiny.stages
     plain = dataclasses.replace(decoding, weigh_pairs=False)
     brief = dataclasses.replace(tiny, stages=(joint, plain), arch=tiny.architectures()[0])
@@ -108,7 +108,7 @@ def test_a_preset_may_leave_out_stages_and_weights_of_pairs(tiny, tiny_data, tmp
     assert set(model.header["metrics"]) == {"E mean", "P median"}
 
 
-def test_the_header_says_where_the_weights_come_from(uninterrupted, tiny, tiny_data):
+def test_the_header_states_the_origin_of_the_weights(uninterrupted, tiny, tiny_data):
     model, folder, _ = uninterrupted
     read = weights.read(folder / "weights.safetensors")
     assert read.fingerprint == model.fingerprint
@@ -124,7 +124,7 @@ def test_the_header_says_where_the_weights_come_from(uninterrupted, tiny, tiny_d
     assert {"data seconds", "training seconds", "processors"} <= set(header["cost"])
 
 
-def test_validation_measures_what_the_exported_weights_give(uninterrupted, tiny, tiny_data):
+def test_validation_measures_the_exported_weights(uninterrupted, tiny, tiny_data):
     model = uninterrupted[0]
     store = Store.open(tiny_data)
     checks = validation.load(store, tiny.arch)
@@ -146,7 +146,7 @@ def test_validation_measures_what_the_exported_weights_give(uninterrupted, tiny,
     assert figures == pytest.approx({"E mean": e, "P median": p}, rel=1e-4)  # float32 sums
 
 
-def test_a_begun_training_is_not_lost_by_accident(uninterrupted, tiny, tiny_data):
+def test_an_interrupted_training_is_not_overwritten(uninterrupted, tiny, tiny_data):
     folder = uninterrupted[1]
     with pytest.raises(FileError, match="holds a training that was begun; give --resume"):
         train(tiny, data=tiny_data, run=folder)
@@ -164,7 +164,7 @@ def test_a_checkpoint_of_another_preset_or_a_damaged_one_is_refused(
         train(tiny, data=tiny_data, run=tmp_path, resume=True)
 
 
-def test_places_that_cannot_be_written_are_refused_before_the_work(tiny, tiny_data, tmp_path):
+def test_unwritable_paths_are_refused_before_the_training(tiny, tiny_data, tmp_path):
     (tmp_path / "file").write_text("text")
     with pytest.raises(FileError, match="cannot make the folder"):
         train(tiny, data=tiny_data, run=tmp_path / "file" / "run")
@@ -172,7 +172,7 @@ def test_places_that_cannot_be_written_are_refused_before_the_work(tiny, tiny_da
         train(tiny, data=tiny_data, run=tmp_path / "run", out=tmp_path)
 
 
-def test_unknown_presets_are_named():
+def test_errors_name_unknown_presets():
     with pytest.raises(ParameterError, match="no preset 'slow'; choose one of base, small, quick"):
         train("slow")
 

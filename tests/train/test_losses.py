@@ -32,7 +32,7 @@ def _coats(rng, count):
 @pytest.fixture
 def batch():
     rng = np.random.default_rng(0)
-    count = CYCLE_STRIDE + 3  # two stacks take part in the cycle
+    count = CYCLE_STRIDE + 3  # two stacks are in the cycle loss
     return Batch(
         probes=rng.random((count, 6), np.float32),
         coats=tuple(_coats(rng, n) for n in (14, 5)),
@@ -52,10 +52,10 @@ def test_gradient_of_the_error_agrees_with_finite_differences(batch):
             z = compose(p, ARCH, inputs.probes, inputs.coats)
             return decode(p, ARCH, z[:, None], inputs.features)
 
-        seen = jax.jit(predict)(params)
-        brightness = jnp.pi * jnp.minimum(seen, 1).mean(axis=-1, keepdims=True)
-        assert float(brightness.min()) > 1  # so that the floor is the whole one
-        constant = seen + FLOOR  # what the loss holds constant
+        decoded = jax.jit(predict)(params)
+        brightness = jnp.pi * jnp.minimum(decoded, 1).mean(axis=-1, keepdims=True)
+        assert float(brightness.min()) > 1  # so that the floor is not reduced
+        constant = decoded + FLOOR  # what the loss holds constant
 
         @jax.jit
         def frozen(t):
@@ -86,7 +86,8 @@ def test_every_trained_network_gets_a_gradient(batch):
 @pytest.mark.parametrize("spread", [0.3, 1.5])
 def test_the_minimum_under_noise_is_the_mean(spread):
     # Gamma noise of mean 0.4 and the given relative deviation: skewed, like Monte Carlo values.
-    # 16 pairs a stack: a weight that saw its own pairs' noise would be far too dark at 1.5.
+    # 16 pairs a stack: if a weight depended on the noise of its own pairs, the minimum would be far
+    # too dark at 1.5.
     rng = np.random.default_rng(3)
     shape = 1 / spread**2
     f = jnp.asarray(rng.gamma(shape, 0.4 / shape, (40_000, 16)), jnp.float32)
@@ -107,24 +108,24 @@ def test_the_minimum_under_noise_is_the_mean(spread):
     assert slope(0.4 * 0.9)[0] < -4 * error
 
 
-def test_an_outlier_pulls_no_harder_than_the_knee():
+def test_the_gradient_of_an_outlier_is_bounded_by_the_knee():
     slope = jax.grad(lambda f_hat: squared_errors(f_hat[None], jnp.float32(1e6))[0])
     # d/df_hat of KNEE (2 e - KNEE) with e = (f - f_hat) / (f_hat + FLOOR).
     assert slope(jnp.float32(1.0)) == pytest.approx(-2 * KNEE / (1 + FLOOR), rel=1e-5)
 
 
-def test_dark_stacks_are_judged_by_their_own_brightness():
-    # Ten times as dark, down to where pi f is the floor's least share, errors count the same.
+def test_errors_of_dark_stacks_are_relative_to_their_brightness():
+    # A stack ten times as dark has the same loss, as long as pi f is above the floor's least share.
     f = np.array([[0.2, 0.3], [0.02, 0.03]], np.float32)
     bright, dark = np.asarray(squared_errors(jnp.asarray(1.1 * f), f))
     np.testing.assert_allclose(bright, dark, rtol=1e-3)
 
 
-def test_a_hard_stack_counts_by_about_the_root_of_its_error():
+def test_the_loss_of_a_stack_grows_with_about_the_root_of_its_error():
     f = jnp.ones((1, 16), jnp.float32)
     errors = np.array([0.2, 0.4, 0.8])
     losses = np.array([float(stack_loss(f * (1 + e), f)) for e in errors])
-    relative = errors / (1 + errors + FLOOR)  # of which the loss is a square before weighting
+    relative = errors / (1 + errors + FLOOR)  # the loss is its square before weighting
     # EASE is a tenth of the least square, so that its root is 5 % more than without.
     np.testing.assert_allclose(losses / losses[2], relative / relative[2], rtol=0.06)
 
@@ -143,13 +144,13 @@ def test_compose_applies_the_lowest_coat_first(batch):
 
 
 @pytest.mark.parametrize("outwards", [-1, 1])
-def test_codes_beyond_their_bounds_are_held_and_can_come_back(batch, outwards):
+def test_codes_beyond_their_bounds_are_clamped_and_can_return(batch, outwards):
     params = init(ARCH, 0)
     bias = np.full_like(params["encoder.1.bias"], 10 * LARGEST_CODE)
 
     def objective(bias):
         z = compose(params | {"encoder.1.bias": bias}, ARCH, batch.probes, ())
-        return -outwards * z[0, 0]  # least where the code is large, or small
+        return -outwards * z[0, 0]  # the minimum lies at large or at small codes
 
     assert float(objective(bias)) == pytest.approx(-outwards * LARGEST_CODE)
     assert float(jax.grad(objective)(bias)[0]) == (0 if outwards > 0 else 1)

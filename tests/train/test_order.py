@@ -1,4 +1,4 @@
-"""The order of examples: each once an epoch, in windows that fit and are alike."""
+"""The order of examples: each once an epoch, in similar windows that fit into memory."""
 
 import numpy as np
 import pytest
@@ -25,24 +25,24 @@ def test_every_item_comes_once_an_epoch(capacity):
     order = Order(SIZES, capacity, seed=0)
     assert order.size == 2413
     for epoch in range(2):
-        seen = sequence(order, epoch * order.size, order.size)
-        assert len(np.unique(seen, axis=0)) == order.size
+        items = sequence(order, epoch * order.size, order.size)
+        assert len(np.unique(items, axis=0)) == order.size
 
 
 @pytest.mark.parametrize("capacity", [40, 400])
-def test_windows_fit_and_hold_both_parts_alike(capacity):
+def test_windows_fit_and_hold_both_parts_equally(capacity):
     order = Order(SIZES, capacity, seed=0)
     flat = np.concatenate(SIZES)
     windows = order.windows(3)
     assert max(flat[list(window)].sum() for window in windows) <= capacity
     if capacity == 400:
-        # Half of the items are of either part; a window's ends cut off at most two shards of each.
+        # Half of the items are in each part; a window's ends cut off at most two shards of each.
         for window in windows[:-1]:
             share = flat[[k for k in window if k < FIRST]].sum() / flat[list(window)].sum()
             assert abs(share - 0.5) < 0.25
 
 
-def test_what_fits_is_one_window_whose_whole_is_shuffled():
+def test_data_that_fit_are_one_window_that_is_shuffled_as_a_whole():
     order = Order(SIZES, 2413, seed=0)
     assert order.windows(0) == order.windows(1) == [tuple(range(91))]
     shards = sequence(order, 0, 2413)[:, 0]

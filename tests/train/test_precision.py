@@ -1,4 +1,4 @@
-"""bfloat16 rounds the factors of the hidden products and nothing else."""
+"""bfloat16 rounds only the factors of the hidden products."""
 
 import jax
 import jax.numpy as jnp
@@ -49,17 +49,17 @@ def test_reciprocity_survives():
     np.testing.assert_array_equal(there, back)
 
 
-def test_a_lowered_training_learns_and_keeps_float32():
+def test_training_in_bfloat16_learns_and_keeps_float32_weights():
     """A lobe over the features, learnt by the decoder with rounded products."""
     schedule = Schedule(
         300, 10, 1e-2, average=0.9, steps_per_call=50, checkpoint_every=50, precision="bfloat16"
     )
-    seen = features()
+    inputs = features()
     z = jnp.zeros((256, ARCH.latent))
-    target = -seen[:, 0]
+    target = -inputs[:, 0]
 
     def loss(params, _):
-        error = jnp.mean((jnp.log(decode(params, ARCH, z, seen)) - target) ** 2)
+        error = jnp.mean((jnp.log(decode(params, ARCH, z, inputs)) - target) ** 2)
         return error, {"loss": error}
 
     trained = {name: value for name, value in PARAMS.items() if name.startswith("decoder.")}
@@ -71,11 +71,11 @@ def test_a_lowered_training_learns_and_keeps_float32():
     assert float(terms["loss"]) < 3e-3
 
 
-def test_an_unknown_precision_is_named():
+def test_errors_name_an_unknown_precision():
     with pytest.raises(ParameterError, match="precision is 'half'; choose one of float32, bfloat"):
         Schedule(8, 1, 1e-3, steps_per_call=4, checkpoint_every=4, precision="half")
 
 
-def test_an_unknown_rule_is_named():
+def test_errors_name_an_unknown_rule():
     with pytest.raises(ParameterError, match="rule is 'sgd'; choose one of muon, soap"):
         Schedule(8, 1, 1e-3, steps_per_call=4, checkpoint_every=4, rule="sgd")

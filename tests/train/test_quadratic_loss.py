@@ -1,4 +1,4 @@
-"""Quadratic forms: slope and curvature of the stacks' loss, and re-entry of what lies below."""
+"""Quadratic forms: slope and curvature of the stacks' loss, and re-encoded lower parts."""
 
 import jax
 import jax.numpy as jnp
@@ -25,13 +25,13 @@ def depths(tiny, tiny_data):
 @pytest.fixture(scope="module")
 def params(tiny):
     drawn = init(tiny.arch, 3)
-    rng = np.random.default_rng(4)  # biases and the scale, which start at zero, as well
+    rng = np.random.default_rng(4)  # also for biases and the scale, which start at zero
     return {k: v + 0.05 * rng.standard_normal(v.shape).astype(np.float32) for k, v in drawn.items()}
 
 
 def test_the_slope_is_that_of_the_loss(tiny, depths, params):
     held = depths[1].first()
-    made = quadratic_loss.measure_quadratic_losses(params, tiny.arch, held)
+    forms = quadratic_loss.measure_quadratic_losses(params, tiny.arch, held)
     per_stack = len(held.f) // len(held.probes)
     for stack in (0, 7, len(held.probes) - 1):
         items = np.flatnonzero(held.stack == stack)
@@ -41,11 +41,11 @@ def test_the_slope_is_that_of_the_loss(tiny, depths, params):
             f_hat = decode(params, tiny.arch, z[None, None], held.features[items])
             return stack_loss(f_hat, held.f[items])
 
-        slope = jax.grad(loss)(jnp.asarray(made.z[stack]))
-        np.testing.assert_allclose(made.slope[stack], slope, rtol=2e-3, atol=1e-5)
+        slope = jax.grad(loss)(jnp.asarray(forms.z[stack]))
+        np.testing.assert_allclose(forms.slope[stack], slope, rtol=2e-3, atol=1e-5)
 
 
-def test_the_curvature_is_exact_where_the_values_are_what_is_decoded(tiny, params):
+def test_the_curvature_is_exact_where_the_decoded_values_are_exact(tiny, params):
     # Without errors the loss is its Gauss-Newton form up to third order in the code's change.
     rng = np.random.default_rng(5)
     z = rng.standard_normal((3, tiny.arch.latent)).astype(np.float32)
@@ -63,23 +63,23 @@ def test_the_curvature_is_exact_where_the_values_are_what_is_decoded(tiny, param
                              f[i, None]))
             for i in range(3)
         ]  # fmt: skip
-        # Third order: a relative error in proportion to the size, here up to 10 times of it; the
-        # weights of halves, which the form holds as they were, count EASE = 3e-3 in 1e-2 more.
+        # The third order is a relative error in proportion to the size, here up to 10 times the
+        # size. The weights of halves, which are constant in the form, add EASE = 3e-3 in 1e-2.
         predicted = quadratic_loss.loss_increase(moved, z, np.zeros_like(z), curvature)
         np.testing.assert_allclose(predicted, expected, rtol=10 * size)
 
 
-def test_what_lies_below_is_decoded_and_encoded_again(tiny, depths, params):
+def test_lower_parts_are_decoded_and_encoded_again(tiny, depths, params):
     held = depths[2].first()
-    made = quadratic_loss.measure_quadratic_losses(params, tiny.arch, held)
+    forms = quadratic_loss.measure_quadratic_losses(params, tiny.arch, held)
     arch = tiny.arch
     bottoms = encode(params, arch, held.probes)
     lower = layer(params, arch, bottoms, coat_features(*held.coats[:, 1].T))
     f = decode(params, arch, lower[:, None], direction_features(*probe_pairs(arch.probes)))
-    np.testing.assert_allclose(made.bottoms, bottoms, atol=1e-5)
-    np.testing.assert_allclose(made.below, encode(params, arch, f), atol=1e-4)
+    np.testing.assert_allclose(forms.bottoms, bottoms, atol=1e-5)
+    np.testing.assert_allclose(forms.below, encode(params, arch, f), atol=1e-4)
     whole = layer(params, arch, lower, coat_features(*held.coats[:, 0].T))
-    np.testing.assert_allclose(made.z, whole, atol=1e-5)
+    np.testing.assert_allclose(forms.z, whole, atol=1e-5)
     np.testing.assert_array_equal(
-        quadratic_loss.loss_increase(made.z, made.z, made.slope, made.curvature), 0.0
+        quadratic_loss.loss_increase(forms.z, forms.z, forms.slope, forms.curvature), 0.0
     )

@@ -1,4 +1,4 @@
-"""The shipped weights are what the preset of their name describes."""
+"""The shipped weights were trained with the preset of their name."""
 
 import json
 
@@ -9,7 +9,7 @@ from urushi.train import presets
 
 
 @pytest.mark.parametrize("name", weights.SHIPPED)
-def test_the_shipped_weights_were_trained_by_the_preset_as_it_stands(name):
+def test_the_shipped_weights_were_trained_with_the_current_preset(name):
     described = weights.load_shipped(name).header["preset"]
     assert described["name"] == name
     assert described == json.loads(json.dumps(presets.get(described["name"]).to_dict()))

@@ -1,4 +1,4 @@
-"""SOAP finds the axes of a curvature, along which it is Adam."""
+"""SOAP finds the eigenvectors of a curvature; along these it equals Adam."""
 
 import jax
 import jax.numpy as jnp
@@ -34,7 +34,7 @@ def least(rule, left, right, steps):
     return float(loss)
 
 
-def test_a_rotated_curvature_is_no_harder_than_one_along_the_axes():
+def test_a_rotated_curvature_is_as_easy_as_one_along_the_axes():
     rng = np.random.default_rng(0)
     steep, flat = np.diag(np.logspace(-1.5, 1.5, 12)), np.diag(np.logspace(-0.5, 0.5, 8))
     rotated = rotation(rng, 12) @ steep @ rotation(rng, 12), rotation(rng, 8) @ flat
@@ -44,12 +44,12 @@ def test_a_rotated_curvature_is_no_harder_than_one_along_the_axes():
     across = least(optax.adam(rate, b1=0.95, b2=0.99), *rotated, 400)
     found = least(soap(rate), *rotated, 400)
     assert found < 1e-4 * start_loss
-    assert found < 0.1 * across  # what Adam makes of the rotated one
+    assert found < 0.1 * across  # Adam's loss with the rotated one
     assert found < 10 * max(along, 1e-6 * start_loss)
 
 
 def test_steps_are_those_of_adam_where_the_gradient_has_one_entry():
-    """A gradient along one axis has that axis as its eigenvector, whatever comes later."""
+    """The axis of such a gradient is an eigenvector, and later gradients do not change it."""
     gradient = np.zeros(SHAPE, np.float32)
     gradient[3, 2] = 0.7
     rule, adam = (f(optax.constant_schedule(0.1)) for f in (soap, lambda r: optax.adam(r, 0.95)))
