@@ -51,7 +51,7 @@ def test_on_a_cluster_whose_worker_is_killed(two_workers, model):
 
 def test_each_may_be_refined_by_itself(model):
     found = dict(encode_all(SOURCES[:2], weights=model, refine=[False, True]))
-    assert found[0].material == encode(SOURCES[0], model)
+    assert found[0].material == encode(SOURCES[0], model, refine=False)
     assert found[1].material == encode(SOURCES[1], model, refine=True)
 
 
