@@ -1,4 +1,4 @@
-"""The command line's manners: help that teaches, one sentence for an error, honest exit codes."""
+"""The command line: help with examples, one sentence for an error, and exit codes."""
 
 import os
 import shlex
@@ -98,8 +98,8 @@ def test_ctrl_c_in_a_real_process():
     assert errors.count("\n") == 1
 
 
-def test_the_script_is_light():
-    """No command may pay for what another one needs."""
+def test_the_script_imports_little():
+    """A command does not import packages that only another command needs."""
     code = (
         "import sys; from urushi.app import cli\n"
         "for name in ('jax', 'zarr', 'matplotlib', 'distributed', 'urushi.reference',"
@@ -110,7 +110,7 @@ def test_the_script_is_light():
     assert run.returncode == 0, run.stderr.decode()
 
 
-def test_output_that_nobody_reads_ends_the_command_without_a_word():
+def test_a_closed_output_pipe_ends_the_command_silently():
     code = (
         "import sys\n"
         "from urushi.app import cli\n"

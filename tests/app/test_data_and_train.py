@@ -1,4 +1,4 @@
-"""`urushi data` and `urushi train` hand over to their floors what the flags say."""
+"""`urushi data` and `urushi train` pass their flags to the packages that do the work."""
 
 import sys
 from pathlib import Path
@@ -52,7 +52,7 @@ def test_generate_resumes_to_the_same_store(tiny, tmp_path, capsys):
     assert first == second
 
 
-def test_train_hands_the_flags_over(monkeypatch, capsys):
+def test_train_passes_its_flags(monkeypatch, capsys):
     seen = {}
 
     model = SimpleNamespace(header={"metrics": {"E mean": 0.0123}}, fingerprint="0123456789ab")

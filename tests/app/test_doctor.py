@@ -1,4 +1,4 @@
-"""The doctor tells what is wrong, says so by its exit code, and survives what it examines."""
+"""The doctor finds what is wrong, returns it in its exit code, and survives crashes."""
 
 import os
 import subprocess
@@ -11,7 +11,7 @@ from urushi.app import doctor
 from urushi.app.doctor import Doctor, Finding
 
 
-def test_everything_is_looked_at():
+def test_everything_is_examined():
     names = [finding.name for finding in doctor.examine()]
     for expected in ("Python", "mitsuba", "drjit", "LLVM", "GPU", "variant llvm_ad_rgb"):
         assert expected in names
@@ -39,7 +39,7 @@ def test_optional_packages_are_listed_with_their_purpose(monkeypatch):
         ([Finding("LLVM", "14", "too old", True)], 1, "Wrong: LLVM."),
     ],
 )
-def test_the_exit_code_tells(monkeypatch, capsys, findings, code, closing):
+def test_the_exit_code_states_the_result(monkeypatch, capsys, findings, code, closing):
     monkeypatch.setattr(doctor, "examine", lambda: findings)
     assert Doctor().run() == code
     text = capsys.readouterr().out

@@ -1,4 +1,4 @@
-"""`urushi eval` and `urushi data benchmark` hand over to the evaluation what the flags say."""
+"""`urushi eval` and `urushi data benchmark` pass their flags to the evaluation."""
 
 import sys
 from pathlib import Path
@@ -10,7 +10,7 @@ from urushi.eval import benchmark, direction_tables, report
 
 
 @pytest.fixture
-def seen(monkeypatch) -> dict:
+def calls(monkeypatch) -> dict:
     """What the evaluation was asked for; nothing is measured."""
     calls: dict = {}
 
@@ -26,34 +26,34 @@ def seen(monkeypatch) -> dict:
     return calls
 
 
-def test_eval_uses_the_stored_set_unless_a_seed_is_given(seen, capsys):
+def test_eval_uses_the_stored_set_unless_a_seed_is_given(calls, capsys):
     assert cli.main(["eval"]) == 0
-    assert seen == {"weights": None, "output": None, "seed": None}
+    assert calls == {"weights": None, "output": None, "seed": None}
     assert capsys.readouterr().out == "the table\n"
     assert cli.main(["eval", "--weights", "w.safetensors", "--seed", "3"]) == 0
-    assert seen == {"weights": "w.safetensors", "output": None, "seed": 3}
+    assert calls == {"weights": "w.safetensors", "output": None, "seed": 3}
 
 
-def test_eval_by_direction_tables(seen, capsys):
+def test_eval_by_direction_tables(calls, capsys):
     flags = ["--protocol", "direction-tables", "--weights", "w.safetensors", "-o", "out"]
     assert cli.main(["eval", *flags]) == 0
-    assert seen == {"tables": ("w.safetensors", Path("out"))}
+    assert calls == {"tables": ("w.safetensors", Path("out"))}
     assert capsys.readouterr().out == "tables\n"
     assert cli.main(["eval", "--protocol", "direction-tables", "--seed", "1"]) == 2
     assert "--seed belongs to --protocol errors" in capsys.readouterr().err
 
 
-def test_benchmark(seen, capsys):
+def test_benchmark(calls, capsys):
     assert cli.main(["data", "benchmark", "-o", "b.safetensors"]) == 0
-    assert seen == {"path": Path("b.safetensors")}
+    assert calls == {"path": Path("b.safetensors")}
     assert capsys.readouterr().out == "b.safetensors  0123abcd\n"
 
 
-def test_plots_need_their_extra(seen, monkeypatch, capsys):
+def test_plots_need_their_extra(calls, monkeypatch, capsys):
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     assert cli.main(["eval", "-o", "figures"]) == 2
     assert "pip install 'urushi[eval]'" in capsys.readouterr().err
-    assert seen == {}
+    assert calls == {}
 
 
 def test_errors(capsys):

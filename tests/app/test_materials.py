@@ -105,7 +105,7 @@ def test_a_bad_source_stops_none_of_the_others(merl, tmp_path, capsys):
     files = [str(tmp_path / f"{name}.binary") for name in ("absent", "green", "broken", "page")]
     assert cli.main(["encode", *files, "-o", str(tmp_path / "materials")]) == 2
     lines = capsys.readouterr().err.splitlines()
-    assert len(lines) == 4  # a sentence each, and how many there are
+    assert len(lines) == 4  # a sentence for each, and their number
     assert "absent.binary' is neither a file nor a description" in lines[0]
     assert any("broken.binary' is truncated" in line for line in lines)
     assert any("page.binary' is a web page" in line for line in lines)
@@ -147,7 +147,7 @@ def test_a_report_by_a_cluster(merl, two_workers, tmp_path):
     np.testing.assert_allclose(albedo, 0.2 * np.pi, rtol=2e-3)
 
 
-def test_what_is_lost_is_told(tmp_path, capsys):
+def test_averaging_is_reported(tmp_path, capsys):
     scene = tmp_path / "scene.xml"
     brushed = '<float name="alpha_u" value="0.05"/><float name="alpha_v" value="0.5"/>'
     scene.write_text(

@@ -1,4 +1,4 @@
-"""`urushi render` does what Mitsuba's executable does, and says in one sentence what it cannot."""
+"""`urushi render` works like Mitsuba's executable, and errors are one sentence."""
 
 import mitsuba as mi
 import numpy as np
@@ -115,7 +115,9 @@ def test_bad_scenes(tmp_path, text, sentence, capsys):
         ),
     ],
 )
-def test_a_plugins_error_is_told_without_its_calls(tmp_path, parameter, flags, sentence, capsys):
+def test_a_plugins_error_is_shown_without_its_traceback(
+    tmp_path, parameter, flags, sentence, capsys
+):
     path = tmp_path / "coated.xml"
     path.write_text(
         f'<scene version="3.0.0"><shape type="sphere"><bsdf type="layered"><float {parameter}/>'

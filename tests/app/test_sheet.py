@@ -1,4 +1,4 @@
-"""`urushi sheet` blends down the rows, coats along the columns, and refuses what cannot be."""
+"""`urushi sheet` blends materials down the rows, has a coat per column, and refuses bad input."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Fitted lobes: exact recovery, agreement with the Dr.Jit physics, and what noise must not do."""
+"""Fitted lobes: exact recovery, agreement with the Dr.Jit physics, and stability under noise."""
 
 import sys
 
@@ -77,7 +77,7 @@ def test_solid_angles_integrate_over_pairs():
     assert np.average(wi[:, 2], weights=weight) == pytest.approx(2 / 3, abs=0.01)
 
 
-def test_candidates_are_all_choices_of_at_most_so_many_lobes(monkeypatch):
+def test_candidates_are_all_choices_up_to_the_number_of_lobes(monkeypatch):
     monkeypatch.setattr(ggx_fit, "fit", lambda f, *choice: choice)
     assert set(candidates(ONE.f, 1)) == {(1, loss, m) for loss in LOSSES for m in MEASURES}
     assert set(candidates(ONE.f, 2)) == {

@@ -1,4 +1,4 @@
-"""A neural BRDF learns what a BRDF looks like from its values alone."""
+"""A neural BRDF learns a BRDF from its values."""
 
 import numpy as np
 import pytest

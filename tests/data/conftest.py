@@ -1,4 +1,4 @@
-"""What tests of stores share."""
+"""Fixtures for the tests of stores."""
 
 import hashlib
 

@@ -1,4 +1,4 @@
-"""A cluster's store is a single process's, byte for byte, whoever of its workers dies."""
+"""A cluster writes the same store as a single process, byte for byte, even if workers die."""
 
 import os
 import pkgutil
@@ -87,9 +87,7 @@ def test_an_interrupted_run_leaves_whole_shards_and_resumes(
     assert fingerprints(path) == fingerprints(single)
 
 
-def test_the_command_hands_the_scheduler_over(
-    two_workers, single, fingerprints, tmp_path, monkeypatch
-):
+def test_the_command_passes_the_scheduler(two_workers, single, fingerprints, tmp_path, monkeypatch):
     from types import SimpleNamespace
 
     from urushi.app import cli
@@ -112,8 +110,8 @@ def test_no_more_results_are_under_way_than_the_workers_have_room_for(two_worker
 
     begun = cluster.run(two_workers.scheduler_address, double, [(x, tmp_path) for x in range(40)])
     taken = dict(next(begun) for _ in range(3))
-    time.sleep(1.0)  # the workers would go on now if they were let
-    # Two workers with two tasks each, handed over anew only when the next result is asked for.
+    time.sleep(1.0)  # time in which the workers could continue
+    # Two workers have two tasks each, and get another one only when a result is taken.
     assert len(list(tmp_path.iterdir())) <= 3 + 2 * cluster.IN_FLIGHT
     taken |= dict(begun)
     assert taken == {x: 2 * x for x in range(40)}

@@ -43,7 +43,7 @@ def test_table_2_has_the_papers_distributions(coats):
     assert (table.g == 0).all()
 
 
-def test_clear_coats_are_extended_ones_over_little_or_nothing():
+def test_clear_coats_are_extended_coats_with_thin_or_no_media():
     clear = Clear(2, "conductor_complex").sample(np.random.default_rng(0), N)
     extended = Extended(2, "conductor_complex").sample(np.random.default_rng(1), N)
     assert clear.kind == extended.kind

@@ -1,4 +1,4 @@
-"""Stores: pure shards, resumption to the same bytes, and one sentence for what does not fit."""
+"""Stores: pure shards, resumption to the same bytes, and one error sentence for each mistake."""
 
 import dataclasses
 import json
@@ -98,7 +98,7 @@ def test_a_generator_that_fails_midway_resumes_to_the_same_bytes(
     assert fingerprints(path) == fingerprints(finished)
 
 
-def test_a_shard_without_its_mark_is_made_again(fingerprints, finished, tmp_path):
+def test_a_shard_without_its_mark_is_simulated_again(fingerprints, finished, tmp_path):
     path = tmp_path / "torn.zarr"
     generate(SPEC, path)
     (path / "coated" / "complete" / "c" / "1").unlink()

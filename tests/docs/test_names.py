@@ -1,4 +1,4 @@
-"""What the pages name exists: modules, functions, files, benchmarks and make targets."""
+"""Names in the documentation exist: modules, functions, files, benchmarks and make targets."""
 
 import ast
 import re

@@ -1,4 +1,4 @@
-"""The stored set: whole, drawn as it says, and what the simulator gives today."""
+"""The stored set: complete, drawn from its seed, and in agreement with the current simulator."""
 
 import numpy as np
 import pytest
@@ -33,7 +33,7 @@ def test_write_and_read(sets, groups, tmp_path):
     assert benchmark.write(path, again, groups) == digest
 
 
-def test_a_set_is_made_again_to_the_byte(groups, tmp_path, monkeypatch):
+def test_a_set_is_reproduced_to_the_byte(groups, tmp_path, monkeypatch):
     """The same command gives the same file; at a coarse aim, for time."""
     for name in ("E_ERROR", "P_ERROR", "PROBE_ERROR", "ALBEDO_ERROR"):
         monkeypatch.setattr(sampling, name, 0.1)
@@ -42,7 +42,7 @@ def test_a_set_is_made_again_to_the_byte(groups, tmp_path, monkeypatch):
     assert files[0].read_bytes() == files[1].read_bytes()
 
 
-def test_the_stored_set_is_whole(stored):
+def test_the_stored_set_is_complete(stored):
     """Every group; E of the reference's noise at most 0.3 %, but for a stack or two."""
     assert list(stored) == [group.name for group in GROUPS]
     assert benchmark.default_path().stat().st_size < 5e6
@@ -62,7 +62,7 @@ def test_the_stored_stacks_are_those_of_the_seed(stored):
 
 
 @pytest.mark.parametrize("name", ["two, mixture", "three, diffuse", "six, conductor"])
-def test_the_simulator_of_today_agrees_with_the_stored_set(stored, name):
+def test_the_current_simulator_agrees_with_the_stored_set(stored, name):
     """Two stacks a group by 2048 new walks: differences are as large as their standard errors.
 
     (f - f') / se has mean square 1; skewed single walks widen it, and their rare bright ones are
@@ -98,7 +98,7 @@ def test_sets_that_do_not_fit_are_refused(sets, groups, tmp_path, monkeypatch):
     path.write_bytes(path.read_bytes()[:-100])
     with pytest.raises(FileError, match="is no benchmark file or is truncated"):
         benchmark.read(path, groups)
-    benchmark.write(path, sets, groups, seed=1)  # says that other directions were used
+    benchmark.write(path, sets, groups, seed=1)  # the header then states other directions
     with pytest.raises(FileError, match="cannot be drawn again"):
         benchmark.read(path, groups)
     monkeypatch.setattr(benchmark, "FORMAT_VERSION", 2)

@@ -1,4 +1,4 @@
-"""A report on an encoded material tells its errors, and those alone."""
+"""The report on an encoded material states its errors."""
 
 import json
 
@@ -38,13 +38,13 @@ def test_a_material_is_exactly_like_itself(itself):
     assert figures["albedo"]["source"] == figures["albedo"]["material"]
     assert figures["sphere"]["psnr"] == metrics.BEST_PSNR
     assert np.array_equal(*itself.slices) and np.array_equal(*itself.pictures)
-    json.dumps(figures)  # nothing in it that JSON has not
+    json.dumps(figures)  # all values are JSON values
 
 
 def test_errors_are_those_that_were_made(material):
     factors = np.array([1.25, 0.5, 0.0])
     found = examine.examine(lambda wi, wo: material.f(wi, wo) * factors, material)
-    # |f - k f| / k f, and nothing to compare with where the source is black.
+    # |f - k f| / k f; there is no relative error where the source is black.
     assert found.figures["E"][:2] == pytest.approx([0.2, 1.0], rel=1e-5)
     assert found.figures["E"][2] is None
     assert examine.mean_error(found.figures) == pytest.approx(0.6, rel=1e-5)
@@ -66,7 +66,7 @@ def test_a_slice_holds_the_mirror_direction_on_the_positive_side(material):
 def test_albedo_of_a_lambertian_surface(material):
     figures = examine.examine(diffuse((0.2, 0.5, 0.8)), material).figures
     expected = np.tile([0.2, 0.5, 0.8], (len(ALBEDO_ANGLES), 1))
-    # The rule leaves out no energy but that below the first node.
+    # The rule leaves out only the energy below the first node.
     np.testing.assert_allclose(figures["albedo"]["source"], expected, rtol=2e-3)
 
 
@@ -94,7 +94,7 @@ def test_simulated_stacks_can_be_examined(material, monkeypatch):
     assert (albedo > 0.05).all() and (albedo < 1).all()
 
 
-def test_what_cannot_be_shown(material, tmp_path):
+def test_errors_of_materials_that_cannot_be_examined(material, tmp_path):
     two = encode(lambda wi, wo: np.ones((len(wi), 2)), material.model)
     with pytest.raises(ParameterError, match="2 channels"):
         examine.examine(two, two)

@@ -1,4 +1,4 @@
-"""Measures of pictures: closed forms, bounds, and input that makes no sense."""
+"""Measures of pictures: closed forms, bounds, and bad input."""
 
 import sys
 from importlib.util import find_spec
@@ -28,7 +28,7 @@ def test_srgb_and_its_inverse():
     np.testing.assert_allclose(srgb(linear(display)), display, atol=1e-4)  # the norm's own gap
 
 
-def test_shown_clips_what_a_display_cannot_show():
+def test_shown_clips_values_outside_the_display_range():
     np.testing.assert_allclose(shown(np.array([[[-1.0, 0.0, 7.0]]])), [[[0, 0, 1]]], atol=1e-12)
 
 
@@ -42,7 +42,7 @@ def test_equal_pictures(picture):
 def test_flip_of_equal_pictures_and_of_black_and_white(picture):
     assert compare(picture, picture).flip == 0
     black = np.zeros((32, 32, 3))
-    # The most that FLIP can give; its colour term alone is near one here (Andersson et al. 2020).
+    # The largest value of FLIP; its colour term alone is near one here (Andersson et al. 2020).
     assert compare(black + 1, black).flip == pytest.approx(1, abs=0.05)
 
 
@@ -75,7 +75,7 @@ def test_more_noise_is_worse_by_every_measure(picture):
     assert 1 > little.ssim > much.ssim
 
 
-def test_what_is_outside_of_the_mask_does_not_count(picture):
+def test_pixels_outside_the_mask_do_not_count(picture):
     mask = np.zeros(picture.shape[:2], bool)
     mask[:12] = True
     other = picture.copy()
@@ -107,7 +107,7 @@ def test_missing_packages_are_named(picture, package, monkeypatch):
         compare(picture, picture)
 
 
-def test_similarity_by_pixel_tells_where(picture):
+def test_similarity_by_pixel_shows_the_place_of_a_difference(picture):
     other = picture.copy()
     other[:, 26:] = 0.5
     similar = ssim_map(other, picture)

@@ -1,4 +1,4 @@
-"""The measures of error against truths worked out by hand."""
+"""The measures of error against values computed by hand."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Networks' materials are made by the public operations, and broken laws of physics are found."""
+"""Materials come from the public operations, and violations of physical laws are found."""
 
 import numpy as np
 import pytest
@@ -25,24 +25,24 @@ def test_materials_are_those_of_the_public_functions(tiny):
     f = predict.evaluate(predict.materials(tiny, Samples(table, wi, wo, nothing, nothing)), wi, wo)
     assert f.shape == wi.shape[:2] and f.dtype == np.float32
     for stack in range(2):
-        made = urushi.encode(urushi.diffuse(float(table.bottom["reflectance"][stack])), tiny)
+        material = urushi.encode(urushi.diffuse(float(table.bottom["reflectance"][stack])), tiny)
         for coat in (1, 0):
             alpha, eta, albedo, sigma_t, g = (
                 float(getattr(table, name)[stack, coat])
                 for name in ("alpha", "eta", "albedo", "sigma_t", "g")
             )
             top = urushi.dielectric(alpha, eta)
-            made = urushi.layer(top, made, albedo=albedo, sigma_t=sigma_t, g=g)
-        expected = made.f(wi[stack], wo[stack])[:, 0]
+            material = urushi.layer(top, material, albedo=albedo, sigma_t=sigma_t, g=g)
+        expected = material.f(wi[stack], wo[stack])[:, 0]
         np.testing.assert_allclose(f[stack], expected, rtol=1e-4)  # float32 in another order
 
 
 def test_encoded_coats_are_encoded_from_the_stored_values(tiny, sets):
     few = sets["few"]
-    made = predict.materials(tiny, few, encoded=1)
+    materials = predict.materials(tiny, few, encoded=1)
     for stack in range(3):
         expected = material_from_values(few.probed[1][stack][:, None], tiny)
-        np.testing.assert_allclose(made[stack].anchors, expected.anchors, rtol=1e-4, atol=1e-5)
+        np.testing.assert_allclose(materials[stack].anchors, expected.anchors, rtol=1e-4, atol=1e-5)
 
 
 def test_other_probes_are_simulated(tiny, sets, monkeypatch):
@@ -58,16 +58,16 @@ def test_other_probes_are_simulated(tiny, sets, monkeypatch):
 
 def test_lawful_networks_keep_the_laws(sets, tiny):
     """Reciprocity and the sign hold by construction, trained or not."""
-    made = {name: predict.materials(tiny, samples) for name, samples in sets.items()}
-    figures = physical_laws.reciprocity_and_sign(sets, made)
+    materials = {name: predict.materials(tiny, samples) for name, samples in sets.items()}
+    figures = physical_laws.reciprocity_and_sign(sets, materials)
     assert of(figures, "reciprocity").value == 0 and of(figures, "reciprocity").kept
     assert of(figures, "smallest f").value > 0 and of(figures, "smallest f").kept
 
 
 def test_broken_reciprocity_is_found(sets, tiny, monkeypatch):
-    made = {"few": predict.materials(tiny, sets["few"])}
+    materials = {"few": predict.materials(tiny, sets["few"])}
     monkeypatch.setattr(Material, "f", lambda self, wi, wo: wo[:, 2:] - 0.1)
-    figures = physical_laws.reciprocity_and_sign(sets, made)
+    figures = physical_laws.reciprocity_and_sign(sets, materials)
     assert of(figures, "reciprocity").value > 800 and not of(figures, "reciprocity").kept
     assert not of(figures, "smallest f").kept
 
@@ -82,8 +82,8 @@ def unlimited(monkeypatch):
 
 def test_excess_of_the_albedo(sets, lax, unlimited):
     """f = 1 has the albedo pi, about which the stacks' own is known."""
-    made = {name: predict.materials(lax, samples) for name, samples in sets.items()}
-    figures = physical_laws.albedo_excess(sets, made)
+    materials = {name: predict.materials(lax, samples) for name, samples in sets.items()}
+    figures = physical_laws.albedo_excess(sets, materials)
     least = sets["few"].albedo.min()
     assert of(figures, "  with its noise").value == pytest.approx(100 * (np.pi - least), abs=0.2)
     assert of(figures, "albedo above").kept is False
@@ -100,13 +100,13 @@ def test_white_albedo(lax, monkeypatch, unlimited):
 def test_energy_is_conserved_by_any_networks(sets, lax, monkeypatch):
     monkeypatch.setattr(physical_laws, "WHITE_STACKS", 1)
     assert physical_laws.white_albedo(lax).kept
-    made = {"bare": predict.materials(lax, sets["bare"])}
+    materials = {"bare": predict.materials(lax, sets["bare"])}
     bare = sets["bare"]
     own = [
         energy.albedo_rule().albedo(f)
         for f in predict._lower_values(bare, 0, *energy.albedo_rule()[:2])
     ]
-    for material, albedo in zip(made["bare"], own, strict=True):
+    for material, albedo in zip(materials["bare"], own, strict=True):
         excess = energy.directional_albedos(lax, material.latents)[0] - albedo
         lawful = energy.albedo_rule().cosines > energy.GRAZING
         assert excess[lawful].max() < energy.SLACK + 1e-5

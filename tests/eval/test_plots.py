@@ -1,4 +1,4 @@
-"""The plots show what they say: every parameter, the worst stacks, the lobes of both sides."""
+"""The plots show every parameter, the worst stacks, and the lobes of networks and reference."""
 
 import numpy as np
 import pytest
@@ -9,13 +9,13 @@ from urushi.eval.plots import errors, lobes
 
 
 @pytest.fixture(scope="module")
-def some(sets):
+def group_errors(sets):
     """Errors by group, as `report` gives them."""
     return {"few": np.array([0.01, 0.03, 0.02]), "bare": np.array([0.5, 0.5, 0.0])}
 
 
-def test_points_are_the_stacks_parameters(sets, some):
-    panels = errors.points(sets, some)
+def test_points_are_the_stacks_parameters(sets, group_errors):
+    panels = errors.points(sets, group_errors)
     x, y, coats = panels["top coat: eta"]
     np.testing.assert_array_equal(x, sets["few"].table.eta[:, 0])
     np.testing.assert_allclose(y, [1, 3, 2])
@@ -32,8 +32,8 @@ def test_running_median_of_a_line_is_the_line():
     assert len(errors.running_median(x[:3], x[:3])[0]) == 1
 
 
-def test_worst_stacks_are_coated_and_in_order(sets, some):
-    assert lobes.worst_stacks(sets, some) == [("few", 1), ("few", 2), ("few", 0)]
+def test_worst_stacks_are_coated_and_in_order(sets, group_errors):
+    assert lobes.worst_stacks(sets, group_errors) == [("few", 1), ("few", 2), ("few", 0)]
 
 
 def test_lobes_are_f_cos_of_both(sets, lax, monkeypatch):
@@ -51,9 +51,9 @@ def test_lobes_are_f_cos_of_both(sets, lax, monkeypatch):
     assert len(lobes.describe(table, 0).splitlines()) == 2
 
 
-def test_pictures_are_written(sets, some, tiny, tmp_path, monkeypatch):
+def test_pictures_are_written(sets, group_errors, tiny, tmp_path, monkeypatch):
     monkeypatch.setattr(lobes, "WALKS", 16)
-    errors.draw(tmp_path / "e.png", sets, some)
-    lobes.draw(tmp_path / "l.png", tiny, sets, some)
+    errors.draw(tmp_path / "e.png", sets, group_errors)
+    lobes.draw(tmp_path / "l.png", tiny, sets, group_errors)
     for name in ("e.png", "l.png"):
         assert (tmp_path / name).read_bytes()[:4] == b"\x89PNG"

@@ -1,4 +1,4 @@
-"""The table has every row, says what the JSON says, and refuses what it cannot measure."""
+"""The table has every row and the same figures as the JSON file, and bad input is refused."""
 
 import dataclasses
 import json

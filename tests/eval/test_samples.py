@@ -1,4 +1,4 @@
-"""The reference of held-out stacks is as good as it says, and independent of the training's."""
+"""The reference of held-out stacks has the stated error and is independent of training data."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Direction sets: above the horizon, unit length, of the densities that they promise."""
+"""Direction sets: unit vectors above the horizon with the stated densities."""
 
 import numpy as np
 import pytest

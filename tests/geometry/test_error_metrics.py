@@ -1,4 +1,4 @@
-"""E and P against truths worked out by hand."""
+"""E and P against values computed by hand."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""The hemisphere rule integrates what is known in closed form."""
+"""The hemisphere rule against integrals in closed form."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Materials of untrained networks: what holds whatever the weights must hold for them."""
+"""Materials of untrained networks, for properties that hold for any weights."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Many BRDFs at once become what each becomes alone, on this machine or on a cluster."""
+"""BRDFs that are encoded together have the same codes as alone, locally and on a cluster."""
 
 import os
 import signal

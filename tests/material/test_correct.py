@@ -1,4 +1,4 @@
-"""Corrected codes are closer to what was encoded, and nothing else changes."""
+"""Corrected codes are closer to the encoded BRDFs, and nothing else changes."""
 
 import numpy as np
 import pytest
@@ -97,10 +97,10 @@ def test_channels_are_corrected_by_themselves(trained, surfaces):
     f = [
         trained.networks.f(codes[:, None], *trained.networks.pairs()) for codes in (together, alone)
     ]
-    np.testing.assert_allclose(f[0], f[1], rtol=2e-3)  # digits that a step magnifies
+    np.testing.assert_allclose(f[0], f[1], rtol=2e-3)  # a step magnifies rounding errors
 
 
-def test_networks_that_optimise_are_left_alone():
+def test_codes_of_networks_that_optimise_are_not_corrected():
     arch = PaperArchitecture()
     networks = weights.Model.of(arch, init(0), {}).networks
     z, f = np.zeros((1, 32), np.float32), np.ones((1, len(networks.pairs()[0])), np.float32)

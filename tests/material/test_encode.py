@@ -70,7 +70,7 @@ def test_the_source_sees_the_probe_pairs(model):
     seen = []
     encode(lambda wi, wo: seen.append((wi, wo)) or np.ones(len(wi)), model)
     for side, probes in zip(seen[0], probe_pairs(model.arch.probes), strict=True):
-        assert np.array_equal(side[: len(probes)], probes)  # others tell its albedo
+        assert np.array_equal(side[: len(probes)], probes)  # the other pairs measure its albedo
 
 
 @pytest.mark.parametrize("source", [None, 3.0, "gold", {"type": "diffuse"}, conductor, dict])

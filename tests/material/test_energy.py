@@ -1,4 +1,4 @@
-"""No code reflects more than it may: measured by a finer quadrature, between the angles as well."""
+"""No code reflects too much light, by a finer quadrature and also between the rule's angles."""
 
 import numpy as np
 import pytest
@@ -92,7 +92,7 @@ def test_a_gaining_network_is_brought_back_to_the_source(gaining):
     lawful = COSINES > energy.GRAZING
     excess = encode(gold, gaining).directional_albedo(WI) - true_albedo(gold, WI)
     assert excess[lawful].max() < 0.005
-    # It is brought down no farther than its worst direction asks for.
+    # It is scaled down only as far as its worst direction requires.
     assert excess[lawful].max(axis=0).min() > -0.01
 
 
@@ -117,7 +117,7 @@ def test_one_factor_for_all_directions(gaining, directions):
     assert np.array_equal(limited.f(wi, wo), limited.f(wo, wi))
 
 
-def test_what_is_far_below_keeps_its_bits(trained):
+def test_codes_far_below_the_ceiling_keep_their_bits(trained):
     dark = encoder_codes(
         trained, evaluate_source(urushi.diffuse(0.3), *trained.networks.pairs()).values.T
     )
@@ -149,7 +149,7 @@ def test_channels_are_limited_apart(gaining):
 
 
 def test_a_source_that_gains_energy_keeps_its_own_albedo(trained):
-    """Also under a coat; without the values that tell it, the ceiling is 1."""
+    """Also under a coat; without values to measure the source's albedo, the ceiling is 1."""
 
     def bright(wi, wo):
         return np.full(len(wi), 1.2 / np.pi)
@@ -194,7 +194,7 @@ def test_of_many_texels_the_bright_ones_are_limited(trained):
     before = energy.directional_albedos(trained, lifted.reshape(-1, limited.shape[-1])[::5]).max(
         axis=-1
     )
-    assert (before > 1).mean() > 0.02  # the test tests something
+    assert (before > 1).mean() > 0.02  # otherwise the limit would not be tested
     assert peaks.max() <= 1
     untouched = (limited == lifted).all(axis=-1).reshape(-1)[::5]
     assert np.array_equal(untouched, before <= 1 - energy.MARGIN)
@@ -208,8 +208,8 @@ def test_the_papers_codes_have_no_gain_and_pass():
     assert energy.limit_albedo(paper, z) is z
 
 
-def test_sources_are_asked_where_their_albedo_is_told(trained):
-    """But not a Stack, whose every pair costs thousands of walks."""
+def test_sources_are_evaluated_at_the_nodes_of_the_albedo_rule(trained):
+    """A Stack is not, because each of its pairs costs thousands of walks."""
     wi, wo = required_pairs(urushi.diffuse(0.5), trained)
     pairs = len(trained.networks.pairs()[0])
     assert np.array_equal(wi[pairs:], energy.albedo_rule().wi) and np.array_equal(

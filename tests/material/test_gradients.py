@@ -13,7 +13,7 @@ from urushi.paper.architecture import init as init_paper
 
 ROWS = 24
 NAMES = ("alpha", "eta", "albedo", "sigma_t", "g")
-#: Of every two coats one is nearly clear, so that the limit scales those over bright bottoms down.
+#: Every second coat is nearly clear; over a bright bottom the limit scales its code down.
 CLEAR, CLOUDY = [0.2, 1.3, 0.9, 0.02, 0.0], [0.3, 1.5, 0.7, 1.0, 0.3]
 
 
@@ -62,8 +62,8 @@ def test_the_limit_acts_on_some_codes_and_not_on_others(gaining, inputs):
 def test_layer_against_differences(gaining, inputs):
     """To 0.5 %: single precision of codes, and a step of 1e-3, leave a tenth of that.
 
-    The largest albedo is looked for in 41 directions and may change over from one to another
-    within the step, where the derivative jumps: two rows may.
+    The largest albedo is found among 41 directions. Within a step another direction may become the
+    largest, and the derivative jumps there: two rows may differ.
     """
     _, z, coat = inputs
     rng = np.random.default_rng(1)

@@ -1,4 +1,4 @@
-"""Texels in great number: as one by one, whatever broadcasts, on any number of cores."""
+"""Many texels: the same codes as one by one, for any broadcasting and any number of cores."""
 
 import tracemalloc
 
@@ -52,7 +52,7 @@ def _plainly(model, z, coat):
 
 @pytest.mark.parametrize("shapes", COATS.values(), ids=COATS)
 @pytest.mark.parametrize("bottom", BOTTOMS)
-def test_whatever_broadcasts_is_layered_as_plain_rows_are(bottom, shapes, model):
+def test_broadcast_inputs_are_layered_like_plain_rows(bottom, shapes, model):
     z = np.random.default_rng(2).normal(size=bottom).astype(np.float32)
     coat = _coat(shapes)
     coated = layer_texels(model, z, **coat)
@@ -74,7 +74,7 @@ def test_bits_do_not_depend_on_the_number_of_cores(model, monkeypatch):
         np.testing.assert_array_equal(codes, results[0][1])
 
 
-def test_texels_are_encoded_as_plain_rows_are(model):
+def test_texels_are_encoded_like_plain_rows(model):
     f = np.exp(np.random.default_rng(4).normal(-2, 2, (H, 192, W))).astype(np.float32)
     values = np.moveaxis(f, 1, -1)  # as a renderer gives them, not contiguous
     codes = limited_codes(model, values)

@@ -59,7 +59,7 @@ def test_samples_come_with_their_density(material, directions):
 
 @pytest.mark.parametrize("cos_i", [1.0, 0.6, 0.1])
 def test_albedo_by_quadrature_is_albedo_by_sampling(material, cos_i):
-    # Two independent ways; 100,000 samples, five standard errors and the rule's 0.001.
+    # Two independent methods: five standard errors of 100,000 samples, and the rule's 0.001.
     wi = np.array([[np.sqrt(1 - cos_i**2), 0, cos_i]], np.float32)
     count = 100_000
     many = np.repeat(wi, count, axis=0)

@@ -1,4 +1,4 @@
-"""Refinement brings codes closer to their BRDFs, and keeps them such that they can be layered."""
+"""Refinement brings codes closer to their BRDFs and keeps them suitable for layering."""
 
 import numpy as np
 import pytest
@@ -39,7 +39,7 @@ def three_lobes(wi, wo):
 ODD = (
     three_lobes,
     conductor(0.02, (0.9, 0.5, 0.1)),
-    diffuse(0.0),  # black: its logarithm must do no harm
+    diffuse(0.0),  # black, where the logarithm is critical
     lambda wi, wo: np.full(len(wi), 1e4),
     lambda wi, wo: np.where(wi[:, 2] + wo[:, 2] > 1, 0.3, 0.0),  # values that are exactly zero
 )
@@ -70,7 +70,7 @@ def test_no_step_raises_the_objective(source, hold, trained, model):
 def test_a_code_is_found_again(trained):
     """A decodable function, started from the code of another: its values come back.
 
-    The code itself need not: it is determined only as far as the values depend on it.
+    The code itself may differ: it is determined only as far as the values depend on it.
     """
     networks = trained.networks
     rng = np.random.default_rng(3)
@@ -130,7 +130,7 @@ def misses(networks, z, f) -> np.ndarray:
     return np.abs(np.log((f_hat + 1e-3) / (f + 1e-3))).mean(axis=1)
 
 
-def test_what_the_encoder_misses_comes_closer_than_its_anchor(trained):
+def test_a_refined_code_is_closer_than_its_anchor(trained):
     """The less a code is held, the closer it comes."""
     f = values(three_lobes, trained.networks)
     encoded, made = (material_from_values(f.T, trained, refine=refine) for refine in (False, True))
@@ -152,7 +152,7 @@ def test_no_start_is_worse_than_the_encoder(trained, model):
     assert np.array_equal(initial_code(trained.networks, f[0]), trained.networks.encode(f[:1])[0])
 
 
-def test_a_far_code_is_left_for_a_plain_one(trained):
+def test_a_far_code_is_replaced_by_a_plain_one(trained):
     """Dark but for a broad lobe that ends as no microfacet lobe does: the start is no nonsense."""
     cos_h = np.cos(np.linspace(0, np.pi / 2, 7))
     for width in cos_h[1:-1]:
@@ -188,16 +188,16 @@ def test_black_nodes_count_for_nothing(trained):
     black = np.zeros(len(trained.networks.pairs()[0]), np.float32)
     aim = fit_target(trained.networks, black, np.zeros(len(rule.wi), np.float32))
     assert len(aim.logs) == aim.probes
-    some = fit_target(trained.networks, black + 0.1, np.full(len(rule.wi), 0.1, np.float32))
-    assert some.weights.sum() == pytest.approx(1)
-    assert (some.weights > 0).all()
+    nearly_black = fit_target(trained.networks, black + 0.1, np.full(len(rule.wi), 0.1, np.float32))
+    assert nearly_black.weights.sum() == pytest.approx(1)
+    assert (nearly_black.weights > 0).all()
 
 
 def test_layering_over_refined_codes(trained):
     """Simulated lower coats, encoded, refined, and coated once more, against the stored walks.
 
-    28 stacks; a mean over so few moves by some per cent whenever codes do, so that a tenth counts
-    as equal. Codes without the prior make it several times larger.
+    A mean over only 28 stacks changes by some per cent with every change of the codes, so a
+    difference of a tenth is allowed. Codes without the prior have several times the error.
     """
     groups = tuple(group for group in GROUPS if 2 in group.probed)
     sets = benchmark.read(groups=groups)
@@ -258,5 +258,5 @@ def test_no_angle_is_much_too_bright_when_the_limit_comes(source, trained):
         ]
     ceiling = energy.albedo_ceiling(rule.albedo(nodes))
     free, held = ((energy.directional_albedos(trained, z[None]) - ceiling).max() for z in codes)
-    assert free > 0.005  # what there is to be mended
+    assert free > 0.005  # without the limit's correction there is an excess
     assert held < 0.7 * free

@@ -1,4 +1,4 @@
-"""What is not isotropic or reciprocal is averaged until it is, and what that changes is told."""
+"""BRDFs that are not isotropic or reciprocal are averaged, and users are warned of the change."""
 
 import warnings
 
@@ -33,7 +33,7 @@ def lambert(wi, wo):
     return np.full((len(wi), 3), 0.1)
 
 
-def test_what_is_symmetric_keeps_its_bits():
+def test_symmetric_brdfs_keep_their_bits():
     reading = evaluate_source(lambert, WI, WO)
     assert np.array_equal(reading.values, lambert(WI, WO).astype(np.float32))
     assert reading.deviations == Deviations()
@@ -43,7 +43,7 @@ def test_what_is_symmetric_keeps_its_bits():
     assert seen.deviations == Deviations()
 
 
-def test_the_mean_over_the_azimuth_is_what_is_encoded():
+def test_the_mean_over_the_azimuth_is_encoded():
     reading = evaluate_source(brushed, WI, WO)
     # cos(2 phi) has no mean over an odd number of turns.
     np.testing.assert_allclose(reading.values, 0.2, rtol=1e-5)
@@ -54,10 +54,10 @@ def test_the_mean_over_the_azimuth_is_what_is_encoded():
     assert reading.deviations.reciprocity == pytest.approx(0, abs=1e-6)
 
 
-def test_the_mean_over_the_exchange_is_what_is_encoded():
+def test_the_mean_over_the_exchange_is_encoded():
     reading = evaluate_source(one_way, WI, WO)
     np.testing.assert_allclose(reading.values[:, 0], 0.15 * (WI[:, 2] + WO[:, 2]), rtol=1e-5)
-    # Among other pairs of cosine density than those that are judged by: E of 1024 pairs has a
+    # These pairs of cosine density differ from the pairs of the measurement: E of 1024 pairs has a
     # statistical error of 2 %.
     wi, wo = cosine_pairs(np.random.default_rng(1), 100_000, lowest_cosine=0.01)
     mean = 0.15 * (wi[:, 2] + wo[:, 2])
@@ -66,7 +66,7 @@ def test_the_mean_over_the_exchange_is_what_is_encoded():
     assert reading.deviations.anisotropy == pytest.approx(0, abs=1e-6)
 
 
-def test_a_narrow_lobe_is_averaged_whole():
+def test_a_narrow_lobe_is_averaged_without_loss():
     """Of a brushed metal: GGX of widths 0.01 and 0.5, against 1,999 turns."""
 
     def metal(wi, wo):
@@ -93,7 +93,7 @@ def test_mirror_images_count_as_one():
     assert reading.deviations.anisotropy > 0.01
 
 
-def test_a_user_is_warned_of_large_changes_alone(model):
+def test_a_user_is_warned_only_of_large_changes(model):
     with pytest.warns(UrushiWarning, match=r"encode brushed: the BRDF is anisotropic: .* \d+% "):
         encode(lambda_named(lambda wi, wo: brushed(wi, wo) - 0.09, "brushed"), model)
     with pytest.warns(UrushiWarning, match="encode one_way: the BRDF is not reciprocal"):
@@ -119,7 +119,7 @@ def test_a_material_of_an_averaged_source_is_that_of_the_mean(model):
     np.testing.assert_allclose(averaged.anchors, encode(mean, model).anchors, rtol=1e-3, atol=1e-4)
 
 
-def test_functions_are_asked_above_the_horizon_only():
+def test_functions_are_evaluated_only_above_the_horizon():
     lowest = []
 
     def f(wi, wo):
@@ -128,7 +128,7 @@ def test_functions_are_asked_above_the_horizon_only():
 
     evaluate_source(f, WI, WO)
     assert min(lowest) > 0
-    assert len(lowest) == 4 + 2 * AZIMUTHS  # three that ask, one for noise, then all
+    assert len(lowest) == 4 + 2 * AZIMUTHS  # three measurements, one for noise, then all pairs
 
 
 def test_noise_is_not_taken_for_asymmetry():

@@ -1,4 +1,4 @@
-"""Materials of the paper's networks: the same operations, whatever the architecture."""
+"""Materials of the paper's networks have the same operations as those of Urushi's."""
 
 import numpy as np
 import pytest

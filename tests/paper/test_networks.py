@@ -1,4 +1,4 @@
-"""The paper's networks: their sizes, what they compute, and their gradient by hand."""
+"""The paper's networks: sizes, formulas, and the gradient written by hand."""
 
 import jax
 import jax.numpy as jnp

@@ -1,4 +1,4 @@
-"""The paper's set of materials: what stacks are made of, and where they are evaluated."""
+"""The paper's set of materials: components of stacks, and their direction pairs."""
 
 import numpy as np
 import pytest

@@ -65,7 +65,7 @@ def test_normals_are_sampled_as_visible(
         points = jit.Array3f(np.ascontiguousarray(v.T))
         return microfacet.visible_normal_pdf(w, points, jit.Float(alpha)).numpy()
 
-    # A true density fails one in a hundred thousand seeds; the smallest of 9 is looked at.
+    # A true density fails for one seed in a hundred thousand; the smallest of 9 values is tested.
     assert sphere_test(m.numpy().T, pdf) > 1e-4
 
 

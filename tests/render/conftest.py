@@ -16,10 +16,10 @@ ARCH = Architecture(decoder=(16, 16), encoder=(24,), layerer=(24,), sampler=(12,
 
 @pytest.fixture(scope="session")
 def networks(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A file of small networks whose materials differ much: kernels compile in no time.
+    """A file of small networks with very different materials; their kernels compile fast.
 
-    The proposal's output is scaled up, so that its mixtures reach from widths of 0.01 to 1 and
-    from one lobe to all.
+    The proposal's output is scaled up, so that its mixtures have widths from 0.01 to 1, and from
+    one lobe to all lobes.
     """
     params = init(ARCH, seed=3)
     rng = np.random.default_rng(5)

@@ -5,16 +5,16 @@ import mitsuba as mi
 import numpy as np
 from mitsuba.python.chi2 import ChiSquareTest
 
-#: Power of the map below: how closely the cells crowd around the mirror direction.
+#: Power of the map below: a larger one gives denser cells around the mirror direction.
 CROWDING = 4
 
 
 class MirrorDomain:
-    """The hemisphere by azimuth and polar angle, with cells that crowd around a mirror direction.
+    """The hemisphere by azimuth and polar angle, with dense cells around a mirror direction.
 
-    A GGX lobe of width 0.01 would vanish in one cell of a uniform grid. Here x in [-1, 1] gives
-    the azimuth pi sign(x) |x|^p from the plane of incidence, and y the polar angle, likewise
-    piecewise from that of the mirror direction, so that the horizon stays a border of cells.
+    A GGX lobe of width 0.01 would lie in a single cell of a uniform grid. Here x in [-1, 1] gives
+    the azimuth pi sign(x) |x|^p from the plane of incidence. y gives the polar angle by the same
+    power on either side of the mirror direction, so that the horizon is a border of cells.
     """
 
     def __init__(self, theta_i: float):

@@ -1,4 +1,4 @@
-"""What the shipped scenes are made of: shapes, patterns, maps, relief and lights."""
+"""Parts of the shipped scenes: shapes, patterns, maps, relief and lights."""
 
 import numpy as np
 import pytest
@@ -63,7 +63,7 @@ def test_outlines_and_tubes_join_smoothly():
     np.testing.assert_allclose(handle(u, 0.3), handle(1 - u, 0.3) * [1, -1, 1], atol=1e-12)
 
 
-def test_places_lie_where_the_map_says():
+def test_places_on_the_map_are_land_or_sea():
     """A dozen points well inland and well at sea."""
     inland = [(20, 0), (-100, 40), (-60, -10), (100, 60), (78, 22), (135, -25), (25, 50), (0, -85)]
     at_sea = [(-30, 0), (-140, 0), (75, -20), (160, 20), (0, -50), (-40, 35), (51, 42), (90, 12)]
@@ -134,7 +134,7 @@ def test_a_bump_is_lit_from_its_side(mi, tmp_path):
 
 
 @pytest.mark.parametrize("towards", [(1, 0, 0.2), (0, 1, 0.2), (-1, -2, 1), (0.1, 0, 1)])
-def test_lights_are_where_they_are_said_to_be(mi, tmp_path, towards):
+def test_lights_are_in_the_stated_direction(mi, tmp_path, towards):
     """The scene's emitter is brightest, and nearly only bright, in the light's direction."""
     dark = (0.01, 0.01, 0.01)
     light = stage.Light(towards, (0.2, 0.2), (5, 5, 5))
@@ -150,7 +150,7 @@ def test_lights_are_where_they_are_said_to_be(mi, tmp_path, towards):
     assert seen[cosine < np.cos(0.35)].max() < 0.02
 
 
-def test_noise_is_continuous_centred_and_of_its_seed():
+def test_noise_is_continuous_centred_and_determined_by_its_seed():
     points = np.random.default_rng(0).uniform(-30, 30, (20_000, 3))
     for function in (noise.gradient, noise.fractal):
         values = function(points, seed=1)

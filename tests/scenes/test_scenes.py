@@ -1,4 +1,4 @@
-"""The shipped scenes: they load and render, one word swaps networks and walk, and XML is Python."""
+"""The shipped scenes load and render, with networks or the walk, from Python and from XML."""
 
 import re
 from functools import partial
@@ -46,8 +46,8 @@ def rendered(mi, request, tmp_path_factory):
 def mean_and_error(images: np.ndarray) -> tuple[float, float]:
     """Mean radiance and its standard error, from the differences of two renders (2, H, W, 3).
 
-    They are taken between blocks of 8 x 8 pixels: the film's filter correlates neighbours. A
-    block's three channels count as one observation.
+    They are computed from blocks of 8 x 8 pixels, because the film's filter correlates neighbours.
+    A block's three channels count as one observation.
     """
     _, height, width, _ = images.shape
     blocks = images.reshape(2, height // 8, 8, width // 8, 8, 3).mean(axis=(2, 4, 5))
@@ -146,7 +146,7 @@ def test_export_and_list(tmp_path, capsys):
     "arguments",
     [["render", "tea-pot"], ["scenes", "export", "tea-pot", "folder"]],
 )
-def test_unknown_names_are_told_the_choices(arguments, tmp_path, monkeypatch, capsys):
+def test_errors_of_unknown_names_list_the_choices(arguments, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert cli.main(arguments) == 2
     sentence = "there is no scene 'tea-pot'; choose one of still-life, globe, teapot, shoe"

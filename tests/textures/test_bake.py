@@ -1,4 +1,4 @@
-"""Baking of coats without a renderer: equal to layering texel by texel, and only where needed."""
+"""Baking of coats without a renderer: equal to layering every texel, but only of distinct rows."""
 
 import numpy as np
 import pytest

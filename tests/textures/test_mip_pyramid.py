@@ -1,4 +1,4 @@
-"""Mip levels stand for the averages of BRDFs, and are made anew where a texture has changed."""
+"""Mip levels represent averages of BRDFs, and are computed again where a texture has changed."""
 
 import numpy as np
 import pytest
@@ -29,7 +29,7 @@ def coats(model, height: int, width: int) -> np.ndarray:
     )
 
 
-def made(model, codes: np.ndarray) -> list[np.ndarray]:
+def pyramid_levels(model, codes: np.ndarray) -> list[np.ndarray]:
     """All levels of codes (H, W, C, size), the first included."""
     height, width, channels, size = codes.shape
     of = MipPyramid(model, width, height, channels)
@@ -50,28 +50,31 @@ def test_levels_are_the_averages_of_brdfs(trained, monkeypatch, sample):
     monkeypatch.setattr(averaging, "SAMPLE", sample)
     monkeypatch.setattr(
         mip_pyramid, "KEPT_TEXELS", 64
-    )  # so that tiles and what is above them take part
+    )  # so that there are tiles and levels above them
     codes = coats(trained, 16, 16)
     wi, wo = cosine_pairs(np.random.default_rng(1), 100)
     f, plain = values(trained, codes, wi, wo), codes
-    for level in made(trained, codes)[1:]:
+    for level in pyramid_levels(trained, codes)[1:]:
         f, plain = (mip_pyramid.half_resolution(x, 0, len(x)) for x in (f, plain))
         found, naive = (
             stack_error(values(trained, z, wi, wo), f, wi[:, 2], wo[:, 2]).mean()
             for z in (level, plain)
         )
-        # An average of unlike lobes is no BRDF that the networks were trained for.
+        # The networks were not trained for averages of different lobes.
         assert found < 0.02
         assert found < 0.15 * naive
 
 
-def test_a_regression_tells_what_decoding_does(trained, monkeypatch):
+def test_the_regression_agrees_with_decoding(trained, monkeypatch):
     codes = coats(trained, 32, 32).reshape(-1, trained.arch.latent)
     estimated = averaging.averaging_space(trained, codes.__getitem__, len(codes))
     assert isinstance(estimated, averaging.RegressionSpace)
     kept = len(estimated.kept)
-    told, known = estimated.lift(codes)[:, :kept], estimated.exact.lift(codes)[:, estimated.kept]
-    assert np.sqrt(np.square(np.log(told / known)).mean()) < 0.03
+    predicted, decoded = (
+        estimated.lift(codes)[:, :kept],
+        estimated.exact.lift(codes)[:, estimated.kept],
+    )
+    assert np.sqrt(np.square(np.log(predicted / decoded)).mean()) < 0.03
     assert estimated.fits(codes[:100])
     strange = codes[:100] + np.random.default_rng(1).normal(size=(100, codes.shape[1]))
     assert not estimated.fits(strange.astype(np.float32))
@@ -89,15 +92,17 @@ def test_every_level_keeps_the_light(trained):
         )
 
     whole = light(codes).reshape(64, 3).mean(axis=0)
-    # An average of unlike lobes is like no BRDF of the training data: a percent of E.
-    np.testing.assert_allclose(light(made(trained, codes)[-1]), whole, rtol=0.01)
-    assert (light(codes.mean(axis=(0, 1))) < 0.97 * whole).all()  # codes' averages lose more
+    # Averages of different lobes are unlike the training data: E is about a percent.
+    np.testing.assert_allclose(light(pyramid_levels(trained, codes)[-1]), whole, rtol=0.01)
+    assert (
+        light(codes.mean(axis=(0, 1))) < 0.97 * whole
+    ).all()  # plain averages of codes lose more light
 
 
 @pytest.mark.parametrize("side", (4, 64))  # by decoding, and by a regression
-def test_levels_of_one_material_are_that_material(trained, side):
+def test_levels_of_a_constant_texture_are_constant(trained, side):
     bottom = limited_codes(trained, np.full((1, len(trained.networks.pairs()[0])), 0.2))
-    whole = made(trained, np.broadcast_to(bottom, (side, side, *bottom.shape)))
+    whole = pyramid_levels(trained, np.broadcast_to(bottom, (side, side, *bottom.shape)))
     for level in whole[1:]:
         np.testing.assert_allclose(level, whole[0][: len(level), : len(level)], atol=1e-4)
 
@@ -108,13 +113,13 @@ def test_plain_averages_go_through_the_same_tiles(model, monkeypatch, width, hei
     monkeypatch.setattr(mip_pyramid, "KEPT_TEXELS", 20)
     monkeypatch.setattr(averaging, "averaging_space", lambda *_: averaging.LatentSpace())
     level = np.random.default_rng(0).normal(size=(height, width, 2, model.arch.latent))
-    for found in made(model, level.astype(np.float32)):
+    for found in pyramid_levels(model, level.astype(np.float32)):
         np.testing.assert_allclose(found, level, atol=1e-5)
         level = mip_pyramid.half_resolution(level, 0, len(level))
 
 
 @pytest.mark.parametrize("place", [(0, 0), (17, 20), (28, 36)])
-def test_only_tiles_that_changed_are_made_anew(trained, monkeypatch, place):
+def test_only_changed_tiles_are_computed_again(trained, monkeypatch, place):
     monkeypatch.setattr(mip_pyramid, "KEPT_TEXELS", 20)
     monkeypatch.setattr(mip_pyramid, "TILE_TEXELS", 8)
     height, width = 29, 37
@@ -141,17 +146,23 @@ def test_only_tiles_that_changed_are_made_anew(trained, monkeypatch, place):
 
 def test_a_store_has_levels_within_what_it_can_store(trained):
     """Encoded averages may lie outside of what the first level's codes span."""
-    codes = coats(trained, 8, 8).astype(np.float16).astype(np.float32)  # as it is written
+    codes = (
+        coats(trained, 8, 8).astype(np.float16).astype(np.float32)
+    )  # the precision in which codes are written
     store = TextureStore(trained, packing.texel_layout(trained, 3), 8, 8, mipmaps=True)
     with store.writing() as write:
         write(slice(None), codes.reshape(64, 3, -1))
-    expected = np.concatenate([z.reshape(-1, 3, z.shape[-1]) for z in made(trained, codes)])
+    expected = np.concatenate(
+        [z.reshape(-1, 3, z.shape[-1]) for z in pyramid_levels(trained, codes)]
+    )
     error = np.abs(store.read(slice(None)) - expected)
     assert (error <= 0.6 * store.packed.step + 1e-3).all()
-    with store.writing() as write:  # an edit that all ranges must be widened for
+    with store.writing() as write:  # an edit that widens all ranges
         write(np.arange(2), 1.5 * codes[0, :2])
     codes[0, :2] *= 1.5
-    expected = np.concatenate([z.reshape(-1, 3, z.shape[-1]) for z in made(trained, codes)])
-    # Rounded twice; and what is averaged has been rounded before.
+    expected = np.concatenate(
+        [z.reshape(-1, 3, z.shape[-1]) for z in pyramid_levels(trained, codes)]
+    )
+    # Averages are rounded twice, and the averaged codes were rounded before.
     error = np.abs(store.read(slice(None)) - expected)
     assert (error <= 2 * store.packed.step + 0.05).all()

@@ -1,4 +1,4 @@
-"""Rows are told apart by their keys."""
+"""Row hashes: only equal rows have equal hashes."""
 
 import numpy as np
 import pytest
@@ -7,16 +7,16 @@ from urushi.textures import texel_hash
 
 
 @pytest.mark.parametrize(("count", "kinds"), [(0, 1), (1, 1), (7, 3), (5000, 50), (5000, 2**40)])
-def test_distinct_keys_stand_for_all(count, kinds):
-    some = np.random.default_rng(0).integers(kinds, size=count).astype(np.uint64)
-    first, label = texel_hash.unique_rows(some)
-    np.testing.assert_array_equal(some[first][label], some)  # everyone is stood for by an equal
-    assert len(first) == len(set(some.tolist()))  # and none twice
+def test_unique_rows_represent_all_keys(count, kinds):
+    keys = np.random.default_rng(0).integers(kinds, size=count).astype(np.uint64)
+    first, label = texel_hash.unique_rows(keys)
+    np.testing.assert_array_equal(keys[first][label], keys)  # every key has an equal representative
+    assert len(first) == len(set(keys.tolist()))  # no representative occurs twice
     assert (np.diff(first) > 0).all()
     np.testing.assert_array_equal(label[first], np.arange(len(first)))
 
 
-def test_equal_rows_alone_have_equal_keys():
+def test_only_equal_rows_have_equal_hashes():
     rng = np.random.default_rng(1)
     columns = [rng.integers(4, size=3000).astype(np.float32) for _ in range(4)]
     found = texel_hash.row_hashes(columns)
@@ -24,6 +24,6 @@ def test_equal_rows_alone_have_equal_keys():
     assert len(np.unique(found)) == len(rows)
     again = texel_hash.row_hashes(
         [column * np.float32(1 + 1e-6) for column in columns]
-    )  # as a filter gives them
+    )  # with the rounding errors of a filter
     np.testing.assert_array_equal(again, found)
     assert (texel_hash.row_hashes(columns[::-1]) != found).any()

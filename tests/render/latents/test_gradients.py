@@ -28,7 +28,7 @@ def coat(mi, textured=False, **properties) -> dict:
     } | properties
 
 
-#: Where light comes from.
+#: The point light of most scenes.
 LAMP = {"type": "point", "position": [2, 2, 4], "intensity": {"type": "rgb", "value": [20, 30, 40]}}
 SKY = {"type": "constant", "radiance": {"type": "rgb", "value": [0.5, 0.7, 1.0]}}
 
@@ -67,8 +67,8 @@ def names(parameters) -> dict[str, str]:
 class Picture:
     """A scene as a function of one of its parameters, with derivatives of a weighted sum of pixels.
 
-    All of the coat's parameters carry gradients all the time, so that codes are in single precision
-    for finite differences, too.
+    All of the coat's parameters always carry gradients, so that codes are in single precision for
+    finite differences, too.
     """
 
     def __init__(self, mi, scene, spp=4):
@@ -124,9 +124,9 @@ class Picture:
 
 @pytest.mark.parametrize("textured", (False, True))
 def test_backward_and_forward_against_differences(rgb, textured):
-    """Under a point light no sample depends on the material: only the difference's step errs.
+    """Under a point light no sample depends on the material: the only error is that of the step.
 
-    Of 0.01, at which the third derivative of what is shiny is worth some tenths of a per cent.
+    At a step of 0.01 the third derivative of glossy materials adds some tenths of a per cent.
     """
     picture = Picture(rgb, load(rgb, coat(rgb, textured)))
     backward = picture.backward()
@@ -141,7 +141,7 @@ def test_backward_and_forward_against_differences(rgb, textured):
 
 
 def test_gradients_of_single_texels(rgb):
-    """A change that differs from texel to texel in sign."""
+    """The change has another sign in each texel."""
     picture = Picture(rgb, load(rgb, coat(rgb, textured=True)))
     gradient = picture.backward()["albedo"]
     sign = np.random.default_rng(3).choice([-1, 1], size=gradient.shape).astype(np.float32)
@@ -152,7 +152,7 @@ def test_gradients_of_single_texels(rgb):
 
 @pytest.mark.parametrize("integrator", ("prb", "direct"))
 def test_in_an_environment(rgb, integrator):
-    """Where directions are drawn by the material, on average: within 5 standard errors of 4."""
+    """Directions are drawn from the material here, so that only the means over 4 renders agree."""
     scene = load(rgb, coat(rgb), SKY, integrator, 4 if integrator == "prb" else 0)
     picture = Picture(rgb, scene, spp=32)
     seeds = range(4)
@@ -178,7 +178,7 @@ def test_through_a_nested_coat_with_textured_bottom(rgb):
 
 
 def test_a_stochastic_bottom_has_no_gradient_but_its_coat_does(rgb, monkeypatch):
-    monkeypatch.setattr("urushi.render.reading.probing.REPEATS", 64)  # noise is no matter here
+    monkeypatch.setattr("urushi.render.reading.probing.REPEATS", 64)  # noise does not matter here
     walk = {"type": "layered", "sigma_t": 0.3, "bottom": {"type": "diffuse"}}
     scene = load(rgb, coat(rgb, bottom=walk))
     parameters = rgb.traverse(scene)
@@ -212,7 +212,7 @@ def test_saved_materials_have_gradients_of_their_codes(rgb, tmp_path):
 
 
 def test_directions_are_drawn_without_gradients(rgb):
-    """f alone is differentiated: a sample and its density stay, and the weight is f cos / pdf."""
+    """Only f is differentiated; samples and densities are constant. The weight is f cos / pdf."""
     from urushi.render.reading import probing
 
     bsdf = rgb.load_dict(coat(rgb, textured=True))
@@ -237,14 +237,14 @@ def test_directions_are_drawn_without_gradients(rgb):
 
 @pytest.mark.parametrize("textured", (False, True))
 def test_pictures_are_the_same_bits_before_and_after(rgb, textured):
-    """Without gradients nothing of this is used; with them the picture is the same to rounding."""
+    """Without gradients the bits stay the same; with gradients the picture differs by rounding."""
     scene = load(rgb, coat(rgb, textured))
     before = rgb.render(scene, spp=4).numpy()
     parameters = rgb.traverse(scene)
     key = "object.bsdf.alpha.value"
     dr.enable_grad(parameters[key])
     parameters.update()
-    # Half precision of textures' codes is worth 5e-4 of their size.
+    # Half precision of a texture's codes is an error of 5e-4 of their size.
     np.testing.assert_allclose(rgb.render(scene, spp=4), before, rtol=2e-2 if textured else 1e-3)
     dr.disable_grad(parameters[key])
     parameters.set_dirty(key)
@@ -253,7 +253,7 @@ def test_pictures_are_the_same_bits_before_and_after(rgb, textured):
 
 
 def test_descent_finds_a_coat(rgb):
-    """From a wrong albedo and a wrong optical depth most of the error goes in sixteen steps."""
+    """Sixteen steps remove most of the error of a wrong albedo and a wrong optical depth."""
     scene = load(rgb, coat(rgb))
     target = rgb.render(scene, spp=16, seed=100)
     parameters = rgb.traverse(scene)

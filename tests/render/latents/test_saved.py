@@ -1,4 +1,4 @@
-"""Baked materials that are saved and loaded again, textures included."""
+"""Baked materials and textures that are saved and loaded again."""
 
 import numpy as np
 import pytest
@@ -100,7 +100,7 @@ def test_a_saved_texture_can_be_coated(rgb, networks, saved):
 
 
 def rewritten(path, change) -> None:
-    """Let `change` have a file's description and arrays, and write them again."""
+    """Pass a file's description and arrays to `change`, and write them again."""
     description, arrays = files.read_tensors(path, "texture")
     change(description, arrays)
     description.pop("kind")

@@ -56,7 +56,7 @@ def test_a_constant_texture_is_the_constant(rgb, networks, name):
 
 @pytest.mark.parametrize("name", ("layered", "neural_layered"))
 @pytest.mark.parametrize("parameter", ("alpha", "albedo", "sigma_t", "g", "int_ior"))
-def test_every_texel_is_layered_with_its_own_values(rgb, networks, name, parameter):
+def test_every_texel_is_layered_with_its_own_parameters(rgb, networks, name, parameter):
     values = np.float32([[0.2, 0.4, 0.6], [0.5, 0.9, 0.3]]) + (parameter == "int_ior")
     textured = load(
         rgb, name, networks, **{parameter: bitmap(rgb, values[..., None], filter_type="nearest")}
@@ -103,7 +103,7 @@ def test_a_brushed_bottom_is_the_mean_over_its_azimuth(rgb, textured):
 
     model = weights.load_shipped("small")
     wi, wo = model.networks.pairs()
-    # light within a narrow lobe comes from few of the azimuths
+    # only a few azimuths contribute to the light in a narrow lobe
     widths = {"alpha_u": 0.03, "alpha_v": 0.5}
     if textured:
         widths = {key: bitmap(rgb, np.full((2, 2, 1), value)) for key, value in widths.items()}
@@ -119,12 +119,12 @@ def test_a_brushed_bottom_is_the_mean_over_its_azimuth(rgb, textured):
     eta = np.full((1, 1), 1.5046 / 1.000277)
     under = limited_codes(model, f.T.astype(np.float32))
     expected = layer_texels(model, under, eta=eta, **COAT_ARRAYS)
-    # 2,048 random turns: some 3 % of values, and 8 bits of a texture's codes
+    # 2,048 random azimuths are an error of about 3 %; a texture's codes have 8 bits
     assert np.abs(found - expected).max() < 0.05
 
 
 def looked_up(mi, bsdf, uv, duv=(0.0, 0.0)) -> np.ndarray:
-    """Codes (M, C, size) that are seen at points (M, 2) from pixels that lie duv apart."""
+    """Codes (M, C, size) at points (M, 2), looked up with pixels that lie duv apart."""
     import drjit as dr
 
     point = mi.Point2f(np.float32(uv).T)
@@ -140,7 +140,7 @@ def grid_of_points(width: int, height: int) -> np.ndarray:
 
 
 def test_the_level_of_the_footprint_is_taken(networks, monkeypatch):
-    """With levels that are plain averages, whose values are known. One channel: less to compile."""
+    """Levels are plain averages here, with known values; one channel compiles faster."""
     import mitsuba as mi
 
     mi.set_variant("llvm_ad_mono")
@@ -153,8 +153,8 @@ def test_the_level_of_the_footprint_is_taken(networks, monkeypatch):
     np.testing.assert_array_equal(looked_up(mi, bsdf, grid_of_points(16, 8), (0.01, 0.01)), fine)
     # two texels along one axis or along both: the next level, averages of four
     mean = fine.reshape(4, 2, 8, 2, *fine.shape[1:]).mean(axis=(1, 3)).reshape(32, *fine.shape[1:])
-    # texels and averages are rounded apart, each by half a step of 8 bits, averages in half
-    # precision before
+    # Texels and averages are each rounded by half a step of 8 bits; averages were rounded to half
+    # precision before.
     step = 1.5 * np.ptp(fine, axis=(0, 1)) / 255 + 1e-3
     for duv in ((2 / 16, 2 / 8), (2 / 16, 0), (0, 2 / 8)):
         assert (np.abs(looked_up(mi, bsdf, grid_of_points(8, 4), duv) - mean) <= step).all()
@@ -189,9 +189,9 @@ def test_the_first_level_is_the_same_without_the_others(rgb, networks):
         pytest.param("nearest", "clamp", marks=pytest.mark.slow),
     ],
 )
-def test_look_ups_continue_and_filter_as_the_texture_does(rgb, networks, wrap, filter_type):
-    # Codes of black media depend on sigma_t alone, texel by texel: Mitsuba's own texture of those
-    # that were stored is the reference.
+def test_look_ups_wrap_and_filter_like_the_texture(rgb, networks, wrap, filter_type):
+    # Codes of black media depend only on the texel's sigma_t. The reference is Mitsuba's texture of
+    # the stored codes.
     rng = np.random.default_rng(0)
     properties = {"wrap_mode": wrap, "filter_type": filter_type}
     shear = rgb.ScalarTransform3f(np.float32([[1.5, 0.25, 0.1], [-0.5, 2.2, 0.3], [0, 0, 1]]))
@@ -215,7 +215,7 @@ def test_look_ups_continue_and_filter_as_the_texture_does(rgb, networks, wrap, f
         assert (error <= tolerance).mean() > 0.98
 
 
-def test_a_checkerboard_is_as_sharp_as_it_is(rgb, networks):
+def test_a_checkerboard_stays_sharp(rgb, networks):
     turned = rgb.ScalarTransform3f(np.float32([[3, 1, 0.2], [-1, 2, 0.1], [0, 0, 1]]))
     board = {"type": "checkerboard", "color0": 0.2, "color1": 0.9, "to_uv": turned}
     bsdf = load(rgb, "neural_layered", networks, albedo=board)
@@ -227,7 +227,7 @@ def test_a_checkerboard_is_as_sharp_as_it_is(rgb, networks):
     for value in (0.2, 0.9):
         found = codes[np.isclose(values, value)]
         assert len(found) > 1000
-        # but for points that rounding puts on either side of an edge
+        # except for points that rounding may move across an edge
         assert (found == np.median(found, axis=0)).all(axis=(1, 2)).mean() > 0.999
         constant = load(rgb, "neural_layered", networks, albedo=value).latents.at(np.zeros((1, 2)))
         step = 1e-2 * np.ptp(codes, axis=0) + 1e-3  # of storing 8 bits
@@ -254,7 +254,7 @@ def test_the_walk_takes_mesh_attributes_and_volumes(rgb):
         bsdf = rgb.load_dict(coat | {"alpha": value, "albedo": value})
         return bsdf.eval(rgb.BSDFContext(), si, wo).numpy().mean(axis=1)
 
-    # The same walks, but for those that rounding has gone another way somewhere.
+    # The walks are the same, except for a few that rounding sends another way.
     attribute = {"type": "mesh_attribute", "name": "vertex_value"}
     np.testing.assert_allclose(mean(attribute), mean(0.3), rtol=1e-2)
     np.testing.assert_allclose(mean({"type": "volume", "volume": volume}), mean(0.3), rtol=1e-2)

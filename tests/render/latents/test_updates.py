@@ -1,4 +1,4 @@
-"""A change through `mi.traverse` costs only what it changes: networks are counted by their rows."""
+"""After a change through `mi.traverse`, the networks evaluate only the rows that changed."""
 
 import numpy as np
 import pytest
@@ -12,8 +12,8 @@ SIDE = 16
 
 @pytest.fixture
 def rows(monkeypatch, model):
-    """A function that returns how many rows encoder and layerer were given."""
-    packing.importance_order(model)  # measured once a model, with rows of its own
+    """A function that returns the number of rows that encoder and layerer have evaluated."""
+    packing.importance_order(model)  # measured once per model, which evaluates rows too
     counts = {"encode": 0, "layer": 0}
     encode, layer = UrushiNetworks.encode, UrushiNetworks.layer
 
@@ -30,7 +30,7 @@ def rows(monkeypatch, model):
     monkeypatch.setattr(UrushiNetworks, "layer", counted_layer)
 
     def since() -> tuple[int, int]:
-        """Rows encoded and layered since this was last called."""
+        """Rows encoded and layered since the last call."""
         result = counts["encode"], counts["layer"]
         counts.update(encode=0, layer=0)
         return result
@@ -44,7 +44,7 @@ def bitmap(mi, pixels, **properties) -> dict:
 
 
 def noise(channels: int, seed: int = 0) -> np.ndarray:
-    """Numbers of which no two are alike."""
+    """Numbers that are all different."""
     numbers = np.linspace(0.1, 0.9, SIDE * SIDE * channels)
     return np.random.default_rng(seed).permutation(numbers).reshape(SIDE, SIDE, channels)
 
@@ -62,12 +62,12 @@ def described(mi, networks, **properties) -> dict:
 
 
 def codes(bsdf) -> np.ndarray:
-    """Codes at points all over uv."""
+    """Codes at points that cover uv."""
     return bsdf.latents.at(np.random.default_rng(3).random((512, 2)))
 
 
 def close(a: np.ndarray, b: np.ndarray) -> bool:
-    """Whether codes are the same but for the rounding of their packing."""
+    """Whether codes are equal up to the rounding of their packing."""
     return np.abs(a - b).max() <= np.ptp(b) / 100
 
 
@@ -84,7 +84,7 @@ def test_equal_texels_are_encoded_and_layered_once(rgb, networks, rows):
     assert rows() == (3, 3)  # the reflectances 0.3, 0.5 and 0.7
 
 
-def test_a_changed_coat_leaves_the_bottom(rgb, networks, rows):
+def test_a_changed_coat_does_not_encode_the_bottom_again(rgb, networks, rows):
     bsdf = rgb.load_dict(described(rgb, networks))
     rows()
     parameters = rgb.traverse(bsdf)
@@ -95,7 +95,7 @@ def test_a_changed_coat_leaves_the_bottom(rgb, networks, rows):
     assert close(codes(bsdf), codes(fresh))
 
 
-def test_changed_texels_alone_are_layered(rgb, networks, rows):
+def test_only_changed_texels_are_layered(rgb, networks, rows):
     bsdf = rgb.load_dict(described(rgb, networks))
     rows()
     parameters = rgb.traverse(bsdf)
@@ -112,7 +112,7 @@ def test_changed_texels_alone_are_layered(rgb, networks, rows):
     assert close(codes(bsdf), codes(fresh))
 
 
-def test_changed_texels_of_the_bottom_alone_are_encoded(rgb, networks, rows):
+def test_only_changed_texels_of_the_bottom_are_encoded(rgb, networks, rows):
     bsdf = rgb.load_dict(described(rgb, networks))
     rows()
     parameters = rgb.traverse(bsdf)
@@ -126,7 +126,7 @@ def test_changed_texels_of_the_bottom_alone_are_encoded(rgb, networks, rows):
     assert close(codes(bsdf), codes(fresh))
 
 
-def test_nothing_changed_costs_nothing(rgb, networks, rows):
+def test_an_update_without_changes_evaluates_nothing(rgb, networks, rows):
     bsdf = rgb.load_dict(described(rgb, networks))
     rows()
     parameters = rgb.traverse(bsdf)

@@ -1,4 +1,4 @@
-"""The networks in Dr.Jit against the same networks in NumPy, and the truths that both keep."""
+"""The networks in Dr.Jit agree with those in NumPy, and f is reciprocal in both."""
 
 import drjit as dr
 import numpy as np
@@ -87,7 +87,7 @@ def test_f_is_reciprocal_to_the_last_bit(rgb, parts):
         np.testing.assert_array_equal(a.numpy(), b.numpy())
 
 
-def test_textured_latents_are_the_constant_ones_where_the_texture_is_constant(rgb, model, parts):
+def test_latents_of_a_constant_texture_equal_constant_latents(rgb, model, parts):
     from urushi.render.latents.holders import TexturedLatents
     from urushi.textures.grid import IDENTITY, TexelGrid
 
@@ -127,7 +127,7 @@ def test_density_and_samples_of_a_mixture_agree_with_numpy(rgb):
     u = rng.random((len(wi), 3), np.float32)
     mixture = Mixture([rgb.Float(x) for x in weights.T], [rgb.Float(x) for x in alphas.T])
     density = mixture.pdf(vector(rgb, wi), vector(rgb, wo)).numpy()
-    # |h_xy|^2 of a lobe of width 0.01 loses digits where the directions nearly cancel
+    # |h_xy|^2 of a lobe of width 0.01 loses digits where the directions are nearly opposite
     np.testing.assert_allclose(density, numpy_lobes.mixture_pdf(weights, alphas, wi, wo), rtol=1e-3)
     drawn = mixture.sample(
         vector(rgb, wi), rgb.Float(u[:, 0]), rgb.Point2f(*map(rgb.Float, u[:, 1:].T))

@@ -1,4 +1,4 @@
-"""Pictures have no bias: strategies agree, extreme materials reflect what their albedo says."""
+"""Pictures have no bias: strategies agree, and extreme materials reflect their albedo."""
 
 import drjit as dr
 import numpy as np
@@ -66,8 +66,8 @@ def agree(a: np.ndarray, b: np.ndarray) -> None:
 def test_light_bsdf_and_combined_sampling_give_the_same_picture(rgb):
     bsdf = rgb.load_dict(described(alpha=0.15, albedo=0.7, sigma_t=0.5))
     pictures = []
-    for light, own in ((1, 0), (0, 1), (1, 1)):
-        integrator = {"type": "direct", "emitter_samples": light, "bsdf_samples": own}
+    for light, bsdf_samples in ((1, 0), (0, 1), (1, 1)):
+        integrator = {"type": "direct", "emitter_samples": light, "bsdf_samples": bsdf_samples}
         pictures.append(renders(rgb, scene(rgb, bsdf, integrator), 128, range(12)))
     agree(pictures[0], pictures[2])
     agree(pictures[1], pictures[2])
@@ -84,7 +84,7 @@ def test_pictures_of_one_sample_average_to_pictures_of_many(rgb):
 
 @pytest.mark.parametrize("name", EXTREME)
 @pytest.mark.parametrize("degrees", (0, 60, 85, 89))
-def test_extreme_materials_reflect_what_their_albedo_says(rgb, name, degrees):
+def test_extreme_materials_reflect_their_albedo(rgb, name, degrees):
     bsdf, count = rgb.load_dict(described(**EXTREME[name])), 1 << 16
     wi = np.array([[np.sin(np.radians(degrees)), 0, np.cos(np.radians(degrees))]], np.float32)
     si = dr.zeros(rgb.SurfaceInteraction3f, count)
@@ -99,7 +99,7 @@ def test_extreme_materials_reflect_what_their_albedo_says(rgb, name, degrees):
     expected = Material(bsdf.latents.at(np.zeros((1, 2)))[0], bsdf.model).directional_albedo(wi)[
         0, 0
     ]
-    # the quadrature of the albedo has an error of its own, of a few parts in a thousand
+    # the quadrature of the albedo has an error of a few parts in a thousand
     assert weight.mean() == pytest.approx(
         expected, abs=5 * weight.std() / np.sqrt(count) + 5e-3 * expected
     )

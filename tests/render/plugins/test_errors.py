@@ -1,4 +1,4 @@
-"""What a user can get wrong in a scene: each mistake gets a sentence that names the cure."""
+"""Users' mistakes in scenes: each error sentence names the cure."""
 
 import numpy as np
 import pytest
@@ -79,7 +79,7 @@ def test_a_texture_out_of_range(rgb, networks, name):
         load(rgb, networks, name, albedo=texture)
 
 
-def test_a_bottom_that_is_no_brdf(rgb, networks):
+def test_a_bottom_that_is_not_a_brdf(rgb, networks):
     negative = bottom(reflectance={"type": "uniform", "value": -1.0})
     with pytest.raises(RuntimeError, match="the nested BSDF gives a negative or not finite value"):
         load(rgb, networks, "neural_layered", base=negative)
@@ -120,7 +120,7 @@ def test_a_material_of_other_networks(rgb, networks, model, tmp_path):
 
 
 def strangers(mi) -> dict[str, dict]:
-    """Textures that are not over uv."""
+    """Textures that are not functions of uv."""
     volume = mi.VolumeGrid(np.full((2, 2, 2, 1), 0.5, np.float32))
     attribute = {"type": "mesh_attribute", "name": "vertex_value"}
     return {
@@ -134,7 +134,7 @@ def strangers(mi) -> dict[str, dict]:
 
 
 @pytest.mark.parametrize("parameter", ("alpha", "albedo", "sigma_t", "g", "int_ior"))
-def test_what_is_not_over_uv_cannot_be_baked(rgb, networks, parameter):
+def test_textures_that_are_not_over_uv_cannot_be_baked(rgb, networks, parameter):
     for kind, texture in strangers(rgb).items():
         with pytest.raises(RuntimeError, match=f"neural_layered: {parameter} depends on {kind}"):
             load(rgb, networks, "neural_layered", **{parameter: texture})
@@ -149,7 +149,7 @@ def test_what_is_not_over_uv_cannot_be_baked(rgb, networks, parameter):
         ("layered", "sigma_t"),
     ],
 )
-def test_nor_can_bottoms_of_what_is_not_over_uv(rgb, networks, kind, parameter):
+def test_bottoms_with_textures_not_over_uv_cannot_be_baked(rgb, networks, kind, parameter):
     for what, texture in strangers(rgb).items():
         inside = {"inside": bottom()} if kind == "layered" else {}
         base = bottom(kind, **inside, **{parameter: texture})
@@ -158,7 +158,7 @@ def test_nor_can_bottoms_of_what_is_not_over_uv(rgb, networks, kind, parameter):
 
 
 @pytest.mark.parametrize("kind", ("normalmap", "bumpmap"))
-def test_bottoms_have_no_normals_of_their_own(rgb, networks, kind):
+def test_normal_maps_in_bottoms_are_refused(rgb, networks, kind):
     bitmap = {"type": "bitmap", "bitmap": rgb.Bitmap(np.full((2, 2, 3), 0.5, np.float32))}
     mapped = bottom(kind, normals=bitmap | {"raw": True}, inside=bottom())
     if kind == "normalmap":
@@ -170,7 +170,7 @@ def test_bottoms_have_no_normals_of_their_own(rgb, networks, kind):
         load(rgb, networks, "layered", base=base)
 
 
-def test_beside_what_is_not_over_uv_the_walk_checks_the_rest(rgb, networks):
+def test_the_walk_checks_parameters_beside_textures_not_over_uv(rgb, networks):
     for texture in strangers(rgb).values():
         load(rgb, networks, "layered", alpha=texture, int_ior=texture)
         with pytest.raises(RuntimeError, match="layered: g is 1; it must be"):

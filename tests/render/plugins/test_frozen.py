@@ -1,4 +1,4 @@
-"""Dr.Jit's frozen functions: recorded once, replayed with other parameters."""
+"""Plugins in Dr.Jit's frozen functions, which are recorded once and replayed."""
 
 import gc
 import weakref
@@ -14,8 +14,8 @@ COAT = {"alpha": 0.2, "int_ior": 1.4, "albedo": 0.7, "sigma_t": 0.8, "g": 0.3}
 
 @pytest.fixture(autouse=True)
 def no_garbage():
-    """What other tests left in cycles must not be freed while a function is recorded: Dr.Jit, which
-    cannot record that, ends the process."""
+    """Collect the garbage of other tests, because Dr.Jit ends the process if Python frees its
+    arrays while a function is recorded."""
     gc.collect()
     gc.disable()
     yield
@@ -63,7 +63,7 @@ def picture(mi, loaded, seed) -> np.ndarray:
 
 @pytest.mark.parametrize("name", ("layered", "neural_layered"))
 @pytest.mark.parametrize("textured", (False, True))
-def test_they_see_changed_parameters(rgb, networks, name, textured):
+def test_replays_use_changed_parameters(rgb, networks, name, textured):
     loaded = scene(rgb, coat(rgb, name, networks, textured))
     parameters = rgb.traverse(loaded)
     frozen = dr.freeze(lambda loaded: picture(rgb, loaded, 0))
@@ -75,7 +75,7 @@ def test_they_see_changed_parameters(rgb, networks, name, textured):
         )
 
 
-def test_they_see_changed_textures(rgb, networks):
+def test_replays_use_changed_textures(rgb, networks):
     loaded = scene(rgb, coat(rgb, "neural_layered", networks, True))
     parameters = rgb.traverse(loaded)
     frozen = dr.freeze(lambda loaded, seed: picture(rgb, loaded, seed))
@@ -104,7 +104,7 @@ def test_they_see_changed_textures(rgb, networks):
         "latents",
     ),
 )
-def test_gradients_inside_are_those_outside(rgb, networks, model, tmp_path, key):
+def test_gradients_inside_equal_those_outside(rgb, networks, model, tmp_path, key):
     textured = key == "albedo.data"
     bsdf = coat(rgb, "neural_layered", networks, textured)
     if key == "latents":
@@ -158,9 +158,9 @@ def test_updates_inside_are_refused(rgb, networks, model, tmp_path, name):
 
 
 @pytest.mark.parametrize("textured", (False, True))
-def test_a_scene_leaves_nothing_behind(rgb, networks, textured):
-    """What only Python's search for cycles frees may be freed while a function is recorded, and
-    Dr.Jit cannot record that."""
+def test_a_scene_is_freed_without_garbage_collection(rgb, networks, textured):
+    """The garbage collector could free reference cycles while a function is recorded, which Dr.Jit
+    cannot record."""
     assert not gc.isenabled()
     bsdf = rgb.load_dict(coat(rgb, "neural_layered", networks, textured))
     loaded = scene(rgb, bsdf)
@@ -170,7 +170,7 @@ def test_a_scene_leaves_nothing_behind(rgb, networks, textured):
     assert codes() is None
 
 
-def test_a_plugin_of_a_scene_that_is_gone(rgb, networks):
+def test_a_plugin_outlives_its_scene(rgb, networks):
     bsdf = rgb.load_dict(coat(rgb, "neural_layered", networks, False))
     first, second = (scene(rgb, bsdf) for _ in range(2))
     expected = picture(rgb, first, 0).numpy()

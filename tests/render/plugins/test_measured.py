@@ -16,7 +16,7 @@ def pairs(count, seed):
     return wi, wo
 
 
-def test_it_is_what_the_reader_gives(rgb, merl_file):
+def test_values_are_those_of_the_reader(rgb, merl_file):
     from urushi.render.reading import probing
 
     wi, wo = pairs(2000, 0)
@@ -25,7 +25,7 @@ def test_it_is_what_the_reader_gives(rgb, merl_file):
     np.testing.assert_allclose(f, urushi.load_measured(merl_file).f(wi, wo), rtol=1e-3)
 
 
-def test_its_density_is_normalised_and_that_of_its_samples(rgb, sampling, merl_file):
+def test_samples_follow_the_normalised_density(rgb, sampling, merl_file):
     bsdf = rgb.load_dict({"type": "measured_brdf", "filename": str(merl_file)})
     for seed, degrees in enumerate((0, 45, 80, 89)):
         test = sampling.chi_squared(bsdf, degrees, seed)
@@ -34,7 +34,7 @@ def test_its_density_is_normalised_and_that_of_its_samples(rgb, sampling, merl_f
         assert test.histogram_sum[0] == 1
 
 
-def test_under_layered_it_is_the_simulation(rgb, merl_file):
+def test_under_layered_values_agree_with_the_simulation(rgb, merl_file):
     from urushi.render.reading import probing
 
     walks, (wi, wo) = 4096, pairs(12, 1)
@@ -47,7 +47,7 @@ def test_under_layered_it_is_the_simulation(rgb, merl_file):
             "base": {"type": "measured_brdf", "filename": str(merl_file)},
         }
     )
-    # Places, which the BSDF does not depend on, go into the hash that its walks start from.
+    # The walks' seeds are hashes that include the position; the BSDF does not depend on it.
     uv = np.random.default_rng(3).random((len(wi) * walks, 2))
     every = probing.bsdf_values(bsdf, np.repeat(wi, walks, 0), np.repeat(wo, walks, 0), uv)
     every = every.reshape(len(wi), walks, 3)
@@ -58,7 +58,7 @@ def test_under_layered_it_is_the_simulation(rgb, merl_file):
     assert np.mean(z**2) < 2
 
 
-def test_under_neural_layered_it_is_the_refined_code_layered(rgb, merl_file):
+def test_under_neural_layered_the_refined_code_is_layered(rgb, merl_file):
     bsdf = rgb.load_dict(
         {
             "type": "neural_layered",
@@ -77,7 +77,7 @@ def test_under_neural_layered_it_is_the_refined_code_layered(rgb, merl_file):
     assert expected == refined != urushi.layer(top, table, weights="small", refine=False, **medium)
 
 
-def test_mistakes_are_named(rgb, tmp_path):
+def test_errors_name_mistakes(rgb, tmp_path):
     with pytest.raises(RuntimeError, match="measured_brdf has no filename; give a MERL or RGL"):
         rgb.load_dict({"type": "measured_brdf"})
     with pytest.raises(RuntimeError, match="there is no file"):

@@ -110,7 +110,7 @@ def test_flat_normals_change_nothing(rgb, describe, name, wrapper):
 
 
 @pytest.mark.parametrize("name", PLUGINS)
-def test_below_the_horizon_all_is_zero(rgb, describe, name):
+def test_values_below_the_horizon_are_zero(rgb, describe, name):
     bsdf = rgb.load_dict(describe(name))
     assert (evaluate(bsdf, wi=(0.3, 0.1, -0.9)) == 0).all()
     assert (evaluate(bsdf, wo=(0.3, 0.1, -0.9)) == 0).all()
@@ -141,7 +141,7 @@ def scene(mi, *bsdfs: dict):
 def test_every_variant_renders(describe, name):
     import mitsuba as mi
 
-    # both ways through the variants: classes must not outlive theirs
+    # in both orders, because classes must not outlive their variant
     for variant in ("llvm_ad_mono", "llvm_ad_spectral", "llvm_ad_rgb", "llvm_ad_mono"):
         mi.set_variant(variant)
         # two of a kind: Mitsuba must not mix them up
@@ -162,7 +162,7 @@ def test_grey_in_spectral_is_grey_in_rgb(describe):
         np.testing.assert_allclose(f, values["llvm_ad_rgb"][0], rtol=1e-4)
 
 
-def test_coats_are_those_of_the_python_functions(rgb):
+def test_coats_agree_with_the_python_functions(rgb):
     """One coat and two, of shipped networks: the plugin agrees with `layer` over `encode`."""
     from urushi import dielectric, encode, layer
 
@@ -180,7 +180,7 @@ def test_coats_are_those_of_the_python_functions(rgb):
 
 
 def test_a_saved_material_is_coated_over_its_anchors(rgb, saved, networks, model, tmp_path):
-    """Until its codes are edited: then over those."""
+    """After an edit of its codes the coat lies over the edited codes."""
     from urushi.material import layer, load
     from urushi.reference import dielectric
 
@@ -208,7 +208,7 @@ def test_a_saved_material_is_coated_over_its_anchors(rgb, saved, networks, model
     np.testing.assert_allclose(codes(coated), expected.latents, rtol=1e-5, atol=1e-5)
 
 
-def test_a_change_through_traverse_layers_anew(rgb, describe):
+def test_a_change_through_traverse_layers_again(rgb, describe):
     changed = rgb.load_dict(describe("neural_layered"))
     parameters = rgb.traverse(changed)
     parameters["sigma_t.value"] = 2.5

@@ -1,4 +1,4 @@
-"""Densities are normalised and are those that the plugins draw from, on many materials."""
+"""The plugins' densities are normalised and agree with their samples, for many materials."""
 
 import numpy as np
 import pytest
@@ -8,16 +8,16 @@ from urushi.material import Material
 from urushi.nets import weights
 
 MATERIALS = 24
-#: Of wi from the normal [degrees].
+#: Angles of wi from the normal [degrees].
 ANGLES = (0, 20, 45, 70, 85, 89)
 
 
 def check(sampling, bsdfs) -> None:
-    """Chi-squared test and integral of every density, each seen from one of the angles."""
+    """Chi-squared test and integral of every density, each for one of the angles."""
     for index, bsdf in enumerate(bsdfs):
         test = sampling.chi_squared(bsdf, ANGLES[index % len(ANGLES)], seed=index)
         assert test.run(0.01, test_count=len(bsdfs), quiet=True), (index, test.messages)
-        # what is left is the quadrature's: the lobe of width 0.01 spans a few of its points
+        # the error is the quadrature's: the lobe of width 0.01 spans only a few of its points
         assert test.pdf_sum[0] == pytest.approx(1, abs=0.005)
         assert test.histogram_sum[0] == 1  # no sample fails
 
@@ -73,16 +73,16 @@ def test_layered(rgb, sampling):
     check(sampling, [rgb.load_dict(coat | {"type": "layered"}) for coat in coats(MATERIALS)])
 
 
-def test_no_sample_of_the_shipped_networks_weighs_much():
-    made = [
+def test_weights_of_samples_of_the_shipped_networks_are_bounded():
+    materials = [
         material
         for samples in benchmark.read().values()
         for material in predict.materials(weights.find("small"), samples)[::16]
     ]
-    assert len(made) > 20
+    assert len(materials) > 20
     theta = np.radians(np.repeat([0, 30, 60, 75, 85], 200))
     wi = np.stack([np.sin(theta), 0 * theta, np.cos(theta)], axis=-1).astype(np.float32)
-    for seed, material in enumerate(made):
+    for seed, material in enumerate(materials):
         wo, pdf = material.sample(wi, np.random.default_rng(seed).random(wi.shape, np.float32))
         f_cos = material.f(wi, wo)[:, 0] * wo[:, 2]
         assert (f_cos <= 50 * pdf).all()

@@ -1,7 +1,7 @@
 """A coat within Mitsuba's own wrappers: `normalmap`, `bumpmap`, `twosided`, `mask`, `blendbsdf`.
 
-What a wrapper must make of a BSDF is known from the BSDF itself: it is asked in the wrapper's
-frame, from the other side, or mixed. Pictures are those of the walk in the same wrapper.
+The expected values are computed from the BSDF itself: evaluated in the wrapper's frame, from the
+other side, or mixed. Pictures are compared with those of the walk in the same wrapper.
 """
 
 import drjit as dr
@@ -29,7 +29,7 @@ def coat(rgb, networks):
 
 
 def directions(seed: int, least: float = 0.0) -> np.ndarray:
-    """Directions (COUNT, 3) whose cosine is at least some value."""
+    """Directions (COUNT, 3) whose cosine is at least `least`."""
     rng = np.random.default_rng(seed)
     z, phi = rng.uniform(least, 1, COUNT), rng.uniform(0, 2 * np.pi, COUNT)
     r = np.sqrt(1 - z * z)
@@ -77,7 +77,7 @@ def test_a_normal_map_tilts_the_frame(rgb, coat):
 
 
 def test_a_bump_map_of_a_slope_is_a_tilted_frame(rgb, coat):
-    # heights that rise along u by a constant slope, but for the seam
+    # heights rise along u with a constant slope, except at the seam
     heights = np.broadcast_to(np.linspace(0, 1, 64)[None, :, None], (2, 64, 1))
     bumped = rgb.load_dict({"type": "bumpmap", "arbitrary": bitmap(rgb, heights), "inner": coat})
     wi, wo = (directions(seed, 0.5) for seed in (1, 2))
@@ -86,7 +86,7 @@ def test_a_bump_map_of_a_slope_is_a_tilted_frame(rgb, coat):
     assert (evaluate(rgb, bumped, wi, wo)[3] > 0).mean() > 0.8
 
 
-def test_twosided_is_the_same_from_behind(rgb, coat):
+def test_twosided_has_the_same_values_from_behind(rgb, coat):
     both = rgb.load_dict({"type": "twosided", "inner": coat})
     wi, wo = (directions(seed) for seed in (1, 2))
     front = evaluate(rgb, rgb.load_dict(coat), wi, wo)
@@ -97,7 +97,7 @@ def test_twosided_is_the_same_from_behind(rgb, coat):
 
 
 @pytest.mark.parametrize("opacity", (0.0, 0.5, 1.0))
-def test_a_mask_takes_its_share(rgb, coat, opacity):
+def test_a_mask_scales_the_values_by_its_opacity(rgb, coat, opacity):
     masked = rgb.load_dict({"type": "mask", "opacity": opacity, "inner": coat})
     wi, wo = (directions(seed) for seed in (1, 2))
     plain = evaluate(rgb, rgb.load_dict(coat), wi, wo)
@@ -113,7 +113,7 @@ def test_a_blend_of_two_coats_is_their_weighted_mean(rgb, coat):
 
 
 def scene(mi, bsdf: dict):
-    """A rectangle that fills the picture, lit from all sides; twice as deep as the eye."""
+    """A rectangle that fills the picture, lit from all sides."""
     to_world = mi.ScalarTransform4f()
     return mi.load_dict(
         {

@@ -1,4 +1,4 @@
-"""Mitsuba's BSDFs as sources of `encode`: what is averaged, what is left out, what is refused."""
+"""Mitsuba's BSDFs as sources of `encode`: averages, parts that are left out, and errors."""
 
 import warnings
 
@@ -15,7 +15,7 @@ from urushi.reference.stack import conductor, dielectric
 WI, WO = probe_pairs(64)
 
 
-def test_an_isotropic_one_is_read_as_it_is(rgb):
+def test_an_isotropic_bsdf_is_read_unchanged(rgb):
     r0 = (0.9, 0.5, 0.2)
     source = rgb.load_dict({
         "type": "principled", "metallic": 1.0, "roughness": 0.5, "specular": 0.5,
@@ -29,17 +29,17 @@ def test_an_isotropic_one_is_read_as_it_is(rgb):
     np.testing.assert_allclose(reading.values, exact, rtol=0.02, atol=1e-4)
 
 
-def test_an_anisotropic_one_is_averaged_and_told(rgb, model):
+def test_an_anisotropic_bsdf_is_averaged_with_a_warning(rgb, model):
     brushed = {"type": "roughconductor", "alpha_u": 0.05, "alpha_v": 0.5}
     with pytest.warns(UrushiWarning, match="is anisotropic: it differs by"):
         along = encode(rgb.load_dict(brushed), model)
     with pytest.warns(UrushiWarning):
         across = encode(rgb.load_dict(brushed | {"alpha_u": 0.5, "alpha_v": 0.05}), model)
-    # A quarter of a turn is among those averaged over.
+    # The average includes a quarter of a turn.
     np.testing.assert_allclose(along.anchors, across.anchors, rtol=1e-2, atol=1e-3)
 
 
-def test_what_is_let_through_is_told_and_left_out(rgb):
+def test_transmission_is_left_out_with_a_warning(rgb):
     reading = evaluate_source(rgb.load_dict({"type": "roughdielectric", "alpha": 0.3}), WI, WO)
     # Diffuse light onto glass of 1.5: 9.2 % come back (Walsh 1926); roughness loses a little.
     assert 0.9 < reading.deviations.transmitted < 0.93
@@ -51,7 +51,7 @@ def test_what_is_let_through_is_told_and_left_out(rgb):
     np.testing.assert_allclose(reading.values, 0.4 * 0.5 / np.pi, rtol=1e-4)
 
 
-def test_smooth_reflection_is_told_and_left_out(rgb):
+def test_smooth_reflection_is_left_out_with_a_warning(rgb):
     glazed = rgb.load_dict({"type": "plastic", "int_ior": 1.5, "ext_ior": 1.0})
     reading = evaluate_source(glazed, WI, WO)
     # Diffuse light onto glass of 1.5, as above; 65,536 samples that vary by about 100 %.
@@ -68,12 +68,12 @@ def test_smooth_reflection_is_told_and_left_out(rgb):
         ("null", "reflects nothing, it only lets light through"),
     ],
 )
-def test_what_reflects_nothing_roughly_is_refused(rgb, kind, sentence):
+def test_bsdfs_without_rough_reflection_are_refused(rgb, kind, sentence):
     with pytest.raises(ParameterError, match=sentence):
         as_source(rgb.load_dict({"type": kind}))
 
 
-def test_a_texture_is_read_in_the_middle(rgb):
+def test_a_texture_is_read_at_the_middle_of_uv(rgb):
     checks = {"type": "checkerboard", "color0": 0.2, "color1": 0.6}
     reading = evaluate_source(rgb.load_dict({"type": "diffuse", "reflectance": checks}), WI, WO)
     assert reading.deviations.textured
@@ -81,19 +81,19 @@ def test_a_texture_is_read_in_the_middle(rgb):
     assert len(np.unique(reading.values.round(6))) == 1
 
 
-def test_what_is_not_over_uv_is_refused(rgb):
+def test_textures_that_are_not_over_uv_are_refused(rgb):
     attribute = {"type": "mesh_attribute", "name": "vertex_color"}
     bsdf = rgb.load_dict({"type": "principled", "base_color": attribute})
     with pytest.raises(ParameterError, match="Principled: the BSDF depends on a mesh attribute"):
         as_source(bsdf)
 
 
-def test_a_random_walk_is_averaged_and_not_judged(rgb):
+def test_a_random_walk_is_averaged_without_a_warning(rgb):
     walk = {"type": "layered", "alpha": 0.3, "sigma_t": 1.0, "albedo": 0.8}
     reading = evaluate_source(rgb.load_dict(walk | {"bottom": {"type": "diffuse"}}), WI, WO)
     assert reading.deviations.anisotropy is None and reading.deviations.reciprocity is None
     swapped = evaluate_source(rgb.load_dict(walk | {"bottom": {"type": "diffuse"}}), WO, WI)
-    # 4,096 walks each: about 2 % by pair, and no more than its fluctuations remain.
+    # 4,096 walks for each pair: only their noise of about 2 % remains.
     error = np.abs(reading.values - swapped.values).sum() / swapped.values.sum()
     assert error < 0.05
 
@@ -115,7 +115,7 @@ def test_scalar_variants_are_refused():
     ids=lambda bottom: bottom["type"],
 )
 def test_a_coat_lies_over_the_same_codes_in_python_and_in_the_plugin(rgb, bottom):
-    """Isotropic, or anisotropic and averaged: one symmetriser, so that no bit differs."""
+    """For isotropic and for averaged bottoms both use one symmetrisation, so no bit differs."""
     coated = rgb.load_dict(
         {"type": "neural_layered", "alpha": 0.1, "int_ior": 1.5, "ext_ior": 1.0, "base": bottom}
     )
