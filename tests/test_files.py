@@ -1,4 +1,4 @@
-"""A reader sees the whole new file or the old one, whatever happens while it is written."""
+"""A reader finds the whole new file or the old one, even if the writing is interrupted."""
 
 import errno
 import os

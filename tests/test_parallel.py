@@ -98,7 +98,7 @@ def test_an_error_or_an_interrupt_ends_the_threads(happening, error, threads):
     before, calls, numbers = _blas_threads(), [], itertools.count(1)
 
     def function(x):
-        number = next(numbers)  # each is one call's, whatever the threads' order
+        number = next(numbers)  # each call gets one number, in any order of the threads
         calls.append(number)
         time.sleep(0.05)
         if number == 5:

@@ -85,7 +85,7 @@ def run_all_cores(task: Callable[[Any], None], pieces: Sequence[Any]) -> None:
     """
     one_thread = functools.partial(_blas().limit, limits=1)
     with _blas_lock, one_thread():  # threads of BLAS would compete with those of the pool
-        # Some builds of BLAS limit each calling thread separately: hence the initializer.
+        # An initializer, because some builds of BLAS limit each calling thread separately.
         pool = ThreadPoolExecutor(available_cores(), "urushi", initializer=one_thread)
         try:
             for future in [pool.submit(task, piece) for piece in pieces]:

@@ -56,7 +56,7 @@ def test_pairs_of_a_file(tmp_path, capsys):
 
 
 def test_albedo_of_a_white_stack_is_one(tmp_path):
-    """No absorption: what enters comes back, but for Smith's masking, little at alpha = 0.05."""
+    """Without absorption only Smith's masking loses light, which is little at alpha = 0.05."""
     file = tmp_path / "albedo.npz"
     white = "coat(diffuse(1), alpha=0.05, eta=1.3)"
     assert cli.main(["simulate", white, "--albedo", "--walks", "20000", "-o", str(file)]) == 0

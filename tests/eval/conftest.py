@@ -46,7 +46,7 @@ def tiny() -> weights.Model:
 
 @pytest.fixture(scope="session")
 def lax(tiny) -> weights.Model:
-    """Networks of the same sizes that answer f = exp(0) whatever they are given."""
+    """Networks of the same sizes that return f = exp(0) for any input."""
     params = {name: value * 0 for name, value in tiny.params.items()}
     params["encoder.input_scale"] = params["encoder.input_scale"] + 1
     return weights.Model.of(tiny.arch, params, {})

@@ -43,7 +43,7 @@ def test_a_set_is_reproduced_to_the_byte(groups, tmp_path, monkeypatch):
 
 
 def test_the_stored_set_is_complete(stored):
-    """Every group; E of the reference's noise at most 0.3 %, but for a stack or two."""
+    """Every group has a noise of at most 0.3 % in E, except for a stack or two."""
     assert list(stored) == [group.name for group in GROUPS]
     assert benchmark.default_path().stat().st_size < 5e6
     noise = np.concatenate([sampling.reference_error(stored[g.name])[0] for g in GROUPS])

@@ -46,7 +46,7 @@ def true_albedo(description, wi):
 
 @pytest.mark.parametrize("alpha", [0.01, 0.017, 0.033, 0.08, 0.21, 0.47, 1.0])
 def test_the_rule_agrees_with_a_fine_one(alpha):
-    """At its own angles within 0.2 %; between them too, but for lobes narrower than their steps."""
+    """Within 0.2 % at the rule's angles, and between them unless lobes are narrower than a step."""
     rule = energy.albedo_rule()
     for description in (
         urushi.conductor(alpha, (0.0, 0.5, 1.0)),

@@ -153,7 +153,7 @@ def test_no_start_is_worse_than_the_encoder(trained, model):
 
 
 def test_a_far_code_is_replaced_by_a_plain_one(trained):
-    """Dark but for a broad lobe that ends as no microfacet lobe does: the start is no nonsense."""
+    """The BRDF is a broad lobe that ends unlike a microfacet lobe; the start must be plausible."""
     cos_h = np.cos(np.linspace(0, np.pi / 2, 7))
     for width in cos_h[1:-1]:
 

@@ -117,7 +117,7 @@ def test_everything_runs_at_the_probes(networks):
 
 
 def test_a_vanishing_coat_leaves_the_bottom(networks):
-    """No facets to speak of, no index step, no medium: whatever the network says is not added."""
+    """The coat is smooth, has no index step and no medium: the network's output is not added."""
     arch, params = networks
     z = np.random.default_rng(8).normal(size=(9, 32)).astype(np.float32)
     distance = []

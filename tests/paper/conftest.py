@@ -1,4 +1,4 @@
-"""The paper's kinds of weights and data are registered, whichever test runs first."""
+"""The paper's kinds of weights and data are registered before any test of this folder."""
 
 from urushi import paper
 

@@ -47,7 +47,7 @@ def stack_error(
 
 
 def pair_error(f_hat: npt.ArrayLike, f: npt.ArrayLike) -> np.ndarray:
-    """P = |f_hat - f| / (f + 0.001): the relative error of every pair, lobe peak or tail alike.
+    """P = |f_hat - f| / (f + 0.001): the relative error of a pair in peaks and tails.
 
     Args:
         f_hat, f: (...) values to judge and reference values [1/sr], at pairs whose tangent of the

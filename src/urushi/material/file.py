@@ -64,9 +64,9 @@ def matching_weights(path: str | os.PathLike, made_with: object, models: Sequenc
     """
     model = next((model for model in models if model.fingerprint == made_with), None)
     if model is None:
-        known = " and ".join(model.fingerprint for model in models)
+        loaded = " and ".join(model.fingerprint for model in models)
         raise FileError(
             f"'{path}' and the weights do not belong together: it was encoded with weights "
-            f"{made_with}, these are {known}; load those weights or encode the material again"
+            f"{made_with}, these are {loaded}; load those weights or encode the material again"
         )
     return model

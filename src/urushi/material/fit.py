@@ -283,7 +283,7 @@ def _state_at(networks: UrushiNetworks, z: np.ndarray, aim: FitTarget, hold: flo
     """
     log_f, slopes = networks.decode_log(z, aim.features)
     f = np.exp(log_f)
-    seen = (slopes * (f / (f + DARK_OFFSET))[:, None]).astype(np.float64)  # dl/dz, (N, L)
+    log_slopes = (slopes * (f / (f + DARK_OFFSET))[:, None]).astype(np.float64)  # dl/dz, (N, L)
     probed, slopes = f[: aim.probes], slopes[: aim.probes]
     outward = (slopes * (probed / (probed + OFFSET))[:, None]).astype(np.float64)  # dD/dz, (P, L)
     code, inward = (x.astype(np.float64) for x in networks.encode_log(log_values(probed)))
@@ -292,7 +292,7 @@ def _state_at(networks: UrushiNetworks, z: np.ndarray, aim: FitTarget, hold: flo
     gap, error = z - code, (np.log(f + DARK_OFFSET) - aim.logs).astype(np.float64)
     losses, far = huber_loss(error)
     loss = aim.weights @ losses
-    weighted = seen.T * (aim.weights / far)
+    weighted = log_slopes.T * (aim.weights / far)
     gap_slope = np.eye(len(z)) - inward @ outward
     whitened = np.linalg.solve(variance, np.column_stack([gap, gap_slope]))
     hold /= aim.probes
@@ -300,7 +300,7 @@ def _state_at(networks: UrushiNetworks, z: np.ndarray, aim: FitTarget, hold: flo
         z,
         float(loss + hold * gap @ whitened[:, 0]),
         weighted @ error + hold * gap_slope.T @ whitened[:, 0],
-        weighted @ seen + hold * gap_slope.T @ whitened[:, 1:],
+        weighted @ log_slopes + hold * gap_slope.T @ whitened[:, 1:],
     )
 
 
@@ -344,10 +344,10 @@ def correct_codes_serial(
         return np.log(f_hat + DARK_OFFSET) - logs[rows, pairs]
 
     rows = np.arange(len(z))
-    steps, known = _correction_steps(
+    steps, fitted_errors = _correction_steps(
         decoder, z, features[FITTED_PAIRS], logs[:, FITTED_PAIRS], damping
     )
-    before = np.concatenate([known, errors(z, rows, CHECKED_PAIRS)], axis=-1)
+    before = np.concatenate([fitted_errors, errors(z, rows, CHECKED_PAIRS)], axis=-1)
     best, least = np.array(z), huber_loss(before)[0].sum(axis=-1)
     for tried in reversed(steps):  # the last step is rarely worse than the encoder
         loss = huber_loss(errors(tried[rows], rows))[0].sum(axis=-1)

@@ -178,9 +178,9 @@ def fill_nearest(values: np.ndarray, valid: np.ndarray) -> None:
         valid: bool (theta_h, theta_d, phi_d), at least one true.
     """
     for slice_values, slice_valid in zip(values, valid, strict=True):
-        known = slice_valid.copy()
-        while known.any() and not known.all():
-            _fill_once(slice_values, known)
+        usable = slice_valid.copy()
+        while usable.any() and not usable.all():
+            _fill_once(slice_values, usable)
     empty = ~valid.any(axis=(1, 2))
     if empty.any():
         filled = np.flatnonzero(~empty)
@@ -188,31 +188,31 @@ def fill_nearest(values: np.ndarray, valid: np.ndarray) -> None:
             values[i] = values[filled[np.argmin(np.abs(filled - i))]]
 
 
-def _fill_once(values: np.ndarray, known: np.ndarray) -> None:
-    """Fill the bins of a slice (theta_d, phi_d) with a known bin in their row or column.
+def _fill_once(values: np.ndarray, usable: np.ndarray) -> None:
+    """Fill the bins of a slice (theta_d, phi_d) with a usable bin in their row or column.
 
-    known: bool (theta_d, phi_d); is updated in place.
+    usable: bool (theta_d, phi_d); is updated in place.
     """
-    count = known.shape[1]
-    in_column, column_distance = _nearest(known)
-    wrapped, row_distance = _nearest(np.tile(known, (1, 3)).T)  # three periods
+    count = usable.shape[1]
+    in_column, column_distance = _nearest(usable)
+    wrapped, row_distance = _nearest(np.tile(usable, (1, 3)).T)  # three periods
     in_row = wrapped.T[:, count : 2 * count] % count
     row_distance = row_distance.T[:, count : 2 * count]
     by_row = row_distance <= column_distance
-    found = ~known & np.isfinite(np.minimum(row_distance, column_distance))
+    found = ~usable & np.isfinite(np.minimum(row_distance, column_distance))
     j, k = np.nonzero(found)
     source_j = np.where(by_row[j, k], j, in_column[j, k])
     source_k = np.where(by_row[j, k], in_row[j, k], k)
     values[j, k] = values[source_j, source_k]
-    known[j, k] = True
+    usable[j, k] = True
 
 
-def _nearest(known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Index of the nearest known entry along axis 0, and its distance (infinite if none is)."""
-    count = len(known)
-    index = np.broadcast_to(np.arange(count)[:, None], known.shape)
-    before = np.maximum.accumulate(np.where(known, index, -3 * count), axis=0)
-    after = np.minimum.accumulate(np.where(known, index, 3 * count)[::-1], axis=0)[::-1]
+def _nearest(usable: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Index of the nearest usable entry along axis 0, and its distance (infinite if none is)."""
+    count = len(usable)
+    index = np.broadcast_to(np.arange(count)[:, None], usable.shape)
+    before = np.maximum.accumulate(np.where(usable, index, -3 * count), axis=0)
+    after = np.minimum.accumulate(np.where(usable, index, 3 * count)[::-1], axis=0)[::-1]
     nearest = np.where(index - before <= after - index, before, after)
     distance = np.abs(nearest - index).astype(np.float64)
     missing = distance > count

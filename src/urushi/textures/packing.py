@@ -4,7 +4,7 @@ Fan et al. (2022) keep the numbers of a latent texture in floating point. Here e
 is a fixed-point number between its least and its greatest value in the texture. A texel takes a
 power of two of bytes. The numbers with the greatest effect on f have 16 bits, as many as fit, the
 gain first; the others have 8. Sixteen bits are two separate bytes, high and low: interpolation is
-linear, so that a renderer may interpolate all bytes alike and add them afterwards.
+linear, so that a renderer may interpolate all bytes in the same way and add them afterwards.
 """
 
 from typing import NamedTuple

@@ -39,7 +39,7 @@ _PERIOD = 4
 def error_scale(f_hat: jax.Array) -> jax.Array:
     """Divisors (S, P) of errors: the prediction plus a floor, constant to the gradient.
 
-    The gradient is linear in f, hence the minimum lies at the mean of a noisy f, and Monte Carlo
+    The gradient is linear in f, so the minimum lies at the mean of a noisy f, and Monte Carlo
     values of few walks teach without bias (Lehtinen et al. 2018). A logarithm or an L1 norm of
     them would not.
     """

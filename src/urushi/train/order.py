@@ -86,7 +86,7 @@ class Order:
     def _cut(self, rng: np.random.Generator) -> list[Window]:
         """Shuffle the shards and cut them into windows.
 
-        Each part's shards are spread evenly over the epoch, so that all windows are alike: the
+        Each part's shards are spread evenly over the epoch, so that all windows are similar: the
         k-th of n lies at a random place between k / n and (k + 1) / n of it.
         """
         places = [(rng.permutation(n) + rng.random(n)) / n for n in self._parts]

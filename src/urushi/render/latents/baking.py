@@ -226,18 +226,18 @@ def choose_grid(
 
 
 def check(coat: CoatTextures) -> None:
-    """Look at the coat's parameters all over uv; what is not over uv, the walk clips at each point.
+    """Check the coat's parameters over uv; the walk clips the others at each point.
 
     Raises:
         ParameterError: one is out of range.
     """
-    known = {
+    over_uv = {
         name: texture for name, texture in coat.textures.items() if not grids.not_over_uv(texture)
     }
-    unknown = coat.textures.keys() - known.keys()
-    grid = grids.choose(known, None, 0, coat.where)
+    elsewhere = coat.textures.keys() - over_uv.keys()
+    grid = grids.choose(over_uv, None, 0, coat.where)
     if grid is None:
-        coat.table(np.full((1, 2), 0.5), unknown)
+        coat.table(np.full((1, 2), 0.5), elsewhere)
         return
     for start in range(0, grid.texels, TEXEL_BLOCK):
-        coat.table(grid.uv(start, min(start + TEXEL_BLOCK, grid.texels)), unknown)
+        coat.table(grid.uv(start, min(start + TEXEL_BLOCK, grid.texels)), elsewhere)

@@ -26,7 +26,7 @@ CYCLE_STRIDE = 16
 #: Stride of the stacks used in the absorption penalty, among those with a coat.
 ABSORPTION_STRIDE = 12
 
-#: Optical depths of added absorption, assigned to the rows of a batch in turn.
+#: Optical depths of added absorption; the rows of a batch take them one after the other.
 ABSORPTION_STEPS = (0.1, 0.3, 1.0)
 
 
@@ -94,7 +94,7 @@ def absorption_penalty(
 ) -> jax.Array:
     """Increase of ln f (B, P) when a coat's medium absorbs more; 0 where f falls.
 
-    Every path through a medium loses energy by absorption, hence f falls everywhere as sigma_a
+    Every path through a medium loses energy by absorption, so f falls everywhere as sigma_a
     rises at constant scattering. Simulated stacks differ in all their parameters, so that they
     show this only indirectly; the penalty compares a coat with a darker one and needs no simulated
     values.

@@ -146,4 +146,4 @@ def inner_reflection(grid: CosineGrid, alpha: float, eta: float) -> np.ndarray:
     kernel = surfaces.inner_reflection(alpha, eta)
     # In azimuth the lobe narrows towards grazing; at a fifth of its width the flux is negligible.
     rows = grid.root[:, None] * project(grid, kernel, grid.mu, fine, azimuths(alpha / 5))
-    return (rows + np.swapaxes(rows, 1, 2)) / 2  # reciprocal, but for the error of the rows
+    return (rows + np.swapaxes(rows, 1, 2)) / 2  # the mean is exactly reciprocal
