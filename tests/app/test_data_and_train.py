@@ -53,18 +53,18 @@ def test_generate_resumes_to_the_same_store(tiny, tmp_path, capsys):
 
 
 def test_train_passes_its_flags(monkeypatch, capsys):
-    seen = {}
+    calls = {}
 
     model = SimpleNamespace(header={"metrics": {"E mean": 0.0123}}, fingerprint="0123456789ab")
 
     def train(preset, **options):
-        seen.update(options, preset=preset)
+        calls.update(options, preset=preset)
         return model
 
     monkeypatch.setattr(training, "train", train)
     flags = ["--preset", "smoke", "--data", "d.zarr", "--run-folder", "r", "-o", "w.safetensors"]
     assert cli.main(["train", *flags, "--resume"]) == 0
-    assert seen == {
+    assert calls == {
         "preset": presets.get("smoke"),
         "data": Path("d.zarr"),
         "run": Path("r"),

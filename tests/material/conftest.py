@@ -3,9 +3,12 @@
 import numpy as np
 import pytest
 
+from urushi import paper
 from urushi.material import Material
 from urushi.nets.architecture import Architecture, init
 from urushi.nets.weights import Model, default_model
+
+paper.register()  # some tests use its networks, which have no gain and no derivatives
 
 RGB = np.random.default_rng(41).normal(size=(3, 32)).astype(np.float32)
 

@@ -98,9 +98,9 @@ def test_missing_and_unwritable_paths_are_named(material, model, tmp_path):
 
 def test_a_file_finds_the_shipped_networks_it_belongs_to(tmp_path):
     for name in weights.SHIPPED:
-        made = encode(conductor(0.3, 0.9), name)
-        made.save(tmp_path / name)
-        assert load(tmp_path / name) == made
+        source = encode(conductor(0.3, 0.9), name)
+        source.save(tmp_path / name)
+        assert load(tmp_path / name) == source
         assert load(tmp_path / name).model is weights.load_shipped(name)
 
 

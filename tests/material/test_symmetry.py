@@ -38,9 +38,9 @@ def test_symmetric_brdfs_keep_their_bits():
     assert np.array_equal(reading.values, lambert(WI, WO).astype(np.float32))
     assert reading.deviations == Deviations()
     rough = conductor(0.05, (0.9, 0.5, 0.2))
-    seen = evaluate_source(lambda wi, wo: evaluate_source(rough, wi, wo).values, WI, WO)
-    assert np.array_equal(seen.values, evaluate_source(rough, WI, WO).values)
-    assert seen.deviations == Deviations()
+    reading = evaluate_source(lambda wi, wo: evaluate_source(rough, wi, wo).values, WI, WO)
+    assert np.array_equal(reading.values, evaluate_source(rough, WI, WO).values)
+    assert reading.deviations == Deviations()
 
 
 def test_the_mean_over_the_azimuth_is_encoded():

@@ -69,7 +69,7 @@ def test_encoder_against_differences(double, logs):
 
 def test_against_automatic_differentiation(networks, codes, features, logs):
     arch, params = networks
-    z, seen, x = (jnp.asarray(a, jnp.float32) for a in (codes, features, logs))
+    z, direction_inputs, x = (jnp.asarray(a, jnp.float32) for a in (codes, features, logs))
 
     def decoded(z, features):
         return jnp.log(decoder.decode(params, arch, z, features))
@@ -77,8 +77,10 @@ def test_against_automatic_differentiation(networks, codes, features, logs):
     def encoded(x):
         return encoder.encode(params, arch, jnp.exp(x) - encoder.OFFSET)
 
-    ours = derivatives.decode_log(params, arch, np.asarray(z)[:, None], np.asarray(seen))[1]
-    theirs = jax.vmap(jax.vmap(jax.grad(decoded), (None, 0)), (0, None))(z, seen)
+    ours = derivatives.decode_log(
+        params, arch, np.asarray(z)[:, None], np.asarray(direction_inputs)
+    )[1]
+    theirs = jax.vmap(jax.vmap(jax.grad(decoded), (None, 0)), (0, None))(z, direction_inputs)
     # Single precision: sums of some hundred terms of size 1 to 10.
     np.testing.assert_allclose(ours, theirs, atol=2e-4, rtol=1e-3)
     ours = derivatives.encode_log(params, arch, np.asarray(x))[1]
@@ -87,9 +89,9 @@ def test_against_automatic_differentiation(networks, codes, features, logs):
 
 def test_one_definition_runs_on_jax(networks, codes, features):
     arch, params = networks
-    z, seen = codes[:, None].astype(np.float32), features.astype(np.float32)
-    ours = derivatives.decode_log(params, arch, z, seen)
-    theirs = jax.jit(lambda z, x: derivatives.decode_log(params, arch, z, x))(z, seen)
+    z, direction_inputs = codes[:, None].astype(np.float32), features.astype(np.float32)
+    ours = derivatives.decode_log(params, arch, z, direction_inputs)
+    theirs = jax.jit(lambda z, x: derivatives.decode_log(params, arch, z, x))(z, direction_inputs)
     for a, b in zip(ours, theirs, strict=True):
         np.testing.assert_allclose(a, b, atol=1e-4, rtol=1e-3)
 

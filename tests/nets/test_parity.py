@@ -55,11 +55,11 @@ def test_coat_features(vectors):
 
 def test_decode(networks, vectors, pairs):
     arch, params = networks
-    seen = features.direction_features(*pairs)[None, :300]
+    inputs = features.direction_features(*pairs)[None, :300]
     # 32-bit sums of some hundred terms of size 1 differ by 1e-5; exp turns that into 1e-5
     # relative, times the output's gain of 8.
     _close(
-        _both(lambda z, x: decoder.decode(params, arch, z[:, None], x), vectors["z"], seen),
+        _both(lambda z, x: decoder.decode(params, arch, z[:, None], x), vectors["z"], inputs),
         atol=0, rtol=3e-4,
     )  # fmt: skip
 
@@ -98,13 +98,13 @@ def test_lobes_sample(vectors, pairs):
 
 def test_gradients_are_finite(networks, vectors, pairs):
     arch, params = networks
-    seen = features.direction_features(*pairs)[None]
+    inputs = features.direction_features(*pairs)[None]
 
     def loss(p, f, coat):
         z = layerer.layer(p, arch, encoder.encode(p, arch, f), coat)
         weights, alphas = sampler.mixture(p, arch, z[:, None], jnp.asarray(pairs[0][:, 2]))
         density = sampler.mixture_pdf(weights, alphas, jnp.asarray(pairs[0]), jnp.asarray(pairs[1]))
-        return jnp.mean(decoder.decode(p, arch, z[:, None], seen)) + jnp.mean(density)
+        return jnp.mean(decoder.decode(p, arch, z[:, None], inputs)) + jnp.mean(density)
 
     trained = {name: jnp.asarray(value) for name, value in params.items()}
     coat = jnp.asarray(features.coat_features(*vectors["coat"]))

@@ -43,10 +43,10 @@ def test_the_loss_never_rises():
 
 
 def test_equal_interfaces_are_projected_once(monkeypatch):
-    seen = []
+    projected = []
 
     def project(params, directions, f):
-        seen.append(len(f))
+        projected.append(len(f))
         return np.repeat(f[:, :1], 32, axis=1), None
 
     monkeypatch.setattr(networks, "project", project)
@@ -59,7 +59,7 @@ def test_equal_interfaces_are_projected_once(monkeypatch):
 
     alpha = np.array([[0.1, 0.2], [0.1, 0.2]], np.float32)
     codes = model._top(alpha, np.float32(1.5))
-    assert sum(seen) == 2
+    assert sum(projected) == 2
     np.testing.assert_allclose(codes[..., 0], alpha * 1.5, rtol=1e-6)
     model._top(alpha[:1], np.float32(1.5))
-    assert sum(seen) == 2
+    assert sum(projected) == 2

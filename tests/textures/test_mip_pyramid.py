@@ -130,14 +130,14 @@ def test_only_changed_tiles_are_computed_again(trained, monkeypatch, place):
     of.fill(whole.__getitem__, whole.__setitem__)
     changed = np.array([place[0] * width + place[1]])
     whole[changed] = codes[0] if changed[0] else codes[1]
-    seen = []
+    read_rows = []
 
     def read(index):
-        seen.append(index)
+        read_rows.append(index)
         return whole[index]
 
     of.fill(read, whole.__setitem__, changed)
-    assert len(np.unique(np.concatenate(seen))) < 0.6 * len(codes)
+    assert len(np.unique(np.concatenate(read_rows))) < 0.6 * len(codes)
     again = np.array(whole)
     of.fill(again.__getitem__, again.__setitem__, np.arange(len(codes)))
     # Products of other sizes are summed in another order.

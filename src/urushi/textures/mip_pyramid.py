@@ -70,8 +70,8 @@ class MipPyramid:
             self._means[y, x : x + step] = part
 
         if changed is None:
-            some = space.lift(self._rows(read)(np.zeros(1, np.intp)).astype(np.float32))
-            self._means = np.empty((rows, columns, self._channels, some.shape[1]), np.float32)
+            lifted = space.lift(self._rows(read)(np.zeros(1, np.intp)).astype(np.float32))
+            self._means = np.empty((rows, columns, self._channels, lifted.shape[1]), np.float32)
         parallel.run_all_cores(make, tiles)
         means = self._means
         for level in range(self._kept + 1, len(self.sizes)):
@@ -139,8 +139,10 @@ class MipPyramid:
         """Whether the space that was fitted before the change holds for the changed codes."""
         if not isinstance(self._space, RegressionSpace) or not len(changed):
             return True
-        some = np.random.default_rng(0).integers(len(changed) * self._channels, size=CHECKED_CODES)
-        texel, channel = np.divmod(some, self._channels)
+        chosen = np.random.default_rng(0).integers(
+            len(changed) * self._channels, size=CHECKED_CODES
+        )
+        texel, channel = np.divmod(chosen, self._channels)
         codes = read(changed[texel])[np.arange(CHECKED_CODES), channel]
         with parallel.one_blas_thread():  # the matrices are small
             return self._space.fits(codes.astype(np.float32))
