@@ -51,7 +51,7 @@ def test_the_stored_set_is_complete(stored):
 
 
 def test_the_stored_stacks_are_those_of_the_seed(stored):
-    """They are drawn again here: if a distribution changed, the set must be reproduced."""
+    """They are drawn again here: if a distribution changed, the set must be generated again."""
     for group in GROUPS:
         table, ours = sampling.draw_stacks(group, benchmark.SEED), stored[group.name].table
         # Within rounding: powers may differ in the last digit between machines.
