@@ -57,7 +57,7 @@ def initial_code(networks: UrushiNetworks, f: np.ndarray) -> np.ndarray:
     the brightness of f.
     """
     pairs = networks.pairs()
-    plain = networks.encode(_surface_codes(networks))
+    plain = networks.encode(_values_of_surfaces(networks))
     logs = np.log(f + DARK_OFFSET)
     gains = np.median(logs - np.log(networks.f(plain[:, None], *pairs) + DARK_OFFSET), axis=-1)
     codes = np.concatenate([networks.encode(f[None]), networks.scaled(plain, np.exp(gains))])
@@ -65,7 +65,7 @@ def initial_code(networks: UrushiNetworks, f: np.ndarray) -> np.ndarray:
     return codes[errors.argmin()].astype(np.float32)
 
 
-def _surface_codes(networks: UrushiNetworks) -> np.ndarray:
+def _values_of_surfaces(networks: UrushiNetworks) -> np.ndarray:
     """Values float32 (M, P) [1/sr] of conductors and a diffuse surface at the networks' pairs."""
     wi, wo = networks.pairs()
     return _surface_values(np.asarray(wi).tobytes(), np.asarray(wo).tobytes())
