@@ -5,6 +5,8 @@ import numpy as np
 import pytest
 
 from urushi.app import cli
+from urushi.errors import ParameterError
+from urushi.scenes import shipped
 
 SCENE = """<scene version="3.0.0">
     <default name="grey" value="0.5"/>
@@ -71,7 +73,10 @@ def test_png(scene, tmp_path):
         (["-s", "-1"], "--sensor is -1, but"),
         (["-D", "grey"], "-D is given 'grey'; write it as key=value"),
         (["-D", "gloss=1"], "cannot load"),
-        (["-o", "picture.gif"], "'picture.gif' has no suffix of a picture; use .exr, .png, .jpg"),
+        (
+            ["-o", "picture.gif"],
+            "'picture.gif' does not end in a picture format; use .exr, .png, .jpg",
+        ),
         (["-o", "/nowhere/at/all.exr"], "cannot write '/nowhere/at/all.exr'"),
     ],
 )
@@ -131,3 +136,16 @@ def test_a_plugins_error_is_shown_without_its_traceback(
     assert ".py" not in message
     assert ".cpp" not in message
     assert message.count("\n") == 1
+
+
+def test_a_folder_of_a_shipped_scenes_name_does_not_hide_the_scene(tmp_path, monkeypatch, capsys):
+    """As `urushi scenes export teapot teapot` leaves it behind."""
+    (tmp_path / "teapot").mkdir()
+    monkeypatch.chdir(tmp_path)
+
+    def export(name, folder, *options):
+        raise ParameterError(f"the shipped scene {name} is exported")
+
+    monkeypatch.setattr(shipped, "export", export)
+    assert cli.main(["render", "teapot", "-o", "teapot.exr"]) == 2
+    assert "the shipped scene teapot is exported" in capsys.readouterr().err

@@ -97,7 +97,7 @@ def test_a_picture_needs_its_suffix(tmp_path, capsys):
     pytest.importorskip("matplotlib")
     output = str(tmp_path / "sheet.exr")
     assert cli.main(["sheet", "diffuse(0.5)", "diffuse(0.2)", "-o", output]) == 2
-    assert "has no suffix of a picture" in capsys.readouterr().err
+    assert "does not end in a picture format" in capsys.readouterr().err
 
 
 def test_a_picture_is_a_lit_sphere(small_spheres):

@@ -125,7 +125,7 @@ def check_path(path: Path) -> None:
     """Raise ParameterError unless a sheet can be written to such a file."""
     if path.suffix.lower() not in SUFFIXES:
         raise ParameterError(
-            f"'{path}' has no suffix of a picture; use one of {', '.join(SUFFIXES)}"
+            f"'{path}' does not end in a picture format; use one of {', '.join(SUFFIXES)}"
         )
 
 

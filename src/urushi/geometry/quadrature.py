@@ -1,4 +1,7 @@
-"""Quadrature over the hemisphere of outgoing directions that resolves any GGX-like lobe."""
+"""Quadrature over the hemisphere of outgoing directions that resolves any GGX-like lobe.
+
+The energy limit has a rule of its own with far fewer nodes, `urushi.material.energy.albedo_rule`.
+"""
 
 import numpy as np
 

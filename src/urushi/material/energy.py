@@ -113,7 +113,7 @@ def _lagrange(nodes: np.ndarray, x: np.ndarray) -> np.ndarray:
 
 
 def directional_albedos(model: Model, z: np.ndarray) -> np.ndarray:
-    """Directional albedos (N, D) of codes (N, 32) at the cosines of `rule`."""
+    """Directional albedos (N, D) of codes (N, 32) at the cosines of `albedo_rule`."""
     nodes, networks = albedo_rule(), model.networks
     assert isinstance(networks, UrushiNetworks)  # for the type checker
 
@@ -154,7 +154,7 @@ def limit_albedo(
     Args:
         model: the networks.
         z: float32 (..., 32).
-        ceiling: a number, or an array that broadcasts to (..., D), at the cosines of `rule`.
+        ceiling: a number, or an array that broadcasts to (..., D), at the cosines of `albedo_rule`.
 
     Returns:
         float32 (..., 32); the same bits where a code is not above its ceiling, and for networks

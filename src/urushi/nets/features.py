@@ -2,7 +2,7 @@
 
 from typing import Any
 
-#: Least cosine to the normal; closer to the horizon f is taken as constant.
+#: Smallest cosine to the normal. Smaller ones are clamped to it, so f is constant near the horizon.
 MIN_COSINE = 5e-3
 
 #: Features of a pair of directions: formula, mean, scale. Normalisation by mean and scale gives
@@ -20,14 +20,14 @@ DIRECTION_TABLE = (
 )
 DIRECTION_FEATURES = len(DIRECTION_TABLE)
 
-#: Least eta - 1 in the logarithm. Networks are trained above it, and the logarithm for a vanishing
-#: interface would be far outside of the range of their training.
+#: Lower bound of eta - 1 inside ln(eta - 1). As eta goes to 1, the logarithm would leave the range
+#: that the networks were trained on.
 MIN_INDEX_STEP = 0.04
 
 #: Below this eta - 1 the presence of an interface is quadratic in it, as its reflectance is.
 PRESENT_STEP = 0.05
 
-#: Least width of a microfacet lobe: light sources do not resolve a sharper one from a mirror's.
+#: Least width of a microfacet lobe: a sharper one looks like a mirror under ordinary light sources.
 MIN_ALPHA = 0.01
 
 #: Features of a coat: formula, mean, scale; m = 1 - exp(-sigma_t). All terms with albedo or g
@@ -67,10 +67,10 @@ def _normalised(columns: list[Any], table: tuple[tuple[str, float, float], ...])
 def direction_features(wi: Any, wo: Any) -> Any:
     """Return the features (..., 8) of unit vectors wi, wo (..., 3), z the normal.
 
-    wi and wo enter through commutative sums, products and minima alone. Exchanging them gives the
-    same bits, which makes the decoder reciprocal by construction. All angles are computed from
-    wi + wo without normalising it (theta_h: half vector to normal; theta_d: half vector to either
-    direction; Rusinkiewicz 1998), so that small half angles keep their digits in float32.
+    wi and wo enter only through commutative operations (sum, product, minimum). Exchanging them
+    gives the same bits, which makes the decoder reciprocal by construction. All angles are computed
+    from wi + wo without normalising it (theta_h: half vector to normal; theta_d: half vector to
+    either direction; Rusinkiewicz 1998), so that small half angles keep their digits in float32.
     The features are finite for every pair; cosines are clamped to at least `MIN_COSINE`.
     """
     xp = wi.__array_namespace__()
@@ -104,10 +104,10 @@ def coat_features(alpha: Any, eta: Any, albedo: Any, sigma_t: Any, g: Any) -> An
     alpha in [0.01, 1], eta in (1, 3], albedo in [0, 1], sigma_t >= 0, g in (-1, 1). For
     sigma_t = 0 the features do not depend on albedo and g.
 
-    The last column is no input of the layerer but the coat's presence in [0, 1], by which its
-    output is multiplied. It is 0 only for a coat without an index step, without a medium and of
-    the least roughness (rough facets mask each other whatever their index). It is above 0.6 where
-    eta > 1.05.
+    The last column is not an input of the layerer. It is the coat's presence in [0, 1], by which
+    the predicted change of the code is multiplied. It is 0 only for a coat without an index step,
+    without a medium and of the least roughness (rough facets mask each other whatever their index).
+    It is above 0.6 where eta > 1.05.
     """
     xp = alpha.__array_namespace__()
     above = eta - 1.0

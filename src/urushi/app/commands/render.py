@@ -19,8 +19,8 @@ from urushi.files import atomic_write
 ZERO_WIDTH_SPACE = "\u200b"
 SUFFIXES = (".exr", ".png", ".jpg")
 
-#: Number of samples per pixel that makes Mitsuba use the scene's own.
-SCENES_OWN = 0
+#: As a number of samples per pixel, it makes `mi.render` use the scene's own number.
+SCENE_SPP = 0
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class Overrides:
 
 
 def _shipped_or_absolute(weights: str) -> str:
-    """A shipped name unchanged, a file as absolute path: the scene has another folder."""
+    """A shipped name unchanged; a file as absolute path, as Mitsuba searches the scene's folder."""
     from urushi.nets.weights import SHIPPED
 
     return weights if weights in SHIPPED else str(Path(weights).absolute())
@@ -124,7 +124,7 @@ class Render:
             raise ParameterError(
                 f"--sensor is {self.sensor}, but '{self.scene}' has {sensors}, counted from 0"
             )
-        spp = SCENES_OWN if self.spp is None else self.spp
+        spp = SCENE_SPP if self.spp is None else self.spp
         try:
             image = mi.render(scene, sensor=self.sensor, spp=spp, seed=self.seed)
         except RuntimeError as error:
@@ -135,11 +135,11 @@ class Render:
         return 0
 
     def _load(self, definitions: Mapping[str, str], overrides: Overrides) -> Any:
-        """Load the scene file, or the shipped scene if no file has that name."""
+        """Load a scene file if there is one or the name has a suffix, else the shipped scene."""
         from urushi.scenes import shipped
 
         path = Path(self.scene)
-        if path.exists() or path.suffix:
+        if path.is_file() or path.suffix:
             return load_scene(path, definitions, self.append, overrides)
         shipped.find(self.scene)
         with tempfile.TemporaryDirectory(prefix="urushi-") as folder:
@@ -152,7 +152,9 @@ def write_picture(image: Any, path: Path) -> None:
     import mitsuba as mi
 
     if path.suffix.lower() not in SUFFIXES:
-        raise ParameterError(f"'{path}' has no suffix of a picture; use {', '.join(SUFFIXES)}")
+        raise ParameterError(
+            f"'{path}' does not end in a picture format; use {', '.join(SUFFIXES)}"
+        )
     with atomic_write(path) as temporary:
         try:
             mi.util.write_bitmap(str(temporary), image, write_async=False)
@@ -277,15 +279,15 @@ class ExportScene:
     folder: tyro.conf.Positional[Path]
     """Folder to write to. It is made if it is missing."""
     coat: Literal["neural_layered", "layered"] = "neural_layered"
-    """Plugin of the coats: the networks, or the walk. The file has it as its parameter $coat."""
+    """Plugin of the coats: the networks, or the walk. The default of the file's parameter $coat."""
     weights: str = "base"
     """Networks of neural_layered: base, small, or a weights file."""
     width: int = 640
-    """Width of the picture in pixels. The file has it as its parameter $width."""
+    """Width of the picture in pixels. Default of the written file's parameter $width."""
     height: int = 480
-    """Height of the picture in pixels. The file has it as its parameter $height."""
+    """Height of the picture in pixels. Default of the written file's parameter $height."""
     spp: int = 64
-    """Samples per pixel. The file has it as its parameter $spp."""
+    """Samples per pixel. Default of the written file's parameter $spp."""
     detail: float = 1.0
     """Factor on the width and height of every texture, above 0 and at most 4."""
 
