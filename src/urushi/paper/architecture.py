@@ -38,7 +38,9 @@ class PaperArchitecture:
             ParameterError: the text has other entries.
         """
         if json.loads(text) != {"kind": "paper"}:
-            raise ParameterError("the paper's architecture has no sizes to choose")
+            raise ParameterError(
+                'the paper\'s architecture takes no options; it must be {"kind": "paper"}'
+            )
         return cls()
 
 
