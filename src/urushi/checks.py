@@ -12,6 +12,10 @@ from urushi.errors import ParameterError
 UNIT_TOLERANCE = 1e-3
 
 
+#: Least GGX width: a sharper lobe looks like a mirror under ordinary light sources.
+MIN_ALPHA = 0.01
+
+
 class CoatParameters(NamedTuple):
     """The parameters of one coat or of many: numbers, or arrays that broadcast.
 
@@ -61,7 +65,7 @@ def _parameter(
 def alpha(value: npt.ArrayLike, where: str = "alpha", *, any_shape: bool = False) -> np.ndarray:
     """Check GGX widths in [0.01, 1]; returns float64 of shape () or (3,), any if `any_shape`."""
     return _parameter(
-        value, where, lambda x: (x >= 0.01) & (x <= 1), "a GGX width in [0.01, 1]", any_shape
+        value, where, lambda x: (x >= MIN_ALPHA) & (x <= 1), "a GGX width in [0.01, 1]", any_shape
     )
 
 

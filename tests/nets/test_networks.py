@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
+from urushi.checks import MIN_ALPHA
 from urushi.geometry.probe_pairs import probe_pairs
 from urushi.nets import decoder, encoder, layerer, sampler
 from urushi.nets.architecture import ACTIVATIONS, SCALE, Architecture, init
-from urushi.nets.features import MIN_ALPHA, coat_features, direction_features
+from urushi.nets.features import coat_features, direction_features
 from urushi.nets.mlp import activate, linear, with_slope
 from urushi.nets.networks import UrushiNetworks
 

@@ -10,8 +10,8 @@ from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
+from urushi.checks import MIN_ALPHA
 from urushi.errors import ParameterError
-from urushi.nets.features import MIN_ALPHA
 from urushi.reference.bottoms import LOBE_PARAMETERS
 from urushi.reference.table import BOTTOM_KINDS, StackTable
 

@@ -2,6 +2,8 @@
 
 from typing import Any
 
+from urushi.checks import MIN_ALPHA
+
 #: Smallest cosine to the normal. Smaller ones are clamped to it, so f is constant near the horizon.
 MIN_COSINE = 5e-3
 
@@ -26,9 +28,6 @@ MIN_INDEX_STEP = 0.04
 
 #: Below this eta - 1 the presence of an interface is quadratic in it, as its reflectance is.
 PRESENT_STEP = 0.05
-
-#: Least width of a microfacet lobe: a sharper one looks like a mirror under ordinary light sources.
-MIN_ALPHA = 0.01
 
 #: Features of a coat: formula, mean, scale; m = 1 - exp(-sigma_t). All terms with albedo or g
 #: vanish with sigma_t.

@@ -10,8 +10,9 @@ z is the normal, wi is above the horizon.
 import math
 from typing import Any
 
+from urushi.checks import MIN_ALPHA
 from urushi.nets.architecture import Architecture
-from urushi.nets.features import MIN_ALPHA, MIN_COSINE
+from urushi.nets.features import MIN_COSINE
 from urushi.nets.mlp import Params, hidden_to_output, split_linear
 
 #: Least weight of the cosine lobe. It bounds f cos / pdf where the network is wrong.

@@ -11,8 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from urushi.checks import CoatParameters
-from urushi.nets.features import MIN_ALPHA
+from urushi.checks import MIN_ALPHA, CoatParameters
 from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
 from urushi.parallel import fill_blocks

@@ -5,7 +5,8 @@ from collections.abc import Sequence
 import drjit as dr
 import numpy as np
 
-from urushi.nets.features import MIN_ALPHA, MIN_COSINE
+from urushi.checks import MIN_ALPHA
+from urushi.nets.features import MIN_COSINE
 from urushi.nets.sampler import MIN_COSINE_SHARE
 from urushi.nets.weights import Model
 from urushi.physics.mixture import Mixture

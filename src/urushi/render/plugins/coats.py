@@ -7,7 +7,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi.checks import CoatParameters
+from urushi.checks import MIN_ALPHA, CoatParameters
 from urushi.physics import fresnel
 from urushi.physics.mixture import Mixture
 from urushi.render.reading import probing
@@ -146,7 +146,7 @@ def _width(tangent: np.ndarray, below: np.ndarray, q: float) -> float:
 def _clipped(coat: CoatParameters) -> CoatParameters:
     """Parameters clipped to their ranges: filters and spectra may leave them."""
     return CoatParameters(
-        dr.clip(coat.alpha, 0.01, 1),
+        dr.clip(coat.alpha, MIN_ALPHA, 1),
         coat.eta,
         dr.clip(_color(coat.albedo), 0, 1),
         dr.maximum(_color(coat.sigma_t), 0),
@@ -156,7 +156,7 @@ def _clipped(coat: CoatParameters) -> CoatParameters:
 
 def _width_outside(alpha, stretch, blur):
     """The width, seen from outside the stack, of a lobe of width alpha inside it."""
-    return dr.clip(dr.sqrt(stretch * alpha * alpha + blur), 0.01, 1)
+    return dr.clip(dr.sqrt(stretch * alpha * alpha + blur), MIN_ALPHA, 1)
 
 
 def _color(value):
