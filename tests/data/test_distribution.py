@@ -89,7 +89,50 @@ def test_bottoms_without_a_coat_are_a_distribution_too():
     assert (len(table), table.coats) == (10, 0)
 
 
-@pytest.mark.parametrize("drawn", [Table2(3), Extended(1, "diffuse"), Clear(1, "diffuse")])
+def whole_cdf(x):
+    """The mixture over [0.5, 3] that the documentation states."""
+    x = np.asarray(x)
+
+    def near(distance):
+        return np.clip(np.log(np.maximum(distance, 1e-9) / 0.004) / np.log(0.05 / 0.004), 0, 1)
+
+    return (
+        0.55 * uniform_cdf(1.05, 2)(x)
+        + 0.1 * uniform_cdf(2, 3)(x)
+        + 0.25 * uniform_cdf(0.5, 0.96)(x)
+        + 0.05 * (np.where(x < 1, 1 - near(1 - x), 1) + near(x - 1))
+    )
+
+
+@pytest.mark.parametrize("make", [Extended, Clear])
+def test_whole_indices_have_the_stated_mixture_on_both_sides_of_one(make):
+    table = make(2, "dielectric", "whole").sample(np.random.default_rng(0), N)
+    for eta in (table.eta, table.bottom["eta"]):
+        assert kolmogorov(eta, whole_cdf) > 1e-3
+        # In float32 an index of 0.996 is off by 3e-8.
+        assert eta.min() >= 0.5 and eta.max() <= 3 and np.abs(eta - 1).min() > 0.004 - 1e-6
+
+
+def test_indices_change_eta_alone():
+    common = Extended(1, "dielectric").sample(np.random.default_rng(0), N)
+    whole = Extended(1, "dielectric", "whole").sample(np.random.default_rng(1), N)
+    assert kolmogorov(common.bottom["eta"], TABLE_2["eta"]) > 1e-3
+    for name in ("alpha", "albedo", "sigma_t", "g"):
+        both = getattr(common, name).ravel(), getattr(whole, name).ravel()
+        assert stats.ks_2samp(*both).pvalue > 1e-3, name
+    assert stats.ks_2samp(common.bottom["alpha"], whole.bottom["alpha"]).pvalue > 1e-3
+
+
+def test_descriptions_from_before_the_choice_of_indices_mean_common_ones():
+    old = {"kind": "extended", "coats": 2, "bottom": "diffuse"}
+    assert distribution.from_dict(old) == Extended(2, "diffuse", "common")
+    assert distribution.to_dict(Extended(2, "diffuse")) == old
+
+
+@pytest.mark.parametrize(
+    "drawn",
+    [Table2(3), Extended(1, "diffuse"), Clear(1, "diffuse"), Clear(1, "dielectric", "whole")],
+)
 def test_json_round_trip(drawn):
     assert distribution.from_dict(distribution.to_dict(drawn)) == drawn
 
@@ -99,6 +142,7 @@ def test_json_round_trip(drawn):
     [
         (lambda: Table2(6), "coats is 6; it must be an integer from 0 to 5"),
         (lambda: Extended(1, "velvet"), "bottom is 'velvet'; choose one of conductor"),
+        (lambda: Extended(1, "diffuse", "all"), "indices is 'all'; choose one of common, whole"),
         (lambda: distribution.from_dict({"kind": "table3"}), "kind 'table3'; choose one of"),
         (lambda: distribution.from_dict({"kind": "table2", "depth": 1}), "has no such field"),
     ],

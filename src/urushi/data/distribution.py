@@ -73,25 +73,32 @@ class Table2(_Independent):
 class Extended(_Independent):
     """Table 2 with a continuous sigma_t, anisotropic media and more kinds of bottom.
 
-    alpha = U(0.01^(1/3), 1)^3, in [0.01, 1]; eta and albedo as in Table 2;
-    sigma_t = 8 U(0, 1)^2 in [0, 8], with more thin media than thick ones; g = U(-0.8, 0.9).
+    alpha = U(0.01^(1/3), 1)^3, in [0.01, 1]; albedo as in Table 2; sigma_t = 8 U(0, 1)^2 in [0, 8],
+    with more thin media than thick ones; g = U(-0.8, 0.9).
 
     Attributes:
         coats: as in `Table2`.
         bottom: "conductor" (Schlick's R0 = U(0, 1)), "conductor_complex" (eta = U(0.05, 3.5),
             k = U(0.5, 8), about the range of metals), "diffuse" (reflectance = U(0, 1)),
-            "dielectric" (the reflection of a rough interface, eta = U(1.05, 2)), "mixture" (see
+            "dielectric" (the reflection of a rough interface, eta by `indices`), "mixture" (see
             `_mixture`) or "measured_like" (see `_measured_like`).
+        indices: eta of coats and of "dielectric" bottoms: "common" (U(1.05, 2), as in Table 2) or
+            "whole" (all of [0.5, 3], see `_whole_eta`).
     """
 
     coats: int = 1
     bottom: str = "conductor"
+    indices: str = "common"
 
     def __post_init__(self) -> None:
         _check_coats(self.coats)
         if self.bottom not in BOTTOM_PARAMETERS:
             raise ParameterError(
                 f"bottom is {self.bottom!r}; choose one of {', '.join(BOTTOM_PARAMETERS)}"
+            )
+        if self.indices not in _DRAW_ETA:
+            raise ParameterError(
+                f"indices is {self.indices!r}; choose one of {', '.join(_DRAW_ETA)}"
             )
 
     def sample(self, rng: np.random.Generator, n: int) -> StackTable:
@@ -100,12 +107,17 @@ class Extended(_Independent):
         return _table(
             self.bottom,
             alpha=_alpha(rng, shape),
-            eta=rng.uniform(1.05, 2.0, shape),
+            eta=_DRAW_ETA[self.indices](rng, shape),
             albedo=1 - rng.uniform(0.0, 1.0, shape) ** 2,
             sigma_t=8 * rng.uniform(0.0, 1.0, shape) ** 2,
             g=rng.uniform(-0.8, 0.9, shape),
-            bottom=_DRAW_BOTTOM[self.bottom](rng, n),
+            bottom=self._draw_bottom(rng, n),
         )
+
+    def _draw_bottom(self, rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
+        if self.bottom == "dielectric":
+            return {"alpha": _alpha(rng, n), "eta": _DRAW_ETA[self.indices](rng, n)}
+        return _DRAW_BOTTOM[self.bottom](rng, n)
 
 
 @dataclass(frozen=True)
@@ -153,9 +165,15 @@ def register_source(kind: str, source: type) -> None:
 
 
 def to_dict(distribution: Source) -> dict[str, Any]:
-    """Describe a distribution for JSON; `from_dict` reads it back."""
+    """Describe a distribution for JSON; `from_dict` reads it back.
+
+    Common indices are left out: descriptions from before `Extended.indices` stay equal to new ones.
+    """
     kind = next(name for name, cls in _sources.items() if type(distribution) is cls)
-    return {"kind": kind, **asdict(distribution)}  # type: ignore[call-overload]
+    fields = asdict(distribution)  # type: ignore[call-overload]
+    if fields.get("indices") == "common":
+        del fields["indices"]
+    return {"kind": kind, **fields}
 
 
 def from_dict(description: Mapping[str, Any]) -> Source:
@@ -178,6 +196,32 @@ def from_dict(description: Mapping[str, Any]) -> Source:
 
 def _alpha(rng: np.random.Generator, shape: int | tuple[int, ...]) -> np.ndarray:
     return np.maximum(rng.uniform(MIN_ALPHA ** (1 / 3), 1.0, shape) ** 3, MIN_ALPHA)
+
+
+def _common_eta(rng: np.random.Generator, shape: int | tuple[int, ...]) -> np.ndarray:
+    """U(1.05, 2), as in Table 2."""
+    return rng.uniform(1.05, 2.0, shape)
+
+
+def _whole_eta(rng: np.random.Generator, shape: int | tuple[int, ...]) -> np.ndarray:
+    """Indices in [0.5, 3], those of coats on air or on a denser or thinner medium.
+
+    55 % are U(1.05, 2), 10 % U(2, 3), 25 % U(0.5, 0.96). In the last 10 %, |eta - 1| is log-uniform
+    in [0.004, 0.05], on either side of 1.
+    """
+    near = np.exp(rng.uniform(np.log(0.004), np.log(0.05), shape))
+    near = 1 + np.where(rng.integers(2, size=shape) == 0, -near, near)
+    parts = (
+        rng.uniform(1.05, 2.0, shape),
+        rng.uniform(2.0, 3.0, shape),
+        rng.uniform(0.5, 0.96, shape),
+        near,
+    )
+    which = rng.choice(len(parts), shape, p=(0.55, 0.1, 0.25, 0.1))
+    return np.choose(which, parts)
+
+
+_DRAW_ETA = {"common": _common_eta, "whole": _whole_eta}
 
 
 def _mixture(rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
@@ -247,7 +291,6 @@ _DRAW_BOTTOM = {
         "k": rng.uniform(0.5, 8.0, n),
     },
     "diffuse": lambda rng, n: {"reflectance": rng.uniform(0.0, 1.0, n)},
-    "dielectric": lambda rng, n: {"alpha": _alpha(rng, n), "eta": rng.uniform(1.05, 2.0, n)},
     "mixture": _mixture,
     "measured_like": _measured_like,
 }

@@ -19,6 +19,12 @@ LOWEST_COSINE = 0.004
 #: Range of tan(theta_h) in training pairs, wider than that of the error P.
 HALF_ANGLE_RANGE = (5e-4, 8.0)
 
+#: Share of the training pairs of that range that are near the mirror direction instead.
+MIRROR_SHARE = 1 / 8
+
+#: Largest tan(theta_h) of the pairs near the mirror direction; half of them have exactly zero.
+MIRROR_TANGENT = 1e-3
+
 #: Range of tan(theta_h) for the error P.
 METRIC_HALF_ANGLE_RANGE = (1e-3, 4.0)
 
@@ -31,6 +37,7 @@ def half_angle_pairs(
     *,
     tangents: tuple[float, float] = METRIC_HALF_ANGLE_RANGE,
     lowest_cosine: float = 0.0,
+    mirror_share: float = 0.0,
 ) -> Pairs:
     """Pairs with ln tan(theta_h) uniform about difference directions over the whole hemisphere.
 
@@ -38,14 +45,19 @@ def half_angle_pairs(
     wi has the difference angles theta_d uniform in [0, pi/2) and phi_d uniform (Rusinkiewicz 1998);
     wo is the mirror image of wi about h. Pairs with a cosine below `lowest_cosine` are drawn
     again, so that the accepted pairs have this density, cut off there.
+
+    A share of the pairs, `mirror_share` in [0, 1), is near the mirror direction instead:
+    tan(theta_h) is zero for half of them, and uniform in [0, `MIRROR_TANGENT`] for the others.
     """
     low, high = np.log(tangents)
 
     def draw(count: int) -> Pairs:
         u = rng.random((3, count))
-        return directions_at_tangent(
-            np.exp(low + (high - low) * u[0]), 0.5 * np.pi * u[1], 2 * np.pi * u[2]
-        )
+        tangent = np.exp(low + (high - low) * (u[0] - mirror_share) / (1 - mirror_share))
+        if mirror_share > 0:
+            mirrored = MIRROR_TANGENT * np.maximum(0.0, 2 * u[0] / mirror_share - 1)
+            tangent = np.where(u[0] < mirror_share, mirrored, tangent)
+        return directions_at_tangent(tangent, 0.5 * np.pi * u[1], 2 * np.pi * u[2])
 
     return _accepted(draw, n, lowest_cosine)
 
@@ -78,6 +90,11 @@ def training_pairs(rng: np.random.Generator, n: int) -> Pairs:
     """Half of the pairs log-uniform in the half angle, a quarter cosine, a quarter uniform.
 
     They are interleaved with a period of four, so that any run of pairs has the same mixture.
+
+    Of the pairs that are log-uniform in the half angle, `MIRROR_SHARE` are at the exact mirror
+    direction or within `MIRROR_TANGENT` of it. Without them a decoder extrapolates below the range
+    of tan(theta_h), and f of the sharpest lobes was wrong by 6 to 14 % at their peaks. Exact
+    mirror directions fix the value there, and the pairs beside them join it to the range.
 
     Args:
         n: number of pairs, a multiple of 4.
@@ -149,7 +166,13 @@ def draw_pairs(name: str, rng: np.random.Generator, stacks: int, pairs: int) -> 
 def _interleaved(rng: np.random.Generator, n: int, last: Callable[..., Pairs]) -> Pairs:
     """n pairs with the period: log-uniform in the half angle, cosine, log-uniform, `last`."""
     parts = (
-        half_angle_pairs(rng, n // 2, tangents=HALF_ANGLE_RANGE, lowest_cosine=LOWEST_COSINE),
+        half_angle_pairs(
+            rng,
+            n // 2,
+            tangents=HALF_ANGLE_RANGE,
+            lowest_cosine=LOWEST_COSINE,
+            mirror_share=MIRROR_SHARE,
+        ),
         cosine_pairs(rng, n // 4, lowest_cosine=LOWEST_COSINE),
         last(rng, n // 4, lowest_cosine=LOWEST_COSINE),
     )
