@@ -81,7 +81,16 @@ def test_data() -> Path:
 @pytest.fixture(scope="session")
 def oracle(test_data: Path) -> Mapping[str, np.ndarray]:
     """Reference values of an independent simulator, by name (see its README)."""
-    path = test_data / "oracle" / "reference_values.npz"
+    return _archive(test_data / "oracle" / "reference_values.npz")
+
+
+@pytest.fixture(scope="session")
+def later_oracle(test_data: Path) -> Mapping[str, np.ndarray]:
+    """Reference values of a third simulator: anisotropic surfaces, and indices below one."""
+    return _archive(test_data / "oracle" / "anisotropic.npz")
+
+
+def _archive(path: Path) -> Mapping[str, np.ndarray]:
     if not path.is_file():
         pytest.skip(f"'{path}' is missing")
     with np.load(path) as archive:

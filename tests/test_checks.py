@@ -10,7 +10,11 @@ TINY = 1e-9
 RANGES = [
     # check, accepted, refused
     (checks.alpha, [0.01, 0.5, 1], [0.01 - TINY, 0, -0.1, 1 + TINY]),
-    (checks.eta, [1 + TINY, 1.5, 3], [1, 0.9, 3 + TINY, -1.5]),
+    (
+        checks.eta,
+        [0.5, 0.7, 0.999, 1.001, 1.5, 3],
+        [0.5 - TINY, 0.9995, 1, 1.0005, 3 + TINY, 0, -1.5],
+    ),
     (checks.albedo, [0, 0.5, 1], [-TINY, 1 + TINY]),
     (checks.sigma_t, [0, 1, 1e6], [-TINY, -1]),
     (checks.g, [-1 + TINY, 0, 0.9, 1 - TINY], [-1, 1, 1.5]),

@@ -12,6 +12,13 @@ from urushi.errors import ParameterError
 UNIT_TOLERANCE = 1e-3
 
 
+#: Least distance of a relative index of refraction from 1. Without a step of the index there is no
+#: interface: the half vector of transmission is undefined.
+MIN_INDEX_STEP = 1e-3
+
+#: Least and largest relative index of refraction.
+ETA_RANGE = (0.5, 3.0)
+
 #: Least GGX width: a sharper lobe looks like a mirror under ordinary light sources.
 MIN_ALPHA = 0.01
 
@@ -21,7 +28,8 @@ class CoatParameters(NamedTuple):
 
     Attributes:
         alpha: GGX width of the interface, in [0.01, 1].
-        eta: its index of refraction relative to the medium above, in (1, 3].
+        eta: its index of refraction relative to the medium above, in [0.5, 3], at least 0.001 away
+            from 1. Below 1 there is total reflection from above, at grazing angles.
         albedo: single-scattering albedo of the medium below it, in [0, 1].
         sigma_t: optical depth of that medium, at least 0.
         g: its Henyey-Greenstein asymmetry, in (-1, 1).
@@ -70,9 +78,17 @@ def alpha(value: npt.ArrayLike, where: str = "alpha", *, any_shape: bool = False
 
 
 def eta(value: npt.ArrayLike, where: str = "eta", *, any_shape: bool = False) -> np.ndarray:
-    """Check relative indices of refraction in (1, 3]."""
-    domain = "an index of refraction in (1, 3], relative to the medium above"
-    return _parameter(value, where, lambda x: (x > 1) & (x <= 3), domain, any_shape)
+    """Check relative indices of refraction in [0.5, 3], at least 0.001 away from 1."""
+    domain = (
+        "an index of refraction relative to the medium above, in [0.5, 0.999] or [1.001, 3] "
+        "(without a step of the index there is no interface)"
+    )
+    (low, high), step = ETA_RANGE, MIN_INDEX_STEP * (1 - 1e-4)  # 0.999 may be of single precision
+
+    def valid(x: np.ndarray) -> np.ndarray:
+        return (x >= low) & (x <= high) & (np.abs(x - 1) >= step)
+
+    return _parameter(value, where, valid, domain, any_shape)
 
 
 def albedo(value: npt.ArrayLike, where: str = "albedo", *, any_shape: bool = False) -> np.ndarray:

@@ -134,3 +134,12 @@ def test_textures_refuse_bad_texels_and_shapes(model):
         layer_texels(model, z, **good | {"alpha": [[[0.1]], [[0.005]]]})
     with pytest.raises(ParameterError, match="do not fit"):
         layer_texels(model, z, **good | {"albedo": np.full((5, 2, 3), 0.5)})
+
+
+def test_networks_trained_above_one_refuse_indices_below(material):
+    with pytest.raises(
+        ParameterError, match=r"eta is 0\.8, and the weights .* use the random walk"
+    ):
+        layer(dielectric(0.1, 0.8), material)
+    with pytest.raises(ParameterError, match=r"eta is 0\.7, and the weights"):
+        layer(dielectric(0.1, (1.5, 0.7, 1.2)), material)

@@ -272,7 +272,10 @@ def test_extreme_stacks_stay_finite() -> None:
     wo = wi * [-1, 1, 1]
     bottom = conductor(0.01, 1.0)
     for stack in (
-        coat(bottom, 0.01, 1.0001, 1.0, 0.0),
+        coat(bottom, 0.01, 1.001, 1.0, 0.0),
+        coat(bottom, 0.01, 0.999, 1.0, 0.0),
+        coat(bottom, 0.01, 0.5, 1.0, 300.0, 0.999),
+        coat(coat(dielectric(1.0, 0.5), 1.0, 0.5, 1.0, 50.0, 0.99), 0.01, 0.5, 0.0, 1e30),
         coat(bottom, 0.01, 3.0, 1.0, 300.0, 0.999),
         coat(diffuse(1.0), 1.0, 3.0, 1.0, 1e-6, -0.999),
         coat(coat(dielectric(1.0, 3.0), 1.0, 3.0, 1.0, 50.0, 0.99), 0.01, 3.0, 0.0, 1e30),

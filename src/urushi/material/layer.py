@@ -43,7 +43,8 @@ def layer(
         three.
 
     Raises:
-        ParameterError: top is no dielectric, or a parameter is out of range or of a wrong shape.
+        ParameterError: top is no dielectric, or a parameter is out of range or of a wrong shape, or
+            the networks do not cover its index.
     """
     if not isinstance(top, Dielectric):
         raise ParameterError(
@@ -92,10 +93,12 @@ def layer_texels(
         at most 1, or that of the bottom if it gains energy (see `urushi.material.energy`).
 
     Raises:
-        ParameterError: a parameter is out of range, or the shapes do not broadcast.
+        ParameterError: a parameter is out of range, the networks do not cover its index, or the
+            shapes do not broadcast.
     """
     coat = CoatParameters(alpha, eta, albedo, sigma_t, g)
     coat = checks.coat(coat, "the coat's", any_shape=True)
+    _check_index(model, coat.eta)
     z = np.asarray(z_bottom, np.float32)
     try:
         shape = np.broadcast_shapes(z.shape[:-1], *(p.shape for p in coat))
@@ -114,6 +117,16 @@ def layer_texels(
         *(_with_leading_axes(p.astype(np.float32), len(rows)) for p in coat),
     )
     return limit_coated_albedo(model, coated.reshape(*shape, z.shape[-1]), z)
+
+
+def _check_index(model: Model, eta: np.ndarray) -> None:
+    """Check that the networks cover the indices: those trained above 1 do not extend below it."""
+    least = getattr(model.networks, "least_eta", 1.0)
+    if (eta < least).any():
+        raise ParameterError(
+            f"the coat's eta is {eta.min():g}, and the weights {model.fingerprint} cover indices "
+            f"above {least:g} only; use the random walk for it (`simulate`, plugin 'layered')"
+        )
 
 
 def _with_leading_axes(array: np.ndarray, dimensions: int) -> np.ndarray:

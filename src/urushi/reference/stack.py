@@ -144,7 +144,8 @@ def dielectric(
 
     Args:
         alpha: GGX width in [0.01, 1].
-        eta: index relative to the medium above, in (1, 3]; by default that of BK7 glass in air.
+        eta: index relative to the medium above, in [0.5, 3], at least 0.001 away from 1; by default
+            that of BK7 glass in air.
 
     Raises:
         ParameterError: a value is out of range.
@@ -175,7 +176,8 @@ def coat(
         bottom: a description, a Stack, or an object with `f_pdf` and `sample` on Dr.Jit arrays
             (see `urushi.reference.bottoms.Bottom`).
         alpha: GGX width of the interface in [0.01, 1].
-        eta: its index relative to the medium above, in (1, 3]; by default that of BK7 glass in air.
+        eta: its index relative to the medium above, in [0.5, 3], at least 0.001 away from 1; by
+            default that of BK7 glass in air.
         albedo: single-scattering albedo of the medium below it in [0, 1].
         sigma_t: optical depth of that medium, >= 0.
         g: its Henyey-Greenstein asymmetry in (-1, 1).

@@ -36,7 +36,7 @@ class Layer:
     alpha: tuple[float, ...] = (DEFAULT_COAT.alpha,)
     """GGX width (roughness) of the coat's interface, in [0.01, 1]."""
     eta: tuple[float, ...] = (DEFAULT_COAT.eta,)
-    """Index of refraction of the coat relative to the medium above, in (1, 3]."""
+    """Index of refraction of the coat relative to the medium above, in [1.001, 3]."""
     albedo: tuple[float, ...] = (DEFAULT_COAT.albedo,)
     """Single-scattering albedo of the medium inside the coat, in [0, 1]."""
     sigma_t: tuple[float, ...] = (DEFAULT_COAT.sigma_t,)

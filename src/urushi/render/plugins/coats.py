@@ -7,7 +7,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi.checks import MIN_ALPHA, CoatParameters
+from urushi.checks import ETA_RANGE, MIN_ALPHA, MIN_INDEX_STEP, CoatParameters
 from urushi.physics import fresnel
 from urushi.physics.mixture import Mixture
 from urushi.render.reading import probing
@@ -15,8 +15,6 @@ from urushi.render.reading.parameters import CoatTextures, opaque
 
 #: Smallest unnormalised weights of a lobe and of the cosine lobe in a proposal.
 MIN_SHARE, MIN_COSINE_SHARE = 0.02, 0.1
-#: Smallest index of refraction in a walk: a texture's filter may return less.
-MIN_ETA = 1.0001
 #: Samples from which a bottom's lobes are estimated.
 SAMPLES = 1 << 14
 
@@ -33,7 +31,7 @@ class CoatStack:
         self.count = len(parameters)
         values = [coat.evaluate(si, active) for coat in parameters]
         self._etas = [
-            dr.clip(value.eta, MIN_ETA, 3) if coat.has_textured_eta else value.eta
+            _clipped_eta(value.eta) if coat.has_textured_eta else value.eta
             for coat, value in zip(parameters, values, strict=True)
         ]
         self._coats = [_clipped(value) for value in values]
@@ -152,6 +150,12 @@ def _clipped(coat: CoatParameters) -> CoatParameters:
         dr.maximum(_color(coat.sigma_t), 0),
         dr.clip(_color(coat.g), -0.999, 0.999),
     )
+
+
+def _clipped_eta(eta):
+    """An index clipped to its range, and pushed away from 1: a texture's filter may cross it."""
+    step = dr.copysign(dr.maximum(dr.abs(eta - 1), MIN_INDEX_STEP), eta - 1)
+    return dr.clip(1 + step, *ETA_RANGE)
 
 
 def _width_outside(alpha, stretch, blur):
