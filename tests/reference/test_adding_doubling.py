@@ -27,7 +27,16 @@ TWO_COATS = coat(
     g=-0.5,
 )
 DIFFUSE = coat(diffuse((0.8, 0.5, 0.1)), 0.3, 1.6, 0.99, (8.0, 1.0, 3.0), g=(0.9, -0.8, 0.0))
-STACKS = {"conductor": ONE_COAT, "two coats": TWO_COATS, "diffuse": DIFFUSE}
+# Media of a lower index than what is above them: under the surface, and under another coat.
+BELOW = coat(conductor(0.3, (0.9, 0.5, 0.2)), 0.25, 0.7, 0.9, (1.0, 0.3, 3.0), g=0.3)
+INSIDE = coat(coat(diffuse(0.8), 0.3, 0.8, 0.95, (1.0, 0.3, 2.0), g=0.5), 0.25, 1.5, 0.9, 0.5)
+STACKS = {
+    "conductor": ONE_COAT,
+    "two coats": TWO_COATS,
+    "diffuse": DIFFUSE,
+    "thinner medium": BELOW,
+    "thinner medium inside": INSIDE,
+}
 
 
 @pytest.mark.parametrize("g", [0.0, 0.5, -0.5, 0.9])
@@ -75,7 +84,10 @@ def test_doubling_needs_no_start() -> None:
     np.testing.assert_allclose(thick[0], thin[0] + thin[1] @ thin[0] @ between, atol=1e-7)
 
 
-@pytest.mark.parametrize(("alpha", "eta"), [(0.15, 1.5), (0.5, 1.1), (0.9, 2.0)])
+@pytest.mark.parametrize(
+    ("alpha", "eta"),
+    [(0.15, 1.5), (0.5, 1.1), (0.9, 2.0), (0.15, 0.7), (0.5, 0.95), (0.9, 0.5)],
+)
 def test_transmittance_of_the_interface_is_that_of_microfacets(alpha: float, eta: float) -> None:
     """Fourier modes and graded quadrature against a sum over microfacet normals."""
     cos_i = np.array([0.2, 0.6, 0.95])
@@ -92,7 +104,7 @@ def microfacet_transmittance(cos_i: float, alpha: float, eta: float) -> float:
     cos_m, sin_m, sin_i = np.cos(theta_m), np.sin(theta_m), np.sqrt(1 - cos_i**2)
     phi = 2 * np.pi * (np.arange(400) + 0.5) / 400
     dot = np.maximum(sin_i * sin_m * np.cos(phi) + cos_i * cos_m, 0)
-    cos_t = np.sqrt(1 - (1 - dot**2) / eta**2)
+    cos_t = np.sqrt(np.maximum(1 - (1 - dot**2) / eta**2, 0.0))
     z = (dot / eta - cos_t) * cos_m - cos_i / eta  # z of the refracted direction
     masked = surfaces._smith(np.clip(-z, 1e-9, 1), alpha) * surfaces._smith(cos_i, alpha) * (z < 0)
     flux = (1 - surfaces.fresnel_dielectric(dot, eta)) * masked * dot / cos_i

@@ -21,6 +21,12 @@ def walsh(n: float) -> float:
     )
 
 
+@pytest.mark.parametrize("eta", [0.5, 0.95])
+def test_a_thin_medium_returns_walshs_reflectance_from_outside(eta: float) -> None:
+    # Seen from inside a slab of the lower index, its surface is a dielectric of the index 1 / eta.
+    assert slab.internal_return(eta) == pytest.approx(walsh(1 / eta), rel=1e-6)
+
+
 @pytest.mark.parametrize("eta", [1.05, 1.5, 3.0])
 def test_internal_return_is_walshs_diffuse_reflectance(eta: float) -> None:
     # As much phase space leaves as enters: eta^2 (1 - inside) = 1 - outside.
@@ -33,11 +39,21 @@ def test_absorption_weakens_the_internal_return() -> None:
     assert values[-1] < 1e-8
 
 
-def test_white_furnace() -> None:
+@pytest.mark.parametrize("eta", [0.5, 0.7, 0.95, 1.5])
+def test_white_furnace(eta: float) -> None:
     cos = np.linspace(0.02, 1, 25)
-    np.testing.assert_allclose(slab.mirror_albedo(cos, 1.5, 0.0, 1.0), 1, rtol=1e-12)
+    np.testing.assert_allclose(slab.mirror_albedo(cos, eta, 0.0, 1.0), 1, rtol=1e-12)
     # The error is the quadrature's: Fresnel's formula has a square root at grazing directions.
-    np.testing.assert_allclose(slab.lambertian_albedo(cos, 1.5, 0.0, 1.0), 1, rtol=1e-6)
+    np.testing.assert_allclose(slab.lambertian_albedo(cos, eta, 0.0, 1.0), 1, rtol=1e-6)
+
+
+def test_below_the_critical_cosine_all_light_is_reflected() -> None:
+    eta, critical = 0.7, np.sqrt(1 - 0.7**2)
+    for albedo in (slab.mirror_albedo, slab.lambertian_albedo):
+        beyond, before = albedo(np.array([critical - 0.01, critical + 0.01]), eta, 1.0, 0.5)
+        assert beyond == 1
+        assert before < 1
+    assert slab.lambertian_f(critical - 0.01, 1.0, eta, 1.0, 0.5) == 0
 
 
 def test_a_black_slab_only_reflects_at_its_surface() -> None:
@@ -61,12 +77,13 @@ def pairs_off_the_mirror() -> tuple[np.ndarray, np.ndarray]:
     return wi, wo
 
 
-def test_walk_over_a_lambertian_reaches_the_smooth_limit() -> None:
+@pytest.mark.parametrize("eta", [0.95, 1.5])
+def test_walk_over_a_lambertian_reaches_the_smooth_limit(eta: float) -> None:
     wi, wo = pairs_off_the_mirror()
-    stack = coat(diffuse(REFLECTANCE), 0.01, 1.5, albedo=0.0, sigma_t=SIGMA_T)
+    stack = coat(diffuse(REFLECTANCE), 0.01, eta, albedo=0.0, sigma_t=SIGMA_T)
     f, se = simulate(stack, wi, wo, walks=20_000, seed=1)
     for channel, (sigma_t, rho) in enumerate(zip(SIGMA_T, REFLECTANCE, strict=True)):
-        expected = slab.lambertian_f(wi[:, 2], wo[:, 2], 1.5, sigma_t, rho)
+        expected = slab.lambertian_f(wi[:, 2], wo[:, 2], eta, sigma_t, rho)
         # 1 %: GGX has long tails, so that even alpha = 0.01 is not quite smooth.
         error = np.abs(f[:, channel] - expected)
         assert np.all(error < 0.01 * expected + 4 * se[:, channel])

@@ -1,7 +1,8 @@
 """Closed forms of a smooth dielectric slab that absorbs, over a mirror or a Lambertian.
 
 The limit of the layered model for alpha -> 0 without scattering, in NumPy float64, without code of
-the random walk. Monochrome; all cosines are those in air, in (0, 1].
+the random walk. Monochrome; all cosines are those in air, in (0, 1]. The index of the slab relative
+to that of the outside is above or below one; below one, grazing light is totally reflected.
 """
 
 import numpy as np
@@ -9,17 +10,22 @@ import numpy.typing as npt
 
 
 def interface_reflectance(cos: npt.ArrayLike, eta: float) -> np.ndarray:
-    """Unpolarised Fresnel reflectance from air, the same from inside at the refracted angle."""
+    """Unpolarised Fresnel reflectance from outside, the same from inside at the refracted angle."""
     cos = np.asarray(cos, np.float64)
     cos_t = refracted(cos, eta)
     parallel = (eta * cos - cos_t) / (eta * cos + cos_t)
     perpendicular = (cos - eta * cos_t) / (cos + eta * cos_t)
-    return (parallel**2 + perpendicular**2) / 2
+    return np.where(cos_t > 0, (parallel**2 + perpendicular**2) / 2, 1.0)
 
 
 def refracted(cos: npt.ArrayLike, eta: float) -> np.ndarray:
-    """Cosine inside a slab of index eta, by Snell's law."""
-    return np.sqrt(1 - (1 - np.asarray(cos, np.float64) ** 2) / eta**2)
+    """Cosine inside a slab of index eta, by Snell's law; 0 under total reflection."""
+    return np.sqrt(np.maximum(1 - (1 - np.asarray(cos, np.float64) ** 2) / eta**2, 0.0))
+
+
+def _transmittance(sigma_t: float, cos: np.ndarray) -> np.ndarray:
+    """Beer's law for one crossing at the cosine inside; 1 where no light enters."""
+    return np.exp(-sigma_t / np.where(cos > 0, cos, np.inf))
 
 
 def mirror_albedo(cos: npt.ArrayLike, eta: float, sigma_t: float, r0: float) -> np.ndarray:
@@ -27,14 +33,18 @@ def mirror_albedo(cos: npt.ArrayLike, eta: float, sigma_t: float, r0: float) -> 
 
     Args:
         cos: incident cosines, any shape.
-        eta: index of the slab, > 1.
+        eta: index of the slab relative to the outside, not 1.
         sigma_t: its optical depth, albedo 0.
         r0: the conductor's reflectance at normal incidence; Schlick's law at the angle inside.
     """
     surface = interface_reflectance(cos, eta)
     inside = refracted(cos, eta)
-    round_trip = (r0 + (1 - r0) * (1 - inside) ** 5) * np.exp(-2 * sigma_t / inside)
-    return surface + (1 - surface) ** 2 * round_trip / (1 - surface * round_trip)
+    round_trip = (r0 + (1 - r0) * (1 - inside) ** 5) * _transmittance(2 * sigma_t, inside)
+    twice = (1 - surface) ** 2 * round_trip
+    # Under total reflection the geometric series may be 0 / 0.
+    return surface + np.where(
+        surface < 1, twice / np.where(surface < 1, 1 - surface * round_trip, 1), 0
+    )
 
 
 def internal_return(eta: float, sigma_t: float = 0.0) -> float:
@@ -46,6 +56,10 @@ def internal_return(eta: float, sigma_t: float = 0.0) -> float:
     """
     x, w = np.polynomial.legendre.leggauss(96)
     x, w = (x + 1) / 2, w / 2
+    if eta < 1:  # no total reflection inside
+        return float(
+            (w * 2 * x * interface_reflectance(x, 1 / eta) * np.exp(-2 * sigma_t / x)).sum()
+        )
     critical = np.sqrt(1 - 1 / eta**2)
     total = critical * x  # beyond the critical angle
     trapped = critical * (w * 2 * total * np.exp(-2 * sigma_t / total)).sum()
@@ -72,7 +86,7 @@ def lambertian_f(
     result = np.ones(())
     for cos in (cos_i, cos_o):
         pass_in = 1 - interface_reflectance(cos, eta)
-        result = result * pass_in * np.exp(-sigma_t / refracted(cos, eta))
+        result = result * pass_in * _transmittance(sigma_t, refracted(cos, eta))
     series = 1 - reflectance * internal_return(eta, sigma_t)
     return reflectance / (np.pi * eta**2) * result / series
 
@@ -82,6 +96,8 @@ def lambertian_albedo(
 ) -> np.ndarray:
     """Directional albedo of the same, mirror reflection included; `cos` of any shape."""
     x, w = np.polynomial.legendre.leggauss(96)
-    cos_o, weight = (x + 1) / 2, w / 2
+    cos_o, flux = (x + 1) / 2, w / 2 * (x + 1) / 2
+    if eta < 1:  # the cosine inside as variable: light leaves above the critical cosine only
+        cos_o, flux = refracted(cos_o, 1 / eta), eta**2 * flux
     f = lambertian_f(np.asarray(cos)[..., None], cos_o, eta, sigma_t, reflectance)
-    return interface_reflectance(cos, eta) + (f * 2 * np.pi * cos_o * weight).sum(-1)
+    return interface_reflectance(cos, eta) + (f * 2 * np.pi * flux).sum(-1)

@@ -53,7 +53,10 @@ def under_interface(
     grid: CosineGrid, reflector: np.ndarray, alpha: float, eta: float
 ) -> np.ndarray:
     """Reflection of a rough interface over the reflector, between the nodes of the medium above."""
-    outer = grid.operator(surfaces.outer_reflection(alpha, eta))
+    if eta > 1:
+        outer = grid.operator(surfaces.outer_reflection(alpha, eta))
+    else:  # total reflection from above: the same surface, upside down
+        outer = inner_reflection(grid, alpha, 1 / eta)
     # The flux is conserved by eta**2 S inwards and S outwards.
     through = grid.root[:, None] * transmission(grid, grid.mu, alpha, eta)
     bounces = trapped(grid, reflector, alpha, eta)
@@ -129,18 +132,24 @@ def _associated_legendre(m: int, degrees: int, mu: np.ndarray) -> np.ndarray:
 
 def transmission(grid: CosineGrid, mu_out: np.ndarray, alpha: float, eta: float) -> np.ndarray:
     """Modes (M, A, N) of the symmetric kernel S from (A,) outside cosines to the nodes inside."""
-    mu_t = np.sqrt(1 - (1 - mu_out**2) / eta**2)
-    # Tilting the microfacet by d turns the refracted direction by d (1 - cos_i / (eta cos_t)).
-    width = alpha * np.maximum(1 - 1 / eta, 1 - mu_out / (eta * mu_t))
+    # Under total reflection only tilted microfacets transmit, most of them to grazing directions.
+    mu_t = np.sqrt(np.maximum(1 - (1 - mu_out**2) / eta**2, 0.0))
+    # Tilting the microfacet by d turns the refracted direction by d (1 - cos_i / (eta cos_t)), and
+    # by about the root of d at the critical angle.
+    steepest = np.maximum(mu_t, 0.0 if eta > 1 else np.sqrt(alpha))
+    turn = np.abs(1 - mu_out / (eta * steepest))
+    width = alpha * np.maximum(abs(1 - 1 / eta), turn)
     # The normal -(out + eta in) is level where mu_out = eta mu_in.
-    fine = graded(np.arccos(mu_t), width, np.arccos(mu_out / eta))
-    intervals = azimuths(alpha * (1 - 1 / eta))
+    fine = graded(np.arccos(mu_t), width, np.arccos(np.minimum(mu_out / eta, 1.0)))
+    intervals = azimuths(alpha * abs(1 - 1 / eta))
+    if eta < 1:  # however wide the lobe, total reflection cuts it off at some azimuth
+        intervals = max(intervals, 16)
     return project(grid, surfaces.transmission(alpha, eta), mu_out, fine, intervals)
 
 
 def inner_reflection(grid: CosineGrid, alpha: float, eta: float) -> np.ndarray:
-    """Reflection on the side of the larger index between the nodes, (M, N, N), weighted."""
-    theta, critical = np.arccos(grid.mu), np.arcsin(1 / eta)
+    """Reflection from below between the nodes, (M, N, N), weighted."""
+    theta, critical = np.arccos(grid.mu), np.arcsin(min(1 / eta, 1.0))
     # In the plane of incidence, facets half way to this border are met at the critical angle.
     fine = graded(theta, np.full_like(theta, 2 * alpha), 2 * critical - theta)
     kernel = surfaces.inner_reflection(alpha, eta)

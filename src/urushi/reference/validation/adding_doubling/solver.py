@@ -102,7 +102,7 @@ def solve(
     Error with the defaults: about 1e-4 where every alpha >= 0.15; at alpha of 0.05 to 0.1, 1e-3 for
     95 of 100 pairs and up to 1e-2 near grazing. For smoother surfaces raise nodes and modes.
     Cost: about 0.5 s per channel with 240 pairs on an idle core (where cores are shared, set
-    OPENBLAS_NUM_THREADS=1), growing with 1 / (alpha (1 - 1 / eta)) of the top interface.
+    OPENBLAS_NUM_THREADS=1), growing with 1 / (alpha |1 - 1 / eta|) of the top interface.
 
     Args:
         stack: coats over a Conductor, Dielectric or Diffuse.
@@ -166,7 +166,9 @@ def albedo(stack: Stack, cos_i: npt.ArrayLike, *, nodes: int = 48, modes: int = 
 def _top_albedo(cos_i: np.ndarray, top: Layer) -> np.ndarray:
     """Directional albedo (A,) of the reflection by the top interface alone."""
     theta = np.arccos(cos_i)
-    mu, weight = graded(theta, np.full_like(theta, top.alpha), theta)
+    # Facets half way to this border are met at the critical angle of total reflection from above.
+    border = 2 * np.arcsin(top.eta) - theta if top.eta < 1 else theta
+    mu, weight = graded(theta, np.full_like(theta, top.alpha), border)
     # At grazing angles the lobe is narrow in azimuth as well.
     intervals = azimuths(top.alpha * max(0.05, float(cos_i.min())))
     kernel = surfaces.outer_reflection(top.alpha, top.eta)

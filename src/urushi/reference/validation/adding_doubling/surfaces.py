@@ -13,11 +13,12 @@ from urushi.reference.validation.adding_doubling.quadrature import Kernel
 
 def fresnel_dielectric(cos: np.ndarray, eta: float) -> np.ndarray:
     """Unpolarised reflectance for eta = n_transmitted / n_incident; 1 beyond the critical angle."""
-    sin2_t = (1 - cos**2) / eta**2
-    cos_t = np.sqrt(np.maximum(0.0, 1 - sin2_t))
+    cos2_t = 1 - (1 - cos**2) / eta**2
+    refracted = cos2_t > 0
+    cos_t = np.sqrt(np.where(refracted, cos2_t, 1.0))  # beyond the critical angle any will do
     s = (cos - eta * cos_t) / (cos + eta * cos_t)
     p = (eta * cos - cos_t) / (eta * cos + cos_t)
-    return np.where(sin2_t < 1, 0.5 * (s**2 + p**2), 1.0)
+    return np.where(refracted, 0.5 * (s**2 + p**2), 1.0)
 
 
 def fresnel_conductor(cos: np.ndarray, eta: float, k: float) -> np.ndarray:
@@ -66,12 +67,12 @@ def _reflection(
 
 
 def outer_reflection(alpha: float, eta: float) -> Kernel:
-    """Reflection of a rough dielectric on the side of the smaller index."""
+    """Reflection of a rough dielectric from above; total reflection too if eta < 1."""
     return lambda o, i, c: _reflection(o, i, c, alpha, lambda d: fresnel_dielectric(d, eta))
 
 
 def inner_reflection(alpha: float, eta: float) -> Kernel:
-    """Reflection of a rough dielectric on the side of the larger index, total reflection too."""
+    """Reflection of a rough dielectric from below; total reflection too if eta > 1."""
     return lambda o, i, c: _reflection(o, i, c, alpha, lambda d: fresnel_dielectric(d, 1 / eta))
 
 
@@ -101,12 +102,14 @@ def transmission(alpha: float, eta: float) -> Kernel:
 
     def kernel(mu_out: np.ndarray, mu_in: np.ndarray, cos_phi: np.ndarray) -> np.ndarray:
         dot = -(mu_out * mu_in + _horizontal(mu_out, mu_in, cos_phi))
-        length2 = np.maximum(1 + eta**2 + 2 * eta * dot, 1e-300)  # of -(out + eta in), eq. 16
-        half_z = eta * mu_in - mu_out
-        out_half = -(1 + eta * dot) / np.sqrt(length2)
-        in_half = (dot + eta) / np.sqrt(length2)
+        length2 = np.maximum(1 + eta**2 + 2 * eta * dot, 1e-300)  # of out + eta in, eq. 16
+        # The normal that points to the side of the smaller index is -(out + eta in).
+        sign = 1 if eta > 1 else -1
+        half_z = sign * (eta * mu_in - mu_out)
+        out_half = -sign * (1 + eta * dot) / np.sqrt(length2)
+        in_half = sign * (dot + eta) / np.sqrt(length2)
         # Both directions must see the front of the microfacet, else Smith's G1 is zero.
-        valid = (half_z > 0) & (out_half > 0)
+        valid = (half_z > 0) & (out_half > 0) & (in_half > 0)
         out_half = np.clip(out_half, 0.0, 1.0)
         shape = _ggx(np.minimum(half_z**2 / length2, 1.0), alpha)
         shape = shape * _smith(mu_out, alpha) * _smith(mu_in, alpha)
