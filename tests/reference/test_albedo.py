@@ -58,6 +58,18 @@ def test_a_smooth_stack_that_absorbs_nothing_reflects_everything(
     assert np.all(value < 1 + 5 * se)
 
 
+def test_beyond_the_critical_angle_a_smooth_surface_reflects_everything() -> None:
+    # sin(wi) = 0.89 is beyond eta = 0.7: neither the medium nor the bottom is reached.
+    black = coat(diffuse(0.0), 0.01, 0.7, 0.0, 5.0)
+    for estimate in (albedo, analog_albedo):
+        value, se = estimate(black, WI[2:3], walks=1 << 16, seed=8)
+        # GGX's tails: alpha = 0.01 tilts 2e-4 of the facets by more than the 18 degrees to spare,
+        # and masks as much.
+        assert np.all(np.abs(value - 1) < 2e-3 + 5 * se)
+        value, se = estimate(black, WI[1:2], walks=1 << 16, seed=8)  # 34 degrees, of 44
+        assert np.all(value < 0.2)
+
+
 def test_rough_facets_lose_light_and_never_gain_any() -> None:
     lost = []
     for alpha in (0.05, 0.3, 1.0):
