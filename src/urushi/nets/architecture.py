@@ -7,7 +7,8 @@ from dataclasses import asdict, dataclass, fields
 import numpy as np
 
 from urushi.errors import ParameterError
-from urushi.nets.features import COAT_INPUTS, DIRECTION_FEATURES
+from urushi.nets.features import COAT_INPUTS, COAT_NUMBERS, DIRECTION_FEATURES, PAIR_FEATURES
+from urushi.nets.lobe import LOBE_FEATURES, LOBE_NUMBERS
 from urushi.nets.mlp import POLYNOMIALS
 
 #: The networks. Each is a multilayer perceptron; its name begins the names of its parameters.
@@ -28,11 +29,13 @@ class Architecture:
     """Sizes of the four networks.
 
     Attributes:
-        latent: size of one channel's latent code, at least two; its first number is a gain.
+        latent: size of one channel's latent code; the first number after its lobe is a gain.
         decoder, encoder, layerer, sampler: widths of the hidden layers, at least one each.
         lobes: number of microfacet lobes in the proposal, which has a cosine lobe as well.
         activation: one of `ACTIVATIONS`, for all hidden layers (see `mlp.activate`).
         probes: number of probe pairs, at which the encoder needs the values of a BRDF.
+        lobe: how many numbers of a code describe its analytic lobe, see `nets.lobe`: six, or none
+            if the decoder represents the whole BRDF. With a lobe, the proposal has that lobe too.
     """
 
     latent: int = 32
@@ -43,6 +46,7 @@ class Architecture:
     lobes: int = 2
     activation: str = "smoothstep"
     probes: int = 192
+    lobe: int = 0
 
     def __post_init__(self) -> None:
         for name in ("latent", "lobes", "probes"):
@@ -51,6 +55,11 @@ class Architecture:
                     f"architecture's {name} is {getattr(self, name)!r}; "
                     "it must be a positive integer"
                 )
+        if self.lobe not in (0, len(LOBE_NUMBERS)) or self.latent < self.lobe + 2:
+            raise ParameterError(
+                f"architecture's lobe is {self.lobe!r} of {self.latent} numbers; "
+                f"it must be 0 or {len(LOBE_NUMBERS)}, with at least two numbers more in a code"
+            )
         for name in PARTS:
             widths = getattr(self, name)
             if (
@@ -71,7 +80,10 @@ class Architecture:
 
     def to_json(self) -> str:
         """Return the sizes as a JSON object."""
-        return json.dumps(asdict(self))
+        entries = asdict(self)
+        if not self.lobe:  # as older files have it
+            del entries["lobe"]
+        return json.dumps(entries)
 
     @classmethod
     def from_json(cls, text: str) -> "Architecture":
@@ -86,7 +98,7 @@ class Architecture:
         except ValueError as error:
             raise ParameterError(f"the architecture is no valid JSON: {error}") from error
         names = {field.name for field in fields(cls)}
-        if not isinstance(entries, dict) or set(entries) != names:
+        if not isinstance(entries, dict) or set(entries) | {"lobe"} != names:
             raise ParameterError(
                 "the architecture must be a JSON object with exactly the fields "
                 + ", ".join(sorted(names))
@@ -101,17 +113,19 @@ def _positive(value: object) -> bool:
 
 def layer_sizes(arch: Architecture, part: str) -> tuple[int, ...]:
     """Return the sizes of one network's input, hidden layers and output."""
+    rest, lobe = arch.latent - arch.lobe, LOBE_FEATURES if arch.lobe else 0
+    directions = PAIR_FEATURES if lobe else DIRECTION_FEATURES
     inputs = {
-        "decoder": arch.latent - 1 + DIRECTION_FEATURES,  # the gain bypasses it
+        "decoder": rest - 1 + directions,  # the gain bypasses it
         "encoder": arch.probes,
-        "layerer": arch.latent + COAT_INPUTS,
-        "sampler": arch.latent + 2,
+        "layerer": rest + lobe + (COAT_NUMBERS if lobe else COAT_INPUTS),
+        "sampler": rest + lobe + 2,
     }
     outputs = {
         "decoder": 1,
-        "encoder": arch.latent,
-        "layerer": arch.latent,
-        "sampler": 2 * arch.lobes + 1,
+        "encoder": rest,
+        "layerer": rest,
+        "sampler": 2 * arch.lobes + (2 if lobe else 1),
     }
     return (inputs[part], *getattr(arch, part), outputs[part])
 
@@ -124,7 +138,7 @@ def parameter_shapes(arch: Architecture) -> dict[str, tuple[int, ...]]:
         for index, (rows, columns) in enumerate(itertools.pairwise(sizes)):
             shapes[f"{part}.{index}.weight"] = (rows, columns)
             shapes[f"{part}.{index}.bias"] = (columns,)
-    shapes[SCALE] = (arch.latent - 1, arch.decoder[0])
+    shapes[SCALE] = (arch.latent - arch.lobe - 1, arch.decoder[0])
     return shapes | dict.fromkeys(FIXED, (arch.probes,))
 
 
@@ -132,7 +146,7 @@ def parameter_count(arch: Architecture, part: str) -> int:
     """Return the number of trained parameters of one network."""
     sizes = layer_sizes(arch, part)
     layers = sum((a + 1) * b for a, b in itertools.pairwise(sizes))
-    return layers + ((arch.latent - 1) * arch.decoder[0] if part == "decoder" else 0)
+    return layers + ((arch.latent - arch.lobe - 1) * arch.decoder[0] if part == "decoder" else 0)
 
 
 def init(arch: Architecture, seed: int) -> dict[str, np.ndarray]:
@@ -154,7 +168,7 @@ def init(arch: Architecture, seed: int) -> dict[str, np.ndarray]:
             weight = rng.standard_normal((rows, columns)) * deviation
             params[f"{part}.{index}.weight"] = weight.astype(np.float32)
             params[f"{part}.{index}.bias"] = np.zeros(columns, np.float32)
-    params[SCALE] = np.zeros((arch.latent - 1, arch.decoder[0]), np.float32)
+    params[SCALE] = np.zeros((arch.latent - arch.lobe - 1, arch.decoder[0]), np.float32)
     params["encoder.input_mean"] = np.full(arch.probes, -2.0, np.float32)
     params["encoder.input_scale"] = np.full(arch.probes, 2.0, np.float32)
     return params

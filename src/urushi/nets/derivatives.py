@@ -36,7 +36,7 @@ def decode_log(params: Params, arch: Architecture, z: Any, features: Any) -> tup
     output, gradient = _output_gradients(params, "decoder", first, arch.activation)
     xp = output.__array_namespace__()
     gradient = gradient[..., 0, :]
-    weight, codes = params["decoder.0.weight"], arch.latent - 1
+    weight, codes = params["decoder.0.weight"], arch.latent - arch.lobe - 1
     scaled = product(gradient * product(features, weight[codes:, :]), params[SCALE].T)
     inner = scaled + product(gradient, weight[:codes, :].T)
     gain = xp.ones_like(inner[..., :1])

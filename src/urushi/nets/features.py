@@ -22,6 +22,13 @@ DIRECTION_TABLE = (
 )
 DIRECTION_FEATURES = len(DIRECTION_TABLE)
 
+#: Index of the medium in which `pair_features` have a half vector: that of common coats.
+INNER_INDEX = 1.5
+
+#: The further features of `pair_features`; a prime marks directions refracted into that medium.
+INNER_TABLE = (("ln(tan^2 theta_h' + 1e-6)", -4.2, 4.4),)
+PAIR_FEATURES = DIRECTION_FEATURES + len(INNER_TABLE)
+
 #: Lower bound of eta - 1 inside ln(eta - 1). As eta goes to 1, the logarithm would leave the range
 #: that the networks were trained on.
 MIN_INDEX_STEP = 0.04
@@ -50,6 +57,20 @@ COAT_TABLE = (
     ("ln(1 + sigma_t (1 - albedo g))", 1.15, 0.69),
 )
 COAT_INPUTS = len(COAT_TABLE)
+
+#: Features of an interface with an index above or below one; s = (eta - 1) / (eta + 1). They and
+#: those of a medium, the terms of `COAT_TABLE` with m or sigma_t, make `coat_inputs`.
+INTERFACE_TABLE = (
+    ("ln alpha", -1.45, 1.3),
+    ("alpha", 0.4, 0.3),
+    ("eta", 1.4, 0.4),
+    ("s", 0.13, 0.17),
+    ("s^2", 0.047, 0.04),
+    ("ln(s^2 + 1e-4)", -4.0, 1.6),
+    ("max(1 - eta^2, 0)", 0.08, 0.2),
+)
+MEDIUM_TABLE = COAT_TABLE[5:]
+COAT_NUMBERS = len(INTERFACE_TABLE) + len(MEDIUM_TABLE)
 #: Columns of `coat_features`: the network's inputs and the coat's presence.
 COAT_FEATURES = COAT_INPUTS + 1
 
@@ -111,13 +132,26 @@ def coat_features(alpha: Any, eta: Any, albedo: Any, sigma_t: Any, g: Any) -> An
     xp = alpha.__array_namespace__()
     above = eta - 1.0
     ratio = above / (eta + 1.0)
-    m = 1.0 - xp.exp(-sigma_t)
     columns = [
         xp.log(alpha),
         alpha,
         xp.log(xp.maximum(above, MIN_INDEX_STEP)),
         above,
         ratio * ratio,
+        *_medium_columns(albedo, sigma_t, g),
+    ]
+    step = above * xp.minimum(above * (1.0 / PRESENT_STEP), 1.0)
+    presence = 1.0 - xp.exp(-20.0 * step - 4.0 * sigma_t - 10.0 * (alpha - MIN_ALPHA))
+    features = _normalised(columns, COAT_TABLE)
+    presence = xp.broadcast_to(presence[..., None], (*features.shape[:-1], 1))
+    return xp.concat([features, presence], axis=-1)
+
+
+def _medium_columns(albedo: Any, sigma_t: Any, g: Any) -> list[Any]:
+    """The terms of `MEDIUM_TABLE`."""
+    xp = sigma_t.__array_namespace__()
+    m = 1.0 - xp.exp(-sigma_t)
+    return [
         m,
         xp.exp(-4.0 * sigma_t),
         xp.log1p(sigma_t),
@@ -130,8 +164,41 @@ def coat_features(alpha: Any, eta: Any, albedo: Any, sigma_t: Any, g: Any) -> An
         xp.log1p(sigma_t * (1.0 - albedo)),
         xp.log1p(sigma_t * (1.0 - albedo * g)),
     ]
-    step = above * xp.minimum(above * (1.0 / PRESENT_STEP), 1.0)
-    presence = 1.0 - xp.exp(-20.0 * step - 4.0 * sigma_t - 10.0 * (alpha - MIN_ALPHA))
-    features = _normalised(columns, COAT_TABLE)
-    presence = xp.broadcast_to(presence[..., None], (*features.shape[:-1], 1))
-    return xp.concat([features, presence], axis=-1)
+
+
+def coat_inputs(alpha: Any, eta: Any, albedo: Any, sigma_t: Any, g: Any) -> Any:
+    """Return the features (..., 18) of coats of any index; the parameters broadcast.
+
+    alpha in [0.01, 1], eta in [0.5, 3], albedo in [0, 1], sigma_t >= 0, g in (-1, 1). For
+    sigma_t = 0 the features do not depend on albedo and g.
+    """
+    xp = alpha.__array_namespace__()
+    s = (eta - 1.0) / (eta + 1.0)
+    outside = 1.0 - eta * eta
+    columns = [
+        xp.log(alpha),
+        alpha,
+        eta,
+        s,
+        s * s,
+        xp.log(s * s + 1e-4),
+        xp.where(outside.real > 0.0, outside, 0.0),
+        *_medium_columns(albedo, sigma_t, g),
+    ]
+    return _normalised(columns, INTERFACE_TABLE + MEDIUM_TABLE)
+
+
+def pair_features(wi: Any, wo: Any) -> Any:
+    """Return `direction_features` and those of `INNER_TABLE` (..., 9) of wi, wo (..., 3).
+
+    Light that has passed the topmost interface was refracted: its lobes follow the half vector of
+    the refracted directions. The same bits with wi and wo exchanged.
+    """
+    xp = wi.__array_namespace__()
+    x, y = wi[..., 0] + wo[..., 0], wi[..., 1] + wo[..., 1]
+    inverse = 1.0 / (INNER_INDEX * INNER_INDEX)
+    z = xp.sqrt(1.0 - inverse + inverse * xp.square(wi[..., 2])) + xp.sqrt(
+        1.0 - inverse + inverse * xp.square(wo[..., 2])
+    )
+    inner = _normalised([xp.log(inverse * (x * x + y * y) / (z * z) + 1e-6)], INNER_TABLE)
+    return xp.concat([direction_features(wi, wo), inner], axis=-1)

@@ -3,17 +3,31 @@
 from typing import Any
 
 from urushi.nets.architecture import Architecture
+from urushi.nets.features import coat_features, coat_inputs
+from urushi.nets.lobe import lobe_features, of_coat
 from urushi.nets.mlp import Params, hidden_to_output, split_linear
 
 
-def layer(params: Params, arch: Architecture, z_bottom: Any, coat: Any) -> Any:
-    """Return the latent codes (..., 32) of bottoms z_bottom (..., 32) under coats.
+def layer(params: Params, arch: Architecture, z_bottom: Any, coat: tuple[Any, ...]) -> Any:
+    """Return the latent codes (..., L) of bottoms z_bottom (..., L) under coats.
 
-    coat: `features.coat_features` (..., 17). z_bottom and coat broadcast against each other.
-    The network computes the change of the bottom's code. It is multiplied by the coat's presence,
-    so that a vanishing coat leaves the bottom's code unchanged.
+    coat: alpha, eta, albedo, sigma_t, g, arrays that broadcast against each other and against the
+    bottoms. The coat's interface becomes the lobe of the result. The network computes the change of
+    the other numbers, from these, the bottom's lobe and the coat.
+
+    Without lobes, the change is multiplied by the coat's presence, so that a vanishing coat leaves
+    the bottom's code unchanged.
     """
-    inputs, presence = coat[..., :-1], coat[..., -1:]
-    first = split_linear(params, "layerer.0", z_bottom, inputs)
-    change = hidden_to_output(params, "layerer", first, arch.activation)
-    return z_bottom + presence * change
+    if not arch.lobe:
+        features = coat_features(*coat)
+        inputs, presence = features[..., :-1], features[..., -1:]
+        first = split_linear(params, "layerer.0", z_bottom, inputs)
+        change = hidden_to_output(params, "layerer", first, arch.activation)
+        return z_bottom + presence * change
+    xp = z_bottom.__array_namespace__()
+    rest = z_bottom[..., arch.lobe :]
+    own = xp.concat([rest, lobe_features(z_bottom[..., : arch.lobe])], axis=-1)
+    first = split_linear(params, "layerer.0", own, coat_inputs(*coat))
+    rest = rest + hidden_to_output(params, "layerer", first, arch.activation)
+    top = of_coat(*coat[:2])
+    return xp.concat([xp.broadcast_to(top, (*rest.shape[:-1], arch.lobe)), rest], axis=-1)

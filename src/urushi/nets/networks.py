@@ -8,8 +8,10 @@ import numpy as np
 from urushi.checks import CoatParameters
 from urushi.geometry.probe_pairs import probe_pairs
 from urushi.nets import decoder, derivatives, encoder, layerer, sampler
+from urushi.nets import lobe as lobes
 from urushi.nets.architecture import Architecture
-from urushi.nets.features import coat_features, direction_features
+from urushi.nets.features import PAIR_FEATURES, direction_features, pair_features
+from urushi.nets.lobe import scaled_lobe
 from urushi.nets.mlp import Params
 
 
@@ -77,25 +79,50 @@ class UrushiNetworks(NamedTuple):
         """The probe pairs wi, wo: float32 (P, 3)."""
         return probe_pairs(self.arch.probes)
 
-    def encode(self, f: Any) -> Any:
-        """Codes (..., 32) of values f (..., P) [1/sr] at the probe pairs."""
-        return encoder.encode(self.params, self.arch, f)
+    def encode(self, f: Any, lobe: Any = None) -> Any:
+        """Codes (..., L) of values f (..., P) [1/sr] at the probe pairs.
+
+        lobe: (..., 6) the lobes of these BRDFs, if known; None: they are fitted to the values. Only
+        for networks whose codes have a lobe.
+        """
+        if not self.arch.lobe:
+            return encoder.encode(self.params, self.arch, f)
+        lobe = np.float32(lobes.NO_LOBE) if lobe is None else lobe
+        rest = np.maximum(f - lobes.f(lobe[..., None, :], *self.pairs()), 0.0)
+        codes = encoder.encode(self.params, self.arch, rest)
+        return np.concatenate([np.broadcast_to(lobe, (*codes.shape[:-1], 6)), codes], axis=-1)
 
     def layer(self, z_bottom: Any, coat: CoatParameters) -> Any:
-        """Codes (..., 32) of bottoms under coats."""
-        return layerer.layer(self.params, self.arch, z_bottom, coat_features(*coat))
+        """Codes (..., L) of bottoms under coats."""
+        return layerer.layer(self.params, self.arch, z_bottom, coat)
 
     def f(self, z: Any, wi: Any, wo: Any) -> Any:
         """Values (...) [1/sr]: positive, and the same bits with wi and wo exchanged."""
-        return self.decode(z, direction_features(wi, wo))
+        return self.decode(z, self.inputs(wi, wo))
+
+    def inputs(self, wi: Any, wo: Any) -> Any:
+        """The inputs (..., D) of `decode` for unit vectors wi, wo (..., 3)."""
+        if not self.arch.lobe:
+            return direction_features(wi, wo)
+        xp = wi.__array_namespace__()
+        return xp.concat([pair_features(wi, wo), *xp.broadcast_arrays(wi, wo)], axis=-1)
 
     def scaled(self, z: Any, factor: Any) -> Any:
         """Codes of `factor` (...) > 0 times the BRDFs, exact for all directions."""
-        return decoder.scaled(z, factor)
+        lobe = self.arch.lobe
+        if not lobe:
+            return decoder.scaled(z, factor)
+        top, rest = scaled_lobe(z[..., :lobe], factor), decoder.scaled(z[..., lobe:], factor)
+        return np.concatenate([top, rest], axis=-1)
 
-    def decode(self, z: Any, features: Any) -> Any:
-        """Values (...) [1/sr] from `features.direction_features` (..., 8)."""
-        return decoder.decode(self.params, self.arch, z, features)
+    def decode(self, z: Any, inputs: Any) -> Any:
+        """Values (...) [1/sr] from `inputs`."""
+        lobe = self.arch.lobe
+        if not lobe:
+            return decoder.decode(self.params, self.arch, z, inputs)
+        features, wi, wo = np.split(inputs, (PAIR_FEATURES, PAIR_FEATURES + 3), axis=-1)
+        rest = decoder.decode(self.params, self.arch, z[..., lobe:], features)
+        return lobes.f(z[..., :lobe], wi, wo) + rest
 
     def decode_log(self, z: Any, features: Any) -> tuple[Any, Any]:
         """ln f (...) and its derivatives (..., 32) with respect to the code."""

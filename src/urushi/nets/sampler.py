@@ -13,6 +13,7 @@ from typing import Any
 from urushi.checks import MIN_ALPHA
 from urushi.nets.architecture import Architecture
 from urushi.nets.features import MIN_COSINE
+from urushi.nets.lobe import lobe_features
 from urushi.nets.mlp import Params, hidden_to_output, split_linear
 
 #: Least weight of the cosine lobe. It bounds f cos / pdf where the network is wrong.
@@ -29,16 +30,25 @@ def sampler_features(cos_i: Any) -> Any:
     return xp.stack([(raised - 0.5) * 3.0, xp.log(raised) + 1.0], axis=-1)
 
 
+def sampler_inputs(arch: Architecture, z: Any) -> Any:
+    """Return what the sampler sees of codes z (..., L): the features of their lobe, the rest."""
+    if not arch.lobe:
+        return z
+    xp = z.__array_namespace__()
+    return xp.concat([lobe_features(z[..., : arch.lobe]), z[..., arch.lobe :]], axis=-1)
+
+
 def mixture(params: Params, arch: Architecture, z: Any, cos_i: Any) -> tuple[Any, Any]:
     """Return the proposal's weights (..., K+1), the last the cosine lobe's, and widths (..., K).
 
-    z (..., 32) and cos_i (...), the cosine of wi to the normal, broadcast against each other.
-    Weights are positive and add up to 1; widths are GGX alphas in [0.01, 1].
+    z (..., L) and cos_i (...), the cosine of wi to the normal, broadcast against each other.
+    Weights are positive and add up to 1; widths are GGX alphas in [0.01, 1]. If codes have a lobe,
+    its width is the first.
     """
-    first = split_linear(params, "sampler.0", z, sampler_features(cos_i))
+    first = split_linear(params, "sampler.0", sampler_inputs(arch, z), sampler_features(cos_i))
     output = hidden_to_output(params, "sampler", first, arch.activation)
     xp = output.__array_namespace__()
-    k = arch.lobes
+    k = arch.lobes + (1 if arch.lobe else 0)
     logits = output[..., : k + 1]
     shares = xp.exp(logits - xp.max(logits, axis=-1, keepdims=True))
     shares = shares * ((1.0 - MIN_COSINE_SHARE) / xp.sum(shares, axis=-1, keepdims=True))
@@ -46,6 +56,9 @@ def mixture(params: Params, arch: Architecture, z: Any, cos_i: Any) -> tuple[Any
     # Logistic interpolation between ln 1 and ln MIN_ALPHA; tanh cannot overflow.
     fraction = 0.5 - 0.5 * xp.tanh(0.5 * output[..., k + 1 :])
     alphas = xp.clip(xp.exp(_LOG_MIN_ALPHA * fraction), MIN_ALPHA, 1.0)
+    if arch.lobe:
+        own = xp.broadcast_to(z[..., :1], (*alphas.shape[:-1], 1))
+        alphas = xp.concat([xp.clip(own, MIN_ALPHA, 1.0), alphas], axis=-1)
     return weights, alphas
 
 

@@ -15,9 +15,10 @@ from urushi.data.spec import Part
 from urushi.data.store import Store
 from urushi.errors import ParameterError
 from urushi.geometry.probe_pairs import PROBES, probe_pairs
+from urushi.nets import lobe as lobes
 from urushi.nets.architecture import Architecture
-from urushi.nets.features import DIRECTION_FEATURES, direction_features
-from urushi.reference import analytic
+from urushi.nets.features import PAIR_FEATURES, pair_features
+from urushi.train.bottoms import BARE_LOBES, bottom_lobes, bottom_rest
 from urushi.train.order import Order, Window
 
 #: The arrays that are read from a store.
@@ -28,16 +29,20 @@ class Batch(NamedTuple):
     """Stacks of all depths, deepest first, so that each coat belongs to the first stacks.
 
     Attributes:
-        probes: (B, probes) the bottoms' values [1/sr] at the probe pairs.
+        lobes: (B, 6) the bottoms' lobes, see `nets.lobe`.
+        probes: (B, probes) the bottoms' values [1/sr] at the probe pairs, without their lobes.
         coats: (B_k, 5) `checks.CoatParameters` of each coat, the lowest first, for the B_k stacks
             that have this coat, which are the first ones of the batch.
-        features: (B, P, 8) of the direction pairs.
+        features: (B, P, 9) of the direction pairs.
+        top: (B, P) the part of f [1/sr] that the stacks' own lobes reflect.
         f: (B, P) simulated values [1/sr].
     """
 
+    lobes: np.ndarray
     probes: np.ndarray
     coats: tuple[np.ndarray, ...]
     features: np.ndarray
+    top: np.ndarray
     f: np.ndarray
 
 
@@ -46,17 +51,21 @@ class Examples:
     """Examples in memory, all with the same number of coats; an item is one run of pairs.
 
     Attributes:
+        lobes: (S, 6).
         probes: (S, probes).
         coats: (S, N, 5) `checks.CoatParameters`, top to bottom.
         stack: (I,) the stack of each item; the items of a stack lie side by side.
-        features: (I, P, 8).
+        features: (I, P, 9).
+        top: (I, P).
         f: (I, P).
     """
 
+    lobes: np.ndarray
     probes: np.ndarray
     coats: np.ndarray
     stack: np.ndarray
     features: np.ndarray
+    top: np.ndarray
     f: np.ndarray
 
 
@@ -120,30 +129,33 @@ class Depth:
     def _read(self, window: Window) -> Examples:
         """Read shard after shard into arrays that have room for all."""
         items = sum(self._items(*self._shards[k]) for k in window)
-        features = np.empty((items, self._pairs, DIRECTION_FEATURES), np.float32)
-        f = np.empty((items, self._pairs), np.float32)
-        probes, coats, stack, first, stacks = [], [], [], 0, 0
+        features = np.empty((items, self._pairs, PAIR_FEATURES), np.float32)
+        f, top = (np.empty((items, self._pairs), np.float32) for _ in range(2))
+        encoded, probes, coats, stack, first, stacks = [], [], [], [], 0, 0
         for index, shard in (self._shards[k] for k in window):
             part = self._store.spec.parts[index]
             arrays = self._store.read_shard(index, shard, ARRAYS)
             place = slice(first, first + self._items(index, shard))
             used, values = trained_pairs(part), arrays["f"]
-            inputs = direction_features(arrays["wi"][:, used], arrays["wo"][:, used])
-            features[place] = inputs.reshape(-1, self._pairs, DIRECTION_FEATURES)
+            wi, wo = arrays["wi"][:, used], arrays["wo"][:, used]
+            features[place] = pair_features(wi, wo).reshape(-1, self._pairs, PAIR_FEATURES)
             f[place] = values[:, used].reshape(-1, self._pairs)
-            if part.directions == "probed":
-                probes.append(values[:, :PROBES])
-            else:
-                probes.append(bottom_values(part, arrays["bottom"], self._arch))
+            topmost = top_lobes(part, arrays, self._arch)
+            top[place] = lobes.f(topmost[:, None], wi, wo).reshape(-1, self._pairs)
+            own, rest = encoder_inputs(part, arrays, self._arch)
+            encoded.append(own)
+            probes.append(rest)
             coats.append(coats_to_layer(part, arrays))
             numbers = np.arange(stacks, stacks + len(values), dtype=np.int32)
             stack.append(np.repeat(numbers, (used.stop - used.start) // self._pairs))
             first, stacks = place.stop, stacks + len(numbers)
         return Examples(
+            lobes=np.concatenate(encoded),
             probes=np.concatenate(probes),
             coats=np.concatenate(coats),
             stack=np.concatenate(stack),
             features=features,
+            top=top,
             f=f,
         )
 
@@ -165,6 +177,8 @@ def load(store: Store, arch: Architecture, pairs: int, memory: int) -> list[Dept
     by_depth: dict[int, list[int]] = {}
     for index, part in enumerate(store.spec.parts):
         if part.directions in TRAINING:
+            if depth(part) == 0 and part.directions != "probed" and part.distribution.bottom in BARE_LOBES:
+                continue
             by_depth.setdefault(depth(part), []).append(index)
             used = trained_pairs(part)
             if (used.stop - used.start) % pairs:
@@ -231,25 +245,25 @@ class Batches:
             arrays = self._take(coats, step * count, steps * count)
             parts.append([array.reshape(steps, count, *array.shape[1:]) for array in arrays])
         levels = len(self._depths) - 1
-        return Batch(
-            probes=np.concatenate([part[0] for part in parts], axis=1),
-            coats=tuple(
-                np.concatenate([part[1][:, :, -1 - k] for part in parts[: levels - k]], axis=1)
-                for k in range(levels)
-            ),
-            features=np.concatenate([part[2] for part in parts], axis=1),
-            f=np.concatenate([part[3] for part in parts], axis=1),
+        lowest, probes, _, features, top, f = (
+            np.concatenate(arrays, axis=1) if k != 2 else None
+            for k, arrays in enumerate(zip(*parts, strict=True))
         )
+        coats = tuple(
+            np.concatenate([part[2][:, :, -1 - k] for part in parts[: levels - k]], axis=1)
+            for k in range(levels)
+        )
+        return Batch(lowest, probes, coats, features, top, f)
 
     def _take(self, coats: int, start: int, count: int) -> list[np.ndarray]:
-        """Probes, coats, features and f of consecutive items of a depth's sequence."""
+        """Lobes, probes, coats, features, top and f of consecutive items of a sequence."""
         pieces = []
         for run in self._orders[coats].runs(start, count):
             held = self._depths[coats].window(run.window, run.following)
             rows = held.stack[run.items]
-            pieces.append(
-                (held.probes[rows], held.coats[rows], held.features[run.items], held.f[run.items])
-            )
+            of_stacks = held.lobes[rows], held.probes[rows], held.coats[rows]
+            of_items = held.features[run.items], held.top[run.items], held.f[run.items]
+            pieces.append((*of_stacks, *of_items))
             del held  # otherwise the window's arrays would stay in memory
         return [
             np.concatenate(arrays) if len(arrays) > 1 else arrays[0]
@@ -277,19 +291,27 @@ def trained_pairs(part: Part) -> slice:
     return slice(PROBES if part.directions == "probed" else 0, part.pairs)
 
 
-def bottom_values(part: Part, bottom: np.ndarray, arch: Architecture) -> np.ndarray:
-    """Exact values (S, probes) [1/sr] of a part's bottoms (S, K) in air, at the probe pairs."""
-    names = analytic.BOTTOM_KINDS[part.distribution.bottom][1]
-    wi, wo = probe_pairs(arch.probes)
-    count = len(bottom)
-    values = analytic.rows(
-        part.distribution.bottom,
-        dict(zip(names, bottom.T, strict=True)),
-        np.repeat(np.arange(count, dtype=np.uint32), arch.probes),
-        np.tile(wi, (count, 1)),
-        np.tile(wo, (count, 1)),
-    )
-    return values.reshape(count, arch.probes)
+def top_lobes(part: Part, arrays: dict[str, np.ndarray], arch: Architecture) -> np.ndarray:
+    """The lobes (S, 6) of a part's stacks: of their topmost coats, or of bare bottoms."""
+    if part.distribution.coats:
+        return lobes.of_coat(arrays["coats"][:, 0, 0], arrays["coats"][:, 0, 1])
+    return bottom_lobes(part.distribution.bottom, arrays["bottom"], arch.probes)
+
+
+def encoder_inputs(
+    part: Part, arrays: dict[str, np.ndarray], arch: Architecture
+) -> tuple[np.ndarray, np.ndarray]:
+    """Lobes (S, 6) and other values (S, probes) [1/sr] of what a part's stacks are encoded from.
+
+    These are the bottoms, or the whole stacks where their values at the probe pairs are stored.
+    """
+    if part.directions == "probed":
+        own = top_lobes(part, arrays, arch)
+        top = lobes.f(own[:, None], *probe_pairs(arch.probes))
+        return own, np.maximum(arrays["f"][:, :PROBES] - top, 0.0)
+    kind = part.distribution.bottom
+    own = bottom_lobes(kind, arrays["bottom"], arch.probes)
+    return own, bottom_rest(kind, arrays["bottom"], own, arch.probes)
 
 
 def coats_to_layer(part: Part, arrays: dict[str, np.ndarray]) -> np.ndarray:

@@ -6,8 +6,8 @@ import jax
 import jax.numpy as jnp
 
 from urushi.nets.architecture import Architecture
+from urushi.nets.decoder import decode
 from urushi.nets.encoder import encode
-from urushi.nets.features import coat_features
 from urushi.nets.layerer import layer
 from urushi.nets.mlp import Params
 
@@ -91,23 +91,40 @@ def mean_loss(squares: jax.Array, weights: Any = 1.0) -> jax.Array:
     return jnp.mean(weights * stack_weights(squares) * squares)
 
 
-def compose(params: Params, arch: Architecture, probes: Any, coats: tuple[Any, ...]) -> Any:
-    """Latent codes (B, 32) of stacks: encode their bottoms, then apply coat after coat.
+def compose(
+    params: Params, arch: Architecture, lobes: Any, probes: Any, coats: tuple[Any, ...]
+) -> Any:
+    """Latent codes (B, L) of stacks: encode their bottoms, then apply coat after coat.
 
     Args:
         params, arch: the networks.
-        probes: (B, probes) the bottoms' values [1/sr] at the probe pairs.
+        lobes: (B, 6) the bottoms' lobes.
+        probes: (B, probes) the bottoms' values [1/sr] at the probe pairs, without the lobes.
         coats: as in `examples.Batch`: the lowest coats first, (B_k, 5) for the first B_k rows.
     """
-    return apply_coats(params, arch, bounded(encode(params, arch, probes)), coats)
+    return apply_coats(params, arch, encoded(params, arch, lobes, probes), coats)
+
+
+def encoded(params: Params, arch: Architecture, lobes: Any, probes: Any) -> Any:
+    """Codes (B, L) of BRDFs with these lobes (B, 6) and other values (B, probes) [1/sr]."""
+    return jnp.concatenate([lobes, bounded(encode(params, arch, probes))], axis=-1)
 
 
 def apply_coats(params: Params, arch: Architecture, z: Any, coats: tuple[Any, ...]) -> Any:
-    """Codes (B, 32) of stacks from the codes z (B, 32) of their bottoms; coats as of `compose`."""
+    """Codes (B, L) of stacks from the codes z (B, L) of their bottoms; coats as of `compose`."""
     for coat in coats:
-        count, features = coat.shape[0], coat_features(*jnp.moveaxis(coat, -1, 0))
-        z = jnp.concatenate([bounded(layer(params, arch, z[:count], features)), z[count:]])
+        count = coat.shape[0]
+        layered = layer(params, arch, z[:count], tuple(jnp.moveaxis(coat, -1, 0)))
+        layered = jnp.concatenate(
+            [layered[:, : arch.lobe], bounded(layered[:, arch.lobe :])], axis=-1
+        )
+        z = jnp.concatenate([layered, z[count:]])
     return z
+
+
+def without_lobe(params: Params, arch: Architecture, z: Any, features: Any) -> jax.Array:
+    """What the decoder gives (B, P) [1/sr] for codes z (B, L) and `pair_features` (B, P, 9)."""
+    return decode(params, arch, z[:, None, arch.lobe :], features)
 
 
 @jax.custom_vjp

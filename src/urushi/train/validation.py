@@ -7,13 +7,14 @@ import numpy as np
 
 from urushi.data.store import Store
 from urushi.geometry import error_metrics
+from urushi.nets import lobe as lobes
 from urushi.nets.architecture import Architecture
 from urushi.nets.decoder import decode
 from urushi.nets.encoder import encode
-from urushi.nets.features import coat_features, direction_features
+from urushi.nets.features import pair_features
 from urushi.nets.layerer import layer
 from urushi.nets.mlp import Params
-from urushi.train.examples import METRICS, bottom_values, coats_to_layer
+from urushi.train.examples import METRICS, coats_to_layer, encoder_inputs, top_lobes
 
 
 @dataclass(frozen=True)
@@ -21,9 +22,11 @@ class Check:
     """One validation part in memory: the arrays of `examples.Examples`, and the pairs' cosines."""
 
     metric: str
+    lobes: np.ndarray
     probes: np.ndarray
     coats: np.ndarray
     features: np.ndarray
+    top: np.ndarray
     f: np.ndarray
     cos_i: np.ndarray
     cos_o: np.ndarray
@@ -37,12 +40,15 @@ def load(store: Store, arch: Architecture) -> list[Check]:
             continue
         arrays = store.read(part)
         wi, wo = arrays["wi"], arrays["wo"]
+        own, rest = encoder_inputs(part, arrays, arch)
         checks.append(
             Check(
                 metric=METRICS[part.directions],
-                probes=bottom_values(part, arrays["bottom"], arch),
+                lobes=own,
+                probes=rest,
                 coats=coats_to_layer(part, arrays),
-                features=direction_features(wi, wo),
+                features=pair_features(wi, wo),
+                top=lobes.f(top_lobes(part, arrays, arch)[:, None], wi, wo),
                 f=arrays["f"],
                 cos_i=wi[..., 2],
                 cos_o=wo[..., 2],
@@ -56,10 +62,10 @@ def measure(params: Params, arch: Architecture, checks: list[Check]) -> dict[str
     host: dict[str, Any] = {name: np.asarray(value) for name, value in params.items()}
     figures = {}
     for check in checks:
-        z = encode(host, arch, check.probes)
+        z = np.concatenate([check.lobes, encode(host, arch, check.probes)], axis=-1)
         for coat in np.moveaxis(check.coats, 1, 0)[::-1]:  # the lowest first
-            z = layer(host, arch, z, coat_features(*coat.T))
-        f_hat = decode(host, arch, z[:, None], check.features)
+            z = layer(host, arch, z, tuple(coat.T))
+        f_hat = check.top + decode(host, arch, z[:, None, arch.lobe :], check.features)
         if check.metric == "E mean":
             errors = error_metrics.stack_error(f_hat, check.f, check.cos_i, check.cos_o)
             figures[check.metric] = float(errors.mean())

@@ -18,7 +18,7 @@ from urushi.nets.mlp import Params
 from urushi.train import devices
 from urushi.train.devices import Devices
 from urushi.train.examples import Batch, Batches, Depth
-from urushi.train.losses import compose, mean_loss, squared_errors, stack_loss
+from urushi.train.losses import compose, mean_loss, squared_errors, stack_loss, without_lobe
 from urushi.train.optimiser import compile_steps
 from urushi.train.stages.stage import Learner, Stage
 
@@ -91,8 +91,9 @@ def scatter(params: Params, arch: Architecture, z: Any, features: Any) -> Any:
     """
     own = (name for name in params if name.startswith("scatter"))
     as_decoder = {_renamed(name, "scatter", "decoder"): params[name] for name in own}
-    z = jnp.concatenate([jnp.zeros_like(z[..., :1]), z[..., 1:]], axis=-1)
-    return decode(as_decoder, replace(arch, decoder=WIDTHS), z[:, None], features)
+    rest = z[:, None, arch.lobe :]
+    rest = jnp.concatenate([jnp.zeros_like(rest[..., :1]), rest[..., 1:]], axis=-1)
+    return decode(as_decoder, replace(arch, decoder=WIDTHS), rest, features)
 
 
 def negative_log_likelihood(scatter: Any, squares: Any) -> jax.Array:
@@ -121,8 +122,8 @@ def plain_loss(
         arch: sizes of the networks.
         batch: simulated stacks.
     """
-    z = compose(params, arch, batch.probes, batch.coats)
-    fit = stack_loss(decode(trained, arch, z[:, None], batch.features), batch.f)
+    z = compose(params, arch, batch.lobes, batch.probes, batch.coats)
+    fit = stack_loss(batch.top + without_lobe(trained, arch, z, batch.features), batch.f)
     return fit, {"loss": fit}
 
 
@@ -138,8 +139,9 @@ def weighted_loss(
         trained: "decoder.*" and "scatter.*".
         params, arch, batch: as of `plain_loss`.
     """
-    z = compose(params, arch, batch.probes, batch.coats)
-    squares = squared_errors(decode(trained, arch, z[:, None], batch.features), batch.f)
+    z = compose(params, arch, batch.lobes, batch.probes, batch.coats)
+    f_hat = batch.top + without_lobe(trained, arch, z, batch.features)
+    squares = squared_errors(f_hat, batch.f)
     expected = scatter(trained, arch, z, batch.features)
     weights = jax.lax.stop_gradient(pair_weights(expected))
     fit = mean_loss(squares, weights)

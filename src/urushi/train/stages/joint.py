@@ -8,15 +8,13 @@ import jax.numpy as jnp
 
 from urushi.geometry.probe_pairs import probe_pairs
 from urushi.nets.architecture import FIXED, Architecture
-from urushi.nets.decoder import decode
-from urushi.nets.encoder import encode
-from urushi.nets.features import coat_features, direction_features
+from urushi.nets.features import pair_features
 from urushi.nets.layerer import layer
 from urushi.nets.mlp import Params
 from urushi.train import devices
 from urushi.train.devices import Devices
 from urushi.train.examples import Batch, Batches, Depth
-from urushi.train.losses import apply_coats, bounded, stack_loss
+from urushi.train.losses import FLOOR, apply_coats, encoded, stack_loss, without_lobe
 from urushi.train.optimiser import compile_steps
 from urushi.train.stages.stage import Learner, Stage
 
@@ -48,7 +46,7 @@ class Joint(Stage):
 
     def learn(self, params: Params, arch: Architecture, depths: list[Depth], seed: int) -> Learner:
         """Steps of `joint_loss` on all simulated stacks."""
-        features = jnp.asarray(direction_features(*probe_pairs(arch.probes)))
+        features = jnp.asarray(pair_features(*probe_pairs(arch.probes)))
         fixed = {name: params[name] for name in FIXED}
 
         def loss(trained: Params, batch: Any) -> tuple[jax.Array, dict[str, jax.Array]]:
@@ -69,14 +67,16 @@ def joint_loss(
     - latent: mean squared distance between the codes before and after this cycle;
     - rise: `absorption_penalty` of a bottom's lowest coat, for every `ABSORPTION_STRIDE`th stack.
     """
-    bottoms = bounded(encode(params, arch, batch.probes))
+    bottoms = encoded(params, arch, batch.lobes, batch.probes)
     z = apply_coats(params, arch, bottoms, batch.coats)
-    fit = stack_loss(decode(params, arch, z[:, None], batch.features), batch.f)
+    fit = stack_loss(batch.top + without_lobe(params, arch, z, batch.features), batch.f)
 
-    chosen = z[::CYCLE_STRIDE]
-    again = bounded(encode(params, arch, decode(params, arch, chosen[:, None], probe_features)))
-    f_again = decode(params, arch, again[:, None], batch.features[::CYCLE_STRIDE])
-    cycle = stack_loss(f_again, batch.f[::CYCLE_STRIDE])
+    some = slice(None, None, CYCLE_STRIDE)
+    chosen = z[some]
+    values = without_lobe(params, arch, chosen, probe_features)
+    again = encoded(params, arch, chosen[:, : arch.lobe], values)
+    f_again = batch.top[some] + without_lobe(params, arch, again, batch.features[some])
+    cycle = stack_loss(f_again, batch.f[some])
     latent = jnp.mean((again - jax.lax.stop_gradient(chosen)) ** 2)
 
     rise = jnp.zeros(())
@@ -85,14 +85,14 @@ def joint_loss(
         coats, features = lowest[rows], batch.features[rows]
         rise = jnp.mean(absorption_penalty(params, arch, bottoms[rows], coats, features))
 
-    loss = fit + 0.2 * cycle + 0.1 * latent + 0.5 * rise
+    import os; C=float(os.environ.get("CY","0.2")); La=float(os.environ.get("LA","0.1")); loss = fit + C * cycle + La * latent + 0.5 * rise
     return loss, {"loss": loss, "fit": fit, "cycle": cycle, "latent": latent, "rise": rise}
 
 
 def absorption_penalty(
     params: Params, arch: Architecture, z_bottom: Any, coats: Any, features: Any
 ) -> jax.Array:
-    """Increase of ln f (B, P) when a coat's medium absorbs more; 0 where f falls.
+    """Increase (B, P) of ln f of the decoder when a coat's medium absorbs more; 0 where f falls.
 
     Every path through a medium loses energy by absorption, so f falls everywhere as sigma_a
     rises at constant scattering. Simulated stacks differ in all their parameters, so that they
@@ -103,12 +103,12 @@ def absorption_penalty(
         params, arch: the networks.
         z_bottom: (B, 32) codes of bottoms.
         coats: (B, 5) in the order of `checks.CoatParameters`.
-        features: (B, P, 8) of direction pairs.
+        features: (B, P, 9) of direction pairs.
     """
 
     def log_f(coats: Any) -> jax.Array:
-        z = layer(params, arch, z_bottom, coat_features(*jnp.moveaxis(coats, -1, 0)))
-        return jnp.log(decode(params, arch, z[:, None], features))
+        z = layer(params, arch, z_bottom, tuple(jnp.moveaxis(coats, -1, 0)))
+        return jnp.log(without_lobe(params, arch, z, features) + FLOOR)
 
     return jnp.maximum(log_f(with_more_absorption(coats)) - log_f(coats), 0.0)
 

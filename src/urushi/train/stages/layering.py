@@ -145,10 +145,10 @@ def layering_loss(
     - fit: coat after coat over the encoded bottom;
     - reentry: the uppermost coat over the decoded and encoded lower part.
     """
-    z = apply_coats(params, arch, batch.bottoms, batch.coats)
+    z = apply_coats(params, arch, batch.bottoms, batch.coats)[:, arch.lobe :]
     fit = loss_increase(z, batch.z, batch.slope, batch.curvature)
     rows = slice(len(batch.below))
-    again = apply_coats(params, arch, batch.below, (batch.top,))
+    again = apply_coats(params, arch, batch.below, (batch.top,))[:, arch.lobe :]
     reentry = loss_increase(again, batch.z[rows], batch.slope[rows], batch.curvature[rows])
     count = len(fit) + REENTRY * len(reentry)
     loss = (jnp.sum(fit) + REENTRY * jnp.sum(reentry)) / count

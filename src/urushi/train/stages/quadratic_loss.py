@@ -13,13 +13,11 @@ from tqdm import tqdm
 
 from urushi.geometry.probe_pairs import probe_pairs
 from urushi.nets.architecture import Architecture
-from urushi.nets.decoder import decode
 from urushi.nets.derivatives import decode_log
-from urushi.nets.encoder import encode
-from urushi.nets.features import direction_features
+from urushi.nets.features import pair_features
 from urushi.nets.mlp import Params
 from urushi.train.examples import Examples
-from urushi.train.losses import compose, error_scale, huber, stack_weights
+from urushi.train.losses import compose, encoded, error_scale, huber, stack_weights, without_lobe
 
 #: Items that are decoded at once.
 _BLOCK = 1024
@@ -33,8 +31,8 @@ class QuadraticLosses(NamedTuple):
         below: (S, L) codes of the stacks without their uppermost coat, decoded at the probe pairs
             and encoded again, as when a measured stack is coated; the bottoms' codes for N = 1.
         coats: (S, N, 5) in the order of `checks.CoatParameters`, top to bottom.
-        z: (S, L) codes of the stacks.
-        slope, curvature: (S, L), (S, L, L) of the loss with respect to the code, at z.
+        z: (S, K) codes of the stacks, without the lobe's numbers.
+        slope, curvature: (S, K), (S, K, K) of the loss with respect to these numbers, at z.
     """
 
     bottoms: np.ndarray
@@ -52,20 +50,22 @@ def loss_increase(codes: Any, z: Any, slope: Any, curvature: Any) -> jax.Array:
 
 
 def quadratic_expansion(
-    params: Params, arch: Architecture, z: Any, features: Any, f: Any
+    params: Params, arch: Architecture, z: Any, features: Any, top: Any, f: Any
 ) -> tuple[jax.Array, jax.Array]:
     """Slope (B, L) and curvature (B, L, L) of the summands of `losses.stack_loss` at z (B, L).
 
-    features (B, P, 8), f (B, P) as of `stack_loss`. The curvature is that of Gauss and Newton, as
-    if f were linear in the code. The weights of the errors are constant.
+    z without the lobe's numbers; features (B, P, 9), top and f (B, P) as in `Examples`. The
+    curvature is that of Gauss and Newton, as if f were linear in the code. The weights of the
+    errors are constant.
     """
     log_f, log_slope = decode_log(params, arch, z[:, None], features)
-    f_hat = jnp.exp(log_f)
+    rest = jnp.exp(log_f)
+    f_hat = top + rest
     scale = error_scale(f_hat)
     error = (f_hat - f) / scale
     squares, huber_weight = huber(error)
     weight = 2.0 * stack_weights(squares) * huber_weight / f.shape[-1]
-    jacobian = (f_hat / scale)[..., None] * log_slope
+    jacobian = (rest / scale)[..., None] * log_slope
     slope = jnp.einsum("bp,bpl->bl", weight * error, jacobian)
     return slope, jnp.einsum("bpk,bpl->bkl", weight[..., None] * jacobian, jacobian)
 
@@ -74,32 +74,40 @@ def measure_quadratic_losses(
     params: Params, arch: Architecture, examples: Examples
 ) -> QuadraticLosses:
     """The quadratic losses of all stacks of one depth, at least one coat, from all their pairs."""
-    at_probes = jnp.asarray(direction_features(*probe_pairs(arch.probes)))
+    at_probes = jnp.asarray(pair_features(*probe_pairs(arch.probes)))
 
     @jax.jit
-    def codes(values: Any, coats: tuple[Any, ...]) -> tuple[jax.Array, jax.Array, jax.Array]:
-        below = compose(params, arch, values, coats[:-1])
+    def codes(
+        lobes: Any, values: Any, coats: tuple[Any, ...]
+    ) -> tuple[jax.Array, jax.Array, jax.Array]:
+        below = compose(params, arch, lobes, values, coats[:-1])
         if len(coats) > 1:
-            below = encode(params, arch, decode(params, arch, below[:, None], at_probes))
-        return encode(params, arch, values), below, compose(params, arch, values, coats)
+            decoded = without_lobe(params, arch, below, at_probes)
+            below = encoded(params, arch, below[:, : arch.lobe], decoded)
+        bottoms = encoded(params, arch, lobes, values)
+        return bottoms, below, compose(params, arch, lobes, values, coats)
 
     @jax.jit
-    def expansions(z: Any, features: Any, f: Any, local: Any) -> tuple[jax.Array, jax.Array]:
-        slope, curvature = quadratic_expansion(params, arch, z, features, f)
+    def expansions(
+        z: Any, features: Any, top: Any, f: Any, local: Any
+    ) -> tuple[jax.Array, jax.Array]:
+        slope, curvature = quadratic_expansion(params, arch, z, features, top, f)
         return (
             jax.ops.segment_sum(slope, local, _BLOCK),
             jax.ops.segment_sum(curvature, local, _BLOCK),
         )
 
     coats = tuple(np.moveaxis(examples.coats, 1, 0)[::-1])
-    stacks, size = len(examples.coats), arch.latent
+    stacks, size = len(examples.coats), arch.latent - arch.lobe
     blocks: list[list[np.ndarray]] = [[], [], []]
     for first in range(0, stacks, _BLOCK):
         rows = slice(first, first + _BLOCK)
-        block = codes(examples.probes[rows], tuple(coat[rows] for coat in coats))
+        values = examples.lobes[rows], examples.probes[rows]
+        block = codes(*values, tuple(coat[rows] for coat in coats))
         for column, part in zip(blocks, block, strict=True):
             column.append(np.asarray(part))
     bottoms, below, z = map(np.concatenate, blocks)
+    z = z[:, arch.lobe :]
 
     slope = np.zeros((stacks, size), np.float32)
     curvature = np.zeros((stacks, size, size), np.float32)
@@ -107,7 +115,8 @@ def measure_quadratic_losses(
     for first in tqdm(range(0, len(examples.f), _BLOCK), desc="quadratic losses", disable=None):
         items = slice(first, first + _BLOCK)
         stack = examples.stack[items]
-        sums = expansions(z[stack], examples.features[items], examples.f[items], stack - stack[0])
+        values = examples.features[items], examples.top[items], examples.f[items]
+        sums = expansions(z[stack], *values, stack - stack[0])
         rows = slice(stack[0], stack[-1] + 1)
         for total, part in zip((slope, curvature), sums, strict=True):
             total[rows] += np.asarray(part)[: len(total[rows])]

@@ -1,5 +1,6 @@
 """The sampling stage: the sampler learns lobes whose density follows f cos_o."""
 
+import functools
 import math
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, NamedTuple
@@ -8,14 +9,14 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from urushi.nets import lobe as lobes
 from urushi.nets import sampler
 from urushi.nets.architecture import Architecture
-from urushi.nets.decoder import decode
-from urushi.nets.features import direction_features
+from urushi.nets.features import pair_features
 from urushi.nets.mlp import Params
 from urushi.nets.sampler import mixture as propose
 from urushi.train.examples import Depth
-from urushi.train.losses import compose
+from urushi.train.losses import compose, without_lobe
 from urushi.train.optimiser import compile_steps
 from urushi.train.stages.stage import Learner, Stage
 
@@ -80,13 +81,13 @@ class Targets(NamedTuple):
 
 def training_codes(params: Params, arch: Architecture, depths: list[Depth]) -> jax.Array:
     """Latent codes (M, 32) of training stacks of all depths, at most `STACKS` of each."""
-    run = jax.jit(lambda probes, coats: compose(params, arch, probes, coats))
+    run = jax.jit(functools.partial(compose, params, arch))
     codes = []
     for examples in (depth.first() for depth in depths):
         # Parts lie one after the other: a stride takes some of each.
         rows = slice(None, None, -(-len(examples.probes) // STACKS))
         coats = tuple(np.moveaxis(examples.coats[rows], 1, 0)[::-1])
-        codes.append(run(examples.probes[rows], coats))
+        codes.append(run(examples.lobes[rows], examples.probes[rows], coats))
     return jnp.concatenate(codes)
 
 
@@ -158,9 +159,11 @@ def incoming_directions(u: jax.Array) -> jax.Array:
 
 def mean_f_cos(params: Params, arch: Architecture, z: Any, wi: Any, wo: Any) -> jax.Array:
     """Mean f cos_o (N, M) over the channels of z (N, CHANNELS, 32), for wi, wo (N, M, 3)."""
-    features = direction_features(jnp.broadcast_to(wi, wo.shape), wo)
-    f = decode(params, arch, z[:, :, None], features[:, None])
-    return jnp.mean(f, axis=1) * wo[..., 2]
+    wi = jnp.broadcast_to(wi, wo.shape)
+    features = jnp.repeat(pair_features(wi, wo), z.shape[1], axis=0)
+    rest = without_lobe(params, arch, z.reshape(-1, z.shape[-1]), features)
+    top = lobes.f(z[:, :, None, : arch.lobe], wi[:, None], wo[:, None])
+    return jnp.mean(top + rest.reshape(top.shape), axis=1) * wo[..., 2]
 
 
 def variation(

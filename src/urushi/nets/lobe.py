@@ -1,0 +1,138 @@
+"""The analytic lobe of a material: the reflection of its topmost interface, or of bare metal.
+
+A latent code begins with the `LOBE_NUMBERS` numbers of one GGX lobe with the separable Smith term.
+Its Fresnel term is a sum of Schlick's (1994) and of the exact one of an index eta - i k:
+
+    F(c) = normal (1 - (1 - c)^5) + grazing (1 - c)^5 + exact F(c; eta, k)
+
+A dielectric interface has exact = 1 and k = 0 (total reflection for eta < 1 included), a conductor
+exact = 1, or normal = R0 and grazing = 1. All three factors are 0 for a surface without a lobe. The
+BRDF is linear in the factors, so that blends of codes are blends of BRDFs where widths and indices
+agree. What the lobe does not reflect is left to the decoder.
+
+Functions take arrays of NumPy or JAX. `urushi.render.networks.lobe` is the counterpart in Dr.Jit.
+"""
+
+import math
+from typing import Any
+
+#: The numbers: the GGX width, the factors of the Fresnel terms, and the complex index.
+LOBE_NUMBERS = ("alpha", "normal", "grazing", "exact", "eta", "k")
+
+#: The numbers of a surface without a lobe.
+NO_LOBE = (1.0, 0.0, 0.0, 0.0, 1.5, 0.0)
+
+#: Features of a lobe: mean and scale; see `lobe_features`.
+_FEATURE_MEANS = (-0.9, 0.22, 0.45, 0.47, 0.55, -1.5)
+_FEATURE_SCALES = (1.1, 0.3, 0.4, 0.4, 0.35, 1.5)
+LOBE_FEATURES = len(_FEATURE_MEANS)
+
+#: Cosines at which `lobe_features` contains the reflectance.
+_COSINES = (1.0, 0.5, 0.2)
+
+#: Mean reflectance at which half of a lobe's width counts in `lobe_features`.
+_VISIBLE = 0.01
+
+
+def reflectance(lobe: Any, cosine: Any) -> Any:
+    """Return F (...) of lobes (..., 6) at cosines (...) between direction and facet normal."""
+    xp = lobe.__array_namespace__()
+    away = xp.clip(1.0 - cosine, 0.0, 1.0)
+    away2 = away * away
+    fifth = away2 * away2 * away
+    schlick = lobe[..., 1] * (1.0 - fifth) + lobe[..., 2] * fifth
+    return schlick + lobe[..., 3] * fresnel(cosine, lobe[..., 4], lobe[..., 5])
+
+
+def fresnel(cosine: Any, eta: Any, k: Any) -> Any:
+    """Return the unpolarised reflectance of a smooth surface of index eta - i k (PBRT v3, 8.2.1).
+
+    k = 0 is a dielectric; eta < 1 reflects totally beyond the critical angle.
+    """
+    xp = eta.__array_namespace__()
+    cos2 = cosine * cosine
+    sin2 = 1.0 - cos2
+    difference = eta * eta - k * k - sin2
+    size = xp.sqrt(difference * difference + 4.0 * (eta * eta) * (k * k))
+    a = xp.sqrt(0.5 * _positive(size + difference))
+    first, second = size + cos2, 2.0 * a * cosine
+    perpendicular = (first - second) / (first + second)
+    third, fourth = cos2 * size + sin2 * sin2, second * sin2
+    ratio = (third - fourth + 1e-12) / (third + fourth + 1e-12)
+    return 0.5 * perpendicular * (1.0 + ratio)
+
+
+def _positive(x: Any) -> Any:
+    """x, at least zero; by its real part if it is complex, as in a complex step."""
+    xp = x.__array_namespace__()
+    return xp.where(x.real > 0.0, x, 0.0)
+
+
+def f(lobe: Any, wi: Any, wo: Any) -> Any:
+    """Return the lobe's BRDF (...) [1/sr] for lobes (..., 6) and directions (..., 3).
+
+    The arguments broadcast. wi and wo are above the horizon. Exchanging them gives the same bits.
+    """
+    return shape(lobe[..., 0], wi, wo) * reflectance(lobe, cosine_to_facet(wi, wo))
+
+
+def cosine_to_facet(wi: Any, wo: Any) -> Any:
+    """Return the cosine (...) between either direction (..., 3) and their half vector."""
+    xp = wi.__array_namespace__()
+    x, y, z = (wi[..., i] + wo[..., i] for i in range(3))
+    return xp.clip(0.5 * xp.sqrt(x * x + y * y + z * z), 0.0, 1.0)
+
+
+def shape(alpha: Any, wi: Any, wo: Any) -> Any:
+    """Return the lobe (...) [1/sr] of a GGX width alpha (...) for a reflectance of one.
+
+    D G / (4 cos_i cos_o) by Walter et al. (2007), eqs. 20, 33 and 34, written without the cosines
+    in the denominator, and in the half vector wi + wo without normalising it.
+    """
+    xp = wi.__array_namespace__()
+    cos_i, cos_o = xp.clip(wi[..., 2], 0.0, 1.0), xp.clip(wo[..., 2], 0.0, 1.0)
+    alpha2 = alpha * alpha
+    x, y, z = wi[..., 0] + wo[..., 0], wi[..., 1] + wo[..., 1], cos_i + cos_o
+    across, z2 = x * x + y * y, z * z
+    ratio = (across + z2) / (across + alpha2 * z2 + 1e-18)
+    rest = 1.0 - alpha2
+    masking = (cos_i + xp.sqrt(alpha2 + rest * (cos_i * cos_i))) * (
+        cos_o + xp.sqrt(alpha2 + rest * (cos_o * cos_o))
+    )
+    return (alpha2 / math.pi) * (ratio * ratio) / masking
+
+
+def lobe_features(lobe: Any) -> Any:
+    """Return six features (..., 6) of lobes (..., 6), about of mean 0 and variance 1.
+
+    Width and logarithmic width, which vanish with the reflectance; the reflectance at three angles,
+    and the logarithm of their mean.
+    """
+    xp = lobe.__array_namespace__()
+    at = [reflectance(lobe, xp.asarray(c, dtype=lobe.real.dtype)) for c in _COSINES]
+    mean = (at[0] + at[1] + at[2]) * (1.0 / 3.0)
+    seen = mean / (mean + _VISIBLE)
+    alpha = lobe[..., 0]
+    columns = [seen * xp.log(alpha), seen * alpha, *at, xp.log(mean + _VISIBLE)]
+    return xp.stack(
+        [
+            (column - offset) * (1.0 / scale)
+            for column, offset, scale in zip(columns, _FEATURE_MEANS, _FEATURE_SCALES, strict=True)
+        ],
+        axis=-1,
+    )
+
+
+def scaled_lobe(lobe: Any, factor: Any) -> Any:
+    """Return lobes (..., 6) whose BRDF is `factor` (...) times that of `lobe` (..., 6)."""
+    xp = lobe.__array_namespace__()
+    one = xp.ones_like(factor)
+    return lobe * xp.stack([one, factor, factor, factor, one, one], axis=-1)
+
+
+def of_coat(alpha: Any, eta: Any) -> Any:
+    """Return the lobe (..., 6) of a dielectric interface; alpha and eta broadcast."""
+    xp = alpha.__array_namespace__()
+    alpha, eta = xp.broadcast_arrays(alpha, eta)
+    zero, one = xp.zeros_like(alpha), xp.ones_like(alpha)
+    return xp.stack([alpha, zero, zero, one, eta, zero], axis=-1)
