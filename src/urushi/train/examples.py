@@ -177,7 +177,11 @@ def load(store: Store, arch: Architecture, pairs: int, memory: int) -> list[Dept
     by_depth: dict[int, list[int]] = {}
     for index, part in enumerate(store.spec.parts):
         if part.directions in TRAINING:
-            if depth(part) == 0 and part.directions != "probed" and part.distribution.bottom in BARE_LOBES:
+            if (
+                depth(part) == 0
+                and part.directions != "probed"
+                and part.distribution.bottom in BARE_LOBES
+            ):
                 continue
             by_depth.setdefault(depth(part), []).append(index)
             used = trained_pairs(part)

@@ -8,7 +8,7 @@ from urushi.data.distribution import Extended, Table2
 from urushi.data.spec import DataSpec, Part
 from urushi.errors import ParameterError
 from urushi.nets.architecture import Architecture
-from urushi.train.datasets import enlarged_domain, validation, whole_domain
+from urushi.train.datasets import validation, whole_domain
 from urushi.train.optimiser import Schedule
 from urushi.train.stages.decoding import Decoding
 from urushi.train.stages.joint import Joint
@@ -73,59 +73,28 @@ def _soap(steps: int) -> Schedule:
     )
 
 
-def base() -> Preset:
-    """The shipped default: the whole domain.
+def default() -> Preset:
+    """The shipped networks: the whole domain.
 
-    Command: `urushi train --preset base`
-    Time: 89 minutes on two cores (data 28, joint 39, layering 7, decoding 7, relayering 7,
-        sampling 1).
-    Expected of `urushi eval`: Table 2 stacks of two interfaces E mean 0.5 %, P median 0.3 %; the
-        extended domain E mean 0.7 %, six interfaces 0.8 %.
+    Command: `urushi train --preset default`
     """
-    stacks, coated = (64, 136, 40, 10, 7, 7), (512, 128, 48, 40, 40)
-    joint = Schedule(steps=122_880, warmup=256, learning_rate=0.01, clip=0.1)
+    stacks, coated = (48, 136, 40, 10, 7, 7), (512, 128, 48, 40, 40)
+    joint = Schedule(steps=81_920, warmup=256, learning_rate=0.012, clip=0.1)
     sampling = Schedule(steps=8_000, warmup=200, learning_rate=0.01, checkpoint_every=4_000)
     return Preset(
-        name="base",
-        data=enlarged_domain(),
+        name="default",
+        data=whole_domain(),
         stages=(
             Joint(joint, stacks),
             Layering(_soap(16_384), coated, widen_from=(256, 256, 256)),
-            Decoding(_soap(49_152), stacks),
+            Decoding(_soap(32_768), stacks),
             Layering(_soap(16_384), coated, seed_offset=2, name="relayering"),
             Sampling(sampling),
         ),
         memory=1 << 28,
-        arch=Architecture(decoder=(60, 60, 60), layerer=(288, 288, 288)),
-    )
-
-
-def small() -> Preset:
-    """A decoder of 2,465 parameters and codes of 18 numbers, for rendering at the least cost.
-
-    Its decoder is too small for measured-like BRDFs, which its data leave out. Clear coats, weights
-    of pairs and a second stage of the layerer made most stacks better and the worst ones worse.
-
-    Command: `urushi train --preset small`
-    Time: 55 minutes on two cores that did other work as well (data 29, joint 18, the others 8).
-    Expected of `urushi eval`: Table 2 stacks of two interfaces E mean 0.9 %, P median 0.7 %; the
-        extended domain E mean 1.4 %, six interfaces 1.6 %.
-    """
-    stacks, coated = (48, 128, 40, 10, 7, 7), (512, 128, 48, 40, 40)
-    joint = Schedule(steps=73_728, warmup=256, learning_rate=0.017, clip=0.3)
-    sampling = Schedule(steps=8_000, warmup=200, learning_rate=0.01, checkpoint_every=4_000)
-    return Preset(
-        name="small",
-        data=whole_domain(measured_like=False),
-        stages=(
-            Joint(joint, stacks),
-            Layering(_soap(12_288), coated, widen_from=(256, 256, 256)),
-            Decoding(_soap(10_240), stacks, weigh_pairs=False),
-            Sampling(sampling),
+        arch=Architecture(
+            latent=24, decoder=(24, 24), layerer=(288, 288, 288), lobes=1, sampler=(16,), lobe=6
         ),
-        pairs=128,
-        memory=1 << 28,
-        arch=Architecture(latent=18, decoder=(32, 32), layerer=(320, 320, 320), activation="silu7"),
     )
 
 
@@ -200,8 +169,7 @@ def smoke() -> Preset:
 
 
 _PRESETS: dict[str, Callable[[], Preset]] = {
-    "base": base,
-    "small": small,
+    "default": default,
     "quick": quick,
     "smoke": smoke,
 }

@@ -85,7 +85,11 @@ def joint_loss(
         coats, features = lowest[rows], batch.features[rows]
         rise = jnp.mean(absorption_penalty(params, arch, bottoms[rows], coats, features))
 
-    import os; C=float(os.environ.get("CY","0.2")); La=float(os.environ.get("LA","0.1")); loss = fit + C * cycle + La * latent + 0.5 * rise
+    import os
+
+    C = float(os.environ.get("CY", "0.2"))
+    La = float(os.environ.get("LA", "0.1"))
+    loss = fit + C * cycle + La * latent + 0.5 * rise
     return loss, {"loss": loss, "fit": fit, "cycle": cycle, "latent": latent, "rise": rise}
 
 
