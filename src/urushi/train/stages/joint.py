@@ -87,8 +87,8 @@ def joint_loss(
 
     import os
 
-    C = float(os.environ.get("CY", "0.2"))
-    La = float(os.environ.get("LA", "0.1"))
+    C = float(os.environ.get("CY", "0.02"))
+    La = float(os.environ.get("LA", "0"))
     loss = fit + C * cycle + La * latent + 0.5 * rise
     return loss, {"loss": loss, "fit": fit, "cycle": cycle, "latent": latent, "rise": rise}
 
