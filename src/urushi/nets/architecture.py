@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass, fields
 import numpy as np
 
 from urushi.errors import ParameterError
-from urushi.nets.features import COAT_INPUTS, COAT_NUMBERS, DIRECTION_FEATURES, PAIR_FEATURES
+from urushi.nets.features import COAT_INPUTS, COAT_NUMBERS, DIRECTION_FEATURES
 from urushi.nets.lobe import LOBE_FEATURES, LOBE_NUMBERS
 from urushi.nets.mlp import POLYNOMIALS
 
@@ -114,9 +114,8 @@ def _positive(value: object) -> bool:
 def layer_sizes(arch: Architecture, part: str) -> tuple[int, ...]:
     """Return the sizes of one network's input, hidden layers and output."""
     rest, lobe = arch.latent - arch.lobe, LOBE_FEATURES if arch.lobe else 0
-    directions = PAIR_FEATURES if lobe else DIRECTION_FEATURES
     inputs = {
-        "decoder": rest - 1 + directions,  # the gain bypasses it
+        "decoder": rest - 1 + DIRECTION_FEATURES,  # the gain bypasses it
         "encoder": arch.probes,
         "layerer": rest + lobe + (COAT_NUMBERS if lobe else COAT_INPUTS),
         "sampler": rest + lobe + 2,

@@ -22,13 +22,6 @@ DIRECTION_TABLE = (
 )
 DIRECTION_FEATURES = len(DIRECTION_TABLE)
 
-#: Index of the medium in which `pair_features` have a half vector: that of common coats.
-INNER_INDEX = 1.5
-
-#: The further features of `pair_features`; a prime marks directions refracted into that medium.
-INNER_TABLE = (("ln(tan^2 theta_h' + 1e-6)", -4.2, 4.4),)
-PAIR_FEATURES = DIRECTION_FEATURES + len(INNER_TABLE)
-
 #: Lower bound of eta - 1 inside ln(eta - 1). As eta goes to 1, the logarithm would leave the range
 #: that the networks were trained on.
 MIN_INDEX_STEP = 0.04
@@ -186,19 +179,3 @@ def coat_inputs(alpha: Any, eta: Any, albedo: Any, sigma_t: Any, g: Any) -> Any:
         *_medium_columns(albedo, sigma_t, g),
     ]
     return _normalised(columns, INTERFACE_TABLE + MEDIUM_TABLE)
-
-
-def pair_features(wi: Any, wo: Any) -> Any:
-    """Return `direction_features` and those of `INNER_TABLE` (..., 9) of wi, wo (..., 3).
-
-    Light that has passed the topmost interface was refracted: its lobes follow the half vector of
-    the refracted directions. The same bits with wi and wo exchanged.
-    """
-    xp = wi.__array_namespace__()
-    x, y = wi[..., 0] + wo[..., 0], wi[..., 1] + wo[..., 1]
-    inverse = 1.0 / (INNER_INDEX * INNER_INDEX)
-    z = xp.sqrt(1.0 - inverse + inverse * xp.square(wi[..., 2])) + xp.sqrt(
-        1.0 - inverse + inverse * xp.square(wo[..., 2])
-    )
-    inner = _normalised([xp.log(inverse * (x * x + y * y) / (z * z) + 1e-6)], INNER_TABLE)
-    return xp.concat([direction_features(wi, wo), inner], axis=-1)

@@ -10,7 +10,7 @@ from urushi.geometry.probe_pairs import probe_pairs
 from urushi.nets import decoder, derivatives, encoder, layerer, sampler
 from urushi.nets import lobe as lobes
 from urushi.nets.architecture import Architecture
-from urushi.nets.features import PAIR_FEATURES, direction_features, pair_features
+from urushi.nets.features import DIRECTION_FEATURES, direction_features
 from urushi.nets.lobe import scaled_lobe
 from urushi.nets.mlp import Params
 
@@ -105,7 +105,7 @@ class UrushiNetworks(NamedTuple):
         if not self.arch.lobe:
             return direction_features(wi, wo)
         xp = wi.__array_namespace__()
-        return xp.concat([pair_features(wi, wo), *xp.broadcast_arrays(wi, wo)], axis=-1)
+        return xp.concat([direction_features(wi, wo), *xp.broadcast_arrays(wi, wo)], axis=-1)
 
     def scaled(self, z: Any, factor: Any) -> Any:
         """Codes of `factor` (...) > 0 times the BRDFs, exact for all directions."""
@@ -120,7 +120,7 @@ class UrushiNetworks(NamedTuple):
         lobe = self.arch.lobe
         if not lobe:
             return decoder.decode(self.params, self.arch, z, inputs)
-        features, wi, wo = np.split(inputs, (PAIR_FEATURES, PAIR_FEATURES + 3), axis=-1)
+        features, wi, wo = np.split(inputs, (DIRECTION_FEATURES, DIRECTION_FEATURES + 3), axis=-1)
         rest = decoder.decode(self.params, self.arch, z[..., lobe:], features)
         return lobes.f(z[..., :lobe], wi, wo) + rest
 

@@ -17,7 +17,7 @@ from urushi.errors import ParameterError
 from urushi.geometry.probe_pairs import PROBES, probe_pairs
 from urushi.nets import lobe as lobes
 from urushi.nets.architecture import Architecture
-from urushi.nets.features import PAIR_FEATURES, pair_features
+from urushi.nets.features import DIRECTION_FEATURES, direction_features
 from urushi.train.bottoms import BARE_LOBES, bottom_lobes, bottom_rest
 from urushi.train.order import Order, Window
 
@@ -33,7 +33,7 @@ class Batch(NamedTuple):
         probes: (B, probes) the bottoms' values [1/sr] at the probe pairs, without their lobes.
         coats: (B_k, 5) `checks.CoatParameters` of each coat, the lowest first, for the B_k stacks
             that have this coat, which are the first ones of the batch.
-        features: (B, P, 9) of the direction pairs.
+        features: (B, P, 8) of the direction pairs.
         top: (B, P) the part of f [1/sr] that the stacks' own lobes reflect.
         f: (B, P) simulated values [1/sr].
     """
@@ -55,7 +55,7 @@ class Examples:
         probes: (S, probes).
         coats: (S, N, 5) `checks.CoatParameters`, top to bottom.
         stack: (I,) the stack of each item; the items of a stack lie side by side.
-        features: (I, P, 9).
+        features: (I, P, 8).
         top: (I, P).
         f: (I, P).
     """
@@ -129,7 +129,7 @@ class Depth:
     def _read(self, window: Window) -> Examples:
         """Read shard after shard into arrays that have room for all."""
         items = sum(self._items(*self._shards[k]) for k in window)
-        features = np.empty((items, self._pairs, PAIR_FEATURES), np.float32)
+        features = np.empty((items, self._pairs, DIRECTION_FEATURES), np.float32)
         f, top = (np.empty((items, self._pairs), np.float32) for _ in range(2))
         encoded, probes, coats, stack, first, stacks = [], [], [], [], 0, 0
         for index, shard in (self._shards[k] for k in window):
@@ -138,7 +138,9 @@ class Depth:
             place = slice(first, first + self._items(index, shard))
             used, values = trained_pairs(part), arrays["f"]
             wi, wo = arrays["wi"][:, used], arrays["wo"][:, used]
-            features[place] = pair_features(wi, wo).reshape(-1, self._pairs, PAIR_FEATURES)
+            features[place] = direction_features(wi, wo).reshape(
+                -1, self._pairs, DIRECTION_FEATURES
+            )
             f[place] = values[:, used].reshape(-1, self._pairs)
             topmost = top_lobes(part, arrays, self._arch)
             top[place] = lobes.f(topmost[:, None], wi, wo).reshape(-1, self._pairs)

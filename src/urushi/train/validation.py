@@ -11,7 +11,7 @@ from urushi.nets import lobe as lobes
 from urushi.nets.architecture import Architecture
 from urushi.nets.decoder import decode
 from urushi.nets.encoder import encode
-from urushi.nets.features import pair_features
+from urushi.nets.features import direction_features
 from urushi.nets.layerer import layer
 from urushi.nets.mlp import Params
 from urushi.train.examples import METRICS, coats_to_layer, encoder_inputs, top_lobes
@@ -47,7 +47,7 @@ def load(store: Store, arch: Architecture) -> list[Check]:
                 lobes=own,
                 probes=rest,
                 coats=coats_to_layer(part, arrays),
-                features=pair_features(wi, wo),
+                features=direction_features(wi, wo),
                 top=lobes.f(top_lobes(part, arrays, arch)[:, None], wi, wo),
                 f=arrays["f"],
                 cos_i=wi[..., 2],

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 
 from urushi.geometry.probe_pairs import probe_pairs
 from urushi.nets.architecture import FIXED, Architecture
-from urushi.nets.features import pair_features
+from urushi.nets.features import direction_features
 from urushi.nets.layerer import layer
 from urushi.nets.mlp import Params
 from urushi.train import devices
@@ -46,7 +46,7 @@ class Joint(Stage):
 
     def learn(self, params: Params, arch: Architecture, depths: list[Depth], seed: int) -> Learner:
         """Steps of `joint_loss` on all simulated stacks."""
-        features = jnp.asarray(pair_features(*probe_pairs(arch.probes)))
+        features = jnp.asarray(direction_features(*probe_pairs(arch.probes)))
         fixed = {name: params[name] for name in FIXED}
 
         def loss(trained: Params, batch: Any) -> tuple[jax.Array, dict[str, jax.Array]]:
@@ -107,7 +107,7 @@ def absorption_penalty(
         params, arch: the networks.
         z_bottom: (B, 32) codes of bottoms.
         coats: (B, 5) in the order of `checks.CoatParameters`.
-        features: (B, P, 9) of direction pairs.
+        features: (B, P, 8) of direction pairs.
     """
 
     def log_f(coats: Any) -> jax.Array:

@@ -14,7 +14,7 @@ from tqdm import tqdm
 from urushi.geometry.probe_pairs import probe_pairs
 from urushi.nets.architecture import Architecture
 from urushi.nets.derivatives import decode_log
-from urushi.nets.features import pair_features
+from urushi.nets.features import direction_features
 from urushi.nets.mlp import Params
 from urushi.train.examples import Examples
 from urushi.train.losses import compose, encoded, error_scale, huber, stack_weights, without_lobe
@@ -54,7 +54,7 @@ def quadratic_expansion(
 ) -> tuple[jax.Array, jax.Array]:
     """Slope (B, L) and curvature (B, L, L) of the summands of `losses.stack_loss` at z (B, L).
 
-    z without the lobe's numbers; features (B, P, 9), top and f (B, P) as in `Examples`. The
+    z without the lobe's numbers; features (B, P, 8), top and f (B, P) as in `Examples`. The
     curvature is that of Gauss and Newton, as if f were linear in the code. The weights of the
     errors are constant.
     """
@@ -74,7 +74,7 @@ def measure_quadratic_losses(
     params: Params, arch: Architecture, examples: Examples
 ) -> QuadraticLosses:
     """The quadratic losses of all stacks of one depth, at least one coat, from all their pairs."""
-    at_probes = jnp.asarray(pair_features(*probe_pairs(arch.probes)))
+    at_probes = jnp.asarray(direction_features(*probe_pairs(arch.probes)))
 
     @jax.jit
     def codes(

@@ -12,7 +12,7 @@ import numpy as np
 from urushi.nets import lobe as lobes
 from urushi.nets import sampler
 from urushi.nets.architecture import Architecture
-from urushi.nets.features import pair_features
+from urushi.nets.features import direction_features
 from urushi.nets.mlp import Params
 from urushi.nets.sampler import mixture as propose
 from urushi.train.examples import Depth
@@ -160,7 +160,7 @@ def incoming_directions(u: jax.Array) -> jax.Array:
 def mean_f_cos(params: Params, arch: Architecture, z: Any, wi: Any, wo: Any) -> jax.Array:
     """Mean f cos_o (N, M) over the channels of z (N, CHANNELS, 32), for wi, wo (N, M, 3)."""
     wi = jnp.broadcast_to(wi, wo.shape)
-    features = jnp.repeat(pair_features(wi, wo), z.shape[1], axis=0)
+    features = jnp.repeat(direction_features(wi, wo), z.shape[1], axis=0)
     rest = without_lobe(params, arch, z.reshape(-1, z.shape[-1]), features)
     top = lobes.f(z[:, :, None, : arch.lobe], wi[:, None], wo[:, None])
     return jnp.mean(top + rest.reshape(top.shape), axis=1) * wo[..., 2]
