@@ -123,7 +123,7 @@ def apply_coats(params: Params, arch: Architecture, z: Any, coats: tuple[Any, ..
 
 
 def without_lobe(params: Params, arch: Architecture, z: Any, features: Any) -> jax.Array:
-    """What the decoder gives (B, P) [1/sr] for codes z (B, L) and `direction_features` (B, P, 8)."""
+    """What the decoder gives (B, P) [1/sr] for codes z (B, L) and features (B, P, 8) of pairs."""
     return decode(params, arch, z[:, None, arch.lobe :], features)
 
 
