@@ -6,6 +6,7 @@ import pytest
 from urushi.errors import ParameterError
 from urushi.geometry.probe_pairs import probe_pairs
 from urushi.material import encode as package_encode
+from urushi.material.batch import encode_all
 from urushi.material.encode import as_source, encode
 from urushi.material.symmetry import Source
 from urushi.nets.weights import SHIPPED
@@ -51,6 +52,23 @@ def test_objects_with_f_and_materials(material, model, other_model):
     assert encode(material, model) is material
     assert encode(Brdf(), model) == encode(material.f, model)
     assert encode(material, other_model).model is other_model
+
+
+@pytest.mark.parametrize(
+    ("source", "where"),
+    [
+        (dielectric(0.1, 0.7), "the dielectric's eta"),
+        (coat(diffuse(0.5), 0.1, 0.7), "the topmost coat's eta"),
+    ],
+)
+def test_networks_trained_above_one_refuse_surfaces_below(source, where, model):
+    sentence = f"{where} is 0.7, and the weights .* use the random walk"
+    with pytest.raises(ParameterError, match=sentence):
+        encode(source, model)
+    ((_, error),) = encode_all([source], weights=model)
+    assert where in str(error)
+    inside = coat(coat(diffuse(0.5), 0.1, 0.94), 0.1, 1.6)
+    assert encode(inside, model).channels == 3
 
 
 def test_other_types_of_sources_can_be_registered(model):

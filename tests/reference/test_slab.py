@@ -77,7 +77,7 @@ def pairs_off_the_mirror() -> tuple[np.ndarray, np.ndarray]:
     return wi, wo
 
 
-@pytest.mark.parametrize("eta", [0.95, 1.5])
+@pytest.mark.parametrize("eta", [0.95, 0.999, 1.001, 1.5])
 def test_walk_over_a_lambertian_reaches_the_smooth_limit(eta: float) -> None:
     wi, wo = pairs_off_the_mirror()
     stack = coat(diffuse(REFLECTANCE), 0.01, eta, albedo=0.0, sigma_t=SIGMA_T)

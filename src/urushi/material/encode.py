@@ -13,6 +13,7 @@ import numpy as np
 from urushi.errors import ParameterError, UrushiWarning
 from urushi.geometry.error_metrics import DARK_OFFSET
 from urushi.material import energy
+from urushi.material.coverage import check_source
 from urushi.material.energy import limit_albedo
 from urushi.material.fit import correct_codes, refine_codes
 from urushi.material.material import Material
@@ -65,7 +66,8 @@ def encode(source: Any, weights: Weights | None = None, *, refine: bool | None =
 
     Raises:
         ParameterError: the source is none of these, or its values have a wrong shape, are negative
-            or not finite; or it is a BSDF that reflects nothing but mirror images, or nothing.
+            or not finite; or it is a BSDF that reflects nothing but mirror images, or nothing; or
+            the networks do not cover the index of refraction of its surface.
         FileError: the shipped networks are missing.
 
     Warns:
@@ -91,6 +93,7 @@ def encode_source(
     Returns:
         The material, and the source's deviations.
     """
+    check_source(model, source)
     found = evaluate_source(source, *required_pairs(source, model), name)
     return encode_values(found, model, refine=refine), found.deviations
 

@@ -8,6 +8,7 @@ import numpy.typing as npt
 from urushi import checks
 from urushi.checks import CoatParameters
 from urushi.errors import ParameterError
+from urushi.material.coverage import check_eta
 from urushi.material.encode import encode
 from urushi.material.energy import limit_coated_albedo
 from urushi.material.material import Material
@@ -98,7 +99,7 @@ def layer_texels(
     """
     coat = CoatParameters(alpha, eta, albedo, sigma_t, g)
     coat = checks.coat(coat, "the coat's", any_shape=True)
-    _check_index(model, coat.eta)
+    check_eta(model, coat.eta, "the coat's eta")
     z = np.asarray(z_bottom, np.float32)
     try:
         shape = np.broadcast_shapes(z.shape[:-1], *(p.shape for p in coat))
@@ -117,16 +118,6 @@ def layer_texels(
         *(_with_leading_axes(p.astype(np.float32), len(rows)) for p in coat),
     )
     return limit_coated_albedo(model, coated.reshape(*shape, z.shape[-1]), z)
-
-
-def _check_index(model: Model, eta: np.ndarray) -> None:
-    """Check that the networks cover the indices: those trained above 1 do not extend below it."""
-    least = getattr(model.networks, "least_eta", 1.0)
-    if (eta < least).any():
-        raise ParameterError(
-            f"the coat's eta is {eta.min():g}, and the weights {model.fingerprint} cover indices "
-            f"above {least:g} only; use the random walk for it (`simulate`, plugin 'layered')"
-        )
 
 
 def _with_leading_axes(array: np.ndarray, dimensions: int) -> np.ndarray:

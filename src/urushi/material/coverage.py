@@ -1,0 +1,35 @@
+"""The indices of refraction that networks were trained on. The random walk takes all of them."""
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from urushi.errors import ParameterError
+from urushi.nets.weights import Model
+from urushi.reference.stack import Dielectric, Stack
+
+
+def check_eta(model: Model, eta: npt.ArrayLike, where: str) -> None:
+    """Check that the networks cover relative indices of refraction (any shape).
+
+    Networks with an attribute `least_eta` cover indices from it on, others those above 1. `where`
+    begins the error.
+
+    Raises:
+        ParameterError: an index is lower.
+    """
+    least, lowest = getattr(model.networks, "least_eta", 1.0), np.min(eta)
+    if lowest < least:
+        raise ParameterError(
+            f"{where} is {lowest:g}, and the weights {model.fingerprint} cover indices above "
+            f"{least:g} only; use the random walk for it (`simulate`, plugin 'layered')"
+        )
+
+
+def check_source(model: Model, source: Any) -> None:
+    """Check the surface of a source of `encode`, if it is a described dielectric or a Stack."""
+    if isinstance(source, Dielectric):
+        check_eta(model, source.eta, "the dielectric's eta")
+    elif isinstance(source, Stack):
+        check_eta(model, source.coats[0].eta, "the topmost coat's eta")
