@@ -75,6 +75,11 @@ class UrushiNetworks(NamedTuple):
     params: Params
     arch: Architecture
 
+    @property
+    def least_eta(self) -> float:
+        """Least index of refraction of an interface that the networks were trained on."""
+        return 0.5 if self.arch.lobe else 1.0
+
     def pairs(self) -> tuple[np.ndarray, np.ndarray]:
         """The probe pairs wi, wo: float32 (P, 3)."""
         return probe_pairs(self.arch.probes)
