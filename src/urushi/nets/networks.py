@@ -12,6 +12,7 @@ from urushi.nets import lobe as lobes
 from urushi.nets.architecture import Architecture
 from urushi.nets.features import DIRECTION_FEATURES, direction_features
 from urushi.nets.lobe import scaled_lobe
+from urushi.nets.lobe_fit import fit_lobes
 from urushi.nets.mlp import Params
 
 
@@ -92,7 +93,7 @@ class UrushiNetworks(NamedTuple):
         """
         if not self.arch.lobe:
             return encoder.encode(self.params, self.arch, f)
-        lobe = np.float32(lobes.NO_LOBE) if lobe is None else lobe
+        lobe = fit_lobes(f) if lobe is None else lobe
         rest = np.maximum(f - lobes.f(lobe[..., None, :], *self.pairs()), 0.0)
         codes = encoder.encode(self.params, self.arch, rest)
         return np.concatenate([np.broadcast_to(lobe, (*codes.shape[:-1], 6)), codes], axis=-1)
