@@ -5,7 +5,7 @@ import pytest
 
 from urushi import paper
 from urushi.material import Material
-from urushi.nets.architecture import Architecture, init
+from urushi.nets.architecture import SCALE, Architecture, init
 from urushi.nets.weights import Model, default_model
 
 paper.register()  # some tests use its networks, which have no gain and no derivatives
@@ -34,6 +34,29 @@ def other_model() -> Model:
 @pytest.fixture(scope="session")
 def material(model) -> Material:
     return Material(RGB, model)
+
+
+def make_lobed(seed: int) -> Model:
+    arch = Architecture(
+        latent=24, decoder=(24, 24), layerer=(64,), encoder=(64,), sampler=(16,), lobes=1, lobe=6
+    )
+    params = init(arch, seed)
+    rng = np.random.default_rng(seed)
+    params[SCALE] = rng.normal(size=params[SCALE].shape).astype(np.float32) * 0.2
+    params["decoder.2.weight"] = params["decoder.2.weight"] * 3
+    params["decoder.2.bias"] = params["decoder.2.bias"] - 3
+    return Model.of(arch, params, {})
+
+
+@pytest.fixture(scope="session")
+def lobed() -> Model:
+    """Untrained networks whose codes have an analytic lobe."""
+    return make_lobed(3)
+
+
+@pytest.fixture(scope="session")
+def other_lobed() -> Model:
+    return make_lobed(4)
 
 
 @pytest.fixture(scope="session")

@@ -3,13 +3,21 @@
 import numpy as np
 
 from urushi.checks import CoatParameters
+from urushi.data.distribution import BOTTOM_PARAMETERS
 from urushi.eval import samples as sampling
 from urushi.eval.samples import Samples
 from urushi.geometry.probe_pairs import PROBES, probe_pairs
 from urushi.material import Material
-from urushi.material.encode import STACK_WALKS, material_from_values, required_pairs
+from urushi.material.encode import (
+    STACK_WALKS,
+    material_from_values,
+    material_of_lobes,
+    required_pairs,
+)
 from urushi.material.layer import layer_texels
-from urushi.nets.weights import Model
+from urushi.nets.lobe import of_coat
+from urushi.nets.weights import Model, has_lobes
+from urushi.train.bottoms import BARE_LOBES, bottom_lobes
 
 #: Seed of the walks for networks whose probe pairs differ from the stored ones.
 _PROBE_SEED = 1
@@ -33,8 +41,12 @@ def materials(
     # Without coats the values are exact and cheap, so the bottoms' albedo is computed as well.
     pairs = model.networks.pairs() if encoded else required_pairs(None, model)
     values = _lower_values(samples, encoded, *pairs)
-    material = material_from_values(values.T, model, refine=refined)
     table = samples.table
+    if encoded == 0 and table.kind in BARE_LOBES and has_lobes(model):
+        material = material_of_lobes(_lobes(samples, encoded), len(values), model)
+    else:
+        lobe = _lobes(samples, encoded) if encoded or table.kind == "diffuse" else None
+        material = material_from_values(values.T, model, refine=refined, lobe=lobe)
     if table.coats == encoded:
         return split(material)
     latents = material.anchors
@@ -44,6 +56,16 @@ def materials(
         coat["alpha"] = np.maximum(coat["alpha"].astype(np.float64), 0.01)
         latents = layer_texels(model, latents, **coat)
     return split(Material(latents, model))
+
+
+def _lobes(samples: Samples, encoded: int) -> np.ndarray:
+    """The known lobes (S, 6) of what is encoded: of the topmost coat or of the bottom."""
+    table = samples.table
+    if encoded:
+        return of_coat(table.alpha[:, -encoded], table.eta[:, -encoded])
+    names = BOTTOM_PARAMETERS[table.kind]
+    bottom = np.stack([table.bottom[name] for name in names], axis=-1)
+    return bottom_lobes(table.kind, bottom, PROBES)
 
 
 def split(material: Material) -> list[Material]:

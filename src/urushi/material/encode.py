@@ -1,7 +1,9 @@
 """Encoding: from any BRDF that can be evaluated at the probe pairs to a material.
 
-One pass of the encoder, followed by two steps of correction or by a refinement of many steps
-(`urushi.material.fit`).
+The topmost interface of a description, and a surface that is nothing else, are known exactly and
+become the lobe of the code (`urushi.nets.lobe`). The lobes of other sources are fitted to their
+values. For the rest of the BRDF, one pass of the encoder is followed by two steps of correction or
+by a refinement of many steps (`urushi.material.fit`).
 """
 
 import functools
@@ -9,6 +11,7 @@ import warnings
 from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from urushi.errors import ParameterError, UrushiWarning
 from urushi.geometry.error_metrics import DARK_OFFSET
@@ -16,13 +19,16 @@ from urushi.material import energy
 from urushi.material.coverage import check_source
 from urushi.material.energy import limit_albedo
 from urushi.material.fit import correct_codes, refine_codes
+from urushi.material.lobe_albedo import lobe_albedos
 from urushi.material.material import Material
 from urushi.material.symmetry import Deviations, Source, symmetrise
 from urushi.measured import Merl, Rgl
+from urushi.nets import lobe as lobes
+from urushi.nets.lobe_fit import fit_lobes
 from urushi.nets.networks import UrushiNetworks
-from urushi.nets.weights import Model, Weights, find
+from urushi.nets.weights import Model, Weights, find, has_lobes
 from urushi.parallel import fill_blocks
-from urushi.reference.stack import Conductor, Dielectric, Diffuse, Stack
+from urushi.reference.stack import Coat, Conductor, Dielectric, Diffuse, Stack
 
 #: Random walks per probe and channel for a Stack: about 0.5 % noise where f is not tiny.
 STACK_WALKS = 16384
@@ -41,11 +47,14 @@ class SourceValues(NamedTuple):
         values: float32 (N, C) [1/sr], made isotropic and reciprocal.
         deviations: of the source from what a material can represent.
         measured: whether the source is a measured BRDF.
+        lobe, bare: as in `Source`.
     """
 
     values: np.ndarray
     deviations: Deviations
     measured: bool
+    lobe: np.ndarray | None = None
+    bare: bool = False
 
 
 def encode(source: Any, weights: Weights | None = None, *, refine: bool | None = None) -> Material:
@@ -101,7 +110,20 @@ def encode_source(
 def encode_values(found: SourceValues, model: Model, *, refine: bool | None = None) -> Material:
     """The material of a source's values at `required_pairs`; refine: as of `encode`."""
     refine = True if refine is None and found.measured else refine
-    return material_from_values(found.values, model, refine=refine)
+    if found.bare and found.lobe is not None and has_lobes(model):
+        return material_of_lobes(found.lobe, found.values.shape[1], model)
+    return material_from_values(found.values, model, refine=refine, lobe=found.lobe)
+
+
+def material_of_lobes(lobe: np.ndarray, channels: int, model: Model) -> Material:
+    """The material of surfaces that are their lobes (6,) or (C, 6) alone.
+
+    The anchor is what the encoder makes of them.
+    """
+    values = np.zeros((channels, len(model.networks.pairs()[0])), np.float32)
+    anchors = encoder_codes(model, values, lobe)
+    assert isinstance(model.networks, UrushiNetworks)  # for the type checker
+    return Material(model.networks.without_rest(anchors), model, anchors)
 
 
 def required_pairs(source: Any, model: Model) -> tuple[np.ndarray, np.ndarray]:
@@ -132,33 +154,44 @@ def evaluate_source(
     values, deviations = symmetrise(
         opened, wi, wo, lambda values, count: _checked(values, name, count)
     )
-    return SourceValues(values, deviations, opened.measured)
+    return SourceValues(values, deviations, opened.measured, opened.lobe, opened.bare)
 
 
 def material_from_values(
-    values: np.ndarray, model: Model, *, refine: bool | None = False
+    values: np.ndarray,
+    model: Model,
+    *,
+    refine: bool | None = False,
+    lobe: np.ndarray | None = None,
 ) -> Material:
     """The material of values (N, C) at `required_pairs`, or at `model.networks.pairs()` alone.
 
     Its directional albedo is at most that of the values, or at most 1 if the values at the nodes
     are missing (see `urushi.material.energy`).
 
-    refine: whether to refine the codes; None: if the residual of one exceeds `UNUSUAL_RESIDUAL`.
+    Args:
+        values: (N, C) [1/sr].
+        model: the networks.
+        refine: whether to refine the codes; None: if the residual of one exceeds
+            `UNUSUAL_RESIDUAL`.
+        lobe: (6,) or (C, 6) the channels' lobes; None: they are fitted to the values, for networks
+            with lobes.
     """
     pairs = len(model.networks.pairs()[0])
     probed, at_nodes = values[:pairs].T, values[pairs:].T
     nodes = at_nodes if at_nodes.size else None
+    lobe = _lobes_of_channels(model, probed, lobe)
     source_albedo, ceiling = np.ones((len(probed), 1)), np.full((len(probed), 1), 1 - energy.MARGIN)
     if nodes is not None:
-        source_albedo = energy.albedo_rule().albedo(at_nodes)
+        source_albedo = _source_albedos(nodes, lobe)
         ceiling = energy.albedo_ceiling(source_albedo)
     if not refine:
-        anchors = encoder_codes(model, probed)
+        anchors = encoder_codes(model, probed, lobe)
         codes, excess = correct_codes(model.networks, anchors, probed)
         if refine is None:
             refine = bool((residual(model, codes, probed) > UNUSUAL_RESIDUAL).any())
     if refine:
-        both = np.stack(refine_codes(model.networks, probed, nodes))
+        both = np.stack(refine_codes(model.networks, probed, nodes, lobe))
         codes, anchors = energy.limit_albedo(model, both, ceiling)
         return Material(codes, model, anchors)
     # Anchors are never rendered. They are limited only where they would bring light into a coat.
@@ -166,6 +199,27 @@ def material_from_values(
     if bright.any():
         anchors[bright] = energy.limit_albedo(model, anchors[bright], ceiling[bright])
     return Material(energy.limit_albedo(model, codes, ceiling), model, anchors)
+
+
+def _lobes_of_channels(model: Model, f: np.ndarray, lobe: np.ndarray | None) -> np.ndarray | None:
+    """The lobes float32 (C, 6) of values f (C, P) at the probe pairs; None for networks without."""
+    if not has_lobes(model):
+        return None
+    if lobe is None:
+        return fit_lobes(f)
+    return np.broadcast_to(np.asarray(lobe, np.float32), (len(f), lobe.shape[-1]))
+
+
+def _source_albedos(f: np.ndarray, lobe: np.ndarray | None) -> np.ndarray:
+    """Directional albedos (C, D) of values f (C, M) at the albedo nodes.
+
+    The nodes are too few for the sharpest lobes (6,), whose part is known without them.
+    """
+    rule = energy.albedo_rule()
+    if lobe is None:
+        return rule.albedo(f)
+    rest = np.maximum(f - lobes.f(lobe[:, None], rule.wi, rule.wo), 0.0)
+    return rule.albedo(rest) + lobe_albedos(lobe, rule.cosines)
 
 
 def residual(model: Model, z: np.ndarray, f: np.ndarray) -> np.ndarray:
@@ -206,7 +260,8 @@ def _(source: Source) -> Source:
 
 @as_source.register
 def _(source: Material) -> Source:
-    return Source(source.f, symmetric=True)
+    lobe = source.latents[:, : source.model.arch.lobe] if has_lobes(source.model) else None
+    return Source(source.f, symmetric=True, lobe=lobe)
 
 
 @as_source.register
@@ -225,7 +280,12 @@ def _(source: Rgl) -> Source:
 def _(source: Conductor | Dielectric | Diffuse) -> Source:
     from urushi.reference import analytic  # lazily: it starts Dr.Jit
 
-    return Source(lambda wi, wo: analytic.f(source, wi, wo), symmetric=True)
+    return Source(
+        lambda wi, wo: analytic.f(source, wi, wo),
+        symmetric=True,
+        lobe=lobe_of_surface(source),
+        bare=not isinstance(source, Diffuse),
+    )
 
 
 @as_source.register
@@ -233,8 +293,32 @@ def _(source: Stack) -> Source:
     from urushi.reference.simulate import simulate
 
     return Source(
-        lambda wi, wo: simulate(source, wi, wo, walks=STACK_WALKS, seed=0)[0], symmetric=True
+        lambda wi, wo: simulate(source, wi, wo, walks=STACK_WALKS, seed=0)[0],
+        symmetric=True,
+        lobe=lobe_of_coat(source.coats[0]),
     )
+
+
+def lobe_of_surface(source: Conductor | Dielectric | Diffuse) -> np.ndarray:
+    """The lobe float32 (6,) or (3, 6) of a surface."""
+    if isinstance(source, Diffuse):
+        return np.array(lobes.NO_LOBE, np.float32)
+    if isinstance(source, Dielectric):
+        return _lobe(source.alpha, 0.0, 0.0, 1.0, source.eta, 0.0)
+    if source.eta is not None and source.k is not None:
+        return _lobe(source.alpha, 0.0, 0.0, 1.0, source.eta, source.k)
+    assert source.r0 is not None
+    return _lobe(source.alpha, source.r0, 1.0, 0.0, lobes.NO_LOBE[4], 0.0)
+
+
+def lobe_of_coat(coat: Coat) -> np.ndarray:
+    """The lobe float32 (6,) or (3, 6) of a coat's interface."""
+    return _lobe(coat.alpha, 0.0, 0.0, 1.0, coat.eta, 0.0)
+
+
+def _lobe(*numbers: npt.ArrayLike) -> np.ndarray:
+    """The lobe float32 (..., 6) of six numbers that broadcast."""
+    return np.stack(np.broadcast_arrays(*numbers), axis=-1).astype(np.float32)
 
 
 def source_name(source: Any) -> str:
@@ -269,8 +353,11 @@ def limited_codes(model: Model, f: np.ndarray) -> np.ndarray:
     return limit_albedo(model, encoder_codes(model, f))
 
 
-def encoder_codes(model: Model, f: np.ndarray) -> np.ndarray:
-    """Codes float32 (..., 32) that the encoder makes of f (..., P) [1/sr] at its pairs.
+def encoder_codes(model: Model, f: np.ndarray, lobe: np.ndarray | None = None) -> np.ndarray:
+    """Codes float32 (..., L) that the encoder makes of f (..., P) [1/sr] at its pairs.
+
+    lobe: (6,) or (..., 6) the lobes of f; None: they are fitted to the values, for networks with
+        lobes.
 
     Raises:
         ParameterError: P is not the number of these pairs.
@@ -280,5 +367,9 @@ def encoder_codes(model: Model, f: np.ndarray) -> np.ndarray:
     if not values.ndim or values.shape[-1] != pairs:
         raise ParameterError(f"f has shape {values.shape}; these networks need (..., {pairs})")
     codes = np.empty((*values.shape[:-1], model.arch.latent), np.float32)
-    fill_blocks(codes, model.networks.encode, values)
+    if lobe is None or not has_lobes(model):
+        fill_blocks(codes, model.networks.encode, values)
+    else:
+        lobe = np.broadcast_to(lobe, (*values.shape[:-1], lobe.shape[-1]))
+        fill_blocks(codes, model.networks.encode, values, lobe)
     return codes

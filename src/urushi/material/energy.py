@@ -1,7 +1,8 @@
 """Conservation of energy: codes whose directional albedo is too high are scaled down.
 
-One factor for all pairs of directions leaves f exactly reciprocal. Codes of networks without a gain
-are not changed.
+A code's lobe (`urushi.nets.lobe`) reflects at most the light that arrives, and is exact. So only
+the rest is scaled, to what the lobe leaves of the ceiling. One factor for all pairs of directions
+leaves f exactly reciprocal. Codes of networks without a gain are not changed.
 
 To measure one code costs some hundred evaluations of the decoder, and a texture has millions of
 codes. They lie close together, so a regression on a thousand of them predicts the albedo of the
@@ -16,8 +17,8 @@ from typing import NamedTuple
 import numpy as np
 
 from urushi.material import regression
+from urushi.material.lobe_albedo import lobe_albedos
 from urushi.material.regression import CodeFeatures
-from urushi.nets.decoder import scaled
 from urushi.nets.features import direction_features
 from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
@@ -44,6 +45,10 @@ INTERPOLATED_COSINES = 41
 
 #: Least albedo in a division.
 LEAST_ALBEDO = 1e-6
+
+#: Albedo that the rest may always have: it is not scaled down for a lobe that reflects nearly all
+#: light at one angle, as in total reflection.
+LEAST_REST = 0.005
 
 #: A code with a factor below `TINY_FACTOR` is measured again, at most `TINY_FACTOR_ROUNDS` times:
 #: down to exp(-80).
@@ -113,13 +118,24 @@ def _lagrange(nodes: np.ndarray, x: np.ndarray) -> np.ndarray:
 
 
 def directional_albedos(model: Model, z: np.ndarray) -> np.ndarray:
-    """Directional albedos (N, D) of codes (N, 32) at the cosines of `albedo_rule`."""
-    nodes, networks = albedo_rule(), model.networks
-    assert isinstance(networks, UrushiNetworks)  # for the type checker
+    """Directional albedos (N, D) of codes (N, L) at the cosines of `albedo_rule`."""
+    return rest_albedos(model, z) + top_albedos(model, z)
+
+
+def top_albedos(model: Model, z: np.ndarray) -> np.ndarray:
+    """The part (..., D) of `directional_albedos` of the codes' lobes; 0 for networks without."""
+    if not model.arch.lobe:
+        return np.zeros((*z.shape[:-1], 1), np.float32)
+    return lobe_albedos(z[..., : model.arch.lobe], albedo_rule().cosines)
+
+
+def rest_albedos(model: Model, z: np.ndarray) -> np.ndarray:
+    """The other part (N, D) of `directional_albedos`."""
+    nodes, networks = albedo_rule(), _own_networks(model)
 
     def measure(codes: np.ndarray) -> np.ndarray:
         # One by one, so that the activations stay in a core's cache.
-        return np.stack([nodes.albedo(networks.decode(code, nodes.features)) for code in codes])
+        return np.stack([nodes.albedo(networks.rest(code, nodes.features)) for code in codes])
 
     if not len(z):
         return np.zeros((0, INTERPOLATED_COSINES), np.float32)
@@ -153,18 +169,18 @@ def limit_albedo(
 
     Args:
         model: the networks.
-        z: float32 (..., 32).
+        z: float32 (..., L).
         ceiling: a number, or an array that broadcasts to (..., D), at the cosines of `albedo_rule`.
 
     Returns:
-        float32 (..., 32); the same bits where a code is not above its ceiling, and for networks
+        float32 (..., L); the same bits where a code is not above its ceiling, and for networks
         whose codes have no gain.
     """
     return _scaled(model, z, _limiting_factors(model, z, ceiling))
 
 
 def limit_coated_albedo(model: Model, z: np.ndarray, z_bottom: np.ndarray) -> np.ndarray:
-    """`limit_albedo` for codes (..., 32) of coats over bottoms z_bottom (broadcast to the same).
+    """`limit_albedo` for codes (..., L) of coats over bottoms z_bottom (broadcast to the same).
 
     The ceiling is 1, or the albedo of the bottom if it gains energy.
     """
@@ -172,24 +188,30 @@ def limit_coated_albedo(model: Model, z: np.ndarray, z_bottom: np.ndarray) -> np
     over = factors < 1
     if over.any():
         if z_bottom.size > z[over].size:
-            z_bottom = np.broadcast_to(z_bottom, z.shape)[over]
-            factors[over] = _relaxed_factors(model, factors[over], z_bottom)
+            ceilings = _ceilings_over(model, np.broadcast_to(z_bottom, z.shape)[over])
         else:
-            factors = _relaxed_factors(model, factors, z_bottom)
+            ceilings = np.broadcast_to(_ceilings_over(model, z_bottom), z.shape[:-1])[over]
+        gaining = ceilings > 1
+        if gaining.any():
+            raised = factors[over]
+            raised[gaining] = _limiting_factors(model, z[over][gaining], ceilings[gaining, None])
+            factors[over] = raised
     return _scaled(model, z, factors)
 
 
-def _relaxed_factors(model: Model, factors: np.ndarray, z_bottom: np.ndarray) -> np.ndarray:
-    """Factors (...) for the ceilings of the bottoms z_bottom, from those for the ceiling 1."""
-    gaining = _limiting_factors(model, z_bottom, 1 + TOLERANCE)
-    top = np.where(gaining < 1, (1 + TOLERANCE) / gaining, 1 - MARGIN)
-    return np.minimum(factors * (top / (1 - MARGIN)), 1).astype(np.float32)
+def _ceilings_over(model: Model, z_bottom: np.ndarray) -> np.ndarray:
+    """Ceilings (...) of coats over bottoms (..., L)."""
+    ceilings = np.full(z_bottom.shape[:-1], 1 - MARGIN)
+    gaining = _limiting_factors(model, z_bottom, 1 + TOLERANCE) < 1
+    if gaining.any():
+        ceilings[gaining] = directional_albedos(model, z_bottom[gaining]).max(axis=-1)
+    return ceilings
 
 
 def _limiting_factors(
     model: Model, z: np.ndarray, ceiling: np.ndarray | float = 1 - MARGIN
 ) -> np.ndarray:
-    """The factors float32 (...) in (0, 1] that bring codes (..., 32) below a ceiling.
+    """The factors float32 (...) in (0, 1] that bring codes (..., L) below a ceiling.
 
     A code far from the training data may decode to the greatest f that the decoder represents
     (`decoder.MAX_LOG`). Then the factor is found by scaling and measuring repeatedly.
@@ -202,7 +224,9 @@ def _limiting_factors(
         ceilings = ceiling
         if not isinstance(ceiling, float):
             ceilings = np.broadcast_to(ceiling, (*z.shape[:-1], INTERPOLATED_COSINES))[far]
-        further = _measured_factors(model, scaled(z[far], result[far]), ceilings)
+        further = _measured_factors(
+            model, _own_networks(model).rest_scaled(z[far], result[far]), ceilings
+        )
         result[far] *= further
         far[far] = further < TINY_FACTOR
     return result
@@ -215,19 +239,29 @@ def _measured_factors(model: Model, z: np.ndarray, ceiling: np.ndarray | float) 
         return result
     rows = np.ascontiguousarray(z).reshape(-1, z.shape[-1])
     if isinstance(ceiling, float) and len(rows) > SCREENED_COUNT:
-        bright = codes_to_measure(functools.partial(_peak_albedos, model), rows, ceiling)
-        result.reshape(-1)[bright] = ceiling / _peak_albedos(model, rows[bright])
+        excess = functools.partial(excesses, model, ceiling=ceiling)
+        bright = codes_to_measure(excess, rows)
+        result.reshape(-1)[bright] = 1 / excess(rows[bright])
     else:
-        measured = np.maximum(directional_albedos(model, rows), LEAST_ALBEDO).reshape(
-            *z.shape[:-1], -1
-        )
-        result[...] = (np.maximum(ceiling, LEAST_ALBEDO) / measured).min(axis=-1)
+        ceilings = ceiling
+        if not isinstance(ceiling, float):
+            ceilings = np.broadcast_to(ceiling, (*z.shape[:-1], INTERPOLATED_COSINES))
+            ceilings = ceilings.reshape(-1, INTERPOLATED_COSINES)
+        result[...] = (1 / excesses(model, rows, ceilings)).reshape(result.shape)
     return np.minimum(result, 1, out=result)
 
 
-def _peak_albedos(model: Model, z: np.ndarray) -> np.ndarray:
-    """The largest albedo (N,) of codes (N, 32)."""
-    return np.maximum(directional_albedos(model, z).max(axis=-1), LEAST_ALBEDO)
+def _own_networks(model: Model) -> UrushiNetworks:
+    """The networks, for the type checker: those of other systems have no gain."""
+    assert isinstance(model.networks, UrushiNetworks)
+    return model.networks
+
+
+def excesses(model: Model, z: np.ndarray, ceiling: np.ndarray | float) -> np.ndarray:
+    """Greatest ratios (N,) of the albedo of the rest of codes (N, L) and what it may be."""
+    least = LEAST_REST if model.arch.lobe else LEAST_ALBEDO
+    allowed = np.maximum(ceiling - top_albedos(model, z), least)
+    return (np.maximum(rest_albedos(model, z), LEAST_ALBEDO) / allowed).max(axis=-1)
 
 
 def _scaled(model: Model, z: np.ndarray, factors: np.ndarray) -> np.ndarray:
@@ -235,15 +269,15 @@ def _scaled(model: Model, z: np.ndarray, factors: np.ndarray) -> np.ndarray:
     if not over.any():
         return z
     result = np.array(z)
-    result[over] = scaled(z[over], factors[over])
+    result[over] = _own_networks(model).rest_scaled(z[over], factors[over])
     return result
 
 
 #: Number of codes that are measured, half to fit the regression and half to estimate its error.
 SCREEN_SAMPLE = 1024
 
-#: Power of the albedo by which codes are weighted in the fit; and the error of the regression: the
-#: greatest over held-out codes within `SCREEN_NEAR` of the ceiling in ln albedo, or over the
+#: Power of the excess by which codes are weighted in the fit; and the error of the regression: the
+#: greatest over held-out codes whose ln excess is above -`SCREEN_NEAR`, or over the
 #: brightest tenth, times a factor, plus a constant.
 SCREEN_WEIGHT_POWER, SCREEN_NEAR, SCREEN_ERROR_FACTOR, SCREEN_LEAST_MARGIN = 4.0, 0.25, 2.0, 0.02
 
@@ -258,12 +292,10 @@ SCREEN_REACH = 1.25
 SCREEN_ROUNDS, SCREEN_GAIN = 4, 4
 
 
-def codes_to_measure(
-    peak: Callable[[np.ndarray], np.ndarray], z: np.ndarray, ceiling: float
-) -> np.ndarray:
-    """Indices of the codes among z (N, 32) whose largest albedo may exceed a ceiling.
+def codes_to_measure(excess: Callable[[np.ndarray], np.ndarray], z: np.ndarray) -> np.ndarray:
+    """Indices of the codes among z (N, L) whose excess may be greater than one.
 
-    peak: measures the largest albedo (n,), positive, of codes (n, 32). Samples have fixed seeds.
+    excess: measures the positive excess (n,) of codes (n, L). Samples have fixed seeds.
 
     The candidates are screened again in further rounds, because a regression on bright codes alone
     is more exact.
@@ -271,18 +303,18 @@ def codes_to_measure(
     index = np.arange(len(z))
     for seed in range(SCREEN_ROUNDS):
         before = len(index)
-        index = index[_codes_to_measure(peak, z[index] if seed else z, ceiling, seed)]
+        index = index[_codes_to_measure(excess, z[index] if seed else z, seed)]
         if len(index) > before // 2 or len(index) < SCREEN_GAIN * SCREEN_SAMPLE:
             break
     return index
 
 
 def _codes_to_measure(
-    peak: Callable[[np.ndarray], np.ndarray], z: np.ndarray, ceiling: float, seed: int
+    excess: Callable[[np.ndarray], np.ndarray], z: np.ndarray, seed: int
 ) -> np.ndarray:
     rng = np.random.default_rng(seed)
     sample = z[rng.integers(len(z), size=SCREEN_SAMPLE)]
-    target = np.log(peak(sample)) - np.log(ceiling)
+    target = np.log(excess(sample))
     half = SCREEN_SAMPLE // 2
     estimate = _fit_albedo_regression(sample[:half], target[:half], sample, rng)
     errors = target[half:] - estimate(sample[half:])
@@ -294,14 +326,14 @@ def _codes_to_measure(
 
 
 class AlbedoRegression(NamedTuple):
-    """Regression of ln albedo of codes within the range of a sample."""
+    """Regression of the logarithm of the excess of codes within the range of a sample."""
 
     features: CodeFeatures
     reach: np.ndarray
     coefficients: np.ndarray
 
     def __call__(self, z: np.ndarray) -> np.ndarray:
-        """Estimates (N,) for codes (N, 32); infinite for those far outside the sample."""
+        """Estimates (N,) for codes (N, L); infinite for those far outside the sample."""
         x = self.features.standard(z)
         inside = (np.abs(x) <= self.reach).all(axis=-1)
         return np.where(
@@ -312,7 +344,7 @@ class AlbedoRegression(NamedTuple):
 def _fit_albedo_regression(
     z: np.ndarray, target: np.ndarray, sample: np.ndarray, rng: np.random.Generator
 ) -> AlbedoRegression:
-    """Fit the regression to targets (n,) of codes (n, 32); sample: codes that define its range."""
+    """Fit the regression to targets (n,) of codes (n, L); sample: codes that define its range."""
     features = regression.fit_features(sample, SCREEN_FEATURES, 1e-12, rng)
     reach = SCREEN_REACH * np.abs(features.standard(sample)).max(axis=0) + 1e-3
     weights = np.exp(SCREEN_WEIGHT_POWER * (target - target.max()))

@@ -9,7 +9,7 @@ from urushi import files
 from urushi.errors import FileError
 from urushi.nets.weights import Model
 
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
 
 
 def write(

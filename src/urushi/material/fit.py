@@ -5,11 +5,14 @@ half of its error. A corrected code is not one that the encoder makes, and the l
 knows only those. So a material keeps the encoder's code as its anchor, over which coats are
 layered.
 
+Both keep the lobe of a code (`urushi.nets.lobe`) and change the other numbers. Errors are those of
+the whole f, lobe included.
+
 Refinement. An optimisation of one channel at a time. The code that fits a BRDF's values best cannot
 be layered, because many codes decode to nearly the same values. So the distance from the encoder's
 codes is part of the objective. Let l be the logarithmic values ln(f + `DARK_OFFSET`) at the probe
-pairs, l(z) those that a code z decodes to, and D(z) the decoded values as the encoder E sees them
-(`encoder.log_values`). The objective of every channel is
+pairs, l(z) those that a code z decodes to, and D(z) the decoded values without the lobe, as the
+encoder E sees them (`encoder.log_values`). The objective of every channel is
 
     mean rho(l(z) - l)  +  hold mean d^2,
 
@@ -38,9 +41,12 @@ import numpy as np
 from urushi.geometry.error_metrics import DARK_OFFSET
 from urushi.material import energy
 from urushi.material.energy import LEAST_ALBEDO
+from urushi.material.lobe_albedo import lobe_albedos
+from urushi.nets import lobe as lobes
 from urushi.nets.encoder import OFFSET, log_values
 from urushi.nets.features import direction_features
 from urushi.nets.least_squares import damped_step
+from urushi.nets.lobe import NO_LOBE
 from urushi.nets.networks import Networks, UrushiNetworks
 from urushi.parallel import one_blas_thread
 from urushi.reference.stack import conductor, diffuse
@@ -50,19 +56,36 @@ from urushi.reference.stack import conductor, diffuse
 INITIAL_ALPHAS, INITIAL_WHITE_SHARES = (0.05, 0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 1.0), (0.0, 0.02, 0.2)
 
 
-def initial_code(networks: UrushiNetworks, f: np.ndarray) -> np.ndarray:
+def initial_code(
+    networks: UrushiNetworks, f: np.ndarray, lobe: np.ndarray | None = None
+) -> np.ndarray:
     """The initial guess float32 (L,) with the least mean error of ln f for values f (P,) [1/sr].
 
     The candidates are the encoder's code, and codes of conductors and a diffuse surface, scaled to
-    the brightness of f.
+    the brightness of f. For networks with lobes, all have the lobe (6,) of f, and the candidates
+    stand for its rest.
     """
-    pairs = networks.pairs()
-    plain = networks.encode(_values_of_surfaces(networks))
-    logs = np.log(f + DARK_OFFSET)
-    gains = np.median(logs - np.log(networks.f(plain[:, None], *pairs) + DARK_OFFSET), axis=-1)
-    codes = np.concatenate([networks.encode(f[None]), networks.scaled(plain, np.exp(gains))])
-    errors = np.abs(np.log(networks.f(codes[:, None], *pairs) + DARK_OFFSET) - logs).mean(axis=-1)
+    features, surfaces = probe_features(networks), _values_of_surfaces(networks)
+    own, top = encoded(networks, f[None], lobe), top_at_probes(networks, lobe)
+    plain = encoded(networks, surfaces, None if lobe is None else np.array(NO_LOBE, np.float32))
+    logs, rest = np.log(f + DARK_OFFSET), np.log(np.maximum(f - top, 0.0) + DARK_OFFSET)
+    gains = np.median(rest - np.log(networks.rest(plain[:, None], features) + DARK_OFFSET), axis=-1)
+    codes = np.concatenate([own, networks.rest_scaled(plain, np.exp(gains))])
+    codes[:, : networks.arch.lobe] = own[0, : networks.arch.lobe]
+    decoded = top + networks.rest(codes[:, None], features)
+    errors = np.abs(np.log(decoded + DARK_OFFSET) - logs).mean(axis=-1)
     return codes[errors.argmin()].astype(np.float32)
+
+
+def encoded(networks: UrushiNetworks, f: np.ndarray, lobe: np.ndarray | None) -> np.ndarray:
+    """The encoder's codes (N, L) of values f (N, P), given their lobe (6,)."""
+    return networks.encode(f) if lobe is None else networks.encode(f, lobe[None])
+
+
+def top_at_probes(networks: UrushiNetworks, lobe: np.ndarray | None) -> np.ndarray:
+    """The values (P,) [1/sr] of a lobe (6,) at the networks' pairs; zero without one."""
+    wi, wo = networks.pairs()
+    return np.zeros(len(wi), np.float32) if lobe is None else lobes.f(lobe, wi, wo)
 
 
 def _values_of_surfaces(networks: UrushiNetworks) -> np.ndarray:
@@ -120,8 +143,8 @@ class FitState(NamedTuple):
     Attributes:
         z: (L,) the code, float32.
         objective: the objective at z.
-        slope: (L,) half its gradient.
-        curvature: (L, L) half its Hessian by Gauss and Newton, float64.
+        slope: (R,) half its gradient by the code's numbers after the lobe.
+        curvature: (R, R) half its Hessian by Gauss and Newton, float64.
     """
 
     z: np.ndarray
@@ -136,33 +159,41 @@ class FitTarget(NamedTuple):
     Attributes:
         features: (N, 8) of the pairs; logs: (N,) of ln(f + `DARK_OFFSET`); weights: (N,), their
             sum is 1.
+        top: (N,) [1/sr] the part of f that the code's lobe reflects.
         probes: P.
     """
 
     features: np.ndarray
     logs: np.ndarray
     weights: np.ndarray
+    top: np.ndarray
     probes: int
 
 
 def fit_target(
-    networks: UrushiNetworks, f: np.ndarray, nodes: np.ndarray | None = None
+    networks: UrushiNetworks,
+    f: np.ndarray,
+    nodes: np.ndarray | None = None,
+    lobe: np.ndarray | None = None,
 ) -> FitTarget:
     """The target of values f (P,) [1/sr] at `networks.pairs` and nodes (M,) at the albedo nodes.
 
-    The albedo nodes are those of `energy.albedo_rule`.
+    The albedo nodes are those of `energy.albedo_rule`. lobe: (6,), for networks with lobes.
     """
     count, features = len(f), probe_features(networks)
+    top = top_at_probes(networks, lobe)
     weights = np.full(count, 1.0 / count)
     rule = energy.albedo_rule()
     light = np.zeros(0) if nodes is None else nodes * rule.weights * rule.wi[:, 2]
     if nodes is None or not light.sum() > 0.0:
-        return FitTarget(features, np.log(f + DARK_OFFSET), weights, count)
+        return FitTarget(features, np.log(f + DARK_OFFSET), weights, top, count)
     shares = light**NODES_POWER
+    at_nodes = np.zeros_like(nodes) if lobe is None else lobes.f(lobe, rule.wi, rule.wo)
     return FitTarget(
-        np.concatenate([features, direction_features(rule.wi, rule.wo)]),
+        np.concatenate([features, rule.features]),
         np.log(np.concatenate([f, nodes]) + DARK_OFFSET),
         np.concatenate([(1 - NODES_SHARE) * weights, NODES_SHARE * shares / shares.sum()]),
+        np.concatenate([top, at_nodes]),
         count,
     )
 
@@ -191,27 +222,31 @@ class RefinedCodes(NamedTuple):
 
 
 def refine_codes(
-    networks: Networks, f: np.ndarray, nodes: np.ndarray | None = None
+    networks: Networks,
+    f: np.ndarray,
+    nodes: np.ndarray | None = None,
+    lobe: np.ndarray | None = None,
 ) -> RefinedCodes:
     """Return refined codes of BRDFs with values f (C, P) [1/sr] at `networks.pairs`.
 
     Each channel is optimised by itself, so that no rounding error of one affects another. Networks
     of another system, which encode by optimisation, only encode.
 
-    nodes: (C, M) [1/sr], the BRDFs' values at the nodes of `energy.albedo_rule`, if known.
+    nodes: (C, M) [1/sr], the BRDFs' values at the nodes of `energy.albedo_rule`, if known. lobe:
+    (C, 6), for networks with lobes; it is not changed.
     """
     if not isinstance(networks, UrushiNetworks):
         codes = networks.encode(f)
         return RefinedCodes(codes, codes)
     rows = np.ascontiguousarray(f)
     further = [None] * len(rows) if nodes is None else np.ascontiguousarray(nodes)
+    own = [None] * len(rows) if lobe is None else list(lobe)
     codes, anchors = [], []
     with one_blas_thread():
-        for row, at_nodes in zip(rows, further, strict=True):
-            aim = fit_target(networks, row, at_nodes)
-            anchors.append(
-                fit_below_ceiling(networks, initial_code(networks, row), aim, ANCHOR_HOLD)
-            )
+        for row, at_nodes, top in zip(rows, further, own, strict=True):
+            aim = fit_target(networks, row, at_nodes, top)
+            start = initial_code(networks, row, top)
+            anchors.append(fit_below_ceiling(networks, start, aim, ANCHOR_HOLD))
             codes.append(fit_below_ceiling(networks, anchors[-1], aim, CODE_HOLD))
     return RefinedCodes(np.stack(codes), np.stack(anchors))
 
@@ -227,24 +262,34 @@ def fit_below_ceiling(
     if len(aim.logs) == aim.probes:
         return levenberg_marquardt(networks, z, aim, hold)
     rule, nodes = energy.albedo_rule(), slice(aim.probes, None)
-    own = np.maximum(rule.at_angles(np.exp(aim.logs[nodes]) - DARK_OFFSET), LEAST_ALBEDO)
-    ceiling = energy.albedo_ceiling(own @ rule.interpolation.T)
+    target = np.maximum(np.exp(aim.logs) - DARK_OFFSET - aim.top, 0.0)  # of the rest
+    own = np.maximum(rule.at_angles(target[nodes]), LEAST_ALBEDO)
+    ceiling = _rest_ceiling(networks, z, own @ rule.interpolation.T)
     counts = np.diff(rule.first, append=len(rule.wi))
     lower = aim._replace(logs=aim.logs.copy())
     tried = []
     for steps in (REFINEMENT_STEPS, *[CEILING_STEPS] * CEILING_ROUNDS, 0):
-        log_f, _ = networks.decode_log(z, aim.features)
-        bright = rule.at_angles(np.exp(log_f[nodes]))
-        excess = np.log(np.maximum(bright / own, 1.0))
+        rest = networks.rest(z, aim.features)
+        bright = rule.at_angles(rest[nodes])
+        excess = np.maximum(bright / own, 1.0)
         factor = min((ceiling / np.maximum(bright @ rule.interpolation.T, LEAST_ALBEDO)).min(), 1.0)
-        errors = np.log(factor * np.exp(log_f) + DARK_OFFSET) - aim.logs
+        errors = np.log(aim.top + factor * rest + DARK_OFFSET) - aim.logs
         tried.append((float(aim.weights @ np.abs(errors)), z))
         if not steps:
             break
         if len(tried) > 1:
-            lower.logs[nodes] -= np.repeat(excess, counts)
+            target[nodes] /= np.repeat(excess, counts)
+            lower.logs[nodes] = np.log(aim.top[nodes] + target[nodes] + DARK_OFFSET)
         z = levenberg_marquardt(networks, z, lower, hold, steps)
     return min(tried, key=lambda pair: pair[0])[1]
+
+
+def _rest_ceiling(networks: UrushiNetworks, z: np.ndarray, own: np.ndarray) -> np.ndarray:
+    """The ceiling (D,) of the rest of a code (L,), from the albedos own (D,) of its target."""
+    if not networks.arch.lobe:
+        return energy.albedo_ceiling(own)
+    top = lobe_albedos(z[: networks.arch.lobe], energy.albedo_rule().cosines)
+    return np.maximum(energy.albedo_ceiling(own + top) - top, energy.LEAST_REST)
 
 
 def levenberg_marquardt(
@@ -261,12 +306,18 @@ def levenberg_marquardt(
     state, damping = _state_at(networks, z, aim, hold), FIRST_DAMPING
     for _ in range(steps):
         step = damped_step(state.curvature, state.slope, damping)
-        new = _state_at(networks, (state.z - step).astype(np.float32), aim, hold)
+        new = _state_at(networks, _stepped(networks, state.z, step), aim, hold)
         better = new.objective < state.objective  # false for NaN
         state, damping = (
             (new, damping * DAMPING_DECREASE) if better else (state, damping * DAMPING_INCREASE)
         )
     return state.z
+
+
+def _stepped(networks: UrushiNetworks, z: np.ndarray, step: np.ndarray) -> np.ndarray:
+    """Codes float32 (..., L) after a step (..., R) of the numbers that follow the lobe's."""
+    lobe = networks.arch.lobe
+    return np.concatenate([z[..., :lobe], z[..., lobe:] - step], axis=-1).astype(np.float32)
 
 
 def objective(networks: UrushiNetworks, z: np.ndarray, aim: FitTarget, hold: float) -> float:
@@ -275,25 +326,26 @@ def objective(networks: UrushiNetworks, z: np.ndarray, aim: FitTarget, hold: flo
 
 
 def _state_at(networks: UrushiNetworks, z: np.ndarray, aim: FitTarget, hold: float) -> FitState:
-    """The state at a code z (L,).
+    """The state at a code z (L,), of which the R numbers after the lobe's are unknown.
 
-    The encoder's Jacobian J (L, P) maps a change d of D(z) to the change J d of its code. The
+    The encoder's Jacobian J (R, P) maps a change d of D(z) to the change J d of its code. The
     smallest d that closes the gap g = z - E(D(z)) has the square g' (J J')^-1 g, which is the
     second term of the objective. Its derivatives neglect the change of J.
     """
-    log_f, slopes = networks.decode_log(z, aim.features)
-    f = np.exp(log_f)
-    log_slopes = (slopes * (f / (f + DARK_OFFSET))[:, None]).astype(np.float64)  # dl/dz, (N, L)
-    probed, slopes = f[: aim.probes], slopes[: aim.probes]
-    outward = (slopes * (probed / (probed + OFFSET))[:, None]).astype(np.float64)  # dD/dz, (P, L)
+    log_rest, slopes = networks.decode_log(z, aim.features)
+    rest, numbers = np.exp(log_rest), z[networks.arch.lobe :]
+    f, size = aim.top + rest, len(numbers)
+    log_slopes = (slopes * (rest / (f + DARK_OFFSET))[:, None]).astype(np.float64)  # dl/dz, (N, R)
+    probed, slopes = rest[: aim.probes], slopes[: aim.probes]
+    outward = (slopes * (probed / (probed + OFFSET))[:, None]).astype(np.float64)  # dD/dz, (P, R)
     code, inward = (x.astype(np.float64) for x in networks.encode_log(log_values(probed)))
     variance = inward @ inward.T
-    variance += LEAST_VARIANCE * np.trace(variance) / len(z) * np.eye(len(z))
-    gap, error = z - code, (np.log(f + DARK_OFFSET) - aim.logs).astype(np.float64)
+    variance += LEAST_VARIANCE * np.trace(variance) / size * np.eye(size)
+    gap, error = numbers - code, (np.log(f + DARK_OFFSET) - aim.logs).astype(np.float64)
     losses, far = huber_loss(error)
     loss = aim.weights @ losses
     weighted = log_slopes.T * (aim.weights / far)
-    gap_slope = np.eye(len(z)) - inward @ outward
+    gap_slope = np.eye(size) - inward @ outward
     whitened = np.linalg.solve(variance, np.column_stack([gap, gap_slope]))
     hold /= aim.probes
     return FitState(
@@ -338,14 +390,20 @@ def correct_codes_serial(
     """The same on the calling thread; damping: relative to the mean curvature."""
     features = probe_features(decoder)
     logs = np.log(f + DARK_OFFSET)
+    top = np.broadcast_to(decoder.top(z[:, None], *decoder.pairs()), f.shape)
 
     def errors(codes: np.ndarray, rows: np.ndarray, pairs: slice = slice(None)) -> np.ndarray:
-        f_hat = decoder.decode(codes[:, None], features[pairs])
+        f_hat = top[rows, pairs] + decoder.rest(codes[:, None], features[pairs])
         return np.log(f_hat + DARK_OFFSET) - logs[rows, pairs]
 
     rows = np.arange(len(z))
     steps, fitted_errors = _correction_steps(
-        decoder, z, features[FITTED_PAIRS], logs[:, FITTED_PAIRS], damping
+        decoder,
+        z,
+        features[FITTED_PAIRS],
+        top[:, FITTED_PAIRS],
+        logs[:, FITTED_PAIRS],
+        damping,
     )
     before = np.concatenate([fitted_errors, errors(z, rows, CHECKED_PAIRS)], axis=-1)
     best, least = np.array(z), huber_loss(before)[0].sum(axis=-1)
@@ -360,28 +418,34 @@ def correct_codes_serial(
 
 
 def _correction_steps(
-    decoder: UrushiNetworks, z: np.ndarray, features: np.ndarray, logs: np.ndarray, damping: float
+    decoder: UrushiNetworks,
+    z: np.ndarray,
+    features: np.ndarray,
+    top: np.ndarray,
+    logs: np.ndarray,
+    damping: float,
 ) -> tuple[list[np.ndarray], np.ndarray]:
     """Codes (C, L) after each step, and the errors (C, P) before the first one.
 
-    features: (P, 8) of the pairs; logs: (C, P) the target values of ln(f + `DARK_OFFSET`).
+    features: (P, 8) of the pairs; top: (C, P) the lobes' values; logs: (C, P) the target values of
+    ln(f + `DARK_OFFSET`).
     """
     codes, errors = [z], []
     for _ in range(CORRECTION_STEPS):
-        log_f, slopes = decoder.decode_log(codes[-1][:, None], features)
-        f_hat = np.exp(log_f)
+        log_rest, slopes = decoder.decode_log(codes[-1][:, None], features)
+        rest = np.exp(log_rest)
+        f_hat = top + rest
         errors.append(np.log(f_hat + DARK_OFFSET) - logs)
-        slopes *= (f_hat / (f_hat + DARK_OFFSET))[..., None]
-        codes.append(_correction_step(codes[-1], errors[-1], slopes, damping))
+        slopes *= (rest / (f_hat + DARK_OFFSET))[..., None]
+        step = _correction_step(errors[-1], slopes, damping)
+        codes.append(_stepped(decoder, codes[-1], step))
     return codes[1:], errors[0]
 
 
-def _correction_step(
-    z: np.ndarray, error: np.ndarray, slopes: np.ndarray, damping: float
-) -> np.ndarray:
-    """Codes (C, L) after one step from z, from errors (C, P) and their derivatives (C, P, L)."""
+def _correction_step(error: np.ndarray, slopes: np.ndarray, damping: float) -> np.ndarray:
+    """The step (C, R) that is subtracted, from errors (C, P) and their derivatives (C, P, R)."""
     _, far = huber_loss(error)
     weighted = np.swapaxes(slopes / far[..., None], -1, -2)
     curvature = (weighted @ slopes).astype(np.float64)
     slope = (weighted @ error[..., None]).astype(np.float64)[..., 0]
-    return (z - damped_step(curvature, slope, damping)).astype(np.float32)
+    return damped_step(curvature, slope, damping)

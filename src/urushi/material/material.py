@@ -10,9 +10,10 @@ import numpy.typing as npt
 from urushi import checks
 from urushi.errors import ParameterError
 from urushi.geometry.quadrature import half_vector_rule
-from urushi.material import file
+from urushi.material import energy, file
+from urushi.material.blend import blend_codes
 from urushi.nets.networks import Proposal
-from urushi.nets.weights import SHIPPED, Model, Weights, find, load_shipped
+from urushi.nets.weights import SHIPPED, Model, Weights, find, has_lobes, load_shipped
 from urushi.parallel import fill_blocks
 
 #: Directions whose albedo is integrated at once, over 1536 others each.
@@ -231,7 +232,10 @@ def _uniform(u: npt.ArrayLike, count: int) -> np.ndarray:
 
 
 def lerp(a: Material, b: Material, t: npt.ArrayLike) -> Material:
-    """Return the material of codes (1 - t) a + t b.
+    """Return the material between a and b.
+
+    The albedo changes about evenly with t, see `urushi.material.blend`; energy is conserved. Codes
+    of networks without lobes are (1 - t) a + t b.
 
     t: in [0, 1], a scalar or one number per RGB channel. A material of one channel blends with one
     of three. t = 0 gives exactly a's codes, t = 1 exactly b's.
@@ -260,9 +264,23 @@ def lerp(a: Material, b: Material, t: npt.ArrayLike) -> Material:
         ) from error
     if share.ndim > 1 or not ((share >= 0.0) & (share <= 1.0)).all():
         raise ParameterError("lerp's t must be in [0, 1], a number or one per channel")
-    share = np.broadcast_to(share, channels)[:, None]
-    latents, anchors = (
-        (1.0 - share) * first + share * second
-        for first, second in ((a.latents, b.latents), (a.anchors, b.anchors))
-    )
-    return Material(latents, a.model, anchors)
+    share = np.broadcast_to(share, channels)
+    latents = _blend(a.model, a.latents, b.latents, share)
+    if a.anchors is a.latents and b.anchors is b.latents:
+        return Material(latents, a.model)
+    return Material(latents, a.model, _blend(a.model, a.anchors, b.anchors, share))
+
+
+def _blend(model: Model, a: np.ndarray, b: np.ndarray, share: np.ndarray) -> np.ndarray:
+    """Codes (C, L) between a and b, exactly these for shares (C,) of 0 and 1.
+
+    Their directional albedo is at most 1, or that of the brighter one if it gains energy.
+    """
+    shape = (len(share), a.shape[1])
+    a, b = np.broadcast_to(a, shape), np.broadcast_to(b, shape)
+    codes = blend_codes(model, a, b, share)
+    if has_lobes(model):
+        peaks = [energy.directional_albedos(model, z).max(axis=-1) for z in (a, b)]
+        ceiling = np.maximum(np.maximum(*peaks), 1 - energy.MARGIN)
+        codes = energy.limit_albedo(model, codes, ceiling[:, None])
+    return np.where((share == 0)[:, None], a, np.where((share == 1)[:, None], b, codes))

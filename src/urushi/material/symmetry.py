@@ -44,6 +44,9 @@ class Source(NamedTuple):
         transmitted, mirrored: shares of the light, in [0, 1], that are transmitted, or reflected by
             a perfectly smooth surface; f contains neither.
         textured: whether f is that of one point of a texture.
+        lobe: (6,) or (C, 6) the analytic lobe of each channel (see `urushi.nets.lobe`), if known:
+            the reflection of the topmost interface. None: it is fitted to the values.
+        bare: whether f is its lobe and nothing else.
     """
 
     f: Brdf
@@ -53,6 +56,8 @@ class Source(NamedTuple):
     transmitted: float = 0.0
     mirrored: float = 0.0
     textured: bool = False
+    lobe: np.ndarray | None = None
+    bare: bool = False
 
 
 class Deviations(NamedTuple):

@@ -8,6 +8,9 @@ from urushi.nets.mlp import Params, hidden_to_output, product
 #: Range to which ln f is clamped, so that f is positive and finite for any weights.
 MIN_LOG, MAX_LOG = -25.0, 20.0
 
+#: Gain with which any code decodes to exp(`MIN_LOG`).
+EMPTY_GAIN = -100.0
+
 
 def decode(params: Params, arch: Architecture, z: Any, features: Any) -> Any:
     """Return f (...) [1/sr, no cosine] for z (..., 32) and `direction_features` (..., 8).

@@ -130,22 +130,54 @@ class UrushiNetworks(NamedTuple):
         rest = decoder.decode(self.params, self.arch, z[..., lobe:], features)
         return lobes.f(z[..., :lobe], wi, wo) + rest
 
+    def top(self, z: Any, wi: Any, wo: Any) -> Any:
+        """The part of f (...) [1/sr] that the codes' lobes reflect; 0 for networks without."""
+        if not self.arch.lobe:
+            return np.float32(0.0)
+        return lobes.f(z[..., : self.arch.lobe], wi, wo)
+
+    def rest(self, z: Any, features: Any) -> Any:
+        """The other part (...) [1/sr], from `direction_features`."""
+        return decoder.decode(self.params, self.arch, z[..., self.arch.lobe :], features)
+
+    def rest_scaled(self, z: Any, factor: Any) -> Any:
+        """Codes (..., L) with `factor` (...) > 0 times the rest, and the same lobe."""
+        lobe = self.arch.lobe
+        rest = decoder.scaled(z[..., lobe:], factor)
+        return np.concatenate([z[..., :lobe], rest], axis=-1) if lobe else rest
+
+    def without_rest(self, z: Any) -> Any:
+        """Codes (..., L) of the lobes alone: the rest has the least value of the decoder."""
+        codes = np.array(z)
+        codes[..., self.arch.lobe] = decoder.EMPTY_GAIN
+        return codes
+
     def decode_log(self, z: Any, features: Any) -> tuple[Any, Any]:
-        """ln f (...) and its derivatives (..., 32) with respect to the code."""
-        return derivatives.decode_log(self.params, self.arch, z, features)
+        """The logarithm (...) of `rest`, and its derivatives (..., R).
+
+        The derivatives are with respect to the R numbers of the code that follow those of the lobe.
+        """
+        return derivatives.decode_log(self.params, self.arch, z[..., self.arch.lobe :], features)
 
     def encode_log(self, logs: Any) -> tuple[Any, Any]:
-        """Codes (..., 32) and their derivatives (..., 32, P) with respect to `logs` (..., P)."""
+        """The codes' R last numbers (..., R) and their derivatives (..., R, P).
+
+        logs (..., P): `encoder.log_values` of the rest at the probe pairs, to which the derivatives
+        refer.
+        """
         return derivatives.encode_log(self.params, self.arch, logs)
 
-    def normalised(self, f: Any) -> Any:
-        """The normalised inputs (..., P) of the encoder from values f (..., P) [1/sr]."""
-        return encoder.normalised(self.params, encoder.log_values(f))
+    def normalised(self, rest: Any) -> Any:
+        """The normalised inputs (..., P) of the encoder from values (..., P) [1/sr] of the rest."""
+        return encoder.normalised(self.params, encoder.log_values(rest))
 
     def reduced_encoder(self, kept: Any, matrix: Any, offset: Any) -> Callable[[Any], Any]:
-        """A function from f (..., K) to codes, see `encoder.reduced_encoder`."""
+        """A function from values (..., K) of the rest to the codes' last numbers (..., R).
+
+        See `encoder.reduced_encoder`.
+        """
         params = encoder.reduced_encoder(self.params, kept, matrix, offset)
-        return lambda f: encoder.encode(params, self.arch, f)
+        return lambda rest: encoder.encode(params, self.arch, rest)
 
     def proposal(self, z: Any, wi: Any) -> LobeProposal:
         """The proposal of codes z (..., 32) for wi (..., 3) above the horizon."""

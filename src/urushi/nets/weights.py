@@ -104,6 +104,11 @@ class Model:
         return _kind_of(self.arch).networks(self.params, self.arch)
 
 
+def has_lobes(model: Model) -> bool:
+    """Whether the codes of these networks have an analytic lobe, see `nets.lobe`."""
+    return isinstance(model.networks, UrushiNetworks) and bool(model.arch.lobe)
+
+
 def _checked(name: str, value: Any, shape: tuple[int, ...]) -> np.ndarray:
     """A read-only float32 copy of a parameter, after checks of its shape and values."""
     array = np.array(value, dtype=np.float32, order="C")

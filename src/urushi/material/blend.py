@@ -1,0 +1,52 @@
+"""Blends of latent codes: a way from one BRDF to another along which light changes evenly.
+
+The factors of the lobes (`urushi.nets.lobe`) are blended linearly, their widths in proportion to
+the light that each lobe reflects: the width of a lobe that reflects nothing means nothing. Indices
+likewise count by the factors of the exact Fresnel term. The numbers of the rests are blended in
+proportion to the light of each rest. The gain then follows: the albedo of the rest, its mean over
+the angles, is the linear blend of the two.
+"""
+
+import numpy as np
+
+from urushi.material import energy
+from urushi.nets import lobe as lobes
+from urushi.nets.networks import UrushiNetworks
+from urushi.nets.weights import Model
+
+#: Cosines over which the reflectance of a lobe is averaged.
+COSINES = np.array([1.0, 0.8, 0.6, 0.4, 0.2], np.float32)
+
+
+def blend_codes(model: Model, a: np.ndarray, b: np.ndarray, share: np.ndarray) -> np.ndarray:
+    """Codes (C, L) between a and b (C, L); share: (C,) of b, in [0, 1].
+
+    Codes of networks without lobes are blended linearly.
+    """
+    networks, size = model.networks, model.arch.latent
+    if not isinstance(networks, UrushiNetworks) or not networks.arch.lobe:
+        return (1.0 - share[:, None]) * a + share[:, None] * b
+    count = networks.arch.lobe
+    codes = np.empty((len(share), size), np.float32)
+    codes[:, :count] = blend_lobes(a[:, :count], b[:, :count], share)
+    light = [energy.rest_albedos(model, z).mean(axis=-1) for z in (a, b)]
+    wanted = (1.0 - share) * light[0] + share * light[1]
+    part = (share * light[1] / wanted)[:, None]
+    codes[:, count:] = (1.0 - part) * a[:, count:] + part * b[:, count:]
+    found = energy.rest_albedos(model, codes).mean(axis=-1)
+    return networks.rest_scaled(codes, wanted / found)
+
+
+def blend_lobes(a: np.ndarray, b: np.ndarray, share: np.ndarray) -> np.ndarray:
+    """Lobes (C, 6) between a and b (C, 6); share: (C,) of b, in [0, 1]."""
+    mean = [lobes.reflectance(lobe[:, None], COSINES).mean(axis=-1) for lobe in (a, b)]
+    of_width = _share_of_b(mean[0], mean[1], share)
+    of_index = _share_of_b(a[:, 3], b[:, 3], share)
+    shares = np.stack([of_width, share, share, share, of_index, of_index], axis=-1)
+    return (1.0 - shares) * a + shares * b
+
+
+def _share_of_b(size_a: np.ndarray, size_b: np.ndarray, share: np.ndarray) -> np.ndarray:
+    """Shares (C,) of b in proportion to sizes (C,); `share` itself where both sizes are zero."""
+    total = (1.0 - share) * size_a + share * size_b
+    return np.where(total > 0, share * size_b / np.maximum(total, 1e-30), share)

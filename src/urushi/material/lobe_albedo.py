@@ -1,0 +1,94 @@
+"""Directional albedos of analytic lobes, for all widths and Fresnel terms.
+
+With directions drawn by visible normals, the albedo is the mean of F(c) G1(wo), where c is the
+cosine to the facet (Heitz and d'Eon 2014). For a width and an angle, c has a fixed distribution
+with the weights G1(wo), which a Gauss rule of few nodes represents. The rules are tabulated, and
+interpolated between widths.
+"""
+
+import functools
+
+import numpy as np
+
+from urushi.checks import MIN_ALPHA
+from urushi.nets import lobe as lobes
+
+#: Nodes of a Gauss rule, and for eta < 1, where the reflectance has an edge.
+NODES, EDGE_NODES = 6, 16
+
+#: Tabulated widths, evenly spaced in the root of alpha; and nodes in each dimension of the
+#: quadrature by which the rules are made.
+WIDTHS, FINE = 24, 40
+
+
+def lobe_albedos(lobe: np.ndarray, cosines: np.ndarray) -> np.ndarray:
+    """Directional albedos (..., D) of lobes (..., 6), each at all cosines (D,) of directions.
+
+    The error is below 0.001 mostly, up to 0.006 at cosines of a few times alpha, and for eta < 1 up
+    to 0.15 at the critical angle of a sharp lobe.
+    """
+    rows = lobe.reshape(-1, lobe.shape[-1])
+    result = np.empty((len(rows), len(cosines)), np.float32)
+    edge = (rows[:, 3] > 0) & (rows[:, 4] < 1)
+    for place, nodes in ((~edge, NODES), (edge, EDGE_NODES)):
+        if place.any():
+            result[place] = _albedos(rows[place], _gauss_rules(cosines.tobytes(), nodes))
+    return result.reshape(*lobe.shape[:-1], -1)
+
+
+def _albedos(lobe: np.ndarray, table: np.ndarray) -> np.ndarray:
+    """Albedos (N, D) of lobes (N, 6) by the tabulated rules."""
+    place = (np.sqrt(lobe[:, 0]) - MIN_ALPHA**0.5) / (1 - MIN_ALPHA**0.5) * (WIDTHS - 1)
+    place = np.clip(place, 0.0, WIDTHS - 1)
+    index = np.minimum(place.astype(np.intp), WIDTHS - 2)
+    share = (place - index)[:, None, None, None].astype(np.float32)
+    rule = (1 - share) * table[index] + share * table[index + 1]
+    reflected = lobes.reflectance(lobe[:, None, None], rule[..., 0])
+    return (reflected * rule[..., 1]).sum(axis=-1)
+
+
+@functools.lru_cache(4)
+def _gauss_rules(cosines: bytes, nodes: int) -> np.ndarray:
+    """The rules' cosines to the facet, and weights: float32 (`WIDTHS`, D, nodes, 2)."""
+    alphas = np.linspace(MIN_ALPHA**0.5, 1.0, WIDTHS) ** 2
+    at = np.frombuffer(cosines)[:, None, None]
+    return np.array([_gauss_rule(*_facets(alpha, at), nodes) for alpha in alphas], np.float32)
+
+
+def _facets(alpha: float, cosine: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Cosines (D, M) to facets, and weights (D, M) that integrate F(c) f cos over the hemisphere.
+
+    cosine: (D, 1, 1) of the direction. The facets lie evenly on the spherical cap of visible
+    normals (Dupuy and Benyoub 2023).
+    """
+    nodes, shares = np.polynomial.legendre.leggauss(FINE)
+    phi = 0.5 * np.pi * (nodes + 1)[:, None]
+    sine = np.sqrt(1 - cosine * cosine)
+    length = np.hypot(alpha * sine, cosine)
+    x, z = alpha * sine / length, cosine / length
+    height = 0.5 * (nodes + 1) * (1 + z) - z
+    across = np.sqrt(np.maximum(1 - height * height, 0))
+    facet = alpha * (across * np.cos(phi) + x), alpha * across * np.sin(phi), height + z
+    norm = np.sqrt(facet[0] ** 2 + facet[1] ** 2 + facet[2] ** 2)
+    to_facet = (sine * facet[0] + cosine * facet[2]) / norm
+    out = 2 * to_facet * facet[2] / norm - cosine
+    raised = np.maximum(out, 1e-9)
+    masking = 2 / (1 + np.sqrt(1 + alpha * alpha * (1 / (raised * raised) - 1)))
+    weight = 0.25 * shares[:, None] * shares * np.where(out > 0, masking, 0)
+    return to_facet.reshape(len(cosine), -1), weight.reshape(len(cosine), -1)
+
+
+def _gauss_rule(x: np.ndarray, weights: np.ndarray, nodes: int) -> np.ndarray:
+    """Nodes and weights (D, nodes, 2) of sums over points x (D, M), by the method of Lanczos."""
+    total = weights.sum(axis=-1, keepdims=True)
+    basis, previous, below = np.sqrt(weights / total), np.zeros_like(x), np.zeros_like(total)
+    matrix = np.zeros((len(x), nodes, nodes))
+    for k in range(nodes):
+        matrix[:, k, k] = (x * basis * basis).sum(axis=-1)
+        following = (x - matrix[:, k, k, None]) * basis - below * previous
+        below = np.sqrt((following * following).sum(axis=-1, keepdims=True))
+        previous, basis = basis, following / np.maximum(below, 1e-30)
+        if k + 1 < nodes:
+            matrix[:, k, k + 1] = matrix[:, k + 1, k] = below[:, 0]
+    found, vectors = np.linalg.eigh(matrix)
+    return np.stack([np.clip(found, 0.0, 1.0), total * vectors[:, 0] ** 2], axis=-1)

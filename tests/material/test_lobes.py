@@ -1,0 +1,172 @@
+"""Materials with an analytic lobe: known lobes are exact, and blends of them are smooth."""
+
+import numpy as np
+import pytest
+
+from urushi.material import Material, encode, energy, layer, lerp, load
+from urushi.material.encode import material_from_values
+from urushi.material.fit import correct_codes, fit_target, initial_code, levenberg_marquardt
+from urushi.nets import lobe as lobes
+from urushi.reference import analytic
+from urushi.reference.stack import coat, conductor, dielectric, diffuse
+
+BARE = (
+    conductor(0.03, (0.95, 0.6, 0.3)),
+    conductor(0.4, eta=(0.2, 0.9, 1.2), k=(3.9, 2.5, 2.2)),
+    dielectric(0.1, 1.5),
+    dielectric(0.2, 0.7),
+)
+
+
+@pytest.fixture(scope="module")
+def pairs(directions):
+    """Directions above the horizon, not at it."""
+    up = directions.copy()
+    up[:, 2] = np.abs(up[:, 2]) + 0.05
+    up /= np.linalg.norm(up, axis=1, keepdims=True)
+    return up, np.roll(up, 1, axis=0)
+
+
+@pytest.mark.parametrize("surface", BARE)
+def test_bare_interfaces_are_exact(surface, lobed, pairs):
+    """The tolerance is the rounding of single precision in sharp lobes."""
+    material = encode(surface, lobed)
+    np.testing.assert_allclose(
+        material.f(*pairs), analytic.f(surface, *pairs), rtol=2e-3, atol=1e-6
+    )
+    np.testing.assert_array_equal(material.anchors[:, :6], material.latents[:, :6])
+
+
+def test_the_topmost_interface_of_a_stack_is_the_lobe(lobed):
+    stack = coat(conductor(0.3, 0.5), alpha=(0.1, 0.2, 0.3), eta=1.7, sigma_t=1.0)
+    found = encode(stack, lobed).latents[:, :6]
+    np.testing.assert_allclose(found[:, 0], (0.1, 0.2, 0.3), rtol=1e-6)
+    np.testing.assert_allclose(found[:, 3:], [[1, 1.7, 0]] * 3, rtol=1e-6)
+
+
+def test_a_coat_replaces_the_lobe(lobed):
+    coated = layer(dielectric(0.2, 1.4), conductor(0.05, 0.9), sigma_t=1.0, weights=lobed)
+    np.testing.assert_allclose(coated.latents[:, :6], [[0.2, 0, 0, 1, 1.4, 0]] * 3, rtol=1e-6)
+
+
+def test_diffuse_surfaces_have_no_lobe(lobed):
+    np.testing.assert_array_equal(encode(diffuse(0.5), lobed).latents[:, 1:4], 0)
+
+
+def test_a_material_is_encoded_with_its_own_lobe(lobed, other_lobed):
+    first = encode(conductor(0.1, 0.8), lobed)
+    again = encode(first, other_lobed)
+    np.testing.assert_allclose(again.latents[:, :6], first.latents[:, :6], rtol=1e-6)
+
+
+@pytest.fixture(scope="module")
+def plastic(lobed):
+    """Values (192, 2) of a GGX lobe over a diffuse surface."""
+    pairs = lobed.networks.pairs()
+    lobe = analytic.f(dielectric(0.1, 1.5), *pairs)[:, :1]
+    return lobe + analytic.f(diffuse((0.2, 0.6, 0.0)), *pairs)[:, :2]
+
+
+@pytest.mark.parametrize("refine", [False, True])
+def test_fits_keep_the_lobe(lobed, plastic, refine):
+    lobe = np.array([0.1, 0, 0, 1, 1.5, 0], np.float32)
+    material = material_from_values(plastic, lobed, refine=refine, lobe=lobe)
+    np.testing.assert_array_equal(material.latents[:, :6], np.tile(lobe, (2, 1)))
+    np.testing.assert_array_equal(material.anchors[:, :6], material.latents[:, :6])
+
+
+def test_fits_come_closer(lobed, plastic):
+    """Both lower the error of the whole f, and so the refinement's own objective."""
+    networks, f = lobed.networks, np.ascontiguousarray(plastic.T)
+    lobe = np.array([0.1, 0, 0, 1, 1.5, 0], np.float32)
+    z = networks.encode(f, np.tile(lobe, (2, 1)))
+
+    def miss(codes):
+        f_hat = networks.f(codes[:, None], *networks.pairs())
+        return np.abs(np.log((f_hat + 1e-3) / (f + 1e-3))).mean(axis=1)
+
+    corrected, _ = correct_codes(networks, z, f)
+    aim = fit_target(networks, f[0], None, lobe)
+    refined = levenberg_marquardt(networks, initial_code(networks, f[0], lobe), aim, 0.0005)
+    assert (miss(corrected) < miss(z)).all()
+    assert miss(refined[None])[0] < 0.5 * miss(z)[0]
+
+
+def test_only_the_rest_is_limited(lobed):
+    z = encode(conductor(0.1, (0.9, 0.5, 0.1)), lobed).anchors.copy()
+    z[:, 6] = 3.0  # much too bright
+    limited = energy.limit_albedo(lobed, z)
+    np.testing.assert_array_equal(limited[:, :6], z[:, :6])
+    np.testing.assert_array_equal(limited[:, 7:], z[:, 7:])
+    peaks = energy.directional_albedos(lobed, limited).max(axis=1)
+    np.testing.assert_allclose(peaks, 1 - energy.MARGIN, atol=1e-3)
+
+
+def test_a_lobe_that_reflects_everything_does_not_black_out_the_rest(lobed):
+    z = encode(conductor(0.01, 1.0), lobed).anchors.copy()
+    z[:, 6] = -3.0
+    limited = energy.limit_albedo(lobed, z)
+    rest = energy.rest_albedos(lobed, limited).max(axis=1)
+    assert (rest > 0.5 * energy.LEAST_REST).all()
+    assert energy.directional_albedos(lobed, limited).max() < 1 + 2 * energy.LEAST_REST
+
+
+def material_with(lobed, lobe, gain) -> Material:
+    z = encode(conductor(0.1, 0.8), lobed).anchors[:1].copy()
+    z[:, :6] = lobe
+    z[:, 6] = gain
+    z[:, 7:] += np.random.default_rng(abs(int(10 * gain))).normal(size=z[:, 7:].shape)
+    z = energy.limit_albedo(lobed, z)
+    return Material(z, lobed)
+
+
+def materials(lobed) -> list[Material]:
+    """Metal, a coat on something, diffuse, a sharp conductor with a rest, and nothing at all."""
+    return [
+        encode(conductor(0.05, eta=0.2, k=3.9), lobed),
+        material_with(lobed, (0.3, 0, 0, 1, 1.5, 0), 0.0),
+        material_with(lobed, lobes.NO_LOBE, 0.5),
+        material_with(lobed, (0.1, 0.7, 1.0, 0, 1.5, 0), -1.0),
+        encode(diffuse(0.0), lobed),
+    ]
+
+
+@pytest.mark.parametrize("first", range(5))
+@pytest.mark.parametrize("second", range(5))
+def test_blends_are_smooth_and_conserve_energy(lobed, pairs, first, second):
+    a, b = materials(lobed)[first], materials(lobed)[second]
+    at = np.linspace(0, 1, 9)
+    blends = [lerp(a, b, t) for t in at]
+    for end, blend in ((a, blends[0]), (b, blends[-1])):
+        np.testing.assert_array_equal(
+            blend.latents, np.broadcast_to(end.latents, blend.latents.shape)
+        )
+    peaks = [energy.directional_albedos(lobed, m.latents).max() for m in blends]
+    assert max(peaks) <= max(1.0, peaks[0], peaks[-1]) + energy.LEAST_REST
+    for end, near in ((a, 1e-6), (b, 1 - 1e-6)):
+        found = lerp(a, b, near).f(*pairs)
+        expected = np.broadcast_to(end.f(*pairs), found.shape)
+        np.testing.assert_allclose(found, expected, rtol=1e-3, atol=1e-4)
+
+
+def test_the_width_of_a_lobe_that_reflects_nothing_does_not_count(lobed):
+    sharp, none = materials(lobed)[0], materials(lobed)[2]
+    half = lerp(sharp, none, 0.5)
+    np.testing.assert_allclose(half.latents[:, 0], 0.05, rtol=1e-5)
+    np.testing.assert_allclose(half.latents[:, 4:6], [[0.2, 3.9]] * len(half.latents), rtol=1e-5)
+
+
+def test_light_changes_evenly_between_bare_and_diffuse(lobed):
+    """The rest of bare metal is empty, and its code has no meaning."""
+    a, b = encode(conductor(0.3, 0.8), lobed), materials(lobed)[2]
+    wi = np.array([[0.6, 0.0, 0.8]])
+    ends = [m.directional_albedo(wi)[0, 0] for m in (a, b)]
+    for t in (0.25, 0.5, 0.75):
+        found = lerp(a, b, t).directional_albedo(wi)[0, 0]
+        assert found == pytest.approx((1 - t) * ends[0] + t * ends[1], abs=0.05)
+
+
+def test_files_keep_lobes(lobed, tmp_path):
+    material = encode(BARE[0], lobed)
+    material.save(tmp_path / "gold.safetensors")
+    assert load(tmp_path / "gold.safetensors", lobed) == material
