@@ -93,7 +93,13 @@ def default() -> Preset:
         ),
         memory=1 << 28,
         arch=Architecture(
-            latent=24, decoder=(24, 24), layerer=(288, 288, 288), lobes=1, sampler=(16,), lobe=6
+            latent=24,
+            decoder=(24, 24),
+            layerer=(288, 288, 288),
+            lobes=1,
+            sampler=(16,),
+            activation="silu7",
+            lobe=6,
         ),
     )
 
