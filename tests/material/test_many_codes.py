@@ -47,7 +47,7 @@ def _plainly(model, z, coat):
     shape = np.broadcast_shapes(z.shape[:-1], columns[0].shape)
     rows = [np.broadcast_to(c, shape).astype(np.float32).ravel() for c in columns]
     z = np.broadcast_to(z, (*shape, 32)).reshape(-1, 32)
-    return layer(model.params, model.arch, z, coat_features(*rows)).reshape(*shape, 32)
+    return layer(model.params, model.arch, z, tuple(rows)).reshape(*shape, 32)
 
 
 @pytest.mark.parametrize("shapes", COATS.values(), ids=COATS)

@@ -34,8 +34,8 @@ OVERSHOOT_WEIGHT = 30.0
 #: Relative error below f from which errors count linearly.
 KNEE = 0.05
 
-#: Number of steps, and sweeps of coordinate descent in each.
-STEPS, SWEEPS = 14, 20
+#: Greatest number of steps, and change of every unknown below which there are no more.
+STEPS, CONVERGED = 14, 1e-6
 
 #: Bounds of the diffuse term, the factors and ln alpha.
 _LOWER = np.array([0.0, 0.0, 0.0, np.log(MIN_ALPHA)])
@@ -64,17 +64,23 @@ def fit_lobes(f: np.ndarray) -> np.ndarray:
 
 
 class _Grid(NamedTuple):
-    """The approximation's columns at P pairs for every width.
+    """What the approximation needs at P pairs.
 
     Attributes:
         columns: (P, A, 3) the diffuse term and the two of the lobe, for factors of one.
         products: (P, A, 3, 3) of two columns.
-        fifth: (P,) Schlick's (1 - c)^5.
+        schlick: (2, P) Schlick's 1 - (1 - c)^5 and (1 - c)^5.
+        cos2: (2, P) the squared cosines of either direction, and cos: (2, P) these cosines.
+        across, along: (P,) squared lengths of wi + wo in the surface and along the normal.
     """
 
     columns: np.ndarray
     products: np.ndarray
-    fifth: np.ndarray
+    schlick: np.ndarray
+    cos: np.ndarray
+    cos2: np.ndarray
+    across: np.ndarray
+    along: np.ndarray
 
 
 @functools.cache
@@ -84,85 +90,109 @@ def _grid(probes: int) -> _Grid:
     shapes = lobes.shape(GRID, wi[:, None], wo[:, None])
     white = np.full_like(shapes, 1 / np.pi)
     columns = np.stack([white, shapes * (1 - fifth)[:, None], shapes * fifth[:, None]], axis=-1)
-    return _Grid(columns, columns[..., :, None] * columns[..., None, :], fifth)
+    cos, half = np.stack([wi[:, 2], wo[:, 2]]), wi + wo
+    return _Grid(
+        columns,
+        columns[..., :, None] * columns[..., None, :],
+        np.stack([1 - fifth, fifth]),
+        cos,
+        cos**2,
+        half[:, 0] ** 2 + half[:, 1] ** 2,
+        half[:, 2] ** 2,
+    )
 
 
 def _fit(f: np.ndarray) -> np.ndarray:
     """`fit_lobes` for f (N, P)."""
-    alpha, factors = _best_of_grid(f)
-    wi, wo = (w.astype(np.float64) for w in probe_pairs(f.shape[-1]))
-    fifth = _grid(f.shape[-1]).fifth
-    scale = 1 / (f + DARK)
+    grid, scale = _grid(f.shape[-1]), 1 / (f + DARK)
+    aim = f * scale
+    at, open_rows = _best_of_grid(f), np.arange(len(f))
+    columns = np.empty((len(f), 4, f.shape[-1]))
+    columns[:, 0] = scale * (1 / np.pi)
+    longest = np.array([np.inf, np.inf, np.inf, LONGEST_STEP])
     for step in range(STEPS):
-        shape = lobes.shape(alpha[:, None], wi, wo)
-        slope = _shape_slope(alpha[:, None], wi, wo, shape)
-        first, second = shape * (1 - fifth), shape * fifth
-        reflectance = factors[:, 1, None] * (1 - fifth) + factors[:, 2, None] * fifth
-        error = (factors[:, 0, None] / np.pi + shape * reflectance - f) * scale
+        if step == STEPS - LAST_STEPS:
+            longest[3] = 0.0
+        x = at[open_rows]
+        shape, slope = _shape(grid, np.exp(x[:, 3:]))
+        columns[:, 1:3] = (shape * scale)[:, None] * grid.schlick
+        top = (x[:, None, 1:3] @ columns[:, 1:3])[:, 0]
+        np.multiply(top, slope, out=columns[:, 3])
+        error = x[:, :1] * columns[:, 0] + top - aim
         weights = np.where(error > 0, OVERSHOOT_WEIGHT, KNEE / np.maximum(-error, KNEE))
-        columns = np.stack(
-            [scale / np.pi, first * scale, second * scale, slope * reflectance * scale], axis=-2
-        )
         weighted = columns * weights[:, None]
         normal = weighted @ np.swapaxes(columns, -1, -2)
         ahead = (weighted @ error[..., None])[..., 0]
-        at = np.concatenate([factors, np.log(alpha)[:, None]], axis=-1)
-        longest = LONGEST_STEP if step < STEPS - LAST_STEPS else 0.0
-        lower = np.maximum(_LOWER - at, [-np.inf, -np.inf, -np.inf, -longest])
-        upper = np.minimum(_UPPER - at, [np.inf, np.inf, np.inf, longest])
-        at += _bounded(normal, -ahead, lower, upper)
-        factors, alpha = at[:, :3], np.exp(at[:, 3])
+        change = _bounded(
+            normal, -ahead, np.maximum(_LOWER - x, -longest), np.minimum(_UPPER - x, longest)
+        )
+        at[open_rows] = x + change
+        # A row that has converged is left alone, so that no row affects another.
+        moving = (np.abs(change) > CONVERGED).any(axis=-1)
+        if not moving.all():
+            if not moving.any():
+                break
+            open_rows, scale, aim = open_rows[moving], scale[moving], aim[moving]
+            columns = columns[moving]
     result = np.tile(np.array(lobes.NO_LOBE, np.float32), (len(f), 1))
-    result[:, 0] = alpha
-    result[:, 1:3] = factors[:, 1:]
+    result[:, 0] = np.exp(at[:, 3])
+    result[:, 1:3] = at[:, 1:3]
     return result
 
 
-def _shape_slope(
-    alpha: np.ndarray, wi: np.ndarray, wo: np.ndarray, shape: np.ndarray
-) -> np.ndarray:
-    """The derivative (...) of `lobe.shape` by ln alpha."""
-    step = 1e-4
-    return (lobes.shape(alpha * (1 + step), wi, wo) - shape) / step
+def _shape(grid: _Grid, alpha: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """`lobe.shape` (N, P) of widths alpha (N, 1), and the derivative of its logarithm by ln alpha."""
+    alpha2 = alpha * alpha
+    along = alpha2 * grid.along
+    width = 1 / (grid.across + along)
+    ratio = (grid.across + grid.along) * width
+    root = np.sqrt(alpha2[:, None] * (1 - grid.cos2) + grid.cos2)
+    masking = 1 / (grid.cos + root)
+    shape = (alpha2 / np.pi) * ratio * ratio * masking[:, 0] * masking[:, 1]
+    masked = ((1 - grid.cos2) / root * masking).sum(axis=1)
+    return shape, 2 - 4 * along * width - alpha2 * masked
 
 
-def _best_of_grid(f: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The width (N,) of the grid with the least error, and its three factors (N, 3)."""
+def _best_of_grid(f: np.ndarray) -> np.ndarray:
+    """The best three factors of the best width of the grid, and its logarithm: (N, 4)."""
     grid = _grid(f.shape[-1])
     weights = 1 / np.square(f + DARK)
     probes, count = grid.columns.shape[:2]
     normal = (weights @ grid.products.reshape(probes, -1)).reshape(-1, count, 3, 3)
     slope = ((weights * f) @ grid.columns.reshape(probes, -1)).reshape(-1, count, 3)
-    zero = np.zeros_like(slope)
-    factors = _bounded(normal, slope, zero, zero + np.inf)
-    gain = 2 * (factors * slope).sum(-1) - np.einsum("nai,naij,naj->na", factors, normal, factors)
+    factors = _bounded(normal, slope, np.zeros_like(slope), np.full_like(slope, np.inf))
+    gain = 2 * (factors * slope).sum(-1) - (factors * (normal @ factors[..., None])[..., 0]).sum(-1)
     best = gain.argmax(axis=-1)
-    return GRID[best], factors[np.arange(len(f)), best]
+    return np.column_stack([factors[np.arange(len(f)), best], np.log(GRID[best])])
 
 
 def _bounded(
     normal: np.ndarray, slope: np.ndarray, lower: np.ndarray, upper: np.ndarray
 ) -> np.ndarray:
-    """Minimise x' normal x / 2 - slope' x within bounds (..., K).
+    """Lower x' normal x / 2 - slope' x within bounds (..., K), which contain zero.
 
-    By coordinate descent from the minimum without bounds, which is exact where it is within them,
-    or from zero, which must be within the bounds.
+    From the minimum without bounds, unknowns that exceed a bound are fixed there, and the others
+    solved again. The result is the minimum in most cases, and never worse than zero.
     """
+    size = slope.shape[-1]
     # In units in which the curvature's diagonal is one.
     unit = 1 / np.sqrt(np.einsum("...ii->...i", normal) + 1e-30)
-    scaled = normal * unit[..., :, None] * unit[..., None, :]
+    normal = normal * unit[..., :, None] * unit[..., None, :] + 1e-12 * np.eye(size)
     slope, lower, upper = slope * unit, lower / unit, upper / unit
-    free = np.linalg.solve(scaled + 1e-12 * np.eye(scaled.shape[-1]), slope[..., None])[..., 0]
-    x = np.clip(free, lower, upper)
-    left = slope - (scaled @ x[..., None])[..., 0]  # minus the gradient
-    worse = ((slope + left) * x).sum(axis=-1, keepdims=True) < 0
-    x, left = np.where(worse, 0.0, x), np.where(worse, slope, left)
-    columns, x, left, lower, upper = (
-        np.ascontiguousarray(np.moveaxis(a, -1, 0)) for a in (scaled, x, left, lower, upper)
-    )
-    for _ in range(SWEEPS):
-        for k in range(len(x)):
-            new = np.clip(x[k] + left[k], lower[k], upper[k])
-            left -= np.moveaxis(columns[k], -1, 0) * (new - x[k])
-            x[k] = new
-    return np.moveaxis(x, 0, -1) * unit
+    x = np.linalg.solve(normal, slope[..., None])[..., 0]
+    fixed = np.zeros(x.shape, bool)
+    for _ in range(size - 1):
+        outside = (x < lower) | (x > upper)
+        if not outside.any():
+            return x * unit
+        fixed |= outside
+        x = np.where(fixed, np.clip(x, lower, upper), 0.0)
+        free = ~fixed
+        both = free[..., :, None] & free[..., None, :]
+        reduced = np.where(both, normal, np.eye(size))
+        aim = np.where(fixed, x, slope - (normal @ x[..., None])[..., 0])
+        x = np.linalg.solve(reduced, aim[..., None])[..., 0]
+    x = np.clip(x, lower, upper)
+    bend = (x * (normal @ x[..., None])[..., 0]).sum(axis=-1)
+    share = np.clip((slope * x).sum(axis=-1) / np.maximum(bend, 1e-30), 0.0, 1.0)
+    return x * share[..., None] * unit
