@@ -8,7 +8,6 @@ import pytest
 from urushi import parallel
 from urushi.material.encode import limited_codes
 from urushi.material.layer import layer_texels
-from urushi.nets.features import coat_features
 from urushi.nets.layerer import layer
 from urushi.nets.weights import Model
 

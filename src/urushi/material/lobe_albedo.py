@@ -20,6 +20,9 @@ NODES, EDGE_NODES = 6, 16
 #: quadrature by which the rules are made.
 WIDTHS, FINE = 24, 40
 
+#: Greatest number of lobes whose albedos are remembered.
+REMEMBERED_ROWS = 16
+
 
 def lobe_albedos(lobe: np.ndarray, cosines: np.ndarray) -> np.ndarray:
     """Directional albedos (..., D) of lobes (..., 6), each at all cosines (D,) of directions.
@@ -28,12 +31,28 @@ def lobe_albedos(lobe: np.ndarray, cosines: np.ndarray) -> np.ndarray:
     to 0.15 at the critical angle of a sharp lobe.
     """
     rows = lobe.reshape(-1, lobe.shape[-1])
+    if len(rows) > REMEMBERED_ROWS:
+        return _measured(rows, cosines).reshape(*lobe.shape[:-1], -1)
+    known = _remembered(rows.tobytes(), rows.dtype.char, cosines.tobytes())
+    return known.reshape(*lobe.shape[:-1], -1)
+
+
+@functools.lru_cache(64)
+def _remembered(rows: bytes, kind: str, cosines: bytes) -> np.ndarray:
+    """`_measured` for the lobes of one material, which are asked for several times."""
+    result = _measured(np.frombuffer(rows, kind).reshape(-1, 6), np.frombuffer(cosines))
+    result.flags.writeable = False
+    return result
+
+
+def _measured(rows: np.ndarray, cosines: np.ndarray) -> np.ndarray:
+    """Albedos float32 (N, D) of lobes (N, 6)."""
     result = np.empty((len(rows), len(cosines)), np.float32)
     edge = (rows[:, 3] > 0) & (rows[:, 4] < 1)
     for place, nodes in ((~edge, NODES), (edge, EDGE_NODES)):
         if place.any():
             result[place] = _albedos(rows[place], _gauss_rules(cosines.tobytes(), nodes))
-    return result.reshape(*lobe.shape[:-1], -1)
+    return result
 
 
 def _albedos(lobe: np.ndarray, table: np.ndarray) -> np.ndarray:

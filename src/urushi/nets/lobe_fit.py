@@ -35,7 +35,7 @@ OVERSHOOT_WEIGHT = 30.0
 KNEE = 0.05
 
 #: Greatest number of steps, and change of every unknown below which there are no more.
-STEPS, CONVERGED = 14, 1e-6
+STEPS, CONVERGED = 14, 1e-4
 
 #: Bounds of the diffuse term, the factors and ln alpha.
 _LOWER = np.array([0.0, 0.0, 0.0, np.log(MIN_ALPHA)])
@@ -141,7 +141,7 @@ def _fit(f: np.ndarray) -> np.ndarray:
 
 
 def _shape(grid: _Grid, alpha: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """`lobe.shape` (N, P) of widths alpha (N, 1), and the derivative of its logarithm by ln alpha."""
+    """`lobe.shape` (N, P) of widths (N, 1), and the derivative of its logarithm by ln alpha."""
     alpha2 = alpha * alpha
     along = alpha2 * grid.along
     width = 1 / (grid.across + along)
