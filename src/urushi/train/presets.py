@@ -94,10 +94,10 @@ def default() -> Preset:
         memory=1 << 28,
         arch=Architecture(
             latent=24,
-            decoder=(24, 24),
+            decoder=(16, 16),
             layerer=(288, 288, 288),
             lobes=1,
-            sampler=(16,),
+            sampler=(8,),
             activation="silu7",
             lobe=6,
         ),
