@@ -43,7 +43,7 @@ def materials(
     values = _lower_values(samples, encoded, *pairs)
     table = samples.table
     if encoded == 0 and table.kind in BARE_LOBES and has_lobes(model):
-        material = material_of_lobes(_lobes(samples, encoded), len(values), model)
+        material = material_of_lobes(_lobes(samples, encoded), model, len(values))
     else:
         lobe = _lobes(samples, encoded) if encoded or table.kind == "diffuse" else None
         material = material_from_values(values.T, model, refine=refined, lobe=lobe)

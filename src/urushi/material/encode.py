@@ -103,6 +103,9 @@ def encode_source(
         The material, and the source's deviations.
     """
     check_source(model, source)
+    opened = as_source(source)
+    if opened.bare and opened.lobe is not None and has_lobes(model):
+        return material_of_lobes(opened.lobe, model), Deviations()
     found = evaluate_source(source, *required_pairs(source, model), name)
     return encode_values(found, model, refine=refine), found.deviations
 
@@ -111,12 +114,12 @@ def encode_values(found: SourceValues, model: Model, *, refine: bool | None = No
     """The material of a source's values at `required_pairs`; refine: as of `encode`."""
     refine = True if refine is None and found.measured else refine
     if found.bare and found.lobe is not None and has_lobes(model):
-        return material_of_lobes(found.lobe, found.values.shape[1], model)
+        return material_of_lobes(found.lobe, model, found.values.shape[1])
     return material_from_values(found.values, model, refine=refine, lobe=found.lobe)
 
 
-def material_of_lobes(lobe: np.ndarray, channels: int, model: Model) -> Material:
-    """The material of surfaces that are their lobes (6,) or (C, 6) alone.
+def material_of_lobes(lobe: np.ndarray, model: Model, channels: int = 3) -> Material:
+    """The material of a surface that is its lobes (6,) or (channels, 6) alone.
 
     The anchor is what the encoder makes of them.
     """
