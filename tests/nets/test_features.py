@@ -1,6 +1,7 @@
 """Features: exactly symmetric, finite, precise for small half angles; coats without medium."""
 
 import math
+import re
 
 import numpy as np
 
@@ -9,10 +10,14 @@ from urushi.geometry.probe_pairs import probe_pairs
 from urushi.nets.features import (
     COAT_FEATURES,
     COAT_INPUTS,
+    COAT_NUMBERS,
     COAT_TABLE,
     DIRECTION_FEATURES,
     DIRECTION_TABLE,
+    INTERFACE_TABLE,
+    MEDIUM_TABLE,
     coat_features,
+    coat_inputs,
     direction_features,
 )
 
@@ -95,3 +100,34 @@ def test_coat_features_of_different_coats_differ():
         changed[index] += 0.1
         assert np.abs(coat_features(*changed) - reference).max() > 0.02
     assert len(COAT_TABLE) == COAT_INPUTS
+
+
+def test_coat_inputs_are_the_documented_functions():
+    """The table's formulas as Python, by the names of the parameters."""
+    rng = np.random.default_rng(6)
+    low, high = [0.01, 0.5, 0, 0, -0.9], [1, 3, 1, 8, 0.9]
+    coats = rng.uniform(low, high, (200, 5))
+    names = ("alpha", "eta", "albedo", "sigma_t", "g")
+    table = INTERFACE_TABLE + MEDIUM_TABLE
+    inputs = coat_inputs(*coats.T)
+    assert inputs.shape == (200, COAT_NUMBERS)
+    for column, (formula, _, _) in zip(_raw(inputs, table), table, strict=True):
+        scope = dict(zip(names, coats.T, strict=True))
+        scope |= {"ln": np.log, "exp": np.exp, "sqrt": np.sqrt, "max": np.maximum}
+        scope |= {
+            "m": 1 - np.exp(-scope["sigma_t"]),
+            "s": (scope["eta"] - 1) / (scope["eta"] + 1),
+        }
+        code = formula.replace("^", "**").replace("ln alpha", "ln(alpha)")
+        for word in ("alpha", "eta", "albedo", "sigma_t", "g", "m", "s"):
+            code = re.sub(rf"([\w)]) (?={word}\b)", r"\1 * ", code)
+        code = re.sub(r"([\w)]) (?=\(|sqrt)", r"\1 * ", code)
+        np.testing.assert_allclose(column, eval(code, scope), atol=1e-12, err_msg=formula)
+
+
+def test_coat_inputs_are_finite_to_the_ends_of_their_ranges_and_vanish_with_the_medium():
+    ends = np.meshgrid([0.01, 1], [0.5, 1, 3], [0, 1], [0, 1e-3, 8, 1e4], [-0.999, 0.999])
+    inputs = coat_inputs(*(x.astype(np.float32) for x in ends))
+    assert np.isfinite(inputs).all()
+    clear = inputs[:, :, :, 0]  # sigma_t = 0: meshgrid's axes are eta, alpha, albedo, sigma_t, g
+    assert np.array_equal(clear, np.broadcast_to(clear[:, :, :1, :1], clear.shape))

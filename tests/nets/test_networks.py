@@ -7,7 +7,7 @@ from urushi.checks import MIN_ALPHA
 from urushi.geometry.probe_pairs import probe_pairs
 from urushi.nets import decoder, encoder, layerer, sampler
 from urushi.nets.architecture import ACTIVATIONS, SCALE, Architecture, init
-from urushi.nets.features import coat_features, direction_features
+from urushi.nets.features import direction_features
 from urushi.nets.mlp import activate, linear, with_slope
 from urushi.nets.networks import UrushiNetworks
 
@@ -70,7 +70,7 @@ def test_layerer_without_output_is_the_identity(networks):
     arch, params = networks
     silent = params | {"layerer.3.weight": np.zeros((192, 32), np.float32)}
     z = np.random.default_rng(6).normal(size=(9, 32)).astype(np.float32)
-    coat = coat_features(*(np.full(9, x, np.float32) for x in (0.1, 1.5, 0.5, 1, 0)))
+    coat = tuple(np.full(9, x, np.float32) for x in (0.1, 1.5, 0.5, 1, 0))
     assert np.array_equal(layerer.layer(silent, arch, z, coat), z)
 
 
@@ -124,7 +124,7 @@ def test_a_vanishing_coat_leaves_the_bottom(networks):
     distance = []
     for presence in (1e-2, 1e-3, 1e-4):
         parameters = (MIN_ALPHA + presence, 1 + presence, 0.5, presence, 0.3)
-        coat = coat_features(*(np.full(9, x, np.float32) for x in parameters))
+        coat = tuple(np.full(9, x, np.float32) for x in parameters)
         distance.append(np.abs(layerer.layer(params, arch, z, coat) - z).max())
     # Proportional to the coat's presence, times a network whose inputs move by logarithms only.
     assert distance[0] > 3 * distance[1] > 9 * distance[2] > 0

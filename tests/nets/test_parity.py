@@ -49,8 +49,9 @@ def test_direction_features(pairs):
     _close(_both(features.direction_features, *pairs), atol=1e-4)
 
 
-def test_coat_features(vectors):
-    _close(_both(features.coat_features, *vectors["coat"]), atol=1e-5)
+@pytest.mark.parametrize("function", [features.coat_features, features.coat_inputs])
+def test_features_of_coats(function, vectors):
+    _close(_both(function, *vectors["coat"]), atol=1e-5)
 
 
 def test_decode(networks, vectors, pairs):
@@ -71,8 +72,19 @@ def test_encode(networks, vectors):
 
 def test_layer(networks, vectors):
     arch, params = networks
-    coat = features.coat_features(*vectors["coat"])
-    _close(_both(lambda z, c: layerer.layer(params, arch, z, c), vectors["z"], coat), atol=3e-5)
+    _close(
+        _both(lambda z, *c: layerer.layer(params, arch, z, c), vectors["z"], *vectors["coat"]),
+        atol=3e-5,
+    )
+
+
+def test_lobed_networks(lobed, lobed_codes, vectors, pairs):
+    arch, params = lobed
+    rng = np.random.default_rng(18)
+    z, coat = lobed_codes(40, rng).astype(np.float32), vectors["coat"]
+    _close(_both(lambda z, *c: layerer.layer(params, arch, z, c), z, *coat), atol=2e-4)
+    weights = _both(lambda z, c: sampler.mixture(params, arch, z, c), z, pairs[0][:40, 2])
+    _close(weights, atol=1e-4)
 
 
 def test_lobes_parameters(networks, vectors, pairs):
@@ -101,12 +113,12 @@ def test_gradients_are_finite(networks, vectors, pairs):
     inputs = features.direction_features(*pairs)[None]
 
     def loss(p, f, coat):
-        z = layerer.layer(p, arch, encoder.encode(p, arch, f), coat)
+        z = layerer.layer(p, arch, encoder.encode(p, arch, f), tuple(coat))
         weights, alphas = sampler.mixture(p, arch, z[:, None], jnp.asarray(pairs[0][:, 2]))
         density = sampler.mixture_pdf(weights, alphas, jnp.asarray(pairs[0]), jnp.asarray(pairs[1]))
         return jnp.mean(decoder.decode(p, arch, z[:, None], inputs)) + jnp.mean(density)
 
     trained = {name: jnp.asarray(value) for name, value in params.items()}
-    coat = jnp.asarray(features.coat_features(*vectors["coat"]))
+    coat = jnp.asarray(vectors["coat"])
     gradient = jax.jit(jax.grad(loss))(trained, jnp.asarray(vectors["f"]), coat)
     assert all(bool(jnp.isfinite(g).all()) for g in gradient.values())

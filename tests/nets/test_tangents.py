@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from urushi.nets import derivatives, encoder, layerer
-from urushi.nets.features import coat_features
 
 ROWS = 40
 
@@ -31,7 +30,7 @@ def coats(rng) -> np.ndarray:
 
 
 def layered(params, arch, z, coat):
-    return layerer.layer(params, arch, z, coat_features(*coat.T))
+    return layerer.layer(params, arch, z, tuple(coat.T))
 
 
 def close_but_for_kinks(actual, expected):

@@ -1,0 +1,124 @@
+"""Networks whose codes have an analytic lobe: f is lobe plus decoder, coats become lobes."""
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from urushi.checks import CoatParameters
+from urushi.nets import decoder, lobe, sampler
+from urushi.nets.features import direction_features
+from urushi.nets.networks import UrushiNetworks
+
+
+@pytest.fixture
+def own(lobed):
+    arch, params = lobed
+    return UrushiNetworks(params, arch)
+
+
+@pytest.fixture
+def codes(lobed_codes):
+    return lobed_codes(30, np.random.default_rng(0)).astype(np.float32)
+
+
+def test_f_is_the_lobe_and_the_decoder(own, codes, pairs):
+    wi, wo = pairs
+    f = own.f(codes[:, None], wi, wo)
+    rest = decoder.decode(own.params, own.arch, codes[:, None, 6:], direction_features(wi, wo))
+    np.testing.assert_array_equal(f, lobe.f(codes[:, None, :6], wi, wo) + rest)
+    assert f.dtype == np.float32
+    assert (f > 0).all() and np.isfinite(f).all()
+
+
+def test_f_is_reciprocal_to_the_bit(own, codes, pairs):
+    wi, wo = pairs
+    assert np.array_equal(own.f(codes[:, None], wi, wo), own.f(codes[:, None], wo, wi))
+
+
+def test_one_input_array_is_enough_to_decode(own, codes, pairs):
+    wi, wo = pairs
+    inputs = own.inputs(wi, wo)
+    np.testing.assert_array_equal(own.decode(codes[:, None], inputs), own.f(codes[:, None], wi, wo))
+    one = own.inputs(wi[0], wo)  # directions broadcast
+    np.testing.assert_allclose(own.decode(codes[0], one), own.f(codes[0], wi[0], wo), rtol=1e-5)
+
+
+def test_scaled_codes_scale_lobe_and_rest(own, codes, pairs):
+    factor = np.random.default_rng(1).uniform(0.2, 3, (30, 1)).astype(np.float32)
+    f = own.f(codes[:, None], *pairs)
+    scaled = own.f(own.scaled(codes[:, None], factor), *pairs)
+    np.testing.assert_allclose(scaled, factor * f, rtol=1e-5)
+
+
+def test_the_interface_of_a_coat_is_the_lobe_of_the_result(own, codes):
+    rng = np.random.default_rng(2)
+    low, high = [0.01, 0.5, 0, 0, -0.9], [1, 3, 1, 8, 0.9]
+    coat = CoatParameters(*rng.uniform(low, high, (30, 5)).astype(np.float32).T)
+    coated = own.layer(codes, coat)
+    assert coated.dtype == np.float32 and coated.shape == codes.shape
+    np.testing.assert_array_equal(coated[:, :6], lobe.of_coat(coat.alpha, coat.eta))
+
+
+def test_what_lies_below_a_coat_matters_by_its_reflection(own, codes):
+    """Lobes that reflect nothing are the same bottom, whatever their width."""
+    coat = CoatParameters(*(np.float32(x) for x in (0.1, 1.5, 0.5, 1, 0)))
+    bare = np.array(codes)
+    bare[:, :6] = lobe.NO_LOBE
+    narrow = np.array(bare)
+    narrow[:, 0] = 0.02
+    np.testing.assert_array_equal(own.layer(bare, coat), own.layer(narrow, coat))
+    mirror = np.array(bare)
+    mirror[:, :6] = lobe.of_coat(np.float32(0.02), np.float32(2.5))
+    assert np.abs(own.layer(bare, coat) - own.layer(mirror, coat)).max() > 0.01
+
+
+def test_a_known_lobe_is_kept_and_taken_from_the_values(own, codes):
+    """The encoder sees what the lobe leaves, so that it does not see the lobe."""
+    top = lobe.f(codes[:, None, :6], *own.pairs())
+    rest = np.full_like(top, 0.1)
+    encoded = own.encode(rest + top, codes[:, :6])
+    np.testing.assert_array_equal(encoded[:, :6], codes[:, :6])
+    bare = own.encode(rest, np.array(lobe.NO_LOBE, np.float32))
+    # Sharp lobes of some hundred per sr leave the rest with rounding errors of 1e-5.
+    np.testing.assert_allclose(encoded[:, 6:], bare[:, 6:], atol=5e-3)
+
+
+def test_the_proposal_is_normalised_and_has_the_codes_own_lobe(own, codes):
+    wi = np.array([[0.6, 0, 0.8]], np.float32)
+    proposal = own.proposal(codes, wi)
+    assert proposal.weights.shape == (30, 3) and proposal.alphas.shape == (30, 2)
+    np.testing.assert_array_equal(proposal.alphas[:, 0], codes[:, 0])
+    np.testing.assert_allclose(proposal.weights.sum(axis=-1), 1, atol=1e-6)
+    assert (proposal.weights > 0).all()
+    assert (proposal.weights[:, -1] >= sampler.MIN_COSINE_SHARE).all()
+
+
+def test_samples_follow_the_proposals_density(own, codes):
+    """Pearson's chi-square of 40,000 samples in 12 x 12 cells of equal solid angle.
+
+    Of five codes with the widest lobes, whose density is smooth enough for 24 x 24 midpoints in
+    each cell; p below 0.001 in any would happen by chance once in 200 runs.
+    """
+    rng = np.random.default_rng(3)
+    count, cells, inner = 40_000, 12, 24
+    for code in codes[np.argsort(-codes[:, 0])[:5]].astype(np.float64):
+        wi = np.array([0.6, 0, 0.8])
+        proposal = own.proposal(code, wi)
+        wo = proposal.sample(np.tile(wi, (count, 1)), rng.random((count, 3)))
+        phi = np.arctan2(wo[:, 1], wo[:, 0])
+        edges = np.linspace(0, 1, cells + 1), np.linspace(-np.pi, np.pi, cells + 1)
+        observed = np.histogram2d(wo[:, 2], phi, edges)[0].ravel()
+        z, turn = (e[0] + (e[-1] - e[0]) * (np.arange(cells * inner) + 0.5) / (cells * inner)
+                   for e in edges)  # fmt: skip
+        r = np.sqrt(1 - z * z)[:, None]
+        points = np.stack(
+            np.broadcast_arrays(r * np.cos(turn), r * np.sin(turn), z[:, None]), axis=-1
+        )
+        density = proposal.pdf(wi, points).reshape(cells, inner, cells, inner).mean(axis=(1, 3))
+        expected = density.ravel() * count * 2 * np.pi / cells**2
+        assert abs(expected.sum() / count - 1) < 5e-3
+        few = expected < 5
+        observed = np.append(observed[~few], observed[few].sum())
+        expected = np.append(expected[~few], max(expected[few].sum(), 1.0))
+        statistic = np.sum((observed - expected) ** 2 / expected)
+        assert stats.chi2.sf(statistic, len(expected) - 1) > 1e-3
