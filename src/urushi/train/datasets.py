@@ -33,7 +33,7 @@ def whole_domain(share: float = 1.0) -> DataSpec:
 
     Most walks are spent on one coat, where the error must be a fraction of a percent; a part of
     them on clear coats, which are the hardest to predict. Deeper stacks train the layerer on its
-    own outputs. 19,000 layered BRDFs also have values at the encoder's probe pairs. Bare bottoms
+    own outputs. 28,672 layered BRDFs also have values at the encoder's probe pairs. Bare bottoms
     are analytic and need no walks; those that are one lobe teach the networks nothing and are left
     out. Matt bottoms have additional pairs at grazing angles: an excess of a few percent there
     makes the limit of energy darken white ones at all angles.
