@@ -15,7 +15,14 @@ from urushi.train.stages.layering import Layering
 from urushi.train.stages.sampling import Sampling
 
 ARCH = Architecture(
-    latent=6, decoder=(16,), encoder=(16,), layerer=(24,), sampler=(8,), lobes=2, probes=24
+    latent=12,
+    decoder=(16,),
+    encoder=(16,),
+    layerer=(24,),
+    sampler=(8,),
+    lobes=1,
+    probes=24,
+    lobe=6,
 )
 
 #: Numbers of stacks of 0, 1 and 2 coats in a step.
@@ -27,7 +34,7 @@ TINY = Preset(
     name="tiny",
     data=DataSpec(
         parts=(
-            Part("bare", Extended(0, "conductor"), 12, 16, 1),
+            Part("bare", Extended(0, "diffuse"), 12, 16, 1),
             Part("coated", Table2(1), 20, 16, 8),
             Part("coated-diffuse", Extended(1, "diffuse"), 12, 16, 8),
             Part("twice", Table2(2), 8, 16, 8),

@@ -5,9 +5,13 @@ import numpy as np
 import pytest
 
 from urushi.nets.architecture import Architecture, init
+from urushi.nets.features import INTERFACE_TABLE, MEDIUM_TABLE
+from urushi.nets.lobe import LOBE_FEATURES, NO_LOBE
 from urushi.train.stages.joint import ABSORPTION_STEPS, absorption_penalty, with_more_absorption
 
-ARCH = Architecture(latent=4, decoder=(8,), encoder=(8,), layerer=(8,), sampler=(4,), probes=6)
+ARCH = Architecture(
+    latent=10, decoder=(8,), encoder=(8,), layerer=(8,), sampler=(4,), probes=6, lobe=6
+)
 
 
 @pytest.fixture
@@ -31,13 +35,20 @@ def test_only_a_network_that_brightens_with_absorption_is_penalised(coats, sign)
     # All weights are zero except on one path: from the feature ln(1 + sigma_t (1 - albedo)), which
     # grows with absorption, through one neuron to the gain.
     params = {name: np.zeros_like(value) for name, value in init(ARCH, 0).items()}
-    absorbed = 14
-    params["layerer.0.weight"][ARCH.latent + absorbed, 0] = 1
+    table = [formula for formula, _, _ in INTERFACE_TABLE + MEDIUM_TABLE]
+    absorbed = table.index("ln(1 + sigma_t (1 - albedo))")
+    params["layerer.0.weight"][ARCH.latent - ARCH.lobe + LOBE_FEATURES + absorbed, 0] = 1
     params["layerer.1.weight"][0, 0] = sign
     params["layerer.0.bias"][0] = 5  # where the activation grows
     features = np.zeros((7, 3, 8), np.float32)
     penalty = np.asarray(
-        absorption_penalty(params, ARCH, np.zeros((7, 4), np.float32), coats, features)
+        absorption_penalty(
+            params,
+            ARCH,
+            np.tile(np.array((*NO_LOBE, 0, 0, 0, 0), np.float32), (7, 1)),
+            coats,
+            features,
+        )
     )
     assert penalty.shape == (7, 3)
     assert (penalty > 0).all() if sign > 0 else (penalty == 0).all()

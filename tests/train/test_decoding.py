@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from urushi.nets.architecture import FIXED, Architecture, init
+from urushi.nets.lobe import NO_LOBE
 from urushi.train.examples import Batch
 from urushi.train.losses import FLOOR, mean_loss, squared_errors
 from urushi.train.optimiser import Schedule, compile_steps, start
@@ -18,7 +19,9 @@ from urushi.train.stages.decoding import (
     weighted_loss,
 )
 
-ARCH = Architecture(latent=4, decoder=(8,), encoder=(8,), layerer=(8,), sampler=(4,), probes=6)
+ARCH = Architecture(
+    latent=10, decoder=(8,), encoder=(8,), layerer=(8,), sampler=(4,), probes=6, lobe=6
+)
 
 
 def _split(params):
@@ -30,9 +33,11 @@ def _split(params):
 def batch():
     rng = np.random.default_rng(0)
     return Batch(
+        lobes=np.tile(np.array(NO_LOBE, np.float32), (12, 1)),
         probes=rng.random((12, 6), np.float32),
         coats=(np.array([[0.2, 1.5, 0.5, 1.0, 0.3]] * 5, np.float32),),
         features=rng.standard_normal((12, 16, 8), np.float32),
+        top=np.zeros((12, 16), np.float32),
         f=rng.random((12, 16), np.float32),
     )
 
@@ -55,12 +60,12 @@ def test_scatter_that_differs_by_direction_and_code_is_learnt():
     )
 
     def drawn():
-        z = rng.standard_normal((steps, stacks, 4), np.float32)
+        z = rng.standard_normal((steps, stacks, ARCH.latent), np.float32)
         features = rng.standard_normal((steps, stacks, pairs, 8), np.float32)
         return z, features, deviation(z, features)
 
     def deviation(z, features):
-        by_code = np.where(z[..., 1] > 0, 2.0, 1.0)[..., None]
+        by_code = np.where(z[..., ARCH.lobe + 1] > 0, 2.0, 1.0)[..., None]
         return by_code * np.where(features[..., 2] > 0, 0.4, 0.05)
 
     def loss(params, batch):
@@ -74,7 +79,7 @@ def test_scatter_that_differs_by_direction_and_code_is_learnt():
         errors = (sigma * rng.standard_normal(sigma.shape)).astype(np.float32)
         state, _ = run(state, (z, features, errors))
     z, features, sigma = (x[0] for x in drawn())
-    clear = (np.abs(z[..., 1]) > 0.5)[:, None] & (np.abs(features[..., 2]) > 0.5)
+    clear = (np.abs(z[..., ARCH.lobe + 1]) > 0.5)[:, None] & (np.abs(features[..., 2]) > 0.5)
     found = np.sqrt(np.asarray(scatter(state.average, ARCH, z, features)))
     off = np.abs(np.log(found / sigma))[clear]  # a smooth network rounds the steps between
     assert np.median(off) < 0.2
@@ -93,9 +98,9 @@ def test_weights_have_mean_one_and_fall_with_the_scatter():
 
 def test_gains_do_not_change_the_scatter(batch):
     rng = np.random.default_rng(4)
-    z = jnp.asarray(rng.standard_normal((12, 4)), jnp.float32)
+    z = jnp.asarray(rng.standard_normal((12, ARCH.latent)), jnp.float32)
     params = fresh_scatter(ARCH, 1)
-    brighter = z.at[:, 0].add(2.0)
+    brighter = z.at[:, ARCH.lobe].add(2.0)
     np.testing.assert_array_equal(
         scatter(params, ARCH, brighter, batch.features), scatter(params, ARCH, z, batch.features)
     )

@@ -69,12 +69,12 @@ def test_each_device_has_its_share_of_the_stacks_and_all_parameters(four, tiny):
     assert shapes["f"] == [[steps, 4, tiny.pairs]] * 4  # 16 stacks a step
     # Only some stacks have the lowest coat, and fewer the next one: every device gets all coats.
     assert shapes["coats"] == [[steps, 13, 5], [steps, 4, 5]]
-    assert shapes["weight"] == [[6 + 16, 16]] * 4  # the code and the coat
+    assert shapes["weight"] == [[12 + 18, 16]] * 4  # the code, with six features of the lobe, coat
     shapes = four[0]["LayeringBatch"]
     assert shapes["curvature"] == [[steps, 3, 6, 6]] * 4  # 12 stacks a step
     assert shapes["coats"] == [[steps, 3, 5], [steps, 2, 5]]  # all have a lowest coat
-    assert shapes["below"] == [[steps, 2, 6]] * 4
-    assert shapes["weight"] == [[6 + 16, 24]] * 4
+    assert shapes["below"] == [[steps, 2, 12]] * 4
+    assert shapes["weight"] == [[12 + 18, 24]] * 4
 
 
 @pytest.mark.slow

@@ -7,15 +7,18 @@ import weakref
 import numpy as np
 import pytest
 
-from urushi.data.distribution import Table2
+from urushi.data.distribution import Extended, Table2
 from urushi.data.generate import generate
 from urushi.data.spec import DataSpec, Part
 from urushi.data.store import Store
 from urushi.errors import FileError, ParameterError
 from urushi.geometry.probe_pairs import PROBES, probe_pairs
+from urushi.nets import lobe
 from urushi.nets.features import direction_features
 from urushi.reference import analytic
+from urushi.reference.table import BOTTOM_KINDS
 from urushi.train import examples
+from urushi.train.bottoms import BARE_LOBES, bottom_lobes, bottom_rest
 from urushi.train.examples import Batches, Depth
 
 EVERYTHING = 1 << 20  # more direction pairs than the store has
@@ -49,10 +52,33 @@ def test_the_arrays_of_an_example_belong_together(tiny, tiny_data, held):
         direction_features(arrays["wi"][row, pairs], arrays["wo"][row, pairs]),
     )
     np.testing.assert_array_equal(held[2].coats[row], arrays["coats"][row])
-    bottom = {name: arrays["bottom"][[row], k] for k, name in enumerate(("alpha", "r0"))}
-    wi, wo = probe_pairs(tiny.arch.probes)
-    values = analytic.rows("conductor", bottom, np.zeros(len(wi), np.uint32), wi, wo)
-    np.testing.assert_array_equal(held[2].probes[row], values)
+    alpha, eta = arrays["coats"][row, 0, :2]
+    np.testing.assert_array_equal(
+        held[2].top[item],
+        lobe.f(lobe.of_coat(alpha, eta), arrays["wi"][row, pairs], arrays["wo"][row, pairs]),
+    )
+    alpha, r0 = arrays["bottom"][row]  # a conductor, which is a lobe and nothing else
+    np.testing.assert_array_equal(held[2].lobes[row, :4], [alpha, r0, 1, 0])
+    assert not held[2].probes[row].any()
+
+
+@pytest.mark.parametrize("kind", BOTTOM_KINDS)
+def test_a_bottom_is_its_lobe_and_the_rest(kind):
+    """A fitted lobe is above the bottom at some pairs, mostly by little."""
+    columns = Extended(1, kind).sample(np.random.default_rng(7), 24).bottom
+    bottom = np.stack(list(columns.values()), axis=-1)
+    own = bottom_lobes(kind, bottom, PROBES)
+    rest = bottom_rest(kind, bottom, own, PROBES)
+    wi, wo = probe_pairs(PROBES)
+    for row in range(len(bottom)):
+        f = analytic.rows(kind, columns, np.full(PROBES, row, np.uint32), wi, wo)
+        sum_of_both = lobe.f(own[row], wi, wo) + rest[row]
+        assert (sum_of_both >= f * (1 - 1e-2) - 1e-5).all()  # rounding of sharp lobes
+        assert np.median(sum_of_both / (f + 1e-3)) < 1.05
+    if kind in BARE_LOBES:
+        assert not rest.any()
+    if kind == "diffuse":
+        assert not own[:, 1:4].any()
 
 
 def test_batches_do_not_depend_on_the_division_into_steps(tiny, depths):
@@ -84,7 +110,7 @@ def test_deeper_stacks_come_first_so_that_coats_match_their_stacks(tiny, depths,
     assert highest.shape == (2, 4, 5)
     for step in range(2):
         for row in range(4):
-            match = (held[2].probes == batch.probes[step, row]).all(-1)
+            match = (held[2].lobes == batch.lobes[step, row]).all(-1)
             coats = held[2].coats[match][0]
             np.testing.assert_array_equal(coats[1], lowest[step, row])
             np.testing.assert_array_equal(coats[0], highest[step, row])
@@ -155,7 +181,9 @@ def test_probed_stacks_are_encoded_from_their_own_values(tiny, tmp_path):
     store = generate(DataSpec((part,), seed=6), tmp_path / "data.zarr")
     (depth,) = examples.load(store, arch, 8, EVERYTHING)  # no coat is layered
     arrays, held = store.read(part), depth.first()
-    np.testing.assert_array_equal(held.probes, arrays["f"][:, :PROBES])
+    top = lobe.f(held.lobes[:, None], *probe_pairs(PROBES))
+    np.testing.assert_array_equal(held.lobes[:, 0], arrays["coats"][:, 0, 0])
+    np.testing.assert_array_equal(held.probes, np.maximum(arrays["f"][:, :PROBES] - top, 0))
     np.testing.assert_array_equal(held.f, arrays["f"][:, PROBES:].reshape(16, 8))
     assert held.coats.shape == (8, 0, 5)
     with pytest.raises(ParameterError, match="holds 192 probes, but the architecture's encoder"):

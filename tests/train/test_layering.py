@@ -9,8 +9,8 @@ import pytest
 from urushi.data.store import Store
 from urushi.errors import ParameterError
 from urushi.nets.architecture import init
-from urushi.nets.features import coat_features
 from urushi.nets.layerer import layer
+from urushi.nets.lobe import of_coat
 from urushi.train import examples
 from urushi.train.optimiser import compile_steps, start
 from urushi.train.stages import quadratic_loss
@@ -39,10 +39,10 @@ def wide(tiny, narrow):
 def test_widening_keeps_the_values(tiny, narrow, wide):
     rng = np.random.default_rng(0)
     z = rng.standard_normal((50, tiny.arch.latent)).astype(np.float32)
-    coats = coat_features(*rng.uniform([0.01, 1.05, 0, 0, -0.8], [1, 2, 1, 8, 0.9], (50, 5)).T)
-    coats = coats.astype(np.float32)
-    before = layer(narrow, tiny.architectures()[0], z, coats)
-    np.testing.assert_allclose(layer(wide, tiny.arch, z, coats), before, atol=1e-6)
+    z[:, : tiny.arch.lobe] = of_coat(np.float32(0.3), np.float32(1.5))
+    coats = rng.uniform([0.01, 0.5, 0, 0, -0.8], [1, 3, 1, 8, 0.9], (50, 5)).astype(np.float32).T
+    before = layer(narrow, tiny.architectures()[0], z, tuple(coats))
+    np.testing.assert_allclose(layer(wide, tiny.arch, z, tuple(coats)), before, atol=1e-6)
     assert (
         wide["layerer.0.weight"].shape[1]
         == tiny.arch.layerer[0]

@@ -10,6 +10,7 @@ from urushi.geometry.probe_pairs import probe_pairs
 from urushi.nets.architecture import Architecture, init
 from urushi.nets.encoder import input_statistics
 from urushi.nets.features import direction_features
+from urushi.nets.lobe import NO_LOBE
 from urushi.nets.sampler import mixture_pdf
 from urushi.reference import analytic, conductor
 from urushi.train.examples import Batch
@@ -20,8 +21,10 @@ from urushi.train.stages.joint import joint_loss
 from urushi.train.stages.sampling import Targets, sampler_loss, variation
 
 ARCH = Architecture(
-    latent=4, decoder=(32, 32), encoder=(8,), layerer=(4,), sampler=(16,), probes=32
+    latent=10, decoder=(32, 32), encoder=(8,), layerer=(4,), sampler=(16,), probes=32, lobe=6
 )
+#: The networks have to learn the metal: its lobe is not given.
+LOBES = np.array([NO_LOBE], np.float32)
 GOLD = conductor(alpha=0.2, r0=0.8)
 
 
@@ -35,7 +38,8 @@ def overfitted():
     schedule = Schedule(1000, 20, 1e-2, average=0.9, steps_per_call=50, checkpoint_every=50)
     wi, wo = training_pairs(np.random.default_rng(0), 1024)
     probes = gold(*probe_pairs(ARCH.probes))[None]
-    batch = Batch(probes, (), direction_features(wi, wo)[None], gold(wi, wo)[None])
+    f = gold(wi, wo)[None]
+    batch = Batch(LOBES, probes, (), direction_features(wi, wo)[None], np.zeros_like(f), f)
     batches = jax.tree.map(lambda x: np.repeat(x[None], 50, axis=0), batch)
     features = jnp.asarray(direction_features(*probe_pairs(ARCH.probes)))
     fixed = input_statistics(probes)
@@ -57,7 +61,7 @@ def test_one_brdf_can_be_overfitted(overfitted):
 
 def test_the_proposal_learns_its_lobe(overfitted):
     params, probes, _ = overfitted
-    latents = compose(params, ARCH, jnp.asarray(probes), ())
+    latents = compose(params, ARCH, jnp.asarray(LOBES), jnp.asarray(probes), ())
     before = np.asarray(variation(params, ARCH, latents, seed=1, materials=16))
     schedule = Schedule(200, 10, 1e-2, average=0.9, steps_per_call=50, checkpoint_every=50)
     scene = Targets(params, latents, jax.random.key(0))

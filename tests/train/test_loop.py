@@ -14,10 +14,10 @@ import pytest
 from urushi.data.store import Store
 from urushi.errors import FileError, ParameterError
 from urushi.geometry import error_metrics
-from urushi.nets import weights
+from urushi.nets import lobe, weights
 from urushi.nets.decoder import decode
 from urushi.nets.encoder import encode
-from urushi.nets.features import coat_features, direction_features
+from urushi.nets.features import direction_features
 from urushi.nets.layerer import layer
 from urushi.train import presets, validation
 from urushi.train.checkpoint import Journal
@@ -130,14 +130,13 @@ def test_validation_measures_the_exported_weights(uninterrupted, tiny, tiny_data
     checks = validation.load(store, tiny.arch)
     figures = validation.measure(model.params, tiny.arch, checks)
     values = []
-    for check in checks:
-        z = layer(
-            model.params,
-            tiny.arch,
-            encode(model.params, tiny.arch, check.probes),
-            coat_features(*check.coats[:, 0].T),
-        )
-        values.append(decode(model.params, tiny.arch, z[:, None], check.features))
+    for check, part in zip(checks, store.spec.parts[4:6], strict=True):
+        wi, wo = (store.read(part)[name] for name in ("wi", "wo"))
+        codes = encode(model.params, tiny.arch, check.probes)
+        z = np.concatenate([check.lobes, codes], axis=-1)
+        z = layer(model.params, tiny.arch, z, tuple(check.coats[:, 0].T))
+        top = lobe.f(z[:, None, :6], wi, wo)
+        values.append(top + decode(model.params, tiny.arch, z[:, None, 6:], check.features))
     arrays = store.read(store.spec.parts[4])
     wi, wo = arrays["wi"], arrays["wo"]
     np.testing.assert_array_equal(checks[0].features, direction_features(wi, wo))
@@ -173,7 +172,7 @@ def test_unwritable_paths_are_refused_before_the_training(tiny, tiny_data, tmp_p
 
 
 def test_errors_name_unknown_presets():
-    with pytest.raises(ParameterError, match="no preset 'slow'; choose one of base, small, quick"):
+    with pytest.raises(ParameterError, match="no preset 'slow'; choose one of default, quick"):
         train("slow")
 
 

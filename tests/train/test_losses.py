@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 
 from urushi.nets.architecture import Architecture, init
-from urushi.nets.decoder import decode
 from urushi.nets.encoder import encode
-from urushi.nets.features import coat_features
 from urushi.nets.layerer import layer
+from urushi.nets.lobe import of_coat
 from urushi.train.examples import Batch
 from urushi.train.losses import (
     FLOOR,
@@ -18,10 +17,13 @@ from urushi.train.losses import (
     compose,
     squared_errors,
     stack_loss,
+    without_lobe,
 )
 from urushi.train.stages.joint import CYCLE_STRIDE, joint_loss
 
-ARCH = Architecture(latent=4, decoder=(8,), encoder=(8,), layerer=(8,), sampler=(4,), probes=6)
+ARCH = Architecture(
+    latent=10, decoder=(8,), encoder=(8,), layerer=(8,), sampler=(4,), probes=6, lobe=6
+)
 
 
 def _coats(rng, count):
@@ -34,9 +36,11 @@ def batch():
     rng = np.random.default_rng(0)
     count = CYCLE_STRIDE + 3  # two stacks are in the cycle loss
     return Batch(
+        lobes=np.tile(of_coat(np.float32(0.3), np.float32(1.5)), (count, 1)),
         probes=rng.random((count, 6), np.float32),
         coats=tuple(_coats(rng, n) for n in (14, 5)),
         features=rng.standard_normal((count, 8, 8), np.float32),
+        top=0.1 * rng.random((count, 8), np.float32),
         f=rng.random((count, 8), np.float32),
     )
 
@@ -49,8 +53,8 @@ def test_gradient_of_the_error_agrees_with_finite_differences(batch):
         inputs = jax.tree.map(lambda x: jnp.asarray(x, jnp.float64), batch)
 
         def predict(p):
-            z = compose(p, ARCH, inputs.probes, inputs.coats)
-            return decode(p, ARCH, z[:, None], inputs.features)
+            z = compose(p, ARCH, inputs.lobes, inputs.probes, inputs.coats)
+            return inputs.top + without_lobe(p, ARCH, z, inputs.features)
 
         decoded = jax.jit(predict)(params)
         brightness = jnp.pi * jnp.minimum(decoded, 1).mean(axis=-1, keepdims=True)
@@ -132,14 +136,15 @@ def test_the_loss_of_a_stack_grows_with_about_the_root_of_its_error():
 
 def test_compose_applies_the_lowest_coat_first(batch):
     params = init(ARCH, 0)
-    z = np.asarray(jax.jit(compose, static_argnums=1)(params, ARCH, batch.probes, batch.coats))
+    composed = jax.jit(compose, static_argnums=1)
+    z = np.asarray(composed(params, ARCH, batch.lobes, batch.probes, batch.coats))
     lowest, highest = batch.coats
     for row, probes in enumerate(batch.probes):
-        code = encode(params, ARCH, probes)
+        code = np.concatenate([batch.lobes[row], encode(params, ARCH, probes)])
         if row < len(lowest):
-            code = layer(params, ARCH, code, coat_features(*lowest[row]))
+            code = layer(params, ARCH, code, tuple(lowest[row]))
         if row < len(highest):
-            code = layer(params, ARCH, code, coat_features(*highest[row]))
+            code = layer(params, ARCH, code, tuple(highest[row]))
         np.testing.assert_allclose(z[row], code, rtol=1e-4, atol=1e-5)
 
 
@@ -149,8 +154,9 @@ def test_codes_beyond_their_bounds_are_clamped_and_can_return(batch, outwards):
     bias = np.full_like(params["encoder.1.bias"], 10 * LARGEST_CODE)
 
     def objective(bias):
-        z = compose(params | {"encoder.1.bias": bias}, ARCH, batch.probes, ())
-        return -outwards * z[0, 0]  # the minimum lies at large or at small codes
+        own = params | {"encoder.1.bias": bias}
+        z = compose(own, ARCH, batch.lobes, batch.probes, ())
+        return -outwards * z[0, ARCH.lobe]  # the minimum lies at large or at small codes
 
     assert float(objective(bias)) == pytest.approx(-outwards * LARGEST_CODE)
     assert float(jax.grad(objective)(bias)[0]) == (0 if outwards > 0 else 1)

@@ -10,7 +10,7 @@ from urushi.geometry.probe_pairs import probe_pairs
 from urushi.nets.architecture import init
 from urushi.nets.decoder import decode
 from urushi.nets.encoder import encode
-from urushi.nets.features import coat_features, direction_features
+from urushi.nets.features import direction_features
 from urushi.nets.layerer import layer
 from urushi.train import examples
 from urushi.train.losses import stack_loss
@@ -38,7 +38,8 @@ def test_the_slope_is_that_of_the_loss(tiny, depths, params):
         assert len(items) == per_stack == 2
 
         def loss(z, items=items):
-            f_hat = decode(params, tiny.arch, z[None, None], held.features[items])
+            rest = decode(params, tiny.arch, z[None, None], held.features[items])
+            f_hat = held.top[items] + rest
             return stack_loss(f_hat, held.f[items])
 
         slope = jax.grad(loss)(jnp.asarray(forms.z[stack]))
@@ -48,19 +49,22 @@ def test_the_slope_is_that_of_the_loss(tiny, depths, params):
 def test_the_curvature_is_exact_where_the_decoded_values_are_exact(tiny, params):
     # Without errors the loss is its Gauss-Newton form up to third order in the code's change.
     rng = np.random.default_rng(5)
-    z = rng.standard_normal((3, tiny.arch.latent)).astype(np.float32)
+    z = rng.standard_normal((3, tiny.arch.latent - tiny.arch.lobe)).astype(np.float32)
     features = rng.standard_normal((3, 64, 8)).astype(np.float32)
-    f = decode(params, tiny.arch, z[:, None], features)
+    top = 0.2 * rng.random((3, 64)).astype(np.float32)
+    f = top + decode(params, tiny.arch, z[:, None], features)
     slope, curvature = quadratic_loss.quadratic_expansion(
-        params, tiny.arch, jnp.asarray(z), features, f
+        params, tiny.arch, jnp.asarray(z), features, top, f
     )
     np.testing.assert_allclose(slope, 0.0, atol=1e-4)
     d = rng.standard_normal(z.shape).astype(np.float32)
     for size in (0.01, 0.02):
         moved = jnp.asarray(z + size * d)
         expected = [
-            float(stack_loss(decode(params, tiny.arch, moved[i, None, None], features[i, None]),
-                             f[i, None]))
+            float(stack_loss(
+                top[i, None] + decode(params, tiny.arch, moved[i, None, None], features[i, None]),
+                f[i, None],
+            ))
             for i in range(3)
         ]  # fmt: skip
         # The third order is a relative error in proportion to the size, here up to 10 times the
@@ -73,13 +77,15 @@ def test_lower_parts_are_decoded_and_encoded_again(tiny, depths, params):
     held = depths[2].first()
     forms = quadratic_loss.measure_quadratic_losses(params, tiny.arch, held)
     arch = tiny.arch
-    bottoms = encode(params, arch, held.probes)
-    lower = layer(params, arch, bottoms, coat_features(*held.coats[:, 1].T))
-    f = decode(params, arch, lower[:, None], direction_features(*probe_pairs(arch.probes)))
+    bottoms = np.concatenate([held.lobes, encode(params, arch, held.probes)], axis=-1)
+    lower = layer(params, arch, bottoms, tuple(held.coats[:, 1].T))
+    own, code = np.split(lower, [arch.lobe], axis=-1)
+    f = decode(params, arch, code[:, None], direction_features(*probe_pairs(arch.probes)))
+    below = np.concatenate([own, encode(params, arch, f)], axis=-1)
     np.testing.assert_allclose(forms.bottoms, bottoms, atol=1e-5)
-    np.testing.assert_allclose(forms.below, encode(params, arch, f), atol=1e-4)
-    whole = layer(params, arch, lower, coat_features(*held.coats[:, 0].T))
-    np.testing.assert_allclose(forms.z, whole, atol=1e-5)
+    np.testing.assert_allclose(forms.below, below, atol=1e-4)
+    whole = layer(params, arch, lower, tuple(held.coats[:, 0].T))
+    np.testing.assert_allclose(forms.z, whole[:, arch.lobe :], atol=1e-5)
     np.testing.assert_array_equal(
         quadratic_loss.loss_increase(forms.z, forms.z, forms.slope, forms.curvature), 0.0
     )

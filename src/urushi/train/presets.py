@@ -73,6 +73,10 @@ def _soap(steps: int) -> Schedule:
     )
 
 
+#: Sizes of the networks of experiments.
+SMALL = Architecture(latent=24, decoder=(24, 24), lobes=1, sampler=(16,), lobe=6)
+
+
 def default() -> Preset:
     """The shipped networks: the whole domain.
 
@@ -114,17 +118,14 @@ def quick() -> Preset:
     pairs, walks = 512, 32
     parts = (
         Part("table2", Table2(1), 20_480, pairs, walks),
-        Part("conductor", Extended(1, "conductor"), 3_072, pairs, walks),
-        Part("complex", Extended(1, "conductor_complex"), 2_048, pairs, walks),
-        Part("diffuse", Extended(1, "diffuse"), 3_072, pairs, walks),
-        Part("mixture", Extended(1, "mixture"), 5_120, pairs, walks),
+        Part("conductor", Extended(1, "conductor", "whole"), 3_072, pairs, walks),
+        Part("complex", Extended(1, "conductor_complex", "whole"), 2_048, pairs, walks),
+        Part("diffuse", Extended(1, "diffuse", "whole"), 3_072, pairs, walks),
+        Part("mixture", Extended(1, "mixture", "whole"), 5_120, pairs, walks),
         Part("table2-twice", Table2(2), 2_560, pairs, walks),
-        Part("conductor-twice", Extended(2, "conductor"), 1_024, pairs, walks),
-        Part("diffuse-twice", Extended(2, "diffuse"), 1_024, pairs, walks),
-        Part("mixture-twice", Extended(2, "mixture"), 1_024, pairs, walks),
-        Part("bare-conductor", Extended(0, "conductor"), 2_048, pairs, 1),
-        Part("bare-complex", Extended(0, "conductor_complex"), 1_024, pairs, 1),
-        Part("bare-dielectric", Extended(0, "dielectric"), 2_048, pairs, 1),
+        Part("conductor-twice", Extended(2, "conductor", "whole"), 1_024, pairs, walks),
+        Part("diffuse-twice", Extended(2, "diffuse", "whole"), 1_024, pairs, walks),
+        Part("mixture-twice", Extended(2, "mixture", "whole"), 1_024, pairs, walks),
         Part("bare-diffuse", Extended(0, "diffuse"), 512, pairs, 1),
         Part("bare-mixture", Extended(0, "mixture"), 4_096, pairs, 1),
         *validation(),
@@ -143,6 +144,7 @@ def quick() -> Preset:
             Sampling(sampling),
         ),
         pairs=128,
+        arch=SMALL,
     )
 
 
@@ -156,7 +158,7 @@ def smoke() -> Preset:
     parts = (
         Part("table2", Table2(1), 512, 128, 32),
         Part("diffuse-twice", Extended(2, "diffuse"), 128, 128, 32),
-        Part("bare-conductor", Extended(0, "conductor"), 128, 128, 1),
+        Part("bare-diffuse", Extended(0, "diffuse"), 128, 128, 1),
         *validation(stacks=16, walks=256),
     )
     stacks, coated = (8, 48, 8), (48, 8)
@@ -171,6 +173,7 @@ def smoke() -> Preset:
             Layering(brief, coated, seed_offset=2, name="relayering"),
             Sampling(Schedule(steps=128, warmup=16, learning_rate=0.01, average=0.95)),
         ),
+        arch=SMALL,
     )
 
 
