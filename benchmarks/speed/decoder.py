@@ -31,6 +31,7 @@ def evaluations(weights: str) -> dict[str, Callable[[], object]]:
     from urushi.nets.weights import find
     from urushi.render.latents.holders import ConstantLatents, TexturedLatents
     from urushi.render.networks.decoder import UrushiDecoder
+    from urushi.render.networks.lobe import ANY_LOBE
     from urushi.textures import packing
     from urushi.textures.grid import IDENTITY, TexelGrid
     from urushi.textures.store import TextureStore
@@ -51,7 +52,7 @@ def evaluations(weights: str) -> dict[str, Callable[[], object]]:
         return lambda: latents.f(latents.vertex(si, mi.Bool(True)), si, wo, mi.Bool(True))
 
     cooperative = ConstantLatents(model, codes[0])
-    cooperative._decoder = UrushiDecoder(model, cooperative=True)
+    cooperative._decoder = UrushiDecoder(model, ANY_LOBE, cooperative=True)
     return {
         "constant codes": of(ConstantLatents(model, codes[0])),
         "textured codes": of(TexturedLatents(model, store, grid)),

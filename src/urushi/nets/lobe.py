@@ -23,15 +23,15 @@ LOBE_NUMBERS = ("alpha", "normal", "grazing", "exact", "eta", "k")
 NO_LOBE = (1.0, 0.0, 0.0, 0.0, 1.5, 0.0)
 
 #: Features of a lobe: mean and scale; see `lobe_features`.
-_FEATURE_MEANS = (-0.9, 0.22, 0.45, 0.47, 0.55, -1.5)
-_FEATURE_SCALES = (1.1, 0.3, 0.4, 0.4, 0.35, 1.5)
-LOBE_FEATURES = len(_FEATURE_MEANS)
+FEATURE_MEANS = (-0.9, 0.22, 0.45, 0.47, 0.55, -1.5)
+FEATURE_SCALES = (1.1, 0.3, 0.4, 0.4, 0.35, 1.5)
+LOBE_FEATURES = len(FEATURE_MEANS)
 
 #: Cosines at which `lobe_features` contains the reflectance.
-_COSINES = (1.0, 0.5, 0.2)
+COSINES = (1.0, 0.5, 0.2)
 
 #: Mean reflectance at which half of a lobe's width counts in `lobe_features`.
-_VISIBLE = 0.01
+VISIBLE = 0.01
 
 
 def reflectance(lobe: Any, cosine: Any) -> Any:
@@ -52,7 +52,8 @@ def fresnel(cosine: Any, eta: Any, k: Any) -> Any:
     xp = eta.__array_namespace__()
     cos2 = cosine * cosine
     sin2 = 1.0 - cos2
-    difference = eta * eta - k * k - sin2
+    # eta^2 - k^2 - sin2 without loss of digits at grazing angles
+    difference = ((eta - 1.0) * (eta + 1.0) - k * k) + cos2
     size = xp.sqrt(difference * difference + 4.0 * (eta * eta) * (k * k))
     a = xp.sqrt(0.5 * _positive(size + difference))
     first, second = size + cos2, 2.0 * a * cosine
@@ -109,15 +110,15 @@ def lobe_features(lobe: Any) -> Any:
     and the logarithm of their mean.
     """
     xp = lobe.__array_namespace__()
-    at = [reflectance(lobe, xp.asarray(c, dtype=lobe.real.dtype)) for c in _COSINES]
+    at = [reflectance(lobe, xp.asarray(c, dtype=lobe.real.dtype)) for c in COSINES]
     mean = (at[0] + at[1] + at[2]) * (1.0 / 3.0)
-    seen = mean / (mean + _VISIBLE)
+    seen = mean / (mean + VISIBLE)
     alpha = lobe[..., 0]
-    columns = [seen * xp.log(alpha), seen * alpha, *at, xp.log(mean + _VISIBLE)]
+    columns = [seen * xp.log(alpha), seen * alpha, *at, xp.log(mean + VISIBLE)]
     return xp.stack(
         [
             (column - offset) * (1.0 / scale)
-            for column, offset, scale in zip(columns, _FEATURE_MEANS, _FEATURE_SCALES, strict=True)
+            for column, offset, scale in zip(columns, FEATURE_MEANS, FEATURE_SCALES, strict=True)
         ],
         axis=-1,
     )

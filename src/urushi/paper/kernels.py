@@ -61,9 +61,9 @@ class PaperDecoder:
         """The latents themselves: the first layer is a small part of the work."""
         return latents
 
-    def code_terms_drjit(self, latent: Sequence) -> list:
-        """The latent itself."""
-        return list(latent)
+    def code_terms_drjit(self, latents: Sequence[Sequence]) -> list[list]:
+        """The latents themselves."""
+        return [list(latent) for latent in latents]
 
     def f_of_terms(self, terms: Sequence[Sequence], wi, wo) -> list:
         """f of each channel; terms: per channel a list (32) of Dr.Jit floats."""

@@ -140,15 +140,16 @@ def test_density_and_samples_of_a_mixture_agree_with_numpy(rgb):
 
 def test_cooperative_vectors_agree_with_constants_in_code(rgb, model):
     from urushi.render.networks.decoder import UrushiDecoder
+    from urushi.render.networks.lobe import ANY_LOBE
     from urushi.render.networks.sampler import UrushiSampler
 
     wi, wo = (vector(rgb, w) for w in pairs())
     z, values, mixtures = latents(3), [], []
     for cooperative in (False, True):
-        decoder = UrushiDecoder(model, cooperative)
+        decoder = UrushiDecoder(model, ANY_LOBE, cooperative)
         terms = [[rgb.Float(x) for x in channel] for channel in decoder.code_terms(z)]
         values.append(decoder.f_of_terms(terms, wi, wo))
-        sampler = UrushiSampler(model, cooperative)
+        sampler = UrushiSampler(model, ANY_LOBE, cooperative)
         first = [rgb.Float(x) for x in sampler.code_terms(z[0])]
         mixture = dr.switch(rgb.UInt32(0), [lambda c, s=sampler, t=first: flat(s, t, c)], wi.z)
         mixtures.append(mixture)

@@ -18,6 +18,7 @@ import numpy as np
 from urushi.material.material import Material
 from urushi.nets.weights import Model
 from urushi.render.latents.lookup import LatentTexture, are_constant
+from urushi.render.networks.lobe import ANY_LOBE, LobeKind, kind_of
 from urushi.render.networks.protocols import Proposal, decoder_and_sampler
 from urushi.render.recording import only_where
 from urushi.textures import file
@@ -46,9 +47,10 @@ class ConstantLatents:
     }  # for frozen functions
 
     def __init__(self, model: Model, latents: np.ndarray, anchors: np.ndarray | None = None):
-        """latents, anchors: (C, 32) float32, those of a `Material`."""
+        """latents, anchors: (C, size) float32, those of a `Material`."""
         self._material = Material(latents, model, latents if anchors is None else anchors)
-        self._decoder, self._sampler = decoder_and_sampler(model)
+        kind = kind_of_codes(latents[None]) if model.arch.lobe else ANY_LOBE
+        self._decoder, self._sampler = decoder_and_sampler(model, kind)
         self._decoder_terms = [_opaque(terms) for terms in self._decoder.code_terms(latents)]
         mean = self._material.anchors.mean(axis=0)
         self._sampler_terms = _opaque(self._sampler.code_terms(mean))
@@ -64,7 +66,7 @@ class ConstantLatents:
         return only_where(active, self._decoder.f_of_terms, vertex.decoder_terms, si.wi, wo)
 
     def at(self, uv: np.ndarray) -> np.ndarray:
-        """Latent codes (M, C, 32) at points uv (M, 2)."""
+        """Latent codes (M, C, size) at points uv (M, 2)."""
         latents = self._material.latents
         return np.broadcast_to(latents, (len(uv), *latents.shape))
 
@@ -113,7 +115,8 @@ class TexturedLatents:
         self._store, self._fingerprint = store, model.fingerprint
         self.grid, self.channels = grid, store.layout.channels
         self._size, self._bytes = store.layout.size, store.layout.texel_bytes
-        self._decoder, self._sampler = decoder_and_sampler(model)
+        self._kind = kind_of_codes(store.read(slice(None))) if model.arch.lobe else ANY_LOBE
+        self._decoder, self._sampler = decoder_and_sampler(model, self._kind)
         self._texture = LatentTexture(store, grid)
 
     def vertex(self, si, active) -> Vertex:
@@ -129,12 +132,11 @@ class TexturedLatents:
 
     def _vertex(self, cos_i, uv, *footprint) -> Vertex:
         latents = self._texture.look_up(uv, *footprint)
-        mean = [sum(values) * (1 / self.channels) for values in zip(*latents, strict=True)]
-        proposal = self._sampler.proposal(mean, cos_i)
-        return Vertex([self._decoder.code_terms_drjit(z) for z in latents], proposal)
+        proposal = self._sampler.proposal(self._kind.mean(latents), cos_i)
+        return Vertex(self._decoder.code_terms_drjit(latents), proposal)
 
     def at(self, uv: np.ndarray) -> np.ndarray:
-        """Latent codes (M, C, 32) at points uv (M, 2)."""
+        """Latent codes (M, C, size) at points uv (M, 2)."""
         return looked_up(self._texture.look_up, uv)
 
     @property
@@ -158,8 +160,15 @@ class TexturedLatents:
         )
 
 
+def kind_of_codes(codes: np.ndarray) -> LobeKind:
+    """What is known of the lobes of codes (T, C, size)."""
+    lobes = codes[..., :6]
+    same = (lobes == lobes[:, :1]).all(axis=(0, 1))
+    return kind_of(lobes.min(axis=(0, 1)), lobes.max(axis=(0, 1)), same)
+
+
 def looked_up(look_up: Callable[["mi.Point2f"], list[list]], uv: np.ndarray) -> np.ndarray:
-    """Codes (M, C, 32) at points uv (M, 2), from a look-up that returns lists of floats."""
+    """Codes (M, C, size) at points uv (M, 2), from a look-up that returns lists of floats."""
     latents = look_up(mi.Point2f(np.ascontiguousarray(uv.T, np.float32)))
     dr.eval(latents)
     channels = [np.stack([value.numpy() for value in z], axis=-1) for z in latents]
@@ -183,7 +192,7 @@ class DifferentiableConstant(ConstantLatents):
     DRJIT_STRUCT: ClassVar[dict] = ConstantLatents.DRJIT_STRUCT | {"_numbers": object}
 
     def __init__(self, model: Model, latents: "mi.TensorXf"):
-        """latents: (C, 32) or (1, C, 32)."""
+        """latents: (C, size) or (1, C, size)."""
         channels, self._size = latents.shape[-2:]
         super().__init__(model, dr.detach(latents).numpy().reshape(channels, self._size))
         self.tensor = latents
@@ -195,7 +204,7 @@ class DifferentiableConstant(ConstantLatents):
         return self._decoder.f(self.codes(si.uv), si.wi, wo)
 
     def codes(self, uv: "mi.Point2f") -> list[list]:
-        """Codes with gradients: of each channel a list (32) of Dr.Jit floats."""
+        """Codes with gradients: of each channel a list (size) of Dr.Jit floats."""
         # Gathered at every call: an argument of a nested call must be the result of an operation in
         # the outer call, or Dr.Jit loses its gradient.
         numbers = [dr.gather(mi.Float, self._numbers, i) for i in range(len(self._numbers))]
@@ -208,7 +217,7 @@ class DifferentiableTexture:
     DRJIT_STRUCT: ClassVar = {"_texture": object}  # for frozen functions
 
     def __init__(self, model: Model, latents: "mi.TensorXf", grid: TexelGrid):
-        """latents: (height, width, C, 32), of the grid's texels."""
+        """latents: (height, width, C, size), of the grid's texels."""
         height, width, self.channels, self._size = latents.shape
         self._decoder, self._sampler = decoder_and_sampler(model)
         self.grid = grid
@@ -228,16 +237,15 @@ class DifferentiableTexture:
         """The proposal for si.wi, without gradients of the codes."""
         with dr.suspend_grad():
             latents = self.codes(si.uv)
-        mean = [sum(values) * (1 / self.channels) for values in zip(*latents, strict=True)]
-        return Vertex([], self._sampler.proposal(mean, si.wi.z))
+        return Vertex([], self._sampler.proposal(ANY_LOBE.mean(latents), si.wi.z))
 
     def at(self, uv: np.ndarray) -> np.ndarray:
-        """Detached codes (M, C, 32) at points uv (M, 2)."""
+        """Detached codes (M, C, size) at points uv (M, 2)."""
         with dr.suspend_grad():
             return looked_up(self.codes, uv)
 
     def codes(self, uv: "mi.Point2f") -> list[list]:
-        """Codes with gradients at points uv: of each channel a list (32) of Dr.Jit floats."""
+        """Codes with gradients at points uv: of each channel a list (size) of Dr.Jit floats."""
         (a, b, c), (d, e, f) = self.grid.to_texture
         point = mi.Point2f(a * uv.x + b * uv.y + c, d * uv.x + e * uv.y + f)
         values = list(self._texture.eval(point))

@@ -9,46 +9,69 @@ from urushi.nets.architecture import SCALE
 from urushi.nets.decoder import MAX_LOG, MIN_LOG
 from urushi.nets.features import DIRECTION_TABLE, MIN_COSINE
 from urushi.nets.weights import Model
-from urushi.render.networks import mlp
+from urushi.render.networks import lobe, mlp
 from urushi.render.networks.cooperative import hidden_layers
+from urushi.render.networks.lobe import LobeKind
 from urushi.render.recording import compiled_once
 
 
 class UrushiDecoder:
-    """f [1/sr] of latent codes; see `protocols.Decoder`.
+    """f [1/sr] of latent codes: that of the lobe and the decoder's; see `protocols.Decoder`.
 
-    The terms of a code (1 + 2 width) are its gain, and the scales and the offsets of the first
-    layer's units.
+    The terms of a channel's code are the numbers of its lobe that `LobeKind.numbers` names, its
+    gain, and the scales and the offsets of the first layer's units.
     """
 
-    def __init__(self, model: Model, cooperative: bool | None = None):
-        """cooperative: see `cooperative.hidden_layers`."""
+    def __init__(self, model: Model, kind: LobeKind, cooperative: bool | None = None):
+        """kind: what is known of the codes' lobes. cooperative: see `cooperative.hidden_layers`."""
         params, activation = model.params, model.arch.activation
         self._hidden = hidden_layers(params, "decoder", activation, cooperative)
         weight = model.params["decoder.0.weight"]
-        numbers = model.arch.latent - 1  # the gain bypasses the network
+        self._lobe = model.arch.lobe
+        self._kind = kind
+        numbers = model.arch.latent - self._lobe - 1  # the gain bypasses the network
         self._offset, self._response = weight[:numbers], weight[numbers:]
         self._scale = model.params[SCALE]
         self._bias = model.params["decoder.0.bias"]
 
-    def code_terms(self, latents: np.ndarray) -> np.ndarray:
-        """Terms (..., 1 + 2 width) of latent codes (..., 32)."""
-        gain, z = latents[..., :1], latents[..., 1:]
-        return np.concatenate([gain, 1 + z @ self._scale, z @ self._offset + self._bias], axis=-1)
+    def code_terms(self, latents: np.ndarray) -> list[np.ndarray]:
+        """Terms (K,) of the code of each channel, from codes (C, size)."""
+        gain, z = latents[:, self._lobe, None], latents[:, self._lobe + 1 :]
+        rest = np.concatenate([gain, 1 + z @ self._scale, z @ self._offset + self._bias], axis=-1)
+        return [
+            np.concatenate([code[self._numbers(c)], terms])
+            for c, (code, terms) in enumerate(zip(latents, rest, strict=True))
+        ]
 
-    def code_terms_drjit(self, latent: Sequence) -> list:
-        """The same of one latent code: a list (1 + 2 width) from a list (32) of Dr.Jit floats."""
-        return [latent[0], *compiled_once(self._scales_and_offsets, *latent[1:])]
+    def code_terms_drjit(self, latents: Sequence[Sequence]) -> list[list]:
+        """The same of codes that are lists (size) of Dr.Jit floats, one for each channel."""
+        return [
+            [
+                *(z[i] for i in self._numbers(c)),
+                z[self._lobe],
+                *compiled_once(self._scales_and_offsets, *z[self._lobe + 1 :]),
+            ]
+            for c, z in enumerate(latents)
+        ]
 
     def f_of_terms(self, terms: Sequence[Sequence], wi, wo) -> list:
-        """f of each channel, from a list (1 + 2 width) of Dr.Jit floats for each."""
+        """f of each channel, from a list of Dr.Jit floats, its terms, for each."""
         # The response to the directions is the same for all channels.
         response = mlp.dense(direction_features(wi, wo), self._response, [0.0] * len(self._bias))
-        return [compiled_once(self._f, *channel, *response) for channel in terms]
+        count = 1 + 2 * len(self._bias)
+        rests = [compiled_once(self._f, *channel[-count:], *response) for channel in terms]
+        if not (self._lobe and self._kind.present):
+            return rests
+        lobes = self._kind.complete([channel[:-count] for channel in terms])
+        values = lobe.f(lobes, wi, wo, self._kind)
+        return [a + b for a, b in zip(values, rests, strict=True)]
 
     def f(self, latents: Sequence[Sequence], wi, wo) -> list:
-        """f of each channel, from a list (32) of Dr.Jit floats for each."""
-        return self.f_of_terms([self.code_terms_drjit(z) for z in latents], wi, wo)
+        """f of each channel, from a list (size) of Dr.Jit floats for each."""
+        return self.f_of_terms(self.code_terms_drjit(latents), wi, wo)
+
+    def _numbers(self, channel: int) -> list[int]:
+        return self._kind.numbers(channel) if self._lobe else []
 
     def _scales_and_offsets(self, *z):
         scales = mlp.dense(z, self._scale, [1.0] * len(self._bias))

@@ -13,6 +13,7 @@ import numpy as np
 from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
 from urushi.render.networks.decoder import UrushiDecoder
+from urushi.render.networks.lobe import ANY_LOBE, LobeKind
 from urushi.render.networks.sampler import UrushiSampler
 
 
@@ -29,30 +30,30 @@ class Proposal(Protocol):
 class Decoder(Protocol):
     """f [1/sr] from latent codes."""
 
-    def code_terms(self, latents: np.ndarray) -> np.ndarray:
-        """Terms (..., K) of latent codes (..., 32), by NumPy."""
+    def code_terms(self, latents: np.ndarray) -> Sequence[np.ndarray]:
+        """Terms (K,) of the latent code of each channel (C, size), by NumPy."""
 
-    def code_terms_drjit(self, latent: Sequence) -> list:
-        """The same of one latent code: a list (K) from a list (32) of Dr.Jit floats."""
+    def code_terms_drjit(self, latents: Sequence[Sequence]) -> list[list]:
+        """The same of codes that are lists (size) of Dr.Jit floats, one for each channel."""
 
     def f_of_terms(self, terms: Sequence[Sequence], wi, wo) -> list:
-        """f [1/sr] of each channel, from a list (K) of Dr.Jit floats for each."""
+        """f [1/sr] of each channel, from a list of Dr.Jit floats, its terms, for each."""
 
     def f(self, latents: Sequence[Sequence], wi, wo) -> list:
-        """f [1/sr] of each channel, from a list (32) of Dr.Jit floats for each."""
+        """f [1/sr] of each channel, from a list (size) of Dr.Jit floats for each."""
 
 
 class Sampler(Protocol):
     """Proposals from latent codes."""
 
     def code_terms(self, latent: np.ndarray) -> np.ndarray:
-        """Terms (K,) of a latent code (32,), by NumPy."""
+        """Terms (K,) of a latent code (size,), by NumPy."""
 
     def proposal_of_terms(self, terms: Sequence, cos_i) -> Proposal:
         """The proposal for wi of cosine cos_i, from a list (K) of Dr.Jit floats."""
 
     def proposal(self, latent: Sequence, cos_i) -> Proposal:
-        """The proposal for wi of cosine cos_i, from a list (32) of Dr.Jit floats."""
+        """The proposal for wi of cosine cos_i, from a list (size) of Dr.Jit floats."""
 
 
 class DrJitNetworks(Protocol):
@@ -62,8 +63,11 @@ class DrJitNetworks(Protocol):
         """Decoder and sampler in the current variant."""
 
 
-def decoder_and_sampler(model: Model) -> tuple[Decoder, Sampler]:
-    """A model's decoder and sampler in the current variant."""
+def decoder_and_sampler(model: Model, kind: LobeKind = ANY_LOBE) -> tuple[Decoder, Sampler]:
+    """A model's decoder and sampler in the current variant.
+
+    kind: what is known of the lobes of the codes that they are given.
+    """
     if isinstance(model.networks, UrushiNetworks):
-        return UrushiDecoder(model), UrushiSampler(model)
+        return UrushiDecoder(model, kind), UrushiSampler(model, kind)
     return cast(DrJitNetworks, model.networks).drjit(model)

@@ -1,0 +1,191 @@
+"""The analytic lobe in Dr.Jit: the counterpart of `nets.lobe`.
+
+Numbers of a lobe are lists of Dr.Jit floats in the order of `nets.lobe.LOBE_NUMBERS`. What is known
+of all lobes of a plugin when its code is recorded is a `LobeKind`: terms that vanish everywhere are
+left out, and channels share what is equal in them.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import drjit as dr
+import numpy as np
+
+from urushi.nets.lobe import (
+    COSINES,
+    FEATURE_MEANS,
+    FEATURE_SCALES,
+    VISIBLE,
+)
+
+
+class LobeKind(NamedTuple):
+    """What is known of the lobes of a plugin's codes, at all texels.
+
+    Attributes:
+        schlick: whether the factors normal and grazing may differ from zero.
+        exact: whether the factor of the exact term may differ from zero.
+        plain: whether that factor is one everywhere.
+        absorbing: whether k may differ from zero.
+        same_alpha: whether all channels have the same width.
+        same_reflectance: whether all channels have the same five other numbers.
+    """
+
+    schlick: bool = True
+    exact: bool = True
+    plain: bool = False
+    absorbing: bool = True
+    same_alpha: bool = False
+    same_reflectance: bool = False
+
+    @property
+    def present(self) -> bool:
+        """Whether any lobe reflects."""
+        return self.schlick or self.exact
+
+    def numbers(self, channel: int) -> list[int]:
+        """Places of the numbers that the lobe of a channel needs, less those of the first one."""
+        needed = {
+            0: self.present,
+            1: self.schlick,
+            2: self.schlick,
+            3: self.exact and not self.plain,
+            4: self.exact,
+            5: self.absorbing,
+        }
+        own = {0: not self.same_alpha} | dict.fromkeys(range(1, 6), not self.same_reflectance)
+        return [i for i in needed if needed[i] and (own[i] or channel == 0)]
+
+    def complete(self, lobes: Sequence[Sequence]) -> list[list]:
+        """The lobes (6) of all channels from the numbers that `numbers` names, None elsewhere."""
+        complete: list[list] = []
+        for channel, given in enumerate(lobes):
+            whole = [None] * 6 if channel == 0 else list(complete[0])
+            for place, value in zip(self.numbers(channel), given, strict=True):
+                whole[place] = value
+            complete.append(whole)
+        return complete
+
+    def mean(self, latents: Sequence[Sequence]) -> list:
+        """The mean over channels of codes that are lists of Dr.Jit floats."""
+        same = [self.same_alpha] + [self.same_reflectance] * 5
+        return [
+            values[0] if place < 6 and same[place] else sum(values) * (1 / len(values))
+            for place, values in enumerate(zip(*latents, strict=True))
+        ]
+
+
+#: Nothing is known.
+ANY_LOBE = LobeKind()
+
+
+def kind_of(lowest: np.ndarray, highest: np.ndarray, same: np.ndarray) -> LobeKind:
+    """The kind of lobes with numbers between lowest and highest (6,).
+
+    same: (6,) whether a number is the same in all channels.
+    """
+    _, normal, grazing, exact, _, k = np.maximum(abs(lowest), abs(highest)) > 0
+    return LobeKind(
+        schlick=bool(normal or grazing),
+        exact=bool(exact),
+        plain=bool(lowest[3] == 1 and highest[3] == 1),
+        absorbing=bool(exact and k),
+        same_alpha=bool(same[0]),
+        same_reflectance=bool(same[1:].all()),
+    )
+
+
+def f(lobes: Sequence[Sequence], wi, wo, kind: LobeKind) -> list:
+    """The BRDF [1/sr] of each channel's lobe (6); wi and wo are above the horizon.
+
+    Exchanging wi and wo gives the same bits.
+    """
+    h = wi + wo
+    cosine = dr.minimum(0.5 * dr.sqrt(dr.fma(h.x, h.x, dr.fma(h.y, h.y, h.z * h.z))), 1)
+    first = lobes[0]
+    shapes = [shape(lobe[0], wi, wo) for lobe in (lobes[:1] if kind.same_alpha else lobes)]
+    values = [
+        reflectance(lobe, cosine, kind) for lobe in ([first] if kind.same_reflectance else lobes)
+    ]
+    if kind.same_alpha and kind.same_reflectance:
+        return [shapes[0] * values[0]] * len(lobes)
+    count = len(lobes)
+    return [a * b for a, b in zip(_each(shapes, count), _each(values, count), strict=True)]
+
+
+def _each(values: list, count: int) -> list:
+    """One value for each of `count` channels."""
+    return values * count if len(values) == 1 else values
+
+
+def shape(alpha, wi, wo):
+    """The lobe [1/sr] for a reflectance of one, see `nets.lobe.shape`."""
+    alpha2 = alpha * alpha
+    x, y, z = wi.x + wo.x, wi.y + wo.y, wi.z + wo.z
+    across, z2 = x * x + y * y, z * z
+    rest = 1 - alpha2
+    masking = (wi.z + dr.sqrt(alpha2 + rest * (wi.z * wi.z))) * (
+        wo.z + dr.sqrt(alpha2 + rest * (wo.z * wo.z))
+    )
+    facing = across + alpha2 * z2 + 1e-18
+    ratio = (across + z2) / facing
+    return (alpha2 * dr.inv_pi) * (ratio * ratio) / masking
+
+
+def reflectance(lobe: Sequence, cosine, kind: LobeKind):
+    """F of a lobe (6) at a cosine to the facet's normal, see `nets.lobe.reflectance`."""
+    _, normal, grazing, factor, eta, k = lobe
+    value = 0
+    if kind.schlick:
+        away = 1 - cosine
+        away2 = away * away
+        fifth = away2 * away2 * away
+        value = normal * (1 - fifth) + grazing * fifth
+    if kind.exact:
+        exact = complex_fresnel(cosine, eta, k) if kind.absorbing else fresnel(cosine, eta)
+        value = value + (exact if kind.plain else factor * exact)
+    return value
+
+
+def fresnel(cosine, eta):
+    """Unpolarised reflectance of a smooth dielectric of index eta; eta < 1 reflects totally."""
+    cos2 = cosine * cosine
+    sin2 = 1 - cos2
+    inside = (eta - 1) * (eta + 1) + cos2  # eta^2 - sin2 without loss of digits at grazing angles
+    root = dr.sqrt(dr.select(inside > 0, inside, 0))
+    across = root * cosine
+    n1, d1 = root - cosine, root + cosine
+    n2, d2 = across - sin2, across + sin2
+    ratio = n1 / (d1 * d2 + 1e-12)
+    return 0.5 * (ratio * ratio) * (d2 * d2 + n2 * n2)
+
+
+def complex_fresnel(cosine, eta, k):
+    """Unpolarised reflectance of a smooth surface of index eta - i k (PBRT v3, 8.2.1)."""
+    cos2 = cosine * cosine
+    sin2 = 1 - cos2
+    eta2, k2 = eta * eta, k * k
+    difference = ((eta - 1) * (eta + 1) - k2) + cos2  # eta^2 - k^2 - sin2
+    size = dr.sqrt(difference * difference + 4 * eta2 * k2)
+    a = dr.sqrt(dr.maximum(0.5 * (size + difference), 0))
+    first, second = size + cos2, 2 * a * cosine
+    third, fourth = cos2 * size + sin2 * sin2, second * sin2
+    perpendicular = (first - second) / (first + second)
+    ratio = (third - fourth + 1e-12) / (third + fourth + 1e-12)
+    return 0.5 * perpendicular * (1 + ratio)
+
+
+def lobe_features(lobe: Sequence, kind: LobeKind) -> list:
+    """The six features of a lobe (6), see `nets.lobe.lobe_features`."""
+    alpha = lobe[0]
+    if kind.present:
+        at = [reflectance(lobe, cosine, kind) for cosine in COSINES]
+        mean = (at[0] + at[1] + at[2]) * (1 / 3)
+        seen = mean / (mean + VISIBLE)
+        columns = [seen * dr.log(alpha), seen * alpha, *at, dr.log(mean + VISIBLE)]
+    else:
+        columns = [type(alpha)(0)] * 5 + [type(alpha)(float(np.log(VISIBLE)))]
+    return [
+        (column - offset) * (1 / scale)
+        for column, offset, scale in zip(columns, FEATURE_MEANS, FEATURE_SCALES, strict=True)
+    ]
