@@ -24,7 +24,7 @@ from urushi.material.material import Material
 from urushi.material.symmetry import Deviations, Source, symmetrise
 from urushi.measured import Merl, Rgl
 from urushi.nets import lobe as lobes
-from urushi.nets.lobe_fit import fit_lobes
+from urushi.nets.interface_fit import find_lobes
 from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model, Weights, find, has_lobes
 from urushi.parallel import fill_blocks
@@ -209,7 +209,7 @@ def _lobes_of_channels(model: Model, f: np.ndarray, lobe: np.ndarray | None) -> 
     if not has_lobes(model):
         return None
     if lobe is None:
-        return fit_lobes(f)
+        return find_lobes(f)
     return np.broadcast_to(np.asarray(lobe, np.float32), (len(f), lobe.shape[-1]))
 
 

@@ -88,7 +88,7 @@ class UrushiNetworks(NamedTuple):
     def encode(self, f: Any, lobe: Any = None) -> Any:
         """Codes (..., L) of values f (..., P) [1/sr] at the probe pairs.
 
-        lobe: (..., 6) the lobes of these BRDFs, if known; None: they are fitted to the values. Only
+        lobe: (..., 6) the lobes of these BRDFs, if known; None: those of `fit_lobes`. Only
         for networks whose codes have a lobe.
         """
         if not self.arch.lobe:
