@@ -3,7 +3,10 @@
 import numpy as np
 import pytest
 
-from urushi.nets import derivatives, encoder, layerer
+from urushi.geometry.probe_pairs import probe_pairs
+from urushi.nets import derivatives, encoder, layerer, lobe
+from urushi.nets.lobe_fit import fit_lobes
+from urushi.nets.lobe_fit_slopes import fit_slopes
 
 ROWS = 40
 
@@ -94,3 +97,118 @@ def test_white_media_and_black_brdfs_have_finite_derivatives(double, rng):
     gradient = derivatives.encode_pullback(params, arch, np.zeros((1, 192)), np.ones((1, 32)))
     assert np.isfinite(gradient).all()
     assert gradient.any()
+
+
+@pytest.fixture(scope="module")
+def lobed_double(lobed):
+    arch, params = lobed
+    return {name: value.astype(np.float64) for name, value in params.items()}, arch
+
+
+def lobed_layer_inputs(lobed_codes, rng):
+    """Codes of bottoms with all kinds of lobes, coats of any index, and changes of both."""
+    z, coat = lobed_codes(ROWS, rng), coats(rng)
+    z[:, 5] += np.where(z[:, 5] > 0, 0.1, 0)  # k is one-sided at zero
+    coat[:, 1] = rng.uniform(0.55, 2.9, ROWS)
+    dz, dcoat = rng.normal(size=z.shape), rng.normal(size=(ROWS, 5))
+    dz[:, 0] *= 1e-2
+    dz[:, 5] *= z[:, 5] > 0
+    dcoat[:, 3] *= coat[:, 3] > 0.01
+    return z, coat, dz, dcoat
+
+
+def test_lobed_layer_forward_against_differences(lobed_double, lobed_codes, rng):
+    params, arch = lobed_double
+    z, coat, dz, dcoat = lobed_layer_inputs(lobed_codes, rng)
+    step = 1e-7
+    upper, lower = (
+        layered(params, arch, z + way * step * dz, coat + way * step * dcoat) for way in (1, -1)
+    )
+    actual = derivatives.layer_pushforward(params, arch, z, coat, dz, dcoat)
+    np.testing.assert_allclose(
+        actual, (upper - lower) / (2 * step), rtol=1e-4, atol=1e-5 * np.abs(actual).max()
+    )
+    np.testing.assert_array_equal(actual[:, [0, 4]], dcoat[:, :2])
+
+
+def test_lobed_layer_backward_is_the_transpose(lobed_double, lobed_codes, rng):
+    params, arch = lobed_double
+    z, coat, dz, dcoat = lobed_layer_inputs(lobed_codes, rng)
+    u = rng.normal(size=z.shape)
+    of_z, of_coat = derivatives.layer_pullback(params, arch, z, coat, u)
+    forward = (u * derivatives.layer_pushforward(params, arch, z, coat, dz, dcoat)).sum(axis=-1)
+    backward = (of_z * dz).sum(axis=-1) + (of_coat * dcoat).sum(axis=-1)
+    np.testing.assert_allclose(forward, backward, rtol=1e-9, atol=1e-9)
+
+
+def glossy(rng, count, alpha=(0.05, 0.6)):
+    """Values (N, 192) of diffuse surfaces under one lobe, and what a share more of it adds.
+
+    The change is that of ln alpha, of both factors and of the diffuse term, by random amounts.
+    """
+    width = rng.uniform(*alpha, count)[:, None]
+    factors, diffuse = rng.uniform(0.05, 0.6, (2, count, 1)), rng.uniform(0.05, 0.5, (count, 1))
+    rates = rng.normal(size=(4, count, 1))
+    pairs = [w.astype(np.float64) for w in probe_pairs(192)]
+    fifth = (1 - lobe.cosine_to_facet(*pairs)) ** 5
+
+    def f(t):
+        normal, grazing = (x * (1 + t * r) for x, r in zip(factors, rates[1:3], strict=True))
+        shape = lobe.shape(width * np.exp(t * rates[0]), *pairs)
+        lambert = diffuse * (1 + t * rates[3]) / np.pi
+        return shape * (normal * (1 - fifth) + grazing * fifth) + lambert
+
+    numbers = np.concatenate([width, *factors], axis=-1)
+    rate = np.concatenate([width * rates[0], factors[0] * rates[1], factors[1] * rates[2]], axis=-1)
+    return f(0.0), (f(1e-6) - f(-1e-6)) / 2e-6, numbers, rate
+
+
+def test_fitted_lobes_follow_the_values(rng):
+    """Of BRDFs that are one lobe over a diffuse surface, the fitted numbers are exact."""
+    f, df, numbers, rate = glossy(rng, 30)
+    lobes = np.tile(np.array(lobe.NO_LOBE), (30, 1))
+    lobes[:, :3] = numbers
+    found = (fit_slopes(f, lobes) @ df[..., None])[..., 0]
+    np.testing.assert_allclose(found, rate, rtol=1e-3, atol=1e-3)
+
+
+def test_slopes_of_fitted_lobes_against_fits(rng):
+    """Of values with deviations of 3 %, for which no lobe is exact.
+
+    The fit ends after some steps, and its function has kinks: medians agree, not every row.
+    """
+    f, df, _, _ = glossy(rng, 60)
+    f = f * np.exp(0.03 * rng.normal(size=f.shape))
+    step = 1e-2
+    change = (fit_lobes(f + step * df) - fit_lobes(f - step * df))[:, :3] / (2 * step)
+    found = (fit_slopes(f, fit_lobes(f)) @ df[..., None])[..., 0]
+    error = np.abs(found - change) / (np.abs(change) + 0.02)
+    assert (np.median(error, axis=0) < 0.05).all()
+    assert (np.quantile(error, 0.8, axis=0) < 0.3).all()
+
+
+def test_surfaces_without_a_lobe_have_finite_slopes(rng):
+    f = np.stack([np.zeros(192), np.full(192, 0.1), rng.random(192)])
+    assert np.isfinite(fit_slopes(f, fit_lobes(f))).all()
+
+
+def test_lobed_encoder_against_differences(lobed_double, rng):
+    """A lobe whose fit is exact over a coloured rest; the encoder sees the rest alone."""
+    params, arch = lobed_double
+    f, df, numbers, rate = glossy(rng, 20)
+    lobes, step = np.tile(np.array(lobe.NO_LOBE), (20, 1)), 1e-6
+    lobes[:, :3] = numbers
+    pairs = probe_pairs(192)
+
+    def codes(t):
+        moved = np.array(lobes)
+        moved[:, :3] += t * rate
+        rest = f + t * df - lobe.f(moved[:, None], *pairs)
+        return np.concatenate([moved, encoder.encode(params, arch, rest)], axis=-1)
+
+    actual = derivatives.encode_pushforward(params, arch, f, df, lobes)
+    expected = (codes(step) - codes(-step)) / (2 * step)
+    np.testing.assert_allclose(actual, expected, rtol=1e-2, atol=2e-3 * np.abs(expected).max())
+    u = rng.normal(size=actual.shape)
+    backward = (derivatives.encode_pullback(params, arch, f, u, lobes) * df).sum(axis=-1)
+    np.testing.assert_allclose((u * actual).sum(axis=-1), backward, rtol=1e-7, atol=1e-7)

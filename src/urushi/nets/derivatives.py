@@ -6,14 +6,18 @@ of the outputs by its transpose. These two cost about as much as the network its
 costs that times the number of outputs.
 """
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from urushi.geometry.probe_pairs import probe_pairs
+from urushi.nets import lobe as lobes
 from urushi.nets.architecture import SCALE, Architecture
 from urushi.nets.decoder import MAX_LOG, MIN_LOG, first_layer
 from urushi.nets.encoder import OFFSET, log_values, normalised
-from urushi.nets.features import coat_features
+from urushi.nets.features import coat_features, coat_inputs
+from urushi.nets.lobe import LOBE_FEATURES
+from urushi.nets.lobe_fit_slopes import FITTED, fit_slopes
 from urushi.nets.mlp import Params, hidden_to_output, linear, product, split_linear, with_slope
 
 #: Least 1 - albedo at which the derivative with respect to albedo is taken: at albedo = 1 it is
@@ -23,6 +27,9 @@ MIN_ABSORPTION = 1e-4
 #: Step along the imaginary axis. No difference is formed, so that the step can be arbitrarily
 #: small (Squire and Trapp 1998).
 _STEP = 1e-20
+
+#: Places of alpha and eta of a coat among the numbers of its lobe.
+_OF_COAT = (0, 4)
 
 
 def decode_log(params: Params, arch: Architecture, z: Any, features: Any) -> tuple[Any, Any]:
@@ -57,70 +64,184 @@ def encode_log(params: Params, arch: Architecture, logs: Any) -> tuple[Any, Any]
     return z, product(gradient, params["encoder.0.weight"].T) / params["encoder.input_scale"]
 
 
-def encode_pushforward(params: Params, arch: Architecture, f: Any, df: Any) -> Any:
-    """Return the change (N, 32) of `encoder.encode` for a change df (N, P) of f (N, P)."""
+def encode_pushforward(
+    params: Params, arch: Architecture, f: Any, df: Any, lobe: Any = None
+) -> Any:
+    """Return the change (N, L) of the encoder's codes for a change df (N, P) of f (N, P).
+
+    lobe (N, 6): the lobes that were fitted to f, for networks whose codes have one. They change
+    with f, and the encoder sees what they leave of it.
+    """
+    if not arch.lobe:
+        return _encode_pushforward(params, arch, f, df)
+    slopes = fit_slopes(f, lobe)
+    dlobe = (slopes @ df[..., None])[..., 0]
+    top, columns = _top_at_probes(lobe, f.shape[-1])
+    change = np.where(f > top, df - (columns * dlobe[..., None]).sum(axis=1), 0)
+    rest = np.maximum(f - top, 0)
+    dz = _encode_pushforward(params, arch, rest, change.astype(f.dtype))
+    return np.concatenate([_all_numbers(dlobe), dz], axis=-1).astype(f.dtype)
+
+
+def encode_pullback(params: Params, arch: Architecture, f: Any, dz: Any, lobe: Any = None) -> Any:
+    """Return the gradient (N, P) by f (N, P) of the sum of the codes weighted by dz (N, L).
+
+    lobe: as of `encode_pushforward`.
+    """
+    if not arch.lobe:
+        return _encode_pullback(params, arch, f, dz)
+    top, columns = _top_at_probes(lobe, f.shape[-1])
+    of_rest = _encode_pullback(params, arch, np.maximum(f - top, 0), dz[:, arch.lobe :])
+    of_rest = np.where(f > top, of_rest, 0)
+    of_lobe = dz[:, FITTED] - (columns @ of_rest[..., None])[..., 0]
+    through = (of_lobe[:, None] @ fit_slopes(f, lobe))[:, 0]
+    return (of_rest + through).astype(f.dtype)
+
+
+def _encode_pushforward(params: Params, arch: Architecture, f: Any, df: Any) -> Any:
+    """The change of `encoder.encode`."""
     first, factor = _encoder_first(params, f)
     change = product(df * factor, params["encoder.0.weight"])
     return _pushforward(params, "encoder", first, change, arch.activation)
 
 
-def encode_pullback(params: Params, arch: Architecture, f: Any, dz: Any) -> Any:
-    """Return the gradient (N, P) by f (N, P) of the sum of the codes weighted by dz (N, 32)."""
+def _encode_pullback(params: Params, arch: Architecture, f: Any, dz: Any) -> Any:
+    """The gradient of `encoder.encode`."""
     first, factor = _encoder_first(params, f)
     gradient = _pullback(params, "encoder", first, dz, arch.activation)
     return product(gradient, params["encoder.0.weight"].T) * factor
 
 
+def _top_at_probes(lobe: Any, probes: int) -> tuple[Any, Any]:
+    """f (N, P) of lobes (N, 6) at the probe pairs, and its derivatives (N, 3, P) by `FITTED`."""
+    wi, wo = probe_pairs(probes)
+    columns = []
+    for number in FITTED:
+        stepped = lobe.astype(np.complex128)
+        stepped[:, number] += _STEP * 1j
+        columns.append(lobes.f(stepped[:, None], wi, wo).imag / _STEP)
+    return lobes.f(lobe[:, None], wi, wo), np.stack(columns, axis=1)
+
+
+def _all_numbers(fitted: Any) -> Any:
+    """Changes (N, 6) of lobes from those (N, 3) of the `FITTED` numbers."""
+    changes = np.zeros((len(fitted), len(lobes.LOBE_NUMBERS)))
+    changes[:, FITTED] = fitted
+    return changes
+
+
+class _LayererInputs(NamedTuple):
+    """Inputs of the layerer's network, and their derivatives.
+
+    Attributes:
+        own: (N, K) what it sees of the bottom; coat: (N, F) of the coat.
+        of_bottom: (N, K, L) derivatives of `own`; None: it is the bottom's code.
+        of_coat: (N, F, 5) derivatives of `coat`.
+        presence: (N, 1) the factor on its output; of_presence: (N, 1, 5) its derivatives.
+    """
+
+    own: Any
+    coat: Any
+    of_bottom: Any
+    of_coat: Any
+    presence: Any
+    of_presence: Any
+
+
+def _layerer_inputs(arch: Architecture, z: Any, coat: Any) -> _LayererInputs:
+    features, slopes = coat_slopes(coat, bool(arch.lobe))
+    if not arch.lobe:
+        return _LayererInputs(
+            z, features[:, :-1], None, slopes[:, :-1], features[:, -1:], slopes[:, -1:]
+        )
+    rest = arch.latent - arch.lobe
+    lobe_features, of_lobe = lobe_slopes(z[:, : arch.lobe])
+    of_bottom = np.zeros((len(z), rest + LOBE_FEATURES, arch.latent), z.dtype)
+    of_bottom[:, :rest, arch.lobe :] = np.eye(rest)
+    of_bottom[:, rest:, : arch.lobe] = of_lobe
+    one, none = np.ones((len(z), 1), z.dtype), np.zeros((len(z), 1, coat.shape[-1]), z.dtype)
+    own = np.concatenate([z[:, arch.lobe :], lobe_features], axis=-1)
+    return _LayererInputs(own, features, of_bottom, slopes, one, none)
+
+
 def layer_pushforward(
     params: Params, arch: Architecture, z: Any, coat: Any, dz: Any, dcoat: Any
 ) -> Any:
-    """Return the change (N, 32) of `layerer.layer` for changes of bottoms and coats.
+    """Return the change (N, L) of `layerer.layer` for changes of bottoms and coats.
 
     Args:
         params, arch: the networks.
-        z: (N, 32) codes of the bottoms.
+        z: (N, L) codes of the bottoms.
         coat: (N, 5) alpha, eta, albedo, sigma_t, g.
         dz, dcoat: changes of z and coat.
     """
-    features, slopes = coat_slopes(coat)
-    change = (slopes @ dcoat[..., None])[..., 0]
-    weight, rows = params["layerer.0.weight"], z.shape[-1]
-    first = split_linear(params, "layerer.0", z, features[:, :-1])
-    dfirst = product(dz, weight[:rows]) + product(change[:, :-1], weight[rows:])
+    inputs = _layerer_inputs(arch, z, coat)
+    down = dz if inputs.of_bottom is None else (inputs.of_bottom @ dz[..., None])[..., 0]
+    dcoat = dcoat[..., None]
+    weight, rows = params["layerer.0.weight"], inputs.own.shape[-1]
+    first = split_linear(params, "layerer.0", inputs.own, inputs.coat)
+    dfirst = product(down, weight[:rows]) + product((inputs.of_coat @ dcoat)[..., 0], weight[rows:])
     output = hidden_to_output(params, "layerer", first, arch.activation)
     doutput = _pushforward(params, "layerer", first, dfirst, arch.activation)
-    return dz + features[:, -1:] * doutput + change[:, -1:] * output
+    change = inputs.presence * doutput + (inputs.of_presence @ dcoat)[..., 0] * output
+    change += dz[:, arch.lobe :]
+    if not arch.lobe:
+        return change
+    top = np.zeros_like(dz[:, : arch.lobe])
+    top[:, _OF_COAT] = dcoat[:, :2, 0]
+    return np.concatenate([top, change], axis=-1)
 
 
 def layer_pullback(
     params: Params, arch: Architecture, z: Any, coat: Any, dz: Any
 ) -> tuple[Any, Any]:
-    """Return gradients (N, 32) and (N, 5) with respect to the bottoms' codes and the coats.
+    """Return gradients (N, L) and (N, 5) with respect to the bottoms' codes and the coats.
 
-    They are the gradients of the sum of the coated codes weighted by dz (N, 32). z and coat are
+    They are the gradients of the sum of the coated codes weighted by dz (N, L). z and coat are
     those of `layer_pushforward`.
     """
-    features, slopes = coat_slopes(coat)
-    weight, rows = params["layerer.0.weight"], z.shape[-1]
-    first = split_linear(params, "layerer.0", z, features[:, :-1])
+    inputs = _layerer_inputs(arch, z, coat)
+    weight, rows = params["layerer.0.weight"], inputs.own.shape[-1]
+    first = split_linear(params, "layerer.0", inputs.own, inputs.coat)
     output = hidden_to_output(params, "layerer", first, arch.activation)
-    dfirst = _pullback(params, "layerer", first, features[:, -1:] * dz, arch.activation)
-    dinputs = product(dfirst, weight[rows:].T)
-    dpresence = (output * dz).sum(axis=-1, keepdims=True)
-    dfeatures = np.concatenate([dinputs, dpresence], axis=-1)
-    return dz + product(dfirst, weight[:rows].T), (dfeatures[:, None] @ slopes)[:, 0]
+    of_rest = dz[:, arch.lobe :]
+    dfirst = _pullback(params, "layerer", first, inputs.presence * of_rest, arch.activation)
+    of_own, of_coat = product(dfirst, weight[:rows].T), product(dfirst, weight[rows:].T)
+    of_coat = (of_coat[:, None] @ inputs.of_coat)[:, 0]
+    of_coat += (output * of_rest).sum(axis=-1, keepdims=True) * inputs.of_presence[:, 0]
+    if inputs.of_bottom is None:
+        return of_rest + of_own, of_coat
+    of_bottom = (of_own[:, None] @ inputs.of_bottom)[:, 0]
+    of_bottom[:, arch.lobe :] += of_rest
+    of_coat[:, :2] += dz[:, _OF_COAT]
+    return of_bottom, of_coat
 
 
-def coat_slopes(coat: Any) -> tuple[Any, Any]:
-    """Return `features.coat_features` (N, 17) of coats (N, 5), and derivatives (N, 17, 5)."""
+def coat_slopes(coat: Any, lobed: bool = False) -> tuple[Any, Any]:
+    """Return the features (N, F) of coats (N, 5), and their derivatives (N, F, 5).
+
+    lobed: whether the features are `features.coat_inputs`, else `features.coat_features`.
+    """
+    function = coat_inputs if lobed else coat_features
     columns = list(coat.astype(np.float64).T)
-    features = coat_features(*columns).astype(coat.dtype)
+    features = function(*columns).astype(coat.dtype)
     columns[2] = np.minimum(columns[2], 1 - MIN_ABSORPTION)
     slopes = np.empty((*features.shape, len(columns)), coat.dtype)
     for index, column in enumerate(columns):
         stepped = [*columns[:index], column + _STEP * 1j, *columns[index + 1 :]]
-        slopes[..., index] = coat_features(*stepped).imag / _STEP
+        slopes[..., index] = function(*stepped).imag / _STEP
     return features, slopes
+
+
+def lobe_slopes(lobe: Any) -> tuple[Any, Any]:
+    """Return `lobe.lobe_features` (N, 6) of lobes (N, 6), and their derivatives (N, 6, 6)."""
+    numbers = lobe.astype(np.float64)
+    columns = [
+        lobes.lobe_features(numbers + _STEP * 1j * step).imag / _STEP
+        for step in np.eye(lobe.shape[-1])
+    ]
+    slopes = np.stack(columns, axis=-1).astype(lobe.dtype)
+    return lobes.lobe_features(numbers).astype(lobe.dtype), slopes
 
 
 def _encoder_first(params: Params, f: Any) -> tuple[Any, Any]:
