@@ -73,7 +73,8 @@ def examine(source: Any, material: Material) -> Examination:
     source = _opened(source)
     rng = np.random.default_rng(1)
     wi, wo = cosine_pairs(rng, E_PAIRS)
-    truth, deviations, _ = evaluate_source(source, wi, wo)
+    found = evaluate_source(source, wi, wo)
+    truth, deviations = found.values, found.deviations
     weight = energy_weight(wi[:, 2], wo[:, 2])[:, None]
     energy = (truth * weight).sum(0, dtype=np.float64)
     error = (np.abs(material.f(wi, wo) - truth) * weight).sum(0, dtype=np.float64)

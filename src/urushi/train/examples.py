@@ -251,15 +251,14 @@ class Batches:
             arrays = self._take(coats, step * count, steps * count)
             parts.append([array.reshape(steps, count, *array.shape[1:]) for array in arrays])
         levels = len(self._depths) - 1
-        lowest, probes, _, features, top, f = (
-            np.concatenate(arrays, axis=1) if k != 2 else None
-            for k, arrays in enumerate(zip(*parts, strict=True))
+        lowest, probes, features, top, f = (
+            np.concatenate([part[k] for part in parts], axis=1) for k in (0, 1, 3, 4, 5)
         )
-        coats = tuple(
+        layered = tuple(
             np.concatenate([part[2][:, :, -1 - k] for part in parts[: levels - k]], axis=1)
             for k in range(levels)
         )
-        return Batch(lowest, probes, coats, features, top, f)
+        return Batch(lowest, probes, layered, features, top, f)
 
     def _take(self, coats: int, start: int, count: int) -> list[np.ndarray]:
         """Lobes, probes, coats, features, top and f of consecutive items of a sequence."""

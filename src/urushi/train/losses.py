@@ -36,7 +36,7 @@ LARGEST_CODE = 20.0
 _PERIOD = 4
 
 
-def error_scale(f_hat: jax.Array) -> jax.Array:
+def error_scale(f_hat: Any) -> jax.Array:
     """Divisors (S, P) of errors: the prediction plus a floor, constant to the gradient.
 
     The gradient is linear in f, so the minimum lies at the mean of a noisy f, and Monte Carlo
@@ -58,7 +58,7 @@ def huber(error: jax.Array) -> tuple[jax.Array, jax.Array]:
     return jnp.where(size < KNEE, error * error, KNEE * (2 * size - KNEE)), weight
 
 
-def squared_errors(f_hat: jax.Array, f: Any) -> jax.Array:
+def squared_errors(f_hat: Any, f: Any) -> jax.Array:
     """Squared relative errors (S, P), linear beyond `KNEE`."""
     return huber((f_hat - f) / error_scale(f_hat))[0]
 
@@ -77,7 +77,7 @@ def stack_weights(squares: jax.Array) -> jax.Array:
     return jnp.broadcast_to(weight, halves.shape).reshape(squares.shape)
 
 
-def stack_loss(f_hat: jax.Array, f: Any) -> jax.Array:
+def stack_loss(f_hat: Any, f: Any) -> jax.Array:
     """Mean over stacks of about the root of their mean squared relative error.
 
     Args:

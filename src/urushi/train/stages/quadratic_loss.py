@@ -115,8 +115,8 @@ def measure_quadratic_losses(
     for first in tqdm(range(0, len(examples.f), _BLOCK), desc="quadratic losses", disable=None):
         items = slice(first, first + _BLOCK)
         stack = examples.stack[items]
-        values = examples.features[items], examples.top[items], examples.f[items]
-        sums = expansions(z[stack], *values, stack - stack[0])
+        of_items = examples.features[items], examples.top[items], examples.f[items]
+        sums = expansions(z[stack], *of_items, stack - stack[0])
         rows = slice(stack[0], stack[-1] + 1)
         for total, part in zip((slope, curvature), sums, strict=True):
             total[rows] += np.asarray(part)[: len(total[rows])]
