@@ -8,6 +8,7 @@ import safetensors.numpy
 
 from urushi.errors import FileError
 from urushi.material import Material, encode, load
+from urushi.material.file import FORMAT_VERSION
 from urushi.nets import weights
 from urushi.reference import conductor
 
@@ -74,7 +75,7 @@ def test_truncated_files_are_refused(size, material, model, tmp_path):
 )
 def test_damaged_files_are_refused(arrays, model, tmp_path):
     path = tmp_path / "a.safetensors"
-    text = json.dumps({"kind": "material", "version": 1, "weights": model.fingerprint})
+    text = json.dumps({"kind": "material", "version": FORMAT_VERSION, "weights": model.fingerprint})
     path.write_bytes(safetensors.numpy.save(arrays, {"urushi": text}))
     with pytest.raises(FileError, match="is damaged"):
         load(path, model)
@@ -82,9 +83,11 @@ def test_damaged_files_are_refused(arrays, model, tmp_path):
 
 def test_files_of_another_version_are_refused(material, model, tmp_path):
     path = tmp_path / "a.safetensors"
-    text = json.dumps({"kind": "material", "version": 2, "weights": model.fingerprint})
+    text = json.dumps(
+        {"kind": "material", "version": FORMAT_VERSION + 1, "weights": model.fingerprint}
+    )
     path.write_bytes(safetensors.numpy.save({"latents": material.latents}, {"urushi": text}))
-    with pytest.raises(FileError, match="version 2"):
+    with pytest.raises(FileError, match=f"version {FORMAT_VERSION + 1}"):
         load(path, model)
 
 
