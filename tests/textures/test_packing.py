@@ -63,6 +63,34 @@ def test_a_constant_number_is_exact(model, codes):
     np.testing.assert_array_equal(stored(model, codes, 7, 5).read(slice(None))[..., 4], 0.5)
 
 
+def test_numbers_that_are_known_take_fewer_bytes(model, codes):
+    size = model.arch.latent
+    codes[..., : size // 2] = codes[:, :1, : size // 2]
+    codes[..., -4:] = [1, 0, 2, -3]
+    store = stored(model, codes, 7, 5)
+    layout = store.layout
+    assert layout.constant[-4:].all() and not layout.constant[:-4].any()
+    general = packing.texel_layout(model, 3)
+    smaller = layout.texel_bytes < general.texel_bytes
+    assert smaller or layout.levels.sum() > general.levels.sum()
+    read = store.read(slice(None))
+    np.testing.assert_allclose(read[..., -4:], codes[..., -4:])
+    assert (np.abs(read - codes) <= 0.5 * store.packed.step + 1e-3 * np.abs(codes)).all()
+
+
+def test_known_numbers_may_change(model, codes):
+    """A number that was constant, or the same in all channels, is then stored like the others."""
+    before = codes.copy()
+    before[...] = codes[:, :1]
+    before[..., 0] = 0.5
+    for again in (codes, before):
+        store = stored(model, before, 7, 5)
+        with store.writing() as write:
+            write(np.arange(35), again)
+        error = np.abs(store.read(slice(None)) - again)
+        assert (error <= store.packed.step + 1e-3 * np.abs(codes)).all()
+
+
 def test_overwritten_rows_are_the_new_ones_and_others_stay(model, codes):
     store = stored(model, codes, 7, 5)
     before = store.read(slice(None))

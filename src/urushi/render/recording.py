@@ -35,6 +35,18 @@ def only_where(active, function: Callable, *args):
     return _nested_like(results[0], iter(values))
 
 
+def signature(states: Sequence[int]) -> list:
+    """Dr.Jit variables whose types encode small numbers, one each.
+
+    A plugin that lists them among its variables lets frozen functions record again where its code
+    changes: Dr.Jit compares the types of variables, but neither Python's values nor scalars.
+    """
+    kinds = (mi.Float, mi.UInt32, mi.Int32, mi.UInt64, mi.Int64)
+    variables = [kinds[state](0) for state in states]
+    dr.make_opaque(variables)
+    return variables
+
+
 def _flat(nested: Any) -> list:
     """The Dr.Jit floats of nested lists and named tuples."""
     if isinstance(nested, list | tuple):

@@ -15,8 +15,9 @@ from urushi.textures.grid import WRAPS, TexelGrid
 from urushi.textures.packing import PackedTexels, TexelLayout
 from urushi.textures.store import TextureStore
 
-#: Files of version 1 have no entry `levels`; they hold all levels of the mip pyramid.
-KIND, FORMAT_VERSION = "texture", 2
+#: Files of version 1 have no entry `levels`; they hold all levels of the mip pyramid. Those of
+#: versions 1 and 2 hold every number of every channel.
+KIND, FORMAT_VERSION = "texture", 3
 
 
 def write(path: str | os.PathLike, store: TextureStore, grid: TexelGrid, fingerprint: str) -> None:
@@ -46,10 +47,10 @@ def read(path: str | os.PathLike, models: Sequence[Model]) -> tuple[TextureStore
         FileError: missing, truncated, foreign, damaged, or made with other networks.
     """
     description, arrays = files.read_tensors(path, KIND)
-    if description.get("version") not in (1, FORMAT_VERSION):
+    if description.get("version") not in (1, 2, FORMAT_VERSION):
         raise FileError(
             f"'{path}' has version {description.get('version')!r} of the texture format, "
-            f"this Urushi reads versions 1 and {FORMAT_VERSION}; install the Urushi that wrote it"
+            f"this Urushi reads versions 1 to {FORMAT_VERSION}; install the Urushi that wrote it"
         )
     model = matching_weights(path, description.get("weights"), models)
     try:
@@ -63,14 +64,13 @@ def read(path: str | os.PathLike, models: Sequence[Model]) -> tuple[TextureStore
 def _store(
     description: dict[str, Any], arrays: dict[str, np.ndarray], model: Model
 ) -> TextureStore:
-    entries = description["layout"]
-    layout = TexelLayout(**{**entries, "low": tuple(int(byte) for byte in entries["low"])})
+    layout = _layout(description["layout"])
     size, count = model.arch.latent, layout.texel_bytes
-    places = [byte for byte in layout.low if byte >= 0]
-    fits = 0 < layout.channels * layout.stride <= count and count % 4 == 0
-    if not fits or (layout.size, len(layout.low)) != (size, size):
+    fits = 0 <= layout.used_bytes <= count and count % 4 == 0
+    lengths = {len(layout.high), len(layout.low), len(layout.same), layout.size}
+    if not fits or lengths != {size}:
         raise ValueError("its layout is not that of these networks")
-    if count.bit_count() != 1 or any(not size <= byte < layout.stride for byte in places):
+    if count.bit_count() != 1 or layout.channels < 1 or not _possible(layout):
         raise ValueError("its layout is impossible")
     width, height = int(description["width"]), int(description["height"])
     if width < 1 or height < 1:
@@ -90,6 +90,33 @@ def _store(
             raise ValueError("its ranges are no finite numbers")
     store.packed = packed
     return store
+
+
+def _layout(entries: dict[str, Any]) -> TexelLayout:
+    """The layout of a file; those of versions 1 and 2 have no shared and no constant numbers."""
+    size = int(entries["size"])
+    high, same = entries.get("high", range(size)), entries.get("same", [False] * size)
+    return TexelLayout(
+        channels=int(entries["channels"]),
+        size=size,
+        high=tuple(int(byte) for byte in high),
+        low=tuple(int(byte) for byte in entries["low"]),
+        same=tuple(bool(value) for value in same),
+        shared=int(entries.get("shared", 0)),
+        stride=int(entries["stride"]),
+        texel_bytes=int(entries["texel_bytes"]),
+    )
+
+
+def _possible(layout: TexelLayout) -> bool:
+    """Whether every byte of the two kinds of parts of a texel holds one number at most."""
+    for same, length in ((True, layout.shared), (False, layout.stride)):
+        of_part = [number for number in range(layout.size) if layout.same[number] == same]
+        places = [places[number] for places in (layout.high, layout.low) for number in of_part]
+        used = [place for place in places if place >= 0]
+        if len(set(used)) < len(used) or any(place >= length for place in used):
+            return False
+    return all(high >= 0 or low < 0 for high, low in zip(layout.high, layout.low, strict=True))
 
 
 def _checked_grid(width: int, height: int, entries: dict[str, Any]) -> TexelGrid:

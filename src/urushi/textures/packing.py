@@ -5,6 +5,8 @@ is a fixed-point number between its least and its greatest value in the texture.
 power of two of bytes. The numbers with the greatest effect on f have 16 bits, as many as fit, the
 gain first; the others have 8. Sixteen bits are two separate bytes, high and low: interpolation is
 linear, so that a renderer may interpolate all bytes in the same way and add them afterwards.
+Numbers that are the same in the whole texture take no bytes, those that are the same in all
+channels are stored once.
 """
 
 from typing import NamedTuple
@@ -15,6 +17,9 @@ from urushi.checks import MIN_ALPHA, CoatParameters
 from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
 from urushi.parallel import fill_blocks
+
+#: Texels by slice or index.
+Rows = slice | np.ndarray
 
 #: Least number of 16-bit numbers in a channel: the gain and the next most important one.
 LEAST_FINE_NUMBERS = 2
@@ -27,17 +32,26 @@ COATS, PAIRS, SEED, STEP = 256, 64, 0, 1 / 255
 class TexelLayout(NamedTuple):
     """Positions of the numbers of a texel's codes in its bytes.
 
+    A texel has a part for the numbers that are the same in all channels, and then one part for each
+    channel. Numbers that are the same in the whole texture have no bytes.
+
     Attributes:
         channels, size: codes in a texel, and numbers in a code.
-        low: (size,) for a channel: the position of each number's low byte, or -1. The high bytes
-            come first, in the order of the numbers.
-        stride: bytes of a channel; channel c begins at byte c * stride.
+        high: (size,) the position of each number's high byte in its part, or -1 if it is the same
+            in the whole texture.
+        low: (size,) the position of its low byte, or -1 if it has 8 bits or none.
+        same: (size,) whether it is the same in all channels of a texel.
+        shared: bytes of the part that the channels share.
+        stride: bytes of a channel's part.
         texel_bytes: a power of two, at least 4; bytes at the end may be unused.
     """
 
     channels: int
     size: int
+    high: tuple[int, ...]
     low: tuple[int, ...]
+    same: tuple[bool, ...]
+    shared: int
     stride: int
     texel_bytes: int
 
@@ -45,6 +59,20 @@ class TexelLayout(NamedTuple):
     def levels(self) -> np.ndarray:
         """Steps (size,) from the smallest to the largest value."""
         return np.where(np.array(self.low) < 0, 255, 65535)
+
+    @property
+    def constant(self) -> np.ndarray:
+        """Whether each number (size,) is the same in the whole texture."""
+        return np.array(self.high) < 0
+
+    @property
+    def used_bytes(self) -> int:
+        """Bytes of a texel that hold numbers."""
+        return self.shared + self.channels * self.stride
+
+    def start(self, channel: int, number: int) -> int:
+        """Where the part that holds a number of a channel begins."""
+        return 0 if self.same[number] else self.shared + channel * self.stride
 
 
 class PackedTexels(NamedTuple):
@@ -60,16 +88,49 @@ class PackedTexels(NamedTuple):
     step: np.ndarray
 
 
-def texel_layout(model: Model, channels: int) -> TexelLayout:
-    """The layout of texels of codes (channels, size) of a model."""
+def texel_layout(
+    model: Model,
+    channels: int,
+    constant: np.ndarray | None = None,
+    same: np.ndarray | None = None,
+) -> TexelLayout:
+    """The layout of texels of codes (channels, size) of a model.
+
+    constant, same: (size,) which numbers are the same in the whole texture, and in all channels of
+    a texel. None: none are.
+    """
     size = model.arch.latent
-    count = 4
-    while count < channels * (size + LEAST_FINE_NUMBERS):
+    constant = np.zeros(size, bool) if constant is None else constant
+    same = np.zeros(size, bool) if same is None else same
+    kept = [number for number in range(size) if not constant[number]]
+    price = {number: 1 if same[number] else channels for number in kept}
+    order = [number for number in importance_order(model) if number in price]
+    left = sum(price.values())
+    count, least = 4, left + sum(price[number] for number in order[:LEAST_FINE_NUMBERS])
+    while count < least:
         count *= 2
-    fine = min(count // channels - size, size)
-    second = {number: size + index for index, number in enumerate(importance_order(model)[:fine])}
-    low = tuple(second.get(number, -1) for number in range(size))
-    return TexelLayout(channels, size, low, size + fine, count)
+    left = count - left
+    fine = []
+    for number in order:
+        if price[number] <= left:
+            left -= price[number]
+            fine.append(number)
+    parts: dict[bool, int] = {True: 0, False: 0}
+    high, low = [-1] * size, [-1] * size
+    for places, numbers in ((high, kept), (low, sorted(fine))):
+        for number in numbers:
+            places[number] = parts[bool(same[number])]
+            parts[bool(same[number])] += 1
+    return TexelLayout(
+        channels,
+        size,
+        tuple(high),
+        tuple(low),
+        tuple(bool(value) for value in same),
+        parts[True],
+        parts[False],
+        count,
+    )
 
 
 def importance_order(model: Model) -> list[int]:
@@ -78,9 +139,9 @@ def importance_order(model: Model) -> list[int]:
     Codes of networks without a gain keep their order.
     """
     if model.fingerprint not in _importance:
-        _importance[model.fingerprint] = (
-            measure_importance(model) if isinstance(model.networks, UrushiNetworks) else []
-        )
+        order = measure_importance(model) if isinstance(model.networks, UrushiNetworks) else []
+        first = (0, model.arch.lobe) if model.arch.lobe else ()  # a lobe's width and the gain
+        _importance[model.fingerprint] = [*first, *(i for i in order if i not in first)]
     return _importance[model.fingerprint] or list(range(model.arch.latent))
 
 
@@ -129,9 +190,7 @@ def with_ranges(
     return PackedTexels(texels, bottom, ((highest - bottom) / layout.levels).astype(np.float32))
 
 
-def pack_rows(
-    layout: TexelLayout, packed: PackedTexels, rows: slice | np.ndarray, codes: np.ndarray
-) -> None:
+def pack_rows(layout: TexelLayout, packed: PackedTexels, rows: Rows, codes: np.ndarray) -> None:
     """Overwrite rows of a packed texture (T, B) by codes (n, channels, size) within its ranges."""
     part = packed.bytes[rows]  # a view if `rows` is a slice, else a copy
     fill_blocks(part, lambda z: _bytes(layout, packed, z), codes)
@@ -139,12 +198,21 @@ def pack_rows(
         packed.bytes[rows] = part
 
 
-def pack_codes(layout: TexelLayout, packed: PackedTexels, codes: np.ndarray) -> np.ndarray:
-    """Bytes (n, `layout.stride`) of single codes (n, size), each one channel of a texel."""
-    one = layout._replace(channels=1, texel_bytes=layout.stride)
-    result = np.empty((len(codes), layout.stride), np.uint8)
-    fill_blocks(result, lambda z: _bytes(one, packed, z[:, None]), codes)
-    return result
+def pack_shared(
+    layout: TexelLayout, packed: PackedTexels, rows: Rows, codes: np.ndarray, index: np.ndarray
+) -> None:
+    """Overwrite rows (n,) of a packed texture (T, B) by codes (k, size) that texels share.
+
+    index: (n, channels) chooses the code of each texel and channel. Every code is packed once.
+    """
+    width = layout.shared + layout.stride
+    one = layout._replace(channels=1, texel_bytes=width)
+    parts = np.empty((len(codes), width), np.uint8)
+    fill_blocks(parts, lambda z: _bytes(one, packed, z[:, None]), codes)
+    shared = layout.shared
+    packed.bytes[rows, :shared] = parts[index[:, 0], :shared]
+    own = parts[:, shared:][index]
+    packed.bytes[rows, shared : layout.used_bytes] = own.reshape(len(index), -1)
 
 
 def _bytes(layout: TexelLayout, packed: PackedTexels, codes: np.ndarray) -> np.ndarray:
@@ -152,23 +220,41 @@ def _bytes(layout: TexelLayout, packed: PackedTexels, codes: np.ndarray) -> np.n
     levels = np.rint((codes - packed.lowest) * inverse)
     whole = np.clip(levels, 0, layout.levels).astype(np.uint16)
     result = np.zeros((len(codes), layout.texel_bytes), np.uint8)
-    low = np.array(layout.low)
-    fine = np.flatnonzero(low >= 0)
-    for channel in range(layout.channels):
-        start = channel * layout.stride
+    places_high, places_low = np.array(layout.high), np.array(layout.low)
+    fine = places_low >= 0
+    for channel, start, chosen in _parts(layout):
         numbers = whole[:, channel]
         high = numbers.copy()
         high[:, fine] >>= 8
-        result[:, start : start + layout.size] = high
-        result[:, start + low[fine]] = numbers[:, fine] & 255
+        result[:, start + places_high[chosen]] = high[:, chosen]
+        chosen = chosen[fine[chosen]]
+        result[:, start + places_low[chosen]] = numbers[:, chosen] & 255
     return result
 
 
+def _parts(layout: TexelLayout) -> list[tuple[int, int, np.ndarray]]:
+    """Of each part of a texel: a channel that it belongs to, its first byte, and its numbers."""
+    kept, same = ~layout.constant, np.array(layout.same)
+    parts = [(0, 0, np.flatnonzero(kept & same))]
+    for channel in range(layout.channels):
+        start = layout.shared + channel * layout.stride
+        parts.append((channel, start, np.flatnonzero(kept & ~same)))
+    return parts
+
+
 def in_ranges(packed: PackedTexels, layout: TexelLayout, codes: np.ndarray) -> bool:
-    """Whether codes (T, channels, size) lie within a packed texture's ranges or one step beyond."""
+    """Whether a packed texture can hold codes (T, channels, size).
+
+    They are within its ranges or one step beyond, and the same where its layout needs it.
+    """
     slack = packed.step
     highest = packed.lowest + layout.levels * packed.step
-    return bool((codes >= packed.lowest - slack).all() and (codes <= highest + slack).all())
+    same = np.array(layout.same) & ~layout.constant
+    return bool(
+        (codes >= packed.lowest - slack).all()
+        and (codes <= highest + slack).all()
+        and (codes[..., same] == codes[:, :1, same]).all()
+    )
 
 
 def unpack(layout: TexelLayout, packed: PackedTexels) -> np.ndarray:
@@ -188,12 +274,16 @@ def unpack_serial(layout: TexelLayout, packed: PackedTexels) -> np.ndarray:
 def _codes(layout: TexelLayout, packed: PackedTexels, rows: np.ndarray) -> np.ndarray:
     """Codes (T, channels * size) of bytes (T, B)."""
     codes = np.empty((len(rows), layout.channels, layout.size), np.float32)
-    low = np.array(layout.low)
-    fine = np.flatnonzero(low >= 0)
-    for channel in range(layout.channels):
-        start = channel * layout.stride
-        levels = rows[:, start : start + layout.size].astype(np.float32)
+    codes[:] = packed.lowest
+    places_high, places_low = np.array(layout.high), np.array(layout.low)
+    for channel, start, chosen in _parts(layout):
+        levels = rows[:, start + places_high[chosen]].astype(np.float32)
+        fine = np.flatnonzero(places_low[chosen] >= 0)
         levels[:, fine] *= 256
-        levels[:, fine] += rows[:, start + low[fine]]
-        codes[:, channel] = packed.lowest + levels * packed.step
+        levels[:, fine] += rows[:, start + places_low[chosen[fine]]]
+        values = packed.lowest[chosen] + levels * packed.step[chosen]
+        if np.array(layout.same)[chosen].all() and len(chosen):
+            codes[..., chosen] = values[:, None]
+        else:
+            codes[:, channel, chosen] = values
     return codes.reshape(len(rows), -1)

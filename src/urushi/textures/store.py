@@ -2,6 +2,7 @@
 
 import contextlib
 from collections.abc import Callable, Iterator, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -9,20 +10,18 @@ from urushi import parallel
 from urushi.nets.weights import Model
 from urushi.textures import packing
 from urushi.textures.mip_pyramid import MipPyramid
-from urushi.textures.packing import PackedTexels, TexelLayout
+from urushi.textures.packing import PackedTexels, Rows, TexelLayout
 
 #: Texels that are packed at once: bounds memory.
 PACKED_BLOCK = 1 << 17
-
-#: Texels by slice or index.
-Rows = slice | np.ndarray
 
 
 class TextureStore:
     """Codes of a texture's texels, row by row; the rows of its levels follow each other.
 
     Attributes:
-        layout, packed: layout and bytes of the texels; none before the first writing.
+        layout, packed: layout and bytes of the texels; none before the first writing, which
+            chooses the layout.
         levels: width and height of every level.
     """
 
@@ -30,7 +29,7 @@ class TextureStore:
         self, model: Model, layout: TexelLayout, width: int, height: int, *, mipmaps=False
     ):
         """mipmaps: whether to hold all levels of the mip pyramid; else the first one only."""
-        self.layout = layout
+        self.layout, self._model = layout, model
         self._coarser = MipPyramid(model, width, height, layout.channels) if mipmaps else None
         self.levels = self._coarser.sizes if self._coarser else [(width, height)]
         nothing = np.zeros(layout.size, np.float32)
@@ -59,13 +58,15 @@ class TextureStore:
         width, height = self.levels[0]
         coarser = self._coarser
         if self.empty and not coarser:
-            written: list[tuple[Rows, np.ndarray, np.ndarray]] = []
+            written: list[_Written] = []
 
             def collect(rows: Rows, codes: np.ndarray, index: np.ndarray | None = None) -> None:
                 if index is None:
                     index = np.arange(codes[..., 0].size).reshape(codes.shape[:-1])
-                shared = codes.reshape(-1, codes.shape[-1]).astype(np.float16)
-                written.append((rows, shared, index))
+                shared = codes.reshape(-1, codes.shape[-1])
+                ends = shared.min(axis=0), shared.max(axis=0)
+                same = _same_in_channels(shared, index, self._model.arch.lobe)
+                written.append(_Written(rows, shared.astype(np.float16), index, ends, same))
 
             yield collect
             self._pack_shared(written)
@@ -102,26 +103,32 @@ class TextureStore:
         part = self.packed._replace(bytes=self.packed.bytes[rows])
         return packing.unpack_serial(self.layout, part)
 
-    def _pack_shared(self, written: Sequence[tuple[Rows, np.ndarray, np.ndarray]]) -> None:
+    def _pack_shared(self, written: Sequence["_Written"]) -> None:
         """Pack every code once, and copy its bytes to the texels that share it."""
-        ranges = [_value_range(codes[:, None]) for _, codes, _ in written]
-        lowest, highest = (np.stack(ends) for ends in zip(*ranges, strict=True))
+        lowest, highest = (np.stack(ends) for ends in zip(*(w.ends for w in written), strict=True))
+        same = np.all([w.same for w in written], axis=0)
         width, height = self.levels[0]
-        empty = np.zeros((width * height, self.layout.texel_bytes), np.uint8)
-        packed = packing.with_ranges(self.layout, empty, lowest.min(axis=0), highest.max(axis=0))
-        for rows, codes, index in written:
-            shared = packing.pack_codes(self.layout, packed, codes)
-            used = self.layout.channels * self.layout.stride
-            packed.bytes[rows, :used] = shared[index].reshape(-1, used)
-        self.packed = packed
+        self._start(width * height, lowest.min(axis=0), highest.max(axis=0), same)
+        for part in written:
+            packing.pack_shared(self.layout, self.packed, part.rows, part.codes, part.which)
 
     def _pack(self, whole: np.ndarray) -> None:
         lowest, highest = _value_range(whole)
-        empty = np.zeros((len(whole), self.layout.texel_bytes), np.uint8)
-        self.packed = packing.with_ranges(self.layout, empty, lowest, highest)
+        same = (whole == whole[:, :1]).all(axis=(0, 1))
+        self._start(len(whole), lowest, highest, same)
         for start in range(0, len(whole), PACKED_BLOCK):
             rows = slice(start, min(start + PACKED_BLOCK, len(whole)))
             packing.pack_rows(self.layout, self.packed, rows, whole[rows])
+
+    def _start(
+        self, texels: int, lowest: np.ndarray, highest: np.ndarray, same: np.ndarray
+    ) -> None:
+        """Choose the layout, and prepare as many texels for codes of these ranges."""
+        self.layout = packing.texel_layout(
+            self._model, self.layout.channels, lowest == highest, same
+        )
+        empty = np.zeros((texels, self.layout.texel_bytes), np.uint8)
+        self.packed = packing.with_ranges(self.layout, empty, lowest, highest)
 
     def _overwrite(self, rows: Rows, codes: np.ndarray) -> None:
         """Replace rows (n,) by codes (n, channels, size); a wider range repacks all texels."""
@@ -130,19 +137,48 @@ class TextureStore:
         packing.pack_rows(self.layout, self.packed, rows, codes)
 
     def _widen(self, codes: np.ndarray) -> None:
-        narrower = self.packed
-        highest = narrower.lowest + self.layout.levels * narrower.step
-        wider = packing.with_ranges(
-            self.layout,
-            narrower.bytes,
+        before, narrower = self.layout, self.packed
+        highest = narrower.lowest + before.levels * narrower.step
+        self._start(
+            len(narrower.bytes),
             np.minimum(narrower.lowest, codes.min(axis=(0, 1))),
             np.maximum(highest, codes.max(axis=(0, 1))),
+            np.array(before.same) & (codes == codes[:, :1]).all(axis=(0, 1)),
         )
         texels = len(narrower.bytes)
         for start in range(0, texels, PACKED_BLOCK):
             rows = slice(start, min(start + PACKED_BLOCK, texels))
-            packing.pack_rows(self.layout, wider, rows, self.read(rows))
-        self.packed = wider
+            part = narrower._replace(bytes=narrower.bytes[rows])
+            packing.pack_rows(self.layout, self.packed, rows, packing.unpack(before, part))
+
+
+class _Written(NamedTuple):
+    """A part of the first writing: rows, codes (k, size) and which of them (n, channels).
+
+    Attributes:
+        ends: the smallest and the largest numbers (size,).
+        same: (size,) whether a number is the same in all channels of each texel.
+    """
+
+    rows: Rows
+    codes: np.ndarray
+    which: np.ndarray
+    ends: tuple[np.ndarray, np.ndarray]
+    same: np.ndarray
+
+
+def _same_in_channels(codes: np.ndarray, index: np.ndarray, lobe: int) -> np.ndarray:
+    """Whether numbers (size,) are the same in all channels; of the rest, all or none are.
+
+    codes (k, size) are chosen by index (n, channels).
+    """
+    differs = (index != index[:, :1]).any(axis=-1)
+    same = np.full(codes.shape[-1], not differs.any())
+    if lobe and differs.any():
+        lobes = np.ascontiguousarray(codes[:, :lobe])
+        chosen = lobes[index[differs]]
+        same[:lobe] = (chosen == chosen[:, :1]).all(axis=(0, 1))
+    return same
 
 
 def _value_range(whole: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

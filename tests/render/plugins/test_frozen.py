@@ -95,6 +95,21 @@ def test_replays_use_changed_textures(rgb, networks):
     assert frozen.n_recordings < index  # others are replayed
 
 
+def test_replays_use_textures_that_begin_to_vary(rgb, networks):
+    """Numbers that are constant in a texture are looked up in no other way than by new code."""
+    loaded = scene(rgb, coat(rgb, "neural_layered", networks, True))
+    parameters = rgb.traverse(loaded)
+    frozen = dr.freeze(lambda loaded: picture(rgb, loaded, 0))
+    rng = np.random.default_rng(0)
+    for channels in (1, 3, 1):
+        for texels in (np.full((4, 4, 3), 0.6), rng.uniform(0.2, 0.8, (4, 4, channels))):
+            colours = np.broadcast_to(texels, (4, 4, 3)).astype(np.float32)
+            parameters["sphere.bsdf.albedo.data"] = rgb.TensorXf(np.ascontiguousarray(colours))
+            parameters.update()
+            expected = picture(rgb, loaded, 0).numpy()
+            np.testing.assert_allclose(frozen(loaded).numpy(), expected, rtol=1e-4)
+
+
 @pytest.mark.parametrize(
     "key",
     (

@@ -20,7 +20,7 @@ from urushi.nets.weights import Model
 from urushi.render.latents.lookup import LatentTexture, are_constant
 from urushi.render.networks.lobe import ANY_LOBE, LobeKind, kind_of
 from urushi.render.networks.protocols import Proposal, decoder_and_sampler
-from urushi.render.recording import only_where
+from urushi.render.recording import only_where, signature
 from urushi.textures import file
 from urushi.textures.grid import TexelGrid
 from urushi.textures.store import TextureStore
@@ -44,6 +44,7 @@ class ConstantLatents:
     DRJIT_STRUCT: ClassVar = {
         "_decoder_terms": list,
         "_sampler_terms": list,
+        "_signature": list,
     }  # for frozen functions
 
     def __init__(self, model: Model, latents: np.ndarray, anchors: np.ndarray | None = None):
@@ -51,6 +52,7 @@ class ConstantLatents:
         self._material = Material(latents, model, latents if anchors is None else anchors)
         kind = kind_of_codes(latents[None]) if model.arch.lobe else ANY_LOBE
         self._decoder, self._sampler = decoder_and_sampler(model, kind)
+        self._signature = signature(kind)
         self._decoder_terms = [_opaque(terms) for terms in self._decoder.code_terms(latents)]
         mean = self._material.anchors.mean(axis=0)
         self._sampler_terms = _opaque(self._sampler.code_terms(mean))
@@ -109,14 +111,18 @@ class ConstantLatents:
 class TexturedLatents:
     """A packed texture of latent codes, see `textures.packing`."""
 
-    DRJIT_STRUCT: ClassVar = {"_texture": object}  # for frozen functions
+    DRJIT_STRUCT: ClassVar = {
+        "_texture": object,
+        "_signature": list,
+    }  # for frozen functions
 
     def __init__(self, model: Model, store: TextureStore, grid: TexelGrid):
         self._store, self._fingerprint = store, model.fingerprint
         self.grid, self.channels = grid, store.layout.channels
         self._size, self._bytes = store.layout.size, store.layout.texel_bytes
-        self._kind = kind_of_codes(store.read(slice(None))) if model.arch.lobe else ANY_LOBE
+        self._kind = kind_of_store(store) if model.arch.lobe else ANY_LOBE
         self._decoder, self._sampler = decoder_and_sampler(model, self._kind)
+        self._signature = signature(self._kind)
         self._texture = LatentTexture(store, grid)
 
     def vertex(self, si, active) -> Vertex:
@@ -165,6 +171,13 @@ def kind_of_codes(codes: np.ndarray) -> LobeKind:
     lobes = codes[..., :6]
     same = (lobes == lobes[:, :1]).all(axis=(0, 1))
     return kind_of(lobes.min(axis=(0, 1)), lobes.max(axis=(0, 1)), same)
+
+
+def kind_of_store(store: TextureStore) -> LobeKind:
+    """What is known of the lobes of a texture."""
+    layout, packed = store.layout, store.packed
+    highest = packed.lowest + layout.levels * packed.step
+    return kind_of(packed.lowest[:6], highest[:6], (layout.constant | layout.same)[:6])
 
 
 def looked_up(look_up: Callable[["mi.Point2f"], list[list]], uv: np.ndarray) -> np.ndarray:

@@ -6,13 +6,15 @@ the position between texels equally finely. Compared with a texture of half floa
 two thirds of the memory or less and takes half the time.
 """
 
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from urushi.render.recording import signature
 from urushi.textures.grid import IDENTITY, TexelGrid
+from urushi.textures.packing import TexelLayout
 from urushi.textures.store import TextureStore
 
 #: Sum of the integer weights of the four texels around a point.
@@ -45,6 +47,7 @@ class LatentTexture:
         "_affine": list,
         "_lowest": list,
         "_steps": list,
+        "_signature": list,
     }  # for frozen functions
 
     def __init__(self, store: TextureStore, grid: TexelGrid):
@@ -73,6 +76,7 @@ class LatentTexture:
         )  # a new length makes frozen functions record again
         self._lowest = [mi.Float(float(value)) for value in packed.lowest]
         self._steps = [mi.Float(float(value) / UNIT) for value in packed.step]
+        self._signature = signature(layout_states(store.layout))
         # Read from memory, so that all textures of a model share compiled code.
         dr.make_opaque(self._base, self._affine, self._lowest, self._steps)
 
@@ -131,7 +135,7 @@ class LatentTexture:
                 for i, word in enumerate(words):
                     even[i] += (word & 0x00FF00FF) * weight
                     odd[i] += ((word >> 8) & 0x00FF00FF) * weight
-        return [self._number(even, odd, *place) for place in self._places()]
+        return [self._number(even, odd, *place) for place in dict.fromkeys(self._places())]
 
     def _neighbours(self, x, count):
         """The two texels around x along an axis, and the integer weight of the second."""
@@ -159,23 +163,27 @@ class LatentTexture:
     @property
     def _used(self) -> int:
         """Words of a texel that hold numbers; the others are padding."""
-        return -(-self._layout.channels * self._layout.stride // 4)
+        return -(-self._layout.used_bytes // 4)
 
     def _gather(self, texel) -> list:
         words = self._layout.texel_bytes // 4
         if words == 1:
-            return [dr.gather(mi.UInt32, self._words, texel)]
+            return [dr.gather(mi.UInt32, self._words, texel)][: self._used]
         shape = words, dr.width(texel)
         return list(dr.gather(mi.ArrayXu, self._words, texel, shape=shape))[: self._used]
 
     def _places(self) -> list[tuple[int, int]]:
-        """High byte and low byte, or -1, of every number."""
+        """High byte and low byte, or -1, of every number of every channel; constants left out."""
         layout = self._layout
-        return [
-            (start + number, start + low if low >= 0 else -1)
-            for start in range(0, layout.channels * layout.stride, layout.stride)
-            for number, low in enumerate(layout.low)
-        ]
+        return [self._place(*which) for which in self._all() if layout.high[which[1]] >= 0]
+
+    def _all(self) -> list[tuple[int, int]]:
+        return [(c, i) for c in range(self._layout.channels) for i in range(self._layout.size)]
+
+    def _place(self, channel: int, number: int) -> tuple[int, int]:
+        start = self._layout.start(channel, number)
+        low = self._layout.low[number]
+        return start + self._layout.high[number], start + low if low >= 0 else -1
 
     def _number(self, even: list, odd: list, first: int, second: int):
         def byte(index: int):
@@ -188,12 +196,27 @@ class LatentTexture:
         return mi.Float(whole)
 
     def _codes(self, sums: list) -> list[list]:
-        size = self._layout.size
-        values = [
-            dr.fma(total, self._steps[i % size], self._lowest[i % size])
-            for i, total in enumerate(sums)
-        ]
+        layout, size = self._layout, self._layout.size
+        sum_at = dict(zip(dict.fromkeys(self._places()), sums, strict=True))
+        value_at: dict[tuple[int, int], Any] = {}
+        values = []
+        for channel, number in self._all():
+            if layout.high[number] < 0:
+                values.append(self._lowest[number])
+                continue
+            place = self._place(channel, number)
+            if place not in value_at:
+                value_at[place] = dr.fma(sum_at[place], self._steps[number], self._lowest[number])
+            values.append(value_at[place])
         return [values[i : i + size] for i in range(0, len(values), size)]
+
+
+def layout_states(layout: TexelLayout) -> list[int]:
+    """How each number is looked up: not at all, or with 8 or 16 bits, for all channels or one."""
+    return [
+        0 if high < 0 else 1 + (low >= 0) + 2 * same
+        for high, low, same in zip(layout.high, layout.low, layout.same, strict=True)
+    ]
 
 
 def are_constant(*vectors) -> bool:
