@@ -53,9 +53,9 @@ def test_the_limit_acts_on_some_codes_and_not_on_others(gaining, inputs):
     """Lest the tests below compare nothing."""
     f, z, coat = inputs
     unlimited = gradients._unlimited(gaining, z, coat)
-    over = gradients._limited_rows(layered(gaining, z, coat), unlimited)
+    over = gradients._limited_rows(gaining, layered(gaining, z, coat), unlimited)
     assert 0 < len(over) < ROWS
-    over = gradients._limited_rows(limited_codes(gaining, f), encoder_codes(gaining, f))
+    over = gradients._limited_rows(gaining, limited_codes(gaining, f), encoder_codes(gaining, f))
     assert 0 < len(over) < ROWS
 
 

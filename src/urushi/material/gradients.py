@@ -2,15 +2,19 @@
 
 Rows (N, ...) are codes of one channel each. A pushforward gives the change of the result for a
 change of the inputs, a pullback the gradient with respect to the inputs of a weighted sum of the
-results. Both take the result itself, to find the codes that the limit scaled down: their gain
-follows the logarithm of their greatest albedo, with the opposite sign.
+results. Both take the result itself, to find the codes that the limit scaled down. The limit's
+factor is what the code's lobe leaves of the ceiling over the albedo of the rest, where this is
+least; the gain follows its logarithm.
 """
+
+from collections.abc import Callable
 
 import numpy as np
 
-from urushi.checks import CoatParameters
+from urushi.checks import MIN_ALPHA, CoatParameters
 from urushi.errors import ParameterError
 from urushi.material import energy
+from urushi.material.lobe_albedo import lobe_albedos
 from urushi.nets import derivatives
 from urushi.nets.derivatives import decode_log
 from urushi.nets.networks import UrushiNetworks
@@ -19,6 +23,9 @@ from urushi.parallel import fill_blocks
 
 #: A code was scaled down if its gain is lower than the network's by more than rounding.
 _ROUNDING = 1e-5
+
+#: Step of the central differences of a lobe's albedo: its table is in single precision.
+_LOBE_STEP = 1e-3
 
 
 def check_differentiable(model: Model, where: str) -> None:
@@ -42,20 +49,21 @@ def layer_pushforward(
     dz_bottom: np.ndarray,
     dcoat: np.ndarray,
 ) -> np.ndarray:
-    """Return the change (N, 32) of `layer_texels`' codes z (N, 32).
+    """Return the change (N, L) of `layer_texels`' codes z (N, L).
 
-    z_bottom (N, 32): the bottoms' codes; coat (N, 5): alpha, eta, albedo, sigma_t, g; dz_bottom and
+    z_bottom (N, L): the bottoms' codes; coat (N, 5): alpha, eta, albedo, sigma_t, g; dz_bottom and
     dcoat: their changes.
     """
+    gain = model.arch.lobe
 
     def block(z_bottom, coat, z, dz_bottom, dcoat):
         dz = derivatives.layer_pushforward(
             model.params, model.arch, z_bottom, coat, dz_bottom, dcoat
         )
-        rows = _limited_rows(z, _unlimited(model, z_bottom, coat))
+        rows = _limited_rows(model, z, _unlimited(model, z_bottom, coat))
         for row in rows:
             of_z, of_bottom = _log_factor(model, z[row], z_bottom[row])
-            dz[row, 0] += of_z @ dz[row] + of_bottom @ dz_bottom[row]
+            dz[row, gain] += of_z @ dz[row] + of_bottom @ dz_bottom[row]
         return dz
 
     return _fill_rows(model.arch.latent, block, z_bottom, coat, z, dz_bottom, dcoat)
@@ -64,17 +72,18 @@ def layer_pushforward(
 def layer_pullback(
     model: Model, z_bottom: np.ndarray, coat: np.ndarray, z: np.ndarray, dz: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return gradients (N, 32) and (N, 5) with respect to z_bottom and coat.
+    """Return gradients (N, L) and (N, 5) with respect to z_bottom and coat.
 
-    dz (N, 32): the weights of the codes z; the others as in `layer_pushforward`.
+    dz (N, L): the weights of the codes z; the others as in `layer_pushforward`.
     """
+    gain = model.arch.lobe
 
     def block(z_bottom, coat, z, dz):
         dz, of_limit = dz.copy(), np.zeros_like(dz)
-        for row in _limited_rows(z, _unlimited(model, z_bottom, coat)):
+        for row in _limited_rows(model, z, _unlimited(model, z_bottom, coat)):
             of_z, of_bottom = _log_factor(model, z[row], z_bottom[row])
-            of_limit[row] = dz[row, 0] * of_bottom
-            dz[row] += dz[row, 0] * of_z
+            of_limit[row] = dz[row, gain] * of_bottom
+            dz[row] += dz[row, gain] * of_z
         of_bottom, of_coat = derivatives.layer_pullback(
             model.params, model.arch, z_bottom, coat, dz
         )
@@ -85,25 +94,30 @@ def layer_pullback(
 
 
 def encode_pushforward(model: Model, f: np.ndarray, z: np.ndarray, df: np.ndarray) -> np.ndarray:
-    """Return the change (N, 32) of `limited_codes`' codes z of f (N, P) for a change df (N, P)."""
+    """Return the change (N, L) of `limited_codes`' codes z of f (N, P) for a change df (N, P)."""
+
+    gain = model.arch.lobe
 
     def block(f, z, df):
-        dz = derivatives.encode_pushforward(model.params, model.arch, f, df)
-        for row in _limited_rows(z, model.networks.encode(f)):
-            dz[row, 0] -= _log_peak(model, z[row])[1] @ dz[row]
+        lobe = z[:, :gain]
+        dz = derivatives.encode_pushforward(model.params, model.arch, f, df, lobe)
+        for row in _limited_rows(model, z, _encoded(model, f, lobe)):
+            dz[row, gain] += _log_share(model, z[row], 1 - energy.MARGIN)[0] @ dz[row]
         return dz
 
     return _fill_rows(model.arch.latent, block, f, z, df)
 
 
 def encode_pullback(model: Model, f: np.ndarray, z: np.ndarray, dz: np.ndarray) -> np.ndarray:
-    """Return the gradient (N, P) with respect to f (N, P); dz (N, 32): the weights of codes z."""
+    """Return the gradient (N, P) with respect to f (N, P); dz (N, L): the weights of codes z."""
+
+    gain = model.arch.lobe
 
     def block(f, z, dz):
-        dz = dz.copy()
-        for row in _limited_rows(z, model.networks.encode(f)):
-            dz[row] -= dz[row, 0] * _log_peak(model, z[row])[1]
-        return derivatives.encode_pullback(model.params, model.arch, f, dz)
+        dz, lobe = dz.copy(), z[:, :gain]
+        for row in _limited_rows(model, z, _encoded(model, f, lobe)):
+            dz[row] += dz[row, gain] * _log_share(model, z[row], 1 - energy.MARGIN)[0]
+        return derivatives.encode_pullback(model.params, model.arch, f, dz, lobe)
 
     return _fill_rows(f.shape[-1], block, f, z, dz)
 
@@ -116,37 +130,77 @@ def _fill_rows(columns: int, block, *arrays: np.ndarray) -> np.ndarray:
 
 
 def _unlimited(model: Model, z_bottom: np.ndarray, coat: np.ndarray) -> np.ndarray:
-    """What the layerer makes before energy is limited: codes (N, 32)."""
+    """What the layerer makes before energy is limited: codes (N, L)."""
     return model.networks.layer(z_bottom, CoatParameters(*coat.T))
 
 
-def _limited_rows(z: np.ndarray, unlimited: np.ndarray) -> np.ndarray:
+def _encoded(model: Model, f: np.ndarray, lobe: np.ndarray) -> np.ndarray:
+    """What the encoder makes of f (N, P) before energy is limited: codes (N, L)."""
+    assert isinstance(model.networks, UrushiNetworks)  # for the type checker
+    return model.networks.encode(f, lobe) if model.arch.lobe else model.networks.encode(f)
+
+
+def _limited_rows(model: Model, z: np.ndarray, unlimited: np.ndarray) -> np.ndarray:
     """The rows (K,) of codes that the limit scaled down."""
-    return np.flatnonzero(z[:, 0] < unlimited[:, 0] - _ROUNDING)
+    gain = model.arch.lobe
+    return np.flatnonzero(z[:, gain] < unlimited[:, gain] - _ROUNDING)
 
 
 def _log_factor(model: Model, z: np.ndarray, z_bottom: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Gradients (32,) of the log of a coat's factor with respect to its and the bottom's code.
+    """Gradients (L,) of the log of a coat's factor with respect to its and the bottom's code.
 
     The ceiling is a constant, or the largest albedo of a bottom that gains energy.
     """
-    of_z = -_log_peak(model, z)[1]
-    peak, of_bottom = _log_peak(model, z_bottom)
-    return of_z, of_bottom if peak > np.log1p(energy.TOLERANCE) else np.zeros_like(of_bottom)
+    rest, rest_slopes, top, top_slopes = _albedos(model, z_bottom)
+    peak = (rest + top).argmax()
+    ceiling = rest[peak] + top[peak]
+    if ceiling > 1 + energy.TOLERANCE:
+        of_z, of_ceiling = _log_share(model, z, ceiling)
+        of_bottom = of_ceiling * np.concatenate([top_slopes(peak), rest_slopes(peak)])
+        return of_z, of_bottom.astype(np.float32)
+    of_z, _ = _log_share(model, z, 1 - energy.MARGIN)
+    return of_z, np.zeros_like(of_z)
 
 
-def _log_peak(model: Model, z: np.ndarray) -> tuple[float, np.ndarray]:
-    """The logarithm of a code's (32,) largest albedo, and its gradient (32,).
+def _log_share(model: Model, z: np.ndarray, ceiling: float) -> tuple[np.ndarray, float]:
+    """Gradients of the log of the limit's factor by the code z (L,) and by the ceiling.
 
-    The gradient of ln f does not change with the gain, so that limited codes may stand for
-    unlimited ones.
+    The gradient of ln f of the rest does not change with the gain, so that limited codes may stand
+    for unlimited ones.
     """
-    rule = energy.albedo_rule()
-    log_f, slopes = decode_log(model.params, model.arch, z[None], rule.features)
+    rest, rest_slopes, top, top_slopes = _albedos(model, z)
+    least = energy.LEAST_REST if model.arch.lobe else energy.LEAST_ALBEDO
+    allowed = np.maximum(ceiling - top, least)
+    at = (rest / allowed).argmax()
+    of_allowed = 1 / allowed[at] if allowed[at] > least else 0.0
+    of_rest = -rest_slopes(at) / max(rest[at], energy.LEAST_ALBEDO)
+    of_z = np.concatenate([-of_allowed * top_slopes(at), of_rest])
+    return of_z.astype(np.float32), float(of_allowed)
+
+
+#: From an index of an angle to the derivatives of the albedo there.
+_Slopes = Callable[[int], np.ndarray]
+
+
+def _albedos(model: Model, z: np.ndarray) -> tuple[np.ndarray, _Slopes, np.ndarray, _Slopes]:
+    """Directional albedos (D,) of the rest of a code z (L,) and of its lobe, and their slopes."""
+    rule, lobe = energy.albedo_rule(), z[: model.arch.lobe]
+    log_f, slopes = decode_log(model.params, model.arch, z[None, model.arch.lobe :], rule.features)
     f = np.exp(log_f)
-    albedo = rule.albedo(f)
-    largest = albedo.argmax()
     counts = np.diff(rule.first, append=len(rule.weights))
-    shares = np.repeat(rule.interpolation[largest], counts) * rule.weights * f
-    peak = max(albedo[largest], energy.LEAST_ALBEDO)
-    return np.log(peak), (shares @ slopes / peak).astype(np.float32)
+
+    def of_rest(angle: int) -> np.ndarray:
+        return (np.repeat(rule.interpolation[angle], counts) * rule.weights * f) @ slopes
+
+    def of_top(angle: int) -> np.ndarray:
+        if not len(lobe):
+            return np.zeros(0)
+        stepped = np.concatenate([lobe + _LOBE_STEP * way * np.eye(len(lobe)) for way in (1, -1)])
+        stepped = stepped.astype(np.float32)
+        stepped[:, 0] = np.clip(stepped[:, 0], MIN_ALPHA, 1)
+        upper, lower = np.split(lobe_albedos(stepped, rule.cosines)[:, angle], 2)
+        wide, narrow = np.split(stepped, 2)
+        return (upper - lower) / (wide - narrow).diagonal()
+
+    top = lobe_albedos(lobe, rule.cosines) if len(lobe) else np.zeros(len(rule.cosines))
+    return rule.albedo(f), of_rest, top, of_top

@@ -1,7 +1,7 @@
 """The presets of `urushi train --preset NAME`, each a frozen value."""
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 from urushi.data.distribution import Extended, Table2
@@ -173,7 +173,7 @@ def smoke() -> Preset:
             Layering(brief, coated, seed_offset=2, name="relayering"),
             Sampling(Schedule(steps=128, warmup=16, learning_rate=0.01, average=0.95)),
         ),
-        arch=SMALL,
+        arch=replace(SMALL, encoder=(64, 64), layerer=(64, 64, 64)),
     )
 
 

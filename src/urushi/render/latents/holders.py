@@ -208,6 +208,8 @@ class DifferentiableConstant(ConstantLatents):
         """latents: (C, size) or (1, C, size)."""
         channels, self._size = latents.shape[-2:]
         super().__init__(model, dr.detach(latents).numpy().reshape(channels, self._size))
+        # Numbers that vanish or that channels share have gradients of their own.
+        self._decoder, _ = decoder_and_sampler(model)
         self.tensor = latents
         self._numbers = latents.array
         dr.make_opaque(self._numbers)

@@ -1,0 +1,103 @@
+"""Derivatives of layering and encoding for codes with a lobe, where the limit of energy acts."""
+
+import numpy as np
+import pytest
+
+from urushi.material import energy, gradients
+from urushi.material.encode import encoder_codes, limited_codes
+from urushi.material.layer import layer_texels
+from urushi.nets import lobe as lobes
+from urushi.nets.weights import Model
+
+ROWS = 24
+NAMES = ("alpha", "eta", "albedo", "sigma_t", "g")
+
+
+@pytest.fixture(scope="module")
+def gaining(lobed) -> Model:
+    """Networks with codes whose gain is too high: encoder and layerer gain energy."""
+    params = dict(lobed.params)
+    for part, gain in (("encoder", 1.1), ("layerer", 0.5)):
+        last = f"{part}.{len(getattr(lobed.arch, part))}"
+        params[f"{last}.weight"] = 0.3 * params[f"{last}.weight"]
+        params[f"{last}.bias"] = params[f"{last}.bias"] + gain * (np.arange(18) == 0)
+    return Model.of(lobed.arch, params, {})
+
+
+@pytest.fixture(scope="module")
+def inputs(gaining):
+    """f (N, P) of diffuse surfaces under a lobe, codes of them, and coats."""
+    rng = np.random.default_rng(0)
+    pairs = gaining.networks.pairs()
+    lobe = np.tile(np.array(lobes.NO_LOBE, np.float32), (ROWS, 1))
+    lobe[:, :3] = rng.uniform([0.1, 0.1, 0.2], [0.6, 0.5, 0.9], (ROWS, 3))
+    reflectance = np.linspace(0.05, 0.6, ROWS)[:, None]
+    f = lobes.f(lobe[:, None], *pairs) + reflectance / np.pi
+    f = (f * np.exp(0.02 * rng.normal(size=f.shape))).astype(np.float32)
+    coat = rng.uniform([0.1, 1.2, 0.5, 0.1, -0.3], [0.6, 2, 0.9, 1, 0.5], (ROWS, 5))
+    return f, limited_codes(gaining, f), coat.astype(np.float32)
+
+
+def layered(model, z, coat):
+    return layer_texels(model, z, **dict(zip(NAMES, coat.T.astype(np.float64), strict=True)))
+
+
+def test_the_limit_acts_on_some_codes_and_not_on_others(gaining, inputs):
+    f, z, coat = inputs
+    unlimited = gradients._unlimited(gaining, z, coat)
+    over = gradients._limited_rows(gaining, layered(gaining, z, coat), unlimited)
+    assert 0 < len(over) < ROWS
+    over = gradients._limited_rows(gaining, limited_codes(gaining, f), encoder_codes(gaining, f))
+    assert 0 < len(over) < ROWS
+
+
+def test_layer_against_differences(gaining, inputs):
+    """To 2 %: single precision, and the table of lobes' albedos is interpolated linearly.
+
+    Another direction may become the one with the largest albedo within a step: rows may differ.
+    """
+    _, z, coat = inputs
+    rng = np.random.default_rng(1)
+    dz = rng.normal(size=z.shape).astype(np.float32)
+    dz[:, :6] *= [0.1, 0.1, 0.1, 0, 0, 0]
+    dcoat = rng.normal(size=coat.shape).astype(np.float32) * [0.1, 0.1, 0.1, 0.03, 0.1]
+    step = 1e-3
+    upper, lower = (
+        layered(gaining, z + np.float32(way * step) * dz, coat + way * step * dcoat)
+        for way in (1, -1)
+    )
+    expected = (upper - lower) / (2 * step)
+    actual = gradients.layer_pushforward(gaining, z, coat, layered(gaining, z, coat), dz, dcoat)
+    error = np.abs(actual - expected).max(axis=-1) / np.abs(expected).max(axis=-1)
+    assert np.sort(error)[-4] < 2e-2
+
+
+def test_the_limit_follows_the_lobe(gaining, inputs):
+    """More reflection at the interface leaves less for the rest, whatever the network says."""
+    _, z, coat = inputs
+    coated = layered(gaining, z, coat)
+    rows = gradients._limited_rows(gaining, coated, gradients._unlimited(gaining, z, coat))
+    for row in rows:
+        of_z, _ = gradients._log_share(gaining, coated[row], 1 - energy.MARGIN)
+        assert of_z[4] < 0  # eta above one reflects more
+        assert of_z[6] == pytest.approx(-1, abs=1e-4)  # the gain is given back
+
+
+def test_backward_is_the_transpose_of_forward(gaining, inputs):
+    """<u, J v> = <J^T u, v>, to single precision."""
+    f, z, coat = inputs
+    rng = np.random.default_rng(2)
+    u, dz = rng.normal(size=(2, *z.shape)).astype(np.float32)
+    dcoat = rng.normal(size=coat.shape).astype(np.float32)
+    coated = layered(gaining, z, coat)
+    forward = u * gradients.layer_pushforward(gaining, z, coat, coated, dz, dcoat)
+    of_z, of_coat = gradients.layer_pullback(gaining, z, coat, coated, u)
+    backward = (of_z * dz).sum(axis=-1) + (of_coat * dcoat).sum(axis=-1)
+    size = np.abs(forward).sum(axis=-1)
+    np.testing.assert_allclose((forward.sum(axis=-1) - backward) / size, 0, atol=1e-4)
+
+    df = f * rng.normal(size=f.shape).astype(np.float32)
+    forward = u * gradients.encode_pushforward(gaining, f, z, df)
+    backward = (gradients.encode_pullback(gaining, f, z, u) * df).sum(axis=-1)
+    size = np.abs(forward).sum(axis=-1)
+    np.testing.assert_allclose((forward.sum(axis=-1) - backward) / size, 0, atol=1e-4)
