@@ -43,9 +43,7 @@ def directions(count: int = 400) -> tuple[np.ndarray, np.ndarray]:
 def slopes(model, codes, wi, wo):
     """Derivatives (C, N, size) of f by the codes (C, size), in double precision."""
     params = {name: value.astype(np.float64) for name, value in model.params.items()}
-    top = [
-        lobe.f(codes[:, None, :6] + 1e-20j * step, wi, wo).imag / 1e-20 for step in np.eye(6)
-    ]
+    top = [lobe.f(codes[:, None, :6] + 1e-20j * step, wi, wo).imag / 1e-20 for step in np.eye(6)]
     log_f, of_rest = derivatives.decode_log(
         params, ARCH, codes[:, None, 6:], direction_features(wi, wo)
     )

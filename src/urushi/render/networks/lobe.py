@@ -167,7 +167,8 @@ def complex_fresnel(cosine, eta, k):
     eta2, k2 = eta * eta, k * k
     difference = ((eta - 1) * (eta + 1) - k2) + cos2  # eta^2 - k^2 - sin2
     size = dr.sqrt(difference * difference + 4 * eta2 * k2)
-    a = dr.sqrt(dr.maximum(0.5 * (size + difference), 0))
+    above = 0.5 * (size + difference)  # zero under total reflection, where a selection keeps NaN
+    a = dr.sqrt(dr.select(above > 0, above, 0))  # out of the derivative
     first, second = size + cos2, 2 * a * cosine
     third, fourth = cos2 * size + sin2 * sin2, second * sin2
     perpendicular = (first - second) / (first + second)
