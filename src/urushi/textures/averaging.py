@@ -6,6 +6,10 @@ pairs and E is the encoder. E(D(z)) differs slightly from z. The mean of this *r
 is added, so that an area of equal codes keeps its code exactly. Two damped Gauss-Newton steps
 (`material.fit`) then bring the code five times closer to the averaged values.
 
+Of codes with a lobe (`nets.lobe`), this is done with the rest. The factors of the lobes are averaged
+linearly, as f is linear in them, and widths by the light that each lobe reflects: a lobe that
+reflects nothing does not count.
+
 A texture has millions of codes, which cannot all be decoded. They lie close together, however. For
 large textures two regressions, fitted to a sample of the texture's codes, replace the decoder and
 the Gauss-Newton steps. The first predicts ln D(z) at a few probe pairs, and the residual. The
@@ -21,7 +25,9 @@ import numpy as np
 from urushi.material import regression
 from urushi.material.fit import correct_codes_serial
 from urushi.material.regression import CodeFeatures
+from urushi.nets import decoder, encoder
 from urushi.nets.features import direction_features
+from urushi.nets.lobe import NO_LOBE, fresnel, reflectance
 from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
 from urushi.parallel import fill_blocks, one_blas_thread
@@ -67,6 +73,9 @@ class AveragingSpace(Protocol):
     def drop(self, means: np.ndarray) -> np.ndarray:
         """Latent codes (n, L) of averaged points (n, K)."""
 
+    def fits(self, z: np.ndarray) -> bool:
+        """Whether the space holds for other codes (n, L) than those that it was made for."""
+
 
 def averaging_space(
     model: Model, read: Callable[[np.ndarray], np.ndarray], count: int
@@ -83,6 +92,16 @@ def averaging_space(
     networks = model.networks
     if not isinstance(networks, UrushiNetworks):
         return LatentSpace()
+    lobe = networks.arch.lobe
+    if not lobe:
+        return _rest_space(networks, read, count)
+    return LobedSpace(_rest_space(networks, lambda index: read(index)[:, lobe:], count), lobe)
+
+
+def _rest_space(
+    networks: UrushiNetworks, read: Callable[[np.ndarray], np.ndarray], count: int
+) -> "DecodedSpace | RegressionSpace":
+    """The space of codes without lobes; arguments as of `averaging_space`."""
     exact = DecodedSpace(networks)
     if count <= SAMPLE:
         return exact
@@ -118,24 +137,105 @@ class LatentSpace:
         """The averaged codes."""
         return means
 
+    def fits(self, z: np.ndarray) -> bool:
+        """Always."""
+        return True
+
+
+class LobedSpace(NamedTuple):
+    """Codes with lobes: numbers of the lobes, beside the points of the rest.
+
+    Attributes:
+        rest: the space of the numbers after those of the lobe.
+        lobe: how many these are.
+    """
+
+    rest: "DecodedSpace | RegressionSpace"
+    lobe: int
+
+    def lift(self, z: np.ndarray) -> np.ndarray:
+        """Factors, reflectance, and products with what they weigh, side by side with the rest."""
+        return np.concatenate(
+            [lifted_lobes(z[:, : self.lobe]), self.rest.lift(z[:, self.lobe :])], axis=1
+        )
+
+    def drop(self, means: np.ndarray) -> np.ndarray:
+        """The lobes, and the codes of the rest."""
+        lobes, rest = np.split(means, [LIFTED_LOBE], axis=1)
+        return np.concatenate([dropped_lobes(lobes), self.rest.drop(rest)], axis=1)
+
+    def fits(self, z: np.ndarray) -> bool:
+        """Whether it holds for the rest."""
+        return self.rest.fits(z[:, self.lobe :])
+
+
+#: Numbers of a lobe in `LobedSpace`, and the cosines over which its reflectance is averaged.
+LIFTED_LOBE, COSINES = 9, np.array([1.0, 0.8, 0.6, 0.4, 0.2], np.float32)
+
+#: Weights of a lobe that does not reflect, lest the numbers of many such have no average.
+LEAST_WEIGHT = 1e-6
+
+#: Mean k above which an averaged index is that of a metal.
+LEAST_K = 1e-3
+
+
+def lifted_lobes(lobe: np.ndarray) -> np.ndarray:
+    """Numbers float32 (n, 9) of lobes (n, 6) whose averages give the lobe of an average."""
+    alpha, normal, grazing, exact, eta, k = lobe.T
+    bright = reflectance(lobe[:, None], COSINES).mean(axis=-1) + LEAST_WEIGHT
+    indexed = exact + LEAST_WEIGHT
+    head_on = fresnel(np.float32(1.0), eta, k)
+    weighted = [bright, bright * alpha, indexed, *(indexed * x for x in (eta, k, head_on))]
+    return np.stack([normal, grazing, exact, *weighted], axis=-1).astype(np.float32)
+
+
+def dropped_lobes(means: np.ndarray) -> np.ndarray:
+    """Lobes float32 (n, 6) of averages (n, 9) of `lifted_lobes`.
+
+    The index reflects as much at normal incidence as the averaged ones do: that of a dielectric is
+    above one if their mean is, and a metal has their mean eta.
+    """
+    normal, grazing, exact, bright, width, indexed, *others = means.astype(np.float64).T
+    eta, k, head_on = (x / indexed for x in others)
+    head_on = np.clip(head_on, 0, 0.999)
+    root = np.sqrt(head_on) * np.where(eta >= 1, 1, -1)
+    squared = (head_on * (1 + eta) ** 2 - (1 - eta) ** 2) / (1 - head_on)
+    metal = k > LEAST_K
+    eta = np.where(metal, eta, (1 + root) / (1 - root))
+    k = np.where(metal, np.sqrt(np.maximum(squared, 0)), 0)
+    return np.stack([width / bright, normal, grazing, exact, eta, k], axis=-1).astype(np.float32)
+
 
 class DecodedSpace(NamedTuple):
-    """Values at all P probe pairs, the residual, and the code: K = P + 2 L. Exact, but slow."""
+    """Values at all P probe pairs, the residual, and the code: K = P + 2 L. Exact, but slow.
+
+    Codes (n, L) are those of the rest, without the numbers of a lobe.
+    """
 
     networks: UrushiNetworks
 
     def lift(self, z: np.ndarray) -> np.ndarray:
         """f (n, P), z - E(f) (n, L) and z (n, L), side by side."""
         features = direction_features(*self.networks.pairs())
-        f = np.concatenate([self.networks.decode(z[rows, None], features) for rows in _blocks(z)])
-        return np.concatenate([f, z - self.networks.encode(f), z], axis=1)
+        f = np.concatenate([self._decoded(z[rows], features) for rows in _blocks(z)])
+        return np.concatenate([f, z - self._encoded(f), z], axis=1)
 
     def drop(self, means: np.ndarray) -> np.ndarray:
         """Encode, add the residual, and take the Gauss-Newton steps."""
         f, residual, _ = self.split(means)
-        z = self.networks.encode(f) + residual
+        z = self._encoded(f) + residual
         blocks = [corrected_averages(self.networks, z[rows], f[rows]) for rows in _blocks(z)]
         return np.concatenate(blocks)
+
+    def fits(self, z: np.ndarray) -> bool:
+        """Always."""
+        return True
+
+    def _decoded(self, z: np.ndarray, features: np.ndarray) -> np.ndarray:
+        return decoder.decode(self.networks.params, self.networks.arch, z[:, None], features)
+
+    def _encoded(self, f: np.ndarray) -> np.ndarray:
+        return encoder.encode(self.networks.params, self.networks.arch, f)
 
     def split(self, means: np.ndarray) -> list[np.ndarray]:
         """Values (n, P), residuals (n, L) and codes (n, L) of points."""
@@ -219,7 +319,9 @@ class AverageCorrection(NamedTuple):
 
 def corrected_averages(networks: UrushiNetworks, z: np.ndarray, f: np.ndarray) -> np.ndarray:
     """Codes (n, L) closer to averages f (n, P) at the probe pairs than z (n, L): Gauss-Newton."""
-    return correct_codes_serial(networks, z, f, CORRECTION_DAMPING)[0]
+    none = np.array(NO_LOBE[: networks.arch.lobe], np.float32)
+    whole = np.concatenate([np.tile(none, (len(z), 1)), z], axis=1)
+    return correct_codes_serial(networks, whole, f, CORRECTION_DAMPING)[0][:, len(none) :]
 
 
 def fit_average_correction(
