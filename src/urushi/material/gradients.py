@@ -152,7 +152,7 @@ def _log_factor(model: Model, z: np.ndarray, z_bottom: np.ndarray) -> tuple[np.n
     The ceiling is a constant, or the largest albedo of a bottom that gains energy.
     """
     rest, rest_slopes, top, top_slopes = _albedos(model, z_bottom)
-    peak = (rest + top).argmax()
+    peak = int((rest + top).argmax())
     ceiling = rest[peak] + top[peak]
     if ceiling > 1 + energy.TOLERANCE:
         of_z, of_ceiling = _log_share(model, z, ceiling)
@@ -171,7 +171,7 @@ def _log_share(model: Model, z: np.ndarray, ceiling: float) -> tuple[np.ndarray,
     rest, rest_slopes, top, top_slopes = _albedos(model, z)
     least = energy.LEAST_REST if model.arch.lobe else energy.LEAST_ALBEDO
     allowed = np.maximum(ceiling - top, least)
-    at = (rest / allowed).argmax()
+    at = int((rest / allowed).argmax())
     of_allowed = 1 / allowed[at] if allowed[at] > least else 0.0
     of_rest = -rest_slopes(at) / max(rest[at], energy.LEAST_ALBEDO)
     of_z = np.concatenate([-of_allowed * top_slopes(at), of_rest])

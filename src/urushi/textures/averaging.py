@@ -6,9 +6,9 @@ pairs and E is the encoder. E(D(z)) differs slightly from z. The mean of this *r
 is added, so that an area of equal codes keeps its code exactly. Two damped Gauss-Newton steps
 (`material.fit`) then bring the code five times closer to the averaged values.
 
-Of codes with a lobe (`nets.lobe`), this is done with the rest. The factors of the lobes are averaged
-linearly, as f is linear in them, and widths by the light that each lobe reflects: a lobe that
-reflects nothing does not count.
+Of codes with a lobe (`nets.lobe`), this is done with the rest. The factors of the lobes are
+averaged linearly, as f is linear in them, and widths by the light that each lobe reflects: a lobe
+that reflects nothing does not count.
 
 A texture has millions of codes, which cannot all be decoded. They lie close together, however. For
 large textures two regressions, fitted to a sample of the texture's codes, replace the decoder and
