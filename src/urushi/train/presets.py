@@ -83,7 +83,7 @@ def default() -> Preset:
     Command: `urushi train --preset default`
     """
     stacks, coated = (48, 136, 40, 10, 7, 7), (512, 128, 48, 40, 40)
-    joint = Schedule(steps=81_920, warmup=256, learning_rate=0.012, clip=0.1)
+    joint = Schedule(steps=65_536, warmup=256, learning_rate=0.012, clip=0.1)
     sampling = Schedule(steps=8_000, warmup=200, learning_rate=0.01, checkpoint_every=4_000)
     return Preset(
         name="default",
@@ -100,8 +100,7 @@ def default() -> Preset:
             latent=24,
             decoder=(16, 16),
             layerer=(288, 288, 288),
-            lobes=1,
-            sampler=(8,),
+            sampler=(16,),
             activation="silu7",
             lobe=6,
         ),
