@@ -140,7 +140,7 @@ def test_unwritable_output_is_named(tmp_path):
 
 def test_missing_default_weights_name_the_cure(monkeypatch, tmp_path):
     monkeypatch.setattr(weights, "shipped_folder", lambda: tmp_path)
-    with pytest.raises(FileError, match="urushi train --preset small"):
+    with pytest.raises(FileError, match="install the package again"):
         weights.load_shipped.__wrapped__("small")
 
 

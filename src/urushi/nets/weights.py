@@ -188,10 +188,7 @@ def load_shipped(name: str) -> Model:
     """
     path = shipped_folder() / f"{name}.safetensors"
     if not path.exists():
-        raise FileError(
-            f"Urushi's trained weights '{path}' are missing; install the package again, "
-            f"or make them with 'urushi train --preset {name}'"
-        )
+        raise FileError(f"Urushi's trained weights '{path}' are missing; install the package again")
     return read(path)
 
 

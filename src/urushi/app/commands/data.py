@@ -17,13 +17,13 @@ class Generate:
     An interrupted run continues where it stopped and ends in the same store. A Dask cluster
     (`dask scheduler` on one machine, `dask worker ADDRESS` on each) makes the same store too.
 
-    Example: urushi data generate --preset base -o runs/base.zarr
+    Example: urushi data generate --preset default -o runs/default.zarr
     """
 
     output: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
     """Store to write (.zarr)."""
-    preset: str = "base"
-    """Training preset whose data are simulated: base, small, quick, smoke or paper."""
+    preset: str = "default"
+    """Training preset whose data are simulated: default, quick, smoke or paper."""
     scale: float | None = None
     """Only for the preset "paper": fraction of its training samples, as for `urushi train`."""
     scheduler: str | None = None
@@ -45,7 +45,7 @@ class Generate:
 class Show:
     """Print the contents of a store and how much of it is simulated.
 
-    Example: urushi data show runs/base.zarr
+    Example: urushi data show runs/default.zarr
     """
 
     store: tyro.conf.Positional[Path]
@@ -87,7 +87,7 @@ class Benchmark:
 class Data:
     """Simulate training data, show what a store holds, or simulate the benchmark set.
 
-    Example: urushi data generate --preset base -o runs/base.zarr
+    Example: urushi data generate --preset default -o runs/default.zarr
     """
 
     command: (

@@ -40,11 +40,11 @@ class Train:
 
     A run that was interrupted continues with --resume and ends in the same weights.
 
-    Example: urushi train --preset base
+    Example: urushi train --preset default
     """
 
-    preset: str = "base"
-    """Name of the preset: base, small, quick (for experiments), smoke (half a minute, a check that
+    preset: str = "default"
+    """Name of the preset: default, quick (for experiments), smoke (half a minute, a check that
     training runs), or paper (the system of Fan et al. 2022)."""
     scale: float | None = None
     """Only for the preset "paper": fraction of its training samples to use, in (0, 1]. 4e-5 takes

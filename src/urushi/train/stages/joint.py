@@ -21,8 +21,8 @@ from urushi.train.stages.stage import Learner, Stage
 #: Stride of the stacks used in the cycle loss, which decodes all probe pairs.
 CYCLE_STRIDE = 16
 
-#: Weight of the cycle loss. A larger one harms the fit: where a stack's lobe is a thousand times the
-#: rest, the code of the rest is arbitrary.
+#: Weight of the cycle loss. A larger one harms the fit: where a stack's lobe is a thousand times
+#: the rest, the code of the rest is arbitrary.
 CYCLE_SHARE = 0.02
 
 #: Stride of the stacks used in the absorption penalty, among those with a coat.
