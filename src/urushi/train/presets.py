@@ -78,9 +78,12 @@ SMALL = Architecture(latent=24, decoder=(24, 24), lobes=1, sampler=(16,), lobe=6
 
 
 def default() -> Preset:
-    """The shipped networks: the whole domain.
+    """Networks with an analytic lobe for the whole domain.
 
     Command: `urushi train --preset default`
+    Time: 110 minutes on two cores, estimated from the steps of a shorter training.
+    Expected of `urushi eval`: a training on a seventh of the data and a tenth of the steps gives
+        Table 2 stacks of two interfaces E mean 1.0 %, P median 0.4 %; the full one is to be run.
     """
     stacks, coated = (48, 136, 40, 10, 7, 7), (512, 128, 48, 40, 40)
     joint = Schedule(steps=65_536, warmup=256, learning_rate=0.012, clip=0.1)
