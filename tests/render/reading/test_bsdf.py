@@ -115,11 +115,15 @@ def test_scalar_variants_are_refused():
     ids=lambda bottom: bottom["type"],
 )
 def test_a_coat_lies_over_the_same_codes_in_python_and_in_the_plugin(rgb, bottom):
-    """For isotropic and for averaged bottoms both use one symmetrisation, so no bit differs."""
+    """For isotropic and for averaged bottoms both use one symmetrisation.
+
+    What remains is the rounding of single precision in products of different shapes.
+    """
     coated = rgb.load_dict(
         {"type": "neural_layered", "alpha": 0.1, "int_ior": 1.5, "ext_ior": 1.0, "base": bottom}
     )
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UrushiWarning)  # of the anisotropy
         expected = layer(dielectric(0.1, 1.5), rgb.load_dict(bottom))
-    np.testing.assert_array_equal(coated.latents.at(np.full((1, 2), 0.5))[0], expected.latents)
+    codes = coated.latents.at(np.full((1, 2), 0.5))[0]
+    np.testing.assert_allclose(codes, expected.latents, atol=2e-6)
