@@ -34,6 +34,7 @@ import numpy as np
 
 import urushi
 from urushi.files import atomic_write, read_tensors
+from urushi.nets.weights import SHIPPED
 from urushi.textures.file import KIND
 
 #: Pairs of directions, and size of the demo's pictures and their samples per pixel.
@@ -122,7 +123,7 @@ def textures() -> Entries:
     return {
         "over a conductor": _texels(fine),
         "over a texture": _texels(coarse),
-        "small over a texture": _texels({**coarse, "weights": "small"}),
+        **{f"{name} over a texture": _texels({**coarse, "weights": name}) for name in SHIPPED[1:]},
     }
 
 

@@ -126,7 +126,7 @@ def main() -> None:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("measured", type=Path, nargs="+", help="files, folders or archives")
-    parser.add_argument("--weights", help="base, small, or a weights file")
+    parser.add_argument("--weights", help="networks: a name or file; default: the default ones")
     parser.add_argument("--picture", type=Path, help="where to draw spheres of the worst materials")
     options = parser.parse_args()
     mi.set_variant("llvm_ad_rgb")

@@ -210,7 +210,7 @@ def main() -> None:
     parser.add_argument("--materials", nargs="+", help="names; default: all")
     parser.add_argument("--methods", nargs="+", choices=METHODS, default=list(METHODS))
     parser.add_argument("--envmaps", type=Path, nargs="+", help="default: Urushi's own two")
-    parser.add_argument("--weights", default="base", help="base, small, or a weights file")
+    parser.add_argument("--weights", help="networks: a name or file; default: the default ones")
     parser.add_argument(
         "--folder", type=Path, default=Path("runs/measured"), help="folder of results"
     )

@@ -127,7 +127,7 @@ def fit(
     return terms
 
 
-def errors(path: Path, weights: str, fits: list[str]) -> list[float]:
+def errors(path: Path, weights: str | None, fits: list[str]) -> list[float]:
     """E [%] of the refined material of a file and of each of the fits."""
     model, source, rng = find(weights), load_measured(path), np.random.default_rng(0)
     seen = [
@@ -175,7 +175,7 @@ def main() -> None:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("files", type=Path, nargs="+")
-    parser.add_argument("--weights", default="small", help="base, small, or a weights file")
+    parser.add_argument("--weights", help="networks: a name or file; default: the default ones")
     parser.add_argument("--fits", nargs="+", choices=FITS, default=list(FITS))
     options = parser.parse_args()
     warnings.simplefilter("ignore", UrushiWarning)

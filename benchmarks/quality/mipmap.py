@@ -147,7 +147,7 @@ def main() -> None:
         description=__doc__,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("--weights", default="base", help="base, small, or a weights file")
+    parser.add_argument("--weights", help="networks: a name or file; default: the default ones")
     parser.add_argument("--side", type=int, default=2048, help="side of the timed texture [texels]")
     options = parser.parse_args()
     model = weights.find(options.weights)

@@ -207,13 +207,17 @@ def main() -> None:
         description=__doc__,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("--weights", type=Path, help="weights file; default: the shipped base")
+    parser.add_argument("--weights", help="networks: a name or file; default: the default ones")
     parser.add_argument("measured", type=Path, nargs="*", help="MERL or RGL files")
     options = parser.parse_args()
     mi.set_variant("llvm_ad_rgb")
-    model = weights.read(options.weights) if options.weights else weights.default_model()
+    model = weights.find(options.weights)
     make = encoders(model)
-    groups = tuple(group for group in GROUPS if group.distribution.coats < 3)
+    groups = tuple(
+        group
+        for group in GROUPS
+        if group.distribution.coats < 3 and len(group.probed) == group.distribution.coats
+    )
     sets = benchmark.read(groups=groups)
 
     print(f"{'':32}{'encoded':>30}{'layered over it':>30}")

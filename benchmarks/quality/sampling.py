@@ -84,7 +84,7 @@ def main() -> None:
         description=__doc__,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("--weights", default="base", help="base, small, or a weights file")
+    parser.add_argument("--weights", help="networks: a name or file; default: the default ones")
     model = weights.find(parser.parse_args().weights)
     made = [m for samples in benchmark.read().values() for m in predict.materials(model, samples)]
     chosen = np.linspace(0, len(made) - 1, MATERIALS).astype(int)

@@ -113,7 +113,7 @@ class Comparisons:
     """
 
     environments: list[Environment]
-    weights: str
+    weights: str | None
     folder: Path
     code: dict[str, str]
 
@@ -193,7 +193,7 @@ class Reference:
         return Result(looks[place], self.error(fits[place].f), seconds)
 
 
-def code_hashes(names: list[str], weights: str) -> dict[str, str]:
+def code_hashes(names: list[str], weights: str | None) -> dict[str, str]:
     """For each method, a hash of the modules that its results depend on most, and of networks."""
     modules: dict[str, list[ModuleType]] = {
         "encoded": [energy, fit],

@@ -18,12 +18,13 @@ from pathlib import Path
 
 import numpy as np
 
+from urushi.nets.weights import SHIPPED
 from urushi.platform import available_cores
 
 ROWS = ("one bottom", "textured bottom")
 
 
-def measure(side: int, weights: str, bottom: str, levels: int) -> None:
+def measure(side: int, weights: str | None, bottom: str, levels: int) -> None:
     """Print one row, in this process."""
     import mitsuba as mi
 
@@ -44,7 +45,7 @@ def measure(side: int, weights: str, bottom: str, levels: int) -> None:
         base |= {"alpha": texture(0.05, 0.5, 1), "specular_reflectance": texture(0.1, 1, 3)}
     coat = {
         "type": "neural_layered",
-        "weights": weights,
+        "weights": weights or SHIPPED[0],
         "alpha": texture(0.02, 0.3, 1),
         "albedo": texture(0, 1, 3),
         "sigma_t": texture(0, 2, 3),
@@ -87,7 +88,7 @@ def main() -> None:
         description=__doc__,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("--weights", default="base", help="base, small, or a weights file")
+    parser.add_argument("--weights", help="networks: a name or file; default: the default ones")
     parser.add_argument("--side", type=int, default=2048, help="side of the textures [texels]")
     parser.add_argument("--float", action="store_true", help="noise of single precision")
     parser.add_argument("--row", choices=ROWS, help=argparse.SUPPRESS)
@@ -96,7 +97,7 @@ def main() -> None:
         levels = 0 if arguments.float else 255
         measure(arguments.side, arguments.weights, arguments.row, levels)
         return
-    print(f"{arguments.side}² texels, {arguments.weights}, {available_cores()} cores")
+    print(f"{arguments.side}² texels, {arguments.weights or SHIPPED[0]}, {available_cores()} cores")
     print(
         f"{'':17}{'load':>10}{'CPU':>10}{'peak':>11}{'edit':>10}{'file':>11}{'save':>10}{'reload':>10}"
     )

@@ -22,7 +22,9 @@ def calls(monkeypatch) -> dict:
     monkeypatch.setattr(
         direction_tables, "report", lambda *args: calls.update(tables=args) or "tables"
     )
-    monkeypatch.setattr(benchmark, "make", lambda path: calls.update(path=path) or "0123abcd")
+    monkeypatch.setattr(
+        benchmark, "make", lambda path, keep: calls.update(path=path, keep=keep) or "0123"
+    )
     return calls
 
 
@@ -45,8 +47,10 @@ def test_eval_by_direction_tables(calls, capsys):
 
 def test_benchmark(calls, capsys):
     assert cli.main(["data", "benchmark", "-o", "b.safetensors"]) == 0
-    assert calls == {"path": Path("b.safetensors")}
-    assert capsys.readouterr().out == "b.safetensors  0123abcd\n"
+    assert calls == {"path": Path("b.safetensors"), "keep": None}
+    assert capsys.readouterr().out == "b.safetensors  0123\n"
+    assert cli.main(["data", "benchmark", "-o", "b.safetensors", "--keep", "a.safetensors"]) == 0
+    assert calls == {"path": Path("b.safetensors"), "keep": Path("a.safetensors")}
 
 
 def test_plots_need_their_extra(calls, monkeypatch, capsys):

@@ -123,6 +123,14 @@ def test_indices_change_eta_alone():
     assert stats.ks_2samp(common.bottom["alpha"], whole.bottom["alpha"]).pvalue > 1e-3
 
 
+@pytest.mark.parametrize("make", [Extended, Clear])
+def test_low_indices_are_below_one_at_every_interface(make):
+    table = make(2, "dielectric", "low").sample(np.random.default_rng(0), N)
+    for eta in (table.eta, table.bottom["eta"]):
+        assert kolmogorov(eta, uniform_cdf(0.5, 0.96)) > 1e-3
+        assert eta.min() >= 0.5 and eta.max() < 1
+
+
 def test_descriptions_from_before_the_choice_of_indices_mean_common_ones():
     old = {"kind": "extended", "coats": 2, "bottom": "diffuse"}
     assert distribution.from_dict(old) == Extended(2, "diffuse", "common")
@@ -131,7 +139,7 @@ def test_descriptions_from_before_the_choice_of_indices_mean_common_ones():
 
 @pytest.mark.parametrize(
     "drawn",
-    [Table2(3), Extended(1, "diffuse"), Clear(1, "diffuse"), Clear(1, "dielectric", "whole")],
+    [Table2(3), Extended(1, "diffuse"), Clear(1, "diffuse"), Clear(1, "dielectric", "low")],
 )
 def test_json_round_trip(drawn):
     assert distribution.from_dict(distribution.to_dict(drawn)) == drawn
@@ -142,7 +150,10 @@ def test_json_round_trip(drawn):
     [
         (lambda: Table2(6), "coats is 6; it must be an integer from 0 to 5"),
         (lambda: Extended(1, "velvet"), "bottom is 'velvet'; choose one of conductor"),
-        (lambda: Extended(1, "diffuse", "all"), "indices is 'all'; choose one of common, whole"),
+        (
+            lambda: Extended(1, "diffuse", "all"),
+            "indices is 'all'; choose one of common, whole, low",
+        ),
         (lambda: distribution.from_dict({"kind": "table3"}), "kind 'table3'; choose one of"),
         (lambda: distribution.from_dict({"kind": "table2", "depth": 1}), "has no such field"),
     ],

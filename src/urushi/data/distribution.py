@@ -82,8 +82,8 @@ class Extended(_Independent):
             k = U(0.5, 8), about the range of metals), "diffuse" (reflectance = U(0, 1)),
             "dielectric" (the reflection of a rough interface, eta by `indices`), "mixture" (see
             `_mixture`) or "measured_like" (see `_measured_like`).
-        indices: eta of coats and of "dielectric" bottoms: "common" (U(1.05, 2), as in Table 2) or
-            "whole" (all of [0.5, 3], see `_whole_eta`).
+        indices: eta of coats and of "dielectric" bottoms: "common" (U(1.05, 2), as in Table 2),
+            "whole" (all of [0.5, 3], see `_whole_eta`) or "low" (U(0.5, 0.96), for evaluation).
     """
 
     coats: int = 1
@@ -221,7 +221,12 @@ def _whole_eta(rng: np.random.Generator, shape: int | tuple[int, ...]) -> np.nda
     return np.choose(which, parts)
 
 
-_DRAW_ETA = {"common": _common_eta, "whole": _whole_eta}
+def _low_eta(rng: np.random.Generator, shape: int | tuple[int, ...]) -> np.ndarray:
+    """U(0.5, 0.96): every interface is to a thinner medium, with total reflection from above."""
+    return rng.uniform(0.5, 0.96, shape)
+
+
+_DRAW_ETA = {"common": _common_eta, "whole": _whole_eta, "low": _low_eta}
 
 
 def _mixture(rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:

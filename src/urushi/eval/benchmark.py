@@ -39,13 +39,31 @@ def default_path() -> Path:
     return Path(__file__).with_name("benchmark.safetensors")
 
 
-def make(path: str | os.PathLike, groups: tuple[Group, ...] = GROUPS) -> str:
-    """Simulate all groups and write them to a file; returns its hash.
+def make(
+    path: str | os.PathLike,
+    groups: tuple[Group, ...] = GROUPS,
+    keep: str | os.PathLike | None = None,
+) -> str:
+    """Simulate groups and write them to a file; returns its hash.
+
+    Args:
+        path: file to write; it may be `keep` itself.
+        groups: to write.
+        keep: a file of `write`. Groups that it holds with the same description and seed are taken
+            from it, to the bit, and not simulated. Its other groups are left out.
 
     Raises:
-        FileError: the file cannot be written.
+        FileError: `keep` is missing, foreign or damaged, or the file cannot be written.
     """
-    return write(path, sampling.simulate_all(groups, SEED), groups)
+    sets: dict[str, Samples] = {}
+    if keep is not None:
+        description, _ = _checked(keep)
+        held = {group["name"]: group for group in description["groups"]}
+        same = [group for group in groups if held.get(group.name) == _describe(group)]
+        if description["seed"] == SEED:
+            sets = read(keep, tuple(same))
+    missing = [group for group in groups if group.name not in sets]
+    return write(path, sets | sampling.simulate_all(missing, SEED), groups)
 
 
 def write(
@@ -94,14 +112,7 @@ def read(
         FileError: missing, foreign, damaged, or made for other groups.
     """
     path = default_path() if path is None else path
-    description, arrays = files.read_tensors(path, _KIND)
-    if description.get("version") != FORMAT_VERSION:
-        raise FileError(
-            f"'{path}' has version {description.get('version')!r} of the benchmark format, this "
-            f"Urushi reads {FORMAT_VERSION}; {_REMEDY}"
-        )
-    if description.get("hash") != _hash(arrays):
-        raise FileError(f"the benchmark set '{path}' is damaged: its hash is wrong; {_REMEDY}")
+    description, arrays = _checked(path)
     stored = {group["name"]: group for group in description["groups"]}
     result = {}
     for group in groups:
@@ -117,6 +128,19 @@ def read(
             own = {k.removeprefix(prefix): v for k, v in arrays.items() if k.startswith(prefix)}
             result[group.name] = _samples(path, group, description["seed"], own)
     return result
+
+
+def _checked(path: str | os.PathLike) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+    """Description and arrays of a file, after checks of its version and its hash."""
+    description, arrays = files.read_tensors(path, _KIND)
+    if description.get("version") != FORMAT_VERSION:
+        raise FileError(
+            f"'{path}' has version {description.get('version')!r} of the benchmark format, this "
+            f"Urushi reads {FORMAT_VERSION}; {_REMEDY}"
+        )
+    if description.get("hash") != _hash(arrays):
+        raise FileError(f"the benchmark set '{path}' is damaged: its hash is wrong; {_REMEDY}")
+    return description, arrays
 
 
 def _arrays(samples: Samples) -> dict[str, np.ndarray]:

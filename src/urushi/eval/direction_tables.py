@@ -135,7 +135,8 @@ def report(
     """Compare networks by the protocol; returns the figures as text.
 
     Args:
-        weights: the networks: "base" (the default), "small", a weights file, or a Model.
+        weights: the networks: a name of shipped ones, a weights file, or a Model; default: the
+            default networks.
         output: folder for direction_tables.json and the simulated tables, which later calls reuse.
         protocol: the size; default: the publication's, whose simulation takes 10 to 20 minutes.
 

@@ -8,6 +8,7 @@ from urushi.eval import samples as sampling
 from urushi.eval.samples import Samples
 from urushi.geometry.probe_pairs import PROBES, probe_pairs
 from urushi.material import Material
+from urushi.material.coverage import least_eta
 from urushi.material.encode import (
     STACK_WALKS,
     material_from_values,
@@ -17,10 +18,19 @@ from urushi.material.encode import (
 from urushi.material.layer import layer_texels
 from urushi.nets.lobe import of_coat
 from urushi.nets.weights import Model, has_lobes
+from urushi.reference import StackTable
 from urushi.train.bottoms import BARE_LOBES, bottom_lobes
 
 #: Seed of the walks for networks whose probe pairs differ from the stored ones.
 _PROBE_SEED = 1
+
+
+def covered(model: Model, table: StackTable) -> bool:
+    """Whether the networks cover the indices of refraction of all interfaces of the stacks."""
+    indices = [table.eta.ravel()]
+    if table.kind == "dielectric":
+        indices.append(table.bottom["eta"])
+    return bool(np.concatenate(indices).min(initial=np.inf) >= least_eta(model))
 
 
 def materials(

@@ -10,16 +10,20 @@ from urushi.nets.weights import Model
 from urushi.reference.stack import Dielectric, Stack
 
 
+def least_eta(model: Model) -> float:
+    """The least index that networks cover: their attribute of that name, or 1 if they have none."""
+    return getattr(model.networks, "least_eta", 1.0)
+
+
 def check_eta(model: Model, eta: npt.ArrayLike, where: str) -> None:
     """Check that the networks cover relative indices of refraction (any shape).
 
-    Networks with an attribute `least_eta` cover indices from it on, others those above 1. `where`
-    begins the error.
+    `where` begins the error.
 
     Raises:
-        ParameterError: an index is lower.
+        ParameterError: an index is lower than `least_eta`.
     """
-    least, lowest = getattr(model.networks, "least_eta", 1.0), np.min(eta)
+    least, lowest = least_eta(model), np.min(eta)
     if lowest < least:
         raise ParameterError(
             f"{where} is {lowest:g}, and the weights {model.fingerprint} cover indices above "

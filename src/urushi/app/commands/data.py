@@ -68,18 +68,20 @@ class Show:
 
 @dataclass(frozen=True)
 class Benchmark:
-    """Simulate the benchmark set that `urushi eval` compares with: about ten minutes.
+    """Simulate the benchmark set that `urushi eval` compares with: about a quarter of an hour.
 
     Example: urushi data benchmark -o src/urushi/eval/benchmark.safetensors
     """
 
     output: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
     """File to write (.safetensors)."""
+    keep: Path | None = None
+    """A benchmark set. Groups of stacks that it holds already are taken from it."""
 
     def run(self) -> int:
         from urushi.eval import benchmark
 
-        print(f"{self.output}  {benchmark.make(self.output)}")
+        print(f"{self.output}  {benchmark.make(self.output, keep=self.keep)}")
         return 0
 
 

@@ -94,7 +94,7 @@ class Evaluate:
     """
 
     weights: str | None = None
-    """Networks: base (the default), small, or a weights file."""
+    """Names of shipped networks or a weights file. Default: the default networks."""
     output: Annotated[Path | None, tyro.conf.arg(aliases=["-o"])] = None
     """Folder for the figures (JSON) and plots."""
     seed: int | None = None
