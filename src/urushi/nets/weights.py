@@ -29,7 +29,7 @@ class ArchitectureKind:
     """How models and weights files handle one class of architectures.
 
     Attributes:
-        architecture: the class; it has `latent`, `to_json` and `from_json`.
+        architecture: the class; it has `latent`, `lobe`, `to_json` and `from_json`.
         parameter_shapes: maps an architecture to its parameters' shapes by name.
         networks: makes networks of parameters and an architecture.
     """
