@@ -101,7 +101,7 @@ def default() -> Preset:
         memory=1 << 28,
         arch=Architecture(
             latent=24,
-            decoder=(16, 16),
+            decoder=(24,),
             layerer=(288, 288, 288),
             sampler=(16,),
             activation="silu7",
