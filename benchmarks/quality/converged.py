@@ -1,4 +1,4 @@
-"""Pictures of the shipped scenes with many samples, stored in files so that stopped runs resume.
+"""Pictures of scenes with many samples, stored in files so that stopped runs resume.
 
 Samples are accumulated in two independent halves, from which the remaining noise is estimated.
 """
@@ -13,19 +13,17 @@ from typing import Any
 
 import mitsuba as mi
 import numpy as np
+from benchmarks.scenes import OWN, SCENES, WALK, describe, digest
 from tqdm import tqdm
 
-import urushi  # noqa: F401  (registers the plugins)
 from urushi.eval import metrics
 from urushi.files import atomic_write, new_folder
 from urushi.nets import weights as networks
-from urushi.scenes import shipped
-from urushi.scenes.stage import Options
 
 #: Samples per pixel of one pass, which bounds the memory; and seconds between two saves.
 PASS_SPP, SAVE_EVERY = 16, 30.0
-#: The method of the reference, which is its plugin; other methods are weights of `neural_layered`.
-REFERENCE = "layered"
+#: The method of the reference, see `benchmarks.scenes`.
+REFERENCE = WALK
 
 
 @dataclass(frozen=True)
@@ -47,45 +45,43 @@ class Picture:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments that all benchmarks of pictures share."""
-    parser.add_argument("--scenes", nargs="+", default=list(shipped.SCENES), help="names of scenes")
+    parser.add_argument("--scenes", nargs="+", default=SCENES, choices=SCENES, help="scenes")
     parser.add_argument(
-        "--weights", nargs="+", default=list(networks.SHIPPED), help="weights of neural_layered"
+        "--weights", nargs="+", default=networks.SHIPPED, help="weights of neural_layered"
     )
     parser.add_argument(
         "--width", type=int, default=320, help="width of pictures [pixels]; the height is 3/4 of it"
     )
     parser.add_argument("--detail", type=float, default=1.0, help="scale of the sizes of textures")
+    parser.add_argument("--depth", type=int, default=6, help="longest path; 2: direct light alone")
     parser.add_argument("--mode", default="llvm_ad_rgb", help="Mitsuba variant")
     parser.add_argument(
         "--folder", type=Path, default=Path("runs/pictures"), help="folder of results"
     )
 
 
-def load(name: str, method: str, arguments: argparse.Namespace) -> tuple[Any, str]:
+def load(
+    name: str, method: str, arguments: argparse.Namespace, light: str = OWN
+) -> tuple[Any, str]:
     """A scene for `mi.render`, and the hash of everything that its picture depends on.
 
     Args:
-        name: name of the scene.
-        method: REFERENCE, or weights by name or file.
+        name, method, light: as of `scenes.describe`.
+        arguments: those of `add_arguments`.
     """
-    size = {"width": arguments.width, "height": arguments.width * 3 // 4}
-    coat = {"coat": REFERENCE} if method == REFERENCE else {"weights": method}
-    options = Options(**coat, **size, detail=arguments.detail)
-    digest = hashlib.sha256(f"{mi.__version__} {PASS_SPP}".encode())
-    if method != REFERENCE:
-        digest.update(networks.find(method).fingerprint.encode())
     with tempfile.TemporaryDirectory(prefix="urushi-") as folder:
-        path = shipped.export(name, folder, options)
-        for file in sorted(path.parent.iterdir()):
-            digest.update(file.read_bytes())
-        return mi.load_file(str(path)), digest.hexdigest()
+        options = {key: getattr(arguments, key) for key in ("width", "detail", "depth")}
+        scene = describe(name, method, Path(folder), light=light, **options)
+        return mi.load_dict(scene), f"{digest(scene)} {PASS_SPP}"
 
 
-def converged(name: str, method: str, spp: int, arguments: argparse.Namespace) -> Picture:
+def converged(
+    name: str, method: str, spp: int, arguments: argparse.Namespace, light: str = OWN
+) -> Picture:
     """Render a scene with `spp` samples per pixel, less those that are already stored."""
     new_folder(arguments.folder)
-    path = arguments.folder / f"{name}-{Path(method).stem}-{arguments.width}.npz"
-    scene, key = load(name, method, arguments)
+    path = arguments.folder / f"{name}-{light}-{Path(method).stem}-{arguments.width}.npz"
+    scene, key = load(name, method, arguments, light)
     sums, done = _saved(path, key, (arguments.width * 3 // 4, arguments.width))
     passes = max(2, 2 * round(spp / PASS_SPP / 2))
     saved = time.monotonic()

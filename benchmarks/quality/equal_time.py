@@ -6,19 +6,30 @@ networks' error. All are measured: variances and times of a sample from passes t
 between the methods, and b against a reference of many samples by `layered`, with the noise of both
 pictures subtracted.
 
-For each scene and networks, the table has
+Every scene is measured in its own light, under one point light beside the camera, and under a
+cloudless sky with the sun (Mitsuba's `sunsky`). A line of the table has
 
 - the time and the variance of a sample, relative to the walk;
 - the walk's mean squared error divided by the networks', at the times in which the walk takes 4,
   16, 64 and 256 samples per pixel; the aim is 10 at one of them;
+- the same ratio for an exact, noise-free BSDF that costs what `principled` costs. The networks'
+  BSDF is free of noise and nearly exact, so that its variance V' is what light, visibility and
+  sampling by its lobes leave. With the time T of a sample by the walk, and T' of a sample with
+  `principled` and as many textures in the place of every coat, the ratio is V T / (V' T') at all
+  times. V' is the least of the measured networks. Better sampling would lower V';
 - the number of the walk's samples above which the networks' error is mostly bias, and the number at
   which the walk becomes better.
 
-Times are CPU times of all threads; loading and compiling are printed separately. With default sizes
-it takes twenty minutes on two cores. In much smaller pictures the fixed cost of a pass, about
-0.06 s, would hide the difference between methods. The reference is stored in `--folder`, and a
-stopped run resumes. `equal-time.png` there shows the measured errors while samples accumulate, and
-the lines that the table predicts.
+Under small lights, single bright samples decide the mean variances: those of caustics, which path
+tracing hardly finds. `--depth 2` leaves them out, and `--seconds` makes them more certain. The
+median over pixels of V' / V is a column of its own, which these samples hardly change.
+
+Times are CPU times of all threads. The fixed cost of a pass, which records the code of every BSDF
+in memory, is measured by passes of one sample and subtracted. Loading and compiling have their own
+column. With default sizes it takes an hour on two cores; `--scenes demo --lights point --width 128
+--spp 256 --seconds 4` takes a minute. The reference is stored in `--folder`, and a stopped run
+resumes. `equal-time.png` there shows the measured errors while samples accumulate, and the lines
+that the table predicts.
 """
 
 import argparse
@@ -37,12 +48,32 @@ from benchmarks.quality.converged import (
     converged,
     load,
 )
+from benchmarks.scenes import LIGHTS, PRINCIPLED, processor
 
 from urushi.eval import metrics
+from urushi.platform import available_cores
 
 #: Times at which errors are compared, in samples of the walk.
 TIMES = (4, 16, 64, 256)
 AIM = 10
+
+#: Least number of passes of a method.
+PASSES = 4
+
+COLUMNS = (
+    "scene",
+    "light",
+    "networks",
+    "time of a sample",
+    "its variance",
+    "median of pixels",
+    *(f"error at {count}" for count in TIMES),
+    f"exact, at `{PRINCIPLED}`'s cost",
+    "mostly bias from",
+    "walk better from",
+    "start",
+    f"aim: {AIM}",
+)
 
 
 @dataclass
@@ -52,7 +83,7 @@ class Method:
     Attributes:
         scene: the loaded scene.
         start: CPU time of loading and of the first render, which compiles [s].
-        seconds: CPU time of each pass [s].
+        seconds, fixed: CPU time of each pass, and of one with one sample per pixel [s].
         total, squares: sums over passes of the pictures (H, W, 3), and of their squares.
         errors: (samples per pixel, mean squared error) at powers of two of the passes.
     """
@@ -60,6 +91,7 @@ class Method:
     scene: Any
     start: float
     seconds: list[float]
+    fixed: list[float]
     total: np.ndarray
     squares: np.ndarray
     errors: list[tuple[int, float]]
@@ -70,15 +102,20 @@ class Method:
 
     @property
     def second(self) -> float:
-        """CPU time of one sample per pixel [s]."""
-        return median(self.seconds) / PASS_SPP
+        """CPU time of one sample per pixel in a long render [s]."""
+        return max(median(self.seconds) - median(self.fixed), 1e-9) / (PASS_SPP - 1)
+
+    @property
+    def variances(self) -> np.ndarray:
+        """Variance (H, W) of one sample per pixel, as a mean over channels."""
+        mean = self.total / self.passes
+        spread = (self.squares / self.passes - mean**2) * self.passes / (self.passes - 1)
+        return spread.mean(axis=-1) * PASS_SPP
 
     @property
     def variance(self) -> float:
         """Variance of one sample per pixel, as a mean over all pixels."""
-        mean = self.total / self.passes
-        spread = (self.squares / self.passes - mean**2) * self.passes / (self.passes - 1)
-        return float(spread.mean()) * PASS_SPP
+        return float(self.variances.mean())
 
     def bias(self, reference: Picture) -> float:
         """Unbiased estimate of the mean squared error of endless samples; it may be negative."""
@@ -86,20 +123,21 @@ class Method:
         return metrics.mse(self.total / self.passes, reference.image) - noise
 
 
-def start(name: str, method: str, arguments: argparse.Namespace) -> Method:
+def start(name: str, light: str, method: str, arguments: argparse.Namespace) -> Method:
     """Load a scene and render it once, so that its kernels are compiled."""
     begin = time.process_time()
-    scene, _ = load(name, method, arguments)
-    shape = np.array(mi.render(scene, spp=PASS_SPP, seed=0)).shape
+    scene, _ = load(name, method, arguments, light)
+    _, image = (np.array(mi.render(scene, spp=spp, seed=0)) for spp in (1, PASS_SPP))
     spent = time.process_time() - begin
-    return Method(scene, spent, [], np.zeros(shape), np.zeros(shape), [])
+    return Method(scene, spent, [], [], np.zeros(image.shape), np.zeros(image.shape), [])
 
 
 def sample(method: Method, seed: int, reference: Picture) -> None:
     """Add one pass; at powers of two, store the error of the mean over all passes."""
-    begin = time.process_time()
-    image = np.array(mi.render(method.scene, spp=PASS_SPP, seed=seed), dtype=np.float64)
-    method.seconds.append(time.process_time() - begin)
+    for spp, times in ((1, method.fixed), (PASS_SPP, method.seconds)):
+        begin = time.process_time()
+        image = np.array(mi.render(method.scene, spp=spp, seed=seed), dtype=np.float64)
+        times.append(time.process_time() - begin)
     method.total += image
     method.squares += image**2
     if method.passes & (method.passes - 1) == 0:
@@ -107,22 +145,50 @@ def sample(method: Method, seed: int, reference: Picture) -> None:
         method.errors.append((method.passes * PASS_SPP, error))
 
 
-def row(walk: Method, network: Method, reference: Picture) -> str:
-    """One line of the table."""
+def measure(
+    name: str, light: str, arguments: argparse.Namespace
+) -> tuple[dict[str, Method], Picture]:
+    """All methods after alternating passes, so that other load affects all equally; and the truth.
+
+    Each method takes about `--seconds` of CPU time.
+    """
+    reference = converged(name, REFERENCE, arguments.spp, arguments, light)
+    names = (REFERENCE, PRINCIPLED, *arguments.weights)
+    methods = {method: start(name, light, method, arguments) for method in names}
+    passes = spent = 0.0
+    while passes < PASSES or spent < arguments.seconds * len(methods):
+        for number, method in enumerate(methods.values()):
+            sample(method, 1000 * (int(passes) + 1) + number, reference)
+        passes += 1
+        spent = sum(sum(method.seconds) for method in methods.values())
+    return methods, reference
+
+
+def row(
+    walk: Method, network: Method, reference: Picture, ideal: tuple[float, float]
+) -> tuple[str, ...]:
+    """The cells of a line after the names; ideal: time and variance of the noise-free BSDF."""
     time_ratio, variance_ratio = network.second / walk.second, network.variance / walk.variance
     bias = max(network.bias(reference), 0.0)
     ratios = [
         walk.variance / count / (network.variance * time_ratio / count + bias) for count in TIMES
     ]
+    lit = walk.variances > 0
     limits = (network.variance * time_ratio, walk.variance - network.variance * time_ratio)
-    biased, overtaken = (f"{limit / bias:8.0f}" if bias else "   never" for limit in limits)
-    verdict = "ok" if max(ratios) >= AIM else "MISSED"
-    numbers = " ".join(f"{ratio:7.2f}" for ratio in ratios) + f" {biased} {overtaken}"
-    return f"{time_ratio:8.2f} {variance_ratio:8.3f} {numbers} {network.start:7.0f} s {verdict}"
+    return (
+        f"{time_ratio:.2f}",
+        f"{variance_ratio:.3f}",
+        f"{np.median(network.variances[lit] / walk.variances[lit]):.3f}",
+        *(f"{ratio:.2f}" for ratio in ratios),
+        f"{walk.second * walk.variance / (ideal[0] * ideal[1]):.2f}",
+        *(f"{max(limit / bias, 0):.0f}" if bias else "never" for limit in limits),
+        f"{network.start:.0f} s",
+        "ok" if max(ratios) >= AIM else "missed",
+    )
 
 
 def plot(measured: dict[str, dict[str, Method]], references: dict[str, Picture], path) -> None:
-    """Draw errors over time for every scene: measured points, and lines by variance and bias."""
+    """Draw errors over time by scene and light: measured points, lines by variance and bias."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -131,17 +197,19 @@ def plot(measured: dict[str, dict[str, Method]], references: dict[str, Picture],
     figure, panels = pyplot.subplots(
         1, len(measured), figsize=(4.2 * len(measured), 3.8), squeeze=False, layout="constrained"
     )
-    for axes, (name, methods) in zip(panels[0], measured.items(), strict=True):
+    for axes, (title, methods) in zip(panels[0], measured.items(), strict=True):
         counts = np.geomspace(1, 4096, 60)
         for colour, (method, of) in enumerate(methods.items()):
-            bias = 0.0 if method == REFERENCE else max(of.bias(references[name]), 0.0)
+            if method == PRINCIPLED:  # another material
+                continue
+            bias = 0.0 if method == REFERENCE else max(of.bias(references[title]), 0.0)
             label = method if method == REFERENCE else f"neural_layered, {method}"
             times = of.second * counts
             axes.loglog(times, of.variance / counts + bias, color=f"C{colour}", label=label)
             points = np.array([(n, error) for n, error in of.errors if error > 0])
             if len(points):
                 axes.loglog(of.second * points[:, 0], points[:, 1], "o", color=f"C{colour}", ms=4)
-        axes.set(title=name, xlabel="CPU time [s]")
+        axes.set(title=title, xlabel="CPU time [s]")
     panels[0][0].set_ylabel("mean squared error")
     panels[0][0].legend(frameon=False, fontsize="small")
     figure.savefig(path, dpi=110)
@@ -156,38 +224,33 @@ def main() -> None:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     add_arguments(parser)
+    parser.add_argument("--lights", nargs="+", default=LIGHTS, choices=LIGHTS, help="lights")
     parser.add_argument("--spp", type=int, default=1024, help="samples per pixel of the reference")
-    parser.add_argument("--passes", type=int, default=16, help="passes of each method")
+    parser.add_argument("--seconds", type=float, default=20.0, help="CPU time of each method [s]")
     arguments = parser.parse_args()
     mi.set_variant(arguments.mode)
-    print(
-        f"{'scene':12} {'networks':8} {'time':>8} {'variance':>8} "
-        + " ".join(f"{'at ' + str(count):>7}" for count in TIMES)
-        + f" {'biased':>8} {'overtak.':>8} {'start':>9}  aim: >= {AIM}"
-    )
+    print(f"{processor()}, {available_cores()} cores, {arguments.width} pixels wide\n")
+    print(f"| {' | '.join(COLUMNS)} |\n{'|---' * len(COLUMNS)}|", flush=True)
     measured: dict[str, dict[str, Method]] = {}
     references: dict[str, Picture] = {}
-    for name in arguments.scenes:
-        reference = references[name] = converged(name, REFERENCE, arguments.spp, arguments)
-        methods = measured[name] = {
-            method: start(name, method, arguments) for method in (REFERENCE, *arguments.weights)
-        }
-        for index in range(arguments.passes):  # alternating, so that other load affects all equally
-            for number, method in enumerate(methods.values()):
-                sample(method, 1000 * (index + 1) + number, reference)
-        walk = methods[REFERENCE]
+    notes = []
+    for name, light in ((name, light) for name in arguments.scenes for light in arguments.lights):
+        methods, reference = measure(name, light, arguments)
+        measured[f"{name}, {light}"], references[f"{name}, {light}"] = methods, reference
+        walk, least = methods[REFERENCE], min(methods[of].variance for of in arguments.weights)
+        ideal = methods[PRINCIPLED].second, least
         for networks in arguments.weights:
-            line = row(walk, methods[networks], reference)
-            print(f"{name:12} {networks:8} {line}", flush=True)
-        print(
-            f"{name:12} {REFERENCE:8} {walk.second:.3g} s of CPU and a variance of "
-            f"{walk.variance:.3g} per sample, {walk.start:.0f} s to start, "
-            f"reference variance {reference.noise:.2g}",
-            flush=True,
+            cells = row(walk, methods[networks], reference, ideal)
+            print(f"| {' | '.join((name, light, networks, *cells))} |", flush=True)
+        notes.append(
+            f"- {name}, {light}: a sample of the walk takes {walk.second:.3g} s of CPU and has a "
+            f"variance of {walk.variance:.3g}; with `{PRINCIPLED}` it takes {ideal[0]:.3g} s. The "
+            f"reference's own variance is {reference.noise:.2g}; {walk.passes} passes."
         )
+    print("", *notes, sep="\n")
     path = arguments.folder / "equal-time.png"
     plot(measured, references, path)
-    print(path)
+    print(f"\n{path}")
 
 
 if __name__ == "__main__":

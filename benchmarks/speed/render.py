@@ -1,16 +1,20 @@
-"""Speed of whole renders: `python -m benchmarks.speed.render`; 15 minutes on two idle cores.
+"""Speed of whole renders: `python -m benchmarks.speed.render`; 20 minutes on two idle cores.
 
-The scene is a sphere under an environment map, 512², 32 samples per pixel, path depth 6,
-`llvm_ad_rgb`, default flags; with one value for every parameter, and with a texture for every
-parameter. Prints
+`llvm_ad_rgb`, default flags, path depth 6, 32 samples per pixel. Prints the table of
 
-- the median time of alternating runs of one process, and its ratios to `principled` with as many
-  textures and to `layered`, by wall time and by CPU time, which other load disturbs less;
-- the time to compile: the first render minus the later ones, with an empty kernel cache;
-- times to compile and to render one and ten different materials in one scene.
+- `sphere`: a sphere under an environment map, 512², with one value for every parameter, and with a
+  texture for every parameter: the median time of alternating runs of one process, and its ratios to
+  `principled` with as many textures and to `layered`, by wall time and by CPU time, which other
+  load disturbs less; and the time to compile: the first render minus the later ones, with an empty
+  kernel cache;
+- `materials`: times to compile and to render one and ten different materials in one scene;
+- `scenes`: the demo's and the shipped scenes, 512 pixels wide: times of the walk, of the networks
+  and of `principled` in the place of every coat, and the ratios of the networks to the walk. Ratios
+  are medians over alternating runs of the ratio within a run, with their range.
 
 Mitsuba compiles all BSDFs in memory into every kernel, so that every run loads its scene again and
-then releases it. `--side`, `--spp` and `--runs` shorten the benchmark; `--only` selects plugins.
+then releases it. `--tables`, `--scenes`, `--weights`, `--side`, `--spp`, `--detail` and `--runs`
+shorten the benchmark.
 """
 
 import argparse
@@ -20,12 +24,20 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-PLUGINS = ("principled", "small", "base", "layered")
+from urushi.nets.weights import SHIPPED
+from urushi.platform import available_cores
+
+OTHERS = ("principled", "layered")
+TABLES = ("sphere", "materials", "scenes")
 TEXELS = 64
 MATERIALS = 10
 FRESH = "URUSHI_FRESH_KERNELS"  # set in the measuring process
@@ -44,7 +56,7 @@ def value(low: float, high: float, channels: int, seed: int) -> dict | float:
 
 
 def material(plugin: str, textured: bool, seed: int = 0) -> dict:
-    """The sphere's BSDF; plugin: one of `PLUGINS`."""
+    """The sphere's BSDF; plugin: one of `OTHERS`, or weights."""
     of = texture if textured else value
     if plugin == "principled":
         return {
@@ -106,9 +118,9 @@ def rendered(loaded: "mi.Scene", spp: int, seed: int) -> tuple[float, float]:
     return time.perf_counter() - wall, time.process_time() - cpu
 
 
-def first_and_later(bsdfs: list[dict], side: int, spp: int) -> tuple[np.ndarray, np.ndarray]:
-    """(Wall, CPU) time [s] of the first render, and of the faster of two later ones."""
-    loaded = scene(bsdfs, side)
+def first_and_later(make: Callable[[], Any], spp: int) -> tuple[np.ndarray, np.ndarray]:
+    """(Wall, CPU) time [s] of a scene's first render, and of the faster of two later ones."""
+    loaded = make()
     first = np.array(rendered(loaded, spp, 0))
     later = np.min([rendered(loaded, spp, seed) for seed in (1, 2)], axis=0)
     del loaded
@@ -123,7 +135,7 @@ def speed(plugins: list[str], side: int, spp: int, runs: int) -> None:
     compiling = {}
     for run in range(runs):
         for case in cases:
-            first, later = first_and_later([material(*case)], side, spp)
+            first, later = first_and_later(partial(scene, [material(*case)], side), spp)
             times[case].append(later)
             if run == 0:
                 compiling[case] = first - later
@@ -131,7 +143,7 @@ def speed(plugins: list[str], side: int, spp: int, runs: int) -> None:
     print(f"{side}², {spp} spp{'':14}{'seconds':>9}{'principled':>12}{'layered':>9}", end="")
     print(f"{'by CPU time':>13}{'':9}{'compile':>9}{'CPU':>7}")
     for plugin, textured in cases:
-        name = plugin if plugin in ("principled", "layered") else f"neural_layered, {plugin}"
+        name = plugin if plugin in OTHERS else f"neural_layered, {plugin}"
         line = f"{name:22}{'textured' if textured else '':9}{medians[plugin, textured][0]:8.2f}"
         for clock in (0, 1):
             for other, width in (("principled", 12), ("layered", 9)):
@@ -148,25 +160,61 @@ def compiling(plugins: list[str], side: int) -> None:
             continue
         for count in (1, MATERIALS):
             bsdfs = [material(plugin, True, 100 * i) for i in range(count)]
-            first, later = first_and_later(bsdfs, side, 1)
+            first, later = first_and_later(partial(scene, bsdfs, side), 1)
             figures = (*(first - later), *later)
             print(f"{plugin:22}{count:9}{{:9.1f}}{{:7.1f}}{{:9.2f}}{{:7.2f}}".format(*figures))
 
 
+def whole_scenes(given: argparse.Namespace) -> None:
+    """Print the table of scenes, in Markdown."""
+    from benchmarks.scenes import PRINCIPLED, WALK, describe
+
+    methods = (WALK, PRINCIPLED, *given.weights)
+    columns = ("scene", "networks", "walk [s]", f"`{PRINCIPLED}` [s]", "networks [s]")
+    columns += ("networks / walk", "range", "by CPU time", "range")
+    print(f"\n| {' | '.join(columns)} |\n{'|---' * len(columns)}|", flush=True)
+    for name in given.scenes:
+        times: dict[str, list[np.ndarray]] = {method: [] for method in methods}
+        for _ in range(given.runs):
+            for method in methods:
+                with tempfile.TemporaryDirectory(prefix="urushi-") as folder:
+                    size = {"width": given.side, "detail": given.detail}
+                    described = describe(name, method, Path(folder), **size)
+                    make = partial(mi.load_dict, described)
+                    times[method].append(first_and_later(make, given.spp)[1])
+        seconds = {method: np.median(runs, axis=0)[0] for method, runs in times.items()}
+        for networks in given.weights:
+            cells = [f"{seconds[method]:.2f}" for method in (WALK, PRINCIPLED, networks)]
+            for ratio in (np.array(times[networks]) / times[WALK]).T:
+                cells += [f"{np.median(ratio):.2f}", f"{ratio.min():.2f} to {ratio.max():.2f}"]
+            print(f"| {' | '.join((name, networks, *cells))} |", flush=True)
+
+
 def main() -> None:
-    """Print both tables."""
+    """Print the tables."""
+    from benchmarks.scenes import SCENES, processor
+
     parser = argparse.ArgumentParser(
         prog="python -m benchmarks.speed.render",
         description=__doc__,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("--side", type=int, default=512, help="width and height [pixels]")
+    parser.add_argument("--tables", nargs="+", default=TABLES, choices=TABLES, help="tables")
+    parser.add_argument("--scenes", nargs="+", default=SCENES, choices=SCENES, help="whole scenes")
+    parser.add_argument("--weights", nargs="+", default=SHIPPED, help="weights of neural_layered")
+    parser.add_argument("--side", type=int, default=512, help="width [pixels]")
+    parser.add_argument("--detail", type=float, default=1.0, help="scale of the scenes' textures")
     parser.add_argument("--spp", type=int, default=32, help="samples per pixel")
     parser.add_argument("--runs", type=int, default=5, help="number of alternating runs")
-    parser.add_argument("--only", nargs="+", default=PLUGINS, choices=PLUGINS, help="rows")
     given = parser.parse_args()
-    speed(given.only, given.side, given.spp, given.runs)
-    compiling(given.only, given.side)
+    plugins = [OTHERS[0], *given.weights, OTHERS[1]]
+    print(f"{processor()}, {available_cores()} cores\n")
+    if "sphere" in given.tables:
+        speed(plugins, given.side, given.spp, given.runs)
+    if "materials" in given.tables:
+        compiling(plugins, given.side)
+    if "scenes" in given.tables:
+        whole_scenes(given)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,155 @@
+"""The scenes of benchmarks: the demo's and the shipped ones, by several methods and lights.
+
+Methods are weights of `neural_layered` (a name or a file), `WALK`, and `PRINCIPLED`: Mitsuba's
+principled BSDF in the place of every coat, with as many textures. It looks different, and shows
+what an ordinary material costs in the same scene.
+"""
+
+import hashlib
+import platform
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import mitsuba as mi
+import numpy as np
+
+import urushi  # noqa: F401  (registers the plugins)
+from urushi.files import new_folder
+from urushi.nets import weights as networks
+from urushi.scenes import caddy, shipped
+from urushi.scenes.mesh import lathe, write_ply
+from urushi.scenes.stage import COATS, Options
+
+DEMO = "demo"
+SCENES = (DEMO, *shipped.SCENES)
+WALK, PRINCIPLED = "layered", "principled"
+
+#: Kinds of light: the scene's own; one point light; a cloudless sky with the sun.
+OWN, POINT, SKY = LIGHTS = ("own", "point", "sky")
+
+#: Direction to the sun, and the scale of its and the sky's radiance.
+SUN, EXPOSURE = (-0.5, -0.6, 0.6), 4.0
+
+#: The point light's place beside and above the camera, in distances of the camera from the origin,
+#: near which the subject of every scene is.
+BESIDE = (0.35, 0.5)
+
+
+def describe(
+    name: str,
+    method: str,
+    folder: Path,
+    *,
+    light: str = OWN,
+    width: int,
+    detail: float = 1.0,
+    depth: int = 6,
+) -> dict[str, Any]:
+    """A scene for `mi.load_dict`.
+
+    Args:
+        name: one of `SCENES`.
+        method: weights by name or file, `WALK` or `PRINCIPLED`.
+        folder: for meshes and textures.
+        light: one of `LIGHTS`.
+        width: of the picture [pixels]; the height is 3/4 of it.
+        detail: factor on the size of the shipped scenes' textures.
+        depth: longest path, in segments; 2: direct light alone, which has no caustics.
+    """
+    height = width * 3 // 4
+    coat = WALK if method == WALK else COATS[0]
+    if name == DEMO:
+        mesh = new_folder(folder) / "caddy.ply"
+        write_ply(lathe(caddy.natsume(), 256, 384), mesh)
+        scene = caddy.scene(coat, str(mesh), width=width, height=height)
+    else:
+        options = Options(coat=coat, width=width, height=height, detail=detail)
+        scene = shipped.build(name, folder, options)
+    if light != OWN:
+        scene = {key: node for key, node in scene.items() if not _emits(node)}
+        scene["light"] = _light(light, scene["sensor"])
+    scene["integrator"] = {"type": "path", "max_depth": depth}
+    return _with_method(scene, method)
+
+
+def processor() -> str:
+    """The name of this machine's processor."""
+    lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.machine()
+
+
+def digest(scene: dict[str, Any]) -> str:
+    """The hash of everything that a scene's picture depends on, its files included."""
+    result = hashlib.sha256(mi.__version__.encode())
+    for key, value in _leaves(scene):
+        result.update(key.encode() + b"\0")
+        if key == "filename":
+            result.update(Path(value).read_bytes())
+        elif key == "weights":
+            result.update(networks.find(value).fingerprint.encode())
+        elif isinstance(value, (mi.Bitmap, mi.TensorXf)):
+            result.update(np.array(value).tobytes())
+        else:
+            result.update(str(value).encode())
+    return result.hexdigest()
+
+
+def _leaves(node: dict[str, Any]) -> Iterator[tuple[str, Any]]:
+    for key, value in node.items():
+        if isinstance(value, dict):
+            yield from _leaves(value)
+        else:
+            yield key, value
+
+
+def _emits(node: Any) -> bool:
+    return isinstance(node, dict) and (node["type"] == "envmap" or "emitter" in node)
+
+
+def _light(kind: str, sensor: dict[str, Any]) -> dict[str, Any]:
+    """The point light, which gives a facing surface at the origin irradiance pi, or the sky."""
+    if kind == SKY:
+        scales = {"sun_scale": EXPOSURE, "sky_scale": EXPOSURE}
+        return {"type": "sunsky", "sun_direction": list(SUN), **scales}
+    left, up, _, origin = np.array(sensor["to_world"].matrix, float)[:3].T
+    distance = np.linalg.norm(origin)
+    position = origin + distance * (BESIDE[0] * left + BESIDE[1] * up)
+    intensity = float(np.pi * position @ position)
+    return {
+        "type": "point",
+        "position": position.tolist(),
+        "intensity": {"type": "rgb", "value": [intensity] * 3},
+    }
+
+
+def _with_method(node: dict[str, Any], method: str) -> dict[str, Any]:
+    """The description with the method's material in the place of every coat."""
+    if node.get("type") == COATS[0]:
+        return _principled(node) if method == PRINCIPLED else {**node, "weights": method}
+    return {
+        key: _with_method(value, method) if isinstance(value, dict) else value
+        for key, value in node.items()
+    }
+
+
+def _principled(coat: dict[str, Any]) -> dict[str, Any]:
+    """A principled BSDF with as many textures as a coat and its bottom have, at most three."""
+    maps = list(_bitmaps(coat))
+    colours = [node for node in maps if node is not coat["sigma_t"]][:1] * len(maps)
+    constant = {"base_color": coat["albedo"], "metallic": 0.5, "clearcoat": 1.0}
+    return {
+        "type": PRINCIPLED,
+        "roughness": coat["alpha"],
+        **constant,
+        **dict(zip(("base_color", "metallic", "clearcoat"), colours, strict=False)),
+    }
+
+
+def _bitmaps(node: dict[str, Any]) -> Iterator[dict[str, Any]]:
+    if node.get("type") == "bitmap":
+        yield node
+    for value in node.values():
+        if isinstance(value, dict):
+            yield from _bitmaps(value)

@@ -1,0 +1,68 @@
+"""The benchmarks' scenes differ in what their method and light say, and in nothing else."""
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+import pytest
+from benchmarks.scenes import LIGHTS, OWN, POINT, PRINCIPLED, SCENES, SKY, WALK, describe, digest
+
+from urushi.nets.weights import SHIPPED
+
+SMALL = {"width": 16, "detail": 0.02}
+
+
+@pytest.fixture(autouse=True)
+def variant():
+    mi.set_variant("llvm_ad_rgb")
+
+
+def types(node):
+    """The types of all nodes."""
+    yield node["type"]
+    for value in node.values():
+        if isinstance(value, dict):
+            yield from types(value)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_methods_replace_every_coat_and_leave_the_rest(name, tmp_path):
+    found = {
+        method: list(types(describe(name, method, tmp_path, **SMALL)))
+        for method in (WALK, PRINCIPLED, SHIPPED[0])
+    }
+    coats = found[WALK].count("layered")
+    assert coats > 0 and coats == found[SHIPPED[0]].count("neural_layered")
+    assert coats == found[PRINCIPLED].count("principled")
+    assert not {"layered", "neural_layered"} & set(found[PRINCIPLED])
+    assert found[WALK].count("bitmap") == found[PRINCIPLED].count("bitmap")
+    assert [x for x in found[WALK] if x != "layered"] == [
+        x for x in found[SHIPPED[0]] if x != "neural_layered"
+    ]
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_the_point_light_gives_a_facing_white_surface_at_the_origin_radiance_one(name, tmp_path):
+    light = describe(name, WALK, tmp_path, light=POINT, **SMALL)["light"]
+    distance = np.linalg.norm(light["position"])
+    np.testing.assert_allclose(np.array(light["intensity"]["value"]) / distance**2, np.pi)
+
+
+@pytest.mark.parametrize("light", LIGHTS)
+@pytest.mark.parametrize("method", [WALK, PRINCIPLED])
+def test_scenes_load_with_one_kind_of_light(light, method, tmp_path):
+    scene = mi.load_dict(describe("globe", method, tmp_path, light=light, **SMALL))
+    (emitter,) = scene.emitters()
+    kind = {OWN: "EnvironmentMapEmitter", POINT: "PointLight", SKY: "SunskyEmitter"}[light]
+    assert kind in str(emitter)
+    picture = np.array(mi.render(scene, spp=4))
+    assert np.isfinite(picture).all() and 0.01 < picture.mean() < 10
+    dr.sync_thread()
+
+
+def test_the_hash_states_content_and_not_the_folder(tmp_path):
+    def of(method=WALK, light=OWN, folder="a", **size):
+        return digest(describe("demo", method, tmp_path / folder, light=light, **(SMALL | size)))
+
+    assert of() == of(folder="b")
+    others = [of(SHIPPED[0]), of(PRINCIPLED), of(light=POINT), of(light=SKY), of(width=20)]
+    assert len({of(), *others}) == 1 + len(others)
