@@ -1,12 +1,15 @@
 """The stored set: complete, drawn from its seed, and in agreement with the current simulator."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from urushi.data.distribution import Extended
 from urushi.errors import FileError
 from urushi.eval import benchmark
 from urushi.eval import samples as sampling
-from urushi.eval.groups import GROUPS
+from urushi.eval.groups import GROUPS, Group
 from urushi.files import read_tensors, write_tensors
 
 
@@ -40,6 +43,61 @@ def test_a_set_is_reproduced_to_the_byte(groups, tmp_path, monkeypatch):
     files = [tmp_path / name for name in ("a.safetensors", "b.safetensors")]
     assert benchmark.make(files[0], groups[:1]) == benchmark.make(files[1], groups[:1])
     assert files[0].read_bytes() == files[1].read_bytes()
+
+
+def test_groups_that_a_file_holds_are_kept_to_the_bit(sets, groups, tmp_path, monkeypatch):
+    """Only missing groups, and those of other stacks, are simulated; at a coarse aim, for time."""
+    for name in ("E_ERROR", "P_ERROR", "PROBE_ERROR", "ALBEDO_ERROR"):
+        monkeypatch.setattr(sampling, name, 0.1)
+    path, new = tmp_path / "old.safetensors", Group("new", Extended(1, "diffuse", "low"), 2)
+    other = replace(groups[0], stacks=2)  # of the same name
+    benchmark.write(path, sets, groups)
+    _, before = read_tensors(path, "benchmark")
+    simulated = []
+    simulate = sampling.simulate
+
+    def noted(group, seed=0):
+        simulated.append(group.name)
+        return simulate(group, seed)
+
+    monkeypatch.setattr(sampling, "simulate", noted)
+    benchmark.make(path, (*groups, new), keep=path)
+    assert simulated == ["bare", "new"]  # "bare" is analytic
+    _, after = read_tensors(path, "benchmark")
+    assert {name.split(".")[0] for name in set(after) - set(before)} == {"new"}
+    for name, array in before.items():
+        assert array.tobytes() == after[name].tobytes() and array.dtype == after[name].dtype
+    assert list(benchmark.read(path, (*groups, new))) == [*(g.name for g in groups), "new"]
+    simulated.clear()
+    benchmark.make(tmp_path / "other.safetensors", (other,), keep=path)
+    assert simulated == ["few"]
+    benchmark.write(path, sets, groups, seed=1)
+    simulated.clear()
+    benchmark.make(path, (groups[0],), keep=path)
+    assert simulated == ["few"]
+
+
+def test_a_stopped_run_continues(groups, tmp_path, monkeypatch):
+    """Groups that were finished are in the file, and the end is the same file."""
+    for name in ("E_ERROR", "P_ERROR", "PROBE_ERROR", "ALBEDO_ERROR"):
+        monkeypatch.setattr(sampling, name, 0.1)
+    first, second = (Group(name, Extended(1, "diffuse"), 2) for name in ("first", "second"))
+    stopped, whole = tmp_path / "stopped.safetensors", tmp_path / "whole.safetensors"
+    simulate = sampling.simulate
+
+    def stop(group, seed=0):
+        if group == second:
+            raise KeyboardInterrupt
+        return simulate(group, seed)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(sampling, "simulate", stop)
+        with pytest.raises(KeyboardInterrupt):
+            benchmark.make(stopped, (first, second))
+    assert list(benchmark.read(stopped, (first,))) == ["first"]
+    digest = benchmark.make(stopped, (first, second), keep=stopped)
+    assert digest == benchmark.make(whole, (first, second))
+    assert stopped.read_bytes() == whole.read_bytes()
 
 
 def test_the_stored_set_is_complete(stored):

@@ -46,6 +46,8 @@ def make(
 ) -> str:
     """Simulate groups and write them to a file; returns its hash.
 
+    The file is written after each group, so that a stopped run continues with `keep=path`.
+
     Args:
         path: file to write; it may be `keep` itself.
         groups: to write.
@@ -62,8 +64,12 @@ def make(
         same = [group for group in groups if held.get(group.name) == _describe(group)]
         if description["seed"] == SEED:
             sets = read(keep, tuple(same))
-    missing = [group for group in groups if group.name not in sets]
-    return write(path, sets | sampling.simulate_all(missing, SEED), groups)
+    digest = write(path, sets, tuple(group for group in groups if group.name in sets))
+    for group in groups:
+        if group.name not in sets:
+            sets[group.name] = sampling.simulate(group, SEED)
+            digest = write(path, sets, tuple(group for group in groups if group.name in sets))
+    return digest
 
 
 def write(

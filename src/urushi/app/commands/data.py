@@ -76,7 +76,8 @@ class Benchmark:
     output: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
     """File to write (.safetensors)."""
     keep: Path | None = None
-    """A benchmark set. Groups of stacks that it holds already are taken from it."""
+    """A benchmark set. Groups of stacks that it holds already are taken from it. The output itself
+    continues a run that was stopped."""
 
     def run(self) -> int:
         from urushi.eval import benchmark
