@@ -16,6 +16,7 @@ map of FLIP are written there side by side. Needs the package flip-evaluator, of
 """
 
 import argparse
+from pathlib import Path
 
 import flip_evaluator
 import mitsuba as mi
@@ -73,7 +74,7 @@ def main() -> None:
             picture = converged(name, method, arguments.spp, arguments)
             colours, line = row(picture, reference)
             panels = side_by_side(shown(reference.image), shown(picture.image), colours)
-            write_png(panels, arguments.folder / f"{name}-{method}-flip.png")
+            write_png(panels, arguments.folder / f"{name}-{Path(method).stem}-flip.png")
             lines.append(f"{name:12} {method:8} {line}")
     print(
         f"{'scene':12} {'networks':8} {'FLIP':>8} {'of noise':>8} {'HDR-FLIP':>10} {'of noise':>8} "
