@@ -29,7 +29,7 @@ def validation(stacks: int = 64, walks: int = 8192) -> tuple[Part, ...]:
 
 
 def whole_domain(share: float = 1.0) -> DataSpec:
-    """Every kind of bottom under up to five coats: 16.5 G walks, about 25 minutes on two cores.
+    """Every kind of bottom under up to five coats: 16.5 G walks, about 40 minutes on two cores.
 
     Most walks are spent on one coat, where the error must be a fraction of a percent; a part of
     them on clear coats, which are the hardest to predict. Deeper stacks train the layerer on its
