@@ -1,7 +1,7 @@
 """The latent codes of a plugin: one per channel or a texture of them, with or without gradients.
 
-All four classes have two operations: `vertex` computes what evaluating and sampling at a surface
-interaction share, and `f` evaluates every channel there.
+All four classes have three operations: `vertex` computes what evaluating and sampling at a surface
+interaction share, `f` evaluates every channel there, and `f_and_pdf` the proposal's density too.
 
 Only f is differentiated with respect to codes. Proposals depend on detached codes: as in all of
 Mitsuba's differentiable integrators, samples are fixed while the integrand changes.
@@ -9,7 +9,7 @@ Mitsuba's differentiable integrators, samples are fixed while the integrand chan
 
 import os
 from collections.abc import Callable
-from typing import ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple, cast
 
 import drjit as dr
 import mitsuba as mi
@@ -19,7 +19,7 @@ from urushi.material.material import Material
 from urushi.nets.weights import Model
 from urushi.render.latents.lookup import LatentTexture, are_constant
 from urushi.render.networks.lobe import ANY_LOBE, LobeKind, kind_of
-from urushi.render.networks.protocols import Proposal, decoder_and_sampler
+from urushi.render.networks.protocols import Decoder, Proposal, decoder_and_sampler
 from urushi.render.recording import only_where, signature
 from urushi.textures import file
 from urushi.textures.grid import TexelGrid
@@ -66,6 +66,10 @@ class ConstantLatents:
     def f(self, vertex: Vertex, si, wo, active) -> list:
         """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
         return only_where(active, self._decoder.f_of_terms, vertex.decoder_terms, si.wi, wo)
+
+    def f_and_pdf(self, vertex: Vertex, si, wo, active) -> tuple[list, Any]:
+        """`f`, and the density of the proposal [1/sr]."""
+        return _f_and_pdf(self._decoder, vertex, si, wo, active)
 
     def at(self, uv: np.ndarray) -> np.ndarray:
         """Latent codes (M, C, size) at points uv (M, 2)."""
@@ -136,6 +140,10 @@ class TexturedLatents:
         """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
         return only_where(active, self._decoder.f_of_terms, vertex.decoder_terms, si.wi, wo)
 
+    def f_and_pdf(self, vertex: Vertex, si, wo, active) -> tuple[list, Any]:
+        """`f`, and the density of the proposal [1/sr]."""
+        return _f_and_pdf(self._decoder, vertex, si, wo, active)
+
     def _vertex(self, cos_i, uv, *footprint) -> Vertex:
         latents = self._texture.look_up(uv, *footprint)
         proposal = self._sampler.proposal(self._kind.mean(latents), cos_i)
@@ -164,6 +172,17 @@ class TexturedLatents:
             f"{width} x {height} texels of {self.channels} x {self._size} numbers "
             f"in {self._bytes} bytes"
         )
+
+
+def _f_and_pdf(decoder: Decoder, vertex: Vertex, si, wo, active) -> tuple[list, Any]:
+    """Values of each channel and the proposal's density where active, zero elsewhere."""
+
+    def evaluated(terms, proposal, wi, wo):
+        density = type(vertex.proposal)(*proposal).pdf(wi, wo)
+        return decoder.f_of_terms(terms, wi, wo), density
+
+    proposal = cast(tuple, vertex.proposal)  # conditions of Dr.Jit take lists, no named tuples
+    return only_where(active, evaluated, vertex.decoder_terms, [*proposal], si.wi, wo)
 
 
 def kind_of_codes(codes: np.ndarray) -> LobeKind:
@@ -218,6 +237,10 @@ class DifferentiableConstant(ConstantLatents):
         """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
         return self._decoder.f(self.codes(si.uv), si.wi, wo)
 
+    def f_and_pdf(self, vertex: Vertex, si, wo, active) -> tuple[list, Any]:
+        """`f`, and the density of the proposal [1/sr]."""
+        return self.f(vertex, si, wo, active), vertex.proposal.pdf(si.wi, wo)
+
     def codes(self, uv: "mi.Point2f") -> list[list]:
         """Codes with gradients: of each channel a list (size) of Dr.Jit floats."""
         # Gathered at every call: an argument of a nested call must be the result of an operation in
@@ -247,6 +270,10 @@ class DifferentiableTexture:
     def f(self, vertex: Vertex, si, wo, active) -> list:
         """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
         return self._decoder.f(self.codes(si.uv), si.wi, wo)
+
+    def f_and_pdf(self, vertex: Vertex, si, wo, active) -> tuple[list, Any]:
+        """`f`, and the density of the proposal [1/sr]."""
+        return self.f(vertex, si, wo, active), vertex.proposal.pdf(si.wi, wo)
 
     def vertex(self, si, active) -> Vertex:
         """The proposal for si.wi, without gradients of the codes."""

@@ -12,7 +12,6 @@ from urushi.nets.weights import Model
 from urushi.render.networks import lobe, mlp
 from urushi.render.networks.cooperative import hidden_layers
 from urushi.render.networks.lobe import LobeKind
-from urushi.render.recording import compiled_once
 
 
 class UrushiDecoder:
@@ -45,13 +44,12 @@ class UrushiDecoder:
 
     def code_terms_drjit(self, latents: Sequence[Sequence]) -> list[list]:
         """The same of codes that are lists (size) of Dr.Jit floats, one for each channel."""
+        weight = np.concatenate([self._scale, self._offset], axis=-1)
+        bias = [1.0] * len(self._bias) + self._bias.tolist()
+        rests = mlp.dense_each([z[self._lobe + 1 :] for z in latents], weight, bias)
         return [
-            [
-                *(z[i] for i in self._numbers(c)),
-                z[self._lobe],
-                *compiled_once(self._scales_and_offsets, *z[self._lobe + 1 :]),
-            ]
-            for c, z in enumerate(latents)
+            [*(z[i] for i in self._numbers(c)), z[self._lobe], *rest]
+            for c, (z, rest) in enumerate(zip(latents, rests, strict=True))
         ]
 
     def f_of_terms(self, terms: Sequence[Sequence], wi, wo) -> list:
@@ -59,7 +57,7 @@ class UrushiDecoder:
         # The response to the directions is the same for all channels.
         response = mlp.dense(direction_features(wi, wo), self._response, [0.0] * len(self._bias))
         count = 1 + 2 * len(self._bias)
-        rests = [compiled_once(self._f, *channel[-count:], *response) for channel in terms]
+        rests = [self._rest(channel[-count:], response) for channel in terms]
         if not (self._lobe and self._kind.present):
             return rests
         lobes = self._kind.complete([channel[:-count] for channel in terms])
@@ -73,14 +71,10 @@ class UrushiDecoder:
     def _numbers(self, channel: int) -> list[int]:
         return self._kind.numbers(channel) if self._lobe else []
 
-    def _scales_and_offsets(self, *z):
-        scales = mlp.dense(z, self._scale, [1.0] * len(self._bias))
-        return [*scales, *mlp.dense(z, self._offset, self._bias.tolist())]
-
-    def _f(self, gain, *first_layer):
-        width = len(self._bias)
-        scales, offsets = first_layer[:width], first_layer[width : 2 * width]
-        response = first_layer[2 * width :]
+    def _rest(self, terms: Sequence, response: Sequence):
+        """What the decoder gives for one channel."""
+        gain, width = terms[0], len(self._bias)
+        scales, offsets = terms[1 : 1 + width], terms[1 + width :]
         first = [dr.fma(*values) for values in zip(scales, response, offsets, strict=True)]
         return dr.exp(dr.clip(gain + self._hidden(first)[0], MIN_LOG, MAX_LOG))
 

@@ -13,9 +13,9 @@ import numpy as np
 
 from urushi.nets.mlp import POLYNOMIALS
 
-#: Outputs of a layer that are accumulated at the same time. AVX-512 has 32 registers, of which
-#: some are needed for inputs and weights.
-BLOCK = 20
+#: Outputs of a layer that are accumulated at the same time, for one input and for several.
+#: Processors have 16 or 32 vector registers, of which some hold inputs and weights.
+BLOCK, SHARED_BLOCK = 20, 9
 
 
 def activate(x, activation: str):
@@ -46,14 +46,28 @@ def dense(x: Sequence, weight: np.ndarray, bias: Sequence) -> list:
     each input is loaded once for all of them. A scope per input enforces this order. Without it,
     Dr.Jit computes one output after the other, at two thirds of the speed or less.
     """
-    totals = [mi.Float(offset) for offset in bias]
+    return _dense([x], weight, bias, BLOCK)[0]
+
+
+def dense_each(xs: Sequence[Sequence], weight: np.ndarray, bias: Sequence) -> list[list]:
+    """`dense` of several lists, the same weight and bias for all of them.
+
+    A weight is loaded once for all lists. Loading weights takes longer than the products, because
+    they fill the first-level cache.
+    """
+    return _dense(xs, weight, bias, max(SHARED_BLOCK // len(xs), 1))
+
+
+def _dense(xs: Sequence[Sequence], weight: np.ndarray, bias: Sequence, block: int) -> list[list]:
+    totals = [[mi.Float(offset) for offset in bias] for _ in xs]
     columns = weight.astype(float).T.tolist()
-    for first in range(0, len(totals), BLOCK):
-        block = range(first, min(first + BLOCK, len(totals)))
-        for i, value in enumerate(x):
+    for first in range(0, len(columns), block):
+        outputs = range(first, min(first + block, len(columns)))
+        for i, values in enumerate(zip(*xs, strict=True)):
             dr.detail.new_scope(dr.backend_v(mi.Float))
-            for k in block:
-                totals[k] = dr.fma(value, columns[k][i], totals[k])
+            for k in outputs:
+                for total, value in zip(totals, values, strict=True):
+                    total[k] = dr.fma(value, columns[k][i], total[k])
     return totals
 
 

@@ -37,31 +37,36 @@ def define_proposal_bsdf() -> type:
             """The proposal for si.wi, a `networks.protocols.Proposal`."""
             raise NotImplementedError
 
+        def _f_and_pdf(self, vertex, ctx, si, wo, active):
+            """`_f`, and the density of the proposal [1/sr]."""
+            f = self._f(vertex, ctx, si, wo, active)
+            return f, self._proposal(vertex, si, active).pdf(si.wi, wo)
+
         def eval(self, ctx, si, wo, active=True):
             active, vertex = self._active_vertex(ctx, si, active)
-            return self._f_cos(vertex, ctx, si, wo, active)
+            above = active & (wo.z > 0)
+            f = self._f(vertex, ctx, si, wo, above)
+            self._vertex_cache.extend()
+            return dr.select(above, f * wo.z, 0)
 
         def pdf(self, ctx, si, wo, active=True):
             active, vertex = self._active_vertex(ctx, si, active)
-            return self._density(self._proposal(vertex, si, active), si, wo, active)
+            density = self._proposal(vertex, si, active).pdf(si.wi, wo)
+            return dr.select(active & (wo.z > 0), density, 0)
 
         def eval_pdf(self, ctx, si, wo, active=True):
             active, vertex = self._active_vertex(ctx, si, active)
-            density = self._density(self._proposal(vertex, si, active), si, wo, active)
-            return self._f_cos(vertex, ctx, si, wo, active), density
+            return self._f_cos_and_pdf(vertex, ctx, si, wo, active)
 
         def sample(self, ctx, si, sample1, sample2, active=True):
             active, vertex = self._active_vertex(ctx, si, active)
-            proposal = self._proposal(vertex, si, active)
             bs = dr.zeros(mi.BSDFSample3f)
-            bs.wo = proposal.sample(si.wi, sample1, sample2)
-            bs.pdf = self._density(proposal, si, bs.wo, active)
+            bs.wo = self._proposal(vertex, si, active).sample(si.wi, sample1, sample2)
+            f_cos, bs.pdf = self._f_cos_and_pdf(vertex, ctx, si, bs.wo, active)
             bs.eta = 1
             bs.sampled_type = mi.UInt32(+mi.BSDFFlags.GlossyReflection)
             bs.sampled_component = 0
-            valid = bs.pdf > 0
-            f_cos = self._f_cos(vertex, ctx, si, bs.wo, valid)
-            return bs, dr.select(valid, f_cos / bs.pdf, 0)
+            return bs, dr.select(bs.pdf > 0, f_cos / bs.pdf, 0)
 
         def _check_changeable(self):
             """Refuse changes that are made while a frozen function is recorded.
@@ -86,14 +91,11 @@ def define_proposal_bsdf() -> type:
             inputs = (*si.wi, *si.uv, *si.duv_dx, *si.duv_dy, active)
             return self._vertex_cache.get(inputs, compute)
 
-        def _f_cos(self, vertex, ctx, si, wo, active):
+        def _f_cos_and_pdf(self, vertex, ctx, si, wo, active):
             above = active & (wo.z > 0)
-            f_cos = dr.select(above, self._f(vertex, ctx, si, wo, above) * wo.z, 0)
+            f, pdf = self._f_and_pdf(vertex, ctx, si, wo, above)
             self._vertex_cache.extend()
-            return f_cos
-
-        def _density(self, proposal, si, wo, active):
-            return dr.select(active & (wo.z > 0), proposal.pdf(si.wi, wo), 0)
+            return dr.select(above, f * wo.z, 0), dr.select(above, pdf, 0)
 
         def _enabled(self, ctx, si, active):
             glossy, diffuse = mi.BSDFFlags.GlossyReflection, mi.BSDFFlags.DiffuseReflection
@@ -129,6 +131,10 @@ def define_neural_bsdf(base: type) -> type:
 
         def _proposal(self, vertex, si, active):
             return vertex.proposal
+
+        def _f_and_pdf(self, vertex, ctx, si, wo, active):
+            channels, pdf = self.latents.f_and_pdf(vertex, si, wo, active)
+            return spectrum.from_channels(channels, si.wavelengths), pdf
 
     return NeuralBSDF
 
