@@ -138,6 +138,19 @@ def test_density_and_samples_of_a_mixture_agree_with_numpy(rgb):
     )
 
 
+@pytest.mark.parametrize("count", [1, 2, 3, 12])
+def test_layers_of_several_inputs_agree_with_numpy(rgb, count):
+    from urushi.render.networks import mlp
+
+    rng = np.random.default_rng(count)
+    x = rng.normal(size=(count, 5, 7)).astype(np.float32)  # lists, inputs, points
+    weight, bias = rng.normal(size=(5, 25)), rng.normal(size=25)
+    lists = [[rgb.Float(values) for values in one] for one in x]
+    found = mlp.dense_each(lists, weight, bias.tolist())
+    expected = np.einsum("lip,io->lop", x, weight) + bias[:, None]
+    np.testing.assert_allclose([[y.numpy() for y in one] for one in found], expected, atol=1e-5)
+
+
 def test_cooperative_vectors_agree_with_constants_in_code(rgb, model):
     from urushi.render.networks.decoder import UrushiDecoder
     from urushi.render.networks.lobe import ANY_LOBE
