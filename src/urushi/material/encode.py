@@ -21,7 +21,7 @@ from urushi.material.energy import limit_albedo
 from urushi.material.fit import correct_codes, refine_codes
 from urushi.material.lobe_albedo import lobe_albedos
 from urushi.material.material import Material
-from urushi.material.symmetry import Deviations, Source, symmetrise
+from urushi.material.symmetry import Deviations, Source, deviations_of, symmetrise
 from urushi.measured import Merl, Rgl
 from urushi.nets import lobe as lobes
 from urushi.nets.interface_fit import find_lobes
@@ -105,7 +105,7 @@ def encode_source(
     check_source(model, source)
     opened = as_source(source)
     if opened.bare and opened.lobe is not None and has_lobes(model):
-        return material_of_lobes(opened.lobe, model), Deviations()
+        return material_of_lobes(opened.lobe, model), deviations_of(opened)
     found = evaluate_source(source, *required_pairs(source, model), name)
     return encode_values(found, model, refine=refine), found.deviations
 
@@ -123,10 +123,22 @@ def material_of_lobes(lobe: np.ndarray, model: Model, channels: int = 3) -> Mate
 
     The anchor is what the encoder makes of them.
     """
-    values = np.zeros((channels, len(model.networks.pairs()[0])), np.float32)
-    anchors = encoder_codes(model, values, lobe)
+    anchors = bare_anchors(model, np.broadcast_to(lobe, (channels, lobe.shape[-1])))
     assert isinstance(model.networks, UrushiNetworks)  # for the type checker
     return Material(model.networks.without_rest(anchors), model, anchors)
+
+
+def bare_anchors(model: Model, lobe: np.ndarray) -> np.ndarray:
+    """The anchors float32 (..., L) of surfaces that are their lobes (..., 6) alone.
+
+    All have one rest, what the encoder makes of none. Its albedo is at most what the energy limit
+    permits below any lobe.
+    """
+    nothing = np.zeros((1, len(model.networks.pairs()[0])), np.float32)
+    rest = encoder_codes(model, nothing, np.array(lobes.NO_LOBE, np.float32))
+    rest = energy.limit_albedo(model, rest, energy.LEAST_REST)[0, lobe.shape[-1] :]
+    shape = *lobe.shape[:-1], len(rest)
+    return np.concatenate([lobe, np.broadcast_to(rest, shape)], axis=-1, dtype=np.float32)
 
 
 def required_pairs(source: Any, model: Model) -> tuple[np.ndarray, np.ndarray]:

@@ -121,7 +121,7 @@ def symmetrise(
         float32 (N, C), and the deviations.
     """
     if source.symmetric:
-        return check(source.f(wi, wo), len(wi)), _deviations(source, 0.0, 0.0)
+        return check(source.f(wi, wo), len(wi)), deviations_of(source)
     count = len(wi)
     wi, wo = (np.concatenate(sides) for sides in zip((wi, wo), asymmetry_pairs(), strict=True))
 
@@ -133,7 +133,7 @@ def symmetrise(
         if nearly_equal(once, values(*isotropy_test_pairs(wi, wo))) and nearly_equal(
             once, values(wo, wi)
         ):
-            return once[:count], _deviations(source, 0.0, 0.0)
+            return once[:count], deviations_of(source)
         noisy = not np.array_equal(once, values(wi, wo))
     pairs = list(rotated_pairs(wi, wo, AZIMUTHS))
     # (exchange, azimuth, N, C)
@@ -141,10 +141,10 @@ def symmetrise(
     isotropic = every.mean(axis=1)
     mean = isotropic.mean(axis=0)
     if noisy:
-        return mean[:count], _deviations(source, None, None)
+        return mean[:count], deviations_of(source, None, None)
     anisotropy = _error(every[..., count:, :], isotropic[:, None, count:])
     reciprocity = _error(isotropic[:, count:], mean[count:])
-    return mean[:count], _deviations(source, anisotropy, reciprocity)
+    return mean[:count], deviations_of(source, anisotropy, reciprocity)
 
 
 def azimuthal_mean(f: Callable[..., np.ndarray], wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
@@ -190,7 +190,10 @@ def asymmetry_pairs() -> tuple[np.ndarray, np.ndarray]:
     return cosine_pairs(np.random.default_rng(0), ASYMMETRY_PAIRS, lowest_cosine=0.01)
 
 
-def _deviations(source: Source, anisotropy: float | None, reciprocity: float | None) -> Deviations:
+def deviations_of(
+    source: Source, anisotropy: float | None = 0.0, reciprocity: float | None = 0.0
+) -> Deviations:
+    """The deviations of a source of this asymmetry."""
     return Deviations(anisotropy, reciprocity, source.transmitted, source.mirrored, source.textured)
 
 

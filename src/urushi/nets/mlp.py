@@ -77,14 +77,14 @@ def activate(x: Any, activation: str) -> Any:
     if activation in POLYNOMIALS:
         bound, coefficients = POLYNOMIALS[activation]
         t = x.clip(-bound, bound)
+        u = t * t
         *others, first = coefficients
-        # In place where arrays can be changed, and without storing t^2: memory traffic costs more
-        # than a product.
-        q = t * first
-        for coefficient in reversed(others):
-            q *= t
+        q = u * first
+        for coefficient in reversed(others[1:]):  # in place where arrays can be changed
             q += coefficient
-            q *= t
+            q *= u
+        q += others[0]
+        q *= t
         q += 0.5
         q *= x
         return q

@@ -216,19 +216,30 @@ def pack_shared(
 
 
 def _bytes(layout: TexelLayout, packed: PackedTexels, codes: np.ndarray) -> np.ndarray:
-    inverse = 1 / np.where(packed.step > 0, packed.step, 1)
-    levels = np.rint((codes - packed.lowest) * inverse)
-    whole = np.clip(levels, 0, layout.levels).astype(np.uint16)
+    inverse = (1 / np.where(packed.step > 0, packed.step, 1)).astype(np.float32)
+    levels = codes.astype(np.float32)
+    levels -= packed.lowest
+    levels *= inverse
+    np.rint(levels, out=levels)
+    np.clip(levels, 0, layout.levels.astype(np.float32), out=levels)
+    # Every number as its low and its high byte, of which the texel's bytes are chosen.
+    both = levels.astype("<u2").view(np.uint8).reshape(len(codes), -1)
     result = np.zeros((len(codes), layout.texel_bytes), np.uint8)
-    places_high, places_low = np.array(layout.high), np.array(layout.low)
-    fine = places_low >= 0
-    for channel, start, chosen in _parts(layout):
-        numbers = whole[:, channel]
-        high = numbers.copy()
-        high[:, fine] >>= 8
-        result[:, start + places_high[chosen]] = high[:, chosen]
-        chosen = chosen[fine[chosen]]
-        result[:, start + places_low[chosen]] = numbers[:, chosen] & 255
+    result[:, : layout.used_bytes] = both.take(_sources(layout), axis=1)
+    return result
+
+
+def _sources(layout: TexelLayout) -> np.ndarray:
+    """Which of the bytes (channels, size, low and high) of a texel's numbers it stores (B,)."""
+    result = np.zeros(layout.used_bytes, np.intp)
+    for channel in range(layout.channels):
+        for number, (high, low) in enumerate(zip(layout.high, layout.low, strict=True)):
+            if high < 0 or (layout.same[number] and channel):
+                continue
+            start, first = layout.start(channel, number), 2 * (channel * layout.size + number)
+            result[start + high] = first + (low >= 0)
+            if low >= 0:
+                result[start + low] = first
     return result
 
 

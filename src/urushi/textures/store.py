@@ -1,7 +1,7 @@
 """A packed latent texture that is read and overwritten by rows, with or without a mip pyramid."""
 
 import contextlib
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -66,7 +66,8 @@ class TextureStore:
                 shared = codes.reshape(-1, codes.shape[-1])
                 ends = shared.min(axis=0), shared.max(axis=0)
                 same = _same_in_channels(shared, index, self._model.arch.lobe)
-                written.append(_Written(rows, shared.astype(np.float16), index, ends, same))
+                which = index.astype(np.uint32)
+                written.append(_Written(rows, shared.astype(np.float16), which, ends, same))
 
             yield collect
             self._pack_shared(written)
@@ -103,13 +104,17 @@ class TextureStore:
         part = self.packed._replace(bytes=self.packed.bytes[rows])
         return packing.unpack_serial(self.layout, part)
 
-    def _pack_shared(self, written: Sequence["_Written"]) -> None:
-        """Pack every code once, and copy its bytes to the texels that share it."""
+    def _pack_shared(self, written: list["_Written"]) -> None:
+        """Pack every code once, and copy its bytes to the texels that share it.
+
+        The list is emptied: each part is freed when it is packed.
+        """
         lowest, highest = (np.stack(ends) for ends in zip(*(w.ends for w in written), strict=True))
         same = np.all([w.same for w in written], axis=0)
         width, height = self.levels[0]
         self._start(width * height, lowest.min(axis=0), highest.max(axis=0), same)
-        for part in written:
+        while written:
+            part = written.pop()
             packing.pack_shared(self.layout, self.packed, part.rows, part.codes, part.which)
 
     def _pack(self, whole: np.ndarray) -> None:

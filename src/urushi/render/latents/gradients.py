@@ -19,7 +19,8 @@ from urushi.material.symmetry import rotated_pairs
 from urushi.nets.weights import Model
 from urushi.render import spectrum
 from urushi.render.latents import lookup
-from urushi.render.latents.baking import PROBED_TEXELS, BottomCodes, choose_grid
+from urushi.render.latents.baking import choose_grid
+from urushi.render.latents.bottoms import PROBED_TEXELS, BottomCodes
 from urushi.render.latents.holders import DifferentiableConstant, DifferentiableTexture
 from urushi.render.reading import probing
 from urushi.render.reading.grid import varying_textures

@@ -203,8 +203,11 @@ def looked_up(look_up: Callable[["mi.Point2f"], list[list]], uv: np.ndarray) -> 
     """Codes (M, C, size) at points uv (M, 2), from a look-up that returns lists of floats."""
     latents = look_up(mi.Point2f(np.ascontiguousarray(uv.T, np.float32)))
     dr.eval(latents)
-    channels = [np.stack([value.numpy() for value in z], axis=-1) for z in latents]
-    return np.stack(channels, axis=1)
+    result = np.empty((len(uv), len(latents), len(latents[0])), np.float32)
+    for channel, z in enumerate(latents):
+        for number, value in enumerate(z):  # those that are the same everywhere have one entry
+            result[:, channel, number] = value.numpy()
+    return result
 
 
 def _opaque(values: np.ndarray) -> list:

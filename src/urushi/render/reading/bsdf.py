@@ -10,6 +10,7 @@ from urushi.measured.tabulated import MeasuredSurface
 from urushi.render import spectrum
 from urushi.render.reading import probing
 from urushi.render.reading.grid import not_over_uv, varying_textures
+from urushi.render.reading.surfaces import known_surface
 
 #: Samples by which the excluded shares of the light are measured, to about 0.2 %.
 SAMPLES = 1 << 16
@@ -44,6 +45,16 @@ def reflection_source(bsdf: "mi.BSDF") -> Source:
     table = getattr(bsdf, "source", None)
     if isinstance(table, MeasuredSurface) and spectrum.channel_count() == 3:
         return as_source(table)  # what `urushi.load_measured` gives, to the bit
+
+    if surface := known_surface(bsdf):
+        lobe, _ = values = surface.at(np.full((1, 2), 0.5))
+        if values.are_possible():
+            return Source(
+                lambda wi, wo: _mean_values(bsdf, wi, wo, 1),
+                symmetric=True,
+                lobe=lobe[0],
+                bare=surface.bare,
+            )
 
     def f(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         return _mean_values(bsdf, wi, wo, probing.needed_repeats(bsdf, wi, wo, 1))

@@ -114,38 +114,39 @@ def _within(root: "mi.Object") -> list["mi.Object"]:
         node = pending.pop()
         if id(node) not in nodes:
             nodes[id(node)] = node
-            pending += _children(node)
+            pending += nested_objects(node).values()
     return list(nodes.values())
 
 
-def _children(node: "mi.Object") -> list["mi.Object"]:
+def nested_objects(node: "mi.Object") -> dict[str, "mi.Object"]:
+    """The objects nested in a scene object, by the names under which it lists them."""
     collector = _collector(mi.variant())()
     node.traverse(collector)
-    return collector.children
+    return collector.objects
 
 
 @cache
 def _collector(variant: str) -> type:
-    """The class of a callback that collects the children of a node, in a variant.
+    """The class of a callback that collects the objects nested in a node, in a variant.
 
-    Defined once: a new class for each node would keep the children until Python collects cycles.
+    Defined once: a new class for each node would keep the objects until Python collects cycles.
     """
 
     class Collector(mi.TraversalCallback):
         def __init__(self):
             super().__init__()
-            self.children = []
+            self.objects = {}
 
         def put(self, name, value, flags, cpptype=None):
             if isinstance(value, mi.Object):
-                self.children.append(value)
+                self.objects[name] = value
 
         def put_value(self, name, value, flags, cpptype=None):
             pass
 
         def put_object(self, name, value, flags):
             if value is not None:
-                self.children.append(value)
+                self.objects[name] = value
 
     return Collector
 
