@@ -44,6 +44,9 @@ _UPPER = np.array([np.inf, 1.0, 1.0, 0.0])
 #: Greatest change of ln alpha in a step, and number of last steps that keep alpha.
 LONGEST_STEP, LAST_STEPS = 0.3, 3
 
+#: Entries of a symmetric 3 x 3 matrix.
+_PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
+
 #: BRDFs that are fitted at once, so that their arrays stay in a core's cache.
 BLOCK = 256
 
@@ -67,8 +70,8 @@ class _Grid(NamedTuple):
     """What the approximation needs at P pairs.
 
     Attributes:
-        columns: (P, A, 3) the diffuse term and the two of the lobe, for factors of one.
-        products: (P, A, 3, 3) of two columns.
+        columns: (P, 3 A) the diffuse term and the two of the lobe, for factors of one and A widths.
+        products: (P, 6 A) of two columns, by `_PAIRS`.
         schlick: (2, P) Schlick's 1 - (1 - c)^5 and (1 - c)^5.
         cos2: (2, P) the squared cosines of either direction, and cos: (2, P) these cosines.
         across, along: (P,) squared lengths of wi + wo in the surface and along the normal.
@@ -89,11 +92,12 @@ def _grid(probes: int) -> _Grid:
     fifth = (1.0 - lobes.cosine_to_facet(wi, wo)) ** 5
     shapes = lobes.shape(GRID, wi[:, None], wo[:, None])
     white = np.full_like(shapes, 1 / np.pi)
-    columns = np.stack([white, shapes * (1 - fifth)[:, None], shapes * fifth[:, None]], axis=-1)
+    columns = np.stack([white, shapes * (1 - fifth)[:, None], shapes * fifth[:, None]], axis=1)
+    products = np.stack([columns[:, i] * columns[:, j] for i, j in _PAIRS], axis=1)
     cos, half = np.stack([wi[:, 2], wo[:, 2]]), wi + wo
     return _Grid(
-        columns,
-        columns[..., :, None] * columns[..., None, :],
+        columns.reshape(probes, -1),
+        products.reshape(probes, -1),
         np.stack([1 - fifth, fifth]),
         cos,
         cos**2,
@@ -124,8 +128,11 @@ def _fit(f: np.ndarray) -> np.ndarray:
         normal = weighted @ np.swapaxes(columns, -1, -2)
         ahead = (weighted @ error[..., None])[..., 0]
         change = _bounded(
-            normal, -ahead, np.maximum(_LOWER - x, -longest), np.minimum(_UPPER - x, longest)
-        )
+            np.ascontiguousarray(normal.transpose(1, 2, 0)),
+            -np.ascontiguousarray(ahead.T),
+            np.maximum(_LOWER - x, -longest).T,
+            np.minimum(_UPPER - x, longest).T,
+        ).T
         at[open_rows] = x + change
         # A row that has converged is left alone, so that no row affects another.
         moving = (np.abs(change) > CONVERGED).any(axis=-1)
@@ -157,29 +164,35 @@ def _best_of_grid(f: np.ndarray) -> np.ndarray:
     """The best three factors of the best width of the grid, and its logarithm: (N, 4)."""
     grid = _grid(f.shape[-1])
     weights = 1 / np.square(f + DARK)
-    probes, count = grid.columns.shape[:2]
-    normal = (weights @ grid.products.reshape(probes, -1)).reshape(-1, count, 3, 3)
-    slope = ((weights * f) @ grid.columns.reshape(probes, -1)).reshape(-1, count, 3)
+    count = len(GRID)
+    products = (weights @ grid.products).reshape(len(f), len(_PAIRS), count)
+    normal = np.empty((3, 3, len(f), count))
+    for place, (i, j) in enumerate(_PAIRS):
+        normal[i, j] = normal[j, i] = products[:, place]
+    slope = ((weights * f) @ grid.columns).reshape(len(f), 3, count).swapaxes(0, 1)
     factors = _bounded(normal, slope, np.zeros_like(slope), np.full_like(slope, np.inf))
-    gain = 2 * (factors * slope).sum(-1) - (factors * (normal @ factors[..., None])[..., 0]).sum(-1)
+    gain = 2 * (factors * slope).sum(axis=0) - (factors * _product(normal, factors)).sum(axis=0)
     best = gain.argmax(axis=-1)
-    return np.column_stack([factors[np.arange(len(f)), best], np.log(GRID[best])])
+    return np.column_stack([*factors[:, np.arange(len(f)), best], np.log(GRID[best])])
 
 
 def _bounded(
     normal: np.ndarray, slope: np.ndarray, lower: np.ndarray, upper: np.ndarray
 ) -> np.ndarray:
-    """Lower x' normal x / 2 - slope' x within bounds (..., K), which contain zero.
+    """Lower x' normal x / 2 - slope' x within bounds (K, ...), which contain zero.
 
     From the minimum without bounds, unknowns that exceed a bound are fixed there, and the others
     solved again. The result is the minimum in most cases, and never worse than zero.
+
+    normal: (K, K, ...), for problems along the last axes.
     """
-    size = slope.shape[-1]
+    size = len(slope)
+    eye = np.eye(size).reshape(size, size, *[1] * (slope.ndim - 1))
     # In units in which the curvature's diagonal is one.
-    unit = 1 / np.sqrt(np.einsum("...ii->...i", normal) + 1e-30)
-    normal = normal * unit[..., :, None] * unit[..., None, :] + 1e-12 * np.eye(size)
+    unit = 1 / np.sqrt(np.einsum("ii...->i...", normal) + 1e-30)
+    normal = normal * unit * unit[:, None] + 1e-12 * eye
     slope, lower, upper = slope * unit, lower / unit, upper / unit
-    x = np.linalg.solve(normal, slope[..., None])[..., 0]
+    x = _solved(normal, slope)
     fixed = np.zeros(x.shape, bool)
     for _ in range(size - 1):
         outside = (x < lower) | (x > upper)
@@ -188,11 +201,31 @@ def _bounded(
         fixed |= outside
         x = np.where(fixed, np.clip(x, lower, upper), 0.0)
         free = ~fixed
-        both = free[..., :, None] & free[..., None, :]
-        reduced = np.where(both, normal, np.eye(size))
-        aim = np.where(fixed, x, slope - (normal @ x[..., None])[..., 0])
-        x = np.linalg.solve(reduced, aim[..., None])[..., 0]
+        reduced = np.where(free & free[:, None], normal, eye)
+        x = _solved(reduced, np.where(fixed, x, slope - _product(normal, x)))
     x = np.clip(x, lower, upper)
-    bend = (x * (normal @ x[..., None])[..., 0]).sum(axis=-1)
-    share = np.clip((slope * x).sum(axis=-1) / np.maximum(bend, 1e-30), 0.0, 1.0)
-    return x * share[..., None] * unit
+    bend = (x * _product(normal, x)).sum(axis=0)
+    return x * np.clip((slope * x).sum(axis=0) / np.maximum(bend, 1e-30), 0.0, 1.0) * unit
+
+
+def _product(matrix: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """Products (K, ...) of symmetric matrices (K, K, ...) and vectors (K, ...)."""
+    return (matrix * x[:, None]).sum(axis=0)
+
+
+def _solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Solutions (K, ...) for positive definite matrices (K, K, ...), all at once.
+
+    Gauss's elimination: LAPACK, called for one small matrix after the other, takes ten times as
+    long.
+    """
+    upper, x = matrix.copy(), right.copy()
+    for i in range(len(x)):
+        for j in range(i + 1, len(x)):
+            share = upper[i, j] / upper[i, i]
+            upper[j, j:] -= share * upper[i, j:]
+            x[j] -= share * x[i]
+    for i in reversed(range(len(x))):
+        x[i] -= (upper[i, i + 1 :] * x[i + 1 :]).sum(axis=0)
+        x[i] /= upper[i, i]
+    return x
