@@ -67,7 +67,7 @@ def measure(side: int, weights: str | None, bottom: str, levels: int) -> None:
         path = Path(folder) / "coat.safetensors"
         save = _timed(lambda: bsdf.save(path))
         size = path.stat().st_size / 2**20
-        described = {"type": "neural_brdf", "filename": str(path)}
+        described = {"type": "neural_brdf", "filename": str(path), "weights": coat["weights"]}
         reload = _timed(lambda: mi.load_dict(described))
     print(
         f"{bottom:17}{wall:8.1f} s{cpu:8.1f} s{peak:8.2f} GB{edit:8.2f} s{size:8.0f} MB"

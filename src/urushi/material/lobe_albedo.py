@@ -51,27 +51,32 @@ def _measured(rows: np.ndarray, cosines: np.ndarray) -> np.ndarray:
     edge = (rows[:, 3] > 0) & (rows[:, 4] < 1)
     for place, nodes in ((~edge, NODES), (edge, EDGE_NODES)):
         if place.any():
-            result[place] = _albedos(rows[place], _gauss_rules(cosines.tobytes(), nodes))
+            result[place] = _albedos(rows[place], cosines.tobytes(), nodes)
     return result
 
 
-def _albedos(lobe: np.ndarray, table: np.ndarray) -> np.ndarray:
+def _albedos(lobe: np.ndarray, cosines: bytes, nodes: int) -> np.ndarray:
     """Albedos (N, D) of lobes (N, 6) by the tabulated rules."""
     place = (np.sqrt(lobe[:, 0]) - MIN_ALPHA**0.5) / (1 - MIN_ALPHA**0.5) * (WIDTHS - 1)
     place = np.clip(place, 0.0, WIDTHS - 1)
     index = np.minimum(place.astype(np.intp), WIDTHS - 2)
     share = (place - index)[:, None, None, None].astype(np.float32)
-    rule = (1 - share) * table[index] + share * table[index + 1]
+    # A rule takes 10 ms: only those that are needed.
+    needed = np.unique([index, index + 1])
+    table = np.stack([_rule_of_width(int(width), cosines, nodes) for width in needed])
+    first = np.searchsorted(needed, index)
+    rule = (1 - share) * table[first] + share * table[first + 1]
     reflected = lobes.reflectance(lobe[:, None, None], rule[..., 0])
     return (reflected * rule[..., 1]).sum(axis=-1)
 
 
-@functools.lru_cache(4)
-def _gauss_rules(cosines: bytes, nodes: int) -> np.ndarray:
-    """The rules' cosines to the facet, and weights: float32 (`WIDTHS`, D, nodes, 2)."""
-    alphas = np.linspace(MIN_ALPHA**0.5, 1.0, WIDTHS) ** 2
+@functools.cache
+def _rule_of_width(width: int, cosines: bytes, nodes: int) -> np.ndarray:
+    """A rule's cosines to the facet, and weights: float32 (D, nodes, 2)."""
+    share = width / (WIDTHS - 1)
+    alpha = (MIN_ALPHA**0.5 * (1 - share) + share) ** 2
     at = np.frombuffer(cosines)[:, None, None]
-    return np.array([_gauss_rule(*_facets(alpha, at), nodes) for alpha in alphas], np.float32)
+    return _gauss_rule(*_facets(alpha, at), nodes).astype(np.float32)
 
 
 def _facets(alpha: float, cosine: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -73,10 +73,11 @@ def _fit(f: np.ndarray, schlick: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         )
         for eta in METALS
     ]
-    tried = [_descend(f, np.column_stack([np.log(schlick[:, 0]), eta, k])) for eta, k in starts]
-    best = np.stack([error for _, error in tried]).argmin(axis=0)
-    x, error = (np.stack(parts)[best, np.arange(len(f))] for parts in zip(*tried, strict=True))
-    return x, error
+    first = [np.column_stack([np.log(schlick[:, 0]), eta, k]) for eta, k in starts]
+    x, error = _descend(np.tile(f, (len(starts), 1)), np.concatenate(first))
+    x, error = x.reshape(len(starts), -1, 3), error.reshape(len(starts), -1)
+    best = error.argmin(axis=0), np.arange(len(f))
+    return x[best], error[best]
 
 
 def _descend(f: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -48,7 +48,7 @@ LONGEST_STEP, LAST_STEPS = 0.3, 3
 _PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 
 #: BRDFs that are fitted at once, so that their arrays stay in a core's cache.
-BLOCK = 256
+BLOCK = 512
 
 
 def fit_lobes(f: np.ndarray) -> np.ndarray:
@@ -67,7 +67,7 @@ def fit_lobes(f: np.ndarray) -> np.ndarray:
 
 
 class _Grid(NamedTuple):
-    """What the approximation needs at P pairs.
+    """What the approximation needs at P pairs; the last five in single precision, for the steps.
 
     Attributes:
         columns: (P, 3 A) the diffuse term and the two of the lobe, for factors of one and A widths.
@@ -95,69 +95,98 @@ def _grid(probes: int) -> _Grid:
     columns = np.stack([white, shapes * (1 - fifth)[:, None], shapes * fifth[:, None]], axis=1)
     products = np.stack([columns[:, i] * columns[:, j] for i, j in _PAIRS], axis=1)
     cos, half = np.stack([wi[:, 2], wo[:, 2]]), wi + wo
-    return _Grid(
-        columns.reshape(probes, -1),
-        products.reshape(probes, -1),
+    single = (
         np.stack([1 - fifth, fifth]),
         cos,
         cos**2,
         half[:, 0] ** 2 + half[:, 1] ** 2,
         half[:, 2] ** 2,
     )
+    return _Grid(
+        columns.reshape(probes, -1),
+        products.reshape(probes, -1),
+        *(array.astype(np.float32) for array in single),
+    )
 
 
 def _fit(f: np.ndarray) -> np.ndarray:
     """`fit_lobes` for f (N, P)."""
-    grid, scale = _grid(f.shape[-1]), 1 / (f + DARK)
-    aim = f * scale
-    at, open_rows = _best_of_grid(f), np.arange(len(f))
-    columns = np.empty((len(f), 4, f.shape[-1]))
-    columns[:, 0] = scale * (1 / np.pi)
+    grid, at, open_rows = _grid(f.shape[-1]), _best_of_grid(f), np.arange(len(f))
+    scale = (1 / (f + DARK)).astype(np.float32)
+    aim = (f / (f + DARK)).astype(np.float32)
+    white = scale * np.float32(1 / np.pi)
     longest = np.array([np.inf, np.inf, np.inf, LONGEST_STEP])
     for step in range(STEPS):
         if step == STEPS - LAST_STEPS:
             longest[3] = 0.0
         x = at[open_rows]
-        shape, slope = _shape(grid, np.exp(x[:, 3:]))
-        columns[:, 1:3] = (shape * scale)[:, None] * grid.schlick
-        top = (x[:, None, 1:3] @ columns[:, 1:3])[:, 0]
-        np.multiply(top, slope, out=columns[:, 3])
-        error = x[:, :1] * columns[:, 0] + top - aim
-        weights = np.where(error > 0, OVERSHOOT_WEIGHT, KNEE / np.maximum(-error, KNEE))
-        weighted = columns * weights[:, None]
-        normal = weighted @ np.swapaxes(columns, -1, -2)
-        ahead = (weighted @ error[..., None])[..., 0]
-        change = _bounded(
-            np.ascontiguousarray(normal.transpose(1, 2, 0)),
-            -np.ascontiguousarray(ahead.T),
-            np.maximum(_LOWER - x, -longest).T,
-            np.minimum(_UPPER - x, longest).T,
-        ).T
+        shape, slope = _shape(grid, np.exp(x[:, 3:]).astype(np.float32))
+        shape *= scale
+        diffuse, normal, grazing = x[:, :3].T[..., None].astype(np.float32)
+        columns = [white, shape * grid.schlick[0], shape * grid.schlick[1], slope]
+        error = normal * columns[1]
+        error += grazing * columns[2]
+        slope *= error
+        error += diffuse * white
+        error -= aim
+        weights = np.where(error > 0, np.float32(OVERSHOOT_WEIGHT), KNEE / np.maximum(-error, KNEE))
+        change = _change(columns, weights, error, x, longest)
         at[open_rows] = x + change
         # A row that has converged is left alone, so that no row affects another.
         moving = (np.abs(change) > CONVERGED).any(axis=-1)
         if not moving.all():
             if not moving.any():
                 break
-            open_rows, scale, aim = open_rows[moving], scale[moving], aim[moving]
-            columns = columns[moving]
+            open_rows, scale, aim, white = (y[moving] for y in (open_rows, scale, aim, white))
     result = np.tile(np.array(lobes.NO_LOBE, np.float32), (len(f), 1))
     result[:, 0] = np.exp(at[:, 3])
     result[:, 1:3] = at[:, 1:3]
     return result
 
 
+def _change(
+    columns: list[np.ndarray],
+    weights: np.ndarray,
+    error: np.ndarray,
+    x: np.ndarray,
+    longest: np.ndarray,
+) -> np.ndarray:
+    """The step (N, 4) of Gauss and Newton's method from unknowns x (N, 4).
+
+    columns: the derivatives (N, P) of the errors (N, P) by the unknowns.
+    """
+    curvature, ahead = np.empty((4, 4, len(x))), np.empty((4, len(x)))
+    for i, column in enumerate(columns):
+        weighted = weights * column
+        ahead[i] = np.einsum("np,np->n", weighted, error)
+        for j in range(i, 4):
+            curvature[i, j] = curvature[j, i] = np.einsum("np,np->n", weighted, columns[j])
+    lower, upper = np.maximum(_LOWER - x, -longest), np.minimum(_UPPER - x, longest)
+    return _bounded(curvature, -ahead, lower.T, upper.T).T
+
+
 def _shape(grid: _Grid, alpha: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """`lobe.shape` (N, P) of widths (N, 1), and the derivative of its logarithm by ln alpha."""
     alpha2 = alpha * alpha
     along = alpha2 * grid.along
-    width = 1 / (grid.across + along)
-    ratio = (grid.across + grid.along) * width
-    root = np.sqrt(alpha2[:, None] * (1 - grid.cos2) + grid.cos2)
-    masking = 1 / (grid.cos + root)
-    shape = (alpha2 / np.pi) * ratio * ratio * masking[:, 0] * masking[:, 1]
-    masked = ((1 - grid.cos2) / root * masking).sum(axis=1)
-    return shape, 2 - 4 * along * width - alpha2 * masked
+    width = along + grid.across
+    np.reciprocal(width, out=width)
+    shape = (grid.across + grid.along) * width
+    shape *= shape
+    shape *= alpha2 * np.float32(1 / np.pi)
+    along *= width
+    along *= -4
+    along += 2
+    for cos, cos2 in zip(grid.cos, grid.cos2, strict=True):
+        sine2 = 1 - cos2
+        root = alpha2 * sine2
+        root += cos2
+        np.sqrt(root, out=root)
+        masking = root + cos
+        shape /= masking
+        masking *= root
+        along -= alpha2 * sine2 / masking
+    return shape, along
 
 
 def _best_of_grid(f: np.ndarray) -> np.ndarray:
