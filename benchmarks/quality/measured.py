@@ -4,7 +4,7 @@ Takes FILEs: MERL tables (.binary), RGL materials (.bsdf), folders of these, or 
 published neural fits of 675 weights each, whose tables in MERL's bins stand in for MERL files. Each
 folder or archive is a set, single files together are one, and each set gets a table:
 
-- columns: Urushi's `encoded` and `refined` materials; fits of one and two GGX lobes and a
+- columns: Urushi's `encoded` and `refined` materials, and those with an `own decoder`; fits of one and two GGX lobes and a
   Lambertian part (`benchmarks.rivals.ggx_fit`), for each material the best of several losses by
   PSNR; a network trained for each material (`benchmarks.rivals.nbrdf`); and Mitsuba's `measured`.
   RGL files are made reciprocal first, because all other methods are reciprocal; the column of

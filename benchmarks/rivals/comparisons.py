@@ -19,14 +19,15 @@ from urushi.eval.environment import Environment
 from urushi.eval.metrics import Comparison
 from urushi.files import atomic_write
 from urushi.geometry import direction_sets, error_metrics
-from urushi.material import energy, fit
+from urushi.material import energy, fit, own_fit
 from urushi.measured import Merl, load_measured
 from urushi.measured.merl import SHAPE
 from urushi.measured.tabulated import bin_centres
+from urushi.nets import own_decoder
 from urushi.nets.weights import find
 
 #: The methods, in the order of the columns.
-METHODS = ("encoded", "refined", "GGX", "two GGX", "NBRDF", "Mitsuba")
+METHODS = ("encoded", "refined", "own decoder", "GGX", "two GGX", "NBRDF", "Mitsuba")
 
 #: Pairs of directions of E.
 PAIRS = 4096
@@ -150,6 +151,8 @@ class Comparisons:
             f = urushi.encode(reference.truth, self.weights).f
         elif name == "refined":
             f = urushi.encode(reference.truth, self.weights, refine=True).f
+        elif name == "own decoder":
+            f = urushi.encode(reference.truth, self.weights, own_decoder=True).f
         elif name == "NBRDF":
             f = nbrdf.train(reference.truth.f).f
         elif name == "Mitsuba":
@@ -198,6 +201,7 @@ def code_hashes(names: list[str], weights: str | None) -> dict[str, str]:
     modules: dict[str, list[ModuleType]] = {
         "encoded": [energy, fit],
         "refined": [energy, fit],
+        "own decoder": [energy, fit, own_decoder, own_fit],
         "GGX": [ggx_fit],
         "two GGX": [ggx_fit],
         "NBRDF": [nbrdf],
@@ -208,7 +212,7 @@ def code_hashes(names: list[str], weights: str | None) -> dict[str, str]:
         digest = hashlib.sha256()
         for module in (sphere, metrics, *modules[name]):
             digest.update(inspect.getsource(module).encode())
-        if name in ("encoded", "refined"):
+        if name in ("encoded", "refined", "own decoder"):
             digest.update(find(weights).fingerprint.encode())
         result[name] = digest.hexdigest()
     return result

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from urushi.errors import ParameterError, UrushiWarning
 from urushi.geometry.error_metrics import DARK_OFFSET
-from urushi.material import energy
+from urushi.material import energy, own_fit
 from urushi.material.coverage import check_source
 from urushi.material.energy import limit_albedo
 from urushi.material.fit import correct_codes, refine_codes
@@ -57,7 +57,13 @@ class SourceValues(NamedTuple):
     bare: bool = False
 
 
-def encode(source: Any, weights: Weights | None = None, *, refine: bool | None = None) -> Material:
+def encode(
+    source: Any,
+    weights: Weights | None = None,
+    *,
+    refine: bool | None = None,
+    own_decoder: bool = False,
+) -> Material:
     """Encode a BRDF into latent codes, one per channel.
 
     Args:
@@ -72,6 +78,11 @@ def encode(source: Any, weights: Weights | None = None, *, refine: bool | None =
             brings the decoded values closer to the given ones, instead of by two quick steps (see
             `urushi.material.fit`). None: for measured BRDFs, and for any source whose residual
             exceeds `UNUSUAL_RESIDUAL`. Networks without an encoder always encode by optimisation.
+        own_decoder: whether to fit a decoder of its own to each channel as well, in some seconds a
+            channel (see `urushi.material.own_fit`). The material is then evaluated and rendered by
+            it, far closer to measured BRDFs than by a code. It is the same over the whole surface:
+            coats, blends and textures use the codes. A bare conductor or dielectric, which its lobe
+            gives exactly, and a Material of the same networks get none.
 
     Raises:
         ParameterError: the source is none of these, or its values have a wrong shape, are negative
@@ -86,14 +97,19 @@ def encode(source: Any, weights: Weights | None = None, *, refine: bool | None =
     model = find(weights)
     if isinstance(source, Material) and source.model.fingerprint == model.fingerprint:
         return source
-    material, deviations = encode_source(source, model, refine=refine)
+    material, deviations = encode_source(source, model, refine=refine, own_decoder=own_decoder)
     for sentence in deviations.warnings():
         warnings.warn(f"encode {source_name(source)}: {sentence}", UrushiWarning, stacklevel=2)
     return material
 
 
 def encode_source(
-    source: Any, model: Model, *, refine: bool | None = None, name: str | None = None
+    source: Any,
+    model: Model,
+    *,
+    refine: bool | None = None,
+    own_decoder: bool = False,
+    name: str | None = None,
 ) -> tuple[Material, Deviations]:
     """`encode` without its warnings.
 
@@ -106,16 +122,42 @@ def encode_source(
     opened = as_source(source)
     if opened.bare and opened.lobe is not None and has_lobes(model):
         return material_of_lobes(opened.lobe, model), deviations_of(opened)
-    found = evaluate_source(source, *required_pairs(source, model), name)
+    found = evaluate_source(source, *required_pairs(source, model, own_decoder), name)
     return encode_values(found, model, refine=refine), found.deviations
 
 
 def encode_values(found: SourceValues, model: Model, *, refine: bool | None = None) -> Material:
-    """The material of a source's values at `required_pairs`; refine: as of `encode`."""
+    """The material of a source's values at `required_pairs`; refine: as of `encode`.
+
+    It has a decoder of its own if the values at the pairs for it are among them.
+    """
     refine = True if refine is None and found.measured else refine
     if found.bare and found.lobe is not None and has_lobes(model):
         return material_of_lobes(found.lobe, model, found.values.shape[1])
-    return material_from_values(found.values, model, refine=refine, lobe=found.lobe)
+    count = len(required_pairs(None, model)[0])
+    values, further = found.values[:count], found.values[count:]
+    material = material_from_values(values, model, refine=refine, lobe=found.lobe)
+    if not len(further):
+        return material
+    nodes = values[len(model.networks.pairs()[0]) :]
+    return with_own_decoder(material, np.concatenate([further, nodes]))
+
+
+def with_own_decoder(material: Material, values: np.ndarray) -> Material:
+    """The material with decoders of its own, for values (N, C) [1/sr] at `own_fit.all_pairs`.
+
+    The lobes of its codes are kept, and its directional albedo is at most that of the values.
+    """
+    model, codes = material.model, material.latents
+    assert isinstance(model.networks, UrushiNetworks)  # for the type checker
+    lobe = codes[:, : model.arch.lobe] if model.arch.lobe else None
+    source_albedo = _source_albedos(values[-len(energy.albedo_rule().wi) :].T, lobe)
+    allowed = energy.albedo_ceiling(source_albedo) - energy.top_albedos(model, codes)
+    top = np.zeros(values.T.shape, np.float32)
+    top += model.networks.top(codes[:, None], *own_fit.all_pairs())
+    least = energy.LEAST_REST if model.arch.lobe else energy.LEAST_ALBEDO
+    own = own_fit.fit_own_decoders(values.T, top, np.maximum(allowed, least))
+    return Material(codes, model, material.anchors, own)
 
 
 def material_of_lobes(lobe: np.ndarray, model: Model, channels: int = 3) -> Material:
@@ -141,14 +183,31 @@ def bare_anchors(model: Model, lobe: np.ndarray) -> np.ndarray:
     return np.concatenate([lobe, np.broadcast_to(rest, shape)], axis=-1, dtype=np.float32)
 
 
-def required_pairs(source: Any, model: Model) -> tuple[np.ndarray, np.ndarray]:
+def required_pairs(
+    source: Any, model: Model, own_decoder: bool = False
+) -> tuple[np.ndarray, np.ndarray]:
     """Pairs of directions (N, 3) at which a source has to be known to be encoded.
 
     These are the networks' own pairs, and the nodes of `energy.albedo_rule`, for the albedo of the
     source, which limits that of the material. A Stack is not simulated at the nodes: its albedo is
-    at most 1.
+    at most 1. For a decoder of its own, `own_fit.fit_pairs` follow, and a Stack has the nodes too.
+
+    Raises:
+        ParameterError: materials of the networks, of another system, have no decoders of their own.
     """
     wi, wo = model.networks.pairs()
+    if own_decoder:
+        if not isinstance(model.networks, UrushiNetworks):
+            raise ParameterError(
+                "materials of these networks have no decoders of their own; "
+                "give own_decoder=False or other networks"
+            )
+        nodes = energy.albedo_rule()
+        further = own_fit.fit_pairs()
+        return (
+            np.concatenate([wi, nodes.wi, further[0]]),
+            np.concatenate([wo, nodes.wo, further[1]]),
+        )
     if isinstance(source, Stack) or not isinstance(model.networks, UrushiNetworks):
         return wi, wo
     nodes = energy.albedo_rule()
@@ -286,7 +345,7 @@ def _(source: Merl) -> Source:
 
 @as_source.register
 def _(source: Rgl) -> Source:
-    return Source(source.f, measured=True)
+    return Source(source.f, measured=True, isotropic=True)
 
 
 @as_source.register(Conductor)

@@ -1,43 +1,76 @@
-"""The file of a material: its latent codes and the fingerprint of the networks they belong to."""
+"""The file of a material: its latent codes and the fingerprint of the networks they belong to.
+
+Where a material has decoders of its own, they follow, and the version is higher: an older Urushi
+would evaluate the codes.
+"""
 
 import os
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from urushi import files
 from urushi.errors import FileError
+from urushi.nets import own_decoder
 from urushi.nets.weights import Model
 
-FORMAT_VERSION = 2
+#: Versions of files without and with decoders of their own.
+CODES_VERSION, FORMAT_VERSION = 2, 3
+
+
+class StoredMaterial(NamedTuple):
+    """What a file holds.
+
+    Attributes:
+        latents, anchors: (C, 32).
+        own_decoder: (C, 241), or None.
+        model: the networks.
+    """
+
+    latents: np.ndarray
+    anchors: np.ndarray
+    own_decoder: np.ndarray | None
+    model: Model
 
 
 def write(
-    path: str | os.PathLike, latents: np.ndarray, anchors: np.ndarray, fingerprint: str
+    path: str | os.PathLike,
+    latents: np.ndarray,
+    anchors: np.ndarray,
+    fingerprint: str,
+    own: np.ndarray | None = None,
 ) -> None:
     """Write latents and anchors (C, 32) that belong to the networks of `fingerprint`.
+
+    own: the weights (C, 241) of decoders of its own, see `urushi.nets.own_decoder`.
 
     Raises:
         FileError: the file cannot be written.
     """
-    description = {"version": FORMAT_VERSION, "weights": fingerprint}
+    version = CODES_VERSION if own is None else FORMAT_VERSION
+    description = {"version": version, "weights": fingerprint}
     arrays = {"latents": latents}
     if not np.array_equal(latents, anchors):
         arrays["anchors"] = anchors
+    if own is not None:
+        arrays["own_decoder"] = own
     files.write_tensors(path, "material", description, arrays)
 
 
-def read(path: str | os.PathLike, models: Sequence[Model]) -> tuple[np.ndarray, np.ndarray, Model]:
-    """Return a file's latents and anchors (C, 32), and the one of `models` that made it.
+def read(path: str | os.PathLike, models: Sequence[Model]) -> StoredMaterial:
+    """Return what a file holds, with the one of `models` that made it.
 
     Raises:
         FileError: missing, truncated, foreign, damaged, or made with other networks.
     """
     description, arrays = files.read_tensors(path, "material")
-    if description.get("version") != FORMAT_VERSION:
+    version = description.get("version")
+    if version not in (CODES_VERSION, FORMAT_VERSION):
         raise FileError(
-            f"'{path}' has version {description.get('version')!r} of the material format, "
-            f"this Urushi reads version {FORMAT_VERSION}; install the Urushi that wrote it"
+            f"'{path}' has version {version!r} of the material format, "
+            f"this Urushi reads versions {CODES_VERSION} and {FORMAT_VERSION}; "
+            "install the Urushi that wrote it"
         )
     model = matching_weights(path, description.get("weights"), models)
     latents = arrays.get("latents")
@@ -53,7 +86,23 @@ def read(path: str | os.PathLike, models: Sequence[Model]) -> tuple[np.ndarray, 
     for codes in (latents, anchors):
         if codes.dtype != np.float32 or not np.isfinite(codes).all():
             raise FileError(f"the material file '{path}' is damaged: a code is not finite float32")
-    return latents, anchors, model
+    own = arrays.get("own_decoder")
+    if (own is None) != (version == CODES_VERSION):
+        state = "none" if own is None else "some"
+        raise FileError(
+            f"the material file '{path}' is damaged: a file of version {version} has {state} of "
+            "its own decoders"
+        )
+    if own is not None and (
+        own.shape != (len(latents), own_decoder.WEIGHTS)
+        or own.dtype != np.float32
+        or not np.isfinite(own).all()
+    ):
+        raise FileError(
+            f"the material file '{path}' is damaged: its own decoders are not finite float32 "
+            f"({len(latents)}, {own_decoder.WEIGHTS})"
+        )
+    return StoredMaterial(latents, anchors, own, model)
 
 
 def matching_weights(path: str | os.PathLike, made_with: object, models: Sequence[Model]) -> Model:

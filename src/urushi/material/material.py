@@ -12,7 +12,9 @@ from urushi.errors import ParameterError
 from urushi.geometry.quadrature import half_vector_rule
 from urushi.material import energy, file
 from urushi.material.blend import blend_codes
-from urushi.nets.networks import Proposal
+from urushi.nets import own_decoder
+from urushi.nets.features import direction_features
+from urushi.nets.networks import Proposal, UrushiNetworks
 from urushi.nets.weights import SHIPPED, Model, Weights, find, has_lobes, load_shipped
 from urushi.parallel import fill_blocks
 
@@ -31,13 +33,17 @@ class Material:
             Coats are layered over them, and directions are sampled by them. They differ from the
             latents of encoded materials, which are corrected or refined (see
             `urushi.material.fit`), and equal those of coated materials. Default: the latents.
+        own_decoder: read-only float32 (C, 241), the weights of a decoder of each channel's own
+            (see `urushi.nets.own_decoder`), by which f is evaluated instead of by the latents;
+            their lobes still count. Default: None.
 
-    Materials equal each other if codes and networks do.
+    Materials equal each other if codes, own decoders and networks do.
     """
 
     latents: np.ndarray
     model: Model
     anchors: np.ndarray = None  # type: ignore[assignment]  # __post_init__ puts the latents there
+    own_decoder: np.ndarray | None = None
 
     def __post_init__(self) -> None:
         latents = _checked(self.latents, self.model, "latents")
@@ -48,6 +54,9 @@ class Material:
             raise ParameterError(
                 f"a material has {len(latents)} latents, but {len(anchors)} anchors; give as many"
             )
+        if self.own_decoder is not None:
+            own = _checked_own(self.own_decoder, self.model, len(latents))
+            object.__setattr__(self, "own_decoder", own)
         object.__setattr__(self, "latents", latents)
         object.__setattr__(self, "anchors", anchors)
 
@@ -58,10 +67,12 @@ class Material:
             self.model.fingerprint == other.model.fingerprint
             and np.array_equal(self.latents, other.latents)
             and np.array_equal(self.anchors, other.anchors)
+            and _same_own(self.own_decoder, other.own_decoder)
         )
 
     def __hash__(self) -> int:
-        return hash((self.model.fingerprint, self.latents.tobytes(), self.anchors.tobytes()))
+        own = None if self.own_decoder is None else self.own_decoder.tobytes()
+        return hash((self.model.fingerprint, self.latents.tobytes(), self.anchors.tobytes(), own))
 
     def __repr__(self) -> str:
         return f"Material({self.channels} channels, weights {self.model.fingerprint})"
@@ -94,7 +105,14 @@ class Material:
 
     def _f(self, z: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         above = (wi[..., 2] > 0.0) & (wo[..., 2] > 0.0)
-        return np.where(above, self.model.networks.f(z, wi, wo), np.float32(0.0))[..., None]
+        if self.own_decoder is None:
+            f = self.model.networks.f(z, wi, wo)
+        else:
+            networks = self.model.networks
+            assert isinstance(networks, UrushiNetworks)  # for the type checker
+            features = direction_features(wi[:, 0], wo[:, 0])
+            f = networks.top(z, wi, wo) + own_decoder.rest(self.own_decoder, features)
+        return np.where(above, f, np.float32(0.0))[..., None]
 
     def pdf(self, wi: npt.ArrayLike, wo: npt.ArrayLike) -> np.ndarray:
         """Return the density of `sample` at wo given wi: float32 (N,) [1/sr].
@@ -181,12 +199,13 @@ class Material:
     def save(self, path: str | os.PathLike) -> None:
         """Write the material to a safetensors file; `urushi.load` reads it.
 
-        The file holds the codes and the fingerprint of the networks, not the networks.
+        The file holds the codes, the decoders of its own if it has any, and the fingerprint of the
+        networks, not the networks.
 
         Raises:
             FileError: the file cannot be written.
         """
-        file.write(path, self.latents, self.anchors, self.model.fingerprint)
+        file.write(path, self.latents, self.anchors, self.model.fingerprint, self.own_decoder)
 
 
 def load(path: str | os.PathLike, weights: Weights | None = None) -> Material:
@@ -199,8 +218,8 @@ def load(path: str | os.PathLike, weights: Weights | None = None) -> Material:
         FileError: missing, truncated, foreign, damaged, or made with other networks.
     """
     models = [find(weights)] if weights else [load_shipped(name) for name in SHIPPED]
-    latents, anchors, made_with = file.read(path, models)
-    return Material(latents, made_with, anchors)
+    stored = file.read(path, models)
+    return Material(stored.latents, stored.model, stored.anchors, stored.own_decoder)
 
 
 def _checked(codes: npt.ArrayLike, model: Model, name: str) -> np.ndarray:
@@ -213,6 +232,29 @@ def _checked(codes: npt.ArrayLike, model: Model, name: str) -> np.ndarray:
         )
     if not np.isfinite(array).all():
         raise ParameterError(f"a material's {name} hold a number that is not finite")
+    array.flags.writeable = False
+    return array
+
+
+def _same_own(a: np.ndarray | None, b: np.ndarray | None) -> bool:
+    """Whether two materials have the same own decoders, or none."""
+    if a is None or b is None:
+        return a is b
+    return np.array_equal(a, b)
+
+
+def _checked_own(weights: npt.ArrayLike, model: Model, channels: int) -> np.ndarray:
+    """A read-only copy float32 (C, 241) of the weights of a material's own decoders."""
+    if not isinstance(model.networks, UrushiNetworks):
+        raise ParameterError("materials of these networks have no decoders of their own")
+    array = np.array(weights, dtype=np.float32)
+    if array.shape != (channels, own_decoder.WEIGHTS):
+        raise ParameterError(
+            f"a material's own decoders have shape {array.shape}; "
+            f"give ({channels}, {own_decoder.WEIGHTS})"
+        )
+    if not np.isfinite(array).all():
+        raise ParameterError("a material's own decoders hold a number that is not finite")
     array.flags.writeable = False
     return array
 
@@ -238,7 +280,9 @@ def lerp(a: Material, b: Material, t: npt.ArrayLike) -> Material:
     of networks without lobes are (1 - t) a + t b.
 
     t: in [0, 1], a scalar or one number per RGB channel. A material of one channel blends with one
-    of three. t = 0 gives exactly a's codes, t = 1 exactly b's.
+    of three. t = 0 gives exactly a's codes, t = 1 exactly b's. Decoders of their own cannot be
+    blended: a material between has none, and its f is that of its codes. For t = 0 or 1 throughout,
+    the result keeps those of a or b.
 
     Raises:
         ParameterError: a and b belong to different networks or numbers of channels, or t is out
@@ -266,9 +310,18 @@ def lerp(a: Material, b: Material, t: npt.ArrayLike) -> Material:
         raise ParameterError("lerp's t must be in [0, 1], a number or one per channel")
     share = np.broadcast_to(share, channels)
     latents = _blend(a.model, a.latents, b.latents, share)
-    if a.anchors is a.latents and b.anchors is b.latents:
-        return Material(latents, a.model)
-    return Material(latents, a.model, _blend(a.model, a.anchors, b.anchors, share))
+    anchors = latents
+    if a.anchors is not a.latents or b.anchors is not b.latents:
+        anchors = _blend(a.model, a.anchors, b.anchors, share)
+    return Material(latents, a.model, anchors, _own_at_end(a, b, share))
+
+
+def _own_at_end(a: Material, b: Material, share: np.ndarray) -> np.ndarray | None:
+    """The own decoders of a or b if all shares (C,) of b are 0 or 1; None between them."""
+    end = a if (share == 0).all() else b if (share == 1).all() else None
+    if end is None or end.own_decoder is None:
+        return None
+    return np.broadcast_to(end.own_decoder, (len(share), own_decoder.WEIGHTS))
 
 
 def _blend(model: Model, a: np.ndarray, b: np.ndarray, share: np.ndarray) -> np.ndarray:

@@ -47,6 +47,7 @@ class Source(NamedTuple):
         lobe: (6,) or (C, 6) the analytic lobe of each channel (see `urushi.nets.lobe`), if known:
             the reflection of the topmost interface. None: it is fitted to the values.
         bare: whether f is its lobe and nothing else.
+        isotropic: whether f is isotropic by construction, up to its mirror image.
     """
 
     f: Brdf
@@ -58,6 +59,7 @@ class Source(NamedTuple):
     textured: bool = False
     lobe: np.ndarray | None = None
     bare: bool = False
+    isotropic: bool = False
 
 
 class Deviations(NamedTuple):
@@ -135,7 +137,7 @@ def symmetrise(
         ):
             return once[:count], deviations_of(source)
         noisy = not np.array_equal(once, values(wi, wo))
-    pairs = list(rotated_pairs(wi, wo, AZIMUTHS))
+    pairs = list(rotated_pairs(wi, wo, 2 if source.isotropic else AZIMUTHS))
     # (exchange, azimuth, N, C)
     every = np.stack([[values(a, b) for a, b in pairs], [values(b, a) for a, b in pairs]])
     isotropic = every.mean(axis=1)

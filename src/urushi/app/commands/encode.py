@@ -41,6 +41,8 @@ class Encode:
     measured and of unusual BRDFs."""
     no_refine: bool = False
     """Refine no latent code."""
+    own_decoder: bool = False
+    """Fit a decoder of its own to every channel, far closer to measured BRDFs than a code."""
     mode: Annotated[str, tyro.conf.arg(aliases=["-m"])] = "llvm_ad_rgb"
     """Mitsuba variant for reading scene files."""
     scheduler: str | None = None
@@ -66,6 +68,7 @@ class Encode:
                 weights=self.weights,
                 scheduler=self.scheduler,
                 refine=True if self.refine else False if self.no_refine else None,
+                own_decoder=self.own_decoder,
             ):
                 progress.update()
                 index = readable[position]

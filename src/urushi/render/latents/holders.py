@@ -19,7 +19,12 @@ from urushi.material.material import Material
 from urushi.nets.weights import Model
 from urushi.render.latents.lookup import LatentTexture, are_constant
 from urushi.render.networks.lobe import ANY_LOBE, LobeKind, kind_of
-from urushi.render.networks.protocols import Decoder, Proposal, decoder_and_sampler
+from urushi.render.networks.own_decoder import OwnDecoder, digits
+from urushi.render.networks.protocols import (
+    ConstantDecoder,
+    Proposal,
+    decoder_and_sampler,
+)
 from urushi.render.recording import only_where, signature
 from urushi.textures import file
 from urushi.textures.grid import TexelGrid
@@ -47,12 +52,23 @@ class ConstantLatents:
         "_signature": list,
     }  # for frozen functions
 
-    def __init__(self, model: Model, latents: np.ndarray, anchors: np.ndarray | None = None):
-        """latents, anchors: (C, size) float32, those of a `Material`."""
-        self._material = Material(latents, model, latents if anchors is None else anchors)
+    def __init__(
+        self,
+        model: Model,
+        latents: np.ndarray,
+        anchors: np.ndarray | None = None,
+        own: np.ndarray | None = None,
+    ):
+        """latents, anchors: (C, size) float32, own: (C, 241) or None, those of a `Material`."""
+        self._material = Material(latents, model, latents if anchors is None else anchors, own)
         kind = kind_of_codes(latents[None]) if model.arch.lobe else ANY_LOBE
+        self._decoder: ConstantDecoder
         self._decoder, self._sampler = decoder_and_sampler(model, kind)
-        self._signature = signature(kind)
+        states = list(map(int, kind))
+        if own is not None:
+            self._decoder = OwnDecoder(own, kind if model.arch.lobe else None)
+            states += digits(own)
+        self._signature = signature(states)
         self._decoder_terms = [_opaque(terms) for terms in self._decoder.code_terms(latents)]
         mean = self._material.anchors.mean(axis=0)
         self._sampler_terms = _opaque(self._sampler.code_terms(mean))
@@ -80,7 +96,7 @@ class ConstantLatents:
     def anchors(self) -> "ConstantLatents":
         """The codes that coats are layered over."""
         material = self._material
-        if material.anchors is material.latents:
+        if material.anchors is material.latents and material.own_decoder is None:
             return self
         return ConstantLatents(material.model, material.anchors)
 
@@ -109,7 +125,8 @@ class ConstantLatents:
 
     def __str__(self) -> str:
         count, size = self._material.latents.shape
-        return f"{count} x {size}"
+        own = "" if self._material.own_decoder is None else ", with decoders of its own"
+        return f"{count} x {size}{own}"
 
 
 class TexturedLatents:
@@ -174,7 +191,7 @@ class TexturedLatents:
         )
 
 
-def _f_and_pdf(decoder: Decoder, vertex: Vertex, si, wo, active) -> tuple[list, Any]:
+def _f_and_pdf(decoder: ConstantDecoder, vertex: Vertex, si, wo, active) -> tuple[list, Any]:
     """Values of each channel and the proposal's density where active, zero elsewhere."""
 
     def evaluated(terms, proposal, wi, wo):
@@ -231,14 +248,14 @@ class DifferentiableConstant(ConstantLatents):
         channels, self._size = latents.shape[-2:]
         super().__init__(model, dr.detach(latents).numpy().reshape(channels, self._size))
         # Numbers that vanish or that channels share have gradients of their own.
-        self._decoder, _ = decoder_and_sampler(model)
+        self._differentiable, _ = decoder_and_sampler(model)
         self.tensor = latents
         self._numbers = latents.array
         dr.make_opaque(self._numbers)
 
     def f(self, vertex: Vertex, si, wo, active) -> list:
         """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
-        return self._decoder.f(self.codes(si.uv), si.wi, wo)
+        return self._differentiable.f(self.codes(si.uv), si.wi, wo)
 
     def f_and_pdf(self, vertex: Vertex, si, wo, active) -> tuple[list, Any]:
         """`f`, and the density of the proposal [1/sr]."""

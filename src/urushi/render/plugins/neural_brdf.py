@@ -30,7 +30,8 @@ def define(base: type) -> type:
                                              exposed by ``mi.traverse``, not a property, and not
                                              for textures. A coat around a refined material lies
                                              over its anchors, or over these codes once they were
-                                             edited.
+                                             edited. Edited codes also replace decoders of the
+                                             material's own.
         ============== ===================== ====================================================
 
         The material may come from a description, a simulation, a measurement or a function, and
@@ -77,7 +78,9 @@ def define(base: type) -> type:
                 self.model = material.model
                 codes = lookup.owned(mi.Float, material.latents)
                 self._tensor = mi.TensorXf(codes, material.latents.shape)
-                self.latents = ConstantLatents(self.model, material.latents, material.anchors)
+                self.latents = ConstantLatents(
+                    self.model, material.latents, material.anchors, material.own_decoder
+                )
             if self.latents.channels not in (1, 3):
                 raise ParameterError(
                     f"{self._where}: '{self._filename}' has {self.latents.channels} channels; "

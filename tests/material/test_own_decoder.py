@@ -1,0 +1,204 @@
+"""Decoders of a material's own: closer than any code, and still BRDFs."""
+
+import json
+
+import numpy as np
+import pytest
+import safetensors.numpy
+
+from urushi.errors import FileError, ParameterError
+from urushi.geometry.direction_sets import cosine_pairs
+from urushi.geometry.error_metrics import stack_error
+from urushi.material import Material, encode, layer, lerp, load, own_fit
+from urushi.material.batch import encode_all
+from urushi.material.encode import required_pairs
+from urushi.material.energy import albedo_rule
+from urushi.material.file import CODES_VERSION, FORMAT_VERSION
+from urushi.nets import own_decoder
+from urushi.nets.weights import Model
+from urushi.paper.architecture import PaperArchitecture
+from urushi.paper.architecture import init as init_paper
+from urushi.reference.stack import conductor, dielectric
+
+
+def velvet(wi, wo):
+    """Brighter at grazing angles, over a narrow lobe: unlike any layered material."""
+    h = wi + wo
+    cos_h = h[:, 2] / np.linalg.norm(h, axis=1)
+    cosines = np.maximum(wi[:, 2], 0.05) + np.maximum(wo[:, 2], 0.05)
+    sheen = 0.06 * np.exp(-2 * cosines)
+    lobe = 0.02 / (np.pi * (cos_h**2 * (0.1**2 - 1) + 1) ** 2) * 0.1**2
+    return np.stack([sheen + 0.01, sheen + lobe, 0.3 * lobe + 0.03], axis=1)
+
+
+@pytest.fixture(scope="module")
+def own(lobed) -> Material:
+    """A material with decoders of its own, of untrained networks."""
+    return encode(velvet, lobed, refine=False, own_decoder=True)
+
+
+def error(f_hat, f, wi, wo) -> np.ndarray:
+    """E (C,) of values (N, C)."""
+    return stack_error(f_hat.T, f.T, wi[:, 2], wo[:, 2])
+
+
+def test_derivatives_are_those_of_differences():
+    rng = np.random.default_rng(1)
+    weights = rng.normal(size=own_decoder.WEIGHTS)
+    features = rng.normal(size=(20, 8))
+    _, slopes = own_decoder.log_rest_slopes(weights, features)
+    step = 1e-6
+    for index in range(0, own_decoder.WEIGHTS, 7):
+        moved = np.zeros_like(weights)
+        moved[index] = step
+        high, low = (
+            own_decoder.log_rest_slopes(weights + sign * moved, features)[0] for sign in (1, -1)
+        )
+        np.testing.assert_allclose(slopes[:, index], (high - low) / (2 * step), atol=1e-6)
+
+
+def test_values_are_those_of_the_fitted_logarithm():
+    rng = np.random.default_rng(2)
+    weights = rng.normal(size=(3, own_decoder.WEIGHTS))
+    features = rng.normal(size=(20, 8))
+    rest = own_decoder.rest(weights, features)
+    for channel in range(3):
+        log_rest, _ = own_decoder.log_rest_slopes(weights[channel], features)
+        np.testing.assert_allclose(np.log(rest[:, channel]), log_rest.clip(-25, 20), atol=1e-12)
+
+
+def test_closer_than_codes_on_pairs_that_were_not_fitted(own, trained):
+    """Untrained networks have no codes of any use, so trained ones give the codes."""
+    wi, wo = (w.astype(np.float32) for w in cosine_pairs(np.random.default_rng(7), 2000))
+    f = velvet(wi, wo)
+    codes = encode(velvet, trained, refine=True)
+    of_codes, found = (error(material.f(wi, wo), f, wi, wo) for material in (codes, own))
+    assert found.mean() < 0.5 * of_codes.mean()
+    assert found.max() < 0.02
+
+
+def test_reciprocal_to_the_bit_and_zero_below_the_horizon(own, directions):
+    wi, wo = directions, np.roll(directions, 1, axis=0)
+    f = own.f(wi, wo)
+    np.testing.assert_array_equal(f, own.f(wo, wi))
+    above = (wi[:, 2] > 0) & (wo[:, 2] > 0)
+    assert (f[above] > 0).all() and not f[~above].any()
+
+
+def test_no_more_light_than_the_source(lobed):
+    cosines = np.linspace(0.15, 1, 9)
+    wi = np.stack([np.sqrt(1 - cosines**2), 0 * cosines, cosines], axis=1).astype(np.float32)
+    white = encode(lambda wi, wo: np.full(len(wi), 1 / np.pi), lobed, own_decoder=True)
+    assert white.own_decoder is not None
+    assert white.directional_albedo(wi).max() <= 1 + 1e-3
+    assert white.directional_albedo(wi).min() > 0.95
+    shiny = encode(lambda *w: velvet(*w)[:, 1], lobed, refine=False, own_decoder=True)
+    rule = albedo_rule()
+    source = rule.albedo(velvet(rule.wi, rule.wo)[:, 1])
+    at = np.interp(cosines, rule.cosines[::-1], source[::-1])
+    assert (shiny.directional_albedo(wi)[:, 0] <= at + 0.01).all()
+
+
+def test_limited_decoders_keep_their_shape():
+    """Scaling to a lower ceiling changes all values by one factor."""
+    rng = np.random.default_rng(4)
+    weights = 0.3 * rng.normal(size=(2, own_decoder.WEIGHTS)).astype(np.float32)
+    free = own_fit.limited(weights, np.full((2, 1), np.inf))
+    np.testing.assert_array_equal(free, weights)
+    dark = own_fit.limited(weights, np.full((2, 1), 0.01))
+    features = rng.normal(size=(30, 8)).astype(np.float32)
+    ratio = own_decoder.rest(dark, features) / own_decoder.rest(weights, features)
+    np.testing.assert_allclose(ratio, np.broadcast_to(ratio[:1], ratio.shape), rtol=1e-4)
+    assert (ratio < 1).all()
+
+
+def test_sampling_is_that_of_the_codes(own, random_directions):
+    """The proposal comes from the anchors, so that its density stays normalised."""
+    plain = Material(own.latents, own.model, own.anchors)
+    wi, u = random_directions(50, 1), np.random.default_rng(2).random((50, 3)).astype(np.float32)
+    wo, pdf = own.sample(wi, u)
+    np.testing.assert_array_equal(wo, plain.sample(wi, u)[0])
+    np.testing.assert_array_equal(pdf, own.pdf(wi, wo))
+
+
+def test_files_keep_them(own, lobed, tmp_path):
+    path = tmp_path / "own.safetensors"
+    own.save(path)
+    again = load(path, lobed)
+    assert again == own and hash(again) == hash(own)
+    plain = Material(own.latents, lobed, own.anchors)
+    assert plain != own and own != plain
+    again.save(tmp_path / "again.safetensors")
+    assert (tmp_path / "again.safetensors").read_bytes() == path.read_bytes()
+
+
+def test_files_of_codes_alone_can_be_read_by_older_versions(own, tmp_path):
+    def version(material) -> int:
+        material.save(tmp_path / "a.safetensors")
+        with safetensors.safe_open(tmp_path / "a.safetensors", framework="numpy") as file:
+            return json.loads(file.metadata()["urushi"])["version"]
+
+    assert version(Material(own.latents, own.model, own.anchors)) == CODES_VERSION
+    assert version(own) == FORMAT_VERSION
+
+
+@pytest.mark.parametrize(
+    ("version", "stored"),
+    [
+        (FORMAT_VERSION, None),
+        (CODES_VERSION, np.zeros((3, own_decoder.WEIGHTS), np.float32)),
+        (FORMAT_VERSION, np.zeros((1, own_decoder.WEIGHTS), np.float32)),
+        (FORMAT_VERSION, np.zeros((3, own_decoder.WEIGHTS - 1), np.float32)),
+        (FORMAT_VERSION, np.zeros((3, own_decoder.WEIGHTS), np.float64)),
+        (FORMAT_VERSION, np.full((3, own_decoder.WEIGHTS), np.nan, np.float32)),
+    ],
+)
+def test_damaged_files_are_refused(version, stored, own, lobed, tmp_path):
+    path = tmp_path / "a.safetensors"
+    text = json.dumps({"kind": "material", "version": version, "weights": lobed.fingerprint})
+    arrays = {"latents": own.latents} | ({} if stored is None else {"own_decoder": stored})
+    path.write_bytes(safetensors.numpy.save(arrays, {"urushi": text}))
+    with pytest.raises(FileError, match="is damaged"):
+        load(path, lobed)
+
+
+@pytest.mark.parametrize("wrong", [np.zeros((3, 7)), np.full((3, own_decoder.WEIGHTS), np.inf)])
+def test_wrong_weights_are_refused(wrong, own, lobed):
+    with pytest.raises(ParameterError, match="own decoders"):
+        Material(own.latents, lobed, own.anchors, wrong)
+
+
+def test_coats_lie_over_the_codes(own):
+    coat = dielectric(0.1, 1.5)
+    plain = Material(own.latents, own.model, own.anchors)
+    coated = layer(coat, own)
+    assert coated == layer(coat, plain) and coated.own_decoder is None
+
+
+def test_blends_have_those_of_an_end_only_there(own, lobed):
+    other = encode(conductor(0.3, 0.8), lobed)
+    assert lerp(own, other, 0) == own
+    assert lerp(other, own, 1) == own
+    assert lerp(own, other, 0.5).own_decoder is None
+    assert lerp(own, other, (0, 0, 1)).own_decoder is None
+
+
+def test_a_bare_interface_needs_none(lobed):
+    gold = conductor(0.2, (0.9, 0.7, 0.3))
+    assert encode(gold, lobed, own_decoder=True) == encode(gold, lobed)
+
+
+def test_the_same_alone_and_among_many(own, lobed):
+    channels = [lambda *w, c=channel: velvet(*w)[:, c] for channel in (0, 2)]
+    for index, result in encode_all(channels, weights=lobed, refine=False, own_decoder=True):
+        material = result.material
+        np.testing.assert_array_equal(material.own_decoder, own.own_decoder[[0, 2][index]][None])
+
+
+def test_other_networks_have_none():
+    other = Model.of(PaperArchitecture(), init_paper(3), {})
+    with pytest.raises(ParameterError, match="no decoders of their own"):
+        required_pairs(velvet, other, True)
+    latents = np.zeros((1, other.arch.latent), np.float32)
+    with pytest.raises(ParameterError, match="no decoders of their own"):
+        Material(latents, other, latents, np.zeros((1, own_decoder.WEIGHTS)))
