@@ -3,8 +3,10 @@
 The lobe of the code is kept, and the decoder learns the rest. For each channel by itself, damped
 steps (Marquardt 1963) lower the weighted sum of rho(e), where e is the error of ln(f +
 `DARK_OFFSET`) and rho the square, linear beyond `KNEE` (Huber 1964). Pairs of cosine density weigh
-by their share of the reflected light, as in the error E, to the power `POWER`; the other pairs, for
-which peaks and tails count, all weigh the same; and so do the nodes of the albedo's quadrature.
+by their share of the reflected light, as in the error E, to the power `POWER`. They are too few in
+narrow peaks, so the training pairs that are log-uniform in the half angle weigh by their light too.
+Besides, all training pairs weigh the same, for peaks and tails. The nodes of the albedo's
+quadrature weigh by their light.
 
 A decoder that reflects more than its BRDF at some angle is scaled down as a whole
 (`urushi.material.energy`).
@@ -24,10 +26,11 @@ from urushi.nets.least_squares import damped_step
 from urushi.parallel import one_blas_thread
 
 #: Numbers of pairs of cosine density, and of `direction_sets.training_pairs`.
-COSINE_PAIRS, TRAINING_PAIRS = 1500, 2000
+COSINE_PAIRS, TRAINING_PAIRS = 1500, 3600
 
-#: Shares of both in the error; the rest is that of the albedo's nodes.
-COSINE_SHARE, TRAINING_SHARE = 0.6, 0.3
+#: Shares in the error: of the pairs of cosine density, of the training pairs by their light, of the
+#: training pairs evenly, and of the albedo's nodes.
+SHARES = (0.3, 0.4, 0.25, 0.05)
 
 #: Exponent of the light of a pair in its weight, and the error of ln f from which errors count
 #: linearly.
@@ -35,7 +38,7 @@ POWER, KNEE = 0.5, 0.2
 
 #: Number of trial steps; first damping, relative to the mean curvature; its factors after accepted
 #: and rejected steps; and the damping at which no step helps any more.
-STEPS, DAMPING, DECREASE, INCREASE, GREATEST_DAMPING = 80, 1e-3, 0.3, 5.0, 1e6
+STEPS, DAMPING, DECREASE, INCREASE, GREATEST_DAMPING = 100, 1e-3, 0.3, 5.0, 1e6
 
 
 @functools.cache
@@ -129,14 +132,34 @@ def _fitted(f: np.ndarray, top: np.ndarray) -> np.ndarray:
 def _weights(f: np.ndarray) -> np.ndarray:
     """Weights (N,) of the pairs, float32; their sum is 1."""
     wi, wo = fit_pairs()
-    light = f[:COSINE_PAIRS] * energy_weight(wi[:COSINE_PAIRS, 2], wo[:COSINE_PAIRS, 2])
+    cosine, training, nodes = np.split(f, [COSINE_PAIRS, COSINE_PAIRS + TRAINING_PAIRS])
     rule = energy.albedo_rule()
-    at_nodes = f[COSINE_PAIRS + TRAINING_PAIRS :] * rule.weights * rule.wi[:, 2]
-    parts = [light**POWER, np.ones(TRAINING_PAIRS), at_nodes**POWER]
-    wanted = (COSINE_SHARE, TRAINING_SHARE, 1 - COSINE_SHARE - TRAINING_SHARE)
-    return np.concatenate(
-        [share * part / max(part.sum(), 1e-30) for share, part in zip(wanted, parts, strict=True)]
-    ).astype(np.float32)
+    parts = [
+        cosine * energy_weight(wi[:COSINE_PAIRS, 2], wo[:COSINE_PAIRS, 2]),
+        training * _half_angle_measure(wi[COSINE_PAIRS:], wo[COSINE_PAIRS:]),
+        np.ones(TRAINING_PAIRS),
+        nodes * rule.weights * rule.wi[:, 2],
+    ]
+    by_light, by_angle, even, at_nodes = (
+        share * part**POWER / max((part**POWER).sum(), 1e-30)
+        for share, part in zip(SHARES, parts, strict=True)
+    )
+    return np.concatenate([by_light, by_angle + even, at_nodes]).astype(np.float32)
+
+
+def _half_angle_measure(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+    """The share (N,) of a training pair in the integral of E, up to a factor.
+
+    Every second pair is log-uniform in tan(theta_h) and uniform in theta_d; the others are left
+    out. Its share is the reciprocal of that density, where d wi d wo = 4 cos(theta_d) d h d d.
+    """
+    h = wi.astype(np.float64) + wo
+    length = np.linalg.norm(h, axis=1)
+    cos_h, cos_d = h[:, 2] / length, np.minimum(0.5 * length, 1)
+    sin_h2, sin_d = np.maximum(1 - cos_h**2, 0), np.sqrt(1 - cos_d**2)
+    measure = (wi[:, 2] * wo[:, 2]) ** 2 * cos_d * sin_d * sin_h2 * cos_h
+    measure[1::2] = 0.0
+    return measure
 
 
 def _initial(rest: np.ndarray) -> np.ndarray:
