@@ -30,15 +30,18 @@ COSINE_PAIRS, TRAINING_PAIRS = 1500, 3600
 
 #: Shares in the error: of the pairs of cosine density, of the training pairs by their light, of the
 #: training pairs evenly, and of the albedo's nodes.
-SHARES = (0.3, 0.4, 0.25, 0.05)
+SHARES = (0.15, 0.25, 0.2, 0.4)
 
 #: Exponent of the light of a pair in its weight, and the error of ln f from which errors count
 #: linearly.
 POWER, KNEE = 0.5, 0.2
 
-#: Number of trial steps; first damping, relative to the mean curvature; its factors after accepted
+#: Least curvature by a weight, relative to the mean.
+LEAST_CURVATURE = 1e-3
+
+#: Number of trial steps; first damping, relative to the curvature; its factors after accepted
 #: and rejected steps; and the damping at which no step helps any more.
-STEPS, DAMPING, DECREASE, INCREASE, GREATEST_DAMPING = 100, 1e-3, 0.3, 5.0, 1e6
+STEPS, DAMPING, DECREASE, INCREASE, GREATEST_DAMPING = 100, 1e-2, 0.3, 5.0, 1e6
 
 
 @functools.cache
@@ -117,7 +120,7 @@ def _fitted(f: np.ndarray, top: np.ndarray) -> np.ndarray:
     found, damping = state(weights), DAMPING
     equations = system(found)
     for _ in range(STEPS):
-        tried = (weights - damped_step(*equations, damping)).astype(np.float32)
+        tried = (weights - _scaled_step(*equations, damping)).astype(np.float32)
         new = state(tried)
         if new[0] < found[0]:  # false for NaN
             weights, found, damping = tried, new, damping * DECREASE
@@ -127,6 +130,13 @@ def _fitted(f: np.ndarray, top: np.ndarray) -> np.ndarray:
         if damping > GREATEST_DAMPING:
             break
     return weights
+
+
+def _scaled_step(curvature: np.ndarray, slope: np.ndarray, damping: float) -> np.ndarray:
+    """`damped_step` in units of each weight's own curvature: they differ by orders of magnitude."""
+    own = np.diagonal(curvature)
+    unit = 1 / np.sqrt(own + LEAST_CURVATURE * own.mean() + 1e-12)
+    return unit * damped_step(curvature * unit[:, None] * unit, slope * unit, damping)
 
 
 def _weights(f: np.ndarray) -> np.ndarray:
