@@ -145,13 +145,13 @@ class PaperSampler:
         self._params = model.params
         self._steps = _bound(model.params, PROXY)
 
-    def code_terms(self, latent: np.ndarray) -> np.ndarray:
-        """Width and share (2); neither depends on directions."""
-        return np.array(proxy.proxy(self._params, latent), np.float32)
+    def tabulated(self, latent: np.ndarray) -> list[np.ndarray]:
+        """Width and share; neither depends on directions."""
+        return [np.array(value, np.float32) for value in proxy.proxy(self._params, latent)]
 
-    def proposal_of_terms(self, terms: Sequence, cos_i) -> Gaussian:
-        """The proposal; terms: a list (2) of Dr.Jit floats."""
-        return Gaussian(*terms)
+    def proposal_of_table(self, table: Sequence, cos_i) -> Gaussian:
+        """The proposal from width and share."""
+        return Gaussian(*table)
 
     def proposal(self, latent: Sequence, cos_i) -> Gaussian:
         """The proposal of a latent code, a list (32) of Dr.Jit floats."""

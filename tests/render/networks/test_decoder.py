@@ -111,10 +111,10 @@ def test_mixture_agrees_with_numpy(rgb, model, parts):
     mixture = drjit.vertex(interaction(rgb, wi), rgb.Bool(True)).proposal
     mean = numpy.latents.mean(axis=0)
     weights, alphas = numpy_sampler.mixture(model.params, model.arch, mean[None], wi[:, 2])
-    np.testing.assert_allclose(
-        np.stack([x.numpy() for x in mixture.weights], -1), weights, atol=1e-4
-    )
-    np.testing.assert_allclose(np.stack([x.numpy() for x in mixture.alphas], -1), alphas, rtol=1e-3)
+    # a table that is linear between 129 cosines
+    for ours, theirs in ((mixture.weights, weights), (mixture.alphas, alphas)):
+        np.testing.assert_allclose(np.stack([x.numpy() for x in ours], -1), theirs, atol=5e-3)
+    np.testing.assert_allclose(sum(mixture.weights).numpy(), 1, atol=1e-6)
 
 
 def test_density_and_samples_of_a_mixture_agree_with_numpy(rgb):
@@ -163,15 +163,15 @@ def test_cooperative_vectors_agree_with_constants_in_code(rgb, model):
         terms = [[rgb.Float(x) for x in channel] for channel in decoder.code_terms(z)]
         values.append(decoder.f_of_terms(terms, wi, wo))
         sampler = UrushiSampler(model, ANY_LOBE, cooperative)
-        first = [rgb.Float(x) for x in sampler.code_terms(z[0])]
-        mixture = dr.switch(rgb.UInt32(0), [lambda c, s=sampler, t=first: flat(s, t, c)], wi.z)
+        code = [rgb.Float(x) for x in z[0]]
+        mixture = dr.switch(rgb.UInt32(0), [lambda c, s=sampler, t=code: flat(s, t, c)], wi.z)
         mixtures.append(mixture)
     for a, b in (*zip(*values, strict=True), *zip(*mixtures, strict=True)):
         np.testing.assert_allclose(a.numpy(), b.numpy(), rtol=2e-4)
 
 
-def flat(sampler, terms, cos_i) -> list:
-    mixture = sampler.proposal_of_terms(terms, cos_i)
+def flat(sampler, latent, cos_i) -> list:
+    mixture = sampler.proposal(latent, cos_i)
     return [*mixture.weights, *mixture.alphas]
 
 

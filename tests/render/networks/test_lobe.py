@@ -126,8 +126,9 @@ def test_proposal_agrees_with_numpy(rgb, model, name, hold):
         (mixture.alphas, expected.alphas),
     ):
         values = np.stack([np.broadcast_to(x.numpy(), len(wi)) for x in ours], axis=-1)
-        # half precision of texels, through a network that multiplies its output by twenty
-        np.testing.assert_allclose(values, theirs, atol=2e-2 if hold is textured else 1e-4)
+        # texels: half precision, through a network that multiplies its output by twenty;
+        # constant codes: a table that is linear between 129 cosines
+        np.testing.assert_allclose(values, theirs, atol=2e-2 if hold is textured else 5e-3)
 
 
 def test_the_first_width_of_a_proposal_is_that_of_the_lobe(rgb, model):

@@ -9,6 +9,7 @@ Mitsuba's differentiable integrators, samples are fixed while the integrand chan
 
 import os
 from collections.abc import Callable
+from functools import partial
 from typing import Any, ClassVar, NamedTuple, cast
 
 import drjit as dr
@@ -17,7 +18,7 @@ import numpy as np
 
 from urushi.material.material import Material
 from urushi.nets.weights import Model
-from urushi.render.latents.lookup import LatentTexture, are_constant
+from urushi.render.latents.lookup import LatentTexture, are_constant, owned
 from urushi.render.networks.lobe import ANY_LOBE, LobeKind, kind_of
 from urushi.render.networks.own_decoder import OwnDecoder, digits
 from urushi.render.networks.protocols import (
@@ -48,7 +49,7 @@ class ConstantLatents:
 
     DRJIT_STRUCT: ClassVar = {
         "_decoder_terms": list,
-        "_sampler_terms": list,
+        "_proposals": list,
         "_signature": list,
     }  # for frozen functions
 
@@ -71,12 +72,13 @@ class ConstantLatents:
         self._signature = signature(states)
         self._decoder_terms = [_opaque(terms) for terms in self._decoder.code_terms(latents)]
         mean = self._material.anchors.mean(axis=0)
-        self._sampler_terms = _opaque(self._sampler.code_terms(mean))
+        self._proposals = [owned(mi.Float, x) for x in self._sampler.tabulated(mean)]
 
     def vertex(self, si, active) -> Vertex:
         """The vertex at a surface interaction."""
-        propose = self._sampler.proposal_of_terms
-        proposal = only_where(active, propose, self._sampler_terms, si.wi.z)
+        # The table is no argument: it has another width than the directions.
+        propose = partial(self._sampler.proposal_of_table, self._proposals)
+        proposal = only_where(active, propose, si.wi.z)
         return Vertex(self._decoder_terms, proposal)
 
     def f(self, vertex: Vertex, si, wo, active) -> list:

@@ -50,11 +50,14 @@ class Decoder(ConstantDecoder, Protocol):
 class Sampler(Protocol):
     """Proposals from latent codes."""
 
-    def code_terms(self, latent: np.ndarray) -> np.ndarray:
-        """Terms (K,) of a latent code (size,), by NumPy."""
+    def tabulated(self, latent: np.ndarray) -> Sequence[np.ndarray]:
+        """Arrays that `proposal_of_table` needs of a latent code (size,), of any shapes."""
 
-    def proposal_of_terms(self, terms: Sequence, cos_i) -> Proposal:
-        """The proposal for wi of cosine cos_i, from a list (K) of Dr.Jit floats."""
+    def proposal_of_table(self, table: Sequence, cos_i) -> Proposal:
+        """The proposal for wi of cosine cos_i, about that of the code.
+
+        table: the arrays of `tabulated`, flattened, as Dr.Jit floats.
+        """
 
     def proposal(self, latent: Sequence, cos_i) -> Proposal:
         """The proposal for wi of cosine cos_i, from a list (size) of Dr.Jit floats."""
