@@ -6,7 +6,7 @@ steps (Marquardt 1963) lower the weighted sum of rho(e), where e is the error of
 by their share of the reflected light, as in the error E, to the power `POWER`. They are too few in
 narrow peaks, so the training pairs that are log-uniform in the half angle weigh by their light too.
 Besides, all training pairs weigh the same, for peaks and tails. The nodes of the albedo's
-quadrature weigh by their light.
+quadrature weigh by their light, of a BRDF brighter by its mean, so that none is left free.
 
 A decoder that reflects more than its BRDF at some angle is scaled down as a whole
 (`urushi.material.energy`).
@@ -148,7 +148,7 @@ def _weights(f: np.ndarray) -> np.ndarray:
         cosine * energy_weight(wi[:COSINE_PAIRS, 2], wo[:COSINE_PAIRS, 2]),
         training * _half_angle_measure(wi[COSINE_PAIRS:], wo[COSINE_PAIRS:]),
         np.ones(TRAINING_PAIRS),
-        nodes * rule.weights * rule.wi[:, 2],
+        (nodes + nodes.mean()) * rule.weights * rule.wi[:, 2],
     ]
     by_light, by_angle, even, at_nodes = (
         share * part**POWER / max((part**POWER).sum(), 1e-30)
