@@ -48,3 +48,8 @@ def test_one_lobe_and_many_give_the_same():
     assert together.shape == (2, REMEMBERED_ROWS, len(cosines))
     for k in (0, REMEMBERED_ROWS - 1):
         np.testing.assert_array_equal(together[0, k], lobe_albedos(many[k], cosines))
+
+
+def test_no_lobes_have_no_albedos():
+    cosines = albedo_rule().cosines
+    assert lobe_albedos(np.zeros((0, 3, 6), np.float32), cosines).shape == (0, 3, len(cosines))

@@ -41,3 +41,8 @@ def test_leading_axes():
     f = values("dielectric")[:6]
     assert find_lobes(f.reshape(2, 3, -1)).shape == (2, 3, 6)
     assert find_lobes(f[0]).shape == (6,)
+
+
+def test_no_brdfs_have_no_lobes():
+    f = np.zeros((0, 3, len(probe_pairs()[0])))
+    assert find_lobes(f).shape == fit_lobes(f).shape == (0, 3, 6)

@@ -32,9 +32,9 @@ def lobe_albedos(lobe: np.ndarray, cosines: np.ndarray) -> np.ndarray:
     """
     rows = lobe.reshape(-1, lobe.shape[-1])
     if len(rows) > REMEMBERED_ROWS:
-        return _measured(rows, cosines).reshape(*lobe.shape[:-1], -1)
+        return _measured(rows, cosines).reshape(*lobe.shape[:-1], len(cosines))
     known = _remembered(rows.tobytes(), rows.dtype.char, cosines.tobytes())
-    return known.reshape(*lobe.shape[:-1], -1)
+    return known.reshape(*lobe.shape[:-1], len(cosines))
 
 
 @functools.lru_cache(64)

@@ -38,7 +38,7 @@ def find_lobes(f: np.ndarray) -> np.ndarray:
     """
     rows = np.maximum(np.asarray(f, np.float64).reshape(-1, f.shape[-1]), 0.0)
     found = exact_interfaces(rows, fit_lobes(rows))
-    return found.reshape(*f.shape[:-1], -1)
+    return found.reshape(*f.shape[:-1], found.shape[-1])
 
 
 def exact_interfaces(f: np.ndarray, schlick: np.ndarray) -> np.ndarray:

@@ -63,7 +63,7 @@ def fit_lobes(f: np.ndarray) -> np.ndarray:
     for start in range(0, len(rows), BLOCK):
         place = slice(start, start + BLOCK)
         result[place] = _fit(rows[place])
-    return result.reshape(*values.shape[:-1], -1)
+    return result.reshape(*values.shape[:-1], result.shape[-1])
 
 
 class _Grid(NamedTuple):
