@@ -173,12 +173,11 @@ def material_of_lobes(lobe: np.ndarray, model: Model, channels: int = 3) -> Mate
 def bare_anchors(model: Model, lobe: np.ndarray) -> np.ndarray:
     """The anchors float32 (..., L) of surfaces that are their lobes (..., 6) alone.
 
-    All have one rest, what the encoder makes of none. Its albedo is at most what the energy limit
-    permits below any lobe.
+    All have one rest, what the encoder makes of none. No limit of energy scales it, because the
+    layerer has learned it as it is.
     """
     nothing = np.zeros((1, len(model.networks.pairs()[0])), np.float32)
-    rest = encoder_codes(model, nothing, np.array(lobes.NO_LOBE, np.float32))
-    rest = energy.limit_albedo(model, rest, energy.LEAST_REST)[0, lobe.shape[-1] :]
+    rest = encoder_codes(model, nothing, np.array(lobes.NO_LOBE, np.float32))[0, lobe.shape[-1] :]
     shape = *lobe.shape[:-1], len(rest)
     return np.concatenate([lobe, np.broadcast_to(rest, shape)], axis=-1, dtype=np.float32)
 
