@@ -6,7 +6,7 @@ import pytest
 from urushi.errors import ParameterError
 from urushi.geometry.probe_pairs import probe_pairs
 from urushi.material.encode import bare_anchors, encode, encoder_codes
-from urushi.material.energy import LEAST_REST, limit_albedo, rest_albedos
+from urushi.material.energy import limit_albedo
 from urushi.material.layer import layer_texels
 from urushi.nets import lobe as lobes
 from urushi.nets import weights
