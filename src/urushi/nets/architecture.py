@@ -18,6 +18,15 @@ PARTS = ("decoder", "encoder", "layerer", "sampler")
 #: `decoder.first_layer`.
 SCALE = "decoder.scale"
 
+
+def code_names(layer: int) -> tuple[str, str]:
+    """Names of the parameters by which a code scales and shifts a hidden layer of the decoder.
+
+    layer: from 1; the first layer has `SCALE`, and its weight has rows of the code.
+    """
+    return f"decoder.{layer}.scale", f"decoder.{layer}.shift"
+
+
 #: Parameters that are stored but not trained: statistics that normalise the encoder's input.
 FIXED = ("encoder.input_mean", "encoder.input_scale")
 
@@ -137,7 +146,7 @@ def parameter_shapes(arch: Architecture) -> dict[str, tuple[int, ...]]:
         for index, (rows, columns) in enumerate(itertools.pairwise(sizes)):
             shapes[f"{part}.{index}.weight"] = (rows, columns)
             shapes[f"{part}.{index}.bias"] = (columns,)
-    shapes[SCALE] = (arch.latent - arch.lobe - 1, arch.decoder[0])
+    shapes |= {name: (arch.latent - arch.lobe - 1, width) for name, width in _of_codes(arch)}
     return shapes | dict.fromkeys(FIXED, (arch.probes,))
 
 
@@ -145,13 +154,24 @@ def parameter_count(arch: Architecture, part: str) -> int:
     """Return the number of trained parameters of one network."""
     sizes = layer_sizes(arch, part)
     layers = sum((a + 1) * b for a, b in itertools.pairwise(sizes))
-    return layers + ((arch.latent - arch.lobe - 1) * arch.decoder[0] if part == "decoder" else 0)
+    widths = sum(width for _, width in _of_codes(arch)) if part == "decoder" else 0
+    return layers + (arch.latent - arch.lobe - 1) * widths
+
+
+def _of_codes(arch: Architecture) -> list[tuple[str, int]]:
+    """Names and widths of the parameters by which codes change the decoder's hidden layers."""
+    named = [(SCALE, arch.decoder[0])]
+    if arch.lobe:
+        for layer, width in enumerate(arch.decoder[1:], 1):
+            named += [(name, width) for name in code_names(layer)]
+    return named
 
 
 def init(arch: Architecture, seed: int) -> dict[str, np.ndarray]:
     """Draw initial float32 parameters: He et al. (2015) for hidden layers, zero biases.
 
-    Output layers start smaller and `SCALE` starts at zero. At first the layerer therefore hardly
+    Output layers start smaller, and codes neither scale the decoder's layers nor shift those after
+    the first one. At first the layerer therefore hardly
     changes the bottom's latent code, the decoder gives about 1, and the sampler gives similar
     weights to all lobes. The encoder's input statistics are rough constants: set them from data
     with `encoder.input_statistics`.
@@ -167,7 +187,8 @@ def init(arch: Architecture, seed: int) -> dict[str, np.ndarray]:
             weight = rng.standard_normal((rows, columns)) * deviation
             params[f"{part}.{index}.weight"] = weight.astype(np.float32)
             params[f"{part}.{index}.bias"] = np.zeros(columns, np.float32)
-    params[SCALE] = np.zeros((arch.latent - arch.lobe - 1, arch.decoder[0]), np.float32)
+    for name, width in _of_codes(arch):
+        params[name] = np.zeros((arch.latent - arch.lobe - 1, width), np.float32)
     params["encoder.input_mean"] = np.full(arch.probes, -2.0, np.float32)
     params["encoder.input_scale"] = np.full(arch.probes, 2.0, np.float32)
     return params

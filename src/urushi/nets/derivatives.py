@@ -12,8 +12,8 @@ import numpy as np
 
 from urushi.geometry.probe_pairs import probe_pairs
 from urushi.nets import lobe as lobes
-from urushi.nets.architecture import SCALE, Architecture
-from urushi.nets.decoder import MAX_LOG, MIN_LOG, first_layer
+from urushi.nets.architecture import SCALE, Architecture, code_names
+from urushi.nets.decoder import MAX_LOG, MIN_LOG, first_layer, scale_and_offset
 from urushi.nets.encoder import OFFSET, log_values, normalised
 from urushi.nets.features import coat_features, coat_inputs
 from urushi.nets.lobe import LOBE_FEATURES
@@ -39,15 +39,32 @@ def decode_log(params: Params, arch: Architecture, z: Any, features: Any) -> tup
     Each value depends on its own code alone, so that the gradients are the Jacobian. They are zero
     where ln f is clamped.
     """
-    first = first_layer(params, z[..., 1:], features)
-    output, gradient = _output_gradients(params, "decoder", first, arch.activation)
-    xp = output.__array_namespace__()
-    gradient = gradient[..., 0, :]
-    weight, codes = params["decoder.0.weight"], arch.latent - arch.lobe - 1
-    scaled = product(gradient * product(features, weight[codes:, :]), params[SCALE].T)
-    inner = scaled + product(gradient, weight[:codes, :].T)
+    code, codes = z[..., 1:], arch.latent - arch.lobe - 1
+    weight, output = params["decoder.0.weight"], len(arch.decoder)
+    x, slope = with_slope(first_layer(params, code, features), arch.activation)
+    slopes, responses, scales = [slope], [product(features, weight[codes:, :])], []
+    for layer in range(1, output):
+        response = product(x, params[f"decoder.{layer}.weight"])
+        scale, offset = scale_and_offset(params, layer, code)
+        x, slope = with_slope(offset + scale * response, arch.activation)
+        slopes.append(slope)
+        responses.append(response)
+        scales.append(scale)
+    value = z[..., 0] + linear(params, f"decoder.{output}", x)[..., 0]
+
+    xp = value.__array_namespace__()
+    inner: Any = 0
+    gradient = params[f"decoder.{output}.weight"][:, 0] * slopes[-1]
+    for layer in range(output - 1, 0, -1):
+        scale_name, shift_name = code_names(layer)
+        if scale_name in params:
+            inner = inner + product(gradient * responses[layer], params[scale_name].T)
+            inner = inner + product(gradient, params[shift_name].T)
+        back = product(gradient * scales[layer - 1], params[f"decoder.{layer}.weight"].T)
+        gradient = back * slopes[layer - 1]
+    inner = inner + product(gradient * responses[0], params[SCALE].T)
+    inner = inner + product(gradient, weight[:codes, :].T)
     gain = xp.ones_like(inner[..., :1])
-    value = z[..., 0] + output[..., 0]
     inside = (value > MIN_LOG) & (value < MAX_LOG)
     slope = xp.where(inside[..., None], xp.concat([gain, inner], axis=-1), 0.0)
     return value.clip(MIN_LOG, MAX_LOG), slope

@@ -93,7 +93,7 @@ def default() -> Preset:
         data=whole_domain(0.4),
         stages=(
             Joint(joint, stacks),
-            Layering(_soap(8_192), coated, widen_from=(256, 256, 256)),
+            Layering(_soap(8_192), coated, widen_from=(224, 224, 224)),
             Decoding(_soap(16_384), stacks),
             Layering(_soap(8_192), coated, seed_offset=2, name="relayering"),
             Sampling(sampling),
@@ -101,8 +101,8 @@ def default() -> Preset:
         memory=1 << 28,
         arch=Architecture(
             latent=24,
-            decoder=(24,),
-            layerer=(288, 288, 288),
+            decoder=(16, 16),
+            layerer=(256, 256, 256),
             sampler=(16,),
             activation="silu7",
             lobe=6,

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import drjit as dr
 import numpy as np
 
-from urushi.nets.architecture import SCALE
+from urushi.nets.architecture import SCALE, code_names
 from urushi.nets.decoder import MAX_LOG, MIN_LOG
 from urushi.nets.features import DIRECTION_TABLE, MIN_COSINE
 from urushi.nets.weights import Model
@@ -18,7 +18,7 @@ class UrushiDecoder:
     """f [1/sr] of latent codes: that of the lobe and the decoder's; see `protocols.Decoder`.
 
     The terms of a channel's code are the numbers of its lobe that `LobeKind.numbers` names, its
-    gain, and the scales and the offsets of the first layer's units.
+    gain, and the scales and the offsets of the units of each hidden layer.
     """
 
     def __init__(self, model: Model, kind: LobeKind, cooperative: bool | None = None):
@@ -29,14 +29,19 @@ class UrushiDecoder:
         self._lobe = model.arch.lobe
         self._kind = kind
         numbers = model.arch.latent - self._lobe - 1  # the gain bypasses the network
-        self._offset, self._response = weight[:numbers], weight[numbers:]
-        self._scale = model.params[SCALE]
-        self._bias = model.params["decoder.0.bias"]
+        self._response = weight[numbers:]
+        self._widths = model.arch.decoder if self._lobe else model.arch.decoder[:1]
+        shifts, ones = [params[SCALE], weight[:numbers]], []
+        for layer in range(1, len(self._widths)):
+            shifts += [params[name] for name in code_names(layer)]
+        for layer, width in enumerate(self._widths):
+            ones += [np.ones(width, np.float32), params[f"decoder.{layer}.bias"]]
+        self._of_code, self._bias = np.concatenate(shifts, axis=-1), np.concatenate(ones)
 
     def code_terms(self, latents: np.ndarray) -> list[np.ndarray]:
         """Terms (K,) of the code of each channel, from codes (C, size)."""
         gain, z = latents[:, self._lobe, None], latents[:, self._lobe + 1 :]
-        rest = np.concatenate([gain, 1 + z @ self._scale, z @ self._offset + self._bias], axis=-1)
+        rest = np.concatenate([gain, z @ self._of_code + self._bias], axis=-1)
         return [
             np.concatenate([code[self._numbers(c)], terms])
             for c, (code, terms) in enumerate(zip(latents, rest, strict=True))
@@ -44,9 +49,8 @@ class UrushiDecoder:
 
     def code_terms_drjit(self, latents: Sequence[Sequence]) -> list[list]:
         """The same of codes that are lists (size) of Dr.Jit floats, one for each channel."""
-        weight = np.concatenate([self._scale, self._offset], axis=-1)
-        bias = [1.0] * len(self._bias) + self._bias.tolist()
-        rests = mlp.dense_each([z[self._lobe + 1 :] for z in latents], weight, bias)
+        codes = [z[self._lobe + 1 :] for z in latents]
+        rests = mlp.dense_each(codes, self._of_code, self._bias.tolist())
         return [
             [*(z[i] for i in self._numbers(c)), z[self._lobe], *rest]
             for c, (z, rest) in enumerate(zip(latents, rests, strict=True))
@@ -55,8 +59,8 @@ class UrushiDecoder:
     def f_of_terms(self, terms: Sequence[Sequence], wi, wo) -> list:
         """f of each channel, from a list of Dr.Jit floats, its terms, for each."""
         # The response to the directions is the same for all channels.
-        response = mlp.dense(direction_features(wi, wo), self._response, [0.0] * len(self._bias))
-        count = 1 + 2 * len(self._bias)
+        response = mlp.dense(direction_features(wi, wo), self._response, [0.0] * self._widths[0])
+        count = 1 + len(self._bias)
         rests = [self._rest(channel[-count:], response) for channel in terms]
         if not (self._lobe and self._kind.present):
             return rests
@@ -73,10 +77,15 @@ class UrushiDecoder:
 
     def _rest(self, terms: Sequence, response: Sequence):
         """What the decoder gives for one channel."""
-        gain, width = terms[0], len(self._bias)
-        scales, offsets = terms[1 : 1 + width], terms[1 + width :]
+        changes, start = [], 1
+        for width in self._widths:
+            middle, end = start + width, start + 2 * width
+            changes.append((terms[start:middle], terms[middle:end]))
+            start = end
+        (scales, offsets), *following = changes
         first = [dr.fma(*values) for values in zip(scales, response, offsets, strict=True)]
-        return dr.exp(dr.clip(gain + self._hidden(first)[0], MIN_LOG, MAX_LOG))
+        output = self._hidden(first, following)[0]
+        return dr.exp(dr.clip(terms[0] + output, MIN_LOG, MAX_LOG))
 
 
 def direction_features(wi, wo):

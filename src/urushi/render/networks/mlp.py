@@ -71,12 +71,27 @@ def _dense(xs: Sequence[Sequence], weight: np.ndarray, bias: Sequence, block: in
     return totals
 
 
-def hidden_to_output(params: Mapping[str, np.ndarray], prefix: str, first, activation: str) -> list:
-    """Carry the first layer's pre-activation, a list, through the rest of the network."""
+def hidden_to_output(
+    params: Mapping[str, np.ndarray],
+    prefix: str,
+    first: Sequence,
+    changes: Sequence[tuple[Sequence, Sequence]] = (),
+    *,
+    activation: str,
+) -> list:
+    """Carry the first layer's pre-activation, a list, through the rest of the network.
+
+    changes: scales and offsets of the responses of the following layers, which then have no bias.
+    """
     index, x = 1, list(first)
     while f"{prefix}.{index}.weight" in params:
-        bias = params[f"{prefix}.{index}.bias"].tolist()
+        weight, bias = params[f"{prefix}.{index}.weight"], params[f"{prefix}.{index}.bias"].tolist()
         hidden = [activate(value, activation) for value in x]
-        x = dense(hidden, params[f"{prefix}.{index}.weight"], bias)
+        if index <= len(changes):
+            response = dense(hidden, weight, [0.0] * len(bias))
+            scales, offsets = changes[index - 1]
+            x = [dr.fma(*values) for values in zip(scales, response, offsets, strict=True)]
+        else:
+            x = dense(hidden, weight, bias)
         index += 1
     return x
