@@ -25,7 +25,8 @@ def activate(x, activation: str):
         return dr.select(x > 0, x, 0)
     if activation in POLYNOMIALS:
         bound, coefficients = POLYNOMIALS[activation]
-        t = dr.select(x < bound, dr.select(x > -bound, x, -bound), bound)
+        t = dr.select(x > -bound, x, -bound)
+        t = dr.select(t < bound, t, bound)  # one instruction each, unlike nested selections
         return x * dr.fma(t, horner(coefficients, t * t), 0.5)
     return x / (1 + dr.exp(-x))  # where exp overflows to infinity, the quotient is 0, the limit
 
