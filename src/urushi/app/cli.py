@@ -12,6 +12,7 @@ import tyro
 from urushi import paper
 from urushi.app.commands.data import Data
 from urushi.app.commands.encode import Encode
+from urushi.app.commands.export import Export
 from urushi.app.commands.layer import Layer, Sheet
 from urushi.app.commands.render import Render, Scenes
 from urushi.app.commands.simulate import Simulate
@@ -41,6 +42,10 @@ COMMANDS: dict[str, tuple[type, str]] = {
     "encode": (Encode, "Encode a BRDF into a material file."),
     "layer": (Layer, "Coat a material in the latent space."),
     "sheet": (Sheet, "Draw spheres of blended materials under coats."),
+    "export": (
+        Export,
+        "Write a material as code: GLSL, WGSL, HLSL, Slang, OSL, Python.",
+    ),
     "data": (Data, "Simulate training data, or show a store of them."),
     "train": (Train, "Train networks."),
     "eval": (Evaluate, "Measure networks on held-out materials."),

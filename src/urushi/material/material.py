@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from urushi import checks
 from urushi.errors import ParameterError
+from urushi.export.program import material_text
 from urushi.geometry.quadrature import half_vector_rule
 from urushi.material import energy, file
 from urushi.material.blend import blend_codes
@@ -195,6 +196,23 @@ class Material:
         f = self._filled(np.repeat(wi, nodes, axis=0), wo.reshape(-1, 3).astype(np.float32))
         f_cos = f.reshape(*weights.shape, -1) * wo[..., 2, None]
         return np.sum(f_cos * weights[..., None], axis=1)
+
+    def shader(self, language: str, prefix: str = "urushi") -> str:
+        """Return the material as source code: functions f, pdf and sample in one file.
+
+        The weights of the networks are literals in it; see `urushi export`.
+
+        Args:
+            language: "glsl", "wgsl", "hlsl", "slang", "osl" or "python".
+            prefix: begins the names of functions and structures; those of Python have none.
+
+        Raises:
+            ParameterError: an unknown language, a prefix that is no name, networks without
+                analytic lobes, or a material of other than one or three channels.
+        """
+        return material_text(
+            language, self.model, self.latents, self.anchors, self.own_decoder, prefix
+        )
 
     def save(self, path: str | os.PathLike) -> None:
         """Write the material to a safetensors file; `urushi.load` reads it.

@@ -1,0 +1,5 @@
+"""Materials as source code: one description of the networks, one printer for each language.
+
+`expressions` and `statements` are the form in which a computation is described, `lobe`, `decoder`
+and `proposal` describe it, `program` joins them to a file, and `languages` prints it.
+"""

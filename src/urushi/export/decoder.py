@@ -1,0 +1,136 @@
+"""The decoder as shader code: the counterpart of `nets.decoder` and `nets.own_decoder`."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from urushi.export.dense import dense
+from urushi.export.expressions import Expression, Value, call, colour, dot
+from urushi.export.statements import Function
+from urushi.nets import own_decoder
+from urushi.nets.architecture import SCALE, code_names
+from urushi.nets.decoder import MAX_LOG, MIN_LOG
+from urushi.nets.features import DIRECTION_TABLE, MIN_COSINE
+from urushi.nets.weights import Model
+
+
+class CodeTerms(NamedTuple):
+    """What the decoder needs of a code, floats or colours.
+
+    Attributes:
+        gain: added to the logarithm.
+        scales, offsets: of the units of each hidden layer.
+    """
+
+    gain: Expression
+    scales: Sequence[Sequence[Expression]]
+    offsets: Sequence[Sequence[Expression]]
+
+
+def of_code(model: Model) -> tuple[np.ndarray, np.ndarray]:
+    """The linear map from a code without lobe and gain to scales and offsets, layer by layer.
+
+    Returns the weight (numbers, K) and the bias (K,), K = 2 x the sum of the widths: the scales and
+    the offsets of the first layer, then those of the next.
+    """
+    params, numbers = model.params, model.arch.latent - model.arch.lobe - 1
+    weights, biases = [], []
+    for layer, width in enumerate(model.arch.decoder):
+        names = (SCALE, "decoder.0.weight") if layer == 0 else code_names(layer)
+        weights += [params[name][:numbers] for name in names]
+        biases += [np.ones(width, np.float32), params[f"decoder.{layer}.bias"]]
+    return np.concatenate(weights, axis=1), np.concatenate(biases)
+
+
+def split_terms(model: Model, gain: Expression, terms: Sequence[Expression]) -> CodeTerms:
+    """The outputs of `of_code`, by their meaning."""
+    scales, offsets, start = [], [], 0
+    for width in model.arch.decoder:
+        scales.append(terms[start : start + width])
+        offsets.append(terms[start + width : start + 2 * width])
+        start += 2 * width
+    return CodeTerms(gain, scales, offsets)
+
+
+def known_terms(model: Model, codes: np.ndarray) -> CodeTerms:
+    """The terms of known codes (C, size), C being 1 or 3, as constants."""
+    lobe = model.arch.lobe
+    weight, bias = of_code(model)
+    # In single precision, as Material.f computes them.
+    rows = codes[:, lobe + 1 :] @ weight + bias
+    return split_terms(model, colour(codes[:, lobe]), [colour(column) for column in rows.T])
+
+
+def features(body: Function, wi: Expression, wo: Expression) -> list[Expression]:
+    """The eight features of two directions, see `nets.features.direction_features`."""
+    body.note_line("Features of the two directions, the same with wi and wo exchanged.")
+    cos_i = body.let("cos_i", call("max", wi.z, MIN_COSINE))
+    cos_o = body.let("cos_o", call("max", wo.z, MIN_COSINE))
+    x, y = body.let("sum_x", wi.x + wo.x), body.let("sum_y", wi.y + wo.y)
+    z = body.let("sum_z", cos_i + cos_o)
+    across = body.let("sum_xy2", x * x + y * y)
+    squared = body.let("sum2", across + z * z)
+    size = body.let("sum_size", call("sqrt", squared))
+    cos_d = body.let("cos_d", call("min", 0.5 * size, 1.0))
+    opposite = body.let("opposite", 1.0 - cos_d)
+    opposite2 = body.let("opposite2", opposite * opposite)
+    columns = [
+        call("log", across / (z * z) + 1e-6),
+        call("sqrt", call("sqrt", across / squared)),
+        z / size,
+        cos_d,
+        opposite2 * opposite2 * opposite,
+        0.5 * call("log", cos_i * cos_o),
+        call("log", z),
+        call("min", cos_i, cos_o),
+    ]
+    return [
+        body.let(f"feature{i}", (column - mean) * (1.0 / scale))
+        for i, (column, (_, mean, scale)) in enumerate(zip(columns, DIRECTION_TABLE, strict=True))
+    ]
+
+
+def rest(
+    body: Function,
+    model: Model,
+    terms: CodeTerms,
+    inputs: Sequence[Expression],
+    activated: Function,
+) -> Expression:
+    """What the decoder gives [1/sr] for the terms of a code and `features`."""
+    params, numbers = model.params, model.arch.latent - model.arch.lobe - 1
+    values = list(inputs)
+    for layer in range(len(model.arch.decoder)):
+        body.note_line(f"Hidden layer {layer + 1}, scaled and shifted by the code.")
+        weight = params[f"decoder.{layer}.weight"][numbers if layer == 0 else 0 :]
+        responses = dense(body, f"response{layer}_", weight, values)
+        changes = zip(terms.scales[layer], terms.offsets[layer], responses, strict=True)
+        values = [
+            body.let(f"unit{layer}_{k}", activated(offset + scale * response))
+            for k, (scale, offset, response) in enumerate(changes)
+        ]
+    last = f"decoder.{len(model.arch.decoder)}"
+    output = dot(params[f"{last}.weight"][:, 0].tolist(), values)
+    return _exponential(body, output + (terms.gain + float(params[f"{last}.bias"][0])))
+
+
+def own_rest(
+    body: Function, weights: np.ndarray, inputs: Sequence[Expression], activated: Function
+) -> Expression:
+    """What decoders (C, `own_decoder.WEIGHTS`) of a material's own give for `features`."""
+    channels = [own_decoder.split(row) for row in weights]
+    first, offset, output, gain = (
+        np.stack(parts, axis=-1) for parts in zip(*channels, strict=True)
+    )
+    body.note_line("The hidden layer, with weights for each channel.")
+    units: list[Value] = []
+    for k in range(own_decoder.HIDDEN):
+        products = dot([colour(w) for w in first[:, k]], inputs)
+        units.append(body.let(f"unit{k}", activated(products + colour(offset[k]))))
+    total = dot([colour(w) for w in output], units)
+    return _exponential(body, total + colour(gain))
+
+
+def _exponential(body: Function, logarithm: Expression) -> Expression:
+    return body.let("rest", call("exp", call("clamp", logarithm, MIN_LOG, MAX_LOG)))

@@ -1,0 +1,214 @@
+"""The sampler and its proposal as shader code: the counterpart of `nets.sampler`."""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from urushi.checks import MIN_ALPHA
+from urushi.export.dense import dense
+from urushi.export.expressions import (
+    FLOAT,
+    VECTOR,
+    Expression,
+    call,
+    expression,
+    name,
+    select,
+    vector,
+)
+from urushi.export.statements import Function, Structure, Variable, member
+from urushi.nets.features import MIN_COSINE
+from urushi.nets.sampler import MIN_COSINE_SHARE, sampler_inputs
+from urushi.nets.weights import Model
+
+WI, WO = Variable("wi", VECTOR), Variable("wo", VECTOR)
+U = Variable("u", VECTOR)
+SAMPLE = Structure(
+    "Sample",
+    (
+        Variable("direction", VECTOR, note="wo, above the horizon"),
+        Variable("density", FLOAT, note="its density [1/sr]"),
+    ),
+    "A direction drawn by `sample`.",
+)
+
+
+def argument(variable: Variable) -> Expression:
+    """An argument inside its function."""
+    return name(variable.name, variable.kind)
+
+
+def structure(model: Model) -> Structure:
+    """The proposal for one wi: weights and widths of its lobes."""
+    count = _lobes(model)
+    weights = [Variable(f"weight{k}", FLOAT) for k in range(count)]
+    widths = [Variable(f"alpha{k}", FLOAT) for k in range(count)]
+    return Structure(
+        "Proposal",
+        (*weights, Variable("cosine_weight", FLOAT), *widths),
+        "A mixture of GGX reflection lobes and a cosine lobe.",
+    )
+
+
+def _lobes(model: Model) -> int:
+    """The number of GGX lobes: the sampler's and the code's own."""
+    return model.arch.lobes + 1
+
+
+def fill(
+    body: Function,
+    model: Model,
+    first: Sequence[Expression],
+    own_alpha: Expression,
+    cos_i: Expression,
+    activated: Function,
+) -> Expression:
+    """The proposal of a code for the cosine of wi.
+
+    first: what the sampler's first layer makes of the code, its bias included. own_alpha: the
+    width of the code's lobe.
+    """
+    params, count = model.params, _lobes(model)
+    raised = body.let("raised", call("max", cos_i, MIN_COSINE))
+    inputs = [
+        body.let("cosine", (raised - 0.5) * 3.0),
+        body.let("log_cosine", call("log", raised) + 1.0),
+    ]
+    weight = params["sampler.0.weight"][-2:]
+    values = dense(body, "first", weight, inputs, first)
+    layer = 1
+    while f"sampler.{layer}.weight" in params:
+        units = [body.let(f"unit{layer}_{k}", activated(value)) for k, value in enumerate(values)]
+        bias = params[f"sampler.{layer}.bias"].tolist()
+        values = dense(body, f"output{layer}_", params[f"sampler.{layer}.weight"], units, bias)
+        layer += 1
+    logits = values[: count + 1]
+    largest = logits[0]
+    for logit in logits[1:]:
+        largest = call("max", largest, logit)
+    largest = body.let("largest", largest)
+    shares = [body.let(f"share{k}", call("exp", x - largest)) for k, x in enumerate(logits)]
+    total = shares[0]
+    for share in shares[1:]:
+        total = total + share
+    scale = body.let("unit_sum", (1.0 - MIN_COSINE_SHARE) / total)
+    result = body.structure("result", "Proposal")
+    fields = structure(model).fields
+    for variable, share in zip(fields[:count], shares, strict=False):
+        body.assign(member(result, variable), share * scale)
+    body.assign(member(result, fields[count]), shares[count] * scale + MIN_COSINE_SHARE)
+    widths = [own_alpha]
+    for value in values[count + 1 :]:
+        fraction = 0.5 - 0.5 * call("tanh", call("clamp", 0.5 * value, -20.0, 20.0))
+        widths.append(call("exp", math.log(MIN_ALPHA) * fraction))
+    for variable, width in zip(fields[count + 1 :], widths, strict=True):
+        body.assign(member(result, variable), call("clamp", width, MIN_ALPHA, 1.0))
+    return result
+
+
+class Sampling(NamedTuple):
+    """Functions of a proposal.
+
+    Attributes:
+        density: of the proposal, wi and wo.
+        draw: a direction, of the proposal, wi and u.
+        all: both, after those that they call.
+    """
+
+    density: Function
+    draw: Function
+    all: Sequence[Function]
+
+
+def functions(model: Model) -> Sampling:
+    """Functions of a `structure`: its density at wo, and a direction from uniform numbers."""
+    fields, count = structure(model).fields, _lobes(model)
+    mixture = Variable("mixture", "Proposal")
+    parts = [member(argument(mixture), variable) for variable in fields]
+    weights, cosine_weight, alphas = parts[:count], parts[count], parts[count + 1 :]
+    reflection = _reflection_density()
+    density = Function(
+        "density", (mixture, WI, WO), FLOAT, "The density [1/sr] of the proposal at wo."
+    )
+    wi, wo = argument(WI), argument(WO)
+    total = cosine_weight * (wo.z * (1.0 / math.pi))
+    for weight, alpha in zip(weights, alphas, strict=True):
+        total = total + weight * reflection(alpha, wi, wo)
+    density.returns(select(call("min", wi.z, wo.z) > 0.0, total, 0.0))
+    reflected = _sample_reflection()
+    draw = Function(
+        "draw", (mixture, WI, U), VECTOR, "A direction of the proposal from uniform numbers."
+    )
+    u = argument(U)
+    draw.note_line("u.x chooses the lobe.")
+    edge, alpha = weights[0], alphas[0]
+    for k in range(1, count):
+        alpha = draw.let(f"width{k}", select(u.x >= edge, alphas[k], alpha))
+        edge = draw.let(f"edge{k}", edge + weights[k])
+    radius = draw.let("radius", call("sqrt", u.y))
+    phi = draw.let("phi", (2.0 * math.pi) * u.z)
+    height = draw.let("height", call("sqrt", call("max", 1.0 - u.y, 0.0)))
+    cosine = vector(radius * call("cos", phi), radius * call("sin", phi), height)
+    draw.returns(select(u.x >= edge, cosine, reflected(alpha, wi, u)))
+    return Sampling(density, draw, (reflection, density, reflected, draw))
+
+
+def _reflection_density() -> Function:
+    """Of visible normals of GGX, see `nets.sampler.reflection_pdf`."""
+    function = Function(
+        "reflection_density",
+        (Variable("alpha", FLOAT), WI, WO),
+        FLOAT,
+        "The density of wi reflected about a visible GGX normal and mirrored up (Heitz 2018).",
+    )
+    alpha, wi, wo = map(argument, function.arguments)
+    alpha2 = function.let("alpha2", alpha * alpha)
+    x, y = function.let("half_x", wi.x + wo.x), function.let("half_y", wi.y + wo.y)
+    across = function.let("half_xy2", x * x + y * y)
+    ratios = []
+    for label, z in (("up", wi.z + wo.z), ("down", wi.z - wo.z)):
+        z = function.let(label, z)
+        z2 = function.let(f"{label}2", z * z)
+        ratio = (across + z2) / call("max", across + alpha2 * z2, 1e-18)
+        ratios.append((z, function.let(f"ratio_{label}", ratio)))
+    (_, upper), (down, lower) = ratios
+    total = upper * upper + select(down > 0.0, lower * lower, 0.0)
+    cos_i = function.let("cos_i", call("max", wi.z, 0.0))
+    root = function.let("root", call("sqrt", alpha2 + (1.0 - alpha2) * (cos_i * cos_i)))
+    function.returns(total * (alpha2 * (0.5 / math.pi)) / (cos_i + root))
+    return function
+
+
+def _sample_reflection() -> Function:
+    """By a spherical cap (Dupuy and Benyoub 2023), see `nets.sampler.sample_reflection`."""
+    function = Function(
+        "sample_reflection",
+        (Variable("alpha", FLOAT), WI, U),
+        VECTOR,
+        "wi reflected about a visible GGX normal by u.y and u.z (Dupuy and Benyoub 2023).",
+    )
+    alpha, wi, u = map(argument, function.arguments)
+    x, y, z = function.let("wide_x", alpha * wi.x), function.let("wide_y", alpha * wi.y), wi.z
+    size = function.let("wide_size", call("sqrt", x * x + y * y + z * z))
+    x, y = function.let("cap_x", x / size), function.let("cap_y", y / size)
+    z = function.let("cap_z", z / size)
+    phi = function.let("phi", (2.0 * math.pi) * u.y)
+    height = function.let("height", (1.0 - u.z) * (1.0 + z) - z)
+    radius = function.let("radius", call("sqrt", call("max", 1.0 - height * height, 0.0)))
+    hx = function.let("facet_x", alpha * (radius * call("cos", phi) + x))
+    hy = function.let("facet_y", alpha * (radius * call("sin", phi) + y))
+    hz = function.let("facet_z", height + z)
+    product = 2.0 * (wi.x * hx + wi.y * hy + wi.z * hz)
+    scale = function.let("twice_cosine", product / call("max", hx * hx + hy * hy + hz * hz, 1e-18))
+    function.returns(vector(scale * hx - wi.x, scale * hy - wi.y, call("abs", scale * hz - wi.z)))
+    return function
+
+
+def known_first(model: Model, code: np.ndarray) -> list[Expression]:
+    """What the sampler's first layer makes of a known code (size,)."""
+    inputs = sampler_inputs(model.arch, code[None])
+    weight = model.params["sampler.0.weight"][:-2]
+    row = (inputs @ weight + model.params["sampler.0.bias"])[0]
+    return [expression(float(value)) for value in row]

@@ -1,0 +1,185 @@
+"""Statements of shader code: functions, structures and tables, and a builder for their bodies."""
+
+import contextlib
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from urushi.export.expressions import (
+    FLOAT,
+    INT,
+    Expression,
+    Value,
+    converted,
+    expression,
+    name,
+)
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A field of a structure or an argument of a function.
+
+    Attributes:
+        name, kind: as in `expressions`.
+        count: the number of elements of an array; None for a single value.
+        note: what it is.
+    """
+
+    name: str
+    kind: str
+    count: int | None = None
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class Structure:
+    """Named values that functions pass to each other; `name` is also their kind."""
+
+    name: str
+    fields: tuple[Variable, ...]
+    note: str
+
+
+@dataclass(frozen=True)
+class Table:
+    """A constant array of floats."""
+
+    name: str
+    values: np.ndarray
+
+
+@dataclass(frozen=True)
+class Statement:
+    """A line of a body.
+
+    Attributes:
+        operation: "note", "let" (a constant), "variable" (one that changes), "array", "structure"
+            (both without values), "assign", "loop" or "return".
+        target: what is declared (`Variable`), assigned to or counted; the text of a note.
+        value: the value.
+        count, body: turns and statements of a loop.
+    """
+
+    operation: str
+    target: object = None
+    value: Expression | None = None
+    count: int = 0
+    body: tuple["Statement", ...] = ()
+
+
+@dataclass
+class Function:
+    """A function, and the builder of its body.
+
+    Attributes:
+        name: without prefix.
+        arguments: its arguments.
+        kind: of what it returns.
+        note: what it does.
+        public: whether the user of the file calls it.
+        tables: the tables that it reads.
+        body: its statements.
+    """
+
+    name: str
+    arguments: tuple[Variable, ...]
+    kind: str
+    note: str
+    public: bool = False
+    tables: list[Table] = field(default_factory=list)
+    body: list[Statement] = field(default_factory=list)
+
+    def note_line(self, text: str) -> None:
+        """Add a comment."""
+        self.body.append(Statement("note", text))
+
+    def let(self, label: str, value: Value) -> Expression:
+        """Name a value; constants and names stay as they are."""
+        value = expression(value)
+        if value.operation in ("constant", "name"):
+            return value
+        self.body.append(Statement("let", Variable(label, value.kind), value))
+        return name(label, value.kind)
+
+    def variable(self, label: str, value: Value, kind: str = FLOAT) -> Expression:
+        """Declare a variable that `assign` changes."""
+        self.body.append(
+            Statement("variable", Variable(label, kind), converted(expression(value), kind))
+        )
+        return name(label, kind)
+
+    def array(self, label: str, kind: str, count: int) -> Expression:
+        """Declare an array without values, for `element`."""
+        self.body.append(Statement("array", Variable(label, kind, count)))
+        return name(label, kind)
+
+    def structure(self, label: str, kind: str) -> Expression:
+        """Declare a structure without values, for `member`."""
+        self.body.append(Statement("structure", Variable(label, kind)))
+        return name(label, kind)
+
+    def assign(self, target: Expression, value: Value) -> None:
+        """Give a variable, an element or a member its value."""
+        self.body.append(Statement("assign", target, converted(expression(value), target.kind)))
+
+    @contextlib.contextmanager
+    def loop(self, label: str, count: int) -> Iterator[Expression]:
+        """Add the statements of this context as a loop; its counter runs from 0 to count - 1."""
+        outside, self.body = self.body, []
+        yield name(label, INT)
+        outside.append(Statement("loop", label, None, count, tuple(self.body)))
+        self.body = outside
+
+    def table(self, label: str, values: np.ndarray) -> Expression:
+        """A constant array of floats, for `element`."""
+        self.tables.append(Table(label, np.ravel(values)))
+        return Expression("table", FLOAT, detail=label)
+
+    def returns(self, value: Value) -> None:
+        """Return a value."""
+        self.body.append(Statement("return", None, converted(expression(value), self.kind)))
+
+    def __call__(self, *values: Value) -> Expression:
+        """The call of this function."""
+        arguments = [
+            converted(expression(value), argument.kind)
+            for value, argument in zip(values, self.arguments, strict=True)
+        ]
+        return Expression("invoke", self.kind, arguments, self.name)
+
+
+@dataclass(frozen=True)
+class Program:
+    """A file.
+
+    Attributes:
+        note: the comment at its head, paragraph by paragraph.
+        structures, functions: in an order in which each uses only those before it.
+    """
+
+    note: Sequence[str]
+    structures: Sequence[Structure]
+    functions: Sequence[Function]
+
+
+def element(array: Expression, index: int | Expression) -> Expression:
+    """An element of an array, an array argument or member, or a table."""
+    place = index if isinstance(index, Expression) else integer(index)
+    return Expression("element", array.kind, (array, place))
+
+
+def integer(value: int) -> Expression:
+    """A constant of an index."""
+    return Expression("integer", INT, detail=value)
+
+
+def offset_index(start: int, index: Expression) -> Expression:
+    """The index `start` places after another."""
+    return Expression("+", INT, (integer(start), index)) if start else index
+
+
+def member(structure: Expression, which: Variable) -> Expression:
+    """A member of a structure."""
+    return Expression("field", which.kind, (structure,), which.name)

@@ -1,0 +1,68 @@
+"""Materials of untrained networks with analytic lobes, for properties that hold for any weights."""
+
+import numpy as np
+import pytest
+
+from urushi.material import Material
+from urushi.nets import own_decoder
+from urushi.nets.architecture import SCALE, Architecture, code_names, init
+from urushi.nets.weights import Model
+
+COUNT = 4096
+
+
+@pytest.fixture(scope="session")
+def model() -> Model:
+    arch = Architecture(
+        latent=24,
+        decoder=(16, 16),
+        layerer=(16,),
+        encoder=(16,),
+        sampler=(16,),
+        activation="silu7",
+        lobe=6,
+    )
+    params = init(arch, 3)
+    rng = np.random.default_rng(3)
+    for name in (SCALE, *code_names(1)):
+        params[name] = rng.normal(size=params[name].shape).astype(np.float32) * 0.2
+    params["decoder.2.weight"] = params["decoder.2.weight"] * 3
+    params["sampler.1.weight"] = params["sampler.1.weight"] * 10
+    return Model.of(arch, params, {})
+
+
+@pytest.fixture(scope="session")
+def materials(model) -> dict[str, Material]:
+    """Materials by what is special in them."""
+    rng = np.random.default_rng(5)
+    codes = rng.normal(size=(3, 24)).astype(np.float32)
+    codes[:, 0] = 0.15, 0.2, 0.3
+    codes[:, 1:4] = rng.uniform(0, 0.5, (3, 3))
+    codes[:, 4:6] = (1.5, 0), (0.8, 2), (0.3, 3)
+    coat, bare = codes.copy(), codes.copy()
+    coat[:, :6] = 0.1, 0, 0, 1, 1.5, 0  # the same in all channels
+    bare[:, :6] = 1, 0, 0, 0, 1.5, 0
+    own = rng.normal(size=(3, own_decoder.WEIGHTS)).astype(np.float32) * 0.3
+    return {
+        "three lobes": Material(codes, model),
+        "one lobe": Material(coat, model, coat + np.float32(0.1)),
+        "no lobe": Material(bare, model),
+        "grey": Material(codes[:1], model),
+        "own decoder": Material(codes, model, None, own),
+    }
+
+
+@pytest.fixture(scope="session")
+def rows() -> np.ndarray:
+    """wi, wo and u of `gpu.run`: half the pairs are near the mirror direction, some below."""
+    rng = np.random.default_rng(7)
+    rows = np.zeros((COUNT, 12), np.float32)
+    directions = rng.normal(size=(2, COUNT, 3))
+    directions[:, 64:, 2] = abs(directions[:, 64:, 2])
+    half = slice(COUNT // 2, None)
+    directions[1, half] = directions[0, half] * (-1, -1, 1) + rng.normal(size=(COUNT // 2, 3)) / 9
+    directions[1, half, 2] = abs(directions[1, half, 2])
+    directions /= np.linalg.norm(directions, axis=-1, keepdims=True)
+    rows[:, :3], rows[:, 4:7] = directions
+    rows[:, 8:11] = rng.random((COUNT, 3), np.float32)
+    return rows
