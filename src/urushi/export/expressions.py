@@ -188,6 +188,11 @@ def vector(x: Value, y: Value, z: Value) -> Expression:
     return Expression("vector", VECTOR, [expression(value) for value in (x, y, z)])
 
 
+def colour_of(red: Expression, green: Expression, blue: Expression) -> Expression:
+    """A colour of three floats."""
+    return Expression("channels", COLOUR, (red, green, blue))
+
+
 def converted(value: Expression, kind: str) -> Expression:
     """A float as a colour where `kind` is one; else the value itself."""
     if kind != COLOUR or value.kind != FLOAT:

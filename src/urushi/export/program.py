@@ -19,12 +19,14 @@ from urushi.export.languages import LANGUAGES
 from urushi.export.proposal import SAMPLE, WI, WO, Sampling, U, argument
 from urushi.export.statements import (
     Function,
+    Lookup,
     Program,
     Structure,
     Variable,
     element,
     member,
 )
+from urushi.export.texels import Texels, texel_function
 from urushi.nets import own_decoder
 from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
@@ -39,6 +41,9 @@ CONVENTIONS = (
     "u holds three uniform random numbers in [0, 1). sample returns wo and its density [1/sr]; "
     "f * wo.z / density is the weight of the path. pdf returns the density of sample at any wo.",
 )
+
+#: Languages that read textures.
+TEXTURED = ("glsl", "wgsl", "hlsl", "slang")
 
 #: The material of a file for all materials.
 MATERIAL = "Material"
@@ -72,15 +77,22 @@ def material_text(
     return LANGUAGES[language](prefix).printed(material_program(model, latents, anchors, own))
 
 
-def codes_text(language: str, model: Model, prefix: str) -> str:
+def codes_text(language: str, model: Model, prefix: str, texels: Texels | None = None) -> str:
     """The file of all materials of networks; their codes are arguments.
 
+    texels: of a texture that the file also reads.
+
     Raises:
-        ParameterError: an unknown language or a prefix that is no name, or networks without
-            analytic lobes.
+        ParameterError: an unknown language or a prefix that is no name, networks without analytic
+            lobes, or a texture in a language without array textures.
     """
     check(language, model, prefix)
-    return LANGUAGES[language](prefix).printed(codes_program(model))
+    if texels and language not in TEXTURED:
+        raise ParameterError(
+            f"{LANGUAGES[language].title} has no array textures; choose one of "
+            + ", ".join(TEXTURED)
+        )
+    return LANGUAGES[language](prefix).printed(codes_program(model, texels))
 
 
 def check(language: str, model: Model, prefix: str) -> None:
@@ -167,8 +179,8 @@ def material_structure(model: Model) -> Structure:
     )
 
 
-def codes_program(model: Model) -> Program:
-    """The program of all materials; their codes are arguments."""
+def codes_program(model: Model, texels: Texels | None = None) -> Program:
+    """The program of all materials; their codes are arguments, or read from a texture."""
     arch = model.arch
     structure = material_structure(model)
     unit = activation(FLOAT, arch.activation, "unit")
@@ -202,7 +214,7 @@ def codes_program(model: Model) -> Program:
     sample = Function("sample", (material, WI, U), SAMPLE.name, SAMPLE_NOTE, public=True)
     raised = _raised(sample, wi)
     _sampled(sample, made(argument(material), raised.z), sampling, wi, raised)
-    note = (
+    note: tuple[str, ...] = (
         f"All materials of Urushi's networks {model.fingerprint} as code; the latent codes of a "
         "material are arguments.",
         f"Functions: prepare(codes), once for the {arch.latent} numbers of a material's codes, "
@@ -211,7 +223,19 @@ def codes_program(model: Model) -> Program:
         *CONVENTIONS,
     )
     structures = (structure, proposal.structure(model), SAMPLE)
-    return Program(note, structures, [unit, units, prepare, f, made, *sampling.all, pdf, sample])
+    functions = [unit, units, prepare, f, made, *sampling.all, pdf, sample]
+    if texels is None:
+        return Program(note, structures, functions)
+    texel = texel_function(texels, prepare)
+    note = (
+        *note,
+        "fetch(texels, uv) reads a material from the texture that belongs to this file: an array "
+        f"of {texels.layers} layers, RGBA8 without gamma, whose first row is at v = 0. "
+        f"{texels.filtering} Where the language separates samplers from textures, the sampler "
+        "follows the texture. fetch_level takes the level as a last argument.",
+    )
+    lookup = Lookup(texel, texels.layers, texels.to_texture)
+    return Program(note, structures, [*functions, texel], lookup)
 
 
 def _prepare(model: Model, structure: Structure) -> Function:

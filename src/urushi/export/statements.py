@@ -151,17 +151,34 @@ class Function:
 
 
 @dataclass(frozen=True)
+class Lookup:
+    """The look-up of an array texture.
+
+    Attributes:
+        function: what its filtered bytes are given to.
+        layers: the number of its layers.
+        to_texture: the affine map (2, 3) from uv to its coordinates.
+    """
+
+    function: Function
+    layers: int
+    to_texture: Sequence[Sequence[float]]
+
+
+@dataclass(frozen=True)
 class Program:
     """A file.
 
     Attributes:
         note: the comment at its head, paragraph by paragraph.
         structures, functions: in an order in which each uses only those before it.
+        lookup: of the texture that the last function is for, if there is one.
     """
 
     note: Sequence[str]
     structures: Sequence[Structure]
     functions: Sequence[Function]
+    lookup: "Lookup | None" = None
 
 
 def element(array: Expression, index: int | Expression) -> Expression:

@@ -2,11 +2,12 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import tyro
 
-from urushi.files import atomic_write
+from urushi.errors import ParameterError
+from urushi.files import atomic_write, tensor_file_kind
 
 
 @dataclass(frozen=True)
@@ -18,6 +19,11 @@ class Export:
 
     Example: urushi export lacquer.safetensors --language glsl -o lacquer.glsl
 
+    A texture of codes, as a plugin's `save` writes it, becomes such a file with its look-up, and a
+    texture file for graphics hardware.
+
+    Example: urushi export shoe.safetensors -l hlsl -o shoe.hlsl --texture shoe.dds
+
     Example: urushi export --language wgsl -o all.wgsl
     """
 
@@ -28,8 +34,10 @@ class Export:
     ]
     """Language of the file."""
     material: tyro.conf.Positional[str | None] = None
-    """Material: a material file, a measured BRDF (MERL or RGL), or a description as in Python,
-    such as "conductor(alpha=0.2, r0=0.9)"."""
+    """Material: a material file, a texture of codes, a measured BRDF (MERL or RGL), or a
+    description as in Python, such as "conductor(alpha=0.2, r0=0.9)"."""
+    texture: Path | None = None
+    """Texture file to write (.dds or .ktx2), with all mip levels that the texture has."""
     prefix: str = "urushi"
     """Beginning of the names of all functions and structures; Python's have none."""
     weights: str | None = None
@@ -45,9 +53,39 @@ class Export:
     def _text(self) -> str:
         from urushi.app.commands.layer import read_material
         from urushi.export.program import codes_text
-        from urushi.nets.weights import default_model, find
 
+        if self.material is not None and tensor_file_kind(self.material) == "texture":
+            return self._textured_text()
+        if self.texture is not None:
+            raise ParameterError(
+                "only textures of codes become texture files; give one, or leave out --texture"
+            )
         if self.material is None:
-            model = find(self.weights) if self.weights else default_model()
-            return codes_text(self.language, model, self.prefix)
+            return codes_text(self.language, _models(self.weights)[0], self.prefix)
         return read_material(self.material, self.weights).shader(self.language, self.prefix)
+
+    def _textured_text(self) -> str:
+        """The text for a texture, which is written."""
+        from urushi.export.program import codes_text
+        from urushi.textures import file, gpu
+
+        writers = {".dds": gpu.dds, ".ktx2": gpu.ktx2}
+        writer = None if self.texture is None else writers.get(self.texture.suffix)
+        if self.texture is None or writer is None:
+            raise ParameterError(
+                f"'{self.material}' is a texture; name the texture file to write, .dds or .ktx2, "
+                "by --texture"
+            )
+        store, grid, model = file.read(str(self.material), _models(self.weights))
+        text = codes_text(self.language, model, self.prefix, gpu.texels(store, grid))
+        with atomic_write(self.texture) as temporary:
+            temporary.write_bytes(writer(store))
+        print(self.texture)
+        return text
+
+
+def _models(weights: str | None) -> list[Any]:
+    """The networks of this name, or all shipped ones, the default first."""
+    from urushi.nets.weights import SHIPPED, find, load_shipped
+
+    return [find(weights)] if weights else [load_shipped(name) for name in SHIPPED]

@@ -1,7 +1,7 @@
 """HLSL and Slang, which share this subset."""
 
 from urushi.export.languages.printer import Printer, c_kinds
-from urushi.export.statements import Table
+from urushi.export.statements import Lookup, Table
 
 
 class Hlsl(Printer):
@@ -17,6 +17,18 @@ class Hlsl(Printer):
 
     def splat(self, value: str) -> str:
         return f"({value}).xxx"
+
+    two = "float2"
+
+    def fetched(self, lookup: Lookup, label: str, level: str | None) -> tuple[str, str, str]:
+        result = self.kind(lookup.function.kind)
+        arguments = "Texture2DArray<float4> texels, SamplerState filtering, float2 uv"
+        place = "float3(place, float(layer))"
+        if level is None:
+            sample = f"float4 four = texels.Sample(filtering, {place})"
+            return f"{result} {label}({arguments}) {{", "float2 place", sample
+        sample = f"float4 four = texels.SampleLevel(filtering, {place}, {level})"
+        return f"{result} {label}({arguments}, float {level}) {{", "float2 place", sample
 
 
 class Slang(Hlsl):

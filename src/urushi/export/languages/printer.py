@@ -7,7 +7,15 @@ from typing import ClassVar
 import numpy as np
 
 from urushi.export.expressions import BOOL, COLOUR, FLOAT, INT, VECTOR, Expression
-from urushi.export.statements import Function, Program, Statement, Structure, Table, Variable
+from urushi.export.statements import (
+    Function,
+    Lookup,
+    Program,
+    Statement,
+    Structure,
+    Table,
+    Variable,
+)
 
 #: Columns of a line of the printed file.
 WIDTH = 100
@@ -48,7 +56,9 @@ class Printer:
             for table in self.outer_tables(function):
                 lines += [*self.table(table), ""]
             lines += [*self.function(function), ""]
-        return "\n".join(lines[:-1]) + "\n"
+        if program.lookup:
+            lines += self.lookup(program.lookup)
+        return "\n".join(lines).rstrip("\n") + "\n"
 
     def head(self, program: Program) -> list[str]:
         """The comment at the head of the file."""
@@ -117,6 +127,52 @@ class Printer:
         """A function's first line."""
         arguments = ", ".join(map(self.declared, function.arguments))
         return f"{self.kind(function.kind)} {self.function_name(function.name)}({arguments}) {{"
+
+    def lookup(self, lookup: Lookup) -> list[str]:
+        """The functions that read a texture: with the level of the footprint, and a given one."""
+        lines: list[str] = []
+        for label, extra, note in (
+            ("fetch", None, "The material at uv; the footprint chooses the level."),
+            ("fetch_level", "level", "The material at uv, of a given level."),
+        ):
+            lines += self.comments(note)
+            lines += self.fetch(lookup, self.function_name(label), extra)
+            lines.append("")
+        return lines
+
+    def fetch(self, lookup: Lookup, label: str, level: str | None) -> list[str]:
+        """A function `label` that reads a texture; level: the name of an argument, or None."""
+        head, declared, sample = self.fetched(lookup, label, level)
+        name = self.function_name(lookup.function.name)
+        loop = self.loop_head("layer", lookup.layers)
+        bytes_ = Variable("stored", FLOAT, 4 * lookup.layers)
+        return [
+            head,
+            f"    {self.empty(bytes_)}",
+            f"    {declared} = {self.placed(lookup)};",
+            f"    {loop}",
+            f"        {sample};",
+            *(f"        stored[4 * layer + {i}] = four.{c};" for i, c in enumerate("xyzw")),
+            "    }",
+            f"    return {name}(stored);",
+            "}",
+        ]
+
+    def fetched(self, lookup: Lookup, label: str, level: str | None) -> tuple[str, str, str]:
+        """The first line of `fetch`, the declaration of `place`, and that of `four` bytes."""
+        raise NotImplementedError
+
+    #: The name of two floats.
+    two: ClassVar[str] = "vec2"
+
+    def placed(self, lookup: Lookup) -> str:
+        """The texture's coordinates of uv."""
+        rows = []
+        for row in lookup.to_texture:
+            u, v, offset = (self.number(value) for value in row)
+            rows.append(f"{u} * uv.x + {v} * uv.y + {offset}")
+        plain = np.array_equal(lookup.to_texture, np.eye(2, 3))
+        return "uv" if plain else f"{self.two}({', '.join(rows)})"
 
     # Statements
 
@@ -204,6 +260,8 @@ class Printer:
             return f"{self._primary(arguments[0])}[{texts[1]}]", _PRIMARY
         if operation == "vector":
             return self.vector(texts), _PRIMARY
+        if operation == "channels":
+            return self.channels(texts), _PRIMARY
         return self.splat(texts[0]), _PRIMARY
 
     def _primary(self, value: Expression) -> str:
@@ -237,6 +295,10 @@ class Printer:
     def vector(self, components: Sequence[str]) -> str:
         """A vector."""
         return f"{self.kinds[VECTOR]}({', '.join(components)})"
+
+    def channels(self, values: Sequence[str]) -> str:
+        """A colour of floats."""
+        return f"{self.kinds[COLOUR]}({', '.join(values)})"
 
     def splat(self, value: str) -> str:
         """A float as a colour."""

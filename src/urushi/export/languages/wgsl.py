@@ -5,7 +5,7 @@ from typing import ClassVar
 
 from urushi.export.expressions import BOOL, COLOUR, FLOAT, INT, VECTOR
 from urushi.export.languages.printer import Printer
-from urushi.export.statements import Function, Structure, Table, Variable
+from urushi.export.statements import Function, Lookup, Structure, Table, Variable
 
 
 class Wgsl(Printer):
@@ -59,3 +59,14 @@ class Wgsl(Printer):
 
     def selected(self, condition: str, yes: str, no: str) -> str:
         return f"select({no}, {yes}, {condition})"
+
+    two = "vec2f"
+
+    def fetched(self, lookup: Lookup, label: str, level: str | None) -> tuple[str, str, str]:
+        arguments = "texels: texture_2d_array<f32>, filtering: sampler, uv: vec2f"
+        end = f" -> {self.kind(lookup.function.kind)} {{"
+        if level is None:
+            sample = "let four = textureSample(texels, filtering, place, layer)"
+            return f"fn {label}({arguments}){end}", "let place", sample
+        sample = f"let four = textureSampleLevel(texels, filtering, place, layer, {level})"
+        return f"fn {label}({arguments}, {level}: f32){end}", "let place", sample

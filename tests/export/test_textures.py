@@ -1,0 +1,215 @@
+"""Texture files of packed codes, and their look-up by exported shaders."""
+
+import shutil
+import struct
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tests.export import gpu
+
+from urushi.app.cli import main
+from urushi.errors import ParameterError
+from urushi.export.program import codes_text
+from urushi.nets import weights
+from urushi.textures import file, packing
+from urushi.textures import gpu as texture_files
+from urushi.textures.grid import TexelGrid
+from urushi.textures.store import TextureStore
+
+WIDTH, HEIGHT = 8, 4
+
+#: The place of the texture in uv: its coordinates are (0.5 u + 0.1, v).
+PLACE = ((0.5, 0.0, 0.1), (0.0, 1.0, 0.0))
+
+MAIN = """
+uniform sampler2DArray texels;
+in vec3 wi; in vec3 wo; in vec2 uv;
+out vec3 f; out float pdf;
+void main() {
+    UrushiMaterial material = urushi_fetch_level(texels, uv, 0.0);
+    f = urushi_f(material, wi, wo);
+    pdf = urushi_pdf(material, wi, wo);
+}
+"""
+
+
+@pytest.fixture(scope="module")
+def store(model) -> TextureStore:
+    """A texture with all levels; some numbers are constant, or the same in all channels."""
+    rng = np.random.default_rng(2)
+    codes = rng.normal(size=(WIDTH * HEIGHT, 3, 24)).astype(np.float32)
+    codes[..., 0] = rng.uniform(0.1, 0.4, (len(codes), 1))
+    codes[..., 1:6] = 0, 0, 1, 1.5, 0
+    layout = packing.texel_layout(model, 3)
+    store = TextureStore(model, layout, WIDTH, HEIGHT, mipmaps=True)
+    with store.writing() as write:
+        write(np.arange(len(codes)), codes)
+    return store
+
+
+def levels_of_store(store: TextureStore, layers: int) -> list[np.ndarray]:
+    """Bytes (layers, height, width, 4) of each level."""
+    texels = store.packed.bytes[:, : 4 * layers].reshape(-1, layers, 4)
+    ends = np.cumsum([w * h for w, h in store.levels])[:-1]
+    parts = np.split(texels, ends)
+    return [
+        part.reshape(h, w, layers, 4).transpose(2, 0, 1, 3)
+        for part, (w, h) in zip(parts, store.levels, strict=True)
+    ]
+
+
+def read_dds(content: bytes) -> list[np.ndarray]:
+    """The levels of a DDS file with the extended header: layer by layer, level by level."""
+    assert content[:4] == b"DDS " and content[84:88] == b"DX10"
+    size, _, height, width, _, _, count = struct.unpack_from("<7I", content, 4)
+    kind, dimension, _, layers, _ = struct.unpack_from("<5I", content, 128)
+    assert (size, kind, dimension) == (124, 28, 3)
+    position, levels = 148, [[] for _ in range(count)]
+    for _ in range(layers):
+        for level in range(count):
+            w, h = max(width >> level, 1), max(height >> level, 1)
+            levels[level].append(np.frombuffer(content, np.uint8, 4 * w * h, position))
+            levels[level][-1] = levels[level][-1].reshape(h, w, 4)
+            position += 4 * w * h
+    assert position == len(content)
+    return [np.stack(level) for level in levels]
+
+
+def read_ktx2(content: bytes) -> list[np.ndarray]:
+    """The levels of a KTX2 file; their index gives the place of each."""
+    assert content[:12] == b"\xabKTX 20\xbb\r\n\x1a\n"
+    numbers = struct.unpack_from("<9I", content, 12)
+    kind, _, width, height, _, layers, faces, count, compression = numbers
+    assert (kind, faces, compression) == (37, 1, 0)
+    start, length = struct.unpack_from("<2I", content, 48)
+    assert start == 80 + 24 * count and struct.unpack_from("<I", content, start) == (length,)
+    levels = []
+    for level in range(count):
+        offset, size, _ = struct.unpack_from("<3Q", content, 80 + 24 * level)
+        assert offset % 4 == 0
+        shape = layers, max(height >> level, 1), max(width >> level, 1), 4
+        assert size == np.prod(shape)
+        levels.append(np.frombuffer(content, np.uint8, size, offset).reshape(shape))
+    return levels
+
+
+@pytest.mark.parametrize("kind", ["dds", "ktx2"])
+def test_files_hold_all_levels(store, kind):
+    writer, reader = {
+        "dds": (texture_files.dds, read_dds),
+        "ktx2": (texture_files.ktx2, read_ktx2),
+    }[kind]
+    read = reader(writer(store))
+    expected = levels_of_store(store, read[0].shape[0])
+    assert len(read) == 4
+    assert all(np.array_equal(a, b) for a, b in zip(read, expected, strict=True))
+
+
+def test_dds_is_read_by_another_program(store, tmp_path):
+    """Pillow reads the first layer."""
+    image = pytest.importorskip("PIL.Image", reason="Pillow is not installed")
+    path = tmp_path / "texture.dds"
+    path.write_bytes(texture_files.dds(store))
+    with image.open(path) as opened:
+        assert np.array_equal(np.asarray(opened), levels_of_store(store, 1)[0][0])
+
+
+def test_look_up_in_opengl(model, store):
+    """At the centre of each texel of each level, f and pdf are those of the texel's code."""
+    context = gpu.gl_context()
+    grid = TexelGrid(WIDTH, HEIGHT, PLACE, "clamp")
+    text = codes_text("glsl", model, "urushi", texture_files.texels(store, grid))
+    codes = packing.unpack(store.layout, store.packed)
+    wi = np.array([0.6, 0.0, 0.8], np.float32)
+    wo = np.array([-0.5, 0.1, 0.86], np.float32)
+    wo /= np.linalg.norm(wo)
+    networks, start = model.networks, 0
+    with context:
+        source = "#version 330\n" + text + MAIN
+        program = context.program(vertex_shader=source, varyings=["f", "pdf"])
+        for level in read_ktx2(texture_files.ktx2(store)):
+            layers, height, width, _ = level.shape
+            texture = context.texture_array((width, height, layers), 4, level.tobytes())
+            texture.repeat_x = texture.repeat_y = False
+            texture.use(0)
+            y, x = np.divmod(np.arange(width * height), width)
+            uv = np.stack([((x + 0.5) / width - 0.1) / 0.5, (y + 0.5) / height], axis=-1)
+            rows = np.hstack([np.tile(wi, (len(uv), 1)), np.tile(wo, (len(uv), 1)), uv])
+            inputs = context.buffer(rows.astype(np.float32))
+            outputs = context.buffer(reserve=16 * len(rows))
+            layout = [(inputs, "3f 3f 2f", "wi", "wo", "uv")]
+            context.vertex_array(program, layout).transform(outputs, mode=context.POINTS)
+            result = np.frombuffer(outputs.read(), np.float32).reshape(-1, 4)
+            part = codes[start : start + len(uv)]
+            start += len(uv)
+            np.testing.assert_allclose(result[:, :3], networks.f(part, wi, wo), rtol=1e-4)
+            pdf = networks.proposal(part.mean(axis=1), wi[None]).pdf(wi[None], wo[None])
+            np.testing.assert_allclose(result[:, 3], pdf, rtol=1e-4)
+    assert start == len(codes)
+
+
+@pytest.mark.parametrize("compiler", ["tint", "naga", "slangc"])
+def test_look_up_compiles(model, store, tmp_path, compiler):
+    path = gpu.slangc() if compiler == "slangc" else shutil.which(compiler)
+    if path is None:
+        pytest.skip(f"{compiler} is not installed")
+    texels = texture_files.texels(store, TexelGrid(WIDTH, HEIGHT, PLACE))
+    wgsl = """
+@group(0) @binding(0) var texels: texture_2d_array<f32>;
+@group(0) @binding(1) var filtering: sampler;
+@fragment fn main(@location(0) uv: vec2f) -> @location(0) vec4f {
+    let up = vec3f(0.0, 0.0, 1.0);
+    return vec4f(urushi_f(urushi_fetch(texels, filtering, uv), up, up), 1.0);
+}
+"""
+    hlsl = """
+Texture2DArray<float4> texels; SamplerState filtering;
+[shader("fragment")] float4 main(float2 uv : TEXCOORD0) : SV_Target {
+    float3 up = float3(0.0, 0.0, 1.0);
+    return float4(urushi_f(urushi_fetch(texels, filtering, uv), up, up), 1.0);
+}
+"""
+    for language in ("hlsl", "slang") if compiler == "slangc" else ("wgsl",):
+        source = tmp_path / f"texture.{language}"
+        text = codes_text(language, model, "urushi", texels)
+        source.write_text(text + (wgsl if language == "wgsl" else hlsl))
+        options = {
+            "tint": ["--format", "wgsl"],
+            "naga": [],
+            "slangc": [
+                "-lang",
+                language,
+                "-target",
+                "wgsl",
+                "-entry",
+                "main",
+                "-stage",
+                "fragment",
+            ],
+        }[compiler]
+        done = subprocess.run([path, *options, source], capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+
+
+def test_command_writes_shader_and_texture(model, store, tmp_path, capsys):
+    networks, stored = tmp_path / "weights.safetensors", tmp_path / "texture.safetensors"
+    weights.save(networks, model.arch, model.params, {})
+    grid = TexelGrid(WIDTH, HEIGHT, PLACE, "mirror")
+    file.write(stored, store, grid, model.fingerprint)
+    given = ["-l", "hlsl", "--weights", str(networks), "-o", str(tmp_path / "texture.hlsl")]
+    given = ["export", str(stored), *given]
+    assert main([*given, "--texture", str(tmp_path / "texture.ktx2")]) == 0
+    texture, text = (Path(line) for line in capsys.readouterr().out.split())
+    assert texture.read_bytes() == texture_files.ktx2(store)
+    shader = codes_text("hlsl", model, "urushi", texture_files.texels(store, grid))
+    assert text.read_text() == shader and "mirrored repeat" in shader
+    assert main(given) == 2
+    assert "name the texture file to write, .dds or .ktx2" in capsys.readouterr().err
+
+
+def test_textures_need_array_textures(model, store):
+    texels = texture_files.texels(store, TexelGrid(WIDTH, HEIGHT))
+    with pytest.raises(ParameterError, match="OSL has no array textures; choose one of glsl, wgsl"):
+        codes_text("osl", model, "urushi", texels)
