@@ -53,7 +53,7 @@ class Row:
         encoded: number of each stack's lowest coats that are encoded with the bottom, from values
             at the probe pairs; the others are layered. -1: all.
         refined: whether the codes are refined before they are layered, see `material.fit`.
-        aims: of the `base` networks.
+        aims: of the shipped networks.
     """
 
     name: str

@@ -8,7 +8,6 @@ from urushi.eval import samples as sampling
 from urushi.eval.samples import Samples
 from urushi.geometry.probe_pairs import PROBES, probe_pairs
 from urushi.material import Material
-from urushi.material.coverage import least_eta
 from urushi.material.encode import (
     STACK_WALKS,
     material_from_values,
@@ -17,7 +16,8 @@ from urushi.material.encode import (
 )
 from urushi.material.layer import layer_texels
 from urushi.nets.lobe import of_coat
-from urushi.nets.weights import Model, has_lobes
+from urushi.nets.networks import UrushiNetworks
+from urushi.nets.weights import Model
 from urushi.reference import StackTable
 from urushi.train.bottoms import BARE_LOBES, bottom_lobes
 
@@ -26,11 +26,16 @@ _PROBE_SEED = 1
 
 
 def covered(model: Model, table: StackTable) -> bool:
-    """Whether the networks cover the indices of refraction of all interfaces of the stacks."""
+    """Whether the networks cover the indices of refraction of all interfaces of the stacks.
+
+    Those of another system cover indices above one.
+    """
+    if isinstance(model.networks, UrushiNetworks):
+        return True
     indices = [table.eta.ravel()]
     if table.kind == "dielectric":
         indices.append(table.bottom["eta"])
-    return bool(np.concatenate(indices).min(initial=np.inf) >= least_eta(model))
+    return bool(np.concatenate(indices).min(initial=np.inf) >= 1)
 
 
 def materials(
@@ -51,8 +56,8 @@ def materials(
     # Without coats the values are exact and cheap, so the bottoms' albedo is computed as well.
     pairs = model.networks.pairs() if encoded else required_pairs(None, model)
     values = _lower_values(samples, encoded, *pairs)
-    table = samples.table
-    if encoded == 0 and table.kind in BARE_LOBES and has_lobes(model):
+    table, own = samples.table, isinstance(model.networks, UrushiNetworks)
+    if encoded == 0 and table.kind in BARE_LOBES and own:
         material = material_of_lobes(_lobes(samples, encoded), model, len(values))
     else:
         lobe = _lobes(samples, encoded) if encoded or table.kind == "diffuse" else None

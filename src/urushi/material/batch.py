@@ -8,8 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from urushi.data import cluster
-from urushi.errors import ParameterError, UrushiError
-from urushi.material.coverage import check_source
+from urushi.errors import UrushiError
 from urushi.material.encode import (
     SourceValues,
     encode_values,
@@ -62,11 +61,6 @@ def encode_all(
     for index, found in map_sources(_read, tasks, scheduler):
         if isinstance(found, UrushiError):
             yield index, found
-            continue
-        try:
-            check_source(model, sources[index])
-        except ParameterError as error:
-            yield index, error
             continue
         material = encode_values(found, model, refine=wanted[index])
         yield index, EncodedSource(material, found.deviations)

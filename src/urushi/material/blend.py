@@ -21,10 +21,10 @@ COSINES = np.array([1.0, 0.8, 0.6, 0.4, 0.2], np.float32)
 def blend_codes(model: Model, a: np.ndarray, b: np.ndarray, share: np.ndarray) -> np.ndarray:
     """Codes (C, L) between a and b (C, L); share: (C,) of b, in [0, 1].
 
-    Codes of networks without lobes are blended linearly.
+    Codes of networks of another system are blended linearly.
     """
     networks, size = model.networks, model.arch.latent
-    if not isinstance(networks, UrushiNetworks) or not networks.arch.lobe:
+    if not isinstance(networks, UrushiNetworks):
         return (1.0 - share[:, None]) * a + share[:, None] * b
     count = networks.arch.lobe
     codes = np.empty((len(share), size), np.float32)

@@ -16,7 +16,6 @@ import numpy.typing as npt
 from urushi.errors import ParameterError, UrushiWarning
 from urushi.geometry.error_metrics import DARK_OFFSET
 from urushi.material import energy, own_fit
-from urushi.material.coverage import check_source
 from urushi.material.energy import limit_albedo
 from urushi.material.fit import correct_codes, refine_codes
 from urushi.material.lobe_albedo import lobe_albedos
@@ -26,7 +25,7 @@ from urushi.measured import Merl, Rgl
 from urushi.nets import lobe as lobes
 from urushi.nets.interface_fit import find_lobes
 from urushi.nets.networks import UrushiNetworks
-from urushi.nets.weights import Model, Weights, find, has_lobes
+from urushi.nets.weights import Model, Weights, find
 from urushi.parallel import fill_blocks
 from urushi.reference.stack import Coat, Conductor, Dielectric, Diffuse, Stack
 
@@ -73,7 +72,7 @@ def encode(
             BRDF, or a Mitsuba BSDF. It is evaluated at pairs above the horizon only. A source that
             is not isotropic or not reciprocal is averaged until it is (see
             `urushi.material.symmetry`); of a BSDF that transmits, the reflection is encoded.
-        weights: the networks: a Model, "base" (the default) or "small", or a weights file.
+        weights: the networks: a Model or a weights file; None: the shipped ones.
         refine: whether to follow the encoder's pass by an optimisation, some 80 ms a channel, that
             brings the decoded values closer to the given ones, instead of by two quick steps (see
             `urushi.material.fit`). None: for measured BRDFs, and for any source whose residual
@@ -86,8 +85,7 @@ def encode(
 
     Raises:
         ParameterError: the source is none of these, or its values have a wrong shape, are negative
-            or not finite; or it is a BSDF that reflects nothing but mirror images, or nothing; or
-            the networks do not cover the index of refraction of its surface.
+            or not finite; or it is a BSDF that reflects nothing but mirror images, or nothing.
         FileError: the shipped networks are missing.
 
     Warns:
@@ -118,9 +116,8 @@ def encode_source(
     Returns:
         The material, and the source's deviations.
     """
-    check_source(model, source)
     opened = as_source(source)
-    if opened.bare and opened.lobe is not None and has_lobes(model):
+    if opened.bare and opened.lobe is not None and isinstance(model.networks, UrushiNetworks):
         return material_of_lobes(opened.lobe, model), deviations_of(opened)
     found = evaluate_source(source, *required_pairs(source, model, own_decoder), name)
     return encode_values(found, model, refine=refine), found.deviations
@@ -132,7 +129,7 @@ def encode_values(found: SourceValues, model: Model, *, refine: bool | None = No
     It has a decoder of its own if the values at the pairs for it are among them.
     """
     refine = True if refine is None and found.measured else refine
-    if found.bare and found.lobe is not None and has_lobes(model):
+    if found.bare and found.lobe is not None and isinstance(model.networks, UrushiNetworks):
         return material_of_lobes(found.lobe, model, found.values.shape[1])
     count = len(required_pairs(None, model)[0])
     values, further = found.values[:count], found.values[count:]
@@ -150,13 +147,11 @@ def with_own_decoder(material: Material, values: np.ndarray) -> Material:
     """
     model, codes = material.model, material.latents
     assert isinstance(model.networks, UrushiNetworks)  # for the type checker
-    lobe = codes[:, : model.arch.lobe] if model.arch.lobe else None
+    lobe = codes[:, : model.arch.lobe]
     source_albedo = _source_albedos(values[-len(energy.albedo_rule().wi) :].T, lobe)
     allowed = energy.albedo_ceiling(source_albedo) - energy.top_albedos(model, codes)
-    top = np.zeros(values.T.shape, np.float32)
-    top += model.networks.top(codes[:, None], *own_fit.all_pairs())
-    least = energy.LEAST_REST if model.arch.lobe else energy.LEAST_ALBEDO
-    own = own_fit.fit_own_decoders(values.T, top, np.maximum(allowed, least))
+    top = model.networks.top(codes[:, None], *own_fit.all_pairs())
+    own = own_fit.fit_own_decoders(values.T, top, np.maximum(allowed, energy.LEAST_REST))
     return Material(codes, model, material.anchors, own)
 
 
@@ -247,8 +242,8 @@ def material_from_values(
         model: the networks.
         refine: whether to refine the codes; None: if the residual of one exceeds
             `UNUSUAL_RESIDUAL`.
-        lobe: (6,) or (C, 6) the channels' lobes; None: they are fitted to the values, for networks
-            with lobes.
+        lobe: (6,) or (C, 6) the channels' lobes; None: they are fitted to the values. Codes of
+            another system have none.
     """
     pairs = len(model.networks.pairs()[0])
     probed, at_nodes = values[:pairs].T, values[pairs:].T
@@ -275,8 +270,8 @@ def material_from_values(
 
 
 def _lobes_of_channels(model: Model, f: np.ndarray, lobe: np.ndarray | None) -> np.ndarray | None:
-    """The lobes float32 (C, 6) of values f (C, P) at the probe pairs; None for networks without."""
-    if not has_lobes(model):
+    """The lobes float32 (C, 6) of values f (C, P) at the probe pairs; None for other systems."""
+    if not isinstance(model.networks, UrushiNetworks):
         return None
     if lobe is None:
         return find_lobes(f)
@@ -333,7 +328,8 @@ def _(source: Source) -> Source:
 
 @as_source.register
 def _(source: Material) -> Source:
-    lobe = source.latents[:, : source.model.arch.lobe] if has_lobes(source.model) else None
+    own = isinstance(source.model.networks, UrushiNetworks)
+    lobe = source.latents[:, : source.model.arch.lobe] if own else None
     return Source(source.f, symmetric=True, lobe=lobe)
 
 
@@ -429,8 +425,7 @@ def limited_codes(model: Model, f: np.ndarray) -> np.ndarray:
 def encoder_codes(model: Model, f: np.ndarray, lobe: np.ndarray | None = None) -> np.ndarray:
     """Codes float32 (..., L) that the encoder makes of f (..., P) [1/sr] at its pairs.
 
-    lobe: (6,) or (..., 6) the lobes of f; None: they are fitted to the values, for networks with
-        lobes.
+    lobe: (6,) or (..., 6) the lobes of f; None: they are fitted to the values.
 
     Raises:
         ParameterError: P is not the number of these pairs.
@@ -440,7 +435,7 @@ def encoder_codes(model: Model, f: np.ndarray, lobe: np.ndarray | None = None) -
     if not values.ndim or values.shape[-1] != pairs:
         raise ParameterError(f"f has shape {values.shape}; these networks need (..., {pairs})")
     codes = np.empty((*values.shape[:-1], model.arch.latent), np.float32)
-    if lobe is None or not has_lobes(model):
+    if lobe is None:
         fill_blocks(codes, model.networks.encode, values)
     else:
         lobe = np.broadcast_to(lobe, (*values.shape[:-1], lobe.shape[-1]))

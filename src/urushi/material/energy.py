@@ -123,9 +123,7 @@ def directional_albedos(model: Model, z: np.ndarray) -> np.ndarray:
 
 
 def top_albedos(model: Model, z: np.ndarray) -> np.ndarray:
-    """The part (..., D) of `directional_albedos` of the codes' lobes; 0 for networks without."""
-    if not model.arch.lobe:
-        return np.zeros((*z.shape[:-1], 1), np.float32)
+    """The part (..., D) of `directional_albedos` of the codes' lobes."""
     return lobe_albedos(z[..., : model.arch.lobe], albedo_rule().cosines)
 
 
@@ -259,8 +257,7 @@ def _own_networks(model: Model) -> UrushiNetworks:
 
 def excesses(model: Model, z: np.ndarray, ceiling: np.ndarray | float) -> np.ndarray:
     """Greatest ratios (N,) of the albedo of the rest of codes (N, L) and what it may be."""
-    least = LEAST_REST if model.arch.lobe else LEAST_ALBEDO
-    allowed = np.maximum(ceiling - top_albedos(model, z), least)
+    allowed = np.maximum(ceiling - top_albedos(model, z), LEAST_REST)
     return (np.maximum(rest_albedos(model, z), LEAST_ALBEDO) / allowed).max(axis=-1)
 
 

@@ -5,14 +5,13 @@ would evaluate the codes.
 """
 
 import os
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from urushi import files
 from urushi.errors import FileError
-from urushi.nets import own_decoder
+from urushi.nets import former, own_decoder
 from urushi.nets.weights import Model
 
 #: Versions of files without and with decoders of their own.
@@ -23,15 +22,13 @@ class StoredMaterial(NamedTuple):
     """What a file holds.
 
     Attributes:
-        latents, anchors: (C, 32).
+        latents, anchors: (C, L).
         own_decoder: (C, 241), or None.
-        model: the networks.
     """
 
     latents: np.ndarray
     anchors: np.ndarray
     own_decoder: np.ndarray | None
-    model: Model
 
 
 def write(
@@ -41,7 +38,7 @@ def write(
     fingerprint: str,
     own: np.ndarray | None = None,
 ) -> None:
-    """Write latents and anchors (C, 32) that belong to the networks of `fingerprint`.
+    """Write latents and anchors (C, L) that belong to the networks of `fingerprint`.
 
     own: the weights (C, 241) of decoders of its own, see `urushi.nets.own_decoder`.
 
@@ -58,13 +55,14 @@ def write(
     files.write_tensors(path, "material", description, arrays)
 
 
-def read(path: str | os.PathLike, models: Sequence[Model]) -> StoredMaterial:
-    """Return what a file holds, with the one of `models` that made it.
+def read(path: str | os.PathLike, model: Model) -> StoredMaterial:
+    """Return what a file holds that was made with the networks of `model`.
 
     Raises:
         FileError: missing, truncated, foreign, damaged, or made with other networks.
     """
     description, arrays = files.read_tensors(path, "material")
+    former.refuse_codes(path, description.get("weights"))
     version = description.get("version")
     if version not in (CODES_VERSION, FORMAT_VERSION):
         raise FileError(
@@ -72,7 +70,7 @@ def read(path: str | os.PathLike, models: Sequence[Model]) -> StoredMaterial:
             f"this Urushi reads versions {CODES_VERSION} and {FORMAT_VERSION}; "
             "install the Urushi that wrote it"
         )
-    model = matching_weights(path, description.get("weights"), models)
+    check_weights(path, description.get("weights"), model)
     latents = arrays.get("latents")
     width = model.arch.latent
     if latents is None or latents.ndim != 2 or not len(latents) or latents.shape[1] != width:
@@ -102,20 +100,18 @@ def read(path: str | os.PathLike, models: Sequence[Model]) -> StoredMaterial:
             f"the material file '{path}' is damaged: its own decoders are not finite float32 "
             f"({len(latents)}, {own_decoder.WEIGHTS})"
         )
-    return StoredMaterial(latents, anchors, own, model)
+    return StoredMaterial(latents, anchors, own)
 
 
-def matching_weights(path: str | os.PathLike, made_with: object, models: Sequence[Model]) -> Model:
-    """The one of `models` that a file was made with, by its fingerprint.
+def check_weights(path: str | os.PathLike, made_with: object, model: Model) -> None:
+    """Check that a file was made with the networks of `model`, by its fingerprint.
 
     Raises:
         FileError: it was made with others.
     """
-    model = next((model for model in models if model.fingerprint == made_with), None)
-    if model is None:
-        loaded = " and ".join(model.fingerprint for model in models)
+    if model.fingerprint != made_with:
         raise FileError(
             f"'{path}' and the weights do not belong together: it was encoded with weights "
-            f"{made_with}, these are {loaded}; load those weights or encode the material again"
+            f"{made_with}, these are {model.fingerprint}; load those weights or encode the "
+            "material again"
         )
-    return model

@@ -47,6 +47,7 @@ from urushi.nets.encoder import OFFSET, log_values
 from urushi.nets.features import direction_features
 from urushi.nets.least_squares import damped_step
 from urushi.nets.lobe import NO_LOBE
+from urushi.nets.lobe_fit import fit_lobes
 from urushi.nets.networks import Networks, UrushiNetworks
 from urushi.parallel import one_blas_thread
 from urushi.reference.stack import conductor, diffuse
@@ -56,18 +57,15 @@ from urushi.reference.stack import conductor, diffuse
 INITIAL_ALPHAS, INITIAL_WHITE_SHARES = (0.05, 0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 1.0), (0.0, 0.02, 0.2)
 
 
-def initial_code(
-    networks: UrushiNetworks, f: np.ndarray, lobe: np.ndarray | None = None
-) -> np.ndarray:
+def initial_code(networks: UrushiNetworks, f: np.ndarray, lobe: np.ndarray) -> np.ndarray:
     """The initial guess float32 (L,) with the least mean error of ln f for values f (P,) [1/sr].
 
     The candidates are the encoder's code, and codes of conductors and a diffuse surface, scaled to
-    the brightness of f. For networks with lobes, all have the lobe (6,) of f, and the candidates
-    stand for its rest.
+    the brightness of f. All have the lobe (6,) of f; the surfaces stand for its rest.
     """
     features, surfaces = probe_features(networks), _values_of_surfaces(networks)
-    own, top = encoded(networks, f[None], lobe), top_at_probes(networks, lobe)
-    plain = encoded(networks, surfaces, None if lobe is None else np.array(NO_LOBE, np.float32))
+    own, top = networks.encode(f[None], lobe[None]), lobes.f(lobe, *networks.pairs())
+    plain = networks.encode(surfaces, np.array([NO_LOBE], np.float32))
     logs, rest = np.log(f + DARK_OFFSET), np.log(np.maximum(f - top, 0.0) + DARK_OFFSET)
     gains = np.median(rest - np.log(networks.rest(plain[:, None], features) + DARK_OFFSET), axis=-1)
     codes = np.concatenate([own, networks.rest_scaled(plain, np.exp(gains))])
@@ -75,17 +73,6 @@ def initial_code(
     decoded = top + networks.rest(codes[:, None], features)
     errors = np.abs(np.log(decoded + DARK_OFFSET) - logs).mean(axis=-1)
     return codes[errors.argmin()].astype(np.float32)
-
-
-def encoded(networks: UrushiNetworks, f: np.ndarray, lobe: np.ndarray | None) -> np.ndarray:
-    """The encoder's codes (N, L) of values f (N, P), given their lobe (6,)."""
-    return networks.encode(f) if lobe is None else networks.encode(f, lobe[None])
-
-
-def top_at_probes(networks: UrushiNetworks, lobe: np.ndarray | None) -> np.ndarray:
-    """The values (P,) [1/sr] of a lobe (6,) at the networks' pairs; zero without one."""
-    wi, wo = networks.pairs()
-    return np.zeros(len(wi), np.float32) if lobe is None else lobes.f(lobe, wi, wo)
 
 
 def _values_of_surfaces(networks: UrushiNetworks) -> np.ndarray:
@@ -173,22 +160,23 @@ class FitTarget(NamedTuple):
 def fit_target(
     networks: UrushiNetworks,
     f: np.ndarray,
-    nodes: np.ndarray | None = None,
-    lobe: np.ndarray | None = None,
+    nodes: np.ndarray | None,
+    lobe: np.ndarray,
 ) -> FitTarget:
     """The target of values f (P,) [1/sr] at `networks.pairs` and nodes (M,) at the albedo nodes.
 
-    The albedo nodes are those of `energy.albedo_rule`. lobe: (6,), for networks with lobes.
+    The albedo nodes are those of `energy.albedo_rule`; None: their values are not known. lobe: (6,)
+    the code's lobe.
     """
     count, features = len(f), probe_features(networks)
-    top = top_at_probes(networks, lobe)
+    top = lobes.f(lobe, *networks.pairs())
     weights = np.full(count, 1.0 / count)
     rule = energy.albedo_rule()
     light = np.zeros(0) if nodes is None else nodes * rule.weights * rule.wi[:, 2]
     if nodes is None or not light.sum() > 0.0:
         return FitTarget(features, np.log(f + DARK_OFFSET), weights, top, count)
     shares = light**NODES_POWER
-    at_nodes = np.zeros_like(nodes) if lobe is None else lobes.f(lobe, rule.wi, rule.wo)
+    at_nodes = lobes.f(lobe, rule.wi, rule.wo)
     return FitTarget(
         np.concatenate([features, rule.features]),
         np.log(np.concatenate([f, nodes]) + DARK_OFFSET),
@@ -233,14 +221,14 @@ def refine_codes(
     of another system, which encode by optimisation, only encode.
 
     nodes: (C, M) [1/sr], the BRDFs' values at the nodes of `energy.albedo_rule`, if known. lobe:
-    (C, 6), for networks with lobes; it is not changed.
+    (C, 6), which the codes keep; None: those of `fit_lobes`.
     """
     if not isinstance(networks, UrushiNetworks):
         codes = networks.encode(f)
         return RefinedCodes(codes, codes)
     rows = np.ascontiguousarray(f)
+    own = fit_lobes(rows) if lobe is None else lobe
     further = [None] * len(rows) if nodes is None else np.ascontiguousarray(nodes)
-    own = [None] * len(rows) if lobe is None else list(lobe)
     codes, anchors = [], []
     with one_blas_thread():
         for row, at_nodes, top in zip(rows, further, own, strict=True):
@@ -286,8 +274,6 @@ def fit_below_ceiling(
 
 def _rest_ceiling(networks: UrushiNetworks, z: np.ndarray, own: np.ndarray) -> np.ndarray:
     """The ceiling (D,) of the rest of a code (L,), from the albedos own (D,) of its target."""
-    if not networks.arch.lobe:
-        return energy.albedo_ceiling(own)
     top = lobe_albedos(z[: networks.arch.lobe], energy.albedo_rule().cosines)
     return np.maximum(energy.albedo_ceiling(own + top) - top, energy.LEAST_REST)
 

@@ -37,7 +37,7 @@ def check_differentiable(model: Model, where: str) -> None:
     if not isinstance(model.networks, UrushiNetworks):
         raise ParameterError(
             f"{where}: gradients are asked for, but networks such as those of Fan et al. (2022) "
-            "have none here; use 'base' or 'small'"
+            "have none here; use those that Urushi ships"
         )
 
 
@@ -137,7 +137,7 @@ def _unlimited(model: Model, z_bottom: np.ndarray, coat: np.ndarray) -> np.ndarr
 def _encoded(model: Model, f: np.ndarray, lobe: np.ndarray) -> np.ndarray:
     """What the encoder makes of f (N, P) before energy is limited: codes (N, L)."""
     assert isinstance(model.networks, UrushiNetworks)  # for the type checker
-    return model.networks.encode(f, lobe) if model.arch.lobe else model.networks.encode(f)
+    return model.networks.encode(f, lobe)
 
 
 def _limited_rows(model: Model, z: np.ndarray, unlimited: np.ndarray) -> np.ndarray:
@@ -169,10 +169,9 @@ def _log_share(model: Model, z: np.ndarray, ceiling: float) -> tuple[np.ndarray,
     for unlimited ones.
     """
     rest, rest_slopes, top, top_slopes = _albedos(model, z)
-    least = energy.LEAST_REST if model.arch.lobe else energy.LEAST_ALBEDO
-    allowed = np.maximum(ceiling - top, least)
+    allowed = np.maximum(ceiling - top, energy.LEAST_REST)
     at = int((rest / allowed).argmax())
-    of_allowed = 1 / allowed[at] if allowed[at] > least else 0.0
+    of_allowed = 1 / allowed[at] if allowed[at] > energy.LEAST_REST else 0.0
     of_rest = -rest_slopes(at) / max(rest[at], energy.LEAST_ALBEDO)
     of_z = np.concatenate([-of_allowed * top_slopes(at), of_rest])
     return of_z.astype(np.float32), float(of_allowed)
@@ -193,8 +192,6 @@ def _albedos(model: Model, z: np.ndarray) -> tuple[np.ndarray, _Slopes, np.ndarr
         return (np.repeat(rule.interpolation[angle], counts) * rule.weights * f) @ slopes
 
     def of_top(angle: int) -> np.ndarray:
-        if not len(lobe):
-            return np.zeros(0)
         stepped = np.concatenate([lobe + _LOBE_STEP * way * np.eye(len(lobe)) for way in (1, -1)])
         stepped = stepped.astype(np.float32)
         stepped[:, 0] = np.clip(stepped[:, 0], MIN_ALPHA, 1)
@@ -202,5 +199,4 @@ def _albedos(model: Model, z: np.ndarray) -> tuple[np.ndarray, _Slopes, np.ndarr
         wide, narrow = np.split(stepped, 2)
         return (upper - lower) / (wide - narrow).diagonal()
 
-    top = lobe_albedos(lobe, rule.cosines) if len(lobe) else np.zeros(len(rule.cosines))
-    return rule.albedo(f), of_rest, top, of_top
+    return rule.albedo(f), of_rest, lobe_albedos(lobe, rule.cosines), of_top

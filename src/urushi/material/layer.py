@@ -8,7 +8,6 @@ import numpy.typing as npt
 from urushi import checks
 from urushi.checks import CoatParameters
 from urushi.errors import ParameterError
-from urushi.material.coverage import check_eta
 from urushi.material.encode import encode
 from urushi.material.energy import limit_coated_albedo
 from urushi.material.material import Material
@@ -44,8 +43,7 @@ def layer(
         three.
 
     Raises:
-        ParameterError: top is no dielectric, or a parameter is out of range or of a wrong shape, or
-            the networks do not cover its index.
+        ParameterError: top is no dielectric, or a parameter is out of range or of a wrong shape.
     """
     if not isinstance(top, Dielectric):
         raise ParameterError(
@@ -85,21 +83,19 @@ def layer_texels(
 
     Args:
         model: the networks.
-        z_bottom: codes (..., 32) of the bottoms.
+        z_bottom: codes (..., L) of the bottoms.
         alpha, eta: of the coat's interface; albedo, sigma_t, g: of the medium below it. Arrays
             that broadcast against each other and against z_bottom's leading shape, e.g. (H, W, 3).
 
     Returns:
-        float32 (..., 32), of the shape that all of them broadcast to. Their directional albedo is
+        float32 (..., L), of the shape that all of them broadcast to. Their directional albedo is
         at most 1, or that of the bottom if it gains energy (see `urushi.material.energy`).
 
     Raises:
-        ParameterError: a parameter is out of range, the networks do not cover its index, or the
-            shapes do not broadcast.
+        ParameterError: a parameter is out of range, or the shapes do not broadcast.
     """
     coat = CoatParameters(alpha, eta, albedo, sigma_t, g)
     coat = checks.coat(coat, "the coat's", any_shape=True)
-    check_eta(model, coat.eta, "the coat's eta")
     z = np.asarray(z_bottom, np.float32)
     try:
         shape = np.broadcast_shapes(z.shape[:-1], *(p.shape for p in coat))

@@ -16,7 +16,7 @@ from urushi.material.blend import blend_codes
 from urushi.nets import own_decoder
 from urushi.nets.features import direction_features
 from urushi.nets.networks import Proposal, UrushiNetworks
-from urushi.nets.weights import SHIPPED, Model, Weights, find, has_lobes, load_shipped
+from urushi.nets.weights import Model, Weights, find
 from urushi.parallel import fill_blocks
 
 #: Directions whose albedo is integrated at once, over 1536 others each.
@@ -229,15 +229,14 @@ class Material:
 def load(path: str | os.PathLike, weights: Weights | None = None) -> Material:
     """Read a material that `Material.save` wrote.
 
-    weights: the networks that made it: a Model, a name or a file; by default those of the shipped
-        networks that made it.
+    weights: the networks that made it: a Model or a file; by default the shipped ones.
 
     Raises:
         FileError: missing, truncated, foreign, damaged, or made with other networks.
     """
-    models = [find(weights)] if weights else [load_shipped(name) for name in SHIPPED]
-    stored = file.read(path, models)
-    return Material(stored.latents, stored.model, stored.anchors, stored.own_decoder)
+    model = find(weights)
+    stored = file.read(path, model)
+    return Material(stored.latents, model, stored.anchors, stored.own_decoder)
 
 
 def _checked(codes: npt.ArrayLike, model: Model, name: str) -> np.ndarray:
@@ -295,7 +294,7 @@ def lerp(a: Material, b: Material, t: npt.ArrayLike) -> Material:
     """Return the material between a and b.
 
     The albedo changes about evenly with t, see `urushi.material.blend`; energy is conserved. Codes
-    of networks without lobes are (1 - t) a + t b.
+    of networks of another system are (1 - t) a + t b.
 
     t: in [0, 1], a scalar or one number per RGB channel. A material of one channel blends with one
     of three. t = 0 gives exactly a's codes, t = 1 exactly b's. Decoders of their own cannot be
@@ -350,7 +349,7 @@ def _blend(model: Model, a: np.ndarray, b: np.ndarray, share: np.ndarray) -> np.
     shape = (len(share), a.shape[1])
     a, b = np.broadcast_to(a, shape), np.broadcast_to(b, shape)
     codes = blend_codes(model, a, b, share)
-    if has_lobes(model):
+    if isinstance(model.networks, UrushiNetworks):
         peaks = [energy.directional_albedos(model, z).max(axis=-1) for z in (a, b)]
         ceiling = np.maximum(np.maximum(*peaks), 1 - energy.MARGIN)
         codes = energy.limit_albedo(model, codes, ceiling[:, None])

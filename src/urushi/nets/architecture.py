@@ -2,12 +2,12 @@
 
 import itertools
 import json
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, field, fields
 
 import numpy as np
 
 from urushi.errors import ParameterError
-from urushi.nets.features import COAT_INPUTS, COAT_NUMBERS, DIRECTION_FEATURES
+from urushi.nets.features import COAT_FEATURES, DIRECTION_FEATURES
 from urushi.nets.lobe import LOBE_FEATURES, LOBE_NUMBERS
 from urushi.nets.mlp import POLYNOMIALS
 
@@ -40,11 +40,11 @@ class Architecture:
     Attributes:
         latent: size of one channel's latent code; the first number after its lobe is a gain.
         decoder, encoder, layerer, sampler: widths of the hidden layers, at least one each.
-        lobes: number of microfacet lobes in the proposal, which has a cosine lobe as well.
+        lobes: number of microfacet lobes in the proposal beside the code's own; it has a cosine
+            lobe as well.
         activation: one of `ACTIVATIONS`, for all hidden layers (see `mlp.activate`).
         probes: number of probe pairs, at which the encoder needs the values of a BRDF.
-        lobe: how many numbers of a code describe its analytic lobe, see `nets.lobe`: six, or none
-            if the decoder represents the whole BRDF. With a lobe, the proposal has that lobe too.
+        lobe: how many numbers of a code describe its analytic lobe, see `nets.lobe`; constant.
     """
 
     latent: int = 32
@@ -55,7 +55,7 @@ class Architecture:
     lobes: int = 2
     activation: str = "smoothstep"
     probes: int = 192
-    lobe: int = 0
+    lobe: int = field(default=len(LOBE_NUMBERS), init=False)
 
     def __post_init__(self) -> None:
         for name in ("latent", "lobes", "probes"):
@@ -64,10 +64,10 @@ class Architecture:
                     f"architecture's {name} is {getattr(self, name)!r}; "
                     "it must be a positive integer"
                 )
-        if self.lobe not in (0, len(LOBE_NUMBERS)) or self.latent < self.lobe + 2:
+        if self.latent < self.lobe + 2:
             raise ParameterError(
-                f"architecture's lobe is {self.lobe!r} of {self.latent} numbers; "
-                f"it must be 0 or {len(LOBE_NUMBERS)}, with at least two numbers more in a code"
+                f"architecture's latent is {self.latent!r}; a code has {self.lobe} numbers of its "
+                "lobe and at least two more"
             )
         for name in PARTS:
             widths = getattr(self, name)
@@ -89,10 +89,7 @@ class Architecture:
 
     def to_json(self) -> str:
         """Return the sizes as a JSON object."""
-        entries = asdict(self)
-        if not self.lobe:  # as older files have it
-            del entries["lobe"]
-        return json.dumps(entries)
+        return json.dumps(asdict(self))
 
     @classmethod
     def from_json(cls, text: str) -> "Architecture":
@@ -106,11 +103,16 @@ class Architecture:
             entries = json.loads(text)
         except ValueError as error:
             raise ParameterError(f"the architecture is no valid JSON: {error}") from error
-        names = {field.name for field in fields(cls)}
-        if not isinstance(entries, dict) or set(entries) | {"lobe"} != names:
+        names = {entry.name for entry in fields(cls)}
+        if not isinstance(entries, dict) or set(entries) != names:
             raise ParameterError(
                 "the architecture must be a JSON object with exactly the fields "
                 + ", ".join(sorted(names))
+            )
+        lobe = entries.pop("lobe")
+        if lobe != len(LOBE_NUMBERS):
+            raise ParameterError(
+                f"architecture's lobe is {lobe!r}; this Urushi's has {len(LOBE_NUMBERS)} numbers"
             )
         return cls(**entries)
 
@@ -122,18 +124,18 @@ def _positive(value: object) -> bool:
 
 def layer_sizes(arch: Architecture, part: str) -> tuple[int, ...]:
     """Return the sizes of one network's input, hidden layers and output."""
-    rest, lobe = arch.latent - arch.lobe, LOBE_FEATURES if arch.lobe else 0
+    rest = arch.latent - arch.lobe
     inputs = {
         "decoder": rest - 1 + DIRECTION_FEATURES,  # the gain bypasses it
         "encoder": arch.probes,
-        "layerer": rest + lobe + (COAT_NUMBERS if lobe else COAT_INPUTS),
-        "sampler": rest + lobe + 2,
+        "layerer": rest + LOBE_FEATURES + COAT_FEATURES,
+        "sampler": rest + LOBE_FEATURES + 2,
     }
     outputs = {
         "decoder": 1,
         "encoder": rest,
         "layerer": rest,
-        "sampler": 2 * arch.lobes + (2 if lobe else 1),
+        "sampler": 2 * arch.lobes + 2,
     }
     return (inputs[part], *getattr(arch, part), outputs[part])
 

@@ -15,10 +15,10 @@ from urushi.nets import lobe as lobes
 from urushi.nets.architecture import SCALE, Architecture, code_names
 from urushi.nets.decoder import MAX_LOG, MIN_LOG, first_layer, scale_and_offset
 from urushi.nets.encoder import OFFSET, log_values, normalised
-from urushi.nets.features import coat_features, coat_inputs
+from urushi.nets.features import coat_features
 from urushi.nets.lobe import LOBE_FEATURES
 from urushi.nets.lobe_fit_slopes import FITTED, fit_slopes
-from urushi.nets.mlp import Params, hidden_to_output, linear, product, split_linear, with_slope
+from urushi.nets.mlp import Params, linear, product, split_linear, with_slope
 
 #: Least 1 - albedo at which the derivative with respect to albedo is taken: at albedo = 1 it is
 #: infinite for infinitely deep media.
@@ -81,16 +81,12 @@ def encode_log(params: Params, arch: Architecture, logs: Any) -> tuple[Any, Any]
     return z, product(gradient, params["encoder.0.weight"].T) / params["encoder.input_scale"]
 
 
-def encode_pushforward(
-    params: Params, arch: Architecture, f: Any, df: Any, lobe: Any = None
-) -> Any:
+def encode_pushforward(params: Params, arch: Architecture, f: Any, df: Any, lobe: Any) -> Any:
     """Return the change (N, L) of the encoder's codes for a change df (N, P) of f (N, P).
 
-    lobe (N, 6): the lobes that were fitted to f, for networks whose codes have one. They change
-    with f, and the encoder sees what they leave of it.
+    lobe (N, 6): the lobes that were fitted to f. They change with f, and the encoder sees what they
+    leave of it.
     """
-    if not arch.lobe:
-        return _encode_pushforward(params, arch, f, df)
     slopes = fit_slopes(f, lobe)
     dlobe = (slopes @ df[..., None])[..., 0]
     top, columns = _top_at_probes(lobe, f.shape[-1])
@@ -100,13 +96,11 @@ def encode_pushforward(
     return np.concatenate([_all_numbers(dlobe), dz], axis=-1).astype(f.dtype)
 
 
-def encode_pullback(params: Params, arch: Architecture, f: Any, dz: Any, lobe: Any = None) -> Any:
+def encode_pullback(params: Params, arch: Architecture, f: Any, dz: Any, lobe: Any) -> Any:
     """Return the gradient (N, P) by f (N, P) of the sum of the codes weighted by dz (N, L).
 
     lobe: as of `encode_pushforward`.
     """
-    if not arch.lobe:
-        return _encode_pullback(params, arch, f, dz)
     top, columns = _top_at_probes(lobe, f.shape[-1])
     of_rest = _encode_pullback(params, arch, np.maximum(f - top, 0), dz[:, arch.lobe :])
     of_rest = np.where(f > top, of_rest, 0)
@@ -152,33 +146,25 @@ class _LayererInputs(NamedTuple):
 
     Attributes:
         own: (N, K) what it sees of the bottom; coat: (N, F) of the coat.
-        of_bottom: (N, K, L) derivatives of `own`; None: it is the bottom's code.
+        of_bottom: (N, K, L) derivatives of `own` by the bottom's code.
         of_coat: (N, F, 5) derivatives of `coat`.
-        presence: (N, 1) the factor on its output; of_presence: (N, 1, 5) its derivatives.
     """
 
     own: Any
     coat: Any
     of_bottom: Any
     of_coat: Any
-    presence: Any
-    of_presence: Any
 
 
 def _layerer_inputs(arch: Architecture, z: Any, coat: Any) -> _LayererInputs:
-    features, slopes = coat_slopes(coat, bool(arch.lobe))
-    if not arch.lobe:
-        return _LayererInputs(
-            z, features[:, :-1], None, slopes[:, :-1], features[:, -1:], slopes[:, -1:]
-        )
+    features, slopes = coat_slopes(coat)
     rest = arch.latent - arch.lobe
     lobe_features, of_lobe = lobe_slopes(z[:, : arch.lobe])
     of_bottom = np.zeros((len(z), rest + LOBE_FEATURES, arch.latent), z.dtype)
     of_bottom[:, :rest, arch.lobe :] = np.eye(rest)
     of_bottom[:, rest:, : arch.lobe] = of_lobe
-    one, none = np.ones((len(z), 1), z.dtype), np.zeros((len(z), 1, coat.shape[-1]), z.dtype)
     own = np.concatenate([z[:, arch.lobe :], lobe_features], axis=-1)
-    return _LayererInputs(own, features, of_bottom, slopes, one, none)
+    return _LayererInputs(own, features, of_bottom, slopes)
 
 
 def layer_pushforward(
@@ -193,17 +179,13 @@ def layer_pushforward(
         dz, dcoat: changes of z and coat.
     """
     inputs = _layerer_inputs(arch, z, coat)
-    down = dz if inputs.of_bottom is None else (inputs.of_bottom @ dz[..., None])[..., 0]
+    down = (inputs.of_bottom @ dz[..., None])[..., 0]
     dcoat = dcoat[..., None]
     weight, rows = params["layerer.0.weight"], inputs.own.shape[-1]
     first = split_linear(params, "layerer.0", inputs.own, inputs.coat)
     dfirst = product(down, weight[:rows]) + product((inputs.of_coat @ dcoat)[..., 0], weight[rows:])
-    output = hidden_to_output(params, "layerer", first, arch.activation)
-    doutput = _pushforward(params, "layerer", first, dfirst, arch.activation)
-    change = inputs.presence * doutput + (inputs.of_presence @ dcoat)[..., 0] * output
+    change = _pushforward(params, "layerer", first, dfirst, arch.activation)
     change += dz[:, arch.lobe :]
-    if not arch.lobe:
-        return change
     top = np.zeros_like(dz[:, : arch.lobe])
     top[:, _OF_COAT] = dcoat[:, :2, 0]
     return np.concatenate([top, change], axis=-1)
@@ -220,33 +202,25 @@ def layer_pullback(
     inputs = _layerer_inputs(arch, z, coat)
     weight, rows = params["layerer.0.weight"], inputs.own.shape[-1]
     first = split_linear(params, "layerer.0", inputs.own, inputs.coat)
-    output = hidden_to_output(params, "layerer", first, arch.activation)
     of_rest = dz[:, arch.lobe :]
-    dfirst = _pullback(params, "layerer", first, inputs.presence * of_rest, arch.activation)
+    dfirst = _pullback(params, "layerer", first, of_rest, arch.activation)
     of_own, of_coat = product(dfirst, weight[:rows].T), product(dfirst, weight[rows:].T)
     of_coat = (of_coat[:, None] @ inputs.of_coat)[:, 0]
-    of_coat += (output * of_rest).sum(axis=-1, keepdims=True) * inputs.of_presence[:, 0]
-    if inputs.of_bottom is None:
-        return of_rest + of_own, of_coat
     of_bottom = (of_own[:, None] @ inputs.of_bottom)[:, 0]
     of_bottom[:, arch.lobe :] += of_rest
     of_coat[:, :2] += dz[:, _OF_COAT]
     return of_bottom, of_coat
 
 
-def coat_slopes(coat: Any, lobed: bool = False) -> tuple[Any, Any]:
-    """Return the features (N, F) of coats (N, 5), and their derivatives (N, F, 5).
-
-    lobed: whether the features are `features.coat_inputs`, else `features.coat_features`.
-    """
-    function = coat_inputs if lobed else coat_features
+def coat_slopes(coat: Any) -> tuple[Any, Any]:
+    """Return `features.coat_features` (N, F) of coats (N, 5), and their derivatives (N, F, 5)."""
     columns = list(coat.astype(np.float64).T)
-    features = function(*columns).astype(coat.dtype)
+    features = coat_features(*columns).astype(coat.dtype)
     columns[2] = np.minimum(columns[2], 1 - MIN_ABSORPTION)
     slopes = np.empty((*features.shape, len(columns)), coat.dtype)
     for index, column in enumerate(columns):
         stepped = [*columns[:index], column + _STEP * 1j, *columns[index + 1 :]]
-        slopes[..., index] = function(*stepped).imag / _STEP
+        slopes[..., index] = coat_features(*stepped).imag / _STEP
     return features, slopes
 
 

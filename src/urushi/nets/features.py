@@ -2,8 +2,6 @@
 
 from typing import Any
 
-from urushi.checks import MIN_ALPHA
-
 #: Smallest cosine to the normal. Smaller ones are clamped to it, so f is constant near the horizon.
 MIN_COSINE = 5e-3
 
@@ -22,21 +20,17 @@ DIRECTION_TABLE = (
 )
 DIRECTION_FEATURES = len(DIRECTION_TABLE)
 
-#: Lower bound of eta - 1 inside ln(eta - 1). As eta goes to 1, the logarithm would leave the range
-#: that the networks were trained on.
-MIN_INDEX_STEP = 0.04
-
-#: Below this eta - 1 the presence of an interface is quadratic in it, as its reflectance is.
-PRESENT_STEP = 0.05
-
-#: Features of a coat: formula, mean, scale; m = 1 - exp(-sigma_t). All terms with albedo or g
-#: vanish with sigma_t.
+#: Features of a coat: formula, mean, scale. Of its interface, whose index may be above or below
+#: one, with s = (eta - 1) / (eta + 1); and of its medium, with m = 1 - exp(-sigma_t). All terms
+#: with albedo or g vanish with sigma_t.
 COAT_TABLE = (
     ("ln alpha", -1.45, 1.3),
     ("alpha", 0.4, 0.3),
-    ("ln(eta - 1)", -0.85, 0.7),
-    ("eta - 1", 0.52, 0.27),
-    ("((eta - 1) / (eta + 1))^2", 0.047, 0.034),
+    ("eta", 1.4, 0.4),
+    ("s", 0.13, 0.17),
+    ("s^2", 0.047, 0.04),
+    ("ln(s^2 + 1e-4)", -4.0, 1.6),
+    ("max(1 - eta^2, 0)", 0.08, 0.2),
     ("m", 0.75, 0.33),
     ("exp(-4 sigma_t)", 0.14, 0.33),
     ("ln(1 + sigma_t)", 1.2, 0.67),
@@ -49,23 +43,7 @@ COAT_TABLE = (
     ("ln(1 + sigma_t (1 - albedo))", 0.52, 0.54),
     ("ln(1 + sigma_t (1 - albedo g))", 1.15, 0.69),
 )
-COAT_INPUTS = len(COAT_TABLE)
-
-#: Features of an interface with an index above or below one; s = (eta - 1) / (eta + 1). They and
-#: those of a medium, the terms of `COAT_TABLE` with m or sigma_t, make `coat_inputs`.
-INTERFACE_TABLE = (
-    ("ln alpha", -1.45, 1.3),
-    ("alpha", 0.4, 0.3),
-    ("eta", 1.4, 0.4),
-    ("s", 0.13, 0.17),
-    ("s^2", 0.047, 0.04),
-    ("ln(s^2 + 1e-4)", -4.0, 1.6),
-    ("max(1 - eta^2, 0)", 0.08, 0.2),
-)
-MEDIUM_TABLE = COAT_TABLE[5:]
-COAT_NUMBERS = len(INTERFACE_TABLE) + len(MEDIUM_TABLE)
-#: Columns of `coat_features`: the network's inputs and the coat's presence.
-COAT_FEATURES = COAT_INPUTS + 1
+COAT_FEATURES = len(COAT_TABLE)
 
 
 def _normalised(columns: list[Any], table: tuple[tuple[str, float, float], ...]) -> Any:
@@ -112,39 +90,23 @@ def direction_features(wi: Any, wo: Any) -> Any:
 
 
 def coat_features(alpha: Any, eta: Any, albedo: Any, sigma_t: Any, g: Any) -> Any:
-    """Return the features (..., 16 + 1) of coats; the parameters broadcast against each other.
+    """Return the features (..., 18) of coats; the parameters broadcast against each other.
 
-    alpha in [0.01, 1], eta in (1, 3], albedo in [0, 1], sigma_t >= 0, g in (-1, 1). For
+    alpha in [0.01, 1], eta in [0.5, 3], albedo in [0, 1], sigma_t >= 0, g in (-1, 1). For
     sigma_t = 0 the features do not depend on albedo and g.
-
-    The last column is not an input of the layerer. It is the coat's presence in [0, 1], by which
-    the predicted change of the code is multiplied. It is 0 only for a coat without an index step,
-    without a medium and of the least roughness (rough facets mask each other whatever their index).
-    It is above 0.6 where eta > 1.05.
     """
     xp = alpha.__array_namespace__()
-    above = eta - 1.0
-    ratio = above / (eta + 1.0)
+    s = (eta - 1.0) / (eta + 1.0)
+    outside = 1.0 - eta * eta
+    m = 1.0 - xp.exp(-sigma_t)
     columns = [
         xp.log(alpha),
         alpha,
-        xp.log(xp.maximum(above, MIN_INDEX_STEP)),
-        above,
-        ratio * ratio,
-        *_medium_columns(albedo, sigma_t, g),
-    ]
-    step = above * xp.minimum(above * (1.0 / PRESENT_STEP), 1.0)
-    presence = 1.0 - xp.exp(-20.0 * step - 4.0 * sigma_t - 10.0 * (alpha - MIN_ALPHA))
-    features = _normalised(columns, COAT_TABLE)
-    presence = xp.broadcast_to(presence[..., None], (*features.shape[:-1], 1))
-    return xp.concat([features, presence], axis=-1)
-
-
-def _medium_columns(albedo: Any, sigma_t: Any, g: Any) -> list[Any]:
-    """The terms of `MEDIUM_TABLE`."""
-    xp = sigma_t.__array_namespace__()
-    m = 1.0 - xp.exp(-sigma_t)
-    return [
+        eta,
+        s,
+        s * s,
+        xp.log(s * s + 1e-4),
+        xp.where(outside.real > 0.0, outside, 0.0),
         m,
         xp.exp(-4.0 * sigma_t),
         xp.log1p(sigma_t),
@@ -157,25 +119,4 @@ def _medium_columns(albedo: Any, sigma_t: Any, g: Any) -> list[Any]:
         xp.log1p(sigma_t * (1.0 - albedo)),
         xp.log1p(sigma_t * (1.0 - albedo * g)),
     ]
-
-
-def coat_inputs(alpha: Any, eta: Any, albedo: Any, sigma_t: Any, g: Any) -> Any:
-    """Return the features (..., 18) of coats of any index; the parameters broadcast.
-
-    alpha in [0.01, 1], eta in [0.5, 3], albedo in [0, 1], sigma_t >= 0, g in (-1, 1). For
-    sigma_t = 0 the features do not depend on albedo and g.
-    """
-    xp = alpha.__array_namespace__()
-    s = (eta - 1.0) / (eta + 1.0)
-    outside = 1.0 - eta * eta
-    columns = [
-        xp.log(alpha),
-        alpha,
-        eta,
-        s,
-        s * s,
-        xp.log(s * s + 1e-4),
-        xp.where(outside.real > 0.0, outside, 0.0),
-        *_medium_columns(albedo, sigma_t, g),
-    ]
-    return _normalised(columns, INTERFACE_TABLE + MEDIUM_TABLE)
+    return _normalised(columns, COAT_TABLE)

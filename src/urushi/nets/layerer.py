@@ -3,7 +3,7 @@
 from typing import Any
 
 from urushi.nets.architecture import Architecture
-from urushi.nets.features import coat_features, coat_inputs
+from urushi.nets.features import coat_features
 from urushi.nets.lobe import lobe_features, of_coat
 from urushi.nets.mlp import Params, hidden_to_output, split_linear
 
@@ -14,20 +14,11 @@ def layer(params: Params, arch: Architecture, z_bottom: Any, coat: tuple[Any, ..
     coat: alpha, eta, albedo, sigma_t, g, arrays that broadcast against each other and against the
     bottoms. The coat's interface becomes the lobe of the result. The network computes the change of
     the other numbers, from these, the bottom's lobe and the coat.
-
-    Without lobes, the change is multiplied by the coat's presence, so that a vanishing coat leaves
-    the bottom's code unchanged.
     """
-    if not arch.lobe:
-        features = coat_features(*coat)
-        inputs, presence = features[..., :-1], features[..., -1:]
-        first = split_linear(params, "layerer.0", z_bottom, inputs)
-        change = hidden_to_output(params, "layerer", first, arch.activation)
-        return z_bottom + presence * change
     xp = z_bottom.__array_namespace__()
     rest = z_bottom[..., arch.lobe :]
     own = xp.concat([rest, lobe_features(z_bottom[..., : arch.lobe])], axis=-1)
-    first = split_linear(params, "layerer.0", own, coat_inputs(*coat))
+    first = split_linear(params, "layerer.0", own, coat_features(*coat))
     rest = rest + hidden_to_output(params, "layerer", first, arch.activation)
     top = of_coat(*coat[:2])
     return xp.concat([xp.broadcast_to(top, (*rest.shape[:-1], arch.lobe)), rest], axis=-1)

@@ -76,11 +76,6 @@ class UrushiNetworks(NamedTuple):
     params: Params
     arch: Architecture
 
-    @property
-    def least_eta(self) -> float:
-        """Least index of refraction of an interface that the networks were trained on."""
-        return 0.5 if self.arch.lobe else 1.0
-
     def pairs(self) -> tuple[np.ndarray, np.ndarray]:
         """The probe pairs wi, wo: float32 (P, 3)."""
         return probe_pairs(self.arch.probes)
@@ -88,11 +83,8 @@ class UrushiNetworks(NamedTuple):
     def encode(self, f: Any, lobe: Any = None) -> Any:
         """Codes (..., L) of values f (..., P) [1/sr] at the probe pairs.
 
-        lobe: (..., 6) the lobes of these BRDFs, if known; None: those of `fit_lobes`. Only
-        for networks whose codes have a lobe.
+        lobe: (..., 6) the lobes of these BRDFs, if known; None: those of `fit_lobes`.
         """
-        if not self.arch.lobe:
-            return encoder.encode(self.params, self.arch, f)
         lobe = fit_lobes(f) if lobe is None else lobe
         rest = np.maximum(f - lobes.f(lobe[..., None, :], *self.pairs()), 0.0)
         codes = encoder.encode(self.params, self.arch, rest)
@@ -108,32 +100,22 @@ class UrushiNetworks(NamedTuple):
 
     def inputs(self, wi: Any, wo: Any) -> Any:
         """The inputs (..., D) of `decode` for unit vectors wi, wo (..., 3)."""
-        if not self.arch.lobe:
-            return direction_features(wi, wo)
         xp = wi.__array_namespace__()
         return xp.concat([direction_features(wi, wo), *xp.broadcast_arrays(wi, wo)], axis=-1)
 
     def scaled(self, z: Any, factor: Any) -> Any:
         """Codes of `factor` (...) > 0 times the BRDFs, exact for all directions."""
         lobe = self.arch.lobe
-        if not lobe:
-            return decoder.scaled(z, factor)
         top, rest = scaled_lobe(z[..., :lobe], factor), decoder.scaled(z[..., lobe:], factor)
         return np.concatenate([top, rest], axis=-1)
 
     def decode(self, z: Any, inputs: Any) -> Any:
         """Values (...) [1/sr] from `inputs`."""
-        lobe = self.arch.lobe
-        if not lobe:
-            return decoder.decode(self.params, self.arch, z, inputs)
         features, wi, wo = np.split(inputs, (DIRECTION_FEATURES, DIRECTION_FEATURES + 3), axis=-1)
-        rest = decoder.decode(self.params, self.arch, z[..., lobe:], features)
-        return lobes.f(z[..., :lobe], wi, wo) + rest
+        return self.top(z, wi, wo) + self.rest(z, features)
 
     def top(self, z: Any, wi: Any, wo: Any) -> Any:
-        """The part of f (...) [1/sr] that the codes' lobes reflect; 0 for networks without."""
-        if not self.arch.lobe:
-            return np.float32(0.0)
+        """The part of f (...) [1/sr] that the codes' lobes reflect."""
         return lobes.f(z[..., : self.arch.lobe], wi, wo)
 
     def rest(self, z: Any, features: Any) -> Any:
@@ -144,7 +126,7 @@ class UrushiNetworks(NamedTuple):
         """Codes (..., L) with `factor` (...) > 0 times the rest, and the same lobe."""
         lobe = self.arch.lobe
         rest = decoder.scaled(z[..., lobe:], factor)
-        return np.concatenate([z[..., :lobe], rest], axis=-1) if lobe else rest
+        return np.concatenate([z[..., :lobe], rest], axis=-1)
 
     def without_rest(self, z: Any) -> Any:
         """Codes (..., L) of the lobes alone: the rest has the least value of the decoder."""
@@ -180,5 +162,5 @@ class UrushiNetworks(NamedTuple):
         return lambda rest: encoder.encode(params, self.arch, rest)
 
     def proposal(self, z: Any, wi: Any) -> LobeProposal:
-        """The proposal of codes z (..., 32) for wi (..., 3) above the horizon."""
+        """The proposal of codes z (..., L) for wi (..., 3) above the horizon."""
         return LobeProposal(*sampler.mixture(self.params, self.arch, z, wi[..., 2]))

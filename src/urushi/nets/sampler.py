@@ -32,8 +32,6 @@ def sampler_features(cos_i: Any) -> Any:
 
 def sampler_inputs(arch: Architecture, z: Any) -> Any:
     """Return what the sampler sees of codes z (..., L): the features of their lobe, the rest."""
-    if not arch.lobe:
-        return z
     xp = z.__array_namespace__()
     return xp.concat([lobe_features(z[..., : arch.lobe]), z[..., arch.lobe :]], axis=-1)
 
@@ -42,24 +40,22 @@ def mixture(params: Params, arch: Architecture, z: Any, cos_i: Any) -> tuple[Any
     """Return the proposal's weights (..., K+1), the last the cosine lobe's, and widths (..., K).
 
     z (..., L) and cos_i (...), the cosine of wi to the normal, broadcast against each other.
-    Weights are positive and add up to 1; widths are GGX alphas in [0.01, 1]. If codes have a lobe,
-    its width is the first.
+    Weights are positive and add up to 1; widths are GGX alphas in [0.01, 1], the first that of
+    the code's lobe.
     """
     first = split_linear(params, "sampler.0", sampler_inputs(arch, z), sampler_features(cos_i))
     output = hidden_to_output(params, "sampler", first, arch.activation)
     xp = output.__array_namespace__()
-    k = arch.lobes + (1 if arch.lobe else 0)
+    k = 1 + arch.lobes
     logits = output[..., : k + 1]
     shares = xp.exp(logits - xp.max(logits, axis=-1, keepdims=True))
     shares = shares * ((1.0 - MIN_COSINE_SHARE) / xp.sum(shares, axis=-1, keepdims=True))
     weights = xp.concat([shares[..., :k], shares[..., k:] + MIN_COSINE_SHARE], axis=-1)
     # Logistic interpolation between ln 1 and ln MIN_ALPHA; tanh cannot overflow.
     fraction = 0.5 - 0.5 * xp.tanh(0.5 * output[..., k + 1 :])
-    alphas = xp.clip(xp.exp(_LOG_MIN_ALPHA * fraction), MIN_ALPHA, 1.0)
-    if arch.lobe:
-        own = xp.broadcast_to(z[..., :1], (*alphas.shape[:-1], 1))
-        alphas = xp.concat([xp.clip(own, MIN_ALPHA, 1.0), alphas], axis=-1)
-    return weights, alphas
+    alphas = xp.exp(_LOG_MIN_ALPHA * fraction)
+    own = xp.broadcast_to(z[..., :1], (*alphas.shape[:-1], 1))
+    return weights, xp.clip(xp.concat([own, alphas], axis=-1), MIN_ALPHA, 1.0)
 
 
 def mixture_pdf(weights: Any, alphas: Any, wi: Any, wo: Any) -> Any:

@@ -13,6 +13,7 @@ import numpy as np
 
 from urushi import files
 from urushi.errors import FileError, ParameterError
+from urushi.nets import former
 from urushi.nets.architecture import Architecture, parameter_shapes
 from urushi.nets.mlp import Params
 from urushi.nets.networks import Networks, UrushiNetworks
@@ -20,8 +21,8 @@ from urushi.nets.networks import Networks, UrushiNetworks
 #: Version of the file format.
 FORMAT_VERSION = 1
 
-#: Names of the shipped networks, the default first: files in the folder `weights`.
-SHIPPED = ("base", "small")
+#: Name of the shipped networks: a file in the folder `weights`.
+DEFAULT = "default"
 
 
 @dataclass(frozen=True)
@@ -29,7 +30,7 @@ class ArchitectureKind:
     """How models and weights files handle one class of architectures.
 
     Attributes:
-        architecture: the class; it has `latent`, `lobe`, `to_json` and `from_json`.
+        architecture: the class; it has `latent`, `to_json` and `from_json`.
         parameter_shapes: maps an architecture to its parameters' shapes by name.
         networks: makes networks of parameters and an architecture.
     """
@@ -104,11 +105,6 @@ class Model:
         return _kind_of(self.arch).networks(self.params, self.arch)
 
 
-def has_lobes(model: Model) -> bool:
-    """Whether the codes of these networks have an analytic lobe, see `nets.lobe`."""
-    return isinstance(model.networks, UrushiNetworks) and bool(model.arch.lobe)
-
-
 def _checked(name: str, value: Any, shape: tuple[int, ...]) -> np.ndarray:
     """A read-only float32 copy of a parameter, after checks of its shape and values."""
     array = np.array(value, dtype=np.float32, order="C")
@@ -154,8 +150,8 @@ def read(path: str | os.PathLike) -> Model:
     """Read a weights file that `save` wrote.
 
     Raises:
-        FileError: the file is missing, truncated, foreign or of another version, or its arrays do
-            not fit its architecture.
+        FileError: the file is missing, truncated, foreign or of another version, its arrays do not
+            fit its architecture, or the codes of its networks have no lobe, see `nets.former`.
     """
     description, arrays = files.read_tensors(path, "weights")
     if description.get("version") != FORMAT_VERSION:
@@ -163,6 +159,7 @@ def read(path: str | os.PathLike) -> Model:
             f"'{path}' has version {description.get('version')!r} of the weights format, "
             f"this Urushi reads version {FORMAT_VERSION}; install the Urushi that wrote it"
         )
+    former.refuse_weights(path, description.get("architecture"))
     try:
         arch = _read_architecture(description.get("architecture"))
         return Model.of(arch, arrays, description.get("header") or {})
@@ -170,7 +167,7 @@ def read(path: str | os.PathLike) -> Model:
         raise FileError(f"the weights file '{path}' is damaged: {error}") from error
 
 
-#: Networks as a user may give them: a Model, a name in `SHIPPED`, or a weights file.
+#: Networks as a user may give them: a Model, the name `DEFAULT`, or a weights file.
 Weights = Model | str | os.PathLike
 
 
@@ -180,41 +177,31 @@ def shipped_folder() -> Path:
 
 
 @functools.cache
-def load_shipped(name: str) -> Model:
-    """Load the shipped networks of a name, once per process.
+def default_model() -> Model:
+    """The shipped networks, loaded once per process.
 
     Raises:
         FileError: the file is missing from this installation, or damaged.
     """
-    path = shipped_folder() / f"{name}.safetensors"
+    path = shipped_folder() / f"{DEFAULT}.safetensors"
     if not path.exists():
         raise FileError(f"Urushi's trained weights '{path}' are missing; install the package again")
     return read(path)
 
 
-def default_model() -> Model:
-    """The networks that are used by default.
-
-    Raises:
-        FileError: as `load_shipped`.
-    """
-    return load_shipped(SHIPPED[0])
-
-
 def find(given: Weights | None) -> Model:
-    """The networks that a user gave; the default ones for None.
+    """The networks that a user gave; the shipped ones for None.
 
     Raises:
-        FileError: there is neither such a file nor a shipped name, or the file is damaged.
+        FileError: there is no such file, or it is damaged, or the name is that of former networks.
     """
     if isinstance(given, Model):
         return given
-    if given is None:
+    if given is None or str(given) == DEFAULT:
         return default_model()
-    if str(given) in SHIPPED:
-        return load_shipped(str(given))
     if not Path(given).exists():
+        former.refuse_name(str(given))
         raise FileError(
-            f"there are no weights '{given}'; give a file, or one of {', '.join(SHIPPED)}"
+            f"there are no weights '{given}'; give a file, or '{DEFAULT}' for the shipped ones"
         )
     return read(given)

@@ -25,7 +25,6 @@ class PaperArchitecture:
     """The architecture of the paper's networks; it has no options."""
 
     latent: ClassVar[int] = LATENT
-    lobe: ClassVar[int] = 0  # no number of a code describes a lobe
 
     def to_json(self) -> str:
         """Return the kind as the text of a JSON object."""

@@ -73,7 +73,16 @@ class PaperNetworks:
 
         Every pair of alpha and eta is projected once, and its code is kept. A medium that scatters
         anisotropically is replaced by the similar isotropic one (`inference.isotropic`).
+
+        Raises:
+            ParameterError: an index is below one, or there are too many different interfaces.
         """
+        lowest = np.min(coat.eta)
+        if lowest < 1:
+            raise ParameterError(
+                f"the coat's eta is {lowest:g}, and the paper's networks cover indices above 1 "
+                "only; use Urushi's own networks or the random walk for it"
+            )
         z_top = self._top(coat.alpha, coat.eta)
         medium = isotropic(coat.albedo, coat.sigma_t, coat.g)
         return layer(self._params, z_top, z_bottom, *medium)

@@ -10,7 +10,7 @@ import numpy as np
 
 from urushi.errors import ParameterError
 from urushi.files import atomic_write, new_folder
-from urushi.nets.weights import SHIPPED
+from urushi.nets.weights import DEFAULT
 from urushi.scenes.mesh import Mesh, write_ply
 from urushi.scenes.noise import smoothstep
 
@@ -58,7 +58,7 @@ class Options:
 
     Attributes:
         coat: plugin of all coats, "neural_layered" or "layered".
-        weights: networks of "neural_layered": "base", "small" or a weights file.
+        weights: networks of "neural_layered": "default" or a weights file.
         width, height: size of the film [pixels].
         spp: samples per pixel.
         detail: factor on the width and height of textures, in (0, 4]; with less detail the scene
@@ -66,7 +66,7 @@ class Options:
     """
 
     coat: str = COATS[0]
-    weights: str = "base"
+    weights: str = DEFAULT
     width: int = 640
     height: int = 480
     spp: int = 64
@@ -91,7 +91,7 @@ class Options:
         `weights` are left out if they are the default, so that the scenes of networks and reference
         differ in one word.
         """
-        named = self.coat == COATS[0] and self.weights != SHIPPED[0]
+        named = self.coat == COATS[0] and self.weights != DEFAULT
         weights = {"weights": self.weights} if named else {}
         return {"type": self.coat, **parameters, **weights, "bottom": bottom}
 

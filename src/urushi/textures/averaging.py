@@ -6,7 +6,7 @@ pairs and E is the encoder. E(D(z)) differs slightly from z. The mean of this *r
 is added, so that an area of equal codes keeps its code exactly. Two damped Gauss-Newton steps
 (`material.fit`) then bring the code five times closer to the averaged values.
 
-Of codes with a lobe (`nets.lobe`), this is done with the rest. The factors of the lobes are
+This is done with what the codes' lobes (`nets.lobe`) leave, the rest. The factors of the lobes are
 averaged linearly, as f is linear in them, and widths by the light that each lobe reflects: a lobe
 that reflects nothing does not count.
 
@@ -27,7 +27,7 @@ from urushi.material.fit import correct_codes_serial
 from urushi.material.regression import CodeFeatures
 from urushi.nets import decoder, encoder
 from urushi.nets.features import direction_features
-from urushi.nets.lobe import NO_LOBE, fresnel, reflectance
+from urushi.nets.lobe import LOBE_NUMBERS, NO_LOBE, fresnel, reflectance
 from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
 from urushi.parallel import fill_blocks, one_blas_thread
@@ -93,15 +93,13 @@ def averaging_space(
     if not isinstance(networks, UrushiNetworks):
         return LatentSpace()
     lobe = networks.arch.lobe
-    if not lobe:
-        return _rest_space(networks, read, count)
-    return LobedSpace(_rest_space(networks, lambda index: read(index)[:, lobe:], count), lobe)
+    return LobedSpace(_rest_space(networks, lambda index: read(index)[:, lobe:], count))
 
 
 def _rest_space(
     networks: UrushiNetworks, read: Callable[[np.ndarray], np.ndarray], count: int
 ) -> "DecodedSpace | RegressionSpace":
-    """The space of codes without lobes; arguments as of `averaging_space`."""
+    """The space of the rest; arguments as of `averaging_space`, for codes less their lobes."""
     exact = DecodedSpace(networks)
     if count <= SAMPLE:
         return exact
@@ -147,17 +145,14 @@ class LobedSpace(NamedTuple):
 
     Attributes:
         rest: the space of the numbers after those of the lobe.
-        lobe: how many these are.
     """
 
     rest: "DecodedSpace | RegressionSpace"
-    lobe: int
 
     def lift(self, z: np.ndarray) -> np.ndarray:
         """Factors, reflectance, and products with what they weigh, side by side with the rest."""
-        return np.concatenate(
-            [lifted_lobes(z[:, : self.lobe]), self.rest.lift(z[:, self.lobe :])], axis=1
-        )
+        lobe, rest = np.split(z, [len(LOBE_NUMBERS)], axis=1)
+        return np.concatenate([lifted_lobes(lobe), self.rest.lift(rest)], axis=1)
 
     def drop(self, means: np.ndarray) -> np.ndarray:
         """The lobes, and the codes of the rest."""
@@ -166,7 +161,7 @@ class LobedSpace(NamedTuple):
 
     def fits(self, z: np.ndarray) -> bool:
         """Whether it holds for the rest."""
-        return self.rest.fits(z[:, self.lobe :])
+        return self.rest.fits(z[:, len(LOBE_NUMBERS) :])
 
 
 #: Numbers of a lobe in `LobedSpace`, and the cosines over which its reflectance is averaged.
@@ -319,7 +314,7 @@ class AverageCorrection(NamedTuple):
 
 def corrected_averages(networks: UrushiNetworks, z: np.ndarray, f: np.ndarray) -> np.ndarray:
     """Codes (n, L) closer to averages f (n, P) at the probe pairs than z (n, L): Gauss-Newton."""
-    none = np.array(NO_LOBE[: networks.arch.lobe], np.float32)
+    none = np.array(NO_LOBE, np.float32)
     whole = np.concatenate([np.tile(none, (len(z), 1)), z], axis=1)
     return correct_codes_serial(networks, whole, f, CORRECTION_DAMPING)[0][:, len(none) :]
 

@@ -1,22 +1,20 @@
 """The file of a latent texture: its packed texels, level by level, and its grid over uv."""
 
 import os
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from urushi import files
 from urushi.errors import FileError
-from urushi.material.file import matching_weights
+from urushi.material.file import check_weights
+from urushi.nets import former
 from urushi.nets.weights import Model
 from urushi.textures import mip_pyramid
 from urushi.textures.grid import WRAPS, TexelGrid
 from urushi.textures.packing import PackedTexels, TexelLayout
 from urushi.textures.store import TextureStore
 
-#: Files of version 1 have no entry `levels`; they hold all levels of the mip pyramid. Those of
-#: versions 1 and 2 hold every number of every channel.
 KIND, FORMAT_VERSION = "texture", 3
 
 
@@ -40,25 +38,26 @@ def write(path: str | os.PathLike, store: TextureStore, grid: TexelGrid, fingerp
     files.write_tensors(path, KIND, description, arrays)
 
 
-def read(path: str | os.PathLike, models: Sequence[Model]) -> tuple[TextureStore, TexelGrid, Model]:
-    """Return a file's texture, its grid, and the one of `models` that it was made with.
+def read(path: str | os.PathLike, model: Model) -> tuple[TextureStore, TexelGrid]:
+    """Return a file's texture and its grid, made with the networks of `model`.
 
     Raises:
         FileError: missing, truncated, foreign, damaged, or made with other networks.
     """
     description, arrays = files.read_tensors(path, KIND)
-    if description.get("version") not in (1, 2, FORMAT_VERSION):
+    former.refuse_codes(path, description.get("weights"))
+    if description.get("version") != FORMAT_VERSION:
         raise FileError(
             f"'{path}' has version {description.get('version')!r} of the texture format, "
-            f"this Urushi reads versions 1 to {FORMAT_VERSION}; install the Urushi that wrote it"
+            f"this Urushi reads version {FORMAT_VERSION}; install the Urushi that wrote it"
         )
-    model = matching_weights(path, description.get("weights"), models)
+    check_weights(path, description.get("weights"), model)
     try:
         store = _store(description, arrays, model)
         grid = _checked_grid(*store.levels[0], description["place"])
     except (KeyError, TypeError, ValueError) as error:
         raise FileError(f"the texture file '{path}' is damaged ({error}); save it again") from error
-    return store, grid, model
+    return store, grid
 
 
 def _store(
@@ -76,7 +75,7 @@ def _store(
     if width < 1 or height < 1:
         raise ValueError("it has no texels")
     every_level = len(mip_pyramid.level_sizes(width, height))
-    levels = every_level if description["version"] == 1 else description["levels"]
+    levels = description["levels"]
     if levels not in (1, every_level):
         raise ValueError(f"it has {levels!r} levels, not 1 or {every_level}")
     store = TextureStore(model, layout, width, height, mipmaps=levels > 1)
@@ -93,16 +92,14 @@ def _store(
 
 
 def _layout(entries: dict[str, Any]) -> TexelLayout:
-    """The layout of a file; those of versions 1 and 2 have no shared and no constant numbers."""
-    size = int(entries["size"])
-    high, same = entries.get("high", range(size)), entries.get("same", [False] * size)
+    """The layout that a file describes."""
     return TexelLayout(
         channels=int(entries["channels"]),
-        size=size,
-        high=tuple(int(byte) for byte in high),
+        size=int(entries["size"]),
+        high=tuple(int(byte) for byte in entries["high"]),
         low=tuple(int(byte) for byte in entries["low"]),
-        same=tuple(bool(value) for value in same),
-        shared=int(entries.get("shared", 0)),
+        same=tuple(bool(value) for value in entries["same"]),
+        shared=int(entries["shared"]),
         stride=int(entries["stride"]),
         texel_bytes=int(entries["texel_bytes"]),
     )

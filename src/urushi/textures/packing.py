@@ -3,8 +3,9 @@
 Fan et al. (2022) keep the numbers of a latent texture in floating point. Here each number of a code
 is a fixed-point number between its least and its greatest value in the texture. A texel takes a
 power of two of bytes. The numbers with the greatest effect on f have 16 bits, as many as fit, the
-gain first; the others have 8. Sixteen bits are two separate bytes, high and low: interpolation is
-linear, so that a renderer may interpolate all bytes in the same way and add them afterwards.
+lobe's width and the gain first; the others have 8. Sixteen bits are two separate bytes, high and
+low: interpolation is linear, so that a renderer may interpolate all bytes in the same way and add
+them afterwards.
 Numbers that are the same in the whole texture take no bytes, those that are the same in all
 channels are stored once.
 """
@@ -21,7 +22,7 @@ from urushi.parallel import fill_blocks
 #: Texels by slice or index.
 Rows = slice | np.ndarray
 
-#: Least number of 16-bit numbers in a channel: the gain and the next most important one.
+#: Least number of 16-bit numbers in a channel: the lobe's width and the gain.
 LEAST_FINE_NUMBERS = 2
 
 #: The measurement of importance: number of random coats, maximum number of direction pairs, seed of
@@ -136,23 +137,19 @@ def texel_layout(
 def importance_order(model: Model) -> list[int]:
     """The numbers of a code by their effect on f, the greatest first.
 
-    Codes of networks without a gain keep their order.
+    Codes of networks of another system keep their order.
     """
+    if not isinstance(model.networks, UrushiNetworks):
+        return list(range(model.arch.latent))
     if model.fingerprint not in _importance:
-        order = measure_importance(model) if isinstance(model.networks, UrushiNetworks) else []
-        first = (0, model.arch.lobe) if model.arch.lobe else ()  # a lobe's width and the gain
+        first = (0, model.arch.lobe)  # the lobe's width, and the gain
+        order = measure_importance(model)
         _importance[model.fingerprint] = [*first, *(i for i in order if i not in first)]
-    return _importance[model.fingerprint] or list(range(model.arch.latent))
+    return _importance[model.fingerprint]
 
 
-#: By fingerprint. Those of the shipped networks are stored, because measuring takes a second.
-_importance: dict[str, list[int]] = {
-    "18db0cb6471c": [  # base
-        0, 8, 29, 3, 20, 15, 23, 2, 9, 11, 4, 6, 21, 16, 13, 28,
-        26, 14, 17, 22, 25, 27, 30, 18, 24, 1, 31, 19, 12, 10, 5, 7,
-    ],
-    "670684d2b9d0": [2, 0, 16, 8, 7, 5, 13, 11, 1, 10, 4, 3, 12, 14, 15, 6, 17, 9],  # small
-}  # fmt: skip
+#: By fingerprint. That of the shipped networks is stored, because measuring takes a second.
+_importance: dict[str, list[int]] = {}
 
 
 def measure_importance(model: Model) -> list[int]:

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from urushi import parallel
+from urushi.nets.lobe import LOBE_NUMBERS
 from urushi.nets.weights import Model
 from urushi.textures import packing
 from urushi.textures.mip_pyramid import MipPyramid
@@ -14,6 +15,10 @@ from urushi.textures.packing import PackedTexels, Rows, TexelLayout
 
 #: Texels that are packed at once: bounds memory.
 PACKED_BLOCK = 1 << 17
+
+#: How many numbers at the start of a code are compared between channels one by one: those of its
+#: lobe (`nets.lobe`), of which channels often share some. The others are compared as a whole.
+COMPARED_NUMBERS = len(LOBE_NUMBERS)
 
 
 class TextureStore:
@@ -65,7 +70,7 @@ class TextureStore:
                     index = np.arange(codes[..., 0].size).reshape(codes.shape[:-1])
                 shared = codes.reshape(-1, codes.shape[-1])
                 ends = shared.min(axis=0), shared.max(axis=0)
-                same = _same_in_channels(shared, index, self._model.arch.lobe)
+                same = _same_in_channels(shared, index)
                 which = index.astype(np.uint32)
                 written.append(_Written(rows, shared.astype(np.float16), which, ends, same))
 
@@ -172,17 +177,17 @@ class _Written(NamedTuple):
     same: np.ndarray
 
 
-def _same_in_channels(codes: np.ndarray, index: np.ndarray, lobe: int) -> np.ndarray:
-    """Whether numbers (size,) are the same in all channels; of the rest, all or none are.
+def _same_in_channels(codes: np.ndarray, index: np.ndarray) -> np.ndarray:
+    """Whether numbers (size,) are the same in all channels; after the first ones, all or none are.
 
     codes (k, size) are chosen by index (n, channels).
     """
     differs = (index != index[:, :1]).any(axis=-1)
     same = np.full(codes.shape[-1], not differs.any())
-    if lobe and differs.any():
-        lobes = np.ascontiguousarray(codes[:, :lobe])
-        chosen = lobes[index[differs]]
-        same[:lobe] = (chosen == chosen[:, :1]).all(axis=(0, 1))
+    if differs.any():
+        first = np.ascontiguousarray(codes[:, :COMPARED_NUMBERS])
+        chosen = first[index[differs]]
+        same[:COMPARED_NUMBERS] = (chosen == chosen[:, :1]).all(axis=(0, 1))
     return same
 
 

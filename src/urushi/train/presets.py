@@ -74,7 +74,7 @@ def _soap(steps: int) -> Schedule:
 
 
 #: Sizes of the networks of experiments.
-SMALL = Architecture(latent=24, decoder=(24, 24), lobes=1, sampler=(16,), lobe=6)
+SMALL = Architecture(latent=24, decoder=(24, 24), lobes=1, sampler=(16,))
 
 
 def default() -> Preset:
@@ -105,7 +105,6 @@ def default() -> Preset:
             layerer=(256, 256, 256),
             sampler=(16,),
             activation="silu7",
-            lobe=6,
         ),
     )
 

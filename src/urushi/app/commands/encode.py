@@ -48,7 +48,7 @@ class Encode:
     scheduler: str | None = None
     """Address of a Dask scheduler whose workers do the work. Default: this machine alone."""
     weights: str | None = None
-    """Networks: base (the default), small, or a weights file."""
+    """Weights file of the networks. Default: the shipped ones."""
 
     def run(self) -> int:
         from urushi.material.batch import EncodedSource, encode_all

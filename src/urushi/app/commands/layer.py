@@ -44,7 +44,7 @@ class Layer:
     g: tuple[float, ...] = (DEFAULT_COAT.g,)
     """Henyey-Greenstein asymmetry of the medium, in (-1, 1): above 0 it scatters forwards."""
     weights: str | None = None
-    """Networks: base (the default), small, or a weights file."""
+    """Weights file of the networks. Default: the shipped ones."""
 
     def run(self) -> int:
         import urushi
@@ -81,7 +81,7 @@ class Sheet:
     coats: tuple[str, ...] = ("bare", "clear", "satin", "amber", "milky", "lacquer")
     """Coats of the columns, by name. The default lists all that exist."""
     weights: str | None = None
-    """Networks: base (the default), small, or a weights file."""
+    """Weights file of the networks. Default: the shipped ones."""
 
     def run(self) -> int:
         platform.require_extra("eval")

@@ -28,8 +28,8 @@ class Overrides:
     """Properties of a scene file that the command line replaces; None keeps the file's own.
 
     Attributes:
-        weights: networks of every `neural_layered` that names none itself: "base", "small" or a
-            weights file, relative to the working folder.
+        weights: networks of every `neural_layered` that names none itself: "default" or a weights
+            file, relative to the working folder.
         width, height: size of the film of every sensor [pixels].
     """
 
@@ -55,15 +55,13 @@ class Overrides:
                         node.props[name] = getattr(self, name)
             neural = node.props.plugin_name() == "neural_layered"
             if neural and self.weights is not None and "weights" not in node.props:
-                node.props["weights"] = _shipped_or_absolute(self.weights)
+                node.props["weights"] = _name_or_absolute(self.weights)
         state.nodes = nodes
 
 
-def _shipped_or_absolute(weights: str) -> str:
-    """A shipped name unchanged; a file as absolute path, as Mitsuba searches the scene's folder."""
-    from urushi.nets.weights import SHIPPED
-
-    return weights if weights in SHIPPED else str(Path(weights).absolute())
+def _name_or_absolute(weights: str) -> str:
+    """A file as absolute path, as Mitsuba searches the scene's folder; a name unchanged."""
+    return str(Path(weights).absolute()) if Path(weights).exists() else weights
 
 
 @dataclass(frozen=True)
@@ -75,7 +73,7 @@ class Render:
     shoe. Their parameters are $coat, $spp, $width and $height: -D coat=layered renders the
     reference.
 
-    Example: urushi render teapot --weights small --width 320 --height 240 --spp 64 -o teapot.exr
+    Example: urushi render teapot --width 320 --height 240 --spp 64 -o teapot.exr
     """
 
     scene: tyro.conf.Positional[str]
@@ -98,7 +96,7 @@ class Render:
     threads: Annotated[int | None, tyro.conf.arg(aliases=["-t"])] = None
     """Number of threads. Default: one per core."""
     weights: str | None = None
-    """Networks of every neural_layered that names none itself: base, small, or a weights file.
+    """Networks of every neural_layered that names none itself: default, or a weights file.
     Default: base."""
     width: int | None = None
     """Width of the picture in pixels. Default: the scene's own."""
@@ -280,8 +278,8 @@ class ExportScene:
     """Folder to write to. It is made if it is missing."""
     coat: Literal["neural_layered", "layered"] = "neural_layered"
     """Plugin of the coats: the networks, or the walk. The default of the file's parameter $coat."""
-    weights: str = "base"
-    """Networks of neural_layered: base, small, or a weights file."""
+    weights: str = "default"
+    """Networks of neural_layered: default, or a weights file."""
     width: int = 640
     """Width of the picture in pixels. Default of the written file's parameter $width."""
     height: int = 480

@@ -90,11 +90,11 @@ class Evaluate:
     laws of physics, their sizes and their times. docs/conventions.md defines E and P. The
     reference values are stored with Urushi, so that it takes one to two minutes.
 
-    Example: urushi eval --weights runs/small/weights.safetensors -o runs/small/figures
+    Example: urushi eval --weights runs/mine/weights.safetensors -o runs/mine/figures
     """
 
     weights: str | None = None
-    """Names of shipped networks or a weights file. Default: the default networks."""
+    """Weights file of the networks. Default: the shipped ones."""
     output: Annotated[Path | None, tyro.conf.arg(aliases=["-o"])] = None
     """Folder for the figures (JSON) and plots."""
     seed: int | None = None

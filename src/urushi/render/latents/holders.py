@@ -17,6 +17,7 @@ import mitsuba as mi
 import numpy as np
 
 from urushi.material.material import Material
+from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
 from urushi.render.latents.lookup import LatentTexture, are_constant, owned
 from urushi.render.networks.lobe import ANY_LOBE, LobeKind, kind_of
@@ -62,12 +63,12 @@ class ConstantLatents:
     ):
         """latents, anchors: (C, size) float32, own: (C, 241) or None, those of a `Material`."""
         self._material = Material(latents, model, latents if anchors is None else anchors, own)
-        kind = kind_of_codes(latents[None]) if model.arch.lobe else ANY_LOBE
+        kind = kind_of_codes(model, latents[None])
         self._decoder: ConstantDecoder
         self._decoder, self._sampler = decoder_and_sampler(model, kind)
         states = list(map(int, kind))
         if own is not None:
-            self._decoder = OwnDecoder(own, kind if model.arch.lobe else None)
+            self._decoder = OwnDecoder(own, kind)
             states += digits(own)
         self._signature = signature(states)
         self._decoder_terms = [_opaque(terms) for terms in self._decoder.code_terms(latents)]
@@ -143,7 +144,7 @@ class TexturedLatents:
         self._store, self._fingerprint = store, model.fingerprint
         self.grid, self.channels = grid, store.layout.channels
         self._size, self._bytes = store.layout.size, store.layout.texel_bytes
-        self._kind = kind_of_store(store) if model.arch.lobe else ANY_LOBE
+        self._kind = kind_of_store(model, store)
         self._decoder, self._sampler = decoder_and_sampler(model, self._kind)
         self._signature = signature(self._kind)
         self._texture = LatentTexture(store, grid)
@@ -204,15 +205,19 @@ def _f_and_pdf(decoder: ConstantDecoder, vertex: Vertex, si, wo, active) -> tupl
     return only_where(active, evaluated, vertex.decoder_terms, [*proposal], si.wi, wo)
 
 
-def kind_of_codes(codes: np.ndarray) -> LobeKind:
-    """What is known of the lobes of codes (T, C, size)."""
+def kind_of_codes(model: Model, codes: np.ndarray) -> LobeKind:
+    """What is known of the lobes of codes (T, C, size); codes of other systems have none."""
+    if not isinstance(model.networks, UrushiNetworks):
+        return ANY_LOBE
     lobes = codes[..., :6]
     same = (lobes == lobes[:, :1]).all(axis=(0, 1))
     return kind_of(lobes.min(axis=(0, 1)), lobes.max(axis=(0, 1)), same)
 
 
-def kind_of_store(store: TextureStore) -> LobeKind:
-    """What is known of the lobes of a texture."""
+def kind_of_store(model: Model, store: TextureStore) -> LobeKind:
+    """What is known of the lobes of a texture; codes of other systems have none."""
+    if not isinstance(model.networks, UrushiNetworks):
+        return ANY_LOBE
     layout, packed = store.layout, store.packed
     highest = packed.lowest + layout.levels * packed.step
     return kind_of(packed.lowest[:6], highest[:6], (layout.constant | layout.same)[:6])

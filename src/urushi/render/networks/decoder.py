@@ -43,7 +43,7 @@ class UrushiDecoder:
         gain, z = latents[:, self._lobe, None], latents[:, self._lobe + 1 :]
         rest = np.concatenate([gain, z @ self._of_code + self._bias], axis=-1)
         return [
-            np.concatenate([code[self._numbers(c)], terms])
+            np.concatenate([code[self._kind.numbers(c)], terms])
             for c, (code, terms) in enumerate(zip(latents, rest, strict=True))
         ]
 
@@ -52,7 +52,7 @@ class UrushiDecoder:
         codes = [z[self._lobe + 1 :] for z in latents]
         rests = mlp.dense_each(codes, self._of_code, self._bias.tolist())
         return [
-            [*(z[i] for i in self._numbers(c)), z[self._lobe], *rest]
+            [*(z[i] for i in self._kind.numbers(c)), z[self._lobe], *rest]
             for c, (z, rest) in enumerate(zip(latents, rests, strict=True))
         ]
 
@@ -62,7 +62,7 @@ class UrushiDecoder:
         response = mlp.dense(direction_features(wi, wo), self._response, [0.0] * self._widths[0])
         count = 1 + len(self._bias)
         rests = [self._rest(channel[-count:], response) for channel in terms]
-        if not (self._lobe and self._kind.present):
+        if not self._kind.present:
             return rests
         lobes = self._kind.complete([channel[:-count] for channel in terms])
         values = lobe.f(lobes, wi, wo, self._kind)
@@ -71,9 +71,6 @@ class UrushiDecoder:
     def f(self, latents: Sequence[Sequence], wi, wo) -> list:
         """f of each channel, from a list (size) of Dr.Jit floats for each."""
         return self.f_of_terms(self.code_terms_drjit(latents), wi, wo)
-
-    def _numbers(self, channel: int) -> list[int]:
-        return self._kind.numbers(channel) if self._lobe else []
 
     def _rest(self, terms: Sequence, response: Sequence):
         """What the decoder gives for one channel."""

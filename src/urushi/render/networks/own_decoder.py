@@ -26,23 +26,20 @@ class OwnDecoder:
     The terms of a channel are the numbers of its lobe that `LobeKind.numbers` names.
     """
 
-    def __init__(self, weights: np.ndarray, kind: LobeKind | None):
-        """weights: (C, `nets.own_decoder.WEIGHTS`). kind: of the lobes; None without any."""
+    def __init__(self, weights: np.ndarray, kind: LobeKind):
+        """weights: (C, `nets.own_decoder.WEIGHTS`). kind: of the lobes."""
         self._channels = [own_decoder.split(row) for row in weights]
-        self._kind = kind if kind and kind.present else None
+        self._kind = kind
 
     def code_terms(self, latents: np.ndarray) -> list[np.ndarray]:
         """Terms (K,) of the code of each channel, from codes (C, size)."""
-        return [
-            code[self._kind.numbers(c)] if self._kind else code[:0]
-            for c, code in enumerate(latents)
-        ]
+        return [code[self._kind.numbers(c)] for c, code in enumerate(latents)]
 
     def f_of_terms(self, terms: Sequence[Sequence], wi, wo) -> list:
         """f of each channel, from a list of Dr.Jit floats, its terms, for each."""
         features = direction_features(wi, wo)
         rests = [_rest(own, features) for own in self._channels]
-        if not self._kind:
+        if not self._kind.present:
             return rests
         values = lobe.f(self._kind.complete(terms), wi, wo, self._kind)
         return [a + b for a, b in zip(values, rests, strict=True)]

@@ -53,20 +53,19 @@ class UrushiSampler:
         shape, fraction = (size, dr.width(index)), place - mi.Float(index)
         low, high = (dr.gather(mi.ArrayXf, numbers, index + i, shape=shape) for i in (0, 1))
         values = [dr.fma(b - a, fraction, a) for a, b in zip(low, high, strict=True)]
-        lobes = self._arch.lobes + (1 if self._arch.lobe else 0)
+        lobes = 1 + self._arch.lobes
         return Mixture(values[: lobes + 1], values[lobes + 1 : 2 * lobes + 1])
 
     def proposal(self, latent: Sequence, cos_i) -> Mixture:
         """The mixture from a latent code, a list (size) of Dr.Jit floats, by the network."""
-        inputs, lobe = list(latent), self._arch.lobe
-        if lobe:
-            inputs = [*lobe_features(latent[:lobe], self._kind), *latent[lobe:]]
-        inputs = [*inputs, *sampler_features(cos_i)]
+        lobe = self._arch.lobe
+        inputs = [*lobe_features(latent[:lobe], self._kind), *latent[lobe:]]
+        inputs += sampler_features(cos_i)
         first = mlp.dense(inputs, self._weight, self._bias.tolist())
-        return self._mixture(latent[: 1 if lobe else 0], self._hidden(first))
+        return self._mixture(latent[0], self._hidden(first))
 
-    def _mixture(self, own: Sequence, output: Sequence) -> Mixture:
-        k = len(own) + self._arch.lobes
+    def _mixture(self, own, output: Sequence) -> Mixture:
+        k = 1 + self._arch.lobes
         logits = output[: k + 1]
         largest = logits[0]
         for logit in logits[1:]:
@@ -77,7 +76,7 @@ class UrushiSampler:
         weights[k] = weights[k] + MIN_COSINE_SHARE
         fractions = [1 / (1 + dr.exp(x)) for x in output[k + 1 :]]
         alphas = [dr.exp(float(np.log(MIN_ALPHA)) * x) for x in fractions]
-        return Mixture(weights, [dr.clip(alpha, MIN_ALPHA, 1) for alpha in (*own, *alphas)])
+        return Mixture(weights, [dr.clip(alpha, MIN_ALPHA, 1) for alpha in (own, *alphas)])
 
 
 def sampler_features(cos_i):

@@ -140,9 +140,9 @@ def define_neural_bsdf(base: type) -> type:
 
 
 def read_weights(props: "mi.Properties") -> Model:
-    """The networks that the property `weights` names: shipped ones or a file; else the default."""
-    name = props.get("weights", weights.SHIPPED[0])
-    return weights.find(name if name in weights.SHIPPED else resolve(name))
+    """The networks that the property `weights` names; the shipped ones without it."""
+    name = props.get("weights", weights.DEFAULT)
+    return weights.find(name if name == weights.DEFAULT else resolve(name))
 
 
 def resolve(path: str) -> str:

@@ -6,7 +6,6 @@ import mitsuba as mi
 from urushi import files
 from urushi.errors import ParameterError
 from urushi.material import load
-from urushi.nets import weights
 from urushi.render.latents import lookup
 from urushi.render.latents.holders import ConstantLatents, DifferentiableConstant, TexturedLatents
 from urushi.render.plugins.base import read_weights, resolve
@@ -24,9 +23,8 @@ def define(base: type) -> type:
                                              method ``save`` of a ``neural_layered``, textures
                                              included; relative to the scene file. (Required)
         weights        string                File of the networks that the material was encoded
-                                             with. (Default: the shipped networks that the
-                                             material names)
-        latents        tensor                The latent codes (channels, 32), differentiable;
+                                             with. (Default: the shipped networks)
+        latents        tensor                The latent codes (channels, L), differentiable;
                                              exposed by ``mi.traverse``, not a property, and not
                                              for textures. A coat around a refined material lies
                                              over its anchors, or over these codes once they were
@@ -64,18 +62,14 @@ def define(base: type) -> type:
                     "Material.save"
                 )
             self._filename = props["filename"]
-            named = read_weights(props) if "weights" in props else None
+            self.model = read_weights(props)
             path = resolve(self._filename)
             if files.tensor_file_kind(path) == file.KIND:
                 self._tensor = None
-                models = (
-                    [named] if named else [weights.load_shipped(name) for name in weights.SHIPPED]
-                )
-                store, grid, self.model = file.read(path, models)
+                store, grid = file.read(path, self.model)
                 self.latents = TexturedLatents(self.model, store, grid)
             else:
-                material = load(path, named)
-                self.model = material.model
+                material = load(path, self.model)
                 codes = lookup.owned(mi.Float, material.latents)
                 self._tensor = mi.TensorXf(codes, material.latents.shape)
                 self.latents = ConstantLatents(

@@ -37,8 +37,8 @@ def define(base: type) -> type:
         resolution     integer               Texels per side of the latent texture if anything is
                                              textured. (Default: that of the largest texture, at
                                              most 2048; 256 for procedural ones)
-        weights        string                Networks: ``base`` or ``small``, or a file of them.
-                                             (Default: ``base``)
+        weights        string                File of the networks. (Default: the shipped
+                                             ones, ``default``)
         mipmaps        boolean               Whether to build the mip pyramid of the latent texture:
                                              averages of it at lower resolutions, for integrators
                                              that compute derivatives of uv. Those that ship with
