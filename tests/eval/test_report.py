@@ -50,9 +50,7 @@ def test_rows_are_the_figures_of_the_networks(result, tiny, sets):
 
 
 LOW = Group("low", Extended(1, "dielectric", "low"), 2)
-LOBED = Architecture(
-    latent=24, decoder=(8,), encoder=(16,), layerer=(16,), sampler=(8,), lobes=1, lobe=6
-)
+LOBED = Architecture(latent=24, decoder=(8,), encoder=(16,), layerer=(16,), sampler=(8,), lobes=1)
 
 
 def test_rows_that_networks_do_not_cover_have_dashes(result, tiny, sets, groups):

@@ -38,7 +38,7 @@ def material(model) -> Material:
 
 def make_lobed(seed: int) -> Model:
     arch = Architecture(
-        latent=24, decoder=(24, 24), layerer=(64,), encoder=(64,), sampler=(16,), lobes=1, lobe=6
+        latent=24, decoder=(24, 24), layerer=(64,), encoder=(64,), sampler=(16,), lobes=1
     )
     params = init(arch, seed)
     rng = np.random.default_rng(seed)

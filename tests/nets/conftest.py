@@ -10,7 +10,7 @@ from urushi.nets.architecture import SCALE, Architecture, code_names, init
 @pytest.fixture(scope="session", params=["smoothstep", "silu7", "silu", "relu"])
 def networks(request):
     """An architecture and random parameters whose f spans several orders of magnitude."""
-    arch = Architecture(activation=request.param)
+    arch = Architecture(latent=24, activation=request.param)
     params = init(arch, seed=5)
     params["decoder.3.weight"] = params["decoder.3.weight"] * 8
     params["sampler.2.weight"] = params["sampler.2.weight"] * 10
@@ -18,11 +18,11 @@ def networks(request):
 
 
 @pytest.fixture(scope="session")
-def lobed():
-    """The same for networks whose codes have an analytic lobe."""
+def small():
+    """The same for networks of about the shipped size."""
     arch = Architecture(
         latent=24, decoder=(24, 24), layerer=(64, 64, 64), encoder=(64, 64), sampler=(16,),
-        lobes=1, lobe=6,
+        lobes=1,
     )  # fmt: skip
     params = init(arch, seed=5)
     rng = np.random.default_rng(6)
@@ -56,7 +56,7 @@ def random_lobes():
 
 
 @pytest.fixture(scope="session")
-def lobed_codes(random_lobes):
+def draw_codes(random_lobes):
     """From a number N and a generator: codes (N, 24) with such lobes, in double precision."""
 
     def draw(count: int, rng: np.random.Generator) -> np.ndarray:

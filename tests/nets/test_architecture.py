@@ -16,16 +16,15 @@ from urushi.nets.architecture import (
     parameter_shapes,
 )
 
-LOBED = Architecture(latent=24, decoder=(24, 24), sampler=(16,), lobes=1, lobe=6)
 SMALL = Architecture(latent=8, decoder=(16,), encoder=(24, 20), probes=32, activation="relu")
 
 
-@pytest.mark.parametrize("arch", [Architecture(), SMALL, LOBED])
+@pytest.mark.parametrize("arch", [Architecture(), SMALL])
 def test_json_round_trip(arch):
     assert Architecture.from_json(arch.to_json()) == arch
 
 
-@pytest.mark.parametrize("arch", [Architecture(), SMALL, LOBED])
+@pytest.mark.parametrize("arch", [Architecture(), SMALL])
 def test_init_makes_exactly_the_named_parameters(arch):
     params = init(arch, seed=1)
     assert {name: value.shape for name, value in params.items()} == parameter_shapes(arch)
@@ -41,19 +40,23 @@ def test_init_depends_on_the_seed_alone():
 
 
 def test_decoder_of_the_default_sizes_is_the_documented_one():
-    # 39-64-64-64-1 with biases, the gain apart, and the first layer's scales.
-    assert parameter_count(Architecture(), "decoder") == 40 * 64 + 2 * 65 * 64 + 65 + 31 * 64
+    # 33-64-64-64-1 with biases, lobe and gain apart, and the first layer's scales.
+    assert parameter_count(Architecture(), "decoder") == 34 * 64 + 2 * 65 * 64 + 65 + 25 * 64
 
 
 def test_the_lobes_numbers_pass_by_decoder_and_encoder():
-    shapes = parameter_shapes(LOBED)
+    arch = Architecture(latent=24, decoder=(24, 24), sampler=(16,), lobes=1)
+    shapes = parameter_shapes(arch)
     assert shapes["decoder.0.weight"] == (17 + 8, 24)  # of 24 numbers, 6 are the lobe's, 1 the gain
     assert shapes["encoder.2.weight"][1] == shapes["layerer.3.weight"][1] == 18
     assert shapes["sampler.1.weight"][1] == 2 + 1 + 1  # weights of two lobes and cosine, one width
 
 
-def test_files_older_than_lobes_are_read():
-    assert "lobe" not in json.loads(SMALL.to_json())
+def test_a_lobe_of_other_numbers_is_refused():
+    entries = json.loads(SMALL.to_json())
+    assert entries["lobe"] == 6
+    with pytest.raises(ParameterError, match="lobe is 3; this Urushi's has 6 numbers"):
+        Architecture.from_json(json.dumps(entries | {"lobe": 3}))
 
 
 @pytest.mark.parametrize(
@@ -63,9 +66,7 @@ def test_files_older_than_lobes_are_read():
         ({"probes": 1.5}, "probes is 1.5"),
         ({"decoder": ()}, "decoder is \\(\\)"),
         ({"sampler": (32, -1)}, "sampler is"),
-        ({"lobe": 3}, "lobe is 3 of 32 numbers; it must be 0 or 6"),
-        ({"lobe": "six"}, "lobe is 'six'"),
-        ({"lobe": 6, "latent": 7}, "lobe is 6 of 7 numbers"),
+        ({"latent": 7}, "latent is 7; a code has 6 numbers of its lobe and at least two more"),
         ({"activation": "tanh"}, "choose one of smoothstep, silu7, silu, relu"),
     ],
 )

@@ -18,7 +18,7 @@ def double(networks):
 
 @pytest.fixture(scope="module")
 def codes():
-    return np.random.default_rng(3).normal(size=(3, 32))
+    return np.random.default_rng(3).normal(size=(3, 18))
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +51,7 @@ def test_decoder_against_differences(double, codes, features):
     expected = _differences(
         lambda z: np.log(decoder.decode(params, arch, z[:, None], features)), codes
     )
-    # A ReLU's kink within the step, which 3 x 51 x 32 differences over 192 units may meet, is
+    # A ReLU's kink within the step, which 3 x 51 x 18 differences over 192 units may meet, is
     # allowed a few times.
     assert np.mean(np.abs(slopes - expected) > 1e-6) < 0.01
 

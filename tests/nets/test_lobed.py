@@ -1,4 +1,4 @@
-"""Networks whose codes have an analytic lobe: f is lobe plus decoder, coats become lobes."""
+"""The analytic lobe of codes: f is lobe plus decoder, coats become lobes."""
 
 import numpy as np
 import pytest
@@ -11,14 +11,14 @@ from urushi.nets.networks import UrushiNetworks
 
 
 @pytest.fixture
-def own(lobed):
-    arch, params = lobed
+def own(small):
+    arch, params = small
     return UrushiNetworks(params, arch)
 
 
 @pytest.fixture
-def codes(lobed_codes):
-    return lobed_codes(30, np.random.default_rng(0)).astype(np.float32)
+def codes(draw_codes):
+    return draw_codes(30, np.random.default_rng(0)).astype(np.float32)
 
 
 def test_f_is_the_lobe_and_the_decoder(own, codes, pairs):

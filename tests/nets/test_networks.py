@@ -1,13 +1,16 @@
-"""Properties of the networks for any weights: reciprocity, positivity, broadcasting."""
+"""Properties of the networks for any weights: reciprocity, positivity, broadcasting.
+
+Decoder and encoder see the 18 numbers of a code that follow its lobe.
+"""
 
 import numpy as np
 import pytest
 
-from urushi.checks import MIN_ALPHA
 from urushi.geometry.probe_pairs import probe_pairs
 from urushi.nets import decoder, encoder, layerer, sampler
 from urushi.nets.architecture import ACTIVATIONS, SCALE, Architecture, init
 from urushi.nets.features import direction_features
+from urushi.nets.lobe import NO_LOBE
 from urushi.nets.mlp import activate, linear, with_slope
 from urushi.nets.networks import UrushiNetworks
 
@@ -15,7 +18,7 @@ from urushi.nets.networks import UrushiNetworks
 def test_decoder_is_reciprocal_bit_for_bit_positive_and_finite(networks, pairs):
     arch, params = networks
     wi, wo = pairs
-    z = np.random.default_rng(2).normal(size=(20, 1, 32)).astype(np.float32) * 10
+    z = np.random.default_rng(2).normal(size=(20, 1, 18)).astype(np.float32) * 10
     f = decoder.decode(params, arch, z, direction_features(wi, wo)[None])
     assert f.shape == (20, len(wi))
     assert np.array_equal(f, decoder.decode(params, arch, z, direction_features(wo, wi)[None]))
@@ -24,7 +27,7 @@ def test_decoder_is_reciprocal_bit_for_bit_positive_and_finite(networks, pairs):
 
 def test_decoder_broadcasts_codes_over_directions(networks, pairs):
     arch, params = networks
-    z = np.random.default_rng(3).normal(size=(4, 32)).astype(np.float32)
+    z = np.random.default_rng(3).normal(size=(4, 18)).astype(np.float32)
     features = direction_features(*pairs)[:50]
     together = decoder.decode(params, arch, z[:, None], features[None])
     # Products of other shapes may add up in another order: float32 rounding, times the gain of 8.
@@ -37,14 +40,14 @@ def test_code_scales_and_shifts_the_response_of_the_first_layer(networks, pairs)
     # What a renderer computes once for a constant material: everything but the response.
     _, params = networks
     rng = np.random.default_rng(4)
-    z = rng.normal(size=(7, 31)).astype(np.float32)
+    z = rng.normal(size=(7, 17)).astype(np.float32)
     x = direction_features(*pairs)[:7]
     plain = linear(params, "decoder.0", np.concatenate([z, x], axis=-1))
     unscaled = decoder.first_layer(params | {SCALE: np.zeros_like(params[SCALE])}, z, x)
     np.testing.assert_allclose(unscaled, plain, atol=1e-5)
     scale = rng.normal(size=params[SCALE].shape).astype(np.float32)
     scaled = decoder.first_layer(params | {SCALE: scale}, z, x)
-    expected = plain + (z @ scale) * (x @ params["decoder.0.weight"][31:])
+    expected = plain + (z @ scale) * (x @ params["decoder.0.weight"][17:])
     np.testing.assert_allclose(scaled, expected, rtol=1e-4, atol=1e-4)
 
 
@@ -66,20 +69,21 @@ def test_encoder_is_finite_for_black_and_very_bright_materials(networks):
     assert np.isfinite(encoder.encode(params, arch, f)).all()
 
 
-def test_layerer_without_output_is_the_identity(networks):
+def test_layerer_without_output_changes_the_lobe_alone(networks, draw_codes):
     arch, params = networks
-    silent = params | {"layerer.3.weight": np.zeros((192, 32), np.float32)}
-    z = np.random.default_rng(6).normal(size=(9, 32)).astype(np.float32)
+    silent = params | {"layerer.3.weight": np.zeros((192, 18), np.float32)}
+    z = draw_codes(9, np.random.default_rng(6)).astype(np.float32)
     coat = tuple(np.full(9, x, np.float32) for x in (0.1, 1.5, 0.5, 1, 0))
-    assert np.array_equal(layerer.layer(silent, arch, z, coat), z)
+    assert np.array_equal(layerer.layer(silent, arch, z, coat)[:, 6:], z[:, 6:])
 
 
-def test_sampler_gives_a_mixture(networks):
+def test_sampler_gives_a_mixture(networks, draw_codes):
     arch, params = networks
-    z = np.random.default_rng(7).normal(size=(200, 1, 32)).astype(np.float32) * 100
+    z = draw_codes(200, np.random.default_rng(7)).astype(np.float32)[:, None]
+    z[..., 6:] *= 100
     cos_i = np.linspace(0, 1, 50, dtype=np.float32)
     weights, alphas = sampler.mixture(params, arch, z, cos_i)
-    assert weights.shape == (200, 50, 3) and alphas.shape == (200, 50, 2)
+    assert weights.shape == (200, 50, 4) and alphas.shape == (200, 50, 3)
     np.testing.assert_allclose(weights.sum(axis=-1), 1, atol=1e-6)
     assert (weights >= 0).all() and (weights[..., -1] >= 0.0199).all()
     assert (alphas >= np.float32(0.01)).all() and (alphas <= 1).all()
@@ -117,22 +121,9 @@ def test_everything_runs_at_the_probes(networks):
     assert encoder.encode(params, arch, f).shape == z.shape
 
 
-def test_a_vanishing_coat_leaves_the_bottom(networks):
-    """The coat is smooth, has no index step and no medium: the network's output is not added."""
-    arch, params = networks
-    z = np.random.default_rng(8).normal(size=(9, 32)).astype(np.float32)
-    distance = []
-    for presence in (1e-2, 1e-3, 1e-4):
-        parameters = (MIN_ALPHA + presence, 1 + presence, 0.5, presence, 0.3)
-        coat = tuple(np.full(9, x, np.float32) for x in parameters)
-        distance.append(np.abs(layerer.layer(params, arch, z, coat) - z).max())
-    # Proportional to the coat's presence, times a network whose inputs move by logarithms only.
-    assert distance[0] > 3 * distance[1] > 9 * distance[2] > 0
-
-
 def test_scaled_codes_scale_f_equally_for_all_pairs(networks, pairs):
     arch, params = networks
-    z = np.random.default_rng(5).normal(size=(3, 1, 32)).astype(np.float32)
+    z = np.random.default_rng(5).normal(size=(3, 1, 18)).astype(np.float32)
     features = direction_features(*pairs)
     factor = np.array([[0.25], [1.0], [3.0]], np.float32)
     f = decoder.decode(params, arch, z, features)
@@ -146,10 +137,11 @@ def test_values_and_derivatives_come_from_the_same_networks(networks, pairs):
     own = UrushiNetworks(params, arch)
     rows = np.random.default_rng(9).uniform(0, 2, (3, arch.probes)).astype(np.float32)
     codes, slopes = own.encode_log(encoder.log_values(rows))
-    np.testing.assert_allclose(codes, own.encode(rows), atol=1e-4)
-    logs, _ = own.decode_log(codes[:, None], direction_features(*pairs))
-    np.testing.assert_allclose(np.exp(logs), own.f(codes[:, None], *pairs), rtol=1e-4)
-    assert slopes.shape == (3, arch.latent, arch.probes)
+    whole = own.encode(rows, np.array(NO_LOBE, np.float32))
+    np.testing.assert_allclose(codes, whole[:, 6:], atol=1e-4)
+    logs, _ = own.decode_log(whole[:, None], direction_features(*pairs))
+    np.testing.assert_allclose(np.exp(logs), own.f(whole[:, None], *pairs), rtol=1e-4)
+    assert slopes.shape == (3, 18, arch.probes)
 
 
 def test_reduced_encoder_estimates_the_left_out_inputs_linearly(networks):
@@ -164,4 +156,5 @@ def test_reduced_encoder_estimates_the_left_out_inputs_linearly(networks):
     logs = (rng.normal(size=(5, len(kept))) @ matrix + offset) * params["encoder.input_scale"]
     f = (np.exp(logs) - encoder.OFFSET).astype(np.float32)
     encode = own.reduced_encoder(kept, matrix.astype(np.float32), offset.astype(np.float32))
-    np.testing.assert_allclose(encode(f[:, kept]), own.encode(f), atol=1e-3)
+    expected = own.encode(f, np.array(NO_LOBE, np.float32))[:, 6:]
+    np.testing.assert_allclose(encode(f[:, kept]), expected, atol=1e-3)

@@ -11,7 +11,7 @@ from urushi.errors import FileError, ParameterError
 from urushi.nets import weights
 from urushi.nets.architecture import Architecture, init
 
-ARCH = Architecture(latent=4, decoder=(8,), encoder=(8,), layerer=(8,), sampler=(8,), probes=16)
+ARCH = Architecture(latent=10, decoder=(8,), encoder=(8,), layerer=(8,), sampler=(8,), probes=16)
 
 
 @pytest.fixture
@@ -141,12 +141,38 @@ def test_unwritable_output_is_named(tmp_path):
 def test_missing_default_weights_name_the_cure(monkeypatch, tmp_path):
     monkeypatch.setattr(weights, "shipped_folder", lambda: tmp_path)
     with pytest.raises(FileError, match="install the package again"):
-        weights.load_shipped.__wrapped__("small")
+        weights.default_model.__wrapped__()
 
 
-@pytest.mark.parametrize("name", weights.SHIPPED)
-def test_shipped_weights_are_small_and_say_where_they_come_from(name):
-    model = weights.find(name)
-    assert model is weights.load_shipped(name)
-    assert (weights.shipped_folder() / f"{name}.safetensors").stat().st_size < 2_000_000
+def test_shipped_weights_are_small_and_say_where_they_come_from():
+    model = weights.find("default")
+    assert model is weights.default_model() is weights.find(None)
+    assert (weights.shipped_folder() / "default.safetensors").stat().st_size < 2_000_000
     assert {"seed", "data", "metrics", "cost", "versions"} <= set(model.header)
+
+
+def test_unknown_names_name_the_shipped_weights():
+    with pytest.raises(FileError, match="no weights 'large'; give a file, or 'default'"):
+        weights.find("large")
+
+
+@pytest.mark.parametrize("name", ["base", "small"])
+def test_names_of_former_weights_name_the_version_that_has_them(name, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(FileError, match=f"'{name}' are shipped no more; .* 3078021 .*'default'"):
+        weights.find(name)
+    weights.save(name, ARCH, init(ARCH, 0), {})  # a file of that name is a file
+    assert weights.find(name).arch == ARCH
+
+
+def test_networks_without_a_lobe_name_the_version_that_reads_them(tmp_path):
+    """A file of the earlier form: its architecture has no entry `lobe`."""
+    path = tmp_path / "former.safetensors"
+    sizes = {"latent": 4, "lobes": 2, "activation": "silu7", "probes": 16}
+    sizes |= {part: [8] for part in ("decoder", "encoder", "layerer", "sampler")}
+    text = json.dumps({"kind": "weights", "version": 1, "architecture": sizes})
+    arrays = {"decoder.0.weight": np.zeros((11, 8), np.float32)}
+    path.write_bytes(safetensors.numpy.save(arrays, {"urushi": text}))
+    with pytest.raises(FileError, match="no analytic lobe; Urushi .* 3078021 reads it") as caught:
+        weights.find(path)
+    assert str(path) in str(caught.value) and "\n" not in str(caught.value)

@@ -15,7 +15,7 @@ from urushi.textures.mip_pyramid import MipPyramid
 def lobed() -> Model:
     """Untrained networks whose codes have a lobe."""
     arch = Architecture(
-        latent=14, decoder=(16, 16), layerer=(16,), encoder=(32,), sampler=(8,), lobes=1, lobe=6
+        latent=14, decoder=(16, 16), layerer=(16,), encoder=(32,), sampler=(8,), lobes=1
     )
     params = init(arch, 0)
     rng = np.random.default_rng(0)

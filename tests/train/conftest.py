@@ -22,7 +22,6 @@ ARCH = Architecture(
     sampler=(8,),
     lobes=1,
     probes=24,
-    lobe=6,
 )
 
 #: Numbers of stacks of 0, 1 and 2 coats in a step.

@@ -9,9 +9,7 @@ from urushi.nets.features import INTERFACE_TABLE, MEDIUM_TABLE
 from urushi.nets.lobe import LOBE_FEATURES, NO_LOBE
 from urushi.train.stages.joint import ABSORPTION_STEPS, absorption_penalty, with_more_absorption
 
-ARCH = Architecture(
-    latent=10, decoder=(8,), encoder=(8,), layerer=(8,), sampler=(4,), probes=6, lobe=6
-)
+ARCH = Architecture(latent=10, decoder=(8,), encoder=(8,), layerer=(8,), sampler=(4,), probes=6)
 
 
 @pytest.fixture

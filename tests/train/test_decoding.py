@@ -19,9 +19,7 @@ from urushi.train.stages.decoding import (
     weighted_loss,
 )
 
-ARCH = Architecture(
-    latent=10, decoder=(8,), encoder=(8,), layerer=(8,), sampler=(4,), probes=6, lobe=6
-)
+ARCH = Architecture(latent=10, decoder=(8,), encoder=(8,), layerer=(8,), sampler=(4,), probes=6)
 
 
 def _split(params):

@@ -21,7 +21,7 @@ from urushi.train.stages.joint import joint_loss
 from urushi.train.stages.sampling import Targets, sampler_loss, variation
 
 ARCH = Architecture(
-    latent=10, decoder=(32, 32), encoder=(8,), layerer=(4,), sampler=(16,), probes=32, lobe=6
+    latent=10, decoder=(32, 32), encoder=(8,), layerer=(4,), sampler=(16,), probes=32
 )
 #: The networks have to learn the metal: its lobe is not given.
 LOBES = np.array([NO_LOBE], np.float32)

@@ -21,9 +21,7 @@ from urushi.train.losses import (
 )
 from urushi.train.stages.joint import CYCLE_STRIDE, joint_loss
 
-ARCH = Architecture(
-    latent=10, decoder=(8,), encoder=(8,), layerer=(8,), sampler=(4,), probes=6, lobe=6
-)
+ARCH = Architecture(latent=10, decoder=(8,), encoder=(8,), layerer=(8,), sampler=(4,), probes=6)
 
 
 def _coats(rng, count):

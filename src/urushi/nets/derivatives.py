@@ -90,7 +90,7 @@ def encode_pushforward(params: Params, arch: Architecture, f: Any, df: Any, lobe
     slopes = fit_slopes(f, lobe)
     dlobe = (slopes @ df[..., None])[..., 0]
     top, columns = _top_at_probes(lobe, f.shape[-1])
-    change = np.where(f > top, df - (columns * dlobe[..., None]).sum(axis=1), 0)
+    change = np.where(f >= top, df - (columns * dlobe[..., None]).sum(axis=1), 0)
     rest = np.maximum(f - top, 0)
     dz = _encode_pushforward(params, arch, rest, change.astype(f.dtype))
     return np.concatenate([_all_numbers(dlobe), dz], axis=-1).astype(f.dtype)
@@ -103,7 +103,7 @@ def encode_pullback(params: Params, arch: Architecture, f: Any, dz: Any, lobe: A
     """
     top, columns = _top_at_probes(lobe, f.shape[-1])
     of_rest = _encode_pullback(params, arch, np.maximum(f - top, 0), dz[:, arch.lobe :])
-    of_rest = np.where(f > top, of_rest, 0)
+    of_rest = np.where(f >= top, of_rest, 0)
     of_lobe = dz[:, FITTED] - (columns @ of_rest[..., None])[..., 0]
     through = (of_lobe[:, None] @ fit_slopes(f, lobe))[:, 0]
     return (of_rest + through).astype(f.dtype)

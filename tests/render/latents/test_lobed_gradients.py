@@ -10,7 +10,7 @@ from urushi.nets.features import direction_features
 from urushi.nets.weights import Model
 
 ARCH = Architecture(
-    latent=12, decoder=(8, 8), encoder=(8,), layerer=(8,), sampler=(8,), lobes=1, probes=48, lobe=6
+    latent=12, decoder=(8, 8), encoder=(8,), layerer=(8,), sampler=(8,), lobes=1, probes=48
 )
 
 #: alpha, normal, grazing, exact, eta, k of three channels.

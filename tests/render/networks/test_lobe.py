@@ -13,7 +13,7 @@ from urushi.textures.grid import IDENTITY, TexelGrid
 from urushi.textures.store import TextureStore
 
 ARCH = Architecture(
-    latent=12, decoder=(8, 8), encoder=(8,), layerer=(8,), sampler=(8,), lobes=1, probes=48, lobe=6
+    latent=12, decoder=(8, 8), encoder=(8,), layerer=(8,), sampler=(8,), lobes=1, probes=48
 )
 
 #: alpha, normal, grazing, exact, eta, k; one for each kind of code that is recorded.
