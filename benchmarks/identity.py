@@ -34,7 +34,7 @@ import numpy as np
 
 import urushi
 from urushi.files import atomic_write, read_tensors
-from urushi.nets.weights import SHIPPED
+from urushi.nets.weights import DEFAULT, default_model
 from urushi.textures.file import KIND
 
 #: Pairs of directions, and size of the demo's pictures and their samples per pixel.
@@ -93,10 +93,8 @@ def hashed(*arrays: np.ndarray) -> str:
 
 
 def weights() -> Entries:
-    """Fingerprints of the shipped weights."""
-    from urushi.nets import weights as shipped
-
-    return {name: shipped.find(name).fingerprint for name in shipped.SHIPPED}
+    """The fingerprint of the shipped weights."""
+    return {DEFAULT: default_model().fingerprint}
 
 
 def textures() -> Entries:
@@ -123,7 +121,6 @@ def textures() -> Entries:
     return {
         "over a conductor": _texels(fine),
         "over a texture": _texels(coarse),
-        **{f"{name} over a texture": _texels({**coarse, "weights": name}) for name in SHIPPED[1:]},
     }
 
 

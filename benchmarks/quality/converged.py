@@ -47,7 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments that all benchmarks of pictures share."""
     parser.add_argument("--scenes", nargs="+", default=SCENES, choices=SCENES, help="scenes")
     parser.add_argument(
-        "--weights", nargs="+", default=networks.SHIPPED, help="weights of neural_layered"
+        "--weights", nargs="+", default=[networks.DEFAULT], help="weights of neural_layered"
     )
     parser.add_argument(
         "--width", type=int, default=320, help="width of pictures [pixels]; the height is 3/4 of it"

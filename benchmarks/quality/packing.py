@@ -11,7 +11,7 @@ from benchmarks.quality.mipmap import cosine_pairs
 from urushi.geometry.error_metrics import stack_error
 from urushi.material import encode
 from urushi.material.layer import layer_texels
-from urushi.nets import weights
+from urushi.nets.weights import default_model
 from urushi.reference import conductor
 from urushi.textures import packing
 
@@ -20,38 +20,37 @@ TEXELS, BOTTOMS = 1024, 16
 
 def main() -> None:
     """Print the table."""
-    print(f"{'':8}{'bytes':>8}{'mean E':>10}{'95 %':>10}{'half floats':>14}{'mean E':>10}")
-    for name in weights.SHIPPED:
-        model, rng = weights.load_shipped(name), np.random.default_rng(0)
-        metals = [conductor(rng.uniform(0.05, 0.6), rng.random(3)) for _ in range(BOTTOMS)]
-        bottoms = np.concatenate([encode(metal, model).anchors for metal in metals])
-        count = 3 * TEXELS
-        codes = layer_texels(
-            model,
-            bottoms[rng.integers(len(bottoms), size=count)],
-            alpha=0.01 * 100 ** rng.random(count),
-            eta=rng.uniform(1.2, 1.8, count),
-            albedo=rng.random(count),
-            sigma_t=rng.exponential(1, count),
-            g=rng.uniform(-0.7, 0.7, count),
-        )
-        layout = packing.texel_layout(model, 3)
-        texels = codes.reshape(TEXELS, 3, -1)
-        lowest, highest = codes.min(axis=0), codes.max(axis=0)
-        empty = np.zeros((TEXELS, layout.texel_bytes), np.uint8)
-        packed = packing.with_ranges(layout, empty, lowest, highest)
-        packing.pack_rows(layout, packed, slice(None), texels)
-        wi, wo = cosine_pairs(rng)
-        f = model.networks.f(codes[:, None], wi, wo)
-        stored = packing.unpack(layout, packed).reshape(codes.shape), codes.astype(np.float16)
-        ours, half = (
-            stack_error(model.networks.f(np.float32(z)[:, None], wi, wo), f, wi[:, 2], wo[:, 2])
-            for z in stored
-        )
-        print(
-            f"{name:8}{layout.texel_bytes:8}{ours.mean():10.3%}{np.quantile(ours, 0.95):10.3%}"
-            f"{2 * texels[0].size:14}{half.mean():10.3%}"
-        )
+    print(f"{'bytes':>8}{'mean E':>10}{'95 %':>10}{'half floats':>14}{'mean E':>10}")
+    model, rng = default_model(), np.random.default_rng(0)
+    metals = [conductor(rng.uniform(0.05, 0.6), rng.random(3)) for _ in range(BOTTOMS)]
+    bottoms = np.concatenate([encode(metal, model).anchors for metal in metals])
+    count = 3 * TEXELS
+    codes = layer_texels(
+        model,
+        bottoms[rng.integers(len(bottoms), size=count)],
+        alpha=0.01 * 100 ** rng.random(count),
+        eta=rng.uniform(1.2, 1.8, count),
+        albedo=rng.random(count),
+        sigma_t=rng.exponential(1, count),
+        g=rng.uniform(-0.7, 0.7, count),
+    )
+    layout = packing.texel_layout(model, 3)
+    texels = codes.reshape(TEXELS, 3, -1)
+    lowest, highest = codes.min(axis=0), codes.max(axis=0)
+    empty = np.zeros((TEXELS, layout.texel_bytes), np.uint8)
+    packed = packing.with_ranges(layout, empty, lowest, highest)
+    packing.pack_rows(layout, packed, slice(None), texels)
+    wi, wo = cosine_pairs(rng)
+    f = model.networks.f(codes[:, None], wi, wo)
+    stored = packing.unpack(layout, packed).reshape(codes.shape), codes.astype(np.float16)
+    ours, half = (
+        stack_error(model.networks.f(np.float32(z)[:, None], wi, wo), f, wi[:, 2], wo[:, 2])
+        for z in stored
+    )
+    print(
+        f"{layout.texel_bytes:8}{ours.mean():10.3%}{np.quantile(ours, 0.95):10.3%}"
+        f"{2 * texels[0].size:14}{half.mean():10.3%}"
+    )
 
 
 if __name__ == "__main__":

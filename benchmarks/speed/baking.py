@@ -18,7 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
-from urushi.nets.weights import SHIPPED
+from urushi.nets.weights import DEFAULT
 from urushi.platform import available_cores
 
 ROWS = ("one bottom", "textured bottom")
@@ -45,7 +45,7 @@ def measure(side: int, weights: str | None, bottom: str, levels: int) -> None:
         base |= {"alpha": texture(0.05, 0.5, 1), "specular_reflectance": texture(0.1, 1, 3)}
     coat = {
         "type": "neural_layered",
-        "weights": weights or SHIPPED[0],
+        "weights": weights or DEFAULT,
         "alpha": texture(0.02, 0.3, 1),
         "albedo": texture(0, 1, 3),
         "sigma_t": texture(0, 2, 3),
@@ -97,7 +97,7 @@ def main() -> None:
         levels = 0 if arguments.float else 255
         measure(arguments.side, arguments.weights, arguments.row, levels)
         return
-    print(f"{arguments.side}² texels, {arguments.weights or SHIPPED[0]}, {available_cores()} cores")
+    print(f"{arguments.side}² texels, {arguments.weights or DEFAULT}, {available_cores()} cores")
     print(
         f"{'':17}{'load':>10}{'CPU':>10}{'peak':>11}{'edit':>10}{'file':>11}{'save':>10}{'reload':>10}"
     )

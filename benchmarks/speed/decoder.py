@@ -15,7 +15,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi.nets.weights import SHIPPED
+from urushi.nets.weights import DEFAULT
 
 COUNT, RUNS = 1 << 20, 7
 
@@ -78,7 +78,7 @@ def main() -> None:
         description=__doc__,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("--weights", nargs="+", default=SHIPPED, help="names or files")
+    parser.add_argument("--weights", nargs="+", default=[DEFAULT], help="names or files")
     given = parser.parse_args()
     cases = {(name, form): f for name in given.weights for form, f in evaluations(name).items()}
     times: dict[tuple, list] = {case: [] for case in cases}

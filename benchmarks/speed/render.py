@@ -33,7 +33,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi.nets.weights import SHIPPED
+from urushi.nets.weights import DEFAULT
 from urushi.platform import available_cores
 
 OTHERS = ("principled", "layered")
@@ -201,7 +201,7 @@ def main() -> None:
     )
     parser.add_argument("--tables", nargs="+", default=TABLES, choices=TABLES, help="tables")
     parser.add_argument("--scenes", nargs="+", default=SCENES, choices=SCENES, help="whole scenes")
-    parser.add_argument("--weights", nargs="+", default=SHIPPED, help="weights of neural_layered")
+    parser.add_argument("--weights", nargs="+", default=[DEFAULT], help="weights of neural_layered")
     parser.add_argument("--side", type=int, default=512, help="width [pixels]")
     parser.add_argument("--detail", type=float, default=1.0, help="scale of the scenes' textures")
     parser.add_argument("--spp", type=int, default=32, help="samples per pixel")

@@ -12,12 +12,11 @@ def untrained(monkeypatch, tmp_path):
     """Untrained networks: for what does not depend on how good they are."""
     folder = tmp_path / "weights"
     folder.mkdir()
-    for seed, name in enumerate(weights.SHIPPED):
-        weights.save(folder / f"{name}.safetensors", Architecture(), init(Architecture(), seed), {})
+    weights.save(folder / "default.safetensors", Architecture(), init(Architecture(), 0), {})
     monkeypatch.setattr(weights, "shipped_folder", lambda: folder)
-    weights.load_shipped.cache_clear()
+    weights.default_model.cache_clear()
     yield
-    weights.load_shipped.cache_clear()
+    weights.default_model.cache_clear()
 
 
 @pytest.fixture

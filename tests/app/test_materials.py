@@ -10,6 +10,8 @@ import urushi
 from urushi.app import cli
 from urushi.app.commands.layer import scalar_or_rgb
 from urushi.checks import DEFAULT_COAT
+from urushi.nets import weights
+from urushi.nets.architecture import Architecture, init
 
 pytestmark = pytest.mark.usefixtures("untrained")
 
@@ -220,11 +222,12 @@ def test_layer_a_file_and_a_description_alike(tmp_path):
 
 def test_layer_has_the_coat_of_python_by_default(tmp_path):
     """The defaults are those of `urushi.coat`; the networks are those of --weights."""
-    file = tmp_path / "coated.safetensors"
-    assert cli.main(["layer", GOLD, "--weights", "small", "-o", str(file)]) == 0
-    gold = urushi.encode(urushi.conductor(alpha=0.2, r0=(0.98, 0.77, 0.34)), "small")
+    file, other = tmp_path / "coated.safetensors", tmp_path / "other.safetensors"
+    weights.save(other, Architecture(), init(Architecture(), 1), {})
+    assert cli.main(["layer", GOLD, "--weights", str(other), "-o", str(file)]) == 0
+    gold = urushi.encode(urushi.conductor(alpha=0.2, r0=(0.98, 0.77, 0.34)), other)
     top = urushi.dielectric(DEFAULT_COAT.alpha, DEFAULT_COAT.eta)
-    assert urushi.load(file, "small") == urushi.layer(top, gold)
+    assert urushi.load(file, other) == urushi.layer(top, gold)
 
 
 def test_one_value_or_three():

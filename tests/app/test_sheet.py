@@ -46,7 +46,8 @@ def test_every_coat_can_be_laid(materials):
 
 
 def test_what_cannot_be_a_sheet(materials):
-    other = urushi.encode(urushi.diffuse(0.5), "small")
+    strange = weights.Model.of(Architecture(), init(Architecture(), 9), {})
+    other = urushi.encode(urushi.diffuse(0.5), strange)
     odd = urushi.encode(lambda wi, wo: np.ones((len(wi), 2)))
     bare = {"bare": None}
     for given, rows, coats, words in [
@@ -79,14 +80,14 @@ def test_the_command_writes_a_picture(tmp_path, capsys, monkeypatch):
         (["diffuse(0.5)", "diffuse(0.2)", "--coats", "bare", "bare"], "is named twice"),
         (["diffuse(0.5)", "absent.binary"], "there is no file 'absent.binary'"),
         (["diffuse(0.5)", "diffuse(0.2)", "--rows", "1"], "1 rows"),
-        (["diffuse(0.5)", "small.safetensors"], "do not belong together"),
+        (["diffuse(0.5)", "strange-grey.safetensors"], "do not belong together"),
     ],
 )
 def test_errors(arguments, sentence, tmp_path, capsys, monkeypatch):
     pytest.importorskip("matplotlib")
     monkeypatch.chdir(tmp_path)
     strange = weights.save(tmp_path / "strange", Architecture(), init(Architecture(), 9), {})
-    urushi.encode(urushi.diffuse(0.5), strange).save("small.safetensors")
+    urushi.encode(urushi.diffuse(0.5), strange).save("strange-grey.safetensors")
     assert cli.main(["sheet", *arguments, "-o", "sheet.png"]) == 2
     message = capsys.readouterr().err
     assert sentence in message and message.count("\n") == 1

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from benchmarks.scenes import LIGHTS, OWN, POINT, PRINCIPLED, SCENES, SKY, WALK, describe, digest
 
-from urushi.nets.weights import SHIPPED
+from urushi.nets.weights import DEFAULT
 
 SMALL = {"width": 16, "detail": 0.02}
 
@@ -28,15 +28,15 @@ def types(node):
 def test_methods_replace_every_coat_and_leave_the_rest(name, tmp_path):
     found = {
         method: list(types(describe(name, method, tmp_path, **SMALL)))
-        for method in (WALK, PRINCIPLED, SHIPPED[0])
+        for method in (WALK, PRINCIPLED, DEFAULT)
     }
     coats = found[WALK].count("layered")
-    assert coats > 0 and coats == found[SHIPPED[0]].count("neural_layered")
+    assert coats > 0 and coats == found[DEFAULT].count("neural_layered")
     assert coats == found[PRINCIPLED].count("principled")
     assert not {"layered", "neural_layered"} & set(found[PRINCIPLED])
     assert found[WALK].count("bitmap") == found[PRINCIPLED].count("bitmap")
     assert [x for x in found[WALK] if x != "layered"] == [
-        x for x in found[SHIPPED[0]] if x != "neural_layered"
+        x for x in found[DEFAULT] if x != "neural_layered"
     ]
 
 
@@ -64,5 +64,5 @@ def test_the_hash_states_content_and_not_the_folder(tmp_path):
         return digest(describe("demo", method, tmp_path / folder, light=light, **(SMALL | size)))
 
     assert of() == of(folder="b")
-    others = [of(SHIPPED[0]), of(PRINCIPLED), of(light=POINT), of(light=SKY), of(width=20)]
+    others = [of(DEFAULT), of(PRINCIPLED), of(light=POINT), of(light=SKY), of(width=20)]
     assert len({of(), *others}) == 1 + len(others)

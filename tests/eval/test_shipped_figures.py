@@ -65,16 +65,13 @@ def test_the_table_is_read_by_the_networks_that_its_header_names(count):
         assert read[name] == {"easy": (0.1 * k, 0.2, 1.25, 0.3), "beyond it": None}
 
 
-def test_the_table_has_the_shipped_networks():
-    assert tuple(published(RESULTS.read_text(encoding="utf-8"))) == weights.SHIPPED
-
-
-@pytest.mark.parametrize("name", weights.SHIPPED)
-def test_the_shipped_networks_hold_the_published_figures(name, sets):
-    table = published(RESULTS.read_text(encoding="utf-8"))[name]
+def test_the_shipped_networks_hold_the_published_figures(sets):
+    tables = published(RESULTS.read_text(encoding="utf-8"))
+    assert list(tables) == [weights.DEFAULT]
+    table = tables[weights.DEFAULT]
     rows = tuple(row for row in MEASURED if row.name.strip() in table)
     assert len(rows) >= 10, "docs/results.md has the rows of `urushi eval`"
-    errors = report.measure_errors(weights.load_shipped(name), sets, rows=rows)
+    errors = report.measure_errors(weights.default_model(), sets, rows=rows)
     for row, figures in errors.rows.items():
         limits = table[row.strip()]
         if figures is None or limits is None:
@@ -86,7 +83,6 @@ def test_the_shipped_networks_hold_the_published_figures(name, sets):
             assert value <= MARGIN * limit, (row, measured, limits)
 
 
-@pytest.mark.parametrize("name", weights.SHIPPED)
-def test_the_shipped_networks_create_no_energy(name):
+def test_the_shipped_networks_create_no_energy():
     """The directional albedo of stacks that absorb nothing is at most 100 %."""
-    assert physical_laws.white_albedo(weights.load_shipped(name)).kept
+    assert physical_laws.white_albedo(weights.default_model()).kept

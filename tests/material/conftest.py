@@ -6,11 +6,15 @@ import pytest
 from urushi import paper
 from urushi.material import Material
 from urushi.nets.architecture import SCALE, Architecture, code_names, init
+from urushi.nets.lobe import NO_LOBE
 from urushi.nets.weights import Model, default_model
 
 paper.register()  # some tests use its networks, which have no gain and no derivatives
 
-RGB = np.random.default_rng(41).normal(size=(3, 32)).astype(np.float32)
+#: Codes of a dielectric, of a metal and of no lobe, over random rests.
+LOBES = [[0.2, 0, 0, 1, 1.5, 0], [0.1, 0.8, 1, 0, 1.5, 0], NO_LOBE]
+RGB = np.concatenate([LOBES, np.random.default_rng(41).normal(size=(3, 26))], axis=1)
+RGB = RGB.astype(np.float32)
 
 
 def make_model(seed: int) -> Model:
@@ -19,6 +23,17 @@ def make_model(seed: int) -> Model:
     params["decoder.3.weight"] = params["decoder.3.weight"] * 5  # some orders of magnitude in f
     params["sampler.2.weight"] = params["sampler.2.weight"] * 10
     return Model.of(arch, params, {})
+
+
+@pytest.fixture(scope="session")
+def draw_codes():
+    """From a shape and a generator: codes float32 (*shape, 32) with lobes of all kinds."""
+
+    def draw(shape: tuple[int, ...], rng: np.random.Generator) -> np.ndarray:
+        lobes = np.array(LOBES)[rng.integers(len(LOBES), size=shape)]
+        return np.concatenate([lobes, rng.normal(size=(*shape, 26))], axis=-1).astype(np.float32)
+
+    return draw
 
 
 @pytest.fixture(scope="session")
@@ -36,7 +51,7 @@ def material(model) -> Material:
     return Material(RGB, model)
 
 
-def make_lobed(seed: int) -> Model:
+def make_small(seed: int) -> Model:
     arch = Architecture(
         latent=24, decoder=(24, 24), layerer=(64,), encoder=(64,), sampler=(16,), lobes=1
     )
@@ -50,14 +65,14 @@ def make_lobed(seed: int) -> Model:
 
 
 @pytest.fixture(scope="session")
-def lobed() -> Model:
-    """Untrained networks whose codes have an analytic lobe."""
-    return make_lobed(3)
+def small() -> Model:
+    """Untrained networks of about the shipped size."""
+    return make_small(3)
 
 
 @pytest.fixture(scope="session")
-def other_lobed() -> Model:
-    return make_lobed(4)
+def other_small() -> Model:
+    return make_small(4)
 
 
 @pytest.fixture(scope="session")

@@ -28,56 +28,56 @@ def pairs(directions):
 
 
 @pytest.mark.parametrize("surface", BARE)
-def test_bare_interfaces_are_exact(surface, lobed, pairs):
+def test_bare_interfaces_are_exact(surface, small, pairs):
     """The tolerance is the rounding of single precision in sharp lobes."""
-    material = encode(surface, lobed)
+    material = encode(surface, small)
     np.testing.assert_allclose(
         material.f(*pairs), analytic.f(surface, *pairs), rtol=2e-3, atol=1e-6
     )
     np.testing.assert_array_equal(material.anchors[:, :6], material.latents[:, :6])
 
 
-def test_the_topmost_interface_of_a_stack_is_the_lobe(lobed):
+def test_the_topmost_interface_of_a_stack_is_the_lobe(small):
     stack = coat(conductor(0.3, 0.5), alpha=(0.1, 0.2, 0.3), eta=1.7, sigma_t=1.0)
-    found = encode(stack, lobed).latents[:, :6]
+    found = encode(stack, small).latents[:, :6]
     np.testing.assert_allclose(found[:, 0], (0.1, 0.2, 0.3), rtol=1e-6)
     np.testing.assert_allclose(found[:, 3:], [[1, 1.7, 0]] * 3, rtol=1e-6)
 
 
-def test_a_coat_replaces_the_lobe(lobed):
-    coated = layer(dielectric(0.2, 1.4), conductor(0.05, 0.9), sigma_t=1.0, weights=lobed)
+def test_a_coat_replaces_the_lobe(small):
+    coated = layer(dielectric(0.2, 1.4), conductor(0.05, 0.9), sigma_t=1.0, weights=small)
     np.testing.assert_allclose(coated.latents[:, :6], [[0.2, 0, 0, 1, 1.4, 0]] * 3, rtol=1e-6)
 
 
-def test_diffuse_surfaces_have_no_lobe(lobed):
-    np.testing.assert_array_equal(encode(diffuse(0.5), lobed).latents[:, 1:4], 0)
+def test_diffuse_surfaces_have_no_lobe(small):
+    np.testing.assert_array_equal(encode(diffuse(0.5), small).latents[:, 1:4], 0)
 
 
-def test_a_material_is_encoded_with_its_own_lobe(lobed, other_lobed):
-    first = encode(conductor(0.1, 0.8), lobed)
-    again = encode(first, other_lobed)
+def test_a_material_is_encoded_with_its_own_lobe(small, other_small):
+    first = encode(conductor(0.1, 0.8), small)
+    again = encode(first, other_small)
     np.testing.assert_allclose(again.latents[:, :6], first.latents[:, :6], rtol=1e-6)
 
 
 @pytest.fixture(scope="module")
-def plastic(lobed):
+def plastic(small):
     """Values (192, 2) of a GGX lobe over a diffuse surface."""
-    pairs = lobed.networks.pairs()
+    pairs = small.networks.pairs()
     lobe = analytic.f(dielectric(0.1, 1.5), *pairs)[:, :1]
     return lobe + analytic.f(diffuse((0.2, 0.6, 0.0)), *pairs)[:, :2]
 
 
 @pytest.mark.parametrize("refine", [False, True])
-def test_fits_keep_the_lobe(lobed, plastic, refine):
+def test_fits_keep_the_lobe(small, plastic, refine):
     lobe = np.array([0.1, 0, 0, 1, 1.5, 0], np.float32)
-    material = material_from_values(plastic, lobed, refine=refine, lobe=lobe)
+    material = material_from_values(plastic, small, refine=refine, lobe=lobe)
     np.testing.assert_array_equal(material.latents[:, :6], np.tile(lobe, (2, 1)))
     np.testing.assert_array_equal(material.anchors[:, :6], material.latents[:, :6])
 
 
-def test_fits_come_closer(lobed, plastic):
+def test_fits_come_closer(small, plastic):
     """Both lower the error of the whole f, and so the refinement's own objective."""
-    networks, f = lobed.networks, np.ascontiguousarray(plastic.T)
+    networks, f = small.networks, np.ascontiguousarray(plastic.T)
     lobe = np.array([0.1, 0, 0, 1, 1.5, 0], np.float32)
     z = networks.encode(f, np.tile(lobe, (2, 1)))
 
@@ -92,56 +92,56 @@ def test_fits_come_closer(lobed, plastic):
     assert miss(refined[None])[0] < 0.5 * miss(z)[0]
 
 
-def test_only_the_rest_is_limited(lobed):
-    z = encode(conductor(0.1, (0.9, 0.5, 0.1)), lobed).anchors.copy()
+def test_only_the_rest_is_limited(small):
+    z = encode(conductor(0.1, (0.9, 0.5, 0.1)), small).anchors.copy()
     z[:, 6] = 3.0  # much too bright
-    limited = energy.limit_albedo(lobed, z)
+    limited = energy.limit_albedo(small, z)
     np.testing.assert_array_equal(limited[:, :6], z[:, :6])
     np.testing.assert_array_equal(limited[:, 7:], z[:, 7:])
-    peaks = energy.directional_albedos(lobed, limited).max(axis=1)
+    peaks = energy.directional_albedos(small, limited).max(axis=1)
     np.testing.assert_allclose(peaks, 1 - energy.MARGIN, atol=1e-3)
 
 
-def test_a_lobe_that_reflects_everything_does_not_black_out_the_rest(lobed):
-    z = encode(conductor(0.01, 1.0), lobed).anchors.copy()
+def test_a_lobe_that_reflects_everything_does_not_black_out_the_rest(small):
+    z = encode(conductor(0.01, 1.0), small).anchors.copy()
     z[:, 6] = -3.0
-    limited = energy.limit_albedo(lobed, z)
-    rest = energy.rest_albedos(lobed, limited).max(axis=1)
+    limited = energy.limit_albedo(small, z)
+    rest = energy.rest_albedos(small, limited).max(axis=1)
     assert (rest > 0.5 * energy.LEAST_REST).all()
-    assert energy.directional_albedos(lobed, limited).max() < 1 + 2 * energy.LEAST_REST
+    assert energy.directional_albedos(small, limited).max() < 1 + 2 * energy.LEAST_REST
 
 
-def material_with(lobed, lobe, gain) -> Material:
-    z = encode(conductor(0.1, 0.8), lobed).anchors[:1].copy()
+def material_with(small, lobe, gain) -> Material:
+    z = encode(conductor(0.1, 0.8), small).anchors[:1].copy()
     z[:, :6] = lobe
     z[:, 6] = gain
     z[:, 7:] += np.random.default_rng(abs(int(10 * gain))).normal(size=z[:, 7:].shape)
-    z = energy.limit_albedo(lobed, z)
-    return Material(z, lobed)
+    z = energy.limit_albedo(small, z)
+    return Material(z, small)
 
 
-def materials(lobed) -> list[Material]:
+def materials(small) -> list[Material]:
     """Metal, a coat on something, diffuse, a sharp conductor with a rest, and nothing at all."""
     return [
-        encode(conductor(0.05, eta=0.2, k=3.9), lobed),
-        material_with(lobed, (0.3, 0, 0, 1, 1.5, 0), 0.0),
-        material_with(lobed, lobes.NO_LOBE, 0.5),
-        material_with(lobed, (0.1, 0.7, 1.0, 0, 1.5, 0), -1.0),
-        encode(diffuse(0.0), lobed),
+        encode(conductor(0.05, eta=0.2, k=3.9), small),
+        material_with(small, (0.3, 0, 0, 1, 1.5, 0), 0.0),
+        material_with(small, lobes.NO_LOBE, 0.5),
+        material_with(small, (0.1, 0.7, 1.0, 0, 1.5, 0), -1.0),
+        encode(diffuse(0.0), small),
     ]
 
 
 @pytest.mark.parametrize("first", range(5))
 @pytest.mark.parametrize("second", range(5))
-def test_blends_are_smooth_and_conserve_energy(lobed, pairs, first, second):
-    a, b = materials(lobed)[first], materials(lobed)[second]
+def test_blends_are_smooth_and_conserve_energy(small, pairs, first, second):
+    a, b = materials(small)[first], materials(small)[second]
     at = np.linspace(0, 1, 9)
     blends = [lerp(a, b, t) for t in at]
     for end, blend in ((a, blends[0]), (b, blends[-1])):
         np.testing.assert_array_equal(
             blend.latents, np.broadcast_to(end.latents, blend.latents.shape)
         )
-    peaks = [energy.directional_albedos(lobed, m.latents).max() for m in blends]
+    peaks = [energy.directional_albedos(small, m.latents).max() for m in blends]
     assert max(peaks) <= max(1.0, peaks[0], peaks[-1]) + energy.LEAST_REST
     for end, near in ((a, 1e-6), (b, 1 - 1e-6)):
         found = lerp(a, b, near).f(*pairs)
@@ -149,16 +149,16 @@ def test_blends_are_smooth_and_conserve_energy(lobed, pairs, first, second):
         np.testing.assert_allclose(found, expected, rtol=1e-3, atol=1e-4)
 
 
-def test_the_width_of_a_lobe_that_reflects_nothing_does_not_count(lobed):
-    sharp, none = materials(lobed)[0], materials(lobed)[2]
+def test_the_width_of_a_lobe_that_reflects_nothing_does_not_count(small):
+    sharp, none = materials(small)[0], materials(small)[2]
     half = lerp(sharp, none, 0.5)
     np.testing.assert_allclose(half.latents[:, 0], 0.05, rtol=1e-5)
     np.testing.assert_allclose(half.latents[:, 4:6], [[0.2, 3.9]] * len(half.latents), rtol=1e-5)
 
 
-def test_light_changes_evenly_between_bare_and_diffuse(lobed):
+def test_light_changes_evenly_between_bare_and_diffuse(small):
     """The rest of bare metal is empty, and its code has no meaning."""
-    a, b = encode(conductor(0.3, 0.8), lobed), materials(lobed)[2]
+    a, b = encode(conductor(0.3, 0.8), small), materials(small)[2]
     wi = np.array([[0.6, 0.0, 0.8]])
     ends = [m.directional_albedo(wi)[0, 0] for m in (a, b)]
     for t in (0.25, 0.5, 0.75):
@@ -166,7 +166,7 @@ def test_light_changes_evenly_between_bare_and_diffuse(lobed):
         assert found == pytest.approx((1 - t) * ends[0] + t * ends[1], abs=0.05)
 
 
-def test_files_keep_lobes(lobed, tmp_path):
-    material = encode(BARE[0], lobed)
+def test_files_keep_lobes(small, tmp_path):
+    material = encode(BARE[0], small)
     material.save(tmp_path / "gold.safetensors")
-    assert load(tmp_path / "gold.safetensors", lobed) == material
+    assert load(tmp_path / "gold.safetensors", small) == material

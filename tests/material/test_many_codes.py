@@ -6,8 +6,11 @@ import numpy as np
 import pytest
 
 from urushi import parallel
+from urushi.geometry.probe_pairs import probe_pairs
+from urushi.material import energy
 from urushi.material.encode import limited_codes
 from urushi.material.layer import layer_texels
+from urushi.nets import lobe, lobe_fit
 from urushi.nets.layerer import layer
 from urushi.nets.weights import Model
 
@@ -16,7 +19,7 @@ H, W = 60, 70  # three channels of these are several blocks
 #: Sums of some hundred terms of size about 1 in float32, in another order.
 ROUNDING = dict(atol=3e-5, rtol=0)
 
-BOTTOMS = [(32,), (3, 32), (1, 1, 1, 32), (W, 1, 32), (H, 1, 3, 32), (H, W, 1, 32), (H, W, 3, 32)]
+BOTTOMS = [(), (3,), (1, 1, 1), (W, 1), (H, 1, 3), (H, W, 1), (H, W, 3)]
 COATS = {
     "scalars": ((), (), (), (), ()),
     "grey": ((H, W, 1), (), (H, W, 1), (H, W, 1), (1, 1, 1)),
@@ -49,10 +52,17 @@ def _plainly(model, z, coat):
     return layer(model.params, model.arch, z, tuple(rows)).reshape(*shape, 32)
 
 
+def glossy(rng, shape) -> np.ndarray:
+    """Values float32 (*shape, 192) of a lobe over a diffuse surface."""
+    alpha, reflectance = rng.uniform(0.1, 0.8, (*shape, 1)), rng.uniform(0.1, 0.6, (*shape, 1))
+    f = lobe.shape(alpha, *probe_pairs(192)) * rng.uniform(0.1, 0.3, (*shape, 1))
+    return (f + reflectance / np.pi).astype(np.float32)
+
+
 @pytest.mark.parametrize("shapes", COATS.values(), ids=COATS)
 @pytest.mark.parametrize("bottom", BOTTOMS)
-def test_broadcast_inputs_are_layered_like_plain_rows(bottom, shapes, model):
-    z = np.random.default_rng(2).normal(size=bottom).astype(np.float32)
+def test_broadcast_inputs_are_layered_like_plain_rows(bottom, shapes, model, draw_codes):
+    z = draw_codes(bottom, np.random.default_rng(2))
     coat = _coat(shapes)
     coated = layer_texels(model, z, **coat)
     expected = _plainly(model, z, coat)
@@ -60,10 +70,9 @@ def test_broadcast_inputs_are_layered_like_plain_rows(bottom, shapes, model):
     np.testing.assert_allclose(coated, expected, **ROUNDING)
 
 
-def test_bits_do_not_depend_on_the_number_of_cores(model, monkeypatch):
+def test_bits_do_not_depend_on_the_number_of_cores(model, draw_codes, monkeypatch):
     rng = np.random.default_rng(3)
-    z = rng.normal(size=(H, W, 3, 32)).astype(np.float32)
-    f = np.exp(rng.normal(size=(H, W, 192))).astype(np.float32)
+    z, f = draw_codes((H, W, 3), rng), glossy(rng, (H, W))
     results = []
     for count in (1, 2, 5):
         monkeypatch.setattr(parallel, "available_cores", lambda count=count: count)
@@ -74,7 +83,7 @@ def test_bits_do_not_depend_on_the_number_of_cores(model, monkeypatch):
 
 
 def test_texels_are_encoded_like_plain_rows(model):
-    f = np.exp(np.random.default_rng(4).normal(-2, 2, (H, 192, W))).astype(np.float32)
+    f = np.moveaxis(glossy(np.random.default_rng(4), (H, W)), -1, 1).copy()
     values = np.moveaxis(f, 1, -1)  # as a renderer gives them, not contiguous
     codes = limited_codes(model, values)
     assert codes.shape == (H, W, 32) and codes.dtype == np.float32
@@ -83,14 +92,16 @@ def test_texels_are_encoded_like_plain_rows(model):
 
 
 @pytest.mark.parametrize("operation", ["layer", "layer one bottom", "encode"])
-def test_memory_is_the_result_and_some_blocks(operation, model, monkeypatch):
+def test_memory_is_the_result_and_some_blocks(operation, model, draw_codes, monkeypatch):
     # 98,304 rows. Beyond the result there are the parameters (five numbers a row at most, in two
-    # precisions, and their checks) and on each of two cores a few activations of a block.
+    # precisions, and their checks) and on each of two cores a few activations of a block. The fit
+    # of lobes has a few values at each pair and width of its grid; the energy limit measures the
+    # lobes of a sample by rules of six nodes at 41 angles, with some ten numbers at each.
     monkeypatch.setattr(parallel, "available_cores", lambda: 2)
     side = 256, 128, 3
     rng = np.random.default_rng(5)
     coat = dict(alpha=0.1, eta=1.5, albedo=rng.random(side), sigma_t=rng.random(side), g=0)
-    z = rng.normal(size=(*side, 32)).astype(np.float32)
+    z = draw_codes(side, rng)
     f = rng.random((20_000, 192), np.float32)
     run = {
         "layer": lambda: layer_texels(model, z, **coat),
@@ -104,7 +115,9 @@ def test_memory_is_the_result_and_some_blocks(operation, model, monkeypatch):
     tracemalloc.stop()
     block = parallel.ROWS * 256 * 4
     parameters = 2 * 98_304 * (8 + 8 + 4)
-    assert peak < size + parameters + 2 * 6 * block
+    fit = lobe_fit.BLOCK * 192 * len(lobe_fit.GRID) * 8 if operation == "encode" else 0
+    lobes = energy.SCREEN_SAMPLE * energy.INTERPOLATED_COSINES * 6 * 10 * 8
+    assert peak < size + parameters + 2 * 6 * (block + fit) + lobes
 
 
 def test_one_texel_and_none(model):

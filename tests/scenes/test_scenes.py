@@ -10,6 +10,7 @@ from urushi.app import cli
 from urushi.app.commands.render import Overrides, load_scene
 from urushi.errors import ParameterError
 from urushi.nets import weights
+from urushi.nets.architecture import Architecture, init
 from urushi.scenes import shipped
 from urushi.scenes.stage import COATS, Options
 
@@ -100,8 +101,8 @@ def test_weights_are_named_only_where_they_matter():
     def keys(**options):
         return set(Options(**options).coated({"type": "diffuse"}, alpha=0.1))
 
-    assert keys() == keys(coat="layered") == keys(coat="layered", weights="small")
-    assert keys(weights="small") == keys() | {"weights"}
+    assert keys() == keys(coat="layered") == keys(coat="layered", weights="a file")
+    assert keys(weights="a file") == keys() | {"weights"}
 
 
 def test_render_takes_a_scenes_name(mi, tmp_path, monkeypatch, capsys):
@@ -113,21 +114,25 @@ def test_render_takes_a_scenes_name(mi, tmp_path, monkeypatch, capsys):
     assert list(mi.Bitmap("globe.exr").size()) == [16, 12]
 
 
-def test_render_replaces_weights_and_size_of_a_scene_file(mi, tmp_path):
-    """Weights only where a coat names none itself; the size always."""
-    path = shipped.export("globe", tmp_path, Options(**TINY))
+def test_render_replaces_weights_and_size_of_a_scene_file(mi, tmp_path, monkeypatch):
+    """Weights only where a coat names none itself, from the working folder; the size always."""
+    arch = Architecture(decoder=(8,), encoder=(8,), layerer=(8,), sampler=(8,))
+    other = weights.save(tmp_path / "other", arch, init(arch, 0), {})
+    monkeypatch.chdir(tmp_path)
+    folder = tmp_path / "scene"
+    path = shipped.export("globe", folder, Options(**TINY))
     coats = path.read_text().split('type="$coat"')
     assert len(coats) == 3
-    named = '<string name="weights" value="base"/>'
+    named = '<string name="weights" value="default"/>'
     path.write_text('type="$coat"'.join([*coats[:2], coats[2].replace(">", f">{named}", 1)]))
-    scene = load_scene(path, {}, overrides=Overrides("small", width=8, height=6))
+    scene = load_scene(path, {}, overrides=Overrides("other", width=8, height=6))
     assert list(scene.sensors()[0].film().size()) == [8, 6]
     found = {
         shape.bsdf().model.fingerprint
         for shape in scene.shapes()
         if type(shape.bsdf()).__name__ == "NeuralLayered"
     }
-    assert found == {weights.load_shipped(name).fingerprint for name in weights.SHIPPED}
+    assert found == {weights.default_model().fingerprint, other.fingerprint}
     with pytest.raises(ParameterError, match="^width is 0; it must be at least 1$"):
         Overrides(width=0)
 

@@ -12,8 +12,8 @@ from urushi.textures.mip_pyramid import MipPyramid
 
 
 @pytest.fixture(scope="module")
-def lobed() -> Model:
-    """Untrained networks whose codes have a lobe."""
+def model() -> Model:
+    """Untrained networks of few numbers."""
     arch = Architecture(
         latent=14, decoder=(16, 16), layerer=(16,), encoder=(32,), sampler=(8,), lobes=1
     )
@@ -45,8 +45,8 @@ def levels(model, z):
 
 
 @pytest.mark.parametrize("side", (4, 64))  # by decoding, and by a regression
-def test_levels_of_a_constant_texture_are_constant(lobed, side):
-    whole = levels(lobed, codes(side, side, same=True))
+def test_levels_of_a_constant_texture_are_constant(model, side):
+    whole = levels(model, codes(side, side, same=True))
     for level in whole[1:]:
         np.testing.assert_allclose(level, whole[0][: len(level), : len(level)], atol=1e-4)
 
@@ -72,15 +72,15 @@ def test_lobes_alone_stay_and_one_that_reflects_nothing_does_not_count():
 
 
 @pytest.mark.parametrize("side", (8, 64))
-def test_every_level_keeps_the_light(lobed, side):
+def test_every_level_keeps_the_light(model, side):
     """Under light from all sides, to 2 %: an averaged index is exact at normal incidence alone."""
     z = codes(side, side)
     cosines = energy.albedo_rule().cosines
     weights = np.abs(np.gradient(cosines)) * cosines
 
     def light(codes):
-        albedos = energy.directional_albedos(lobed, codes.reshape(-1, codes.shape[-1]))
+        albedos = energy.directional_albedos(model, codes.reshape(-1, codes.shape[-1]))
         return albedos @ (weights / weights.sum())
 
     whole = light(z[:8]).reshape(-1, 2).mean(axis=0)
-    np.testing.assert_allclose(light(levels(lobed, z[:8])[-1]), whole, rtol=0.02)
+    np.testing.assert_allclose(light(levels(model, z[:8])[-1]), whole, rtol=0.02)

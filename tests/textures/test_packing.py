@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from urushi.nets import weights
 from urushi.textures import mip_pyramid, packing
 from urushi.textures.store import TextureStore
 
@@ -37,16 +36,18 @@ def test_a_layout_fills_a_power_of_two_with_every_number_once(model, channels):
     assert layout.texel_bytes < channels * (layout.stride + 1) or layout.stride == 2 * layout.size
 
 
-def test_the_gain_matters_most(model):
+def test_the_lobes_width_and_the_gain_matter_most(model):
     order = packing.importance_order(model)
-    assert sorted(order) == list(range(model.arch.latent))
-    assert packing.texel_layout(model, 3).low[0] >= 0
+    assert sorted(order) == list(range(model.arch.latent)) and order[:2] == [0, 6]
+    low = packing.texel_layout(model, 3).low
+    assert low[0] >= 0 and low[6] >= 0
 
 
-@pytest.mark.parametrize("name", weights.SHIPPED)
-def test_the_stored_importance_is_the_measured_one(name):
-    networks = weights.load_shipped(name)
-    assert packing.importance_order(networks) == packing.measure_importance(networks)
+def test_the_stored_importance_is_the_measured_one(trained, monkeypatch):
+    assert trained.fingerprint in packing._importance
+    stored = packing.importance_order(trained)
+    monkeypatch.setattr(packing, "_importance", {})
+    assert packing.importance_order(trained) == stored
 
 
 def test_packing_is_as_fine_as_its_steps(model, codes):

@@ -149,7 +149,11 @@ def importance_order(model: Model) -> list[int]:
 
 
 #: By fingerprint. That of the shipped networks is stored, because measuring takes a second.
-_importance: dict[str, list[int]] = {}
+_importance: dict[str, list[int]] = {
+    "cbcfb2461039": [
+        0, 6, 4, 10, 18, 20, 13, 11, 9, 7, 12, 23, 17, 22, 15, 21, 19, 16, 14, 8, 5, 3, 2, 1,
+    ],
+}  # fmt: skip
 
 
 def measure_importance(model: Model) -> list[int]:
