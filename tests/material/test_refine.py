@@ -21,9 +21,11 @@ from urushi.material.fit import (
     objective,
     refine_codes,
 )
-from urushi.material.layer import layer_texels
+from urushi.material.layer import layer, layer_texels
+from urushi.nets.lobe import NO_LOBE
+from urushi.nets.lobe_fit import fit_lobes
 from urushi.parallel import one_blas_thread
-from urushi.reference.stack import conductor, diffuse
+from urushi.reference.stack import conductor, dielectric, diffuse
 
 
 def three_lobes(wi, wo):
@@ -56,8 +58,9 @@ def values(source, networks) -> np.ndarray:
 def test_no_step_raises_the_objective(source, hold, trained, model):
     for networks in (trained.networks, model.networks):
         for f in values(source, networks):
-            z = networks.encode(f[None])[0]
-            aim = fit_target(networks, f)
+            lobe = fit_lobes(f)
+            z = networks.encode(f[None], lobe[None])[0]
+            aim = fit_target(networks, f, None, lobe)
             with one_blas_thread():
                 made = [
                     levenberg_marquardt(networks, z, aim, hold, steps)
@@ -80,14 +83,15 @@ def test_a_code_is_found_again(trained):
     )
     truth = networks.encode(f)
     decoded = networks.f(truth[:, None], *networks.pairs())
-    perturbed = networks.encode(decoded * np.exp(0.2 * rng.normal(size=decoded.shape)))
+    lobes = truth[:, : networks.arch.lobe]
+    perturbed = networks.encode(decoded * np.exp(0.2 * rng.normal(size=decoded.shape)), lobes)
 
     def distance(z):
         f_hat = networks.f(z[:, None], *networks.pairs())
         return np.median(np.abs(f_hat - decoded) / (decoded + 1e-3), axis=1)
 
     with one_blas_thread():
-        aims = [fit_target(networks, f) for f in decoded]
+        aims = [fit_target(networks, f, None, lobe) for f, lobe in zip(decoded, lobes, strict=True)]
         found = [
             levenberg_marquardt(networks, z, aim, ANCHOR_HOLD)
             for z, aim in zip(perturbed, aims, strict=True)
@@ -145,11 +149,13 @@ def test_no_start_is_worse_than_the_encoder(trained, model):
     for source in ODD:
         for networks in (trained.networks, model.networks):
             f = values(source, networks)
-            start = np.stack([initial_code(networks, row) for row in f])
+            start = np.stack([initial_code(networks, row, fit_lobes(row)) for row in f])
             encoded = misses(networks, networks.encode(f), f)
             assert (misses(networks, start, f) < encoded + 1e-4).all()  # float32 sums
-    f = values(conductor(0.2, 0.8), trained.networks)[:1]
-    assert np.array_equal(initial_code(trained.networks, f[0]), trained.networks.encode(f[:1])[0])
+    known = layer(dielectric(0.1, 1.5), diffuse(0.5), albedo=0.7, sigma_t=1.0, weights=trained)
+    f, lobe = values(known, trained.networks)[0], known.latents[0, : trained.arch.lobe]
+    start = initial_code(trained.networks, f, lobe)
+    assert np.array_equal(start, trained.networks.encode(f[None], lobe[None])[0])
 
 
 def test_a_far_code_is_replaced_by_a_plain_one(trained):
@@ -163,7 +169,8 @@ def test_a_far_code_is_replaced_by_a_plain_one(trained):
             return 5e-4 + 1.5 * np.exp(-tan2 / (1 - width))
 
         f = values(bell, trained.networks)[:1]
-        assert misses(trained.networks, initial_code(trained.networks, f[0])[None], f)[0] < 1
+        start = initial_code(trained.networks, f[0], fit_lobes(f[0]))
+        assert misses(trained.networks, start[None], f)[0] < 1
 
 
 def test_values_at_nodes_bring_the_light_closer(trained):
@@ -186,9 +193,11 @@ def test_values_at_nodes_bring_the_light_closer(trained):
 def test_black_nodes_count_for_nothing(trained):
     rule = energy.albedo_rule()
     black = np.zeros(len(trained.networks.pairs()[0]), np.float32)
-    aim = fit_target(trained.networks, black, np.zeros(len(rule.wi), np.float32))
+    none = np.array(NO_LOBE, np.float32)
+    aim = fit_target(trained.networks, black, np.zeros(len(rule.wi), np.float32), none)
     assert len(aim.logs) == aim.probes
-    nearly_black = fit_target(trained.networks, black + 0.1, np.full(len(rule.wi), 0.1, np.float32))
+    grey = np.full(len(rule.wi), 0.1, np.float32)
+    nearly_black = fit_target(trained.networks, black + 0.1, grey, none)
     assert nearly_black.weights.sum() == pytest.approx(1)
     assert (nearly_black.weights > 0).all()
 
@@ -251,7 +260,8 @@ def test_no_angle_is_much_too_bright_when_the_limit_comes(source, trained):
         np.ascontiguousarray(evaluate_source(source, *pairs).values.T)
         for pairs in (networks.pairs(), (rule.wi, rule.wo))
     )
-    aim, start = fit_target(networks, f[0], nodes[0]), initial_code(networks, f[0])
+    lobe = fit_lobes(f[0])
+    aim, start = fit_target(networks, f[0], nodes[0], lobe), initial_code(networks, f[0], lobe)
     with one_blas_thread():
         codes = [
             way(networks, start, aim, CODE_HOLD) for way in (levenberg_marquardt, fit_below_ceiling)

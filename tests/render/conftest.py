@@ -9,6 +9,7 @@ import pytest
 from urushi.measured import merl, tabulated
 from urushi.nets import weights
 from urushi.nets.architecture import Architecture, init
+from urushi.nets.lobe import NO_LOBE
 from urushi.nets.weights import Model
 
 ARCH = Architecture(decoder=(16, 16), encoder=(24,), layerer=(24,), sampler=(12,), probes=48)
@@ -26,10 +27,22 @@ def networks(tmp_path_factory: pytest.TempPathFactory) -> Path:
     params["sampler.1.weight"] = 40 * params["sampler.1.weight"]
     params["decoder.2.weight"] = 3 * params["decoder.2.weight"]
     params["layerer.1.weight"] = 5 * params["layerer.1.weight"]
-    params["layerer.1.bias"] = rng.normal(size=32).astype(np.float32)
+    params["layerer.1.bias"] = rng.normal(size=26).astype(np.float32)
     path = tmp_path_factory.mktemp("weights") / "small.safetensors"
     weights.save(path, ARCH, params, {})
     return path
+
+
+@pytest.fixture(scope="session")
+def codes():
+    """From a seed and a factor: codes (3, 32) of a dielectric, a metal and no lobe."""
+
+    def draw(seed: int = 0, scale: float = 1.0) -> np.ndarray:
+        lobes = [[0.2, 0, 0, 1, 1.5, 0], [0.1, 0.8, 1, 0, 1.5, 0], NO_LOBE]
+        rest = np.random.default_rng(seed).normal(size=(3, 26)) * scale
+        return np.concatenate([lobes, rest], axis=1).astype(np.float32)
+
+    return draw
 
 
 @pytest.fixture(scope="session")

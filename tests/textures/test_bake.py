@@ -27,6 +27,7 @@ def layered_rows(monkeypatch):
 def test_only_distinct_and_changed_rows_are_layered(model, layered_rows):
     rng = np.random.default_rng(0)
     codes = rng.normal(size=(1, 3, 32)).astype(np.float32)
+    codes[..., :6] = [0.2, 0, 0, 1, 1.5, 0]
     hashes = texel_hash.row_hashes(list(np.moveaxis(codes, -1, 0)))
     coat = {"alpha": 0.1, "eta": 1.5, "albedo": 0.5, "sigma_t": 1.0, "g": 0.0}
     parameters = {name: np.full((24, 1), value) for name, value in coat.items()}

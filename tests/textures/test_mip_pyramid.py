@@ -60,14 +60,16 @@ def test_levels_are_the_averages_of_brdfs(trained, monkeypatch, sample):
             stack_error(values(trained, z, wi, wo), f, wi[:, 2], wo[:, 2]).mean()
             for z in (level, plain)
         )
-        # The networks were not trained for averages of different lobes.
-        assert found < 0.02
-        assert found < 0.15 * naive
+        # One lobe stands for the average of several, and the networks were not trained for
+        # averages of different rests.
+        assert found < 0.08
+        assert found < 0.3 * naive
 
 
 def test_the_regression_agrees_with_decoding(trained, monkeypatch):
-    codes = coats(trained, 32, 32).reshape(-1, trained.arch.latent)
-    estimated = averaging.averaging_space(trained, codes.__getitem__, len(codes))
+    whole = coats(trained, 32, 32).reshape(-1, trained.arch.latent)
+    estimated = averaging.averaging_space(trained, whole.__getitem__, len(whole)).rest
+    codes = whole[:, trained.arch.lobe :]
     assert isinstance(estimated, averaging.RegressionSpace)
     kept = len(estimated.kept)
     predicted, decoded = (

@@ -7,7 +7,7 @@ import pytest
 from urushi.errors import ParameterError
 
 #: The shipped networks: derivatives of random ones change too fast for finite differences.
-WEIGHTS = "small"
+WEIGHTS = "default"
 
 
 def texture(mi, low, high, seed=0, channels=3) -> dict:

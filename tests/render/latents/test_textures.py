@@ -82,13 +82,12 @@ def test_a_textured_bottom(rgb):
     textured = load(
         rgb,
         "neural_layered",
-        "small",
         base={"type": "diffuse", "reflectance": bitmap(rgb, pixels)},
     )
     assert textured.latents.resolution == (2, 2)
     for column in range(2):
         base = {"type": "diffuse", "reflectance": {"type": "rgb", "value": pixels[0, column]}}
-        constant = load(rgb, "neural_layered", "small", base=base)
+        constant = load(rgb, "neural_layered", base=base)
         (a, _), (b, _) = (
             mean_and_error(rgb, bsdf, ((column + 0.5) / 2, 0.5), 4096)
             for bsdf in (constant, textured)
@@ -101,7 +100,7 @@ def test_a_brushed_bottom_is_the_mean_over_its_azimuth(rgb, textured):
     from urushi.nets import weights
     from urushi.render.reading import probing
 
-    model = weights.load_shipped("small")
+    model = weights.default_model()
     wi, wo = model.networks.pairs()
     # only a few azimuths contribute to the light in a narrow lobe
     widths = {"alpha_u": 0.03, "alpha_v": 0.5}
@@ -114,7 +113,7 @@ def test_a_brushed_bottom_is_the_mean_over_its_azimuth(rgb, textured):
         a, b = (np.concatenate([rotated(w, turn) for turn in turns]) for w in (a, b))
         values = probing.bsdf_values(brushed, a, b, np.full((len(a), 2), 0.5))
         f += values.reshape(len(turns), *f.shape).mean(axis=0) / 2
-    coat = {"type": "neural_layered", "weights": "small", **COAT}
+    coat = {"type": "neural_layered", **COAT}
     found = rgb.load_dict(coat | {"bottom": brushed}).latents.at(np.full((1, 2), 0.5))
     eta = np.full((1, 1), 1.5046 / 1.000277)
     under = limited_codes(model, f.T.astype(np.float32))

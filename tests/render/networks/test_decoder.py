@@ -32,7 +32,9 @@ def pairs(count: int = 4096) -> tuple[np.ndarray, np.ndarray]:
 
 
 def latents(count: int, seed: int = 0) -> np.ndarray:
-    return np.random.default_rng(seed).normal(size=(count, 32)).astype(np.float32)
+    codes = np.random.default_rng(seed).normal(size=(count, 32))
+    codes[:, :6] = [0.2, 0, 0, 1, 1.5, 0]
+    return codes.astype(np.float32)
 
 
 @pytest.fixture

@@ -24,7 +24,6 @@ EXTREME = {
 def described(alpha_bottom: float = 0.1, **coat) -> dict:
     return {
         "type": "neural_layered",
-        "weights": "small",
         "base": {"type": "roughconductor", "distribution": "ggx", "alpha": alpha_bottom},
         **coat,
     }

@@ -15,11 +15,10 @@ def bottom() -> dict:
 
 
 @pytest.fixture
-def saved(model, tmp_path):
+def saved(model, codes, tmp_path):
     """A file of a material."""
     path = tmp_path / "material.safetensors"
-    z = np.random.default_rng(0).normal(size=(3, 32))
-    Material(z, model).save(path)
+    Material(codes(), model).save(path)
     return path
 
 
@@ -169,11 +168,9 @@ def test_coats_agree_with_the_python_functions(rgb):
     interface = dielectric(COAT["alpha"], COAT["int_ior"] / 1.000277)
     medium = {name: COAT[name] for name in ("albedo", "sigma_t", "g")}
     plugin = rgb.load_dict(bottom())
-    material = encode(plugin, "small", refine=False)
+    material = encode(plugin, refine=False)
     for _ in range(2):
-        plugin = rgb.load_dict(
-            {"type": "neural_layered", "weights": "small", **COAT, "base": plugin}
-        )
+        plugin = rgb.load_dict({"type": "neural_layered", **COAT, "base": plugin})
         material = layer(interface, material, **medium)
         codes = plugin.latents.at(np.zeros((1, 2)))[0]
         np.testing.assert_allclose(codes, material.latents, rtol=1e-3, atol=1e-4)

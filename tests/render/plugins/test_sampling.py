@@ -22,12 +22,12 @@ def check(sampling, bsdfs) -> None:
         assert test.histogram_sum[0] == 1  # no sample fails
 
 
-def test_neural_brdf(rgb, sampling, networks, model, tmp_path):
+def test_neural_brdf(rgb, sampling, networks, model, codes, tmp_path):
     from urushi.physics.mixture import Mixture
 
     bsdfs, widths = [], []
     for index in range(MATERIALS):
-        z = np.random.default_rng(index).normal(size=(3, 32)) * 2
+        z = codes(index, 2)
         path = tmp_path / f"{index}.safetensors"
         Material(z, model).save(path)
         bsdfs.append(
@@ -77,7 +77,7 @@ def test_weights_of_samples_of_the_shipped_networks_are_bounded():
     materials = [
         material
         for samples in benchmark.read().values()
-        for material in predict.materials(weights.find("small"), samples)[::16]
+        for material in predict.materials(weights.default_model(), samples)[::16]
     ]
     assert len(materials) > 20
     theta = np.radians(np.repeat([0, 30, 60, 75, 85], 200))

@@ -164,7 +164,7 @@ def test_pictures_are_those_of_the_walk(rgb, wrapper):
         "base": {"type": "roughconductor", "alpha": 0.3, "distribution": "ggx"},
     }
     means = []
-    for plugin in ({"type": "neural_layered", "weights": "small"}, {"type": "layered"}):
+    for plugin in ({"type": "neural_layered"}, {"type": "layered"}):
         described = WRAPPERS[wrapper](rgb, plugin | coat)
         image = rgb.render(scene(rgb, described), spp=256, seed=1).numpy()
         assert np.isfinite(image).all()
