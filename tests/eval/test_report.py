@@ -6,6 +6,7 @@ import json
 import numpy as np
 import pytest
 
+from urushi import paper
 from urushi.data.distribution import Extended
 from urushi.errors import FileError
 from urushi.eval import benchmark, cost, metrics, physical_laws, report
@@ -63,6 +64,7 @@ def test_rows_that_networks_do_not_cover_have_dashes(result, tiny, sets, groups)
     every = report.measure_errors(tiny, both, groups=(*groups, LOW), rows=rows)
     assert all(np.isfinite(row["E"]["mean"]) for row in every.rows.values())
     assert every.rows["encode bare ones"] == result.rows["encode bare ones"]
+    paper.register()
     theirs = weights.Model.of(PaperArchitecture(), init_paper(0), {})
     few = report.measure_errors(theirs, both, groups=(*groups, LOW), rows=rows[1:])
     assert few.rows == {"low ones": None, "mixed ones": None}

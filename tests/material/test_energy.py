@@ -144,7 +144,8 @@ def test_channels_are_limited_apart(gaining):
     assert limited[2, 6] < free[2, 6]
     for channel in range(3):
         alone = limited_codes(gaining, f[channel : channel + 1])
-        np.testing.assert_allclose(alone[0], limited[channel], atol=1e-5)  # float32 sums
+        # float32 sums; a lobe that reflects nothing has any width
+        np.testing.assert_allclose(alone[0, 1:], limited[channel, 1:], atol=1e-5)
 
 
 def test_a_source_that_gains_energy_keeps_its_own_albedo(trained):

@@ -28,9 +28,9 @@ class Material:
     """An isotropic BRDF as latent codes. Make it with `encode`, `layer`, `lerp` or `load`.
 
     Attributes:
-        latents: read-only float32 (C, 32), one code per channel (C = 3 for RGB, 1 for grey).
+        latents: read-only float32 (C, L), one code per channel (C = 3 for RGB, 1 for grey).
         model: the networks.
-        anchors: read-only float32 (C, 32), codes near the latents that the encoder could have made.
+        anchors: read-only float32 (C, L), codes near the latents that the encoder could have made.
             Coats are layered over them, and directions are sampled by them. They differ from the
             latents of encoded materials, which are corrected or refined (see
             `urushi.material.fit`), and equal those of coated materials. Default: the latents.
@@ -240,7 +240,7 @@ def load(path: str | os.PathLike, weights: Weights | None = None) -> Material:
 
 
 def _checked(codes: npt.ArrayLike, model: Model, name: str) -> np.ndarray:
-    """A read-only copy float32 (C, 32) of a material's codes."""
+    """A read-only copy float32 (C, L) of a material's codes."""
     array = np.array(codes, dtype=np.float32)
     width = model.arch.latent
     if array.ndim != 2 or not len(array) or array.shape[1] != width:

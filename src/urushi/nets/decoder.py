@@ -1,4 +1,7 @@
-"""The decoder: maps a latent code and a pair of directions to the value of the BRDF."""
+"""The decoder: maps a latent code and a pair of directions to the BRDF without its lobe.
+
+Codes z (..., R) are those of the rest, without the numbers of the lobe (`nets.lobe`).
+"""
 
 from typing import Any
 
@@ -13,9 +16,9 @@ EMPTY_GAIN = -100.0
 
 
 def decode(params: Params, arch: Architecture, z: Any, features: Any) -> Any:
-    """Return f (...) [1/sr, no cosine] for z (..., 32) and `direction_features` (..., 8).
+    """Return f (...) [1/sr, no cosine] for z (..., R) and `direction_features` (..., 8).
 
-    z and features broadcast: z (S, 1, 32) with features (S, P, 8) gives f (S, P).
+    z and features broadcast: z (S, 1, R) with features (S, P, 8) gives f (S, P).
     The first number of a code is a logarithmic gain. It is no input of the network but is added
     to its output, so that it scales f exactly, see `scaled`.
     """
@@ -29,7 +32,7 @@ def decode(params: Params, arch: Architecture, z: Any, features: Any) -> Any:
 
 
 def first_layer(params: Params, z: Any, features: Any) -> Any:
-    """Return the first layer's pre-activation (..., width) from codes without gain (..., 31).
+    """Return the first layer's pre-activation (..., width) from codes without gain (..., R - 1).
 
     Each neuron's response to the features is multiplied by one plus a linear function of the code,
     and a second linear function of the code is added. The code so shifts and sharpens the
@@ -60,7 +63,7 @@ def scale_and_offset(params: Params, layer: int, z: Any) -> tuple[Any, Any]:
 
 
 def scaled(z: Any, factor: Any) -> Any:
-    """Return the codes (..., 32) of `factor` (...) > 0 times the BRDFs of z (..., 32).
+    """Return the codes (..., R) of `factor` (...) > 0 times the BRDFs of z (..., R).
 
     The factor is the same for all directions, so that f stays reciprocal.
     """

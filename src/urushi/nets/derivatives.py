@@ -33,9 +33,9 @@ _OF_COAT = (0, 4)
 
 
 def decode_log(params: Params, arch: Architecture, z: Any, features: Any) -> tuple[Any, Any]:
-    """Return ln f (...) of `decoder.decode` and its gradients (..., 32) with respect to z.
+    """Return ln f (...) of `decoder.decode` and its gradients (..., R) with respect to z.
 
-    z (..., 32) and features (..., 8) broadcast: z (S, 1, 32) with features (P, 8) gives (S, P).
+    z (..., R) and features (..., 8) broadcast: z (S, 1, R) with features (P, 8) gives (S, P).
     Each value depends on its own code alone, so that the gradients are the Jacobian. They are zero
     where ln f is clamped.
     """
@@ -71,7 +71,7 @@ def decode_log(params: Params, arch: Architecture, z: Any, features: Any) -> tup
 
 
 def encode_log(params: Params, arch: Architecture, logs: Any) -> tuple[Any, Any]:
-    """Return the codes z (..., 32) of `encoder.encode`, and their Jacobians (..., 32, P).
+    """Return the codes z (..., R) of `encoder.encode`, and their Jacobians (..., R, P).
 
     logs (..., P): `encoder.log_values` of f at the probe pairs. The Jacobians are with respect to
     logs.

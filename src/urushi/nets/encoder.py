@@ -1,4 +1,7 @@
-"""The encoder: maps the values of a BRDF at the fixed probe pairs to its latent code."""
+"""The encoder: maps the values of a BRDF at the fixed probe pairs to its latent code.
+
+The values are those that the lobe (`nets.lobe`) leaves, and the code is that of the rest.
+"""
 
 from typing import Any
 
@@ -31,7 +34,7 @@ def input_statistics(f: np.ndarray) -> dict[str, np.ndarray]:
 
 
 def encode(params: Params, arch: Architecture, f_at_probes: Any) -> Any:
-    """Return latent codes z (..., 32) from f (..., probes) [1/sr] at `probe_pairs`."""
+    """Return latent codes z (..., R) from f (..., probes) [1/sr] at `probe_pairs`."""
     return mlp(params, "encoder", normalised(params, log_values(f_at_probes)), arch.activation)
 
 

@@ -109,7 +109,7 @@ def _probed(
 
 
 def encode(model: Model, where: str, parts: Sequence[Sequence]) -> Columns:
-    """`material.encode.limited_codes`, differentiable in f: codes, 32 columns per channel.
+    """`material.encode.limited_codes`, differentiable in f: codes, L columns per channel.
 
     parts: groups of points; for each group and channel f (M * P) [1/sr] at the probe pairs.
     where: begins errors.
@@ -129,7 +129,7 @@ def layer(
     coat: the same in the order of `CoatParameters`: a column per parameter, or one per channel.
 
     Returns:
-        Codes (M, C, 32).
+        Codes (M, C, L).
     """
     return dr.custom(_Layer, model, table, z_bottom, coat)
 

@@ -103,7 +103,7 @@ def absorption_penalty(
 
     Args:
         params, arch: the networks.
-        z_bottom: (B, 32) codes of bottoms.
+        z_bottom: (B, L) codes of bottoms.
         coats: (B, 5) in the order of `checks.CoatParameters`.
         features: (B, P, 8) of direction pairs.
     """

@@ -70,7 +70,7 @@ class Targets(NamedTuple):
 
     Attributes:
         params: trained encoder, layerer and decoder.
-        latents: (M, 32) codes of layered and bare stacks, one channel each.
+        latents: (M, L) codes of layered and bare stacks, one channel each.
         key: of all random numbers.
     """
 
@@ -80,7 +80,7 @@ class Targets(NamedTuple):
 
 
 def training_codes(params: Params, arch: Architecture, depths: list[Depth]) -> jax.Array:
-    """Latent codes (M, 32) of training stacks of all depths, at most `STACKS` of each."""
+    """Latent codes (M, L) of training stacks of all depths, at most `STACKS` of each."""
     run = jax.jit(functools.partial(compose, params, arch))
     codes = []
     for examples in (depth.first() for depth in depths):
@@ -138,7 +138,7 @@ def sampler_loss(
 
 
 def pick_materials(key: jax.Array, latents: jax.Array, count: int) -> jax.Array:
-    """Codes (count, CHANNELS, 32) of random materials, about half of them grey.
+    """Codes (count, CHANNELS, L) of random materials, about half of them grey.
 
     The channels of a real material are similar: those of a coloured one are blends of two codes,
     with a share of the second in [0, 1/2).
@@ -158,7 +158,7 @@ def incoming_directions(u: jax.Array) -> jax.Array:
 
 
 def mean_f_cos(params: Params, arch: Architecture, z: Any, wi: Any, wo: Any) -> jax.Array:
-    """Mean f cos_o (N, M) over the channels of z (N, CHANNELS, 32), for wi, wo (N, M, 3)."""
+    """Mean f cos_o (N, M) over the channels of z (N, CHANNELS, L), for wi, wo (N, M, 3)."""
     wi = jnp.broadcast_to(wi, wo.shape)
     features = jnp.repeat(direction_features(wi, wo), z.shape[1], axis=0)
     rest = without_lobe(params, arch, z.reshape(-1, z.shape[-1]), features)
