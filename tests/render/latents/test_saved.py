@@ -63,19 +63,6 @@ def test_a_file_holds_the_levels_that_were_baked(saved, mipmaps):
     assert len(arrays["texels"]) == sum(width * height for width, height in sizes)
 
 
-@pytest.mark.parametrize("mipmaps", [True], indirect=True)
-def test_a_file_of_version_1_has_all_levels(rgb, networks, saved):
-    bsdf, path = saved
-
-    def older(description, arrays):
-        description["version"] = 1
-        del description["levels"]
-
-    rewritten(path, older)
-    uv = np.random.default_rng(1).uniform(-2, 2, (256, 2))
-    np.testing.assert_array_equal(loaded(rgb, path, networks).latents.at(uv), bsdf.latents.at(uv))
-
-
 def test_a_constant_coat_is_saved_as_a_material(rgb, networks, tmp_path):
     import urushi
 

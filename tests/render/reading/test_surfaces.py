@@ -14,7 +14,7 @@ from urushi.nets.architecture import Architecture, init
 from urushi.nets.weights import Model
 
 ARCH = Architecture(
-    latent=12, decoder=(8, 8), encoder=(8,), layerer=(8,), sampler=(8,), lobes=1, probes=48, lobe=6
+    latent=12, decoder=(8, 8), encoder=(8,), layerer=(8,), sampler=(8,), lobes=1, probes=48
 )
 WI, WO = probe_pairs(192)
 COLOUR = {"type": "rgb", "value": (0.9, 0.5, 0.2)}

@@ -10,7 +10,8 @@ import numpy as np
 from urushi.material.encode import bare_anchors, encode_source, encoder_codes
 from urushi.material.energy import limit_albedo
 from urushi.nets.lobe import NO_LOBE
-from urushi.nets.weights import Model, has_lobes
+from urushi.nets.networks import UrushiNetworks
+from urushi.nets.weights import Model
 from urushi.render import spectrum
 from urushi.render.reading import probing
 from urushi.render.reading.bsdf import reflection_source
@@ -45,7 +46,8 @@ class BottomCodes:
             ParameterError: a value of the bottom is negative or not finite.
         """
         nested = nested_latents(self._bottom, self._model)
-        surface = known_surface(self._bottom) if has_lobes(self._model) else None
+        own = isinstance(self._model.networks, UrushiNetworks)
+        surface = known_surface(self._bottom) if own else None
         if nested is not None and nested.resolution is None:
             self._keep_same(nested.at(np.full((1, 2), 0.5)))
         elif grid is None or (nested is None and not varying_textures(self._bottom)):
