@@ -32,9 +32,9 @@ def velvet(wi, wo):
 
 
 @pytest.fixture(scope="module")
-def own(lobed) -> Material:
+def own(small) -> Material:
     """A material with decoders of its own, of untrained networks."""
-    return encode(velvet, lobed, refine=False, own_decoder=True)
+    return encode(velvet, small, refine=False, own_decoder=True)
 
 
 def error(f_hat, f, wi, wo) -> np.ndarray:
@@ -85,14 +85,14 @@ def test_reciprocal_to_the_bit_and_zero_below_the_horizon(own, directions):
     assert (f[above] > 0).all() and not f[~above].any()
 
 
-def test_no_more_light_than_the_source(lobed):
+def test_no_more_light_than_the_source(small):
     cosines = np.linspace(0.15, 1, 9)
     wi = np.stack([np.sqrt(1 - cosines**2), 0 * cosines, cosines], axis=1).astype(np.float32)
-    white = encode(lambda wi, wo: np.full(len(wi), 1 / np.pi), lobed, own_decoder=True)
+    white = encode(lambda wi, wo: np.full(len(wi), 1 / np.pi), small, own_decoder=True)
     assert white.own_decoder is not None
     assert white.directional_albedo(wi).max() <= 1 + 1e-3
     assert white.directional_albedo(wi).min() > 0.95
-    shiny = encode(lambda *w: velvet(*w)[:, 1], lobed, refine=False, own_decoder=True)
+    shiny = encode(lambda *w: velvet(*w)[:, 1], small, refine=False, own_decoder=True)
     rule = albedo_rule()
     source = rule.albedo(velvet(rule.wi, rule.wo)[:, 1])
     at = np.interp(cosines, rule.cosines[::-1], source[::-1])
@@ -121,12 +121,12 @@ def test_sampling_is_that_of_the_codes(own, random_directions):
     np.testing.assert_array_equal(pdf, own.pdf(wi, wo))
 
 
-def test_files_keep_them(own, lobed, tmp_path):
+def test_files_keep_them(own, small, tmp_path):
     path = tmp_path / "own.safetensors"
     own.save(path)
-    again = load(path, lobed)
+    again = load(path, small)
     assert again == own and hash(again) == hash(own)
-    plain = Material(own.latents, lobed, own.anchors)
+    plain = Material(own.latents, small, own.anchors)
     assert plain != own and own != plain
     again.save(tmp_path / "again.safetensors")
     assert (tmp_path / "again.safetensors").read_bytes() == path.read_bytes()
@@ -153,19 +153,19 @@ def test_files_of_codes_alone_can_be_read_by_older_versions(own, tmp_path):
         (FORMAT_VERSION, np.full((3, own_decoder.WEIGHTS), np.nan, np.float32)),
     ],
 )
-def test_damaged_files_are_refused(version, stored, own, lobed, tmp_path):
+def test_damaged_files_are_refused(version, stored, own, small, tmp_path):
     path = tmp_path / "a.safetensors"
-    text = json.dumps({"kind": "material", "version": version, "weights": lobed.fingerprint})
+    text = json.dumps({"kind": "material", "version": version, "weights": small.fingerprint})
     arrays = {"latents": own.latents} | ({} if stored is None else {"own_decoder": stored})
     path.write_bytes(safetensors.numpy.save(arrays, {"urushi": text}))
     with pytest.raises(FileError, match="is damaged"):
-        load(path, lobed)
+        load(path, small)
 
 
 @pytest.mark.parametrize("wrong", [np.zeros((3, 7)), np.full((3, own_decoder.WEIGHTS), np.inf)])
-def test_wrong_weights_are_refused(wrong, own, lobed):
+def test_wrong_weights_are_refused(wrong, own, small):
     with pytest.raises(ParameterError, match="own decoders"):
-        Material(own.latents, lobed, own.anchors, wrong)
+        Material(own.latents, small, own.anchors, wrong)
 
 
 def test_coats_lie_over_the_codes(own):
@@ -175,22 +175,22 @@ def test_coats_lie_over_the_codes(own):
     assert coated == layer(coat, plain) and coated.own_decoder is None
 
 
-def test_blends_have_those_of_an_end_only_there(own, lobed):
-    other = encode(conductor(0.3, 0.8), lobed)
+def test_blends_have_those_of_an_end_only_there(own, small):
+    other = encode(conductor(0.3, 0.8), small)
     assert lerp(own, other, 0) == own
     assert lerp(other, own, 1) == own
     assert lerp(own, other, 0.5).own_decoder is None
     assert lerp(own, other, (0, 0, 1)).own_decoder is None
 
 
-def test_a_bare_interface_needs_none(lobed):
+def test_a_bare_interface_needs_none(small):
     gold = conductor(0.2, (0.9, 0.7, 0.3))
-    assert encode(gold, lobed, own_decoder=True) == encode(gold, lobed)
+    assert encode(gold, small, own_decoder=True) == encode(gold, small)
 
 
-def test_the_same_alone_and_among_many(own, lobed):
+def test_the_same_alone_and_among_many(own, small):
     channels = [lambda *w, c=channel: velvet(*w)[:, c] for channel in (0, 2)]
-    for index, result in encode_all(channels, weights=lobed, refine=False, own_decoder=True):
+    for index, result in encode_all(channels, weights=small, refine=False, own_decoder=True):
         material = result.material
         np.testing.assert_array_equal(material.own_decoder, own.own_decoder[[0, 2][index]][None])
 

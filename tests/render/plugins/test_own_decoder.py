@@ -16,21 +16,16 @@ def own_weights(seed: int) -> np.ndarray:
 
 
 @pytest.fixture(scope="module")
-def lobed() -> Model:
-    """Small networks whose codes have a lobe."""
-    arch = Architecture(
-        latent=24, decoder=(8,), layerer=(8,), encoder=(8,), sampler=(8,), lobes=1, lobe=6
-    )
+def small() -> Model:
+    """Untrained networks of few numbers."""
+    arch = Architecture(latent=24, decoder=(8,), layerer=(8,), encoder=(8,), sampler=(8,), lobes=1)
     return Model.of(arch, init(arch, 2), {})
 
 
 def materials(model: Model) -> list[Material]:
     """With lobes that channels share or do not share, with none, and with one channel."""
-    size, lobe = model.arch.latent, model.arch.lobe
-    rng = np.random.default_rng(1)
-    latents = rng.normal(size=(3, size)).astype(np.float32)
-    if not lobe:
-        return [Material(latents, model, latents + 0.1, own_weights(0))]
+    lobe = model.arch.lobe
+    latents = np.random.default_rng(1).normal(size=(3, model.arch.latent)).astype(np.float32)
     numbers = [
         [[0.2, 0.5, 0.9, 0, 1.5, 0]] * 3,
         [[0.2, 0.5, 0.9, 0, 1.5, 0], [0.3, 0.2, 1, 0.5, 1.3, 0.4], [0.4, 0, 0, 1, 0.3, 3]],
@@ -61,20 +56,19 @@ def evaluated(mi, bsdf, wi, wo) -> np.ndarray:
     return (f_cos.numpy() / wo.T[2]).T
 
 
-@pytest.mark.parametrize("kind", ["lobed", "plain"])
-def test_plugins_evaluate_as_numpy_does(rgb, lobed, model, kind, random_directions, tmp_path):
+def test_plugins_evaluate_as_numpy_does(rgb, small, random_directions, tmp_path):
     wi, wo = random_directions(500, 1, 0.05), random_directions(500, 2, 0.05)
     wo[:100] = wi[:100] * [-1, -1, 1]
-    for material in materials(lobed if kind == "lobed" else model):
+    for material in materials(small):
         f = evaluated(rgb, loaded(rgb, material, tmp_path), wi, wo)
         np.testing.assert_allclose(f, np.broadcast_to(material.f(wi, wo), f.shape), rtol=2e-3)
 
 
-def test_reciprocal_to_the_bit(rgb, lobed, random_directions):
+def test_reciprocal_to_the_bit(rgb, small, random_directions):
     from urushi.render.latents.holders import ConstantLatents
 
-    material = materials(lobed)[1]
-    latents = ConstantLatents(lobed, material.latents, None, material.own_decoder)
+    material = materials(small)[1]
+    latents = ConstantLatents(small, material.latents, None, material.own_decoder)
     sides = random_directions(2000, 3), random_directions(2000, 4)
 
     def f(wi, wo) -> np.ndarray:
@@ -89,34 +83,34 @@ def test_reciprocal_to_the_bit(rgb, lobed, random_directions):
     np.testing.assert_array_equal(f(*sides), f(*sides[::-1]))
 
 
-def test_saved_again_to_the_byte(rgb, lobed, tmp_path):
-    loaded(rgb, materials(lobed)[1], tmp_path).save(tmp_path / "again")
+def test_saved_again_to_the_byte(rgb, small, tmp_path):
+    loaded(rgb, materials(small)[1], tmp_path).save(tmp_path / "again")
     assert (tmp_path / "again").read_bytes() == (tmp_path / "material").read_bytes()
 
 
-def test_edited_codes_replace_them(rgb, lobed, random_directions, tmp_path):
-    material = materials(lobed)[1]
+def test_edited_codes_replace_them(rgb, small, random_directions, tmp_path):
+    material = materials(small)[1]
     bsdf = loaded(rgb, material, tmp_path)
     parameters = rgb.traverse(bsdf)
     parameters["latents"] = rgb.TensorXf(material.latents)
     parameters.update()
     wi, wo = random_directions(100, 1, 0.05), random_directions(100, 2, 0.05)
-    of_codes = Material(material.latents, lobed).f(wi, wo)
+    of_codes = Material(material.latents, small).f(wi, wo)
     np.testing.assert_allclose(evaluated(rgb, bsdf, wi, wo), of_codes, rtol=2e-3)
 
 
-def test_coats_lie_over_the_anchors(rgb, lobed):
+def test_coats_lie_over_the_anchors(rgb, small):
     from urushi.render.latents.holders import ConstantLatents
 
-    material = materials(lobed)[0]
-    bottom = ConstantLatents(lobed, material.latents, None, material.own_decoder).anchors
+    material = materials(small)[0]
+    bottom = ConstantLatents(small, material.latents, None, material.own_decoder).anchors
     again = bottom.anchors
     assert again is bottom and str(bottom) == "3 x 24"
 
 
-def test_frozen_functions_tell_materials_apart(rgb, lobed, random_directions, tmp_path):
-    codes = materials(lobed)[0].latents
-    made = [Material(codes, lobed, None, own_weights(seed)) for seed in (5, 6)]
+def test_frozen_functions_tell_materials_apart(rgb, small, random_directions, tmp_path):
+    codes = materials(small)[0].latents
+    made = [Material(codes, small, None, own_weights(seed)) for seed in (5, 6)]
     bsdfs = [loaded(rgb, material, tmp_path) for material in made]
     wi, wo = random_directions(64, 1, 0.05), random_directions(64, 2, 0.05)
 
