@@ -5,7 +5,7 @@ import pytest
 
 import urushi
 from urushi.geometry.quadrature import half_vector_rule
-from urushi.material import Material, encode, energy, layer
+from urushi.material import Material, encode, energy, layer, lerp
 from urushi.material.encode import (
     encoder_codes,
     evaluate_source,
@@ -30,9 +30,14 @@ BETWEEN = 0.004
 @pytest.fixture(scope="module")
 def gaining(trained) -> Model:
     """The shipped networks with an output that is 1.3 times too high: they gain energy."""
-    last = f"decoder.{len(trained.arch.decoder)}.bias"
-    params = dict(trained.params) | {last: trained.params[last] + np.float32(np.log(1.3))}
-    return Model.of(trained.arch, params, {})
+    return brighter(trained, 1.3)
+
+
+def brighter(model: Model, factor: float) -> Model:
+    """Networks whose decoder gives `factor` times as much light."""
+    last = f"decoder.{len(model.arch.decoder)}.bias"
+    params = dict(model.params) | {last: model.params[last] + np.float32(np.log(factor))}
+    return Model.of(model.arch, params, {})
 
 
 def true_albedo(description, wi):
@@ -80,6 +85,18 @@ def test_lossless_stacks_reflect_at_most_everything(bottom, trained):
         top = urushi.dielectric(alpha, eta)
         material = layer(top, material, albedo=1, sigma_t=sigma_t, g=g)
         assert material.directional_albedo(WI).max() < 1 + BETWEEN
+
+
+def test_what_the_encoder_makes_of_nothing_is_no_gain(trained):
+    """A bare mirror is the bottom of coats with a rest for the layerer, which is not rendered."""
+    bright = brighter(trained, 100.0)
+    mirror = encode(urushi.conductor(0.1, 1.0), bright)
+    assert mirror.directional_albedo(WI).max() <= 1
+    assert energy.directional_albedos(bright, mirror.anchors).max() > 1 + energy.TOLERANCE
+    blend = lerp(mirror, encode(urushi.conductor(0.2, 1.0), bright), 0.5)
+    for bottom in (mirror, blend):
+        coated = layer(urushi.dielectric(0.3, 1.5), bottom, albedo=1, sigma_t=0.5)
+        assert coated.directional_albedo(WI).max() < 1 + BETWEEN
 
 
 def test_a_gaining_network_is_brought_back_to_the_source(gaining):

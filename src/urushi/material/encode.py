@@ -171,8 +171,8 @@ def bare_anchors(model: Model, lobe: np.ndarray) -> np.ndarray:
     All have one rest, what the encoder makes of none. No limit of energy scales it, because the
     layerer has learned it as it is.
     """
-    nothing = np.zeros((1, len(model.networks.pairs()[0])), np.float32)
-    rest = encoder_codes(model, nothing, np.array(lobes.NO_LOBE, np.float32))[0, lobe.shape[-1] :]
+    assert isinstance(model.networks, UrushiNetworks)  # for the type checker
+    rest = model.networks.empty_rest()
     shape = *lobe.shape[:-1], len(rest)
     return np.concatenate([lobe, np.broadcast_to(rest, shape)], axis=-1, dtype=np.float32)
 

@@ -50,6 +50,9 @@ LEAST_ALBEDO = 1e-6
 #: light at one angle, as in total reflection.
 LEAST_REST = 0.005
 
+#: Greatest difference of the code of a rest from that of nothing at which it is that of nothing.
+BARE_DIFFERENCE = 1e-4
+
 #: A code with a factor below `TINY_FACTOR` is measured again, at most `TINY_FACTOR_ROUNDS` times:
 #: down to exp(-80).
 TINY_FACTOR, TINY_FACTOR_ROUNDS = 1e-3, 3
@@ -197,8 +200,20 @@ def limit_coated_albedo(model: Model, z: np.ndarray, z_bottom: np.ndarray) -> np
     return _scaled(model, z, factors)
 
 
+def as_rendered(model: Model, z_bottom: np.ndarray) -> np.ndarray:
+    """Codes (..., L) of bottoms without the rests that bare surfaces have for the layerer alone.
+
+    The encoder's code of nothing decodes to some light, which is never rendered and is no gain.
+    """
+    networks = _own_networks(model)
+    difference = np.abs(z_bottom[..., model.arch.lobe :] - networks.empty_rest()).max(axis=-1)
+    bare = difference < BARE_DIFFERENCE
+    return np.where(bare[..., None], networks.without_rest(z_bottom), z_bottom)
+
+
 def _ceilings_over(model: Model, z_bottom: np.ndarray) -> np.ndarray:
     """Ceilings (...) of coats over bottoms (..., L)."""
+    z_bottom = as_rendered(model, z_bottom)
     ceilings = np.full(z_bottom.shape[:-1], 1 - MARGIN)
     gaining = _limiting_factors(model, z_bottom, 1 + TOLERANCE) < 1
     if gaining.any():

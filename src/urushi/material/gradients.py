@@ -151,7 +151,7 @@ def _log_factor(model: Model, z: np.ndarray, z_bottom: np.ndarray) -> tuple[np.n
 
     The ceiling is a constant, or the largest albedo of a bottom that gains energy.
     """
-    rest, rest_slopes, top, top_slopes = _albedos(model, z_bottom)
+    rest, rest_slopes, top, top_slopes = _albedos(model, energy.as_rendered(model, z_bottom))
     peak = int((rest + top).argmax())
     ceiling = rest[peak] + top[peak]
     if ceiling > 1 + energy.TOLERANCE:

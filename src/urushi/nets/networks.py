@@ -134,6 +134,11 @@ class UrushiNetworks(NamedTuple):
         codes[..., self.arch.lobe] = decoder.EMPTY_GAIN
         return codes
 
+    def empty_rest(self) -> Any:
+        """The code (R,) that the encoder makes of a rest that is zero."""
+        nothing = np.zeros((1, self.arch.probes), np.float32)
+        return encoder.encode(self.params, self.arch, nothing)[0]
+
     def decode_log(self, z: Any, features: Any) -> tuple[Any, Any]:
         """The logarithm (...) of `rest`, and its derivatives (..., R).
 
