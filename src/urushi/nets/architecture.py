@@ -2,7 +2,8 @@
 
 import itertools
 import json
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import asdict, dataclass, fields
+from typing import ClassVar
 
 import numpy as np
 
@@ -55,7 +56,7 @@ class Architecture:
     lobes: int = 2
     activation: str = "smoothstep"
     probes: int = 192
-    lobe: int = field(default=len(LOBE_NUMBERS), init=False)
+    lobe: ClassVar[int] = len(LOBE_NUMBERS)
 
     def __post_init__(self) -> None:
         for name in ("latent", "lobes", "probes"):
@@ -89,7 +90,7 @@ class Architecture:
 
     def to_json(self) -> str:
         """Return the sizes as a JSON object."""
-        return json.dumps(asdict(self))
+        return json.dumps(asdict(self) | {"lobe": self.lobe})
 
     @classmethod
     def from_json(cls, text: str) -> "Architecture":
@@ -103,16 +104,16 @@ class Architecture:
             entries = json.loads(text)
         except ValueError as error:
             raise ParameterError(f"the architecture is no valid JSON: {error}") from error
-        names = {entry.name for entry in fields(cls)}
+        names = {entry.name for entry in fields(cls)} | {"lobe"}
         if not isinstance(entries, dict) or set(entries) != names:
             raise ParameterError(
                 "the architecture must be a JSON object with exactly the fields "
                 + ", ".join(sorted(names))
             )
         lobe = entries.pop("lobe")
-        if lobe != len(LOBE_NUMBERS):
+        if lobe != cls.lobe:
             raise ParameterError(
-                f"architecture's lobe is {lobe!r}; this Urushi's has {len(LOBE_NUMBERS)} numbers"
+                f"architecture's lobe is {lobe!r}; this Urushi's has {cls.lobe} numbers"
             )
         return cls(**entries)
 

@@ -1,5 +1,6 @@
 """The presets of `urushi train --preset NAME`, each a frozen value."""
 
+import json
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
@@ -57,7 +58,7 @@ class Preset:
             "pairs": self.pairs,
             "memory": self.memory,
             "seed": self.seed,
-            "arch": asdict(self.arch),
+            "arch": json.loads(self.arch.to_json()),
         }
 
 
