@@ -111,7 +111,9 @@ def _grid(probes: int) -> _Grid:
 
 def _fit(f: np.ndarray) -> np.ndarray:
     """`fit_lobes` for f (N, P)."""
-    grid, at, open_rows = _grid(f.shape[-1]), _best_of_grid(f), np.arange(len(f))
+    # Sums over some rows and over many differ by rounding: in single precision they are the same.
+    at = _best_of_grid(f).astype(np.float32)
+    grid, open_rows = _grid(f.shape[-1]), np.arange(len(f))
     scale = (1 / (f + DARK)).astype(np.float32)
     aim = (f / (f + DARK)).astype(np.float32)
     white = scale * np.float32(1 / np.pi)
@@ -119,7 +121,7 @@ def _fit(f: np.ndarray) -> np.ndarray:
     for step in range(STEPS):
         if step == STEPS - LAST_STEPS:
             longest[3] = 0.0
-        x = at[open_rows]
+        x = at[open_rows].astype(np.float64)
         shape, slope = _shape(grid, np.exp(x[:, 3:]).astype(np.float32))
         shape *= scale
         diffuse, normal, grazing = x[:, :3].T[..., None].astype(np.float32)

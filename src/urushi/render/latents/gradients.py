@@ -1,8 +1,9 @@
 """Baking with gradients: latent codes that are differentiable in the parameters of a scene.
 
 Where a parameter of a coat or of its bottom carries a gradient, `bake` replaces `baking.Baker`. The
-bottom's values at the probe pairs are differentiated by Dr.Jit. Encoder and layerer are custom
-operations of Dr.Jit, whose values and derivatives NumPy computes (`material.gradients`).
+bottom's values at the probe pairs, or the parameters of a bare surface, are differentiated by
+Dr.Jit. Encoder and layerer are custom operations of Dr.Jit, whose values and derivatives NumPy
+computes (`material.gradients`).
 """
 
 from collections.abc import Sequence
@@ -16,6 +17,7 @@ from urushi.material import gradients
 from urushi.material.encode import limited_codes
 from urushi.material.layer import layer_texels
 from urushi.material.symmetry import rotated_pairs
+from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
 from urushi.render import spectrum
 from urushi.render.latents import lookup
@@ -25,6 +27,7 @@ from urushi.render.latents.holders import DifferentiableConstant, Differentiable
 from urushi.render.reading import probing
 from urushi.render.reading.grid import varying_textures
 from urushi.render.reading.parameters import CoatTextures
+from urushi.render.reading.surfaces import KnownSurface, known_surface
 from urushi.textures.grid import IDENTITY, TexelGrid
 
 #: For each channel a list of Dr.Jit floats, each with one entry per point, or one for all points.
@@ -76,6 +79,9 @@ def _bottom_codes(
     same_networks = nested is not None and bottom.model.fingerprint == model.fingerprint
     if same_networks and isinstance(nested, DifferentiableConstant | DifferentiableTexture):
         return nested.codes(mi.Point2f(np.ascontiguousarray(uv.T, np.float32)))
+    surface = known_surface(bottom)
+    if surface is not None and surface.bare and wanted(bottom):
+        return _bare_codes(model, where, surface, uv if varying_textures(bottom) else uv[:1])
     wi, wo = model.networks.pairs()
     if not wanted(bottom) or probing.needed_repeats(bottom, wi, wo, len(uv)) > 1:
         with dr.suspend_grad():  # a random walk's loop cannot be differentiated
@@ -89,6 +95,18 @@ def _bottom_codes(
     starts = range(0, len(uv), PROBED_TEXELS)
     parts = [_probed(bottom, wi, wo, uv[i : i + PROBED_TEXELS], average) for i in starts]
     return encode(model, where, parts)
+
+
+def _bare_codes(model: Model, where: str, surface: KnownSurface, uv: np.ndarray) -> Columns:
+    """`bottoms` of a surface that is its lobe alone, with the gradients of its parameters."""
+    assert isinstance(model.networks, UrushiNetworks)  # for the type checker
+    rest = [mi.Float(float(value)) for value in model.networks.empty_rest()]
+    codes = [
+        [*(dr.minimum(value, 1) for value in lobe[:4]), *lobe[4:], *rest]
+        for lobe in surface.lobes(uv)
+    ]
+    probing.check_values(rows([lobe[:6] for lobe in codes], len(uv)), where)
+    return codes
 
 
 def _probed(

@@ -52,33 +52,49 @@ class KnownSurface(NamedTuple):
 
     def at(self, uv: np.ndarray) -> SurfaceValues:
         """The surface at points uv (M, 2); textures may give values that no BRDF has."""
-        si = dr.zeros(mi.SurfaceInteraction3f, len(uv))
-        si.uv = mi.Point2f(np.ascontiguousarray(uv.T, np.float32))
-        spectrum.set_bands(si)
         shape = len(uv), spectrum.channel_count()
+        if self.bare:
+            lobe = _stacked(self.lobes(uv), len(uv))
+            return SurfaceValues(lobe, np.zeros(shape, np.float32))
         lobe = np.empty((*shape, len(LOBE_NUMBERS)), np.float32)
         lobe[...] = NO_LOBE
-        if not self.bare:
-            return SurfaceValues(lobe, self._channels("reflectance", si, shape))
-        alpha = self.textures["alpha"].eval_1(si).numpy()
-        lobe[..., 0] = np.maximum(alpha, MIN_ALPHA)[:, None]
-        reflectance, eta, k = (
-            self._channels(name, si, shape) for name in ("specular_reflectance", "eta", "k")
-        )
-        # Mitsuba's metal "none" has the index 0 and reflects all light.
-        exact = eta > 0
-        lobe[..., 1] = lobe[..., 2] = np.where(exact, 0, reflectance)
-        lobe[..., 3] = np.where(exact, reflectance, 0)
-        lobe[..., 4], lobe[..., 5] = np.where(exact, eta, NO_LOBE[4]), np.where(exact, k, 0)
-        return SurfaceValues(lobe, np.zeros(shape, np.float32))
+        reflectance = [[value] for value in self._channels("reflectance", _points(uv))]
+        return SurfaceValues(lobe, _stacked(reflectance, len(uv))[..., 0])
 
-    def _channels(self, name: str, si, shape: tuple[int, int]) -> np.ndarray:
+    def lobes(self, uv: np.ndarray) -> list[list]:
+        """The lobes of a bare surface at points uv: six Dr.Jit floats for each channel."""
+        si = _points(uv)
+        alpha = dr.maximum(self.textures["alpha"].eval_1(si), MIN_ALPHA)
+        names = ("specular_reflectance", "eta", "k")
+        found = []
+        for reflectance, eta, k in zip(*(self._channels(x, si) for x in names), strict=True):
+            # Mitsuba's metal "none" has the index 0 and reflects all light.
+            exact = eta > 0
+            schlick = dr.select(exact, 0, reflectance)
+            index = dr.select(exact, eta, NO_LOBE[4]), dr.select(exact, k, 0)
+            found.append([alpha, schlick, schlick, dr.select(exact, reflectance, 0), *index])
+        return found
+
+    def _channels(self, name: str, si) -> list:
+        """The channels of a texture, as Dr.Jit floats."""
         if name not in self.textures:
-            return np.ones(shape, np.float32)
-        channels = spectrum.to_channels(self.textures[name].eval(si))
-        dr.eval(channels)
-        rows = [np.broadcast_to(channel.numpy(), shape[0]) for channel in channels]
-        return np.stack(rows, axis=-1)
+            return [mi.Float(1)] * spectrum.channel_count()
+        return spectrum.to_channels(self.textures[name].eval(si))
+
+
+def _points(uv: np.ndarray) -> "mi.SurfaceInteraction3f":
+    """Interactions at points uv (M, 2)."""
+    si = dr.zeros(mi.SurfaceInteraction3f, len(uv))
+    si.uv = mi.Point2f(np.ascontiguousarray(uv.T, np.float32))
+    spectrum.set_bands(si)
+    return si
+
+
+def _stacked(channels: list[list], points: int) -> np.ndarray:
+    """Numbers float32 (points, C, K) from K Dr.Jit floats for each channel."""
+    dr.eval(channels)
+    rows = [[np.broadcast_to(value.numpy(), points) for value in channel] for channel in channels]
+    return np.moveaxis(np.array(rows, np.float32), -1, 0)
 
 
 def known_surface(bsdf: "mi.BSDF") -> KnownSurface | None:
