@@ -1,9 +1,12 @@
-"""Mip levels of codes with lobes: factors are averaged linearly, widths by reflected light."""
+"""Mip levels of codes with lobes: factors are averaged linearly, roots of widths by light."""
 
 import numpy as np
 import pytest
 
+from urushi.geometry.direction_sets import cosine_pairs
+from urushi.geometry.error_metrics import stack_error
 from urushi.material import energy
+from urushi.material.lobe_albedo import lobe_albedos
 from urushi.nets import lobe as lobes
 from urushi.nets.architecture import SCALE, Architecture, code_names, init
 from urushi.nets.weights import Model
@@ -69,6 +72,33 @@ def test_lobes_alone_stay_and_one_that_reflects_nothing_does_not_count():
     )
     nothing = averaging.dropped_lobes(averaging.lifted_lobes(both[:1]))[0]
     np.testing.assert_allclose(nothing, both[0], rtol=1e-5)
+
+
+def averaged_widths() -> tuple[np.ndarray, np.ndarray]:
+    """Lobes (32, 8, 6) of a dielectric with widths from 0.05 to 0.4, and their averages (32, 6)."""
+    widths = np.random.default_rng(0).uniform(0.05, 0.4, (32, 8)).astype(np.float32)
+    several = lobes.of_coat(widths, np.float32(1.5))
+    means = averaging.lifted_lobes(several.reshape(-1, 6)).reshape(32, 8, -1).mean(axis=1)
+    return several, averaging.dropped_lobes(means)
+
+
+def test_one_lobe_for_several_widths_reflects_as_much_light():
+    """Under light from all sides, to 0.5 %."""
+    cosines = energy.albedo_rule().cosines
+    weights = np.abs(np.gradient(cosines)) * cosines
+    several, one = (lobe_albedos(lobe, cosines) @ weights for lobe in averaged_widths())
+    np.testing.assert_allclose(one, several.mean(axis=1), rtol=0.005)
+
+
+def test_hardly_any_other_width_is_closer():
+    wi, wo = cosine_pairs(np.random.default_rng(1), 1000)
+    several, one = averaged_widths()
+    f = lobes.f(several[:, :, None], wi, wo).mean(axis=1)
+    errors = []
+    for factor in np.geomspace(0.6, 1.6, 21):
+        other = one * np.array([factor, 1, 1, 1, 1, 1])
+        errors.append(stack_error(lobes.f(other[:, None], wi, wo), f, wi[:, 2], wo[:, 2]))
+    assert errors[10].mean() < 1.1 * np.mean(errors, axis=1).min()
 
 
 @pytest.mark.parametrize("side", (8, 64))

@@ -7,8 +7,10 @@ is added, so that an area of equal codes keeps its code exactly. Two damped Gaus
 (`material.fit`) then bring the code five times closer to the averaged values.
 
 This is done with what the codes' lobes (`nets.lobe`) leave, the rest. The factors of the lobes are
-averaged linearly, as f is linear in them, and widths by the light that each lobe reflects: a lobe
-that reflects nothing does not count.
+averaged linearly, as f is linear in them, and the roots of their widths by the light that each lobe
+reflects: the albedo of a lobe is nearly linear in the root, and a lobe that reflects nothing does
+not count. One lobe is not the sum of several widths, so that f of an average is less exact than its
+light.
 
 A texture has millions of codes, which cannot all be decoded. They lie close together, however. For
 large textures two regressions, fitted to a sample of the texture's codes, replace the decoder and
@@ -180,7 +182,7 @@ def lifted_lobes(lobe: np.ndarray) -> np.ndarray:
     bright = reflectance(lobe[:, None], COSINES).mean(axis=-1) + LEAST_WEIGHT
     indexed = exact + LEAST_WEIGHT
     head_on = fresnel(np.float32(1.0), eta, k)
-    weighted = [bright, bright * alpha, indexed, *(indexed * x for x in (eta, k, head_on))]
+    weighted = [bright, bright * np.sqrt(alpha), indexed, *(indexed * x for x in (eta, k, head_on))]
     return np.stack([normal, grazing, exact, *weighted], axis=-1).astype(np.float32)
 
 
@@ -190,7 +192,7 @@ def dropped_lobes(means: np.ndarray) -> np.ndarray:
     The index reflects as much at normal incidence as the averaged ones do: that of a dielectric is
     above one if their mean is, and a metal has their mean eta.
     """
-    normal, grazing, exact, bright, width, indexed, *others = means.astype(np.float64).T
+    normal, grazing, exact, bright, root_width, indexed, *others = means.astype(np.float64).T
     eta, k, head_on = (x / indexed for x in others)
     head_on = np.clip(head_on, 0, 0.999)
     root = np.sqrt(head_on) * np.where(eta >= 1, 1, -1)
@@ -198,7 +200,8 @@ def dropped_lobes(means: np.ndarray) -> np.ndarray:
     metal = k > LEAST_K
     eta = np.where(metal, eta, (1 + root) / (1 - root))
     k = np.where(metal, np.sqrt(np.maximum(squared, 0)), 0)
-    return np.stack([width / bright, normal, grazing, exact, eta, k], axis=-1).astype(np.float32)
+    alpha = np.square(root_width / bright)
+    return np.stack([alpha, normal, grazing, exact, eta, k], axis=-1).astype(np.float32)
 
 
 class DecodedSpace(NamedTuple):
