@@ -27,12 +27,10 @@ def test_encode_a_description(tmp_path, capsys):
 
 
 def test_encode_and_refine(tmp_path):
-    file = tmp_path / "gold.safetensors"
-    assert cli.main(["encode", GOLD, "--refine", "-o", str(file)]) == 0
-    gold = urushi.conductor(alpha=0.2, r0=(0.98, 0.77, 0.34))
-    assert (
-        urushi.load(file) == urushi.encode(gold, refine=True) != urushi.encode(gold, refine=False)
-    )
+    file = tmp_path / "red.safetensors"
+    assert cli.main(["encode", "diffuse((0.7, 0.2, 0.1))", "--refine", "-o", str(file)]) == 0
+    red = urushi.diffuse((0.7, 0.2, 0.1))
+    assert urushi.load(file) == urushi.encode(red, refine=True) != urushi.encode(red, refine=False)
 
 
 @pytest.fixture
