@@ -164,9 +164,8 @@ def parameter_count(arch: Architecture, part: str) -> int:
 def _of_codes(arch: Architecture) -> list[tuple[str, int]]:
     """Names and widths of the parameters by which codes change the decoder's hidden layers."""
     named = [(SCALE, arch.decoder[0])]
-    if arch.lobe:
-        for layer, width in enumerate(arch.decoder[1:], 1):
-            named += [(name, width) for name in code_names(layer)]
+    for layer, width in enumerate(arch.decoder[1:], 1):
+        named += [(name, width) for name in code_names(layer)]
     return named
 
 
@@ -174,10 +173,9 @@ def init(arch: Architecture, seed: int) -> dict[str, np.ndarray]:
     """Draw initial float32 parameters: He et al. (2015) for hidden layers, zero biases.
 
     Output layers start smaller, and codes neither scale the decoder's layers nor shift those after
-    the first one. At first the layerer therefore hardly
-    changes the bottom's latent code, the decoder gives about 1, and the sampler gives similar
-    weights to all lobes. The encoder's input statistics are rough constants: set them from data
-    with `encoder.input_statistics`.
+    the first one. At first the layerer therefore hardly changes the bottom's latent code, the
+    decoder gives about 1, and the sampler gives similar weights to all lobes. The encoder's input
+    statistics are rough constants: set them from data with `encoder.input_statistics`.
     """
     rng = np.random.default_rng(seed)
     output_gain = {"decoder": 0.3, "encoder": 1.0, "layerer": 0.1, "sampler": 0.1}

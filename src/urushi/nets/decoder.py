@@ -56,10 +56,8 @@ def hidden_layer(params: Params, layer: int, z: Any, x: Any) -> Any:
 def scale_and_offset(params: Params, layer: int, z: Any) -> tuple[Any, Any]:
     """Return by what codes without gain scale and shift the response of a further hidden layer."""
     scale, shift = code_names(layer)
-    bias = params[f"decoder.{layer}.bias"]
-    if scale not in params:  # networks without a lobe
-        return 1.0, bias
-    return 1.0 + product(z, params[scale]), product(z, params[shift]) + bias
+    offset = product(z, params[shift]) + params[f"decoder.{layer}.bias"]
+    return 1.0 + product(z, params[scale]), offset
 
 
 def scaled(z: Any, factor: Any) -> Any:

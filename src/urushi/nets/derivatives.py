@@ -57,9 +57,8 @@ def decode_log(params: Params, arch: Architecture, z: Any, features: Any) -> tup
     gradient = params[f"decoder.{output}.weight"][:, 0] * slopes[-1]
     for layer in range(output - 1, 0, -1):
         scale_name, shift_name = code_names(layer)
-        if scale_name in params:
-            inner = inner + product(gradient * responses[layer], params[scale_name].T)
-            inner = inner + product(gradient, params[shift_name].T)
+        inner = inner + product(gradient * responses[layer], params[scale_name].T)
+        inner = inner + product(gradient, params[shift_name].T)
         back = product(gradient * scales[layer - 1], params[f"decoder.{layer}.weight"].T)
         gradient = back * slopes[layer - 1]
     inner = inner + product(gradient * responses[0], params[SCALE].T)

@@ -30,7 +30,7 @@ class UrushiDecoder:
         self._kind = kind
         numbers = model.arch.latent - self._lobe - 1  # the gain bypasses the network
         self._response = weight[numbers:]
-        self._widths = model.arch.decoder if self._lobe else model.arch.decoder[:1]
+        self._widths = model.arch.decoder
         shifts, ones = [params[SCALE], weight[:numbers]], []
         for layer in range(1, len(self._widths)):
             shifts += [params[name] for name in code_names(layer)]
