@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from urushi.nets.architecture import Architecture, init
-from urushi.nets.features import INTERFACE_TABLE, MEDIUM_TABLE
+from urushi.nets.features import COAT_TABLE
 from urushi.nets.lobe import LOBE_FEATURES, NO_LOBE
 from urushi.train.stages.joint import ABSORPTION_STEPS, absorption_penalty, with_more_absorption
 
@@ -33,7 +33,7 @@ def test_only_a_network_that_brightens_with_absorption_is_penalised(coats, sign)
     # All weights are zero except on one path: from the feature ln(1 + sigma_t (1 - albedo)), which
     # grows with absorption, through one neuron to the gain.
     params = {name: np.zeros_like(value) for name, value in init(ARCH, 0).items()}
-    table = [formula for formula, _, _ in INTERFACE_TABLE + MEDIUM_TABLE]
+    table = [formula for formula, _, _ in COAT_TABLE]
     absorbed = table.index("ln(1 + sigma_t (1 - albedo))")
     params["layerer.0.weight"][ARCH.latent - ARCH.lobe + LOBE_FEATURES + absorbed, 0] = 1
     params["layerer.1.weight"][0, 0] = sign

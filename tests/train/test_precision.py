@@ -13,7 +13,7 @@ from urushi.nets.features import direction_features
 from urushi.train.optimiser import Schedule, compile_steps, lowered, start
 
 ARCH = Architecture(
-    latent=4, decoder=(32, 32), encoder=(8, 8), layerer=(8,), sampler=(8,), probes=8
+    latent=10, decoder=(32, 32), encoder=(8, 8), layerer=(8,), sampler=(8,), probes=8
 )
 PARAMS = {name: jnp.asarray(value) for name, value in init(ARCH, 0).items()}
 LOW = lowered(PARAMS, "bfloat16")
@@ -31,7 +31,7 @@ def test_only_matrices_between_two_hidden_layers_are_lowered():
 
 
 def test_the_decoder_differs_by_the_rounding_of_one_layer():
-    z = jnp.ones((256, ARCH.latent))
+    z = jnp.ones((256, ARCH.latent - ARCH.lobe))
     exact, rounded = (np.asarray(decode(p, ARCH, z, features())) for p in (PARAMS, LOW))
     assert rounded.dtype == np.float32
     error = np.abs(np.log(rounded / exact))
@@ -41,7 +41,7 @@ def test_the_decoder_differs_by_the_rounding_of_one_layer():
 
 def test_reciprocity_survives():
     wi, wo = training_pairs(np.random.default_rng(1), 256)
-    z = jnp.ones((256, ARCH.latent))
+    z = jnp.ones((256, ARCH.latent - ARCH.lobe))
     there, back = (
         decode(LOW, ARCH, z, jnp.asarray(direction_features(*pair)))
         for pair in ((wi, wo), (wo, wi))
@@ -55,7 +55,7 @@ def test_training_in_bfloat16_learns_and_keeps_float32_weights():
         300, 10, 1e-2, average=0.9, steps_per_call=50, checkpoint_every=50, precision="bfloat16"
     )
     inputs = features()
-    z = jnp.zeros((256, ARCH.latent))
+    z = jnp.zeros((256, ARCH.latent - ARCH.lobe))
     target = -inputs[:, 0]
 
     def loss(params, _):

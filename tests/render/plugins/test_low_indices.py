@@ -61,9 +61,3 @@ def test_a_texture_may_cross_one(rgb):
     up = np.array([0.0, 0.6, 0.8])
     f_cos, se = mean_f_cos(rgb, bsdf, up, up)
     assert np.isfinite(f_cos) and np.isfinite(se) and f_cos > 0
-
-
-def test_shipped_networks_refuse_lower_indices(rgb, networks):
-    described = layered(1.2, 1.5) | {"type": "neural_layered", "weights": str(networks)}
-    with pytest.raises(RuntimeError, match=r"eta is 0\.8, and the weights .* use the random walk"):
-        rgb.load_dict(described)

@@ -219,7 +219,9 @@ def test_encode_takes_mitsuba_bsdfs(rgb, model):
 
     material = encode(rgb.load_dict({"type": "diffuse"}), model)
     same = encode(lambda wi, wo: np.full((len(wi), 3), 0.5 / np.pi), model)
-    np.testing.assert_allclose(material.anchors, same.anchors, rtol=1e-4, atol=1e-5)
+    # the width of a lobe that reflects nothing has no meaning
+    anchors = material.anchors[:, 1:]
+    np.testing.assert_allclose(anchors, same.anchors[:, 1:], rtol=1e-4, atol=1e-5)
 
 
 def test_eval_diffuse_reflectance_is_positive(rgb, describe):
