@@ -36,7 +36,7 @@ def find_lobes(f: np.ndarray) -> np.ndarray:
 
     Exact ones of bare interfaces, and those of `lobe_fit` of all other BRDFs.
     """
-    rows = np.maximum(np.asarray(f, np.float64).reshape(-1, f.shape[-1]), 0.0)
+    rows = np.maximum(np.ascontiguousarray(f, np.float64).reshape(-1, f.shape[-1]), 0.0)
     found = exact_interfaces(rows, fit_lobes(rows))
     return found.reshape(*f.shape[:-1], found.shape[-1])
 

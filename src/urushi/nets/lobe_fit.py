@@ -57,7 +57,7 @@ def fit_lobes(f: np.ndarray) -> np.ndarray:
     The factors of Schlick's term are in [0, 1], the other numbers those of `lobe.NO_LOBE`. A BRDF
     without a lobe has the factors 0.
     """
-    values = np.asarray(f, np.float64)
+    values = np.ascontiguousarray(f, np.float64)  # the order of sums follows the layout
     rows = np.maximum(values.reshape(-1, values.shape[-1]), 0.0)
     result = np.empty((len(rows), len(lobes.LOBE_NUMBERS)), np.float32)
     for start in range(0, len(rows), BLOCK):
