@@ -11,9 +11,11 @@ from urushi.nets import weights
 
 RESULTS = Path(__file__).resolve().parents[2] / "docs" / "results.md"
 
-#: The values are deterministic; the margin is for the published rounding to two decimals and for
-#: other CPUs' single-precision arithmetic.
+#: The values are deterministic; the margin is for other CPUs' single-precision arithmetic.
 MARGIN = 1.05
+
+#: The published figures are rounded to two decimals [%].
+ROUNDING = 0.005
 
 #: Refined rows are left out: they are the same networks with minutes of optimisation.
 MEASURED = tuple(row for row in ROWS if not row.refined)
@@ -80,7 +82,7 @@ def test_the_shipped_networks_hold_the_published_figures(sets):
         e, p = figures["E"], figures["P"]
         measured = tuple(100 * x for x in (e["mean"], e["median"], e["p95"], p["median"]))
         for value, limit in zip(measured, limits, strict=True):
-            assert value <= MARGIN * limit, (row, measured, limits)
+            assert value <= MARGIN * limit + ROUNDING, (row, measured, limits)
 
 
 def test_the_shipped_networks_create_no_energy():

@@ -82,9 +82,8 @@ def default() -> Preset:
     """Networks with an analytic lobe for the whole domain.
 
     Command: `urushi train --preset default`
-    Time: 65 minutes on two cores (data 15, joint 30, the rest 20), estimated from a shorter one.
-    Expected of `urushi eval`: a training on a seventh of the data and a tenth of the steps gives
-        Table 2 stacks of two interfaces E mean 1.0 %, P median 0.4 %; the full one is to be run.
+    Time: 80 minutes on two cores (data 30, joint 28, the rest 21).
+    Expected of `urushi eval`: Table 2 stacks of two interfaces E mean 0.7 %, P median 0.3 %.
     """
     stacks, coated = (48, 136, 40, 10, 7, 7), (512, 128, 48, 40, 40)
     joint = Schedule(steps=40_960, warmup=256, learning_rate=0.012, clip=0.1)
