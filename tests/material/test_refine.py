@@ -250,7 +250,7 @@ def tan2_h(wi, wo):
     "source",
     [
         lambda wi, wo: np.where(tan2_h(wi, wo) < 0.1, 0.5, 0.02),
-        lambda wi, wo: np.where(tan2_h(wi, wo) < 0.03, 1.5, 0.02),
+        lambda wi, wo: np.where(tan2_h(wi, wo) < 0.05, 1.0, 0.02),
         lambda wi, wo: 0.2 + np.maximum(np.sum(wi * wo, axis=1), 0) ** 60,
     ],
 )
