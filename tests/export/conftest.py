@@ -20,7 +20,6 @@ def model() -> Model:
         encoder=(16,),
         sampler=(16,),
         activation="silu7",
-        lobe=6,
     )
     params = init(arch, 3)
     rng = np.random.default_rng(3)

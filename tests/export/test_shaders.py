@@ -15,8 +15,9 @@ from urushi.errors import ParameterError
 from urushi.export import dense
 from urushi.export.program import codes_text
 from urushi.material import Material
-from urushi.nets.architecture import Architecture, init
 from urushi.nets.weights import Model
+from urushi.paper.architecture import PaperArchitecture
+from urushi.paper.architecture import init as paper_init
 
 #: Relative difference of f and pdf: some roundings of single precision, in ln f up to 25.
 TOLERANCE = 1e-5
@@ -164,7 +165,6 @@ def test_errors_name_the_cure(model, materials):
     two = Material(material.latents[:2], model)
     with pytest.raises(ParameterError, match="has 2 channels; only one or three"):
         two.shader("glsl")
-    lobeless = Architecture(decoder=(8,), encoder=(8,), layerer=(8,), sampler=(8,))
-    old = Model.of(lobeless, init(lobeless, 0), {})
-    with pytest.raises(ParameterError, match="have no analytic lobe and cannot become a shader"):
-        codes_text("glsl", old, "urushi")
+    paper = Model.of(PaperArchitecture(), paper_init(0), {})
+    with pytest.raises(ParameterError, match="are of another system and cannot become a shader"):
+        codes_text("glsl", paper, "urushi")

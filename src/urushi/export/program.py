@@ -106,10 +106,10 @@ def check(language: str, model: Model, prefix: str) -> None:
             f"'{prefix}' cannot begin the names of functions; give letters, digits and single "
             "underscores, a letter first"
         )
-    if not isinstance(model.networks, UrushiNetworks) or not model.arch.lobe:
+    if not isinstance(model.networks, UrushiNetworks):
         raise ParameterError(
-            f"the networks {model.fingerprint} have no analytic lobe and cannot become a shader; "
-            "encode the material with networks of the preset 'default'"
+            f"the networks {model.fingerprint} are of another system and cannot become a shader; "
+            "encode the material with Urushi's networks"
         )
 
 

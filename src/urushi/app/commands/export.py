@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import tyro
 
@@ -53,6 +53,7 @@ class Export:
     def _text(self) -> str:
         from urushi.app.commands.layer import read_material
         from urushi.export.program import codes_text
+        from urushi.nets.weights import find
 
         if self.material is not None and tensor_file_kind(self.material) == "texture":
             return self._textured_text()
@@ -61,12 +62,13 @@ class Export:
                 "only textures of codes become texture files; give one, or leave out --texture"
             )
         if self.material is None:
-            return codes_text(self.language, _models(self.weights)[0], self.prefix)
+            return codes_text(self.language, find(self.weights), self.prefix)
         return read_material(self.material, self.weights).shader(self.language, self.prefix)
 
     def _textured_text(self) -> str:
         """The text for a texture, which is written."""
         from urushi.export.program import codes_text
+        from urushi.nets.weights import find
         from urushi.textures import file, gpu
 
         writers = {".dds": gpu.dds, ".ktx2": gpu.ktx2}
@@ -76,16 +78,10 @@ class Export:
                 f"'{self.material}' is a texture; name the texture file to write, .dds or .ktx2, "
                 "by --texture"
             )
-        store, grid, model = file.read(str(self.material), _models(self.weights))
+        model = find(self.weights)
+        store, grid = file.read(str(self.material), model)
         text = codes_text(self.language, model, self.prefix, gpu.texels(store, grid))
         with atomic_write(self.texture) as temporary:
             temporary.write_bytes(writer(store))
         print(self.texture)
         return text
-
-
-def _models(weights: str | None) -> list[Any]:
-    """The networks of this name, or all shipped ones, the default first."""
-    from urushi.nets.weights import SHIPPED, find, load_shipped
-
-    return [find(weights)] if weights else [load_shipped(name) for name in SHIPPED]
