@@ -38,8 +38,9 @@ CONVENTIONS = (
     "[1/sr] for red, green and blue in linear light, without the cosine: the reflected radiance is "
     "the sum of f(wi, wo) * wo.z * radiance. It is positive, reciprocal, and zero where either "
     "direction is below the horizon.",
-    "u holds three uniform random numbers in [0, 1). sample returns wo and its density [1/sr]; "
-    "f * wo.z / density is the weight of the path. pdf returns the density of sample at any wo.",
+    "u holds three uniform random numbers in [0, 1). {sample} returns wo and its density [1/sr]; "
+    "f * wo.z / density is the weight of the path. {pdf} returns the density of {sample} at any "
+    "wo.",
 )
 
 #: Languages that read textures.
@@ -152,7 +153,7 @@ def material_program(
     _sampled(sample, made(raised.z), sampling, wi, raised)
     note = (
         f"A material of Urushi as code, of the networks {model.fingerprint}.",
-        "Functions: f(wi, wo), pdf(wi, wo) and sample(wi, u), with the prefix of this file.",
+        "Functions: {f}(wi, wo), {pdf}(wi, wo) and {sample}(wi, u).",
         *CONVENTIONS,
     )
     structures = (proposal.structure(model), SAMPLE)
@@ -217,9 +218,9 @@ def codes_program(model: Model, texels: Texels | None = None) -> Program:
     note: tuple[str, ...] = (
         f"All materials of Urushi's networks {model.fingerprint} as code; the latent codes of a "
         "material are arguments.",
-        f"Functions: prepare(codes), once for the {arch.latent} numbers of a material's codes, "
-        "each for red, green and blue; then f(material, wi, wo), pdf(material, wi, wo) and "
-        "sample(material, wi, u), with the prefix of this file.",
+        f"Functions: {{prepare}}(codes), once for the {arch.latent} numbers of a material's codes, "
+        "each for red, green and blue; then {f}(material, wi, wo), {pdf}(material, wi, wo) and "
+        "{sample}(material, wi, u).",
         *CONVENTIONS,
     )
     structures = (structure, proposal.structure(model), SAMPLE)
@@ -229,10 +230,10 @@ def codes_program(model: Model, texels: Texels | None = None) -> Program:
     texel = texel_function(texels, prepare)
     note = (
         *note,
-        "fetch(texels, uv) reads a material from the texture that belongs to this file: an array "
+        "{fetch}(texels, uv) reads a material from the texture that belongs to this file: an array "
         f"of {texels.layers} layers, RGBA8 without gamma, whose first row is at v = 0. "
         f"{texels.filtering} Where the language separates samplers from textures, the sampler "
-        "follows the texture. fetch_level takes the level as a last argument.",
+        "follows the texture. {fetch_level} takes the level as a last argument.",
     )
     lookup = Lookup(texel, texels.layers, texels.to_texture)
     return Program(note, structures, [*functions, texel], lookup)

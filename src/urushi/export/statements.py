@@ -55,8 +55,8 @@ class Statement:
     """A line of a body.
 
     Attributes:
-        operation: "note", "let" (a constant), "variable" (one that changes), "array", "structure"
-            (both without values), "assign", "loop" or "return".
+        operation: "note", "let" (a constant), "array", "structure" (both without values),
+            "assign", "loop" or "return".
         target: what is declared (`Variable`), assigned to or counted; the text of a note.
         value: the value.
         count, body: turns and statements of a loop.
@@ -103,13 +103,6 @@ class Function:
         self.body.append(Statement("let", Variable(label, value.kind), value))
         return name(label, value.kind)
 
-    def variable(self, label: str, value: Value, kind: str = FLOAT) -> Expression:
-        """Declare a variable that `assign` changes."""
-        self.body.append(
-            Statement("variable", Variable(label, kind), converted(expression(value), kind))
-        )
-        return name(label, kind)
-
     def array(self, label: str, kind: str, count: int) -> Expression:
         """Declare an array without values, for `element`."""
         self.body.append(Statement("array", Variable(label, kind, count)))
@@ -121,7 +114,7 @@ class Function:
         return name(label, kind)
 
     def assign(self, target: Expression, value: Value) -> None:
-        """Give a variable, an element or a member its value."""
+        """Give an element or a member its value."""
         self.body.append(Statement("assign", target, converted(expression(value), target.kind)))
 
     @contextlib.contextmanager
@@ -150,6 +143,10 @@ class Function:
         return Expression("invoke", self.kind, arguments, self.name)
 
 
+#: The functions that read a texture: by the footprint, and at a given level.
+LOOKUPS = ("fetch", "fetch_level")
+
+
 @dataclass(frozen=True)
 class Lookup:
     """The look-up of an array texture.
@@ -170,7 +167,8 @@ class Program:
     """A file.
 
     Attributes:
-        note: the comment at its head, paragraph by paragraph.
+        note: the comment at its head, paragraph by paragraph; {f} stands for the name that the
+            function f has in the file.
         structures, functions: in an order in which each uses only those before it.
         lookup: of the texture that the last function is for, if there is one.
     """
@@ -178,7 +176,13 @@ class Program:
     note: Sequence[str]
     structures: Sequence[Structure]
     functions: Sequence[Function]
-    lookup: "Lookup | None" = None
+    lookup: Lookup | None = None
+
+    @property
+    def public(self) -> list[str]:
+        """The functions that the user calls."""
+        labels = [function.name for function in self.functions if function.public]
+        return [*labels, *LOOKUPS] if self.lookup else labels
 
 
 def element(array: Expression, index: int | Expression) -> Expression:

@@ -62,9 +62,10 @@ class Printer:
 
     def head(self, program: Program) -> list[str]:
         """The comment at the head of the file."""
+        names = {label: self.function_name(label) for label in program.public}
         lines: list[str] = []
-        for paragraph in (*program.note, self.usage.format(prefix=self.prefix)):
-            lines += [*self.comments(paragraph), self.comment]
+        for paragraph in (*program.note, self.usage):
+            lines += [*self.comments(paragraph.format(**names)), self.comment]
         return lines[:-1]
 
     def comments(self, text: str) -> list[str]:

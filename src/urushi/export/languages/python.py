@@ -15,7 +15,7 @@ class Python(Printer):
     title = "Python"
     usage = (
         "It needs NumPy. Directions are arrays (..., 3), results have the same leading dimensions. "
-        "sample returns the pair (wo, density)."
+        "{sample} returns the pair (wo, density)."
     )
     comment = "#"
     kinds: ClassVar[Mapping[str, str]] = {
@@ -42,7 +42,7 @@ class Python(Printer):
     loop_end = ()
 
     def printed(self, program: Program) -> str:
-        self._public = {function.name for function in program.functions if function.public}
+        self._public = program.public
         return super().printed(program)
 
     def head(self, program: Program) -> list[str]:
