@@ -17,10 +17,10 @@ class Export:
     The weights of the networks are literals in the file, which needs nothing else. Without a
     material, the file is for all materials: their latent codes are arguments of its functions.
 
-    Example: urushi export lacquer.safetensors --language glsl -o lacquer.glsl
+    A texture of codes, as the method `save` of a plugin writes it, becomes such a file with its
+    look-up, and a texture file for graphics hardware.
 
-    A texture of codes, as a plugin's `save` writes it, becomes such a file with its look-up, and a
-    texture file for graphics hardware.
+    Example: urushi export lacquer.safetensors --language glsl -o lacquer.glsl
 
     Example: urushi export shoe.safetensors -l hlsl -o shoe.hlsl --texture shoe.dds
 
@@ -41,7 +41,7 @@ class Export:
     prefix: str = "urushi"
     """Beginning of the names of all functions and structures; Python's have none."""
     weights: str | None = None
-    """Networks: base (the default), small, or a weights file."""
+    """Weights file of the networks. Default: the shipped ones."""
 
     def run(self) -> int:
         text = self._text()
