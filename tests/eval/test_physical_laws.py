@@ -79,8 +79,9 @@ def top_albedos(samples: Samples) -> np.ndarray:
     table = samples.table
     return np.stack(
         [
-            urushi.encode(urushi.dielectric(float(alpha), float(eta)))
-            .directional_albedo(sampling.albedo_directions())[:, 0]
+            urushi.encode(urushi.dielectric(float(alpha), float(eta))).directional_albedo(
+                sampling.albedo_directions()
+            )[:, 0]
             for alpha, eta in zip(table.alpha[:, 0], table.eta[:, 0], strict=True)
         ]
     )
