@@ -96,7 +96,7 @@ def unlimited(monkeypatch):
 
 
 def test_excess_of_the_albedo(sets, lax, unlimited):
-    """The rest, f = 1, has the albedo pi; those of the topmost interface and the stack are known."""
+    """The rest, f = 1, has the albedo pi; the topmost interface and the stack are known."""
     materials = {name: predict.materials(lax, samples) for name, samples in sets.items()}
     figures = physical_laws.albedo_excess(sets, materials)
     few = sets["few"]
