@@ -97,14 +97,18 @@ class Printer:
         count = "" if variable.count is None else f"[{variable.count}]"
         return f"{self.kind(variable.kind)} {variable.name}{count}"
 
+    #: What ends a field of a structure, and the line that ends the structure.
+    field_end: ClassVar[str] = ";"
+    structure_end: ClassVar[str] = "};"
+
     def structure(self, structure: Structure) -> list[str]:
         """A structure's declaration."""
         lines = self.comments(structure.note)
         lines.append(f"struct {self.structure_name(structure.name)} {{")
         for variable in structure.fields:
             note = f"  {self.comment} {variable.note}" if variable.note else ""
-            lines.append(f"    {self.declared(variable)};{note}")
-        return [*lines, "};"]
+            lines.append(f"    {self.declared(variable)}{self.field_end}{note}")
+        return [*lines, self.structure_end]
 
     def outer_tables(self, function: Function) -> Sequence[Table]:
         """The tables of a function that stand before it."""
@@ -283,7 +287,7 @@ class Printer:
         return f"{left} {sign} {right}"
 
     def number(self, value: float) -> str:
-        """A float with the digits that tell it from others in single precision."""
+        """The shortest decimal number that reads back as the same float32."""
         single = np.float32(value)
         if single == 0.0 or 1e-4 <= abs(single) < 1e7:
             return np.format_float_positional(single, unique=True, trim="0")

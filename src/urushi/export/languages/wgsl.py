@@ -5,7 +5,7 @@ from typing import ClassVar
 
 from urushi.export.expressions import BOOL, COLOUR, FLOAT, INT, VECTOR
 from urushi.export.languages.printer import Printer
-from urushi.export.statements import Function, Lookup, Structure, Table, Variable
+from urushi.export.statements import Function, Lookup, Table, Variable
 
 
 class Wgsl(Printer):
@@ -20,20 +20,14 @@ class Wgsl(Printer):
         BOOL: "bool",
         INT: "i32",
     }
+    field_end = ","
+    structure_end = "}"
 
     def declared(self, variable: Variable) -> str:
         kind = self.kind(variable.kind)
         if variable.count is not None:
             kind = f"array<{kind}, {variable.count}>"
         return f"{variable.name}: {kind}"
-
-    def structure(self, structure: Structure) -> list[str]:
-        lines = self.comments(structure.note)
-        lines.append(f"struct {self.structure_name(structure.name)} {{")
-        for variable in structure.fields:
-            note = f"  // {variable.note}" if variable.note else ""
-            lines.append(f"    {self.declared(variable)},{note}")
-        return [*lines, "}"]
 
     def table(self, table: Table) -> list[str]:
         kind = f"array<f32, {len(table.values)}>"
