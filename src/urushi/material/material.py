@@ -207,8 +207,8 @@ class Material:
             prefix: begins the names of functions and structures; those of Python have none.
 
         Raises:
-            ParameterError: an unknown language, a prefix that is no name, networks without
-                analytic lobes, or a material of other than one or three channels.
+            ParameterError: an unknown language, a prefix that is no name, networks of another
+                system, or a material of other than one or three channels.
         """
         return material_text(
             language, self.model, self.latents, self.anchors, self.own_decoder, prefix

@@ -96,8 +96,8 @@ class Render:
     threads: Annotated[int | None, tyro.conf.arg(aliases=["-t"])] = None
     """Number of threads. Default: one per core."""
     weights: str | None = None
-    """Networks of every neural_layered that names none itself: default, or a weights file.
-    Default: base."""
+    """Networks of every neural_layered that names none itself: a weights file.
+    Default: the shipped ones."""
     width: int | None = None
     """Width of the picture in pixels. Default: the scene's own."""
     height: int | None = None
