@@ -1,0 +1,86 @@
+/**
+ * The numeric core of the page: what it computes and for which values.
+ *
+ * Directions are unit vectors in the local frame, the normal along z, three numbers each. A
+ * parameter is one number for all colour channels or three. Codes are those of Urushi's networks,
+ * one of `latentSize` numbers for every channel, row by row.
+ */
+
+/** One number for all channels, or one for each of red, green and blue. */
+export type Channels = number | readonly [number, number, number];
+
+/** One coat: its interface, and the medium below it. */
+export interface Coat {
+  /** GGX width of the interface, in [0.01, 1]. */
+  alpha: Channels;
+  /** Index relative to the medium above, in [0.5, 3], at least 0.001 away from 1. */
+  eta: Channels;
+  /** Single-scattering albedo of the medium, in [0, 1]. */
+  albedo: Channels;
+  /** Optical depth of the medium, at least 0. */
+  sigmaT: Channels;
+  /** Henyey-Greenstein asymmetry of the medium, in (-1, 1). */
+  g: Channels;
+}
+
+/** What lies under all coats: a described surface, or the codes of a loaded material. */
+export type Bottom =
+  | { kind: "conductor"; alpha: Channels; r0: Channels }
+  | { kind: "conductor"; alpha: Channels; eta: Channels; k: Channels }
+  | { kind: "dielectric"; alpha: Channels; eta: Channels }
+  | { kind: "diffuse"; reflectance: Channels }
+  | { kind: "codes"; latents: Float32Array; anchors: Float32Array };
+
+/** A bottom and its coats, the topmost first. */
+export interface Stack {
+  bottom: Bottom;
+  coats: readonly Coat[];
+}
+
+/** Codes (3, latentSize) of one material. */
+export interface Material {
+  /** The codes that are evaluated. */
+  latents: Float32Array;
+  /** The codes over which coats lie. */
+  anchors: Float32Array;
+}
+
+/** Sizes of a table of directions, and the shift of its sequence. */
+export interface TableOptions {
+  /** Number of cosines of the outgoing direction. */
+  cosines: number;
+  /** Number of directions for each cosine. */
+  samples: number;
+  /** Shift in [0, 1)^3 of the low-discrepancy sequence. */
+  shift: readonly [number, number, number];
+}
+
+/** Urushi's networks and the energy limit. */
+export interface Core {
+  /** Numbers of one channel's code. */
+  readonly latentSize: number;
+
+  /** Encode a bottom without coats. */
+  encode(bottom: Bottom): Material;
+
+  /** Encode a stack: the bottom under all its coats, the energy limit included. */
+  layer(stack: Stack): Material;
+
+  /** The BRDF [1/sr], without cosine: (N, 3) for directions (N, 3). */
+  f(material: Material, wi: Float32Array, wo: Float32Array): Float32Array;
+
+  /** Density [1/sr] of the proposal, the mean of the channels': (N) for directions (N, 3). */
+  pdf(material: Material, wi: Float32Array, wo: Float32Array): Float32Array;
+
+  /** Directional albedo: (N, 3) for N cosines of the incident direction. */
+  albedo(material: Material, cosines: Float32Array): Float32Array;
+
+  /**
+   * Directions by the proposal from one low-discrepancy sequence, the same for all cosines.
+   *
+   * Row c is for the incident direction of cosine (c + 1/2) / cosines in the plane y = 0, x >= 0.
+   *
+   * @returns (cosines, samples, 8): the direction wo (3), f cos / pdf (3), pdf (1), and a zero.
+   */
+  table(material: Material, options: TableOptions): Float32Array;
+}
