@@ -84,3 +84,6 @@ export interface Core {
    */
   table(material: Material, options: TableOptions): Float32Array;
 }
+
+export { loadCore } from "./core";
+export { FileError } from "./safetensors";

@@ -1,0 +1,180 @@
+/** The encoder: from the values of a BRDF at the probe pairs to the code of its rest. */
+
+import type { Decoder, Responses } from "./decoder";
+import { Pairs } from "./features";
+import { lobeValue } from "./lobe";
+import { type Activation, Mlp } from "./mlp";
+import { probePairs } from "./probe_pairs";
+import { bound, finish } from "./second_lobe";
+import { LOBE_NUMBERS, type Weights } from "./weights";
+
+/** [1/sr] Added to f before the logarithm of the encoder, and of the correction. */
+const OFFSET = 1e-4;
+const DARK_OFFSET = 1e-3;
+
+/** Number of correction steps, and their damping relative to the mean curvature. */
+const CORRECTION_STEPS = 2;
+const CORRECTION_DAMPING = 1e-3;
+
+/** Errors of ln f above this count linearly (Huber 1964). */
+const HUBER_KNEE = 0.5;
+
+/** A corrected code, and the factor by which the encoder's own is too bright somewhere. */
+export interface Correction {
+  readonly code: Float32Array;
+  readonly excess: number;
+}
+
+export class Encoder {
+  /** The pairs at which values are needed. */
+  readonly pairs: Pairs;
+  private readonly network: Mlp;
+  /** Every second pair, which the correction fits, and the responses of the decoder to both. */
+  private readonly fitted: Pairs;
+  private readonly responses: Responses;
+  private readonly fittedResponses: Responses;
+
+  constructor(
+    private readonly weights: Weights,
+    private readonly decoder: Decoder,
+    activation: Activation,
+  ) {
+    this.network = new Mlp(weights.encoder, activation);
+    this.pairs = probePairs(weights.arch.probes);
+    this.fitted = everySecond(this.pairs);
+    this.responses = decoder.respond(this.pairs);
+    this.fittedResponses = decoder.respond(this.fitted);
+  }
+
+  /** The code of a lobe (6) and values [1/sr] of the rest at the probe pairs. */
+  encode(lobe: ArrayLike<number>, rest: ArrayLike<number>): Float32Array {
+    const { arch, inputMean, inputScale } = this.weights;
+    const inputs = Float64Array.from(
+      { length: arch.probes },
+      (_, i) => (Math.log(Math.max(rest[i], 0) + OFFSET) - inputMean[i]) / inputScale[i],
+    );
+    const code = new Float64Array(arch.latent);
+    code.set(lobe);
+    code.set(this.network.evaluate(inputs, 1).subarray(0, arch.rest), LOBE_NUMBERS);
+    finish(code, LOBE_NUMBERS + 1);
+    return Float32Array.from(code);
+  }
+
+  /**
+   * Correct a code by damped steps of Gauss and Newton towards values f at the probe pairs.
+   *
+   * See Python's `material.fit.correct_codes`. The result is the last code that is better than the
+   * given one at all pairs, or that one.
+   */
+  correct(code: Float32Array, f: ArrayLike<number>): Correction {
+    const count = this.pairs.capacity;
+    const top = Float64Array.from({ length: count }, (_, i) => lobeValue(code, 0, this.pairs, i));
+    const logs = Float64Array.from({ length: count }, (_, i) => Math.log(f[i] + DARK_OFFSET));
+    const before = this.errors(code, top, logs);
+    const least = totalLoss(before);
+    const tried: Float32Array[] = [];
+    let current = code;
+    for (let step = 0; step < CORRECTION_STEPS; step++) {
+      current = this.corrected(current, top, logs);
+      tried.unshift(current);
+    }
+    const better = tried.find((candidate) => totalLoss(this.errors(candidate, top, logs)) < least);
+    return { code: better ?? code.slice(), excess: Math.exp(Math.max(...before)) };
+  }
+
+  /** Errors of ln(f + offset) of a code at all probe pairs. */
+  private errors(code: Float32Array, top: Float64Array, logs: Float64Array): Float64Array {
+    const { decoder, pairs, responses } = this;
+    const prepared = decoder.prepare(code, LOBE_NUMBERS);
+    return logs.map((log, i) => {
+      const rest = decoder.rest(prepared, code, LOBE_NUMBERS, pairs, responses, i);
+      return Math.log(top[i] + rest + DARK_OFFSET) - log;
+    });
+  }
+
+  /** A code after one step. */
+  private corrected(code: Float32Array, top: Float64Array, logs: Float64Array): Float32Array {
+    const size = this.weights.arch.rest;
+    const found = this.decoder.restWithSlopes(
+      code,
+      LOBE_NUMBERS,
+      this.fitted,
+      this.fittedResponses,
+    );
+    const curvature = new Float64Array(size * size);
+    const slope = new Float64Array(size);
+    for (let place = 0; place < found.rest.length; place++) {
+      const rest = found.rest[place];
+      const f = top[2 * place] + rest + DARK_OFFSET;
+      const error = Math.log(f) - logs[2 * place];
+      const share = rest / f;
+      const weight = (share * share) / farness(error);
+      const pull = (error * share) / farness(error);
+      const row = place * size;
+      for (let i = 0; i < size; i++) {
+        const a = found.slopes[row + i];
+        slope[i] += pull * a;
+        for (let j = 0; j < size; j++) {
+          curvature[i * size + j] += weight * a * found.slopes[row + j];
+        }
+      }
+    }
+    const step = dampedStep(curvature, slope, CORRECTION_DAMPING);
+    const result = code.map((number, k) =>
+      k < LOBE_NUMBERS ? number : number - step[k - LOBE_NUMBERS],
+    );
+    bound(result, LOBE_NUMBERS + 1);
+    return result;
+  }
+}
+
+function everySecond(pairs: Pairs): Pairs {
+  const result = new Pairs(Math.ceil(pairs.capacity / 2));
+  for (const name of ["tan2", "low", "high", "fifth", "cosI", "cosO", "across", "cosD"] as const) {
+    result[name].set(pairs[name].filter((_, i) => i % 2 === 0));
+  }
+  const width = pairs.features.length / pairs.capacity;
+  result.features.set(pairs.features.filter((_, i) => Math.floor(i / width) % 2 === 0));
+  return result;
+}
+
+/** The factor by which an error's weight is reduced. */
+function farness(error: number): number {
+  return Math.max(Math.abs(error) / HUBER_KNEE, 1);
+}
+
+function totalLoss(errors: Float64Array): number {
+  return errors.reduce((sum, error) => {
+    const far = farness(error);
+    return sum + (error * error * (2 - 1 / far)) / far;
+  }, 0);
+}
+
+/** Solve (curvature + damping) x = slope (Marquardt 1963); both arrays are overwritten. */
+function dampedStep(curvature: Float64Array, slope: Float64Array, damping: number): Float64Array {
+  const size = slope.length;
+  let trace = 0;
+  for (let i = 0; i < size; i++) {
+    trace += curvature[i * size + i];
+  }
+  for (let i = 0; i < size; i++) {
+    curvature[i * size + i] += (damping * trace) / size + 1e-12;
+  }
+  // The matrix is positive definite: Gauss's elimination needs no exchange of rows.
+  for (let i = 0; i < size; i++) {
+    for (let j = i + 1; j < size; j++) {
+      const share = curvature[j * size + i] / curvature[i * size + i];
+      for (let k = i; k < size; k++) {
+        curvature[j * size + k] -= share * curvature[i * size + k];
+      }
+      slope[j] -= share * slope[i];
+    }
+  }
+  for (let i = size - 1; i >= 0; i--) {
+    for (let k = i + 1; k < size; k++) {
+      slope[i] -= curvature[i * size + k] * slope[k];
+    }
+    slope[i] /= curvature[i * size + i];
+  }
+  return slope;
+}

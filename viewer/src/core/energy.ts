@@ -1,0 +1,160 @@
+/**
+ * Conservation of energy: codes whose directional albedo is too high are scaled down.
+ *
+ * A code's lobe is exact, so only the rest is scaled, to what the lobe leaves of the ceiling; see
+ * Python's `material.energy`. A code is an array of all its numbers.
+ */
+
+import { type AlbedoRule, addAlbedos, albedoRule } from "./albedo_rule";
+import { type Decoder, emptyRest, type Responses, scaleRest } from "./decoder";
+import { LobeAlbedo } from "./lobe_albedo";
+import { asLobe } from "./second_lobe";
+import { LOBE_NUMBERS } from "./weights";
+
+/** Error of the quadrature and of the interpolation: the ceiling is 1 less this. */
+export const MARGIN = 0.002;
+
+/** Amount by which a code's albedo may exceed that of its source. */
+const SLACK = 0.003;
+
+/** Excess over an albedo of 1 that counts as a numerical error. */
+const TOLERANCE = 0.005;
+
+/** Cosine of wi below which the source's albedo is no ceiling. */
+const GRAZING = 0.1;
+
+/** Least albedo in a division, and the albedo that the rest may always have. */
+const LEAST_ALBEDO = 1e-6;
+const LEAST_REST = 0.005;
+
+/** Greatest difference of a rest from that of nothing at which it is that of nothing. */
+const BARE_DIFFERENCE = 1e-4;
+
+/** A code with a smaller factor is measured again, so many times. */
+const TINY_FACTOR = 1e-3;
+const TINY_FACTOR_ROUNDS = 3;
+
+/** A ceiling at all angles, or one for each of the rule's cosines. */
+export type Ceiling = number | Float64Array;
+
+export class EnergyLimit {
+  readonly rule: AlbedoRule = albedoRule();
+  readonly lobeAlbedo = new LobeAlbedo(this.rule.cosines);
+  private readonly responses: Responses;
+  private readonly values: Float64Array;
+
+  /** @param nothing the rest that the encoder makes of none. */
+  constructor(
+    private readonly decoder: Decoder,
+    private readonly nothing: Float32Array,
+  ) {
+    this.responses = decoder.respond(this.rule.pairs);
+    this.values = new Float64Array(this.rule.pairs.capacity);
+  }
+
+  /** Scale a code down in place so that its albedo is nowhere above a ceiling. */
+  limit(code: Float32Array, ceiling: Ceiling): void {
+    scaleBy(code, this.factor(code, ceiling));
+  }
+
+  /** `limit` for a coat over a bottom, whose albedo is the ceiling if it gains energy. */
+  limitCoated(code: Float32Array, bottom: Float32Array): void {
+    let factor = this.factor(code, 1 - MARGIN);
+    if (factor < 1) {
+      const ceiling = this.ceilingOver(bottom);
+      if (ceiling > 1) {
+        factor = this.factor(code, ceiling);
+      }
+    }
+    scaleBy(code, factor);
+  }
+
+  /** Directional albedos (D) of a code at the rule's cosines. */
+  albedos(code: ArrayLike<number>): Float64Array {
+    const albedos = this.restAlbedos(code);
+    this.lobeAlbedo.add(code, 0, albedos);
+    return albedos;
+  }
+
+  /** Ceiling (D) of a code's albedos, from those of its source. */
+  ceilingOf(own: Float64Array): Float64Array {
+    const peak = greatest(own);
+    const top = peak > 1 + TOLERANCE ? peak : 1 - MARGIN;
+    return own.map((albedo, d) =>
+      this.rule.cosines[d] < GRAZING ? top : Math.min(albedo + SLACK, top),
+    );
+  }
+
+  private restAlbedos(code: ArrayLike<number>): Float64Array {
+    const prepared = this.decoder.prepare(code, LOBE_NUMBERS);
+    for (let i = 0; i < this.values.length; i++) {
+      this.values[i] = this.decoder.smooth(prepared, this.responses, i);
+    }
+    const albedos = new Float64Array(this.rule.cosines.length);
+    addAlbedos(this.rule, this.values, albedos);
+    // The nodes are too few for the sharpest second lobes, whose part is known without them.
+    this.lobeAlbedo.add(asLobe(code, LOBE_NUMBERS + 1), 0, albedos);
+    return albedos;
+  }
+
+  /** The ceiling of coats over a bottom. */
+  private ceilingOver(bottom: Float32Array): number {
+    const rendered = this.asRendered(bottom);
+    const gains = this.factor(rendered, 1 + TOLERANCE) < 1;
+    return gains ? greatest(this.albedos(rendered)) : 1 - MARGIN;
+  }
+
+  /** The code without the rest that bare surfaces have for the layerer alone. */
+  private asRendered(bottom: Float32Array): Float32Array {
+    const isBare = this.nothing.every(
+      (number, k) => Math.abs(bottom[LOBE_NUMBERS + k] - number) < BARE_DIFFERENCE,
+    );
+    if (!isBare) {
+      return bottom;
+    }
+    const rendered = bottom.slice();
+    emptyRest(rendered, LOBE_NUMBERS);
+    return rendered;
+  }
+
+  /**
+   * The factor in (0, 1] that brings a code below a ceiling.
+   *
+   * A code far from the training data may decode to the greatest f that the decoder represents.
+   * Then the factor is found by scaling and measuring repeatedly.
+   */
+  private factor(code: Float32Array, ceiling: Ceiling): number {
+    let factor = this.measuredFactor(code, ceiling);
+    let latest = factor;
+    for (let round = 0; round < TINY_FACTOR_ROUNDS && latest < TINY_FACTOR; round++) {
+      const scaled = code.slice();
+      scaleRest(scaled, LOBE_NUMBERS, factor);
+      latest = this.measuredFactor(scaled, ceiling);
+      factor *= latest;
+    }
+    return factor;
+  }
+
+  private measuredFactor(code: ArrayLike<number>, ceiling: Ceiling): number {
+    const rest = this.restAlbedos(code);
+    const top = new Float64Array(rest.length);
+    this.lobeAlbedo.add(code, 0, top);
+    let excess = 0;
+    for (let d = 0; d < rest.length; d++) {
+      const permitted = typeof ceiling === "number" ? ceiling : ceiling[d];
+      const allowed = Math.max(permitted - top[d], LEAST_REST);
+      excess = Math.max(excess, Math.max(rest[d], LEAST_ALBEDO) / allowed);
+    }
+    return Math.min(1 / excess, 1);
+  }
+}
+
+function scaleBy(code: Float32Array, factor: number): void {
+  if (factor < 1) {
+    scaleRest(code, LOBE_NUMBERS, factor);
+  }
+}
+
+function greatest(numbers: Float64Array): number {
+  return numbers.reduce((a, b) => Math.max(a, b), Number.NEGATIVE_INFINITY);
+}

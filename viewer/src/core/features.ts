@@ -1,0 +1,172 @@
+/** Inputs of the networks: normalised features of a pair of directions and of a coat. */
+
+/** Smallest cosine to the normal; smaller ones count as it. */
+export const MIN_COSINE = 5e-3;
+
+/** Mean and scale of the features of a pair; see Python's `nets.features`. */
+const DIRECTION_TABLE: readonly (readonly [number, number])[] = [
+  [-3.2, 4.6],
+  [0.55, 0.34],
+  [0.8, 0.24],
+  [0.73, 0.24],
+  [0.04, 0.2],
+  [-0.78, 0.65],
+  [0.0, 0.56],
+  [0.47, 0.3],
+];
+export const DIRECTION_FEATURES = DIRECTION_TABLE.length;
+
+/** Mean and scale of the features of a coat. */
+const COAT_TABLE: readonly (readonly [number, number])[] = [
+  [-1.45, 1.3],
+  [0.4, 0.3],
+  [1.4, 0.4],
+  [0.13, 0.17],
+  [0.047, 0.04],
+  [-4.0, 1.6],
+  [0.08, 0.2],
+  [0.75, 0.33],
+  [0.14, 0.33],
+  [1.2, 0.67],
+  [0.5, 0.33],
+  [0.37, 0.29],
+  [0.0, 0.29],
+  [0.09, 0.17],
+  [0.0, 0.21],
+  [0.9, 0.63],
+  [0.52, 0.54],
+  [1.15, 0.69],
+];
+export const COAT_FEATURES = COAT_TABLE.length;
+
+const DIRECTION_MEANS = Float64Array.from(DIRECTION_TABLE, ([mean]) => mean);
+const DIRECTION_FACTORS = Float64Array.from(DIRECTION_TABLE, ([, scale]) => 1 / scale);
+
+/** The parameters of one coat for one channel. */
+export interface CoatOfChannel {
+  alpha: number;
+  eta: number;
+  albedo: number;
+  sigmaT: number;
+  g: number;
+}
+
+/**
+ * What the networks and both lobes need of pairs of directions, one array for each quantity.
+ *
+ * Python's float32 quantities of the second lobe come from the features; here they are computed
+ * directly, to more digits.
+ */
+export class Pairs {
+  /** (count, 8) the decoder's inputs. */
+  readonly features: Float64Array;
+  /** Squared tangent between half vector and normal, cosines clamped to `MIN_COSINE`. */
+  readonly tan2: Float64Array;
+  /** The smaller and the larger cosine, clamped to `MIN_COSINE`. */
+  readonly low: Float64Array;
+  readonly high: Float64Array;
+  /** Schlick's (1 - cos theta_d)^5 of clamped cosines. */
+  readonly fifth: Float64Array;
+  /** Both cosines, clamped to [0, 1]. */
+  readonly cosI: Float64Array;
+  readonly cosO: Float64Array;
+  /** Squared length of wi + wo in the surface. */
+  readonly across: Float64Array;
+  /** Cosine between either direction and the half vector. */
+  readonly cosD: Float64Array;
+
+  /** @param capacity greatest number of pairs. */
+  constructor(readonly capacity: number) {
+    const column = () => new Float64Array(capacity);
+    this.features = new Float64Array(capacity * DIRECTION_FEATURES);
+    this.tan2 = column();
+    this.low = column();
+    this.high = column();
+    this.fifth = column();
+    this.cosI = column();
+    this.cosO = column();
+    this.across = column();
+    this.cosD = column();
+  }
+
+  /** The pairs of directions (N, 3). */
+  static of(wi: ArrayLike<number>, wo: ArrayLike<number>): Pairs {
+    const pairs = new Pairs(wi.length / 3);
+    for (let i = 0; i < pairs.capacity; i++) {
+      const at = 3 * i;
+      pairs.set(i, wi[at], wi[at + 1], wi[at + 2], wo[at], wo[at + 1], wo[at + 2]);
+    }
+    return pairs;
+  }
+
+  /** Set pair `i` to unit vectors. */
+  set(i: number, ix: number, iy: number, iz: number, ox: number, oy: number, oz: number): void {
+    const x = ix + ox;
+    const y = iy + oy;
+    const across = x * x + y * y;
+    this.across[i] = across;
+    this.cosI[i] = Math.min(Math.max(iz, 0), 1);
+    this.cosO[i] = Math.min(Math.max(oz, 0), 1);
+    const sum = iz + oz;
+    this.cosD[i] = Math.min(0.5 * Math.sqrt(across + sum * sum), 1);
+
+    const cosI = Math.max(iz, MIN_COSINE);
+    const cosO = Math.max(oz, MIN_COSINE);
+    const low = Math.min(cosI, cosO);
+    const z = cosI + cosO;
+    const squared = across + z * z;
+    const length = Math.sqrt(squared);
+    const cosD = Math.min(0.5 * length, 1);
+    const opposite = 1 - cosD;
+    const fifth = opposite * opposite * opposite * opposite * opposite;
+    const tan2 = across / (z * z);
+    this.tan2[i] = tan2;
+    this.low[i] = low;
+    this.high[i] = z - low;
+    this.fifth[i] = fifth;
+
+    const f = this.features;
+    const at = i * DIRECTION_FEATURES;
+    f[at] = Math.log(tan2 + 1e-6);
+    f[at + 1] = Math.sqrt(Math.sqrt(across / squared));
+    f[at + 2] = z / length;
+    f[at + 3] = cosD;
+    f[at + 4] = fifth;
+    f[at + 5] = 0.5 * Math.log(cosI * cosO);
+    f[at + 6] = Math.log(z);
+    f[at + 7] = low;
+    for (let k = 0; k < DIRECTION_FEATURES; k++) {
+      f[at + k] = (f[at + k] - DIRECTION_MEANS[k]) * DIRECTION_FACTORS[k];
+    }
+  }
+}
+
+/** Put the features (18) of a coat into `out` at a place. */
+export function coatFeatures(coat: CoatOfChannel, out: Float64Array, at: number): void {
+  const { alpha, eta, albedo, sigmaT, g } = coat;
+  const s = (eta - 1) / (eta + 1);
+  const m = 1 - Math.exp(-sigmaT);
+  const columns = [
+    Math.log(alpha),
+    alpha,
+    eta,
+    s,
+    s * s,
+    Math.log(s * s + 1e-4),
+    Math.max(1 - eta * eta, 0),
+    m,
+    Math.exp(-4 * sigmaT),
+    Math.log1p(sigmaT),
+    m * albedo,
+    m * Math.sqrt(1 - albedo),
+    m * g,
+    m * g * g,
+    m * albedo * g,
+    Math.log1p(sigmaT * albedo),
+    Math.log1p(sigmaT * (1 - albedo)),
+    Math.log1p(sigmaT * (1 - albedo * g)),
+  ];
+  COAT_TABLE.forEach(([mean, scale], k) => {
+    out[at + k] = (columns[k] - mean) / scale;
+  });
+}

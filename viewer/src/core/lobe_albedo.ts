@@ -1,0 +1,163 @@
+/**
+ * Directional albedos of analytic lobes, for all widths and Fresnel terms.
+ *
+ * The albedo is the mean of F(c) G1(wo) over visible normals, where c is the cosine to the facet.
+ * For a width and an angle, a Gauss rule of few nodes represents the distribution of c with these
+ * weights. Rules are made for some widths and interpolated; see Python's `material.lobe_albedo`.
+ */
+
+import { reflectance } from "./lobe";
+import { gaussLegendre, ruleOfMatrix } from "./quadrature";
+
+/** Nodes of a rule, and for eta < 1, where the reflectance has an edge. */
+const NODES = 6;
+const EDGE_NODES = 16;
+
+/** Number of widths, evenly spaced in the root of alpha between those of 0.01 and 1. */
+export const WIDTHS = 24;
+const LEAST_ROOT = 0.1;
+
+/** Nodes in each dimension of the quadrature by which the rules are made. */
+const FINE = 40;
+
+/** Cosines to the facet and weights of an angle's nodes, one angle after the other. */
+interface FacetRules {
+  readonly cosines: Float32Array;
+  readonly weights: Float32Array;
+}
+
+/** Albedos of lobes at given cosines of directions. */
+export class LobeAlbedo {
+  private readonly made = new Map<number, FacetRules>();
+
+  constructor(private readonly cosines: Float64Array) {}
+
+  /** Add the albedos of the lobe whose six numbers begin at a place to `albedos`. */
+  add(lobe: ArrayLike<number>, at: number, albedos: Float64Array): void {
+    const exact = lobe[at + 3];
+    if (lobe[at + 1] === 0 && lobe[at + 2] === 0 && exact === 0) {
+      return;
+    }
+    const nodes = exact > 0 && lobe[at + 4] < 1 ? EDGE_NODES : NODES;
+    const place = ((Math.sqrt(lobe[at]) - LEAST_ROOT) / (1 - LEAST_ROOT)) * (WIDTHS - 1);
+    const clamped = Math.min(Math.max(place, 0), WIDTHS - 1);
+    const index = Math.min(Math.floor(clamped), WIDTHS - 2);
+    const share = clamped - index;
+    const below = this.rules(index, nodes);
+    const above = this.rules(index + 1, nodes);
+    for (let d = 0; d < this.cosines.length; d++) {
+      let sum = 0;
+      for (let k = d * nodes; k < (d + 1) * nodes; k++) {
+        const cosine = (1 - share) * below.cosines[k] + share * above.cosines[k];
+        const weight = (1 - share) * below.weights[k] + share * above.weights[k];
+        sum += weight * reflectance(lobe, at, cosine);
+      }
+      albedos[d] += sum;
+    }
+  }
+
+  /** Make the rules of width `index` below `WIDTHS`, which takes milliseconds, unless they exist. */
+  prepare(index: number): void {
+    this.rules(index, NODES);
+  }
+
+  private rules(index: number, nodes: number): FacetRules {
+    const key = index * (EDGE_NODES + 1) + nodes;
+    let found = this.made.get(key);
+    if (!found) {
+      const share = index / (WIDTHS - 1);
+      found = facetRules((LEAST_ROOT * (1 - share) + share) ** 2, this.cosines, nodes);
+      this.made.set(key, found);
+    }
+    return found;
+  }
+}
+
+function facetRules(alpha: number, cosines: Float64Array, nodes: number): FacetRules {
+  const points = new Float64Array(FINE * FINE);
+  const weights = new Float64Array(FINE * FINE);
+  const found = new Float32Array(cosines.length * nodes);
+  const shares = new Float32Array(cosines.length * nodes);
+  cosines.forEach((cosine, d) => {
+    facets(alpha, Math.min(cosine, 1), points, weights);
+    const rule = gaussRule(points, weights, nodes);
+    found.set(rule.nodes, d * nodes);
+    shares.set(rule.weights, d * nodes);
+  });
+  return { cosines: found, weights: shares };
+}
+
+const legendre = gaussLegendre(FINE);
+
+/**
+ * Put cosines to facets, and weights that integrate F(c) f cos over the hemisphere.
+ *
+ * The facets lie evenly on the spherical cap of visible normals (Dupuy and Benyoub 2023).
+ */
+function facets(alpha: number, cosine: number, points: Float64Array, weights: Float64Array): void {
+  const sine = Math.sqrt(1 - cosine * cosine);
+  const length = Math.hypot(alpha * sine, cosine);
+  const x = (alpha * sine) / length;
+  const z = cosine / length;
+  let at = 0;
+  for (let i = 0; i < FINE; i++) {
+    const phi = 0.5 * Math.PI * (legendre.nodes[i] + 1);
+    const cosPhi = Math.cos(phi);
+    const sinPhi = Math.sin(phi);
+    for (let k = 0; k < FINE; k++, at++) {
+      const height = 0.5 * (legendre.nodes[k] + 1) * (1 + z) - z;
+      const across = Math.sqrt(Math.max(1 - height * height, 0));
+      const fx = alpha * (across * cosPhi + x);
+      const fy = alpha * across * sinPhi;
+      const fz = height + z;
+      const norm = Math.sqrt(fx * fx + fy * fy + fz * fz);
+      const toFacet = (sine * fx + cosine * fz) / norm;
+      const out = (2 * toFacet * fz) / norm - cosine;
+      const raised = Math.max(out, 1e-9);
+      const masking = 2 / (1 + Math.sqrt(1 + alpha * alpha * (1 / (raised * raised) - 1)));
+      points[at] = toFacet;
+      weights[at] = out > 0 ? 0.25 * legendre.weights[i] * legendre.weights[k] * masking : 0;
+    }
+  }
+}
+
+/** The Gauss rule of sums over weighted points, by the method of Lanczos. */
+function gaussRule(x: Float64Array, weights: Float64Array, nodes: number) {
+  const count = x.length;
+  let total = 0;
+  for (let i = 0; i < count; i++) {
+    total += weights[i];
+  }
+  let basis = weights.map((weight) => Math.sqrt(weight / total));
+  let previous = new Float64Array(count);
+  const diagonal = new Float64Array(nodes);
+  const beside = new Float64Array(nodes);
+  let below = 0;
+  for (let k = 0; k < nodes; k++) {
+    let mean = 0;
+    for (let i = 0; i < count; i++) {
+      mean += x[i] * basis[i] * basis[i];
+    }
+    diagonal[k] = mean;
+    let squared = 0;
+    const following = previous; // its old numbers are needed once more, each in its place
+    for (let i = 0; i < count; i++) {
+      const value = (x[i] - mean) * basis[i] - below * previous[i];
+      following[i] = value;
+      squared += value * value;
+    }
+    below = Math.sqrt(squared);
+    beside[k] = below;
+    const factor = 1 / Math.max(below, 1e-30);
+    for (let i = 0; i < count; i++) {
+      following[i] *= factor;
+    }
+    previous = basis;
+    basis = following;
+  }
+  const rule = ruleOfMatrix(diagonal, beside);
+  return {
+    nodes: rule.nodes.map((node) => Math.min(Math.max(node, 0), 1)),
+    weights: rule.weights.map((weight) => weight * total),
+  };
+}

@@ -1,0 +1,88 @@
+/** The probe pairs, at which the encoder needs a BRDF's values; see Python's `geometry`. */
+
+import { Pairs } from "./features";
+
+/** Share of the pairs that is uniform in the logarithm of the half angle. */
+const HALF_ANGLE_SHARE = 2 / 3;
+
+/** Range of tan theta_h, largest theta_d, and least cosine of either direction. */
+const MIN_TANGENT = 1e-3;
+const MAX_TANGENT = 4.0;
+const MAX_DIFFERENCE = (86 * Math.PI) / 180;
+const MIN_COSINE = 0.02;
+
+type Vector = readonly [number, number, number];
+
+/**
+ * Steps of Roberts' R sequence (2018): point n is (1/2 + n step) mod 1 in each dimension.
+ *
+ * Its base is the root of x^(d+1) = x + 1.
+ */
+export function sequenceSteps(dimensions: number): number[] {
+  let base = 2;
+  for (let round = 0; round < 64; round++) {
+    base = (1 + base) ** (1 / (dimensions + 1));
+  }
+  return Array.from({ length: dimensions }, (_, k) => base ** -(k + 1));
+}
+
+/** The n probe pairs, which are float32 unit vectors. */
+export function probePairs(n: number): Pairs {
+  const first = Math.round(n * HALF_ANGLE_SHARE);
+  const chosen = [...halfAnglePairs(first), ...hemispherePairs(n - first)];
+  const wi = Float32Array.from(chosen.flatMap(([w]) => [...w]));
+  const wo = Float32Array.from(chosen.flatMap(([, w]) => [...w]));
+  return Pairs.of(wi, wo);
+}
+
+function points(count: number): Vector[] {
+  const [a, b, c] = sequenceSteps(3) as [number, number, number];
+  return Array.from({ length: count }, (_, n) => [
+    (0.5 + (n + 1) * a) % 1,
+    (0.5 + (n + 1) * b) % 1,
+    (0.5 + (n + 1) * c) % 1,
+  ]);
+}
+
+/** Pairs log-uniform in tan theta_h about difference directions of one quadrant. */
+function halfAnglePairs(count: number): [Vector, Vector][] {
+  const pairs: [Vector, Vector][] = [];
+  for (const [u, v, w] of points(8 * count)) {
+    const tangent = MIN_TANGENT * (MAX_TANGENT / MIN_TANGENT) ** u;
+    const pair = aboutHalfVector(tangent, MAX_DIFFERENCE * v, 0.5 * Math.PI * w);
+    if (pair.every((direction) => direction[2] > MIN_COSINE) && pairs.length < count) {
+      pairs.push(pair);
+    }
+  }
+  return pairs;
+}
+
+/** The pair at difference angles about the half vector of a tangent, at the azimuth 0. */
+function aboutHalfVector(tangent: number, thetaD: number, phiD: number): [Vector, Vector] {
+  const cosH = 1 / Math.sqrt(1 + tangent * tangent);
+  const sinH = tangent * cosH;
+  const up = Math.cos(thetaD);
+  const along = Math.sin(thetaD) * Math.cos(phiD);
+  const across = Math.sin(thetaD) * Math.sin(phiD);
+  const direction = (x: number, y: number): Vector => [
+    cosH * x + sinH * up,
+    y,
+    cosH * up - sinH * x,
+  ];
+  return [direction(along, across), direction(-along, -across)];
+}
+
+/** Pairs with independent uniform cosines and a uniform difference of azimuths. */
+function hemispherePairs(count: number): [Vector, Vector][] {
+  return points(count).map(([u, v, w]) => {
+    const cosI = MIN_COSINE + (1 - MIN_COSINE) * u;
+    const cosO = MIN_COSINE + (1 - MIN_COSINE) * v;
+    const sinI = Math.sqrt(1 - cosI * cosI);
+    const sinO = Math.sqrt(1 - cosO * cosO);
+    const phi = Math.PI * w;
+    return [
+      [sinI, 0, cosI],
+      [sinO * Math.cos(phi), sinO * Math.sin(phi), cosO],
+    ];
+  });
+}

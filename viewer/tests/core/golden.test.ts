@@ -1,0 +1,90 @@
+/**
+ * The core against golden vectors of Python (`viewer/tests/golden.py`).
+ *
+ * Python computes in single precision and the core in double, so that they differ by rounding alone:
+ * some 1e-6 of each number. Numbers of codes, which may be near zero, are compared relative to 0.1.
+ */
+
+import { existsSync } from "node:fs";
+import { beforeAll, describe, expect, test } from "vitest";
+import { loadCore, type NetworkCore } from "../../src/core/core";
+import { bytesOf, goldenFile, readVectors, relativeError, SHIPPED } from "./vectors";
+
+const AGREEMENT = 1e-5;
+const LEAST_CODE = 0.1;
+
+/**
+ * The correction of a diffuse surface solves equations whose matrix Python sums up in single
+ * precision. In double precision, Python's codes are closer to the core's than to its own.
+ */
+const CORRECTED_CODE = 1e-3;
+const CORRECTED_F = 1e-4;
+
+/** Directions of sharp lobes amplify Python's rounding by a few units of 1 / alpha. */
+const DENSITY_OF_DRAWN = 1e-4;
+
+const files = { random: goldenFile("random.safetensors"), default: SHIPPED };
+
+describe.each(["random", "default"] as const)("%s networks", (name) => {
+  const vectors = readVectors(name);
+  if (!vectors || !existsSync(files[name])) {
+    test.skip("have no golden vectors", () => {});
+    return;
+  }
+  let core: NetworkCore;
+  beforeAll(() => {
+    core = loadCore(bytesOf(files[name]));
+  });
+  const of = (key: string, stack?: number) => vectors.of(key, stack);
+  const golden = (stack: number) => ({
+    latents: of("latents", stack),
+    anchors: of("anchors", stack),
+  });
+  const stacks = vectors.stacks.map(
+    ({ bottom, coats }, stack) => [`${bottom.kind} under ${coats.length} coats`, stack] as const,
+  );
+
+  test.each(stacks)("%s (%i): codes", (_, stack) => {
+    const description = vectors.stacks[stack];
+    const { latents, anchors } = core.layer(description);
+    const isCorrected = description.bottom.kind === "diffuse" && !description.coats.length;
+    expect(relativeError(anchors, of("anchors", stack), LEAST_CODE)).toBeLessThan(AGREEMENT);
+    expect(relativeError(latents, of("latents", stack), LEAST_CODE)).toBeLessThan(
+      isCorrected ? CORRECTED_CODE : AGREEMENT,
+    );
+    const f = core.f({ latents, anchors }, of("wi"), of("wo"));
+    expect(relativeError(f, of("f", stack))).toBeLessThan(isCorrected ? CORRECTED_F : AGREEMENT);
+  });
+
+  test.each(stacks)("%s (%i): f, pdf and albedo of given codes", (_, stack) => {
+    const material = golden(stack);
+    const f = core.f(material, of("wi"), of("wo"));
+    expect(relativeError(f, of("f", stack))).toBeLessThan(AGREEMENT);
+    const pdf = core.pdf(material, of("wi"), of("wo"));
+    expect(relativeError(pdf, of("pdf", stack))).toBeLessThan(AGREEMENT);
+    const albedo = core.albedo(material, of("cosines"));
+    expect(relativeError(albedo, of("albedo", stack))).toBeLessThan(AGREEMENT);
+  });
+
+  test.each(stacks)("%s (%i): energy limit of brighter codes", (_, stack) => {
+    const limited = core.limited(of("bright", stack));
+    expect(relativeError(limited, of("limited", stack), LEAST_CODE)).toBeLessThan(AGREEMENT);
+  });
+
+  test.each(stacks)("%s (%i): directions of the table", (_, stack) => {
+    const drawn = of("drawn", stack);
+    const samples = 16;
+    const table = core.table(golden(stack), {
+      cosines: drawn.length / samples / 4,
+      samples,
+      shift: [0, 0, 0],
+    });
+    const rows = Array.from({ length: drawn.length / 4 }, (_, row) => row);
+    const directions = rows.flatMap((row) => [...table.subarray(8 * row, 8 * row + 3)]);
+    const densities = rows.map((row) => table[8 * row + 6]);
+    const expected = rows.flatMap((row) => [...drawn.subarray(4 * row, 4 * row + 3)]);
+    expect(relativeError(directions, expected, 1)).toBeLessThan(AGREEMENT);
+    const expectedDensities = rows.map((row) => drawn[4 * row + 3]);
+    expect(relativeError(densities, expectedDensities)).toBeLessThan(DENSITY_OF_DRAWN);
+  });
+});

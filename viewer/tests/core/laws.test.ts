@@ -1,0 +1,106 @@
+/** Laws that hold for networks of any weights: reciprocity, energy, normalisation. */
+
+import { beforeAll, describe, expect, test } from "vitest";
+import type { Material, Stack } from "../../src/core/api";
+import { loadCore, type NetworkCore } from "../../src/core/core";
+import { halfVectorRule } from "../../src/core/quadrature";
+import { bytesOf, goldenFile, readVectors } from "./vectors";
+
+const STACK: Stack = {
+  bottom: { kind: "diffuse", reflectance: [0.8, 0.5, 0.1] },
+  coats: [
+    { alpha: 0.1, eta: 1.5, albedo: 0, sigmaT: 0, g: 0 },
+    { alpha: 0.3, eta: 1.3, albedo: [0.9, 0.5, 0.2], sigmaT: 1, g: 0.3 },
+  ],
+};
+
+let core: NetworkCore;
+let material: Material;
+
+beforeAll(() => {
+  core = loadCore(bytesOf(goldenFile("random.safetensors")));
+  material = core.layer(STACK);
+});
+
+describe("f", () => {
+  test("is reciprocal to the last bit", () => {
+    const vectors = readVectors("random");
+    const [wi, wo] = [vectors?.of("wi"), vectors?.of("wo")] as [Float32Array, Float32Array];
+    expect(core.f(material, wi, wo)).toEqual(core.f(material, wo, wi));
+  });
+
+  test("is zero below the horizon and positive above", () => {
+    const up = Float32Array.of(0.6, 0, 0.8);
+    const down = Float32Array.of(0, 0.6, -0.8);
+    expect(core.f(material, up, down)).toEqual(Float32Array.of(0, 0, 0));
+    expect(Math.min(...core.f(material, up, up))).toBeGreaterThan(0);
+  });
+});
+
+describe("energy", () => {
+  test("a limited code reflects at most all light, its shape unchanged", () => {
+    const bright = material.latents.map(
+      (number, k) => number + (k % core.latentSize === 6 ? 3 : 0),
+    );
+    const limited = core.limited(bright);
+    const cosines = Float32Array.from({ length: 12 }, (_, i) => (i + 0.5) / 12);
+    const before = core.albedo({ latents: bright, anchors: bright }, cosines);
+    const after = core.albedo({ latents: limited, anchors: limited }, cosines);
+    expect(Math.max(...before)).toBeGreaterThan(1.2);
+    expect(Math.max(...after)).toBeLessThan(1.001); // the quadrature's own error is 0.001
+  });
+
+  test("a grey stack has three equal channels", () => {
+    const grey = core.layer({
+      bottom: { kind: "diffuse", reflectance: 0.5 },
+      coats: STACK.coats.slice(0, 1),
+    });
+    const channels = [0, 1, 2].map((k) =>
+      grey.latents.slice(k * core.latentSize, (k + 1) * core.latentSize),
+    );
+    expect(channels[1]).toEqual(channels[0]);
+    expect(channels[2]).toEqual(channels[0]);
+  });
+});
+
+describe("the proposal", () => {
+  test.each([0.95, 0.5, 0.1])("integrates to one at the cosine %f", (cosine) => {
+    const { wo, weights } = halfVectorRule(cosine);
+    const wi = Float32Array.from(wo, (_, i) => [Math.sqrt(1 - cosine * cosine), 0, cosine][i % 3]);
+    const density = core.pdf(material, wi, Float32Array.from(wo));
+    const total = density.reduce((sum, value, i) => sum + value * weights[i], 0);
+    expect(total).toBeCloseTo(1, 2);
+  });
+
+  test("the mean of a table's weights is the albedo", () => {
+    const [cosines, samples] = [4, 4096];
+    const table = core.table(material, { cosines, samples, shift: [0.2, 0.4, 0.7] });
+    const angles = Float32Array.from({ length: cosines }, (_, row) => (row + 0.5) / cosines);
+    const albedo = core.albedo(material, angles);
+    for (let row = 0; row < cosines; row++) {
+      for (let channel = 0; channel < 3; channel++) {
+        let sum = 0;
+        for (let i = 0; i < samples; i++) {
+          sum += table[(row * samples + i) * 8 + 3 + channel];
+        }
+        const expected = albedo[3 * row + channel];
+        expect(Math.abs(sum / samples / expected - 1)).toBeLessThan(0.02);
+      }
+    }
+  });
+
+  test("a table's directions are unit vectors above the horizon", () => {
+    const table = core.table(material, { cosines: 8, samples: 64, shift: [0, 0, 0] });
+    for (let row = 0; row < 8 * 64; row++) {
+      const [x = 0, y = 0, z = 0] = table.subarray(8 * row, 8 * row + 3);
+      expect(Math.hypot(x, y, z)).toBeCloseTo(1, 5);
+      expect(z).toBeGreaterThanOrEqual(0);
+    }
+  });
+});
+
+test("codes of other networks are refused in a sentence", () => {
+  const codes = new Float32Array(5);
+  const stack: Stack = { bottom: { kind: "codes", latents: codes, anchors: codes }, coats: [] };
+  expect(() => core.layer(stack)).toThrow(/a material has 5 numbers/);
+});

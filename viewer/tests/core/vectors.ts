@@ -1,0 +1,73 @@
+/** Golden vectors of Python, see `viewer/tests/golden.py`. */
+
+import { existsSync, readFileSync } from "node:fs";
+import type { Stack } from "../../src/core/api";
+import { readTensors, type Tensor } from "../../src/core/safetensors";
+
+const FOLDER = new URL("./golden/", import.meta.url);
+
+/** The bytes of a file beside the tests, or of any other. */
+export function bytesOf(path: string | URL): ArrayBuffer {
+  const bytes = readFileSync(path);
+  return bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength) as ArrayBuffer;
+}
+
+/** A file of the folder of golden vectors. */
+export function goldenFile(name: string): URL {
+  return new URL(name, FOLDER);
+}
+
+/** The weights that Urushi ships. */
+export const SHIPPED = new URL(
+  "../../../src/urushi/nets/weights/default.safetensors",
+  import.meta.url,
+);
+
+/** Vectors of all stacks. */
+export interface Vectors {
+  readonly stacks: readonly Stack[];
+  /** An array of a stack, or, without its number, of all. */
+  of(name: string, stack?: number): Float32Array;
+}
+
+/** Read the vectors of a name; undefined if there are none. */
+export function readVectors(name: string): Vectors | undefined {
+  const path = goldenFile(`${name}_vectors.safetensors`);
+  if (!existsSync(path)) {
+    return undefined;
+  }
+  const { description, tensors } = readTensors(bytesOf(path));
+  return {
+    stacks: description.stacks as Stack[],
+    of: (key, stack) => {
+      const { shape, values } = tensors.get(key) as Tensor;
+      const size = values.length / (shape[0] ?? 1);
+      const part = stack === undefined ? values : values.subarray(stack * size, (stack + 1) * size);
+      return Float32Array.from(part);
+    },
+  };
+}
+
+/**
+ * The greatest difference of two arrays, relative to the expected numbers.
+ *
+ * @param least numbers smaller than this are compared as if they were it.
+ */
+export function relativeError(
+  found: ArrayLike<number>,
+  expected: ArrayLike<number>,
+  least = 0,
+): number {
+  if (found.length !== expected.length) {
+    return Number.POSITIVE_INFINITY;
+  }
+  let greatest = 0;
+  for (let i = 0; i < expected.length; i++) {
+    const difference = Math.abs((found[i] ?? 0) - (expected[i] ?? 0));
+    const error = difference === 0 ? 0 : difference / Math.max(Math.abs(expected[i] ?? 0), least);
+    if (!(error <= greatest)) {
+      greatest = error; // also NaN, which then stays
+    }
+  }
+  return greatest;
+}

@@ -1,0 +1,153 @@
+"""Golden vectors: values of Urushi in Python, with which those of the page's core are compared.
+
+    python viewer/tests/golden.py         # both files below
+    python viewer/tests/golden.py random  # without the shipped networks
+
+They are written beside the tests of the core:
+
+- `random.safetensors`, `random_vectors.safetensors`: small networks of random parameters, which
+  decode to nothing sensible but exercise every term, and their values;
+- `default_vectors.safetensors`: values of the shipped networks.
+
+Run it again when the networks or their definition change.
+"""
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import urushi
+from urushi import files
+from urushi.geometry.direction_sets import training_pairs
+from urushi.material.energy import limit_albedo
+from urushi.material.material import Material
+from urushi.nets import weights
+from urushi.nets.architecture import Architecture, init
+
+FOLDER = Path(__file__).parent / "core" / "golden"
+
+#: Sizes of the random networks: small, because their file is part of the repository.
+SMALL = Architecture(
+    latent=20,
+    decoder=(8, 12),
+    encoder=(10,),
+    layerer=(14, 9),
+    sampler=(6,),
+    lobes=2,
+    activation="silu7",
+    probes=48,
+)
+
+CLEAR = {"alpha": 0.05, "eta": 1.5, "albedo": 0.0, "sigmaT": 0.0, "g": 0.0}
+RED = {"alpha": 0.2, "eta": 1.45, "albedo": [0.9, 0.4, 0.2], "sigmaT": [0.8, 2.0, 3.0], "g": 0.3}
+MILKY = {"alpha": 0.4, "eta": 1.33, "albedo": 0.98, "sigmaT": 1.5, "g": [0.0, 0.4, -0.6]}
+LOW = {"alpha": 0.15, "eta": 0.75, "albedo": 0.5, "sigmaT": 0.3, "g": 0.0}
+SHARP = {"alpha": 0.01, "eta": 1.7, "albedo": 0.2, "sigmaT": 0.05, "g": 0.9}
+GOLD = {"kind": "conductor", "alpha": 0.15, "eta": [0.14, 0.37, 1.44], "k": [4.1, 2.4, 1.6]}
+METAL = {"kind": "conductor", "alpha": [0.1, 0.2, 0.3], "r0": [0.9, 0.6, 0.3]}
+GLASS = {"kind": "dielectric", "alpha": 0.3, "eta": 1.52}
+PAINT = {"kind": "diffuse", "reflectance": [0.8, 0.3, 0.05]}
+WHITE = {"kind": "diffuse", "reflectance": 1.0}
+
+#: Stacks in the page's terms, the topmost coat first.
+STACKS: list[dict[str, Any]] = [
+    {"bottom": GOLD, "coats": []},
+    {"bottom": METAL, "coats": []},
+    {"bottom": GLASS, "coats": []},
+    {"bottom": PAINT, "coats": []},
+    {"bottom": GOLD, "coats": [CLEAR]},
+    {"bottom": METAL, "coats": [LOW]},
+    {"bottom": PAINT, "coats": [SHARP]},
+    {"bottom": WHITE, "coats": [MILKY]},
+    {"bottom": GLASS, "coats": [RED, CLEAR]},
+    {"bottom": WHITE, "coats": [SHARP, CLEAR, MILKY]},
+    {"bottom": PAINT, "coats": [LOW, MILKY, RED, CLEAR, MILKY, SHARP]},
+]
+
+#: Pairs of directions; cosines of the albedo; cosines and directions of each of the proposal.
+PAIRS, COSINES, DRAWN_COSINES, DRAWN = 64, (1.0, 0.7, 0.3, 0.05), 4, 16
+
+
+def material_of(stack: dict[str, Any], model: weights.Model) -> Material:
+    """The material of a stack. A diffuse surface is not refined: the page does not refine."""
+    numbers = dict(stack["bottom"])
+    surface = getattr(urushi, numbers.pop("kind"))(**numbers)
+    material = urushi.encode(surface, model, refine=False)
+    for coat in reversed(stack["coats"]):
+        top = urushi.dielectric(coat["alpha"], coat["eta"])
+        medium = {"albedo": coat["albedo"], "sigma_t": coat["sigmaT"], "g": coat["g"]}
+        material = urushi.layer(top, material, **medium)
+    return material
+
+
+def random_model() -> weights.Model:
+    """Networks of random parameters, biases and scales included."""
+    rng = np.random.default_rng(11)
+    params = init(SMALL, 7)
+    for name, values in params.items():
+        if name.endswith((".bias", ".scale")):
+            params[name] = values + 0.1 * rng.standard_normal(values.shape).astype(np.float32)
+    params["encoder.input_mean"] += rng.standard_normal(SMALL.probes).astype(np.float32)
+    return weights.save(FOLDER / "random.safetensors", SMALL, params, {})
+
+
+def write_vectors(name: str, model: weights.Model) -> None:
+    """Write the vectors of all stacks."""
+    materials = [material_of(stack, model) for stack in STACKS]
+    wi, wo = training_pairs(np.random.default_rng(3), PAIRS)
+    wo[-1, 2] *= -1  # below the horizon
+    cosines = np.array(COSINES, np.float32)
+    incident = np.stack([np.sqrt(1 - cosines**2), 0 * cosines, cosines], axis=-1)
+    bright = np.stack([_brightened(material) for material in materials])
+    arrays = {
+        "wi": wi,
+        "wo": wo,
+        "cosines": cosines,
+        "latents": np.stack([material.latents for material in materials]),
+        "anchors": np.stack([material.anchors for material in materials]),
+        "f": np.stack([material.f(wi, wo) for material in materials]),
+        "pdf": np.stack([material.pdf(wi, wo) for material in materials]),
+        "albedo": np.stack([m.directional_albedo(incident) for m in materials]),
+        "bright": bright,
+        "limited": np.stack([limit_albedo(model, codes) for codes in bright]),
+        "drawn": np.stack([_drawn(material) for material in materials]),
+    }
+    description = {"stacks": STACKS, "weights": model.fingerprint}
+    files.write_tensors(FOLDER / f"{name}_vectors.safetensors", "vectors", description, arrays)
+
+
+def _brightened(material: Material) -> np.ndarray:
+    """Codes (3, L) that gain energy: those of a material with two units more gain."""
+    codes = np.array(material.latents)
+    codes[:, material.model.arch.lobe] += 2.0
+    return codes
+
+
+def _drawn(material: Material) -> np.ndarray:
+    """Directions and densities (cosines, `DRAWN`, 4) by the sequence of the page's table."""
+    base = 2.0
+    for _ in range(64):  # the root of x^4 = x + 1: Roberts' R sequence (2018)
+        base = (1.0 + base) ** 0.25
+    steps = base ** -np.arange(1.0, 4.0)
+    u = (0.5 + np.arange(1, DRAWN + 1)[:, None] * steps) % 1.0
+    rows = []
+    for row in range(DRAWN_COSINES):
+        cosine = (row + 0.5) / DRAWN_COSINES
+        wi = np.tile([np.sqrt(1 - cosine * cosine), 0, cosine], (DRAWN, 1)).astype(np.float32)
+        wo, pdf = material.sample(wi, u)
+        rows.append(np.column_stack([wo, pdf]))
+    return np.stack(rows).astype(np.float32)
+
+
+def main() -> None:
+    """Write the files."""
+    FOLDER.mkdir(exist_ok=True)
+    write_vectors("random", random_model())
+    if "random" not in sys.argv[1:]:
+        write_vectors("default", weights.default_model())
+
+
+if __name__ == "__main__":
+    main()
