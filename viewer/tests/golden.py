@@ -1,18 +1,21 @@
 """Golden vectors: values of Urushi in Python, with which those of the page's core are compared.
 
-    python viewer/tests/golden.py         # both files below
-    python viewer/tests/golden.py random  # without the shipped networks
+    python viewer/tests/golden.py random default reference
 
-They are written beside the tests of the core:
+writes these, or those that are named:
 
 - `random.safetensors`, `random_vectors.safetensors`: small networks of random parameters, which
   decode to nothing sensible but exercise every term, and their values;
-- `default_vectors.safetensors`: values of the shipped networks.
+- `default_vectors.safetensors`: values of the shipped networks;
+- `reference_values.safetensors`: some of the values of independent simulators with which the random
+  walk of Python is tested, from the folder that `URUSHI_TEST_DATA` names.
 
-Run it again when the networks or their definition change.
+They lie beside the tests of the core. Run it again when the networks or their definition change.
 """
 
+import os
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -45,6 +48,7 @@ RED = {"alpha": 0.2, "eta": 1.45, "albedo": [0.9, 0.4, 0.2], "sigmaT": [0.8, 2.0
 MILKY = {"alpha": 0.4, "eta": 1.33, "albedo": 0.98, "sigmaT": 1.5, "g": [0.0, 0.4, -0.6]}
 LOW = {"alpha": 0.15, "eta": 0.75, "albedo": 0.5, "sigmaT": 0.3, "g": 0.0}
 SHARP = {"alpha": 0.01, "eta": 1.7, "albedo": 0.2, "sigmaT": 0.05, "g": 0.9}
+FAINT = {"alpha": 0.1, "eta": 1.02, "albedo": 0.5, "sigmaT": [0.0, 0.01, 1.0], "g": 0.0}
 GOLD = {"kind": "conductor", "alpha": 0.15, "eta": [0.14, 0.37, 1.44], "k": [4.1, 2.4, 1.6]}
 METAL = {"kind": "conductor", "alpha": [0.1, 0.2, 0.3], "r0": [0.9, 0.6, 0.3]}
 GLASS = {"kind": "dielectric", "alpha": 0.3, "eta": 1.52}
@@ -63,11 +67,16 @@ STACKS: list[dict[str, Any]] = [
     {"bottom": WHITE, "coats": [MILKY]},
     {"bottom": GLASS, "coats": [RED, CLEAR]},
     {"bottom": WHITE, "coats": [SHARP, CLEAR, MILKY]},
+    {"bottom": METAL, "coats": [FAINT]},
+    {"bottom": PAINT, "coats": [FAINT, CLEAR]},
     {"bottom": PAINT, "coats": [LOW, MILKY, RED, CLEAR, MILKY, SHARP]},
 ]
 
 #: Pairs of directions; cosines of the albedo; cosines and directions of each of the proposal.
 PAIRS, COSINES, DRAWN_COSINES, DRAWN = 64, (1.0, 0.7, 0.3, 0.05), 4, 16
+
+#: Pairs of each stack of the independent simulators.
+REFERENCE_PAIRS = 24
 
 
 def material_of(stack: dict[str, Any], model: weights.Model) -> Material:
@@ -107,7 +116,7 @@ def write_vectors(name: str, model: weights.Model) -> None:
         "cosines": cosines,
         "latents": np.stack([material.latents for material in materials]),
         "anchors": np.stack([material.anchors for material in materials]),
-        "f": np.stack([material.f(wi, wo) for material in materials]),
+        "f": np.stack([_values(material, wi, wo) for material in materials]).astype(np.float32),
         "pdf": np.stack([material.pdf(wi, wo) for material in materials]),
         "albedo": np.stack([m.directional_albedo(incident) for m in materials]),
         "bright": bright,
@@ -116,6 +125,14 @@ def write_vectors(name: str, model: weights.Model) -> None:
     }
     description = {"stacks": STACKS, "weights": model.fingerprint}
     files.write_tensors(FOLDER / f"{name}_vectors.safetensors", "vectors", description, arrays)
+
+
+def _values(material: Material, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+    """`material.f` in double precision: single loses digits for indices close to 1."""
+    codes, wi, wo = (array.astype(np.float64) for array in (material.latents, wi, wo))
+    f = material.model.networks.f(codes[None], wi[:, None], wo[:, None])
+    np.testing.assert_allclose(material.f(wi, wo)[:-1], f[:-1], rtol=1e-4)
+    return np.where((wi[:, 2:] > 0) & (wo[:, 2:] > 0), f, 0.0)
 
 
 def _brightened(material: Material) -> np.ndarray:
@@ -141,12 +158,78 @@ def _drawn(material: Material) -> np.ndarray:
     return np.stack(rows).astype(np.float32)
 
 
+def write_reference() -> None:
+    """Write `REFERENCE_PAIRS` values of each stack of the independent simulators."""
+    folder = Path(os.environ["URUSHI_TEST_DATA"]) / "oracle"
+    first, second = np.load(folder / "reference_values.npz"), np.load(folder / "anisotropic.npz")
+    stacks = [
+        *map(_two_interfaces, first["two_cfg"]),
+        *map(_three_interfaces, first["three_cfg"]),
+        *map(_over_diffuse, first["lambert_cfg"]),
+        *map(_of_rows, second["low_stack"]),
+    ]
+    groups = [(first, "two"), (first, "three"), (first, "lambert"), (second, "low")]
+    arrays = {
+        name: np.concatenate([_some_pairs(values, group, name) for values, group in groups])
+        for name in ("wi", "wo", "f", "se")
+    }
+    files.write_tensors(
+        FOLDER / "reference_values.safetensors", "vectors", {"stacks": stacks}, arrays
+    )
+
+
+def _some_pairs(values: Mapping[str, np.ndarray], group: str, name: str) -> np.ndarray:
+    """A group's array (stacks, pairs, ...) at pairs of all kinds."""
+    array = values[f"{group}_{name}"]
+    return array[:, :: array.shape[1] // REFERENCE_PAIRS][:, :REFERENCE_PAIRS].astype(np.float32)
+
+
+def _coat(alpha: float, eta: float, sigma_t: float, albedo: float, g: float) -> dict[str, float]:
+    numbers = {"alpha": alpha, "eta": eta, "albedo": albedo, "sigmaT": sigma_t, "g": g}
+    return {name: float(number) for name, number in numbers.items()}
+
+
+def _metal(alpha: float, r0: float) -> dict[str, Any]:
+    return {"kind": "conductor", "alpha": float(alpha), "r0": float(r0)}
+
+
+def _two_interfaces(row: np.ndarray) -> dict[str, Any]:
+    return {"bottom": _metal(*row[5:]), "coats": [_coat(*row[:5])]}
+
+
+def _three_interfaces(row: np.ndarray) -> dict[str, Any]:
+    return {"bottom": _metal(*row[10:]), "coats": [_coat(*row[:5]), _coat(*row[5:10])]}
+
+
+def _over_diffuse(row: np.ndarray) -> dict[str, Any]:
+    bottom = {"kind": "diffuse", "reflectance": float(row[4])}
+    return {"bottom": bottom, "coats": [_coat(*row[:4], 0.0)]}
+
+
+def _of_rows(rows: np.ndarray) -> dict[str, Any]:
+    *coats, (width, reflectance, *_) = rows[~np.isnan(rows[:, 0])]
+    bottom = {"kind": "diffuse", "reflectance": float(reflectance)}
+    if width > 0:
+        bottom = _metal(width, reflectance)
+    return {
+        "bottom": bottom,
+        "coats": [_coat(alpha, eta, depth, albedo, g) for alpha, eta, albedo, depth, g, _ in coats],
+    }
+
+
+#: What the script writes, by name.
+WRITERS = {
+    "random": lambda: write_vectors("random", random_model()),
+    "default": lambda: write_vectors("default", weights.default_model()),
+    "reference": write_reference,
+}
+
+
 def main() -> None:
-    """Write the files."""
+    """Write the files that are named."""
     FOLDER.mkdir(exist_ok=True)
-    write_vectors("random", random_model())
-    if "random" not in sys.argv[1:]:
-        write_vectors("default", weights.default_model())
+    for name in sys.argv[1:]:
+        WRITERS[name]()
 
 
 if __name__ == "__main__":

@@ -2,6 +2,7 @@
 
 import { addAlbedos } from "./albedo_rule";
 import type { Bottom, Coat, Core, Material, Stack, TableOptions } from "./api";
+import { blended, PRESENT, presence } from "./blend";
 import { Decoder, emptyRest, type PreparedCode, type Responses } from "./decoder";
 import { Encoder } from "./encoder";
 import { EnergyLimit, MARGIN } from "./energy";
@@ -71,7 +72,7 @@ export class NetworkCore implements Core {
   layer(stack: Stack): Material {
     let material = this.encode(stack.bottom);
     for (let k = stack.coats.length - 1; k >= 0; k--) {
-      const latents = this.coated(material.anchors, stack.coats[k]);
+      const latents = this.coated(material, stack.coats[k]);
       material = { latents, anchors: latents };
     }
     return material;
@@ -227,21 +228,26 @@ export class NetworkCore implements Core {
     return { code, anchor };
   }
 
-  /** Codes (3, L) of bottoms under one coat. */
-  private coated(anchors: Float32Array, coat: Coat): Float32Array {
-    const bottoms = rows(anchors, this.latentSize);
-    const coats = bottoms.map((_, channel) => coatOfChannel(coat, channel));
+  /** Codes (3, L) of a bottom under a coat. */
+  private coated(bottom: Material, coat: Coat): Float32Array {
+    const anchors = rows(bottom.anchors, this.latentSize);
+    const latents = rows(bottom.latents, this.latentSize);
+    const coats = anchors.map((_, channel) => coatOfChannel(coat, channel));
     const isSame = (a: number, b: number) =>
-      sameNumbers(bottoms[a], bottoms[b]) &&
+      sameNumbers(anchors[a], anchors[b]) &&
+      sameNumbers(latents[a], latents[b]) &&
       sameNumbers(Object.values(coats[a]), Object.values(coats[b]));
-    const own = bottoms.map((_, channel) => firstSame(channel, isSame));
+    const own = anchors.map((_, channel) => firstSame(channel, isSame));
     const kept = own.filter((channel, place) => channel === place);
-    const codes = this.layerer.layer(
-      kept.map((channel) => bottoms[channel]),
+    const layered = this.layerer.layer(
+      kept.map((channel) => anchors[channel]),
       kept.map((channel) => coats[channel]),
     );
-    codes.forEach((code, place) => {
-      this.energy.limitCoated(code, bottoms[kept[place]]);
+    const codes = layered.map((code, place) => {
+      const channel = kept[place];
+      this.energy.limitCoated(code, anchors[channel]);
+      const share = presence(coats[channel]);
+      return share < PRESENT ? blended(this.energy, latents[channel], code, share) : code;
     });
     return this.joined(own.map((channel) => codes[kept.indexOf(channel)]));
   }
@@ -275,9 +281,7 @@ export class NetworkCore implements Core {
     const prepared: PreparedCode = decoder.prepare(code, LOBE_NUMBERS);
     const numbers = Float64Array.from(code);
     for (let i = 0, at = channel; at < result.length; i++, at += CHANNELS) {
-      result[at] =
-        lobeValue(numbers, 0, pairs, i) +
-        decoder.rest(prepared, numbers, LOBE_NUMBERS, pairs, responses, i);
+      result[at] = lobeValue(numbers, 0, pairs, i) + decoder.rest(prepared, responses, i);
     }
   }
 

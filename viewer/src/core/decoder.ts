@@ -2,14 +2,13 @@
 
 import { DIRECTION_FEATURES, type Pairs } from "./features";
 import { type Activation, activate, activateWithSlope } from "./mlp";
-import { secondLobeSlopes, secondLobeValue } from "./second_lobe";
-import { first, type Layer, LEADING, last, type Weights } from "./weights";
+import { first, type Layer, last, type Weights } from "./weights";
 
-/** Range of the logarithm of the network's part. */
+/** Range of ln f. */
 const MIN_LOG = -25;
 const MAX_LOG = 20;
 
-/** Gain with which any code decodes to exp(`MIN_LOG`), beside its second lobe. */
+/** Gain with which any code decodes to exp(`MIN_LOG`). */
 const EMPTY_GAIN = -100;
 
 /** What the decoder needs of one code: how it shifts and scales the first layer, and its gain. */
@@ -73,7 +72,7 @@ export class Decoder {
       let o = this.entry.bias[j];
       let s = 1;
       for (let k = 0; k < this.codes; k++) {
-        const z = code[rest + LEADING + k];
+        const z = code[rest + 1 + k];
         o += this.entry.weight[j * this.entry.inputs + k] * z;
         s += this.scale[j * this.codes + k] * z;
       }
@@ -110,8 +109,8 @@ export class Decoder {
     return result;
   }
 
-  /** The network's part [1/sr] of the rest at pair `i`, the second lobe left out. */
-  smooth(code: PreparedCode, responses: Responses, i: number): number {
+  /** The rest [1/sr] at pair `i`. */
+  rest(code: PreparedCode, responses: Responses, i: number): number {
     return Math.exp(clamped(this.logarithm(code, responses, i)));
   }
 
@@ -136,47 +135,15 @@ export class Decoder {
     }
   }
 
-  /** The rest [1/sr] of the code at a place at pair `i`; `code` is `prepare` of it. */
-  rest(
-    code: PreparedCode,
-    numbers: ArrayLike<number>,
-    rest: number,
-    pairs: Pairs,
-    responses: Responses,
-    i: number,
-  ): number {
-    return this.smooth(code, responses, i) + secondLobeValue(numbers, rest + 1, pairs, i);
-  }
-
-  /**
-   * The rest at all pairs, and the derivatives of its logarithm by the code's numbers.
-   *
-   * They leave the network out where its logarithm is clamped.
-   */
-  restWithSlopes(
-    numbers: ArrayLike<number>,
-    rest: number,
-    pairs: Pairs,
-    responses: Responses,
-  ): Slopes {
+  /** The rest at all pairs, and the derivatives of its logarithm by the code's numbers. */
+  restWithSlopes(numbers: ArrayLike<number>, rest: number, responses: Responses): Slopes {
     const code = this.prepare(numbers, rest);
-    const size = LEADING + this.codes;
-    const values = new Float64Array(pairs.capacity);
-    const slopes = new Float64Array(pairs.capacity * size);
-    for (let i = 0; i < pairs.capacity; i++) {
-      const at = i * size;
-      const logarithm = this.pullback(code, responses, i, slopes, at + LEADING);
-      const smooth = Math.exp(clamped(logarithm));
-      const total = smooth + secondLobeSlopes(numbers, rest + 1, pairs, i, slopes, at + 1);
-      const share = logarithm > MIN_LOG && logarithm < MAX_LOG ? smooth / total : 0;
-      values[i] = total;
-      slopes[at] = share;
-      for (let k = 1; k < LEADING; k++) {
-        slopes[at + k] /= total;
-      }
-      for (let k = LEADING; k < size; k++) {
-        slopes[at + k] *= share;
-      }
+    const size = 1 + this.codes;
+    const values = new Float64Array(responses.length / this.width);
+    const slopes = new Float64Array(values.length * size);
+    for (let i = 0; i < values.length; i++) {
+      slopes[i * size] = 1;
+      values[i] = Math.exp(clamped(this.pullback(code, responses, i, slopes, i * size + 1)));
     }
     return { rest: values, slopes };
   }
@@ -288,15 +255,10 @@ function outputOf(layer: Layer, x: Float64Array): number {
 
 /** Multiply the rest at a place by a factor > 0, exactly for all directions. */
 export function scaleRest(code: Float32Array, rest: number, factor: number): void {
-  const root = Math.sqrt(factor);
   code[rest] += Math.log(factor);
-  code[rest + 2] *= root;
-  code[rest + 3] *= root;
 }
 
 /** Make the rest at a place nothing. */
 export function emptyRest(code: Float32Array, rest: number): void {
   code[rest] = EMPTY_GAIN;
-  code[rest + 2] = 0;
-  code[rest + 3] = 0;
 }

@@ -5,7 +5,6 @@ import { Pairs } from "./features";
 import { lobeValue } from "./lobe";
 import { type Activation, Mlp } from "./mlp";
 import { probePairs } from "./probe_pairs";
-import { bound, finish } from "./second_lobe";
 import { LOBE_NUMBERS, type Weights } from "./weights";
 
 /** [1/sr] Added to f before the logarithm of the encoder, and of the correction. */
@@ -56,7 +55,6 @@ export class Encoder {
     const code = new Float64Array(arch.latent);
     code.set(lobe);
     code.set(this.network.evaluate(inputs, 1).subarray(0, arch.rest), LOBE_NUMBERS);
-    finish(code, LOBE_NUMBERS + 1);
     return Float32Array.from(code);
   }
 
@@ -84,10 +82,10 @@ export class Encoder {
 
   /** Errors of ln(f + offset) of a code at all probe pairs. */
   private errors(code: Float32Array, top: Float64Array, logs: Float64Array): Float64Array {
-    const { decoder, pairs, responses } = this;
+    const { decoder, responses } = this;
     const prepared = decoder.prepare(code, LOBE_NUMBERS);
     return logs.map((log, i) => {
-      const rest = decoder.rest(prepared, code, LOBE_NUMBERS, pairs, responses, i);
+      const rest = decoder.rest(prepared, responses, i);
       return Math.log(top[i] + rest + DARK_OFFSET) - log;
     });
   }
@@ -95,12 +93,7 @@ export class Encoder {
   /** A code after one step. */
   private corrected(code: Float32Array, top: Float64Array, logs: Float64Array): Float32Array {
     const size = this.weights.arch.rest;
-    const found = this.decoder.restWithSlopes(
-      code,
-      LOBE_NUMBERS,
-      this.fitted,
-      this.fittedResponses,
-    );
+    const found = this.decoder.restWithSlopes(code, LOBE_NUMBERS, this.fittedResponses);
     const curvature = new Float64Array(size * size);
     const slope = new Float64Array(size);
     for (let place = 0; place < found.rest.length; place++) {
@@ -120,17 +113,13 @@ export class Encoder {
       }
     }
     const step = dampedStep(curvature, slope, CORRECTION_DAMPING);
-    const result = code.map((number, k) =>
-      k < LOBE_NUMBERS ? number : number - step[k - LOBE_NUMBERS],
-    );
-    bound(result, LOBE_NUMBERS + 1);
-    return result;
+    return code.map((number, k) => (k < LOBE_NUMBERS ? number : number - step[k - LOBE_NUMBERS]));
   }
 }
 
 function everySecond(pairs: Pairs): Pairs {
   const result = new Pairs(Math.ceil(pairs.capacity / 2));
-  for (const name of ["tan2", "low", "high", "fifth", "cosI", "cosO", "across", "cosD"] as const) {
+  for (const name of ["cosI", "cosO", "across", "cosD"] as const) {
     result[name].set(pairs[name].filter((_, i) => i % 2 === 0));
   }
   const width = pairs.features.length / pairs.capacity;

@@ -8,7 +8,6 @@
 import { type AlbedoRule, addAlbedos, albedoRule } from "./albedo_rule";
 import { type Decoder, emptyRest, type Responses, scaleRest } from "./decoder";
 import { LobeAlbedo } from "./lobe_albedo";
-import { asLobe } from "./second_lobe";
 import { LOBE_NUMBERS } from "./weights";
 
 /** Error of the quadrature and of the interpolation: the ceiling is 1 less this. */
@@ -85,15 +84,14 @@ export class EnergyLimit {
     );
   }
 
-  private restAlbedos(code: ArrayLike<number>): Float64Array {
+  /** The part (D) of `albedos` that the code's lobe does not reflect. */
+  restAlbedos(code: ArrayLike<number>): Float64Array {
     const prepared = this.decoder.prepare(code, LOBE_NUMBERS);
     for (let i = 0; i < this.values.length; i++) {
-      this.values[i] = this.decoder.smooth(prepared, this.responses, i);
+      this.values[i] = this.decoder.rest(prepared, this.responses, i);
     }
     const albedos = new Float64Array(this.rule.cosines.length);
     addAlbedos(this.rule, this.values, albedos);
-    // The nodes are too few for the sharpest second lobes, whose part is known without them.
-    this.lobeAlbedo.add(asLobe(code, LOBE_NUMBERS + 1), 0, albedos);
     return albedos;
   }
 

@@ -51,22 +51,10 @@ export interface CoatOfChannel {
   g: number;
 }
 
-/**
- * What the networks and both lobes need of pairs of directions, one array for each quantity.
- *
- * Python's float32 quantities of the second lobe come from the features; here they are computed
- * directly, to more digits.
- */
+/** What decoder and lobe need of pairs of directions, one array for each quantity. */
 export class Pairs {
   /** (count, 8) the decoder's inputs. */
   readonly features: Float64Array;
-  /** Squared tangent between half vector and normal, cosines clamped to `MIN_COSINE`. */
-  readonly tan2: Float64Array;
-  /** The smaller and the larger cosine, clamped to `MIN_COSINE`. */
-  readonly low: Float64Array;
-  readonly high: Float64Array;
-  /** Schlick's (1 - cos theta_d)^5 of clamped cosines. */
-  readonly fifth: Float64Array;
   /** Both cosines, clamped to [0, 1]. */
   readonly cosI: Float64Array;
   readonly cosO: Float64Array;
@@ -79,10 +67,6 @@ export class Pairs {
   constructor(readonly capacity: number) {
     const column = () => new Float64Array(capacity);
     this.features = new Float64Array(capacity * DIRECTION_FEATURES);
-    this.tan2 = column();
-    this.low = column();
-    this.high = column();
-    this.fifth = column();
     this.cosI = column();
     this.cosO = column();
     this.across = column();
@@ -112,29 +96,23 @@ export class Pairs {
 
     const cosI = Math.max(iz, MIN_COSINE);
     const cosO = Math.max(oz, MIN_COSINE);
-    const low = Math.min(cosI, cosO);
     const z = cosI + cosO;
     const squared = across + z * z;
     const length = Math.sqrt(squared);
     const cosD = Math.min(0.5 * length, 1);
     const opposite = 1 - cosD;
-    const fifth = opposite * opposite * opposite * opposite * opposite;
-    const tan2 = across / (z * z);
-    this.tan2[i] = tan2;
-    this.low[i] = low;
-    this.high[i] = z - low;
-    this.fifth[i] = fifth;
+    const opposite2 = opposite * opposite;
 
     const f = this.features;
     const at = i * DIRECTION_FEATURES;
-    f[at] = Math.log(tan2 + 1e-6);
+    f[at] = Math.log(across / (z * z) + 1e-6);
     f[at + 1] = Math.sqrt(Math.sqrt(across / squared));
     f[at + 2] = z / length;
     f[at + 3] = cosD;
-    f[at + 4] = fifth;
+    f[at + 4] = opposite2 * opposite2 * opposite;
     f[at + 5] = 0.5 * Math.log(cosI * cosO);
     f[at + 6] = Math.log(z);
-    f[at + 7] = low;
+    f[at + 7] = Math.min(cosI, cosO);
     for (let k = 0; k < DIRECTION_FEATURES; k++) {
       f[at + k] = (f[at + k] - DIRECTION_MEANS[k]) * DIRECTION_FACTORS[k];
     }

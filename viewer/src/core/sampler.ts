@@ -6,7 +6,7 @@
  */
 
 import { MIN_COSINE } from "./features";
-import { bottomInputCount, bottomInputs } from "./layerer";
+import { LOBE_FEATURES, lobeFeatures } from "./lobe";
 import { type Activation, Mlp } from "./mlp";
 import { LOBE_NUMBERS, type Weights } from "./weights";
 
@@ -33,13 +33,13 @@ export class Sampler {
   }
 
   /** The proposals of a code for cosines of wi, of which each is computed when it is asked for. */
-  proposals(code: ArrayLike<number>): (cosine: number) => Mixture {
-    const { codes, lobes } = this.weights.arch;
-    const ofCode = bottomInputCount(codes);
+  proposals(code: Float32Array): (cosine: number) => Mixture {
+    const { rest, lobes } = this.weights.arch;
+    const ofCode = LOBE_FEATURES + rest;
     const inputs = new Float64Array(ofCode + 2);
-    bottomInputs(code, codes, inputs, 0);
-    const root = code[LOBE_NUMBERS + 1];
-    const count = 2 + lobes;
+    lobeFeatures(code, 0, inputs, 0);
+    inputs.set(code.subarray(LOBE_NUMBERS), LOBE_FEATURES);
+    const count = 1 + lobes;
     return (cosine) => {
       const raised = Math.max(cosine, MIN_COSINE);
       inputs[ofCode] = (raised - 0.5) * 3;
@@ -47,10 +47,9 @@ export class Sampler {
       const output = this.network.evaluate(inputs, 1);
       const alphas = new Float64Array(count);
       alphas[0] = clampedAlpha(code[0]);
-      alphas[1] = clampedAlpha(root * root);
       for (let k = 0; k < lobes; k++) {
         const fraction = 0.5 - 0.5 * Math.tanh(0.5 * output[count + 1 + k]);
-        alphas[2 + k] = clampedAlpha(Math.exp(LOG_MIN_ALPHA * fraction));
+        alphas[1 + k] = clampedAlpha(Math.exp(LOG_MIN_ALPHA * fraction));
       }
       return { weights: shares(output, count + 1), alphas };
     };

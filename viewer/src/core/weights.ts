@@ -1,14 +1,18 @@
 /** The networks' sizes and parameters from a weights file of `urushi train`. */
 
-import { DIRECTION_FEATURES } from "./features";
+import { COAT_FEATURES, DIRECTION_FEATURES } from "./features";
+import { LOBE_FEATURES } from "./lobe";
 import { FileError, isRecord, readTensors, type Tensor } from "./safetensors";
 
 /** Version of the file format. */
 const FORMAT_VERSION = 1;
 
-/** Numbers of a code: the lobe's, and those of the rest before the decoder's inputs. */
+/** Numbers of a code that describe its lobe; the others, the rest, begin with a gain. */
 export const LOBE_NUMBERS = 6;
-export const LEADING = 4;
+
+/** Names of parameters. */
+const KNOWN =
+  /^((decoder|encoder|layerer|sampler)\.\d+\.(weight|bias)|decoder\.scale|encoder\.input_(mean|scale))$/;
 
 /** Sizes of the networks; see Python's `nets.architecture`. */
 export interface Architecture {
@@ -16,9 +20,9 @@ export interface Architecture {
   readonly latent: number;
   /** Numbers of the rest, which follow those of the lobe. */
   readonly rest: number;
-  /** Inputs of the decoder's network, the last numbers of the rest. */
+  /** Inputs of the decoder's network: the numbers of the rest after its gain. */
   readonly codes: number;
-  /** Lobes of the proposal beside the code's own two. */
+  /** Lobes of the proposal beside the code's own. */
   readonly lobes: number;
   /** Probe pairs of the encoder. */
   readonly probes: number;
@@ -58,17 +62,21 @@ export function readWeights(file: ArrayBuffer): Weights {
     throw new FileError("the file holds no weights of Urushi's networks in a version known here");
   }
   const arch = readArchitecture(description.architecture);
+  const unknown = [...tensors.keys()].find((name) => !KNOWN.test(name));
+  if (unknown) {
+    throw new FileError(
+      `the parameter '${unknown}' is unknown here; the networks are of another kind`,
+    );
+  }
   const part = (name: string, inputs: number, outputs: number) =>
     readLayers(tensors, name, inputs, outputs);
-  // Two lobes have six features each; a coat has 18, an angle of the sampler two.
-  const bottom = arch.codes + 1 + 12;
   const decoder = part("decoder", arch.codes + DIRECTION_FEATURES, 1);
   return {
     arch,
     decoder,
     encoder: part("encoder", arch.probes, arch.rest),
-    layerer: part("layerer", bottom + 18, arch.rest),
-    sampler: part("sampler", bottom + 2, 2 * arch.lobes + 3),
+    layerer: part("layerer", arch.rest + LOBE_FEATURES + COAT_FEATURES, arch.rest),
+    sampler: part("sampler", LOBE_FEATURES + arch.rest + 2, 2 * arch.lobes + 2),
     scale: transposed(tensorOf(tensors, "decoder.scale", [arch.codes, first(decoder).outputs])),
     inputMean: tensorOf(tensors, "encoder.input_mean", [arch.probes]).values,
     inputScale: tensorOf(tensors, "encoder.input_scale", [arch.probes]).values,
@@ -89,13 +97,13 @@ function readArchitecture(value: unknown): Architecture {
   }
   const latent = size("latent");
   const rest = latent - LOBE_NUMBERS;
-  if (rest <= LEADING) {
-    throw new FileError(`the architecture's latent is ${latent}; a code has at least 11 numbers`);
+  if (rest < 2) {
+    throw new FileError(`the architecture's latent is ${latent}; a code has at least 8 numbers`);
   }
   return {
     latent,
     rest,
-    codes: rest - LEADING,
+    codes: rest - 1,
     lobes: size("lobes"),
     probes: size("probes"),
     activation: String(sizes.activation),

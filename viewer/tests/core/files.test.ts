@@ -53,8 +53,14 @@ describe("refuses in a sentence", () => {
   });
 
   test("networks without a parameter", () => {
-    expect(() => loadCore(renamed(whole, "decoder.scale", "decoder.other"))).toThrow(
-      /'decoder.scale' is missing/,
+    expect(() => loadCore(renamed(whole, "encoder.input_mean", "encoder.123.weight"))).toThrow(
+      /'encoder.input_mean' is missing/,
+    );
+  });
+
+  test("networks with a parameter that it does not know", () => {
+    expect(() => loadCore(renamed(whole, "decoder.scale", "decoder.shift"))).toThrow(
+      /'decoder.shift' is unknown/,
     );
   });
 

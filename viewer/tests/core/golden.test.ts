@@ -1,8 +1,8 @@
 /**
  * The core against golden vectors of Python (`viewer/tests/golden.py`).
  *
- * Python computes in single precision and the core in double, so that they differ by rounding alone:
- * some 1e-6 of each number. Numbers of codes, which may be near zero, are compared relative to 0.1.
+ * Python computes in single precision, except f, and the core in double. So they differ by rounding
+ * alone, some 1e-6 of each number. Numbers of codes, which may be near zero, are compared relative to 0.1.
  */
 
 import { existsSync } from "node:fs";
