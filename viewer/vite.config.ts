@@ -1,10 +1,15 @@
+import { fileURLToPath } from "node:url";
 import { defineConfig } from "vitest/config";
 
-export default defineConfig({
+const standIn = fileURLToPath(new URL("tests/stand_in/remote.ts", import.meta.url));
+
+export default defineConfig(({ mode }) => ({
   base: "./",
+  // `vite --mode stand-in`: the page without networks
+  resolve: { alias: mode === "stand-in" ? [{ find: /^\.\/remote$/, replacement: standIn }] : [] },
   build: {
     // The built page ships with the Python package, so that using it needs no Node.
-    outDir: "../src/urushi/app/page",
+    outDir: mode === "stand-in" ? "out/stand-in" : "../src/urushi/app/page",
     emptyOutDir: true,
     target: "es2023",
     // The content security policy forbids scripts and styles that are not files of their own.
@@ -13,4 +18,4 @@ export default defineConfig({
   },
   worker: { format: "es" },
   test: { include: ["tests/**/*.test.ts"] },
-});
+}));

@@ -1,0 +1,168 @@
+/** What lives as long as the page: the core, two materials, the picture, and what binds them. */
+
+import { computed, effect, signal } from "@preact/signals";
+import { stackOf } from "../material/material";
+import { type Light, lightsOf } from "../picture/environment";
+import { NoGraphics } from "../picture/gl";
+import { Painter } from "../picture/painter";
+import type { Panorama } from "../picture/panorama";
+import { Renderer, type Shot } from "../picture/renderer";
+import { announcement, look, notice, state } from "../state/store";
+import { Slot } from "./engine";
+import { connect, type RemoteCore } from "./remote";
+
+/** A panorama that was dropped on the page. */
+export interface OwnEnvironment {
+  name: string;
+  panorama: Panorama;
+  lights: Light[];
+}
+
+export const ownEnvironment = signal<OwnEnvironment | null>(null);
+
+/** What keeps the picture from being drawn, or "". */
+export const noPicture = signal("");
+
+/** Whether the networks are there. */
+export const ready = signal(false);
+
+export class Session {
+  readonly slots: readonly [Slot, Slot];
+  readonly painter: Painter;
+  private renderer: Renderer | null = null;
+  private canvas: HTMLCanvasElement | null = null;
+
+  constructor(readonly core: RemoteCore) {
+    const slot = () =>
+      new Slot(
+        core,
+        () => this.painter.refresh(),
+        failed,
+        () => state.peek().incidence,
+      );
+    this.slots = [slot(), slot()];
+    this.painter = new Painter(this.slots, failed);
+    this.bind();
+  }
+
+  /** Draw on a canvas from now on. */
+  attach(canvas: HTMLCanvasElement): () => void {
+    this.canvas = canvas;
+    const lost = (event: Event) => {
+      event.preventDefault();
+      this.renderer = null;
+      this.painter.setRenderer(null);
+      noPicture.value =
+        "The graphics driver has taken the picture away; it returns as soon as the driver allows.";
+    };
+    canvas.addEventListener("webglcontextlost", lost);
+    canvas.addEventListener("webglcontextrestored", this.start);
+    const observer = new ResizeObserver(() => this.fit());
+    observer.observe(canvas);
+    this.fit();
+    this.start();
+    return () => {
+      observer.disconnect();
+      canvas.removeEventListener("webglcontextlost", lost);
+      canvas.removeEventListener("webglcontextrestored", this.start);
+    };
+  }
+
+  private readonly start = (): void => {
+    if (this.canvas === null) return;
+    try {
+      this.renderer = new Renderer(this.canvas);
+      noPicture.value = "";
+    } catch (error) {
+      if (!(error instanceof NoGraphics)) throw error;
+      noPicture.value = error.message;
+      return;
+    }
+    this.renderer.setObject(state.peek().object);
+    this.renderer.setEnvironment(state.peek().environment, ownEnvironment.peek());
+    this.painter.setRenderer(this.renderer);
+  };
+
+  private fit(): void {
+    if (this.canvas === null) return;
+    const ratio = Math.min(window.devicePixelRatio || 1, 2);
+    const width = Math.max(1, Math.round(this.canvas.clientWidth * ratio));
+    const height = Math.max(1, Math.round(this.canvas.clientHeight * ratio));
+    if (width === this.canvas.width && height === this.canvas.height) return;
+    this.canvas.width = width;
+    this.canvas.height = height;
+    this.painter.refresh();
+  }
+
+  private bind(): void {
+    const { slots, painter } = this;
+    const materials = computed(() => state.value.materials);
+    const compared = computed(() => state.value.comparison !== "off");
+    const active = computed(() => state.value.active);
+    effect(() => {
+      for (const slot of [0, 1] as const)
+        if (compared.value || slot === active.value)
+          slots[slot].show(stackOf(materials.value[slot]));
+    });
+
+    const shot = computed<Shot>(() => {
+      const { view, rotation, exposure, comparison, edge } = state.value;
+      return { view, rotation, exposure, comparison, edge, slot: state.value.active };
+    });
+    let last = "";
+    effect(() => {
+      const text = JSON.stringify(shot.value);
+      if (text !== last) painter.setShot(shot.value);
+      last = text;
+    });
+    const object = computed(() => state.value.object);
+    effect(() => {
+      this.renderer?.setObject(object.value);
+      painter.refresh();
+    });
+    const environment = computed(() => state.value.environment);
+    effect(() => {
+      this.renderer?.setEnvironment(environment.value, ownEnvironment.value);
+      painter.refresh();
+    });
+    const incidence = computed(() => state.value.incidence);
+    effect(() => {
+      incidence.value;
+      for (const slot of slots) slot.drawPlane().catch(failed);
+    });
+    effect(() => {
+      if (painter.converged.value) announcement.value = "The picture has converged.";
+    });
+  }
+}
+
+/** The page's session, once the networks are there. */
+export const session = signal<Session | null>(null);
+
+/** Load the networks and begin. */
+export async function begin(): Promise<void> {
+  try {
+    session.value = new Session(await connect());
+    ready.value = true;
+  } catch (error) {
+    failed(error);
+  }
+}
+
+/** Light the object by a panorama. */
+export function useEnvironment(own: OwnEnvironment): void {
+  ownEnvironment.value = own;
+  look({ environment: "own" });
+}
+
+/** The lights that the picture takes out of the environment. */
+export function brightLights(): Light[] {
+  const { environment } = state.peek();
+  return environment === "own" ? (ownEnvironment.peek()?.lights ?? []) : lightsOf(environment);
+}
+
+function failed(error: unknown): void {
+  console.error(error);
+  notice.value =
+    error instanceof Error ? error.message : "Something went wrong; load the page anew.";
+}

@@ -1,0 +1,44 @@
+/** Colours on screen for linear values, and back. */
+
+import type { Rgb } from "./material";
+
+/** sRGB's curve, of a linear value in [0, 1]. */
+export function encoded(linear: number): number {
+  const x = Math.min(Math.max(linear, 0), 1);
+  return x <= 0.0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - 0.055;
+}
+
+/** The linear value of sRGB's. */
+export function decoded(value: number): number {
+  return value <= 0.04045 ? value / 12.92 : ((value + 0.055) / 1.055) ** 2.4;
+}
+
+/** "#rrggbb" of linear values. */
+export function hex(colour: Rgb): string {
+  const digits = colour.map((x) =>
+    Math.round(255 * encoded(x))
+      .toString(16)
+      .padStart(2, "0"),
+  );
+  return `#${digits.join("")}`;
+}
+
+/** Linear values, with three digits, of "#rrggbb". */
+export function fromHex(text: string): Rgb {
+  const [red, green, blue] = [1, 3, 5].map((at) => {
+    const linear = decoded(Number.parseInt(text.slice(at, at + 2), 16) / 255);
+    return Number(linear.toFixed(3));
+  }) as [number, number, number];
+  return [red, green, blue];
+}
+
+/** What passes once through a medium of the given depths. */
+export function transmission(depth: Rgb): Rgb {
+  return [Math.exp(-depth[0]), Math.exp(-depth[1]), Math.exp(-depth[2])];
+}
+
+/** Depths of a medium that lets a colour pass, up to 7. */
+export function depthOf(colour: Rgb): Rgb {
+  const one = (x: number) => Number(Math.abs(Math.log(Math.min(Math.max(x, 1e-3), 1))).toFixed(3));
+  return [one(colour[0]), one(colour[1]), one(colour[2])];
+}

@@ -1,0 +1,85 @@
+/** The material on the page: cards of coats over a bottom, and the stack that they describe. */
+
+import type { Bottom, Channels, Coat, Stack } from "../core/api";
+
+export type Rgb = readonly [number, number, number];
+
+/** One coat on the page. */
+export interface CoatCard extends Coat {
+  /** Identifies the card while it moves; above 0. */
+  id: number;
+  /** Whether the coat is part of the picture. */
+  on: boolean;
+}
+
+/** A named stack of cards. */
+export interface MaterialCards {
+  name: string;
+  bottom: Bottom;
+  /** The topmost first. */
+  coats: readonly CoatCard[];
+  /** The only coat that is shown, by its id; `BARE`: none; null: all that are on. */
+  solo: number | null;
+}
+
+/** `MaterialCards.solo` of the bottom: it is shown without coats. */
+export const BARE = 0;
+
+export const MOST_COATS = 6;
+
+/** A clear coat of glass, as Urushi's default. */
+export const CLEAR_COAT: Coat = { alpha: 0.1, eta: 1.5, albedo: 0, sigmaT: 0, g: 0 };
+
+/** Whether a coat is part of the picture. */
+export function isSeen(material: MaterialCards, coat: CoatCard): boolean {
+  return material.solo === null ? coat.on : material.solo === coat.id;
+}
+
+/** The stack that is shown. */
+export function stackOf(material: MaterialCards): Stack {
+  const coats = material.coats.filter((coat) => isSeen(material, coat));
+  return {
+    bottom: material.bottom,
+    coats: coats.map(({ alpha, eta, albedo, sigmaT, g }) => ({ alpha, eta, albedo, sigmaT, g })),
+  };
+}
+
+/** A number for an additional card. */
+export function freeId(material: MaterialCards): number {
+  return Math.max(0, ...material.coats.map((coat) => coat.id)) + 1;
+}
+
+/** Three numbers, from one for all channels or three. */
+export function rgb(value: Channels): Rgb {
+  return typeof value === "number" ? [value, value, value] : value;
+}
+
+/** One number if all three agree, otherwise the three. */
+export function joined(value: Rgb): Channels {
+  return value[0] === value[1] && value[1] === value[2] ? value[0] : value;
+}
+
+/** The material with a card moved to another place. */
+export function moved(material: MaterialCards, from: number, to: number): MaterialCards {
+  const coats = [...material.coats];
+  const [card] = coats.splice(from, 1);
+  if (card === undefined) return material;
+  coats.splice(Math.max(0, Math.min(to, coats.length)), 0, card);
+  return { ...material, coats };
+}
+
+/** The material with a coat on top of all others. */
+export function withCoat(material: MaterialCards, coat: Coat = CLEAR_COAT): MaterialCards {
+  if (material.coats.length >= MOST_COATS) return material;
+  const card: CoatCard = { ...coat, id: freeId(material), on: true };
+  return { ...material, coats: [card, ...material.coats] };
+}
+
+/** The material without a coat. */
+export function withoutCoat(material: MaterialCards, id: number): MaterialCards {
+  return {
+    ...material,
+    coats: material.coats.filter((coat) => coat.id !== id),
+    solo: material.solo === id ? null : material.solo,
+  };
+}

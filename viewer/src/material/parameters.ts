@@ -1,0 +1,140 @@
+/** The parameters of coats and bottoms: names, ranges, and their places on a slider. */
+
+import type { Channels } from "../core/api";
+import { rgb } from "./material";
+
+/** How a parameter is shown, and which values it takes. */
+export interface Parameter {
+  label: string;
+  /** One sentence on what it does. */
+  hint: string;
+  low: number;
+  high: number;
+  /** Largest value on the slider; a larger one can be typed. */
+  slide?: number;
+  /** The slider's place is the value's root of this degree, from `low`. */
+  power: number;
+  /** Value after a double click. */
+  fallback: Channels;
+  /** The colour that a swatch shows: the value itself, or what passes a medium of this depth. */
+  colour?: "reflectance" | "depth";
+}
+
+const width: Parameter = {
+  label: "Roughness α",
+  hint: "GGX width of the surface: 0.01 is a polished mirror, 1 is matt.",
+  low: 0.01,
+  high: 1,
+  power: 2,
+  fallback: 0.1,
+};
+
+export const COAT_PARAMETERS = {
+  alpha: width,
+  eta: {
+    label: "Index η",
+    hint: "Index of refraction relative to the medium above.",
+    low: 1.001,
+    high: 3,
+    power: 1,
+    fallback: 1.5,
+  },
+  sigmaT: {
+    label: "Depth σₜ",
+    hint: "Optical depth of the medium: how often light is absorbed or scattered on its way.",
+    low: 0,
+    high: 100,
+    slide: 10,
+    power: 3,
+    fallback: 0,
+    colour: "depth",
+  },
+  albedo: {
+    label: "Scattering",
+    hint: "Single-scattering albedo of the medium: 0 only absorbs, 1 only scatters.",
+    low: 0,
+    high: 1,
+    power: 1,
+    fallback: 0,
+    colour: "reflectance",
+  },
+  g: {
+    label: "Direction g",
+    hint: "Asymmetry of the scattering: above 0 forwards, below 0 backwards.",
+    low: -0.99,
+    high: 0.99,
+    power: 1,
+    fallback: 0,
+  },
+} satisfies Record<string, Parameter>;
+
+export const BOTTOM_PARAMETERS = {
+  alpha: { ...width, fallback: 0.2 },
+  r0: {
+    label: "Reflectance",
+    hint: "Reflectance at normal incidence.",
+    low: 0,
+    high: 1,
+    power: 1,
+    fallback: 0.9,
+    colour: "reflectance",
+  },
+  eta: {
+    label: "Index η",
+    hint: "Real part of the index of refraction.",
+    low: 0,
+    high: 10,
+    slide: 6,
+    power: 2,
+    fallback: 1.5,
+  },
+  k: {
+    label: "Extinction k",
+    hint: "Imaginary part of the index of refraction.",
+    low: 0,
+    high: 20,
+    slide: 10,
+    power: 1,
+    fallback: 3,
+  },
+  reflectance: {
+    label: "Reflectance",
+    hint: "Reflectance of the matt surface.",
+    low: 0,
+    high: 1,
+    power: 1,
+    fallback: 0.5,
+    colour: "reflectance",
+  },
+} satisfies Record<string, Parameter>;
+
+/** The nearest value that a parameter can take. */
+export function clamped(parameter: Parameter, value: number): number {
+  return Math.min(Math.max(value, parameter.low), parameter.high);
+}
+
+/** Place of a value on the slider, in [0, 1]. */
+export function placeOf(parameter: Parameter, value: number): number {
+  const range = (parameter.slide ?? parameter.high) - parameter.low;
+  const share = Math.min(Math.max((value - parameter.low) / range, 0), 1);
+  return share ** (1 / parameter.power);
+}
+
+/** Value at a place of the slider, with three digits. */
+export function valueAt(parameter: Parameter, place: number): number {
+  const range = (parameter.slide ?? parameter.high) - parameter.low;
+  return clamped(parameter, rounded(parameter.low + range * place ** parameter.power));
+}
+
+/** A number with at most three digits after the point, and at least two that count. */
+export function rounded(value: number): number {
+  const digits = Math.abs(value) >= 0.1 || value === 0 ? 3 : 4;
+  return Number(value.toFixed(digits));
+}
+
+/** Every channel of a value by a function, as one number where it is one. */
+export function mapped(value: Channels, change: (x: number) => number): Channels {
+  if (typeof value === "number") return change(value);
+  const [red, green, blue] = rgb(value);
+  return [change(red), change(green), change(blue)];
+}

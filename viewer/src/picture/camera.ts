@@ -1,0 +1,80 @@
+/** The camera that looks at an object: where it stands, and its projection. */
+
+import type { View } from "../state/state";
+import type { Mesh } from "./meshes";
+
+export type Vector = readonly [number, number, number];
+
+export interface Camera {
+  eye: Vector;
+  /** Half the picture's width and height at the distance of 1, and the direction to its middle. */
+  right: Vector;
+  up: Vector;
+  forward: Vector;
+  /** World to clip space, column by column. */
+  projection: number[];
+}
+
+/** Half the angle of view that holds the object at zoom 1 [degrees]. */
+export const HALF_ANGLE = 12;
+
+/** Share of the picture that the object's ball fills at zoom 1. */
+const FILLED = 0.76;
+
+/**
+ * The camera of a view.
+ *
+ * @param aspect the picture's width over its height.
+ * @param jitter shift of the picture, in its halves: for smooth edges.
+ */
+export function cameraOf(
+  mesh: Mesh,
+  view: View,
+  aspect: number,
+  jitter: readonly [number, number] = [0, 0],
+): Camera {
+  const narrow = Math.min(1, aspect);
+  const tangent = Math.tan((HALF_ANGLE * Math.PI) / 180) / view.zoom;
+  const distance = mesh.radius / (Math.sin((HALF_ANGLE * Math.PI) / 180) * FILLED);
+  const [halfWidth, halfHeight] = [(tangent * aspect) / narrow, tangent / narrow];
+
+  const azimuth = (view.azimuth * Math.PI) / 180;
+  const elevation = (view.elevation * Math.PI) / 180;
+  const back: Vector = [
+    Math.cos(elevation) * Math.sin(azimuth),
+    -Math.cos(elevation) * Math.cos(azimuth),
+    Math.sin(elevation),
+  ];
+  const side: Vector = [Math.cos(azimuth), Math.sin(azimuth), 0];
+  const top: Vector = [
+    -Math.sin(elevation) * Math.sin(azimuth),
+    Math.sin(elevation) * Math.cos(azimuth),
+    Math.cos(elevation),
+  ];
+  const eye = mesh.centre.map((x, k) => x + distance * back[k]!) as unknown as Vector;
+  const near = distance - 1.5 * mesh.radius;
+  const far = distance + 1.5 * mesh.radius;
+
+  const row = (axis: Vector, scale: number): number[] => [
+    ...axis.map((x) => x * scale),
+    -scale * dot(axis, eye),
+  ];
+  const forward: Vector = [-back[0], -back[1], -back[2]];
+  const depth = row(forward, 1);
+  const x = row(side, 1 / halfWidth).map((value, k) => value + jitter[0] * depth[k]!);
+  const y = row(top, 1 / halfHeight).map((value, k) => value + jitter[1] * depth[k]!);
+  const z = row(forward, (far + near) / (far - near));
+  z[3]! -= (2 * far * near) / (far - near);
+  const rows = [x, y, z, depth];
+  return {
+    eye,
+    right: [side[0] * halfWidth, side[1] * halfWidth, side[2] * halfWidth],
+    up: [top[0] * halfHeight, top[1] * halfHeight, top[2] * halfHeight],
+    forward,
+    projection: [0, 1, 2, 3].flatMap((column) => rows.map((values) => values[column]!)),
+  };
+}
+
+function dot(a: Vector, b: Vector): number {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}

@@ -1,0 +1,127 @@
+/** Environments as cube maps with filtered levels, and the bright lights taken out of them. */
+
+import type { EnvironmentName } from "../state/state";
+import { cover, coverProgram, filters, type Gl, type Program } from "./gl";
+import type { Panorama } from "./panorama";
+import halveSource from "./shaders/halve.frag?raw";
+import panoramaSource from "./shaders/panorama.frag?raw";
+import placesSource from "./shaders/places.frag?raw";
+
+/** A light that is so small and bright that it is evaluated directly. */
+export interface Light {
+  direction: readonly [number, number, number];
+  /** Irradiance at normal incidence, red, green and blue. */
+  power: readonly [number, number, number];
+}
+
+/** The shader has room for so many. */
+export const MOST_LIGHTS = 4;
+
+/** Texels along a side of a face. */
+export const SIDE = 256;
+const LEVELS = Math.log2(SIDE) + 1;
+
+/** From (x, y, 1) on a face to a direction, column by column, in WebGL's order of the faces. */
+const FACES = [
+  [0, 0, -1, 0, -1, 0, 1, 0, 0],
+  [0, 0, 1, 0, -1, 0, -1, 0, 0],
+  [1, 0, 0, 0, 0, 1, 0, 1, 0],
+  [1, 0, 0, 0, 0, -1, 0, -1, 0],
+  [1, 0, 0, 0, -1, 0, 0, 0, 1],
+  [-1, 0, 0, 0, -1, 0, 0, 0, -1],
+] as const;
+
+const FORMULAS: readonly EnvironmentName[] = ["studio", "sky", "room"];
+
+/** The sky's sun stands where its shader's does. */
+const SUN: Light = { direction: unit([0.62, 0.5, 0.6]), power: [3.4, 3.05, 2.55] };
+
+/** The lights of an environment by formula. */
+export function lightsOf(name: EnvironmentName): Light[] {
+  return name === "sky" ? [SUN] : [];
+}
+
+/** Draws environments into a cube map. */
+export class EnvironmentMap {
+  readonly texture: WebGLTexture;
+  private readonly frame: WebGLFramebuffer;
+  private readonly halve: Program;
+  private readonly places: Program;
+  private readonly panorama: Program;
+
+  /** @param simple whether to filter within one level only, which is cheaper. */
+  constructor(
+    private readonly gl: Gl,
+    simple: boolean,
+  ) {
+    this.texture = gl.createTexture()!;
+    gl.bindTexture(gl.TEXTURE_CUBE_MAP, this.texture);
+    gl.texStorage2D(gl.TEXTURE_CUBE_MAP, LEVELS, gl.RGBA16F, SIDE, SIDE);
+    const target = gl.TEXTURE_CUBE_MAP;
+    const small = simple ? gl.LINEAR_MIPMAP_NEAREST : gl.LINEAR_MIPMAP_LINEAR;
+    filters(gl, target, small, gl.LINEAR, gl.CLAMP_TO_EDGE);
+    this.frame = gl.createFramebuffer()!;
+    this.halve = coverProgram(gl, halveSource);
+    this.places = coverProgram(gl, placesSource);
+    this.panorama = coverProgram(gl, panoramaSource);
+  }
+
+  /** Draw an environment by formula. */
+  drawFormula(name: EnvironmentName): void {
+    this.places.use();
+    this.places.setInteger("which", FORMULAS.indexOf(name));
+    this.drawFaces(this.places, 0);
+    this.drawLevels();
+  }
+
+  /** Draw a panorama. */
+  drawPanorama(panorama: Panorama): void {
+    const { gl } = this;
+    const texture = gl.createTexture()!;
+    gl.bindTexture(gl.TEXTURE_2D, texture);
+    const { width, height, pixels } = panorama;
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGB16F, width, height, 0, gl.RGB, gl.FLOAT, pixels);
+    filters(gl, gl.TEXTURE_2D, gl.LINEAR, gl.LINEAR, gl.CLAMP_TO_EDGE);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, gl.REPEAT);
+    this.panorama.use();
+    this.panorama.setTexture("panorama", 0, gl.TEXTURE_2D, texture);
+    this.drawFaces(this.panorama, 0);
+    this.drawLevels();
+    gl.deleteTexture(texture);
+  }
+
+  private drawLevels(): void {
+    const { gl, halve } = this;
+    halve.use();
+    halve.setTexture("environment", 0, gl.TEXTURE_CUBE_MAP, this.texture);
+    for (let level = 1; level < LEVELS; level++) {
+      // Only the finer levels are read while this one is drawn.
+      gl.texParameteri(gl.TEXTURE_CUBE_MAP, gl.TEXTURE_BASE_LEVEL, level - 1);
+      gl.texParameteri(gl.TEXTURE_CUBE_MAP, gl.TEXTURE_MAX_LEVEL, level - 1);
+      halve.set("side", SIDE >> (level - 1));
+      this.drawFaces(halve, level);
+    }
+    gl.texParameteri(gl.TEXTURE_CUBE_MAP, gl.TEXTURE_BASE_LEVEL, 0);
+    gl.texParameteri(gl.TEXTURE_CUBE_MAP, gl.TEXTURE_MAX_LEVEL, LEVELS - 1);
+  }
+
+  private drawFaces(program: Program, level: number): void {
+    const { gl } = this;
+    gl.disable(gl.DEPTH_TEST);
+    gl.disable(gl.SCISSOR_TEST);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, this.frame);
+    gl.viewport(0, 0, SIDE >> level, SIDE >> level);
+    FACES.forEach((matrix, face) => {
+      const target = gl.TEXTURE_CUBE_MAP_POSITIVE_X + face;
+      gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, target, this.texture, level);
+      program.setMatrix("face", matrix);
+      cover(gl);
+    });
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+  }
+}
+
+function unit(v: readonly [number, number, number]): readonly [number, number, number] {
+  const length = Math.hypot(...v);
+  return [v[0] / length, v[1] / length, v[2] / length];
+}

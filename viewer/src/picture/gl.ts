@@ -1,0 +1,124 @@
+/** Small helpers on top of WebGL2. */
+
+import coverSource from "./shaders/cover.vert?raw";
+
+export type Gl = WebGL2RenderingContext;
+
+/** WebGL2 is missing, or lacks what the picture needs. */
+export class NoGraphics extends Error {}
+
+/** The context of a canvas, with float targets. */
+export function contextOf(canvas: HTMLCanvasElement): Gl {
+  const gl = canvas.getContext("webgl2", {
+    alpha: false,
+    antialias: false,
+    depth: false,
+    preserveDrawingBuffer: true,
+    powerPreference: "high-performance",
+  });
+  if (gl === null)
+    throw new NoGraphics(
+      "This browser offers no WebGL 2, which the picture needs; the cards and plots work without.",
+    );
+  if (!gl.getExtension("EXT_color_buffer_float"))
+    throw new NoGraphics(
+      "This graphics driver cannot draw into float textures, which the picture needs; the cards and plots work without.",
+    );
+  gl.getExtension("OES_texture_float_linear");
+  gl.getExtension("EXT_float_blend");
+  return gl;
+}
+
+/** A linked program with its uniforms by name. */
+export class Program {
+  private readonly program: WebGLProgram;
+  private readonly places = new Map<string, WebGLUniformLocation | null>();
+
+  constructor(
+    private readonly gl: Gl,
+    vertex: string,
+    fragment: string,
+    constants: Record<string, number> = {},
+  ) {
+    const defined = Object.entries(constants).map(
+      ([name, value]) => `#define ${name} ${value.toFixed(6)}\n`,
+    );
+    this.program = gl.createProgram()!;
+    for (const [kind, source] of [
+      [gl.VERTEX_SHADER, vertex],
+      [gl.FRAGMENT_SHADER, fragment.replace(/^(#version .*\n)/, `$1${defined.join("")}`)],
+    ] as const) {
+      const shader = gl.createShader(kind)!;
+      gl.shaderSource(shader, source);
+      gl.compileShader(shader);
+      gl.attachShader(this.program, shader);
+      gl.deleteShader(shader);
+    }
+    gl.linkProgram(this.program);
+    if (!gl.getProgramParameter(this.program, gl.LINK_STATUS) && !gl.isContextLost()) {
+      const logs = gl.getAttachedShaders(this.program)!.map((s) => gl.getShaderInfoLog(s));
+      throw new NoGraphics(
+        `The graphics driver refused a shader: ${logs.join(" ")}${gl.getProgramInfoLog(this.program)}`,
+      );
+    }
+  }
+
+  use(): void {
+    this.gl.useProgram(this.program);
+  }
+
+  /** A number, or a vector of two, three or four. */
+  set(name: string, ...value: number[]): void {
+    const { gl } = this;
+    const place = this.place(name);
+    if (value.length === 1) gl.uniform1f(place, value[0]!);
+    else if (value.length === 2) gl.uniform2f(place, value[0]!, value[1]!);
+    else if (value.length === 3) gl.uniform3f(place, value[0]!, value[1]!, value[2]!);
+    else gl.uniform4f(place, value[0]!, value[1]!, value[2]!, value[3]!);
+  }
+
+  setInteger(name: string, value: number): void {
+    this.gl.uniform1i(this.place(name), value);
+  }
+
+  setVectors(name: string, values: Float32Array): void {
+    this.gl.uniform3fv(this.place(name), values);
+  }
+
+  /** A matrix, column by column: nine numbers or sixteen. */
+  setMatrix(name: string, values: readonly number[]): void {
+    if (values.length === 9) this.gl.uniformMatrix3fv(this.place(name), false, values);
+    else this.gl.uniformMatrix4fv(this.place(name), false, values);
+  }
+
+  /** Bind a texture to a unit for a sampler. */
+  setTexture(name: string, unit: number, target: number, texture: WebGLTexture): void {
+    this.gl.activeTexture(this.gl.TEXTURE0 + unit);
+    this.gl.bindTexture(target, texture);
+    this.setInteger(name, unit);
+  }
+
+  private place(name: string): WebGLUniformLocation | null {
+    if (!this.places.has(name))
+      this.places.set(name, this.gl.getUniformLocation(this.program, name));
+    return this.places.get(name)!;
+  }
+}
+
+/** A program that runs over the whole viewport; draw it by `cover`. */
+export function coverProgram(gl: Gl, fragment: string): Program {
+  return new Program(gl, coverSource, fragment);
+}
+
+export function cover(gl: Gl): void {
+  gl.drawArrays(gl.TRIANGLES, 0, 3);
+}
+
+/** Filters of the texture that is bound to `target`. */
+export function filters(gl: Gl, target: number, small: number, large: number, wrap: number): void {
+  gl.texParameteri(target, gl.TEXTURE_MIN_FILTER, small);
+  gl.texParameteri(target, gl.TEXTURE_MAG_FILTER, large);
+  gl.texParameteri(target, gl.TEXTURE_WRAP_S, wrap);
+  gl.texParameteri(target, gl.TEXTURE_WRAP_T, wrap);
+  gl.texParameteri(target, gl.TEXTURE_WRAP_R, wrap);
+}

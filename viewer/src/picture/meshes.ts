@@ -1,0 +1,193 @@
+/** Triangle meshes of the objects: shapes turned on a lathe, and tubes. The axis is z. */
+
+import type { ObjectName } from "../state/state";
+import { BODY, HANDLE, LID, NATSUME, PLATE, type Point, SPOUT, type Tube, VASE } from "./outlines";
+
+/** A mesh that fits into a ball. */
+export interface Mesh {
+  /** Positions and unit normals, six numbers a vertex. */
+  vertices: Float32Array;
+  faces: Uint32Array;
+  /** Centre and radius of the ball. */
+  centre: readonly [number, number, number];
+  radius: number;
+  /** Radius of the object's shadow on the ground. */
+  footprint: number;
+}
+
+/** A curve (radius, height) for places in [0, 1], from the foot to the top. */
+type Outline = (place: number) => Point;
+
+/** Points at u around and v along a surface, both in [0, 1]. */
+type Surface = (u: number, v: number) => readonly [number, number, number];
+
+/** The mesh of an object. */
+export function meshOf(name: ObjectName): Mesh {
+  switch (name) {
+    case "ball":
+      return joined([turned(ballOutline, 96, 64)], 0.5);
+    case "caddy":
+      return joined([turned(splineOutline(NATSUME), 96, 128)], 0.42);
+    case "plate":
+      return joined([turned(splineOutline(PLATE), 128, 96)], 0.6);
+    case "vase":
+      return joined([turned(splineOutline(VASE), 96, 128)], 0.46);
+    case "teapot":
+      return joined(
+        [
+          turned(bezierOutline(BODY), 96, 72),
+          turned(bezierOutline(LID), 72, 48),
+          surface(tube(HANDLE), 32, 60),
+          surface(tube(SPOUT), 32, 48),
+        ],
+        1.9,
+      );
+  }
+}
+
+function ballOutline(place: number): Point {
+  const angle = Math.PI * (place - 0.5);
+  return [Math.cos(angle), 1 + Math.sin(angle)];
+}
+
+/** A uniform cubic B-spline whose ends lie on the axis, with horizontal tangents (de Boor 1978). */
+function splineOutline(control: readonly Point[]): Outline {
+  const last = control.length - 1;
+  const mirrored = ([radius, height]: Point): Point => [-radius, height];
+  const all = [mirrored(control[1]!), ...control, mirrored(control[last - 1]!)];
+  return (place) => {
+    const t = place * last;
+    const first = Math.min(Math.floor(t), last - 1);
+    const s = t - first;
+    const weights = [
+      (1 - s) ** 3 / 6,
+      (3 * s ** 3 - 6 * s ** 2 + 4) / 6,
+      (-3 * s ** 3 + 3 * s ** 2 + 3 * s + 1) / 6,
+      s ** 3 / 6,
+    ];
+    return weighted(weights, all.slice(first, first + 4));
+  };
+}
+
+/** Joined cubic Bézier segments with equal shares. */
+function bezierOutline(control: readonly Point[]): Outline {
+  const segments = (control.length - 1) / 3;
+  return (place) => {
+    const first = Math.min(Math.floor(place * segments), segments - 1);
+    return weighted(bernstein(place * segments - first), control.slice(3 * first, 3 * first + 4));
+  };
+}
+
+function bernstein(t: number): number[] {
+  const s = 1 - t;
+  return [s ** 3, 3 * s ** 2 * t, 3 * s * t ** 2, t ** 3];
+}
+
+function weighted(weights: number[], points: readonly Point[]): Point {
+  let radius = 0;
+  let height = 0;
+  points.forEach((point, place) => {
+    radius += weights[place]! * point[0];
+    height += weights[place]! * point[1];
+  });
+  return [radius, height];
+}
+
+/** A closed tube of bicubic patches that is its own mirror image in y. */
+function tube(control: Tube): Surface {
+  const segments = (control.length - 1) / 3;
+  return (u, v) => {
+    const first = Math.min(Math.floor(v * segments), segments - 1);
+    const along = bernstein(v * segments - first);
+    const across = bernstein(u < 0.5 ? 2 * u : 2 - 2 * u);
+    const point = [0, 0, 0] as [number, number, number];
+    for (let i = 0; i < 4; i++)
+      for (let k = 0; k < 4; k++)
+        for (let axis = 0; axis < 3; axis++)
+          point[axis]! += along[i]! * across[k]! * control[3 * first + i]![k]![axis]!;
+    return [point[0], u < 0.5 ? point[1] : -point[1], point[2]];
+  };
+}
+
+function turned(outline: Outline, around: number, along: number): Part {
+  return surface(
+    (u, v) => {
+      const [radius, height] = outline(v);
+      const angle = 2 * Math.PI * u;
+      return [radius * Math.cos(angle), radius * Math.sin(angle), height];
+    },
+    around,
+    along,
+  );
+}
+
+interface Part {
+  vertices: number[];
+  faces: number[];
+}
+
+/** A grid of a surface that closes around; normals by finite differences, outwards. */
+function surface(at: Surface, around: number, along: number): Part {
+  const vertices: number[] = [];
+  const faces: number[] = [];
+  const step = 1e-4;
+  for (let row = 0; row <= along; row++) {
+    // At a pole the derivative around vanishes: the normal is that of a ring beside it.
+    const v = row / along;
+    const beside = Math.min(Math.max(v, 2 * step), 1 - 2 * step);
+    for (let column = 0; column <= around; column++) {
+      const u = (column % around) / around;
+      const du = minus(at((u + step) % 1, beside), at((u + 1 - step) % 1, beside));
+      const dv = minus(at(u, beside + step), at(u, beside - step));
+      vertices.push(...at(u, v), ...unit(cross(du, dv)));
+      if (row === along || column === around) continue;
+      const first = row * (around + 1) + column;
+      const above = first + around + 1;
+      faces.push(first, first + 1, above + 1, first, above + 1, above);
+    }
+  }
+  return { vertices, faces };
+}
+
+function joined(parts: Part[], footprint: number): Mesh {
+  const vertices: number[] = [];
+  const faces: number[] = [];
+  for (const part of parts) {
+    const before = vertices.length / 6;
+    for (const number of part.vertices) vertices.push(number);
+    for (const face of part.faces) faces.push(before + face);
+  }
+  const low = [Infinity, Infinity, Infinity];
+  const high = [-Infinity, -Infinity, -Infinity];
+  for (let at = 0; at < vertices.length; at += 6)
+    for (let axis = 0; axis < 3; axis++) {
+      low[axis] = Math.min(low[axis]!, vertices[at + axis]!);
+      high[axis] = Math.max(high[axis]!, vertices[at + axis]!);
+    }
+  const centre = [0, 1, 2].map((axis) => (low[axis]! + high[axis]!) / 2);
+  let radius = 0;
+  for (let at = 0; at < vertices.length; at += 6)
+    radius = Math.max(radius, Math.hypot(...[0, 1, 2].map((k) => vertices[at + k]! - centre[k]!)));
+  return {
+    vertices: new Float32Array(vertices),
+    faces: new Uint32Array(faces),
+    centre: [centre[0]!, centre[1]!, centre[2]!],
+    radius,
+    footprint,
+  };
+}
+
+type Vector = readonly [number, number, number];
+
+function minus(a: Vector, b: Vector): Vector {
+  return [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+}
+
+function cross(a: Vector, b: Vector): Vector {
+  return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+}
+
+function unit(a: Vector): Vector {
+  const length = Math.hypot(...a) || 1;
+  return [a[0] / length, a[1] / length, a[2] / length];
+}

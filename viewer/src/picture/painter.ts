@@ -1,0 +1,203 @@
+/** When the picture is drawn, how large, and with which tables: at once, then ever better. */
+
+import { signal } from "@preact/signals";
+import { COSINES, MOST_TABLES, SAMPLES, type Slot } from "../engine/engine";
+import type { Renderer, Shot } from "./renderer";
+
+/** Aims for a frame's time while something moves, and for a strip's time at rest [ms]. */
+const MOVING = 45;
+const RESTING = 200;
+
+/** Time without change after which the picture rests [ms]. */
+const PATIENCE = 160;
+
+/** What a frame costs at first [ms for a million pixels], by the graphics card and by software. */
+const FIRST_COST = { card: 60, software: 3000 };
+
+/** Frames of a picture at rest where each takes long. */
+const SLOW_FRAMES = 10;
+
+/** Ever cheaper frames: size relative to the canvas, and share of the directions. */
+const SAVINGS = [
+  [1, 1],
+  [0.75, 1],
+  [0.75, 0.5],
+  [0.5, 0.5],
+  [0.5, 0.25],
+  [0.35, 0.25],
+] as const;
+
+export class Painter {
+  /** Share of the frames that are gathered at rest, and whether no more will come. */
+  readonly gathered = signal(0);
+  readonly converged = signal(false);
+  /** Called when a new picture has been drawn. */
+  onPicture: (() => void) | null = null;
+  private renderer: Renderer | null = null;
+  private shot: Shot | null = null;
+  /** Milliseconds for a million pixels. */
+  private cost = FIRST_COST.card;
+  private slow = false;
+  private changedAt = Number.NEGATIVE_INFINITY;
+  private dirty = true;
+  private running = false;
+  private count = 0;
+  private resting = false;
+  private readonly uploaded: [string, string] = ["", ""];
+  private readonly brightOf: (Float32Array | null)[] = [null, null];
+
+  constructor(
+    private readonly slots: readonly [Slot, Slot],
+    private readonly failed: (error: unknown) => void,
+  ) {}
+
+  /** Draw by a renderer from now on; null: the context is lost. */
+  setRenderer(renderer: Renderer | null): void {
+    this.renderer = renderer;
+    this.uploaded.fill("");
+    this.brightOf.fill(null);
+    this.slow = renderer?.isSoftware ?? false;
+    this.cost = this.slow ? FIRST_COST.software : FIRST_COST.card;
+    this.refresh();
+  }
+
+  setShot(shot: Shot): void {
+    this.shot = shot;
+    this.refresh();
+  }
+
+  /** The picture is out of date. */
+  refresh(): void {
+    this.dirty = true;
+    this.changedAt = performance.now();
+    this.count = 0;
+    this.resting = false;
+    this.gathered.value = 0;
+    this.converged.value = false;
+    void this.run();
+  }
+
+  private async run(): Promise<void> {
+    if (this.running) return;
+    this.running = true;
+    try {
+      while (this.renderer !== null && this.shot !== null) {
+        await new Promise(requestAnimationFrame);
+        if (!(await this.step())) break;
+      }
+    } catch (error) {
+      this.failed(error);
+    } finally {
+      this.running = false;
+    }
+  }
+
+  /** Draw what is next; returns false when nothing is left to do. */
+  private async step(): Promise<boolean> {
+    const { renderer, shot } = this;
+    if (renderer === null || shot === null) return false;
+    const slots = shownSlots(shot);
+    if (slots.some((slot) => this.slots[slot].tables.length === 0)) return false;
+    if (this.dirty) {
+      this.dirty = false;
+      if (renderer.hasLights) await Promise.all(slots.map((slot) => this.slots[slot].light(false)));
+      await this.preview(renderer, shot, slots);
+      return true;
+    }
+    const wait = this.changedAt + PATIENCE - performance.now();
+    if (wait > 0) {
+      await new Promise((resolve) => setTimeout(resolve, wait));
+      return true;
+    }
+    return this.rest(renderer, shot, slots);
+  }
+
+  /** Draw the next frame at rest. */
+  private async rest(renderer: Renderer, shot: Shot, slots: (0 | 1)[]): Promise<boolean> {
+    if (!this.resting) {
+      if (renderer.hasLights) await Promise.all(slots.map((slot) => this.slots[slot].light(true)));
+      if (this.dirty) return true;
+      this.resting = true;
+      this.count = 0;
+    }
+    if (this.count >= this.frames) {
+      this.converged.value = true;
+      return false;
+    }
+    for (const slot of slots)
+      if (this.slots[slot].tables.length <= this.count) {
+        const grown = await this.slots[slot].another();
+        if (!grown || !this.resting) return true;
+      }
+    if (await this.improve(renderer, shot, slots)) {
+      this.count++;
+      this.gathered.value = this.count / this.frames;
+    }
+    return true;
+  }
+
+  /** Frames of a picture at rest. */
+  private get frames(): number {
+    return this.slow ? SLOW_FRAMES : MOST_TABLES;
+  }
+
+  /** Draw a frame at once, as large and with as many directions as time allows. */
+  private async preview(renderer: Renderer, shot: Shot, slots: (0 | 1)[]): Promise<void> {
+    const pixels = megapixels(renderer);
+    const cheap = SAVINGS.find(
+      ([scale, share]) => this.cost * pixels * scale ** 2 * share < MOVING,
+    );
+    const [scale, share] = cheap ?? SAVINGS.at(-1)!;
+    for (const slot of slots) this.upload(renderer, slot, 0);
+    renderer.beginFrame(scale);
+    renderer.drawStrip(shot, 0, share, 0, 1);
+    renderer.endFrame(shot, 0);
+    this.learn(await renderer.finished(), pixels * scale ** 2 * share);
+    this.onPicture?.();
+  }
+
+  /** Gather a whole frame, strip by strip; false if something has changed meanwhile. */
+  private async improve(renderer: Renderer, shot: Shot, slots: (0 | 1)[]): Promise<boolean> {
+    const pixels = megapixels(renderer);
+    for (const slot of slots) this.upload(renderer, slot, this.count);
+    const strips = Math.min(Math.max(Math.ceil((this.cost * pixels) / RESTING), 1), 32);
+    renderer.beginFrame(1);
+    let time = 0;
+    for (let strip = 0; strip < strips; strip++) {
+      renderer.drawStrip(shot, this.count, 1, strip / strips, (strip + 1) / strips);
+      time += await renderer.finished();
+      if (!this.resting) return false;
+    }
+    renderer.endFrame(shot, this.count);
+    this.learn(time, pixels);
+    this.onPicture?.();
+    return true;
+  }
+
+  private learn(time: number, megapixels: number): void {
+    this.cost += (time / megapixels - this.cost) * 0.5;
+  }
+
+  private upload(renderer: Renderer, slot: 0 | 1, count: number): void {
+    const { tables, generation, bright } = this.slots[slot];
+    const table = tables[count] ?? tables[0]!;
+    const key = `${generation}.${tables[count] ? count : 0}`;
+    if (this.uploaded[slot] !== key) {
+      renderer.setTable(slot, table, COSINES, SAMPLES);
+      this.uploaded[slot] = key;
+    }
+    if (bright !== null && this.brightOf[slot] !== bright.f) {
+      renderer.setBright(slot, bright.f, bright.size);
+      this.brightOf[slot] = bright.f;
+    }
+  }
+}
+
+function megapixels(renderer: Renderer): number {
+  return (renderer.size.width * renderer.size.height) / 1e6;
+}
+
+/** The materials that a shot shows. */
+export function shownSlots(shot: Shot): (0 | 1)[] {
+  return shot.comparison === "off" ? [shot.slot] : [0, 1];
+}

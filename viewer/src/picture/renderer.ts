@@ -1,0 +1,384 @@
+/** Draws the object with one or two materials, and gathers frames until the picture is smooth. */
+
+import type { Comparison, EnvironmentName, ObjectName, View } from "../state/state";
+import { brightTexels, directionTexels, FAR, NEAR, type TableSize } from "./bright_table";
+import { type Camera, cameraOf } from "./camera";
+import { EnvironmentMap, type Light, lightsOf, MOST_LIGHTS, SIDE } from "./environment";
+import { contextOf, cover, coverProgram, filters, type Gl, Program } from "./gl";
+import { type Mesh, meshOf } from "./meshes";
+import type { Panorama } from "./panorama";
+import backdropSource from "./shaders/backdrop.frag?raw";
+import blendSource from "./shaders/blend.frag?raw";
+import displaySource from "./shaders/display.frag?raw";
+import emptySource from "./shaders/empty.frag?raw";
+import objectFragment from "./shaders/object.frag?raw";
+import objectVertex from "./shaders/object.vert?raw";
+import { Targets } from "./targets";
+
+/** What a frame shows. */
+export interface Shot {
+  view: View;
+  /** Rotation of the environment [degrees]. */
+  rotation: number;
+  /** Powers of two. */
+  exposure: number;
+  comparison: Comparison;
+  /** The material that is shown alone. */
+  slot: 0 | 1;
+  /** Share of the picture left of the swipe's edge. */
+  edge: number;
+}
+
+/** The part of the picture that a material fills [pixels], and the part of it that is drawn. */
+interface Pane {
+  slot: 0 | 1;
+  x: number;
+  width: number;
+  from: number;
+  to: number;
+}
+
+/** Blur of the backdrop: level of the environment. */
+const BACKDROP_LEVEL = 4;
+
+interface SlotTextures {
+  table: WebGLTexture;
+  samples: number;
+  bright: WebGLTexture;
+}
+
+export class Renderer {
+  private readonly gl: Gl;
+  private readonly object: Program;
+  private readonly depth: Program;
+  private readonly backdrop: Program;
+  private readonly blend: Program;
+  private readonly display: Program;
+  private readonly map: EnvironmentMap;
+  private readonly targets: Targets;
+  private readonly array: WebGLVertexArrayObject;
+  private readonly slots: (SlotTextures | null)[] = [null, null];
+  private readonly buffers: [WebGLBuffer, WebGLBuffer];
+  private mesh: Mesh;
+  private meshName: ObjectName = "ball";
+  private lights: Light[] = [];
+
+  /** @throws NoGraphics */
+  constructor(private readonly canvas: HTMLCanvasElement) {
+    const gl = contextOf(canvas);
+    this.gl = gl;
+    const constants = { NEAR, FAR };
+    this.object = new Program(gl, objectVertex, objectFragment, constants);
+    this.depth = new Program(gl, objectVertex, emptySource);
+    this.backdrop = coverProgram(gl, backdropSource);
+    this.blend = coverProgram(gl, blendSource);
+    this.display = coverProgram(gl, displaySource);
+    this.map = new EnvironmentMap(gl, this.isSoftware);
+    this.targets = new Targets(gl);
+    this.array = gl.createVertexArray()!;
+    this.buffers = [gl.createBuffer()!, gl.createBuffer()!];
+    this.mesh = meshOf(this.meshName);
+    this.uploadMesh();
+  }
+
+  setObject(name: ObjectName): void {
+    if (name === this.meshName) return;
+    this.meshName = name;
+    this.mesh = meshOf(name);
+    this.uploadMesh();
+  }
+
+  /** Draw the environment of a name, or a panorama and the lights that were taken out of it. */
+  setEnvironment(name: EnvironmentName, own: { panorama: Panorama; lights: Light[] } | null): void {
+    if (name === "own" && own !== null) {
+      this.map.drawPanorama(own.panorama);
+      this.lights = own.lights;
+    } else {
+      this.map.drawFormula(name === "own" ? "studio" : name);
+      this.lights = lightsOf(name);
+    }
+  }
+
+  /** Size of the canvas [pixels]. */
+  get size(): { width: number; height: number } {
+    return { width: this.canvas.width, height: this.canvas.height };
+  }
+
+  /** Whether f at bright lights is needed. */
+  get hasLights(): boolean {
+    return this.lights.length > 0;
+  }
+
+  hasMaterial(slot: 0 | 1): boolean {
+    return this.slots[slot] !== null;
+  }
+
+  /** Take over a material's table of directions (cosines, samples, 8). */
+  setTable(slot: 0 | 1, table: Float32Array, cosines: number, samples: number): void {
+    const { gl } = this;
+    const textures = this.slotTextures(slot);
+    textures.samples = samples;
+    gl.activeTexture(gl.TEXTURE0);
+    gl.bindTexture(gl.TEXTURE_2D, textures.table);
+    const texels = directionTexels(table, cosines, samples);
+    // Half floats, which every device filters
+    const target = gl.TEXTURE_2D;
+    gl.texImage2D(target, 0, gl.RGBA16F, cosines, 2 * samples, 0, gl.RGBA, gl.FLOAT, texels);
+    filters(gl, target, gl.LINEAR, gl.LINEAR, gl.CLAMP_TO_EDGE);
+  }
+
+  /** Take over a material's f (N, 3) at `brightPairs` of a size. */
+  setBright(slot: 0 | 1, f: Float32Array, size: TableSize): void {
+    const { gl } = this;
+    const { halves, differences, slants } = size;
+    gl.activeTexture(gl.TEXTURE0);
+    gl.bindTexture(gl.TEXTURE_3D, this.slotTextures(slot).bright);
+    const linear = gl.getExtension("OES_texture_float_linear") !== null;
+    gl.texImage3D(
+      gl.TEXTURE_3D,
+      0,
+      linear ? gl.RGBA32F : gl.RGBA16F,
+      halves,
+      differences,
+      slants,
+      0,
+      gl.RGBA,
+      gl.FLOAT,
+      brightTexels(f),
+    );
+    filters(gl, gl.TEXTURE_3D, gl.LINEAR, gl.LINEAR, gl.CLAMP_TO_EDGE);
+  }
+
+  /** Whether the processor draws, which is hundreds of times slower. */
+  get isSoftware(): boolean {
+    const { gl } = this;
+    const names = gl.getExtension("WEBGL_debug_renderer_info");
+    const name = names ? String(gl.getParameter(names.UNMASKED_RENDERER_WEBGL)) : "";
+    return /swiftshader|llvmpipe|software|basic render/i.test(name);
+  }
+
+  /** Begin a frame at a size relative to the canvas; draw it by `drawStrip`. */
+  beginFrame(scale: number): void {
+    this.targets.resize(
+      Math.max(1, Math.round(this.canvas.width * scale)),
+      Math.max(1, Math.round(this.canvas.height * scale)),
+    );
+    this.targets.clear();
+  }
+
+  /**
+   * Draw a part of the frame.
+   *
+   * @param count frames gathered so far.
+   * @param share share of the directions that is taken, in (0, 1].
+   * @param from, to the part of the frame's height, in [0, 1].
+   */
+  drawStrip(shot: Shot, count: number, share: number, from: number, to: number): void {
+    const { gl, targets } = this;
+    const { width, height } = targets;
+    const [low, high] = [Math.round(from * height), Math.round(to * height)];
+    targets.bind();
+    gl.enable(gl.SCISSOR_TEST);
+    for (const pane of panes(shot, width)) {
+      const textures = this.slots[pane.slot];
+      if (!textures) continue;
+      gl.viewport(pane.x, 0, pane.width, height);
+      gl.scissor(pane.from, low, pane.to - pane.from, high - low);
+      // Frames are shifted by parts of a pixel, for smooth edges.
+      const shift = count === 0 ? [0, 0] : [halton(count, 2) - 0.5, halton(count, 3) - 0.5];
+      const camera = cameraOf(this.mesh, shot.view, pane.width / height, [
+        (2 * shift[0]!) / pane.width,
+        (2 * shift[1]!) / height,
+      ]);
+      this.drawBackdrop(camera, shot);
+      this.drawObject(camera, shot, textures, count, share);
+    }
+    gl.disable(gl.SCISSOR_TEST);
+  }
+
+  /** Gather the frame, of which `count` precede it, and show the mean. */
+  endFrame(shot: Shot, count: number): void {
+    const { gl, targets } = this;
+    targets.resolve();
+    targets.bindMean();
+    this.blend.use();
+    this.blend.setTexture("frame", 0, gl.TEXTURE_2D, targets.frame);
+    // The later frames, whose levels are finer, weigh more.
+    this.blend.set("share", 2 / (count + 2));
+    if (count > 0) gl.enable(gl.BLEND);
+    gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
+    cover(gl);
+    gl.disable(gl.BLEND);
+    this.show(shot.exposure);
+  }
+
+  /** Draw and show one frame at once. */
+  draw(shot: Shot): void {
+    this.beginFrame(1);
+    this.drawStrip(shot, 0, 1, 0, 1);
+    this.endFrame(shot, 0);
+  }
+
+  /** Show what has been gathered. */
+  show(exposure: number): void {
+    const { gl } = this;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    gl.viewport(0, 0, this.canvas.width, this.canvas.height);
+    this.display.use();
+    this.display.setTexture("picture", 0, gl.TEXTURE_2D, this.targets.picture);
+    this.display.set("exposure", 2 ** exposure);
+    cover(gl);
+  }
+
+  /** A promise of the time that the commands so far have taken [ms]. */
+  async finished(): Promise<number> {
+    const { gl } = this;
+    const start = performance.now();
+    const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    gl.flush();
+    if (fence === null) return 0;
+    while (!gl.isContextLost()) {
+      const status = gl.clientWaitSync(fence, 0, 0);
+      if (status === gl.ALREADY_SIGNALED || status === gl.CONDITION_SATISFIED) break;
+      if (status === gl.WAIT_FAILED) break;
+      await new Promise((resolve) => setTimeout(resolve, 2));
+    }
+    gl.deleteSync(fence);
+    return performance.now() - start;
+  }
+
+  /** Give the graphics memory back. */
+  dispose(): void {
+    this.gl.getExtension("WEBGL_lose_context")?.loseContext();
+  }
+
+  private drawBackdrop(camera: Camera, shot: Shot): void {
+    const { gl, backdrop, mesh } = this;
+    gl.disable(gl.DEPTH_TEST);
+    backdrop.use();
+    backdrop.set("eye", ...camera.eye);
+    backdrop.set("right", ...camera.right);
+    backdrop.set("up", ...camera.up);
+    backdrop.set("forward", ...camera.forward);
+    backdrop.set("turn", ...turnOf(shot));
+    backdrop.set("blur", BACKDROP_LEVEL);
+    backdrop.set("shadow", mesh.footprint, mesh.radius);
+    backdrop.setTexture("environment", 0, gl.TEXTURE_CUBE_MAP, this.map.texture);
+    cover(gl);
+  }
+
+  private drawObject(
+    camera: Camera,
+    shot: Shot,
+    textures: SlotTextures,
+    count: number,
+    share: number,
+  ): void {
+    const { gl, object } = this;
+    gl.bindVertexArray(this.array);
+    gl.enable(gl.DEPTH_TEST);
+    gl.enable(gl.CULL_FACE);
+    gl.depthFunc(gl.LESS);
+    gl.colorMask(false, false, false, false);
+    this.depth.use();
+    this.depth.setMatrix("projection", camera.projection);
+    gl.drawElements(gl.TRIANGLES, this.mesh.faces.length, gl.UNSIGNED_INT, 0);
+    gl.colorMask(true, true, true, true);
+
+    // Only what is seen is shaded.
+    gl.depthFunc(gl.LEQUAL);
+    object.use();
+    const samples = Math.max(16, Math.round(textures.samples * share));
+    object.setMatrix("projection", camera.projection);
+    object.set("eye", ...camera.eye);
+    object.set("turn", ...turnOf(shot));
+    object.set("side", SIDE);
+    object.setInteger("samples", samples);
+    object.set("density", samples * (count + 1));
+    object.setInteger("lights", this.lights.length);
+    object.setVectors("lightDirections", padded(this.lights.map((light) => light.direction)));
+    object.setVectors("lightPowers", padded(this.lights.map((light) => light.power)));
+    object.setTexture("table", 0, gl.TEXTURE_2D, textures.table);
+    object.setTexture("environment", 1, gl.TEXTURE_CUBE_MAP, this.map.texture);
+    object.setTexture("bright", 2, gl.TEXTURE_3D, textures.bright);
+    gl.drawElements(gl.TRIANGLES, this.mesh.faces.length, gl.UNSIGNED_INT, 0);
+    gl.disable(gl.CULL_FACE);
+    gl.disable(gl.DEPTH_TEST);
+    gl.bindVertexArray(null);
+  }
+
+  private slotTextures(slot: 0 | 1): SlotTextures {
+    const { gl } = this;
+    this.slots[slot] ??= { table: gl.createTexture()!, samples: 0, bright: this.dark() };
+    return this.slots[slot];
+  }
+
+  /** A table of no reflection, until f is known. */
+  private dark(): WebGLTexture {
+    const { gl } = this;
+    const texture = gl.createTexture()!;
+    gl.bindTexture(gl.TEXTURE_3D, texture);
+    const nothing = new Float32Array([-18, -18, -18, 0]);
+    gl.texImage3D(gl.TEXTURE_3D, 0, gl.RGBA16F, 1, 1, 1, 0, gl.RGBA, gl.FLOAT, nothing);
+    filters(gl, gl.TEXTURE_3D, gl.LINEAR, gl.LINEAR, gl.CLAMP_TO_EDGE);
+    return texture;
+  }
+
+  private uploadMesh(): void {
+    const { gl } = this;
+    gl.bindVertexArray(this.array);
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.buffers[0]);
+    gl.bufferData(gl.ARRAY_BUFFER, this.mesh.vertices, gl.STATIC_DRAW);
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.buffers[1]);
+    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, this.mesh.faces, gl.STATIC_DRAW);
+    for (const place of [0, 1]) {
+      gl.enableVertexAttribArray(place);
+      gl.vertexAttribPointer(place, 3, gl.FLOAT, false, 24, 12 * place);
+    }
+    gl.bindVertexArray(null);
+  }
+}
+
+function turnOf(shot: Shot): [number, number] {
+  const angle = (shot.rotation * Math.PI) / 180;
+  return [Math.cos(angle), Math.sin(angle)];
+}
+
+function padded(vectors: (readonly number[])[]): Float32Array {
+  const values = new Float32Array(3 * MOST_LIGHTS);
+  vectors.forEach((vector, place) => {
+    values.set(vector, 3 * place);
+  });
+  return values;
+}
+
+/** The panes of a picture, left to right. */
+function panes(shot: Shot, width: number): Pane[] {
+  const half = Math.floor(width / 2);
+  const edge = Math.round(width * shot.edge);
+  switch (shot.comparison) {
+    case "off":
+      return [{ slot: shot.slot, x: 0, width, from: 0, to: width }];
+    case "side":
+      return [
+        { slot: 0, x: 0, width: half, from: 0, to: half },
+        { slot: 1, x: half, width: width - half, from: half, to: width },
+      ];
+    case "swipe":
+      return [
+        { slot: 0, x: 0, width, from: 0, to: edge },
+        { slot: 1, x: 0, width, from: edge, to: width },
+      ];
+  }
+}
+
+/** A number of Halton's sequence. */
+function halton(place: number, base: number): number {
+  let value = 0;
+  let share = 1;
+  for (let rest = place; rest > 0; rest = Math.floor(rest / base)) {
+    share /= base;
+    value += share * (rest % base);
+  }
+  return value;
+}

@@ -1,0 +1,88 @@
+#version 300 es
+// Reflected light: a sum over the table's directions, which looks up the prefiltered environment,
+// and the bright lights, which are evaluated directly.
+precision highp float;
+precision highp samplerCube;
+precision highp sampler3D;
+
+const int MOST_LIGHTS = 4;
+
+uniform vec3 eye;
+uniform vec2 turn; // cosine and sine of the environment's rotation about z
+uniform sampler2D table; // columns: cosines; rows: direction and log2 pdf, weight, in turn
+uniform int samples;
+uniform float density; // directions taken so far, for the level of detail
+uniform samplerCube environment;
+uniform float side; // texels along a side of the environment
+uniform sampler3D bright; // ln f by half vector and difference angle
+uniform vec3 lightDirections[MOST_LIGHTS];
+uniform vec3 lightPowers[MOST_LIGHTS]; // irradiance at normal incidence
+uniform int lights;
+
+in vec3 worldPosition;
+in vec3 worldNormal;
+out vec4 colour;
+
+vec3 turned(vec3 v) {
+    return vec3(turn.x * v.x + turn.y * v.y, turn.x * v.y - turn.y * v.x, v.z);
+}
+
+// The level whose texels are as large as the share of one direction.
+float level(vec3 direction, float logPdf) {
+    vec3 size = abs(direction);
+    float major = max(size.x, max(size.y, size.z));
+    float solidAngle = 4.0 * major * major * major / (side * side); // of a texel
+    return 0.5 * (-logPdf - log2(density * solidAngle)) + 0.5;
+}
+
+// ln f for directions whose half vector and difference angle lie in the table.
+vec3 f(vec3 normal, vec3 view, vec3 light) {
+    float cosView = dot(normal, view), cosLight = dot(normal, light);
+    vec3 half_ = view + light;
+    float halfLength = length(half_);
+    float cosDifference = min(0.5 * halfLength, 1.0);
+    float sinDifference = sqrt(max(1.0 - cosDifference * cosDifference, 0.0));
+    float cosHalf = clamp((cosView + cosLight) / halfLength, 1e-3, 1.0);
+    float sinHalf = length(cross(normal, half_)) / halfLength;
+    float tangent = sinHalf / cosHalf;
+    float x = log2(1.0 + tangent / NEAR) / log2(1.0 + FAR / NEAR);
+    float y = acos(cosDifference) * (2.0 / 3.14159265);
+    float z = abs(cosView - cosLight) / (2.0 * sinHalf * sinDifference + 1e-6);
+    vec3 size = vec3(textureSize(bright, 0));
+    vec3 at = (clamp(vec3(x, y, z), 0.0, 1.0) * (size - 1.0) + 0.5) / size;
+    return exp(texture(bright, at).rgb);
+}
+
+void main() {
+    vec3 normal = turned(normalize(worldNormal));
+    vec3 view = turned(normalize(eye - worldPosition));
+    float cosine = dot(normal, view);
+    if (cosine < 0.004) { // smooth normals may turn away at the silhouette
+        normal = normalize(normal + (0.004 - cosine) * view);
+        cosine = max(dot(normal, view), 0.004);
+    }
+    vec3 across = view - cosine * normal;
+    float size = length(across);
+    vec3 tangent = size > 1e-4
+        ? across / size
+        : normalize(cross(normal, abs(normal.z) < 0.9 ? vec3(0.0, 0.0, 1.0) : vec3(1.0, 0.0, 0.0)));
+    vec3 bitangent = cross(normal, tangent);
+
+    float row = 1.0 / float(textureSize(table, 0).y);
+    vec3 sum = vec3(0.0);
+    for (int i = 0; i < samples; i++) {
+        vec4 local = textureLod(table, vec2(cosine, (2.0 * float(i) + 0.5) * row), 0.0);
+        vec3 weight = textureLod(table, vec2(cosine, (2.0 * float(i) + 1.5) * row), 0.0).rgb;
+        vec3 light = normalize(local.x * tangent + local.y * bitangent + local.z * normal);
+        sum += weight * textureLod(environment, light, level(light, local.w)).rgb;
+    }
+    sum /= float(samples);
+
+    for (int i = 0; i < lights; i++) {
+        float cosLight = dot(normal, lightDirections[i]);
+        if (cosLight > 0.0) {
+            sum += f(normal, view, lightDirections[i]) * cosLight * lightPowers[i];
+        }
+    }
+    colour = vec4(sum, 1.0);
+}

@@ -1,0 +1,127 @@
+/** A material as a BSDF of Mitsuba 3: XML, and a dictionary of Python. */
+
+import type { Bottom, Channels, Coat, Stack } from "../core/api";
+import { Refusal } from "../state/read";
+import { listed } from "./numbers";
+
+/** A node of a scene: a plugin, its parameters and the BSDF inside. */
+interface Node {
+  type: string;
+  strings: [string, string][];
+  values: [string, Channels][];
+  /** The name of the BSDF inside, and that. */
+  inner: Node | null;
+}
+
+/** The BSDF as XML. */
+export function mitsubaXml(stack: Stack): string {
+  return `${xmlLines(nodeOf(stack), 0, "material").join("\n")}\n`;
+}
+
+/** The BSDF as a dictionary for `mi.load_dict`. */
+export function mitsubaDict(stack: Stack): string {
+  const lines = dictLines(nodeOf(stack), 0);
+  return `import urushi  # registers the plugin\n\nbsdf = ${lines.join("\n").trimStart()}\n`;
+}
+
+function nodeOf(stack: Stack): Node {
+  return stack.coats.reduceRight<Node>(
+    (inner, coat) => coatNode(coat, inner),
+    bottomNode(stack.bottom),
+  );
+}
+
+function coatNode(coat: Coat, inner: Node): Node {
+  return {
+    type: "neural_layered",
+    strings: [],
+    values: [
+      ["alpha", coat.alpha],
+      ["int_ior", coat.eta],
+      ["ext_ior", 1], // eta is relative to the medium above
+      ["albedo", coat.albedo],
+      ["sigma_t", coat.sigmaT],
+      ["g", coat.g],
+    ],
+    inner,
+  };
+}
+
+function bottomNode(bottom: Bottom): Node {
+  const ggx: [string, string] = ["distribution", "ggx"];
+  switch (bottom.kind) {
+    case "conductor":
+      if ("r0" in bottom) {
+        // Mitsuba has no Schlick's term: the reflectance is that of normal incidence throughout.
+        const values: [string, Channels][] = [
+          ["alpha", bottom.alpha],
+          ["specular_reflectance", bottom.r0],
+        ];
+        return {
+          type: "roughconductor",
+          strings: [ggx, ["material", "none"]],
+          values,
+          inner: null,
+        };
+      }
+      return {
+        type: "roughconductor",
+        strings: [ggx],
+        values: [
+          ["alpha", bottom.alpha],
+          ["eta", bottom.eta],
+          ["k", bottom.k],
+        ],
+        inner: null,
+      };
+    case "diffuse":
+      return {
+        type: "diffuse",
+        strings: [],
+        values: [["reflectance", bottom.reflectance]],
+        inner: null,
+      };
+    case "dielectric":
+      throw new Refusal("Mitsuba has no opaque dielectric; choose another bottom.");
+    case "codes":
+      throw new Refusal(
+        "A loaded material is rendered from its own file, by the plugin neural_brdf.",
+      );
+  }
+}
+
+function xmlLines(node: Node, depth: number, id: string | null): string[] {
+  const indent = "    ".repeat(depth);
+  const named = id === null ? ' name="bottom"' : ` id="${id}"`;
+  const lines = [`${indent}<bsdf type="${node.type}"${named}>`];
+  for (const [name, value] of node.strings)
+    lines.push(`${indent}    <string name="${name}" value="${value}"/>`);
+  for (const [name, value] of node.values) {
+    const element = typeof value === "number" && !isColour(name) ? "float" : "rgb";
+    lines.push(`${indent}    <${element} name="${name}" value="${listed(value)}"/>`);
+  }
+  if (node.inner !== null) lines.push(...xmlLines(node.inner, depth + 1, null));
+  return [...lines, `${indent}</bsdf>`];
+}
+
+function dictLines(node: Node, depth: number): string[] {
+  const indent = "    ".repeat(depth + 1);
+  const lines = [`${"    ".repeat(depth)}{`, `${indent}"type": "${node.type}",`];
+  for (const [name, value] of node.strings) lines.push(`${indent}"${name}": "${value}",`);
+  for (const [name, value] of node.values) {
+    const plain = typeof value === "number" && !isColour(name);
+    const text = plain ? value : `{"type": "rgb", "value": [${listed(value)}]}`;
+    lines.push(`${indent}"${name}": ${text},`);
+  }
+  if (node.inner !== null) {
+    const [first, ...rest] = dictLines(node.inner, depth + 1);
+    lines.push(`${indent}"bottom": ${first!.trimStart()}`, ...rest);
+    lines[lines.length - 1] += ",";
+  }
+  return [...lines, `${"    ".repeat(depth)}}`];
+}
+
+/** Parameters that Mitsuba reads as colours, whether one number or three. */
+function isColour(name: string): boolean {
+  return ["reflectance", "specular_reflectance", "k", "eta"].includes(name);
+}

@@ -1,0 +1,82 @@
+/** A material as a Python program. */
+
+import type { Bottom, Channels, Stack } from "../core/api";
+import { Refusal } from "../state/read";
+import { python } from "./numbers";
+
+/** A program that describes the stack, layers it, and saves the material. */
+export function pythonText(stack: Stack, name: string): string {
+  const lines = [
+    "import numpy as np",
+    "",
+    "import urushi",
+    "",
+    `stack = ${bottomText(stack.bottom)}`,
+  ];
+  for (const coat of [...stack.coats].reverse()) {
+    const { alpha, eta, albedo, sigmaT, g } = coat;
+    const parameters = call(
+      "urushi.coat",
+      [
+        ["alpha", alpha],
+        ["eta", eta],
+        ["albedo", albedo],
+        ["sigma_t", sigmaT],
+        ["g", g],
+      ],
+      "stack",
+    );
+    lines.push(`stack = ${parameters}`);
+  }
+  const direction = "np.array([[0.5, 0.0, np.sqrt(0.75)]])";
+  lines.push(
+    "",
+    "material = urushi.encode(stack)",
+    `print(material.f(${direction}, ${direction} * [-1, 1, 1]))  # 1/sr`,
+    `material.save("${fileName(name)}.safetensors")`,
+    "",
+  );
+  return lines.join("\n");
+}
+
+/** The name of a file for a material. */
+export function fileName(name: string): string {
+  return (
+    name
+      .toLowerCase()
+      .replace(/[^a-z0-9]+/g, "-")
+      .replace(/^-|-$/g, "") || "material"
+  );
+}
+
+function bottomText(bottom: Bottom): string {
+  switch (bottom.kind) {
+    case "conductor":
+      return "r0" in bottom
+        ? call("urushi.conductor", [
+            ["alpha", bottom.alpha],
+            ["r0", bottom.r0],
+          ])
+        : call("urushi.conductor", [
+            ["alpha", bottom.alpha],
+            ["eta", bottom.eta],
+            ["k", bottom.k],
+          ]);
+    case "dielectric":
+      return call("urushi.dielectric", [
+        ["alpha", bottom.alpha],
+        ["eta", bottom.eta],
+      ]);
+    case "diffuse":
+      return call("urushi.diffuse", [["reflectance", bottom.reflectance]]);
+    case "codes":
+      throw new Refusal(
+        "A loaded material cannot be written as a description; save the state as JSON.",
+      );
+  }
+}
+
+function call(name: string, parameters: [string, Channels][], first = ""): string {
+  const named = parameters.map(([key, value]) => `${key}=${python(value)}`);
+  return `${name}(${[...(first ? [first] : []), ...named].join(", ")})`;
+}

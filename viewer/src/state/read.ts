@@ -1,0 +1,134 @@
+/** Reading a state from JSON that may be anything: checked, with one sentence on what is wrong. */
+
+import type { Bottom, Channels } from "../core/api";
+import { type CoatCard, type MaterialCards, MOST_COATS } from "../material/material";
+import {
+  BOTTOM_PARAMETERS,
+  COAT_PARAMETERS,
+  clamped,
+  mapped,
+  type Parameter,
+} from "../material/parameters";
+import { COMPARISONS, ENVIRONMENTS, INITIAL, OBJECTS, type State } from "./state";
+
+/** What a user is told: one sentence. */
+export class Refusal extends Error {}
+
+type Fields = Record<string, unknown>;
+
+/** The state of a JSON value; fields that are missing have their first values. */
+export function readState(value: unknown): State {
+  const fields = object(value, "the state");
+  const materials = fields.materials;
+  if (!Array.isArray(materials) || materials.length < 1 || materials.length > 2)
+    throw new Refusal("The state has no materials.");
+  const first = readMaterial(materials[0]);
+  const second = materials.length > 1 ? readMaterial(materials[1]) : INITIAL.materials[1];
+  const view = object(fields.view ?? {}, "the view");
+  return {
+    materials: [first, second],
+    active: fields.active === 1 ? 1 : 0,
+    comparison: choice(fields.comparison, COMPARISONS, INITIAL.comparison),
+    edge: number(fields.edge, 0, 1, INITIAL.edge),
+    object: choice(fields.object, OBJECTS, INITIAL.object),
+    environment: choice(fields.environment, ENVIRONMENTS, INITIAL.environment),
+    rotation: number(fields.rotation, -180, 180, INITIAL.rotation),
+    exposure: number(fields.exposure, -6, 6, INITIAL.exposure),
+    view: {
+      azimuth: number(view.azimuth, -180, 180, INITIAL.view.azimuth),
+      elevation: number(view.elevation, -10, 85, INITIAL.view.elevation),
+      zoom: number(view.zoom, 0.5, 4, INITIAL.view.zoom),
+    },
+    incidence: number(fields.incidence, 0, 89, INITIAL.incidence),
+  };
+}
+
+/** The material of a JSON value. */
+export function readMaterial(value: unknown): MaterialCards {
+  const fields = object(value, "the material");
+  const coats = fields.coats ?? [];
+  if (!Array.isArray(coats) || coats.length > MOST_COATS)
+    throw new Refusal(`A material has at most ${MOST_COATS} coats.`);
+  const solo = fields.solo;
+  return {
+    name: typeof fields.name === "string" ? fields.name.slice(0, 80) : "Material",
+    bottom: readBottom(fields.bottom),
+    coats: coats.map(readCoat),
+    solo:
+      typeof solo === "number" && Number.isInteger(solo) && solo >= 0 && solo <= coats.length
+        ? solo
+        : null,
+  };
+}
+
+function readCoat(value: unknown, place: number): CoatCard {
+  const fields = object(value, "a coat");
+  const one = (name: keyof typeof COAT_PARAMETERS) =>
+    channels(fields[name], COAT_PARAMETERS[name], name);
+  return {
+    id: place + 1,
+    on: fields.on !== false,
+    alpha: one("alpha"),
+    eta: one("eta"),
+    albedo: one("albedo"),
+    sigmaT: one("sigmaT"),
+    g: one("g"),
+  };
+}
+
+function readBottom(value: unknown): Bottom {
+  const fields = object(value, "the bottom");
+  const one = (name: keyof typeof BOTTOM_PARAMETERS) =>
+    channels(fields[name], BOTTOM_PARAMETERS[name], name);
+  switch (fields.kind) {
+    case "conductor":
+      return "r0" in fields
+        ? { kind: "conductor", alpha: one("alpha"), r0: one("r0") }
+        : { kind: "conductor", alpha: one("alpha"), eta: one("eta"), k: one("k") };
+    case "dielectric":
+      return {
+        kind: "dielectric",
+        alpha: one("alpha"),
+        eta: channels(fields.eta, COAT_PARAMETERS.eta, "eta"),
+      };
+    case "diffuse":
+      return { kind: "diffuse", reflectance: one("reflectance") };
+    case "codes":
+      return { kind: "codes", latents: codes(fields.latents), anchors: codes(fields.anchors) };
+    default:
+      throw new Refusal("The bottom is of no kind that this page knows.");
+  }
+}
+
+function object(value: unknown, what: string): Fields {
+  if (typeof value !== "object" || value === null || Array.isArray(value))
+    throw new Refusal(`There is no description of ${what}.`);
+  return value as Fields;
+}
+
+function channels(value: unknown, parameter: Parameter, name: string): Channels {
+  if (value === undefined) return parameter.fallback;
+  const numbers = Array.isArray(value) ? value : [value];
+  const whole = numbers.length === 1 || numbers.length === 3;
+  if (!whole || !numbers.every((x) => typeof x === "number" && Number.isFinite(x)))
+    throw new Refusal(`The parameter ${name} is neither a number nor three.`);
+  return mapped(numbers.length === 1 ? numbers[0] : (value as [number, number, number]), (x) =>
+    clamped(parameter, x),
+  );
+}
+
+function codes(value: unknown): Float32Array {
+  const fine = Array.isArray(value) && value.length > 0 && value.length <= 768;
+  if (!fine || value.length % 3 || !value.every((x) => typeof x === "number" && Number.isFinite(x)))
+    throw new Refusal("The codes of the bottom are damaged.");
+  return new Float32Array(value);
+}
+
+function number(value: unknown, low: number, high: number, fallback: number): number {
+  if (typeof value !== "number" || !Number.isFinite(value)) return fallback;
+  return Math.min(Math.max(value, low), high);
+}
+
+function choice<T extends string>(value: unknown, all: readonly T[], fallback: T): T {
+  return all.find((one) => one === value) ?? fallback;
+}

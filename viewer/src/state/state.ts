@@ -1,0 +1,64 @@
+/** Everything that the page shows, as one immutable value. */
+
+import type { MaterialCards } from "../material/material";
+import { PRESETS } from "../material/presets";
+
+export const OBJECTS = ["ball", "caddy", "teapot", "plate", "vase"] as const;
+export const ENVIRONMENTS = ["studio", "sky", "room", "own"] as const;
+export const COMPARISONS = ["off", "side", "swipe"] as const;
+
+export type ObjectName = (typeof OBJECTS)[number];
+export type EnvironmentName = (typeof ENVIRONMENTS)[number];
+export type Comparison = (typeof COMPARISONS)[number];
+
+/** Where the camera stands, and how wide the object appears. */
+export interface View {
+  /** Angle about the vertical axis [degrees]. */
+  azimuth: number;
+  /** Angle above the horizon [degrees]. */
+  elevation: number;
+  /** Size of the object, 1 fits the picture. */
+  zoom: number;
+}
+
+export interface State {
+  materials: readonly [MaterialCards, MaterialCards];
+  /** The material that the cards show. */
+  active: 0 | 1;
+  comparison: Comparison;
+  /** Share of the picture left of the swipe's edge. */
+  edge: number;
+  object: ObjectName;
+  environment: EnvironmentName;
+  /** Rotation of the environment [degrees]. */
+  rotation: number;
+  /** Exposure [powers of two]. */
+  exposure: number;
+  view: View;
+  /** Angle of incidence of the plot [degrees]. */
+  incidence: number;
+}
+
+export const INITIAL: State = {
+  materials: [PRESETS[0]!, PRESETS[2]!],
+  active: 0,
+  comparison: "off",
+  edge: 0.5,
+  object: "caddy",
+  environment: "studio",
+  rotation: 0,
+  exposure: 0,
+  view: { azimuth: 20, elevation: 18, zoom: 1 },
+  incidence: 45,
+};
+
+/** The material that the cards show. */
+export function activeMaterial(state: State): MaterialCards {
+  return state.materials[state.active];
+}
+
+/** The state with another material on the cards. */
+export function withMaterial(state: State, material: MaterialCards): State {
+  const [first, second] = state.materials;
+  return { ...state, materials: state.active === 0 ? [material, second] : [first, material] };
+}

@@ -1,0 +1,172 @@
+/** The card of the bottom. */
+
+import type { Bottom, Channels } from "../core/api";
+import { hex } from "../material/colour";
+import { BARE, type MaterialCards, type Rgb, rgb } from "../material/material";
+import { METALS } from "../material/metals";
+import { BOTTOM_PARAMETERS, COAT_PARAMETERS, type Parameter } from "../material/parameters";
+import { changeMaterial } from "../state/store";
+import { Field } from "./Field";
+
+const KINDS = {
+  metal: "Metal by index",
+  schlick: "Metal by reflectance",
+  diffuse: "Matt (Lambertian)",
+  dielectric: "Dielectric",
+} as const;
+
+type Kind = keyof typeof KINDS | "codes";
+
+interface BottomCardProps {
+  material: MaterialCards;
+  /** Whether the bottom is shown without coats. */
+  alone: boolean;
+}
+
+export function BottomCard({ material, alone }: BottomCardProps) {
+  const { bottom } = material;
+  const kind = kindOf(bottom);
+  const change = (next: Bottom, step = "") => changeMaterial({ ...material, bottom: next }, step);
+  return (
+    <section class="card bottom" aria-label="Bottom" style={{ "--medium": colourOf(bottom) }}>
+      <header>
+        <span class="title">Bottom</span>
+        <select
+          aria-label="Kind of bottom"
+          value={kind}
+          onChange={(event) => change(bottomOfKind(event.currentTarget.value as Kind, bottom))}
+        >
+          {Object.entries(KINDS).map(([value, label]) => (
+            <option key={value} value={value}>
+              {label}
+            </option>
+          ))}
+          {kind === "codes" && <option value="codes">Loaded material</option>}
+        </select>
+        <button
+          type="button"
+          class="icon-button solo"
+          aria-label="Solo the bottom"
+          aria-pressed={alone}
+          title="Show the bottom without coats"
+          onClick={() => changeMaterial({ ...material, solo: alone ? null : BARE })}
+        >
+          S
+        </button>
+      </header>
+      <div class="fields">
+        {kind === "metal" && <Metals bottom={bottom} onChange={change} />}
+        {fieldsOf(bottom).map(([key, parameter]) => (
+          <Field
+            key={key}
+            owner="Bottom"
+            parameter={parameter}
+            value={(bottom as unknown as Record<string, Channels>)[key]!}
+            coloured={key !== "alpha" && kind !== "dielectric"}
+            onChange={(value, step) => change({ ...bottom, [key]: value } as Bottom, step)}
+          />
+        ))}
+        {kind === "codes" && <p class="note">Loaded from a file; it can be coated.</p>}
+      </div>
+    </section>
+  );
+}
+
+function Metals({ bottom, onChange }: { bottom: Bottom; onChange: (next: Bottom) => void }) {
+  const known = Object.entries(METALS).find(
+    ([, metal]) =>
+      "k" in bottom && same(rgb(bottom.eta), metal.eta) && same(rgb(bottom.k), metal.k),
+  );
+  return (
+    <div class="chips" role="group" aria-label="Metals">
+      {Object.entries(METALS).map(([name, { eta, k }]) => (
+        <button
+          key={name}
+          type="button"
+          aria-pressed={known?.[0] === name}
+          style={{ "--medium": hex(reflectance(eta, k)) }}
+          onClick={() => onChange({ kind: "conductor", alpha: widthOf(bottom), eta, k })}
+        >
+          {name}
+        </button>
+      ))}
+    </div>
+  );
+}
+
+function same(a: Rgb, b: Rgb): boolean {
+  return a.every((x, k) => Math.abs(x - b[k]!) < 1e-6);
+}
+
+function kindOf(bottom: Bottom): Kind {
+  if (bottom.kind !== "conductor") return bottom.kind;
+  return "r0" in bottom ? "schlick" : "metal";
+}
+
+function fieldsOf(bottom: Bottom): [string, Parameter][] {
+  const { alpha, r0, eta, k, reflectance: matt } = BOTTOM_PARAMETERS;
+  switch (kindOf(bottom)) {
+    case "metal":
+      return [
+        ["alpha", alpha],
+        ["eta", eta],
+        ["k", k],
+      ];
+    case "schlick":
+      return [
+        ["alpha", alpha],
+        ["r0", r0],
+      ];
+    case "dielectric":
+      return [
+        ["alpha", alpha],
+        ["eta", COAT_PARAMETERS.eta],
+      ];
+    case "diffuse":
+      return [["reflectance", matt]];
+    case "codes":
+      return [];
+  }
+}
+
+function widthOf(bottom: Bottom): Channels {
+  return "alpha" in bottom ? bottom.alpha : BOTTOM_PARAMETERS.alpha.fallback;
+}
+
+/** A bottom of another kind that looks like the present one where it can. */
+function bottomOfKind(kind: Kind, bottom: Bottom): Bottom {
+  const alpha = widthOf(bottom);
+  const colour = reflectanceOf(bottom);
+  switch (kind) {
+    case "metal":
+      return { kind: "conductor", alpha, ...METALS.Gold! };
+    case "schlick":
+      return { kind: "conductor", alpha, r0: colour };
+    case "dielectric":
+      return { kind: "dielectric", alpha, eta: 1.5 };
+    case "diffuse":
+      return { kind: "diffuse", reflectance: colour };
+    case "codes":
+      return bottom;
+  }
+}
+
+/** About the reflectance at normal incidence, with three digits. */
+function reflectanceOf(bottom: Bottom): Rgb {
+  if ("reflectance" in bottom) return rgb(bottom.reflectance);
+  if ("r0" in bottom) return rgb(bottom.r0);
+  if ("k" in bottom) return reflectance(rgb(bottom.eta), rgb(bottom.k));
+  if ("eta" in bottom) return reflectance(rgb(bottom.eta), [0, 0, 0]);
+  return [0.5, 0.5, 0.5];
+}
+
+/** Fresnel's reflectance at normal incidence. */
+function reflectance(eta: Rgb, k: Rgb): Rgb {
+  const one = (n: number, x: number) =>
+    Number((((n - 1) ** 2 + x * x) / ((n + 1) ** 2 + x * x)).toFixed(3));
+  return [one(eta[0], k[0]), one(eta[1], k[1]), one(eta[2], k[2])];
+}
+
+function colourOf(bottom: Bottom): string {
+  return hex(reflectanceOf(bottom));
+}

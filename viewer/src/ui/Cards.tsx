@@ -1,0 +1,92 @@
+/** The stack as cards, the topmost coat first. */
+
+import { signal } from "@preact/signals";
+import { useRef } from "preact/hooks";
+import {
+  BARE,
+  type CoatCard as Card,
+  isSeen,
+  MOST_COATS,
+  moved,
+  withCoat,
+} from "../material/material";
+import { announcement, changeMaterial, material } from "../state/store";
+import { BottomCard } from "./BottomCard";
+import { CoatCard } from "./CoatCard";
+import { Icon } from "./icons";
+
+/** The coat that is being dragged. */
+const dragged = signal<number | null>(null);
+
+export function Cards() {
+  const list = useRef<HTMLUListElement>(null);
+  const { coats, solo } = material.value;
+
+  const move = (from: number, to: number) => {
+    if (to < 0 || to >= coats.length || from === to) return;
+    changeMaterial(moved(material.value, from, to), "drag");
+    announcement.value = `Coat moved to place ${to + 1} of ${coats.length}.`;
+  };
+
+  const startDrag = (event: PointerEvent, card: Card) => {
+    if (event.button !== 0 || list.current === null) return;
+    const handle = event.currentTarget as HTMLElement;
+    handle.setPointerCapture(event.pointerId);
+    dragged.value = card.id;
+    const follow = (now: PointerEvent) => {
+      const present = material.value.coats;
+      const from = present.findIndex((coat) => coat.id === card.id);
+      const boxes = [...(list.current?.children ?? [])].map((x) => x.getBoundingClientRect());
+      // The pointer passes a neighbour where the dragged card would then lie under it.
+      const before = boxes[from - 1];
+      const after = boxes[from + 1];
+      const own = boxes[from];
+      if (own === undefined) return;
+      if (before && now.clientY < before.top + Math.min(before.height / 2, own.height))
+        changeMaterial(moved(material.value, from, from - 1), "drag");
+      else if (after && now.clientY > after.bottom - Math.min(after.height / 2, own.height))
+        changeMaterial(moved(material.value, from, from + 1), "drag");
+    };
+    const stop = () => {
+      dragged.value = null;
+      handle.removeEventListener("pointermove", follow);
+      handle.removeEventListener("lostpointercapture", stop);
+    };
+    handle.addEventListener("pointermove", follow);
+    handle.addEventListener("lostpointercapture", stop);
+  };
+
+  return (
+    <section class="cards" aria-label="Stack of layers">
+      <div class="cards-head">
+        <h2>Layers</h2>
+        <button
+          type="button"
+          class="quiet"
+          disabled={coats.length >= MOST_COATS}
+          title={coats.length >= MOST_COATS ? "Six coats are the most" : "Add a clear coat on top"}
+          onClick={() => {
+            changeMaterial(withCoat(material.value));
+            announcement.value = "A coat was added on top.";
+          }}
+        >
+          <Icon name="plus" /> Add coat
+        </button>
+      </div>
+      <ul ref={list} aria-label="Coats, the topmost first">
+        {coats.map((card, place) => (
+          <CoatCard
+            key={card.id}
+            card={card}
+            name={`Coat ${coats.length - place}`}
+            seen={isSeen(material.value, card)}
+            dragged={dragged.value === card.id}
+            onMove={(step) => move(place, place + step)}
+            onDrag={(event) => startDrag(event, card)}
+          />
+        ))}
+      </ul>
+      <BottomCard material={material.value} alone={solo === BARE} />
+    </section>
+  );
+}

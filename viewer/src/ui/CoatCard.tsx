@@ -1,0 +1,140 @@
+/** The card of one coat. */
+
+import { signal } from "@preact/signals";
+import type { Channels, Coat } from "../core/api";
+import { hex, transmission } from "../material/colour";
+import { type CoatCard as Card, type Rgb, rgb, withoutCoat } from "../material/material";
+import { COAT_PARAMETERS } from "../material/parameters";
+import { announcement, changeMaterial, material } from "../state/store";
+import { Field } from "./Field";
+import { Icon } from "./icons";
+
+/** Cards that show their name alone. */
+const folded = signal<ReadonlySet<number>>(new Set());
+
+const SHOWN = Object.keys(COAT_PARAMETERS) as (keyof Coat)[];
+const COLOURED: ReadonlySet<keyof Coat> = new Set(["sigmaT", "albedo", "g"]);
+
+interface CoatCardProps {
+  card: Card;
+  name: string;
+  seen: boolean;
+  dragged: boolean;
+  onMove: (step: number) => void;
+  onDrag: (event: PointerEvent) => void;
+}
+
+export function CoatCard({ card, name, seen, dragged, onMove, onDrag }: CoatCardProps) {
+  const isFolded = folded.value.has(card.id);
+  const solo = material.value.solo === card.id;
+  const change = (next: Partial<Card>, kind = "") =>
+    changeMaterial(
+      {
+        ...material.value,
+        coats: material.value.coats.map((one) => (one.id === card.id ? { ...one, ...next } : one)),
+      },
+      kind,
+    );
+  const classes = ["card", seen ? "" : "unseen", dragged ? "dragged" : ""].join(" ");
+  return (
+    <li class={classes} aria-label={name} style={{ "--medium": mediumColour(card) }}>
+      <header>
+        <button
+          type="button"
+          class="icon-button grip"
+          aria-label={`Move ${name}: arrow keys, or drag`}
+          title="Drag, or use the arrow keys"
+          onPointerDown={onDrag}
+          onKeyDown={(event) => {
+            const step = { ArrowUp: -1, ArrowDown: 1 }[event.key];
+            if (step === undefined) return;
+            event.preventDefault();
+            onMove(step);
+            // The handle moves with its card and keeps the focus.
+            const handle = event.currentTarget;
+            requestAnimationFrame(() => handle.focus());
+          }}
+        >
+          <Icon name="grip" />
+        </button>
+        <button
+          type="button"
+          class="title"
+          aria-expanded={!isFolded}
+          onClick={() => {
+            const next = new Set(folded.value);
+            if (!next.delete(card.id)) next.add(card.id);
+            folded.value = next;
+          }}
+        >
+          <span>{name}</span>
+          <small>{kindOf(card)}</small>
+        </button>
+        <button
+          type="button"
+          class="icon-button solo"
+          aria-label={`Solo ${name}`}
+          aria-pressed={solo}
+          title="Show this coat alone over the bottom"
+          onClick={() => changeMaterial({ ...material.value, solo: solo ? null : card.id })}
+        >
+          S
+        </button>
+        <button
+          type="button"
+          class="icon-button"
+          aria-label={`Show ${name}`}
+          aria-pressed={card.on}
+          title={card.on ? "Switch off" : "Switch on"}
+          onClick={() => change({ on: !card.on })}
+        >
+          <Icon name={card.on ? "eye" : "hidden"} />
+        </button>
+        <button
+          type="button"
+          class="icon-button"
+          aria-label={`Remove ${name}`}
+          title="Remove"
+          onClick={() => {
+            changeMaterial(withoutCoat(material.value, card.id));
+            announcement.value = `${name} was removed.`;
+          }}
+        >
+          <Icon name="cross" />
+        </button>
+      </header>
+      {!isFolded && (
+        <div class="fields">
+          {SHOWN.map((key) => (
+            <Field
+              key={key}
+              owner={name}
+              parameter={COAT_PARAMETERS[key]}
+              value={card[key]}
+              coloured={COLOURED.has(key) || typeof card[key] !== "number"}
+              onChange={(value: Channels, kind: string) => change({ [key]: value }, kind)}
+            />
+          ))}
+        </div>
+      )}
+    </li>
+  );
+}
+
+/** What kind of coat it is, in a word or two. */
+export function kindOf(coat: Coat): string {
+  const depth = Math.max(...rgb(coat.sigmaT));
+  const albedo = Math.max(...rgb(coat.albedo));
+  const surface = Math.max(...rgb(coat.alpha)) > 0.2 ? "matt" : "glossy";
+  if (depth < 0.005) return `${surface}, clear`;
+  if (depth > 2.5) return `${surface}, opaque`;
+  return albedo > 0.4 ? `${surface}, milky` : `${surface}, tinted`;
+}
+
+/** About the colour of the medium on white, for the card's edge. */
+function mediumColour(coat: Coat): string {
+  const passed = transmission(rgb(coat.sigmaT));
+  const albedo = rgb(coat.albedo);
+  const mixed = passed.map((x, k) => x * x + (1 - x * x) * albedo[k]! ** 2) as unknown as Rgb;
+  return hex(mixed);
+}

@@ -1,0 +1,179 @@
+/** f in the plane of incidence, and the directional albedo. */
+
+import { useRef } from "preact/hooks";
+import { ALBEDO_COSINES, PLANE_ANGLES, type Slot } from "../engine/engine";
+import { session } from "../engine/session";
+import { look, state } from "../state/store";
+
+const CHANNELS = ["red", "green", "blue"] as const;
+
+export function Plots() {
+  const slot = session.value?.slots[state.value.active];
+  return (
+    <section class="plots" aria-label="Plots">
+      <PlanePlot slot={slot} />
+      <AlbedoPlot slot={slot} />
+    </section>
+  );
+}
+
+/** The plot's half circle. */
+const RADIUS = 120;
+
+/** f at the circle: rings at powers of ten. */
+function scaleOf(f: Float32Array | null): { radius: (f: number) => number; rings: number[] } {
+  const most = Math.max(1, ...(f ?? []));
+  const top = 10 ** Math.ceil(Math.log10(most) - 0.02);
+  const floor = 0.01;
+  const radius = (x: number) =>
+    (RADIUS * Math.log(1 + Math.max(x, 0) / floor)) / Math.log(1 + top / floor);
+  const rings = [];
+  for (let ring = top; ring > 0.05; ring /= 10) rings.push(Number(ring.toPrecision(1)));
+  return { radius, rings };
+}
+
+function PlanePlot({ slot }: { slot: Slot | undefined }) {
+  const svg = useRef<SVGSVGElement>(null);
+  const { incidence } = state.value;
+  const f = slot?.plane.value ?? null;
+  const { radius, rings } = scaleOf(f);
+  const angle = (incidence * Math.PI) / 180;
+  const [x, y] = [-RADIUS * Math.sin(angle), -RADIUS * Math.cos(angle)];
+
+  const follow = (event: PointerEvent) => {
+    const matrix = svg.current?.getScreenCTM();
+    if (!matrix) return;
+    const at = new DOMPoint(event.clientX, event.clientY).matrixTransform(matrix.inverse());
+    const degrees = (Math.atan2(-at.x, Math.max(-at.y, 0)) * 180) / Math.PI;
+    look({ incidence: Math.round(Math.min(Math.max(degrees, 0), 89)) });
+  };
+  return (
+    <figure>
+      <figcaption>
+        <b>f in the plane of incidence</b> [1/sr]
+      </figcaption>
+      <svg
+        ref={svg}
+        viewBox="-150 -136 300 152"
+        role="group"
+        aria-label="Plot of f in the plane of incidence"
+        onPointerDown={(event) => {
+          event.currentTarget.setPointerCapture(event.pointerId);
+          follow(event);
+        }}
+        onPointerMove={(event) => {
+          if (event.currentTarget.hasPointerCapture(event.pointerId)) follow(event);
+        }}
+      >
+        <g class="grid">
+          {rings.map((ring) => (
+            <g key={ring}>
+              <path d={halfCircle(radius(ring))} />
+              <text x={radius(ring) - 2} y={11} text-anchor="end">
+                {ring}
+              </text>
+            </g>
+          ))}
+          <path d={`M${-RADIUS} 0H${RADIUS}M0 0V${-RADIUS}`} />
+        </g>
+        {f !== null &&
+          CHANNELS.map((channel, k) => (
+            <path key={channel} class={`curve ${channel}`} d={polar(f, k, radius)} />
+          ))}
+        <line class="incident" x1={0} y1={0} x2={x} y2={y} />
+        <circle
+          class="handle"
+          cx={x}
+          cy={y}
+          r={7}
+          tabIndex={0}
+          role="slider"
+          aria-label="Angle of incidence"
+          aria-valuemin={0}
+          aria-valuemax={89}
+          aria-valuenow={incidence}
+          aria-valuetext={`${incidence} degrees`}
+          onKeyDown={(event) => {
+            const step = { ArrowLeft: 1, ArrowUp: -1, ArrowRight: -1, ArrowDown: 1 }[event.key];
+            if (step === undefined) return;
+            event.preventDefault();
+            const next = incidence + step * (event.shiftKey ? 10 : 1);
+            look({ incidence: Math.min(Math.max(next, 0), 89) });
+          }}
+        />
+        <text class="value" x={x < -60 ? x + 4 : x - 12} y={y - 11} text-anchor="middle">
+          {incidence}°
+        </text>
+      </svg>
+    </figure>
+  );
+}
+
+function halfCircle(radius: number): string {
+  const r = radius.toFixed(1);
+  return `M-${r} 0A${r} ${r} 0 0 1 ${r} 0`;
+}
+
+function polar(f: Float32Array, channel: number, radius: (f: number) => number): string {
+  const points = Array.from(PLANE_ANGLES, (degrees, at) => {
+    const angle = (degrees * Math.PI) / 180;
+    const r = radius(f[3 * at + channel]!);
+    return `${(r * Math.sin(angle)).toFixed(1)} ${(-r * Math.cos(angle)).toFixed(1)}`;
+  });
+  return `M${points.join("L")}`;
+}
+
+const WIDTH = 230;
+const HEIGHT = 104;
+
+function AlbedoPlot({ slot }: { slot: Slot | undefined }) {
+  const albedo = slot?.albedo.value ?? null;
+  const { incidence } = state.value;
+  const across = (degrees: number) => (WIDTH * degrees) / 90;
+  return (
+    <figure>
+      <figcaption>
+        <b>Directional albedo</b> by angle of incidence
+      </figcaption>
+      <svg viewBox="-34 -14 280 142" role="img" aria-label={spokenAlbedo(albedo)}>
+        <g class="grid">
+          {[0, 0.25, 0.5, 0.75, 1].map((value) => (
+            <path key={value} d={`M0 ${HEIGHT * (1 - value)}H${WIDTH}`} />
+          ))}
+          {[0, 0.5, 1].map((value) => (
+            <text key={value} x={-6} y={HEIGHT * (1 - value) + 3} text-anchor="end">
+              {value}
+            </text>
+          ))}
+          {[0, 30, 60, 90].map((degrees) => (
+            <text key={degrees} x={across(degrees)} y={HEIGHT + 15} text-anchor="middle">
+              {degrees}°
+            </text>
+          ))}
+        </g>
+        <line class="incident" x1={across(incidence)} x2={across(incidence)} y1={0} y2={HEIGHT} />
+        {albedo !== null &&
+          CHANNELS.map((channel, k) => (
+            <path key={channel} class={`curve ${channel}`} d={albedoPath(albedo, k, across)} />
+          ))}
+      </svg>
+    </figure>
+  );
+}
+
+function albedoPath(albedo: Float32Array, channel: number, across: (degrees: number) => number) {
+  const points = Array.from(ALBEDO_COSINES, (cosine, at) => {
+    const x = across((Math.acos(cosine) * 180) / Math.PI);
+    const y = HEIGHT * (1 - Math.min(albedo[3 * at + channel]!, 1.1));
+    return `${x.toFixed(1)} ${y.toFixed(1)}`;
+  });
+  return `M${points.join("L")}`;
+}
+
+function spokenAlbedo(albedo: Float32Array | null): string {
+  if (albedo === null) return "Directional albedo";
+  const percent = (at: number) =>
+    [0, 1, 2].map((k) => `${Math.round(100 * albedo[3 * at + k]!)}`).join(", ");
+  const last = ALBEDO_COSINES.length - 1;
+  return `Directional albedo in percent, red, green and blue: ${percent(last)} near the normal, ${percent(2)} at grazing incidence`;
+}

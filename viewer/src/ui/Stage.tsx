@@ -1,0 +1,152 @@
+/** The picture, and what is laid over it. */
+
+import { useEffect, useRef } from "preact/hooks";
+import { noPicture, ready, session } from "../engine/session";
+import type { View } from "../state/state";
+import { look, notice, state } from "../state/store";
+
+export function Stage() {
+  const { comparison, materials } = state.value;
+  return (
+    <section class="stage" aria-label="Picture">
+      <Picture />
+      {comparison !== "off" && (
+        <div class={`names ${comparison}`}>
+          <span>A · {materials[0].name}</span>
+          <span>B · {materials[1].name}</span>
+        </div>
+      )}
+      {comparison === "swipe" && <Edge />}
+      {noPicture.value === "" ? <Status /> : <p class="missing">{noPicture.value}</p>}
+      {notice.value !== "" && (
+        <div class="notice" role="alert">
+          <span>{notice.value}</span>
+          <button
+            type="button"
+            onClick={() => {
+              notice.value = "";
+            }}
+          >
+            Close
+          </button>
+        </div>
+      )}
+    </section>
+  );
+}
+
+function Picture() {
+  const canvas = useRef<HTMLCanvasElement>(null);
+  const present = session.value;
+  useEffect(
+    () => (canvas.current && present ? present.attach(canvas.current) : undefined),
+    [present],
+  );
+
+  useEffect(() => {
+    const element = canvas.current!;
+    const wheel = (event: WheelEvent) => {
+      event.preventDefault();
+      turn({ zoom: state.value.view.zoom * 2 ** (-event.deltaY / 600) });
+    };
+    element.addEventListener("wheel", wheel, { passive: false });
+    return () => element.removeEventListener("wheel", wheel);
+  }, []);
+
+  const { object, environment } = state.value;
+  return (
+    <canvas
+      ref={canvas}
+      tabIndex={0}
+      role="img"
+      aria-label={`A ${object} of the material, lit by the environment “${environment}”. Arrow keys turn the camera, plus and minus zoom, with Shift the arrow keys turn the light.`}
+      onPointerDown={(event) => {
+        if (event.button === 0) event.currentTarget.setPointerCapture(event.pointerId);
+      }}
+      onPointerMove={(event) => {
+        if (!event.currentTarget.hasPointerCapture(event.pointerId)) return;
+        const { view } = state.value;
+        if (event.shiftKey) return light(event.movementX * 0.4);
+        turn({
+          azimuth: view.azimuth - event.movementX * 0.4,
+          elevation: view.elevation + event.movementY * 0.3,
+        });
+      }}
+      onKeyDown={(event) => {
+        const { view } = state.value;
+        const x = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
+        const y = { ArrowUp: 1, ArrowDown: -1 }[event.key];
+        const zoom = { "+": 1.1, "=": 1.1, "-": 1 / 1.1 }[event.key];
+        if (x !== undefined && event.shiftKey) light(5 * x);
+        else if (x !== undefined) turn({ azimuth: view.azimuth + 5 * x });
+        else if (y !== undefined) turn({ elevation: view.elevation + 5 * y });
+        else if (zoom !== undefined) turn({ zoom: view.zoom * zoom });
+        else return;
+        event.preventDefault();
+      }}
+    />
+  );
+}
+
+/** Move the camera. */
+function turn(change: Partial<View>): void {
+  const view = { ...state.value.view, ...change };
+  look({
+    view: {
+      azimuth: around(view.azimuth),
+      elevation: Math.min(Math.max(view.elevation, -5), 80),
+      zoom: Math.min(Math.max(view.zoom, 0.5), 4),
+    },
+  });
+}
+
+/** Turn the environment. */
+function light(degrees: number): void {
+  look({ rotation: around(state.value.rotation + degrees) });
+}
+
+function around(degrees: number): number {
+  return Number((((((degrees + 180) % 360) + 360) % 360) - 180).toFixed(1));
+}
+
+function Status() {
+  const painter = session.value?.painter;
+  if (!ready.value || painter === undefined) return <p class="status">Loading the networks …</p>;
+  return (
+    <p class="status" data-converged={painter.converged.value}>
+      <progress aria-hidden="true" value={painter.gathered.value} />
+      {painter.converged.value ? "converged" : "refining"}
+    </p>
+  );
+}
+
+/** The edge between the materials, which can be moved. */
+function Edge() {
+  const { edge } = state.value;
+  const set = (value: number) => look({ edge: Math.min(Math.max(value, 0.02), 0.98) });
+  return (
+    <div
+      class="edge"
+      style={{ left: `${100 * edge}%` }}
+      role="slider"
+      tabIndex={0}
+      aria-label="Edge between A and B"
+      aria-orientation="horizontal"
+      aria-valuemin={0}
+      aria-valuemax={100}
+      aria-valuenow={Math.round(100 * edge)}
+      onPointerDown={(event) => event.currentTarget.setPointerCapture(event.pointerId)}
+      onPointerMove={(event) => {
+        if (!event.currentTarget.hasPointerCapture(event.pointerId)) return;
+        const box = event.currentTarget.parentElement!.getBoundingClientRect();
+        set((event.clientX - box.left) / box.width);
+      }}
+      onKeyDown={(event) => {
+        const step = { ArrowLeft: -0.02, ArrowRight: 0.02 }[event.key];
+        if (step === undefined) return;
+        event.preventDefault();
+        set(edge + step);
+      }}
+    />
+  );
+}

@@ -1,0 +1,114 @@
+/** Object, light, exposure and comparison, under the picture. */
+
+import { ownEnvironment } from "../engine/session";
+import { COMPARISONS, type Comparison, ENVIRONMENTS, OBJECTS, type State } from "../state/state";
+import { change, state } from "../state/store";
+
+const COMPARISON_NAMES: Record<Comparison, string> = {
+  off: "Single",
+  side: "Side by side",
+  swipe: "Swipe",
+};
+
+export function Toolbar() {
+  const { object, environment, rotation, exposure, comparison } = state.value;
+  const set = (next: Partial<State>, kind = "") => change({ ...state.value, ...next }, kind);
+  const environments = ENVIRONMENTS.filter((name) => name !== "own" || ownEnvironment.value);
+  return (
+    <div class="toolbar" role="toolbar" aria-label="Scene">
+      <label>
+        <span>Object</span>
+        <select
+          value={object}
+          onChange={(event) => set({ object: event.currentTarget.value as State["object"] })}
+        >
+          {OBJECTS.map((name) => (
+            <option key={name} value={name}>
+              {capital(name)}
+            </option>
+          ))}
+        </select>
+      </label>
+      <label>
+        <span>Light</span>
+        <select
+          value={environment}
+          onChange={(event) =>
+            set({ environment: event.currentTarget.value as State["environment"] })
+          }
+        >
+          {environments.map((name) => (
+            <option key={name} value={name}>
+              {name === "own" ? (ownEnvironment.value?.name ?? "Own") : capital(name)}
+            </option>
+          ))}
+        </select>
+      </label>
+      <Dial
+        label="Turn"
+        text={`${Math.round(rotation)}°`}
+        value={rotation}
+        low={-180}
+        high={180}
+        step={1}
+        onInput={(value) => set({ rotation: value }, "rotation")}
+      />
+      <Dial
+        label="Exposure"
+        text={`${exposure > 0 ? "+" : ""}${exposure}`}
+        value={exposure}
+        low={-4}
+        high={4}
+        step={0.1}
+        onInput={(value) => set({ exposure: Number(value.toFixed(1)) }, "exposure")}
+      />
+      <div class="segments" role="group" aria-label="Compare">
+        {COMPARISONS.map((name) => (
+          <button
+            key={name}
+            type="button"
+            aria-pressed={comparison === name}
+            onClick={() => set({ comparison: name })}
+          >
+            {COMPARISON_NAMES[name]}
+          </button>
+        ))}
+      </div>
+    </div>
+  );
+}
+
+interface DialProps {
+  label: string;
+  text: string;
+  value: number;
+  low: number;
+  high: number;
+  step: number;
+  onInput: (value: number) => void;
+}
+
+function Dial({ label, text, value, low, high, step, onInput }: DialProps) {
+  const share = (value - low) / (high - low);
+  return (
+    <label title="Double click: reset">
+      <span>{label}</span>
+      <input
+        type="range"
+        min={low}
+        max={high}
+        step={step}
+        value={value}
+        aria-valuetext={text}
+        style={{ "--fill": `${(100 * share).toFixed(1)}%` }}
+        onInput={(event) => onInput(Number(event.currentTarget.value))}
+        onDblClick={() => onInput(0)}
+      />
+      <output>{text}</output>
+    </label>
+  );
+}
+
+function capital(name: string): string {
+  return name[0]!.toUpperCase() + name.slice(1);
+}

@@ -1,0 +1,91 @@
+/** Presets, undo and redo, opening and saving. */
+
+import { useRef } from "preact/hooks";
+import { openFile } from "../engine/open";
+import { canRedo, canUndo, material, redo, state, undo } from "../state/store";
+import { Icon } from "./icons";
+import { Menu } from "./Menu";
+import { Presets } from "./Presets";
+import { SaveMenu } from "./SaveMenu";
+
+export function TopBar() {
+  const input = useRef<HTMLInputElement>(null);
+  const { comparison, active } = state.value;
+  return (
+    <header class="top">
+      <h1>
+        <svg viewBox="0 0 20 20" aria-hidden="true">
+          <path d="M3 13.5 10 17l7-3.5M3 10l7 3.5L17 10" />
+          <path class="lacquer" d="m10 3 7 3.5-7 3.5-7-3.5Z" />
+        </svg>
+        Urushi
+      </h1>
+      <Menu
+        kind="presets"
+        name={`Material ${material.value.name}: choose another`}
+        label={
+          <>
+            {comparison !== "off" && <b class="badge">{active === 0 ? "A" : "B"}</b>}
+            <span class="current">{material.value.name}</span>
+            <Icon name="down" />
+          </>
+        }
+      >
+        {(close) => <Presets onChosen={close} />}
+      </Menu>
+      <span class="spacer" />
+      <button
+        type="button"
+        class="icon-button"
+        aria-label="Undo"
+        title="Undo (Ctrl+Z)"
+        disabled={!canUndo.value}
+        onClick={undo}
+      >
+        <Icon name="undo" />
+      </button>
+      <button
+        type="button"
+        class="icon-button"
+        aria-label="Redo"
+        title="Redo (Ctrl+Shift+Z)"
+        disabled={!canRedo.value}
+        onClick={redo}
+      >
+        <Icon name="redo" />
+      </button>
+      <input
+        ref={input}
+        type="file"
+        hidden
+        accept=".hdr,.json,.safetensors"
+        onChange={(event) => {
+          const file = event.currentTarget.files?.[0];
+          if (file) void openFile(file);
+          event.currentTarget.value = "";
+        }}
+      />
+      <button
+        type="button"
+        class="text-button"
+        title="A material (.safetensors), a panorama (.hdr) or a saved state (.json); or drop it on the page"
+        onClick={() => input.current?.click()}
+      >
+        <Icon name="open" />
+        <span>Open</span>
+      </button>
+      <Menu
+        kind="save"
+        name="Save"
+        label={
+          <>
+            <Icon name="save" />
+            <span>Save</span>
+          </>
+        }
+      >
+        {(close) => <SaveMenu onDone={close} />}
+      </Menu>
+    </header>
+  );
+}
