@@ -14,7 +14,10 @@ export interface TensorFile {
 }
 
 /** A file that is damaged or of another kind. Its message is one sentence. */
-export class FileError extends Error {}
+export class FileError extends Error {
+  // Written out, because minified classes have other names, and workers send names.
+  override readonly name = "FileError";
+}
 
 /** The only metadata key. */
 const METADATA_KEY = "urushi";

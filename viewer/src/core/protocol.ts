@@ -1,0 +1,46 @@
+/** Messages between the page and the core in its worker. */
+
+import type { Core, Stack } from "./api";
+import type { Estimate } from "./walk/reference";
+
+/** How long and by which numbers to walk. */
+export interface WalkOptions {
+  /** The same seed gives the same numbers. */
+  readonly seed: number;
+  /** Walks of every pair and channel at most. */
+  readonly walks: number;
+}
+
+/** What the worker does, by name. */
+export interface Calls extends Pick<Core, "encode" | "layer" | "f" | "pdf" | "albedo" | "table"> {
+  /** Load the networks, which other calls but `walk` need. */
+  load(weights: ArrayBuffer): { readonly latentSize: number };
+  /** Estimate f of a stack by random walks; estimates so far precede the result. */
+  walk(stack: Stack, wi: Float32Array, wo: Float32Array, options: WalkOptions): Estimate;
+}
+
+export type CallName = keyof Calls;
+
+/** A call. Its number is its own. */
+export type Request = {
+  [Name in CallName]: {
+    readonly id: number;
+    readonly call: Name;
+    readonly args: Parameters<Calls[Name]>;
+    /** Calls of the same key supersede each other: only the latest matters. */
+    readonly key?: string | undefined;
+  };
+}[CallName];
+
+/** The end of a walk that nobody wants any more, or of another call that still waits. */
+export interface Cancellation {
+  readonly cancelled: number;
+}
+
+/** An answer to the call of this number. The last one has no `soFar`. */
+export type Response = { readonly id: number } & (
+  | { readonly result: ReturnType<Calls[CallName]> }
+  | { readonly soFar: Estimate }
+  | { readonly error: { readonly name: string; readonly message: string } }
+  | { readonly superseded: true }
+);
