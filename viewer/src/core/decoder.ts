@@ -1,7 +1,7 @@
 /** The decoder: from a code and pairs of directions to the BRDF without its topmost lobe. */
 
 import { DIRECTION_FEATURES, type Pairs } from "./features";
-import { type Activation, activate, activateWithSlope } from "./mlp";
+import { type Activation, activate } from "./mlp";
 import { first, type Layer, last, type Weights } from "./weights";
 
 /** Range of ln f. */
@@ -18,44 +18,41 @@ export interface PreparedCode {
   readonly gain: number;
 }
 
-/** The first layer's response to pairs of directions, the same for all codes: (count, width). */
-export type Responses = Float64Array;
+/** Number of pairs that are evaluated at once, so that each weight is read once for them. */
+export const LANES = 4;
 
-/** Values of the rest at pairs, and derivatives (count, R) of their logarithms by its numbers. */
-export interface Slopes {
-  readonly rest: Float64Array;
-  readonly slopes: Float64Array;
+/** The first layer's responses to pairs of directions, the same for all codes. */
+export interface Responses {
+  /** Number of pairs. */
+  readonly count: number;
+  /** (blocks, width, `LANES`): the pairs of a block lie side by side; the last block is filled up. */
+  readonly values: Float64Array;
 }
 
 export class Decoder {
   /** Neurons of the first layer. */
-  readonly width: number;
+  private readonly width: number;
+  /** Inputs of the network that belong to the code. */
   private readonly codes: number;
   private readonly entry: Layer;
   private readonly output: Layer;
-  private readonly scale: Float64Array;
   /** The entry's weights of the directions alone: (width, 8). */
   private readonly ofDirections: Float64Array;
-  /** Hidden layers after the first, and the activations behind every layer. */
+  /** Hidden layers after the first, and the activations (units, `LANES`) behind every layer. */
   private readonly hidden: readonly Layer[];
   private readonly states: readonly Float64Array[];
-  private readonly slopesOfStates: readonly Float64Array[];
-  private readonly gradients: readonly Float64Array[];
 
   constructor(
-    weights: Weights,
-    private readonly activation: Activation,
+    readonly weights: Weights,
+    readonly activation: Activation,
   ) {
     this.entry = first(weights.decoder);
     this.output = last(weights.decoder);
     this.hidden = weights.decoder.slice(1, -1);
     this.codes = weights.arch.codes;
     this.width = this.entry.outputs;
-    this.scale = weights.scale;
-    const widths = weights.decoder.slice(0, -1).map((layer) => layer.outputs);
-    this.states = widths.map((width) => new Float64Array(width));
-    this.slopesOfStates = widths.map((width) => new Float64Array(width));
-    this.gradients = widths.map((width) => new Float64Array(width));
+    const layers = weights.decoder.slice(0, -1);
+    this.states = layers.map(({ outputs }) => new Float64Array(outputs * LANES));
     this.ofDirections = new Float64Array(this.width * DIRECTION_FEATURES);
     for (let j = 0; j < this.width; j++) {
       const at = j * this.entry.inputs + this.codes;
@@ -68,13 +65,14 @@ export class Decoder {
   prepare(code: ArrayLike<number>, rest: number): PreparedCode {
     const offset = new Float64Array(this.width);
     const factor = new Float64Array(this.width);
+    const { scale } = this.weights;
     for (let j = 0; j < this.width; j++) {
       let o = this.entry.bias[j];
       let s = 1;
       for (let k = 0; k < this.codes; k++) {
         const z = code[rest + 1 + k];
         o += this.entry.weight[j * this.entry.inputs + k] * z;
-        s += this.scale[j * this.codes + k] * z;
+        s += scale[j * this.codes + k] * z;
       }
       offset[j] = o;
       factor[j] = s;
@@ -83,10 +81,10 @@ export class Decoder {
   }
 
   /** The first layer's responses to the first `count` pairs. */
-  respond(pairs: Pairs, count = pairs.capacity, out?: Responses): Responses {
+  respond(pairs: Pairs, count = pairs.capacity): Responses {
     const { width, ofDirections } = this;
     const { features } = pairs;
-    const result = out ?? new Float64Array(count * width);
+    const values = new Float64Array(Math.ceil(count / LANES) * LANES * width);
     for (let i = 0; i < count; i++) {
       const at = i * DIRECTION_FEATURES;
       const a = features[at];
@@ -97,8 +95,9 @@ export class Decoder {
       const f = features[at + 5];
       const g = features[at + 6];
       const h = features[at + 7];
-      for (let j = 0, w = 0; j < width; j++, w += DIRECTION_FEATURES) {
-        result[i * width + j] =
+      let place = Math.floor(i / LANES) * LANES * width + (i % LANES);
+      for (let w = 0; w < ofDirections.length; w += DIRECTION_FEATURES, place += LANES) {
+        values[place] =
           a * ofDirections[w] +
           b * ofDirections[w + 1] +
           (c * ofDirections[w + 2] + d * ofDirections[w + 3]) +
@@ -106,151 +105,98 @@ export class Decoder {
           (g * ofDirections[w + 6] + h * ofDirections[w + 7]);
       }
     }
+    return { count, values };
+  }
+
+  /** The rest [1/sr] at all pairs. */
+  rest(code: PreparedCode, responses: Responses): Float64Array {
+    const result = new Float64Array(responses.count);
+    const lanes = new Float64Array(LANES);
+    for (let start = 0; start < result.length; start += LANES) {
+      this.evaluate(code, responses.values, start * this.width, lanes);
+      const end = Math.min(start + LANES, result.length);
+      for (let i = start; i < end; i++) {
+        result[i] = Math.exp(clampedLog(code.gain + lanes[i - start]));
+      }
+    }
     return result;
   }
 
-  /** The rest [1/sr] at pair `i`. */
-  rest(code: PreparedCode, responses: Responses, i: number): number {
-    return Math.exp(clamped(this.logarithm(code, responses, i)));
-  }
-
-  private logarithm(code: PreparedCode, responses: Responses, i: number): number {
+  /** The network's outputs for the block of responses that begins at a place. */
+  private evaluate(
+    { offset, factor }: PreparedCode,
+    responses: Float64Array,
+    at: number,
+    output: Float64Array,
+  ): void {
     let state = this.states[0];
-    this.enter(code, responses, i, state);
-    activate(state, this.width, this.activation);
+    for (let j = 0, k = 0; j < offset.length; j++, k += LANES) {
+      const o = offset[j];
+      const s = factor[j];
+      state[k] = o + s * responses[at + k];
+      state[k + 1] = o + s * responses[at + k + 1];
+      state[k + 2] = o + s * responses[at + k + 2];
+      state[k + 3] = o + s * responses[at + k + 3];
+    }
+    activate(state, state.length, this.activation);
     for (let layer = 0; layer < this.hidden.length; layer++) {
       const next = this.states[layer + 1];
-      step(this.hidden[layer], state, next);
+      linearOfBlock(this.hidden[layer], state, next);
       activate(next, next.length, this.activation);
       state = next;
     }
-    return code.gain + outputOf(this.output, state);
-  }
-
-  private enter(code: PreparedCode, responses: Responses, i: number, state: Float64Array): void {
-    const { offset, factor } = code;
-    const at = i * this.width;
-    for (let j = 0; j < this.width; j++) {
-      state[j] = offset[j] + factor[j] * responses[at + j];
-    }
-  }
-
-  /** The rest at all pairs, and the derivatives of its logarithm by the code's numbers. */
-  restWithSlopes(numbers: ArrayLike<number>, rest: number, responses: Responses): Slopes {
-    const code = this.prepare(numbers, rest);
-    const size = 1 + this.codes;
-    const values = new Float64Array(responses.length / this.width);
-    const slopes = new Float64Array(values.length * size);
-    for (let i = 0; i < values.length; i++) {
-      slopes[i * size] = 1;
-      values[i] = Math.exp(clamped(this.pullback(code, responses, i, slopes, i * size + 1)));
-    }
-    return { rest: values, slopes };
-  }
-
-  /** The network's logarithm at pair `i`, and its derivatives by its inputs of the code. */
-  private pullback(
-    code: PreparedCode,
-    responses: Responses,
-    i: number,
-    slopes: Float64Array,
-    place: number,
-  ): number {
-    const { states, slopesOfStates, hidden } = this;
-    this.enter(code, responses, i, states[0]);
-    activateWithSlope(states[0], slopesOfStates[0], this.width, this.activation);
-    for (let index = 0; index < hidden.length; index++) {
-      const next = states[index + 1];
-      step(hidden[index], states[index], next);
-      activateWithSlope(next, slopesOfStates[index + 1], next.length, this.activation);
-    }
-    const logarithm = code.gain + outputOf(this.output, last(states));
-
-    const gradient = this.gradients[0];
-    const atOutput = last(this.gradients);
-    const outputSlopes = last(slopesOfStates);
-    for (let j = 0; j < atOutput.length; j++) {
-      atOutput[j] = outputSlopes[j] * this.output.weight[j];
-    }
-    for (let layer = hidden.length - 1; layer >= 0; layer--) {
-      stepBack(hidden[layer], this.gradients[layer + 1], this.gradients[layer]);
-      multiply(this.gradients[layer], slopesOfStates[layer]);
-    }
-    for (let k = 0; k < this.codes; k++) {
-      let sum = 0;
-      for (let j = 0; j < this.width; j++) {
-        const response = responses[i * this.width + j];
-        const weight = this.entry.weight[j * this.entry.inputs + k];
-        sum += gradient[j] * (weight + response * this.scale[j * this.codes + k]);
-      }
-      slopes[place + k] = sum;
-    }
-    return logarithm;
+    linearOfBlock(this.output, state, output);
   }
 }
 
-function clamped(logarithm: number): number {
+/** A logarithm within its range. */
+export function clampedLog(logarithm: number): number {
   return Math.min(Math.max(logarithm, MIN_LOG), MAX_LOG);
 }
 
-/** One layer for one input. Four sums at once, because a sum waits for its last addition. */
-function step(layer: Layer, x: Float64Array, y: Float64Array): void {
+/** One layer for inputs (inputs, `LANES`), two outputs at a time. */
+function linearOfBlock(layer: Layer, x: Float64Array, y: Float64Array): void {
   const { inputs, outputs, weight, bias } = layer;
-  const whole = outputs & ~3;
-  for (let j = 0; j < whole; j += 4) {
-    let a = bias[j];
-    let b = bias[j + 1];
-    let c = bias[j + 2];
-    let d = bias[j + 3];
+  for (let j = 0; j < outputs; j += 2) {
+    const isPair = j + 1 < outputs;
     const first = j * inputs;
-    const second = first + inputs;
-    const third = second + inputs;
-    const fourth = third + inputs;
-    for (let i = 0; i < inputs; i++) {
-      const value = x[i];
-      a += weight[first + i] * value;
-      b += weight[second + i] * value;
-      c += weight[third + i] * value;
-      d += weight[fourth + i] * value;
+    const second = isPair ? first + inputs : first;
+    let a0 = bias[j];
+    let a1 = a0;
+    let a2 = a0;
+    let a3 = a0;
+    let b0 = isPair ? bias[j + 1] : 0;
+    let b1 = b0;
+    let b2 = b0;
+    let b3 = b0;
+    for (let i = 0, k = 0; i < inputs; i++, k += LANES) {
+      const v = weight[first + i];
+      const w = weight[second + i];
+      const x0 = x[k];
+      const x1 = x[k + 1];
+      const x2 = x[k + 2];
+      const x3 = x[k + 3];
+      a0 += v * x0;
+      a1 += v * x1;
+      a2 += v * x2;
+      a3 += v * x3;
+      b0 += w * x0;
+      b1 += w * x1;
+      b2 += w * x2;
+      b3 += w * x3;
     }
-    y[j] = a;
-    y[j + 1] = b;
-    y[j + 2] = c;
-    y[j + 3] = d;
-  }
-  for (let j = whole; j < outputs; j++) {
-    let sum = bias[j];
-    for (let i = 0; i < inputs; i++) {
-      sum += weight[j * inputs + i] * x[i];
-    }
-    y[j] = sum;
-  }
-}
-
-/** Derivatives x by a layer's inputs of those y by its outputs. */
-function stepBack(layer: Layer, y: Float64Array, x: Float64Array): void {
-  const { inputs, outputs, weight } = layer;
-  x.fill(0);
-  for (let j = 0; j < outputs; j++) {
-    const factor = y[j];
-    for (let i = 0; i < inputs; i++) {
-      x[i] += factor * weight[j * inputs + i];
+    const place = j * LANES;
+    y[place] = a0;
+    y[place + 1] = a1;
+    y[place + 2] = a2;
+    y[place + 3] = a3;
+    if (isPair) {
+      y[place + 4] = b0;
+      y[place + 5] = b1;
+      y[place + 6] = b2;
+      y[place + 7] = b3;
     }
   }
-}
-
-function multiply(x: Float64Array, factors: Float64Array): void {
-  for (let i = 0; i < x.length; i++) {
-    x[i] *= factors[i];
-  }
-}
-
-function outputOf(layer: Layer, x: Float64Array): number {
-  let sum = layer.bias[0];
-  for (let i = 0; i < layer.inputs; i++) {
-    sum += layer.weight[i] * x[i];
-  }
-  return sum;
 }
 
 /** Multiply the rest at a place by a factor > 0, exactly for all directions. */

@@ -1,6 +1,7 @@
 /** The encoder: from the values of a BRDF at the probe pairs to the code of its rest. */
 
 import type { Decoder, Responses } from "./decoder";
+import { DecoderSlopes } from "./decoder_slopes";
 import { Pairs } from "./features";
 import { lobeValue } from "./lobe";
 import { type Activation, Mlp } from "./mlp";
@@ -28,6 +29,7 @@ export class Encoder {
   /** The pairs at which values are needed. */
   readonly pairs: Pairs;
   private readonly network: Mlp;
+  private readonly slopes: DecoderSlopes;
   /** Every second pair, which the correction fits, and the responses of the decoder to both. */
   private readonly fitted: Pairs;
   private readonly responses: Responses;
@@ -39,6 +41,7 @@ export class Encoder {
     activation: Activation,
   ) {
     this.network = new Mlp(weights.encoder, activation);
+    this.slopes = new DecoderSlopes(decoder);
     this.pairs = probePairs(weights.arch.probes);
     this.fitted = everySecond(this.pairs);
     this.responses = decoder.respond(this.pairs);
@@ -83,17 +86,14 @@ export class Encoder {
   /** Errors of ln(f + offset) of a code at all probe pairs. */
   private errors(code: Float32Array, top: Float64Array, logs: Float64Array): Float64Array {
     const { decoder, responses } = this;
-    const prepared = decoder.prepare(code, LOBE_NUMBERS);
-    return logs.map((log, i) => {
-      const rest = decoder.rest(prepared, responses, i);
-      return Math.log(top[i] + rest + DARK_OFFSET) - log;
-    });
+    const rest = decoder.rest(decoder.prepare(code, LOBE_NUMBERS), responses);
+    return logs.map((log, i) => Math.log(top[i] + rest[i] + DARK_OFFSET) - log);
   }
 
   /** A code after one step. */
   private corrected(code: Float32Array, top: Float64Array, logs: Float64Array): Float32Array {
     const size = this.weights.arch.rest;
-    const found = this.decoder.restWithSlopes(code, LOBE_NUMBERS, this.fittedResponses);
+    const found = this.slopes.at(code, LOBE_NUMBERS, this.fittedResponses);
     const curvature = new Float64Array(size * size);
     const slope = new Float64Array(size);
     for (let place = 0; place < found.rest.length; place++) {

@@ -40,7 +40,6 @@ export class EnergyLimit {
   readonly rule: AlbedoRule = albedoRule();
   readonly lobeAlbedo = new LobeAlbedo(this.rule.cosines);
   private readonly responses: Responses;
-  private readonly values: Float64Array;
 
   /** @param nothing the rest that the encoder makes of none. */
   constructor(
@@ -48,7 +47,6 @@ export class EnergyLimit {
     private readonly nothing: Float32Array,
   ) {
     this.responses = decoder.respond(this.rule.pairs);
-    this.values = new Float64Array(this.rule.pairs.capacity);
   }
 
   /** Scale a code down in place so that its albedo is nowhere above a ceiling. */
@@ -87,11 +85,8 @@ export class EnergyLimit {
   /** The part (D) of `albedos` that the code's lobe does not reflect. */
   restAlbedos(code: ArrayLike<number>): Float64Array {
     const prepared = this.decoder.prepare(code, LOBE_NUMBERS);
-    for (let i = 0; i < this.values.length; i++) {
-      this.values[i] = this.decoder.rest(prepared, this.responses, i);
-    }
     const albedos = new Float64Array(this.rule.cosines.length);
-    addAlbedos(this.rule, this.values, albedos);
+    addAlbedos(this.rule, this.decoder.rest(prepared, this.responses), albedos);
     return albedos;
   }
 

@@ -114,6 +114,9 @@ const POLAR_NODES = 48;
 const AZIMUTH_NODES = 16;
 const MIN_TANGENT = 1e-5;
 
+const azimuths = gaussLegendre(AZIMUTH_NODES);
+const polar = gaussLegendre(POLAR_NODES);
+
 /** Directions (M, 3), and weights (M) of f, cosine not included. */
 export interface DirectionRule {
   readonly wo: Float64Array;
@@ -129,8 +132,6 @@ export interface DirectionRule {
 export function halfVectorRule(cosine: number): DirectionRule {
   const c = cosine;
   const s = Math.sqrt(Math.max(1 - c * c, 0));
-  const azimuths = gaussLegendre(AZIMUTH_NODES);
-  const polar = gaussLegendre(POLAR_NODES);
   const count = 2 * AZIMUTH_NODES * POLAR_NODES;
   const wo = new Float64Array(3 * count);
   const weights = new Float64Array(count);
@@ -141,6 +142,7 @@ export function halfVectorRule(cosine: number): DirectionRule {
     const phi = i < AZIMUTH_NODES ? quarter : Math.PI - quarter;
     const phiWeight = 0.5 * Math.PI * azimuths.weights[i % AZIMUTH_NODES]; // both sides
     const cosPhi = Math.cos(phi);
+    const sinPhi = Math.sin(phi);
     const end = 0.5 * (0.5 * Math.PI + Math.atan2(s * cosPhi, c));
     const span = Math.max(Math.log(Math.tan(end)) - start, 0);
     for (let k = 0; k < POLAR_NODES; k++, at++) {
@@ -150,7 +152,7 @@ export function halfVectorRule(cosine: number): DirectionRule {
       const hx = sinH * cosPhi;
       const dot = s * hx + c * cosH;
       wo[3 * at] = 2 * dot * hx - s;
-      wo[3 * at + 1] = 2 * dot * sinH * Math.sin(phi);
+      wo[3 * at + 1] = 2 * dot * sinH * sinPhi;
       wo[3 * at + 2] = 2 * dot * cosH - c;
       weights[at] = 4 * dot * sinH * sinH * cosH * (0.5 * span * polar.weights[k]) * phiWeight;
     }

@@ -4,9 +4,6 @@ import type { Bottom, Channels, Coat } from "./api";
 import type { CoatOfChannel } from "./features";
 import { NO_LOBE } from "./lobe";
 
-/** Number of channels of every material. */
-export const CHANNELS = 3;
-
 /** The single precision value of a parameter for one channel, as Python computes with. */
 export function ofChannel(value: Channels, channel: number): number {
   const chosen = typeof value === "number" ? value : value[channel];

@@ -44,7 +44,7 @@ beforeEach(() => {
   remote = new RemoteCore(connected());
 });
 
-describe("calls", () => {
+describe("calls", { timeout: 30_000 }, () => {
   test("give what the core gives", async () => {
     const core = loadCore(weights());
     await remote.load(weights());
@@ -84,7 +84,7 @@ describe("calls", () => {
   });
 });
 
-describe("a walk", () => {
+describe("a walk", { timeout: 30_000 }, () => {
   const pairs = [wi.slice(0, 30), wo.slice(0, 30)] as const;
   const endless = { seed: 2, walks: 1e9 };
 

@@ -1,8 +1,9 @@
 /** The reference: values of a stack with standard errors, which converge to the truth. */
 
 import type { Stack } from "../api";
+import { CHANNELS } from "../channels";
 import type { CoatOfChannel } from "../features";
-import { CHANNELS, coatOfChannel } from "../surfaces";
+import { coatOfChannel } from "../surfaces";
 import { bottomOf, type WalkedBottom } from "./bottoms";
 import { reflection } from "./interface";
 import { uniformNumbers } from "./random";

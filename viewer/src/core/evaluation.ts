@@ -1,0 +1,169 @@
+/** Evaluation of materials: f, the proposal, albedo, and tables of directions. */
+
+import type { Material, TableOptions } from "./api";
+import { CHANNELS, firstSame, rows, sameNumbers } from "./channels";
+import type { Decoder, Responses } from "./decoder";
+import { Pairs } from "./features";
+import { lobeValue } from "./lobe";
+import { sequenceSteps } from "./probe_pairs";
+import { halfVectorRule } from "./quadrature";
+import { mixtureDensity, type Sampler, sampleMixture } from "./sampler";
+import { LOBE_NUMBERS } from "./weights";
+
+/** The largest number below one of single precision, for uniform numbers. */
+const BELOW_ONE = 1 - 2 ** -24;
+
+/** The methods are those of `api.ts`. */
+export class Evaluation {
+  /** @param size numbers of one channel's code. */
+  constructor(
+    private readonly decoder: Decoder,
+    private readonly sampler: Sampler,
+    private readonly size: number,
+  ) {}
+
+  f(material: Material, wi: Float32Array, wo: Float32Array): Float32Array {
+    const pairs = Pairs.of(wi, wo);
+    const values = this.values(material, pairs, pairs.capacity);
+    for (let i = 0; i < pairs.capacity; i++) {
+      if (!(wi[3 * i + 2] > 0 && wo[3 * i + 2] > 0)) {
+        values.fill(0, CHANNELS * i, CHANNELS * (i + 1));
+      }
+    }
+    return Float32Array.from(values);
+  }
+
+  pdf(material: Material, wi: Float32Array, wo: Float32Array): Float32Array {
+    const proposal = this.sampler.proposals(this.meanAnchor(material));
+    const result = new Float32Array(wi.length / 3);
+    let cosine = Number.NaN;
+    let mixture = proposal(1);
+    for (let i = 0; i < result.length; i++) {
+      const at = 3 * i;
+      if (wi[at + 2] !== cosine) {
+        cosine = wi[at + 2];
+        mixture = proposal(cosine);
+      }
+      const x = wi[at] + wo[at];
+      const y = wi[at + 1] + wo[at + 1];
+      result[i] = mixtureDensity(mixture, cosine, wo[at + 2], x * x + y * y);
+    }
+    return result;
+  }
+
+  albedo(material: Material, cosines: Float32Array): Float32Array {
+    const result = new Float32Array(CHANNELS * cosines.length);
+    cosines.forEach((cosine, row) => {
+      if (!(cosine > 0)) {
+        return;
+      }
+      const { wo, weights } = halfVectorRule(cosine);
+      const sine = Math.sqrt(Math.max(1 - cosine * cosine, 0));
+      const pairs = new Pairs(weights.length);
+      weights.forEach((_, i) => {
+        pairs.set(i, sine, 0, cosine, wo[3 * i], wo[3 * i + 1], wo[3 * i + 2]);
+      });
+      const values = this.values(material, pairs, weights.length);
+      for (let channel = 0; channel < CHANNELS; channel++) {
+        let sum = 0;
+        weights.forEach((weight, i) => {
+          sum += values[CHANNELS * i + channel] * wo[3 * i + 2] * weight;
+        });
+        result[CHANNELS * row + channel] = sum;
+      }
+    });
+    return result;
+  }
+
+  table(material: Material, { cosines, samples, shift }: TableOptions): Float32Array {
+    const result = new Float32Array(cosines * samples * 8);
+    const proposal = this.sampler.proposals(this.meanAnchor(material));
+    const uniform = shiftedSequence(samples, shift);
+    const pairs = new Pairs(samples);
+    const densities = new Float64Array(samples);
+    const wo = new Float64Array(3);
+    for (let row = 0; row < cosines; row++) {
+      const cosine = (row + 0.5) / cosines;
+      const sine = Math.sqrt(1 - cosine * cosine);
+      const mixture = proposal(cosine);
+      for (let i = 0; i < samples; i++) {
+        sampleMixture(
+          mixture,
+          [sine, cosine],
+          uniform[3 * i],
+          uniform[3 * i + 1],
+          uniform[3 * i + 2],
+          wo,
+        );
+        pairs.set(i, sine, 0, cosine, wo[0], wo[1], wo[2]);
+        densities[i] = mixtureDensity(mixture, cosine, wo[2], pairs.across[i]);
+        result.set(wo, (row * samples + i) * 8);
+      }
+      const values = this.values(material, pairs, samples);
+      for (let i = 0; i < samples; i++) {
+        const at = (row * samples + i) * 8;
+        const density = densities[i];
+        const factor = density > 0 ? result[at + 2] / density : 0;
+        for (let channel = 0; channel < CHANNELS; channel++) {
+          result[at + 3 + channel] = values[CHANNELS * i + channel] * factor;
+        }
+        result[at + 6] = density;
+      }
+    }
+    return result;
+  }
+
+  /** f (count, 3) of the first pairs. */
+  private values(material: Material, pairs: Pairs, count: number): Float64Array {
+    const codes = rows(material.latents, this.size);
+    const responses = this.decoder.respond(pairs, count);
+    const result = new Float64Array(CHANNELS * count);
+    for (let channel = 0; channel < CHANNELS; channel++) {
+      const own = firstSame(channel, (a, b) => sameNumbers(codes[a], codes[b]));
+      if (own < channel) {
+        for (let i = 0; i < count; i++) {
+          result[CHANNELS * i + channel] = result[CHANNELS * i + own];
+        }
+      } else {
+        this.valuesOfChannel(codes[channel], pairs, responses, result, channel);
+      }
+    }
+    return result;
+  }
+
+  private valuesOfChannel(
+    code: Float32Array,
+    pairs: Pairs,
+    responses: Responses,
+    result: Float64Array,
+    channel: number,
+  ): void {
+    const { decoder } = this;
+    const rest = decoder.rest(decoder.prepare(code, LOBE_NUMBERS), responses);
+    for (let i = 0; i < rest.length; i++) {
+      result[CHANNELS * i + channel] = lobeValue(code, 0, pairs, i) + rest[i];
+    }
+  }
+
+  /** The mean of the channels' anchors, whose proposal all share. */
+  private meanAnchor(material: Material): Float32Array {
+    const anchors = rows(material.anchors, this.size);
+    return Float32Array.from(
+      { length: this.size },
+      (_, k) => anchors.reduce((sum, code) => sum + code[k], 0) / anchors.length,
+    );
+  }
+}
+
+/** Points of Roberts' R sequence (2018) in three dimensions, shifted: (count, 3). */
+function shiftedSequence(count: number, shift: readonly [number, number, number]): Float64Array {
+  const steps = sequenceSteps(3);
+  const points = new Float64Array(3 * count);
+  for (let i = 0; i < count; i++) {
+    for (let k = 0; k < 3; k++) {
+      const x = 0.5 + (i + 1) * (steps[k] ?? 0) + (shift[k] ?? 0);
+      points[3 * i + k] = Math.min(x - Math.floor(x), BELOW_ONE);
+    }
+  }
+  return points;
+}
