@@ -4,11 +4,11 @@ Takes FILEs: MERL tables (.binary), RGL materials (.bsdf), folders of these, or 
 published neural fits of 675 weights each, whose tables in MERL's bins stand in for MERL files. Each
 folder or archive is a set, single files together are one, and each set gets a table:
 
-- columns: Urushi's `encoded` and `refined` materials, and those with an `own decoder`; fits of one
-  and two GGX lobes and a Lambertian part (`benchmarks.rivals.ggx_fit`), for each material the best
-  of several losses by PSNR; a network trained for each material (`benchmarks.rivals.nbrdf`); and
-  Mitsuba's `measured`. RGL files are made reciprocal first, because all other methods are
-  reciprocal; the column of Mitsuba shows how much that changes.
+- columns: Urushi's materials by their `encoded` and `refined` codes, and by their `table`; fits of
+  one and two GGX lobes and a Lambertian part (`benchmarks.rivals.ggx_fit`), for each material the
+  best of several losses by PSNR; a network trained for each material
+  (`benchmarks.rivals.nbrdf`); and Mitsuba's `measured`. RGL files are made reciprocal first,
+  because all other methods are reciprocal; the column of Mitsuba shows how much that changes.
 - figures: PSNR [dB] and FLIP of spheres, means over the environments, and E (docs/conventions.md)
   in per cent; then the means of all measures over materials, and the five lowest PSNR.
 

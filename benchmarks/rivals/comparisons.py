@@ -19,15 +19,14 @@ from urushi.eval.environment import Environment
 from urushi.eval.metrics import Comparison
 from urushi.files import atomic_write
 from urushi.geometry import direction_sets, error_metrics
-from urushi.material import energy, fit, own_fit
+from urushi.material import energy, fit, table
 from urushi.measured import Merl, load_measured
 from urushi.measured.merl import SHAPE
 from urushi.measured.tabulated import bin_centres
-from urushi.nets import own_decoder
 from urushi.nets.weights import find
 
 #: The methods, in the order of the columns.
-METHODS = ("encoded", "refined", "own decoder", "GGX", "two GGX", "NBRDF", "Mitsuba")
+METHODS = ("encoded", "refined", "table", "GGX", "two GGX", "NBRDF", "Mitsuba")
 
 #: Pairs of directions of E.
 PAIRS = 4096
@@ -148,11 +147,11 @@ class Comparisons:
     def _run(self, material: Measured, name: str, reference: "Reference") -> Result:
         start = time.process_time()
         if name == "encoded":
-            f = urushi.encode(reference.truth, self.weights).f
+            f = urushi.encode(reference.truth, self.weights, refine=False, table=False).f
         elif name == "refined":
-            f = urushi.encode(reference.truth, self.weights, refine=True).f
-        elif name == "own decoder":
-            f = urushi.encode(reference.truth, self.weights, own_decoder=True).f
+            f = urushi.encode(reference.truth, self.weights, refine=True, table=False).f
+        elif name == "table":
+            f = urushi.encode(reference.truth, self.weights, table=True).f
         elif name == "NBRDF":
             f = nbrdf.train(reference.truth.f).f
         elif name == "Mitsuba":
@@ -201,7 +200,7 @@ def code_hashes(names: list[str], weights: str | None) -> dict[str, str]:
     modules: dict[str, list[ModuleType]] = {
         "encoded": [energy, fit],
         "refined": [energy, fit],
-        "own decoder": [energy, fit, own_decoder, own_fit],
+        "table": [energy, fit, table],
         "GGX": [ggx_fit],
         "two GGX": [ggx_fit],
         "NBRDF": [nbrdf],
@@ -212,7 +211,7 @@ def code_hashes(names: list[str], weights: str | None) -> dict[str, str]:
         digest = hashlib.sha256()
         for module in (sphere, metrics, *modules[name]):
             digest.update(inspect.getsource(module).encode())
-        if name in ("encoded", "refined", "own decoder"):
+        if name in ("encoded", "refined", "table"):
             digest.update(find(weights).fingerprint.encode())
         result[name] = digest.hexdigest()
     return result

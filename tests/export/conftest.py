@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from urushi.material import Material
-from urushi.nets import own_decoder
 from urushi.nets.architecture import SCALE, Architecture, code_names, init
 from urushi.nets.weights import Model
 
@@ -41,13 +40,11 @@ def materials(model) -> dict[str, Material]:
     coat, bare = codes.copy(), codes.copy()
     coat[:, :6] = 0.1, 0, 0, 1, 1.5, 0  # the same in all channels
     bare[:, :6] = 1, 0, 0, 0, 1.5, 0
-    own = rng.normal(size=(3, own_decoder.WEIGHTS)).astype(np.float32) * 0.3
     return {
         "three lobes": Material(codes, model),
         "one lobe": Material(coat, model, coat + np.float32(0.1)),
         "no lobe": Material(bare, model),
         "grey": Material(codes[:1], model),
-        "own decoder": Material(codes, model, None, own),
     }
 
 

@@ -11,10 +11,11 @@ import pytest
 from tests.export import gpu
 
 from urushi.app.cli import main
-from urushi.errors import ParameterError
+from urushi.errors import ParameterError, UrushiWarning
 from urushi.export import dense
 from urushi.export.program import codes_text
 from urushi.material import Material
+from urushi.material.table import SHAPE
 from urushi.nets.weights import Model
 from urushi.paper.architecture import PaperArchitecture
 from urushi.paper.architecture import init as paper_init
@@ -30,7 +31,7 @@ DRAWN_TOLERANCE = 1e-3
 EXCHANGE_TOLERANCE = {"python": 0.0} | dict.fromkeys(("glsl", "wgsl", "hlsl", "slang"), 5e-7)
 
 SHADERS = ("glsl", "wgsl", "hlsl", "slang")
-KINDS = ("three lobes", "one lobe", "no lobe", "grey", "own decoder")
+KINDS = ("three lobes", "one lobe", "no lobe", "grey")
 DIRECTIONS = np.s_[:, :3], np.s_[:, 4:7], np.s_[:, 8:11]
 
 
@@ -84,7 +85,7 @@ def test_material_in_python(materials, rows, kind):
     check("python", materials[kind].shader("python"), materials[kind], rows)
 
 
-@pytest.mark.parametrize("kind", ["three lobes", "grey", "own decoder"])
+@pytest.mark.parametrize("kind", ["three lobes", "grey"])
 @pytest.mark.parametrize("language", SHADERS)
 def test_material_in_shaders(materials, rows, language, kind):
     check(language, materials[kind].shader(language), materials[kind], rows)
@@ -114,6 +115,13 @@ def test_sampling_chi_squared(materials, sphere_test, kind):
     assert sphere_test(drawn, lambda wo: exported.pdf(wi, wo)) > 1e-3
 
 
+def test_a_table_is_left_out_with_a_warning(model, materials):
+    codes = materials["grey"]
+    tabulated = Material(codes.latents, model, None, np.zeros((*SHAPE, 1), np.float16))
+    with pytest.warns(UrushiWarning, match="table"):
+        assert tabulated.shader("glsl") == codes.shader("glsl")
+
+
 def test_prefixes_allow_several_materials_in_one_shader(materials, rows):
     material = materials["one lobe"]
     other = materials["three lobes"].shader("glsl", "car_paint")
@@ -128,7 +136,7 @@ def test_wgsl_is_valid_for_browsers(model, materials, tmp_path, compiler):
     if path is None:
         pytest.skip(f"{compiler} is not installed")
     end = "\n@fragment fn main() -> @location(0) vec4f { return vec4f(1.0); }\n"
-    for text in (materials["own decoder"].shader("wgsl"), codes_text("wgsl", model, "urushi")):
+    for text in (materials["three lobes"].shader("wgsl"), codes_text("wgsl", model, "urushi")):
         file = tmp_path / "material.wgsl"
         file.write_text(text + end)
         options = ["--format", "wgsl"] if compiler == "tint" else []  # it writes SPIR-V otherwise

@@ -1,4 +1,4 @@
-"""The decoder as shader code: the counterpart of `nets.decoder` and `nets.own_decoder`."""
+"""The decoder as shader code: the counterpart of `nets.decoder`."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -6,9 +6,8 @@ from typing import NamedTuple
 import numpy as np
 
 from urushi.export.dense import dense
-from urushi.export.expressions import Expression, Value, call, colour, dot
+from urushi.export.expressions import Expression, call, colour, dot
 from urushi.export.statements import Function
-from urushi.nets import own_decoder
 from urushi.nets.architecture import SCALE, code_names
 from urushi.nets.decoder import MAX_LOG, MIN_LOG
 from urushi.nets.features import DIRECTION_TABLE, MIN_COSINE
@@ -113,23 +112,6 @@ def rest(
     last = f"decoder.{len(model.arch.decoder)}"
     output = dot(params[f"{last}.weight"][:, 0].tolist(), values)
     return _exponential(body, output + (terms.gain + float(params[f"{last}.bias"][0])))
-
-
-def own_rest(
-    body: Function, weights: np.ndarray, inputs: Sequence[Expression], activated: Function
-) -> Expression:
-    """What decoders (C, `own_decoder.WEIGHTS`) of a material's own give for `features`."""
-    channels = [own_decoder.split(row) for row in weights]
-    first, offset, output, gain = (
-        np.stack(parts, axis=-1) for parts in zip(*channels, strict=True)
-    )
-    body.note_line("The hidden layer, with weights for each channel.")
-    units: list[Value] = []
-    for k in range(own_decoder.HIDDEN):
-        products = dot([colour(w) for w in first[:, k]], inputs)
-        units.append(body.let(f"unit{k}", activated(products + colour(offset[k]))))
-    total = dot([colour(w) for w in output], units)
-    return _exponential(body, total + colour(gain))
 
 
 def _exponential(body: Function, logarithm: Expression) -> Expression:

@@ -27,7 +27,6 @@ from urushi.export.statements import (
     member,
 )
 from urushi.export.texels import Texels, texel_function
-from urushi.nets import own_decoder
 from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
 
@@ -55,7 +54,6 @@ def material_text(
     model: Model,
     latents: np.ndarray,
     anchors: np.ndarray,
-    own: np.ndarray | None,
     prefix: str,
 ) -> str:
     """The file of one material.
@@ -63,7 +61,6 @@ def material_text(
     Args:
         language: one of `LANGUAGES`.
         latents, anchors: (C, size), C being 1 or 3: codes by which f is evaluated and sampled.
-        own: (C, `own_decoder.WEIGHTS`) or None: decoders of the material's own.
         prefix: begins the names in the file.
 
     Raises:
@@ -75,7 +72,7 @@ def material_text(
         raise ParameterError(
             f"the material has {len(latents)} channels; only one or three can become a shader"
         )
-    return LANGUAGES[language](prefix).printed(material_program(model, latents, anchors, own))
+    return LANGUAGES[language](prefix).printed(material_program(model, latents, anchors))
 
 
 def codes_text(language: str, model: Model, prefix: str, texels: Texels | None = None) -> str:
@@ -114,12 +111,9 @@ def check(language: str, model: Model, prefix: str) -> None:
         )
 
 
-def material_program(
-    model: Model, latents: np.ndarray, anchors: np.ndarray, own: np.ndarray | None
-) -> Program:
+def material_program(model: Model, latents: np.ndarray, anchors: np.ndarray) -> Program:
     """The program of a material of known codes."""
     channels = len(latents)
-    kind = FLOAT if channels == 1 else COLOUR
     unit = activation(FLOAT, model.arch.activation, "unit")
     functions = [unit]
     numbers = [colour(column) for column in latents[:, : model.arch.lobe].T]
@@ -128,12 +122,8 @@ def material_program(
     wi, wo = argument(WI), argument(WO)
     value = lobe.f(f, numbers, wi, wo)
     inputs = decoder.features(f, wi, wo)
-    if own is None:
-        activated = activation(COLOUR, model.arch.activation, "units") if channels > 1 else unit
-        rest = decoder.rest(f, model, decoder.known_terms(model, latents), inputs, activated)
-    else:
-        activated = activation(kind, own_decoder.ACTIVATION, "own_unit")
-        rest = decoder.own_rest(f, own, inputs, activated)
+    activated = activation(COLOUR, model.arch.activation, "units") if channels > 1 else unit
+    rest = decoder.rest(f, model, decoder.known_terms(model, latents), inputs, activated)
     if activated is not unit:
         functions.append(activated)
     f.returns(_above(wi, wo, value + rest))

@@ -35,7 +35,7 @@ def encode_all(
     weights: Weights | None = None,
     scheduler: str | None = None,
     refine: bool | Sequence[bool | None] | None = None,
-    own_decoder: bool = False,
+    table: bool | None = None,
 ) -> Iterator[tuple[int, EncodedSource | UrushiError]]:
     """Encode many BRDFs, on all cores of this machine or on a cluster.
 
@@ -45,7 +45,7 @@ def encode_all(
         weights: the networks, as of `encode`.
         scheduler: address of a Dask scheduler; by default this process does it, on all cores.
         refine: as of `encode`, one value for all sources or one for each; this process refines.
-        own_decoder: as of `encode`, for all sources.
+        table: as of `encode`, for all sources.
 
     Yields:
         (index, EncodedSource) of each source as it is done, or its error, which stops none of the
@@ -57,7 +57,7 @@ def encode_all(
     """
     model = find(weights)
     wanted = list(refine) if isinstance(refine, Sequence) else [refine] * len(sources)
-    tasks = [(source, *required_pairs(source, model, own_decoder)) for source in sources]
+    tasks = [(source, *required_pairs(source, model, table)) for source in sources]
     for index, found in map_sources(_read, tasks, scheduler):
         if isinstance(found, UrushiError):
             yield index, found

@@ -8,6 +8,7 @@ by a refinement of many steps (`urushi.material.fit`).
 
 import functools
 import warnings
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,12 +16,13 @@ import numpy.typing as npt
 
 from urushi.errors import ParameterError, UrushiWarning
 from urushi.geometry.error_metrics import DARK_OFFSET
-from urushi.material import energy, own_fit
+from urushi.material import energy
 from urushi.material.energy import limit_albedo
 from urushi.material.fit import correct_codes, refine_codes
 from urushi.material.lobe_albedo import lobe_albedos
 from urushi.material.material import Material
 from urushi.material.symmetry import Deviations, Source, deviations_of, symmetrise
+from urushi.material.table import node_pairs, table_of_values
 from urushi.measured import Merl, Rgl
 from urushi.nets import lobe as lobes
 from urushi.nets.interface_fit import find_lobes
@@ -61,7 +63,7 @@ def encode(
     weights: Weights | None = None,
     *,
     refine: bool | None = None,
-    own_decoder: bool = False,
+    table: bool | None = None,
 ) -> Material:
     """Encode a BRDF into latent codes, one per channel.
 
@@ -77,11 +79,12 @@ def encode(
             brings the decoded values closer to the given ones, instead of by two quick steps (see
             `urushi.material.fit`). None: for measured BRDFs, and for any source whose residual
             exceeds `UNUSUAL_RESIDUAL`. Networks without an encoder always encode by optimisation.
-        own_decoder: whether to fit a decoder of its own to each channel as well, in some seconds a
-            channel (see `urushi.material.own_fit`). The material is then evaluated and rendered by
-            it, far closer to measured BRDFs than by a code. It is the same over the whole surface:
-            coats, blends and textures use the codes. A bare conductor or dielectric, which its lobe
-            gives exactly, and a Material of the same networks get none.
+        table: whether the material gets a table of f over directions as well (see
+            `urushi.material.table`), by which it is evaluated and rendered, at the same price as by
+            the codes and far closer to unusual BRDFs. Coats and textures use the codes. The source
+            is evaluated at 25,000 more pairs, which takes minutes for a Stack; a file holds 150 kB
+            more. None: for measured BRDFs. A bare conductor or dielectric, which its lobe gives
+            exactly, and a Material of the same networks get none.
 
     Raises:
         ParameterError: the source is none of these, or its values have a wrong shape, are negative
@@ -95,7 +98,7 @@ def encode(
     model = find(weights)
     if isinstance(source, Material) and source.model.fingerprint == model.fingerprint:
         return source
-    material, deviations = encode_source(source, model, refine=refine, own_decoder=own_decoder)
+    material, deviations = encode_source(source, model, refine=refine, table=table)
     for sentence in deviations.warnings():
         warnings.warn(f"encode {source_name(source)}: {sentence}", UrushiWarning, stacklevel=2)
     return material
@@ -106,7 +109,7 @@ def encode_source(
     model: Model,
     *,
     refine: bool | None = None,
-    own_decoder: bool = False,
+    table: bool | None = None,
     name: str | None = None,
 ) -> tuple[Material, Deviations]:
     """`encode` without its warnings.
@@ -119,40 +122,26 @@ def encode_source(
     opened = as_source(source)
     if opened.bare and opened.lobe is not None and isinstance(model.networks, UrushiNetworks):
         return material_of_lobes(opened.lobe, model), deviations_of(opened)
-    found = evaluate_source(source, *required_pairs(source, model, own_decoder), name)
+    found = evaluate_source(source, *required_pairs(source, model, table), name)
     return encode_values(found, model, refine=refine), found.deviations
 
 
 def encode_values(found: SourceValues, model: Model, *, refine: bool | None = None) -> Material:
     """The material of a source's values at `required_pairs`; refine: as of `encode`.
 
-    It has a decoder of its own if the values at the pairs for it are among them.
+    It has a table if the values at the pairs of its nodes are among them.
     """
     refine = True if refine is None and found.measured else refine
     if found.bare and found.lobe is not None and isinstance(model.networks, UrushiNetworks):
         return material_of_lobes(found.lobe, model, found.values.shape[1])
-    count = len(required_pairs(None, model)[0])
-    values, further = found.values[:count], found.values[count:]
+    count = len(required_pairs(None, model, table=False)[0])
+    values, at_table = found.values[:count], found.values[count:]
     material = material_from_values(values, model, refine=refine, lobe=found.lobe)
-    if not len(further):
+    if not len(at_table):
         return material
     nodes = values[len(model.networks.pairs()[0]) :]
-    return with_own_decoder(material, np.concatenate([further, nodes]))
-
-
-def with_own_decoder(material: Material, values: np.ndarray) -> Material:
-    """The material with decoders of its own, for values (N, C) [1/sr] at `own_fit.all_pairs`.
-
-    The lobes of its codes are kept, and its directional albedo is at most that of the values.
-    """
-    model, codes = material.model, material.latents
-    assert isinstance(model.networks, UrushiNetworks)  # for the type checker
-    lobe = codes[:, : model.arch.lobe]
-    source_albedo = _source_albedos(values[-len(energy.albedo_rule().wi) :].T, lobe)
-    allowed = energy.albedo_ceiling(source_albedo) - energy.top_albedos(model, codes)
-    top = model.networks.top(codes[:, None], *own_fit.all_pairs())
-    own = own_fit.fit_own_decoders(values.T, top, np.maximum(allowed, energy.LEAST_REST))
-    return Material(codes, model, material.anchors, own)
+    table = table_of_values(at_table, nodes)
+    return Material(material.latents, model, material.anchors, table)
 
 
 def material_of_lobes(lobe: np.ndarray, model: Model, channels: int = 3) -> Material:
@@ -178,34 +167,32 @@ def bare_anchors(model: Model, lobe: np.ndarray) -> np.ndarray:
 
 
 def required_pairs(
-    source: Any, model: Model, own_decoder: bool = False
+    source: Any, model: Model, table: bool | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
     """Pairs of directions (N, 3) at which a source has to be known to be encoded.
 
     These are the networks' own pairs, and the nodes of `energy.albedo_rule`, for the albedo of the
     source, which limits that of the material. A Stack is not simulated at the nodes: its albedo is
-    at most 1. For a decoder of its own, `own_fit.fit_pairs` follow, and a Stack has the nodes too.
+    at most 1. For a table, `table.node_pairs` follow, and a Stack has the nodes too.
+
+    source: as of `encode`, or the Path of a measured file.
 
     Raises:
-        ParameterError: materials of the networks, of another system, have no decoders of their own.
+        ParameterError: materials of the networks, of another system, have no tables.
     """
-    wi, wo = model.networks.pairs()
-    if own_decoder:
-        if not isinstance(model.networks, UrushiNetworks):
-            raise ParameterError(
-                "materials of these networks have no decoders of their own; "
-                "give own_decoder=False or other networks"
-            )
-        nodes = energy.albedo_rule()
-        further = own_fit.fit_pairs()
-        return (
-            np.concatenate([wi, nodes.wi, further[0]]),
-            np.concatenate([wo, nodes.wo, further[1]]),
+    parts, own = [model.networks.pairs()], isinstance(model.networks, UrushiNetworks)
+    if table is None:
+        table = own and isinstance(source, Merl | Rgl | Path)
+    if table and not own:
+        raise ParameterError(
+            "materials of these networks have no tables; give table=False or other networks"
         )
-    if isinstance(source, Stack) or not isinstance(model.networks, UrushiNetworks):
-        return wi, wo
-    nodes = energy.albedo_rule()
-    return np.concatenate([wi, nodes.wi]), np.concatenate([wo, nodes.wo])
+    if own and (table or not isinstance(source, Stack)):
+        parts.append(energy.albedo_rule()[:2])
+    if table:
+        parts.append(node_pairs())
+    wi, wo = (np.concatenate(sides) for sides in zip(*parts, strict=True))
+    return wi, wo
 
 
 def evaluate_source(

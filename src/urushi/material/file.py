@@ -11,7 +11,8 @@ import numpy as np
 
 from urushi import files
 from urushi.errors import FileError
-from urushi.nets import former, own_decoder
+from urushi.material.table import SHAPE
+from urushi.nets import former
 from urushi.nets.weights import Model
 
 #: Versions of files without and with decoders of their own.
@@ -23,12 +24,12 @@ class StoredMaterial(NamedTuple):
 
     Attributes:
         latents, anchors: (C, L).
-        own_decoder: (C, 241), or None.
+        table: (U, V, W, C), or None.
     """
 
     latents: np.ndarray
     anchors: np.ndarray
-    own_decoder: np.ndarray | None
+    table: np.ndarray | None
 
 
 def write(
@@ -36,22 +37,22 @@ def write(
     latents: np.ndarray,
     anchors: np.ndarray,
     fingerprint: str,
-    own: np.ndarray | None = None,
+    table: np.ndarray | None = None,
 ) -> None:
     """Write latents and anchors (C, L) that belong to the networks of `fingerprint`.
 
-    own: the weights (C, 241) of decoders of its own, see `urushi.nets.own_decoder`.
+    table: float16 (U, V, W, C) of ln f, see `urushi.material.table`.
 
     Raises:
         FileError: the file cannot be written.
     """
-    version = CODES_VERSION if own is None else FORMAT_VERSION
+    version = CODES_VERSION if table is None else FORMAT_VERSION
     description = {"version": version, "weights": fingerprint}
     arrays = {"latents": latents}
     if not np.array_equal(latents, anchors):
         arrays["anchors"] = anchors
-    if own is not None:
-        arrays["own_decoder"] = own
+    if table is not None:
+        arrays["table"] = table
     files.write_tensors(path, "material", description, arrays)
 
 
@@ -84,23 +85,20 @@ def read(path: str | os.PathLike, model: Model) -> StoredMaterial:
     for codes in (latents, anchors):
         if codes.dtype != np.float32 or not np.isfinite(codes).all():
             raise FileError(f"the material file '{path}' is damaged: a code is not finite float32")
-    own = arrays.get("own_decoder")
-    if (own is None) != (version == CODES_VERSION):
-        state = "none" if own is None else "some"
+    table = arrays.get("table")
+    if (table is None) != (version == CODES_VERSION):
+        state = "no table" if table is None else "a table"
         raise FileError(
-            f"the material file '{path}' is damaged: a file of version {version} has {state} of "
-            "its own decoders"
+            f"the material file '{path}' is damaged: a file of version {version} has {state}"
         )
-    if own is not None and (
-        own.shape != (len(latents), own_decoder.WEIGHTS)
-        or own.dtype != np.float32
-        or not np.isfinite(own).all()
+    shape = (*SHAPE, len(latents))
+    if table is not None and (
+        table.shape != shape or table.dtype != np.float16 or not np.isfinite(table).all()
     ):
         raise FileError(
-            f"the material file '{path}' is damaged: its own decoders are not finite float32 "
-            f"({len(latents)}, {own_decoder.WEIGHTS})"
+            f"the material file '{path}' is damaged: its table is not finite float16 {shape}"
         )
-    return StoredMaterial(latents, anchors, own)
+    return StoredMaterial(latents, anchors, table)
 
 
 def check_weights(path: str | os.PathLike, made_with: object, model: Model) -> None:

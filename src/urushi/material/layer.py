@@ -51,7 +51,7 @@ def layer(
             "urushi.dielectric(alpha, eta)"
         )
     if not isinstance(bottom, Material) or weights is not None:
-        bottom = encode(bottom, weights, refine=refine)
+        bottom = encode(bottom, weights, refine=refine, table=False)
     parameters = {
         "alpha": np.asarray(top.alpha),
         "eta": np.asarray(top.eta),

@@ -8,13 +8,12 @@ import numpy as np
 import numpy.typing as npt
 
 from urushi import checks
-from urushi.errors import ParameterError
+from urushi.errors import ParameterError, UrushiWarning
 from urushi.export.program import material_text
 from urushi.geometry.quadrature import half_vector_rule
 from urushi.material import energy, file
 from urushi.material.blend import blend_codes
-from urushi.nets import own_decoder
-from urushi.nets.features import direction_features
+from urushi.material.table import SHAPE, interpolated, node_pairs, table_of_values
 from urushi.nets.networks import Proposal, UrushiNetworks
 from urushi.nets.weights import Model, Weights, find
 from urushi.parallel import fill_blocks
@@ -34,17 +33,16 @@ class Material:
             Coats are layered over them, and directions are sampled by them. They differ from the
             latents of encoded materials, which are corrected or refined (see
             `urushi.material.fit`), and equal those of coated materials. Default: the latents.
-        own_decoder: read-only float32 (C, 241), the weights of a decoder of each channel's own
-            (see `urushi.nets.own_decoder`), by which f is evaluated instead of by the latents;
-            their lobes still count. Default: None.
+        table: read-only float16 (U, V, W, C), ln f over directions (see `urushi.material.table`),
+            by which f is evaluated instead of by the latents, as of measured BRDFs. Default: None.
 
-    Materials equal each other if codes, own decoders and networks do.
+    Materials equal each other if codes, tables and networks do.
     """
 
     latents: np.ndarray
     model: Model
     anchors: np.ndarray = None  # type: ignore[assignment]  # __post_init__ puts the latents there
-    own_decoder: np.ndarray | None = None
+    table: np.ndarray | None = None
 
     def __post_init__(self) -> None:
         latents = _checked(self.latents, self.model, "latents")
@@ -55,9 +53,8 @@ class Material:
             raise ParameterError(
                 f"a material has {len(latents)} latents, but {len(anchors)} anchors; give as many"
             )
-        if self.own_decoder is not None:
-            own = _checked_own(self.own_decoder, self.model, len(latents))
-            object.__setattr__(self, "own_decoder", own)
+        if self.table is not None:
+            object.__setattr__(self, "table", _checked_table(self.table, self.model, len(latents)))
         object.__setattr__(self, "latents", latents)
         object.__setattr__(self, "anchors", anchors)
 
@@ -68,12 +65,12 @@ class Material:
             self.model.fingerprint == other.model.fingerprint
             and np.array_equal(self.latents, other.latents)
             and np.array_equal(self.anchors, other.anchors)
-            and _same_own(self.own_decoder, other.own_decoder)
+            and _same_table(self.table, other.table)
         )
 
     def __hash__(self) -> int:
-        own = None if self.own_decoder is None else self.own_decoder.tobytes()
-        return hash((self.model.fingerprint, self.latents.tobytes(), self.anchors.tobytes(), own))
+        table = None if self.table is None else self.table.tobytes()
+        return hash((self.model.fingerprint, self.latents.tobytes(), self.anchors.tobytes(), table))
 
     def __repr__(self) -> str:
         return f"Material({self.channels} channels, weights {self.model.fingerprint})"
@@ -101,19 +98,20 @@ class Material:
 
     def _filled(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         f = np.empty((len(wi), self.channels), np.float32)
-        fill_blocks(f[..., None], self._f, self.latents[None], wi[:, None], wo[:, None])
+        if self.table is None:
+            fill_blocks(f[..., None], self._f, self.latents[None], wi[:, None], wo[:, None])
+        else:
+            fill_blocks(f, self._tabulated, wi, wo)
         return f
 
     def _f(self, z: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-        above = (wi[..., 2] > 0.0) & (wo[..., 2] > 0.0)
-        if self.own_decoder is None:
-            f = self.model.networks.f(z, wi, wo)
-        else:
-            networks = self.model.networks
-            assert isinstance(networks, UrushiNetworks)  # for the type checker
-            features = direction_features(wi[:, 0], wo[:, 0])
-            f = networks.top(z, wi, wo) + own_decoder.rest(self.own_decoder, features)
-        return np.where(above, f, np.float32(0.0))[..., None]
+        f = self.model.networks.f(z, wi, wo)
+        return np.where(_above(wi, wo), f, np.float32(0.0))[..., None]
+
+    def _tabulated(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        assert self.table is not None  # for the type checker
+        f = interpolated(self.table, wi, wo)
+        return np.where(_above(wi, wo)[:, None], f, np.float32(0.0))
 
     def pdf(self, wi: npt.ArrayLike, wo: npt.ArrayLike) -> np.ndarray:
         """Return the density of `sample` at wo given wi: float32 (N,) [1/sr].
@@ -200,7 +198,8 @@ class Material:
     def shader(self, language: str, prefix: str = "urushi") -> str:
         """Return the material as source code: functions f, pdf and sample in one file.
 
-        The weights of the networks are literals in it; see `urushi export`.
+        The weights of the networks are literals in it; see `urushi export`. f is that of the codes:
+        a table is too large for source code.
 
         Args:
             language: "glsl", "wgsl", "hlsl", "slang", "osl" or "python".
@@ -209,21 +208,29 @@ class Material:
         Raises:
             ParameterError: an unknown language, a prefix that is no name, networks of another
                 system, or a material of other than one or three channels.
+
+        Warns:
+            UrushiWarning: the material has a table.
         """
-        return material_text(
-            language, self.model, self.latents, self.anchors, self.own_decoder, prefix
-        )
+        if self.table is not None:
+            warnings.warn(
+                f"shader: the {language} code leaves out the table of the material; its f is that "
+                "of the codes",
+                UrushiWarning,
+                stacklevel=2,
+            )
+        return material_text(language, self.model, self.latents, self.anchors, prefix)
 
     def save(self, path: str | os.PathLike) -> None:
         """Write the material to a safetensors file; `urushi.load` reads it.
 
-        The file holds the codes, the decoders of its own if it has any, and the fingerprint of the
-        networks, not the networks.
+        The file holds the codes, the table if there is one, and the fingerprint of the networks,
+        not the networks.
 
         Raises:
             FileError: the file cannot be written.
         """
-        file.write(path, self.latents, self.anchors, self.model.fingerprint, self.own_decoder)
+        file.write(path, self.latents, self.anchors, self.model.fingerprint, self.table)
 
 
 def load(path: str | os.PathLike, weights: Weights | None = None) -> Material:
@@ -236,7 +243,7 @@ def load(path: str | os.PathLike, weights: Weights | None = None) -> Material:
     """
     model = find(weights)
     stored = file.read(path, model)
-    return Material(stored.latents, model, stored.anchors, stored.own_decoder)
+    return Material(stored.latents, model, stored.anchors, stored.table)
 
 
 def _checked(codes: npt.ArrayLike, model: Model, name: str) -> np.ndarray:
@@ -253,25 +260,30 @@ def _checked(codes: npt.ArrayLike, model: Model, name: str) -> np.ndarray:
     return array
 
 
-def _same_own(a: np.ndarray | None, b: np.ndarray | None) -> bool:
-    """Whether two materials have the same own decoders, or none."""
+def _above(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+    """Whether both directions (..., 3) are above the horizon."""
+    return (wi[..., 2] > 0.0) & (wo[..., 2] > 0.0)
+
+
+def _same_table(a: np.ndarray | None, b: np.ndarray | None) -> bool:
+    """Whether two materials have the same table, or none."""
     if a is None or b is None:
         return a is b
     return np.array_equal(a, b)
 
 
-def _checked_own(weights: npt.ArrayLike, model: Model, channels: int) -> np.ndarray:
-    """A read-only copy float32 (C, 241) of the weights of a material's own decoders."""
+def _checked_table(table: npt.ArrayLike, model: Model, channels: int) -> np.ndarray:
+    """A read-only copy float16 (U, V, W, C) of a material's table."""
     if not isinstance(model.networks, UrushiNetworks):
-        raise ParameterError("materials of these networks have no decoders of their own")
-    array = np.array(weights, dtype=np.float32)
-    if array.shape != (channels, own_decoder.WEIGHTS):
+        raise ParameterError("materials of these networks have no tables")
+    with np.errstate(over="ignore"):
+        array = np.array(table, dtype=np.float16)
+    if array.shape != (*SHAPE, channels):
         raise ParameterError(
-            f"a material's own decoders have shape {array.shape}; "
-            f"give ({channels}, {own_decoder.WEIGHTS})"
+            f"a material's table has shape {array.shape}; give {(*SHAPE, channels)}"
         )
     if not np.isfinite(array).all():
-        raise ParameterError("a material's own decoders hold a number that is not finite")
+        raise ParameterError("a material's table holds a number that is not finite")
     array.flags.writeable = False
     return array
 
@@ -297,9 +309,8 @@ def lerp(a: Material, b: Material, t: npt.ArrayLike) -> Material:
     of networks of another system are (1 - t) a + t b.
 
     t: in [0, 1], a scalar or one number per RGB channel. A material of one channel blends with one
-    of three. t = 0 gives exactly a's codes, t = 1 exactly b's. Decoders of their own cannot be
-    blended: a material between has none, and its f is that of its codes. For t = 0 or 1 throughout,
-    the result keeps those of a or b.
+    of three. t = 0 gives exactly a's codes, t = 1 exactly b's. If a or b has a table, the result
+    has one too, of (1 - t) a's f + t b's.
 
     Raises:
         ParameterError: a and b belong to different networks or numbers of channels, or t is out
@@ -330,15 +341,21 @@ def lerp(a: Material, b: Material, t: npt.ArrayLike) -> Material:
     anchors = latents
     if a.anchors is not a.latents or b.anchors is not b.latents:
         anchors = _blend(a.model, a.anchors, b.anchors, share)
-    return Material(latents, a.model, anchors, _own_at_end(a, b, share))
+    return Material(latents, a.model, anchors, _blended_table(a, b, share))
 
 
-def _own_at_end(a: Material, b: Material, share: np.ndarray) -> np.ndarray | None:
-    """The own decoders of a or b if all shares (C,) of b are 0 or 1; None between them."""
-    end = a if (share == 0).all() else b if (share == 1).all() else None
-    if end is None or end.own_decoder is None:
+def _blended_table(a: Material, b: Material, share: np.ndarray) -> np.ndarray | None:
+    """The table of the blend with shares (C,) of b; None if a and b have none where they count."""
+    if (share == 0).all() or (share == 1).all():
+        end = b if share.any() else a
+        return None if end.table is None else np.broadcast_to(end.table, (*SHAPE, len(share)))
+    if a.table is None and b.table is None:
         return None
-    return np.broadcast_to(end.own_decoder, (len(share), own_decoder.WEIGHTS))
+    values = []
+    for material in (a, b):
+        pairs, rule = node_pairs(), energy.albedo_rule()
+        values.append([material._filled(*pairs), material._filled(rule.wi, rule.wo)])
+    return table_of_values(*((1 - share) * x + share * y for x, y in zip(*values, strict=True)))
 
 
 def _blend(model: Model, a: np.ndarray, b: np.ndarray, share: np.ndarray) -> np.ndarray:

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from urushi.material import Material
+from urushi.material.table import interpolated, rest_table
 from urushi.nets import features as numpy_features
 from urushi.nets import sampler as numpy_lobes
 from urushi.nets import sampler as numpy_sampler
@@ -72,12 +73,16 @@ def test_features_agree_with_numpy(rgb):
 
 
 def test_f_agrees_with_numpy(rgb, parts):
+    """The lobe, and the table of the rest, of which `tests.material.test_table` has the error."""
     drjit, numpy = parts
     wi, wo = pairs()
     f = evaluated(drjit, interaction(rgb, wi), vector(rgb, wo))
-    np.testing.assert_allclose(
-        np.stack([x.numpy() for x in f], -1), numpy.f(wi, wo), rtol=5e-4, atol=1e-9
-    )
+    networks, z = numpy.model.networks, numpy.latents
+    expected = networks.top(z, wi[:, None], wo[:, None])
+    expected = expected + interpolated(rest_table(networks, z), wi, wo)
+    # Coordinates lose digits at grazing angles, where the values of these random networks change
+    # by half from one node to the next.
+    np.testing.assert_allclose(np.stack([x.numpy() for x in f], -1), expected, rtol=5e-3)
 
 
 def test_f_is_reciprocal_to_the_last_bit(rgb, parts):
@@ -89,11 +94,11 @@ def test_f_is_reciprocal_to_the_last_bit(rgb, parts):
         np.testing.assert_array_equal(a.numpy(), b.numpy())
 
 
-def test_latents_of_a_constant_texture_equal_constant_latents(rgb, model, parts):
+def test_f_of_a_constant_texture_agrees_with_numpy(rgb, model, parts):
     from urushi.render.latents.holders import TexturedLatents
     from urushi.textures.grid import IDENTITY, TexelGrid
 
-    constant, _ = parts
+    _, numpy = parts
     store = TextureStore(model, packing.texel_layout(model, 3), 8, 4)
     with store.writing() as write:
         write(np.arange(32), np.broadcast_to(latents(3), (32, 3, 32)))
@@ -101,10 +106,9 @@ def test_latents_of_a_constant_texture_equal_constant_latents(rgb, model, parts)
     wi, wo = pairs()
     si = interaction(rgb, wi)
     si.uv = rgb.Point2f(np.random.default_rng(0).normal(size=(2, len(wi))).astype(np.float32))
-    values = [evaluated(latents, si, vector(rgb, wo)) for latents in (textured, constant)]
-    for a, b in zip(*values, strict=True):
-        # half precision: 5e-4 of a latent, 32 of them, through a network that triples its output
-        np.testing.assert_allclose(a.numpy(), b.numpy(), rtol=2e-2)
+    f = np.stack([x.numpy() for x in evaluated(textured, si, vector(rgb, wo))], -1)
+    # half precision: 5e-4 of a latent, 32 of them, through a network that triples its output
+    np.testing.assert_allclose(f, numpy.f(wi, wo), rtol=2e-2)
 
 
 def test_mixture_agrees_with_numpy(rgb, model, parts):

@@ -4,6 +4,7 @@ import drjit as dr
 import numpy as np
 import pytest
 
+from urushi.material.table import interpolated, rest_table
 from urushi.nets import lobe as numpy_lobe
 from urushi.nets import weights
 from urushi.nets.architecture import SCALE, Architecture, code_names, init
@@ -100,12 +101,18 @@ def test_f_agrees_with_numpy(rgb, model, name, hold):
     z = codes(name)
     wi, wo = directions()
     networks = UrushiNetworks({k: v.astype(np.float64) for k, v in model.params.items()}, ARCH)
-    expected = networks.f(z.astype(np.float64), *(w[:, None].astype(np.float64) for w in (wi, wo)))
+    exact = z.astype(np.float64), *(w[:, None].astype(np.float64) for w in (wi, wo))
+    expected = networks.f(*exact)
+    if hold is constant:
+        table = rest_table(model.networks, z)
+        assert table is not None
+        expected = networks.top(*exact) + interpolated(table, wi, wo)
     f = evaluated(rgb, hold(model, z), wi, wo)
     assert np.isfinite(f).all()
     # Half vectors of float32 directions lose digits: |h_xy|^2 of a lobe of width 0.01 by 1e-3.
     # Texels have half precision: 5e-4 of a number.
-    np.testing.assert_allclose(f, expected, rtol=5e-3 if hold is textured else 2e-3)
+    # Coordinates of the table lose digits at grazing angles, where random networks change most.
+    np.testing.assert_allclose(f, expected, rtol=5e-3)
 
 
 @pytest.mark.parametrize("name", LOBES)

@@ -41,8 +41,11 @@ class Encode:
     measured and of unusual BRDFs."""
     no_refine: bool = False
     """Refine no latent code."""
-    own_decoder: bool = False
-    """Fit a decoder of its own to every channel, far closer to measured BRDFs than a code."""
+    table: bool = False
+    """Store a table of f with every material, by which it is evaluated. Default: automatic, with
+    the materials of measured files."""
+    no_table: bool = False
+    """Store no table."""
     mode: Annotated[str, tyro.conf.arg(aliases=["-m"])] = "llvm_ad_rgb"
     """Mitsuba variant for reading scene files."""
     scheduler: str | None = None
@@ -68,7 +71,7 @@ class Encode:
                 weights=self.weights,
                 scheduler=self.scheduler,
                 refine=True if self.refine else False if self.no_refine else None,
-                own_decoder=self.own_decoder,
+                table=True if self.table else False if self.no_table else None,
             ):
                 progress.update()
                 index = readable[position]

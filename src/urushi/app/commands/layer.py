@@ -114,10 +114,10 @@ def read_material(text: str, weights: str | None) -> "Material":
     import urushi
 
     if is_description(text):
-        return urushi.encode(describe(text), weights)
+        return urushi.encode(describe(text), weights, table=False)
     if Path(text).suffix == ".safetensors":
         return urushi.load(text, weights)
-    return urushi.encode(urushi.load_measured(text), weights)
+    return urushi.encode(urushi.load_measured(text), weights, table=False)
 
 
 def scalar_or_rgb(values: tuple[float, ...]) -> Any:

@@ -17,16 +17,13 @@ import mitsuba as mi
 import numpy as np
 
 from urushi.material.material import Material
+from urushi.material.table import rest_table
 from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
 from urushi.render.latents.lookup import LatentTexture, are_constant, owned
-from urushi.render.networks.lobe import ANY_LOBE, LobeKind, kind_of
-from urushi.render.networks.own_decoder import OwnDecoder, digits
-from urushi.render.networks.protocols import (
-    ConstantDecoder,
-    Proposal,
-    decoder_and_sampler,
-)
+from urushi.render.networks.lobe import ANY_LOBE, NO_LOBE, LobeKind, kind_of
+from urushi.render.networks.protocols import Decoder, Proposal, decoder_and_sampler
+from urushi.render.networks.table import TabulatedDecoder, padded
 from urushi.render.recording import only_where, signature
 from urushi.textures import file
 from urushi.textures.grid import TexelGrid
@@ -46,10 +43,11 @@ class Vertex(NamedTuple):
 
 
 class ConstantLatents:
-    """One latent code per channel. The networks' terms of the codes are computed once, here."""
+    """One latent code per channel. What depends on the codes alone is computed once, here."""
 
     DRJIT_STRUCT: ClassVar = {
         "_decoder_terms": list,
+        "_tables": list,
         "_proposals": list,
         "_signature": list,
     }  # for frozen functions
@@ -59,18 +57,19 @@ class ConstantLatents:
         model: Model,
         latents: np.ndarray,
         anchors: np.ndarray | None = None,
-        own: np.ndarray | None = None,
+        table: np.ndarray | None = None,
     ):
-        """latents, anchors: (C, size) float32, own: (C, 241) or None, those of a `Material`."""
-        self._material = Material(latents, model, latents if anchors is None else anchors, own)
-        kind = kind_of_codes(model, latents[None])
-        self._decoder: ConstantDecoder
+        """latents, anchors: (C, size) float32, table: of ln f or None, those of a `Material`."""
+        self._material = Material(latents, model, latents if anchors is None else anchors, table)
+        kind = NO_LOBE if table is not None else kind_of_codes(model, latents[None])
+        self._decoder: Decoder | TabulatedDecoder
         self._decoder, self._sampler = decoder_and_sampler(model, kind)
-        states = list(map(int, kind))
-        if own is not None:
-            self._decoder = OwnDecoder(own, kind)
-            states += digits(own)
-        self._signature = signature(states)
+        self._tables = []
+        if isinstance(model.networks, UrushiNetworks):
+            self._decoder = TabulatedDecoder(kind)
+            table = rest_table(model.networks, latents) if table is None else table
+            self._tables = [] if table is None else [owned(mi.Float, padded(table))]
+        self._signature = signature([*map(int, kind), len(self._tables)])
         self._decoder_terms = [_opaque(terms) for terms in self._decoder.code_terms(latents)]
         mean = self._material.anchors.mean(axis=0)
         self._proposals = [owned(mi.Float, x) for x in self._sampler.tabulated(mean)]
@@ -84,11 +83,17 @@ class ConstantLatents:
 
     def f(self, vertex: Vertex, si, wo, active) -> list:
         """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
-        return only_where(active, self._decoder.f_of_terms, vertex.decoder_terms, si.wi, wo)
+        return only_where(active, self._evaluated(), vertex.decoder_terms, si.wi, wo)
 
     def f_and_pdf(self, vertex: Vertex, si, wo, active) -> tuple[list, Any]:
         """`f`, and the density of the proposal [1/sr]."""
-        return _f_and_pdf(self._decoder, vertex, si, wo, active)
+        return _f_and_pdf(self._evaluated(), vertex, si, wo, active)
+
+    def _evaluated(self) -> Callable[..., list]:
+        """The function from terms, wi and wo to f. The tables are no arguments, as in `vertex`."""
+        if isinstance(self._decoder, TabulatedDecoder):
+            return partial(self._decoder.f_of_terms, self._tables)
+        return self._decoder.f_of_terms
 
     def at(self, uv: np.ndarray) -> np.ndarray:
         """Latent codes (M, C, size) at points uv (M, 2)."""
@@ -99,7 +104,7 @@ class ConstantLatents:
     def anchors(self) -> "ConstantLatents":
         """The codes that coats are layered over."""
         material = self._material
-        if material.anchors is material.latents and material.own_decoder is None:
+        if material.anchors is material.latents and material.table is None:
             return self
         return ConstantLatents(material.model, material.anchors)
 
@@ -128,8 +133,8 @@ class ConstantLatents:
 
     def __str__(self) -> str:
         count, size = self._material.latents.shape
-        own = "" if self._material.own_decoder is None else ", with decoders of its own"
-        return f"{count} x {size}{own}"
+        table = "" if self._material.table is None else ", with a table"
+        return f"{count} x {size}{table}"
 
 
 class TexturedLatents:
@@ -162,7 +167,7 @@ class TexturedLatents:
 
     def f_and_pdf(self, vertex: Vertex, si, wo, active) -> tuple[list, Any]:
         """`f`, and the density of the proposal [1/sr]."""
-        return _f_and_pdf(self._decoder, vertex, si, wo, active)
+        return _f_and_pdf(self._decoder.f_of_terms, vertex, si, wo, active)
 
     def _vertex(self, cos_i, uv, *footprint) -> Vertex:
         latents = self._texture.look_up(uv, *footprint)
@@ -194,12 +199,12 @@ class TexturedLatents:
         )
 
 
-def _f_and_pdf(decoder: ConstantDecoder, vertex: Vertex, si, wo, active) -> tuple[list, Any]:
+def _f_and_pdf(f_of_terms: Callable[..., list], vertex: Vertex, si, wo, active) -> tuple[list, Any]:
     """Values of each channel and the proposal's density where active, zero elsewhere."""
 
     def evaluated(terms, proposal, wi, wo):
         density = type(vertex.proposal)(*proposal).pdf(wi, wo)
-        return decoder.f_of_terms(terms, wi, wo), density
+        return f_of_terms(terms, wi, wo), density
 
     proposal = cast(tuple, vertex.proposal)  # conditions of Dr.Jit take lists, no named tuples
     return only_where(active, evaluated, vertex.decoder_terms, [*proposal], si.wi, wo)

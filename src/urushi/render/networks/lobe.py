@@ -75,6 +75,9 @@ class LobeKind(NamedTuple):
         ]
 
 
+#: No lobe reflects.
+NO_LOBE = LobeKind(schlick=False, exact=False, absorbing=False)
+
 #: Nothing is known.
 ANY_LOBE = LobeKind()
 

@@ -27,18 +27,14 @@ class Proposal(Protocol):
         """Draw wo above the horizon by the uniform numbers `choice` and `u` (two)."""
 
 
-class ConstantDecoder(Protocol):
-    """f [1/sr] of a constant material."""
+class Decoder(Protocol):
+    """f [1/sr] from latent codes."""
 
     def code_terms(self, latents: np.ndarray) -> Sequence[np.ndarray]:
         """Terms (K,) of the latent code of each channel (C, size), by NumPy."""
 
     def f_of_terms(self, terms: Sequence[Sequence], wi, wo) -> list:
         """f [1/sr] of each channel, from a list of Dr.Jit floats, its terms, for each."""
-
-
-class Decoder(ConstantDecoder, Protocol):
-    """f [1/sr] from latent codes."""
 
     def code_terms_drjit(self, latents: Sequence[Sequence]) -> list[list]:
         """The same of codes that are lists (size) of Dr.Jit floats, one for each channel."""

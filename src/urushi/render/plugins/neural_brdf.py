@@ -73,7 +73,7 @@ def define(base: type) -> type:
                 codes = lookup.owned(mi.Float, material.latents)
                 self._tensor = mi.TensorXf(codes, material.latents.shape)
                 self.latents = ConstantLatents(
-                    self.model, material.latents, material.anchors, material.own_decoder
+                    self.model, material.latents, material.anchors, material.table
                 )
             if self.latents.channels not in (1, 3):
                 raise ParameterError(

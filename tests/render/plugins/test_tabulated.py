@@ -1,18 +1,21 @@
-"""Materials with decoders of their own are rendered as they are evaluated in NumPy."""
+"""Materials with tables are rendered as they are evaluated in NumPy."""
 
 import drjit as dr
 import numpy as np
 import pytest
 
 from urushi.material import Material
-from urushi.nets import own_decoder
+from urushi.material.table import SHAPE
 from urushi.nets.architecture import Architecture, init
 from urushi.nets.weights import Model
 
 
-def own_weights(seed: int) -> np.ndarray:
+def random_table(seed: int) -> np.ndarray:
+    """ln f (U, V, W, 3) that neighbouring nodes share roughly."""
     rng = np.random.default_rng(seed)
-    return 0.4 * rng.normal(size=(3, own_decoder.WEIGHTS)).astype(np.float32)
+    slopes = rng.normal(size=(3, 3))
+    nodes = np.stack(np.meshgrid(*(np.linspace(0, 1, n) for n in SHAPE), indexing="ij"), axis=-1)
+    return nodes @ slopes + 0.1 * rng.normal(size=(*SHAPE, 3)) - 1
 
 
 @pytest.fixture(scope="module")
@@ -34,8 +37,8 @@ def materials(model: Model) -> list[Material]:
     made = []
     for seed, values in enumerate(numbers):
         codes = np.concatenate([np.float32(values), latents[:, lobe:]], axis=1)
-        made.append(Material(codes, model, None, own_weights(seed)))
-    return [*made, Material(made[0].latents[:1], model, None, made[0].own_decoder[:1])]
+        made.append(Material(codes, model, None, random_table(seed)))
+    return [*made, Material(made[0].latents[:1], model, None, made[0].table[..., :1])]
 
 
 def loaded(mi, material, folder):
@@ -68,7 +71,7 @@ def test_reciprocal_to_the_bit(rgb, small, random_directions):
     from urushi.render.latents.holders import ConstantLatents
 
     material = materials(small)[1]
-    latents = ConstantLatents(small, material.latents, None, material.own_decoder)
+    latents = ConstantLatents(small, material.latents, None, material.table)
     sides = random_directions(2000, 3), random_directions(2000, 4)
 
     def f(wi, wo) -> np.ndarray:
@@ -96,21 +99,22 @@ def test_edited_codes_replace_them(rgb, small, random_directions, tmp_path):
     parameters.update()
     wi, wo = random_directions(100, 1, 0.05), random_directions(100, 2, 0.05)
     of_codes = Material(material.latents, small).f(wi, wo)
-    np.testing.assert_allclose(evaluated(rgb, bsdf, wi, wo), of_codes, rtol=2e-3)
+    # The plugin has a table of the codes' rest, the networks are random.
+    np.testing.assert_allclose(evaluated(rgb, bsdf, wi, wo), of_codes, rtol=5e-2)
 
 
 def test_coats_lie_over_the_anchors(rgb, small):
     from urushi.render.latents.holders import ConstantLatents
 
     material = materials(small)[0]
-    bottom = ConstantLatents(small, material.latents, None, material.own_decoder).anchors
+    bottom = ConstantLatents(small, material.latents, None, material.table).anchors
     again = bottom.anchors
     assert again is bottom and str(bottom) == "3 x 24"
 
 
 def test_frozen_functions_tell_materials_apart(rgb, small, random_directions, tmp_path):
     codes = materials(small)[0].latents
-    made = [Material(codes, small, None, own_weights(seed)) for seed in (5, 6)]
+    made = [Material(codes, small, None, random_table(seed)) for seed in (5, 6)]
     bsdfs = [loaded(rgb, material, tmp_path) for material in made]
     wi, wo = random_directions(64, 1, 0.05), random_directions(64, 2, 0.05)
 

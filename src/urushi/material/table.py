@@ -1,0 +1,141 @@
+"""Tables of ln f over directions: of what a constant material reflects beside its lobe, and of
+measured BRDFs.
+
+A renderer looks up the rest of a constant material, because the decoder takes four times as long.
+A measured BRDF differs from layered ones in more ways than the numbers of a code can say, so that
+its material has a table of f itself. f is interpolated linearly in three coordinates in [0, 1]:
+
+    u = (ln(tan^2 theta_h + `TAN2_OFFSET`) - `LOWEST`) / (`HIGHEST` - `LOWEST`)
+    v = sqrt(1 - cos theta_d)
+    w = 1 - sqrt(1 - |d| / min(c, s))
+
+with the half and the difference angle of Rusinkiewicz (1998), c = (cos_i + cos_o) / 2,
+d = (cos_i - cos_o) / 2 and s = sin theta_h sin theta_d; neither c nor s is below |d|. The nodes are
+densest for small half angles, where lobes are narrow, and where a direction grazes the surface.
+Exchanging wi and wo leaves the coordinates the same to the bit.
+
+The table of a rest adds an error E of less than 0.05 % to most materials, and 0.15 % where a sharp
+coat covers a sharp lobe (`python -m benchmarks.quality.table`).
+"""
+
+import functools
+import math
+
+import numpy as np
+
+from urushi.material import energy
+from urushi.nets.decoder import EMPTY_GAIN, MAX_LOG, MIN_LOG
+from urushi.nets.features import MIN_COSINE, direction_features
+from urushi.nets.networks import UrushiNetworks
+
+#: Nodes in u, v and w.
+SHAPE = (96, 32, 8)
+
+#: Of the coordinate u.
+TAN2_OFFSET = 1e-5
+LOWEST, HIGHEST = math.log(TAN2_OFFSET), math.log(1e3)
+
+#: Pairs that are evaluated at once.
+BLOCK = 4096
+
+
+def rest_table(networks: UrushiNetworks, latents: np.ndarray) -> np.ndarray | None:
+    """ln f of the rests of codes (C, L): float32 (U, V, W, C); None if there are none."""
+    if (latents[:, networks.arch.lobe] <= EMPTY_GAIN).all():
+        return None
+    features = _node_features()
+    logs = [
+        np.log(networks.rest(latents, features[start : start + BLOCK, None]))
+        for start in range(0, len(features), BLOCK)
+    ]
+    return np.concatenate(logs).reshape(*SHAPE, len(latents))
+
+
+def table_of_values(f: np.ndarray, at_nodes: np.ndarray) -> np.ndarray:
+    """The table float16 (U, V, W, C) of a BRDF.
+
+    It reflects at no angle more than the BRDF: where interpolation adds light, all of the table is
+    scaled down.
+
+    Args:
+        f: (N, C) [1/sr] values at `node_pairs`.
+        at_nodes: (M, C) at the nodes of `energy.albedo_rule`.
+    """
+    logs = np.log(np.maximum(f, math.exp(MIN_LOG))).reshape(*SHAPE, -1)
+    rule = energy.albedo_rule()
+    own, made = (rule.albedo(x.T) for x in (at_nodes, interpolated(logs, rule.wi, rule.wo)))
+    ceiling = np.maximum(energy.albedo_ceiling(own), energy.LEAST_ALBEDO)
+    excess = np.maximum((made / ceiling).max(axis=-1), 1.0)
+    return (logs - np.log(excess)).clip(MIN_LOG, MAX_LOG).astype(np.float16)
+
+
+def interpolated(table: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+    """f float32 (N, C) [1/sr] of a table (U, V, W, C) for pairs (N, 3) above the horizon."""
+    _, columns, depth = SHAPE
+    rows = table.reshape(-1, table.shape[-1])
+    indices, shares = [], []
+    for coordinate, count in zip(coordinates(wi, wo), SHAPE, strict=True):
+        place = np.clip(coordinate, 0, 1) * (count - 1)
+        index = np.minimum(place.astype(np.intp), count - 2)
+        indices.append(index)
+        shares.append((place - index).astype(np.float32)[:, None])
+    first = (indices[0] * columns + indices[1]) * depth + indices[2]
+    values = [
+        rows[first + (a * columns + b) * depth + c].astype(np.float32)
+        for a, b, c in np.ndindex(2, 2, 2)
+    ]
+    for share in reversed(shares):
+        values = [
+            low + share * (high - low) for low, high in zip(values[::2], values[1::2], strict=True)
+        ]
+    return np.exp(values[0])
+
+
+def coordinates(wi: np.ndarray, wo: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The coordinates u, v, w (N,) of pairs (N, 3), in [0, 1] up to rounding."""
+    x, y, z = ((wi[:, i] + wo[:, i]).astype(np.float64) for i in range(3))
+    across, z2 = x * x + y * y, np.maximum(z * z, 1e-18)
+    squared = across + z2
+    u = (np.log(across / z2 + TAN2_OFFSET) - LOWEST) / (HIGHEST - LOWEST)
+    cos_d = np.minimum(0.5 * np.sqrt(squared), 1)
+    sin2 = (1 - cos_d) * (1 + cos_d)
+    reach = np.minimum(0.5 * z, np.sqrt(across / squared * sin2))
+    size = np.clip(0.5 * np.abs(wi[:, 2] - wo[:, 2]) / np.maximum(reach, 1e-9), 0, 1)
+    return u, np.sqrt(1 - cos_d), 1 - np.sqrt(1 - size)
+
+
+@functools.cache
+def node_pairs() -> tuple[np.ndarray, np.ndarray]:
+    """Pairs wi, wo float32 (N, 3) of the nodes, u slowest; cosines are at least `MIN_COSINE`."""
+    axes = (np.linspace(0, 1, count) for count in SHAPE)
+    pairs = node_directions(*(x.ravel() for x in np.meshgrid(*axes, indexing="ij")))
+    for w in pairs:
+        w[:, 2] = np.maximum(w[:, 2], MIN_COSINE)
+        w /= np.linalg.norm(w, axis=1, keepdims=True)
+        w.flags.writeable = False
+    return pairs
+
+
+def node_directions(u: np.ndarray, v: np.ndarray, w: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """A pair wi, wo float32 (N, 3) with the coordinates (N,).
+
+    Where a coordinate means nothing, as w for equal directions, any pair of the same f is one.
+    """
+    tan2 = np.maximum(np.exp(LOWEST + u * (HIGHEST - LOWEST)) - TAN2_OFFSET, 1e-9)
+    cos_h = 1 / np.sqrt(1 + tan2)
+    sin_h = np.sqrt(tan2) * cos_h
+    cos_d = 1 - v * v
+    sin_d = np.sqrt(np.maximum(1 - cos_d * cos_d, 0))
+    both = sin_h * sin_d
+    difference = (1 - (1 - w) ** 2) * np.minimum(cos_h * cos_d, both)
+    cos_phi = np.where(both > 1e-12, difference / np.maximum(both, 1e-12), w)
+    sin_phi = np.sqrt(np.maximum(1 - cos_phi**2, 0))
+    along = np.stack([sin_h, np.zeros_like(sin_h), cos_h], axis=-1) * cos_d[..., None]
+    across = np.stack([cos_phi * cos_h, sin_phi, -cos_phi * sin_h], axis=-1) * sin_d[..., None]
+    return (along + across).astype(np.float32), (along - across).astype(np.float32)
+
+
+@functools.cache
+def _node_features() -> np.ndarray:
+    """The decoder's features float32 (N, 8) of the nodes."""
+    return direction_features(*node_pairs())

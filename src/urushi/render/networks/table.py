@@ -1,0 +1,84 @@
+"""f of constant materials in Dr.Jit, by tables over directions (`material.table`)."""
+
+from collections.abc import Sequence
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from urushi.material.table import HIGHEST, LOWEST, SHAPE, TAN2_OFFSET
+from urushi.render.networks import lobe
+from urushi.render.networks.lobe import LobeKind
+
+
+class TabulatedDecoder:
+    """f [1/sr] of a constant material: its lobe, and a table of the rest or of all of f.
+
+    The terms of a channel are the numbers of its lobe that `LobeKind.numbers` names.
+    """
+
+    def __init__(self, kind: LobeKind):
+        """kind: what is known of the codes' lobes; no lobe is present in a table of all of f."""
+        self._kind = kind
+
+    def code_terms(self, latents: np.ndarray) -> list[np.ndarray]:
+        """Terms (K,) of the code of each channel, from codes (C, size)."""
+        return [code[self._kind.numbers(c)] for c, code in enumerate(latents)]
+
+    def f_of_terms(self, tables: Sequence, terms: Sequence[Sequence], wi, wo) -> list:
+        """f of each channel, from its terms, lists of Dr.Jit floats.
+
+        tables: that of `padded` as Dr.Jit floats; empty if there is no rest. Exchanging wi and wo
+        gives the same bits.
+        """
+        rests = [wi.z * 0] * len(terms)
+        if tables:
+            rests = _looked_up(tables[0], len(terms), wi, wo)
+        if not self._kind.present:
+            return rests
+        values = lobe.f(self._kind.complete(terms), wi, wo, self._kind)
+        return [a + b for a, b in zip(values, rests, strict=True)]
+
+
+def padded(table: np.ndarray) -> np.ndarray:
+    """A table (U, V, W, C) float32 with entries of a power of two, which Dr.Jit gathers at once."""
+    channels = table.shape[-1]
+    size = 1 << (channels - 1).bit_length()
+    return np.pad(table.astype(np.float32), [*[(0, 0)] * 3, (0, size - channels)])
+
+
+def _looked_up(table, channels: int, wi, wo) -> list:
+    """f of each channel [1/sr], see `material.table.interpolated`."""
+    indices, shares = [], []
+    for coordinate, count in zip(_coordinates(wi, wo), SHAPE, strict=True):
+        place = dr.clip(coordinate, 0, 1) * (count - 1)
+        index = dr.minimum(mi.UInt32(place), count - 2)
+        indices.append(index)
+        shares.append(place - mi.Float(index))
+    _, columns, depth = SHAPE
+    first = (indices[0] * columns + indices[1]) * depth + indices[2]
+    shape = (len(table) // int(np.prod(SHAPE)), dr.width(first))
+    corners = [
+        dr.gather(mi.ArrayXf, table, first + (a * columns + b) * depth + c, shape=shape)
+        for a, b, c in np.ndindex(2, 2, 2)
+    ]
+    values = [list(corner)[:channels] for corner in corners]
+    for share in reversed(shares):
+        pairs = zip(values[::2], values[1::2], strict=True)
+        values = [
+            [dr.fma(share, y - x, x) for x, y in zip(low, high, strict=True)] for low, high in pairs
+        ]
+    return [dr.exp(value) for value in values[0]]
+
+
+def _coordinates(wi, wo) -> tuple:
+    """The coordinates u, v, w, see `material.table.coordinates`."""
+    x, y, z = wi.x + wo.x, wi.y + wo.y, wi.z + wo.z
+    across, z2 = x * x + y * y, z * z
+    squared = across + z2
+    u = (dr.log(across / z2 + TAN2_OFFSET) - LOWEST) * (1 / (HIGHEST - LOWEST))
+    cos_d = dr.minimum(0.5 * dr.sqrt(squared), 1)
+    sin2 = (1 - cos_d) * (1 + cos_d)
+    reach = dr.maximum(dr.minimum(0.5 * z, dr.sqrt(across / squared * sin2)), 1e-9)
+    size = dr.clip(0.5 * dr.abs(wi.z - wo.z) / reach, 0, 1)
+    return u, dr.sqrt(1 - cos_d), 1 - dr.sqrt(1 - size)
