@@ -7,7 +7,7 @@
  */
 
 import { reflectance } from "./lobe";
-import { gaussLegendre, ruleOfMatrix } from "./quadrature";
+import { gaussLegendre, type Rule, ruleOfMatrix } from "./quadrature";
 
 /** Nodes of a rule, and for eta < 1, where the reflectance has an edge. */
 const NODES = 6;
@@ -74,13 +74,12 @@ export class LobeAlbedo {
 }
 
 function facetRules(alpha: number, cosines: Float64Array, nodes: number): FacetRules {
-  const points = new Float64Array(FINE * FINE);
-  const weights = new Float64Array(FINE * FINE);
+  const facets = new Facets();
   const found = new Float32Array(cosines.length * nodes);
   const shares = new Float32Array(cosines.length * nodes);
   cosines.forEach((cosine, d) => {
-    facets(alpha, Math.min(cosine, 1), points, weights);
-    const rule = gaussRule(points, weights, nodes);
+    facets.set(alpha, Math.min(cosine, 1));
+    const rule = facets.gaussRule(nodes);
     found.set(rule.nodes, d * nodes);
     shares.set(rule.weights, d * nodes);
   });
@@ -88,76 +87,97 @@ function facetRules(alpha: number, cosines: Float64Array, nodes: number): FacetR
 }
 
 const legendre = gaussLegendre(FINE);
+const azimuths = legendre.nodes.map((node) => 0.5 * Math.PI * (node + 1));
+const cosPhi = azimuths.map(Math.cos);
+const sinPhi = azimuths.map(Math.sin);
 
 /**
- * Put cosines to facets, and weights that integrate F(c) f cos over the hemisphere.
+ * Cosines to facets, and weights that integrate F(c) f cos over the hemisphere.
  *
  * The facets lie evenly on the spherical cap of visible normals (Dupuy and Benyoub 2023).
  */
-function facets(alpha: number, cosine: number, points: Float64Array, weights: Float64Array): void {
-  const sine = Math.sqrt(1 - cosine * cosine);
-  const length = Math.hypot(alpha * sine, cosine);
-  const x = (alpha * sine) / length;
-  const z = cosine / length;
-  let at = 0;
-  for (let i = 0; i < FINE; i++) {
-    const phi = 0.5 * Math.PI * (legendre.nodes[i] + 1);
-    const cosPhi = Math.cos(phi);
-    const sinPhi = Math.sin(phi);
-    for (let k = 0; k < FINE; k++, at++) {
+class Facets {
+  private readonly cosines = new Float64Array(FINE * FINE);
+  private readonly weights = new Float64Array(FINE * FINE);
+  private current = new Float64Array(FINE * FINE);
+  private previous = new Float64Array(FINE * FINE);
+
+  /** Set a width, and the cosine of the direction. */
+  set(alpha: number, cosine: number): void {
+    const sine = Math.sqrt(1 - cosine * cosine);
+    const length = Math.hypot(alpha * sine, cosine);
+    const x = (alpha * sine) / length;
+    const z = cosine / length;
+    for (let k = 0; k < FINE; k++) {
       const height = 0.5 * (legendre.nodes[k] + 1) * (1 + z) - z;
       const across = Math.sqrt(Math.max(1 - height * height, 0));
-      const fx = alpha * (across * cosPhi + x);
-      const fy = alpha * across * sinPhi;
       const fz = height + z;
-      const norm = Math.sqrt(fx * fx + fy * fy + fz * fz);
-      const toFacet = (sine * fx + cosine * fz) / norm;
-      const out = (2 * toFacet * fz) / norm - cosine;
-      const raised = Math.max(out, 1e-9);
-      const masking = 2 / (1 + Math.sqrt(1 + alpha * alpha * (1 / (raised * raised) - 1)));
-      points[at] = toFacet;
-      weights[at] = out > 0 ? 0.25 * legendre.weights[i] * legendre.weights[k] * masking : 0;
+      for (let i = 0; i < FINE; i++) {
+        const fx = alpha * (across * cosPhi[i] + x);
+        const fy = alpha * across * sinPhi[i];
+        const norm = Math.sqrt(fx * fx + fy * fy + fz * fz);
+        const toFacet = (sine * fx + cosine * fz) / norm;
+        const out = (2 * toFacet * fz) / norm - cosine;
+        const raised = Math.max(out, 1e-9);
+        const masking = 2 / (1 + Math.sqrt(1 + alpha * alpha * (1 / (raised * raised) - 1)));
+        const weight = 0.25 * legendre.weights[i] * legendre.weights[k] * masking;
+        const at = k * FINE + i;
+        this.cosines[at] = toFacet;
+        this.weights[at] = out > 0 ? weight : 0;
+      }
     }
   }
-}
 
-/** The Gauss rule of sums over weighted points, by the method of Lanczos. */
-function gaussRule(x: Float64Array, weights: Float64Array, nodes: number) {
-  const count = x.length;
-  let total = 0;
-  for (let i = 0; i < count; i++) {
-    total += weights[i];
-  }
-  let basis = weights.map((weight) => Math.sqrt(weight / total));
-  let previous = new Float64Array(count);
-  const diagonal = new Float64Array(nodes);
-  const beside = new Float64Array(nodes);
-  let below = 0;
-  for (let k = 0; k < nodes; k++) {
-    let mean = 0;
-    for (let i = 0; i < count; i++) {
-      mean += x[i] * basis[i] * basis[i];
-    }
-    diagonal[k] = mean;
+  /** The Gauss rule of sums over the facets, by the method of Lanczos. */
+  gaussRule(nodes: number): Rule {
     let squared = 0;
-    const following = previous; // its old numbers are needed once more, each in its place
-    for (let i = 0; i < count; i++) {
-      const value = (x[i] - mean) * basis[i] - below * previous[i];
-      following[i] = value;
-      squared += value * value;
+    let weighted = 0;
+    for (let i = 0; i < this.weights.length; i++) {
+      this.current[i] = Math.sqrt(this.weights[i]);
+      this.previous[i] = 0;
+      squared += this.weights[i];
+      weighted += this.weights[i] * this.cosines[i];
     }
-    below = Math.sqrt(squared);
-    beside[k] = below;
-    const factor = 1 / Math.max(below, 1e-30);
-    for (let i = 0; i < count; i++) {
-      following[i] *= factor;
+    const total = squared;
+    const diagonal = new Float64Array(nodes);
+    const beside = new Float64Array(nodes);
+    let factor = 1 / Math.sqrt(squared);
+    let below = 0;
+    for (let k = 0; k < nodes; k++) {
+      const mean = weighted / squared;
+      diagonal[k] = mean;
+      [squared, weighted] = this.advance(mean, factor, below);
+      below = Math.sqrt(squared);
+      beside[k] = below;
+      factor = 1 / Math.max(below, 1e-30);
     }
-    previous = basis;
-    basis = following;
+    const rule = ruleOfMatrix(diagonal, beside);
+    return {
+      nodes: rule.nodes.map((node) => Math.min(Math.max(node, 0), 1)),
+      weights: rule.weights.map((weight) => weight * total),
+    };
   }
-  const rule = ruleOfMatrix(diagonal, beside);
-  return {
-    nodes: rule.nodes.map((node) => Math.min(Math.max(node, 0), 1)),
-    weights: rule.weights.map((weight) => weight * total),
-  };
+
+  /**
+   * Make the next vector of the basis; returns its squared length, and the same weighted by cosines.
+   *
+   * @param factor by which the current vector gets the length one; the previous one has it.
+   */
+  private advance(mean: number, factor: number, below: number): [number, number] {
+    const { cosines, current, previous } = this;
+    let squared = 0;
+    let weighted = 0;
+    for (let i = 0; i < cosines.length; i++) {
+      const x = cosines[i];
+      const own = current[i] * factor;
+      const next = (x - mean) * own - below * previous[i];
+      current[i] = own;
+      previous[i] = next;
+      squared += next * next;
+      weighted += x * next * next;
+    }
+    this.current = previous;
+    this.previous = current;
+    return [squared, weighted];
+  }
 }
