@@ -1,7 +1,7 @@
 /** Laws that hold for networks of any weights: reciprocity, energy, normalisation. */
 
 import { beforeAll, describe, expect, test } from "vitest";
-import type { Material, Stack } from "../../src/core/api";
+import type { Bottom, Coat, Material, Stack } from "../../src/core/api";
 import { loadCore, type NetworkCore } from "../../src/core/core";
 import { halfVectorRule } from "../../src/core/quadrature";
 import { bytesOf, goldenFile, readVectors } from "./vectors";
@@ -60,6 +60,47 @@ describe("energy", () => {
     );
     expect(channels[1]).toEqual(channels[0]);
     expect(channels[2]).toEqual(channels[0]);
+  });
+});
+
+describe("layering", () => {
+  test("over the codes of a surface is layering over the surface", () => {
+    const codes = { kind: "codes", ...core.encode(STACK.bottom) } as const;
+    expect(core.layer({ bottom: codes, coats: STACK.coats })).toEqual(core.layer(STACK));
+  });
+
+  test("a coat that is not there changes nothing", () => {
+    const gold: Bottom = { kind: "conductor", alpha: 0.2, eta: [0.14, 0.37, 1.44], k: [4, 2.4, 2] };
+    const absent: Coat = { alpha: 0.5, eta: 1.00001, albedo: 0.5, sigmaT: 0, g: 0 };
+    const [wi, wo] = [Float32Array.of(0.6, 0, 0.8), Float32Array.of(-0.6, 0, 0.8)];
+    const bare = core.f(core.encode(gold), wi, wo);
+    const coated = core.f(core.layer({ bottom: gold, coats: [absent] }), wi, wo);
+    coated.forEach((value, k) => {
+      expect(value / (bare[k] as number)).toBeCloseTo(1, 4);
+    });
+  });
+
+  test("parameters at the ends of their ranges give finite values", () => {
+    const ends = [
+      { alpha: 0.01, eta: 0.5, albedo: 0, sigmaT: 0, g: -0.999 },
+      { alpha: 1, eta: 3, albedo: 1, sigmaT: 1e6, g: 0.999 },
+      { alpha: 0.01, eta: 1.001, albedo: 1, sigmaT: 1e-9, g: 0 },
+      { alpha: 1, eta: 0.999, albedo: 0, sigmaT: 50, g: 0 },
+    ];
+    const bottoms: Bottom[] = [
+      { kind: "diffuse", reflectance: [0, 1, 0.5] },
+      { kind: "conductor", alpha: 0.01, r0: [0, 1, 0.5] },
+      { kind: "conductor", alpha: 1, eta: [0, 0.05, 5], k: [0, 10, 0] },
+    ];
+    for (const bottom of bottoms) {
+      for (const coat of ends) {
+        const found = core.layer({ bottom, coats: [coat, coat, ...ends] });
+        const table = core.table(found, { cosines: 4, samples: 16, shift: [0, 0, 0.99] });
+        expect(found.latents.every(Number.isFinite)).toBe(true);
+        expect(table.every(Number.isFinite)).toBe(true);
+        expect(Math.min(...table)).toBeGreaterThan(-1.001); // directions; nothing else is below 0
+      }
+    }
   });
 });
 
