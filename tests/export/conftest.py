@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from urushi.material import Material
-from urushi.nets.architecture import SCALE, Architecture, code_names, init
+from urushi.nets.architecture import SCALE, Architecture, init
 from urushi.nets.weights import Model
 
 COUNT = 4096
@@ -22,8 +22,7 @@ def model() -> Model:
     )
     params = init(arch, 3)
     rng = np.random.default_rng(3)
-    for name in (SCALE, *code_names(1)):
-        params[name] = rng.normal(size=params[name].shape).astype(np.float32) * 0.2
+    params[SCALE] = rng.normal(size=params[SCALE].shape).astype(np.float32) * 0.2
     params["decoder.2.weight"] = params["decoder.2.weight"] * 3
     params["sampler.1.weight"] = params["sampler.1.weight"] * 10
     return Model.of(arch, params, {})

@@ -5,7 +5,7 @@ import pytest
 
 from urushi import paper
 from urushi.material import Material
-from urushi.nets.architecture import SCALE, Architecture, code_names, init
+from urushi.nets.architecture import SCALE, Architecture, init
 from urushi.nets.lobe import NO_LOBE
 from urushi.nets.weights import Model, default_model
 
@@ -57,8 +57,7 @@ def make_small(seed: int) -> Model:
     )
     params = init(arch, seed)
     rng = np.random.default_rng(seed)
-    for name in (SCALE, *code_names(1)):
-        params[name] = rng.normal(size=params[name].shape).astype(np.float32) * 0.2
+    params[SCALE] = rng.normal(size=params[SCALE].shape).astype(np.float32) * 0.2
     params["decoder.2.weight"] = params["decoder.2.weight"] * 3
     params["decoder.2.bias"] = params["decoder.2.bias"] - 3
     return Model.of(arch, params, {})

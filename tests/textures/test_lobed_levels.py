@@ -8,7 +8,7 @@ from urushi.geometry.error_metrics import stack_error
 from urushi.material import energy
 from urushi.material.lobe_albedo import lobe_albedos
 from urushi.nets import lobe as lobes
-from urushi.nets.architecture import SCALE, Architecture, code_names, init
+from urushi.nets.architecture import SCALE, Architecture, init
 from urushi.nets.weights import Model
 from urushi.textures import averaging
 from urushi.textures.mip_pyramid import MipPyramid
@@ -22,8 +22,7 @@ def model() -> Model:
     )
     params = init(arch, 0)
     rng = np.random.default_rng(0)
-    for name in (SCALE, *code_names(1)):
-        params[name] = 0.2 * rng.normal(size=params[name].shape).astype(np.float32)
+    params[SCALE] = 0.2 * rng.normal(size=params[SCALE].shape).astype(np.float32)
     params["decoder.2.bias"] = params["decoder.2.bias"] - 2
     return Model.of(arch, params, {})
 

@@ -127,8 +127,12 @@ def vanishing_coat(model: Model, sets: Mapping[str, Samples]) -> Figure:
     for samples in sets.values():
         if samples.table.coats:
             continue
-        anchors = np.concatenate([m.anchors for m in predict.materials(model, samples)])
-        coated = predict.split(Material(layer_texels(model, anchors, **VANISHING), model))
+        bare = predict.materials(model, samples)
+        anchors, codes = (
+            np.concatenate([getattr(m, name) for m in bare]) for name in ("anchors", "latents")
+        )
+        layered = layer_texels(model, anchors, rendered=codes, **VANISHING)
+        coated = predict.split(Material(layered, model))
         f_hat = predict.evaluate(coated, samples.wi, samples.wo)
         errors.append(sampling.stack_errors(f_hat, samples))
     mean = float(np.concatenate(errors).mean()) if errors else 0.0

@@ -8,7 +8,7 @@ import numpy as np
 from urushi.export.dense import dense
 from urushi.export.expressions import Expression, call, colour, dot
 from urushi.export.statements import Function
-from urushi.nets.architecture import SCALE, code_names
+from urushi.nets.architecture import SCALE
 from urushi.nets.decoder import MAX_LOG, MIN_LOG
 from urushi.nets.features import DIRECTION_TABLE, MIN_COSINE
 from urushi.nets.weights import Model
@@ -19,37 +19,29 @@ class CodeTerms(NamedTuple):
 
     Attributes:
         gain: added to the logarithm.
-        scales, offsets: of the units of each hidden layer.
+        scales, offsets: of the units of the first hidden layer.
     """
 
     gain: Expression
-    scales: Sequence[Sequence[Expression]]
-    offsets: Sequence[Sequence[Expression]]
+    scales: Sequence[Expression]
+    offsets: Sequence[Expression]
 
 
 def of_code(model: Model) -> tuple[np.ndarray, np.ndarray]:
-    """The linear map from a code without lobe and gain to scales and offsets, layer by layer.
+    """The linear map from a code without lobe and gain to scales and offsets of the first layer.
 
-    Returns the weight (numbers, K) and the bias (K,), K = 2 x the sum of the widths: the scales and
-    the offsets of the first layer, then those of the next.
+    Returns the weight (numbers, 2 x width) and the bias (2 x width,).
     """
     params, numbers = model.params, model.arch.latent - model.arch.lobe - 1
-    weights, biases = [], []
-    for layer, width in enumerate(model.arch.decoder):
-        names = (SCALE, "decoder.0.weight") if layer == 0 else code_names(layer)
-        weights += [params[name][:numbers] for name in names]
-        biases += [np.ones(width, np.float32), params[f"decoder.{layer}.bias"]]
-    return np.concatenate(weights, axis=1), np.concatenate(biases)
+    weight = np.concatenate([params[SCALE], params["decoder.0.weight"][:numbers]], axis=1)
+    ones = np.ones(model.arch.decoder[0], np.float32)
+    return weight, np.concatenate([ones, params["decoder.0.bias"]])
 
 
 def split_terms(model: Model, gain: Expression, terms: Sequence[Expression]) -> CodeTerms:
     """The outputs of `of_code`, by their meaning."""
-    scales, offsets, start = [], [], 0
-    for width in model.arch.decoder:
-        scales.append(terms[start : start + width])
-        offsets.append(terms[start + width : start + 2 * width])
-        start += 2 * width
-    return CodeTerms(gain, scales, offsets)
+    width = model.arch.decoder[0]
+    return CodeTerms(gain, terms[:width], terms[width:])
 
 
 def known_terms(model: Model, codes: np.ndarray) -> CodeTerms:
@@ -99,19 +91,21 @@ def rest(
 ) -> Expression:
     """What the decoder gives [1/sr] for the terms of a code and `features`."""
     params, numbers = model.params, model.arch.latent - model.arch.lobe - 1
-    values = list(inputs)
-    for layer in range(len(model.arch.decoder)):
-        body.note_line(f"Hidden layer {layer + 1}, scaled and shifted by the code.")
-        weight = params[f"decoder.{layer}.weight"][numbers if layer == 0 else 0 :]
-        responses = dense(body, f"response{layer}_", weight, values)
-        changes = zip(terms.scales[layer], terms.offsets[layer], responses, strict=True)
-        values = [
-            body.let(f"unit{layer}_{k}", activated(offset + scale * response))
-            for k, (scale, offset, response) in enumerate(changes)
-        ]
-    last = f"decoder.{len(model.arch.decoder)}"
-    output = dot(params[f"{last}.weight"][:, 0].tolist(), values)
-    return _exponential(body, output + (terms.gain + float(params[f"{last}.bias"][0])))
+    output = len(model.arch.decoder)
+    body.note_line("The first hidden layer, scaled and shifted by the code.")
+    responses = dense(body, "response", params["decoder.0.weight"][numbers:], inputs)
+    changes = zip(terms.scales, terms.offsets, responses, strict=True)
+    values = [
+        body.let(f"unit0_{k}", activated(offset + scale * response))
+        for k, (scale, offset, response) in enumerate(changes)
+    ]
+    for layer in range(1, output):
+        body.note_line(f"Hidden layer {layer + 1}.")
+        bias = params[f"decoder.{layer}.bias"].tolist()
+        sums = dense(body, f"sum{layer}_", params[f"decoder.{layer}.weight"], values, bias)
+        values = [body.let(f"unit{layer}_{k}", activated(value)) for k, value in enumerate(sums)]
+    total = dot(params[f"decoder.{output}.weight"][:, 0].tolist(), values)
+    return _exponential(body, total + (terms.gain + float(params[f"decoder.{output}.bias"][0])))
 
 
 def _exponential(body: Function, logarithm: Expression) -> Expression:

@@ -156,13 +156,13 @@ SAMPLE_NOTE = "A direction, about in proportion to f and its cosine; below the h
 def material_structure(model: Model) -> Structure:
     """What `prepare` makes of codes."""
     arch = model.arch
-    terms = 2 * sum(arch.decoder)
+    terms = 2 * arch.decoder[0]
     return Structure(
         MATERIAL,
         (
             Variable("lobe", COLOUR, arch.lobe, "width, Fresnel factors and index of the lobe"),
             Variable("gain", COLOUR, note="added to the logarithm of the rest"),
-            Variable("terms", COLOUR, terms, "scales and offsets of the decoder's units"),
+            Variable("terms", COLOUR, terms, "scales and offsets of the units"),
             Variable("first", FLOAT, arch.sampler[0], "of the sampler's first layer"),
             Variable("alpha", FLOAT, note="width of the proposal's own lobe"),
         ),

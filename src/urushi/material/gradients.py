@@ -14,6 +14,7 @@ import numpy as np
 from urushi.checks import MIN_ALPHA, CoatParameters
 from urushi.errors import ParameterError
 from urushi.material import energy
+from urushi.material.layer import PRESENT, presence
 from urushi.material.lobe_albedo import lobe_albedos
 from urushi.nets import derivatives
 from urushi.nets.derivatives import decode_log
@@ -52,7 +53,7 @@ def layer_pushforward(
     """Return the change (N, L) of `layer_texels`' codes z (N, L).
 
     z_bottom (N, L): the bottoms' codes; coat (N, 5): alpha, eta, albedo, sigma_t, g; dz_bottom and
-    dcoat: their changes.
+    dcoat: their changes. The blend of nearly absent coats with the bottom is neglected.
     """
     gain = model.arch.lobe
 
@@ -60,8 +61,7 @@ def layer_pushforward(
         dz = derivatives.layer_pushforward(
             model.params, model.arch, z_bottom, coat, dz_bottom, dcoat
         )
-        rows = _limited_rows(model, z, _unlimited(model, z_bottom, coat))
-        for row in rows:
+        for row in _limited_coats(model, z_bottom, coat, z):
             of_z, of_bottom = _log_factor(model, z[row], z_bottom[row])
             dz[row, gain] += of_z @ dz[row] + of_bottom @ dz_bottom[row]
         return dz
@@ -80,7 +80,7 @@ def layer_pullback(
 
     def block(z_bottom, coat, z, dz):
         dz, of_limit = dz.copy(), np.zeros_like(dz)
-        for row in _limited_rows(model, z, _unlimited(model, z_bottom, coat)):
+        for row in _limited_coats(model, z_bottom, coat, z):
             of_z, of_bottom = _log_factor(model, z[row], z_bottom[row])
             of_limit[row] = dz[row, gain] * of_bottom
             dz[row] += dz[row, gain] * of_z
@@ -144,6 +144,14 @@ def _limited_rows(model: Model, z: np.ndarray, unlimited: np.ndarray) -> np.ndar
     """The rows (K,) of codes that the limit scaled down."""
     gain = model.arch.lobe
     return np.flatnonzero(z[:, gain] < unlimited[:, gain] - _ROUNDING)
+
+
+def _limited_coats(
+    model: Model, z_bottom: np.ndarray, coat: np.ndarray, z: np.ndarray
+) -> np.ndarray:
+    """The rows (K,) of codes z of coats (N, 5) that the limit scaled down."""
+    rows = _limited_rows(model, z, _unlimited(model, z_bottom, coat))
+    return rows[presence(coat[rows, 1], coat[rows, 3]) >= PRESENT]
 
 
 def _log_factor(model: Model, z: np.ndarray, z_bottom: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

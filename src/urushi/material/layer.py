@@ -8,12 +8,18 @@ import numpy.typing as npt
 from urushi import checks
 from urushi.checks import CoatParameters
 from urushi.errors import ParameterError
+from urushi.material.blend import blend_codes
 from urushi.material.encode import encode
-from urushi.material.energy import limit_coated_albedo
+from urushi.material.energy import as_rendered, limit_coated_albedo
 from urushi.material.material import Material
+from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model, Weights
 from urushi.parallel import fill_blocks
 from urushi.reference.stack import Dielectric
+
+#: Values of (eta - 1) / (eta + 1) and of sigma_t at which 1 - 1/e of a coat is present, and the
+#: share from which all of it is.
+ABSENT_CHANGE, ABSENT_DEPTH, PRESENT = 0.005, 0.01, 0.999
 
 
 def layer(
@@ -66,7 +72,8 @@ def layer(
                 f"the coat's {name} has three values, but the bottom has {bottom.channels} "
                 "channels; give a scalar"
             )
-    return Material(layer_texels(bottom.model, bottom.anchors, **parameters), bottom.model)
+    codes = layer_texels(bottom.model, bottom.anchors, rendered=bottom.latents, **parameters)
+    return Material(codes, bottom.model)
 
 
 def layer_texels(
@@ -78,6 +85,7 @@ def layer_texels(
     albedo: npt.ArrayLike,
     sigma_t: npt.ArrayLike,
     g: npt.ArrayLike,
+    rendered: np.ndarray | None = None,
 ) -> np.ndarray:
     """Coat many texels by the layering network.
 
@@ -86,6 +94,8 @@ def layer_texels(
         z_bottom: codes (..., L) of the bottoms.
         alpha, eta: of the coat's interface; albedo, sigma_t, g: of the medium below it. Arrays
             that broadcast against each other and against z_bottom's leading shape, e.g. (H, W, 3).
+        rendered: codes (..., L) by which the bottoms are evaluated, if these are others; they
+            remain where a coat is absent (`presence`).
 
     Returns:
         float32 (..., L), of the shape that all of them broadcast to. Their directional albedo is
@@ -113,7 +123,33 @@ def layer_texels(
         _with_leading_axes(z, len(rows) + 1),
         *(_with_leading_axes(p.astype(np.float32), len(rows)) for p in coat),
     )
-    return limit_coated_albedo(model, coated.reshape(*shape, z.shape[-1]), z)
+    coated = limit_coated_albedo(model, coated.reshape(*shape, z.shape[-1]), z)
+    share = presence(coat.eta, coat.sigma_t)
+    if isinstance(model.networks, UrushiNetworks) and (share < PRESENT).any():
+        bottoms = as_rendered(model, z) if rendered is None else rendered
+        coated = _without_absent_coats(model, coated, bottoms, share)
+    return coated
+
+
+def presence(eta: np.ndarray, sigma_t: np.ndarray) -> np.ndarray:
+    """The share (...) of a coat in the result of `layer_texels`: 0 where nothing is there, up to 1.
+
+    An interface of an index close to 1 and a thin medium leave the bottom as it is, its lobe
+    included. The layerer, which gives the coat's interface the only lobe, cannot express this.
+    """
+    change = (eta - 1.0) / (eta + 1.0) / ABSENT_CHANGE
+    return 1.0 - np.exp(-(change * change) - sigma_t / ABSENT_DEPTH)
+
+
+def _without_absent_coats(
+    model: Model, z: np.ndarray, bottoms: np.ndarray, share: np.ndarray
+) -> np.ndarray:
+    """Codes z (..., L) of coats, blended with those of the bottoms where the `presence` is low."""
+    share = np.broadcast_to(share, z.shape[:-1]).astype(np.float32)
+    fading, result = share < PRESENT, np.array(z)
+    bottoms = np.broadcast_to(bottoms, z.shape)[fading]
+    result[fading] = blend_codes(model, bottoms, z[fading], share[fading])
+    return result
 
 
 def _with_leading_axes(array: np.ndarray, dimensions: int) -> np.ndarray:

@@ -19,15 +19,6 @@ PARTS = ("decoder", "encoder", "layerer", "sampler")
 #: `decoder.first_layer`.
 SCALE = "decoder.scale"
 
-
-def code_names(layer: int) -> tuple[str, str]:
-    """Names of the parameters by which a code scales and shifts a hidden layer of the decoder.
-
-    layer: from 1; the first layer has `SCALE`, and its weight has rows of the code.
-    """
-    return f"decoder.{layer}.scale", f"decoder.{layer}.shift"
-
-
 #: Parameters that are stored but not trained: statistics that normalise the encoder's input.
 FIXED = ("encoder.input_mean", "encoder.input_scale")
 
@@ -149,7 +140,7 @@ def parameter_shapes(arch: Architecture) -> dict[str, tuple[int, ...]]:
         for index, (rows, columns) in enumerate(itertools.pairwise(sizes)):
             shapes[f"{part}.{index}.weight"] = (rows, columns)
             shapes[f"{part}.{index}.bias"] = (columns,)
-    shapes |= {name: (arch.latent - arch.lobe - 1, width) for name, width in _of_codes(arch)}
+    shapes[SCALE] = (arch.latent - arch.lobe - 1, arch.decoder[0])
     return shapes | dict.fromkeys(FIXED, (arch.probes,))
 
 
@@ -157,25 +148,17 @@ def parameter_count(arch: Architecture, part: str) -> int:
     """Return the number of trained parameters of one network."""
     sizes = layer_sizes(arch, part)
     layers = sum((a + 1) * b for a, b in itertools.pairwise(sizes))
-    widths = sum(width for _, width in _of_codes(arch)) if part == "decoder" else 0
-    return layers + (arch.latent - arch.lobe - 1) * widths
-
-
-def _of_codes(arch: Architecture) -> list[tuple[str, int]]:
-    """Names and widths of the parameters by which codes change the decoder's hidden layers."""
-    named = [(SCALE, arch.decoder[0])]
-    for layer, width in enumerate(arch.decoder[1:], 1):
-        named += [(name, width) for name in code_names(layer)]
-    return named
+    scales = (arch.latent - arch.lobe - 1) * arch.decoder[0]
+    return layers + (scales if part == "decoder" else 0)
 
 
 def init(arch: Architecture, seed: int) -> dict[str, np.ndarray]:
     """Draw initial float32 parameters: He et al. (2015) for hidden layers, zero biases.
 
-    Output layers start smaller, and codes neither scale the decoder's layers nor shift those after
-    the first one. At first the layerer therefore hardly changes the bottom's latent code, the
-    decoder gives about 1, and the sampler gives similar weights to all lobes. The encoder's input
-    statistics are rough constants: set them from data with `encoder.input_statistics`.
+    Output layers start smaller, and codes do not scale the decoder's first layer. At first the
+    layerer therefore hardly changes the bottom's latent code, the decoder gives about 1, and the
+    sampler gives similar weights to all lobes. The encoder's input statistics are rough constants:
+    set them from data with `encoder.input_statistics`.
     """
     rng = np.random.default_rng(seed)
     output_gain = {"decoder": 0.3, "encoder": 1.0, "layerer": 0.1, "sampler": 0.1}
@@ -188,8 +171,7 @@ def init(arch: Architecture, seed: int) -> dict[str, np.ndarray]:
             weight = rng.standard_normal((rows, columns)) * deviation
             params[f"{part}.{index}.weight"] = weight.astype(np.float32)
             params[f"{part}.{index}.bias"] = np.zeros(columns, np.float32)
-    for name, width in _of_codes(arch):
-        params[name] = np.zeros((arch.latent - arch.lobe - 1, width), np.float32)
+    params[SCALE] = np.zeros((arch.latent - arch.lobe - 1, arch.decoder[0]), np.float32)
     params["encoder.input_mean"] = np.full(arch.probes, -2.0, np.float32)
     params["encoder.input_scale"] = np.full(arch.probes, 2.0, np.float32)
     return params

@@ -5,8 +5,8 @@ Codes z (..., R) are those of the rest, without the numbers of the lobe (`nets.l
 
 from typing import Any
 
-from urushi.nets.architecture import SCALE, Architecture, code_names
-from urushi.nets.mlp import Params, activate, linear, product
+from urushi.nets.architecture import SCALE, Architecture
+from urushi.nets.mlp import Params, hidden_to_output, product
 
 #: Range to which ln f is clamped, so that f is positive and finite for any weights.
 MIN_LOG, MAX_LOG = -25.0, 20.0
@@ -22,11 +22,8 @@ def decode(params: Params, arch: Architecture, z: Any, features: Any) -> Any:
     The first number of a code is a logarithmic gain. It is no input of the network but is added
     to its output, so that it scales f exactly, see `scaled`.
     """
-    x = first_layer(params, z[..., 1:], features)
-    for layer in range(1, len(arch.decoder)):
-        x = hidden_layer(params, layer, z[..., 1:], activate(x, arch.activation))
-    last = linear(params, f"decoder.{len(arch.decoder)}", activate(x, arch.activation))
-    output = z[..., 0] + last[..., 0]
+    first = first_layer(params, z[..., 1:], features)
+    output = z[..., 0] + hidden_to_output(params, "decoder", first, arch.activation)[..., 0]
     xp = output.__array_namespace__()
     return xp.exp(output.clip(MIN_LOG, MAX_LOG))
 
@@ -42,22 +39,6 @@ def first_layer(params: Params, z: Any, features: Any) -> Any:
     weight, codes = params["decoder.0.weight"], z.shape[-1]
     offset = product(z, weight[:codes, :]) + params["decoder.0.bias"]
     return offset + (1.0 + product(z, params[SCALE])) * product(features, weight[codes:, :])
-
-
-def hidden_layer(params: Params, layer: int, z: Any, x: Any) -> Any:
-    """Return the pre-activation of a further hidden layer from codes without gain and inputs x.
-
-    Its response to x is scaled and shifted by linear functions of the code, as in `first_layer`.
-    """
-    scale, offset = scale_and_offset(params, layer, z)
-    return offset + scale * product(x, params[f"decoder.{layer}.weight"])
-
-
-def scale_and_offset(params: Params, layer: int, z: Any) -> tuple[Any, Any]:
-    """Return by what codes without gain scale and shift the response of a further hidden layer."""
-    scale, shift = code_names(layer)
-    offset = product(z, params[shift]) + params[f"decoder.{layer}.bias"]
-    return 1.0 + product(z, params[scale]), offset
 
 
 def scaled(z: Any, factor: Any) -> Any:

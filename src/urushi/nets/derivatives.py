@@ -12,8 +12,8 @@ import numpy as np
 
 from urushi.geometry.probe_pairs import probe_pairs
 from urushi.nets import lobe as lobes
-from urushi.nets.architecture import SCALE, Architecture, code_names
-from urushi.nets.decoder import MAX_LOG, MIN_LOG, first_layer, scale_and_offset
+from urushi.nets.architecture import SCALE, Architecture
+from urushi.nets.decoder import MAX_LOG, MIN_LOG, first_layer
 from urushi.nets.encoder import OFFSET, log_values, normalised
 from urushi.nets.features import coat_features
 from urushi.nets.lobe import LOBE_FEATURES
@@ -39,29 +39,19 @@ def decode_log(params: Params, arch: Architecture, z: Any, features: Any) -> tup
     Each value depends on its own code alone, so that the gradients are the Jacobian. They are zero
     where ln f is clamped.
     """
-    code, codes = z[..., 1:], arch.latent - arch.lobe - 1
-    weight, output = params["decoder.0.weight"], len(arch.decoder)
-    x, slope = with_slope(first_layer(params, code, features), arch.activation)
-    slopes, responses, scales = [slope], [product(features, weight[codes:, :])], []
+    codes, weight = arch.latent - arch.lobe - 1, params["decoder.0.weight"]
+    x, slope = with_slope(first_layer(params, z[..., 1:], features), arch.activation)
+    slopes, output = [slope], len(arch.decoder)
     for layer in range(1, output):
-        response = product(x, params[f"decoder.{layer}.weight"])
-        scale, offset = scale_and_offset(params, layer, code)
-        x, slope = with_slope(offset + scale * response, arch.activation)
+        x, slope = with_slope(linear(params, f"decoder.{layer}", x), arch.activation)
         slopes.append(slope)
-        responses.append(response)
-        scales.append(scale)
     value = z[..., 0] + linear(params, f"decoder.{output}", x)[..., 0]
 
     xp = value.__array_namespace__()
-    inner: Any = 0
     gradient = params[f"decoder.{output}.weight"][:, 0] * slopes[-1]
     for layer in range(output - 1, 0, -1):
-        scale_name, shift_name = code_names(layer)
-        inner = inner + product(gradient * responses[layer], params[scale_name].T)
-        inner = inner + product(gradient, params[shift_name].T)
-        back = product(gradient * scales[layer - 1], params[f"decoder.{layer}.weight"].T)
-        gradient = back * slopes[layer - 1]
-    inner = inner + product(gradient * responses[0], params[SCALE].T)
+        gradient = product(gradient, params[f"decoder.{layer}.weight"].T) * slopes[layer - 1]
+    inner = product(gradient * product(features, weight[codes:, :]), params[SCALE].T)
     inner = inner + product(gradient, weight[:codes, :].T)
     gain = xp.ones_like(inner[..., :1])
     inside = (value > MIN_LOG) & (value < MAX_LOG)

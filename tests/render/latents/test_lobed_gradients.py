@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from urushi.nets import derivatives, lobe
-from urushi.nets.architecture import SCALE, Architecture, code_names, init
+from urushi.nets.architecture import SCALE, Architecture, init
 from urushi.nets.features import direction_features
 from urushi.nets.weights import Model
 
@@ -28,8 +28,7 @@ LOBES = {
 def model() -> Model:
     params = init(ARCH, seed=3)
     rng = np.random.default_rng(5)
-    for name in (SCALE, *code_names(1)):
-        params[name] = 0.3 * rng.normal(size=params[name].shape).astype(np.float32)
+    params[SCALE] = 0.3 * rng.normal(size=params[SCALE].shape).astype(np.float32)
     return Model.of(ARCH, params, {})
 
 

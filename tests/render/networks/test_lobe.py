@@ -7,7 +7,7 @@ import pytest
 from urushi.material.table import interpolated, rest_table
 from urushi.nets import lobe as numpy_lobe
 from urushi.nets import weights
-from urushi.nets.architecture import SCALE, Architecture, code_names, init
+from urushi.nets.architecture import SCALE, Architecture, init
 from urushi.nets.networks import UrushiNetworks
 from urushi.textures import packing
 from urushi.textures.grid import IDENTITY, TexelGrid
@@ -35,8 +35,7 @@ def model(tmp_path_factory):
     """Small networks whose codes have a lobe."""
     params = init(ARCH, seed=3)
     rng = np.random.default_rng(5)
-    for name in (SCALE, *code_names(1)):
-        params[name] = 0.3 * rng.normal(size=params[name].shape).astype(np.float32)
+    params[SCALE] = 0.3 * rng.normal(size=params[SCALE].shape).astype(np.float32)
     params["sampler.1.weight"] = 20 * params["sampler.1.weight"]
     path = tmp_path_factory.mktemp("weights") / "lobed.safetensors"
     weights.save(path, ARCH, params, {})

@@ -29,10 +29,6 @@ class Linear:
         weight, bias = self._layer
         return nn.matvec(weight, x, bias)
 
-    def response(self, x: nn.CoopVec) -> nn.CoopVec:
-        """The same without the bias."""
-        return nn.matvec(self._layer[0], x)
-
 
 class Hidden:
     """The layers of a network after its first one; see `mlp.hidden_to_output`.
@@ -50,18 +46,11 @@ class Hidden:
         self._bias = params[f"{prefix}.{last}.bias"].tolist()
         self._activation = activation
 
-    def __call__(self, first: Sequence, changes: Sequence[tuple[Sequence, Sequence]] = ()) -> list:
-        """Carry the first layer's pre-activation, a list of floats, to the output, another.
-
-        changes: as of `mlp.hidden_to_output`.
-        """
+    def __call__(self, first: Sequence) -> list:
+        """Carry the first layer's pre-activation, a list of floats, to the output, another."""
         x = self._activate(_vector(first))
-        for index, layer in enumerate(self._layers):
-            if index < len(changes):
-                scales, offsets = map(_vector, changes[index])
-                x = self._activate(dr.fma(scales, layer.response(x), offsets))
-            else:
-                x = self._activate(layer(x))
+        for layer in self._layers:
+            x = self._activate(layer(x))
         return mlp.dense([mi.Float(value) for value in x], self._weight, self._bias)
 
     def _activate(self, x: nn.CoopVec) -> nn.CoopVec:
@@ -93,10 +82,8 @@ def pack(weight: np.ndarray, bias: np.ndarray) -> tuple:
 
 def hidden_layers(
     params: Mapping[str, np.ndarray], prefix: str, activation: str, cooperative: bool | None = None
-) -> Callable[..., list]:
+) -> Callable[[Sequence], list]:
     """The function from a network's first pre-activation to its output, both lists.
-
-    Its second argument is that of `mlp.hidden_to_output`, changes.
 
     cooperative: whether by cooperative vectors. None: on CUDA, where hardware supports them.
     """

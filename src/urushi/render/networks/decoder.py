@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import drjit as dr
 import numpy as np
 
-from urushi.nets.architecture import SCALE, code_names
+from urushi.nets.architecture import SCALE
 from urushi.nets.decoder import MAX_LOG, MIN_LOG
 from urushi.nets.features import DIRECTION_TABLE, MIN_COSINE
 from urushi.nets.weights import Model
@@ -18,7 +18,7 @@ class UrushiDecoder:
     """f [1/sr] of latent codes: that of the lobe and the decoder's; see `protocols.Decoder`.
 
     The terms of a channel's code are the numbers of its lobe that `LobeKind.numbers` names, its
-    gain, and the scales and the offsets of the units of each hidden layer.
+    gain, and the scales and the offsets of the units of the first hidden layer.
     """
 
     def __init__(self, model: Model, kind: LobeKind, cooperative: bool | None = None):
@@ -29,14 +29,9 @@ class UrushiDecoder:
         self._lobe = model.arch.lobe
         self._kind = kind
         numbers = model.arch.latent - self._lobe - 1  # the gain bypasses the network
-        self._response = weight[numbers:]
-        self._widths = model.arch.decoder
-        shifts, ones = [params[SCALE], weight[:numbers]], []
-        for layer in range(1, len(self._widths)):
-            shifts += [params[name] for name in code_names(layer)]
-        for layer, width in enumerate(self._widths):
-            ones += [np.ones(width, np.float32), params[f"decoder.{layer}.bias"]]
-        self._of_code, self._bias = np.concatenate(shifts, axis=-1), np.concatenate(ones)
+        self._response, self._width = weight[numbers:], model.arch.decoder[0]
+        self._of_code = np.concatenate([params[SCALE], weight[:numbers]], axis=-1)
+        self._bias = np.concatenate([np.ones(self._width, np.float32), params["decoder.0.bias"]])
 
     def code_terms(self, latents: np.ndarray) -> list[np.ndarray]:
         """Terms (K,) of the code of each channel, from codes (C, size)."""
@@ -59,7 +54,7 @@ class UrushiDecoder:
     def f_of_terms(self, terms: Sequence[Sequence], wi, wo) -> list:
         """f of each channel, from a list of Dr.Jit floats, its terms, for each."""
         # The response to the directions is the same for all channels.
-        response = mlp.dense(direction_features(wi, wo), self._response, [0.0] * self._widths[0])
+        response = mlp.dense(direction_features(wi, wo), self._response, [0.0] * self._width)
         count = 1 + len(self._bias)
         rests = [self._rest(channel[-count:], response) for channel in terms]
         if not self._kind.present:
@@ -74,15 +69,10 @@ class UrushiDecoder:
 
     def _rest(self, terms: Sequence, response: Sequence):
         """What the decoder gives for one channel."""
-        changes, start = [], 1
-        for width in self._widths:
-            middle, end = start + width, start + 2 * width
-            changes.append((terms[start:middle], terms[middle:end]))
-            start = end
-        (scales, offsets), *following = changes
+        gain, *units = terms
+        scales, offsets = units[: self._width], units[self._width :]
         first = [dr.fma(*values) for values in zip(scales, response, offsets, strict=True)]
-        output = self._hidden(first, following)[0]
-        return dr.exp(dr.clip(terms[0] + output, MIN_LOG, MAX_LOG))
+        return dr.exp(dr.clip(gain + self._hidden(first)[0], MIN_LOG, MAX_LOG))
 
 
 def direction_features(wi, wo):

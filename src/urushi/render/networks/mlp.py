@@ -76,23 +76,12 @@ def hidden_to_output(
     params: Mapping[str, np.ndarray],
     prefix: str,
     first: Sequence,
-    changes: Sequence[tuple[Sequence, Sequence]] = (),
-    *,
     activation: str,
 ) -> list:
-    """Carry the first layer's pre-activation, a list, through the rest of the network.
-
-    changes: scales and offsets of the responses of the following layers, which then have no bias.
-    """
+    """Carry the first layer's pre-activation, a list, through the rest of the network."""
     index, x = 1, list(first)
     while f"{prefix}.{index}.weight" in params:
         weight, bias = params[f"{prefix}.{index}.weight"], params[f"{prefix}.{index}.bias"].tolist()
-        hidden = [activate(value, activation) for value in x]
-        if index <= len(changes):
-            response = dense(hidden, weight, [0.0] * len(bias))
-            scales, offsets = changes[index - 1]
-            x = [dr.fma(*values) for values in zip(scales, response, offsets, strict=True)]
-        else:
-            x = dense(hidden, weight, bias)
+        x = dense([activate(value, activation) for value in x], weight, bias)
         index += 1
     return x
