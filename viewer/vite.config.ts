@@ -3,6 +3,12 @@ import { defineConfig } from "vitest/config";
 
 const standIn = fileURLToPath(new URL("tests/stand_in/remote.ts", import.meta.url));
 
+const plainNames = {
+  entryFileNames: "assets/[name].js",
+  chunkFileNames: "assets/[name].js",
+  assetFileNames: "assets/[name][extname]",
+};
+
 export default defineConfig(({ mode }) => ({
   base: "./",
   // `vite --mode stand-in`: the page without networks
@@ -15,7 +21,9 @@ export default defineConfig(({ mode }) => ({
     // The content security policy forbids scripts and styles that are not files of their own.
     assetsInlineLimit: 0,
     modulePreload: { polyfill: false },
+    // Plain names, since the built files are under version control
+    rollupOptions: { output: plainNames },
   },
-  worker: { format: "es" },
+  worker: { format: "es", rollupOptions: { output: plainNames } },
   test: { include: ["tests/**/*.test.ts"] },
 }));

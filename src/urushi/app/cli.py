@@ -17,6 +17,7 @@ from urushi.app.commands.layer import Layer, Sheet
 from urushi.app.commands.render import Render, Scenes
 from urushi.app.commands.simulate import Simulate
 from urushi.app.commands.train import Evaluate, Train
+from urushi.app.commands.view import View
 from urushi.app.demo import Demo
 from urushi.app.doctor import Doctor
 from urushi.errors import UrushiError
@@ -46,6 +47,7 @@ COMMANDS: dict[str, tuple[type, str]] = {
         Export,
         "Write a material as code: GLSL, WGSL, HLSL, Slang, OSL, Python.",
     ),
+    "view": (View, "Coat a material by hand, on a page in the browser."),
     "data": (Data, "Simulate training data, or show a store of them."),
     "train": (Train, "Train networks."),
     "eval": (Evaluate, "Measure networks on held-out materials."),

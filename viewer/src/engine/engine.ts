@@ -3,7 +3,7 @@
 import { signal } from "@preact/signals";
 import type { Material, Stack } from "../core/api";
 import { brightPairs, COARSE, FINE, type TableSize } from "../picture/bright_table";
-import type { RemoteCore } from "./remote";
+import type { PageCore } from "./remote";
 
 /** Numbers of cosines and of directions of a table. */
 export const COSINES = 64;
@@ -39,7 +39,7 @@ export class Slot {
   private key = "";
 
   constructor(
-    private readonly core: RemoteCore,
+    private readonly core: PageCore,
     /** Called when there is something new to draw. */
     private readonly changed: () => void,
     private readonly failed: (error: unknown) => void,

@@ -1,17 +1,27 @@
-/** The numeric core in its worker. */
+/** The numeric core in its worker, with the networks. */
 
-import type { Material, Stack, TableOptions } from "../core/api";
+import { RemoteCore } from "../core/client";
+import { Refusal } from "../state/read";
 
-/** `Core` behind messages. */
-export interface RemoteCore {
-  readonly latentSize: number;
-  layer(stack: Stack): Promise<Material>;
-  f(material: Material, wi: Float32Array, wo: Float32Array): Promise<Float32Array>;
-  albedo(material: Material, cosines: Float32Array): Promise<Float32Array>;
-  table(material: Material, options: TableOptions): Promise<Float32Array>;
-}
+/** What the page needs of the core. */
+export type PageCore = Pick<
+  RemoteCore,
+  "latentSize" | "layer" | "f" | "albedo" | "table" | "walk"
+>;
 
-/** Load the networks. */
-export async function connect(): Promise<RemoteCore> {
-  throw new Error("The numeric core is not connected yet.");
+const WEIGHTS = "weights.safetensors";
+
+/**
+ * Start the worker and load the networks.
+ *
+ * @throws Refusal if they cannot be loaded.
+ */
+export async function connect(): Promise<PageCore> {
+  const worker = new Worker(new URL("../core/worker.ts", import.meta.url), { type: "module" });
+  const core = new RemoteCore(worker);
+  const answer = await fetch(WEIGHTS);
+  if (!answer.ok)
+    throw new Refusal(`The networks are missing beside the page (${WEIGHTS}: ${answer.status}).`);
+  await core.load(await answer.arrayBuffer());
+  return core;
 }

@@ -9,7 +9,7 @@ import type { Panorama } from "../picture/panorama";
 import { Renderer, type Shot } from "../picture/renderer";
 import { announcement, look, notice, state } from "../state/store";
 import { Slot } from "./engine";
-import { connect, type RemoteCore } from "./remote";
+import { connect, type PageCore } from "./remote";
 
 /** A panorama that was dropped on the page. */
 export interface OwnEnvironment {
@@ -32,7 +32,7 @@ export class Session {
   private renderer: Renderer | null = null;
   private canvas: HTMLCanvasElement | null = null;
 
-  constructor(readonly core: RemoteCore) {
+  constructor(readonly core: PageCore) {
     const slot = () =>
       new Slot(
         core,

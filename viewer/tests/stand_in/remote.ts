@@ -1,11 +1,11 @@
 /** `src/engine/remote.ts` with the stand-in core, for tests of the page without networks. */
 
-import type { RemoteCore } from "../../src/engine/remote";
+import type { PageCore } from "../../src/engine/remote";
 import { standIn } from "./core";
 
-export type { RemoteCore };
+export type { PageCore };
 
-export async function connect(): Promise<RemoteCore> {
+export async function connect(): Promise<PageCore> {
   const core = standIn();
   return {
     latentSize: core.latentSize,
@@ -13,5 +13,6 @@ export async function connect(): Promise<RemoteCore> {
     f: async (material, wi, wo) => core.f(material, wi, wo),
     albedo: async (material, cosines) => core.albedo(material, cosines),
     table: async (material, options) => core.table(material, options),
+    walk: () => new Promise(() => {}),
   };
 }

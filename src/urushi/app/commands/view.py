@@ -1,0 +1,74 @@
+"""`urushi view`: a page in the browser on which a material is coated by hand."""
+
+import contextlib
+import webbrowser
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+from urushi.errors import FileError
+from urushi.files import atomic_write, new_folder
+
+
+@dataclass(frozen=True)
+class View:
+    """Open a page in the browser: coat a material by hand, and see it at once.
+
+    The page is served to this machine alone, until Ctrl-C. It computes in the browser and asks
+    nothing else of any server. With --output it is written into a folder for a web server instead.
+
+    Example: urushi view "coat(conductor(0.2, r0=(0.98, 0.77, 0.34)), alpha=0.05, sigma_t=0.3)"
+
+    Example: urushi view lacquer.safetensors
+
+    Example: urushi view -o site
+    """
+
+    material: tyro.conf.Positional[str | None] = None
+    """Material to begin with: a description as in Python, a material file, or a measured BRDF
+    (MERL or RGL). Default: one of the page's own."""
+    output: Annotated[Path | None, tyro.conf.arg(aliases=["-o"])] = None
+    """Folder to write the page into, instead of serving it."""
+    port: int = 0
+    """Port to serve it at. Default: a free one."""
+    no_browser: bool = False
+    """Print the address only, and open no browser."""
+    weights: str | None = None
+    """Weights file of the networks. Default: the shipped ones."""
+
+    def run(self) -> int:
+        from urushi.app.page_files import page_files
+
+        files = page_files(self.material, self.weights)
+        if self.output is None:
+            self._serve(files)
+        else:
+            write(files, self.output)
+            print(self.output)
+        return 0
+
+    def _serve(self, files: dict[str, bytes]) -> None:
+        from urushi.app.page_server import PageServer
+
+        try:
+            server = PageServer(files, self.port)
+        except (OSError, OverflowError) as error:
+            raise FileError(
+                f"cannot serve the page at port {self.port}: {error}; leave out --port"
+            ) from error
+        with server, contextlib.suppress(KeyboardInterrupt):
+            print(f"{server.url} (end with Ctrl-C)", flush=True)
+            if not self.no_browser:
+                webbrowser.open(server.url)
+            server.serve_forever()
+
+
+def write(files: dict[str, bytes], folder: Path) -> None:
+    """Write files into a folder, which is made if it is missing; FileError if that fails."""
+    for name, content in files.items():
+        path = folder / name
+        new_folder(path.parent)
+        with atomic_write(path) as temporary:
+            temporary.write_bytes(content)

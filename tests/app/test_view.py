@@ -1,0 +1,169 @@
+"""`urushi view` serves the page to this machine alone, and writes it for web servers."""
+
+import http.client
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import threading
+import zlib
+
+import numpy as np
+import pytest
+import safetensors.numpy
+
+import urushi
+from urushi.app import cli, page_files
+from urushi.app.page_server import HOST, POLICY, PageServer
+from urushi.errors import FileError, ParameterError
+from urushi.nets import weights
+
+
+@pytest.fixture
+def server():
+    with PageServer({"index.html": b"<!doctype html>", "assets/page.js": b"0"}) as started:
+        thread = threading.Thread(target=started.serve_forever)
+        thread.start()
+        yield started
+        started.shutdown()
+        thread.join()
+
+
+def request(server, path, method="GET", host=None):
+    connection = http.client.HTTPConnection(HOST, server.server_port, timeout=20)
+    connection.request(method, path, headers={} if host is None else {"Host": host})
+    answer = connection.getresponse()
+    body = answer.read()
+    connection.close()
+    return answer, body
+
+
+def test_the_page_is_at_the_root(server):
+    answer, body = request(server, "/")
+    assert (answer.status, body) == (200, b"<!doctype html>")
+    assert answer.headers["Content-Type"] == "text/html; charset=utf-8"
+    assert answer.headers["Content-Security-Policy"] == POLICY
+    answer, body = request(server, "/assets/page.js?new")
+    assert (answer.status, body) == (200, b"0")
+    assert answer.headers["Content-Type"].startswith("text/javascript")
+
+
+def test_head_has_no_body(server):
+    answer, body = request(server, "/", "HEAD")
+    assert (answer.status, body, answer.headers["Content-Length"]) == (200, b"", "15")
+
+
+@pytest.mark.parametrize(
+    "path", ["/missing", "/assets", "/../pyproject.toml", "/%2e%2e/setup.py", "//etc/passwd"]
+)
+def test_nothing_else_is_served(server, path):
+    assert request(server, path)[0].status == 404
+
+
+@pytest.mark.parametrize("method", ["POST", "PUT", "DELETE"])
+def test_nothing_can_be_sent(server, method):
+    assert request(server, "/", method)[0].status == 501
+
+
+def test_only_this_machine_is_answered(server):
+    assert server.server_address[0] == "127.0.0.1"
+    assert request(server, "/", host="urushi.example")[0].status == 403
+    assert request(server, "/", host=f"localhost:{server.server_port}")[0].status == 200
+
+
+def test_the_policy_of_the_page_is_that_of_the_server():
+    """The page carries it for other hosts; frames can be forbidden by a server only."""
+    text = (page_files.built_folder() / "index.html").read_text()
+    carried = re.search(r'content="(default-src[^"]*)"', text)
+    assert carried is not None
+    assert f"{carried[1]}; frame-ancestors 'none'" == POLICY
+
+
+def test_the_whole_page_is_small(untrained):
+    """At most a megabyte, compressed. Trained half floats hardly compress, random ones neither."""
+    files = page_files.page_files(None, None)
+    assert sum(len(zlib.compress(content)) for content in files.values()) < 1_000_000
+
+
+def test_networks_are_those_of_the_model_in_half_precision(untrained):
+    model = weights.default_model()
+    content = page_files.half_precision(model)
+    halves = safetensors.numpy.load(content)
+    assert halves.keys() == model.params.keys()
+    for name, array in halves.items():
+        assert array.dtype == np.float16
+        assert np.allclose(array, model.params[name], rtol=2**-11, atol=2**-24)
+    assert model.fingerprint.encode() in content
+
+
+def test_a_description_becomes_cards():
+    text = "coat(coat(conductor(0.2, eta=0.2, k=3.0), sigma_t=(1, 2, 3), g=0.5), 0.05, eta=1.4)"
+    cards = page_files.first_material(text, None)
+    assert cards["bottom"] == {"kind": "conductor", "alpha": 0.2, "eta": 0.2, "k": 3.0}
+    top, lower = cards["coats"]
+    assert (top["alpha"], top["eta"], top["sigmaT"]) == (0.05, 1.4, 0.0)
+    assert (lower["sigmaT"], lower["g"]) == ((1.0, 2.0, 3.0), 0.5)
+
+
+@pytest.mark.parametrize(
+    ("text", "bottom"),
+    [
+        ("conductor(0.3, r0=0.9)", {"kind": "conductor", "alpha": 0.3, "r0": 0.9}),
+        ("dielectric(0.1, 1.5)", {"kind": "dielectric", "alpha": 0.1, "eta": 1.5}),
+        ("diffuse((0.1, 0.2, 0.3))", {"kind": "diffuse", "reflectance": (0.1, 0.2, 0.3)}),
+    ],
+)
+def test_a_bottom_becomes_a_card(text, bottom):
+    assert page_files.first_material(text, None) == {
+        "name": "Material",
+        "bottom": bottom,
+        "coats": [],
+    }
+
+
+def test_a_file_becomes_codes(untrained, tmp_path):
+    material = urushi.encode(urushi.conductor(0.2, r0=(0.9, 0.7, 0.3)))
+    material.save(tmp_path / "gold.safetensors")
+    shown = page_files.first_material(str(tmp_path / "gold.safetensors"), None)
+    assert (shown["name"], shown["coats"], shown["bottom"]["kind"]) == ("gold", [], "codes")
+    for name in ("latents", "anchors"):
+        assert np.array_equal(shown["bottom"][name], getattr(material, name).ravel())
+
+
+def test_what_the_page_cannot_show(untrained, monkeypatch, tmp_path):
+    with pytest.raises(FileError, match="missing"):
+        page_files.first_material(str(tmp_path / "missing.safetensors"), None)
+    model = weights.default_model()
+    large = {name: array * np.float32(1e6) for name, array in model.params.items()}
+    with pytest.raises(ParameterError, match="too large for half precision"):
+        page_files.half_precision(weights.Model.of(model.arch, large, {}))
+    monkeypatch.setattr(page_files, "built_folder", lambda: tmp_path)
+    with pytest.raises(FileError, match="make viewer"):
+        page_files.page_files(None, None)
+
+
+def test_the_page_is_written_into_a_folder(untrained, tmp_path, capsys):
+    folder = tmp_path / "site"
+    assert cli.main(["view", "diffuse(0.5)", "-o", str(folder)]) == 0
+    assert capsys.readouterr().out == f"{folder}\n"
+    start = json.loads((folder / "start.json").read_text())
+    assert start["materials"][0]["bottom"] == {"kind": "diffuse", "reflectance": 0.5}
+    assert (folder / "index.html").is_file()
+    assert (folder / "weights.safetensors").stat().st_size > 10_000
+
+
+def test_a_taken_port_is_one_sentence(untrained, server, capsys):
+    assert cli.main(["view", "--port", str(server.server_port), "--no-browser"]) == 2
+    assert capsys.readouterr().err.startswith("urushi: cannot serve the page at port")
+
+
+@pytest.mark.skipif(os.name != "posix", reason="the signal of Ctrl-C is sent otherwise")
+def test_it_ends_by_ctrl_c():
+    command = [sys.executable, "-m", "urushi.app.cli", "view", "--no-browser"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        address = process.stdout.readline()
+        assert re.fullmatch(r"http://127\.0\.0\.1:\d+/ \(end with Ctrl-C\)\n", address)
+        process.send_signal(signal.SIGINT)
+        assert process.wait(timeout=60) == 0
