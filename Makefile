@@ -4,7 +4,7 @@ READY := .venv/.ready
 PYTEST := .venv/bin/pytest --numprocesses auto --dist loadfile --no-loadscope-reorder
 
 .PHONY: demo test test-slow test-all lint check-wheel docs cookbook tutorial notebook thumbnails \
-    measured-pictures set-up format clean
+    measured-pictures set-up format clean viewer test-web
 
 demo: $(READY)
 	.venv/bin/urushi demo
@@ -64,6 +64,20 @@ measured-pictures: $(READY)
 	.venv/bin/urushi encode $(MATERIALS:%=docs/materials.xml#%) -o out/materials --report out/materials/report
 	cp out/materials/report/car-paint.png docs/images/encode_report.png
 	.venv/bin/urushi sheet $(MATERIALS:%=out/materials/%.safetensors) --rows 5 -o docs/images/sheet.jpg
+
+# Builds the page of `urushi view` into the package; using it needs no Node, building it does.
+viewer: viewer/node_modules/.ready
+	cd viewer && npm run build
+
+# Checks and tests of the page: types, style, units, and the whole page in Chromium
+test-web: $(READY) viewer
+	cd viewer && npm run check && npm test
+	viewer/install_chromium
+	cd viewer && npm run test:page
+
+viewer/node_modules/.ready: viewer/package-lock.json
+	cd viewer && npm ci --no-audit --no-fund
+	@touch $@
 
 set-up: $(READY)
 

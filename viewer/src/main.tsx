@@ -2,17 +2,18 @@
 
 import { effect } from "@preact/signals";
 import { render } from "preact";
-import { acceptDrops, stateOr } from "./engine/open";
+import { acceptDrops } from "./engine/open";
 import { begin, ownEnvironment } from "./engine/session";
 import { fromAddress, toAddress } from "./state/address";
-import { redo, state, undo } from "./state/store";
+import { begunWith, redo, state, undo } from "./state/store";
 import { App } from "./ui/App";
 import "./style.css";
 
-if (location.hash.length > 1) readAddress();
+const addressed = location.hash.length > 1;
+if (addressed) readAddress();
 
 function readAddress(): void {
-  stateOr(() => {
+  begunWith(() => {
     const read = fromAddress(location.hash);
     const own = read.environment === "own" && ownEnvironment.value === null;
     return own ? { ...read, environment: "studio" } : read;
@@ -47,4 +48,4 @@ window.addEventListener("keydown", (event) => {
 
 acceptDrops(document.documentElement);
 render(<App />, document.getElementById("page")!);
-void begin();
+void begin(addressed);

@@ -2,6 +2,8 @@
 
 import { signal } from "@preact/signals";
 import type { Material, Stack } from "../core/api";
+import { Superseded } from "../core/client";
+import type { Estimate } from "../core/walk/reference";
 import { brightPairs, COARSE, FINE, type TableSize } from "../picture/bright_table";
 import type { PageCore } from "./remote";
 
@@ -13,15 +15,46 @@ export const SAMPLES = 128;
 export const MOST_TABLES = 48;
 
 /** Cosines at which the directional albedo is plotted, from the horizon to the normal. */
-export const ALBEDO_COSINES = Float32Array.from({ length: 24 }, (_, k) => (k + 0.5) / 24);
+export const ALBEDO_COSINES = Float32Array.from({ length: 16 }, (_, k) => (k + 0.5) / 16);
 
 /** Angles in the plane of incidence at which f is plotted [degrees]; positive beyond the normal. */
 export const PLANE_ANGLES = Float32Array.from({ length: 241 }, (_, k) => (k - 120) * 0.745);
+
+/** Angles at which the walk is compared with the networks [degrees]. */
+export const WALK_ANGLES = Float32Array.from({ length: 33 }, (_, k) => (k - 16) * 5);
+
+/** Walks of a comparison. */
+const MOST_WALKS = 4096;
+
+/** Time without change after which what is slow is computed [ms]. */
+const PATIENCE = 200;
+
+/** The walk's values in the plane of incidence, beside those of the networks. */
+export interface Comparison {
+  walks: number;
+  /** (N, 3) at `WALK_ANGLES`. */
+  f: Float32Array;
+  error: Float32Array;
+  /** The networks' deviation, and the walk's standard error, relative to the sum of f cos. */
+  deviation: number;
+  noise: number;
+}
 
 /** Values of f for the bright lights, and the table's size. */
 export interface Bright {
   f: Float32Array;
   size: TableSize;
+}
+
+/** What a slot knows of the page. */
+export interface Surroundings {
+  /** Called when there is something new to draw. */
+  changed: () => void;
+  failed: (error: unknown) => void;
+  /** The plots' angle of incidence [degrees]. */
+  incidence: () => number;
+  /** Whether the plots show this slot. */
+  plotted: () => boolean;
 }
 
 /** What is known of one material. */
@@ -33,17 +66,20 @@ export class Slot {
   /** f (N, 3) at `PLANE_ANGLES`, and the directional albedo (N, 3) at `ALBEDO_COSINES`. */
   readonly plane = signal<Float32Array | null>(null);
   readonly albedo = signal<Float32Array | null>(null);
+  /** The walk so far; null: there is none. */
+  readonly walk = signal<Comparison | null>(null);
   private material: Material | null = null;
+  private stack: Stack | null = null;
+  private albedoIsOld = true;
+  private timer = 0;
+  private abort = new AbortController();
   private wanted: Stack | null = null;
   private busy = false;
   private key = "";
 
   constructor(
     private readonly core: PageCore,
-    /** Called when there is something new to draw. */
-    private readonly changed: () => void,
-    private readonly failed: (error: unknown) => void,
-    private readonly incidence: () => number,
+    private readonly page: Surroundings,
   ) {}
 
   /** Show another stack as soon as possible. */
@@ -55,11 +91,13 @@ export class Slot {
     void this.work();
   }
 
-  /** Compute f in the plane of incidence again, for another angle. */
+  /** Plot this slot, for the present angle of incidence. */
   async drawPlane(): Promise<void> {
     const { material } = this;
     if (material === null) return;
-    const f = await this.core.f(material, ...planePairs(this.incidence()));
+    this.walk.value = null;
+    this.later();
+    const f = await this.core.f(material, ...planePairs(PLANE_ANGLES, this.page.incidence()));
     if (material === this.material) this.plane.value = f;
   }
 
@@ -91,24 +129,61 @@ export class Slot {
       while (this.wanted !== null) {
         const stack = this.wanted;
         this.wanted = null;
+        this.abort.abort();
+        this.walk.value = null;
         const material = await this.core.layer(stack);
         const table = await this.table(material, 0);
         this.material = material;
+        this.stack = stack;
         this.generation++;
         this.tables = [table];
         this.bright = null;
-        this.changed();
-        const [plane, albedo] = await Promise.all([
-          this.core.f(material, ...planePairs(this.incidence())),
-          this.core.albedo(material, ALBEDO_COSINES),
-        ]);
-        this.plane.value = plane;
-        this.albedo.value = albedo;
+        this.page.changed();
+        this.albedoIsOld = true;
+        if (this.page.plotted()) await this.drawPlane();
       }
     } catch (error) {
-      this.failed(error);
+      this.page.failed(error);
     } finally {
       this.busy = false;
+    }
+  }
+
+  /** Compute what is slow when nothing has changed for a while. */
+  private later(): void {
+    clearTimeout(this.timer);
+    this.abort.abort();
+    this.abort = new AbortController();
+    const { signal } = this.abort;
+    const compute = async () => {
+      const { material } = this;
+      if (material === null || signal.aborted) return;
+      if (this.albedoIsOld) {
+        const albedo = await this.core.albedo(material, ALBEDO_COSINES);
+        if (material !== this.material) return;
+        this.albedo.value = albedo;
+        this.albedoIsOld = false;
+      }
+      await this.compare(signal);
+    };
+    this.timer = setTimeout(() => compute().catch(this.page.failed), PATIENCE) as unknown as number;
+  }
+
+  /** Let the walk converge beside the networks. */
+  private async compare(signal: AbortSignal): Promise<void> {
+    const { material, stack } = this;
+    const walkable = stack !== null && stack.bottom.kind !== "codes" && stack.coats.length > 0;
+    if (material === null || !walkable || signal.aborted) return;
+    const pairs = planePairs(WALK_ANGLES, this.page.incidence());
+    const networks = await this.core.f(material, ...pairs);
+    const show = (estimate: Estimate) => {
+      if (!signal.aborted) this.walk.value = compared(estimate, networks);
+    };
+    try {
+      const options = { seed: 1, walks: MOST_WALKS };
+      show(await this.core.walk(stack, pairs, options, show, signal));
+    } catch (error) {
+      if (!(error instanceof Superseded)) throw error;
     }
   }
 
@@ -130,16 +205,27 @@ export function shiftOf(place: number): [number, number, number] {
   ];
 }
 
-function planePairs(incidence: number): [Float32Array, Float32Array] {
+function planePairs(angles: Float32Array, incidence: number): [Float32Array, Float32Array] {
   const angle = (incidence * Math.PI) / 180;
-  const wi = new Float32Array(3 * PLANE_ANGLES.length);
-  const wo = new Float32Array(3 * PLANE_ANGLES.length);
-  PLANE_ANGLES.forEach((degrees, at) => {
+  const wi = new Float32Array(3 * angles.length);
+  const wo = new Float32Array(3 * angles.length);
+  angles.forEach((degrees, at) => {
     const out = (degrees * Math.PI) / 180;
     wi.set([-Math.sin(angle), 0, Math.cos(angle)], 3 * at);
     wo.set([Math.sin(out), 0, Math.cos(out)], 3 * at);
   });
   return [wi, wo];
+}
+
+function compared({ walks, f, error }: Estimate, networks: Float32Array): Comparison {
+  let [deviation, noise, sum] = [0, 0, 0];
+  f.forEach((value, at) => {
+    const cosine = Math.cos((WALK_ANGLES[Math.floor(at / 3)]! * Math.PI) / 180);
+    deviation += Math.abs(networks[at]! - value) * cosine;
+    noise += error[at]! * cosine;
+    sum += value * cosine;
+  });
+  return { walks, f, error, deviation: deviation / sum, noise: noise / sum };
 }
 
 function keyOf(stack: Stack): string {

@@ -2,7 +2,7 @@
 
 import { readHdr, withoutLights } from "../picture/panorama";
 import { Refusal, readState } from "../state/read";
-import { change, changeMaterial, notice, state } from "../state/store";
+import { change, changeMaterial, notice } from "../state/store";
 import { readMaterialFile } from "./material_file";
 import { session, useEnvironment } from "./session";
 
@@ -55,15 +55,5 @@ function parsed(bytes: Uint8Array): unknown {
     return JSON.parse(new TextDecoder("utf-8", { fatal: true }).decode(bytes));
   } catch {
     throw new Refusal("It is no JSON text.");
-  }
-}
-
-/** The address's state, or the present one with a sentence. */
-export function stateOr(read: () => ReturnType<typeof readState>): void {
-  try {
-    state.value = read();
-  } catch (error) {
-    if (!(error instanceof Refusal || error instanceof SyntaxError)) throw error;
-    notice.value = error.message;
   }
 }

@@ -7,7 +7,8 @@ import { NoGraphics } from "../picture/gl";
 import { Painter } from "../picture/painter";
 import type { Panorama } from "../picture/panorama";
 import { Renderer, type Shot } from "../picture/renderer";
-import { announcement, look, notice, state } from "../state/store";
+import { readState } from "../state/read";
+import { announcement, begunWith, look, notice, state } from "../state/store";
 import { Slot } from "./engine";
 import { connect, type PageCore } from "./remote";
 
@@ -33,14 +34,14 @@ export class Session {
   private canvas: HTMLCanvasElement | null = null;
 
   constructor(readonly core: PageCore) {
-    const slot = () =>
-      new Slot(
-        core,
-        () => this.painter.refresh(),
+    const slot = (place: 0 | 1) =>
+      new Slot(core, {
+        changed: () => this.painter.refresh(),
         failed,
-        () => state.peek().incidence,
-      );
-    this.slots = [slot(), slot()];
+        incidence: () => state.peek().incidence,
+        plotted: () => state.peek().active === place,
+      });
+    this.slots = [slot(0), slot(1)];
     this.painter = new Painter(this.slots, failed);
     this.bind();
   }
@@ -128,7 +129,7 @@ export class Session {
     const incidence = computed(() => state.value.incidence);
     effect(() => {
       incidence.value;
-      for (const slot of slots) slot.drawPlane().catch(failed);
+      slots[active.value].drawPlane().catch(failed);
     });
     effect(() => {
       if (painter.converged.value) announcement.value = "The picture has converged.";
@@ -139,14 +140,22 @@ export class Session {
 /** The page's session, once the networks are there. */
 export const session = signal<Session | null>(null);
 
-/** Load the networks and begin. */
-export async function begin(): Promise<void> {
+/** Load the networks and begin, with the material that the page was opened for unless `addressed`. */
+export async function begin(addressed: boolean): Promise<void> {
   try {
-    session.value = new Session(await connect());
+    const [core, start] = await Promise.all([connect(), addressed ? {} : readStart()]);
+    if ("materials" in start) begunWith(() => readState(start));
+    session.value = new Session(core);
     ready.value = true;
   } catch (error) {
     failed(error);
   }
+}
+
+/** The file beside the page that describes its first material; it may be missing. */
+async function readStart(): Promise<object> {
+  const answer = await fetch("start.json");
+  return answer.ok ? ((await answer.json()) as object) : {};
 }
 
 /** Light the object by a panorama. */

@@ -3,6 +3,7 @@
 import { computed, signal } from "@preact/signals";
 import type { MaterialCards } from "../material/material";
 import { History } from "./history";
+import { Refusal } from "./read";
 import { activeMaterial, INITIAL, type State, withMaterial } from "./state";
 
 export const state = signal<State>(INITIAL);
@@ -50,4 +51,14 @@ function restore(value: State | null, said: string): void {
   state.value = { ...value, view, edge, incidence };
   announcement.value = said;
   steps.value++;
+}
+
+/** Begin with a state that is read; what is wrong with it is told in one sentence. */
+export function begunWith(read: () => State): void {
+  try {
+    state.value = read();
+  } catch (error) {
+    if (!(error instanceof Refusal || error instanceof SyntaxError)) throw error;
+    notice.value = error.message;
+  }
 }

@@ -1,7 +1,13 @@
 /** f in the plane of incidence, and the directional albedo. */
 
 import { useRef } from "preact/hooks";
-import { ALBEDO_COSINES, PLANE_ANGLES, type Slot } from "../engine/engine";
+import {
+  ALBEDO_COSINES,
+  type Comparison,
+  PLANE_ANGLES,
+  type Slot,
+  WALK_ANGLES,
+} from "../engine/engine";
 import { session } from "../engine/session";
 import { look, state } from "../state/store";
 
@@ -36,6 +42,7 @@ function PlanePlot({ slot }: { slot: Slot | undefined }) {
   const svg = useRef<SVGSVGElement>(null);
   const { incidence } = state.value;
   const f = slot?.plane.value ?? null;
+  const walk = slot?.walk.value ?? null;
   const { radius, rings } = scaleOf(f);
   const angle = (incidence * Math.PI) / 180;
   const [x, y] = [-RADIUS * Math.sin(angle), -RADIUS * Math.cos(angle)];
@@ -51,6 +58,7 @@ function PlanePlot({ slot }: { slot: Slot | undefined }) {
     <figure>
       <figcaption>
         <b>f in the plane of incidence</b> [1/sr]
+        <Difference comparison={walk} />
       </figcaption>
       <svg
         ref={svg}
@@ -80,6 +88,7 @@ function PlanePlot({ slot }: { slot: Slot | undefined }) {
           CHANNELS.map((channel, k) => (
             <path key={channel} class={`curve ${channel}`} d={polar(f, k, radius)} />
           ))}
+        {walk !== null && <Walk comparison={walk} radius={radius} />}
         <line class="incident" x1={0} y1={0} x2={x} y2={y} />
         <circle
           class="handle"
@@ -106,6 +115,45 @@ function PlanePlot({ slot }: { slot: Slot | undefined }) {
         </text>
       </svg>
     </figure>
+  );
+}
+
+/** The walk's values as dots. */
+function Walk({ comparison, radius }: { comparison: Comparison; radius: (f: number) => number }) {
+  return (
+    <g>
+      {CHANNELS.map((channel, k) =>
+        Array.from(WALK_ANGLES, (degrees, at) => {
+          const angle = (degrees * Math.PI) / 180;
+          const r = radius(comparison.f[3 * at + k]!);
+          const key = `${channel}${at}`;
+          return (
+            <circle
+              key={key}
+              class={`dot ${channel}`}
+              cx={r * Math.sin(angle)}
+              cy={-r * Math.cos(angle)}
+              r={1.7}
+            />
+          );
+        }),
+      )}
+    </g>
+  );
+}
+
+/** How far the networks are from the walk, in words. */
+function Difference({ comparison }: { comparison: Comparison | null }) {
+  if (comparison === null || !Number.isFinite(comparison.noise)) return null;
+  const percent = (x: number) => `${(100 * x).toFixed(1)} %`;
+  return (
+    <span
+      class="difference"
+      title="The random walk is the reference. Its noise falls as it goes on, and bounds what can be said."
+    >
+      {" · "}
+      {percent(comparison.deviation)} from the walk ± {percent(comparison.noise)}
+    </span>
   );
 }
 

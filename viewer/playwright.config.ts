@@ -1,0 +1,30 @@
+import { defineConfig } from "@playwright/test";
+
+const PORT = 8497;
+
+/** The page as `urushi view` serves it, in Debian's Chromium. */
+export default defineConfig({
+  testDir: "tests/page",
+  outputDir: "out/playwright",
+  // The processor draws, so that pages beside each other would wait for each other.
+  workers: 1,
+  timeout: 120_000,
+  expect: { timeout: 60_000 },
+  use: {
+    baseURL: process.env.PAGE ?? `http://127.0.0.1:${PORT}/`,
+    viewport: { width: 900, height: 640 },
+    browserName: "chromium",
+    launchOptions: {
+      executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
+      args: ["--no-sandbox"],
+    },
+  },
+  ...(process.env.PAGE
+    ? {}
+    : {
+        webServer: {
+          command: `../.venv/bin/urushi view --no-browser --port ${PORT}`,
+          url: `http://127.0.0.1:${PORT}/`,
+        },
+      }),
+});

@@ -1,0 +1,132 @@
+/** The cards: sliders and numbers, adding, moving and removing coats, undo, and the address. */
+
+import { coats, expect, number, open, test } from "./page";
+
+test("a slider moves by mouse and by keyboard, and its number follows", async ({ page }) => {
+  await open(page);
+  const slider = page.getByRole("slider", { name: "Coat 2, Roughness α" });
+  const field = number(page, "Coat 2, Roughness α");
+  const before = Number(await field.inputValue());
+  const box = (await slider.boundingBox())!;
+  await page.mouse.move(box.x + 4, box.y + box.height / 2);
+  await page.mouse.down();
+  await page.mouse.move(box.x + 0.8 * box.width, box.y + box.height / 2, { steps: 5 });
+  await page.mouse.up();
+  const dragged = Number(await field.inputValue());
+  expect(dragged).toBeGreaterThan(before + 0.3);
+
+  await slider.focus();
+  await page.keyboard.press("ArrowLeft");
+  expect(Number(await field.inputValue())).toBeLessThan(dragged);
+  await page.keyboard.press("Home");
+  await expect(field).toHaveValue("0.01");
+});
+
+test("a number that is typed is kept inside its range", async ({ page }) => {
+  await open(page);
+  const field = number(page, "Coat 2, Index η");
+  await field.fill("1.4");
+  await field.press("Enter");
+  await expect(field).toHaveValue("1.4");
+  await field.fill("77");
+  await field.press("Enter");
+  await expect(field).toHaveValue("3");
+  await field.fill("glass");
+  await field.press("Enter");
+  await expect(field).toHaveValue("3");
+  await field.press("ArrowDown");
+  await expect(field).toHaveValue("2.9");
+});
+
+test("a double click resets a field", async ({ page }) => {
+  await open(page);
+  const slider = page.getByRole("slider", { name: "Coat 2, Index η" });
+  await slider.dblclick();
+  await expect(number(page, "Coat 2, Index η")).toHaveValue("1.5");
+});
+
+test("a parameter has one value or one for each colour", async ({ page }) => {
+  await open(page);
+  const split = page.getByRole("button", { name: "Coat 2, Scattering: one value for each colour" });
+  await split.click();
+  await number(page, "Coat 2, Scattering, green").fill("0.6");
+  await number(page, "Coat 2, Scattering, green").press("Enter");
+  await expect(number(page, "Coat 2, Scattering, red")).toHaveValue("0");
+  await split.click();
+  await expect(number(page, "Coat 2, Scattering")).toHaveValue("0.2");
+});
+
+test("a coat is added, moved by mouse and keyboard, and removed", async ({ page }) => {
+  await open(page);
+  await expect(coats(page)).toHaveCount(2);
+  await page.getByRole("button", { name: "Add coat" }).click();
+  await expect(coats(page)).toHaveCount(3);
+  const width = (coat: number) => number(page, `Coat ${coat}, Roughness α`);
+  await expect(width(3)).toHaveValue("0.1");
+
+  await page.getByRole("button", { name: /^Move Coat 3/ }).focus();
+  await page.keyboard.press("ArrowDown");
+  await expect(width(2)).toHaveValue("0.1");
+  await expect(page.getByRole("button", { name: /^Move Coat 2/ })).toBeFocused();
+
+  const from = (await page.getByRole("button", { name: /^Move Coat 2/ }).boundingBox())!;
+  const top = (await coats(page).first().boundingBox())!;
+  await page.mouse.move(from.x + 8, from.y + 8);
+  await page.mouse.down();
+  await page.mouse.move(from.x + 8, top.y + 4, { steps: 12 });
+  await page.mouse.up();
+  await expect(width(3)).toHaveValue("0.1");
+
+  await page.getByRole("button", { name: "Remove Coat 3" }).click();
+  await expect(coats(page)).toHaveCount(2);
+  await expect(width(2)).not.toHaveValue("0.1");
+});
+
+test("at most six coats", async ({ page }) => {
+  await open(page);
+  const add = page.getByRole("button", { name: "Add coat" });
+  for (let count = 3; count <= 6; count++) {
+    await add.click();
+    await expect(coats(page)).toHaveCount(count);
+  }
+  await expect(add).toBeDisabled();
+});
+
+test("undo and redo", async ({ page }) => {
+  await open(page);
+  const undo = page.getByRole("button", { name: "Undo" });
+  await expect(undo).toBeDisabled();
+  await page.getByRole("button", { name: "Remove Coat 2" }).click();
+  await page.getByRole("button", { name: "Add coat" }).click();
+  await expect(coats(page)).toHaveCount(2);
+  await undo.click();
+  await expect(coats(page)).toHaveCount(1);
+  await page.keyboard.press("Control+z");
+  await expect(coats(page)).toHaveCount(2);
+  await expect(number(page, "Coat 2, Roughness α")).toHaveValue("0.03");
+  await page.keyboard.press("Control+Shift+z");
+  await expect(coats(page)).toHaveCount(1);
+});
+
+test("the address holds the state", async ({ page, context }) => {
+  await open(page);
+  await page.getByRole("button", { name: "Remove Coat 1" }).click();
+  await number(page, "Coat 1, Index η").fill("1.77");
+  await number(page, "Coat 1, Index η").press("Enter");
+  await page.getByLabel("Object").selectOption("plate");
+  await expect(page).toHaveURL(/#u1\./);
+  await page.waitForTimeout(600); // the address follows with a delay
+  const other = await context.newPage();
+  await other.goto(page.url());
+  await expect(coats(other)).toHaveCount(1);
+  await expect(number(other, "Coat 1, Index η")).toHaveValue("1.77");
+  await expect(other.getByLabel("Object")).toHaveValue("plate");
+});
+
+test("a damaged address is told in a sentence, and the page works", async ({ page }) => {
+  await open(page, "#u1.abc.eyJtYXRlcmlhbHMi");
+  await expect(page.getByRole("alert")).toContainText("The address is incomplete");
+  await page.getByRole("button", { name: "Close" }).click();
+  await expect(page.getByRole("alert")).toHaveCount(0);
+  await expect(coats(page)).toHaveCount(2);
+});

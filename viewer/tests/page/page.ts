@@ -1,0 +1,64 @@
+/** What the tests of the page share: opening it, and what must never happen. */
+
+import { test as base, expect, type Page } from "@playwright/test";
+
+/** A page on which nothing is logged, fails, or is asked of another server. */
+export const test = base.extend<{ quiet: undefined }>({
+  quiet: [
+    async ({ page, baseURL }, use) => {
+      const complaints: string[] = [];
+      page.on("console", (message) => {
+        // Chromium's own advice about the driver is none of the page's messages.
+        if (!message.text().includes("GL Driver Message")) complaints.push(message.text());
+      });
+      page.on("pageerror", (error) => complaints.push(String(error)));
+      page.on("request", (request) => {
+        const url = request.url();
+        if (!url.startsWith(baseURL!) && !url.startsWith("blob:")) complaints.push(url);
+      });
+      await use(undefined);
+      expect(complaints).toEqual([]);
+    },
+    { auto: true },
+  ],
+});
+
+export { expect };
+
+/** Open the page and wait until it computes. */
+export async function open(page: Page, address = ""): Promise<void> {
+  await page.goto(`./${address}`);
+  await expect(page.locator(".status")).not.toHaveText(/Loading/);
+}
+
+/** The names of the coats, the topmost first. */
+export function coats(page: Page) {
+  return page.getByRole("list", { name: "Coats, the topmost first" }).getByRole("listitem");
+}
+
+/** A number field of a parameter. */
+export function number(page: Page, name: string) {
+  return page.getByLabel(`${name}, number`, { exact: true });
+}
+
+/** The mean colour of a part of the picture, in [0, 255]; x and y from 0 to 1. */
+export async function colourAt(page: Page, x: number, y: number): Promise<number[]> {
+  return page.locator(".stage canvas").evaluate(
+    (element, [x, y]) => {
+      const canvas = element as HTMLCanvasElement;
+      const copy = document.createElement("canvas");
+      copy.width = 8;
+      copy.height = 8;
+      const context = copy.getContext("2d")!;
+      const { width, height } = canvas;
+      context.drawImage(canvas, x! * width - 4, y! * height - 4, 8, 8, 0, 0, 8, 8);
+      const { data } = context.getImageData(0, 0, 8, 8);
+      return [0, 1, 2].map((k) => {
+        let sum = 0;
+        for (let at = k; at < data.length; at += 4) sum += data[at]!;
+        return sum / 64;
+      });
+    },
+    [x, y],
+  );
+}

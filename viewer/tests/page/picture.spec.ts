@@ -1,0 +1,110 @@
+/** The picture: it is there, follows the cards, and its absence is told. */
+
+import { colourAt, expect, number, open, test } from "./page";
+
+/** An address of a red matt ball in a small picture, where everything is fast. */
+async function matt(page: import("@playwright/test").Page, reflectance: number[]): Promise<void> {
+  await page.setViewportSize({ width: 900, height: 420 });
+  await open(page);
+  await page.getByLabel("Object").selectOption("ball");
+  await page.getByRole("button", { name: "Remove Coat 2" }).click();
+  await page.getByRole("button", { name: "Remove Coat 1" }).click();
+  for (const [at, channel] of ["red", "green", "blue"].entries()) {
+    const field = number(page, `Bottom, Reflectance, ${channel}`);
+    await field.fill(String(reflectance[at]));
+    await field.press("Enter");
+  }
+}
+
+test("the picture shows the material, and follows it", async ({ page }) => {
+  await matt(page, [0.8, 0.1, 0.1]);
+  await expect
+    .poll(async () => {
+      const [red, green] = await colourAt(page, 0.5, 0.4);
+      return red! > 1.8 * green!;
+    })
+    .toBe(true);
+  await number(page, "Bottom, Reflectance, red").fill("0.05");
+  await number(page, "Bottom, Reflectance, red").press("Enter");
+  await expect
+    .poll(async () => {
+      const [red, green] = await colourAt(page, 0.5, 0.4);
+      return red! < green!;
+    })
+    .toBe(true);
+});
+
+test("a brighter exposure is brighter, and the camera turns by the keyboard", async ({ page }) => {
+  await matt(page, [0.3, 0.3, 0.3]);
+  await expect.poll(async () => (await colourAt(page, 0.5, 0.4))[0]!).toBeGreaterThan(5);
+  const [before] = await colourAt(page, 0.5, 0.4);
+  await page.getByRole("slider", { name: "Exposure" }).focus();
+  for (let step = 0; step < 10; step++) await page.keyboard.press("ArrowRight");
+  await expect
+    .poll(async () => (await colourAt(page, 0.5, 0.4))[0]!)
+    .toBeGreaterThan(1.15 * before!);
+
+  const address = page.url();
+  await page.locator(".stage canvas").focus();
+  await page.keyboard.press("ArrowRight");
+  await expect.poll(() => page.url()).not.toBe(address);
+});
+
+test("two materials are compared by a swipe", async ({ page }) => {
+  await matt(page, [0.8, 0.1, 0.1]);
+  await page.getByRole("button", { name: "Swipe" }).click();
+  await page.getByRole("button", { name: /^B / }).click();
+  await page.getByLabel("Kind of bottom").selectOption("diffuse");
+  const remove = page.getByRole("button", { name: /^Remove/ });
+  while ((await remove.count()) > 0) await remove.first().click();
+  for (const [channel, value] of Object.entries({ red: "0.1", green: "0.1", blue: "0.8" })) {
+    const field = number(page, `Bottom, Reflectance, ${channel}`);
+    await field.fill(value);
+    await field.press("Enter");
+  }
+  const edge = page.getByRole("slider", { name: "Edge between A and B" });
+  await expect(edge).toHaveAttribute("aria-valuenow", "50");
+  await expect
+    .poll(async () => {
+      const left = await colourAt(page, 0.45, 0.4);
+      const right = await colourAt(page, 0.55, 0.4);
+      return left[0]! > left[2]! && right[2]! > right[0]!;
+    })
+    .toBe(true);
+  await edge.focus();
+  for (let step = 0; step < 8; step++) await page.keyboard.press("ArrowRight");
+  await expect(edge).toHaveAttribute("aria-valuenow", "66");
+  await expect
+    .poll(async () => {
+      const middle = await colourAt(page, 0.55, 0.4);
+      return middle[0]! > middle[2]!;
+    })
+    .toBe(true);
+});
+
+test("a lost context is told, and the picture returns", async ({ page }) => {
+  await page.setViewportSize({ width: 900, height: 420 });
+  await open(page);
+  await page.locator(".stage canvas").evaluate((element) => {
+    const gl = (element as HTMLCanvasElement).getContext("webgl2")!;
+    const extension = gl.getExtension("WEBGL_lose_context")!;
+    extension.loseContext();
+    setTimeout(() => extension.restoreContext(), 1500);
+  });
+  await expect(page.getByText("The graphics driver has taken the picture away")).toBeVisible();
+  await expect(page.getByText("The graphics driver has taken the picture away")).toHaveCount(0);
+  await expect.poll(async () => Math.max(...(await colourAt(page, 0.5, 0.5)))).toBeGreaterThan(5);
+});
+
+test("without WebGL 2 a sentence says so, and the cards work", async ({ page }) => {
+  await page.addInitScript(() => {
+    const original = HTMLCanvasElement.prototype.getContext;
+    HTMLCanvasElement.prototype.getContext = function (this: HTMLCanvasElement, kind: string) {
+      return kind === "webgl2" ? null : original.call(this, kind as "2d");
+    } as typeof original;
+  });
+  await page.goto("./");
+  await expect(page.getByText("This browser offers no WebGL 2")).toBeVisible();
+  await page.getByRole("button", { name: "Remove Coat 2" }).click();
+  await expect(page.locator(".curve").first()).toBeVisible();
+});
