@@ -19,9 +19,8 @@ from urushi.nets.weights import FORMAT_VERSION, Model
 #: Names of the files that are made, not built.
 WEIGHTS_FILE, START_FILE = "weights.safetensors", "start.json"
 
-#: Coats that the page has cards for, and the range of their indices.
+#: Coats that the page has cards for.
 MOST_COATS = 6
-ETA_RANGE = (1.001, 3.0)
 
 
 def page_files(material: str | None, weights: str | None) -> dict[str, bytes]:
@@ -110,10 +109,7 @@ def _cards(described: Any) -> dict[str, Any] | None:
 
     coats = described.coats if isinstance(described, Stack) else ()
     bottom = described.bottom if isinstance(described, Stack) else described
-    etas = [value for coat in coats for value in np.atleast_1d(coat.eta)]
-    if isinstance(bottom, Dielectric):
-        etas.extend(np.atleast_1d(bottom.eta))
-    if len(coats) > MOST_COATS or not all(ETA_RANGE[0] <= eta <= ETA_RANGE[1] for eta in etas):
+    if len(coats) > MOST_COATS:
         return None
     match bottom:
         case Conductor(alpha=alpha, r0=None, eta=eta, k=k):

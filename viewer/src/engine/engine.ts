@@ -11,6 +11,9 @@ import type { PageCore } from "./remote";
 export const COSINES = 64;
 export const SAMPLES = 128;
 
+/** Steps of the sequence of a table's directions (Roberts 2018). */
+const STEPS = [0.8191725133961645, 0.6710436067037893, 0.5497004779019703] as const;
+
 /** Shifted tables whose mean the picture at rest is. */
 export const MOST_TABLES = 48;
 
@@ -106,7 +109,7 @@ export class Slot {
     const { material, generation } = this;
     if (material === null || this.busy || this.tables.length >= MOST_TABLES) return false;
     const table = await this.table(material, this.tables.length);
-    if (generation !== this.generation || this.wanted !== null) return false;
+    if (generation !== this.generation || this.busy) return false;
     this.tables.push(table);
     return true;
   }
@@ -118,7 +121,7 @@ export class Slot {
     if (material === null || (this.bright !== null && (!fine || this.bright.size === FINE))) return;
     const pairs = brightPairs(size);
     const f = await this.core.f(material, pairs.wi, pairs.wo);
-    if (generation !== this.generation || this.wanted !== null) return;
+    if (generation !== this.generation || this.busy) return;
     this.bright = { f, size };
   }
 
@@ -196,13 +199,10 @@ export class Slot {
   }
 }
 
-/** Shifts that fill the cube evenly (Roberts 2018); the first is none. */
+/** The shift by which a table goes on where the one before it has ended. */
 export function shiftOf(place: number): [number, number, number] {
-  return [
-    (0.8191725133961645 * place) % 1,
-    (0.6710436067037893 * place) % 1,
-    (0.5497004779019703 * place) % 1,
-  ];
+  const [x, y, z] = STEPS.map((step) => (step * SAMPLES * place) % 1) as [number, number, number];
+  return [x, y, z];
 }
 
 function planePairs(angles: Float32Array, incidence: number): [Float32Array, Float32Array] {

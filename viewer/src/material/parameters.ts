@@ -10,6 +10,8 @@ export interface Parameter {
   hint: string;
   low: number;
   high: number;
+  /** A value that it cannot take, nor any nearer than `GAP`. */
+  gap?: number;
   /** Largest value on the slider; a larger one can be typed. */
   slide?: number;
   /** The slider's place is the value's root of this degree, from `low`. */
@@ -33,8 +35,9 @@ export const COAT_PARAMETERS = {
   alpha: width,
   eta: {
     label: "Index η",
-    hint: "Index of refraction relative to the medium above.",
-    low: 1.001,
+    hint: "Index of refraction relative to the medium above; there is no surface at 1.",
+    low: 0.5,
+    gap: 1,
     high: 3,
     power: 1,
     fallback: 1.5,
@@ -108,9 +111,13 @@ export const BOTTOM_PARAMETERS = {
   },
 } satisfies Record<string, Parameter>;
 
+const GAP = 0.001;
+
 /** The nearest value that a parameter can take. */
-export function clamped(parameter: Parameter, value: number): number {
-  return Math.min(Math.max(value, parameter.low), parameter.high);
+export function clamped({ low, high, gap }: Parameter, value: number): number {
+  const inside = Math.min(Math.max(value, low), high);
+  if (gap === undefined || Math.abs(inside - gap) >= GAP) return inside;
+  return inside < gap ? gap - GAP : gap + GAP;
 }
 
 /** Place of a value on the slider, in [0, 1]. */

@@ -95,7 +95,7 @@ function PlanePlot({ slot }: { slot: Slot | undefined }) {
           cx={x}
           cy={y}
           r={7}
-          tabIndex={0}
+          tabindex={0}
           role="slider"
           aria-label="Angle of incidence"
           aria-valuemin={0}

@@ -32,7 +32,7 @@ test("nothing is wider than a narrow window", async ({ page }) => {
 test("every control is reached by the keyboard", async ({ page }) => {
   await open(page);
   const reached = new Set<string>();
-  for (let step = 0; step < 80; step++) {
+  for (let step = 0; step < 120; step++) {
     await page.keyboard.press("Tab");
     reached.add(
       await page.evaluate(() => {
@@ -41,6 +41,6 @@ test("every control is reached by the keyboard", async ({ page }) => {
       }),
     );
   }
-  for (const name of ["Undo", "Solo Coat 2", "Coat 1, Index η", "Angle of incidence", "Save"])
-    if (name !== "Undo") expect([...reached]).toContain(name);
+  for (const name of ["Save", "Solo Coat 2", "Coat 1, Index η", "Angle of incidence"])
+    expect([...reached]).toContain(name);
 });

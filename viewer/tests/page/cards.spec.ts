@@ -113,14 +113,14 @@ test("the address holds the state", async ({ page, context }) => {
   await page.getByRole("button", { name: "Remove Coat 1" }).click();
   await number(page, "Coat 1, Index η").fill("1.77");
   await number(page, "Coat 1, Index η").press("Enter");
-  await page.getByLabel("Object").selectOption("plate");
+  await page.getByRole("combobox", { name: "Object" }).selectOption("plate");
   await expect(page).toHaveURL(/#u1\./);
   await page.waitForTimeout(600); // the address follows with a delay
   const other = await context.newPage();
   await other.goto(page.url());
   await expect(coats(other)).toHaveCount(1);
   await expect(number(other, "Coat 1, Index η")).toHaveValue("1.77");
-  await expect(other.getByLabel("Object")).toHaveValue("plate");
+  await expect(other.getByRole("combobox", { name: "Object" })).toHaveValue("plate");
 });
 
 test("a damaged address is told in a sentence, and the page works", async ({ page }) => {

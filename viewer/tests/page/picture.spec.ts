@@ -6,7 +6,7 @@ import { colourAt, expect, number, open, test } from "./page";
 async function matt(page: import("@playwright/test").Page, reflectance: number[]): Promise<void> {
   await page.setViewportSize({ width: 900, height: 420 });
   await open(page);
-  await page.getByLabel("Object").selectOption("ball");
+  await page.getByRole("combobox", { name: "Object" }).selectOption("ball");
   await page.getByRole("button", { name: "Remove Coat 2" }).click();
   await page.getByRole("button", { name: "Remove Coat 1" }).click();
   for (const [at, channel] of ["red", "green", "blue"].entries()) {

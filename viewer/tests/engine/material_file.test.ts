@@ -1,0 +1,66 @@
+import { expect, test } from "vitest";
+import { readMaterialFile } from "../../src/engine/material_file";
+import { Refusal } from "../../src/state/read";
+
+/** A safetensors file of float32 arrays. */
+function file(
+  arrays: Record<string, { shape: number[]; values: number[] }>,
+  kind = "material",
+): Uint8Array {
+  const header: Record<string, unknown> = {
+    __metadata__: { urushi: JSON.stringify({ kind, version: 2 }) },
+  };
+  const all: number[] = [];
+  for (const [name, { shape, values }] of Object.entries(arrays)) {
+    const start = 4 * all.length;
+    all.push(...values);
+    header[name] = { dtype: "F32", shape, data_offsets: [start, 4 * all.length] };
+  }
+  const text = new TextEncoder().encode(JSON.stringify(header));
+  const bytes = new Uint8Array(8 + text.length + 4 * all.length);
+  new DataView(bytes.buffer).setUint32(0, text.length, true);
+  bytes.set(text, 8);
+  bytes.set(new Uint8Array(new Float32Array(all).buffer), 8 + text.length);
+  return bytes;
+}
+
+const SIX = { shape: [3, 2], values: [1, 2, 3, 4, 5, 6] };
+
+test("codes and anchors are read", () => {
+  const anchors = { shape: [3, 2], values: [7, 8, 9, 10, 11, 12] };
+  expect(readMaterialFile(file({ latents: SIX, anchors }), 2)).toEqual({
+    kind: "codes",
+    latents: new Float32Array(SIX.values),
+    anchors: new Float32Array(anchors.values),
+  });
+});
+
+test("anchors that are left out are the codes", () => {
+  const bottom = readMaterialFile(file({ latents: SIX }), 2);
+  expect(bottom).toMatchObject({ anchors: new Float32Array(SIX.values) });
+});
+
+test("a grey material has three equal codes", () => {
+  const bottom = readMaterialFile(file({ latents: { shape: [1, 2], values: [1, 2] } }), 2);
+  expect(bottom).toMatchObject({ latents: new Float32Array([1, 2, 1, 2, 1, 2]) });
+});
+
+const WHOLE = file({ latents: SIX });
+
+const BAD: [string, Uint8Array][] = [
+  ["nothing", new Uint8Array(0)],
+  ["text", new TextEncoder().encode("this is no such file at all")],
+  ["weights", file({ latents: SIX }, "weights")],
+  ["no codes", file({})],
+  ["codes of other networks", file({ latents: { shape: [3, 1], values: [1, 2, 3] } })],
+  ["a number that is not finite", file({ latents: { ...SIX, values: [1, 2, 3, 4, 5, NaN] } })],
+  ["a decoder of its own", file({ latents: SIX, own_decoder: { shape: [1], values: [1] } })],
+  ...[4, 8, 40, WHOLE.length - 1].map((length): [string, Uint8Array] => [
+    `${length} bytes of a file`,
+    WHOLE.slice(0, length),
+  ]),
+];
+
+test.each(BAD)("%s: refused", (_name, bytes) => {
+  expect(() => readMaterialFile(bytes, 2)).toThrow(Refusal);
+});

@@ -1,0 +1,91 @@
+import { expect, test } from "vitest";
+import type { Stack } from "../../src/core/api";
+import { MOST_TABLES, Slot, shiftOf } from "../../src/engine/engine";
+import type { PageCore } from "../../src/engine/remote";
+
+/** A core that answers late, with the stack's first width in every number. */
+function lateCore(): { core: PageCore; layered: number[]; shifts: number[] } {
+  const layered: number[] = [];
+  const shifts: number[] = [];
+  const late = () => new Promise((resolve) => setTimeout(resolve, 1));
+  const core: PageCore = {
+    latentSize: 1,
+    layer: async (stack) => {
+      const width = stack.coats[0]!.alpha as number;
+      layered.push(width);
+      await late();
+      return { latents: new Float32Array([width]), anchors: new Float32Array([width]) };
+    },
+    f: async (material, wi) => new Float32Array(wi.length).fill(material.latents[0]!),
+    albedo: async (_material, cosines) => new Float32Array(3 * cosines.length),
+    table: async (material, { shift }) => {
+      shifts.push(shift[0]);
+      await late();
+      return new Float32Array([material.latents[0]!]);
+    },
+    walk: () => new Promise(() => {}),
+  };
+  return { core, layered, shifts };
+}
+
+function stack(alpha: number): Stack {
+  const coat = { alpha, eta: 1.5, albedo: 0, sigmaT: 0, g: 0 };
+  return { bottom: { kind: "diffuse", reflectance: 0.5 }, coats: [coat] };
+}
+
+function slotOf(core: PageCore): Slot {
+  return new Slot(core, {
+    changed: () => {},
+    failed: (error) => {
+      throw error;
+    },
+    incidence: () => 45,
+    plotted: () => true,
+  });
+}
+
+const settled = () => new Promise((resolve) => setTimeout(resolve, 60));
+
+test("of many changes the latest is shown, and those between are left out", async () => {
+  const { core, layered } = lateCore();
+  const slot = slotOf(core);
+  for (let step = 1; step <= 20; step++) slot.show(stack(step / 32));
+  await settled();
+  expect(layered).toEqual([1 / 32, 20 / 32]);
+  expect([...slot.tables[0]!]).toEqual([20 / 32]);
+  expect(slot.plane.value![0]).toBe(20 / 32);
+});
+
+test("an equal stack is not computed again", async () => {
+  const { core, layered } = lateCore();
+  const slot = slotOf(core);
+  slot.show(stack(0.5));
+  await settled();
+  slot.show(stack(0.5));
+  await settled();
+  expect(layered).toEqual([0.5]);
+});
+
+test("tables at rest are shifted, and belong to the present material", async () => {
+  const { core, shifts } = lateCore();
+  const slot = slotOf(core);
+  slot.show(stack(0.5));
+  await settled();
+  expect(await slot.another()).toBe(true);
+  const late = slot.another();
+  slot.show(stack(0.25));
+  expect(await late).toBe(false);
+  await settled();
+  expect(slot.tables).toHaveLength(1);
+  expect([...slot.tables[0]!]).toEqual([0.25]);
+  expect(new Set(shifts.slice(0, 3)).size).toBe(3);
+});
+
+test("shifts fill the cube", () => {
+  for (const axis of [0, 1, 2]) {
+    const shifts = Array.from({ length: MOST_TABLES }, (_, place) => shiftOf(place)[axis]!);
+    expect(shifts[0]).toBe(0);
+    for (let eighth = 0; eighth < 8; eighth++)
+      expect(shifts.some((shift) => Math.floor(8 * shift) === eighth)).toBe(true);
+  }
+});

@@ -1,0 +1,80 @@
+import { describe, expect, test } from "vitest";
+import { decoded, depthOf, encoded, fromHex, hex, transmission } from "../../src/material/colour";
+import {
+  BARE,
+  type MaterialCards,
+  moved,
+  stackOf,
+  withCoat,
+  withoutCoat,
+} from "../../src/material/material";
+import {
+  BOTTOM_PARAMETERS,
+  COAT_PARAMETERS,
+  type Parameter,
+  placeOf,
+  valueAt,
+} from "../../src/material/parameters";
+
+const COAT = { alpha: 0.1, eta: 1.5, albedo: 0, sigmaT: 0, g: 0 };
+const THREE: MaterialCards = {
+  name: "three",
+  bottom: { kind: "diffuse", reflectance: 0.5 },
+  coats: [1, 2, 3].map((id) => ({ ...COAT, alpha: id / 10, id, on: id !== 2 })),
+  solo: null,
+};
+const widths = (material: MaterialCards) => stackOf(material).coats.map((coat) => coat.alpha);
+
+describe("the stack that is shown", () => {
+  test("has the coats that are on, the topmost first", () => {
+    expect(widths(THREE)).toEqual([0.1, 0.3]);
+  });
+  test("has the solo coat alone, even if it is off", () => {
+    expect(widths({ ...THREE, solo: 2 })).toEqual([0.2]);
+    expect(widths({ ...THREE, solo: BARE })).toEqual([]);
+  });
+  test("follows a moved card", () => {
+    expect(moved(THREE, 0, 2).coats.map((coat) => coat.id)).toEqual([2, 3, 1]);
+    expect(moved(THREE, 2, 0).coats.map((coat) => coat.id)).toEqual([3, 1, 2]);
+    expect(moved(THREE, 0, 9).coats.map((coat) => coat.id)).toEqual([2, 3, 1]);
+  });
+});
+
+test("cards have numbers of their own, and at most six are added", () => {
+  let material = withoutCoat(THREE, 1);
+  for (let count = 0; count < 9; count++) material = withCoat(material);
+  expect(material.coats).toHaveLength(6);
+  expect(new Set(material.coats.map((coat) => coat.id)).size).toBe(6);
+});
+
+test("removing the solo coat shows the others", () => {
+  expect(widths(withoutCoat({ ...THREE, solo: 1 }, 1))).toEqual([0.3]);
+});
+
+test.each(Object.entries({ ...COAT_PARAMETERS, ...BOTTOM_PARAMETERS }) as [string, Parameter][])(
+  "%s: the slider reaches all of its range and gives back its values",
+  (_name, parameter) => {
+    const end = parameter.slide ?? parameter.high;
+    expect(valueAt(parameter, 0)).toBeCloseTo(parameter.low, 3);
+    expect(valueAt(parameter, 1)).toBeCloseTo(end, 3);
+    for (const place of [0.1, 0.35, 0.5, 0.77, 0.95])
+      expect(placeOf(parameter, valueAt(parameter, place))).toBeCloseTo(place, 1);
+  },
+);
+
+describe("colours", () => {
+  test("sRGB's curve and its inverse", () => {
+    for (const x of [0, 0.001, 0.0031308, 0.2, 0.5, 1])
+      expect(decoded(encoded(x))).toBeCloseTo(x, 6);
+    expect(encoded(0.2140411)).toBeCloseTo(0.5, 5); // half of the digital range
+  });
+  test("as text", () => {
+    expect(hex([0, 0.2158605, 1])).toBe("#0080ff");
+    expect(fromHex("#0080ff")).toEqual([0, 0.216, 1]);
+  });
+  test("a medium of a colour's depth lets that colour pass", () => {
+    transmission(depthOf([0.9, 0.5, 0.1])).forEach((x, k) => {
+      expect(x).toBeCloseTo([0.9, 0.5, 0.1][k]!, 2);
+    });
+  });
+});

@@ -1,0 +1,84 @@
+import { expect, test } from "vitest";
+import { cameraOf } from "../../src/picture/camera";
+import { type Mesh, meshOf } from "../../src/picture/meshes";
+import { OBJECTS } from "../../src/state/state";
+
+function vertex(mesh: Mesh, face: number, corner: number): number[] {
+  const at = 6 * mesh.faces[3 * face + corner]!;
+  return [...mesh.vertices.subarray(at, at + 6)];
+}
+
+test.each(OBJECTS)("%s: faces are seen from outside, as the normals say", (name) => {
+  const mesh = meshOf(name);
+  let agreeing = 0;
+  let seen = 0;
+  for (let face = 0; face < mesh.faces.length / 3; face++) {
+    const [a, b, c] = [0, 1, 2].map((corner) => vertex(mesh, face, corner)) as number[][];
+    const [u, v] = [b!, c!].map((point) => [0, 1, 2].map((k) => point[k]! - a![k]!)) as number[][];
+    const normal = [
+      u![1]! * v![2]! - u![2]! * v![1]!,
+      u![2]! * v![0]! - u![0]! * v![2]!,
+      u![0]! * v![1]! - u![1]! * v![0]!,
+    ];
+    if (Math.hypot(...normal) < 1e-9) continue; // at a pole
+    seen++;
+    if (normal.reduce((sum, part, k) => sum + part * a![3 + k]!, 0) > 0) agreeing++;
+  }
+  expect(agreeing / seen).toBeGreaterThan(0.995);
+});
+
+test.each(OBJECTS)("%s: normals are unit vectors, and the ball around it holds it", (name) => {
+  const mesh = meshOf(name);
+  let [farthest, deviation] = [0, 0];
+  for (let at = 0; at < mesh.vertices.length; at += 6) {
+    const [x, y, z, ...normal] = mesh.vertices.subarray(at, at + 6);
+    deviation = Math.max(deviation, Math.abs(Math.hypot(...normal) - 1));
+    const away = Math.hypot(x! - mesh.centre[0], y! - mesh.centre[1], z! - mesh.centre[2]);
+    farthest = Math.max(farthest, away);
+  }
+  expect(deviation).toBeLessThan(1e-5);
+  expect(farthest).toBeCloseTo(mesh.radius, 5);
+});
+
+test("the ball is round", () => {
+  const { vertices } = meshOf("ball");
+  let deviation = 0;
+  for (let at = 0; at < vertices.length; at += 6) {
+    const outwards = [vertices[at]!, vertices[at + 1]!, vertices[at + 2]! - 1];
+    const away = outwards.map((part, k) => Math.abs(vertices[at + 3 + k]! - part));
+    deviation = Math.max(deviation, ...away);
+  }
+  expect(deviation).toBeLessThan(0.01);
+});
+
+function projected(matrix: number[], point: readonly number[]): number[] {
+  const [x, y, z, w] = [0, 1, 2, 3].map((row) =>
+    [...point, 1].reduce((sum, part, column) => sum + matrix[4 * column + row]! * part, 0),
+  ) as [number, number, number, number];
+  return [x / w, y / w, z / w];
+}
+
+test.each([
+  [1.6, 30, 20],
+  [0.5, -140, 70],
+])("at aspect %d the camera has the whole object in the picture", (aspect, azimuth, elevation) => {
+  const mesh = meshOf("teapot");
+  const camera = cameraOf(mesh, { azimuth, elevation, zoom: 1 }, aspect);
+  const middle = projected(camera.projection, mesh.centre);
+  expect(middle[0]).toBeCloseTo(0, 6);
+  let farthest = 0;
+  for (let at = 0; at < mesh.vertices.length; at += 60) {
+    const point = projected(camera.projection, [...mesh.vertices.subarray(at, at + 3)]);
+    farthest = Math.max(farthest, ...point.map(Math.abs));
+  }
+  expect(farthest).toBeLessThan(1);
+});
+
+test("a shift moves the picture by parts of it", () => {
+  const mesh = meshOf("ball");
+  const view = { azimuth: 0, elevation: 0, zoom: 1 };
+  const still = projected(cameraOf(mesh, view, 1).projection, [0.3, 0.2, 1.4]);
+  const moved = projected(cameraOf(mesh, view, 1, [0.01, -0.02]).projection, [0.3, 0.2, 1.4]);
+  expect(moved[0]! - still[0]!).toBeCloseTo(0.01, 6);
+  expect(moved[1]! - still[1]!).toBeCloseTo(-0.02, 6);
+});

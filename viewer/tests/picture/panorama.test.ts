@@ -1,0 +1,86 @@
+import { describe, expect, test } from "vitest";
+import { type Panorama, readHdr, withoutLights } from "../../src/picture/panorama";
+import { Refusal } from "../../src/state/read";
+
+function file(width: number, height: number, body: number[]): Uint8Array {
+  const header = `#?RADIANCE\nEXPOSURE=1\n\n-Y ${height} +X ${width}\n`;
+  return new Uint8Array([...new TextEncoder().encode(header), ...body]);
+}
+
+/** A row of eight pixels in runs: red, green and blue 128, 64, 32, exponent 129. */
+const RUNS = [2, 2, 0, 8, 136, 128, 136, 64, 132, 32, 132, 32, 8, ...Array(8).fill(129)];
+
+describe("reading .hdr files", () => {
+  test("plain and run-length coded rows are equal", () => {
+    const plain = Array(8).fill([128, 64, 32, 129]).flat();
+    const one = readHdr(file(8, 4, Array(4).fill(plain).flat()));
+    const other = readHdr(file(8, 4, Array(4).fill(RUNS).flat()));
+    expect(one).toEqual(other);
+    expect([...one.pixels.subarray(0, 3)]).toEqual([1, 0.5, 0.25]);
+  });
+
+  test.each([
+    ["another file", new TextEncoder().encode("P6 4 2 255")],
+    ["a square picture", file(8, 8, Array(256).fill(0))],
+    ["a huge picture", file(100_000, 50_000, [])],
+    ["an incomplete file", file(8, 4, RUNS)],
+    ["a run beyond the row", file(8, 4, [2, 2, 0, 8, 200, 1, 1, 1])],
+    ["a run of nothing", file(8, 4, [2, 2, 0, 8, 0, 0, 0, 0])],
+  ])("%s is refused", (_name, bytes) => {
+    expect(() => readHdr(bytes)).toThrow(Refusal);
+  });
+});
+
+/** Irradiance of a surface that faces a direction [W/m²], of one channel. */
+function irradiance({ width, height, pixels }: Panorama, normal: readonly number[]): number {
+  let sum = 0;
+  for (let y = 0; y < height; y++)
+    for (let x = 0; x < width; x++) {
+      const theta = (Math.PI * (y + 0.5)) / height;
+      const phi = (2 * Math.PI * (x + 0.5)) / width;
+      const way = [
+        Math.sin(theta) * Math.sin(phi),
+        Math.sin(theta) * Math.cos(phi),
+        Math.cos(theta),
+      ];
+      const cosine = way.reduce((total, part, k) => total + part * normal[k]!, 0);
+      const solidAngle = (2 * Math.PI ** 2 * Math.sin(theta)) / (width * height);
+      sum += Math.max(cosine, 0) * solidAngle * pixels[3 * (y * width + x)]!;
+    }
+  return sum;
+}
+
+describe("bright lights", () => {
+  const [width, height] = [128, 64];
+  const panorama = { width, height, pixels: new Float32Array(3 * width * height).fill(0.5) };
+  for (const [x, y] of [
+    [20, 12],
+    [21, 12],
+    [90, 20],
+  ] as const)
+    panorama.pixels.fill(4000, 3 * (y * width + x), 3 * (y * width + x) + 3);
+  const taken = withoutLights(panorama);
+
+  test("are found, neighbours as one", () => {
+    expect(taken.lights).toHaveLength(2);
+  });
+
+  test("together with the rest they light a surface as before", () => {
+    for (const normal of [
+      [0, 0, 1],
+      [0.6, 0.48, 0.64],
+    ]) {
+      const direct = taken.lights.reduce((sum, { direction, power }) => {
+        const cosine = direction.reduce((total, part, k) => total + part * normal[k]!, 0);
+        return sum + Math.max(cosine, 0) * power[0];
+      }, 0);
+      const whole = irradiance(panorama, normal);
+      expect(irradiance(taken.panorama, normal) + direct).toBeCloseTo(whole, 2);
+    }
+  });
+
+  test("an even panorama has none", () => {
+    const even = { width, height, pixels: new Float32Array(3 * width * height).fill(2) };
+    expect(withoutLights(even)).toEqual({ panorama: even, lights: [] });
+  });
+});

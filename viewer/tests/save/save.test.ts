@@ -1,0 +1,61 @@
+import { describe, expect, test } from "vitest";
+import type { Stack } from "../../src/core/api";
+import { mitsubaDict, mitsubaXml } from "../../src/save/mitsuba";
+import { fileName, pythonText } from "../../src/save/python";
+
+const STACK: Stack = {
+  bottom: { kind: "conductor", alpha: 0.2, eta: [0.2, 0.5, 1.3], k: 3 },
+  coats: [
+    { alpha: 0.03, eta: 1.53, albedo: 0, sigmaT: [0.1, 0.2, 0.3], g: 0 },
+    { alpha: 0.4, eta: 1.1, albedo: 0.5, sigmaT: 2, g: 0.3 },
+  ],
+};
+
+test("Python: coats are put on from the bottom up", () => {
+  const lines = pythonText(STACK, "My lacquer").split("\n");
+  expect(lines.filter((line) => line.startsWith("stack"))).toEqual([
+    "stack = urushi.conductor(alpha=0.2, eta=(0.2, 0.5, 1.3), k=3)",
+    "stack = urushi.coat(stack, alpha=0.4, eta=1.1, albedo=0.5, sigma_t=2, g=0.3)",
+    "stack = urushi.coat(stack, alpha=0.03, eta=1.53, albedo=0, sigma_t=(0.1, 0.2, 0.3), g=0)",
+  ]);
+  expect(lines).toContain('material.save("my-lacquer.safetensors")');
+});
+
+test("Mitsuba XML: the topmost coat is the outermost", () => {
+  const text = mitsubaXml(STACK);
+  expect(text.match(/<bsdf type="\w+"/g)).toEqual([
+    '<bsdf type="neural_layered"',
+    '<bsdf type="neural_layered"',
+    '<bsdf type="roughconductor"',
+  ]);
+  expect(text.indexOf('"int_ior" value="1.53"')).toBeLessThan(
+    text.indexOf('"int_ior" value="1.1"'),
+  );
+  expect(text).toContain('<rgb name="sigma_t" value="0.1, 0.2, 0.3"/>');
+  expect(text).toContain('<rgb name="k" value="3"/>');
+  expect(text.match(/<bsdf/g)).toHaveLength(text.match(/<\/bsdf>/g)!.length);
+});
+
+test("Mitsuba's dictionary: the same nodes", () => {
+  const text = mitsubaDict(STACK);
+  expect(text.match(/"type": "(neural_layered|roughconductor)"/g)).toHaveLength(3);
+  expect(text).toContain('"sigma_t": {"type": "rgb", "value": [0.1, 0.2, 0.3]}');
+});
+
+describe("what has no such description", () => {
+  const codes: Stack = {
+    bottom: { kind: "codes", latents: new Float32Array(3), anchors: new Float32Array(3) },
+    coats: [],
+  };
+  test.each([mitsubaXml, mitsubaDict, (stack: Stack) => pythonText(stack, "x")])(
+    "is refused in one sentence",
+    (write) => {
+      expect(() => write(codes)).toThrow(/loaded material.*\.$/);
+    },
+  );
+});
+
+test("names of files", () => {
+  expect(fileName("Enamel on copper")).toBe("enamel-on-copper");
+  expect(fileName("漆")).toBe("material");
+});

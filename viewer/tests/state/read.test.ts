@@ -1,0 +1,54 @@
+import { expect, test } from "vitest";
+import { PRESETS } from "../../src/material/presets";
+import { Refusal, readMaterial, readState } from "../../src/state/read";
+import { INITIAL } from "../../src/state/state";
+
+const BOTTOM = { kind: "diffuse", reflectance: 0.5 };
+
+test.each(PRESETS)("the preset $name is within all ranges", (preset) => {
+  expect(readMaterial(preset)).toEqual(preset);
+});
+
+test("what is missing has its first value", () => {
+  const state = readState({ materials: [{ bottom: BOTTOM }] });
+  expect(state).toEqual({
+    ...INITIAL,
+    materials: [{ name: "Material", bottom: BOTTOM, coats: [], solo: null }, INITIAL.materials[1]],
+  });
+});
+
+test("numbers outside their ranges become the nearest inside", () => {
+  const coat = { alpha: 0, eta: [0.2, 1, 99], albedo: 7, sigmaT: -1, g: -3 };
+  const material = readMaterial({ bottom: BOTTOM, coats: [coat] });
+  expect(material.coats[0]).toMatchObject({
+    alpha: 0.01,
+    eta: [0.5, 1.001, 3],
+    albedo: 1,
+    sigmaT: 0,
+    g: -0.99,
+  });
+});
+
+test.each([
+  null,
+  [],
+  "state",
+  {},
+  { materials: [] },
+  { materials: [{}] },
+  { materials: [{ bottom: { kind: "wood" } }] },
+  { materials: [{ bottom: { kind: "diffuse", reflectance: "red" } }] },
+  { materials: [{ bottom: { kind: "diffuse", reflectance: [0.1, 0.2] } }] },
+  { materials: [{ bottom: { kind: "codes", latents: [1, 2], anchors: [1, 2] } }] },
+  { materials: [{ bottom: BOTTOM, coats: Array(7).fill({}) }] },
+  { materials: [{ bottom: BOTTOM, coats: [{ alpha: null }] }] },
+])("%j is refused in one sentence", (value) => {
+  let message = "";
+  try {
+    readState(value);
+  } catch (error) {
+    expect(error).toBeInstanceOf(Refusal);
+    message = (error as Refusal).message;
+  }
+  expect(message).toMatch(/^[A-Z].*\.$/);
+});
