@@ -1,7 +1,4 @@
-import { fileURLToPath } from "node:url";
 import { defineConfig } from "vitest/config";
-
-const standIn = fileURLToPath(new URL("tests/stand_in/remote.ts", import.meta.url));
 
 const plainNames = {
   entryFileNames: "assets/[name].js",
@@ -9,13 +6,11 @@ const plainNames = {
   assetFileNames: "assets/[name][extname]",
 };
 
-export default defineConfig(({ mode }) => ({
+export default defineConfig({
   base: "./",
-  // `vite --mode stand-in`: the page without networks
-  resolve: { alias: mode === "stand-in" ? [{ find: /^\.\/remote$/, replacement: standIn }] : [] },
   build: {
     // The built page ships with the Python package, so that using it needs no Node.
-    outDir: mode === "stand-in" ? "out/stand-in" : "../src/urushi/app/page",
+    outDir: "../src/urushi/app/page",
     emptyOutDir: true,
     target: "es2023",
     // The content security policy forbids scripts and styles that are not files of their own.
@@ -25,5 +20,5 @@ export default defineConfig(({ mode }) => ({
     rollupOptions: { output: plainNames },
   },
   worker: { format: "es", rollupOptions: { output: plainNames } },
-  test: { include: ["tests/**/*.test.ts"] },
-}));
+  test: { include: ["tests/**/*.test.ts"], testTimeout: 30_000 },
+});
