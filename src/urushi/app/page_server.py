@@ -1,5 +1,6 @@
 """A server of a few files in memory, for this machine alone."""
 
+import contextlib
 import mimetypes
 from collections.abc import Mapping
 from http import HTTPStatus
@@ -72,7 +73,8 @@ class _Handler(BaseHTTPRequestHandler):
             self.send_header(name, value)
         self.end_headers()
         if with_body:
-            self.wfile.write(content)
+            with contextlib.suppress(ConnectionError):  # the browser has gone away
+                self.wfile.write(content)
 
     def log_message(self, format: str, *args: object) -> None:
         """Print nothing."""

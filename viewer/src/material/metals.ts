@@ -1,13 +1,12 @@
-/** Complex indices of refraction of metals at 630, 532 and 465 nm. */
+/** Complex indices of refraction of metals, as Mitsuba has them in its RGB variants. */
 
 import type { Rgb } from "./material";
 
-/** Values of Johnson and Christy (1972), and of Rakić (1995, 1998) for aluminium and titanium. */
 export const METALS: Readonly<Record<string, { eta: Rgb; k: Rgb }>> = {
-  Gold: { eta: [0.18, 0.54, 1.33], k: [3.07, 2.23, 1.86] },
-  Silver: { eta: [0.056, 0.054, 0.047], k: [4.28, 3.43, 2.79] },
-  Copper: { eta: [0.27, 1.1, 1.24], k: [3.41, 2.59, 2.4] },
-  Aluminium: { eta: [1.39, 0.88, 0.65], k: [7.65, 6.45, 5.58] },
-  Iron: { eta: [2.88, 2.95, 2.65], k: [3.06, 2.93, 2.81] },
-  Titanium: { eta: [2.7, 2.5, 2.2], k: [3.75, 3.4, 3.05] },
+  Gold: { eta: [0.143, 0.375, 1.442], k: [3.983, 2.386, 1.603] },
+  Silver: { eta: [0.155, 0.117, 0.138], k: [4.828, 3.122, 2.147] },
+  Copper: { eta: [0.201, 0.924, 1.102], k: [3.913, 2.453, 2.142] },
+  Aluminium: { eta: [1.658, 0.88, 0.521], k: [9.224, 6.27, 4.837] },
+  Chromium: { eta: [4.37, 2.917, 1.655], k: [5.207, 4.231, 3.755] },
+  Tungsten: { eta: [4.371, 3.3, 2.998], k: [3.501, 2.605, 2.273] },
 };

@@ -57,20 +57,31 @@ export function brightTexels(f: Float32Array): Float32Array {
   return texels;
 }
 
-/** (2 samples, cosines, 4): directions and log2 pdf, then weights, of a table (cosines, samples, 8). */
+/**
+ * Texels (2 samples, cosines, 4) of a table (cosines, samples, 8): half vectors and log2 pdf, then
+ * weights.
+ *
+ * The half vectors of a lobe hardly depend on the direction of the eye. They are interpolated
+ * between the cosines, and each pixel mirrors its own direction in them.
+ */
 export function directionTexels(
   table: Float32Array,
   cosines: number,
   samples: number,
 ): Float32Array {
   const texels = new Float32Array(8 * cosines * samples);
-  for (let row = 0; row < cosines; row++)
+  for (let row = 0; row < cosines; row++) {
+    const cosine = (row + 0.5) / cosines;
+    const sine = Math.sqrt(1 - cosine * cosine);
     for (let sample = 0; sample < samples; sample++) {
       const from = 8 * (row * samples + sample);
       const to = 4 * (2 * sample * cosines + row);
-      texels.set(table.subarray(from, from + 3), to);
+      const [x, y, z] = [table[from]! + sine, table[from + 1]!, table[from + 2]! + cosine];
+      const length = Math.hypot(x, y, z) || 1;
+      texels.set([x / length, y / length, z / length], to);
       texels[to + 3] = Math.log2(Math.max(table[from + 6]!, 1e-6));
       texels.set(table.subarray(from + 3, from + 6), to + 4 * cosines);
     }
+  }
   return texels;
 }

@@ -15,11 +15,14 @@ export interface Camera {
   projection: number[];
 }
 
-/** Half the angle of view that holds the object at zoom 1 [degrees]. */
-export const HALF_ANGLE = 12;
+/** Distance of the camera, in radii of the ball around the object. */
+const DISTANCE = 6;
 
-/** Share of the picture that the object's ball fills at zoom 1. */
-const FILLED = 0.76;
+/** Share of the picture that the object fills at zoom 1. */
+const FILLED = 0.8;
+
+/** From lower than this the object keeps its size [degrees]. */
+const LOW = 18;
 
 /**
  * The camera of a view.
@@ -33,10 +36,11 @@ export function cameraOf(
   aspect: number,
   jitter: readonly [number, number] = [0, 0],
 ): Camera {
-  const narrow = Math.min(1, aspect);
-  const tangent = Math.tan((HALF_ANGLE * Math.PI) / 180) / view.zoom;
-  const distance = mesh.radius / (Math.sin((HALF_ANGLE * Math.PI) / 180) * FILLED);
-  const [halfWidth, halfHeight] = [(tangent * aspect) / narrow, tangent / narrow];
+  const distance = DISTANCE * mesh.radius;
+  const steep = (Math.max(view.elevation, LOW) * Math.PI) / 180;
+  const tall = mesh.halfHeight * Math.cos(steep) + mesh.width * Math.sin(steep);
+  const halfHeight = Math.max(tall, mesh.width / aspect) / (FILLED * distance * view.zoom);
+  const halfWidth = halfHeight * aspect;
 
   const azimuth = (view.azimuth * Math.PI) / 180;
   const elevation = (view.elevation * Math.PI) / 180;

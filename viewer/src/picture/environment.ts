@@ -34,7 +34,7 @@ const FACES = [
 const FORMULAS: readonly EnvironmentName[] = ["studio", "sky", "room"];
 
 /** The sky's sun stands where its shader's does. */
-const SUN: Light = { direction: unit([0.62, 0.5, 0.6]), power: [3.4, 3.05, 2.55] };
+const SUN: Light = { direction: unit([-0.5, -0.62, 0.6]), power: [3.4, 3.05, 2.55] };
 
 /** The lights of an environment by formula. */
 export function lightsOf(name: EnvironmentName): Light[] {

@@ -11,6 +11,9 @@ export interface Mesh {
   /** Centre and radius of the ball. */
   centre: readonly [number, number, number];
   radius: number;
+  /** Largest distance from the vertical axis through the centre, and half the height. */
+  width: number;
+  halfHeight: number;
   /** Radius of the object's shadow on the ground. */
   footprint: number;
 }
@@ -165,14 +168,23 @@ function joined(parts: Part[], footprint: number): Mesh {
       high[axis] = Math.max(high[axis]!, vertices[at + axis]!);
     }
   const centre = [0, 1, 2].map((axis) => (low[axis]! + high[axis]!) / 2);
-  let radius = 0;
-  for (let at = 0; at < vertices.length; at += 6)
-    radius = Math.max(radius, Math.hypot(...[0, 1, 2].map((k) => vertices[at + k]! - centre[k]!)));
+  let [radius, width] = [0, 0];
+  for (let at = 0; at < vertices.length; at += 6) {
+    const [x, y, z] = centre.map((middle, k) => vertices[at + k]! - middle) as [
+      number,
+      number,
+      number,
+    ];
+    radius = Math.max(radius, Math.hypot(x, y, z));
+    width = Math.max(width, Math.hypot(x, y));
+  }
   return {
     vertices: new Float32Array(vertices),
     faces: new Uint32Array(faces),
     centre: [centre[0]!, centre[1]!, centre[2]!],
     radius,
+    width,
+    halfHeight: (high[2]! - low[2]!) / 2,
     footprint,
   };
 }

@@ -121,10 +121,9 @@ export class Renderer {
     gl.activeTexture(gl.TEXTURE0);
     gl.bindTexture(gl.TEXTURE_2D, textures.table);
     const texels = directionTexels(table, cosines, samples);
-    // Half floats, which every device filters
     const target = gl.TEXTURE_2D;
-    gl.texImage2D(target, 0, gl.RGBA16F, cosines, 2 * samples, 0, gl.RGBA, gl.FLOAT, texels);
-    filters(gl, target, gl.LINEAR, gl.LINEAR, gl.CLAMP_TO_EDGE);
+    gl.texImage2D(target, 0, gl.RGBA32F, cosines, 2 * samples, 0, gl.RGBA, gl.FLOAT, texels);
+    filters(gl, target, gl.NEAREST, gl.NEAREST, gl.CLAMP_TO_EDGE);
   }
 
   /** Take over a material's f (N, 3) at `brightPairs` of a size. */

@@ -23,6 +23,14 @@ function placeOf(wi: Float32Array, wo: Float32Array): number[] {
   ];
 }
 
+/** The lower direction's cosine at a place of the table. */
+function lowest(i: number, j: number, k: number): number {
+  const half = Math.atan(NEAR * ((1 + FAR / NEAR) ** (i / (COARSE.halves - 1)) - 1));
+  const difference = (Math.PI / 2) * (j / (COARSE.differences - 1));
+  const along = (k / (COARSE.slants - 1)) * Math.sin(difference);
+  return Math.cos(half) * Math.cos(difference) - Math.sin(half) * along;
+}
+
 test("the shader finds each pair at its place", () => {
   const { wi, wo } = brightPairs(COARSE);
   let checked = 0;
@@ -30,9 +38,9 @@ test("the shader finds each pair at its place", () => {
   for (let k = 0; k < COARSE.slants; k++)
     for (let j = 1; j < COARSE.differences - 1; j++)
       for (let i = 8; i < COARSE.halves; i += 3) {
+        if (lowest(i, j, k) < 0.02) continue; // lifted above the horizon
         const at = 3 * ((k * COARSE.differences + j) * COARSE.halves + i);
         const [a, b] = [wi.subarray(at, at + 3), wo.subarray(at, at + 3)];
-        if (Math.min(a[2]!, b[2]!) < 0.02) continue; // lifted above the horizon
         const place = placeOf(a, b);
         farthest = Math.max(farthest, ...[i, j, k].map((x, axis) => Math.abs(place[axis]! - x)));
         checked++;
@@ -62,13 +70,20 @@ test("texels hold the logarithm, and black is finite", () => {
   expect(Number.isFinite(texels[2]!)).toBe(true);
 });
 
-test("a table's rows become columns", () => {
-  const [cosines, samples] = [3, 2];
-  const table = Float32Array.from({ length: 8 * cosines * samples }, (_, at) => at + 1);
+test("a table's rows become columns, its directions half vectors", () => {
+  const [cosines, samples] = [4, 2];
+  const table = new Float32Array(8 * cosines * samples);
+  const wo = [0.6, -0.48, 0.64];
+  table.set([...wo, 41, 42, 43, 8], 8 * (2 * samples + 1)); // cosine 5/8, the second sample
   const texels = directionTexels(table, cosines, samples);
-  // Row 2, sample 1 begins at 40 in the table; its weight is one row of texels below.
   const at = 4 * (2 * 1 * cosines + 2);
-  expect([...texels.subarray(at, at + 3)]).toEqual([41, 42, 43]);
-  expect(texels[at + 3]).toBeCloseTo(Math.log2(47), 5);
-  expect([...texels.subarray(at + 4 * cosines, at + 4 * cosines + 3)]).toEqual([44, 45, 46]);
+  const half = texels.subarray(at, at + 3);
+  const wi = [Math.sqrt(1 - (5 / 8) ** 2), 0, 5 / 8];
+  const along = 2 * wi.reduce((sum, part, k) => sum + part * half[k]!, 0);
+  wo.forEach((part, k) => {
+    expect(along * half[k]! - wi[k]!).toBeCloseTo(part, 5);
+  });
+  expect(texels[at + 3]).toBe(3);
+  const below = at + 4 * cosines;
+  expect([...texels.subarray(below, below + 3)]).toEqual([41, 42, 43]);
 });

@@ -9,7 +9,7 @@ const int MOST_LIGHTS = 4;
 
 uniform vec3 eye;
 uniform vec2 turn; // cosine and sine of the environment's rotation about z
-uniform sampler2D table; // columns: cosines; rows: direction and log2 pdf, weight, in turn
+uniform sampler2D table; // columns: cosines; rows: half vector and log2 pdf, weight, in turn
 uniform int samples;
 uniform float density; // directions taken so far, for the level of detail
 uniform samplerCube environment;
@@ -35,7 +35,23 @@ float level(vec3 direction, float logPdf) {
     return 0.5 * (-logPdf - log2(density * solidAngle)) + 0.5;
 }
 
-// ln f for directions whose half vector and difference angle lie in the table.
+// A pixel's frame, in which z is the normal, and its direction to the eye.
+struct Frame {
+    vec3 x;
+    vec3 y;
+    vec3 z;
+    vec3 view;
+};
+
+// Light from the direction that is the mirror image of the view in a facet of the table.
+vec3 incoming(Frame frame, vec4 facet) {
+    vec3 half_ = normalize(facet.xyz);
+    vec3 local = 2.0 * dot(frame.view, half_) * half_ - frame.view;
+    vec3 light = local.x * frame.x + local.y * frame.y + local.z * frame.z;
+    return textureLod(environment, light, level(light, facet.w)).rgb;
+}
+
+// f for directions whose half vector and difference angle lie in the table.
 vec3 f(vec3 normal, vec3 view, vec3 light) {
     float cosView = dot(normal, view), cosLight = dot(normal, light);
     vec3 half_ = view + light;
@@ -68,13 +84,25 @@ void main() {
         : normalize(cross(normal, abs(normal.z) < 0.9 ? vec3(0.0, 0.0, 1.0) : vec3(1.0, 0.0, 0.0)));
     vec3 bitangent = cross(normal, tangent);
 
-    float row = 1.0 / float(textureSize(table, 0).y);
+    Frame frame = Frame(tangent, bitangent, normal, vec3(size, 0.0, cosine));
+    int columns = textureSize(table, 0).x;
+    float column = clamp(cosine * float(columns) - 0.5, 0.0, float(columns) - 1.0);
+    int left = int(column);
+    int right = min(left + 1, columns - 1);
+    float share = column - float(left);
     vec3 sum = vec3(0.0);
     for (int i = 0; i < samples; i++) {
-        vec4 local = textureLod(table, vec2(cosine, (2.0 * float(i) + 0.5) * row), 0.0);
-        vec3 weight = textureLod(table, vec2(cosine, (2.0 * float(i) + 1.5) * row), 0.0).rgb;
-        vec3 light = normalize(local.x * tangent + local.y * bitangent + local.z * normal);
-        sum += weight * textureLod(environment, light, level(light, local.w)).rgb;
+        vec4 first = texelFetch(table, ivec2(left, 2 * i), 0);
+        vec4 second = texelFetch(table, ivec2(right, 2 * i), 0);
+        vec3 firstWeight = texelFetch(table, ivec2(left, 2 * i + 1), 0).rgb;
+        vec3 secondWeight = texelFetch(table, ivec2(right, 2 * i + 1), 0).rgb;
+        if (dot(first.xyz, second.xyz) > 0.97 && abs(first.w - second.w) < 2.0) {
+            vec4 between = mix(first, second, share);
+            sum += mix(firstWeight, secondWeight, share) * incoming(frame, between);
+        } else { // of different lobes of the proposal
+            sum += (1.0 - share) * firstWeight * incoming(frame, first);
+            sum += share * secondWeight * incoming(frame, second);
+        }
     }
     sum /= float(samples);
 

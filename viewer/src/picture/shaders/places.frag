@@ -37,7 +37,7 @@ vec3 studio(vec3 d) {
 }
 
 vec3 sky(vec3 d) {
-    vec3 sun = normalize(vec3(0.62, 0.50, 0.60));
+    vec3 sun = normalize(vec3(-0.50, -0.62, 0.60));
     float near = max(dot(d, sun), 0.0);
     float height = max(d.z, 0.0);
     vec3 light = mix(vec3(1.05, 1.12, 1.20), vec3(0.16, 0.34, 0.78), pow(height, 0.45));
