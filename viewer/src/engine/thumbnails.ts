@@ -7,7 +7,7 @@ import { Renderer, type Shot } from "../picture/renderer";
 import { session } from "./session";
 
 const SHOT: Shot = {
-  view: { azimuth: 20, elevation: 12, zoom: 0.98 },
+  view: { azimuth: 20, elevation: 12, zoom: 1.2 },
   rotation: 0,
   exposure: 0,
   comparison: "off",

@@ -27,8 +27,8 @@ export const PRESETS: readonly MaterialCards[] = [
   material(
     "Vermilion urushi",
     { kind: "diffuse", reflectance: [0.1, 0.05, 0.035] },
-    { alpha: 0.03, eta: 1.53, sigmaT: [0.05, 0.14, 0.4] },
-    { alpha: 0.08, eta: 1.02, sigmaT: [3, 6, 6.5], albedo: [0.88, 0.16, 0.06], g: 0.2 },
+    { alpha: 0.03, eta: 1.53, sigmaT: [0.03, 0.08, 0.22] },
+    { alpha: 0.08, eta: 1.02, sigmaT: 8, albedo: [0.995, 0.66, 0.42], g: 0.2 },
   ),
   material(
     "Black urushi",
@@ -39,30 +39,29 @@ export const PRESETS: readonly MaterialCards[] = [
   material("Gold maki-e", metal("Gold", 0.28), {
     alpha: 0.03,
     eta: 1.53,
-    sigmaT: [0.02, 0.09, 0.3],
+    sigmaT: [0.02, 0.07, 0.2],
   }),
   material(
     "Car paint",
     metal("Aluminium", 0.33),
     { alpha: 0.015, eta: 1.45 },
-    { alpha: 0.1, eta: 1.07, sigmaT: [0.15, 1.5, 1.8], albedo: [0.6, 0.04, 0.03], g: 0.4 },
+    { alpha: 0.1, eta: 1.07, sigmaT: [1.4, 0.55, 0.12], albedo: [0.05, 0.2, 0.7], g: 0.4 },
   ),
   material(
     "Varnished walnut",
-    { kind: "diffuse", reflectance: [0.3, 0.15, 0.068] },
+    { kind: "diffuse", reflectance: [0.42, 0.22, 0.1] },
     { alpha: 0.06, eta: 1.5, sigmaT: [0.03, 0.1, 0.3] },
   ),
-  material("Enamel on copper", metal("Copper", 0.22), {
-    alpha: 0.04,
+  material("Enamel on copper", metal("Copper", 0.2), {
+    alpha: 0.03,
     eta: 1.52,
-    sigmaT: [1.4, 0.5, 0.14],
-    albedo: [0.05, 0.18, 0.5],
-    g: 0.3,
+    sigmaT: [0.06, 0.85, 1.2],
+    albedo: [0, 0.02, 0.03],
   }),
   material(
     "Celadon glaze",
-    { kind: "diffuse", reflectance: [0.52, 0.49, 0.42] },
-    { alpha: 0.035, eta: 1.52, sigmaT: [1.5, 0.75, 1], albedo: [0.62, 0.93, 0.84], g: 0.3 },
+    { kind: "diffuse", reflectance: [0.6, 0.57, 0.5] },
+    { alpha: 0.035, eta: 1.52, sigmaT: [1.2, 0.7, 0.85], albedo: [0.88, 0.975, 0.945], g: 0.3 },
   ),
   material("Frosted metal", metal("Aluminium", 0.04), {
     alpha: 0.42,
@@ -71,15 +70,14 @@ export const PRESETS: readonly MaterialCards[] = [
   }),
   material(
     "Pearl",
-    { kind: "diffuse", reflectance: [0.8, 0.76, 0.73] },
-    { alpha: 0.05, eta: 1.5 },
-    { alpha: 0.28, eta: 1.25, sigmaT: [0.6, 0.75, 0.7], albedo: [0.99, 0.965, 0.97], g: 0.2 },
-    { alpha: 0.35, eta: 1.1, sigmaT: [0.25, 0.2, 0.3], albedo: [0.97, 0.98, 0.95] },
+    { kind: "diffuse", reflectance: [0.88, 0.85, 0.82] },
+    { alpha: 0.04, eta: 1.5 },
+    { alpha: 0.3, eta: 1.12, sigmaT: [1.2, 1.35, 1.3], albedo: [0.998, 0.995, 0.997], g: 0.2 },
   ),
   material("Tarnished silver", metal("Silver", 0.14), {
     alpha: 0.3,
     eta: 1.35,
-    sigmaT: [0.25, 0.42, 0.62],
+    sigmaT: [0.2, 0.36, 0.6],
     albedo: [0.12, 0.1, 0.12],
   }),
 ];

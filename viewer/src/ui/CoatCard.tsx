@@ -134,7 +134,13 @@ export function kindOf(coat: Coat): string {
 /** About the colour of the medium on white, for the card's edge. */
 function mediumColour(coat: Coat): string {
   const passed = transmission(rgb(coat.sigmaT));
-  const albedo = rgb(coat.albedo);
-  const mixed = passed.map((x, k) => x * x + (1 - x * x) * albedo[k]! ** 2) as unknown as Rgb;
+  const scattered = rgb(coat.albedo).map(deepReflectance);
+  const mixed = passed.map((x, k) => x * x + (1 - x * x) * scattered[k]!) as unknown as Rgb;
   return hex(mixed);
+}
+
+/** Reflectance of an infinitely deep medium (van de Hulst 1980). */
+function deepReflectance(albedo: number): number {
+  const s = Math.sqrt(1 - albedo);
+  return ((1 - s) * (1 - 0.139 * s)) / (1 + 1.17 * s);
 }

@@ -25,14 +25,14 @@ float panel(vec3 direction, vec3 centre, vec2 half_, float tilt, float soft) {
 
 vec3 studio(vec3 d) {
     float height = d.z;
-    vec3 light = mix(vec3(0.105, 0.10, 0.098), vec3(0.19, 0.195, 0.205), smoothstep(-0.5, 0.9, height));
-    light += vec3(0.09, 0.085, 0.08) * exp(-pow((height + 0.06) * 5.0, 2.0));
-    light = mix(light, vec3(0.085, 0.08, 0.077), smoothstep(0.02, -0.30, height));
-    light += vec3(9.6, 9.2, 8.7) * panel(d, vec3(2.2, 2.9, 3.0), vec2(1.05, 1.45), 0.12, 0.10)
+    vec3 light = mix(vec3(0.16, 0.152, 0.146), vec3(0.30, 0.305, 0.32), smoothstep(-0.5, 0.9, height));
+    light += vec3(0.12, 0.113, 0.105) * exp(-pow((height + 0.06) * 5.0, 2.0));
+    light = mix(light, vec3(0.13, 0.122, 0.116), smoothstep(0.02, -0.30, height));
+    light += vec3(12.5, 12.0, 11.3) * panel(d, vec3(2.2, 2.9, 3.0), vec2(1.05, 1.45), 0.12, 0.10)
         * (0.8 + 0.2 * smoothstep(0.3, 1.0, height));
-    light += vec3(5.6, 6.2, 7.2) * panel(d, vec3(-1.4, -3.6, 1.2), vec2(0.34, 1.6), 0.0, 0.06);
-    light += vec3(3.6, 3.5, 3.4) * panel(d, vec3(3.4, -2.4, 1.5), vec2(0.8, 0.95), 0.0, 0.35);
-    light += vec3(2.2, 2.2, 2.25) * panel(d, vec3(-3.0, 1.2, 3.6), vec2(1.3, 0.42), 0.0, 0.12);
+    light += vec3(7.0, 7.7, 8.8) * panel(d, vec3(-1.4, -3.6, 1.2), vec2(0.34, 1.6), 0.0, 0.06);
+    light += vec3(5.6, 5.4, 5.2) * panel(d, vec3(3.4, -2.4, 1.5), vec2(0.8, 0.95), 0.0, 0.35);
+    light += vec3(3.2, 3.2, 3.3) * panel(d, vec3(-3.0, 1.2, 3.6), vec2(1.3, 0.42), 0.0, 0.12);
     return light;
 }
 
