@@ -16,6 +16,7 @@ import safetensors.numpy
 
 import urushi
 from urushi.app import cli, page_files
+from urushi.app.commands import view
 from urushi.app.page_server import HOST, POLICY, PageServer
 from urushi.errors import FileError, ParameterError
 from urushi.nets import weights
@@ -83,7 +84,7 @@ def test_the_policy_of_the_page_is_that_of_the_server():
 
 def test_the_whole_page_is_small(untrained):
     """At most a megabyte, compressed. Trained half floats hardly compress, random ones neither."""
-    files = page_files.page_files(None, None)
+    files = page_files.page_files(weights.default_model(), None)
     assert sum(len(zlib.compress(content)) for content in files.values()) < 1_000_000
 
 
@@ -100,7 +101,7 @@ def test_networks_are_those_of_the_model_in_half_precision(untrained):
 
 def test_a_description_becomes_cards():
     text = "coat(coat(conductor(0.2, eta=0.2, k=3.0), sigma_t=(1, 2, 3), g=0.5), 0.05, eta=1.4)"
-    cards = page_files.first_material(text, None)
+    cards = view.first_material(text, None)
     assert cards["bottom"] == {"kind": "conductor", "alpha": 0.2, "eta": 0.2, "k": 3.0}
     top, lower = cards["coats"]
     assert (top["alpha"], top["eta"], top["sigmaT"]) == (0.05, 1.4, 0.0)
@@ -116,7 +117,7 @@ def test_a_description_becomes_cards():
     ],
 )
 def test_a_bottom_becomes_a_card(text, bottom):
-    assert page_files.first_material(text, None) == {
+    assert view.first_material(text, None) == {
         "name": "Material",
         "bottom": bottom,
         "coats": [],
@@ -126,7 +127,7 @@ def test_a_bottom_becomes_a_card(text, bottom):
 def test_a_file_becomes_codes(untrained, tmp_path):
     material = urushi.encode(urushi.conductor(0.2, r0=(0.9, 0.7, 0.3)))
     material.save(tmp_path / "gold.safetensors")
-    shown = page_files.first_material(str(tmp_path / "gold.safetensors"), None)
+    shown = view.first_material(str(tmp_path / "gold.safetensors"), None)
     assert (shown["name"], shown["coats"], shown["bottom"]["kind"]) == ("gold", [], "codes")
     for name in ("latents", "anchors"):
         assert np.array_equal(shown["bottom"][name], getattr(material, name).ravel())
@@ -134,14 +135,14 @@ def test_a_file_becomes_codes(untrained, tmp_path):
 
 def test_what_the_page_cannot_show(untrained, monkeypatch, tmp_path):
     with pytest.raises(FileError, match="missing"):
-        page_files.first_material(str(tmp_path / "missing.safetensors"), None)
+        view.first_material(str(tmp_path / "missing.safetensors"), None)
     model = weights.default_model()
     large = {name: array * np.float32(1e6) for name, array in model.params.items()}
     with pytest.raises(ParameterError, match="too large for half precision"):
         page_files.half_precision(weights.Model.of(model.arch, large, {}))
     monkeypatch.setattr(page_files, "built_folder", lambda: tmp_path)
     with pytest.raises(FileError, match="make viewer"):
-        page_files.page_files(None, None)
+        page_files.page_files(model, None)
 
 
 def test_the_page_is_written_into_a_folder(untrained, tmp_path, capsys):

@@ -10,11 +10,12 @@ from typing import Any
 import numpy as np
 import safetensors.numpy
 
-from urushi.app.describe import describe, is_description
 from urushi.errors import FileError, ParameterError
 from urushi.files import METADATA_KEY
+from urushi.material import Material
 from urushi.nets.architecture import Architecture
 from urushi.nets.weights import FORMAT_VERSION, Model
+from urushi.reference.stack import Conductor, Dielectric, Diffuse, Stack
 
 #: Names of the files that are made, not built.
 WEIGHTS_FILE, START_FILE = "weights.safetensors", "start.json"
@@ -23,20 +24,17 @@ WEIGHTS_FILE, START_FILE = "weights.safetensors", "start.json"
 MOST_COATS = 6
 
 
-def page_files(material: str | None, weights: str | None) -> dict[str, bytes]:
+def page_files(model: Model, material: dict[str, Any] | None) -> dict[str, bytes]:
     """The page's files by their paths relative to it, with "/" between folders.
 
     Args:
-        material: what it shows first: a description, a material file or a measured file; None: its
-            own first material.
-        weights: weights file of the networks; None: the shipped ones.
+        model: the networks.
+        material: what the page shows first, of `cards_of` or `codes_of`; None: its own first one.
 
     Raises:
-        UrushiError: the material or the weights cannot be read, or the page was not built.
+        FileError: the page was not built.
+        ParameterError: as of `half_precision`.
     """
-    from urushi.nets.weights import find
-
-    model = find(weights)
     folder = built_folder()
     built = {
         path.relative_to(folder).as_posix(): path.read_bytes()
@@ -45,9 +43,8 @@ def page_files(material: str | None, weights: str | None) -> dict[str, bytes]:
     }
     if "index.html" not in built:
         raise FileError(f"the page is missing in '{folder}'; run `make viewer` in the repository")
-    start = {} if material is None else {"materials": [first_material(material, weights)]}
-    made = {WEIGHTS_FILE: half_precision(model), START_FILE: json.dumps(start).encode()}
-    return built | made
+    start = {} if material is None else {"materials": [material]}
+    return built | {WEIGHTS_FILE: half_precision(model), START_FILE: json.dumps(start).encode()}
 
 
 def built_folder() -> Path:
@@ -76,26 +73,17 @@ def half_precision(model: Model) -> bytes:
     return safetensors.numpy.save(halves, {METADATA_KEY: json.dumps(description, sort_keys=True)})
 
 
-def first_material(text: str, weights: str | None) -> dict[str, Any]:
-    """A material as the page reads it: as cards if it is described, otherwise by its codes."""
-    if is_description(text):
-        cards = _cards(describe(text))
-        if cards is not None:
-            return cards
-    from urushi.app.commands.layer import read_material
-
-    material = read_material(text, weights)
-    if material.own_decoder is not None:
-        raise ParameterError(
-            f"'{text}' has a decoder of its own, which the page cannot evaluate; "
-            "encode it without --own-decoder"
-        )
-    name = "Material" if is_description(text) else Path(text).stem
-    codes = {
-        "latents": _three(material.latents).ravel().tolist(),
-        "anchors": _three(material.anchors).ravel().tolist(),
+def codes_of(material: Material, name: str) -> dict[str, Any]:
+    """A material as the page reads it, by its codes."""
+    return {
+        "name": name,
+        "bottom": {
+            "kind": "codes",
+            "latents": _three(material.latents).ravel().tolist(),
+            "anchors": _three(material.anchors).ravel().tolist(),
+        },
+        "coats": [],
     }
-    return {"name": name, "bottom": {"kind": "codes", **codes}, "coats": []}
 
 
 def _three(codes: np.ndarray) -> np.ndarray:
@@ -103,10 +91,8 @@ def _three(codes: np.ndarray) -> np.ndarray:
     return np.broadcast_to(codes, (3, codes.shape[1]))
 
 
-def _cards(described: Any) -> dict[str, Any] | None:
-    """The cards of a description; None if the page has no cards for it."""
-    from urushi.reference.stack import Conductor, Dielectric, Diffuse, Stack
-
+def cards_of(described: Any) -> dict[str, Any] | None:
+    """A description as the page reads it; None if the page has no cards for it."""
     coats = described.coats if isinstance(described, Stack) else ()
     bottom = described.bottom if isinstance(described, Stack) else described
     if len(coats) > MOST_COATS:

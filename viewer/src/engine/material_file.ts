@@ -10,7 +10,7 @@ interface Tensor {
 }
 
 /**
- * The codes of a material file.
+ * The codes of a material file; a table in it is left out.
  *
  * @param latentSize numbers of one channel's code.
  * @throws Refusal if it is another file, damaged, or of other networks.
@@ -41,8 +41,6 @@ export function readMaterialFile(bytes: Uint8Array, latentSize: number): Bottom 
     if (!values.every(Number.isFinite)) throw damaged();
     return rows === 3 ? values : new Float32Array([...values, ...values, ...values]);
   };
-  if (header.own_decoder !== undefined)
-    throw new Refusal("It has a decoder of its own, which this page cannot evaluate.");
   const latents = codes("latents");
   if (latents === null) throw damaged();
   return { kind: "codes", latents, anchors: codes("anchors") ?? latents };

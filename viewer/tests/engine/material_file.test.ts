@@ -54,7 +54,6 @@ const BAD: [string, Uint8Array][] = [
   ["no codes", file({})],
   ["codes of other networks", file({ latents: { shape: [3, 1], values: [1, 2, 3] } })],
   ["a number that is not finite", file({ latents: { ...SIX, values: [1, 2, 3, 4, 5, NaN] } })],
-  ["a decoder of its own", file({ latents: SIX, own_decoder: { shape: [1], values: [1] } })],
   ...[4, 8, 40, WHOLE.length - 1].map((length): [string, Uint8Array] => [
     `${length} bytes of a file`,
     WHOLE.slice(0, length),

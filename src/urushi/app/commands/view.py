@@ -4,10 +4,11 @@ import contextlib
 import webbrowser
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import tyro
 
+from urushi.app.describe import describe, is_description
 from urushi.errors import FileError
 from urushi.files import atomic_write, new_folder
 
@@ -40,8 +41,10 @@ class View:
 
     def run(self) -> int:
         from urushi.app.page_files import page_files
+        from urushi.nets.weights import find
 
-        files = page_files(self.material, self.weights)
+        shown = None if self.material is None else first_material(self.material, self.weights)
+        files = page_files(find(self.weights), shown)
         if self.output is None:
             self._serve(files)
         else:
@@ -63,6 +66,22 @@ class View:
             if not self.no_browser:
                 webbrowser.open(server.url)
             server.serve_forever()
+
+
+def first_material(text: str, weights: str | None) -> dict[str, Any]:
+    """A material as the page reads it: as cards if it is described, otherwise by its codes.
+
+    Raises:
+        UrushiError: as of `read_material`.
+    """
+    from urushi.app.commands.layer import read_material
+    from urushi.app.page_files import cards_of, codes_of
+
+    described = is_description(text)
+    cards = cards_of(describe(text)) if described else None
+    if cards is not None:
+        return cards
+    return codes_of(read_material(text, weights), "Material" if described else Path(text).stem)
 
 
 def write(files: dict[str, bytes], folder: Path) -> None:
