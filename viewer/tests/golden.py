@@ -10,9 +10,12 @@ writes these, or those that are named:
 - `reference_values.safetensors`: some of the values of independent simulators with which the random
   walk of Python is tested, from the folder that `URUSHI_TEST_DATA` names.
 
-They lie beside the tests of the core. Run it again when the networks or their definition change.
+The networks compute in double precision here, as the core does: in single precision, codes and f
+differ by some 1e-6, which would hide errors of that size. The files lie beside the tests of the
+core. Run the script again when the networks or their definition change.
 """
 
+import dataclasses
 import os
 import sys
 from collections.abc import Mapping
@@ -104,6 +107,8 @@ def random_model() -> weights.Model:
 
 def write_vectors(name: str, model: weights.Model) -> None:
     """Write the vectors of all stacks."""
+    double = {name: values.astype(np.float64) for name, values in model.params.items()}
+    model = dataclasses.replace(model, params=double)
     materials = [material_of(stack, model) for stack in STACKS]
     wi, wo = training_pairs(np.random.default_rng(3), PAIRS)
     wo[-1, 2] *= -1  # below the horizon

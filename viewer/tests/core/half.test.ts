@@ -12,7 +12,7 @@ const available = (["random", "default"] as const).flatMap((name) => {
   return vectors && existsSync(files[name]) ? [[name, vectors] as const] : [];
 });
 
-test.each(available)("of %s networks hardly change f", (name, vectors) => {
+test.each(available)("of %s networks hardly change f", { timeout: 30_000 }, (name, vectors) => {
   const whole = bytesOf(files[name]);
   const halved = halfPrecision(whole);
   expect(halved.byteLength).toBeLessThan(0.6 * whole.byteLength);
