@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from urushi.data.distribution import Distribution, Extended, Table2
+from urushi.data.distribution import Clear, Distribution, Extended, Table2
 from urushi.errors import ParameterError
 
 
@@ -94,6 +94,9 @@ _SIX = (
     Group("six, table2", Table2(5), 4),
     *(Group(f"six, {kind}", Extended(5, kind), 4) for kind in _KINDS),
 )
+_CLEAR = tuple(Group(f"clear, {kind}", Clear(1, kind), 12) for kind in _KINDS)
+_LOW_TWO = tuple(Group(f"low two, {kind}", Extended(1, kind, "low"), 8) for kind in _KINDS)
+_LOW_THREE = tuple(Group(f"low three, {kind}", Extended(2, kind, "low"), 4) for kind in _KINDS)
 
 
 def _names(groups: Sequence[Group]) -> tuple[str, ...]:
@@ -101,7 +104,7 @@ def _names(groups: Sequence[Group]) -> tuple[str, ...]:
 
 
 #: All groups; those without a coat are analytic, the others are simulated.
-GROUPS = (*_BARE, *_TWO, *_THREE, *_SIX)
+GROUPS = (*_BARE, *_TWO, *_THREE, *_SIX, *_CLEAR, *_LOW_TWO, *_LOW_THREE)
 
 #: The table, top to bottom.
 ROWS = (
@@ -134,4 +137,8 @@ ROWS = (
     Row("  upper over encoded lower", _names(_THREE), encoded=1),
     Row("  upper over refined lower", _names(_THREE), encoded=1, refined=True),
     Row("layer six interfaces", _names(_SIX), aims=(_e(0.025),)),
+    Row("layer clear coats", _names(_CLEAR)),
+    *(Row(f"  over {BOTTOMS[kind]}, clear", (f"clear, {kind}",)) for kind in _KINDS),
+    Row("indices below one, two interfaces", _names(_LOW_TWO), aims=(_e(0.01),)),
+    Row("indices below one, three interfaces", _names(_LOW_THREE), aims=(_e(0.01),)),
 )  # fmt: skip
