@@ -16,9 +16,15 @@ const WEIGHTS = "weights.safetensors";
 export async function connect(): Promise<PageCore> {
   const worker = new Worker(new URL("../core/worker.ts", import.meta.url), { type: "module" });
   const core = new RemoteCore(worker);
+  const broken = new Promise<never>((_resolve, reject) => {
+    const refusal = new Refusal(
+      "The browser could not start the page's worker; load the page anew.",
+    );
+    worker.addEventListener("error", () => reject(refusal));
+  });
   const answer = await fetch(WEIGHTS);
   if (!answer.ok)
     throw new Refusal(`The networks are missing beside the page (${WEIGHTS}: ${answer.status}).`);
-  await core.load(await answer.arrayBuffer());
+  await Promise.race([core.load(await answer.arrayBuffer()), broken]);
   return core;
 }

@@ -118,12 +118,14 @@ export class Session {
     });
     const object = computed(() => state.value.object);
     effect(() => {
-      this.renderer?.setObject(object.value);
+      const name = object.value; // read here even while there is no renderer: it is followed
+      this.renderer?.setObject(name);
       painter.refresh();
     });
     const environment = computed(() => state.value.environment);
     effect(() => {
-      this.renderer?.setEnvironment(environment.value, ownEnvironment.value);
+      const [name, own] = [environment.value, ownEnvironment.value];
+      this.renderer?.setEnvironment(name, own);
       painter.refresh();
     });
     const incidence = computed(() => state.value.incidence);

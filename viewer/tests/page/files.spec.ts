@@ -2,13 +2,7 @@
 
 import { readFileSync } from "node:fs";
 import type { Page } from "@playwright/test";
-import { coats, expect, number, open, test } from "./page";
-
-async function give(page: Page, name: string, content: Buffer | string): Promise<void> {
-  await page
-    .locator("input[type=file]")
-    .setInputFiles({ name, mimeType: "application/octet-stream", buffer: Buffer.from(content) });
-}
+import { coats, expect, give, number, open, panorama, test } from "./page";
 
 async function saved(page: Page, label: string): Promise<{ name: string; text: string }> {
   await page.getByRole("button", { name: "Save", exact: true }).click();
@@ -16,14 +10,6 @@ async function saved(page: Page, label: string): Promise<{ name: string; text: s
   await page.getByRole("button", { name: new RegExp(`^${label}`) }).click();
   const file = await download;
   return { name: file.suggestedFilename(), text: readFileSync(await file.path(), "latin1") };
-}
-
-/** A panorama of one colour, as a .hdr file. */
-function panorama(width: number, height: number): Buffer {
-  const header = `#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y ${height} +X ${width}\n`;
-  const pixels = Buffer.alloc(4 * width * height);
-  for (let at = 0; at < pixels.length; at += 4) pixels.set([128, 64, 32, 129], at);
-  return Buffer.concat([Buffer.from(header, "latin1"), pixels]);
 }
 
 for (const [name, content, sentence] of [
@@ -44,7 +30,7 @@ for (const [name, content, sentence] of [
 
 test("a panorama becomes the light", async ({ page }) => {
   await open(page);
-  await give(page, "evening.hdr", panorama(64, 32));
+  await give(page, "evening.hdr", panorama(64, 32, [128, 64, 32, 129]));
   await expect(page.getByRole("combobox", { name: "Light" })).toHaveValue("own");
   await expect(page.getByRole("combobox", { name: "Light" })).toContainText("evening.hdr");
 });

@@ -62,3 +62,18 @@ export async function colourAt(page: Page, x: number, y: number): Promise<number
     [x, y],
   );
 }
+
+/** Open a file on the page. */
+export async function give(page: Page, name: string, content: Buffer | string): Promise<void> {
+  await page
+    .locator("input[type=file]")
+    .setInputFiles({ name, mimeType: "application/octet-stream", buffer: Buffer.from(content) });
+}
+
+/** A panorama of one colour, as a .hdr file; colour: mantissas and exponent. */
+export function panorama(width: number, height: number, colour: number[]): Buffer {
+  const header = `#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y ${height} +X ${width}\n`;
+  const pixels = Buffer.alloc(4 * width * height);
+  for (let at = 0; at < pixels.length; at += 4) pixels.set(colour, at);
+  return Buffer.concat([Buffer.from(header, "latin1"), pixels]);
+}

@@ -1,6 +1,7 @@
 /** The picture: it is there, follows the cards, and its absence is told. */
 
-import { colourAt, expect, number, open, test } from "./page";
+import { decoded } from "../../src/material/colour";
+import { colourAt, expect, give, number, open, panorama, test } from "./page";
 
 /** An address of a red matt ball in a small picture, where everything is fast. */
 async function matt(page: import("@playwright/test").Page, reflectance: number[]): Promise<void> {
@@ -80,6 +81,40 @@ test("two materials are compared by a swipe", async ({ page }) => {
       return middle[0]! > middle[2]!;
     })
     .toBe(true);
+});
+
+/** Radiance of a shown colour below 0.7: sRGB and the neutral tone curve undone. */
+function radiance(shown: number[]): number[] {
+  const toned = shown.map((value) => decoded(value / 255));
+  const least = Math.min(...toned);
+  const offset = least >= 0.04 ? 0.04 : Math.sqrt(least / 6.25) - least;
+  return toned.map((value) => value + offset);
+}
+
+test("in an even light the picture is the directional albedo", async ({ page }) => {
+  await page.setViewportSize({ width: 900, height: 420 });
+  await open(page);
+  await page.getByRole("button", { name: /choose another/ }).click();
+  await page.getByRole("button", { name: "Gold maki-e" }).click();
+  await page.getByRole("combobox", { name: "Object" }).selectOption("ball");
+  await give(page, "even.hdr", panorama(64, 32, [64, 64, 64, 129])); // radiance 0.5
+  const label = page.getByRole("img", { name: /^Directional albedo in percent/ });
+  await expect(label).toHaveAttribute("aria-label", /: (?!NaN)\d+, \d+, \d+ near the normal/);
+  const albedo = async () => {
+    const text = (await label.getAttribute("aria-label"))!;
+    return /: (\d+), (\d+), (\d+) near/
+      .exec(text)!
+      .slice(1)
+      .map((x) => Number(x) / 100);
+  };
+  // The quadrature of few directions is within two percent of the light.
+  await expect
+    .poll(async () => {
+      const shown = radiance(await colourAt(page, 0.5, 0.5));
+      const known = await albedo();
+      return Math.max(...known.map((x, k) => Math.abs(shown[k]! / 0.5 - x)));
+    })
+    .toBeLessThan(0.02);
 });
 
 test("a lost context is told, and the picture returns", async ({ page }) => {
