@@ -75,7 +75,7 @@ def test_measured(tmp_path):
 
     synthetic_merl(tmp_path / "gold-paint.binary")
     blocks = PYTHON_BLOCK.findall((DOCS / "measured.md").read_text())
-    assert len(blocks) == 3
+    assert len(blocks) == 2
     before = """
 import numpy as np
 import urushi

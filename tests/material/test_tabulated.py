@@ -49,7 +49,7 @@ def test_reciprocal_to_the_bit_and_zero_below_the_horizon(own, directions):
     assert (f[above] > 0).all() and not f[~above].any()
 
 
-def test_no_more_light_than_the_source(small):
+def test_about_as_much_light_as_the_source(small):
     cosines = np.linspace(0.15, 1, 9)
     wi = np.stack([np.sqrt(1 - cosines**2), 0 * cosines, cosines], axis=1).astype(np.float32)
     white = encode(lambda wi, wo: np.full(len(wi), 1 / np.pi), small, table=True)

@@ -139,9 +139,7 @@ def encode_values(found: SourceValues, model: Model, *, refine: bool | None = No
     material = material_from_values(values, model, refine=refine, lobe=found.lobe)
     if not len(at_table):
         return material
-    nodes = values[len(model.networks.pairs()[0]) :]
-    table = table_of_values(at_table, nodes)
-    return Material(material.latents, model, material.anchors, table)
+    return Material(material.latents, model, material.anchors, table_of_values(at_table))
 
 
 def material_of_lobes(lobe: np.ndarray, model: Model, channels: int = 3) -> Material:

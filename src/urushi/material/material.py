@@ -351,11 +351,8 @@ def _blended_table(a: Material, b: Material, share: np.ndarray) -> np.ndarray | 
         return None if end.table is None else np.broadcast_to(end.table, (*SHAPE, len(share)))
     if a.table is None and b.table is None:
         return None
-    values = []
-    for material in (a, b):
-        pairs, rule = node_pairs(), energy.albedo_rule()
-        values.append([material._filled(*pairs), material._filled(rule.wi, rule.wo)])
-    return table_of_values(*((1 - share) * x + share * y for x, y in zip(*values, strict=True)))
+    of_a, of_b = (material._filled(*node_pairs()) for material in (a, b))
+    return table_of_values((1 - share) * of_a + share * of_b)
 
 
 def _blend(model: Model, a: np.ndarray, b: np.ndarray, share: np.ndarray) -> np.ndarray:

@@ -23,7 +23,6 @@ import math
 
 import numpy as np
 
-from urushi.material import energy
 from urushi.nets.decoder import EMPTY_GAIN, MAX_LOG, MIN_LOG
 from urushi.nets.features import MIN_COSINE, direction_features
 from urushi.nets.networks import UrushiNetworks
@@ -51,22 +50,10 @@ def rest_table(networks: UrushiNetworks, latents: np.ndarray) -> np.ndarray | No
     return np.concatenate(logs).reshape(*SHAPE, len(latents))
 
 
-def table_of_values(f: np.ndarray, at_nodes: np.ndarray) -> np.ndarray:
-    """The table float16 (U, V, W, C) of a BRDF.
-
-    It reflects at no angle more than the BRDF: where interpolation adds light, all of the table is
-    scaled down.
-
-    Args:
-        f: (N, C) [1/sr] values at `node_pairs`.
-        at_nodes: (M, C) at the nodes of `energy.albedo_rule`.
-    """
-    logs = np.log(np.maximum(f, math.exp(MIN_LOG))).reshape(*SHAPE, -1)
-    rule = energy.albedo_rule()
-    own, made = (rule.albedo(x.T) for x in (at_nodes, interpolated(logs, rule.wi, rule.wo)))
-    ceiling = np.maximum(energy.albedo_ceiling(own), energy.LEAST_ALBEDO)
-    excess = np.maximum((made / ceiling).max(axis=-1), 1.0)
-    return (logs - np.log(excess)).clip(MIN_LOG, MAX_LOG).astype(np.float16)
+def table_of_values(f: np.ndarray) -> np.ndarray:
+    """The table float16 (U, V, W, C) of a BRDF with values f (N, C) [1/sr] at `node_pairs`."""
+    logs = np.log(np.maximum(f, math.exp(MIN_LOG)))
+    return logs.clip(MIN_LOG, MAX_LOG).reshape(*SHAPE, -1).astype(np.float16)
 
 
 def interpolated(table: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
