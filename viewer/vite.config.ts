@@ -1,4 +1,5 @@
 import { defineConfig } from "vitest/config";
+import { sources } from "./sources";
 
 const plainNames = {
   entryFileNames: "assets/[name].js",
@@ -8,6 +9,7 @@ const plainNames = {
 
 export default defineConfig({
   base: "./",
+  plugins: [sources()],
   build: {
     // The built page ships with the Python package, so that using it needs no Node.
     outDir: "../src/urushi/app/page",

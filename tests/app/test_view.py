@@ -1,5 +1,6 @@
 """`urushi view` serves the page to this machine alone, and writes it for web servers."""
 
+import hashlib
 import http.client
 import json
 import os
@@ -9,6 +10,7 @@ import subprocess
 import sys
 import threading
 import zlib
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -20,6 +22,9 @@ from urushi.app.commands import view
 from urushi.app.page_server import HOST, POLICY, PageServer
 from urushi.errors import FileError, ParameterError
 from urushi.nets import weights
+
+#: The page's sources, in a checkout.
+VIEWER = Path(__file__).parents[2] / "viewer"
 
 
 @pytest.fixture
@@ -80,6 +85,19 @@ def test_the_policy_of_the_page_is_that_of_the_server():
     carried = re.search(r'content="(default-src[^"]*)"', text)
     assert carried is not None
     assert f"{carried[1]}; frame-ancestors 'none'" == POLICY
+
+
+@pytest.mark.skipif(not VIEWER.is_dir(), reason="the page's sources are not here")
+def test_the_built_page_is_that_of_the_sources():
+    """After a change in `viewer`, `make viewer` builds the page anew. See `viewer/sources.ts`."""
+    paths = [path for name in ("src", "public") for path in (VIEWER / name).rglob("*")]
+    paths += [VIEWER / name for name in ("index.html", "package-lock.json", "vite.config.ts")]
+    digest = hashlib.sha256()
+    files = {path.relative_to(VIEWER).as_posix(): path for path in paths if path.is_file()}
+    for name in sorted(files):
+        digest.update(name.encode() + b"\0" + files[name].read_bytes() + b"\0")
+    built = (page_files.built_folder() / "sources.txt").read_text().strip()
+    assert built == digest.hexdigest()
 
 
 def test_the_whole_page_is_small(untrained):
