@@ -21,6 +21,7 @@ from urushi.app import cli, page_files
 from urushi.app.commands import view
 from urushi.app.page_server import HOST, POLICY, PageServer
 from urushi.errors import FileError, ParameterError
+from urushi.export.languages import LANGUAGES
 from urushi.nets import weights
 
 #: The page's sources, in a checkout.
@@ -115,6 +116,17 @@ def test_networks_are_those_of_the_model_in_half_precision(untrained):
         assert array.dtype == np.float16
         assert np.allclose(array, model.params[name], rtol=2**-11, atol=2**-24)
     assert model.fingerprint.encode() in content
+
+
+def test_shader_code_of_every_language_is_beside_the_page(untrained):
+    model = weights.default_model()
+    files = page_files.shader_files(model)
+    assert sorted(files) == [f"shaders/{language}.txt" for language in sorted(LANGUAGES)]
+    for content in files.values():
+        text = content.decode()
+        assert model.fingerprint in text
+        names = set(re.findall(r"\bcode_\d+_(?:red|green|blue)\b", text))
+        assert len(names) == 3 * model.arch.latent
 
 
 def test_a_description_becomes_cards():

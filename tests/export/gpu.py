@@ -60,6 +60,10 @@ def run(language: str, text: str, rows: np.ndarray, codes: np.ndarray | None = N
 
 def _main(template: str, text: str, codes: np.ndarray | None, three: str, kind: str, end: str):
     """The file with its entry point; the codes are literals in it."""
+    if codes is None and "urushi_material()" in text:  # a filled template
+        declared = "let" if three == "vec3f" else "UrushiMaterial"
+        prepare = f"{declared} material = urushi_material();"
+        return text + template.format(prepare=prepare, first="material, ")
     if codes is None:
         return text + template.format(prepare="", first="")
     numbers = ", ".join(f"{three}({r!r}, {g!r}, {b!r})" for r, g, b in codes.tolist())

@@ -13,7 +13,7 @@ from tests.export import gpu
 from urushi.app.cli import main
 from urushi.errors import ParameterError, UrushiWarning
 from urushi.export import dense
-from urushi.export.program import codes_text
+from urushi.export.program import codes_text, template_text
 from urushi.material import Material
 from urushi.material.table import SHAPE
 from urushi.nets.weights import Model
@@ -46,6 +46,8 @@ def run_python(text: str, rows: np.ndarray, codes: np.ndarray | None = None) -> 
     """As `gpu.run`."""
     exported = module(text)
     first = () if codes is None else (exported.prepare(codes[:, None]),)
+    if hasattr(exported, "material"):  # a filled template
+        first = (exported.material(),)
     wi, wo, u = (rows[columns] for columns in DIRECTIONS)
     direction, density = exported.sample(*first, wi, u)
     pdf = exported.pdf(*first, wi, wo)
@@ -95,6 +97,17 @@ def test_material_in_shaders(materials, rows, language, kind):
 def test_codes_as_arguments(model, materials, rows, language):
     material = materials["three lobes"]
     check(language, codes_text(language, model, "urushi"), material, rows, material.latents.T)
+
+
+@pytest.mark.parametrize("language", ["python", *SHADERS])
+def test_templates_with_codes_filled_in(model, materials, rows, language):
+    material = materials["three lobes"]
+    text = template_text(language, model)
+    for i, numbers in enumerate(material.latents.T):
+        for channel, number in zip(("red", "green", "blue"), numbers, strict=True):
+            text, count = re.subn(rf"\bcode_{i}_{channel}\b", f"{float(number)!r}", text)
+            assert count == 1
+    check(language, text, material, rows)
 
 
 @pytest.mark.parametrize("language", ["python", *SHADERS])

@@ -1,6 +1,8 @@
-"""The files of the page: the built page, the networks in half precision, and what it shows first.
+"""The files of the page: the built page, the networks, shader code, and what it shows first.
 
-The page is built from the folder `viewer` of the repository by `make viewer`.
+The page is built from the folder `viewer` of the repository by `make viewer`. The networks are in
+half precision. The shader code is that of `urushi export`, in which the page fills in the codes of
+its materials.
 """
 
 import json
@@ -11,6 +13,8 @@ import numpy as np
 import safetensors.numpy
 
 from urushi.errors import FileError, ParameterError
+from urushi.export.languages import LANGUAGES
+from urushi.export.program import template_text
 from urushi.files import METADATA_KEY
 from urushi.material import Material
 from urushi.nets.architecture import Architecture
@@ -18,7 +22,7 @@ from urushi.nets.weights import FORMAT_VERSION, Model
 from urushi.reference.stack import Conductor, Dielectric, Diffuse, Stack
 
 #: Names of the files that are made, not built.
-WEIGHTS_FILE, START_FILE = "weights.safetensors", "start.json"
+WEIGHTS_FILE, START_FILE, SHADERS_FOLDER = "weights.safetensors", "start.json", "shaders"
 
 #: Coats that the page has cards for.
 MOST_COATS = 6
@@ -44,12 +48,21 @@ def page_files(model: Model, material: dict[str, Any] | None) -> dict[str, bytes
     if "index.html" not in built:
         raise FileError(f"the page is missing in '{folder}'; run `make viewer` in the repository")
     start = {} if material is None else {"materials": [material]}
-    return built | {WEIGHTS_FILE: half_precision(model), START_FILE: json.dumps(start).encode()}
+    made = {WEIGHTS_FILE: half_precision(model), START_FILE: json.dumps(start).encode()}
+    return built | made | shader_files(model)
 
 
 def built_folder() -> Path:
     """The folder of the built page."""
     return Path(__file__).with_name("page")
+
+
+def shader_files(model: Model) -> dict[str, bytes]:
+    """The templates of `export.program.template_text`, "shaders/glsl.txt" and so on."""
+    return {
+        f"{SHADERS_FOLDER}/{language}.txt": template_text(language, model).encode()
+        for language in LANGUAGES
+    }
 
 
 def half_precision(model: Model) -> bytes:

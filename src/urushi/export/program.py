@@ -11,7 +11,9 @@ from urushi.export.expressions import (
     Expression,
     call,
     colour,
+    colour_of,
     expression,
+    name,
     select,
     vector,
 )
@@ -41,6 +43,9 @@ CONVENTIONS = (
     "f * wo.z / density is the weight of the path. {pdf} returns the density of {sample} at any "
     "wo.",
 )
+
+#: Beginning of the names in templates.
+PREFIX = "urushi"
 
 #: Languages that read textures.
 TEXTURED = ("glsl", "wgsl", "hlsl", "slang")
@@ -91,6 +96,19 @@ def codes_text(language: str, model: Model, prefix: str, texels: Texels | None =
             + ", ".join(TEXTURED)
         )
     return LANGUAGES[language](prefix).printed(codes_program(model, texels))
+
+
+def template_text(language: str, model: Model) -> str:
+    """The file of a material whose codes are still to be filled in, for writers without Python.
+
+    It is the file of `codes_text` with a function `material` that prepares the codes. The number
+    of a code and a channel is written as a name, `code_0_red` for the first.
+
+    Raises:
+        ParameterError: as `codes_text`.
+    """
+    check(language, model, PREFIX)
+    return LANGUAGES[language](PREFIX).printed(template_program(model))
 
 
 def check(language: str, model: Model, prefix: str) -> None:
@@ -227,6 +245,25 @@ def codes_program(model: Model, texels: Texels | None = None) -> Program:
     )
     lookup = Lookup(texel, texels.layers, texels.to_texture)
     return Program(note, structures, [*functions, texel], lookup)
+
+
+def template_program(model: Model) -> Program:
+    """The program of `codes_program`, and a function that gives the material of named numbers."""
+    program = codes_program(model)
+    prepare = next(function for function in program.functions if function.name == "prepare")
+    made = Function("material", (), MATERIAL, "This material; make it once.", public=True)
+    codes = made.array("codes", COLOUR, model.arch.latent)
+    for i in range(model.arch.latent):
+        numbers = (name(f"code_{i}_{channel}", FLOAT) for channel in ("red", "green", "blue"))
+        made.assign(element(codes, i), colour_of(*numbers))
+    made.returns(prepare(codes))
+    note = (
+        f"A material of Urushi as code, of the networks {model.fingerprint}.",
+        "Functions: {material}(), once; then {f}(material, wi, wo), {pdf}(material, wi, wo) and "
+        "{sample}(material, wi, u). {prepare}(codes) makes other materials.",
+        *CONVENTIONS,
+    )
+    return Program(note, program.structures, [*program.functions, made])
 
 
 def _prepare(model: Model, structure: Structure) -> Function:

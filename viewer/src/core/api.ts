@@ -60,6 +60,9 @@ export interface Core {
   /** Numbers of one channel's code. */
   readonly latentSize: number;
 
+  /** Identifies the networks: a saved material names those it belongs to. */
+  readonly fingerprint: string;
+
   /** Encode a bottom without coats. */
   encode(bottom: Bottom): Material;
 

@@ -29,6 +29,7 @@ export class RemoteCore {
   private readonly promised = new Map<number, Promised>();
   private count = 0;
   private size = 0;
+  private networks = "";
 
   /** @param port a worker of `worker.ts`; without `load`, it can only walk. */
   constructor(private readonly port: Port) {
@@ -40,14 +41,20 @@ export class RemoteCore {
     return this.size;
   }
 
+  /** Identifies the networks; "" before they are loaded. */
+  get fingerprint(): string {
+    return this.networks;
+  }
+
   /**
    * Load the networks. The weights are given away.
    *
    * @throws FileError if the file is damaged.
    */
   async load(weights: ArrayBuffer): Promise<void> {
-    const { latentSize } = await this.call("load", [weights], { transfer: [weights] });
-    this.size = latentSize;
+    const loaded = await this.call("load", [weights], { transfer: [weights] });
+    this.size = loaded.latentSize;
+    this.networks = loaded.fingerprint;
   }
 
   encode(bottom: Bottom, key?: string): Promise<Material> {

@@ -26,6 +26,7 @@ export function loadCore(safetensors: ArrayBuffer): NetworkCore {
 
 export class NetworkCore implements Core {
   readonly latentSize: number;
+  readonly fingerprint: string;
   private readonly surfaces: SurfaceEncoder;
   private readonly layerer: Layerer;
   private readonly energy: EnergyLimit;
@@ -38,6 +39,7 @@ export class NetworkCore implements Core {
     const dark = new Float64Array(weights.arch.probes);
     const nothing = encoder.encode(NO_LOBE, dark).slice(LOBE_NUMBERS);
     this.latentSize = weights.arch.latent;
+    this.fingerprint = weights.fingerprint;
     this.layerer = new Layerer(weights, activation);
     this.energy = new EnergyLimit(decoder, nothing);
     this.surfaces = new SurfaceEncoder(encoder, this.energy, nothing);

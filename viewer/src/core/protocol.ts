@@ -14,7 +14,7 @@ export interface WalkOptions {
 /** What the worker does, by name. */
 export interface Calls extends Pick<Core, "encode" | "layer" | "f" | "pdf" | "albedo" | "table"> {
   /** Load the networks, which other calls but `walk` need. */
-  load(weights: ArrayBuffer): { readonly latentSize: number };
+  load(weights: ArrayBuffer): Pick<Core, "latentSize" | "fingerprint">;
   /** Estimate f of a stack by random walks; estimates so far precede the result. */
   walk(stack: Stack, wi: Float32Array, wo: Float32Array, options: WalkOptions): Estimate;
 }

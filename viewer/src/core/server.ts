@@ -116,7 +116,8 @@ export class Server {
   private result(request: Exclude<Request, WalkRequest>): ReturnType<Calls[CallName]> {
     if (request.call === "load") {
       this.core = loadCore(...request.args);
-      return { latentSize: this.core.latentSize };
+      const { latentSize, fingerprint } = this.core;
+      return { latentSize, fingerprint };
     }
     if (!this.core) {
       throw new Error("the networks are not loaded yet");

@@ -40,6 +40,8 @@ export interface Layer {
 /** Sizes and parameters of all networks. */
 export interface Weights {
   readonly arch: Architecture;
+  /** Identifies the networks: materials belong to them. */
+  readonly fingerprint: string;
   readonly encoder: readonly Layer[];
   readonly layerer: readonly Layer[];
   readonly decoder: readonly Layer[];
@@ -73,6 +75,7 @@ export function readWeights(file: ArrayBuffer): Weights {
   const decoder = part("decoder", arch.codes + DIRECTION_FEATURES, 1);
   return {
     arch,
+    fingerprint: String(description.fingerprint ?? ""),
     decoder,
     encoder: part("encoder", arch.probes, arch.rest),
     layerer: part("layerer", arch.rest + LOBE_FEATURES + COAT_FEATURES, arch.rest),

@@ -1,6 +1,7 @@
-/** Reading the files that `Material.save` writes. */
+/** Material files: those that `Material.save` of Python writes and `urushi.load` reads. */
 
-import type { Bottom } from "../core/api";
+import type { Bottom, Core, Material } from "../core/api";
+import { CHANNELS } from "../core/channels";
 import { Refusal } from "../state/read";
 
 interface Tensor {
@@ -9,25 +10,35 @@ interface Tensor {
   data_offsets: [number, number];
 }
 
+/** Version of files without tables. */
+const VERSION = 2;
+
+/** The networks that a material belongs to. */
+type Networks = Pick<Core, "latentSize" | "fingerprint">;
+
 /**
  * The codes of a material file; a table in it is left out.
  *
- * @param latentSize numbers of one channel's code.
  * @throws Refusal if it is another file, damaged, or of other networks.
  */
-export function readMaterialFile(bytes: Uint8Array, latentSize: number): Bottom {
+export function readMaterialFile(
+  bytes: Uint8Array,
+  { latentSize, fingerprint }: Networks,
+): Bottom & { kind: "codes" } {
   const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
   const length = bytes.length >= 8 ? view.getUint32(0, true) : 0;
   if (length === 0 || 8 + length > bytes.length) throw damaged();
   let header: Record<string, Tensor> & { __metadata__?: { urushi?: string } };
-  let kind: unknown;
+  let description: { kind?: unknown; weights?: unknown };
   try {
     header = JSON.parse(new TextDecoder().decode(bytes.subarray(8, 8 + length)));
-    kind = JSON.parse(header.__metadata__?.urushi ?? "{}").kind;
+    description = Object(JSON.parse(header.__metadata__?.urushi ?? "{}"));
   } catch {
     throw damaged();
   }
-  if (kind !== "material") throw new Refusal("It is no material that Urushi has saved.");
+  if (description.kind !== "material")
+    throw new Refusal("It is no material that Urushi has saved.");
+  if (description.weights !== fingerprint) throw foreign();
   const codes = (name: string): Float32Array | null => {
     const tensor = header[name];
     if (tensor === undefined) return null;
@@ -35,8 +46,7 @@ export function readMaterialFile(bytes: Uint8Array, latentSize: number): Bottom 
     const [rows, columns] = tensor.shape ?? [];
     if (tensor.dtype !== "F32" || (rows !== 3 && rows !== 1) || 8 + length + end > bytes.length)
       throw damaged();
-    if (columns !== latentSize || end - start !== 4 * rows * columns)
-      throw new Refusal("It was made with other networks; encode the material again.");
+    if (columns !== latentSize || end - start !== 4 * rows * columns) throw damaged();
     const values = new Float32Array(bytes.slice(8 + length + start, 8 + length + end).buffer);
     if (!values.every(Number.isFinite)) throw damaged();
     return rows === 3 ? values : new Float32Array([...values, ...values, ...values]);
@@ -44,6 +54,43 @@ export function readMaterialFile(bytes: Uint8Array, latentSize: number): Bottom 
   const latents = codes("latents");
   if (latents === null) throw damaged();
   return { kind: "codes", latents, anchors: codes("anchors") ?? latents };
+}
+
+/** The bytes of a material file. */
+export function materialFile(
+  { latents, anchors }: Material,
+  { latentSize, fingerprint }: Networks,
+): Uint8Array<ArrayBuffer> {
+  const isAnchored = latents.some((number, k) => number !== anchors[k]);
+  const arrays = { latents, ...(isAnchored ? { anchors } : {}) };
+  const description = { kind: "material", version: VERSION, weights: fingerprint };
+  const header: Record<string, unknown> = {
+    __metadata__: { urushi: JSON.stringify(description) },
+  };
+  let end = 0;
+  for (const [name, values] of Object.entries(arrays)) {
+    const offsets = [end, end + values.byteLength];
+    header[name] = { dtype: "F32", shape: [CHANNELS, latentSize], data_offsets: offsets };
+    end += values.byteLength;
+  }
+  const json = JSON.stringify(header);
+  // Numbers begin at a multiple of eight bytes.
+  const text = new TextEncoder().encode(json.padEnd(Math.ceil(json.length / 8) * 8));
+  const bytes = new Uint8Array(8 + text.length + end);
+  const view = new DataView(bytes.buffer);
+  view.setBigUint64(0, BigInt(text.length), true);
+  bytes.set(text, 8);
+  Object.values(arrays).forEach((values, place) => {
+    const start = 8 + text.length + place * latents.byteLength;
+    values.forEach((number, k) => {
+      view.setFloat32(start + 4 * k, number, true);
+    });
+  });
+  return bytes;
+}
+
+function foreign(): Refusal {
+  return new Refusal("It was made with other networks; encode the material again.");
 }
 
 function damaged(): Refusal {

@@ -19,7 +19,7 @@ export async function openFile(file: File): Promise<void> {
     } else if (suffix === "safetensors") {
       const core = session.value?.core;
       if (core === undefined) throw new Refusal("The networks are not loaded yet.");
-      const bottom = readMaterialFile(bytes, core.latentSize);
+      const bottom = readMaterialFile(bytes, core);
       const name = file.name.replace(/\.safetensors$/i, "").slice(0, 80);
       changeMaterial({ name, bottom, coats: [], solo: null });
     } else {

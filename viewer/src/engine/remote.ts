@@ -4,7 +4,10 @@ import { RemoteCore } from "../core/client";
 import { Refusal } from "../state/read";
 
 /** What the page needs of the core. */
-export type PageCore = Pick<RemoteCore, "latentSize" | "layer" | "f" | "albedo" | "table" | "walk">;
+export type PageCore = Pick<
+  RemoteCore,
+  "latentSize" | "fingerprint" | "layer" | "f" | "albedo" | "table" | "walk"
+>;
 
 const WEIGHTS = "weights.safetensors";
 

@@ -1,9 +1,12 @@
 /** What the page writes: pictures, descriptions, and its address. */
 
+import { materialFile } from "../engine/material_file";
+import { session } from "../engine/session";
 import { stackOf } from "../material/material";
 import { download, textBlob } from "../save/download";
 import { mitsubaDict, mitsubaXml } from "../save/mitsuba";
 import { fileName, pythonText } from "../save/python";
+import { LANGUAGES, type Language, readTemplate, shaderText } from "../save/shader";
 import { toJson } from "../state/address";
 import { Refusal } from "../state/read";
 import { announcement, material, notice, state } from "../state/store";
@@ -17,6 +20,13 @@ interface Kind {
 
 const stack = () => stackOf(material.value);
 
+/** The networks, and the codes of the material that is shown. */
+async function encoded() {
+  const core = session.value?.core;
+  if (core === undefined) throw new Refusal("The networks are not loaded yet.");
+  return { core, codes: await core.layer(stack()) };
+}
+
 const KINDS: readonly Kind[] = [
   {
     label: "Picture",
@@ -26,6 +36,14 @@ const KINDS: readonly Kind[] = [
       const blob = await new Promise<Blob | null>((resolve) => canvas.toBlob(resolve, "image/png"));
       if (blob === null) throw new Refusal("There is no picture to save.");
       download(`${name}.png`, blob);
+    },
+  },
+  {
+    label: "Material",
+    hint: "safetensors, for urushi.load",
+    save: async (name) => {
+      const { core, codes } = await encoded();
+      download(`${name}.safetensors`, new Blob([materialFile(codes, core)]));
     },
   },
   {
@@ -58,11 +76,18 @@ const KINDS: readonly Kind[] = [
   },
 ];
 
+const LANGUAGE_NAMES = Object.keys(LANGUAGES) as Language[];
+
+async function saveShader(language: Language, name: string): Promise<void> {
+  const [template, { codes }] = await Promise.all([readTemplate(language), encoded()]);
+  download(`${name}${LANGUAGES[language].suffix}`, textBlob(shaderText(template, codes)));
+}
+
 export function SaveMenu({ onDone }: { onDone: () => void }) {
-  const run = async (kind: Kind) => {
+  const run = async (save: Kind["save"]) => {
     onDone();
     try {
-      await kind.save(fileName(material.value.name));
+      await save(fileName(material.value.name));
     } catch (error) {
       if (error instanceof Refusal) notice.value = error.message;
       else if (error instanceof DOMException)
@@ -74,12 +99,27 @@ export function SaveMenu({ onDone }: { onDone: () => void }) {
     <ul>
       {KINDS.map((kind) => (
         <li key={kind.label}>
-          <button type="button" onClick={() => void run(kind)}>
+          <button type="button" onClick={() => void run(kind.save)}>
             <span>{kind.label}</span>
             <small>{kind.hint}</small>
           </button>
         </li>
       ))}
+      <li class="languages">
+        <span>Shader code</span>
+        <small>functions f, pdf and sample</small>
+        <div role="group" aria-label="Shader code">
+          {LANGUAGE_NAMES.map((language) => (
+            <button
+              key={language}
+              type="button"
+              onClick={() => void run((name) => saveShader(language, name))}
+            >
+              {LANGUAGES[language].title}
+            </button>
+          ))}
+        </div>
+      </li>
     </ul>
   );
 }

@@ -1,14 +1,17 @@
 import { expect, test } from "vitest";
-import { readMaterialFile } from "../../src/engine/material_file";
+import { materialFile, readMaterialFile } from "../../src/engine/material_file";
 import { Refusal } from "../../src/state/read";
+
+const NETWORKS = { latentSize: 2, fingerprint: "8d3f00a1" };
 
 /** A safetensors file of float32 arrays. */
 function file(
   arrays: Record<string, { shape: number[]; values: number[] }>,
   kind = "material",
+  weights = NETWORKS.fingerprint,
 ): Uint8Array {
   const header: Record<string, unknown> = {
-    __metadata__: { urushi: JSON.stringify({ kind, version: 2 }) },
+    __metadata__: { urushi: JSON.stringify({ kind, version: 2, weights }) },
   };
   const all: number[] = [];
   for (const [name, { shape, values }] of Object.entries(arrays)) {
@@ -28,7 +31,7 @@ const SIX = { shape: [3, 2], values: [1, 2, 3, 4, 5, 6] };
 
 test("codes and anchors are read", () => {
   const anchors = { shape: [3, 2], values: [7, 8, 9, 10, 11, 12] };
-  expect(readMaterialFile(file({ latents: SIX, anchors }), 2)).toEqual({
+  expect(readMaterialFile(file({ latents: SIX, anchors }), NETWORKS)).toEqual({
     kind: "codes",
     latents: new Float32Array(SIX.values),
     anchors: new Float32Array(anchors.values),
@@ -36,12 +39,12 @@ test("codes and anchors are read", () => {
 });
 
 test("anchors that are left out are the codes", () => {
-  const bottom = readMaterialFile(file({ latents: SIX }), 2);
+  const bottom = readMaterialFile(file({ latents: SIX }), NETWORKS);
   expect(bottom).toMatchObject({ anchors: new Float32Array(SIX.values) });
 });
 
 test("a grey material has three equal codes", () => {
-  const bottom = readMaterialFile(file({ latents: { shape: [1, 2], values: [1, 2] } }), 2);
+  const bottom = readMaterialFile(file({ latents: { shape: [1, 2], values: [1, 2] } }), NETWORKS);
   expect(bottom).toMatchObject({ latents: new Float32Array([1, 2, 1, 2, 1, 2]) });
 });
 
@@ -52,7 +55,8 @@ const BAD: [string, Uint8Array][] = [
   ["text", new TextEncoder().encode("this is no such file at all")],
   ["weights", file({ latents: SIX }, "weights")],
   ["no codes", file({})],
-  ["codes of other networks", file({ latents: { shape: [3, 1], values: [1, 2, 3] } })],
+  ["codes of other networks", file({ latents: SIX }, "material", "00c0ffee")],
+  ["codes of another size", file({ latents: { shape: [3, 1], values: [1, 2, 3] } })],
   ["a number that is not finite", file({ latents: { ...SIX, values: [1, 2, 3, 4, 5, NaN] } })],
   ...[4, 8, 40, WHOLE.length - 1].map((length): [string, Uint8Array] => [
     `${length} bytes of a file`,
@@ -61,5 +65,18 @@ const BAD: [string, Uint8Array][] = [
 ];
 
 test.each(BAD)("%s: refused", (_name, bytes) => {
-  expect(() => readMaterialFile(bytes, 2)).toThrow(Refusal);
+  expect(() => readMaterialFile(bytes, NETWORKS)).toThrow(Refusal);
+});
+
+test("what is written is read again", () => {
+  const latents = new Float32Array([0.1, -2, 3e-7, 4, 5, 6]);
+  const anchors = new Float32Array([0.1, -2, 3e-7, 4, 5, 7]);
+  for (const material of [
+    { latents, anchors },
+    { latents, anchors: latents },
+  ])
+    expect(readMaterialFile(materialFile(material, NETWORKS), NETWORKS)).toEqual({
+      kind: "codes",
+      ...material,
+    });
 });

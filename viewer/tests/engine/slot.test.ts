@@ -10,6 +10,7 @@ function lateCore(): { core: PageCore; layered: number[]; shifts: number[] } {
   const late = () => new Promise((resolve) => setTimeout(resolve, 1));
   const core: PageCore = {
     latentSize: 1,
+    fingerprint: "",
     layer: async (stack) => {
       const width = stack.coats[0]!.alpha as number;
       layered.push(width);

@@ -59,3 +59,47 @@ test("descriptions and a picture are saved", async ({ page }) => {
   expect((await saved(page, "Python")).text).toContain("urushi.diffuse(reflectance=(0.1, 0.05");
   expect((await saved(page, "Picture")).text.slice(1, 4)).toBe("PNG");
 });
+
+test("a saved material is opened again and coated", async ({ page }) => {
+  await open(page);
+  const { name, text } = await saved(page, "Material ?safetensors");
+  expect(name).toBe("vermilion-urushi.safetensors");
+  await give(page, name, Buffer.from(text, "latin1"));
+  await expect(coats(page)).toHaveCount(0);
+  await expect(page.getByRole("alert")).toHaveCount(0);
+  await page.getByRole("button", { name: "Add coat" }).click();
+  await expect(coats(page)).toHaveCount(1);
+});
+
+test("saved shader code compiles", async ({ page }) => {
+  await open(page);
+  for (const [title, suffix] of [
+    ["GLSL", ".glsl"],
+    ["WGSL", ".wgsl"],
+    ["HLSL", ".hlsl"],
+    ["Slang", ".slang"],
+    ["OSL", ".osl"],
+    ["NumPy", "-numpy.py"],
+  ]) {
+    const { name, text } = await saved(page, `${title}$`);
+    expect(name).toBe(`vermilion-urushi${suffix}`);
+    expect(text).not.toMatch(/code_\d/);
+    if (title === "GLSL") expect(await compileLog(page, text)).toBe("");
+  }
+});
+
+/** What WebGL2 says of functions in GLSL; "" if they compile. */
+function compileLog(page: Page, functions: string): Promise<string> {
+  const main = "void main() { colour = vec4(urushi_f(urushi_material(), wi, wo), 1.0); }";
+  const head = "#version 300 es\nprecision highp float; in vec3 wi, wo; out vec4 colour;\n";
+  return page.evaluate(
+    (source) => {
+      const gl = document.createElement("canvas").getContext("webgl2")!;
+      const shader = gl.createShader(gl.FRAGMENT_SHADER)!;
+      gl.shaderSource(shader, source);
+      gl.compileShader(shader);
+      return gl.getShaderInfoLog(shader) ?? "";
+    },
+    head + functions + main,
+  );
+}

@@ -120,6 +120,10 @@ class Python(Printer):
         arrays = f"np.broadcast_arrays({', '.join(components)})"
         return f"np.concatenate({arrays}, axis=-1)"
 
+    def channels(self, values: Sequence[str]) -> str:
+        """A colour of numbers; what a texture gives does not occur in Python."""
+        return f"np.array([{', '.join(values)}], np.float32)"
+
     def splat(self, value: str) -> str:
         return f"({value}) * np.ones(3, np.float32)"
 

@@ -1,0 +1,55 @@
+/** Shader code of a material: Python's text for any material, with the codes of this one. */
+
+import type { Material } from "../core/api";
+import { CHANNELS } from "../core/channels";
+import { Refusal } from "../state/read";
+
+/** Languages of shader code, by the names of Python's `export`: title and suffix of its files. */
+export const LANGUAGES = {
+  glsl: { title: "GLSL", suffix: ".glsl" },
+  wgsl: { title: "WGSL", suffix: ".wgsl" },
+  hlsl: { title: "HLSL", suffix: ".hlsl" },
+  slang: { title: "Slang", suffix: ".slang" },
+  osl: { title: "OSL", suffix: ".osl" },
+  python: { title: "NumPy", suffix: "-numpy.py" },
+} as const;
+
+export type Language = keyof typeof LANGUAGES;
+
+/** The order of the channels in a code's numbers, as templates name them. */
+const COLOURS = ["red", "green", "blue"];
+
+/**
+ * The template of a language, which lies beside the page.
+ *
+ * @throws Refusal if it is missing.
+ */
+export async function readTemplate(language: Language): Promise<string> {
+  const path = `shaders/${language}.txt`;
+  const answer = await fetch(path);
+  if (!answer.ok)
+    throw new Refusal(`The shader code is missing beside the page (${path}: ${answer.status}).`);
+  return answer.text();
+}
+
+/** A template with a material's codes in the place of `code_0_red` and so on. */
+export function shaderText(template: string, { latents }: Material): string {
+  const size = latents.length / CHANNELS;
+  return template.replace(/\bcode_(\d+)_(red|green|blue)\b/g, (_name, place, colour) =>
+    shaderNumber(latents[COLOURS.indexOf(colour) * size + Number(place)]!),
+  );
+}
+
+/** The shortest text that reads back as the same number of single precision, with a point. */
+export function shaderNumber(value: number): string {
+  for (let digits = 1; digits < 9; digits++) {
+    const short = Number(value.toPrecision(digits));
+    if (Math.fround(short) === Math.fround(value)) return withPoint(short);
+  }
+  return withPoint(Number(value.toPrecision(9)));
+}
+
+function withPoint(value: number): string {
+  const text = String(value);
+  return /^-?\d+$/.test(text) ? `${text}.0` : text;
+}

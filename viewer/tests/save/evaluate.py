@@ -1,0 +1,24 @@
+"""Evaluate what the page has saved: `evaluate.py FOLDER` for the tests beside this file.
+
+The folder holds `material.safetensors`, `pairs.json` with wi and wo, and for each language of
+shader code a filled template. Prints f by `urushi.load` and by the NumPy code as JSON.
+"""
+
+import json
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+
+import urushi
+
+folder = Path(sys.argv[1])
+wi, wo = np.array(json.loads((folder / "pairs.json").read_text()), np.float32).reshape(2, -1, 3)
+code = ModuleType("code")
+exec((folder / "material-numpy.py").read_text(), code.__dict__)
+values = {
+    "loaded": urushi.load(folder / "material.safetensors").f(wi, wo),
+    "code": code.f(code.material(), wi, wo),
+}
+print(json.dumps({name: f.ravel().tolist() for name, f in values.items()}))

@@ -1,0 +1,53 @@
+/** What the page saves, in Python: it gives the f that the page computes. */
+
+import { execFileSync } from "node:child_process";
+import { existsSync, mkdtempSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { afterAll, expect, test } from "vitest";
+import { loadCore } from "../../src/core/core";
+import { materialFile } from "../../src/engine/material_file";
+import { shaderText } from "../../src/save/shader";
+import { bytesOf, readVectors, relativeError, SHIPPED } from "../core/vectors";
+
+const PYTHON = process.env.PYTHON ?? join(import.meta.dirname, "../../../.venv/bin/python");
+const EVALUATE = join(import.meta.dirname, "evaluate.py");
+const NETWORKS = `
+import json
+from urushi.export.program import template_text
+from urushi.nets.weights import find
+model = find(None)
+print(json.dumps({"template": template_text("python", model), "fingerprint": model.fingerprint}))
+`;
+
+const vectors = readVectors("default");
+const folder = mkdtempSync(join(tmpdir(), "urushi-"));
+afterAll(() => rmSync(folder, { recursive: true }));
+
+function python(...args: string[]): string {
+  return execFileSync(PYTHON, args, { encoding: "utf-8" });
+}
+
+// Needs the project's Python environment, which `make test-web` sets up.
+test.skipIf(!existsSync(PYTHON) || vectors === undefined)(
+  "a saved material and its code give the page's f",
+  { timeout: 120_000 },
+  () => {
+    const core = loadCore(bytesOf(SHIPPED));
+    const { latentSize } = core;
+    const [wi, wo] = [vectors!.of("wi"), vectors!.of("wo")];
+    const { template, fingerprint } = JSON.parse(python("-c", NETWORKS));
+    writeFileSync(join(folder, "pairs.json"), JSON.stringify([...wi, ...wo]));
+    for (const stack of [vectors!.stacks[3]!, vectors!.stacks[8]!]) {
+      const material = core.layer(stack);
+      const file = materialFile(material, { latentSize, fingerprint });
+      writeFileSync(join(folder, "material.safetensors"), file);
+      writeFileSync(join(folder, "material-numpy.py"), shaderText(template, material));
+      const found = JSON.parse(python(EVALUATE, folder));
+      const f = core.f(material, wi, wo);
+      // Python computes in single precision: some roundings of logarithms up to 25.
+      expect(relativeError(found.loaded, f)).toBeLessThan(1e-5);
+      expect(relativeError(found.code, f)).toBeLessThan(1e-5);
+    }
+  },
+);

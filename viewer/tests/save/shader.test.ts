@@ -1,0 +1,19 @@
+import { expect, test } from "vitest";
+import { shaderNumber, shaderText } from "../../src/save/shader";
+
+test("numbers have a point and read back as the same number of single precision", () => {
+  for (const value of [0, 1, -3, 0.1, -1.5e-9, 123456.789, 3.4e38, 1 / 3]) {
+    const text = shaderNumber(Math.fround(value));
+    expect(text).toMatch(/[.e]/);
+    expect(Math.fround(Number(text))).toBe(Math.fround(value));
+  }
+  expect(shaderNumber(Math.fround(0.1))).toBe("0.1");
+});
+
+test("a template gets the numbers of each code and channel", () => {
+  const template = "a[0] = (code_0_red, code_0_green, code_0_blue); a[11] = code_11_green;";
+  const latents = Float32Array.from({ length: 36 }, (_, k) => k / 2);
+  expect(shaderText(template, { latents, anchors: latents })).toBe(
+    "a[0] = (0.0, 6.0, 12.0); a[11] = 11.5;",
+  );
+});
