@@ -1,6 +1,7 @@
 """Checks of ranges and shapes at every entry point; an error is one sentence with the cure."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -23,11 +24,31 @@ ETA_RANGE = (0.5, 3.0)
 MIN_ALPHA = 0.01
 
 
+@dataclass(frozen=True)
+class Widths:
+    """The two GGX widths of an anisotropic surface.
+
+    Where a single number stands for a GGX width, `Widths` stands for two. A surface of equal widths
+    is isotropic.
+
+    Attributes:
+        u, v: widths along the tangent (the x axis) and across it (the y axis), both of one kind:
+            numbers, a number per channel, or arrays.
+    """
+
+    u: Any
+    v: Any
+
+    def map(self, function: Callable[[Any], Any]) -> "Widths":
+        """The widths of which each is `function` of one of these."""
+        return Widths(function(self.u), function(self.v))
+
+
 class CoatParameters(NamedTuple):
     """The parameters of one coat or of many: numbers, or arrays that broadcast.
 
     Attributes:
-        alpha: GGX width of the interface, in [0.01, 1].
+        alpha: GGX width of the interface, in [0.01, 1], or `Widths` where anisotropy is possible.
         eta: its index of refraction relative to the medium above, in [0.5, 3], at least 0.001 away
             from 1. Below 1 there is total reflection from above, at grazing angles.
         albedo: single-scattering albedo of the medium below it, in [0, 1].
@@ -75,6 +96,56 @@ def alpha(value: npt.ArrayLike, where: str = "alpha", *, any_shape: bool = False
     return _parameter(
         value, where, lambda x: (x >= MIN_ALPHA) & (x <= 1), "a GGX width in [0.01, 1]", any_shape
     )
+
+
+def widths(
+    value: npt.ArrayLike | Widths | None,
+    alpha_u: npt.ArrayLike | None,
+    alpha_v: npt.ArrayLike | None,
+    where: str,
+    default: float | None = None,
+) -> npt.ArrayLike | Widths:
+    """The one width or the two `Widths` that a caller gives as `alpha`, or as `alpha_u`, `alpha_v`.
+
+    Args:
+        value, alpha_u, alpha_v: the parameters; None: not given.
+        where: begins errors, for example "the coat's".
+        default: the width if none is given.
+
+    Raises:
+        ParameterError: one of the two is missing, or given besides `alpha`, or nothing is given.
+    """
+    two = [width for width in (alpha_u, alpha_v) if width is not None]
+    if value is not None and two:
+        raise ParameterError(
+            f"{where} alpha is given together with alpha_u or alpha_v; give alpha alone for equal "
+            "widths, or alpha_u and alpha_v"
+        )
+    if len(two) == 1:
+        missing = "alpha_u" if alpha_u is None else "alpha_v"
+        raise ParameterError(f"{where} {missing} is missing; alpha_u and alpha_v go together")
+    if two:
+        return Widths(*two)
+    value = default if value is None else value
+    if value is None:
+        raise ParameterError(f"{where} alpha is missing; give alpha, or alpha_u and alpha_v")
+    return value
+
+
+def one_width(value: Any, where: str) -> Any:
+    """The GGX width of a surface that has to be isotropic.
+
+    where: begins errors, for example "the coat's".
+
+    Raises:
+        ParameterError: it has two `Widths`.
+    """
+    if isinstance(value, Widths):
+        raise ParameterError(
+            f"{where} alpha_u and alpha_v differ, and anisotropic surfaces can only be simulated "
+            "(urushi.simulate, or the plugin 'layered'); give one alpha"
+        )
+    return value
 
 
 def eta(value: npt.ArrayLike, where: str = "eta", *, any_shape: bool = False) -> np.ndarray:

@@ -5,14 +5,15 @@ import warnings
 import numpy as np
 import pytest
 
-from urushi.errors import UrushiWarning
+from urushi.errors import ParameterError, UrushiWarning
 from urushi.geometry.direction_sets import cosine_pairs
 from urushi.geometry.error_metrics import stack_error
 from urushi.geometry.frames import rotated
 from urushi.geometry.probe_pairs import probe_pairs
 from urushi.material.encode import encode, evaluate_source
+from urushi.material.layer import layer
 from urushi.material.symmetry import AZIMUTHS, Deviations, asymmetry_pairs
-from urushi.reference.stack import conductor
+from urushi.reference.stack import coat, conductor, dielectric
 
 WI, WO = probe_pairs(192)
 
@@ -103,6 +104,29 @@ def test_a_user_is_warned_only_of_large_changes(model):
         warnings.simplefilter("error")
         encode(slightly, model)
     assert 0 < evaluate_source(slightly, WI, WO).deviations.reciprocity < 0.1
+
+
+def test_a_brushed_conductor_is_averaged_with_a_warning(model):
+    """As any source that is not isotropic, and with the widths exchanged the same."""
+    found = evaluate_source(conductor(alpha_u=0.1, alpha_v=0.4, r0=0.9), WI, WO)
+    turned = evaluate_source(conductor(alpha_u=0.4, alpha_v=0.1, r0=0.9), WI, WO)
+    assert found.deviations.anisotropy > 0.3
+    assert found.deviations.reciprocity == pytest.approx(0, abs=1e-6)
+    assert found.lobe is None
+    # A quarter turn is not among the rotations of the mean, which stands for all of them.
+    np.testing.assert_allclose(found.values, turned.values, rtol=0.02, atol=1e-3)
+    with pytest.warns(UrushiWarning, match=r"encode Conductor: the BRDF is anisotropic: .* \d+% "):
+        encode(conductor(alpha_u=0.1, alpha_v=0.4, r0=0.9), model)
+
+
+def test_anisotropic_stacks_and_coats_are_refused(model):
+    """An average of simulations would take too long, and a coat is nothing to average."""
+    brushed = conductor(alpha_u=0.1, alpha_v=0.4, r0=0.9)
+    for stack in (coat(brushed), coat(conductor(0.1, 0.9), alpha_u=0.1, alpha_v=0.4)):
+        with pytest.raises(ParameterError, match="encode Stack: its alpha_u and alpha_v differ"):
+            encode(stack, model)
+    with pytest.raises(ParameterError, match="the coat's alpha_u and alpha_v differ, and .* give"):
+        layer(dielectric(alpha_u=0.1, alpha_v=0.2), conductor(0.1, 0.9), weights=model)
 
 
 def lambda_named(function, name):

@@ -7,12 +7,14 @@ import drjit as dr
 import numpy as np
 import pytest
 
+from urushi.checks import Widths
 from urushi.reference import interface
 from urushi.reference.monte_carlo import backend
 
 COUNT = 200_000
 
-#: (alpha, eta, polar angle); eta < 1 is the view from the denser side, with total reflection.
+#: (alpha or two widths, eta, polar angle); eta < 1 is the view from the denser side, with total
+#: reflection.
 CASES = [
     (0.05, 0.5, 0.5),
     (0.4, 0.5, 0.7),
@@ -27,6 +29,10 @@ CASES = [
     (1.0, 1.1, 0.8),
     (0.8, 1 / 2.5, 1.2),
     (1.0, 3.0, 1.5),
+    (Widths(0.5, 0.12), 1.5, 0.9),
+    (Widths(0.15, 0.7), 1 / 1.5, 0.6),
+    (Widths(0.2, 0.6), 0.7, 1.3),
+    (Widths(1.0, 0.25), 2.5, 1.4),
 ]
 
 
@@ -42,6 +48,11 @@ def direction(jit: ModuleType, theta: float):
     return jit.Array3f(sin * 0.6, sin * 0.8, math.cos(theta))
 
 
+def width(jit: ModuleType, alpha: float | Widths):
+    """A GGX width, or two of them."""
+    return alpha.map(jit.Float) if isinstance(alpha, Widths) else jit.Float(alpha)
+
+
 def uniform(jit: ModuleType, count: int, seed: int = 0):
     """Arrays of uniform numbers."""
     u = np.random.default_rng(seed).random((count, COUNT), dtype=np.float32)
@@ -55,9 +66,9 @@ def arrays(jit: ModuleType, points: np.ndarray):
 
 @pytest.mark.parametrize(("alpha", "eta", "theta"), CASES)
 def test_samples_follow_the_stated_density(
-    jit: ModuleType, sphere_test, alpha: float, eta: float, theta: float
+    jit: ModuleType, sphere_test, alpha: float | Widths, eta: float, theta: float
 ) -> None:
-    wi, a, e = direction(jit, theta), jit.Float(alpha), jit.Float(eta)
+    wi, a, e = direction(jit, theta), width(jit, alpha), jit.Float(eta)
     wo, weight, _ = interface.sample(wi, a, e, *uniform(jit, 3))
     samples = wo.numpy().T.copy()
     samples[weight.numpy() == 0] = np.nan
@@ -70,9 +81,9 @@ def test_samples_follow_the_stated_density(
 
 @pytest.mark.parametrize(("alpha", "eta", "theta"), CASES)
 def test_transmission_samples_follow_the_stated_density(
-    jit: ModuleType, sphere_test, alpha: float, eta: float, theta: float
+    jit: ModuleType, sphere_test, alpha: float | Widths, eta: float, theta: float
 ) -> None:
-    wi, a, e = direction(jit, theta), jit.Float(alpha), jit.Float(eta)
+    wi, a, e = direction(jit, theta), width(jit, alpha), jit.Float(eta)
     wo, weight = interface.sample_transmission(wi, a, e, *uniform(jit, 2))
     samples = wo.numpy().T.copy()
     samples[weight.numpy() == 0] = np.nan
@@ -85,9 +96,9 @@ def test_transmission_samples_follow_the_stated_density(
 
 @pytest.mark.parametrize(("alpha", "eta", "theta"), CASES)
 def test_a_sample_carries_f_cos_over_its_density(
-    jit: ModuleType, alpha: float, eta: float, theta: float
+    jit: ModuleType, alpha: float | Widths, eta: float, theta: float
 ) -> None:
-    wi, a, e = direction(jit, theta), jit.Float(alpha), jit.Float(eta)
+    wi, a, e = direction(jit, theta), width(jit, alpha), jit.Float(eta)
     wo, weight, pdf = interface.sample(wi, a, e, *uniform(jit, 3))
     f, density = interface.scatter(wi, wo, a, e)
     kept = weight.numpy() > 0
@@ -101,10 +112,10 @@ def test_a_sample_carries_f_cos_over_its_density(
 
 @pytest.mark.parametrize(("alpha", "eta", "theta"), CASES)
 def test_split_sampling_adds_up_to_both(
-    jit: ModuleType, alpha: float, eta: float, theta: float
+    jit: ModuleType, alpha: float | Widths, eta: float, theta: float
 ) -> None:
     # Fresnel as a weight, summed over the two choices, is Fresnel as a probability.
-    wi, a, e = direction(jit, theta), jit.Float(alpha), jit.Float(eta)
+    wi, a, e = direction(jit, theta), width(jit, alpha), jit.Float(eta)
     u0, u1, u2 = uniform(jit, 3)
     _, both, _ = interface.sample(wi, a, e, u0, u1, u2)
     split = sum(
@@ -116,12 +127,12 @@ def test_split_sampling_adds_up_to_both(
 
 
 @pytest.mark.parametrize("eta", [0.5, 0.7, 0.95, 1.1, 1.5, 3.0])
-@pytest.mark.parametrize("alpha", [0.05, 0.5])
+@pytest.mark.parametrize("alpha", [0.05, 0.5, Widths(0.1, 0.5)])
 def test_transmission_up_and_down_differ_by_the_squared_index(
-    jit: ModuleType, alpha: float, eta: float
+    jit: ModuleType, alpha: float | Widths, eta: float
 ) -> None:
     # In flux convention f(up) = f(down) / eta^2 (Veach 1997, section 5.2, with light's eta^2 out).
-    above, a = direction(jit, 0.8), jit.Float(alpha)
+    above, a = direction(jit, 0.8), width(jit, alpha)
     below, weight = interface.sample_transmission(above, a, jit.Float(eta), *uniform(jit, 2))
     below = dr.select(weight > 0, below, jit.Array3f(0, 0, -1))  # failed: total reflection, masking
     down, _ = interface.transmission(above, below, a, jit.Float(eta))
@@ -134,9 +145,11 @@ def test_transmission_up_and_down_differ_by_the_squared_index(
 
 
 @pytest.mark.parametrize(("alpha", "eta", "theta"), CASES)
-def test_samples_never_gain_energy(jit: ModuleType, alpha: float, eta: float, theta: float) -> None:
+def test_samples_never_gain_energy(
+    jit: ModuleType, alpha: float | Widths, eta: float, theta: float
+) -> None:
     wi = direction(jit, theta)
-    _, weight, _ = interface.sample(wi, jit.Float(alpha), jit.Float(eta), *uniform(jit, 3))
+    _, weight, _ = interface.sample(wi, width(jit, alpha), jit.Float(eta), *uniform(jit, 3))
     assert weight.numpy().max() <= 1  # it is the masking of wo
 
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from urushi.checks import Widths
 from urushi.errors import ParameterError
 from urushi.reference import (
     Coat,
@@ -53,6 +54,28 @@ def test_a_table_has_a_row_per_channel_that_differs() -> None:
     np.testing.assert_allclose(table.alpha, [[0.3, 0.1]] * 3)
 
 
+def test_equal_widths_are_one_width() -> None:
+    assert conductor(alpha_u=0.2, alpha_v=0.2, r0=0.9) == conductor(0.2, 0.9)
+    assert dielectric(alpha_u=0.2, alpha_v=0.2) == dielectric(0.2)
+    three = (0.1, 0.2, 0.3)
+    assert coat(STACK, alpha_u=three, alpha_v=three) == coat(STACK, three)
+    assert dielectric(alpha_u=0.2, alpha_v=(0.2, 0.2, 0.2)).alpha_u == (0.2, 0.2, 0.2)
+
+
+def test_widths_differ_by_channel_and_by_axis() -> None:
+    brushed = conductor(alpha_u=0.1, alpha_v=(0.2, 0.3, 0.1), r0=0.9)
+    assert brushed.is_anisotropic
+    assert (brushed.alpha_u, brushed.alpha_v) == ((0.1, 0.1, 0.1), (0.2, 0.3, 0.1))
+    stack = coat(coat(brushed, 0.4), alpha_u=0.5, alpha_v=0.6)
+    assert stack.is_anisotropic and not STACK.is_anisotropic
+    assert hash(stack) == hash(coat(coat(brushed, 0.4), alpha_u=0.5, alpha_v=0.6))
+    table = from_stack(stack)
+    assert table.kind == "conductor_anisotropic"
+    np.testing.assert_allclose(table.alpha.u, [[0.5, 0.4]] * 3)
+    np.testing.assert_allclose(table.alpha.v, [[0.6, 0.4]] * 3)
+    np.testing.assert_allclose(table.bottom["alpha_v"], [0.2, 0.3, 0.1])
+
+
 @pytest.mark.parametrize(
     ("make", "sentence"),
     [
@@ -83,6 +106,22 @@ def test_a_table_has_a_row_per_channel_that_differs() -> None:
         (lambda: coat(diffuse(1), 0.1, 1.5, "red"), "the coat's albedo must be a number or one"),
         (lambda: coat("gold", 0.1, 1.5), "str cannot lie under a coat; give a conductor"),
         (lambda: coat(None, 0.1, 1.5), "NoneType cannot lie under a coat"),
+        (lambda: conductor(r0=0.5), "the conductor's alpha is missing; give alpha, or alpha_u and"),
+        (
+            lambda: conductor(0.1, 0.5, alpha_u=0.1, alpha_v=0.2),
+            "the conductor's alpha is given together with alpha_u or alpha_v; give alpha alone",
+        ),
+        (lambda: dielectric(0.1, alpha_v=0.2), "the dielectric's alpha is given together with"),
+        (lambda: dielectric(alpha_v=0.2), "the dielectric's alpha_u is missing; alpha_u and alph"),
+        (lambda: coat(diffuse(1), alpha_u=0.2), "the coat's alpha_v is missing; .* go together"),
+        (
+            lambda: coat(diffuse(1), alpha_u=0.2, alpha_v=(0.1, 0.2, 1.1)),
+            r"the coat's alpha_v is 1.1; it must be a GGX width in \[0.01, 1\]",
+        ),
+        (
+            lambda: conductor(r0=1, alpha_u=0, alpha_v=1),
+            "the conductor's alpha_u is 0; it must be a GGX width in",
+        ),
         (lambda: Stack((), diffuse(1)), "a Stack needs one or more Coat objects, top to bottom"),
         (lambda: Stack((diffuse(1),), diffuse(1)), "a Stack needs one or more Coat objects"),
     ],
@@ -130,6 +169,9 @@ def test_errors_name_mistakes_in_a_table() -> None:
         StackTable(one, one, one, one, one, "conductor", {"alpha": np.ones(2)})
     with pytest.raises(ParameterError, match=r"eta must have shape \(stacks, coats\)"):
         StackTable(one, np.ones(2), one, one, one, "diffuse", {"reflectance": np.ones(2)})
+    with pytest.raises(ParameterError, match=r"alpha_v must have shape \(stacks, coats\)"):
+        alpha = Widths(one, np.ones(2))
+        StackTable(alpha, one, one, one, one, "diffuse", {"reflectance": np.ones(2)})
     with pytest.raises(ParameterError, match="bottom parameters must have one number per stack"):
         StackTable(one, one, one, one, one, "diffuse", {"reflectance": np.ones(3)})
 

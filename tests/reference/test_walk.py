@@ -6,6 +6,7 @@ import drjit as dr
 import numpy as np
 import pytest
 
+from urushi.checks import Widths
 from urushi.physics.frame import from_cosine
 from urushi.physics.random import stream
 from urushi.reference import (
@@ -39,14 +40,19 @@ def random_table(
     shape = (stacks, coats)
     ranges = {
         "alpha": (0.01, 1),
+        "alpha_u": (0.01, 1),
+        "alpha_v": (0.01, 1),
         "eta": (lowest_eta, 3),
         "reflectance": (0, 1),
         "r0": (0, 1),
         "k": (0, 5),
     }
     bottom = {name: rng.uniform(*ranges[name], stacks) for name in BOTTOM_KINDS[kind][1]}
+    alpha = 10 ** rng.uniform(-2, 0, shape)
+    if kind.endswith("anisotropic"):
+        alpha = Widths(alpha, 10 ** rng.uniform(-2, 0, shape))
     return StackTable(
-        alpha=10 ** rng.uniform(-2, 0, shape),
+        alpha=alpha,
         eta=rng.uniform(lowest_eta, 2, shape),
         albedo=rng.uniform(0, 1, shape),
         sigma_t=rng.uniform(0, 4, shape) * (rng.random(shape) < 0.8),
@@ -67,12 +73,26 @@ FAMILIES = [
     ("dielectric", 4),
 ]
 
+#: Bottoms and all coats have two widths each.
+ANISOTROPIC = [
+    ("conductor_anisotropic", 1),
+    ("conductor_complex_anisotropic", 1),
+    ("dielectric_anisotropic", 1),
+    ("conductor_anisotropic", 2),
+    ("dielectric_anisotropic", 2),
+    ("conductor_complex_anisotropic", 2),
+    ("conductor_anisotropic", 3),
+    ("dielectric_anisotropic", 4),
+]
 
-@pytest.mark.parametrize("lowest_eta", [0.5, 1.01])
-def test_200_random_stacks_are_reciprocal(lowest_eta: float) -> None:
+
+@pytest.mark.parametrize(
+    ("families", "lowest_eta"), [(FAMILIES, 0.5), (FAMILIES, 1.01), (ANISOTROPIC, 0.5)]
+)
+def test_200_random_stacks_are_reciprocal(families, lowest_eta: float) -> None:
     rng = np.random.default_rng(5)
     there, back, z = [], [], []
-    for kind, coats in FAMILIES:
+    for kind, coats in families:
         table = random_table(kind, 25, coats, rng, lowest_eta)
         wi, wo = hemisphere(25, rng), hemisphere(25, rng)
         row = np.tile(np.arange(25, dtype=np.uint32), 2)

@@ -108,7 +108,7 @@ def cards_of(described: Any) -> dict[str, Any] | None:
     """A description as the page reads it; None if the page has no cards for it."""
     coats = described.coats if isinstance(described, Stack) else ()
     bottom = described.bottom if isinstance(described, Stack) else described
-    if len(coats) > MOST_COATS:
+    if len(coats) > MOST_COATS or getattr(described, "is_anisotropic", False):
         return None
     match bottom:
         case Conductor(alpha=alpha, r0=None, eta=eta, k=k):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from urushi.checks import CoatParameters
+from urushi.checks import CoatParameters, one_width
 from urushi.data.distribution import BOTTOM_PARAMETERS
 from urushi.eval import samples as sampling
 from urushi.eval.samples import Samples
@@ -77,7 +77,8 @@ def _lobes(samples: Samples, encoded: int) -> np.ndarray:
     """The known lobes (S, 6) of what is encoded: of the topmost coat or of the bottom."""
     table = samples.table
     if encoded:
-        return of_coat(table.alpha[:, -encoded], table.eta[:, -encoded])
+        alpha = one_width(table.alpha, "the table's")
+        return of_coat(alpha[:, -encoded], table.eta[:, -encoded])
     names = BOTTOM_PARAMETERS[table.kind]
     bottom = np.stack([table.bottom[name] for name in names], axis=-1)
     return bottom_lobes(table.kind, bottom, PROBES)

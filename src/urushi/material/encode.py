@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from urushi import checks
 from urushi.errors import ParameterError, UrushiWarning
 from urushi.geometry.error_metrics import DARK_OFFSET
 from urushi.material import energy
@@ -87,7 +88,7 @@ def encode(
             exactly, and a Material of the same networks get none.
 
     Raises:
-        ParameterError: the source is none of these, or its values have a wrong shape, are negative
+        ParameterError: the source is none of these, or an anisotropic Stack, or its values have a wrong shape, are negative
             or not finite; or it is a BSDF that reflects nothing but mirror images, or nothing.
         FileError: the shipped networks are missing.
 
@@ -334,8 +335,13 @@ def _(source: Rgl) -> Source:
 def _(source: Conductor | Dielectric | Diffuse) -> Source:
     from urushi.reference import analytic  # lazily: it starts Dr.Jit
 
+    def f(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        return analytic.f(source, wi, wo)
+
+    if not isinstance(source, Diffuse) and source.is_anisotropic:
+        return Source(f)  # averaged over the azimuth, with a warning
     return Source(
-        lambda wi, wo: analytic.f(source, wi, wo),
+        f,
         symmetric=True,
         lobe=lobe_of_surface(source),
         bare=not isinstance(source, Diffuse),
@@ -346,6 +352,11 @@ def _(source: Conductor | Dielectric | Diffuse) -> Source:
 def _(source: Stack) -> Source:
     from urushi.reference.simulate import simulate
 
+    if source.is_anisotropic:  # an average over the azimuth would take a hundred simulations
+        raise ParameterError(
+            "encode Stack: its alpha_u and alpha_v differ, and materials are isotropic; give one "
+            "alpha, or simulate it (urushi.simulate, or the plugin 'layered')"
+        )
     return Source(
         lambda wi, wo: simulate(source, wi, wo, walks=STACK_WALKS, seed=0)[0],
         symmetric=True,
@@ -357,17 +368,18 @@ def lobe_of_surface(source: Conductor | Dielectric | Diffuse) -> np.ndarray:
     """The lobe float32 (6,) or (3, 6) of a surface."""
     if isinstance(source, Diffuse):
         return np.array(lobes.NO_LOBE, np.float32)
+    alpha = checks.one_width(source.alpha, "the surface's")
     if isinstance(source, Dielectric):
-        return _lobe(source.alpha, 0.0, 0.0, 1.0, source.eta, 0.0)
+        return _lobe(alpha, 0.0, 0.0, 1.0, source.eta, 0.0)
     if source.eta is not None and source.k is not None:
-        return _lobe(source.alpha, 0.0, 0.0, 1.0, source.eta, source.k)
+        return _lobe(alpha, 0.0, 0.0, 1.0, source.eta, source.k)
     assert source.r0 is not None
-    return _lobe(source.alpha, source.r0, 1.0, 0.0, lobes.NO_LOBE[4], 0.0)
+    return _lobe(alpha, source.r0, 1.0, 0.0, lobes.NO_LOBE[4], 0.0)
 
 
 def lobe_of_coat(coat: Coat) -> np.ndarray:
     """The lobe float32 (6,) or (3, 6) of a coat's interface."""
-    return _lobe(coat.alpha, 0.0, 0.0, 1.0, coat.eta, 0.0)
+    return _lobe(checks.one_width(coat.alpha, "the coat's"), 0.0, 0.0, 1.0, coat.eta, 0.0)
 
 
 def _lobe(*numbers: npt.ArrayLike) -> np.ndarray:

@@ -49,17 +49,19 @@ def layer(
         three.
 
     Raises:
-        ParameterError: top is no dielectric, or a parameter is out of range or of a wrong shape.
+        ParameterError: top is no dielectric, or an anisotropic one, or a parameter is out of range
+            or of a wrong shape.
     """
     if not isinstance(top, Dielectric):
         raise ParameterError(
             f"the top of a layering is a {type(top).__name__}; give the coat's interface, "
             "urushi.dielectric(alpha, eta)"
         )
+    alpha = checks.one_width(top.alpha, "the coat's")
     if not isinstance(bottom, Material) or weights is not None:
         bottom = encode(bottom, weights, refine=refine, table=False)
     parameters = {
-        "alpha": np.asarray(top.alpha),
+        "alpha": np.asarray(alpha),
         "eta": np.asarray(top.eta),
         "albedo": checks.albedo(albedo, "the coat's albedo"),
         "sigma_t": checks.sigma_t(sigma_t, "the coat's sigma_t"),

@@ -1,27 +1,35 @@
-"""Isotropic microfacet distributions with separable Smith masking, G = G1(wi) G1(wo).
+"""Microfacet distributions with separable Smith masking, G = G1(wi) G1(wo).
 
-All interfaces are GGX. The other distributions are used by bottoms only.
+All interfaces are GGX, isotropic or anisotropic: `alpha` is one width, or the two `Widths` along x
+and y (Heitz 2014, section 5.4). Two equal widths give the same bits as one wherever u / u is
+exactly 1, as on the LLVM backend. The other distributions are isotropic and used by bottoms only.
 """
 
 import drjit as dr
+
+from urushi.checks import Widths
 
 
 def ggx_d(m, alpha):
     """Normal distribution D(m) [1/sr] of a unit facet normal (Walter et al. 2007, eq. 33).
 
-    Written with m.x^2 + m.y^2 instead of 1 - cos^2, which keeps float32 exact for small alpha.
+    With two widths, Heitz 2014, eq. 85. Written with m.x^2 + m.y^2 instead of 1 - cos^2, which
+    keeps float32 exact for small alpha.
     """
-    alpha2 = alpha * alpha
-    denominator = dr.fma(alpha2 * m.z, m.z, m.x * m.x + m.y * m.y)
+    alpha2 = product(alpha)
+    denominator = dr.fma(alpha2 * m.z, m.z, squeezed_sine2(m, alpha))
     d = alpha2 / (dr.pi * denominator * denominator)
     return dr.select(m.z > 0, d, 0)
 
 
 def smith_g1(w, alpha):
-    """Smith masking of direction `w` on either side (Walter et al. 2007, eq. 34)."""
+    """Smith masking of direction `w` on either side (Walter et al. 2007, eq. 34).
+
+    With two widths, their mean square towards the azimuth of `w` (Heitz 2014, eq. 80).
+    """
     cos2 = w.z * w.z
-    tan2 = (w.x * w.x + w.y * w.y) / cos2
-    return dr.select(cos2 > 0, 2 / (1 + dr.sqrt(dr.fma(alpha * alpha, tan2, 1))), 0)
+    tan2 = stretched_sine2(w, alpha) / cos2
+    return dr.select(cos2 > 0, 2 / (1 + dr.sqrt(dr.fma(product(alpha), tan2, 1))), 0)
 
 
 def visible_normal_pdf(w, m, alpha):
@@ -38,7 +46,8 @@ def sample_visible_normal(w, alpha, u1, u2):
 
 def stretched(w, alpha):
     """The direction `w` in the space where the GGX surface of width `alpha` is a hemisphere."""
-    return dr.normalize(type(w)(alpha * w.x, alpha * w.y, w.z))
+    u, v = pair(alpha)
+    return dr.normalize(type(w)(u * w.x, v * w.y, w.z))
 
 
 def cap_normal(w, alpha, z, u):
@@ -49,8 +58,37 @@ def cap_normal(w, alpha, z, u):
     """
     sin_phi, cos_phi = dr.sincos(2 * dr.pi * u)
     sin_theta = dr.safe_sqrt(1 - z * z)
-    x, y = alpha * (sin_theta * cos_phi + w.x), alpha * (sin_theta * sin_phi + w.y)
+    along, across = pair(alpha)
+    x, y = along * (sin_theta * cos_phi + w.x), across * (sin_theta * sin_phi + w.y)
     return type(w)(x, y, z + w.z)
+
+
+def pair(alpha):
+    """The GGX widths along x and y."""
+    return (alpha.u, alpha.v) if isinstance(alpha, Widths) else (alpha, alpha)
+
+
+def product(alpha):
+    """The product of the two GGX widths, which is the square of one."""
+    u, v = pair(alpha)
+    return u * v
+
+
+def stretched_sine2(w, alpha):
+    """The squared sine (u^2 w.x^2 + v^2 w.y^2) / (u v); w.x^2 + w.y^2 for one width.
+
+    `w` is a vector of any length.
+    """
+    x2, y2 = w.x * w.x, w.y * w.y
+    if isinstance(alpha, Widths):
+        x2, y2 = x2 * (alpha.u / alpha.v), y2 * (alpha.v / alpha.u)
+    return x2 + y2
+
+
+def squeezed_sine2(m, alpha):
+    """The squared sine (m.x^2 / u^2 + m.y^2 / v^2) u v; m.x^2 + m.y^2 for one width."""
+    crossed = Widths(alpha.v, alpha.u) if isinstance(alpha, Widths) else alpha
+    return stretched_sine2(m, crossed)
 
 
 def reflection_lobe(wi, wo, alpha):

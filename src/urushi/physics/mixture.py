@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import drjit as dr
 
+from urushi.checks import Widths
 from urushi.physics import microfacet
 from urushi.physics.frame import square_to_cosine_hemisphere
 
@@ -18,7 +19,7 @@ class Mixture(NamedTuple):
 
     Attributes:
         weights: K + 1 numbers of sum 1, the last the cosine lobe's.
-        alphas: the K GGX widths.
+        alphas: the K GGX widths, all of them single numbers or all of them `Widths`.
     """
 
     weights: Sequence[Any]
@@ -46,13 +47,18 @@ def reflection_pdf(alpha, wi, wo):
 
     D(h) / (2 (cos_i + root)) with Smith's shadowing in the root, see `nets.sampler.reflection_pdf`.
     """
-    alpha2 = alpha * alpha
+    alpha2 = microfacet.product(alpha)
+    squeezed = microfacet.squeezed_sine2(wi + wo, alpha)
     x, y = wi.x + wo.x, wi.y + wo.y
-    across = x * x + y * y
+    level = x * x + y * y  # the same for wo's mirror image
     up, down = wi.z + wo.z, wi.z - wo.z
-    total = _scaled_ggx(alpha2, across, up)
-    total += dr.select(down > 0, _scaled_ggx(alpha2, across, down), 0)
-    root = dr.sqrt(alpha2 + (1 - alpha2) * (wi.z * wi.z))
+    total = _scaled_ggx(alpha2, level, squeezed, up)
+    total += dr.select(down > 0, _scaled_ggx(alpha2, level, squeezed, down), 0)
+    root2 = alpha2 + (1 - alpha2) * (wi.z * wi.z)
+    if isinstance(alpha, Widths):  # (u wi.x)^2 + (v wi.y)^2 + wi.z^2, and no change if u = v
+        u, v = alpha.u, alpha.v
+        root2 += (u - v) * (u * (wi.x * wi.x) - v * (wi.y * wi.y))
+    root = dr.sqrt(root2)
     return total * (alpha2 * (0.5 * dr.inv_pi)) / (wi.z + root)
 
 
@@ -64,7 +70,10 @@ def sample_reflection(alpha, wi, u1, u2):
     return type(wi)(wo.x, wo.y, dr.abs(wo.z))
 
 
-def _scaled_ggx(alpha2, across, z):
-    """pi D(h) / alpha^2 of a half vector with |h_xy|^2 = across and h_z = z."""
-    ratio = (across + z * z) / dr.maximum(across + alpha2 * (z * z), 1e-30)
+def _scaled_ggx(alpha2, level, squeezed, z):
+    """pi D(h) / alpha2 of a half vector with h_z = z and |h_xy|^2 = level.
+
+    alpha2 is `microfacet.product`, and `squeezed` the squared sine of D (`squeezed_sine2`).
+    """
+    ratio = (level + z * z) / dr.maximum(squeezed + alpha2 * (z * z), 1e-30)
     return ratio * ratio

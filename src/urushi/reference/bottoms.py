@@ -9,6 +9,7 @@ from typing import Any, Protocol
 
 import drjit as dr
 
+from urushi.checks import Widths
 from urushi.physics import fresnel, microfacet
 from urushi.physics.frame import reflect, square_to_cosine_hemisphere
 
@@ -30,7 +31,10 @@ class Bottom(Protocol):
 
 
 class Microfacet:
-    """A GGX reflector; `fresnel_term` maps the cosine wi.m to a reflectance, a float or colour."""
+    """A GGX reflector of one width or two `Widths`.
+
+    `fresnel_term` maps the cosine wi.m to a reflectance, a float or colour.
+    """
 
     def __init__(self, alpha, fresnel_term):
         self.alpha = alpha
@@ -138,6 +142,11 @@ def conductor(alpha, eta, k):
 def dielectric_reflector(alpha, eta):
     """The reflection of a rough dielectric; the transmitted light is lost."""
     return Microfacet(alpha, lambda cos_m: fresnel.dielectric(cos_m, eta)[0])
+
+
+def anisotropic(reflector):
+    """The factory of an anisotropic reflector, of alpha_u, alpha_v, and `reflector`'s others."""
+    return lambda alpha_u, alpha_v, *others: reflector(Widths(alpha_u, alpha_v), *others)
 
 
 @dataclasses.dataclass(frozen=True)

@@ -1,9 +1,10 @@
 """The rough dielectric interface: a GGX microfacet surface between two media (Walter et al. 2007).
 
 Functions take directions in a frame whose +z side holds `wi` (callers flip z for light from
-below) and `eta`, the index of the far side relative to wi's side. Transmission is in *flux*
-convention: the integral of f |cos| over outgoing directions is the transmitted fraction of power,
-with no 1/eta^2 scaling of radiance, so that a stack seen from outside is reciprocal.
+below), `alpha`, one GGX width or two `Widths`, and `eta`, the index of the far side relative to
+wi's side. Transmission is in *flux* convention: the integral of f |cos| over outgoing directions is
+the transmitted fraction of power, with no 1/eta^2 scaling of radiance, so that a stack seen from
+outside is reciprocal.
 """
 
 import drjit as dr

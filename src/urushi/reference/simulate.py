@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from urushi import checks
+from urushi.checks import Widths
 from urushi.errors import ParameterError
 from urushi.physics import microfacet
 from urushi.physics.frame import reflect, square_to_cosine_hemisphere
@@ -139,7 +140,8 @@ def _sample_outgoing(layers: Any, wi: Any, rng: Any) -> tuple[Any, Any]:
     alpha, _ = layers.interface(dr.uint32_array_t(type(wi.z))(0))
     # Light that was scattered below leaves in a lobe wider than the top interface's. The root of
     # alpha lies between a narrow lobe and the cosine lobe.
-    widths = alpha, dr.sqrt(alpha)
+    wider = alpha.map(dr.sqrt) if isinstance(alpha, Widths) else dr.sqrt(alpha)
+    widths = alpha, wider
     width = dr.select(choice < 1 / 3, *widths)
     m = microfacet.sample_visible_normal(wi, width, u1, u2)
     cosine = square_to_cosine_hemisphere(type(wi), u1, u2)

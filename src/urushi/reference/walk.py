@@ -38,7 +38,10 @@ class Layers(Protocol):
     count: int
 
     def interface(self, index: Any) -> tuple[Any, Any]:
-        """(alpha, eta) of an interface; eta is relative to the medium above."""
+        """(alpha, eta) of an interface; alpha is one GGX width or `Widths`, the same for all.
+
+        eta is relative to the medium above.
+        """
 
     def medium(self, index: Any) -> tuple[Any, Any, Any]:
         """(albedo, sigma_t, g) of the medium under that interface, floats or colours."""

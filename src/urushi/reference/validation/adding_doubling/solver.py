@@ -53,11 +53,14 @@ def split(stack: Stack) -> list[Monochrome]:
     """The different monochrome stacks of a stack's channels.
 
     Raises:
-        ParameterError: the bottom is not one of this package's descriptions.
+        ParameterError: the bottom is not one of this package's descriptions, or the stack is
+            anisotropic: an interface then mixes the Fourier modes.
     """
     make, parameters = _bottom(stack.bottom)
     columns: list[Value] = [
-        value for c in stack.coats for value in (c.alpha, c.eta, c.albedo, c.sigma_t, c.g)
+        value
+        for c in stack.coats
+        for value in (checks.one_width(c.alpha, "the coat's"), c.eta, c.albedo, c.sigma_t, c.g)
     ]
     table = np.stack([np.broadcast_to(value, 3) for value in columns + parameters])
     values, inverse = np.unique(table, axis=1, return_inverse=True)
@@ -78,11 +81,11 @@ def _bottom(bottom: BottomDescription) -> tuple[Callable[..., Kernel], list[Valu
         case Diffuse(reflectance):
             return surfaces.lambertian, [reflectance]
         case Dielectric(alpha, eta):
-            return surfaces.outer_reflection, [alpha, eta]
+            return surfaces.outer_reflection, [checks.one_width(alpha, "the bottom's"), eta]
         case Conductor(alpha, float() | tuple() as r0):
-            return surfaces.conductor_schlick, [alpha, r0]
+            return surfaces.conductor_schlick, [checks.one_width(alpha, "the bottom's"), r0]
         case Conductor(alpha, None, float() | tuple() as eta, float() | tuple() as k):
-            return surfaces.conductor_complex, [alpha, eta, k]
+            return surfaces.conductor_complex, [checks.one_width(alpha, "the bottom's"), eta, k]
     raise ParameterError(
         f"adding-doubling knows no kernel of a {type(bottom).__name__} bottom; "
         "give a conductor, dielectric or diffuse"
