@@ -88,8 +88,9 @@ def encode(
             exactly, and a Material of the same networks get none.
 
     Raises:
-        ParameterError: the source is none of these, or an anisotropic Stack, or its values have a wrong shape, are negative
-            or not finite; or it is a BSDF that reflects nothing but mirror images, or nothing.
+        ParameterError: the source is none of these, or an anisotropic Stack, or its values have a
+            wrong shape, are negative or not finite; or it is a BSDF that reflects nothing but
+            mirror images, or nothing.
         FileError: the shipped networks are missing.
 
     Warns:
