@@ -75,8 +75,9 @@ test-web: $(READY) viewer
 	viewer/install_chromium
 	cd viewer && npm run test:page
 
+# Not `npm ci`: since npm 11 it refuses a lock file without the packages of other platforms.
 viewer/node_modules/.ready: viewer/package-lock.json
-	cd viewer && npm ci --no-audit --no-fund
+	cd viewer && npm install --no-save --no-audit --no-fund
 	@touch $@
 
 set-up: $(READY)

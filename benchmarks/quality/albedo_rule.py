@@ -18,7 +18,7 @@ import numpy as np
 from scipy.optimize import nnls
 
 from urushi.geometry.quadrature import half_vector_rule
-from urushi.material import energy
+from urushi.material.albedo_rule import COSINE_OFFSET
 
 ANGLES, LEAST_COSINE = 10, 0.005
 TOLERANCE, MOST_NODES, STEP = 0.002, 72, 2
@@ -31,10 +31,10 @@ OUT = Path(__file__).parents[2] / "src/urushi/material/albedo_rule.csv"
 
 def cosines() -> np.ndarray:
     """The angles' cosines, falling from 1."""
-    ends = np.log(np.array([1.0, LEAST_COSINE]) + energy.COSINE_OFFSET)
+    ends = np.log(np.array([1.0, LEAST_COSINE]) + COSINE_OFFSET)
     chebyshev = np.cos(np.pi * np.arange(ANGLES) / (ANGLES - 1))
     x = ends.mean() + 0.5 * (ends[0] - ends[1]) * chebyshev
-    return np.clip(np.exp(x) - energy.COSINE_OFFSET, LEAST_COSINE, 1)
+    return np.clip(np.exp(x) - COSINE_OFFSET, LEAST_COSINE, 1)
 
 
 def family(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:

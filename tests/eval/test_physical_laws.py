@@ -12,6 +12,7 @@ from urushi.eval import samples as sampling
 from urushi.eval.groups import Group
 from urushi.eval.samples import Samples
 from urushi.material import Material, energy
+from urushi.material.albedo_rule import albedo_rule
 from urushi.material.encode import material_from_values
 from urushi.nets.lobe import of_coat
 
@@ -119,13 +120,10 @@ def test_energy_is_conserved_by_any_networks(sets, lax, monkeypatch):
     assert physical_laws.white_albedo(lax).kept
     materials = {"bare": predict.materials(lax, sets["bare"])}
     bare = sets["bare"]
-    own = [
-        energy.albedo_rule().albedo(f)
-        for f in predict._lower_values(bare, 0, *energy.albedo_rule()[:2])
-    ]
+    own = [albedo_rule().albedo(f) for f in predict._lower_values(bare, 0, *albedo_rule()[:2])]
     for material, albedo in zip(materials["bare"], own, strict=True):
         excess = energy.directional_albedos(lax, material.latents)[0] - albedo
-        lawful = energy.albedo_rule().cosines > energy.GRAZING
+        lawful = albedo_rule().cosines > energy.GRAZING
         assert excess[lawful].max() < energy.SLACK + 1e-5
 
 

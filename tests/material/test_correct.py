@@ -5,6 +5,7 @@ import pytest
 
 from urushi.geometry.error_metrics import DARK_OFFSET
 from urushi.material import energy
+from urushi.material.albedo_rule import albedo_rule
 from urushi.material.encode import material_from_values
 from urushi.material.fit import correct_codes
 from urushi.nets import weights
@@ -74,7 +75,7 @@ def test_anchors_that_could_bring_light_into_a_coat_are_dimmed(trained, surfaces
     f_hat = trained.networks.f(z[:, None], *trained.networks.pairs())
     expected = ((f_hat + DARK_OFFSET) / (surfaces + DARK_OFFSET)).max(axis=1)
     np.testing.assert_allclose(correct_codes(trained.networks, z, surfaces)[1], expected, rtol=1e-4)
-    nodes = energy.albedo_rule()
+    nodes = albedo_rule()
     for surface in SURFACES:
         pairs = (np.concatenate([own, more]) for own, more in zip(
             trained.networks.pairs(), (nodes.wi, nodes.wo), strict=True

@@ -6,6 +6,7 @@ import pytest
 import urushi
 from urushi.geometry.quadrature import half_vector_rule
 from urushi.material import Material, encode, energy, layer, lerp
+from urushi.material.albedo_rule import albedo_rule
 from urushi.material.encode import (
     encoder_codes,
     evaluate_source,
@@ -51,7 +52,7 @@ def true_albedo(description, wi):
 @pytest.mark.parametrize("alpha", [0.01, 0.017, 0.033, 0.08, 0.21, 0.47, 1.0])
 def test_the_rule_agrees_with_a_fine_one(alpha):
     """Within 0.2 % at the rule's angles, and between them unless lobes are narrower than a step."""
-    rule = energy.albedo_rule()
+    rule = albedo_rule()
     for description in (
         urushi.conductor(alpha, (0.0, 0.5, 1.0)),
         urushi.conductor(alpha, eta=0.2, k=3.9),
@@ -70,10 +71,10 @@ def test_the_rule_agrees_with_a_fine_one(alpha):
 
 
 def test_weights_are_positive_and_nodes_are_unit_vectors():
-    rule = energy.albedo_rule()
+    rule = albedo_rule()
     assert (rule.weights > 0).all() and (rule.wo[:, 2] > 0).all()
     np.testing.assert_allclose(np.linalg.norm(rule.wo, axis=1), 1, atol=1e-6)
-    np.testing.assert_allclose(rule.interpolation.sum(axis=1), 1, atol=1e-9)
+    np.testing.assert_allclose(rule.polynomial.sum(axis=1), 1, atol=1e-9)
     assert rule.cosines[0] == pytest.approx(1) and rule.cosines[-1] == pytest.approx(0.005)
 
 
@@ -85,6 +86,54 @@ def test_lossless_stacks_reflect_at_most_everything(bottom, trained):
         top = urushi.dielectric(alpha, eta)
         material = layer(top, material, albedo=1, sigma_t=sigma_t, g=g)
         assert material.directional_albedo(WI).max() < 1 + BETWEEN
+
+
+@pytest.mark.parametrize("alpha", [0.015, 0.05, 0.15])
+@pytest.mark.parametrize("eta", [0.55, 0.75, 0.95])
+def test_total_reflection_does_not_darken_what_is_transmitted(alpha, eta, trained):
+    """Below the critical angle there is room for a dark bottom's light; the limit leaves it.
+
+    Beyond that angle the lobe reflects all light, and the rest, an edge in the angle, none.
+    """
+    bottom = encode(urushi.diffuse(0.5), trained)
+    coated = layer(urushi.dielectric(alpha, eta), bottom, albedo=0.5, sigma_t=0.2)
+    cosine = np.array([0.999])
+    wi = np.stack([np.sqrt(1 - cosine**2), 0 * cosine, cosine], axis=-1).astype(np.float32)
+    stack = urushi.coat(urushi.diffuse(0.5), alpha=alpha, eta=eta, albedo=0.5, sigma_t=0.2)
+    wo, weights = half_vector_rule(wi)
+    pairs = np.repeat(wi, weights.shape[1], axis=0), wo.reshape(-1, 3).astype(np.float32)
+    f, _ = urushi.simulate(stack, *pairs, walks=64, seed=1)
+    expected = np.sum(
+        f.reshape(*weights.shape, -1)[0] * (weights[0] * wo[0, :, 2])[:, None], axis=0
+    )
+    np.testing.assert_allclose(coated.directional_albedo(wi)[0], expected, rtol=0.1)
+
+
+def test_albedos_between_two_angles_are_between_theirs():
+    """Also for a rest that is dark beyond some angle, where a polynomial swings."""
+    rule = albedo_rule()
+    angles = rule.wi[rule.first, 2]
+    for edge in (0.1, 0.3, 0.6, 0.9):
+        at_angles = np.where(angles > edge, 0.4, 0.0)
+        between = rule.interpolated(at_angles)
+        assert between[rule.cosines <= angles[angles <= edge].max()].max() < 1e-6
+        assert (between[rule.cosines >= angles[angles > edge].min()] <= 0.4 * 1.05).all()
+
+
+def test_slopes_between_two_angles_are_those_of_the_values():
+    """Where the polynomial is clipped, and where it is not; away from kinks."""
+    rule = albedo_rule()
+    angles = rule.wi[rule.first, 2]
+    for at_angles in (0.3 + 0.2 * angles, np.where(angles > 0.6, 0.4, 0.1) + 0.01 * angles):
+        for index in range(0, len(rule.cosines), 5):
+            steps = 1e-6 * np.eye(len(angles))
+            upper, lower = (
+                rule.interpolated(at_angles + steps),
+                rule.interpolated(at_angles - steps),
+            )
+            differences = (upper - lower)[:, index] / 2e-6
+            slopes = rule.interpolated_slopes(at_angles, index)
+            np.testing.assert_allclose(slopes, differences, atol=1e-6)
 
 
 def test_what_the_encoder_makes_of_nothing_is_no_gain(trained):
@@ -110,7 +159,7 @@ def test_a_gaining_network_is_brought_back_to_the_source(gaining):
     excess = material.directional_albedo(WI) - true_albedo(bright, WI)
     assert excess[lawful].max() < 0.005
     # It is scaled down only as far as the worst angle of the rule requires.
-    rule = energy.albedo_rule()
+    rule = albedo_rule()
     own = rule.albedo(evaluate_source(bright, rule.wi, rule.wo).values.T)
     below = energy.albedo_ceiling(own) - energy.directional_albedos(gaining, material.latents)
     assert np.abs(below.min(axis=-1)).max() < energy.TOLERANCE
@@ -126,7 +175,7 @@ def test_one_factor_for_all_directions(gaining, directions):
     """So that reciprocity is untouched: the same bits with wi and wo exchanged."""
     source = urushi.diffuse((0.98, 0.77, 0.34))
     codes = encoder_codes(gaining, evaluate_source(source, *gaining.networks.pairs()).values.T)
-    nodes = energy.albedo_rule()
+    nodes = albedo_rule()
     own = nodes.albedo(evaluate_source(source, nodes.wi, nodes.wo).values.T)
     limited = Material(energy.limit_albedo(gaining, codes, energy.albedo_ceiling(own)), gaining)
     wi, wo = directions[:500], directions[500:]
@@ -233,8 +282,8 @@ def test_sources_are_evaluated_at_the_nodes_of_the_albedo_rule(trained):
     """A Stack is not, because each of its pairs costs thousands of walks."""
     wi, wo = required_pairs(urushi.diffuse(0.5), trained)
     pairs = len(trained.networks.pairs()[0])
-    assert np.array_equal(wi[pairs:], energy.albedo_rule().wi) and np.array_equal(
-        wo[pairs:], energy.albedo_rule().wo
+    assert np.array_equal(wi[pairs:], albedo_rule().wi) and np.array_equal(
+        wo[pairs:], albedo_rule().wo
     )
     stack = urushi.coat(urushi.diffuse(0.5), alpha=0.1, eta=1.5)
     assert len(required_pairs(stack, trained)[0]) == pairs

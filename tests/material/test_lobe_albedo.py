@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from urushi.geometry import quadrature
-from urushi.material.energy import albedo_rule
+from urushi.material.albedo_rule import albedo_rule
 from urushi.material.lobe_albedo import REMEMBERED_ROWS, lobe_albedos
 from urushi.nets import lobe as lobes
 

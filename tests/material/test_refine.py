@@ -10,6 +10,7 @@ from urushi.eval import samples as sampling
 from urushi.eval.groups import GROUPS
 from urushi.geometry.error_metrics import DARK_OFFSET
 from urushi.material import Material, encode, energy
+from urushi.material.albedo_rule import albedo_rule
 from urushi.material.encode import evaluate_source, material_from_values
 from urushi.material.fit import (
     ANCHOR_HOLD,
@@ -182,7 +183,7 @@ def test_a_far_code_is_replaced_by_a_plain_one(trained):
 
 def test_values_at_nodes_bring_the_light_closer(trained):
     """Where a source reflects light, refinement that knows its values there errs less."""
-    rule = energy.albedo_rule()
+    rule = albedo_rule()
     f, nodes = (
         np.ascontiguousarray(evaluate_source(three_lobes, *pairs).values.T)
         for pairs in (trained.networks.pairs(), (rule.wi, rule.wo))
@@ -198,7 +199,7 @@ def test_values_at_nodes_bring_the_light_closer(trained):
 
 
 def test_black_nodes_count_for_nothing(trained):
-    rule = energy.albedo_rule()
+    rule = albedo_rule()
     black = np.zeros(len(trained.networks.pairs()[0]), np.float32)
     none = np.array(NO_LOBE, np.float32)
     aim = fit_target(trained.networks, black, np.zeros(len(rule.wi), np.float32), none)
@@ -262,7 +263,7 @@ def tan2_h(wi, wo):
 )
 def test_codes_allow_for_the_limit_of_energy(source, trained):
     """Else it would darken all angles for one that is too bright."""
-    rule, networks = energy.albedo_rule(), trained.networks
+    rule, networks = albedo_rule(), trained.networks
     f, nodes = (
         np.ascontiguousarray(evaluate_source(source, *pairs).values.T)
         for pairs in (networks.pairs(), (rule.wi, rule.wo))

@@ -9,9 +9,9 @@ import safetensors.numpy
 from urushi.errors import FileError, ParameterError
 from urushi.geometry.error_metrics import stack_error
 from urushi.material import Material, encode, layer, lerp, load
+from urushi.material.albedo_rule import albedo_rule
 from urushi.material.batch import encode_all
 from urushi.material.encode import required_pairs
-from urushi.material.energy import albedo_rule
 from urushi.material.file import CODES_VERSION, FORMAT_VERSION
 from urushi.material.table import SHAPE
 from urushi.nets.weights import Model

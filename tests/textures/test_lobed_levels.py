@@ -6,6 +6,7 @@ import pytest
 from urushi.geometry.direction_sets import cosine_pairs
 from urushi.geometry.error_metrics import stack_error
 from urushi.material import energy
+from urushi.material.albedo_rule import albedo_rule
 from urushi.material.lobe_albedo import lobe_albedos
 from urushi.nets import lobe as lobes
 from urushi.nets.architecture import SCALE, Architecture, init
@@ -83,7 +84,7 @@ def averaged_widths() -> tuple[np.ndarray, np.ndarray]:
 
 def test_one_lobe_for_several_widths_reflects_as_much_light():
     """Under light from all sides, to 0.5 %."""
-    cosines = energy.albedo_rule().cosines
+    cosines = albedo_rule().cosines
     weights = np.abs(np.gradient(cosines)) * cosines
     several, one = (lobe_albedos(lobe, cosines) @ weights for lobe in averaged_widths())
     np.testing.assert_allclose(one, several.mean(axis=1), rtol=0.005)
@@ -104,7 +105,7 @@ def test_hardly_any_other_width_is_closer():
 def test_every_level_keeps_the_light(model, side):
     """Under light from all sides, to 2 %: an averaged index is exact at normal incidence alone."""
     z = codes(side, side)
-    cosines = energy.albedo_rule().cosines
+    cosines = albedo_rule().cosines
     weights = np.abs(np.gradient(cosines)) * cosines
 
     def light(codes):

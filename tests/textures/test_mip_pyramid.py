@@ -6,6 +6,7 @@ import pytest
 from urushi.geometry.direction_sets import cosine_pairs
 from urushi.geometry.error_metrics import stack_error
 from urushi.material import energy
+from urushi.material.albedo_rule import albedo_rule
 from urushi.material.encode import limited_codes
 from urushi.material.layer import layer_texels
 from urushi.textures import averaging, mip_pyramid, packing
@@ -93,7 +94,7 @@ def test_the_regression_agrees_with_decoding(trained, monkeypatch):
 def test_every_level_keeps_the_light(trained):
     """Under light from all sides."""
     codes = coats(trained, 8, 8)
-    cosines = energy.albedo_rule().cosines
+    cosines = albedo_rule().cosines
     weights = np.abs(np.gradient(cosines)) * cosines
 
     def light(z):

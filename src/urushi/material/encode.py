@@ -18,6 +18,7 @@ from urushi import checks
 from urushi.errors import ParameterError, UrushiWarning
 from urushi.geometry.error_metrics import DARK_OFFSET
 from urushi.material import energy
+from urushi.material.albedo_rule import albedo_rule
 from urushi.material.energy import limit_albedo
 from urushi.material.fit import correct_codes, refine_codes
 from urushi.material.lobe_albedo import lobe_albedos
@@ -171,7 +172,7 @@ def required_pairs(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Pairs of directions (N, 3) at which a source has to be known to be encoded.
 
-    These are the networks' own pairs, and the nodes of `energy.albedo_rule`, for the albedo of the
+    These are the networks' own pairs, and the nodes of `albedo_rule`, for the albedo of the
     source, which limits that of the material. A Stack is not simulated at the nodes: its albedo is
     at most 1. For a table, `table.node_pairs` follow, and a Stack has the nodes too.
 
@@ -188,7 +189,7 @@ def required_pairs(
             "materials of these networks have no tables; give table=False or other networks"
         )
     if own and (table or not isinstance(source, Stack)):
-        parts.append(energy.albedo_rule()[:2])
+        parts.append(albedo_rule()[:2])
     if table:
         parts.append(node_pairs())
     wi, wo = (np.concatenate(sides) for sides in zip(*parts, strict=True))
@@ -270,7 +271,7 @@ def _source_albedos(f: np.ndarray, lobe: np.ndarray | None) -> np.ndarray:
 
     The nodes are too few for the sharpest lobes (6,), whose part is known without them.
     """
-    rule = energy.albedo_rule()
+    rule = albedo_rule()
     if lobe is None:
         return rule.albedo(f)
     rest = np.maximum(f - lobes.f(lobe[:, None], rule.wi, rule.wo), 0.0)

@@ -11,15 +11,14 @@ others well enough to exclude those that are far below the ceiling (`codes_to_me
 
 import functools
 from collections.abc import Callable
-from importlib.resources import files
 from typing import NamedTuple
 
 import numpy as np
 
 from urushi.material import regression
+from urushi.material.albedo_rule import INTERPOLATED_COSINES, albedo_rule
 from urushi.material.lobe_albedo import lobe_albedos
 from urushi.material.regression import CodeFeatures
-from urushi.nets.features import direction_features
 from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
 from urushi.parallel import fill_blocks, one_blas_thread
@@ -37,18 +36,16 @@ TOLERANCE = 0.005
 #: the last few degrees would darken all other directions.
 GRAZING = 0.1
 
-#: The variable of the interpolating polynomial is ln(cos + this).
-COSINE_OFFSET = 0.1
-
-#: Number of cosines, evenly spaced in that variable, at which the polynomial is evaluated.
-INTERPOLATED_COSINES = 41
-
 #: Least albedo in a division.
 LEAST_ALBEDO = 1e-6
 
 #: Albedo that the rest may always have: it is not scaled down for a lobe that reflects nearly all
 #: light at one angle, as in total reflection.
 LEAST_REST = 0.005
+
+#: Distance from the critical cosine, in widths of the lobe, and the width of a lobe, below which an
+#: edge of total reflection is too sharp for the rule; see `near_edge`.
+EDGE_WIDTHS, SHARP = 3.0, 0.2
 
 #: Greatest difference of the code of a rest from that of nothing at which it is that of nothing.
 BARE_DIFFERENCE = 1e-4
@@ -62,62 +59,6 @@ BLOCK = 32
 
 #: Number of codes above which only those of `codes_to_measure` are measured.
 SCREENED_COUNT = 4096
-
-
-class AlbedoRule(NamedTuple):
-    """A quadrature for the directional albedo at K angles of M nodes in all, and between them.
-
-    Attributes:
-        wi, wo: read-only float32 (M, 3).
-        features: float32 (M, 8), the decoder's input features of wi and wo.
-        weights: (M,), wo's cosine included; the nodes of an angle are contiguous.
-        first: (K,) index of the first node of each angle.
-        cosines: (D,) of the wi at which albedos are interpolated.
-        interpolation: (D, K), from the albedos at the angles to those at `cosines`.
-    """
-
-    wi: np.ndarray
-    wo: np.ndarray
-    features: np.ndarray
-    weights: np.ndarray
-    first: np.ndarray
-    cosines: np.ndarray
-    interpolation: np.ndarray
-
-    def albedo(self, f: np.ndarray) -> np.ndarray:
-        """Directional albedos (..., D) of BRDFs with values f (..., M) at the nodes."""
-        return self.at_angles(f) @ self.interpolation.T
-
-    def at_angles(self, f: np.ndarray) -> np.ndarray:
-        """Directional albedos (..., K) at the rule's own angles."""
-        return np.add.reduceat(f * self.weights, self.first, axis=-1)
-
-
-@functools.cache
-def albedo_rule() -> AlbedoRule:
-    """The rule of `albedo_rule.csv`; `benchmarks/quality/albedo_rule.py` makes and measures it."""
-    lines = (files("urushi.material") / "albedo_rule.csv").read_text(encoding="ascii").splitlines()
-    cos_i, x, y, z, weights = np.loadtxt(lines, delimiter=",").T
-    wi = np.stack([np.sqrt(1 - cos_i**2), np.zeros_like(cos_i), cos_i], axis=-1).astype(np.float32)
-    wo = np.stack([x, y, z], axis=-1).astype(np.float32)
-    wi.flags.writeable = wo.flags.writeable = False
-    first = np.flatnonzero(np.diff(cos_i, prepend=2.0))
-    angles = np.log(cos_i[first] + COSINE_OFFSET)
-    between = np.linspace(angles[0], angles[-1], INTERPOLATED_COSINES)
-    interpolation = _lagrange(angles, between)
-    features = direction_features(wi, wo)
-    return AlbedoRule(
-        wi, wo, features, weights, first, np.exp(between) - COSINE_OFFSET, interpolation
-    )
-
-
-def _lagrange(nodes: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """The matrix (X, N) from values at nodes (N,) to those of their polynomial at x (X,)."""
-    columns = []
-    for index, node in enumerate(nodes):
-        others = np.delete(nodes, index)
-        columns.append(np.prod((x[:, None] - others) / (node - others), axis=1))
-    return np.stack(columns, axis=1)
 
 
 def directional_albedos(model: Model, z: np.ndarray) -> np.ndarray:
@@ -273,7 +214,23 @@ def _own_networks(model: Model) -> UrushiNetworks:
 def excesses(model: Model, z: np.ndarray, ceiling: np.ndarray | float) -> np.ndarray:
     """Greatest ratios (N,) of the albedo of the rest of codes (N, L) and what it may be."""
     allowed = np.maximum(ceiling - top_albedos(model, z), LEAST_REST)
-    return (np.maximum(rest_albedos(model, z), LEAST_ALBEDO) / allowed).max(axis=-1)
+    ratios = np.maximum(rest_albedos(model, z), LEAST_ALBEDO) / allowed
+    return np.where(near_edge(z[:, : model.arch.lobe]), 0.0, ratios).max(axis=-1)
+
+
+def near_edge(lobe: np.ndarray) -> np.ndarray:
+    """Whether a cosine of `albedo_rule` is near the critical one of lobes (..., 6); bool (..., D).
+
+    There the albedos of a sharp lobe that reflects totally and of the rest below it change between
+    two angles of the rule, and are not known well enough for a ceiling.
+    """
+    rule = albedo_rule()
+    angles = rule.wi[rule.first, 2]
+    alpha, exact, eta = (lobe[..., number, None] for number in (0, 3, 4))
+    critical = np.sqrt(np.maximum(1 - eta * eta, 0.0))
+    between = (angles[rule.left] >= critical) & (critical >= angles[rule.left + 1])
+    near = between | (np.abs(rule.cosines - critical) < EDGE_WIDTHS * alpha)
+    return near & (exact > 0) & (eta < 1) & (alpha < SHARP)
 
 
 def _scaled(model: Model, z: np.ndarray, factors: np.ndarray) -> np.ndarray:

@@ -40,6 +40,7 @@ import numpy as np
 
 from urushi.geometry.error_metrics import DARK_OFFSET
 from urushi.material import energy
+from urushi.material.albedo_rule import albedo_rule
 from urushi.material.energy import LEAST_ALBEDO
 from urushi.material.lobe_albedo import lobe_albedos
 from urushi.nets import lobe as lobes
@@ -165,13 +166,13 @@ def fit_target(
 ) -> FitTarget:
     """The target of values f (P,) [1/sr] at `networks.pairs` and nodes (M,) at the albedo nodes.
 
-    The albedo nodes are those of `energy.albedo_rule`; None: their values are not known. lobe: (6,)
+    The albedo nodes are those of `albedo_rule`; None: their values are not known. lobe: (6,)
     the code's lobe.
     """
     count, features = len(f), probe_features(networks)
     top = lobes.f(lobe, *networks.pairs())
     weights = np.full(count, 1.0 / count)
-    rule = energy.albedo_rule()
+    rule = albedo_rule()
     light = np.zeros(0) if nodes is None else nodes * rule.weights * rule.wi[:, 2]
     if nodes is None or not light.sum() > 0.0:
         return FitTarget(features, np.log(f + DARK_OFFSET), weights, top, count)
@@ -220,7 +221,7 @@ def refine_codes(
     Each channel is optimised by itself, so that no rounding error of one affects another. Networks
     of another system, which encode by optimisation, only encode.
 
-    nodes: (C, M) [1/sr], the BRDFs' values at the nodes of `energy.albedo_rule`, if known. lobe:
+    nodes: (C, M) [1/sr], the BRDFs' values at the nodes of `albedo_rule`, if known. lobe:
     (C, 6), which the codes keep; None: those of `fit_lobes`.
     """
     if not isinstance(networks, UrushiNetworks):
@@ -249,10 +250,10 @@ def fit_below_ceiling(
     """
     if len(aim.logs) == aim.probes:
         return levenberg_marquardt(networks, z, aim, hold)
-    rule, nodes = energy.albedo_rule(), slice(aim.probes, None)
+    rule, nodes = albedo_rule(), slice(aim.probes, None)
     target = np.maximum(np.exp(aim.logs) - DARK_OFFSET - aim.top, 0.0)  # of the rest
     own = np.maximum(rule.at_angles(target[nodes]), LEAST_ALBEDO)
-    ceiling = _rest_ceiling(networks, z, own @ rule.interpolation.T)
+    ceiling = _rest_ceiling(networks, z, rule.interpolated(own))
     counts = np.diff(rule.first, append=len(rule.wi))
     lower = aim._replace(logs=aim.logs.copy())
     tried = []
@@ -260,7 +261,7 @@ def fit_below_ceiling(
         rest = networks.rest(z, aim.features)
         bright = rule.at_angles(rest[nodes])
         excess = np.maximum(bright / own, 1.0)
-        factor = min((ceiling / np.maximum(bright @ rule.interpolation.T, LEAST_ALBEDO)).min(), 1.0)
+        factor = min((ceiling / np.maximum(rule.interpolated(bright), LEAST_ALBEDO)).min(), 1.0)
         errors = np.log(aim.top + factor * rest + DARK_OFFSET) - aim.logs
         tried.append((float(aim.weights @ np.abs(errors)), z))
         if not steps:
@@ -273,9 +274,14 @@ def fit_below_ceiling(
 
 
 def _rest_ceiling(networks: UrushiNetworks, z: np.ndarray, own: np.ndarray) -> np.ndarray:
-    """The ceiling (D,) of the rest of a code (L,), from the albedos own (D,) of its target."""
-    top = lobe_albedos(z[: networks.arch.lobe], energy.albedo_rule().cosines)
-    return np.maximum(energy.albedo_ceiling(own + top) - top, energy.LEAST_REST)
+    """The ceiling (D,) of the rest of a code (L,), from the albedos own (D,) of its target.
+
+    Infinite where the rule is too coarse, see `energy.near_edge`.
+    """
+    lobe = z[: networks.arch.lobe]
+    top = lobe_albedos(lobe, albedo_rule().cosines)
+    ceiling = np.maximum(energy.albedo_ceiling(own + top) - top, energy.LEAST_REST)
+    return np.where(energy.near_edge(lobe), np.inf, ceiling)
 
 
 def levenberg_marquardt(

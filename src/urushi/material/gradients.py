@@ -14,6 +14,7 @@ import numpy as np
 from urushi.checks import MIN_ALPHA, CoatParameters
 from urushi.errors import ParameterError
 from urushi.material import energy
+from urushi.material.albedo_rule import albedo_rule
 from urushi.material.layer import PRESENT, presence
 from urushi.material.lobe_albedo import lobe_albedos
 from urushi.nets import derivatives
@@ -178,7 +179,8 @@ def _log_share(model: Model, z: np.ndarray, ceiling: float) -> tuple[np.ndarray,
     """
     rest, rest_slopes, top, top_slopes = _albedos(model, z)
     allowed = np.maximum(ceiling - top, energy.LEAST_REST)
-    at = int((rest / allowed).argmax())
+    seen = ~energy.near_edge(z[: model.arch.lobe])
+    at = int((seen * rest / allowed).argmax())
     of_allowed = 1 / allowed[at] if allowed[at] > energy.LEAST_REST else 0.0
     of_rest = -rest_slopes(at) / max(rest[at], energy.LEAST_ALBEDO)
     of_z = np.concatenate([-of_allowed * top_slopes(at), of_rest])
@@ -191,13 +193,14 @@ _Slopes = Callable[[int], np.ndarray]
 
 def _albedos(model: Model, z: np.ndarray) -> tuple[np.ndarray, _Slopes, np.ndarray, _Slopes]:
     """Directional albedos (D,) of the rest of a code z (L,) and of its lobe, and their slopes."""
-    rule, lobe = energy.albedo_rule(), z[: model.arch.lobe]
+    rule, lobe = albedo_rule(), z[: model.arch.lobe]
     log_f, slopes = decode_log(model.params, model.arch, z[None, model.arch.lobe :], rule.features)
     f = np.exp(log_f)
-    counts = np.diff(rule.first, append=len(rule.weights))
+    counts, at_angles = np.diff(rule.first, append=len(rule.weights)), rule.at_angles(f)
 
     def of_rest(angle: int) -> np.ndarray:
-        return (np.repeat(rule.interpolation[angle], counts) * rule.weights * f) @ slopes
+        of_angles = rule.interpolated_slopes(at_angles, angle)
+        return (np.repeat(of_angles, counts) * rule.weights * f) @ slopes
 
     def of_top(angle: int) -> np.ndarray:
         stepped = np.concatenate([lobe + _LOBE_STEP * way * np.eye(len(lobe)) for way in (1, -1)])
@@ -207,4 +210,4 @@ def _albedos(model: Model, z: np.ndarray) -> tuple[np.ndarray, _Slopes, np.ndarr
         wide, narrow = np.split(stepped, 2)
         return (upper - lower) / (wide - narrow).diagonal()
 
-    return rule.albedo(f), of_rest, lobe_albedos(lobe, rule.cosines), of_top
+    return rule.interpolated(at_angles), of_rest, lobe_albedos(lobe, rule.cosines), of_top

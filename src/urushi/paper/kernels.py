@@ -1,7 +1,9 @@
 """The evaluation network and the sampling proxy in Dr.Jit, for the plugins.
 
 The million weights are read from memory. An evaluation takes about a hundred times as long as one
-of Urushi's own decoder, and compilation takes half a minute.
+of Urushi's own decoder, and compilation takes half a minute. In the routines of symbolic calls, to
+which weights are passed by lane, LLVM needs many minutes on CPUs without fast gathers (AVX2). On
+those, render with `drjit.JitFlag.SymbolicCalls` and `SymbolicLoops` switched off.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -19,7 +21,6 @@ from urushi.paper.blocks import EPSILON, Block, Linear, Norm
 from urushi.paper.proxy import MIN_SHARE, MIN_SIGMA
 from urushi.physics.frame import square_to_cosine_hemisphere
 from urushi.render.networks import cooperative
-from urushi.render.recording import compiled_once
 
 
 class NormKernel:
@@ -70,13 +71,31 @@ class PaperDecoder:
         return self.f(terms, wi, wo)
 
     def f(self, latents: Sequence[Sequence], wi, wo) -> list:
-        """f of each channel, never negative; latents: per channel a list (32) of Dr.Jit floats."""
-        directions = [wi.x, wi.y, wo.x, wo.y, wi.z, wo.z]
-        return [compiled_once(self._f, *directions, *z) for z in latents]
+        """f of each channel, never negative; latents: per channel a list (32) of Dr.Jit floats.
 
-    def _f(self, *inputs):
-        (value,) = _chained(self._steps, nn.CoopVec(*inputs))
-        return dr.maximum(value, 0)
+        A loop over the channels, whose body holds the network once.
+        """
+        directions = [wi.x, wi.y, wo.x, wo.y, wi.z, wo.z]
+
+        def evaluate(channel, *values):
+            of_channels = zip(*latents, strict=True)
+            z = [_chosen(channel, numbers) for numbers in of_channels]
+            (value,) = _chained(self._steps, nn.CoopVec(*directions, *z))
+            value = dr.maximum(value, 0)
+            kept = [dr.select(channel == k, value, other) for k, other in enumerate(values)]
+            return channel + 1, *kept
+
+        start = (dr.zeros(mi.UInt32), *(dr.zeros(mi.Float) for _ in latents))
+        _, *values = dr.while_loop(start, lambda channel, *_: channel < len(latents), evaluate)
+        return values
+
+
+def _chosen(index, values: Sequence):
+    """The value at an index that a kernel computes."""
+    result = values[0]
+    for k, value in enumerate(values[1:], 1):
+        result = dr.select(index == k, value, result)
+    return result
 
 
 def _bound(params: Mapping[str, np.ndarray], chain: Sequence[Block]) -> list:

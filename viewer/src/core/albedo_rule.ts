@@ -1,4 +1,9 @@
-/** A quadrature for the directional albedo at ten angles, and between them. */
+/**
+ * A quadrature for the directional albedo at ten angles, and between them.
+ *
+ * A polynomial interpolates, clipped to the values at the two angles beside; see Python's
+ * `material.albedo_rule`.
+ */
 
 // The same table that Python's `material.energy` reads.
 import table from "../../../src/urushi/material/albedo_rule.csv?raw";
@@ -10,6 +15,9 @@ const COSINE_OFFSET = 0.1;
 /** Number of cosines, evenly spaced in that variable, at which the polynomial is evaluated. */
 const INTERPOLATED_COSINES = 41;
 
+/** Share by which the polynomial may leave the range of the values at the two angles beside it. */
+const OVERSHOOT = 0.05;
+
 export interface AlbedoRule {
   /** The M nodes: pairs of wi and wo, those of an angle one after the other. */
   readonly pairs: Pairs;
@@ -19,8 +27,12 @@ export interface AlbedoRule {
   readonly bounds: readonly number[];
   /** (D) cosines of wi at which albedos are interpolated. */
   readonly cosines: Float64Array;
-  /** (D, K) from the albedos at the angles to those at `cosines`. */
-  readonly interpolation: Float64Array;
+  /** (D, K) from the albedos at the angles to those of the polynomial at `cosines`. */
+  readonly polynomial: Float64Array;
+  /** (D) index of the last angle whose cosine is not below that of `cosines`; K - 2 at the last. */
+  readonly left: readonly number[];
+  /** (K) cosines of the angles. */
+  readonly angles: Float64Array;
 }
 
 /** Read the rule. */
@@ -41,7 +53,11 @@ export function albedoRule(): AlbedoRule {
     weights: Float64Array.from(rows, (row) => row[4] as number),
     bounds: [...starts, rows.length],
     cosines: between.map((x) => Math.exp(x) - COSINE_OFFSET),
-    interpolation: lagrange(angles, between),
+    polynomial: lagrange(angles, between),
+    left: Array.from(between, (x) =>
+      Math.min(angles.filter((angle) => angle >= x).length - 1, angles.length - 2),
+    ),
+    angles: Float64Array.from(starts, (i) => rows[i]?.[0] ?? 0),
   };
 }
 
@@ -68,8 +84,13 @@ export function addAlbedos(rule: AlbedoRule, f: Float64Array, albedos: Float64Ar
     }
   }
   for (let d = 0; d < rule.cosines.length; d++) {
+    let value = 0;
     for (let k = 0; k < angles; k++) {
-      albedos[d] += rule.interpolation[d * angles + k] * atAngles[k];
+      value += rule.polynomial[d * angles + k] * atAngles[k];
     }
+    const [first, second] = [atAngles[rule.left[d]], atAngles[rule.left[d] + 1]];
+    const least = Math.min(first, second) * (1 - OVERSHOOT);
+    const most = Math.max(first, second) * (1 + OVERSHOOT);
+    albedos[d] += Math.min(Math.max(value, least), most);
   }
 }

@@ -26,6 +26,13 @@ const GRAZING = 0.1;
 const LEAST_ALBEDO = 1e-6;
 const LEAST_REST = 0.005;
 
+/**
+ * Distance from the critical cosine, in widths of the lobe, and the width of a lobe, below which an
+ * edge of total reflection is too sharp for the rule.
+ */
+const EDGE_WIDTHS = 3;
+const SHARP = 0.2;
+
 /** Greatest difference of a rest from that of nothing at which it is that of nothing. */
 const BARE_DIFFERENCE = 1e-4;
 
@@ -128,12 +135,27 @@ export class EnergyLimit {
     return factor;
   }
 
+  /** Whether a cosine of the rule is near the critical one of a sharp lobe. */
+  private nearEdge(code: ArrayLike<number>, d: number): boolean {
+    const [alpha, exact, eta] = [code[0], code[3], code[4]];
+    if (!(exact > 0 && eta < 1 && alpha < SHARP)) {
+      return false;
+    }
+    const { angles, cosines, left } = this.rule;
+    const critical = Math.sqrt(Math.max(1 - eta * eta, 0));
+    const between = angles[left[d]] >= critical && critical >= angles[left[d] + 1];
+    return between || Math.abs(cosines[d] - critical) < EDGE_WIDTHS * alpha;
+  }
+
   private measuredFactor(code: ArrayLike<number>, ceiling: Ceiling): number {
     const rest = this.restAlbedos(code);
     const top = new Float64Array(rest.length);
     this.lobeAlbedo.add(code, 0, top);
     let excess = 0;
     for (let d = 0; d < rest.length; d++) {
+      if (this.nearEdge(code, d)) {
+        continue;
+      }
       const permitted = typeof ceiling === "number" ? ceiling : ceiling[d];
       const allowed = Math.max(permitted - top[d], LEAST_REST);
       excess = Math.max(excess, Math.max(rest[d], LEAST_ALBEDO) / allowed);
