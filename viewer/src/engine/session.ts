@@ -107,8 +107,8 @@ export class Session {
     });
 
     const shot = computed<Shot>(() => {
-      const { view, rotation, exposure, comparison, edge } = state.value;
-      return { view, rotation, exposure, comparison, edge, slot: state.value.active };
+      const { view, rotation, exposure, comparison, edge, scale, active } = state.value;
+      return { view, rotation, exposure, comparison, edge, scale, slot: active };
     });
     let last = "";
     effect(() => {

@@ -13,6 +13,7 @@ const SHOT: Shot = {
   comparison: "off",
   slot: 0,
   edge: 0.5,
+  scale: 50,
 };
 
 const COSINES = 32;

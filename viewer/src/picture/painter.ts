@@ -143,13 +143,13 @@ export class Painter {
 
   /** Draw a frame at once, as large and with as many directions as time allows. */
   private async preview(renderer: Renderer, shot: Shot, slots: (0 | 1)[]): Promise<void> {
-    const pixels = megapixels(renderer);
+    const pixels = renderer.pixels(shot) / 1e6;
     const cheap = SAVINGS.find(
       ([scale, share]) => this.cost * pixels * scale ** 2 * share < MOVING,
     );
     const [scale, share] = cheap ?? SAVINGS.at(-1)!;
     for (const slot of slots) this.upload(renderer, slot, 0);
-    renderer.beginFrame(scale);
+    renderer.beginFrame(shot, scale);
     renderer.drawStrip(shot, 0, share, 0, 1);
     renderer.endFrame(shot, 0);
     this.learn(await renderer.finished(), pixels * scale ** 2 * share);
@@ -158,10 +158,10 @@ export class Painter {
 
   /** Gather a whole frame, strip by strip; false if something has changed meanwhile. */
   private async improve(renderer: Renderer, shot: Shot, slots: (0 | 1)[]): Promise<boolean> {
-    const pixels = megapixels(renderer);
+    const pixels = renderer.pixels(shot) / 1e6;
     for (const slot of slots) this.upload(renderer, slot, this.count);
     const strips = Math.min(Math.max(Math.ceil((this.cost * pixels) / RESTING), 1), 32);
-    renderer.beginFrame(1);
+    renderer.beginFrame(shot, 1);
     let time = 0;
     for (let strip = 0; strip < strips; strip++) {
       renderer.drawStrip(shot, this.count, 1, strip / strips, (strip + 1) / strips);
@@ -191,10 +191,6 @@ export class Painter {
       this.brightOf[slot] = bright.f;
     }
   }
-}
-
-function megapixels(renderer: Renderer): number {
-  return (renderer.size.width * renderer.size.height) / 1e6;
 }
 
 /** The materials that a shot shows. */

@@ -27,6 +27,8 @@ export interface Shot {
   slot: 0 | 1;
   /** Share of the picture left of the swipe's edge. */
   edge: number;
+  /** Colour difference (CIELAB) of the last of the difference's colours. */
+  scale: number;
 }
 
 /** The part of the picture that a material fills [pixels], and the part of it that is drawn. */
@@ -156,10 +158,16 @@ export class Renderer {
     return /swiftshader|llvmpipe|software|basic render/i.test(name);
   }
 
+  /** Number of pixels that a frame of the canvas's size has; two pictures make a difference. */
+  pixels({ comparison }: Shot): number {
+    return this.canvas.width * this.canvas.height * (comparison === "difference" ? 2 : 1);
+  }
+
   /** Begin a frame at a size relative to the canvas; draw it by `drawStrip`. */
-  beginFrame(scale: number): void {
+  beginFrame({ comparison }: Shot, scale: number): void {
+    const width = Math.max(1, Math.round(this.canvas.width * scale));
     this.targets.resize(
-      Math.max(1, Math.round(this.canvas.width * scale)),
+      comparison === "difference" ? 2 * width : width,
       Math.max(1, Math.round(this.canvas.height * scale)),
     );
     this.targets.clear();
@@ -208,24 +216,25 @@ export class Renderer {
     gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
     cover(gl);
     gl.disable(gl.BLEND);
-    this.show(shot.exposure);
+    this.show(shot);
   }
 
   /** Draw and show one frame at once. */
   draw(shot: Shot): void {
-    this.beginFrame(1);
+    this.beginFrame(shot, 1);
     this.drawStrip(shot, 0, 1, 0, 1);
     this.endFrame(shot, 0);
   }
 
   /** Show what has been gathered. */
-  show(exposure: number): void {
+  show({ exposure, comparison, scale }: Shot): void {
     const { gl } = this;
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
     gl.viewport(0, 0, this.canvas.width, this.canvas.height);
     this.display.use();
     this.display.setTexture("picture", 0, gl.TEXTURE_2D, this.targets.picture);
     this.display.set("exposure", 2 ** exposure);
+    this.display.set("scale", comparison === "difference" ? scale : 0);
     cover(gl);
   }
 
@@ -359,6 +368,7 @@ function panes(shot: Shot, width: number): Pane[] {
     case "off":
       return [{ slot: shot.slot, x: 0, width, from: 0, to: width }];
     case "side":
+    case "difference": // of two pictures beside each other
       return [
         { slot: 0, x: 0, width: half, from: 0, to: half },
         { slot: 1, x: half, width: width - half, from: half, to: width },

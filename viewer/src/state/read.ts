@@ -9,7 +9,14 @@ import {
   mapped,
   type Parameter,
 } from "../material/parameters";
-import { COMPARISONS, ENVIRONMENTS, INITIAL, OBJECTS, type State } from "./state";
+import {
+  COMPARISONS,
+  DIFFERENCE_SCALES,
+  ENVIRONMENTS,
+  INITIAL,
+  OBJECTS,
+  type State,
+} from "./state";
 
 /** What a user is told: one sentence. */
 export class Refusal extends Error {}
@@ -30,6 +37,7 @@ export function readState(value: unknown): State {
     active: fields.active === 1 ? 1 : 0,
     comparison: choice(fields.comparison, COMPARISONS, INITIAL.comparison),
     edge: number(fields.edge, 0, 1, INITIAL.edge),
+    scale: choice(fields.scale, DIFFERENCE_SCALES, INITIAL.scale),
     object: choice(fields.object, OBJECTS, INITIAL.object),
     environment: choice(fields.environment, ENVIRONMENTS, INITIAL.environment),
     rotation: number(fields.rotation, -180, 180, INITIAL.rotation),
@@ -129,6 +137,6 @@ function number(value: unknown, low: number, high: number, fallback: number): nu
   return Math.min(Math.max(value, low), high);
 }
 
-function choice<T extends string>(value: unknown, all: readonly T[], fallback: T): T {
+function choice<T>(value: unknown, all: readonly T[], fallback: T): T {
   return all.find((one) => one === value) ?? fallback;
 }

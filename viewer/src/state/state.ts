@@ -5,7 +5,10 @@ import { PRESETS } from "../material/presets";
 
 export const OBJECTS = ["ball", "caddy", "teapot", "plate", "vase"] as const;
 export const ENVIRONMENTS = ["studio", "sky", "room", "own"] as const;
-export const COMPARISONS = ["off", "side", "swipe"] as const;
+export const COMPARISONS = ["off", "side", "swipe", "difference"] as const;
+
+/** Largest colour differences (CIELAB) of the difference's colours. */
+export const DIFFERENCE_SCALES = [2, 10, 50] as const;
 
 export type ObjectName = (typeof OBJECTS)[number];
 export type EnvironmentName = (typeof ENVIRONMENTS)[number];
@@ -28,6 +31,8 @@ export interface State {
   comparison: Comparison;
   /** Share of the picture left of the swipe's edge. */
   edge: number;
+  /** One of `DIFFERENCE_SCALES`. */
+  scale: number;
   object: ObjectName;
   environment: EnvironmentName;
   /** Rotation of the environment [degrees]. */
@@ -44,6 +49,7 @@ export const INITIAL: State = {
   active: 0,
   comparison: "off",
   edge: 0.5,
+  scale: 50,
   object: "caddy",
   environment: "studio",
   rotation: 0,

@@ -47,8 +47,8 @@ export function redo(): void {
 
 function restore(value: State | null, said: string): void {
   if (value === null) return;
-  const { view, edge, incidence } = state.value;
-  state.value = { ...value, view, edge, incidence };
+  const { view, edge, scale, incidence } = state.value;
+  state.value = { ...value, view, edge, scale, incidence };
   announcement.value = said;
   steps.value++;
 }

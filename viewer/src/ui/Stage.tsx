@@ -2,7 +2,7 @@
 
 import { useEffect, useRef } from "preact/hooks";
 import { noPicture, ready, session } from "../engine/session";
-import type { View } from "../state/state";
+import { DIFFERENCE_SCALES, type View } from "../state/state";
 import { look, notice, state } from "../state/store";
 
 export function Stage() {
@@ -10,13 +10,14 @@ export function Stage() {
   return (
     <section class="stage" aria-label="Picture">
       <Picture />
-      {comparison !== "off" && (
+      {(comparison === "side" || comparison === "swipe") && (
         <div class={`names ${comparison}`}>
           <span>A · {materials[0].name}</span>
           <span>B · {materials[1].name}</span>
         </div>
       )}
       {comparison === "swipe" && <Edge />}
+      {comparison === "difference" && <Legend />}
       {noPicture.value === "" ? <Status /> : <p class="missing">{noPicture.value}</p>}
       {notice.value !== "" && (
         <div class="notice" role="alert">
@@ -117,6 +118,33 @@ function Status() {
       <progress aria-hidden="true" value={painter.gathered.value} />
       {painter.converged.value ? "converged" : "refining"}
     </p>
+  );
+}
+
+/** What the colours of a difference mean. */
+function Legend() {
+  const { scale } = state.value;
+  return (
+    <div class="legend">
+      <span title="Distance of the shown colours in CIELAB (CIE 1976); 2 is just seen">
+        Colour difference
+      </span>
+      <span>0</span>
+      <div class="ramp" aria-hidden="true" />
+      <label>
+        <span class="spoken">Largest difference</span>
+        <select
+          value={scale}
+          onChange={(event) => look({ scale: Number(event.currentTarget.value) })}
+        >
+          {DIFFERENCE_SCALES.map((value) => (
+            <option key={value} value={value}>
+              {value}
+            </option>
+          ))}
+        </select>
+      </label>
+    </div>
   );
 }
 

@@ -8,6 +8,7 @@ const COMPARISON_NAMES: Record<Comparison, string> = {
   off: "Single",
   side: "Side by side",
   swipe: "Swipe",
+  difference: "Difference",
 };
 
 export function Toolbar() {

@@ -14,7 +14,10 @@ for (const colorScheme of ["light", "dark"] as const)
         return results.violations.map(({ id, nodes }) => [id, nodes[0]!.html]);
       };
       expect(await violations()).toEqual([]);
-      await page.getByRole("button", { name: "Swipe" }).click();
+      for (const way of ["Swipe", "Difference"]) {
+        await page.getByRole("button", { name: way }).click();
+        expect(await violations()).toEqual([]);
+      }
       await page.getByRole("button", { name: "Save", exact: true }).click();
       expect(await violations()).toEqual([]);
     });

@@ -83,6 +83,34 @@ test("two materials are compared by a swipe", async ({ page }) => {
     .toBe(true);
 });
 
+test("the difference of two materials is dark where they agree", async ({ page }) => {
+  await matt(page, [0.3, 0.3, 0.3]);
+  await page.getByRole("button", { name: "Difference" }).click();
+  await page.getByRole("button", { name: /^B / }).click();
+  await page.getByLabel("Kind of bottom").selectOption("diffuse");
+  const remove = page.getByRole("button", { name: /^Remove/ });
+  while ((await remove.count()) > 0) await remove.first().click();
+  const reflectance = async (values: number[]) => {
+    for (const [at, channel] of ["red", "green", "blue"].entries()) {
+      const field = number(page, `Bottom, Reflectance, ${channel}`);
+      if ((await field.count()) === 0)
+        await page.getByRole("button", { name: /^Bottom, Reflectance: one value/ }).click();
+      await field.fill(String(values[at]));
+      await field.press("Enter");
+    }
+  };
+  const sum = async () => (await colourAt(page, 0.5, 0.4)).reduce((a, b) => a + b);
+  await page.getByLabel("Largest difference").selectOption("10");
+  await reflectance([0.3, 0.3, 0.3]);
+  await expect.poll(sum).toBeLessThan(12);
+  // The same lightness in another colour is a difference, too.
+  await reflectance([0.3, 0.32, 0.18]);
+  await expect.poll(sum).toBeGreaterThan(300);
+  const before = await sum();
+  await page.getByLabel("Largest difference").selectOption("50");
+  await expect.poll(sum).toBeLessThan(before - 50);
+});
+
 /** Radiance of a shown colour below 0.7: sRGB and the neutral tone curve undone. */
 function radiance(shown: number[]): number[] {
   const toned = shown.map((value) => decoded(value / 255));
