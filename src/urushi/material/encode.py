@@ -253,7 +253,8 @@ def material_from_values(
     # Anchors are never rendered. They are limited only where they would bring light into a coat.
     bright = source_albedo.max(axis=-1) * excess > 1 - energy.MARGIN
     if bright.any():
-        anchors[bright] = energy.limit_albedo(model, anchors[bright], ceiling[bright])
+        peak = energy.peak_ceiling(source_albedo)
+        anchors[bright] = energy.limit_albedo(model, anchors[bright], peak[bright])
     return Material(energy.limit_albedo(model, codes, ceiling), model, anchors)
 
 

@@ -80,10 +80,15 @@ export class EnergyLimit {
     return albedos;
   }
 
+  /** The greatest permitted albedo of a code, from those of its source. */
+  peakCeiling(own: Float64Array): number {
+    const peak = greatest(own);
+    return peak > 1 + TOLERANCE ? peak : 1 - MARGIN;
+  }
+
   /** Ceiling (D) of a code's albedos, from those of its source. */
   ceilingOf(own: Float64Array): Float64Array {
-    const peak = greatest(own);
-    const top = peak > 1 + TOLERANCE ? peak : 1 - MARGIN;
+    const top = this.peakCeiling(own);
     return own.map((albedo, d) =>
       this.rule.cosines[d] < GRAZING ? top : Math.min(albedo + SLACK, top),
     );

@@ -70,12 +70,11 @@ export class SurfaceEncoder {
     const { code, excess } = encoder.correct(anchor, values);
     const own = new Float64Array(energy.rule.cosines.length);
     addAlbedos(energy.rule, new Float64Array(energy.rule.weights.length).fill(value), own);
-    const ceiling = energy.ceilingOf(own);
     // Anchors are never rendered. They are limited only where they would bring light into a coat.
     if (Math.max(...own) * excess > 1 - MARGIN) {
-      energy.limit(anchor, ceiling);
+      energy.limit(anchor, energy.peakCeiling(own));
     }
-    energy.limit(code, ceiling);
+    energy.limit(code, energy.ceilingOf(own));
     return { code, anchor };
   }
 }
