@@ -185,6 +185,13 @@ def g(value: npt.ArrayLike, where: str = "g", *, any_shape: bool = False) -> np.
     )
 
 
+def rotation(
+    value: npt.ArrayLike, where: str = "rotation", *, any_shape: bool = False
+) -> np.ndarray:
+    """Check angles in degrees, finite numbers."""
+    return _parameter(value, where, np.isfinite, "an angle in degrees, finite", any_shape)
+
+
 def reflectance(
     value: npt.ArrayLike, where: str = "reflectance", *, any_shape: bool = False
 ) -> np.ndarray:

@@ -76,6 +76,20 @@ def test_replays_use_changed_parameters(rgb, networks, name, textured):
         )
 
 
+def test_replays_use_changed_widths_and_rotations(rgb):
+    two = {"alpha_u": 0.5, "alpha_v": 0.1}
+    base = {"type": "roughconductor", "distribution": "ggx", **two}
+    loaded = scene(rgb, {"type": "layered", **two, "rotation": 30.0, "base": base})
+    parameters = rgb.traverse(loaded)
+    frozen = dr.freeze(lambda loaded: picture(rgb, loaded, 0))
+    for name, value in (("alpha_u", 0.05), ("rotation", 80.0), ("bottom.alpha_u", 0.1)):
+        parameters[f"sphere.bsdf.{name}.value"] = value
+        parameters.update()
+        np.testing.assert_allclose(
+            frozen(loaded).numpy(), picture(rgb, loaded, 0).numpy(), rtol=1e-4
+        )
+
+
 def test_replays_use_changed_textures(rgb, networks):
     loaded = scene(rgb, coat(rgb, "neural_layered", networks, True))
     parameters = rgb.traverse(loaded)

@@ -2,10 +2,18 @@
 
 import mitsuba as mi
 
+from urushi.errors import ParameterError
 from urushi.physics.random import hashed_stream
 from urushi.reference import walk
 from urushi.render.latents import baking
-from urushi.render.plugins.coats import BottomLobes, CoatStack, MitsubaBottom, walk_color
+from urushi.render.plugins.coats import (
+    BottomLobes,
+    CoatStack,
+    MitsubaBottom,
+    Turn,
+    TurnedMixture,
+    walk_color,
+)
 from urushi.render.reading.parameters import CoatTextures, check_bottom, nested_bsdf
 from urushi.render.recording import compiled_once
 
@@ -19,6 +27,11 @@ def define(base: type) -> type:
         ============== ===================== ====================================================
         alpha          float, texture        GGX width of the coat's surface, 0.01 to 1.
                                              (Default: 0.1)
+        alpha_u,       float, texture        In place of alpha: the widths along the tangent and
+        alpha_v                              across it, 0.01 to 1, of an anisotropic surface.
+        rotation       float, texture        Angle by which the tangent is turned about the normal,
+                                             counter-clockwise from dp/du of the shape, in degrees.
+                                             (Default: 0)
         int_ior        float, string,        Index of refraction inside the coat, a number, a
                        texture               material such as "water", or a texture of numbers.
                                              (Default: "bk7", 1.5046)
@@ -45,6 +58,10 @@ def define(base: type) -> type:
         Reflects on the front side only: nest it in ``twosided`` for both sides. Spectral variants
         evaluate parameters at the rays' wavelengths; colours are bands at 611, 549 and 464 nm,
         linear in between.
+
+        All layers share one tangent frame: that of the shape, turned by ``rotation``. Directly
+        nested coats have no rotation of their own, and an anisotropic bottom, such as
+        ``roughconductor`` of two widths, turns with the coats.
 
         .. tabs::
             .. code-tab:: xml
@@ -73,7 +90,7 @@ def define(base: type) -> type:
         def __init__(self, props):
             super().__init__(props)
             self._nested = nested_bsdf(props)
-            self._coat = CoatTextures(props)
+            self._coat = CoatTextures(props, anisotropic=True)
             check_bottom(self._nested, self._coat.where)
             self._prepare()
 
@@ -81,12 +98,20 @@ def define(base: type) -> type:
             """Check the parameters, flatten nested coats, and estimate the bottom's lobes."""
             baking.check(self._coat)
             below = isinstance(self._nested, Layered)
+            if below and self._nested.coats[0].has_rotation:
+                raise ParameterError(
+                    f"{self._coat.where}: the nested coat has a rotation of its own, and all "
+                    "layers share one tangent frame; give rotation to the outermost coat only"
+                )
             self.coats = [self._coat, *(self._nested.coats if below else [])]
             self.bottom = self._nested.bottom if below else self._nested
             self.bottom_lobes = self._nested.bottom_lobes if below else BottomLobes(self.bottom)
 
         def _f(self, vertex, ctx, si, wo, active):
             def walked(si, wo, active):
+                if self._coat.has_rotation:
+                    turn = Turn(*self._coat.turn(si, active))
+                    si, wo = turn.interaction(si), turn.inside(wo)
                 coats = CoatStack(self.coats, si, active)
                 bottom = MitsubaBottom(self.bottom, ctx, si, active)
                 # Mitsuba gives `eval` no random numbers: hash all that distinguishes the call.
@@ -97,7 +122,10 @@ def define(base: type) -> type:
             return compiled_once(walked, si, wo, active)
 
         def _proposal(self, vertex, si, active):
-            return CoatStack(self.coats, si, active).proposal(self.bottom_lobes, si.wi.z)
+            mixture = CoatStack(self.coats, si, active).proposal(self.bottom_lobes, si.wi.z)
+            if not self._coat.has_rotation:
+                return mixture
+            return TurnedMixture(mixture, Turn(*self._coat.turn(si, active)))
 
         def traverse(self, callback):
             self._coat.traverse(callback, mi.ParamFlags.NonDifferentiable)

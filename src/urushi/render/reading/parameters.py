@@ -8,7 +8,7 @@ import mitsuba as mi
 import numpy as np
 
 from urushi import checks
-from urushi.checks import DEFAULT_COAT, CoatParameters
+from urushi.checks import DEFAULT_COAT, CoatParameters, Widths
 from urushi.errors import ParameterError
 from urushi.render import spectrum
 
@@ -16,8 +16,15 @@ from urushi.render import spectrum
 #: by two properties of its own.
 DEFAULTS = {name: value for name, value in DEFAULT_COAT._asdict().items() if name != "eta"}
 
+#: The properties of an anisotropic coat's widths, in place of `alpha`.
+TWO_WIDTHS = ("alpha_u", "alpha_v")
+
 #: The check of each parameter.
-CHECKS = CoatParameters(checks.alpha, checks.eta, checks.albedo, checks.sigma_t, checks.g)
+CHECKS = {
+    **{name: getattr(checks, name) for name in CoatParameters._fields},
+    **dict.fromkeys(TWO_WIDTHS, checks.alpha),
+    "rotation": checks.rotation,
+}
 
 #: Indices of refraction by name, the same names and values as in Mitsuba's own plugins; at about
 #: 589 nm, most from Hecht, Optics, fourth edition.
@@ -49,13 +56,27 @@ IOR = {
 
 
 class CoatTextures:
-    """The textures of a coat, read from a plugin's properties, and its relative index `eta`."""
+    """The textures of a coat, read from a plugin's properties, and its relative index `eta`.
+
+    An anisotropic coat has the textures `alpha_u` and `alpha_v` in place of `alpha`. The texture
+    `rotation` exists if the property is given.
+    """
 
     DRJIT_STRUCT: ClassVar = {"textures": dict, "opaque_eta": object}  # for frozen functions
 
-    def __init__(self, props: "mi.Properties"):
+    def __init__(self, props: "mi.Properties", *, anisotropic: bool = False):
+        """Read the properties.
+
+        anisotropic: whether `alpha_u`, `alpha_v` and `rotation` are parameters of the plugin.
+
+        Raises:
+            ParameterError: a property is missing, out of range or of a wrong kind.
+        """
         self.where = describe(props)
-        self.textures = {name: self._texture(props, name) for name in DEFAULTS}
+        names = [*self._width_names(props, anisotropic), *(n for n in DEFAULTS if n != "alpha")]
+        if anisotropic and "rotation" in props:
+            names.append("rotation")
+        self.textures = {name: self._texture(props, name) for name in names}
         ext_ior = index_of_refraction(props, "ext_ior", "air", f"{self.where}: ext_ior")
         if not ext_ior > 0:
             raise ParameterError(f"{self.where}: ext_ior is {ext_ior:g}; it must be positive")
@@ -68,18 +89,28 @@ class CoatTextures:
             self.opaque_eta = opaque(float(ratio))
 
     def evaluate(self, si, active) -> CoatParameters:
-        """The coat at a surface interaction: alpha and eta Dr.Jit floats, the others spectra."""
+        """The coat at a surface interaction: alpha and eta Dr.Jit floats, the others spectra.
+
+        alpha is `Widths` of two floats if the coat is anisotropic.
+        """
         textures, eta = self.textures, self.opaque_eta
         if self.has_textured_eta:
             eta = eta * textures["int_ior"].eval_1(si, active)
+        if self.is_anisotropic:
+            alpha = Widths(*(textures[name].eval_1(si, active) for name in TWO_WIDTHS))
+        else:
+            alpha = textures["alpha"].eval_1(si, active)
         return CoatParameters(
-            textures["alpha"].eval_1(si, active),
+            alpha,
             eta,
             *(textures[name].eval(si, active) for name in ("albedo", "sigma_t", "g")),
         )
 
     def table(self, uv: np.ndarray, unknown: Collection[str] = ()) -> dict[str, np.ndarray]:
         """Checked parameters at points uv (M, 2): alpha and eta (M, 1), the others (M, channels).
+
+        In place of alpha, `alpha_u` and `alpha_v` of an anisotropic coat; `rotation` (M, 1) if the
+        coat has it.
 
         unknown: names of parameters that are no functions of uv; they are left out.
 
@@ -90,18 +121,39 @@ class CoatTextures:
         si.uv = mi.Point2f(np.ascontiguousarray(uv.T, np.float32))
         spectrum.set_bands(si)
         values = self.evaluate(si, mi.Bool(True))._asdict()
+        if self.is_anisotropic:
+            alpha = values.pop("alpha")
+            values.update(zip(TWO_WIDTHS, (alpha.u, alpha.v), strict=True))
+        if "rotation" in self.textures:
+            values["rotation"] = self.textures["rotation"].eval_1(si)
         dr.eval(values)
         table = {}
         for name, value in values.items():
             if name in unknown or (name == "eta" and "int_ior" in unknown):
                 continue
-            channels = [value] if name in ("alpha", "eta") else spectrum.to_channels(value)
+            coloured = name in ("albedo", "sigma_t", "g")
+            channels = spectrum.to_channels(value) if coloured else [value]
             rows = [np.broadcast_to(channel.numpy(), len(uv)) for channel in channels]
             # Six digits: 0.01 in single precision is less than 0.01 in double.
             array = np.stack(rows, axis=-1).astype(np.float64).round(6)
             label = "int_ior / ext_ior" if name == "eta" else name
-            table[name] = getattr(CHECKS, name)(array, f"{self.where}: {label}", any_shape=True)
+            table[name] = CHECKS[name](array, f"{self.where}: {label}", any_shape=True)
         return table
+
+    @property
+    def is_anisotropic(self) -> bool:
+        """Whether the coat has the textures `alpha_u` and `alpha_v`."""
+        return "alpha_u" in self.textures
+
+    @property
+    def has_rotation(self) -> bool:
+        """Whether the tangent is turned."""
+        return "rotation" in self.textures
+
+    def turn(self, si, active) -> tuple["mi.Float", "mi.Float"]:
+        """Sine and cosine of the angle from the shape's tangent to the coat's; needs `rotation`."""
+        degrees = self.textures["rotation"].eval_1(si, active)
+        return dr.sincos(degrees * (dr.pi / 180))
 
     @property
     def has_textured_eta(self) -> bool:
@@ -136,6 +188,19 @@ class CoatTextures:
             lines.append(f"  eta = {self.eta:g}")
         return ",\n".join(lines)
 
+    def _width_names(self, props: "mi.Properties", anisotropic: bool) -> tuple[str, ...]:
+        """The properties that hold the GGX width or the two widths."""
+        alpha, alpha_u, alpha_v = (props.get(n, None) for n in ("alpha", *TWO_WIDTHS))
+        chosen = checks.widths(alpha, alpha_u, alpha_v, f"{self.where}:", DEFAULTS["alpha"])
+        if not isinstance(chosen, Widths):
+            return ("alpha",)
+        if not anisotropic:
+            raise ParameterError(
+                f"{self.where}: materials of the networks are isotropic; give one alpha in place "
+                "of alpha_u and alpha_v, or use the plugin 'layered'"
+            )
+        return TWO_WIDTHS
+
     def _texture(self, props: "mi.Properties", name: str) -> "mi.Texture":
         kind = props.type(name) if name in props else None
         if mi.is_spectral and kind == mi.Properties.Type.Color:
@@ -153,9 +218,12 @@ class CoatTextures:
                 raise ParameterError(
                     f"{self.where}: {name} must be a number, a spectrum or a texture"
                 ) from error
-        if name == "alpha" and kind in (mi.Properties.Type.Color, mi.Properties.Type.Spectrum):
+        if name in ("alpha", *TWO_WIDTHS, "rotation") and kind in (
+            mi.Properties.Type.Color,
+            mi.Properties.Type.Spectrum,
+        ):
             raise ParameterError(
-                f"{self.where}: alpha must be a number or a texture; all channels share it"
+                f"{self.where}: {name} must be a number or a texture; all channels share it"
             )
         return texture
 
