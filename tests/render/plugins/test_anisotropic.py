@@ -223,3 +223,52 @@ def test_materials_of_the_networks_are_isotropic(rgb, networks):
                 "base": {"type": "diffuse"},
             }
         )
+
+
+def test_widths_that_are_colours_are_walks_of_their_own(rgb):
+    """The mean of every channel is that of a coat of its width."""
+    widths = np.array([[0.5, 0.2, 0.1], [0.1, 0.3, 0.6]])
+    u, v = ({"type": "rgb", "value": row.tolist()} for row in widths)
+    inner = {"type": "layered", "alpha": 0.3, "base": metal()}
+    bsdf = layered(rgb, inner, alpha_u=u, alpha_v=v, rotation=20.0)
+    both = three_channels(rgb, bsdf, 1 << 15)
+    for channel in range(3):
+        alone = layered(
+            *(rgb, inner), alpha_u=widths[0, channel], alpha_v=widths[1, channel], rotation=20.0
+        )
+        one = three_channels(rgb, alone, 1 << 15)[channel]
+        error = np.hypot(both[channel].std(), one.std()) / np.sqrt(len(one))
+        # The same random numbers: the same walks, up to the rounding of another kernel.
+        assert abs(both[channel].mean() - one.mean()) < error
+    assert both.mean(axis=1).std() > 0.05 * both.mean()
+
+
+def three_channels(mi, bsdf, walks: int) -> np.ndarray:
+    """f cos (3, walks) of all channels."""
+    from urushi.render.reading import probing
+
+    a = np.tile(WI.astype(np.float32), (walks, 1))
+    si = probing.interaction(a, np.random.default_rng(0).random((walks, 2)))
+    return bsdf.eval(mi.BSDFContext(), si, mi.Vector3f(*WO.tolist())).numpy().astype(np.float64)
+
+
+def test_equal_colours_are_one_width(rgb):
+    grey = {"type": "rgb", "value": [0.2, 0.2, 0.2]}
+    base = {"type": "diffuse", "reflectance": {"type": "rgb", "value": [0.8, 0.5, 0.2]}}
+    one = three_channels(rgb, layered(rgb, base, alpha=0.2, sigma_t=0.0), 1 << 14)
+    two = three_channels(rgb, layered(rgb, base, alpha=grey, sigma_t=0.0), 1 << 14)
+    # Roulette, by the strongest channel of a walk for all, makes other walks of the darker ones.
+    error = np.hypot(one.std(axis=1), two.std(axis=1)) / np.sqrt(one.shape[1])
+    assert (np.abs(one.mean(axis=1) - two.mean(axis=1)) < 4 * error).all()
+
+
+def test_densities_of_coloured_widths_agree_with_samples(rgb, sampling):
+    color = {"type": "rgb", "value": [0.05, 0.2, 0.6]}
+    cases = [
+        (layered(rgb, alpha=color), 50),
+        (layered(rgb, metal(), alpha_u=color, alpha_v=0.1, rotation=40.0), 70),
+    ]
+    for seed, (bsdf, degrees) in enumerate(cases):
+        test = sampling.chi_squared(bsdf, degrees, seed=seed)
+        assert test.run(0.01, test_count=len(cases), quiet=True), (seed, test.messages)
+        assert test.pdf_sum[0] == pytest.approx(1, abs=0.005)

@@ -35,7 +35,6 @@ def load(mi, networks, name: str, **properties):
         ({"int_ior": "lacquer"}, "int_ior is 'lacquer'; give a number or one of the materials"),
         ({"ext_ior": 0.0}, "ext_ior is 0; it must be positive"),
         ({"albedo": "red"}, "albedo must be a number, a spectrum or a texture"),
-        ({"alpha": {"type": "rgb", "value": [0.1, 0.2, 0.3]}}, "alpha must be a number or a"),
         (
             {"albedo": {"type": "rgb", "value": [0.1, 2, 0.3]}},
             "albedo is 2; it must be a single-scattering albedo in [0, 1]",
@@ -51,6 +50,14 @@ def test_bad_parameters(rgb, networks, name, properties, sentence):
     with pytest.raises(RuntimeError) as caught:
         load(rgb, networks, name, **properties)
     assert sentence in str(caught.value)
+
+
+def test_channels_share_a_width(rgb, networks):
+    color = {"type": "rgb", "value": [0.1, 0.2, 0.3]}
+    with pytest.raises(RuntimeError, match="alpha must be a number or a texture; all channels"):
+        load(rgb, networks, "neural_layered", alpha=color)
+    with pytest.raises(RuntimeError, match="rotation must be a number or a texture; all channels"):
+        load(rgb, networks, "layered", rotation=color)
 
 
 @pytest.mark.parametrize("name", COATS)

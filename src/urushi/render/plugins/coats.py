@@ -28,11 +28,18 @@ def walk_color() -> type:
 
 
 class CoatStack:
-    """Coats at a surface interaction, top to bottom; see `urushi.reference.walk.Layers`."""
+    """Coats at a surface interaction, top to bottom; see `urushi.reference.walk.Layers`.
 
-    def __init__(self, parameters: Sequence[CoatTextures], si, active):
+    A walk needs single numbers for widths and indices. If a width is coloured, the coats of one
+    channel are a stack of their own.
+    """
+
+    def __init__(self, parameters: Sequence[CoatTextures], si, active, channel: int | None = None):
+        """Evaluate the coats; channel: the only one of the spectrum's that is kept, if not None."""
         self.count = len(parameters)
         values = [coat.evaluate(si, active) for coat in parameters]
+        if channel is not None:
+            values = [CoatParameters(*(_at_channel(x, channel) for x in coat)) for coat in values]
         if any(coat.is_anisotropic for coat in parameters):
             values = [value._replace(alpha=_two_widths(value.alpha)) for value in values]
         self._etas = [
@@ -66,8 +73,11 @@ class CoatStack:
         alphas, shares = [], []
         for coat, eta in zip(self._coats, self._etas, strict=True):
             reflectance, cos_t = fresnel.dielectric(cos_i, eta)
-            alphas.append(_width_outside(coat.alpha, stretch, blur))
-            shares.append(reached * reflectance + MIN_SHARE)
+            widths = _channel_widths(coat.alpha)
+            share = reached * reflectance + MIN_SHARE
+            for alpha in widths:
+                alphas.append(_width_outside(alpha, stretch, blur))
+                shares.append(share if len(widths) == 1 else share / len(widths))
             passed = dr.exp(-_mean(coat.sigma_t) * (2 / dr.maximum(cos_t, 0.1)))
             reached = reached * (1 - reflectance)
             diffuse += reached * (1 - passed) * _mean(coat.albedo)
@@ -77,7 +87,7 @@ class CoatStack:
                     blur + stretch * 2 * dr.square((eta - 1) * alpha)
                 ),
                 blur,
-                coat.alpha,
+                widths[0] if len(widths) == 1 else _widths_of(_mean, coat.alpha),
             )
             stretch *= eta * eta
             cos_i = cos_t
@@ -98,17 +108,20 @@ class CoatStack:
 
 
 class MitsubaBottom:
-    """A Mitsuba BSDF at a surface interaction; see `urushi.reference.bottoms.Bottom`."""
+    """A Mitsuba BSDF at a surface interaction; see `urushi.reference.bottoms.Bottom`.
 
-    def __init__(self, bsdf: "mi.BSDF", ctx, si, active):
-        self._bsdf, self._si, self._active = bsdf, si, active
+    channel: the only one of the spectrum's that is kept, if not None.
+    """
+
+    def __init__(self, bsdf: "mi.BSDF", ctx, si, active, channel: int | None = None):
+        self._bsdf, self._si, self._active, self._channel = bsdf, si, active, channel
         self._ctx = mi.BSDFContext(ctx.mode)
 
     def f_pdf(self, wi, wo):
         """BRDF [1/sr] and the density of `sample` at wo, both zero below the horizon."""
         valid = self._active & (wi.z > 0) & (wo.z > 0)
         f_cos, pdf = self._bsdf.eval_pdf(self._ctx, self._interaction(wi), wo, valid)
-        return dr.select(valid, _color(f_cos) / wo.z, 0), dr.select(valid, pdf, 0)
+        return dr.select(valid, self._kept(f_cos) / wo.z, 0), dr.select(valid, pdf, 0)
 
     def sample(self, wi, u0, u1, u2):
         """Draw wo; returns (wo, f cos / pdf, pdf), weight 0 on failure."""
@@ -116,7 +129,10 @@ class MitsubaBottom:
         si, u = self._interaction(wi), mi.Point2f(u1, u2)
         bs, weight = self._bsdf.sample(self._ctx, si, u0, u, valid)
         valid &= (bs.wo.z > 0) & (bs.pdf > 0)
-        return bs.wo, dr.select(valid, _color(weight), 0), dr.select(valid, bs.pdf, 0)
+        return bs.wo, dr.select(valid, self._kept(weight), 0), dr.select(valid, bs.pdf, 0)
+
+    def _kept(self, value):
+        return _color(value) if self._channel is None else value[self._channel]
 
     def _interaction(self, wi):
         si = mi.SurfaceInteraction3f(self._si)
@@ -252,6 +268,18 @@ def _widths_of(function: Callable[..., Any], *values: Any) -> Any:
     return Widths(*(function(*axis) for axis in zip(*pairs, strict=True)))
 
 
+def _at_channel(value: Any, channel: int) -> Any:
+    """A channel of a spectrum; a number as it is."""
+    return _widths_of(lambda x: x[channel] if dr.depth_v(x) > 1 else x, value)
+
+
+def _channel_widths(alpha: Any) -> list[Any]:
+    """The widths of a surface: one, or that of every channel if the widths are coloured."""
+    if all(dr.depth_v(width) == 1 for width in microfacet.pair(alpha)):
+        return [alpha]
+    return [_at_channel(alpha, channel) for channel in range(dr.size_v(mi.Spectrum))]
+
+
 def _two_widths(alpha: Any) -> Widths:
     """A width as two equal ones; two as they are."""
     return Widths(*microfacet.pair(alpha))
@@ -262,4 +290,5 @@ def _color(value):
 
 
 def _mean(value):
-    return value if mi.is_monochromatic else dr.mean(value)
+    """The mean over the channels; a number as it is."""
+    return value if dr.depth_v(value) == 1 else dr.mean(value)

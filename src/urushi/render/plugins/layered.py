@@ -1,5 +1,6 @@
 """The plugin `layered`: a coat over any BSDF by random walks, the reference of `neural_layered`."""
 
+import drjit as dr
 import mitsuba as mi
 
 from urushi.errors import ParameterError
@@ -25,9 +26,9 @@ def define(base: type) -> type:
         """A coated BSDF by unbiased random walks (``layered``).
 
         ============== ===================== ====================================================
-        alpha          float, texture        GGX width of the coat's surface, 0.01 to 1.
-                                             (Default: 0.1)
-        alpha_u,       float, texture        In place of alpha: the widths along the tangent and
+        alpha          spectrum, texture     GGX width of the coat's surface, 0.01 to 1. Textures
+                                             have one channel. (Default: 0.1)
+        alpha_u,       spectrum, texture     In place of alpha: the widths along the tangent and
         alpha_v                              across it, 0.01 to 1, of an anisotropic surface.
         rotation       float, texture        Angle by which the tangent is turned about the normal,
                                              counter-clockwise from dp/du of the shape, in degrees.
@@ -61,7 +62,8 @@ def define(base: type) -> type:
 
         All layers share one tangent frame: that of the shape, turned by ``rotation``. Directly
         nested coats have no rotation of their own, and an anisotropic bottom, such as
-        ``roughconductor`` of two widths, turns with the coats.
+        ``roughconductor`` of two widths, turns with the coats. A width that is a colour takes one
+        walk for each channel in place of one for all.
 
         .. tabs::
             .. code-tab:: xml
@@ -112,12 +114,19 @@ def define(base: type) -> type:
                 if self._coat.has_rotation:
                     turn = Turn(*self._coat.turn(si, active))
                     si, wo = turn.interaction(si), turn.inside(wo)
-                coats = CoatStack(self.coats, si, active)
-                bottom = MitsubaBottom(self.bottom, ctx, si, active)
-                # Mitsuba gives `eval` no random numbers: hash all that distinguishes the call.
-                rng = hashed_stream(mi.PCG32, (*si.wi, *wo, *si.p, *si.uv, si.time))
-                f = walk.estimate(coats, bottom, si.wi, wo, rng, walk_color(), active)
-                return mi.Spectrum(f + walk.top_reflection(coats, si.wi, wo))
+
+                def estimate(color, channel=None):
+                    coats = CoatStack(self.coats, si, active, channel)
+                    bottom = MitsubaBottom(self.bottom, ctx, si, active, channel)
+                    # Mitsuba gives `eval` no random numbers: hash all that distinguishes the call.
+                    rng = hashed_stream(mi.PCG32, (*si.wi, *wo, *si.p, *si.uv, si.time))
+                    f = walk.estimate(coats, bottom, si.wi, wo, rng, color, active)
+                    return f + walk.top_reflection(coats, si.wi, wo)
+
+                if not any(coat.coloured for coat in self.coats):
+                    return mi.Spectrum(estimate(walk_color()))
+                channels = range(dr.size_v(mi.Spectrum))
+                return mi.Spectrum(*(estimate(mi.Float, channel) for channel in channels))
 
             return compiled_once(walked, si, wo, active)
 

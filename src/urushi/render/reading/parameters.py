@@ -1,7 +1,7 @@
 """The parameters of `layered` and `neural_layered`: a coat's textures and the BSDF under it."""
 
 from collections.abc import Collection
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import drjit as dr
 import mitsuba as mi
@@ -11,6 +11,7 @@ from urushi import checks
 from urushi.checks import DEFAULT_COAT, CoatParameters, Widths
 from urushi.errors import ParameterError
 from urushi.render import spectrum
+from urushi.render.reading.refraction import index_of_refraction
 
 #: Parameters of a coat that may be textures, and their defaults. The index of refraction is given
 #: by two properties of its own.
@@ -26,40 +27,18 @@ CHECKS = {
     "rotation": checks.rotation,
 }
 
-#: Indices of refraction by name, the same names and values as in Mitsuba's own plugins; at about
-#: 589 nm, most from Hecht, Optics, fourth edition.
-IOR = {
-    "vacuum": 1.0,
-    "helium": 1.000036,
-    "hydrogen": 1.000132,
-    "air": 1.000277,
-    "carbon dioxide": 1.00045,
-    "water": 1.3330,
-    "acetone": 1.36,
-    "ethanol": 1.361,
-    "carbon tetrachloride": 1.461,
-    "glycerol": 1.4729,
-    "benzene": 1.501,
-    "silicone oil": 1.52045,
-    "bromine": 1.661,
-    "water ice": 1.31,
-    "fused quartz": 1.458,
-    "pyrex": 1.470,
-    "acrylic glass": 1.49,
-    "polypropylene": 1.49,
-    "bk7": 1.5046,
-    "sodium chloride": 1.544,
-    "amber": 1.55,
-    "pet": 1.5750,
-    "diamond": 2.419,
-}
-
 
 class CoatTextures:
     """The textures of a coat, read from a plugin's properties, and its relative index `eta`.
 
     An anisotropic coat has the textures `alpha_u` and `alpha_v` in place of `alpha`. The texture
     `rotation` exists if the property is given.
+
+    Attributes:
+        where: the plugin's name; begins errors.
+        textures: the textures by the properties' names.
+        coloured: names of the widths that are given as colours or spectra.
+        opaque_eta: the relative index, or 1 / ext_ior if `int_ior` is textured.
     """
 
     DRJIT_STRUCT: ClassVar = {"textures": dict, "opaque_eta": object}  # for frozen functions
@@ -67,7 +46,8 @@ class CoatTextures:
     def __init__(self, props: "mi.Properties", *, anisotropic: bool = False):
         """Read the properties.
 
-        anisotropic: whether `alpha_u`, `alpha_v` and `rotation` are parameters of the plugin.
+        anisotropic: whether `alpha_u`, `alpha_v` and `rotation` are parameters of the plugin, and
+            widths may be colours.
 
         Raises:
             ParameterError: a property is missing, out of range or of a wrong kind.
@@ -76,6 +56,7 @@ class CoatTextures:
         names = [*self._width_names(props, anisotropic), *(n for n in DEFAULTS if n != "alpha")]
         if anisotropic and "rotation" in props:
             names.append("rotation")
+        self.coloured = _coloured(props) if anisotropic and not mi.is_monochromatic else ()
         self.textures = {name: self._texture(props, name) for name in names}
         ext_ior = index_of_refraction(props, "ext_ior", "air", f"{self.where}: ext_ior")
         if not ext_ior > 0:
@@ -91,15 +72,18 @@ class CoatTextures:
     def evaluate(self, si, active) -> CoatParameters:
         """The coat at a surface interaction: alpha and eta Dr.Jit floats, the others spectra.
 
-        alpha is `Widths` of two floats if the coat is anisotropic.
+        alpha is `Widths` if the coat is anisotropic, and a width is a spectrum if it is `coloured`.
         """
         textures, eta = self.textures, self.opaque_eta
         if self.has_textured_eta:
             eta = eta * textures["int_ior"].eval_1(si, active)
-        if self.is_anisotropic:
-            alpha = Widths(*(textures[name].eval_1(si, active) for name in TWO_WIDTHS))
-        else:
-            alpha = textures["alpha"].eval_1(si, active)
+
+        def width(name: str) -> Any:
+            texture = textures[name]
+            evaluate = texture.eval if name in self.coloured else texture.eval_1
+            return evaluate(si, active)
+
+        alpha = Widths(*map(width, TWO_WIDTHS)) if self.is_anisotropic else width("alpha")
         return CoatParameters(
             alpha,
             eta,
@@ -109,8 +93,8 @@ class CoatTextures:
     def table(self, uv: np.ndarray, unknown: Collection[str] = ()) -> dict[str, np.ndarray]:
         """Checked parameters at points uv (M, 2): alpha and eta (M, 1), the others (M, channels).
 
-        In place of alpha, `alpha_u` and `alpha_v` of an anisotropic coat; `rotation` (M, 1) if the
-        coat has it.
+        In place of alpha, `alpha_u` and `alpha_v` of an anisotropic coat, and (M, channels) of
+        coloured widths; `rotation` (M, 1) if the coat has it.
 
         unknown: names of parameters that are no functions of uv; they are left out.
 
@@ -131,7 +115,7 @@ class CoatTextures:
         for name, value in values.items():
             if name in unknown or (name == "eta" and "int_ior" in unknown):
                 continue
-            coloured = name in ("albedo", "sigma_t", "g")
+            coloured = name in ("albedo", "sigma_t", "g", *self.coloured)
             channels = spectrum.to_channels(value) if coloured else [value]
             rows = [np.broadcast_to(channel.numpy(), len(uv)) for channel in channels]
             # Six digits: 0.01 in single precision is less than 0.01 in double.
@@ -218,30 +202,19 @@ class CoatTextures:
                 raise ParameterError(
                     f"{self.where}: {name} must be a number, a spectrum or a texture"
                 ) from error
-        if name in ("alpha", *TWO_WIDTHS, "rotation") and kind in (
-            mi.Properties.Type.Color,
-            mi.Properties.Type.Spectrum,
-        ):
+        scalar = {"alpha", *TWO_WIDTHS, "rotation"}.difference(self.coloured)
+        if name in scalar and kind in (mi.Properties.Type.Color, mi.Properties.Type.Spectrum):
             raise ParameterError(
                 f"{self.where}: {name} must be a number or a texture; all channels share it"
             )
         return texture
 
 
-def index_of_refraction(props: "mi.Properties", name: str, default: str, where: str) -> float:
-    """The index of refraction that a property gives as a number or as a material's name.
-
-    Raises:
-        ParameterError: neither a number nor a known name.
-    """
-    value = props.get(name, default)
-    if isinstance(value, int | float) and not isinstance(value, bool):
-        return float(value)
-    if isinstance(value, str) and value.lower() in IOR:
-        return IOR[value.lower()]
-    raise ParameterError(
-        f"{where} is {value!r}; give a number or one of the materials " + ", ".join(IOR)
-    )
+def _coloured(props: "mi.Properties") -> tuple[str, ...]:
+    """The names of the widths that are given as colours or spectra, not as numbers or textures."""
+    colors = mi.Properties.Type.Color, mi.Properties.Type.Spectrum
+    given = (name for name in ("alpha", *TWO_WIDTHS) if name in props)
+    return tuple(name for name in given if props.type(name) in colors)
 
 
 def opaque(value: float) -> "mi.Float":
