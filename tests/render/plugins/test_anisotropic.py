@@ -272,3 +272,18 @@ def test_densities_of_coloured_widths_agree_with_samples(rgb, sampling):
         test = sampling.chi_squared(bsdf, degrees, seed=seed)
         assert test.run(0.01, test_count=len(cases), quiet=True), (seed, test.messages)
         assert test.pdf_sum[0] == pytest.approx(1, abs=0.005)
+
+
+def test_monochromatic_variants_read_the_luminance_of_a_colour():
+    import mitsuba as mi
+
+    import urushi  # noqa: F401  (registers the plugins)
+
+    if "llvm_ad_mono" not in mi.variants():
+        pytest.skip("Mitsuba has no variant llvm_ad_mono")
+    mi.set_variant("llvm_ad_mono")
+    color = {"type": "rgb", "value": [0.1, 0.4, 0.7]}
+    parameters = mi.traverse(layered(mi, alpha_u=color, alpha_v=0.2))
+    # Rec. 709: the weights of red, green and blue.
+    luminance = 0.2126 * 0.1 + 0.7152 * 0.4 + 0.0722 * 0.7
+    assert parameters["alpha_u.value"][0] == pytest.approx(luminance, rel=1e-3)

@@ -37,7 +37,8 @@ class CoatTextures:
     Attributes:
         where: the plugin's name; begins errors.
         textures: the textures by the properties' names.
-        coloured: names of the widths that are given as colours or spectra.
+        coloured: names of the widths that are given as colours or spectra, which monochromatic
+            variants read as numbers.
         opaque_eta: the relative index, or 1 / ext_ior if `int_ior` is textured.
     """
 
@@ -56,8 +57,9 @@ class CoatTextures:
         names = [*self._width_names(props, anisotropic), *(n for n in DEFAULTS if n != "alpha")]
         if anisotropic and "rotation" in props:
             names.append("rotation")
-        self.coloured = _coloured(props) if anisotropic and not mi.is_monochromatic else ()
-        self.textures = {name: self._texture(props, name) for name in names}
+        colours = _coloured(props) if anisotropic else ()
+        self.coloured = () if mi.is_monochromatic else colours
+        self.textures = {name: self._texture(props, name, name in colours) for name in names}
         ext_ior = index_of_refraction(props, "ext_ior", "air", f"{self.where}: ext_ior")
         if not ext_ior > 0:
             raise ParameterError(f"{self.where}: ext_ior is {ext_ior:g}; it must be positive")
@@ -185,7 +187,10 @@ class CoatTextures:
             )
         return TWO_WIDTHS
 
-    def _texture(self, props: "mi.Properties", name: str) -> "mi.Texture":
+    def _texture(
+        self, props: "mi.Properties", name: str, coloured_width: bool = False
+    ) -> "mi.Texture":
+        """A property as a texture; coloured_width: whether it is a width that may be a colour."""
         kind = props.type(name) if name in props else None
         if mi.is_spectral and kind == mi.Properties.Type.Color:
             color = [float(value) for value in props[name]]
@@ -202,8 +207,9 @@ class CoatTextures:
                 raise ParameterError(
                     f"{self.where}: {name} must be a number, a spectrum or a texture"
                 ) from error
-        scalar = {"alpha", *TWO_WIDTHS, "rotation"}.difference(self.coloured)
-        if name in scalar and kind in (mi.Properties.Type.Color, mi.Properties.Type.Spectrum):
+        colors = mi.Properties.Type.Color, mi.Properties.Type.Spectrum
+        is_number = name in ("alpha", *TWO_WIDTHS, "rotation") and not coloured_width
+        if is_number and kind in colors:
             raise ParameterError(
                 f"{self.where}: {name} must be a number or a texture; all channels share it"
             )
