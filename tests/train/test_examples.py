@@ -7,7 +7,7 @@ import weakref
 import numpy as np
 import pytest
 
-from urushi.data.distribution import Extended, Table2
+from urushi.data.distribution import BOTTOMS, Extended, Table2
 from urushi.data.generate import generate
 from urushi.data.spec import DataSpec, Part
 from urushi.data.store import Store
@@ -16,7 +16,6 @@ from urushi.geometry.probe_pairs import PROBES, probe_pairs
 from urushi.nets import lobe
 from urushi.nets.features import direction_features
 from urushi.reference import analytic
-from urushi.reference.table import BOTTOM_KINDS
 from urushi.train import examples
 from urushi.train.bottoms import BARE_LOBES, bottom_lobes, bottom_rest
 from urushi.train.examples import Batches, Depth
@@ -62,7 +61,7 @@ def test_the_arrays_of_an_example_belong_together(tiny, tiny_data, held):
     assert not held[2].probes[row].any()
 
 
-@pytest.mark.parametrize("kind", BOTTOM_KINDS)
+@pytest.mark.parametrize("kind", BOTTOMS)
 def test_a_bottom_is_its_lobe_and_the_rest(kind):
     """A fitted lobe is above the bottom at some pairs, mostly by little."""
     columns = Extended(1, kind).sample(np.random.default_rng(7), 24).bottom

@@ -18,8 +18,11 @@ from urushi.reference.table import BOTTOM_KINDS, StackTable
 #: Maximum number of coats of a trained stack: five coats over a bottom have six interfaces.
 MAX_COATS = 5
 
-#: The parameters of every kind of bottom, in the order of the data stores.
-BOTTOM_PARAMETERS = {kind: names for kind, (_, names) in BOTTOM_KINDS.items()}
+#: The kinds of bottoms that are drawn. All are isotropic, as materials are.
+BOTTOMS = ("conductor", "conductor_complex", "dielectric", "diffuse", "mixture", "measured_like")
+
+#: Their parameters, in the order of the data stores.
+BOTTOM_PARAMETERS = {kind: BOTTOM_KINDS[kind][1] for kind in BOTTOMS}
 
 
 class _Independent:
