@@ -21,6 +21,9 @@ const OVERSHOOT = 0.05;
 export interface AlbedoRule {
   /** The M nodes: pairs of wi and wo, those of an angle one after the other. */
   readonly pairs: Pairs;
+  /** (M, 3) their directions. */
+  readonly wi: Float32Array;
+  readonly wo: Float32Array;
   /** (M) of f, wo's cosine included. */
   readonly weights: Float64Array;
   /** The first node of each of K angles, and M. */
@@ -39,8 +42,10 @@ export interface AlbedoRule {
 export function albedoRule(): AlbedoRule {
   const lines = table.split("\n").filter((line) => line && !line.startsWith("#"));
   const rows = lines.map((line) => line.split(",").map(Number) as [number, ...number[]]);
-  const wi = rows.flatMap(([cosine]) => [Math.sqrt(1 - cosine * cosine), 0, cosine]);
-  const wo = rows.flatMap((row) => row.slice(1, 4));
+  const wi = Float32Array.from(
+    rows.flatMap(([cosine]) => [Math.sqrt(1 - cosine * cosine), 0, cosine]),
+  );
+  const wo = Float32Array.from(rows.flatMap((row) => row.slice(1, 4)));
   const starts = rows.flatMap((row, i) => (row[0] === rows[i - 1]?.[0] ? [] : [i]));
   const angles = starts.map((i) => Math.log((rows[i]?.[0] ?? 0) + COSINE_OFFSET));
   const [top = 0, bottom = 0] = [angles[0], angles[angles.length - 1]];
@@ -49,7 +54,9 @@ export function albedoRule(): AlbedoRule {
     (_, d) => top + ((bottom - top) * d) / (INTERPOLATED_COSINES - 1),
   );
   return {
-    pairs: Pairs.of(Float32Array.from(wi), Float32Array.from(wo)),
+    pairs: Pairs.of(wi, wo),
+    wi,
+    wo,
     weights: Float64Array.from(rows, (row) => row[4] as number),
     bounds: [...starts, rows.length],
     cosines: between.map((x) => Math.exp(x) - COSINE_OFFSET),
@@ -76,6 +83,13 @@ function lagrange(nodes: readonly number[], x: Float64Array): Float64Array {
 
 /** Add the albedos (D) of values f (M) at the rule's nodes to `albedos`. */
 export function addAlbedos(rule: AlbedoRule, f: Float64Array, albedos: Float64Array): void {
+  interpolatedAlbedos(rule, albedosAtAngles(rule, f)).forEach((albedo, d) => {
+    albedos[d] += albedo;
+  });
+}
+
+/** The albedos (K) of values f (M) at the rule's angles. */
+export function albedosAtAngles(rule: AlbedoRule, f: Float64Array): Float64Array {
   const angles = rule.bounds.length - 1;
   const atAngles = new Float64Array(angles);
   for (let k = 0; k < angles; k++) {
@@ -83,7 +97,14 @@ export function addAlbedos(rule: AlbedoRule, f: Float64Array, albedos: Float64Ar
       atAngles[k] += f[i] * rule.weights[i];
     }
   }
-  for (let d = 0; d < rule.cosines.length; d++) {
+  return atAngles;
+}
+
+/** The albedos (D) between those (K) at the rule's angles. */
+export function interpolatedAlbedos(rule: AlbedoRule, atAngles: Float64Array): Float64Array {
+  const angles = atAngles.length;
+  const albedos = new Float64Array(rule.cosines.length);
+  for (let d = 0; d < albedos.length; d++) {
     let value = 0;
     for (let k = 0; k < angles; k++) {
       value += rule.polynomial[d * angles + k] * atAngles[k];
@@ -91,6 +112,7 @@ export function addAlbedos(rule: AlbedoRule, f: Float64Array, albedos: Float64Ar
     const [first, second] = [atAngles[rule.left[d]], atAngles[rule.left[d] + 1]];
     const least = Math.min(first, second) * (1 - OVERSHOOT);
     const most = Math.max(first, second) * (1 + OVERSHOOT);
-    albedos[d] += Math.min(Math.max(value, least), most);
+    albedos[d] = Math.min(Math.max(value, least), most);
   }
+  return albedos;
 }

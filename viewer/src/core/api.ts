@@ -66,6 +66,13 @@ export interface Core {
   /** Encode a bottom without coats. */
   encode(bottom: Bottom): Material;
 
+  /**
+   * Encode a measured BRDF: a MERL table or an isotropic RGL material.
+   *
+   * @throws FileError if the file is damaged, anisotropic or of another format.
+   */
+  encodeMeasured(file: ArrayBuffer): Material;
+
   /** Encode a stack: the bottom under all its coats, the energy limit included. */
   layer(stack: Stack): Material;
 

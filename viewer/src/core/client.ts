@@ -61,6 +61,15 @@ export class RemoteCore {
     return this.call("encode", [bottom], { key });
   }
 
+  /**
+   * Encode a measured BRDF. The file is given away.
+   *
+   * @throws FileError if it is damaged or of another format.
+   */
+  encodeMeasured(file: ArrayBuffer): Promise<Material> {
+    return this.call("encodeMeasured", [file], { transfer: [file] });
+  }
+
   layer(stack: Stack, key?: string): Promise<Material> {
     return this.call("layer", [stack], { key });
   }

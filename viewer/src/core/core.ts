@@ -9,7 +9,9 @@ import { EnergyLimit, MARGIN } from "./energy";
 import { Evaluation } from "./evaluation";
 import { Layerer } from "./layerer";
 import { NO_LOBE } from "./lobe";
+import { MeasuredEncoder } from "./measured_encoder";
 import { activationOf } from "./mlp";
+import { Refinement } from "./refinement";
 import { Sampler } from "./sampler";
 import { SurfaceEncoder } from "./surface_encoder";
 import { coatOfChannel } from "./surfaces";
@@ -28,6 +30,7 @@ export class NetworkCore implements Core {
   readonly latentSize: number;
   readonly fingerprint: string;
   private readonly surfaces: SurfaceEncoder;
+  private readonly measured: MeasuredEncoder;
   private readonly layerer: Layerer;
   private readonly energy: EnergyLimit;
   private readonly evaluation: Evaluation;
@@ -43,6 +46,8 @@ export class NetworkCore implements Core {
     this.layerer = new Layerer(weights, activation);
     this.energy = new EnergyLimit(decoder, nothing);
     this.surfaces = new SurfaceEncoder(encoder, this.energy, nothing);
+    const refinement = new Refinement(weights, activation, decoder, encoder, this.energy);
+    this.measured = new MeasuredEncoder(encoder, this.energy, refinement);
     this.evaluation = new Evaluation(decoder, new Sampler(weights, activation), this.latentSize);
   }
 
@@ -50,6 +55,10 @@ export class NetworkCore implements Core {
     return bottom.kind === "codes"
       ? { latents: this.checked(bottom.latents), anchors: this.checked(bottom.anchors) }
       : this.surfaces.encode(bottom);
+  }
+
+  encodeMeasured(file: ArrayBuffer): Material {
+    return this.measured.encode(file);
   }
 
   layer(stack: Stack): Material {

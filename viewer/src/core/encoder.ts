@@ -3,14 +3,15 @@
 import type { Decoder, Responses } from "./decoder";
 import { DecoderSlopes } from "./decoder_slopes";
 import { Pairs } from "./features";
+import { dampedStep } from "./least_squares";
 import { lobeValue } from "./lobe";
 import { type Activation, Mlp } from "./mlp";
 import { probePairs } from "./probe_pairs";
 import { LOBE_NUMBERS, type Weights } from "./weights";
 
 /** [1/sr] Added to f before the logarithm of the encoder, and of the correction. */
-const OFFSET = 1e-4;
-const DARK_OFFSET = 1e-3;
+export const OFFSET = 1e-4;
+export const DARK_OFFSET = 1e-3;
 
 /** Number of correction steps, and their damping relative to the mean curvature. */
 const CORRECTION_STEPS = 2;
@@ -128,7 +129,7 @@ function everySecond(pairs: Pairs): Pairs {
 }
 
 /** The factor by which an error's weight is reduced. */
-function farness(error: number): number {
+export function farness(error: number): number {
   return Math.max(Math.abs(error) / HUBER_KNEE, 1);
 }
 
@@ -137,33 +138,4 @@ function totalLoss(errors: Float64Array): number {
     const far = farness(error);
     return sum + (error * error * (2 - 1 / far)) / far;
   }, 0);
-}
-
-/** Solve (curvature + damping) x = slope (Marquardt 1963); both arrays are overwritten. */
-function dampedStep(curvature: Float64Array, slope: Float64Array, damping: number): Float64Array {
-  const size = slope.length;
-  let trace = 0;
-  for (let i = 0; i < size; i++) {
-    trace += curvature[i * size + i];
-  }
-  for (let i = 0; i < size; i++) {
-    curvature[i * size + i] += (damping * trace) / size + 1e-12;
-  }
-  // The matrix is positive definite: Gauss's elimination needs no exchange of rows.
-  for (let i = 0; i < size; i++) {
-    for (let j = i + 1; j < size; j++) {
-      const share = curvature[j * size + i] / curvature[i * size + i];
-      for (let k = i; k < size; k++) {
-        curvature[j * size + k] -= share * curvature[i * size + k];
-      }
-      slope[j] -= share * slope[i];
-    }
-  }
-  for (let i = size - 1; i >= 0; i--) {
-    for (let k = i + 1; k < size; k++) {
-      slope[i] -= curvature[i * size + k] * slope[k];
-    }
-    slope[i] /= curvature[i * size + i];
-  }
-  return slope;
 }

@@ -94,6 +94,19 @@ export class EnergyLimit {
     );
   }
 
+  /**
+   * Ceiling (D) of the albedos of a code's rest, from those `own` of the rest of its source.
+   *
+   * Infinite where the rule is too coarse.
+   */
+  restCeiling(code: ArrayLike<number>, own: Float64Array): Float64Array {
+    const top = new Float64Array(own.length);
+    this.lobeAlbedo.add(code, 0, top);
+    return this.ceilingOf(own.map((albedo, d) => albedo + top[d])).map((allowed, d) =>
+      this.nearEdge(code, d) ? Number.POSITIVE_INFINITY : Math.max(allowed - top[d], LEAST_REST),
+    );
+  }
+
   /** The part (D) of `albedos` that the code's lobe does not reflect. */
   restAlbedos(code: ArrayLike<number>): Float64Array {
     const prepared = this.decoder.prepare(code, LOBE_NUMBERS);

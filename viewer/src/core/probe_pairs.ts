@@ -26,13 +26,19 @@ export function sequenceSteps(dimensions: number): number[] {
   return Array.from({ length: dimensions }, (_, k) => base ** -(k + 1));
 }
 
-/** The n probe pairs, which are float32 unit vectors. */
+/** The n probe pairs. */
 export function probePairs(n: number): Pairs {
+  const { wi, wo } = probeDirections(n);
+  return Pairs.of(wi, wo);
+}
+
+/** The directions (n, 3) of the probe pairs, which are float32 unit vectors. */
+export function probeDirections(n: number): { wi: Float32Array; wo: Float32Array } {
   const first = Math.round(n * HALF_ANGLE_SHARE);
   const chosen = [...halfAnglePairs(first), ...hemispherePairs(n - first)];
   const wi = Float32Array.from(chosen.flatMap(([w]) => [...w]));
   const wo = Float32Array.from(chosen.flatMap(([, w]) => [...w]));
-  return Pairs.of(wi, wo);
+  return { wi, wo };
 }
 
 function points(count: number): Vector[] {

@@ -12,7 +12,8 @@ export interface WalkOptions {
 }
 
 /** What the worker does, by name. */
-export interface Calls extends Pick<Core, "encode" | "layer" | "f" | "pdf" | "albedo" | "table"> {
+export interface Calls
+  extends Pick<Core, "encode" | "encodeMeasured" | "layer" | "f" | "pdf" | "albedo" | "table"> {
   /** Load the networks, which other calls but `walk` need. */
   load(weights: ArrayBuffer): Pick<Core, "latentSize" | "fingerprint">;
   /** Estimate f of a stack by random walks; estimates so far precede the result. */

@@ -154,6 +154,8 @@ function resultOf(
   switch (request.call) {
     case "encode":
       return core.encode(...request.args);
+    case "encodeMeasured":
+      return core.encodeMeasured(...request.args);
     case "layer":
       return core.layer(...request.args);
     case "f":

@@ -1,10 +1,17 @@
 /** Files that are dropped on the page or opened: a panorama, a state, or a material. */
 
+import { signal } from "@preact/signals";
+import type { Bottom } from "../core/api";
+import { FileError } from "../core/safetensors";
 import { readHdr, withoutLights } from "../picture/panorama";
 import { Refusal, readState } from "../state/read";
-import { change, changeMaterial, notice } from "../state/store";
+import { announcement, change, changeMaterial, notice } from "../state/store";
 import { readMaterialFile } from "./material_file";
+import type { PageCore } from "./remote";
 import { session, useEnvironment } from "./session";
+
+/** Whether a measured file is being encoded. */
+export const encoding = signal(false);
 
 /** Take over a file; what is wrong with it is told in one sentence. */
 export async function openFile(file: File): Promise<void> {
@@ -16,20 +23,32 @@ export async function openFile(file: File): Promise<void> {
       useEnvironment({ name: file.name, ...withoutLights(readHdr(bytes)) });
     } else if (suffix === "json") {
       change(readState(parsed(bytes)));
-    } else if (suffix === "safetensors") {
+    } else if (suffix === "safetensors" || suffix === "binary" || suffix === "bsdf") {
       const core = session.value?.core;
       if (core === undefined) throw new Refusal("The networks are not loaded yet.");
-      const bottom = readMaterialFile(bytes, core);
-      const name = file.name.replace(/\.safetensors$/i, "").slice(0, 80);
+      const isMeasured = suffix !== "safetensors";
+      const bottom = isMeasured ? await encodeMeasured(core, bytes) : readMaterialFile(bytes, core);
+      const name = file.name.replace(/\.[a-z]+$/i, "").slice(0, 80);
       changeMaterial({ name, bottom, coats: [], solo: null });
     } else {
       throw new Refusal(
-        "The page opens materials (.safetensors), panoramas (.hdr) and saved states (.json).",
+        "The page opens materials (.safetensors), measured BRDFs (.binary of MERL, .bsdf of RGL), panoramas (.hdr) and saved states (.json).",
       );
     }
   } catch (error) {
-    if (!(error instanceof Refusal)) throw error;
+    if (!(error instanceof Refusal || error instanceof FileError)) throw error;
     notice.value = `“${file.name}” was not opened. ${error.message}`;
+  }
+}
+
+/** The codes of a measured BRDF, which the worker takes some seconds to find. */
+async function encodeMeasured(core: PageCore, bytes: Uint8Array<ArrayBuffer>): Promise<Bottom> {
+  encoding.value = true;
+  announcement.value = "The measured BRDF is being encoded.";
+  try {
+    return { kind: "codes", ...(await core.encodeMeasured(bytes.buffer)) };
+  } finally {
+    encoding.value = false;
   }
 }
 

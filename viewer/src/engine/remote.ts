@@ -6,7 +6,7 @@ import { Refusal } from "../state/read";
 /** What the page needs of the core. */
 export type PageCore = Pick<
   RemoteCore,
-  "latentSize" | "fingerprint" | "layer" | "f" | "albedo" | "table" | "walk"
+  "latentSize" | "fingerprint" | "encodeMeasured" | "layer" | "f" | "albedo" | "table" | "walk"
 >;
 
 const WEIGHTS = "weights.safetensors";

@@ -1,6 +1,7 @@
 /** The picture, and what is laid over it. */
 
 import { useEffect, useRef } from "preact/hooks";
+import { encoding } from "../engine/open";
 import { noPicture, ready, session } from "../engine/session";
 import { DIFFERENCE_SCALES, type View } from "../state/state";
 import { look, notice, state } from "../state/store";
@@ -112,6 +113,7 @@ function around(degrees: number): number {
 
 function Status() {
   const painter = session.value?.painter;
+  if (encoding.value) return <p class="status">Encoding the measured BRDF …</p>;
   if (!ready.value || painter === undefined) return <p class="status">Loading the networks …</p>;
   return (
     <p class="status" data-converged={painter.converged.value}>

@@ -58,7 +58,7 @@ export function TopBar() {
         ref={input}
         type="file"
         hidden
-        accept=".hdr,.json,.safetensors"
+        accept=".hdr,.json,.safetensors,.binary,.bsdf"
         onChange={(event) => {
           const file = event.currentTarget.files?.[0];
           if (file) void openFile(file);
@@ -68,7 +68,7 @@ export function TopBar() {
       <button
         type="button"
         class="text-button"
-        title="A material (.safetensors), a panorama (.hdr) or a saved state (.json); or drop it on the page"
+        title="A material (.safetensors), a measured BRDF (.binary, .bsdf), a panorama (.hdr) or a saved state (.json); or drop it on the page"
         onClick={() => input.current?.click()}
       >
         <Icon name="open" />

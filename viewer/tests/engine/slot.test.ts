@@ -11,6 +11,7 @@ function lateCore(): { core: PageCore; layered: number[]; shifts: number[] } {
   const core: PageCore = {
     latentSize: 1,
     fingerprint: "",
+    encodeMeasured: () => new Promise(() => {}),
     layer: async (stack) => {
       const width = stack.coats[0]!.alpha as number;
       layered.push(width);

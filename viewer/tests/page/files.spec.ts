@@ -2,6 +2,7 @@
 
 import { readFileSync } from "node:fs";
 import type { Page } from "@playwright/test";
+import { rglTensors, tensorFile } from "../core/measured/files";
 import { coats, expect, give, number, open, panorama, test } from "./page";
 
 async function saved(page: Page, label: string): Promise<{ name: string; text: string }> {
@@ -15,6 +16,8 @@ async function saved(page: Page, label: string): Promise<{ name: string; text: s
 for (const [name, content, sentence] of [
   ["notes.txt", "hello", "The page opens materials"],
   ["broken.safetensors", "hello", "damaged or no material"],
+  ["broken.bsdf", "tensor_file\0\u0001", "header is truncated"],
+  ["broken.binary", "hello", "neither a MERL table"],
   ["broken.hdr", "hello", "no .hdr panorama"],
   ["short.hdr", "#?RADIANCE\n\n-Y 4 +X 8\n1234", "damaged or incomplete"],
   ["broken.json", "{", "no JSON text"],
@@ -33,6 +36,18 @@ test("a panorama becomes the light", async ({ page }) => {
   await give(page, "evening.hdr", panorama(64, 32, [128, 64, 32, 129]));
   await expect(page.getByRole("combobox", { name: "Light" })).toHaveValue("own");
   await expect(page.getByRole("combobox", { name: "Light" })).toContainText("evening.hdr");
+});
+
+test("a measured BRDF is encoded and coated", async ({ page }) => {
+  await open(page);
+  const file = Buffer.from(tensorFile(rglTensors([0.3, 0.2, 0.1])));
+  await give(page, "gypsum.bsdf", file);
+  await expect(page.getByRole("button", { name: /^Material gypsum/ })).toBeVisible();
+  await expect(coats(page)).toHaveCount(0);
+  await page.getByRole("button", { name: "Add coat" }).click();
+  await expect(coats(page)).toHaveCount(1);
+  await expect(page.locator(".status[data-converged]")).toBeVisible();
+  await expect(page.getByRole("alert")).toHaveCount(0);
 });
 
 test("a saved state is opened again", async ({ page }) => {

@@ -1,0 +1,55 @@
+/** Encoding of measured BRDFs; see Python's `material.encode`. */
+
+import { addAlbedos } from "./albedo_rule";
+import type { Material } from "./api";
+import { joined } from "./channels";
+import type { Encoder } from "./encoder";
+import type { EnergyLimit } from "./energy";
+import { findLobe } from "./interface_fit";
+import { readMeasured, valuesAt } from "./measured/read";
+import { probeDirections } from "./probe_pairs";
+import { difference, lobeValues, type Refinement } from "./refinement";
+
+export class MeasuredEncoder {
+  constructor(
+    private readonly encoder: Encoder,
+    private readonly energy: EnergyLimit,
+    private readonly refinement: Refinement,
+  ) {}
+
+  /**
+   * The codes of a MERL table or an RGL material.
+   *
+   * @throws FileError if the file is damaged or of another format.
+   */
+  encode(file: ArrayBuffer): Material {
+    const measured = readMeasured(file);
+    const { wi, wo } = probeDirections(this.encoder.pairs.capacity);
+    const { rule } = this.energy;
+    const probed = valuesAt(measured, wi, wo);
+    const nodes = valuesAt(measured, rule.wi, rule.wo);
+    const codes = probed.map((values, channel) =>
+      this.encodeChannel(values, nodes[channel as 0 | 1 | 2]),
+    );
+    return {
+      latents: joined(codes.map(({ code }) => code)),
+      anchors: joined(codes.map(({ anchor }) => anchor)),
+    };
+  }
+
+  private encodeChannel(
+    probed: Float64Array,
+    nodes: Float64Array,
+  ): { code: Float32Array; anchor: Float32Array } {
+    const { energy, encoder } = this;
+    const lobe = findLobe(encoder.pairs, probed);
+    const own = new Float64Array(energy.rule.cosines.length);
+    addAlbedos(energy.rule, difference(nodes, lobeValues(lobe, energy.rule.pairs)), own);
+    energy.lobeAlbedo.add(lobe, 0, own);
+    const ceiling = energy.ceilingOf(own);
+    const codes = this.refinement.refine(lobe, probed, nodes);
+    energy.limit(codes.code, ceiling);
+    energy.limit(codes.anchor, ceiling);
+    return codes;
+  }
+}

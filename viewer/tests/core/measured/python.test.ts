@@ -1,0 +1,48 @@
+/** A measured file is encoded as Python encodes it, its table left out. */
+
+import { execFileSync } from "node:child_process";
+import { existsSync } from "node:fs";
+import { join } from "node:path";
+import { expect, test } from "vitest";
+import { loadCore } from "../../../src/core/core";
+import { bytesOf, readVectors, SHIPPED } from "../vectors";
+
+const PYTHON = process.env.PYTHON ?? join(import.meta.dirname, "../../../../.venv/bin/python");
+const FILE = join(process.env.URUSHI_TEST_DATA ?? "", "data/rgl/cc_green_malachite_rgb.bsdf");
+const ENCODE = `
+import json, sys, warnings
+import numpy as np
+import urushi
+warnings.simplefilter("ignore")
+pairs = np.array(json.load(sys.stdin), np.float32).reshape(2, -1, 3)
+material = urushi.encode(urushi.load_measured(sys.argv[1]), table=False)
+anchor = urushi.Material(material.anchors, material.model)
+print(json.dumps([m.f(*pairs).ravel().tolist() for m in (material, anchor)]))
+`;
+
+const vectors = readVectors("default");
+
+/** The sum of the absolute differences relative to that of the expected values. */
+function deviation(found: Float32Array, expected: readonly number[]): number {
+  const sum = expected.reduce((total, value) => total + value, 0);
+  return expected.reduce((total, value, i) => total + Math.abs(found[i]! - value), 0) / sum;
+}
+
+// Needs the project's Python environment and the measured files of its tests.
+test.skipIf(!existsSync(PYTHON) || !existsSync(FILE) || vectors === undefined)(
+  "an RGL material has Python's codes",
+  { timeout: 300_000 },
+  () => {
+    const core = loadCore(bytesOf(SHIPPED));
+    const [wi, wo] = [vectors!.of("wi"), vectors!.of("wo")];
+    const input = JSON.stringify([...wi, ...wo]);
+    const [f, anchored] = JSON.parse(
+      execFileSync(PYTHON, ["-c", ENCODE, FILE], { input, encoding: "utf-8" }),
+    );
+    const { latents, anchors } = core.encodeMeasured(bytesOf(FILE));
+    // Python computes in single precision, by which the steps of the refinement come to rest at
+    // slightly different codes of the same objective.
+    expect(deviation(core.f({ latents, anchors }, wi, wo), f)).toBeLessThan(0.01);
+    expect(deviation(core.f({ latents: anchors, anchors }, wi, wo), anchored)).toBeLessThan(0.01);
+  },
+);
