@@ -36,6 +36,8 @@ export function readMaterialFile(
   } catch {
     throw damaged();
   }
+  if (description.kind === "texture")
+    throw new Refusal("It holds a texture of codes; the page shows constant materials only.");
   if (description.kind !== "material")
     throw new Refusal("It is no material that Urushi has saved.");
   if (description.weights !== fingerprint) throw foreign();

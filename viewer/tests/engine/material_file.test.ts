@@ -68,6 +68,11 @@ test.each(BAD)("%s: refused", (_name, bytes) => {
   expect(() => readMaterialFile(bytes, NETWORKS)).toThrow(Refusal);
 });
 
+test("a texture of codes is named", () => {
+  const texture = file({ latents: SIX }, "texture");
+  expect(() => readMaterialFile(texture, NETWORKS)).toThrow("constant materials only");
+});
+
 test("what is written is read again", () => {
   const latents = new Float32Array([0.1, -2, 3e-7, 4, 5, 6]);
   const anchors = new Float32Array([0.1, -2, 3e-7, 4, 5, 7]);

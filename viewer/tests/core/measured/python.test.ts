@@ -1,11 +1,14 @@
 /** A measured file is encoded as Python encodes it, its table left out. */
 
 import { execFileSync } from "node:child_process";
-import { existsSync } from "node:fs";
+import { existsSync, mkdtempSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { expect, test } from "vitest";
 import { loadCore } from "../../../src/core/core";
+import { readMeasured, valuesAt } from "../../../src/core/measured/read";
 import { bytesOf, readVectors, SHIPPED } from "../vectors";
+import { merlFile } from "./files";
 
 const PYTHON = process.env.PYTHON ?? join(import.meta.dirname, "../../../../.venv/bin/python");
 const FILE = join(process.env.URUSHI_TEST_DATA ?? "", "data/rgl/cc_green_malachite_rgb.bsdf");
@@ -18,6 +21,14 @@ pairs = np.array(json.load(sys.stdin), np.float32).reshape(2, -1, 3)
 material = urushi.encode(urushi.load_measured(sys.argv[1]), table=False)
 anchor = urushi.Material(material.anchors, material.model)
 print(json.dumps([m.f(*pairs).ravel().tolist() for m in (material, anchor)]))
+`;
+
+const VALUES = `
+import json, sys
+import numpy as np
+import urushi
+pairs = np.array(json.load(sys.stdin), np.float32).reshape(2, -1, 3)
+print(json.dumps(urushi.load_measured(sys.argv[1]).f(*pairs).T.tolist()))
 `;
 
 const vectors = readVectors("default");
@@ -44,5 +55,34 @@ test.skipIf(!existsSync(PYTHON) || !existsSync(FILE) || vectors === undefined)(
     // slightly different codes of the same objective.
     expect(deviation(core.f({ latents, anchors }, wi, wo), f)).toBeLessThan(0.01);
     expect(deviation(core.f({ latents: anchors, anchors }, wi, wo), anchored)).toBeLessThan(0.01);
+  },
+);
+
+test.skipIf(!existsSync(PYTHON) || vectors === undefined)(
+  "a MERL table with gaps has Python's values",
+  { timeout: 300_000 },
+  () => {
+    const folder = mkdtempSync(join(tmpdir(), "urushi-"));
+    try {
+      const file = merlFile((h, d, phi) => {
+        const isMeasured = Math.sin(40 * h) + Math.cos(9 * d) * Math.sin(6 * phi) > -0.4;
+        return isMeasured ? [0.1 + h, 0.2 + d, 0.3 + phi] : [-1, -1, -1];
+      });
+      const path = join(folder, "gaps.binary");
+      writeFileSync(path, new Uint8Array(file));
+      const above = (name: string) => vectors!.of(name).subarray(0, 3 * 63); // the last is below
+      const [wi, wo] = [above("wi"), above("wo")];
+      const input = JSON.stringify([...wi, ...wo]);
+      const expected: number[][] = JSON.parse(
+        execFileSync(PYTHON, ["-c", VALUES, path], { input, encoding: "utf-8" }),
+      );
+      valuesAt(readMeasured(file), wi, wo).forEach((values, channel) => {
+        values.forEach((value, i) => {
+          expect(value).toBeCloseTo(expected[channel]![i]!, 5);
+        });
+      });
+    } finally {
+      rmSync(folder, { recursive: true });
+    }
   },
 );
