@@ -21,6 +21,8 @@ export default defineConfig({
     // Plain names, since the built files are under version control
     rollupOptions: { output: plainNames },
   },
+  // The core reads tables of the Python package, which lies beside this folder.
+  server: { fs: { allow: [".."] } },
   worker: { format: "es", rollupOptions: { output: plainNames } },
   test: { include: ["tests/**/*.test.ts"], testTimeout: 30_000 },
 });

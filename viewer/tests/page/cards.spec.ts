@@ -115,12 +115,16 @@ test("the address holds the state", async ({ page, context }) => {
   await number(page, "Coat 1, Index η").press("Enter");
   await page.getByRole("combobox", { name: "Object" }).selectOption("plate");
   await expect(page).toHaveURL(/#u1\./);
-  await page.waitForTimeout(600); // the address follows with a delay
   const other = await context.newPage();
-  await other.goto(page.url());
-  await expect(coats(other)).toHaveCount(1);
-  await expect(number(other, "Coat 1, Index η")).toHaveValue("1.77");
-  await expect(other.getByRole("combobox", { name: "Object" })).toHaveValue("plate");
+  // The address follows with a delay.
+  await expect(async () => {
+    await other.goto("about:blank"); // a mere change of the fragment would not load the page
+    await other.goto(page.url());
+    await expect(coats(other)).toHaveCount(1);
+    const object = other.getByRole("combobox", { name: "Object" });
+    await expect(object).toHaveValue("plate", { timeout: 5_000 });
+    await expect(number(other, "Coat 1, Index η")).toHaveValue("1.77", { timeout: 5_000 });
+  }).toPass({ timeout: 90_000 });
 });
 
 test("a damaged address is told in a sentence, and the page works", async ({ page }) => {
