@@ -1,0 +1,91 @@
+/** The example with three.js: its pixels are those of `Material.f`. */
+
+import { execFileSync } from "node:child_process";
+import { mkdtempSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import type { Page } from "@playwright/test";
+import { expect, test } from "./page";
+
+interface Pixel {
+  place: [number, number];
+  lights: number[];
+  sky: number[];
+}
+
+const SIZE = 240;
+const EXAMPLE = join(import.meta.dirname, "../../../examples/threejs");
+const MODULES = join(import.meta.dirname, "../../node_modules");
+const PYTHON = process.env.PYTHON ?? join(import.meta.dirname, "../../../.venv/bin/python");
+
+let folder: string;
+let pixels: Pixel[];
+
+test.beforeAll(() => {
+  folder = mkdtempSync(join(tmpdir(), "threejs-"));
+  const script = join(import.meta.dirname, "sphere.py");
+  pixels = JSON.parse(execFileSync(PYTHON, [script, folder, String(SIZE)], { encoding: "utf8" }));
+});
+
+test.afterAll(() => rmSync(folder, { recursive: true, force: true }));
+
+/** Open the example, served from its folder, with the packages of this one. */
+async function show(page: Page, baseURL: string, samples: number): Promise<void> {
+  const root = new URL("threejs/", baseURL).href;
+  await page.route(`${root}**`, (route) => {
+    const path = new URL(route.request().url()).pathname.split("/threejs/")[1]!;
+    const [first, ...rest] = path.split("/");
+    if (first === "node_modules") return route.fulfill({ path: join(MODULES, ...rest) });
+    if (first === "material.glsl") return route.fulfill({ path: join(folder, first) });
+    return route.fulfill({ path: join(EXAMPLE, path) });
+  });
+  await page.setViewportSize({ width: SIZE, height: SIZE });
+  await page.goto(`${root}index.html?samples=${samples}`);
+  await expect(page.locator("body[data-drawn]")).toHaveCount(1);
+}
+
+/** What the screen shows at the places, in [0, 255]. */
+async function shown(page: Page): Promise<number[][]> {
+  const png = (await page.screenshot()).toString("base64");
+  return page.evaluate(
+    async ([png, places]) => {
+      const image = new Image();
+      image.src = `data:image/png;base64,${png}`;
+      await image.decode();
+      const context = new OffscreenCanvas(image.width, image.height).getContext("2d")!;
+      context.drawImage(image, 0, 0);
+      const { data, width } = context.getImageData(0, 0, image.width, image.height);
+      return places.map(([x, y]) => [0, 1, 2].map((k) => data[4 * (y * width + x) + k]!));
+    },
+    [png, pixels.map(({ place }) => place)] as const,
+  );
+}
+
+/** A linear value as the screen shows it, in [0, 255]. */
+function encoded(linear: number): number {
+  const value = Math.min(linear, 1);
+  return 255 * (value <= 0.0031308 ? 12.92 * value : 1.055 * value ** (1 / 2.4) - 0.055);
+}
+
+/** The differences of the picture from what is expected, in steps of the screen. */
+async function errors(page: Page, expected: (pixel: Pixel, channel: number) => number) {
+  const colours = await shown(page);
+  return pixels.flatMap((pixel, at) =>
+    [0, 1, 2].map((k) => Math.abs(colours[at]![k]! - encoded(expected(pixel, k)))),
+  );
+}
+
+test("lights give f times their irradiance and cosine", async ({ page, baseURL }) => {
+  await show(page, baseURL!, 0);
+  const found = await errors(page, ({ lights }, k) => lights[k]!);
+  expect(found.length).toBeGreaterThan(150);
+  // One step is rounding; the triangles of the sphere move the steep edge of a highlight.
+  expect(Math.max(...found)).toBeLessThan(2);
+});
+
+test("the sky comes out by the exported sampling", async ({ page, baseURL }) => {
+  await show(page, baseURL!, 64);
+  const found = await errors(page, ({ lights, sky }, k) => lights[k]! + sky[k]!);
+  // 64 points of a sequence, of weights near 1, leave an error of a few percent of the sky.
+  expect(Math.max(...found)).toBeLessThan(8);
+});
