@@ -163,6 +163,27 @@ def test_a_file_becomes_codes(untrained, tmp_path):
         assert np.array_equal(shown["bottom"][name], getattr(material, name).ravel())
 
 
+SCENE = """<scene version="3.0.0">
+    <shape type="sphere"><bsdf type="roughconductor" id="gold">
+        <string name="distribution" value="ggx"/><float name="alpha" value="0.3"/>
+    </bsdf></shape>
+    <shape type="sphere"><bsdf type="diffuse" id="clay"/></shape>
+</scene>"""
+
+
+def test_a_bsdf_of_a_scene_becomes_codes(tmp_path, rgb):
+    path = tmp_path / "scene.xml"
+    path.write_text(SCENE)
+    shown = view.first_material(f"{path}#gold", None)
+    assert (shown["name"], shown["bottom"]["kind"]) == ("gold", "codes")
+    latents = np.reshape(shown["bottom"]["latents"], (3, -1))
+    np.testing.assert_allclose(latents[:, 0], 0.3, rtol=1e-6)  # the lobe's width
+    with pytest.raises(ParameterError, match=r"has 2 BSDFs; name one as .*clay, gold"):
+        view.first_material(str(path), None)
+    with pytest.raises(ParameterError, match="has no BSDF 'tin'"):
+        view.first_material(f"{path}#tin", None)
+
+
 def test_what_the_page_cannot_show(untrained, monkeypatch, tmp_path):
     with pytest.raises(FileError, match="missing"):
         view.first_material(str(tmp_path / "missing.safetensors"), None)

@@ -4,13 +4,19 @@ import contextlib
 import webbrowser
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
 
 from urushi.app.describe import describe, is_description
 from urushi.errors import FileError
 from urushi.files import atomic_write, new_folder
+
+if TYPE_CHECKING:
+    from urushi.material import Material
+
+#: Mitsuba's variant in which scenes are read.
+MODE = "llvm_ad_rgb"
 
 
 @dataclass(frozen=True)
@@ -28,8 +34,8 @@ class View:
     """
 
     material: tyro.conf.Positional[str | None] = None
-    """Material to begin with: a description as in Python, a material file, or a measured BRDF
-    (MERL or RGL). Default: one of the page's own."""
+    """Material to begin with: a description as in Python, a material file, a measured BRDF (MERL or
+    RGL), or a BSDF of a Mitsuba scene file, SCENE.xml#ID. Default: one of the page's own."""
     output: Annotated[Path | None, tyro.conf.arg(aliases=["-o"])] = None
     """Folder to write the page into, instead of serving it."""
     port: int = 0
@@ -72,16 +78,28 @@ def first_material(text: str, weights: str | None) -> dict[str, Any]:
     """A material as the page reads it: as cards if it is described, otherwise by its codes.
 
     Raises:
-        UrushiError: as of `read_material`.
+        UrushiError: as of `read_material`, and of `encode.choose` for a scene's BSDF.
     """
+    from urushi.app.commands.encode import scene_and_bsdf
     from urushi.app.commands.layer import read_material
     from urushi.app.page_files import cards_of, codes_of
 
+    path, bsdf = scene_and_bsdf(text)
+    if path.suffix == ".xml" and not is_description(text):
+        return codes_of(_material_of_scene(path, bsdf, weights), bsdf or path.stem)
     described = is_description(text)
     cards = cards_of(describe(text)) if described else None
     if cards is not None:
         return cards
     return codes_of(read_material(text, weights), "Material" if described else Path(text).stem)
+
+
+def _material_of_scene(path: Path, bsdf: str | None, weights: str | None) -> "Material":
+    """The encoded BSDF of a scene file; `bsdf`: its id, or None for the only one."""
+    import urushi
+    from urushi.app.commands.encode import choose, scene_bsdfs
+
+    return urushi.encode(choose(scene_bsdfs(path, MODE), bsdf, path), weights, table=False)
 
 
 def write(files: dict[str, bytes], folder: Path) -> None:
