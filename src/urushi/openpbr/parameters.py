@@ -1,0 +1,176 @@
+"""The parameters of OpenPBR Surface 1.1.1: names, kinds, ranges and defaults.
+
+From the specification's tables (Andersson et al., OpenPBR Surface 1.1.1) and its reference graph
+`open_pbr_surface.mtlx`. The order is that of the reference graph.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
+from typing import Any, Literal
+
+import numpy as np
+
+from urushi.errors import ParameterError
+
+#: A number; a colour of three numbers, linear; a truth value; a direction that a map or the
+#: geometry gives.
+Kind = Literal["float", "color", "boolean", "vector"]
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter of the specification.
+
+    Attributes:
+        name: its name there.
+        kind: what it holds, see `Kind`.
+        default: a float, a tuple of three, a bool, or None: the geometry's own direction.
+        low, high: the values that the specification allows, ends included; None: no limit.
+        description: one sentence, with the unit if there is one.
+    """
+
+    name: str
+    kind: Kind
+    default: float | tuple[float, float, float] | bool | None
+    low: float | None
+    high: float | None
+    description: str
+
+    @property
+    def group(self) -> str:
+        """The part of the material, the first word of the name; `thin_film` has two."""
+        return "thin_film" if self.name.startswith("thin_film") else self.name.split("_")[0]
+
+    @property
+    def can_be_textured(self) -> bool:
+        """Whether the value may differ from point to point by a texture."""
+        return self.kind in ("float", "color")
+
+
+_WHITE = (1.0, 1.0, 1.0)
+_GREY = (0.8, 0.8, 0.8)
+
+#: All parameters by name.
+PARAMETERS: dict[str, Parameter] = {
+    row[0]: Parameter(*row)
+    for row in (
+        ("base_weight", "float", 1.0, 0, 1, "Multiplier of base_color."),
+        ("base_color", "color", _GREY, 0, 1, "Albedo of the diffuse base; a metal's F0."),
+        ("base_diffuse_roughness", "float", 0.0, 0, 1, "Roughness of the diffuse base (EON)."),
+        ("base_metalness", "float", 0.0, 0, 1, "Share of the base that is metal."),
+        ("specular_weight", "float", 1.0, 0, None, "Multiplier of the base's reflectivity."),
+        ("specular_color", "color", _WHITE, 0, 1, "Tint of a dielectric's highlight; of F82."),
+        ("specular_roughness", "float", 0.3, 0, 1, "Roughness of the base's interface."),
+        ("specular_ior", "float", 1.5, 0, None, "Index of refraction of the dielectric base."),
+        ("specular_roughness_anisotropy", "float", 0.0, 0, 1, "Anisotropy of that interface."),
+        ("transmission_weight", "float", 0.0, 0, 1, "Share of the base that transmits."),
+        ("transmission_color", "color", _WHITE, 0, 1, "Colour at transmission_depth."),
+        ("transmission_depth", "float", 0.0, 0, None, "Length at which it is reached."),
+        ("transmission_scatter", "color", (0.0, 0.0, 0.0), 0, 1, "Scattering in the interior."),
+        ("transmission_scatter_anisotropy", "float", 0.0, -1, 1, "Its Henyey-Greenstein g."),
+        ("transmission_dispersion_scale", "float", 0.0, 0, 1, "Amount of dispersion."),
+        ("transmission_dispersion_abbe_number", "float", 20.0, 0, None, "The Abbe number."),
+        ("subsurface_weight", "float", 0.0, 0, 1, "Share of the opaque base that scatters."),
+        ("subsurface_color", "color", _GREY, 0, 1, "Albedo of the scattering base."),
+        ("subsurface_radius", "float", 1.0, 0, None, "Mean free path of its medium."),
+        ("subsurface_radius_scale", "color", (1.0, 0.5, 0.25), 0, 1, "Factor per channel."),
+        ("subsurface_scatter_anisotropy", "float", 0.0, -1, 1, "Its Henyey-Greenstein g."),
+        ("fuzz_weight", "float", 0.0, 0, 1, "Share of the surface that fuzz covers."),
+        ("fuzz_color", "color", _WHITE, 0, 1, "Colour of the fuzz."),
+        ("fuzz_roughness", "float", 0.5, 0, 1, "Roughness of the fuzz."),
+        ("coat_weight", "float", 0.0, 0, 1, "Share of the surface that the coat covers."),
+        ("coat_color", "color", _WHITE, 0, 1, "Square of its transmittance at the normal."),
+        ("coat_roughness", "float", 0.0, 0, 1, "Roughness of the coat's interface."),
+        ("coat_roughness_anisotropy", "float", 0.0, 0, 1, "Anisotropy of that interface."),
+        ("coat_ior", "float", 1.6, 0, None, "Index of refraction of the coat."),
+        ("coat_darkening", "float", 1.0, 0, 1, "Share of the darkening by the coat that is kept."),
+        ("thin_film_weight", "float", 0.0, 0, 1, "Share of the base that the film covers."),
+        ("thin_film_thickness", "float", 0.5, 0, None, "Thickness of the film [micrometres]."),
+        ("thin_film_ior", "float", 1.4, 0, None, "Index of refraction of the film."),
+        ("emission_luminance", "float", 0.0, 0, None, "Luminance of emitted light [nit]."),
+        ("emission_color", "color", _WHITE, 0, 1, "Multiplier of that luminance."),
+        ("geometry_opacity", "float", 1.0, 0, 1, "Opacity of the whole surface."),
+        ("geometry_thin_walled", "boolean", False, None, None, "Whether it is a thin sheet."),
+        ("geometry_normal", "vector", None, None, None, "Normal of the base."),
+        ("geometry_coat_normal", "vector", None, None, None, "Normal of the coat."),
+        ("geometry_tangent", "vector", None, None, None, "Tangent of the base's anisotropy."),
+        ("geometry_coat_tangent", "vector", None, None, None, "Tangent of the coat's anisotropy."),
+    )
+}
+
+
+def parameter(name: str, where: str = "openpbr") -> Parameter:
+    """The parameter of a name.
+
+    where: begins errors.
+
+    Raises:
+        ParameterError: the specification has none of this name.
+    """
+    if name in PARAMETERS:
+        return PARAMETERS[name]
+    near = get_close_matches(name, PARAMETERS, 1)
+    cure = f"did you mean {near[0]}?" if near else "its names are those of OpenPBR Surface 1.1.1"
+    raise ParameterError(f"{where}: there is no parameter '{name}'; {cure}")
+
+
+def checked(name: str, value: Any, where: str = "openpbr") -> Any:
+    """A constant value of a parameter, after checks of its kind and range.
+
+    Args:
+        name: of the parameter.
+        value: a number; for a colour a number or three.
+        where: begins errors.
+
+    Returns:
+        A float, a float64 array of shape (3,), or a bool. -0.0 becomes 0.0.
+
+    Raises:
+        ParameterError: it has another kind, or is out of range.
+    """
+    entry = parameter(name, where)
+    if entry.kind == "boolean":
+        if isinstance(value, bool | np.bool_) or value in (0, 1):
+            return bool(value)
+        raise ParameterError(f"{where}: {name} is {value!r}; give true or false")
+    if entry.kind == "vector":
+        raise ParameterError(
+            f"{where}: {name} cannot be a constant; give it as a normal map, or leave it out"
+        )
+    try:
+        array = np.asarray(value, np.float64)
+    except (TypeError, ValueError):
+        array = np.empty((0,))
+    shapes = ((), (3,)) if entry.kind == "color" else ((),)
+    if array.shape not in shapes:
+        expected = "a number or three, one per RGB channel" if entry.kind == "color" else "a number"
+        raise ParameterError(f"{where}: {name} is {value!r}; give {expected}")
+    low = -np.inf if entry.low is None else entry.low
+    high = np.inf if entry.high is None else entry.high
+    bad = ~(np.isfinite(array) & (array >= low) & (array <= high))
+    if bad.any():
+        limits = f"in [{low:g}, {high:g}]" if np.isfinite(high) else f"{low:g} or more"
+        raise ParameterError(f"{where}: {name} is {array[bad].flat[0]:g}; it must be {limits}")
+    if entry.kind == "float":
+        return float(array) + 0.0
+    return np.broadcast_to(array, 3) + 0.0
+
+
+def complete(values: Mapping[str, Any], where: str = "openpbr") -> dict[str, Any]:
+    """All parameters but the directions: the values that are given, checked, and the defaults.
+
+    Args:
+        values: constants by name.
+        where: begins errors.
+
+    Raises:
+        ParameterError: a name does not exist, or a value has another kind or is out of range.
+    """
+    for name in values:
+        parameter(name, where)
+    return {
+        name: checked(name, values.get(name, entry.default), where)
+        for name, entry in PARAMETERS.items()
+        if entry.kind != "vector"
+    }
