@@ -43,16 +43,14 @@ def fill_blocks(
     After an error or an interrupt by the user, blocks that have not begun are dropped and `out`
     is incomplete.
     """
-    pieces = blocks(out.shape[:-1], rows or ROWS)
+    if math.prod(out.shape[:-1]) <= (rows or ROWS):
+        out[...] = function(*arrays)
+        return
 
     def task(block: Block) -> None:
         out[block] = function(*(_part(array, block) for array in arrays))
 
-    if len(pieces) > 1:
-        run_all_cores(task, pieces)
-    else:
-        for block in pieces:
-            task(block)
+    run_all_cores(task, blocks(out.shape[:-1], rows or ROWS))
 
 
 def blocks(shape: tuple[int, ...], rows: int) -> list[Block]:

@@ -54,8 +54,11 @@ BARE_DIFFERENCE = 1e-4
 #: down to exp(-80).
 TINY_FACTOR, TINY_FACTOR_ROUNDS = 1e-3, 3
 
-#: Codes that one core measures at once; fewer codes are measured by the calling thread.
+#: Codes of a block, which one core measures; fewer codes are measured by the calling thread.
 BLOCK = 32
+
+#: Codes that are decoded at once: their activations stay in a core's cache.
+AT_ONCE = 6
 
 #: Number of codes above which only those of `codes_to_measure` are measured.
 SCREENED_COUNT = 4096
@@ -76,8 +79,11 @@ def rest_albedos(model: Model, z: np.ndarray) -> np.ndarray:
     nodes, networks = albedo_rule(), _own_networks(model)
 
     def measure(codes: np.ndarray) -> np.ndarray:
-        # One by one, so that the activations stay in a core's cache.
-        return np.stack([nodes.albedo(networks.rest(code, nodes.features)) for code in codes])
+        at_angles = [
+            nodes.at_angles(networks.rest(codes[start : start + AT_ONCE, None], nodes.features))
+            for start in range(0, len(codes), AT_ONCE)
+        ]
+        return nodes.interpolated(np.concatenate(at_angles))
 
     if not len(z):
         return np.zeros((0, INTERPOLATED_COSINES), np.float32)
@@ -224,13 +230,16 @@ def near_edge(lobe: np.ndarray) -> np.ndarray:
     There the albedos of a sharp lobe that reflects totally and of the rest below it change between
     two angles of the rule, and are not known well enough for a ceiling.
     """
+    alpha, exact, eta = (lobe[..., number, None] for number in (0, 3, 4))
+    sharp = (exact > 0) & (eta < 1) & (alpha < SHARP)
+    if not sharp.any():
+        return np.zeros((*lobe.shape[:-1], INTERPOLATED_COSINES), bool)
     rule = albedo_rule()
     angles = rule.wi[rule.first, 2]
-    alpha, exact, eta = (lobe[..., number, None] for number in (0, 3, 4))
     critical = np.sqrt(np.maximum(1 - eta * eta, 0.0))
     between = (angles[rule.left] >= critical) & (critical >= angles[rule.left + 1])
     near = between | (np.abs(rule.cosines - critical) < EDGE_WIDTHS * alpha)
-    return near & (exact > 0) & (eta < 1) & (alpha < SHARP)
+    return near & sharp
 
 
 def _scaled(model: Model, z: np.ndarray, factors: np.ndarray) -> np.ndarray:

@@ -60,22 +60,21 @@ def layer(
     alpha = checks.one_width(top.alpha, "the coat's")
     if not isinstance(bottom, Material) or weights is not None:
         bottom = encode(bottom, weights, refine=refine, table=False)
-    parameters = {
-        "alpha": np.asarray(alpha),
-        "eta": np.asarray(top.eta),
-        "albedo": checks.albedo(albedo, "the coat's albedo"),
-        "sigma_t": checks.sigma_t(sigma_t, "the coat's sigma_t"),
-        "g": checks.g(g, "the coat's g"),
-    }
+    coat = CoatParameters(
+        np.asarray(alpha),
+        np.asarray(top.eta),
+        checks.albedo(albedo, "the coat's albedo"),
+        checks.sigma_t(sigma_t, "the coat's sigma_t"),
+        checks.g(g, "the coat's g"),
+    )
     if bottom.channels not in (1, 3):
-        name = next((name for name, value in parameters.items() if value.ndim), None)
+        name = next((name for name, value in coat._asdict().items() if value.ndim), None)
         if name:
             raise ParameterError(
                 f"the coat's {name} has three values, but the bottom has {bottom.channels} "
                 "channels; give a scalar"
             )
-    codes = layer_texels(bottom.model, bottom.anchors, rendered=bottom.latents, **parameters)
-    return Material(codes, bottom.model)
+    return Material(_coated(bottom.model, bottom.anchors, coat, bottom.latents), bottom.model)
 
 
 def layer_texels(
@@ -108,7 +107,13 @@ def layer_texels(
     """
     coat = CoatParameters(alpha, eta, albedo, sigma_t, g)
     coat = checks.coat(coat, "the coat's", any_shape=True)
-    z = np.asarray(z_bottom, np.float32)
+    return _coated(model, np.asarray(z_bottom, np.float32), coat, rendered)
+
+
+def _coated(
+    model: Model, z: np.ndarray, coat: CoatParameters, rendered: np.ndarray | None
+) -> np.ndarray:
+    """`layer_texels` of codes float32 z (..., L) for a coat of checked float64 arrays."""
     try:
         shape = np.broadcast_shapes(z.shape[:-1], *(p.shape for p in coat))
     except ValueError as error:

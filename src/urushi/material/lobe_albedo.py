@@ -48,6 +48,9 @@ def _remembered(rows: bytes, kind: str, cosines: bytes) -> np.ndarray:
 def _measured(rows: np.ndarray, cosines: np.ndarray) -> np.ndarray:
     """Albedos float32 (N, D) of lobes (N, 6)."""
     result = np.empty((len(rows), len(cosines)), np.float32)
+    if len(rows) > 1 and (rows == rows[0]).all():  # as for the channels of a colourless coat
+        result[:] = _measured(rows[:1], cosines)
+        return result
     edge = (rows[:, 3] > 0) & (rows[:, 4] < 1)
     for place, nodes in ((~edge, NODES), (edge, EDGE_NODES)):
         if place.any():
@@ -61,13 +64,17 @@ def _albedos(lobe: np.ndarray, cosines: bytes, nodes: int) -> np.ndarray:
     place = np.clip(place, 0.0, WIDTHS - 1)
     index = np.minimum(place.astype(np.intp), WIDTHS - 2)
     share = (place - index)[:, None, None, None].astype(np.float32)
-    # A rule takes 10 ms: only those that are needed.
-    needed = np.unique([index, index + 1])
-    table = np.stack([_rule_of_width(int(width), cosines, nodes) for width in needed])
-    first = np.searchsorted(needed, index)
+    needed = tuple(sorted({*index.tolist(), *(index + 1).tolist()}))
+    table, first = _rules(needed, cosines, nodes), np.searchsorted(needed, index)
     rule = (1 - share) * table[first] + share * table[first + 1]
     reflected = lobes.reflectance(lobe[:, None, None], rule[..., 0])
     return (reflected * rule[..., 1]).sum(axis=-1)
+
+
+@functools.lru_cache(32)
+def _rules(widths: tuple[int, ...], cosines: bytes, nodes: int) -> np.ndarray:
+    """The rules (W, D, nodes, 2) of some widths. Each takes 10 ms: only those that are needed."""
+    return np.stack([_rule_of_width(width, cosines, nodes) for width in widths])
 
 
 @functools.cache
