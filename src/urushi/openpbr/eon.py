@@ -1,0 +1,86 @@
+"""Energy-preserving Oren-Nayar: rough diffuse reflection that conserves energy.
+
+Source: Portsmouth, Kutz and Hill 2025, EON: A practical energy-preserving rough diffuse BRDF; the
+single-scattering term is Fujii's (2012).
+"""
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+_FIRST = 0.5 - 2 / (3 * math.pi)
+_SECOND = 2 / 3 - 28 / (15 * math.pi)
+
+
+class Cosines(NamedTuple):
+    """What the BRDF depends on: the cosines to the normal, and that between the directions."""
+
+    i: Any
+    o: Any
+    between: Any
+
+
+def single_albedo(cosine: Any, roughness: Any, xp: Any = np) -> Any:
+    """Directional albedo of the single-scattering term for a facet albedo of one.
+
+    Args:
+        cosine: to the normal, in [0, 1].
+        roughness: base_diffuse_roughness, in [0, 1].
+        xp: the module of the arrays' functions, NumPy or drjit.
+    """
+    sine = xp.sqrt(xp.maximum(1 - cosine * cosine, 0))
+    angle = (xp.arccos if xp is np else xp.acos)(xp.clip(cosine, 0, 1))
+    # (sine / cosine)(1 - sine^3) without the quotient: 1 - sine^2 = cosine^2.
+    ratio = sine * cosine * (1 + sine + sine * sine) / (1 + sine)
+    g = sine * (angle - sine * cosine) + 2 / 3 * (ratio - sine)
+    return (1 + roughness * g / math.pi) / (1 + _FIRST * roughness)
+
+
+def single_mean(roughness: Any) -> Any:
+    """The cosine-weighted mean of `single_albedo` over the hemisphere."""
+    return (1 + _SECOND * roughness) / (1 + _FIRST * roughness)
+
+
+def multiple_albedo(color: Any, roughness: Any) -> Any:
+    """The albedo of light that is scattered more than once, in proportion to what the term lost."""
+    mean = single_mean(roughness)
+    return color * color * mean / (1 - color * (1 - mean))
+
+
+def albedo(cosine: Any, color: Any, roughness: Any, xp: Any = np) -> Any:
+    """Directional albedo of the BRDF, one for a colour of one.
+
+    Args:
+        cosine: to the normal, in [0, 1].
+        color: albedo of the facets, in [0, 1].
+        roughness: base_diffuse_roughness, in [0, 1].
+        xp: the module of the arrays' functions, NumPy or drjit.
+    """
+    single = single_albedo(cosine, roughness, xp)
+    return color * single + multiple_albedo(color, roughness) * (1 - single)
+
+
+def mean_albedo(color: Any, roughness: Any) -> Any:
+    """The cosine-weighted mean of `albedo` over the hemisphere."""
+    mean = single_mean(roughness)
+    return color * mean + multiple_albedo(color, roughness) * (1 - mean)
+
+
+def f(cosines: Cosines, color: Any, roughness: Any, xp: Any = np) -> Any:
+    """The BRDF [1/sr], without cosine.
+
+    Args:
+        cosines: of directions above the horizon.
+        color: albedo of the facets, in [0, 1].
+        roughness: base_diffuse_roughness, in [0, 1].
+        xp: the module of the arrays' functions, NumPy or drjit.
+    """
+    s = cosines.between - cosines.i * cosines.o
+    larger = xp.maximum(xp.maximum(cosines.i, cosines.o), 1e-7)
+    shape = xp.minimum(s, 0) + xp.maximum(s, 0) / larger
+    single = color * (1 + roughness * shape) / (1 + _FIRST * roughness)
+    lost = [1 - single_albedo(cosine, roughness, xp) for cosine in (cosines.i, cosines.o)]
+    # For a roughness of zero nothing is lost, and the quotient is 0 / 0.
+    share = lost[0] * lost[1] / xp.maximum(1 - single_mean(roughness), 1e-7)
+    return (single + multiple_albedo(color, roughness) * share) / math.pi

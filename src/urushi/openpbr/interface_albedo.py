@@ -1,0 +1,164 @@
+"""Directional albedos of rough dielectric interfaces and of GGX reflectors, tabulated.
+
+The interfaces scatter once: light that would meet a second facet is lost. What is lost is known
+from these tables and is given back, see `urushi.openpbr.compensation`.
+"""
+
+import functools
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from urushi.checks import MIN_ALPHA
+
+#: Nodes of the tables: of the index, of the root of the GGX width, and of the root of the cosine.
+INDICES, ROUGHNESSES, COSINES = 49, 16, 32
+
+#: Largest magnitude of the amplitude (eta - 1) / (eta + 1): an index of 3, or of 1/3.
+LARGEST_AMPLITUDE = 0.5
+
+#: Nodes of the quadrature over visible facets, for each of both dimensions.
+FACETS = 20
+
+
+class Tables(NamedTuple):
+    """Albedos at the nodes, float32.
+
+    Attributes:
+        reflected, passed: (I, ROUGHNESSES, COSINES) of the light from above.
+        reflected_mean, passed_mean: (I, ROUGHNESSES) their cosine-weighted means.
+    """
+
+    reflected: np.ndarray
+    passed: np.ndarray
+    reflected_mean: np.ndarray
+    passed_mean: np.ndarray
+
+
+class MirrorTables(NamedTuple):
+    """Albedos of a reflector whose facets reflect all light, float32.
+
+    Attributes:
+        albedo: (ROUGHNESSES, COSINES).
+        mean: (ROUGHNESSES,) its cosine-weighted mean.
+    """
+
+    albedo: np.ndarray
+    mean: np.ndarray
+
+
+def index_nodes() -> np.ndarray:
+    """The relative indices of the nodes, denser towards one, where total reflection sets in."""
+    root = np.linspace(-1, 1, INDICES)
+    amplitude = LARGEST_AMPLITUDE * np.abs(root) * root
+    return (1 + amplitude) / (1 - amplitude)
+
+
+def index_coordinate(eta: Any, xp: Any = np) -> Any:
+    """Where an index lies among the nodes, in [0, 1]."""
+    amplitude = (eta - 1) / (eta + 1) / LARGEST_AMPLITUDE
+    root = xp.sqrt(xp.abs(amplitude))
+    return 0.5 + 0.5 * (root * xp.sign(amplitude))
+
+
+def roughness_coordinate(alpha: Any, xp: Any = np) -> Any:
+    """Where a GGX width lies among the nodes, in [0, 1]."""
+    least = MIN_ALPHA**0.5
+    return (xp.sqrt(alpha) - least) / (1 - least)
+
+
+@functools.cache
+def tables(eta: float | None = None) -> Tables:
+    """The tables of dielectric interfaces.
+
+    eta: the only index, I is 1; None: all of `index_nodes`, which takes seconds the first time.
+    """
+    alphas, cosine = _nodes()
+    etas = index_nodes() if eta is None else np.array([eta])
+    reflected = np.empty((len(etas), ROUGHNESSES, COSINES))
+    passed = np.empty_like(reflected)
+    for j, alpha in enumerate(alphas):
+        wi, m, cos_m = _visible_facets(alpha, cosine)
+        masking = _masking(2 * cos_m * m[..., 2] - wi[2], alpha)
+        for i, index in enumerate(etas):
+            reflectance, cos_t = _fresnel(cos_m, index)
+            reflected[i, j] = (reflectance * masking).mean(axis=-1)
+            below = (wi[2] - cos_m * m[..., 2]) / index + cos_t * m[..., 2]
+            passed[i, j] = ((1 - reflectance) * _masking(below, alpha)).mean(axis=-1)
+    arrays = reflected, passed, _mean(reflected, cosine), _mean(passed, cosine)
+    return Tables(*(array.astype(np.float32) for array in arrays))
+
+
+@functools.cache
+def mirror_tables() -> MirrorTables:
+    """The tables of a GGX reflector without losses at its facets."""
+    alphas, cosine = _nodes()
+    albedo = np.empty((ROUGHNESSES, COSINES))
+    for j, alpha in enumerate(alphas):
+        wi, m, cos_m = _visible_facets(alpha, cosine)
+        albedo[j] = _masking(2 * cos_m * m[..., 2] - wi[2], alpha).mean(axis=-1)
+    return MirrorTables(*(x.astype(np.float32) for x in (albedo, _mean(albedo, cosine))))
+
+
+def _nodes() -> tuple[np.ndarray, np.ndarray]:
+    """The GGX widths and cosines of the nodes."""
+    roughness = np.linspace(MIN_ALPHA**0.5, 1, ROUGHNESSES)
+    return roughness**2, np.maximum(np.linspace(0, 1, COSINES) ** 2, 1e-5)
+
+
+def _mean(table: np.ndarray, cosine: np.ndarray) -> np.ndarray:
+    """2 times the integral of a table times the cosine over [0, 1].
+
+    Exact for tables that are linear in the root between the nodes, as they are interpolated.
+    """
+    root = np.sqrt(cosine)
+    root[0] = 0
+    nodes, weights = np.polynomial.legendre.leggauss(4)
+    total = np.zeros(table.shape[:-1])
+    for k in range(len(root) - 1):
+        width = root[k + 1] - root[k]
+        for node, weight in zip(nodes, weights, strict=True):
+            t = 0.5 * (node + 1)
+            x = root[k] + t * width
+            value = table[..., k] * (1 - t) + table[..., k + 1] * t
+            total += 0.5 * weight * width * value * 4 * x**3
+    return total
+
+
+def _visible_facets(alpha: float, cosine: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Facets seen from directions of given cosines, equally likely: wi, m (N, K, 3), wi.m.
+
+    wi is (3, N, 1). Source: Dupuy and Benyoub 2023, listing 1.
+    """
+    u = (np.arange(FACETS) + 0.5) / FACETS
+    u1, u2 = (x.ravel() for x in np.meshgrid(u, u))
+    sine = np.sqrt(1 - cosine**2)[:, None]
+    wi = np.stack([sine, np.zeros_like(sine), cosine[:, None]])
+    stretched = np.stack([alpha * wi[0], wi[2]])
+    stretched = stretched / np.linalg.norm(stretched, axis=0)
+    z = (1 - u2) * (1 + stretched[1]) - stretched[1]
+    across = np.sqrt(np.maximum(1 - z * z, 0))
+    x = alpha * (across * np.cos(2 * np.pi * u1) + stretched[0])
+    y = alpha * across * np.sin(2 * np.pi * u1)
+    m = np.stack([x, y, z + stretched[1]], axis=-1)
+    m = m / np.linalg.norm(m, axis=-1, keepdims=True)
+    return wi, m, np.clip(wi[0] * m[..., 0] + wi[2] * m[..., 2], 0, 1)
+
+
+def _masking(cosine: np.ndarray, alpha: float) -> np.ndarray:
+    """Smith masking of GGX; zero below the horizon (Walter et al. 2007, equation 34)."""
+    safe = np.maximum(cosine, 1e-9)
+    tangent2 = (1 - safe * safe) / (safe * safe)
+    g1 = 2 / (1 + np.sqrt(1 + alpha * alpha * tangent2))
+    return np.where(cosine > 0, g1, 0.0)
+
+
+def _fresnel(cosine: np.ndarray, eta: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Reflectance and refracted cosine, see `urushi.physics.fresnel.dielectric`."""
+    cos_t2 = 1 - (1 - cosine * cosine) / (eta * eta)
+    cos_t = np.sqrt(np.maximum(cos_t2, 0))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        parallel = (eta * cosine - cos_t) / (eta * cosine + cos_t)
+        perpendicular = (cosine - eta * cos_t) / (cosine + eta * cos_t)
+    reflectance = 0.5 * (parallel * parallel + perpendicular * perpendicular)
+    return np.where(cos_t2 > 0, reflectance, 1.0), cos_t
