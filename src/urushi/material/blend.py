@@ -2,9 +2,9 @@
 
 The factors of the lobes (`urushi.nets.lobe`) are blended linearly, their widths in proportion to
 the light that each lobe reflects: the width of a lobe that reflects nothing means nothing. Indices
-likewise count by the factors of the exact Fresnel term. The numbers of the rests are blended in
-proportion to the light of each rest. The gain then follows: the albedo of the rest, its mean over
-the angles, is the linear blend of the two.
+likewise count by the light of the exact Fresnel term, whose factor then follows: its light is the
+linear blend of the two. The numbers of the rests are blended in proportion to the light of each
+rest, and the gain follows in the same way, from the mean of the albedo of the rest over the angles.
 """
 
 import numpy as np
@@ -15,7 +15,7 @@ from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
 
 #: Cosines over which the reflectance of a lobe is averaged.
-COSINES = np.array([1.0, 0.8, 0.6, 0.4, 0.2], np.float32)
+COSINES = np.array([1.0, 0.8, 0.6, 0.4, 0.2])
 
 
 def blend_codes(model: Model, a: np.ndarray, b: np.ndarray, share: np.ndarray) -> np.ndarray:
@@ -39,11 +39,22 @@ def blend_codes(model: Model, a: np.ndarray, b: np.ndarray, share: np.ndarray) -
 
 def blend_lobes(a: np.ndarray, b: np.ndarray, share: np.ndarray) -> np.ndarray:
     """Lobes (C, 6) between a and b (C, 6); share: (C,) of b, in [0, 1]."""
-    mean = [lobes.reflectance(lobe[:, None], COSINES).mean(axis=-1) for lobe in (a, b)]
-    of_width = _share_of_b(mean[0], mean[1], share)
-    of_index = _share_of_b(a[:, 3], b[:, 3], share)
+    light = [lobes.reflectance(lobe[:, None], COSINES).mean(axis=-1) for lobe in (a, b)]
+    exact = [_exact_reflectance(lobe) for lobe in (a, b)]
+    of_width = _share_of_b(light[0], light[1], share)
+    of_index = _share_of_b(a[:, 3] * exact[0], b[:, 3] * exact[1], share)
     shares = np.stack([of_width, share, share, share, of_index, of_index], axis=-1)
-    return (1.0 - shares) * a + shares * b
+    blend = (1.0 - shares) * a + shares * b
+    own = np.maximum(_exact_reflectance(blend), 1e-30)
+    factor = (1.0 - share) * a[:, 3] * (exact[0] / own) + share * b[:, 3] * (exact[1] / own)
+    # Never more than the linear blend, so that no light is gained at grazing angles.
+    blend[:, 3] = np.minimum(blend[:, 3], factor)
+    return blend
+
+
+def _exact_reflectance(lobe: np.ndarray) -> np.ndarray:
+    """Mean (C,) over the cosines of the exact Fresnel term of lobes (C, 6), for a factor of one."""
+    return lobes.fresnel(COSINES, lobe[:, None, 4], lobe[:, None, 5]).mean(axis=-1)
 
 
 def _share_of_b(size_a: np.ndarray, size_b: np.ndarray, share: np.ndarray) -> np.ndarray:

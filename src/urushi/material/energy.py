@@ -221,7 +221,8 @@ def excesses(model: Model, z: np.ndarray, ceiling: np.ndarray | float) -> np.nda
     """Greatest ratios (N,) of the albedo of the rest of codes (N, L) and what it may be."""
     allowed = np.maximum(ceiling - top_albedos(model, z), LEAST_REST)
     ratios = np.maximum(rest_albedos(model, z), LEAST_ALBEDO) / allowed
-    return np.where(near_edge(z[:, : model.arch.lobe]), 0.0, ratios).max(axis=-1)
+    near = near_edge(z[:, : model.arch.lobe])
+    return np.where(near, LEAST_ALBEDO, ratios).max(axis=-1)
 
 
 def near_edge(lobe: np.ndarray) -> np.ndarray:

@@ -152,7 +152,8 @@ def _limited_coats(
 ) -> np.ndarray:
     """The rows (K,) of codes z of coats (N, 5) that the limit scaled down."""
     rows = _limited_rows(model, z, _unlimited(model, z_bottom, coat))
-    return rows[presence(coat[rows, 1], coat[rows, 3]) >= PRESENT]
+    alpha, eta, _, sigma_t, _ = coat[rows].T
+    return rows[presence(alpha, eta, sigma_t) >= PRESENT]
 
 
 def _log_factor(model: Model, z: np.ndarray, z_bottom: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -17,9 +17,9 @@ from urushi.nets.weights import Model, Weights
 from urushi.parallel import fill_blocks
 from urushi.reference.stack import Dielectric
 
-#: Values of (eta - 1) / (eta + 1) and of sigma_t at which 1 - 1/e of a coat is present, and the
-#: share from which all of it is.
-ABSENT_CHANGE, ABSENT_DEPTH, PRESENT = 0.005, 0.01, 0.999
+#: Values of (eta - 1) / (eta + 1), of alpha and of sigma_t at which 1 - 1/e of a coat is present,
+#: and the share from which all of it is.
+ABSENT_CHANGE, ABSENT_WIDTH, ABSENT_DEPTH, PRESENT = 0.005, 0.2, 0.01, 0.999
 
 
 def layer(
@@ -131,21 +131,23 @@ def _coated(
         *(_with_leading_axes(p.astype(np.float32), len(rows)) for p in coat),
     )
     coated = limit_coated_albedo(model, coated.reshape(*shape, z.shape[-1]), z)
-    share = presence(coat.eta, coat.sigma_t)
+    share = presence(coat.alpha, coat.eta, coat.sigma_t)
     if isinstance(model.networks, UrushiNetworks) and (share < PRESENT).any():
         bottoms = as_rendered(model, z) if rendered is None else rendered
         coated = _without_absent_coats(model, coated, bottoms, share)
     return coated
 
 
-def presence(eta: np.ndarray, sigma_t: np.ndarray) -> np.ndarray:
+def presence(alpha: np.ndarray, eta: np.ndarray, sigma_t: np.ndarray) -> np.ndarray:
     """The share (...) of a coat in the result of `layer_texels`: 0 where nothing is there, up to 1.
 
-    An interface of an index close to 1 and a thin medium leave the bottom as it is, its lobe
-    included. The layerer, which gives the coat's interface the only lobe, cannot express this.
+    A smooth interface of an index close to 1 and a thin medium leave the bottom as it is, its lobe
+    included. The layerer, which gives the coat's interface the only lobe, cannot express this. A
+    rough interface of such an index is there: its facets mask and shadow each other.
     """
     change = (eta - 1.0) / (eta + 1.0) / ABSENT_CHANGE
-    return 1.0 - np.exp(-(change * change) - sigma_t / ABSENT_DEPTH)
+    width = (alpha / ABSENT_WIDTH) ** 2
+    return 1.0 - np.exp(-(change * change) - width * width - sigma_t / ABSENT_DEPTH)
 
 
 def _without_absent_coats(

@@ -8,11 +8,12 @@
 import { scaleRest } from "./decoder";
 import type { EnergyLimit } from "./energy";
 import type { CoatOfChannel } from "./features";
-import { reflectance } from "./lobe";
+import { fresnel, reflectance } from "./lobe";
 import { LOBE_NUMBERS } from "./weights";
 
-/** Values of (eta - 1) / (eta + 1) and of sigma_t at which 1 - 1/e of a coat is present. */
+/** Values of (eta - 1) / (eta + 1), alpha and sigma_t at which 1 - 1/e of a coat is present. */
 const ABSENT_CHANGE = 0.005;
+const ABSENT_WIDTH = 0.2;
 const ABSENT_DEPTH = 0.01;
 
 /** The share from which all of a coat is present. */
@@ -22,15 +23,16 @@ export const PRESENT = 0.999;
 const COSINES = [1.0, 0.8, 0.6, 0.4, 0.2] as const;
 
 /** The share of a coat in a layered code: 0 where nothing is there, up to 1. */
-export function presence({ eta, sigmaT }: CoatOfChannel): number {
+export function presence({ alpha, eta, sigmaT }: CoatOfChannel): number {
   const change = (eta - 1) / (eta + 1) / ABSENT_CHANGE;
-  return 1 - Math.exp(-(change * change) - sigmaT / ABSENT_DEPTH);
+  const width = (alpha / ABSENT_WIDTH) ** 2;
+  return 1 - Math.exp(-(change * change) - width * width - sigmaT / ABSENT_DEPTH);
 }
 
 /**
  * The code between two codes, along which the light changes evenly.
  *
- * Factors of the lobes are blended linearly, widths and rests in proportion to their light.
+ * Factors of the lobes are blended linearly, widths, indices and rests in proportion to their light.
  *
  * @param share of b, in [0, 1].
  */
@@ -44,24 +46,32 @@ export function blended(
   const lightB = mean(energy.restAlbedos(b));
   const wanted = (1 - share) * lightA + share * lightB;
   const part = (share * lightB) / wanted;
-  const shares = sharesOfLobe(a, b, share);
+  const exactA = exactReflectance(a);
+  const exactB = exactReflectance(b);
+  const ofWidth = inProportion(meanReflectance(a), meanReflectance(b), share);
+  const ofIndex = inProportion(a[3] * exactA, b[3] * exactB, share);
+  const shares = [ofWidth, share, share, share, ofIndex, ofIndex];
   const code = a.map((number, k) => {
     const own = k < LOBE_NUMBERS ? shares[k] : part;
     return (1 - own) * number + own * b[k];
   });
+  // Never more than the linear blend, so that no light is gained at grazing angles.
+  const exact = Math.max(exactReflectance(code), 1e-30);
+  const factor = ((1 - share) * a[3] * exactA + share * b[3] * exactB) / exact;
+  code[3] = Math.min(code[3], factor);
   scaleRest(code, LOBE_NUMBERS, wanted / mean(energy.restAlbedos(code)));
   return code;
 }
 
-/** Shares of b in the numbers of the lobe. */
-function sharesOfLobe(a: Float32Array, b: Float32Array, share: number): number[] {
-  const inProportion = (sizeA: number, sizeB: number): number => {
-    const total = (1 - share) * sizeA + share * sizeB;
-    return total > 0 ? (share * sizeB) / total : share;
-  };
-  const ofWidth = inProportion(meanReflectance(a), meanReflectance(b));
-  const ofIndex = inProportion(a[3], b[3]);
-  return [ofWidth, share, share, share, ofIndex, ofIndex];
+/** The share of b in proportion to two sizes; `share` itself where both are zero. */
+function inProportion(sizeA: number, sizeB: number, share: number): number {
+  const total = (1 - share) * sizeA + share * sizeB;
+  return total > 0 ? (share * sizeB) / total : share;
+}
+
+/** Mean of the exact Fresnel term over the cosines, for a factor of one. */
+function exactReflectance(lobe: Float32Array): number {
+  return mean(COSINES.map((cosine) => fresnel(cosine, lobe[4], lobe[5])));
 }
 
 function meanReflectance(lobe: Float32Array): number {
