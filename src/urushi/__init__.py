@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from urushi.measured import load_measured
     from urushi.reference.simulate import simulate
     from urushi.reference.stack import Stack, coat, conductor, dielectric, diffuse
+    from urushi.render.materialx import load_materialx
 
 __all__ = [
     "Material",
@@ -30,6 +31,7 @@ __all__ = [
     "layer",
     "lerp",
     "load",
+    "load_materialx",
     "load_measured",
     "simulate",
 ]
@@ -44,8 +46,9 @@ def __getattr__(name: str) -> Any:
     from urushi.material import Material, encode, layer, lerp, load
     from urushi.measured import load_measured
     from urushi.reference import Stack, coat, conductor, dielectric, diffuse, simulate
+    from urushi.render.materialx import load_materialx
 
-    public = (Material, encode, layer, lerp, load, load_measured, simulate)
+    public = (Material, encode, layer, lerp, load, load_materialx, load_measured, simulate)
     described = (Stack, coat, conductor, dielectric, diffuse)
     globals().update({value.__name__: value for value in (*public, *described)})
     return globals()[name]

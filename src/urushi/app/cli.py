@@ -10,6 +10,7 @@ from typing import Annotated, Any
 import tyro
 
 from urushi import paper
+from urushi.app.commands.convert import Convert
 from urushi.app.commands.data import Data
 from urushi.app.commands.encode import Encode
 from urushi.app.commands.export import Export
@@ -47,6 +48,7 @@ COMMANDS: dict[str, tuple[type, str]] = {
         Export,
         "Write a material as code: GLSL, WGSL, HLSL, Slang, OSL, Python.",
     ),
+    "convert": (Convert, "Write a material of a MaterialX document as a Mitsuba scene."),
     "view": (View, "Coat a material by hand, on a page in the browser."),
     "data": (Data, "Simulate training data, or show a store of them."),
     "train": (Train, "Train networks."),

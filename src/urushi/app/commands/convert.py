@@ -1,0 +1,124 @@
+"""`urushi convert`: materials of a MaterialX document as a Mitsuba scene."""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+from xml.sax.saxutils import quoteattr
+
+import tyro
+
+from urushi.app.commands.render import set_variant
+from urushi.files import atomic_write, new_folder
+
+if TYPE_CHECKING:
+    from urushi.materialx.baking import Texture
+    from urushi.materialx.surface import Surface
+
+#: A sphere under even light, seen from the front.
+_SCENE = """<scene version="3.0.0">
+    <default name="spp" value="64"/>
+    <integrator type="path"/>
+    <sensor type="perspective">
+        <float name="fov" value="32"/>
+        <transform name="to_world">
+            <lookat origin="0, 1, 4" target="0, 0, 0" up="0, 1, 0"/>
+        </transform>
+        <film type="hdrfilm">
+            <integer name="width" value="512"/>
+            <integer name="height" value="512"/>
+        </film>
+        <sampler type="independent"><integer name="sample_count" value="$spp"/></sampler>
+    </sensor>
+    <emitter type="constant"><rgb name="radiance" value="0.3"/></emitter>
+    <shape type="sphere">
+        <point name="center" x="3" y="5" z="4"/>
+        <emitter type="area"><rgb name="radiance" value="12"/></emitter>
+    </shape>
+{bsdf}
+    <shape type="sphere"><ref id={id}/></shape>
+</scene>
+"""
+
+
+@dataclass(frozen=True)
+class Convert:
+    """Write a material of a MaterialX document as a Mitsuba scene, with textures as OpenEXR files.
+
+    The folder gets scene.xml, a sphere of the material, a BSDF of type openpbr. Colours are linear
+    sRGB. Copy the element <bsdf> into other scenes.
+
+    Example: urushi convert car_paint.mtlx -o out/car_paint
+    """
+
+    document: tyro.conf.Positional[Path]
+    """MaterialX document (.mtlx)."""
+    output: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
+    """Folder to write to. It is made if it is missing."""
+    material: str | None = None
+    """Name of the material. Default: the document's only one."""
+    resolution: int = 1024
+    """Rows and columns of textures that are computed from patterns, at most 4096."""
+
+    def run(self) -> int:
+        set_variant("scalar_rgb")  # enough for images, and needs no LLVM
+        from urushi.materialx.surface import read_surface
+        from urushi.render.materialx import checked_resolution, decode
+
+        resolution = checked_resolution(self.resolution)
+        surface = read_surface(self.document, decode, self.material, resolution)
+        folder = new_folder(self.output)
+        bsdf = bsdf_xml(surface, folder)
+        target = folder / "scene.xml"
+        with atomic_write(target) as temporary:
+            temporary.write_text(
+                _SCENE.format(bsdf=bsdf, id=quoteattr(surface.name)), encoding="utf-8"
+            )
+        print(target)
+        return 0
+
+
+def bsdf_xml(surface: "Surface", folder: Path) -> str:
+    """The material as an element <bsdf>; its textures are written into the folder.
+
+    Raises:
+        FileError: the folder cannot be written.
+    """
+    from urushi.materialx.baking import Texture
+
+    lines = []
+    for name, value in surface.values.items():
+        if isinstance(value, Texture):
+            lines.append(_texture_xml(surface.name, name, value, folder))
+        elif isinstance(value, bool):
+            lines.append(f'<boolean name="{name}" value="{str(value).lower()}"/>')
+        elif isinstance(value, tuple):
+            numbers = " ".join(repr(number) for number in value)
+            lines.append(f'<rgb name="{name}" value="{numbers}"/>')
+        else:
+            lines.append(f'<float name="{name}" value="{value!r}"/>')
+    inside = "".join(f"\n        {line}" for line in lines)
+    return f'    <bsdf type="openpbr" id={quoteattr(surface.name)}>{inside}\n    </bsdf>'
+
+
+def _texture_xml(material: str, name: str, texture: "Texture", folder: Path) -> str:
+    import mitsuba as mi
+    import numpy as np
+
+    from urushi.render.materialx import filter_type, is_raw
+
+    file = "textures/" + re.sub(r"[^A-Za-z0-9_-]", "_", f"{material[:60]}-{name}") + ".exr"
+    new_folder(folder / "textures")
+    with atomic_write(folder / file) as temporary:
+        mi.Bitmap(np.ascontiguousarray(texture.pixels)).write(str(temporary))
+    matrix = " ".join(repr(float(x)) for x in texture.to_uv.ravel())
+    parts = (
+        f'<texture type="bitmap" name="{name}">',
+        f'    <string name="filename" value="{file}"/>',
+        f'    <boolean name="raw" value="{str(is_raw(name)).lower()}"/>',
+        f'    <string name="wrap_mode" value="{texture.wrap}"/>',
+        f'    <string name="filter_type" value="{filter_type(texture)}"/>',
+        f'    <transform name="to_uv"><matrix value="{matrix}"/></transform>',
+        "</texture>",
+    )
+    return "\n        ".join(parts)

@@ -1,0 +1,42 @@
+"""The package `materialx`: its libraries' folder, and the upgrade of old documents."""
+
+from importlib.util import find_spec
+from pathlib import Path
+
+from urushi.errors import FileError, PlatformError
+
+
+def libraries() -> Path:
+    """The folder of the package's libraries.
+
+    Raises:
+        PlatformError: the package is not installed.
+    """
+    spec = find_spec("MaterialX")
+    if spec is None or spec.origin is None:
+        raise PlatformError(
+            "the package materialx is missing, whose library defines the nodes of this document; "
+            "install it, for instance by pip install urushi[materialx]"
+        )
+    return Path(spec.origin).parent / "libraries"
+
+
+def upgrade(text: str, where: str) -> str:
+    """The text of a document of an old version, in the package's version.
+
+    Raises:
+        FileError: the package refuses the document.
+        PlatformError: the package is not installed.
+    """
+    libraries()
+    import MaterialX
+
+    document = MaterialX.createDocument()
+    try:
+        MaterialX.readFromXmlString(document, text)
+        return MaterialX.writeToXmlString(document)
+    except (MaterialX.Exception, RuntimeError, ValueError, IndexError) as error:
+        reason = " ".join(str(error).split())[:200]
+        raise FileError(
+            f"{where} cannot be upgraded to MaterialX 1.39 ({reason}); save it as that"
+        ) from error

@@ -1,0 +1,24 @@
+from importlib.util import find_spec
+
+import pytest
+
+HEAD = '<?xml version="1.0"?>\n<materialx version="1.39" colorspace="{space}">{body}</materialx>'
+
+
+@pytest.fixture
+def document(tmp_path):
+    """A function that writes a document of some elements."""
+
+    def write(body, space="lin_rec709", name="material.mtlx"):
+        path = tmp_path / name
+        path.write_text(HEAD.format(space=space, body=body))
+        return path
+
+    return write
+
+
+@pytest.fixture
+def library():
+    """Skips a test that needs MaterialX's definitions of nodes."""
+    if find_spec("MaterialX") is None:
+        pytest.skip("the package materialx is not installed")
