@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from urushi.material.encode import encode
     from urushi.material.layer import layer
     from urushi.material.material import Material, lerp, load
+    from urushi.materialx.writer import save_materialx
     from urushi.measured import load_measured
     from urushi.reference.simulate import simulate
     from urushi.reference.stack import Stack, coat, conductor, dielectric, diffuse
@@ -33,6 +34,7 @@ __all__ = [
     "load",
     "load_materialx",
     "load_measured",
+    "save_materialx",
     "simulate",
 ]
 
@@ -44,13 +46,15 @@ def __getattr__(name: str) -> Any:
     platform.require_drjit()
     paper.register()
     from urushi.material import Material, encode, layer, lerp, load
+    from urushi.materialx.writer import save_materialx
     from urushi.measured import load_measured
     from urushi.reference import Stack, coat, conductor, dielectric, diffuse, simulate
     from urushi.render.materialx import load_materialx
 
-    public = (Material, encode, layer, lerp, load, load_materialx, load_measured, simulate)
+    public = (Material, encode, layer, lerp, load, load_measured, simulate)
     described = (Stack, coat, conductor, dielectric, diffuse)
-    globals().update({value.__name__: value for value in (*public, *described)})
+    documents = (load_materialx, save_materialx)
+    globals().update({value.__name__: value for value in (*public, *described, *documents)})
     return globals()[name]
 
 

@@ -1,0 +1,155 @@
+"""Descriptions of one coat as MaterialX documents of OpenPBR, and back.
+
+The base is a conductor of Schlick's Fresnel term, which F82 of a white tint is (Kutz et al. 2021),
+or a Lambertian surface, whose interface has the weight 0. A coat's colour is the square of its
+transmittance at normal incidence (OpenPBR Surface 1.1.1, "Coat").
+"""
+
+import os
+from collections.abc import Mapping
+
+import numpy as np
+
+from urushi.checks import Widths
+from urushi.errors import ParameterError
+from urushi.files import atomic_write
+from urushi.materialx.baking import Texture
+from urushi.materialx.surface import TARGET, ParameterValue
+from urushi.materialx.xml import Element, write
+from urushi.openpbr.parameters import PARAMETERS, complete
+from urushi.reference.stack import Coat, Conductor, Diffuse, Stack, Value
+
+#: Parameters of OpenPBR that one coat over a metal or a Lambertian surface can have.
+_USED = (
+    *("base_color", "base_metalness", "specular_weight", "specular_roughness"),
+    *("specular_roughness_anisotropy", "coat_weight", "coat_color", "coat_roughness"),
+    *("coat_roughness_anisotropy", "coat_ior"),
+)
+
+
+def save_materialx(stack: Stack, path: str | os.PathLike, name: str = "material") -> None:
+    """Write one clear or tinted coat over a metal or a diffuse base as a document of OpenPBR.
+
+    Args:
+        stack: one coat with an albedo of 0 or no medium, over a `conductor` of r0 or a `diffuse`.
+            GGX widths are equal in all channels, and not larger across the tangent than along it.
+        path: the document (.mtlx).
+        name: of the material; letters, digits and underscores.
+
+    Raises:
+        ParameterError: the stack or the name is another one.
+        FileError: the file cannot be written.
+    """
+    if not (name.isascii() and name.isidentifier()):
+        raise ParameterError(
+            f"the material's name is {name!r}; use letters, digits and underscores"
+        )
+    root = Element("materialx", {"version": "1.39", "colorspace": "lin_rec709"})
+    shader = Element(TARGET, {"name": f"{name}_shader", "type": "surfaceshader"})
+    for parameter, value in parameters(stack).items():
+        kind = "color3" if isinstance(value, tuple) else "float"
+        text = ", ".join(repr(x) for x in value) if isinstance(value, tuple) else repr(value)
+        shader.add(Element("input", {"name": parameter, "type": kind, "value": text}))
+    material = Element("surfacematerial", {"name": name, "type": "material"})
+    link = {"name": "surfaceshader", "type": "surfaceshader", "nodename": f"{name}_shader"}
+    material.add(Element("input", link))
+    root.add(shader)
+    root.add(material)
+    with atomic_write(path) as temporary:
+        temporary.write_text('<?xml version="1.0"?>\n' + write(root), encoding="utf-8")
+
+
+def parameters(stack: Stack) -> dict[str, float | tuple[float, float, float]]:
+    """The parameters of OpenPBR that describe a stack, see `save_materialx`.
+
+    Raises:
+        ParameterError: OpenPBR cannot describe it.
+    """
+    if not isinstance(stack, Stack) or len(stack.coats) != 1:
+        raise ParameterError("OpenPBR has one coat; give a Stack of one coat over its base")
+    coat, bottom = stack.coats[0], stack.bottom
+    absorbs = np.asarray(coat.sigma_t) > 0
+    if (absorbs & (np.asarray(coat.albedo) > 0)).any():
+        raise ParameterError("OpenPBR's coat does not scatter; make its albedo 0")
+    if np.ndim(coat.eta):
+        raise ParameterError("OpenPBR's coat_ior is one number; give one eta for all channels")
+    if isinstance(bottom, Conductor) and bottom.r0 is not None:
+        width, anisotropy = _roughness(bottom.alpha, "the conductor's alpha")
+        base: dict[str, float | tuple[float, float, float]] = {
+            "base_color": _rgb(bottom.r0),
+            "base_metalness": 1.0,
+            "specular_roughness": width,
+            "specular_roughness_anisotropy": anisotropy,
+        }
+    elif isinstance(bottom, Diffuse):
+        base = {"base_color": _rgb(bottom.reflectance), "specular_weight": 0.0}
+    else:
+        raise ParameterError(
+            "OpenPBR's base is written for a conductor of r0 or a diffuse surface; give one of them"
+        )
+    width, anisotropy = _roughness(coat.alpha, "the coat's alpha")
+    return base | {
+        "coat_weight": 1.0,
+        "coat_color": _rgb(np.exp(-2 * np.asarray(coat.sigma_t))),
+        "coat_roughness": width,
+        "coat_roughness_anisotropy": anisotropy,
+        "coat_ior": float(np.asarray(coat.eta)),
+    }
+
+
+def stack_of(values: Mapping[str, ParameterValue]) -> Stack:
+    """The stack that parameters of OpenPBR describe, if they are of the kind that is written.
+
+    Raises:
+        ParameterError: they describe something else.
+    """
+    if any(PARAMETERS[n].kind == "vector" or isinstance(v, Texture) for n, v in values.items()):
+        raise ParameterError("a Stack has constant parameters; leave out textures and maps")
+    full, default = complete(values), complete({})
+    for name, value in full.items():
+        if name not in _USED and not np.array_equal(value, default[name]):
+            raise ParameterError(f"a Stack of one coat has no {name}; leave it at its default")
+    if full["coat_weight"] != 1:
+        raise ParameterError(f"coat_weight is {full['coat_weight']:g}; a Stack has a whole coat")
+    base_color = tuple(full["base_color"])
+    bottom: Conductor | Diffuse
+    if full["base_metalness"] == 1 and full["specular_weight"] == 1:
+        bottom = Conductor(
+            _widths(full["specular_roughness"], full["specular_roughness_anisotropy"]), base_color
+        )
+    elif full["base_metalness"] == 0 and full["specular_weight"] == 0:
+        bottom = Diffuse(base_color)
+    else:
+        raise ParameterError(
+            "a Stack's base is a metal (base_metalness and specular_weight 1) or a Lambertian "
+            "surface (both 0)"
+        )
+    if not (full["coat_color"] > 0).all():
+        raise ParameterError("coat_color is 0 in a channel; a Stack's medium transmits some light")
+    sigma_t = -0.5 * np.log(full["coat_color"]) + 0.0  # -0.0 is 0
+    alpha = _widths(full["coat_roughness"], full["coat_roughness_anisotropy"])
+    return Stack((Coat(alpha, full["coat_ior"], sigma_t=tuple(sigma_t)),), bottom)
+
+
+def _rgb(value: object) -> tuple[float, float, float]:
+    r, g, b = (float(x) for x in np.broadcast_to(np.asarray(value, np.float64), 3))
+    return r, g, b
+
+
+def _roughness(alpha: Value | Widths, where: str) -> tuple[float, float]:
+    """Roughness r and anisotropy a of OpenPBR: alpha_t = r^2 sqrt(2 / (1 + (1 - a)^2)).
+
+    alpha_b = (1 - a) alpha_t, so that (alpha_t^2 + alpha_b^2) / 2 = r^4.
+    """
+    u, v = (alpha.u, alpha.v) if isinstance(alpha, Widths) else (alpha, alpha)
+    if isinstance(u, tuple) or isinstance(v, tuple):
+        raise ParameterError(f"{where} has a width for each channel; OpenPBR has one for all")
+    if v > u:
+        raise ParameterError(f"{where} is larger across the tangent; OpenPBR's is larger along it")
+    return float(((u**2 + v**2) / 2) ** 0.25), float(1 - v / u)
+
+
+def _widths(roughness: float, anisotropy: float) -> float | Widths:
+    """The GGX widths of a roughness and an anisotropy, see `_roughness`."""
+    u = roughness**2 * (2 / (1 + (1 - anisotropy) ** 2)) ** 0.5
+    return roughness**2 if anisotropy == 0 else Widths(u, (1 - anisotropy) * u)
