@@ -20,7 +20,7 @@ export async function openFile(file: File): Promise<void> {
     const bytes = new Uint8Array(await file.arrayBuffer());
     const suffix = file.name.toLowerCase().split(".").pop();
     if (suffix === "hdr") {
-      useEnvironment({ name: file.name, ...withoutLights(readHdr(bytes)) });
+      useEnvironment({ name: file.name, file, ...withoutLights(readHdr(bytes)) });
     } else if (suffix === "json") {
       change(readState(parsed(bytes)));
     } else if (suffix === "safetensors" || suffix === "binary" || suffix === "bsdf") {

@@ -7,7 +7,9 @@ import { NoGraphics } from "../picture/gl";
 import { Painter } from "../picture/painter";
 import type { Panorama } from "../picture/panorama";
 import { Renderer, type Shot } from "../picture/renderer";
-import { readState } from "../state/read";
+import { exrFile, type Radiance } from "../save/exr";
+import type { Scene } from "../save/scene";
+import { Refusal, readState } from "../state/read";
 import { announcement, begunWith, look, notice, state } from "../state/store";
 import { Slot } from "./engine";
 import { connect, type PageCore } from "./remote";
@@ -15,6 +17,9 @@ import { connect, type PageCore } from "./remote";
 /** A panorama that was dropped on the page. */
 export interface OwnEnvironment {
   name: string;
+  /** The file that was dropped. */
+  file: Blob;
+  /** Its panorama without the bright lights, and these. */
   panorama: Panorama;
   lights: Light[];
 }
@@ -83,6 +88,30 @@ export class Session {
     this.renderer.setEnvironment(state.peek().environment, ownEnvironment.peek());
     this.painter.setRenderer(this.renderer);
   };
+
+  /** The picture so far as linear radiance, before exposure and tone curve. */
+  radiance(): Radiance {
+    return this.drawing().radiance();
+  }
+
+  /** What the picture shows, but the material. */
+  async scene(): Promise<Omit<Scene, "material">> {
+    const renderer = this.drawing();
+    const { object, view, rotation, environment: name } = state.peek();
+    const shown = { object, view, rotation, ...renderer.size };
+    const own = name === "own" ? ownEnvironment.peek() : null;
+    if (own !== null) {
+      const bytes = new Uint8Array(await own.file.arrayBuffer());
+      return { ...shown, environment: { suffix: "hdr", bytes }, lights: [] };
+    }
+    const bytes = exrFile(renderer.panoramaOf(name));
+    return { ...shown, environment: { suffix: "exr", bytes }, lights: lightsOf(name) };
+  }
+
+  private drawing(): Renderer {
+    if (this.renderer === null) throw new Refusal("There is no picture to save.");
+    return this.renderer;
+  }
 
   private fit(): void {
     if (this.canvas === null) return;

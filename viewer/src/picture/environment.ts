@@ -1,7 +1,7 @@
 /** Environments as cube maps with filtered levels, and the bright lights taken out of them. */
 
 import type { EnvironmentName } from "../state/state";
-import { cover, coverProgram, filters, type Gl, type Program } from "./gl";
+import { cover, coverProgram, filters, type Gl, type Program, readRgb } from "./gl";
 import type { Panorama } from "./panorama";
 import halveSource from "./shaders/halve.frag?raw";
 import panoramaSource from "./shaders/panorama.frag?raw";
@@ -70,8 +70,32 @@ export class EnvironmentMap {
   drawFormula(name: EnvironmentName): void {
     this.places.use();
     this.places.setInteger("which", FORMULAS.indexOf(name));
+    this.places.setInteger("isPanorama", 0);
     this.drawFaces(this.places, 0);
     this.drawLevels();
+  }
+
+  /** An environment by formula as a panorama, without its bright lights. */
+  panoramaOf(name: EnvironmentName): Panorama {
+    const { gl, places } = this;
+    const [width, height] = [4 * SIDE, 2 * SIDE];
+    const texture = gl.createTexture()!;
+    gl.bindTexture(gl.TEXTURE_2D, texture);
+    gl.texStorage2D(gl.TEXTURE_2D, 1, gl.RGBA32F, width, height);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, this.frame);
+    const target = gl.TEXTURE_2D;
+    gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, target, texture, 0);
+    gl.viewport(0, 0, width, height);
+    gl.disable(gl.DEPTH_TEST);
+    gl.disable(gl.SCISSOR_TEST);
+    places.use();
+    places.setInteger("which", FORMULAS.indexOf(name));
+    places.setInteger("isPanorama", 1);
+    cover(gl);
+    const pixels = readRgb(gl, width, height);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    gl.deleteTexture(texture);
+    return { width, height, pixels };
   }
 
   /** Draw a panorama. */

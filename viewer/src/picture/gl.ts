@@ -106,8 +106,12 @@ export class Program {
 }
 
 /** A program that runs over the whole viewport; draw it by `cover`. */
-export function coverProgram(gl: Gl, fragment: string): Program {
-  return new Program(gl, coverSource, fragment);
+export function coverProgram(
+  gl: Gl,
+  fragment: string,
+  constants: Record<string, number> = {},
+): Program {
+  return new Program(gl, coverSource, fragment, constants);
 }
 
 export function cover(gl: Gl): void {
@@ -121,4 +125,13 @@ export function filters(gl: Gl, target: number, small: number, large: number, wr
   gl.texParameteri(target, gl.TEXTURE_WRAP_S, wrap);
   gl.texParameteri(target, gl.TEXTURE_WRAP_T, wrap);
   gl.texParameteri(target, gl.TEXTURE_WRAP_R, wrap);
+}
+
+/** The colours (height, width, 3) of the framebuffer that is bound, the lowest row first. */
+export function readRgb(gl: Gl, width: number, height: number): Float32Array {
+  const pixels = new Float32Array(4 * width * height);
+  gl.readPixels(0, 0, width, height, gl.RGBA, gl.FLOAT, pixels);
+  const rgb = new Float32Array(3 * width * height);
+  for (let at = 0; at < width * height; at++) rgb.set(pixels.subarray(4 * at, 4 * at + 3), 3 * at);
+  return rgb;
 }

@@ -14,8 +14,12 @@ const PATIENCE = 160;
 /** What a frame costs at first [ms for a million pixels], by the graphics card and by software. */
 const FIRST_COST = { card: 60, software: 3000 };
 
-/** Frames of a picture at rest where each takes long. */
+/** Least frames of a picture at rest where each takes long, and the pixels of all its frames. */
 const SLOW_FRAMES = 10;
+const SLOW_PIXELS = 3e6;
+
+/** From so many strips on, one has hardly a pixel of the object. */
+const MANY_STRIPS = 4;
 
 /** Ever cheaper frames: size relative to the canvas, and share of the directions. */
 const SAVINGS = [
@@ -35,8 +39,9 @@ export class Painter {
   onPicture: (() => void) | null = null;
   private renderer: Renderer | null = null;
   private shot: Shot | null = null;
-  /** Milliseconds for a million pixels. */
+  /** Milliseconds for a million pixels, and for a strip without any, whose vertices are moved. */
   private cost = FIRST_COST.card;
+  private stripCost = 0;
   private slow = false;
   private changedAt = Number.NEGATIVE_INFINITY;
   private dirty = true;
@@ -57,6 +62,7 @@ export class Painter {
     this.uploaded.fill("");
     this.brightOf.fill(null);
     this.slow = renderer?.isSoftware ?? false;
+    this.stripCost = 0;
     this.cost = this.slow ? FIRST_COST.software : FIRST_COST.card;
     this.refresh();
   }
@@ -138,7 +144,9 @@ export class Painter {
 
   /** Frames of a picture at rest. */
   private get frames(): number {
-    return this.slow ? SLOW_FRAMES : MOST_TABLES;
+    if (!this.slow || this.renderer === null || this.shot === null) return MOST_TABLES;
+    const many = Math.round(SLOW_PIXELS / this.renderer.pixels(this.shot));
+    return Math.min(Math.max(many, SLOW_FRAMES), MOST_TABLES);
   }
 
   /** Draw a frame at once, as large and with as many directions as time allows. */
@@ -152,7 +160,7 @@ export class Painter {
     renderer.beginFrame(shot, scale);
     renderer.drawStrip(shot, 0, share, 0, 1);
     renderer.endFrame(shot, 0);
-    this.learn(await renderer.finished(), pixels * scale ** 2 * share);
+    this.learn((await renderer.finished()) - this.stripCost, pixels * scale ** 2 * share);
     this.onPicture?.();
   }
 
@@ -162,20 +170,22 @@ export class Painter {
     for (const slot of slots) this.upload(renderer, slot, this.count);
     const strips = Math.min(Math.max(Math.ceil((this.cost * pixels) / RESTING), 1), 32);
     renderer.beginFrame(shot, 1);
-    let time = 0;
+    const times: number[] = [];
     for (let strip = 0; strip < strips; strip++) {
       renderer.drawStrip(shot, this.count, 1, strip / strips, (strip + 1) / strips);
-      time += await renderer.finished();
+      times.push(await renderer.finished());
       if (!this.resting) return false;
     }
     renderer.endFrame(shot, this.count);
-    this.learn(time, pixels);
+    if (strips >= MANY_STRIPS) this.stripCost = Math.min(...times);
+    const time = times.reduce((sum, one) => sum + one);
+    this.learn(time - strips * this.stripCost, pixels);
     this.onPicture?.();
     return true;
   }
 
   private learn(time: number, megapixels: number): void {
-    this.cost += (time / megapixels - this.cost) * 0.5;
+    this.cost += (Math.max(time, 0) / megapixels - this.cost) * 0.5;
   }
 
   private upload(renderer: Renderer, slot: 0 | 1, count: number): void {

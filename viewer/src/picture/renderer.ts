@@ -1,5 +1,6 @@
 /** Draws the object with one or two materials, and gathers frames until the picture is smooth. */
 
+import type { Radiance } from "../save/exr";
 import type { Comparison, EnvironmentName, ObjectName, View } from "../state/state";
 import { brightTexels, directionTexels, FAR, NEAR, type TableSize } from "./bright_table";
 import { type Camera, cameraOf } from "./camera";
@@ -10,9 +11,10 @@ import type { Panorama } from "./panorama";
 import backdropSource from "./shaders/backdrop.frag?raw";
 import blendSource from "./shaders/blend.frag?raw";
 import displaySource from "./shaders/display.frag?raw";
-import emptySource from "./shaders/empty.frag?raw";
 import objectFragment from "./shaders/object.frag?raw";
 import objectVertex from "./shaders/object.vert?raw";
+import paintSource from "./shaders/paint.frag?raw";
+import surfaceSource from "./shaders/surface.frag?raw";
 import { Targets } from "./targets";
 
 /** What a frame shows. */
@@ -52,7 +54,8 @@ interface SlotTextures {
 export class Renderer {
   private readonly gl: Gl;
   private readonly object: Program;
-  private readonly depth: Program;
+  private readonly surface: Program;
+  private readonly paint: Program;
   private readonly backdrop: Program;
   private readonly blend: Program;
   private readonly display: Program;
@@ -69,9 +72,9 @@ export class Renderer {
   constructor(private readonly canvas: HTMLCanvasElement) {
     const gl = contextOf(canvas);
     this.gl = gl;
-    const constants = { NEAR, FAR };
-    this.object = new Program(gl, objectVertex, objectFragment, constants);
-    this.depth = new Program(gl, objectVertex, emptySource);
+    this.object = coverProgram(gl, objectFragment, { NEAR, FAR });
+    this.surface = new Program(gl, objectVertex, surfaceSource);
+    this.paint = new Program(gl, objectVertex, paintSource);
     this.backdrop = coverProgram(gl, backdropSource);
     this.blend = coverProgram(gl, blendSource);
     this.display = coverProgram(gl, displaySource);
@@ -184,7 +187,6 @@ export class Renderer {
     const { gl, targets } = this;
     const { width, height } = targets;
     const [low, high] = [Math.round(from * height), Math.round(to * height)];
-    targets.bind();
     gl.enable(gl.SCISSOR_TEST);
     for (const pane of panes(shot, width)) {
       const textures = this.slots[pane.slot];
@@ -197,8 +199,15 @@ export class Renderer {
         (2 * shift[0]!) / pane.width,
         (2 * shift[1]!) / height,
       ]);
+      targets.bindSurface();
+      this.drawMesh(this.surface, camera);
+      targets.bindShaded();
+      this.shade(camera, shot, textures, count, share);
+      targets.bind();
       this.drawBackdrop(camera, shot);
-      this.drawObject(camera, shot, textures, count, share);
+      this.paint.use();
+      this.paint.setTexture("shaded", 0, gl.TEXTURE_2D, targets.shaded);
+      this.drawMesh(this.paint, camera);
     }
     gl.disable(gl.SCISSOR_TEST);
   }
@@ -238,6 +247,16 @@ export class Renderer {
     cover(gl);
   }
 
+  /** The picture so far as linear radiance, before exposure and tone curve. */
+  radiance(): Radiance {
+    return this.targets.read();
+  }
+
+  /** An environment by formula as a panorama, without its bright lights. */
+  panoramaOf(name: EnvironmentName): Panorama {
+    return this.map.panoramaOf(name);
+  }
+
   /** A promise of the time that the commands so far have taken [ms]. */
   async finished(): Promise<number> {
     const { gl } = this;
@@ -275,29 +294,30 @@ export class Renderer {
     cover(gl);
   }
 
-  private drawObject(
+  private drawMesh(program: Program, camera: Camera): void {
+    const { gl } = this;
+    program.use();
+    program.setMatrix("projection", camera.projection);
+    gl.bindVertexArray(this.array);
+    gl.enable(gl.DEPTH_TEST);
+    gl.enable(gl.CULL_FACE);
+    gl.drawElements(gl.TRIANGLES, this.mesh.faces.length, gl.UNSIGNED_INT, 0);
+    gl.disable(gl.CULL_FACE);
+    gl.disable(gl.DEPTH_TEST);
+    gl.bindVertexArray(null);
+  }
+
+  /** Compute the colours of the surface that has been drawn. */
+  private shade(
     camera: Camera,
     shot: Shot,
     textures: SlotTextures,
     count: number,
     share: number,
   ): void {
-    const { gl, object } = this;
-    gl.bindVertexArray(this.array);
-    gl.enable(gl.DEPTH_TEST);
-    gl.enable(gl.CULL_FACE);
-    gl.depthFunc(gl.LESS);
-    gl.colorMask(false, false, false, false);
-    this.depth.use();
-    this.depth.setMatrix("projection", camera.projection);
-    gl.drawElements(gl.TRIANGLES, this.mesh.faces.length, gl.UNSIGNED_INT, 0);
-    gl.colorMask(true, true, true, true);
-
-    // Only what is seen is shaded.
-    gl.depthFunc(gl.LEQUAL);
+    const { gl, object, targets } = this;
     object.use();
     const samples = Math.max(16, Math.round(textures.samples * share));
-    object.setMatrix("projection", camera.projection);
     object.set("eye", ...camera.eye);
     object.set("turn", ...turnOf(shot));
     object.set("side", SIDE);
@@ -309,10 +329,9 @@ export class Renderer {
     object.setTexture("table", 0, gl.TEXTURE_2D, textures.table);
     object.setTexture("environment", 1, gl.TEXTURE_CUBE_MAP, this.map.texture);
     object.setTexture("bright", 2, gl.TEXTURE_3D, textures.bright);
-    gl.drawElements(gl.TRIANGLES, this.mesh.faces.length, gl.UNSIGNED_INT, 0);
-    gl.disable(gl.CULL_FACE);
-    gl.disable(gl.DEPTH_TEST);
-    gl.bindVertexArray(null);
+    object.setTexture("positions", 3, gl.TEXTURE_2D, targets.positions);
+    object.setTexture("normals", 4, gl.TEXTURE_2D, targets.normals);
+    cover(gl);
   }
 
   private slotTextures(slot: 0 | 1): SlotTextures {

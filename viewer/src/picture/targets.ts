@@ -1,14 +1,21 @@
 /** What the picture is drawn into: a frame with smooth edges, and the mean of all frames. */
 
-import { filters, type Gl } from "./gl";
+import type { Radiance } from "../save/exr";
+import { filters, type Gl, readRgb } from "./gl";
 
 export class Targets {
   width = 0;
   height = 0;
+  /** Positions and normals of the surface that each pixel of the frame shows, and its colours. */
+  positions!: WebGLTexture;
+  normals!: WebGLTexture;
+  shaded!: WebGLTexture;
   /** The last frame. */
   frame!: WebGLTexture;
   /** The mean of the frames. */
   picture!: WebGLTexture;
+  private readonly surface: WebGLFramebuffer;
+  private readonly shading: WebGLFramebuffer;
   private readonly many: WebGLFramebuffer;
   private readonly single: WebGLFramebuffer;
   private readonly mean: WebGLFramebuffer;
@@ -18,6 +25,8 @@ export class Targets {
   private buffers: WebGLRenderbuffer[] = [];
 
   constructor(private readonly gl: Gl) {
+    this.surface = gl.createFramebuffer()!;
+    this.shading = gl.createFramebuffer()!;
     this.many = gl.createFramebuffer()!;
     this.single = gl.createFramebuffer()!;
     this.mean = gl.createFramebuffer()!;
@@ -33,31 +42,48 @@ export class Targets {
     if (width === this.width && height === this.height) return;
     const { gl } = this;
     for (const buffer of this.buffers) gl.deleteRenderbuffer(buffer);
-    if (this.width > 0) {
-      gl.deleteTexture(this.frame);
-      gl.deleteTexture(this.picture);
-    }
+    if (this.width > 0)
+      for (const texture of [this.positions, this.normals, this.shaded, this.frame, this.picture])
+        gl.deleteTexture(texture);
     this.width = width;
     this.height = height;
-    const colour = this.buffer(gl.RGBA16F);
-    const depth = this.buffer(gl.DEPTH_COMPONENT24);
-    this.buffers = [colour, depth];
+    const colour = this.buffer(gl.RGBA16F, this.samples);
+    const depth = this.buffer(gl.DEPTH_COMPONENT24, this.samples);
+    const single = this.buffer(gl.DEPTH_COMPONENT24, 0);
+    this.buffers = [colour, depth, single];
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.many);
     const target = gl.FRAMEBUFFER;
     gl.framebufferRenderbuffer(target, gl.COLOR_ATTACHMENT0, gl.RENDERBUFFER, colour);
     gl.framebufferRenderbuffer(target, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, depth);
     this.frame = this.texture(gl.RGBA16F, this.single);
     this.picture = this.texture(this.format, this.mean);
+    this.shaded = this.texture(gl.RGBA16F, this.shading);
+    this.positions = this.texture(gl.RGBA32F, this.surface);
+    this.normals = this.texture(gl.RGBA32F, this.surface, gl.COLOR_ATTACHMENT1);
+    gl.framebufferRenderbuffer(target, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, single);
+    gl.drawBuffers([gl.COLOR_ATTACHMENT0, gl.COLOR_ATTACHMENT1]);
     gl.bindFramebuffer(target, null);
   }
 
   /** Empty the frame. */
   clear(): void {
     const { gl } = this;
-    this.bind();
     gl.disable(gl.SCISSOR_TEST);
-    gl.clearColor(0, 0, 0, 1);
-    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    gl.clearColor(0, 0, 0, 0);
+    for (const buffer of [this.surface, this.shading, this.many]) {
+      gl.bindFramebuffer(gl.FRAMEBUFFER, buffer);
+      gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    }
+  }
+
+  /** Draw positions and normals from here on. */
+  bindSurface(): void {
+    this.gl.bindFramebuffer(this.gl.FRAMEBUFFER, this.surface);
+  }
+
+  /** Draw the surface's colours from here on. */
+  bindShaded(): void {
+    this.gl.bindFramebuffer(this.gl.FRAMEBUFFER, this.shading);
   }
 
   /** Draw into the frame from here on. */
@@ -80,24 +106,40 @@ export class Targets {
     gl.viewport(0, 0, this.width, this.height);
   }
 
-  private buffer(format: number): WebGLRenderbuffer {
+  /** The mean of the frames, the first row at the top. */
+  read(): Radiance {
+    const { gl, width, height } = this;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, this.mean);
+    const upward = readRgb(gl, width, height);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    const pixels = new Float32Array(upward.length);
+    for (let y = 0; y < height; y++)
+      pixels.set(upward.subarray(3 * width * y, 3 * width * (y + 1)), 3 * width * (height - 1 - y));
+    return { width, height, pixels };
+  }
+
+  private buffer(format: number, samples: number): WebGLRenderbuffer {
     const { gl } = this;
     const buffer = gl.createRenderbuffer()!;
     gl.bindRenderbuffer(gl.RENDERBUFFER, buffer);
     const { RENDERBUFFER } = gl;
-    gl.renderbufferStorageMultisample(RENDERBUFFER, this.samples, format, this.width, this.height);
+    gl.renderbufferStorageMultisample(RENDERBUFFER, samples, format, this.width, this.height);
     return buffer;
   }
 
-  private texture(format: number, frame: WebGLFramebuffer): WebGLTexture {
+  private texture(
+    format: number,
+    frame: WebGLFramebuffer,
+    attachment: number = this.gl.COLOR_ATTACHMENT0,
+  ): WebGLTexture {
     const { gl } = this;
     const texture = gl.createTexture()!;
     gl.bindTexture(gl.TEXTURE_2D, texture);
     gl.texStorage2D(gl.TEXTURE_2D, 1, format, this.width, this.height);
-    filters(gl, gl.TEXTURE_2D, gl.LINEAR, gl.LINEAR, gl.CLAMP_TO_EDGE);
+    const filter = frame === this.mean ? gl.LINEAR : gl.NEAREST;
+    filters(gl, gl.TEXTURE_2D, filter, filter, gl.CLAMP_TO_EDGE);
     gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
-    const target = gl.TEXTURE_2D;
-    gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, target, texture, 0);
+    gl.framebufferTexture2D(gl.FRAMEBUFFER, attachment, gl.TEXTURE_2D, texture, 0);
     return texture;
   }
 }

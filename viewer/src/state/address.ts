@@ -1,5 +1,6 @@
 /** The whole state as one string for the address: a version, a check sum, and the state. */
 
+import { crc32 } from "../save/crc32";
 import { Refusal, readState } from "./read";
 import type { State } from "./state";
 
@@ -33,14 +34,9 @@ export function fromAddress(address: string): State {
   return readState(JSON.parse(new TextDecoder().decode(bytes)));
 }
 
-/** CRC-32 in base 36 (ISO 3309). */
+/** CRC-32 in base 36. */
 export function checkSum(bytes: Uint8Array): string {
-  let sum = 0xffffffff;
-  for (const byte of bytes) {
-    sum ^= byte;
-    for (let bit = 0; bit < 8; bit++) sum = (sum >>> 1) ^ (sum & 1 ? 0xedb88320 : 0);
-  }
-  return ((sum ^ 0xffffffff) >>> 0).toString(36);
+  return crc32(bytes).toString(36);
 }
 
 function base64(bytes: Uint8Array): string {

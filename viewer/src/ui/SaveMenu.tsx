@@ -1,11 +1,13 @@
 /** What the page writes: pictures, descriptions, and its address. */
 
 import { materialFile } from "../engine/material_file";
-import { session } from "../engine/session";
+import { type Session, session } from "../engine/session";
 import { stackOf } from "../material/material";
 import { download, textBlob } from "../save/download";
+import { exrFile } from "../save/exr";
 import { mitsubaDict, mitsubaXml } from "../save/mitsuba";
 import { fileName, pythonText } from "../save/python";
+import { sceneFile } from "../save/scene";
 import { LANGUAGES, type Language, readTemplate, shaderText } from "../save/shader";
 import { toJson } from "../state/address";
 import { Refusal } from "../state/read";
@@ -20,10 +22,14 @@ interface Kind {
 
 const stack = () => stackOf(material.value);
 
+function presentSession(): Session {
+  if (session.value === null) throw new Refusal("The networks are not loaded yet.");
+  return session.value;
+}
+
 /** The networks, and the codes of the material that is shown. */
 async function encoded() {
-  const core = session.value?.core;
-  if (core === undefined) throw new Refusal("The networks are not loaded yet.");
+  const { core } = presentSession();
   return { core, codes: await core.layer(stack()) };
 }
 
@@ -37,6 +43,11 @@ const KINDS: readonly Kind[] = [
       if (blob === null) throw new Refusal("There is no picture to save.");
       download(`${name}.png`, blob);
     },
+  },
+  {
+    label: "Radiance",
+    hint: "EXR, the picture in linear light",
+    save: (name) => download(`${name}.exr`, new Blob([exrFile(presentSession().radiance())])),
   },
   {
     label: "Material",
@@ -55,6 +66,15 @@ const KINDS: readonly Kind[] = [
     label: "Mitsuba dictionary",
     hint: "the same for mi.load_dict",
     save: (name) => download(`${name}-dict.py`, textBlob(mitsubaDict(stack()))),
+  },
+  {
+    label: "Mitsuba scene",
+    hint: "ZIP: object, camera, light and material",
+    save: async (name) => {
+      const { core, codes } = await encoded();
+      const scene = { ...(await presentSession().scene()), material: materialFile(codes, core) };
+      download(`${name}-scene.zip`, new Blob([sceneFile(scene)]));
+    },
   },
   {
     label: "Python",

@@ -19,8 +19,9 @@ uniform vec3 lightDirections[MOST_LIGHTS];
 uniform vec3 lightPowers[MOST_LIGHTS]; // irradiance at normal incidence
 uniform int lights;
 
-in vec3 worldPosition;
-in vec3 worldNormal;
+uniform sampler2D positions; // of the surface that each pixel shows, see surface.frag
+uniform sampler2D normals;
+
 out vec4 colour;
 
 vec3 turned(vec3 v) {
@@ -70,8 +71,13 @@ vec3 f(vec3 normal, vec3 view, vec3 light) {
 }
 
 void main() {
-    vec3 normal = turned(normalize(worldNormal));
-    vec3 view = turned(normalize(eye - worldPosition));
+    vec4 position = texelFetch(positions, ivec2(gl_FragCoord.xy), 0);
+    if (position.w == 0.0) {
+        colour = vec4(0.0);
+        return;
+    }
+    vec3 normal = turned(normalize(texelFetch(normals, ivec2(gl_FragCoord.xy), 0).xyz));
+    vec3 view = turned(normalize(eye - position.xyz));
     float cosine = dot(normal, view);
     if (cosine < 0.004) { // smooth normals may turn away at the silhouette
         normal = normalize(normal + (0.004 - cosine) * view);

@@ -3,10 +3,13 @@
 precision highp float;
 
 uniform mat3 face;
+uniform bool isPanorama; // place is that in a panorama as Mitsuba turns it, not that on a face
 uniform int which;
 
 in vec2 place;
 out vec4 colour;
+
+const float PI = 3.14159265;
 
 // 1 inside a rectangle around `centre` as seen from the origin, with soft edges.
 float panel(vec3 direction, vec3 centre, vec2 half_, float tilt, float soft) {
@@ -87,6 +90,10 @@ vec3 room(vec3 d) {
 
 void main() {
     vec3 direction = normalize(face * vec3(place, 1.0));
+    if (isPanorama) {
+        float phi = PI * (place.x + 1.0), theta = 0.5 * PI * (place.y + 1.0);
+        direction = vec3(sin(theta) * sin(phi), sin(theta) * cos(phi), cos(theta));
+    }
     vec3 light = which == 0 ? studio(direction) : which == 1 ? sky(direction) : room(direction);
     colour = vec4(light, 1.0);
 }

@@ -1,0 +1,138 @@
+/** The picture at rest is Mitsuba's of the same material, object, camera and environment. */
+
+import { execFileSync, spawnSync } from "node:child_process";
+import { mkdirSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
+import type { Page } from "@playwright/test";
+import type { Bottom, Coat } from "../../src/core/api";
+import { METALS } from "../../src/material/metals";
+import type { EnvironmentName, ObjectName } from "../../src/state/state";
+import { expect, give, open, test } from "./page";
+
+interface Case {
+  bottom: Bottom;
+  coats: Partial<Coat>[];
+  object: ObjectName;
+  environment: EnvironmentName;
+}
+
+interface Measures {
+  flip: number;
+  noise: number;
+  mean: number;
+  mean_noise: number;
+  tone: number;
+}
+
+const PYTHON = process.env.PYTHON ?? join(import.meta.dirname, "../../../.venv/bin/python");
+const FOLDER = join(import.meta.dirname, "../../out/mitsuba");
+
+function metal(name: keyof typeof METALS & string, alpha: number): Bottom {
+  return { kind: "conductor", alpha, ...METALS[name]! };
+}
+
+const CASES: Record<string, Case> = {
+  matte: {
+    bottom: { kind: "diffuse", reflectance: [0.6, 0.3, 0.1] },
+    coats: [],
+    object: "teapot",
+    environment: "own",
+  },
+  "smooth metal": {
+    bottom: metal("Silver", 0.05),
+    coats: [],
+    object: "ball",
+    environment: "room",
+  },
+  "rough metal": {
+    bottom: metal("Copper", 0.4),
+    coats: [],
+    object: "plate",
+    environment: "sky",
+  },
+  "clear coat": {
+    bottom: { kind: "diffuse", reflectance: [0.5, 0.05, 0.04] },
+    coats: [{ alpha: 0.05 }],
+    object: "ball",
+    environment: "own",
+  },
+  "tinted gold": {
+    bottom: metal("Gold", 0.2),
+    coats: [{ alpha: 0.1, sigmaT: [0.1, 0.3, 0.9] }],
+    object: "teapot",
+    environment: "studio",
+  },
+  "three layers": {
+    bottom: metal("Aluminium", 0.3),
+    coats: [
+      { alpha: 0.03, eta: 1.45 },
+      { alpha: 0.1, eta: 1.1, sigmaT: [2, 1, 0.3], albedo: [0.2, 0.5, 0.9], g: 0.3 },
+    ],
+    object: "ball",
+    environment: "sky",
+  },
+};
+
+/** A panorama with a sky, a ground, and a small sun: 256 by 128 pixels, as a .hdr file. */
+function sunny(): Buffer {
+  const [width, height] = [256, 128];
+  const pixels = Buffer.alloc(4 * width * height);
+  for (let y = 0; y < height; y++)
+    for (let x = 0; x < width; x++) {
+      const up = Math.cos((Math.PI * (y + 0.5)) / height);
+      const isSun = Math.abs(x - 40) < 2 && Math.abs(y - 40) < 2;
+      const sky = [0.4 + 0.2 * up, 0.5 + 0.3 * up, 0.7 + 0.5 * up];
+      const colour = isSun ? [1500, 1400, 1200] : up > 0 ? sky : [0.25, 0.2, 0.15];
+      const exponent = Math.floor(Math.log2(Math.max(...colour))) + 1;
+      const mantissas = colour.map((part) => Math.round((part / 2 ** exponent) * 256 - 0.5));
+      pixels.set([...mantissas, exponent + 128], 4 * (y * width + x));
+    }
+  const header = `#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y ${height} +X ${width}\n`;
+  return Buffer.concat([Buffer.from(header, "latin1"), pixels]);
+}
+
+async function save(page: Page, label: string, name: string): Promise<void> {
+  await page.getByRole("button", { name: "Save", exact: true }).click();
+  const download = page.waitForEvent("download");
+  await page.getByRole("button", { name: new RegExp(`^${label}`) }).click();
+  await (await download).saveAs(join(FOLDER, name));
+}
+
+// One canvas pixel for several of the screen: the processor draws.
+test.use({ deviceScaleFactor: 0.25 });
+
+const hasFlip = spawnSync(PYTHON, ["-c", "import flip_evaluator"]).status === 0;
+test.skip(!hasFlip, "the package flip-evaluator has no wheel for this machine");
+
+test.beforeAll(() => {
+  mkdirSync(FOLDER, { recursive: true });
+});
+
+for (const [name, { bottom, coats, object, environment }] of Object.entries(CASES))
+  test(`${name}: at rest as Mitsuba renders it`, async ({ page }) => {
+    test.setTimeout(400_000);
+    await open(page);
+    if (environment === "own") await give(page, "sunny.hdr", sunny());
+    const materials = [{ name, bottom, coats }];
+    const view = { azimuth: 20, elevation: 25, zoom: 1.4 };
+    const state = { materials, object, environment, view, rotation: 30 };
+    await give(page, "state.json", JSON.stringify(state));
+    await expect(page.getByRole("button", { name: `Material ${name}` })).toBeVisible();
+    await expect(page.locator(".status")).toHaveText("refining");
+    await expect(page.locator(".status")).toHaveText("converged", { timeout: 300_000 });
+    await save(page, "Radiance", `${name}.exr`);
+    await save(page, "Mitsuba scene", `${name}.zip`);
+    await save(page, "Picture", `${name}.png`);
+
+    const script = join(import.meta.dirname, "mitsuba_picture.py");
+    const text = execFileSync(PYTHON, [script, FOLDER, name], { encoding: "utf8" });
+    writeFileSync(join(FOLDER, `${name}.json`), text);
+    const measures: Measures = JSON.parse(text);
+    expect.soft(measures.flip).toBeLessThan(0.05);
+    expect.soft(Math.abs(measures.mean)).toBeLessThan(0.01);
+    // Noise alone is far below these tolerances.
+    expect.soft(measures.noise).toBeLessThan(0.02);
+    expect.soft(Math.abs(measures.mean_noise)).toBeLessThan(0.003);
+    // Rounding to a step of the screen, of which half is dither
+    expect.soft(measures.tone).toBeLessThan(1.1 / 255);
+  });

@@ -1,0 +1,56 @@
+import { expect, test } from "vitest";
+import { meshOf } from "../../src/picture/meshes";
+import { crc32 } from "../../src/save/crc32";
+import { plyFile } from "../../src/save/ply";
+import { type Scene, sceneXml } from "../../src/save/scene";
+import { zipFile } from "../../src/save/zip";
+
+test("the check sum has its published check value", () => {
+  expect(crc32(new TextEncoder().encode("123456789"))).toBe(0xcbf43926);
+});
+
+test("an archive ends with the list of its files, each where it says", () => {
+  const files = { "a.txt": new Uint8Array([1, 2, 3]), "b.txt": new Uint8Array([4]) };
+  const bytes = zipFile(files);
+  const view = new DataView(bytes.buffer);
+  const end = bytes.length - 22;
+  expect(view.getUint32(end, true)).toBe(0x06054b50);
+  let at = view.getUint32(end + 16, true);
+  for (const [name, content] of Object.entries(files)) {
+    const length = view.getUint16(at + 28, true);
+    expect(new TextDecoder().decode(bytes.subarray(at + 46, at + 46 + length))).toBe(name);
+    const start = view.getUint32(at + 42, true) + 30 + length;
+    expect(bytes.subarray(start, start + view.getUint32(at + 20, true))).toEqual(content);
+    at += 46 + length;
+  }
+  expect(at).toBe(end);
+});
+
+test("a mesh file has a row for each vertex and face", () => {
+  const mesh = meshOf("ball");
+  const bytes = plyFile(mesh);
+  const text = new TextDecoder("latin1").decode(bytes);
+  const start = text.indexOf("end_header\n") + 11;
+  expect(bytes.length - start).toBe(4 * mesh.vertices.length + (13 * mesh.faces.length) / 3);
+  const view = new DataView(bytes.buffer);
+  expect(view.getFloat32(start, true)).toBe(mesh.vertices[0]);
+  expect(view.getInt32(bytes.length - 4, true)).toBe(mesh.faces.at(-1));
+});
+
+test("a scene's bright lights turn with the environment", () => {
+  const scene: Scene = {
+    object: "ball",
+    view: { azimuth: 20, elevation: 18, zoom: 1 },
+    rotation: 30,
+    width: 64,
+    height: 32,
+    environment: { suffix: "exr", bytes: new Uint8Array() },
+    lights: [{ direction: [0, 0, 1], power: [1, 2, 3] }],
+    material: new Uint8Array(),
+  };
+  const text = sceneXml(scene, meshOf("ball"));
+  expect(text.match(/<rotate z="1" angle="30"\/>/g)).toHaveLength(2);
+  expect(text).toContain('value="1, 2, 3"');
+  expect(text).toContain('target="0, 0, -1"');
+  expect(text.replace(/\s+/g, " ")).toContain('filename" value="environment.exr"');
+});
