@@ -111,7 +111,9 @@ def _texture_xml(material: str, name: str, texture: "Texture", folder: Path) -> 
     new_folder(folder / "textures")
     with atomic_write(folder / file) as temporary:
         mi.Bitmap(np.ascontiguousarray(texture.pixels)).write(str(temporary))
-    matrix = " ".join(repr(float(x)) for x in texture.to_uv.ravel())
+    four = np.eye(4)  # as Mitsuba reads it from XML: the translation in the last column
+    four[:2, :2], four[:2, 3] = texture.to_uv[:2, :2], texture.to_uv[:2, 2]
+    matrix = " ".join(repr(float(x)) for x in four.ravel())
     parts = (
         f'<texture type="bitmap" name="{name}">',
         f'    <string name="filename" value="{file}"/>',

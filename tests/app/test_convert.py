@@ -1,0 +1,76 @@
+"""`urushi convert`: the written textures are those that `load_materialx` gives."""
+
+import xml.etree.ElementTree as ElementTree
+from importlib.util import find_spec
+
+import numpy as np
+import pytest
+
+import urushi
+from urushi.app.cli import main
+
+mi = pytest.importorskip("mitsuba")
+
+DOCUMENT = """<materialx version="1.39" colorspace="lin_rec709">
+<texcoord name="uv" type="vector2"/>
+<place2d name="p" type="vector2"><input name="texcoord" type="vector2" nodename="uv"/>
+<input name="rotate" type="float" value="30"/><input name="scale" type="vector2" value="0.5, 0.3"/>
+<input name="offset" type="vector2" value="0.1, 0.2"/></place2d>
+<image name="i" type="color3"><input name="file" type="filename" value="a.png"/>
+<input name="texcoord" type="vector2" nodename="p"/></image>
+<open_pbr_surface name="Paint" type="surfaceshader">
+<input name="base_color" type="color3" nodename="i"/>
+<input name="coat_color" type="color3" value="0.25, 0.5, 1"/>
+<input name="coat_weight" type="float" value="0.5"/></open_pbr_surface></materialx>"""
+
+
+@pytest.fixture
+def document(tmp_path):
+    path = tmp_path / "paint.mtlx"
+    path.write_text(DOCUMENT)
+    pixels = np.random.default_rng(0).integers(0, 256, (5, 8, 3)).astype(np.uint8)
+    mi.Bitmap(pixels).write(str(tmp_path / "a.png"))
+    return path
+
+
+@pytest.fixture(autouse=True)
+def variant():
+    before = mi.variant()
+    yield
+    if before is not None:
+        mi.set_variant(before)
+
+
+def values(texture):
+    si = mi.SurfaceInteraction3f()
+    si.uv = mi.Point2f(np.random.default_rng(1).random((50, 2)).T * 3 - 1)
+    return np.array(texture.eval(si))
+
+
+def test_a_document_becomes_a_scene(document, tmp_path, capsys):
+    """Values in the XML are those in the document; its texture is looked up as the dictionary's."""
+    if find_spec("MaterialX") is None:
+        pytest.skip("the package materialx is not installed")
+    folder = tmp_path / "scene"
+    assert main(["convert", str(document), "-o", str(folder)]) == 0
+    assert capsys.readouterr().out.strip() == str(folder / "scene.xml")
+    bsdf = ElementTree.parse(folder / "scene.xml").getroot().find("bsdf")
+    assert bsdf.get("type") == "openpbr" and bsdf.get("id") == "Paint"
+    assert bsdf.find("rgb[@name='coat_color']").get("value") == "0.25 0.5 1.0"
+    assert bsdf.find("float[@name='coat_weight']").get("value") == "0.5"
+
+    mi.set_variant("llvm_ad_rgb")
+    element = bsdf.find("texture[@name='base_color']")
+    file = element.find("string[@name='filename']")
+    file.set("value", str(folder / file.get("value")))
+    element.attrib.pop("name")
+    element.set("version", "3.0.0")
+    written = mi.load_string(ElementTree.tostring(element, encoding="unicode"))
+    described = mi.load_dict(urushi.load_materialx(document)["base_color"])
+    assert np.allclose(values(written), values(described), atol=1e-3)  # files are of half precision
+
+
+def test_errors_are_sentences(tmp_path, capsys):
+    assert main(["convert", str(tmp_path / "no.mtlx"), "-o", str(tmp_path / "out")]) == 2
+    assert "there is no MaterialX file" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
