@@ -1,0 +1,1 @@
+"""Published models of layered materials, beside which the networks are measured."""

@@ -1,0 +1,259 @@
+"""Layered materials by statistical operators: Belcour 2018.
+
+Each interface and each medium is an operator on the energy, the mean direction and the variance of
+a lobe. Adding the layers from top to bottom gives one GGX lobe for each interface. The equations
+are those of L. Belcour, Efficient Rendering of Layered Materials using an Atomic Decomposition with
+Statistical Operators, ACM Transactions on Graphics 37 (4), 2018, in the form of its author's code
+(forward model). Energies and variances depend on wi alone: the BRDF is not reciprocal.
+
+Four things are chosen here. Variances are those of each colour channel, not of the channels' mean.
+The Fresnel mean of an interface is normalised by the lobe without Fresnel's term, so that a single
+interface has the exact albedo. Scattering widens a lobe by the share of the medium's albedo, as in
+the paper, where the author's code widens it in absorbing media also. A Lambertian bottom, which the
+paper does not have, reflects a Lambertian lobe. As in the code, the refraction of a width ignores
+the angle, and reflectances from both sides of an interface are equal.
+"""
+
+from typing import Any, NamedTuple
+
+import drjit as dr
+import numpy as np
+import numpy.typing as npt
+
+from urushi import checks
+from urushi.checks import MIN_ALPHA, Widths
+from urushi.errors import ParameterError
+from urushi.physics import fresnel, microfacet
+from urushi.reference.monte_carlo import backend, per_channel
+from urushi.reference.stack import Conductor, Dielectric, Diffuse, Stack
+from urushi.reference.table import StackTable, TableLayers
+from urushi.rivals import belcour_tables as tables
+
+#: Exponent of the variance's formula (equation 6).
+VARIANCE_EXPONENT = 1.1
+#: Largest width and smallest asymmetry that have a finite variance.
+MAX_ALPHA, MIN_G = 0.9999, 1e-4
+#: Least cosine in a medium, and least divisor of the sum of reflections between layers.
+MIN_COSINE, MIN_DIVISOR = 1e-3, 1e-6
+
+
+class Lobe(NamedTuple):
+    """A lobe of the sum: its energy, and its GGX width, None of a Lambertian lobe."""
+
+    energy: Any
+    alpha: Any
+
+
+class Layer(NamedTuple):
+    """An interface or a medium: energies r, t and variances s; "back" is from below.
+
+    `stretch` scales a variance that passes downwards, `stretch_back` one that passes upwards.
+    """
+
+    r: Any
+    t: Any
+    r_back: Any
+    t_back: Any
+    s_r: Any
+    s_t: Any
+    s_t_back: Any
+    stretch: Any
+    stretch_back: Any
+
+
+class Sum(NamedTuple):
+    """The layers added so far: the reflectance from below, the transmittances, and variances."""
+
+    r_back: Any
+    t: Any
+    t_back: Any
+    s_r_back: Any
+    s_t: Any
+    s_t_back: Any
+    stretch: Any
+    stretch_back: Any
+
+
+def f(stack: Stack, wi: npt.ArrayLike, wo: npt.ArrayLike) -> np.ndarray:
+    """Evaluate the model of Belcour 2018.
+
+    Args:
+        stack: isotropic coats over a conductor, a dielectric or a diffuse bottom.
+        wi, wo: (N, 3) unit vectors pointing away from the surface; z is the normal.
+
+    Returns:
+        float32 (N, 3): the BRDF [1/sr], without cosine; zero below the horizon. It is not
+        reciprocal: wi is the direction whose lobes are added.
+
+    Raises:
+        ParameterError: the model does not describe the stack; wrong shapes or no unit vectors.
+        PlatformError: no libLLVM that Dr.Jit can use.
+    """
+    if not isinstance(stack, Stack) or not isinstance(
+        stack.bottom, Conductor | Dielectric | Diffuse
+    ):
+        raise ParameterError(
+            "belcour.f needs a Stack over a conductor, dielectric or diffuse bottom; describe it "
+            "by urushi.coat(...)"
+        )
+    if stack.is_anisotropic:
+        raise ParameterError(
+            "belcour.f adds isotropic lobes only, and a surface of the stack has two widths; give "
+            "alpha in place of alpha_u and alpha_v"
+        )
+
+    def channel(table: StackTable, row: np.ndarray, wi: np.ndarray, wo: np.ndarray):
+        values = rows(table, row, wi, wo)
+        return values, np.zeros_like(values)
+
+    return per_channel(stack, checks.directions(wi, wo), channel)[0]
+
+
+def rows(table: StackTable, row: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+    """Evaluate row[i] of a table of isotropic stacks at (wi[i], wo[i]); float32 (M,) [1/sr]."""
+    device = backend()
+    index = device.UInt32(np.ascontiguousarray(row, np.uint32))
+    to_light, to_eye = (device.Array3f(np.ascontiguousarray(w.T, np.float32)) for w in (wi, wo))
+    above = (to_light.z > 0) & (to_eye.z > 0)
+    value = device.Float(0)
+    for lobe in lobes(table, index, dr.clip(to_light.z, MIN_COSINE, 1)):
+        if lobe.alpha is None:
+            value += lobe.energy * dr.inv_pi
+        else:
+            value += lobe.energy * microfacet.reflection_lobe(to_light, to_eye, lobe.alpha)[0]
+    return np.array(dr.select(above, value, 0).numpy(), np.float32)
+
+
+def lobes(table: StackTable, row: Any, cos_i: Any) -> list[Lobe]:
+    """The lobes of stacks row[i] of a table: one an interface, the bottom's last.
+
+    Args:
+        table: isotropic stacks over a described bottom.
+        row: Dr.Jit indices (M,).
+        cos_i: cosine of the incident direction, Dr.Jit floats (M,) in (0, 1].
+    """
+    if isinstance(table.alpha, Widths):
+        raise ParameterError("lobes adds isotropic lobes only; the table has two widths")
+    coats = TableLayers(backend(), table, row)
+    one, zero = type(cos_i)(1), type(cos_i)(0)
+    total = Sum(zero, one, one, zero, zero, zero, one, one)
+    found, eta_above = [], one
+    for i in range(coats.count):
+        number = type(row)(i)
+        alpha, eta = coats.interface(number)
+        surface, cos_t = interface(cos_i, alpha, eta, total.s_t)
+        total = totally_reflected(
+            total, tables.transmitted_share(cos_i, width(total.s_t + surface.s_r), 1 / eta_above)
+        )
+        total, energy, spread = add(total, surface)
+        found.append(Lobe(energy, width(spread)))
+        total = add(total, medium(cos_t, *coats.medium(number)))[0]
+        cos_i, eta_above = cos_t, eta
+    energy, lobe_width = _bottom(total, table, row, cos_i, eta_above)
+    return [*found, Lobe(energy, lobe_width)]
+
+
+def interface(cos_i: Any, alpha: Any, eta: Any, s_t: Any) -> tuple[Layer, Any]:
+    """The operators of a dielectric interface, and the mean cosine below it.
+
+    s_t is the variance that the light from above has; it widens the Fresnel mean.
+    """
+    sin2_t = (1 - cos_i * cos_i) / (eta * eta)
+    passes = sin2_t < 1
+    cos_t = dr.maximum(dr.safe_sqrt(1 - sin2_t), MIN_COSINE)
+    s_r = variance(alpha)
+    r = tables.mean_dielectric(cos_i, width(s_t + s_r), eta)
+    r = dr.select(passes, r, 1)
+    bend = 0.5 * dr.abs(eta - 1)
+    stretch = dr.select(passes, eta * cos_t / cos_i, 1)
+    t = 1 - r
+    layer = Layer(
+        r, t, r, t, s_r, variance(alpha * bend / eta), variance(alpha * bend), stretch, 1 / stretch
+    )
+    return layer, cos_t
+
+
+def medium(cos_i: Any, albedo: Any, sigma_t: Any, g: Any) -> Layer:
+    """The operators of a medium: absorption (equation 15) and forward scattering (22, 24)."""
+    depth = sigma_t / cos_i
+    t = (1 + albedo * depth) * dr.exp(-depth)
+    g = dr.clip(g, MIN_G, 1)
+    s_t = dr.select(sigma_t > 0, albedo, 0) * dr.power((1 - g) / g, 0.8) / (1 + g)  # equation 21
+    zero, one = type(t)(0), type(t)(1)
+    return Layer(zero, t, zero, t, zero, s_t, s_t, one, one)
+
+
+def totally_reflected(total: Sum, share: Any) -> Sum:
+    """Return to below what is beyond the critical angle; `share` of the light is not."""
+    r_back = dr.clip(total.r_back + (1 - share) * total.t_back, 0, 1)
+    return total._replace(r_back=r_back, t_back=share * total.t_back)
+
+
+def add(total: Sum, layer: Layer) -> tuple[Sum, Any, Any]:
+    """Add a layer below; returns (sum, energy of the layer's lobe, its variance)."""
+    inverse = 1 / dr.maximum(1 - total.r_back * layer.r, MIN_DIVISOR)
+    energy = total.t * layer.r * total.t_back * inverse
+    between = total.r_back * layer.r * inverse
+    again = between * (layer.s_r + total.s_r_back)
+    spread = total.s_t_back + total.stretch * (total.s_t + layer.s_r + again)
+    below = layer.t_back * total.r_back * layer.t * inverse
+    r_back = layer.r_back + below
+    s_below = layer.s_t + layer.stretch * (layer.s_t_back + total.s_r_back + again)
+    s_r_back = layer.r_back * layer.s_r + below * s_below
+    added = Sum(
+        r_back,
+        total.t * layer.t * inverse,
+        layer.t_back * total.t_back * inverse,
+        dr.select(r_back > 0, s_r_back / dr.maximum(r_back, MIN_DIVISOR), 0),
+        layer.stretch * (total.s_t + again) + layer.s_t,
+        total.stretch_back * (layer.s_t_back + again) + total.s_t_back,
+        total.stretch * layer.stretch,
+        total.stretch_back * layer.stretch_back,
+    )
+    return added, energy, spread
+
+
+def variance(alpha: Any) -> Any:
+    """The variance of a GGX lobe (equation 6)."""
+    power = dr.power(dr.clip(alpha, 1e-6, MAX_ALPHA), VARIANCE_EXPONENT)
+    return power / (1 - power)
+
+
+def width(variance: Any) -> Any:
+    """The GGX width of a variance, the inverse of `variance`, at least 0.01."""
+    alpha = dr.power(variance / (1 + variance), 1 / VARIANCE_EXPONENT)
+    return dr.clip(alpha, MIN_ALPHA, 1)
+
+
+def _bottom(total: Sum, table: StackTable, row: Any, cos_i: Any, eta_above: Any) -> tuple[Any, Any]:
+    """Energy and width of the bottom's lobe."""
+    column = {name: dr.gather(type(cos_i), type(cos_i)(v), row) for name, v in table.bottom.items()}
+    zero, one = type(cos_i)(0), type(cos_i)(1)
+    if table.kind == "diffuse":
+        s_r, r = zero, column["reflectance"]
+        share = dr.minimum(1 / (eta_above * eta_above), 1)  # the cosine lobe's, exactly
+    else:
+        s_r = variance(column["alpha"])
+        widened = width(total.s_t + s_r)
+
+        def reflected(wo: Any, cos_m: Any) -> Any:
+            return _reflectance(table.kind, column, dr.clip(cos_m, 0, 1))
+
+        r = tables.mean_over_facets(reflected, cos_i, widened)
+        share = tables.transmitted_share(cos_i, widened, 1 / eta_above)
+    opaque = Layer(r, zero, zero, zero, s_r, zero, zero, one, one)
+    _, energy, spread = add(totally_reflected(total, share), opaque)
+    return energy, None if table.kind == "diffuse" else width(spread)
+
+
+def _reflectance(kind: str, column: dict[str, Any], cos: Any) -> Any:
+    """Fresnel's term of a bottom of one of the isotropic microfacet kinds."""
+    if kind == "conductor":
+        return fresnel.schlick(cos, column["r0"])
+    if kind == "conductor_complex":
+        return fresnel.conductor(cos, column["eta"], column["k"])
+    if kind == "dielectric":
+        return fresnel.dielectric(cos, column["eta"])[0]
+    raise ParameterError(
+        f"the model of Belcour 2018 has no '{kind}' bottom; use a conductor, dielectric or diffuse"
+    )
