@@ -1,7 +1,7 @@
 """Sphinx directive `.. plugin:: NAME`: the doc block of a Mitsuba plugin, from its source.
 
-Plugins are classes inside functions called `define`, so that autodoc cannot see them. Their
-docstrings are read from the syntax tree of every file below `src/urushi` whose folder is called
+Plugins are classes, or functions that make them, inside functions called `define`, so that autodoc
+cannot see them. Their docstrings are read from the syntax tree of every file below `src/urushi` whose folder is called
 `plugins`: Mitsuba is not imported. The first sentence of a doc block ends with the plugin's name in
 parentheses, such as (``layered``).
 
@@ -39,11 +39,11 @@ def doc_blocks() -> dict[str, tuple[Path, str]]:
 
 
 def _docstrings(tree: ast.Module) -> Iterator[str]:
-    """Docstrings of the classes that functions called `define` make."""
+    """Docstrings of the classes and functions inside functions called `define`."""
     for function in tree.body:
         if isinstance(function, ast.FunctionDef) and function.name == "define":
             for node in function.body:
-                if isinstance(node, ast.ClassDef):
+                if isinstance(node, ast.ClassDef | ast.FunctionDef):
                     yield inspect.cleandoc(ast.get_docstring(node) or "")
 
 

@@ -41,30 +41,42 @@ def is_mirror(roughness: float) -> bool:
 
 
 def base_index(
-    specular_ior: Any, coat_ior: Any, coat_weight: Any, specular_weight: Any, xp: Any = np
+    specular_ior: Any,
+    coat_ior: Any,
+    coat_weight: Any,
+    specular_weight: Any,
+    xp: Any = np,
+    *,
+    inverted: bool = False,
 ) -> Any:
     """The index of the dielectric base relative to the medium above it.
 
     The ratio is specular_ior in air and specular_ior / coat_ior under the coat; partial coverage
-    is linear in between. A ratio below one stays below one: the light that meets it was refracted
-    by the coat, so that total reflection happens where it happens in the layers. specular_weight
-    then scales the reflectance at normal incidence, at most to one.
+    is linear in between. Below one, there is total reflection from above at grazing angles, which
+    light refracted by a smooth coat does not reach directly. specular_weight then scales the
+    reflectance at normal incidence, at most to 0.98.
 
     Args:
         specular_ior, coat_ior: indices of refraction, positive.
         coat_weight: in [0, 1].
         specular_weight: zero or more.
         xp: the module of the arrays' functions, NumPy or drjit.
+        inverted: whether a ratio below one under the coat is replaced by its inverse, which
+            reflects as much at normal incidence and nowhere totally. The specification recommends
+            it where refraction by the coat is not followed.
 
     Returns:
         A positive ratio; 1 where the interface vanishes.
 
     Source: OpenPBR 1.1.1, Coat and Dielectric base (the ratio of the indices and its modulation).
     """
-    ratio = specular_ior * (1 - coat_weight + coat_weight / coat_ior)
-    root = (ratio - 1) / (ratio + 1)  # the signed root of the reflectance
-    # A root of one would be an index without bound; the interfaces end far below.
-    scaled = xp.clip(root * xp.sqrt(specular_weight), -0.99, 0.99)
+    covered = specular_ior / coat_ior
+    if inverted:
+        covered = xp.maximum(covered, coat_ior / specular_ior)
+    ratio = specular_ior + coat_weight * (covered - specular_ior)
+    amplitude = (ratio - 1) / (ratio + 1)  # the signed root of the reflectance
+    # An amplitude of one would be an index without bound; the interfaces end far below.
+    scaled = xp.clip(amplitude * xp.sqrt(specular_weight), -0.99, 0.99)
     return (1 + scaled) / (1 - scaled)
 
 

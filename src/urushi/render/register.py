@@ -7,7 +7,7 @@ import mitsuba as mi
 from urushi import platform
 from urushi.errors import PlatformError
 
-PLUGINS = ("layered", "neural_layered", "neural_brdf", "measured_brdf")
+PLUGINS = ("layered", "neural_layered", "neural_brdf", "measured_brdf", "openpbr")
 
 _registered = False
 
@@ -43,7 +43,14 @@ def _on_variant(old: str | None, new: str) -> None:
         for name in PLUGINS:
             mi.register_bsdf(name, _refusal(name, new))
         return
-    from urushi.render.plugins import base, layered, measured_brdf, neural_brdf, neural_layered
+    from urushi.render.plugins import (
+        base,
+        layered,
+        measured_brdf,
+        neural_brdf,
+        neural_layered,
+        openpbr,
+    )
 
     proposal_bsdf = base.define_proposal_bsdf()
     neural_bsdf = base.define_neural_bsdf(proposal_bsdf)
@@ -51,6 +58,7 @@ def _on_variant(old: str | None, new: str) -> None:
     mi.register_bsdf("neural_layered", neural_layered.define(neural_bsdf))
     mi.register_bsdf("neural_brdf", neural_brdf.define(neural_bsdf))
     mi.register_bsdf("measured_brdf", measured_brdf.define(proposal_bsdf))
+    mi.register_bsdf("openpbr", openpbr.define(proposal_bsdf))
 
 
 def _refusal(name: str, variant: str):

@@ -177,6 +177,7 @@ class _ProbedBottom:
 
     def __init__(self, model: Model, bottom: "mi.BSDF", where: str, grid: TexelGrid):
         self._model, self._bottom, self._where = model, bottom, where
+        self._has_lobes = isinstance(model.networks, UrushiNetworks)
         self._pairs = model.networks.pairs()
         self._average = probing.needed_averaging(bottom, *self._pairs, grid, where)
 
@@ -203,6 +204,12 @@ class _ProbedBottom:
             f = probing.check_values(f, self._where).reshape(len(points) * channels, -1)
             first = start * channels
             own = row[slice(*np.searchsorted(row, [first, first + len(f)]))]
-            parts.append(encoder_codes(self._model, f[own - first]))
+            lobes = probing.known_lobes(self._bottom, points) if self._has_lobes else None
+            if lobes is not None:
+                lobes = lobes.reshape(len(f), -1)[own - first]
+                if getattr(self._bottom, "bare", False):
+                    parts.append(bare_anchors(self._model, lobes))
+                    continue
+            parts.append(encoder_codes(self._model, f[own - first], lobes))
         codes = limit_albedo(self._model, np.concatenate(parts))
         return codes, row_of.reshape(len(texel), channels)[texel_of]

@@ -56,6 +56,15 @@ def reflection_source(bsdf: "mi.BSDF") -> Source:
                 bare=surface.bare,
             )
 
+    lobes = probing.known_lobes(bsdf, np.full((1, 2), 0.5))
+    if lobes is not None:
+        return Source(
+            lambda wi, wo: _mean_values(bsdf, wi, wo, 1),
+            symmetric=True,
+            lobe=lobes[0],
+            bare=bool(getattr(bsdf, "bare", False)),
+        )
+
     def f(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         return _mean_values(bsdf, wi, wo, probing.needed_repeats(bsdf, wi, wo, 1))
 

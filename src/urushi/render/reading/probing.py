@@ -191,5 +191,21 @@ def needed_repeats(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, points: int)
     return max(min(REPEATS, BUDGET // (points * len(wi))) // (2 * AZIMUTHS), 1)
 
 
+def known_lobes(bsdf: "mi.BSDF", uv: np.ndarray) -> np.ndarray | None:
+    """The lobes float32 (M, C, 6) at points uv (M, 2) of a BSDF that knows them, or None.
+
+    A plugin gives them by a method `lobes` of a surface interaction: six Dr.Jit floats for each
+    channel, or None (see `urushi.nets.lobe`). Its values contain more than the lobe.
+    """
+    method = getattr(bsdf, "lobes", None)
+    si = interaction(np.tile([0.0, 0.0, 1.0], (len(uv), 1)), uv)
+    channels = None if method is None else method(si)
+    if channels is None:
+        return None
+    dr.eval(channels)
+    rows = [[np.broadcast_to(value.numpy(), len(uv)) for value in channel] for channel in channels]
+    return np.moveaxis(np.array(rows, np.float32), -1, 0)
+
+
 def _vector(w: np.ndarray) -> "mi.Vector3f":
     return mi.Vector3f(np.ascontiguousarray(w.T, np.float32))

@@ -1,0 +1,133 @@
+"""The plugin `openpbr`: OpenPBR Surface, its coat by the networks or by random walks."""
+
+from typing import Any
+
+import drjit as dr
+import mitsuba as mi
+
+from urushi.openpbr import medium, roughness
+from urushi.render.plugins import openpbr_base, openpbr_surface
+from urushi.render.reading.openpbr_inputs import Inputs, derived
+
+
+def define(proposal_bsdf: type):
+    """Make the plugin's constructor in the current variant; see `define_proposal_bsdf`."""
+    base_class = openpbr_base.define(proposal_bsdf)
+    surface_class = openpbr_surface.define()
+
+    def openpbr(props):
+        """OpenPBR Surface 1.1.1, opaque, with its coat as light transport (``openpbr``).
+
+        ==================== ===================== =============================================
+        (parameters)         float, rgb, texture   The parameters of the specification under their
+                                                   names, with its defaults.
+        geometry_normal      texture               A normal map, around the whole surface.
+        reference            boolean               Whether the coat is a random walk, the plugin
+                                                   ``layered``, in place of ``neural_layered``.
+                                                   (Default: false)
+        energy_compensation  boolean               Whether light that the coat's rough interface
+                                                   loses is given back. (Default: true)
+        unsupported          string                "error" or "ignore": what happens where a
+                                                   feature is asked for that is missing.
+                                                   (Default: "error")
+        resolution, weights  integer, string       As of ``neural_layered``, without ``reference``.
+        ==================== ===================== =============================================
+
+        The base is a closed form. A dielectric reflects by single scattering and passes the rest to
+        the diffuse slab, whose albedo is such that base_color is what leaves; a metal has the
+        F82-tint term. The coat over it is layered, and coat_weight mixes the BRDFs of the bare and
+        the coated base. Fuzz lies above both. Missing and refused, or left out with a warning:
+        transmission, subsurface scattering, the thin-walled mode, thin film, emission, a normal map
+        of the coat. Reflects on the front side only: nest it in ``twosided`` for both sides.
+
+        Where the coat's index exceeds the base's, ``reference`` follows total reflection by the
+        base. The networks know ratios above one only and take the inverse, as the specification
+        recommends.
+
+        .. tabs::
+            .. code-tab:: xml
+
+                <bsdf type="openpbr">
+                    <rgb name="base_color" value="0.6, 0.1, 0.05"/>
+                    <float name="coat_weight" value="1"/>
+                    <rgb name="coat_color" value="0.9, 0.7, 0.4"/>
+                </bsdf>
+
+            .. code-tab:: python
+
+                'type': 'openpbr',
+                'base_color': {'type': 'rgb', 'value': [0.6, 0.1, 0.05]},
+                'coat_weight': 1.0,
+                'coat_color': {'type': 'rgb', 'value': [0.9, 0.7, 0.4]}
+
+        Andersson et al., OpenPBR Surface 1.1.1, Academy Software Foundation.
+        """
+        inputs = Inputs(props)
+        reference = bool(props.get("reference", False))
+        compensated = bool(props.get("energy_compensation", True))
+        _warn_of_mirrors(inputs)
+        base = coated = None
+        if not inputs.is_constant("coat_weight", 1):
+            base = base_class(inputs, False, reference or inputs.is_constant("coat_weight", 0))
+        if not inputs.is_constant("coat_weight", 0):
+            below = base_class(inputs, True, reference)
+            coat = _coat(inputs, below, "layered" if reference else "neural_layered")
+            if not reference:
+                coat |= {name: props[name] for name in ("resolution", "weights") if name in props}
+            coated = mi.load_dict(coat)
+        for name in ("resolution", "weights"):
+            if name in props:
+                props.mark_queried(name)
+        bsdf = surface_class(inputs, base, coated, compensated)
+        if "geometry_normal" in inputs.maps:
+            bsdf = mi.load_dict(
+                {"type": "normalmap", "map": inputs.maps["geometry_normal"], "bsdf": bsdf}
+            )
+        if not inputs.is_constant("geometry_opacity", 1):
+            opacity = inputs.textures["geometry_opacity"]
+            bsdf = mi.load_dict({"type": "mask", "opacity": opacity, "bsdf": bsdf})
+        return bsdf
+
+    return openpbr
+
+
+def _coat(inputs: Inputs, below: "mi.BSDF", plugin: str) -> dict[str, Any]:
+    """The coat over the base as a dictionary of a plugin."""
+    coat: dict[str, Any] = {"type": plugin, "ext_ior": 1.0, "bottom": below}
+    names = "coat_roughness", "coat_roughness_anisotropy"
+    if inputs.is_constant(names[1], 0):
+        coat["alpha"] = derived(inputs, names[:1], lambda r: roughness.lobe_width(r, dr))
+    else:
+        for i, name in enumerate(("alpha_u", "alpha_v")):
+            coat[name] = derived(
+                inputs, names, lambda r, a, i=i: roughness.lobe_widths(r, a, dr)[i]
+            )
+    if "coat_ior" in inputs.constants:
+        coat["int_ior"] = float(roughness.interface_index(inputs.constants["coat_ior"]))
+    else:
+        coat["int_ior"] = inputs.textures["coat_ior"]
+    if not inputs.is_constant("coat_color", 1):
+        coat["sigma_t"] = derived(
+            inputs, ("coat_color",), lambda color: medium.optical_depth(color, dr), color=True
+        )
+    return coat
+
+
+def _warn_of_mirrors(inputs: Inputs) -> None:
+    """Say that a perfectly smooth interface has the narrowest lobe that there is."""
+    present = {"specular_roughness": True, "coat_roughness": _has(inputs, "coat_weight")}
+    smooth = [
+        name
+        for name, used in present.items()
+        if used and name in inputs.constants and roughness.is_mirror(inputs.constants[name])
+    ]
+    if smooth:
+        mi.Log(
+            mi.LogLevel.Info,
+            f"{inputs.where}: {' and '.join(smooth)} below 0.1 have the lobe of 0.1, the narrowest",
+        )
+
+
+def _has(inputs: Inputs, weight: str) -> bool:
+    """Whether a part of a given weight is there."""
+    return not inputs.is_constant(weight, 0)

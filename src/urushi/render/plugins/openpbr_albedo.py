@@ -1,0 +1,94 @@
+"""The albedos of `urushi.openpbr.interface_albedo` as Dr.Jit textures, and what they give back."""
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from urushi.openpbr import interface_albedo as tables
+
+
+class InterfaceAlbedo:
+    """Directional albedos of a rough dielectric interface, from above.
+
+    eta: its index if it is constant; None: any between 1/3 and 3.
+    """
+
+    def __init__(self, eta: float | None):
+        self._constant = eta is not None
+        known = tables.tables(None if eta is None else float(np.clip(eta, 1 / 3, 3)))
+        self._reflected = _texture(known.reflected)
+        self._passed = _texture(known.passed)
+        self._reflected_mean = _texture(known.reflected_mean)
+        self._passed_mean = _texture(known.passed_mean)
+
+    def reflected(self, cosine, alpha, eta):
+        """Share of the light from a direction that is reflected."""
+        return _read(self._reflected, self._at(cosine, alpha, eta))
+
+    def passed(self, cosine, alpha, eta):
+        """Share that is transmitted; the rest would meet a second facet and is lost."""
+        return _read(self._passed, self._at(cosine, alpha, eta))
+
+    def reflected_mean(self, alpha, eta):
+        """Share of diffuse light that is reflected."""
+        return _read(self._reflected_mean, self._at(None, alpha, eta))
+
+    def passed_mean(self, alpha, eta):
+        """Share of diffuse light that is transmitted."""
+        return _read(self._passed_mean, self._at(None, alpha, eta))
+
+    def _at(self, cosine, alpha, eta) -> list:
+        """Coordinates in [0, 1] of a look-up, the last axis of the tables first."""
+        at = [] if cosine is None else [dr.safe_sqrt(cosine)]
+        index = mi.Float(0.5) if self._constant else tables.index_coordinate(eta, dr)
+        return [*at, tables.roughness_coordinate(alpha, dr), index]
+
+
+class MirrorAlbedo:
+    """Directional albedos of GGX facets that reflect all light."""
+
+    def __init__(self) -> None:
+        known = tables.mirror_tables()
+        self._albedo, self._mean = _texture(known.albedo), _texture(known.mean)
+
+    def lost(self, cos_i, cos_o, alpha, fresnel_mean):
+        """The lobe [1/sr] of light that meets more than one facet.
+
+        fresnel_mean: cosine-weighted mean of the facets' Fresnel term.
+
+        Source: Kulla and Conty 2017, with the Fresnel term of Jimenez and Hanika in their notes.
+        """
+        width = tables.roughness_coordinate(alpha, dr)
+        ends = [1 - _read(self._albedo, [dr.safe_sqrt(c), width]) for c in (cos_i, cos_o)]
+        mean = _read(self._mean, [width])
+        color = fresnel_mean * fresnel_mean * mean / (1 - fresnel_mean * (1 - mean))
+        # Where nothing is lost, the quotient is 0 / 0.
+        return color * (ends[0] * ends[1] / dr.maximum(dr.pi * (1 - mean), 1e-6))
+
+    def gain(self, alpha, f0):
+        """The factor by which multiple scattering increases a lobe of reflectance f0.
+
+        Source: Turquin 2019, Practical multiple scattering compensation for microfacet models,
+        with the mean albedo in place of the directional one.
+        """
+        mean = _read(self._mean, [tables.roughness_coordinate(alpha, dr)])
+        return 1 + f0 * ((1 - mean) / mean)
+
+
+def _texture(table: np.ndarray):
+    """A table as a texture of one channel, linear between the nodes."""
+    kinds = {1: mi.Texture1f, 2: mi.Texture2f, 3: mi.Texture3f}
+    return kinds[table.ndim](
+        mi.TensorXf(np.ascontiguousarray(table[..., None])),
+        use_accel=False,
+        filter_mode=dr.FilterMode.Linear,
+        wrap_mode=dr.WrapMode.Clamp,
+    )
+
+
+def _read(texture, at: list):
+    """The value at coordinates in [0, 1], from the first to the last node of each axis."""
+    sizes = reversed(texture.shape[:-1])
+    position = [(x * (size - 1) + 0.5) / size for x, size in zip(at, sizes, strict=True)]
+    kinds = {1: mi.Point1f, 2: mi.Point2f, 3: mi.Point3f}
+    return texture.eval(kinds[len(at)](*position))[0]

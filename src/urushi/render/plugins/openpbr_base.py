@@ -1,0 +1,202 @@
+"""The base of OpenPBR: metal and glossy-diffuse dielectric, in closed form."""
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from urushi.checks import Widths
+from urushi.nets.lobe import NO_LOBE
+from urushi.openpbr import darkening, eon, glossy, metal, roughness
+from urushi.physics import fresnel, microfacet
+from urushi.physics.mixture import Mixture
+from urushi.render import spectrum
+from urushi.render.plugins.openpbr_albedo import InterfaceAlbedo, MirrorAlbedo
+from urushi.render.reading.openpbr_inputs import Inputs
+
+#: Least share of each lobe in the proposal.
+MIN_SHARE = 0.1
+
+#: The parameters on which its relative index depends, and the least index of a medium.
+INDICES = ("specular_ior", "coat_ior", "coat_weight", "specular_weight")
+LEAST_INDEX = 0.1
+
+#: The parameters that the base reads.
+NAMES = (
+    *("base_weight", "base_color", "base_diffuse_roughness", "base_metalness"),
+    *("specular_weight", "specular_color", "specular_roughness", "specular_ior"),
+    *("specular_roughness_anisotropy", "coat_weight", "coat_ior", "coat_darkening"),
+)
+
+
+def define(base: type) -> type:
+    """Make the class in the current variant; base: of `define_proposal_bsdf`."""
+
+    class OpenPBRBase(base):
+        """The base without coat and fuzz, for directions in the medium above it.
+
+        The interface reflects by single scattering and passes the rest, so that a white base
+        reflects all light. A metal has the lobe of multiple scattering of Kulla and Conty 2017.
+        """
+
+        def __init__(self, inputs: Inputs, under_coat: bool, reference: bool):
+            """Take the parameters.
+
+            under_coat: whether `coat_darkening` has an effect.
+            reference: whether an index below that of the coat is kept, as random walks follow it;
+                the networks have learned ratios above one only.
+            """
+            super().__init__(mi.Properties("openpbr_base"))
+            self._inputs = inputs
+            self._boosted = under_coat and not inputs.is_constant("coat_darkening", 1)
+            self._inverted = not reference
+            eta = None
+            if all(name in inputs.constants for name in INDICES):
+                values = [inputs.constants[name] for name in INDICES]
+                values[:2] = np.maximum(values[:2], LEAST_INDEX)
+                eta = float(roughness.base_index(*values, inverted=self._inverted))
+            self._albedo = InterfaceAlbedo(eta)
+            self._mirror = MirrorAlbedo()
+
+        def _f(self, vertex, ctx, si, wo, active):
+            inputs = self._inputs
+            color = inputs.number("base_weight", si, active) * inputs.color(
+                "base_color", si, active
+            )
+            widths, eta = self._alpha(si, active), self._eta(si, active)
+            lobe, cos_m = microfacet.reflection_lobe(si.wi, wo, widths)
+            cos_m, alpha = dr.abs(cos_m), _mean_width(widths)
+            tint = inputs.color("specular_color", si, active)
+            f = mi.Spectrum(0)
+            if not inputs.is_constant("base_metalness", 1):
+                f += lobe * fresnel.dielectric(cos_m, eta)[0] * tint
+                f += self._diffuse(si, wo, color, alpha, eta, active)
+            if not inputs.is_constant("base_metalness", 0):
+                share = inputs.number("base_metalness", si, active)
+                weight = inputs.number("specular_weight", si, active)
+                shine = lobe * metal.f82(cos_m, color, tint)
+                shine += self._mirror.lost(si.wi.z, wo.z, alpha, metal.f82_mean(color, tint))
+                f = dr.lerp(f, dr.minimum(weight, 1) * shine, share)
+            if self._boosted:
+                f *= self._boost(si, color, eta, active)
+            return f
+
+        def _diffuse(self, si, wo, color, alpha, eta, active):
+            """What passes the interface, is reflected by the slab and leaves [1/sr]."""
+            albedo = self._albedo
+            passed = (1 - albedo.reflected(si.wi.z, alpha, eta)) * (
+                1 - albedo.reflected(wo.z, alpha, eta)
+            )
+            mean = 1 - albedo.reflected_mean(alpha, eta)
+            if self._inputs.is_constant("base_diffuse_roughness", 0):
+                return color * (passed * dr.inv_pi / mean)
+            rough = self._inputs.number("base_diffuse_roughness", si, active)
+            internal = dr.clip(glossy.internal_reflectance(mean, eta), 0, 0.999)
+            rho = glossy.slab_albedo(color, internal)
+            # The first reflection by the slab, along the refracted directions.
+            inside = [dr.safe_sqrt(1 - (1 - w.z * w.z) / (eta * eta)) for w in (si.wi, wo)]
+            along = (si.wi.x * wo.x + si.wi.y * wo.y) / (eta * eta)
+            cosines = eon.Cosines(inside[0], inside[1], along + inside[0] * inside[1])
+            f = eon.f(cosines, rho, rough, dr)
+            # Later ones: light that the interface returns is diffuse.
+            ends = [eon.albedo(cosine, rho, rough, dr) for cosine in inside]
+            mean_albedo = eon.mean_albedo(rho, rough)
+            f += ends[0] * ends[1] * (internal * dr.inv_pi / (1 - mean_albedo * internal))
+            return f * (passed / (eta * eta))
+
+        def _boost(self, si, color, eta, active):
+            """The factor that takes back darkening by the coat, see `urushi.openpbr.darkening`."""
+            inputs = self._inputs
+            share = inputs.number("base_metalness", si, active)
+            f0 = dr.square((eta - 1) / (eta + 1))
+            weight = dr.minimum(inputs.number("specular_weight", si, active), 1)
+            dielectric, shine = f0 + (1 - f0) * color, weight * color
+            base = darkening.Base(
+                dr.lerp(dielectric, shine, share),
+                inputs.number("specular_roughness", si, active),
+                share,
+                f0,
+            )
+            coat_eta = dr.maximum(inputs.number("coat_ior", si, active), 1.001)
+            kept = inputs.number("coat_darkening", si, active)
+            return darkening.boost(kept, coat_eta, base, dr)
+
+        def _proposal(self, vertex, si, active):
+            inputs, alpha = self._inputs, self._alpha(si, active)
+            width, eta = _mean_width(alpha), self._eta(si, active)
+            reflected = self._albedo.reflected(si.wi.z, width, eta)
+            color = inputs.number("base_weight", si, active) * dr.mean(
+                inputs.color("base_color", si, active)
+            )
+            share = reflected / (reflected + (1 - reflected) * color + 1e-4)
+            share = dr.lerp(share, 1, inputs.number("base_metalness", si, active))
+            share = dr.clip(share, MIN_SHARE, 1 - MIN_SHARE)
+            return Mixture([share, 1 - share], [alpha])
+
+        @property
+        def bare(self) -> bool:
+            """Whether the base counts as its lobe alone: a metal, but for its dip at 82 degrees."""
+            return self._inputs.is_constant("base_metalness", 1)
+
+        def lobes(self, si):
+            """The base's lobe, six floats for each channel; None of an anisotropic base.
+
+            Metal and dielectric share one width, so that their mixture is one lobe. The dip of a
+            metal's Fresnel term at 82 degrees is left to the rest. A metal alone is scaled to the
+            energy of its multiple scattering (Turquin 2019).
+            """
+            inputs, active = self._inputs, mi.Bool(True)
+            if not inputs.is_constant("specular_roughness_anisotropy", 0):
+                return None
+            share = inputs.number("base_metalness", si, active)
+            color = inputs.number("base_weight", si, active) * inputs.color(
+                "base_color", si, active
+            )
+            weight = dr.minimum(inputs.number("specular_weight", si, active), 1)
+            tint, eta = inputs.color("specular_color", si, active), self._eta(si, active)
+            scale = self._boost(si, color, eta, active) if self._boosted else mi.Spectrum(1)
+            alpha = self._alpha(si, active)
+            if self.bare:
+                scale *= self._mirror.gain(alpha, color)
+            values = (
+                mi.Spectrum(alpha),
+                dr.minimum(scale * share * weight * color, 1),
+                dr.minimum(scale * (share * weight) * tint, 1),
+                dr.minimum(scale * (1 - share) * tint, 1),
+                mi.Spectrum(dr.select(share < 1, eta, NO_LOBE[4])),
+                mi.Spectrum(0),
+            )
+            return [list(c) for c in zip(*map(spectrum.to_channels, values), strict=True)]
+
+        def _alpha(self, si, active):
+            """The GGX width, or `Widths` of an anisotropic interface."""
+            rough = self._inputs.number("specular_roughness", si, active)
+            if self._inputs.is_constant("specular_roughness_anisotropy", 0):
+                return roughness.lobe_width(rough, dr)
+            bias = self._inputs.number("specular_roughness_anisotropy", si, active)
+            return Widths(*roughness.lobe_widths(rough, bias, dr))
+
+        def _eta(self, si, active):
+            """The index relative to the medium above."""
+            ior, coat_ior, coat, weight = (
+                self._inputs.number(name, si, active) for name in INDICES
+            )
+            ior, coat_ior = dr.maximum(ior, LEAST_INDEX), dr.maximum(coat_ior, LEAST_INDEX)
+            eta = roughness.base_index(ior, coat_ior, coat, weight, dr, inverted=self._inverted)
+            return dr.clip(eta, 1 / 3, 3)
+
+        def traverse(self, callback):
+            for name in NAMES:
+                callback.put(name, self._inputs.textures[name], mi.ParamFlags.Differentiable)
+
+        def parameters_changed(self, keys):
+            self._check_changeable()
+
+        def to_string(self):
+            return "OpenPBRBase[]"
+
+    return OpenPBRBase
+
+
+def _mean_width(alpha):
+    """One width that stands for two in the albedos: their geometric mean."""
+    return dr.sqrt(alpha.u * alpha.v) if isinstance(alpha, Widths) else alpha

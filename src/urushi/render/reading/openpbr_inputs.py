@@ -1,0 +1,185 @@
+"""The parameters of the plugin `openpbr`, as textures, and textures that are computed from them."""
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import cache
+from typing import Any
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from urushi.errors import ParameterError
+from urushi.openpbr.parameters import PARAMETERS, checked, parameter
+from urushi.render.reading.parameters import describe
+
+#: Properties of the plugin that are no parameters of the specification.
+OPTIONS = ("reference", "unsupported", "energy_compensation", "resolution", "weights")
+
+#: Weights of what transmits or scatters below the surface, and what it is.
+UNSUPPORTED = {
+    "transmission_weight": "transmission",
+    "subsurface_weight": "subsurface scattering",
+    "geometry_thin_walled": "the thin-walled mode",
+    "thin_film_weight": "a thin film",
+    "emission_luminance": "emitted light",
+}
+
+
+class Inputs:
+    """All parameters but the directions, each a texture, numbers and colours as well.
+
+    Attributes:
+        where: the plugin's name; begins errors.
+        textures: by the parameters' names.
+        constants: of those that are given as numbers, their values; of the others, nothing.
+        maps: the textures of normals, by the parameters' names.
+    """
+
+    def __init__(self, props: "mi.Properties"):
+        """Read the properties.
+
+        Raises:
+            ParameterError: a name does not exist, a value is out of range or of a wrong kind, or a
+                feature is asked for that the plugin does not have.
+        """
+        self.where = describe(props)
+        given = {name: props[name] for name in list(props.keys()) if name not in OPTIONS}
+        ignore = _ignores(props, self.where)
+        self.textures: dict[str, mi.Texture] = {}
+        self.constants: dict[str, Any] = {}
+        self.maps: dict[str, mi.Texture] = {}
+        for name, value in given.items():
+            self._read(name, value)
+        for name, feature in UNSUPPORTED.items():
+            self._refuse(name, feature, ignore)
+        for name, entry in PARAMETERS.items():
+            if entry.kind in ("float", "color") and name not in self.textures:
+                self._constant(name, checked(name, entry.default))
+
+    def is_constant(self, name: str, value: float) -> bool:
+        """Whether a parameter is given as this number, and not as a texture."""
+        return name in self.constants and bool(np.all(self.constants[name] == value))
+
+    def number(self, name: str, si, active) -> "mi.Float":
+        """The value of a number at a surface interaction, within the parameter's range."""
+        return _clipped(name, self.textures[name].eval_1(si, active))
+
+    def color(self, name: str, si, active) -> "mi.Spectrum":
+        """The value of a colour at a surface interaction, within the parameter's range."""
+        return _clipped(name, self.textures[name].eval(si, active))
+
+    def _read(self, name: str, value: Any) -> None:
+        entry = parameter(name, self.where)
+        if entry.kind == "vector":
+            if not isinstance(value, mi.Texture):
+                checked(name, value, self.where)  # the error says what to give
+            if name != "geometry_normal":
+                raise ParameterError(
+                    f"{self.where}: {name} is not read; the coat has the normal of the base, and "
+                    "the tangent is dp/du of the shape"
+                )
+            self.maps[name] = value
+        elif isinstance(value, mi.Texture):
+            if not entry.can_be_textured:
+                raise ParameterError(
+                    f"{self.where}: {name} cannot be a texture; give true or false"
+                )
+            self.textures[name] = value
+        else:
+            channels = [float(x) for x in value] if isinstance(value, mi.ScalarColor3f) else value
+            self._constant(name, checked(name, channels, self.where))
+
+    def _constant(self, name: str, value: Any) -> None:
+        self.constants[name] = value
+        if PARAMETERS[name].kind == "float":
+            self.textures[name] = mi.load_dict({"type": "uniform", "value": value})
+        elif PARAMETERS[name].kind == "color":
+            self.textures[name] = mi.load_dict({"type": "rgb", "value": value.tolist()})
+
+    def _refuse(self, name: str, feature: str, ignore: bool) -> None:
+        """Refuse or leave out a feature whose weight is not zero."""
+        value = self.constants.get(name, False if name == "geometry_thin_walled" else 0.0)
+        if name not in self.textures and not value:
+            return
+        if not value and name in self.constants:
+            return
+        if not ignore:
+            raise ParameterError(
+                f"{self.where}: {name} asks for {feature}, which the plugin does not have; "
+                'leave it out, or set unsupported to "ignore"'
+            )
+        mi.Log(mi.LogLevel.Warn, f"{self.where}: {feature} is left out ({name})")
+
+
+def _ignores(props: "mi.Properties", where: str) -> bool:
+    """The property `unsupported`: whether unsupported features are left out."""
+    value = props.get("unsupported", "error")
+    if value not in ("error", "ignore"):
+        raise ParameterError(f'{where}: unsupported is "{value}"; give "error" or "ignore"')
+    return bool(value == "ignore")
+
+
+def _clipped(name: str, value: Any) -> Any:
+    """A value of a texture within the range of a parameter."""
+    entry = PARAMETERS[name]
+    value = value if entry.low is None else dr.maximum(value, entry.low)
+    return value if entry.high is None else dr.minimum(value, entry.high)
+
+
+def derived(
+    inputs: Inputs, names: Sequence[str], function: Callable[..., Any], *, color: bool = False
+) -> "mi.Texture":
+    """A texture whose value is a function of parameters.
+
+    Args:
+        inputs: the parameters.
+        names: of those that the function takes, in order.
+        function: of Dr.Jit floats, or of spectra if `color`.
+        color: whether the value is a colour.
+    """
+    return _derived_class(mi.variant())(inputs, names, function, color)
+
+
+@cache
+def _derived_class(variant: str) -> type:
+    """The class of the textures of `derived`, in a variant."""
+
+    class Derived(mi.Texture):
+        """A function of the plugin's parameters."""
+
+        def __init__(
+            self,
+            inputs: Inputs,
+            names: Sequence[str],
+            function: Callable[..., Any],
+            color: bool,
+        ):
+            mi.Texture.__init__(self, mi.Properties("derived"))
+            self._inputs, self._names = inputs, names
+            self._function, self._color = function, color
+
+        def _sources(self) -> Mapping[str, "mi.Texture"]:
+            return {name: self._inputs.textures[name] for name in self._names}
+
+        def eval(self, si, active=True):
+            read = self._inputs.color if self._color else self._inputs.number
+            return mi.Spectrum(self._function(*(read(name, si, active) for name in self._names)))
+
+        def eval_1(self, si, active=True):
+            return self._function(*(self._inputs.number(name, si, active) for name in self._names))
+
+        def mean(self):
+            return self.eval_1(mi.SurfaceInteraction3f())
+
+        def is_spatially_varying(self):
+            # The sources are listed and vary by themselves, with their own transforms.
+            return False
+
+        def traverse(self, callback):
+            for name, texture in self._sources().items():
+                callback.put(name, texture, mi.ParamFlags.Differentiable)
+
+        def to_string(self):
+            return f"Derived[{', '.join(self._names)}]"
+
+    return Derived

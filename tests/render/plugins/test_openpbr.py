@@ -1,0 +1,233 @@
+"""The plugin `openpbr`: white furnaces, the base in closed form, its coat against the walk."""
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+import pytest
+
+import urushi
+from urushi.openpbr import metal
+from urushi.render.reading import probing
+
+pytestmark = pytest.mark.usefixtures("rgb")
+
+WHITE = {"type": "rgb", "value": [1, 1, 1]}
+COLOR = {"type": "rgb", "value": [0.2, 0.5, 0.8]}
+
+
+def openpbr(**parameters):
+    return mi.load_dict({"type": "openpbr", **parameters})
+
+
+def pairs(count, seed=1):
+    """Directions of cosine density, at most 1.55 rad from the normal: two arrays (count, 3)."""
+    rng = np.random.default_rng(seed)
+
+    def draw():
+        u, v = rng.random((2, count))
+        cosine = np.maximum(np.sqrt(u), 0.02)
+        sine, azimuth = np.sqrt(1 - cosine**2), 2 * np.pi * v
+        return np.stack([sine * np.cos(azimuth), sine * np.sin(azimuth), cosine], -1)
+
+    return draw().astype(np.float32), draw().astype(np.float32)
+
+
+def values(bsdf, wi, wo, repeats=1):
+    """The mean of f [1/sr] over evaluations that draw other random numbers, (N, C)."""
+    time = np.repeat(np.arange(repeats), len(wi)).astype(np.float32)
+    a, b = (np.tile(w, (repeats, 1)) for w in (wi, wo))
+    f = probing.bsdf_values(bsdf, a, b, np.full((len(a), 2), 0.5), time)
+    return f.reshape(repeats, len(wi), -1).mean(axis=0)
+
+
+def error(found, expected, wi, wo):
+    """Sum of the absolute deviations over the sum of f, by cosines."""
+    weight = (wi[:, 2] * wo[:, 2])[:, None]
+    return (np.abs(found - expected) * weight).sum() / (expected * weight).sum()
+
+
+def albedo(bsdf, cosine, samples=1 << 17):
+    """Share of the light that is reflected, and its standard error."""
+    wi = np.tile([(1 - cosine**2) ** 0.5, 0, cosine], (samples, 1))
+    time = np.arange(samples, dtype=np.float32)
+    si = probing.interaction(wi, np.full((samples, 2), 0.5), time)
+    rng = mi.PCG32(size=samples)
+    u = mi.Point2f(rng.next_float32(), rng.next_float32())
+    _, weight = bsdf.sample(mi.BSDFContext(), si, rng.next_float32(), u)
+    mean = weight[0].numpy().astype(np.float64)
+    return mean.mean(), mean.std() / samples**0.5
+
+
+@pytest.mark.parametrize(
+    "parameters",
+    [
+        {},
+        {"specular_roughness": 0.1},
+        {"specular_roughness": 1.0},
+        {"specular_ior": 2.5, "specular_roughness": 0.6},
+        {"base_metalness": 1.0, "specular_roughness": 0.3},
+        {"base_metalness": 1.0, "specular_roughness": 1.0},
+        {"base_metalness": 0.5, "specular_roughness": 0.7},
+    ],
+)
+def test_a_white_base_reflects_all_light(parameters):
+    bsdf = openpbr(base_color=WHITE, **parameters)
+    for cosine in (1.0, 0.6, 0.3):
+        mean, se = albedo(bsdf, cosine)
+        assert abs(mean - 1) < 0.01 + 4 * se
+
+
+@pytest.mark.parametrize("rough", [0.1, 0.5, 1.0])
+def test_a_white_base_under_a_coat_of_walks_reflects_all_light(rough):
+    bsdf = openpbr(base_color=WHITE, coat_weight=1.0, coat_roughness=rough, reference=True)
+    for cosine in (1.0, 0.6, 0.3):
+        mean, se = albedo(bsdf, cosine)
+        assert abs(mean - 1) < 0.01 + 4 * se
+
+
+def test_a_white_metal_is_schlicks_term_with_a_dip():
+    """A narrow lobe at its mirror direction: f is the Fresnel term times that of white."""
+    tint = {"type": "rgb", "value": [0.3, 0.6, 1.0]}
+    metals = [
+        openpbr(base_color=COLOR, base_metalness=1.0, specular_color=tint, specular_roughness=0.1),
+        mi.load_dict({"type": "roughconductor", "material": "none", "distribution": "ggx",
+                      "alpha": 0.01}),
+    ]  # fmt: skip
+    cosine = 1 / 7
+    wi = np.float32([[(1 - cosine**2) ** 0.5, 0, cosine]])
+    found, mirror = (values(bsdf, wi, wi * [-1, 1, 1]) for bsdf in metals)
+    expected = metal.f82(cosine, np.array([0.2, 0.5, 0.8]), np.array([0.3, 0.6, 1.0]))
+    assert np.allclose(found / mirror, expected, rtol=1e-3)
+
+
+def test_no_coat_is_the_base_bit_for_bit():
+    wi, wo = pairs(200)
+    plain = values(openpbr(base_color=COLOR), wi, wo)
+    without = openpbr(base_color=COLOR, coat_weight=0.0, coat_roughness=0.7, coat_ior=1.9)
+    assert np.array_equal(plain, values(without, wi, wo))
+
+
+def test_the_coats_weight_mixes_brdfs():
+    """A metal does not depend on the index above it: the mixture is exact."""
+    wi, wo = pairs(200)
+    base, half, full = (
+        values(
+            openpbr(base_color=COLOR, base_metalness=1.0, coat_weight=weight, coat_roughness=0.4),
+            wi,
+            wo,
+        )
+        for weight in (0.0, 0.25, 1.0)
+    )
+    assert np.allclose(half, 0.75 * base + 0.25 * full, rtol=1e-4, atol=1e-6)
+
+
+def test_the_reference_over_a_metal_is_the_walk():
+    color = (0.2, 0.5, 0.8)
+    parameters = {"coat_roughness": 0.3, "coat_color": COLOR, "energy_compensation": False}
+    wi, wo = pairs(300)
+    stack = urushi.coat(
+        urushi.conductor(0.04, color), 0.09, 1.6, sigma_t=-0.5 * np.log(np.array(color))
+    )
+    expected, _ = urushi.simulate(stack, wi, wo, walks=8192)
+    shared = dict(base_color=COLOR, base_metalness=1.0, specular_roughness=0.2, coat_weight=1.0)
+    reference = values(openpbr(reference=True, **shared, **parameters), wi, wo, 1024)
+    # Noise of 2 %, and multiple scattering between the base's facets, which the walk leaves out.
+    assert error(reference, expected, wi, wo) < 0.04
+    assert error(values(openpbr(**shared, **parameters), wi, wo), expected, wi, wo) < 0.05
+
+
+def test_the_networks_agree_with_the_reference_over_a_dielectric():
+    """The ratio of the indices is above one, so that both describe the same."""
+    wi, wo = pairs(300)
+    shared = dict(base_color=COLOR, specular_ior=1.9, coat_weight=1.0, coat_roughness=0.4)
+    reference = values(openpbr(reference=True, **shared), wi, wo, 1024)
+    assert error(values(openpbr(**shared), wi, wo), reference, wi, wo) < 0.05
+
+
+def test_without_darkening_the_coated_base_is_brighter_and_below_one():
+    wi, wo = pairs(300)
+    dark, bright = (
+        values(openpbr(base_color=COLOR, coat_weight=1.0, coat_darkening=kept), wi, wo)
+        for kept in (1.0, 0.0)
+    )
+    assert bright.sum() > 1.1 * dark.sum()
+    mean, se = albedo(openpbr(base_color=WHITE, coat_weight=1.0, coat_darkening=0.0), 0.8)
+    assert mean < 1 + 4 * se
+
+
+def test_fuzz_adds_and_hides():
+    """At a coverage and a colour of one, a black base under fuzz reflects the fuzz's albedo."""
+    from urushi.openpbr import sheen
+
+    black = {"type": "rgb", "value": [0, 0, 0]}
+    bsdf = openpbr(base_color=black, specular_weight=0.0, fuzz_weight=1.0, fuzz_roughness=0.4)
+    for cosine in (0.9, 0.3):
+        mean, se = albedo(bsdf, cosine)
+        assert abs(mean - sheen.albedo(cosine, 0.4, np)) < 4 * se + 0.02 * mean
+
+
+def test_sampling_has_the_density_that_it_claims():
+    """The mean of 1 / pdf over samples is the solid angle of the hemisphere."""
+    bsdf = openpbr(base_color=COLOR, coat_weight=0.5, fuzz_weight=0.3)
+    count = 1 << 18
+    si = probing.interaction(np.tile([0.6, 0, 0.8], (count, 1)), np.full((count, 2), 0.5))
+    rng = mi.PCG32(size=count)
+    u = mi.Point2f(rng.next_float32(), rng.next_float32())
+    sample, _ = bsdf.sample(mi.BSDFContext(), si, rng.next_float32(), u)
+    inverse = dr.select((sample.wo.z > 0.1) & (sample.pdf > 0), 1 / sample.pdf, 0).numpy()
+    expected = 2 * np.pi * 0.9  # above a cosine of 0.1
+    assert abs(inverse.mean() - expected) < 4 * inverse.std() / count**0.5
+
+
+def test_textures_are_read_where_they_are():
+    checker = {"type": "checkerboard", "color0": 0.0, "color1": 1.0}
+    bsdf = openpbr(base_color=COLOR, base_metalness=checker)
+    wi, wo = pairs(50)
+    for u, share in ((0.25, 0.0), (0.75, 1.0)):
+        uv = np.tile([u, 0.25], (50, 1))
+        found = probing.bsdf_values(bsdf, wi, wo, uv)
+        expected = values(openpbr(base_color=COLOR, base_metalness=share), wi, wo)
+        other = values(openpbr(base_color=COLOR, base_metalness=1 - share), wi, wo)
+        assert np.allclose(found, expected, rtol=1e-4) or np.allclose(found, other, rtol=1e-4)
+
+
+def test_both_sides_opacity_and_a_normal_map_render():
+    texels = mi.TensorXf(np.tile(np.float32([0.5, 0.5, 1.0]), (2, 2, 1)))
+    flat = {"type": "bitmap", "raw": True, "data": texels}
+    surface = {"type": "openpbr", "geometry_opacity": 0.5, "coat_weight": 1.0}
+    for material in ({"type": "twosided", "bsdf": {"type": "openpbr"}}, surface):
+        scene = mi.load_dict(
+            {
+                "type": "scene",
+                "shape": {"type": "rectangle", "bsdf": material},
+                "light": {"type": "constant"},
+                "integrator": {"type": "path", "max_depth": 4},
+                "sensor": {
+                    "type": "perspective",
+                    "to_world": mi.ScalarTransform4f().look_at([0, 0, 3], [0, 0, 0], [0, 1, 0]),
+                    "film": {"type": "hdrfilm", "width": 4, "height": 4},
+                },
+            }
+        )
+        assert np.isfinite(np.array(mi.render(scene, spp=4))).all()
+    wi, wo = pairs(50)
+    mapped = openpbr(base_color=COLOR, geometry_normal=flat)
+    assert np.allclose(
+        values(mapped, wi, wo), values(openpbr(base_color=COLOR), wi, wo), rtol=2e-2, atol=1e-3
+    )
+
+
+def test_what_is_missing_is_refused_in_one_sentence_or_ignored():
+    for name, word in (
+        ("transmission_weight", "transmission"),
+        ("subsurface_weight", "subsurface scattering"),
+    ):
+        with pytest.raises(RuntimeError, match=f"{name} asks for {word}, which the plugin does"):
+            openpbr(**{name: 0.5})
+        openpbr(unsupported="ignore", **{name: 0.5})
+    with pytest.raises(RuntimeError, match="geometry_thin_walled asks for the thin-walled mode"):
+        openpbr(geometry_thin_walled=True)
+    with pytest.raises(RuntimeError, match='unsupported is "yes"'):
+        openpbr(unsupported="yes")
+    with pytest.raises(RuntimeError, match="did you mean coat_roughness"):
+        openpbr(coat_roughnes=0.1)
