@@ -1,9 +1,9 @@
 """Sphinx directive `.. plugin:: NAME`: the doc block of a Mitsuba plugin, from its source.
 
 Plugins are classes, or functions that make them, inside functions called `define`, so that autodoc
-cannot see them. Their docstrings are read from the syntax tree of every file below `src/urushi` whose folder is called
-`plugins`: Mitsuba is not imported. The first sentence of a doc block ends with the plugin's name in
-parentheses, such as (``layered``).
+cannot see them. Their docstrings are read from the syntax tree of every file below `src/urushi`
+whose folder is called `plugins`: Mitsuba is not imported. The first sentence of a doc
+block ends with the plugin's name in parentheses, such as (``layered``).
 
 A doc block is written with the directives of Mitsuba's own documentation, `tabs` and `code-tab`;
 they are shown by sphinx-design.

@@ -81,7 +81,7 @@ def define(proposal_bsdf: type):
         bsdf = surface_class(inputs, base, coated, compensated)
         if "geometry_normal" in inputs.maps:
             bsdf = mi.load_dict(
-                {"type": "normalmap", "map": inputs.maps["geometry_normal"], "bsdf": bsdf}
+                {"type": "normalmap", "normalmap": inputs.maps["geometry_normal"], "bsdf": bsdf}
             )
         if not inputs.is_constant("geometry_opacity", 1):
             opacity = inputs.textures["geometry_opacity"]
