@@ -1,8 +1,8 @@
 """Urushi: layered materials in a neural latent space, for Mitsuba 3.
 
 Importing this package chooses a libLLVM that Dr.Jit can use and registers the Mitsuba plugins
-`layered`, `neural_layered`, `neural_brdf`, `measured_brdf` and `openpbr`; everything else is loaded
-when it is first used.
+`layered`, `neural_layered`, `neural_brdf`, `measured_brdf`, `openpbr` and `materialx`; everything
+else is loaded when it is first used.
 """
 
 from typing import TYPE_CHECKING, Any

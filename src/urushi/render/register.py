@@ -7,7 +7,7 @@ import mitsuba as mi
 from urushi import platform
 from urushi.errors import PlatformError
 
-PLUGINS = ("layered", "neural_layered", "neural_brdf", "measured_brdf", "openpbr")
+PLUGINS = ("layered", "neural_layered", "neural_brdf", "measured_brdf", "openpbr", "materialx")
 
 _registered = False
 
@@ -46,6 +46,7 @@ def _on_variant(old: str | None, new: str) -> None:
     from urushi.render.plugins import (
         base,
         layered,
+        materialx,
         measured_brdf,
         neural_brdf,
         neural_layered,
@@ -59,6 +60,7 @@ def _on_variant(old: str | None, new: str) -> None:
     mi.register_bsdf("neural_brdf", neural_brdf.define(neural_bsdf))
     mi.register_bsdf("measured_brdf", measured_brdf.define(proposal_bsdf))
     mi.register_bsdf("openpbr", openpbr.define(proposal_bsdf))
+    mi.register_bsdf("materialx", materialx.define())
 
 
 def _refusal(name: str, variant: str):
