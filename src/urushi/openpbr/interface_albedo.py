@@ -1,7 +1,7 @@
 """Directional albedos of rough dielectric interfaces and of GGX reflectors, tabulated.
 
-The interfaces scatter once: light that would meet a second facet is lost. What is lost is known
-from these tables and is given back, see `urushi.openpbr.compensation`.
+The interfaces scatter once: light that would meet a second facet is lost. How much is known from
+these tables, and the plugin `openpbr` gives it back.
 """
 
 import functools
