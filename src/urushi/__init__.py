@@ -13,7 +13,8 @@ from urushi.version import __version__
 if TYPE_CHECKING:
     from urushi.material.encode import encode
     from urushi.material.layer import layer
-    from urushi.material.material import Material, lerp, load
+    from urushi.material.lerp import lerp
+    from urushi.material.material import Material, load
     from urushi.materialx.writer import save_materialx
     from urushi.measured import load_measured
     from urushi.reference.simulate import simulate

@@ -62,6 +62,24 @@ class CoatParameters(NamedTuple):
     sigma_t: Any
     g: Any
 
+    @classmethod
+    def of_columns(cls, columns: Any) -> "CoatParameters":
+        """The coats of the columns (5, ...) or, with the width alpha_v as the last, (6, ...)."""
+        alpha, eta, albedo, sigma_t, g, *across = columns
+        return cls(Widths(alpha, *across) if across else alpha, eta, albedo, sigma_t, g)
+
+    def columns(self) -> tuple[Any, ...]:
+        """The columns of `of_columns`: six if the coats have two `Widths`."""
+        if isinstance(self.alpha, Widths):
+            return (self.alpha.u, *self[1:], self.alpha.v)
+        return tuple(self)
+
+
+#: Names of the columns of coats with one width, and with two.
+COAT_COLUMNS = {
+    1: CoatParameters._fields,
+    2: ("alpha_u", *CoatParameters._fields[1:], "alpha_v"),
+}
 
 #: The default coat: borosilicate glass (BK7, 1.5046) in air (1.000277), without absorption.
 DEFAULT_COAT = CoatParameters(0.1, 1.5046 / 1.000277, 0.0, 0.0, 0.0)
@@ -142,8 +160,8 @@ def one_width(value: Any, where: str) -> Any:
     """
     if isinstance(value, Widths):
         raise ParameterError(
-            f"{where} alpha_u and alpha_v differ, and anisotropic surfaces can only be simulated "
-            "(urushi.simulate, or the plugin 'layered'); give one alpha"
+            f"{where} alpha_u and alpha_v differ, but these networks are for isotropic materials; "
+            "give one alpha, or the weights 'anisotropic'"
         )
     return value
 
@@ -256,9 +274,14 @@ def finite(**arrays: npt.ArrayLike) -> list[np.ndarray]:
 def coat(parameters: CoatParameters, where: str, *, any_shape: bool = False) -> CoatParameters:
     """Check all parameters of a coat. `where` begins the errors, for example "the coat's"."""
     checks = CoatParameters(alpha, eta, albedo, sigma_t, g)
-    return CoatParameters(
-        *(
-            check(value, f"{where} {name}", any_shape=any_shape)
-            for check, value, name in zip(checks, parameters, CoatParameters._fields, strict=True)
-        )
-    )
+    checked = {}
+    for check, value, name in zip(checks, parameters, CoatParameters._fields, strict=True):
+        if isinstance(value, Widths):
+            u, v = (
+                check(width, f"{where} {name}{suffix}", any_shape=any_shape)
+                for width, suffix in ((value.u, "_u"), (value.v, "_v"))
+            )
+            checked[name] = Widths(u, v)
+        else:
+            checked[name] = check(value, f"{where} {name}", any_shape=any_shape)
+    return CoatParameters(**checked)

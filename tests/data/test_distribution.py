@@ -69,7 +69,7 @@ def test_parameters_of_different_coats_are_independent():
         assert abs(np.corrcoef(values[:, 0], values[:, 1])[0, 1]) < 4 / np.sqrt(N)
 
 
-@pytest.mark.parametrize("bottom", distribution.BOTTOM_PARAMETERS)
+@pytest.mark.parametrize("bottom", distribution.BOTTOMS)
 def test_extended_stays_within_its_ranges_and_fills_them(bottom):
     table = Extended(2, bottom).sample(np.random.default_rng(0), N)
     ranges = {"alpha": (0.01, 1), "eta": (1.05, 2), "albedo": (0, 1), "sigma_t": (0, 8)}

@@ -127,7 +127,7 @@ def test_training_pairs_reach_the_exact_mirror_direction(name):
 def test_metric_sets_have_features_within_the_networks_normalisation():
     for name in direction_sets.DIRECTION_SETS:
         features = direction_features(*draw(name))
-        assert features.shape == (N, DIRECTION_FEATURES)
+        assert features.shape == (N, DIRECTION_FEATURES[1])
         assert np.abs(features).max() < 12
 
 

@@ -5,7 +5,12 @@ import pytest
 
 from urushi.geometry import quadrature
 from urushi.material.albedo_rule import albedo_rule
-from urushi.material.lobe_albedo import REMEMBERED_ROWS, lobe_albedos
+from urushi.material.lobe_albedo import (
+    REMEMBERED_ROWS,
+    anisotropic_albedos,
+    isotropic_albedos,
+    lobe_albedos,
+)
 from urushi.nets import lobe as lobes
 
 WIDTHS = (0.01, 0.03, 0.11, 0.35, 1.0)
@@ -29,7 +34,7 @@ def test_they_agree_with_a_fine_quadrature(alpha, fresnel, monkeypatch):
     wo, weights = quadrature.half_vector_rule(wi)
     lobe = np.array([alpha, *FRESNEL[fresnel]])
     expected = (lobes.f(lobe, wi[:, None], wo) * wo[..., 2] * weights).sum(axis=1)
-    error = np.abs(lobe_albedos(lobe, cosines) - expected)
+    error = np.abs(isotropic_albedos(lobe[None], cosines)[0] - expected)
     assert error.max() < (0.03 if fresnel == "inside" else 0.003)
 
 
@@ -37,19 +42,45 @@ def test_they_agree_with_a_fine_quadrature(alpha, fresnel, monkeypatch):
 def test_no_lobe_reflects_more_than_arrives(fresnel):
     widths = np.exp(np.random.default_rng(0).uniform(np.log(0.01), 0, 100))
     lobe = np.stack([np.array([alpha, *FRESNEL[fresnel]], np.float32) for alpha in widths])
-    assert lobe_albedos(lobe, albedo_rule().cosines).max() <= 1 + 1e-6
+    assert isotropic_albedos(lobe, albedo_rule().cosines).max() <= 1 + 1e-6
 
 
 def test_one_lobe_and_many_give_the_same():
     many = np.tile(np.array([0.2, *FRESNEL["glass"]], np.float32), (2 * REMEMBERED_ROWS, 1))
     many[:, 0] = np.linspace(0.01, 1, len(many))
-    cosines = albedo_rule().cosines
-    together = lobe_albedos(many.reshape(2, -1, 6), cosines)
-    assert together.shape == (2, REMEMBERED_ROWS, len(cosines))
+    rule = albedo_rule()
+    together = lobe_albedos(many.reshape(2, -1, 6), rule)
+    assert together.shape == (2, REMEMBERED_ROWS, len(rule.cosines))
     for k in (0, REMEMBERED_ROWS - 1):
-        np.testing.assert_array_equal(together[0, k], lobe_albedos(many[k], cosines))
+        np.testing.assert_array_equal(together[0, k], lobe_albedos(many[k], rule))
 
 
 def test_no_lobes_have_no_albedos():
-    cosines = albedo_rule().cosines
-    assert lobe_albedos(np.zeros((0, 3, 6), np.float32), cosines).shape == (0, 3, len(cosines))
+    for widths, numbers in ((1, 6), (2, 7)):
+        rule = albedo_rule(widths)
+        found = lobe_albedos(np.zeros((0, 3, numbers), np.float32), rule)
+        assert found.shape == (0, 3, len(rule.cosines))
+
+
+@pytest.mark.parametrize("fresnel", [name for name in FRESNEL if name != "inside"])
+@pytest.mark.parametrize("pair", [(0.05, 0.4), (0.4, 0.05), (0.2, 0.1), (0.02, 0.02)])
+def test_two_widths_agree_with_a_fine_quadrature(pair, fresnel, monkeypatch):
+    """To 0.004, from 4 degrees above the horizon, at azimuths between the axes as well."""
+    monkeypatch.setattr(quadrature, "POLAR_NODES", 512)
+    monkeypatch.setattr(quadrature, "AZIMUTH_NODES", 256)
+    cosines = np.array([1.0, 0.9, 0.6, 0.3, 0.15, 0.07])
+    azimuths = np.array([0.0, 0.5, 0.2, 1.2, 0.9, 0.5 * np.pi])
+    sines = np.sqrt(1 - cosines**2)
+    wi = np.stack([sines * np.cos(azimuths), sines * np.sin(azimuths), cosines], axis=-1)
+    wo, weights = quadrature.half_vector_rule(wi)
+    lobe = np.array([pair[0], *FRESNEL[fresnel], pair[1]])
+    expected = (lobes.f(lobe, wi[:, None], wo) * wo[..., 2] * weights).sum(axis=1)
+    found = anisotropic_albedos(lobe[None], wi)[0]
+    assert np.abs(found - expected).max() < 0.004
+
+
+def test_equal_widths_reflect_as_much_as_one():
+    rule, plain = albedo_rule(2), albedo_rule()
+    lobe = np.array([[0.15, *FRESNEL["gold"]]], np.float32)
+    found = lobe_albedos(lobes.with_two_widths(lobe), rule).reshape(-1, len(plain.cosines))
+    assert np.abs(found - lobe_albedos(lobe, plain)).max() < 0.004

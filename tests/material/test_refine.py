@@ -274,7 +274,7 @@ def test_codes_allow_for_the_limit_of_energy(source, trained):
         codes = [
             way(networks, start, aim, CODE_HOLD) for way in (levenberg_marquardt, fit_below_ceiling)
         ]
-    ceiling = energy.albedo_ceiling(rule.albedo(nodes))
+    ceiling = energy.albedo_ceiling(rule.albedo(nodes), rule)
     assert (energy.directional_albedos(trained, codes[0][None]) > ceiling + 0.005).any()
 
     def miss(z: np.ndarray) -> float:

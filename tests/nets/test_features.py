@@ -28,7 +28,7 @@ def test_direction_features_are_symmetric_bit_for_bit(pairs):
 
 def test_direction_features_are_finite_float32(pairs):
     features = direction_features(*pairs)
-    assert features.shape == (len(pairs[0]), DIRECTION_FEATURES)
+    assert features.shape == (len(pairs[0]), DIRECTION_FEATURES[1])
     assert features.dtype == np.float32
     assert np.isfinite(features).all()
     assert np.abs(features).max() < 10  # normalised: nothing overwhelms the first layer
@@ -77,7 +77,7 @@ def test_normalisation_suits_the_probes():
 def test_coat_without_medium_does_not_depend_on_albedo_and_g():
     albedo, g = (x.astype(np.float32) for x in np.meshgrid(np.linspace(0, 1, 5), [-0.9, 0, 0.9]))
     features = coat_features(np.float32(0.2), np.float32(1.5), albedo, np.float32(0.0), g)
-    assert features.shape == (3, 5, COAT_FEATURES)
+    assert features.shape == (3, 5, COAT_FEATURES[1])
     assert np.array_equal(features, np.broadcast_to(features[0, 0], features.shape))
 
 
@@ -103,7 +103,7 @@ def test_coat_features_are_the_documented_functions():
     coats = rng.uniform(low, high, (200, 5))
     names = ("alpha", "eta", "albedo", "sigma_t", "g")
     features = coat_features(*coats.T)
-    assert features.shape == (200, COAT_FEATURES)
+    assert features.shape == (200, COAT_FEATURES[1])
     for column, (formula, _, _) in zip(_raw(features, COAT_TABLE), COAT_TABLE, strict=True):
         scope = dict(zip(names, coats.T, strict=True))
         scope |= {"ln": np.log, "exp": np.exp, "sqrt": np.sqrt, "max": np.maximum}

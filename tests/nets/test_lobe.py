@@ -144,7 +144,7 @@ def test_f_is_linear_in_the_factors(lobes, pairs):
 def test_features_are_finite_and_of_about_unit_size(random_lobes):
     features = lobe.lobe_features(random_lobes(4000, np.random.default_rng(5)).astype(np.float32))
     assert features.dtype == np.float32
-    assert features.shape == (4000, lobe.LOBE_FEATURES)
+    assert features.shape == (4000, lobe.LOBE_FEATURES[1])
     assert np.isfinite(features).all()
     assert np.abs(features).max() < 8
 

@@ -81,8 +81,9 @@ def test_sampler_gives_a_mixture(networks, draw_codes):
     arch, params = networks
     z = draw_codes(200, np.random.default_rng(7)).astype(np.float32)[:, None]
     z[..., 6:] *= 100
-    cos_i = np.linspace(0, 1, 50, dtype=np.float32)
-    weights, alphas = sampler.mixture(params, arch, z, cos_i)
+    theta = np.linspace(0, np.pi / 2, 50, dtype=np.float32)
+    wi = np.stack([np.sin(theta), np.zeros_like(theta), np.cos(theta)], axis=-1)
+    weights, alphas = sampler.mixture(params, arch, z, wi)
     assert weights.shape == (200, 50, 4) and alphas.shape == (200, 50, 3)
     np.testing.assert_allclose(weights.sum(axis=-1), 1, atol=1e-6)
     assert (weights >= 0).all() and (weights[..., -1] >= 0.0199).all()

@@ -79,8 +79,8 @@ def test_layer(networks, vectors):
 
 def test_lobes_parameters(networks, vectors, pairs):
     arch, params = networks
-    cos_i = pairs[0][:40, 2]
-    _close(_both(lambda z, c: sampler.mixture(params, arch, z, c), vectors["z"], cos_i), atol=1e-4)
+    wi = pairs[0][:40]
+    _close(_both(lambda z, w: sampler.mixture(params, arch, z, w), vectors["z"], wi), atol=1e-4)
 
 
 def test_lobes_pdf(pairs):

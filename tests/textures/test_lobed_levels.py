@@ -7,7 +7,7 @@ from urushi.geometry.direction_sets import cosine_pairs
 from urushi.geometry.error_metrics import stack_error
 from urushi.material import energy
 from urushi.material.albedo_rule import albedo_rule
-from urushi.material.lobe_albedo import lobe_albedos
+from urushi.material.lobe_albedo import isotropic_albedos
 from urushi.nets import lobe as lobes
 from urushi.nets.architecture import SCALE, Architecture, init
 from urushi.nets.weights import Model
@@ -86,7 +86,7 @@ def test_one_lobe_for_several_widths_reflects_as_much_light():
     """Under light from all sides, to 0.5 %."""
     cosines = albedo_rule().cosines
     weights = np.abs(np.gradient(cosines)) * cosines
-    several, one = (lobe_albedos(lobe, cosines) @ weights for lobe in averaged_widths())
+    several, one = (isotropic_albedos(lobe, cosines) @ weights for lobe in averaged_widths())
     np.testing.assert_allclose(one, several.mean(axis=1), rtol=0.005)
 
 

@@ -35,7 +35,7 @@ def test_only_a_network_that_brightens_with_absorption_is_penalised(coats, sign)
     params = {name: np.zeros_like(value) for name, value in init(ARCH, 0).items()}
     table = [formula for formula, _, _ in COAT_TABLE]
     absorbed = table.index("ln(1 + sigma_t (1 - albedo))")
-    params["layerer.0.weight"][ARCH.latent - ARCH.lobe + LOBE_FEATURES + absorbed, 0] = 1
+    params["layerer.0.weight"][ARCH.latent - ARCH.lobe + LOBE_FEATURES[1] + absorbed, 0] = 1
     params["layerer.1.weight"][0, 0] = sign
     params["layerer.0.bias"][0] = 5  # where the activation grows
     features = np.zeros((7, 3, 8), np.float32)

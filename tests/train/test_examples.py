@@ -14,6 +14,7 @@ from urushi.data.store import Store
 from urushi.errors import FileError, ParameterError
 from urushi.geometry.probe_pairs import PROBES, probe_pairs
 from urushi.nets import lobe
+from urushi.nets.architecture import Architecture
 from urushi.nets.features import direction_features
 from urushi.reference import analytic
 from urushi.train import examples
@@ -66,8 +67,8 @@ def test_a_bottom_is_its_lobe_and_the_rest(kind):
     """A fitted lobe is above the bottom at some pairs, mostly by little."""
     columns = Extended(1, kind).sample(np.random.default_rng(7), 24).bottom
     bottom = np.stack(list(columns.values()), axis=-1)
-    own = bottom_lobes(kind, bottom, PROBES)
-    rest = bottom_rest(kind, bottom, own, PROBES)
+    own = bottom_lobes(kind, bottom, Architecture())
+    rest = bottom_rest(kind, bottom, own, Architecture())
     wi, wo = probe_pairs(PROBES)
     for row in range(len(bottom)):
         f = analytic.rows(kind, columns, np.full(PROBES, row, np.uint32), wi, wo)

@@ -83,7 +83,7 @@ def test_variation_is_that_of_a_known_integrand(overfitted, monkeypatch):
     wi = jnp.array([[0.6, 0.0, 0.8]])
     monkeypatch.setattr(sampling, "propose", lambda *_: (weights, alphas))
     monkeypatch.setattr(
-        sampling, "incoming_directions", lambda u: jnp.broadcast_to(wi, (len(u), 3))
+        sampling, "incoming_directions", lambda u, widths: jnp.broadcast_to(wi, (len(u), 3))
     )
     monkeypatch.setattr(sampling, "mean_f_cos", lambda p, arch, z, wi, wo: wo[..., 2] / jnp.pi)
     latents = jnp.zeros((2, ARCH.latent))

@@ -10,7 +10,7 @@ from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
-from urushi.checks import MIN_ALPHA
+from urushi.checks import MIN_ALPHA, Widths
 from urushi.errors import ParameterError
 from urushi.reference.bottoms import LOBE_PARAMETERS
 from urushi.reference.table import BOTTOM_KINDS, StackTable
@@ -18,11 +18,29 @@ from urushi.reference.table import BOTTOM_KINDS, StackTable
 #: Maximum number of coats of a trained stack: five coats over a bottom have six interfaces.
 MAX_COATS = 5
 
-#: The kinds of bottoms that are drawn. All are isotropic, as materials are.
+#: The kinds of bottoms of isotropic stacks.
 BOTTOMS = ("conductor", "conductor_complex", "dielectric", "diffuse", "mixture", "measured_like")
 
+#: The kinds of bottoms of anisotropic stacks. Where a kind has two widths, they may be equal.
+ANISOTROPIC_BOTTOMS = (
+    "conductor_anisotropic",
+    "conductor_complex_anisotropic",
+    "dielectric_anisotropic",
+    "mixture_anisotropic",
+    "diffuse",
+    "measured_like",
+)
+
 #: Their parameters, in the order of the data stores.
-BOTTOM_PARAMETERS = {kind: BOTTOM_KINDS[kind][1] for kind in BOTTOMS}
+BOTTOM_PARAMETERS = {
+    kind: BOTTOM_KINDS[kind][1] for kind in dict.fromkeys(BOTTOMS + ANISOTROPIC_BOTTOMS)
+}
+
+#: Largest quotient of the two widths of a surface.
+MAX_WIDTH_RATIO = 8.0
+
+#: Share of anisotropic stacks whose coats all have equal widths, where the bottom has not.
+ISOTROPIC_COATS = 0.3
 
 
 class _Independent:
@@ -51,6 +69,7 @@ class Table2(_Independent):
 
     coats: int = 1
     bottom: ClassVar[str] = "conductor"
+    widths: ClassVar[int] = 1
 
     def __post_init__(self) -> None:
         _check_coats(self.coats)
@@ -92,12 +111,14 @@ class Extended(_Independent):
     coats: int = 1
     bottom: str = "conductor"
     indices: str = "common"
+    widths: ClassVar[int] = 1
+    bottoms: ClassVar[tuple[str, ...]] = BOTTOMS
 
     def __post_init__(self) -> None:
         _check_coats(self.coats)
-        if self.bottom not in BOTTOM_PARAMETERS:
+        if self.bottom not in self.bottoms:
             raise ParameterError(
-                f"bottom is {self.bottom!r}; choose one of {', '.join(BOTTOM_PARAMETERS)}"
+                f"bottom is {self.bottom!r}; choose one of {', '.join(self.bottoms)}"
             )
         if self.indices not in _DRAW_ETA:
             raise ParameterError(
@@ -138,6 +159,57 @@ class Clear(Extended):
         return table
 
 
+@dataclass(frozen=True)
+class Anisotropic(Extended):
+    """`Extended` with two widths of every coat, and of bottoms of an "..._anisotropic" kind.
+
+    The widths have the geometric mean of `Extended` and a quotient that is log-uniform in
+    [1/8, 8]; for a fifth of the surfaces it is one. Of the stacks whose bottom has two widths,
+    `ISOTROPIC_COATS` have coats of one width only.
+
+    Attributes:
+        coats, indices: as in `Extended`.
+        bottom: one of `ANISOTROPIC_BOTTOMS`; "mixture_anisotropic" is "mixture" with two widths of
+            either lobe.
+        clear: whether media are clear or thin, as in `Clear`.
+    """
+
+    bottom: str = "conductor_anisotropic"
+    clear: bool = False
+    widths: ClassVar[int] = 2
+    bottoms: ClassVar[tuple[str, ...]] = ANISOTROPIC_BOTTOMS
+
+    def sample(self, rng: np.random.Generator, n: int) -> StackTable:
+        """Draw n stacks."""
+        shape = (n, self.coats)
+        alpha = _widths(rng, _alpha(rng, shape))
+        if self.bottom in _DRAW_ISOTROPIC:
+            plain = rng.random((n, 1)) < ISOTROPIC_COATS
+            alpha = Widths(alpha.u, np.where(plain, alpha.u, alpha.v))
+        thin = np.maximum(rng.uniform(-0.3, 0.3, shape), 0.0)
+        return _table(
+            self.bottom,
+            alpha=alpha,
+            eta=_DRAW_ETA[self.indices](rng, shape),
+            albedo=1 - rng.uniform(0.0, 1.0, shape) ** 2,
+            sigma_t=thin if self.clear else 8 * rng.uniform(0.0, 1.0, shape) ** 2,
+            g=rng.uniform(-0.8, 0.9, shape),
+            bottom=self._draw_bottom(rng, n),
+        )
+
+    def _draw_bottom(self, rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
+        isotropic = _DRAW_ISOTROPIC.get(self.bottom, self.bottom)
+        if isotropic == "dielectric":
+            columns = {"alpha": _alpha(rng, n), "eta": _DRAW_ETA[self.indices](rng, n)}
+        else:
+            columns = _DRAW_BOTTOM[isotropic](rng, n)
+        if self.bottom in _DRAW_ISOTROPIC:
+            for name in [name for name in columns if name.endswith("alpha")]:
+                widths = _widths(rng, columns.pop(name))
+                columns |= {f"{name}_u": widths.u, f"{name}_v": widths.v}
+        return {name: columns[name] for name in BOTTOM_PARAMETERS[self.bottom]}
+
+
 #: Distributions from which any number of stacks can be drawn.
 Distribution = Table2 | Extended
 
@@ -147,6 +219,7 @@ class Source(Protocol):
 
     Attributes:
         coats: coats of every stack.
+        widths: numbers of a coat's GGX width: 2 if it may be anisotropic, otherwise 1.
         bottom: the kind of its bottom, a key of `BOTTOM_PARAMETERS`.
     """
 
@@ -154,12 +227,20 @@ class Source(Protocol):
     def coats(self) -> int: ...
 
     @property
+    def widths(self) -> int: ...
+
+    @property
     def bottom(self) -> str: ...
 
     def draw(self, rng: np.random.Generator, rows: slice) -> StackTable: ...
 
 
-_sources: dict[str, Any] = {"table2": Table2, "extended": Extended, "clear": Clear}
+_sources: dict[str, Any] = {
+    "table2": Table2,
+    "extended": Extended,
+    "clear": Clear,
+    "anisotropic": Anisotropic,
+}
 
 
 def register_source(kind: str, source: type) -> None:
@@ -199,6 +280,15 @@ def from_dict(description: Mapping[str, Any]) -> Source:
 
 def _alpha(rng: np.random.Generator, shape: int | tuple[int, ...]) -> np.ndarray:
     return np.maximum(rng.uniform(MIN_ALPHA ** (1 / 3), 1.0, shape) ** 3, MIN_ALPHA)
+
+
+def _widths(rng: np.random.Generator, mean: np.ndarray) -> Widths:
+    """Two widths in [0.01, 1] of this geometric mean, see `Anisotropic`."""
+    limit = np.log(MAX_WIDTH_RATIO)
+    quotient = np.exp(rng.uniform(-limit, limit, np.shape(mean)))
+    quotient = np.where(rng.random(np.shape(mean)) < 0.2, 1.0, quotient)
+    root = np.sqrt(quotient)
+    return Widths(np.clip(mean * root, MIN_ALPHA, 1.0), np.clip(mean / root, MIN_ALPHA, 1.0))
 
 
 def _common_eta(rng: np.random.Generator, shape: int | tuple[int, ...]) -> np.ndarray:
@@ -304,15 +394,27 @@ _DRAW_BOTTOM = {
 }
 
 
+#: Kinds of bottoms of two widths, and the kinds of one width of whose parameters they are drawn.
+_DRAW_ISOTROPIC = {
+    kind: kind.removesuffix("_anisotropic")
+    for kind in ANISOTROPIC_BOTTOMS
+    if kind.endswith("_anisotropic")
+}
+
+
 def _check_coats(coats: int) -> None:
     if coats not in range(MAX_COATS + 1):
         raise ParameterError(f"coats is {coats!r}; it must be an integer from 0 to {MAX_COATS}")
 
 
-def _table(kind: str, *, bottom: Mapping[str, np.ndarray], **coats: np.ndarray) -> StackTable:
+def _table(
+    kind: str, *, bottom: Mapping[str, np.ndarray], alpha: np.ndarray | Widths, **coats: np.ndarray
+) -> StackTable:
     """A table in float32, the precision of the walk."""
+    single = np.float32
     return StackTable(
-        **{name: value.astype(np.float32) for name, value in coats.items()},
+        alpha=alpha.map(single) if isinstance(alpha, Widths) else alpha.astype(single),
+        **{name: value.astype(single) for name, value in coats.items()},
         kind=kind,
         bottom={name: value.astype(np.float32) for name, value in bottom.items()},
     )

@@ -49,9 +49,8 @@ def make_shard(spec: DataSpec, part: int, shard: int) -> Shard:
         "se": se.reshape(count, -1),
     }
     if described.distribution.coats:
-        arrays["coats"] = np.stack(
-            [getattr(table, name) for name in CoatParameters._fields], axis=-1
-        )
+        coats = CoatParameters(*(getattr(table, name) for name in CoatParameters._fields))
+        arrays["coats"] = np.stack(coats.columns(), axis=-1)
     return arrays
 
 

@@ -2,7 +2,7 @@
 
 Layout: every part of the specification is one group of arrays, whose first axis is the stack:
 
-    coats   (S, N, 5)  alpha, eta, albedo, sigma_t, g of the coats, top to bottom (none if N = 0)
+    coats   (S, N, C)  the coats' `checks.COAT_COLUMNS`, top to bottom (none if N = 0)
     bottom  (S, K)     the bottom's parameters, named by the array's attribute `names`
     wi, wo  (S, P, 3)  unit direction pairs, float32
     f, se   (S, P)     BRDF value [1/sr] and its standard error
@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 import zarr
 
-from urushi.checks import CoatParameters
+from urushi.checks import COAT_COLUMNS
 from urushi.data.distribution import BOTTOM_PARAMETERS
 from urushi.data.spec import DataSpec, Part
 from urushi.errors import FileError, ParameterError
@@ -204,7 +204,7 @@ def _readable(path: Path) -> Iterator[None]:
 def _layout(part: Part) -> dict[str, tuple[int, ...]]:
     """Shapes of a part's arrays for one stack."""
     layout = {
-        "coats": (part.distribution.coats, len(CoatParameters._fields)),
+        "coats": (part.distribution.coats, len(COAT_COLUMNS[part.distribution.widths])),
         "bottom": (len(BOTTOM_PARAMETERS[part.distribution.bottom]),),
         "wi": (part.pairs, 3),
         "wo": (part.pairs, 3),
@@ -218,7 +218,10 @@ def _layout(part: Part) -> dict[str, tuple[int, ...]]:
 
 def _create_part(root: zarr.Group, spec: DataSpec, part: Part) -> None:
     group = root.create_group(part.name)
-    names = {"coats": CoatParameters._fields, "bottom": BOTTOM_PARAMETERS[part.distribution.bottom]}
+    names = {
+        "coats": COAT_COLUMNS[part.distribution.widths],
+        "bottom": BOTTOM_PARAMETERS[part.distribution.bottom],
+    }
     for name, shape in _layout(part).items():
         array = group.create_array(
             name,

@@ -15,6 +15,7 @@ from urushi.material.encode import (
     required_pairs,
 )
 from urushi.material.layer import layer_texels
+from urushi.nets.architecture import Architecture
 from urushi.nets.lobe import of_coat
 from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
@@ -81,7 +82,7 @@ def _lobes(samples: Samples, encoded: int) -> np.ndarray:
         return of_coat(alpha[:, -encoded], table.eta[:, -encoded])
     names = BOTTOM_PARAMETERS[table.kind]
     bottom = np.stack([table.bottom[name] for name in names], axis=-1)
-    return bottom_lobes(table.kind, bottom, PROBES)
+    return bottom_lobes(table.kind, bottom, Architecture())
 
 
 def split(material: Material) -> list[Material]:

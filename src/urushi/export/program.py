@@ -122,6 +122,11 @@ def check(language: str, model: Model, prefix: str) -> None:
             f"'{prefix}' cannot begin the names of functions; give letters, digits and single "
             "underscores, a letter first"
         )
+    if model.widths == 2:
+        raise ParameterError(
+            f"the weights {model.fingerprint} are for anisotropic materials, which cannot be "
+            "written as source code; render the material in Mitsuba, or give it one alpha"
+        )
     if not isinstance(model.networks, UrushiNetworks):
         raise ParameterError(
             f"the networks {model.fingerprint} are of another system and cannot become a shader; "

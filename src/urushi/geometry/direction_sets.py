@@ -9,7 +9,7 @@ from collections.abc import Callable
 import numpy as np
 
 from urushi.errors import ParameterError
-from urushi.geometry.half_vector import directions_at_tangent
+from urushi.geometry.half_vector import directions_at_tangent, turned
 from urushi.geometry.probe_pairs import PROBES, probe_pairs
 
 #: Least cosine of training pairs. Pairs below it carry no energy, and the feature
@@ -62,6 +62,39 @@ def half_angle_pairs(
     return _accepted(draw, n, lowest_cosine)
 
 
+def slope_pairs(
+    rng: np.random.Generator,
+    n: int,
+    *,
+    tangents: tuple[float, float] = METRIC_HALF_ANGLE_RANGE,
+    lowest_cosine: float = 0.0,
+    mirror_share: float = 0.0,
+) -> Pairs:
+    """As `half_angle_pairs`, with half vectors of every azimuth, for anisotropic BRDFs.
+
+    The azimuth is uniform for half of the pairs. The half vectors of the others have independent
+    slopes h_x / h_z and h_y / h_z, log-uniform in `tangents`, so that there are pairs near both
+    axes of a lobe whatever its two widths are.
+    """
+    low, high = np.log(tangents)
+
+    def draw(count: int) -> Pairs:
+        u = rng.random((5, count))
+        tangent = np.exp(low + (high - low) * (u[0] - mirror_share) / (1 - mirror_share))
+        if mirror_share > 0:
+            mirrored = MIRROR_TANGENT * np.maximum(0.0, 2 * u[0] / mirror_share - 1)
+            tangent = np.where(u[0] < mirror_share, mirrored, tangent)
+        across = np.exp(low + (high - low) * u[3])
+        radial = (u[4] < 0.5) | (u[0] < mirror_share)
+        turn = np.where(radial, 2 * np.pi * u[3], np.arctan2(across, tangent))
+        turn += np.where(radial, 0.0, 0.5 * np.pi * np.floor(8 * (u[4] - 0.5)))
+        tangent = np.where(radial, tangent, np.hypot(tangent, across))
+        wi, wo = directions_at_tangent(tangent, 0.5 * np.pi * u[1], 2 * np.pi * u[2])
+        return turned(wi, turn), turned(wo, turn)
+
+    return _accepted(draw, n, lowest_cosine)
+
+
 def cosine_pairs(rng: np.random.Generator, n: int, *, lowest_cosine: float = 0.0) -> Pairs:
     """Pairs of independent directions, both of density cos(theta) / pi, as for the error E."""
     return _accepted(
@@ -110,12 +143,19 @@ def grazing_pairs(rng: np.random.Generator, n: int) -> Pairs:
     return _interleaved(rng, n, _one_grazing)
 
 
+def anisotropic_pairs(rng: np.random.Generator, n: int) -> Pairs:
+    """As `training_pairs`, with the half vectors of `slope_pairs`."""
+    return _interleaved(rng, n, uniform_pairs, slope_pairs)
+
+
 #: Sets by name whose pairs may be divided among stacks; data specifications use the names.
 DIRECTION_SETS: dict[str, Callable[[np.random.Generator, int], Pairs]] = {
     "training": training_pairs,
     "grazing": grazing_pairs,
     "cosine": cosine_pairs,
     "half_angle": half_angle_pairs,
+    "anisotropic": anisotropic_pairs,
+    "slopes": slope_pairs,
 }
 
 
@@ -163,10 +203,15 @@ def draw_pairs(name: str, rng: np.random.Generator, stacks: int, pairs: int) -> 
     return np.concatenate([wi for wi, _ in parts]), np.concatenate([wo for _, wo in parts])
 
 
-def _interleaved(rng: np.random.Generator, n: int, last: Callable[..., Pairs]) -> Pairs:
+def _interleaved(
+    rng: np.random.Generator,
+    n: int,
+    last: Callable[..., Pairs],
+    first: Callable[..., Pairs] = half_angle_pairs,
+) -> Pairs:
     """n pairs with the period: log-uniform in the half angle, cosine, log-uniform, `last`."""
     parts = (
-        half_angle_pairs(
+        first(
             rng,
             n // 2,
             tangents=HALF_ANGLE_RANGE,

@@ -59,6 +59,13 @@ def directions_at_tangent(
     return _about_half_vector(tan_h * cos_h, cos_h, theta_d, phi_d)
 
 
+def turned(direction: np.ndarray, azimuth: np.ndarray) -> np.ndarray:
+    """Return directions (N, 3) turned about the z axis by angles (N,) [rad]."""
+    x, y, z = direction.T
+    cos, sin = np.cos(azimuth), np.sin(azimuth)
+    return np.stack([cos * x - sin * y, sin * x + cos * y, z], axis=-1)
+
+
 def _about_half_vector(
     sin_h: np.ndarray, cos_h: np.ndarray, theta_d: np.ndarray, phi_d: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:

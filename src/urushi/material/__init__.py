@@ -2,6 +2,7 @@
 
 from urushi.material.encode import encode
 from urushi.material.layer import layer
-from urushi.material.material import Material, lerp, load
+from urushi.material.lerp import lerp
+from urushi.material.material import Material, load
 
 __all__ = ["Material", "encode", "layer", "lerp", "load"]

@@ -4,6 +4,9 @@ The albedo is smooth in ln(cos + 0.1), and a polynomial interpolates it between 
 below an interface of an index below one is dark beyond the critical angle, with an edge as sharp as
 the interface is smooth, where a polynomial swings. Its values are therefore clipped to those at the
 two angles beside them.
+
+For anisotropic codes the angles are repeated at several azimuths of wi, in one quadrant, because
+these codes are symmetric about the xz and the yz plane.
 """
 
 import functools
@@ -12,6 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from urushi.geometry.half_vector import turned
 from urushi.nets.features import direction_features
 
 #: The variable of the interpolating polynomial is ln(cos + this).
@@ -25,12 +29,18 @@ INTERPOLATED_COSINES = 41
 OVERSHOOT = 0.05
 
 
+#: Azimuths of wi in the rule of anisotropic codes, evenly spaced from 0 to 90 degrees.
+AZIMUTHS = 4
+
+
 class AlbedoRule(NamedTuple):
     """A quadrature for the directional albedo at K angles of M nodes in all, and between them.
 
+    K and D count the angles of all azimuths, one azimuth after the other.
+
     Attributes:
         wi, wo: read-only float32 (M, 3).
-        features: float32 (M, 8), the decoder's input features of wi and wo.
+        features: float32 (M, F), the decoder's input features of wi and wo.
         weights: (M,), wo's cosine included; the nodes of an angle are contiguous.
         first: (K,) index of the first node of each angle.
         cosines: (D,) of the wi at which albedos are interpolated.
@@ -82,8 +92,16 @@ class AlbedoRule(NamedTuple):
 
 
 @functools.cache
-def albedo_rule() -> AlbedoRule:
-    """The rule of `albedo_rule.csv`; `benchmarks/quality/albedo_rule.py` makes and measures it."""
+def albedo_rule(widths: int = 1) -> AlbedoRule:
+    """The rule of codes of one GGX width or two.
+
+    That of one is in `albedo_rule.csv`; `benchmarks/quality/albedo_rule.py` makes and measures it.
+    """
+    return _isotropic_rule() if widths == 1 else _anisotropic_rule()
+
+
+def _isotropic_rule() -> AlbedoRule:
+    """The rule of the file."""
     lines = (files("urushi.material") / "albedo_rule.csv").read_text(encoding="ascii").splitlines()
     cos_i, x, y, z, weights = np.loadtxt(lines, delimiter=",").T
     wi = np.stack([np.sqrt(1 - cos_i**2), np.zeros_like(cos_i), cos_i], axis=-1).astype(np.float32)
@@ -104,6 +122,37 @@ def albedo_rule() -> AlbedoRule:
         np.exp(between) - COSINE_OFFSET,
         _lagrange(angles, between),
         left,
+    )
+
+
+def _anisotropic_rule() -> AlbedoRule:
+    """The rule of the file at every azimuth; its nodes are on one side of the plane of wi."""
+    rule = albedo_rule()
+    mirrored = rule.wo * np.array([1, -1, 1], np.float32)
+    counts = np.diff(rule.first, append=len(rule.weights))
+    order = np.concatenate(
+        [
+            np.concatenate([k, k + len(rule.weights)])
+            for k in np.split(np.arange(len(rule.weights)), rule.first[1:])
+        ]
+    )
+    wi, wo = np.tile(rule.wi, (2, 1))[order], np.concatenate([rule.wo, mirrored])[order]
+    turns = np.linspace(0, 0.5 * np.pi, AZIMUTHS)
+    wi, wo = (
+        np.concatenate([turned(w, np.full(len(w), turn)) for turn in turns]).astype(np.float32)
+        for w in (wi.astype(np.float64), wo.astype(np.float64))
+    )
+    wi.flags.writeable = wo.flags.writeable = False
+    angles = len(counts)
+    return AlbedoRule(
+        wi,
+        wo,
+        direction_features(wi, wo, 2),
+        np.tile(0.5 * np.tile(rule.weights, 2)[order], AZIMUTHS),
+        np.cumsum(np.concatenate([[0], 2 * np.tile(counts, AZIMUTHS)[:-1]])),
+        np.tile(rule.cosines, AZIMUTHS),
+        np.kron(np.eye(AZIMUTHS), rule.polynomial),
+        np.concatenate([rule.left + k * angles for k in range(AZIMUTHS)]),
     )
 
 

@@ -13,12 +13,13 @@ from urushi.material.encode import (
     SourceValues,
     encode_values,
     evaluate_source,
+    model_for,
     required_pairs,
 )
 from urushi.material.material import Material
 from urushi.material.symmetry import Deviations
 from urushi.measured import load_measured
-from urushi.nets.weights import Weights, find
+from urushi.nets.weights import Weights
 from urushi.platform import available_cores
 
 
@@ -55,14 +56,17 @@ def encode_all(
         PlatformError: there is no such scheduler.
         FileError: the shipped networks are missing.
     """
-    model = find(weights)
+    models = [model_for(source, weights) for source in sources]
     wanted = list(refine) if isinstance(refine, Sequence) else [refine] * len(sources)
-    tasks = [(source, *required_pairs(source, model, table)) for source in sources]
+    tasks = [
+        (source, *required_pairs(source, model, table), model.widths)
+        for source, model in zip(sources, models, strict=True)
+    ]
     for index, found in map_sources(_read, tasks, scheduler):
         if isinstance(found, UrushiError):
             yield index, found
             continue
-        material = encode_values(found, model, refine=wanted[index])
+        material = encode_values(found, models[index], refine=wanted[index])
         yield index, EncodedSource(material, found.deviations)
 
 
@@ -97,11 +101,11 @@ def map_sources(
         pool.shutdown(cancel_futures=True)
 
 
-def _read(source: Any, wi: np.ndarray, wo: np.ndarray) -> SourceValues | UrushiError:
+def _read(source: Any, wi: np.ndarray, wo: np.ndarray, widths: int) -> SourceValues | UrushiError:
     """Values of a source at the pairs, or its error."""
     try:
         return evaluate_source(
-            load_measured(source) if isinstance(source, Path) else source, wi, wo
+            load_measured(source) if isinstance(source, Path) else source, wi, wo, widths=widths
         )
     except UrushiError as error:
         return error

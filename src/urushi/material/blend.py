@@ -38,12 +38,13 @@ def blend_codes(model: Model, a: np.ndarray, b: np.ndarray, share: np.ndarray) -
 
 
 def blend_lobes(a: np.ndarray, b: np.ndarray, share: np.ndarray) -> np.ndarray:
-    """Lobes (C, 6) between a and b (C, 6); share: (C,) of b, in [0, 1]."""
+    """Lobes (C, N) between a and b (C, N); share: (C,) of b, in [0, 1]."""
     light = [lobes.reflectance(lobe[:, None], COSINES).mean(axis=-1) for lobe in (a, b)]
     exact = [_exact_reflectance(lobe) for lobe in (a, b)]
     of_width = _share_of_b(light[0], light[1], share)
     of_index = _share_of_b(a[:, 3] * exact[0], b[:, 3] * exact[1], share)
-    shares = np.stack([of_width, share, share, share, of_index, of_index], axis=-1)
+    others = [of_width] * (a.shape[-1] - len(lobes.LOBE_NUMBERS))
+    shares = np.stack([of_width, *[share] * 3, of_index, of_index, *others], axis=-1)
     blend = (1.0 - shares) * a + shares * b
     own = np.maximum(_exact_reflectance(blend), 1e-30)
     factor = (1.0 - share) * a[:, 3] * (exact[0] / own) + share * b[:, 3] * (exact[1] / own)
@@ -53,7 +54,7 @@ def blend_lobes(a: np.ndarray, b: np.ndarray, share: np.ndarray) -> np.ndarray:
 
 
 def _exact_reflectance(lobe: np.ndarray) -> np.ndarray:
-    """Mean (C,) over the cosines of the exact Fresnel term of lobes (C, 6), for a factor of one."""
+    """Mean (C,) over the cosines of the exact Fresnel term of lobes (C, N), for a factor of one."""
     return lobes.fresnel(COSINES, lobe[:, None, 4], lobe[:, None, 5]).mean(axis=-1)
 
 

@@ -18,18 +18,24 @@ from urushi import checks
 from urushi.errors import ParameterError, UrushiWarning
 from urushi.geometry.error_metrics import DARK_OFFSET
 from urushi.material import energy
-from urushi.material.albedo_rule import albedo_rule
+from urushi.material.albedo_rule import AlbedoRule, albedo_rule
 from urushi.material.energy import limit_albedo
 from urushi.material.fit import correct_codes, refine_codes
 from urushi.material.lobe_albedo import lobe_albedos
 from urushi.material.material import Material
-from urushi.material.symmetry import Deviations, Source, deviations_of, symmetrise
+from urushi.material.symmetry import (
+    Deviations,
+    Source,
+    deviations_of,
+    is_anisotropic,
+    symmetrise,
+)
 from urushi.material.table import node_pairs, table_of_values
 from urushi.measured import Merl, Rgl
 from urushi.nets import lobe as lobes
 from urushi.nets.interface_fit import find_lobes
 from urushi.nets.networks import UrushiNetworks
-from urushi.nets.weights import Model, Weights, find
+from urushi.nets.weights import Model, Weights, anisotropic_model, find
 from urushi.parallel import fill_blocks
 from urushi.reference.stack import Coat, Conductor, Dielectric, Diffuse, Stack
 
@@ -73,10 +79,13 @@ def encode(
         source: a description (conductor, dielectric, diffuse), a Stack (simulated with a fixed
             seed), a Material, any callable or any object with a method f that gives
             f(wi, wo) -> (N, 3), (N, C), or (N,) for one channel [1/sr, no cosine], a measured
-            BRDF, or a Mitsuba BSDF. It is evaluated at pairs above the horizon only. A source that
-            is not isotropic or not reciprocal is averaged until it is (see
+            BRDF, or a Mitsuba BSDF. It is evaluated at pairs above the horizon only. An anisotropic
+            source keeps its anisotropy about the tangent, the x axis. A source that is not
+            reciprocal, or not symmetric about the tangent, is averaged until it is (see
             `urushi.material.symmetry`); of a BSDF that transmits, the reflection is encoded.
-        weights: the networks: a Model or a weights file; None: the shipped ones.
+        weights: the networks: a Model or a weights file; None: the shipped ones, "anisotropic" for
+            anisotropic sources. An anisotropic source is averaged over the azimuth for networks of
+            isotropic materials.
         refine: whether to follow the encoder's pass by an optimisation, some 80 ms a channel, that
             brings the decoded values closer to the given ones, instead of by two quick steps (see
             `urushi.material.fit`). None: for measured BRDFs, and for any source whose residual
@@ -89,22 +98,35 @@ def encode(
             exactly, and a Material of the same networks get none.
 
     Raises:
-        ParameterError: the source is none of these, or an anisotropic Stack, or its values have a
-            wrong shape, are negative or not finite; or it is a BSDF that reflects nothing but
-            mirror images, or nothing.
+        ParameterError: the source is none of these, or an anisotropic Stack for isotropic networks,
+            or its values have a wrong shape, are negative or not finite; or it is a BSDF that
+            reflects nothing but mirror images, or nothing.
         FileError: the shipped networks are missing.
 
     Warns:
         UrushiWarning: averaging changes the source by more than 10 %, or a share of the light is
             left out.
     """
-    model = find(weights)
+    model = model_for(source, weights)
     if isinstance(source, Material) and source.model.fingerprint == model.fingerprint:
         return source
     material, deviations = encode_source(source, model, refine=refine, table=table)
     for sentence in deviations.warnings():
         warnings.warn(f"encode {source_name(source)}: {sentence}", UrushiWarning, stacklevel=2)
     return material
+
+
+def model_for(source: Any, weights: Weights | None = None) -> Model:
+    """The networks by which `encode` encodes a source."""
+    if weights is not None:
+        return find(weights)
+    if isinstance(source, Material):
+        return anisotropic_model() if source.model.widths == 2 else find(None)
+    if isinstance(source, Path | Merl):
+        return find(None)
+    name = source_name(source)
+    anisotropic = is_anisotropic(as_source(source), lambda f, count: _checked(f, name, count))
+    return anisotropic_model() if anisotropic else find(None)
 
 
 def encode_source(
@@ -122,10 +144,11 @@ def encode_source(
     Returns:
         The material, and the source's deviations.
     """
-    opened = as_source(source)
+    opened = _with_widths(as_source(source), model.widths)
     if opened.bare and opened.lobe is not None and isinstance(model.networks, UrushiNetworks):
-        return material_of_lobes(opened.lobe, model), deviations_of(opened)
-    found = evaluate_source(source, *required_pairs(source, model, table), name)
+        return material_of_lobes(opened.lobe, model), deviations_of(opened, widths=model.widths)
+    pairs = required_pairs(source, model, table)
+    found = evaluate_source(source, *pairs, name, widths=model.widths)
     return encode_values(found, model, refine=refine), found.deviations
 
 
@@ -146,7 +169,7 @@ def encode_values(found: SourceValues, model: Model, *, refine: bool | None = No
 
 
 def material_of_lobes(lobe: np.ndarray, model: Model, channels: int = 3) -> Material:
-    """The material of a surface that is its lobes (6,) or (channels, 6) alone.
+    """The material of a surface that is its lobes (N,) or (channels, N) alone.
 
     The anchor is what the encoder makes of them.
     """
@@ -156,7 +179,7 @@ def material_of_lobes(lobe: np.ndarray, model: Model, channels: int = 3) -> Mate
 
 
 def bare_anchors(model: Model, lobe: np.ndarray) -> np.ndarray:
-    """The anchors float32 (..., L) of surfaces that are their lobes (..., 6) alone.
+    """The anchors float32 (..., L) of surfaces that are their lobes (..., N) alone.
 
     All have one rest, what the encoder makes of none. No limit of energy scales it, because the
     layerer has learned it as it is.
@@ -183,13 +206,13 @@ def required_pairs(
     """
     parts, own = [model.networks.pairs()], isinstance(model.networks, UrushiNetworks)
     if table is None:
-        table = own and isinstance(source, Merl | Rgl | Path)
-    if table and not own:
+        table = own and model.widths == 1 and isinstance(source, Merl | Rgl | Path)
+    if table and not (own and model.widths == 1):
         raise ParameterError(
             "materials of these networks have no tables; give table=False or other networks"
         )
     if own and (table or not isinstance(source, Stack)):
-        parts.append(albedo_rule()[:2])
+        parts.append(albedo_rule(model.widths)[:2])
     if table:
         parts.append(node_pairs())
     wi, wo = (np.concatenate(sides) for sides in zip(*parts, strict=True))
@@ -197,20 +220,34 @@ def required_pairs(
 
 
 def evaluate_source(
-    source: Any, wi: np.ndarray, wo: np.ndarray, name: str | None = None
+    source: Any, wi: np.ndarray, wo: np.ndarray, name: str | None = None, *, widths: int = 1
 ) -> SourceValues:
     """Values of a source of `encode` for float32 unit vectors (N, 3) above the horizon.
 
-    name: begins errors; by default that of the source's type.
+    name: begins errors; by default that of the source's type. widths: of the material's networks.
 
     Raises:
         ParameterError: as `encode`.
     """
-    opened, name = as_source(source), name or source_name(source)
+    opened, name = _with_widths(as_source(source), widths), name or source_name(source)
+    if isinstance(source, Stack) and not opened.symmetric:
+        raise ParameterError(  # an average over the azimuth would take a hundred simulations
+            f"encode {name}: its alpha_u and alpha_v differ, but these networks are for isotropic "
+            "materials; give one alpha, or the weights 'anisotropic'"
+        )
     values, deviations = symmetrise(
-        opened, wi, wo, lambda values, count: _checked(values, name, count)
+        opened, wi, wo, lambda values, count: _checked(values, name, count), widths
     )
     return SourceValues(values, deviations, opened.measured, opened.lobe, opened.bare)
+
+
+def _with_widths(source: Source, widths: int) -> Source:
+    """The source with a lobe of this number of widths; without one if it has too many."""
+    if source.widths > widths:
+        return source._replace(symmetric=False, lobe=None, bare=False)
+    if source.lobe is not None and source.lobe.shape[-1] < len(lobes.NUMBERS[widths]):
+        return source._replace(lobe=lobes.with_two_widths(source.lobe))
+    return source
 
 
 def material_from_values(
@@ -230,7 +267,7 @@ def material_from_values(
         model: the networks.
         refine: whether to refine the codes; None: if the residual of one exceeds
             `UNUSUAL_RESIDUAL`.
-        lobe: (6,) or (C, 6) the channels' lobes; None: they are fitted to the values. Codes of
+        lobe: (N,) or (C, N) the channels' lobes; None: they are fitted to the values. Codes of
             another system have none.
     """
     pairs = len(model.networks.pairs()[0])
@@ -239,8 +276,9 @@ def material_from_values(
     lobe = _lobes_of_channels(model, probed, lobe)
     source_albedo, ceiling = np.ones((len(probed), 1)), np.full((len(probed), 1), 1 - energy.MARGIN)
     if nodes is not None:
-        source_albedo = _source_albedos(nodes, lobe)
-        ceiling = energy.albedo_ceiling(source_albedo)
+        rule = albedo_rule(model.widths)
+        source_albedo = _source_albedos(nodes, lobe, rule)
+        ceiling = energy.albedo_ceiling(source_albedo, rule)
     if not refine:
         anchors = encoder_codes(model, probed, lobe)
         codes, excess = correct_codes(model.networks, anchors, probed)
@@ -259,24 +297,23 @@ def material_from_values(
 
 
 def _lobes_of_channels(model: Model, f: np.ndarray, lobe: np.ndarray | None) -> np.ndarray | None:
-    """The lobes float32 (C, 6) of values f (C, P) at the probe pairs; None for other systems."""
+    """The lobes float32 (C, N) of values f (C, P) at the probe pairs; None for other systems."""
     if not isinstance(model.networks, UrushiNetworks):
         return None
     if lobe is None:
-        return find_lobes(f)
+        return find_lobes(f, model.widths)
     return np.broadcast_to(np.asarray(lobe, np.float32), (len(f), lobe.shape[-1]))
 
 
-def _source_albedos(f: np.ndarray, lobe: np.ndarray | None) -> np.ndarray:
-    """Directional albedos (C, D) of values f (C, M) at the albedo nodes.
+def _source_albedos(f: np.ndarray, lobe: np.ndarray | None, rule: AlbedoRule) -> np.ndarray:
+    """Directional albedos (C, D) of values f (C, M) at the nodes of a rule.
 
-    The nodes are too few for the sharpest lobes (6,), whose part is known without them.
+    The nodes are too few for the sharpest lobes (N,), whose part is known without them.
     """
-    rule = albedo_rule()
     if lobe is None:
         return rule.albedo(f)
     rest = np.maximum(f - lobes.f(lobe[:, None], rule.wi, rule.wo), 0.0)
-    return rule.albedo(rest) + lobe_albedos(lobe, rule.cosines)
+    return rule.albedo(rest) + lobe_albedos(lobe, rule)
 
 
 def residual(model: Model, z: np.ndarray, f: np.ndarray) -> np.ndarray:
@@ -319,7 +356,7 @@ def _(source: Source) -> Source:
 def _(source: Material) -> Source:
     own = isinstance(source.model.networks, UrushiNetworks)
     lobe = source.latents[:, : source.model.arch.lobe] if own else None
-    return Source(source.f, symmetric=True, lobe=lobe)
+    return Source(source.f, symmetric=True, lobe=lobe, widths=source.model.widths)
 
 
 @as_source.register
@@ -341,13 +378,12 @@ def _(source: Conductor | Dielectric | Diffuse) -> Source:
     def f(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         return analytic.f(source, wi, wo)
 
-    if not isinstance(source, Diffuse) and source.is_anisotropic:
-        return Source(f)  # averaged over the azimuth, with a warning
     return Source(
         f,
         symmetric=True,
         lobe=lobe_of_surface(source),
         bare=not isinstance(source, Diffuse),
+        widths=2 if not isinstance(source, Diffuse) and source.is_anisotropic else 1,
     )
 
 
@@ -355,39 +391,39 @@ def _(source: Conductor | Dielectric | Diffuse) -> Source:
 def _(source: Stack) -> Source:
     from urushi.reference.simulate import simulate
 
-    if source.is_anisotropic:  # an average over the azimuth would take a hundred simulations
-        raise ParameterError(
-            "encode Stack: its alpha_u and alpha_v differ, and materials are isotropic; give one "
-            "alpha, or simulate it (urushi.simulate, or the plugin 'layered')"
-        )
+    lobe, widths = lobe_of_coat(source.coats[0]), 2 if source.is_anisotropic else 1
+    if lobe.shape[-1] < len(lobes.NUMBERS[widths]):
+        lobe = lobes.with_two_widths(lobe)
     return Source(
         lambda wi, wo: simulate(source, wi, wo, walks=STACK_WALKS, seed=0)[0],
         symmetric=True,
-        lobe=lobe_of_coat(source.coats[0]),
+        lobe=lobe,
+        widths=widths,
     )
 
 
 def lobe_of_surface(source: Conductor | Dielectric | Diffuse) -> np.ndarray:
-    """The lobe float32 (6,) or (3, 6) of a surface."""
+    """The lobe float32 (N,) or (3, N) of a surface, N = 7 if it has two widths, otherwise 6."""
     if isinstance(source, Diffuse):
         return np.array(lobes.NO_LOBE, np.float32)
-    alpha = checks.one_width(source.alpha, "the surface's")
     if isinstance(source, Dielectric):
-        return _lobe(alpha, 0.0, 0.0, 1.0, source.eta, 0.0)
+        return _lobe(source.alpha, 0.0, 0.0, 1.0, source.eta, 0.0)
     if source.eta is not None and source.k is not None:
-        return _lobe(alpha, 0.0, 0.0, 1.0, source.eta, source.k)
+        return _lobe(source.alpha, 0.0, 0.0, 1.0, source.eta, source.k)
     assert source.r0 is not None
-    return _lobe(alpha, source.r0, 1.0, 0.0, lobes.NO_LOBE[4], 0.0)
+    return _lobe(source.alpha, source.r0, 1.0, 0.0, lobes.NO_LOBE[4], 0.0)
 
 
 def lobe_of_coat(coat: Coat) -> np.ndarray:
-    """The lobe float32 (6,) or (3, 6) of a coat's interface."""
-    return _lobe(checks.one_width(coat.alpha, "the coat's"), 0.0, 0.0, 1.0, coat.eta, 0.0)
+    """The lobe float32 (N,) or (3, N) of a coat's interface, N as of `lobe_of_surface`."""
+    return _lobe(coat.alpha, 0.0, 0.0, 1.0, coat.eta, 0.0)
 
 
-def _lobe(*numbers: npt.ArrayLike) -> np.ndarray:
-    """The lobe float32 (..., 6) of six numbers that broadcast."""
-    return np.stack(np.broadcast_arrays(*numbers), axis=-1).astype(np.float32)
+def _lobe(alpha: Any, *numbers: npt.ArrayLike) -> np.ndarray:
+    """The lobe float32 (..., N) of a width or two `Widths`, and five numbers that broadcast."""
+    if isinstance(alpha, checks.Widths):
+        alpha, numbers = alpha.u, (*numbers, alpha.v)
+    return np.stack(np.broadcast_arrays(alpha, *numbers), axis=-1).astype(np.float32)
 
 
 def source_name(source: Any) -> str:
@@ -425,7 +461,7 @@ def limited_codes(model: Model, f: np.ndarray) -> np.ndarray:
 def encoder_codes(model: Model, f: np.ndarray, lobe: np.ndarray | None = None) -> np.ndarray:
     """Codes float32 (..., L) that the encoder makes of f (..., P) [1/sr] at its pairs.
 
-    lobe: (6,) or (..., 6) the lobes of f; None: they are fitted to the values.
+    lobe: (N,) or (..., N) the lobes of f; None: they are fitted to the values.
 
     Raises:
         ParameterError: P is not the number of these pairs.

@@ -16,9 +16,10 @@ from typing import NamedTuple
 import numpy as np
 
 from urushi.material import regression
-from urushi.material.albedo_rule import INTERPOLATED_COSINES, albedo_rule
+from urushi.material.albedo_rule import AlbedoRule, albedo_rule
 from urushi.material.lobe_albedo import lobe_albedos
 from urushi.material.regression import CodeFeatures
+from urushi.nets.lobe import LOBE_NUMBERS, WIDTH_PLACES
 from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
 from urushi.parallel import fill_blocks, one_blas_thread
@@ -71,12 +72,13 @@ def directional_albedos(model: Model, z: np.ndarray) -> np.ndarray:
 
 def top_albedos(model: Model, z: np.ndarray) -> np.ndarray:
     """The part (..., D) of `directional_albedos` of the codes' lobes."""
-    return lobe_albedos(z[..., : model.arch.lobe], albedo_rule().cosines)
+    return lobe_albedos(z[..., : model.arch.lobe], albedo_rule(model.arch.widths))
 
 
 def rest_albedos(model: Model, z: np.ndarray) -> np.ndarray:
     """The other part (N, D) of `directional_albedos`."""
-    nodes, networks = albedo_rule(), _own_networks(model)
+    nodes, networks = albedo_rule(model.arch.widths), _own_networks(model)
+    count = len(nodes.cosines)
 
     def measure(codes: np.ndarray) -> np.ndarray:
         at_angles = [
@@ -86,11 +88,11 @@ def rest_albedos(model: Model, z: np.ndarray) -> np.ndarray:
         return nodes.interpolated(np.concatenate(at_angles))
 
     if not len(z):
-        return np.zeros((0, INTERPOLATED_COSINES), np.float32)
+        return np.zeros((0, count), np.float32)
     if len(z) <= BLOCK:
         with one_blas_thread():
             return measure(z)
-    result = np.empty((len(z), INTERPOLATED_COSINES), np.float32)
+    result = np.empty((len(z), count), np.float32)
     fill_blocks(result, measure, z, rows=BLOCK)
     return result
 
@@ -104,10 +106,10 @@ def peak_ceiling(own: np.ndarray) -> np.ndarray:
     return np.where(peak > 1 + TOLERANCE, peak, 1 - MARGIN)
 
 
-def albedo_ceiling(own: np.ndarray) -> np.ndarray:
-    """Ceiling (..., D) of a code's albedos, from its source's albedos own (..., D)."""
+def albedo_ceiling(own: np.ndarray, rule: AlbedoRule) -> np.ndarray:
+    """Ceiling (..., D) of a code's albedos, from its source's albedos own (..., D) of a rule."""
     top = peak_ceiling(own)
-    return np.where(albedo_rule().cosines < GRAZING, top, np.minimum(own + SLACK, top))
+    return np.where(rule.cosines < GRAZING, top, np.minimum(own + SLACK, top))
 
 
 def limit_albedo(
@@ -183,7 +185,7 @@ def _limiting_factors(
             break
         ceilings = ceiling
         if not isinstance(ceiling, float):
-            ceilings = np.broadcast_to(ceiling, (*z.shape[:-1], INTERPOLATED_COSINES))[far]
+            ceilings = np.broadcast_to(ceiling, (*z.shape[:-1], _directions(model)))[far]
         further = _measured_factors(
             model, _own_networks(model).rest_scaled(z[far], result[far]), ceilings
         )
@@ -205,10 +207,15 @@ def _measured_factors(model: Model, z: np.ndarray, ceiling: np.ndarray | float) 
     else:
         ceilings = ceiling
         if not isinstance(ceiling, float):
-            ceilings = np.broadcast_to(ceiling, (*z.shape[:-1], INTERPOLATED_COSINES))
-            ceilings = ceilings.reshape(-1, INTERPOLATED_COSINES)
+            ceilings = np.broadcast_to(ceiling, (*z.shape[:-1], _directions(model)))
+            ceilings = ceilings.reshape(-1, ceilings.shape[-1])
         result[...] = (1 / excesses(model, rows, ceilings)).reshape(result.shape)
     return np.minimum(result, 1, out=result)
+
+
+def _directions(model: Model) -> int:
+    """The number D of directions at which the albedos of codes are known."""
+    return len(albedo_rule(model.arch.widths).cosines)
 
 
 def _own_networks(model: Model) -> UrushiNetworks:
@@ -226,16 +233,19 @@ def excesses(model: Model, z: np.ndarray, ceiling: np.ndarray | float) -> np.nda
 
 
 def near_edge(lobe: np.ndarray) -> np.ndarray:
-    """Whether a cosine of `albedo_rule` is near the critical one of lobes (..., 6); bool (..., D).
+    """Whether a cosine of `albedo_rule` is near the critical one of lobes (..., N); bool (..., D).
 
     There the albedos of a sharp lobe that reflects totally and of the rest below it change between
     two angles of the rule, and are not known well enough for a ceiling.
     """
-    alpha, exact, eta = (lobe[..., number, None] for number in (0, 3, 4))
-    sharp = (exact > 0) & (eta < 1) & (alpha < SHARP)
+    widths = 1 + (lobe.shape[-1] > len(LOBE_NUMBERS))
+    rule = albedo_rule(widths)
+    exact, eta = (lobe[..., number, None] for number in (3, 4))
+    alphas = lobe[..., WIDTH_PLACES[widths]]
+    narrow, alpha = alphas.min(axis=-1)[..., None], alphas.max(axis=-1)[..., None]
+    sharp = (exact > 0) & (eta < 1) & (narrow < SHARP)
     if not sharp.any():
-        return np.zeros((*lobe.shape[:-1], INTERPOLATED_COSINES), bool)
-    rule = albedo_rule()
+        return np.zeros((*lobe.shape[:-1], len(rule.cosines)), bool)
     angles = rule.wi[rule.first, 2]
     critical = np.sqrt(np.maximum(1 - eta * eta, 0.0))
     between = (angles[rule.left] >= critical) & (critical >= angles[rule.left + 1])

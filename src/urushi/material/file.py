@@ -5,7 +5,7 @@ would evaluate the codes.
 """
 
 import os
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from urushi import files
 from urushi.errors import FileError
 from urushi.material.table import SHAPE
 from urushi.nets import former
-from urushi.nets.weights import Model
+from urushi.nets.weights import Model, of_fingerprint
 
 #: Versions of files without and with decoders of their own.
 CODES_VERSION, FORMAT_VERSION = 2, 3
@@ -25,11 +25,13 @@ class StoredMaterial(NamedTuple):
     Attributes:
         latents, anchors: (C, L).
         table: (U, V, W, C), or None.
+        rotation: [degrees] of the tangent.
     """
 
     latents: np.ndarray
     anchors: np.ndarray
     table: np.ndarray | None
+    rotation: float
 
 
 def write(
@@ -38,16 +40,20 @@ def write(
     anchors: np.ndarray,
     fingerprint: str,
     table: np.ndarray | None = None,
+    rotation: float = 0.0,
 ) -> None:
     """Write latents and anchors (C, L) that belong to the networks of `fingerprint`.
 
-    table: float16 (U, V, W, C) of ln f, see `urushi.material.table`.
+    table: float16 (U, V, W, C) of ln f, see `urushi.material.table`. rotation: [degrees] of the
+    tangent.
 
     Raises:
         FileError: the file cannot be written.
     """
     version = CODES_VERSION if table is None else FORMAT_VERSION
-    description = {"version": version, "weights": fingerprint}
+    description: dict[str, Any] = {"version": version, "weights": fingerprint}
+    if rotation:
+        description["rotation"] = rotation
     arrays = {"latents": latents}
     if not np.array_equal(latents, anchors):
         arrays["anchors"] = anchors
@@ -56,8 +62,10 @@ def write(
     files.write_tensors(path, "material", description, arrays)
 
 
-def read(path: str | os.PathLike, model: Model) -> StoredMaterial:
-    """Return what a file holds that was made with the networks of `model`.
+def read(path: str | os.PathLike, model: Model | None) -> tuple[StoredMaterial, Model]:
+    """Return what a file holds that was made with the networks of `model`, and these networks.
+
+    model: None: the shipped networks by which it was made.
 
     Raises:
         FileError: missing, truncated, foreign, damaged, or made with other networks.
@@ -71,7 +79,9 @@ def read(path: str | os.PathLike, model: Model) -> StoredMaterial:
             f"this Urushi reads versions {CODES_VERSION} and {FORMAT_VERSION}; "
             "install the Urushi that wrote it"
         )
-    check_weights(path, description.get("weights"), model)
+    made_with = description.get("weights")
+    model = of_fingerprint(made_with) if model is None else model
+    check_weights(path, made_with, model)
     latents = arrays.get("latents")
     width = model.arch.latent
     if latents is None or latents.ndim != 2 or not len(latents) or latents.shape[1] != width:
@@ -98,7 +108,10 @@ def read(path: str | os.PathLike, model: Model) -> StoredMaterial:
         raise FileError(
             f"the material file '{path}' is damaged: its table is not finite float16 {shape}"
         )
-    return StoredMaterial(latents, anchors, table)
+    rotation = description.get("rotation", 0.0)
+    if not isinstance(rotation, int | float) or not np.isfinite(rotation):
+        raise FileError(f"the material file '{path}' is damaged: its rotation is no angle")
+    return StoredMaterial(latents, anchors, table, float(rotation)), model
 
 
 def check_weights(path: str | os.PathLike, made_with: object, model: Model) -> None:

@@ -47,7 +47,7 @@ from urushi.nets import lobe as lobes
 from urushi.nets.encoder import OFFSET, log_values
 from urushi.nets.features import direction_features
 from urushi.nets.least_squares import damped_step
-from urushi.nets.lobe import NO_LOBE
+from urushi.nets.lobe import no_lobe
 from urushi.nets.lobe_fit import fit_lobes
 from urushi.nets.networks import Networks, UrushiNetworks
 from urushi.parallel import one_blas_thread
@@ -66,7 +66,7 @@ def initial_code(networks: UrushiNetworks, f: np.ndarray, lobe: np.ndarray) -> n
     """
     features, surfaces = probe_features(networks), _values_of_surfaces(networks)
     own, top = networks.encode(f[None], lobe[None]), lobes.f(lobe, *networks.pairs())
-    plain = networks.encode(surfaces, np.array([NO_LOBE], np.float32))
+    plain = networks.encode(surfaces, np.array([no_lobe(networks.arch.widths)], np.float32))
     logs, rest = np.log(f + DARK_OFFSET), np.log(np.maximum(f - top, 0.0) + DARK_OFFSET)
     gains = np.median(rest - np.log(networks.rest(plain[:, None], features) + DARK_OFFSET), axis=-1)
     codes = np.concatenate([own, networks.rest_scaled(plain, np.exp(gains))])
@@ -145,7 +145,7 @@ class FitTarget(NamedTuple):
     """Target values of a fit at N pairs: the P probe pairs, and the albedo nodes if known.
 
     Attributes:
-        features: (N, 8) of the pairs; logs: (N,) of ln(f + `DARK_OFFSET`); weights: (N,), their
+        features: (N, D) of the pairs; logs: (N,) of ln(f + `DARK_OFFSET`); weights: (N,), their
             sum is 1.
         top: (N,) [1/sr] the part of f that the code's lobe reflects.
         probes: P.
@@ -166,13 +166,13 @@ def fit_target(
 ) -> FitTarget:
     """The target of values f (P,) [1/sr] at `networks.pairs` and nodes (M,) at the albedo nodes.
 
-    The albedo nodes are those of `albedo_rule`; None: their values are not known. lobe: (6,)
+    The albedo nodes are those of `albedo_rule`; None: their values are not known. lobe: (K,)
     the code's lobe.
     """
     count, features = len(f), probe_features(networks)
     top = lobes.f(lobe, *networks.pairs())
     weights = np.full(count, 1.0 / count)
-    rule = albedo_rule()
+    rule = albedo_rule(networks.arch.widths)
     light = np.zeros(0) if nodes is None else nodes * rule.weights * rule.wi[:, 2]
     if nodes is None or not light.sum() > 0.0:
         return FitTarget(features, np.log(f + DARK_OFFSET), weights, top, count)
@@ -188,13 +188,14 @@ def fit_target(
 
 
 def probe_features(networks: UrushiNetworks) -> np.ndarray:
-    """The decoder's input features (P, 8) of `networks.pairs`."""
-    return _cached_features(*(w.tobytes() for w in networks.pairs()))
+    """The decoder's input features (P, D) of `networks.pairs`."""
+    return _cached_features(*(w.tobytes() for w in networks.pairs()), networks.arch.widths)
 
 
 @functools.lru_cache(4)
-def _cached_features(wi: bytes, wo: bytes) -> np.ndarray:
-    return direction_features(*(np.frombuffer(w, np.float32).reshape(-1, 3) for w in (wi, wo)))
+def _cached_features(wi: bytes, wo: bytes, widths: int) -> np.ndarray:
+    one, other = (np.frombuffer(w, np.float32).reshape(-1, 3) for w in (wi, wo))
+    return direction_features(one, other, widths)
 
 
 def huber_loss(error: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -228,7 +229,7 @@ def refine_codes(
         codes = networks.encode(f)
         return RefinedCodes(codes, codes)
     rows = np.ascontiguousarray(f)
-    own = fit_lobes(rows) if lobe is None else lobe
+    own = fit_lobes(rows, networks.arch.widths) if lobe is None else lobe
     further = [None] * len(rows) if nodes is None else np.ascontiguousarray(nodes)
     codes, anchors = [], []
     with one_blas_thread():
@@ -250,7 +251,7 @@ def fit_below_ceiling(
     """
     if len(aim.logs) == aim.probes:
         return levenberg_marquardt(networks, z, aim, hold)
-    rule, nodes = albedo_rule(), slice(aim.probes, None)
+    rule, nodes = albedo_rule(networks.arch.widths), slice(aim.probes, None)
     target = np.maximum(np.exp(aim.logs) - DARK_OFFSET - aim.top, 0.0)  # of the rest
     own = np.maximum(rule.at_angles(target[nodes]), LEAST_ALBEDO)
     ceiling = _rest_ceiling(networks, z, rule.interpolated(own))
@@ -278,9 +279,9 @@ def _rest_ceiling(networks: UrushiNetworks, z: np.ndarray, own: np.ndarray) -> n
 
     Infinite where the rule is too coarse, see `energy.near_edge`.
     """
-    lobe = z[: networks.arch.lobe]
-    top = lobe_albedos(lobe, albedo_rule().cosines)
-    ceiling = np.maximum(energy.albedo_ceiling(own + top) - top, energy.LEAST_REST)
+    lobe, rule = z[: networks.arch.lobe], albedo_rule(networks.arch.widths)
+    top = lobe_albedos(lobe, rule)
+    ceiling = np.maximum(energy.albedo_ceiling(own + top, rule) - top, energy.LEAST_REST)
     return np.where(energy.near_edge(lobe), np.inf, ceiling)
 
 

@@ -19,6 +19,7 @@ from urushi.material.layer import PRESENT, presence
 from urushi.material.lobe_albedo import lobe_albedos
 from urushi.nets import derivatives
 from urushi.nets.derivatives import decode_log
+from urushi.nets.lobe import WIDTH_PLACES
 from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
 from urushi.parallel import fill_blocks
@@ -53,7 +54,7 @@ def layer_pushforward(
 ) -> np.ndarray:
     """Return the change (N, L) of `layer_texels`' codes z (N, L).
 
-    z_bottom (N, L): the bottoms' codes; coat (N, 5): alpha, eta, albedo, sigma_t, g; dz_bottom and
+    z_bottom (N, L): the bottoms' codes; coat (N, C): columns `checks.COAT_COLUMNS`; dz_bottom and
     dcoat: their changes. The blend of nearly absent coats with the bottom is neglected.
     """
     gain = model.arch.lobe
@@ -73,7 +74,7 @@ def layer_pushforward(
 def layer_pullback(
     model: Model, z_bottom: np.ndarray, coat: np.ndarray, z: np.ndarray, dz: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return gradients (N, L) and (N, 5) with respect to z_bottom and coat.
+    """Return gradients (N, L) and (N, C) with respect to z_bottom and coat.
 
     dz (N, L): the weights of the codes z; the others as in `layer_pushforward`.
     """
@@ -132,7 +133,7 @@ def _fill_rows(columns: int, block, *arrays: np.ndarray) -> np.ndarray:
 
 def _unlimited(model: Model, z_bottom: np.ndarray, coat: np.ndarray) -> np.ndarray:
     """What the layerer makes before energy is limited: codes (N, L)."""
-    return model.networks.layer(z_bottom, CoatParameters(*coat.T))
+    return model.networks.layer(z_bottom, CoatParameters.of_columns(coat.T))
 
 
 def _encoded(model: Model, f: np.ndarray, lobe: np.ndarray) -> np.ndarray:
@@ -150,10 +151,10 @@ def _limited_rows(model: Model, z: np.ndarray, unlimited: np.ndarray) -> np.ndar
 def _limited_coats(
     model: Model, z_bottom: np.ndarray, coat: np.ndarray, z: np.ndarray
 ) -> np.ndarray:
-    """The rows (K,) of codes z of coats (N, 5) that the limit scaled down."""
+    """The rows (K,) of codes z of coats (N, C) that the limit scaled down."""
     rows = _limited_rows(model, z, _unlimited(model, z_bottom, coat))
-    alpha, eta, _, sigma_t, _ = coat[rows].T
-    return rows[presence(alpha, eta, sigma_t) >= PRESENT]
+    chosen = CoatParameters.of_columns(coat[rows].T)
+    return rows[presence(chosen.alpha, chosen.eta, chosen.sigma_t) >= PRESENT]
 
 
 def _log_factor(model: Model, z: np.ndarray, z_bottom: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -194,7 +195,7 @@ _Slopes = Callable[[int], np.ndarray]
 
 def _albedos(model: Model, z: np.ndarray) -> tuple[np.ndarray, _Slopes, np.ndarray, _Slopes]:
     """Directional albedos (D,) of the rest of a code z (L,) and of its lobe, and their slopes."""
-    rule, lobe = albedo_rule(), z[: model.arch.lobe]
+    rule, lobe = albedo_rule(model.arch.widths), z[: model.arch.lobe]
     log_f, slopes = decode_log(model.params, model.arch, z[None, model.arch.lobe :], rule.features)
     f = np.exp(log_f)
     counts, at_angles = np.diff(rule.first, append=len(rule.weights)), rule.at_angles(f)
@@ -206,9 +207,10 @@ def _albedos(model: Model, z: np.ndarray) -> tuple[np.ndarray, _Slopes, np.ndarr
     def of_top(angle: int) -> np.ndarray:
         stepped = np.concatenate([lobe + _LOBE_STEP * way * np.eye(len(lobe)) for way in (1, -1)])
         stepped = stepped.astype(np.float32)
-        stepped[:, 0] = np.clip(stepped[:, 0], MIN_ALPHA, 1)
-        upper, lower = np.split(lobe_albedos(stepped, rule.cosines)[:, angle], 2)
+        for place in WIDTH_PLACES[model.arch.widths]:
+            stepped[:, place] = np.clip(stepped[:, place], MIN_ALPHA, 1)
+        upper, lower = np.split(lobe_albedos(stepped, rule)[:, angle], 2)
         wide, narrow = np.split(stepped, 2)
         return (upper - lower) / (wide - narrow).diagonal()
 
-    return rule.interpolated(at_angles), of_rest, lobe_albedos(lobe, rule.cosines), of_top
+    return rule.interpolated(at_angles), of_rest, lobe_albedos(lobe, rule), of_top

@@ -6,14 +6,14 @@ import numpy as np
 import numpy.typing as npt
 
 from urushi import checks
-from urushi.checks import CoatParameters
+from urushi.checks import CoatParameters, Widths
 from urushi.errors import ParameterError
 from urushi.material.blend import blend_codes
 from urushi.material.encode import encode
 from urushi.material.energy import as_rendered, limit_coated_albedo
 from urushi.material.material import Material
 from urushi.nets.networks import UrushiNetworks
-from urushi.nets.weights import Model, Weights
+from urushi.nets.weights import Model, Weights, anisotropic_model, default_model
 from urushi.parallel import fill_blocks
 from urushi.reference.stack import Dielectric
 
@@ -35,8 +35,9 @@ def layer(
     """Coat a material with a rough dielectric over a homogeneous medium of unit thickness.
 
     Args:
-        top: the coat's interface, from `urushi.dielectric(alpha, eta)`.
-        bottom: a Material, or anything that `encode` takes; coats nest.
+        top: the coat's interface, from `urushi.dielectric(alpha, eta)`, isotropic or anisotropic.
+        bottom: a Material, or anything that `encode` takes; coats nest. All layers share one
+            tangent: a bottom that was `rotated` cannot get an anisotropic coat.
         albedo: single-scattering albedo of the medium in [0, 1].
         sigma_t: its optical depth, >= 0.
         g: its Henyey-Greenstein asymmetry in (-1, 1).
@@ -46,42 +47,82 @@ def layer(
 
     Returns:
         A Material of the bottom's channels, or of three if the bottom has one and a parameter has
-        three.
+        three. It is anisotropic if top or bottom are.
 
     Raises:
-        ParameterError: top is no dielectric, or an anisotropic one, or a parameter is out of range
-            or of a wrong shape.
+        ParameterError: top is no dielectric, or a parameter is out of range or of a wrong shape; or
+            top is anisotropic, and the bottom is turned or has networks for isotropic materials
+            that are not the shipped ones.
     """
     if not isinstance(top, Dielectric):
         raise ParameterError(
             f"the top of a layering is a {type(top).__name__}; give the coat's interface, "
             "urushi.dielectric(alpha, eta)"
         )
-    alpha = checks.one_width(top.alpha, "the coat's")
-    if not isinstance(bottom, Material) or weights is not None:
-        bottom = encode(bottom, weights, refine=refine, table=False)
+    bottom = _below(bottom, weights, refine, isinstance(top.alpha, Widths))
     coat = CoatParameters(
-        np.asarray(alpha),
+        top.alpha if isinstance(top.alpha, Widths) else np.asarray(top.alpha),
         np.asarray(top.eta),
         checks.albedo(albedo, "the coat's albedo"),
         checks.sigma_t(sigma_t, "the coat's sigma_t"),
         checks.g(g, "the coat's g"),
     )
     if bottom.channels not in (1, 3):
-        name = next((name for name, value in coat._asdict().items() if value.ndim), None)
+        names = checks.COAT_COLUMNS[2 if isinstance(top.alpha, Widths) else 1]
+        columns = zip(names, coat.columns(), strict=True)
+        name = next((name for name, value in columns if np.ndim(value)), None)
         if name:
             raise ParameterError(
                 f"the coat's {name} has three values, but the bottom has {bottom.channels} "
                 "channels; give a scalar"
             )
-    return Material(_coated(bottom.model, bottom.anchors, coat, bottom.latents), bottom.model)
+    coat = _for_networks(bottom.model, coat)
+    codes = _coated(bottom.model, bottom.anchors, coat, bottom.latents)
+    return Material(codes, bottom.model, rotation=bottom.rotation)
+
+
+def _below(
+    bottom: Any, weights: Weights | None, refine: bool | None, anisotropic: bool
+) -> Material:
+    """The bottom of a coat as a material; its networks are anisotropic if the coat is."""
+    if anisotropic and weights is None:
+        own = bottom.model if isinstance(bottom, Material) else default_model()
+        if own.widths == 1:
+            if own.fingerprint != default_model().fingerprint:
+                raise ParameterError(
+                    f"the coat's alpha_u and alpha_v differ, but the weights {own.fingerprint} of "
+                    "the bottom are for isotropic materials; encode it with the shipped ones"
+                )
+            weights = anisotropic_model()
+    if not isinstance(bottom, Material) or weights is not None:
+        bottom = encode(bottom, weights, refine=refine, table=False)
+    if anisotropic and bottom.rotation % 180 != 0:
+        raise ParameterError(
+            f"the bottom is turned by {bottom.rotation:g} degrees, and the coat's alpha_u and "
+            "alpha_v differ, but all layers share one tangent; coat the bottom first, then turn "
+            "the result"
+        )
+    return bottom
+
+
+def _for_networks(model: Model, coat: CoatParameters) -> CoatParameters:
+    """The coat with as many widths as the networks have; two may be equal.
+
+    Raises:
+        ParameterError: it has two, and the networks are for isotropic materials.
+    """
+    if model.widths == 1:
+        return coat._replace(alpha=checks.one_width(coat.alpha, "the coat's"))
+    if isinstance(coat.alpha, Widths):
+        return coat
+    return coat._replace(alpha=Widths(coat.alpha, coat.alpha))
 
 
 def layer_texels(
     model: Model,
     z_bottom: np.ndarray,
     *,
-    alpha: npt.ArrayLike,
+    alpha: npt.ArrayLike | Widths,
     eta: npt.ArrayLike,
     albedo: npt.ArrayLike,
     sigma_t: npt.ArrayLike,
@@ -95,6 +136,7 @@ def layer_texels(
         z_bottom: codes (..., L) of the bottoms.
         alpha, eta: of the coat's interface; albedo, sigma_t, g: of the medium below it. Arrays
             that broadcast against each other and against z_bottom's leading shape, e.g. (H, W, 3).
+            alpha is `Widths` of two such arrays for anisotropic networks, or one for equal widths.
         rendered: codes (..., L) by which the bottoms are evaluated, if these are others; they
             remain where a coat is absent (`presence`).
 
@@ -103,9 +145,10 @@ def layer_texels(
         at most 1, or that of the bottom if it gains energy (see `urushi.material.energy`).
 
     Raises:
-        ParameterError: a parameter is out of range, or the shapes do not broadcast.
+        ParameterError: a parameter is out of range, or the shapes do not broadcast, or there are
+            two widths and the networks are for isotropic materials.
     """
-    coat = CoatParameters(alpha, eta, albedo, sigma_t, g)
+    coat = _for_networks(model, CoatParameters(alpha, eta, albedo, sigma_t, g))
     coat = checks.coat(coat, "the coat's", any_shape=True)
     return _coated(model, np.asarray(z_bottom, np.float32), coat, rendered)
 
@@ -114,10 +157,12 @@ def _coated(
     model: Model, z: np.ndarray, coat: CoatParameters, rendered: np.ndarray | None
 ) -> np.ndarray:
     """`layer_texels` of codes float32 z (..., L) for a coat of checked float64 arrays."""
+    columns = coat.columns()
     try:
-        shape = np.broadcast_shapes(z.shape[:-1], *(p.shape for p in coat))
+        shape = np.broadcast_shapes(z.shape[:-1], *(p.shape for p in columns))
     except ValueError as error:
-        shapes = ", ".join(f"{name} {p.shape}" for name, p in coat._asdict().items())
+        named = zip(checks.COAT_COLUMNS[model.widths], columns, strict=True)
+        shapes = ", ".join(f"{name} {p.shape}" for name, p in named)
         raise ParameterError(
             f"the coat's parameters ({shapes}) do not fit the bottom's {z.shape[:-1]}; "
             "give scalars or arrays of the same shape"
@@ -126,9 +171,9 @@ def _coated(
     coated = np.empty((*rows, z.shape[-1]), np.float32)
     fill_blocks(
         coated,
-        lambda z, *p: model.networks.layer(z, CoatParameters(*p)),
+        lambda z, *p: model.networks.layer(z, CoatParameters.of_columns(p)),
         _with_leading_axes(z, len(rows) + 1),
-        *(_with_leading_axes(p.astype(np.float32), len(rows)) for p in coat),
+        *(_with_leading_axes(p.astype(np.float32), len(rows)) for p in columns),
     )
     coated = limit_coated_albedo(model, coated.reshape(*shape, z.shape[-1]), z)
     share = presence(coat.alpha, coat.eta, coat.sigma_t)
@@ -138,15 +183,17 @@ def _coated(
     return coated
 
 
-def presence(alpha: np.ndarray, eta: np.ndarray, sigma_t: np.ndarray) -> np.ndarray:
+def presence(alpha: np.ndarray | Widths, eta: np.ndarray, sigma_t: np.ndarray) -> np.ndarray:
     """The share (...) of a coat in the result of `layer_texels`: 0 where nothing is there, up to 1.
 
     A smooth interface of an index close to 1 and a thin medium leave the bottom as it is, its lobe
     included. The layerer, which gives the coat's interface the only lobe, cannot express this. A
-    rough interface of such an index is there: its facets mask and shadow each other.
+    rough interface of such an index is there: its facets mask and shadow each other. Of two widths,
+    the mean square counts.
     """
     change = (eta - 1.0) / (eta + 1.0) / ABSENT_CHANGE
-    width = (alpha / ABSENT_WIDTH) ** 2
+    square = alpha**2 if not isinstance(alpha, Widths) else 0.5 * (alpha.u**2 + alpha.v**2)
+    width = square / ABSENT_WIDTH**2
     return 1.0 - np.exp(-(change * change) - width * width - sigma_t / ABSENT_DEPTH)
 
 

@@ -1,8 +1,8 @@
-"""A material: one latent code per channel, with the networks that decode it; blends of two."""
+"""A material: one latent code per channel, with the networks that decode it."""
 
 import os
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -10,10 +10,10 @@ import numpy.typing as npt
 from urushi import checks
 from urushi.errors import ParameterError, UrushiWarning
 from urushi.export.program import material_text
+from urushi.geometry.frames import rotated
 from urushi.geometry.quadrature import half_vector_rule
-from urushi.material import energy, file
-from urushi.material.blend import blend_codes
-from urushi.material.table import SHAPE, interpolated, node_pairs, table_of_values
+from urushi.material import file
+from urushi.material.table import SHAPE, interpolated
 from urushi.nets.networks import Proposal, UrushiNetworks
 from urushi.nets.weights import Model, Weights, find
 from urushi.parallel import fill_blocks
@@ -24,7 +24,10 @@ ALBEDO_BLOCK = 16
 
 @dataclass(frozen=True, eq=False)
 class Material:
-    """An isotropic BRDF as latent codes. Make it with `encode`, `layer`, `lerp` or `load`.
+    """A BRDF as latent codes. Make it with `encode`, `layer`, `lerp` or `load`.
+
+    Codes of anisotropic networks (`model.widths` is 2) are symmetric about the tangent, the x axis,
+    and about the y axis.
 
     Attributes:
         latents: read-only float32 (C, L), one code per channel (C = 3 for RGB, 1 for grey).
@@ -35,14 +38,17 @@ class Material:
             `urushi.material.fit`), and equal those of coated materials. Default: the latents.
         table: read-only float16 (U, V, W, C), ln f over directions (see `urushi.material.table`),
             by which f is evaluated instead of by the latents, as of measured BRDFs. Default: None.
+        rotation: angle [degrees] by which the tangent is turned about the normal,
+            counter-clockwise, see `rotated`; 0 for isotropic networks. Default: 0.
 
-    Materials equal each other if codes, tables and networks do.
+    Materials equal each other if codes, tables, rotations and networks do.
     """
 
     latents: np.ndarray
     model: Model
     anchors: np.ndarray = None  # type: ignore[assignment]  # __post_init__ puts the latents there
     table: np.ndarray | None = None
+    rotation: float = 0.0
 
     def __post_init__(self) -> None:
         latents = _checked(self.latents, self.model, "latents")
@@ -57,6 +63,8 @@ class Material:
             object.__setattr__(self, "table", _checked_table(self.table, self.model, len(latents)))
         object.__setattr__(self, "latents", latents)
         object.__setattr__(self, "anchors", anchors)
+        turn = _checked_rotation(self.rotation) if self.model.widths == 2 else 0.0
+        object.__setattr__(self, "rotation", turn)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Material):
@@ -66,11 +74,13 @@ class Material:
             and np.array_equal(self.latents, other.latents)
             and np.array_equal(self.anchors, other.anchors)
             and _same_table(self.table, other.table)
+            and self.rotation == other.rotation
         )
 
     def __hash__(self) -> int:
         table = None if self.table is None else self.table.tobytes()
-        return hash((self.model.fingerprint, self.latents.tobytes(), self.anchors.tobytes(), table))
+        codes = self.latents.tobytes(), self.anchors.tobytes()
+        return hash((self.model.fingerprint, *codes, table, self.rotation))
 
     def __repr__(self) -> str:
         return f"Material({self.channels} channels, weights {self.model.fingerprint})"
@@ -79,6 +89,24 @@ class Material:
     def channels(self) -> int:
         """The number of channels, C."""
         return len(self.latents)
+
+    def rotated(self, angle: float) -> "Material":
+        """Return the material with its tangent turned about the normal.
+
+        angle: [degrees], counter-clockwise, added to the present rotation. An isotropic material is
+            returned as it is.
+
+        Raises:
+            ParameterError: angle is no finite number.
+        """
+        angle = _checked_rotation(angle)
+        if self.model.widths == 1:
+            return self
+        return replace(self, rotation=(self.rotation + angle) % 360.0)
+
+    def _inside(self, w: np.ndarray) -> np.ndarray:
+        """Directions (N, 3) in the frame of the turned tangent."""
+        return w if self.rotation == 0 else rotated(w, -self.rotation / 360.0)
 
     def f(self, wi: npt.ArrayLike, wo: npt.ArrayLike) -> np.ndarray:
         """Evaluate the BRDF.
@@ -93,7 +121,7 @@ class Material:
         Raises:
             ParameterError: wrong shapes, or directions that are not unit vectors.
         """
-        wi, wo = checks.directions(wi, wo)
+        wi, wo = map(self._inside, checks.directions(wi, wo))
         return self._filled(wi, wo)
 
     def _filled(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
@@ -122,7 +150,7 @@ class Material:
         Raises:
             ParameterError: wrong shapes, or directions that are not unit vectors.
         """
-        wi, wo = checks.directions(wi, wo)
+        wi, wo = map(self._inside, checks.directions(wi, wo))
         pdf = np.empty(len(wi), np.float32)
         fill_blocks(pdf[:, None], self._pdf, wi, wo)
         return pdf
@@ -143,11 +171,12 @@ class Material:
         Raises:
             ParameterError: wrong shapes, directions that are not unit vectors, u out of range.
         """
-        wi = checks.direction(wi, "wi")
+        wi = self._inside(checks.direction(wi, "wi"))
         u = _uniform(u, len(wi))
         rows = np.empty((len(wi), 4), np.float32)
         fill_blocks(rows, self._sample, wi, u)
-        return np.ascontiguousarray(rows[:, :3]), np.ascontiguousarray(rows[:, 3])
+        wo = rows[:, :3] if self.rotation == 0 else rotated(rows[:, :3], self.rotation / 360.0)
+        return np.ascontiguousarray(wo), np.ascontiguousarray(rows[:, 3])
 
     def _sample(self, wi: np.ndarray, u: np.ndarray) -> np.ndarray:
         above = wi[:, 2] > 0.0
@@ -180,7 +209,7 @@ class Material:
         Raises:
             ParameterError: wrong shape, or directions that are not unit vectors.
         """
-        wi = checks.direction(wi, "wi")
+        wi = self._inside(checks.direction(wi, "wi"))
         albedo = np.zeros((len(wi), self.channels), np.float32)
         above = np.flatnonzero(wi[:, 2] > 0.0)
         for start in range(0, len(above), ALBEDO_BLOCK):
@@ -207,7 +236,7 @@ class Material:
 
         Raises:
             ParameterError: an unknown language, a prefix that is no name, networks of another
-                system, or a material of other than one or three channels.
+                system or of anisotropic materials, or other than one or three channels.
 
         Warns:
             UrushiWarning: the material has a table.
@@ -230,20 +259,22 @@ class Material:
         Raises:
             FileError: the file cannot be written.
         """
-        file.write(path, self.latents, self.anchors, self.model.fingerprint, self.table)
+        file.write(
+            path, self.latents, self.anchors, self.model.fingerprint, self.table, self.rotation
+        )
 
 
 def load(path: str | os.PathLike, weights: Weights | None = None) -> Material:
     """Read a material that `Material.save` wrote.
 
-    weights: the networks that made it: a Model or a file; by default the shipped ones.
+    weights: the networks that made it: a Model or a file; by default those of the shipped ones by
+        which it was made.
 
     Raises:
         FileError: missing, truncated, foreign, damaged, or made with other networks.
     """
-    model = find(weights)
-    stored = file.read(path, model)
-    return Material(stored.latents, model, stored.anchors, stored.table)
+    stored, model = file.read(path, None if weights is None else find(weights))
+    return Material(stored.latents, model, stored.anchors, stored.table, stored.rotation)
 
 
 def _checked(codes: npt.ArrayLike, model: Model, name: str) -> np.ndarray:
@@ -260,6 +291,11 @@ def _checked(codes: npt.ArrayLike, model: Model, name: str) -> np.ndarray:
     return array
 
 
+def _checked_rotation(angle: float) -> float:
+    """An angle in degrees."""
+    return float(checks.rotation(angle, "a material's rotation"))
+
+
 def _above(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
     """Whether both directions (..., 3) are above the horizon."""
     return (wi[..., 2] > 0.0) & (wo[..., 2] > 0.0)
@@ -274,7 +310,7 @@ def _same_table(a: np.ndarray | None, b: np.ndarray | None) -> bool:
 
 def _checked_table(table: npt.ArrayLike, model: Model, channels: int) -> np.ndarray:
     """A read-only copy float16 (U, V, W, C) of a material's table."""
-    if not isinstance(model.networks, UrushiNetworks):
+    if not isinstance(model.networks, UrushiNetworks) or model.widths == 2:
         raise ParameterError("materials of these networks have no tables")
     with np.errstate(over="ignore"):
         array = np.array(table, dtype=np.float16)
@@ -300,71 +336,3 @@ def _uniform(u: npt.ArrayLike, count: int) -> np.ndarray:
     if not ((array >= 0.0) & (array <= 1.0)).all():
         raise ParameterError("u holds a number outside [0, 1); give uniform random numbers")
     return np.minimum(array, np.float32(1.0 - 2.0**-24))  # float64 numbers may round up to 1
-
-
-def lerp(a: Material, b: Material, t: npt.ArrayLike) -> Material:
-    """Return the material between a and b.
-
-    The albedo changes about evenly with t, see `urushi.material.blend`; energy is conserved. Codes
-    of networks of another system are (1 - t) a + t b.
-
-    t: in [0, 1], a scalar or one number per RGB channel. A material of one channel blends with one
-    of three. t = 0 gives exactly a's codes, t = 1 exactly b's. If a or b has a table, the result
-    has one too, of (1 - t) a's f + t b's.
-
-    Raises:
-        ParameterError: a and b belong to different networks or numbers of channels, or t is out
-            of range or of a wrong shape.
-    """
-    for name, material in (("a", a), ("b", b)):
-        if not isinstance(material, Material):
-            raise ParameterError(
-                f"lerp's {name} is a {type(material).__name__}; encode it into a Material first"
-            )
-    if a.model.fingerprint != b.model.fingerprint:
-        raise ParameterError(
-            f"the materials belong to different weights, {a.model.fingerprint} and "
-            f"{b.model.fingerprint}; encode both with the same weights"
-        )
-    try:
-        share = np.asarray(t, np.float32)
-        channels = np.broadcast_shapes((a.channels,), (b.channels,), share.shape)
-    except (TypeError, ValueError) as error:
-        raise ParameterError(
-            f"lerp's t ({np.shape(t)}) does not fit materials of {a.channels} and {b.channels} "
-            "channels; give a number or one per channel"
-        ) from error
-    if share.ndim > 1 or not ((share >= 0.0) & (share <= 1.0)).all():
-        raise ParameterError("lerp's t must be in [0, 1], a number or one per channel")
-    share = np.broadcast_to(share, channels)
-    latents = _blend(a.model, a.latents, b.latents, share)
-    anchors = latents
-    if a.anchors is not a.latents or b.anchors is not b.latents:
-        anchors = _blend(a.model, a.anchors, b.anchors, share)
-    return Material(latents, a.model, anchors, _blended_table(a, b, share))
-
-
-def _blended_table(a: Material, b: Material, share: np.ndarray) -> np.ndarray | None:
-    """The table of the blend with shares (C,) of b; None if a and b have none where they count."""
-    if (share == 0).all() or (share == 1).all():
-        end = b if share.any() else a
-        return None if end.table is None else np.broadcast_to(end.table, (*SHAPE, len(share)))
-    if a.table is None and b.table is None:
-        return None
-    of_a, of_b = (material._filled(*node_pairs()) for material in (a, b))
-    return table_of_values((1 - share) * of_a + share * of_b)
-
-
-def _blend(model: Model, a: np.ndarray, b: np.ndarray, share: np.ndarray) -> np.ndarray:
-    """Codes (C, L) between a and b, exactly these for shares (C,) of 0 and 1.
-
-    Their directional albedo is at most 1, or that of the brighter one if it gains energy.
-    """
-    shape = (len(share), a.shape[1])
-    a, b = np.broadcast_to(a, shape), np.broadcast_to(b, shape)
-    codes = blend_codes(model, a, b, share)
-    if isinstance(model.networks, UrushiNetworks):
-        peaks = [energy.directional_albedos(model, z).max(axis=-1) for z in (a, b)]
-        ceiling = np.maximum(np.maximum(*peaks), 1 - energy.MARGIN)
-        codes = energy.limit_albedo(model, codes, ceiling[:, None])
-    return np.where((share == 0)[:, None], a, np.where((share == 1)[:, None], b, codes))

@@ -1,4 +1,8 @@
-"""Averages that make a BRDF isotropic and reciprocal, as materials are, and what they change."""
+"""Averages that give a BRDF the symmetry of materials, and what they change.
+
+Materials are reciprocal. Those of isotropic networks do not change if both directions are turned
+about the normal, and those of anisotropic networks are symmetric about the xz and the yz plane.
+"""
 
 import functools
 from collections.abc import Callable, Iterator
@@ -18,6 +22,9 @@ AZIMUTHS = 62
 #: The rotation, as a fraction of a full turn, by which isotropy is tested. It is no simple
 #: fraction, because some BRDFs are equal after one.
 TEST_ROTATION = 0.155
+
+#: Anisotropy E above which a source gets networks of two widths.
+KEPT_ANISOTROPY = 0.02
 
 #: Differences up to which two values are equal: relative, for single precision in steep lobes, and
 #: absolute [1/sr].
@@ -48,6 +55,8 @@ class Source(NamedTuple):
             the reflection of the topmost interface. None: it is fitted to the values.
         bare: whether f is its lobe and nothing else.
         isotropic: whether f is isotropic by construction, up to its mirror image.
+        widths: 2 if f is anisotropic by construction; symmetric then refers to its two planes of
+            symmetry.
     """
 
     f: Brdf
@@ -60,6 +69,7 @@ class Source(NamedTuple):
     lobe: np.ndarray | None = None
     bare: bool = False
     isotropic: bool = False
+    widths: int = 1
 
 
 class Deviations(NamedTuple):
@@ -67,7 +77,8 @@ class Deviations(NamedTuple):
 
     Attributes:
         anisotropy: E between the source and its mean over the azimuth: 0 for an isotropic source,
-            and no isotropic BRDF is much closer to the source. None if the source is noisy.
+            and no isotropic BRDF is much closer to the source. None if the source is noisy. For a
+            material of two widths, E between the source and its mean over mirror images.
         reciprocity: the same for the mean over the exchange of wi and wo.
         transmitted, mirrored, textured: as in `Source`.
     """
@@ -77,14 +88,20 @@ class Deviations(NamedTuple):
     transmitted: float = 0.0
     mirrored: float = 0.0
     textured: bool = False
+    widths: int = 1
 
     def warnings(self) -> list[str]:
         """Sentences for the user about deviations that are not small."""
         sentences = []
-        if (self.anisotropy or 0.0) > WARNED_ASYMMETRY:
+        if (self.anisotropy or 0.0) > WARNED_ASYMMETRY and self.widths == 2:
+            sentences.append(
+                f"the BRDF is not symmetric about its tangent: it differs by {self.anisotropy:.0%} "
+                "from its mean over the mirror images at the xz and the yz plane, which is encoded"
+            )
+        elif (self.anisotropy or 0.0) > WARNED_ASYMMETRY:
             sentences.append(
                 f"the BRDF is anisotropic: it differs by {self.anisotropy:.0%} from its mean over "
-                "the azimuth, which is encoded, because materials are isotropic"
+                "the azimuth, which is encoded, because these networks are for isotropic materials"
             )
         if (self.reciprocity or 0.0) > WARNED_ASYMMETRY:
             sentences.append(
@@ -107,23 +124,29 @@ class Deviations(NamedTuple):
 
 
 def symmetrise(
-    source: Source, wi: np.ndarray, wo: np.ndarray, check: Callable[[Any, int], np.ndarray]
+    source: Source,
+    wi: np.ndarray,
+    wo: np.ndarray,
+    check: Callable[[Any, int], np.ndarray],
+    widths: int = 1,
 ) -> tuple[np.ndarray, Deviations]:
-    """Values of a source made isotropic and reciprocal, and how much that changed them.
+    """Values of a source with the symmetry of a material, and how much that changed them.
 
     A source that shows no asymmetry gives its own values. The values of any other are means over
-    `rotated_pairs` and over the exchange of wi and wo.
+    `rotated_pairs`, or `mirrored_pairs` for materials of two widths, and over the exchange of wi
+    and wo.
 
     Args:
         source: the BRDF.
         wi, wo: float32 (N, 3), above the horizon.
         check: turns the result of `source.f` for a number of pairs into float32 (N, C).
+        widths: of the material's networks.
 
     Returns:
         float32 (N, C), and the deviations.
     """
-    if source.symmetric:
-        return check(source.f(wi, wo), len(wi)), deviations_of(source)
+    if source.symmetric and source.widths <= widths:
+        return check(source.f(wi, wo), len(wi)), deviations_of(source, widths=widths)
     count = len(wi)
     wi, wo = (np.concatenate(sides) for sides in zip((wi, wo), asymmetry_pairs(), strict=True))
 
@@ -131,22 +154,52 @@ def symmetrise(
         return check(source.f(a, b), len(a))
 
     once, noisy = values(wi, wo), source.noisy
+    pairs = (
+        mirrored_pairs(wi, wo)
+        if widths == 2
+        else list(rotated_pairs(wi, wo, 2 if source.isotropic else AZIMUTHS))
+    )
     if not noisy:
-        if nearly_equal(once, values(*isotropy_test_pairs(wi, wo))) and nearly_equal(
-            once, values(wo, wi)
-        ):
-            return once[:count], deviations_of(source)
+        tests = pairs[1:3] if widths == 2 else [isotropy_test_pairs(wi, wo)]
+        if all(nearly_equal(once, values(*pair)) for pair in [*tests, (wo, wi)]):
+            return once[:count], deviations_of(source, widths=widths)
         noisy = not np.array_equal(once, values(wi, wo))
-    pairs = list(rotated_pairs(wi, wo, 2 if source.isotropic else AZIMUTHS))
     # (exchange, azimuth, N, C)
     every = np.stack([[values(a, b) for a, b in pairs], [values(b, a) for a, b in pairs]])
     isotropic = every.mean(axis=1)
     mean = isotropic.mean(axis=0)
     if noisy:
-        return mean[:count], deviations_of(source, None, None)
+        return mean[:count], deviations_of(source, None, None, widths)
     anisotropy = _error(every[..., count:, :], isotropic[:, None, count:])
     reciprocity = _error(isotropic[:, count:], mean[count:])
-    return mean[:count], deviations_of(source, anisotropy, reciprocity)
+    return mean[:count], deviations_of(source, anisotropy, reciprocity, widths)
+
+
+def is_anisotropic(source: Source, check: Callable[[Any, int], np.ndarray]) -> bool:
+    """Whether a source differs by E > `KEPT_ANISOTROPY` from its mean over the azimuth.
+
+    check: as of `symmetrise`. A noisy source counts as isotropic unless it is known to be none.
+    """
+    if source.symmetric or source.isotropic or source.noisy:
+        return source.widths == 2
+    wi, wo = asymmetry_pairs()
+
+    def values(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        return check(source.f(a, b), len(a))
+
+    once = values(wi, wo)
+    if nearly_equal(once, values(*isotropy_test_pairs(wi, wo))):
+        return False
+    if not np.array_equal(once, values(wi, wo)):
+        return False  # it draws random numbers
+    every = np.stack([values(*pair) for pair in rotated_pairs(wi, wo, AZIMUTHS)])
+    return _error(every, every.mean(axis=0)) > KEPT_ANISOTROPY
+
+
+def mirrored_pairs(wi: np.ndarray, wo: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+    """A pair (N, 3), and its mirror images at the xz plane, at the yz plane, and at both."""
+    signs = np.array([[1, 1, 1], [1, -1, 1], [-1, 1, 1], [-1, -1, 1]], np.float32)
+    return [(wi * sign, wo * sign) for sign in signs]
 
 
 def azimuthal_mean(f: Callable[..., np.ndarray], wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
@@ -193,10 +246,14 @@ def asymmetry_pairs() -> tuple[np.ndarray, np.ndarray]:
 
 
 def deviations_of(
-    source: Source, anisotropy: float | None = 0.0, reciprocity: float | None = 0.0
+    source: Source,
+    anisotropy: float | None = 0.0,
+    reciprocity: float | None = 0.0,
+    widths: int = 1,
 ) -> Deviations:
     """The deviations of a source of this asymmetry."""
-    return Deviations(anisotropy, reciprocity, source.transmitted, source.mirrored, source.textured)
+    shares = source.transmitted, source.mirrored
+    return Deviations(anisotropy, reciprocity, *shares, source.textured, widths)
 
 
 def _error(f: np.ndarray, mean: np.ndarray) -> float:

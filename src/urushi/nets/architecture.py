@@ -3,14 +3,17 @@
 import itertools
 import json
 from dataclasses import asdict, dataclass, fields
-from typing import ClassVar
+from typing import Any
 
 import numpy as np
 
 from urushi.errors import ParameterError
 from urushi.nets.features import COAT_FEATURES, DIRECTION_FEATURES
-from urushi.nets.lobe import LOBE_FEATURES, LOBE_NUMBERS
+from urushi.nets.lobe import LOBE_FEATURES, NUMBERS
 from urushi.nets.mlp import POLYNOMIALS
+
+#: Features of wi that the sampler sees, for networks of one GGX width or two.
+ANGLE_FEATURES = {1: 2, 2: 4}
 
 #: The networks. Each is a multilayer perceptron; its name begins the names of its parameters.
 PARTS = ("decoder", "encoder", "layerer", "sampler")
@@ -36,7 +39,8 @@ class Architecture:
             lobe as well.
         activation: one of `ACTIVATIONS`, for all hidden layers (see `mlp.activate`).
         probes: number of probe pairs, at which the encoder needs the values of a BRDF.
-        lobe: how many numbers of a code describe its analytic lobe, see `nets.lobe`; constant.
+        widths: GGX widths of a surface: 1 for isotropic BRDFs; 2 for those that are symmetric about
+            the xz and the yz plane.
     """
 
     latent: int = 32
@@ -47,9 +51,18 @@ class Architecture:
     lobes: int = 2
     activation: str = "smoothstep"
     probes: int = 192
-    lobe: ClassVar[int] = len(LOBE_NUMBERS)
+    widths: int = 1
+
+    @property
+    def lobe(self) -> int:
+        """How many numbers of a code describe its analytic lobe, see `nets.lobe`."""
+        return len(NUMBERS[self.widths])
 
     def __post_init__(self) -> None:
+        if self.widths not in NUMBERS:
+            raise ParameterError(
+                f"architecture's widths is {self.widths!r}; it must be 1 (isotropic) or 2"
+            )
         for name in ("latent", "lobes", "probes"):
             if not _positive(getattr(self, name)):
                 raise ParameterError(
@@ -80,8 +93,11 @@ class Architecture:
             )
 
     def to_json(self) -> str:
-        """Return the sizes as a JSON object."""
-        return json.dumps(asdict(self) | {"lobe": self.lobe})
+        """Return the sizes as a JSON object; `widths` is left out if it is 1."""
+        entries: dict[str, Any] = asdict(self)
+        if self.widths == 1:
+            del entries["widths"]
+        return json.dumps(entries | {"lobe": self.lobe})
 
     @classmethod
     def from_json(cls, text: str) -> "Architecture":
@@ -96,17 +112,20 @@ class Architecture:
         except ValueError as error:
             raise ParameterError(f"the architecture is no valid JSON: {error}") from error
         names = {entry.name for entry in fields(cls)} | {"lobe"}
+        if isinstance(entries, dict):
+            entries.setdefault("widths", 1)
         if not isinstance(entries, dict) or set(entries) != names:
             raise ParameterError(
                 "the architecture must be a JSON object with exactly the fields "
                 + ", ".join(sorted(names))
             )
         lobe = entries.pop("lobe")
-        if lobe != cls.lobe:
+        architecture = cls(**entries)
+        if lobe != architecture.lobe:
             raise ParameterError(
-                f"architecture's lobe is {lobe!r}; this Urushi's has {cls.lobe} numbers"
+                f"architecture's lobe is {lobe!r}; this Urushi's has {architecture.lobe} numbers"
             )
-        return cls(**entries)
+        return architecture
 
 
 def _positive(value: object) -> bool:
@@ -116,18 +135,18 @@ def _positive(value: object) -> bool:
 
 def layer_sizes(arch: Architecture, part: str) -> tuple[int, ...]:
     """Return the sizes of one network's input, hidden layers and output."""
-    rest = arch.latent - arch.lobe
+    rest, widths = arch.latent - arch.lobe, arch.widths
     inputs = {
-        "decoder": rest - 1 + DIRECTION_FEATURES,  # the gain bypasses it
+        "decoder": rest - 1 + DIRECTION_FEATURES[widths],  # the gain bypasses it
         "encoder": arch.probes,
-        "layerer": rest + LOBE_FEATURES + COAT_FEATURES,
-        "sampler": rest + LOBE_FEATURES + 2,
+        "layerer": rest + LOBE_FEATURES[widths] + COAT_FEATURES[widths],
+        "sampler": rest + LOBE_FEATURES[widths] + ANGLE_FEATURES[widths],
     }
     outputs = {
         "decoder": 1,
         "encoder": rest,
         "layerer": rest,
-        "sampler": 2 * arch.lobes + 2,
+        "sampler": (1 + widths) * arch.lobes + 2,
     }
     return (inputs[part], *getattr(arch, part), outputs[part])
 

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from urushi.checks import CoatParameters
 from urushi.geometry.probe_pairs import probe_pairs
 from urushi.nets import lobe as lobes
 from urushi.nets.architecture import SCALE, Architecture
@@ -28,8 +29,8 @@ MIN_ABSORPTION = 1e-4
 #: small (Squire and Trapp 1998).
 _STEP = 1e-20
 
-#: Places of alpha and eta of a coat among the numbers of its lobe.
-_OF_COAT = (0, 4)
+#: Places of widths and index among the columns of a coat, and among the numbers of its lobe.
+_OF_COAT = {1: ((0, 1), (0, 4)), 2: ((0, 1, 5), (0, 4, 6))}
 
 
 def decode_log(params: Params, arch: Architecture, z: Any, features: Any) -> tuple[Any, Any]:
@@ -73,16 +74,16 @@ def encode_log(params: Params, arch: Architecture, logs: Any) -> tuple[Any, Any]
 def encode_pushforward(params: Params, arch: Architecture, f: Any, df: Any, lobe: Any) -> Any:
     """Return the change (N, L) of the encoder's codes for a change df (N, P) of f (N, P).
 
-    lobe (N, 6): the lobes that were fitted to f. They change with f, and the encoder sees what they
+    lobe (N, L): the lobes that were fitted to f. They change with f, and the encoder sees what they
     leave of it.
     """
-    slopes = fit_slopes(f, lobe)
+    slopes = fit_slopes(f, lobe, arch.widths)
     dlobe = (slopes @ df[..., None])[..., 0]
-    top, columns = _top_at_probes(lobe, f.shape[-1])
+    top, columns = _top_at_probes(arch, lobe)
     change = np.where(f >= top, df - (columns * dlobe[..., None]).sum(axis=1), 0)
     rest = np.maximum(f - top, 0)
     dz = _encode_pushforward(params, arch, rest, change.astype(f.dtype))
-    return np.concatenate([_all_numbers(dlobe), dz], axis=-1).astype(f.dtype)
+    return np.concatenate([_all_numbers(arch, dlobe), dz], axis=-1).astype(f.dtype)
 
 
 def encode_pullback(params: Params, arch: Architecture, f: Any, dz: Any, lobe: Any) -> Any:
@@ -90,11 +91,11 @@ def encode_pullback(params: Params, arch: Architecture, f: Any, dz: Any, lobe: A
 
     lobe: as of `encode_pushforward`.
     """
-    top, columns = _top_at_probes(lobe, f.shape[-1])
+    top, columns = _top_at_probes(arch, lobe)
     of_rest = _encode_pullback(params, arch, np.maximum(f - top, 0), dz[:, arch.lobe :])
     of_rest = np.where(f >= top, of_rest, 0)
-    of_lobe = dz[:, FITTED] - (columns @ of_rest[..., None])[..., 0]
-    through = (of_lobe[:, None] @ fit_slopes(f, lobe))[:, 0]
+    of_lobe = dz[:, FITTED[arch.widths]] - (columns @ of_rest[..., None])[..., 0]
+    through = (of_lobe[:, None] @ fit_slopes(f, lobe, arch.widths))[:, 0]
     return (of_rest + through).astype(f.dtype)
 
 
@@ -112,21 +113,21 @@ def _encode_pullback(params: Params, arch: Architecture, f: Any, dz: Any) -> Any
     return product(gradient, params["encoder.0.weight"].T) * factor
 
 
-def _top_at_probes(lobe: Any, probes: int) -> tuple[Any, Any]:
-    """f (N, P) of lobes (N, 6) at the probe pairs, and its derivatives (N, 3, P) by `FITTED`."""
-    wi, wo = probe_pairs(probes)
+def _top_at_probes(arch: Architecture, lobe: Any) -> tuple[Any, Any]:
+    """f (N, P) of lobes (N, L) at the probe pairs, and its derivatives (N, K, P) by `FITTED`."""
+    wi, wo = probe_pairs(arch.probes, arch.widths)
     columns = []
-    for number in FITTED:
+    for number in FITTED[arch.widths]:
         stepped = lobe.astype(np.complex128)
         stepped[:, number] += _STEP * 1j
         columns.append(lobes.f(stepped[:, None], wi, wo).imag / _STEP)
     return lobes.f(lobe[:, None], wi, wo), np.stack(columns, axis=1)
 
 
-def _all_numbers(fitted: Any) -> Any:
-    """Changes (N, 6) of lobes from those (N, 3) of the `FITTED` numbers."""
-    changes = np.zeros((len(fitted), len(lobes.LOBE_NUMBERS)))
-    changes[:, FITTED] = fitted
+def _all_numbers(arch: Architecture, fitted: Any) -> Any:
+    """Changes (N, L) of lobes from those (N, K) of the `FITTED` numbers."""
+    changes = np.zeros((len(fitted), arch.lobe))
+    changes[:, FITTED[arch.widths]] = fitted
     return changes
 
 
@@ -136,7 +137,7 @@ class _LayererInputs(NamedTuple):
     Attributes:
         own: (N, K) what it sees of the bottom; coat: (N, F) of the coat.
         of_bottom: (N, K, L) derivatives of `own` by the bottom's code.
-        of_coat: (N, F, 5) derivatives of `coat`.
+        of_coat: (N, F, C) derivatives of `coat`.
     """
 
     own: Any
@@ -149,7 +150,7 @@ def _layerer_inputs(arch: Architecture, z: Any, coat: Any) -> _LayererInputs:
     features, slopes = coat_slopes(coat)
     rest = arch.latent - arch.lobe
     lobe_features, of_lobe = lobe_slopes(z[:, : arch.lobe])
-    of_bottom = np.zeros((len(z), rest + LOBE_FEATURES, arch.latent), z.dtype)
+    of_bottom = np.zeros((len(z), rest + LOBE_FEATURES[arch.widths], arch.latent), z.dtype)
     of_bottom[:, :rest, arch.lobe :] = np.eye(rest)
     of_bottom[:, rest:, : arch.lobe] = of_lobe
     own = np.concatenate([z[:, arch.lobe :], lobe_features], axis=-1)
@@ -164,7 +165,7 @@ def layer_pushforward(
     Args:
         params, arch: the networks.
         z: (N, L) codes of the bottoms.
-        coat: (N, 5) alpha, eta, albedo, sigma_t, g.
+        coat: (N, C) the columns `checks.COAT_COLUMNS` of the coats.
         dz, dcoat: changes of z and coat.
     """
     inputs = _layerer_inputs(arch, z, coat)
@@ -176,14 +177,15 @@ def layer_pushforward(
     change = _pushforward(params, "layerer", first, dfirst, arch.activation)
     change += dz[:, arch.lobe :]
     top = np.zeros_like(dz[:, : arch.lobe])
-    top[:, _OF_COAT] = dcoat[:, :2, 0]
+    columns, numbers = _OF_COAT[arch.widths]
+    top[:, numbers] = dcoat[:, columns, 0]
     return np.concatenate([top, change], axis=-1)
 
 
 def layer_pullback(
     params: Params, arch: Architecture, z: Any, coat: Any, dz: Any
 ) -> tuple[Any, Any]:
-    """Return gradients (N, L) and (N, 5) with respect to the bottoms' codes and the coats.
+    """Return gradients (N, L) and (N, C) with respect to the bottoms' codes and the coats.
 
     They are the gradients of the sum of the coated codes weighted by dz (N, L). z and coat are
     those of `layer_pushforward`.
@@ -197,24 +199,25 @@ def layer_pullback(
     of_coat = (of_coat[:, None] @ inputs.of_coat)[:, 0]
     of_bottom = (of_own[:, None] @ inputs.of_bottom)[:, 0]
     of_bottom[:, arch.lobe :] += of_rest
-    of_coat[:, :2] += dz[:, _OF_COAT]
+    columns, numbers = _OF_COAT[arch.widths]
+    of_coat[:, columns] += dz[:, numbers]
     return of_bottom, of_coat
 
 
 def coat_slopes(coat: Any) -> tuple[Any, Any]:
-    """Return `features.coat_features` (N, F) of coats (N, 5), and their derivatives (N, F, 5)."""
+    """Return `features.coat_features` (N, F) of coats (N, C), and their derivatives (N, F, C)."""
     columns = list(coat.astype(np.float64).T)
-    features = coat_features(*columns).astype(coat.dtype)
+    features = coat_features(*CoatParameters.of_columns(columns)).astype(coat.dtype)
     columns[2] = np.minimum(columns[2], 1 - MIN_ABSORPTION)
     slopes = np.empty((*features.shape, len(columns)), coat.dtype)
     for index, column in enumerate(columns):
         stepped = [*columns[:index], column + _STEP * 1j, *columns[index + 1 :]]
-        slopes[..., index] = coat_features(*stepped).imag / _STEP
+        slopes[..., index] = coat_features(*CoatParameters.of_columns(stepped)).imag / _STEP
     return features, slopes
 
 
 def lobe_slopes(lobe: Any) -> tuple[Any, Any]:
-    """Return `lobe.lobe_features` (N, 6) of lobes (N, 6), and their derivatives (N, 6, 6)."""
+    """Return `lobe.lobe_features` (N, F) of lobes (N, L), and their derivatives (N, F, L)."""
     numbers = lobe.astype(np.float64)
     columns = [
         lobes.lobe_features(numbers + _STEP * 1j * step).imag / _STEP

@@ -2,6 +2,8 @@
 
 from typing import Any
 
+from urushi.checks import Widths
+
 #: Smallest cosine to the normal. Smaller ones are clamped to it, so f is constant near the horizon.
 MIN_COSINE = 5e-3
 
@@ -18,7 +20,21 @@ DIRECTION_TABLE = (
     ("ln(cos_i + cos_o)", 0.0, 0.56),
     ("min(cos_i, cos_o)", 0.47, 0.3),
 )
-DIRECTION_FEATURES = len(DIRECTION_TABLE)
+
+#: Further features of a pair of directions for anisotropic BRDFs, all of them the same for the
+#: mirror images of a pair at the xz or the yz plane. x and y are components of unit vectors, h of
+#: the half vector.
+AZIMUTH_TABLE = (
+    ("ln(h_x^2 / h_z^2 + 1e-6)", -5.0, 4.3),
+    ("ln(h_y^2 / h_z^2 + 1e-6)", -5.0, 4.3),
+    ("ln(x_i^2 + x_o^2 + 1e-3)", -0.9, 1.3),
+    ("ln(y_i^2 + y_o^2 + 1e-3)", -0.9, 1.3),
+    ("x_i x_o", -0.1, 0.3),
+    ("y_i y_o", -0.1, 0.3),
+)
+
+#: Number of features of a pair of directions, for networks of one GGX width or two.
+DIRECTION_FEATURES = {1: len(DIRECTION_TABLE), 2: len(DIRECTION_TABLE + AZIMUTH_TABLE)}
 
 #: Features of a coat: formula, mean, scale. Of its interface, whose index may be above or below
 #: one, with s = (eta - 1) / (eta + 1); and of its medium, with m = 1 - exp(-sigma_t). All terms
@@ -43,7 +59,10 @@ COAT_TABLE = (
     ("ln(1 + sigma_t (1 - albedo))", 0.52, 0.54),
     ("ln(1 + sigma_t (1 - albedo g))", 1.15, 0.69),
 )
-COAT_FEATURES = len(COAT_TABLE)
+
+#: Number of features of a coat, for networks of one GGX width or two; the second width has the
+#: first two features once more.
+COAT_FEATURES = {1: len(COAT_TABLE), 2: len(COAT_TABLE) + 2}
 
 
 def _normalised(columns: list[Any], table: tuple[tuple[str, float, float], ...]) -> Any:
@@ -55,8 +74,11 @@ def _normalised(columns: list[Any], table: tuple[tuple[str, float, float], ...])
     return xp.stack(xp.broadcast_arrays(*scaled), axis=-1)
 
 
-def direction_features(wi: Any, wo: Any) -> Any:
-    """Return the features (..., 8) of unit vectors wi, wo (..., 3), z the normal.
+def direction_features(wi: Any, wo: Any, widths: int = 1) -> Any:
+    """Return the features (..., D) of unit vectors wi, wo (..., 3), z the normal.
+
+    D is `DIRECTION_FEATURES` of `widths`. With widths = 1 the features are the same if both
+    directions are turned about the normal.
 
     wi and wo enter only through commutative operations (sum, product, minimum). Exchanging them
     gives the same bits, which makes the decoder reciprocal by construction. All angles are computed
@@ -86,15 +108,27 @@ def direction_features(wi: Any, wo: Any) -> Any:
         xp.log(z),
         xp.minimum(cos_i, cos_o),
     ]
-    return _normalised(columns, DIRECTION_TABLE)
+    if widths == 1:
+        return _normalised(columns, DIRECTION_TABLE)
+    columns += [
+        xp.log(x * x / (z * z) + 1e-6),
+        xp.log(y * y / (z * z) + 1e-6),
+        *(xp.log(wi[..., k] * wi[..., k] + wo[..., k] * wo[..., k] + 1e-3) for k in (0, 1)),
+        *(wi[..., k] * wo[..., k] for k in (0, 1)),
+    ]
+    return _normalised(columns, DIRECTION_TABLE + AZIMUTH_TABLE)
 
 
 def coat_features(alpha: Any, eta: Any, albedo: Any, sigma_t: Any, g: Any) -> Any:
-    """Return the features (..., 18) of coats; the parameters broadcast against each other.
+    """Return the features (..., C) of coats; the parameters broadcast against each other.
 
-    alpha in [0.01, 1], eta in [0.5, 3], albedo in [0, 1], sigma_t >= 0, g in (-1, 1). For
-    sigma_t = 0 the features do not depend on albedo and g.
+    alpha in [0.01, 1], or two `Widths`, eta in [0.5, 3], albedo in [0, 1], sigma_t >= 0, g in
+    (-1, 1). C is `COAT_FEATURES` of one width or two. For sigma_t = 0 the features do not depend on
+    albedo and g.
     """
+    across = None
+    if isinstance(alpha, Widths):
+        alpha, across = alpha.u, alpha.v
     xp = alpha.__array_namespace__()
     s = (eta - 1.0) / (eta + 1.0)
     outside = 1.0 - eta * eta
@@ -119,4 +153,6 @@ def coat_features(alpha: Any, eta: Any, albedo: Any, sigma_t: Any, g: Any) -> An
         xp.log1p(sigma_t * (1.0 - albedo)),
         xp.log1p(sigma_t * (1.0 - albedo * g)),
     ]
-    return _normalised(columns, COAT_TABLE)
+    if across is None:
+        return _normalised(columns, COAT_TABLE)
+    return _normalised([*columns, xp.log(across), across], COAT_TABLE + COAT_TABLE[:2])

@@ -8,7 +8,7 @@ if they give all values.
 
 import numpy as np
 
-from urushi.checks import MIN_ALPHA
+from urushi.checks import MIN_ALPHA, Widths
 from urushi.geometry.probe_pairs import probe_pairs
 from urushi.nets import lobe as lobes
 from urushi.nets.least_squares import damped_step
@@ -24,45 +24,47 @@ TOLERANCE = 0.005
 #: that lower the error and that do not.
 STEPS, DAMPING, DECREASE, INCREASE = 20, 1e-3, 0.2, 10.0
 
-#: Bounds of ln alpha, eta and k.
-LOWER, UPPER = np.array([np.log(MIN_ALPHA), 0.02, 0.0]), np.array([0.0, 8.0, 12.0])
+#: Bounds of eta and k; those of the logarithms of widths, which come before, are those of widths.
+LOWER, UPPER = [0.02, 0.0], [8.0, 12.0]
 
 #: Indices eta of the metals that are tried.
 METALS = (0.2, 1.0, 2.5)
 
 
-def find_lobes(f: np.ndarray) -> np.ndarray:
-    """Return the lobes float32 (..., 6) of BRDFs with values f (..., P) [1/sr] at `probe_pairs(P)`.
+def find_lobes(f: np.ndarray, widths: int = 1) -> np.ndarray:
+    """Return the lobes float32 (..., N) of BRDFs with values f (..., P) [1/sr] at the probe pairs.
 
-    Exact ones of bare interfaces, and those of `lobe_fit` of all other BRDFs.
+    Exact ones of bare interfaces, and those of `lobe_fit` of all other BRDFs; pairs and N as there.
     """
     rows = np.maximum(np.ascontiguousarray(f, np.float64).reshape(-1, f.shape[-1]), 0.0)
-    found = exact_interfaces(rows, fit_lobes(rows))
+    found = exact_interfaces(rows, fit_lobes(rows, widths))
     return found.reshape(*f.shape[:-1], found.shape[-1])
 
 
 def exact_interfaces(f: np.ndarray, schlick: np.ndarray) -> np.ndarray:
-    """Return lobes (N, 6): exact ones where they give f (N, P) [1/sr], or else those of `schlick`.
+    """Return lobes (N, L): exact ones where they give f (N, P) [1/sr], or else those of `schlick`.
 
-    schlick: (N, 6) the best lobes with Schlick's term.
+    schlick: (N, L) the best lobes with Schlick's term.
     """
-    wi, wo = (w.astype(np.float64) for w in probe_pairs(f.shape[-1]))
+    widths = 1 + (schlick.shape[-1] > len(lobes.LOBE_NUMBERS))
+    wi, wo = (w.astype(np.float64) for w in probe_pairs(f.shape[-1], widths))
     error = np.abs(lobes.f(schlick[:, None].astype(np.float64), wi, wo) - f) / (f + DARK)
     mean = error.mean(axis=-1)
     rows = np.flatnonzero((mean > LEAST_ERROR) & (mean < GREATEST_ERROR) & (schlick[:, 1] > 0))
     result = schlick.copy()
     if len(rows):
-        found, error = _fit(f[rows], schlick[rows].astype(np.float64))
-        exact = rows[error < TOLERANCE]
+        found, error = _fit(f[rows], schlick[rows].astype(np.float64), widths)
+        exact, found = rows[error < TOLERANCE], found[error < TOLERANCE]
         result[exact] = 0.0
         result[exact, 3] = 1.0
-        result[exact, 0] = np.exp(found[error < TOLERANCE, 0])
-        result[exact, 4:] = found[error < TOLERANCE, 1:]
+        for column, place in enumerate(lobes.WIDTH_PLACES[widths]):
+            result[exact, place] = np.exp(found[:, column])
+        result[exact, 4:6] = found[:, widths:]
     return result
 
 
-def _fit(f: np.ndarray, schlick: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The best ln alpha, eta and k (N, 3), and their greatest relative errors (N,)."""
+def _fit(f: np.ndarray, schlick: np.ndarray, widths: int) -> tuple[np.ndarray, np.ndarray]:
+    """The best logarithms of widths, eta and k (N, U), and their greatest relative errors (N,)."""
     root = np.sqrt(np.clip(schlick[:, 1], 1e-4, 0.98))
     bright = root**2
     glass = (1 + root) / (1 - root)
@@ -73,23 +75,26 @@ def _fit(f: np.ndarray, schlick: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         )
         for eta in METALS
     ]
-    first = [np.column_stack([np.log(schlick[:, 0]), eta, k]) for eta, k in starts]
+    logs = np.log(schlick[:, lobes.WIDTH_PLACES[widths]])
+    first = [np.column_stack([logs, eta, k]) for eta, k in starts]
     x, error = _descend(np.tile(f, (len(starts), 1)), np.concatenate(first))
-    x, error = x.reshape(len(starts), -1, 3), error.reshape(len(starts), -1)
+    x, error = x.reshape(len(starts), *first[0].shape), error.reshape(len(starts), -1)
     best = error.argmin(axis=0), np.arange(len(f))
     return x[best], error[best]
 
 
 def _descend(f: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Unknowns (N, 3) after damped steps from x (N, 3), and their greatest errors (N,)."""
-    x = np.clip(x, LOWER, UPPER)
+    """Unknowns (N, U) after damped steps from x (N, U), and their greatest errors (N,)."""
+    widths = x.shape[-1] - len(LOWER)
+    lower, upper = [np.log(MIN_ALPHA)] * widths + LOWER, [0.0] * widths + UPPER
+    x = np.clip(x, lower, upper)
     error, slopes = _errors(f, x)
     damping = np.full(len(f), DAMPING)
     for _ in range(STEPS):
         step = damped_step(
             slopes @ np.swapaxes(slopes, -1, -2), (slopes @ error[..., None])[..., 0], damping
         )
-        new = np.clip(x - step, LOWER, UPPER)
+        new = np.clip(x - step, lower, upper)
         new_error, new_slopes = _errors(f, new)
         better = np.square(new_error).sum(axis=-1) < np.square(error).sum(axis=-1)
         x, error = np.where(better[:, None], new, x), np.where(better[:, None], new_error, error)
@@ -99,14 +104,20 @@ def _descend(f: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _errors(f: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Relative errors (N, P) of unknowns x (N, 3), and their derivatives (N, 3, P)."""
-    wi, wo = (w.astype(np.float64) for w in probe_pairs(f.shape[-1]))
+    """Relative errors (N, P) of unknowns x (N, U), and their derivatives (N, U, P)."""
+    *logs, eta, k = x.T[..., None]
+    wi, wo = (w.astype(np.float64) for w in probe_pairs(f.shape[-1], len(logs)))
     cosine, scale = lobes.cosine_to_facet(wi, wo), 1 / (f + DARK)
-    alpha, eta, k = np.exp(x[:, :1]), x[:, 1:2], x[:, 2:]
-    shape, step = lobes.shape(alpha, wi, wo), 1e-5
-    slope = (lobes.shape(alpha * (1 + step), wi, wo) - shape) / step
+    alphas, step = [np.exp(log) for log in logs], 1e-5
+
+    def of_widths(alphas: list[np.ndarray]) -> np.ndarray:
+        return lobes.shape(Widths(*alphas) if len(alphas) == 2 else alphas[0], wi, wo)
+
+    shape = of_widths(alphas)
+    stepped = [[*alphas[:i], alphas[i] * (1 + step), *alphas[i + 1 :]] for i in range(len(alphas))]
+    by_widths = [(of_widths(widths) - shape) / step for widths in stepped]
     reflected = lobes.fresnel(cosine, eta, k)
     by_eta = (lobes.fresnel(cosine, eta + step, k) - reflected) / step
     by_k = (lobes.fresnel(cosine, eta, k + step) - reflected) / step
-    slopes = np.stack([slope * reflected, shape * by_eta, shape * by_k], axis=1)
-    return (shape * reflected - f) * scale, slopes * scale[:, None]
+    slopes = [*(by_width * reflected for by_width in by_widths), shape * by_eta, shape * by_k]
+    return (shape * reflected - f) * scale, np.stack(slopes, axis=1) * scale[:, None]

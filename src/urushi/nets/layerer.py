@@ -12,8 +12,9 @@ def layer(params: Params, arch: Architecture, z_bottom: Any, coat: tuple[Any, ..
     """Return the latent codes (..., L) of bottoms z_bottom (..., L) under coats.
 
     coat: alpha, eta, albedo, sigma_t, g, arrays that broadcast against each other and against the
-    bottoms. The coat's interface becomes the lobe of the result. The network computes the change of
-    the other numbers, from these, the bottom's lobe and the coat.
+    bottoms; alpha is two `Widths` if the networks are anisotropic. The coat's interface becomes the
+    lobe of the result. The network computes the change of the other numbers, from these, the
+    bottom's lobe and the coat.
     """
     xp = z_bottom.__array_namespace__()
     rest = z_bottom[..., arch.lobe :]

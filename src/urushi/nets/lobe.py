@@ -10,22 +10,33 @@ exact = 1, or normal = R0 and grazing = 1. All three factors are 0 for a surface
 BRDF is linear in the factors, so that blends of codes are blends of BRDFs where widths and indices
 agree. What the lobe does not reflect is left to the decoder.
 
+A lobe of anisotropic networks has a seventh number, the width across the tangent (the y axis); its
+first number is the width along it (the x axis).
+
 Functions take arrays of NumPy or JAX. `urushi.render.networks.lobe` is the counterpart in Dr.Jit.
 """
 
 import math
 from typing import Any
 
+from urushi.checks import Widths
+
 #: The numbers: the GGX width, the factors of the Fresnel terms, and the complex index.
 LOBE_NUMBERS = ("alpha", "normal", "grazing", "exact", "eta", "k")
+
+#: The numbers of a lobe with one GGX width, and with two.
+NUMBERS = {1: LOBE_NUMBERS, 2: ("alpha_u", *LOBE_NUMBERS[1:], "alpha_v")}
+
+#: Places of the widths among these numbers.
+WIDTH_PLACES = {1: (0,), 2: (0, len(LOBE_NUMBERS))}
 
 #: The numbers of a surface without a lobe.
 NO_LOBE = (1.0, 0.0, 0.0, 0.0, 1.5, 0.0)
 
-#: Features of a lobe: mean and scale; see `lobe_features`.
+#: Features of a lobe: mean and scale; see `lobe_features`. Each further width has the first two.
 FEATURE_MEANS = (-0.9, 0.22, 0.45, 0.47, 0.55, -1.5)
 FEATURE_SCALES = (1.1, 0.3, 0.4, 0.4, 0.35, 1.5)
-LOBE_FEATURES = len(FEATURE_MEANS)
+LOBE_FEATURES = {1: len(FEATURE_MEANS), 2: len(FEATURE_MEANS) + 2}
 
 #: Cosines at which `lobe_features` contains the reflectance.
 COSINES = (1.0, 0.5, 0.2)
@@ -34,8 +45,25 @@ COSINES = (1.0, 0.5, 0.2)
 VISIBLE = 0.01
 
 
+def no_lobe(widths: int = 1) -> tuple[float, ...]:
+    """The numbers of a surface without a lobe, for lobes with this number of widths."""
+    return NO_LOBE + NO_LOBE[:1] * (widths - 1)
+
+
+def width(lobe: Any) -> Any:
+    """The GGX width (...) of lobes (..., 6), or the two `Widths` of lobes (..., 7)."""
+    first = lobe[..., 0]
+    return first if lobe.shape[-1] == len(LOBE_NUMBERS) else Widths(first, lobe[..., -1])
+
+
+def with_two_widths(lobe: Any) -> Any:
+    """Lobes (..., 7) of two equal widths from lobes (..., 6)."""
+    xp = lobe.__array_namespace__()
+    return xp.concat([lobe, lobe[..., :1]], axis=-1)
+
+
 def reflectance(lobe: Any, cosine: Any) -> Any:
-    """Return F (...) of lobes (..., 6) at cosines (...) between direction and facet normal."""
+    """Return F (...) of lobes (..., N) at cosines (...) between direction and facet normal."""
     xp = lobe.__array_namespace__()
     away = xp.clip(1.0 - cosine, 0.0, 1.0)
     away2 = away * away
@@ -70,11 +98,11 @@ def _positive(x: Any) -> Any:
 
 
 def f(lobe: Any, wi: Any, wo: Any) -> Any:
-    """Return the lobe's BRDF (...) [1/sr] for lobes (..., 6) and directions (..., 3).
+    """Return the lobe's BRDF (...) [1/sr] for lobes (..., N) and directions (..., 3).
 
     The arguments broadcast. wi and wo are above the horizon. Exchanging them gives the same bits.
     """
-    return shape(lobe[..., 0], wi, wo) * reflectance(lobe, cosine_to_facet(wi, wo))
+    return shape(width(lobe), wi, wo) * reflectance(lobe, cosine_to_facet(wi, wo))
 
 
 def cosine_to_facet(wi: Any, wo: Any) -> Any:
@@ -88,10 +116,13 @@ def shape(alpha: Any, wi: Any, wo: Any) -> Any:
     """Return the lobe (...) [1/sr] of a GGX width alpha (...) for a reflectance of one.
 
     D G / (4 cos_i cos_o) by Walter et al. (2007), eqs. 20, 33 and 34, written without the cosines
-    in the denominator, and in the half vector wi + wo without normalising it.
+    in the denominator, and in the half vector wi + wo without normalising it. For two `Widths` see
+    Heitz (2014), eqs. 80 and 85.
     """
     xp = wi.__array_namespace__()
     cos_i, cos_o = xp.clip(wi[..., 2], 0.0, 1.0), xp.clip(wo[..., 2], 0.0, 1.0)
+    if isinstance(alpha, Widths):
+        return _anisotropic_shape(alpha, wi, wo, cos_i, cos_o)
     alpha2 = alpha * alpha
     x, y, z = wi[..., 0] + wo[..., 0], wi[..., 1] + wo[..., 1], cos_i + cos_o
     across, z2 = x * x + y * y, z * z
@@ -103,11 +134,27 @@ def shape(alpha: Any, wi: Any, wo: Any) -> Any:
     return (alpha2 / math.pi) * (ratio * ratio) / masking
 
 
+def _anisotropic_shape(alpha: Widths, wi: Any, wo: Any, cos_i: Any, cos_o: Any) -> Any:
+    """`shape` for two widths."""
+    xp = wi.__array_namespace__()
+    product, u_v, v_u = alpha.u * alpha.v, alpha.u / alpha.v, alpha.v / alpha.u
+    x, y, z = wi[..., 0] + wo[..., 0], wi[..., 1] + wo[..., 1], cos_i + cos_o
+    x2, y2, z2 = x * x, y * y, z * z
+    ratio = (x2 + y2 + z2) / (x2 * v_u + y2 * u_v + product * z2 + 1e-18)
+
+    def masked(w: Any, cos: Any) -> Any:
+        sine2 = (w[..., 0] * w[..., 0]) * u_v + (w[..., 1] * w[..., 1]) * v_u
+        return cos + xp.sqrt(product * sine2 + cos * cos)
+
+    return (product / math.pi) * (ratio * ratio) / (masked(wi, cos_i) * masked(wo, cos_o))
+
+
 def lobe_features(lobe: Any) -> Any:
-    """Return six features (..., 6) of lobes (..., 6), about of mean 0 and variance 1.
+    """Return features (..., F) of lobes (..., N), about of mean 0 and variance 1.
 
     Width and logarithmic width, which vanish with the reflectance; the reflectance at three angles,
-    and the logarithm of their mean.
+    and the logarithm of their mean; width and logarithmic width across the tangent, if the lobes
+    have them.
     """
     xp = lobe.__array_namespace__()
     at = [reflectance(lobe, xp.asarray(c, dtype=lobe.real.dtype)) for c in COSINES]
@@ -115,25 +162,36 @@ def lobe_features(lobe: Any) -> Any:
     seen = mean / (mean + VISIBLE)
     alpha = lobe[..., 0]
     columns = [seen * xp.log(alpha), seen * alpha, *at, xp.log(mean + VISIBLE)]
+    means: tuple[float, ...] = FEATURE_MEANS
+    scales: tuple[float, ...] = FEATURE_SCALES
+    if lobe.shape[-1] > len(LOBE_NUMBERS):
+        across = lobe[..., -1]
+        columns += [seen * xp.log(across), seen * across]
+        means, scales = means + means[:2], scales + scales[:2]
     return xp.stack(
         [
             (column - offset) * (1.0 / scale)
-            for column, offset, scale in zip(columns, FEATURE_MEANS, FEATURE_SCALES, strict=True)
+            for column, offset, scale in zip(columns, means, scales, strict=True)
         ],
         axis=-1,
     )
 
 
 def scaled_lobe(lobe: Any, factor: Any) -> Any:
-    """Return lobes (..., 6) whose BRDF is `factor` (...) times that of `lobe` (..., 6)."""
+    """Return lobes (..., N) whose BRDF is `factor` (...) times that of `lobe` (..., N)."""
     xp = lobe.__array_namespace__()
     one = xp.ones_like(factor)
-    return lobe * xp.stack([one, factor, factor, factor, one, one], axis=-1)
+    others = [one] * (lobe.shape[-1] - 4)
+    return lobe * xp.stack([one, factor, factor, factor, *others], axis=-1)
 
 
 def of_coat(alpha: Any, eta: Any) -> Any:
-    """Return the lobe (..., 6) of a dielectric interface; alpha and eta broadcast."""
-    xp = alpha.__array_namespace__()
-    alpha, eta = xp.broadcast_arrays(alpha, eta)
-    zero, one = xp.zeros_like(alpha), xp.ones_like(alpha)
-    return xp.stack([alpha, zero, zero, one, eta, zero], axis=-1)
+    """Return the lobe (..., N) of a dielectric interface; alpha and eta broadcast.
+
+    alpha: the GGX width, or two `Widths`, with which the lobe has a number more.
+    """
+    along, across = (alpha.u, [alpha.v]) if isinstance(alpha, Widths) else (alpha, [])
+    xp = along.__array_namespace__()
+    along, eta, *across = xp.broadcast_arrays(along, eta, *across)
+    zero, one = xp.zeros_like(along), xp.ones_like(along)
+    return xp.stack([along, zero, zero, one, eta, zero, *across], axis=-1)

@@ -10,7 +10,7 @@ above f, errors count much more than where it is below; and large errors below f
 cannot represent, count linearly (Huber 1964).
 
 The best width of a grid, by weighted least squares, is the start of Gauss and Newton's method for
-all four unknowns.
+all four unknowns. A lobe of an anisotropic BRDF has two widths, and the fit five unknowns.
 """
 
 import functools
@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from urushi.checks import MIN_ALPHA
+from urushi.checks import MIN_ALPHA, Widths
 from urushi.geometry.probe_pairs import probe_pairs
 from urushi.nets import lobe as lobes
 
@@ -37,12 +37,18 @@ KNEE = 0.05
 #: Greatest number of steps, and change of every unknown below which there are no more.
 STEPS, CONVERGED = 14, 1e-4
 
-#: Bounds of the diffuse term, the factors and ln alpha.
-_LOWER = np.array([0.0, 0.0, 0.0, np.log(MIN_ALPHA)])
-_UPPER = np.array([np.inf, 1.0, 1.0, 0.0])
+#: Geometric means and quotients of two widths in the grid of anisotropic lobes.
+MEANS = np.exp(np.linspace(np.log(MIN_ALPHA), 0.0, 14))
+QUOTIENTS = np.exp(np.log(8.0) * np.linspace(-1.0, 1.0, 7))
+
+#: Bounds of the diffuse term and the factors; those of the logarithms of widths follow.
+_LOWER, _UPPER = [0.0, 0.0, 0.0], [np.inf, 1.0, 1.0]
 
 #: Greatest change of ln alpha in a step, and number of last steps that keep alpha.
 LONGEST_STEP, LAST_STEPS = 0.3, 3
+
+#: Number of unknowns before the logarithms of widths.
+_LINEAR = 3
 
 #: Entries of a symmetric 3 x 3 matrix.
 _PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
@@ -51,18 +57,19 @@ _PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 BLOCK = 512
 
 
-def fit_lobes(f: np.ndarray) -> np.ndarray:
-    """Return the lobes float32 (..., 6) of BRDFs with values f (..., P) [1/sr] at `probe_pairs(P)`.
+def fit_lobes(f: np.ndarray, widths: int = 1) -> np.ndarray:
+    """Return the lobes float32 (..., N) of BRDFs with values f (..., P) [1/sr] at the probe pairs.
 
-    The factors of Schlick's term are in [0, 1], the other numbers those of `lobe.NO_LOBE`. A BRDF
+    These are `probe_pairs(P, widths)`. N is 6 for lobes of one width and 7 for lobes of two. The
+    factors of Schlick's term are in [0, 1], the other numbers those of `lobe.NO_LOBE`. A BRDF
     without a lobe has the factors 0.
     """
     values = np.ascontiguousarray(f, np.float64)  # the order of sums follows the layout
     rows = np.maximum(values.reshape(-1, values.shape[-1]), 0.0)
-    result = np.empty((len(rows), len(lobes.LOBE_NUMBERS)), np.float32)
+    result = np.empty((len(rows), len(lobes.NUMBERS[widths])), np.float32)
     for start in range(0, len(rows), BLOCK):
         place = slice(start, start + BLOCK)
-        result[place] = _fit(rows[place])
+        result[place] = _fit(rows[place], widths)
     return result.reshape(*values.shape[:-1], result.shape[-1])
 
 
@@ -70,13 +77,16 @@ class _Grid(NamedTuple):
     """What the approximation needs at P pairs; the last five in single precision, for the steps.
 
     Attributes:
+        logs: (A, W) logarithms of the grid's widths.
         columns: (P, 3 A) the diffuse term and the two of the lobe, for factors of one and A widths.
         products: (P, 6 A) of two columns, by `_PAIRS`.
         schlick: (2, P) Schlick's 1 - (1 - c)^5 and (1 - c)^5.
         cos2: (2, P) the squared cosines of either direction, and cos: (2, P) these cosines.
         across, along: (P,) squared lengths of wi + wo in the surface and along the normal.
+        half2: (2, P) squared x and y of wi + wo, and sides2: (2, 2, P) those of wi and of wo.
     """
 
+    logs: np.ndarray
     columns: np.ndarray
     products: np.ndarray
     schlick: np.ndarray
@@ -84,13 +94,22 @@ class _Grid(NamedTuple):
     cos2: np.ndarray
     across: np.ndarray
     along: np.ndarray
+    half2: np.ndarray
+    sides2: np.ndarray
 
 
 @functools.cache
-def _grid(probes: int) -> _Grid:
-    wi, wo = (w.astype(np.float64) for w in probe_pairs(probes))
+def _grid(probes: int, widths: int) -> _Grid:
+    wi, wo = (w.astype(np.float64) for w in probe_pairs(probes, widths))
     fifth = (1.0 - lobes.cosine_to_facet(wi, wo)) ** 5
-    shapes = lobes.shape(GRID, wi[:, None], wo[:, None])
+    if widths == 1:
+        alphas = GRID[:, None]
+        shapes = lobes.shape(GRID, wi[:, None], wo[:, None])
+    else:
+        roots = np.sqrt(QUOTIENTS)
+        both = np.stack([np.outer(MEANS, roots), np.outer(MEANS, 1 / roots)], axis=-1)
+        alphas = np.unique(np.clip(both.reshape(-1, 2), MIN_ALPHA, 1.0), axis=0)
+        shapes = lobes.shape(Widths(*alphas.T), wi[:, None], wo[:, None])
     white = np.full_like(shapes, 1 / np.pi)
     columns = np.stack([white, shapes * (1 - fifth)[:, None], shapes * fifth[:, None]], axis=1)
     products = np.stack([columns[:, i] * columns[:, j] for i, j in _PAIRS], axis=1)
@@ -101,38 +120,44 @@ def _grid(probes: int) -> _Grid:
         cos**2,
         half[:, 0] ** 2 + half[:, 1] ** 2,
         half[:, 2] ** 2,
+        half[:, :2].T ** 2,
+        np.stack([wi[:, :2].T, wo[:, :2].T]) ** 2,
     )
     return _Grid(
+        np.log(alphas),
         columns.reshape(probes, -1),
         products.reshape(probes, -1),
         *(array.astype(np.float32) for array in single),
     )
 
 
-def _fit(f: np.ndarray) -> np.ndarray:
+def _fit(f: np.ndarray, widths: int) -> np.ndarray:
     """`fit_lobes` for f (N, P)."""
     # Sums over some rows and over many differ by rounding: in single precision they are the same.
-    at = _best_of_grid(f).astype(np.float32)
-    grid, open_rows = _grid(f.shape[-1]), np.arange(len(f))
+    grid, open_rows = _grid(f.shape[-1], widths), np.arange(len(f))
+    at = _best_of_grid(f, grid).astype(np.float32)
     scale = (1 / (f + DARK)).astype(np.float32)
     aim = (f / (f + DARK)).astype(np.float32)
     white = scale * np.float32(1 / np.pi)
-    longest = np.array([np.inf, np.inf, np.inf, LONGEST_STEP])
+    longest = np.array([np.inf] * _LINEAR + [LONGEST_STEP] * widths)
+    bounds = np.array(_LOWER + [np.log(MIN_ALPHA)] * widths), np.array(_UPPER + [0.0] * widths)
     for step in range(STEPS):
         if step == STEPS - LAST_STEPS:
-            longest[3] = 0.0
+            longest[_LINEAR:] = 0.0
         x = at[open_rows].astype(np.float64)
-        shape, slope = _shape(grid, np.exp(x[:, 3:]).astype(np.float32))
+        shape, *slopes = _shape(grid, np.exp(x[:, _LINEAR:]).astype(np.float32))
         shape *= scale
         diffuse, normal, grazing = x[:, :3].T[..., None].astype(np.float32)
-        columns = [white, shape * grid.schlick[0], shape * grid.schlick[1], slope]
+        columns = [white, shape * grid.schlick[0], shape * grid.schlick[1], *slopes]
         error = normal * columns[1]
         error += grazing * columns[2]
-        slope *= error
+        for slope in slopes:
+            slope *= error
         error += diffuse * white
         error -= aim
         weights = np.where(error > 0, np.float32(OVERSHOOT_WEIGHT), KNEE / np.maximum(-error, KNEE))
-        change = _change(columns, weights, error, x, longest)
+        lower, upper = np.maximum(bounds[0] - x, -longest), np.minimum(bounds[1] - x, longest)
+        change = _change(columns, weights, error, lower, upper)
         at[open_rows] = x + change
         # A row that has converged is left alone, so that no row affects another.
         moving = (np.abs(change) > CONVERGED).any(axis=-1)
@@ -140,8 +165,8 @@ def _fit(f: np.ndarray) -> np.ndarray:
             if not moving.any():
                 break
             open_rows, scale, aim, white = (y[moving] for y in (open_rows, scale, aim, white))
-    result = np.tile(np.array(lobes.NO_LOBE, np.float32), (len(f), 1))
-    result[:, 0] = np.exp(at[:, 3])
+    result = np.tile(np.array(lobes.no_lobe(widths), np.float32), (len(f), 1))
+    result[:, lobes.WIDTH_PLACES[widths]] = np.exp(at[:, _LINEAR:])
     result[:, 1:3] = at[:, 1:3]
     return result
 
@@ -150,25 +175,27 @@ def _change(
     columns: list[np.ndarray],
     weights: np.ndarray,
     error: np.ndarray,
-    x: np.ndarray,
-    longest: np.ndarray,
+    lower: np.ndarray,
+    upper: np.ndarray,
 ) -> np.ndarray:
-    """The step (N, 4) of Gauss and Newton's method from unknowns x (N, 4).
+    """The step (N, K) of Gauss and Newton's method for K unknowns, within bounds (N, K).
 
     columns: the derivatives (N, P) of the errors (N, P) by the unknowns.
     """
-    curvature, ahead = np.empty((4, 4, len(x))), np.empty((4, len(x)))
+    size, rows = len(columns), len(error)
+    curvature, ahead = np.empty((size, size, rows)), np.empty((size, rows))
     for i, column in enumerate(columns):
         weighted = weights * column
         ahead[i] = np.einsum("np,np->n", weighted, error)
-        for j in range(i, 4):
+        for j in range(i, size):
             curvature[i, j] = curvature[j, i] = np.einsum("np,np->n", weighted, columns[j])
-    lower, upper = np.maximum(_LOWER - x, -longest), np.minimum(_UPPER - x, longest)
     return _bounded(curvature, -ahead, lower.T, upper.T).T
 
 
-def _shape(grid: _Grid, alpha: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """`lobe.shape` (N, P) of widths (N, 1), and the derivative of its logarithm by ln alpha."""
+def _shape(grid: _Grid, alpha: np.ndarray) -> tuple[np.ndarray, ...]:
+    """`lobe.shape` (N, P) of widths (N, W), and the W derivatives of its logarithm by theirs."""
+    if alpha.shape[-1] == 2:
+        return _anisotropic_shape(grid, alpha[:, :1], alpha[:, 1:])
     alpha2 = alpha * alpha
     along = alpha2 * grid.along
     width = along + grid.across
@@ -191,11 +218,30 @@ def _shape(grid: _Grid, alpha: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return shape, along
 
 
-def _best_of_grid(f: np.ndarray) -> np.ndarray:
-    """The best three factors of the best width of the grid, and its logarithm: (N, 4)."""
-    grid = _grid(f.shape[-1])
+def _anisotropic_shape(
+    grid: _Grid, u: np.ndarray, v: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """`_shape` for widths u and v (N, 1)."""
+    product = u * v
+    x2, y2, z2 = (v / u) * grid.half2[0], (u / v) * grid.half2[1], product * grid.along
+    total = 1 / (x2 + y2 + z2)
+    shape = (product * np.float32(1 / np.pi)) * np.square((grid.across + grid.along) * total)
+    slopes = [1 - 2 * (y2 - x2 + z2) * total, 1 - 2 * (x2 - y2 + z2) * total]
+    for cos, cos2, side2 in zip(grid.cos, grid.cos2, grid.sides2, strict=True):
+        ahead, aside = (u * u) * side2[0], (v * v) * side2[1]
+        root = np.sqrt(ahead + aside + cos2)
+        masking = root + cos
+        shape /= masking
+        masking *= root
+        slopes[0] -= ahead / masking
+        slopes[1] -= aside / masking
+    return shape, *slopes
+
+
+def _best_of_grid(f: np.ndarray, grid: _Grid) -> np.ndarray:
+    """The best three factors of the grid's best widths, and their logarithms: (N, 3 + W)."""
     weights = 1 / np.square(f + DARK)
-    count = len(GRID)
+    count = len(grid.logs)
     products = (weights @ grid.products).reshape(len(f), len(_PAIRS), count)
     normal = np.empty((3, 3, len(f), count))
     for place, (i, j) in enumerate(_PAIRS):
@@ -204,7 +250,7 @@ def _best_of_grid(f: np.ndarray) -> np.ndarray:
     factors = _bounded(normal, slope, np.zeros_like(slope), np.full_like(slope, np.inf))
     gain = 2 * (factors * slope).sum(axis=0) - (factors * _product(normal, factors)).sum(axis=0)
     best = gain.argmax(axis=-1)
-    return np.column_stack([*factors[:, np.arange(len(f)), best], np.log(GRID[best])])
+    return np.column_stack([*factors[:, np.arange(len(f)), best], grid.logs[best]])
 
 
 def _bounded(

@@ -55,7 +55,7 @@ class LobeProposal(NamedTuple):
 
     Attributes:
         weights: (..., K+1), the last the cosine lobe's; they add up to 1.
-        alphas: (..., K) GGX widths.
+        alphas: (..., K) GGX widths, or `Widths` of two such arrays.
     """
 
     weights: Any
@@ -78,17 +78,18 @@ class UrushiNetworks(NamedTuple):
 
     def pairs(self) -> tuple[np.ndarray, np.ndarray]:
         """The probe pairs wi, wo: float32 (P, 3)."""
-        return probe_pairs(self.arch.probes)
+        return probe_pairs(self.arch.probes, self.arch.widths)
 
     def encode(self, f: Any, lobe: Any = None) -> Any:
         """Codes (..., L) of values f (..., P) [1/sr] at the probe pairs.
 
-        lobe: (..., 6) the lobes of these BRDFs, if known; None: those of `fit_lobes`.
+        lobe: (..., N) the lobes of these BRDFs, if known; None: those of `fit_lobes`.
         """
-        lobe = fit_lobes(f) if lobe is None else lobe
+        lobe = fit_lobes(f, self.arch.widths) if lobe is None else lobe
         rest = np.maximum(f - lobes.f(lobe[..., None, :], *self.pairs()), 0.0)
         codes = encoder.encode(self.params, self.arch, rest)
-        return np.concatenate([np.broadcast_to(lobe, (*codes.shape[:-1], 6)), codes], axis=-1)
+        lobe = np.broadcast_to(lobe, (*codes.shape[:-1], self.arch.lobe))
+        return np.concatenate([lobe, codes], axis=-1)
 
     def layer(self, z_bottom: Any, coat: CoatParameters) -> Any:
         """Codes (..., L) of bottoms under coats."""
@@ -101,7 +102,8 @@ class UrushiNetworks(NamedTuple):
     def inputs(self, wi: Any, wo: Any) -> Any:
         """The inputs (..., D) of `decode` for unit vectors wi, wo (..., 3)."""
         xp = wi.__array_namespace__()
-        return xp.concat([direction_features(wi, wo), *xp.broadcast_arrays(wi, wo)], axis=-1)
+        features = direction_features(wi, wo, self.arch.widths)
+        return xp.concat([features, *xp.broadcast_arrays(wi, wo)], axis=-1)
 
     def scaled(self, z: Any, factor: Any) -> Any:
         """Codes of `factor` (...) > 0 times the BRDFs, exact for all directions."""
@@ -111,7 +113,8 @@ class UrushiNetworks(NamedTuple):
 
     def decode(self, z: Any, inputs: Any) -> Any:
         """Values (...) [1/sr] from `inputs`."""
-        features, wi, wo = np.split(inputs, (DIRECTION_FEATURES, DIRECTION_FEATURES + 3), axis=-1)
+        count = DIRECTION_FEATURES[self.arch.widths]
+        features, wi, wo = np.split(inputs, (count, count + 3), axis=-1)
         return self.top(z, wi, wo) + self.rest(z, features)
 
     def top(self, z: Any, wi: Any, wo: Any) -> Any:
@@ -168,4 +171,4 @@ class UrushiNetworks(NamedTuple):
 
     def proposal(self, z: Any, wi: Any) -> LobeProposal:
         """The proposal of codes z (..., L) for wi (..., 3) above the horizon."""
-        return LobeProposal(*sampler.mixture(self.params, self.arch, z, wi[..., 2]))
+        return LobeProposal(*sampler.mixture(self.params, self.arch, z, wi))

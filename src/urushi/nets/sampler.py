@@ -10,10 +10,10 @@ z is the normal, wi is above the horizon.
 import math
 from typing import Any
 
-from urushi.checks import MIN_ALPHA
+from urushi.checks import MIN_ALPHA, Widths
 from urushi.nets.architecture import Architecture
 from urushi.nets.features import MIN_COSINE
-from urushi.nets.lobe import lobe_features
+from urushi.nets.lobe import lobe_features, width
 from urushi.nets.mlp import Params, hidden_to_output, split_linear
 
 #: Least weight of the cosine lobe. It bounds f cos / pdf where the network is wrong.
@@ -23,11 +23,17 @@ MIN_COSINE_SHARE = 0.02
 _LOG_MIN_ALPHA = -4.605170185988092
 
 
-def sampler_features(cos_i: Any) -> Any:
-    """Return two features (..., 2) of an angle: its cosine and the logarithm, normalised."""
-    xp = cos_i.__array_namespace__()
-    raised = xp.maximum(cos_i, MIN_COSINE)
-    return xp.stack([(raised - 0.5) * 3.0, xp.log(raised) + 1.0], axis=-1)
+def sampler_features(wi: Any, widths: int = 1) -> Any:
+    """Return features (..., A) of directions (..., 3), normalised.
+
+    These are the cosine and its logarithm. For widths = 2 there are the squares of x and y, too.
+    """
+    xp = wi.__array_namespace__()
+    raised = xp.maximum(wi[..., 2], MIN_COSINE)
+    columns = [(raised - 0.5) * 3.0, xp.log(raised) + 1.0]
+    if widths == 2:
+        columns += [(wi[..., k] * wi[..., k] - 0.33) * 3.0 for k in (0, 1)]
+    return xp.stack(columns, axis=-1)
 
 
 def sampler_inputs(arch: Architecture, z: Any) -> Any:
@@ -36,14 +42,15 @@ def sampler_inputs(arch: Architecture, z: Any) -> Any:
     return xp.concat([lobe_features(z[..., : arch.lobe]), z[..., arch.lobe :]], axis=-1)
 
 
-def mixture(params: Params, arch: Architecture, z: Any, cos_i: Any) -> tuple[Any, Any]:
+def mixture(params: Params, arch: Architecture, z: Any, wi: Any) -> tuple[Any, Any]:
     """Return the proposal's weights (..., K+1), the last the cosine lobe's, and widths (..., K).
 
-    z (..., L) and cos_i (...), the cosine of wi to the normal, broadcast against each other.
-    Weights are positive and add up to 1; widths are GGX alphas in [0.01, 1], the first that of
-    the code's lobe.
+    z (..., L) and wi (..., 3) broadcast against each other. Weights are positive and add up to 1;
+    widths are GGX alphas in [0.01, 1], the first that of the code's lobe. They are `Widths` of two
+    arrays if the networks are anisotropic.
     """
-    first = split_linear(params, "sampler.0", sampler_inputs(arch, z), sampler_features(cos_i))
+    angle = sampler_features(wi, arch.widths)
+    first = split_linear(params, "sampler.0", sampler_inputs(arch, z), angle)
     output = hidden_to_output(params, "sampler", first, arch.activation)
     xp = output.__array_namespace__()
     k = 1 + arch.lobes
@@ -54,14 +61,23 @@ def mixture(params: Params, arch: Architecture, z: Any, cos_i: Any) -> tuple[Any
     # Logistic interpolation between ln 1 and ln MIN_ALPHA; tanh cannot overflow.
     fraction = 0.5 - 0.5 * xp.tanh(0.5 * output[..., k + 1 :])
     alphas = xp.exp(_LOG_MIN_ALPHA * fraction)
-    own = xp.broadcast_to(z[..., :1], (*alphas.shape[:-1], 1))
-    return weights, xp.clip(xp.concat([own, alphas], axis=-1), MIN_ALPHA, 1.0)
+
+    def with_own(own: Any, others: Any) -> Any:
+        own = xp.broadcast_to(own[..., None], (*others.shape[:-1], 1))
+        return xp.clip(xp.concat([own, others], axis=-1), MIN_ALPHA, 1.0)
+
+    own = width(z[..., : arch.lobe])
+    if isinstance(own, Widths):
+        along, across = alphas[..., : arch.lobes], alphas[..., arch.lobes :]
+        return weights, Widths(with_own(own.u, along), with_own(own.v, across))
+    return weights, with_own(own, alphas)
 
 
 def mixture_pdf(weights: Any, alphas: Any, wi: Any, wo: Any) -> Any:
     """Return the density (...) of `sample_mixture` at wo [1/sr]; 0 below the horizon.
 
-    weights (..., K+1): positive, of sum 1, the last the cosine lobe's; alphas (..., K): GGX widths.
+    weights (..., K+1): positive, of sum 1, the last the cosine lobe's; alphas (..., K): GGX widths,
+    or `Widths` of two such arrays.
     """
     xp = wi.__array_namespace__()
     cos_i, cos_o = wi[..., 2], wo[..., 2]
@@ -80,28 +96,41 @@ def reflection_pdf(alpha: Any, wi: Any, wo: Any) -> Any:
     """
     xp = wi.__array_namespace__()
     cos_i, cos_o = wi[..., 2], wo[..., 2]
-    alpha2 = alpha * alpha
     x, y = wi[..., 0] + wo[..., 0], wi[..., 1] + wo[..., 1]
-    across = x * x + y * y  # the same for wo's mirror image
+    x2, y2 = x * x, y * y
+    across = x2 + y2  # the same for wo's mirror image
+    if isinstance(alpha, Widths):
+        alpha2 = alpha.u * alpha.v
+        squeezed = x2 * (alpha.v / alpha.u) + y2 * (alpha.u / alpha.v)
+    else:
+        alpha2, squeezed = alpha * alpha, across
     up, down = cos_i + cos_o, cos_i - cos_o
-    total = _scaled_ggx(alpha2, across, up) + xp.where(
-        down > 0.0, _scaled_ggx(alpha2, across, down), 0.0
+    total = _scaled_ggx(alpha2, across, squeezed, up) + xp.where(
+        down > 0.0, _scaled_ggx(alpha2, across, squeezed, down), 0.0
     )
-    below = xp.maximum(cos_i, 0.0) + _root(alpha2, cos_i)  # > 0 even below the horizon
+    below = xp.maximum(cos_i, 0.0) + _root(alpha, wi)  # > 0 even below the horizon
     return total * (alpha2 / (2.0 * math.pi)) / below
 
 
-def _scaled_ggx(alpha2: Any, across: Any, z: Any) -> Any:
-    """Return pi D(h) / alpha^2 of a half vector with |h_xy|^2 = across and h_z = z."""
+def _scaled_ggx(alpha2: Any, across: Any, squeezed: Any, z: Any) -> Any:
+    """Return pi D(h) / alpha^2 of a half vector with |h_xy|^2 = across and h_z = z.
+
+    With two widths alpha^2 is their product, and `squeezed` is (h_x^2 / u^2 + h_y^2 / v^2) u v.
+    """
     xp = across.__array_namespace__()
-    ratio = (across + z * z) / xp.maximum(across + alpha2 * (z * z), 1e-18)
+    ratio = (across + z * z) / xp.maximum(squeezed + alpha2 * (z * z), 1e-18)
     return ratio * ratio
 
 
-def _root(alpha2: Any, cos_i: Any) -> Any:
+def _root(alpha: Any, wi: Any) -> Any:
     """Return cos_i (1 + 2 Lambda(wi)), Smith's shadowing by GGX: G1 = 2 cos_i / (cos_i + root)."""
-    xp = cos_i.__array_namespace__()
-    return xp.sqrt(alpha2 + (1.0 - alpha2) * (cos_i * cos_i))
+    xp = wi.__array_namespace__()
+    cos2 = wi[..., 2] * wi[..., 2]
+    if isinstance(alpha, Widths):
+        x, y = alpha.u * wi[..., 0], alpha.v * wi[..., 1]
+        return xp.sqrt(x * x + y * y + cos2)
+    alpha2 = alpha * alpha
+    return xp.sqrt(alpha2 + (1.0 - alpha2) * cos2)
 
 
 def sample_mixture(weights: Any, alphas: Any, wi: Any, u: Any) -> Any:
@@ -111,11 +140,15 @@ def sample_mixture(weights: Any, alphas: Any, wi: Any, u: Any) -> Any:
     """
     xp = wi.__array_namespace__()
     choice, u1, u2 = u[..., 0], u[..., 1], u[..., 2]
-    edge, alpha = weights[..., 0], alphas[..., 0]
-    for k in range(1, alphas.shape[-1]):
-        alpha = xp.where(choice >= edge, alphas[..., k], alpha)
+    alpha = Widths(alphas, alphas) if not isinstance(alphas, Widths) else alphas
+    chosen, edge = alpha.map(lambda x: x[..., 0]), weights[..., 0]
+    for k in range(1, weights.shape[-1] - 1):
+        beyond = choice >= edge
+        chosen = Widths(
+            xp.where(beyond, alpha.u[..., k], chosen.u), xp.where(beyond, alpha.v[..., k], chosen.v)
+        )
         edge = edge + weights[..., k]
-    reflected = sample_reflection(alpha, wi, u1, u2)
+    reflected = sample_reflection(chosen, wi, u1, u2)
     radius, phi = xp.sqrt(u1), (2.0 * math.pi) * u2
     cosine = [radius * xp.cos(phi), radius * xp.sin(phi), xp.sqrt(1.0 - u1)]
     cosine = xp.stack(xp.broadcast_arrays(*cosine), axis=-1)
@@ -125,16 +158,19 @@ def sample_mixture(weights: Any, alphas: Any, wi: Any, u: Any) -> Any:
 def sample_reflection(alpha: Any, wi: Any, u1: Any, u2: Any) -> Any:
     """Return wi (..., 3) reflected about a visible normal, mirrored up; density `reflection_pdf`.
 
+    alpha: a GGX width, or two `Widths`.
+
     The normal is sampled on a spherical cap (Dupuy and Benyoub 2023, listing 1).
     """
     xp = wi.__array_namespace__()
-    x, y, z = alpha * wi[..., 0], alpha * wi[..., 1], wi[..., 2]
+    along, across = (alpha.u, alpha.v) if isinstance(alpha, Widths) else (alpha, alpha)
+    x, y, z = along * wi[..., 0], across * wi[..., 1], wi[..., 2]
     length = xp.sqrt(x * x + y * y + z * z)
     x, y, z = x / length, y / length, z / length
     phi = (2.0 * math.pi) * u1
     cap_z = (1.0 - u2) * (1.0 + z) - z
     cap_r = xp.sqrt(xp.maximum(1.0 - cap_z * cap_z, 0.0))
-    hx, hy = alpha * (cap_r * xp.cos(phi) + x), alpha * (cap_r * xp.sin(phi) + y)
+    hx, hy = along * (cap_r * xp.cos(phi) + x), across * (cap_r * xp.sin(phi) + y)
     hz = cap_z + z
     scale = 2.0 * (wi[..., 0] * hx + wi[..., 1] * hy + wi[..., 2] * hz)
     scale = scale / xp.maximum(hx * hx + hy * hy + hz * hz, 1e-18)

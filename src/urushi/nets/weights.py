@@ -21,8 +21,9 @@ from urushi.nets.networks import Networks, UrushiNetworks
 #: Version of the file format.
 FORMAT_VERSION = 1
 
-#: Name of the shipped networks: a file in the folder `weights`.
-DEFAULT = "default"
+#: Names of the shipped networks: files in the folder `weights`. The second are for anisotropic
+#: materials, which are made with them unless a user names others.
+DEFAULT, ANISOTROPIC = "default", "anisotropic"
 
 
 @dataclass(frozen=True)
@@ -99,6 +100,11 @@ class Model:
         checked = {name: _checked(name, params[name], shape) for name, shape in shapes.items()}
         return cls(arch, checked, dict(header), fingerprint(arch, checked))
 
+    @property
+    def widths(self) -> int:
+        """GGX widths of a surface: 2 if the networks are for anisotropic materials, otherwise 1."""
+        return getattr(self.arch, "widths", 1)
+
     @functools.cached_property
     def networks(self) -> Networks:
         """The networks: encoder, layerer, evaluation and proposals."""
@@ -167,7 +173,7 @@ def read(path: str | os.PathLike) -> Model:
         raise FileError(f"the weights file '{path}' is damaged: {error}") from error
 
 
-#: Networks as a user may give them: a Model, the name `DEFAULT`, or a weights file.
+#: Networks as a user may give them: a Model, a name of shipped ones, or a weights file.
 Weights = Model | str | os.PathLike
 
 
@@ -177,16 +183,32 @@ def shipped_folder() -> Path:
 
 
 @functools.cache
-def default_model() -> Model:
-    """The shipped networks, loaded once per process.
+def shipped(name: str) -> Model:
+    """The shipped networks `DEFAULT` or `ANISOTROPIC`, loaded once per process.
 
     Raises:
         FileError: the file is missing from this installation, or damaged.
     """
-    path = shipped_folder() / f"{DEFAULT}.safetensors"
+    path = shipped_folder() / f"{name}.safetensors"
     if not path.exists():
         raise FileError(f"Urushi's trained weights '{path}' are missing; install the package again")
     return read(path)
+
+
+def default_model() -> Model:
+    """The shipped networks of isotropic materials."""
+    return shipped(DEFAULT)
+
+
+def anisotropic_model() -> Model:
+    """The shipped networks of anisotropic materials."""
+    return shipped(ANISOTROPIC)
+
+
+def of_fingerprint(fingerprint: object) -> Model:
+    """The shipped networks of a fingerprint; those of isotropic materials if there are none."""
+    other = anisotropic_model()
+    return other if other.fingerprint == fingerprint else default_model()
 
 
 def find(given: Weights | None) -> Model:
@@ -197,8 +219,8 @@ def find(given: Weights | None) -> Model:
     """
     if isinstance(given, Model):
         return given
-    if given is None or str(given) == DEFAULT:
-        return default_model()
+    if given is None or str(given) in (DEFAULT, ANISOTROPIC):
+        return shipped(DEFAULT if given is None else str(given))
     if not Path(given).exists():
         former.refuse_name(str(given))
         raise FileError(

@@ -172,7 +172,7 @@ class PaperSampler:
         """The proposal from width and share."""
         return Gaussian(*table)
 
-    def proposal(self, latent: Sequence, cos_i) -> Gaussian:
+    def proposal(self, latent: Sequence, wi) -> Gaussian:
         """The proposal of a latent code, a list (32) of Dr.Jit floats."""
         x = self._steps[0](nn.CoopVec(*latent))
         for step in self._steps[1:]:

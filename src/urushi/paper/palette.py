@@ -1,6 +1,7 @@
 """The paper's set of materials: stacks composed of a few hundred interfaces."""
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -33,6 +34,7 @@ class Palette:
     components: int = 300
     stacks: int = 12_720
     seed: int = 0
+    widths: ClassVar[int] = 1
 
     def __post_init__(self) -> None:
         kinds = ("conductor", "dielectric") if self.coats == 0 else ("conductor",)

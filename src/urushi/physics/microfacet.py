@@ -2,7 +2,8 @@
 
 All interfaces are GGX, isotropic or anisotropic: `alpha` is one width, or the two `Widths` along x
 and y (Heitz 2014, section 5.4). Two equal widths give the same bits as one wherever u / u is
-exactly 1, as on the LLVM backend. The other distributions are isotropic and used by bottoms only.
+exactly 1, as on the LLVM backend. The other distributions are used by bottoms only, Beckmann's with
+one width or two.
 """
 
 import drjit as dr
@@ -104,15 +105,15 @@ def reflection_lobe(wi, wo, alpha):
 
 def beckmann_d(m, alpha):
     """Beckmann's normal distribution D(m) [1/sr] (Walter et al. 2007, eq. 25)."""
-    alpha2 = alpha * alpha
+    alpha2 = product(alpha)
     cos2 = m.z * m.z
-    d = dr.exp(-(m.x * m.x + m.y * m.y) / (alpha2 * cos2)) / (dr.pi * alpha2 * cos2 * cos2)
+    d = dr.exp(-squeezed_sine2(m, alpha) / (alpha2 * cos2)) / (dr.pi * alpha2 * cos2 * cos2)
     return dr.select(m.z > 0, d, 0)
 
 
 def beckmann_g1(w, alpha):
     """Smith masking for Beckmann's distribution (Walter et al. 2007, section 5.2, rational)."""
-    a = dr.abs(w.z) / (alpha * dr.sqrt(w.x * w.x + w.y * w.y))
+    a = dr.abs(w.z) / (dr.sqrt(product(alpha)) * dr.sqrt(stretched_sine2(w, alpha)))
     fit = a * (3.535 + 2.181 * a) / (1 + a * (2.276 + 2.577 * a))
     return dr.select(a >= 1.6, 1, fit)
 

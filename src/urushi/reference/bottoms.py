@@ -78,8 +78,8 @@ class MixtureBottom:
     """A diffuse term, a GGX lobe and a Beckmann lobe: plastics, paints and the like.
 
     f = diffuse / pi + ggx_weight GGX(ggx_alpha, ggx_r0) + beckmann_weight Beckmann(...), each lobe
-    with Schlick's Fresnel term. Both lobes are sampled by visible normals of GGX, whose tails are
-    longer than Beckmann's.
+    with Schlick's Fresnel term and one width or two `Widths`. Both lobes are sampled by visible
+    normals of GGX, whose tails are longer than Beckmann's.
     """
 
     def __init__(
@@ -147,6 +147,15 @@ def dielectric_reflector(alpha, eta):
 def anisotropic(reflector):
     """The factory of an anisotropic reflector, of alpha_u, alpha_v, and `reflector`'s others."""
     return lambda alpha_u, alpha_v, *others: reflector(Widths(alpha_u, alpha_v), *others)
+
+
+def anisotropic_mixture(diffuse, *lobes):
+    """`MixtureBottom` of two widths a lobe: weight, alpha_u, alpha_v and R0 of GGX, of Beckmann."""
+    ggx, beckmann = (
+        (weight, Widths(alpha_u, alpha_v), r0)
+        for weight, alpha_u, alpha_v, r0 in (lobes[:4], lobes[4:])
+    )
+    return MixtureBottom(diffuse, *ggx, *beckmann)
 
 
 @dataclasses.dataclass(frozen=True)

@@ -43,6 +43,20 @@ BOTTOM_KINDS: dict[str, tuple[Any, tuple[str, ...]]] = {
             "beckmann_r0",
         ),
     ),
+    "mixture_anisotropic": (
+        bottoms.anisotropic_mixture,
+        (
+            "diffuse",
+            "ggx_weight",
+            "ggx_alpha_u",
+            "ggx_alpha_v",
+            "ggx_r0",
+            "beckmann_weight",
+            "beckmann_alpha_u",
+            "beckmann_alpha_v",
+            "beckmann_r0",
+        ),
+    ),
     "measured_like": (
         bottoms.MeasuredLike,
         (

@@ -6,6 +6,8 @@ from typing import Any, NamedTuple
 import drjit as dr
 import mitsuba as mi
 
+from urushi.checks import Widths
+
 
 def compiled_once(function: Callable, *args):
     """Return function(*args) as a call of a routine that a kernel holds once, however often called.
@@ -19,19 +21,21 @@ def only_where(active, function: Callable, *args):
     """Return function(*args), zeros where not active.
 
     Kernels jump over the function where none of the lanes of a vector is active, for instance where
-    all rays have left the scene.
+    all rays have left the scene. Arguments and result are Dr.Jit arrays, in nested lists, named
+    tuples and `Widths`.
     """
     results: list[Any] = []  # of the recorded call: its structure is needed for the zeros
 
-    def evaluated(*args):
-        result = function(*args)
+    def evaluated(*values):
+        result = function(*_nested_like(args, iter(values)))
         results.append(result)
         return _flat(result)
 
-    def zeros(*args):
+    def zeros(*values):
         return [dr.zeros(type(value)) for value in _flat(results[0])]
 
-    values = dr.if_stmt(args, active, evaluated, zeros)
+    # Conditions of Dr.Jit take neither named tuples nor frozen dataclasses.
+    values = dr.if_stmt(tuple(_flat(args)), active, evaluated, zeros)
     return _nested_like(results[0], iter(values))
 
 
@@ -48,18 +52,22 @@ def signature(states: Sequence[int]) -> list:
 
 
 def _flat(nested: Any) -> list:
-    """The Dr.Jit floats of nested lists and named tuples."""
+    """The Dr.Jit floats of nested lists, named tuples and `Widths`."""
+    if isinstance(nested, Widths):
+        nested = [nested.u, nested.v]
     if isinstance(nested, list | tuple):
         return [value for part in nested for value in _flat(part)]
     return [nested]
 
 
 def _nested_like(template: Any, values: Iterator) -> Any:
-    """The inverse of `_flat`: values in the nested lists and named tuples of a template."""
+    """The inverse of `_flat`: values in the structure of a template."""
+    if isinstance(template, Widths):
+        return Widths(next(values), next(values))
     # No closure that calls itself: it would keep the values until Python looks for cycles. While a
     # frozen function is recorded, no scene may be freed.
     parts = [
-        _nested_like(part, values) if isinstance(part, list | tuple) else next(values)
+        _nested_like(part, values) if isinstance(part, list | tuple | Widths) else next(values)
         for part in template
     ]
     return type(template)(*parts) if hasattr(template, "_fields") else parts

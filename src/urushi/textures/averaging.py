@@ -29,7 +29,7 @@ from urushi.material.fit import correct_codes_serial
 from urushi.material.regression import CodeFeatures
 from urushi.nets import decoder, encoder
 from urushi.nets.features import direction_features
-from urushi.nets.lobe import LOBE_NUMBERS, NO_LOBE, fresnel, reflectance
+from urushi.nets.lobe import LOBE_NUMBERS, fresnel, no_lobe, reflectance
 from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
 from urushi.parallel import fill_blocks, one_blas_thread
@@ -95,7 +95,7 @@ def averaging_space(
     if not isinstance(networks, UrushiNetworks):
         return LatentSpace()
     lobe = networks.arch.lobe
-    return LobedSpace(_rest_space(networks, lambda index: read(index)[:, lobe:], count))
+    return LobedSpace(lobe, _rest_space(networks, lambda index: read(index)[:, lobe:], count))
 
 
 def _rest_space(
@@ -146,24 +146,26 @@ class LobedSpace(NamedTuple):
     """Codes with lobes: numbers of the lobes, beside the points of the rest.
 
     Attributes:
+        lobe: how many numbers a lobe has.
         rest: the space of the numbers after those of the lobe.
     """
 
+    lobe: int
     rest: "DecodedSpace | RegressionSpace"
 
     def lift(self, z: np.ndarray) -> np.ndarray:
         """Factors, reflectance, and products with what they weigh, side by side with the rest."""
-        lobe, rest = np.split(z, [len(LOBE_NUMBERS)], axis=1)
+        lobe, rest = np.split(z, [self.lobe], axis=1)
         return np.concatenate([lifted_lobes(lobe), self.rest.lift(rest)], axis=1)
 
     def drop(self, means: np.ndarray) -> np.ndarray:
         """The lobes, and the codes of the rest."""
-        lobes, rest = np.split(means, [LIFTED_LOBE], axis=1)
+        lobes, rest = np.split(means, [LIFTED_LOBE + self.lobe - len(LOBE_NUMBERS)], axis=1)
         return np.concatenate([dropped_lobes(lobes), self.rest.drop(rest)], axis=1)
 
     def fits(self, z: np.ndarray) -> bool:
         """Whether it holds for the rest."""
-        return self.rest.fits(z[:, len(LOBE_NUMBERS) :])
+        return self.rest.fits(z[:, self.lobe :])
 
 
 #: Numbers of a lobe in `LobedSpace`, and the cosines over which its reflectance is averaged.
@@ -177,23 +179,28 @@ LEAST_K = 1e-3
 
 
 def lifted_lobes(lobe: np.ndarray) -> np.ndarray:
-    """Numbers float32 (n, 9) of lobes (n, 6) whose averages give the lobe of an average."""
-    alpha, normal, grazing, exact, eta, k = lobe.T
+    """Numbers float32 (n, 9) of lobes (n, 6) whose averages give the lobe of an average.
+
+    A second width, of lobes (n, 7), gives a tenth number.
+    """
+    alpha, normal, grazing, exact, eta, k, *across = lobe.T
     bright = reflectance(lobe[:, None], COSINES).mean(axis=-1) + LEAST_WEIGHT
     indexed = exact + LEAST_WEIGHT
     head_on = fresnel(np.float32(1.0), eta, k)
     weighted = [bright, bright * np.sqrt(alpha), indexed, *(indexed * x for x in (eta, k, head_on))]
+    weighted += [bright * np.sqrt(width) for width in across]
     return np.stack([normal, grazing, exact, *weighted], axis=-1).astype(np.float32)
 
 
 def dropped_lobes(means: np.ndarray) -> np.ndarray:
-    """Lobes float32 (n, 6) of averages (n, 9) of `lifted_lobes`.
+    """Lobes float32 (n, 6 or 7) of averages (n, 9 or 10) of `lifted_lobes`.
 
     The index reflects as much at normal incidence as the averaged ones do: that of a dielectric is
     above one if their mean is, and a metal has their mean eta.
     """
     normal, grazing, exact, bright, root_width, indexed, *others = means.astype(np.float64).T
-    eta, k, head_on = (x / indexed for x in others)
+    eta, k, head_on = (x / indexed for x in others[:3])
+    across = [np.square(root / bright) for root in others[3:]]
     head_on = np.clip(head_on, 0, 0.999)
     root = np.sqrt(head_on) * np.where(eta >= 1, 1, -1)
     squared = (head_on * (1 + eta) ** 2 - (1 - eta) ** 2) / (1 - head_on)
@@ -201,7 +208,7 @@ def dropped_lobes(means: np.ndarray) -> np.ndarray:
     eta = np.where(metal, eta, (1 + root) / (1 - root))
     k = np.where(metal, np.sqrt(np.maximum(squared, 0)), 0)
     alpha = np.square(root_width / bright)
-    return np.stack([alpha, normal, grazing, exact, eta, k], axis=-1).astype(np.float32)
+    return np.stack([alpha, normal, grazing, exact, eta, k, *across], axis=-1).astype(np.float32)
 
 
 class DecodedSpace(NamedTuple):
@@ -214,7 +221,7 @@ class DecodedSpace(NamedTuple):
 
     def lift(self, z: np.ndarray) -> np.ndarray:
         """f (n, P), z - E(f) (n, L) and z (n, L), side by side."""
-        features = direction_features(*self.networks.pairs())
+        features = direction_features(*self.networks.pairs(), self.networks.arch.widths)
         f = np.concatenate([self._decoded(z[rows], features) for rows in _blocks(z)])
         return np.concatenate([f, z - self._encoded(f), z], axis=1)
 
@@ -317,7 +324,7 @@ class AverageCorrection(NamedTuple):
 
 def corrected_averages(networks: UrushiNetworks, z: np.ndarray, f: np.ndarray) -> np.ndarray:
     """Codes (n, L) closer to averages f (n, P) at the probe pairs than z (n, L): Gauss-Newton."""
-    none = np.array(NO_LOBE, np.float32)
+    none = np.array(no_lobe(networks.arch.widths), np.float32)
     whole = np.concatenate([np.tile(none, (len(z), 1)), z], axis=1)
     return correct_codes_serial(networks, whole, f, CORRECTION_DAMPING)[0][:, len(none) :]
 

@@ -5,9 +5,11 @@ since the last time, and texels of equal inputs are layered once.
 """
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
+from urushi.checks import CoatParameters
 from urushi.material.layer import layer_texels
 from urushi.nets.weights import Model
 from urushi.textures import packing, texel_hash
@@ -18,8 +20,8 @@ from urushi.textures.store import TextureStore
 TEXEL_BLOCK = 1 << 18
 
 #: Gives the coat's parameters at texels start to stop - 1, arrays (n, 1 or C) by the names of
-#: `layer_texels`.
-Table = Callable[[int, int], dict[str, np.ndarray]]
+#: `layer_texels`; alpha may be `Widths`.
+Table = Callable[[int, int], dict[str, Any]]
 
 #: Gives the bottom at texels start to stop - 1: hashes uint64 (n or 1, C) and codes
 #: (n or 1, C, size).
@@ -48,11 +50,11 @@ class CoatTexture:
         with self.store.writing() as write:
             for start in range(0, self.grid.texels, TEXEL_BLOCK):
                 stop = min(start + TEXEL_BLOCK, self.grid.texels)
-                parameters = table(start, stop)
+                parameters = CoatParameters(**table(start, stop))
                 bottom_hashes, codes = bottom(start, stop)
                 former = self._hashes[start:stop]
                 hashes = np.broadcast_to(
-                    texel_hash.row_hashes([bottom_hashes, *parameters.values()]), former.shape
+                    texel_hash.row_hashes([bottom_hashes, *parameters.columns()]), former.shape
                 )
                 texel, channel = np.nonzero(hashes != former)
                 if not len(texel):
@@ -72,7 +74,7 @@ class CoatTexture:
         hashes: np.ndarray,
         texel: np.ndarray,
         channel: np.ndarray,
-        parameters: dict[str, np.ndarray],
+        parameters: CoatParameters,
         codes: np.ndarray,
     ) -> tuple[np.ndarray, np.ndarray]:
         """Distinct codes (k, size) of rows (texel, channel), and the index (n,) of each row's."""
@@ -83,5 +85,6 @@ class CoatTexture:
             count, width = array.shape[:2]
             return array[texel if count > 1 else 0, channel if width > 1 else 0]
 
-        rows = {name: np.broadcast_to(at_rows(v), len(row)) for name, v in parameters.items()}
-        return layer_texels(self._model, at_rows(codes), **rows), row_of
+        rows = [np.broadcast_to(at_rows(column), len(row)) for column in parameters.columns()]
+        coat = CoatParameters.of_columns(rows)
+        return layer_texels(self._model, at_rows(codes), **coat._asdict()), row_of

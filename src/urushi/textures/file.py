@@ -9,7 +9,7 @@ from urushi import files
 from urushi.errors import FileError
 from urushi.material.file import check_weights
 from urushi.nets import former
-from urushi.nets.weights import Model
+from urushi.nets.weights import Model, of_fingerprint
 from urushi.textures import mip_pyramid
 from urushi.textures.grid import WRAPS, TexelGrid
 from urushi.textures.packing import PackedTexels, TexelLayout
@@ -38,8 +38,12 @@ def write(path: str | os.PathLike, store: TextureStore, grid: TexelGrid, fingerp
     files.write_tensors(path, KIND, description, arrays)
 
 
-def read(path: str | os.PathLike, model: Model) -> tuple[TextureStore, TexelGrid]:
-    """Return a file's texture and its grid, made with the networks of `model`.
+def read(
+    path: str | os.PathLike, model: Model | None = None
+) -> tuple[TextureStore, TexelGrid, Model]:
+    """Return a file's texture, its grid, and the networks that it was made with.
+
+    model: the networks; None: the shipped ones by which it was made.
 
     Raises:
         FileError: missing, truncated, foreign, damaged, or made with other networks.
@@ -51,13 +55,15 @@ def read(path: str | os.PathLike, model: Model) -> tuple[TextureStore, TexelGrid
             f"'{path}' has version {description.get('version')!r} of the texture format, "
             f"this Urushi reads version {FORMAT_VERSION}; install the Urushi that wrote it"
         )
-    check_weights(path, description.get("weights"), model)
+    made_with = description.get("weights")
+    model = of_fingerprint(made_with) if model is None else model
+    check_weights(path, made_with, model)
     try:
         store = _store(description, arrays, model)
         grid = _checked_grid(*store.levels[0], description["place"])
     except (KeyError, TypeError, ValueError) as error:
         raise FileError(f"the texture file '{path}' is damaged ({error}); save it again") from error
-    return store, grid
+    return store, grid, model
 
 
 def _store(

@@ -14,7 +14,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from urushi.checks import MIN_ALPHA, CoatParameters
+from urushi.checks import MIN_ALPHA, CoatParameters, Widths
+from urushi.nets.lobe import WIDTH_PLACES
 from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
 from urushi.parallel import fill_blocks
@@ -142,7 +143,7 @@ def importance_order(model: Model) -> list[int]:
     if not isinstance(model.networks, UrushiNetworks):
         return list(range(model.arch.latent))
     if model.fingerprint not in _importance:
-        first = (0, model.arch.lobe)  # the lobe's width, and the gain
+        first = (*WIDTH_PLACES[model.widths], model.arch.lobe)  # the lobe's widths, and the gain
         order = measure_importance(model)
         _importance[model.fingerprint] = [*first, *(i for i in order if i not in first)]
     return _importance[model.fingerprint]
@@ -169,6 +170,9 @@ def measure_importance(model: Model) -> list[int]:
         rng.uniform(-0.8, 0.8, COATS),
     )
     coat = CoatParameters(*(column.astype(np.float32) for column in columns))
+    if model.widths == 2:
+        across = np.exp(rng.uniform(np.log(MIN_ALPHA), 0, COATS)).astype(np.float32)
+        coat = coat._replace(alpha=Widths(coat.alpha, across))
     networks = model.networks
     z = networks.layer(networks.encode(f), coat)
     chosen = slice(None, None, len(wi) // PAIRS + 1)

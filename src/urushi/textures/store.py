@@ -7,7 +7,6 @@ from typing import NamedTuple
 import numpy as np
 
 from urushi import parallel
-from urushi.nets.lobe import LOBE_NUMBERS
 from urushi.nets.weights import Model
 from urushi.textures import packing
 from urushi.textures.mip_pyramid import MipPyramid
@@ -15,10 +14,6 @@ from urushi.textures.packing import PackedTexels, Rows, TexelLayout
 
 #: Texels that are packed at once: bounds memory.
 PACKED_BLOCK = 1 << 17
-
-#: How many numbers at the start of a code are compared between channels one by one: those of its
-#: lobe (`nets.lobe`), of which channels often share some. The others are compared as a whole.
-COMPARED_NUMBERS = len(LOBE_NUMBERS)
 
 
 class TextureStore:
@@ -35,6 +30,8 @@ class TextureStore:
     ):
         """mipmaps: whether to hold all levels of the mip pyramid; else the first one only."""
         self.layout, self._model = layout, model
+        # Channels often share numbers of their lobes, which are compared one by one.
+        self._compared = getattr(model.arch, "lobe", 0)
         self._coarser = MipPyramid(model, width, height, layout.channels) if mipmaps else None
         self.levels = self._coarser.sizes if self._coarser else [(width, height)]
         nothing = np.zeros(layout.size, np.float32)
@@ -70,7 +67,7 @@ class TextureStore:
                     index = np.arange(codes[..., 0].size).reshape(codes.shape[:-1])
                 shared = codes.reshape(-1, codes.shape[-1])
                 ends = shared.min(axis=0), shared.max(axis=0)
-                same = _same_in_channels(shared, index)
+                same = _same_in_channels(shared, index, self._compared)
                 which = index.astype(np.uint32)
                 written.append(_Written(rows, shared.astype(np.float16), which, ends, same))
 
@@ -177,17 +174,17 @@ class _Written(NamedTuple):
     same: np.ndarray
 
 
-def _same_in_channels(codes: np.ndarray, index: np.ndarray) -> np.ndarray:
-    """Whether numbers (size,) are the same in all channels; after the first ones, all or none are.
+def _same_in_channels(codes: np.ndarray, index: np.ndarray, compared: int) -> np.ndarray:
+    """Whether numbers (size,) are the same in all channels; after `compared`, all or none are.
 
     codes (k, size) are chosen by index (n, channels).
     """
     differs = (index != index[:, :1]).any(axis=-1)
     same = np.full(codes.shape[-1], not differs.any())
     if differs.any():
-        first = np.ascontiguousarray(codes[:, :COMPARED_NUMBERS])
+        first = np.ascontiguousarray(codes[:, :compared])
         chosen = first[index[differs]]
-        same[:COMPARED_NUMBERS] = (chosen == chosen[:, :1]).all(axis=(0, 1))
+        same[:compared] = (chosen == chosen[:, :1]).all(axis=(0, 1))
     return same
 
 

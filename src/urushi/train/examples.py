@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from urushi.checks import CoatParameters
+from urushi.checks import COAT_COLUMNS, CoatParameters
 from urushi.data.spec import Part
 from urushi.data.store import Store
 from urushi.errors import ParameterError
@@ -29,11 +29,11 @@ class Batch(NamedTuple):
     """Stacks of all depths, deepest first, so that each coat belongs to the first stacks.
 
     Attributes:
-        lobes: (B, 6) the bottoms' lobes, see `nets.lobe`.
+        lobes: (B, L) the bottoms' lobes, see `nets.lobe`.
         probes: (B, probes) the bottoms' values [1/sr] at the probe pairs, without their lobes.
-        coats: (B_k, 5) `checks.CoatParameters` of each coat, the lowest first, for the B_k stacks
-            that have this coat, which are the first ones of the batch.
-        features: (B, P, 8) of the direction pairs.
+        coats: (B_k, C) columns `checks.COAT_COLUMNS` of each coat, the lowest first, for the B_k
+            stacks that have this coat, which are the first ones of the batch.
+        features: (B, P, D) of the direction pairs.
         top: (B, P) the part of f [1/sr] that the stacks' own lobes reflect.
         f: (B, P) simulated values [1/sr].
     """
@@ -51,11 +51,11 @@ class Examples:
     """Examples in memory, all with the same number of coats; an item is one run of pairs.
 
     Attributes:
-        lobes: (S, 6).
+        lobes: (S, L).
         probes: (S, probes).
-        coats: (S, N, 5) `checks.CoatParameters`, top to bottom.
+        coats: (S, N, C) columns `checks.COAT_COLUMNS`, top to bottom.
         stack: (I,) the stack of each item; the items of a stack lie side by side.
-        features: (I, P, 8).
+        features: (I, P, D).
         top: (I, P).
         f: (I, P).
     """
@@ -129,7 +129,9 @@ class Depth:
     def _read(self, window: Window) -> Examples:
         """Read shard after shard into arrays that have room for all."""
         items = sum(self._items(*self._shards[k]) for k in window)
-        features = np.empty((items, self._pairs, DIRECTION_FEATURES), np.float32)
+        widths = self._arch.widths
+        size = DIRECTION_FEATURES[widths]
+        features = np.empty((items, self._pairs, size), np.float32)
         f, top = (np.empty((items, self._pairs), np.float32) for _ in range(2))
         encoded, probes, coats, stack, first, stacks = [], [], [], [], 0, 0
         for index, shard in (self._shards[k] for k in window):
@@ -138,9 +140,8 @@ class Depth:
             place = slice(first, first + self._items(index, shard))
             used, values = trained_pairs(part), arrays["f"]
             wi, wo = arrays["wi"][:, used], arrays["wo"][:, used]
-            features[place] = direction_features(wi, wo).reshape(
-                -1, self._pairs, DIRECTION_FEATURES
-            )
+            of_pairs = direction_features(wi, wo, widths)
+            features[place] = of_pairs.reshape(-1, self._pairs, size)
             f[place] = values[:, used].reshape(-1, self._pairs)
             topmost = top_lobes(part, arrays, self._arch)
             top[place] = lobes.f(topmost[:, None], wi, wo).reshape(-1, self._pairs)
@@ -191,6 +192,11 @@ def load(store: Store, arch: Architecture, pairs: int, memory: int) -> list[Dept
                 raise ParameterError(
                     f"part '{part.name}' has {used.stop - used.start} pairs to train on for each "
                     f"stack; that must be a multiple of the {pairs} that a step sees"
+                )
+            if part.distribution.widths != arch.widths:
+                raise ParameterError(
+                    f"part '{part.name}' has stacks of {part.distribution.widths} GGX widths a "
+                    f"surface, but the architecture's networks are for {arch.widths}"
                 )
             if part.directions == "probed" and arch.probes != PROBES:
                 raise ParameterError(
@@ -277,10 +283,10 @@ class Batches:
 
 
 #: The direction sets of parts to train on.
-TRAINING = ("training", "grazing", "probed")
+TRAINING = ("training", "grazing", "probed", "anisotropic")
 
 #: The direction sets of parts to validate on, and the metric that is computed there.
-METRICS = {"cosine": "E mean", "half_angle": "P median"}
+METRICS = {"cosine": "E mean", "half_angle": "P median", "slopes": "P median"}
 
 
 def depth(part: Part) -> int:
@@ -297,30 +303,32 @@ def trained_pairs(part: Part) -> slice:
 
 
 def top_lobes(part: Part, arrays: dict[str, np.ndarray], arch: Architecture) -> np.ndarray:
-    """The lobes (S, 6) of a part's stacks: of their topmost coats, or of bare bottoms."""
+    """The lobes (S, L) of a part's stacks: of their topmost coats, or of bare bottoms."""
     if part.distribution.coats:
-        return lobes.of_coat(arrays["coats"][:, 0, 0], arrays["coats"][:, 0, 1])
-    return bottom_lobes(part.distribution.bottom, arrays["bottom"], arch.probes)
+        topmost = CoatParameters.of_columns(arrays["coats"][:, 0].T)
+        return lobes.of_coat(topmost.alpha, topmost.eta)
+    return bottom_lobes(part.distribution.bottom, arrays["bottom"], arch)
 
 
 def encoder_inputs(
     part: Part, arrays: dict[str, np.ndarray], arch: Architecture
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Lobes (S, 6) and other values (S, probes) [1/sr] of what a part's stacks are encoded from.
+    """Lobes (S, L) and other values (S, probes) [1/sr] of what a part's stacks are encoded from.
 
     These are the bottoms, or the whole stacks where their values at the probe pairs are stored.
     """
     if part.directions == "probed":
         own = top_lobes(part, arrays, arch)
-        top = lobes.f(own[:, None], *probe_pairs(arch.probes))
+        top = lobes.f(own[:, None], *probe_pairs(arch.probes, arch.widths))
         return own, np.maximum(arrays["f"][:, :PROBES] - top, 0.0)
     kind = part.distribution.bottom
-    own = bottom_lobes(kind, arrays["bottom"], arch.probes)
-    return own, bottom_rest(kind, arrays["bottom"], own, arch.probes)
+    own = bottom_lobes(kind, arrays["bottom"], arch)
+    return own, bottom_rest(kind, arrays["bottom"], own, arch)
 
 
 def coats_to_layer(part: Part, arrays: dict[str, np.ndarray]) -> np.ndarray:
-    """The coats (S, N, 5) of a part's stacks that are layered, top to bottom; see `depth`."""
+    """The coats (S, N, C) of a part's stacks that are layered, top to bottom; see `depth`."""
     if depth(part) == 0:
-        return np.zeros((len(arrays["bottom"]), 0, len(CoatParameters._fields)), np.float32)
+        columns = len(COAT_COLUMNS[part.distribution.widths])
+        return np.zeros((len(arrays["bottom"]), 0, columns), np.float32)
     return arrays["coats"]

@@ -5,6 +5,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 
+from urushi.checks import CoatParameters
 from urushi.nets.architecture import Architecture
 from urushi.nets.decoder import decode
 from urushi.nets.encoder import encode
@@ -98,15 +99,15 @@ def compose(
 
     Args:
         params, arch: the networks.
-        lobes: (B, 6) the bottoms' lobes.
+        lobes: (B, L) the bottoms' lobes.
         probes: (B, probes) the bottoms' values [1/sr] at the probe pairs, without the lobes.
-        coats: as in `examples.Batch`: the lowest coats first, (B_k, 5) for the first B_k rows.
+        coats: as in `examples.Batch`: the lowest coats first, (B_k, C) for the first B_k rows.
     """
     return apply_coats(params, arch, encoded(params, arch, lobes, probes), coats)
 
 
 def encoded(params: Params, arch: Architecture, lobes: Any, probes: Any) -> Any:
-    """Codes (B, L) of BRDFs with these lobes (B, 6) and other values (B, probes) [1/sr]."""
+    """Codes (B, L) of BRDFs with these lobes (B, L) and other values (B, probes) [1/sr]."""
     return jnp.concatenate([lobes, bounded(encode(params, arch, probes))], axis=-1)
 
 
@@ -114,7 +115,7 @@ def apply_coats(params: Params, arch: Architecture, z: Any, coats: tuple[Any, ..
     """Codes (B, L) of stacks from the codes z (B, L) of their bottoms; coats as of `compose`."""
     for coat in coats:
         count = coat.shape[0]
-        layered = layer(params, arch, z[:count], tuple(jnp.moveaxis(coat, -1, 0)))
+        layered = layer(params, arch, z[:count], columns_of(coat))
         layered = jnp.concatenate(
             [layered[:, : arch.lobe], bounded(layered[:, arch.lobe :])], axis=-1
         )
@@ -122,8 +123,13 @@ def apply_coats(params: Params, arch: Architecture, z: Any, coats: tuple[Any, ..
     return z
 
 
+def columns_of(coats: Any) -> CoatParameters:
+    """The parameters (B,) of coats (B, C), whose columns are `checks.COAT_COLUMNS`."""
+    return CoatParameters.of_columns(jnp.moveaxis(coats, -1, 0))
+
+
 def without_lobe(params: Params, arch: Architecture, z: Any, features: Any) -> jax.Array:
-    """What the decoder gives (B, P) [1/sr] for codes z (B, L) and features (B, P, 8) of pairs."""
+    """What the decoder gives (B, P) [1/sr] for codes z (B, L) and features (B, P, D) of pairs."""
     return decode(params, arch, z[:, None, arch.lobe :], features)
 
 

@@ -8,8 +8,9 @@ from typing import Any
 from urushi.data.distribution import Extended, Table2
 from urushi.data.spec import DataSpec, Part
 from urushi.errors import ParameterError
+from urushi.geometry.probe_pairs import ANISOTROPIC_PROBES
 from urushi.nets.architecture import Architecture
-from urushi.train.datasets import validation, whole_domain
+from urushi.train.datasets import anisotropic_domain, validation, whole_domain
 from urushi.train.optimiser import Schedule
 from urushi.train.stages.decoding import Decoding
 from urushi.train.stages.joint import Joint
@@ -109,6 +110,37 @@ def default() -> Preset:
     )
 
 
+def anisotropic() -> Preset:
+    """Networks of two GGX widths a surface, which anisotropic materials use.
+
+    Command: `urushi train --preset anisotropic`
+    """
+    stacks, coated = (48, 136, 40, 8, 8, 8), (512, 128, 48, 40, 40)
+    joint = Schedule(steps=24_576, warmup=256, learning_rate=0.012, clip=0.1)
+    sampling = Schedule(steps=6_000, warmup=200, learning_rate=0.01, checkpoint_every=2_000)
+    return Preset(
+        name="anisotropic",
+        data=anisotropic_domain(),
+        stages=(
+            Joint(joint, stacks),
+            Layering(_soap(4_096), coated, widen_from=(224, 224, 224)),
+            Decoding(_soap(6_144), stacks),
+            Layering(_soap(4_096), coated, seed_offset=2, name="relayering"),
+            Sampling(sampling),
+        ),
+        memory=1 << 28,
+        arch=Architecture(
+            latent=30,
+            decoder=(20, 20),
+            layerer=(256, 256, 256),
+            sampler=(16,),
+            activation="silu7",
+            probes=ANISOTROPIC_PROBES,
+            widths=2,
+        ),
+    )
+
+
 def quick() -> Preset:
     """Mostly Table 2, and enough of everything else to be usable: for experiments.
 
@@ -180,6 +212,7 @@ def smoke() -> Preset:
 
 _PRESETS: dict[str, Callable[[], Preset]] = {
     "default": default,
+    "anisotropic": anisotropic,
     "quick": quick,
     "smoke": smoke,
 }

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from urushi.checks import CoatParameters
 from urushi.data.store import Store
 from urushi.geometry import error_metrics
 from urushi.nets import lobe as lobes
@@ -47,7 +48,7 @@ def load(store: Store, arch: Architecture) -> list[Check]:
                 lobes=own,
                 probes=rest,
                 coats=coats_to_layer(part, arrays),
-                features=direction_features(wi, wo),
+                features=direction_features(wi, wo, arch.widths),
                 top=lobes.f(top_lobes(part, arrays, arch)[:, None], wi, wo),
                 f=arrays["f"],
                 cos_i=wi[..., 2],
@@ -64,7 +65,7 @@ def measure(params: Params, arch: Architecture, checks: list[Check]) -> dict[str
     for check in checks:
         z = np.concatenate([check.lobes, encode(host, arch, check.probes)], axis=-1)
         for coat in np.moveaxis(check.coats, 1, 0)[::-1]:  # the lowest first
-            z = layer(host, arch, z, tuple(coat.T))
+            z = layer(host, arch, z, CoatParameters.of_columns(coat.T))
         f_hat = check.top + decode(host, arch, z[:, None, arch.lobe :], check.features)
         if check.metric == "E mean":
             errors = error_metrics.stack_error(f_hat, check.f, check.cos_i, check.cos_o)

@@ -78,8 +78,8 @@ class Export:
                 f"'{self.material}' is a texture; name the texture file to write, .dds or .ktx2, "
                 "by --texture"
             )
-        model = find(self.weights)
-        store, grid = file.read(str(self.material), model)
+        given = None if self.weights is None else find(self.weights)
+        store, grid, model = file.read(str(self.material), given)
         text = codes_text(self.language, model, self.prefix, gpu.texels(store, grid))
         with atomic_write(self.texture) as temporary:
             temporary.write_bytes(writer(store))

@@ -54,7 +54,7 @@ class Baker:
             self._codes.update(grid)
         if grid is None:
             self._texture = None
-            table = self._coat.table(np.full((1, 2), 0.5))
+            table = self._coat.layering(np.full((1, 2), 0.5))
             return ConstantLatents(
                 self._model, layer_texels(self._model, self._codes.read(0, 1)[1], **table)[0]
             )
@@ -62,7 +62,7 @@ class Baker:
             self._texture = CoatTexture(self._model, grid, spectrum.channel_count(), self._mipmaps)
         dr.sync_thread()  # kernels may still read what is overwritten here
         self._texture.update(
-            lambda start, stop: self._coat.table(grid.uv(start, stop)), self._codes.read
+            lambda start, stop: self._coat.layering(grid.uv(start, stop)), self._codes.read
         )
         return TexturedLatents(self._model, self._texture.store, grid)
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from urushi.material.encode import bare_anchors, encode_source, encoder_codes
 from urushi.material.energy import limit_albedo
-from urushi.nets.lobe import NO_LOBE
+from urushi.nets.lobe import no_lobe, with_two_widths
 from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
 from urushi.render import spectrum
@@ -48,6 +48,8 @@ class BottomCodes:
         nested = nested_latents(self._bottom, self._model)
         own = isinstance(self._model.networks, UrushiNetworks)
         surface = known_surface(self._bottom) if own else None
+        if surface is not None and surface.bare and surface.widths > self._model.widths:
+            surface = None  # averaged over the azimuth
         if nested is not None and nested.resolution is None:
             self._keep_same(nested.at(np.full((1, 2), 0.5)))
         elif grid is None or (nested is None and not varying_textures(self._bottom)):
@@ -147,7 +149,10 @@ class _BareBottom:
     def read(self, start: int, stop: int) -> tuple[np.ndarray, np.ndarray]:
         """Keys (n, C) and codes (n, C, size) of a range of texels."""
         lobe = probing.check_values(self._surface.at(self._grid.uv(start, stop)).lobe, self._where)
-        lobe[..., :4] = np.minimum(lobe[..., :4], 1)
+        if self._model.widths == 2 and self._surface.widths == 1:
+            lobe = with_two_widths(lobe)
+        reach = [0, 1, 2, 3, *range(6, lobe.shape[-1])]  # all but the index
+        lobe[..., reach] = np.minimum(lobe[..., reach], 1)
         keys = texel_hash.row_hashes(list(np.moveaxis(lobe, -1, 0)))
         return keys, bare_anchors(self._model, lobe)
 
@@ -168,7 +173,7 @@ class _DiffuseBottom:
         row, row_of = texel_hash.unique_rows(present.ravel())
         pairs = len(self._model.networks.pairs()[0])
         f = np.repeat(reflectance.reshape(-1, 1)[row] / np.float32(np.pi), pairs, axis=1)
-        codes = encoder_codes(self._model, f, np.array(NO_LOBE, np.float32))
+        codes = encoder_codes(self._model, f, np.array(no_lobe(self._model.widths), np.float32))
         return limit_albedo(self._model, codes), row_of.reshape(present.shape)
 
 
@@ -179,7 +184,7 @@ class _ProbedBottom:
         self._model, self._bottom, self._where = model, bottom, where
         self._has_lobes = isinstance(model.networks, UrushiNetworks)
         self._pairs = model.networks.pairs()
-        self._average = probing.needed_averaging(bottom, *self._pairs, grid, where)
+        self._average = probing.needed_averaging(bottom, *self._pairs, grid, where, model.widths)
 
     def keys(self, uv: np.ndarray) -> np.ndarray:
         """Keys (M, C) at points uv (M, 2): equal where the bottom is."""

@@ -12,11 +12,10 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi.checks import CoatParameters
+from urushi.checks import CoatParameters, Widths
 from urushi.material import gradients
 from urushi.material.encode import limited_codes
 from urushi.material.layer import layer_texels
-from urushi.material.symmetry import rotated_pairs
 from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
 from urushi.render import spectrum
@@ -59,10 +58,15 @@ def bake(
     gradients.check_differentiable(model, coat.where)
     grid = choose_grid(coat, bottom, model, resolution)
     uv = grid.uv() if grid else np.full((1, 2), 0.5)
-    table = coat.table(uv)
+    table = coat.layering(uv)
     si = probing.interaction(np.tile([0.0, 0.0, 1.0], (len(uv), 1)), uv)
-    alpha, eta, *others = coat.evaluate(si, mi.Bool(True))
-    parameters = [[alpha], [eta], *map(spectrum.to_channels, others)]
+    evaluated = coat.evaluate(si, mi.Bool(True))
+    if model.widths == 2 and not isinstance(evaluated.alpha, Widths):
+        evaluated = evaluated._replace(alpha=Widths(evaluated.alpha, evaluated.alpha))
+    parameters = [
+        [value] if dr.depth_v(value) == 1 else spectrum.to_channels(value)
+        for value in evaluated.columns()
+    ]
     z_bottom = _bottom_codes(model, coat.where, bottom, uv, grid)
     codes = layer(model, table, z_bottom, parameters)
     if grid is None:
@@ -80,7 +84,9 @@ def _bottom_codes(
     if same_networks and isinstance(nested, DifferentiableConstant | DifferentiableTexture):
         return nested.codes(mi.Point2f(np.ascontiguousarray(uv.T, np.float32)))
     surface = known_surface(bottom)
-    if surface is not None and surface.bare and wanted(bottom):
+    known = surface is not None and surface.bare and surface.widths <= model.widths
+    if known and wanted(bottom):
+        assert surface is not None  # for the type checker
         return _bare_codes(model, where, surface, uv if varying_textures(bottom) else uv[:1])
     wi, wo = model.networks.pairs()
     if not wanted(bottom) or probing.needed_repeats(bottom, wi, wo, len(uv)) > 1:
@@ -91,7 +97,7 @@ def _bottom_codes(
     if grid is None or not varying_textures(bottom):
         grid, uv = MIDDLE, MIDDLE.uv()
     with dr.suspend_grad():
-        average = probing.needed_averaging(bottom, wi, wo, grid, where)
+        average = probing.needed_averaging(bottom, wi, wo, grid, where, model.widths)
     starts = range(0, len(uv), PROBED_TEXELS)
     parts = [_probed(bottom, wi, wo, uv[i : i + PROBED_TEXELS], average) for i in starts]
     return encode(model, where, parts)
@@ -101,11 +107,13 @@ def _bare_codes(model: Model, where: str, surface: KnownSurface, uv: np.ndarray)
     """`bottoms` of a surface that is its lobe alone, with the gradients of its parameters."""
     assert isinstance(model.networks, UrushiNetworks)  # for the type checker
     rest = [mi.Float(float(value)) for value in model.networks.empty_rest()]
-    codes = [
-        [*(dr.minimum(value, 1) for value in lobe[:4]), *lobe[4:], *rest]
-        for lobe in surface.lobes(uv)
-    ]
-    probing.check_values(rows([lobe[:6] for lobe in codes], len(uv)), where)
+    size = model.arch.lobe
+    codes = []
+    for lobe in surface.lobes(uv):
+        across = [dr.minimum(value, 1) for value in (lobe[6:] or lobe[:1])]
+        bounded = [*(dr.minimum(value, 1) for value in lobe[:4]), *lobe[4:6], *across]
+        codes.append([*bounded[:size], *rest])
+    probing.check_values(rows([lobe[:size] for lobe in codes], len(uv)), where)
     return codes
 
 
@@ -113,17 +121,18 @@ def _probed(
     bottom: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, uv: np.ndarray, average: probing.Averaging
 ) -> list:
     """`probing.texel_values` with gradients: per channel f (M * P) [1/sr] at points uv (M, 2)."""
-    azimuths = min(average.azimuths, AZIMUTHS)
+    average = average._replace(azimuths=min(average.azimuths, AZIMUTHS))
+    averaged = average.pairs(wi, wo)
     everywhere = np.repeat(uv, len(wi), axis=0)
     total = [dr.zeros(mi.Float, len(everywhere))] * spectrum.channel_count()
-    for pair in rotated_pairs(wi, wo, azimuths):
+    for pair in averaged:
         a, b = (np.tile(w, (len(uv), 1)) for w in pair)
         for one, other in ((a, b), (b, a))[: 1 + average.exchanged]:
             out = mi.Vector3f(np.ascontiguousarray(other.T))
             value = bottom.eval(mi.BSDFContext(), probing.interaction(one, everywhere), out)
             channels = spectrum.to_channels(value / out.z)
             total = [a + b for a, b in zip(total, channels, strict=True)]
-    return [value / (azimuths * (1 + average.exchanged)) for value in total]
+    return [value / (len(averaged) * (1 + average.exchanged)) for value in total]
 
 
 def encode(model: Model, where: str, parts: Sequence[Sequence]) -> Columns:
@@ -144,7 +153,7 @@ def layer(
     """`material.layer.layer_texels`, differentiable in the bottoms' codes and the coats.
 
     table: the coats' checked parameters, (M or 1, C or 1), in double precision.
-    coat: the same in the order of `CoatParameters`: a column per parameter, or one per channel.
+    coat: the same in the order of `checks.COAT_COLUMNS`: a column per parameter, or per channel.
 
     Returns:
         Codes (M, C, L).
@@ -202,14 +211,15 @@ class _Layer(dr.CustomOp):
     def eval(self, model, table, z_bottom, coat):
         bottom = rows(z_bottom)
         z = layer_texels(model, bottom, **table)
-        coats = np.stack(
-            np.broadcast_arrays(*(table[name] for name in CoatParameters._fields)), axis=-1
-        )
+        chosen = CoatParameters(**table)
+        if model.widths == 2 and not isinstance(chosen.alpha, Widths):
+            chosen = chosen._replace(alpha=Widths(chosen.alpha, chosen.alpha))
+        coats = np.stack(np.broadcast_arrays(*chosen.columns()), axis=-1)
         self._model, self._shape = model, z.shape
         self._channels = [len(parameter) for parameter in coat]
         self._inputs = (
             _flat(np.broadcast_to(bottom, z.shape)),
-            _flat(np.broadcast_to(coats, (*z.shape[:-1], len(CoatParameters._fields)))),
+            _flat(np.broadcast_to(coats, (*z.shape[:-1], coats.shape[-1]))),
             _flat(z),
         )
         return mi.TensorXf(lookup.owned(mi.Float, z), z.shape)

@@ -10,7 +10,7 @@ Mitsuba's differentiable integrators, samples are fixed while the integrand chan
 import os
 from collections.abc import Callable
 from functools import partial
-from typing import Any, ClassVar, NamedTuple, cast
+from typing import Any, ClassVar, NamedTuple
 
 import drjit as dr
 import mitsuba as mi
@@ -62,23 +62,30 @@ class ConstantLatents:
         """latents, anchors: (C, size) float32, table: of ln f or None, those of a `Material`."""
         self._material = Material(latents, model, latents if anchors is None else anchors, table)
         kind = NO_LOBE if table is not None else kind_of_codes(model, latents[None])
+        self._is_tabulated = model.widths == 1  # one angle of wi determines the rest
         self._decoder: Decoder | TabulatedDecoder
         self._decoder, self._sampler = decoder_and_sampler(model, kind)
         self._tables = []
-        if isinstance(model.networks, UrushiNetworks):
+        if isinstance(model.networks, UrushiNetworks) and self._is_tabulated:
             self._decoder = TabulatedDecoder(kind)
             table = rest_table(model.networks, latents) if table is None else table
             self._tables = [] if table is None else [owned(mi.Float, padded(table))]
         self._signature = signature([*map(int, kind), len(self._tables)])
         self._decoder_terms = [_opaque(terms) for terms in self._decoder.code_terms(latents)]
         mean = self._material.anchors.mean(axis=0)
-        self._proposals = [owned(mi.Float, x) for x in self._sampler.tabulated(mean)]
+        if self._is_tabulated:
+            self._proposals = [owned(mi.Float, x) for x in self._sampler.tabulated(mean)]
+        else:
+            self._proposals = _opaque(mean)
 
     def vertex(self, si, active) -> Vertex:
         """The vertex at a surface interaction."""
-        # The table is no argument: it has another width than the directions.
-        propose = partial(self._sampler.proposal_of_table, self._proposals)
-        proposal = only_where(active, propose, si.wi.z)
+        if self._is_tabulated:
+            # The table is no argument: it has another width than the directions.
+            propose = partial(self._sampler.proposal_of_table, self._proposals)
+            proposal = only_where(active, propose, si.wi.z)
+        else:
+            proposal = only_where(active, self._sampler.proposal, self._proposals, si.wi)
         return Vertex(self._decoder_terms, proposal)
 
     def f(self, vertex: Vertex, si, wo, active) -> list:
@@ -99,6 +106,11 @@ class ConstantLatents:
         """Latent codes (M, C, size) at points uv (M, 2)."""
         latents = self._material.latents
         return np.broadcast_to(latents, (len(uv), *latents.shape))
+
+    @property
+    def material(self) -> Material:
+        """The codes as a material."""
+        return self._material
 
     @property
     def anchors(self) -> "ConstantLatents":
@@ -159,7 +171,7 @@ class TexturedLatents:
         footprint = [si.duv_dx, si.duv_dy]
         if are_constant(*footprint):
             footprint = []
-        return only_where(active, self._vertex, si.wi.z, si.uv, *footprint)
+        return only_where(active, self._vertex, si.wi, si.uv, *footprint)
 
     def f(self, vertex: Vertex, si, wo, active) -> list:
         """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
@@ -169,9 +181,9 @@ class TexturedLatents:
         """`f`, and the density of the proposal [1/sr]."""
         return _f_and_pdf(self._decoder.f_of_terms, vertex, si, wo, active)
 
-    def _vertex(self, cos_i, uv, *footprint) -> Vertex:
+    def _vertex(self, wi, uv, *footprint) -> Vertex:
         latents = self._texture.look_up(uv, *footprint)
-        proposal = self._sampler.proposal(self._kind.mean(latents), cos_i)
+        proposal = self._sampler.proposal(self._kind.mean(latents), wi)
         return Vertex(self._decoder.code_terms_drjit(latents), proposal)
 
     def at(self, uv: np.ndarray) -> np.ndarray:
@@ -203,20 +215,23 @@ def _f_and_pdf(f_of_terms: Callable[..., list], vertex: Vertex, si, wo, active) 
     """Values of each channel and the proposal's density where active, zero elsewhere."""
 
     def evaluated(terms, proposal, wi, wo):
-        density = type(vertex.proposal)(*proposal).pdf(wi, wo)
-        return f_of_terms(terms, wi, wo), density
+        return f_of_terms(terms, wi, wo), proposal.pdf(wi, wo)
 
-    proposal = cast(tuple, vertex.proposal)  # conditions of Dr.Jit take lists, no named tuples
-    return only_where(active, evaluated, vertex.decoder_terms, [*proposal], si.wi, wo)
+    return only_where(active, evaluated, *vertex, si.wi, wo)
 
 
 def kind_of_codes(model: Model, codes: np.ndarray) -> LobeKind:
     """What is known of the lobes of codes (T, C, size); codes of other systems have none."""
     if not isinstance(model.networks, UrushiNetworks):
         return ANY_LOBE
-    lobes = codes[..., :6]
+    lobes = codes[..., : model.arch.lobe]
     same = (lobes == lobes[:, :1]).all(axis=(0, 1))
     return kind_of(lobes.min(axis=(0, 1)), lobes.max(axis=(0, 1)), same)
+
+
+def _any_lobe(model: Model) -> LobeKind:
+    """A kind of which nothing is known but the number of widths."""
+    return ANY_LOBE._replace(widths=model.widths)
 
 
 def kind_of_store(model: Model, store: TextureStore) -> LobeKind:
@@ -224,8 +239,8 @@ def kind_of_store(model: Model, store: TextureStore) -> LobeKind:
     if not isinstance(model.networks, UrushiNetworks):
         return ANY_LOBE
     layout, packed = store.layout, store.packed
-    highest = packed.lowest + layout.levels * packed.step
-    return kind_of(packed.lowest[:6], highest[:6], (layout.constant | layout.same)[:6])
+    highest, lobe = packed.lowest + layout.levels * packed.step, slice(model.arch.lobe)
+    return kind_of(packed.lowest[lobe], highest[lobe], (layout.constant | layout.same)[lobe])
 
 
 def looked_up(look_up: Callable[["mi.Point2f"], list[list]], uv: np.ndarray) -> np.ndarray:
@@ -260,7 +275,7 @@ class DifferentiableConstant(ConstantLatents):
         channels, self._size = latents.shape[-2:]
         super().__init__(model, dr.detach(latents).numpy().reshape(channels, self._size))
         # Numbers that vanish or that channels share have gradients of their own.
-        self._differentiable, _ = decoder_and_sampler(model)
+        self._differentiable, _ = decoder_and_sampler(model, _any_lobe(model))
         self.tensor = latents
         self._numbers = latents.array
         dr.make_opaque(self._numbers)
@@ -289,7 +304,8 @@ class DifferentiableTexture:
     def __init__(self, model: Model, latents: "mi.TensorXf", grid: TexelGrid):
         """latents: (height, width, C, size), of the grid's texels."""
         height, width, self.channels, self._size = latents.shape
-        self._decoder, self._sampler = decoder_and_sampler(model)
+        self._kind = _any_lobe(model)
+        self._decoder, self._sampler = decoder_and_sampler(model, self._kind)
         self.grid = grid
         self.tensor = _padded(latents.array, (height, width), self.channels * self._size)
         self._texture = mi.Texture2f(
@@ -311,7 +327,7 @@ class DifferentiableTexture:
         """The proposal for si.wi, without gradients of the codes."""
         with dr.suspend_grad():
             latents = self.codes(si.uv)
-        return Vertex([], self._sampler.proposal(ANY_LOBE.mean(latents), si.wi.z))
+        return Vertex([], self._sampler.proposal(self._kind.mean(latents), si.wi))
 
     def at(self, uv: np.ndarray) -> np.ndarray:
         """Detached codes (M, C, size) at points uv (M, 2)."""

@@ -7,7 +7,7 @@ import numpy as np
 
 from urushi.nets.architecture import SCALE
 from urushi.nets.decoder import MAX_LOG, MIN_LOG
-from urushi.nets.features import DIRECTION_TABLE, MIN_COSINE
+from urushi.nets.features import AZIMUTH_TABLE, DIRECTION_TABLE, MIN_COSINE
 from urushi.nets.weights import Model
 from urushi.render.networks import lobe, mlp
 from urushi.render.networks.cooperative import hidden_layers
@@ -54,7 +54,8 @@ class UrushiDecoder:
     def f_of_terms(self, terms: Sequence[Sequence], wi, wo) -> list:
         """f of each channel, from a list of Dr.Jit floats, its terms, for each."""
         # The response to the directions is the same for all channels.
-        response = mlp.dense(direction_features(wi, wo), self._response, [0.0] * self._width)
+        features = direction_features(wi, wo, self._kind.widths)
+        response = mlp.dense(features, self._response, [0.0] * self._width)
         count = 1 + len(self._bias)
         rests = [self._rest(channel[-count:], response) for channel in terms]
         if not self._kind.present:
@@ -75,8 +76,8 @@ class UrushiDecoder:
         return dr.exp(dr.clip(gain + self._hidden(first)[0], MIN_LOG, MAX_LOG))
 
 
-def direction_features(wi, wo):
-    """The decoder's eight features of unit vectors wi and wo (z the normal), as a list.
+def direction_features(wi, wo, widths: int = 1):
+    """The decoder's features of unit vectors wi and wo (z the normal), as a list.
 
     Exchanging wi and wo gives the same bits, see `nets.features.direction_features`.
     """
@@ -98,7 +99,18 @@ def direction_features(wi, wo):
         dr.log(z),
         dr.minimum(cos_i, cos_o),
     ]
+    table: tuple[tuple[str, float, float], ...] = DIRECTION_TABLE
+    if widths == 2:
+        columns += [
+            dr.log(x * x / (z * z) + 1e-6),
+            dr.log(y * y / (z * z) + 1e-6),
+            dr.log(wi.x * wi.x + wo.x * wo.x + 1e-3),
+            dr.log(wi.y * wi.y + wo.y * wo.y + 1e-3),
+            wi.x * wo.x,
+            wi.y * wo.y,
+        ]
+        table += AZIMUTH_TABLE
     return [
         (column - mean) * (1 / scale)
-        for column, (_, mean, scale) in zip(columns, DIRECTION_TABLE, strict=True)
+        for column, (_, mean, scale) in zip(columns, table, strict=True)
     ]

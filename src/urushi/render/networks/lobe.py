@@ -1,6 +1,6 @@
 """The analytic lobe in Dr.Jit: the counterpart of `nets.lobe`.
 
-Numbers of a lobe are lists of Dr.Jit floats in the order of `nets.lobe.LOBE_NUMBERS`. What is known
+Numbers of a lobe are lists of Dr.Jit floats in the order of `nets.lobe.NUMBERS`. What is known
 of all lobes of a plugin when its code is recorded is a `LobeKind`: terms that vanish everywhere are
 left out, and channels share what is equal in them.
 """
@@ -11,11 +11,14 @@ from typing import NamedTuple
 import drjit as dr
 import numpy as np
 
+from urushi.checks import Widths
 from urushi.nets.lobe import (
     COSINES,
     FEATURE_MEANS,
     FEATURE_SCALES,
+    NUMBERS,
     VISIBLE,
+    WIDTH_PLACES,
 )
 
 
@@ -29,6 +32,7 @@ class LobeKind(NamedTuple):
         absorbing: whether k may differ from zero.
         same_alpha: whether all channels have the same width.
         same_reflectance: whether all channels have the same five other numbers.
+        widths: 2 if lobes have two widths.
     """
 
     schlick: bool = True
@@ -37,6 +41,12 @@ class LobeKind(NamedTuple):
     absorbing: bool = True
     same_alpha: bool = False
     same_reflectance: bool = False
+    widths: int = 1
+
+    @property
+    def size(self) -> int:
+        """How many numbers a lobe has."""
+        return len(NUMBERS[self.widths])
 
     @property
     def present(self) -> bool:
@@ -53,14 +63,17 @@ class LobeKind(NamedTuple):
             4: self.exact,
             5: self.absorbing,
         }
-        own = {0: not self.same_alpha} | dict.fromkeys(range(1, 6), not self.same_reflectance)
+        if self.widths == 2:
+            needed[6] = self.present
+        own = dict.fromkeys(needed, not self.same_reflectance)
+        own |= dict.fromkeys(WIDTH_PLACES[self.widths], not self.same_alpha)
         return [i for i in needed if needed[i] and (own[i] or channel == 0)]
 
     def complete(self, lobes: Sequence[Sequence]) -> list[list]:
-        """The lobes (6) of all channels from the numbers that `numbers` names, None elsewhere."""
+        """The lobes (N) of all channels from the numbers that `numbers` names, None elsewhere."""
         complete: list[list] = []
         for channel, given in enumerate(lobes):
-            whole = [None] * 6 if channel == 0 else list(complete[0])
+            whole = [None] * self.size if channel == 0 else list(complete[0])
             for place, value in zip(self.numbers(channel), given, strict=True):
                 whole[place] = value
             complete.append(whole)
@@ -68,9 +81,10 @@ class LobeKind(NamedTuple):
 
     def mean(self, latents: Sequence[Sequence]) -> list:
         """The mean over channels of codes that are lists of Dr.Jit floats."""
-        same = [self.same_alpha] + [self.same_reflectance] * 5
+        alphas = WIDTH_PLACES[self.widths]
+        same = [self.same_alpha if i in alphas else self.same_reflectance for i in range(self.size)]
         return [
-            values[0] if place < 6 and same[place] else sum(values) * (1 / len(values))
+            values[0] if place < self.size and same[place] else sum(values) * (1 / len(values))
             for place, values in enumerate(zip(*latents, strict=True))
         ]
 
@@ -78,35 +92,38 @@ class LobeKind(NamedTuple):
 #: No lobe reflects.
 NO_LOBE = LobeKind(schlick=False, exact=False, absorbing=False)
 
-#: Nothing is known.
+#: Nothing is known of lobes of one width.
 ANY_LOBE = LobeKind()
 
 
 def kind_of(lowest: np.ndarray, highest: np.ndarray, same: np.ndarray) -> LobeKind:
-    """The kind of lobes with numbers between lowest and highest (6,).
+    """The kind of lobes with numbers between lowest and highest (N,).
 
-    same: (6,) whether a number is the same in all channels.
+    same: (N,) whether a number is the same in all channels.
     """
-    _, normal, grazing, exact, _, k = np.maximum(abs(lowest), abs(highest)) > 0
+    _, normal, grazing, exact, _, k, *across = np.maximum(abs(lowest), abs(highest)) > 0
+    widths = 1 + len(across)
     return LobeKind(
         schlick=bool(normal or grazing),
         exact=bool(exact),
         plain=bool(lowest[3] == 1 and highest[3] == 1),
         absorbing=bool(exact and k),
-        same_alpha=bool(same[0]),
-        same_reflectance=bool(same[1:].all()),
+        same_alpha=bool(same[list(WIDTH_PLACES[widths])].all()),
+        same_reflectance=bool(same[1:6].all()),
+        widths=widths,
     )
 
 
 def f(lobes: Sequence[Sequence], wi, wo, kind: LobeKind) -> list:
-    """The BRDF [1/sr] of each channel's lobe (6); wi and wo are above the horizon.
+    """The BRDF [1/sr] of each channel's lobe (N); wi and wo are above the horizon.
 
     Exchanging wi and wo gives the same bits.
     """
     h = wi + wo
     cosine = dr.minimum(0.5 * dr.sqrt(dr.fma(h.x, h.x, dr.fma(h.y, h.y, h.z * h.z))), 1)
     first = lobes[0]
-    shapes = [shape(lobe[0], wi, wo) for lobe in (lobes[:1] if kind.same_alpha else lobes)]
+    alphas = [_width(lobe, kind) for lobe in (lobes[:1] if kind.same_alpha else lobes)]
+    shapes = [shape(alpha, wi, wo) for alpha in alphas]
     values = [
         reflectance(lobe, cosine, kind) for lobe in ([first] if kind.same_reflectance else lobes)
     ]
@@ -121,8 +138,15 @@ def _each(values: list, count: int) -> list:
     return values * count if len(values) == 1 else values
 
 
+def _width(lobe: Sequence, kind: LobeKind):
+    """The width of a lobe (N), or the two `Widths`."""
+    return lobe[0] if kind.widths == 1 else Widths(lobe[0], lobe[6])
+
+
 def shape(alpha, wi, wo):
     """The lobe [1/sr] for a reflectance of one, see `nets.lobe.shape`."""
+    if isinstance(alpha, Widths):
+        return _anisotropic_shape(alpha, wi, wo)
     alpha2 = alpha * alpha
     x, y, z = wi.x + wo.x, wi.y + wo.y, wi.z + wo.z
     across, z2 = x * x + y * y, z * z
@@ -135,9 +159,23 @@ def shape(alpha, wi, wo):
     return (alpha2 * dr.inv_pi) * (ratio * ratio) / masking
 
 
+def _anisotropic_shape(alpha: Widths, wi, wo):
+    """`shape` for two widths."""
+    product, u_v, v_u = alpha.u * alpha.v, alpha.u / alpha.v, alpha.v / alpha.u
+    x, y, z = wi.x + wo.x, wi.y + wo.y, wi.z + wo.z
+    x2, y2, z2 = x * x, y * y, z * z
+
+    def masked(w):
+        sine2 = (w.x * w.x) * u_v + (w.y * w.y) * v_u
+        return w.z + dr.sqrt(product * sine2 + w.z * w.z)
+
+    ratio = (x2 + y2 + z2) / (x2 * v_u + y2 * u_v + product * z2 + 1e-18)
+    return (product * dr.inv_pi) * (ratio * ratio) / (masked(wi) * masked(wo))
+
+
 def reflectance(lobe: Sequence, cosine, kind: LobeKind):
-    """F of a lobe (6) at a cosine to the facet's normal, see `nets.lobe.reflectance`."""
-    _, normal, grazing, factor, eta, k = lobe
+    """F of a lobe (N) at a cosine to the facet's normal, see `nets.lobe.reflectance`."""
+    normal, grazing, factor, eta, k = lobe[1:6]
     value = 0
     if kind.schlick:
         away = 1 - cosine
@@ -180,16 +218,21 @@ def complex_fresnel(cosine, eta, k):
 
 
 def lobe_features(lobe: Sequence, kind: LobeKind) -> list:
-    """The six features of a lobe (6), see `nets.lobe.lobe_features`."""
-    alpha = lobe[0]
+    """The features of a lobe (N), see `nets.lobe.lobe_features`."""
+    alpha, across = lobe[0], lobe[6:]
     if kind.present:
         at = [reflectance(lobe, cosine, kind) for cosine in COSINES]
         mean = (at[0] + at[1] + at[2]) * (1 / 3)
         seen = mean / (mean + VISIBLE)
         columns = [seen * dr.log(alpha), seen * alpha, *at, dr.log(mean + VISIBLE)]
+        columns += [x for width in across for x in (seen * dr.log(width), seen * width)]
     else:
         columns = [type(alpha)(0)] * 5 + [type(alpha)(float(np.log(VISIBLE)))]
+        columns += [type(alpha)(0)] * (2 * len(across))
+    further = 2 * len(across)
+    means = FEATURE_MEANS + FEATURE_MEANS[:further]
+    scales = FEATURE_SCALES + FEATURE_SCALES[:further]
     return [
         (column - offset) * (1 / scale)
-        for column, offset, scale in zip(columns, FEATURE_MEANS, FEATURE_SCALES, strict=True)
+        for column, offset, scale in zip(columns, means, scales, strict=True)
     ]

@@ -55,8 +55,8 @@ class Sampler(Protocol):
         table: the arrays of `tabulated`, flattened, as Dr.Jit floats.
         """
 
-    def proposal(self, latent: Sequence, cos_i) -> Proposal:
-        """The proposal for wi of cosine cos_i, from a list (size) of Dr.Jit floats."""
+    def proposal(self, latent: Sequence, wi) -> Proposal:
+        """The proposal for wi, from a list (size) of Dr.Jit floats."""
 
 
 class DrJitNetworks(Protocol):

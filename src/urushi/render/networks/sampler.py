@@ -6,8 +6,9 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi.checks import MIN_ALPHA
+from urushi.checks import MIN_ALPHA, Widths
 from urushi.nets.features import MIN_COSINE
+from urushi.nets.lobe import WIDTH_PLACES
 from urushi.nets.sampler import MIN_COSINE_SHARE, mixture
 from urushi.nets.weights import Model
 from urushi.physics.mixture import Mixture
@@ -24,9 +25,9 @@ class UrushiSampler:
     """Proposals from latent codes and the cosine of wi; see `protocols.Sampler`.
 
     A proposal is a mixture of GGX reflection lobes and a cosine lobe (`physics.mixture`), whose
-    weights and widths the network gives; the first width is that of the code's own lobe. The
-    proposals of one code depend on the cosine of wi alone. They are tabulated, because two entries
-    of a table take half the time of the network.
+    weights and widths the network gives; the first width is that of the code's own lobe. Those of
+    one isotropic code depend on the cosine of wi alone. They are tabulated, because two entries of
+    a table take half the time of the network.
     """
 
     def __init__(self, model: Model, kind: LobeKind, cooperative: bool | None = None):
@@ -39,8 +40,10 @@ class UrushiSampler:
 
     def tabulated(self, latent: np.ndarray) -> list[np.ndarray]:
         """The table of a latent code (size,): weights and widths at the squares of `_ROOTS`."""
-        codes, cosines = latent[None].astype(np.float32), np.square(_ROOTS, dtype=np.float32)
-        rows = np.concatenate(mixture(self._params, self._arch, codes, cosines), axis=-1)
+        cosines = np.square(_ROOTS, dtype=np.float32)
+        wi = np.stack([np.sqrt(1 - cosines**2), np.zeros_like(cosines), cosines], axis=-1)
+        codes = latent[None].astype(np.float32)
+        rows = np.concatenate(mixture(self._params, self._arch, codes, wi), axis=-1)
         size = 1 << (rows.shape[-1] - 1).bit_length()  # Dr.Jit gathers powers of two at once
         return [np.pad(rows, [(0, 0), (0, size - rows.shape[-1])])]
 
@@ -56,15 +59,17 @@ class UrushiSampler:
         lobes = 1 + self._arch.lobes
         return Mixture(values[: lobes + 1], values[lobes + 1 : 2 * lobes + 1])
 
-    def proposal(self, latent: Sequence, cos_i) -> Mixture:
+    def proposal(self, latent: Sequence, wi) -> Mixture:
         """The mixture from a latent code, a list (size) of Dr.Jit floats, by the network."""
         lobe = self._arch.lobe
         inputs = [*lobe_features(latent[:lobe], self._kind), *latent[lobe:]]
-        inputs += sampler_features(cos_i)
+        inputs += sampler_features(wi, self._arch.widths)
         first = mlp.dense(inputs, self._weight, self._bias.tolist())
-        return self._mixture(latent[0], self._hidden(first))
+        own = [latent[place] for place in WIDTH_PLACES[self._arch.widths]]
+        return self._mixture(own, self._hidden(first))
 
-    def _mixture(self, own, output: Sequence) -> Mixture:
+    def _mixture(self, own: Sequence, output: Sequence) -> Mixture:
+        """own: the width or the two widths of the code's lobe."""
         k = 1 + self._arch.lobes
         logits = output[: k + 1]
         largest = logits[0]
@@ -76,10 +81,18 @@ class UrushiSampler:
         weights[k] = weights[k] + MIN_COSINE_SHARE
         fractions = [1 / (1 + dr.exp(x)) for x in output[k + 1 :]]
         alphas = [dr.exp(float(np.log(MIN_ALPHA)) * x) for x in fractions]
-        return Mixture(weights, [dr.clip(alpha, MIN_ALPHA, 1) for alpha in (own, *alphas)])
+        # One side for each width: that of the code's lobe, and those of the other lobes.
+        sides = [[width, *alphas[i * (k - 1) :][: k - 1]] for i, width in enumerate(own)]
+        sides = [[dr.clip(alpha, MIN_ALPHA, 1) for alpha in side] for side in sides]
+        if len(sides) == 1:
+            return Mixture(weights, sides[0])
+        return Mixture(weights, [Widths(u, v) for u, v in zip(*sides, strict=True)])
 
 
-def sampler_features(cos_i):
-    """The sampler's two features of the cosine of wi, as a list."""
-    raised = dr.maximum(cos_i, MIN_COSINE)
-    return [(raised - 0.5) * 3, dr.log(raised) + 1]
+def sampler_features(wi, widths: int = 1):
+    """The sampler's features of wi, see `nets.sampler.sampler_features`, as a list."""
+    raised = dr.maximum(wi.z, MIN_COSINE)
+    columns = [(raised - 0.5) * 3, dr.log(raised) + 1]
+    if widths == 2:
+        columns += [(wi.x * wi.x - 0.33) * 3, (wi.y * wi.y - 0.33) * 3]
+    return columns

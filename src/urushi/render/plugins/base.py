@@ -1,5 +1,7 @@
 """Base classes of the plugins: a BSDF that samples a proposal, and one that has latent codes."""
 
+from typing import Any, NamedTuple
+
 import drjit as dr
 import mitsuba as mi
 
@@ -7,7 +9,8 @@ from urushi.errors import ParameterError
 from urushi.nets import weights
 from urushi.nets.weights import Model
 from urushi.render import spectrum
-from urushi.render.latents.holders import ConstantLatents, TexturedLatents
+from urushi.render.latents.holders import ConstantLatents, TexturedLatents, Vertex
+from urushi.render.plugins.coats import Turn, TurnedMixture
 from urushi.render.reading.parameters import describe
 from urushi.render.recording import VertexCache
 
@@ -105,6 +108,13 @@ def define_proposal_bsdf() -> type:
     return ProposalBSDF
 
 
+class TurnedVertex(NamedTuple):
+    """The vertex of codes whose tangent is turned about the normal."""
+
+    turn: Turn
+    vertex: Vertex
+
+
 def define_neural_bsdf(base: type) -> type:
     """Make the class in the current variant; base: of `define_proposal_bsdf`."""
 
@@ -122,27 +132,47 @@ def define_neural_bsdf(base: type) -> type:
             """
             self.latents.save(path)
 
+        def _turn(self, si, active) -> Turn | None:
+            """The turn of the tangent, if there is one."""
+
         def _vertex(self, si, active):
-            return self.latents.vertex(si, active)
+            turn = self._turn(si, active)
+            if turn is None:
+                return self.latents.vertex(si, active)
+            return TurnedVertex(turn, self.latents.vertex(turn.interaction(si), active))
 
         def _f(self, vertex, ctx, si, wo, active):
+            vertex, si, wo = _inside(vertex, si, wo)
             channels = self.latents.f(vertex, si, wo, active)
             return spectrum.from_channels(channels, si.wavelengths)
 
         def _proposal(self, vertex, si, active):
+            if isinstance(vertex, TurnedVertex):
+                return TurnedMixture(vertex.vertex.proposal, vertex.turn)
             return vertex.proposal
 
         def _f_and_pdf(self, vertex, ctx, si, wo, active):
+            vertex, si, wo = _inside(vertex, si, wo)
             channels, pdf = self.latents.f_and_pdf(vertex, si, wo, active)
             return spectrum.from_channels(channels, si.wavelengths), pdf
 
     return NeuralBSDF
 
 
-def read_weights(props: "mi.Properties") -> Model:
-    """The networks that the property `weights` names; the shipped ones without it."""
-    name = props.get("weights", weights.DEFAULT)
-    return weights.find(name if name == weights.DEFAULT else resolve(name))
+def _inside(vertex: Any, si: Any, wo: Any) -> tuple[Any, Any, Any]:
+    """The vertex, the interaction and wo in the turned frame, if there is a turn."""
+    if not isinstance(vertex, TurnedVertex):
+        return vertex, si, wo
+    return vertex.vertex, vertex.turn.interaction(si), vertex.turn.inside(wo)
+
+
+def read_weights(props: "mi.Properties") -> Model | None:
+    """The networks that the property `weights` names; None without it: shipped ones that fit."""
+    name = props.get("weights", "")
+    if not name:
+        return None
+    shipped = weights.DEFAULT, weights.ANISOTROPIC
+    return weights.find(name if name in shipped else resolve(name))
 
 
 def resolve(path: str) -> str:

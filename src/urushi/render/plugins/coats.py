@@ -198,7 +198,7 @@ def _width(tangent: np.ndarray, share: np.ndarray, q: float, factor: float) -> f
 class TurnedMixture(NamedTuple):
     """A proposal whose tangent is turned about the normal; see `protocols.Proposal`."""
 
-    mixture: Mixture
+    mixture: Any
     turn: "Turn"
 
     def pdf(self, wi, wo):

@@ -3,7 +3,6 @@
 import drjit as dr
 import mitsuba as mi
 
-from urushi.errors import ParameterError
 from urushi.physics.random import hashed_stream
 from urushi.reference import walk
 from urushi.render.latents import baking
@@ -15,7 +14,12 @@ from urushi.render.plugins.coats import (
     TurnedMixture,
     walk_color,
 )
-from urushi.render.reading.parameters import CoatTextures, check_bottom, nested_bsdf
+from urushi.render.reading.parameters import (
+    CoatTextures,
+    check_bottom,
+    check_rotation,
+    nested_bsdf,
+)
 from urushi.render.recording import compiled_once
 
 
@@ -92,19 +96,15 @@ def define(base: type) -> type:
         def __init__(self, props):
             super().__init__(props)
             self._nested = nested_bsdf(props)
-            self._coat = CoatTextures(props, anisotropic=True)
+            self._coat = CoatTextures(props)
             check_bottom(self._nested, self._coat.where)
             self._prepare()
 
         def _prepare(self):
             """Check the parameters, flatten nested coats, and estimate the bottom's lobes."""
             baking.check(self._coat)
+            check_rotation(self._nested, self._coat.where)
             below = isinstance(self._nested, Layered)
-            if below and self._nested.coats[0].has_rotation:
-                raise ParameterError(
-                    f"{self._coat.where}: the nested coat has a rotation of its own, and all "
-                    "layers share one tangent frame; give rotation to the outermost coat only"
-                )
             self.coats = [self._coat, *(self._nested.coats if below else [])]
             self.bottom = self._nested.bottom if below else self._nested
             self.bottom_lobes = self._nested.bottom_lobes if below else BottomLobes(self.bottom)

@@ -9,6 +9,8 @@ from urushi.material import load
 from urushi.render.latents import lookup
 from urushi.render.latents.holders import ConstantLatents, DifferentiableConstant, TexturedLatents
 from urushi.render.plugins.base import read_weights, resolve
+from urushi.render.plugins.coats import Turn
+from urushi.render.reading.parameters import Rotation
 from urushi.textures import file
 
 
@@ -24,6 +26,10 @@ def define(base: type) -> type:
                                              included; relative to the scene file. (Required)
         weights        string                File of the networks that the material was encoded
                                              with. (Default: the shipped networks)
+        rotation       float, texture        Angle by which the tangent of an anisotropic material
+                                             is turned about the normal, counter-clockwise from
+                                             dp/du of the shape, in degrees; it is added to that of
+                                             the file. (Default: 0)
         latents        tensor                The latent codes (channels, L), differentiable;
                                              exposed by ``mi.traverse``, not a property, and not
                                              for textures. A coat around a refined material lies
@@ -62,14 +68,15 @@ def define(base: type) -> type:
                     "Material.save"
                 )
             self._filename = props["filename"]
-            self.model = read_weights(props)
-            path = resolve(self._filename)
+            model = read_weights(props)
+            path, angle = resolve(self._filename), 0.0
             if files.tensor_file_kind(path) == file.KIND:
                 self._tensor = None
-                store, grid = file.read(path, self.model)
+                store, grid, self.model = file.read(path, model)
                 self.latents = TexturedLatents(self.model, store, grid)
             else:
-                material = load(path, self.model)
+                material = load(path, model)
+                self.model, angle = material.model, material.rotation
                 codes = lookup.owned(mi.Float, material.latents)
                 self._tensor = mi.TensorXf(codes, material.latents.shape)
                 self.latents = ConstantLatents(
@@ -81,7 +88,14 @@ def define(base: type) -> type:
                     "only materials of one or three can be rendered"
                 )
 
+            self._rotation = Rotation(props, angle)
+
+        def _turn(self, si, active):
+            turned = self.model.widths == 2 and self._rotation.present
+            return Turn(*self._rotation.turn(si, active)) if turned else None
+
         def traverse(self, callback):
+            self._rotation.traverse(callback)
             if self._tensor is not None:
                 callback.put("latents", self._tensor, mi.ParamFlags.Differentiable)
 

@@ -3,11 +3,19 @@
 import mitsuba as mi
 
 from urushi.errors import ParameterError
+from urushi.nets.weights import Model, anisotropic_model, default_model
 from urushi.render.latents import gradients
 from urushi.render.latents.baking import Baker
 from urushi.render.latents.holders import ConstantLatents, DifferentiableTexture, TexturedLatents
 from urushi.render.plugins.base import read_weights
-from urushi.render.reading.parameters import CoatTextures, check_bottom, nested_bsdf
+from urushi.render.plugins.coats import Turn
+from urushi.render.reading.bsdf import has_two_widths
+from urushi.render.reading.parameters import (
+    CoatTextures,
+    check_bottom,
+    check_rotation,
+    nested_bsdf,
+)
 
 
 def define(base: type) -> type:
@@ -17,14 +25,19 @@ def define(base: type) -> type:
         """A coated BSDF by neural networks, evaluated without noise (``neural_layered``).
 
         ============== ===================== ====================================================
-        alpha          float, texture        GGX width of the coat's surface, 0.01 to 1.
-                                             (Default: 0.1)
+        alpha          spectrum, texture     GGX width of the coat's surface, 0.01 to 1. Textures
+                                             have one channel. (Default: 0.1)
+        alpha_u,       spectrum, texture     In place of alpha: the widths along the tangent and
+        alpha_v                              across it, 0.01 to 1, of an anisotropic surface.
+        rotation       float, texture        Angle by which the tangent of all layers is turned
+                                             about the normal, counter-clockwise from dp/du of the
+                                             shape, in degrees. (Default: 0)
         int_ior        float, string,        Index of refraction inside the coat, a number, a
                        texture               material such as "water", or a texture of numbers.
                                              (Default: "bk7", 1.5046)
-        ext_ior        float, string         Index outside; the ratio of both must be within 1.001
-                                             to 3; ``layered`` takes ratios from 0.5 to 0.999 as
-                                             well. (Default: "air", 1.000277)
+        ext_ior        float, string         Index outside; the ratio of both must be within 0.5 to
+                                             3, and at least 0.001 away from 1. (Default: "air",
+                                             1.000277)
         albedo         spectrum, texture     Single-scattering albedo of the coat's medium, 0 to 1.
                                              (Default: 0)
         sigma_t        spectrum, texture     Its optical depth, 0 or more: the coat has unit
@@ -38,7 +51,8 @@ def define(base: type) -> type:
                                              textured. (Default: that of the largest texture, at
                                              most 2048; 256 for procedural ones)
         weights        string                File of the networks. (Default: the shipped
-                                             ones, ``default``)
+                                             ones, ``anisotropic`` where the coat or the bottom is
+                                             anisotropic, otherwise ``default``)
         mipmaps        boolean               Whether to build the mip pyramid of the latent texture:
                                              averages of it at lower resolutions, for integrators
                                              that compute derivatives of uv. Those that ship with
@@ -49,10 +63,11 @@ def define(base: type) -> type:
 
         Takes the parameters of ``layered``, its reference, and adds ``resolution``, ``weights`` and
         ``mipmaps``. When the scene is loaded, the bottom is evaluated at the encoder's probe pairs,
-        averaged over azimuth and over the exchange of the directions, encoded, and layered by the
-        network. Textures are baked in their own space if they share one ``to_uv``, otherwise over
-        the unit square of uv, which repeats. A change through ``mi.traverse`` recomputes the codes
-        that depend on it. The method ``save`` writes the codes to a file for ``neural_brdf``.
+        averaged where it has not the symmetry of materials (see ``urushi.encode``), encoded, and
+        layered by the network. All layers share one tangent frame, as in ``layered``. Textures are
+        baked in their own space if they share one ``to_uv``, otherwise over the unit square of uv,
+        which repeats. A change through ``mi.traverse`` recomputes the codes that depend on it. The
+        method ``save`` writes the codes to a file for ``neural_brdf``.
         Reflects on the front side only: nest it in ``twosided`` for both sides. Spectral variants
         treat the three channels as bands at 611, 549 and 464 nm, linear in between.
 
@@ -83,7 +98,9 @@ def define(base: type) -> type:
         After Fan, Wang, Hašan, Yang and Yan, Neural Layered BRDFs, SIGGRAPH 2022.
         """
 
+        model: Model
         latents: ConstantLatents | TexturedLatents | DifferentiableTexture
+        _baker: Baker | None
 
         def __init__(self, props):
             super().__init__(props)
@@ -96,24 +113,65 @@ def define(base: type) -> type:
                     f"{self._coat.where}: resolution is {resolution}; give texels per side, "
                     "or 0 to choose by the textures"
                 )
-            self.model = read_weights(props)
+            self._weights = read_weights(props)
             self._resolution = resolution
-            mipmaps = bool(props.get("mipmaps", False))
-            self._baker = Baker(self.model, self._coat, self._bottom, resolution, mipmaps)
+            self._mipmaps = bool(props.get("mipmaps", False))
+            self._baker = None
             self._baked = False  # whether the baker has the present bottom
             self._differentiable = mi.TensorXf()  # codes with gradients, for integrators
             self._bake()
 
+        def _choose_networks(self):
+            """Choose the networks for the present coat and bottom."""
+            check_rotation(self._bottom, self._coat.where)
+            model = self._weights
+            if model is None:
+                anisotropic = self._coat.is_anisotropic or has_two_widths(self._bottom)
+                model = anisotropic_model() if anisotropic else default_model()
+            if self._baker is None or self.model.fingerprint != model.fingerprint:
+                self.model = model
+                settings = self._resolution, self._mipmaps
+                self._baker = Baker(self.model, self._coat, self._bottom, *settings)
+                self._baked = False
+
         def _bake(self, bottom_changed=True):
+            if bottom_changed:
+                self._choose_networks()
             if gradients.wanted(self):
                 self.latents = gradients.bake(
                     self.model, self._coat, self._bottom, self._resolution
                 )
                 self._baked = False
             else:
+                assert self._baker is not None  # for the type checker
                 self.latents = self._baker.update(bottom_changed or not self._baked)
                 self._baked = True
             mi.set_property(self._differentiable, getattr(self.latents, "tensor", mi.TensorXf()))
+
+        def save(self, path):
+            """Write the codes to a file that ``neural_brdf`` loads, textured or not.
+
+            A file of a texture of codes has no rotation: give it to ``neural_brdf`` again.
+
+            Raises:
+                FileError: it cannot be written.
+            """
+            if not self._coat.has_rotation:
+                super().save(path)
+                return
+            angle = self._coat.constant_rotation
+            if angle is None or not isinstance(self.latents, ConstantLatents):
+                mi.Log(
+                    mi.LogLevel.Warn,
+                    f"{self._coat.where}: the file of the codes leaves out the rotation; give it "
+                    "to the plugin 'neural_brdf' that reads the file",
+                )
+                super().save(path)
+                return
+            self.latents.material.rotated(angle).save(path)
+
+        def _turn(self, si, active):
+            return Turn(*self._coat.turn(si, active)) if self._coat.has_rotation else None
 
         def traverse(self, callback):
             self._coat.traverse(callback, mi.ParamFlags.Differentiable)

@@ -5,7 +5,7 @@ import numpy as np
 
 from urushi.errors import ParameterError, PlatformError
 from urushi.material.encode import as_source
-from urushi.material.symmetry import Source, asymmetry_pairs
+from urushi.material.symmetry import Source, asymmetry_pairs, is_anisotropic
 from urushi.measured.tabulated import MeasuredSurface
 from urushi.render import spectrum
 from urushi.render.reading import probing
@@ -54,6 +54,7 @@ def reflection_source(bsdf: "mi.BSDF") -> Source:
                 symmetric=True,
                 lobe=lobe[0],
                 bare=surface.bare,
+                widths=surface.widths,
             )
 
     lobes = probing.known_lobes(bsdf, np.full((1, 2), 0.5))
@@ -74,6 +75,21 @@ def reflection_source(bsdf: "mi.BSDF") -> Source:
         noisy=probing.needed_repeats(bsdf, wi, wo, 1) > 1,
         measured=isinstance(table, MeasuredSurface) or bsdf.class_name() == MITSUBA_MEASURED,
     )
+
+
+def has_two_widths(bsdf: "mi.BSDF") -> bool:
+    """Whether a BSDF is anisotropic, so that its codes need networks of two widths.
+
+    A texture counts by its value in the middle of uv; a random BSDF counts as isotropic.
+    """
+    model = getattr(bsdf, "model", None)
+    if model is not None and hasattr(bsdf, "latents"):
+        return model.widths == 2
+    surface = known_surface(bsdf)
+    if surface is not None and surface.widths == 2 and not varying_textures(bsdf):
+        lobe = surface.at(np.full((1, 2), 0.5)).lobe
+        return not np.array_equal(lobe[..., 0], lobe[..., 6])
+    return is_anisotropic(reflection_source(bsdf), lambda f, count: np.asarray(f))
 
 
 def _mean_values(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, repeats: int) -> np.ndarray:

@@ -44,20 +44,17 @@ class CoatTextures:
 
     DRJIT_STRUCT: ClassVar = {"textures": dict, "opaque_eta": object}  # for frozen functions
 
-    def __init__(self, props: "mi.Properties", *, anisotropic: bool = False):
+    def __init__(self, props: "mi.Properties"):
         """Read the properties.
-
-        anisotropic: whether `alpha_u`, `alpha_v` and `rotation` are parameters of the plugin, and
-            widths may be colours.
 
         Raises:
             ParameterError: a property is missing, out of range or of a wrong kind.
         """
         self.where = describe(props)
-        names = [*self._width_names(props, anisotropic), *(n for n in DEFAULTS if n != "alpha")]
-        if anisotropic and "rotation" in props:
+        names = [*self._width_names(props), *(n for n in DEFAULTS if n != "alpha")]
+        if "rotation" in props:
             names.append("rotation")
-        colours = _coloured(props) if anisotropic else ()
+        colours = _coloured(props)
         self.coloured = () if mi.is_monochromatic else colours
         self.textures = {name: self._texture(props, name, name in colours) for name in names}
         ext_ior = index_of_refraction(props, "ext_ior", "air", f"{self.where}: ext_ior")
@@ -91,6 +88,18 @@ class CoatTextures:
             eta,
             *(textures[name].eval(si, active) for name in ("albedo", "sigma_t", "g")),
         )
+
+    def layering(self, uv: np.ndarray) -> dict[str, Any]:
+        """The arguments of `layer_texels` at points uv (M, 2): `table`, alpha maybe `Widths`.
+
+        Raises:
+            ParameterError: a value is out of range.
+        """
+        table: dict[str, Any] = self.table(uv)
+        table.pop("rotation", None)
+        if self.is_anisotropic:
+            table["alpha"] = Widths(*(table.pop(name) for name in TWO_WIDTHS))
+        return table
 
     def table(self, uv: np.ndarray, unknown: Collection[str] = ()) -> dict[str, np.ndarray]:
         """Checked parameters at points uv (M, 2): alpha and eta (M, 1), the others (M, channels).
@@ -136,6 +145,14 @@ class CoatTextures:
         """Whether the tangent is turned."""
         return "rotation" in self.textures
 
+    @property
+    def constant_rotation(self) -> float | None:
+        """The angle of the tangent [degrees]; None: it is a texture, or there is none."""
+        texture = self.textures.get("rotation")
+        if texture is None or texture.is_spatially_varying():
+            return None
+        return float(texture.eval_1(dr.zeros(mi.SurfaceInteraction3f)).numpy()[0])
+
     def turn(self, si, active) -> tuple["mi.Float", "mi.Float"]:
         """Sine and cosine of the angle from the shape's tangent to the coat's; needs `rotation`."""
         degrees = self.textures["rotation"].eval_1(si, active)
@@ -174,18 +191,11 @@ class CoatTextures:
             lines.append(f"  eta = {self.eta:g}")
         return ",\n".join(lines)
 
-    def _width_names(self, props: "mi.Properties", anisotropic: bool) -> tuple[str, ...]:
+    def _width_names(self, props: "mi.Properties") -> tuple[str, ...]:
         """The properties that hold the GGX width or the two widths."""
         alpha, alpha_u, alpha_v = (props.get(n, None) for n in ("alpha", *TWO_WIDTHS))
         chosen = checks.widths(alpha, alpha_u, alpha_v, f"{self.where}:", DEFAULTS["alpha"])
-        if not isinstance(chosen, Widths):
-            return ("alpha",)
-        if not anisotropic:
-            raise ParameterError(
-                f"{self.where}: materials of the networks are isotropic; give one alpha in place "
-                "of alpha_u and alpha_v, or use the plugin 'layered'"
-            )
-        return TWO_WIDTHS
+        return TWO_WIDTHS if isinstance(chosen, Widths) else ("alpha",)
 
     def _texture(
         self, props: "mi.Properties", name: str, coloured_width: bool = False
@@ -214,6 +224,29 @@ class CoatTextures:
                 f"{self.where}: {name} must be a number or a texture; all channels share it"
             )
         return texture
+
+
+class Rotation:
+    """The rotation of a tangent: a texture, read from a plugin's properties, and a fixed angle."""
+
+    def __init__(self, props: "mi.Properties", angle: float = 0.0):
+        """angle: [degrees] added to the texture."""
+        self._angle = opaque(angle)
+        given = "rotation" in props
+        self._texture = props.get_unbounded_texture("rotation", 0.0) if given else None
+        self.present = angle != 0 or self._texture is not None
+
+    def turn(self, si, active) -> tuple["mi.Float", "mi.Float"]:
+        """Sine and cosine of the angle."""
+        degrees = self._angle
+        if self._texture is not None:
+            degrees = degrees + self._texture.eval_1(si, active)
+        return dr.sincos(degrees * (dr.pi / 180))
+
+    def traverse(self, callback) -> None:
+        """List the texture for `mi.traverse`."""
+        if self._texture is not None:
+            callback.put("rotation", self._texture, mi.ParamFlags.Differentiable)
 
 
 def _coloured(props: "mi.Properties") -> tuple[str, ...]:
@@ -274,6 +307,20 @@ def check_bottom(bsdf: "mi.BSDF", where: str) -> None:
         raise ParameterError(
             f"{where}: the nested BSDF is perfectly smooth; give its rough variant, such as "
             "'roughconductor' of alpha 0.01"
+        )
+
+
+def check_rotation(bottom: "mi.BSDF", where: str) -> None:
+    """Refuse a bottom with a rotation of its own.
+
+    Raises:
+        ParameterError: it has one.
+    """
+    coat = getattr(bottom, "_coat", None)
+    if isinstance(coat, CoatTextures) and coat.has_rotation:
+        raise ParameterError(
+            f"{where}: the nested coat has a rotation of its own, and all layers share one tangent "
+            "frame; give rotation to the outermost coat only"
         )
 
 

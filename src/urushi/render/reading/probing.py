@@ -12,6 +12,7 @@ from urushi.material.symmetry import (
     WARNED_ASYMMETRY,
     Deviations,
     isotropy_test_pairs,
+    mirrored_pairs,
     nearly_equal,
     rotated_pairs,
 )
@@ -86,11 +87,11 @@ def bsdf_values(
 
 
 class Averaging(NamedTuple):
-    """An average of a BSDF that is isotropic, reciprocal and free of noise.
+    """An average of a BSDF that has the symmetry of a material and is free of noise.
 
     Attributes:
         azimuths: number of common rotations of a pair about the normal, of
-            `symmetry.rotated_pairs`.
+            `symmetry.rotated_pairs`; 0 for the mirror images of `symmetry.mirrored_pairs`.
         exchanged: whether the average is also over the exchange of wi and wo.
         repeats: evaluations of each pair, for BSDFs that draw random numbers.
     """
@@ -98,6 +99,12 @@ class Averaging(NamedTuple):
     azimuths: int = 1
     exchanged: bool = False
     repeats: int = 1
+
+    def pairs(self, wi: np.ndarray, wo: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+        """The pairs whose values are averaged for pairs (P, 3), without their exchange."""
+        if self.azimuths == 0:
+            return mirrored_pairs(wi, wo)
+        return list(rotated_pairs(wi, wo, self.azimuths))
 
 
 def texel_values(
@@ -107,7 +114,7 @@ def texel_values(
     pairs = len(wi)
     most = max(CHUNK // pairs, 1)
     result = np.empty((len(uv), spectrum.channel_count(), pairs), np.float32)
-    averaged = list(rotated_pairs(wi, wo, average.azimuths))
+    averaged = average.pairs(wi, wo)
     if average.exchanged:
         averaged += [pair[::-1] for pair in averaged]
     tables = [tuple(_vector(w) for w in pair) for pair in averaged]
@@ -139,26 +146,28 @@ def _outer(rows: int, columns: int) -> tuple["mi.UInt32", "mi.UInt32"]:
 
 
 def needed_averaging(
-    bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, grid: TexelGrid, where: str
+    bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, grid: TexelGrid, where: str, widths: int = 1
 ) -> Averaging:
-    """The averaging that makes a textured BSDF isotropic and reciprocal at pairs (P, 3).
+    """The averaging that gives a textured BSDF the symmetry of a material at pairs (P, 3).
 
-    A BSDF that is isotropic and reciprocal at `TESTED_TEXELS` texels is taken to be so everywhere.
+    A BSDF that has it at `TESTED_TEXELS` texels is taken to have it everywhere.
 
-    where: begins warnings.
+    where: begins warnings. widths: of the material's networks.
     """
     count = needed_repeats(bsdf, wi, wo, grid.texels)
     if count > 1:
-        return Averaging(2, True, count)
+        return Averaging(2 if widths == 1 else 0, True, count)
     texels = np.random.default_rng(0).integers(grid.texels, size=TESTED_TEXELS)
     uv = np.concatenate([grid.uv(texel, texel + 1) for texel in texels])
-    once, turned, exchanged = (
-        texel_values(bsdf, *pair, uv, Averaging())
-        for pair in ((wi, wo), isotropy_test_pairs(wi, wo), (wo, wi))
+    tests = [isotropy_test_pairs(wi, wo)] if widths == 1 else mirrored_pairs(wi, wo)[1:3]
+    once, exchanged, *others = (
+        texel_values(bsdf, *pair, uv, Averaging()) for pair in ((wi, wo), (wo, wi), *tests)
     )
     reciprocal = nearly_equal(once, exchanged)
-    if nearly_equal(once, turned):
+    if all(nearly_equal(once, other) for other in others):
         return Averaging(1, not reciprocal)
+    if widths == 2:
+        return Averaging(0, not reciprocal)
     mean = texel_values(bsdf, wi, wo, uv, Averaging(LEAST_AZIMUTHS))
     spread = np.abs(once - mean).sum() / max(mean.sum(), 1e-30)
     if spread > WARNED_ASYMMETRY:

@@ -25,7 +25,8 @@ class SurfaceValues(NamedTuple):
     """What a surface is at M points.
 
     Attributes:
-        lobe: float32 (M, C, 6) the lobes of the channels, with widths of at least `MIN_ALPHA`.
+        lobe: float32 (M, C, N) the lobes of the channels, with widths of at least `MIN_ALPHA`;
+            N = 7 for surfaces of two widths, otherwise 6.
         diffuse: float32 (M, C) the reflectance of the Lambertian part.
     """
 
@@ -34,9 +35,10 @@ class SurfaceValues(NamedTuple):
 
     def are_possible(self) -> bool:
         """Whether all of them are numbers of surfaces that conserve energy."""
-        factors = np.concatenate([self.lobe[..., :4], self.diffuse[..., None]], axis=-1)
-        index = self.lobe[..., 4:]
-        return bool(((factors >= 0) & (factors <= 1)).all() and (index >= 0).all())
+        across = self.lobe[..., 6:]
+        factors = [self.lobe[..., :4], across, self.diffuse[..., None]]
+        bounded, index = np.concatenate(factors, axis=-1), self.lobe[..., 4:6]
+        return bool(((bounded >= 0) & (bounded <= 1)).all() and (index >= 0).all())
 
 
 class KnownSurface(NamedTuple):
@@ -50,6 +52,11 @@ class KnownSurface(NamedTuple):
     bare: bool
     textures: dict[str, "mi.Texture"]
 
+    @property
+    def widths(self) -> int:
+        """Number of GGX widths of a bare surface: 2 if it may be anisotropic."""
+        return 2 if "alpha_u" in self.textures else 1
+
     def at(self, uv: np.ndarray) -> SurfaceValues:
         """The surface at points uv (M, 2); textures may give values that no BRDF has."""
         shape = len(uv), spectrum.channel_count()
@@ -62,9 +69,10 @@ class KnownSurface(NamedTuple):
         return SurfaceValues(lobe, _stacked(reflectance, len(uv))[..., 0])
 
     def lobes(self, uv: np.ndarray) -> list[list]:
-        """The lobes of a bare surface at points uv: six Dr.Jit floats for each channel."""
+        """The lobes of a bare surface at points uv: N Dr.Jit floats for each channel."""
         si = _points(uv)
-        alpha = dr.maximum(self.textures["alpha"].eval_1(si), MIN_ALPHA)
+        widths = ("alpha",) if self.widths == 1 else ("alpha_u", "alpha_v")
+        alpha, *across = (dr.maximum(self.textures[x].eval_1(si), MIN_ALPHA) for x in widths)
         names = ("specular_reflectance", "eta", "k")
         found = []
         for reflectance, eta, k in zip(*(self._channels(x, si) for x in names), strict=True):
@@ -72,7 +80,8 @@ class KnownSurface(NamedTuple):
             exact = eta > 0
             schlick = dr.select(exact, 0, reflectance)
             index = dr.select(exact, eta, NO_LOBE[4]), dr.select(exact, k, 0)
-            found.append([alpha, schlick, schlick, dr.select(exact, reflectance, 0), *index])
+            factors = schlick, schlick, dr.select(exact, reflectance, 0)
+            found.append([alpha, *factors, *index, *across])
         return found
 
     def _channels(self, name: str, si) -> list:
@@ -106,6 +115,6 @@ def known_surface(bsdf: "mi.BSDF") -> KnownSurface | None:
     kind = bsdf.class_name()
     if kind == "SmoothDiffuse":
         return KnownSurface(False, parts)
-    if kind == "RoughConductor" and "alpha" in parts and GGX in str(bsdf):
+    if kind == "RoughConductor" and {"alpha", "alpha_u"} & parts.keys() and GGX in str(bsdf):
         return KnownSurface(True, parts)
     return None

@@ -83,7 +83,7 @@ def fresh_scatter(arch: Architecture, seed: int) -> dict[str, np.ndarray]:
 
 
 def scatter(params: Params, arch: Architecture, z: Any, features: Any) -> Any:
-    """Expected squared relative error (S, P) at codes z (S, L) and features (S, P, 8).
+    """Expected squared relative error (S, P) at codes z (S, L) and features (S, P, D).
 
     It depends on code and directions only, so that weighting by it is not biased by the noise of
     the value that is weighted. The gain, the first number of a code, does not enter, because

@@ -14,7 +14,14 @@ from urushi.nets.mlp import Params
 from urushi.train import devices
 from urushi.train.devices import Devices
 from urushi.train.examples import Batch, Batches, Depth
-from urushi.train.losses import FLOOR, apply_coats, encoded, stack_loss, without_lobe
+from urushi.train.losses import (
+    FLOOR,
+    apply_coats,
+    columns_of,
+    encoded,
+    stack_loss,
+    without_lobe,
+)
 from urushi.train.optimiser import compile_steps
 from urushi.train.stages.stage import Learner, Stage
 
@@ -50,7 +57,8 @@ class Joint(Stage):
 
     def learn(self, params: Params, arch: Architecture, depths: list[Depth], seed: int) -> Learner:
         """Steps of `joint_loss` on all simulated stacks."""
-        features = jnp.asarray(direction_features(*probe_pairs(arch.probes)))
+        pairs = probe_pairs(arch.probes, arch.widths)
+        features = jnp.asarray(direction_features(*pairs, arch.widths))
         fixed = {name: params[name] for name in FIXED}
 
         def loss(trained: Params, batch: Any) -> tuple[jax.Array, dict[str, jax.Array]]:
@@ -104,19 +112,20 @@ def absorption_penalty(
     Args:
         params, arch: the networks.
         z_bottom: (B, L) codes of bottoms.
-        coats: (B, 5) in the order of `checks.CoatParameters`.
-        features: (B, P, 8) of direction pairs.
+        coats: (B, C) columns `checks.COAT_COLUMNS`.
+        features: (B, P, D) of direction pairs.
     """
 
     def log_f(coats: Any) -> jax.Array:
-        z = layer(params, arch, z_bottom, tuple(jnp.moveaxis(coats, -1, 0)))
+        z = layer(params, arch, z_bottom, columns_of(coats))
         return jnp.log(without_lobe(params, arch, z, features) + FLOOR)
 
     return jnp.maximum(log_f(with_more_absorption(coats)) - log_f(coats), 0.0)
 
 
 def with_more_absorption(coats: Any) -> jax.Array:
-    """Coats (B, 5) with absorption added, by one of `ABSORPTION_STEPS`, and equal scattering."""
-    alpha, eta, albedo, sigma_t, g = jnp.moveaxis(coats, -1, 0)
-    more = sigma_t + jnp.resize(jnp.asarray(ABSORPTION_STEPS), sigma_t.shape)
-    return jnp.stack([alpha, eta, albedo * sigma_t / more, more, g], axis=-1)
+    """Coats (B, C) with absorption added, by one of `ABSORPTION_STEPS`, and equal scattering."""
+    before = columns_of(coats)
+    more = before.sigma_t + jnp.resize(jnp.asarray(ABSORPTION_STEPS), before.sigma_t.shape)
+    after = before._replace(albedo=before.albedo * before.sigma_t / more, sigma_t=more)
+    return jnp.stack(after.columns(), axis=-1)

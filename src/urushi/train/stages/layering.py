@@ -78,9 +78,9 @@ class LayeringBatch(NamedTuple):
 
     Attributes:
         bottoms, z, slope, curvature: as in `QuadraticLosses`, of all B.
-        coats: for the lowest coat, the next one up, and so on, (B_k, 5) for the first B_k stacks.
+        coats: for the lowest coat, the next one up, and so on, (B_k, C) for the first B_k stacks.
         below: (B_2, L) as in `QuadraticLosses`.
-        top: (B_2, 5) their uppermost coats.
+        top: (B_2, C) their uppermost coats.
     """
 
     bottoms: np.ndarray

@@ -30,7 +30,7 @@ class QuadraticLosses(NamedTuple):
         bottoms: (S, L) codes of the bottoms.
         below: (S, L) codes of the stacks without their uppermost coat, decoded at the probe pairs
             and encoded again, as when a measured stack is coated; the bottoms' codes for N = 1.
-        coats: (S, N, 5) in the order of `checks.CoatParameters`, top to bottom.
+        coats: (S, N, C) columns `checks.COAT_COLUMNS`, top to bottom.
         z: (S, K) codes of the stacks, without the lobe's numbers.
         slope, curvature: (S, K), (S, K, K) of the loss with respect to these numbers, at z.
     """
@@ -54,7 +54,7 @@ def quadratic_expansion(
 ) -> tuple[jax.Array, jax.Array]:
     """Slope (B, L) and curvature (B, L, L) of the summands of `losses.stack_loss` at z (B, L).
 
-    z without the lobe's numbers; features (B, P, 8), top and f (B, P) as in `Examples`. The
+    z without the lobe's numbers; features (B, P, D), top and f (B, P) as in `Examples`. The
     curvature is that of Gauss and Newton, as if f were linear in the code. The weights of the
     errors are constant.
     """
@@ -74,7 +74,8 @@ def measure_quadratic_losses(
     params: Params, arch: Architecture, examples: Examples
 ) -> QuadraticLosses:
     """The quadratic losses of all stacks of one depth, at least one coat, from all their pairs."""
-    at_probes = jnp.asarray(direction_features(*probe_pairs(arch.probes)))
+    pairs = probe_pairs(arch.probes, arch.widths)
+    at_probes = jnp.asarray(direction_features(*pairs, arch.widths))
 
     @jax.jit
     def codes(

@@ -2,6 +2,7 @@
 
 import functools
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, NamedTuple
 
@@ -9,6 +10,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from urushi.checks import Widths
 from urushi.nets import lobe as lobes
 from urushi.nets import sampler
 from urushi.nets.architecture import Architecture
@@ -104,25 +106,23 @@ def sampler_loss(
     picked, angles, own, fixed = jax.random.split(jax.random.fold_in(targets.key, step), 4)
     z = pick_materials(picked, targets.latents, MATERIALS)
     u = jax.random.uniform(angles, (MATERIALS, 2))
-    wi = incoming_directions(u)[:, None]
-    weights, alphas = propose(trained, arch, jnp.mean(z, axis=1), wi[:, 0, 2])
-    weights, alphas = weights[:, None], alphas[:, None]
-    current = jax.lax.stop_gradient((weights, alphas))
-    defensive = jnp.array(FIXED_WEIGHTS), jnp.array(FIXED_ALPHAS)
+    wi = incoming_directions(u, arch.widths)[:, None]
+    weights, alphas = propose(trained, arch, jnp.mean(z, axis=1), wi[:, 0])
+    weights, alphas = _broadcastable((weights, alphas), 1)
+    constant = jax.lax.stop_gradient
+    current = constant(weights), _map(constant, alphas)
+    defensive = _broadcastable((jnp.array(FIXED_WEIGHTS), jnp.array(FIXED_ALPHAS)), 0)
 
     half = (MATERIALS, DIRECTIONS // 2, 3)
     wo = jnp.concatenate(
         [
             sampler.sample_mixture(*current, wi, jax.random.uniform(own, half)),
-            sampler.sample_mixture(*_broadcastable(defensive), wi, jax.random.uniform(fixed, half)),
+            sampler.sample_mixture(*defensive, wi, jax.random.uniform(fixed, half)),
         ],
         axis=1,
     )
     wo = jax.lax.stop_gradient(wo)
-    q = 0.5 * (
-        sampler.mixture_pdf(*current, wi, wo)
-        + sampler.mixture_pdf(*_broadcastable(defensive), wi, wo)
-    )
+    q = 0.5 * (sampler.mixture_pdf(*current, wi, wo) + sampler.mixture_pdf(*defensive, wi, wo))
     f_cos = mean_f_cos(targets.params, arch, z, wi, wo)
     p = sampler.mixture_pdf(weights, alphas, wi, wo)
 
@@ -151,16 +151,22 @@ def pick_materials(key: jax.Array, latents: jax.Array, count: int) -> jax.Array:
     return z0 + t * (z1 - z0)
 
 
-def incoming_directions(u: jax.Array) -> jax.Array:
-    """Directions (N, 3) in the xz plane, with theta_i = 88 degrees times u[:, 0]."""
-    theta = u[:, 0] * math.radians(88)
-    return jnp.stack([jnp.sin(theta), jnp.zeros_like(theta), jnp.cos(theta)], axis=-1)
+def incoming_directions(u: jax.Array, widths: int) -> jax.Array:
+    """Directions (N, 3) with theta_i = 88 degrees times u[:, 0].
+
+    They lie in the xz plane. For BRDFs of two widths they have the azimuth 2 pi u[:, 1].
+    """
+    theta, phi = u[:, 0] * math.radians(88), (2 * math.pi) * u[:, 1]
+    if widths == 1:
+        phi = jnp.zeros_like(phi)
+    sin = jnp.sin(theta)
+    return jnp.stack([sin * jnp.cos(phi), sin * jnp.sin(phi), jnp.cos(theta)], axis=-1)
 
 
 def mean_f_cos(params: Params, arch: Architecture, z: Any, wi: Any, wo: Any) -> jax.Array:
     """Mean f cos_o (N, M) over the channels of z (N, CHANNELS, L), for wi, wo (N, M, 3)."""
     wi = jnp.broadcast_to(wi, wo.shape)
-    features = jnp.repeat(direction_features(wi, wo), z.shape[1], axis=0)
+    features = jnp.repeat(direction_features(wi, wo, arch.widths), z.shape[1], axis=0)
     rest = without_lobe(params, arch, z.reshape(-1, z.shape[-1]), features)
     top = lobes.f(z[:, :, None, : arch.lobe], wi[:, None], wo[:, None])
     return jnp.mean(top + rest.reshape(top.shape), axis=1) * wo[..., 2]
@@ -175,10 +181,11 @@ def variation(
     """
     keys = jax.random.split(jax.random.key(seed), 3)
     z = pick_materials(keys[0], latents, materials)
-    wi = incoming_directions(jax.random.uniform(keys[1], (materials, 2)) * (85 / 88))[:, None]
+    u = jax.random.uniform(keys[1], (materials, 2)) * jnp.array([85 / 88, 1.0])
+    wi = incoming_directions(u, arch.widths)[:, None]
 
     def one(z: jax.Array, wi: jax.Array, key: jax.Array) -> jax.Array:
-        weights, alphas = propose(params, arch, jnp.mean(z, axis=0), wi[0, 2])
+        weights, alphas = propose(params, arch, jnp.mean(z, axis=0), wi[0])
         wo = sampler.sample_mixture(weights, alphas, wi, jax.random.uniform(key, (4096, 3)))
         p = sampler.mixture_pdf(weights, alphas, wi, wo)
         f_cos = mean_f_cos(params, arch, z[None], wi[None], wo[None])[0]
@@ -189,7 +196,13 @@ def variation(
     return jax.lax.map(lambda entry: one(*entry), (z, wi, per_material))
 
 
-def _broadcastable(mixture: tuple[jax.Array, jax.Array]) -> tuple[jax.Array, jax.Array]:
-    """One mixture, with axes for materials and directions."""
+def _map(function: Callable[[jax.Array], jax.Array], alphas: Any) -> Any:
+    """`function` of an array of widths, or of both arrays of `Widths`."""
+    return alphas.map(function) if isinstance(alphas, Widths) else function(alphas)
+
+
+def _broadcastable(mixture: tuple[Any, Any], axis: int) -> tuple[Any, Any]:
+    """Mixtures with axes for materials and directions, of which those from `axis` on are new."""
+    added = functools.partial(jnp.expand_dims, axis=tuple(range(axis, 2)))
     weights, alphas = mixture
-    return weights[None, None], alphas[None, None]
+    return added(weights), _map(added, alphas)
