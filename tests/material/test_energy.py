@@ -161,7 +161,7 @@ def test_a_gaining_network_is_brought_back_to_the_source(gaining):
     # It is scaled down only as far as the worst angle of the rule requires.
     rule = albedo_rule()
     own = rule.albedo(evaluate_source(bright, rule.wi, rule.wo).values.T)
-    below = energy.albedo_ceiling(own, albedo_rule()) - energy.directional_albedos(gaining, material.latents)
+    below = energy.albedo_ceiling(own, rule) - energy.directional_albedos(gaining, material.latents)
     assert np.abs(below.min(axis=-1)).max() < energy.TOLERANCE
 
 
@@ -177,7 +177,9 @@ def test_one_factor_for_all_directions(gaining, directions):
     codes = encoder_codes(gaining, evaluate_source(source, *gaining.networks.pairs()).values.T)
     nodes = albedo_rule()
     own = nodes.albedo(evaluate_source(source, nodes.wi, nodes.wo).values.T)
-    limited = Material(energy.limit_albedo(gaining, codes, energy.albedo_ceiling(own, albedo_rule())), gaining)
+    limited = Material(
+        energy.limit_albedo(gaining, codes, energy.albedo_ceiling(own, nodes)), gaining
+    )
     wi, wo = directions[:500], directions[500:]
     above = (wi[:, 2] > 0) & (wo[:, 2] > 0)
     ratio = limited.f(wi, wo)[above] / Material(codes, gaining).f(wi, wo)[above]

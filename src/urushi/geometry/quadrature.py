@@ -11,11 +11,16 @@ POLAR_NODES, AZIMUTH_NODES = 48, 16
 MIN_TANGENT = 1e-5
 
 
-def half_vector_rule(wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def half_vector_rule(
+    wi: np.ndarray, *, anisotropic: bool = False
+) -> tuple[np.ndarray, np.ndarray]:
     """Return wo (N, M, 3) and weights (N, M): the sum of f(wo) cos_o weights integrates f cos_o.
 
-    wi: (N, 3) unit vectors above the horizon. f must be isotropic: nodes lie on one side of the
-    plane of incidence, and the integrand must be the same on the other.
+    Args:
+        wi: (N, 3) unit vectors above the horizon.
+        anisotropic: whether f may be. Otherwise nodes lie on one side of the plane of incidence,
+            and the integrand must be the same on the other. There are four times as many nodes for
+            anisotropic ones, twice as dense, because the azimuth changes them.
 
     The integration variable is the half vector, logarithmic in tan theta_h, which resolves narrow
     and wide lobes. With wi = (s, 0, c) and h at (theta, phi), the cosine of wo is
@@ -25,10 +30,12 @@ def half_vector_rule(wi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     wi = np.asarray(wi, np.float64)
     c = wi[:, 2, None, None]
     s = np.hypot(wi[:, 0], wi[:, 1])[:, None, None]
-    nodes, weights = np.polynomial.legendre.leggauss(AZIMUTH_NODES)
+    nodes, weights = np.polynomial.legendre.leggauss(AZIMUTH_NODES * (1 + anisotropic))
     quarter = 0.25 * np.pi * (nodes + 1.0)
     phi = np.concatenate([quarter, np.pi - quarter])[:, None]
     phi_weight = np.tile(2.0 * 0.25 * np.pi * weights, 2)[:, None]  # both sides of the plane
+    if anisotropic:
+        phi, phi_weight = np.concatenate([phi, -phi]), np.tile(0.5 * phi_weight, (2, 1))
     nodes, weights = np.polynomial.legendre.leggauss(POLAR_NODES)
     end = 0.5 * (0.5 * np.pi + np.arctan2(s * np.cos(phi), c))
     first = np.log(MIN_TANGENT)

@@ -61,7 +61,7 @@ def layer(
         )
     bottom = _below(bottom, weights, refine, isinstance(top.alpha, Widths))
     coat = CoatParameters(
-        top.alpha if isinstance(top.alpha, Widths) else np.asarray(top.alpha),
+        top.alpha.map(np.asarray) if isinstance(top.alpha, Widths) else np.asarray(top.alpha),
         np.asarray(top.eta),
         checks.albedo(albedo, "the coat's albedo"),
         checks.sigma_t(sigma_t, "the coat's sigma_t"),

@@ -22,7 +22,7 @@ NODES, EDGE_NODES = 6, 16
 WIDTHS, FINE = 24, 40
 
 #: Heights and azimuths of the quadrature for lobes of two widths, and lobes measured at once.
-HEIGHTS, TURNS, ANISOTROPIC_BLOCK = 12, 12, 16
+HEIGHTS, TURNS, ANISOTROPIC_BLOCK = 16, 20, 16
 
 #: Greatest number of lobes whose albedos are remembered.
 REMEMBERED_ROWS = 16
@@ -37,10 +37,10 @@ def lobe_albedos(lobe: np.ndarray, rule: AlbedoRule) -> np.ndarray:
     """
     rows = np.ascontiguousarray(lobe).reshape(-1, lobe.shape[-1])
     widths = 1 + (lobe.shape[-1] > len(lobes.LOBE_NUMBERS))
+    shape = (*lobe.shape[:-1], len(rule.cosines))
     if len(rows) > REMEMBERED_ROWS:
-        return _measured(rows, rule).reshape(*lobe.shape[:-1], -1)
-    known = _remembered(rows.tobytes(), rows.dtype.char, widths)
-    return known.reshape(*lobe.shape[:-1], -1)
+        return _measured(rows, rule).reshape(shape)
+    return _remembered(rows.tobytes(), rows.dtype.char, widths).reshape(shape)
 
 
 @functools.lru_cache(64)

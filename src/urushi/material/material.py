@@ -204,7 +204,8 @@ class Material:
         """Integrate f times wo's cosine over the hemisphere: the directional albedo.
 
         wi: (N, 3) unit vectors. Returns float32 (N, C), zero where wi is below the horizon. By a
-        fixed quadrature of 1536 directions per wi, good to about 0.001.
+        fixed quadrature of 1536 directions per wi, or 6144 for anisotropic materials, good to about
+        0.001.
 
         Raises:
             ParameterError: wrong shape, or directions that are not unit vectors.
@@ -218,7 +219,7 @@ class Material:
         return albedo
 
     def _albedo(self, wi: np.ndarray) -> np.ndarray:
-        wo, weights = half_vector_rule(wi)
+        wo, weights = half_vector_rule(wi, anisotropic=self.model.widths == 2)
         nodes = weights.shape[1]
         f = self._filled(np.repeat(wi, nodes, axis=0), wo.reshape(-1, 3).astype(np.float32))
         f_cos = f.reshape(*weights.shape, -1) * wo[..., 2, None]

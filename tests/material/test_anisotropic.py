@@ -1,0 +1,173 @@
+"""Anisotropic materials of the shipped networks: networks are chosen, frames turn, laws hold."""
+
+import numpy as np
+import pytest
+
+import urushi
+from urushi.errors import ParameterError, UrushiWarning
+from urushi.geometry.direction_sets import cosine_pairs
+from urushi.nets.weights import anisotropic_model, default_model
+from urushi.reference import analytic, simulate
+
+BRUSHED = urushi.conductor(alpha_u=0.3, alpha_v=0.08, eta=0.2, k=3.9)
+SATIN = urushi.dielectric(alpha_u=0.1, alpha_v=0.4, eta=1.5)
+
+
+@pytest.fixture(scope="module")
+def pairs():
+    return cosine_pairs(np.random.default_rng(0), 1500, lowest_cosine=0.02)
+
+
+@pytest.fixture(scope="module")
+def lacquered():
+    """Brushed metal under an isotropic lacquer, and under a satin one."""
+    medium = {"albedo": 0.4, "sigma_t": [0.1, 0.5, 1.0]}
+    plain = urushi.layer(urushi.dielectric(alpha=0.15, eta=1.5), BRUSHED, **medium)
+    return plain, urushi.layer(SATIN, BRUSHED, **medium)
+
+
+def turned(w, degrees):
+    cos, sin = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    return np.stack([cos * w[:, 0] - sin * w[:, 1], sin * w[:, 0] + cos * w[:, 1], w[:, 2]], -1)
+
+
+def test_networks_follow_the_surface():
+    isotropic, anisotropic = default_model(), anisotropic_model()
+    assert anisotropic.widths == 2 and isotropic.widths == 1
+    assert urushi.encode(BRUSHED).model is anisotropic
+    assert urushi.encode(urushi.conductor(alpha_u=0.2, alpha_v=0.2, r0=0.8)).model is isotropic
+    coated = urushi.layer(SATIN, urushi.diffuse(0.5))
+    assert coated.model is anisotropic
+    assert urushi.layer(urushi.dielectric(), coated).model is anisotropic
+    assert urushi.layer(SATIN, urushi.encode(urushi.diffuse(0.5))).model is anisotropic
+    assert urushi.layer(urushi.dielectric(), urushi.diffuse(0.5)).model is isotropic
+
+
+def test_sources_of_values_keep_their_anisotropy(pairs):
+    """A function is tested: isotropic ones get isotropic networks, others two widths."""
+
+    def f(wi, wo):
+        return analytic.f(BRUSHED, wi, wo) + 0.05
+
+    material = urushi.encode(f)
+    assert material.model is anisotropic_model()
+    wi, wo = pairs
+    weight = wi[:, 2] * wo[:, 2]
+    expected = f(wi, wo)
+    error = np.abs(material.f(wi, wo) - expected) * weight[:, None]
+    assert error.sum() < 0.03 * (expected * weight[:, None]).sum()
+    assert urushi.encode(lambda wi, wo: np.full((len(wi), 3), 0.1)).model is default_model()
+    with pytest.warns(UrushiWarning, match="anisotropic: it differs by"):
+        assert urushi.encode(f, "default").model is default_model()
+
+
+def test_a_source_that_is_turned_is_averaged_about_the_tangent():
+    """Mirrored at the tangent, a lobe of an axis at 30 degrees becomes another BRDF."""
+    with pytest.warns(UrushiWarning, match="not symmetric about its tangent"):
+        urushi.encode(lambda wi, wo: analytic.f(BRUSHED, turned(wi, -30), turned(wo, -30)))
+
+
+def test_bare_surfaces_are_exact(pairs):
+    wi, wo = pairs
+    material = urushi.encode(BRUSHED)
+    np.testing.assert_allclose(material.f(wi, wo), analytic.f(BRUSHED, wi, wo), rtol=1e-4)
+
+
+def test_reciprocity_mirroring_and_half_turns_to_the_bit(lacquered, pairs):
+    wi, wo = pairs
+    for material in lacquered:
+        f = material.f(wi, wo)
+        np.testing.assert_array_equal(f, material.f(wo, wi))
+        for mirror in ([1, -1, 1], [-1, 1, 1], [-1, -1, 1]):
+            sign = np.array(mirror, np.float32)
+            np.testing.assert_array_equal(f, material.f(wi * sign, wo * sign))
+
+
+@pytest.mark.parametrize("index", [0, 1])
+def test_coats_agree_with_the_walk(lacquered, index):
+    """E below 4 %: the walk's noise is 1 %, the networks' mean error one to two."""
+    coat = urushi.coat(
+        BRUSHED,
+        eta=1.5,
+        albedo=0.4,
+        sigma_t=[0.1, 0.5, 1.0],
+        **({"alpha": 0.15} if index == 0 else {"alpha_u": 0.1, "alpha_v": 0.4}),
+    )
+    wi, wo = cosine_pairs(np.random.default_rng(5), 200, lowest_cosine=0.05)
+    f, _ = simulate(coat, wi, wo, walks=1 << 13, seed=3, progress=False)
+    weight = (wi[:, 2] * wo[:, 2])[:, None]
+    error = np.abs(lacquered[index].f(wi, wo) - f) * weight
+    assert error.sum() < 0.04 * (f * weight).sum()
+
+
+def test_no_azimuth_gains_energy():
+    """White metal under clear coats; the quadrature of half vectors is good to 0.003 here."""
+    white = urushi.conductor(alpha_u=0.4, alpha_v=0.1, r0=1.0)
+    cosines, azimuths = np.meshgrid((0.95, 0.6, 0.3), np.linspace(0, np.pi / 2, 5))
+    sines = np.sqrt(1 - cosines**2)
+    wi = np.stack([sines * np.cos(azimuths), sines * np.sin(azimuths), cosines], -1).reshape(-1, 3)
+    for top in (urushi.dielectric(alpha=0.3, eta=1.5), SATIN):
+        assert urushi.layer(top, white).directional_albedo(wi).max() < 1.007
+
+
+def test_a_turned_material_is_seen_from_the_turned_frame(lacquered, pairs, tmp_path):
+    wi, wo = pairs
+    material = lacquered[1]
+    other = material.rotated(40)
+    assert other.rotation == 40 and other.rotated(-40) == material
+    sides = turned(wi, 40).astype(np.float32), turned(wo, 40).astype(np.float32)
+    np.testing.assert_allclose(other.f(*sides), material.f(wi, wo), rtol=2e-3)
+    np.testing.assert_allclose(other.pdf(*sides), material.pdf(wi, wo), rtol=2e-3)
+    u = np.random.default_rng(1).random((len(wi), 3))
+    sample, pdf = other.sample(sides[0], u)
+    np.testing.assert_allclose(pdf, other.pdf(sides[0], sample), rtol=1e-3)
+    expected = material.directional_albedo(wi[:8])
+    np.testing.assert_allclose(other.directional_albedo(sides[0][:8]), expected, rtol=1e-4)
+    other.save(tmp_path / "turned.safetensors")
+    assert urushi.load(tmp_path / "turned.safetensors") == other
+    plain = urushi.encode(urushi.diffuse(0.3))
+    assert plain.rotated(30) is plain
+
+
+def test_a_quarter_turn_exchanges_the_widths(pairs):
+    """Nearly: the networks learned both, and differ by their errors."""
+    wi, wo = pairs
+    exchanged = urushi.layer(
+        urushi.dielectric(alpha_u=0.4, alpha_v=0.1, eta=1.5), urushi.diffuse(0.5)
+    )
+    material = urushi.layer(SATIN, urushi.diffuse(0.5)).rotated(90)
+    weight = (wi[:, 2] * wo[:, 2])[:, None]
+    f = exchanged.f(wi, wo)
+    assert (np.abs(material.f(wi, wo) - f) * weight).sum() < 0.03 * (f * weight).sum()
+
+
+def test_layers_share_one_tangent(lacquered):
+    isotropic = urushi.dielectric(alpha=0.2, eta=1.4)
+    assert urushi.layer(isotropic, lacquered[0].rotated(25)).rotation == 25
+    assert urushi.layer(SATIN, lacquered[0].rotated(180)).rotation == 180
+    with pytest.raises(ParameterError, match="turned by 25 degrees.*share one tangent"):
+        urushi.layer(SATIN, lacquered[0].rotated(25))
+
+
+def test_blends(lacquered, pairs):
+    wi, wo = pairs
+    a, b = lacquered
+    assert urushi.lerp(a, b, 0) == urushi.lerp(a, a, 0.0) == a
+    middle = urushi.lerp(a, b, 0.5)
+    f = middle.f(wi, wo)
+    assert np.isfinite(f).all() and (f > 0).all()
+    mixed = urushi.lerp(urushi.encode(urushi.diffuse(0.5)), a, 0.5)
+    assert mixed.model is anisotropic_model()
+    with pytest.raises(ParameterError, match="turned by 10 and 0 degrees"):
+        urushi.lerp(a.rotated(10), b, 0.5)
+
+
+def test_bad_input_is_named(lacquered):
+    with pytest.raises(ParameterError, match="rotation"):
+        lacquered[0].rotated(float("nan"))
+    with pytest.raises(ParameterError, match="networks are for isotropic materials"):
+        urushi.layer(SATIN, urushi.diffuse(0.5), weights="default")
+    with pytest.raises(ParameterError, match="Stack.*isotropic"):
+        urushi.encode(urushi.coat(BRUSHED, 0.1, 1.5), "default")
+    with pytest.raises(ParameterError, match="anisotropic materials, which cannot"):
+        lacquered[0].shader("glsl")
