@@ -71,6 +71,11 @@ def half_precision(model: Model) -> bytes:
     Raises:
         ParameterError: the networks are of another kind, or a parameter is too large.
     """
+    if model.widths == 2:
+        raise ParameterError(
+            f"the page shows isotropic materials only, and the weights {model.fingerprint} are for "
+            "anisotropic ones; render these in Mitsuba"
+        )
     if not isinstance(model.arch, Architecture):
         raise ParameterError("the page runs Urushi's own networks only; give weights of those")
     largest = float(np.finfo(np.float16).max)

@@ -73,14 +73,16 @@ def examine(source: Any, material: Material) -> Examination:
     source = _opened(source)
     rng = np.random.default_rng(1)
     wi, wo = cosine_pairs(rng, E_PAIRS)
-    found = evaluate_source(source, wi, wo)
+    widths = material.model.widths
+    found = evaluate_source(source, wi, wo, widths=widths)
     truth, deviations = found.values, found.deviations
     weight = energy_weight(wi[:, 2], wo[:, 2])[:, None]
     energy = (truth * weight).sum(0, dtype=np.float64)
     error = (np.abs(material.f(wi, wo) - truth) * weight).sum(0, dtype=np.float64)
     wi, wo = half_angle_pairs(rng, P_PAIRS)
-    p = pair_error(material.f(wi, wo), evaluate_source(source, wi, wo).values)
-    isotropic = _isotropic(source, (deviations.anisotropy or 0.0) > RELATIVE_TOLERANCE)
+    p = pair_error(material.f(wi, wo), evaluate_source(source, wi, wo, widths=widths).values)
+    averaged = widths == 1 and (deviations.anisotropy or 0.0) > RELATIVE_TOLERANCE
+    isotropic = _isotropic(source, averaged)
     pictures = [_sphere(f) for f in (isotropic, material.f)]
     look = metrics.compare(
         pictures[1], pictures[0], sphere.mask(), flip=find_spec("flip_evaluator") is not None
@@ -143,7 +145,7 @@ def _sphere(f: Brdf) -> np.ndarray:
 def _albedo(f: Brdf) -> np.ndarray:
     """Directional albedos (`ALBEDO_ANGLES`, C)."""
     wi = _in_plane(-np.array(ALBEDO_ANGLES))
-    wo, weights = half_vector_rule(wi)
+    wo, weights = half_vector_rule(wi, anisotropic=True)
     count, nodes = weights.shape
     values = f(np.repeat(wi, nodes, axis=0), wo.reshape(-1, 3).astype(np.float32))
     return np.einsum("inc,in->ic", values.reshape(count, nodes, -1), weights * wo[..., 2])

@@ -64,7 +64,8 @@ def transport(f: Brdf) -> np.ndarray:
     """The light that every ring receives from every elevation.
 
     Args:
-        f: an isotropic BRDF of one or three channels; its arguments are float32 unit vectors.
+        f: a BRDF of one or three channels, isotropic, or symmetric about the xz plane with tangents
+            (the x axis) that point away from the middle; its arguments are float32 unit vectors.
 
     Returns:
         complex64 (RINGS, ELEVATIONS, AZIMUTHS // 2 + 1, 3); the third axis holds Fourier

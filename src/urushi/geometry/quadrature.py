@@ -11,9 +11,7 @@ POLAR_NODES, AZIMUTH_NODES = 48, 16
 MIN_TANGENT = 1e-5
 
 
-def half_vector_rule(
-    wi: np.ndarray, *, anisotropic: bool = False
-) -> tuple[np.ndarray, np.ndarray]:
+def half_vector_rule(wi: np.ndarray, *, anisotropic: bool = False) -> tuple[np.ndarray, np.ndarray]:
     """Return wo (N, M, 3) and weights (N, M): the sum of f(wo) cos_o weights integrates f cos_o.
 
     Args:

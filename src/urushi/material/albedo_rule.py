@@ -15,7 +15,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from urushi.geometry.half_vector import turned
 from urushi.nets.features import direction_features
 
 #: The variable of the interpolating polynomial is ln(cos + this).
@@ -29,8 +28,14 @@ INTERPOLATED_COSINES = 41
 OVERSHOOT = 0.05
 
 
-#: Azimuths of wi in the rule of anisotropic codes, evenly spaced from 0 to 90 degrees.
-AZIMUTHS = 4
+#: Azimuths and cosines of wi in the rule of anisotropic codes.
+AZIMUTHS = (0.0, 0.25 * np.pi, 0.5 * np.pi)
+ANISOTROPIC_COSINES = (1.0, 0.925, 0.735, 0.51, 0.315, 0.175, 0.09)
+
+#: Nodes of that rule for each of its directions: in theta_h from this tangent on, and in a quadrant
+#: of the azimuth, with how much they crowd at its ends. Errors of the albedo of white lobes with
+#: quotients of widths up to 8 are below 0.006.
+POLAR_NODES, QUADRANT_NODES, CROWDING, LEAST_TANGENT = 14, 8, 1.5, 1e-3
 
 
 class AlbedoRule(NamedTuple):
@@ -126,34 +131,59 @@ def _isotropic_rule() -> AlbedoRule:
 
 
 def _anisotropic_rule() -> AlbedoRule:
-    """The rule of the file at every azimuth; its nodes are on one side of the plane of wi."""
-    rule = albedo_rule()
-    mirrored = rule.wo * np.array([1, -1, 1], np.float32)
-    counts = np.diff(rule.first, append=len(rule.weights))
-    order = np.concatenate(
-        [
-            np.concatenate([k, k + len(rule.weights)])
-            for k in np.split(np.arange(len(rule.weights)), rule.first[1:])
-        ]
-    )
-    wi, wo = np.tile(rule.wi, (2, 1))[order], np.concatenate([rule.wo, mirrored])[order]
-    turns = np.linspace(0, 0.5 * np.pi, AZIMUTHS)
-    wi, wo = (
-        np.concatenate([turned(w, np.full(len(w), turn)) for turn in turns]).astype(np.float32)
-        for w in (wi.astype(np.float64), wo.astype(np.float64))
-    )
+    """Half vectors logarithmic in tan theta_h, dense in azimuth near the xz and the yz plane.
+
+    There the lobes of two very different widths are narrow. The nodes end at the horizon of wo, as
+    in `geometry.quadrature.half_vector_rule`.
+    """
+    directions = np.stack(np.meshgrid(AZIMUTHS, ANISOTROPIC_COSINES, indexing="ij"), axis=-1)
+    directions = directions.reshape(-1, 2)
+    parts = [_half_vector_nodes(azimuth, cosine) for azimuth, cosine in directions]
+    counts = [len(weights) for _, weights in parts]
+    sines = np.sqrt(1 - directions[:, 1] ** 2)
+    along, across = np.cos(directions[:, 0]), np.sin(directions[:, 0])
+    incident = np.stack([sines * along, sines * across, directions[:, 1]], axis=-1)
+    wi = np.repeat(incident, counts, axis=0).astype(np.float32)
+    wo = np.concatenate([wo for wo, _ in parts]).astype(np.float32)
     wi.flags.writeable = wo.flags.writeable = False
-    angles = len(counts)
+    angles = np.log(np.array(ANISOTROPIC_COSINES) + COSINE_OFFSET)
+    between = np.linspace(angles[0], angles[-1], INTERPOLATED_COSINES)
+    left = np.clip(np.searchsorted(-angles, -between, side="right") - 1, 0, len(angles) - 2)
+    azimuths = len(AZIMUTHS)
     return AlbedoRule(
         wi,
         wo,
         direction_features(wi, wo, 2),
-        np.tile(0.5 * np.tile(rule.weights, 2)[order], AZIMUTHS),
-        np.cumsum(np.concatenate([[0], 2 * np.tile(counts, AZIMUTHS)[:-1]])),
-        np.tile(rule.cosines, AZIMUTHS),
-        np.kron(np.eye(AZIMUTHS), rule.polynomial),
-        np.concatenate([rule.left + k * angles for k in range(AZIMUTHS)]),
+        np.concatenate([weights for _, weights in parts]),
+        np.cumsum([0, *counts[:-1]]),
+        np.tile(np.exp(between) - COSINE_OFFSET, azimuths),
+        np.kron(np.eye(azimuths), _lagrange(angles, between)),
+        np.concatenate([left + k * len(angles) for k in range(azimuths)]),
     )
+
+
+def _half_vector_nodes(azimuth: float, cosine: float) -> tuple[np.ndarray, np.ndarray]:
+    """Directions wo (M, 3) and weights (M,), their cosines included, for one wi."""
+    sine = np.sqrt(1 - cosine * cosine)
+    nodes, shares = np.polynomial.legendre.leggauss(QUADRANT_NODES)
+    # Gauss's nodes, drawn towards both ends of a quadrant.
+    quadrant = 0.25 * np.pi * (1 + np.tanh(CROWDING * nodes) / np.tanh(CROWDING))
+    slopes = CROWDING / (np.tanh(CROWDING) * np.square(np.cosh(CROWDING * nodes)))
+    phi = np.concatenate([quadrant + k * 0.5 * np.pi for k in range(4)])[:, None]
+    phi_weights = np.tile(0.25 * np.pi * shares * slopes, 4)[:, None]
+    nodes, shares = np.polynomial.legendre.leggauss(POLAR_NODES)
+    end = 0.5 * (0.5 * np.pi + np.arctan2(sine * np.cos(phi - azimuth), cosine))
+    span = np.log(np.tan(end)) - np.log(LEAST_TANGENT)
+    tangent = LEAST_TANGENT * np.exp(0.5 * span * (nodes + 1))
+    cos_h = 1 / np.sqrt(1 + tangent * tangent)
+    sin_h = tangent * cos_h
+    h = np.stack(np.broadcast_arrays(sin_h * np.cos(phi), sin_h * np.sin(phi), cos_h), axis=-1)
+    wi = np.array([sine * np.cos(azimuth), sine * np.sin(azimuth), cosine])
+    dot = h @ wi
+    wo = 2 * dot[..., None] * h - wi
+    weights = 4 * dot * sin_h * sin_h * cos_h * (0.5 * span * shares) * phi_weights * wo[..., 2]
+    above = weights > 0
+    return wo[above], weights[above]
 
 
 def _lagrange(nodes: np.ndarray, x: np.ndarray) -> np.ndarray:

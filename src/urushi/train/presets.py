@@ -114,6 +114,8 @@ def anisotropic() -> Preset:
     """Networks of two GGX widths a surface, which anisotropic materials use.
 
     Command: `urushi train --preset anisotropic`
+    Time: 75 minutes on two cores (data 27, joint 21, the rest 27).
+    Expected: stacks of two interfaces of two widths, any index, E mean 2.3 %, P median 1.0 %.
     """
     stacks, coated = (48, 136, 40, 8, 8, 8), (512, 128, 48, 40, 40)
     joint = Schedule(steps=24_576, warmup=256, learning_rate=0.012, clip=0.1)

@@ -97,7 +97,7 @@ def test_a_textured_bottom(rgb):
 
 
 @pytest.mark.parametrize("textured", (False, True))
-def test_a_brushed_bottom_is_the_mean_over_its_azimuth(rgb, textured):
+def test_isotropic_networks_take_the_mean_of_a_brushed_bottom(rgb, textured):
     from urushi.nets import weights
     from urushi.render.reading import probing
 
@@ -114,7 +114,7 @@ def test_a_brushed_bottom_is_the_mean_over_its_azimuth(rgb, textured):
         a, b = (np.concatenate([rotated(w, turn) for turn in turns]) for w in (a, b))
         values = probing.bsdf_values(brushed, a, b, np.full((len(a), 2), 0.5))
         f += values.reshape(len(turns), *f.shape).mean(axis=0) / 2
-    coat = {"type": "neural_layered", **COAT}
+    coat = {"type": "neural_layered", "weights": "default", **COAT}
     found = rgb.load_dict(coat | {"bottom": brushed}).latents.at(np.full((1, 2), 0.5))
     eta = np.full((1, 1), 1.5046 / 1.000277)
     under = limited_codes(model, f.T.astype(np.float32))

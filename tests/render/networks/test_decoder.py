@@ -116,7 +116,7 @@ def test_mixture_agrees_with_numpy(rgb, model, parts):
     wi, _ = pairs()
     mixture = drjit.vertex(interaction(rgb, wi), rgb.Bool(True)).proposal
     mean = numpy.latents.mean(axis=0)
-    weights, alphas = numpy_sampler.mixture(model.params, model.arch, mean[None], wi[:, 2])
+    weights, alphas = numpy_sampler.mixture(model.params, model.arch, mean[None], wi)
     # a table that is linear between 129 cosines
     for ours, theirs in ((mixture.weights, weights), (mixture.alphas, alphas)):
         np.testing.assert_allclose(np.stack([x.numpy() for x in ours], -1), theirs, atol=5e-3)
@@ -170,14 +170,14 @@ def test_cooperative_vectors_agree_with_constants_in_code(rgb, model):
         values.append(decoder.f_of_terms(terms, wi, wo))
         sampler = UrushiSampler(model, ANY_LOBE, cooperative)
         code = [rgb.Float(x) for x in z[0]]
-        mixture = dr.switch(rgb.UInt32(0), [lambda c, s=sampler, t=code: flat(s, t, c)], wi.z)
+        mixture = dr.switch(rgb.UInt32(0), [lambda c, s=sampler, t=code: flat(s, t, c)], wi)
         mixtures.append(mixture)
     for a, b in (*zip(*values, strict=True), *zip(*mixtures, strict=True)):
         np.testing.assert_allclose(a.numpy(), b.numpy(), rtol=2e-4)
 
 
-def flat(sampler, latent, cos_i) -> list:
-    mixture = sampler.proposal(latent, cos_i)
+def flat(sampler, latent, wi) -> list:
+    mixture = sampler.proposal(latent, wi)
     return [*mixture.weights, *mixture.alphas]
 
 

@@ -213,8 +213,8 @@ def test_mistakes_are_named(rgb, properties, sentence):
     assert sentence in str(caught.value)
 
 
-def test_materials_of_the_networks_are_isotropic(rgb, networks):
-    with pytest.raises(RuntimeError, match="neural_layered: materials of the networks are isotr"):
+def test_isotropic_networks_refuse_two_widths(rgb, networks):
+    with pytest.raises(RuntimeError, match="these networks are for isotropic materials"):
         rgb.load_dict(
             {
                 "type": "neural_layered",

@@ -137,13 +137,14 @@ def test_pictures_agree_with_the_walk(rgb):
 
 
 def test_gradients_of_widths_and_angle_agree_with_differences(rgb):
-    """To 3 %: the energy limit is off here, and f is smooth in all three."""
+    """To 3 %. The azimuth changes f within a degree where a half vector is near an axis."""
     import drjit as dr
 
     from urushi.render.reading import probing
 
     wi, wo = cosine_pairs(np.random.default_rng(3), 64, lowest_cosine=0.3)
     si = probing.interaction(wi, np.full((64, 2), 0.5))
+    weights = rgb.Float(np.random.default_rng(4).normal(size=64))
     out = rgb.Vector3f(np.ascontiguousarray(wo.T))
     bsdf = coated(rgb, METAL, alpha_u=0.25, alpha_v=0.4, rotation=20.0)
     parameters = rgb.traverse(bsdf)
@@ -154,9 +155,9 @@ def test_gradients_of_widths_and_angle_agree_with_differences(rgb):
         for key in keys:
             parameters[key] = start[key] + changes.get(key, 0.0)
         parameters.update()
-        return float(dr.mean(bsdf.eval(rgb.BSDFContext(), si, out)[1]).numpy()[0])
+        return float(dr.sum(weights * bsdf.eval(rgb.BSDFContext(), si, out)[1]).numpy()[0])
 
-    steps = {"alpha_u.value": 0.01, "alpha_v.value": 0.01, "rotation.value": 1.0}
+    steps = {"alpha_u.value": 0.01, "alpha_v.value": 0.01, "rotation.value": 0.05}
     steps |= {"bottom.alpha_v.value": 0.004}
     differences = [
         (mean(**{key: steps[key]}) - mean(**{key: -steps[key]})) / (2 * steps[key]) for key in keys
@@ -165,10 +166,10 @@ def test_gradients_of_widths_and_angle_agree_with_differences(rgb):
     for key in keys:
         dr.enable_grad(parameters[key])
     parameters.update()
-    value = dr.mean(bsdf.eval(rgb.BSDFContext(), si, out)[1])
+    value = dr.sum(weights * bsdf.eval(rgb.BSDFContext(), si, out)[1])
     dr.backward(value)
     found = [float(np.ravel(dr.grad(parameters[key]).numpy())[0]) for key in keys]
-    np.testing.assert_allclose(found, differences, rtol=0.03)
+    np.testing.assert_allclose(found, differences, rtol=0.03, atol=5e-4)
 
 
 def test_bad_frames_are_refused(rgb):

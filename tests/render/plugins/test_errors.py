@@ -52,12 +52,11 @@ def test_bad_parameters(rgb, networks, name, properties, sentence):
     assert sentence in str(caught.value)
 
 
-def test_channels_share_a_width(rgb, networks):
+def test_channels_share_a_rotation(rgb, networks):
     color = {"type": "rgb", "value": [0.1, 0.2, 0.3]}
-    with pytest.raises(RuntimeError, match="alpha must be a number or a texture; all channels"):
-        load(rgb, networks, "neural_layered", alpha=color)
-    with pytest.raises(RuntimeError, match="rotation must be a number or a texture; all channels"):
-        load(rgb, networks, "layered", rotation=color)
+    for name in ("layered", "neural_layered"):
+        with pytest.raises(RuntimeError, match="rotation must be a number or a texture; all chann"):
+            load(rgb, networks, name, rotation=color)
 
 
 @pytest.mark.parametrize("name", COATS)

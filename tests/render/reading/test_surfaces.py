@@ -30,7 +30,6 @@ KNOWN = {
 }
 UNKNOWN = {
     "beckmann": GGX | {"distribution": "beckmann"},
-    "brushed": {"type": "roughconductor", "distribution": "ggx", "alpha_u": 0.1, "alpha_v": 0.3},
     "plastic": {"type": "roughplastic", "distribution": "ggx"},
     "principled": {"type": "principled"},
 }
