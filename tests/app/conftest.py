@@ -6,17 +6,20 @@ from urushi.eval import sphere
 from urushi.nets import weights
 from urushi.nets.architecture import Architecture, init
 
+ANISOTROPIC = Architecture(latent=30, widths=2)
+
 
 @pytest.fixture
 def untrained(monkeypatch, tmp_path):
     """Untrained networks: for what does not depend on how good they are."""
     folder = tmp_path / "weights"
     folder.mkdir()
-    weights.save(folder / "default.safetensors", Architecture(), init(Architecture(), 0), {})
+    for name, arch in {"default": Architecture(), "anisotropic": ANISOTROPIC}.items():
+        weights.save(folder / f"{name}.safetensors", arch, init(arch, 0), {})
     monkeypatch.setattr(weights, "shipped_folder", lambda: folder)
-    weights.default_model.cache_clear()
+    weights.shipped.cache_clear()
     yield
-    weights.default_model.cache_clear()
+    weights.shipped.cache_clear()
 
 
 @pytest.fixture

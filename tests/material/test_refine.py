@@ -110,8 +110,9 @@ def test_channels_do_not_depend_on_each_other(trained):
     together = encode(three_lobes, trained, refine=True)
     for channel in range(3):
         alone = encode(lambda *w, c=channel: three_lobes(*w)[:, c], trained, refine=True)
-        assert np.array_equal(alone.latents[0], together.latents[channel])
-        assert np.array_equal(alone.anchors[0], together.anchors[channel])
+        # Up to rounding: the energy limit decodes the codes of several channels at once.
+        np.testing.assert_allclose(alone.latents[0], together.latents[channel], rtol=1e-6)
+        np.testing.assert_allclose(alone.anchors[0], together.anchors[channel], rtol=1e-6)
 
 
 def test_the_same_every_time(trained):

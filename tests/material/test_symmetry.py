@@ -125,7 +125,7 @@ def test_anisotropic_stacks_and_coats_are_refused(model):
     for stack in (coat(brushed), coat(conductor(0.1, 0.9), alpha_u=0.1, alpha_v=0.4)):
         with pytest.raises(ParameterError, match="encode Stack: its alpha_u and alpha_v differ"):
             encode(stack, model)
-    with pytest.raises(ParameterError, match="the coat's alpha_u and alpha_v differ, and .* give"):
+    with pytest.raises(ParameterError, match="the coat's alpha_u and alpha_v differ, but .* give"):
         layer(dielectric(alpha_u=0.1, alpha_v=0.2), conductor(0.1, 0.9), weights=model)
 
 

@@ -62,13 +62,14 @@ def _measured(rows: np.ndarray, rule: AlbedoRule) -> np.ndarray:
 
 
 def isotropic_albedos(lobe: np.ndarray, cosines: np.ndarray) -> np.ndarray:
-    """Albedos float32 (N, D) of lobes (N, 6), each at all cosines (D,) of directions."""
-    result = np.empty((len(lobe), len(cosines)), np.float32)
-    edge = (lobe[:, 3] > 0) & (lobe[:, 4] < 1)
+    """Albedos float32 (..., D) of lobes (..., 6), each at all cosines (D,) of directions."""
+    rows = lobe.reshape(-1, lobe.shape[-1])
+    result = np.empty((len(rows), len(cosines)), np.float32)
+    edge = (rows[:, 3] > 0) & (rows[:, 4] < 1)
     for place, nodes in ((~edge, NODES), (edge, EDGE_NODES)):
         if place.any():
-            result[place] = _albedos(lobe[place], cosines.tobytes(), nodes)
-    return result
+            result[place] = _albedos(rows[place], cosines.tobytes(), nodes)
+    return result.reshape(*lobe.shape[:-1], len(cosines))
 
 
 def anisotropic_albedos(lobe: np.ndarray, wi: np.ndarray) -> np.ndarray:
