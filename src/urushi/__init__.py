@@ -47,16 +47,25 @@ def __getattr__(name: str) -> Any:
     platform.require_drjit()
     paper.register()
     from urushi.material import Material, encode, layer, lerp, load
+    from urushi.material.material import register_picture
     from urushi.materialx.writer import save_materialx
     from urushi.measured import load_measured
     from urushi.reference import Stack, coat, conductor, dielectric, diffuse, simulate
     from urushi.render.materialx import load_materialx
 
+    register_picture(_picture)
     public = (Material, encode, layer, lerp, load, load_measured, simulate)
     described = (Stack, coat, conductor, dielectric, diffuse)
     documents = (load_materialx, save_materialx)
     globals().update({value.__name__: value for value in (*public, *described, *documents)})
     return globals()[name]
+
+
+def _picture(material: Any) -> bytes:
+    """The picture of a material in a notebook."""
+    from urushi.eval.display import png
+
+    return png(material)
 
 
 def __dir__() -> list[str]:

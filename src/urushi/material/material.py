@@ -2,6 +2,7 @@
 
 import os
 import warnings
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,6 +21,15 @@ from urushi.parallel import fill_blocks
 
 #: Directions whose albedo is integrated at once, over 1536 others each.
 ALBEDO_BLOCK = 16
+
+
+#: Makes the picture of a material as the bytes of a PNG file; see `register_picture`.
+_pictures: list[Callable[["Material"], bytes]] = []
+
+
+def register_picture(picture: Callable[["Material"], bytes]) -> None:
+    """Let notebooks show materials of one or three channels by a picture (PNG)."""
+    _pictures[:] = [picture]
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,6 +94,10 @@ class Material:
 
     def __repr__(self) -> str:
         return f"Material({self.channels} channels, weights {self.model.fingerprint})"
+
+    def _repr_png_(self) -> bytes | None:
+        """The picture that IPython and Jupyter show."""
+        return _pictures[0](self) if _pictures and self.channels in (1, 3) else None
 
     @property
     def channels(self) -> int:

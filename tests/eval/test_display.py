@@ -1,0 +1,68 @@
+"""Pictures of materials in notebooks: PNG files whose pixels are those of lit spheres."""
+
+import io
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import urushi
+from urushi.eval import display, sphere
+from urushi.material import Material
+
+
+@pytest.fixture(autouse=True)
+def small_spheres(monkeypatch):
+    """Spheres of 24 x 24 pixels, whose nodes take a fraction of the time."""
+    monkeypatch.setattr(sphere, "RINGS", 12)
+    for cached in (sphere.nodes, sphere._white, display.png):
+        cached.cache_clear()
+    yield
+    for cached in (sphere.nodes, sphere._white, display.png):
+        cached.cache_clear()
+
+
+def pixels(material: Material) -> np.ndarray:
+    """The picture (H, W, 4), from 0 to 255."""
+    image = pytest.importorskip("PIL.Image")
+    file = material._repr_png_()
+    assert file is not None and file.startswith(b"\x89PNG")
+    return np.asarray(image.open(io.BytesIO(file))).astype(int)
+
+
+def test_brighter_surfaces_make_brighter_pictures():
+    dark, bright = (pixels(urushi.encode(urushi.diffuse(r))) for r in (0.1, 0.8))
+    assert dark.shape == bright.shape == (24, 24, 4)
+    inside = dark[..., 3] == 255
+    assert inside[12, 12] and not inside[0, 0]
+    assert (bright[inside][:, :3] > dark[inside][:, :3]).mean() > 0.95
+
+
+def test_colours_are_those_of_the_surface():
+    red = pixels(urushi.encode(urushi.diffuse((0.8, 0.05, 0.05))))
+    assert red[12, 12, 0] > 2 * red[12, 12, 1]
+
+
+def test_anisotropy_shows():
+    """Tangents point away from the middle, so that exchanged widths are another picture."""
+    one, other = (
+        pixels(urushi.encode(urushi.conductor(alpha_u=u, alpha_v=v, r0=0.9)))
+        for u, v in ((0.05, 0.5), (0.5, 0.05))
+    )
+    assert np.abs(one - other).max() > 50
+
+
+def test_materials_of_other_numbers_of_channels_have_no_picture():
+    grey = urushi.encode(urushi.diffuse(0.5)).latents[:1]
+    two = Material(np.repeat(grey, 2, axis=0), urushi.encode(urushi.diffuse(0.5)).model)
+    assert two._repr_png_() is None
+    assert pixels(Material(grey, two.model)).shape == (24, 24, 4)
+
+
+def test_no_jax_and_no_eval_before_a_picture_is_asked_for():
+    program = (
+        "import sys, urushi; urushi.encode(urushi.diffuse(0.5));"
+        "assert 'urushi.eval' not in sys.modules; assert 'jax' not in sys.modules"
+    )
+    subprocess.run([sys.executable, "-c", program], check=True)
