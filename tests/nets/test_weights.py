@@ -141,7 +141,7 @@ def test_unwritable_output_is_named(tmp_path):
 def test_missing_default_weights_name_the_cure(monkeypatch, tmp_path):
     monkeypatch.setattr(weights, "shipped_folder", lambda: tmp_path)
     with pytest.raises(FileError, match="install the package again"):
-        weights.default_model.__wrapped__()
+        weights.shipped.__wrapped__(weights.DEFAULT)
 
 
 def test_shipped_weights_are_small_and_say_where_they_come_from():
