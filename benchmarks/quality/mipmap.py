@@ -5,7 +5,7 @@ pattern. For each level of the pyramid, prints the error E (docs/conventions.md)
 of the BRDFs of the texels below, as a mean over the level's texels:
 
 - plain: averages of codes, as in Fan et al. (2022);
-- Urushi: codes of averaged values, predicted by a regression (`urushi/textures/averaging.py`);
+- Urushi: codes of averaged values, predicted by a regression (`urushi/textures/averaging_rest.py`);
 - decoded: codes of averaged values, with every texel decoded.
 
 Then prints the CPU time of all levels of a texture of noise of 2048² texels (`--side` sets another
@@ -23,7 +23,7 @@ from urushi.material.layer import layer_texels
 from urushi.nets import weights
 from urushi.nets.weights import Model
 from urushi.reference import conductor
-from urushi.textures import averaging, mip_pyramid
+from urushi.textures import averaging_rest, mip_pyramid
 from urushi.textures.mip_pyramid import MipPyramid
 
 SIDE, LEVELS, PAIRS = 32, 4, 128
@@ -82,7 +82,7 @@ def pyramid(model: Model, codes: np.ndarray, sample: int) -> list[np.ndarray]:
 
     sample: number of codes that the regression is fitted to.
     """
-    default, averaging.SAMPLE = averaging.SAMPLE, sample
+    default, averaging_rest.SAMPLE = averaging_rest.SAMPLE, sample
     try:
         levels = MipPyramid(model, *codes.shape[1::-1], codes.shape[2])
         count = sum(width * height for width, height in levels.sizes)
@@ -90,7 +90,7 @@ def pyramid(model: Model, codes: np.ndarray, sample: int) -> list[np.ndarray]:
         whole[: codes.shape[0] * codes.shape[1]] = codes.reshape(-1, *codes.shape[2:])
         levels.fill(whole.__getitem__, whole.__setitem__)
     finally:
-        averaging.SAMPLE = default
+        averaging_rest.SAMPLE = default
     ends = np.cumsum([width * height for width, height in levels.sizes])
     parts = np.split(whole, ends)[1:]
     return [

@@ -6,8 +6,8 @@ import pytest
 from urushi.geometry.error_metrics import DARK_OFFSET
 from urushi.material import energy
 from urushi.material.albedo_rule import albedo_rule
+from urushi.material.correction import correct_codes
 from urushi.material.encode import material_from_values
-from urushi.material.fit import correct_codes
 from urushi.nets import weights
 from urushi.paper.architecture import PaperArchitecture, init
 from urushi.reference import analytic

@@ -6,8 +6,8 @@ import pytest
 from urushi.errors import ParameterError
 from urushi.geometry.probe_pairs import probe_pairs
 from urushi.material import encode as package_encode
-from urushi.material.encode import as_source, encode
-from urushi.material.symmetry import Source
+from urushi.material.encode import encode
+from urushi.material.source import Source, as_source
 from urushi.reference.stack import coat, conductor, dielectric, diffuse
 
 

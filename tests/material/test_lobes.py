@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from urushi.material import Material, encode, energy, layer, lerp, load
+from urushi.material.correction import correct_codes
 from urushi.material.encode import material_from_values
-from urushi.material.fit import correct_codes, fit_target, initial_code, levenberg_marquardt
+from urushi.material.fit import fit_target, initial_code, levenberg_marquardt
 from urushi.nets import lobe as lobes
 from urushi.reference import analytic
 from urushi.reference.stack import coat, conductor, dielectric, diffuse

@@ -9,7 +9,7 @@ from urushi.material import energy
 from urushi.material.albedo_rule import albedo_rule
 from urushi.material.encode import limited_codes
 from urushi.material.layer import layer_texels
-from urushi.textures import averaging, mip_pyramid, packing
+from urushi.textures import averaging, averaging_rest, mip_pyramid, packing
 from urushi.textures.mip_pyramid import MipPyramid
 from urushi.textures.store import TextureStore
 
@@ -53,7 +53,7 @@ def tops(model, codes: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarray
 
 @pytest.mark.parametrize("sample", (256, 4096))  # by a regression, and by decoding
 def test_levels_are_the_averages_of_brdfs(trained, monkeypatch, sample):
-    monkeypatch.setattr(averaging, "SAMPLE", sample)
+    monkeypatch.setattr(averaging_rest, "SAMPLE", sample)
     monkeypatch.setattr(
         mip_pyramid, "KEPT_TEXELS", 64
     )  # so that there are tiles and levels above them
@@ -79,7 +79,7 @@ def test_the_regression_agrees_with_decoding(trained, monkeypatch):
     whole = coats(trained, 32, 32).reshape(-1, trained.arch.latent)
     estimated = averaging.averaging_space(trained, whole.__getitem__, len(whole)).rest
     codes = whole[:, trained.arch.lobe :]
-    assert isinstance(estimated, averaging.RegressionSpace)
+    assert isinstance(estimated, averaging_rest.RegressionSpace)
     kept = len(estimated.kept)
     predicted, decoded = (
         estimated.lift(codes)[:, :kept],

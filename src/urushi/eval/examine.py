@@ -14,8 +14,9 @@ from urushi.geometry.direction_sets import cosine_pairs, half_angle_pairs
 from urushi.geometry.error_metrics import energy_weight, pair_error
 from urushi.geometry.quadrature import half_vector_rule
 from urushi.material import Material
-from urushi.material.encode import as_source, evaluate_source
-from urushi.material.symmetry import RELATIVE_TOLERANCE, Source, azimuthal_mean
+from urushi.material.encode import evaluate_source
+from urushi.material.source import Source, as_source
+from urushi.material.symmetry import RELATIVE_TOLERANCE, azimuthal_mean
 from urushi.measured import load_measured
 from urushi.reference.simulate import simulate
 from urushi.reference.stack import Stack

@@ -8,13 +8,9 @@ from urushi.eval import samples as sampling
 from urushi.eval.samples import Samples
 from urushi.geometry.probe_pairs import PROBES, probe_pairs
 from urushi.material import Material
-from urushi.material.encode import (
-    STACK_WALKS,
-    material_from_values,
-    material_of_lobes,
-    required_pairs,
-)
+from urushi.material.encode import material_from_values, material_of_lobes, required_pairs
 from urushi.material.layer import layer_texels
+from urushi.material.source import STACK_WALKS
 from urushi.nets.architecture import Architecture
 from urushi.nets.lobe import of_coat
 from urushi.nets.networks import UrushiNetworks

@@ -11,7 +11,7 @@ from urushi.eval.groups import Group
 from urushi.geometry import direction_sets, error_metrics
 from urushi.geometry.probe_pairs import PROBES, probe_pairs
 from urushi.geometry.quadrature import half_vector_rule
-from urushi.material.encode import STACK_WALKS
+from urushi.material.source import STACK_WALKS
 from urushi.reference import StackTable, analytic, walk_pairs
 
 #: Number of drawn pairs of a stack: for E (cosine density) and for P (log half angle).

@@ -6,30 +6,23 @@ values. For the rest of the BRDF, one pass of the encoder is followed by two ste
 by a refinement of many steps (`urushi.material.fit`).
 """
 
-import functools
 import warnings
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
-from urushi import checks
 from urushi.errors import ParameterError, UrushiWarning
 from urushi.geometry.error_metrics import DARK_OFFSET
 from urushi.material import energy
 from urushi.material.albedo_rule import AlbedoRule, albedo_rule
+from urushi.material.correction import correct_codes
 from urushi.material.energy import limit_albedo
-from urushi.material.fit import correct_codes, refine_codes
+from urushi.material.fit import refine_codes
 from urushi.material.lobe_albedo import lobe_albedos
 from urushi.material.material import Material
-from urushi.material.symmetry import (
-    Deviations,
-    Source,
-    deviations_of,
-    is_anisotropic,
-    symmetrise,
-)
+from urushi.material.source import Source, as_source, source_name
+from urushi.material.symmetry import Deviations, deviations_of, is_anisotropic, symmetrise
 from urushi.material.table import node_pairs, table_of_values
 from urushi.measured import Merl, Rgl
 from urushi.nets import lobe as lobes
@@ -37,10 +30,7 @@ from urushi.nets.interface_fit import find_lobes
 from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model, Weights, anisotropic_model, find
 from urushi.parallel import fill_blocks
-from urushi.reference.stack import Coat, Conductor, Dielectric, Diffuse, Stack
-
-#: Random walks per probe and channel for a Stack: about 0.5 % noise where f is not tiny.
-STACK_WALKS = 16384
+from urushi.reference.stack import Stack
 
 #: Root mean square of the residual in ln(f + `DARK_OFFSET`) above which a source is refined unless
 #: the caller decides. Measured: descriptions, coats and stacks of the training distribution stay
@@ -325,110 +315,6 @@ def residual(model: Model, z: np.ndarray, f: np.ndarray) -> np.ndarray:
         return np.zeros(len(z))
     decoded = model.networks.f(z[:, None], *model.networks.pairs())
     return np.sqrt(np.square(np.log((decoded + DARK_OFFSET) / (f + DARK_OFFSET))).mean(axis=-1))
-
-
-@functools.singledispatch
-def as_source(source: Any) -> Source:
-    """A source of `encode` as a function that can be evaluated.
-
-    `as_source.register(type, function)` adds a type of source; the render floor adds Mitsuba's
-    BSDFs.
-
-    Raises:
-        ParameterError: the source cannot be encoded.
-    """
-    if callable(getattr(source, "f", None)):
-        return Source(source.f)
-    if callable(source) and not isinstance(source, type):
-        return Source(source)
-    raise ParameterError(
-        f"cannot encode {type(source).__name__}; give a conductor, dielectric, diffuse, Stack, "
-        "Material, measured or Mitsuba BRDF, or a function f(wi, wo) -> (N, 3)"
-    )
-
-
-@as_source.register
-def _(source: Source) -> Source:
-    return source
-
-
-@as_source.register
-def _(source: Material) -> Source:
-    own = isinstance(source.model.networks, UrushiNetworks)
-    lobe = source.latents[:, : source.model.arch.lobe] if own else None
-    return Source(source.f, symmetric=True, lobe=lobe, widths=source.model.widths)
-
-
-@as_source.register
-def _(source: Merl) -> Source:
-    return Source(source.f, symmetric=True, measured=True)
-
-
-@as_source.register
-def _(source: Rgl) -> Source:
-    return Source(source.f, measured=True, isotropic=True)
-
-
-@as_source.register(Conductor)
-@as_source.register(Dielectric)
-@as_source.register(Diffuse)
-def _(source: Conductor | Dielectric | Diffuse) -> Source:
-    from urushi.reference import analytic  # lazily: it starts Dr.Jit
-
-    def f(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-        return analytic.f(source, wi, wo)
-
-    return Source(
-        f,
-        symmetric=True,
-        lobe=lobe_of_surface(source),
-        bare=not isinstance(source, Diffuse),
-        widths=2 if not isinstance(source, Diffuse) and source.is_anisotropic else 1,
-    )
-
-
-@as_source.register
-def _(source: Stack) -> Source:
-    from urushi.reference.simulate import simulate
-
-    lobe, widths = lobe_of_coat(source.coats[0]), 2 if source.is_anisotropic else 1
-    if lobe.shape[-1] < len(lobes.NUMBERS[widths]):
-        lobe = lobes.with_two_widths(lobe)
-    return Source(
-        lambda wi, wo: simulate(source, wi, wo, walks=STACK_WALKS, seed=0)[0],
-        symmetric=True,
-        lobe=lobe,
-        widths=widths,
-    )
-
-
-def lobe_of_surface(source: Conductor | Dielectric | Diffuse) -> np.ndarray:
-    """The lobe float32 (N,) or (3, N) of a surface, N = 7 if it has two widths, otherwise 6."""
-    if isinstance(source, Diffuse):
-        return np.array(lobes.NO_LOBE, np.float32)
-    if isinstance(source, Dielectric):
-        return _lobe(source.alpha, 0.0, 0.0, 1.0, source.eta, 0.0)
-    if source.eta is not None and source.k is not None:
-        return _lobe(source.alpha, 0.0, 0.0, 1.0, source.eta, source.k)
-    assert source.r0 is not None
-    return _lobe(source.alpha, source.r0, 1.0, 0.0, lobes.NO_LOBE[4], 0.0)
-
-
-def lobe_of_coat(coat: Coat) -> np.ndarray:
-    """The lobe float32 (N,) or (3, N) of a coat's interface, N as of `lobe_of_surface`."""
-    return _lobe(coat.alpha, 0.0, 0.0, 1.0, coat.eta, 0.0)
-
-
-def _lobe(alpha: Any, *numbers: npt.ArrayLike) -> np.ndarray:
-    """The lobe float32 (..., N) of a width or two `Widths`, and five numbers that broadcast."""
-    if isinstance(alpha, checks.Widths):
-        alpha, numbers = alpha.u, (*numbers, alpha.v)
-    return np.stack(np.broadcast_arrays(alpha, *numbers), axis=-1).astype(np.float32)
-
-
-def source_name(source: Any) -> str:
-    """The name of a source in messages."""
-    return getattr(source, "__name__", type(source).__name__)
 
 
 def _checked(values: Any, name: str, count: int) -> np.ndarray:

@@ -1,14 +1,7 @@
-"""Fits of latent codes to BRDF values: two quick steps of correction, or a full refinement.
+"""Refinement: a fit of latent codes to BRDF values, one channel at a time.
 
-Correction. Two damped steps of Gauss and Newton follow the encoder's pass and remove a third to a
-half of its error. A corrected code is not one that the encoder makes, and the layering network
-knows only those. So a material keeps the encoder's code as its anchor, over which coats are
-layered.
-
-Both keep the lobe of a code (`urushi.nets.lobe`) and change the other numbers. Errors are those of
-the whole f, lobe included.
-
-Refinement. An optimisation of one channel at a time. The code that fits a BRDF's values best cannot
+It keeps the lobe of a code (`urushi.nets.lobe`) and changes the other numbers. Errors are those of
+the whole f, lobe included. The code that fits a BRDF's values best cannot
 be layered, because many codes decode to nearly the same values. So the distance from the encoder's
 codes is part of the objective. Let l be the logarithmic values ln(f + `DARK_OFFSET`) at the probe
 pairs, l(z) those that a code z decodes to, and D(z) the decoded values without the lobe, as the
@@ -299,7 +292,7 @@ def levenberg_marquardt(
     state, damping = _state_at(networks, z, aim, hold), FIRST_DAMPING
     for _ in range(steps):
         step = damped_step(state.curvature, state.slope, damping)
-        new = _state_at(networks, _stepped(networks, state.z, step), aim, hold)
+        new = _state_at(networks, stepped(networks, state.z, step), aim, hold)
         better = new.objective < state.objective  # false for NaN
         state, damping = (
             (new, damping * DAMPING_DECREASE) if better else (state, damping * DAMPING_INCREASE)
@@ -307,7 +300,7 @@ def levenberg_marquardt(
     return state.z
 
 
-def _stepped(networks: UrushiNetworks, z: np.ndarray, step: np.ndarray) -> np.ndarray:
+def stepped(networks: UrushiNetworks, z: np.ndarray, step: np.ndarray) -> np.ndarray:
     """Codes float32 (..., L) after a step (..., R) of the numbers that follow the lobe's."""
     lobe = networks.arch.lobe
     return np.concatenate([z[..., :lobe], z[..., lobe:] - step], axis=-1).astype(np.float32)
@@ -347,98 +340,3 @@ def _state_at(networks: UrushiNetworks, z: np.ndarray, aim: FitTarget, hold: flo
         weighted @ error + hold * gap_slope.T @ whitened[:, 0],
         weighted @ log_slopes + hold * gap_slope.T @ whitened[:, 1:],
     )
-
-
-#: Number of correction steps, and their damping relative to the mean curvature (Marquardt 1963).
-CORRECTION_STEPS, CORRECTION_DAMPING = 2, 1e-3
-
-#: Probe pairs that the correction fits, and the others; a result is accepted by its error at both.
-FITTED_PAIRS, CHECKED_PAIRS = slice(0, None, 2), slice(1, None, 2)
-
-
-def correct_codes(
-    networks: Networks, z: np.ndarray, f: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return corrected codes, and factors by which the encoder's codes are too bright.
-
-    Args:
-        networks: the networks.
-        z: (C, L) the encoder's codes of f.
-        f: (C, P) values [1/sr] at `networks.pairs`.
-
-    Returns:
-        Codes float32 (C, L) whose error is at most that of z, and the greatest ratios (C,) of the
-        values that z decodes to and f. For networks that encode by optimisation, z itself and
-        infinity.
-    """
-    if not isinstance(networks, UrushiNetworks):
-        return z, np.full(len(z), np.inf)
-    with one_blas_thread():
-        return correct_codes_serial(networks, z, f, CORRECTION_DAMPING)
-
-
-def correct_codes_serial(
-    decoder: UrushiNetworks, z: np.ndarray, f: np.ndarray, damping: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """The same on the calling thread; damping: relative to the mean curvature."""
-    features = probe_features(decoder)
-    logs = np.log(f + DARK_OFFSET)
-    top = np.broadcast_to(decoder.top(z[:, None], *decoder.pairs()), f.shape)
-
-    def errors(codes: np.ndarray, rows: np.ndarray, pairs: slice = slice(None)) -> np.ndarray:
-        f_hat = top[rows, pairs] + decoder.rest(codes[:, None], features[pairs])
-        return np.log(f_hat + DARK_OFFSET) - logs[rows, pairs]
-
-    rows = np.arange(len(z))
-    steps, fitted_errors = _correction_steps(
-        decoder,
-        z,
-        features[FITTED_PAIRS],
-        top[:, FITTED_PAIRS],
-        logs[:, FITTED_PAIRS],
-        damping,
-    )
-    before = np.concatenate([fitted_errors, errors(z, rows, CHECKED_PAIRS)], axis=-1)
-    best, least = np.array(z), huber_loss(before)[0].sum(axis=-1)
-    for tried in reversed(steps):  # the last step is rarely worse than the encoder
-        loss = huber_loss(errors(tried[rows], rows))[0].sum(axis=-1)
-        better = loss < least[rows]  # false for NaN
-        best[rows[better]] = tried[rows[better]]
-        rows = rows[~better]
-        if not len(rows):
-            break
-    return best, np.exp(before.max(axis=-1))
-
-
-def _correction_steps(
-    decoder: UrushiNetworks,
-    z: np.ndarray,
-    features: np.ndarray,
-    top: np.ndarray,
-    logs: np.ndarray,
-    damping: float,
-) -> tuple[list[np.ndarray], np.ndarray]:
-    """Codes (C, L) after each step, and the errors (C, P) before the first one.
-
-    features: (P, 8) of the pairs; top: (C, P) the lobes' values; logs: (C, P) the target values of
-    ln(f + `DARK_OFFSET`).
-    """
-    codes, errors = [z], []
-    for _ in range(CORRECTION_STEPS):
-        log_rest, slopes = decoder.decode_log(codes[-1][:, None], features)
-        rest = np.exp(log_rest)
-        f_hat = top + rest
-        errors.append(np.log(f_hat + DARK_OFFSET) - logs)
-        slopes *= (rest / (f_hat + DARK_OFFSET))[..., None]
-        step = _correction_step(errors[-1], slopes, damping)
-        codes.append(_stepped(decoder, codes[-1], step))
-    return codes[1:], errors[0]
-
-
-def _correction_step(error: np.ndarray, slopes: np.ndarray, damping: float) -> np.ndarray:
-    """The step (C, R) that is subtracted, from errors (C, P) and their derivatives (C, P, R)."""
-    _, far = huber_loss(error)
-    weighted = np.swapaxes(slopes / far[..., None], -1, -2)
-    curvature = (weighted @ slopes).astype(np.float64)
-    slope = (weighted @ error[..., None]).astype(np.float64)[..., 0]
-    return damped_step(curvature, slope, damping)

@@ -13,6 +13,7 @@ import numpy as np
 from urushi.geometry.direction_sets import cosine_pairs
 from urushi.geometry.error_metrics import energy_weight
 from urushi.geometry.frames import rotated
+from urushi.material.source import Source
 
 #: Number of common rotations of a pair about the normal over which a BRDF is averaged: twice an odd
 #: number, see `rotated_pairs`. With fewer, the narrow lobe of a brushed metal leaves separate
@@ -35,41 +36,6 @@ ASYMMETRY_PAIRS = 1024
 
 #: Deviations above these cause a warning: the error E of an asymmetry, and a share of the light.
 WARNED_ASYMMETRY, WARNED_SHARE = 0.1, 0.01
-
-#: An evaluated BRDF: f(wi, wo) -> (N, 3), (N, C) or (N,) [1/sr] for float32 unit vectors (N, 3).
-Brdf = Callable[[np.ndarray, np.ndarray], Any]
-
-
-class Source(NamedTuple):
-    """A BRDF to be encoded.
-
-    Attributes:
-        f: evaluates the BRDF at pairs above the horizon.
-        symmetric: whether f is isotropic and reciprocal by construction.
-        noisy: whether f draws random numbers; its asymmetry then cannot be separated from noise.
-        measured: whether f is a measured BRDF.
-        transmitted, mirrored: shares of the light, in [0, 1], that are transmitted, or reflected by
-            a perfectly smooth surface; f contains neither.
-        textured: whether f is that of one point of a texture.
-        lobe: (6,) or (C, 6) the analytic lobe of each channel (see `urushi.nets.lobe`), if known:
-            the reflection of the topmost interface. None: it is fitted to the values.
-        bare: whether f is its lobe and nothing else.
-        isotropic: whether f is isotropic by construction, up to its mirror image.
-        widths: 2 if f is anisotropic by construction; symmetric then refers to its two planes of
-            symmetry.
-    """
-
-    f: Brdf
-    symmetric: bool = False
-    noisy: bool = False
-    measured: bool = False
-    transmitted: float = 0.0
-    mirrored: float = 0.0
-    textured: bool = False
-    lobe: np.ndarray | None = None
-    bare: bool = False
-    isotropic: bool = False
-    widths: int = 1
 
 
 class Deviations(NamedTuple):

@@ -35,7 +35,7 @@ def _on_variant(old: str | None, new: str) -> None:
     """Define the plugins' classes: a class belongs to the variant in which it was defined."""
     if new.startswith("llvm"):
         platform.require_llvm()  # an old LLVM would crash when the first kernel is compiled
-    from urushi.material.encode import as_source
+    from urushi.material.source import as_source
     from urushi.render.reading.bsdf import bsdf_source
 
     as_source.register(mi.BSDF, bsdf_source)  # for `urushi.encode`

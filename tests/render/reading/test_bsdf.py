@@ -7,8 +7,9 @@ import pytest
 
 from urushi.errors import ParameterError, PlatformError, UrushiWarning
 from urushi.geometry.probe_pairs import probe_pairs
-from urushi.material.encode import as_source, encode, evaluate_source
+from urushi.material.encode import encode, evaluate_source
 from urushi.material.layer import layer
+from urushi.material.source import as_source
 from urushi.reference import analytic
 from urushi.reference.stack import conductor, dielectric
 

@@ -4,8 +4,8 @@ import mitsuba as mi
 import numpy as np
 
 from urushi.errors import ParameterError, PlatformError
-from urushi.material.encode import as_source
-from urushi.material.symmetry import Source, asymmetry_pairs, is_anisotropic
+from urushi.material.source import Source, as_source
+from urushi.material.symmetry import asymmetry_pairs, is_anisotropic
 from urushi.measured.tabulated import MeasuredSurface
 from urushi.render import spectrum
 from urushi.render.reading import probing

@@ -1,0 +1,162 @@
+"""Sources of `encode`: whatever has a BRDF, as a function of two directions.
+
+The topmost interface of a description, and a surface that is nothing else, are known exactly: they
+are the lobe of the code (`urushi.nets.lobe`).
+"""
+
+import functools
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from urushi import checks
+from urushi.errors import ParameterError
+from urushi.material.material import Material
+from urushi.measured import Merl, Rgl
+from urushi.nets import lobe as lobes
+from urushi.nets.networks import UrushiNetworks
+from urushi.reference.stack import Coat, Conductor, Dielectric, Diffuse, Stack
+
+#: Random walks per probe and channel for a Stack: about 0.5 % noise where f is not tiny.
+STACK_WALKS = 16384
+
+#: An evaluated BRDF: f(wi, wo) -> (N, 3), (N, C) or (N,) [1/sr] for float32 unit vectors (N, 3).
+Brdf = Callable[[np.ndarray, np.ndarray], Any]
+
+
+class Source(NamedTuple):
+    """A BRDF to be encoded.
+
+    Attributes:
+        f: evaluates the BRDF at pairs above the horizon.
+        symmetric: whether f is isotropic and reciprocal by construction.
+        noisy: whether f draws random numbers; its asymmetry then cannot be separated from noise.
+        measured: whether f is a measured BRDF.
+        transmitted, mirrored: shares of the light, in [0, 1], that are transmitted, or reflected by
+            a perfectly smooth surface; f contains neither.
+        textured: whether f is that of one point of a texture.
+        lobe: (6,) or (C, 6) the analytic lobe of each channel (see `urushi.nets.lobe`), if known:
+            the reflection of the topmost interface. None: it is fitted to the values.
+        bare: whether f is its lobe and nothing else.
+        isotropic: whether f is isotropic by construction, up to its mirror image.
+        widths: 2 if f is anisotropic by construction; symmetric then refers to its two planes of
+            symmetry.
+    """
+
+    f: Brdf
+    symmetric: bool = False
+    noisy: bool = False
+    measured: bool = False
+    transmitted: float = 0.0
+    mirrored: float = 0.0
+    textured: bool = False
+    lobe: np.ndarray | None = None
+    bare: bool = False
+    isotropic: bool = False
+    widths: int = 1
+
+
+@functools.singledispatch
+def as_source(source: Any) -> Source:
+    """A source of `encode` as a function that can be evaluated.
+
+    `as_source.register(type, function)` adds a type of source; the render floor adds Mitsuba's
+    BSDFs.
+
+    Raises:
+        ParameterError: the source cannot be encoded.
+    """
+    if callable(getattr(source, "f", None)):
+        return Source(source.f)
+    if callable(source) and not isinstance(source, type):
+        return Source(source)
+    raise ParameterError(
+        f"cannot encode {type(source).__name__}; give a conductor, dielectric, diffuse, Stack, "
+        "Material, measured or Mitsuba BRDF, or a function f(wi, wo) -> (N, 3)"
+    )
+
+
+@as_source.register
+def _(source: Source) -> Source:
+    return source
+
+
+@as_source.register
+def _(source: Material) -> Source:
+    own = isinstance(source.model.networks, UrushiNetworks)
+    lobe = source.latents[:, : source.model.arch.lobe] if own else None
+    return Source(source.f, symmetric=True, lobe=lobe, widths=source.model.widths)
+
+
+@as_source.register
+def _(source: Merl) -> Source:
+    return Source(source.f, symmetric=True, measured=True)
+
+
+@as_source.register
+def _(source: Rgl) -> Source:
+    return Source(source.f, measured=True, isotropic=True)
+
+
+@as_source.register(Conductor)
+@as_source.register(Dielectric)
+@as_source.register(Diffuse)
+def _(source: Conductor | Dielectric | Diffuse) -> Source:
+    from urushi.reference import analytic  # lazily: it starts Dr.Jit
+
+    def f(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        return analytic.f(source, wi, wo)
+
+    return Source(
+        f,
+        symmetric=True,
+        lobe=lobe_of_surface(source),
+        bare=not isinstance(source, Diffuse),
+        widths=2 if not isinstance(source, Diffuse) and source.is_anisotropic else 1,
+    )
+
+
+@as_source.register
+def _(source: Stack) -> Source:
+    from urushi.reference.simulate import simulate
+
+    lobe, widths = lobe_of_coat(source.coats[0]), 2 if source.is_anisotropic else 1
+    if lobe.shape[-1] < len(lobes.NUMBERS[widths]):
+        lobe = lobes.with_two_widths(lobe)
+    return Source(
+        lambda wi, wo: simulate(source, wi, wo, walks=STACK_WALKS, seed=0)[0],
+        symmetric=True,
+        lobe=lobe,
+        widths=widths,
+    )
+
+
+def lobe_of_surface(source: Conductor | Dielectric | Diffuse) -> np.ndarray:
+    """The lobe float32 (N,) or (3, N) of a surface, N = 7 if it has two widths, otherwise 6."""
+    if isinstance(source, Diffuse):
+        return np.array(lobes.NO_LOBE, np.float32)
+    if isinstance(source, Dielectric):
+        return _lobe(source.alpha, 0.0, 0.0, 1.0, source.eta, 0.0)
+    if source.eta is not None and source.k is not None:
+        return _lobe(source.alpha, 0.0, 0.0, 1.0, source.eta, source.k)
+    assert source.r0 is not None
+    return _lobe(source.alpha, source.r0, 1.0, 0.0, lobes.NO_LOBE[4], 0.0)
+
+
+def lobe_of_coat(coat: Coat) -> np.ndarray:
+    """The lobe float32 (N,) or (3, N) of a coat's interface, N as of `lobe_of_surface`."""
+    return _lobe(coat.alpha, 0.0, 0.0, 1.0, coat.eta, 0.0)
+
+
+def _lobe(alpha: Any, *numbers: npt.ArrayLike) -> np.ndarray:
+    """The lobe float32 (..., N) of a width or two `Widths`, and five numbers that broadcast."""
+    if isinstance(alpha, checks.Widths):
+        alpha, numbers = alpha.u, (*numbers, alpha.v)
+    return np.stack(np.broadcast_arrays(alpha, *numbers), axis=-1).astype(np.float32)
+
+
+def source_name(source: Any) -> str:
+    """The name of a source in messages."""
+    return getattr(source, "__name__", type(source).__name__)
