@@ -17,7 +17,7 @@ from urushi.materialx.document import find_surface, read_document
 from urushi.materialx.graph import Graph
 from urushi.materialx.images import Decode, Images
 from urushi.materialx.xml import Element
-from urushi.openpbr.parameters import PARAMETERS, Parameter, checked, parameter
+from urushi.openpbr_surface.parameters import PARAMETERS, Parameter, checked, parameter
 
 #: The shader whose inputs are the parameters.
 TARGET = "open_pbr_surface"

@@ -16,7 +16,7 @@ from urushi.files import atomic_write
 from urushi.materialx.baking import Texture
 from urushi.materialx.surface import TARGET, ParameterValue
 from urushi.materialx.xml import Element, write
-from urushi.openpbr.parameters import PARAMETERS, complete
+from urushi.openpbr_surface.parameters import PARAMETERS, complete
 from urushi.reference.stack import Coat, Conductor, Diffuse, Stack, Value
 
 #: Parameters of OpenPBR that one coat over a metal or a Lambertian surface can have.

@@ -10,7 +10,7 @@ import numpy as np
 from urushi.errors import FileError, ParameterError
 from urushi.materialx.baking import Texture
 from urushi.materialx.surface import RESOLUTION, ParameterValue, read_surface
-from urushi.openpbr.parameters import PARAMETERS
+from urushi.openpbr_surface.parameters import PARAMETERS
 
 _FORMATS = ("Y", "YA", "RGB", "RGBA")
 

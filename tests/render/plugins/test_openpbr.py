@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import urushi
-from urushi.openpbr import metal
+from urushi.openpbr_surface import metal
 from urushi.render.reading import probing
 
 pytestmark = pytest.mark.usefixtures("rgb")
@@ -157,7 +157,7 @@ def test_without_darkening_the_coated_base_is_brighter_and_below_one():
 
 def test_fuzz_adds_and_hides():
     """At a coverage and a colour of one, a black base under fuzz reflects the fuzz's albedo."""
-    from urushi.openpbr import sheen
+    from urushi.openpbr_surface import sheen
 
     black = {"type": "rgb", "value": [0, 0, 0]}
     bsdf = openpbr(base_color=black, specular_weight=0.0, fuzz_weight=1.0, fuzz_roughness=0.4)

@@ -5,7 +5,7 @@ from typing import Any
 import drjit as dr
 import mitsuba as mi
 
-from urushi.openpbr import medium, roughness
+from urushi.openpbr_surface import medium, roughness
 from urushi.render.plugins import openpbr_base, openpbr_surface
 from urushi.render.reading.openpbr_inputs import Inputs, derived
 

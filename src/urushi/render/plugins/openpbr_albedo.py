@@ -1,10 +1,10 @@
-"""The albedos of `urushi.openpbr.interface_albedo` as Dr.Jit textures, and what they give back."""
+"""The albedos of `openpbr_surface.interface_albedo` as Dr.Jit textures, and what they give back."""
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi.openpbr import interface_albedo as tables
+from urushi.openpbr_surface import interface_albedo as tables
 
 
 class InterfaceAlbedo:

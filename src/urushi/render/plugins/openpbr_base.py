@@ -6,7 +6,7 @@ import numpy as np
 
 from urushi.checks import Widths
 from urushi.nets.lobe import NO_LOBE
-from urushi.openpbr import darkening, eon, glossy, metal, roughness
+from urushi.openpbr_surface import darkening, eon, glossy, metal, roughness
 from urushi.physics import fresnel, microfacet
 from urushi.physics.mixture import Mixture
 from urushi.render import spectrum
@@ -104,7 +104,7 @@ def define(base: type) -> type:
             return f * (passed / (eta * eta))
 
         def _boost(self, si, color, eta, active):
-            """The factor that takes back darkening by the coat, see `urushi.openpbr.darkening`."""
+            """The factor that takes back darkening, see `openpbr_surface.darkening`."""
             inputs = self._inputs
             share = inputs.number("base_metalness", si, active)
             f0 = dr.square((eta - 1) / (eta + 1))

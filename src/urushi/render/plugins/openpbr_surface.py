@@ -3,7 +3,7 @@
 import drjit as dr
 import mitsuba as mi
 
-from urushi.openpbr import darkening, glossy, roughness, sheen
+from urushi.openpbr_surface import darkening, glossy, roughness, sheen
 from urushi.render.plugins.openpbr_albedo import InterfaceAlbedo
 from urushi.render.reading.openpbr_inputs import Inputs
 

@@ -9,7 +9,7 @@ import mitsuba as mi
 import numpy as np
 
 from urushi.errors import ParameterError
-from urushi.openpbr.parameters import PARAMETERS, checked, parameter
+from urushi.openpbr_surface.parameters import PARAMETERS, checked, parameter
 from urushi.render.reading.parameters import describe
 
 #: Properties of the plugin that are no parameters of the specification.

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from urushi.openpbr.glossy import internal_reflectance
+from urushi.openpbr_surface.glossy import internal_reflectance
 
 
 class Base(NamedTuple):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from urushi.errors import ParameterError
-from urushi.openpbr.parameters import PARAMETERS, checked, complete
+from urushi.openpbr_surface.parameters import PARAMETERS, checked, complete
 
 EXAMPLES = Path(os.environ.get("URUSHI_TEST_DATA", "")) / "data" / "openpbr"
 

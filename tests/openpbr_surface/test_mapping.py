@@ -4,7 +4,16 @@ import numpy as np
 import pytest
 
 import urushi
-from urushi.openpbr import darkening, eon, glossy, interface_albedo, medium, metal, roughness, sheen
+from urushi.openpbr_surface import (
+    darkening,
+    eon,
+    glossy,
+    interface_albedo,
+    medium,
+    metal,
+    roughness,
+    sheen,
+)
 from urushi.reference.simulate import albedo
 
 COSINES, WEIGHTS = np.polynomial.legendre.leggauss(48)
