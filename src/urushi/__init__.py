@@ -20,9 +20,11 @@ if TYPE_CHECKING:
     from urushi.reference.simulate import simulate
     from urushi.reference.stack import Stack, coat, conductor, dielectric, diffuse
     from urushi.render.materialx import load_materialx
+    from urushi.render.openpbr import OpenPBR, openpbr
 
 __all__ = [
     "Material",
+    "OpenPBR",
     "Stack",
     "__version__",
     "coat",
@@ -35,6 +37,7 @@ __all__ = [
     "load",
     "load_materialx",
     "load_measured",
+    "openpbr",
     "save_materialx",
     "simulate",
 ]
@@ -52,11 +55,12 @@ def __getattr__(name: str) -> Any:
     from urushi.measured import load_measured
     from urushi.reference import Stack, coat, conductor, dielectric, diffuse, simulate
     from urushi.render.materialx import load_materialx
+    from urushi.render.openpbr import OpenPBR, openpbr
 
     register_picture(_picture)
     public = (Material, encode, layer, lerp, load, load_measured, simulate)
     described = (Stack, coat, conductor, dielectric, diffuse)
-    documents = (load_materialx, save_materialx)
+    documents = (load_materialx, save_materialx, OpenPBR, openpbr)
     globals().update({value.__name__: value for value in (*public, *described, *documents)})
     return globals()[name]
 

@@ -40,15 +40,33 @@ def save_materialx(stack: Stack, path: str | os.PathLike, name: str = "material"
         ParameterError: the stack or the name is another one.
         FileError: the file cannot be written.
     """
+    write_parameters(parameters(stack), path, name)
+
+
+def write_parameters(
+    values: Mapping[str, float | bool | tuple[float, float, float]],
+    path: str | os.PathLike,
+    name: str = "material",
+) -> None:
+    """Write constant parameters of OpenPBR as a document.
+
+    Args:
+        values: by name; colours in linear sRGB.
+        path: the document (.mtlx).
+        name: of the material; letters, digits and underscores.
+
+    Raises:
+        ParameterError: the name is another one.
+        FileError: the file cannot be written.
+    """
     if not (name.isascii() and name.isidentifier()):
         raise ParameterError(
             f"the material's name is {name!r}; use letters, digits and underscores"
         )
     root = Element("materialx", {"version": "1.39", "colorspace": "lin_rec709"})
     shader = Element(TARGET, {"name": f"{name}_shader", "type": "surfaceshader"})
-    for parameter, value in parameters(stack).items():
-        kind = "color3" if isinstance(value, tuple) else "float"
-        text = ", ".join(repr(x) for x in value) if isinstance(value, tuple) else repr(value)
+    for parameter, value in values.items():
+        kind, text = _typed(value)
         shader.add(Element("input", {"name": parameter, "type": kind, "value": text}))
     material = Element("surfacematerial", {"name": name, "type": "material"})
     link = {"name": "surfaceshader", "type": "surfaceshader", "nodename": f"{name}_shader"}
@@ -57,6 +75,15 @@ def save_materialx(stack: Stack, path: str | os.PathLike, name: str = "material"
     root.add(material)
     with atomic_write(path) as temporary:
         temporary.write_text('<?xml version="1.0"?>\n' + write(root), encoding="utf-8")
+
+
+def _typed(value: float | bool | tuple[float, float, float]) -> tuple[str, str]:
+    """MaterialX's type and text of a value."""
+    if isinstance(value, bool):
+        return "boolean", str(value).lower()
+    if isinstance(value, tuple):
+        return "color3", ", ".join(repr(x) for x in value)
+    return "float", repr(value)
 
 
 def parameters(stack: Stack) -> dict[str, float | tuple[float, float, float]]:
