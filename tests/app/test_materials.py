@@ -219,6 +219,16 @@ def test_layer_a_file_and_a_description_alike(tmp_path):
     np.testing.assert_array_equal(urushi.load(other).latents, expected.latents)
 
 
+def test_layer_takes_two_widths(tmp_path):
+    file = tmp_path / "brushed.safetensors"
+    flags = ["--alpha-u", "0.05", "--alpha-v", "0.3", "0.2", "0.1"]
+    assert cli.main(["layer", GOLD, *flags, "-o", str(file)]) == 0
+    top = urushi.dielectric(alpha_u=0.05, alpha_v=(0.3, 0.2, 0.1))
+    assert urushi.load(file) == urushi.layer(
+        top, urushi.encode(urushi.conductor(alpha=0.2, r0=(0.98, 0.77, 0.34)))
+    )
+
+
 def test_layer_has_the_coat_of_python_by_default(tmp_path):
     """The defaults are those of `urushi.coat`; the networks are those of --weights."""
     file, other = tmp_path / "coated.safetensors", tmp_path / "other.safetensors"
@@ -243,6 +253,8 @@ def test_one_value_or_three():
         (["encode", "diffuse(0.5)", "--refine", "--no-refine"], "exclude each other"),
         (["layer", "missing.safetensors"], "missing.safetensors"),
         (["layer", GOLD, "--alpha", "0"], "alpha is 0"),
+        (["layer", GOLD, "--alpha-u", "0.1"], "alpha_v"),
+        (["layer", GOLD, "--alpha", "0.1", "--alpha-u", "0.1", "--alpha-v", "0.2"], "alpha"),
         (["layer", GOLD, "--eta", "1"], "eta is 1"),
         (["layer", GOLD, "--albedo", "0.5", "1.5", "0.5"], "albedo is 1.5"),
         (["layer", GOLD, "--sigma-t", "-1"], "sigma_t is -1"),

@@ -15,6 +15,19 @@ def coated() -> urushi.Stack:
     return urushi.coat(bottom, alpha=0.2, eta=1.5, sigma_t=1, albedo=0.5)
 
 
+def test_azimuth_turns_the_plane_of_incidence(tmp_path):
+    """A plane across the tangent sees the two widths exchanged."""
+    files = [tmp_path / "along.npz", tmp_path / "across.npz"]
+    one, other = (
+        f"conductor(alpha_u={u}, alpha_v={v}, r0=0.5)" for u, v in ((0.1, 0.4), (0.4, 0.1))
+    )
+    assert cli.main(["simulate", one, "--azimuth", "0", "-o", str(files[0])]) == 0
+    assert cli.main(["simulate", other, "--azimuth", "90", "-o", str(files[1])]) == 0
+    f = [np.load(file)["f"] for file in files]
+    np.testing.assert_allclose(f[0], f[1], rtol=1e-4)
+    assert f[0].max() > 0
+
+
 def test_table_of_the_plane_of_incidence(capsys):
     assert cli.main(["simulate", COATED, "--walks", "256", "--incidence", "20"]) == 0
     lines = capsys.readouterr().out.splitlines()
@@ -72,6 +85,7 @@ def test_albedo_of_a_white_stack_is_one(tmp_path):
         (["lacquer"], "cannot read the description 'lacquer'"),
         (["conductor(alpha=7, r0=0.5)"], "alpha is 7"),
         (["diffuse(0.5)", "--incidence", "90"], "must be in [0, 90) degrees"),
+        (["diffuse(0.5)", "--azimuth", "nan"], "--azimuth is nan"),
         (["diffuse(0.5)", "--incidence", "nan"], "must be in [0, 90) degrees"),
         ([COATED, "--walks", "1"], "walks is 1"),
         (["diffuse(0.5)", "--albedo"], "--albedo simulates coats"),

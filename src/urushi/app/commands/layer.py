@@ -33,10 +33,14 @@ class Layer:
     Python, such as "conductor(alpha=0.2, r0=0.9)"."""
     output: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
     """Material file to write (.safetensors)."""
-    alpha: tuple[float, ...] = (DEFAULT_COAT.alpha,)
-    """GGX width (roughness) of the coat's interface, in [0.01, 1]."""
+    alpha: tuple[float, ...] | None = None
+    """GGX width (roughness) of the coat's interface, in [0.01, 1]. Default: 0.1."""
+    alpha_u: tuple[float, ...] | None = None
+    """In place of --alpha: the width along the tangent, the x axis of the directions."""
+    alpha_v: tuple[float, ...] | None = None
+    """In place of --alpha: the width across the tangent."""
     eta: tuple[float, ...] = (DEFAULT_COAT.eta,)
-    """Index of refraction of the coat relative to the medium above, in [1.001, 3]."""
+    """Index of refraction of the coat relative to the medium above, in [0.5, 3]."""
     albedo: tuple[float, ...] = (DEFAULT_COAT.albedo,)
     """Single-scattering albedo of the medium inside the coat, in [0, 1]."""
     sigma_t: tuple[float, ...] = (DEFAULT_COAT.sigma_t,)
@@ -49,7 +53,11 @@ class Layer:
     def run(self) -> int:
         import urushi
 
-        top = urushi.dielectric(scalar_or_rgb(self.alpha), scalar_or_rgb(self.eta))
+        alpha, alpha_u, alpha_v = (
+            None if width is None else scalar_or_rgb(width)
+            for width in (self.alpha, self.alpha_u, self.alpha_v)
+        )
+        top = urushi.dielectric(alpha, scalar_or_rgb(self.eta), alpha_u=alpha_u, alpha_v=alpha_v)
         coated = urushi.layer(
             top,
             read_material(self.material, self.weights),

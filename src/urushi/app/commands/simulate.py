@@ -10,6 +10,7 @@ import tyro
 
 from urushi.errors import FileError, ParameterError
 from urushi.files import atomic_write
+from urushi.geometry.frames import rotated
 
 #: Polar angles of the printed table [degrees]; negative ones are on the light's side.
 POLAR_DEGREES = tuple(range(-80, 81, 10))
@@ -33,6 +34,8 @@ class Simulate:
     """Material: coat(...), conductor(...), dielectric(...) or diffuse(...); coats may be nested."""
     incidence: float = 30.0
     """Angle between the incident direction and the normal [degrees], in [0, 90)."""
+    azimuth: float = 0.0
+    """Angle of the plane of incidence about the normal, from the tangent [degrees]."""
     pairs: Path | None = None
     """NPZ file with arrays wi and wo, (N, 3) unit vectors, that replace the plane of incidence."""
     albedo: bool = False
@@ -49,7 +52,7 @@ class Simulate:
 
         description = describe(self.description)
         if self.albedo:
-            wi = _polar(np.array(INCIDENCE_DEGREES, float))
+            wi = self._turned(_polar(np.array(INCIDENCE_DEGREES, float)))
             albedo, se = evaluate_albedo(description, wi, walks=self.walks, seed=self.seed)
             return self._print_or_save(albedo_table(albedo, se), wi=wi, albedo=albedo, se=se)
         wi, wo = self._plane() if self.pairs is None else read_pairs(self.pairs)
@@ -73,8 +76,15 @@ class Simulate:
             raise ParameterError(
                 f"--incidence is {self.incidence:g}; it must be in [0, 90) degrees"
             )
-        wo = _polar(-np.array(POLAR_DEGREES, float))
-        return np.repeat(_polar(np.array([self.incidence])), len(wo), axis=0), wo
+        wo = self._turned(_polar(-np.array(POLAR_DEGREES, float)))
+        wi = self._turned(_polar(np.array([self.incidence])))
+        return np.repeat(wi, len(wo), axis=0), wo
+
+    def _turned(self, w: np.ndarray) -> np.ndarray:
+        """Directions (N, 3) of the xz plane, in the plane of incidence."""
+        if not np.isfinite(self.azimuth):
+            raise ParameterError(f"--azimuth is {self.azimuth:g}; give an angle in degrees")
+        return w if self.azimuth == 0 else rotated(w, self.azimuth / 360.0)
 
 
 def evaluate(
