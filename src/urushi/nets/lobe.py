@@ -157,7 +157,9 @@ def lobe_features(lobe: Any) -> Any:
     have them.
     """
     xp = lobe.__array_namespace__()
-    at = [reflectance(lobe, xp.asarray(c, dtype=lobe.real.dtype)) for c in COSINES]
+    # One call for all cosines: for a few lobes, the number of calls is the price.
+    reflected = reflectance(lobe[..., None, :], xp.asarray(COSINES, dtype=lobe.real.dtype))
+    at = [reflected[..., i] for i in range(len(COSINES))]
     mean = (at[0] + at[1] + at[2]) * (1.0 / 3.0)
     seen = mean / (mean + VISIBLE)
     alpha = lobe[..., 0]
