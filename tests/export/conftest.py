@@ -20,6 +20,25 @@ def model() -> Model:
         sampler=(16,),
         activation="silu7",
     )
+    return _untrained(arch)
+
+
+@pytest.fixture(scope="session")
+def anisotropic_model() -> Model:
+    arch = Architecture(
+        latent=24,
+        decoder=(16, 16),
+        layerer=(16,),
+        encoder=(16,),
+        sampler=(16,),
+        activation="silu7",
+        widths=2,
+    )
+    return _untrained(arch)
+
+
+def _untrained(arch: Architecture) -> Model:
+    """Random parameters of a size at which f and the proposal vary much."""
     params = init(arch, 3)
     rng = np.random.default_rng(3)
     params[SCALE] = rng.normal(size=params[SCALE].shape).astype(np.float32) * 0.2
@@ -44,6 +63,24 @@ def materials(model) -> dict[str, Material]:
         "one lobe": Material(coat, model, coat + np.float32(0.1)),
         "no lobe": Material(bare, model),
         "grey": Material(codes[:1], model),
+    }
+
+
+@pytest.fixture(scope="session")
+def anisotropic_materials(anisotropic_model) -> dict[str, Material]:
+    """Anisotropic materials by what is special in them."""
+    rng = np.random.default_rng(6)
+    codes = rng.normal(size=(3, 24)).astype(np.float32)
+    codes[:, 0], codes[:, 6] = (0.15, 0.3, 0.4), (0.4, 0.2, 0.1)
+    codes[:, 1:4] = rng.uniform(0, 0.5, (3, 3))
+    codes[:, 4:6] = (1.5, 0), (0.8, 2), (0.3, 3)
+    coat = codes.copy()
+    coat[:, :7] = 0.12, 0, 0, 1, 1.5, 0, 0.4  # the same in all channels
+    return {
+        "three lobes": Material(codes, anisotropic_model),
+        "one lobe": Material(coat, anisotropic_model, coat + np.float32(0.1)),
+        "turned": Material(codes, anisotropic_model, codes - np.float32(0.1), rotation=40.0),
+        "grey": Material(codes[:1], anisotropic_model),
     }
 
 

@@ -13,6 +13,7 @@ from urushi.app.cli import main
 from urushi.errors import ParameterError
 from urushi.export.program import codes_text
 from urushi.nets import weights
+from urushi.nets.weights import Model
 from urushi.textures import file, packing
 from urushi.textures import gpu as texture_files
 from urushi.textures.grid import TexelGrid
@@ -37,11 +38,17 @@ void main() {
 
 @pytest.fixture(scope="module")
 def store(model) -> TextureStore:
+    return store_of(model)
+
+
+def store_of(model: Model) -> TextureStore:
     """A texture with all levels; some numbers are constant, or the same in all channels."""
     rng = np.random.default_rng(2)
     codes = rng.normal(size=(WIDTH * HEIGHT, 3, 24)).astype(np.float32)
     codes[..., 0] = rng.uniform(0.1, 0.4, (len(codes), 1))
     codes[..., 1:6] = 0, 0, 1, 1.5, 0
+    if model.widths == 2:
+        codes[..., 6] = rng.uniform(0.1, 0.4, (len(codes), 1))
     layout = packing.texel_layout(model, 3)
     store = TextureStore(model, layout, WIDTH, HEIGHT, mipmaps=True)
     with store.writing() as write:
@@ -116,9 +123,11 @@ def test_dds_is_read_by_another_program(store, tmp_path):
         assert np.array_equal(np.asarray(opened), levels_of_store(store, 1)[0][0])
 
 
-def test_look_up_in_opengl(model, store):
+@pytest.mark.parametrize("networks_of", ["model", "anisotropic_model"])
+def test_look_up_in_opengl(networks_of, request):
     """At the centre of each texel of each level, f and pdf are those of the texel's code."""
-    context = gpu.gl_context()
+    context, model = gpu.gl_context(), request.getfixturevalue(networks_of)
+    store = store_of(model)
     grid = TexelGrid(WIDTH, HEIGHT, PLACE, "clamp")
     text = codes_text("glsl", model, "urushi", texture_files.texels(store, grid))
     codes = packing.unpack(store.layout, store.packed)

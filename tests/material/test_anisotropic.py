@@ -169,5 +169,3 @@ def test_bad_input_is_named(lacquered):
         urushi.layer(SATIN, urushi.diffuse(0.5), weights="default")
     with pytest.raises(ParameterError, match="Stack.*isotropic"):
         urushi.encode(urushi.coat(BRUSHED, 0.1, 1.5), "default")
-    with pytest.raises(ParameterError, match="anisotropic materials, which cannot"):
-        lacquered[0].shader("glsl")

@@ -10,7 +10,7 @@ from urushi.export.expressions import Expression, call, colour, dot
 from urushi.export.statements import Function
 from urushi.nets.architecture import SCALE
 from urushi.nets.decoder import MAX_LOG, MIN_LOG
-from urushi.nets.features import DIRECTION_TABLE, MIN_COSINE
+from urushi.nets.features import AZIMUTH_TABLE, DIRECTION_TABLE, MIN_COSINE
 from urushi.nets.weights import Model
 
 
@@ -53,8 +53,8 @@ def known_terms(model: Model, codes: np.ndarray) -> CodeTerms:
     return split_terms(model, colour(codes[:, lobe]), [colour(column) for column in rows.T])
 
 
-def features(body: Function, wi: Expression, wo: Expression) -> list[Expression]:
-    """The eight features of two directions, see `nets.features.direction_features`."""
+def features(body: Function, wi: Expression, wo: Expression, widths: int = 1) -> list[Expression]:
+    """The features of two directions, see `nets.features.direction_features`."""
     body.note_line("Features of the two directions, the same with wi and wo exchanged.")
     cos_i = body.let("cos_i", call("max", wi.z, MIN_COSINE))
     cos_o = body.let("cos_o", call("max", wo.z, MIN_COSINE))
@@ -76,9 +76,29 @@ def features(body: Function, wi: Expression, wo: Expression) -> list[Expression]
         call("log", z),
         call("min", cos_i, cos_o),
     ]
+    table: tuple[tuple[str, float, float], ...] = DIRECTION_TABLE
+    if widths == 2:
+        table += AZIMUTH_TABLE
+        columns += _azimuth_columns(body, (wi.x, wo.x, x), (wi.y, wo.y, y), z)
     return [
         body.let(f"feature{i}", (column - mean) * (1.0 / scale))
-        for i, (column, (_, mean, scale)) in enumerate(zip(columns, DIRECTION_TABLE, strict=True))
+        for i, (column, (_, mean, scale)) in enumerate(zip(columns, table, strict=True))
+    ]
+
+
+def _azimuth_columns(
+    body: Function,
+    along: tuple[Expression, Expression, Expression],
+    across: tuple[Expression, Expression, Expression],
+    z: Expression,
+) -> list[Expression]:
+    """The columns of `AZIMUTH_TABLE` of wi's, wo's and their sum's component on either axis."""
+    z2 = body.let("sum_z2", z * z)
+    axes = along, across
+    return [
+        *(call("log", total * total / z2 + 1e-6) for _, _, total in axes),
+        *(call("log", one * one + other * other + 1e-3) for one, other, _ in axes),
+        *(one * other for one, other, _ in axes),
     ]
 
 

@@ -5,13 +5,13 @@ from collections.abc import Sequence
 
 from urushi.export.expressions import Expression, Value, call, expression, is_zero
 from urushi.export.statements import Function
-from urushi.nets.lobe import COSINES, FEATURE_MEANS, FEATURE_SCALES, VISIBLE
+from urushi.nets.lobe import COSINES, FEATURE_MEANS, FEATURE_SCALES, LOBE_NUMBERS, VISIBLE
 
 
 def f(body: Function, lobe: Sequence[Value], wi: Expression, wo: Expression) -> Expression:
-    """f [1/sr] of lobes, whose six numbers are floats or colours; zero if none reflects."""
-    alpha, *factors = numbers = [expression(number) for number in lobe]
-    if all(is_zero(factor) for factor in factors[:3]):
+    """f [1/sr] of lobes, whose numbers are floats or colours; zero if none reflects."""
+    numbers = [expression(number) for number in lobe]
+    if all(is_zero(factor) for factor in numbers[1:4]):
         return expression(0.0)
     body.note_line("The lobe: D G / (4 cos_i cos_o) of GGX with the separable Smith term, where")
     body.note_line("wi + wo stands for the half vector.")
@@ -20,18 +20,39 @@ def f(body: Function, lobe: Sequence[Value], wi: Expression, wo: Expression) -> 
     x, y = body.let("half_x", wi.x + wo.x), body.let("half_y", wi.y + wo.y)
     z = body.let("half_z", cos_i + cos_o)
     across, z2 = body.let("half_xy2", x * x + y * y), body.let("half_z2", z * z)
-    alpha2 = body.let("alpha2", alpha * alpha)
-    ratio = body.let("ratio", (across + z2) / (across + alpha2 * z2 + 1e-18))
-    rest = body.let("remaining", 1.0 - alpha2)
+    if len(numbers) == len(LOBE_NUMBERS):
+        alpha2 = body.let("alpha2", numbers[0] * numbers[0])
+        squeezed = across
+        rest = body.let("remaining", 1.0 - alpha2)
+        roots = [alpha2 + rest * (cos * cos) for cos in (cos_i, cos_o)]
+    else:
+        alpha2, along, aside = products(body, numbers[0], numbers[-1])
+        squeezed = x * x * aside + y * y * along
+        roots = [
+            alpha2 * (w.x * w.x * along + w.y * w.y * aside) + cos * cos
+            for w, cos in ((wi, cos_i), (wo, cos_o))
+        ]
+    ratio = body.let("ratio", (across + z2) / (squeezed + alpha2 * z2 + 1e-18))
     # Two names: a product of sums is the same with wi and wo exchanged, whatever is contracted.
-    masking_i = body.let("masking_i", cos_i + call("sqrt", alpha2 + rest * (cos_i * cos_i)))
-    masking_o = body.let("masking_o", cos_o + call("sqrt", alpha2 + rest * (cos_o * cos_o)))
+    masking_i = body.let("masking_i", cos_i + call("sqrt", roots[0]))
+    masking_o = body.let("masking_o", cos_o + call("sqrt", roots[1]))
     shape = body.let(
         "lobe_shape", (alpha2 * (1.0 / math.pi)) * (ratio * ratio) / (masking_i * masking_o)
     )
     cosine = body.let("cos_facet", call("min", 0.5 * call("sqrt", across + z2), 1.0))
     body.note_line("Its Fresnel term at the cosine to the facet.")
     return body.let("lobe", shape * reflectance(body, numbers, cosine, "facet"))
+
+
+def products(
+    body: Function, along: Expression, across: Expression
+) -> tuple[Expression, Expression, Expression]:
+    """The product of two GGX widths, and the quotients along / across and across / along."""
+    return (
+        body.let("alpha2", along * across),
+        body.let("u_over_v", along / across),
+        body.let("v_over_u", across / along),
+    )
 
 
 def reflectance(
@@ -41,7 +62,7 @@ def reflectance(
 
     suffix: of the names of its variables.
     """
-    _, normal, grazing, exact, eta, k = lobe
+    normal, grazing, exact, eta, k = lobe[1 : len(LOBE_NUMBERS)]
     value = expression(0.0)
     if not (is_zero(normal) and is_zero(grazing)):
         away = body.let(f"away_{suffix}", call("clamp", 1.0 - expression(cosine), 0.0, 1.0))
@@ -78,15 +99,18 @@ def _fresnel(
 
 
 def features(body: Function, lobe: Sequence[Expression]) -> list[Expression]:
-    """The six features of a lobe of floats, see `nets.lobe.lobe_features`."""
+    """The features of a lobe of floats, see `nets.lobe.lobe_features`."""
     alpha = lobe[0]
     at = [reflectance(body, lobe, cosine, f"at{i}") for i, cosine in enumerate(COSINES)]
     mean = body.let("mean_fresnel", (at[0] + at[1] + at[2]) * (1.0 / 3.0))
     seen = body.let("seen", mean / (mean + VISIBLE))
     columns = [seen * call("log", alpha), seen * alpha, *at, call("log", mean + VISIBLE)]
+    means: tuple[float, ...] = FEATURE_MEANS
+    scales: tuple[float, ...] = FEATURE_SCALES
+    if len(lobe) > len(LOBE_NUMBERS):
+        columns += [seen * call("log", lobe[-1]), seen * lobe[-1]]
+        means, scales = means + means[:2], scales + scales[:2]
     return [
         body.let(f"lobe_feature{i}", (column - offset) * (1.0 / scale))
-        for i, (column, offset, scale) in enumerate(
-            zip(columns, FEATURE_MEANS, FEATURE_SCALES, strict=True)
-        )
+        for i, (column, offset, scale) in enumerate(zip(columns, means, scales, strict=True))
     ]

@@ -18,7 +18,7 @@ from urushi.export.expressions import (
     vector,
 )
 from urushi.export.languages import LANGUAGES
-from urushi.export.proposal import SAMPLE, WI, WO, Sampling, U, argument
+from urushi.export.proposal import SAMPLE, WI, WIDTHS, WO, Sampling, U, argument
 from urushi.export.statements import (
     Function,
     Lookup,
@@ -28,7 +28,9 @@ from urushi.export.statements import (
     element,
     member,
 )
+from urushi.export.tangent import FIELDS, X_AXIS, Tangent
 from urushi.export.texels import Texels, texel_function
+from urushi.nets.lobe import WIDTH_PLACES
 from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
 
@@ -42,6 +44,18 @@ CONVENTIONS = (
     "u holds three uniform random numbers in [0, 1). {sample} returns wo and its density [1/sr]; "
     "f * wo.z / density is the weight of the path. {pdf} returns the density of {sample} at any "
     "wo.",
+)
+
+#: What the files of anisotropic networks add.
+ANISOTROPIC = (
+    "The x axis of the frame is the tangent of the shape. f is the same for the mirror images of "
+    "wi and wo at the plane of the normal and the material's tangent, and at the plane across.",
+)
+
+#: How the materials of a file for all of them are turned.
+TURNED = (
+    "A material's tangent is the x axis. To turn it, set tangent_x and tangent_y of the material "
+    "to the cosine and the sine of the angle.",
 )
 
 #: Beginning of the names in templates.
@@ -60,6 +74,7 @@ def material_text(
     latents: np.ndarray,
     anchors: np.ndarray,
     prefix: str,
+    rotation: float = 0.0,
 ) -> str:
     """The file of one material.
 
@@ -67,6 +82,7 @@ def material_text(
         language: one of `LANGUAGES`.
         latents, anchors: (C, size), C being 1 or 3: codes by which f is evaluated and sampled.
         prefix: begins the names in the file.
+        rotation: [degrees] by which the material's tangent is turned.
 
     Raises:
         ParameterError: an unknown language or a prefix that is no name, a material of another
@@ -77,7 +93,8 @@ def material_text(
         raise ParameterError(
             f"the material has {len(latents)} channels; only one or three can become a shader"
         )
-    return LANGUAGES[language](prefix).printed(material_program(model, latents, anchors))
+    program = material_program(model, latents, anchors, rotation)
+    return LANGUAGES[language](prefix).printed(program)
 
 
 def codes_text(language: str, model: Model, prefix: str, texels: Texels | None = None) -> str:
@@ -102,7 +119,8 @@ def template_text(language: str, model: Model) -> str:
     """The file of a material whose codes are still to be filled in, for writers without Python.
 
     It is the file of `codes_text` with a function `material` that prepares the codes. The number
-    of a code and a channel is written as a name, `code_0_red` for the first.
+    of a code and a channel is written as a name, `code_0_red` for the first. If the networks are
+    anisotropic, `code_tangent_x` and `code_tangent_y` are the cosine and the sine of the rotation.
 
     Raises:
         ParameterError: as `codes_text`.
@@ -122,11 +140,6 @@ def check(language: str, model: Model, prefix: str) -> None:
             f"'{prefix}' cannot begin the names of functions; give letters, digits and single "
             "underscores, a letter first"
         )
-    if model.widths == 2:
-        raise ParameterError(
-            f"the weights {model.fingerprint} are for anisotropic materials, which cannot be "
-            "written as source code; render the material in Mitsuba, or give it one alpha"
-        )
     if not isinstance(model.networks, UrushiNetworks):
         raise ParameterError(
             f"the networks {model.fingerprint} are of another system and cannot become a shader; "
@@ -134,40 +147,42 @@ def check(language: str, model: Model, prefix: str) -> None:
         )
 
 
-def material_program(model: Model, latents: np.ndarray, anchors: np.ndarray) -> Program:
+def material_program(
+    model: Model, latents: np.ndarray, anchors: np.ndarray, rotation: float = 0.0
+) -> Program:
     """The program of a material of known codes."""
-    channels = len(latents)
+    channels, tangent = len(latents), Tangent.of(rotation)
     unit = activation(FLOAT, model.arch.activation, "unit")
     functions = [unit]
     numbers = [colour(column) for column in latents[:, : model.arch.lobe].T]
 
     f = Function("f", (WI, WO), COLOUR, "The BRDF [1/sr] without the cosine.", public=True)
-    wi, wo = argument(WI), argument(WO)
+    wi, wo = _inside(f, tangent, argument(WI), argument(WO))
     value = lobe.f(f, numbers, wi, wo)
-    inputs = decoder.features(f, wi, wo)
+    inputs = decoder.features(f, wi, wo, model.widths)
     activated = activation(COLOUR, model.arch.activation, "units") if channels > 1 else unit
     rest = decoder.rest(f, model, decoder.known_terms(model, latents), inputs, activated)
     if activated is not unit:
         functions.append(activated)
     f.returns(_above(wi, wo, value + rest))
 
-    cos_i = Variable("cosine_i", FLOAT)
-    made = Function("proposal", (cos_i,), "Proposal", "The proposal for a cosine of wi.")
+    made = Function("proposal", (WI,), "Proposal", "The proposal for wi.")
     mean = anchors.mean(axis=0)
     first = proposal.known_first(model, mean)
-    made.returns(
-        proposal.fill(made, model, first, expression(float(mean[0])), argument(cos_i), unit)
-    )
+    alphas = [expression(float(mean[place])) for place in WIDTH_PLACES[model.widths]]
+    made.returns(proposal.fill(made, model, first, alphas, argument(WI), unit))
     sampling = proposal.functions(model)
     pdf = Function("pdf", (WI, WO), FLOAT, "The density [1/sr] of `sample` at wo.", public=True)
-    pdf.returns(sampling.density(made(wi.z), wi, wo))
+    wi, wo = _inside(pdf, tangent, argument(WI), argument(WO))
+    pdf.returns(sampling.density(made(wi), wi, wo))
     sample = Function("sample", (WI, U), SAMPLE.name, SAMPLE_NOTE, public=True)
+    wi = tangent.inside(sample, argument(WI), "turned_i")
     raised = _raised(sample, wi)
-    _sampled(sample, made(raised.z), sampling, wi, raised)
+    _sampled(sample, made(raised), sampling, wi, raised, tangent)
     note = (
         f"A material of Urushi as code, of the networks {model.fingerprint}.",
         "Functions: {f}(wi, wo), {pdf}(wi, wo) and {sample}(wi, u).",
-        *CONVENTIONS,
+        *_conventions(model),
     )
     structures = (proposal.structure(model), SAMPLE)
     return Program(note, structures, [*functions, f, made, *sampling.all, pdf, sample])
@@ -176,10 +191,22 @@ def material_program(model: Model, latents: np.ndarray, anchors: np.ndarray) -> 
 SAMPLE_NOTE = "A direction, about in proportion to f and its cosine; below the horizon density 0."
 
 
+WIDTH_NOTE = "width of the proposal's own lobe"
+
+
+def _conventions(model: Model) -> tuple[str, ...]:
+    """How directions and values are meant in a file."""
+    return CONVENTIONS if model.widths == 1 else (*CONVENTIONS, *ANISOTROPIC)
+
+
 def material_structure(model: Model) -> Structure:
     """What `prepare` makes of codes."""
     arch = model.arch
     terms = 2 * arch.decoder[0]
+    last = [Variable("alpha", FLOAT, note=WIDTH_NOTE)]
+    if arch.widths == 2:
+        along, across = (Variable(label, FLOAT, note=WIDTH_NOTE) for label in WIDTHS)
+        last = [along, across, *FIELDS]
     return Structure(
         MATERIAL,
         (
@@ -187,7 +214,7 @@ def material_structure(model: Model) -> Structure:
             Variable("gain", COLOUR, note="added to the logarithm of the rest"),
             Variable("terms", COLOUR, terms, "scales and offsets of the units"),
             Variable("first", FLOAT, arch.sampler[0], "of the sampler's first layer"),
-            Variable("alpha", FLOAT, note="width of the proposal's own lobe"),
+            *last,
         ),
         "A material: what the networks need of its codes. `prepare` makes it.",
     )
@@ -202,39 +229,42 @@ def codes_program(model: Model, texels: Texels | None = None) -> Program:
     prepare = _prepare(model, structure)
 
     material = Variable("material", MATERIAL)
-    lobes, gain, terms, first, alpha = (
+    lobes, gain, terms, first, *others = (
         member(argument(material), variable) for variable in structure.fields
     )
+    alphas, tangent = others[: arch.widths], Tangent(*others[arch.widths :] or X_AXIS)
     f = Function(
         "f", (material, WI, WO), COLOUR, "The BRDF [1/sr] without the cosine.", public=True
     )
-    wi, wo = argument(WI), argument(WO)
+    wi, wo = _inside(f, tangent, argument(WI), argument(WO))
     value = lobe.f(f, [element(lobes, i) for i in range(arch.lobe)], wi, wo)
-    inputs = decoder.features(f, wi, wo)
+    inputs = decoder.features(f, wi, wo, arch.widths)
     count = structure.fields[2].count or 0
     parts = decoder.split_terms(model, gain, [element(terms, i) for i in range(count)])
     rest = decoder.rest(f, model, parts, inputs, units)
     f.returns(_above(wi, wo, value + rest))
 
-    cos_i = Variable("cosine_i", FLOAT)
-    made = Function("proposal", (material, cos_i), "Proposal", "The proposal for a cosine of wi.")
+    made = Function("proposal", (material, WI), "Proposal", "The proposal for wi.")
     firsts = [element(first, i) for i in range(arch.sampler[0])]
-    made.returns(proposal.fill(made, model, firsts, alpha, argument(cos_i), unit))
+    made.returns(proposal.fill(made, model, firsts, alphas, argument(WI), unit))
     sampling = proposal.functions(model)
     pdf = Function(
         "pdf", (material, WI, WO), FLOAT, "The density [1/sr] of `sample` at wo.", public=True
     )
-    pdf.returns(sampling.density(made(argument(material), wi.z), wi, wo))
+    wi, wo = _inside(pdf, tangent, argument(WI), argument(WO))
+    pdf.returns(sampling.density(made(argument(material), wi), wi, wo))
     sample = Function("sample", (material, WI, U), SAMPLE.name, SAMPLE_NOTE, public=True)
+    wi = tangent.inside(sample, argument(WI), "turned_i")
     raised = _raised(sample, wi)
-    _sampled(sample, made(argument(material), raised.z), sampling, wi, raised)
+    _sampled(sample, made(argument(material), raised), sampling, wi, raised, tangent)
     note: tuple[str, ...] = (
         f"All materials of Urushi's networks {model.fingerprint} as code; the latent codes of a "
         "material are arguments.",
         f"Functions: {{prepare}}(codes), once for the {arch.latent} numbers of a material's codes, "
         "each for red, green and blue; then {f}(material, wi, wo), {pdf}(material, wi, wo) and "
         "{sample}(material, wi, u).",
-        *CONVENTIONS,
+        *_conventions(model),
+        *(TURNED if arch.widths == 2 else ()),
     )
     structures = (structure, proposal.structure(model), SAMPLE)
     functions = [unit, units, prepare, f, made, *sampling.all, pdf, sample]
@@ -261,12 +291,19 @@ def template_program(model: Model) -> Program:
     for i in range(model.arch.latent):
         numbers = (name(f"code_{i}_{channel}", FLOAT) for channel in ("red", "green", "blue"))
         made.assign(element(codes, i), colour_of(*numbers))
-    made.returns(prepare(codes))
+    if model.widths == 1:
+        made.returns(prepare(codes))
+    else:
+        prepared = made.structure("prepared", MATERIAL)
+        made.assign(prepared, prepare(codes))
+        for variable in FIELDS:
+            made.assign(member(prepared, variable), name(f"code_{variable.name}", FLOAT))
+        made.returns(prepared)
     note = (
         f"A material of Urushi as code, of the networks {model.fingerprint}.",
         "Functions: {material}(), once; then {f}(material, wi, wo), {pdf}(material, wi, wo) and "
         "{sample}(material, wi, u). {prepare}(codes) makes other materials.",
-        *CONVENTIONS,
+        *_conventions(model),
     )
     return Program(note, program.structures, [*program.functions, made])
 
@@ -284,7 +321,7 @@ def _prepare(model: Model, structure: Structure) -> Function:
     )
     numbers = [element(argument(codes), i) for i in range(arch.latent)]
     made = function.structure("made", MATERIAL)
-    lobes, gain, terms, first, alpha = (member(made, variable) for variable in structure.fields)
+    lobes, gain, terms, first, *others = (member(made, variable) for variable in structure.fields)
     for i in range(arch.lobe):
         function.assign(element(lobes, i), numbers[i])
     function.assign(gain, numbers[arch.lobe])
@@ -301,13 +338,24 @@ def _prepare(model: Model, structure: Structure) -> Function:
         for i, number in enumerate(numbers)
     ]
     inputs = [*lobe.features(function, mean[: arch.lobe]), *mean[arch.lobe :]]
-    weight, bias = model.params["sampler.0.weight"][:-2], model.params["sampler.0.bias"]
+    weight, bias = model.params["sampler.0.weight"][: len(inputs)], model.params["sampler.0.bias"]
     outputs = dense(function, "first", weight, inputs, [float(value) for value in bias])
     for i, output in enumerate(outputs):
         function.assign(element(first, i), output)
-    function.assign(alpha, mean[0])
+    places = WIDTH_PLACES[arch.widths]
+    for alpha, place in zip(others[: arch.widths], places, strict=True):
+        function.assign(alpha, mean[place])
+    for component, value in zip(others[arch.widths :], X_AXIS, strict=False):
+        function.assign(component, value)
     function.returns(made)
     return function
+
+
+def _inside(
+    body: Function, tangent: Tangent, wi: Expression, wo: Expression
+) -> tuple[Expression, Expression]:
+    """Both directions in the frame of a tangent."""
+    return tangent.inside(body, wi, "turned_i"), tangent.inside(body, wo, "turned_o")
 
 
 def _above(wi: Expression, wo: Expression, value: Expression) -> Expression:
@@ -325,13 +373,18 @@ def _sampled(
     sampling: Sampling,
     wi: Expression,
     raised: Expression,
+    tangent: Tangent,
 ) -> None:
-    """Return a direction of a proposal and its density."""
+    """Return a direction of a proposal and its density.
+
+    wi and raised are in the frame of the tangent.
+    """
     mixture = body.let("mixture", mixture)
     direction = body.let("drawn", sampling.draw(mixture, raised, argument(U)))
     result = body.structure("result", SAMPLE.name)
     above = wi.z > 0.0
-    body.assign(member(result, SAMPLE.fields[0]), select(above, direction, vector(0.0, 0.0, 1.0)))
+    seen = tangent.outside(body, direction, "outside")
+    body.assign(member(result, SAMPLE.fields[0]), select(above, seen, vector(0.0, 0.0, 1.0)))
     body.assign(
         member(result, SAMPLE.fields[1]),
         select(above, sampling.density(mixture, raised, direction), 0.0),

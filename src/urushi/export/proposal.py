@@ -18,6 +18,7 @@ from urushi.export.expressions import (
     select,
     vector,
 )
+from urushi.export.lobe import products
 from urushi.export.statements import Function, Structure, Variable, member
 from urushi.nets.features import MIN_COSINE
 from urushi.nets.sampler import MIN_COSINE_SHARE, sampler_inputs
@@ -41,15 +42,20 @@ def argument(variable: Variable) -> Expression:
 
 
 def structure(model: Model) -> Structure:
-    """The proposal for one wi: weights and widths of its lobes."""
+    """The proposal for one wi: weights and widths of its lobes, those along the tangent first."""
     count = _lobes(model)
     weights = [Variable(f"weight{k}", FLOAT) for k in range(count)]
-    widths = [Variable(f"alpha{k}", FLOAT) for k in range(count)]
+    names = ["alpha"] if model.widths == 1 else WIDTHS
+    widths = [Variable(f"{name}{k}", FLOAT) for name in names for k in range(count)]
     return Structure(
         "Proposal",
         (*weights, Variable("cosine_weight", FLOAT), *widths),
         "A mixture of GGX reflection lobes and a cosine lobe.",
     )
+
+
+#: Names of the two widths of a lobe.
+WIDTHS = ("alpha_u", "alpha_v")
 
 
 def _lobes(model: Model) -> int:
@@ -61,22 +67,27 @@ def fill(
     body: Function,
     model: Model,
     first: Sequence[Expression],
-    own_alpha: Expression,
-    cos_i: Expression,
+    own_alphas: Sequence[Expression],
+    wi: Expression,
     activated: Function,
 ) -> Expression:
-    """The proposal of a code for the cosine of wi.
+    """The proposal of a code for wi.
 
-    first: what the sampler's first layer makes of the code, its bias included. own_alpha: the
-    width of the code's lobe.
+    first: what the sampler's first layer makes of the code, its bias included. own_alphas: the
+    widths of the code's lobe.
     """
     params, count = model.params, _lobes(model)
-    raised = body.let("raised", call("max", cos_i, MIN_COSINE))
+    raised = body.let("raised", call("max", wi.z, MIN_COSINE))
     inputs = [
         body.let("cosine", (raised - 0.5) * 3.0),
         body.let("log_cosine", call("log", raised) + 1.0),
     ]
-    weight = params["sampler.0.weight"][-2:]
+    if model.widths == 2:
+        inputs += [
+            body.let(f"square_{axis}", (value * value - 0.33) * 3.0)
+            for axis, value in (("x", wi.x), ("y", wi.y))
+        ]
+    weight = params["sampler.0.weight"][-len(inputs) :]
     values = dense(body, "first", weight, inputs, first)
     layer = 1
     while f"sampler.{layer}.weight" in params:
@@ -99,10 +110,13 @@ def fill(
     for variable, share in zip(fields[:count], shares, strict=False):
         body.assign(member(result, variable), share * scale)
     body.assign(member(result, fields[count]), shares[count] * scale + MIN_COSINE_SHARE)
-    widths = [own_alpha]
-    for value in values[count + 1 :]:
-        fraction = 0.5 - 0.5 * call("tanh", call("clamp", 0.5 * value, -20.0, 20.0))
-        widths.append(call("exp", math.log(MIN_ALPHA) * fraction))
+    widths = []
+    for axis, own in enumerate(own_alphas):
+        widths.append(own)
+        start = count + 1 + axis * model.arch.lobes
+        for value in values[start : start + model.arch.lobes]:
+            fraction = 0.5 - 0.5 * call("tanh", call("clamp", 0.5 * value, -20.0, 20.0))
+            widths.append(call("exp", math.log(MIN_ALPHA) * fraction))
     for variable, width in zip(fields[count + 1 :], widths, strict=True):
         body.assign(member(result, variable), call("clamp", width, MIN_ALPHA, 1.0))
     return result
@@ -127,17 +141,19 @@ def functions(model: Model) -> Sampling:
     fields, count = structure(model).fields, _lobes(model)
     mixture = Variable("mixture", "Proposal")
     parts = [member(argument(mixture), variable) for variable in fields]
-    weights, cosine_weight, alphas = parts[:count], parts[count], parts[count + 1 :]
-    reflection = _reflection_density()
+    weights, cosine_weight = parts[:count], parts[count]
+    # The widths of each lobe, one or two.
+    alphas = [parts[count + 1 :][k::count] for k in range(count)]
+    reflection = _reflection_density(model.widths)
     density = Function(
         "density", (mixture, WI, WO), FLOAT, "The density [1/sr] of the proposal at wo."
     )
     wi, wo = argument(WI), argument(WO)
     total = cosine_weight * (wo.z * (1.0 / math.pi))
     for weight, alpha in zip(weights, alphas, strict=True):
-        total = total + weight * reflection(alpha, wi, wo)
+        total = total + weight * reflection(*alpha, wi, wo)
     density.returns(select(call("min", wi.z, wo.z) > 0.0, total, 0.0))
-    reflected = _sample_reflection()
+    reflected = _sample_reflection(model.widths)
     draw = Function(
         "draw", (mixture, WI, U), VECTOR, "A direction of the proposal from uniform numbers."
     )
@@ -145,60 +161,82 @@ def functions(model: Model) -> Sampling:
     draw.note_line("u.x chooses the lobe.")
     edge, alpha = weights[0], alphas[0]
     for k in range(1, count):
-        alpha = draw.let(f"width{k}", select(u.x >= edge, alphas[k], alpha))
+        alpha = [
+            draw.let(f"width{label}{k}", select(u.x >= edge, own, other))
+            for label, own, other in zip(_labels(model.widths), alphas[k], alpha, strict=True)
+        ]
         edge = draw.let(f"edge{k}", edge + weights[k])
     radius = draw.let("radius", call("sqrt", u.y))
     phi = draw.let("phi", (2.0 * math.pi) * u.z)
     height = draw.let("height", call("sqrt", call("max", 1.0 - u.y, 0.0)))
     cosine = vector(radius * call("cos", phi), radius * call("sin", phi), height)
-    draw.returns(select(u.x >= edge, cosine, reflected(alpha, wi, u)))
+    draw.returns(select(u.x >= edge, cosine, reflected(*alpha, wi, u)))
     return Sampling(density, draw, (reflection, density, reflected, draw))
 
 
-def _reflection_density() -> Function:
+def _labels(widths: int) -> tuple[str, ...]:
+    """Ends of the names of a lobe's widths."""
+    return ("",) if widths == 1 else ("_u", "_v")
+
+
+def _alphas(widths: int) -> tuple[Variable, ...]:
+    """The widths of a lobe as arguments."""
+    return tuple(Variable(f"alpha{label}", FLOAT) for label in _labels(widths))
+
+
+def _reflection_density(widths: int) -> Function:
     """Of visible normals of GGX, see `nets.sampler.reflection_pdf`."""
     function = Function(
         "reflection_density",
-        (Variable("alpha", FLOAT), WI, WO),
+        (*_alphas(widths), WI, WO),
         FLOAT,
         "The density of wi reflected about a visible GGX normal and mirrored up (Heitz 2018).",
     )
-    alpha, wi, wo = map(argument, function.arguments)
-    alpha2 = function.let("alpha2", alpha * alpha)
+    *alphas, wi, wo = map(argument, function.arguments)
     x, y = function.let("half_x", wi.x + wo.x), function.let("half_y", wi.y + wo.y)
-    across = function.let("half_xy2", x * x + y * y)
+    across = squeezed = function.let("half_xy2", x * x + y * y)
+    cos_i = function.let("cos_i", call("max", wi.z, 0.0))
+    if widths == 1:
+        alpha2 = function.let("alpha2", alphas[0] * alphas[0])
+        below = alpha2 + (1.0 - alpha2) * (cos_i * cos_i)
+    else:
+        alpha2, u_over_v, v_over_u = products(function, *alphas)
+        squeezed = function.let("squeezed", x * x * v_over_u + y * y * u_over_v)
+        wide_x = function.let("wide_x", alphas[0] * wi.x)
+        wide_y = function.let("wide_y", alphas[1] * wi.y)
+        below = wide_x * wide_x + wide_y * wide_y + cos_i * cos_i
     ratios = []
     for label, z in (("up", wi.z + wo.z), ("down", wi.z - wo.z)):
         z = function.let(label, z)
         z2 = function.let(f"{label}2", z * z)
-        ratio = (across + z2) / call("max", across + alpha2 * z2, 1e-18)
+        ratio = (across + z2) / call("max", squeezed + alpha2 * z2, 1e-18)
         ratios.append((z, function.let(f"ratio_{label}", ratio)))
     (_, upper), (down, lower) = ratios
     total = upper * upper + select(down > 0.0, lower * lower, 0.0)
-    cos_i = function.let("cos_i", call("max", wi.z, 0.0))
-    root = function.let("root", call("sqrt", alpha2 + (1.0 - alpha2) * (cos_i * cos_i)))
+    root = function.let("root", call("sqrt", below))
     function.returns(total * (alpha2 * (0.5 / math.pi)) / (cos_i + root))
     return function
 
 
-def _sample_reflection() -> Function:
+def _sample_reflection(widths: int) -> Function:
     """By a spherical cap (Dupuy and Benyoub 2023), see `nets.sampler.sample_reflection`."""
     function = Function(
         "sample_reflection",
-        (Variable("alpha", FLOAT), WI, U),
+        (*_alphas(widths), WI, U),
         VECTOR,
         "wi reflected about a visible GGX normal by u.y and u.z (Dupuy and Benyoub 2023).",
     )
-    alpha, wi, u = map(argument, function.arguments)
-    x, y, z = function.let("wide_x", alpha * wi.x), function.let("wide_y", alpha * wi.y), wi.z
+    *alphas, wi, u = map(argument, function.arguments)
+    along, across = alphas[0], alphas[-1]
+    x, y, z = function.let("wide_x", along * wi.x), function.let("wide_y", across * wi.y), wi.z
     size = function.let("wide_size", call("sqrt", x * x + y * y + z * z))
     x, y = function.let("cap_x", x / size), function.let("cap_y", y / size)
     z = function.let("cap_z", z / size)
     phi = function.let("phi", (2.0 * math.pi) * u.y)
     height = function.let("height", (1.0 - u.z) * (1.0 + z) - z)
     radius = function.let("radius", call("sqrt", call("max", 1.0 - height * height, 0.0)))
-    hx = function.let("facet_x", alpha * (radius * call("cos", phi) + x))
-    hy = function.let("facet_y", alpha * (radius * call("sin", phi) + y))
+    hx = function.let("facet_x", along * (radius * call("cos", phi) + x))
+    hy = function.let("facet_y", across * (radius * call("sin", phi) + y))
     hz = function.let("facet_z", height + z)
     product = 2.0 * (wi.x * hx + wi.y * hy + wi.z * hz)
     scale = function.let("twice_cosine", product / call("max", hx * hx + hy * hy + hz * hz, 1e-18))
@@ -209,6 +247,6 @@ def _sample_reflection() -> Function:
 def known_first(model: Model, code: np.ndarray) -> list[Expression]:
     """What the sampler's first layer makes of a known code (size,)."""
     inputs = sampler_inputs(model.arch, code[None])
-    weight = model.params["sampler.0.weight"][:-2]
+    weight = model.params["sampler.0.weight"][: inputs.shape[-1]]
     row = (inputs @ weight + model.params["sampler.0.bias"])[0]
     return [expression(float(value)) for value in row]

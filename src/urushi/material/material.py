@@ -251,7 +251,7 @@ class Material:
 
         Raises:
             ParameterError: an unknown language, a prefix that is no name, networks of another
-                system or of anisotropic materials, or other than one or three channels.
+                system, or other than one or three channels.
 
         Warns:
             UrushiWarning: the material has a table.
@@ -263,7 +263,9 @@ class Material:
                 UrushiWarning,
                 stacklevel=2,
             )
-        return material_text(language, self.model, self.latents, self.anchors, prefix)
+        return material_text(
+            language, self.model, self.latents, self.anchors, prefix, self.rotation
+        )
 
     def save(self, path: str | os.PathLike) -> None:
         """Write the material to a safetensors file; `urushi.load` reads it.
