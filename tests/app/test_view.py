@@ -23,6 +23,7 @@ from urushi.app.page_server import HOST, POLICY, PageServer
 from urushi.errors import FileError, ParameterError
 from urushi.export.languages import LANGUAGES
 from urushi.nets import weights
+from urushi.nets.architecture import init
 
 #: The page's sources, in a checkout.
 VIEWER = Path(__file__).parents[2] / "viewer"
@@ -131,7 +132,7 @@ def test_shader_code_of_every_language_is_beside_the_page(untrained):
 
 def test_a_description_becomes_cards():
     text = "coat(coat(conductor(0.2, eta=0.2, k=3.0), sigma_t=(1, 2, 3), g=0.5), 0.05, eta=1.4)"
-    cards = view.first_material(text, None)
+    cards = view.first_material(text, None).material
     assert cards["bottom"] == {"kind": "conductor", "alpha": 0.2, "eta": 0.2, "k": 3.0}
     top, lower = cards["coats"]
     assert (top["alpha"], top["eta"], top["sigmaT"]) == (0.05, 1.4, 0.0)
@@ -147,7 +148,7 @@ def test_a_description_becomes_cards():
     ],
 )
 def test_a_bottom_becomes_a_card(text, bottom):
-    assert view.first_material(text, None) == {
+    assert view.first_material(text, None).material == {
         "name": "Material",
         "bottom": bottom,
         "coats": [],
@@ -157,7 +158,7 @@ def test_a_bottom_becomes_a_card(text, bottom):
 def test_a_file_becomes_codes(untrained, tmp_path):
     material = urushi.encode(urushi.conductor(0.2, r0=(0.9, 0.7, 0.3)))
     material.save(tmp_path / "gold.safetensors")
-    shown = view.first_material(str(tmp_path / "gold.safetensors"), None)
+    shown = view.first_material(str(tmp_path / "gold.safetensors"), None).material
     assert (shown["name"], shown["coats"], shown["bottom"]["kind"]) == ("gold", [], "codes")
     for name in ("latents", "anchors"):
         assert np.array_equal(shown["bottom"][name], getattr(material, name).ravel())
@@ -174,7 +175,7 @@ SCENE = """<scene version="3.0.0">
 def test_a_bsdf_of_a_scene_becomes_codes(tmp_path, rgb):
     path = tmp_path / "scene.xml"
     path.write_text(SCENE)
-    shown = view.first_material(f"{path}#gold", None)
+    shown = view.first_material(f"{path}#gold", None).material
     assert (shown["name"], shown["bottom"]["kind"]) == ("gold", "codes")
     latents = np.reshape(shown["bottom"]["latents"], (3, -1))
     np.testing.assert_allclose(latents[:, 0], 0.3, rtol=1e-6)  # the lobe's width
@@ -182,6 +183,35 @@ def test_a_bsdf_of_a_scene_becomes_codes(tmp_path, rgb):
         view.first_material(str(path), None)
     with pytest.raises(ParameterError, match="has no BSDF 'tin'"):
         view.first_material(f"{path}#tin", None)
+
+
+TEXTURED = """<scene version="3.0.0">
+    <shape type="sphere"><bsdf type="neural_layered" id="lacquer">
+        <float name="alpha" value="0.1"/>
+        <bsdf type="diffuse" name="bottom">
+            <texture type="checkerboard" name="reflectance"/>
+        </bsdf>
+    </bsdf></shape>
+</scene>"""
+
+
+def test_a_textured_bsdf_of_a_scene_becomes_a_texture(tmp_path, rgb):
+    path = tmp_path / "scene.xml"
+    path.write_text(TEXTURED)
+    first = view.first_material(f"{path}#lacquer", None)
+    name = f"{zlib.crc32(first.texture):08x}"
+    assert first.material["bottom"] == {"kind": "texels", "texture": name}
+    saved = tmp_path / "saved.safetensors"
+    saved.write_bytes(first.texture)
+    again = view.first_material(str(saved), None)
+    assert (again.material["name"], again.texture) == ("saved", first.texture)
+    files = page_files.page_files(weights.default_model(), again)
+    assert files[json.loads(files["start.json"])["texture"]] == first.texture
+    other = tmp_path / "other.safetensors"
+    arch = weights.default_model().arch
+    weights.save(other, arch, init(arch, 1), {})
+    with pytest.raises(FileError, match="do not belong together"):
+        view.first_material(str(saved), str(other))
 
 
 def test_what_the_page_cannot_show(untrained, monkeypatch, tmp_path):

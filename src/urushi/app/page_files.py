@@ -6,8 +6,9 @@ its materials.
 """
 
 import json
+import zlib
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import safetensors.numpy
@@ -23,17 +24,30 @@ from urushi.reference.stack import Conductor, Dielectric, Diffuse, Stack
 
 #: Names of the files that are made, not built.
 WEIGHTS_FILE, START_FILE, SHADERS_FOLDER = "weights.safetensors", "start.json", "shaders"
+TEXTURE_FILE = "texture.safetensors"
 
 #: Coats that the page has cards for.
 MOST_COATS = 6
 
 
-def page_files(model: Model, material: dict[str, Any] | None) -> dict[str, bytes]:
+class First(NamedTuple):
+    """What the page shows first.
+
+    Attributes:
+        material: as the page reads it; of `cards_of`, `codes_of` or `texels_of`.
+        texture: the content of the file of its texture of codes, if it has one.
+    """
+
+    material: dict[str, Any]
+    texture: bytes | None = None
+
+
+def page_files(model: Model, first: First | None) -> dict[str, bytes]:
     """The page's files by their paths relative to it, with "/" between folders.
 
     Args:
         model: the networks.
-        material: what the page shows first, of `cards_of` or `codes_of`; None: its own first one.
+        first: what the page shows first; None: its own first material.
 
     Raises:
         FileError: the page was not built.
@@ -47,8 +61,12 @@ def page_files(model: Model, material: dict[str, Any] | None) -> dict[str, bytes
     }
     if "index.html" not in built:
         raise FileError(f"the page is missing in '{folder}'; run `make viewer` in the repository")
-    start = {} if material is None else {"materials": [material]}
-    made = {WEIGHTS_FILE: half_precision(model), START_FILE: json.dumps(start).encode()}
+    start: dict[str, Any] = {} if first is None else {"materials": [first.material]}
+    made = {WEIGHTS_FILE: half_precision(model)}
+    if first is not None and first.texture is not None:
+        start["texture"] = TEXTURE_FILE
+        made[TEXTURE_FILE] = first.texture
+    made[START_FILE] = json.dumps(start).encode()
     return built | made | shader_files(model)
 
 
@@ -102,6 +120,12 @@ def codes_of(material: Material, name: str) -> dict[str, Any]:
         },
         "coats": [],
     }
+
+
+def texels_of(texture: bytes, name: str) -> First:
+    """A texture of codes as the page shows it; texture: the content of its file."""
+    bottom = {"kind": "texels", "texture": f"{zlib.crc32(texture):08x}"}
+    return First({"name": name, "bottom": bottom, "coats": []}, texture)
 
 
 def _three(codes: np.ndarray) -> np.ndarray:

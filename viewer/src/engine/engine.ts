@@ -6,13 +6,14 @@ import { Superseded } from "../core/client";
 import type { Estimate } from "../core/walk/reference";
 import { brightPairs, COARSE, FINE, type TableSize } from "../picture/bright_table";
 import type { PageCore } from "./remote";
+import type { ShownTexture } from "./textures";
 
 /** Numbers of cosines and of directions of a table. */
 export const COSINES = 64;
 export const SAMPLES = 128;
 
-/** Steps of the sequence of a table's directions (Roberts 2018). */
-const STEPS = [0.8191725133961645, 0.6710436067037893, 0.5497004779019703] as const;
+/** Steps of the sequence of directions (Roberts 2018). */
+export const STEPS = [0.8191725133961645, 0.6710436067037893, 0.5497004779019703] as const;
 
 /** Shifted tables whose mean the picture at rest is. */
 export const MOST_TABLES = 48;
@@ -49,6 +50,12 @@ export interface Bright {
   size: TableSize;
 }
 
+/** What a slot shows: a stack, or a texture of codes whose mean the stack is. */
+export interface Shown {
+  stack: Stack;
+  texture: ShownTexture | null;
+}
+
 /** What a slot knows of the page. */
 export interface Surroundings {
   /** Called when there is something new to draw. */
@@ -66,6 +73,8 @@ export class Slot {
   generation = 0;
   tables: Float32Array[] = [];
   bright: Bright | null = null;
+  /** Decoded at each pixel; null: the material is the same everywhere. */
+  texture: ShownTexture | null = null;
   /** f (N, 3) at `PLANE_ANGLES`, and the directional albedo (N, 3) at `ALBEDO_COSINES`. */
   readonly plane = signal<Float32Array | null>(null);
   readonly albedo = signal<Float32Array | null>(null);
@@ -76,7 +85,7 @@ export class Slot {
   private albedoIsOld = true;
   private timer = 0;
   private abort = new AbortController();
-  private wanted: Stack | null = null;
+  private wanted: Shown | null = null;
   private busy = false;
   private key = "";
 
@@ -85,12 +94,12 @@ export class Slot {
     private readonly page: Surroundings,
   ) {}
 
-  /** Show another stack as soon as possible. */
-  show(stack: Stack): void {
-    const key = keyOf(stack);
+  /** Show another material as soon as possible. */
+  show(shown: Shown): void {
+    const key = `${shown.texture?.texture.id ?? ""}${keyOf(shown.stack)}`;
     if (key === this.key) return;
     this.key = key;
-    this.wanted = stack;
+    this.wanted = shown;
     void this.work();
   }
 
@@ -118,7 +127,8 @@ export class Slot {
   async light(fine: boolean): Promise<void> {
     const { material, generation } = this;
     const size = fine ? FINE : COARSE;
-    if (material === null || (this.bright !== null && (!fine || this.bright.size === FINE))) return;
+    const isEnough = this.bright !== null && (!fine || this.bright.size === FINE);
+    if (material === null || this.texture !== null || isEnough) return;
     const pairs = brightPairs(size);
     const f = await this.core.f(material, pairs.wi, pairs.wo);
     if (generation !== this.generation || this.busy) return;
@@ -130,7 +140,7 @@ export class Slot {
     this.busy = true;
     try {
       while (this.wanted !== null) {
-        const stack = this.wanted;
+        const { stack, texture } = this.wanted;
         this.wanted = null;
         this.abort.abort();
         this.walk.value = null;
@@ -138,6 +148,7 @@ export class Slot {
         const table = await this.table(material, 0);
         this.material = material;
         this.stack = stack;
+        this.texture = texture;
         this.generation++;
         this.tables = [table];
         this.bright = null;

@@ -2,7 +2,7 @@
 
 import type { Bottom, Core, Material } from "../core/api";
 import { CHANNELS } from "../core/channels";
-import { Refusal } from "../state/read";
+import { Refusal } from "../refusal";
 
 interface Tensor {
   dtype: string;
@@ -36,8 +36,6 @@ export function readMaterialFile(
   } catch {
     throw damaged();
   }
-  if (description.kind === "texture")
-    throw new Refusal("It holds a texture of codes; the page shows constant materials only.");
   if (description.kind !== "material")
     throw new Refusal("It is no material that Urushi has saved.");
   if (description.weights !== fingerprint) throw foreign();

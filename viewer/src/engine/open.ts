@@ -3,12 +3,16 @@
 import { signal } from "@preact/signals";
 import type { Bottom } from "../core/api";
 import { FileError } from "../core/safetensors";
+import type { TexelBottom } from "../material/material";
+import { isTexture } from "../material/texture";
 import { readHdr, withoutLights } from "../picture/panorama";
-import { Refusal, readState } from "../state/read";
+import { Refusal } from "../refusal";
+import { readState } from "../state/read";
 import { announcement, change, changeMaterial, notice } from "../state/store";
 import { readMaterialFile } from "./material_file";
 import type { PageCore } from "./remote";
 import { session, useEnvironment } from "./session";
+import { keepTexture } from "./textures";
 
 /** Whether a measured file is being encoded. */
 export const encoding = signal(false);
@@ -26,8 +30,7 @@ export async function openFile(file: File): Promise<void> {
     } else if (suffix === "safetensors" || suffix === "binary" || suffix === "bsdf") {
       const core = session.value?.core;
       if (core === undefined) throw new Refusal("The networks are not loaded yet.");
-      const isMeasured = suffix !== "safetensors";
-      const bottom = isMeasured ? await encodeMeasured(core, bytes) : readMaterialFile(bytes, core);
+      const bottom = await bottomOf(core, bytes, suffix !== "safetensors");
       const name = file.name.replace(/\.[a-z]+$/i, "").slice(0, 80);
       changeMaterial({ name, bottom, coats: [], solo: null });
     } else {
@@ -39,6 +42,17 @@ export async function openFile(file: File): Promise<void> {
     if (!(error instanceof Refusal || error instanceof FileError)) throw error;
     notice.value = `“${file.name}” was not opened. ${error.message}`;
   }
+}
+
+/** The bottom of a file: codes, a texture of codes, or a measured BRDF. */
+async function bottomOf(
+  core: PageCore,
+  bytes: Uint8Array<ArrayBuffer>,
+  isMeasured: boolean,
+): Promise<Bottom | TexelBottom> {
+  if (isMeasured) return encodeMeasured(core, bytes);
+  if (isTexture(bytes)) return { kind: "texels", texture: await keepTexture(bytes, core) };
+  return readMaterialFile(bytes, core);
 }
 
 /** The codes of a measured BRDF, which the worker takes some seconds to find. */

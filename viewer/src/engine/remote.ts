@@ -1,7 +1,7 @@
 /** The numeric core in its worker, with the networks. */
 
 import { RemoteCore } from "../core/client";
-import { Refusal } from "../state/read";
+import { Refusal } from "../refusal";
 
 /** What the page needs of the core. */
 export type PageCore = Pick<

@@ -1,18 +1,21 @@
 /** What lives as long as the page: the core, two materials, the picture, and what binds them. */
 
 import { computed, effect, signal } from "@preact/signals";
-import { stackOf } from "../material/material";
+import { type MaterialCards, stackOf } from "../material/material";
+import { meanCodes } from "../material/texture";
 import { type Light, lightsOf } from "../picture/environment";
 import { NoGraphics } from "../picture/gl";
 import { Painter } from "../picture/painter";
 import type { Panorama } from "../picture/panorama";
 import { Renderer, type Shot } from "../picture/renderer";
+import { Refusal } from "../refusal";
 import { exrFile, type Radiance } from "../save/exr";
 import type { Scene } from "../save/scene";
-import { Refusal, readState } from "../state/read";
+import { readState } from "../state/read";
 import { announcement, begunWith, look, notice, state } from "../state/store";
-import { Slot } from "./engine";
+import { type Shown, Slot } from "./engine";
 import { connect, type PageCore } from "./remote";
+import { keepTexture, textures } from "./textures";
 
 /** A panorama that was dropped on the page. */
 export interface OwnEnvironment {
@@ -131,8 +134,10 @@ export class Session {
     const active = computed(() => state.value.active);
     effect(() => {
       for (const slot of [0, 1] as const)
-        if (compared.value || slot === active.value)
-          slots[slot].show(stackOf(materials.value[slot]));
+        if (compared.value || slot === active.value) {
+          const shown = shownOf(materials.value[slot]);
+          if (shown !== null) slots[slot].show(shown);
+        }
     });
 
     const shot = computed<Shot>(() => {
@@ -174,8 +179,9 @@ export const session = signal<Session | null>(null);
 /** Load the networks and begin, with the material that the page was opened for unless `addressed`. */
 export async function begin(addressed: boolean): Promise<void> {
   try {
-    const [core, start] = await Promise.all([connect(), addressed ? {} : readStart()]);
-    if ("materials" in start) begunWith(() => readState(start));
+    const [core, start] = await Promise.all([connect(), readStart()]);
+    if ("texture" in start) await keepTexture(await readBytes(String(start.texture)), core);
+    if ("materials" in start && !addressed) begunWith(() => readState(start));
     session.value = new Session(core);
     ready.value = true;
   } catch (error) {
@@ -187,6 +193,26 @@ export async function begin(addressed: boolean): Promise<void> {
 async function readStart(): Promise<object> {
   const answer = await fetch("start.json");
   return answer.ok ? ((await answer.json()) as object) : {};
+}
+
+async function readBytes(path: string): Promise<Uint8Array<ArrayBuffer>> {
+  const answer = await fetch(path);
+  if (!answer.ok) throw new Refusal(`The file ${path} is missing beside the page.`);
+  return new Uint8Array(await answer.arrayBuffer());
+}
+
+/** What a slot shows of a material; null if its texture was not opened. */
+function shownOf(material: MaterialCards): Shown | null {
+  const { bottom } = material;
+  if (bottom.kind !== "texels") return { stack: stackOf(material), texture: null };
+  const texture = textures.value.get(bottom.texture);
+  if (texture === undefined) {
+    notice.value = `The texture of “${material.name}” is no part of the address or the state; open its file again.`;
+    return null;
+  }
+  const latents = meanCodes(texture.texture);
+  const mean = { kind: "codes", latents, anchors: latents } as const;
+  return { stack: { bottom: mean, coats: [] }, texture };
 }
 
 /** Light the object by a panorama. */

@@ -1,6 +1,7 @@
 /** The material on the page: cards of coats over a bottom, and the stack that they describe. */
 
 import type { Bottom, Channels, Coat, Stack } from "../core/api";
+import { Refusal } from "../refusal";
 
 export type Rgb = readonly [number, number, number];
 
@@ -12,10 +13,17 @@ export interface CoatCard extends Coat {
   on: boolean;
 }
 
+/** A texture of codes, named by its `CodeTexture.id`: its texels are no part of the state. */
+export interface TexelBottom {
+  kind: "texels";
+  texture: string;
+}
+
 /** A named stack of cards. */
 export interface MaterialCards {
   name: string;
-  bottom: Bottom;
+  /** A texture of codes has no coats. */
+  bottom: Bottom | TexelBottom;
   /** The topmost first. */
   coats: readonly CoatCard[];
   /** The only coat that is shown, by its id; `BARE`: none; null: all that are on. */
@@ -35,13 +43,25 @@ export function isSeen(material: MaterialCards, coat: CoatCard): boolean {
   return material.solo === null ? coat.on : material.solo === coat.id;
 }
 
-/** The stack that is shown. */
+/**
+ * The stack that is shown.
+ *
+ * @throws Refusal if it is a texture of codes.
+ */
 export function stackOf(material: MaterialCards): Stack {
+  const { bottom } = material;
+  if (bottom.kind === "texels")
+    throw new Refusal("A texture of codes can be saved as a material file or a Mitsuba scene.");
   const coats = material.coats.filter((coat) => isSeen(material, coat));
   return {
-    bottom: material.bottom,
+    bottom,
     coats: coats.map(({ alpha, eta, albedo, sigmaT, g }) => ({ alpha, eta, albedo, sigmaT, g })),
   };
+}
+
+/** Whether another coat can be added. */
+export function takesCoat({ bottom, coats }: MaterialCards): boolean {
+  return bottom.kind !== "texels" && coats.length < MOST_COATS;
 }
 
 /** A number for an additional card. */
@@ -70,7 +90,7 @@ export function moved(material: MaterialCards, from: number, to: number): Materi
 
 /** The material with a coat on top of all others. */
 export function withCoat(material: MaterialCards, coat: Coat = CLEAR_COAT): MaterialCards {
-  if (material.coats.length >= MOST_COATS) return material;
+  if (!takesCoat(material)) return material;
   const card: CoatCard = { ...coat, id: freeId(material), on: true };
   return { ...material, coats: [card, ...material.coats] };
 }

@@ -63,6 +63,11 @@ export class Program {
     }
   }
 
+  /** Give the program back. */
+  delete(): void {
+    this.gl.deleteProgram(this.program);
+  }
+
   use(): void {
     this.gl.useProgram(this.program);
   }
@@ -85,9 +90,10 @@ export class Program {
     this.gl.uniform3fv(this.place(name), values);
   }
 
-  /** A matrix, column by column: nine numbers or sixteen. */
+  /** A matrix, column by column: of two rows and three columns, or of three or four of both. */
   setMatrix(name: string, values: readonly number[]): void {
-    if (values.length === 9) this.gl.uniformMatrix3fv(this.place(name), false, values);
+    if (values.length === 6) this.gl.uniformMatrix3x2fv(this.place(name), false, values);
+    else if (values.length === 9) this.gl.uniformMatrix3fv(this.place(name), false, values);
     else this.gl.uniformMatrix4fv(this.place(name), false, values);
   }
 
@@ -103,6 +109,11 @@ export class Program {
       this.places.set(name, this.gl.getUniformLocation(this.program, name));
     return this.places.get(name)!;
   }
+}
+
+/** A source with texts in the place of its lines `#include NAME`. */
+export function included(source: string, texts: Record<string, string>): string {
+  return source.replace(/^#include (\S+)$/gm, (_line, name: string) => texts[name]!);
 }
 
 /** A program that runs over the whole viewport; draw it by `cover`. */

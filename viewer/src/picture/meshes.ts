@@ -5,7 +5,7 @@ import { BODY, HANDLE, LID, NATSUME, PLATE, type Point, SPOUT, type Tube, VASE }
 
 /** A mesh that fits into a ball. */
 export interface Mesh {
-  /** Positions and unit normals, six numbers a vertex. */
+  /** Positions, unit normals and uv in [0, 1], `VERTEX_NUMBERS` a vertex. */
   vertices: Float32Array;
   faces: Uint32Array;
   /** Centre and radius of the ball. */
@@ -17,6 +17,9 @@ export interface Mesh {
   /** Radius of the object's shadow on the ground. */
   footprint: number;
 }
+
+/** Numbers of a vertex. */
+export const VERTEX_NUMBERS = 8;
 
 /** A curve (radius, height) for places in [0, 1], from the foot to the top. */
 type Outline = (place: number) => Point;
@@ -129,7 +132,7 @@ interface Part {
   faces: number[];
 }
 
-/** A grid of a surface that closes around; normals by finite differences, outwards. */
+/** A grid of a surface that closes around; normals by finite differences, outwards; uv is (u, v). */
 function surface(at: Surface, around: number, along: number): Part {
   const vertices: number[] = [];
   const faces: number[] = [];
@@ -142,7 +145,10 @@ function surface(at: Surface, around: number, along: number): Part {
       const u = (column % around) / around;
       const du = minus(at((u + step) % 1, beside), at((u + 1 - step) % 1, beside));
       const dv = minus(at(u, beside + step), at(u, beside - step));
-      vertices.push(...at(u, v), ...unit(cross(du, dv)));
+      // A vertex of the first or last row is that of one triangle, of whose middle it has the u.
+      const aside = row === 0 ? 0.5 : row === along ? -0.5 : 0;
+      const middle = Math.min(Math.max((column + aside) / around, 0), 1);
+      vertices.push(...at(u, v), ...unit(cross(du, dv)), middle, v);
       if (row === along || column === around) continue;
       const first = row * (around + 1) + column;
       const above = first + around + 1;
@@ -156,20 +162,20 @@ function joined(parts: Part[], footprint: number): Mesh {
   const vertices: number[] = [];
   const faces: number[] = [];
   for (const part of parts) {
-    const before = vertices.length / 6;
+    const before = vertices.length / VERTEX_NUMBERS;
     for (const number of part.vertices) vertices.push(number);
     for (const face of part.faces) faces.push(before + face);
   }
   const low = [Infinity, Infinity, Infinity];
   const high = [-Infinity, -Infinity, -Infinity];
-  for (let at = 0; at < vertices.length; at += 6)
+  for (let at = 0; at < vertices.length; at += VERTEX_NUMBERS)
     for (let axis = 0; axis < 3; axis++) {
       low[axis] = Math.min(low[axis]!, vertices[at + axis]!);
       high[axis] = Math.max(high[axis]!, vertices[at + axis]!);
     }
   const centre = [0, 1, 2].map((axis) => (low[axis]! + high[axis]!) / 2);
   let [radius, width] = [0, 0];
-  for (let at = 0; at < vertices.length; at += 6) {
+  for (let at = 0; at < vertices.length; at += VERTEX_NUMBERS) {
     const [x, y, z] = centre.map((middle, k) => vertices[at + k]! - middle) as [
       number,
       number,

@@ -2,6 +2,7 @@
 
 import { signal } from "@preact/signals";
 import { COSINES, MOST_TABLES, SAMPLES, type Slot } from "../engine/engine";
+import type { ShownTexture } from "../engine/textures";
 import type { Renderer, Shot } from "./renderer";
 
 /** Aims for a frame's time while something moves, and for a strip's time at rest [ms]. */
@@ -17,6 +18,9 @@ const FIRST_COST = { card: 60, software: 3000 };
 /** Least frames of a picture at rest where each takes long, and the pixels of all its frames. */
 const SLOW_FRAMES = 10;
 const SLOW_PIXELS = 3e6;
+
+/** Frames for one of a table, where a texture of codes is decoded: they have fewer directions. */
+const TEXTURE_FRAMES = 3;
 
 /** From so many strips on, one has hardly a pixel of the object. */
 const MANY_STRIPS = 4;
@@ -50,6 +54,7 @@ export class Painter {
   private resting = false;
   private readonly uploaded: [string, string] = ["", ""];
   private readonly brightOf: (Float32Array | null)[] = [null, null];
+  private readonly textureOf: (ShownTexture | null)[] = [null, null];
 
   constructor(
     private readonly slots: readonly [Slot, Slot],
@@ -61,6 +66,7 @@ export class Painter {
     this.renderer = renderer;
     this.uploaded.fill("");
     this.brightOf.fill(null);
+    this.textureOf.fill(null);
     this.slow = renderer?.isSoftware ?? false;
     this.stripCost = 0;
     this.cost = this.slow ? FIRST_COST.software : FIRST_COST.card;
@@ -131,7 +137,7 @@ export class Painter {
       return false;
     }
     for (const slot of slots)
-      if (this.slots[slot].tables.length <= this.count) {
+      if (this.slots[slot].texture === null && this.slots[slot].tables.length <= this.count) {
         const grown = await this.slots[slot].another();
         if (!grown || !this.resting) return true;
       }
@@ -144,9 +150,13 @@ export class Painter {
 
   /** Frames of a picture at rest. */
   private get frames(): number {
-    if (!this.slow || this.renderer === null || this.shot === null) return MOST_TABLES;
-    const many = Math.round(SLOW_PIXELS / this.renderer.pixels(this.shot));
-    return Math.min(Math.max(many, SLOW_FRAMES), MOST_TABLES);
+    const { shot, renderer } = this;
+    if (renderer === null || shot === null) return MOST_TABLES;
+    const textured = shownSlots(shot).every((slot) => this.slots[slot].texture !== null);
+    const most = textured ? TEXTURE_FRAMES * MOST_TABLES : MOST_TABLES;
+    if (!this.slow) return most;
+    const many = Math.round(SLOW_PIXELS / renderer.pixels(shot));
+    return Math.min(Math.max(many, SLOW_FRAMES), most);
   }
 
   /** Draw a frame at once, as large and with as many directions as time allows. */
@@ -189,12 +199,16 @@ export class Painter {
   }
 
   private upload(renderer: Renderer, slot: 0 | 1, count: number): void {
-    const { tables, generation, bright } = this.slots[slot];
+    const { tables, generation, bright, texture } = this.slots[slot];
     const table = tables[count] ?? tables[0]!;
     const key = `${generation}.${tables[count] ? count : 0}`;
     if (this.uploaded[slot] !== key) {
       renderer.setTable(slot, table, COSINES, SAMPLES);
       this.uploaded[slot] = key;
+    }
+    if (this.textureOf[slot] !== texture) {
+      this.textureOf[slot] = texture;
+      renderer.setTexels(slot, texture);
     }
     if (bright !== null && this.brightOf[slot] !== bright.f) {
       renderer.setBright(slot, bright.f, bright.size);

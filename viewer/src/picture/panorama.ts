@@ -1,6 +1,6 @@
 /** Panoramas: reading Radiance's .hdr files, and taking the bright lights out of them. */
 
-import { Refusal } from "../state/read";
+import { Refusal } from "../refusal";
 import { type Light, MOST_LIGHTS } from "./environment";
 
 /** A picture of all directions: width twice the height, the zenith in the first row. */

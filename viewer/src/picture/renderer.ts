@@ -1,21 +1,25 @@
 /** Draws the object with one or two materials, and gathers frames until the picture is smooth. */
 
+import { STEPS } from "../engine/engine";
+import type { ShownTexture } from "../engine/textures";
 import type { Radiance } from "../save/exr";
 import type { Comparison, EnvironmentName, ObjectName, View } from "../state/state";
 import { brightTexels, directionTexels, FAR, NEAR, type TableSize } from "./bright_table";
 import { type Camera, cameraOf } from "./camera";
 import { EnvironmentMap, type Light, lightsOf, MOST_LIGHTS, SIDE } from "./environment";
-import { contextOf, cover, coverProgram, filters, type Gl, Program } from "./gl";
-import { type Mesh, meshOf } from "./meshes";
+import { contextOf, cover, coverProgram, filters, type Gl, included, Program } from "./gl";
+import { type Mesh, meshOf, VERTEX_NUMBERS } from "./meshes";
 import type { Panorama } from "./panorama";
 import backdropSource from "./shaders/backdrop.frag?raw";
 import blendSource from "./shaders/blend.frag?raw";
 import displaySource from "./shaders/display.frag?raw";
+import frameSource from "./shaders/frame.glsl?raw";
 import objectFragment from "./shaders/object.frag?raw";
 import objectVertex from "./shaders/object.vert?raw";
 import paintSource from "./shaders/paint.frag?raw";
 import surfaceSource from "./shaders/surface.frag?raw";
 import { Targets } from "./targets";
+import { type TexelProgram, texelProgram } from "./texel_program";
 
 /** What a frame shows. */
 export interface Shot {
@@ -45,10 +49,15 @@ interface Pane {
 /** Blur of the backdrop: level of the environment. */
 const BACKDROP_LEVEL = 4;
 
+/** Directions of a frame where a texture of codes is decoded at each pixel. */
+const TEXEL_SAMPLES = 32;
+
 interface SlotTextures {
   table: WebGLTexture;
   samples: number;
   bright: WebGLTexture;
+  /** What is drawn in place of the table; null: the material is the same everywhere. */
+  texels: TexelProgram | null;
 }
 
 export class Renderer {
@@ -72,7 +81,8 @@ export class Renderer {
   constructor(private readonly canvas: HTMLCanvasElement) {
     const gl = contextOf(canvas);
     this.gl = gl;
-    this.object = coverProgram(gl, objectFragment, { NEAR, FAR });
+    const objectSource = included(objectFragment, { "frame.glsl": frameSource });
+    this.object = coverProgram(gl, objectSource, { NEAR, FAR });
     this.surface = new Program(gl, objectVertex, surfaceSource);
     this.paint = new Program(gl, objectVertex, paintSource);
     this.backdrop = coverProgram(gl, backdropSource);
@@ -153,6 +163,20 @@ export class Renderer {
     filters(gl, gl.TEXTURE_3D, gl.LINEAR, gl.LINEAR, gl.CLAMP_TO_EDGE);
   }
 
+  /**
+   * Take over a texture of codes and its shader code, or none.
+   *
+   * @throws Refusal if it is too large for the graphics driver.
+   */
+  setTexels(slot: 0 | 1, codes: ShownTexture | null): void {
+    const textures = this.slotTextures(slot);
+    if (textures.texels !== null) {
+      this.gl.deleteTexture(textures.texels.texture);
+      textures.texels.program.delete();
+    }
+    textures.texels = codes && texelProgram(this.gl, codes.texture, codes.shader);
+  }
+
   /** Whether the processor draws, which is hundreds of times slower. */
   get isSoftware(): boolean {
     const { gl } = this;
@@ -200,6 +224,7 @@ export class Renderer {
         (2 * shift[1]!) / height,
       ]);
       targets.bindSurface();
+      this.placeTexels(textures.texels, count);
       this.drawMesh(this.surface, camera);
       targets.bindShaded();
       this.shade(camera, shot, textures, count, share);
@@ -279,6 +304,17 @@ export class Renderer {
     this.gl.getExtension("WEBGL_lose_context")?.loseContext();
   }
 
+  /** Let the surface's pixels have their places in a texture. */
+  private placeTexels(texels: TexelProgram | null, count: number): void {
+    // Frames are shifted by parts of a pixel, so that their mean is filtered too.
+    const narrower = 1 / Math.sqrt(count + 1);
+    const [width, height] = texels?.size ?? [1, 1];
+    this.surface.use();
+    this.surface.setMatrix("toTexture", texels?.toTexture ?? [0, 0, 0, 0, 0, 0]);
+    this.surface.set("texels", narrower * width, narrower * height);
+    this.surface.set("coarsest", texels?.coarsest ?? 0);
+  }
+
   private drawBackdrop(camera: Camera, shot: Shot): void {
     const { gl, backdrop, mesh } = this;
     gl.disable(gl.DEPTH_TEST);
@@ -300,9 +336,7 @@ export class Renderer {
     program.setMatrix("projection", camera.projection);
     gl.bindVertexArray(this.array);
     gl.enable(gl.DEPTH_TEST);
-    gl.enable(gl.CULL_FACE);
     gl.drawElements(gl.TRIANGLES, this.mesh.faces.length, gl.UNSIGNED_INT, 0);
-    gl.disable(gl.CULL_FACE);
     gl.disable(gl.DEPTH_TEST);
     gl.bindVertexArray(null);
   }
@@ -315,9 +349,13 @@ export class Renderer {
     count: number,
     share: number,
   ): void {
-    const { gl, object, targets } = this;
+    const { gl, targets } = this;
+    const { texels } = textures;
+    const object = texels?.program ?? this.object;
     object.use();
-    const samples = Math.max(16, Math.round(textures.samples * share));
+    const samples = texels
+      ? Math.max(4, Math.round(TEXEL_SAMPLES * share))
+      : Math.max(16, Math.round(textures.samples * share));
     object.set("eye", ...camera.eye);
     object.set("turn", ...turnOf(shot));
     object.set("side", SIDE);
@@ -326,9 +364,15 @@ export class Renderer {
     object.setInteger("lights", this.lights.length);
     object.setVectors("lightDirections", padded(this.lights.map((light) => light.direction)));
     object.setVectors("lightPowers", padded(this.lights.map((light) => light.power)));
-    object.setTexture("table", 0, gl.TEXTURE_2D, textures.table);
     object.setTexture("environment", 1, gl.TEXTURE_CUBE_MAP, this.map.texture);
-    object.setTexture("bright", 2, gl.TEXTURE_3D, textures.bright);
+    if (texels) {
+      object.set("start", ...sequence(count * TEXEL_SAMPLES));
+      object.setTexture("codes", 0, gl.TEXTURE_2D_ARRAY, texels.texture);
+      object.setTexture("places", 2, gl.TEXTURE_2D, targets.places);
+    } else {
+      object.setTexture("table", 0, gl.TEXTURE_2D, textures.table);
+      object.setTexture("bright", 2, gl.TEXTURE_3D, textures.bright);
+    }
     object.setTexture("positions", 3, gl.TEXTURE_2D, targets.positions);
     object.setTexture("normals", 4, gl.TEXTURE_2D, targets.normals);
     cover(gl);
@@ -336,7 +380,12 @@ export class Renderer {
 
   private slotTextures(slot: 0 | 1): SlotTextures {
     const { gl } = this;
-    this.slots[slot] ??= { table: gl.createTexture()!, samples: 0, bright: this.dark() };
+    this.slots[slot] ??= {
+      table: gl.createTexture()!,
+      samples: 0,
+      bright: this.dark(),
+      texels: null,
+    };
     return this.slots[slot];
   }
 
@@ -358,10 +407,10 @@ export class Renderer {
     gl.bufferData(gl.ARRAY_BUFFER, this.mesh.vertices, gl.STATIC_DRAW);
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.buffers[1]);
     gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, this.mesh.faces, gl.STATIC_DRAW);
-    for (const place of [0, 1]) {
+    [3, 3, 2].forEach((count, place) => {
       gl.enableVertexAttribArray(place);
-      gl.vertexAttribPointer(place, 3, gl.FLOAT, false, 24, 12 * place);
-    }
+      gl.vertexAttribPointer(place, count, gl.FLOAT, false, 4 * VERTEX_NUMBERS, 12 * place);
+    });
     gl.bindVertexArray(null);
   }
 }
@@ -377,6 +426,12 @@ function padded(vectors: (readonly number[])[]): Float32Array {
     values.set(vector, 3 * place);
   });
   return values;
+}
+
+/** The place where a sequence of directions goes on after so many (Roberts 2018). */
+function sequence(place: number): [number, number, number] {
+  const [x, y, z] = STEPS.map((step) => (0.5 + step * place) % 1) as [number, number, number];
+  return [x, y, z];
 }
 
 /** The panes of a picture, left to right. */

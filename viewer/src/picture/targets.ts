@@ -9,6 +9,8 @@ export class Targets {
   /** Positions and normals of the surface that each pixel of the frame shows, and its colours. */
   positions!: WebGLTexture;
   normals!: WebGLTexture;
+  /** Where each pixel lies in a texture of codes, and at which level. */
+  places!: WebGLTexture;
   shaded!: WebGLTexture;
   /** The last frame. */
   frame!: WebGLTexture;
@@ -43,7 +45,14 @@ export class Targets {
     const { gl } = this;
     for (const buffer of this.buffers) gl.deleteRenderbuffer(buffer);
     if (this.width > 0)
-      for (const texture of [this.positions, this.normals, this.shaded, this.frame, this.picture])
+      for (const texture of [
+        this.positions,
+        this.normals,
+        this.places,
+        this.shaded,
+        this.frame,
+        this.picture,
+      ])
         gl.deleteTexture(texture);
     this.width = width;
     this.height = height;
@@ -60,8 +69,9 @@ export class Targets {
     this.shaded = this.texture(gl.RGBA16F, this.shading);
     this.positions = this.texture(gl.RGBA32F, this.surface);
     this.normals = this.texture(gl.RGBA32F, this.surface, gl.COLOR_ATTACHMENT1);
+    this.places = this.texture(gl.RGBA32F, this.surface, gl.COLOR_ATTACHMENT2);
     gl.framebufferRenderbuffer(target, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, single);
-    gl.drawBuffers([gl.COLOR_ATTACHMENT0, gl.COLOR_ATTACHMENT1]);
+    gl.drawBuffers([gl.COLOR_ATTACHMENT0, gl.COLOR_ATTACHMENT1, gl.COLOR_ATTACHMENT2]);
     gl.bindFramebuffer(target, null);
   }
 

@@ -1,7 +1,7 @@
 /** A material as a BSDF of Mitsuba 3: XML, and a dictionary of Python. */
 
 import type { Bottom, Channels, Coat, Stack } from "../core/api";
-import { Refusal } from "../state/read";
+import { Refusal } from "../refusal";
 import { listed } from "./numbers";
 
 /** A node of a scene: a plugin, its parameters and the BSDF inside. */

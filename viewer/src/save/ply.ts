@@ -1,14 +1,16 @@
 /** Meshes as PLY files (Turk 1994), binary. */
 
-import type { Mesh } from "../picture/meshes";
+import { type Mesh, VERTEX_NUMBERS } from "../picture/meshes";
 
-/** The bytes of a PLY file with positions and normals. */
+/** The bytes of a PLY file with positions, normals and uv. */
 export function plyFile({ vertices, faces }: Mesh): Uint8Array<ArrayBuffer> {
-  const properties = ["x", "y", "z", "nx", "ny", "nz"].map((name) => `property float ${name}`);
+  const properties = ["x", "y", "z", "nx", "ny", "nz", "u", "v"].map(
+    (name) => `property float ${name}`,
+  );
   const header = [
     "ply",
     "format binary_little_endian 1.0",
-    `element vertex ${vertices.length / 6}`,
+    `element vertex ${vertices.length / VERTEX_NUMBERS}`,
     ...properties,
     `element face ${faces.length / 3}`,
     "property list uchar int vertex_indices",

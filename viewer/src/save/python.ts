@@ -1,7 +1,7 @@
 /** A material as a Python program. */
 
 import type { Bottom, Channels, Stack } from "../core/api";
-import { Refusal } from "../state/read";
+import { Refusal } from "../refusal";
 import { python } from "./numbers";
 
 /** A program that describes the stack, layers it, and saves the material. */

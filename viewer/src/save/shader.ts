@@ -2,7 +2,8 @@
 
 import type { Material } from "../core/api";
 import { CHANNELS } from "../core/channels";
-import { Refusal } from "../state/read";
+import type { CodeTexture, LinearNumber } from "../material/texture";
+import { Refusal } from "../refusal";
 
 /** Languages of shader code, by the names of Python's `export`: title and suffix of its files. */
 export const LANGUAGES = {
@@ -35,9 +36,33 @@ export async function readTemplate(language: Language): Promise<string> {
 /** A template with a material's codes in the place of `code_0_red` and so on. */
 export function shaderText(template: string, { latents }: Material): string {
   const size = latents.length / CHANNELS;
-  return template.replace(/\bcode_(\d+)_(red|green|blue)\b/g, (_name, place, colour) =>
-    shaderNumber(latents[COLOURS.indexOf(colour) * size + Number(place)]!),
+  return filled(template, (number, channel) => shaderNumber(latents[channel * size + number]!));
+}
+
+/**
+ * A template in GLSL for a texture: its codes are those of a texel.
+ *
+ * A global array `stored` must hold the texel's bytes, each in [0, 1], before the template's
+ * function `material` is called.
+ */
+export function texelShaderText(template: string, { numbers }: CodeTexture): string {
+  return filled(template, (number, channel) => linear(numbers[number]![channel]!));
+}
+
+/** A template with texts in the place of its codes. */
+function filled(template: string, text: (number: number, channel: number) => string): string {
+  return template.replace(/\bcode_(\d+)_(red|green|blue)\b/g, (_name, number, colour) =>
+    text(Number(number), COLOURS.indexOf(colour)),
   );
+}
+
+/** As `_linear` of Python's `export.texels`. */
+function linear({ lowest, step, high, low }: LinearNumber): string {
+  const term = (place: number, factor: number) => ` + stored[${place}] * ${shaderNumber(factor)}`;
+  const offset = shaderNumber(lowest);
+  if (high < 0) return offset;
+  if (low < 0) return offset + term(high, 255 * step);
+  return offset + term(high, 255 * 256 * step) + term(low, 255 * step);
 }
 
 /** The shortest text that reads back as the same number of single precision, with a point. */

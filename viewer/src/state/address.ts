@@ -1,7 +1,8 @@
 /** The whole state as one string for the address: a version, a check sum, and the state. */
 
+import { Refusal } from "../refusal";
 import { crc32 } from "../save/crc32";
-import { Refusal, readState } from "./read";
+import { readState } from "./read";
 import type { State } from "./state";
 
 const VERSION = "u1";

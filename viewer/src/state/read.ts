@@ -1,7 +1,12 @@
 /** Reading a state from JSON that may be anything: checked, with one sentence on what is wrong. */
 
 import type { Bottom, Channels } from "../core/api";
-import { type CoatCard, type MaterialCards, MOST_COATS } from "../material/material";
+import {
+  type CoatCard,
+  type MaterialCards,
+  MOST_COATS,
+  type TexelBottom,
+} from "../material/material";
 import {
   BOTTOM_PARAMETERS,
   COAT_PARAMETERS,
@@ -9,6 +14,7 @@ import {
   mapped,
   type Parameter,
 } from "../material/parameters";
+import { Refusal } from "../refusal";
 import {
   COMPARISONS,
   DIFFERENCE_SCALES,
@@ -17,9 +23,6 @@ import {
   OBJECTS,
   type State,
 } from "./state";
-
-/** What a user is told: one sentence. */
-export class Refusal extends Error {}
 
 type Fields = Record<string, unknown>;
 
@@ -57,10 +60,13 @@ export function readMaterial(value: unknown): MaterialCards {
   const coats = fields.coats ?? [];
   if (!Array.isArray(coats) || coats.length > MOST_COATS)
     throw new Refusal(`A material has at most ${MOST_COATS} coats.`);
+  const bottom = readBottom(fields.bottom);
+  if (bottom.kind === "texels" && coats.length > 0)
+    throw new Refusal("A texture of codes cannot be coated on this page.");
   const solo = fields.solo;
   return {
     name: typeof fields.name === "string" ? fields.name.slice(0, 80) : "Material",
-    bottom: readBottom(fields.bottom),
+    bottom,
     coats: coats.map(readCoat),
     solo:
       typeof solo === "number" && Number.isInteger(solo) && solo >= 0 && solo <= coats.length
@@ -84,7 +90,7 @@ function readCoat(value: unknown, place: number): CoatCard {
   };
 }
 
-function readBottom(value: unknown): Bottom {
+function readBottom(value: unknown): Bottom | TexelBottom {
   const fields = object(value, "the bottom");
   const one = (name: keyof typeof BOTTOM_PARAMETERS) =>
     channels(fields[name], BOTTOM_PARAMETERS[name], name);
@@ -103,6 +109,10 @@ function readBottom(value: unknown): Bottom {
       return { kind: "diffuse", reflectance: one("reflectance") };
     case "codes":
       return { kind: "codes", latents: codes(fields.latents), anchors: codes(fields.anchors) };
+    case "texels":
+      if (typeof fields.texture !== "string" || !/^[0-9a-f]{8}$/.test(fields.texture))
+        throw new Refusal("The name of the bottom's texture is damaged.");
+      return { kind: "texels", texture: fields.texture };
     default:
       throw new Refusal("The bottom is of no kind that this page knows.");
   }

@@ -2,8 +2,8 @@
 
 import { computed, signal } from "@preact/signals";
 import type { MaterialCards } from "../material/material";
+import { Refusal } from "../refusal";
 import { History } from "./history";
-import { Refusal } from "./read";
 import { activeMaterial, INITIAL, type State, withMaterial } from "./state";
 
 export const state = signal<State>(INITIAL);

@@ -15,7 +15,9 @@ const KINDS = {
   dielectric: "Dielectric",
 } as const;
 
-type Kind = keyof typeof KINDS | "codes";
+type Kind = keyof typeof KINDS | "codes" | "texels";
+
+type AnyBottom = MaterialCards["bottom"];
 
 interface BottomCardProps {
   material: MaterialCards;
@@ -26,7 +28,8 @@ interface BottomCardProps {
 export function BottomCard({ material, alone }: BottomCardProps) {
   const { bottom } = material;
   const kind = kindOf(bottom);
-  const change = (next: Bottom, step = "") => changeMaterial({ ...material, bottom: next }, step);
+  const change = (next: AnyBottom, step = "") =>
+    changeMaterial({ ...material, bottom: next }, step);
   return (
     <section class="card bottom" aria-label="Bottom" style={{ "--medium": colourOf(bottom) }}>
       <header>
@@ -42,6 +45,7 @@ export function BottomCard({ material, alone }: BottomCardProps) {
             </option>
           ))}
           {kind === "codes" && <option value="codes">Loaded material</option>}
+          {kind === "texels" && <option value="texels">Loaded texture</option>}
         </select>
         <button
           type="button"
@@ -67,12 +71,17 @@ export function BottomCard({ material, alone }: BottomCardProps) {
           />
         ))}
         {kind === "codes" && <p class="note">Loaded from a file; it can be coated.</p>}
+        {kind === "texels" && (
+          <p class="note">
+            Loaded from a file with a texture; coat it in Python. The plots show its mean code.
+          </p>
+        )}
       </div>
     </section>
   );
 }
 
-function Metals({ bottom, onChange }: { bottom: Bottom; onChange: (next: Bottom) => void }) {
+function Metals({ bottom, onChange }: { bottom: AnyBottom; onChange: (next: Bottom) => void }) {
   const known = Object.entries(METALS).find(
     ([, metal]) =>
       "k" in bottom && same(rgb(bottom.eta), metal.eta) && same(rgb(bottom.k), metal.k),
@@ -98,12 +107,12 @@ function same(a: Rgb, b: Rgb): boolean {
   return a.every((x, k) => Math.abs(x - b[k]!) < 1e-6);
 }
 
-function kindOf(bottom: Bottom): Kind {
+function kindOf(bottom: AnyBottom): Kind {
   if (bottom.kind !== "conductor") return bottom.kind;
   return "r0" in bottom ? "schlick" : "metal";
 }
 
-function fieldsOf(bottom: Bottom): [string, Parameter][] {
+function fieldsOf(bottom: AnyBottom): [string, Parameter][] {
   const { alpha, r0, eta, k, reflectance: matt } = BOTTOM_PARAMETERS;
   switch (kindOf(bottom)) {
     case "metal":
@@ -125,16 +134,17 @@ function fieldsOf(bottom: Bottom): [string, Parameter][] {
     case "diffuse":
       return [["reflectance", matt]];
     case "codes":
+    case "texels":
       return [];
   }
 }
 
-function widthOf(bottom: Bottom): Channels {
+function widthOf(bottom: AnyBottom): Channels {
   return "alpha" in bottom ? bottom.alpha : BOTTOM_PARAMETERS.alpha.fallback;
 }
 
 /** A bottom of another kind that looks like the present one where it can. */
-function bottomOfKind(kind: Kind, bottom: Bottom): Bottom {
+function bottomOfKind(kind: Kind, bottom: AnyBottom): AnyBottom {
   const alpha = widthOf(bottom);
   const colour = reflectanceOf(bottom);
   switch (kind) {
@@ -147,12 +157,13 @@ function bottomOfKind(kind: Kind, bottom: Bottom): Bottom {
     case "diffuse":
       return { kind: "diffuse", reflectance: colour };
     case "codes":
+    case "texels":
       return bottom;
   }
 }
 
 /** About the reflectance at normal incidence, with three digits. */
-function reflectanceOf(bottom: Bottom): Rgb {
+function reflectanceOf(bottom: AnyBottom): Rgb {
   if ("reflectance" in bottom) return rgb(bottom.reflectance);
   if ("r0" in bottom) return rgb(bottom.r0);
   if ("k" in bottom) return reflectance(rgb(bottom.eta), rgb(bottom.k));
@@ -167,6 +178,6 @@ function reflectance(eta: Rgb, k: Rgb): Rgb {
   return [one(eta[0], k[0]), one(eta[1], k[1]), one(eta[2], k[2])];
 }
 
-function colourOf(bottom: Bottom): string {
+function colourOf(bottom: AnyBottom): string {
   return hex(reflectanceOf(bottom));
 }

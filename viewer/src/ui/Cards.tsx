@@ -6,8 +6,8 @@ import {
   BARE,
   type CoatCard as Card,
   isSeen,
-  MOST_COATS,
   moved,
+  takesCoat,
   withCoat,
 } from "../material/material";
 import { announcement, changeMaterial, material } from "../state/store";
@@ -63,8 +63,12 @@ export function Cards() {
         <button
           type="button"
           class="quiet"
-          disabled={coats.length >= MOST_COATS}
-          title={coats.length >= MOST_COATS ? "Six coats are the most" : "Add a clear coat on top"}
+          disabled={!takesCoat(material.value)}
+          title={
+            takesCoat(material.value)
+              ? "Add a clear coat on top"
+              : "Six coats are the most, and a texture of codes has none"
+          }
           onClick={() => {
             changeMaterial(withCoat(material.value));
             announcement.value = "A coat was added on top.";

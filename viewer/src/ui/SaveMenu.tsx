@@ -1,8 +1,11 @@
 /** What the page writes: pictures, descriptions, and its address. */
 
+import type { Material } from "../core/api";
 import { materialFile } from "../engine/material_file";
 import { type Session, session } from "../engine/session";
+import { textures } from "../engine/textures";
 import { stackOf } from "../material/material";
+import { Refusal } from "../refusal";
 import { download, textBlob } from "../save/download";
 import { exrFile } from "../save/exr";
 import { mitsubaDict, mitsubaXml } from "../save/mitsuba";
@@ -10,7 +13,6 @@ import { fileName, pythonText } from "../save/python";
 import { sceneFile } from "../save/scene";
 import { LANGUAGES, type Language, readTemplate, shaderText } from "../save/shader";
 import { toJson } from "../state/address";
-import { Refusal } from "../state/read";
 import { announcement, material, notice, state } from "../state/store";
 
 /** A kind of file: its name in the menu, what it is, and what makes it. */
@@ -27,10 +29,18 @@ function presentSession(): Session {
   return session.value;
 }
 
-/** The networks, and the codes of the material that is shown. */
-async function encoded() {
-  const { core } = presentSession();
-  return { core, codes: await core.layer(stack()) };
+/** The codes of the material that is shown. */
+async function encoded(): Promise<Material> {
+  return presentSession().core.layer(stack());
+}
+
+/** The material that is shown, as a file for `urushi.load` or the plugin `neural_brdf`. */
+async function presentFile(): Promise<Uint8Array<ArrayBuffer>> {
+  const { bottom } = material.value;
+  if (bottom.kind !== "texels") return materialFile(await encoded(), presentSession().core);
+  const opened = textures.value.get(bottom.texture);
+  if (opened === undefined) throw new Refusal("The texture was not opened.");
+  return opened.texture.file;
 }
 
 const KINDS: readonly Kind[] = [
@@ -52,10 +62,7 @@ const KINDS: readonly Kind[] = [
   {
     label: "Material",
     hint: "safetensors, for urushi.load",
-    save: async (name) => {
-      const { core, codes } = await encoded();
-      download(`${name}.safetensors`, new Blob([materialFile(codes, core)]));
-    },
+    save: async (name) => download(`${name}.safetensors`, new Blob([await presentFile()])),
   },
   {
     label: "Mitsuba XML",
@@ -71,8 +78,7 @@ const KINDS: readonly Kind[] = [
     label: "Mitsuba scene",
     hint: "ZIP: object, camera, light and material",
     save: async (name) => {
-      const { core, codes } = await encoded();
-      const scene = { ...(await presentSession().scene()), material: materialFile(codes, core) };
+      const scene = { ...(await presentSession().scene()), material: await presentFile() };
       download(`${name}-scene.zip`, new Blob([sceneFile(scene)]));
     },
   },
@@ -99,7 +105,7 @@ const KINDS: readonly Kind[] = [
 const LANGUAGE_NAMES = Object.keys(LANGUAGES) as Language[];
 
 async function saveShader(language: Language, name: string): Promise<void> {
-  const [template, { codes }] = await Promise.all([readTemplate(language), encoded()]);
+  const [template, codes] = await Promise.all([readTemplate(language), encoded()]);
   download(`${name}${LANGUAGES[language].suffix}`, textBlob(shaderText(template, codes)));
 }
 

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import { materialFile, readMaterialFile } from "../../src/engine/material_file";
-import { Refusal } from "../../src/state/read";
+import { Refusal } from "../../src/refusal";
 
 const NETWORKS = { latentSize: 2, fingerprint: "8d3f00a1" };
 
@@ -66,11 +66,6 @@ const BAD: [string, Uint8Array][] = [
 
 test.each(BAD)("%s: refused", (_name, bytes) => {
   expect(() => readMaterialFile(bytes, NETWORKS)).toThrow(Refusal);
-});
-
-test("a texture of codes is named", () => {
-  const texture = file({ latents: SIX }, "texture");
-  expect(() => readMaterialFile(texture, NETWORKS)).toThrow("constant materials only");
 });
 
 test("what is written is read again", () => {

@@ -1,6 +1,5 @@
 import { expect, test } from "vitest";
-import type { Stack } from "../../src/core/api";
-import { MOST_TABLES, Slot, shiftOf } from "../../src/engine/engine";
+import { MOST_TABLES, type Shown, Slot, shiftOf } from "../../src/engine/engine";
 import type { PageCore } from "../../src/engine/remote";
 
 /** A core that answers late, with the stack's first width in every number. */
@@ -30,9 +29,9 @@ function lateCore(): { core: PageCore; layered: number[]; shifts: number[] } {
   return { core, layered, shifts };
 }
 
-function stack(alpha: number): Stack {
+function shown(alpha: number): Shown {
   const coat = { alpha, eta: 1.5, albedo: 0, sigmaT: 0, g: 0 };
-  return { bottom: { kind: "diffuse", reflectance: 0.5 }, coats: [coat] };
+  return { stack: { bottom: { kind: "diffuse", reflectance: 0.5 }, coats: [coat] }, texture: null };
 }
 
 function slotOf(core: PageCore): Slot {
@@ -51,7 +50,7 @@ const settled = () => new Promise((resolve) => setTimeout(resolve, 60));
 test("of many changes the latest is shown, and those between are left out", async () => {
   const { core, layered } = lateCore();
   const slot = slotOf(core);
-  for (let step = 1; step <= 20; step++) slot.show(stack(step / 32));
+  for (let step = 1; step <= 20; step++) slot.show(shown(step / 32));
   await settled();
   expect(layered).toEqual([1 / 32, 20 / 32]);
   expect([...slot.tables[0]!]).toEqual([20 / 32]);
@@ -61,9 +60,9 @@ test("of many changes the latest is shown, and those between are left out", asyn
 test("an equal stack is not computed again", async () => {
   const { core, layered } = lateCore();
   const slot = slotOf(core);
-  slot.show(stack(0.5));
+  slot.show(shown(0.5));
   await settled();
-  slot.show(stack(0.5));
+  slot.show(shown(0.5));
   await settled();
   expect(layered).toEqual([0.5]);
 });
@@ -71,11 +70,11 @@ test("an equal stack is not computed again", async () => {
 test("tables at rest are shifted, and belong to the present material", async () => {
   const { core, shifts } = lateCore();
   const slot = slotOf(core);
-  slot.show(stack(0.5));
+  slot.show(shown(0.5));
   await settled();
   expect(await slot.another()).toBe(true);
   const late = slot.another();
-  slot.show(stack(0.25));
+  slot.show(shown(0.25));
   expect(await late).toBe(false);
   await settled();
   expect(slot.tables).toHaveLength(1);

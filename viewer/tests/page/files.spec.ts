@@ -1,17 +1,8 @@
 /** Opening and saving: good files, bad files, and what is written is read again. */
 
-import { readFileSync } from "node:fs";
 import type { Page } from "@playwright/test";
 import { rglTensors, tensorFile } from "../core/measured/files";
-import { coats, expect, give, number, open, panorama, test } from "./page";
-
-async function saved(page: Page, label: string): Promise<{ name: string; text: string }> {
-  await page.getByRole("button", { name: "Save", exact: true }).click();
-  const download = page.waitForEvent("download");
-  await page.getByRole("button", { name: new RegExp(`^${label}`) }).click();
-  const file = await download;
-  return { name: file.suggestedFilename(), text: readFileSync(await file.path(), "latin1") };
-}
+import { coats, expect, give, number, open, panorama, saved, test } from "./page";
 
 for (const [name, content, sentence] of [
   ["notes.txt", "hello", "The page opens materials"],

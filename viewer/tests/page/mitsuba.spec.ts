@@ -1,12 +1,9 @@
 /** The picture at rest is Mitsuba's of the same material, object, camera and environment. */
 
-import { execFileSync, spawnSync } from "node:child_process";
-import { mkdirSync, writeFileSync } from "node:fs";
-import { join } from "node:path";
-import type { Page } from "@playwright/test";
 import type { Bottom, Coat } from "../../src/core/api";
 import { METALS } from "../../src/material/metals";
 import type { EnvironmentName, ObjectName } from "../../src/state/state";
+import { compared, hasFlip } from "./compared";
 import { expect, give, open, test } from "./page";
 
 interface Case {
@@ -15,17 +12,6 @@ interface Case {
   object: ObjectName;
   environment: EnvironmentName;
 }
-
-interface Measures {
-  flip: number;
-  noise: number;
-  mean: number;
-  mean_noise: number;
-  tone: number;
-}
-
-const PYTHON = process.env.PYTHON ?? join(import.meta.dirname, "../../../.venv/bin/python");
-const FOLDER = join(import.meta.dirname, "../../out/mitsuba");
 
 function metal(name: keyof typeof METALS & string, alpha: number): Bottom {
   return { kind: "conductor", alpha, ...METALS[name]! };
@@ -91,22 +77,10 @@ function sunny(): Buffer {
   return Buffer.concat([Buffer.from(header, "latin1"), pixels]);
 }
 
-async function save(page: Page, label: string, name: string): Promise<void> {
-  await page.getByRole("button", { name: "Save", exact: true }).click();
-  const download = page.waitForEvent("download");
-  await page.getByRole("button", { name: new RegExp(`^${label}`) }).click();
-  await (await download).saveAs(join(FOLDER, name));
-}
-
 // One canvas pixel for several of the screen: the processor draws.
 test.use({ deviceScaleFactor: 0.25 });
 
-const hasFlip = spawnSync(PYTHON, ["-c", "import flip_evaluator"]).status === 0;
 test.skip(!hasFlip, "the package flip-evaluator has no wheel for this machine");
-
-test.beforeAll(() => {
-  mkdirSync(FOLDER, { recursive: true });
-});
 
 for (const [name, { bottom, coats, object, environment }] of Object.entries(CASES))
   test(`${name}: at rest as Mitsuba renders it`, async ({ page }) => {
@@ -120,14 +94,7 @@ for (const [name, { bottom, coats, object, environment }] of Object.entries(CASE
     await expect(page.getByRole("button", { name: `Material ${name}` })).toBeVisible();
     await expect(page.locator(".status")).toHaveText("refining");
     await expect(page.locator(".status")).toHaveText("converged", { timeout: 300_000 });
-    await save(page, "Radiance", `${name}.exr`);
-    await save(page, "Mitsuba scene", `${name}.zip`);
-    await save(page, "Picture", `${name}.png`);
-
-    const script = join(import.meta.dirname, "mitsuba_picture.py");
-    const text = execFileSync(PYTHON, [script, FOLDER, name], { encoding: "utf8" });
-    writeFileSync(join(FOLDER, `${name}.json`), text);
-    const measures: Measures = JSON.parse(text);
+    const measures = await compared(page, name);
     expect.soft(measures.flip).toBeLessThan(0.05);
     expect.soft(Math.abs(measures.mean)).toBeLessThan(0.01);
     // Noise alone is far below these tolerances.

@@ -1,5 +1,6 @@
 /** What the tests of the page share: opening it, and what must never happen. */
 
+import { readFileSync } from "node:fs";
 import { test as base, expect, type Page } from "@playwright/test";
 
 /** A page on which nothing is logged, fails, or is asked of another server. */
@@ -76,4 +77,13 @@ export function panorama(width: number, height: number, colour: number[]): Buffe
   const pixels = Buffer.alloc(4 * width * height);
   for (let at = 0; at < pixels.length; at += 4) pixels.set(colour, at);
   return Buffer.concat([Buffer.from(header, "latin1"), pixels]);
+}
+
+/** What an entry of the menu Save writes; label: the beginning of its name. */
+export async function saved(page: Page, label: string): Promise<{ name: string; text: string }> {
+  await page.getByRole("button", { name: "Save", exact: true }).click();
+  const download = page.waitForEvent("download");
+  await page.getByRole("button", { name: new RegExp(`^${label}`) }).click();
+  const file = await download;
+  return { name: file.suggestedFilename(), text: readFileSync(await file.path(), "latin1") };
 }

@@ -1,10 +1,10 @@
 import { expect, test } from "vitest";
 import { cameraOf } from "../../src/picture/camera";
-import { type Mesh, meshOf } from "../../src/picture/meshes";
+import { type Mesh, meshOf, VERTEX_NUMBERS } from "../../src/picture/meshes";
 import { OBJECTS } from "../../src/state/state";
 
 function vertex(mesh: Mesh, face: number, corner: number): number[] {
-  const at = 6 * mesh.faces[3 * face + corner]!;
+  const at = VERTEX_NUMBERS * mesh.faces[3 * face + corner]!;
   return [...mesh.vertices.subarray(at, at + 6)];
 }
 
@@ -30,7 +30,7 @@ test.each(OBJECTS)("%s: faces are seen from outside, as the normals say", (name)
 test.each(OBJECTS)("%s: normals are unit vectors, and the ball around it holds it", (name) => {
   const mesh = meshOf(name);
   let [farthest, deviation] = [0, 0];
-  for (let at = 0; at < mesh.vertices.length; at += 6) {
+  for (let at = 0; at < mesh.vertices.length; at += VERTEX_NUMBERS) {
     const [x, y, z, ...normal] = mesh.vertices.subarray(at, at + 6);
     deviation = Math.max(deviation, Math.abs(Math.hypot(...normal) - 1));
     const away = Math.hypot(x! - mesh.centre[0], y! - mesh.centre[1], z! - mesh.centre[2]);
@@ -43,7 +43,7 @@ test.each(OBJECTS)("%s: normals are unit vectors, and the ball around it holds i
 test("the ball is round", () => {
   const { vertices } = meshOf("ball");
   let deviation = 0;
-  for (let at = 0; at < vertices.length; at += 6) {
+  for (let at = 0; at < vertices.length; at += VERTEX_NUMBERS) {
     const outwards = [vertices[at]!, vertices[at + 1]!, vertices[at + 2]! - 1];
     const away = outwards.map((part, k) => Math.abs(vertices[at + 3 + k]! - part));
     deviation = Math.max(deviation, ...away);
@@ -67,7 +67,7 @@ test.each([
   const middle = projected(camera.projection, mesh.centre);
   expect(middle[0]).toBeCloseTo(0, 6);
   let farthest = 0;
-  for (let at = 0; at < mesh.vertices.length; at += 60) {
+  for (let at = 0; at < mesh.vertices.length; at += 10 * VERTEX_NUMBERS) {
     const point = projected(camera.projection, [...mesh.vertices.subarray(at, at + 3)]);
     farthest = Math.max(farthest, ...point.map(Math.abs));
   }

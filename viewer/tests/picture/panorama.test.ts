@@ -1,6 +1,6 @@
 import { describe, expect, test } from "vitest";
 import { type Panorama, readHdr, withoutLights } from "../../src/picture/panorama";
-import { Refusal } from "../../src/state/read";
+import { Refusal } from "../../src/refusal";
 
 function file(width: number, height: number, body: number[]): Uint8Array {
   const header = `#?RADIANCE\nEXPOSURE=1\n\n-Y ${height} +X ${width}\n`;

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
+import { Refusal } from "../../src/refusal";
 import { checkSum, fromAddress, toAddress } from "../../src/state/address";
-import { Refusal } from "../../src/state/read";
 import { INITIAL, type State, withMaterial } from "../../src/state/state";
 
 const CODES: State = withMaterial(INITIAL, {

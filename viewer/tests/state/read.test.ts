@@ -1,6 +1,7 @@
 import { expect, test } from "vitest";
 import { PRESETS } from "../../src/material/presets";
-import { Refusal, readMaterial, readState } from "../../src/state/read";
+import { Refusal } from "../../src/refusal";
+import { readMaterial, readState } from "../../src/state/read";
 import { INITIAL } from "../../src/state/state";
 
 const BOTTOM = { kind: "diffuse", reflectance: 0.5 };

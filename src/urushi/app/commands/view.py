@@ -1,19 +1,20 @@
 """`urushi view`: a page in the browser on which a material is coated by hand."""
 
 import contextlib
+import tempfile
 import webbrowser
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import tyro
 
 from urushi.app.describe import describe, is_description
 from urushi.errors import FileError
-from urushi.files import atomic_write, new_folder
+from urushi.files import atomic_write, new_folder, tensor_file_kind
 
 if TYPE_CHECKING:
-    from urushi.material import Material
+    from urushi.app.page_files import First
 
 #: Mitsuba's variant in which scenes are read.
 MODE = "llvm_ad_rgb"
@@ -30,12 +31,15 @@ class View:
 
     Example: urushi view lacquer.safetensors
 
+    Example: urushi view scene.xml#varnish
+
     Example: urushi view -o site
     """
 
     material: tyro.conf.Positional[str | None] = None
-    """Material to begin with: a description as in Python, a material file, a measured BRDF (MERL or
-    RGL), or a BSDF of a Mitsuba scene file, SCENE.xml#ID. Default: one of the page's own."""
+    """Material to begin with: a description as in Python, a material file, a texture of codes, a
+    measured BRDF (MERL or RGL), or a BSDF of a Mitsuba scene file, SCENE.xml#ID. Default: one of
+    the page's own."""
     output: Annotated[Path | None, tyro.conf.arg(aliases=["-o"])] = None
     """Folder to write the page into, instead of serving it."""
     port: int = 0
@@ -74,32 +78,55 @@ class View:
             server.serve_forever()
 
 
-def first_material(text: str, weights: str | None) -> dict[str, Any]:
-    """A material as the page reads it: as cards if it is described, otherwise by its codes.
+def first_material(text: str, weights: str | None) -> "First":
+    """What the page shows of a material: cards if it is described, otherwise codes or a texture.
 
     Raises:
-        UrushiError: as of `read_material`, and of `encode.choose` for a scene's BSDF.
+        UrushiError: as of `read_material`, of `encode.choose` for a scene's BSDF, and of
+            `textures.file.read`.
     """
     from urushi.app.commands.encode import scene_and_bsdf
     from urushi.app.commands.layer import read_material
-    from urushi.app.page_files import cards_of, codes_of
+    from urushi.app.page_files import First, cards_of, codes_of
 
     path, bsdf = scene_and_bsdf(text)
-    if path.suffix == ".xml" and not is_description(text):
-        return codes_of(_material_of_scene(path, bsdf, weights), bsdf or path.stem)
     described = is_description(text)
+    if path.suffix == ".xml" and not described:
+        return _first_of_scene(path, bsdf, weights)
+    if not described and tensor_file_kind(text) == "texture":
+        return _first_texture(path, path.stem, weights)
     cards = cards_of(describe(text)) if described else None
     if cards is not None:
-        return cards
-    return codes_of(read_material(text, weights), "Material" if described else Path(text).stem)
+        return First(cards)
+    name = "Material" if described else path.stem
+    return First(codes_of(read_material(text, weights), name))
 
 
-def _material_of_scene(path: Path, bsdf: str | None, weights: str | None) -> "Material":
-    """The encoded BSDF of a scene file; `bsdf`: its id, or None for the only one."""
+def _first_of_scene(path: Path, bsdf: str | None, weights: str | None) -> "First":
+    """The BSDF of a scene file; `bsdf`: its id, or None for the only one."""
     import urushi
     from urushi.app.commands.encode import choose, scene_bsdfs
+    from urushi.app.page_files import First, codes_of
+    from urushi.render.latents.holders import TexturedLatents
 
-    return urushi.encode(choose(scene_bsdfs(path, MODE), bsdf, path), weights, table=False)
+    chosen = choose(scene_bsdfs(path, MODE), bsdf, path)
+    name = bsdf or path.stem
+    if isinstance(getattr(chosen, "latents", None), TexturedLatents):
+        with tempfile.TemporaryDirectory() as folder:
+            saved = Path(folder, "texture.safetensors")
+            chosen.save(saved)
+            return _first_texture(saved, name, weights)
+    return First(codes_of(urushi.encode(chosen, weights, table=False), name))
+
+
+def _first_texture(path: Path, name: str, weights: str | None) -> "First":
+    """The texture of codes of a file, of the networks that the page has."""
+    from urushi.app.page_files import texels_of
+    from urushi.nets.weights import find
+    from urushi.textures import file
+
+    file.read(path, find(weights))  # refuses what the page could not read either
+    return texels_of(path.read_bytes(), name)
 
 
 def write(files: dict[str, bytes], folder: Path) -> None:

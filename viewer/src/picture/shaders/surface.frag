@@ -3,12 +3,22 @@
 // several times each.
 precision highp float;
 
+uniform mat3x2 toTexture; // from uv, where a texture of codes is shown
+uniform vec2 texels; // along the texture's sides
+uniform float coarsest; // the texture's last level
+
 in vec3 worldPosition;
 in vec3 worldNormal;
-layout(location = 0) out vec4 position; // and 1; 0 where there is no surface
+in vec2 uv;
+layout(location = 0) out vec4 position; // and 1; -1 for a back, 0 where there is no surface
 layout(location = 1) out vec4 normal;
+layout(location = 2) out vec4 at; // in the texture, and the level whose texels are as large as pixels
 
 void main() {
-    position = vec4(worldPosition, 1.0);
+    position = vec4(worldPosition, gl_FrontFacing ? 1.0 : -1.0);
     normal = vec4(worldNormal, 0.0);
+    vec2 place = toTexture * vec3(uv, 1.0);
+    vec2 x = dFdx(place) * texels, y = dFdy(place) * texels;
+    float squared = max(max(dot(x, x), dot(y, y)), 1.0);
+    at = vec4(place, min(0.5 * log2(squared), coarsest), 0.0);
 }

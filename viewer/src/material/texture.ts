@@ -1,0 +1,206 @@
+/** Textures of latent codes: files that the method `save` of Python's plugins writes. */
+
+import { CHANNELS } from "../core/channels";
+import { Refusal } from "../refusal";
+import { crc32 } from "../save/crc32";
+
+/** A number of a code in one channel: linear in a texel's bytes, which are in [0, 255]. */
+export interface LinearNumber {
+  /** Its value where the bytes are zero. */
+  lowest: number;
+  /** Its change for a step of the low byte; without one, of the high byte. */
+  step: number;
+  /** Places of its bytes in a texel; -1: there is none. */
+  high: number;
+  low: number;
+}
+
+/** How texture coordinates go on beyond [0, 1]. */
+export type Wrap = "repeat" | "mirror" | "clamp";
+
+/** A texture of codes. */
+export interface CodeTexture {
+  /** Names its file in the page's state: the check sum. */
+  id: string;
+  /** The file. */
+  file: Uint8Array<ArrayBuffer>;
+  /** Width and height of the levels, the finest first. */
+  levels: readonly (readonly [number, number])[];
+  /** Bytes of the texels, level by level, `texelBytes` each, of which `usedBytes` hold numbers. */
+  texels: Uint8Array;
+  texelBytes: number;
+  usedBytes: number;
+  /** Numbers of a code, of red, green and blue each. */
+  numbers: readonly (readonly LinearNumber[])[];
+  /** The affine map from uv to the texture's coordinates, row by row. */
+  toTexture: readonly number[];
+  wrap: Wrap;
+  /** Whether the nearest texel is taken, without interpolation. */
+  nearest: boolean;
+}
+
+/** The networks that a texture belongs to. */
+interface Networks {
+  latentSize: number;
+  fingerprint: string;
+}
+
+interface Tensor {
+  dtype: string;
+  shape: number[];
+  data_offsets: [number, number];
+}
+
+type Fields = Record<string, unknown>;
+
+/** Version of the format that Python writes. */
+const VERSION = 3;
+
+/** Whether a file is a texture of codes. */
+export function isTexture(file: Uint8Array): boolean {
+  return headerOf(file)?.description.kind === "texture";
+}
+
+/**
+ * The texture of a file.
+ *
+ * @throws Refusal if it is damaged, of another version, or of other networks.
+ */
+export function readTexture(
+  file: Uint8Array<ArrayBuffer>,
+  { latentSize, fingerprint }: Networks,
+): CodeTexture {
+  const header = headerOf(file);
+  if (header === null) throw damaged();
+  const { description, tensors, start } = header;
+  if (description.version !== VERSION)
+    throw new Refusal("It is a texture of another version of Urushi; save it again.");
+  if (description.weights !== fingerprint)
+    throw new Refusal("It was made with other networks; save the texture again.");
+  const bytesOf = (name: string, dtype: string, shape: number[], size: number) => {
+    const tensor = tensors[name];
+    const count = shape.reduce((product, length) => product * length, size);
+    const [from, to] = tensor?.data_offsets ?? [0, 0];
+    const fits = tensor?.dtype === dtype && String(tensor.shape) === String(shape);
+    if (!fits || to - from !== count || start + to > file.length) throw damaged();
+    return file.slice(start + from, start + to);
+  };
+  const levels = levelsOf(description);
+  const layout = layoutOf(description, latentSize);
+  const count = levels.reduce((sum, [width, height]) => sum + width * height, 0);
+  const range = (name: string) => {
+    const values = new Float32Array(bytesOf(name, "F32", [latentSize], 4).buffer);
+    if (!values.every(Number.isFinite)) throw damaged();
+    return values;
+  };
+  const [lowest, step] = [range("lowest"), range("step")];
+  const numbers = layout.high.map((high, number) =>
+    Array.from({ length: CHANNELS }, (_, colour) => {
+      const channel = layout.channels === 1 ? 0 : colour;
+      const first = layout.same[number] ? 0 : layout.shared + channel * layout.stride;
+      const place = (byte: number) => (byte < 0 ? -1 : first + byte);
+      const low = layout.low[number]!;
+      return { lowest: lowest[number]!, step: step[number]!, high: place(high), low: place(low) };
+    }),
+  );
+  const usedBytes = layout.shared + layout.channels * layout.stride;
+  const all = numbers.flat().flatMap(({ high, low }) => [high, low]);
+  if (usedBytes > layout.texelBytes || all.some((byte) => byte >= usedBytes)) throw damaged();
+  return {
+    id: crc32(file).toString(16).padStart(8, "0"),
+    file,
+    levels,
+    texels: bytesOf("texels", "U8", [count, layout.texelBytes], 1),
+    texelBytes: layout.texelBytes,
+    usedBytes,
+    numbers,
+    ...placeOf(description),
+  };
+}
+
+/** The mean codes (3, L) of a texture, for what has no place on the surface. */
+export function meanCodes(texture: CodeTexture): Float32Array {
+  const { levels, texels, texelBytes, numbers } = texture;
+  // The last level of a whole pyramid is an average that keeps the energy.
+  const [width, height] = levels[0]!;
+  const whole = levels.length > 1;
+  const last = texels.length - texelBytes;
+  const used = whole ? texels.subarray(last) : texels.subarray(0, width * height * texelBytes);
+  const sums = new Float64Array(texelBytes);
+  for (let at = 0; at < used.length; at++) sums[at % texelBytes]! += used[at]!;
+  const mean = sums.map((sum) => (sum * texelBytes) / used.length);
+  const codes = new Float32Array(CHANNELS * numbers.length);
+  numbers.forEach((channels, number) => {
+    channels.forEach(({ lowest, step, high, low }, channel) => {
+      const steps = high < 0 ? 0 : low < 0 ? mean[high]! : 256 * mean[high]! + mean[low]!;
+      codes[channel * numbers.length + number] = lowest + step * steps;
+    });
+  });
+  return codes;
+}
+
+/** What the head of a safetensors file says; null if it is none. */
+function headerOf(
+  file: Uint8Array,
+): { description: Fields; tensors: Record<string, Tensor | undefined>; start: number } | null {
+  if (file.length < 8) return null;
+  const view = new DataView(file.buffer, file.byteOffset, file.byteLength);
+  const length = Number(view.getBigUint64(0, true));
+  if (length === 0 || 8 + length > file.length) return null;
+  try {
+    const tensors = JSON.parse(new TextDecoder().decode(file.subarray(8, 8 + length)));
+    const description = Object(JSON.parse(tensors.__metadata__?.urushi ?? "{}")) as Fields;
+    return { description, tensors, start: 8 + length };
+  } catch {
+    return null;
+  }
+}
+
+function levelsOf({ width, height, levels }: Fields): [number, number][] {
+  if (!isCount(width) || !isCount(height) || width * height === 0) throw damaged();
+  const all: [number, number][] = [[width, height]];
+  for (let [w, h] = [width, height]; w > 1 || h > 1; ) {
+    [w, h] = [Math.max(w >> 1, 1), Math.max(h >> 1, 1)];
+    all.push([w, h]);
+  }
+  if (levels !== 1 && levels !== all.length) throw damaged();
+  return all.slice(0, levels);
+}
+
+function layoutOf(description: Fields, size: number) {
+  const layout = Object(description.layout) as Fields;
+  const { channels, shared, stride, texel_bytes: texelBytes } = layout;
+  const { high, low, same } = layout;
+  const isPlaces = (value: unknown): value is number[] =>
+    Array.isArray(value) && value.length === size && value.every((x) => Number.isInteger(x));
+  if (!isPlaces(high) || !isPlaces(low) || !Array.isArray(same) || same.length !== size)
+    throw damaged();
+  if (![channels, shared, stride, texelBytes].every(isCount)) throw damaged();
+  if (channels !== 1 && channels !== CHANNELS)
+    throw new Refusal("It has other channels than red, green and blue.");
+  return {
+    channels,
+    shared: shared as number,
+    stride: stride as number,
+    texelBytes: texelBytes as number,
+    high,
+    low,
+    same: same.map(Boolean),
+  };
+}
+
+function placeOf(description: Fields): Pick<CodeTexture, "toTexture" | "wrap" | "nearest"> {
+  const { to_texture: rows, wrap, nearest } = Object(description.place) as Fields;
+  const toTexture = (Array.isArray(rows) ? rows.flat() : []) as unknown[];
+  const isMatrix = toTexture.length === 6 && toTexture.every(Number.isFinite);
+  if (!isMatrix || (wrap !== "repeat" && wrap !== "mirror" && wrap !== "clamp")) throw damaged();
+  return { toTexture: toTexture as number[], wrap, nearest: nearest === true };
+}
+
+function isCount(value: unknown): value is number {
+  return Number.isSafeInteger(value) && (value as number) >= 0;
+}
+
+function damaged(): Refusal {
+  return new Refusal("It is damaged or no texture that Urushi has saved.");
+}

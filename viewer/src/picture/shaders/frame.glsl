@@ -1,0 +1,58 @@
+// What a pixel shows of the object, and the light there.
+const int MOST_LIGHTS = 4;
+
+uniform vec3 eye;
+uniform vec2 turn; // cosine and sine of the environment's rotation about z
+uniform int samples;
+uniform float density; // directions taken so far, for the level of detail
+uniform samplerCube environment;
+uniform float side; // texels along a side of the environment
+uniform vec3 lightDirections[MOST_LIGHTS];
+uniform vec3 lightPowers[MOST_LIGHTS]; // irradiance at normal incidence
+uniform int lights;
+
+uniform sampler2D positions; // of the surface that each pixel shows, see surface.frag
+uniform sampler2D normals;
+
+// A pixel's frame, in which z is the normal, and its direction to the eye.
+struct Frame {
+    vec3 x;
+    vec3 y;
+    vec3 z;
+    vec3 view;
+};
+
+vec3 turned(vec3 v) {
+    return vec3(turn.x * v.x + turn.y * v.y, turn.x * v.y - turn.y * v.x, v.z);
+}
+
+// The frame where a pixel shows a position.
+Frame frameAt(ivec2 pixel, vec3 position) {
+    vec3 normal = turned(normalize(texelFetch(normals, pixel, 0).xyz));
+    vec3 view = turned(normalize(eye - position));
+    float cosine = dot(normal, view);
+    if (cosine < 0.004) { // smooth normals may turn away at the silhouette
+        normal = normalize(normal + (0.004 - cosine) * view);
+        cosine = max(dot(normal, view), 0.004);
+    }
+    vec3 across = view - cosine * normal;
+    float size = length(across);
+    vec3 tangent = size > 1e-4
+        ? across / size
+        : normalize(cross(normal, abs(normal.z) < 0.9 ? vec3(0.0, 0.0, 1.0) : vec3(1.0, 0.0, 0.0)));
+    return Frame(tangent, cross(normal, tangent), normal, vec3(size, 0.0, cosine));
+}
+
+// The level whose texels are as large as the share of one direction.
+float level(vec3 direction, float logPdf) {
+    vec3 size = abs(direction);
+    float major = max(size.x, max(size.y, size.z));
+    float solidAngle = 4.0 * major * major * major / (side * side); // of a texel
+    return 0.5 * (-logPdf - log2(density * solidAngle)) + 0.5;
+}
+
+// Light from a direction in a frame, drawn by a density.
+vec3 incoming(Frame frame, vec3 local, float logPdf) {
+    vec3 light = local.x * frame.x + local.y * frame.y + local.z * frame.z;
+    return textureLod(environment, light, level(light, logPdf)).rgb;
+}

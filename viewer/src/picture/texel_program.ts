@@ -1,0 +1,76 @@
+/** A texture of codes on the graphics card, and the program that decodes it. */
+
+import type { CodeTexture, Wrap } from "../material/texture";
+import { Refusal } from "../refusal";
+import { coverProgram, filters, type Gl, included, type Program } from "./gl";
+import frameSource from "./shaders/frame.glsl?raw";
+import texelsSource from "./shaders/texels.frag?raw";
+
+/** A texture of codes that a renderer can draw. */
+export interface TexelProgram {
+  program: Program;
+  texture: WebGLTexture;
+  /** The affine map from uv, column by column. */
+  toTexture: readonly number[];
+  size: readonly [number, number];
+  coarsest: number;
+}
+
+/**
+ * Compile and upload.
+ *
+ * @param shader what `texelShaderText` returns for the texture.
+ * @throws Refusal if the texture is too large for the graphics driver.
+ */
+export function texelProgram(gl: Gl, codes: CodeTexture, shader: string): TexelProgram {
+  const layers = Math.max(Math.ceil(codes.usedBytes / 4), 1);
+  const source = included(texelsSource, { "frame.glsl": frameSource, "material.glsl": shader });
+  const program = coverProgram(gl, source.replaceAll("LAYERS", String(layers)));
+  const texture = uploaded(gl, codes, layers);
+  const [a, b, c, d, e, f] = codes.toTexture as [number, number, number, number, number, number];
+  return {
+    program,
+    texture,
+    toTexture: [a, d, b, e, c, f],
+    size: codes.levels[0]!,
+    coarsest: codes.levels.length - 1,
+  };
+}
+
+/** An array texture: four bytes of the texels a layer, as Python's `textures.gpu` has it. */
+function uploaded(gl: Gl, codes: CodeTexture, layers: number): WebGLTexture {
+  const { levels, texels, texelBytes, nearest } = codes;
+  const most = gl.getParameter(gl.MAX_TEXTURE_SIZE) as number;
+  const [width, height] = levels[0]!;
+  if (Math.max(width, height) > most)
+    throw new Refusal(
+      `The texture has ${width} by ${height} texels; the graphics driver takes ${most} a side.`,
+    );
+  const target = gl.TEXTURE_2D_ARRAY;
+  const texture = gl.createTexture()!;
+  gl.activeTexture(gl.TEXTURE0);
+  gl.bindTexture(target, texture);
+  gl.texStorage3D(target, levels.length, gl.RGBA8, width, height, layers);
+  gl.pixelStorei(gl.UNPACK_ALIGNMENT, 4);
+  let first = 0;
+  levels.forEach(([w, h], level) => {
+    const four = new Uint8Array(4 * w * h);
+    for (let layer = 0; layer < layers; layer++) {
+      for (let texel = 0; texel < w * h; texel++) {
+        const from = (first + texel) * texelBytes + 4 * layer;
+        for (let byte = 0; byte < 4; byte++) four[4 * texel + byte] = texels[from + byte]!;
+      }
+      gl.texSubImage3D(target, level, 0, 0, layer, w, h, 1, gl.RGBA, gl.UNSIGNED_BYTE, four);
+    }
+    first += w * h;
+  });
+  const large = nearest ? gl.NEAREST : gl.LINEAR;
+  const small = nearest ? gl.NEAREST_MIPMAP_LINEAR : gl.LINEAR_MIPMAP_LINEAR;
+  filters(gl, target, levels.length > 1 ? small : large, large, wrapOf(gl, codes.wrap));
+  return texture;
+}
+
+function wrapOf(gl: Gl, wrap: Wrap): number {
+  if (wrap === "clamp") return gl.CLAMP_TO_EDGE;
+  return wrap === "mirror" ? gl.MIRRORED_REPEAT : gl.REPEAT;
+}

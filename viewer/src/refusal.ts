@@ -1,0 +1,2 @@
+/** What a user is told: one sentence. */
+export class Refusal extends Error {}

@@ -1,0 +1,133 @@
+import { expect, test } from "vitest";
+import { isTexture, meanCodes, readTexture } from "../../src/material/texture";
+import { Refusal } from "../../src/refusal";
+import { texelShaderText } from "../../src/save/shader";
+
+const NETWORKS = { latentSize: 3, fingerprint: "8d3f00a1" };
+
+/** Numbers: 16 bits for each channel, the same 8 bits for all channels, and a constant. */
+const LAYOUT = {
+  channels: 3,
+  size: 3,
+  high: [0, 0, -1],
+  low: [1, -1, -1],
+  same: [false, true, false],
+  shared: 1,
+  stride: 2,
+  texel_bytes: 8,
+};
+
+const DESCRIPTION = {
+  kind: "texture",
+  version: 3,
+  weights: NETWORKS.fingerprint,
+  width: 2,
+  height: 1,
+  levels: 2,
+  layout: LAYOUT,
+  place: {
+    to_texture: [
+      [0.5, 0, 0.1],
+      [0, 1, 0],
+    ],
+    wrap: "repeat",
+    nearest: false,
+  },
+};
+
+const LOWEST = [-1, 0.25, 3];
+const STEP = [0.001, 0.5, 0];
+
+/** Two texels, and the one of the next level. */
+const TEXELS = [
+  ...[7, 1, 2, 3, 4, 5, 6, 0],
+  ...[9, 0, 255, 128, 0, 255, 255, 0],
+  ...[8, 1, 0, 2, 0, 3, 0, 0],
+];
+
+function file(change: object = {}, texels: number[] = TEXELS): Uint8Array<ArrayBuffer> {
+  const parts = [
+    ["texels", "U8", [texels.length / 8, 8], new Uint8Array(texels)],
+    ["lowest", "F32", [3], new Uint8Array(new Float32Array(LOWEST).buffer)],
+    ["step", "F32", [3], new Uint8Array(new Float32Array(STEP).buffer)],
+  ] as const;
+  const header: Record<string, unknown> = {
+    __metadata__: { urushi: JSON.stringify({ ...DESCRIPTION, ...change }) },
+  };
+  const all: number[] = [];
+  for (const [name, dtype, shape, bytes] of parts) {
+    header[name] = { dtype, shape, data_offsets: [all.length, all.length + bytes.length] };
+    all.push(...bytes);
+  }
+  const text = new TextEncoder().encode(JSON.stringify(header));
+  const whole = new Uint8Array(8 + text.length + all.length);
+  new DataView(whole.buffer).setUint32(0, text.length, true);
+  whole.set(text, 8);
+  whole.set(all, 8 + text.length);
+  return whole;
+}
+
+/** The code of a texel, as Python's `textures.packing` unpacks it. */
+function unpacked(texel: number[], channel: number): number[] {
+  const fine = 256 * texel[1 + 2 * channel]! + texel[2 + 2 * channel]!;
+  return [-1 + 0.001 * fine, 0.25 + 0.5 * texel[0]!, 3];
+}
+
+test("shader code makes a texel's codes of its bytes", () => {
+  const texture = readTexture(file(), NETWORKS);
+  const names = ["red", "green", "blue"].map((c) => [0, 1, 2].map((i) => `code_${i}_${c}`));
+  const text = texelShaderText(JSON.stringify(names).replaceAll('"', ""), texture);
+  const texel = TEXELS.slice(8, 16);
+  const stored = texel.map((byte) => byte / 255);
+  const codes = new Function("stored", `return ${text};`)(stored) as number[][];
+  codes.forEach((code, channel) => {
+    code.forEach((number, k) => {
+      expect(number).toBeCloseTo(unpacked(texel, channel)[k]!, 4);
+    });
+  });
+});
+
+test("the mean code is the last level's, or that of all texels", () => {
+  const ofChannels = (codes: Float32Array) =>
+    [0, 1, 2].map((channel) => [...codes.subarray(3 * channel, 3 * channel + 3)]);
+  const last = ofChannels(meanCodes(readTexture(file(), NETWORKS)));
+  const alone = ofChannels(
+    meanCodes(readTexture(file({ levels: 1 }, TEXELS.slice(0, 16)), NETWORKS)),
+  );
+  for (const channel of [0, 1, 2])
+    for (const k of [0, 1, 2]) {
+      expect(last[channel]![k]).toBeCloseTo(unpacked(TEXELS.slice(16), channel)[k]!, 4);
+      const [a, b] = [0, 8].map((at) => unpacked(TEXELS.slice(at, at + 8), channel)[k]!);
+      expect(alone[channel]![k]).toBeCloseTo((a! + b!) / 2, 4);
+    }
+});
+
+test("levels, place and name are read", () => {
+  const texture = readTexture(file(), NETWORKS);
+  expect(texture.levels).toEqual([
+    [2, 1],
+    [1, 1],
+  ]);
+  expect(texture.toTexture).toEqual([0.5, 0, 0.1, 0, 1, 0]);
+  expect(texture.id).toMatch(/^[0-9a-f]{8}$/);
+  expect(isTexture(file())).toBe(true);
+  expect(isTexture(file({ kind: "material" }))).toBe(false);
+});
+
+const WHOLE = file();
+
+test.each([
+  ["nothing", new Uint8Array(0)],
+  ["another version", file({ version: 2 })],
+  ["other networks", file({ weights: "00c0ffee" })],
+  ["a level too few", file({ levels: 1 })],
+  ["no texels", file({ width: 0 })],
+  ["two channels", file({ layout: { ...LAYOUT, channels: 2 } })],
+  ["a byte beyond the texel", file({ layout: { ...LAYOUT, high: [0, 8, -1] } })],
+  ["another length of codes", file({ layout: { ...LAYOUT, high: [0, 0] } })],
+  ["no place", file({ place: { wrap: "repeat" } })],
+  ["another continuation", file({ place: { ...DESCRIPTION.place, wrap: "tile" } })],
+  ["a part of a file", WHOLE.slice(0, WHOLE.length - 1)],
+] as [string, Uint8Array<ArrayBuffer>][])("%s: refused", (_name, bytes) => {
+  expect(() => readTexture(bytes, NETWORKS)).toThrow(Refusal);
+});

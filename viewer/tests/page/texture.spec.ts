@@ -1,0 +1,101 @@
+/** Textures of codes: decoded at each pixel, as Mitsuba renders them; and what cannot be done. */
+
+import { execFileSync } from "node:child_process";
+import { mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { crc32 } from "../../src/save/crc32";
+import { compared, hasFlip, PYTHON } from "./compared";
+import { coats, colourAt, expect, give, open, saved, test } from "./page";
+
+let folder: string;
+let texture: Buffer;
+
+test.beforeAll(() => {
+  folder = mkdtempSync(join(tmpdir(), "texture-"));
+  const file = join(folder, "stripes.safetensors");
+  execFileSync(PYTHON, [join(import.meta.dirname, "texture.py"), file]);
+  texture = readFileSync(file);
+});
+
+test.afterAll(() => rmSync(folder, { recursive: true, force: true }));
+
+const view = { azimuth: 20, elevation: 25, zoom: 1.4 };
+
+test.describe("beside Mitsuba", () => {
+  // One canvas pixel for several of the screen: the processor draws.
+  test.use({ deviceScaleFactor: 0.16 });
+  test.skip(!hasFlip, "the package flip-evaluator has no wheel for this machine");
+
+  // The sky's sun is a light that is evaluated directly.
+  for (const [object, environment] of [
+    ["caddy", "studio"],
+    ["ball", "sky"],
+  ])
+    test(`${object}, ${environment}: at rest as Mitsuba renders it`, async ({ page }) => {
+      test.setTimeout(400_000);
+      const bottom = { kind: "diffuse", reflectance: 0.5 };
+      const materials = [{ name: "first", bottom }];
+      await open(page);
+      const state = { materials, object, environment, view, rotation: 30 };
+      await give(page, "state.json", JSON.stringify(state));
+      await expect(page.getByRole("button", { name: "Material first" })).toBeVisible();
+      await give(page, "stripes.safetensors", texture);
+      await expect(page.getByRole("button", { name: "Material stripes" })).toBeVisible();
+      await expect(page.locator(".status")).toHaveText("refining");
+      await expect(page.locator(".status")).toHaveText("converged", { timeout: 300_000 });
+      const measures = await compared(page, `texture on a ${object}`);
+      expect.soft(measures.flip).toBeLessThan(0.05);
+      expect.soft(Math.abs(measures.mean)).toBeLessThan(0.01);
+      // Noise alone is far below these tolerances.
+      expect.soft(measures.noise).toBeLessThan(0.02);
+      expect.soft(Math.abs(measures.mean_noise)).toBeLessThan(0.003);
+    });
+});
+
+test("a texture is shown, saved as it was, and not coated", async ({ page }) => {
+  await open(page);
+  await give(page, "stripes.safetensors", texture);
+  await expect(page.getByRole("combobox", { name: "Kind of bottom" })).toHaveValue("texels");
+  await expect(coats(page)).toHaveCount(0);
+  await expect(page.getByRole("button", { name: "Add coat" })).toBeDisabled();
+  await expect(page.locator(".status[data-converged]")).toBeVisible();
+  const file = await saved(page, "Material ?safetensors");
+  expect(Buffer.from(file.text, "latin1").equals(texture)).toBe(true);
+  await page.getByRole("button", { name: "Save", exact: true }).click();
+  await page.getByRole("button", { name: /^Mitsuba XML/ }).click();
+  await expect(page.getByRole("alert")).toContainText("saved as a material file");
+});
+
+test("a damaged texture is refused in a sentence", async ({ page }) => {
+  await open(page);
+  await give(page, "cut.safetensors", texture.subarray(0, texture.length - 9));
+  await expect(page.getByRole("alert")).toContainText("damaged or no texture");
+  await expect(coats(page)).toHaveCount(2);
+});
+
+test("a state without its texture says so", async ({ page }) => {
+  await open(page);
+  const bottom = { kind: "texels", texture: "0123abcd" };
+  await give(page, "state.json", JSON.stringify({ materials: [{ name: "silk", bottom }] }));
+  await expect(page.getByRole("alert")).toContainText("The texture of “silk” is no part");
+});
+
+test("the page begins with a texture beside it", async ({ page }) => {
+  const name = crc32(texture).toString(16).padStart(8, "0");
+  const materials = [{ name: "stripes", bottom: { kind: "texels", texture: name } }];
+  await page.route("**/start.json", (route) =>
+    route.fulfill({ json: { materials, texture: "texture.safetensors" } }),
+  );
+  await page.route("**/texture.safetensors", (route) => route.fulfill({ body: texture }));
+  await open(page);
+  await expect(page.getByRole("button", { name: "Material stripes" })).toBeVisible();
+  await expect(page.getByRole("alert")).toHaveCount(0);
+  await expect(async () => {
+    const colours = await Promise.all(
+      [0.42, 0.46, 0.5, 0.54, 0.58].map((x) => colourAt(page, x, 0.6)),
+    );
+    const blue = colours.map(([red, , blue]) => blue! - red!);
+    expect(Math.max(...blue) - Math.min(...blue)).toBeGreaterThan(20);
+  }).toPass();
+});
