@@ -49,8 +49,6 @@ def test_the_base_has_the_ratio_of_the_indices():
     assert roughness.base_index(1.5, 1.6, 1.0, 1.0) == pytest.approx(1.5 / 1.6)
     assert roughness.base_index(1.5, 1.6, 0.5, 1.0) == pytest.approx(0.5 * (1.5 + 1.5 / 1.6))
     assert roughness.base_index(1.5, 1.6, 0.3, 0.0) == 1
-    assert roughness.base_index(1.5, 1.6, 1.0, 1.0, inverted=True) == pytest.approx(1.6 / 1.5)
-    assert roughness.base_index(1.8, 1.6, 1.0, 1.0, inverted=True) == pytest.approx(1.8 / 1.6)
 
 
 @pytest.mark.parametrize("ior", [1.2, 1.5, 0.9])

@@ -26,6 +26,21 @@ def test_every_parameter_of_the_examples_is_known():
     assert names <= PARAMETERS.keys()
 
 
+def test_names_and_defaults_are_those_of_the_reference_graph():
+    materialx = pytest.importorskip("MaterialX", reason="the package materialx is not installed")
+    path = Path(materialx.__file__).parent / "libraries" / "bxdf" / "open_pbr_surface.mtlx"
+    definition = ElementTree.parse(path).getroot().find("nodedef")
+    assert definition.get("version") == "1.1.1"
+    given = {element.get("name"): element.get("value") for element in definition.iter("input")}
+    assert list(given) == list(PARAMETERS)
+    for name, text in given.items():
+        default = PARAMETERS[name].default
+        if text in (None, "false"):
+            assert not default
+        else:
+            assert np.array_equal(np.float64(text.split(",")), np.atleast_1d(default))
+
+
 def test_defaults_lie_in_their_ranges():
     values = complete({})
     assert values.keys() == {name for name, p in PARAMETERS.items() if p.kind != "vector"}

@@ -278,11 +278,13 @@ def material_from_values(
         both = np.stack(refine_codes(model.networks, probed, nodes, lobe))
         codes, anchors = energy.limit_albedo(model, both, ceiling)
         return Material(codes, model, anchors)
-    # Anchors are never rendered. They are limited only where they would bring light into a coat.
+    # Anchors are never rendered. They are limited only where they would bring light into a coat,
+    # and by their mean: an excess at grazing angles, which few paths in a coat have, would
+    # darken all others.
     bright = source_albedo.max(axis=-1) * excess > 1 - energy.MARGIN
     if bright.any():
         peak = energy.peak_ceiling(source_albedo)
-        anchors[bright] = energy.limit_albedo(model, anchors[bright], peak[bright])
+        anchors[bright] = energy.limit_mean_albedo(model, anchors[bright], peak[bright, 0])
     return Material(energy.limit_albedo(model, codes, ceiling), model, anchors)
 
 

@@ -129,6 +129,24 @@ def limit_albedo(
     return _scaled(model, z, _limiting_factors(model, z, ceiling))
 
 
+def limit_mean_albedo(model: Model, z: np.ndarray, ceiling: np.ndarray) -> np.ndarray:
+    """Scale codes (N, L) down so that the mean of their directional albedo is below a ceiling (N,).
+
+    The mean is that over diffuse light. Codes of networks without a gain are not changed.
+    """
+    if not isinstance(model.networks, UrushiNetworks):
+        return z
+    cosines = albedo_rule(model.arch.widths).cosines
+    squares = cosines * cosines  # descending from one
+    widths = np.zeros_like(squares)
+    widths[:-1] += 0.5 * (squares[:-1] - squares[1:])
+    widths[1:] += 0.5 * (squares[:-1] - squares[1:])
+    widths[-1] += squares[-1]
+    allowed = np.maximum(ceiling - top_albedos(model, z) @ widths, LEAST_REST)
+    factors = allowed / np.maximum(rest_albedos(model, z) @ widths, LEAST_ALBEDO)
+    return _scaled(model, z, np.minimum(factors, 1).astype(np.float32))
+
+
 def limit_coated_albedo(model: Model, z: np.ndarray, z_bottom: np.ndarray) -> np.ndarray:
     """`limit_albedo` for codes (..., L) of coats over bottoms z_bottom (broadcast to the same).
 

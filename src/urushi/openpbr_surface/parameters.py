@@ -89,7 +89,7 @@ PARAMETERS: dict[str, Parameter] = {
         ("thin_film_thickness", "float", 0.5, 0, None, "Thickness of the film [micrometres]."),
         ("thin_film_ior", "float", 1.4, 0, None, "Index of refraction of the film."),
         ("emission_luminance", "float", 0.0, 0, None, "Luminance of emitted light [nit]."),
-        ("emission_color", "color", _WHITE, 0, 1, "Multiplier of that luminance."),
+        ("emission_color", "color", _WHITE, 0, None, "Multiplier of that luminance."),
         ("geometry_opacity", "float", 1.0, 0, 1, "Opacity of the whole surface."),
         ("geometry_thin_walled", "boolean", False, None, None, "Whether it is a thin sheet."),
         ("geometry_normal", "vector", None, None, None, "Normal of the base."),

@@ -6,6 +6,9 @@ import numpy as np
 
 from urushi.checks import ETA_RANGE, MIN_ALPHA, MIN_INDEX_STEP
 
+#: Least index of refraction of a medium.
+LEAST_INDEX = 0.1
+
 
 def widths(roughness: Any, anisotropy: Any, xp: Any = np) -> tuple[Any, Any]:
     """The GGX widths along the tangent and across it, as the specification defines them.
@@ -40,44 +43,51 @@ def is_mirror(roughness: float) -> bool:
     return roughness * roughness < MIN_ALPHA
 
 
-def base_index(
-    specular_ior: Any,
-    coat_ior: Any,
-    coat_weight: Any,
-    specular_weight: Any,
-    xp: Any = np,
-    *,
-    inverted: bool = False,
-) -> Any:
-    """The index of the dielectric base relative to the medium above it.
-
-    The ratio is specular_ior in air and specular_ior / coat_ior under the coat; partial coverage
-    is linear in between. Below one, there is total reflection from above at grazing angles, which
-    light refracted by a smooth coat does not reach directly. specular_weight then scales the
-    reflectance at normal incidence, at most to 0.98.
+def relative_index(ior: Any, coat_ior: Any, coat_weight: Any) -> Any:
+    """An index of refraction relative to the medium above: air, the coat, or linear in between.
 
     Args:
-        specular_ior, coat_ior: indices of refraction, positive.
+        ior, coat_ior: indices of refraction, positive.
         coat_weight: in [0, 1].
+
+    Source: OpenPBR 1.1.1, Coat (the ratio of the indices).
+    """
+    return ior + coat_weight * (ior / coat_ior - ior)
+
+
+def modulated_index(ratio: Any, specular_weight: Any, xp: Any = np) -> Any:
+    """The relative index whose reflectance at normal incidence is specular_weight times another's.
+
+    Args:
+        ratio: the other relative index, positive.
         specular_weight: zero or more.
         xp: the module of the arrays' functions, NumPy or drjit.
-        inverted: whether a ratio below one under the coat is replaced by its inverse, which
-            reflects as much at normal incidence and nowhere totally. The specification recommends
-            it where refraction by the coat is not followed.
 
     Returns:
-        A positive ratio; 1 where the interface vanishes.
+        A positive ratio, on the same side of one; 1 where the interface vanishes. The reflectance
+        is at most 0.98.
 
-    Source: OpenPBR 1.1.1, Coat and Dielectric base (the ratio of the indices and its modulation).
+    Source: OpenPBR 1.1.1, Dielectric base.
     """
-    covered = specular_ior / coat_ior
-    if inverted:
-        covered = xp.maximum(covered, coat_ior / specular_ior)
-    ratio = specular_ior + coat_weight * (covered - specular_ior)
     amplitude = (ratio - 1) / (ratio + 1)  # the signed root of the reflectance
     # An amplitude of one would be an index without bound; the interfaces end far below.
     scaled = xp.clip(amplitude * xp.sqrt(specular_weight), -0.99, 0.99)
     return (1 + scaled) / (1 - scaled)
+
+
+def base_index(
+    specular_ior: Any, coat_ior: Any, coat_weight: Any, specular_weight: Any, xp: Any = np
+) -> Any:
+    """The index of the dielectric base relative to the medium above it.
+
+    Below one, there is total reflection from above at grazing angles, which light refracted by a
+    smooth coat does not reach directly. The specification recommends the inverse ratio where
+    refraction by the coat is not followed; here it is.
+
+    The arguments are those of `relative_index` and `modulated_index`.
+    """
+    ratio = relative_index(specular_ior, coat_ior, coat_weight)
+    return modulated_index(ratio, specular_weight, xp)
 
 
 def interface_index(ratio: Any) -> np.ndarray:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import urushi
-from urushi.openpbr_surface import metal
+from urushi.openpbr_surface import metal, thin_film
 from urushi.render.reading import probing
 
 pytestmark = pytest.mark.usefixtures("rgb")
@@ -100,6 +100,55 @@ def test_a_white_metal_is_schlicks_term_with_a_dip():
     assert np.allclose(found / mirror, expected, rtol=1e-3)
 
 
+def test_a_film_changes_the_fresnel_term_of_metals_and_dielectrics():
+    """At the mirror direction f is that without film, times the quotient of the reflectances."""
+    film = {"thin_film_weight": 1.0, "thin_film_thickness": 0.3, "thin_film_ior": 1.8}
+    cosine, f0 = 0.6, np.array([0.2, 0.5, 0.8])
+    wi = np.float32([[0.8, 0, cosine]])
+    for metalness, below in (
+        (1.0, [thin_film.metal_index(x, np.float64(1)) for x in f0]),
+        (0.0, [thin_film.Below(np.float64(1.5))] * 3),
+    ):
+        shared = dict(base_color=COLOR, base_metalness=metalness, specular_roughness=0.1)
+        if not metalness:
+            shared["base_weight"] = 0.0  # the interface alone
+        seen = values(openpbr(**shared, **film), wi, wi * [-1, 1, 1])
+        bare = values(openpbr(**shared), wi, wi * [-1, 1, 1])
+        layer = thin_film.Film(1.8, 1.8, 0.3)
+        expected = [
+            thin_film.reflectance(cosine, layer, x, response)
+            for x, response in zip(below, thin_film.rgb_responses(), strict=True)
+        ]
+        plain = metal.f82(cosine, f0, 1.0) if metalness else fresnel_of_glass(cosine)
+        assert np.allclose(seen / bare, np.array(expected) / plain, rtol=2e-3)
+
+
+def fresnel_of_glass(cosine, eta=1.5):
+    inside = (1 - (1 - cosine**2) / eta**2) ** 0.5
+    s = (cosine - eta * inside) / (cosine + eta * inside)
+    p = (eta * cosine - inside) / (eta * cosine + inside)
+    return 0.5 * (s * s + p * p)
+
+
+@pytest.mark.parametrize("parameters", [{}, {"specular_roughness": 1.0}, {"base_metalness": 1.0}])
+def test_a_white_base_under_a_film_reflects_all_light(parameters):
+    bsdf = openpbr(base_color=WHITE, thin_film_weight=1.0, thin_film_ior=1.8, **parameters)
+    for cosine in (1.0, 0.6, 0.3):
+        mean, se = albedo(bsdf, cosine)
+        assert abs(mean - 1) < 0.02 + 4 * se
+
+
+def test_a_filmed_metal_under_a_coat_is_the_walk_over_it():
+    wi, wo = pairs(300)
+    shared = dict(base_color=COLOR, base_metalness=1.0, specular_roughness=0.3, coat_weight=1.0)
+    shared |= dict(coat_roughness=0.3, thin_film_weight=1.0, energy_compensation=False)
+    reference = values(openpbr(reference=True, **shared), wi, wo, 1024)
+    plain = values(openpbr(reference=True, **(shared | {"thin_film_weight": 0.0})), wi, wo, 1024)
+    assert error(plain, reference, wi, wo) > 0.02  # the film is seen
+    # Noise of 2 %, and one mean reflectance for all angles in the coat.
+    assert error(values(openpbr(**shared), wi, wo), reference, wi, wo) < 0.07
+
+
 def test_no_coat_is_the_base_bit_for_bit():
     wi, wo = pairs(200)
     plain = values(openpbr(base_color=COLOR), wi, wo)
@@ -136,10 +185,12 @@ def test_the_reference_over_a_metal_is_the_walk():
     assert error(values(openpbr(**shared, **parameters), wi, wo), expected, wi, wo) < 0.05
 
 
-def test_the_networks_agree_with_the_reference_over_a_dielectric():
-    """The ratio of the indices is above one, so that both describe the same."""
+@pytest.mark.parametrize(("ior", "rough"), [(1.9, 0.3), (1.5, 0.6)])
+def test_the_networks_agree_with_the_reference_over_a_dielectric(ior, rough):
+    """1.5 under a coat of 1.6 is a ratio below one: both have its total reflection."""
     wi, wo = pairs(300)
-    shared = dict(base_color=COLOR, specular_ior=1.9, coat_weight=1.0, coat_roughness=0.4)
+    shared = dict(base_color=COLOR, specular_ior=ior, coat_weight=1.0, coat_roughness=0.4)
+    shared["specular_roughness"] = rough
     reference = values(openpbr(reference=True, **shared), wi, wo, 1024)
     assert error(values(openpbr(**shared), wi, wo), reference, wi, wo) < 0.05
 

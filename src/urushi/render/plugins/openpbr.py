@@ -37,12 +37,11 @@ def define(proposal_bsdf: type):
         the diffuse slab, whose albedo is such that base_color is what leaves; a metal has the
         F82-tint term. The coat over it is layered, and coat_weight mixes the BRDFs of the bare and
         the coated base. Fuzz lies above both. Missing and refused, or left out with a warning:
-        transmission, subsurface scattering, the thin-walled mode, thin film, emission, a normal map
-        of the coat. Reflects on the front side only: nest it in ``twosided`` for both sides.
+        transmission, subsurface scattering, the thin-walled mode, emission, a normal map of the
+        coat. Reflects on the front side only: nest it in ``twosided`` for both sides.
 
-        Where the coat's index exceeds the base's, ``reference`` follows total reflection by the
-        base. The networks know ratios above one only and take the inverse, as the specification
-        recommends.
+        Where the coat's index exceeds the base's, light in the coat is reflected totally by the
+        base. Networks take the inverse ratio below a specular_roughness of 0.3.
 
         .. tabs::
             .. code-tab:: xml
@@ -68,9 +67,9 @@ def define(proposal_bsdf: type):
         _warn_of_mirrors(inputs)
         base = coated = None
         if not inputs.is_constant("coat_weight", 1):
-            base = base_class(inputs, False, reference or inputs.is_constant("coat_weight", 0))
+            base = base_class(inputs, False, False)
         if not inputs.is_constant("coat_weight", 0):
-            below = base_class(inputs, True, reference)
+            below = base_class(inputs, True, not reference)
             coat = _coat(inputs, below, "layered" if reference else "neural_layered")
             if not reference:
                 coat |= {name: props[name] for name in ("resolution", "weights") if name in props}

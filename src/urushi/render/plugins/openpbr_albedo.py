@@ -65,6 +65,14 @@ class MirrorAlbedo:
         # Where nothing is lost, the quotient is 0 / 0.
         return color * (ends[0] * ends[1] / dr.maximum(dr.pi * (1 - mean), 1e-6))
 
+    def seen(self, cosine, alpha):
+        """Share of the light from a direction that one reflection by the facets lets leave."""
+        return _read(self._albedo, [dr.safe_sqrt(cosine), tables.roughness_coordinate(alpha, dr)])
+
+    def seen_mean(self, alpha):
+        """The cosine-weighted mean of `seen` over the hemisphere."""
+        return _read(self._mean, [tables.roughness_coordinate(alpha, dr)])
+
     def gain(self, alpha, f0):
         """The factor by which multiple scattering increases a lobe of reflectance f0.
 

@@ -11,14 +11,19 @@ from urushi.physics import fresnel, microfacet
 from urushi.physics.mixture import Mixture
 from urushi.render import spectrum
 from urushi.render.plugins.openpbr_albedo import InterfaceAlbedo, MirrorAlbedo
+from urushi.render.plugins.openpbr_film import FilmFresnel
 from urushi.render.reading.openpbr_inputs import Inputs
 
 #: Least share of each lobe in the proposal.
 MIN_SHARE = 0.1
 
-#: The parameters on which its relative index depends, and the least index of a medium.
+#: The parameters on which its relative index depends.
 INDICES = ("specular_ior", "coat_ior", "coat_weight", "specular_weight")
-LEAST_INDEX = 0.1
+
+#: specular_roughness below which networks take the inverse of an index below one, which reflects
+#: as much at normal incidence: they do not represent the edge of sharp total reflection over a
+#: bright slab.
+INVERTED_BELOW = 0.3
 
 #: The parameters that the base reads.
 NAMES = (
@@ -38,22 +43,28 @@ def define(base: type) -> type:
         reflects all light. A metal has the lobe of multiple scattering of Kulla and Conty 2017.
         """
 
-        def __init__(self, inputs: Inputs, under_coat: bool, reference: bool):
+        def __init__(self, inputs: Inputs, under_coat: bool, encoded: bool):
             """Take the parameters.
 
             under_coat: whether `coat_darkening` has an effect.
-            reference: whether an index below that of the coat is kept, as random walks follow it;
-                the networks have learned ratios above one only.
+            encoded: whether networks encode it; see `INVERTED_BELOW`.
             """
             super().__init__(mi.Properties("openpbr_base"))
             self._inputs = inputs
             self._boosted = under_coat and not inputs.is_constant("coat_darkening", 1)
-            self._inverted = not reference
+            self._encoded = encoded
+            self._film = None
+            if not inputs.is_constant("thin_film_weight", 0):
+                self._film = FilmFresnel(inputs)
             eta = None
             if all(name in inputs.constants for name in INDICES):
                 values = [inputs.constants[name] for name in INDICES]
-                values[:2] = np.maximum(values[:2], LEAST_INDEX)
-                eta = float(roughness.base_index(*values, inverted=self._inverted))
+                values[:2] = np.maximum(values[:2], roughness.LEAST_INDEX)
+                eta = float(roughness.base_index(*values))
+                if encoded and eta < 1:
+                    rough = inputs.constants.get("specular_roughness")
+                    inverted = None if rough is None else rough < INVERTED_BELOW
+                    eta = None if inverted is None else 1 / eta if inverted else eta
             self._albedo = InterfaceAlbedo(eta)
             self._mirror = MirrorAlbedo()
 
@@ -68,13 +79,17 @@ def define(base: type) -> type:
             tint = inputs.color("specular_color", si, active)
             f = mi.Spectrum(0)
             if not inputs.is_constant("base_metalness", 1):
-                f += lobe * fresnel.dielectric(cos_m, eta)[0] * tint
+                f += lobe * self._dielectric(cos_m, eta, si, active) * tint
                 f += self._diffuse(si, wo, color, alpha, eta, active)
             if not inputs.is_constant("base_metalness", 0):
                 share = inputs.number("base_metalness", si, active)
                 weight = inputs.number("specular_weight", si, active)
-                shine = lobe * metal.f82(cos_m, color, tint)
-                shine += self._mirror.lost(si.wi.z, wo.z, alpha, metal.f82_mean(color, tint))
+                reflectance, mean = metal.f82(cos_m, color, tint), metal.f82_mean(color, tint)
+                if self._film:
+                    reflectance = self._film.metal(cos_m, color, tint, reflectance, si, active)
+                    mean = self._film.metal_mean(color, tint, mean, si, active)
+                shine = lobe * reflectance
+                shine += self._mirror.lost(si.wi.z, wo.z, alpha, mean)
                 f = dr.lerp(f, dr.minimum(weight, 1) * shine, share)
             if self._boosted:
                 f *= self._boost(si, color, eta, active)
@@ -83,10 +98,17 @@ def define(base: type) -> type:
         def _diffuse(self, si, wo, color, alpha, eta, active):
             """What passes the interface, is reflected by the slab and leaves [1/sr]."""
             albedo = self._albedo
-            passed = (1 - albedo.reflected(si.wi.z, alpha, eta)) * (
-                1 - albedo.reflected(wo.z, alpha, eta)
-            )
-            mean = 1 - albedo.reflected_mean(alpha, eta)
+            reflected = [albedo.reflected(w.z, alpha, eta) for w in (si.wi, wo)]
+            mean = albedo.reflected_mean(alpha, eta)
+            if self._film:
+                for i, w in enumerate((si.wi, wo)):
+                    more = self._film.excess(w.z, alpha, eta, si, active)
+                    reflected[i] = dr.clip(
+                        reflected[i] + self._mirror.seen(w.z, alpha) * more, 0, 1
+                    )
+                more = self._mirror.seen_mean(alpha) * self._film.mean_excess(eta, si, active)
+                mean = dr.clip(mean + more, 0, 1)
+            passed, mean = (1 - reflected[0]) * (1 - reflected[1]), 1 - mean
             if self._inputs.is_constant("base_diffuse_roughness", 0):
                 return color * (passed * dr.inv_pi / mean)
             rough = self._inputs.number("base_diffuse_roughness", si, active)
@@ -102,6 +124,12 @@ def define(base: type) -> type:
             mean_albedo = eon.mean_albedo(rho, rough)
             f += ends[0] * ends[1] * (internal * dr.inv_pi / (1 - mean_albedo * internal))
             return f * (passed / (eta * eta))
+
+        def _dielectric(self, cosine, eta, si, active):
+            """The Fresnel term of the dielectric."""
+            if self._film:
+                return self._film.dielectric(cosine, eta, si, active)
+            return fresnel.dielectric(cosine, eta)[0]
 
         def _boost(self, si, color, eta, active):
             """The factor that takes back darkening, see `openpbr_surface.darkening`."""
@@ -157,12 +185,14 @@ def define(base: type) -> type:
             alpha = self._alpha(si, active)
             if self.bare:
                 scale *= self._mirror.gain(alpha, color)
+            if self._film:
+                color, eta = self._film.lobe_terms(eta, color, tint, si, active)
             values = (
                 mi.Spectrum(alpha),
                 dr.minimum(scale * share * weight * color, 1),
                 dr.minimum(scale * (share * weight) * tint, 1),
                 dr.minimum(scale * (1 - share) * tint, 1),
-                mi.Spectrum(dr.select(share < 1, eta, NO_LOBE[4])),
+                dr.select(share < 1, mi.Spectrum(eta), NO_LOBE[4]),
                 mi.Spectrum(0),
             )
             return [list(c) for c in zip(*map(spectrum.to_channels, values), strict=True)]
@@ -180,13 +210,21 @@ def define(base: type) -> type:
             ior, coat_ior, coat, weight = (
                 self._inputs.number(name, si, active) for name in INDICES
             )
-            ior, coat_ior = dr.maximum(ior, LEAST_INDEX), dr.maximum(coat_ior, LEAST_INDEX)
-            eta = roughness.base_index(ior, coat_ior, coat, weight, dr, inverted=self._inverted)
+            ior, coat_ior = (
+                dr.maximum(ior, roughness.LEAST_INDEX),
+                dr.maximum(coat_ior, roughness.LEAST_INDEX),
+            )
+            eta = roughness.base_index(ior, coat_ior, coat, weight, dr)
+            if self._encoded:
+                rough = self._inputs.number("specular_roughness", si, active)
+                eta = dr.select((rough < INVERTED_BELOW) & (eta < 1), 1 / eta, eta)
             return dr.clip(eta, 1 / 3, 3)
 
         def traverse(self, callback):
             for name in NAMES:
                 callback.put(name, self._inputs.textures[name], mi.ParamFlags.Differentiable)
+            if self._film:
+                self._film.traverse(callback)
 
         def parameters_changed(self, keys):
             self._check_changeable()

@@ -20,7 +20,6 @@ UNSUPPORTED = {
     "transmission_weight": "transmission",
     "subsurface_weight": "subsurface scattering",
     "geometry_thin_walled": "the thin-walled mode",
-    "thin_film_weight": "a thin film",
     "emission_luminance": "emitted light",
 }
 
