@@ -53,7 +53,7 @@ notebook: $(READY)
 
 # The README's pictures of the shipped scenes, by the present weights
 thumbnails: $(READY)
-	for scene in still-life globe teapot shoe; do \
+	for scene in still-life globe teapot shoe brushed; do \
 	    .venv/bin/urushi render $$scene --width 320 --height 240 --spp 128 \
 	        -o docs/images/$$scene.png || exit; \
 	done

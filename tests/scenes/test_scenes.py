@@ -154,7 +154,7 @@ def test_export_and_list(tmp_path, capsys):
 def test_errors_of_unknown_names_list_the_choices(arguments, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert cli.main(arguments) == 2
-    sentence = "there is no scene 'tea-pot'; choose one of still-life, globe, teapot, shoe"
+    sentence = "there is no scene 'tea-pot'; choose one of still-life, globe, teapot, shoe, brushed"
     assert capsys.readouterr().err == f"urushi: {sentence}\n"
     assert not list(tmp_path.iterdir())
 

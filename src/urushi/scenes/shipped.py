@@ -10,6 +10,7 @@ import mitsuba as mi
 
 from urushi.errors import ParameterError
 from urushi.files import atomic_write
+from urushi.scenes.brushed import brushed
 from urushi.scenes.globe import globe
 from urushi.scenes.shoe import shoe
 from urushi.scenes.stage import COATS, Folder, Options
@@ -21,6 +22,7 @@ SCENES: dict[str, Callable[[Folder, Options], dict[str, Any]]] = {
     "globe": globe,
     "teapot": teapot,
     "shoe": shoe,
+    "brushed": brushed,
 }
 
 

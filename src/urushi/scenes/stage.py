@@ -101,14 +101,15 @@ def rgb(*value: float) -> dict[str, Any]:
     return {"type": "rgb", "value": list(value)}
 
 
-def conductor(material: str, alpha: float) -> dict[str, Any]:
-    """A rough metal; material: Mitsuba's name of its index of refraction; alpha: its GGX width."""
-    return {
-        "type": "roughconductor",
-        "distribution": "ggx",
-        "material": material,
-        "alpha": alpha,
-    }
+def conductor(material: str, alpha: float | tuple[Any, Any]) -> dict[str, Any]:
+    """A rough metal.
+
+    material: Mitsuba's name of its index of refraction; alpha: its GGX width, or its widths along
+    the tangent and across it, numbers or textures.
+    """
+    both = {"alpha_u": alpha[0], "alpha_v": alpha[1]} if isinstance(alpha, tuple) else None
+    widths = {"alpha": alpha} if both is None else both
+    return {"type": "roughconductor", "distribution": "ggx", "material": material, **widths}
 
 
 def diffuse(*value: float) -> dict[str, Any]:

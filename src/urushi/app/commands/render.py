@@ -69,9 +69,9 @@ class Render:
     """Render a Mitsuba scene file that may use Urushi's plugins, or one of the shipped scenes.
 
     The flags -m, -o, -s, -D, -a and -t mean what they mean to Mitsuba's own executable, which
-    cannot load plugins written in Python. The shipped scenes are still-life, globe, teapot and
-    shoe. Their parameters are $coat, $spp, $width and $height: -D coat=layered renders the
-    reference.
+    cannot load plugins written in Python. The shipped scenes are still-life, globe, teapot,
+    shoe and brushed. Their parameters are $coat, $spp, $width and $height: -D coat=layered renders
+    the reference.
 
     Example: urushi render teapot --width 320 --height 240 --spp 64 -o teapot.exr
     """
@@ -266,8 +266,8 @@ def one_line(error: BaseException) -> str:
 class ExportScene:
     """Write a shipped scene into a folder: scene.xml with its meshes and textures.
 
-    The scenes are still-life, globe, teapot and shoe. `urushi render FOLDER/scene.xml` renders
-    the written scene.
+    The scenes are still-life, globe, teapot, shoe and brushed. `urushi render FOLDER/scene.xml`
+    renders the written scene.
 
     Example: urushi scenes export still-life out/still-life
     """
