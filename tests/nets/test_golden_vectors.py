@@ -5,14 +5,17 @@ from pathlib import Path
 import pytest
 
 from urushi import files
-from urushi.nets.weights import default_model
+from urushi.nets.weights import anisotropic_model, default_model
 
-VECTORS = Path(__file__).parents[2] / "viewer/tests/core/golden/default_vectors.safetensors"
+FOLDER = Path(__file__).parents[2] / "viewer/tests/core/golden"
 
 
-@pytest.mark.skipif(not VECTORS.exists(), reason="the source distribution has no page")
-def test_golden_vectors_are_of_the_shipped_networks() -> None:
-    description, _ = files.read_tensors(VECTORS, "vectors")
-    assert description["weights"] == default_model().fingerprint, (
-        "run `python viewer/tests/golden.py default`"
+@pytest.mark.skipif(not FOLDER.exists(), reason="the source distribution has no page")
+@pytest.mark.parametrize(
+    ("name", "model"), [("default", default_model), ("anisotropic", anisotropic_model)]
+)
+def test_golden_vectors_are_of_the_shipped_networks(name, model) -> None:
+    description, _ = files.read_tensors(FOLDER / f"{name}_vectors.safetensors", "vectors")
+    assert description["weights"] == model().fingerprint, (
+        f"run `python viewer/tests/golden.py {name}`"
     )

@@ -1,12 +1,14 @@
 """Golden vectors: values of Urushi in Python, with which those of the page's core are compared.
 
-    python viewer/tests/golden.py random default reference
+    python viewer/tests/golden.py random default random_anisotropic anisotropic reference
 
 writes these, or those that are named:
 
 - `random.safetensors`, `random_vectors.safetensors`: small networks of random parameters, which
   decode to nothing sensible but exercise every term, and their values;
 - `default_vectors.safetensors`: values of the shipped networks;
+- `random_anisotropic.safetensors`, `random_anisotropic_vectors.safetensors`,
+  `anisotropic_vectors.safetensors`: the same for networks of two GGX widths;
 - `reference_values.safetensors`: some of the values of independent simulators with which the random
   walk of Python is tested, from the folder that `URUSHI_TEST_DATA` names.
 
@@ -27,6 +29,7 @@ import numpy as np
 import urushi
 from urushi import files
 from urushi.geometry.direction_sets import training_pairs
+from urushi.geometry.half_vector import turned
 from urushi.material.energy import limit_albedo
 from urushi.material.material import Material
 from urushi.nets import weights
@@ -45,6 +48,8 @@ SMALL = Architecture(
     activation="silu7",
     probes=48,
 )
+
+SMALL_ANISOTROPIC = dataclasses.replace(SMALL, latent=21, widths=2)
 
 CLEAR = {"alpha": 0.05, "eta": 1.5, "albedo": 0.0, "sigmaT": 0.0, "g": 0.0}
 RED = {"alpha": 0.2, "eta": 1.45, "albedo": [0.9, 0.4, 0.2], "sigmaT": [0.8, 2.0, 3.0], "g": 0.3}
@@ -75,6 +80,26 @@ STACKS: list[dict[str, Any]] = [
     {"bottom": PAINT, "coats": [LOW, MILKY, RED, CLEAR, MILKY, SHARP]},
 ]
 
+BRUSHED = GOLD | {"alphaV": 0.03}
+SATIN_METAL = METAL | {"alphaV": [0.4, 0.2, 0.05]}
+SATIN = RED | {"alphaV": 0.05}
+LOW_SATIN = LOW | {"alphaV": 0.5}
+FAINT_SATIN = FAINT | {"alphaV": 0.3}
+
+#: Stacks of surfaces with two widths, beside isotropic ones.
+ANISOTROPIC_STACKS: list[dict[str, Any]] = [
+    {"bottom": BRUSHED, "coats": []},
+    {"bottom": SATIN_METAL, "coats": []},
+    {"bottom": PAINT, "coats": []},
+    {"bottom": GLASS | {"alphaV": 0.06}, "coats": [CLEAR]},
+    {"bottom": BRUSHED, "coats": [CLEAR]},
+    {"bottom": WHITE, "coats": [SATIN]},
+    {"bottom": SATIN_METAL, "coats": [LOW_SATIN]},
+    {"bottom": BRUSHED, "coats": [SATIN, MILKY]},
+    {"bottom": SATIN_METAL, "coats": [FAINT_SATIN]},
+    {"bottom": PAINT, "coats": [SHARP, SATIN, CLEAR]},
+]
+
 #: Pairs of directions; cosines of the albedo; cosines and directions of each of the proposal.
 PAIRS, COSINES, DRAWN_COSINES, DRAWN = 64, (1.0, 0.7, 0.3, 0.05), 4, 16
 
@@ -85,32 +110,41 @@ REFERENCE_PAIRS = 24
 def material_of(stack: dict[str, Any], model: weights.Model) -> Material:
     """The material of a stack. A diffuse surface is not refined: the page does not refine."""
     numbers = dict(stack["bottom"])
-    surface = getattr(urushi, numbers.pop("kind"))(**numbers)
+    others = {key: value for key, value in numbers.items() if "alpha" not in key and key != "kind"}
+    surface = getattr(urushi, numbers["kind"])(**widths_of(numbers), **others)
     material = urushi.encode(surface, model, refine=False)
     for coat in reversed(stack["coats"]):
-        top = urushi.dielectric(coat["alpha"], coat["eta"])
+        top = urushi.dielectric(eta=coat["eta"], **widths_of(coat))
         medium = {"albedo": coat["albedo"], "sigma_t": coat["sigmaT"], "g": coat["g"]}
         material = urushi.layer(top, material, **medium)
     return material
 
 
-def random_model() -> weights.Model:
-    """Networks of random parameters, biases and scales included."""
+def widths_of(numbers: dict[str, Any]) -> dict[str, Any]:
+    """The GGX widths of a surface in the page's terms as arguments of Urushi's functions."""
+    if "alphaV" in numbers:
+        return {"alpha_u": numbers["alpha"], "alpha_v": numbers["alphaV"]}
+    return {"alpha": numbers["alpha"]} if "alpha" in numbers else {}
+
+
+def random_model(name: str, arch: Architecture) -> weights.Model:
+    """Networks of random parameters, biases and scales included; written to a file."""
     rng = np.random.default_rng(11)
-    params = init(SMALL, 7)
-    for name, values in params.items():
-        if name.endswith((".bias", ".scale")):
-            params[name] = values + 0.1 * rng.standard_normal(values.shape).astype(np.float32)
-    params["encoder.input_mean"] += rng.standard_normal(SMALL.probes).astype(np.float32)
-    return weights.save(FOLDER / "random.safetensors", SMALL, params, {})
+    params = init(arch, 7)
+    for key, values in params.items():
+        if key.endswith((".bias", ".scale")):
+            params[key] = values + 0.1 * rng.standard_normal(values.shape).astype(np.float32)
+    params["encoder.input_mean"] += rng.standard_normal(arch.probes).astype(np.float32)
+    return weights.save(FOLDER / f"{name}.safetensors", arch, params, {})
 
 
 def write_vectors(name: str, model: weights.Model) -> None:
     """Write the vectors of all stacks."""
     double = {name: values.astype(np.float64) for name, values in model.params.items()}
     model = dataclasses.replace(model, params=double)
-    materials = [material_of(stack, model) for stack in STACKS]
-    wi, wo = training_pairs(np.random.default_rng(3), PAIRS)
+    stacks = STACKS if model.widths == 1 else ANISOTROPIC_STACKS
+    materials = [material_of(stack, model) for stack in stacks]
+    wi, wo = pairs_of(model.widths)
     wo[-1, 2] *= -1  # below the horizon
     cosines = np.array(COSINES, np.float32)
     incident = np.stack([np.sqrt(1 - cosines**2), 0 * cosines, cosines], axis=-1)
@@ -128,8 +162,18 @@ def write_vectors(name: str, model: weights.Model) -> None:
         "limited": np.stack([limit_albedo(model, codes) for codes in bright]),
         "drawn": np.stack([_drawn(material) for material in materials]),
     }
-    description = {"stacks": STACKS, "weights": model.fingerprint}
+    description = {"stacks": stacks, "weights": model.fingerprint}
     files.write_tensors(FOLDER / f"{name}_vectors.safetensors", "vectors", description, arrays)
+
+
+def pairs_of(widths: int) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs of directions (`PAIRS`, 3); for anisotropic networks at all azimuths."""
+    rng = np.random.default_rng(3)
+    wi, wo = training_pairs(rng, PAIRS)
+    if widths == 2:
+        azimuths = rng.uniform(0, 2 * np.pi, PAIRS)
+        wi, wo = (turned(w.astype(np.float64), azimuths).astype(np.float32) for w in (wi, wo))
+    return wi, wo
 
 
 def _values(material: Material, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
@@ -224,8 +268,12 @@ def _of_rows(rows: np.ndarray) -> dict[str, Any]:
 
 #: What the script writes, by name.
 WRITERS = {
-    "random": lambda: write_vectors("random", random_model()),
+    "random": lambda: write_vectors("random", random_model("random", SMALL)),
     "default": lambda: write_vectors("default", weights.default_model()),
+    "random_anisotropic": lambda: write_vectors(
+        "random_anisotropic", random_model("random_anisotropic", SMALL_ANISOTROPIC)
+    ),
+    "anisotropic": lambda: write_vectors("anisotropic", weights.anisotropic_model()),
     "reference": write_reference,
 }
 

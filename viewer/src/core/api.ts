@@ -1,18 +1,23 @@
 /**
  * The numeric core of the page: what it computes and for which values.
  *
- * Directions are unit vectors in the local frame, the normal along z, three numbers each. A
+ * Directions are unit vectors in the local frame, the normal along z and the tangent along x, three
+ * numbers each. A
  * parameter is one number for all colour channels or three. Codes are those of Urushi's networks,
  * one of `latentSize` numbers for every channel, row by row.
  */
+
+import type { Widths } from "./features";
 
 /** One number for all channels, or one for each of red, green and blue. */
 export type Channels = number | readonly [number, number, number];
 
 /** One coat: its interface, and the medium below it. */
 export interface Coat {
-  /** GGX width of the interface, in [0.01, 1]. */
+  /** GGX width of the interface, in [0.01, 1]; along the tangent if there is another across. */
   alpha: Channels;
+  /** GGX width across the tangent, if it differs. */
+  alphaV?: Channels;
   /** Index relative to the medium above, in [0.5, 3], at least 0.001 away from 1. */
   eta: Channels;
   /** Single-scattering albedo of the medium, in [0, 1]. */
@@ -25,9 +30,9 @@ export interface Coat {
 
 /** What lies under all coats: a described surface, or the codes of a loaded material. */
 export type Bottom =
-  | { kind: "conductor"; alpha: Channels; r0: Channels }
-  | { kind: "conductor"; alpha: Channels; eta: Channels; k: Channels }
-  | { kind: "dielectric"; alpha: Channels; eta: Channels }
+  | { kind: "conductor"; alpha: Channels; alphaV?: Channels; r0: Channels }
+  | { kind: "conductor"; alpha: Channels; alphaV?: Channels; eta: Channels; k: Channels }
+  | { kind: "dielectric"; alpha: Channels; alphaV?: Channels; eta: Channels }
   | { kind: "diffuse"; reflectance: Channels }
   | { kind: "codes"; latents: Float32Array; anchors: Float32Array };
 
@@ -47,6 +52,8 @@ export interface Material {
 
 /** Sizes of a table of directions, and the shift of its sequence. */
 export interface TableOptions {
+  /** Number of azimuths, in a quadrant from the tangent to the bitangent; 1 if left out. */
+  azimuths?: number;
   /** Number of cosines of the outgoing direction. */
   cosines: number;
   /** Number of directions for each cosine. */
@@ -59,6 +66,9 @@ export interface TableOptions {
 export interface Core {
   /** Numbers of one channel's code. */
   readonly latentSize: number;
+
+  /** GGX widths of a surface: networks of two are for anisotropic materials. */
+  readonly widths: Widths;
 
   /** Identifies the networks: a saved material names those it belongs to. */
   readonly fingerprint: string;
@@ -82,15 +92,16 @@ export interface Core {
   /** Density [1/sr] of the proposal, the mean of the channels': (N) for directions (N, 3). */
   pdf(material: Material, wi: Float32Array, wo: Float32Array): Float32Array;
 
-  /** Directional albedo: (N, 3) for N cosines of the incident direction. */
+  /** Directional albedo: (N, 3) for N cosines of the incident direction, in the plane y = 0. */
   albedo(material: Material, cosines: Float32Array): Float32Array;
 
   /**
-   * Directions by the proposal from one low-discrepancy sequence, the same for all cosines.
+   * Directions by the proposal from one low-discrepancy sequence, the same for all rows.
    *
-   * Row c is for the incident direction of cosine (c + 1/2) / cosines in the plane y = 0, x >= 0.
+   * The row of azimuth a and cosine c is for the incident direction of cosine (c + 1/2) / cosines
+   * at the azimuth a / (azimuths - 1) of a quarter turn.
    *
-   * @returns (cosines, samples, 8): the direction wo (3), f cos / pdf (3), pdf (1), and a zero.
+   * @returns (azimuths, cosines, samples, 8): the direction wo (3), f cos / pdf (3), pdf (1), and a zero.
    */
   table(material: Material, options: TableOptions): Float32Array;
 }

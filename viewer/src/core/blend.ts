@@ -9,7 +9,6 @@ import { scaleRest } from "./decoder";
 import type { EnergyLimit } from "./energy";
 import type { CoatOfChannel } from "./features";
 import { fresnel, reflectance } from "./lobe";
-import { LOBE_NUMBERS } from "./weights";
 
 /** Values of (eta - 1) / (eta + 1), alpha and sigma_t at which 1 - 1/e of a coat is present. */
 const ABSENT_CHANGE = 0.005;
@@ -23,9 +22,9 @@ export const PRESENT = 0.999;
 const COSINES = [1.0, 0.8, 0.6, 0.4, 0.2] as const;
 
 /** The share of a coat in a layered code: 0 where nothing is there, up to 1. */
-export function presence({ alpha, eta, sigmaT }: CoatOfChannel): number {
+export function presence({ alpha, alphaV, eta, sigmaT }: CoatOfChannel): number {
   const change = (eta - 1) / (eta + 1) / ABSENT_CHANGE;
-  const width = (alpha / ABSENT_WIDTH) ** 2;
+  const width = (alpha * alpha + alphaV * alphaV) / (2 * ABSENT_WIDTH ** 2);
   return 1 - Math.exp(-(change * change) - width * width - sigmaT / ABSENT_DEPTH);
 }
 
@@ -50,16 +49,16 @@ export function blended(
   const exactB = exactReflectance(b);
   const ofWidth = inProportion(meanReflectance(a), meanReflectance(b), share);
   const ofIndex = inProportion(a[3] * exactA, b[3] * exactB, share);
-  const shares = [ofWidth, share, share, share, ofIndex, ofIndex];
+  const shares = [ofWidth, share, share, share, ofIndex, ofIndex, ofWidth];
   const code = a.map((number, k) => {
-    const own = k < LOBE_NUMBERS ? shares[k] : part;
+    const own = k < energy.lobe ? shares[k] : part;
     return (1 - own) * number + own * b[k];
   });
   // Never more than the linear blend, so that no light is gained at grazing angles.
   const exact = Math.max(exactReflectance(code), 1e-30);
   const factor = ((1 - share) * a[3] * exactA + share * b[3] * exactB) / exact;
   code[3] = Math.min(code[3], factor);
-  scaleRest(code, LOBE_NUMBERS, wanted / mean(energy.restAlbedos(code)));
+  scaleRest(code, energy.lobe, wanted / mean(energy.restAlbedos(code)));
   return code;
 }
 

@@ -7,15 +7,16 @@ import { Decoder } from "./decoder";
 import { Encoder } from "./encoder";
 import { EnergyLimit, MARGIN } from "./energy";
 import { Evaluation } from "./evaluation";
+import type { Widths } from "./features";
 import { Layerer } from "./layerer";
-import { NO_LOBE } from "./lobe";
+import { noLobe } from "./lobe";
 import { MeasuredEncoder } from "./measured_encoder";
 import { activationOf } from "./mlp";
 import { Refinement } from "./refinement";
 import { Sampler } from "./sampler";
 import { SurfaceEncoder } from "./surface_encoder";
 import { coatOfChannel } from "./surfaces";
-import { LOBE_NUMBERS, readWeights, type Weights } from "./weights";
+import { readWeights, type Weights } from "./weights";
 
 /**
  * Read the networks' weights.
@@ -28,6 +29,7 @@ export function loadCore(safetensors: ArrayBuffer): NetworkCore {
 
 export class NetworkCore implements Core {
   readonly latentSize: number;
+  readonly widths: Widths;
   readonly fingerprint: string;
   private readonly surfaces: SurfaceEncoder;
   private readonly measured: MeasuredEncoder;
@@ -40,15 +42,17 @@ export class NetworkCore implements Core {
     const decoder = new Decoder(weights, activation);
     const encoder = new Encoder(weights, decoder, activation);
     const dark = new Float64Array(weights.arch.probes);
-    const nothing = encoder.encode(NO_LOBE, dark).slice(LOBE_NUMBERS);
-    this.latentSize = weights.arch.latent;
+    const { latent, lobe, widths } = weights.arch;
+    const nothing = encoder.encode(noLobe(widths), dark).slice(lobe);
+    this.latentSize = latent;
+    this.widths = widths;
     this.fingerprint = weights.fingerprint;
     this.layerer = new Layerer(weights, activation);
     this.energy = new EnergyLimit(decoder, nothing);
     this.surfaces = new SurfaceEncoder(encoder, this.energy, nothing);
     const refinement = new Refinement(weights, activation, decoder, encoder, this.energy);
     this.measured = new MeasuredEncoder(encoder, this.energy, refinement);
-    this.evaluation = new Evaluation(decoder, new Sampler(weights, activation), this.latentSize);
+    this.evaluation = new Evaluation(decoder, new Sampler(weights, activation));
   }
 
   encode(bottom: Bottom): Material {

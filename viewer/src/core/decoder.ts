@@ -36,7 +36,8 @@ export class Decoder {
   private readonly codes: number;
   private readonly entry: Layer;
   private readonly output: Layer;
-  /** The entry's weights of the directions alone: (width, 8). */
+  /** Numbers of a pair's features, and the entry's weights of these alone: (width, features). */
+  private readonly features: number;
   private readonly ofDirections: Float64Array;
   /** Hidden layers after the first, and the activations (units, `LANES`) behind every layer. */
   private readonly hidden: readonly Layer[];
@@ -53,11 +54,12 @@ export class Decoder {
     this.width = this.entry.outputs;
     const layers = weights.decoder.slice(0, -1);
     this.states = layers.map(({ outputs }) => new Float64Array(outputs * LANES));
-    this.ofDirections = new Float64Array(this.width * DIRECTION_FEATURES);
+    this.features = DIRECTION_FEATURES[weights.arch.widths];
+    this.ofDirections = new Float64Array(this.width * this.features);
     for (let j = 0; j < this.width; j++) {
       const at = j * this.entry.inputs + this.codes;
-      const row = this.entry.weight.subarray(at, at + DIRECTION_FEATURES);
-      this.ofDirections.set(row, j * DIRECTION_FEATURES);
+      const row = this.entry.weight.subarray(at, at + this.features);
+      this.ofDirections.set(row, j * this.features);
     }
   }
 
@@ -82,11 +84,11 @@ export class Decoder {
 
   /** The first layer's responses to the first `count` pairs. */
   respond(pairs: Pairs, count = pairs.capacity): Responses {
-    const { width, ofDirections } = this;
+    const { width, ofDirections, features: stride } = this;
     const { features } = pairs;
     const values = new Float64Array(Math.ceil(count / LANES) * LANES * width);
     for (let i = 0; i < count; i++) {
-      const at = i * DIRECTION_FEATURES;
+      const at = i * stride;
       const a = features[at];
       const b = features[at + 1];
       const c = features[at + 2];
@@ -96,13 +98,20 @@ export class Decoder {
       const g = features[at + 6];
       const h = features[at + 7];
       let place = Math.floor(i / LANES) * LANES * width + (i % LANES);
-      for (let w = 0; w < ofDirections.length; w += DIRECTION_FEATURES, place += LANES) {
+      const first = place;
+      for (let w = 0; w < ofDirections.length; w += stride, place += LANES) {
         values[place] =
           a * ofDirections[w] +
           b * ofDirections[w + 1] +
           (c * ofDirections[w + 2] + d * ofDirections[w + 3]) +
           (e * ofDirections[w + 4] + f * ofDirections[w + 5]) +
           (g * ofDirections[w + 6] + h * ofDirections[w + 7]);
+      }
+      for (let k = 8; k < stride; k++) {
+        const feature = features[at + k];
+        for (let w = k, to = first; w < ofDirections.length; w += stride, to += LANES) {
+          values[to] += feature * ofDirections[w];
+        }
       }
     }
     return { count, values };

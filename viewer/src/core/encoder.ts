@@ -2,12 +2,12 @@
 
 import type { Decoder, Responses } from "./decoder";
 import { DecoderSlopes } from "./decoder_slopes";
-import { Pairs } from "./features";
+import { Pairs, type Widths } from "./features";
 import { dampedStep } from "./least_squares";
 import { lobeValue } from "./lobe";
 import { type Activation, Mlp } from "./mlp";
 import { probePairs } from "./probe_pairs";
-import { LOBE_NUMBERS, type Weights } from "./weights";
+import type { Weights } from "./weights";
 
 /** [1/sr] Added to f before the logarithm of the encoder, and of the correction. */
 export const OFFSET = 1e-4;
@@ -43,13 +43,18 @@ export class Encoder {
   ) {
     this.network = new Mlp(weights.encoder, activation);
     this.slopes = new DecoderSlopes(decoder);
-    this.pairs = probePairs(weights.arch.probes);
+    this.pairs = probePairs(weights.arch.probes, weights.arch.widths);
     this.fitted = everySecond(this.pairs);
     this.responses = decoder.respond(this.pairs);
     this.fittedResponses = decoder.respond(this.fitted);
   }
 
-  /** The code of a lobe (6) and values [1/sr] of the rest at the probe pairs. */
+  /** GGX widths of a surface. */
+  get widths(): Widths {
+    return this.weights.arch.widths;
+  }
+
+  /** The code of a lobe and values [1/sr] of the rest at the probe pairs. */
   encode(lobe: ArrayLike<number>, rest: ArrayLike<number>): Float32Array {
     const { arch, inputMean, inputScale } = this.weights;
     const inputs = Float64Array.from(
@@ -58,7 +63,7 @@ export class Encoder {
     );
     const code = new Float64Array(arch.latent);
     code.set(lobe);
-    code.set(this.network.evaluate(inputs, 1).subarray(0, arch.rest), LOBE_NUMBERS);
+    code.set(this.network.evaluate(inputs, 1).subarray(0, arch.rest), this.weights.arch.lobe);
     return Float32Array.from(code);
   }
 
@@ -87,14 +92,14 @@ export class Encoder {
   /** Errors of ln(f + offset) of a code at all probe pairs. */
   private errors(code: Float32Array, top: Float64Array, logs: Float64Array): Float64Array {
     const { decoder, responses } = this;
-    const rest = decoder.rest(decoder.prepare(code, LOBE_NUMBERS), responses);
+    const rest = decoder.rest(decoder.prepare(code, this.weights.arch.lobe), responses);
     return logs.map((log, i) => Math.log(top[i] + rest[i] + DARK_OFFSET) - log);
   }
 
   /** A code after one step. */
   private corrected(code: Float32Array, top: Float64Array, logs: Float64Array): Float32Array {
     const size = this.weights.arch.rest;
-    const found = this.slopes.at(code, LOBE_NUMBERS, this.fittedResponses);
+    const found = this.slopes.at(code, this.weights.arch.lobe, this.fittedResponses);
     const curvature = new Float64Array(size * size);
     const slope = new Float64Array(size);
     for (let place = 0; place < found.rest.length; place++) {
@@ -114,17 +119,20 @@ export class Encoder {
       }
     }
     const step = dampedStep(curvature, slope, CORRECTION_DAMPING);
-    return code.map((number, k) => (k < LOBE_NUMBERS ? number : number - step[k - LOBE_NUMBERS]));
+    const { lobe } = this.weights.arch;
+    return code.map((number, k) => (k < lobe ? number : number - step[k - lobe]));
   }
 }
 
 function everySecond(pairs: Pairs): Pairs {
-  const result = new Pairs(Math.ceil(pairs.capacity / 2));
+  const result = new Pairs(Math.ceil(pairs.capacity / 2), pairs.widths);
   for (const name of ["cosI", "cosO", "across", "cosD"] as const) {
     result[name].set(pairs[name].filter((_, i) => i % 2 === 0));
   }
-  const width = pairs.features.length / pairs.capacity;
-  result.features.set(pairs.features.filter((_, i) => Math.floor(i / width) % 2 === 0));
+  for (const name of ["features", "flat"] as const) {
+    const width = pairs[name].length / pairs.capacity;
+    result[name].set(pairs[name].filter((_, i) => Math.floor(i / width) % 2 === 0));
+  }
   return result;
 }
 

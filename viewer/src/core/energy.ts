@@ -6,9 +6,9 @@
  */
 
 import { type AlbedoRule, addAlbedos, albedoRule } from "./albedo_rule";
+import { AnisotropicLobeAlbedo } from "./anisotropic_lobe_albedo";
 import { type Decoder, emptyRest, type Responses, scaleRest } from "./decoder";
-import { LobeAlbedo } from "./lobe_albedo";
-import { LOBE_NUMBERS } from "./weights";
+import { LobeAlbedo, type LobeAlbedos } from "./lobe_albedo";
 
 /** Error of the quadrature and of the interpolation: the ceiling is 1 less this. */
 export const MARGIN = 0.002;
@@ -44,21 +44,28 @@ const TINY_FACTOR_ROUNDS = 3;
 export type Ceiling = number | Float64Array;
 
 export class EnergyLimit {
-  readonly rule: AlbedoRule = albedoRule();
-  readonly lobeAlbedo = new LobeAlbedo(this.rule.cosines);
+  readonly rule: AlbedoRule;
+  readonly lobeAlbedo: LobeAlbedos;
   private readonly responses: Responses;
+  /** Numbers of a code's lobe. */
+  readonly lobe: number;
 
   /** @param nothing the rest that the encoder makes of none. */
   constructor(
     private readonly decoder: Decoder,
     private readonly nothing: Float32Array,
   ) {
+    const { widths, lobe } = decoder.weights.arch;
+    this.lobe = lobe;
+    this.rule = albedoRule(widths);
+    this.lobeAlbedo =
+      widths === 1 ? new LobeAlbedo(this.rule.cosines) : new AnisotropicLobeAlbedo(this.rule);
     this.responses = decoder.respond(this.rule.pairs);
   }
 
   /** Scale a code down in place so that its albedo is nowhere above a ceiling. */
   limit(code: Float32Array, ceiling: Ceiling): void {
-    scaleBy(code, this.factor(code, ceiling));
+    this.scaleBy(code, this.factor(code, ceiling));
   }
 
   /** `limit` for a coat over a bottom, whose albedo is the ceiling if it gains energy. */
@@ -70,7 +77,7 @@ export class EnergyLimit {
         factor = this.factor(code, ceiling);
       }
     }
-    scaleBy(code, factor);
+    this.scaleBy(code, factor);
   }
 
   /** Directional albedos (D) of a code at the rule's cosines. */
@@ -109,7 +116,7 @@ export class EnergyLimit {
 
   /** The part (D) of `albedos` that the code's lobe does not reflect. */
   restAlbedos(code: ArrayLike<number>): Float64Array {
-    const prepared = this.decoder.prepare(code, LOBE_NUMBERS);
+    const prepared = this.decoder.prepare(code, this.lobe);
     const albedos = new Float64Array(this.rule.cosines.length);
     addAlbedos(this.rule, this.decoder.rest(prepared, this.responses), albedos);
     return albedos;
@@ -125,13 +132,13 @@ export class EnergyLimit {
   /** The code without the rest that bare surfaces have for the layerer alone. */
   private asRendered(bottom: Float32Array): Float32Array {
     const isBare = this.nothing.every(
-      (number, k) => Math.abs(bottom[LOBE_NUMBERS + k] - number) < BARE_DIFFERENCE,
+      (number, k) => Math.abs(bottom[this.lobe + k] - number) < BARE_DIFFERENCE,
     );
     if (!isBare) {
       return bottom;
     }
     const rendered = bottom.slice();
-    emptyRest(rendered, LOBE_NUMBERS);
+    emptyRest(rendered, this.lobe);
     return rendered;
   }
 
@@ -146,7 +153,7 @@ export class EnergyLimit {
     let latest = factor;
     for (let round = 0; round < TINY_FACTOR_ROUNDS && latest < TINY_FACTOR; round++) {
       const scaled = code.slice();
-      scaleRest(scaled, LOBE_NUMBERS, factor);
+      scaleRest(scaled, this.lobe, factor);
       latest = this.measuredFactor(scaled, ceiling);
       factor *= latest;
     }
@@ -155,14 +162,21 @@ export class EnergyLimit {
 
   /** Whether a cosine of the rule is near the critical one of a sharp lobe. */
   private nearEdge(code: ArrayLike<number>, d: number): boolean {
-    const [alpha, exact, eta] = [code[0], code[3], code[4]];
-    if (!(exact > 0 && eta < 1 && alpha < SHARP)) {
+    const [exact, eta] = [code[3], code[4]];
+    const across = this.rule.pairs.widths === 2 ? code[6] : code[0];
+    if (!(exact > 0 && eta < 1 && Math.min(code[0], across) < SHARP)) {
       return false;
     }
     const { angles, cosines, left } = this.rule;
     const critical = Math.sqrt(Math.max(1 - eta * eta, 0));
     const between = angles[left[d]] >= critical && critical >= angles[left[d] + 1];
-    return between || Math.abs(cosines[d] - critical) < EDGE_WIDTHS * alpha;
+    return between || Math.abs(cosines[d] - critical) < EDGE_WIDTHS * Math.max(code[0], across);
+  }
+
+  private scaleBy(code: Float32Array, factor: number): void {
+    if (factor < 1) {
+      scaleRest(code, this.lobe, factor);
+    }
   }
 
   private measuredFactor(code: ArrayLike<number>, ceiling: Ceiling): number {
@@ -179,12 +193,6 @@ export class EnergyLimit {
       excess = Math.max(excess, Math.max(rest[d], LEAST_ALBEDO) / allowed);
     }
     return Math.min(1 / excess, 1);
-  }
-}
-
-function scaleBy(code: Float32Array, factor: number): void {
-  if (factor < 1) {
-    scaleRest(code, LOBE_NUMBERS, factor);
   }
 }
 

@@ -3,27 +3,33 @@
 import type { Material, TableOptions } from "./api";
 import { CHANNELS, firstSame, rows, sameNumbers } from "./channels";
 import type { Decoder, Responses } from "./decoder";
-import { Pairs } from "./features";
+import { Pairs, type Widths } from "./features";
 import { lobeValue } from "./lobe";
 import { sequenceSteps } from "./probe_pairs";
 import { halfVectorRule } from "./quadrature";
-import { mixtureDensity, type Sampler, sampleMixture } from "./sampler";
-import { LOBE_NUMBERS } from "./weights";
+import { type Direction, mixtureDensity, type Sampler, sampleMixture } from "./sampler";
 
 /** The largest number below one of single precision, for uniform numbers. */
 const BELOW_ONE = 1 - 2 ** -24;
 
 /** The methods are those of `api.ts`. */
 export class Evaluation {
-  /** @param size numbers of one channel's code. */
+  private readonly size: number;
+  private readonly lobe: number;
+  private readonly widths: Widths;
+
   constructor(
     private readonly decoder: Decoder,
     private readonly sampler: Sampler,
-    private readonly size: number,
-  ) {}
+  ) {
+    const { latent, lobe, widths } = decoder.weights.arch;
+    this.size = latent;
+    this.lobe = lobe;
+    this.widths = widths;
+  }
 
   f(material: Material, wi: Float32Array, wo: Float32Array): Float32Array {
-    const pairs = Pairs.of(wi, wo);
+    const pairs = Pairs.of(wi, wo, this.widths);
     const values = this.values(material, pairs, pairs.capacity);
     for (let i = 0; i < pairs.capacity; i++) {
       if (!(wi[3 * i + 2] > 0 && wo[3 * i + 2] > 0)) {
@@ -36,17 +42,16 @@ export class Evaluation {
   pdf(material: Material, wi: Float32Array, wo: Float32Array): Float32Array {
     const proposal = this.sampler.proposals(this.meanAnchor(material));
     const result = new Float32Array(wi.length / 3);
-    let cosine = Number.NaN;
-    let mixture = proposal(1);
+    let latest: Direction = [0, 0, 1];
+    let mixture = proposal(latest);
     for (let i = 0; i < result.length; i++) {
       const at = 3 * i;
-      if (wi[at + 2] !== cosine) {
-        cosine = wi[at + 2];
-        mixture = proposal(cosine);
+      const own: Direction = [wi[at], wi[at + 1], wi[at + 2]];
+      if (!sameNumbers(own, latest)) {
+        latest = own;
+        mixture = proposal(own);
       }
-      const x = wi[at] + wo[at];
-      const y = wi[at + 1] + wo[at + 1];
-      result[i] = mixtureDensity(mixture, cosine, wo[at + 2], x * x + y * y);
+      result[i] = mixtureDensity(mixture, own, [wo[at], wo[at + 1], wo[at + 2]]);
     }
     return result;
   }
@@ -57,9 +62,9 @@ export class Evaluation {
       if (!(cosine > 0)) {
         return;
       }
-      const { wo, weights } = halfVectorRule(cosine);
+      const { wo, weights } = halfVectorRule(cosine, this.widths === 2);
       const sine = Math.sqrt(Math.max(1 - cosine * cosine, 0));
-      const pairs = new Pairs(weights.length);
+      const pairs = new Pairs(weights.length, this.widths);
       weights.forEach((_, i) => {
         pairs.set(i, sine, 0, cosine, wo[3 * i], wo[3 * i + 1], wo[3 * i + 2]);
       });
@@ -75,28 +80,23 @@ export class Evaluation {
     return result;
   }
 
-  table(material: Material, { cosines, samples, shift }: TableOptions): Float32Array {
-    const result = new Float32Array(cosines * samples * 8);
+  table(material: Material, { azimuths = 1, cosines, samples, shift }: TableOptions): Float32Array {
+    const result = new Float32Array(azimuths * cosines * samples * 8);
     const proposal = this.sampler.proposals(this.meanAnchor(material));
     const uniform = shiftedSequence(samples, shift);
-    const pairs = new Pairs(samples);
+    const pairs = new Pairs(samples, this.widths);
     const densities = new Float64Array(samples);
     const wo = new Float64Array(3);
-    for (let row = 0; row < cosines; row++) {
-      const cosine = (row + 0.5) / cosines;
+    for (let row = 0; row < azimuths * cosines; row++) {
+      const cosine = ((row % cosines) + 0.5) / cosines;
       const sine = Math.sqrt(1 - cosine * cosine);
-      const mixture = proposal(cosine);
+      const azimuth = (0.5 * Math.PI * Math.floor(row / cosines)) / Math.max(azimuths - 1, 1);
+      const wi: Direction = [sine * Math.cos(azimuth), sine * Math.sin(azimuth), cosine];
+      const mixture = proposal(wi);
       for (let i = 0; i < samples; i++) {
-        sampleMixture(
-          mixture,
-          [sine, cosine],
-          uniform[3 * i],
-          uniform[3 * i + 1],
-          uniform[3 * i + 2],
-          wo,
-        );
-        pairs.set(i, sine, 0, cosine, wo[0], wo[1], wo[2]);
-        densities[i] = mixtureDensity(mixture, cosine, wo[2], pairs.across[i]);
+        sampleMixture(mixture, wi, uniform[3 * i], uniform[3 * i + 1], uniform[3 * i + 2], wo);
+        pairs.set(i, ...wi, wo[0], wo[1], wo[2]);
+        densities[i] = mixtureDensity(mixture, wi, [wo[0], wo[1], wo[2]]);
         result.set(wo, (row * samples + i) * 8);
       }
       const values = this.values(material, pairs, samples);
@@ -139,7 +139,7 @@ export class Evaluation {
     channel: number,
   ): void {
     const { decoder } = this;
-    const rest = decoder.rest(decoder.prepare(code, LOBE_NUMBERS), responses);
+    const rest = decoder.rest(decoder.prepare(code, this.lobe), responses);
     for (let i = 0; i < rest.length; i++) {
       result[CHANNELS * i + channel] = lobeValue(code, 0, pairs, i) + rest[i];
     }

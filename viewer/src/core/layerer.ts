@@ -3,7 +3,7 @@
 import { COAT_FEATURES, type CoatOfChannel, coatFeatures } from "./features";
 import { LOBE_FEATURES, lobeFeatures } from "./lobe";
 import { type Activation, Mlp } from "./mlp";
-import { LOBE_NUMBERS, type Weights } from "./weights";
+import type { Weights } from "./weights";
 
 export class Layerer {
   private readonly network: Mlp;
@@ -17,21 +17,23 @@ export class Layerer {
 
   /** The codes of bottoms under coats, the same number of both. */
   layer(bottoms: readonly Float32Array[], coats: readonly CoatOfChannel[]): Float32Array[] {
-    const { rest } = this.weights.arch;
-    const width = rest + LOBE_FEATURES + COAT_FEATURES;
+    const { rest, lobe, widths } = this.weights.arch;
+    const ofLobe = LOBE_FEATURES[widths];
+    const width = rest + ofLobe + COAT_FEATURES[widths];
     const inputs = new Float64Array(bottoms.length * width);
     bottoms.forEach((bottom, row) => {
       const at = row * width;
-      inputs.set(bottom.subarray(LOBE_NUMBERS), at);
-      lobeFeatures(bottom, 0, inputs, at + rest);
-      coatFeatures(coats[row], inputs, at + rest + LOBE_FEATURES);
+      inputs.set(bottom.subarray(lobe), at);
+      lobeFeatures(bottom, 0, inputs, at + rest, widths);
+      coatFeatures(coats[row], inputs, at + rest + ofLobe, widths);
     });
     const changes = this.network.evaluate(inputs, bottoms.length);
     return bottoms.map((bottom, row) => {
       const code = bottom.slice();
-      code.set([coats[row].alpha, 0, 0, 1, coats[row].eta, 0]);
+      const across = widths === 2 ? [coats[row].alphaV] : [];
+      code.set([coats[row].alpha, 0, 0, 1, coats[row].eta, 0, ...across]);
       for (let k = 0; k < rest; k++) {
-        code[LOBE_NUMBERS + k] = bottom[LOBE_NUMBERS + k] + changes[row * rest + k];
+        code[lobe + k] = bottom[lobe + k] + changes[row * rest + k];
       }
       return code;
     });

@@ -2,16 +2,25 @@
  * The analytic lobe of a code: one GGX lobe with the separable Smith term; see Python's `nets.lobe`.
  *
  * Its six numbers: the width alpha, factors of Schlick's term at normal and at grazing incidence, a
- * factor of the exact Fresnel term, and the complex index eta - i k of the latter.
+ * factor of the exact Fresnel term, and the complex index eta - i k of the latter. Lobes of
+ * anisotropic networks have a seventh, the width across the tangent; the first is that along it.
  */
 
-import type { Pairs } from "./features";
+import type { Pairs, Widths } from "./features";
 
-/** The numbers of a surface without a lobe. */
+/** The numbers of a surface without a lobe, for lobes of one width. */
 export const NO_LOBE: readonly number[] = [1, 0, 0, 0, 1.5, 0];
 
+/** Numbers of a lobe by its widths. */
+export const LOBE_NUMBERS = { 1: 6, 2: 7 } as const;
+
+/** The numbers of a surface without a lobe. */
+export function noLobe(widths: Widths): readonly number[] {
+  return widths === 1 ? NO_LOBE : [...NO_LOBE, 1];
+}
+
 /** Number of features of a lobe; their means and scales; cosines of the reflectances in them. */
-export const LOBE_FEATURES = 6;
+export const LOBE_FEATURES = { 1: 6, 2: 8 } as const;
 const FEATURE_MEANS = [-0.9, 0.22, 0.45, 0.47, 0.55, -1.5] as const;
 const FEATURE_SCALES = [1.1, 0.3, 0.4, 0.4, 0.35, 1.5] as const;
 const COSINES = [1.0, 0.5, 0.2] as const;
@@ -61,6 +70,9 @@ export function lobeValue(lobe: ArrayLike<number>, at: number, pairs: Pairs, i: 
   }
   const cosI = pairs.cosI[i];
   const cosO = pairs.cosO[i];
+  if (pairs.widths === 2) {
+    return anisotropicShape(lobe, at, pairs, i) * reflectance(lobe, at, pairs.cosD[i]);
+  }
   const alpha2 = lobe[at] * lobe[at];
   const across = pairs.across[i];
   const z = cosI + cosO;
@@ -74,12 +86,29 @@ export function lobeValue(lobe: ArrayLike<number>, at: number, pairs: Pairs, i: 
   return shape * reflectance(lobe, at, pairs.cosD[i]);
 }
 
-/** Put the six features of a lobe into `out` at a place; its numbers begin at `at`. */
+/** The lobe of two widths for a reflectance of one (Heitz 2014, equations 80 and 85). */
+function anisotropicShape(lobe: ArrayLike<number>, at: number, pairs: Pairs, i: number): number {
+  const [u, v] = [lobe[at], lobe[at + 6]];
+  const product = u * v;
+  const cosI = pairs.cosI[i];
+  const cosO = pairs.cosO[i];
+  const { flat } = pairs;
+  const [ix, iy, ox, oy] = [flat[4 * i], flat[4 * i + 1], flat[4 * i + 2], flat[4 * i + 3]];
+  const [x, y, z] = [ix + ox, iy + oy, cosI + cosO];
+  const squeezed = x * x * (v / u) + y * y * (u / v);
+  const ratio = (x * x + y * y + z * z) / (squeezed + product * (z * z) + 1e-18);
+  const masked = (wx: number, wy: number, cos: number) =>
+    cos + Math.sqrt(u * wx * (u * wx) + v * wy * (v * wy) + cos * cos);
+  return ((product / Math.PI) * (ratio * ratio)) / (masked(ix, iy, cosI) * masked(ox, oy, cosO));
+}
+
+/** Put the features of a lobe into `out` at a place; its numbers begin at `at`. */
 export function lobeFeatures(
   lobe: ArrayLike<number>,
   at: number,
   out: Float64Array,
   place: number,
+  widths: Widths,
 ): void {
   const [a, b, c] = COSINES;
   const first = reflectance(lobe, at, a);
@@ -96,7 +125,12 @@ export function lobeFeatures(
     third,
     Math.log(mean + VISIBLE),
   ];
-  for (let k = 0; k < LOBE_FEATURES; k++) {
-    out[place + k] = (columns[k] - FEATURE_MEANS[k]) / FEATURE_SCALES[k];
+  if (widths === 2) {
+    columns.push(seen * Math.log(lobe[at + 6]), seen * lobe[at + 6]);
   }
+  columns.forEach((column, k) => {
+    // Those of the second width have the statistics of the first.
+    const own = k % FEATURE_MEANS.length;
+    out[place + k] = (column - FEATURE_MEANS[own]) / FEATURE_SCALES[own];
+  });
 }

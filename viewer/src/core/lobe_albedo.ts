@@ -26,8 +26,16 @@ interface FacetRules {
   readonly weights: Float32Array;
 }
 
-/** Albedos of lobes at given cosines of directions. */
-export class LobeAlbedo {
+/** Albedos of lobes at the directions of a rule. */
+export interface LobeAlbedos {
+  /** Add the albedos of the lobe whose numbers begin at a place to `albedos`. */
+  add(lobe: ArrayLike<number>, at: number, albedos: Float64Array): void;
+  /** Make what `add` needs near width `index` below `WIDTHS`. */
+  prepare(index: number): void;
+}
+
+/** Albedos of lobes of one width at given cosines of directions. */
+export class LobeAlbedo implements LobeAlbedos {
   private readonly made = new Map<number, FacetRules>();
 
   constructor(private readonly cosines: Float64Array) {}

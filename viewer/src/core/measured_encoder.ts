@@ -18,13 +18,13 @@ export class MeasuredEncoder {
   ) {}
 
   /**
-   * The codes of a MERL table or an RGL material.
+   * The codes of a MERL table or an RGL material, which are isotropic, by networks of one width.
    *
    * @throws FileError if the file is damaged or of another format.
    */
   encode(file: ArrayBuffer): Material {
     const measured = readMeasured(file);
-    const { wi, wo } = probeDirections(this.encoder.pairs.capacity);
+    const { wi, wo } = probeDirections(this.encoder.pairs.capacity, 1);
     const { rule } = this.energy;
     const probed = valuesAt(measured, wi, wo);
     const nodes = valuesAt(measured, rule.wi, rule.wo);

@@ -1,6 +1,6 @@
 /** The probe pairs, at which the encoder needs a BRDF's values; see Python's `geometry`. */
 
-import { Pairs } from "./features";
+import { Pairs, type Widths } from "./features";
 
 /** Share of the pairs that is uniform in the logarithm of the half angle. */
 const HALF_ANGLE_SHARE = 2 / 3;
@@ -27,15 +27,18 @@ export function sequenceSteps(dimensions: number): number[] {
 }
 
 /** The n probe pairs. */
-export function probePairs(n: number): Pairs {
-  const { wi, wo } = probeDirections(n);
-  return Pairs.of(wi, wo);
+export function probePairs(n: number, widths: Widths): Pairs {
+  const { wi, wo } = probeDirections(n, widths);
+  return Pairs.of(wi, wo, widths);
 }
 
 /** The directions (n, 3) of the probe pairs, which are float32 unit vectors. */
-export function probeDirections(n: number): { wi: Float32Array; wo: Float32Array } {
+export function probeDirections(n: number, widths: Widths): { wi: Float32Array; wo: Float32Array } {
   const first = Math.round(n * HALF_ANGLE_SHARE);
-  const chosen = [...halfAnglePairs(first), ...hemispherePairs(n - first)];
+  const chosen =
+    widths === 1
+      ? [...halfAnglePairs(first), ...hemispherePairs(n - first)]
+      : [...slopePairs(first), ...turnedHemispherePairs(n - first)];
   const wi = Float32Array.from(chosen.flatMap(([w]) => [...w]));
   const wo = Float32Array.from(chosen.flatMap(([, w]) => [...w]));
   return { wi, wo };
@@ -61,6 +64,53 @@ function halfAnglePairs(count: number): [Vector, Vector][] {
     }
   }
   return pairs;
+}
+
+/** Points of the sequence in four dimensions. */
+function points4(count: number): (readonly [number, number, number, number])[] {
+  const steps = sequenceSteps(4);
+  return Array.from({ length: count }, (_, n) => {
+    const at = (k: number) => (0.5 + (n + 1) * (steps[k] ?? 0)) % 1;
+    return [at(0), at(1), at(2), at(3)];
+  });
+}
+
+/**
+ * Pairs whose half vector has independent log-uniform slopes, in one quadrant by mirroring.
+ *
+ * Every second one has a log-uniform tan theta_h and a uniform azimuth instead.
+ */
+function slopePairs(count: number): [Vector, Vector][] {
+  const pairs: [Vector, Vector][] = [];
+  const range = Math.log(MAX_TANGENT / MIN_TANGENT);
+  points4(8 * count).forEach(([u, v, w, t], n) => {
+    const along = MIN_TANGENT * Math.exp(range * u);
+    const across = MIN_TANGENT * Math.exp(range * t);
+    const isRadial = n % 2 === 0;
+    const tangent = isRadial ? along : Math.hypot(along, across);
+    const azimuth = isRadial ? 0.5 * Math.PI * t : Math.atan2(across, along);
+    const pair = aboutHalfVector(tangent, MAX_DIFFERENCE * v, Math.PI * w);
+    const isAbove = pair.every((direction) => direction[2] > MIN_COSINE);
+    if (isAbove && tangent <= MAX_TANGENT && pairs.length < count) {
+      pairs.push([turned(pair[0], azimuth), turned(pair[1], azimuth)]);
+    }
+  });
+  return pairs;
+}
+
+/** Pairs with independent uniform cosines and azimuths, wi in one quadrant by mirroring. */
+function turnedHemispherePairs(count: number): [Vector, Vector][] {
+  const turns = points4(count);
+  return hemispherePairs(count).map(([wi, wo], n) => {
+    const [, , side, turn] = turns[n];
+    const azimuth = 0.5 * Math.PI * turn;
+    return [turned(wi, azimuth), turned(wo, azimuth + (side > 0.5 ? Math.PI : 0))];
+  });
+}
+
+function turned([x, y, z]: Vector, azimuth: number): Vector {
+  const [cos, sin] = [Math.cos(azimuth), Math.sin(azimuth)];
+  return [cos * x - sin * y, sin * x + cos * y, z];
 }
 
 /** The pair at difference angles about the half vector of a tangent, at the azimuth 0. */

@@ -114,7 +114,6 @@ const POLAR_NODES = 48;
 const AZIMUTH_NODES = 16;
 const MIN_TANGENT = 1e-5;
 
-const azimuths = gaussLegendre(AZIMUTH_NODES);
 const polar = gaussLegendre(POLAR_NODES);
 
 /** Directions (M, 3), and weights (M) of f, cosine not included. */
@@ -124,23 +123,28 @@ export interface DirectionRule {
 }
 
 /**
- * A rule for wi = (sin, 0, cos) and isotropic f: the sum of f cos_o weights integrates f cos_o.
+ * A rule for wi = (sin, 0, cos): the sum of f cos_o weights integrates f cos_o.
+ *
+ * Nodes lie on one side of the plane of incidence, about which f must be symmetric. For anisotropic
+ * f they are twice as dense: at the azimuth of the tangent, f is symmetric as well.
  *
  * The variable is the half vector, logarithmic in tan theta_h, and its range ends at the horizon;
  * see Python's `geometry.quadrature`.
  */
-export function halfVectorRule(cosine: number): DirectionRule {
+export function halfVectorRule(cosine: number, isAnisotropic: boolean): DirectionRule {
+  const half = AZIMUTH_NODES * (isAnisotropic ? 2 : 1);
+  const azimuths = gaussLegendre(half);
   const c = cosine;
   const s = Math.sqrt(Math.max(1 - c * c, 0));
-  const count = 2 * AZIMUTH_NODES * POLAR_NODES;
+  const count = 2 * half * POLAR_NODES;
   const wo = new Float64Array(3 * count);
   const weights = new Float64Array(count);
   const start = Math.log(MIN_TANGENT);
   let at = 0;
-  for (let i = 0; i < 2 * AZIMUTH_NODES; i++) {
-    const quarter = 0.25 * Math.PI * (azimuths.nodes[i % AZIMUTH_NODES] + 1);
-    const phi = i < AZIMUTH_NODES ? quarter : Math.PI - quarter;
-    const phiWeight = 0.5 * Math.PI * azimuths.weights[i % AZIMUTH_NODES]; // both sides
+  for (let i = 0; i < 2 * half; i++) {
+    const quarter = 0.25 * Math.PI * (azimuths.nodes[i % half] + 1);
+    const phi = i < half ? quarter : Math.PI - quarter;
+    const phiWeight = 0.5 * Math.PI * azimuths.weights[i % half]; // both sides
     const cosPhi = Math.cos(phi);
     const sinPhi = Math.sin(phi);
     const end = 0.5 * (0.5 * Math.PI + Math.atan2(s * cosPhi, c));

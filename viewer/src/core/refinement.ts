@@ -15,7 +15,7 @@ import type { Pairs } from "./features";
 import { dampedStep, solve } from "./least_squares";
 import { lobeValue, NO_LOBE } from "./lobe";
 import type { Activation } from "./mlp";
-import { LOBE_NUMBERS, type Weights } from "./weights";
+import type { Weights } from "./weights";
 
 /** Trial steps, weights of the distance from the encoder's codes, for anchors and for codes. */
 const STEPS = 20;
@@ -119,13 +119,13 @@ export class Refinement {
     const logs = f.map((value) => Math.log(value + DARK_OFFSET));
     const restLogs = f.map((value, i) => Math.log(Math.max(value - top[i], 0) + DARK_OFFSET));
     const restOf = (code: Float32Array) =>
-      decoder.rest(decoder.prepare(code, LOBE_NUMBERS), this.responses[0]);
+      decoder.rest(decoder.prepare(code, this.weights.arch.lobe), this.responses[0]);
     const candidates = [encoder.encode(lobe, difference(f, top))];
     for (const plain of this.plainCodes()) {
       const code = plain.slice();
       const rest = restOf(code);
       const gain = median(restLogs.map((log, i) => log - Math.log(rest[i] + DARK_OFFSET)));
-      scaleRest(code, LOBE_NUMBERS, Math.exp(gain));
+      scaleRest(code, this.weights.arch.lobe, Math.exp(gain));
       code.set(lobe);
       candidates.push(code);
     }
@@ -217,7 +217,7 @@ export class Refinement {
       const change = dampedStep(state.curvature.slice(), state.slope.slice(), damping);
       const next = state.code.slice();
       change.forEach((value, k) => {
-        next[LOBE_NUMBERS + k] -= value;
+        next[this.weights.arch.lobe + k] -= value;
       });
       const found = this.stateAt(next, target, hold);
       const isBetter = found.objective < state.objective;
@@ -229,7 +229,7 @@ export class Refinement {
 
   /** Values of the rest at the probe pairs and the albedo nodes. */
   private restOf(code: Float32Array): Float64Array {
-    const prepared = this.decoder.prepare(code, LOBE_NUMBERS);
+    const prepared = this.decoder.prepare(code, this.weights.arch.lobe);
     const parts = this.responses.map((responses) => this.decoder.rest(prepared, responses).slice());
     return Float64Array.of(...parts[0], ...parts[1]);
   }
@@ -242,7 +242,7 @@ export class Refinement {
     const curvature = new Float64Array(size * size);
     let objective = 0;
     const [atProbes, atNodes] = this.responses.map((responses) =>
-      this.slopes.at(code, LOBE_NUMBERS, responses),
+      this.slopes.at(code, this.weights.arch.lobe, responses),
     );
     for (const [part, first] of [
       [atProbes, 0],
@@ -289,7 +289,7 @@ export class Refinement {
     const gaps = new Float64Array(size * width);
     const seen = decoded.rest.map((value) => value / (value + OFFSET));
     for (let a = 0; a < size; a++) {
-      gaps[a * width] = code[LOBE_NUMBERS + a] - numbers[a];
+      gaps[a * width] = code[this.weights.arch.lobe + a] - numbers[a];
       gaps[a * width + 1 + a] = 1;
       for (let i = 0; i < probes; i++) {
         const factor = inward[a * probes + i];

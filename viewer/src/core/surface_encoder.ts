@@ -6,8 +6,8 @@ import { CHANNELS, firstSame, joined, sameNumbers } from "./channels";
 import { emptyRest } from "./decoder";
 import type { Encoder } from "./encoder";
 import { type EnergyLimit, MARGIN } from "./energy";
+import type { Widths } from "./features";
 import { lobeOfSurface, ofChannel, type Surface } from "./surfaces";
-import { LOBE_NUMBERS } from "./weights";
 
 /** The code of one channel, and its anchor. */
 interface ChannelCodes {
@@ -37,7 +37,8 @@ export class SurfaceEncoder {
   }
 
   private encodeChannels(surface: Surface): Material {
-    const numbers = [0, 1, 2].map((channel) => surfaceNumbers(surface, channel));
+    const { widths } = this.encoder;
+    const numbers = [0, 1, 2].map((channel) => surfaceNumbers(surface, channel, widths));
     const codes: ChannelCodes[] = [];
     for (let channel = 0; channel < CHANNELS; channel++) {
       const own = firstSame(channel, (a, b) => sameNumbers(numbers[a], numbers[b]));
@@ -51,14 +52,14 @@ export class SurfaceEncoder {
 
   /** The code of one channel of a described surface, and its anchor. */
   private encodeChannel(surface: Surface, channel: number): ChannelCodes {
-    const lobe = lobeOfSurface(surface, channel);
+    const lobe = lobeOfSurface(surface, channel, this.encoder.widths);
     if (surface.kind === "diffuse") {
       return this.encodeDiffuse(lobe, ofChannel(surface.reflectance, channel));
     }
     // It is its lobe alone. The anchor is what the encoder makes of it.
     const anchor = joined([lobe, this.nothing]);
     const code = anchor.slice();
-    emptyRest(code, LOBE_NUMBERS);
+    emptyRest(code, lobe.length);
     return { code, anchor };
   }
 
@@ -79,7 +80,7 @@ export class SurfaceEncoder {
   }
 }
 
-function surfaceNumbers(surface: Surface, channel: number): number[] {
+function surfaceNumbers(surface: Surface, channel: number, widths: Widths): number[] {
   const diffuse = surface.kind === "diffuse" ? [ofChannel(surface.reflectance, channel)] : [];
-  return [...lobeOfSurface(surface, channel), ...diffuse];
+  return [...lobeOfSurface(surface, channel, widths), ...diffuse];
 }

@@ -1,8 +1,8 @@
 /** Described surfaces and coats, split into channels. */
 
 import type { Bottom, Channels, Coat } from "./api";
-import type { CoatOfChannel } from "./features";
-import { NO_LOBE } from "./lobe";
+import type { CoatOfChannel, Widths } from "./features";
+import { noLobe } from "./lobe";
 
 /** The single precision value of a parameter for one channel, as Python computes with. */
 export function ofChannel(value: Channels, channel: number): number {
@@ -15,6 +15,7 @@ export function ofChannel(value: Channels, channel: number): number {
 export function coatOfChannel(coat: Coat, channel: number): CoatOfChannel {
   return {
     alpha: ofChannel(coat.alpha, channel),
+    alphaV: ofChannel(coat.alphaV ?? coat.alpha, channel),
     eta: ofChannel(coat.eta, channel),
     albedo: ofChannel(coat.albedo, channel),
     sigmaT: ofChannel(coat.sigmaT, channel),
@@ -25,13 +26,16 @@ export function coatOfChannel(coat: Coat, channel: number): CoatOfChannel {
 /** A surface that is described by parameters, not by codes. */
 export type Surface = Exclude<Bottom, { kind: "codes" }>;
 
-/** The six numbers of a surface's lobe for one channel; a diffuse surface has none. */
-export function lobeOfSurface(surface: Surface, channel: number): Float32Array {
-  const numbers = Float32Array.from(NO_LOBE);
+/** The numbers of a surface's lobe for one channel; a diffuse surface has none. */
+export function lobeOfSurface(surface: Surface, channel: number, widths: Widths): Float32Array {
+  const numbers = Float32Array.from(noLobe(widths));
   if (surface.kind === "diffuse") {
     return numbers;
   }
   numbers[0] = ofChannel(surface.alpha, channel);
+  if (widths === 2) {
+    numbers[6] = ofChannel(surface.alphaV ?? surface.alpha, channel);
+  }
   if ("r0" in surface) {
     numbers[1] = ofChannel(surface.r0, channel);
     numbers[2] = 1;

@@ -1,14 +1,11 @@
 /** The networks' sizes and parameters from a weights file of `urushi train`. */
 
-import { COAT_FEATURES, DIRECTION_FEATURES } from "./features";
-import { LOBE_FEATURES } from "./lobe";
+import { COAT_FEATURES, DIRECTION_FEATURES, type Widths } from "./features";
+import { LOBE_FEATURES, LOBE_NUMBERS } from "./lobe";
 import { FileError, isRecord, readTensors, type Tensor } from "./safetensors";
 
 /** Version of the file format. */
 const FORMAT_VERSION = 1;
-
-/** Numbers of a code that describe its lobe; the others, the rest, begin with a gain. */
-export const LOBE_NUMBERS = 6;
 
 /** Names of parameters. */
 const KNOWN =
@@ -18,7 +15,11 @@ const KNOWN =
 export interface Architecture {
   /** Numbers of one channel's code. */
   readonly latent: number;
-  /** Numbers of the rest, which follow those of the lobe. */
+  /** GGX widths of a surface. */
+  readonly widths: Widths;
+  /** Numbers of a code that describe its lobe. */
+  readonly lobe: number;
+  /** Numbers of the rest, which follow those of the lobe and begin with a gain. */
   readonly rest: number;
   /** Inputs of the decoder's network: the numbers of the rest after its gain. */
   readonly codes: number;
@@ -72,14 +73,16 @@ export function readWeights(file: ArrayBuffer): Weights {
   }
   const part = (name: string, inputs: number, outputs: number) =>
     readLayers(tensors, name, inputs, outputs);
-  const decoder = part("decoder", arch.codes + DIRECTION_FEATURES, 1);
+  const { widths, rest } = arch;
+  const decoder = part("decoder", arch.codes + DIRECTION_FEATURES[widths], 1);
+  const ofLobe = LOBE_FEATURES[widths];
   return {
     arch,
     fingerprint: String(description.fingerprint ?? ""),
     decoder,
-    encoder: part("encoder", arch.probes, arch.rest),
-    layerer: part("layerer", arch.rest + LOBE_FEATURES + COAT_FEATURES, arch.rest),
-    sampler: part("sampler", LOBE_FEATURES + arch.rest + 2, 2 * arch.lobes + 2),
+    encoder: part("encoder", arch.probes, rest),
+    layerer: part("layerer", rest + ofLobe + COAT_FEATURES[widths], rest),
+    sampler: part("sampler", ofLobe + rest + 2 * widths, (1 + widths) * arch.lobes + 2),
     scale: transposed(tensorOf(tensors, "decoder.scale", [arch.codes, first(decoder).outputs])),
     inputMean: tensorOf(tensors, "encoder.input_mean", [arch.probes]).values,
     inputScale: tensorOf(tensors, "encoder.input_scale", [arch.probes]).values,
@@ -95,16 +98,27 @@ function readArchitecture(value: unknown): Architecture {
     }
     return found;
   };
-  if (size("lobe") !== LOBE_NUMBERS) {
-    throw new FileError(`the codes' lobes have ${size("lobe")} numbers; this page reads 6`);
+  const widths = sizes.widths === undefined ? 1 : size("widths");
+  if (widths !== 1 && widths !== 2) {
+    throw new FileError(
+      `the architecture's surfaces have ${widths} widths; this page reads 1 or 2`,
+    );
+  }
+  const lobe = LOBE_NUMBERS[widths];
+  if (size("lobe") !== lobe) {
+    throw new FileError(`the codes' lobes have ${size("lobe")} numbers; this page reads ${lobe}`);
   }
   const latent = size("latent");
-  const rest = latent - LOBE_NUMBERS;
+  const rest = latent - lobe;
   if (rest < 2) {
-    throw new FileError(`the architecture's latent is ${latent}; a code has at least 8 numbers`);
+    throw new FileError(
+      `the architecture's latent is ${latent}; a code has at least ${lobe + 2} numbers`,
+    );
   }
   return {
     latent,
+    widths,
+    lobe,
     rest,
     codes: rest - 1,
     lobes: size("lobes"),

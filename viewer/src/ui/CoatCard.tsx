@@ -12,7 +12,7 @@ import { Icon } from "./icons";
 /** Cards that show their name alone. */
 const folded = signal<ReadonlySet<number>>(new Set());
 
-const SHOWN = Object.keys(COAT_PARAMETERS) as (keyof Coat)[];
+const SHOWN = Object.keys(COAT_PARAMETERS) as (keyof typeof COAT_PARAMETERS)[];
 const COLOURED: ReadonlySet<keyof Coat> = new Set(["sigmaT", "albedo", "g"]);
 
 interface CoatCardProps {

@@ -9,7 +9,14 @@
 import { existsSync } from "node:fs";
 import { beforeAll, describe, expect, test } from "vitest";
 import { loadCore, type NetworkCore } from "../../src/core/core";
-import { bytesOf, goldenFile, readVectors, relativeError, SHIPPED } from "./vectors";
+import {
+  bytesOf,
+  goldenFile,
+  readVectors,
+  relativeError,
+  SHIPPED,
+  SHIPPED_ANISOTROPIC,
+} from "./vectors";
 
 const AGREEMENT = 1e-5;
 const LEAST_CODE = 0.1;
@@ -17,9 +24,14 @@ const LEAST_CODE = 0.1;
 /** Directions of sharp lobes amplify Python's rounding by a few units of 1 / alpha. */
 const DENSITY_OF_DRAWN = 1e-4;
 
-const files = { random: goldenFile("random.safetensors"), default: SHIPPED };
+const files = {
+  random: goldenFile("random.safetensors"),
+  default: SHIPPED,
+  random_anisotropic: goldenFile("random_anisotropic.safetensors"),
+  anisotropic: SHIPPED_ANISOTROPIC,
+};
 
-describe.each(["random", "default"] as const)("%s networks", (name) => {
+describe.each(Object.keys(files) as (keyof typeof files)[])("%s networks", (name) => {
   const vectors = readVectors(name);
   if (!vectors || !existsSync(files[name])) {
     test.skip("have no golden vectors", () => {});

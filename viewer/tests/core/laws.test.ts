@@ -106,7 +106,7 @@ describe("layering", () => {
 
 describe("the proposal", () => {
   test.each([0.95, 0.5, 0.1])("integrates to one at the cosine %f", (cosine) => {
-    const { wo, weights } = halfVectorRule(cosine);
+    const { wo, weights } = halfVectorRule(cosine, false);
     const wi = Float32Array.from(wo, (_, i) => [Math.sqrt(1 - cosine * cosine), 0, cosine][i % 3]);
     const density = core.pdf(material, wi, Float32Array.from(wo));
     const total = density.reduce((sum, value, i) => sum + value * weights[i], 0);

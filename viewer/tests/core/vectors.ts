@@ -23,6 +23,9 @@ export const SHIPPED = new URL(
   import.meta.url,
 );
 
+/** Those for anisotropic materials. */
+export const SHIPPED_ANISOTROPIC = new URL("./anisotropic.safetensors", SHIPPED);
+
 /** Vectors of all stacks. */
 export interface Vectors {
   readonly stacks: readonly Stack[];

@@ -32,7 +32,7 @@ export function bottomOf(surface: Surface, channel: number): WalkedBottom {
     return microfacets(alpha, (cosine) => dielectric(cosine, eta));
   }
   if ("r0" in surface) {
-    const lobe = lobeOfSurface(surface, channel);
+    const lobe = lobeOfSurface(surface, channel, 1);
     return microfacets(alpha, (cosine) => reflectance(lobe, 0, cosine));
   }
   const [eta, k] = [ofChannel(surface.eta, channel), ofChannel(surface.k, channel)];
