@@ -37,7 +37,7 @@ void main() {
     }
     UrushiMaterial material = urushi_material();
     Frame frame = frameAt(pixel, position.xyz);
-    UrushiProposal proposal = urushi_proposal(material, frame.view.z);
+    UrushiProposal proposal = urushi_proposal(material, frame.view);
 
     vec3 sum = vec3(0.0);
     for (int i = 0; i < samples; i++) {
