@@ -12,6 +12,9 @@ import type { ShownTexture } from "./textures";
 export const COSINES = 64;
 export const SAMPLES = 128;
 
+/** Directions of the table that a change is shown by at once. */
+export const FIRST_SAMPLES = 64;
+
 /** Steps of the sequence of directions (Roberts 2018). */
 export const STEPS = [0.8191725133961645, 0.6710436067037893, 0.5497004779019703] as const;
 
@@ -71,6 +74,9 @@ export interface Surroundings {
 export class Slot {
   /** Counts the materials that this slot had. */
   generation = 0;
+  /** The table that is shown at once; null: nothing is known yet. */
+  first: Float32Array | null = null;
+  /** Shifted tables of the picture at rest. */
   tables: Float32Array[] = [];
   bright: Bright | null = null;
   /** Decoded at each pixel; null: the material is the same everywhere. */
@@ -117,7 +123,7 @@ export class Slot {
   async another(): Promise<boolean> {
     const { material, generation } = this;
     if (material === null || this.busy || this.tables.length >= MOST_TABLES) return false;
-    const table = await this.table(material, this.tables.length);
+    const table = await this.table(material, this.tables.length, SAMPLES);
     if (generation !== this.generation || this.busy) return false;
     this.tables.push(table);
     return true;
@@ -145,12 +151,13 @@ export class Slot {
         this.abort.abort();
         this.walk.value = null;
         const material = await this.core.layer(stack);
-        const table = await this.table(material, 0);
+        const first = await this.table(material, 0, FIRST_SAMPLES);
         this.material = material;
         this.stack = stack;
         this.texture = texture;
         this.generation++;
-        this.tables = [table];
+        this.first = first;
+        this.tables = [];
         this.bright = null;
         this.page.changed();
         this.albedoIsOld = true;
@@ -201,10 +208,10 @@ export class Slot {
     }
   }
 
-  private table(material: Material, place: number): Promise<Float32Array> {
+  private table(material: Material, place: number, samples: number): Promise<Float32Array> {
     return this.core.table(material, {
       cosines: COSINES,
-      samples: SAMPLES,
+      samples,
       shift: shiftOf(place),
     });
   }

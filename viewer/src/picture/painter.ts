@@ -1,13 +1,13 @@
 /** When the picture is drawn, how large, and with which tables: at once, then ever better. */
 
 import { signal } from "@preact/signals";
-import { COSINES, MOST_TABLES, SAMPLES, type Slot } from "../engine/engine";
+import { COSINES, FIRST_SAMPLES, MOST_TABLES, SAMPLES, type Slot } from "../engine/engine";
 import type { ShownTexture } from "../engine/textures";
 import type { Renderer, Shot } from "./renderer";
 
 /** Aims for a frame's time while something moves, and for a strip's time at rest [ms]. */
-const MOVING = 45;
-const RESTING = 200;
+const MOVING = 25;
+const RESTING = 100;
 
 /** Time without change after which the picture rests [ms]. */
 const PATIENCE = 160;
@@ -50,6 +50,8 @@ export class Painter {
   private changedAt = Number.NEGATIVE_INFINITY;
   private dirty = true;
   private running = false;
+  /** Ends the wait for the picture to rest. */
+  private wake = (): void => {};
   private count = 0;
   private resting = false;
   private readonly uploaded: [string, string] = ["", ""];
@@ -86,6 +88,7 @@ export class Painter {
     this.resting = false;
     this.gathered.value = 0;
     this.converged.value = false;
+    this.wake();
     void this.run();
   }
 
@@ -93,10 +96,8 @@ export class Painter {
     if (this.running) return;
     this.running = true;
     try {
-      while (this.renderer !== null && this.shot !== null) {
-        await new Promise(requestAnimationFrame);
-        if (!(await this.step())) break;
-      }
+      await null; // changes often come together
+      while (await this.step()) await new Promise(requestAnimationFrame);
     } catch (error) {
       this.failed(error);
     } finally {
@@ -109,7 +110,7 @@ export class Painter {
     const { renderer, shot } = this;
     if (renderer === null || shot === null) return false;
     const slots = shownSlots(shot);
-    if (slots.some((slot) => this.slots[slot].tables.length === 0)) return false;
+    if (slots.some((slot) => this.slots[slot].first === null)) return false;
     if (this.dirty) {
       this.dirty = false;
       if (renderer.hasLights) await Promise.all(slots.map((slot) => this.slots[slot].light(false)));
@@ -118,7 +119,10 @@ export class Painter {
     }
     const wait = this.changedAt + PATIENCE - performance.now();
     if (wait > 0) {
-      await new Promise((resolve) => setTimeout(resolve, wait));
+      await new Promise<void>((resolve) => {
+        this.wake = resolve;
+        setTimeout(resolve, wait);
+      });
       return true;
     }
     return this.rest(renderer, shot, slots);
@@ -166,7 +170,7 @@ export class Painter {
       ([scale, share]) => this.cost * pixels * scale ** 2 * share < MOVING,
     );
     const [scale, share] = cheap ?? SAVINGS.at(-1)!;
-    for (const slot of slots) this.upload(renderer, slot, 0);
+    for (const slot of slots) this.upload(renderer, slot, null);
     renderer.beginFrame(shot, scale);
     renderer.drawStrip(shot, 0, share, 0, 1);
     renderer.endFrame(shot, 0);
@@ -198,12 +202,14 @@ export class Painter {
     this.cost += (Math.max(time, 0) / megapixels - this.cost) * 0.5;
   }
 
-  private upload(renderer: Renderer, slot: 0 | 1, count: number): void {
-    const { tables, generation, bright, texture } = this.slots[slot];
-    const table = tables[count] ?? tables[0]!;
-    const key = `${generation}.${tables[count] ? count : 0}`;
-    if (this.uploaded[slot] !== key) {
-      renderer.setTable(slot, table, COSINES, SAMPLES);
+  /** Give a renderer what a frame needs; count: of those that precede it at rest, null: it moves. */
+  private upload(renderer: Renderer, slot: 0 | 1, count: number | null): void {
+    const { first, tables, generation, bright, texture } = this.slots[slot];
+    const table = (count === null ? null : tables[count]) ?? first;
+    const samples = table === first ? FIRST_SAMPLES : SAMPLES;
+    const key = `${generation}.${table === first ? "first" : count}`;
+    if (table !== null && this.uploaded[slot] !== key) {
+      renderer.setTable(slot, table, COSINES, samples);
       this.uploaded[slot] = key;
     }
     if (this.textureOf[slot] !== texture) {
