@@ -70,6 +70,18 @@ def test_a_document_becomes_a_scene(document, tmp_path, capsys):
     assert np.allclose(values(written), values(described), atol=1e-3)  # files are of half precision
 
 
+def test_an_emitting_material_gets_an_emitter(tmp_path):
+    document = tmp_path / "lamp.mtlx"
+    document.write_text("""<materialx version="1.39" colorspace="lin_rec709">
+        <open_pbr_surface name="Lamp" type="surfaceshader">
+        <input name="emission_luminance" type="float" value="20"/>
+        <input name="coat_weight" type="float" value="0.5"/></open_pbr_surface></materialx>""")
+    assert main(["convert", str(document), "-o", str(tmp_path / "scene")]) == 0
+    mi.set_variant("llvm_ad_rgb")
+    scene = mi.load_file(str(tmp_path / "scene" / "scene.xml"))
+    assert sum("OpenPBREmission" in str(emitter) for emitter in scene.emitters()) == 1
+
+
 def test_errors_are_sentences(tmp_path, capsys):
     assert main(["convert", str(tmp_path / "no.mtlx"), "-o", str(tmp_path / "out")]) == 2
     assert "there is no MaterialX file" in capsys.readouterr().err

@@ -284,7 +284,7 @@ def material_from_values(
     bright = source_albedo.max(axis=-1) * excess > 1 - energy.MARGIN
     if bright.any():
         peak = energy.peak_ceiling(source_albedo)
-        anchors[bright] = energy.limit_mean_albedo(model, anchors[bright], peak[bright, 0])
+        anchors[bright] = energy.limit_mean_albedo(model, anchors[bright], peak[bright])
     return Material(energy.limit_albedo(model, codes, ceiling), model, anchors)
 
 

@@ -129,13 +129,31 @@ def limit_albedo(
     return _scaled(model, z, _limiting_factors(model, z, ceiling))
 
 
-def limit_mean_albedo(model: Model, z: np.ndarray, ceiling: np.ndarray) -> np.ndarray:
-    """Scale codes (N, L) down so that the mean of their directional albedo is below a ceiling (N,).
+def limit_mean_albedo(
+    model: Model, z: np.ndarray, ceiling: np.ndarray | float = 1 - MARGIN
+) -> np.ndarray:
+    """Scale codes down so that the mean of their directional albedo is not above a ceiling.
 
-    The mean is that over diffuse light. Codes of networks without a gain are not changed.
+    The mean is that over diffuse light. Codes that are nowhere above it are not changed, nor those
+    of networks without a gain.
+
+    Args:
+        model: the networks.
+        z: float32 (N, L).
+        ceiling: a number, or an array (N, 1).
     """
-    if not isinstance(model.networks, UrushiNetworks):
+    over = _limiting_factors(model, z, ceiling) < 1
+    if not over.any():
         return z
+    if isinstance(ceiling, np.ndarray):
+        ceiling = ceiling[over, 0]
+    result = np.array(z)
+    result[over] = _scaled(model, z[over], _mean_factors(model, z[over], ceiling))
+    return result
+
+
+def _mean_factors(model: Model, z: np.ndarray, ceiling: np.ndarray | float) -> np.ndarray:
+    """The factors (N,) in (0, 1] that bring the mean albedo of codes (N, L) to a ceiling."""
     cosines = albedo_rule(model.arch.widths).cosines
     squares = cosines * cosines  # descending from one
     widths = np.zeros_like(squares)
@@ -144,7 +162,7 @@ def limit_mean_albedo(model: Model, z: np.ndarray, ceiling: np.ndarray) -> np.nd
     widths[-1] += squares[-1]
     allowed = np.maximum(ceiling - top_albedos(model, z) @ widths, LEAST_REST)
     factors = allowed / np.maximum(rest_albedos(model, z) @ widths, LEAST_ALBEDO)
-    return _scaled(model, z, np.minimum(factors, 1).astype(np.float32))
+    return np.minimum(factors, 1).astype(np.float32)
 
 
 def limit_coated_albedo(model: Model, z: np.ndarray, z_bottom: np.ndarray) -> np.ndarray:

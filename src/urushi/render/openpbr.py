@@ -12,8 +12,10 @@ from urushi.errors import ParameterError, PlatformError
 from urushi.material.source import Source, as_source
 from urushi.materialx.writer import write_parameters
 from urushi.openpbr_surface.parameters import checked, parameter
+from urushi.render.plugins.openpbr_emission import NAMES as EMISSION_INPUTS
 from urushi.render.reading import probing
 from urushi.render.reading.bsdf import bsdf_source
+from urushi.render.reading.openpbr_inputs import EMISSION
 
 
 @dataclass(frozen=True)
@@ -34,13 +36,39 @@ class OpenPBR:
         """Whether no parameter is a texture."""
         return all(isinstance(x, float | bool | tuple) for x in self.parameters.values())
 
+    @property
+    def emits(self) -> bool:
+        """Whether there is emitted light."""
+        return self.parameters.get("emission_luminance", 0.0) != 0.0
+
     def description(self) -> dict[str, Any]:
-        """The BSDF for `mi.load_dict`, of the plugin `openpbr`."""
-        values = {
+        """The BSDF for `mi.load_dict`, of the plugin `openpbr`; it does not emit."""
+        values = {name: x for name, x in self._values().items() if name not in EMISSION}
+        return {"type": "openpbr", **values, **self.options}
+
+    def emitter(self) -> dict[str, Any] | None:
+        """The emitted light for `mi.load_dict`, of the plugin `openpbr_emission`; None: none."""
+        if not self.emits:
+            return None
+        values = {name: x for name, x in self._values().items() if name in EMISSION_INPUTS}
+        return {"type": "openpbr_emission", **values}
+
+    def on(self, shape: Mapping[str, Any]) -> dict[str, Any]:
+        """A shape of this material, with its emitted light.
+
+        shape: a dictionary for `mi.load_dict`, such as {"type": "sphere"}, without BSDF and
+            emitter.
+        """
+        emitter = self.emitter()
+        light = {} if emitter is None else {"emitter": emitter}
+        return {**shape, "bsdf": self.description(), **light}
+
+    def _values(self) -> dict[str, Any]:
+        """The parameters as `mi.load_dict` takes them."""
+        return {
             name: {"type": "rgb", "value": list(value)} if isinstance(value, tuple) else value
             for name, value in self.parameters.items()
         }
-        return {"type": "openpbr", **values, **self.options}
 
     def bsdf(self) -> "mi.BSDF":
         """The BSDF in the current variant.
@@ -130,6 +158,8 @@ def openpbr(
         "energy_compensation": bool(energy_compensation),
         "unsupported": unsupported,
     }
+    if parameters.get("type") == "openpbr":  # as `urushi.load_materialx` gives them
+        parameters = {name: value for name, value in parameters.items() if name != "type"}
     return OpenPBR({name: _value(name, value) for name, value in parameters.items()}, options)
 
 

@@ -42,6 +42,7 @@ def _on_variant(old: str | None, new: str) -> None:
     if new.startswith("scalar") or mi.is_polarized:
         for name in PLUGINS:
             mi.register_bsdf(name, _refusal(name, new))
+        mi.register_emitter("openpbr_emission", _refusal("openpbr_emission", new))
         return
     from urushi.render.plugins import (
         base,
@@ -51,6 +52,7 @@ def _on_variant(old: str | None, new: str) -> None:
         neural_brdf,
         neural_layered,
         openpbr,
+        openpbr_emission,
     )
 
     proposal_bsdf = base.define_proposal_bsdf()
@@ -61,6 +63,8 @@ def _on_variant(old: str | None, new: str) -> None:
     mi.register_bsdf("measured_brdf", measured_brdf.define(proposal_bsdf))
     mi.register_bsdf("openpbr", openpbr.define(proposal_bsdf))
     mi.register_bsdf("materialx", materialx.define())
+    emission = openpbr_emission.define()
+    mi.register_emitter("openpbr_emission", lambda props: emission(props))
 
 
 def _refusal(name: str, variant: str):

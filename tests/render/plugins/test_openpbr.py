@@ -268,6 +268,66 @@ def test_both_sides_opacity_and_a_normal_map_render():
     )
 
 
+def directions(x, y, z):
+    """A map of one direction, as 0.5 n + 0.5."""
+    texel = 0.5 * np.float32([x, y, z]) + 0.5
+    data = mi.TensorXf(np.tile(texel, (2, 2, 1)))
+    return {"type": "bitmap", "raw": True, "data": data}
+
+
+BRUSHED = dict(base_metalness=1.0, specular_roughness=0.5, specular_roughness_anisotropy=0.7)
+
+
+@pytest.mark.parametrize("coat_weight", [0.0, 1.0])
+def test_a_tangent_across_turns_the_surface(coat_weight):
+    shared = dict(base_color=COLOR, coat_weight=coat_weight, coat_roughness=0.3, **BRUSHED)
+    wi, wo = pairs(200)
+    found = values(openpbr(geometry_tangent=directions(0, 1, 0), **shared), wi, wo)
+    # Seen from the tangent's frame: x is along the shape's y axis.
+    inside = [np.stack([w[:, 1], -w[:, 0], w[:, 2]], -1) for w in (wi, wo)]
+    expected = values(openpbr(**shared), *inside)
+    assert np.allclose(found, expected, rtol=1e-3, atol=1e-5)
+    assert not np.allclose(found, values(openpbr(**shared), wi, wo), rtol=0.2)
+
+
+@pytest.mark.parametrize(
+    "parameters", [{}, {"coat_roughness_anisotropy": 0.6}, {"specular_roughness_anisotropy": 0.0}]
+)
+def test_anisotropic_layers_by_networks_are_those_of_the_reference(parameters):
+    wi, wo = pairs(300)
+    shared = dict(base_color=COLOR, coat_weight=1.0, coat_roughness=0.5, energy_compensation=False)
+    shared |= BRUSHED | parameters
+    reference = values(openpbr(reference=True, **shared), wi, wo, 1024)
+    # Noise of 2 %, and light that the base's facets scatter more than once.
+    assert error(values(openpbr(**shared), wi, wo), reference, wi, wo) < 0.08
+
+
+def test_a_coat_has_the_frame_of_the_base():
+    wi, wo = pairs(50)
+    shared = dict(base_color=COLOR, coat_weight=1.0, coat_roughness=0.3)
+
+    def mapped(coat_normal=None, **options):
+        normals = {"geometry_normal": directions(0.1, 0, 0.995)}
+        if coat_normal:
+            normals["geometry_coat_normal"] = directions(*coat_normal)
+        return openpbr(**shared, **normals, **options)
+
+    plain = values(mapped(), wi, wo)
+    assert np.array_equal(values(mapped((0.1, 0, 0.995)), wi, wo), plain)
+    with pytest.raises(RuntimeError, match="geometry_coat_normal differs from geometry_normal"):
+        mapped((0, 0, 1))
+    assert np.array_equal(values(mapped((0, 0, 1), unsupported="ignore"), wi, wo), plain)
+
+
+def test_a_tangent_of_the_coat_alone_needs_an_isotropic_base():
+    shared = dict(coat_weight=1.0, coat_roughness_anisotropy=0.5)
+    openpbr(geometry_coat_tangent=directions(0, 1, 0), **shared)
+    with pytest.raises(RuntimeError, match="geometry_coat_tangent differs from geometry_tangent"):
+        openpbr(
+            geometry_coat_tangent=directions(0, 1, 0), specular_roughness_anisotropy=0.5, **shared
+        )
+
+
 def test_what_is_missing_is_refused_in_one_sentence_or_ignored():
     for name, word in (
         ("transmission_weight", "transmission"),

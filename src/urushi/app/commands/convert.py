@@ -36,7 +36,7 @@ _SCENE = """<scene version="3.0.0">
         <emitter type="area"><rgb name="radiance" value="12"/></emitter>
     </shape>
 {bsdf}
-    <shape type="sphere"><ref id={id}/></shape>
+    <shape type="sphere"><ref id={id}/>{emitter}</shape>
 </scene>
 """
 
@@ -45,8 +45,8 @@ _SCENE = """<scene version="3.0.0">
 class Convert:
     """Write a material of a MaterialX document as a Mitsuba scene, with textures as OpenEXR files.
 
-    The folder gets scene.xml, a sphere of the material, a BSDF of type openpbr. Colours are linear
-    sRGB. Copy the element <bsdf> into other scenes.
+    The folder gets scene.xml, a sphere of the material, a BSDF of type openpbr, and an emitter of
+    type openpbr_emission where it emits light. Colours are linear sRGB. Copy both elsewhere.
 
     Example: urushi convert car_paint.mtlx -o out/car_paint
     """
@@ -68,37 +68,45 @@ class Convert:
         resolution = checked_resolution(self.resolution)
         surface = read_surface(self.document, decode, self.material, resolution)
         folder = new_folder(self.output)
-        bsdf = bsdf_xml(surface, folder)
+        bsdf, emitter = bsdf_xml(surface, folder)
         target = folder / "scene.xml"
         with atomic_write(target) as temporary:
-            temporary.write_text(
-                _SCENE.format(bsdf=bsdf, id=quoteattr(surface.name)), encoding="utf-8"
-            )
+            scene = _SCENE.format(bsdf=bsdf, emitter=emitter, id=quoteattr(surface.name))
+            temporary.write_text(scene, encoding="utf-8")
         print(target)
         return 0
 
 
-def bsdf_xml(surface: "Surface", folder: Path) -> str:
+def bsdf_xml(surface: "Surface", folder: Path) -> tuple[str, str]:
     """The material as an element <bsdf>; its textures are written into the folder.
+
+    Returns:
+        The element, and the element <emitter> of what it emits, empty if nothing.
 
     Raises:
         FileError: the folder cannot be written.
     """
     from urushi.materialx.baking import Texture
+    from urushi.render.plugins.openpbr_emission import NAMES
+    from urushi.render.reading.openpbr_inputs import EMISSION
 
-    lines = []
+    lines: dict[str, str] = {}
     for name, value in surface.values.items():
         if isinstance(value, Texture):
-            lines.append(_texture_xml(surface.name, name, value, folder))
+            lines[name] = _texture_xml(surface.name, name, value, folder)
         elif isinstance(value, bool):
-            lines.append(f'<boolean name="{name}" value="{str(value).lower()}"/>')
+            lines[name] = f'<boolean name="{name}" value="{str(value).lower()}"/>'
         elif isinstance(value, tuple):
             numbers = " ".join(repr(number) for number in value)
-            lines.append(f'<rgb name="{name}" value="{numbers}"/>')
+            lines[name] = f'<rgb name="{name}" value="{numbers}"/>'
         else:
-            lines.append(f'<float name="{name}" value="{value!r}"/>')
-    inside = "".join(f"\n        {line}" for line in lines)
-    return f'    <bsdf type="openpbr" id={quoteattr(surface.name)}>{inside}\n    </bsdf>'
+            lines[name] = f'<float name="{name}" value="{value!r}"/>'
+    inside = "".join(f"\n        {x}" for name, x in lines.items() if name not in EMISSION)
+    bsdf = f'    <bsdf type="openpbr" id={quoteattr(surface.name)}>{inside}\n    </bsdf>'
+    if surface.values.get("emission_luminance", 0.0) == 0.0:
+        return bsdf, ""
+    light = "".join(f"\n            {x}" for name, x in lines.items() if name in NAMES)
+    return bsdf, f'\n        <emitter type="openpbr_emission">{light}\n        </emitter>\n    '
 
 
 def _texture_xml(material: str, name: str, texture: "Texture", folder: Path) -> str:

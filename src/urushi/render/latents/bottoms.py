@@ -8,7 +8,7 @@ import mitsuba as mi
 import numpy as np
 
 from urushi.material.encode import bare_anchors, encode_source, encoder_codes
-from urushi.material.energy import limit_albedo
+from urushi.material.energy import limit_albedo, limit_mean_albedo
 from urushi.nets.lobe import no_lobe, with_two_widths
 from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
@@ -210,11 +210,13 @@ class _ProbedBottom:
             first = start * channels
             own = row[slice(*np.searchsorted(row, [first, first + len(f)]))]
             lobes = probing.known_lobes(self._bottom, points) if self._has_lobes else None
-            if lobes is not None:
+            if lobes is not None and lobes.shape[-1] < self._model.arch.lobe:
+                lobes = with_two_widths(lobes)
+            if lobes is not None and lobes.shape[-1] == self._model.arch.lobe:
                 lobes = lobes.reshape(len(f), -1)[own - first]
                 if getattr(self._bottom, "bare", False):
                     parts.append(bare_anchors(self._model, lobes))
                     continue
             parts.append(encoder_codes(self._model, f[own - first], lobes))
-        codes = limit_albedo(self._model, np.concatenate(parts))
+        codes = limit_mean_albedo(self._model, np.concatenate(parts))
         return codes, row_of.reshape(len(texel), channels)[texel_of]

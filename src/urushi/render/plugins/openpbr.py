@@ -21,7 +21,10 @@ def define(proposal_bsdf: type):
         ==================== ===================== =============================================
         (parameters)         float, rgb, texture   The parameters of the specification under their
                                                    names, with its defaults.
-        geometry_normal      texture               A normal map, around the whole surface.
+        geometry_normal,     texture               Maps of 0.5 n + 0.5 in the tangent frame. The
+        geometry_tangent                           coat shares both: geometry_coat_normal and
+                                                   geometry_coat_tangent must be equal to them, or
+                                                   the base isotropic.
         reference            boolean               Whether the coat is a random walk, the plugin
                                                    ``layered``, in place of ``neural_layered``.
                                                    (Default: false)
@@ -37,8 +40,9 @@ def define(proposal_bsdf: type):
         the diffuse slab, whose albedo is such that base_color is what leaves; a metal has the
         F82-tint term. The coat over it is layered, and coat_weight mixes the BRDFs of the bare and
         the coated base. Fuzz lies above both. Missing and refused, or left out with a warning:
-        transmission, subsurface scattering, the thin-walled mode, emission, a normal map of the
-        coat. Reflects on the front side only: nest it in ``twosided`` for both sides.
+        transmission, subsurface scattering, the thin-walled mode, directions of the coat alone.
+        Light is emitted by the emitter ``openpbr_emission``. Reflects on the front side only: nest
+        it in ``twosided`` for both sides.
 
         Where the coat's index exceeds the base's, light in the coat is reflected totally by the
         base. Networks take the inverse ratio below a specular_roughness of 0.3.

@@ -166,15 +166,13 @@ def define(base: type) -> type:
             return self._inputs.is_constant("base_metalness", 1)
 
         def lobes(self, si):
-            """The base's lobe, six floats for each channel; None of an anisotropic base.
+            """The base's lobe, six floats for each channel; seven of an anisotropic base.
 
             Metal and dielectric share one width, so that their mixture is one lobe. The dip of a
             metal's Fresnel term at 82 degrees is left to the rest. A metal alone is scaled to the
             energy of its multiple scattering (Turquin 2019).
             """
             inputs, active = self._inputs, mi.Bool(True)
-            if not inputs.is_constant("specular_roughness_anisotropy", 0):
-                return None
             share = inputs.number("base_metalness", si, active)
             color = inputs.number("base_weight", si, active) * inputs.color(
                 "base_color", si, active
@@ -184,16 +182,18 @@ def define(base: type) -> type:
             scale = self._boost(si, color, eta, active) if self._boosted else mi.Spectrum(1)
             alpha = self._alpha(si, active)
             if self.bare:
-                scale *= self._mirror.gain(alpha, color)
+                scale *= self._mirror.gain(_mean_width(alpha), color)
             if self._film:
                 color, eta = self._film.lobe_terms(eta, color, tint, si, active)
+            along, across = (alpha.u, [alpha.v]) if isinstance(alpha, Widths) else (alpha, [])
             values = (
-                mi.Spectrum(alpha),
+                mi.Spectrum(along),
                 dr.minimum(scale * share * weight * color, 1),
                 dr.minimum(scale * (share * weight) * tint, 1),
                 dr.minimum(scale * (1 - share) * tint, 1),
                 dr.select(share < 1, mi.Spectrum(eta), NO_LOBE[4]),
                 mi.Spectrum(0),
+                *map(mi.Spectrum, across),
             )
             return [list(c) for c in zip(*map(spectrum.to_channels, values), strict=True)]
 

@@ -4,6 +4,7 @@ import drjit as dr
 import mitsuba as mi
 
 from urushi.openpbr_surface import darkening, glossy, roughness, sheen
+from urushi.render.plugins.coats import Turn
 from urushi.render.plugins.openpbr_albedo import InterfaceAlbedo
 from urushi.render.reading.openpbr_inputs import Inputs
 
@@ -29,6 +30,7 @@ def define() -> type:
             self.m_components = [flags | mi.BSDFFlags.FrontSide]
             self.m_flags = self.m_components[0]
             self._inputs, self._base, self._coated = inputs, base, coated
+            self._turned = "geometry_tangent" in inputs.maps
             self._fuzz = not inputs.is_constant("fuzz_weight", 0)
             self._compensation = CoatCompensation(inputs) if compensated and coated else None
 
@@ -40,6 +42,13 @@ def define() -> type:
 
         def eval_pdf(self, ctx, si, wo, active=True):
             active = mi.Bool(active) & (si.wi.z > 0) & (wo.z > 0)
+            if self._turned:
+                turn = Turn(*self._inputs.tangent(si, active))
+                si, wo = turn.interaction(si), turn.inside(wo)
+            return self._eval_pdf(ctx, si, wo, active)
+
+        def _eval_pdf(self, ctx, si, wo, active):
+            """`eval_pdf` in the frame of the tangent."""
             f_cos, pdf = mi.Spectrum(0), mi.Float(0)
             for part, weight in self._parts(si, active):
                 own, density = part.eval_pdf(ctx, si, wo, active)
@@ -58,6 +67,10 @@ def define() -> type:
 
         def sample(self, ctx, si, sample1, sample2, active=True):
             active = mi.Bool(active) & (si.wi.z > 0)
+            turn = None
+            if self._turned:
+                turn = Turn(*self._inputs.tangent(si, active))
+                si = turn.interaction(si)
             diffuse = self._diffuse_share()
             bs = dr.zeros(mi.BSDFSample3f)
             is_diffuse = sample1 < diffuse
@@ -69,8 +82,8 @@ def define() -> type:
                 own, _ = part.sample(ctx, si, u, sample2, active & chosen)
                 wo = dr.select(chosen, own.wo, wo)
                 start = start + weight
-            bs.wo = wo
-            f_cos, bs.pdf = self.eval_pdf(ctx, si, wo, active)
+            bs.wo = turn.outside(wo) if turn else wo
+            f_cos, bs.pdf = self._eval_pdf(ctx, si, wo, active & (wo.z > 0))
             bs.eta = 1
             bs.sampled_type = mi.UInt32(+mi.BSDFFlags.GlossyReflection)
             bs.sampled_component = 0

@@ -7,6 +7,7 @@ from urushi.errors import ParameterError, PlatformError
 from urushi.material.source import Source, as_source
 from urushi.material.symmetry import asymmetry_pairs, is_anisotropic
 from urushi.measured.tabulated import MeasuredSurface
+from urushi.nets.lobe import LOBE_NUMBERS
 from urushi.render import spectrum
 from urushi.render.reading import probing
 from urushi.render.reading.grid import not_over_uv, varying_textures
@@ -64,6 +65,7 @@ def reflection_source(bsdf: "mi.BSDF") -> Source:
             symmetric=True,
             lobe=lobes[0],
             bare=bool(getattr(bsdf, "bare", False)),
+            widths=1 if lobes.shape[-1] == len(LOBE_NUMBERS) else 2,
         )
 
     def f(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:

@@ -20,8 +20,21 @@ UNSUPPORTED = {
     "transmission_weight": "transmission",
     "subsurface_weight": "subsurface scattering",
     "geometry_thin_walled": "the thin-walled mode",
-    "emission_luminance": "emitted light",
 }
+
+#: The parameters of emission, which a BSDF does not have.
+EMISSION = ("emission_luminance", "emission_color")
+
+#: The parameters of directions: of the base, of the coat, and of the anisotropies that a direction
+#: matters to, none for a normal.
+DIRECTIONS = (
+    ("geometry_normal", "geometry_coat_normal", None),
+    (
+        "geometry_tangent",
+        "geometry_coat_tangent",
+        ("specular_roughness_anisotropy", "coat_roughness_anisotropy"),
+    ),
+)
 
 
 class Inputs:
@@ -31,11 +44,13 @@ class Inputs:
         where: the plugin's name; begins errors.
         textures: by the parameters' names.
         constants: of those that are given as numbers, their values; of the others, nothing.
-        maps: the textures of normals, by the parameters' names.
+        maps: the textures of directions, by the parameters' names.
     """
 
-    def __init__(self, props: "mi.Properties"):
+    def __init__(self, props: "mi.Properties", *, emits: bool = False):
         """Read the properties.
+
+        emits: whether they are an emitter's, which only reads what it needs.
 
         Raises:
             ParameterError: a name does not exist, a value is out of range or of a wrong kind, or a
@@ -49,8 +64,11 @@ class Inputs:
         self.maps: dict[str, mi.Texture] = {}
         for name, value in given.items():
             self._read(name, value)
-        for name, feature in UNSUPPORTED.items():
-            self._refuse(name, feature, ignore)
+        if not emits:
+            for name, feature in UNSUPPORTED.items():
+                self._refuse(name, feature, ignore)
+            self._check_emission(ignore)
+            self._check_directions(ignore)
         for name, entry in PARAMETERS.items():
             if entry.kind in ("float", "color") and name not in self.textures:
                 self._constant(name, checked(name, entry.default))
@@ -72,11 +90,6 @@ class Inputs:
         if entry.kind == "vector":
             if not isinstance(value, mi.Texture):
                 checked(name, value, self.where)  # the error says what to give
-            if name != "geometry_normal":
-                raise ParameterError(
-                    f"{self.where}: {name} is not read; the coat has the normal of the base, and "
-                    "the tangent is dp/du of the shape"
-                )
             self.maps[name] = value
         elif isinstance(value, mi.Texture):
             if not entry.can_be_textured:
@@ -93,7 +106,53 @@ class Inputs:
         if PARAMETERS[name].kind == "float":
             self.textures[name] = mi.load_dict({"type": "uniform", "value": value})
         elif PARAMETERS[name].kind == "color":
-            self.textures[name] = mi.load_dict({"type": "rgb", "value": value.tolist()})
+            color = mi.ScalarColor3f(value.tolist())
+            self.textures[name] = mi.load_dict({"type": "srgb", "color": color, "unbounded": True})
+
+    def _check_emission(self, ignore: bool) -> None:
+        """Refuse emitted light, or leave it to the emitter."""
+        if self._is_absent("emission_luminance"):
+            return
+        sentence = (
+            "emission_luminance asks for emitted light, and a BSDF does not emit; give its shape "
+            "the emitter 'openpbr_emission'"
+        )
+        if not ignore:
+            raise ParameterError(
+                f'{self.where}: {sentence} and leave it out here, or set unsupported to "ignore"'
+            )
+        mi.Log(mi.LogLevel.Warn, f"{self.where}: {sentence}")
+
+    def _check_directions(self, ignore: bool) -> None:
+        """Refuse a coat whose normal or tangent is not that of the base, or give it the base's."""
+        for base, coat, anisotropies in DIRECTIONS:
+            if coat not in self.maps or self._is_absent("coat_weight"):
+                continue
+            if anisotropies and self._is_absent(anisotropies[1]):
+                continue  # the coat has no tangent
+            if anisotropies and self._is_absent(anisotropies[0]):
+                self.maps[base] = self.maps[coat]  # nor has the base
+            if base in self.maps and _equal_textures(self.maps[base], self.maps[coat]):
+                continue
+            sentence = (
+                f"{coat} differs from {base}, and all layers share one frame; give both the same"
+            )
+            if not ignore:
+                raise ParameterError(
+                    f'{self.where}: {sentence}, or set unsupported to "ignore" for the base\'s'
+                )
+            mi.Log(mi.LogLevel.Warn, f"{self.where}: {sentence}; the coat has the base's")
+
+    def _is_absent(self, name: str) -> bool:
+        """Whether a parameter of default 0 is not given, or as 0."""
+        given = name in self.textures or name in self.constants
+        return not given or self.is_constant(name, 0)
+
+    def tangent(self, si, active) -> tuple["mi.Float", "mi.Float"]:
+        """Sine and cosine of the angle from the shape's tangent to that of the map."""
+        x, y = (2 * c - 1 for c in self.maps["geometry_tangent"].eval_3(si, active)[:2])
+        length = dr.sqrt(dr.maximum(x * x + y * y, 1e-12))
+        return y / length, dr.select(length > 1e-5, x / length, 1)
 
     def _refuse(self, name: str, feature: str, ignore: bool) -> None:
         """Refuse or leave out a feature whose weight is not zero."""
@@ -116,6 +175,17 @@ def _ignores(props: "mi.Properties", where: str) -> bool:
     if value not in ("error", "ignore"):
         raise ParameterError(f'{where}: unsupported is "{value}"; give "error" or "ignore"')
     return bool(value == "ignore")
+
+
+def _equal_textures(one: "mi.Texture", other: "mi.Texture") -> bool:
+    """Whether two textures are the same, or have the same parameters."""
+    if one is other:
+        return True
+    first, second = mi.traverse(one), mi.traverse(other)
+    keys = sorted(first.keys())
+    return keys == sorted(second.keys()) and all(
+        np.array_equal(np.array(first[key]), np.array(second[key])) for key in keys
+    )
 
 
 def _clipped(name: str, value: Any) -> Any:

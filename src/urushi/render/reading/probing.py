@@ -201,10 +201,11 @@ def needed_repeats(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, points: int)
 
 
 def known_lobes(bsdf: "mi.BSDF", uv: np.ndarray) -> np.ndarray | None:
-    """The lobes float32 (M, C, 6) at points uv (M, 2) of a BSDF that knows them, or None.
+    """The lobes float32 (M, C, 6 or 7) at points uv (M, 2) of a BSDF that knows them, or None.
 
     A plugin gives them by a method `lobes` of a surface interaction: six Dr.Jit floats for each
-    channel, or None (see `urushi.nets.lobe`). Its values contain more than the lobe.
+    channel, seven of an anisotropic BSDF, or None (see `urushi.nets.lobe`). Its values contain more
+    than the lobe.
     """
     method = getattr(bsdf, "lobes", None)
     si = interaction(np.tile([0.0, 0.0, 1.0], (len(uv), 1)), uv)

@@ -1,0 +1,92 @@
+"""The emitter `openpbr_emission`: closed forms, and a scene that it lights."""
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+import pytest
+
+import urushi
+
+pytestmark = pytest.mark.usefixtures("rgb")
+
+COLOR = (1.0, 0.5, 2.0)  # an emission colour may exceed one
+LIGHT = {"emission_luminance": 3.0, "emission_color": COLOR}
+SQUARE = {"type": "rectangle"}
+
+
+def radiance(cosine, **parameters):
+    """What a square emits at an angle to its normal, (3,)."""
+    square = mi.load_dict(urushi.openpbr(**LIGHT, **parameters).on(SQUARE))
+    si = dr.zeros(mi.SurfaceInteraction3f, 1)
+    si.wi = mi.Vector3f((1 - cosine**2) ** 0.5, 0, cosine)
+    si.uv = mi.Point2f(0.5)
+    return np.array(square.emitter().eval(si)).ravel()
+
+
+def smooth_reflectance(cosine, eta):
+    inside = (1 - (1 - cosine**2) / eta**2) ** 0.5
+    s = (cosine - eta * inside) / (cosine + eta * inside)
+    p = (eta * cosine - inside) / (eta * cosine + inside)
+    return 0.5 * (s * s + p * p)
+
+
+@pytest.mark.parametrize("cosine", [1.0, 0.5, 0.2])
+def test_the_base_emits_evenly(cosine):
+    assert np.allclose(radiance(cosine), 3 * np.array(COLOR))
+    assert np.allclose(radiance(cosine, geometry_opacity=0.25), 0.75 * np.array(COLOR))
+
+
+@pytest.mark.parametrize("cosine", [1.0, 0.5, 0.2])
+def test_a_smooth_coat_passes_what_it_does_not_reflect(cosine):
+    """One crossing along the refracted path: half of the optical depth of coat_color."""
+    color, eta = np.array([0.9, 0.4, 0.1]), 1.6
+    inside = (1 - (1 - cosine**2) / eta**2) ** 0.5
+    coated = (1 - smooth_reflectance(cosine, eta)) * color ** (0.5 / inside)
+    found = radiance(cosine, coat_weight=1.0, coat_color=tuple(color))
+    assert np.allclose(found, 3 * np.array(COLOR) * coated, rtol=0.01)
+    half = radiance(cosine, coat_weight=0.5, coat_color=tuple(color))
+    assert np.allclose(half, 0.5 * (radiance(cosine) + found), rtol=1e-4)
+
+
+def test_nothing_leaves_the_back():
+    assert not radiance(-0.5).any()
+
+
+def test_a_square_lights_another():
+    """Irradiance of a square of side 2 at a distance 1 on its axis: 4 times a corner's form factor.
+
+    Source: Howell 1982, A catalog of radiation configuration factors, configuration B-3.
+    """
+    shape = urushi.openpbr(**LIGHT, base_weight=0.0, specular_weight=0.0).on(SQUARE)
+    black = {"type": "diffuse", "reflectance": 1.0}
+    down = mi.ScalarTransform4f().translate([0, 0, 1]).rotate([1, 0, 0], 180).scale(0.01)
+    scene = mi.load_dict(
+        {
+            "type": "scene",
+            "light": shape,
+            "screen": {"type": "rectangle", "to_world": down, "bsdf": black},
+        }
+    )
+    ray = mi.Ray3f(mi.Point3f(0, 0, 0.5), mi.Vector3f(0, 0, 1))
+    integrator = mi.load_dict({"type": "path", "max_depth": 2})
+    count = 1 << 14
+    ray = dr.gather(mi.Ray3f, ray, dr.zeros(mi.UInt32, count))
+    sampler = mi.load_dict({"type": "independent"})
+    sampler.seed(0, count)
+    value = np.array(integrator.sample(scene, sampler, mi.RayDifferential3f(ray))[0])
+    part = 1 / 2**0.5
+    corner = part / (2 * np.pi) * 2 * np.arctan(part)
+    expected = 3 * np.array(COLOR) * 4 * corner  # a white screen reflects its irradiance / pi
+    error = value.std(axis=1) / count**0.5
+    assert (np.abs(value.mean(axis=1) - expected) < 4 * error + 1e-3).all()
+
+
+def test_a_material_without_light_has_no_emitter():
+    assert urushi.openpbr().emitter() is None
+    assert "emitter" not in urushi.openpbr(emission_luminance=0.0).on(SQUARE)
+    assert "emission_color" not in urushi.openpbr(**LIGHT).description()
+
+
+def test_the_bsdf_says_who_emits():
+    with pytest.raises(RuntimeError, match="give its shape the emitter 'openpbr_emission'"):
+        mi.load_dict({"type": "openpbr", "emission_luminance": 1.0})
