@@ -102,8 +102,8 @@ def test_the_built_page_is_that_of_the_sources():
     assert built == digest.hexdigest()
 
 
-def test_the_whole_page_is_small(untrained):
-    """At most a megabyte, compressed. Trained half floats hardly compress, random ones neither."""
+def test_the_whole_page_is_small():
+    """At most a megabyte, compressed, with the shipped networks."""
     files = page_files.page_files(weights.default_model(), None)
     assert sum(len(zlib.compress(content)) for content in files.values()) < 1_000_000
 
