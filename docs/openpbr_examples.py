@@ -2,13 +2,17 @@
 
 usage: python docs/openpbr_examples.py FOLDER
 
-FOLDER is `examples` of the repository AcademySoftwareFoundation/OpenPBR. The table says which parts
-of OpenPBR each material asks for; `table` makes it, for the test as well.
+FOLDER is `examples` of the repository AcademySoftwareFoundation/OpenPBR. The table says what parts
+of OpenPBR each material asks for, and whether the plugin `openpbr` renders it; `table` makes it,
+for the test as well.
 """
 
+import re
 import sys
 import warnings
 from pathlib import Path
+
+import mitsuba as mi
 
 import urushi
 from urushi.errors import UrushiError, UrushiWarning
@@ -29,34 +33,46 @@ PARTS = {
 }
 
 
-def parts(path: Path) -> str:
-    """What a material asks for besides its opaque base, or why it is refused."""
+def parts(path: Path) -> tuple[str, str]:
+    """What a material asks for besides its opaque base, and what the plugin does with it."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", UrushiWarning)  # colours outside of sRGB
             description = urushi.load_materialx(path)
     except UrushiError as error:
-        return f"refused: {error}"
+        return "", f"not read: {error}"
     found = [name for weight, name in PARTS.items() if description.get(weight)]
     if description.get("base_metalness"):
         found.insert(0, "metal")
-    return ", ".join(found)
+    return ", ".join(found), outcome(description)
+
+
+def outcome(description: dict) -> str:
+    """What the plugin does with a description: it renders it, or says what it does not have."""
+    try:
+        mi.load_dict(description)
+    except RuntimeError as error:  # Mitsuba's, around the plugin's own sentence
+        sentence = str(error).strip().splitlines()[-1]
+        asked = re.search(r"(\w+) asks for ([\w -]+), which", sentence)
+        return f"refused: {asked[2]} (`{asked[1]}`)" if asked else f"refused: {sentence}"
+    return "rendered"
 
 
 def table(folder: Path) -> str:
     """The table in Markdown: materials by what they ask for."""
-    groups: dict[str, list[str]] = {}
+    groups: dict[tuple[str, str], list[str]] = {}
     for path in sorted(folder.glob("*.mtlx")):
         name = path.stem.removeprefix("open_pbr_").replace("_", " ")
         groups.setdefault(parts(path), []).append(name)
-    lines = ["| asks for | number | examples |", "|---|---|---|"]
-    for asked, names in sorted(groups.items()):
+    lines = ["| asks for | plugin `openpbr` | number | examples |", "|---|---|---|---|"]
+    for (asked, result), names in sorted(groups.items()):
         label = asked or "only an opaque dielectric base"
-        lines.append(f"| {label} | {len(names)} | {', '.join(names)} |")
+        lines.append(f"| {label} | {result} | {len(names)} | {', '.join(names)} |")
     return "\n".join(lines) + "\n"
 
 
 def main(folder: Path) -> None:
+    mi.set_variant("llvm_ad_rgb")
     text = PAGE.read_text(encoding="utf-8")
     before, rest = text.split(BEGIN)
     after = rest.split(END)[1]
