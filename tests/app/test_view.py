@@ -103,9 +103,15 @@ def test_the_built_page_is_that_of_the_sources():
 
 
 def test_the_whole_page_is_small():
-    """At most a megabyte, compressed, with the shipped networks."""
+    """At most a megabyte, compressed, and one more for anisotropic materials when they are needed.
+
+    These are the sizes of the shipped networks.
+    """
     files = page_files.page_files(weights.default_model(), None)
-    assert sum(len(zlib.compress(content)) for content in files.values()) < 1_000_000
+    sizes = {name: len(zlib.compress(content)) for name, content in files.items()}
+    later = sum(size for name, size in sizes.items() if "anisotropic" in name)
+    assert sum(sizes.values()) - later < 1_000_000
+    assert later < 1_000_000
 
 
 def test_networks_are_those_of_the_model_in_half_precision(untrained):
@@ -123,6 +129,8 @@ def test_shader_code_of_every_language_is_beside_the_page(untrained):
     model = weights.default_model()
     files = page_files.shader_files(model)
     assert sorted(files) == [f"shaders/{language}.txt" for language in sorted(LANGUAGES)]
+    others = page_files.shader_files(weights.anisotropic_model())
+    assert sorted(others) == [f"shaders/anisotropic/{name}.txt" for name in sorted(LANGUAGES)]
     for content in files.values():
         text = content.decode()
         assert model.fingerprint in text
@@ -153,6 +161,19 @@ def test_a_bottom_becomes_a_card(text, bottom):
         "bottom": bottom,
         "coats": [],
     }
+
+
+def test_two_widths_become_cards_and_codes(untrained, tmp_path):
+    text = "coat(conductor(alpha_u=0.3, alpha_v=0.1, r0=0.9), alpha_u=0.2, alpha_v=0.4)"
+    cards = view.first_material(text, None).material
+    assert (cards["bottom"]["alpha"], cards["bottom"]["alphaV"]) == (0.3, 0.1)
+    assert (cards["coats"][0]["alpha"], cards["coats"][0]["alphaV"]) == (0.2, 0.4)
+    brushed = urushi.encode(urushi.conductor(alpha_u=0.3, alpha_v=0.1, r0=0.9)).rotated(300)
+    brushed.save(tmp_path / "brushed.safetensors")
+    shown = view.first_material(str(tmp_path / "brushed.safetensors"), None).material
+    assert (shown["bottom"]["widths"], shown["rotation"]) == (2, -60)
+    with pytest.raises(ParameterError, match="are for anisotropic materials; give --weights"):
+        page_files.page_files(weights.anisotropic_model(), None)
 
 
 def test_a_file_becomes_codes(untrained, tmp_path):

@@ -13,17 +13,19 @@ from typing import Any, NamedTuple
 import numpy as np
 import safetensors.numpy
 
+from urushi.checks import Widths
 from urushi.errors import FileError, ParameterError
 from urushi.export.languages import LANGUAGES
 from urushi.export.program import template_text
 from urushi.files import METADATA_KEY
 from urushi.material import Material
 from urushi.nets.architecture import Architecture
-from urushi.nets.weights import FORMAT_VERSION, Model
+from urushi.nets.weights import FORMAT_VERSION, Model, anisotropic_model
 from urushi.reference.stack import Conductor, Dielectric, Diffuse, Stack
 
 #: Names of the files that are made, not built.
 WEIGHTS_FILE, START_FILE, SHADERS_FOLDER = "weights.safetensors", "start.json", "shaders"
+ANISOTROPIC_FILE = "anisotropic.safetensors"
 TEXTURE_FILE = "texture.safetensors"
 
 #: Coats that the page has cards for.
@@ -46,13 +48,18 @@ def page_files(model: Model, first: First | None) -> dict[str, bytes]:
     """The page's files by their paths relative to it, with "/" between folders.
 
     Args:
-        model: the networks.
+        model: the networks of isotropic materials. Those of anisotropic ones are the shipped ones.
         first: what the page shows first; None: its own first material.
 
     Raises:
         FileError: the page was not built.
-        ParameterError: as of `half_precision`.
+        ParameterError: the networks are for anisotropic materials; and as of `half_precision`.
     """
+    if model.widths == 2:
+        raise ParameterError(
+            f"the weights {model.fingerprint} are for anisotropic materials; give --weights of "
+            "networks for isotropic ones, or none"
+        )
     folder = built_folder()
     built = {
         path.relative_to(folder).as_posix(): path.read_bytes()
@@ -62,12 +69,13 @@ def page_files(model: Model, first: First | None) -> dict[str, bytes]:
     if "index.html" not in built:
         raise FileError(f"the page is missing in '{folder}'; run `make viewer` in the repository")
     start: dict[str, Any] = {} if first is None else {"materials": [first.material]}
-    made = {WEIGHTS_FILE: half_precision(model)}
+    other = anisotropic_model()
+    made = {WEIGHTS_FILE: half_precision(model), ANISOTROPIC_FILE: half_precision(other)}
     if first is not None and first.texture is not None:
         start["texture"] = TEXTURE_FILE
         made[TEXTURE_FILE] = first.texture
     made[START_FILE] = json.dumps(start).encode()
-    return built | made | shader_files(model)
+    return built | made | shader_files(model) | shader_files(other)
 
 
 def built_folder() -> Path:
@@ -76,9 +84,13 @@ def built_folder() -> Path:
 
 
 def shader_files(model: Model) -> dict[str, bytes]:
-    """The templates of `export.program.template_text`, "shaders/glsl.txt" and so on."""
+    """The templates of `export.program.template_text`, "shaders/glsl.txt" and so on.
+
+    Those of anisotropic networks are in "shaders/anisotropic".
+    """
+    folder = SHADERS_FOLDER if model.widths == 1 else f"{SHADERS_FOLDER}/anisotropic"
     return {
-        f"{SHADERS_FOLDER}/{language}.txt": template_text(language, model).encode()
+        f"{folder}/{language}.txt": template_text(language, model).encode()
         for language in LANGUAGES
     }
 
@@ -89,11 +101,6 @@ def half_precision(model: Model) -> bytes:
     Raises:
         ParameterError: the networks are of another kind, or a parameter is too large.
     """
-    if model.widths == 2:
-        raise ParameterError(
-            f"the page shows isotropic materials only, and the weights {model.fingerprint} are for "
-            "anisotropic ones; render these in Mitsuba"
-        )
     if not isinstance(model.arch, Architecture):
         raise ParameterError("the page runs Urushi's own networks only; give weights of those")
     largest = float(np.finfo(np.float16).max)
@@ -111,7 +118,7 @@ def half_precision(model: Model) -> bytes:
 
 def codes_of(material: Material, name: str) -> dict[str, Any]:
     """A material as the page reads it, by its codes."""
-    return {
+    shown: dict[str, Any] = {
         "name": name,
         "bottom": {
             "kind": "codes",
@@ -120,6 +127,10 @@ def codes_of(material: Material, name: str) -> dict[str, Any]:
         },
         "coats": [],
     }
+    if material.model.widths == 2:
+        shown["bottom"]["widths"] = 2
+        shown["rotation"] = (material.rotation + 180) % 360 - 180
+    return shown
 
 
 def texels_of(texture: bytes, name: str) -> First:
@@ -137,22 +148,22 @@ def cards_of(described: Any) -> dict[str, Any] | None:
     """A description as the page reads it; None if the page has no cards for it."""
     coats = described.coats if isinstance(described, Stack) else ()
     bottom = described.bottom if isinstance(described, Stack) else described
-    if len(coats) > MOST_COATS or getattr(described, "is_anisotropic", False):
+    if len(coats) > MOST_COATS:
         return None
     match bottom:
         case Conductor(alpha=alpha, r0=None, eta=eta, k=k):
-            kind = {"kind": "conductor", "alpha": alpha, "eta": eta, "k": k}
+            kind = {"kind": "conductor", **_widths(alpha), "eta": eta, "k": k}
         case Conductor(alpha=alpha, r0=r0):
-            kind = {"kind": "conductor", "alpha": alpha, "r0": r0}
+            kind = {"kind": "conductor", **_widths(alpha), "r0": r0}
         case Dielectric(alpha=alpha, eta=eta):
-            kind = {"kind": "dielectric", "alpha": alpha, "eta": eta}
+            kind = {"kind": "dielectric", **_widths(alpha), "eta": eta}
         case Diffuse(reflectance=reflectance):
             kind = {"kind": "diffuse", "reflectance": reflectance}
         case _:
             return None
     cards = [
         {
-            "alpha": coat.alpha,
+            **_widths(coat.alpha),
             "eta": coat.eta,
             "albedo": coat.albedo,
             "sigmaT": coat.sigma_t,
@@ -161,3 +172,8 @@ def cards_of(described: Any) -> dict[str, Any] | None:
         for coat in coats
     ]
     return {"name": "Material", "bottom": kind, "coats": cards}
+
+
+def _widths(alpha: Any) -> dict[str, Any]:
+    """The GGX widths of a surface as the page reads them."""
+    return {"alpha": alpha.u, "alphaV": alpha.v} if isinstance(alpha, Widths) else {"alpha": alpha}

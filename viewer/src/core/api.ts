@@ -34,7 +34,13 @@ export type Bottom =
   | { kind: "conductor"; alpha: Channels; alphaV?: Channels; eta: Channels; k: Channels }
   | { kind: "dielectric"; alpha: Channels; alphaV?: Channels; eta: Channels }
   | { kind: "diffuse"; reflectance: Channels }
-  | { kind: "codes"; latents: Float32Array; anchors: Float32Array };
+  | {
+      kind: "codes";
+      latents: Float32Array;
+      anchors: Float32Array;
+      /** Of the networks; 1 if left out. */
+      widths?: Widths;
+    };
 
 /** A bottom and its coats, the topmost first. */
 export interface Stack {

@@ -1,6 +1,7 @@
 /** The page's side of the core in its worker. */
 
 import type { Bottom, Material, Stack, TableOptions } from "./api";
+import type { Widths } from "./features";
 import type { CallName, Calls, Cancellation, Request, Response, WalkOptions } from "./protocol";
 import { FileError } from "./safetensors";
 import type { Estimate } from "./walk/reference";
@@ -30,6 +31,7 @@ export class RemoteCore {
   private count = 0;
   private size = 0;
   private networks = "";
+  private ownWidths = 1 as Widths;
 
   /** @param port a worker of `worker.ts`; without `load`, it can only walk. */
   constructor(private readonly port: Port) {
@@ -39,6 +41,11 @@ export class RemoteCore {
   /** Numbers of one channel's code; 0 before the networks are loaded. */
   get latentSize(): number {
     return this.size;
+  }
+
+  /** GGX widths of a surface; 1 before the networks are loaded. */
+  get widths(): Widths {
+    return this.ownWidths;
   }
 
   /** Identifies the networks; "" before they are loaded. */
@@ -55,6 +62,7 @@ export class RemoteCore {
     const loaded = await this.call("load", [weights], { transfer: [weights] });
     this.size = loaded.latentSize;
     this.networks = loaded.fingerprint;
+    this.ownWidths = loaded.widths;
   }
 
   encode(bottom: Bottom, key?: string): Promise<Material> {

@@ -15,7 +15,7 @@ export interface WalkOptions {
 export interface Calls
   extends Pick<Core, "encode" | "encodeMeasured" | "layer" | "f" | "pdf" | "albedo" | "table"> {
   /** Load the networks, which other calls but `walk` need. */
-  load(weights: ArrayBuffer): Pick<Core, "latentSize" | "fingerprint">;
+  load(weights: ArrayBuffer): Pick<Core, "latentSize" | "widths" | "fingerprint">;
   /** Estimate f of a stack by random walks; estimates so far precede the result. */
   walk(stack: Stack, wi: Float32Array, wo: Float32Array, options: WalkOptions): Estimate;
 }

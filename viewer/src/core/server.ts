@@ -116,8 +116,8 @@ export class Server {
   private result(request: Exclude<Request, WalkRequest>): ReturnType<Calls[CallName]> {
     if (request.call === "load") {
       this.core = loadCore(...request.args);
-      const { latentSize, fingerprint } = this.core;
-      return { latentSize, fingerprint };
+      const { latentSize, widths, fingerprint } = this.core;
+      return { latentSize, widths, fingerprint };
     }
     if (!this.core) {
       throw new Error("the networks are not loaded yet");

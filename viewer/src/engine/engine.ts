@@ -4,16 +4,27 @@ import { signal } from "@preact/signals";
 import type { Material, Stack } from "../core/api";
 import { Superseded } from "../core/client";
 import type { Estimate } from "../core/walk/reference";
-import { brightPairs, COARSE, FINE, type TableSize } from "../picture/bright_table";
-import type { PageCore } from "./remote";
+import {
+  ANISOTROPIC_COARSE,
+  ANISOTROPIC_FINE,
+  anisotropicPairs,
+} from "../picture/anisotropic_table";
+import { brightPairs, COARSE, FINE } from "../picture/bright_table";
+import type { BrightSize } from "../picture/renderer";
+import type { Cores, PageCore } from "./remote";
 import type { ShownTexture } from "./textures";
 
-/** Numbers of cosines and of directions of a table. */
-export const COSINES = 64;
+/** Directions of each row of a table. */
 export const SAMPLES = 128;
 
 /** Directions of the table that a change is shown by at once. */
 export const FIRST_SAMPLES = 64;
+
+/** Azimuths and cosines of a table of an isotropic material, and of an anisotropic one. */
+export const TABLE_ROWS = {
+  1: { azimuths: 1, cosines: 64 },
+  2: { azimuths: 8, cosines: 32 },
+} as const;
 
 /** Steps of the sequence of directions (Roberts 2018). */
 export const STEPS = [0.8191725133961645, 0.6710436067037893, 0.5497004779019703] as const;
@@ -50,12 +61,14 @@ export interface Comparison {
 /** Values of f for the bright lights, and the table's size. */
 export interface Bright {
   f: Float32Array;
-  size: TableSize;
+  size: BrightSize;
 }
 
 /** What a slot shows: a stack, or a texture of codes whose mean the stack is. */
 export interface Shown {
   stack: Stack;
+  /** Angle by which the tangent is turned [degrees]. */
+  rotation: number;
   texture: ShownTexture | null;
 }
 
@@ -86,6 +99,10 @@ export class Slot {
   readonly albedo = signal<Float32Array | null>(null);
   /** The walk so far; null: there is none. */
   readonly walk = signal<Comparison | null>(null);
+  /** GGX widths of the networks, and the angle by which the tangent is turned [degrees]. */
+  widths: 1 | 2 = 1;
+  rotation = 0;
+  private core: PageCore;
   private material: Material | null = null;
   private stack: Stack | null = null;
   private albedoIsOld = true;
@@ -96,13 +113,15 @@ export class Slot {
   private key = "";
 
   constructor(
-    private readonly core: PageCore,
+    private readonly cores: Cores,
     private readonly page: Surroundings,
-  ) {}
+  ) {
+    this.core = cores.isotropic;
+  }
 
   /** Show another material as soon as possible. */
   show(shown: Shown): void {
-    const key = `${shown.texture?.texture.id ?? ""}${keyOf(shown.stack)}`;
+    const key = `${shown.texture?.texture.id ?? ""}${shown.rotation}${keyOf(shown.stack)}`;
     if (key === this.key) return;
     this.key = key;
     this.wanted = shown;
@@ -115,7 +134,8 @@ export class Slot {
     if (material === null) return;
     this.walk.value = null;
     this.later();
-    const f = await this.core.f(material, ...planePairs(PLANE_ANGLES, this.page.incidence()));
+    const pairs = planePairs(PLANE_ANGLES, this.page.incidence(), this.rotation);
+    const f = await this.core.f(material, ...pairs);
     if (material === this.material) this.plane.value = f;
   }
 
@@ -123,7 +143,7 @@ export class Slot {
   async another(): Promise<boolean> {
     const { material, generation } = this;
     if (material === null || this.busy || this.tables.length >= MOST_TABLES) return false;
-    const table = await this.table(material, this.tables.length, SAMPLES);
+    const table = await this.table(this.core, material, this.tables.length, SAMPLES);
     if (generation !== this.generation || this.busy) return false;
     this.tables.push(table);
     return true;
@@ -132,10 +152,12 @@ export class Slot {
   /** Compute f for the bright lights, at rest with more directions. */
   async light(fine: boolean): Promise<void> {
     const { material, generation } = this;
-    const size = fine ? FINE : COARSE;
-    const isEnough = this.bright !== null && (!fine || this.bright.size === FINE);
+    const [coarse, most] =
+      this.widths === 1 ? [COARSE, FINE] : [ANISOTROPIC_COARSE, ANISOTROPIC_FINE];
+    const size = fine ? most : coarse;
+    const isEnough = this.bright !== null && (!fine || this.bright.size === most);
     if (material === null || this.texture !== null || isEnough) return;
-    const pairs = brightPairs(size);
+    const pairs = "turns" in size ? anisotropicPairs(size) : brightPairs(size);
     const f = await this.core.f(material, pairs.wi, pairs.wo);
     if (generation !== this.generation || this.busy) return;
     this.bright = { f, size };
@@ -146,12 +168,16 @@ export class Slot {
     this.busy = true;
     try {
       while (this.wanted !== null) {
-        const { stack, texture } = this.wanted;
+        const { stack, texture, rotation } = this.wanted;
         this.wanted = null;
         this.abort.abort();
         this.walk.value = null;
-        const material = await this.core.layer(stack);
-        const first = await this.table(material, 0, FIRST_SAMPLES);
+        const core = await this.cores.of(stack);
+        const material = await core.layer(stack);
+        const first = await this.table(core, material, 0, FIRST_SAMPLES);
+        this.core = core;
+        this.widths = core.widths;
+        this.rotation = rotation;
         this.material = material;
         this.stack = stack;
         this.texture = texture;
@@ -193,9 +219,10 @@ export class Slot {
   /** Let the walk converge beside the networks. */
   private async compare(signal: AbortSignal): Promise<void> {
     const { material, stack } = this;
-    const walkable = stack !== null && stack.bottom.kind !== "codes" && stack.coats.length > 0;
+    const described = stack !== null && stack.bottom.kind !== "codes" && stack.coats.length > 0;
+    const walkable = described && this.widths === 1; // the walk knows isotropic surfaces
     if (material === null || !walkable || signal.aborted) return;
-    const pairs = planePairs(WALK_ANGLES, this.page.incidence());
+    const pairs = planePairs(WALK_ANGLES, this.page.incidence(), 0);
     const networks = await this.core.f(material, ...pairs);
     const show = (estimate: Estimate) => {
       if (!signal.aborted) this.walk.value = compared(estimate, networks);
@@ -208,9 +235,14 @@ export class Slot {
     }
   }
 
-  private table(material: Material, place: number, samples: number): Promise<Float32Array> {
-    return this.core.table(material, {
-      cosines: COSINES,
+  private table(
+    core: PageCore,
+    material: Material,
+    place: number,
+    samples: number,
+  ): Promise<Float32Array> {
+    return core.table(material, {
+      ...TABLE_ROWS[core.widths],
       samples,
       shift: shiftOf(place),
     });
@@ -223,14 +255,21 @@ export function shiftOf(place: number): [number, number, number] {
   return [x, y, z];
 }
 
-function planePairs(angles: Float32Array, incidence: number): [Float32Array, Float32Array] {
+/** Pairs in the plane of the shape's tangent, in the frame of a tangent turned by an angle. */
+function planePairs(
+  angles: Float32Array,
+  incidence: number,
+  rotation: number,
+): [Float32Array, Float32Array] {
   const angle = (incidence * Math.PI) / 180;
+  const turn = (rotation * Math.PI) / 180;
+  const [x, y] = [Math.cos(turn), -Math.sin(turn)];
   const wi = new Float32Array(3 * angles.length);
   const wo = new Float32Array(3 * angles.length);
   angles.forEach((degrees, at) => {
     const out = (degrees * Math.PI) / 180;
-    wi.set([-Math.sin(angle), 0, Math.cos(angle)], 3 * at);
-    wo.set([Math.sin(out), 0, Math.cos(out)], 3 * at);
+    wi.set([-Math.sin(angle) * x, -Math.sin(angle) * y, Math.cos(angle)], 3 * at);
+    wo.set([Math.sin(out) * x, Math.sin(out) * y, Math.cos(out)], 3 * at);
   });
   return [wi, wo];
 }

@@ -14,22 +14,58 @@ interface Tensor {
 const VERSION = 2;
 
 /** The networks that a material belongs to. */
-type Networks = Pick<Core, "latentSize" | "fingerprint">;
+type Networks = Pick<Core, "latentSize" | "widths" | "fingerprint">;
+
+/** What a file describes, where its numbers are, and where they begin. */
+interface Header {
+  description: { kind?: unknown; weights?: unknown; rotation?: unknown };
+  tensors: Record<string, Tensor>;
+  start: number;
+}
+
+/** The fingerprint of the networks that a material file names. */
+export function networksOf(bytes: Uint8Array): unknown {
+  return headerOf(bytes).description.weights;
+}
 
 /**
- * The codes of a material file; a table in it is left out.
+ * The codes and the rotation of a material file; a table in it is left out.
  *
  * @throws Refusal if it is another file, damaged, or of other networks.
  */
 export function readMaterialFile(
   bytes: Uint8Array,
-  { latentSize, fingerprint }: Networks,
-): Bottom & { kind: "codes" } {
+  { latentSize, widths, fingerprint }: Networks,
+): { bottom: Bottom & { kind: "codes" }; rotation?: number } {
+  const { description, tensors, start: first } = headerOf(bytes);
+  if (description.weights !== fingerprint) throw foreign();
+  const codes = (name: string): Float32Array | null => {
+    const tensor = tensors[name];
+    if (tensor === undefined) return null;
+    const [start, end] = tensor.data_offsets ?? [0, 0];
+    const [rows, columns] = tensor.shape ?? [];
+    if (tensor.dtype !== "F32" || (rows !== 3 && rows !== 1) || first + end > bytes.length)
+      throw damaged();
+    if (columns !== latentSize || end - start !== 4 * rows * columns) throw damaged();
+    const values = new Float32Array(bytes.slice(first + start, first + end).buffer);
+    if (!values.every(Number.isFinite)) throw damaged();
+    return rows === 3 ? values : new Float32Array([...values, ...values, ...values]);
+  };
+  const latents = codes("latents");
+  if (latents === null) throw damaged();
+  const bottom = { kind: "codes", latents, anchors: codes("anchors") ?? latents } as const;
+  if (widths === 1) return { bottom };
+  const { rotation = 0 } = description;
+  if (typeof rotation !== "number" || !Number.isFinite(rotation)) throw damaged();
+  return { bottom: { ...bottom, widths }, rotation: wrapped(rotation) };
+}
+
+function headerOf(bytes: Uint8Array): Header {
   const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
   const length = bytes.length >= 8 ? view.getUint32(0, true) : 0;
   if (length === 0 || 8 + length > bytes.length) throw damaged();
   let header: Record<string, Tensor> & { __metadata__?: { urushi?: string } };
-  let description: { kind?: unknown; weights?: unknown };
+  let description: Header["description"];
   try {
     header = JSON.parse(new TextDecoder().decode(bytes.subarray(8, 8 + length)));
     description = Object(JSON.parse(header.__metadata__?.urushi ?? "{}"));
@@ -38,32 +74,24 @@ export function readMaterialFile(
   }
   if (description.kind !== "material")
     throw new Refusal("It is no material that Urushi has saved.");
-  if (description.weights !== fingerprint) throw foreign();
-  const codes = (name: string): Float32Array | null => {
-    const tensor = header[name];
-    if (tensor === undefined) return null;
-    const [start, end] = tensor.data_offsets ?? [0, 0];
-    const [rows, columns] = tensor.shape ?? [];
-    if (tensor.dtype !== "F32" || (rows !== 3 && rows !== 1) || 8 + length + end > bytes.length)
-      throw damaged();
-    if (columns !== latentSize || end - start !== 4 * rows * columns) throw damaged();
-    const values = new Float32Array(bytes.slice(8 + length + start, 8 + length + end).buffer);
-    if (!values.every(Number.isFinite)) throw damaged();
-    return rows === 3 ? values : new Float32Array([...values, ...values, ...values]);
-  };
-  const latents = codes("latents");
-  if (latents === null) throw damaged();
-  return { kind: "codes", latents, anchors: codes("anchors") ?? latents };
+  return { description, tensors: header, start: 8 + length };
 }
 
-/** The bytes of a material file. */
+/** An angle [degrees] in [-180, 180). */
+function wrapped(angle: number): number {
+  return ((((angle + 180) % 360) + 360) % 360) - 180;
+}
+
+/** The bytes of a material file; rotation: of the tangent [degrees]. */
 export function materialFile(
   { latents, anchors }: Material,
-  { latentSize, fingerprint }: Networks,
+  { latentSize, widths, fingerprint }: Networks,
+  rotation = 0,
 ): Uint8Array<ArrayBuffer> {
   const isAnchored = latents.some((number, k) => number !== anchors[k]);
   const arrays = { latents, ...(isAnchored ? { anchors } : {}) };
-  const description = { kind: "material", version: VERSION, weights: fingerprint };
+  const turn = widths === 2 && rotation !== 0 ? { rotation } : {};
+  const description = { kind: "material", version: VERSION, weights: fingerprint, ...turn };
   const header: Record<string, unknown> = {
     __metadata__: { urushi: JSON.stringify(description) },
   };

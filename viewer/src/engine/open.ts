@@ -9,8 +9,8 @@ import { readHdr, withoutLights } from "../picture/panorama";
 import { Refusal } from "../refusal";
 import { readState } from "../state/read";
 import { announcement, change, changeMaterial, notice } from "../state/store";
-import { readMaterialFile } from "./material_file";
-import type { PageCore } from "./remote";
+import { networksOf, readMaterialFile } from "./material_file";
+import type { Cores, PageCore } from "./remote";
 import { session, useEnvironment } from "./session";
 import { keepTexture } from "./textures";
 
@@ -28,11 +28,11 @@ export async function openFile(file: File): Promise<void> {
     } else if (suffix === "json") {
       change(readState(parsed(bytes)));
     } else if (suffix === "safetensors" || suffix === "binary" || suffix === "bsdf") {
-      const core = session.value?.core;
-      if (core === undefined) throw new Refusal("The networks are not loaded yet.");
-      const bottom = await bottomOf(core, bytes, suffix !== "safetensors");
+      const cores = session.value?.cores;
+      if (cores === undefined) throw new Refusal("The networks are not loaded yet.");
+      const opened = await materialOf(cores, bytes, suffix !== "safetensors");
       const name = file.name.replace(/\.[a-z]+$/i, "").slice(0, 80);
-      changeMaterial({ name, bottom, coats: [], solo: null });
+      changeMaterial({ name, ...opened, coats: [], solo: null });
     } else {
       throw new Refusal(
         "The page opens materials (.safetensors), measured BRDFs (.binary of MERL, .bsdf of RGL), panoramas (.hdr) and saved states (.json).",
@@ -44,15 +44,18 @@ export async function openFile(file: File): Promise<void> {
   }
 }
 
-/** The bottom of a file: codes, a texture of codes, or a measured BRDF. */
-async function bottomOf(
-  core: PageCore,
+/** The material of a file: codes, a texture of codes, or a measured BRDF. */
+async function materialOf(
+  cores: Cores,
   bytes: Uint8Array<ArrayBuffer>,
   isMeasured: boolean,
-): Promise<Bottom | TexelBottom> {
-  if (isMeasured) return encodeMeasured(core, bytes);
-  if (isTexture(bytes)) return { kind: "texels", texture: await keepTexture(bytes, core) };
-  return readMaterialFile(bytes, core);
+): Promise<{ bottom: Bottom | TexelBottom; rotation?: number }> {
+  const core = cores.isotropic;
+  if (isMeasured) return { bottom: await encodeMeasured(core, bytes) };
+  if (isTexture(bytes))
+    return { bottom: { kind: "texels", texture: await keepTexture(bytes, core) } };
+  const isOther = networksOf(bytes) !== core.fingerprint;
+  return readMaterialFile(bytes, isOther ? await cores.anisotropic() : core);
 }
 
 /** The codes of a measured BRDF, which the worker takes some seconds to find. */

@@ -1,22 +1,64 @@
 /** The numeric core in its worker, with the networks. */
 
+import type { Stack } from "../core/api";
 import { RemoteCore } from "../core/client";
+import { isAnisotropic } from "../material/material";
 import { Refusal } from "../refusal";
 
 /** What the page needs of the core. */
 export type PageCore = Pick<
   RemoteCore,
-  "latentSize" | "fingerprint" | "encodeMeasured" | "layer" | "f" | "albedo" | "table" | "walk"
+  | "latentSize"
+  | "widths"
+  | "fingerprint"
+  | "encodeMeasured"
+  | "layer"
+  | "f"
+  | "albedo"
+  | "table"
+  | "walk"
 >;
 
 const WEIGHTS = "weights.safetensors";
+const ANISOTROPIC_WEIGHTS = "anisotropic.safetensors";
+
+/** The cores: one for isotropic materials, and one for others, which starts when it is needed. */
+export class Cores {
+  private second: Promise<PageCore> | null = null;
+
+  constructor(
+    readonly isotropic: PageCore,
+    private readonly start: () => Promise<PageCore> = () => connect(ANISOTROPIC_WEIGHTS),
+  ) {}
+
+  /** @throws Refusal if it cannot be loaded. */
+  anisotropic(): Promise<PageCore> {
+    this.second ??= this.start();
+    return this.second;
+  }
+
+  /**
+   * The core of a stack.
+   *
+   * @throws Refusal if its codes are of isotropic networks and a coat has two widths.
+   */
+  async of(stack: Stack): Promise<PageCore> {
+    if (!isAnisotropic(stack)) return this.isotropic;
+    const { bottom } = stack;
+    if (bottom.kind === "codes" && bottom.widths !== 2)
+      throw new Refusal(
+        "The loaded material is isotropic; give its coats one width, or coat it in Python.",
+      );
+    return this.anisotropic();
+  }
+}
 
 /**
- * Start the worker and load the networks.
+ * Start a worker and load networks.
  *
  * @throws Refusal if they cannot be loaded.
  */
-export async function connect(): Promise<PageCore> {
+export async function connect(weights = WEIGHTS): Promise<PageCore> {
   const worker = new Worker(new URL("../core/worker.ts", import.meta.url), { type: "module" });
   const core = new RemoteCore(worker);
   const broken = new Promise<never>((_resolve, reject) => {
@@ -25,9 +67,9 @@ export async function connect(): Promise<PageCore> {
     );
     worker.addEventListener("error", () => reject(refusal));
   });
-  const answer = await fetch(WEIGHTS);
+  const answer = await fetch(weights);
   if (!answer.ok)
-    throw new Refusal(`The networks are missing beside the page (${WEIGHTS}: ${answer.status}).`);
+    throw new Refusal(`The networks are missing beside the page (${weights}: ${answer.status}).`);
   await Promise.race([core.load(await answer.arrayBuffer()), broken]);
   return core;
 }

@@ -14,7 +14,7 @@ import type { Scene } from "../save/scene";
 import { readState } from "../state/read";
 import { announcement, begunWith, look, notice, state } from "../state/store";
 import { type Shown, Slot } from "./engine";
-import { connect, type PageCore } from "./remote";
+import { Cores, connect } from "./remote";
 import { keepTexture, textures } from "./textures";
 
 /** A panorama that was dropped on the page. */
@@ -41,9 +41,9 @@ export class Session {
   private renderer: Renderer | null = null;
   private canvas: HTMLCanvasElement | null = null;
 
-  constructor(readonly core: PageCore) {
+  constructor(readonly cores: Cores) {
     const slot = (place: 0 | 1) =>
-      new Slot(core, {
+      new Slot(cores, {
         changed: () => this.painter.refresh(),
         failed,
         incidence: () => state.peek().incidence,
@@ -182,7 +182,7 @@ export async function begin(addressed: boolean): Promise<void> {
     const [core, start] = await Promise.all([connect(), readStart()]);
     if ("texture" in start) await keepTexture(await readBytes(String(start.texture)), core);
     if ("materials" in start && !addressed) begunWith(() => readState(start));
-    session.value = new Session(core);
+    session.value = new Session(new Cores(core));
     ready.value = true;
   } catch (error) {
     failed(error);
@@ -203,8 +203,8 @@ async function readBytes(path: string): Promise<Uint8Array<ArrayBuffer>> {
 
 /** What a slot shows of a material; null if its texture was not opened. */
 function shownOf(material: MaterialCards): Shown | null {
-  const { bottom } = material;
-  if (bottom.kind !== "texels") return { stack: stackOf(material), texture: null };
+  const { bottom, rotation = 0 } = material;
+  if (bottom.kind !== "texels") return { stack: stackOf(material), rotation, texture: null };
   const texture = textures.value.get(bottom.texture);
   if (texture === undefined) {
     notice.value = `The texture of “${material.name}” is no part of the address or the state; open its file again.`;
@@ -212,7 +212,7 @@ function shownOf(material: MaterialCards): Shown | null {
   }
   const latents = meanCodes(texture.texture);
   const mean = { kind: "codes", latents, anchors: latents } as const;
-  return { stack: { bottom: mean, coats: [] }, texture };
+  return { stack: { bottom: mean, coats: [] }, rotation: 0, texture };
 }
 
 /** Light the object by a panorama. */

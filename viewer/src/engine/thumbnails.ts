@@ -16,6 +16,7 @@ const SHOT: Shot = {
   scale: 50,
 };
 
+const AZIMUTHS = 5;
 const COSINES = 32;
 const SAMPLES = 96;
 
@@ -46,17 +47,21 @@ async function draw(): Promise<void> {
 }
 
 async function drawAll(): Promise<void> {
-  const core = session.value?.core;
-  if (core === undefined) return;
+  const cores = session.value?.cores;
+  if (cores === undefined) return;
   const canvas = document.createElement("canvas");
   canvas.width = 112;
   canvas.height = 112;
   const renderer = new Renderer(canvas);
   renderer.setEnvironment("studio", null);
   for (const preset of PRESETS) {
-    const material = await core.layer(stackOf(preset));
-    const options = { cosines: COSINES, samples: SAMPLES, shift: [0, 0, 0] as const };
-    renderer.setTable(0, await core.table(material, options), COSINES, SAMPLES);
+    const stack = stackOf(preset);
+    const core = await cores.of(stack);
+    const material = await core.layer(stack);
+    const azimuths = core.widths === 1 ? 1 : AZIMUTHS;
+    const sizes = { azimuths, cosines: COSINES, samples: SAMPLES };
+    const table = await core.table(material, { ...sizes, shift: [0, 0, 0] });
+    renderer.setTable(0, table, sizes, preset.rotation);
     renderer.draw(SHOT);
     drawn.push(await createImageBitmap(canvas));
   }

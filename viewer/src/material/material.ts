@@ -26,6 +26,8 @@ export interface MaterialCards {
   bottom: Bottom | TexelBottom;
   /** The topmost first. */
   coats: readonly CoatCard[];
+  /** Angle by which the tangent of all layers is turned [degrees]; 0 if left out. */
+  rotation?: number;
   /** The only coat that is shown, by its id; `BARE`: none; null: all that are on. */
   solo: number | null;
 }
@@ -55,8 +57,34 @@ export function stackOf(material: MaterialCards): Stack {
   const coats = material.coats.filter((coat) => isSeen(material, coat));
   return {
     bottom,
-    coats: coats.map(({ alpha, eta, albedo, sigmaT, g }) => ({ alpha, eta, albedo, sigmaT, g })),
+    coats: coats.map(({ alpha, alphaV, eta, albedo, sigmaT, g }) => ({
+      alpha,
+      ...(alphaV === undefined ? {} : { alphaV }),
+      eta,
+      albedo,
+      sigmaT,
+      g,
+    })),
   };
+}
+
+/** Whether a surface has two widths that differ. */
+export function hasTwoWidths(surface: Coat | Bottom): boolean {
+  if (!("alpha" in surface) || surface.alphaV === undefined) return false;
+  const { alpha, alphaV } = surface;
+  return rgb(alpha).some((width, channel) => width !== rgb(alphaV)[channel]);
+}
+
+/** Whether a card has two widths, equal or not, or the loaded codes may have. */
+export function hasTangent({ bottom, coats }: MaterialCards): boolean {
+  if (bottom.kind === "codes" && bottom.widths === 2) return true;
+  return [bottom, ...coats].some((surface) => "alphaV" in surface);
+}
+
+/** Whether a stack needs the networks for anisotropic materials. */
+export function isAnisotropic({ bottom, coats }: Stack): boolean {
+  const isOfCodes = bottom.kind === "codes" && bottom.widths === 2;
+  return isOfCodes || [bottom, ...coats].some(hasTwoWidths);
 }
 
 /** Whether another coat can be added. */

@@ -31,6 +31,30 @@ const width: Parameter = {
   fallback: 0.1,
 };
 
+/** The widths along and across the tangent, where they are two. */
+export const WIDTHS = {
+  alpha: {
+    ...width,
+    label: "Roughness αᵤ",
+    hint: "GGX width along the tangent, the direction of brushing or turning.",
+  },
+  alphaV: {
+    ...width,
+    label: "Roughness αᵥ",
+    hint: "GGX width across the tangent.",
+  },
+} satisfies Record<string, Parameter>;
+
+/** The angle of the tangent. */
+export const ANGLE: Parameter = {
+  label: "Tangent angle",
+  hint: "Angle by which the tangent of all layers is turned about the normal, in degrees.",
+  low: -90,
+  high: 90,
+  power: 1,
+  fallback: 0,
+};
+
 export const COAT_PARAMETERS = {
   alpha: width,
   eta: {

@@ -15,7 +15,7 @@ export const NEAR = 0.004;
 export const FAR = 12;
 
 /** Least cosine to the normal: below it, the table continues the last value. */
-const LEAST = 0.015;
+export const LEAST = 0.015;
 
 /** Directions wi, wo (N, 3), the half angle fastest. */
 export function brightPairs(size: TableSize): { wi: Float32Array; wo: Float32Array } {
@@ -58,29 +58,34 @@ export function brightTexels(f: Float32Array): Float32Array {
 }
 
 /**
- * Texels (2 samples, cosines, 4) of a table (cosines, samples, 8): half vectors and log2 pdf, then
- * weights.
+ * Texels (2 samples, azimuths * cosines, 4) of a table (azimuths, cosines, samples, 8): half vectors
+ * and log2 pdf, then weights.
  *
  * The half vectors of a lobe hardly depend on the direction of the eye. They are interpolated
- * between the cosines, and each pixel mirrors its own direction in them.
+ * between the cosines and azimuths, and each pixel mirrors its own direction in them.
  */
 export function directionTexels(
   table: Float32Array,
   cosines: number,
   samples: number,
+  azimuths = 1,
 ): Float32Array {
-  const texels = new Float32Array(8 * cosines * samples);
-  for (let row = 0; row < cosines; row++) {
-    const cosine = (row + 0.5) / cosines;
+  const columns = azimuths * cosines;
+  const texels = new Float32Array(8 * columns * samples);
+  for (let row = 0; row < columns; row++) {
+    const cosine = ((row % cosines) + 0.5) / cosines;
     const sine = Math.sqrt(1 - cosine * cosine);
+    const azimuth = (0.5 * Math.PI * Math.floor(row / cosines)) / Math.max(azimuths - 1, 1);
+    const [along, across] = [sine * Math.cos(azimuth), sine * Math.sin(azimuth)];
     for (let sample = 0; sample < samples; sample++) {
       const from = 8 * (row * samples + sample);
-      const to = 4 * (2 * sample * cosines + row);
-      const [x, y, z] = [table[from]! + sine, table[from + 1]!, table[from + 2]! + cosine];
+      const to = 4 * (2 * sample * columns + row);
+      const [x, y] = [table[from]! + along, table[from + 1]! + across];
+      const z = table[from + 2]! + cosine;
       const length = Math.hypot(x, y, z) || 1;
       texels.set([x / length, y / length, z / length], to);
       texels[to + 3] = Math.log2(Math.max(table[from + 6]!, 1e-6));
-      texels.set(table.subarray(from + 3, from + 6), to + 4 * cosines);
+      texels.set(table.subarray(from + 3, from + 6), to + 4 * columns);
     }
   }
   return texels;

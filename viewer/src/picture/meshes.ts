@@ -1,12 +1,25 @@
 /** Triangle meshes of the objects: shapes turned on a lathe, and tubes. The axis is z. */
 
 import type { ObjectName } from "../state/state";
-import { BODY, HANDLE, LID, NATSUME, PLATE, type Point, SPOUT, type Tube, VASE } from "./outlines";
+import {
+  BODY,
+  BOWL,
+  HANDLE,
+  LID,
+  NATSUME,
+  PLATE,
+  type Point,
+  SPOUT,
+  type Tube,
+  VASE,
+} from "./outlines";
 
 /** A mesh that fits into a ball. */
 export interface Mesh {
   /** Positions, unit normals and uv in [0, 1], `VERTEX_NUMBERS` a vertex. */
   vertices: Float32Array;
+  /** Unit tangents, in the direction of growing u, three numbers a vertex. */
+  tangents: Float32Array;
   faces: Uint32Array;
   /** Centre and radius of the ball. */
   centre: readonly [number, number, number];
@@ -36,6 +49,10 @@ export function meshOf(name: ObjectName): Mesh {
       return joined([turned(splineOutline(NATSUME), 96, 128)], 0.42);
     case "plate":
       return joined([turned(splineOutline(PLATE), 128, 96)], 0.6);
+    case "bowl":
+      return joined([turned(splineOutline(BOWL), 128, 128)], 0.34);
+    case "sheet":
+      return joined([pillow(96)], 0.6);
     case "vase":
       return joined([turned(splineOutline(VASE), 96, 128)], 0.46);
     case "teapot":
@@ -127,14 +144,71 @@ function turned(outline: Outline, around: number, along: number): Part {
   );
 }
 
+/** Half the thickness of the sheet, and the exponents of its outline and of its rim. */
+const THICKNESS = 0.09;
+const CORNERS = 8;
+const RIM = 6;
+
+/**
+ * A square sheet of metal with rounded corners and rims, slightly domed; u is along x everywhere, as
+ * it was brushed.
+ */
+function pillow(steps: number): Part {
+  const part: Part = { vertices: [], tangents: [], faces: [] };
+  for (const side of [1, -1]) {
+    const first = part.vertices.length / VERTEX_NUMBERS;
+    for (let row = 0; row <= steps; row++)
+      for (let column = 0; column <= steps; column++) {
+        const [x, y, inside] = squircle((2 * column) / steps - 1, (2 * row) / steps - 1);
+        const height = THICKNESS * (1 - inside ** RIM) ** (1 / RIM) + 0.03 * (1 - inside * inside);
+        // The gradient of the implicit surface, by differences of its own function
+        const normal = unit(gradient(x, y, height));
+        part.vertices.push(x, y, THICKNESS + side * height, normal[0], normal[1], side * normal[2]);
+        part.vertices.push(0.5 + 0.5 * x, 0.5 + 0.5 * side * y);
+        const along = normal[0] * normal[0];
+        part.tangents.push(
+          ...unit([1 - along, -normal[0] * normal[1], -normal[0] * side * normal[2]]),
+        );
+        if (row === steps || column === steps) continue;
+        const corner = first + row * (steps + 1) + column;
+        const above = corner + steps + 1;
+        if (side > 0) part.faces.push(corner, corner + 1, above + 1, corner, above + 1, above);
+        else part.faces.push(corner, above + 1, corner + 1, corner, above, above + 1);
+      }
+  }
+  return part;
+}
+
+/** A point of a square drawn into the rounded outline, and its place from the middle to the rim. */
+function squircle(x: number, y: number): [number, number, number] {
+  const square = Math.max(Math.abs(x), Math.abs(y));
+  if (square === 0) return [0, 0, 0];
+  const round = (Math.abs(x) ** CORNERS + Math.abs(y) ** CORNERS) ** (1 / CORNERS);
+  const inside = Math.sin((Math.PI / 2) * square); // denser at the rim
+  return [(x / round) * inside, (y / round) * inside, inside];
+}
+
+/** The gradient, upwards, of the surface on which the height is that of `pillow`. */
+function gradient(x: number, y: number, height: number): Vector {
+  const inside = (Math.abs(x) ** CORNERS + Math.abs(y) ** CORNERS) ** (1 / CORNERS);
+  const flat = Math.max(height - 0.03 * (1 - inside * inside), 0) / THICKNESS;
+  // (inside^RIM + flat^RIM = 1), flat depending on height and on inside
+  const slope = inside ** (RIM - 1) + (flat ** (RIM - 1) * 0.06 * inside) / THICKNESS;
+  const toward = (value: number) =>
+    inside === 0 ? 0 : Math.sign(value) * (Math.abs(value) / inside) ** (CORNERS - 1);
+  return [slope * toward(x), slope * toward(y), flat ** (RIM - 1) / THICKNESS];
+}
+
 interface Part {
   vertices: number[];
+  tangents: number[];
   faces: number[];
 }
 
 /** A grid of a surface that closes around; normals by finite differences, outwards; uv is (u, v). */
 function surface(at: Surface, around: number, along: number): Part {
   const vertices: number[] = [];
+  const tangents: number[] = [];
   const faces: number[] = [];
   const step = 1e-4;
   for (let row = 0; row <= along; row++) {
@@ -149,21 +223,24 @@ function surface(at: Surface, around: number, along: number): Part {
       const aside = row === 0 ? 0.5 : row === along ? -0.5 : 0;
       const middle = Math.min(Math.max((column + aside) / around, 0), 1);
       vertices.push(...at(u, v), ...unit(cross(du, dv)), middle, v);
+      tangents.push(...unit(du));
       if (row === along || column === around) continue;
       const first = row * (around + 1) + column;
       const above = first + around + 1;
       faces.push(first, first + 1, above + 1, first, above + 1, above);
     }
   }
-  return { vertices, faces };
+  return { vertices, tangents, faces };
 }
 
 function joined(parts: Part[], footprint: number): Mesh {
   const vertices: number[] = [];
+  const tangents: number[] = [];
   const faces: number[] = [];
   for (const part of parts) {
     const before = vertices.length / VERTEX_NUMBERS;
     for (const number of part.vertices) vertices.push(number);
+    for (const number of part.tangents) tangents.push(number);
     for (const face of part.faces) faces.push(before + face);
   }
   const low = [Infinity, Infinity, Infinity];
@@ -186,6 +263,7 @@ function joined(parts: Part[], footprint: number): Mesh {
   }
   return {
     vertices: new Float32Array(vertices),
+    tangents: new Float32Array(tangents),
     faces: new Uint32Array(faces),
     centre: [centre[0]!, centre[1]!, centre[2]!],
     radius,

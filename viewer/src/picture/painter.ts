@@ -1,7 +1,7 @@
 /** When the picture is drawn, how large, and with which tables: at once, then ever better. */
 
 import { signal } from "@preact/signals";
-import { COSINES, FIRST_SAMPLES, MOST_TABLES, SAMPLES, type Slot } from "../engine/engine";
+import { FIRST_SAMPLES, MOST_TABLES, SAMPLES, type Slot, TABLE_ROWS } from "../engine/engine";
 import type { ShownTexture } from "../engine/textures";
 import type { Renderer, Shot } from "./renderer";
 
@@ -209,7 +209,8 @@ export class Painter {
     const samples = table === first ? FIRST_SAMPLES : SAMPLES;
     const key = `${generation}.${table === first ? "first" : count}`;
     if (table !== null && this.uploaded[slot] !== key) {
-      renderer.setTable(slot, table, COSINES, samples);
+      const { widths, rotation } = this.slots[slot];
+      renderer.setTable(slot, table, { ...TABLE_ROWS[widths], samples }, rotation);
       this.uploaded[slot] = key;
     }
     if (this.textureOf[slot] !== texture) {

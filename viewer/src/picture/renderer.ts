@@ -4,13 +4,16 @@ import { STEPS } from "../engine/engine";
 import type { ShownTexture } from "../engine/textures";
 import type { Radiance } from "../save/exr";
 import type { Comparison, EnvironmentName, ObjectName, View } from "../state/state";
+import type { AnisotropicSize } from "./anisotropic_table";
 import { brightTexels, directionTexels, FAR, NEAR, type TableSize } from "./bright_table";
 import { type Camera, cameraOf } from "./camera";
 import { EnvironmentMap, type Light, lightsOf, MOST_LIGHTS, SIDE } from "./environment";
 import { contextOf, cover, coverProgram, filters, type Gl, included, Program } from "./gl";
 import { type Mesh, meshOf, VERTEX_NUMBERS } from "./meshes";
 import type { Panorama } from "./panorama";
+import anisotropicSource from "./shaders/anisotropic.glsl?raw";
 import backdropSource from "./shaders/backdrop.frag?raw";
+import basisSource from "./shaders/basis.glsl?raw";
 import blendSource from "./shaders/blend.frag?raw";
 import displaySource from "./shaders/display.frag?raw";
 import frameSource from "./shaders/frame.glsl?raw";
@@ -49,12 +52,32 @@ interface Pane {
 /** Blur of the backdrop: level of the environment. */
 const BACKDROP_LEVEL = 4;
 
+const OBJECT_SOURCE = included(objectFragment, {
+  "frame.glsl": frameSource,
+  "anisotropic.glsl": included(anisotropicSource, { "basis.glsl": basisSource }),
+});
+
 /** Directions of a frame where a texture of codes is decoded at each pixel. */
 const TEXEL_SAMPLES = 32;
+
+/** Numbers of azimuths, cosines and directions of a table; one azimuth if it is isotropic. */
+export interface DirectionSizes {
+  azimuths: number;
+  cosines: number;
+  samples: number;
+}
+
+/** Sizes of a table of f for bright lights. */
+export type BrightSize = TableSize | AnisotropicSize;
 
 interface SlotTextures {
   table: WebGLTexture;
   samples: number;
+  /** Azimuths of the table, and the angle by which the tangent is turned [radians]. */
+  azimuths: number;
+  rotation: number;
+  /** Azimuths of the difference in `bright`. */
+  turns: number;
   bright: WebGLTexture;
   /** What is drawn in place of the table; null: the material is the same everywhere. */
   texels: TexelProgram | null;
@@ -63,6 +86,8 @@ interface SlotTextures {
 export class Renderer {
   private readonly gl: Gl;
   private readonly object: Program;
+  /** That of anisotropic materials; compiled when it is first needed. */
+  private anisotropic: Program | null = null;
   private readonly surface: Program;
   private readonly paint: Program;
   private readonly backdrop: Program;
@@ -72,7 +97,7 @@ export class Renderer {
   private readonly targets: Targets;
   private readonly array: WebGLVertexArrayObject;
   private readonly slots: (SlotTextures | null)[] = [null, null];
-  private readonly buffers: [WebGLBuffer, WebGLBuffer];
+  private readonly buffers: [WebGLBuffer, WebGLBuffer, WebGLBuffer];
   private mesh: Mesh;
   private meshName: ObjectName = "ball";
   private lights: Light[] = [];
@@ -81,9 +106,9 @@ export class Renderer {
   constructor(private readonly canvas: HTMLCanvasElement) {
     const gl = contextOf(canvas);
     this.gl = gl;
-    const objectSource = included(objectFragment, { "frame.glsl": frameSource });
-    this.object = coverProgram(gl, objectSource, { NEAR, FAR });
-    this.surface = new Program(gl, objectVertex, surfaceSource);
+    this.object = coverProgram(gl, OBJECT_SOURCE, { NEAR, FAR });
+    const surfaceOfBasis = included(surfaceSource, { "basis.glsl": basisSource });
+    this.surface = new Program(gl, objectVertex, surfaceOfBasis);
     this.paint = new Program(gl, objectVertex, paintSource);
     this.backdrop = coverProgram(gl, backdropSource);
     this.blend = coverProgram(gl, blendSource);
@@ -91,7 +116,7 @@ export class Renderer {
     this.map = new EnvironmentMap(gl, this.isSoftware);
     this.targets = new Targets(gl);
     this.array = gl.createVertexArray()!;
-    this.buffers = [gl.createBuffer()!, gl.createBuffer()!];
+    this.buffers = [gl.createBuffer()!, gl.createBuffer()!, gl.createBuffer()!];
     this.mesh = meshOf(this.meshName);
     this.uploadMesh();
   }
@@ -128,33 +153,51 @@ export class Renderer {
     return this.slots[slot] !== null;
   }
 
-  /** Take over a material's table of directions (cosines, samples, 8). */
-  setTable(slot: 0 | 1, table: Float32Array, cosines: number, samples: number): void {
+  /**
+   * Take over a material's table of directions (azimuths, cosines, samples, 8).
+   *
+   * @param rotation angle by which the material's tangent is turned [degrees].
+   */
+  setTable(
+    slot: 0 | 1,
+    table: Float32Array,
+    { azimuths, cosines, samples }: DirectionSizes,
+    rotation = 0,
+  ): void {
     const { gl } = this;
     const textures = this.slotTextures(slot);
+    if (textures.azimuths > 1 !== azimuths > 1) textures.bright = this.dark();
     textures.samples = samples;
+    textures.azimuths = azimuths;
+    textures.rotation = (rotation * Math.PI) / 180;
     gl.activeTexture(gl.TEXTURE0);
     gl.bindTexture(gl.TEXTURE_2D, textures.table);
-    const texels = directionTexels(table, cosines, samples);
+    const texels = directionTexels(table, cosines, samples, azimuths);
+    const columns = azimuths * cosines;
     const target = gl.TEXTURE_2D;
-    gl.texImage2D(target, 0, gl.RGBA32F, cosines, 2 * samples, 0, gl.RGBA, gl.FLOAT, texels);
+    gl.texImage2D(target, 0, gl.RGBA32F, columns, 2 * samples, 0, gl.RGBA, gl.FLOAT, texels);
     filters(gl, target, gl.NEAREST, gl.NEAREST, gl.CLAMP_TO_EDGE);
   }
 
-  /** Take over a material's f (N, 3) at `brightPairs` of a size. */
-  setBright(slot: 0 | 1, f: Float32Array, size: TableSize): void {
+  /** Take over a material's f (N, 3) at `brightPairs` or `anisotropicPairs` of a size. */
+  setBright(slot: 0 | 1, f: Float32Array, size: BrightSize): void {
     const { gl } = this;
-    const { halves, differences, slants } = size;
+    const [width, height, depth] =
+      "turns" in size
+        ? [size.along, size.across, size.differences * size.turns]
+        : [size.halves, size.differences, size.slants];
+    const textures = this.slotTextures(slot);
+    textures.turns = "turns" in size ? size.turns : 1;
     gl.activeTexture(gl.TEXTURE0);
-    gl.bindTexture(gl.TEXTURE_3D, this.slotTextures(slot).bright);
+    gl.bindTexture(gl.TEXTURE_3D, textures.bright);
     const linear = gl.getExtension("OES_texture_float_linear") !== null;
     gl.texImage3D(
       gl.TEXTURE_3D,
       0,
       linear ? gl.RGBA32F : gl.RGBA16F,
-      halves,
-      differences,
-      slants,
+      width,
+      height,
+      depth,
       0,
       gl.RGBA,
       gl.FLOAT,
@@ -351,7 +394,7 @@ export class Renderer {
   ): void {
     const { gl, targets } = this;
     const { texels } = textures;
-    const object = texels?.program ?? this.object;
+    const object = texels?.program ?? this.programOf(textures);
     object.use();
     const samples = texels
       ? Math.max(4, Math.round(TEXEL_SAMPLES * share))
@@ -372,10 +415,22 @@ export class Renderer {
     } else {
       object.setTexture("table", 0, gl.TEXTURE_2D, textures.table);
       object.setTexture("bright", 2, gl.TEXTURE_3D, textures.bright);
+      if (textures.azimuths > 1) {
+        object.setInteger("azimuths", textures.azimuths);
+        object.setInteger("turns", textures.turns);
+        object.set("rotation", textures.rotation);
+      }
     }
     object.setTexture("positions", 3, gl.TEXTURE_2D, targets.positions);
     object.setTexture("normals", 4, gl.TEXTURE_2D, targets.normals);
     cover(gl);
+  }
+
+  /** The program that draws a table. */
+  private programOf({ azimuths }: SlotTextures): Program {
+    if (azimuths === 1) return this.object;
+    this.anisotropic ??= coverProgram(this.gl, OBJECT_SOURCE, { NEAR, FAR, ANISOTROPIC: 1 });
+    return this.anisotropic;
   }
 
   private slotTextures(slot: 0 | 1): SlotTextures {
@@ -383,6 +438,9 @@ export class Renderer {
     this.slots[slot] ??= {
       table: gl.createTexture()!,
       samples: 0,
+      azimuths: 1,
+      rotation: 0,
+      turns: 1,
       bright: this.dark(),
       texels: null,
     };
@@ -411,6 +469,10 @@ export class Renderer {
       gl.enableVertexAttribArray(place);
       gl.vertexAttribPointer(place, count, gl.FLOAT, false, 4 * VERTEX_NUMBERS, 12 * place);
     });
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.buffers[2]);
+    gl.bufferData(gl.ARRAY_BUFFER, this.mesh.tangents, gl.STATIC_DRAW);
+    gl.enableVertexAttribArray(3);
+    gl.vertexAttribPointer(3, 3, gl.FLOAT, false, 0, 0);
     gl.bindVertexArray(null);
   }
 }

@@ -1,6 +1,7 @@
 /** A material as a BSDF of Mitsuba 3: XML, and a dictionary of Python. */
 
 import type { Bottom, Channels, Coat, Stack } from "../core/api";
+import { isAnisotropic } from "../material/material";
 import { Refusal } from "../refusal";
 import { listed } from "./numbers";
 
@@ -13,22 +14,44 @@ interface Node {
   inner: Node | null;
 }
 
-/** The BSDF as XML. */
-export function mitsubaXml(stack: Stack): string {
-  return `${xmlLines(nodeOf(stack), 0, "material").join("\n")}\n`;
+/**
+ * The BSDF as XML.
+ *
+ * @param rotation of the tangent [degrees].
+ * @throws Refusal if Mitsuba has no such BSDF.
+ */
+export function mitsubaXml(stack: Stack, rotation = 0): string {
+  return `${xmlLines(nodeOf(stack, rotation), 0, "material").join("\n")}\n`;
 }
 
-/** The BSDF as a dictionary for `mi.load_dict`. */
-export function mitsubaDict(stack: Stack): string {
-  const lines = dictLines(nodeOf(stack), 0);
+/** The BSDF as a dictionary for `mi.load_dict`; as `mitsubaXml`. */
+export function mitsubaDict(stack: Stack, rotation = 0): string {
+  const lines = dictLines(nodeOf(stack, rotation), 0);
   return `import urushi  # registers the plugin\n\nbsdf = ${lines.join("\n").trimStart()}\n`;
 }
 
-function nodeOf(stack: Stack): Node {
-  return stack.coats.reduceRight<Node>(
+function nodeOf(stack: Stack, rotation: number): Node {
+  const node = stack.coats.reduceRight<Node>(
     (inner, coat) => coatNode(coat, inner),
     bottomNode(stack.bottom),
   );
+  if (!isAnisotropic(stack) || rotation === 0) return node;
+  if (stack.coats.length === 0)
+    throw new Refusal(
+      "Mitsuba turns no tangent of a bare surface; set the angle to 0, or save the material.",
+    );
+  node.values.push(["rotation", rotation]);
+  return node;
+}
+
+/** The widths of a surface. */
+function widthsOf(surface: { alpha: Channels; alphaV?: Channels }): [string, Channels][] {
+  const { alpha, alphaV } = surface;
+  if (alphaV === undefined) return [["alpha", alpha]];
+  return [
+    ["alpha_u", alpha],
+    ["alpha_v", alphaV],
+  ];
 }
 
 function coatNode(coat: Coat, inner: Node): Node {
@@ -36,7 +59,7 @@ function coatNode(coat: Coat, inner: Node): Node {
     type: "neural_layered",
     strings: [],
     values: [
-      ["alpha", coat.alpha],
+      ...widthsOf(coat),
       ["int_ior", coat.eta],
       ["ext_ior", 1], // eta is relative to the medium above
       ["albedo", coat.albedo],
@@ -54,7 +77,7 @@ function bottomNode(bottom: Bottom): Node {
       if ("r0" in bottom) {
         // Mitsuba has no Schlick's term: the reflectance is that of normal incidence throughout.
         const values: [string, Channels][] = [
-          ["alpha", bottom.alpha],
+          ...widthsOf(bottom),
           ["specular_reflectance", bottom.r0],
         ];
         return {
@@ -67,11 +90,7 @@ function bottomNode(bottom: Bottom): Node {
       return {
         type: "roughconductor",
         strings: [ggx],
-        values: [
-          ["alpha", bottom.alpha],
-          ["eta", bottom.eta],
-          ["k", bottom.k],
-        ],
+        values: [...widthsOf(bottom), ["eta", bottom.eta], ["k", bottom.k]],
         inner: null,
       };
     case "diffuse":

@@ -1,11 +1,16 @@
 /** A material as a Python program. */
 
 import type { Bottom, Channels, Stack } from "../core/api";
+import { isAnisotropic } from "../material/material";
 import { Refusal } from "../refusal";
 import { python } from "./numbers";
 
-/** A program that describes the stack, layers it, and saves the material. */
-export function pythonText(stack: Stack, name: string): string {
+/**
+ * A program that describes the stack, layers it, and saves the material.
+ *
+ * @param rotation of the tangent [degrees].
+ */
+export function pythonText(stack: Stack, name: string, rotation = 0): string {
   const lines = [
     "import numpy as np",
     "",
@@ -14,24 +19,19 @@ export function pythonText(stack: Stack, name: string): string {
     `stack = ${bottomText(stack.bottom)}`,
   ];
   for (const coat of [...stack.coats].reverse()) {
-    const { alpha, eta, albedo, sigmaT, g } = coat;
+    const { eta, albedo, sigmaT, g } = coat;
     const parameters = call(
       "urushi.coat",
-      [
-        ["alpha", alpha],
-        ["eta", eta],
-        ["albedo", albedo],
-        ["sigma_t", sigmaT],
-        ["g", g],
-      ],
+      [...widthsOf(coat), ["eta", eta], ["albedo", albedo], ["sigma_t", sigmaT], ["g", g]],
       "stack",
     );
     lines.push(`stack = ${parameters}`);
   }
+  const turned = rotation !== 0 && isAnisotropic(stack) ? `.rotated(${rotation})` : "";
   const direction = "np.array([[0.5, 0.0, np.sqrt(0.75)]])";
   lines.push(
     "",
-    "material = urushi.encode(stack)",
+    `material = urushi.encode(stack)${turned}`,
     `print(material.f(${direction}, ${direction} * [-1, 1, 1]))  # 1/sr`,
     `material.save("${fileName(name)}.safetensors")`,
     "",
@@ -53,20 +53,10 @@ function bottomText(bottom: Bottom): string {
   switch (bottom.kind) {
     case "conductor":
       return "r0" in bottom
-        ? call("urushi.conductor", [
-            ["alpha", bottom.alpha],
-            ["r0", bottom.r0],
-          ])
-        : call("urushi.conductor", [
-            ["alpha", bottom.alpha],
-            ["eta", bottom.eta],
-            ["k", bottom.k],
-          ]);
+        ? call("urushi.conductor", [...widthsOf(bottom), ["r0", bottom.r0]])
+        : call("urushi.conductor", [...widthsOf(bottom), ["eta", bottom.eta], ["k", bottom.k]]);
     case "dielectric":
-      return call("urushi.dielectric", [
-        ["alpha", bottom.alpha],
-        ["eta", bottom.eta],
-      ]);
+      return call("urushi.dielectric", [...widthsOf(bottom), ["eta", bottom.eta]]);
     case "diffuse":
       return call("urushi.diffuse", [["reflectance", bottom.reflectance]]);
     case "codes":
@@ -74,6 +64,16 @@ function bottomText(bottom: Bottom): string {
         "A loaded material cannot be written as a description; save the state as JSON.",
       );
   }
+}
+
+/** The widths of a surface. */
+function widthsOf(surface: { alpha: Channels; alphaV?: Channels }): [string, Channels][] {
+  const { alpha, alphaV } = surface;
+  if (alphaV === undefined) return [["alpha", alpha]];
+  return [
+    ["alpha_u", alpha],
+    ["alpha_v", alphaV],
+  ];
 }
 
 function call(name: string, parameters: [string, Channels][], first = ""): string {

@@ -2,6 +2,7 @@
 
 import type { Material } from "../core/api";
 import { CHANNELS } from "../core/channels";
+import type { Widths } from "../core/features";
 import type { CodeTexture, LinearNumber } from "../material/texture";
 import { Refusal } from "../refusal";
 
@@ -25,18 +26,25 @@ const COLOURS = ["red", "green", "blue"];
  *
  * @throws Refusal if it is missing.
  */
-export async function readTemplate(language: Language): Promise<string> {
-  const path = `shaders/${language}.txt`;
+export async function readTemplate(language: Language, widths: Widths = 1): Promise<string> {
+  const path = `shaders/${widths === 1 ? "" : "anisotropic/"}${language}.txt`;
   const answer = await fetch(path);
   if (!answer.ok)
     throw new Refusal(`The shader code is missing beside the page (${path}: ${answer.status}).`);
   return answer.text();
 }
 
-/** A template with a material's codes in the place of `code_0_red` and so on. */
-export function shaderText(template: string, { latents }: Material): string {
+/**
+ * A template with a material's codes in the place of `code_0_red` and so on.
+ *
+ * @param rotation of the material's tangent [degrees].
+ */
+export function shaderText(template: string, { latents }: Material, rotation = 0): string {
   const size = latents.length / CHANNELS;
-  return filled(template, (number, channel) => shaderNumber(latents[channel * size + number]!));
+  const angle = (rotation * Math.PI) / 180;
+  return filled(template, (number, channel) => shaderNumber(latents[channel * size + number]!))
+    .replace(/\bcode_tangent_x\b/, shaderNumber(Math.fround(Math.cos(angle))))
+    .replace(/\bcode_tangent_y\b/, shaderNumber(Math.fround(Math.sin(angle))));
 }
 
 /**

@@ -68,6 +68,7 @@ export function readMaterial(value: unknown): MaterialCards {
     name: typeof fields.name === "string" ? fields.name.slice(0, 80) : "Material",
     bottom,
     coats: coats.map(readCoat),
+    ...(fields.rotation === undefined ? {} : { rotation: number(fields.rotation, -180, 180, 0) }),
     solo:
       typeof solo === "number" && Number.isInteger(solo) && solo >= 0 && solo <= coats.length
         ? solo
@@ -82,7 +83,7 @@ function readCoat(value: unknown, place: number): CoatCard {
   return {
     id: place + 1,
     on: fields.on !== false,
-    alpha: one("alpha"),
+    ...widths(fields, one("alpha")),
     eta: one("eta"),
     albedo: one("albedo"),
     sigmaT: one("sigmaT"),
@@ -97,18 +98,23 @@ function readBottom(value: unknown): Bottom | TexelBottom {
   switch (fields.kind) {
     case "conductor":
       return "r0" in fields
-        ? { kind: "conductor", alpha: one("alpha"), r0: one("r0") }
-        : { kind: "conductor", alpha: one("alpha"), eta: one("eta"), k: one("k") };
+        ? { kind: "conductor", ...widths(fields, one("alpha")), r0: one("r0") }
+        : { kind: "conductor", ...widths(fields, one("alpha")), eta: one("eta"), k: one("k") };
     case "dielectric":
       return {
         kind: "dielectric",
-        alpha: one("alpha"),
+        ...widths(fields, one("alpha")),
         eta: channels(fields.eta, COAT_PARAMETERS.eta, "eta"),
       };
     case "diffuse":
       return { kind: "diffuse", reflectance: one("reflectance") };
     case "codes":
-      return { kind: "codes", latents: codes(fields.latents), anchors: codes(fields.anchors) };
+      return {
+        kind: "codes",
+        latents: codes(fields.latents),
+        anchors: codes(fields.anchors),
+        ...(fields.widths === 2 ? { widths: 2 } : {}),
+      };
     case "texels":
       if (typeof fields.texture !== "string" || !/^[0-9a-f]{8}$/.test(fields.texture))
         throw new Refusal("The name of the bottom's texture is damaged.");
@@ -116,6 +122,13 @@ function readBottom(value: unknown): Bottom | TexelBottom {
     default:
       throw new Refusal("The bottom is of no kind that this page knows.");
   }
+}
+
+/** The widths of a surface; one across the tangent only if it is given. */
+function widths(fields: Fields, alpha: Channels): { alpha: Channels; alphaV?: Channels } {
+  const across = fields.alphaV;
+  if (across === undefined) return { alpha };
+  return { alpha, alphaV: channels(across, COAT_PARAMETERS.alpha, "alphaV") };
 }
 
 function object(value: unknown, what: string): Fields {

@@ -3,7 +3,7 @@
 import type { MaterialCards } from "../material/material";
 import { PRESETS } from "../material/presets";
 
-export const OBJECTS = ["ball", "caddy", "teapot", "plate", "vase"] as const;
+export const OBJECTS = ["ball", "caddy", "teapot", "plate", "vase", "bowl", "sheet"] as const;
 export const ENVIRONMENTS = ["studio", "sky", "room", "own"] as const;
 export const COMPARISONS = ["off", "side", "swipe", "difference"] as const;
 

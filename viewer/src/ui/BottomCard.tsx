@@ -7,6 +7,7 @@ import { METALS } from "../material/metals";
 import { BOTTOM_PARAMETERS, COAT_PARAMETERS, type Parameter } from "../material/parameters";
 import { changeMaterial } from "../state/store";
 import { Field } from "./Field";
+import { WidthFields, withWidths } from "./WidthFields";
 
 const KINDS = {
   metal: "Metal by index",
@@ -60,13 +61,21 @@ export function BottomCard({ material, alone }: BottomCardProps) {
       </header>
       <div class="fields">
         {kind === "metal" && <Metals bottom={bottom} onChange={change} />}
+        {"alpha" in bottom && (
+          <WidthFields
+            owner="Bottom"
+            parameter={BOTTOM_PARAMETERS.alpha}
+            widths={bottom}
+            onChange={(next, step) => change(withWidths(bottom, next), step)}
+          />
+        )}
         {fieldsOf(bottom).map(([key, parameter]) => (
           <Field
             key={key}
             owner="Bottom"
             parameter={parameter}
             value={(bottom as unknown as Record<string, Channels>)[key]!}
-            coloured={key !== "alpha" && kind !== "dielectric"}
+            coloured={kind !== "dielectric"}
             onChange={(value, step) => change({ ...bottom, [key]: value } as Bottom, step)}
           />
         ))}
@@ -94,7 +103,7 @@ function Metals({ bottom, onChange }: { bottom: AnyBottom; onChange: (next: Bott
           type="button"
           aria-pressed={known?.[0] === name}
           style={{ "--medium": hex(reflectance(eta, k)) }}
-          onClick={() => onChange({ kind: "conductor", alpha: widthOf(bottom), eta, k })}
+          onClick={() => onChange({ kind: "conductor", ...widthsOf(bottom), eta, k })}
         >
           {name}
         </button>
@@ -113,24 +122,17 @@ function kindOf(bottom: AnyBottom): Kind {
 }
 
 function fieldsOf(bottom: AnyBottom): [string, Parameter][] {
-  const { alpha, r0, eta, k, reflectance: matt } = BOTTOM_PARAMETERS;
+  const { r0, eta, k, reflectance: matt } = BOTTOM_PARAMETERS;
   switch (kindOf(bottom)) {
     case "metal":
       return [
-        ["alpha", alpha],
         ["eta", eta],
         ["k", k],
       ];
     case "schlick":
-      return [
-        ["alpha", alpha],
-        ["r0", r0],
-      ];
+      return [["r0", r0]];
     case "dielectric":
-      return [
-        ["alpha", alpha],
-        ["eta", COAT_PARAMETERS.eta],
-      ];
+      return [["eta", COAT_PARAMETERS.eta]];
     case "diffuse":
       return [["reflectance", matt]];
     case "codes":
@@ -139,21 +141,23 @@ function fieldsOf(bottom: AnyBottom): [string, Parameter][] {
   }
 }
 
-function widthOf(bottom: AnyBottom): Channels {
-  return "alpha" in bottom ? bottom.alpha : BOTTOM_PARAMETERS.alpha.fallback;
+function widthsOf(bottom: AnyBottom): { alpha: Channels; alphaV?: Channels } {
+  if (!("alpha" in bottom)) return { alpha: BOTTOM_PARAMETERS.alpha.fallback };
+  const { alpha, alphaV } = bottom;
+  return alphaV === undefined ? { alpha } : { alpha, alphaV };
 }
 
 /** A bottom of another kind that looks like the present one where it can. */
 function bottomOfKind(kind: Kind, bottom: AnyBottom): AnyBottom {
-  const alpha = widthOf(bottom);
+  const widths = widthsOf(bottom);
   const colour = reflectanceOf(bottom);
   switch (kind) {
     case "metal":
-      return { kind: "conductor", alpha, ...METALS.Gold! };
+      return { kind: "conductor", ...widths, ...METALS.Gold! };
     case "schlick":
-      return { kind: "conductor", alpha, r0: colour };
+      return { kind: "conductor", ...widths, r0: colour };
     case "dielectric":
-      return { kind: "dielectric", alpha, eta: 1.5 };
+      return { kind: "dielectric", ...widths, eta: 1.5 };
     case "diffuse":
       return { kind: "diffuse", reflectance: colour };
     case "codes":

@@ -5,14 +5,18 @@ import { useRef } from "preact/hooks";
 import {
   BARE,
   type CoatCard as Card,
+  hasTangent,
   isSeen,
   moved,
+  rgb,
   takesCoat,
   withCoat,
 } from "../material/material";
+import { ANGLE } from "../material/parameters";
 import { announcement, changeMaterial, material } from "../state/store";
 import { BottomCard } from "./BottomCard";
 import { CoatCard } from "./CoatCard";
+import { Field } from "./Field";
 import { Icon } from "./icons";
 
 /** The coat that is being dragged. */
@@ -91,6 +95,19 @@ export function Cards() {
         ))}
       </ul>
       <BottomCard material={material.value} alone={solo === BARE} />
+      {hasTangent(material.value) && (
+        <div class="fields tangent">
+          <Field
+            owner="Material"
+            parameter={ANGLE}
+            value={material.value.rotation ?? 0}
+            coloured={false}
+            onChange={(value, kind) =>
+              changeMaterial({ ...material.value, rotation: rgb(value)[0] }, kind)
+            }
+          />
+        </div>
+      )}
     </section>
   );
 }

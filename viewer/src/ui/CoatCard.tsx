@@ -8,11 +8,12 @@ import { COAT_PARAMETERS } from "../material/parameters";
 import { announcement, changeMaterial, material } from "../state/store";
 import { Field } from "./Field";
 import { Icon } from "./icons";
+import { WidthFields, withWidths } from "./WidthFields";
 
 /** Cards that show their name alone. */
 const folded = signal<ReadonlySet<number>>(new Set());
 
-const SHOWN = Object.keys(COAT_PARAMETERS) as (keyof typeof COAT_PARAMETERS)[];
+const SHOWN = ["eta", "sigmaT", "albedo", "g"] as const;
 const COLOURED: ReadonlySet<keyof Coat> = new Set(["sigmaT", "albedo", "g"]);
 
 interface CoatCardProps {
@@ -27,14 +28,11 @@ interface CoatCardProps {
 export function CoatCard({ card, name, seen, dragged, onMove, onDrag }: CoatCardProps) {
   const isFolded = folded.value.has(card.id);
   const solo = material.value.solo === card.id;
-  const change = (next: Partial<Card>, kind = "") =>
-    changeMaterial(
-      {
-        ...material.value,
-        coats: material.value.coats.map((one) => (one.id === card.id ? { ...one, ...next } : one)),
-      },
-      kind,
-    );
+  const replace = (next: Card, kind: string) => {
+    const coats = material.value.coats.map((one) => (one.id === card.id ? next : one));
+    changeMaterial({ ...material.value, coats }, kind);
+  };
+  const change = (next: Partial<Card>, kind = "") => replace({ ...card, ...next }, kind);
   const classes = ["card", seen ? "" : "unseen", dragged ? "dragged" : ""].join(" ");
   return (
     <li class={classes} aria-label={name} style={{ "--medium": mediumColour(card) }}>
@@ -105,6 +103,12 @@ export function CoatCard({ card, name, seen, dragged, onMove, onDrag }: CoatCard
       </header>
       {!isFolded && (
         <div class="fields">
+          <WidthFields
+            owner={name}
+            parameter={COAT_PARAMETERS.alpha}
+            widths={card}
+            onChange={(next, kind) => replace(withWidths(card, next), kind)}
+          />
           {SHOWN.map((key) => (
             <Field
               key={key}
@@ -125,7 +129,8 @@ export function CoatCard({ card, name, seen, dragged, onMove, onDrag }: CoatCard
 export function kindOf(coat: Coat): string {
   const depth = Math.max(...rgb(coat.sigmaT));
   const albedo = Math.max(...rgb(coat.albedo));
-  const surface = Math.max(...rgb(coat.alpha)) > 0.2 ? "matt" : "glossy";
+  const widest = Math.max(...rgb(coat.alpha), ...rgb(coat.alphaV ?? coat.alpha));
+  const surface = widest > 0.2 ? "matt" : "glossy";
   if (depth < 0.005) return `${surface}, clear`;
   if (depth > 2.5) return `${surface}, opaque`;
   return albedo > 0.4 ? `${surface}, milky` : `${surface}, tinted`;

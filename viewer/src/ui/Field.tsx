@@ -1,5 +1,6 @@
 /** A parameter: a slider and a number for one value or for each channel, and a colour. */
 
+import type { ComponentChildren } from "preact";
 import type { Channels } from "../core/api";
 import { depthOf, fromHex, hex, transmission } from "../material/colour";
 import { joined, type Rgb, rgb } from "../material/material";
@@ -13,12 +14,14 @@ interface FieldProps {
   value: Channels;
   /** Whether the value may differ between the channels. */
   coloured: boolean;
+  /** What stands at the end of its first line. */
+  aside?: ComponentChildren;
   onChange: (value: Channels, kind: string) => void;
 }
 
 const CHANNELS = ["red", "green", "blue"] as const;
 
-export function Field({ owner, parameter, value, coloured, onChange }: FieldProps) {
+export function Field({ owner, parameter, value, coloured, aside, onChange }: FieldProps) {
   const split = typeof value !== "number";
   const values = rgb(value);
   const name = `${owner}, ${parameter.label}`;
@@ -39,6 +42,7 @@ export function Field({ owner, parameter, value, coloured, onChange }: FieldProp
         {parameter.label}
       </span>
       <span class="aside">
+        {aside}
         {parameter.colour && (
           <Swatch name={name} parameter={parameter} values={values} onChange={onChange} />
         )}

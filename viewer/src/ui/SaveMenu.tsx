@@ -2,6 +2,7 @@
 
 import type { Material } from "../core/api";
 import { materialFile } from "../engine/material_file";
+import type { PageCore } from "../engine/remote";
 import { type Session, session } from "../engine/session";
 import { textures } from "../engine/textures";
 import { stackOf } from "../material/material";
@@ -29,15 +30,22 @@ function presentSession(): Session {
   return session.value;
 }
 
-/** The codes of the material that is shown. */
-async function encoded(): Promise<Material> {
-  return presentSession().core.layer(stack());
+/** The core of the material that is shown, and its codes. */
+async function encoded(): Promise<{ core: PageCore; codes: Material }> {
+  const core = await presentSession().cores.of(stack());
+  return { core, codes: await core.layer(stack()) };
 }
+
+/** Angle by which the tangent is turned [degrees]. */
+const rotation = () => material.value.rotation ?? 0;
 
 /** The material that is shown, as a file for `urushi.load` or the plugin `neural_brdf`. */
 async function presentFile(): Promise<Uint8Array<ArrayBuffer>> {
   const { bottom } = material.value;
-  if (bottom.kind !== "texels") return materialFile(await encoded(), presentSession().core);
+  if (bottom.kind !== "texels") {
+    const { core, codes } = await encoded();
+    return materialFile(codes, core, rotation());
+  }
   const opened = textures.value.get(bottom.texture);
   if (opened === undefined) throw new Refusal("The texture was not opened.");
   return opened.texture.file;
@@ -67,12 +75,12 @@ const KINDS: readonly Kind[] = [
   {
     label: "Mitsuba XML",
     hint: "a BSDF for a scene file",
-    save: (name) => download(`${name}.xml`, textBlob(mitsubaXml(stack()))),
+    save: (name) => download(`${name}.xml`, textBlob(mitsubaXml(stack(), rotation()))),
   },
   {
     label: "Mitsuba dictionary",
     hint: "the same for mi.load_dict",
-    save: (name) => download(`${name}-dict.py`, textBlob(mitsubaDict(stack()))),
+    save: (name) => download(`${name}-dict.py`, textBlob(mitsubaDict(stack(), rotation()))),
   },
   {
     label: "Mitsuba scene",
@@ -85,7 +93,8 @@ const KINDS: readonly Kind[] = [
   {
     label: "Python",
     hint: "a program with urushi",
-    save: (name) => download(`${name}.py`, textBlob(pythonText(stack(), material.value.name))),
+    save: (name) =>
+      download(`${name}.py`, textBlob(pythonText(stack(), material.value.name, rotation()))),
   },
   {
     label: "State",
@@ -105,8 +114,9 @@ const KINDS: readonly Kind[] = [
 const LANGUAGE_NAMES = Object.keys(LANGUAGES) as Language[];
 
 async function saveShader(language: Language, name: string): Promise<void> {
-  const [template, codes] = await Promise.all([readTemplate(language), encoded()]);
-  download(`${name}${LANGUAGES[language].suffix}`, textBlob(shaderText(template, codes)));
+  const { core, codes } = await encoded();
+  const text = shaderText(await readTemplate(language, core.widths), codes, rotation());
+  download(`${name}${LANGUAGES[language].suffix}`, textBlob(text));
 }
 
 export function SaveMenu({ onDone }: { onDone: () => void }) {

@@ -2,7 +2,7 @@ import { expect, test } from "vitest";
 import { materialFile, readMaterialFile } from "../../src/engine/material_file";
 import { Refusal } from "../../src/refusal";
 
-const NETWORKS = { latentSize: 2, fingerprint: "8d3f00a1" };
+const NETWORKS = { latentSize: 2, widths: 1 as const, fingerprint: "8d3f00a1" };
 
 /** A safetensors file of float32 arrays. */
 function file(
@@ -31,7 +31,7 @@ const SIX = { shape: [3, 2], values: [1, 2, 3, 4, 5, 6] };
 
 test("codes and anchors are read", () => {
   const anchors = { shape: [3, 2], values: [7, 8, 9, 10, 11, 12] };
-  expect(readMaterialFile(file({ latents: SIX, anchors }), NETWORKS)).toEqual({
+  expect(readMaterialFile(file({ latents: SIX, anchors }), NETWORKS).bottom).toEqual({
     kind: "codes",
     latents: new Float32Array(SIX.values),
     anchors: new Float32Array(anchors.values),
@@ -39,12 +39,15 @@ test("codes and anchors are read", () => {
 });
 
 test("anchors that are left out are the codes", () => {
-  const bottom = readMaterialFile(file({ latents: SIX }), NETWORKS);
+  const { bottom } = readMaterialFile(file({ latents: SIX }), NETWORKS);
   expect(bottom).toMatchObject({ anchors: new Float32Array(SIX.values) });
 });
 
 test("a grey material has three equal codes", () => {
-  const bottom = readMaterialFile(file({ latents: { shape: [1, 2], values: [1, 2] } }), NETWORKS);
+  const { bottom } = readMaterialFile(
+    file({ latents: { shape: [1, 2], values: [1, 2] } }),
+    NETWORKS,
+  );
   expect(bottom).toMatchObject({ latents: new Float32Array([1, 2, 1, 2, 1, 2]) });
 });
 
@@ -75,8 +78,14 @@ test("what is written is read again", () => {
     { latents, anchors },
     { latents, anchors: latents },
   ])
-    expect(readMaterialFile(materialFile(material, NETWORKS), NETWORKS)).toEqual({
+    expect(readMaterialFile(materialFile(material, NETWORKS), NETWORKS).bottom).toEqual({
       kind: "codes",
       ...material,
     });
+  const two = { ...NETWORKS, widths: 2 } as const;
+  const written = materialFile({ latents, anchors }, two, -35);
+  expect(readMaterialFile(written, two)).toEqual({
+    bottom: { kind: "codes", latents, anchors, widths: 2 },
+    rotation: -35,
+  });
 });

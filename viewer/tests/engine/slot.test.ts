@@ -1,6 +1,7 @@
 import { expect, test } from "vitest";
+import type { Stack } from "../../src/core/api";
 import { MOST_TABLES, type Shown, Slot, shiftOf } from "../../src/engine/engine";
-import type { PageCore } from "../../src/engine/remote";
+import { Cores, type PageCore } from "../../src/engine/remote";
 
 /** A core that answers late, with the stack's first width in every number. */
 function lateCore(): { core: PageCore; layered: number[]; shifts: number[] } {
@@ -9,6 +10,7 @@ function lateCore(): { core: PageCore; layered: number[]; shifts: number[] } {
   const late = () => new Promise((resolve) => setTimeout(resolve, 1));
   const core: PageCore = {
     latentSize: 1,
+    widths: 1,
     fingerprint: "",
     encodeMeasured: () => new Promise(() => {}),
     layer: async (stack) => {
@@ -31,11 +33,12 @@ function lateCore(): { core: PageCore; layered: number[]; shifts: number[] } {
 
 function shown(alpha: number): Shown {
   const coat = { alpha, eta: 1.5, albedo: 0, sigmaT: 0, g: 0 };
-  return { stack: { bottom: { kind: "diffuse", reflectance: 0.5 }, coats: [coat] }, texture: null };
+  const stack: Stack = { bottom: { kind: "diffuse", reflectance: 0.5 }, coats: [coat] };
+  return { stack, rotation: 0, texture: null };
 }
 
 function slotOf(core: PageCore): Slot {
-  return new Slot(core, {
+  return new Slot(new Cores(core), {
     changed: () => {},
     failed: (error) => {
       throw error;

@@ -40,7 +40,7 @@ test.skipIf(!existsSync(PYTHON) || vectors === undefined)(
     writeFileSync(join(folder, "pairs.json"), JSON.stringify([...wi, ...wo]));
     for (const stack of [vectors!.stacks[3]!, vectors!.stacks[8]!]) {
       const material = core.layer(stack);
-      const file = materialFile(material, { latentSize, fingerprint });
+      const file = materialFile(material, { latentSize, widths: 1, fingerprint });
       writeFileSync(join(folder, "material.safetensors"), file);
       writeFileSync(join(folder, "material-numpy.py"), shaderText(template, material));
       const found = JSON.parse(python(EVALUATE, folder));

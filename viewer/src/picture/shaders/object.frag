@@ -10,6 +10,7 @@ precision highp sampler3D;
 uniform sampler2D table; // columns: cosines; rows: half vector and log2 pdf, weight, in turn
 uniform sampler3D bright; // ln f by half vector and difference angle
 
+
 out vec4 colour;
 
 // Light from the direction that is the mirror image of the view in a facet of the table.
@@ -18,6 +19,9 @@ vec3 mirrored(Frame frame, vec4 facet) {
     return incoming(frame, 2.0 * dot(frame.view, half_) * half_ - frame.view, facet.w);
 }
 
+#ifdef ANISOTROPIC
+#include anisotropic.glsl
+#else
 // f for directions whose half vector and difference angle lie in the table.
 vec3 f(vec3 normal, vec3 view, vec3 light) {
     float cosView = dot(normal, view), cosLight = dot(normal, light);
@@ -36,14 +40,8 @@ vec3 f(vec3 normal, vec3 view, vec3 light) {
     return exp(texture(bright, at).rgb);
 }
 
-void main() {
-    ivec2 pixel = ivec2(gl_FragCoord.xy);
-    vec4 position = texelFetch(positions, pixel, 0);
-    if (position.w <= 0.0) {
-        colour = vec4(0.0, 0.0, 0.0, -position.w); // materials do not reflect on their backs
-        return;
-    }
-    Frame frame = frameAt(pixel, position.xyz);
+// The sum over the table's directions.
+vec3 reflected(Frame frame) {
     int columns = textureSize(table, 0).x;
     float column = clamp(frame.view.z * float(columns) - 0.5, 0.0, float(columns) - 1.0);
     int left = int(column);
@@ -63,13 +61,31 @@ void main() {
             sum += share * secondWeight * mirrored(frame, second);
         }
     }
-    sum /= float(samples);
+    return sum;
+}
 
-    vec3 view = frame.view.x * frame.x + frame.view.z * frame.z;
+vec3 f(Frame frame, vec3 light) {
+    return f(frame.z, frame.view.x * frame.x + frame.view.z * frame.z, light);
+}
+#endif
+
+void main() {
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    vec4 position = texelFetch(positions, pixel, 0);
+    if (position.w <= 0.0) {
+        colour = vec4(0.0, 0.0, 0.0, -position.w); // materials do not reflect on their backs
+        return;
+    }
+    Frame frame = frameAt(pixel, position.xyz);
+#ifdef ANISOTROPIC
+    frame = tangentFrame(frame, pixel);
+#endif
+    vec3 sum = reflected(frame) / float(samples);
+
     for (int i = 0; i < lights; i++) {
         float cosLight = dot(frame.z, lightDirections[i]);
         if (cosLight > 0.0) {
-            sum += f(frame.z, view, lightDirections[i]) * cosLight * lightPowers[i];
+            sum += f(frame, lightDirections[i]) * cosLight * lightPowers[i];
         }
     }
     colour = vec4(sum, 1.0);

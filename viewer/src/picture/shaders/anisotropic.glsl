@@ -1,0 +1,79 @@
+// The parts of object.frag for anisotropic materials: tables by the cosine and the azimuth of the view,
+// in the frame of the material's tangent.
+uniform int azimuths; // the table's columns are the cosines of one azimuth after the other
+uniform int turns; // azimuths of the difference in `bright`, one slab after the other
+uniform float rotation; // of the material's tangent [radians]
+
+#include basis.glsl
+
+// The frame along the tangent, mirrored so that the view is in the first quadrant.
+Frame tangentFrame(Frame frame, ivec2 pixel) {
+    vec4 stored = texelFetch(normals, pixel, 0);
+    mat3 axes = basis(normalize(stored.xyz));
+    float angle = stored.w + rotation;
+    vec3 tangent = turned(cos(angle) * axes[0] + sin(angle) * axes[1]);
+    tangent = normalize(tangent - dot(tangent, frame.z) * frame.z);
+    vec3 bitangent = cross(frame.z, tangent);
+    vec3 view = frame.view.x * frame.x + frame.view.z * frame.z;
+    vec2 flat_ = vec2(dot(view, tangent), dot(view, bitangent));
+    vec2 side = vec2(flat_.x < 0.0 ? -1.0 : 1.0, flat_.y < 0.0 ? -1.0 : 1.0);
+    return Frame(side.x * tangent, side.y * bitangent, frame.z, vec3(abs(flat_), frame.view.z));
+}
+
+// The sum over the table's directions.
+vec3 reflected(Frame frame) {
+    int columns = textureSize(table, 0).x / azimuths;
+    float column = clamp(frame.view.z * float(columns) - 0.5, 0.0, float(columns) - 1.0);
+    float row = atan(frame.view.y, frame.view.x + 1e-9) / 1.5707963 * float(azimuths - 1);
+    int left = int(column), below = min(int(row), azimuths - 2);
+    int right = min(left + 1, columns - 1);
+    float across = column - float(left), up = clamp(row - float(below), 0.0, 1.0);
+    ivec4 places = ivec4(left, right, left, right) + ivec2(below, below + 1).xxyy * columns;
+    vec4 shares = vec4((1.0 - across) * (1.0 - up), across * (1.0 - up), (1.0 - across) * up, across * up);
+    vec3 sum = vec3(0.0);
+    for (int i = 0; i < samples; i++) {
+        vec4 facets[4], between = vec4(0.0);
+        vec3 weights[4], weight = vec3(0.0);
+        bool isOne = true;
+        for (int k = 0; k < 4; k++) {
+            facets[k] = texelFetch(table, ivec2(places[k], 2 * i), 0);
+            weights[k] = texelFetch(table, ivec2(places[k], 2 * i + 1), 0).rgb;
+            isOne = isOne && dot(facets[0].xyz, facets[k].xyz) > 0.97
+                && abs(facets[0].w - facets[k].w) < 2.0;
+            between += shares[k] * facets[k];
+            weight += shares[k] * weights[k];
+        }
+        if (isOne) {
+            sum += weight * mirrored(frame, between);
+        } else { // of different lobes of the proposal
+            for (int k = 0; k < 4; k++) {
+                sum += shares[k] * weights[k] * mirrored(frame, facets[k]);
+            }
+        }
+    }
+    return sum;
+}
+
+// f of the view and a light by the slopes of the half vector and by the difference, see
+// anisotropic_table.ts.
+vec3 f(Frame frame, vec3 light) {
+    vec3 local = vec3(dot(light, frame.x), dot(light, frame.y), dot(light, frame.z));
+    vec3 sum = frame.view + local;
+    float size = length(sum);
+    vec3 half_ = sum / size;
+    vec2 side = vec2(half_.x < 0.0 ? -1.0 : 1.0, half_.y < 0.0 ? -1.0 : 1.0);
+    half_ = vec3(side * half_.xy, max(half_.z, 1e-3));
+    vec3 difference = (frame.view - local) * vec3(side, 1.0);
+    vec2 flat_ = difference.xy - difference.z / (1.0 + half_.z) * half_.xy;
+    vec2 slopes = log2(1.0 + half_.xy / (half_.z * NEAR)) / log2(1.0 + FAR / NEAR);
+    float angle = atan(length(flat_), size) * (2.0 / 3.14159265);
+    float turn = fract(atan(flat_.y, flat_.x + 1e-12) / 3.14159265) * float(turns);
+    int first = int(turn) % turns;
+    vec3 extent = vec3(textureSize(bright, 0));
+    float slab = extent.z / float(turns);
+    vec2 at = (clamp(slopes, 0.0, 1.0) * (extent.xy - 1.0) + 0.5) / extent.xy;
+    float place = clamp(angle, 0.0, 1.0) * (slab - 1.0) + 0.5;
+    vec3 one = texture(bright, vec3(at, (float(first) * slab + place) / extent.z)).rgb;
+    vec3 other = texture(bright, vec3(at, (float((first + 1) % turns) * slab + place) / extent.z)).rgb;
+    return exp(mix(one, other, fract(turn)));
+}
