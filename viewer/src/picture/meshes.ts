@@ -165,10 +165,7 @@ function pillow(steps: number): Part {
         const normal = unit(gradient(x, y, height));
         part.vertices.push(x, y, THICKNESS + side * height, normal[0], normal[1], side * normal[2]);
         part.vertices.push(0.5 + 0.5 * x, 0.5 + 0.5 * side * y);
-        const along = normal[0] * normal[0];
-        part.tangents.push(
-          ...unit([1 - along, -normal[0] * normal[1], -normal[0] * side * normal[2]]),
-        );
+        part.tangents.push(...alongX([normal[0], normal[1], side * normal[2]], side));
         if (row === steps || column === steps) continue;
         const corner = first + row * (steps + 1) + column;
         const above = corner + steps + 1;
@@ -177,6 +174,12 @@ function pillow(steps: number): Part {
       }
   }
   return part;
+}
+
+/** The x axis in the surface of a normal; where that is the normal, the limit from one side. */
+function alongX([x, y, z]: Vector, side: number): Vector {
+  const tangent: Vector = [1 - x * x, -x * y, -x * z];
+  return Math.hypot(...tangent) > 1e-6 ? unit(tangent) : [0, 0, -side * Math.sign(x)];
 }
 
 /** A point of a square drawn into the rounded outline, and its place from the middle to the rim. */

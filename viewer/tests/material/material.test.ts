@@ -2,6 +2,8 @@ import { describe, expect, test } from "vitest";
 import { decoded, depthOf, encoded, fromHex, hex, transmission } from "../../src/material/colour";
 import {
   BARE,
+  hasTangent,
+  isAnisotropic,
   type MaterialCards,
   moved,
   stackOf,
@@ -24,6 +26,25 @@ const THREE: MaterialCards = {
   solo: null,
 };
 const widths = (material: MaterialCards) => stackOf(material).coats.map((coat) => coat.alpha);
+
+describe("two widths", () => {
+  const [top, ...others] = THREE.coats;
+  const withAcross = (alphaV: number | [number, number, number]): MaterialCards => ({
+    ...THREE,
+    coats: [{ ...top!, alphaV }, ...others],
+  });
+  test("need the anisotropic networks when they differ in any channel", () => {
+    expect(isAnisotropic(stackOf(THREE))).toBe(false);
+    expect(isAnisotropic(stackOf(withAcross(0.1)))).toBe(false);
+    expect(isAnisotropic(stackOf(withAcross(0.2)))).toBe(true);
+    expect(isAnisotropic(stackOf(withAcross([0.1, 0.1, 0.2])))).toBe(true);
+  });
+  test("of a coat that is not shown do not count", () => {
+    const material = withAcross(0.2);
+    expect(isAnisotropic(stackOf({ ...material, solo: BARE }))).toBe(false);
+    expect(hasTangent(material) && !hasTangent(THREE)).toBe(true);
+  });
+});
 
 describe("the stack that is shown", () => {
   test("has the coats that are on, the topmost first", () => {

@@ -134,3 +134,32 @@ test("a damaged address is told in a sentence, and the page works", async ({ pag
   await expect(page.getByRole("alert")).toHaveCount(0);
   await expect(coats(page)).toHaveCount(2);
 });
+
+test("two widths have sliders and an angle, and follow undo and the address", async ({ page }) => {
+  await open(page);
+  const link = page.getByRole("button", { name: "Bottom, two widths" });
+  await page.getByLabel("Kind of bottom").selectOption("Metal by reflectance");
+  await expect(number(page, "Material, Tangent angle")).toHaveCount(0);
+  await link.click();
+  await expect(link).toHaveAttribute("aria-pressed", "true");
+  const across = number(page, "Bottom, Roughness αᵥ");
+  await across.fill("0.6");
+  await across.press("Enter");
+  await expect(page.getByText("The networks are missing")).toHaveCount(0);
+  const angle = number(page, "Material, Tangent angle");
+  await angle.fill("45");
+  await angle.press("Enter");
+  await expect(angle).toHaveValue("45");
+  const other = await page.context().newPage();
+  await expect(async () => {
+    await other.goto("about:blank");
+    await other.goto(page.url());
+    await expect(number(other, "Bottom, Roughness αᵥ")).toHaveValue("0.6", { timeout: 5_000 });
+    await expect(number(other, "Material, Tangent angle")).toHaveValue("45", { timeout: 5_000 });
+  }).toPass({ timeout: 90_000 });
+  await other.close();
+  await link.click();
+  await expect(angle).toHaveCount(0);
+  await page.getByRole("button", { name: "Undo" }).click();
+  await expect(angle).toHaveValue("45");
+});

@@ -40,6 +40,31 @@ test.each(OBJECTS)("%s: normals are unit vectors, and the ball around it holds i
   expect(farthest).toBeCloseTo(mesh.radius, 5);
 });
 
+test.each(OBJECTS)("%s: tangents are unit vectors in the surface", (name) => {
+  const { vertices, tangents } = meshOf(name);
+  let [deviation, slant] = [0, 0];
+  for (let i = 0; i < tangents.length / 3; i++) {
+    const tangent = tangents.subarray(3 * i, 3 * i + 3);
+    const normal = vertices.subarray(VERTEX_NUMBERS * i + 3, VERTEX_NUMBERS * i + 6);
+    deviation = Math.max(deviation, Math.abs(Math.hypot(...tangent) - 1));
+    slant = Math.max(slant, Math.abs(tangent.reduce((sum, x, k) => sum + x * normal[k]!, 0)));
+  }
+  expect(deviation).toBeLessThan(1e-5);
+  expect(slant).toBeLessThan(1e-4);
+});
+
+test("tangents go round the bowl's axis, and along the sheet", () => {
+  const bowl = meshOf("bowl");
+  for (let i = 0; i < bowl.tangents.length / 3; i++) {
+    const [x, y] = bowl.vertices.subarray(VERTEX_NUMBERS * i, VERTEX_NUMBERS * i + 2);
+    const [u, v, w] = bowl.tangents.subarray(3 * i, 3 * i + 3);
+    expect(Math.abs(x! * u! + y! * v!) + Math.abs(w!)).toBeLessThan(1e-4);
+  }
+  const sheet = meshOf("sheet");
+  for (let i = 0; i < sheet.tangents.length / 3; i++)
+    expect(sheet.tangents[3 * i]).toBeGreaterThanOrEqual(0);
+});
+
 test("the ball is round", () => {
   const { vertices } = meshOf("ball");
   let deviation = 0;

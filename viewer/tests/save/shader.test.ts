@@ -17,3 +17,11 @@ test("a template gets the numbers of each code and channel", () => {
     "a[0] = (0.0, 6.0, 12.0); a[11] = 11.5;",
   );
 });
+
+test("a template of anisotropic networks gets the tangent", () => {
+  const template = "x = code_tangent_x; y = code_tangent_y;";
+  const latents = new Float32Array(3);
+  const text = shaderText(template, { latents, anchors: latents }, 90);
+  expect(text).toMatch(/^x = [-\d.e]+; y = 1\.0;$/);
+  expect(Math.abs(Number(text.match(/x = ([^;]+)/)![1]))).toBeLessThan(1e-7);
+});

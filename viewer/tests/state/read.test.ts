@@ -53,3 +53,14 @@ test.each([
   }
   expect(message).toMatch(/^[A-Z].*\.$/);
 });
+
+test("widths across the tangent, the angle and codes of anisotropic networks are kept", () => {
+  const coat = { id: 1, on: true, alpha: 0.1, alphaV: 0.3, eta: 1.5, albedo: 0, sigmaT: 0, g: 0 };
+  const bottom = { kind: "dielectric", alpha: 0.2, alphaV: [0.1, 0.2, 0.3], eta: 1.5 } as const;
+  const material = { name: "satin", bottom, coats: [coat], rotation: -30, solo: null };
+  expect(readMaterial(material)).toEqual(material);
+  const codes = { kind: "codes", latents: [1, 2, 3], anchors: [1, 2, 3], widths: 2 };
+  expect(readMaterial({ bottom: codes }).bottom).toMatchObject({ widths: 2 });
+  expect(readMaterial({ bottom, rotation: 500 }).rotation).toBe(180);
+  expect(readMaterial({ bottom: { ...bottom, alphaV: 7 } }).bottom).toMatchObject({ alphaV: 1 });
+});
