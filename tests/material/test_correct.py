@@ -70,20 +70,26 @@ def test_materials_keep_the_encoders_codes_for_coats(trained, surfaces):
 
 
 def test_anchors_that_could_bring_light_into_a_coat_are_dimmed(trained, surfaces):
-    """At most by a factor of `excess` is an encoder's code brighter than what was encoded."""
+    """At most by a factor of `excess` is an encoder's code brighter than what was encoded.
+
+    Anchors of lobes alone are left as they are: the layerer knows them.
+    """
     z = trained.networks.encode(surfaces)
     f_hat = trained.networks.f(z[:, None], *trained.networks.pairs())
     expected = ((f_hat + DARK_OFFSET) / (surfaces + DARK_OFFSET)).max(axis=1)
     np.testing.assert_allclose(correct_codes(trained.networks, z, surfaces)[1], expected, rtol=1e-4)
-    nodes = albedo_rule()
+    nodes, dimmed = albedo_rule(), 0
     for surface in SURFACES:
         pairs = (np.concatenate([own, more]) for own, more in zip(
             trained.networks.pairs(), (nodes.wi, nodes.wo), strict=True
         ))  # fmt: skip
-        material = material_from_values(analytic.f(surface, *pairs), trained)
-        assert (
-            energy.directional_albedos(trained, material.anchors).max() <= 1 - energy.MARGIN + 1e-4
-        )
+        anchors = material_from_values(analytic.f(surface, *pairs), trained).anchors
+        kept = anchors[(anchors[:, 6:] != trained.networks.empty_rest()).any(axis=1)]
+        dimmed += len(kept)
+        if len(kept):
+            albedos = energy.directional_albedos(trained, kept)
+            assert albedos.max() <= 1 - energy.MARGIN + 1e-4
+    assert dimmed > 0
 
 
 def test_channels_are_corrected_by_themselves(trained, surfaces):

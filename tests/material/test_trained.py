@@ -1,9 +1,14 @@
-"""The proposal of the shipped networks; their errors are in tests/eval/test_shipped_figures.py."""
+"""The shipped networks' proposal and faint rests; their errors are in
+tests/eval/test_shipped_figures.py.
+"""
 
 import numpy as np
 
-from urushi.material import encode
-from urushi.reference.stack import conductor
+from urushi.geometry.direction_sets import cosine_pairs
+from urushi.geometry.error_metrics import stack_error
+from urushi.material import encode, layer
+from urushi.reference import StackTable, analytic, walk_pairs
+from urushi.reference.stack import conductor, dielectric
 
 
 def test_the_proposal_beats_the_cosine_on_glossy_materials(trained):
@@ -16,3 +21,30 @@ def test_the_proposal_beats_the_cosine_on_glossy_materials(trained):
     weight = gold.f(wi, wo)[:, 0] * wo[:, 2] / pdf
     cosine = np.mean(weight * np.pi * gold.f(wi, wo)[:, 0])  # E[(pi f)^2] under cosine density
     assert np.mean(weight**2) < 0.2 * cosine
+
+
+def test_a_faint_rest_does_not_spoil_coats(trained):
+    """A white metal with half a per cent of diffuse light, under a smooth coat, against the walk.
+
+    The lobe alone is within 1 % in E, and the walk's noise is 0.7 %. A code of the faint rest led
+    to an E of 9 %.
+    """
+    surface = {
+        "diffuse": 0.005, "ggx_weight": 0.995, "ggx_alpha": 0.3, "ggx_r0": 0.9,
+        "beckmann_weight": 0.0, "beckmann_alpha": 0.5, "beckmann_r0": 0.5,
+    }  # fmt: skip
+    columns = {name: np.array([value], np.float32) for name, value in surface.items()}
+    coat = {"alpha": 0.03, "eta": 1.5, "albedo": 0.0, "sigma_t": 0.0, "g": 0.0}
+    stack = StackTable(
+        **{name: np.array([[value]], np.float32) for name, value in coat.items()},
+        kind="mixture",
+        bottom=columns,
+    )
+
+    def f(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        return analytic.rows("mixture", columns, np.zeros(len(wi), np.uint32), wi, wo)
+
+    wi, wo = cosine_pairs(np.random.default_rng(7), 300)
+    walked, _ = walk_pairs(stack, np.zeros(300, np.uint32), wi, wo, walks=8192, seed=3)
+    coated = layer(dielectric(0.03, 1.5), encode(f, trained)).f(wi, wo)[:, 0]
+    assert stack_error(coated[None], walked[None], wi[:, 2], wo[:, 2])[0] < 0.03

@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+from urushi.errors import FileError, ParameterError
+from urushi.material.batch import encode_all
 from urushi.measured import Rgl, load_measured
 from urushi.measured.rgl import MIN_COSINE, srgb_weights
 from urushi.reference import analytic, conductor
@@ -67,6 +69,63 @@ def test_spectra_agree_with_mitsuba(writers, tmp_path, random_directions):
     wi, wo = random_directions(2000, 4), random_directions(2000, 5)
     assert list(brdf.wavelengths) == nm
     assert_close(brdf.f_channels(wi, wo), wo, mitsuba_f_cos(path, wi, wo, nm))
+
+
+@pytest.mark.parametrize("turn", [1.0, 0.5, 0.25])
+def test_azimuths_agree_with_mitsuba(writers, tmp_path, random_directions, turn):
+    """Materials measured over a whole turn of wi, half of one, and a quarter."""
+    import mitsuba as mi
+
+    mi.set_variant("llvm_ad_spectral")
+    nm = [400.0, 450.0, 520.0, 650.0]
+    path = tmp_path / "brushed.bsdf"
+    azimuths = np.linspace(-np.pi, (2 * turn - 1) * np.pi, 7)
+    fields = writers.rgl_fields(np.random.default_rng(6), wavelengths=nm, azimuths=azimuths)
+    path.write_bytes(writers.tensor_file(fields))
+    brdf = load_measured(path)
+    assert not brdf.isotropic
+    wi, wo = random_directions(4000, 7), random_directions(4000, 8)
+    assert_close(brdf.f_channels(wi, wo), wo, mitsuba_f_cos(path, wi, wo, nm))
+
+
+def test_an_anisotropic_conductor_comes_back(writers, tmp_path, random_directions):
+    """The file holds a GGX conductor of two widths, whose f is known; so does its material."""
+    import urushi
+
+    surface = conductor(alpha_u=0.45, alpha_v=0.2, r0=(0.9, 0.6, 0.3))
+    path = tmp_path / "brushed.bsdf"
+    fields = writers.rgl_anisotropic_ggx_fields(0.45, 0.2, (0.9, 0.6, 0.3))
+    path.write_bytes(writers.tensor_file(fields))
+    brdf = load_measured(path)
+    wi, wo = random_directions(3000, 9, 0.2), random_directions(3000, 10, 0.2)
+    expected = analytic.f(surface, wi, wo)
+    # Linear interpolation between the file's 97 angles of the half vector.
+    assert np.median(np.abs(brdf.f(wi, wo) / expected - 1)) < 0.005
+    material = urushi.encode(brdf)
+    assert material.model.widths == 2
+    error = np.abs(material.f(wi, wo) - expected).sum() / expected.sum()
+    assert error < 0.05, "the widths are kept: an average over the azimuth differs by 40 %"
+    coated = urushi.layer(urushi.dielectric(0.1, 1.5), material)
+    known = urushi.layer(urushi.dielectric(0.1, 1.5), urushi.encode(surface))
+    difference = np.abs(coated.f(wi, wo) - known.f(wi, wo)).sum() / known.f(wi, wo).sum()
+    assert difference < 0.05
+
+
+def test_an_anisotropic_file_is_encoded_by_its_networks(writers, tmp_path):
+    """Also where many files are encoded at once; a file that cannot be read is named later."""
+    paths = [tmp_path / "brushed.bsdf", tmp_path / "plain.bsdf", tmp_path / "missing.bsdf"]
+    fields = writers.rgl_anisotropic_ggx_fields(0.4, 0.2, (0.9, 0.6, 0.3), azimuths=6, elevations=8)
+    paths[0].write_bytes(writers.tensor_file(fields))
+    paths[1].write_bytes(writers.tensor_file(writers.rgl_ggx_fields(0.3, (0.9, 0.6, 0.3))))
+    found = dict(encode_all(paths))
+    assert [found[k].material.model.widths for k in (0, 1)] == [2, 1]
+    assert isinstance(found[2], FileError)
+
+
+def test_the_walk_takes_isotropic_materials(writers):
+    fields = writers.rgl_fields(np.random.default_rng(0), azimuths=np.linspace(-3, 0, 5))
+    with pytest.raises(ParameterError, match="put Mitsuba's 'measured' under the coat"):
+        Rgl(fields).table()
 
 
 def test_f_is_finite_not_negative_and_isotropic(material, random_directions):

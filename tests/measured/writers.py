@@ -57,19 +57,23 @@ def tensor_file(fields, *, version=(1, 0), count=None, forge=None):
     return header + data
 
 
-def rgl_fields(rng, *, wavelengths=None, size=8, elevations=4):
-    """The tensors of a small, smooth, made-up isotropic material."""
+def rgl_fields(rng, *, wavelengths=None, size=8, elevations=4, azimuths=None):
+    """The tensors of a small, smooth, made-up material; isotropic, or measured at azimuths (P,)."""
     smooth = np.linspace(0.5, 1.5, size, dtype=np.float32)
     channels = 3 if wavelengths is None else len(wavelengths)
-    colour = rng.uniform(0.1, 1, (1, elevations, channels, size, size))
+    phi_i = np.zeros(1) if azimuths is None else np.asarray(azimuths)
+    count = len(phi_i)
+    colour = rng.uniform(0.1, 1, (count, elevations, channels, size, size))
+    # Rows are azimuths: those of one azimuth do not differ.
+    turn = np.ones((2, 1)) if count == 1 else rng.uniform(0.5, 1.5, (size, 1))
     fields = {
         "description": np.frombuffer(b"made up", np.uint8),
-        "phi_i": np.zeros(1, np.float32),
+        "phi_i": phi_i.astype(np.float32),
         "theta_i": np.linspace(0, np.pi / 2, elevations, dtype=np.float32),
-        "ndf": np.tile(smooth[::-1], (2, 1)),
-        "sigma": np.tile(smooth, (2, 1)),
-        "vndf": rng.uniform(0.1, 1, (1, elevations, size, size)).astype(np.float32),
-        "luminance": np.ones((1, elevations, size, size), np.float32),
+        "ndf": (turn * smooth[::-1]).astype(np.float32),
+        "sigma": (turn[::-1] * smooth).astype(np.float32),
+        "vndf": rng.uniform(0.1, 1, (count, elevations, size, size)).astype(np.float32),
+        "luminance": np.ones((count, elevations, size, size), np.float32),
         "jacobian": np.ones(1, np.uint8),
     }
     if wavelengths is None:
@@ -110,3 +114,47 @@ def rgl_ggx_fields(alpha, r0, *, wavelengths=None, size=96, elevations=48):
     if wavelengths is None:
         return fields | {"rgb": colour}
     return fields | {"wavelengths": np.asarray(wavelengths, np.float32), "spectra": colour}
+
+
+def rgl_anisotropic_ggx_fields(alpha_u, alpha_v, r0, *, azimuths=24, elevations=40, size=97):
+    """The tensors of a GGX conductor of two widths with Schlick's reflectances r0 (3,).
+
+    As `rgl_ggx_fields`, at azimuths of a quarter of a turn.
+    """
+    node = np.linspace(0, 1, size)
+    phi_i, theta_i = (
+        np.linspace(-np.pi, -np.pi / 2, azimuths),
+        np.linspace(0, np.pi / 2, elevations),
+    )
+    theta_m, phi_m = node**2 * np.pi / 2, (2 * node - 1) * np.pi
+
+    def vector(theta, phi):
+        parts = np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)
+        return np.stack(np.broadcast_arrays(*parts), axis=-1)
+
+    def g1(w):
+        stretched = np.sqrt(
+            (alpha_u * w[..., 0]) ** 2 + (alpha_v * w[..., 1]) ** 2 + w[..., 2] ** 2
+        )
+        return 2 * np.abs(w[..., 2]) / (np.abs(w[..., 2]) + stretched)
+
+    m = vector(theta_m[None, :], phi_m[:, None])  # (azimuth, elevation, 3)
+    wi = vector(theta_i[None, :], phi_i[:, None])[:, :, None, None]
+    cos_d = (wi * m).sum(axis=-1)
+    wo = 2 * cos_d[..., None] * m - wi
+    fresnel = np.multiply.outer(1 - np.asarray(r0), (1 - np.maximum(cos_d, 0)) ** 5)
+    fresnel += np.reshape(r0, (-1, 1, 1, 1, 1))
+    squared = (m[..., 0] / alpha_u) ** 2 + (m[..., 1] / alpha_v) ** 2 + m[..., 2] ** 2
+    above = vector(np.minimum(theta_m, 1.5707)[None, :], phi_m[:, None])
+    flat = (azimuths, elevations, 2, 2)
+    return {
+        "description": np.frombuffer(b"anisotropic GGX", np.uint8),
+        "phi_i": phi_i.astype(np.float32),
+        "theta_i": theta_i.astype(np.float32),
+        "ndf": (1 / (np.pi * alpha_u * alpha_v * squared**2)).astype(np.float32),
+        "sigma": (above[..., 2] / g1(above)).astype(np.float32),
+        "vndf": np.ones(flat, np.float32),
+        "luminance": np.ones(flat, np.float32),
+        "jacobian": np.ones(1, np.uint8),
+        "rgb": np.moveaxis(fresnel * g1(wo), 0, 2).astype(np.float32),
+    }

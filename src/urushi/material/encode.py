@@ -24,7 +24,7 @@ from urushi.material.material import Material
 from urushi.material.source import Source, as_source, source_name
 from urushi.material.symmetry import Deviations, deviations_of, is_anisotropic, symmetrise
 from urushi.material.table import node_pairs, table_of_values
-from urushi.measured import Merl, Rgl
+from urushi.measured import Merl, Rgl, is_anisotropic_file
 from urushi.nets import lobe as lobes
 from urushi.nets.interface_fit import find_lobes
 from urushi.nets.networks import UrushiNetworks
@@ -37,6 +37,11 @@ from urushi.reference.stack import Stack
 #: below 0.2, Mitsuba's `roughconductor` and `roughplastic` below 0.3, and so do most of
 #: `principled`; retro-reflectors and velvet exceed it.
 UNUSUAL_RESIDUAL = 0.3
+
+
+#: Shares of the light up to which the rest of a source is left out of its anchor, and from which
+#: it is kept whole.
+FAINT_REST = (0.03, 0.08)
 
 
 class SourceValues(NamedTuple):
@@ -112,8 +117,8 @@ def model_for(source: Any, weights: Weights | None = None) -> Model:
         return find(weights)
     if isinstance(source, Material):
         return anisotropic_model() if source.model.widths == 2 else find(None)
-    if isinstance(source, Path | Merl):
-        return find(None)
+    if isinstance(source, Path):  # whoever encodes it may not be able to read it here
+        return anisotropic_model() if is_anisotropic_file(source) else find(None)
     name = source_name(source)
     anisotropic = is_anisotropic(as_source(source), lambda f, count: _checked(f, name, count))
     return anisotropic_model() if anisotropic else find(None)
@@ -269,6 +274,9 @@ def material_from_values(
         rule = albedo_rule(model.widths)
         source_albedo = _source_albedos(nodes, lobe, rule)
         ceiling = energy.albedo_ceiling(source_albedo, rule)
+    share = np.ones(len(probed))
+    if nodes is not None and lobe is not None:
+        share = _rest_share(source_albedo, lobe, rule)
     if not refine:
         anchors = encoder_codes(model, probed, lobe)
         codes, excess = correct_codes(model.networks, anchors, probed)
@@ -277,7 +285,7 @@ def material_from_values(
     if refine:
         both = np.stack(refine_codes(model.networks, probed, nodes, lobe))
         codes, anchors = energy.limit_albedo(model, both, ceiling)
-        return Material(codes, model, anchors)
+        return Material(codes, model, _without_faint_rest(model, anchors, share))
     # Anchors are never rendered. They are limited only where they would bring light into a coat,
     # and by their mean: an excess at grazing angles, which few paths in a coat have, would
     # darken all others.
@@ -285,7 +293,28 @@ def material_from_values(
     if bright.any():
         peak = energy.peak_ceiling(source_albedo)
         anchors[bright] = energy.limit_mean_albedo(model, anchors[bright], peak[bright])
+    anchors = _without_faint_rest(model, anchors, share)
     return Material(energy.limit_albedo(model, codes, ceiling), model, anchors)
+
+
+def _rest_share(source_albedo: np.ndarray, lobe: np.ndarray, rule: AlbedoRule) -> np.ndarray:
+    """The share (C,) of the light of sources of albedos (C, D) that is not their lobes' (C, N)."""
+    own = lobe_albedos(lobe, rule).mean(axis=-1)
+    return np.maximum(1 - own / np.maximum(source_albedo.mean(axis=-1), energy.LEAST_ALBEDO), 0)
+
+
+def _without_faint_rest(model: Model, anchors: np.ndarray, share: np.ndarray) -> np.ndarray:
+    """Anchors (C, L) that become those of their lobes alone where the rest's share (C,) is small.
+
+    The layerer knows bare lobes, and rests that matter. A faint rest, such as the misfit of a lobe,
+    has an arbitrary code, over which coats are wrong by up to a tenth of their light.
+    """
+    low, high = FAINT_REST
+    if (share >= high).all():
+        return anchors
+    kept = np.clip((share - low) / (high - low), 0, 1).astype(np.float32)[:, None]
+    bare = bare_anchors(model, anchors[:, : model.arch.lobe])
+    return kept * anchors + (1 - kept) * bare
 
 
 def _lobes_of_channels(model: Model, f: np.ndarray, lobe: np.ndarray | None) -> np.ndarray | None:

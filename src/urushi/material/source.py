@@ -97,7 +97,7 @@ def _(source: Merl) -> Source:
 
 @as_source.register
 def _(source: Rgl) -> Source:
-    return Source(source.f, measured=True, isotropic=True)
+    return Source(source.f, measured=True, isotropic=source.isotropic)
 
 
 @as_source.register(Conductor)

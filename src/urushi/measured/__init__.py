@@ -6,23 +6,23 @@ from pathlib import Path
 from urushi.errors import FileError, ParameterError
 from urushi.measured import merl, rgl, rgl_file
 from urushi.measured.merl import Merl
-from urushi.measured.rgl import Rgl
+from urushi.measured.rgl import Rgl, is_anisotropic_file
 
-__all__ = ["Merl", "Rgl", "load_measured"]
+__all__ = ["Merl", "Rgl", "is_anisotropic_file", "load_measured"]
 
 
 def load_measured(path: str | os.PathLike) -> Merl | Rgl:
     """Read a measured BRDF. The file's contents, not its name, determine the format.
 
     Args:
-        path: a MERL table (Matusik et al. 2003, `.binary`) or an isotropic RGL material, RGB or
-            spectral (Dupuy and Jakob 2018, `.bsdf`).
+        path: a MERL table (Matusik et al. 2003, `.binary`) or an RGL material, RGB or spectral,
+            isotropic or anisotropic (Dupuy and Jakob 2018, `.bsdf`).
 
     Returns:
         An object whose f(wi, wo) -> (N, 3) is linear RGB [1/sr] without cosine.
 
     Raises:
-        FileError: the file is missing, unreadable, damaged, anisotropic or of another format.
+        FileError: the file is missing, unreadable, damaged or of another format.
         ParameterError: `path` is not a path.
     """
     try:

@@ -1,4 +1,4 @@
-"""RGL materials: isotropic BRDFs measured by Dupuy and Jakob 2018, in RGB or spectral.
+"""RGL materials: BRDFs measured by Dupuy and Jakob 2018, in RGB or spectral.
 
 Source: "An adaptive parameterization for efficient material acquisition and rendering".
 
@@ -9,6 +9,11 @@ where D is the microfacet density, sigma the projected area of the microfacets, 
 makes the density of visible normals (`vndf`) uniform, and S the measured values on the square of v.
 The factor D / (4 sigma) is absent if the file's flag `jacobian` is 0. vndf and S are interpolated
 linearly between elevations theta_i.
+
+Anisotropic materials have more azimuths phi_i than two, between which vndf and S are interpolated
+as well. Their y is (phi_m + pi) / (2 pi), D depends on it, and sigma on phi_i. The azimuths may
+cover a half or a quarter of a turn: f is then the same after a turn of both directions by 180
+degrees, or under mirroring at the xz and at the yz plane.
 """
 
 from importlib.resources import files
@@ -17,7 +22,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from urushi.errors import FileError
+from urushi.errors import FileError, ParameterError
 from urushi.measured import rgl_file
 from urushi.measured.tabulated import MeasuredSurface, evaluate, tabulated
 from urushi.measured.warp import BilinearGrid, Slices, Warp
@@ -49,12 +54,15 @@ XYZ_TO_SRGB = np.array(
     [[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0.0557, -0.2040, 1.0570]]
 )
 
+#: Number of azimuths phi_i up to which a file is isotropic, as for Mitsuba.
+RELATIVE_AZIMUTHS = 2
+
 #: [nm] The visible range, in which a spectrum needs at least two samples.
 VISIBLE = (380.0, 780.0)
 
 
 class Rgl(MeasuredSurface):
-    """A BRDF in the adaptive parameterization; isotropic by construction, nearly reciprocal.
+    """A BRDF in the adaptive parameterization, nearly reciprocal.
 
     wi and wo enter the formula in different ways, so that f is reciprocal only up to errors of
     the measurement and of the interpolation over few theta_i. f is 0 where a direction is below
@@ -63,10 +71,12 @@ class Rgl(MeasuredSurface):
     Attributes:
         description: the description in the file.
         wavelengths: float64 (W,) [nm] of a spectral file; None for an RGB file.
+        isotropic: whether f depends on the difference of the azimuths alone.
     """
 
     description: str
     wavelengths: np.ndarray | None
+    isotropic: bool
 
     def __init__(self, tensors: dict[str, np.ndarray]) -> None:
         """Make a BRDF of a file's tensors by name.
@@ -75,18 +85,22 @@ class Rgl(MeasuredSurface):
             tensors: those of `TENSORS`, and "rgb", or "spectra" and "wavelengths".
 
         Raises:
-            FileError: a tensor is missing, of another shape or type, not finite, or out of range,
-                or the material is anisotropic.
+            FileError: a tensor is missing, of another shape or type, not finite, or out of range.
         """
         measured = _check_structure(tensors)
         _check_values(tensors, measured)
-        _check_isotropic(tensors)
         self.description = tensors["description"].tobytes().decode("utf-8", "replace")
-        self._slices = Slices(tensors["theta_i"])
-        self._ndf = tensors["ndf"][0].astype(np.float64)
-        self._sigma = tensors["sigma"][0].astype(np.float64)
-        self._vndf = Warp(np.maximum(tensors["vndf"][0], 0))
-        self._measured = BilinearGrid(np.moveaxis(measured[0], 1, -1).copy())
+        phi_i = tensors["phi_i"].astype(np.float64)
+        self.isotropic = len(phi_i) <= RELATIVE_AZIMUTHS
+        if self.isotropic:  # Mitsuba reads a second azimuth, which only repeats the first
+            phi_i = phi_i[:1]
+        self._symmetry = 1 if self.isotropic else _symmetry(phi_i)
+        self._slices = Slices(tensors["theta_i"], phi_i)
+        self._ndf = BilinearGrid(tensors["ndf"].astype(np.float64)[None, ..., None])
+        self._sigma = BilinearGrid(tensors["sigma"].astype(np.float64)[None, ..., None])
+        used = slice(len(phi_i))
+        self._vndf = Warp(_joined(np.maximum(tensors["vndf"][used], 0)))
+        self._measured = BilinearGrid(_joined(np.moveaxis(measured[used], 2, -1)))
         self._jacobian = bool(tensors["jacobian"][0])
         self._channels = measured.shape[2]
         self._to_rgb = np.eye(3)
@@ -117,7 +131,16 @@ class Rgl(MeasuredSurface):
         return evaluate(lookup, 3, wi, wo, width=self._channels)
 
     def table(self) -> np.ndarray:
-        """The mean of f over the exchange of wi and wo, float32 (256, 64, 64, 3) [1/sr]."""
+        """The mean of f over the exchange of wi and wo, float32 (256, 64, 64, 3) [1/sr].
+
+        Raises:
+            ParameterError: the material is anisotropic, which such a table cannot hold.
+        """
+        if not self.isotropic:
+            raise ParameterError(
+                "the measured material is anisotropic, and the random walk takes isotropic ones; "
+                "in a scene, put Mitsuba's 'measured' under the coat"
+            )
         return tabulated(self.f, TABLE_SHAPE)
 
     def f_channels(self, wi: npt.ArrayLike, wo: npt.ArrayLike) -> np.ndarray:
@@ -137,20 +160,28 @@ class Rgl(MeasuredSurface):
 
     def _lookup(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         """The formula of this module for float64 (N, 3) directions above the horizon."""
+        wi, wo = _folded(wi, wo, self._symmetry)
         m = wi + wo
         theta_i, theta_m = _elevation(wi), _elevation(m)
-        # phi_m - phi_i, by products, so that it depends on the difference of the azimuths alone.
-        azimuth = np.arctan2(
-            wi[:, 0] * m[:, 1] - wi[:, 1] * m[:, 0], wi[:, 0] * m[:, 0] + wi[:, 1] * m[:, 1]
+        phi_i = np.arctan2(wi[:, 1], wi[:, 0])
+        if self.isotropic:
+            # phi_m - phi_i, by products: it depends on the difference of the azimuths alone.
+            azimuth = np.arctan2(
+                wi[:, 0] * m[:, 1] - wi[:, 1] * m[:, 0], wi[:, 0] * m[:, 0] + wi[:, 1] * m[:, 1]
+            )
+        else:
+            azimuth = np.arctan2(m[:, 1], m[:, 0])
+        u_i, u_m = (
+            np.stack([np.sqrt(theta / (np.pi / 2)), (phi + np.pi) / (2 * np.pi)], 1)
+            for theta, phi in ((theta_i, phi_i), (theta_m, azimuth))
         )
-        x_i, x_m = (np.sqrt(theta / (np.pi / 2)) for theta in (theta_i, theta_m))
-        u_m = np.stack([x_m, (azimuth + np.pi) / (2 * np.pi)], 1)
-        slices = self._slices.find(theta_i)
+        slices = self._slices.find(theta_i, phi_i)
         result = self._measured.evaluate(self._vndf.invert(u_m, slices), slices)
-        scale = 1 / np.maximum(wo[:, 2], MIN_COSINE)
+        scale = 1 / np.maximum(wo[:, 2:], MIN_COSINE)
         if self._jacobian:
-            scale *= _linear(self._ndf, x_m) / (4 * _linear(self._sigma, x_i))
-        return result * scale[:, None]
+            once = [(np.zeros(len(wi), np.intp), np.ones(len(wi)))]
+            scale *= self._ndf.evaluate(u_m, once) / (4 * self._sigma.evaluate(u_i, once))
+        return result * scale
 
 
 def read(path: Path) -> Rgl:
@@ -164,6 +195,14 @@ def read(path: Path) -> Rgl:
         return Rgl(tensors)
     except FileError as error:
         raise FileError(f"cannot use '{path}': {error}") from error
+
+
+def is_anisotropic_file(path: Path) -> bool:
+    """Whether a file is a material of this format with more azimuths than an isotropic one has."""
+    try:
+        return rgl_file.read(path, ["phi_i"])["phi_i"].size > RELATIVE_AZIMUTHS
+    except (FileError, OSError, KeyError):
+        return False
 
 
 def _check_structure(tensors: dict[str, np.ndarray]) -> np.ndarray:
@@ -201,17 +240,6 @@ def _check_structure(tensors: dict[str, np.ndarray]) -> np.ndarray:
     return measured
 
 
-def _check_isotropic(tensors: dict[str, np.ndarray]) -> None:
-    """Raise a FileError if there are several azimuths or if `ndf` or `sigma` depends on them."""
-    count = len(tensors["phi_i"])
-    varies = any((tensors[name] != tensors[name][:1]).any() for name in ("ndf", "sigma"))
-    if count > 1 or varies:
-        raise FileError(
-            f"the material is anisotropic (measured at {count} azimuths), "
-            "and only isotropic ones can be used"
-        )
-
-
 def _check_values(tensors: dict[str, np.ndarray], measured: np.ndarray) -> None:
     """Raise a FileError if a number is not finite or out of range."""
     named = {name: tensors[name] for name, (_, dtype) in TENSORS.items() if dtype == "f4"}
@@ -221,7 +249,8 @@ def _check_values(tensors: dict[str, np.ndarray], measured: np.ndarray) -> None:
     for name, tensor in named.items():
         if not np.isfinite(tensor).all():
             raise FileError(f"its tensor '{name}' has numbers that are not finite")
-    for name in ("theta_i", "wavelengths"):
+    relative = len(tensors["phi_i"]) <= RELATIVE_AZIMUTHS
+    for name in ("theta_i", "wavelengths") if relative else ("phi_i", "theta_i", "wavelengths"):
         if name in named and not (np.diff(named[name].astype(np.float64)) > 0).all():
             raise FileError(f"its tensor '{name}' does not increase")
     if SPECTRA in tensors:
@@ -232,6 +261,11 @@ def _check_values(tensors: dict[str, np.ndarray], measured: np.ndarray) -> None:
             )
     if not (tensors["sigma"] > 0).all():
         raise FileError("its tensor 'sigma', a projected area, is not positive")
+    if relative and (tensors["sigma"] != tensors["sigma"][:1]).any():
+        raise FileError(
+            f"its tensor 'sigma' depends on the azimuth, but it has {len(tensors['phi_i'])} "
+            "azimuths; an anisotropic material has three or more"
+        )
     if (tensors["ndf"] < 0).any():
         raise FileError("its tensor 'ndf', a density, is negative")
     if not (tensors["vndf"] > 0).any(axis=(2, 3)).all():
@@ -243,9 +277,27 @@ def _elevation(w: np.ndarray) -> np.ndarray:
     return np.arctan2(np.hypot(w[:, 0], w[:, 1]), w[:, 2])
 
 
-def _linear(values: np.ndarray, u: np.ndarray) -> np.ndarray:
-    """Linear interpolation at u of values at equally spaced nodes over [0, 1]."""
-    return np.interp(u, np.linspace(0, 1, len(values)), values)
+def _joined(tensor: np.ndarray) -> np.ndarray:
+    """A tensor (P, T, ...) of azimuths and elevations as slices (P T, ...)."""
+    return tensor.reshape(-1, *tensor.shape[2:]).copy()
+
+
+def _symmetry(phi_i: np.ndarray) -> int:
+    """1, 2 or 4: the share of a turn that azimuths (P,) cover is one over it."""
+    return int(np.clip(np.rint(2 * np.pi / (phi_i[-1] - phi_i[0])), 1, 4))
+
+
+def _folded(wi: np.ndarray, wo: np.ndarray, symmetry: int) -> tuple[np.ndarray, np.ndarray]:
+    """Directions (N, 3) turned or mirrored together so that phi_i is in the measured range.
+
+    That is [-pi, 0] for half a turn, and [-pi, -pi/2] for a quarter.
+    """
+    if symmetry == 1:
+        return wi, wo
+    along_y = -np.copysign(1.0, wi[:, 1])
+    along_x = -np.copysign(1.0, wi[:, 0]) if symmetry == 4 else along_y
+    signs = np.stack([along_x, along_y, np.ones(len(wi))], axis=1)
+    return wi * signs, wo * signs
 
 
 def srgb_weights(wavelengths: np.ndarray) -> np.ndarray:

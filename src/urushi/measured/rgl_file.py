@@ -7,6 +7,7 @@ from the start of the file, uint64 shape[].
 
 import math
 import struct
+from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO
@@ -39,8 +40,8 @@ class _Field:
     end: int
 
 
-def read(path: Path) -> dict[str, np.ndarray]:
-    """Return the arrays by name.
+def read(path: Path, names: Collection[str] | None = None) -> dict[str, np.ndarray]:
+    """Return the arrays by name, those of `names` or all.
 
     Sizes are checked against the size of the file before memory is allocated, so that all arrays
     together are never larger than the file.
@@ -65,7 +66,8 @@ def read(path: Path) -> dict[str, np.ndarray]:
             raise reader.damaged(f"it claims {count} fields")
         fields = [_field(reader) for _ in range(count)]
         _check_places(fields, file.tell(), reader)
-        return {field.name: _array(file, field, reader) for field in fields}
+        wanted = [field for field in fields if names is None or field.name in names]
+        return {field.name: _array(file, field, reader) for field in wanted}
 
 
 class _Reader:

@@ -1,4 +1,6 @@
-"""Bilinear grids on the unit square, one per elevation of wi, and warps that make them uniform.
+"""Bilinear grids on the unit square, one per elevation and azimuth of wi, and their warps.
+
+A warp makes the density of a grid uniform.
 
 As in Mitsuba's Marginal2D (continuous) and the reference code of Dupuy and Jakob, "An adaptive
 parameterization for efficient material acquisition and rendering", 2018.
@@ -8,19 +10,32 @@ import numpy as np
 
 
 class Slices:
-    """Linear interpolation between slices at increasing parameters, clamped at both ends."""
+    """Linear interpolation between slices over elevation and azimuth, clamped at the ends.
 
-    def __init__(self, parameters: np.ndarray) -> None:
-        """parameters: (T,), T >= 2, strictly increasing."""
-        self._parameters = parameters.astype(np.float64)
+    Slice p T + t belongs to azimuth p and elevation t.
+    """
 
-    def find(self, parameter: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
-        """Return the two slices around each parameter (N,), each with its weight."""
-        nodes = self._parameters
-        lower = np.clip(np.searchsorted(nodes, parameter) - 1, 0, len(nodes) - 2)
-        gap = nodes[lower + 1] - nodes[lower]
-        weight = np.clip((parameter - nodes[lower]) / gap, 0, 1)
-        return [(lower, 1 - weight), (lower + 1, weight)]
+    def __init__(self, theta: np.ndarray, phi: np.ndarray) -> None:
+        """theta: (T,), T >= 2; phi: (P,), P >= 1; strictly increasing."""
+        self._theta, self._phi = theta.astype(np.float64), phi.astype(np.float64)
+
+    def find(self, theta: np.ndarray, phi: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Return the slices around each pair of angles (N,), each with its weight."""
+        columns = _between(self._theta, theta)
+        if len(self._phi) == 1:
+            return columns
+        return [
+            (row * len(self._theta) + column, weight * share)
+            for row, weight in _between(self._phi, phi)
+            for column, share in columns
+        ]
+
+
+def _between(nodes: np.ndarray, x: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+    """The two nodes around each x (N,), each with its weight."""
+    lower = np.clip(np.searchsorted(nodes, x) - 1, 0, len(nodes) - 2)
+    weight = np.clip((x - nodes[lower]) / (nodes[lower + 1] - nodes[lower]), 0, 1)
+    return [(lower, 1 - weight), (lower + 1, weight)]
 
 
 class BilinearGrid:

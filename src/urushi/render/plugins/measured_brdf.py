@@ -53,7 +53,10 @@ def define(base: type) -> type:
                 raise ParameterError(f"{self._where} has no filename; give a MERL or RGL file")
             self._filename = props["filename"]
             self.source = load_measured(resolve(self._filename))
-            self._reflector = self.source.tabulated.on(mi.Float)
+            try:
+                self._reflector = self.source.tabulated.on(mi.Float)
+            except ParameterError as error:
+                raise ParameterError(f"{self._where}: {error}") from error
 
         def _f(self, vertex, ctx, si, wo, active):
             channels = self._reflector.f(si.wi, wo)
