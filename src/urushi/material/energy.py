@@ -154,15 +154,23 @@ def limit_mean_albedo(
 
 def _mean_factors(model: Model, z: np.ndarray, ceiling: np.ndarray | float) -> np.ndarray:
     """The factors (N,) in (0, 1] that bring the mean albedo of codes (N, L) to a ceiling."""
-    cosines = albedo_rule(model.arch.widths).cosines
-    squares = cosines * cosines  # descending from one
-    widths = np.zeros_like(squares)
-    widths[:-1] += 0.5 * (squares[:-1] - squares[1:])
-    widths[1:] += 0.5 * (squares[:-1] - squares[1:])
-    widths[-1] += squares[-1]
+    widths = _diffuse_weights(albedo_rule(model.arch.widths))
     allowed = np.maximum(ceiling - top_albedos(model, z) @ widths, LEAST_REST)
     factors = allowed / np.maximum(rest_albedos(model, z) @ widths, LEAST_ALBEDO)
     return np.minimum(factors, 1).astype(np.float32)
+
+
+def _diffuse_weights(rule: AlbedoRule) -> np.ndarray:
+    """Weights (D,) of a rule's albedos in their mean over diffuse light.
+
+    They integrate by the square of the cosine, and average over the azimuths.
+    """
+    azimuths = int(np.count_nonzero(rule.cosines == 1))  # each begins at the normal
+    squares = np.square(rule.cosines).reshape(azimuths, -1)
+    steps = 0.5 * (squares[:, :-1] - squares[:, 1:])
+    weights = np.pad(steps, ((0, 0), (0, 1))) + np.pad(steps, ((0, 0), (1, 0)))
+    weights[:, -1] += squares[:, -1]
+    return weights.ravel() / azimuths
 
 
 def limit_coated_albedo(model: Model, z: np.ndarray, z_bottom: np.ndarray) -> np.ndarray:

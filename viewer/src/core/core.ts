@@ -51,7 +51,7 @@ export class NetworkCore implements Core {
     this.energy = new EnergyLimit(decoder, nothing);
     this.surfaces = new SurfaceEncoder(encoder, this.energy, nothing);
     const refinement = new Refinement(weights, activation, decoder, encoder, this.energy);
-    this.measured = new MeasuredEncoder(encoder, this.energy, refinement);
+    this.measured = new MeasuredEncoder(encoder, this.energy, refinement, nothing);
     this.evaluation = new Evaluation(decoder, new Sampler(weights, activation));
   }
 

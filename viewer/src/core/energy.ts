@@ -68,6 +68,34 @@ export class EnergyLimit {
     this.scaleBy(code, this.factor(code, ceiling));
   }
 
+  /** `limit` by the mean albedo over diffuse light, for a code that is anywhere above a ceiling. */
+  limitMean(code: Float32Array, ceiling: number): void {
+    if (this.factor(code, ceiling) >= 1) {
+      return;
+    }
+    const top = new Float64Array(this.rule.cosines.length);
+    this.lobeAlbedo.add(code, 0, top);
+    const allowed = Math.max(ceiling - this.diffuseMean(top), LEAST_REST);
+    const rest = Math.max(this.diffuseMean(this.restAlbedos(code)), LEAST_ALBEDO);
+    this.scaleBy(code, Math.min(allowed / rest, 1));
+  }
+
+  /** The mean over diffuse light of albedos (D): integrated by the square of the cosine. */
+  private diffuseMean(albedos: Float64Array): number {
+    const { cosines } = this.rule;
+    let sum = 0;
+    let azimuths = 0;
+    for (let d = 0; d < cosines.length; d++) {
+      const last = d + 1 === cosines.length || cosines[d + 1] === 1;
+      azimuths += cosines[d] === 1 ? 1 : 0;
+      const square = cosines[d] ** 2;
+      sum += last
+        ? square * albedos[d]
+        : 0.5 * (square - cosines[d + 1] ** 2) * (albedos[d] + albedos[d + 1]);
+    }
+    return sum / azimuths;
+  }
+
   /** `limit` for a coat over a bottom, whose albedo is the ceiling if it gains energy. */
   limitCoated(code: Float32Array, bottom: Float32Array): void {
     let factor = this.factor(code, 1 - MARGIN);

@@ -10,11 +10,16 @@ import { readMeasured, valuesAt } from "./measured/read";
 import { probeDirections } from "./probe_pairs";
 import { difference, lobeValues, type Refinement } from "./refinement";
 
+/** Shares of the light between which the rest of a source enters its anchor, as in Python. */
+const FAINT_REST = [0.03, 0.08];
+
 export class MeasuredEncoder {
+  /** @param nothing the rest that the encoder makes of none. */
   constructor(
     private readonly encoder: Encoder,
     private readonly energy: EnergyLimit,
     private readonly refinement: Refinement,
+    private readonly nothing: Float32Array,
   ) {}
 
   /**
@@ -45,11 +50,28 @@ export class MeasuredEncoder {
     const lobe = findLobe(encoder.pairs, probed);
     const own = new Float64Array(energy.rule.cosines.length);
     addAlbedos(energy.rule, difference(nodes, lobeValues(lobe, energy.rule.pairs)), own);
+    const rest = sum(own);
     energy.lobeAlbedo.add(lobe, 0, own);
+    const share = rest / Math.max(sum(own), Number.MIN_VALUE);
     const ceiling = energy.ceilingOf(own);
     const codes = this.refinement.refine(lobe, probed, nodes);
     energy.limit(codes.code, ceiling);
     energy.limit(codes.anchor, ceiling);
+    this.leaveOutFaintRest(codes.anchor, share);
     return codes;
   }
+
+  /** Make an anchor that of its lobe alone where the rest has a small share of the light. */
+  private leaveOutFaintRest(anchor: Float32Array, share: number): void {
+    const [low, high] = FAINT_REST;
+    const kept = Math.min(Math.max((share - low) / (high - low), 0), 1);
+    const lobe = anchor.length - this.nothing.length;
+    this.nothing.forEach((number, k) => {
+      anchor[lobe + k] = kept * anchor[lobe + k] + (1 - kept) * number;
+    });
+  }
+}
+
+function sum(numbers: Float64Array): number {
+  return numbers.reduce((a, b) => a + b, 0);
 }

@@ -73,7 +73,7 @@ export class SurfaceEncoder {
     addAlbedos(energy.rule, new Float64Array(energy.rule.weights.length).fill(value), own);
     // Anchors are never rendered. They are limited only where they would bring light into a coat.
     if (Math.max(...own) * excess > 1 - MARGIN) {
-      energy.limit(anchor, energy.peakCeiling(own));
+      energy.limitMean(anchor, energy.peakCeiling(own));
     }
     energy.limit(code, energy.ceilingOf(own));
     return { code, anchor };
