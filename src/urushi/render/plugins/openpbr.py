@@ -7,6 +7,7 @@ import mitsuba as mi
 
 from urushi.openpbr_surface import medium, roughness
 from urushi.render.plugins import openpbr_base, openpbr_surface
+from urushi.render.plugins.openpbr_compensation import Compensation
 from urushi.render.reading.openpbr_inputs import Inputs, derived
 
 
@@ -28,8 +29,9 @@ def define(proposal_bsdf: type):
         reference            boolean               Whether the coat is a random walk, the plugin
                                                    ``layered``, in place of ``neural_layered``.
                                                    (Default: false)
-        energy_compensation  boolean               Whether light that the coat's rough interface
-                                                   loses is given back. (Default: true)
+        energy_compensation  boolean               Whether light that the coated base loses is
+                                                   given back, so that a white twin reflects all.
+                                                   (Default: true)
         unsupported          string                "error" or "ignore": what happens where a
                                                    feature is asked for that is missing.
                                                    (Default: "error")
@@ -71,9 +73,9 @@ def define(proposal_bsdf: type):
         _warn_of_mirrors(inputs)
         base = coated = None
         if not inputs.is_constant("coat_weight", 1):
-            base = base_class(inputs, False, False)
+            base = base_class(inputs, False, False, False)
         if not inputs.is_constant("coat_weight", 0):
-            below = base_class(inputs, True, not reference)
+            below = base_class(inputs, True, not reference, compensated)
             coat = _coat(inputs, below, "layered" if reference else "neural_layered")
             if not reference:
                 coat |= {name: props[name] for name in ("resolution", "weights") if name in props}
@@ -81,7 +83,10 @@ def define(proposal_bsdf: type):
         for name in ("resolution", "weights"):
             if name in props:
                 props.mark_queried(name)
-        bsdf = surface_class(inputs, base, coated, compensated)
+        compensation = None
+        if compensated and coated is not None:
+            compensation = Compensation(inputs, not reference, str(props.get("weights", "")))
+        bsdf = surface_class(inputs, base, coated, compensation)
         if "geometry_normal" in inputs.maps:
             bsdf = mi.load_dict(
                 {"type": "normalmap", "normalmap": inputs.maps["geometry_normal"], "bsdf": bsdf}

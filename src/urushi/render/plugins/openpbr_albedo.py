@@ -1,5 +1,8 @@
 """The albedos of `openpbr_surface.interface_albedo` as Dr.Jit textures, and what they give back."""
 
+from collections.abc import Callable
+from typing import Any
+
 import drjit as dr
 import mitsuba as mi
 import numpy as np
@@ -61,7 +64,7 @@ class MirrorAlbedo:
         width = tables.roughness_coordinate(alpha, dr)
         ends = [1 - _read(self._albedo, [dr.safe_sqrt(c), width]) for c in (cos_i, cos_o)]
         mean = _read(self._mean, [width])
-        color = fresnel_mean * fresnel_mean * mean / (1 - fresnel_mean * (1 - mean))
+        color = self.multiple(fresnel_mean, alpha)
         # Where nothing is lost, the quotient is 0 / 0.
         return color * (ends[0] * ends[1] / dr.maximum(dr.pi * (1 - mean), 1e-6))
 
@@ -73,6 +76,14 @@ class MirrorAlbedo:
         """The cosine-weighted mean of `seen` over the hemisphere."""
         return _read(self._mean, [tables.roughness_coordinate(alpha, dr)])
 
+    def multiple(self, fresnel_mean, alpha):
+        """The albedo of light that facets of a mean Fresnel term reflect more than once.
+
+        Source: as of `lost`.
+        """
+        mean = self.seen_mean(alpha)
+        return fresnel_mean * fresnel_mean * mean / (1 - fresnel_mean * (1 - mean))
+
     def gain(self, alpha, f0):
         """The factor by which multiple scattering increases a lobe of reflectance f0.
 
@@ -81,6 +92,12 @@ class MirrorAlbedo:
         """
         mean = _read(self._mean, [tables.roughness_coordinate(alpha, dr)])
         return 1 + f0 * ((1 - mean) / mean)
+
+
+def interpolated(table: np.ndarray) -> Callable[[list], Any]:
+    """A table as a function of coordinates in [0, 1], the last axis first."""
+    texture = _texture(table)
+    return lambda at: _read(texture, at)
 
 
 def _texture(table: np.ndarray):

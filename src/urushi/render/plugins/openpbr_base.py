@@ -43,16 +43,17 @@ def define(base: type) -> type:
         reflects all light. A metal has the lobe of multiple scattering of Kulla and Conty 2017.
         """
 
-        def __init__(self, inputs: Inputs, under_coat: bool, encoded: bool):
+        def __init__(self, inputs: Inputs, under_coat: bool, encoded: bool, compensated: bool):
             """Take the parameters.
 
             under_coat: whether `coat_darkening` has an effect.
             encoded: whether networks encode it; see `INVERTED_BELOW`.
+            compensated: whether the coated base is completed, so that a metal's lobe is not scaled.
             """
             super().__init__(mi.Properties("openpbr_base"))
             self._inputs = inputs
             self._boosted = under_coat and not inputs.is_constant("coat_darkening", 1)
-            self._encoded = encoded
+            self._encoded, self._compensated = encoded, compensated
             self._film = None
             if not inputs.is_constant("thin_film_weight", 0):
                 self._film = FilmFresnel(inputs)
@@ -170,7 +171,8 @@ def define(base: type) -> type:
 
             Metal and dielectric share one width, so that their mixture is one lobe. The dip of a
             metal's Fresnel term at 82 degrees is left to the rest. A metal alone is scaled to the
-            energy of its multiple scattering (Turquin 2019).
+            energy of its multiple scattering (Turquin 2019), unless that is given back to the
+            coated base.
             """
             inputs, active = self._inputs, mi.Bool(True)
             share = inputs.number("base_metalness", si, active)
@@ -181,7 +183,7 @@ def define(base: type) -> type:
             tint, eta = inputs.color("specular_color", si, active), self._eta(si, active)
             scale = self._boost(si, color, eta, active) if self._boosted else mi.Spectrum(1)
             alpha = self._alpha(si, active)
-            if self.bare:
+            if self.bare and not self._compensated:
                 scale *= self._mirror.gain(_mean_width(alpha), color)
             if self._film:
                 color, eta = self._film.lobe_terms(eta, color, tint, si, active)
@@ -236,5 +238,5 @@ def define(base: type) -> type:
 
 
 def _mean_width(alpha):
-    """One width that stands for two in the albedos: their geometric mean."""
-    return dr.sqrt(alpha.u * alpha.v) if isinstance(alpha, Widths) else alpha
+    """One width that stands for two in the albedos: their mean."""
+    return 0.5 * (alpha.u + alpha.v) if isinstance(alpha, Widths) else alpha

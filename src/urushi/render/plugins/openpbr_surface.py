@@ -3,9 +3,9 @@
 import drjit as dr
 import mitsuba as mi
 
-from urushi.openpbr_surface import darkening, glossy, roughness, sheen
+from urushi.openpbr_surface import sheen
 from urushi.render.plugins.coats import Turn
-from urushi.render.plugins.openpbr_albedo import InterfaceAlbedo
+from urushi.render.plugins.openpbr_compensation import Compensation
 from urushi.render.reading.openpbr_inputs import Inputs
 
 #: Share of the fuzz and of the coat's compensation in what is sampled.
@@ -18,12 +18,12 @@ def define() -> type:
     class OpenPBRSurface(mi.BSDF):
         """Mixes BRDFs: (1 - coat_weight) base + coat_weight coated, and fuzz above both."""
 
-        def __init__(self, inputs: Inputs, base, coated, compensated: bool):
+        def __init__(self, inputs: Inputs, base, coated, compensation: Compensation | None):
             """Take the parts.
 
             base: the base in air; None where the coat covers everything.
             coated: the base under the coat; None without a coat.
-            compensated: whether light that the coat's rough interface loses is given back.
+            compensation: gives back what a coated white base loses; None: nothing does.
             """
             mi.BSDF.__init__(self, mi.Properties("openpbr"))
             flags = mi.BSDFFlags.GlossyReflection | mi.BSDFFlags.DiffuseReflection
@@ -32,7 +32,17 @@ def define() -> type:
             self._inputs, self._base, self._coated = inputs, base, coated
             self._turned = "geometry_tangent" in inputs.maps
             self._fuzz = not inputs.is_constant("fuzz_weight", 0)
-            self._compensation = CoatCompensation(inputs) if compensated and coated else None
+            self._compensation = compensation
+
+        @property
+        def inputs(self) -> Inputs:
+            """The parameters."""
+            return self._inputs
+
+        @property
+        def coated(self):
+            """The BSDF of the base under the coat; None without a coat."""
+            return self._coated
 
         def eval(self, ctx, si, wo, active=True):
             return self.eval_pdf(ctx, si, wo, active)[0]
@@ -52,14 +62,12 @@ def define() -> type:
             f_cos, pdf = mi.Spectrum(0), mi.Float(0)
             for part, weight in self._parts(si, active):
                 own, density = part.eval_pdf(ctx, si, wo, active)
+                if self._compensation and part is self._coated:
+                    own = self._compensation.completed(own, si, wo, active)
                 f_cos += weight * own
                 pdf += weight * density
             diffuse = self._diffuse_share()
             cosine = dr.maximum(wo.z, 0)
-            if self._compensation:
-                f_cos += (
-                    self._coat_weight(si, active) * cosine * self._compensation.f(si, wo, active)
-                )
             if self._fuzz:
                 f_cos = self._under_fuzz(f_cos, si, wo, active)
             pdf = (1 - diffuse) * pdf + diffuse * (cosine * dr.inv_pi)
@@ -134,50 +142,3 @@ def define() -> type:
             return "OpenPBR[\n  " + parts.replace("\n", "\n  ") + "\n]"
 
     return OpenPBRSurface
-
-
-class CoatCompensation:
-    """The light that the coat's rough interface loses, given back as a reciprocal lobe.
-
-    Facets of the interface scatter once. What a white Lambertian base under the same clear coat
-    does not reflect is known from the tables; it returns as
-    (1 - A(wi)) (1 - A(wo)) / (pi (1 - A_mean)), as in Kulla and Conty 2017, in the colour of the
-    coated base. Exact for a white diffuse base; a metal under the coat gets none of it.
-    """
-
-    def __init__(self, inputs: Inputs):
-        self._inputs = inputs
-        eta = None
-        if "coat_ior" in inputs.constants:
-            eta = float(roughness.interface_index(inputs.constants["coat_ior"]))
-        self._above = InterfaceAlbedo(eta)
-        self._below = InterfaceAlbedo(None if eta is None else 1 / eta)
-
-    def f(self, si, wo, active):
-        """The lobe [1/sr]."""
-        inputs = self._inputs
-        eta = dr.clip(inputs.number("coat_ior", si, active), 1.001, 3)
-        rough = inputs.number("coat_roughness", si, active)
-        alpha = roughness.lobe_width(rough, dr)
-        inside = self._above.passed_mean(alpha, eta) / (eta * eta)
-        inside = inside / (1 - self._below.reflected_mean(alpha, 1 / eta))
-
-        def lost(cosine):
-            reflected = self._above.reflected(cosine, alpha, eta)
-            kept = reflected + inside * self._above.passed(cosine, alpha, eta)
-            return dr.clip(1 - kept, 0, 1)
-
-        mean = self._above.reflected_mean(alpha, eta)
-        mean = 1 - mean - inside * self._above.passed_mean(alpha, eta)
-        share = lost(si.wi.z) * lost(wo.z) / dr.maximum(dr.pi * mean, 1e-5)
-        dielectric = 1 - inputs.number("base_metalness", si, active)
-        return self._color(si, eta, active) * (dielectric * share)
-
-    def _color(self, si, eta, active):
-        """Albedo at normal incidence of the base under a smooth coat."""
-        inputs = self._inputs
-        f0 = dr.square((eta - 1) / (eta + 1))
-        internal = glossy.internal_reflectance(1 - darkening.mean_fresnel(eta, dr), eta)
-        color = inputs.number("base_weight", si, active) * inputs.color("base_color", si, active)
-        color *= inputs.color("coat_color", si, active)
-        return f0 + (1 - f0) * glossy.promised(color, internal)

@@ -1,0 +1,151 @@
+"""The white furnace of a coated base: how much less than all light its white twin reflects."""
+
+from collections.abc import Callable
+from typing import Any
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from urushi.material import energy
+from urushi.material.albedo_rule import albedo_rule
+from urushi.render.plugins.openpbr_albedo import interpolated
+from urushi.render.reading import probing
+from urushi.render.reading.openpbr_inputs import Inputs
+
+#: The parameters that the table depends on where they are textures, and its nodes for each.
+ROUGHNESSES, NODES = ("coat_roughness", "specular_roughness"), 5
+
+#: Nodes of the table in the root of the cosine, samples for each of a walk, and the degree of the
+#: polynomial that smooths the noise.
+COSINES, SAMPLES, DEGREE = 17, 1 << 14, 5
+
+#: The parameters that the twin shares; where they are textures, it has their values in the middle
+#: of uv.
+_SHARED = (
+    *("base_diffuse_roughness", "specular_ior", "specular_roughness_anisotropy", "coat_ior"),
+    *("coat_roughness_anisotropy", *ROUGHNESSES),
+)
+
+
+class Furnace:
+    """What the white twin of a material does not reflect, a table; negative where it is too much.
+
+    The twin has a base, a specular and a coat colour of one, and is all metal or all dielectric.
+    """
+
+    def __init__(
+        self,
+        inputs: Inputs,
+        metalness: float,
+        encoded: bool,
+        weights: str,
+        known: Callable[..., Any] | None,
+    ):
+        """Measure the twin.
+
+        metalness: of the twin. encoded: whether networks layer the coat. weights: theirs.
+        known: of the twin's parameters, the part of the loss that is none of the table; its
+            method `lost` gives it at cosines.
+        """
+        self._inputs = inputs
+        self._varying = [name for name in ROUGHNESSES if name not in inputs.constants]
+        twin, uv = _twin(inputs, metalness, encoded, weights, self._varying)
+        with dr.suspend_grad():
+            measure = _encoded_losses if encoded else _sampled_losses
+            losses = measure(twin, uv)
+            if known is not None:
+                losses = losses - _known_losses(known(twin.inputs), uv)
+        losses = losses.reshape(*([NODES] * len(self._varying)), COSINES)
+        parts = np.maximum(losses, 0), np.maximum(-losses, 0)
+        self._lost, self._excess = (interpolated(part.astype(np.float32)) for part in parts)
+        root = np.linspace(0, 1, COSINES)
+        weight = 4 * root**3 / (COSINES - 1)  # of 2 cos dcos
+        weight[-1] /= 2
+        self._mean = interpolated((parts[0] @ weight).astype(np.float32)) if self._varying else None
+        self._constant_mean = float((parts[0] @ weight).mean())
+
+    def lobe(self, si, wo, active):
+        """The lobe [1/sr] of the light that is given back."""
+        at = self._at(si, active)
+        ends = [self._lost([dr.safe_sqrt(w.z), *at]) for w in (si.wi, wo)]
+        mean = mi.Float(self._constant_mean) if self._mean is None else self._mean(at)
+        return ends[0] * ends[1] / dr.maximum(dr.pi * mean, 1e-5)
+
+    def factor(self, si, wo, active):
+        """The factor on f, at most one, where the twin reflects more than all light."""
+        at = self._at(si, active)
+        ends = [1 + self._excess([dr.safe_sqrt(w.z), *at]) for w in (si.wi, wo)]
+        return dr.rsqrt(ends[0] * ends[1])
+
+    def _at(self, si, active) -> list:
+        """Coordinates in the table besides the cosine, its last axis first."""
+        return [self._inputs.number(name, si, active) for name in reversed(self._varying)]
+
+
+def _twin(
+    inputs: Inputs, metalness: float, encoded: bool, weights: str, varying: list[str]
+) -> tuple["mi.BSDF", np.ndarray]:
+    """The white twin, and the points of uv (N, 2) of the nodes of the table, by rows."""
+    si = dr.zeros(mi.SurfaceInteraction3f)
+    si.uv = mi.Point2f(0.5)
+    white = {"type": "rgb", "value": [1.0, 1.0, 1.0]}
+    shared = {name: inputs.number(name, si, mi.Bool(True)).numpy()[0] for name in _SHARED}
+    twin: dict[str, Any] = {name: float(value) for name, value in shared.items()}
+    nodes = np.linspace(0, 1, NODES, dtype=np.float32)
+    grid = np.meshgrid(*[nodes] * len(varying), indexing="ij") if varying else []
+    for name, values in zip(varying, grid, strict=True):
+        texels = np.atleast_2d(values)[..., None]
+        twin[name] = {
+            "type": "bitmap",
+            "bitmap": mi.Bitmap(np.ascontiguousarray(texels)),
+            "raw": True,
+            "filter_type": "nearest",
+            "wrap_mode": "clamp",
+        }
+    rows, columns = (1, 1) if not varying else np.atleast_2d(grid[0]).shape
+    v, u = np.meshgrid((np.arange(rows) + 0.5) / rows, (np.arange(columns) + 0.5) / columns)
+    uv = np.stack([u.T.ravel(), v.T.ravel()], axis=-1)
+    if encoded and weights:
+        twin["weights"] = weights
+    twin |= {"base_color": white, "base_metalness": metalness, "coat_weight": 1.0}
+    twin |= {"reference": not encoded, "energy_compensation": False}
+    return mi.load_dict({"type": "openpbr", **twin}), uv
+
+
+def _encoded_losses(twin: "mi.BSDF", uv: np.ndarray) -> np.ndarray:
+    """Losses (N, COSINES) of codes, by the rule of `urushi.material.energy`."""
+    neural = twin.coated
+    codes = np.ascontiguousarray(neural.latents.at(uv)[:, 0])
+    cosines = albedo_rule(neural.model.widths).cosines
+    albedos = energy.directional_albedos(neural.model, codes)
+    nodes = np.linspace(0, 1, COSINES) ** 2
+    return np.stack([1 - np.interp(nodes, cosines[::-1], row[::-1]) for row in albedos])
+
+
+def _sampled_losses(twin: "mi.BSDF", uv: np.ndarray) -> np.ndarray:
+    """Losses (N, COSINES) of a random walk, by its samples at an azimuth of 45 degrees."""
+    roots = np.linspace(0, 1, COSINES)[1:]
+    samples = max(SAMPLES // len(uv), 1 << 11)
+    index = np.arange(samples * len(roots))
+    losses = np.empty((len(uv), COSINES))
+    for row, point in enumerate(uv):
+        cosine = np.repeat(roots**2, samples)
+        sine = np.sqrt((1 - cosine**2) / 2)
+        si = probing.interaction(
+            np.stack([sine, sine, cosine], -1), np.tile(point, (len(index), 1)), index * 1.0
+        )
+        u = [((index + 0.5) * 1.2207440846057596**-k % 1).astype(np.float32) for k in (1, 2, 3)]
+        _, weight = twin.sample(mi.BSDFContext(), si, mi.Float(u[0]), mi.Point2f(u[1], u[2]))
+        reflected = np.broadcast_to(weight[0].numpy(), len(index)).reshape(len(roots), -1)
+        fit = np.polynomial.Polynomial.fit(roots, 1 - reflected.mean(axis=1), DEGREE)
+        losses[row] = fit(np.linspace(0, 1, COSINES))
+    return losses
+
+
+def _known_losses(known: Any, uv: np.ndarray) -> np.ndarray:
+    """The known losses (N, COSINES) at points of uv (N, 2)."""
+    cosine = np.tile(np.linspace(0, 1, COSINES, dtype=np.float32) ** 2, len(uv))
+    si = probing.interaction(np.tile([0.0, 0.0, 1.0], (len(cosine), 1)), np.repeat(uv, COSINES, 0))
+    lost = known.lost(mi.Float(cosine), si, mi.Bool(True)).numpy()
+    return np.broadcast_to(lost, len(cosine)).reshape(len(uv), COSINES)
