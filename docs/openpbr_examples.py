@@ -50,7 +50,7 @@ def parts(path: Path) -> tuple[str, str]:
 def outcome(description: dict) -> str:
     """What the plugin does with a description: it renders it, or says what it does not have."""
     try:
-        mi.load_dict(description)
+        mi.load_dict(urushi.openpbr(**description).on({"type": "sphere"}))
     except RuntimeError as error:  # Mitsuba's, around the plugin's own sentence
         sentence = str(error).strip().splitlines()[-1]
         asked = re.search(r"(\w+) asks for ([\w -]+), which", sentence)

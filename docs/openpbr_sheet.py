@@ -19,7 +19,7 @@ from urushi.errors import UrushiWarning
 SIZE, COLUMNS, SAMPLES = 128, 8, 64
 
 
-def sphere(bsdf: dict) -> np.ndarray:
+def sphere(surface: urushi.OpenPBR) -> np.ndarray:
     """The picture (SIZE, SIZE, 3) of a sphere under a lamp and even light, linear sRGB."""
     look = mi.ScalarTransform4f().look_at([0, 1, 4], [0, 0, 0], [0, 1, 0])
     lamp = {"type": "area", "radiance": {"type": "rgb", "value": 12.0}}
@@ -34,7 +34,7 @@ def sphere(bsdf: dict) -> np.ndarray:
         },
         "sky": {"type": "constant", "radiance": {"type": "rgb", "value": 0.3}},
         "lamp": {"type": "sphere", "center": [3, 5, 4], "radius": 1.0, "emitter": lamp},
-        "object": {"type": "sphere", "bsdf": bsdf},
+        "object": surface.on({"type": "sphere"}),
     }
     return np.array(mi.render(mi.load_dict(scene), spp=SAMPLES))[..., :3]
 
@@ -45,9 +45,9 @@ def main(folder: Path, picture: Path) -> None:
     for path in sorted(folder.glob("*.mtlx")):
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", UrushiWarning)  # colours outside of sRGB
-            bsdf = urushi.load_materialx(path)
+            surface = urushi.openpbr(**urushi.load_materialx(path))
         try:
-            pictures.append(sphere(bsdf))
+            pictures.append(sphere(surface))
             print(path.stem)
         except RuntimeError as error:  # Mitsuba's, around the plugin's own sentence
             print(f"{path.stem}: refused: {str(error).strip().splitlines()[-1]}")
