@@ -15,6 +15,7 @@ from urushi.app.commands.data import Data
 from urushi.app.commands.encode import Encode
 from urushi.app.commands.export import Export
 from urushi.app.commands.layer import Layer, Sheet
+from urushi.app.commands.openpbr_check import OpenPBRCheck
 from urushi.app.commands.render import Render, Scenes
 from urushi.app.commands.simulate import Simulate
 from urushi.app.commands.train import Evaluate, Train
@@ -49,6 +50,7 @@ COMMANDS: dict[str, tuple[type, str]] = {
         "Write a material as code: GLSL, WGSL, HLSL, Slang, OSL, Python.",
     ),
     "convert": (Convert, "Write a material of a MaterialX document as a Mitsuba scene."),
+    "openpbr-check": (OpenPBRCheck, "Compare implementations of OpenPBR with random walks."),
     "view": (View, "Coat a material by hand, on a page in the browser."),
     "data": (Data, "Simulate training data, or show a store of them."),
     "train": (Train, "Train networks."),

@@ -25,6 +25,9 @@ INDICES = ("specular_ior", "coat_ior", "coat_weight", "specular_weight")
 #: bright slab.
 INVERTED_BELOW = 0.3
 
+#: Least cosine of light in the slab below an interface that reflects totally.
+LEAST_COSINE = 0.1
+
 #: The parameters that the base reads.
 NAMES = (
     *("base_weight", "base_color", "base_diffuse_roughness", "base_metalness"),
@@ -116,8 +119,15 @@ def define(base: type) -> type:
             internal = dr.clip(glossy.internal_reflectance(mean, eta), 0, 0.999)
             rho = glossy.slab_albedo(color, internal)
             # The first reflection by the slab, along the refracted directions.
-            inside = [dr.safe_sqrt(1 - (1 - w.z * w.z) / (eta * eta)) for w in (si.wi, wo)]
+            # Beyond total reflection, what rough facets pass runs close to the slab. Its cosine has
+            # a bound, because the BRDF of the slab has none where both directions are at grazing.
+            least = dr.select(eta < 1, LEAST_COSINE * LEAST_COSINE, 0)
+            inside = [
+                dr.sqrt(dr.maximum(1 - (1 - w.z * w.z) / (eta * eta), least)) for w in (si.wi, wo)
+            ]
+            most = dr.safe_sqrt((1 - dr.square(inside[0])) * (1 - dr.square(inside[1])))
             along = (si.wi.x * wo.x + si.wi.y * wo.y) / (eta * eta)
+            along = dr.clip(along, -most, most)
             cosines = eon.Cosines(inside[0], inside[1], along + inside[0] * inside[1])
             f = eon.f(cosines, rho, rough, dr)
             # Later ones: light that the interface returns is diffuse.
