@@ -11,6 +11,7 @@ from urushi import paper, platform
 from urushi.version import __version__
 
 if TYPE_CHECKING:
+    from urushi.app.notebook import show
     from urushi.material.encode import encode
     from urushi.material.layer import layer
     from urushi.material.lerp import lerp
@@ -39,6 +40,7 @@ __all__ = [
     "load_measured",
     "openpbr",
     "save_materialx",
+    "show",
     "simulate",
 ]
 
@@ -49,6 +51,7 @@ def __getattr__(name: str) -> Any:
         raise AttributeError(f"module 'urushi' has no attribute '{name}'")
     platform.require_drjit()
     paper.register()
+    from urushi.app.notebook import show
     from urushi.material import Material, encode, layer, lerp, load
     from urushi.material.material import register_picture
     from urushi.materialx.writer import save_materialx
@@ -60,7 +63,7 @@ def __getattr__(name: str) -> Any:
     register_picture(_picture)
     public = (Material, encode, layer, lerp, load, load_measured, simulate)
     described = (Stack, coat, conductor, dielectric, diffuse)
-    documents = (load_materialx, save_materialx, OpenPBR, openpbr)
+    documents = (load_materialx, save_materialx, OpenPBR, openpbr, show)
     globals().update({value.__name__: value for value in (*public, *described, *documents)})
     return globals()[name]
 

@@ -2,6 +2,7 @@
 
 import { effect } from "@preact/signals";
 import { render } from "preact";
+import { isDocument } from "./engine/files";
 import { acceptDrops } from "./engine/open";
 import { begin, ownEnvironment } from "./engine/session";
 import { fromAddress, toAddress } from "./state/address";
@@ -20,11 +21,12 @@ function readAddress(): void {
   });
 }
 
-// The address follows the state, but not at every step of a slider.
+// The address follows the state, but not at every step of a slider. A document in a frame has none.
 let written = location.hash;
 let timer = 0;
 effect(() => {
   const present = state.value;
+  if (isDocument()) return;
   clearTimeout(timer);
   timer = window.setTimeout(() => {
     written = `#${toAddress(present)}`;

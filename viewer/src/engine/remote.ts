@@ -4,6 +4,7 @@ import type { Stack } from "../core/api";
 import { RemoteCore } from "../core/client";
 import { isAnisotropic } from "../material/material";
 import { Refusal } from "../refusal";
+import { readFile, startWorker } from "./files";
 
 /** What the page needs of the core. */
 export type PageCore = Pick<
@@ -58,8 +59,8 @@ export class Cores {
  *
  * @throws Refusal if they cannot be loaded.
  */
-export async function connect(weights = WEIGHTS): Promise<PageCore> {
-  const worker = new Worker(new URL("../core/worker.ts", import.meta.url), { type: "module" });
+export async function connect(path = WEIGHTS): Promise<PageCore> {
+  const worker = await startWorker();
   const core = new RemoteCore(worker);
   const broken = new Promise<never>((_resolve, reject) => {
     const refusal = new Refusal(
@@ -67,9 +68,8 @@ export async function connect(weights = WEIGHTS): Promise<PageCore> {
     );
     worker.addEventListener("error", () => reject(refusal));
   });
-  const answer = await fetch(weights);
-  if (!answer.ok)
-    throw new Refusal(`The networks are missing beside the page (${weights}: ${answer.status}).`);
-  await Promise.race([core.load(await answer.arrayBuffer()), broken]);
+  const weights = await readFile(path);
+  if (weights === null) throw new Refusal(`The networks are missing beside the page (${path}).`);
+  await Promise.race([core.load(weights.buffer), broken]);
   return core;
 }

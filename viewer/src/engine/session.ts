@@ -14,6 +14,7 @@ import type { Scene } from "../save/scene";
 import { readState } from "../state/read";
 import { announcement, begunWith, look, notice, state } from "../state/store";
 import { type Shown, Slot } from "./engine";
+import { readFile } from "./files";
 import { Cores, connect } from "./remote";
 import { keepTexture, textures } from "./textures";
 
@@ -191,14 +192,14 @@ export async function begin(addressed: boolean): Promise<void> {
 
 /** The file beside the page that describes its first material; it may be missing. */
 async function readStart(): Promise<object> {
-  const answer = await fetch("start.json");
-  return answer.ok ? ((await answer.json()) as object) : {};
+  const bytes = await readFile("start.json");
+  return bytes === null ? {} : (JSON.parse(new TextDecoder().decode(bytes)) as object);
 }
 
 async function readBytes(path: string): Promise<Uint8Array<ArrayBuffer>> {
-  const answer = await fetch(path);
-  if (!answer.ok) throw new Refusal(`The file ${path} is missing beside the page.`);
-  return new Uint8Array(await answer.arrayBuffer());
+  const bytes = await readFile(path);
+  if (bytes === null) throw new Refusal(`The file ${path} is missing beside the page.`);
+  return bytes;
 }
 
 /** What a slot shows of a material; null if its texture was not opened. */

@@ -3,6 +3,7 @@
 import type { Material } from "../core/api";
 import { CHANNELS } from "../core/channels";
 import type { Widths } from "../core/features";
+import { readFile } from "../engine/files";
 import type { CodeTexture, LinearNumber } from "../material/texture";
 import { Refusal } from "../refusal";
 
@@ -28,10 +29,9 @@ const COLOURS = ["red", "green", "blue"];
  */
 export async function readTemplate(language: Language, widths: Widths = 1): Promise<string> {
   const path = `shaders/${widths === 1 ? "" : "anisotropic/"}${language}.txt`;
-  const answer = await fetch(path);
-  if (!answer.ok)
-    throw new Refusal(`The shader code is missing beside the page (${path}: ${answer.status}).`);
-  return answer.text();
+  const bytes = await readFile(path);
+  if (bytes === null) throw new Refusal(`The shader code is missing beside the page (${path}).`);
+  return new TextDecoder().decode(bytes);
 }
 
 /**

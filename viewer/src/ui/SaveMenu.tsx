@@ -1,6 +1,7 @@
 /** What the page writes: pictures, descriptions, and its address. */
 
 import type { Material } from "../core/api";
+import { isDocument } from "../engine/files";
 import { materialFile } from "../engine/material_file";
 import type { PageCore } from "../engine/remote";
 import { type Session, session } from "../engine/session";
@@ -101,15 +102,16 @@ const KINDS: readonly Kind[] = [
     hint: "JSON, to open here again",
     save: (name) => download(`${name}.json`, textBlob(toJson(state.value, 2))),
   },
-  {
-    label: "Copy the address",
-    hint: "it holds the whole state",
-    save: async () => {
-      await navigator.clipboard.writeText(location.href);
-      announcement.value = "The address was copied.";
-    },
-  },
 ];
+
+const ADDRESS: Kind = {
+  label: "Copy the address",
+  hint: "it holds the whole state",
+  save: async () => {
+    await navigator.clipboard.writeText(location.href);
+    announcement.value = "The address was copied.";
+  },
+};
 
 const LANGUAGE_NAMES = Object.keys(LANGUAGES) as Language[];
 
@@ -133,7 +135,7 @@ export function SaveMenu({ onDone }: { onDone: () => void }) {
   };
   return (
     <ul>
-      {KINDS.map((kind) => (
+      {(isDocument() ? KINDS : [...KINDS, ADDRESS]).map((kind) => (
         <li key={kind.label}>
           <button type="button" onClick={() => void run(kind.save)}>
             <span>{kind.label}</span>

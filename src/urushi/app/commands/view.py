@@ -25,7 +25,8 @@ class View:
     """Open a page in the browser: coat a material by hand, and see it at once.
 
     The page is served to this machine alone, until Ctrl-C. It computes in the browser and asks
-    nothing else of any server. With --output it is written into a folder for a web server instead.
+    nothing else of any server. With --output it is written into a folder for a web server instead,
+    or into one document that a browser opens by itself.
 
     Example: urushi view "coat(conductor(0.2, r0=(0.98, 0.77, 0.34)), alpha=0.05, sigma_t=0.3)"
 
@@ -34,6 +35,8 @@ class View:
     Example: urushi view scene.xml#varnish
 
     Example: urushi view -o site
+
+    Example: urushi view lacquer.safetensors -o lacquer.html
     """
 
     material: tyro.conf.Positional[str | None] = None
@@ -41,7 +44,7 @@ class View:
     measured BRDF (MERL or RGL), or a BSDF of a Mitsuba scene file, SCENE.xml#ID. Default: one of
     the page's own."""
     output: Annotated[Path | None, tyro.conf.arg(aliases=["-o"])] = None
-    """Folder to write the page into, instead of serving it."""
+    """Folder to write the page into, instead of serving it; or a single document (.html)."""
     port: int = 0
     """Port to serve it at. Default: a free one."""
     no_browser: bool = False
@@ -50,6 +53,7 @@ class View:
     """Weights file of the networks. Default: the shipped ones."""
 
     def run(self) -> int:
+        from urushi.app.page_document import page_document
         from urushi.app.page_files import page_files
         from urushi.nets.weights import find
 
@@ -57,9 +61,12 @@ class View:
         files = page_files(find(self.weights), shown)
         if self.output is None:
             self._serve(files)
+            return 0
+        if self.output.suffix == ".html":
+            write({self.output.name: page_document(files).encode()}, self.output.parent)
         else:
             write(files, self.output)
-            print(self.output)
+        print(self.output)
         return 0
 
     def _serve(self, files: dict[str, bytes]) -> None:

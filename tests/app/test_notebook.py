@@ -1,0 +1,103 @@
+"""The page as one document: it asks for nothing, and holds what the page's files hold."""
+
+import base64
+import gzip
+import hashlib
+import html
+import json
+import re
+
+import numpy as np
+import pytest
+
+import urushi
+from urushi.app import cli, page_files
+from urushi.app.page_document import page_document
+from urushi.errors import FileError, ParameterError
+from urushi.material import Material
+from urushi.nets import weights
+
+
+@pytest.fixture(autouse=True)
+def short_shaders(monkeypatch):
+    """Shader code is tested elsewhere, and printing it takes seconds."""
+    monkeypatch.setattr(page_files, "shader_files", lambda model: {"shaders/glsl.txt": b"// f"})
+
+
+def packed(document):
+    """The files in a document by their paths."""
+    found = re.search(r'<script type="application/json" id="files">(.*?)</script>', document)
+    return {
+        path: gzip.decompress(base64.b64decode(text)) for path, text in json.loads(found[1]).items()
+    }
+
+
+def start(document):
+    return json.loads(packed(document)["start.json"])["materials"][0]
+
+
+def test_a_document_holds_the_files_and_asks_for_none(untrained):
+    files = page_files.page_files(weights.default_model(), None)
+    document = page_document(files)
+    assert not re.search(r"<(script|link|img)[^>]*\s(src|href)=", document)
+    for path, content in packed(document).items():
+        assert content == files[path]
+    assert {"weights.safetensors", "assets/worker.js", "shaders/glsl.txt"} <= set(packed(document))
+
+
+def test_its_policy_allows_its_own_script_and_style(untrained):
+    document = page_document(page_files.page_files(weights.default_model(), None))
+    policy = re.search(r'content="(default-src[^"]*)"', document)[1]
+    for kind, pattern in (
+        ("script", r'<script type="module">(.*)</script>'),
+        ("style", r"<style>(.*?)</style>"),
+    ):
+        text = re.search(pattern, document, re.DOTALL)[1]
+        digest = base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
+        assert f"{kind}-src 'sha256-{digest}';" in policy
+    assert "connect-src" not in policy  # nothing, by default-src
+    assert policy.startswith("default-src 'none';")
+
+
+def test_another_form_of_the_page_is_refused(untrained):
+    files = page_files.page_files(weights.default_model(), None)
+    with pytest.raises(FileError, match="make viewer"):
+        page_document(files | {"index.html": b"<!doctype html>"})
+    with pytest.raises(FileError, match="make viewer"):
+        page_document(files | {"assets/index.js": b"'</script>'"})
+
+
+def test_the_command_writes_one_document(untrained, tmp_path, capsys):
+    path = tmp_path / "clay.html"
+    assert cli.main(["view", "diffuse(0.5)", "-o", str(path)]) == 0
+    assert capsys.readouterr().out == f"{path}\n"
+    assert start(path.read_text())["bottom"] == {"kind": "diffuse", "reflectance": 0.5}
+
+
+def test_a_notebook_shows_a_frame_with_the_document(untrained):
+    page = urushi.show(urushi.diffuse(0.5), height=500)
+    frame = re.fullmatch(r'<iframe ([^>]*)srcdoc="([^"]*)"></iframe>', page._repr_html_())
+    assert html.unescape(frame[2]) == page.document
+    assert 'height="500"' in frame[1]
+    assert start(page.document)["bottom"] == {"kind": "diffuse", "reflectance": 0.5}
+
+
+def test_a_material_is_shown_by_its_codes(untrained, tmp_path):
+    material = urushi.encode(urushi.conductor(0.2, r0=(0.9, 0.7, 0.3)))
+    shown = start(urushi.show(material).document)
+    assert np.array_equal(shown["bottom"]["latents"], material.latents.ravel())
+    material.save(tmp_path / "gold.safetensors")
+    read = start(urushi.show(str(tmp_path / "gold.safetensors")).document)
+    assert read == shown | {"name": "gold"}
+
+
+def test_what_a_notebook_cannot_show(untrained):
+    model = weights.default_model()
+    codes = np.tile(urushi.encode(urushi.diffuse(0.5)).latents[:1], (2, 1))
+    with pytest.raises(ParameterError, match="has 2 channels"):
+        urushi.show(Material(codes, model))
+    many = urushi.diffuse(0.5)
+    for _ in range(page_files.MOST_COATS + 1):
+        many = urushi.coat(many)
+    with pytest.raises(ParameterError, match=r"give urushi\.encode of it"):
+        urushi.show(many)
