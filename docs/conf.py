@@ -24,7 +24,9 @@ extensions = [
 ]
 exclude_patterns = ["cookbook/stage", "notebooks"]
 nitpicky = True
-nitpick_ignore_regex = [("py:.*", r"(numpy|npt|np|os|mi|collections|urushi\.\w+)\..*|ArrayLike|Model|Weights")]
+nitpick_ignore_regex = [
+    ("py:.*", r"(numpy|npt|np|os|mi|collections|urushi\.\w+)\..*|ArrayLike|Model|Weights")
+]
 suppress_warnings = ["myst.xref_missing_file"]  # links to files of the repository
 
 default_role = "code"
