@@ -137,8 +137,8 @@ def _with_method(node: dict[str, Any], method: str) -> dict[str, Any]:
 def _principled(coat: dict[str, Any]) -> dict[str, Any]:
     """A principled BSDF with as many textures as a coat and its bottom have, at most three."""
     maps = list(_bitmaps(coat))
-    colours = [node for node in maps if node is not coat["sigma_t"]][:1] * len(maps)
-    constant = {"base_color": coat["albedo"], "metallic": 0.5, "clearcoat": 1.0}
+    colours = [node for node in maps if node is not coat.get("sigma_t")][:1] * len(maps)
+    constant = {"base_color": coat.get("albedo", 0.5), "metallic": 0.5, "clearcoat": 1.0}
     return {
         "type": PRINCIPLED,
         "roughness": coat["alpha"],
