@@ -21,7 +21,7 @@ PAIRS, SEED = 300, 20260
 
 #: Walks of a pair in one evaluation, evaluations of the pilot run, and greatest number of
 #: evaluations. The pilot run tells how many give the `ERROR`, E of one standard error.
-WALKS, PILOT, MOST_ROUNDS, ERROR = 1024, 2, 64, 0.006
+WALKS, PILOT, MOST_ROUNDS, ERROR = 1024, 2, 64, 0.004
 
 _KIND = "conformance"
 _VERSION = 1
