@@ -4,7 +4,7 @@ READY := .venv/.ready
 PYTEST := .venv/bin/pytest --numprocesses auto --dist loadfile --no-loadscope-reorder
 
 .PHONY: demo test test-slow test-all lint check-wheel docs cookbook tutorial notebook thumbnails \
-    measured-pictures set-up format clean viewer test-web
+    measured-pictures figures set-up format clean viewer test-web
 
 demo: $(READY)
 	.venv/bin/urushi demo
@@ -64,6 +64,13 @@ measured-pictures: $(READY)
 	.venv/bin/urushi encode $(MATERIALS:%=docs/materials.xml#%) -o out/materials --report out/materials/report
 	cp out/materials/report/car-paint.png docs/images/encode_report.png
 	.venv/bin/urushi sheet $(MATERIALS:%=out/materials/%.safetensors) --rows 5 -o docs/images/sheet.jpg
+
+# Results and pictures of all folders of figures/; finished parts in out/figures are kept.
+figures: $(READY)
+	for folder in figures/figure_*; do \
+	    name=$$(basename $$folder); \
+	    .venv/bin/python -m figures.$$name.compute && .venv/bin/python -m figures.$$name.plot || exit; \
+	done
 
 # Builds the page of `urushi view` into the package; using it needs no Node, building it does.
 viewer: viewer/node_modules/.ready

@@ -1,0 +1,1 @@
+"""Stacks of two to six interfaces; after Figure 8 of Fan et al. 2022."""

@@ -1,0 +1,57 @@
+"""Parts of a figure's results: computed once, kept in files, collected for the plot."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from tqdm import tqdm
+
+from urushi.files import atomic_write
+
+#: Resamples of a bootstrap interval, and its coverage.
+RESAMPLES, COVERAGE = 10_000, 0.95
+
+
+def collect(folder: Path, parts: dict[str, Callable[[], Any]]) -> dict[str, Any]:
+    """Results of all parts; those with a file `NAME.json` in the folder are read from it.
+
+    A run that is stopped loses the part in progress alone. Delete a file to compute it again.
+
+    Args:
+        folder: where the files are; it is made.
+        parts: by name, a function that returns JSON values.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    results = {}
+    for name, compute in tqdm(parts.items(), desc=folder.name, unit="part", disable=None):
+        path = folder / f"{name}.json"
+        if not path.is_file():
+            text = json.dumps(compute())
+            with atomic_write(path) as temporary:
+                temporary.write_text(text + "\n")
+        results[name] = json.loads(path.read_text())
+    return results
+
+
+def write(path: Path, results: Any) -> None:
+    """Write a figure's results as JSON."""
+    text = json.dumps(results, indent=1)
+    with atomic_write(path) as temporary:
+        temporary.write_text(text + "\n")
+
+
+def interval(values: np.ndarray, seed: int = 0) -> tuple[float, float]:
+    """Bootstrap interval of a mean, at `COVERAGE` (Efron 1979, percentile method)."""
+    values = np.asarray(values, float)
+    rng = np.random.default_rng(seed)
+    means = values[rng.integers(len(values), size=(RESAMPLES, len(values)))].mean(axis=1)
+    low, high = np.percentile(means, 50 * np.array([1 - COVERAGE, 1 + COVERAGE]))
+    return float(low), float(high)
+
+
+def rounded(values: np.ndarray, digits: int = 4) -> list:
+    """Values as nested lists of few significant digits, which keep committed files small."""
+    flat = [float(f"{x:.{digits}g}") for x in np.asarray(values, float).ravel()]
+    return np.array(flat).reshape(np.shape(values)).tolist()

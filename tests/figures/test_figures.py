@@ -1,0 +1,69 @@
+"""Figures: parts are kept and continued, intervals cover, and stored results can be drawn."""
+
+import json
+
+import numpy as np
+import pytest
+from figures import results
+from figures.figure_8 import compute, plot
+
+from urushi.nets.weights import default_model
+
+
+def test_finished_parts_are_read_and_not_computed_again(tmp_path):
+    calls = []
+
+    def part(name, fail=False):
+        calls.append(name)
+        if fail:
+            raise RuntimeError("stopped")
+        return {"name": name}
+
+    parts = {"first": lambda: part("first"), "second": lambda: part("second", fail=True)}
+    with pytest.raises(RuntimeError):
+        results.collect(tmp_path, parts)
+    parts["second"] = lambda: part("second")
+    found = results.collect(tmp_path, parts)
+    assert calls == ["first", "second", "second"]
+    assert found == {"first": {"name": "first"}, "second": {"name": "second"}}
+
+
+def test_the_interval_covers_the_mean_as_often_as_it_says():
+    # 400 samples of 40 normal numbers: the share has a standard error of 1.1 %, and the percentile
+    # method is short by about 1 % at this size.
+    rng = np.random.default_rng(3)
+    draws = rng.normal(size=(400, 40))
+    inside = [low <= 0 <= high for low, high in map(results.interval, draws)]
+    assert results.COVERAGE - 0.045 < np.mean(inside) < results.COVERAGE + 0.033
+
+
+def test_rounded_keeps_shape_and_digits():
+    values = np.array([[1.23456, 0.000123456], [123456, 0]])
+    np.testing.assert_allclose(results.rounded(values, 3), values, rtol=5e-3)
+    assert np.shape(results.rounded(values)) == values.shape
+
+
+def test_the_committed_results_are_of_the_shipped_weights_and_complete():
+    found = json.loads((compute.FOLDER / "results.json").read_text())
+    assert found["weights"] == default_model().fingerprint
+    for n in compute.INTERFACES:
+        for name in plot.METHODS:
+            values = np.array(found[f"interfaces_{n}"][name])
+            assert values.shape == (compute.STACKS,) and (values > 0).all()
+        assert max(found[f"interfaces_{n}"]["reference"]) < 0.004
+    lobes = found["lobes"]
+    assert np.shape(lobes["walk"]) == (len(compute.INTERFACES), len(compute.OUTGOING))
+
+
+def test_networks_stay_near_the_walk_for_a_new_computation():
+    lobes = compute.lobes(walks=1 << 10)
+    walk, se, networks = (np.array(lobes[name]) for name in ("walk", "se", "networks"))
+    # The mean of 430 values: noise of the walk, and 3 % for the networks.
+    error = np.abs(networks - walk).sum() / walk.sum()
+    assert error < 0.03 + se.sum() / walk.sum()
+
+
+def test_the_docs_show_the_table_of_the_results():
+    found = json.loads((compute.FOLDER / "results.json").read_text())
+    page = (compute.FOLDER.parents[1] / "docs" / "figures.md").read_text()
+    assert "\n".join(plot.table(found)) in page
