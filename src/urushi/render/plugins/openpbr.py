@@ -47,7 +47,8 @@ def define(proposal_bsdf: type):
         it in ``twosided`` for both sides.
 
         Where the coat's index exceeds the base's, light in the coat is reflected totally by the
-        base. Networks take the inverse ratio below a specular_roughness of 0.3.
+        base. Networks take the inverse ratio below a specular_roughness of 0.3, and a
+        base_diffuse_roughness of at most 0.5.
 
         .. tabs::
             .. code-tab:: xml

@@ -25,6 +25,10 @@ INDICES = ("specular_ior", "coat_ior", "coat_weight", "specular_weight")
 #: bright slab.
 INVERTED_BELOW = 0.3
 
+#: Greatest base_diffuse_roughness that networks encode. They have not learned what scatters further
+#: back, and darken it by up to 25 %; a coat hides most of the difference.
+ENCODED_DIFFUSE_ROUGHNESS = 0.5
+
 #: Least cosine of light in the slab below an interface that reflects totally.
 LEAST_COSINE = 0.1
 
@@ -50,7 +54,8 @@ def define(base: type) -> type:
             """Take the parameters.
 
             under_coat: whether `coat_darkening` has an effect.
-            encoded: whether networks encode it; see `INVERTED_BELOW`.
+            encoded: whether networks encode it; see `INVERTED_BELOW` and
+                `ENCODED_DIFFUSE_ROUGHNESS`.
             compensated: whether the coated base is completed, so that a metal's lobe is not scaled.
             """
             super().__init__(mi.Properties("openpbr_base"))
@@ -116,6 +121,8 @@ def define(base: type) -> type:
             if self._inputs.is_constant("base_diffuse_roughness", 0):
                 return color * (passed * dr.inv_pi / mean)
             rough = self._inputs.number("base_diffuse_roughness", si, active)
+            if self._encoded:
+                rough = dr.minimum(rough, ENCODED_DIFFUSE_ROUGHNESS)
             internal = dr.clip(glossy.internal_reflectance(mean, eta), 0, 0.999)
             rho = glossy.slab_albedo(color, internal)
             # The first reflection by the slab, along the refracted directions.
