@@ -5,6 +5,7 @@ import pytest
 
 from urushi.errors import ParameterError
 from urushi.geometry.direction_sets import cosine_pairs
+from urushi.physics import fresnel
 from urushi.reference import analytic, coat, conductor, dielectric, diffuse
 from urushi.reference.monte_carlo import backend
 from urushi.reference.table import from_stack
@@ -37,6 +38,21 @@ def test_smooth_lobes_pass_within_the_critical_angle_only() -> None:
     # The critical cosine of the index 1.5 is 0.745; interpolation blurs the edge by a node.
     share = belcour_tables.transmitted_share(lanes([0.5, 0.95]), lanes(0.0), lanes(1 / 1.5))
     np.testing.assert_allclose(share.numpy(), [0, 1], atol=1e-5)
+
+
+@pytest.mark.parametrize("eta, k", [(0.2, 3.9), (1.0, 6.4), (3.1, 3.3)])
+def test_the_tabulated_mean_of_metals_is_that_over_facets(eta: float, k: float) -> None:
+    # The bound that `layered_belcour` states; the exact mean has the same 144 facets.
+    places = np.random.default_rng(0).uniform([[0.05], [0.01]], 1, (2, 4000))
+    cos, alpha = (lanes(x) for x in places)
+
+    def metal(cosine) -> object:
+        return fresnel.conductor(cosine, lanes(eta), lanes(k))
+
+    exact = belcour_tables.mean_over_facets(lambda wo, cosine: metal(cosine), cos, alpha)
+    values = [metal(lanes(x)) for x in belcour_tables.FACET_COSINES]
+    found = belcour_tables.mean_of_values(values, cos, alpha)
+    np.testing.assert_allclose(found.numpy(), exact.numpy(), atol=0.01)
 
 
 def test_width_inverts_variance() -> None:

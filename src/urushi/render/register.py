@@ -7,7 +7,15 @@ import mitsuba as mi
 from urushi import platform
 from urushi.errors import PlatformError
 
-PLUGINS = ("layered", "neural_layered", "neural_brdf", "measured_brdf", "openpbr", "materialx")
+PLUGINS = (
+    "layered",
+    "neural_layered",
+    "neural_brdf",
+    "measured_brdf",
+    "openpbr",
+    "materialx",
+    "layered_belcour",
+)
 
 _registered = False
 
@@ -47,6 +55,7 @@ def _on_variant(old: str | None, new: str) -> None:
     from urushi.render.plugins import (
         base,
         layered,
+        layered_belcour,
         materialx,
         measured_brdf,
         neural_brdf,
@@ -63,6 +72,7 @@ def _on_variant(old: str | None, new: str) -> None:
     mi.register_bsdf("measured_brdf", measured_brdf.define(proposal_bsdf))
     mi.register_bsdf("openpbr", openpbr.define(proposal_bsdf))
     mi.register_bsdf("materialx", materialx.define())
+    mi.register_bsdf("layered_belcour", layered_belcour.define(proposal_bsdf))
     emission = openpbr_emission.define()
     mi.register_emitter("openpbr_emission", lambda props: emission(props))
 

@@ -15,6 +15,7 @@ paper does not have, reflects a Lambertian lobe. As in the ports, the refraction
 the angle, and reflectances from both sides of an interface are equal.
 """
 
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import drjit as dr
@@ -22,7 +23,7 @@ import numpy as np
 import numpy.typing as npt
 
 from urushi import checks
-from urushi.checks import MIN_ALPHA, Widths
+from urushi.checks import MIN_ALPHA, CoatParameters, Widths
 from urushi.errors import ParameterError
 from urushi.physics import fresnel, microfacet
 from urushi.reference.monte_carlo import backend, per_channel
@@ -43,6 +44,19 @@ class Lobe(NamedTuple):
 
     energy: Any
     alpha: Any
+
+
+class Bottom(NamedTuple):
+    """The opaque surface under the lowest medium.
+
+    Attributes:
+        alpha: its GGX width; None: the surface is Lambertian.
+        reflectance: function of the incident cosine and of the width of the light's lobe on it, 0
+            on a Lambertian surface, that gives the mean of Fresnel's term.
+    """
+
+    alpha: Any
+    reflectance: Callable[[Any, Any], Any]
 
 
 class Layer(NamedTuple):
@@ -115,14 +129,19 @@ def rows(table: StackTable, row: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> 
     device = backend()
     index = device.UInt32(np.ascontiguousarray(row, np.uint32))
     to_light, to_eye = (device.Array3f(np.ascontiguousarray(w.T, np.float32)) for w in (wi, wo))
-    above = (to_light.z > 0) & (to_eye.z > 0)
-    value = device.Float(0)
-    for lobe in lobes(table, index, dr.clip(to_light.z, MIN_COSINE, 1)):
+    found = lobes(table, index, dr.clip(to_light.z, MIN_COSINE, 1))
+    return np.array(value(found, to_light, to_eye).numpy(), np.float32)
+
+
+def value(found: Sequence[Lobe], wi: Any, wo: Any) -> Any:
+    """The sum of lobes, which are those of wi, at wo [1/sr]; zero below the horizon."""
+    total = type(wi.z)(0)
+    for lobe in found:
         if lobe.alpha is None:
-            value += lobe.energy * dr.inv_pi
+            total += lobe.energy * dr.inv_pi
         else:
-            value += lobe.energy * microfacet.reflection_lobe(to_light, to_eye, lobe.alpha)[0]
-    return np.array(dr.select(above, value, 0).numpy(), np.float32)
+            total += lobe.energy * microfacet.reflection_lobe(wi, wo, lobe.alpha)[0]
+    return dr.select((wi.z > 0) & (wo.z > 0), total, 0)
 
 
 def lobes(table: StackTable, row: Any, cos_i: Any) -> list[Lobe]:
@@ -135,26 +154,42 @@ def lobes(table: StackTable, row: Any, cos_i: Any) -> list[Lobe]:
     """
     if isinstance(table.alpha, Widths):
         raise ParameterError("lobes adds isotropic lobes only; the table has two widths")
-    coats = TableLayers(backend(), table, row)
+    layers = TableLayers(backend(), table, row)
+    places = [type(row)(i) for i in range(layers.count)]
+    coats = [CoatParameters(*layers.interface(i), *layers.medium(i)) for i in places]
+    return added_lobes(coats, _table_bottom(table, row, type(cos_i)), cos_i)
+
+
+def added_lobes(
+    coats: Sequence[CoatParameters], bottom: Bottom, cos_i: Any, data: tables.Data | None = None
+) -> list[Lobe]:
+    """The lobes of a stack: one an interface, the bottom's last.
+
+    Args:
+        coats: isotropic coats from top to bottom; their parameters are Dr.Jit floats.
+        bottom: what is under them.
+        cos_i: cosine of the incident direction, Dr.Jit floats in (0, 1].
+        data: the tables in arrays of that type, `tables.data`; None: they are copied to it.
+    """
+    data = data or tables.data(type(cos_i))
     one, zero = type(cos_i)(1), type(cos_i)(0)
     total = Sum(zero, one, one, zero, zero, zero, one, one)
     found, eta_above = [], one
-    for i in range(coats.count):
-        number = type(row)(i)
-        alpha, eta = coats.interface(number)
-        surface, cos_t = interface(cos_i, alpha, eta, total.s_t)
-        total = totally_reflected(
-            total, tables.transmitted_share(cos_i, width(total.s_t + surface.s_r), 1 / eta_above)
-        )
-        total, energy, spread = add(total, surface)
+    for coat in coats:
+        surface, cos_t = interface(cos_i, coat.alpha, coat.eta, total.s_t, data)
+        spread = width(total.s_t + surface.s_r)
+        share = tables.transmitted_share(cos_i, spread, 1 / eta_above, data)
+        total, energy, spread = add(totally_reflected(total, share), surface)
         found.append(Lobe(energy, width(spread)))
-        total = add(total, medium(cos_t, *coats.medium(number)))[0]
-        cos_i, eta_above = cos_t, eta
-    energy, lobe_width = _bottom(total, table, row, cos_i, eta_above)
-    return [*found, Lobe(energy, lobe_width)]
+        total = add(total, medium(cos_t, coat.albedo, coat.sigma_t, coat.g))[0]
+        cos_i, eta_above = cos_t, coat.eta
+    energy, spread = _bottom(total, bottom, cos_i, eta_above, data)
+    return [*found, Lobe(energy, spread)]
 
 
-def interface(cos_i: Any, alpha: Any, eta: Any, s_t: Any) -> tuple[Layer, Any]:
+def interface(
+    cos_i: Any, alpha: Any, eta: Any, s_t: Any, data: tables.Data | None = None
+) -> tuple[Layer, Any]:
     """The operators of a dielectric interface, and the mean cosine below it.
 
     s_t is the variance that the light from above has; it widens the Fresnel mean.
@@ -163,7 +198,7 @@ def interface(cos_i: Any, alpha: Any, eta: Any, s_t: Any) -> tuple[Layer, Any]:
     passes = sin2_t < 1
     cos_t = dr.maximum(dr.safe_sqrt(1 - sin2_t), MIN_COSINE)
     s_r = variance(alpha)
-    r = tables.mean_dielectric(cos_i, width(s_t + s_r), eta)
+    r = tables.mean_dielectric(cos_i, width(s_t + s_r), eta, data)
     r = dr.select(passes, r, 1)
     bend = 0.5 * dr.abs(eta - 1)
     stretch = dr.select(passes, eta * cos_t / cos_i, 1)
@@ -226,25 +261,37 @@ def width(variance: Any) -> Any:
     return dr.clip(alpha, MIN_ALPHA, 1)
 
 
-def _bottom(total: Sum, table: StackTable, row: Any, cos_i: Any, eta_above: Any) -> tuple[Any, Any]:
-    """Energy and width of the bottom's lobe."""
-    column = {name: dr.gather(type(cos_i), type(cos_i)(v), row) for name, v in table.bottom.items()}
+def _bottom(
+    total: Sum, bottom: Bottom, cos_i: Any, eta_above: Any, data: tables.Data
+) -> tuple[Any, Any]:
+    """Energy and width of the bottom's lobe; the width is None if it is Lambertian."""
     zero, one = type(cos_i)(0), type(cos_i)(1)
-    if table.kind == "diffuse":
-        s_r, r = zero, column["reflectance"]
+    if bottom.alpha is None:
+        s_r, r = zero, bottom.reflectance(cos_i, zero)
         share = dr.minimum(1 / (eta_above * eta_above), 1)  # the cosine lobe's, exactly
     else:
-        s_r = variance(column["alpha"])
+        s_r = variance(bottom.alpha)
         widened = width(total.s_t + s_r)
-
-        def reflected(wo: Any, cos_m: Any) -> Any:
-            return _reflectance(table.kind, column, dr.clip(cos_m, 0, 1))
-
-        r = tables.mean_over_facets(reflected, cos_i, widened)
-        share = tables.transmitted_share(cos_i, widened, 1 / eta_above)
+        r = bottom.reflectance(cos_i, widened)
+        share = tables.transmitted_share(cos_i, widened, 1 / eta_above, data)
     opaque = Layer(r, zero, zero, zero, s_r, zero, zero, one, one)
     _, energy, spread = add(totally_reflected(total, share), opaque)
-    return energy, None if table.kind == "diffuse" else width(spread)
+    return energy, None if bottom.alpha is None else width(spread)
+
+
+def _table_bottom(table: StackTable, row: Any, float_type: type) -> Bottom:
+    """The bottoms of rows of a table."""
+    column = {name: dr.gather(float_type, float_type(v), row) for name, v in table.bottom.items()}
+    if table.kind == "diffuse":
+        return Bottom(None, lambda cos_i, alpha: column["reflectance"])
+
+    def reflected(wo: Any, cos_m: Any) -> Any:
+        return _reflectance(table.kind, column, dr.clip(cos_m, 0, 1))
+
+    def reflectance(cos_i: Any, alpha: Any) -> Any:
+        return tables.mean_over_facets(reflected, cos_i, alpha)
+
+    return Bottom(column["alpha"], reflectance)
 
 
 def _reflectance(kind: str, column: dict[str, Any], cos: Any) -> Any:

@@ -25,7 +25,7 @@ def no_garbage():
 def coat(mi, name: str, networks, textured: bool) -> dict:
     pixels = np.random.default_rng(0).uniform(0.3, 0.8, (4, 4, 3)).astype(np.float32)
     albedo = {"type": "bitmap", "bitmap": mi.Bitmap(pixels), "raw": True} if textured else 0.7
-    extra = {} if name == "layered" else {"weights": str(networks)}
+    extra = {"weights": str(networks)} if name == "neural_layered" else {}
     base = {"type": "roughconductor", "distribution": "ggx", "alpha": 0.3}
     return {"type": name, **COAT, "albedo": albedo, "base": base, **extra}
 
@@ -62,7 +62,7 @@ def picture(mi, loaded, seed) -> np.ndarray:
     return mi.render(loaded, spp=4, seed=seed)
 
 
-@pytest.mark.parametrize("name", ("layered", "neural_layered"))
+@pytest.mark.parametrize("name", ("layered", "neural_layered", "layered_belcour"))
 @pytest.mark.parametrize("textured", (False, True))
 def test_replays_use_changed_parameters(rgb, networks, name, textured):
     loaded = scene(rgb, coat(rgb, name, networks, textured))
@@ -163,7 +163,7 @@ def test_gradients_inside_equal_those_outside(rgb, networks, model, tmp_path, ke
     assert frozen.n_recordings < 5
 
 
-@pytest.mark.parametrize("name", ("layered", "neural_layered", "neural_brdf"))
+@pytest.mark.parametrize("name", ("layered", "neural_layered", "neural_brdf", "layered_belcour"))
 def test_updates_inside_are_refused(rgb, networks, model, tmp_path, name):
     if name == "neural_brdf":
         bsdf = saved(model, networks, tmp_path)

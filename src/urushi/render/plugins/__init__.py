@@ -1,1 +1,1 @@
-"""The four plugins, their base classes, and the stack of coats that `layered` walks through."""
+"""The plugins, their base classes, and the stack of coats that `layered` walks through."""
