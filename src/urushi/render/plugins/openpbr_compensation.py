@@ -7,6 +7,7 @@ the material does not reflect, known from tables or measured when it is loaded, 
 import drjit as dr
 
 from urushi.openpbr_surface import darkening, glossy, metal, roughness
+from urushi.openpbr_surface.medium import LEAST_COLOR
 from urushi.render.plugins.openpbr_albedo import InterfaceAlbedo, MirrorAlbedo
 from urushi.render.plugins.openpbr_furnace import Furnace
 from urushi.render.reading.openpbr_inputs import Inputs
@@ -48,7 +49,8 @@ class Compensation:
         cosine = dr.maximum(wo.z, 0)
         color = inputs.number("base_weight", si, active) * inputs.color("base_color", si, active)
         if not inputs.is_constant("base_metalness", 1):
-            seen = self._coated_color(color, si, active)
+            f0, passed = self._coated_colors(color, si, wo, active)
+            seen = f0 + (1 - f0) * passed
             f = seen * self._coat.lobe(si, wo, active)
             if self._dielectric:
                 white = color * color
@@ -60,26 +62,32 @@ class Compensation:
             lobe = self._metal or self._coat
             if self._metal:
                 f_cos *= 1 - share * (1 - self._metal.factor(si, wo, active))
-            seen = self._metal_color(color, si, active)
+            seen = self._metal_color(color, si, wo, active)
             f_cos += share * cosine * seen * lobe.lobe(si, wo, active)
         return f_cos
 
-    def _coated_color(self, color, si, active):
-        """Albedo at normal incidence of a base of albedo `color` under a smooth coat."""
+    def _coated_colors(self, color, si, wo, active):
+        """Of a smooth coat over a base of albedo `color`: its own reflectance at normal incidence,
+        and the colour of the light that it passes to the base and back.
+
+        The tint is that of the refracted paths along wi and wo.
+        """
         eta = dr.clip(self._inputs.number("coat_ior", si, active), 1.001, 3)
         f0 = dr.square((eta - 1) / (eta + 1))
         internal = glossy.internal_reflectance(1 - darkening.mean_fresnel(eta, dr), eta)
-        tint = self._inputs.color("coat_color", si, active)
-        return f0 + (1 - f0) * tint * glossy.promised(color, internal)
+        tint = dr.maximum(self._inputs.color("coat_color", si, active), LEAST_COLOR)
+        paths = [dr.rsqrt(1 - (1 - w.z * w.z) / (eta * eta)) for w in (si.wi, wo)]
+        tint = dr.power(tint, 0.5 * (paths[0] + paths[1]))
+        return f0, tint * glossy.promised(color, internal)
 
-    def _metal_color(self, color, si, active):
+    def _metal_color(self, color, si, wo, active):
         """Albedo of the coated metal for light that its facets reflect more than once."""
         inputs = self._inputs
         tint = inputs.color("specular_color", si, active)
         weight = dr.minimum(inputs.number("specular_weight", si, active), 1)
         mean = weight * metal.f82_mean(color, tint)
         alpha = roughness.lobe_width(inputs.number("specular_roughness", si, active), dr)
-        return self._coated_color(self._mirror.multiple(mean, alpha), si, active)
+        return self._coated_colors(self._mirror.multiple(mean, alpha), si, wo, active)[1]
 
 
 class CoatLoss:

@@ -26,6 +26,8 @@ _SHARED = (
     *("base_diffuse_roughness", "specular_ior", "specular_roughness_anisotropy", "coat_ior"),
     *("coat_roughness_anisotropy", *ROUGHNESSES),
 )
+#: As `_SHARED`, of a dielectric base, whose index it changes.
+_OF_DIELECTRICS = ("specular_weight",)
 
 
 class Furnace:
@@ -90,7 +92,8 @@ def _twin(
     si = dr.zeros(mi.SurfaceInteraction3f)
     si.uv = mi.Point2f(0.5)
     white = {"type": "rgb", "value": [1.0, 1.0, 1.0]}
-    shared = {name: inputs.number(name, si, mi.Bool(True)).numpy()[0] for name in _SHARED}
+    names = _SHARED if metalness else (*_SHARED, *_OF_DIELECTRICS)
+    shared = {name: inputs.number(name, si, mi.Bool(True)).numpy()[0] for name in names}
     twin: dict[str, Any] = {name: float(value) for name, value in shared.items()}
     nodes = np.linspace(0, 1, NODES, dtype=np.float32)
     grid = np.meshgrid(*[nodes] * len(varying), indexing="ij") if varying else []
