@@ -15,6 +15,7 @@ PLUGINS = (
     "openpbr",
     "materialx",
     "layered_belcour",
+    "layered_weidlich",
 )
 
 _registered = False
@@ -56,6 +57,7 @@ def _on_variant(old: str | None, new: str) -> None:
         base,
         layered,
         layered_belcour,
+        layered_weidlich,
         materialx,
         measured_brdf,
         neural_brdf,
@@ -73,6 +75,7 @@ def _on_variant(old: str | None, new: str) -> None:
     mi.register_bsdf("openpbr", openpbr.define(proposal_bsdf))
     mi.register_bsdf("materialx", materialx.define())
     mi.register_bsdf("layered_belcour", layered_belcour.define(proposal_bsdf))
+    mi.register_bsdf("layered_weidlich", layered_weidlich.define(proposal_bsdf))
     emission = openpbr_emission.define()
     mi.register_emitter("openpbr_emission", lambda props: emission(props))
 

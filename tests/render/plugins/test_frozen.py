@@ -62,7 +62,9 @@ def picture(mi, loaded, seed) -> np.ndarray:
     return mi.render(loaded, spp=4, seed=seed)
 
 
-@pytest.mark.parametrize("name", ("layered", "neural_layered", "layered_belcour"))
+@pytest.mark.parametrize(
+    "name", ("layered", "neural_layered", "layered_belcour", "layered_weidlich")
+)
 @pytest.mark.parametrize("textured", (False, True))
 def test_replays_use_changed_parameters(rgb, networks, name, textured):
     loaded = scene(rgb, coat(rgb, name, networks, textured))

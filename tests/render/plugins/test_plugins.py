@@ -7,7 +7,14 @@ import pytest
 from urushi.material import Material
 
 COAT = {"alpha": 0.2, "int_ior": 1.4, "albedo": 0.7, "sigma_t": 0.8, "g": 0.3}
-PLUGINS = ("layered", "neural_layered", "neural_brdf", "measured_brdf", "layered_belcour")
+PLUGINS = (
+    "layered",
+    "neural_layered",
+    "neural_brdf",
+    "measured_brdf",
+    "layered_belcour",
+    "layered_weidlich",
+)
 
 
 def bottom() -> dict:
@@ -27,6 +34,7 @@ def describe(networks, saved, merl_file):
     """The dictionary of a plugin by its name."""
     described = {
         "layered": {"type": "layered", **COAT, "base": bottom()},
+        "layered_weidlich": {"type": "layered_weidlich", **COAT, "base": bottom()},
         "layered_belcour": {"type": "layered_belcour", **COAT, "base": bottom()},
         "neural_layered": {
             "type": "neural_layered",

@@ -62,11 +62,11 @@ class CoatStack:
             for name in ("albedo", "sigma_t", "g")
         )
 
-    def proposal(self, bottom: "BottomLobes", cos_i) -> Mixture:
+    def proposal(self, bottom: "BottomLobes", cos_i, widened: bool = True) -> Mixture:
         """A proposal: one lobe for each interface, two for the bottom, and a cosine lobe.
 
-        Lobes from below are widened by refraction at the interfaces above and by their roughness.
-        A heuristic: it affects the noise only, not the mean.
+        Lobes from below are widened by refraction at the interfaces above and by their roughness,
+        unless `widened` is False. A heuristic: it affects the noise only, not the mean.
         """
         reached, diffuse = mi.Float(1), mi.Float(MIN_COSINE_SHARE)
         stretch, blur = mi.Float(1), mi.Float(0)  # alpha^2 outside = stretch alpha^2 + blur
@@ -82,6 +82,9 @@ class CoatStack:
             reached = reached * (1 - reflectance)
             diffuse += reached * (1 - passed) * _mean(coat.albedo)
             reached = reached * passed
+            cos_i = cos_t
+            if not widened:
+                continue
             blur = _widths_of(
                 lambda blur, alpha, eta=eta, stretch=stretch: (
                     blur + stretch * 2 * dr.square((eta - 1) * alpha)
@@ -90,7 +93,6 @@ class CoatStack:
                 widths[0] if len(widths) == 1 else _widths_of(_mean, coat.alpha),
             )
             stretch *= eta * eta
-            cos_i = cos_t
         for alpha in bottom.alphas:
             alphas.append(_width_outside(alpha, stretch, blur))
             shares.append(reached * (0.5 * bottom.albedo) + MIN_SHARE)

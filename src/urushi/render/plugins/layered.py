@@ -1,32 +1,18 @@
 """The plugin `layered`: a coat over any BSDF by random walks, the reference of `neural_layered`."""
 
-import drjit as dr
 import mitsuba as mi
 
 from urushi.physics.random import hashed_stream
 from urushi.reference import walk
-from urushi.render.latents import baking
-from urushi.render.plugins.coats import (
-    BottomLobes,
-    CoatStack,
-    MitsubaBottom,
-    Turn,
-    TurnedMixture,
-    walk_color,
-)
-from urushi.render.reading.parameters import (
-    CoatTextures,
-    check_bottom,
-    check_rotation,
-    nested_bsdf,
-)
-from urushi.render.recording import compiled_once
+from urushi.render.plugins.coated import define_coated
 
 
 def define(base: type) -> type:
     """Make the plugin's class in the current variant; base: of `define_proposal_bsdf`."""
 
-    class Layered(base):
+    coated: type = define_coated(base, "Layered", widened=True)
+
+    class Layered(coated):
         """A coated BSDF by unbiased random walks (``layered``).
 
         ============== ===================== ====================================================
@@ -93,60 +79,10 @@ def define(base: type) -> type:
         BSDFs, SIGGRAPH Asia 2018.
         """
 
-        def __init__(self, props):
-            super().__init__(props)
-            self._nested = nested_bsdf(props)
-            self._coat = CoatTextures(props)
-            check_bottom(self._nested, self._coat.where)
-            self._prepare()
-
-        def _prepare(self):
-            """Check the parameters, flatten nested coats, and estimate the bottom's lobes."""
-            baking.check(self._coat)
-            check_rotation(self._nested, self._coat.where)
-            below = isinstance(self._nested, Layered)
-            self.coats = [self._coat, *(self._nested.coats if below else [])]
-            self.bottom = self._nested.bottom if below else self._nested
-            self.bottom_lobes = self._nested.bottom_lobes if below else BottomLobes(self.bottom)
-
-        def _f(self, vertex, ctx, si, wo, active):
-            def walked(si, wo, active):
-                if self._coat.has_rotation:
-                    turn = Turn(*self._coat.turn(si, active))
-                    si, wo = turn.interaction(si), turn.inside(wo)
-
-                def estimate(color, channel=None):
-                    coats = CoatStack(self.coats, si, active, channel)
-                    bottom = MitsubaBottom(self.bottom, ctx, si, active, channel)
-                    # Mitsuba gives `eval` no random numbers: hash all that distinguishes the call.
-                    rng = hashed_stream(mi.PCG32, (*si.wi, *wo, *si.p, *si.uv, si.time))
-                    f = walk.estimate(coats, bottom, si.wi, wo, rng, color, active)
-                    return f + walk.top_reflection(coats, si.wi, wo)
-
-                if not any(coat.coloured for coat in self.coats):
-                    return mi.Spectrum(estimate(walk_color()))
-                channels = range(dr.size_v(mi.Spectrum))
-                return mi.Spectrum(*(estimate(mi.Float, channel) for channel in channels))
-
-            return compiled_once(walked, si, wo, active)
-
-        def _proposal(self, vertex, si, active):
-            mixture = CoatStack(self.coats, si, active).proposal(self.bottom_lobes, si.wi.z)
-            if not self._coat.has_rotation:
-                return mixture
-            return TurnedMixture(mixture, Turn(*self._coat.turn(si, active)))
-
-        def traverse(self, callback):
-            self._coat.traverse(callback, mi.ParamFlags.NonDifferentiable)
-            callback.put("bottom", self._nested, mi.ParamFlags.NonDifferentiable)
-
-        def parameters_changed(self, keys):
-            self._check_changeable()
-            self._coat.parameters_changed()
-            self._prepare()
-
-        def to_string(self):
-            bottom = str(self._nested).replace("\n", "\n  ")
-            return f"Layered[\n{self._coat},\n  bottom = {bottom}\n]"
+        def _model(self, coats, bottom, si, wo, color, active):
+            # Mitsuba gives `eval` no random numbers: hash all that distinguishes the call.
+            rng = hashed_stream(mi.PCG32, (*si.wi, *wo, *si.p, *si.uv, si.time))
+            f = walk.estimate(coats, bottom, si.wi, wo, rng, color, active)
+            return f + walk.top_reflection(coats, si.wi, wo)
 
     return Layered
