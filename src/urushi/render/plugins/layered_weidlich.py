@@ -28,8 +28,8 @@ def define(base: type) -> type:
                                              1.000277)
         albedo         spectrum, texture     As of ``layered``; the model ignores it, because its
                                              media only absorb. (Default: 0)
-        sigma_t        spectrum, texture     Its optical depth, 0 or more: the coat has unit
-                                             thickness. (Default: 0, clear)
+        sigma_t        spectrum, texture     Optical depth of the coat's medium, 0 or more: the coat
+                                             has unit thickness. (Default: 0, clear)
         g              spectrum, texture     As of ``layered``; the model ignores it. (Default: 0)
         (nested)       BSDF                  The bottom, under any name: any opaque BSDF that has
                                              no perfectly smooth lobe; coats nest. Its values in
@@ -46,7 +46,7 @@ def define(base: type) -> type:
         compensation. Values have no noise, and they are reciprocal where the bottom's are.
 
         A medium that scatters absorbs by its extinction: ``sigma_t`` counts, ``albedo`` and ``g``
-        do not, so that bright media are black. Light is not reflected between the layers, and
+        do not, so that bright media are dark. Light is not reflected between the layers, and
         roughness of a coat does not widen the lobes below it. The model does not scale light for
         the solid angle that refraction changes. Coated metals are therefore too dark at grazing
         angles, and Lambertian surfaces are too bright. White ones reflect more light there than
