@@ -67,8 +67,8 @@ measured-pictures: $(READY)
 
 # Results and pictures of all folders of figures/; finished parts in out/figures are kept.
 figures: $(READY)
-	for folder in figures/figure_*; do \
-	    name=$$(basename $$folder); \
+	for file in figures/*/compute.py; do \
+	    name=$$(basename $$(dirname $$file)); \
 	    .venv/bin/python -m figures.$$name.compute && .venv/bin/python -m figures.$$name.plot || exit; \
 	done
 
