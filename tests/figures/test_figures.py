@@ -5,6 +5,8 @@ import json
 import numpy as np
 import pytest
 from figures import results
+from figures.figure_6 import compute as spheres
+from figures.figure_6 import plot as spheres_plot
 from figures.figure_8 import compute, plot
 
 from urushi.nets.weights import default_model
@@ -67,3 +69,22 @@ def test_the_docs_show_the_table_of_the_results():
     found = json.loads((compute.FOLDER / "results.json").read_text())
     page = (compute.FOLDER.parents[1] / "docs" / "figures.md").read_text()
     assert "\n".join(plot.table(found)) in page
+
+
+def test_the_grids_of_spheres_are_of_the_shipped_weights_and_in_the_docs():
+    found = json.loads((spheres.FOLDER / "results.json").read_text())
+    assert found["weights"] == default_model().fingerprint
+    for name, rows in spheres.materials().items():
+        values = np.array(found[name])
+        assert values.shape == (len(rows), len(rows[0]), 2) and (values > 0).all()
+    page = (spheres.FOLDER.parents[1] / "docs" / "figures.md").read_text()
+    assert "\n".join(spheres_plot.table(found)) in page
+
+
+def test_a_material_of_the_grids_has_the_stored_error():
+    found = json.loads((spheres.FOLDER / "results.json").read_text())
+    coat, bottom = spheres.materials()["media"][3][2]
+    e, own = spheres.error(coat, bottom, walks=1 << 11)
+    # Noise adds to the mean of absolute differences at most what the walk's own error is.
+    stored = found["media"][3][2][0]
+    assert stored - 1e-3 < e < stored + own

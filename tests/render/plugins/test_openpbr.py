@@ -280,6 +280,25 @@ def test_the_networks_agree_with_the_reference_over_a_rough_slab(diffuse_rough):
     assert error(networks, walks, wi, wo) < 0.04
 
 
+@pytest.mark.parametrize("metalness", [0.05, 0.5, 0.72, 0.95])
+def test_the_networks_agree_with_the_reference_over_a_mixture(metalness):
+    shared = {
+        "base_color": {"type": "rgb", "value": [0.45, 0.27, 0.08]},
+        "base_metalness": metalness,
+        "specular_color": {"type": "rgb", "value": [0.57, 0.58, 0.68]},
+        "specular_roughness": 0.64,
+        "coat_weight": 1.0,
+        "coat_ior": 1.32,
+        "coat_roughness": 0.38,
+    }
+    wi, wo = pairs(400)
+    walks = values(openpbr(reference=True, **shared), wi, wo, 256)
+    networks = values(openpbr(**shared), wi, wo)
+    # 3 to 4 % of the networks, over mixtures that they have not learned, and 1 % of noise. A lobe
+    # that is a sum of a metal's and a dielectric's made the error larger than the value.
+    assert error(networks, walks, wi, wo) < 0.05
+
+
 def test_without_darkening_the_coated_base_is_brighter_and_below_one():
     wi, wo = pairs(300)
     dark, bright = (

@@ -32,6 +32,9 @@ ENCODED_DIFFUSE_ROUGHNESS = 0.5
 #: Least cosine of light in the slab below an interface that reflects totally.
 LEAST_COSINE = 0.1
 
+#: Cosines at which the lobe of a mixture is not above the mixture.
+SCHLICK_COSINES = (0.6, 0.4, 0.25, 0.15, 0.05)
+
 #: The parameters that the base reads.
 NAMES = (
     *("base_weight", "base_color", "base_diffuse_roughness", "base_metalness"),
@@ -186,7 +189,9 @@ def define(base: type) -> type:
         def lobes(self, si):
             """The base's lobe, six floats for each channel; seven of an anisotropic base.
 
-            Metal and dielectric share one width, so that their mixture is one lobe. The dip of a
+            Metal and dielectric share one width, so that their mixture is one lobe. Its Fresnel term
+            is the greatest of Schlick's form that lies below the mixture's: sums of Schlick's and
+            an exact one are unknown to the networks, which return nonsense for some. The dip of a
             metal's Fresnel term at 82 degrees is left to the rest. A metal alone is scaled to the
             energy of its multiple scattering (Turquin 2019), unless that is given back to the
             coated base.
@@ -205,12 +210,22 @@ def define(base: type) -> type:
             if self._film:
                 color, eta = self._film.lobe_terms(eta, color, tint, si, active)
             along, across = (alpha.u, [alpha.v]) if isinstance(alpha, Widths) else (alpha, [])
+            dielectric = share == 0
+            normal, grazing = weight * color, weight * tint
+            mixed = _schlick_below(
+                lambda c: dr.lerp(
+                    tint * fresnel.dielectric(c, eta)[0], weight * metal.f82(c, color, tint), share
+                )
+            )
+            metals = share == 1
+            normal = dr.select(metals, normal, mixed[0])
+            grazing = dr.select(metals, grazing, mixed[1])
             values = (
                 mi.Spectrum(along),
-                dr.minimum(scale * share * weight * color, 1),
-                dr.minimum(scale * (share * weight) * tint, 1),
-                dr.minimum(scale * (1 - share) * tint, 1),
-                dr.select(share < 1, mi.Spectrum(eta), NO_LOBE[4]),
+                dr.select(dielectric, 0, dr.minimum(scale * normal, 1)),
+                dr.select(dielectric, 0, dr.minimum(scale * grazing, 1)),
+                dr.select(dielectric, dr.minimum(scale * tint, 1), 0),
+                dr.select(dielectric, mi.Spectrum(eta), NO_LOBE[4]),
                 mi.Spectrum(0),
                 *map(mi.Spectrum, across),
             )
@@ -252,6 +267,17 @@ def define(base: type) -> type:
             return "OpenPBRBase[]"
 
     return OpenPBRBase
+
+
+def _schlick_below(reflectance):
+    """Factors (normal, grazing) of Schlick's form, equal to a reflectance at normal incidence and
+    not above it at `SCHLICK_COSINES`."""
+    normal, grazing = reflectance(mi.Float(1)), mi.Spectrum(1)
+    for cosine in SCHLICK_COSINES:
+        share = (1 - cosine) ** 5
+        bound = (reflectance(mi.Float(cosine)) - normal * (1 - share)) / share
+        grazing = dr.minimum(grazing, bound)
+    return normal, dr.maximum(grazing, 0)
 
 
 def _mean_width(alpha):
