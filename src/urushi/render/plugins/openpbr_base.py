@@ -35,6 +35,10 @@ LEAST_COSINE = 0.1
 #: Cosines at which the lobe of a mixture is not above the mixture.
 SCHLICK_COSINES = (0.6, 0.4, 0.25, 0.15, 0.05)
 
+#: Share of that lobe that is taken out. Networks expect a rest that is nowhere below zero and has a
+#: faint peak, as fitted lobes leave it.
+SCHLICK_SHARE = 0.9
+
 #: The parameters that the base reads.
 NAMES = (
     *("base_weight", "base_color", "base_diffuse_roughness", "base_metalness"),
@@ -270,14 +274,14 @@ def define(base: type) -> type:
 
 
 def _schlick_below(reflectance):
-    """Factors (normal, grazing) of Schlick's form, equal to a reflectance at normal incidence and
-    not above it at `SCHLICK_COSINES`."""
+    """Factors (normal, grazing) of Schlick's form, `SCHLICK_SHARE` of a reflectance at normal
+    incidence, and not above it at `SCHLICK_COSINES`."""
     normal, grazing = reflectance(mi.Float(1)), mi.Spectrum(1)
     for cosine in SCHLICK_COSINES:
         share = (1 - cosine) ** 5
         bound = (reflectance(mi.Float(cosine)) - normal * (1 - share)) / share
         grazing = dr.minimum(grazing, bound)
-    return normal, dr.maximum(grazing, 0)
+    return SCHLICK_SHARE * normal, SCHLICK_SHARE * dr.maximum(grazing, 0)
 
 
 def _mean_width(alpha):
