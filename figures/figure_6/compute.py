@@ -2,9 +2,9 @@
 
     python -m figures.figure_6.compute
 
-Each material is rendered by the networks and by the random walk in one studio, and its E is measured
-at pairs of directions. The left half of a sphere is rendered by the networks, the right half by the
-walk: an error would show as a seam.
+Each material is rendered by the networks and by the random walk in one studio, and its E is
+measured at pairs of directions. The left half of a sphere is rendered by the networks, the right
+half by the walk: an error would show as a seam.
 """
 
 import functools
