@@ -195,9 +195,9 @@ def define(base: type) -> type:
 
             Metal and dielectric share one width, so that their mixture is one lobe. Its Fresnel
             term is the greatest of Schlick's form that lies below the mixture's: sums of Schlick's
-            and an exact one are unknown to the networks, which return nonsense for some. The dip of a
-            metal's Fresnel term at 82 degrees is left to the rest. A metal alone is scaled to the
-            energy of its multiple scattering (Turquin 2019), unless that is given back to the
+            and an exact one are unknown to the networks, which return nonsense for some. The dip
+            of a metal's Fresnel term at 82 degrees is left to the rest. A metal alone is scaled to
+            the energy of its multiple scattering (Turquin 2019), unless that is given back to the
             coated base.
             """
             inputs, active = self._inputs, mi.Bool(True)
