@@ -57,6 +57,9 @@ thumbnails: $(READY)
 	    .venv/bin/urushi render $$scene --width 320 --height 240 --spp 128 \
 	        -o docs/images/$$scene.png || exit; \
 	done
+	mkdir -p out
+	.venv/bin/urushi render bells --width 320 --height 240 --spp 160 -o out/bells.png
+	.venv/bin/python docs/small_jpg.py out/bells.png docs/images
 
 # The pictures of docs/measured.md, by the present weights
 MATERIALS := velvet car-paint brushed

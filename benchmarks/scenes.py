@@ -126,7 +126,7 @@ def _light(kind: str, sensor: dict[str, Any]) -> dict[str, Any]:
 
 def _with_method(node: dict[str, Any], method: str) -> dict[str, Any]:
     """The description with the method's material in the place of every coat."""
-    if node.get("type") == COATS[0]:
+    if node.get("type") == COATS[0] or node.get("reference") == COATS[0]:
         return _principled(node) if method == PRINCIPLED else {**node, "weights": method}
     return {
         key: _with_method(value, method) if isinstance(value, dict) else value
@@ -138,10 +138,11 @@ def _principled(coat: dict[str, Any]) -> dict[str, Any]:
     """A principled BSDF with as many textures as a coat and its bottom have, at most three."""
     maps = list(_bitmaps(coat))
     colours = [node for node in maps if node is not coat.get("sigma_t")][:1] * len(maps)
-    constant = {"base_color": coat.get("albedo", 0.5), "metallic": 0.5, "clearcoat": 1.0}
+    colour = coat.get("albedo", coat.get("base_color", 0.5))
+    constant = {"base_color": colour, "metallic": 0.5, "clearcoat": 1.0}
     return {
         "type": PRINCIPLED,
-        "roughness": coat["alpha"],
+        "roughness": coat.get("alpha", coat.get("coat_roughness", 0.3)),
         **constant,
         **dict(zip(("base_color", "metallic", "clearcoat"), colours, strict=False)),
     }

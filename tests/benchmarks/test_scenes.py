@@ -17,8 +17,8 @@ def variant():
 
 
 def types(node):
-    """The types of all nodes."""
-    yield node["type"]
+    """The types of all nodes; of OpenPBR, the plugin of its coat."""
+    yield node.get("reference", node["type"])
     for value in node.values():
         if isinstance(value, dict):
             yield from types(value)

@@ -16,9 +16,9 @@ from urushi.scenes.stage import COATS, Options
 
 TINY = {"width": 64, "height": 48, "spp": 32, "detail": 0.05}
 
-#: The scenes; two of them take longest to compile.
+#: The scenes; three of them take longest to compile.
 NAMES = [
-    pytest.param(name, marks=pytest.mark.slow) if name in ("still-life", "shoe") else name
+    pytest.param(name, marks=pytest.mark.slow) if name in ("still-life", "shoe", "bells") else name
     for name in shipped.SCENES
 ]
 
@@ -154,7 +154,8 @@ def test_export_and_list(tmp_path, capsys):
 def test_errors_of_unknown_names_list_the_choices(arguments, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert cli.main(arguments) == 2
-    sentence = "there is no scene 'tea-pot'; choose one of still-life, globe, teapot, shoe, brushed"
+    names = "still-life, globe, teapot, shoe, brushed, bells"
+    sentence = f"there is no scene 'tea-pot'; choose one of {names}"
     assert capsys.readouterr().err == f"urushi: {sentence}\n"
     assert not list(tmp_path.iterdir())
 

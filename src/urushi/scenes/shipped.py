@@ -10,6 +10,7 @@ import mitsuba as mi
 
 from urushi.errors import ParameterError
 from urushi.files import atomic_write
+from urushi.scenes.bells import bells
 from urushi.scenes.brushed import brushed
 from urushi.scenes.globe import globe
 from urushi.scenes.shoe import shoe
@@ -23,6 +24,7 @@ SCENES: dict[str, Callable[[Folder, Options], dict[str, Any]]] = {
     "teapot": teapot,
     "shoe": shoe,
     "brushed": brushed,
+    "bells": bells,
 }
 
 
@@ -91,10 +93,11 @@ def _xml(description: dict[str, Any], coat: str) -> str:
     state = mi.parser.parse_dict(mi.parser.ParserConfig(mi.variant()), description)
     nodes = state.nodes
     for node in nodes:
-        if node.props.plugin_name() in COATS:
+        if node.props.plugin_name() in (*COATS, "openpbr"):
             node.type = mi.ObjectType.BSDF  # Mitsuba does not know the type of plugins in Python
     state.nodes = nodes
     text = mi.parser.write_string(state).replace(f'<bsdf type="{coat}"', '<bsdf type="$coat"')
+    text = text.replace(f'name="reference" value="{coat}"', 'name="reference" value="$coat"')
     for written, name in (("resx", "width"), ("resy", "height")):  # as Mitsuba names them
         text = text.replace(f'name="{written}"', f'name="{name}"')
         text = text.replace(f'"${written}"', f'"${name}"')

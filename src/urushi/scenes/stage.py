@@ -91,9 +91,15 @@ class Options:
         `weights` are left out if they are the default, so that the scenes of networks and reference
         differ in one word.
         """
+        return {"type": self.coat, **parameters, **self._weights(), "bottom": bottom}
+
+    def openpbr(self, **parameters: Any) -> dict[str, Any]:
+        """The material of these parameters of OpenPBR, its coat by the plugin `coat`."""
+        return {"type": "openpbr", "reference": self.coat, **parameters, **self._weights()}
+
+    def _weights(self) -> dict[str, str]:
         named = self.coat == COATS[0] and self.weights != DEFAULT
-        weights = {"weights": self.weights} if named else {}
-        return {"type": self.coat, **parameters, **weights, "bottom": bottom}
+        return {"weights": self.weights} if named else {}
 
 
 def rgb(*value: float) -> dict[str, Any]:

@@ -432,6 +432,17 @@ def test_a_tangent_of_the_coat_alone_needs_an_isotropic_base():
         )
 
 
+def test_reference_may_be_named_by_the_plugin_of_the_coat():
+    wi, wo = pairs(64)
+    shared = dict(coat_weight=1.0, coat_color=COLOR, energy_compensation=False)
+    walk, networks = (values(openpbr(reference=flag, **shared), wi, wo) for flag in (True, False))
+    assert np.array_equal(values(openpbr(reference="layered", **shared), wi, wo), walk)
+    assert np.array_equal(values(openpbr(reference="neural_layered", **shared), wi, wo), networks)
+    assert not np.array_equal(walk, networks)
+    with pytest.raises(RuntimeError, match="reference is 'yes'; choose one of neural_layered"):
+        openpbr(reference="yes")
+
+
 def test_what_is_missing_is_refused_in_one_sentence_or_ignored():
     for name, word in (
         ("transmission_weight", "transmission"),

@@ -53,7 +53,7 @@ class Overrides:
                 for name in ("width", "height"):
                     if getattr(self, name) is not None:
                         node.props[name] = getattr(self, name)
-            neural = node.props.plugin_name() == "neural_layered"
+            neural = node.props.plugin_name() in ("neural_layered", "openpbr")
             if neural and self.weights is not None and "weights" not in node.props:
                 node.props["weights"] = _name_or_absolute(self.weights)
         state.nodes = nodes
@@ -70,8 +70,8 @@ class Render:
 
     The flags -m, -o, -s, -D, -a and -t mean what they mean to Mitsuba's own executable, which
     cannot load plugins written in Python. The shipped scenes are still-life, globe, teapot,
-    shoe and brushed. Their parameters are $coat, $spp, $width and $height: -D coat=layered renders
-    the reference.
+    shoe, brushed and bells. Their parameters are $coat, $spp, $width and $height:
+    -D coat=layered renders the reference.
 
     Example: urushi render teapot --width 320 --height 240 --spp 64 -o teapot.exr
     """
@@ -96,7 +96,7 @@ class Render:
     threads: Annotated[int | None, tyro.conf.arg(aliases=["-t"])] = None
     """Number of threads. Default: one per core."""
     weights: str | None = None
-    """Networks of every neural_layered that names none itself: a weights file.
+    """Networks of every neural_layered and openpbr that names none itself: a weights file.
     Default: the shipped ones."""
     width: int | None = None
     """Width of the picture in pixels. Default: the scene's own."""
@@ -266,8 +266,8 @@ def one_line(error: BaseException) -> str:
 class ExportScene:
     """Write a shipped scene into a folder: scene.xml with its meshes and textures.
 
-    The scenes are still-life, globe, teapot, shoe and brushed. `urushi render FOLDER/scene.xml`
-    renders the written scene.
+    The scenes are still-life, globe, teapot, shoe, brushed and bells.
+    `urushi render FOLDER/scene.xml` renders the written scene.
 
     Example: urushi scenes export still-life out/still-life
     """

@@ -5,10 +5,14 @@ from typing import Any
 import drjit as dr
 import mitsuba as mi
 
+from urushi.errors import ParameterError
 from urushi.openpbr_surface import medium, roughness
 from urushi.render.plugins import openpbr_base, openpbr_surface
 from urushi.render.plugins.openpbr_compensation import Compensation
 from urushi.render.reading.openpbr_inputs import Inputs, derived
+
+#: Plugins of the coat: by networks, and by walks.
+COATS = ("neural_layered", "layered")
 
 
 def define(proposal_bsdf: type):
@@ -26,8 +30,9 @@ def define(proposal_bsdf: type):
         geometry_tangent                           coat shares both: geometry_coat_normal and
                                                    geometry_coat_tangent must be equal to them, or
                                                    the base isotropic.
-        reference            boolean               Whether the coat is a random walk, the plugin
-                                                   ``layered``, in place of ``neural_layered``.
+        reference            boolean or string     Whether the coat is a random walk, the plugin
+                                                   ``layered``, in place of ``neural_layered``;
+                                                   or the name of one of both.
                                                    (Default: false)
         energy_compensation  boolean               Whether light that the coated base loses is
                                                    given back, so that a white twin reflects all.
@@ -69,7 +74,7 @@ def define(proposal_bsdf: type):
         Andersson et al., OpenPBR Surface 1.1.1, Academy Software Foundation.
         """
         inputs = Inputs(props)
-        reference = bool(props.get("reference", False))
+        reference = _is_reference(props)
         compensated = bool(props.get("energy_compensation", True))
         _warn_of_mirrors(inputs)
         base = coated = None
@@ -98,6 +103,16 @@ def define(proposal_bsdf: type):
         return bsdf
 
     return openpbr
+
+
+def _is_reference(props: "mi.Properties") -> bool:
+    """Whether the coat is a random walk, said by a boolean or by the coat's plugin."""
+    value = props.get("reference", False)
+    if isinstance(value, str):
+        if value not in COATS:
+            raise ParameterError(f"reference is '{value}'; choose one of {', '.join(COATS)}")
+        return value == COATS[1]
+    return bool(value)
 
 
 def _coat(inputs: Inputs, below: "mi.BSDF", plugin: str) -> dict[str, Any]:
