@@ -53,7 +53,7 @@ def bells(folder: Folder, options: Options) -> dict[str, Any]:
                 Light((-2.5, 6.0, 3.4), (0.40, 0.12), (4.2, 4.0, 3.7)),
             ],
         ),
-        "table": stage.table(80.0, 0.032, 0.027, 0.026),
+        "table": stage.table(80.0, 0.032, 0.043, 0.054),
         "tray": folder.mesh("tray", tray)
         | {
             "to_world": transform.translate([0.12, 0, 0]).rotate([0, 0, 1], 24),
@@ -68,7 +68,7 @@ def bells(folder: Folder, options: Options) -> dict[str, Any]:
         "handle": handle | {"to_world": large, "bsdf": wood},
         "small-handle": handle | {"to_world": small, "bsdf": wood},
     }
-    view = stage.camera(options, (0.6, -9.0, 4.5), (0.12, 0.0, 1.02), 31.0)
+    view = stage.camera(options, (0.6, -9.0, 4.5), (0.12, 0.0, 0.99), 32.4)
     return stage.scene(view, parts)
 
 
