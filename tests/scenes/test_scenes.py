@@ -97,6 +97,21 @@ def test_the_coat_is_a_parameter_of_the_file(mi, tmp_path):
     assert "Layered" in kinds and "NeuralLayered" not in kinds
 
 
+@pytest.mark.slow
+def test_the_coat_of_openpbr_is_a_parameter_of_the_file(mi, tmp_path):
+    """A hand-written name of the plugin in the place of the parameter gives the same picture."""
+    path = shipped.export(
+        "bells", tmp_path, Options(**(TINY | {"spp": 1, "width": 8, "height": 6}))
+    )
+    text = path.read_text()
+    assert text.count('type="openpbr"') == text.count('name="reference" value="$coat"') == 5
+    chosen = mi.render(load_scene(path, {"coat": "layered"}), seed=1).numpy()
+    networks = mi.render(load_scene(path, {}), seed=1).numpy()
+    path.write_text(text.replace('value="$coat"', 'value="layered"'))
+    assert np.array_equal(mi.render(load_scene(path, {}), seed=1).numpy(), chosen)
+    assert not np.array_equal(networks, chosen)
+
+
 def test_weights_are_named_only_where_they_matter():
     def keys(**options):
         return set(Options(**options).coated({"type": "diffuse"}, alpha=0.1))

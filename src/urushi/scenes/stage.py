@@ -57,7 +57,7 @@ class Options:
     """Options of a shipped scene.
 
     Attributes:
-        coat: plugin of all coats, "neural_layered" or "layered".
+        coat: plugin of all coats, "neural_layered" or "layered", those of OpenPBR included.
         weights: networks of "neural_layered": "default" or a weights file.
         width, height: size of the film [pixels].
         spp: samples per pixel.
