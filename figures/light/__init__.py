@@ -1,0 +1,1 @@
+"""What noise-free BSDFs are worth under one light and another."""
