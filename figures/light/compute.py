@@ -3,8 +3,8 @@
     python -m figures.light.compute
 
 Uses the measurement of `benchmarks.quality.equal_time` with small pictures: passes of the walk, of
-the networks and of Mitsuba's `principled` alternate in one process. Ratios of mean squared errors at
-equal CPU time are for the time in which the walk takes `COUNT` samples per pixel.
+the networks and of Mitsuba's `principled` alternate in one process. Ratios of mean squared errors
+at equal CPU time are for the time in which the walk takes `COUNT` samples per pixel.
 """
 
 import argparse
@@ -26,6 +26,9 @@ SCENES = ("still-life", "globe", "teapot")
 COUNT = 64
 #: Width of pictures, scale of textures, samples of the reference, and seconds of each method.
 WIDTH, DETAIL, SAMPLES, SECONDS = 96, 0.25, 512, 6.0
+#: Longest path: direct light. Caustics of small lights are single bright samples, which path tracing
+#: hardly finds, and which would decide the means.
+DEPTH = 2
 
 
 def main() -> None:
@@ -51,7 +54,7 @@ def part(
         weights=[DEFAULT],
         width=width,
         detail=DETAIL,
-        depth=6,
+        depth=DEPTH,
         spp=samples,
         seconds=seconds,
         folder=PARTS / "pictures",

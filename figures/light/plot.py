@@ -18,12 +18,13 @@ LABELS = {"own": "studio", "point": "point light", "sky": "sun and sky"}
 def main() -> None:
     """Draw the figure and print the table."""
     found = json.loads((FOLDER / "results.json").read_text())
-    picture = style.figure(9, 3.4)
+    picture = style.figure(9, 3.6)
     axes = picture.subplots(1, len(SCENES), sharey=True)
     for axis, scene in zip(axes, SCENES, strict=True):
         draw(axis, scene, found["parts"])
     axes[0].set_ylabel(f"times less error than the walk's,\nat its {COUNT} samples per pixel")
-    axes[0].legend(fontsize=8)
+    handles, labels = axes[0].get_legend_handles_labels()
+    picture.legend(handles, labels, loc="outside upper center", ncols=2, fontsize=8)
     style.save(picture, FOLDER / "figure.png")
     print("\n".join(table(found)))
 
@@ -31,7 +32,7 @@ def main() -> None:
 def draw(axis, scene: str, parts) -> None:
     """Bars of the networks and of the exact BSDF for each light of a scene."""
     places = np.arange(len(LIGHTS))
-    labels = {"networks": "networks", "exact": "exact, at `principled`'s cost"}
+    labels = {"networks": "networks", "exact": "exact, at the cost of principled"}
     for shift, (name, label) in zip((-0.2, 0.2), labels.items(), strict=True):
         values = [parts[f"{scene}, {light}"][name] for light in LIGHTS]
         axis.bar(places + shift, values, 0.38, color=style.COLOURS[name], label=label)

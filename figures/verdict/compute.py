@@ -27,7 +27,7 @@ from urushi.rivals import belcour, weidlich
 FOLDER = Path(__file__).parent
 PARTS = Path("out/figures/verdict")
 #: Numbers of interfaces, stacks of each, and the seed of stacks and walks; other than figure 8's.
-INTERFACES, STACKS, SEED = (2, 3, 6), 32, 23
+INTERFACES, STACKS, SEED = (2, 3), 32, 23
 #: Methods, and their plugins.
 PLUGINS = {
     "principled": "principled",
