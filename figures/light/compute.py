@@ -26,8 +26,8 @@ SCENES = ("still-life", "globe", "teapot")
 COUNT = 64
 #: Width of pictures, scale of textures, samples of the reference, and seconds of each method.
 WIDTH, DETAIL, SAMPLES, SECONDS = 96, 0.25, 512, 6.0
-#: Longest path: direct light. Caustics of small lights are single bright samples, which path tracing
-#: hardly finds, and which would decide the means.
+#: Longest path: direct light. Caustics of small lights are single bright samples, which path
+#: tracing hardly finds, and which would decide the means.
 DEPTH = 2
 
 
