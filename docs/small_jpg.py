@@ -11,7 +11,7 @@ QUALITY = 88
 def main(pictures: list[Path], folder: Path) -> None:
     mi.set_variant("scalar_rgb")
     for picture in pictures:
-        bitmap = mi.Bitmap(str(picture))
+        bitmap = mi.Bitmap(str(picture)).convert(mi.Bitmap.PixelFormat.RGB)
         bitmap.write(str(folder / f"{picture.stem}.jpg"), quality=QUALITY)
 
 

@@ -134,7 +134,8 @@ def _draw(path: Path, reference: "Reference", errors: "Errors", name: str) -> No
             place.imshow(np.clip(picture, 0, 1) ** (1 / 2.2))
             place.set_xticks([])
             place.set_yticks([])
-        axes[0][column].set_title(f"{names[k]}\nE {100 * errors.error[k]:.1f} %", fontsize=7)
+        title = f"{names[k]}, E {100 * errors.error[k]:.1f} %".replace(", ", ",\n", 1)
+        axes[0][column].set_title(title, fontsize=7)
     for row, label in enumerate(("walk", name)):
         axes[row][0].set_ylabel(label, fontsize=8)
     figure.tight_layout(pad=0.3)
