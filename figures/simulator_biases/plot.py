@@ -84,9 +84,9 @@ def draw_table2(axis, found) -> None:
         axis.plot(np.maximum(errors, 1e-3), share, color=colour, label=label)
     noise = 100 * np.mean(found["noise"])
     axis.axvline(noise, color="#999999", linestyle=":", label="right walk against stored values")
-    axis.set(xscale="log", xlabel="E [%]", ylabel="stacks with a smaller E [%]")
+    axis.set(xscale="log", xlabel="E [%], at least 0.001", ylabel="stacks with a smaller E [%]")
     axis.set_title(f"{len(found['noise'])} stacks of Table 2", fontsize=10)
-    axis.legend(fontsize=8, loc="lower right")
+    axis.legend(fontsize=8, loc="upper left")
 
 
 def table(found) -> list[str]:
