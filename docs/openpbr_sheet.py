@@ -9,20 +9,36 @@ of the names that are printed, row by row; materials that are refused are printe
 import sys
 import warnings
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import mitsuba as mi
 import numpy as np
 
 import urushi
 from urushi.errors import UrushiWarning
+from urushi.scenes import stage
 
-SIZE, COLUMNS, SAMPLES = 128, 8, 64
+SIZE, COLUMNS, SAMPLES = 128, 8, 128
+
+#: Radiance of the zenith, the horizon and the ground.
+SKY = (0.5, 0.52, 0.56), (0.3, 0.3, 0.3), (0.08, 0.07, 0.06)
+
+LAMPS = (
+    stage.Light(towards=(-1.0, -0.7, 0.9), size=(0.35, 0.35), radiance=(9.0, 9.0, 9.0)),
+    stage.Light(towards=(1.2, -0.3, 0.3), size=(0.1, 0.55), radiance=(7.0, 6.0, 4.5)),
+    stage.Light(towards=(0.2, 1.0, 0.6), size=(0.5, 0.12), radiance=(4.4, 6.0, 8.0)),
+)
 
 
 def sphere(surface: urushi.OpenPBR) -> np.ndarray:
-    """The picture (SIZE, SIZE, 3) of a sphere under a lamp and even light, linear sRGB."""
-    look = mi.ScalarTransform4f().look_at([0, 1, 4], [0, 0, 0], [0, 1, 0])
-    lamp = {"type": "area", "radiance": {"type": "rgb", "value": 12.0}}
+    """The picture (SIZE, SIZE, 3) of a sphere in a studio of three softboxes, linear sRGB."""
+    look = mi.ScalarTransform4f().look_at([0, -4, 0.6], [0, 0, 0], [0, 0, 1])
+    with TemporaryDirectory() as folder:
+        sky = stage.surround(stage.Folder(Path(folder)), *SKY, LAMPS)
+        return _render(surface, sky, look)
+
+
+def _render(surface: urushi.OpenPBR, sky: dict, look: "mi.ScalarTransform4f") -> np.ndarray:
     scene = {
         "type": "scene",
         "integrator": {"type": "path", "max_depth": 4},
@@ -30,13 +46,12 @@ def sphere(surface: urushi.OpenPBR) -> np.ndarray:
             "type": "perspective",
             "fov": 30,
             "to_world": look,
-            "film": {"type": "hdrfilm", "width": SIZE, "height": SIZE},
+            "film": {"type": "hdrfilm", "width": SIZE, "height": SIZE, "pixel_format": "rgb"},
         },
-        "sky": {"type": "constant", "radiance": {"type": "rgb", "value": 0.3}},
-        "lamp": {"type": "sphere", "center": [3, 5, 4], "radius": 1.0, "emitter": lamp},
+        "sky": sky,
         "object": surface.on({"type": "sphere"}),
     }
-    return np.array(mi.render(mi.load_dict(scene), spp=SAMPLES))[..., :3]
+    return np.array(mi.render(mi.load_dict(scene), spp=SAMPLES))
 
 
 def main(folder: Path, picture: Path) -> None:
@@ -54,7 +69,9 @@ def main(folder: Path, picture: Path) -> None:
     empty = np.zeros((SIZE, SIZE, 3))
     pictures += [empty] * (-len(pictures) % COLUMNS)
     rows = [np.concatenate(pictures[i : i + COLUMNS], 1) for i in range(0, len(pictures), COLUMNS)]
-    mi.util.write_bitmap(str(picture), np.concatenate(rows).astype(np.float32), write_async=False)
+    # Lights of thousands of nits would become black in a file of bytes.
+    sheet = np.minimum(np.concatenate(rows), 1).astype(np.float32)
+    mi.util.write_bitmap(str(picture), sheet, write_async=False)
 
 
 if __name__ == "__main__":

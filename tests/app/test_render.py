@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from urushi.app import cli
+from urushi.app.commands.render import write_picture
 from urushi.errors import ParameterError
 from urushi.scenes import shipped
 
@@ -58,6 +59,13 @@ def test_flags(scene, tmp_path):
     image = read(output)
     assert image.shape == (2, 2, 3)
     np.testing.assert_allclose(image, 0.25, rtol=1e-3)
+
+
+@pytest.mark.parametrize("suffix", [".png", ".jpg"])
+def test_lights_of_thousands_of_nits_are_white(suffix, tmp_path):
+    path = tmp_path / f"lamp{suffix}"
+    write_picture(mi.TensorXf(np.full((8, 8, 3), 1e4, np.float32)), path)
+    assert np.array(mi.Bitmap(str(path))).min() >= 254  # JPEG rounds
 
 
 def test_png(scene, tmp_path):

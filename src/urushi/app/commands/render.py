@@ -147,12 +147,15 @@ class Render:
 
 def write_picture(image: Any, path: Path) -> None:
     """Write a rendered image by its suffix: linear .exr, or tone-mapped .png and .jpg."""
+    import drjit as dr
     import mitsuba as mi
 
     if path.suffix.lower() not in SUFFIXES:
         raise ParameterError(
             f"'{path}' does not end in a picture format; use {', '.join(SUFFIXES)}"
         )
+    if path.suffix.lower() != ".exr":
+        image = dr.minimum(image, 1)  # Mitsuba's conversion to bytes turns thousands into black
     with atomic_write(path) as temporary:
         try:
             mi.util.write_bitmap(str(temporary), image, write_async=False)
