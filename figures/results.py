@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from tqdm import tqdm
 
+from urushi.eval import metrics
 from urushi.files import atomic_write
 
 #: Resamples of a bootstrap interval, and its coverage.
@@ -40,6 +41,18 @@ def write(path: Path, results: Any) -> None:
     text = json.dumps(results, indent=1)
     with atomic_write(path) as temporary:
         temporary.write_text(text + "\n")
+
+
+def write_pictures(path: Path, pictures: dict[str, np.ndarray]) -> None:
+    """Write pictures (..., H, W, 3) of linear radiance by name, in half precision, for the plot."""
+    with atomic_write(path) as temporary:
+        np.savez(temporary, **{name: np.float16(picture) for name, picture in pictures.items()})
+
+
+def shown_pictures(path: Path) -> dict[str, np.ndarray]:
+    """Pictures that `write_pictures` wrote, as sRGB values in [0, 1]."""
+    with np.load(path) as file:
+        return {name: metrics.shown(file[name].astype(np.float32)) for name in file}
 
 
 def interval(values: np.ndarray, seed: int = 0) -> tuple[float, float]:

@@ -9,7 +9,6 @@ half by the walk: an error would show as a seam.
 
 import functools
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import mitsuba as mi
@@ -17,11 +16,11 @@ import numpy as np
 
 import urushi
 from figures import results
+from figures.sphere import render
 from urushi.files import atomic_write
 from urushi.geometry import direction_sets
 from urushi.geometry.error_metrics import stack_error
 from urushi.nets.weights import default_model
-from urushi.scenes import stage
 
 FOLDER = Path(__file__).parent
 PARTS = Path("out/figures/figure_6")
@@ -90,38 +89,8 @@ def _render(plugin: str, coat: dict[str, float], bottom: float) -> np.ndarray:
     parameters = {name: value for name, value in coat.items() if name != "eta"}
     base = {"type": "roughconductor", "distribution": "ggx", "alpha": bottom, "material": "none"}
     gold = {"specular_reflectance": {"type": "rgb", "value": list(GOLD)}}
-    with TemporaryDirectory() as folder:
-        lamps = [
-            stage.Light(towards=(side, -0.6, 0.9), size=(0.3, 0.3), radiance=(9.0, 9.0, 9.0))
-            for side in (-1.0, 1.0)
-        ]
-        lamps.append(stage.Light((0.0, -1.0, 0.15), (0.08, 0.08), (12.0, 12.0, 12.0)))
-        light = stage.surround(
-            stage.Folder(Path(folder)),
-            (0.35, 0.36, 0.4),
-            (0.25, 0.24, 0.23),
-            (0.08, 0.07, 0.06),
-            lamps,
-        )
-        look = mi.ScalarTransform4f().look_at([0, -4, 0.6], [0, 0, 0], [0, 0, 1])
-        film = {"type": "hdrfilm", "width": SIZE, "height": SIZE, "pixel_format": "rgb"}
-        scene = {
-            "type": "scene",
-            "integrator": {"type": "path", "max_depth": 3, "hide_emitters": True},
-            "sensor": {"type": "perspective", "fov": 30, "to_world": look, "film": film},
-            "light": light,
-            "sphere": {
-                "type": "sphere",
-                "bsdf": {
-                    "type": plugin,
-                    **parameters,
-                    "int_ior": coat["eta"],
-                    "ext_ior": 1.0,
-                    "bottom": {**base, **gold},
-                },
-            },
-        }
-        return np.array(mi.render(mi.load_dict(scene), spp=SAMPLES, seed=SEED))
+    bsdf = {"type": plugin, **parameters, "int_ior": coat["eta"], "ext_ior": 1.0}
+    return render(bsdf | {"bottom": {**base, **gold}}, SIZE, SAMPLES, SEED)
 
 
 if __name__ == "__main__":

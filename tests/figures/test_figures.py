@@ -8,6 +8,8 @@ from figures import results
 from figures.figure_6 import compute as spheres
 from figures.figure_6 import plot as spheres_plot
 from figures.figure_8 import compute, plot
+from figures.interpolation import compute as interpolation
+from figures.interpolation import plot as interpolation_plot
 from figures.light import compute as light
 from figures.light import plot as light_plot
 from figures.verdict import compute as verdict
@@ -74,6 +76,7 @@ def test_networks_stay_near_the_walk_for_a_new_computation():
     [
         (compute.FOLDER, plot.table),
         (spheres.FOLDER, spheres_plot.table),
+        (interpolation.FOLDER, interpolation_plot.table),
         (light.FOLDER, light_plot.table),
         (verdict.FOLDER, verdict_plot.table),
     ],
