@@ -1,4 +1,4 @@
-"""The scenes of benchmarks: the demo's and the shipped ones, by several methods and lights.
+"""The scenes of benchmarks: the demo's, the shipped ones and one variation, by methods and lights.
 
 Methods are weights of `neural_layered` (a name or a file), `WALK`, and `PRINCIPLED`: Mitsuba's
 principled BSDF in the place of every coat, with as many textures. It looks different, and shows
@@ -13,6 +13,7 @@ from typing import Any
 
 import mitsuba as mi
 import numpy as np
+from benchmarks import textured_coats
 
 import urushi  # noqa: F401  (registers the plugins)
 from urushi.files import new_folder
@@ -23,10 +24,14 @@ from urushi.scenes.stage import COATS, Options
 
 DEMO = "demo"
 SCENES = (DEMO, *shipped.SCENES)
+#: The still life with textures of the coats' alpha and index; not among those measured by default.
+TEXTURED = "textured-still-life"
 WALK, PRINCIPLED = "layered", "principled"
 
 #: Kinds of light: the scene's own; one point light; a cloudless sky with the sun.
 OWN, POINT, SKY = LIGHTS = ("own", "point", "sky")
+#: The scene's own light and the point light together.
+BOTH = "both"
 
 #: Direction to the sun, and the scale of its and the sky's radiance.
 SUN, EXPOSURE = (-0.5, -0.6, 0.6), 4.0
@@ -49,10 +54,10 @@ def describe(
     """A scene for `mi.load_dict`.
 
     Args:
-        name: one of `SCENES`.
+        name: one of `SCENES`, or `TEXTURED`.
         method: weights by name or file, `WALK` or `PRINCIPLED`.
         folder: for meshes and textures.
-        light: one of `LIGHTS`.
+        light: one of `LIGHTS`, or `BOTH`.
         width: of the picture [pixels]; the height is 3/4 of it.
         detail: factor on the size of the shipped scenes' textures.
         depth: longest path, in segments; 2: direct light alone, which has no caustics.
@@ -65,8 +70,12 @@ def describe(
         scene = caddy.scene(coat, str(mesh), width=width, height=height)
     else:
         options = Options(coat=coat, width=width, height=height, detail=detail)
-        scene = shipped.build(name, folder, options)
-    if light != OWN:
+        scene = shipped.build("still-life" if name == TEXTURED else name, folder, options)
+        if name == TEXTURED:
+            scene = textured_coats.applied(scene, folder, options)
+    if light == BOTH:
+        scene["point"] = _light(POINT, scene["sensor"])
+    elif light != OWN:
         scene = {key: node for key, node in scene.items() if not _emits(node)}
         scene["light"] = _light(light, scene["sensor"])
     scene["integrator"] = {"type": "path", "max_depth": depth}

@@ -4,11 +4,25 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 import pytest
-from benchmarks.scenes import LIGHTS, OWN, POINT, PRINCIPLED, SCENES, SKY, WALK, describe, digest
+from benchmarks import textured_coats
+from benchmarks.scenes import (
+    BOTH,
+    LIGHTS,
+    OWN,
+    POINT,
+    PRINCIPLED,
+    SCENES,
+    SKY,
+    TEXTURED,
+    WALK,
+    describe,
+    digest,
+)
 
 from urushi.nets.weights import DEFAULT
 
 SMALL = {"width": 16, "detail": 0.02}
+LIGHTS_OF_BOTH = (OWN, POINT, BOTH)
 
 
 @pytest.fixture(autouse=True)
@@ -45,6 +59,29 @@ def test_the_point_light_gives_a_facing_white_surface_at_the_origin_radiance_one
     light = describe(name, WALK, tmp_path, light=POINT, **SMALL)["light"]
     distance = np.linalg.norm(light["position"])
     np.testing.assert_allclose(np.array(light["intensity"]["value"]) / distance**2, np.pi)
+
+
+def test_both_lights_are_the_scenes_own_and_the_point_light(tmp_path):
+    own, point, both = (describe("shoe", WALK, tmp_path, light=x, **SMALL) for x in LIGHTS_OF_BOTH)
+    assert both["surround"] == own["surround"] and both["point"] == point["light"]
+
+
+@pytest.mark.parametrize("method", [WALK, DEFAULT])
+def test_the_textured_still_life_has_textures_of_alpha_and_index_within_their_ranges(
+    method, tmp_path
+):
+    options = {"width": 16, "detail": 0.1}  # 51 texels show every pattern
+    scene = describe(TEXTURED, method, tmp_path, **options)
+    plain = describe("still-life", method, tmp_path / "plain", **options)
+    assert scene.keys() == plain.keys()
+    for name in ("vase", "plate", "table", "bead-0"):
+        coat, before = scene[name]["bsdf"], plain[name]["bsdf"]
+        assert {key for key in coat if coat[key] != before[key]} >= {"alpha", "int_ior"}
+        for key, ends in (("alpha", textured_coats.ALPHAS), ("int_ior", textured_coats.INDICES)):
+            values = np.array(mi.Bitmap(coat[key]["filename"]))
+            # Half floats round by 1/2048 of a value.
+            assert ends[0] * 0.999 <= values.min() < values.max() <= ends[1] * 1.001
+    assert scene["bowl"]["bsdf"]["bsdf"]["alpha"]["type"] == "bitmap"  # inside the normal map
 
 
 @pytest.mark.parametrize("light", LIGHTS)
