@@ -2,6 +2,7 @@
 
 import json
 
+import mitsuba as mi
 import numpy as np
 import pytest
 from figures import results
@@ -12,6 +13,8 @@ from figures.interpolation import compute as interpolation
 from figures.interpolation import plot as interpolation_plot
 from figures.light import compute as light
 from figures.light import plot as light_plot
+from figures.table_3 import compute as scenes
+from figures.table_3 import plot as scenes_plot
 from figures.verdict import compute as verdict
 from figures.verdict import plot as verdict_plot
 
@@ -78,6 +81,7 @@ def test_networks_stay_near_the_walk_for_a_new_computation():
         (spheres.FOLDER, spheres_plot.table),
         (interpolation.FOLDER, interpolation_plot.table),
         (light.FOLDER, light_plot.table),
+        (scenes.FOLDER, scenes_plot.table),
         (verdict.FOLDER, verdict_plot.table),
     ],
 )
@@ -113,3 +117,20 @@ def test_networks_are_reciprocal_and_no_method_but_weidlich_and_wilkies_gains_en
     assert found["Weidlich and Wilkie 2007, exchange"] < 1e-5  # rounding
     assert found["Belcour 2018, exchange"] > 1e-3  # its lobes depend on one of the directions
     assert found["networks"][0] < found["Belcour 2018"][0]
+
+
+def test_scenes_are_compared_at_equal_time_and_samples_add_up(tmp_path, monkeypatch):
+    stored = json.loads((scenes.FOLDER / "results.json").read_text())["scenes"]
+    for name, scene in stored.items():
+        assert scene["walk"]["spp"] == scenes.SAMPLES[name]
+        # Samples are whole: one of the teapot's is a fifteenth of a picture.
+        assert abs(scene["networks"]["seconds"] / scene["walk"]["seconds"] - 1) < 0.1
+        for method in scenes.METHODS:
+            assert len(scene[method]["mse"]) == scenes.PICTURES
+        ratio, low, high = scenes_plot.ratio_interval(scene)
+        assert low < ratio < high
+    # A small picture of few samples has the error of the stored ones, up to its size and noise.
+    mi.set_variant("llvm_ad_rgb")
+    monkeypatch.setattr(scenes, "PARTS", tmp_path)
+    again = scenes.part("teapot", width=48, reference=256, pictures=2)
+    assert 0.3 < np.mean(again["walk"]["mse"]) / np.mean(stored["teapot"]["walk"]["mse"]) < 3
