@@ -104,7 +104,11 @@ RATE = 5e-3
 
 
 def train(
-    f: Callable[[np.ndarray, np.ndarray], np.ndarray], *, passes: int = PASSES, seed: int = 0
+    f: Callable[[np.ndarray, np.ndarray], np.ndarray],
+    *,
+    passes: int = PASSES,
+    samples: int = SAMPLES,
+    seed: int = 0,
 ) -> Nbrdf:
     """Train the network of a BRDF: 15 seconds of one core.
 
@@ -113,29 +117,32 @@ def train(
     Args:
         f: f(wi, wo) -> (N, 3) or (N, 1) [1/sr] for float32 unit vectors (N, 3).
         passes: number of passes over all samples.
+        samples: number of pairs of directions that are drawn.
         seed: seed of samples, their order and the initial weights.
     """
-    x, f_cos, cosine = _samples(f, np.random.default_rng(seed))
+    x, wi, wo = training_pairs(np.random.default_rng(seed), samples)
+    cosine = wi[:, 2:]
+    f_cos = np.broadcast_to(np.asarray(f(wi, wo), np.float64), (len(wi), 3)) * cosine
+    data = tuple(jnp.asarray(a, jnp.float32) for a in (x, f_cos, cosine))
     steps = len(x) // BATCH
     rule = optax.adam(optax.cosine_decay_schedule(RATE, passes * steps))
     weights = _initial(np.random.default_rng((seed, 1)))
     state = weights, rule.init(weights)
     key = jax.random.key(seed)
     for i in range(passes):
-        state = _one_pass(rule, state, (x, f_cos, cosine), jax.random.fold_in(key, i))
+        state = _one_pass(rule, state, data, jax.random.fold_in(key, i))
     return Nbrdf(np.asarray(state[0]))
 
 
-def _samples(f, rng: np.random.Generator) -> tuple[jax.Array, ...]:
-    u = rng.random((3, SAMPLES))
+def training_pairs(
+    rng: np.random.Generator, samples: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Inputs (N, 6), and float32 unit vectors wi, wo (N, 3) of the pairs above the horizon."""
+    u = rng.random((3, samples))
     theta_h, theta_d, phi_d = u[0] ** 2 * (np.pi / 2), u[1] * (np.pi / 2), u[2] * np.pi
     wi, wo = (w.astype(np.float32) for w in directions_at(theta_h, theta_d, phi_d))
     above = np.minimum(wi[:, 2], wo[:, 2]) > 0
-    x = vectors(theta_h, theta_d, phi_d)[above]
-    values = np.asarray(f(wi[above], wo[above]), np.float64)
-    cosine = wi[above, 2:]
-    values = np.broadcast_to(values, (len(values), 3)) * cosine
-    return tuple(jnp.asarray(a, jnp.float32) for a in (x, values, cosine))
+    return vectors(theta_h, theta_d, phi_d)[above], wi[above], wo[above]
 
 
 def _initial(rng: np.random.Generator) -> jax.Array:
