@@ -91,7 +91,9 @@ def define_proposal_bsdf() -> type:
                 enabled = self._enabled(ctx, si, active)
                 return enabled, self._vertex(si, enabled)
 
-            inputs = (*si.wi, *si.uv, *si.duv_dx, *si.duv_dy, active)
+            inputs = (*si.wi, *si.uv, *si.duv_dx, *si.duv_dy, *si.p, active)
+            if mi.is_spectral:
+                inputs += tuple(si.wavelengths)
             return self._vertex_cache.get(inputs, compute)
 
         def _f_cos_and_pdf(self, vertex, ctx, si, wo, active):

@@ -18,7 +18,7 @@ COATS = ("neural_layered", "layered")
 def define(proposal_bsdf: type):
     """Make the plugin's constructor in the current variant; see `define_proposal_bsdf`."""
     base_class = openpbr_base.define(proposal_bsdf)
-    surface_class = openpbr_surface.define()
+    surface_class = openpbr_surface.define(proposal_bsdf)
 
     def openpbr(props):
         """OpenPBR Surface 1.1.1, opaque, with its coat as light transport (``openpbr``).

@@ -1,5 +1,7 @@
 """The base of OpenPBR: metal and glossy-diffuse dielectric, in closed form."""
 
+from typing import Any, NamedTuple
+
 import drjit as dr
 import mitsuba as mi
 import numpy as np
@@ -47,6 +49,25 @@ NAMES = (
 )
 
 
+class Vertex(NamedTuple):
+    """The base at a surface interaction.
+
+    Attributes:
+        color: base_weight times base_color. tint: specular_color.
+        weight: specular_weight, at most one. share: base_metalness.
+        widths: the GGX width, or `Widths` of an anisotropic interface; alpha: one for both.
+        eta: the index relative to the medium above.
+    """
+
+    color: Any
+    tint: Any
+    weight: Any
+    share: Any
+    widths: Any
+    alpha: Any
+    eta: Any
+
+
 def define(base: type) -> type:
     """Make the class in the current variant; base: of `define_proposal_bsdf`."""
 
@@ -69,6 +90,8 @@ def define(base: type) -> type:
             self._inputs = inputs
             self._boosted = under_coat and not inputs.is_constant("coat_darkening", 1)
             self._encoded, self._compensated = encoded, compensated
+            self._only_metal = inputs.is_constant("base_metalness", 1)
+            self._only_dielectric = inputs.is_constant("base_metalness", 0)
             self._film = None
             if not inputs.is_constant("thin_film_weight", 0):
                 self._film = FilmFresnel(inputs)
@@ -84,36 +107,43 @@ def define(base: type) -> type:
             self._albedo = InterfaceAlbedo(eta)
             self._mirror = MirrorAlbedo()
 
-        def _f(self, vertex, ctx, si, wo, active):
+        def _vertex(self, si, active) -> Vertex:
             inputs = self._inputs
-            color = inputs.number("base_weight", si, active) * inputs.color(
-                "base_color", si, active
+            widths = self._alpha(si, active)
+            return Vertex(
+                inputs.number("base_weight", si, active) * inputs.color("base_color", si, active),
+                inputs.color("specular_color", si, active),
+                dr.minimum(inputs.number("specular_weight", si, active), 1),
+                inputs.number("base_metalness", si, active),
+                widths,
+                _mean_width(widths),
+                self._eta(si, active),
             )
-            widths, eta = self._alpha(si, active), self._eta(si, active)
-            lobe, cos_m = microfacet.reflection_lobe(si.wi, wo, widths)
-            cos_m, alpha = dr.abs(cos_m), _mean_width(widths)
-            tint = inputs.color("specular_color", si, active)
-            f = mi.Spectrum(0)
-            if not inputs.is_constant("base_metalness", 1):
-                f += lobe * self._dielectric(cos_m, eta, si, active) * tint
-                f += self._diffuse(si, wo, color, alpha, eta, active)
-            if not inputs.is_constant("base_metalness", 0):
-                share = inputs.number("base_metalness", si, active)
-                weight = inputs.number("specular_weight", si, active)
+
+        def _f(self, vertex, ctx, si, wo, active):
+            color, tint, alpha = vertex.color, vertex.tint, vertex.alpha
+            lobe, cos_m = microfacet.reflection_lobe(si.wi, wo, vertex.widths)
+            cos_m, f = dr.abs(cos_m), mi.Spectrum(0)
+            if not self._only_metal:
+                f += lobe * self._dielectric(cos_m, vertex.eta, si, active) * tint
+                f += self._diffuse(si, wo, vertex, active)
+            if not self._only_dielectric:
                 reflectance, mean = metal.f82(cos_m, color, tint), metal.f82_mean(color, tint)
                 if self._film:
                     reflectance = self._film.metal(cos_m, color, tint, reflectance, si, active)
                     mean = self._film.metal_mean(color, tint, mean, si, active)
-                shine = lobe * reflectance
-                shine += self._mirror.lost(si.wi.z, wo.z, alpha, mean)
-                f = dr.lerp(f, dr.minimum(weight, 1) * shine, share)
+                first, second = (self._mirror.seen(w.z, alpha) for w in (si.wi, wo))
+                shine = vertex.weight * (
+                    lobe * reflectance + self._mirror.lost(first, second, alpha, mean)
+                )
+                f = shine if self._only_metal else dr.lerp(f, shine, vertex.share)
             if self._boosted:
-                f *= self._boost(si, color, eta, active)
+                f *= self._boost(si, vertex, active)
             return f
 
-        def _diffuse(self, si, wo, color, alpha, eta, active):
+        def _diffuse(self, si, wo, vertex, active):
             """What passes the interface, is reflected by the slab and leaves [1/sr]."""
-            albedo = self._albedo
+            albedo, color, alpha, eta = self._albedo, vertex.color, vertex.alpha, vertex.eta
             reflected = [albedo.reflected(w.z, alpha, eta) for w in (si.wi, wo)]
             mean = albedo.reflected_mean(alpha, eta)
             if self._film:
@@ -156,17 +186,15 @@ def define(base: type) -> type:
                 return self._film.dielectric(cosine, eta, si, active)
             return fresnel.dielectric(cosine, eta)[0]
 
-        def _boost(self, si, color, eta, active):
+        def _boost(self, si, vertex, active):
             """The factor that takes back darkening, see `openpbr_surface.darkening`."""
             inputs = self._inputs
-            share = inputs.number("base_metalness", si, active)
-            f0 = dr.square((eta - 1) / (eta + 1))
-            weight = dr.minimum(inputs.number("specular_weight", si, active), 1)
-            dielectric, shine = f0 + (1 - f0) * color, weight * color
+            f0 = dr.square((vertex.eta - 1) / (vertex.eta + 1))
+            dielectric, shine = f0 + (1 - f0) * vertex.color, vertex.weight * vertex.color
             base = darkening.Base(
-                dr.lerp(dielectric, shine, share),
+                dr.lerp(dielectric, shine, vertex.share),
                 inputs.number("specular_roughness", si, active),
-                share,
+                vertex.share,
                 f0,
             )
             coat_eta = dr.maximum(inputs.number("coat_ior", si, active), 1.001)
@@ -174,21 +202,19 @@ def define(base: type) -> type:
             return darkening.boost(kept, coat_eta, base, dr)
 
         def _proposal(self, vertex, si, active):
-            inputs, alpha = self._inputs, self._alpha(si, active)
-            width, eta = _mean_width(alpha), self._eta(si, active)
-            reflected = self._albedo.reflected(si.wi.z, width, eta)
-            color = inputs.number("base_weight", si, active) * dr.mean(
-                inputs.color("base_color", si, active)
-            )
-            share = reflected / (reflected + (1 - reflected) * color + 1e-4)
-            share = dr.lerp(share, 1, inputs.number("base_metalness", si, active))
-            share = dr.clip(share, MIN_SHARE, 1 - MIN_SHARE)
-            return Mixture([share, 1 - share], [alpha])
+            share = mi.Float(1 - MIN_SHARE)
+            if not self._only_metal:
+                reflected = self._albedo.reflected(si.wi.z, vertex.alpha, vertex.eta)
+                color = dr.mean(vertex.color)
+                share = reflected / (reflected + (1 - reflected) * color + 1e-4)
+                share = dr.lerp(share, 1, vertex.share)
+                share = dr.clip(share, MIN_SHARE, 1 - MIN_SHARE)
+            return Mixture([share, 1 - share], [vertex.widths])
 
         @property
         def bare(self) -> bool:
             """Whether the base counts as its lobe alone: a metal, but for its dip at 82 degrees."""
-            return self._inputs.is_constant("base_metalness", 1)
+            return self._only_metal
 
         def lobes(self, si):
             """The base's lobe, six floats for each channel; seven of an anisotropic base.
@@ -200,17 +226,12 @@ def define(base: type) -> type:
             the energy of its multiple scattering (Turquin 2019), unless that is given back to the
             coated base.
             """
-            inputs, active = self._inputs, mi.Bool(True)
-            share = inputs.number("base_metalness", si, active)
-            color = inputs.number("base_weight", si, active) * inputs.color(
-                "base_color", si, active
-            )
-            weight = dr.minimum(inputs.number("specular_weight", si, active), 1)
-            tint, eta = inputs.color("specular_color", si, active), self._eta(si, active)
-            scale = self._boost(si, color, eta, active) if self._boosted else mi.Spectrum(1)
-            alpha = self._alpha(si, active)
+            active = mi.Bool(True)
+            vertex = self._vertex(si, active)
+            color, tint, weight, share, alpha, mean_alpha, eta = vertex
+            scale = self._boost(si, vertex, active) if self._boosted else mi.Spectrum(1)
             if self.bare and not self._compensated:
-                scale *= self._mirror.gain(_mean_width(alpha), color)
+                scale *= self._mirror.gain(mean_alpha, color)
             if self._film:
                 color, eta = self._film.lobe_terms(eta, color, tint, si, active)
             along, across = (alpha.u, [alpha.v]) if isinstance(alpha, Widths) else (alpha, [])

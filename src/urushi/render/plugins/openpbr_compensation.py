@@ -4,7 +4,10 @@ Facets of a rough coat scatter once, and networks deviate over bright bases. Wha
 the material does not reflect, known from tables or measured when it is loaded, is given back.
 """
 
+from typing import Any, NamedTuple
+
 import drjit as dr
+import mitsuba as mi
 
 from urushi.openpbr_surface import darkening, glossy, metal, roughness
 from urushi.openpbr_surface.medium import LEAST_COLOR
@@ -14,6 +17,48 @@ from urushi.render.reading.openpbr_inputs import Inputs
 
 #: Power of the base's albedo by which the deviation of networks over a white base counts.
 WHITENESS = 4
+
+
+class LossVertex(NamedTuple):
+    """A coat of `CoatLoss` at a vertex.
+
+    Attributes:
+        eta, alpha: its index and its width.
+        inside: the share of light from the base that leaves, over the mean that enters.
+        lost: what is lost at wi, over pi times its mean.
+    """
+
+    eta: Any
+    alpha: Any
+    inside: Any
+    lost: Any
+
+
+class Vertex(NamedTuple):
+    """The material of `Compensation` at a vertex; what is not needed is ().
+
+    Attributes:
+        share: base_metalness. white: how much the deviation over a white base counts.
+        eta: the coat's index. f0: its reflectance at normal incidence.
+        tint: one spectrum, half the logarithm of coat_color.
+        path: length of the refracted path of wi.
+        loss: of the coat's interface.
+        below, metal_below: the colour of light that a smooth coat passes to the dielectric or
+            to the metal and back, without the tint.
+        dielectric, metal: what was measured of the twins.
+    """
+
+    share: Any
+    white: Any
+    eta: Any
+    f0: Any
+    tint: Any
+    path: Any
+    loss: Any
+    below: Any
+    metal_below: Any
+    dielectric: Any
+    metal: Any
 
 
 class Compensation:
@@ -30,64 +75,84 @@ class Compensation:
 
         encoded: whether networks layer the coat. weights: theirs, as the plugin's property.
         """
-        self._inputs, self._encoded = inputs, encoded
+        self._inputs = inputs
+        self._only_metal = inputs.is_constant("base_metalness", 1)
+        self._only_dielectric = inputs.is_constant("base_metalness", 0)
         self._coat = CoatLoss(inputs)
         self._mirror = MirrorAlbedo()
         self._dielectric = self._metal = None
-        if encoded and not inputs.is_constant("base_metalness", 1):
+        if encoded and not self._only_metal:
             self._dielectric = Furnace(inputs, 0.0, encoded, weights, CoatLoss)
         # The codes of a mixture contain what its facets reflect more than once, a metal's do not.
-        if inputs.is_constant("base_metalness", 1) or not (
-            encoded or inputs.is_constant("base_metalness", 0)
-        ):
+        if self._only_metal or not (encoded or self._only_dielectric):
             self._metal = Furnace(inputs, 1.0, encoded, weights, None)
 
-    def completed(self, f_cos, si, wo, active):
-        """f cos of the coated base with the light that it loses."""
+    def vertex(self, si, active) -> "Vertex":
+        """What depends on the position and on wi alone."""
         inputs = self._inputs
         share = inputs.number("base_metalness", si, active)
-        cosine = dr.maximum(wo.z, 0)
         color = inputs.number("base_weight", si, active) * inputs.color("base_color", si, active)
-        if not inputs.is_constant("base_metalness", 1):
-            f0, passed = self._coated_colors(color, si, wo, active)
-            seen = f0 + (1 - f0) * passed
-            f = seen * self._coat.lobe(si, wo, active)
-            if self._dielectric:
-                white = color * color
-                white *= white
-                f += seen * white * self._dielectric.lobe(si, wo, active)
-                f_cos *= 1 - (1 - share) * white * (1 - self._dielectric.factor(si, wo, active))
-            f_cos += (1 - share) * cosine * f
-        if not inputs.is_constant("base_metalness", 0):
-            lobe = self._metal or self._coat
-            if self._metal:
-                f_cos *= 1 - share * (1 - self._metal.factor(si, wo, active))
-            seen = self._metal_color(color, si, wo, active)
-            f_cos += share * cosine * seen * lobe.lobe(si, wo, active)
-        return f_cos
-
-    def _coated_colors(self, color, si, wo, active):
-        """Of a smooth coat over a base of albedo `color`: its own reflectance at normal incidence,
-        and the colour of the light that it passes to the base and back.
-
-        The tint is that of the refracted paths along wi and wo.
-        """
-        eta = dr.clip(self._inputs.number("coat_ior", si, active), 1.001, 3)
-        f0 = dr.square((eta - 1) / (eta + 1))
+        eta = dr.clip(inputs.number("coat_ior", si, active), 1.001, 3)
         internal = glossy.internal_reflectance(1 - darkening.mean_fresnel(eta, dr), eta)
-        tint = dr.maximum(self._inputs.color("coat_color", si, active), LEAST_COLOR)
-        paths = [dr.rsqrt(1 - (1 - w.z * w.z) / (eta * eta)) for w in (si.wi, wo)]
-        tint = dr.power(tint, 0.5 * (paths[0] + paths[1]))
-        return f0, tint * glossy.promised(color, internal)
+        loss: Any = ()
+        if not (self._only_metal and self._metal):
+            loss = self._coat.vertex(si, active)
+        tint, below, metal_below = [], (), ()
+        if not inputs.is_constant("coat_color", 1):
+            tint = [0.5 * dr.log(dr.maximum(inputs.color("coat_color", si, active), LEAST_COLOR))]
+        if not self._only_metal:
+            below = glossy.promised(color, internal)
+        if not self._only_dielectric:
+            metal_below = glossy.promised(self._metal_color(color, si, active), internal)
+        return Vertex(
+            share,
+            dr.power(color, WHITENESS) if self._dielectric else (),
+            eta,
+            dr.square((eta - 1) / (eta + 1)),
+            tint,
+            _path(si.wi, eta),
+            loss,
+            below,
+            metal_below,
+            self._dielectric.vertex(si, active) if self._dielectric else (),
+            self._metal.vertex(si, active) if self._metal else (),
+        )
 
-    def _metal_color(self, color, si, wo, active):
-        """Albedo of the coated metal for light that its facets reflect more than once."""
+    def completed(self, vertex: "Vertex", f, wo):
+        """f [1/sr] of the coated base with the light that it loses."""
+        share, tint = vertex.share, mi.Spectrum(1)
+        for half_log in vertex.tint:  # of the refracted paths along wi and wo
+            tint = dr.exp(half_log * (vertex.path + _path(wo, vertex.eta)))
+        coat = self._coat.lobe(vertex.loss, wo) if vertex.loss else None
+        if not self._only_metal:
+            lobe = mi.Spectrum(coat)
+            if self._dielectric:
+                more, factor = self._dielectric.lobe_and_factor(vertex.dielectric, wo)
+                lobe += vertex.white * more
+                f = f * (1 - (1 - share) * vertex.white * (1 - factor))
+            seen = vertex.f0 + (1 - vertex.f0) * tint * vertex.below
+            f = f + (1 - share) * seen * lobe
+        if not self._only_dielectric:
+            lobe = coat
+            if self._metal:
+                lobe, factor = self._metal.lobe_and_factor(vertex.metal, wo)
+                f = f * (factor if self._only_metal else 1 - share * (1 - factor))
+            f = f + share * tint * vertex.metal_below * lobe
+        return f
+
+    def _metal_color(self, color, si, active):
+        """Albedo of the metal for light that its facets reflect more than once."""
         inputs = self._inputs
         tint = inputs.color("specular_color", si, active)
         weight = dr.minimum(inputs.number("specular_weight", si, active), 1)
         mean = weight * metal.f82_mean(color, tint)
         alpha = roughness.lobe_width(inputs.number("specular_roughness", si, active), dr)
-        return self._coated_colors(self._mirror.multiple(mean, alpha), si, wo, active)[1]
+        return self._mirror.multiple(mean, alpha)
+
+
+def _path(w, eta):
+    """Length of the refracted path along w through the coat of index eta, over its thickness."""
+    return dr.rsqrt(1 - (1 - w.z * w.z) / (eta * eta))
 
 
 class CoatLoss:
@@ -103,24 +168,29 @@ class CoatLoss:
 
     def lost(self, cosine, si, active):
         """Share of the light from a direction that is lost."""
-        return self._losses([cosine], si, active)[0]
+        return self._lost(self._at(si, active), cosine)
 
-    def lobe(self, si, wo, active):
+    def vertex(self, si, active) -> "LossVertex":
+        """What depends on the position and on wi alone."""
+        at = self._at(si, active)
+        reflected, passed = self._above.both_mean(at.alpha, at.eta)
+        mean = 1 - reflected - at.inside * passed
+        return at._replace(lost=self._lost(at, si.wi.z) / dr.maximum(dr.pi * mean, 1e-5))
+
+    def lobe(self, vertex: "LossVertex", wo):
         """The lobe [1/sr] of the light that is given back."""
-        first, second, mean = self._losses([si.wi.z, wo.z], si, active)
-        return first * second / dr.maximum(dr.pi * mean, 1e-5)
+        return vertex.lost * self._lost(vertex, wo.z)
 
-    def _losses(self, cosines, si, active) -> list:
-        """The losses at cosines, and their mean over the hemisphere."""
+    def _at(self, si, active) -> "LossVertex":
+        """The coat at a surface interaction."""
         inputs = self._inputs
         eta = dr.clip(inputs.number("coat_ior", si, active), 1.001, 3)
         alpha = roughness.lobe_width(inputs.number("coat_roughness", si, active), dr)
-        inside = self._above.passed_mean(alpha, eta) / (eta * eta)
+        inside = self._above.both_mean(alpha, eta)[1] / (eta * eta)
         inside = inside / (1 - self._below.reflected_mean(alpha, 1 / eta))
-        losses = []
-        for cosine in cosines:
-            reflected = self._above.reflected(cosine, alpha, eta)
-            kept = reflected + inside * self._above.passed(cosine, alpha, eta)
-            losses.append(dr.clip(1 - kept, 0, 1))
-        mean = self._above.reflected_mean(alpha, eta)
-        return [*losses, 1 - mean - inside * self._above.passed_mean(alpha, eta)]
+        return LossVertex(eta, alpha, inside, ())
+
+    def _lost(self, at: "LossVertex", cosine):
+        """Share of the light from a direction that is lost."""
+        reflected, passed = self._above.both(cosine, at.alpha, at.eta)
+        return dr.clip(1 - reflected - at.inside * passed, 0, 1)

@@ -1,7 +1,7 @@
 """The white furnace of a coated base: how much less than all light its white twin reflects."""
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import drjit as dr
 import mitsuba as mi
@@ -28,6 +28,20 @@ _SHARED = (
 )
 #: As `_SHARED`, of a dielectric base, whose index it changes.
 _OF_DIELECTRICS = ("specular_weight",)
+
+
+class FurnaceVertex(NamedTuple):
+    """Attributes of `Furnace` at a vertex.
+
+    Attributes:
+        at: coordinates in the table besides the cosine, its last axis first.
+        lost: what is lost at wi, over pi times its mean.
+        excess: one and what is too much at wi.
+    """
+
+    at: list
+    lost: Any
+    excess: Any
 
 
 class Furnace:
@@ -60,29 +74,28 @@ class Furnace:
                 losses = losses - _known_losses(known(twin.inputs), uv)
         losses = losses.reshape(*([NODES] * len(self._varying)), COSINES)
         parts = np.maximum(losses, 0), np.maximum(-losses, 0)
-        self._lost, self._excess = (interpolated(part.astype(np.float32)) for part in parts)
+        self._deviations = interpolated(np.stack(parts, axis=-1).astype(np.float32))
         root = np.linspace(0, 1, COSINES)
         weight = 4 * root**3 / (COSINES - 1)  # of 2 cos dcos
         weight[-1] /= 2
-        self._mean = interpolated((parts[0] @ weight).astype(np.float32)) if self._varying else None
-        self._constant_mean = float((parts[0] @ weight).mean())
+        mean = (parts[0] @ weight)[..., None].astype(np.float32)
+        self._mean = interpolated(mean) if self._varying else None
+        self._constant_mean = float(mean.mean())
 
-    def lobe(self, si, wo, active):
-        """The lobe [1/sr] of the light that is given back."""
-        at = self._at(si, active)
-        ends = [self._lost([dr.safe_sqrt(w.z), *at]) for w in (si.wi, wo)]
-        mean = mi.Float(self._constant_mean) if self._mean is None else self._mean(at)
-        return ends[0] * ends[1] / dr.maximum(dr.pi * mean, 1e-5)
+    def vertex(self, si, active) -> "FurnaceVertex":
+        """What depends on the position and on wi alone."""
+        at = [self._inputs.number(name, si, active) for name in reversed(self._varying)]
+        lost, excess = self._deviations([dr.safe_sqrt(si.wi.z), *at])
+        mean = mi.Float(self._constant_mean) if self._mean is None else self._mean(at)[0]
+        return FurnaceVertex(at, lost / dr.maximum(dr.pi * mean, 1e-5), 1 + excess)
 
-    def factor(self, si, wo, active):
-        """The factor on f, at most one, where the twin reflects more than all light."""
-        at = self._at(si, active)
-        ends = [1 + self._excess([dr.safe_sqrt(w.z), *at]) for w in (si.wi, wo)]
-        return dr.rsqrt(ends[0] * ends[1])
+    def lobe_and_factor(self, vertex: "FurnaceVertex", wo) -> tuple:
+        """The lobe [1/sr] of the light that is given back, and the factor on f.
 
-    def _at(self, si, active) -> list:
-        """Coordinates in the table besides the cosine, its last axis first."""
-        return [self._inputs.number(name, si, active) for name in reversed(self._varying)]
+        The factor is less than one where the twin reflects more than all light.
+        """
+        lost, excess = self._deviations([dr.safe_sqrt(wo.z), *vertex.at])
+        return vertex.lost * lost, dr.rsqrt(vertex.excess * (1 + excess))
 
 
 def _twin(

@@ -1,10 +1,12 @@
 """The surface of OpenPBR: base, coated base and fuzz, mixed by their weights."""
 
+from typing import Any, NamedTuple
+
 import drjit as dr
 import mitsuba as mi
 
 from urushi.openpbr_surface import sheen
-from urushi.render.plugins.coats import Turn
+from urushi.render.plugins.coats import Turn, TurnedMixture
 from urushi.render.plugins.openpbr_compensation import Compensation
 from urushi.render.reading.openpbr_inputs import Inputs
 
@@ -12,10 +14,79 @@ from urushi.render.reading.openpbr_inputs import Inputs
 DIFFUSE_SHARE = 0.1
 
 
-def define() -> type:
-    """Make the class in the current variant."""
+class Part(NamedTuple):
+    """A BSDF at a vertex.
 
-    class OpenPBRSurface(mi.BSDF):
+    Attributes:
+        bsdf: of `base.define_proposal_bsdf`.
+        vertex: its own.
+        weight: its weight in the mixture.
+    """
+
+    bsdf: Any
+    vertex: Any
+    weight: Any
+
+
+class Fuzz(NamedTuple):
+    """The fuzz at a vertex.
+
+    Attributes:
+        hidden: fuzz_weight times the albedo seen from wi.
+        color: fuzz_color. roughness: fuzz_roughness.
+    """
+
+    hidden: Any
+    color: Any
+    roughness: Any
+
+
+class Vertex(NamedTuple):
+    """The surface at a vertex; see `Part` and `Fuzz`."""
+
+    turn: Turn | None
+    parts: list[Part]
+    compensation: Any
+    fuzz: Any
+
+
+class SurfaceProposal(NamedTuple):
+    """A mixture of proposals and a cosine lobe.
+
+    Attributes:
+        proposals: those of the parts, with their weights of sum one.
+        diffuse: share of the cosine lobe.
+    """
+
+    proposals: list[tuple[Any, Any]]
+    diffuse: float
+
+    def pdf(self, wi, wo):
+        """Density of `sample` at wo [1/sr]."""
+        density = sum(weight * proposal.pdf(wi, wo) for proposal, weight in self.proposals)
+        return with_cosine(density, wo, self.diffuse)
+
+    def sample(self, wi, choice, u):
+        """Draw wo; see `Mixture.sample`."""
+        wo = mi.warp.square_to_cosine_hemisphere(u)
+        rest, start = (choice - self.diffuse) / (1 - self.diffuse), mi.Float(0)
+        for proposal, weight in self.proposals:
+            chosen = (choice >= self.diffuse) & (rest >= start) & (weight > 0)
+            own = dr.clip((rest - start) / dr.maximum(weight, 1e-6), 0, 0.99999994)
+            wo = dr.select(chosen, proposal.sample(wi, own, u), wo)
+            start = start + weight
+        return wo
+
+
+def with_cosine(density, wo, share: float):
+    """A density mixed with a share of the cosine lobe's."""
+    return (1 - share) * density + share * (wo.z * dr.inv_pi)
+
+
+def define(base: type) -> type:
+    """Make the class in the current variant; base: of `define_proposal_bsdf`."""
+
+    class OpenPBRSurface(base):
         """Mixes BRDFs: (1 - coat_weight) base + coat_weight coated, and fuzz above both."""
 
         def __init__(self, inputs: Inputs, base, coated, compensation: Compensation | None):
@@ -25,10 +96,7 @@ def define() -> type:
             coated: the base under the coat; None without a coat.
             compensation: gives back what a coated white base loses; None: nothing does.
             """
-            mi.BSDF.__init__(self, mi.Properties("openpbr"))
-            flags = mi.BSDFFlags.GlossyReflection | mi.BSDFFlags.DiffuseReflection
-            self.m_components = [flags | mi.BSDFFlags.FrontSide]
-            self.m_flags = self.m_components[0]
+            super().__init__(mi.Properties("openpbr"))
             self._inputs, self._base, self._coated = inputs, base, coated
             self._turned = "geometry_tangent" in inputs.maps
             self._fuzz = not inputs.is_constant("fuzz_weight", 0)
@@ -44,90 +112,60 @@ def define() -> type:
             """The BSDF of the base under the coat; None without a coat."""
             return self._coated
 
-        def eval(self, ctx, si, wo, active=True):
-            return self.eval_pdf(ctx, si, wo, active)[0]
-
-        def pdf(self, ctx, si, wo, active=True):
-            return self.eval_pdf(ctx, si, wo, active)[1]
-
-        def eval_pdf(self, ctx, si, wo, active=True):
-            active = mi.Bool(active) & (si.wi.z > 0) & (wo.z > 0)
-            if self._turned:
-                turn = Turn(*self._inputs.tangent(si, active))
-                si, wo = turn.interaction(si), turn.inside(wo)
-            return self._eval_pdf(ctx, si, wo, active)
-
-        def _eval_pdf(self, ctx, si, wo, active):
-            """`eval_pdf` in the frame of the tangent."""
-            f_cos, pdf = mi.Spectrum(0), mi.Float(0)
-            for part, weight in self._parts(si, active):
-                own, density = part.eval_pdf(ctx, si, wo, active)
-                if self._compensation and part is self._coated:
-                    own = self._compensation.completed(own, si, wo, active)
-                f_cos += weight * own
-                pdf += weight * density
-            diffuse = self._diffuse_share()
-            cosine = dr.maximum(wo.z, 0)
-            if self._fuzz:
-                f_cos = self._under_fuzz(f_cos, si, wo, active)
-            pdf = (1 - diffuse) * pdf + diffuse * (cosine * dr.inv_pi)
-            return dr.select(active, f_cos, 0), dr.select(active, pdf, 0)
-
-        def sample(self, ctx, si, sample1, sample2, active=True):
-            active = mi.Bool(active) & (si.wi.z > 0)
+        def _vertex(self, si, active):
             turn = None
             if self._turned:
                 turn = Turn(*self._inputs.tangent(si, active))
                 si = turn.interaction(si)
-            diffuse = self._diffuse_share()
-            bs = dr.zeros(mi.BSDFSample3f)
-            is_diffuse = sample1 < diffuse
-            wo = mi.warp.square_to_cosine_hemisphere(sample2)
-            rest, start = (sample1 - diffuse) / (1 - diffuse), mi.Float(0)
-            for part, weight in self._parts(si, active):
-                chosen = ~is_diffuse & (rest >= start) & (weight > 0)
-                u = dr.clip((rest - start) / dr.maximum(weight, 1e-6), 0, 0.99999994)
-                own, _ = part.sample(ctx, si, u, sample2, active & chosen)
-                wo = dr.select(chosen, own.wo, wo)
-                start = start + weight
-            bs.wo = turn.outside(wo) if turn else wo
-            f_cos, bs.pdf = self._eval_pdf(ctx, si, wo, active & (wo.z > 0))
-            bs.eta = 1
-            bs.sampled_type = mi.UInt32(+mi.BSDFFlags.GlossyReflection)
-            bs.sampled_component = 0
-            return bs, dr.select(bs.pdf > 0, f_cos / bs.pdf, 0)
+            bsdfs = [part for part in (self._base, self._coated) if part is not None]
+            weights: list[Any] = [mi.Float(1)]
+            if len(bsdfs) == 2:
+                weight = self._inputs.number("coat_weight", si, active)
+                weights = [1 - weight, weight]
+            parts = [
+                Part(bsdf, bsdf._vertex(si, active), weight)
+                for bsdf, weight in zip(bsdfs, weights, strict=True)
+            ]
+            compensation = self._compensation.vertex(si, active) if self._compensation else None
+            fuzz = self._fuzz_at(si, active) if self._fuzz else None
+            return Vertex(turn, parts, compensation, fuzz)
 
-        def _parts(self, si, active) -> list:
-            """The BSDFs that there are and their weights, of sum one."""
-            if self._coated is None:
-                return [(self._base, mi.Float(1))]
-            if self._base is None:
-                return [(self._coated, mi.Float(1))]
-            weight = self._coat_weight(si, active)
-            return [(self._base, 1 - weight), (self._coated, weight)]
+        def _f(self, vertex, ctx, si, wo, active):
+            return self._f_and_pdf(vertex, ctx, si, wo, active)[0]
 
-        def _coat_weight(self, si, active):
-            return self._inputs.number("coat_weight", si, active)
+        def _f_and_pdf(self, vertex, ctx, si, wo, active):
+            if vertex.turn:
+                si, wo = vertex.turn.interaction(si), vertex.turn.inside(wo)
+            f, pdf = mi.Spectrum(0), mi.Float(0)
+            for part in vertex.parts:
+                own, density = part.bsdf._f_and_pdf(part.vertex, ctx, si, wo, active)
+                if self._compensation and part.bsdf is self._coated:
+                    own = self._compensation.completed(vertex.compensation, own, wo)
+                f += part.weight * own
+                pdf += part.weight * density
+            if vertex.fuzz:
+                f = _under_fuzz(vertex.fuzz, f, si, wo)
+            return f, with_cosine(pdf, wo, self._diffuse_share())
+
+        def _proposal(self, vertex, si, active):
+            if vertex.turn:
+                si = vertex.turn.interaction(si)
+            proposals = [
+                (part.bsdf._proposal(part.vertex, si, active), part.weight) for part in vertex.parts
+            ]
+            proposal = SurfaceProposal(proposals, self._diffuse_share())
+            return TurnedMixture(proposal, vertex.turn) if vertex.turn else proposal
 
         def _diffuse_share(self) -> float:
             """Share of cosine-distributed directions, beyond those of the parts."""
             return DIFFUSE_SHARE if self._fuzz or self._compensation else 0.0
 
-        def _under_fuzz(self, f_cos, si, wo, active):
-            """Fuzz over f cos: it covers a share of the surface, and passes what it reflects not.
-
-            The specification's layering by the albedo of the direction that is seen.
-            """
+        def _fuzz_at(self, si, active) -> Fuzz:
+            """The fuzz at a surface interaction."""
             inputs = self._inputs
-            weight = inputs.number("fuzz_weight", si, active)
             rough = inputs.number("fuzz_roughness", si, active)
-            sine = dr.sqrt(dr.maximum(si.wi.x * si.wi.x + si.wi.y * si.wi.y, 1e-12))
-            along = (wo.x * si.wi.x + wo.y * si.wi.y) / sine
-            across = (wo.y * si.wi.x - wo.x * si.wi.y) / sine
-            albedo = sheen.albedo(si.wi.z, rough, dr)
-            lobe = sheen.density(si.wi.z, along, across, wo.z, rough, dr)
-            color = inputs.color("fuzz_color", si, active)
-            return f_cos * (1 - weight * albedo) + color * (weight * albedo * lobe)
+            hidden = inputs.number("fuzz_weight", si, active) * sheen.albedo(si.wi.z, rough, dr)
+            return Fuzz(hidden, inputs.color("fuzz_color", si, active), rough)
 
         def traverse(self, callback):
             names = ("coat_weight", "fuzz_weight", "fuzz_color", "fuzz_roughness")
@@ -142,3 +180,15 @@ def define() -> type:
             return "OpenPBR[\n  " + parts.replace("\n", "\n  ") + "\n]"
 
     return OpenPBRSurface
+
+
+def _under_fuzz(fuzz: Fuzz, f, si, wo):
+    """Fuzz over f [1/sr]: it covers a share of the surface, and passes what it reflects not.
+
+    The specification's layering by the albedo of the direction that is seen.
+    """
+    sine = dr.sqrt(dr.maximum(si.wi.x * si.wi.x + si.wi.y * si.wi.y, 1e-12))
+    along = (wo.x * si.wi.x + wo.y * si.wi.y) / sine
+    across = (wo.y * si.wi.x - wo.x * si.wi.y) / sine
+    lobe = sheen.density(si.wi.z, along, across, wo.z, fuzz.roughness, dr)
+    return f * (1 - fuzz.hidden) + fuzz.color * (fuzz.hidden * lobe / dr.maximum(wo.z, 1e-6))
