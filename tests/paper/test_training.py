@@ -1,6 +1,7 @@
 """The paper's training: its numbers, that it learns, and that it runs from data to weights."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,9 +12,11 @@ from urushi.errors import ParameterError
 from urushi.geometry.direction_sets import stratified_pairs
 from urushi.material import Material
 from urushi.nets import weights
-from urushi.paper.architecture import init
+from urushi.paper import adam, networks
+from urushi.paper.architecture import AdamProjection, init
+from urushi.paper.inference import direction_inputs, evaluate
 from urushi.paper.palette import Palette
-from urushi.paper.train import layering, projection, proxy, representation
+from urushi.paper.train import held_out, layering, projection, proxy, representation, sampler
 from urushi.paper.train.preset import paper
 from urushi.paper.train.training import train
 from urushi.reference import analytic
@@ -49,11 +52,70 @@ def test_scale_is_the_share_of_training_samples():
     assert small.decay**small.epochs == pytest.approx(0.9**50)
 
 
+def test_a_projection_by_adam_changes_the_architecture_alone():
+    preset = paper(1e-4, AdamProjection())
+    assert preset.arch.adam == AdamProjection(steps=1000, pairs=4096)
+    assert replace(preset, arch=paper(1e-4).arch) == paper(1e-4)
+    assert preset.to_dict()["arch"] == {"kind": "paper", "adam": {"steps": 1000, "pairs": 4096}}
+
+
+def test_a_part_is_projected_by_adam_as_numpy_does(tmp_path):
+    """At a random fifth of its stratified pairs in each step, and the same again."""
+    preset, options = paper(TINY), AdamProjection(steps=4, pairs=16)
+    store, params = generate(preset.data, tmp_path / "data.zarr"), init(0)
+    codes, errors = projection.project_part(params, store, 0, options=options)
+    assert codes.shape == (preset.data.parts[0].stacks, 32) and np.isfinite(errors).all()
+    again, _ = projection.project_part(params, store, 0, options=options)
+    np.testing.assert_array_equal(codes, again)
+    arrays = store.read_shard(0, 0, ("wi", "wo", "f"))
+    directions = direction_inputs(arrays["wi"][:1], arrays["wo"][:1])
+    ours, error = adam.project(params, directions, arrays["f"][:1], options)
+    np.testing.assert_allclose(codes[:1], ours, atol=adam.RATE / 2)
+    np.testing.assert_allclose(errors[:1], error, rtol=1e-3)
+
+
+def test_held_out_errors_are_those_of_the_stored_values(tmp_path):
+    """Written out for all held-out BRDFs, whose codes are known."""
+    preset, params = paper(TINY), init(0)
+    store = generate(preset.data, tmp_path / "data.zarr")
+    part = preset.part("two-layer")
+    z = 1 + 0.1 * np.random.default_rng(12).normal(size=(preset.validation, 32)).astype(np.float32)
+    medium = np.ones(preset.validation, np.float32)
+    found = held_out.value_errors(params, preset, store, layering.Examples(z, z, medium, medium, z))
+    index = preset.data.parts.index(part)
+    shards = range(store.spec.shard_count(part))
+    read = [store.read_shard(index, shard, ("wi", "wo", "f")) for shard in shards]
+    wi, wo, f = (np.concatenate([a[k] for a in read])[-preset.validation :] for k in read[0])
+    value = np.maximum(evaluate(params, z[:, None], direction_inputs(wi, wo)), 0)
+    assert found["L1 projected"] == pytest.approx(np.abs(value - f).mean(), rel=1e-4)
+    cos = wo[..., 2]
+    compressed = np.abs(adam.compressed(value * cos) - adam.compressed(f * cos)).mean()
+    assert found["compressed L1 projected"] == pytest.approx(compressed, rel=1e-4)
+    assert set(found) == {
+        f"{m} {c}" for m in ("L1", "compressed L1") for c in ("projected", "layered")
+    }
+
+
+def test_a_sampler_is_fitted_to_networks_that_came_without_one(monkeypatch):
+    """Its proposals depend on the code; the networks are untrained, so that any will do."""
+    for name in ("COMPONENTS", "STACKS", "INCOMING"):
+        monkeypatch.setattr(sampler, name, 2)
+    project = networks.project
+    monkeypatch.setattr(networks, "project", lambda p, d, f: project(p, d, f, steps=1))
+    params = {k: v for k, v in init(0).items() if not k.startswith("proxy.")}
+    params["evaluation.3.bias"] = params["evaluation.3.bias"] + np.float32(0.5)
+    fitted, divergence = sampler.fitted_proxy(params)
+    assert set(fitted) == {k for k in init(0) if k.startswith("proxy.")}
+    assert 0 < divergence < 0.5  # from nearly constant values to lobes
+
+
 def test_scales_out_of_range_or_place_are_refused():
     with pytest.raises(ParameterError, match="scale is 2; it must be in"):
         paper(2)
     with pytest.raises(ParameterError, match="'quick' has one size; only 'paper' takes a scale"):
         find_preset("quick", 0.5)
+    with pytest.raises(ParameterError, match="'quick' projects nothing; only 'paper' takes a proj"):
+        find_preset("quick", adam=AdamProjection())
 
 
 def test_one_brdf_is_learned_by_heart():

@@ -16,6 +16,7 @@ from urushi.app.commands.encode import Encode
 from urushi.app.commands.export import Export
 from urushi.app.commands.layer import Layer, Sheet
 from urushi.app.commands.openpbr_check import OpenPBRCheck
+from urushi.app.commands.paper import Paper
 from urushi.app.commands.render import Render, Scenes
 from urushi.app.commands.simulate import Simulate
 from urushi.app.commands.train import Evaluate, Train
@@ -55,6 +56,7 @@ COMMANDS: dict[str, tuple[type, str]] = {
     "data": (Data, "Simulate training data, or show a store of them."),
     "train": (Train, "Train networks."),
     "eval": (Evaluate, "Measure networks on held-out materials."),
+    "paper": (Paper, "Read the published networks of Fan et al. 2022."),
     "doctor": (Doctor, "Check this machine and say what is missing."),
 }
 

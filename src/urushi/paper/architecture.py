@@ -2,7 +2,7 @@
 
 import json
 import math
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -21,14 +21,44 @@ DIRECTIONS = 6
 
 
 @dataclass(frozen=True)
-class PaperArchitecture:
-    """The architecture of the paper's networks; it has no options."""
+class AdamProjection:
+    """Options of the projection by Adam (`urushi.paper.adam`); the authors' by default.
 
+    Attributes:
+        steps: number of steps, up to a million.
+        pairs: direction pairs of a step, up to 2^20.
+    """
+
+    steps: int = 1000
+    pairs: int = 4096
+
+    def __post_init__(self) -> None:
+        for name, most in (("steps", 1_000_000), ("pairs", 1 << 20)):
+            value = getattr(self, name)
+            if type(value) is not int or not 1 <= value <= most:
+                raise ParameterError(
+                    f"the projection by Adam has {name} = {value!r}; give a whole number from 1 to "
+                    f"{most}"
+                )
+
+
+@dataclass(frozen=True)
+class PaperArchitecture:
+    """The architecture of the paper's networks; their sizes are fixed.
+
+    Attributes:
+        adam: how a BRDF is projected to a code. None: by Levenberg-Marquardt, see
+            `urushi.paper.projection`. A layering network expects codes of the projection that it
+            was trained with.
+    """
+
+    adam: AdamProjection | None = None
     latent: ClassVar[int] = LATENT
 
     def to_json(self) -> str:
-        """Return the kind as the text of a JSON object."""
-        return json.dumps({"kind": "paper"})
+        """Return kind and projection as the text of a JSON object."""
+        options = {} if self.adam is None else {"adam": asdict(self.adam)}
+        return json.dumps({"kind": "paper", **options})
 
     @classmethod
     def from_json(cls, text: str) -> "PaperArchitecture":
@@ -37,11 +67,18 @@ class PaperArchitecture:
         Raises:
             ParameterError: the text has other entries.
         """
-        if json.loads(text) != {"kind": "paper"}:
+        description = json.loads(text)
+        adam = description.pop("adam", None)
+        wrong = adam is not None and (not isinstance(adam, dict) or set(adam) != _ADAM_OPTIONS)
+        if wrong or description != {"kind": "paper"}:
             raise ParameterError(
-                'the paper\'s architecture takes no options; it must be {"kind": "paper"}'
+                "the paper's architecture takes no options but the projection; it must be "
+                '{"kind": "paper"} or {"kind": "paper", "adam": {"steps": ..., "pairs": ...}}'
             )
-        return cls()
+        return cls(None if adam is None else AdamProjection(**adam))
+
+
+_ADAM_OPTIONS = {"steps", "pairs"}
 
 
 def _residual(name: str, n: int) -> Skip:

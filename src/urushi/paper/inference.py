@@ -15,6 +15,9 @@ from urushi.paper.architecture import DIRECTIONS, EVALUATION, LAYERING
 #: The first layer; its product with the code is shared by all directions.
 _FIRST = "evaluation.0"
 
+#: Place of the light's cosine among the direction inputs.
+LIGHT_COSINE = 5
+
 
 def direction_inputs(wi: Any, wo: Any) -> Any:
     """The direction inputs (..., 6): wi.xy, wo.xy, wi.z, wo.z; wi is the view, wo the light."""

@@ -8,9 +8,11 @@ import numpy as np
 
 from urushi.checks import CoatParameters
 from urushi.errors import ParameterError
+from urushi.geometry.direction_sets import stratified_pairs
 from urushi.geometry.probe_pairs import probe_pairs
 from urushi.nets.mlp import Params
 from urushi.nets.weights import Model
+from urushi.paper import adam
 from urushi.paper.architecture import LATENT, PaperArchitecture
 from urushi.paper.inference import direction_inputs, evaluate, isotropic, layer
 from urushi.paper.projection import project
@@ -22,6 +24,10 @@ if TYPE_CHECKING:
 
 #: Number of direction pairs at which a BRDF is evaluated for its projection.
 PAIRS = 512
+
+#: The same for a projection by Adam: the authors' number for one step, and eight strata for each
+#: of the four angles.
+ADAM_PAIRS = 4096
 
 #: Number of BRDFs that are projected together; more would not fit into the caches.
 TOGETHER = 4
@@ -44,29 +50,43 @@ def projection_pairs() -> tuple[np.ndarray, np.ndarray]:
     return wi, wo
 
 
+@functools.cache
+def adam_pairs() -> tuple[np.ndarray, np.ndarray]:
+    """Stratified pairs, as in the training data."""
+    wi, wo = stratified_pairs(np.random.default_rng(0), ADAM_PAIRS)
+    wi.flags.writeable = wo.flags.writeable = False
+    return wi, wo
+
+
 class PaperNetworks:
     """Projection, layering, evaluation and sampling by the paper's networks (NumPy)."""
 
     def __init__(self, params: Params, arch: PaperArchitecture):
-        self._params = params
+        self._params, self._adam = params, arch.adam
         self._lock = threading.Lock()  # guards the codes of interfaces
         self._tops: dict[tuple[float, float], np.ndarray] = {}
 
     def pairs(self) -> tuple[np.ndarray, np.ndarray]:
         """The pairs at which a BRDF is projected."""
-        return projection_pairs()
+        return projection_pairs() if self._adam is None else adam_pairs()
 
     def encode(self, f: Any) -> np.ndarray:
-        """Codes (..., 32) by projection, about a second each."""
+        """Codes (..., 32) by projection: about a second each, or some minutes by Adam."""
         values = np.asarray(f, np.float32)
-        rows = values.reshape(-1, PAIRS)
         directions = direction_inputs(*self.pairs())[None]
+        rows = values.reshape(-1, directions.shape[1])
         parts = [
-            project(self._params, directions, rows[start : start + TOGETHER])[0]
+            self._project(directions, rows[start : start + TOGETHER])
             for start in range(0, len(rows), TOGETHER)
         ]
         codes = np.concatenate(parts) if parts else np.zeros((0, LATENT), np.float32)
         return codes.reshape(*values.shape[:-1], LATENT)
+
+    def _project(self, directions: np.ndarray, f: np.ndarray) -> np.ndarray:
+        """Codes (M, 32) of BRDFs f (M, P)."""
+        if self._adam is None:
+            return project(self._params, directions, f)[0]
+        return adam.project(self._params, directions, f, self._adam)[0]
 
     def layer(self, z_bottom: Any, coat: CoatParameters) -> Any:
         """Codes (..., 32) by the layering network, whose inputs include the interface's code.
@@ -103,7 +123,7 @@ class PaperNetworks:
         if keys.shape[1] > MAX_TOPS:
             raise ParameterError(
                 f"the layering has {keys.shape[1]} different interfaces, and the paper's networks "
-                f"need about a second for each; give at most {MAX_TOPS} pairs of alpha and eta, "
+                f"need a second or more for each; give at most {MAX_TOPS} pairs of alpha and eta, "
                 "or use Urushi's own networks"
             )
         with self._lock:

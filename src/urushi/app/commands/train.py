@@ -10,28 +10,54 @@ from urushi import platform
 from urushi.errors import ParameterError
 
 if TYPE_CHECKING:
+    from urushi.paper.architecture import AdamProjection
     from urushi.paper.train.preset import PaperPreset
     from urushi.train.presets import Preset
 
+ProjectionName = Literal["levenberg-marquardt", "adam"]
 
-def find_preset(name: str, scale: float | None = None) -> "Preset | PaperPreset":
-    """The training preset of a name; `scale` is for "paper", see `paper.train.preset.paper`.
+
+def find_preset(
+    name: str, scale: float | None = None, adam: "AdamProjection | None" = None
+) -> "Preset | PaperPreset":
+    """The training preset of a name; the others are for "paper", see `paper.train.preset.paper`.
 
     Raises:
-        ParameterError: there is no such preset, or it takes no scale.
+        ParameterError: there is no such preset, or it takes no scale or projection.
     """
     from urushi.paper.train.preset import paper
     from urushi.train import presets
 
     if name == "paper":
-        return paper() if scale is None else paper(scale)
+        return paper(1.0 if scale is None else scale, adam)
     if scale is not None and name in presets.NAMES:
         raise ParameterError(f"the preset '{name}' has one size; only 'paper' takes a scale")
+    if adam is not None and name in presets.NAMES:
+        raise ParameterError(
+            f"the preset '{name}' projects nothing; only 'paper' takes a projection"
+        )
     if name not in presets.NAMES:
         raise ParameterError(
             f"there is no preset '{name}'; choose one of {', '.join((*presets.NAMES, 'paper'))}"
         )
     return presets.get(name)
+
+
+def adam_projection(name: ProjectionName, pairs: int | None) -> "AdamProjection | None":
+    """The options of a projection by name; None is Levenberg-Marquardt.
+
+    Raises:
+        ParameterError: the number of pairs is out of range, or given without Adam.
+    """
+    from urushi.paper.architecture import AdamProjection
+
+    if name == "adam":
+        return AdamProjection() if pairs is None else AdamProjection(pairs=pairs)
+    if pairs is not None:
+        raise ParameterError(
+            "--projection-pairs belongs to --projection adam; give both or leave it out"
+        )
+    return None
 
 
 @dataclass(frozen=True)
@@ -49,6 +75,10 @@ class Train:
     scale: float | None = None
     """Only for the preset "paper": fraction of its training samples to use, in (0, 1]. 4e-5 takes
     about half an hour on two cores."""
+    projection: ProjectionName = "levenberg-marquardt"
+    """Only for the preset "paper": how BRDFs are projected to codes. adam is the authors' way."""
+    projection_pairs: int | None = None
+    """Only for the projection adam: direction pairs in each of its 1,000 steps. Default: 4096."""
     data: Path | None = None
     """Store of training data (.zarr). Default: runs/PRESET/data.zarr."""
     run_folder: Path | None = None
@@ -64,7 +94,8 @@ class Train:
         from urushi.paper.train.preset import PaperPreset
         from urushi.train import training
 
-        preset = find_preset(self.preset, self.scale)
+        adam = adam_projection(self.projection, self.projection_pairs)
+        preset = find_preset(self.preset, self.scale, adam)
         files: dict[str, Any] = {
             "data": self.data,
             "out": self.output,

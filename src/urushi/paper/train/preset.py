@@ -1,11 +1,12 @@
 """The preset of the paper's training, at full or smaller scale."""
 
+import json
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from urushi.data.spec import DataSpec, Part
 from urushi.errors import ParameterError
-from urushi.paper.architecture import PaperArchitecture
+from urushi.paper.architecture import AdamProjection, PaperArchitecture
 from urushi.paper.palette import Palette
 
 #: Pairs of direction strata in memory together, at most: bounds memory to some hundred MB.
@@ -31,6 +32,7 @@ class PaperPreset:
         proxy_materials, proxy_incoming: materials that the sampling proxy learns from, and
             incoming directions over which their histograms are averaged.
         seed: of the initial weights and of the order of the examples.
+        arch: the architecture, with the projection.
     """
 
     name: str
@@ -60,16 +62,18 @@ class PaperPreset:
 
     def to_dict(self) -> dict[str, Any]:
         """Describe the preset for JSON, in checkpoints and in the weights' header."""
-        return asdict(self) | {"data": self.data.to_dict(), "arch": {"kind": "paper"}}
+        arch = json.loads(self.arch.to_json())
+        return asdict(self) | {"data": self.data.to_dict(), "arch": arch}
 
 
-def paper(scale: float = 1.0) -> PaperPreset:
+def paper(scale: float = 1.0, adam: AdamProjection | None = None) -> PaperPreset:
     """Neural Layered BRDFs (Fan et al. 2022), trained as published or at a smaller scale.
 
     `scale` is the share of the paper's 2.3e11 training samples: BRDFs and epochs shrink by its
     fourth root, direction pairs by its square root. The total decay of the rates stays the same.
     The latents' rate is raised by the inverse square root of scale, at most a hundredfold, because
-    the latents would otherwise stay near their initial value in the few steps.
+    the latents would otherwise stay near their initial value in the few steps. `adam`: project by
+    Adam with these options, in training and in the weights file; None: by Levenberg-Marquardt.
 
     Command: `urushi train --preset paper --scale 4e-5`
     Time: 25 minutes on two cores at that scale (data 3, evaluation network 12, projections 7,
@@ -110,4 +114,5 @@ def paper(scale: float = 1.0) -> PaperPreset:
         finetuning_epochs=shrunk(100, 2),
         proxy_materials=shrunk(1_024, 4),
         proxy_incoming=max(4, round(1_600 * scale**0.5)),
+        arch=PaperArchitecture(adam),
     )

@@ -15,7 +15,7 @@ from urushi.data.generate import generate
 from urushi.data.store import Store
 from urushi.nets import weights
 from urushi.paper.architecture import LATENT, init
-from urushi.paper.train import layering, proxy, representation
+from urushi.paper.train import held_out, layering, proxy, representation
 from urushi.paper.train.preset import PaperPreset
 from urushi.paper.train.projection import project_part
 from urushi.train import training
@@ -71,7 +71,7 @@ def train(
     results = {name: np.asarray(value) for name, value in point.networks.items()}
     params = {name: v for name, v in results.items() if not name.startswith(("codes.", "error."))}
     sampling, divergence = learn_proxy(params, preset, results["codes.two-layer"])
-    metrics = figures(params, preset, results) | {"proxy divergence": divergence}
+    metrics = figures(params, preset, results, store) | {"proxy divergence": divergence}
     cost = {"data seconds": round(generated), "training seconds": round(clock.seconds())}
     header = {**training.header(identity, metrics, cost), "scale": preset.scale}
     return weights.save(out, preset.arch, {**params, **sampling}, header)
@@ -129,7 +129,7 @@ def projected(params: Mapping[str, Any], preset: PaperPreset, store: Store) -> d
     """Codes and errors of all parts, by name."""
     arrays: dict[str, Any] = {}
     for index, part in enumerate(preset.data.parts):
-        codes, errors = project_part(params, store, index, preset.seed)
+        codes, errors = project_part(params, store, index, preset.seed, preset.arch.adam)
         arrays |= {f"codes.{part.name}": codes, f"error.{part.name}": errors}
     return arrays
 
@@ -165,14 +165,17 @@ def learn_proxy(
 
 
 def figures(
-    params: Mapping[str, Any], preset: PaperPreset, results: Mapping[str, Any]
+    params: Mapping[str, Any], preset: PaperPreset, results: Mapping[str, Any], store: Store
 ) -> dict[str, float]:
-    """Mean absolute errors [1/sr] of projections, and of the layering network's codes."""
+    """Mean absolute errors [1/sr] of projections, of the layering network's codes, and of values.
+
+    For the last, see `held_out.value_errors`.
+    """
     codes = codes_of(preset, results)
     sets = layering.examples(preset, codes)
     loss = jax.jit(layering.l1_loss)
     named = {f"L1 {p.name}": np.mean(results[f"error.{p.name}"]) for p in preset.data.parts}
-    held_out = np.mean(results["error.two-layer"][-preset.validation :])
-    named |= {"L1 validation": held_out}
+    named |= {"L1 validation": np.mean(results["error.two-layer"][-preset.validation :])}
     named |= {f"L1 codes {name}": loss(params, examples) for name, examples in sets.items()}
+    named |= held_out.value_errors(params, preset, store, sets["validation"])
     return {name: float(value) for name, value in named.items()}

@@ -1,0 +1,103 @@
+"""`urushi paper`: the published networks of Fan et al. 2022, from the files of PyTorch."""
+
+import hashlib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+from urushi import platform
+from urushi.app.commands.train import ProjectionName, adam_projection
+
+
+@dataclass(frozen=True)
+class Import:
+    """Convert the published PyTorch networks of Fan et al. 2022 into a weights file.
+
+    The files are those of torch.save, of state dicts. PyTorch is not needed, and nothing in the
+    files is run. docs/published.md says what is assumed about them.
+
+    Example: urushi paper import representation.pth layering.pth -o published.safetensors
+    """
+
+    representation: tyro.conf.Positional[Path]
+    """File of the representation (evaluation) network (.pth)."""
+    layering: tyro.conf.Positional[Path]
+    """File of the layering network (.pth)."""
+    output: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
+    """Weights file to write (.safetensors)."""
+    projection: ProjectionName = "levenberg-marquardt"
+    """How BRDFs are projected to codes with these weights. adam is the authors' way. It takes
+    minutes for each channel, levenberg-marquardt a second."""
+    projection_pairs: int | None = None
+    """Only for the projection adam: direction pairs in each of its 1,000 steps. Default: 4096."""
+    fit_sampler: bool = False
+    """Train a sampling network, a few minutes. Default: directions are drawn by the cosine."""
+
+    def run(self) -> int:
+        adam = adam_projection(self.projection, self.projection_pairs)
+        if self.fit_sampler:
+            platform.require_extra("train")
+        from urushi.nets import weights
+        from urushi.paper import published
+        from urushi.paper.architecture import PaperArchitecture
+
+        params = published.networks(self.representation, self.layering)
+        sampler = published.cosine_proxy()
+        if self.fit_sampler:
+            from urushi.paper.train.sampler import fitted_proxy
+
+            fitted, divergence = fitted_proxy(params)
+            sampler = dict(fitted)
+            print(f"proxy divergence  {divergence:.4g}")
+        header = {
+            "published": {
+                name: {"file": path.name, "sha256": hashlib.sha256(path.read_bytes()).hexdigest()}
+                for name, path in (
+                    ("representation", self.representation),
+                    ("layering", self.layering),
+                )
+            },
+            "sampler": "fitted" if self.fit_sampler else "cosine",
+        }
+        arch = PaperArchitecture(adam)
+        model = weights.save(self.output, arch, {**params, **sampler}, header)
+        print(f"{self.output}  {model.fingerprint}")
+        return 0
+
+
+@dataclass(frozen=True)
+class Tensors:
+    """Print the names and shapes of the tensors in a file of torch.save.
+
+    Example: urushi paper tensors representation.pth
+    """
+
+    file: tyro.conf.Positional[Path]
+    """File of PyTorch (.pth)."""
+
+    def run(self) -> int:
+        from urushi.paper.published import state_dict
+        from urushi.paper.torch_file import TorchFile
+
+        with TorchFile(self.file) as file:
+            for name, tensor in state_dict(file).items():
+                print(f"{name}  {' × '.join(map(str, tensor.shape)) or 'scalar'}")
+        return 0
+
+
+@dataclass(frozen=True)
+class Paper:
+    """Read the published networks of Fan et al. 2022, where you have their files.
+
+    Example: urushi paper import representation.pth layering.pth -o published.safetensors
+    """
+
+    command: (
+        Annotated[Import, tyro.conf.subcommand("import")]
+        | Annotated[Tensors, tyro.conf.subcommand("tensors")]
+    )
+
+    def run(self) -> int:
+        return self.command.run()

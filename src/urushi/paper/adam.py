@@ -1,0 +1,114 @@
+"""Projection by Adam on compressed values, as the authors of the paper do it.
+
+The loss is the mean absolute difference of x / (1 + x), where x is f times the light's cosine. The
+compression bounds what a highlight counts, and the cosine what grazing light counts. Adam (Kingma
+and Ba 2015) takes steps of at most `RATE` in every number of the code. One definition runs on NumPy
+and JAX.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from urushi.nets.mlp import Params
+from urushi.paper.architecture import FIRST_LATENT, LATENT, AdamProjection
+from urushi.paper.inference import LIGHT_COSINE, value_and_gradient
+
+#: Learning rate.
+RATE = 1e-3
+
+#: Adam's default constants.
+FIRST_MOMENT, SECOND_MOMENT, TINY = 0.9, 0.999, 1e-8
+
+#: Number of rows that NumPy evaluates together, so that activations stay in a core's cache.
+ROWS = 512
+
+
+class AdamState(NamedTuple):
+    """State of the optimisation of M codes.
+
+    Attributes:
+        z: (M, 32); first, second: (M, 32) moments of the gradient; steps: number of steps taken;
+        loss: (M,) compressed loss before the last step, in [0, 2);
+        error: (M,) mean absolute error [1/sr] before the last step.
+    """
+
+    z: Any
+    first: Any
+    second: Any
+    steps: Any
+    loss: Any
+    error: Any
+
+
+def compressed(x: Any) -> Any:
+    """x / (1 + |x|): the authors' x / (1 + x), continued to negative outputs of the network."""
+    return x / (1 + abs(x))
+
+
+def start(f: Any) -> AdamState:
+    """The state before the first step: every code 1, as in training. f (M, P) [1/sr]."""
+    xp = f.__array_namespace__()
+    z = xp.full((f.shape[0], LATENT), FIRST_LATENT, dtype=f.dtype)
+    nothing = xp.zeros(f.shape[:1], dtype=f.dtype)
+    return AdamState(z, xp.zeros_like(z), xp.zeros_like(z), 0, nothing, nothing)
+
+
+def step(
+    params: Params, state: AdamState, directions: Any, f: Any, evaluate: Any = value_and_gradient
+) -> AdamState:
+    """Take one step for every code.
+
+    directions (M or 1, P, 6): `direction_inputs`; f (M, P) [1/sr], at the pairs of this step;
+    evaluate: a function equal to `value_and_gradient`.
+    """
+    xp = f.__array_namespace__()
+    value, jacobian = evaluate(params, state.z[:, None], directions)
+    cos = directions[..., LIGHT_COSINE]
+    x = value * cos
+    difference = compressed(x) - compressed(f * cos)
+    factor = xp.sign(difference) * cos / (1 + xp.abs(x)) ** 2
+    slope = xp.mean(factor[..., None] * jacobian, axis=-2)
+    first = FIRST_MOMENT * state.first + (1 - FIRST_MOMENT) * slope
+    second = SECOND_MOMENT * state.second + (1 - SECOND_MOMENT) * slope * slope
+    steps = state.steps + 1
+    mean, square = first / (1 - FIRST_MOMENT**steps), second / (1 - SECOND_MOMENT**steps)
+    z = state.z - RATE * mean / (xp.sqrt(square) + TINY)
+    loss = xp.mean(xp.abs(difference), axis=-1)
+    return AdamState(z, first, second, steps, loss, xp.mean(xp.abs(value - f), axis=-1))
+
+
+def draws(options: AdamProjection, count: int, seed: int = 0) -> np.ndarray | None:
+    """Indices (steps, pairs) of every step's pairs out of `count`; None: all pairs in each step.
+
+    They are drawn uniformly with replacement, the same for all BRDFs: a code does not depend on
+    what is projected with it.
+    """
+    if options.pairs >= count:
+        return None
+    rng = np.random.default_rng(seed)
+    return rng.integers(0, count, (options.steps, options.pairs), dtype=np.int32)
+
+
+def project(
+    params: Params, directions: np.ndarray, f: np.ndarray, options: AdamProjection
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the codes (M, 32) and mean absolute errors (M,) [1/sr] of BRDFs f (M, P).
+
+    directions (1, P, 6). Runs on NumPy.
+    """
+    at = draws(options, f.shape[1])
+    state = start(f)
+    for index in range(options.steps):
+        chosen = slice(None) if at is None else at[index]
+        state = step(params, state, directions[:, chosen], f[:, chosen], _in_parts)
+    return state.z, state.error
+
+
+def _in_parts(params: Params, z: np.ndarray, directions: np.ndarray) -> tuple[Any, Any]:
+    """`value_and_gradient` by `ROWS` rows at a time."""
+    count = max(1, ROWS // len(z))
+    cuts = [slice(i, i + count) for i in range(0, directions.shape[1], count)]
+    parts = [value_and_gradient(params, z, directions[:, cut]) for cut in cuts]
+    value, gradient = (np.concatenate(arrays, axis=1) for arrays in zip(*parts, strict=True))
+    return value, gradient

@@ -1,0 +1,246 @@
+"""The pickle in a file of `torch.save`, read without running anything that it names.
+
+A pickle is a program for a stack machine, and Python's own `pickle` calls whatever it names. This
+module interprets the few instructions that tensors in dictionaries need. It has no calls: a tensor
+becomes a description of where its values are, and every other object is refused by its name. Time
+and memory are proportional to the pickle's length.
+"""
+
+import os
+import pickletools
+from typing import Any, NamedTuple, NoReturn
+
+from urushi.errors import FileError
+
+
+class Storage(NamedTuple):
+    """A row of numbers in the file.
+
+    Attributes:
+        dtype: NumPy's name of the little-endian type; key: name in the file; length: number of
+            numbers.
+    """
+
+    dtype: str
+    key: str
+    length: int
+
+
+class Tensor(NamedTuple):
+    """A tensor's place in a storage, unchecked; offset and strides count numbers, not bytes."""
+
+    storage: Storage
+    offset: int
+    shape: tuple[int, ...]
+    strides: tuple[int, ...]
+
+
+class _Global(NamedTuple):
+    """An object that the pickle names."""
+
+    module: str
+    name: str
+
+
+_DICTIONARY = _Global("collections", "OrderedDict")
+_TENSOR = _Global("torch._utils", "_rebuild_tensor_v2")
+_PARAMETER = _Global("torch._utils", "_rebuild_parameter")
+_DTYPES = {
+    _Global("torch", "HalfStorage"): "<f2",
+    _Global("torch", "FloatStorage"): "<f4",
+    _Global("torch", "DoubleStorage"): "<f8",
+}
+
+#: All objects that a pickle may name. None of them is imported.
+ALLOWED = frozenset({_DICTIONARY, _TENSOR, _PARAMETER, *_DTYPES})
+
+#: Instructions whose argument is the value that they push.
+_CONSTANTS = frozenset(
+    ["BININT", "BININT1", "BININT2", "LONG1", "BINFLOAT", "BINUNICODE", "SHORT_BINUNICODE"]
+)
+
+_MARK = object()
+
+
+def decode(data: bytes, path: str | os.PathLike) -> Any:
+    """Return what a pickle describes: dicts, lists, tuples, numbers, text, None and tensors.
+
+    path: of the file, for errors.
+
+    Raises:
+        FileError: the pickle names an object that is not `ALLOWED`, uses an instruction that
+            tensors in dictionaries do not need, or is damaged.
+    """
+    try:
+        return _Machine(path).run(data)
+    except (AttributeError, IndexError, KeyError, TypeError, ValueError) as error:
+        raise FileError(
+            f"'{path}' is damaged: its pickle is no sequence of instructions that PyTorch writes; "
+            "download or save it again"
+        ) from error
+
+
+class _Machine:
+    """The stack, and the memo of objects that are used again."""
+
+    def __init__(self, path: str | os.PathLike) -> None:
+        self._path = path
+        self._stack: list[Any] = []
+        self._memo: dict[int, Any] = {}
+
+    def run(self, data: bytes) -> Any:
+        """Interpret a pickle."""
+        for instruction, argument, _ in pickletools.genops(data):
+            name = instruction.name
+            if name in ("GLOBAL", "INST"):
+                self._push_global(*str(argument).split(" ", 1))
+            elif name in _CONSTANTS:
+                self._stack.append(argument)
+            elif name != "STOP":
+                method = getattr(self, f"_{name.lower()}", None)
+                if method is None:
+                    raise FileError(
+                        f"'{self._path}' uses the pickle's instruction {name}, which tensors in "
+                        "dictionaries do not need; give a file of torch.save(network.state_dict())"
+                    )
+                method(*([] if argument is None else [argument]))
+        (result,) = self._stack
+        return result
+
+    def _push_global(self, module: str, name: str) -> None:
+        if (module, name) not in ALLOWED:
+            self._refuse(f"{module}.{name}")
+        self._stack.append(_Global(module, name))
+
+    def _refuse(self, name: str) -> NoReturn:
+        raise FileError(
+            f"'{self._path}' names the Python object '{name}', and only dictionaries of float "
+            "tensors are read; nothing was run; give a file of torch.save(network.state_dict())"
+        )
+
+    def _proto(self, version: int) -> None:
+        if not 2 <= version <= 4:
+            raise ValueError("protocol")
+
+    def _frame(self, size: int) -> None:
+        """Frames help to read ahead only."""
+
+    def _mark(self) -> None:
+        self._stack.append(_MARK)
+
+    def _since_mark(self) -> list[Any]:
+        """Pop everything above the last mark, and the mark."""
+        values = []
+        while (value := self._stack.pop()) is not _MARK:
+            values.append(value)
+        return values[::-1]
+
+    def _none(self) -> None:
+        self._stack.append(None)
+
+    def _newtrue(self) -> None:
+        self._stack.append(True)
+
+    def _newfalse(self) -> None:
+        self._stack.append(False)
+
+    def _empty_dict(self) -> None:
+        self._stack.append({})
+
+    def _empty_list(self) -> None:
+        self._stack.append([])
+
+    def _empty_tuple(self) -> None:
+        self._stack.append(())
+
+    def _tuple(self) -> None:
+        self._stack.append(tuple(self._since_mark()))
+
+    def _tuple1(self) -> None:
+        self._join(1)
+
+    def _tuple2(self) -> None:
+        self._join(2)
+
+    def _tuple3(self) -> None:
+        self._join(3)
+
+    def _join(self, count: int) -> None:
+        values = [self._stack.pop() for _ in range(count)]
+        self._stack.append(tuple(values[::-1]))
+
+    def _append(self) -> None:
+        value = self._stack.pop()
+        _of(self._stack[-1], list).append(value)
+
+    def _appends(self) -> None:
+        values = self._since_mark()
+        _of(self._stack[-1], list).extend(values)
+
+    def _setitem(self) -> None:
+        value, key = self._stack.pop(), self._stack.pop()
+        _set(self._stack[-1], key, value)
+
+    def _setitems(self) -> None:
+        values = self._since_mark()
+        for key, value in zip(values[::2], values[1::2], strict=True):
+            _set(self._stack[-1], key, value)
+
+    def _binput(self, index: int) -> None:
+        self._memo[index] = self._stack[-1]
+
+    def _memoize(self) -> None:
+        self._memo[len(self._memo)] = self._stack[-1]
+
+    def _binget(self, index: int) -> None:
+        self._stack.append(self._memo[index])
+
+    _long_binput, _long_binget = _binput, _binget
+
+    def _stack_global(self) -> None:
+        name, module = self._stack.pop(), self._stack.pop()
+        self._push_global(_of(module, str), _of(name, str))
+
+    def _build(self) -> None:
+        """State of an object: the versions of a state dict's modules, which are not needed."""
+        self._stack.pop()
+        _of(self._stack[-1], dict)
+
+    def _binpersid(self) -> None:
+        """A storage: ("storage", its type, its key, its device, its length)."""
+        word, kind, key, _, length = self._stack.pop()
+        if word != "storage":
+            raise ValueError(word)
+        self._stack.append(Storage(_DTYPES[kind], _of(key, str), _of(length, int)))
+
+    def _reduce(self) -> None:
+        arguments, function = self._stack.pop(), self._stack.pop()
+        if function == _TENSOR:
+            storage, offset, shape, strides = _of(arguments, tuple)[:4]
+            sizes = _integers(shape), _integers(strides)
+            value: Any = Tensor(_of(storage, Storage), _of(offset, int), *sizes)
+        elif function == _PARAMETER:
+            value = _of(_of(arguments, tuple)[0], Tensor)
+        elif function == _DICTIONARY and arguments == ():
+            value = {}
+        else:
+            raise ValueError(function)
+        self._stack.append(value)
+
+
+def _of(value: Any, kind: type) -> Any:
+    """The value, which must have exactly this type: a bool is no int."""
+    if type(value) is not kind:
+        raise TypeError(kind)
+    return value
+
+
+def _integers(values: Any) -> tuple[int, ...]:
+    return tuple(_of(value, int) for value in _of(values, tuple))
+
+
+def _set(target: Any, key: Any, value: Any) -> None:
+    """Set an entry. Keys are text or numbers: the hash of nested tuples can take for ever."""
+    if type(key) not in (str, int):
+        raise TypeError(key)
+    _of(target, dict)[key] = value
