@@ -58,8 +58,11 @@ thumbnails: $(READY)
 	        -o docs/images/$$scene.png || exit; \
 	done
 	mkdir -p out
-	.venv/bin/urushi render bells --width 320 --height 240 --spp 160 -o out/bells.png
-	.venv/bin/python docs/small_jpg.py out/bells.png docs/images
+	for scene in bells violin; do \
+	    .venv/bin/urushi render $$scene --width 320 --height 240 --spp 160 \
+	        -o out/$$scene.png || exit; \
+	    .venv/bin/python docs/small_jpg.py out/$$scene.png docs/images || exit; \
+	done
 
 # The pictures of docs/measured.md, by the present weights
 MATERIALS := velvet car-paint brushed

@@ -17,6 +17,7 @@ from urushi.scenes.shoe import shoe
 from urushi.scenes.stage import COATS, Folder, Options
 from urushi.scenes.still_life import still_life
 from urushi.scenes.teapot import teapot
+from urushi.scenes.violin import violin
 
 SCENES: dict[str, Callable[[Folder, Options], dict[str, Any]]] = {
     "still-life": still_life,
@@ -25,6 +26,7 @@ SCENES: dict[str, Callable[[Folder, Options], dict[str, Any]]] = {
     "shoe": shoe,
     "brushed": brushed,
     "bells": bells,
+    "violin": violin,
 }
 
 
