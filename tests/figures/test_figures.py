@@ -13,6 +13,8 @@ from figures.interpolation import compute as interpolation
 from figures.interpolation import plot as interpolation_plot
 from figures.light import compute as light
 from figures.light import plot as light_plot
+from figures.mipmaps import compute as mipmaps
+from figures.mipmaps import plot as mipmaps_plot
 from figures.table_3 import compute as scenes
 from figures.table_3 import plot as scenes_plot
 from figures.verdict import compute as verdict
@@ -82,6 +84,8 @@ def test_networks_stay_near_the_walk_for_a_new_computation():
         (interpolation.FOLDER, interpolation_plot.table),
         (light.FOLDER, light_plot.table),
         (scenes.FOLDER, scenes_plot.table),
+        (mipmaps.FOLDER, mipmaps_plot.table),
+        (mipmaps.FOLDER, mipmaps_plot.plane_table),
         (verdict.FOLDER, verdict_plot.table),
     ],
 )

@@ -1,0 +1,1 @@
+"""Mip levels of latent textures against averages of BRDFs and supersampled pictures."""

@@ -1,0 +1,42 @@
+"""The figure of mip levels: a small plane has the order of errors that the stored one has."""
+
+import json
+
+import mitsuba as mi
+import numpy as np
+import pytest
+from figures.mipmaps import compute
+
+from urushi.textures import averaging
+
+
+@pytest.fixture(autouse=True)
+def variant():
+    mi.set_variant("llvm_ad_rgb")
+
+
+def test_a_small_plane_agrees_with_the_stored_results(tmp_path):
+    stored = json.loads((compute.FOLDER / "results.json").read_text())["plane"]
+    found = compute.plane(width=80, height=48, side=4, folder=tmp_path)
+    for errors in (stored, found):
+        assert errors["Urushi"]["error"] < errors["averages of codes"]["error"]
+        assert errors["Urushi"]["error"] < errors["no filter"]["error"]
+        # The average of codes is darker than the average of BRDFs.
+        assert errors["averages of codes"]["light"] < -0.1 < errors["Urushi"]["light"] < 0.02
+    # At the horizon a pixel covers whole patterns, and levels have less error than aliasing.
+    near_horizon = {name: np.mean(stored[name]["rows"][:20]) for name in compute.METHODS}
+    assert near_horizon["Urushi"] < 0.4 * near_horizon["no filter"]
+
+
+def test_a_method_without_error_has_no_differences():
+    reference = np.linspace(0.5, 1, 4 * 5 * 3).reshape(4, 5, 3)
+    pictures = dict.fromkeys((*compute.METHODS, "reference"), reference)
+    for part in compute.differences(pictures).values():
+        assert part == {"error": 0, "light": 0, "rows": [0] * 4}
+
+
+def test_codes_are_averaged_only_while_the_context_lasts():
+    whole = averaging.averaging_space
+    with compute.codes_averaged():
+        assert isinstance(averaging.averaging_space(None, None, 0), averaging.LatentSpace)
+    assert averaging.averaging_space is whole
