@@ -20,14 +20,19 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from tqdm import tqdm
 
 from urushi.eval import benchmark, predict
 from urushi.material import Material
 from urushi.nets import weights
+from urushi.nets.weights import Model
 from urushi.paper.proxy import MIN_SHARE, MIN_SIGMA, GaussianMixture
 
 MATERIALS, SAMPLES = 200, 512
 ANGLES = tuple(range(0, 90, 5))
+
+#: The proposals, in the order of the table.
+PROPOSALS = ("this proposal", "the paper's, best", "cosine")
 
 #: Candidates for the width of the best Gaussian and the share of the cosine lobe.
 SIGMAS = np.geomspace(MIN_SIGMA, 1, 24).astype(np.float32)
@@ -62,19 +67,33 @@ def variation(drawn: Drawn, q: np.ndarray) -> np.ndarray:
     return np.sqrt(np.maximum(second / mean**2 - 1, 0))
 
 
-def best_gaussian(drawn: Drawn) -> np.ndarray:
-    """Density (A, S) of the paper's proposal that diverges least from f cos over all wi."""
+def best_gaussian(drawn: Drawn) -> GaussianMixture:
+    """The paper's proposal that diverges least from f cos over all wi."""
     target = drawn.f_cos / drawn.pdf
     target = target / target.sum(axis=1, keepdims=True)
-    best, least = drawn.pdf, math.inf
+    best, least = (SIGMAS[0], SHARES[0]), math.inf
     for sigma in SIGMAS:
         parts = [GaussianMixture(sigma, np.float32(s)).pdf(drawn.wi, drawn.wo) for s in (0, 1)]
         for share in SHARES:
             q = np.maximum((1 - share) * parts[0] + share * parts[1], 1e-12)
             divergence = -(target * np.log(q)).sum()
             if divergence < least:
-                best, least = q, divergence
-    return best
+                best, least = (sigma, share), divergence
+    return GaussianMixture(*best)
+
+
+def figures(model: Model) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """For each of `PROPOSALS`: variations (M, A) of materials by angles, and largest weights."""
+    made = [m for samples in benchmark.read().values() for m in predict.materials(model, samples)]
+    chosen = np.linspace(0, len(made) - 1, MATERIALS).astype(int)
+    rows = []
+    for seed, index in enumerate(tqdm(chosen, desc="materials", disable=None)):
+        drawn = draw(made[index], seed)
+        gaussian = np.maximum(best_gaussian(drawn).pdf(drawn.wi, drawn.wo), 1e-12)
+        densities = (drawn.pdf, gaussian, drawn.wo[..., 2] / math.pi)
+        rows.append([(variation(drawn, q), (drawn.f_cos / q).max(axis=1)) for q in densities])
+    values = np.array(rows)  # (M, proposals, 2, A)
+    return {name: tuple(values[:, i].swapaxes(0, 1)) for i, name in enumerate(PROPOSALS)}
 
 
 def main() -> None:
@@ -86,18 +105,9 @@ def main() -> None:
     )
     parser.add_argument("--weights", help="networks: a name or file; default: the default ones")
     model = weights.find(parser.parse_args().weights)
-    made = [m for samples in benchmark.read().values() for m in predict.materials(model, samples)]
-    chosen = np.linspace(0, len(made) - 1, MATERIALS).astype(int)
-    figures: dict[str, list] = {"this proposal": [], "the paper's, best": [], "cosine": []}
-    for seed, index in enumerate(chosen):
-        drawn = draw(made[index], seed)
-        densities = (drawn.pdf, best_gaussian(drawn), drawn.wo[..., 2] / math.pi)
-        for values, q in zip(figures.values(), densities, strict=True):
-            values.append((variation(drawn, q), (drawn.f_cos / q).max(axis=1)))
     print(f"{MATERIALS} materials, {len(ANGLES)} angles{'':4}", end="")
     print("".join(f"{name:>10}" for name in ("median", "95 %", "worst", "largest")))
-    for name, values in figures.items():
-        cv, weight = (np.concatenate(column) for column in zip(*values, strict=True))
+    for name, (cv, weight) in figures(model).items():
         row = (*np.quantile(cv, (0.5, 0.95, 1)), weight.max())
         print(f"{name:28}" + "".join(f"{figure:10.2f}" for figure in row))
 
