@@ -18,6 +18,11 @@ def render(bsdf: dict[str, Any], size: int, samples: int, seed: int) -> np.ndarr
         size: of the picture [pixels].
         samples, seed: samples per pixel, and their seed.
     """
+    return np.array(mi.render(load(bsdf, size), spp=samples, seed=seed))
+
+
+def load(bsdf: dict[str, Any], size: int) -> "mi.Scene":
+    """The scene of `render`, for several renders of it."""
     with TemporaryDirectory() as folder:
         lamps = [
             stage.Light(towards=(side, -0.6, 0.9), size=(0.3, 0.3), radiance=(9.0, 9.0, 9.0))
@@ -40,4 +45,4 @@ def render(bsdf: dict[str, Any], size: int, samples: int, seed: int) -> np.ndarr
             "light": light,
             "sphere": {"type": "sphere", "bsdf": bsdf},
         }
-        return np.array(mi.render(mi.load_dict(scene), spp=samples, seed=seed))
+        return mi.load_dict(scene)
