@@ -6,6 +6,7 @@ import pytest
 import urushi
 from urushi.errors import ParameterError, UrushiWarning
 from urushi.geometry.direction_sets import cosine_pairs
+from urushi.geometry.error_metrics import stack_error
 from urushi.nets.weights import anisotropic_model, default_model
 from urushi.reference import analytic, simulate
 
@@ -169,3 +170,28 @@ def test_bad_input_is_named(lacquered):
         urushi.layer(SATIN, urushi.diffuse(0.5), weights="default")
     with pytest.raises(ParameterError, match="Stack.*isotropic"):
         urushi.encode(urushi.coat(BRUSHED, 0.1, 1.5), "default")
+
+
+@pytest.mark.parametrize("alpha_v", [0.115, 0.81, 0.94])
+def test_coats_over_the_values_of_a_very_wide_lobe(alpha_v):
+    """A GGX conductor with correlated masking (Heitz 2014), whose lobe is fitted, under coats.
+
+    The rest that the fitted lobe leaves has a code outside of all training. Coats over it were 13
+    to 30 % wrong, and for some widths 10^8 times too bright. Separable masking, which the networks
+    know, differs under a coat by less than the tolerance.
+    """
+    surface = urushi.conductor(alpha_u=1.0, alpha_v=alpha_v, r0=(0.4, 0.3, 0.7))
+
+    def correlated(wi, wo):
+        slopes = [np.hypot(w[:, 0], alpha_v * w[:, 1]) / w[:, 2] for w in (wi, wo)]
+        roots = [np.hypot(1, slope) for slope in slopes]
+        product, total = 0.25 * (1 + roots[0]) * (1 + roots[1]), 0.5 * (roots[0] + roots[1])
+        return analytic.f(surface, wi, wo) * (product / total)[:, None]
+
+    wi, wo = cosine_pairs(np.random.default_rng(3), 2000)
+    encoded = urushi.encode(correlated, "anisotropic")
+    for alpha, eta, sigma_t in ((0.136, 2.0, 0.23), (0.06, 2.1, 0.0), (0.1, 1.5, 1.0)):
+        top = urushi.dielectric(alpha, eta)
+        f = urushi.layer(top, encoded, sigma_t=sigma_t).f(wi, wo).T
+        expected = urushi.layer(top, surface, sigma_t=sigma_t).f(wi, wo).T
+        assert (stack_error(f, expected, wi[:, 2], wo[:, 2]) < 0.02).all()

@@ -13,12 +13,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from urushi.errors import ParameterError, UrushiWarning
-from urushi.geometry.error_metrics import DARK_OFFSET
+from urushi.geometry.error_metrics import DARK_OFFSET, energy_weight
 from urushi.material import energy
 from urushi.material.albedo_rule import AlbedoRule, albedo_rule
 from urushi.material.correction import correct_codes
 from urushi.material.energy import limit_albedo
-from urushi.material.fit import refine_codes
+from urushi.material.fit import probe_features, refine_codes
 from urushi.material.lobe_albedo import lobe_albedos
 from urushi.material.material import Material
 from urushi.material.source import Source, as_source, source_name
@@ -42,6 +42,10 @@ UNUSUAL_RESIDUAL = 0.3
 #: Shares of the light up to which the rest of a source is left out of its anchor, and from which
 #: it is kept whole.
 FAINT_REST = (0.03, 0.08)
+
+#: Errors of an anchor, over those of its lobe alone, up to which its rest is kept whole, and from
+#: which it is left out; and the error of the lobe alone up to which this is looked at.
+HELPFUL_REST, NEAR_LOBE = (1.0, 1.1), 0.3
 
 
 class SourceValues(NamedTuple):
@@ -285,6 +289,7 @@ def material_from_values(
     if refine:
         both = np.stack(refine_codes(model.networks, probed, nodes, lobe))
         codes, anchors = energy.limit_albedo(model, both, ceiling)
+        anchors = without_useless_rests(model, anchors, probed)
         return Material(codes, model, _without_faint_rest(model, anchors, share))
     # Anchors are never rendered. They are limited only where they would bring light into a coat,
     # and by their mean: an excess at grazing angles, which few paths in a coat have, would
@@ -293,6 +298,7 @@ def material_from_values(
     if bright.any():
         peak = energy.peak_ceiling(source_albedo)
         anchors[bright] = energy.limit_mean_albedo(model, anchors[bright], peak[bright])
+    anchors = without_useless_rests(model, anchors, probed)
     anchors = _without_faint_rest(model, anchors, share)
     return Material(energy.limit_albedo(model, codes, ceiling), model, anchors)
 
@@ -309,12 +315,51 @@ def _without_faint_rest(model: Model, anchors: np.ndarray, share: np.ndarray) ->
     The layerer knows bare lobes, and rests that matter. A faint rest, such as the misfit of a lobe,
     has an arbitrary code, over which coats are wrong by up to a tenth of their light.
     """
-    low, high = FAINT_REST
-    if (share >= high).all():
+    return _with_rests(model, anchors, _ramp(share, FAINT_REST))
+
+
+def without_useless_rests(model: Model, anchors: np.ndarray, f: np.ndarray) -> np.ndarray:
+    """Anchors (N, L) that become those of their lobes alone where these are closer to f (N, P).
+
+    f: [1/sr] at the probe pairs. A rest that decodes to something worse than nothing is unlike all
+    that the networks have learned, and coats over it may be wrong without bound. It occurs where
+    the lobe is nearly the whole source.
+    """
+    networks = model.networks
+    if not isinstance(networks, UrushiNetworks):
         return anchors
-    kept = np.clip((share - low) / (high - low), 0, 1).astype(np.float32)[:, None]
-    bare = bare_anchors(model, anchors[:, : model.arch.lobe])
-    return kept * anchors + (1 - kept) * bare
+    wi, wo = networks.pairs()
+    weight = energy_weight(wi[:, 2], wo[:, 2])
+    rest = f - networks.top(anchors[:, None], wi, wo)
+    alone = np.abs(rest) @ weight
+    near = alone < NEAR_LOBE * (f @ weight)
+    if not near.any():
+        return anchors
+    decoded = networks.rest(anchors[near, None], probe_features(networks))
+    errors = np.abs(rest[near] - decoded) @ weight
+    kept = np.ones(len(anchors))
+    kept[near] -= _ramp(errors / np.maximum(alone[near], energy.LEAST_ALBEDO), HELPFUL_REST)
+    return _with_rests(model, anchors, kept)
+
+
+def _with_rests(model: Model, anchors: np.ndarray, kept: np.ndarray) -> np.ndarray:
+    """Anchors (C, L), blended with those of their lobes alone; kept: (C,) the share of their own.
+
+    The same bits where that is one.
+    """
+    partly = kept < 1
+    if not partly.any():
+        return anchors
+    result, share = np.array(anchors), kept[partly, None].astype(np.float32)
+    bare = bare_anchors(model, anchors[partly, : model.arch.lobe])
+    result[partly] = share * anchors[partly] + (1 - share) * bare
+    return result
+
+
+def _ramp(x: np.ndarray, ends: tuple[float, float]) -> np.ndarray:
+    """0 up to the first of two ends, 1 from the second on, and linear between them."""
+    low, high = ends
+    return np.clip((x - low) / (high - low), 0, 1)
 
 
 def _lobes_of_channels(model: Model, f: np.ndarray, lobe: np.ndarray | None) -> np.ndarray | None:

@@ -13,6 +13,13 @@ import { difference, lobeValues, type Refinement } from "./refinement";
 /** Shares of the light between which the rest of a source enters its anchor, as in Python. */
 const FAINT_REST = [0.03, 0.08];
 
+/**
+ * Errors of an anchor, over those of its lobe alone, between which its rest is left out, and the
+ * error of the lobe alone up to which this is looked at; as in Python.
+ */
+const HELPFUL_REST = [1, 1.1];
+const NEAR_LOBE = 0.3;
+
 export class MeasuredEncoder {
   /** @param nothing the rest that the encoder makes of none. */
   constructor(
@@ -57,19 +64,26 @@ export class MeasuredEncoder {
     const codes = this.refinement.refine(lobe, probed, nodes);
     energy.limit(codes.code, ceiling);
     energy.limit(codes.anchor, ceiling);
-    this.leaveOutFaintRest(codes.anchor, share);
+    const { alone, relative } = this.refinement.errorsOf(codes.anchor, probed);
+    if (alone < NEAR_LOBE) {
+      this.keepRest(codes.anchor, 1 - ramp(relative, HELPFUL_REST));
+    }
+    this.keepRest(codes.anchor, ramp(share, FAINT_REST));
     return codes;
   }
 
-  /** Make an anchor that of its lobe alone where the rest has a small share of the light. */
-  private leaveOutFaintRest(anchor: Float32Array, share: number): void {
-    const [low, high] = FAINT_REST;
-    const kept = Math.min(Math.max((share - low) / (high - low), 0), 1);
+  /** Blend an anchor with that of its lobe alone; kept: the share of its own rest. */
+  private keepRest(anchor: Float32Array, kept: number): void {
     const lobe = anchor.length - this.nothing.length;
     this.nothing.forEach((number, k) => {
       anchor[lobe + k] = kept * anchor[lobe + k] + (1 - kept) * number;
     });
   }
+}
+
+/** 0 up to the first of two ends, 1 from the second on, and linear between them. */
+function ramp(x: number, [low, high]: readonly number[]): number {
+  return Math.min(Math.max((x - low) / (high - low), 0), 1);
 }
 
 function sum(numbers: Float64Array): number {

@@ -40,6 +40,9 @@ const LEAST_VARIANCE = 1e-6;
 
 const LEAST_ALBEDO = 1e-6;
 
+/** Least cosine in the weights of errors. */
+const LEAST_COSINE = 0.02;
+
 /** Surfaces whose codes are tried first: widths of conductors, and shares of white added. */
 const WIDTHS = [0.05, 0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 1];
 const WHITE_SHARES = [0, 0.02, 0.2];
@@ -88,6 +91,23 @@ export class Refinement {
     const start = this.initialCode(lobe, probed);
     const anchor = this.fitBelowCeiling(start, target, ANCHOR_HOLD);
     return { anchor, code: this.fitBelowCeiling(anchor, target, CODE_HOLD) };
+  }
+
+  /** Errors at the probe pairs over f [1/sr]: of the lobe alone, and of a code over those. */
+  errorsOf(code: Float32Array, f: Float64Array): { alone: number; relative: number } {
+    const { encoder, decoder } = this;
+    const { pairs } = encoder;
+    const lobe = this.weights.arch.lobe;
+    const top = lobeValues(code.subarray(0, lobe), pairs);
+    const rest = decoder.rest(decoder.prepare(code, lobe), this.responses[0]);
+    let [light, alone, own] = [0, 0, 0];
+    f.forEach((value, i) => {
+      const weight = Math.max(pairs.cosI[i], LEAST_COSINE) * Math.max(pairs.cosO[i], LEAST_COSINE);
+      light += weight * value;
+      alone += weight * Math.abs(value - top[i]);
+      own += weight * Math.abs(value - top[i] - rest[i]);
+    });
+    return { alone: alone / light, relative: own / Math.max(alone, LEAST_ALBEDO) };
   }
 
   private targetOf(lobe: Float32Array, probed: Float64Array, nodes: Float64Array): Target {

@@ -7,7 +7,12 @@ equal hashes share their codes.
 import mitsuba as mi
 import numpy as np
 
-from urushi.material.encode import bare_anchors, encode_source, encoder_codes
+from urushi.material.encode import (
+    bare_anchors,
+    encode_source,
+    encoder_codes,
+    without_useless_rests,
+)
 from urushi.material.energy import limit_albedo, limit_mean_albedo
 from urushi.nets.lobe import no_lobe, with_two_widths
 from urushi.nets.networks import UrushiNetworks
@@ -217,6 +222,7 @@ class _ProbedBottom:
                 if getattr(self._bottom, "bare", False):
                     parts.append(bare_anchors(self._model, lobes))
                     continue
-            parts.append(encoder_codes(self._model, f[own - first], lobes))
+            anchors = encoder_codes(self._model, f[own - first], lobes)
+            parts.append(without_useless_rests(self._model, anchors, f[own - first]))
         codes = limit_mean_albedo(self._model, np.concatenate(parts))
         return codes, row_of.reshape(len(texel), channels)[texel_of]
