@@ -45,7 +45,7 @@ def violin(folder: Folder, options: Options) -> dict[str, Any]:
         "metal": (
             merged(fittings.metal_parts(belly)),
             options.openpbr(
-                base_metalness=1.0, base_color=stage.rgb(0.80, 0.79, 0.76), specular_roughness=0.3
+                base_metalness=1.0, base_color=stage.rgb(0.56, 0.55, 0.53), specular_roughness=0.3
             ),
         ),
     }
@@ -56,7 +56,8 @@ def violin(folder: Folder, options: Options) -> dict[str, Any]:
             horizon=(0.16, 0.155, 0.15),
             ground=(0.06, 0.055, 0.05),
             lights=[
-                Light((-5.0, 3.5, 5.0), (0.22, 0.40), (11.0, 10.6, 9.9)),
+                Light((-5.0, 3.5, 5.0), (0.22, 0.40), (8.5, 8.2, 7.7)),
+                Light((-1.3, 5.0, 4.2), (0.08, 0.45), (6.5, 6.5, 6.3)),
                 Light((5.5, -3.0, 4.0), (0.16, 0.40), (6.0, 6.5, 7.4)),
             ],
         ),

@@ -108,7 +108,13 @@ def pegbox() -> Mesh:
         open_ = np.clip(min(at - NUT - 5, 551 - at) / 6, 0, 1)
         floor = high + (low + 4.5 - high) * open_ * (2 - open_)
         right = [(inner, floor), (inner, high), (w - 0.6, high), (w, high - 0.6)]
-        right += [(w, low + 2.2), (w - 2.2, low)]
+        # The back's corners are round where the neck goes over into the box.
+        turn = np.linspace(0, np.pi / 2, 7)
+        wide, deep = (np.interp(at, [NUT + 4, NUT + 22], ends) for ends in ([10, 2], [11, 2]))
+        right += [
+            (w - wide * (1 - c), low + deep * (1 - s))
+            for c, s in zip(np.cos(turn), np.sin(turn), strict=True)
+        ]
         left = [(-x, z) for x, z in right[::-1]]
         sections.append(section([*left, *right], at, 5))
     return loft(np.array(sections))
