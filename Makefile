@@ -58,7 +58,7 @@ thumbnails: $(READY)
 	        -o docs/images/$$scene.png || exit; \
 	done
 	mkdir -p out
-	for scene in bells violin; do \
+	for scene in bells violin car; do \
 	    .venv/bin/urushi render $$scene --width 320 --height 240 --spp 160 \
 	        -o out/$$scene.png || exit; \
 	    .venv/bin/python docs/small_jpg.py out/$$scene.png docs/images || exit; \

@@ -16,12 +16,10 @@ from urushi.scenes.stage import COATS, Options
 
 TINY = {"width": 64, "height": 48, "spp": 32, "detail": 0.05}
 
-#: The scenes; four of them take longest to compile.
+#: The scenes that take longest to compile.
+SLOW = ("still-life", "shoe", "bells", "violin", "car")
 NAMES = [
-    pytest.param(name, marks=pytest.mark.slow)
-    if name in ("still-life", "shoe", "bells", "violin")
-    else name
-    for name in shipped.SCENES
+    pytest.param(name, marks=pytest.mark.slow) if name in SLOW else name for name in shipped.SCENES
 ]
 
 
@@ -171,7 +169,7 @@ def test_export_and_list(tmp_path, capsys):
 def test_errors_of_unknown_names_list_the_choices(arguments, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert cli.main(arguments) == 2
-    names = "still-life, globe, teapot, shoe, brushed, bells, violin"
+    names = "still-life, globe, teapot, shoe, brushed, bells, violin, car"
     sentence = f"there is no scene 'tea-pot'; choose one of {names}"
     assert capsys.readouterr().err == f"urushi: {sentence}\n"
     assert not list(tmp_path.iterdir())

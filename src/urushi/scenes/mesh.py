@@ -17,7 +17,7 @@ class Mesh:
     Attributes:
         positions: (N, 3) float32.
         normals: (N, 3) float32 unit vectors, outwards.
-        uv: (N, 2) float32 in [0, 1].
+        uv: (N, 2) float32; textures repeat outside [0, 1].
         faces: (M, 3) int32 vertex numbers, anticlockwise seen from outside.
     """
 

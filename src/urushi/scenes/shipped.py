@@ -12,6 +12,7 @@ from urushi.errors import ParameterError
 from urushi.files import atomic_write
 from urushi.scenes.bells import bells
 from urushi.scenes.brushed import brushed
+from urushi.scenes.car import car
 from urushi.scenes.globe import globe
 from urushi.scenes.shoe import shoe
 from urushi.scenes.stage import COATS, Folder, Options
@@ -27,6 +28,7 @@ SCENES: dict[str, Callable[[Folder, Options], dict[str, Any]]] = {
     "brushed": brushed,
     "bells": bells,
     "violin": violin,
+    "car": car,
 }
 
 

@@ -70,7 +70,7 @@ class Render:
 
     The flags -m, -o, -s, -D, -a and -t mean what they mean to Mitsuba's own executable, which
     cannot load plugins written in Python. The shipped scenes are still-life, globe, teapot,
-    shoe, brushed, bells and violin. Their parameters are $coat, $spp, $width and $height:
+    shoe, brushed, bells, violin and car. Their parameters are $coat, $spp, $width and $height:
     -D coat=layered renders the reference.
 
     Example: urushi render teapot --width 320 --height 240 --spp 64 -o teapot.exr
@@ -269,7 +269,7 @@ def one_line(error: BaseException) -> str:
 class ExportScene:
     """Write a shipped scene into a folder: scene.xml with its meshes and textures.
 
-    The scenes are still-life, globe, teapot, shoe, brushed, bells and violin.
+    The scenes are still-life, globe, teapot, shoe, brushed, bells, violin and car.
     `urushi render FOLDER/scene.xml` renders the written scene.
 
     Example: urushi scenes export still-life out/still-life
