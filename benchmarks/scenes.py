@@ -98,6 +98,9 @@ def digest(scene: dict[str, Any]) -> str:
             result.update(Path(value).read_bytes())
         elif key == "weights":
             result.update(networks.find(value).fingerprint.encode())
+        elif isinstance(value, str) and value == COATS[0]:
+            for model in (networks.default_model(), networks.anisotropic_model()):
+                result.update(model.fingerprint.encode())
         elif isinstance(value, (mi.Bitmap, mi.TensorXf)):
             result.update(np.array(value).tobytes())
         else:
@@ -136,7 +139,10 @@ def _light(kind: str, sensor: dict[str, Any]) -> dict[str, Any]:
 def _with_method(node: dict[str, Any], method: str) -> dict[str, Any]:
     """The description with the method's material in the place of every coat."""
     if node.get("type") == COATS[0] or node.get("reference") == COATS[0]:
-        return _principled(node) if method == PRINCIPLED else {**node, "weights": method}
+        if method == PRINCIPLED:
+            return _principled(node)
+        # Without weights a coat chooses the shipped networks that its surfaces need.
+        return node if method == networks.DEFAULT else {**node, "weights": method}
     return {
         key: _with_method(value, method) if isinstance(value, dict) else value
         for key, value in node.items()

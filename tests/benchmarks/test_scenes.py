@@ -19,7 +19,7 @@ from benchmarks.scenes import (
     digest,
 )
 
-from urushi.nets.weights import DEFAULT
+from urushi.nets.weights import ANISOTROPIC, DEFAULT, anisotropic_model
 
 SMALL = {"width": 16, "detail": 0.02}
 LIGHTS_OF_BOTH = (OWN, POINT, BOTH)
@@ -103,3 +103,14 @@ def test_the_hash_states_content_and_not_the_folder(tmp_path):
     assert of() == of(folder="b")
     others = [of(DEFAULT), of(PRINCIPLED), of(light=POINT), of(light=SKY), of(width=20)]
     assert len({of(), *others}) == 1 + len(others)
+
+
+def test_the_default_networks_are_left_to_the_coat_and_others_are_named(tmp_path):
+    # Brushed metal needs the anisotropic networks, which a coat without weights chooses.
+    default, named = (
+        describe("brushed", method, tmp_path, **SMALL)["back"]["bsdf"]
+        for method in (DEFAULT, ANISOTROPIC)
+    )
+    assert "weights" not in default and named["weights"] == ANISOTROPIC
+    bsdf = mi.load_dict(default)
+    assert bsdf.model.fingerprint == anisotropic_model().fingerprint

@@ -123,6 +123,25 @@ def test_isotropic_networks_take_the_mean_of_a_brushed_bottom(rgb, textured):
     assert np.abs(found - expected).max() < 0.05
 
 
+def test_isotropic_networks_take_the_mean_of_a_textured_openpbr_base_of_two_widths(rgb):
+    # Its lobe is known, and has a width more than the code of these networks.
+    colour = [0.8, 0.5, 0.2]
+    described = {
+        "type": "openpbr",
+        "weights": "default",
+        "base_metalness": 1.0,
+        "specular_roughness": 0.4,
+        "specular_roughness_anisotropy": 0.6,
+        "coat_weight": 1.0,
+    }
+    values = [
+        mean_and_error(rgb, rgb.load_dict(described | {"base_color": of_base}), (0.5, 0.5))[0]
+        for of_base in ({"type": "rgb", "value": colour}, bitmap(rgb, np.full((2, 2, 3), colour)))
+    ]
+    # Azimuths of the averages are random, and a texture's codes have 8 bits.
+    np.testing.assert_allclose(*values, rtol=0.02)
+
+
 def looked_up(mi, bsdf, uv, duv=(0.0, 0.0)) -> np.ndarray:
     """Codes (M, C, size) at points (M, 2), looked up with pixels that lie duv apart."""
     import drjit as dr

@@ -217,7 +217,9 @@ class _ProbedBottom:
             lobes = probing.known_lobes(self._bottom, points) if self._has_lobes else None
             if lobes is not None and lobes.shape[-1] < self._model.arch.lobe:
                 lobes = with_two_widths(lobes)
-            if lobes is not None and lobes.shape[-1] == self._model.arch.lobe:
+            if lobes is not None and lobes.shape[-1] != self._model.arch.lobe:
+                lobes = None  # of two widths, and the networks have one: it is fitted
+            if lobes is not None:
                 lobes = lobes.reshape(len(f), -1)[own - first]
                 if getattr(self._bottom, "bare", False):
                     parts.append(bare_anchors(self._model, lobes))
