@@ -1,0 +1,157 @@
+"""Measured materials, bare and under coats, by the walk and by the networks.
+
+    URUSHI_TEST_DATA=FOLDER python -m figures.figure_9.compute
+
+FOLDER has `data/rgl` with files of the RGL database, and in `data/merl_nbrdf` the archive of
+published neural fits to MERL materials, whose tables stand in for MERL's files. Without it nothing
+is computed. E is that of all materials; spheres show `SHOWN` of them, by their rank.
+"""
+
+import functools
+import os
+import warnings
+from pathlib import Path
+from typing import Any
+
+import mitsuba as mi
+import numpy as np
+from benchmarks.quality.coated_measured import error, load
+from benchmarks.quality.measured import find_sets
+from benchmarks.rivals.comparisons import Measured
+
+import urushi
+from figures import results
+from urushi.errors import UrushiWarning
+from urushi.eval import environment, sphere
+from urushi.geometry import direction_sets
+from urushi.material import Material
+from urushi.measured.tabulated import MeasuredSurface
+from urushi.nets.weights import default_model
+
+FOLDER = Path(__file__).parent
+PARTS = Path("out/figures/figure_9")
+#: Every eighth stand-in, from the fifth on; all RGL files.
+FIRST, EVERY = 4, 8
+#: Coats, from the lowest to the topmost.
+MILK = {"alpha": 0.1, "eta": 1.4, "albedo": (0.95, 0.85, 0.7), "sigma_t": 0.5}
+CLEAR = {"alpha": 0.05, "eta": 1.5}
+COATS: dict[str, list[dict[str, Any]]] = {
+    "bare": [],
+    "clear coat": [CLEAR],
+    "milky and clear coat": [MILK, CLEAR],
+}
+#: Materials that are drawn, as shares of the order by mean E under coats, from best to worst.
+SHOWN = (0.0, 0.25, 0.5, 0.75, 0.9, 1.0)
+#: Pairs of directions and walks for E; walks for each node of a sphere; seed of both.
+PAIRS, WALKS, SPHERE_WALKS, SEED = 300, 1 << 13, 8, 9
+
+
+def main() -> None:
+    """Compute what is missing and write results.json; pictures stay beside the finished parts."""
+    found_materials = materials()
+    if not found_materials:
+        print(
+            "figure 9 is skipped: URUSHI_TEST_DATA names no folder with data/rgl and "
+            "data/merl_nbrdf; set it to compute the figure"
+        )
+        return
+    mi.set_variant("llvm_ad_rgb")
+    warnings.simplefilter("ignore", UrushiWarning)  # RGL files are not reciprocal
+    found = results.collect(
+        PARTS / "errors",
+        {m.name: functools.partial(errors, m) for m in found_materials},
+    )
+    chosen = shown(found)
+    members = {m.name: m for m in found_materials}
+    results.collect(
+        PARTS / "spheres", {name: functools.partial(spheres, members[name]) for name in chosen}
+    )
+    head = {"weights": default_model().fingerprint, "shown": chosen}
+    results.write(FOLDER / "results.json", {**head, "materials": found})
+
+
+def materials() -> list[Measured]:
+    """The RGL files and the stand-ins; empty if there are no data."""
+    folder = Path(os.environ.get("URUSHI_TEST_DATA", "")) / "data"
+    archives = sorted((folder / "merl_nbrdf").glob("*.npz"))
+    if not archives or not (folder / "rgl").is_dir():
+        return []
+    sets = find_sets([folder / "rgl", archives[0]], None)
+    rgl, stand_ins = sets["rgl"], sets[archives[0].stem]
+    return [*rgl, *stand_ins[FIRST::EVERY]]
+
+
+def picture_file(name: str) -> Path:
+    """The file of a material's row of pictures."""
+    return PARTS / "spheres" / f"{name}.npz"
+
+
+def shown(found: dict[str, Any]) -> list[str]:
+    """The names of the drawn materials, from best to worst."""
+    order = sorted(found, key=lambda name: np.mean(list(found[name]["E"].values())[1:]))
+    return [order[round(share * (len(order) - 1))] for share in SHOWN]
+
+
+def stack(surface: MeasuredSurface, coats: list[dict[str, Any]]) -> Any:
+    """The surface under coats, for the walk."""
+    stacked: Any = surface
+    for coat in coats:
+        stacked = urushi.coat(stacked, **coat)
+    return stacked
+
+
+def networks(material: Material, coats: list[dict[str, Any]]) -> Material:
+    """The encoded surface under coats."""
+    for coat in coats:
+        medium = {name: value for name, value in coat.items() if name not in ("alpha", "eta")}
+        material = urushi.layer(urushi.dielectric(coat["alpha"], coat["eta"]), material, **medium)
+    return material
+
+
+def encoded(surface: MeasuredSurface) -> Material:
+    """The refined code alone, without the table by which bare measured materials are rendered."""
+    return urushi.encode(surface, refine=True, table=False)
+
+
+def errors(measured: Measured, walks: int = WALKS) -> dict[str, Any]:
+    """`E` of the networks by name of the coats, and the walk's own `noise` there."""
+    surface = load(measured)
+    material = encoded(surface)
+    wi, wo = direction_sets.cosine_pairs(np.random.default_rng(SEED), PAIRS)
+    found: dict[str, Any] = {"file": "RGL" if measured.is_rgl else "stand-in", "E": {}, "noise": {}}
+    for name, coats in COATS.items():
+        if coats:
+            f, se = urushi.simulate(
+                stack(surface, coats), wi, wo, walks=walks, seed=SEED, progress=False
+            )
+        else:
+            f, se = 0.5 * (surface.f(wi, wo) + surface.f(wo, wi)), np.float64(0)
+        e = error(networks(material, coats).f(wi, wo), f, wi, wo)
+        # The mean size of a normal error is 0.8 of its deviation.
+        noise = error(f + 0.8 * se, f, wi, wo)
+        found["E"][name], found["noise"][name] = results.rounded(np.array([e, noise]), 3)
+    return found
+
+
+def spheres(measured: Measured) -> list[str]:
+    """Store a row of pictures: for each coat the walk and the networks. Returns their names."""
+    surface = load(measured)
+    material = encoded(surface)
+    light = sphere.exposed(environment.own()[0])
+    pictures = []
+    for coats in COATS.values():
+
+        def walked(wi: np.ndarray, wo: np.ndarray, coats: list = coats) -> np.ndarray:
+            if not coats:
+                return 0.5 * (surface.f(wi, wo) + surface.f(wo, wi))
+            walks = {"walks": SPHERE_WALKS, "seed": SEED, "progress": False}
+            return urushi.simulate(stack(surface, coats), wi, wo, **walks)[0]
+
+        for f in (walked, networks(material, coats).f):
+            pictures += sphere.render(f, [light])
+    results.write_pictures(picture_file(measured.name), {"spheres": np.stack(pictures)})
+    return list(COATS)
+
+
+if __name__ == "__main__":
+    main()
