@@ -179,10 +179,16 @@ def test_one_command_makes_weights_for_all_others(params, files, tmp_path, capsy
     wi, wo = np.array([[0.6, 0, 0.8]]), np.array([[0.0, 0.9, np.sqrt(0.19)]])
     np.testing.assert_allclose(material.pdf(wi, wo), wo[:, 2] / np.pi, rtol=0.03)
 
-    adam = ["--projection", "adam", "--projection-pairs", "64"]
-    assert cli.main(["paper", "import", *paths, "-o", str(output), *adam]) == 0
-    assert weights.read(output).arch.adam == AdamProjection(pairs=64)
-    assert cli.main(["paper", "import", *paths, "-o", str(output), "--projection-pairs", "64"]) == 2
+    def projection(*arguments):
+        assert cli.main(["paper", "import", *paths, "-o", str(output), *arguments]) == 0
+        return weights.read(output).arch.adam
+
+    assert model.arch.adam == AdamProjection(pairs=64)
+    assert projection("--projection-pairs", "4096") == AdamProjection()
+    other = ["--projection", "levenberg-marquardt"]
+    assert projection(*other) is None
+    wrong = [*other, "--projection-pairs", "64"]
+    assert cli.main(["paper", "import", *paths, "-o", str(output), *wrong]) == 2
     assert "--projection-pairs belongs to --projection adam" in capsys.readouterr().err
 
     assert cli.main(["paper", "tensors", paths[0]]) == 0

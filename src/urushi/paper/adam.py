@@ -91,13 +91,13 @@ def draws(options: AdamProjection, count: int, seed: int = 0) -> np.ndarray | No
 
 
 def project(
-    params: Params, directions: np.ndarray, f: np.ndarray, options: AdamProjection
+    params: Params, directions: np.ndarray, f: np.ndarray, options: AdamProjection, seed: int = 0
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the codes (M, 32) and mean absolute errors (M,) [1/sr] of BRDFs f (M, P).
 
-    directions (1, P, 6). Runs on NumPy.
+    directions (M or 1, P, 6); seed: of the pairs of every step. Runs on NumPy.
     """
-    at = draws(options, f.shape[1])
+    at = draws(options, f.shape[1], seed)
     state = start(f)
     for index in range(options.steps):
         chosen = slice(None) if at is None else at[index]

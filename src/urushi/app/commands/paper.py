@@ -10,6 +10,9 @@ import tyro
 from urushi import platform
 from urushi.app.commands.train import ProjectionName, adam_projection
 
+#: Direction pairs in a step of the projection by Adam, unless a user gives another number.
+PAIRS = 64
+
 
 @dataclass(frozen=True)
 class Import:
@@ -27,16 +30,20 @@ class Import:
     """File of the layering network (.pth)."""
     output: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
     """Weights file to write (.safetensors)."""
-    projection: ProjectionName = "levenberg-marquardt"
-    """How BRDFs are projected to codes with these weights. adam is the authors' way. It takes
-    minutes for each channel, levenberg-marquardt a second."""
+    projection: ProjectionName = "adam"
+    """How BRDFs are projected to codes with these weights. adam is the authors' way, of which the
+    layering network has learnt the codes. levenberg-marquardt takes a second for each channel."""
     projection_pairs: int | None = None
-    """Only for the projection adam: direction pairs in each of its 1,000 steps. Default: 4096."""
+    """Only for the projection adam: direction pairs in each of its 1,000 steps. Default: 64, which
+    takes some seconds for each channel. The authors' 4096 take some minutes."""
     fit_sampler: bool = False
     """Train a sampling network, a few minutes. Default: directions are drawn by the cosine."""
 
     def run(self) -> int:
-        adam = adam_projection(self.projection, self.projection_pairs)
+        pairs = self.projection_pairs
+        if pairs is None and self.projection == "adam":
+            pairs = PAIRS
+        adam = adam_projection(self.projection, pairs)
         if self.fit_sampler:
             platform.require_extra("train")
         from urushi.nets import weights
