@@ -1,8 +1,8 @@
 """The scenes of benchmarks: the demo's, the shipped ones and one variation, by methods and lights.
 
-Methods are weights of `neural_layered` (a name or a file), `WALK`, and `PRINCIPLED`: Mitsuba's
-principled BSDF in the place of every coat, with as many textures. It looks different, and shows
-what an ordinary material costs in the same scene.
+Methods are weights of `neural_layered` (a name or a file), `WALK`, the plugins of `RIVALS`, and
+`PRINCIPLED`: Mitsuba's principled BSDF in the place of every coat, with as many textures. It looks
+different, and shows what an ordinary material costs in the same scene.
 """
 
 import hashlib
@@ -27,6 +27,8 @@ SCENES = (DEMO, *shipped.SCENES)
 #: The still life with textures of the coats' alpha and index; not among those measured by default.
 TEXTURED = "textured-still-life"
 WALK, PRINCIPLED = "layered", "principled"
+#: Models of other authors, which take the parameters of `WALK`.
+RIVALS = ("layered_belcour", "layered_weidlich")
 
 #: Kinds of light: the scene's own; one point light; a cloudless sky with the sun.
 OWN, POINT, SKY = LIGHTS = ("own", "point", "sky")
@@ -55,7 +57,7 @@ def describe(
 
     Args:
         name: one of `SCENES`, or `TEXTURED`.
-        method: weights by name or file, `WALK` or `PRINCIPLED`.
+        method: weights by name or file, `WALK`, one of `RIVALS`, or `PRINCIPLED`.
         folder: for meshes and textures.
         light: one of `LIGHTS`, or `BOTH`.
         width: of the picture [pixels]; the height is 3/4 of it.
@@ -63,7 +65,7 @@ def describe(
         depth: longest path, in segments; 2: direct light alone, which has no caustics.
     """
     height = width * 3 // 4
-    coat = WALK if method == WALK else COATS[0]
+    coat = WALK if method == WALK or method in RIVALS else COATS[0]
     if name == DEMO:
         mesh = new_folder(folder) / "caddy.ply"
         write_ply(lathe(caddy.natsume(), 256, 384), mesh)
@@ -143,6 +145,8 @@ def _with_method(node: dict[str, Any], method: str) -> dict[str, Any]:
             return _principled(node)
         # Without weights a coat chooses the shipped networks that its surfaces need.
         return node if method == networks.DEFAULT else {**node, "weights": method}
+    if node.get("type") == WALK and method in RIVALS:
+        node = {**node, "type": method}
     return {
         key: _with_method(value, method) if isinstance(value, dict) else value
         for key, value in node.items()

@@ -11,6 +11,7 @@ from benchmarks.scenes import (
     OWN,
     POINT,
     PRINCIPLED,
+    RIVALS,
     SCENES,
     SKY,
     TEXTURED,
@@ -52,6 +53,12 @@ def test_methods_replace_every_coat_and_leave_the_rest(name, tmp_path):
     assert [x for x in found[WALK] if x != "layered"] == [
         x for x in found[DEFAULT] if x != "neural_layered"
     ]
+
+
+@pytest.mark.parametrize("method", RIVALS)
+def test_models_of_others_take_the_place_of_the_walk(method, tmp_path):
+    walk, rival = (list(types(describe("globe", m, tmp_path, **SMALL))) for m in (WALK, method))
+    assert [method if x == "layered" else x for x in walk] == rival
 
 
 @pytest.mark.parametrize("name", SCENES)

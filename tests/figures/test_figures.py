@@ -20,8 +20,6 @@ from figures.table_1 import materials
 from figures.table_1 import plot as representations_plot
 from figures.table_3 import compute as scenes
 from figures.table_3 import plot as scenes_plot
-from figures.verdict import compute as verdict
-from figures.verdict import plot as verdict_plot
 
 from urushi.data.distribution import Table2
 from urushi.geometry.direction_sets import cosine_pairs
@@ -92,7 +90,6 @@ def test_networks_stay_near_the_walk_for_a_new_computation():
         (mipmaps.FOLDER, mipmaps_plot.table),
         (mipmaps.FOLDER, mipmaps_plot.plane_table),
         (representations.FOLDER, representations_plot.table),
-        (verdict.FOLDER, verdict_plot.table),
     ],
 )
 def test_the_docs_show_the_table_of_the_results(folder, table):
@@ -116,17 +113,6 @@ def test_a_material_of_the_grids_has_the_stored_error():
     # Noise adds to the mean of absolute differences at most what the walk's own error is.
     stored = found["media"][3][2][0]
     assert stored - 1e-3 < e < stored + own
-
-
-def test_networks_are_reciprocal_and_no_method_but_weidlich_and_wilkies_gains_energy():
-    laws = verdict.laws()
-    # The albedo's noise over `DIRECTIONS` directions is below a hundredth.
-    assert laws["networks"] < 1.01 and laws["Belcour 2018"] < 1.01
-    found = verdict.errors(2, 1)
-    assert found["networks, exchange"] == 0
-    assert found["Weidlich and Wilkie 2007, exchange"] < 1e-5  # rounding
-    assert found["Belcour 2018, exchange"] > 1e-3  # its lobes depend on one of the directions
-    assert found["networks"][0] < found["Belcour 2018"][0]
 
 
 def test_scenes_are_compared_at_equal_time_and_samples_add_up(tmp_path, monkeypatch):

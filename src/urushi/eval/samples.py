@@ -92,13 +92,17 @@ def simulate_all(groups: Iterable[Group], seed: int = 0) -> dict[str, Samples]:
     return {group.name: simulate(group, seed) for group in groups}
 
 
-def simulate(group: Group, seed: int = 0) -> Samples:
+def simulate(group: Group, seed: int = 0, *, only_e: bool = False) -> Samples:
     """Draw a group's stacks and simulate each pair with a number of walks that follows its noise.
 
     A pilot run measures the noise. Its values are discarded, so that the number of walks does not
     depend on the values that are kept and the reference stays unbiased.
+
+    only_e: leave out the pairs for P and the albedo, which take most of the time.
     """
     table, (wi, wo) = draw_stacks(group, seed), draw_pairs(group, seed)
+    if only_e:
+        wi, wo = wi[:, :E_PAIRS], wo[:, :E_PAIRS]
     if not table.coats:
         f = evaluate_bottoms(table, wi, wo)
         return Samples(table, wi, wo, f, np.zeros_like(f))
@@ -114,6 +118,8 @@ def simulate(group: Group, seed: int = 0) -> Samples:
         )[0]
         for coats in group.probed
     }
+    if only_e:
+        return Samples(table, wi, wo, f, se, probed)
     albedo, albedo_se = _albedo(first(table, ALBEDO_STACKS), rng, group.name)
     return Samples(table, wi, wo, f, se, probed, albedo, albedo_se)
 

@@ -1,0 +1,232 @@
+"""Costs of all methods: an evaluation, a render, memory, and a new material."""
+
+import functools
+import time
+from collections.abc import Callable
+from typing import Any
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+from benchmarks.rivals import ggx_fit, nbrdf
+from benchmarks.speed import render
+
+import urushi
+from figures.verdict import fits
+from figures.verdict import methods as known
+from urushi.material.layer import layer_texels
+from urushi.nets.weights import Model, default_model
+from urushi.physics import microfacet
+from urushi.render.reading import probing
+from urushi.textures import packing
+
+PRINCIPLED = "principled"
+#: Evaluations in a kernel, walks of each in the walk's, and turns of all methods.
+EVALUATIONS, WALKS, EVALUATION_TURNS = 1 << 17, 16, 7
+#: The picture's width, samples of a pixel, and turns of renders.
+SIDE, SAMPLES, TURNS = 192, 32, 3
+#: Repetitions of encoding and layering.
+OPERATIONS = 10
+#: Texels from which a texture's bytes are found.
+TEXELS = 256
+#: Numbers of a coat and of a metal in RGB: alpha, eta, albedo, sigma_t and g; alpha and r0.
+COAT_NUMBERS, BOTTOM_NUMBERS = 1 + 1 + 3 + 3 + 3, 1 + 3
+#: A Lambertian part and two GGX lobes, and the number of their parameters.
+LOBES = ggx_fit.GgxFit(
+    np.array([0.1, 0.2, 0.3]),
+    (
+        ggx_fit.Lobe(0.1, 0.04, np.array([1.0, 1.0, 1.0])),
+        ggx_fit.Lobe(0.3, 0.5, np.array([0.9, 0.7, 0.4])),
+    ),
+)
+GGX_NUMBERS = 3 + 2 * (1 + 1 + 3)
+
+
+def evaluations(paper: str | None) -> dict[str, float]:
+    """CPU time of an evaluation of f at random pairs in a kernel, over that of `principled`.
+
+    For methods without a plugin: the walk in both directions by `walk_pairs`, over the walk there;
+    fits by their own kernels.
+    """
+    rng = np.random.default_rng(0)
+    wi, wo = _uniform(rng), _uniform(rng)
+    si = probing.interaction(wi, np.full((EVALUATIONS, 2), 0.5))
+    out = mi.Vector3f(np.ascontiguousarray(wo.T))
+    dr.eval(si, out)
+    kernels: dict[str, Callable[[], Any]] = {}
+    for name, plugin in _plugins(paper).items():
+        bsdf = mi.load_dict(_bsdf(plugin, False))
+        kernels[name] = functools.partial(bsdf.eval, mi.BSDFContext(), si, out)
+    kernels[fits.GGX] = functools.partial(ggx_kernel, si.wi, out, LOBES)
+    kernels[fits.NBRDF] = functools.partial(
+        nbrdf_kernel, si.wi, out, rng.normal(size=nbrdf.SIZE) / 4
+    )
+    least = _least(
+        {name: functools.partial(_timed, kernel) for name, kernel in kernels.items()},
+        EVALUATION_TURNS,
+    )
+    stack = urushi.coat(
+        urushi.conductor(0.2, (0.98, 0.77, 0.34)), 0.1, 1.5, albedo=0.8, sigma_t=(0.2, 1, 2)
+    )
+
+    def walks(estimator: str) -> float:
+        pairs = wi[: EVALUATIONS // WALKS], wo[: EVALUATIONS // WALKS]
+        begin = time.process_time()
+        urushi.simulate(stack, *pairs, walks=WALKS, progress=False, estimator=estimator)
+        return time.process_time() - begin
+
+    both = _least(
+        {e: functools.partial(walks, e) for e in known.ESTIMATORS.values()}, EVALUATION_TURNS
+    )
+    ratio = both[known.ESTIMATORS[known.BOTH_WAYS]] / both[known.ESTIMATORS[known.WALK]]
+    least[known.BOTH_WAYS] = ratio * least[known.WALK]
+    found = {name: float(f"{t / least[PRINCIPLED]:.3g}") for name, t in least.items()}
+    return found | {"nanoseconds": round(1e9 * least[PRINCIPLED] / EVALUATIONS, 2)}
+
+
+def renders(paper: str | None) -> dict[str, dict[str, float]]:
+    """CPU time of a render over that with `principled`, constant and textured."""
+    found: dict[str, dict[str, float]] = {}
+    for kind in ("constant", "textured"):
+        scenes = {
+            name: render.scene([_bsdf(plugin, kind == "textured")], SIDE)
+            for name, plugin in _plugins(paper).items()
+        }
+        least = _least(
+            {
+                name: functools.partial(lambda scene: render.rendered(scene, SAMPLES, 1)[1], scene)
+                for name, scene in scenes.items()
+            },
+            TURNS,
+        )
+        found[kind] = {name: round(t / least[PRINCIPLED], 3) for name, t in least.items()}
+    return found
+
+
+def memory() -> dict[str, dict[str, int]]:
+    """Bytes of a constant RGB material in single precision, and of a texel.
+
+    Numbers of parametric models take one byte of a texel. `texel 6` is for six interfaces.
+    """
+    material, texel = 3 * 4 * default_model().arch.latent, texel_bytes()
+    found = {known.NETWORKS: {"material": material, "texel": texel, "texel 6": texel}}
+    for name in (known.WALK, known.BOTH_WAYS, *known.RIVALS):
+        numbers = COAT_NUMBERS + BOTTOM_NUMBERS
+        found[name] = {
+            "material": 4 * numbers,
+            "texel": numbers,
+            "texel 6": numbers + 4 * COAT_NUMBERS,
+        }
+    counts = {name: form.size() for name, form in fits.FORMS.items()} | {fits.GGX: GGX_NUMBERS}
+    for name, numbers in counts.items():
+        found[name] = {"material": 4 * numbers, "texel": numbers, "texel 6": numbers}
+    found[fits.NBRDF] = {"material": 4 * nbrdf.SIZE, "texel": 0, "texel 6": 0}
+    return found
+
+
+def texel_bytes() -> int:
+    """Bytes of a texel of the networks: a coat of one index, everything else textured."""
+    model, rng = default_model(), np.random.default_rng(0)
+    codes = layer_texels(
+        model,
+        urushi.encode(urushi.conductor(0.2, (0.98, 0.77, 0.34)), model).anchors,
+        alpha=rng.uniform(0.02, 0.3, (TEXELS, 1)),
+        eta=np.full((TEXELS, 1), 1.5),
+        albedo=rng.uniform(0.2, 0.95, (TEXELS, 3)),
+        sigma_t=rng.uniform(0.1, 2, (TEXELS, 3)),
+        g=rng.uniform(-0.3, 0.6, (TEXELS, 3)),
+    )
+    constant = codes.min(axis=(0, 1)) == codes.max(axis=(0, 1))
+    same = (codes == codes[:, :1]).all(axis=(0, 1))
+    return packing.texel_layout(model, 3, constant, same).texel_bytes
+
+
+def new_materials(paper: Model | None) -> dict[str, float]:
+    """CPU time to encode a metal and to lay a coat over it, RGB [s]."""
+    top = urushi.dielectric(0.05, 1.5)
+
+    def seconds(model: Model) -> float:
+        begin = time.process_time()
+        bottom = urushi.encode(urushi.conductor(0.2, (0.98, 0.77, 0.34)), model)
+        urushi.layer(top, bottom, albedo=0.8, sigma_t=(0.2, 1.0, 3.0))
+        return time.process_time() - begin
+
+    models = {known.NETWORKS: default_model()} | ({} if paper is None else {known.PAPER: paper})
+    operations = {name: functools.partial(seconds, model) for name, model in models.items()}
+    return {name: float(f"{t:.3g}") for name, t in _least(operations, OPERATIONS).items()}
+
+
+def _plugins(paper: str | None) -> dict[str, str]:
+    """The plugins of methods, and `principled`; weights files stand for `neural_layered`."""
+    return {PRINCIPLED: PRINCIPLED, **known.PLUGINS, **({known.PAPER: paper} if paper else {})}
+
+
+def _bsdf(plugin: str, textured: bool) -> dict[str, Any]:
+    rival = plugin in (known.PLUGINS[name] for name in known.RIVALS)
+    bsdf = render.material("layered" if rival else plugin, textured)
+    return bsdf | {"type": plugin} if rival else bsdf
+
+
+def _least(operations: dict[str, Callable[[], float]], turns: int) -> dict[str, float]:
+    """The least time of each operation over turns of all; the first one, which compiles, apart."""
+    times: dict[str, list[float]] = {name: [] for name in operations}
+    for turn in range(turns + 1):
+        for name, operation in operations.items():
+            seconds = operation()
+            if turn > 0:
+                times[name].append(seconds)
+    return {name: min(values) for name, values in times.items()}
+
+
+def _timed(kernel: Callable[[], Any]) -> float:
+    """CPU time of a kernel, without that of recording it [s]."""
+    value = kernel()
+    dr.schedule(value)
+    begin = time.process_time()
+    dr.eval(value)
+    dr.sync_thread()
+    return time.process_time() - begin
+
+
+def _uniform(rng: np.random.Generator) -> np.ndarray:
+    """Directions (`EVALUATIONS`, 3), uniform over the hemisphere."""
+    cosine, turn = rng.uniform(0.01, 1, EVALUATIONS), rng.uniform(0, 2 * np.pi, EVALUATIONS)
+    sine = np.sqrt(1 - cosine**2)
+    return np.stack([sine * np.cos(turn), sine * np.sin(turn), cosine], axis=-1).astype(np.float32)
+
+
+def ggx_kernel(wi: Any, wo: Any, fit: ggx_fit.GgxFit) -> "mi.Color3f":
+    """f cos of a `GgxFit` above the horizon, in Dr.Jit."""
+    total = mi.Color3f(*map(float, fit.diffuse)) * dr.inv_pi
+    for lobe in fit.lobes:
+        value, cosine = microfacet.reflection_lobe(wi, wo, mi.Float(lobe.alpha))
+        value *= lobe.f0 + (1 - lobe.f0) * (1 - cosine) ** 5
+        total += mi.Color3f(*map(float, lobe.weight)) * value
+    return total * wo.z
+
+
+def nbrdf_kernel(wi: Any, wo: Any, weights: np.ndarray) -> "mi.Color3f":
+    """f cos of an `Nbrdf` of weights (675,) above the horizon, in Dr.Jit."""
+    half = dr.normalize(wi + wo)
+    # The difference vector in the frame of the half vector; inputs by Rusinkiewicz's angles.
+    sine = dr.sqrt(dr.maximum(1 - half.z * half.z, 1e-12))
+    cos_phi, sin_phi = half.x / sine, half.y / sine
+    along = half.z * (cos_phi * wi.x + sin_phi * wi.y) - sine * wi.z
+    across = cos_phi * wi.y - sin_phi * wi.x
+    sign = dr.select(across < 0, -1, 1)
+    values = [sine, mi.Float(0), half.z, sign * along, sign * across, dr.dot(half, wi)]
+    start = 0
+    for i, shape in enumerate(nbrdf.SHAPES):
+        size = int(np.prod(shape))
+        part = weights[start : start + size].reshape(shape)
+        start += size
+        if len(shape) == 2:
+            values = [
+                sum((float(w) * x for w, x in zip(column, values, strict=True)), mi.Float(0))
+                for column in part.T
+            ]
+        else:
+            values = [x + float(b) for x, b in zip(values, part, strict=True)]
+            if i < len(nbrdf.SHAPES) - 1:
+                values = [dr.maximum(x, 0) for x in values]
+    return mi.Color3f(*(dr.maximum(dr.exp(x) - 1, 0) for x in values)) * wo.z

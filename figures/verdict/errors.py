@@ -1,0 +1,229 @@
+"""Errors E of all methods, their reciprocity, and the energy that they reflect."""
+
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from benchmarks.quality import anisotropy
+from benchmarks.quality.coated_measured import COATS, coated, error
+from benchmarks.rivals.comparisons import Measured
+
+import urushi
+from figures import results
+from figures.verdict import fits
+from figures.verdict import methods as known
+from figures.verdict.methods import Values
+from urushi.data.distribution import Table2
+from urushi.eval import predict, samples
+from urushi.eval.groups import Group
+from urushi.geometry import direction_sets, error_metrics
+from urushi.material import table as nodes
+from urushi.nets.weights import Model, default_model
+from urushi.reference import walk_pairs
+from urushi.reference.simulate import albedo as walked_albedo
+from urushi.reference.stack import Stack
+from urushi.rivals import weidlich
+
+#: Stacks of a number of interfaces, those of them that models are fitted to, and the seed of stacks
+#: and walks, other than figure 8's.
+STACKS, FITTED, SEED = 12, 4, 23
+#: Anisotropic stacks of a group, pairs of a stack, and walks of a pair.
+ANISOTROPIC, PAIRS, WALKS = 8, 100, 1 << 15
+#: White stacks: widths of the coat, and cosines at which their albedo is measured, by directions.
+WIDTHS, COSINES, DIRECTIONS = (0.1, 0.5), (0.1, 0.3, 0.6, 1.0), 1 << 14
+#: Measured bottoms, their archive in the folder of test data, and the coats over them.
+BOTTOMS, ARCHIVE, OVER = 3, Path("data/merl_nbrdf/merl_nbrdf_80.npz"), ("tinted", "scattering")
+#: Walks of a pair of the reference over measured bottoms, and of a table that fits read.
+MEASURED_WALKS, MEASURED_TABLE_WALKS = 1 << 13, 64
+
+
+def isotropic(
+    interfaces: int, paper: Model | None, stacks: int = STACKS, fitted: int = FITTED
+) -> dict[str, Any]:
+    """E of each method by stack, its E to the exchange of directions, and CPU seconds of a fit.
+
+    fitted: number of stacks that models are fitted to; 0: fits are left out.
+    """
+    group = Group(f"verdict, {interfaces} interfaces", Table2(interfaces - 1), stacks)
+    held_out = samples.simulate(group, SEED, only_e=True)
+    table, wi, wo = held_out.table, held_out.wi, held_out.wo
+    methods = {known.NETWORKS: known.of_networks(default_model(), held_out)}
+    if paper is not None:
+        methods[known.PAPER] = known.of_networks(paper, held_out)
+    methods |= {name: known.of_walk(table, name) for name in known.ESTIMATORS}
+    methods |= {name: known.of_rival(table, name) for name in known.RIVALS}
+    if fitted:
+        tables = known.tabulated(table, fitted)
+        methods |= {name: _fits(name, tables) for name in fits.FITTED}
+    own = samples.stack_errors(held_out.f + held_out.se, held_out)
+    found: dict[str, Any] = {"reference": results.rounded(own)}
+    for name, method in methods.items():
+        part = slice(method.stacks)
+        f = method.f(wi[part], wo[part])
+        truth, cosines = held_out.f[part], (wi[part, :, 2], wo[part, :, 2])
+        exchange = 0.0
+        if name not in known.ESTIMATORS:  # their noise would be all of it
+            weight = error_metrics.energy_weight(*cosines)
+            difference = np.abs(method.f(wo[part], wi[part]) - f)
+            exchange = float((difference * weight).sum() / (f * weight).sum())
+        found[name] = {
+            "E": results.rounded(error_metrics.stack_error(f, truth, *cosines)),
+            "exchange": float(f"{exchange:.3g}"),
+            "seconds": float(f"{method.seconds:.3g}"),
+        }
+    return found
+
+
+def _fits(name: str, tables: list[fits.Brdf]) -> Values:
+    """A model fitted to each stack."""
+    begin = time.process_time()
+    models = [fits.fitted(name, f) for f in tables]
+    seconds = (time.process_time() - begin) / len(models)
+
+    def f(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        both = zip(models, wi, wo, strict=True)
+        return np.stack([model(*pair)[:, 0] for model, *pair in both])
+
+    return Values(len(models), f, seconds)
+
+
+def anisotropic(name: str, stacks: int = ANISOTROPIC, fitted: int = FITTED) -> dict[str, Any]:
+    """E of the methods that have anisotropic surfaces, of stacks by the walk.
+
+    name: "coat" or "bottom", whose surface has two widths.
+    """
+    kinds = ("conductor_anisotropic",)
+    group = anisotropy.Group(f"{name} anisotropic", 1, name == "coat", name == "bottom", kinds)
+    table = group.tables(stacks)[0]
+    rng = np.random.default_rng((SEED, len(name)))
+    wi, wo = (w.reshape(stacks, PAIRS, 3) for w in direction_sets.cosine_pairs(rng, stacks * PAIRS))
+    row = np.repeat(np.arange(stacks, dtype=np.uint32), PAIRS)
+    flat = wi.reshape(-1, 3), wo.reshape(-1, 3)
+    f, se = (
+        x.reshape(stacks, PAIRS) for x in walk_pairs(table, row, *flat, walks=WALKS, seed=SEED)
+    )
+    cosines = wi[..., 2], wo[..., 2]
+    materials = anisotropy.predicted(table)
+    found = {
+        "reference": error_metrics.stack_error(f + se, f, *cosines),
+        known.NETWORKS: error_metrics.stack_error(predict.evaluate(materials, wi, wo), f, *cosines),
+        known.WEIDLICH: error_metrics.stack_error(
+            weidlich.rows(table, row, *flat).reshape(f.shape), f, *cosines
+        ),
+    }
+    for method in known.ESTIMATORS:
+        own = known.of_walk(table, method).f(wi, wo)
+        found[method] = error_metrics.stack_error(own, f, *cosines)
+    p, count = fits.pairs(), fitted
+    values = walk_pairs(
+        table,
+        np.repeat(np.arange(count, dtype=np.uint32), len(p.wi)),
+        np.tile(p.wi, (count, 1)),
+        np.tile(p.wo, (count, 1)),
+        walks=known.WALKS,
+        seed=known.SEED,
+    )[0].reshape(count, -1, 1)
+    for method, form in fits.FORMS.items():
+        models = [fits.fit(form, own, anisotropic=True) for own in values]
+        both = zip(models, wi, wo, strict=False)
+        own = np.stack([model.f(*pair)[:, 0] for model, *pair in both])
+        part = slice(count)
+        found[method] = error_metrics.stack_error(own, f[part], *(c[part] for c in cosines))
+    return {method: results.rounded(e) for method, e in found.items()}
+
+
+def measured(folder: Path) -> dict[str, Any]:
+    """E of the methods that take any bottom, over stand-ins for measured materials under coats.
+
+    folder: of the test data.
+    """
+    with np.load(folder / ARCHIVE) as archive:
+        names = sorted(archive.files)
+    chosen = names[:: len(names) // BOTTOMS][:BOTTOMS]
+    found: dict[str, Any] = {"materials": chosen}
+    for name in chosen:
+        surface = Measured(name, folder / ARCHIVE).load()
+        material = urushi.encode(surface, refine=True)
+        for coat in OVER:
+            stack = urushi.coat(surface, **COATS[coat])
+            for method, e in _over_measured(stack, coated(material, COATS[coat])).items():
+                found.setdefault(method, []).append(float(f"{e:.4g}"))
+    return found
+
+
+def _over_measured(stack: Stack, material: urushi.Material) -> dict[str, float]:
+    """E of the methods for one coat over a measured bottom; the mean over channels."""
+    wi, wo = direction_sets.cosine_pairs(np.random.default_rng(SEED), PAIRS)
+    truth, se = urushi.simulate(stack, wi, wo, walks=MEASURED_WALKS, seed=SEED, progress=False)
+    found = {
+        "reference": error(truth + se, truth, wi, wo),
+        known.NETWORKS: error(material.f(wi, wo), truth, wi, wo),
+        known.WEIDLICH: error(weidlich.f(stack, wi, wo), truth, wi, wo),
+    }
+    for method, estimator in known.ESTIMATORS.items():
+        f, _ = urushi.simulate(
+            stack, wi, wo, walks=known.WALKS, seed=known.SEED, progress=False, estimator=estimator
+        )
+        found[method] = error(f, truth, wi, wo)
+    f, _ = urushi.simulate(
+        stack, *nodes.node_pairs(), walks=MEASURED_TABLE_WALKS, seed=known.SEED, progress=False
+    )
+    table = fits.tabulated(f)
+    for method in fits.FITTED:
+        found[method] = error(fits.fitted(method, table, 3)(wi, wo), truth, wi, wo)
+    return found
+
+
+def laws(paper: Model | None, fitted: tuple[str, ...] = tuple(fits.FITTED)) -> dict[str, float]:
+    """The largest albedo of each method over white coated stacks, which reflect at most 1.
+
+    That of the walk is by its own directions (`urushi.reference.simulate.albedo`).
+    """
+    rng = np.random.default_rng(SEED)
+    radius, turn = np.sqrt(rng.uniform(size=DIRECTIONS)), rng.uniform(0, 2 * np.pi, DIRECTIONS)
+    wo = np.stack([radius * np.cos(turn), radius * np.sin(turn), np.sqrt(1 - radius**2)], axis=-1)
+    wo = wo.astype(np.float32)
+    found: dict[str, float] = {}
+    for alpha in WIDTHS:
+        for bottom in (urushi.diffuse(1.0), urushi.conductor(alpha=alpha, r0=1.0)):
+            for name, f in _white(alpha, bottom, paper, fitted).items():
+                for cosine in COSINES:
+                    wi = np.repeat(_tilted((cosine,)), DIRECTIONS, axis=0)
+                    # Directions have cosine density: the albedo is pi times the mean of f.
+                    albedo = float(np.pi * f(wi, wo)[:, 0].mean())
+                    found[name] = max(found.get(name, 0.0), albedo)
+            stack = urushi.coat(bottom, alpha, 1.5)
+            walked, _ = walked_albedo(stack, _tilted(COSINES), seed=SEED)
+            found[known.WALK] = max(found.get(known.WALK, 0.0), float(walked.max()))
+    return {name: float(f"{albedo:.4g}") for name, albedo in found.items()}
+
+
+def _tilted(cosines: tuple[float, ...]) -> np.ndarray:
+    """Unit vectors float32 (N, 3) of these cosines, in the xz plane."""
+    z = np.array(cosines)
+    return np.stack([np.sqrt(1 - z**2), np.zeros_like(z), z], axis=-1).astype(np.float32)
+
+
+def _white(
+    alpha: float, bottom: Any, paper: Model | None, fitted: tuple[str, ...]
+) -> dict[str, fits.Brdf]:
+    """All methods for a coat without absorption over a white bottom."""
+    stack: Stack = urushi.coat(bottom, alpha, 1.5)
+    top = urushi.dielectric(alpha=alpha, eta=1.5)
+    found: dict[str, fits.Brdf] = {known.NETWORKS: urushi.layer(top, bottom).f}
+    if paper is not None:
+        found[known.PAPER] = urushi.layer(top, urushi.encode(bottom, paper)).f
+
+    def rival(name: str) -> fits.Brdf:
+        return lambda wi, wo: known.RIVALS[name].f(stack, wi, wo)
+
+    found |= {name: rival(name) for name in known.RIVALS}
+    if fitted:
+        pairs = nodes.node_pairs()
+        f, _ = urushi.simulate(
+            stack, *pairs, walks=known.TABLE_WALKS, seed=known.SEED, progress=False
+        )
+        table = fits.tabulated(f[:, :1])
+        found |= {name: fits.fitted(name, table) for name in fitted}
+    return found
