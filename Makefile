@@ -63,6 +63,8 @@ thumbnails: $(READY)
 	        -o out/$$scene.png || exit; \
 	    .venv/bin/python docs/small_jpg.py out/$$scene.png docs/images || exit; \
 	done
+	.venv/bin/urushi render car -D coat=layered --width 320 --height 240 --spp 160 -o out/car-walk.png
+	.venv/bin/python docs/small_jpg.py out/car-walk.png docs/images
 
 # The pictures of docs/measured.md, by the present weights
 MATERIALS := velvet car-paint brushed

@@ -19,7 +19,7 @@ from urushi.scenes.surface_nets import Field, mesh, projected
 TEXELS, TILE, FLAKES = 256, 0.6, 90
 
 #: Mean thickness of the flakes' film [micrometres], and the deviation of flakes from it.
-FILM, DEVIATION = 0.200, 0.06
+FILM, DEVIATION = 0.191, 0.05
 
 #: Boxes around the parts, of which the left half is given, and the edges of their cells [m].
 BODY = (-2.2, 0, 0.2), (2.2, 0.9, 1.6)
