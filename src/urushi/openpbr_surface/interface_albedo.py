@@ -17,8 +17,8 @@ INDICES, ROUGHNESSES, COSINES = 49, 16, 32
 #: Largest magnitude of the amplitude (eta - 1) / (eta + 1): an index of 3, or of 1/3.
 LARGEST_AMPLITUDE = 0.5
 
-#: Nodes of the quadrature over visible facets, for each of both dimensions.
-FACETS = 20
+#: Nodes of the quadrature over visible facets: of their azimuth, and of their height.
+AZIMUTHS, HEIGHTS = 20, 40
 
 
 class Tables(NamedTuple):
@@ -47,7 +47,7 @@ class MirrorTables(NamedTuple):
     mean: np.ndarray
 
 
-def index_nodes() -> np.ndarray:
+def indexnodes() -> np.ndarray:
     """The relative indices of the nodes, denser towards one, where total reflection sets in."""
     root = np.linspace(-1, 1, INDICES)
     amplitude = LARGEST_AMPLITUDE * np.abs(root) * root
@@ -73,8 +73,8 @@ def tables(eta: float | None = None) -> Tables:
 
     eta: the only index, I is 1; None: all of `index_nodes`, which takes seconds the first time.
     """
-    alphas, cosine = _nodes()
-    etas = index_nodes() if eta is None else np.array([eta])
+    alphas, cosine = nodes()
+    etas = indexnodes() if eta is None else np.array([eta])
     reflected = np.empty((len(etas), ROUGHNESSES, COSINES))
     passed = np.empty_like(reflected)
     for j, alpha in enumerate(alphas):
@@ -82,42 +82,42 @@ def tables(eta: float | None = None) -> Tables:
         masking = _masking(2 * cos_m * m[..., 2] - wi[2], alpha)
         for i, index in enumerate(etas):
             reflectance, cos_t = _fresnel(cos_m, index)
-            reflected[i, j] = (reflectance * masking).mean(axis=-1)
+            reflected[i, j] = facet_mean(reflectance * masking)
             below = (wi[2] - cos_m * m[..., 2]) / index + cos_t * m[..., 2]
-            passed[i, j] = ((1 - reflectance) * _masking(below, alpha)).mean(axis=-1)
-    arrays = reflected, passed, _mean(reflected, cosine), _mean(passed, cosine)
+            passed[i, j] = facet_mean((1 - reflectance) * _masking(below, alpha))
+    arrays = reflected, passed, hemisphere_mean(reflected, cosine), hemisphere_mean(passed, cosine)
     return Tables(*(array.astype(np.float32) for array in arrays))
 
 
 @functools.cache
 def mirror_tables() -> MirrorTables:
     """The tables of a GGX reflector without losses at its facets."""
-    alphas, cosine = _nodes()
+    alphas, cosine = nodes()
     albedo = np.empty((ROUGHNESSES, COSINES))
     for j, alpha in enumerate(alphas):
         wi, m, cos_m = _visible_facets(alpha, cosine)
-        albedo[j] = _masking(2 * cos_m * m[..., 2] - wi[2], alpha).mean(axis=-1)
-    return MirrorTables(*(x.astype(np.float32) for x in (albedo, _mean(albedo, cosine))))
+        albedo[j] = facet_mean(_masking(2 * cos_m * m[..., 2] - wi[2], alpha))
+    return MirrorTables(*(x.astype(np.float32) for x in (albedo, hemisphere_mean(albedo, cosine))))
 
 
-def _nodes() -> tuple[np.ndarray, np.ndarray]:
+def nodes() -> tuple[np.ndarray, np.ndarray]:
     """The GGX widths and cosines of the nodes."""
     roughness = np.linspace(MIN_ALPHA**0.5, 1, ROUGHNESSES)
     return roughness**2, np.maximum(np.linspace(0, 1, COSINES) ** 2, 1e-5)
 
 
-def _mean(table: np.ndarray, cosine: np.ndarray) -> np.ndarray:
+def hemisphere_mean(table: np.ndarray, cosine: np.ndarray) -> np.ndarray:
     """2 times the integral of a table times the cosine over [0, 1].
 
     Exact for tables that are linear in the root between the nodes, as they are interpolated.
     """
     root = np.sqrt(cosine)
     root[0] = 0
-    nodes, weights = np.polynomial.legendre.leggauss(4)
+    points, weights = np.polynomial.legendre.leggauss(4)
     total = np.zeros(table.shape[:-1])
     for k in range(len(root) - 1):
         width = root[k + 1] - root[k]
-        for node, weight in zip(nodes, weights, strict=True):
+        for node, weight in zip(points, weights, strict=True):
             t = 0.5 * (node + 1)
             x = root[k] + t * width
             value = table[..., k] * (1 - t) + table[..., k + 1] * t
@@ -125,21 +125,39 @@ def _mean(table: np.ndarray, cosine: np.ndarray) -> np.ndarray:
     return total
 
 
+@functools.cache
+def facet_nodes() -> tuple[np.ndarray, np.ndarray]:
+    """Azimuths [rad] and heights in (0, 1) of the quadrature over visible facets (K,).
+
+    A height of zero is the steepest facet. The nodes are dense there: whether steep facets send
+    light above the horizon decides what is lost, and few of them do.
+    """
+    turn = (np.arange(AZIMUTHS) + 0.5) * (2 * np.pi / AZIMUTHS)
+    root = (np.arange(HEIGHTS) + 0.5) / HEIGHTS
+    turns, heights = np.meshgrid(turn, root**3)
+    return turns.ravel(), heights.ravel()
+
+
+def facet_mean(values: np.ndarray) -> np.ndarray:
+    """The mean over visible facets of values (..., K) at `facet_nodes`."""
+    weight = facet_nodes()[1] ** (2 / 3)  # of the root, whose cube the height is
+    return values @ (weight / weight.sum())
+
+
 def _visible_facets(alpha: float, cosine: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Facets seen from directions of given cosines, equally likely: wi, m (N, K, 3), wi.m.
+    """Facets seen from directions of given cosines, at `facet_nodes`: wi, m (N, K, 3), wi.m.
 
     wi is (3, N, 1). Source: Dupuy and Benyoub 2023, listing 1.
     """
-    u = (np.arange(FACETS) + 0.5) / FACETS
-    u1, u2 = (x.ravel() for x in np.meshgrid(u, u))
+    turn, height = facet_nodes()
     sine = np.sqrt(1 - cosine**2)[:, None]
     wi = np.stack([sine, np.zeros_like(sine), cosine[:, None]])
     stretched = np.stack([alpha * wi[0], wi[2]])
     stretched = stretched / np.linalg.norm(stretched, axis=0)
-    z = (1 - u2) * (1 + stretched[1]) - stretched[1]
+    z = height * (1 + stretched[1]) - stretched[1]
     across = np.sqrt(np.maximum(1 - z * z, 0))
-    x = alpha * (across * np.cos(2 * np.pi * u1) + stretched[0])
-    y = alpha * across * np.sin(2 * np.pi * u1)
+    x = alpha * (across * np.cos(turn) + stretched[0])
+    y = alpha * across * np.sin(turn)
     m = np.stack([x, y, z + stretched[1]], axis=-1)
     m = m / np.linalg.norm(m, axis=-1, keepdims=True)
     return wi, m, np.clip(wi[0] * m[..., 0] + wi[2] * m[..., 2], 0, 1)

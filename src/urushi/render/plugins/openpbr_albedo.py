@@ -6,6 +6,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from urushi.openpbr_surface import anisotropic_albedo
 from urushi.openpbr_surface import interface_albedo as tables
 
 
@@ -52,13 +53,22 @@ class InterfaceAlbedo:
 
 
 class MirrorAlbedo:
-    """Directional albedos of GGX facets that reflect all light."""
+    """Directional albedos of GGX facets that reflect all light, of one width."""
 
     def __init__(self) -> None:
         known = tables.mirror_tables()
         self._albedo, self._mean = (_texture(x[..., None]) for x in (known.albedo, known.mean))
 
-    def lost(self, seen_i, seen_o, alpha, fresnel_mean):
+    def seen(self, w, widths):
+        """Share of the light from a direction that one reflection by the facets lets leave."""
+        at = [dr.safe_sqrt(w.z), tables.roughness_coordinate(widths, dr)]
+        return _read(self._albedo, at)[0]
+
+    def seen_mean(self, widths):
+        """The cosine-weighted mean of `seen` over the hemisphere."""
+        return _read(self._mean, [tables.roughness_coordinate(widths, dr)])[0]
+
+    def lost(self, seen_i, seen_o, widths, fresnel_mean):
         """The lobe [1/sr] of light that meets more than one facet.
 
         seen_i, seen_o: `seen` of both directions. fresnel_mean: cosine-weighted mean of the
@@ -66,37 +76,90 @@ class MirrorAlbedo:
 
         Source: Kulla and Conty 2017, with the Fresnel term of Jimenez and Hanika in their notes.
         """
-        mean = self.seen_mean(alpha)
-        color = self.multiple(fresnel_mean, alpha)
+        color = self.multiple(fresnel_mean, widths)
         # Where nothing is lost, the quotient is 0 / 0.
-        return color * ((1 - seen_i) * (1 - seen_o) / dr.maximum(dr.pi * (1 - mean), 1e-6))
+        loss = dr.maximum(dr.pi * (1 - self.seen_mean(widths)), 1e-6)
+        return color * ((1 - seen_i) * (1 - seen_o) / loss)
 
-    def seen(self, cosine, alpha):
-        """Share of the light from a direction that one reflection by the facets lets leave."""
-        return _read(self._albedo, [dr.safe_sqrt(cosine), tables.roughness_coordinate(alpha, dr)])[
-            0
-        ]
-
-    def seen_mean(self, alpha):
-        """The cosine-weighted mean of `seen` over the hemisphere."""
-        return _read(self._mean, [tables.roughness_coordinate(alpha, dr)])[0]
-
-    def multiple(self, fresnel_mean, alpha):
+    def multiple(self, fresnel_mean, widths):
         """The albedo of light that facets of a mean Fresnel term reflect more than once.
 
         Source: as of `lost`.
         """
-        mean = self.seen_mean(alpha)
+        mean = self.seen_mean(widths)
         return fresnel_mean * fresnel_mean * mean / (1 - fresnel_mean * (1 - mean))
 
-    def gain(self, alpha, f0):
+    def gain(self, widths, f0):
         """The factor by which multiple scattering increases a lobe of reflectance f0.
 
         Source: Turquin 2019, Practical multiple scattering compensation for microfacet models,
         with the mean albedo in place of the directional one.
         """
-        mean = self.seen_mean(alpha)
+        mean = self.seen_mean(widths)
         return 1 + f0 * ((1 - mean) / mean)
+
+
+class AnisotropicMirror(MirrorAlbedo):
+    """The same of facets of two widths, of which u is not less than v."""
+
+    def __init__(self) -> None:
+        known = anisotropic_albedo.tables()
+        self._albedo, self._mean = _texture(known.albedo), _texture(known.mean[..., None])
+
+    def seen(self, w, widths):
+        """See `MirrorAlbedo`; the x axis is along u."""
+        terms = _read(self._albedo, [dr.safe_sqrt(w.z), *self._at(widths)])
+        x2, y2 = w.x * w.x, w.y * w.y
+        cosine = dr.select(x2 + y2 > 1e-12, (x2 - y2) / dr.maximum(x2 + y2, 1e-12), 0)
+        fourth = 2 * cosine * cosine - 1  # cosines of 4 and of 6 times the azimuth
+        sixth = cosine * (2 * fourth - 1)
+        return terms[0] + terms[1] * cosine + terms[2] * fourth + terms[3] * sixth
+
+    def seen_mean(self, widths):
+        """See `MirrorAlbedo`."""
+        return _read(self._mean, self._at(widths))[0]
+
+    def _at(self, widths) -> list:
+        ratio = anisotropic_albedo.anisotropy(widths.u, widths.v)
+        mean = 0.5 * (widths.u + widths.v)
+        return [tables.roughness_coordinate(mean, dr), ratio / anisotropic_albedo.MOST]
+
+
+class AnisotropicInterface:
+    """`InterfaceAlbedo.reflected` of two widths.
+
+    A direction has the albedo of the width along it, times the quotient of what facets of both
+    widths and of this one lose.
+    """
+
+    def __init__(self, interface: InterfaceAlbedo, mirror: AnisotropicMirror):
+        self._interface, self._mirror, self._one = interface, mirror, MirrorAlbedo()
+
+    def reflected(self, w, widths, eta):
+        """Share of the light from a direction that is reflected."""
+        x2, y2 = w.x * w.x, w.y * w.y
+        along = _width_along(widths, x2 / dr.maximum(x2 + y2, 1e-12))
+        share = self._mirror.seen(w, widths) / self._one.seen(w, along)
+        return dr.clip(self._interface.reflected(w.z, along, eta) * share, 0, 1)
+
+    def reflected_mean(self, widths, eta):
+        """Share of diffuse light that is reflected."""
+        reflected, seen = mi.Float(0), mi.Float(0)
+        for cosine2 in _AZIMUTHS:
+            along = _width_along(widths, cosine2)
+            reflected += self._interface.reflected_mean(along, eta)
+            seen += self._one.seen_mean(along)
+        return reflected / seen * self._mirror.seen_mean(widths)
+
+
+#: Squares of the cosines of azimuths for a mean over them.
+_AZIMUTHS = tuple(np.cos((np.arange(4) + 0.5) * np.pi / 8) ** 2)
+
+
+def _width_along(widths, cosine2):
+    """The width along a direction whose azimuth has a cosine of a given square."""
+    along, across = dr.square(widths.u), dr.square(widths.v)
+    return dr.sqrt(across + (along - across) * cosine2)
 
 
 def interpolated(table: np.ndarray) -> Callable[[list], list]:

@@ -12,7 +12,12 @@ from urushi.openpbr_surface import darkening, eon, glossy, metal, roughness
 from urushi.physics import fresnel, microfacet
 from urushi.physics.mixture import Mixture
 from urushi.render import spectrum
-from urushi.render.plugins.openpbr_albedo import InterfaceAlbedo, MirrorAlbedo
+from urushi.render.plugins.openpbr_albedo import (
+    AnisotropicInterface,
+    AnisotropicMirror,
+    InterfaceAlbedo,
+    MirrorAlbedo,
+)
 from urushi.render.plugins.openpbr_film import FilmFresnel
 from urushi.render.reading.openpbr_inputs import Inputs
 
@@ -105,7 +110,10 @@ def define(base: type) -> type:
                     inverted = None if rough is None else rough < INVERTED_BELOW
                     eta = None if inverted is None else 1 / eta if inverted else eta
             self._albedo = InterfaceAlbedo(eta)
-            self._mirror = MirrorAlbedo()
+            self._mirror, self._turning = MirrorAlbedo(), None
+            if not inputs.is_constant("specular_roughness_anisotropy", 0):
+                self._mirror = AnisotropicMirror()
+                self._turning = AnisotropicInterface(self._albedo, self._mirror)
 
         def _vertex(self, si, active) -> Vertex:
             inputs = self._inputs
@@ -121,8 +129,8 @@ def define(base: type) -> type:
             )
 
         def _f(self, vertex, ctx, si, wo, active):
-            color, tint, alpha = vertex.color, vertex.tint, vertex.alpha
-            lobe, cos_m = microfacet.reflection_lobe(si.wi, wo, vertex.widths)
+            color, tint, widths = vertex.color, vertex.tint, vertex.widths
+            lobe, cos_m = microfacet.reflection_lobe(si.wi, wo, widths)
             cos_m, f = dr.abs(cos_m), mi.Spectrum(0)
             if not self._only_metal:
                 f += lobe * self._dielectric(cos_m, vertex.eta, si, active) * tint
@@ -132,9 +140,9 @@ def define(base: type) -> type:
                 if self._film:
                     reflectance = self._film.metal(cos_m, color, tint, reflectance, si, active)
                     mean = self._film.metal_mean(color, tint, mean, si, active)
-                first, second = (self._mirror.seen(w.z, alpha) for w in (si.wi, wo))
+                first, second = (self._mirror.seen(w, widths) for w in (si.wi, wo))
                 shine = vertex.weight * (
-                    lobe * reflectance + self._mirror.lost(first, second, alpha, mean)
+                    lobe * reflectance + self._mirror.lost(first, second, widths, mean)
                 )
                 f = shine if self._only_metal else dr.lerp(f, shine, vertex.share)
             if self._boosted:
@@ -143,16 +151,18 @@ def define(base: type) -> type:
 
         def _diffuse(self, si, wo, vertex, active):
             """What passes the interface, is reflected by the slab and leaves [1/sr]."""
-            albedo, color, alpha, eta = self._albedo, vertex.color, vertex.alpha, vertex.eta
-            reflected = [albedo.reflected(w.z, alpha, eta) for w in (si.wi, wo)]
-            mean = albedo.reflected_mean(alpha, eta)
+            color, alpha, eta = vertex.color, vertex.alpha, vertex.eta
+            reflected = [self._reflected(w, vertex) for w in (si.wi, wo)]
+            mean = self._reflected_mean(vertex)
             if self._film:
                 for i, w in enumerate((si.wi, wo)):
                     more = self._film.excess(w.z, alpha, eta, si, active)
                     reflected[i] = dr.clip(
-                        reflected[i] + self._mirror.seen(w.z, alpha) * more, 0, 1
+                        reflected[i] + self._mirror.seen(w, vertex.widths) * more, 0, 1
                     )
-                more = self._mirror.seen_mean(alpha) * self._film.mean_excess(eta, si, active)
+                more = self._mirror.seen_mean(vertex.widths) * self._film.mean_excess(
+                    eta, si, active
+                )
                 mean = dr.clip(mean + more, 0, 1)
             passed, mean = (1 - reflected[0]) * (1 - reflected[1]), 1 - mean
             if self._inputs.is_constant("base_diffuse_roughness", 0):
@@ -180,6 +190,18 @@ def define(base: type) -> type:
             f += ends[0] * ends[1] * (internal * dr.inv_pi / (1 - mean_albedo * internal))
             return f * (passed / (eta * eta))
 
+        def _reflected(self, w, vertex):
+            """Share of the light from a direction that the interface reflects."""
+            if self._turning:
+                return self._turning.reflected(w, vertex.widths, vertex.eta)
+            return self._albedo.reflected(w.z, vertex.alpha, vertex.eta)
+
+        def _reflected_mean(self, vertex):
+            """Share of diffuse light that the interface reflects."""
+            if self._turning:
+                return self._turning.reflected_mean(vertex.widths, vertex.eta)
+            return self._albedo.reflected_mean(vertex.alpha, vertex.eta)
+
         def _dielectric(self, cosine, eta, si, active):
             """The Fresnel term of the dielectric."""
             if self._film:
@@ -204,7 +226,7 @@ def define(base: type) -> type:
         def _proposal(self, vertex, si, active):
             share = mi.Float(1 - MIN_SHARE)
             if not self._only_metal:
-                reflected = self._albedo.reflected(si.wi.z, vertex.alpha, vertex.eta)
+                reflected = self._reflected(si.wi, vertex)
                 color = dr.mean(vertex.color)
                 share = reflected / (reflected + (1 - reflected) * color + 1e-4)
                 share = dr.lerp(share, 1, vertex.share)
@@ -228,10 +250,10 @@ def define(base: type) -> type:
             """
             active = mi.Bool(True)
             vertex = self._vertex(si, active)
-            color, tint, weight, share, alpha, mean_alpha, eta = vertex
+            color, tint, weight, share, alpha, _, eta = vertex
             scale = self._boost(si, vertex, active) if self._boosted else mi.Spectrum(1)
             if self.bare and not self._compensated:
-                scale *= self._mirror.gain(mean_alpha, color)
+                scale *= self._mirror.gain(alpha, color)
             if self._film:
                 color, eta = self._film.lobe_terms(eta, color, tint, si, active)
             along, across = (alpha.u, [alpha.v]) if isinstance(alpha, Widths) else (alpha, [])

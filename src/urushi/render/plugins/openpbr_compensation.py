@@ -186,8 +186,9 @@ class CoatLoss:
         inputs = self._inputs
         eta = dr.clip(inputs.number("coat_ior", si, active), 1.001, 3)
         alpha = roughness.lobe_width(inputs.number("coat_roughness", si, active), dr)
-        inside = self._above.both_mean(alpha, eta)[1] / (eta * eta)
-        inside = inside / (1 - self._below.reflected_mean(alpha, 1 / eta))
+        # Both from one table: what it does not reflect is passed or lost, whatever its error.
+        reflected, passed = self._below.both_mean(alpha, 1 / eta)
+        inside = passed / (1 - reflected)
         return LossVertex(eta, alpha, inside, ())
 
     def _lost(self, at: "LossVertex", cosine):
