@@ -4,6 +4,7 @@ All materials are OpenPBR. The flakes are dark metal under a thin film, whose th
 flake to flake and so does their colour; a clear coat covers them. The panes are dark and opaque.
 """
 
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -71,8 +72,9 @@ def car(folder: Folder, options: Options) -> dict[str, Any]:
     return stage.scene(view, parts)
 
 
+@cache
 def meshes() -> dict[str, Mesh]:
-    """The parts of the car, one for each material."""
+    """The parts of the car, one for each material; they are computed once in a process."""
 
     def half(field: Field, spacing: float) -> Mesh:
         return mesh(field, *BODY, spacing, mirror=True)
