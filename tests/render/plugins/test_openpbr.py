@@ -201,8 +201,24 @@ def test_a_filmed_metal_under_a_coat_is_the_walk_over_it():
     reference = values(openpbr(reference=True, **shared), wi, wo, 1024)
     plain = values(openpbr(reference=True, **(shared | {"thin_film_weight": 0.0})), wi, wo, 1024)
     assert error(plain, reference, wi, wo) > 0.02  # the film is seen
-    # Noise of 2 %, and one mean reflectance for all angles in the coat.
-    assert error(values(openpbr(**shared), wi, wo), reference, wi, wo) < 0.07
+    assert error(values(openpbr(**shared), wi, wo), reference, wi, wo) < 0.04  # noise of 2 %
+
+
+@pytest.mark.parametrize(("thickness", "ior"), [(0.31, 2.3), (0.5, 1.4)])
+def test_the_colour_of_a_film_in_a_coat_turns_with_the_angle(thickness, ior):
+    """Networks against the walk over dark flakes; by one mean colour E was 13 %.
+
+    The noise is 1.5 %, and the networks' error over plain metals in this coat 1 %.
+    """
+    wi, wo = pairs(300)
+    flakes = dict(base_color=(0.05, 0.05, 0.06), base_metalness=1.0, specular_roughness=0.3)
+    film = dict(thin_film_weight=1.0, thin_film_thickness=thickness, thin_film_ior=ior)
+    shared = flakes | film | dict(coat_weight=1.0, coat_roughness=0.1)
+    reference = values(openpbr(reference=True, **shared), wi, wo, 1024)
+    own = openpbr(**shared)
+    assert error(values(own, wi, wo), reference, wi, wo) < 0.04
+    # Reciprocal, up to rounding in single precision.
+    np.testing.assert_allclose(values(own, wi, wo), values(own, wo, wi), rtol=1e-5, atol=1e-7)
 
 
 def test_no_coat_is_the_base_bit_for_bit():

@@ -77,7 +77,7 @@ def define(proposal_bsdf: type):
         reference = _is_reference(props)
         compensated = bool(props.get("energy_compensation", True))
         _warn_of_mirrors(inputs)
-        base = coated = None
+        base = below = coated = None
         if not inputs.is_constant("coat_weight", 1):
             base = base_class(inputs, False, False, False)
         if not inputs.is_constant("coat_weight", 0):
@@ -92,7 +92,7 @@ def define(proposal_bsdf: type):
         compensation = None
         if compensated and coated is not None:
             compensation = Compensation(inputs, not reference, str(props.get("weights", "")))
-        bsdf = surface_class(inputs, base, coated, compensation)
+        bsdf = surface_class(inputs, base, coated, compensation, None if reference else below)
         if "geometry_normal" in inputs.maps:
             bsdf = mi.load_dict(
                 {"type": "normalmap", "normalmap": inputs.maps["geometry_normal"], "bsdf": bsdf}

@@ -278,6 +278,12 @@ def define(base: type) -> type:
             )
             return [list(c) for c in zip(*map(spectrum.to_channels, values), strict=True)]
 
+        def below_coat(self, f, si, wo, active):
+            """f [1/sr] of networks for a coat over this base; see `FilmFresnel.below_coat`."""
+            if not self._film:
+                return f
+            return self._film.below_coat(f, self._vertex(si, active), si, wo, active)
+
         def _alpha(self, si, active):
             """The GGX width, or `Widths` of an anisotropic interface."""
             rough = self._inputs.number("specular_roughness", si, active)

@@ -3,8 +3,9 @@
 import drjit as dr
 import mitsuba as mi
 
+from urushi.checks import Widths
 from urushi.openpbr_surface import metal, roughness, thin_film
-from urushi.physics import fresnel
+from urushi.physics import fresnel, microfacet
 from urushi.render.reading.openpbr_inputs import Inputs
 
 #: The parameters that the film reads.
@@ -25,6 +26,9 @@ _SPREAD = 1.2
 
 #: Cosines inside a coat of light from above.
 _COAT_COSINES = (1.0, 0.9, 0.8, 0.7)
+
+#: Least reflectance in a division.
+_LEAST = 1e-4
 
 #: Cosine whose reflectance stands for the mean of a metal's, which is nearly constant.
 _MEAN_COSINE = 0.66
@@ -83,15 +87,62 @@ class FilmFresnel:
         Returns:
             A metal's reflectance at normal incidence, and a dielectric's index; spectra.
         """
-        metal_f0, dielectric_f0 = mi.Spectrum(0), mi.Spectrum(0)
+        metal_f0, dielectric_f0 = self._metal_in_coat(f0, tint, si, active), mi.Spectrum(0)
         for cosine in _COAT_COSINES:
-            c, weight = mi.Float(cosine), 1 / len(_COAT_COSINES)
-            bare = metal.f82(c, f0, tint)
-            metal_f0 += weight * self.metal(c, f0, tint, bare, si, active)
-            dielectric_f0 += weight * self.dielectric(c, eta, si, active)
+            dielectric_f0 += self.dielectric(mi.Float(cosine), eta, si, active) / len(_COAT_COSINES)
         root = dr.sqrt(dr.clip(dielectric_f0, 1e-5, 0.25))
         above = self._film(si, active).eta  # total reflection begins where the film's does
         return metal_f0, dr.select(above < 1, mi.Spectrum(above), (1 + root) / (1 - root))
+
+    def _metal_in_coat(self, f0, tint, si, active):
+        """The mean of `metal` over the angles that light from above has in a coat."""
+        total = mi.Spectrum(0)
+        for cosine in _COAT_COSINES:
+            c = mi.Float(cosine)
+            total += self.metal(c, f0, tint, metal.f82(c, f0, tint), si, active)
+        return total / len(_COAT_COSINES)
+
+    def below_coat(self, f, base, si, wo, active):
+        """f [1/sr] of networks for a coat over a filmed base, with the film's change of colour.
+
+        The networks know the base's lobe by the mean reflectances of `lobe_terms`. The light from
+        that lobe is scaled by what the film reflects at the facets that a smooth coat shows, over
+        that. The factor is the same with si.wi and wo exchanged.
+
+        base: the base's vertex.
+        """
+        inputs = self._inputs
+        index = dr.maximum(inputs.number("coat_ior", si, active), roughness.LEAST_INDEX)
+        coat = self._coat_widths(si, active)
+        lobe, cosine = microfacet.reflection_lobe(si.wi, wo, coat)
+        top = dr.minimum(f, lobe * fresnel.dielectric(dr.abs(cosine), index)[0])
+        wi, wo = (_refracted(w, index) for w in (si.wi, wo))
+        lobe, cosine = microfacet.reflection_lobe(wi, wo, _blurred(base.widths, coat, index))
+        c = dr.clip(cosine, 0, 1)
+
+        color, tint, weight = base.color, base.tint, base.weight
+        f0, eta = self.lobe_terms(base.eta, color, tint, si, active)
+        coded = dr.lerp(
+            tint * fresnel.dielectric(c, eta)[0], weight * metal.f82(c, f0, tint), base.share
+        )
+        bare = metal.f82(c, color, tint)
+        film = dr.lerp(
+            tint * self.dielectric(c, base.eta, si, active),
+            weight * self.metal(c, color, tint, bare, si, active),
+            base.share,
+        )
+        shine = lobe * coded
+        diffuse = (1 - base.share) * dr.inv_pi * color
+        share = shine / dr.maximum(shine + diffuse, _LEAST)
+        return top + (f - top) * dr.lerp(1, film / dr.maximum(coded, _LEAST), share)
+
+    def _coat_widths(self, si, active):
+        """The coat's GGX width, or both of an anisotropic one."""
+        rough = self._inputs.number("coat_roughness", si, active)
+        if self._inputs.is_constant("coat_roughness_anisotropy", 0):
+            return roughness.lobe_width(rough, dr)
+        bias = self._inputs.number("coat_roughness_anisotropy", si, active)
+        return Widths(*roughness.lobe_widths(rough, bias, dr))
 
     def mean_excess(self, eta, si, active):
         """The cosine-weighted mean of `excess` over the hemisphere."""
@@ -125,6 +176,25 @@ class FilmFresnel:
         if mi.is_spectral:
             return [thin_film.wavelength_response(x) for x in si.wavelengths]
         return thin_film.rgb_responses()
+
+
+def _refracted(w, index):
+    """A direction in a coat of an index, from w above it."""
+    return mi.Vector3f(
+        w.x / index, w.y / index, dr.safe_sqrt(1 - (1 - w.z * w.z) / (index * index))
+    )
+
+
+def _blurred(widths, coat, index):
+    """The width of a lobe below a coat of other widths, as slopes in the coat.
+
+    Facets of a slope s turn refracted light by (1 - 1 / index) s, twice, and a reflecting facet by
+    twice its slope (Belcour 2018, section 4).
+    """
+    turned = dr.square(1 - 1 / index) / 2
+    pairs = zip(microfacet.pair(widths), microfacet.pair(coat), strict=True)
+    u, v = (dr.clip(dr.sqrt(a * a + turned * b * b), 0.01, 1) for a, b in pairs)
+    return Widths(u, v)
 
 
 def _mean(reflectance, eta):

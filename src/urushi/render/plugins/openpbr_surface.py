@@ -89,18 +89,26 @@ def define(base: type) -> type:
     class OpenPBRSurface(base):
         """Mixes BRDFs: (1 - coat_weight) base + coat_weight coated, and fuzz above both."""
 
-        def __init__(self, inputs: Inputs, base, coated, compensation: Compensation | None):
+        def __init__(
+            self,
+            inputs: Inputs,
+            base,
+            coated,
+            compensation: Compensation | None,
+            below=None,
+        ):
             """Take the parts.
 
             base: the base in air; None where the coat covers everything.
             coated: the base under the coat; None without a coat.
             compensation: gives back what a coated white base loses; None: nothing does.
+            below: the base that networks have coded below the coat; None: the coat is a walk.
             """
             super().__init__(mi.Properties("openpbr"))
             self._inputs, self._base, self._coated = inputs, base, coated
             self._turned = "geometry_tangent" in inputs.maps
             self._fuzz = not inputs.is_constant("fuzz_weight", 0)
-            self._compensation = compensation
+            self._compensation, self._below = compensation, below
 
         @property
         def inputs(self) -> Inputs:
@@ -139,6 +147,8 @@ def define(base: type) -> type:
             f, pdf = mi.Spectrum(0), mi.Float(0)
             for part in vertex.parts:
                 own, density = part.bsdf._f_and_pdf(part.vertex, ctx, si, wo, active)
+                if self._below is not None and part.bsdf is self._coated:
+                    own = self._below.below_coat(own, si, wo, active)
                 if self._compensation and part.bsdf is self._coated:
                     own = self._compensation.completed(vertex.compensation, own, wo)
                 f += part.weight * own
