@@ -1,4 +1,4 @@
-"""Errors of anisotropic materials against the walk: E and P by group, energy and sampling.
+"""Errors of anisotropic materials against the walk: E and P by group, energy, albedos and sampling.
 
     python -m benchmarks.quality.anisotropy --out DIR [--stacks 32]
 
@@ -28,6 +28,10 @@ SEED = 90210
 
 #: Pairs of a stack for E and for P, and walks of a pair.
 E_PAIRS, P_PAIRS, WALKS = 160, 96, 20480
+
+#: Cosines and azimuths of the directional albedos, samples of one, and walks of a sample.
+ALBEDO_COSINES, ALBEDO_AZIMUTHS = (0.95, 0.6, 0.3), np.linspace(0, np.pi / 2, 4)
+ALBEDO_SAMPLES, ALBEDO_WALKS = 2048, 32
 
 #: Kinds of bottoms, in turn.
 KINDS = (
@@ -153,11 +157,37 @@ def excess(table: StackTable) -> float:
         albedo=np.ones_like(table.albedo),
         bottom=table.bottom | {"r0": np.ones_like(table.bottom["r0"])},
     )
-    cosines, azimuths = np.meshgrid((0.95, 0.6, 0.3), np.linspace(0, np.pi / 2, 4))
+    wi = albedo_directions()
+    return max(float(m.directional_albedo(wi).max() - 1) for m in predicted(white))
+
+
+def albedo_directions() -> np.ndarray:
+    """The directions (D, 3) at which albedos are measured."""
+    cosines, azimuths = np.meshgrid(ALBEDO_COSINES, ALBEDO_AZIMUTHS)
     sines = np.sqrt(1 - cosines**2)
     wi = np.stack([sines * np.cos(azimuths), sines * np.sin(azimuths), cosines], axis=-1)
-    wi = wi.reshape(-1, 3)
-    return max(float(m.directional_albedo(wi).max() - 1) for m in predicted(white))
+    return wi.reshape(-1, 3)
+
+
+def albedo_differences(
+    table: StackTable, materials: list[Material], rng: np.random.Generator
+) -> np.ndarray:
+    """Directional albedos of the materials less those of the walk, and standard errors: (2, S, D).
+
+    Both are estimated with the same directions, which the materials' proposals draw.
+    """
+    wi = albedo_directions()
+    repeated = np.repeat(wi, ALBEDO_SAMPLES, axis=0)
+    found = np.empty((2, len(materials), len(wi)))
+    for row, material in enumerate(materials):
+        wo, pdf = material.sample(repeated, rng.random((len(repeated), 3)))
+        rows = np.full(len(wo), row, np.uint32)
+        wo = np.where(pdf[:, None] > 0, wo, [0, 0, 1])
+        walked = walk_pairs(table, rows, repeated, wo, walks=ALBEDO_WALKS, seed=SEED + row)[0]
+        weight = np.where(pdf > 0, wo[:, 2] / np.maximum(pdf, 1e-12), 0)
+        values = (weight * (material.f(repeated, wo)[:, 0] - walked)).reshape(len(wi), -1)
+        found[:, row] = values.mean(1), values.std(1) / np.sqrt(ALBEDO_SAMPLES)
+    return found
 
 
 def variation(material: Material, rng: np.random.Generator) -> float:
@@ -179,10 +209,10 @@ def main() -> None:
     print(f"weights {anisotropic_model().fingerprint}")
     print(
         "| group | E mean | median | p95 | reference's own | P median | lossless albedo above 1 |"
-        " cv median | cv p95 |"
+        " cv median | cv p95 | albedo above the walk's, less 2 se | mean error of the albedo |"
     )
     for group in GROUPS:
-        found, own, pairs, above, spread = [], [], [], [], []
+        found, own, pairs, above, spread, albedos = [], [], [], [], [], []
         for table, held in zip(
             group.tables(arguments.stacks),
             reference(group, arguments.stacks, arguments.out),
@@ -194,8 +224,10 @@ def main() -> None:
             own.append(of_reference)
             pairs.append(of_pairs.ravel())
             above.append(excess(table))
+            albedos.append(albedo_differences(table, materials, rng))
             spread += [variation(material, rng) for material in materials]
         e = 100 * np.concatenate(found)
+        difference, error = np.concatenate(albedos, axis=1)
         figures = [
             e.mean(),
             np.median(e),
@@ -205,6 +237,8 @@ def main() -> None:
             100 * max(above),
             np.median(spread),
             np.percentile(spread, 95),
+            100 * (difference - 2 * error).max(),
+            100 * np.abs(difference).mean(),
         ]
         print(f"| {group.name} | " + " | ".join(f"{x:.2f}" for x in figures) + " |", flush=True)
 

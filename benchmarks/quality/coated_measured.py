@@ -133,6 +133,9 @@ def main() -> None:
     warnings.simplefilter("ignore", UrushiWarning)  # RGL files are not reciprocal
     sets = find_sets(options.measured, None)
     materials = [material for members in sets.values() for material in members]
+    if not materials:
+        given = ", ".join(map(str, options.measured))
+        parser.error(f"{given} hold no .binary, .bsdf or .npz file; name one, or its folder")
     header = ("bare", *COATS, "mean of coats", "noise")
     print(f"{'E [%]':28}" + "".join(f"{name:>14}" for name in header))
     rows: list[Row] = []
