@@ -135,7 +135,9 @@ def main() -> None:
     materials = [material for members in sets.values() for material in members]
     if not materials:
         given = ", ".join(map(str, options.measured))
-        parser.error(f"{given} hold no .binary, .bsdf or .npz file; name one, or its folder")
+        parser.error(
+            f"{given}: no .binary or .bsdf file there; give files, folders of them, or .npz archives"
+        )
     header = ("bare", *COATS, "mean of coats", "noise")
     print(f"{'E [%]':28}" + "".join(f"{name:>14}" for name in header))
     rows: list[Row] = []
