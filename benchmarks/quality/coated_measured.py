@@ -136,7 +136,7 @@ def main() -> None:
     if not materials:
         given = ", ".join(map(str, options.measured))
         parser.error(
-            f"{given}: no .binary or .bsdf file there; give files, folders of them, or .npz archives"
+            f"{given}: no .binary or .bsdf file there; give files, folders or .npz archives"
         )
     header = ("bare", *COATS, "mean of coats", "noise")
     print(f"{'E [%]':28}" + "".join(f"{name:>14}" for name in header))
