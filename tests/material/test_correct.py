@@ -7,7 +7,7 @@ from urushi.geometry.error_metrics import DARK_OFFSET
 from urushi.material import energy
 from urushi.material.albedo_rule import albedo_rule
 from urushi.material.correction import correct_codes
-from urushi.material.encode import material_from_values
+from urushi.material.encode import bare_anchors, material_from_values
 from urushi.nets import weights
 from urushi.paper.architecture import PaperArchitecture, init
 from urushi.reference import analytic
@@ -63,10 +63,18 @@ def test_no_code_gets_worse_whatever_the_networks_and_values(trained, model):
 
 
 def test_materials_keep_the_encoders_codes_for_coats(trained, surfaces):
-    material = material_from_values(surfaces[:3].T, trained)
-    expected = energy.limit_albedo(trained, trained.networks.encode(surfaces[:3]))
+    """Of metals over a diffuse share, so that the fitted lobe leaves a rest that matters."""
+    values = np.float32(0.5) * surfaces[:3] + np.float32(0.1 / np.pi)
+    material = material_from_values(values.T, trained)
+    expected = energy.limit_albedo(trained, trained.networks.encode(values))
     np.testing.assert_allclose(material.anchors, expected, rtol=1e-4, atol=1e-4)
     assert not np.array_equal(material.anchors, material.latents)
+
+
+def test_a_lobe_that_is_the_whole_source_has_the_anchor_of_a_bare_surface(trained, surfaces):
+    """The code of its misfit decodes to more than the misfit, so that it is left out."""
+    anchors = material_from_values(surfaces[:3].T, trained).anchors
+    assert np.array_equal(anchors, bare_anchors(trained, anchors[:, : trained.arch.lobe]))
 
 
 def test_anchors_that_could_bring_light_into_a_coat_are_dimmed(trained, surfaces):
