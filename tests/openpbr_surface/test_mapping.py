@@ -7,14 +7,13 @@ import urushi
 from urushi.openpbr_surface import (
     anisotropic_albedo,
     darkening,
-    eon,
     glossy,
     interface_albedo,
     medium,
-    metal,
     roughness,
     sheen,
 )
+from urushi.physics import eon, metal
 from urushi.reference.simulate import albedo
 
 COSINES, WEIGHTS = np.polynomial.legendre.leggauss(48)

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import urushi
-from urushi.openpbr_surface import metal, thin_film
+from urushi.openpbr_surface import thin_film
+from urushi.physics import metal
 from urushi.render.reading import probing
 
 pytestmark = pytest.mark.usefixtures("rgb")

@@ -8,8 +8,8 @@ import numpy as np
 
 from urushi.checks import Widths
 from urushi.nets.lobe import NO_LOBE
-from urushi.openpbr_surface import darkening, eon, glossy, metal, roughness
-from urushi.physics import fresnel, microfacet
+from urushi.openpbr_surface import darkening, glossy, roughness
+from urushi.physics import eon, fresnel, metal, microfacet
 from urushi.physics.mixture import Mixture
 from urushi.render import spectrum
 from urushi.render.plugins.openpbr_albedo import (

@@ -9,8 +9,9 @@ from typing import Any, NamedTuple
 import drjit as dr
 import mitsuba as mi
 
-from urushi.openpbr_surface import darkening, glossy, metal, roughness
+from urushi.openpbr_surface import darkening, glossy, roughness
 from urushi.openpbr_surface.medium import LEAST_COLOR
+from urushi.physics import metal
 from urushi.render.plugins.openpbr_albedo import InterfaceAlbedo, MirrorAlbedo
 from urushi.render.plugins.openpbr_furnace import Furnace
 from urushi.render.reading.openpbr_inputs import Inputs

@@ -4,8 +4,8 @@ import drjit as dr
 import mitsuba as mi
 
 from urushi.checks import Widths
-from urushi.openpbr_surface import metal, roughness, thin_film
-from urushi.physics import fresnel, microfacet
+from urushi.openpbr_surface import roughness, thin_film
+from urushi.physics import fresnel, metal, microfacet
 from urushi.render.reading.openpbr_inputs import Inputs
 
 #: The parameters that the film reads.
