@@ -1,6 +1,6 @@
 """E of anisotropic stacks by Weier and Belcour 2020 and by the networks, against the walk.
 
-    python -m benchmarks.rivals.weier --out DIR [--stacks 20]
+    python -m benchmarks.rivals.weier --out DIR [--stacks 12]
 
 The groups of `benchmarks.quality.anisotropy`, without its mixtures, which the model does not
 describe; each group also without its media. `--stacks` is the number of stacks of a group, rounded
@@ -8,6 +8,7 @@ up to one of each kind of bottom. The reference is kept in DIR.
 """
 
 import argparse
+import itertools
 from dataclasses import replace
 from pathlib import Path
 
@@ -23,6 +24,9 @@ from urushi.rivals.belcour_bottoms import SUFFIX
 
 #: Kinds of bottoms that the model describes.
 DESCRIBED = tuple(kind for kind in KINDS if not kind.startswith("mixture"))
+
+#: Limits of the largest width of a stack's coats, by which the stacks without media are split.
+WIDTHS = (0, 0.1, 0.3, 0.6, np.inf)
 
 
 class Clear(Group):
@@ -72,11 +76,20 @@ def errors(table: StackTable, held: dict[str, np.ndarray]) -> np.ndarray:
     return np.stack([error_metrics.stack_error(value, f, *cosines) for value in values])
 
 
+def print_row(name: str, e: np.ndarray) -> None:
+    """Print one row of the table; e is in percent, (4, S)."""
+    *methods, own = e
+    columns = [
+        f"{x.mean():.1f} / {np.median(x):.1f} / {np.percentile(x, 95):.1f} %" for x in methods
+    ]
+    print(f"| {name} | {len(own)} | {' | '.join(columns)} | {own.mean():.2f} % |", flush=True)
+
+
 def main() -> None:
-    """Print a table; E is in percent."""
+    """Print a table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--out", type=Path, required=True)
-    parser.add_argument("--stacks", type=int, default=20)
+    parser.add_argument("--stacks", type=int, default=12)
     arguments = parser.parse_args()
     arguments.out.mkdir(parents=True, exist_ok=True)
     print(f"weights {anisotropic_model().fingerprint}; mean / median / 95th percentile of E")
@@ -84,18 +97,19 @@ def main() -> None:
         "| stacks | number | Weier and Belcour 2020 | Belcour 2018, mean widths | networks |"
         " reference's own |\n|---|---|---|---|---|---|"
     )
+    clear, widest = [], []
     for group in groups():
         tables = group.tables(arguments.stacks)
         held = reference(group, arguments.stacks, arguments.out)
-        e = 100 * np.concatenate([errors(*part) for part in zip(tables, held, strict=True)], axis=1)
-        *methods, own = e
-        columns = [
-            f"{x.mean():.1f} / {np.median(x):.1f} / {np.percentile(x, 95):.1f} %" for x in methods
-        ]
-        print(
-            f"| {group.name} | {len(own)} | {' | '.join(columns)} | {own.mean():.2f} % |",
-            flush=True,
-        )
+        parts = [100 * errors(*part) for part in zip(tables, held, strict=True)]
+        print_row(group.name, np.concatenate(parts, axis=1))
+        if isinstance(group, Clear):
+            clear += parts
+            widest += [np.maximum(table.alpha.u, table.alpha.v).max(axis=1) for table in tables]
+    e, width = np.concatenate(clear, axis=1), np.concatenate(widest)
+    for low, high in itertools.pairwise(WIDTHS):
+        within = (width >= low) & (width < high)
+        print_row(f"clear, the coats' largest width {low:g} to {high:g}", e[:, within])
 
 
 if __name__ == "__main__":

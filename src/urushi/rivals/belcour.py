@@ -105,7 +105,7 @@ def f(stack: Stack, wi: npt.ArrayLike, wo: npt.ArrayLike) -> np.ndarray:
     if stack.is_anisotropic:
         raise ParameterError(
             "belcour.f adds isotropic lobes only, and a surface of the stack has two widths; give "
-            "alpha in place of alpha_u and alpha_v"
+            "alpha in place of alpha_u and alpha_v, or call weier.f"
         )
 
     def channel(table: StackTable, row: np.ndarray, wi: np.ndarray, wo: np.ndarray):
