@@ -161,7 +161,8 @@ def added_lobes(
     """The lobes of a stack: one an interface, the bottom's last.
 
     Args:
-        coats: isotropic coats from top to bottom; their parameters are Dr.Jit floats.
+        coats: coats from top to bottom; their parameters are Dr.Jit floats. A width may be a Dr.Jit
+            vector of the widths along several axes, each of which is added by itself.
         bottom: what is under them.
         cos_i: cosine of the incident direction, Dr.Jit floats in (0, 1].
         data: the tables in arrays of that type, `tables.data`; None: they are copied to it.
