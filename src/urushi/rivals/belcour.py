@@ -25,11 +25,12 @@ import numpy.typing as npt
 from urushi import checks
 from urushi.checks import MIN_ALPHA, CoatParameters, Widths
 from urushi.errors import ParameterError
-from urushi.physics import fresnel, microfacet
+from urushi.physics import microfacet
 from urushi.reference.monte_carlo import backend, per_channel
 from urushi.reference.stack import Conductor, Dielectric, Diffuse, Stack
 from urushi.reference.table import StackTable, TableLayers
 from urushi.rivals import belcour_tables as tables
+from urushi.rivals.belcour_bottoms import Bottom, table_bottom
 
 #: Exponent of the variance's formula (equation 6).
 VARIANCE_EXPONENT = 1.1
@@ -38,25 +39,15 @@ MAX_ALPHA, MIN_G = 0.9999, 1e-4
 #: Least cosine in a medium, and least divisor of the sum of reflections between layers.
 MIN_COSINE, MIN_DIVISOR = 1e-3, 1e-6
 
+#: Function of a variance and of the incident cosine that gives the width of a lobe for the tables.
+Seen = Callable[[Any, Any], Any]
+
 
 class Lobe(NamedTuple):
     """A lobe of the sum: its energy, and its GGX width, None of a Lambertian lobe."""
 
     energy: Any
     alpha: Any
-
-
-class Bottom(NamedTuple):
-    """The opaque surface under the lowest medium.
-
-    Attributes:
-        alpha: its GGX width; None: the surface is Lambertian.
-        reflectance: function of the incident cosine and of the width of the light's lobe on it, 0
-            on a Lambertian surface, that gives the mean of Fresnel's term.
-    """
-
-    alpha: Any
-    reflectance: Callable[[Any, Any], Any]
 
 
 class Layer(NamedTuple):
@@ -114,7 +105,7 @@ def f(stack: Stack, wi: npt.ArrayLike, wo: npt.ArrayLike) -> np.ndarray:
     if stack.is_anisotropic:
         raise ParameterError(
             "belcour.f adds isotropic lobes only, and a surface of the stack has two widths; give "
-            "alpha in place of alpha_u and alpha_v"
+            "alpha in place of alpha_u and alpha_v, or call weier.f"
         )
 
     def channel(table: StackTable, row: np.ndarray, wi: np.ndarray, wo: np.ndarray):
@@ -152,53 +143,67 @@ def lobes(table: StackTable, row: Any, cos_i: Any) -> list[Lobe]:
         row: Dr.Jit indices (M,).
         cos_i: cosine of the incident direction, Dr.Jit floats (M,) in (0, 1].
     """
-    if isinstance(table.alpha, Widths):
+    if isinstance(table.alpha, Widths) or "alpha_u" in table.bottom:
         raise ParameterError("lobes adds isotropic lobes only; the table has two widths")
     layers = TableLayers(backend(), table, row)
     places = [type(row)(i) for i in range(layers.count)]
     coats = [CoatParameters(*layers.interface(i), *layers.medium(i)) for i in places]
-    return added_lobes(coats, _table_bottom(table, row, type(cos_i)), cos_i)
+    return added_lobes(coats, table_bottom(table, row, type(cos_i)), cos_i)
 
 
 def added_lobes(
-    coats: Sequence[CoatParameters], bottom: Bottom, cos_i: Any, data: tables.Data | None = None
+    coats: Sequence[CoatParameters],
+    bottom: Bottom,
+    cos_i: Any,
+    data: tables.Data | None = None,
+    seen: Seen | None = None,
 ) -> list[Lobe]:
     """The lobes of a stack: one an interface, the bottom's last.
 
     Args:
-        coats: isotropic coats from top to bottom; their parameters are Dr.Jit floats.
+        coats: coats from top to bottom; their parameters are Dr.Jit floats. A width may be a Dr.Jit
+            vector of the widths along several axes, each of which is added by itself.
         bottom: what is under them.
         cos_i: cosine of the incident direction, Dr.Jit floats in (0, 1].
         data: the tables in arrays of that type, `tables.data`; None: they are copied to it.
+        seen: the width at which the tables are read for a lobe; None: the lobe's own. It is needed
+            where widths, and with them variances, are Dr.Jit vectors of several axes.
     """
-    data = data or tables.data(type(cos_i))
+    data, seen = data or tables.data(type(cos_i)), seen or _own_width
     one, zero = type(cos_i)(1), type(cos_i)(0)
     total = Sum(zero, one, one, zero, zero, zero, one, one)
     found, eta_above = [], one
     for coat in coats:
-        surface, cos_t = interface(cos_i, coat.alpha, coat.eta, total.s_t, data)
-        spread = width(total.s_t + surface.s_r)
+        surface, cos_t = interface(cos_i, coat.alpha, coat.eta, total.s_t, data, seen)
+        spread = seen(total.s_t + surface.s_r, cos_i)
         share = tables.transmitted_share(cos_i, spread, 1 / eta_above, data)
         total, energy, spread = add(totally_reflected(total, share), surface)
         found.append(Lobe(energy, width(spread)))
         total = add(total, medium(cos_t, coat.albedo, coat.sigma_t, coat.g))[0]
         cos_i, eta_above = cos_t, coat.eta
-    energy, spread = _bottom(total, bottom, cos_i, eta_above, data)
+    energy, spread = _bottom(total, bottom, cos_i, eta_above, data, seen)
     return [*found, Lobe(energy, spread)]
 
 
 def interface(
-    cos_i: Any, alpha: Any, eta: Any, s_t: Any, data: tables.Data | None = None
+    cos_i: Any,
+    alpha: Any,
+    eta: Any,
+    s_t: Any,
+    data: tables.Data | None = None,
+    seen: Seen | None = None,
 ) -> tuple[Layer, Any]:
     """The operators of a dielectric interface, and the mean cosine below it.
 
-    s_t is the variance that the light from above has; it widens the Fresnel mean.
+    s_t is the variance that the light from above has; it widens the Fresnel mean. `seen` is that of
+    `added_lobes`.
     """
+    seen = seen or _own_width
     sin2_t = (1 - cos_i * cos_i) / (eta * eta)
     passes = sin2_t < 1
     cos_t = dr.maximum(dr.safe_sqrt(1 - sin2_t), MIN_COSINE)
     s_r = variance(alpha)
-    r = tables.mean_dielectric(cos_i, width(s_t + s_r), eta, data)
+    r = tables.mean_dielectric(cos_i, seen(s_t + s_r, cos_i), eta, data)
     r = dr.select(passes, r, 1)
     bend = 0.5 * dr.abs(eta - 1)
     stretch = dr.select(passes, eta * cos_t / cos_i, 1)
@@ -261,8 +266,13 @@ def width(variance: Any) -> Any:
     return dr.clip(alpha, MIN_ALPHA, 1)
 
 
+def _own_width(variance: Any, cos_i: Any) -> Any:
+    """The `Seen` of isotropic lobes."""
+    return width(variance)
+
+
 def _bottom(
-    total: Sum, bottom: Bottom, cos_i: Any, eta_above: Any, data: tables.Data
+    total: Sum, bottom: Bottom, cos_i: Any, eta_above: Any, data: tables.Data, seen: Seen
 ) -> tuple[Any, Any]:
     """Energy and width of the bottom's lobe; the width is None if it is Lambertian."""
     zero, one = type(cos_i)(0), type(cos_i)(1)
@@ -271,37 +281,9 @@ def _bottom(
         share = dr.minimum(1 / (eta_above * eta_above), 1)  # the cosine lobe's, exactly
     else:
         s_r = variance(bottom.alpha)
-        widened = width(total.s_t + s_r)
+        widened = seen(total.s_t + s_r, cos_i)
         r = bottom.reflectance(cos_i, widened)
         share = tables.transmitted_share(cos_i, widened, 1 / eta_above, data)
     opaque = Layer(r, zero, zero, zero, s_r, zero, zero, one, one)
     _, energy, spread = add(totally_reflected(total, share), opaque)
     return energy, None if bottom.alpha is None else width(spread)
-
-
-def _table_bottom(table: StackTable, row: Any, float_type: type) -> Bottom:
-    """The bottoms of rows of a table."""
-    column = {name: dr.gather(float_type, float_type(v), row) for name, v in table.bottom.items()}
-    if table.kind == "diffuse":
-        return Bottom(None, lambda cos_i, alpha: column["reflectance"])
-
-    def reflected(wo: Any, cos_m: Any) -> Any:
-        return _reflectance(table.kind, column, dr.clip(cos_m, 0, 1))
-
-    def reflectance(cos_i: Any, alpha: Any) -> Any:
-        return tables.mean_over_facets(reflected, cos_i, alpha)
-
-    return Bottom(column["alpha"], reflectance)
-
-
-def _reflectance(kind: str, column: dict[str, Any], cos: Any) -> Any:
-    """Fresnel's term of a bottom of one of the isotropic microfacet kinds."""
-    if kind == "conductor":
-        return fresnel.schlick(cos, column["r0"])
-    if kind == "conductor_complex":
-        return fresnel.conductor(cos, column["eta"], column["k"])
-    if kind == "dielectric":
-        return fresnel.dielectric(cos, column["eta"])[0]
-    raise ParameterError(
-        f"the model of Belcour 2018 has no '{kind}' bottom; use a conductor, dielectric or diffuse"
-    )

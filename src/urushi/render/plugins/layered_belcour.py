@@ -9,6 +9,7 @@ from urushi.physics.mixture import Mixture
 from urushi.render.plugins.described import StackNumbers, define_described
 from urushi.rivals import belcour, belcour_tables
 from urushi.rivals.belcour import Lobe
+from urushi.rivals.belcour_bottoms import Bottom
 
 #: Least energy of a lobe in the proposal, so that a black stack has one.
 MIN_SHARE = 1e-6
@@ -103,7 +104,7 @@ def define(base: type) -> type:
                 ]
                 return belcour_tables.mean_of_values(values, cos, alpha, self._tables)
 
-            bottom = belcour.Bottom(stack.bottom.alpha, reflectance)
+            bottom = Bottom(stack.bottom.alpha, reflectance)
             return belcour.added_lobes(stack.coats, bottom, cos_i, self._tables)
 
         def _f(self, vertex, ctx, si, wo, active):
