@@ -82,7 +82,7 @@ def rest_albedos(model: Model, z: np.ndarray) -> np.ndarray:
 
     def measure(codes: np.ndarray) -> np.ndarray:
         at_angles = [
-            nodes.at_angles(networks.rest(codes[start : start + AT_ONCE, None], nodes.features))
+            nodes.at_angles(networks.rest_at_all(codes[start : start + AT_ONCE], nodes.features))
             for start in range(0, len(codes), AT_ONCE)
         ]
         return nodes.interpolated(np.concatenate(at_angles))
@@ -285,9 +285,11 @@ def near_edge(lobe: np.ndarray) -> np.ndarray:
     widths = 1 + (lobe.shape[-1] > len(LOBE_NUMBERS))
     rule = albedo_rule(widths)
     exact, eta = (lobe[..., number, None] for number in (3, 4))
-    alphas = lobe[..., WIDTH_PLACES[widths]]
-    narrow, alpha = alphas.min(axis=-1)[..., None], alphas.max(axis=-1)[..., None]
-    sharp = (exact > 0) & (eta < 1) & (narrow < SHARP)
+    sharp = (exact > 0) & (eta < 1)
+    if sharp.any():
+        alphas = lobe[..., WIDTH_PLACES[widths]]
+        narrow, alpha = alphas.min(axis=-1)[..., None], alphas.max(axis=-1)[..., None]
+        sharp &= narrow < SHARP
     if not sharp.any():
         return np.zeros((*lobe.shape[:-1], len(rule.cosines)), bool)
     angles = rule.wi[rule.first, 2]

@@ -75,7 +75,10 @@ def _normalisation(table: Table) -> Normalisation:
 
 
 #: Normalisations of the features, for networks of one GGX width or two.
-_DIRECTIONS = {1: _normalisation(DIRECTION_TABLE), 2: _normalisation(DIRECTION_TABLE + AZIMUTH_TABLE)}
+_DIRECTIONS = {
+    1: _normalisation(DIRECTION_TABLE),
+    2: _normalisation(DIRECTION_TABLE + AZIMUTH_TABLE),
+}
 _COATS = {1: _normalisation(COAT_TABLE), 2: _normalisation(COAT_TABLE + COAT_TABLE[:2])}
 
 

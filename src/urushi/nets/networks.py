@@ -125,6 +125,10 @@ class UrushiNetworks(NamedTuple):
         """The other part (...) [1/sr], from `direction_features`."""
         return decoder.decode(self.params, self.arch, z[..., self.arch.lobe :], features)
 
+    def rest_at_all(self, z: np.ndarray, features: np.ndarray) -> np.ndarray:
+        """`rest` (S, P) of all codes z (S, L) at all of the same directions' features (P, D)."""
+        return decoder.decode_all(self.params, self.arch, z[:, self.arch.lobe :], features)
+
     def rest_scaled(self, z: Any, factor: Any) -> Any:
         """Codes (..., L) with `factor` (...) > 0 times the rest, and the same lobe."""
         lobe = self.arch.lobe
