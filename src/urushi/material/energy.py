@@ -176,7 +176,7 @@ def _diffuse_weights(rule: AlbedoRule) -> np.ndarray:
 def limit_coated_albedo(model: Model, z: np.ndarray, z_bottom: np.ndarray) -> np.ndarray:
     """`limit_albedo` for codes (..., L) of coats over bottoms z_bottom (broadcast to the same).
 
-    The ceiling is 1, or the albedo of the bottom if it gains energy.
+    The ceiling is 1, or the albedo of the bottom if it gains energy. The codes are overwritten.
     """
     factors = _limiting_factors(model, z)
     over = factors < 1
@@ -190,7 +190,7 @@ def limit_coated_albedo(model: Model, z: np.ndarray, z_bottom: np.ndarray) -> np
             raised = factors[over]
             raised[gaining] = _limiting_factors(model, z[over][gaining], ceilings[gaining, None])
             factors[over] = raised
-    return _scaled(model, z, factors)
+    return _scaled(model, z, factors, overwrite=True)
 
 
 def as_rendered(model: Model, z_bottom: np.ndarray) -> np.ndarray:
@@ -299,12 +299,16 @@ def near_edge(lobe: np.ndarray) -> np.ndarray:
     return near & sharp
 
 
-def _scaled(model: Model, z: np.ndarray, factors: np.ndarray) -> np.ndarray:
+def _scaled(
+    model: Model, z: np.ndarray, factors: np.ndarray, *, overwrite: bool = False
+) -> np.ndarray:
+    """Codes (..., L) with factors (...) in (0, 1] on their rests; in place if `overwrite`."""
     over = factors < 1
     if not over.any():
         return z
-    result = np.array(z)
-    result[over] = _own_networks(model).rest_scaled(z[over], factors[over])
+    result = z if overwrite else np.array(z)
+    gains = _own_networks(model).gains(result)
+    gains[over] += np.log(factors[over])
     return result
 
 

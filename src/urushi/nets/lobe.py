@@ -163,9 +163,10 @@ def lobe_features(lobe: Any) -> Any:
     have them.
     """
     xp = lobe.__array_namespace__()
-    # One call for all cosines: for a few lobes, the number of calls is the price.
-    reflected = reflectance(lobe[..., None, :], xp.asarray(COSINES, dtype=lobe.real.dtype))
-    at = [reflected[..., i] for i in range(len(COSINES))]
+    # One call for all cosines: for a few lobes, the number of calls is the price. The cosines come
+    # first, so that many lobes are a row of numbers for NumPy.
+    cosines = xp.asarray(COSINES, dtype=lobe.real.dtype).reshape((-1, *[1] * (lobe.ndim - 1)))
+    at = list(reflectance(lobe, cosines))
     mean = (at[0] + at[1] + at[2]) * (1.0 / 3.0)
     seen = mean / (mean + VISIBLE)
     alpha = lobe[..., 0]
