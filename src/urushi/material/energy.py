@@ -355,8 +355,9 @@ def _codes_to_measure(
     sample = z[rng.integers(len(z), size=SCREEN_SAMPLE)]
     target = np.log(excess(sample))
     half = SCREEN_SAMPLE // 2
-    estimate = _fit_albedo_regression(sample[:half], target[:half], sample, rng)
-    errors = target[half:] - estimate(sample[half:])
+    with one_blas_thread():  # the matrices are small
+        estimate = _fit_albedo_regression(sample[:half], target[:half], sample, rng)
+        errors = target[half:] - estimate(sample[half:])
     near = target[half:] >= min(-SCREEN_NEAR, np.quantile(target[half:], 0.9))
     margin = SCREEN_ERROR_FACTOR * max(float(errors[near].max()), 0) + SCREEN_LEAST_MARGIN
     values = np.empty((len(z), 1), np.float32)
