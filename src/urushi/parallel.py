@@ -98,8 +98,16 @@ def one_blas_thread() -> Iterator[None]:
 
     It must not be used within a function that `fill_blocks` calls.
     """
-    with _blas_lock, _blas().limit(limits=1):
-        yield
+    libraries = _blas().lib_controllers
+    with _blas_lock:  # not by `limit`, which asks the libraries more than this needs
+        before = [library.get_num_threads() for library in libraries]
+        try:
+            for library in libraries:
+                library.set_num_threads(1)
+            yield
+        finally:
+            for library, threads in zip(libraries, before, strict=True):
+                library.set_num_threads(threads)
 
 
 @functools.cache

@@ -36,6 +36,27 @@ def test_decoder_broadcasts_codes_over_directions(networks, pairs):
         np.testing.assert_allclose(together[row], alone, rtol=1e-4)
 
 
+def test_all_codes_at_all_directions_decode_like_each_alone(networks, pairs):
+    arch, params = networks
+    z = np.random.default_rng(3).normal(size=(5, 18)).astype(np.float32)
+    features = direction_features(*pairs)[:50]
+    together = decoder.decode_all(params, arch, z, features)
+    # The same sums in another layout: float32 rounding, times the gain of 8.
+    alone = decoder.decode(params, arch, z[:, None], features)
+    np.testing.assert_allclose(together, alone, rtol=1e-4)
+
+
+def test_remembered_features_of_bottoms_are_those_of_many(networks):
+    arch, params = networks
+    rng = np.random.default_rng(6)
+    z = rng.uniform(0.1, 1, (40, arch.latent)).astype(np.float32)
+    coat = tuple(np.float32([value]) for value in (0.1, 1.5, 0.8, 1.0, 0.5))
+    many = layerer.layer(params, arch, z, coat)
+    for _ in range(2):  # the second time they are remembered
+        few = layerer.layer(params, arch, z[:3], coat)
+        np.testing.assert_allclose(few, many[:3], atol=1e-5)
+
+
 def test_code_scales_and_shifts_the_response_of_the_first_layer(networks, pairs):
     # What a renderer computes once for a constant material: everything but the response.
     _, params = networks

@@ -51,3 +51,38 @@ def test_only_distinct_and_changed_rows_are_layered(model, layered_rows):
     found = texture.store.read(slice(None))
     # 8 bits of a number's range and half precision
     np.testing.assert_allclose(found, expected, atol=0.02 * np.ptp(expected))
+
+
+def test_texels_that_share_nothing_equal_those_that_share(model, layered_rows):
+    rng = np.random.default_rng(1)
+    codes = rng.normal(size=(24, 3, 32)).astype(np.float32)
+    codes[..., :6] = [0.2, 0, 0, 1, 1.5, 0]
+    codes[1] = codes[0]
+    hashes = texel_hash.row_hashes(list(np.moveaxis(codes, -1, 0)))
+    coat = {
+        "alpha": rng.uniform(0.1, 0.5, (24, 1)),
+        "eta": np.full((24, 1), 1.5),
+        "albedo": rng.uniform(0, 1, (24, 3)),
+        "sigma_t": rng.uniform(0, 2, (24, 3)),
+        "g": rng.uniform(-0.5, 0.5, (24, 1)),
+    }
+
+    def baked(texels):
+        grid = TexelGrid(texels, 1)
+        texture = CoatTexture(model, grid, 3, mipmaps=False)
+        texture.update(
+            lambda start, stop: {name: values[:texels] for name, values in coat.items()},
+            lambda start, stop: (hashes[:texels], codes[:texels]),
+        )
+        return texture.store.read(slice(None))
+
+    different = baked(24)
+    for values in coat.values():
+        values[1] = values[0]
+    shared = baked(24)
+    # All texels in one call, then 23 in rows of one channel.
+    assert layered_rows == [24, 69]
+    kept = np.delete(np.arange(24), 1)
+    # 8 bits of the range of the texture
+    np.testing.assert_allclose(shared[kept], different[kept], atol=0.01 * np.ptp(different))
+    np.testing.assert_array_equal(shared[0], shared[1])

@@ -92,7 +92,7 @@ class AlbedoRule(NamedTuple):
 
     def _bounds(self, albedos: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The range of `interpolated`, each (..., D)."""
-        left, right = albedos[..., self.left], albedos[..., self.left + 1]
+        left, right = albedos.take(self.left, -1), albedos.take(self.left + 1, -1)
         return np.minimum(left, right) * (1 - OVERSHOOT), np.maximum(left, right) * (1 + OVERSHOOT)
 
 

@@ -82,7 +82,7 @@ def rest_albedos(model: Model, z: np.ndarray) -> np.ndarray:
 
     def measure(codes: np.ndarray) -> np.ndarray:
         at_angles = [
-            nodes.at_angles(networks.rest(codes[start : start + AT_ONCE, None], nodes.features))
+            nodes.at_angles(networks.rest_at_all(codes[start : start + AT_ONCE], nodes.features))
             for start in range(0, len(codes), AT_ONCE)
         ]
         return nodes.interpolated(np.concatenate(at_angles))
@@ -176,7 +176,7 @@ def _diffuse_weights(rule: AlbedoRule) -> np.ndarray:
 def limit_coated_albedo(model: Model, z: np.ndarray, z_bottom: np.ndarray) -> np.ndarray:
     """`limit_albedo` for codes (..., L) of coats over bottoms z_bottom (broadcast to the same).
 
-    The ceiling is 1, or the albedo of the bottom if it gains energy.
+    The ceiling is 1, or the albedo of the bottom if it gains energy. The codes are overwritten.
     """
     factors = _limiting_factors(model, z)
     over = factors < 1
@@ -190,7 +190,7 @@ def limit_coated_albedo(model: Model, z: np.ndarray, z_bottom: np.ndarray) -> np
             raised = factors[over]
             raised[gaining] = _limiting_factors(model, z[over][gaining], ceilings[gaining, None])
             factors[over] = raised
-    return _scaled(model, z, factors)
+    return _scaled(model, z, factors, overwrite=True)
 
 
 def as_rendered(model: Model, z_bottom: np.ndarray) -> np.ndarray:
@@ -285,9 +285,11 @@ def near_edge(lobe: np.ndarray) -> np.ndarray:
     widths = 1 + (lobe.shape[-1] > len(LOBE_NUMBERS))
     rule = albedo_rule(widths)
     exact, eta = (lobe[..., number, None] for number in (3, 4))
-    alphas = lobe[..., WIDTH_PLACES[widths]]
-    narrow, alpha = alphas.min(axis=-1)[..., None], alphas.max(axis=-1)[..., None]
-    sharp = (exact > 0) & (eta < 1) & (narrow < SHARP)
+    sharp = (exact > 0) & (eta < 1)
+    if sharp.any():
+        alphas = lobe[..., WIDTH_PLACES[widths]]
+        narrow, alpha = alphas.min(axis=-1)[..., None], alphas.max(axis=-1)[..., None]
+        sharp &= narrow < SHARP
     if not sharp.any():
         return np.zeros((*lobe.shape[:-1], len(rule.cosines)), bool)
     angles = rule.wi[rule.first, 2]
@@ -297,12 +299,16 @@ def near_edge(lobe: np.ndarray) -> np.ndarray:
     return near & sharp
 
 
-def _scaled(model: Model, z: np.ndarray, factors: np.ndarray) -> np.ndarray:
+def _scaled(
+    model: Model, z: np.ndarray, factors: np.ndarray, *, overwrite: bool = False
+) -> np.ndarray:
+    """Codes (..., L) with factors (...) in (0, 1] on their rests; in place if `overwrite`."""
     over = factors < 1
     if not over.any():
         return z
-    result = np.array(z)
-    result[over] = _own_networks(model).rest_scaled(z[over], factors[over])
+    result = z if overwrite else np.array(z)
+    gains = _own_networks(model).gains(result)
+    gains[over] += np.log(factors[over])
     return result
 
 
@@ -349,8 +355,9 @@ def _codes_to_measure(
     sample = z[rng.integers(len(z), size=SCREEN_SAMPLE)]
     target = np.log(excess(sample))
     half = SCREEN_SAMPLE // 2
-    estimate = _fit_albedo_regression(sample[:half], target[:half], sample, rng)
-    errors = target[half:] - estimate(sample[half:])
+    with one_blas_thread():  # the matrices are small
+        estimate = _fit_albedo_regression(sample[:half], target[:half], sample, rng)
+        errors = target[half:] - estimate(sample[half:])
     near = target[half:] >= min(-SCREEN_NEAR, np.quantile(target[half:], 0.9))
     margin = SCREEN_ERROR_FACTOR * max(float(errors[near].max()), 0) + SCREEN_LEAST_MARGIN
     values = np.empty((len(z), 1), np.float32)

@@ -5,8 +5,10 @@ Codes z (..., R) are those of the rest, without the numbers of the lobe (`nets.l
 
 from typing import Any
 
+import numpy as np
+
 from urushi.nets.architecture import SCALE, Architecture
-from urushi.nets.mlp import Params, hidden_to_output, product
+from urushi.nets.mlp import Params, activate, hidden_to_output, product
 
 #: Range to which ln f is clamped, so that f is positive and finite for any weights.
 MIN_LOG, MAX_LOG = -25.0, 20.0
@@ -39,6 +41,25 @@ def first_layer(params: Params, z: Any, features: Any) -> Any:
     weight, codes = params["decoder.0.weight"], z.shape[-1]
     offset = product(z, weight[:codes, :]) + params["decoder.0.bias"]
     return offset + (1.0 + product(z, params[SCALE])) * product(features, weight[codes:, :])
+
+
+def decode_all(params: Params, arch: Architecture, z: np.ndarray, features: np.ndarray) -> Any:
+    """Return `decode` (S, P) of all codes z (S, R) at all of the same directions (P, D).
+
+    The neurons come before the directions, and NumPy then adds and multiplies along rows of
+    directions, not of a few neurons. A row of codes is best as short as fits a core's cache.
+    """
+    weight, codes = params["decoder.0.weight"], z.shape[-1] - 1
+    offset = product(z[:, 1:], weight[:codes]) + params["decoder.0.bias"]
+    factor = 1.0 + product(z[:, 1:], params[SCALE])
+    x = factor[..., None] * (weight[codes:].T @ features.T)
+    x += offset[..., None]
+    index = 1
+    while f"decoder.{index}.weight" in params:
+        x = params[f"decoder.{index}.weight"].T @ activate(x, arch.activation)
+        x += params[f"decoder.{index}.bias"][:, None]
+        index += 1
+    return np.exp(np.clip(x[:, 0] + z[:, :1], MIN_LOG, MAX_LOG))
 
 
 def scaled(z: Any, factor: Any) -> Any:

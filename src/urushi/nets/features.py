@@ -3,6 +3,7 @@
 from typing import Any
 
 from urushi.checks import Widths
+from urushi.nets.columns import Normalisation
 
 #: Smallest cosine to the normal. Smaller ones are clamped to it, so f is constant near the horizon.
 MIN_COSINE = 5e-3
@@ -65,13 +66,20 @@ COAT_TABLE = (
 COAT_FEATURES = {1: len(COAT_TABLE), 2: len(COAT_TABLE) + 2}
 
 
-def _normalised(columns: list[Any], table: tuple[tuple[str, float, float], ...]) -> Any:
-    xp = columns[0].__array_namespace__()
-    scaled = [
-        (column - mean) * (1.0 / scale)
-        for column, (_, mean, scale) in zip(columns, table, strict=True)
-    ]
-    return xp.stack(xp.broadcast_arrays(*scaled), axis=-1)
+Table = tuple[tuple[str, float, float], ...]
+
+
+def _normalisation(table: Table) -> Normalisation:
+    """The normalisation by the means and scales of a table."""
+    return Normalisation([mean for _, mean, _ in table], [scale for _, _, scale in table])
+
+
+#: Normalisations of the features, for networks of one GGX width or two.
+_DIRECTIONS = {
+    1: _normalisation(DIRECTION_TABLE),
+    2: _normalisation(DIRECTION_TABLE + AZIMUTH_TABLE),
+}
+_COATS = {1: _normalisation(COAT_TABLE), 2: _normalisation(COAT_TABLE + COAT_TABLE[:2])}
 
 
 def direction_features(wi: Any, wo: Any, widths: int = 1) -> Any:
@@ -109,14 +117,14 @@ def direction_features(wi: Any, wo: Any, widths: int = 1) -> Any:
         xp.minimum(cos_i, cos_o),
     ]
     if widths == 1:
-        return _normalised(columns, DIRECTION_TABLE)
+        return _DIRECTIONS[1](columns)
     columns += [
         xp.log(x * x / (z * z) + 1e-6),
         xp.log(y * y / (z * z) + 1e-6),
         *(xp.log(wi[..., k] * wi[..., k] + wo[..., k] * wo[..., k] + 1e-3) for k in (0, 1)),
         *(wi[..., k] * wo[..., k] for k in (0, 1)),
     ]
-    return _normalised(columns, DIRECTION_TABLE + AZIMUTH_TABLE)
+    return _DIRECTIONS[2](columns)
 
 
 def coat_features(alpha: Any, eta: Any, albedo: Any, sigma_t: Any, g: Any) -> Any:
@@ -131,28 +139,29 @@ def coat_features(alpha: Any, eta: Any, albedo: Any, sigma_t: Any, g: Any) -> An
         alpha, across = alpha.u, alpha.v
     xp = alpha.__array_namespace__()
     s = (eta - 1.0) / (eta + 1.0)
-    outside = 1.0 - eta * eta
-    m = 1.0 - xp.exp(-sigma_t)
+    s2, outside = s * s, 1.0 - eta * eta
+    m, absorbed = 1.0 - xp.exp(-sigma_t), 1.0 - albedo
+    m_albedo, m_g = m * albedo, m * g
     columns = [
         xp.log(alpha),
         alpha,
         eta,
         s,
-        s * s,
-        xp.log(s * s + 1e-4),
+        s2,
+        xp.log(s2 + 1e-4),
         xp.where(outside.real > 0.0, outside, 0.0),
         m,
         xp.exp(-4.0 * sigma_t),
         xp.log1p(sigma_t),
-        m * albedo,
-        m * xp.sqrt(1.0 - albedo),
-        m * g,
-        m * g * g,
-        m * albedo * g,
+        m_albedo,
+        m * xp.sqrt(absorbed),
+        m_g,
+        m_g * g,
+        m_albedo * g,
         xp.log1p(sigma_t * albedo),
-        xp.log1p(sigma_t * (1.0 - albedo)),
+        xp.log1p(sigma_t * absorbed),
         xp.log1p(sigma_t * (1.0 - albedo * g)),
     ]
     if across is None:
-        return _normalised(columns, COAT_TABLE)
-    return _normalised([*columns, xp.log(across), across], COAT_TABLE + COAT_TABLE[:2])
+        return _COATS[1](columns)
+    return _COATS[2]([*columns, xp.log(across), across])

@@ -20,6 +20,7 @@ import math
 from typing import Any
 
 from urushi.checks import Widths
+from urushi.nets.columns import Normalisation, stacked
 
 #: The numbers: the GGX width, the factors of the Fresnel terms, and the complex index.
 LOBE_NUMBERS = ("alpha", "normal", "grazing", "exact", "eta", "k")
@@ -37,6 +38,11 @@ NO_LOBE = (1.0, 0.0, 0.0, 0.0, 1.5, 0.0)
 FEATURE_MEANS = (-0.9, 0.22, 0.45, 0.47, 0.55, -1.5)
 FEATURE_SCALES = (1.1, 0.3, 0.4, 0.4, 0.35, 1.5)
 LOBE_FEATURES = {1: len(FEATURE_MEANS), 2: len(FEATURE_MEANS) + 2}
+
+_FEATURES = {
+    6: Normalisation(FEATURE_MEANS, FEATURE_SCALES),
+    7: Normalisation(FEATURE_MEANS + FEATURE_MEANS[:2], FEATURE_SCALES + FEATURE_SCALES[:2]),
+}
 
 #: Cosines at which `lobe_features` contains the reflectance.
 COSINES = (1.0, 0.5, 0.2)
@@ -157,26 +163,18 @@ def lobe_features(lobe: Any) -> Any:
     have them.
     """
     xp = lobe.__array_namespace__()
-    # One call for all cosines: for a few lobes, the number of calls is the price.
-    reflected = reflectance(lobe[..., None, :], xp.asarray(COSINES, dtype=lobe.real.dtype))
-    at = [reflected[..., i] for i in range(len(COSINES))]
+    # One call for all cosines: for a few lobes, the number of calls is the price. The cosines come
+    # first, so that many lobes are a row of numbers for NumPy.
+    cosines = xp.asarray(COSINES, dtype=lobe.real.dtype).reshape((-1, *[1] * (lobe.ndim - 1)))
+    at = list(reflectance(lobe, cosines))
     mean = (at[0] + at[1] + at[2]) * (1.0 / 3.0)
     seen = mean / (mean + VISIBLE)
     alpha = lobe[..., 0]
     columns = [seen * xp.log(alpha), seen * alpha, *at, xp.log(mean + VISIBLE)]
-    means: tuple[float, ...] = FEATURE_MEANS
-    scales: tuple[float, ...] = FEATURE_SCALES
     if lobe.shape[-1] > len(LOBE_NUMBERS):
         across = lobe[..., -1]
         columns += [seen * xp.log(across), seen * across]
-        means, scales = means + means[:2], scales + scales[:2]
-    return xp.stack(
-        [
-            (column - offset) * (1.0 / scale)
-            for column, offset, scale in zip(columns, means, scales, strict=True)
-        ],
-        axis=-1,
-    )
+    return _FEATURES[lobe.shape[-1]](columns)
 
 
 def scaled_lobe(lobe: Any, factor: Any) -> Any:
@@ -194,6 +192,5 @@ def of_coat(alpha: Any, eta: Any) -> Any:
     """
     along, across = (alpha.u, [alpha.v]) if isinstance(alpha, Widths) else (alpha, [])
     xp = along.__array_namespace__()
-    along, eta, *across = xp.broadcast_arrays(along, eta, *across)
     zero, one = xp.zeros_like(along), xp.ones_like(along)
-    return xp.stack([along, zero, zero, one, eta, zero, *across], axis=-1)
+    return stacked([along, zero, zero, one, eta, zero, *across])

@@ -38,8 +38,13 @@ def split_linear(params: Params, name: str, x: Any, y: Any) -> Any:
     """
     weight = params[f"{name}.weight"]
     rows = x.shape[-1]
-    from_x = product(x, weight[:rows, :]) + params[f"{name}.bias"]
-    return from_x + product(y, weight[rows:, :])
+    from_x = product(x, weight[:rows, :])
+    from_x += params[f"{name}.bias"]  # in place where arrays can be changed
+    from_y = product(y, weight[rows:, :])
+    if from_x.shape != from_y.shape:
+        return from_x + from_y
+    from_x += from_y
+    return from_x
 
 
 def product(x: Any, weight: Any) -> Any:

@@ -125,6 +125,14 @@ class UrushiNetworks(NamedTuple):
         """The other part (...) [1/sr], from `direction_features`."""
         return decoder.decode(self.params, self.arch, z[..., self.arch.lobe :], features)
 
+    def rest_at_all(self, z: np.ndarray, features: np.ndarray) -> np.ndarray:
+        """`rest` (S, P) of all codes z (S, L) at all of the same directions' features (P, D)."""
+        return decoder.decode_all(self.params, self.arch, z[:, self.arch.lobe :], features)
+
+    def gains(self, z: np.ndarray) -> np.ndarray:
+        """The logarithmic gains (...) of the rests of codes z (..., L), a view."""
+        return z[..., self.arch.lobe]
+
     def rest_scaled(self, z: Any, factor: Any) -> Any:
         """Codes (..., L) with `factor` (...) > 0 times the rest, and the same lobe."""
         lobe = self.arch.lobe
@@ -134,7 +142,7 @@ class UrushiNetworks(NamedTuple):
     def without_rest(self, z: Any) -> Any:
         """Codes (..., L) of the lobes alone: the rest has the least value of the decoder."""
         codes = np.array(z)
-        codes[..., self.arch.lobe] = decoder.EMPTY_GAIN
+        self.gains(codes)[...] = decoder.EMPTY_GAIN
         return codes
 
     def empty_rest(self) -> Any:

@@ -56,18 +56,32 @@ class CoatTexture:
                 hashes = np.broadcast_to(
                     texel_hash.row_hashes([bottom_hashes, *parameters.columns()]), former.shape
                 )
-                texel, channel = np.nonzero(hashes != former)
-                if not len(texel):
+                changed = hashes != former
+                if not changed.any():
                     continue
-                layered, row_of = self._layered(hashes, texel, channel, parameters, codes)
-                if len(row_of) == hashes.size:
-                    write(np.arange(start, stop), layered, row_of.reshape(hashes.shape))
+                if changed.all():
+                    write(slice(start, stop), *self._all_layered(hashes, parameters, codes))
                 else:
+                    texel, channel = np.nonzero(changed)
+                    layered, row_of = self._layered(hashes, texel, channel, parameters, codes)
                     rows, index = np.unique(texel, return_inverse=True)
                     texels = self.store.read(start + rows)
                     texels[index, channel] = layered[row_of]
                     write(start + rows, texels)
                 self._hashes[start:stop] = hashes
+
+    def _all_layered(
+        self, hashes: np.ndarray, parameters: CoatParameters, codes: np.ndarray
+    ) -> tuple[np.ndarray, ...]:
+        """Codes (n, C, size) of texels with hashes (n, C).
+
+        Or distinct codes (k, size) of them, and which one each texel has (n, C).
+        """
+        row, row_of = texel_hash.unique_rows(hashes.ravel())
+        if len(row) == hashes.size:  # nothing is shared, and nothing need be gathered
+            return (layer_texels(self._model, codes, **parameters._asdict()),)
+        texel, channel = np.divmod(row, hashes.shape[1])
+        return self._layered_rows(texel, channel, parameters, codes), row_of.reshape(hashes.shape)
 
     def _layered(
         self,
@@ -79,12 +93,21 @@ class CoatTexture:
     ) -> tuple[np.ndarray, np.ndarray]:
         """Distinct codes (k, size) of rows (texel, channel), and the index (n,) of each row's."""
         row, row_of = texel_hash.unique_rows(hashes[texel, channel])
-        texel, channel = texel[row], channel[row]
+        return self._layered_rows(texel[row], channel[row], parameters, codes), row_of
+
+    def _layered_rows(
+        self,
+        texel: np.ndarray,
+        channel: np.ndarray,
+        parameters: CoatParameters,
+        codes: np.ndarray,
+    ) -> np.ndarray:
+        """Codes (k, size) of rows (texel, channel)."""
 
         def at_rows(array: np.ndarray) -> np.ndarray:
             count, width = array.shape[:2]
             return array[texel if count > 1 else 0, channel if width > 1 else 0]
 
-        rows = [np.broadcast_to(at_rows(column), len(row)) for column in parameters.columns()]
+        rows = [np.broadcast_to(at_rows(column), len(texel)) for column in parameters.columns()]
         coat = CoatParameters.of_columns(rows)
-        return layer_texels(self._model, at_rows(codes), **coat._asdict()), row_of
+        return layer_texels(self._model, at_rows(codes), **coat._asdict())

@@ -226,13 +226,19 @@ def pack_shared(
 
 def _bytes(layout: TexelLayout, packed: PackedTexels, codes: np.ndarray) -> np.ndarray:
     inverse = (1 / np.where(packed.step > 0, packed.step, 1)).astype(np.float32)
-    levels = codes.astype(np.float32)
-    levels -= packed.lowest
+    highest = layout.levels.astype(np.float32)
+    # One row for each texel: NumPy is slow along axes as short as a code.
+    lowest, inverse, highest = (
+        np.tile(x, layout.channels) for x in (packed.lowest, inverse, highest)
+    )
+    levels = codes.astype(np.float32).reshape(len(codes), -1)
+    levels -= lowest
     levels *= inverse
     np.rint(levels, out=levels)
-    np.clip(levels, 0, layout.levels.astype(np.float32), out=levels)
+    np.maximum(levels, 0, out=levels)
+    np.minimum(levels, highest, out=levels)
     # Every number as its low and its high byte, of which the texel's bytes are chosen.
-    both = levels.astype("<u2").view(np.uint8).reshape(len(codes), -1)
+    both = levels.astype("<u2").view(np.uint8)
     result = np.zeros((len(codes), layout.texel_bytes), np.uint8)
     result[:, : layout.used_bytes] = both.take(_sources(layout), axis=1)
     return result

@@ -63,13 +63,10 @@ class TextureStore:
             written: list[_Written] = []
 
             def collect(rows: Rows, codes: np.ndarray, index: np.ndarray | None = None) -> None:
-                if index is None:
-                    index = np.arange(codes[..., 0].size).reshape(codes.shape[:-1])
-                shared = codes.reshape(-1, codes.shape[-1])
-                ends = shared.min(axis=0), shared.max(axis=0)
-                same = _same_in_channels(shared, index, self._compared)
-                which = index.astype(np.uint32)
-                written.append(_Written(rows, shared.astype(np.float16), which, ends, same))
+                ends = _ends(codes)
+                same = _same_in_channels(codes, index, self._compared)
+                which = None if index is None else index.astype(np.uint32)
+                written.append(_Written(rows, codes.astype(np.float16), which, ends, same))
 
             yield collect
             self._pack_shared(written)
@@ -117,7 +114,10 @@ class TextureStore:
         self._start(width * height, lowest.min(axis=0), highest.max(axis=0), same)
         while written:
             part = written.pop()
-            packing.pack_shared(self.layout, self.packed, part.rows, part.codes, part.which)
+            if part.which is None:
+                packing.pack_rows(self.layout, self.packed, part.rows, part.codes)
+            else:
+                packing.pack_shared(self.layout, self.packed, part.rows, part.codes, part.which)
 
     def _pack(self, whole: np.ndarray) -> None:
         lowest, highest = _value_range(whole)
@@ -160,32 +160,51 @@ class TextureStore:
 
 
 class _Written(NamedTuple):
-    """A part of the first writing: rows, codes (k, size) and which of them (n, channels).
+    """A part of the first writing: rows, and their codes float16 (n, channels, size).
+
+    Or codes (k, size) that texels share.
 
     Attributes:
+        which: uint32 (n, channels), which of the codes a texel has, if they share them.
         ends: the smallest and the largest numbers (size,).
         same: (size,) whether a number is the same in all channels of each texel.
     """
 
     rows: Rows
     codes: np.ndarray
-    which: np.ndarray
+    which: np.ndarray | None
     ends: tuple[np.ndarray, np.ndarray]
     same: np.ndarray
 
 
-def _same_in_channels(codes: np.ndarray, index: np.ndarray, compared: int) -> np.ndarray:
+def _same_in_channels(codes: np.ndarray, index: np.ndarray | None, compared: int) -> np.ndarray:
     """Whether numbers (size,) are the same in all channels; after `compared`, all or none are.
 
-    codes (k, size) are chosen by index (n, channels).
+    codes: (n, channels, size), or (k, size) that are chosen by index (n, channels).
     """
+    if index is None:
+        same = np.full(codes.shape[-1], codes.shape[1] == 1)
+        same[:compared] = _equal_channels(codes[..., :compared])
+        return same
     differs = (index != index[:, :1]).any(axis=-1)
     same = np.full(codes.shape[-1], not differs.any())
     if differs.any():
         first = np.ascontiguousarray(codes[:, :compared])
-        chosen = first[index[differs]]
-        same[:compared] = (chosen == chosen[:, :1]).all(axis=(0, 1))
+        same[:compared] = _equal_channels(first[index[differs]])
     return same
+
+
+def _equal_channels(codes: np.ndarray) -> np.ndarray:
+    """Whether numbers (K,) of codes (n, channels, K) are the same in all channels."""
+    return (codes == codes[:, :1]).all(axis=(0, 1))
+
+
+def _ends(codes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The smallest and the largest numbers (size,) of codes (n, ..., size)."""
+    rows = codes.reshape(len(codes), -1)  # NumPy is slow along axes as short as a code
+    shape = -1, codes.shape[-1]
+    least, most = rows.min(axis=0).reshape(shape), rows.max(axis=0).reshape(shape)
+    return least.min(axis=0), most.max(axis=0)
 
 
 def _value_range(whole: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -195,7 +214,7 @@ def _value_range(whole: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
     def find_ends(index: int) -> None:
         part = whole[pieces[index]].astype(np.float32)  # faster than in half precision
-        ends[index] = part.min(axis=(0, 1)), part.max(axis=(0, 1))
+        ends[index] = _ends(part)
 
     parallel.run_all_cores(find_ends, range(len(pieces)))
     return ends[:, 0].min(axis=0), ends[:, 1].max(axis=0)

@@ -27,12 +27,12 @@ def row_hashes(columns: Sequence[np.ndarray]) -> np.ndarray:
     for column in columns:
         bits = column if column.dtype == np.uint64 else rounded_bits(column).astype(np.uint64)
         key = _mixed((key ^ bits) + _GAMMA)
-    return np.asarray(key)
+    return np.ascontiguousarray(key).reshape(key.shape)
 
 
 def rounded_bits(numbers: np.ndarray) -> np.ndarray:
     """The bits, uint32, of numbers in single precision, rounded to `MANTISSA_BITS` bits."""
-    bits = np.ascontiguousarray(numbers + np.float32(0), np.float32).view(np.uint32)  # -0 is 0
+    bits = np.asarray(numbers + np.float32(0), np.float32).view(np.uint32)  # -0 is 0
     dropped = 23 - MANTISSA_BITS
     return (bits + np.uint32(1 << (dropped - 1))) >> np.uint32(dropped)
 
@@ -46,6 +46,9 @@ def _mixed(x: np.ndarray) -> np.ndarray:
 
 def unique_rows(keys: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Indices where each distinct key of keys (M,) occurs first, and labels (M,) into these."""
+    ordered = np.sort(keys)
+    if (ordered[1:] != ordered[:-1]).all():
+        return np.arange(len(keys)), np.arange(len(keys))
     order = np.argsort(keys)  # vectorised, unlike the stable one of np.unique
     ordered = keys[order]
     starts = np.flatnonzero(np.append(True, ordered[1:] != ordered[:-1])[: len(keys)])

@@ -156,8 +156,8 @@ class _BareBottom:
         lobe = probing.check_values(self._surface.at(self._grid.uv(start, stop)).lobe, self._where)
         if self._model.widths == 2 and self._surface.widths == 1:
             lobe = with_two_widths(lobe)
-        reach = [0, 1, 2, 3, *range(6, lobe.shape[-1])]  # all but the index
-        lobe[..., reach] = np.minimum(lobe[..., reach], 1)
+        for reach in (lobe[..., :4], lobe[..., 6:]):  # all but the index
+            np.minimum(reach, 1, out=reach)
         keys = texel_hash.row_hashes(list(np.moveaxis(lobe, -1, 0)))
         return keys, bare_anchors(self._model, lobe)
 
