@@ -5,8 +5,8 @@ a small network, the BSDFNet. Some of its numbers are the channel's own: units o
 that do not depend on directions, and the weights of one unit of each layer. A large network, the
 MetaNet, predicts them from the layers' parameters. All materials share the other weights. The
 MetaNet knows parameters and no values, and its training took 50 hours of eight GPUs. Here a BRDF is
-known by its values alone, so that all numbers are trained for the one BRDF. What is measured is what
-the small network can hold after a short training, not how well a MetaNet predicts it.
+known by its values alone, so that all numbers are trained for the one BRDF. What is measured is
+what the small network can hold after a short training, not how well a MetaNet predicts it.
 
 The publication was not at hand. These facts are from a reader's detailed notes on it, and the code
 of a public renderer has the same sizes: 168 inputs, the half and the difference vector with 81
