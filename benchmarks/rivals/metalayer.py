@@ -9,12 +9,13 @@ known by its values alone, so that all numbers are trained for the one BRDF. Wha
 what the small network can hold after a short training, not how well a MetaNet predicts it.
 
 The publication was not at hand. These facts are from a reader's detailed notes on it, and the code
-of a public renderer has the same sizes: 168 inputs, the half and the difference vector with 81
-spherical harmonics of each; five hidden layers of 64 units, the last of 32; more than 13,000
+of a public renderer has layers of the same sizes: 168 inputs, the half and the difference vector
+with 81 spherical harmonics of each; five hidden layers of 64 units, the last of 32; over 13,000
 weights; 293 numbers of a channel, which are 4 x 32 units, 5 x 32 weights and 5 biases; ReLU. The
-order of layers below is the one that has all these sizes; it has 13,468 common weights.
+order of layers below has all these sizes, and 13,468 common weights.
 
-Assumed are the output ln(1 + f), the azimuths of the vectors, the initial weights and the training.
+Assumed are this order, degrees 0 to 8 of harmonics, ReLU of a channel's own units (that code has
+none there), the output ln(1 + f), the vectors' azimuths, the initial weights and the training.
 Loss, output, rate and samples are those of `benchmarks.rivals.nbrdf`, so that architectures alone
 are compared. The paper's loss is another one: a reversed Huber loss of compressed values.
 """
