@@ -1,21 +1,26 @@
 """Storage, time and error of neural representations of single BRDFs.
 
     python -m figures.table_1.compute
+    python -m figures.table_1.compute --methods BSDFNet
+
+The second form measures some methods and keeps the results of all others.
 
 Every method sees values of a BRDF alone, not its parameters. Errors are taken at pairs of
 directions that no method has seen. Measured materials need the folder that URUSHI_TEST_DATA names,
 and are left out without it.
 """
 
+import argparse
 import functools
+import json
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 import mitsuba as mi
 import numpy as np
-from benchmarks.rivals import nbrdf, rainer
+from benchmarks.rivals import metalayer, nbrdf, rainer
 from benchmarks.scenes import processor
 
 import urushi
@@ -28,10 +33,10 @@ from urushi.nets.weights import default_model
 
 FOLDER = Path(__file__).parent
 PARTS = Path("out/figures/table_1")
-METHODS = ("Rainer 2019", "Rainer 2020", "NBRDF", "Urushi, encoded", "Urushi, refined")
+METHODS = ("Rainer 2019", "Rainer 2020", "NBRDF", "BSDFNet", "Urushi, encoded", "Urushi, refined")
 #: Drawn samples of the trainings of one material (about three quarters are above the horizon), and
 #: passes over them.
-SAMPLES, PASSES = 1 << 16, {"NBRDF": 30, "Rainer 2019": 12}
+SAMPLES, PASSES = 1 << 16, {"NBRDF": 30, "BSDFNet": 12, "Rainer 2019": 12}
 #: Shared training of Rainer et al. 2020: materials of either kind, their pairs, walks, and steps;
 #: pairs by which a new material is encoded.
 SHARED, PAIRS, WALKS, STEPS, MEASURED = 640, 256, 64, 3000, 512
@@ -43,15 +48,40 @@ EVALUATED, TURNS = 1 << 16, 5
 
 def main() -> None:
     """Compute what is missing and write results.json."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--methods", nargs="+", choices=METHODS, default=METHODS, metavar="METHOD")
+    chosen = parser.parse_args().methods
     mi.set_variant("llvm_ad_rgb")
-    parts: dict[str, Callable[[], Any]] = {"shared": shared, "evaluation": evaluation}
-    parts |= {subject.name: functools.partial(measure, subject) for subject in subjects()}
-    found = results.collect(PARTS, parts)
-    head = {"weights": default_model().fingerprint, "processor": processor()}
-    head |= {name: found.pop(name) for name in ("shared", "evaluation")}
-    groups = {subject.name: subject.group for subject in subjects()}
-    head["groups"] = {name: [n for n in groups if groups[n] == name] for name in groups.values()}
-    results.write(FOLDER / "results.json", {**head, "materials": found})
+    parts: dict[str, Callable[[], Any]] = {}
+    if "Rainer 2020" in chosen:
+        parts["shared"] = shared
+    parts["evaluation"] = functools.partial(evaluation, chosen)
+    parts |= {subject.name: functools.partial(measure, subject, chosen) for subject in subjects()}
+    path = FOLDER / "results.json"
+    if tuple(chosen) == METHODS:
+        found = results.collect(PARTS, parts)
+        head = {"weights": default_model().fingerprint, "processor": processor()}
+        head |= {name: found.pop(name) for name in ("shared", "evaluation")}
+        groups = {subject.name: subject.group for subject in subjects()}
+        names = dict.fromkeys(groups.values())
+        head["groups"] = {name: [n for n in groups if groups[n] == name] for name in names}
+        results.write(path, {**head, "materials": found})
+    else:
+        found = results.collect(PARTS / ", ".join(chosen), parts)
+        results.write(path, merged(json.loads(path.read_text()), found))
+
+
+def merged(stored: dict[str, Any], found: dict[str, Any]) -> dict[str, Any]:
+    """Results of all methods in which those of some are replaced by others, or added."""
+    head = {name: value for name, value in stored.items() if name != "materials"}
+    if "shared" in found:
+        head["shared"] = found["shared"]
+    head["evaluation"] = stored["evaluation"] | found["evaluation"]
+    materials = {}
+    for name, old in stored["materials"].items():
+        both = old | found.get(name, {})
+        materials[name] = {key: both[key] for key in ("reference", *METHODS) if key in both}
+    return {**head, "materials": materials}
 
 
 def shared() -> dict[str, Any]:
@@ -89,6 +119,8 @@ def represent(method: str, source: Any) -> Any:
     """The representation of a BRDF by a method; it has f(wi, wo) -> (N, 3)."""
     if method == "NBRDF":
         return nbrdf.train(source.f, passes=PASSES[method], samples=SAMPLES)
+    if method == "BSDFNet":
+        return metalayer.train(source.f, passes=PASSES[method], samples=SAMPLES)
     if method == "Rainer 2019":
         return rainer.train(source.f, passes=PASSES[method], samples=SAMPLES)
     if method == "Rainer 2020":
@@ -99,8 +131,8 @@ def represent(method: str, source: Any) -> Any:
     return urushi.encode(function, refine=method == "Urushi, refined", table=False)
 
 
-def measure(subject: Subject) -> dict[str, Any]:
-    """E, P, L1 and CPU seconds of each method for a material, and E of the reference's noise.
+def measure(subject: Subject, methods: Sequence[str]) -> dict[str, Any]:
+    """E, P, L1 and CPU seconds of the methods for a material, and E of the reference's noise.
 
     There are no seconds for a stack, whose walks would take most of them.
     """
@@ -119,7 +151,7 @@ def measure(subject: Subject) -> dict[str, Any]:
         else:
             truth[name] = subject.source.f(wi, wo)
     found: dict[str, Any] = {"reference": float(f"{own:.3g}")}
-    for method in METHODS:
+    for method in methods:
         begin = time.process_time()
         model = represent(method, subject.source)
         seconds = time.process_time() - begin
@@ -143,20 +175,24 @@ def errors(name: str, f_hat: np.ndarray, f: np.ndarray, wi: np.ndarray, wo: np.n
     return float(np.abs(f_hat - f).mean())
 
 
-def evaluation() -> dict[str, float]:
-    """CPU time of a value of RGB by each method with NumPy [µs], the least of `TURNS` turns."""
+def evaluation(methods: Sequence[str]) -> dict[str, float]:
+    """CPU time of a value of RGB by each of the methods with NumPy [µs], the least of `TURNS`."""
     surface = urushi.conductor(alpha=0.3, r0=(0.9, 0.6, 0.3))
     code = urushi.encode(urushi.coat(surface, 0.1, 1.5, 0.7, 1.0))
     rng = np.random.default_rng(SEED)
     layers = rainer.initial(rng, rainer.decoder_sizes(rainer.LATENT_2019))
-    models = {
+    models: dict[str, Any] = {
         "Rainer 2019": rainer.NeuralBtf(layers, np.ones(rainer.LATENT_2019, np.float32)),
         "Rainer 2020": rainer.NeuralBtf(
-            networks().decoder, np.ones(rainer.LATENT_2020, np.float32)
+            rainer.initial(rng, rainer.decoder_sizes(rainer.LATENT_2020)),
+            np.ones(rainer.LATENT_2020, np.float32),
         ),
         "NBRDF": nbrdf.Nbrdf(rng.normal(0, 0.1, nbrdf.SIZE)),
+        "BSDFNet": metalayer.BsdfNet(metalayer.initial(rng)),
         "Urushi": code,
     }
+    names = {method.split(",")[0] for method in methods}
+    models = {name: model for name, model in models.items() if name in names}
     pairs = direction_sets.cosine_pairs(rng, EVALUATED)
     least = dict.fromkeys(models, np.inf)
     for _ in range(TURNS):

@@ -7,7 +7,7 @@ import json
 from typing import Any
 
 import numpy as np
-from benchmarks.rivals import nbrdf, rainer
+from benchmarks.rivals import metalayer, nbrdf, rainer
 
 from figures import results, style
 from figures.table_1.compute import FOLDER, METHODS
@@ -38,26 +38,33 @@ def main() -> None:
     axes[0].set(ylabel="error [%]", title="E: reflected energy")
     axes[1].set(title="P: highlights and dark directions")
     handles, labels = axes[0].get_legend_handles_labels()
-    picture.legend(handles, labels, loc="outside lower center", ncols=5, fontsize=8)
+    picture.legend(handles, labels, loc="outside lower center", ncols=6, fontsize=8)
     style.save(picture, FOLDER / "figure.png")
     print("\n".join(table(found)))
 
 
 def draw(axis, name: str, found) -> None:
     """Means of one error with their intervals, by group and method."""
-    colours = ("#d55e00", "#e69f00", "#009e73", "#56b4e9", "#0072b2")
+    colours = ("#d55e00", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#0072b2")
     groups = list(found["groups"])
     for place, (method, colour) in enumerate(zip(METHODS, colours, strict=True)):
+        if method not in measured(found):
+            continue
         values = [errors(found, group, method, name) for group in groups]
         means = np.array([v.mean() for v in values])
         spread = np.abs(np.array([results.interval(v) for v in values]).T - means)
-        x = np.arange(len(groups)) + 0.14 * (place - 2)
+        x = np.arange(len(groups)) + 0.13 * (place - 2.5)
         axis.errorbar(
             x, means, spread, marker="o", ms=4, ls="", capsize=2, color=colour, label=method
         )
     axis.set_xticks(np.arange(len(groups)), groups, fontsize=8)
     axis.set(yscale="log")
     axis.grid(axis="y", alpha=0.3)
+
+
+def measured(found: dict[str, Any]) -> list[str]:
+    """The methods that all materials have results of."""
+    return [m for m in METHODS if all(m in one for one in found["materials"].values())]
 
 
 def errors(found: dict[str, Any], group: str, method: str, name: str) -> np.ndarray:
@@ -72,12 +79,14 @@ def storage() -> dict[str, tuple[int, int, str]]:
         latent: rainer.size(rainer.initial(np.random.default_rng(0), rainer.decoder_sizes(latent)))
         for latent in (rainer.LATENT_2019, rainer.LATENT_2020)
     }
+    common, own_numbers = metalayer.size(metalayer.initial(np.random.default_rng(0)))
     own = default_model()
     decoder = sum(array.size for name, array in own.params.items() if name.startswith("decoder"))
     return {
         "Rainer 2019": (rainer.LATENT_2019, decoders[rainer.LATENT_2019], "a texture"),
         "Rainer 2020": (rainer.LATENT_2020, decoders[rainer.LATENT_2020], "all"),
         "NBRDF": (nbrdf.SIZE, 0, "a BRDF"),
+        "BSDFNet": (own_numbers, common, "all; here a BRDF"),
         "Fan 2022": (3 * paper.LATENT, paper.parameter_count("evaluation"), "all"),
         "Urushi": (3 * own.arch.latent, decoder, "all"),
     }
@@ -103,6 +112,8 @@ def table(found: dict[str, Any]) -> list[str]:
         "|---" * 9 + "|",
     ]
     for method, (texel, decoder, serves) in storage().items():
+        if method in METHODS and method not in measured(found):
+            continue
         size = BYTES * (TEXELS * texel + decoder) / 1e9
         cells = [method, f"{texel}", f"{decoder:,}", serves, f"{size:.2g} GB"]
         if method == "Fan 2022":
@@ -122,7 +133,7 @@ def table(found: dict[str, Any]) -> list[str]:
             f"| {HEADS[name]} | " + " | ".join(heads) + " |",
             "|---" * (len(groups) + 1) + "|",
         ]
-        for method in METHODS:
+        for method in measured(found):
             cells = [method]
             for group in groups:
                 values = errors(found, group, method, name)

@@ -157,7 +157,28 @@ def test_a_bare_conductor_is_represented_as_stored():
     assert e == pytest.approx(stored["conductor_0"]["Urushi, refined"]["E"], rel=0.5, abs=1e-4)
 
 
+def test_some_methods_are_measured_and_the_others_kept():
+    stored = json.loads((representations.FOLDER / "results.json").read_text())
+    new = {"reference": 0.0, "BSDFNet": {"E": 1.0, "P": 1.0, "L1": 1.0, "seconds": 1.0}}
+    found = {"evaluation": {"BSDFNet": 9.0}, "conductor_0": new}
+    merged = representations.merged(stored, found)
+    assert merged["materials"]["conductor_0"]["BSDFNet"] == new["BSDFNet"]
+    assert merged["evaluation"]["BSDFNet"] == 9 and merged["groups"] == stored["groups"]
+    for name, one in merged["materials"].items():
+        assert tuple(one) == ("reference", *representations.METHODS)
+        kept = [m for m in representations.METHODS if (name, m) != ("conductor_0", "BSDFNet")]
+        assert all(one[m] == stored["materials"][name][m] for m in kept)
+
+
+def test_methods_without_results_are_left_out():
+    found = json.loads((representations.FOLDER / "results.json").read_text())
+    assert representations_plot.measured(found) == list(representations.METHODS)
+    del found["materials"]["stack_3"]["BSDFNet"]
+    assert "BSDFNet" not in "\n".join(representations_plot.table(found))
+
+
 def test_storage_is_that_of_the_papers_discussion():
     storage = representations_plot.storage()
+    assert storage["BSDFNet"][:2] == (3 * 293, 13_468)
     assert storage["NBRDF"][0] == 675 and storage["Fan 2022"][0] == 32 * 3
     assert storage["Fan 2022"][1] == pytest.approx(1e6, rel=0.1)

@@ -82,8 +82,8 @@ def test_the_mean_does_not_depend_on_the_number_of_light_vertices(count):
     assert_equal_means(*found)
 
 
-def estimate(*arguments, count):
-    return bidirectional.estimate(*arguments, count=count)
+def estimate(layers, bottom, wi, wo, rng, count):
+    return bidirectional.estimate(layers, bottom, wi, wo, rng, type(wi.z), count=count)
 
 
 @pytest.mark.parametrize("name", ["milky", "three"])

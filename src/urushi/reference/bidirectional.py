@@ -9,6 +9,10 @@ A path v_0 ... v_n has directions d_1 ... d_n. From T(s, R), which joins v_s and
 direction drawn at v_{s+1}, follow T(s, L) = T(s, R) p_s / q_{s+1} and
 T(s + 1, R) = T(s, L) e_{s+1} / h_{s+1}. Here p and e are the densities of directions and depths
 drawn from wi, q and h those drawn from wo.
+
+Throughputs are floats or colours. All channels share the densities, so that sigma_t and g are
+single numbers; the albedo and the bottom may be coloured. Channels that differ in sigma_t or g take
+walks of their own.
 """
 
 from typing import Any
@@ -23,6 +27,7 @@ from urushi.reference.vertices import (
     Vertex,
     arrive,
     bounded,
+    brightest,
     edge,
     enter,
     leave,
@@ -46,7 +51,7 @@ class Light:
         for _ in range(count - 1):
             v = arrive(stack, segment, rng)
             w, weight = stack.sample(v, rng)
-            w = dr.select(weight > 0, w, type(w)(0, 0, 1))
+            w = dr.select(brightest(weight) > 0, w, type(w)(0, 0, 1))
             _, pdf, back = stack.evaluate(v, w)
             segment = leave(stack, v, w, weight, pdf, back)
             self.vertices.append(v)
@@ -91,7 +96,8 @@ class Light:
         mis = weight(s.pdf, b, pdf, a)
         value = throughput * f * s.throughput * dr.exp(-sigma_t * distance) * mis
         value *= self._radiance(layer)
-        return dr.select(valid & (s.throughput > 0) & (f > 0), value, 0)
+        valid &= (brightest(s.throughput) > 0) & (brightest(f) > 0)
+        return dr.select(valid, value, 0)
 
     def join_there(self, s: Segment, j: int) -> Any:
         """Joints of light vertex j by the direction that the walk from wi has drawn."""
@@ -115,7 +121,8 @@ class Light:
         mis = weight(s.pdf, a, pdf, b)
         value = s.throughput * f * throughput * dr.exp(-sigma_t * distance) * mis
         value *= self._radiance(s.layer)
-        return dr.select(valid & (s.throughput > 0) & (f > 0), value, 0)
+        valid &= (brightest(s.throughput) > 0) & (brightest(f) > 0)
+        return dr.select(valid, value, 0)
 
 
 def weight(pdf: Any, ratios: Any, rival: Any, rival_ratios: Any) -> Any:
@@ -132,45 +139,48 @@ def estimate(
     wi: Any,
     wo: Any,
     rng: Any,
+    color: type,
     active: Any = True,
     count: int = LIGHT_VERTICES,
 ) -> Any:
-    """One pair of walks' estimate of f(wi, wo) [1/sr], top reflection excluded.
+    """One pair of walks' estimate of f(wi, wo) [1/sr] of type `color`, top reflection excluded.
 
     Args:
-        layers, bottom, wi, wo, rng, active: as for `walk.estimate`, with scalar throughputs.
+        layers: the coats; sigma_t and g of their media are floats.
+        bottom, wi, wo, rng, color, active: as for `walk.estimate`.
         count: vertices of the walk from wo, at least 1.
     """
     scalar = type(wi.z)
-    types = scalar, dr.uint32_array_t(scalar)
+    types = scalar, dr.uint32_array_t(scalar), color
     stack = Scattering(layers, bottom, types[1])
     active = active & (wi.z > 0) & (wo.z > 0)
     light = Light(stack, wo, rng, types, count)
     start = enter(types, wi, layers, rng, count)
-    result = scalar(0)
+    result = color(0)
     for j in range(count):
         if j:
             result += light.join_here(None, wi, j) + light.join_there(start, j)
     result = dr.select(active, result, 0)
 
-    state = {"active": active & (start.throughput > 0), "result": result, "rng": rng}
+    entered = active & (brightest(start.throughput) > 0)
+    state = {"active": entered, "result": result, "rng": rng}
     state |= dict(zip(Segment._fields, start, strict=True))
 
     def body(*values: Any) -> tuple[Any, ...]:
         s = dict(zip(state, values, strict=True))
-        alive, random = dr.mask_t(s["result"])(s["active"]), s["rng"]
+        alive, random = dr.mask_t(s["depth"])(s["active"]), s["rng"]
         v = arrive(stack, Segment(*(s[name] for name in Segment._fields)), random)
-        gained = scalar(0)
+        gained = color(0)
         for j in range(count):
             gained += light.join_here(v, wi, j)
         w, factor = stack.sample(v, random)
-        w = dr.select(factor > 0, w, type(w)(0, 0, 1))
+        w = dr.select(brightest(factor) > 0, w, type(w)(0, 0, 1))
         _, pdf, back = stack.evaluate(v, w)
         segment = leave(stack, v, w, factor, pdf, back)
         for j in range(count):
             gained += light.join_there(segment, j)
         s["result"] += dr.select(alive, gained, 0)
-        survival = dr.minimum(segment.throughput / ROULETTE_THRESHOLD, 1)
+        survival = dr.minimum(brightest(segment.throughput) / ROULETTE_THRESHOLD, 1)
         throughput = dr.select(survival > 0, segment.throughput / survival, 0)
         s |= dict(zip(Segment._fields, segment._replace(throughput=throughput), strict=True))
         s["active"] = alive & (random.next_float32() < survival) & (w.z != 0)

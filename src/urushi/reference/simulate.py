@@ -12,8 +12,9 @@ from urushi.checks import Widths
 from urushi.errors import ParameterError
 from urushi.physics import microfacet
 from urushi.physics.frame import reflect, square_to_cosine_hemisphere
-from urushi.reference import bidirectional, walk
+from urushi.reference import walk
 from urushi.reference.bottoms import Bottom
+from urushi.reference.estimators import ESTIMATORS, Estimate, checked
 from urushi.reference.monte_carlo import average, backend, per_channel
 from urushi.reference.stack import Stack
 from urushi.reference.table import StackTable, TableLayers
@@ -57,9 +58,7 @@ def simulate(
         raise ParameterError(
             f"simulate needs a Stack from urushi.coat(...), not {type(stack).__name__}"
         )
-    if estimator not in ESTIMATORS:
-        names = " or ".join(f"'{name}'" for name in ESTIMATORS)
-        raise ParameterError(f"estimator is {estimator!r}; it is {names}")
+    checked(estimator)
     walk_all = functools.partial(
         walk_pairs, walks=walks, seed=seed, progress=progress, estimator=estimator
     )
@@ -91,20 +90,16 @@ def walk_pairs(
     Returns:
         (f, se): float32 (M,), mean [1/sr] and standard error.
     """
-    one_walk = ESTIMATORS[estimator]
+    one_walk = functools.partial(_estimate, ESTIMATORS[estimator])
     mean, se = average(table, row, (wi, wo), one_walk, walks=walks, seed=seed, progress=progress)
     if len(row):
         mean += _top(table, row, wi, wo)
     return mean.astype(np.float32), se.astype(np.float32)
 
 
-def _estimate(layers: Any, bottom: Bottom, wi: Any, wo: Any, rng: Any) -> Any:
-    """One walk's f, without the reflection of the topmost interface."""
-    return walk.estimate(layers, bottom, wi, wo, rng, type(wi.z))
-
-
-#: One walk's f, without the reflection of the topmost interface, by the estimator's name.
-ESTIMATORS = {"unidirectional": _estimate, "bidirectional": bidirectional.estimate}
+def _estimate(estimate: Estimate, layers: Any, bottom: Bottom, wi: Any, wo: Any, rng: Any) -> Any:
+    """One walk's f of one channel, without the reflection of the topmost interface."""
+    return estimate(layers, bottom, wi, wo, rng, type(wi.z))
 
 
 def _top(table: StackTable, row: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:

@@ -1,6 +1,7 @@
 """Vertices and segments of walks through a stack, with the sums that weigh bidirectional joints.
 
-A vertex knows the squared density ratios of techniques that join earlier; see
+Throughputs and values are floats or colours, `types` the types of floats, of indices and of
+throughputs. A vertex knows the squared density ratios of techniques that join earlier; see
 `urushi.reference.bidirectional`.
 """
 
@@ -23,7 +24,7 @@ class Vertex(NamedTuple):
     layer: Any  # of arrival
     depth: Any  # in the layer, 0 at its top
     in_medium: Any
-    throughput: Any  # before scattering
+    throughput: Any  # before scattering, a float or a colour
     pdf: Any  # of w, at the vertex before
     inverse_edge: Any  # 1 / density of the depth
     ratios: Any  # sums of squared ratios up to the vertex before, for each number of levels
@@ -135,7 +136,7 @@ def edge(sigma_t: Any, distance: Any, w: Any, in_medium: Any) -> Any:
 
 def enter(types: Any, direction: Any, layers: Layers, rng: Any, levels: int) -> Segment:
     """The refraction of a direction outside into the stack."""
-    scalar, index = types
+    scalar, index, color = types
     alpha, eta = layers.interface(index(0))
     w, weight = interface.sample_transmission(
         direction, alpha, eta, rng.next_float32(), rng.next_float32()
@@ -143,7 +144,7 @@ def enter(types: Any, direction: Any, layers: Layers, rng: Any, levels: int) -> 
     w = dr.select(weight > 0, w, type(w)(0, 0, -1))
     _, pdf = interface.transmission(direction, w, alpha, eta)
     start = index(0), scalar(0), dr.mask_t(scalar)(False)
-    return Segment(w, *start, weight, pdf, [scalar(0) for _ in range(levels)])
+    return Segment(w, *start, color(weight), pdf, [scalar(0) for _ in range(levels)])
 
 
 def arrive(stack: Scattering, s: Segment, rng: Any) -> Vertex:
@@ -182,6 +183,11 @@ def pending(v: Vertex, back: Any, level: int) -> Any:
         return type(v.pdf)(0)
     ratio = dr.select(v.pdf > 0, back / v.pdf, 0)
     return bounded(dr.square(v.inverse_edge) * (1 + dr.square(ratio) * (1 + v.ratios[level - 1])))
+
+
+def brightest(x: Any) -> Any:
+    """The largest channel of a colour; a float as it is."""
+    return dr.max(x) if dr.depth_v(x) > 1 else x
 
 
 def bounded(x: Any) -> Any:

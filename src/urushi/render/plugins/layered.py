@@ -3,7 +3,7 @@
 import mitsuba as mi
 
 from urushi.physics.random import hashed_stream
-from urushi.reference import walk
+from urushi.reference import estimators, walk
 from urushi.render.plugins.coated import define_coated
 
 
@@ -35,6 +35,8 @@ def define(base: type) -> type:
                                              thickness. (Default: 0, clear)
         g              spectrum, texture     Asymmetry of its Henyey-Greenstein phase function,
                                              -1 to 1, both excluded. (Default: 0)
+        estimator      string                "unidirectional" or "bidirectional", see below.
+                                             (Default: "unidirectional")
         (nested)       BSDF                  The bottom, under any name: any opaque BSDF that has
                                              no perfectly smooth lobe; coats nest. Its values in
                                              air are used, unchanged by the coat's index.
@@ -54,6 +56,14 @@ def define(base: type) -> type:
         nested coats have no rotation of their own, and an anisotropic bottom, such as
         ``roughconductor`` of two widths, turns with the coats. A width that is a colour takes one
         walk for each channel in place of one for all.
+
+        With the ``estimator`` "bidirectional", every evaluation joins a walk from each direction,
+        at all their vertices. Its mean is the same, and directions are drawn as before. It takes
+        about three times as long and has less noise in media that scatter forward (g about 0.9).
+        :doc:`/results` says where that pays: under small lights at best. The walks serve all
+        channels if ``sigma_t`` and ``g`` are numbers. If one of them is a colour or a texture,
+        every channel has walks of its own, which takes 1.6 times as long again. The outermost
+        coat's estimator serves the stack.
 
         .. tabs::
             .. code-tab:: xml
@@ -79,10 +89,28 @@ def define(base: type) -> type:
         BSDFs, SIGGRAPH Asia 2018.
         """
 
+        def __init__(self, props):
+            super().__init__(props)
+            name = props.get("estimator", "unidirectional")
+            self.estimator = estimators.checked(name, f"{self._where}: ")
+
+        def _is_per_channel(self):
+            coloured = super()._is_per_channel()
+            if mi.is_monochromatic or self.estimator == "unidirectional":
+                return coloured
+            return coloured or not all(coat.grey_medium for coat in self.coats)
+
         def _model(self, coats, bottom, si, wo, color, active):
             # Mitsuba gives `eval` no random numbers: hash all that distinguishes the call.
             rng = hashed_stream(mi.PCG32, (*si.wi, *wo, *si.p, *si.uv, si.time))
-            f = walk.estimate(coats, bottom, si.wi, wo, rng, color, active)
+            estimate = estimators.ESTIMATORS[self.estimator]
+            if self.estimator == "bidirectional":
+                coats = coats.with_grey_media()
+            f = estimate(coats, bottom, si.wi, wo, rng, color, active)
             return f + walk.top_reflection(coats, si.wi, wo)
+
+        def to_string(self):
+            text = super().to_string()
+            return text.removesuffix("\n]") + f",\n  estimator = {self.estimator}\n]"
 
     return Layered
