@@ -5,7 +5,7 @@ import pytest
 from scipy import stats
 
 from urushi.data import distribution
-from urushi.data.distribution import Clear, Extended, Table2, Varnished
+from urushi.data.distribution import Clear, Extended, Table2
 from urushi.errors import ParameterError
 
 N = 20_000
@@ -52,32 +52,6 @@ def test_clear_coats_are_extended_coats_with_thin_or_no_media():
         assert stats.ks_2samp(*both).pvalue > 1e-3, name
     assert stats.binomtest(int((clear.sigma_t == 0).sum()), clear.sigma_t.size).pvalue > 1e-3
     assert kolmogorov(clear.sigma_t[clear.sigma_t > 0], uniform_cdf(0, 0.3)) > 1e-3
-
-
-def test_varnishes_absorb_and_do_not_scatter():
-    drawn = Varnished(2, "conductor").sample(np.random.default_rng(0), N)
-    extended = Extended(2, "conductor").sample(np.random.default_rng(1), N)
-    for name in ("alpha", "eta", "g"):
-        both = getattr(drawn, name).ravel(), getattr(extended, name).ravel()
-        assert stats.ks_2samp(*both).pvalue > 1e-3, name
-    assert (drawn.albedo == 0).all()
-    # A fifth of U(-0.3, 1.2) is below zero: a clear coat.
-    clear = int((drawn.sigma_t == 0).sum())
-    assert stats.binomtest(clear, drawn.sigma_t.size, 0.2).pvalue > 1e-3
-    assert kolmogorov(drawn.sigma_t[drawn.sigma_t > 0], uniform_cdf(0, 1.2)) > 1e-3
-
-
-def test_bases_of_openpbr_are_dielectrics_metals_and_mixtures():
-    bottom = Extended(0, "glossy_base").sample(np.random.default_rng(0), N).bottom
-    metalness = bottom["metalness"]
-    for value, share in ((0, 0.5), (1, 0.25)):
-        count = int((metalness == value).sum())
-        assert stats.binomtest(count, N, share).pvalue > 1e-3
-    mixed = metalness[(metalness > 0) & (metalness < 1)]
-    assert kolmogorov(mixed, uniform_cdf(0, 1)) > 1e-3
-    assert kolmogorov(np.sqrt(bottom["alpha"]), uniform_cdf(0.1, 1)) > 1e-3
-    assert np.abs(bottom["eta"] - 1).min() > 0.02 - 1e-6  # in float32
-    assert bottom["tint"][metalness == 1].min() >= 0.5
 
 
 def test_table_2_has_the_moments_of_its_formulas():
@@ -165,13 +139,7 @@ def test_descriptions_from_before_the_choice_of_indices_mean_common_ones():
 
 @pytest.mark.parametrize(
     "drawn",
-    [
-        Table2(3),
-        Extended(1, "diffuse"),
-        Clear(1, "diffuse"),
-        Clear(1, "dielectric", "low"),
-        Varnished(1, "glossy_base", "whole"),
-    ],
+    [Table2(3), Extended(1, "diffuse"), Clear(1, "diffuse"), Clear(1, "dielectric", "low")],
 )
 def test_json_round_trip(drawn):
     assert distribution.from_dict(distribution.to_dict(drawn)) == drawn

@@ -33,7 +33,7 @@ def drawn(types, kind, count):
 
 
 @pytest.mark.parametrize("theta", [0.2, 1.2])
-@pytest.mark.parametrize("kind", ["mixture", "measured_like", "glossy_base"])
+@pytest.mark.parametrize("kind", ["mixture", "measured_like"])
 def test_mixture_weights_integrate_the_brdf_and_its_density(types, kind, theta):
     """The mean weight is the albedo, and the density integrates to the share that succeeds."""
     for mixture in drawn(types, kind, 6):

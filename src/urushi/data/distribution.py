@@ -19,15 +19,7 @@ from urushi.reference.table import BOTTOM_KINDS, StackTable
 MAX_COATS = 5
 
 #: The kinds of bottoms of isotropic stacks.
-BOTTOMS = (
-    "conductor",
-    "conductor_complex",
-    "dielectric",
-    "diffuse",
-    "mixture",
-    "measured_like",
-    "glossy_base",
-)
+BOTTOMS = ("conductor", "conductor_complex", "dielectric", "diffuse", "mixture", "measured_like")
 
 #: The kinds of bottoms of anisotropic stacks. Where a kind has two widths, they may be equal.
 ANISOTROPIC_BOTTOMS = (
@@ -108,8 +100,7 @@ class Extended(_Independent):
         bottom: "conductor" (Schlick's R0 = U(0, 1)), "conductor_complex" (eta = U(0.05, 3.5),
             k = U(0.5, 8), about the range of metals), "diffuse" (reflectance = U(0, 1)),
             "dielectric" (the reflection of a rough interface, eta by `indices`), "mixture" (see
-            `draws.mixture`), "measured_like" (see `draws.measured_like`) or "glossy_base" (see
-            `draws.glossy_base`).
+            `draws.mixture`) or "measured_like" (see `draws.measured_like`).
         indices: eta of coats and of "dielectric" bottoms: "common" (U(1.05, 2), as in Table 2),
             "whole" (all of [0.5, 3], see `draws.whole_eta`) or "low" (U(0.5, 0.96), for
             evaluation).
@@ -163,21 +154,6 @@ class Clear(Extended):
         """Draw n stacks."""
         table = super().sample(rng, n)
         table.sigma_t[:] = np.maximum(rng.uniform(-0.3, 0.3, table.sigma_t.shape), 0.0)
-        return table
-
-
-@dataclass(frozen=True)
-class Varnished(Extended):
-    """`Extended` with clear or tinted media, which absorb and do not scatter, such as OpenPBR's.
-
-    albedo = 0, sigma_t = max(0, U(-0.3, 1.2)).
-    """
-
-    def sample(self, rng: np.random.Generator, n: int) -> StackTable:
-        """Draw n stacks."""
-        table = super().sample(rng, n)
-        table.sigma_t[:] = np.maximum(rng.uniform(-0.3, 1.2, table.sigma_t.shape), 0.0)
-        table.albedo[:] = 0.0
         return table
 
 
@@ -261,7 +237,6 @@ _sources: dict[str, Any] = {
     "table2": Table2,
     "extended": Extended,
     "clear": Clear,
-    "varnished": Varnished,
     "anisotropic": Anisotropic,
 }
 

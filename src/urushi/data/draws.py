@@ -117,29 +117,6 @@ def measured_like(rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
     return columns
 
 
-def glossy_base(rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
-    """Columns of "glossy_base" bottoms: half dielectrics, a quarter metals, a quarter mixtures.
-
-    alpha = U(0.1, 1)^2, as OpenPBR's specular_roughness; eta = U(0.6, 1.9) without 0.98 to 1.02:
-    indices of 1.2 to 2 in air and below coats of 1 to 2. A third of the slabs are not rough. Half
-    of the tints are 1, the others U(0.2, 1), of metals U(0.5, 1).
-    """
-    kind = rng.integers(4, size=n)
-    eta = rng.uniform(0.6, 1.9, n)
-    least = np.where(kind < 2, 0.2, 0.5)
-    tint = np.where(rng.integers(2, size=n) == 0, 1.0, rng.uniform(least, 1))
-    rough = np.where(rng.integers(3, size=n) == 0, 0.0, rng.uniform(0, 1, n))
-    return {
-        "alpha": np.maximum(rng.uniform(0.1, 1, n) ** 2, MIN_ALPHA),
-        "eta": np.where(np.abs(eta - 1) < 0.02, 1.02, eta),
-        "tint": tint,
-        "color": rng.uniform(0, 1, n),
-        "roughness": rough,
-        "metalness": np.select([kind < 2, kind == 2], [0.0, 1.0], rng.uniform(0, 1, n)),
-        "f0": rng.uniform(0, 1, n),
-    }
-
-
 #: Columns of bottoms by kind: functions of a generator and a number of bottoms.
 DRAW_BOTTOM = {
     "conductor": lambda rng, n: {"alpha": draw_alpha(rng, n), "r0": rng.uniform(0.0, 1.0, n)},
@@ -151,5 +128,4 @@ DRAW_BOTTOM = {
     "diffuse": lambda rng, n: {"reflectance": rng.uniform(0.0, 1.0, n)},
     "mixture": mixture,
     "measured_like": measured_like,
-    "glossy_base": glossy_base,
 }

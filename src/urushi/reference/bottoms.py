@@ -10,7 +10,7 @@ from typing import Any, Protocol
 import drjit as dr
 
 from urushi.checks import Widths
-from urushi.physics import eon, fresnel, metal, microfacet
+from urushi.physics import fresnel, microfacet
 from urushi.physics.frame import reflect, square_to_cosine_hemisphere
 
 #: Least share of cosine-distributed samples of `MeasuredLike`.
@@ -230,71 +230,6 @@ class MeasuredLike:
         m = microfacet.sample_gtr(type(wi), alpha, gamma, u1, u2)
         cosine = square_to_cosine_hemisphere(type(wi), u1, u2)
         wo = dr.select(u0 < sum(self._shares), reflect(wi, m), cosine)
-        f, pdf = self.f_pdf(wi, wo)
-        return wo, dr.select(pdf > 0, f * wo.z / pdf, 0), pdf
-
-
-class GlossyBase:
-    """The base of OpenPBR: a metal, or a rough dielectric interface over a rough diffuse slab.
-
-    f = (1 - metalness) (tint GGX(alpha) F(eta) + slab) + metalness GGX(alpha) F82(f0, tint). The
-    slab is that of Portsmouth, Kutz and Hill (2025), seen along the refracted directions and
-    through the interface; what the interface returns to it is diffuse. Of rough interfaces the
-    share that passes is approximated. The parameters span shapes for training; the plugin `openpbr`
-    has the material.
-
-    Args:
-        alpha: GGX width of both lobes. eta: index of the interface, above or below one.
-        tint: factor of the dielectric's lobe, and of F82 at 82 degrees.
-        color, roughness: albedo and roughness of the slab.
-        metalness: share of the metal. f0: its reflectance at normal incidence.
-    """
-
-    def __init__(self, alpha, eta, tint, color, roughness, metalness, f0):
-        self._alpha, self._eta, self._tint = alpha, eta, tint
-        self._color, self._roughness = color, roughness
-        self._metalness, self._f0 = metalness, f0
-        # Egan and Hilgeman 1973: diffuse light from inside that the interface returns.
-        n = 1 / eta
-        denser = 0.668 + 0.0636 * eta + n * (0.710 - 1.440 * n)
-        thinner = -0.4399 + n * (0.7099 + n * (-0.3319 + 0.0636 * n))
-        self._internal = dr.clip(dr.select(eta > 1, denser, thinner), 0, 0.95)
-        self._share = dr.lerp(0.5, 0.9, metalness)
-
-    def f_pdf(self, wi, wo):
-        lobe, cos_m = microfacet.reflection_lobe(wi, wo, self._alpha)
-        cos_m = dr.abs(cos_m)
-        dielectric = self._tint * lobe * fresnel.dielectric(cos_m, self._eta)[0]
-        f = dr.lerp(
-            dielectric + self._slab(wi, wo),
-            lobe * dr.maximum(metal.f82(cos_m, self._f0, self._tint), 0),
-            self._metalness,
-        )
-        pdf = self._share * _visible_reflection_pdf(wi, wo, self._alpha)
-        pdf += (1 - self._share) * wo.z * dr.inv_pi
-        valid = (wi.z > 0) & (wo.z > 0)
-        return dr.select(valid, f, 0), dr.select(valid, pdf, 0)
-
-    def _slab(self, wi, wo):
-        eta, rough, color, inner = self._eta, self._roughness, self._color, self._internal
-        passed = [
-            1 - fresnel.dielectric(dr.lerp(w.z, 0.66, 0.5 * self._alpha), eta)[0] for w in (wi, wo)
-        ]
-        least = dr.select(eta < 1, 0.01, 0)
-        inside = [dr.sqrt(dr.maximum(1 - (1 - w.z * w.z) / (eta * eta), least)) for w in (wi, wo)]
-        most = dr.safe_sqrt((1 - dr.square(inside[0])) * (1 - dr.square(inside[1])))
-        along = dr.clip((wi.x * wo.x + wi.y * wo.y) / (eta * eta), -most, most)
-        cosines = eon.Cosines(inside[0], inside[1], along + inside[0] * inside[1])
-        f = eon.f(cosines, color, rough, dr)
-        ends = [eon.albedo(cosine, color, rough, dr) for cosine in inside]
-        mean = eon.mean_albedo(color, rough)
-        f += ends[0] * ends[1] * (inner * dr.inv_pi / (1 - mean * inner))
-        return f * passed[0] * passed[1] / (eta * eta)
-
-    def sample(self, wi, u0, u1, u2):
-        m = microfacet.sample_visible_normal(wi, self._alpha, u1, u2)
-        cosine = square_to_cosine_hemisphere(type(wi), u1, u2)
-        wo = dr.select(u0 < self._share, reflect(wi, m), cosine)
         f, pdf = self.f_pdf(wi, wo)
         return wo, dr.select(pdf > 0, f * wo.z / pdf, 0), pdf
 

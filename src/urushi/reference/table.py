@@ -66,10 +66,6 @@ BOTTOM_KINDS: dict[str, tuple[Any, tuple[str, ...]]] = {
             *(f"{name}_{k}" for k in (1, 2) for name in bottoms.LOBE_PARAMETERS),
         ),
     ),
-    "glossy_base": (
-        bottoms.GlossyBase,
-        ("alpha", "eta", "tint", "color", "roughness", "metalness", "f0"),
-    ),
 }
 
 

@@ -6,7 +6,6 @@ from urushi.geometry.probe_pairs import probe_pairs
 from urushi.nets import lobe as lobes
 from urushi.nets.architecture import Architecture
 from urushi.nets.lobe_fit import fit_lobes
-from urushi.physics import metal
 from urushi.reference import analytic
 
 #: Kinds of bottoms that are one lobe and nothing else.
@@ -19,8 +18,7 @@ BARE_LOBES = (
 def bottom_lobes(kind: str, bottom: np.ndarray, arch: Architecture) -> np.ndarray:
     """Lobes (S, L) of bottoms with the parameters (S, K), in the order of their kind.
 
-    Those of mixtures and of measured-like bottoms are fitted to their values, as `encode` does;
-    those of bases of OpenPBR are known, as in the plugin `openpbr`.
+    Those of mixtures and of measured-like bottoms are fitted to their values, as `encode` does.
     """
     columns = dict(zip(analytic.BOTTOM_KINDS[kind][1], bottom.T, strict=True))
     result = np.tile(np.array(lobes.no_lobe(arch.widths), np.float32), (len(bottom), 1))
@@ -32,44 +30,9 @@ def bottom_lobes(kind: str, bottom: np.ndarray, arch: Architecture) -> np.ndarra
         else:
             k = columns.get("k", np.zeros(len(bottom)))
             result[:, 3:6] = np.stack([np.ones(len(bottom)), columns["eta"], k], axis=-1)
-    elif kind == "glossy_base":
-        result = _glossy_lobes(columns)
     elif kind != "diffuse":
         result = fit_lobes(_values(kind, bottom, arch), arch.widths)
     return result
-
-
-def _glossy_lobes(columns: dict[str, np.ndarray]) -> np.ndarray:
-    """Lobes (S, 6) of "glossy_base" bottoms: the exact dielectric's, the metal's, or one of both.
-
-    A mixture has 0.9 of the greatest lobe of Schlick's form that is not above it; the rest keeps a
-    faint peak.
-    """
-    alpha, eta, tint = (columns[name] for name in ("alpha", "eta", "tint"))
-    share, f0 = columns["metalness"], columns["f0"]
-
-    def mixed(cosine: float) -> np.ndarray:
-        first = tint * lobes.fresnel(np.full_like(eta, cosine), eta, np.zeros_like(eta))
-        return (1 - share) * first + share * metal.f82(cosine, f0, tint)
-
-    normal, grazing = mixed(1.0), np.ones_like(f0)
-    for cosine in (0.6, 0.4, 0.25, 0.15, 0.05):
-        away = (1 - cosine) ** 5
-        grazing = np.minimum(grazing, (mixed(cosine) - normal * (1 - away)) / away)
-    normal, grazing = 0.9 * normal, 0.9 * np.maximum(grazing, 0.0)
-    is_dielectric, is_metal = share == 0, share == 1
-    zero = np.zeros_like(f0)
-    return np.stack(
-        [
-            alpha,
-            np.select([is_dielectric, is_metal], [zero, f0], normal),
-            np.select([is_dielectric, is_metal], [zero, tint], grazing),
-            np.where(is_dielectric, tint, 0.0),
-            np.where(is_dielectric, eta, lobes.NO_LOBE[4]),
-            zero,
-        ],
-        axis=-1,
-    ).astype(np.float32)
 
 
 def bottom_rest(kind: str, bottom: np.ndarray, own: np.ndarray, arch: Architecture) -> np.ndarray:

@@ -91,7 +91,7 @@ def default() -> Preset:
     sampling = Schedule(steps=8_000, warmup=200, learning_rate=0.01, checkpoint_every=4_000)
     return Preset(
         name="default",
-        data=whole_domain(0.36),
+        data=whole_domain(0.4),
         stages=(
             Joint(joint, stacks),
             Layering(_soap(8_192), coated, widen_from=(224, 224, 224)),
