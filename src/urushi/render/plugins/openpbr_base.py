@@ -8,8 +8,8 @@ import numpy as np
 
 from urushi.checks import Widths
 from urushi.nets.lobe import NO_LOBE
-from urushi.openpbr_surface import darkening, glossy, roughness
-from urushi.physics import eon, fresnel, metal, microfacet
+from urushi.openpbr_surface import darkening, roughness
+from urushi.physics import fresnel, metal, microfacet
 from urushi.physics.mixture import Mixture
 from urushi.render import spectrum
 from urushi.render.plugins.openpbr_albedo import (
@@ -19,6 +19,7 @@ from urushi.render.plugins.openpbr_albedo import (
     MirrorAlbedo,
 )
 from urushi.render.plugins.openpbr_film import FilmFresnel
+from urushi.render.plugins.openpbr_slab import RoughSlab, Slab
 from urushi.render.reading.openpbr_inputs import Inputs
 
 #: Least share of each lobe in the proposal.
@@ -35,9 +36,6 @@ INVERTED_BELOW = 0.3
 #: Greatest base_diffuse_roughness that networks encode. They have not learned what scatters further
 #: back, and darken it by up to 25 %; a coat hides most of the difference.
 ENCODED_DIFFUSE_ROUGHNESS = 0.5
-
-#: Least cosine of light in the slab below an interface that reflects totally.
-LEAST_COSINE = 0.1
 
 #: Cosines at which the lobe of a mixture is not above the mixture.
 SCHLICK_COSINES = (0.6, 0.4, 0.25, 0.15, 0.05)
@@ -110,6 +108,8 @@ def define(base: type) -> type:
                     inverted = None if rough is None else rough < INVERTED_BELOW
                     eta = None if inverted is None else 1 / eta if inverted else eta
             self._albedo = InterfaceAlbedo(eta)
+            if not inputs.is_constant("base_diffuse_roughness", 0):
+                self._slab = RoughSlab(eta)
             self._mirror, self._turning = MirrorAlbedo(), None
             if not inputs.is_constant("specular_roughness_anisotropy", 0):
                 self._mirror = AnisotropicMirror()
@@ -170,25 +170,7 @@ def define(base: type) -> type:
             rough = self._inputs.number("base_diffuse_roughness", si, active)
             if self._encoded:
                 rough = dr.minimum(rough, ENCODED_DIFFUSE_ROUGHNESS)
-            internal = dr.clip(glossy.internal_reflectance(mean, eta), 0, 0.999)
-            rho = glossy.slab_albedo(color, internal)
-            # The first reflection by the slab, along the refracted directions.
-            # Beyond total reflection, what rough facets pass runs close to the slab. Its cosine has
-            # a bound, because the BRDF of the slab has none where both directions are at grazing.
-            least = dr.select(eta < 1, LEAST_COSINE * LEAST_COSINE, 0)
-            inside = [
-                dr.sqrt(dr.maximum(1 - (1 - w.z * w.z) / (eta * eta), least)) for w in (si.wi, wo)
-            ]
-            most = dr.safe_sqrt((1 - dr.square(inside[0])) * (1 - dr.square(inside[1])))
-            along = (si.wi.x * wo.x + si.wi.y * wo.y) / (eta * eta)
-            along = dr.clip(along, -most, most)
-            cosines = eon.Cosines(inside[0], inside[1], along + inside[0] * inside[1])
-            f = eon.f(cosines, rho, rough, dr)
-            # Later ones: light that the interface returns is diffuse.
-            ends = [eon.albedo(cosine, rho, rough, dr) for cosine in inside]
-            mean_albedo = eon.mean_albedo(rho, rough)
-            f += ends[0] * ends[1] * (internal * dr.inv_pi / (1 - mean_albedo * internal))
-            return f * (passed / (eta * eta))
+            return self._slab.f(si.wi, wo, Slab(color, rough, alpha, eta, passed, mean))
 
         def _reflected(self, w, vertex):
             """Share of the light from a direction that the interface reflects."""
