@@ -90,30 +90,47 @@ def define(base: type) -> type:
             compensated: whether the coated base is completed, so that a metal's lobe is not scaled.
             """
             super().__init__(mi.Properties("openpbr_base"))
-            self._inputs = inputs
-            self._boosted = under_coat and not inputs.is_constant("coat_darkening", 1)
+            self._inputs, self._under_coat = inputs, under_coat
             self._encoded, self._compensated = encoded, compensated
+            self._configure()
+
+        def _configure(self):
+            """Leave out what parameters that are given as numbers do not need."""
+            inputs = self._inputs
+            self._version = inputs.version
+            self._boosted = self._under_coat and not inputs.is_constant("coat_darkening", 1)
             self._only_metal = inputs.is_constant("base_metalness", 1)
             self._only_dielectric = inputs.is_constant("base_metalness", 0)
-            self._film = None
+            self._film = self._slab = self._turning = None
             if not inputs.is_constant("thin_film_weight", 0):
                 self._film = FilmFresnel(inputs)
-            eta = None
-            if all(name in inputs.constants for name in INDICES):
-                values = [inputs.constants[name] for name in INDICES]
-                values[:2] = np.maximum(values[:2], roughness.LEAST_INDEX)
-                eta = float(roughness.base_index(*values))
-                if encoded and eta < 1:
-                    rough = inputs.constants.get("specular_roughness")
-                    inverted = None if rough is None else rough < INVERTED_BELOW
-                    eta = None if inverted is None else 1 / eta if inverted else eta
-            self._albedo = InterfaceAlbedo(eta)
+            eta = self._constant_eta()
+            self._albedo, self._mirror = InterfaceAlbedo(eta), MirrorAlbedo()
             if not inputs.is_constant("base_diffuse_roughness", 0):
                 self._slab = RoughSlab(eta)
-            self._mirror, self._turning = MirrorAlbedo(), None
             if not inputs.is_constant("specular_roughness_anisotropy", 0):
                 self._mirror = AnisotropicMirror()
                 self._turning = AnisotropicInterface(self._albedo, self._mirror)
+
+        def _constant_eta(self) -> float | None:
+            """The index relative to the medium above if it is constant."""
+            values = [self._inputs.known(name) for name in INDICES]
+            if any(value is None for value in values):
+                return None
+            values[:2] = np.maximum(values[:2], roughness.LEAST_INDEX)
+            eta = float(roughness.base_index(*values))
+            if self._encoded and eta < 1:
+                rough = self._inputs.known("specular_roughness")
+                if rough is None:
+                    return None
+                eta = 1 / eta if rough < INVERTED_BELOW else eta
+            return eta
+
+        def update(self) -> None:
+            """Make what was left out and is needed since parameters have changed."""
+            self._inputs.refresh()
+            if self._version != self._inputs.version:
+                self._configure()
 
         def _vertex(self, si, active) -> Vertex:
             inputs = self._inputs
@@ -165,7 +182,7 @@ def define(base: type) -> type:
                 )
                 mean = dr.clip(mean + more, 0, 1)
             passed, mean = (1 - reflected[0]) * (1 - reflected[1]), 1 - mean
-            if self._inputs.is_constant("base_diffuse_roughness", 0):
+            if self._slab is None:
                 return color * (passed * dr.inv_pi / mean)
             rough = self._inputs.number("base_diffuse_roughness", si, active)
             if self._encoded:
@@ -261,15 +278,18 @@ def define(base: type) -> type:
             return [list(c) for c in zip(*map(spectrum.to_channels, values), strict=True)]
 
         def below_coat(self, f, si, wo, active):
-            """f [1/sr] of networks for a coat over this base; see `FilmFresnel.below_coat`."""
-            if not self._film:
+            """f [1/sr] for a coat over this base, of networks with the film's change of colour.
+
+            See `FilmFresnel.below_coat`.
+            """
+            if not self._film or not self._encoded:
                 return f
             return self._film.below_coat(f, self._vertex(si, active), si, wo, active)
 
         def _alpha(self, si, active):
             """The GGX width, or `Widths` of an anisotropic interface."""
             rough = self._inputs.number("specular_roughness", si, active)
-            if self._inputs.is_constant("specular_roughness_anisotropy", 0):
+            if self._turning is None:
                 return roughness.lobe_width(rough, dr)
             bias = self._inputs.number("specular_roughness_anisotropy", si, active)
             return Widths(*roughness.lobe_widths(rough, bias, dr))
@@ -297,6 +317,7 @@ def define(base: type) -> type:
 
         def parameters_changed(self, keys):
             self._check_changeable()
+            self.update()
 
         def to_string(self):
             return "OpenPBRBase[]"

@@ -65,8 +65,10 @@ class Furnace:
             method `lost` gives it at cosines.
         """
         self._inputs = inputs
-        self._varying = [name for name in ROUGHNESSES if name not in inputs.constants]
-        twin, uv = _twin(inputs, metalness, encoded, weights, self._varying)
+        self._varying = [name for name in ROUGHNESSES if inputs.known(name) is None]
+        names = _SHARED if metalness else (*_SHARED, *_OF_DIELECTRICS)
+        self._shared = _values(inputs, [name for name in names if name not in self._varying])
+        twin, uv = _twin(self._shared, metalness, encoded, weights, self._varying)
         with dr.suspend_grad():
             measure = _encoded_losses if encoded else _sampled_losses
             losses = measure(twin, uv)
@@ -81,6 +83,11 @@ class Furnace:
         mean = (parts[0] @ weight)[..., None].astype(np.float32)
         self._mean = interpolated(mean) if self._varying else None
         self._constant_mean = float(mean.mean())
+
+    @property
+    def is_current(self) -> bool:
+        """Whether the parameters that the twin shares are still the same."""
+        return _values(self._inputs, list(self._shared)) == self._shared
 
     def vertex(self, si, active) -> "FurnaceVertex":
         """What depends on the position and on wi alone."""
@@ -98,16 +105,20 @@ class Furnace:
         return vertex.lost * lost, dr.rsqrt(vertex.excess * (1 + excess))
 
 
-def _twin(
-    inputs: Inputs, metalness: float, encoded: bool, weights: str, varying: list[str]
-) -> tuple["mi.BSDF", np.ndarray]:
-    """The white twin, and the points of uv (N, 2) of the nodes of the table, by rows."""
+def _values(inputs: Inputs, names: list[str]) -> dict[str, float]:
+    """The values of parameters in the middle of uv."""
     si = dr.zeros(mi.SurfaceInteraction3f)
     si.uv = mi.Point2f(0.5)
+    with dr.suspend_grad():
+        return {n: float(inputs.number(n, si, mi.Bool(True)).numpy()[0]) for n in names}
+
+
+def _twin(
+    shared: dict[str, float], metalness: float, encoded: bool, weights: str, varying: list[str]
+) -> tuple["mi.BSDF", np.ndarray]:
+    """The white twin, and the points of uv (N, 2) of the nodes of the table, by rows."""
     white = {"type": "rgb", "value": [1.0, 1.0, 1.0]}
-    names = _SHARED if metalness else (*_SHARED, *_OF_DIELECTRICS)
-    shared = {name: inputs.number(name, si, mi.Bool(True)).numpy()[0] for name in names}
-    twin: dict[str, Any] = {name: float(value) for name, value in shared.items()}
+    twin: dict[str, Any] = dict(shared)
     nodes = np.linspace(0, 1, NODES, dtype=np.float32)
     grid = np.meshgrid(*[nodes] * len(varying), indexing="ij") if varying else []
     for name, values in zip(varying, grid, strict=True):
