@@ -7,6 +7,7 @@ import urushi
 from urushi.openpbr_surface import (
     anisotropic_albedo,
     darkening,
+    facet_rule,
     glossy,
     interface_albedo,
     medium,
@@ -128,6 +129,20 @@ def test_the_excess_of_a_rough_slab_is_its_integral(eta):
             found = np.pi * mean(passed * f) / mean(passed) - 1
             # Some 0.003 of the quadrature, of which EON's peak at grazing angles is narrow.
             assert found == pytest.approx(eon.deviation(sigma) * slab.excess[0, row, k], abs=0.003)
+
+
+def test_few_facets_have_the_moments_of_all():
+    """Gauss rules of three nodes are exact to the fifth power of the cosine to the facet."""
+    alphas, cosine = interface_albedo.nodes()
+    rules = facet_rule.rules()
+    for row in (0, 8, 15):
+        facets, weight = interface_albedo.seen_facets(alphas[row], cosine)
+        seen = weight.sum(-1)
+        assert np.allclose(seen, interface_albedo.mirror_tables().albedo[row], rtol=1e-6)
+        for power in range(6):
+            expected = (weight * facets**power).sum(-1) / seen
+            found = (rules.weights[row] * rules.cosines[row] ** power).sum(-1)
+            assert np.allclose(found, expected, rtol=1e-4, atol=1e-6)
 
 
 @pytest.mark.parametrize("eta", [1.3, 1.5, 0.9375])

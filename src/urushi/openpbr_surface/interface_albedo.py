@@ -154,6 +154,18 @@ def facet_mean(values: np.ndarray) -> np.ndarray:
     return values @ (weight / weight.sum())
 
 
+def seen_facets(alpha: float, cosine: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Facets of a GGX width from directions of given cosines (N,).
+
+    Returns:
+        Their cosines to the direction (N, K), and the shares (N, K) of its light that they would
+        reflect out if they reflected all; their sum is the albedo of `mirror_tables`.
+    """
+    wi, m, cos_m = _visible_facets(alpha, cosine)
+    weight = facet_nodes()[1] ** (2 / 3)
+    return cos_m, _masking(2 * cos_m * m[..., 2] - wi[2], alpha) * (weight / weight.sum())
+
+
 def _visible_facets(alpha: float, cosine: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Facets seen from directions of given cosines, at `facet_nodes`: wi, m (N, K, 3), wi.m.
 

@@ -20,7 +20,12 @@ RANGES = {
     "specular_roughness_anisotropy": (0, 0.9),
     "base_metalness": (0, 1),
     "base_diffuse_roughness": (0, 1),
+    "thin_film_thickness": (0, 1),
+    "thin_film_ior": (1.2, 2.4),
 }
+
+#: A film of which index and thickness vary.
+FILM = ("thin_film_thickness", "thin_film_ior")
 
 
 def drawn(names, seed):
@@ -62,6 +67,7 @@ def albedos(bsdf, cosine, uv, samples):
         (("specular_roughness", "specular_ior"), {"base_diffuse_roughness": 1.0}, 0.003),
         (("specular_roughness",), {"base_diffuse_roughness": 1.0, "specular_ior": 1.0}, 0.005),
         (("specular_roughness",), {"base_diffuse_roughness": 1.0, "specular_ior": 0.9}, 0.015),
+        (("specular_roughness", *FILM), {"thin_film_weight": 1.0}, 0.005),
     ],
 )
 def test_a_white_base_reflects_all_light(names, constants, tolerance):

@@ -178,7 +178,7 @@ def define(base: type) -> type:
                         reflected[i] + self._mirror.seen(w, vertex.widths) * more, 0, 1
                     )
                 more = self._mirror.seen_mean(vertex.widths) * self._film.mean_excess(
-                    eta, si, active
+                    alpha, eta, si, active
                 )
                 mean = dr.clip(mean + more, 0, 1)
             passed, mean = (1 - reflected[0]) * (1 - reflected[1]), 1 - mean
