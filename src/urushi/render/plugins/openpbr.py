@@ -52,6 +52,10 @@ def define(proposal_bsdf: type):
         Light is emitted by the emitter ``openpbr_emission``. Reflects on the front side only: nest
         it in ``twosided`` for both sides.
 
+        A number that ``mi.traverse`` changes counts as a texture from then on: what was left out
+        because of it, a coat or fuzz of weight zero for instance, is made. A coat follows all
+        changes of its base, and the compensation is measured again where it depends on them.
+
         Where the coat's index exceeds the base's, light in the coat is reflected totally by the
         base. Networks take the inverse ratio below a specular_roughness of 0.3, and a
         base_diffuse_roughness of at most 0.5.
