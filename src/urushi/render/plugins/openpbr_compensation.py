@@ -67,8 +67,8 @@ class Compensation:
 
     A loss 1 - A(w) returns as (1 - A(wi)) (1 - A(wo)) / (pi (1 - A_mean)), as in Kulla and Conty
     2017, in the colour of the coated base. The interface's loss over a diffuse base is in tables.
-    That over a metal, and the deviation of the networks from one over either, are measured; the
-    networks' excess over one divides f.
+    That over a metal, and the deviation of the networks from one over either, are measured. Over a
+    dielectric the deviation is a lobe of either sign; over a metal the excess over one divides f.
     """
 
     def __init__(self, inputs: Inputs, encoded: bool, weights: str):
@@ -134,11 +134,9 @@ class Compensation:
         if not self._only_metal:
             lobe = mi.Spectrum(coat)
             if self._dielectric:
-                more, factor = self._dielectric.lobe_and_factor(vertex.dielectric, wo)
-                lobe += vertex.white * more
-                f = f * (1 - (1 - share) * vertex.white * (1 - factor))
+                lobe += vertex.white * self._dielectric.beyond_known(vertex.dielectric, wo)
             seen = vertex.f0 + (1 - vertex.f0) * tint * vertex.below
-            f = f + (1 - share) * seen * lobe
+            f = dr.maximum(f + (1 - share) * seen * lobe, 0)
         if not self._only_dielectric:
             lobe = coat
             if self._metal:

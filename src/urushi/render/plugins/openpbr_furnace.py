@@ -35,8 +35,9 @@ class FurnaceVertex(NamedTuple):
 
     Attributes:
         at: coordinates in the table besides the cosine, its last axis first.
-        lost: what is lost at wi, over pi times its mean.
-        excess: one and what is too much at wi.
+        lost: what is lost at wi, over pi times its mean; with a known part, what is lost beyond it
+            less its mean.
+        excess: one and what is too much at wi; with a known part, ().
     """
 
     at: list
@@ -80,7 +81,9 @@ class Furnace:
         root = np.linspace(0, 1, COSINES)
         weight = 4 * root**3 / (COSINES - 1)  # of 2 cos dcos
         weight[-1] /= 2
-        mean = (parts[0] @ weight)[..., None].astype(np.float32)
+        self._signed = known is not None
+        given = losses if self._signed else parts[0]
+        mean = (given @ weight)[..., None].astype(np.float32)
         self._mean = interpolated(mean) if self._varying else None
         self._constant_mean = float(mean.mean())
 
@@ -94,7 +97,18 @@ class Furnace:
         at = [self._inputs.number(name, si, active) for name in reversed(self._varying)]
         lost, excess = self._deviations([dr.safe_sqrt(si.wi.z), *at])
         mean = mi.Float(self._constant_mean) if self._mean is None else self._mean(at)[0]
+        if self._signed:
+            return FurnaceVertex(at, lost - excess - mean, ())
         return FurnaceVertex(at, lost / dr.maximum(dr.pi * mean, 1e-5), 1 + excess)
+
+    def beyond_known(self, vertex: "FurnaceVertex", wo):
+        """The lobe [1/sr] of what is lost beyond the known part, negative where too much returns.
+
+        (L(wi) + L(wo) - mean L) / pi, whose integral over wo is L(wi). Small beside f, which a
+        dielectric base has in all directions.
+        """
+        lost, excess = self._deviations([dr.safe_sqrt(wo.z), *vertex.at])
+        return dr.inv_pi * (vertex.lost + lost - excess)
 
     def lobe_and_factor(self, vertex: "FurnaceVertex", wo) -> tuple:
         """The lobe [1/sr] of the light that is given back, and the factor on f.
