@@ -22,6 +22,8 @@ RANGES = {
     "specular_ior": (1.1, 2.5),
     "specular_roughness_anisotropy": (0.0, 0.9),
     "base_diffuse_roughness": (0.0, 1.0),
+    "thin_film_ior": (1.2, 2.4),
+    "thin_film_thickness": (0.0, 1.0),
     "coat_roughness": (0.0, 1.0),
     "coat_ior": (1.1, 2.5),
 }
@@ -35,7 +37,11 @@ BASES: dict[str, tuple[tuple[str, ...], dict[str, Any]]] = {
     "anisotropic metal": ((*INDEX[:1], ANISOTROPY), METAL),
     "rough slab": ((*INDEX, "base_diffuse_roughness"), {}),
     "index 0.7": (INDEX[:1], {"specular_ior": 0.7}),
-    "film": (INDEX[:1], {"thin_film_weight": 1.0, "thin_film_ior": 1.8}),
+    "index 0.7, rough slab": (INDEX[:1], {"specular_ior": 0.7, "base_diffuse_roughness": 1.0}),
+    "film": (
+        (*INDEX[:1], "thin_film_ior", "thin_film_thickness"),
+        {"thin_film_weight": 1.0},
+    ),
 }
 
 

@@ -52,7 +52,7 @@ def tables() -> Tables:
             widths = alpha * (1 + ratio), alpha * (1 - ratio)
             values = [_albedo(widths, cosine, azimuth) for azimuth in _AZIMUTHS]
             albedo[i, j] = (fit @ np.stack(values)).T
-    mean = interface_albedo.hemisphere_mean(albedo[..., 0], cosine)
+    mean = interface_albedo.hemisphere_mean(albedo[..., 0])
     return Tables(albedo.astype(np.float32), mean.astype(np.float32))
 
 

@@ -27,12 +27,14 @@ class Tables(NamedTuple):
     Attributes:
         reflected, passed: (I, ROUGHNESSES, COSINES) of the light from above.
         reflected_mean, passed_mean: (I, ROUGHNESSES) their cosine-weighted means.
+        inside: (I, ROUGHNESSES, COSINES) mean cosine below the interface of what is passed.
     """
 
     reflected: np.ndarray
     passed: np.ndarray
     reflected_mean: np.ndarray
     passed_mean: np.ndarray
+    inside: np.ndarray
 
 
 class MirrorTables(NamedTuple):
@@ -76,7 +78,7 @@ def tables(eta: float | None = None) -> Tables:
     alphas, cosine = nodes()
     etas = indexnodes() if eta is None else np.array([eta])
     reflected = np.empty((len(etas), ROUGHNESSES, COSINES))
-    passed = np.empty_like(reflected)
+    passed, inside = np.empty_like(reflected), np.empty_like(reflected)
     for j, alpha in enumerate(alphas):
         wi, m, cos_m = _visible_facets(alpha, cosine)
         masking = _masking(2 * cos_m * m[..., 2] - wi[2], alpha)
@@ -84,8 +86,11 @@ def tables(eta: float | None = None) -> Tables:
             reflectance, cos_t = _fresnel(cos_m, index)
             reflected[i, j] = facet_mean(reflectance * masking)
             below = (wi[2] - cos_m * m[..., 2]) / index + cos_t * m[..., 2]
-            passed[i, j] = facet_mean((1 - reflectance) * _masking(below, alpha))
-    arrays = reflected, passed, hemisphere_mean(reflected, cosine), hemisphere_mean(passed, cosine)
+            share = (1 - reflectance) * _masking(below, alpha)
+            passed[i, j] = facet_mean(share)
+            inside[i, j] = facet_mean(share * below) / np.maximum(passed[i, j], 1e-12)
+    means = (hemisphere_mean(table) for table in (reflected, passed))
+    arrays = reflected, passed, *means, inside
     return Tables(*(array.astype(np.float32) for array in arrays))
 
 
@@ -97,7 +102,7 @@ def mirror_tables() -> MirrorTables:
     for j, alpha in enumerate(alphas):
         wi, m, cos_m = _visible_facets(alpha, cosine)
         albedo[j] = facet_mean(_masking(2 * cos_m * m[..., 2] - wi[2], alpha))
-    return MirrorTables(*(x.astype(np.float32) for x in (albedo, hemisphere_mean(albedo, cosine))))
+    return MirrorTables(*(x.astype(np.float32) for x in (albedo, hemisphere_mean(albedo))))
 
 
 def nodes() -> tuple[np.ndarray, np.ndarray]:
@@ -106,23 +111,28 @@ def nodes() -> tuple[np.ndarray, np.ndarray]:
     return roughness**2, np.maximum(np.linspace(0, 1, COSINES) ** 2, 1e-5)
 
 
-def hemisphere_mean(table: np.ndarray, cosine: np.ndarray) -> np.ndarray:
-    """2 times the integral of a table times the cosine over [0, 1].
+def hemisphere_mean(table: np.ndarray) -> np.ndarray:
+    """2 times the integral of a table (..., COSINES) times the cosine over [0, 1].
 
     Exact for tables that are linear in the root between the nodes, as they are interpolated.
     """
-    root = np.sqrt(cosine)
-    root[0] = 0
+    values, weight = between_nodes(table)
+    return values @ weight
+
+
+def between_nodes(table: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """A table (..., COSINES) at the points of a quadrature, (..., K), and their weights (K,).
+
+    The weights are those of `hemisphere_mean`, of sum one. The mean of a product of tables is that
+    of the product of their values here.
+    """
+    root = np.linspace(0, 1, table.shape[-1])
     points, weights = np.polynomial.legendre.leggauss(4)
-    total = np.zeros(table.shape[:-1])
-    for k in range(len(root) - 1):
-        width = root[k + 1] - root[k]
-        for node, weight in zip(points, weights, strict=True):
-            t = 0.5 * (node + 1)
-            x = root[k] + t * width
-            value = table[..., k] * (1 - t) + table[..., k + 1] * t
-            total += 0.5 * weight * width * value * 4 * x**3
-    return total
+    t = 0.5 * (points + 1)
+    x = (root[:-1, None] + t * root[1]).ravel()
+    values = table[..., :-1, None] * (1 - t) + table[..., 1:, None] * t
+    weight = 2 * root[1] * np.tile(weights, len(root) - 1) * x**3
+    return values.reshape(*table.shape[:-1], -1), weight
 
 
 @functools.cache
@@ -142,6 +152,18 @@ def facet_mean(values: np.ndarray) -> np.ndarray:
     """The mean over visible facets of values (..., K) at `facet_nodes`."""
     weight = facet_nodes()[1] ** (2 / 3)  # of the root, whose cube the height is
     return values @ (weight / weight.sum())
+
+
+def seen_facets(alpha: float, cosine: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Facets of a GGX width from directions of given cosines (N,).
+
+    Returns:
+        Their cosines to the direction (N, K), and the shares (N, K) of its light that they would
+        reflect out if they reflected all; their sum is the albedo of `mirror_tables`.
+    """
+    wi, m, cos_m = _visible_facets(alpha, cosine)
+    weight = facet_nodes()[1] ** (2 / 3)
+    return cos_m, _masking(2 * cos_m * m[..., 2] - wi[2], alpha) * (weight / weight.sum())
 
 
 def _visible_facets(alpha: float, cosine: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

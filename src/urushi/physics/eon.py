@@ -42,6 +42,28 @@ def single_mean(roughness: Any) -> Any:
     return (1 + _SECOND * roughness) / (1 + _FIRST * roughness)
 
 
+def single_over_azimuths(i: Any, o: Any, roughness: Any, xp: Any = np) -> Any:
+    """The single-scattering term times pi for a facet albedo of one, its mean over the azimuth.
+
+    Args:
+        i, o: cosines to the normal, in [0, 1].
+        roughness: base_diffuse_roughness, in [0, 1].
+        xp: the module of the arrays' functions, NumPy or drjit.
+    """
+    sines2 = xp.maximum(1 - i * i, 0) * xp.maximum(1 - o * o, 0)
+    larger = xp.maximum(xp.maximum(i, o), 1e-7)
+    shape = xp.sqrt(sines2) * (1 / larger - 1) / math.pi
+    return (1 + roughness * shape) / (1 + _FIRST * roughness)
+
+
+def deviation(roughness: Any) -> Any:
+    """How far the BRDF is from a Lambertian one: roughness / (1 + c roughness), over that of one.
+
+    Integrals over directions of what the BRDF for a colour of one differs are proportional to it.
+    """
+    return roughness * ((1 + _FIRST) / (1 + _FIRST * roughness))
+
+
 def multiple_albedo(color: Any, roughness: Any) -> Any:
     """The albedo of light that is scattered more than once, in proportion to what the term lost."""
     mean = single_mean(roughness)

@@ -9,6 +9,7 @@ from urushi.errors import ParameterError
 from urushi.openpbr_surface import medium, roughness
 from urushi.render.plugins import openpbr_base, openpbr_surface
 from urushi.render.plugins.openpbr_compensation import Compensation
+from urushi.render.plugins.openpbr_surface import Layers
 from urushi.render.reading.openpbr_inputs import Inputs, derived
 
 #: Plugins of the coat: by networks, and by walks.
@@ -51,6 +52,10 @@ def define(proposal_bsdf: type):
         Light is emitted by the emitter ``openpbr_emission``. Reflects on the front side only: nest
         it in ``twosided`` for both sides.
 
+        A number that ``mi.traverse`` changes counts as a texture from then on: what was left out
+        because of it, a coat or fuzz of weight zero for instance, is made. A coat follows all
+        changes of its base, and the compensation is measured again where it depends on them.
+
         Where the coat's index exceeds the base's, light in the coat is reflected totally by the
         base. Networks take the inverse ratio below a specular_roughness of 0.3, and a
         base_diffuse_roughness of at most 0.5.
@@ -77,22 +82,16 @@ def define(proposal_bsdf: type):
         reference = _is_reference(props)
         compensated = bool(props.get("energy_compensation", True))
         _warn_of_mirrors(inputs)
-        base = below = coated = None
-        if not inputs.is_constant("coat_weight", 1):
-            base = base_class(inputs, False, False, False)
-        if not inputs.is_constant("coat_weight", 0):
-            below = base_class(inputs, True, not reference, compensated)
-            coat = _coat(inputs, below, "layered" if reference else "neural_layered")
-            if not reference:
-                coat |= {name: props[name] for name in ("resolution", "weights") if name in props}
-            coated = mi.load_dict(coat)
+        coat = {name: props[name] for name in ("resolution", "weights") if name in props}
+        coat["type"] = "layered" if reference else "neural_layered"
         for name in ("resolution", "weights"):
             if name in props:
                 props.mark_queried(name)
-        compensation = None
-        if compensated and coated is not None:
-            compensation = Compensation(inputs, not reference, str(props.get("weights", "")))
-        bsdf = surface_class(inputs, base, coated, compensation, None if reference else below)
+
+        def layers(former: Layers | None) -> Layers:
+            return _layers(inputs, base_class, compensated, coat, former)
+
+        bsdf = surface_class(inputs, layers)
         if "geometry_normal" in inputs.maps:
             bsdf = mi.load_dict(
                 {"type": "normalmap", "normalmap": inputs.maps["geometry_normal"], "bsdf": bsdf}
@@ -115,9 +114,41 @@ def _is_reference(props: "mi.Properties") -> bool:
     return bool(value)
 
 
-def _coat(inputs: Inputs, below: "mi.BSDF", plugin: str) -> dict[str, Any]:
-    """The coat over the base as a dictionary of a plugin."""
-    coat: dict[str, Any] = {"type": plugin, "ext_ior": 1.0, "bottom": below}
+def _layers(
+    inputs: Inputs, base_class: type, compensated: bool, coat: dict[str, Any], former: Layers | None
+) -> Layers:
+    """The layers that the parameters need, as much of former ones as still serves.
+
+    coat: type and options of the coat's plugin.
+    """
+    encoded = coat["type"] == "neural_layered"
+    base = below = coated = compensation = kind = None
+    if former is not None:
+        base, below, coated, compensation, kind = former
+        for part in (base, below):
+            if part is not None:
+                part.update()
+    if base is None and not inputs.is_constant("coat_weight", 1):
+        base = base_class(inputs, False, False, False)
+    if not inputs.is_constant("coat_weight", 0):
+        if below is None:
+            below = base_class(inputs, True, encoded, compensated)
+        present = (
+            inputs.is_constant("coat_roughness_anisotropy", 0),
+            inputs.known("coat_ior"),
+            inputs.is_constant("coat_color", 1),
+        )
+        if coated is None or kind != present:
+            options = coat if encoded else {"type": coat["type"]}
+            coated, kind = mi.load_dict(_coat(inputs, below) | options), present
+        if compensated:
+            compensation = Compensation(inputs, encoded, str(coat.get("weights", "")))
+    return Layers(base, below, coated, compensation, kind)
+
+
+def _coat(inputs: Inputs, below: "mi.BSDF") -> dict[str, Any]:
+    """The coat over the base as a dictionary of a plugin, without its type."""
+    coat: dict[str, Any] = {"ext_ior": 1.0, "bottom": below}
     names = "coat_roughness", "coat_roughness_anisotropy"
     if inputs.is_constant(names[1], 0):
         coat["alpha"] = derived(inputs, names[:1], lambda r: roughness.lobe_width(r, dr))
@@ -126,8 +157,8 @@ def _coat(inputs: Inputs, below: "mi.BSDF", plugin: str) -> dict[str, Any]:
             coat[name] = derived(
                 inputs, names, lambda r, a, i=i: roughness.lobe_widths(r, a, dr)[i]
             )
-    if "coat_ior" in inputs.constants:
-        coat["int_ior"] = float(roughness.interface_index(inputs.constants["coat_ior"]))
+    if inputs.known("coat_ior") is not None:
+        coat["int_ior"] = float(roughness.interface_index(inputs.known("coat_ior")))
     else:
         coat["int_ior"] = inputs.textures["coat_ior"]
     if not inputs.is_constant("coat_color", 1):

@@ -46,10 +46,7 @@ class InterfaceAlbedo:
         return _texture(table[0] if self._constant else table)
 
     def _at(self, cosine, alpha, eta) -> list:
-        """Coordinates in [0, 1] of a look-up, the last axis of the tables first."""
-        at = [] if cosine is None else [dr.safe_sqrt(cosine)]
-        index = [] if self._constant else [tables.index_coordinate(eta, dr)]
-        return [*at, tables.roughness_coordinate(alpha, dr), *index]
+        return coordinates(cosine, alpha, None if self._constant else eta)
 
 
 class MirrorAlbedo:
@@ -160,6 +157,16 @@ def _width_along(widths, cosine2):
     """The width along a direction whose azimuth has a cosine of a given square."""
     along, across = dr.square(widths.u), dr.square(widths.v)
     return dr.sqrt(across + (along - across) * cosine2)
+
+
+def coordinates(cosine, alpha, eta) -> list:
+    """Coordinates in [0, 1] of a look-up in tables of `interface_albedo`, their last axis first.
+
+    cosine, eta: None in tables without their axis.
+    """
+    at = [] if cosine is None else [dr.safe_sqrt(cosine)]
+    index = [] if eta is None else [tables.index_coordinate(eta, dr)]
+    return [*at, tables.roughness_coordinate(alpha, dr), *index]
 
 
 def interpolated(table: np.ndarray) -> Callable[[list], list]:

@@ -8,8 +8,8 @@ import numpy as np
 
 from urushi.checks import Widths
 from urushi.nets.lobe import NO_LOBE
-from urushi.openpbr_surface import darkening, glossy, roughness
-from urushi.physics import eon, fresnel, metal, microfacet
+from urushi.openpbr_surface import darkening, roughness
+from urushi.physics import fresnel, metal, microfacet
 from urushi.physics.mixture import Mixture
 from urushi.render import spectrum
 from urushi.render.plugins.openpbr_albedo import (
@@ -19,6 +19,7 @@ from urushi.render.plugins.openpbr_albedo import (
     MirrorAlbedo,
 )
 from urushi.render.plugins.openpbr_film import FilmFresnel
+from urushi.render.plugins.openpbr_slab import RoughSlab, Slab
 from urushi.render.reading.openpbr_inputs import Inputs
 
 #: Least share of each lobe in the proposal.
@@ -35,9 +36,6 @@ INVERTED_BELOW = 0.3
 #: Greatest base_diffuse_roughness that networks encode. They have not learned what scatters further
 #: back, and darken it by up to 25 %; a coat hides most of the difference.
 ENCODED_DIFFUSE_ROUGHNESS = 0.5
-
-#: Least cosine of light in the slab below an interface that reflects totally.
-LEAST_COSINE = 0.1
 
 #: Cosines at which the lobe of a mixture is not above the mixture.
 SCHLICK_COSINES = (0.6, 0.4, 0.25, 0.15, 0.05)
@@ -92,28 +90,47 @@ def define(base: type) -> type:
             compensated: whether the coated base is completed, so that a metal's lobe is not scaled.
             """
             super().__init__(mi.Properties("openpbr_base"))
-            self._inputs = inputs
-            self._boosted = under_coat and not inputs.is_constant("coat_darkening", 1)
+            self._inputs, self._under_coat = inputs, under_coat
             self._encoded, self._compensated = encoded, compensated
+            self._configure()
+
+        def _configure(self):
+            """Leave out what parameters that are given as numbers do not need."""
+            inputs = self._inputs
+            self._version = inputs.version
+            self._boosted = self._under_coat and not inputs.is_constant("coat_darkening", 1)
             self._only_metal = inputs.is_constant("base_metalness", 1)
             self._only_dielectric = inputs.is_constant("base_metalness", 0)
-            self._film = None
+            self._film = self._slab = self._turning = None
             if not inputs.is_constant("thin_film_weight", 0):
                 self._film = FilmFresnel(inputs)
-            eta = None
-            if all(name in inputs.constants for name in INDICES):
-                values = [inputs.constants[name] for name in INDICES]
-                values[:2] = np.maximum(values[:2], roughness.LEAST_INDEX)
-                eta = float(roughness.base_index(*values))
-                if encoded and eta < 1:
-                    rough = inputs.constants.get("specular_roughness")
-                    inverted = None if rough is None else rough < INVERTED_BELOW
-                    eta = None if inverted is None else 1 / eta if inverted else eta
-            self._albedo = InterfaceAlbedo(eta)
-            self._mirror, self._turning = MirrorAlbedo(), None
+            eta = self._constant_eta()
+            self._albedo, self._mirror = InterfaceAlbedo(eta), MirrorAlbedo()
+            if not inputs.is_constant("base_diffuse_roughness", 0):
+                self._slab = RoughSlab(eta)
             if not inputs.is_constant("specular_roughness_anisotropy", 0):
                 self._mirror = AnisotropicMirror()
                 self._turning = AnisotropicInterface(self._albedo, self._mirror)
+
+        def _constant_eta(self) -> float | None:
+            """The index relative to the medium above if it is constant."""
+            values = [self._inputs.known(name) for name in INDICES]
+            if any(value is None for value in values):
+                return None
+            values[:2] = np.maximum(values[:2], roughness.LEAST_INDEX)
+            eta = float(roughness.base_index(*values))
+            if self._encoded and eta < 1:
+                rough = self._inputs.known("specular_roughness")
+                if rough is None:
+                    return None
+                eta = 1 / eta if rough < INVERTED_BELOW else eta
+            return eta
+
+        def update(self) -> None:
+            """Make what was left out and is needed since parameters have changed."""
+            self._inputs.refresh()
+            if self._version != self._inputs.version:
+                self._configure()
 
         def _vertex(self, si, active) -> Vertex:
             inputs = self._inputs
@@ -161,34 +178,16 @@ def define(base: type) -> type:
                         reflected[i] + self._mirror.seen(w, vertex.widths) * more, 0, 1
                     )
                 more = self._mirror.seen_mean(vertex.widths) * self._film.mean_excess(
-                    eta, si, active
+                    alpha, eta, si, active
                 )
                 mean = dr.clip(mean + more, 0, 1)
             passed, mean = (1 - reflected[0]) * (1 - reflected[1]), 1 - mean
-            if self._inputs.is_constant("base_diffuse_roughness", 0):
+            if self._slab is None:
                 return color * (passed * dr.inv_pi / mean)
             rough = self._inputs.number("base_diffuse_roughness", si, active)
             if self._encoded:
                 rough = dr.minimum(rough, ENCODED_DIFFUSE_ROUGHNESS)
-            internal = dr.clip(glossy.internal_reflectance(mean, eta), 0, 0.999)
-            rho = glossy.slab_albedo(color, internal)
-            # The first reflection by the slab, along the refracted directions.
-            # Beyond total reflection, what rough facets pass runs close to the slab. Its cosine has
-            # a bound, because the BRDF of the slab has none where both directions are at grazing.
-            least = dr.select(eta < 1, LEAST_COSINE * LEAST_COSINE, 0)
-            inside = [
-                dr.sqrt(dr.maximum(1 - (1 - w.z * w.z) / (eta * eta), least)) for w in (si.wi, wo)
-            ]
-            most = dr.safe_sqrt((1 - dr.square(inside[0])) * (1 - dr.square(inside[1])))
-            along = (si.wi.x * wo.x + si.wi.y * wo.y) / (eta * eta)
-            along = dr.clip(along, -most, most)
-            cosines = eon.Cosines(inside[0], inside[1], along + inside[0] * inside[1])
-            f = eon.f(cosines, rho, rough, dr)
-            # Later ones: light that the interface returns is diffuse.
-            ends = [eon.albedo(cosine, rho, rough, dr) for cosine in inside]
-            mean_albedo = eon.mean_albedo(rho, rough)
-            f += ends[0] * ends[1] * (internal * dr.inv_pi / (1 - mean_albedo * internal))
-            return f * (passed / (eta * eta))
+            return self._slab.f(si.wi, wo, Slab(color, rough, alpha, eta, passed, mean))
 
         def _reflected(self, w, vertex):
             """Share of the light from a direction that the interface reflects."""
@@ -279,15 +278,18 @@ def define(base: type) -> type:
             return [list(c) for c in zip(*map(spectrum.to_channels, values), strict=True)]
 
         def below_coat(self, f, si, wo, active):
-            """f [1/sr] of networks for a coat over this base; see `FilmFresnel.below_coat`."""
-            if not self._film:
+            """f [1/sr] for a coat over this base, of networks with the film's change of colour.
+
+            See `FilmFresnel.below_coat`.
+            """
+            if not self._film or not self._encoded:
                 return f
             return self._film.below_coat(f, self._vertex(si, active), si, wo, active)
 
         def _alpha(self, si, active):
             """The GGX width, or `Widths` of an anisotropic interface."""
             rough = self._inputs.number("specular_roughness", si, active)
-            if self._inputs.is_constant("specular_roughness_anisotropy", 0):
+            if self._turning is None:
                 return roughness.lobe_width(rough, dr)
             bias = self._inputs.number("specular_roughness_anisotropy", si, active)
             return Widths(*roughness.lobe_widths(rough, bias, dr))
@@ -315,6 +317,7 @@ def define(base: type) -> type:
 
         def parameters_changed(self, keys):
             self._check_changeable()
+            self.update()
 
         def to_string(self):
             return "OpenPBRBase[]"

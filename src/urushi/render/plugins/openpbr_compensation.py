@@ -67,8 +67,8 @@ class Compensation:
 
     A loss 1 - A(w) returns as (1 - A(wi)) (1 - A(wo)) / (pi (1 - A_mean)), as in Kulla and Conty
     2017, in the colour of the coated base. The interface's loss over a diffuse base is in tables.
-    That over a metal, and the deviation of the networks from one over either, are measured; the
-    networks' excess over one divides f.
+    That over a metal, and the deviation of the networks from one over either, are measured. Over a
+    dielectric the deviation is a lobe of either sign; over a metal the excess over one divides f.
     """
 
     def __init__(self, inputs: Inputs, encoded: bool, weights: str):
@@ -79,6 +79,7 @@ class Compensation:
         self._inputs = inputs
         self._only_metal = inputs.is_constant("base_metalness", 1)
         self._only_dielectric = inputs.is_constant("base_metalness", 0)
+        self._tinted = not inputs.is_constant("coat_color", 1)
         self._coat = CoatLoss(inputs)
         self._mirror = MirrorAlbedo()
         self._dielectric = self._metal = None
@@ -87,6 +88,11 @@ class Compensation:
         # The codes of a mixture contain what its facets reflect more than once, a metal's do not.
         if self._only_metal or not (encoded or self._only_dielectric):
             self._metal = Furnace(inputs, 1.0, encoded, weights, None)
+
+    @property
+    def is_current(self) -> bool:
+        """Whether what was measured is that of the present parameters."""
+        return all(part.is_current for part in (self._dielectric, self._metal) if part)
 
     def vertex(self, si, active) -> "Vertex":
         """What depends on the position and on wi alone."""
@@ -99,7 +105,7 @@ class Compensation:
         if not (self._only_metal and self._metal):
             loss = self._coat.vertex(si, active)
         tint, below, metal_below = [], (), ()
-        if not inputs.is_constant("coat_color", 1):
+        if self._tinted:
             tint = [0.5 * dr.log(dr.maximum(inputs.color("coat_color", si, active), LEAST_COLOR))]
         if not self._only_metal:
             below = glossy.promised(color, internal)
@@ -128,11 +134,9 @@ class Compensation:
         if not self._only_metal:
             lobe = mi.Spectrum(coat)
             if self._dielectric:
-                more, factor = self._dielectric.lobe_and_factor(vertex.dielectric, wo)
-                lobe += vertex.white * more
-                f = f * (1 - (1 - share) * vertex.white * (1 - factor))
+                lobe += vertex.white * self._dielectric.beyond_known(vertex.dielectric, wo)
             seen = vertex.f0 + (1 - vertex.f0) * tint * vertex.below
-            f = f + (1 - share) * seen * lobe
+            f = dr.maximum(f + (1 - share) * seen * lobe, 0)
         if not self._only_dielectric:
             lobe = coat
             if self._metal:
@@ -162,8 +166,8 @@ class CoatLoss:
     def __init__(self, inputs: Inputs):
         self._inputs = inputs
         eta = None
-        if "coat_ior" in inputs.constants:
-            eta = float(roughness.interface_index(inputs.constants["coat_ior"]))
+        if inputs.known("coat_ior") is not None:
+            eta = float(roughness.interface_index(inputs.known("coat_ior")))
         self._above = InterfaceAlbedo(eta)
         self._below = InterfaceAlbedo(None if eta is None else 1 / eta)
 

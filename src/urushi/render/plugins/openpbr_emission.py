@@ -56,9 +56,14 @@ def define() -> type:
             mi.Emitter.__init__(self, props)
             self.m_flags = mi.EmitterFlags.Surface | mi.EmitterFlags.SpatiallyVarying
             self._inputs = Inputs(props, emits=True)
+            self._configure()
+
+        def _configure(self):
+            """Leave out coat and fuzz where their weights are given as zero."""
             self._interface = None
             if not self._inputs.is_constant("coat_weight", 0):
                 self._interface = InterfaceAlbedo(None)
+            self._fuzz = not self._inputs.is_constant("fuzz_weight", 0)
 
         def eval(self, si, active=True):
             return self._radiance(mi.Frame3f.cos_theta(si.wi), si, active)
@@ -93,7 +98,7 @@ def define() -> type:
                 passed = 1 - self._interface.reflected(cosine, alpha, eta)
                 coated = passed * dr.exp(-depth / inside)
                 value *= dr.lerp(mi.Spectrum(1), coated, inputs.number("coat_weight", si, active))
-            if not inputs.is_constant("fuzz_weight", 0):
+            if self._fuzz:
                 hidden = sheen.albedo(cosine, inputs.number("fuzz_roughness", si, active), dr)
                 value *= 1 - inputs.number("fuzz_weight", si, active) * hidden
             value *= inputs.number("geometry_opacity", si, active)
@@ -102,6 +107,10 @@ def define() -> type:
         def traverse(self, callback):
             for name in NAMES:
                 callback.put(name, self._inputs.textures[name], mi.ParamFlags.Differentiable)
+
+        def parameters_changed(self, keys):
+            if self._inputs.refresh():
+                self._configure()
 
         def to_string(self):
             return "OpenPBREmission[]"

@@ -2,27 +2,24 @@
 
 import drjit as dr
 import mitsuba as mi
+import numpy as np
 
 from urushi.checks import Widths
-from urushi.openpbr_surface import roughness, thin_film
+from urushi.openpbr_surface import facet_rule, roughness, thin_film
 from urushi.physics import fresnel, metal, microfacet
+from urushi.render.plugins.openpbr_albedo import (
+    InterfaceAlbedo,
+    MirrorAlbedo,
+    coordinates,
+    interpolated,
+)
 from urushi.render.reading.openpbr_inputs import Inputs
 
 #: The parameters that the film reads.
 NAMES = ("thin_film_weight", "thin_film_thickness", "thin_film_ior")
 
-#: Nodes and weights of 2 times the integral of a function times the cosine over [0, 1].
-_NODES = (
-    (0.073054, 0.017477),
-    (0.230766, 0.08791),
-    (0.441328, 0.197322),
-    (0.663015, 0.281585),
-    (0.851921, 0.271085),
-    (0.970684, 0.144621),
-)
-
-#: Distance of facets in `excess`, in units of their width.
-_SPREAD = 1.2
+#: The parameters on which the film's relative index depends.
+_INDICES = ("thin_film_ior", "coat_ior", "coat_weight")
 
 #: Cosines inside a coat of light from above.
 _COAT_COSINES = (1.0, 0.9, 0.8, 0.7)
@@ -43,6 +40,13 @@ class FilmFresnel:
 
     def __init__(self, inputs: Inputs):
         self._inputs = inputs
+        rules = facet_rule.rules()
+        self._rule = interpolated(np.concatenate([rules.cosines, rules.weights], -1))
+        self._mean_rule = interpolated(np.concatenate([rules.mean_cosines, rules.mean_weights], -1))
+        indices = [inputs.known(name) for name in _INDICES]
+        self._mirror, self._total = MirrorAlbedo(), None
+        if any(x is None for x in indices) or roughness.relative_index(*indices) < 1:
+            self._total = InterfaceAlbedo(None)
 
     def dielectric(self, cosine, eta, si, active):
         """The term of a dielectric of index eta relative to the medium above, a spectrum."""
@@ -67,16 +71,50 @@ class FilmFresnel:
         return self.metal(mi.Float(_MEAN_COSINE), f0, tint, bare, si, active)
 
     def excess(self, cosine, alpha, eta, si, active):
-        """What the film adds to the reflectance of a dielectric's facets, a spectrum.
+        """What the film adds to the light that a dielectric's facets reflect, a spectrum.
 
-        The mean over three facets, whose angles spread with the width alpha.
+        Over what they would reflect as mirrors; by the facets of `facet_rule`.
         """
-        spread = _SPREAD * alpha * dr.safe_sqrt(1 - cosine * cosine)
-        total = mi.Spectrum(0)
-        for offset, weight in ((-1, 1 / 6), (0, 2 / 3), (1, 1 / 6)):
-            c = dr.clip(cosine + offset * spread, 0, 1)
-            bare = fresnel.dielectric(c, eta)[0]
-            total += weight * (self.dielectric(c, eta, si, active) - bare)
+        rule = self._rule(coordinates(cosine, alpha, None))
+        edge = self._edge(eta, si, active)
+        total = self._mean_over(rule, eta, edge, si, active)
+        if self._total:
+            more, less = (self._total.reflected(cosine, alpha, index) for index in (edge, eta))
+            seen = self._mirror.seen(mi.Vector3f(0, 0, cosine), alpha)
+            total += (more - less) / dr.maximum(seen, _LEAST)
+        return self._weight(si, active) * total
+
+    def mean_excess(self, alpha, eta, si, active):
+        """The mean of `excess` over diffuse light."""
+        rule = self._mean_rule(coordinates(None, alpha, None))
+        edge = self._edge(eta, si, active)
+        total = self._mean_over(rule, eta, edge, si, active)
+        if self._total:
+            more, less = (self._total.reflected_mean(alpha, index) for index in (edge, eta))
+            total += (more - less) / dr.maximum(self._mirror.seen_mean(alpha), _LEAST)
+        return self._weight(si, active) * total
+
+    def _edge(self, eta, si, active):
+        """The index of a dielectric that reflects totally where a dielectric under the film does.
+
+        It is eta itself unless the film's index is below one and below eta.
+        """
+        film = self._film(si, active).eta
+        return dr.select(film < 1, dr.minimum(film, eta), eta) if self._total else eta
+
+    def _mean_over(self, rule: list, eta, edge, si, active):
+        """The mean of what the film reflects more than a dielectric of index `edge`.
+
+        rule: cosines of facets, and then their weights. Both reflect totally at the same facets, so
+        that the difference has no step.
+        """
+        film, total, count = self._film(si, active), mi.Spectrum(0), len(rule) // 2
+        for cosine, weight in zip(rule[:count], rule[count:], strict=True):
+            values = [
+                thin_film.reflectance(cosine, film, thin_film.Below(eta), response, dr)
+                for response in self._responses(si)
+            ]
+            total += weight * (mi.Spectrum(*values) - fresnel.dielectric(cosine, edge)[0])
         return total
 
     def lobe_terms(self, eta, f0, tint, si, active):
@@ -144,18 +182,6 @@ class FilmFresnel:
         bias = self._inputs.number("coat_roughness_anisotropy", si, active)
         return Widths(*roughness.lobe_widths(rough, bias, dr))
 
-    def mean_excess(self, eta, si, active):
-        """The cosine-weighted mean of `excess` over the hemisphere."""
-        film, weight = self._film(si, active), self._weight(si, active)
-        bare = _mean(lambda c: fresnel.dielectric(c, eta)[0], eta)
-        means = [
-            _mean(
-                lambda c, r=r: thin_film.reflectance(c, film, thin_film.Below(eta), r, dr), film.eta
-            )
-            for r in self._responses(si)
-        ]
-        return weight * (mi.Spectrum(*means) - bare)
-
     def traverse(self, callback):
         """List the textures for `mi.traverse`."""
         for name in NAMES:
@@ -165,7 +191,7 @@ class FilmFresnel:
         return self._inputs.number("thin_film_weight", si, active)
 
     def _film(self, si, active):
-        names = "thin_film_ior", "coat_ior", "coat_weight", "thin_film_thickness"
+        names = *_INDICES, "thin_film_thickness"
         ior, coat_ior, coat, thickness = (self._inputs.number(n, si, active) for n in names)
         ior, coat_ior = (dr.maximum(x, roughness.LEAST_INDEX) for x in (ior, coat_ior))
         return thin_film.Film(roughness.relative_index(ior, coat_ior, coat), ior, thickness)
@@ -195,16 +221,3 @@ def _blurred(widths, coat, index):
     pairs = zip(microfacet.pair(widths), microfacet.pair(coat), strict=True)
     u, v = (dr.clip(dr.sqrt(a * a + turned * b * b), 0.01, 1) for a, b in pairs)
     return Widths(u, v)
-
-
-def _mean(reflectance, eta):
-    """The cosine-weighted mean of a reflectance over the hemisphere.
-
-    Below an index eta of one it is 1 beyond the critical angle; the nodes are in between.
-    """
-    share = dr.minimum(eta * eta, 1)
-    total = 1 - share
-    for node, weight in _NODES:
-        cosine = dr.sqrt(1 - share * (1 - node * node))
-        total += share * (weight * reflectance(cosine))
-    return total

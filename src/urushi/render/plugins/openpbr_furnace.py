@@ -35,8 +35,9 @@ class FurnaceVertex(NamedTuple):
 
     Attributes:
         at: coordinates in the table besides the cosine, its last axis first.
-        lost: what is lost at wi, over pi times its mean.
-        excess: one and what is too much at wi.
+        lost: what is lost at wi, over pi times its mean; with a known part, what is lost beyond it
+            less its mean.
+        excess: one and what is too much at wi; with a known part, ().
     """
 
     at: list
@@ -65,8 +66,10 @@ class Furnace:
             method `lost` gives it at cosines.
         """
         self._inputs = inputs
-        self._varying = [name for name in ROUGHNESSES if name not in inputs.constants]
-        twin, uv = _twin(inputs, metalness, encoded, weights, self._varying)
+        self._varying = [name for name in ROUGHNESSES if inputs.known(name) is None]
+        names = _SHARED if metalness else (*_SHARED, *_OF_DIELECTRICS)
+        self._shared = _values(inputs, [name for name in names if name not in self._varying])
+        twin, uv = _twin(self._shared, metalness, encoded, weights, self._varying)
         with dr.suspend_grad():
             measure = _encoded_losses if encoded else _sampled_losses
             losses = measure(twin, uv)
@@ -78,16 +81,34 @@ class Furnace:
         root = np.linspace(0, 1, COSINES)
         weight = 4 * root**3 / (COSINES - 1)  # of 2 cos dcos
         weight[-1] /= 2
-        mean = (parts[0] @ weight)[..., None].astype(np.float32)
+        self._signed = known is not None
+        given = losses if self._signed else parts[0]
+        mean = (given @ weight)[..., None].astype(np.float32)
         self._mean = interpolated(mean) if self._varying else None
         self._constant_mean = float(mean.mean())
+
+    @property
+    def is_current(self) -> bool:
+        """Whether the parameters that the twin shares are still the same."""
+        return _values(self._inputs, list(self._shared)) == self._shared
 
     def vertex(self, si, active) -> "FurnaceVertex":
         """What depends on the position and on wi alone."""
         at = [self._inputs.number(name, si, active) for name in reversed(self._varying)]
         lost, excess = self._deviations([dr.safe_sqrt(si.wi.z), *at])
         mean = mi.Float(self._constant_mean) if self._mean is None else self._mean(at)[0]
+        if self._signed:
+            return FurnaceVertex(at, lost - excess - mean, ())
         return FurnaceVertex(at, lost / dr.maximum(dr.pi * mean, 1e-5), 1 + excess)
+
+    def beyond_known(self, vertex: "FurnaceVertex", wo):
+        """The lobe [1/sr] of what is lost beyond the known part, negative where too much returns.
+
+        (L(wi) + L(wo) - mean L) / pi, whose integral over wo is L(wi). Small beside f, which a
+        dielectric base has in all directions.
+        """
+        lost, excess = self._deviations([dr.safe_sqrt(wo.z), *vertex.at])
+        return dr.inv_pi * (vertex.lost + lost - excess)
 
     def lobe_and_factor(self, vertex: "FurnaceVertex", wo) -> tuple:
         """The lobe [1/sr] of the light that is given back, and the factor on f.
@@ -98,16 +119,20 @@ class Furnace:
         return vertex.lost * lost, dr.rsqrt(vertex.excess * (1 + excess))
 
 
-def _twin(
-    inputs: Inputs, metalness: float, encoded: bool, weights: str, varying: list[str]
-) -> tuple["mi.BSDF", np.ndarray]:
-    """The white twin, and the points of uv (N, 2) of the nodes of the table, by rows."""
+def _values(inputs: Inputs, names: list[str]) -> dict[str, float]:
+    """The values of parameters in the middle of uv."""
     si = dr.zeros(mi.SurfaceInteraction3f)
     si.uv = mi.Point2f(0.5)
+    with dr.suspend_grad():
+        return {n: float(inputs.number(n, si, mi.Bool(True)).numpy()[0]) for n in names}
+
+
+def _twin(
+    shared: dict[str, float], metalness: float, encoded: bool, weights: str, varying: list[str]
+) -> tuple["mi.BSDF", np.ndarray]:
+    """The white twin, and the points of uv (N, 2) of the nodes of the table, by rows."""
     white = {"type": "rgb", "value": [1.0, 1.0, 1.0]}
-    names = _SHARED if metalness else (*_SHARED, *_OF_DIELECTRICS)
-    shared = {name: inputs.number(name, si, mi.Bool(True)).numpy()[0] for name in names}
-    twin: dict[str, Any] = {name: float(value) for name, value in shared.items()}
+    twin: dict[str, Any] = dict(shared)
     nodes = np.linspace(0, 1, NODES, dtype=np.float32)
     grid = np.meshgrid(*[nodes] * len(varying), indexing="ij") if varying else []
     for name, values in zip(varying, grid, strict=True):

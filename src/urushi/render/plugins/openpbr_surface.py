@@ -1,5 +1,6 @@
 """The surface of OpenPBR: base, coated base and fuzz, mixed by their weights."""
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import drjit as dr
@@ -12,6 +13,16 @@ from urushi.render.reading.openpbr_inputs import Inputs
 
 #: Share of the fuzz and of the coat's compensation in what is sampled.
 DIFFUSE_SHARE = 0.1
+
+
+#: The parameters that the surface reads itself.
+OWN = ("coat_weight", "fuzz_weight", "fuzz_color", "fuzz_roughness")
+
+#: Those of layers, which may be left out as long as the parameters have their defaults.
+OF_LAYERS = (
+    *("coat_color", "coat_roughness", "coat_roughness_anisotropy", "coat_ior", "coat_darkening"),
+    *("thin_film_weight", "thin_film_thickness", "thin_film_ior"),
+)
 
 
 class Part(NamedTuple):
@@ -39,6 +50,23 @@ class Fuzz(NamedTuple):
     hidden: Any
     color: Any
     roughness: Any
+
+
+class Layers(NamedTuple):
+    """What a surface consists of; None where the weights leave a part out.
+
+    Attributes:
+        base: in air; None where the coat covers everything.
+        below: the base below the coat. coated: that base under the coat.
+        compensation: gives back what a coated white base loses; None: nothing does.
+        kind: what the coat has been made for.
+    """
+
+    base: Any
+    below: Any
+    coated: Any
+    compensation: Compensation | None
+    kind: Any
 
 
 class Vertex(NamedTuple):
@@ -89,26 +117,24 @@ def define(base: type) -> type:
     class OpenPBRSurface(base):
         """Mixes BRDFs: (1 - coat_weight) base + coat_weight coated, and fuzz above both."""
 
-        def __init__(
-            self,
-            inputs: Inputs,
-            base,
-            coated,
-            compensation: Compensation | None,
-            below=None,
-        ):
-            """Take the parts.
+        def __init__(self, inputs: Inputs, make: Callable[[Layers | None], Layers]):
+            """Make the layers.
 
-            base: the base in air; None where the coat covers everything.
-            coated: the base under the coat; None without a coat.
-            compensation: gives back what a coated white base loses; None: nothing does.
-            below: the base that networks have coded below the coat; None: the coat is a walk.
+            make: gives those that the parameters need, of former ones what still serves.
             """
             super().__init__(mi.Properties("openpbr"))
-            self._inputs, self._base, self._coated = inputs, base, coated
+            self._inputs, self._make = inputs, make
             self._turned = "geometry_tangent" in inputs.maps
+            self._renewed = False  # whether `mi.traverse` may have listed a former coat
+            self._configure(make(None))
+
+        def _configure(self, layers: Layers):
+            """Take the layers."""
+            self._layers, inputs = layers, self._inputs
+            self._base, self._coated = layers.base, layers.coated
+            self._compensation = layers.compensation
             self._fuzz = not inputs.is_constant("fuzz_weight", 0)
-            self._compensation, self._below = compensation, below
+            self._version = inputs.version
 
         @property
         def inputs(self) -> Inputs:
@@ -147,10 +173,10 @@ def define(base: type) -> type:
             f, pdf = mi.Spectrum(0), mi.Float(0)
             for part in vertex.parts:
                 own, density = part.bsdf._f_and_pdf(part.vertex, ctx, si, wo, active)
-                if self._below is not None and part.bsdf is self._coated:
-                    own = self._below.below_coat(own, si, wo, active)
-                if self._compensation and part.bsdf is self._coated:
-                    own = self._compensation.completed(vertex.compensation, own, wo)
+                if part.bsdf is self._coated:
+                    own = self._layers.below.below_coat(own, si, wo, active)
+                    if self._compensation:
+                        own = self._compensation.completed(vertex.compensation, own, wo)
                 f += part.weight * own
                 pdf += part.weight * density
             if vertex.fuzz:
@@ -178,12 +204,31 @@ def define(base: type) -> type:
             return Fuzz(hidden, inputs.color("fuzz_color", si, active), rough)
 
         def traverse(self, callback):
-            names = ("coat_weight", "fuzz_weight", "fuzz_color", "fuzz_roughness")
-            for name in names:
-                callback.put(name, self._inputs.textures[name], mi.ParamFlags.Differentiable)
+            textures = self._inputs.textures
+            for name in OWN:
+                callback.put(name, textures[name], mi.ParamFlags.Differentiable)
             for name, part in (("base", self._base), ("coated", self._coated)):
                 if part is not None:
                     callback.put(name, part, mi.ParamFlags.Differentiable)
+            # Mitsuba lists a texture once. These are the ones that no layer has listed.
+            for name in OF_LAYERS:
+                callback.put(name, textures[name], mi.ParamFlags.Differentiable)
+
+        def parameters_changed(self, keys):
+            self._check_changeable()
+            self._inputs.refresh()
+            if keys and all(key.startswith("fuzz") for key in keys):
+                if self._version != self._inputs.version:
+                    self._configure(self._layers)
+                return
+            former, renewed = self._layers, self._version != self._inputs.version
+            if renewed or (self._compensation and not self._compensation.is_current):
+                self._configure(self._make(former))
+                self._renewed |= former.coated is not self._coated
+            # A coat has seen what has changed if it was listed, and nothing else has.
+            seen = set(keys) == {"coated"} and not (renewed or self._renewed)
+            if self._coated is former.coated is not None and not seen:
+                self._coated.parameters_changed(["bottom"])
 
         def to_string(self):
             parts = "\n".join(f"{part}," for part in (self._base, self._coated) if part)

@@ -43,8 +43,10 @@ class Inputs:
     Attributes:
         where: the plugin's name; begins errors.
         textures: by the parameters' names.
-        constants: of those that are given as numbers, their values; of the others, nothing.
+        constants: of those that are given as numbers, their values; of the others, nothing. One
+            that is changed later counts as a texture from then on, see `refresh`.
         maps: the textures of directions, by the parameters' names.
+        version: how often `refresh` has found changes.
     """
 
     def __init__(self, props: "mi.Properties", *, emits: bool = False):
@@ -62,6 +64,8 @@ class Inputs:
         self.textures: dict[str, mi.Texture] = {}
         self.constants: dict[str, Any] = {}
         self.maps: dict[str, mi.Texture] = {}
+        self.version = 0
+        self._relied: dict[str, np.ndarray] = {}  # constants that code relies on: their textures'
         for name, value in given.items():
             self._read(name, value)
         if not emits:
@@ -75,7 +79,34 @@ class Inputs:
 
     def is_constant(self, name: str, value: float) -> bool:
         """Whether a parameter is given as this number, and not as a texture."""
-        return name in self.constants and bool(np.all(self.constants[name] == value))
+        known = self.known(name)
+        return known is not None and bool(np.all(known == value))
+
+    def known(self, name: str) -> Any:
+        """The value of a parameter that is given as a number; None of a texture.
+
+        Code may be left out by it: `refresh` tells whether it is still the same.
+        """
+        if name not in self.constants:
+            return None
+        if name not in self._relied:
+            self._relied[name] = _texture_value(self.textures[name])[0]
+        return self.constants[name]
+
+    def refresh(self) -> bool:
+        """Whether constants that code relies on have changed by `mi.traverse`, or need gradients.
+
+        They are taken off `constants`, and the version grows: what was left out must be made.
+        """
+        changed = []
+        for name, relied in self._relied.items():
+            value, differentiated = _texture_value(self.textures[name])
+            if differentiated or not np.array_equal(value, relied):
+                changed.append(name)
+        for name in changed:
+            del self._relied[name], self.constants[name]
+        self.version += bool(changed)
+        return bool(changed)
 
     def number(self, name: str, si, active) -> "mi.Float":
         """The value of a number at a surface interaction, within the parameter's range."""
@@ -177,6 +208,12 @@ def _ignores(props: "mi.Properties", where: str) -> bool:
     return bool(value == "ignore")
 
 
+def _texture_value(texture: "mi.Texture") -> tuple[np.ndarray, bool]:
+    """The parameter of a texture of one value, and whether it has gradients enabled."""
+    value = mi.traverse(texture)["value"]
+    return np.array(dr.detach(value)), bool(dr.grad_enabled(value))
+
+
 def _equal_textures(one: "mi.Texture", other: "mi.Texture") -> bool:
     """Whether two textures are the same, or have the same parameters."""
     if one is other:
@@ -189,10 +226,10 @@ def _equal_textures(one: "mi.Texture", other: "mi.Texture") -> bool:
 
 
 def _clipped(name: str, value: Any) -> Any:
-    """A value of a texture within the range of a parameter."""
-    entry = PARAMETERS[name]
-    value = value if entry.low is None else dr.maximum(value, entry.low)
-    return value if entry.high is None else dr.minimum(value, entry.high)
+    """A value of a texture within the range of a parameter; has gradients at its ends."""
+    entry, kind = PARAMETERS[name], type(value)  # a selection of spectra is an array
+    value = value if entry.low is None else dr.select(value < entry.low, entry.low, value)
+    return kind(value if entry.high is None else dr.select(value > entry.high, entry.high, value))
 
 
 def derived(

@@ -1,0 +1,52 @@
+"""How much of what a rough white slab reflects leaves at once, below a dielectric interface.
+
+Light from a direction is passed by the interface's facets, and then runs in the slab at its mean
+cosine there. A Lambertian slab lets the same share of it leave at once wherever it comes from,
+passed_mean / eta^2. EON sends more or less of it towards directions that the interface passes. The
+deviation is proportional to `eon.deviation`, so that one table serves all roughnesses of the slab.
+"""
+
+import functools
+from typing import NamedTuple
+
+import numpy as np
+
+from urushi.openpbr_surface import interface_albedo
+from urushi.physics import eon
+
+
+class Tables(NamedTuple):
+    """Values at the nodes of `interface_albedo`, float32, for a base_diffuse_roughness of one.
+
+    Attributes:
+        inside: (I, ROUGHNESSES, COSINES) mean cosine in the slab.
+        excess: the same shape; what leaves at once, over that of a Lambertian slab, less one.
+        excess_mean: (I, ROUGHNESSES) its mean over the passed part of diffuse light.
+    """
+
+    inside: np.ndarray
+    excess: np.ndarray
+    excess_mean: np.ndarray
+
+
+@functools.cache
+def tables(eta: float | None = None) -> Tables:
+    """The tables of a white slab.
+
+    eta: the only index, I is 1; None: all of `interface_albedo.indexnodes`.
+    """
+    known = interface_albedo.tables(eta)
+    inside = np.clip(known.inside.astype(np.float64), 0, 1)
+    passed, weight = interface_albedo.between_nodes(1 - known.reflected.astype(np.float64))
+    weights = passed * weight
+    weights /= weights.sum(-1, keepdims=True)
+    away, _ = interface_albedo.between_nodes(inside)
+    single = np.empty_like(inside)
+    for k in range(inside.shape[-1]):
+        along = eon.single_over_azimuths(inside[..., k, None], away, 1.0)
+        single[..., k] = (weights * along).sum(-1)
+    lost = 1 - eon.single_albedo(inside, 1.0)
+    lost_mean = (weights * (1 - eon.single_albedo(away, 1.0))).sum(-1, keepdims=True)
+    excess = single + lost * lost_mean / (1 - eon.single_mean(1.0)) - 1
+    mean = (weights * interface_albedo.between_nodes(excess)[0]).sum(-1)
+    return Tables(*(x.astype(np.float32) for x in (inside, excess, mean)))
