@@ -125,7 +125,7 @@ def read_material(text: str, weights: str | None) -> "Material":
         return urushi.encode(describe(text), weights, table=False)
     if Path(text).suffix == ".safetensors":
         return urushi.load(text, weights)
-    return urushi.encode(urushi.load_measured(text), weights, table=False)
+    return urushi.encode(urushi.load_measured(text), weights)
 
 
 def scalar_or_rgb(values: tuple[float, ...]) -> Any:
