@@ -146,7 +146,7 @@ def coated_table(
     of_rest = adding.albedos(lambda *w: interpolated(table, *w), COSINES)
     of_top = adding.albedos(top, COSINES)
     ceiling = np.full(rest.shape[1], 1 - energy.MARGIN)
-    if (of_rest + of_top).max() > ceiling:
+    if (of_rest + of_top > ceiling).any():
         gained = adding.albedos(bottom.f, COSINES).max(axis=0)
         ceiling = np.where(gained > 1 + energy.TOLERANCE, gained, ceiling)
     allowed = np.maximum(ceiling - of_top, energy.LEAST_REST)
