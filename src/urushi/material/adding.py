@@ -27,6 +27,9 @@ from urushi.nets import lobe as lobes
 #: Directions of the grid in elevation, and around.
 ELEVATIONS, AZIMUTHS = 24, 48
 
+#: Directions for each of the grid by which means about them are taken.
+FINE = 10
+
 #: Largest asymmetry of a phase function on the grid. What is above it counts as not scattered.
 LARGEST_ASYMMETRY = 0.9
 
@@ -125,6 +128,23 @@ class Grid:
             result += share[:, None] * values[index]
         return result
 
+    def mean(self, function: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+        """Means (N,) of a function of the cosine (M,) about each node, as by linear interpolation.
+
+        The values at the nodes alone would miss the edge of total reflection.
+        """
+        fine = Grid(FINE * len(self.angles))
+        index, part = self._place(fine.angles, self.angles)
+        values = fine.weights * function(fine.cosines)
+
+        def shared(x: np.ndarray) -> np.ndarray:
+            count = len(self.angles)
+            return np.bincount(index, x * (1 - part), count) + np.bincount(
+                index + 1, x * part, count
+            )
+
+        return shared(values) / shared(fine.weights)
+
     @staticmethod
     def _place(x: np.ndarray, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         place = np.interp(x, nodes, np.arange(len(nodes)))
@@ -160,7 +180,9 @@ def interface_modes(alpha: float, eta: float) -> np.ndarray:
     own = grid()
     wi, wo = (w.astype(np.float64) for w in own.pairs())
     lobe = lobes.of_coat(np.float64(alpha), np.float64(1 / eta))
-    return own.brdf_modes(lobes.f(lobe, wi, wo), inner_albedo(own.cosines, alpha, eta))
+    return own.brdf_modes(
+        lobes.f(lobe, wi, wo), own.mean(lambda cosine: inner_albedo(cosine, alpha, eta))
+    )
 
 
 def seen_inside(
