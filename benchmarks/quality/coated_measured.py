@@ -3,10 +3,10 @@
 FILEs are MERL tables, RGL materials, folders of these, or archives of stand-ins as in
 `benchmarks.quality.measured`. For each material and coat, prints the error E (docs/conventions.md),
 in per cent and as a mean over channels, between the random walk through a coat over the measured
-BRDF and the layered code of its encoded material,
+BRDF and the coat over its encoded material, which has a table,
 `urushi.layer(coat, urushi.encode(measured, refine=True))`. Also prints E of the bare encoded
 material, the walk's own noise, the means, and the five largest errors. `--picture FILE.png` draws
-spheres of the five materials with the largest mean, walk and network side by side. Takes about 8
+spheres of the five materials with the largest mean, walk and network side by side. Takes about 12
 seconds of CPU time for a material, and 20 for one whose spheres are drawn.
 """
 
@@ -57,7 +57,7 @@ def load(material: Measured) -> MeasuredSurface:
 
 
 def coated(material: Material, coat: dict) -> Material:
-    """The material under a coat, by the layering network."""
+    """The material under a coat."""
     medium = {name: value for name, value in coat.items() if name not in ("alpha", "eta")}
     return urushi.layer(urushi.dielectric(coat["alpha"], coat["eta"]), material, **medium)
 

@@ -22,7 +22,7 @@ MAX_DIFFERENCE = np.radians(86.0)
 MIN_COSINE = 0.02
 
 
-def _points(count: int, dimension: int) -> np.ndarray:
+def even_points(count: int, dimension: int) -> np.ndarray:
     """Return the first points of Roberts' R sequence (2018) in the unit cube, float64."""
     base = 2.0
     for _ in range(64):  # the root of x^(d+1) = x + 1, by fixed-point iteration
@@ -33,7 +33,7 @@ def _points(count: int, dimension: int) -> np.ndarray:
 
 def _half_angle_pairs(count: int) -> tuple[np.ndarray, np.ndarray]:
     """Pairs log-uniform in tan theta_h; phi_d in one quadrant, by reciprocity and isotropy."""
-    u = _points(8 * count, 3)
+    u = even_points(8 * count, 3)
     tan_h = MIN_TANGENT * (MAX_TANGENT / MIN_TANGENT) ** u[:, 0]
     wi, wo = directions_at_tangent(tan_h, MAX_DIFFERENCE * u[:, 1], 0.5 * np.pi * u[:, 2])
     above = np.flatnonzero((wi[:, 2] > MIN_COSINE) & (wo[:, 2] > MIN_COSINE))[:count]
@@ -42,7 +42,7 @@ def _half_angle_pairs(count: int) -> tuple[np.ndarray, np.ndarray]:
 
 def _hemisphere_pairs(count: int) -> tuple[np.ndarray, np.ndarray]:
     """Pairs with independent uniform cosines and a uniform difference of azimuths."""
-    u = _points(count, 3)
+    u = even_points(count, 3)
     cos_i, cos_o = (MIN_COSINE + (1.0 - MIN_COSINE) * u[:, i] for i in (0, 1))
     sin_i, sin_o = np.sqrt(1.0 - cos_i**2), np.sqrt(1.0 - cos_o**2)
     phi = np.pi * u[:, 2]
@@ -55,7 +55,7 @@ def _slope_pairs(count: int) -> tuple[np.ndarray, np.ndarray]:
 
     Every second one has a log-uniform tan theta_h and a uniform azimuth instead.
     """
-    u = _points(8 * count, 4)
+    u = even_points(8 * count, 4)
     log_range = np.log(MAX_TANGENT / MIN_TANGENT)
     along, across = (MIN_TANGENT * np.exp(log_range * u[:, i]) for i in (0, 3))
     radial = np.arange(len(u)) % 2 == 0
@@ -70,7 +70,7 @@ def _slope_pairs(count: int) -> tuple[np.ndarray, np.ndarray]:
 
 def _turned_hemisphere_pairs(count: int) -> tuple[np.ndarray, np.ndarray]:
     """Pairs with independent uniform cosines and azimuths, wi in one quadrant by mirroring."""
-    u = _points(count, 4)
+    u = even_points(count, 4)
     wi, wo = _hemisphere_pairs(count)
     wo = turned(wo, np.pi * (u[:, 2] > 0.5))
     return turned(wi, 0.5 * np.pi * u[:, 3]), turned(wo, 0.5 * np.pi * u[:, 3])

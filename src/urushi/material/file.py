@@ -1,7 +1,7 @@
 """The file of a material: its latent codes and the fingerprint of the networks they belong to.
 
-Where a material has decoders of its own, they follow, and the version is higher: an older Urushi
-would evaluate the codes.
+Where a material has a table, it follows, and the version is higher: an older Urushi would evaluate
+the codes, or take the table of a rest for that of all of f.
 """
 
 import os
@@ -15,8 +15,8 @@ from urushi.material.table import SHAPE
 from urushi.nets import former
 from urushi.nets.weights import Model, of_fingerprint
 
-#: Versions of files without and with decoders of their own.
-CODES_VERSION, FORMAT_VERSION = 2, 3
+#: Versions of files without a table, with one of all of f, and with one beside the lobe.
+CODES_VERSION, TABLE_VERSION, FORMAT_VERSION = 2, 3, 4
 
 
 class StoredMaterial(NamedTuple):
@@ -26,39 +26,33 @@ class StoredMaterial(NamedTuple):
         latents, anchors: (C, L).
         table: (U, V, W, C), or None.
         rotation: [degrees] of the tangent.
+        beside_lobe: whether the table leaves the lobe out.
     """
 
     latents: np.ndarray
     anchors: np.ndarray
-    table: np.ndarray | None
-    rotation: float
+    table: np.ndarray | None = None
+    rotation: float = 0.0
+    beside_lobe: bool = False
 
 
-def write(
-    path: str | os.PathLike,
-    latents: np.ndarray,
-    anchors: np.ndarray,
-    fingerprint: str,
-    table: np.ndarray | None = None,
-    rotation: float = 0.0,
-) -> None:
-    """Write latents and anchors (C, L) that belong to the networks of `fingerprint`.
-
-    table: float16 (U, V, W, C) of ln f, see `urushi.material.table`. rotation: [degrees] of the
-    tangent.
+def write(path: str | os.PathLike, material: StoredMaterial, fingerprint: str) -> None:
+    """Write a material that belongs to the networks of `fingerprint`.
 
     Raises:
         FileError: the file cannot be written.
     """
-    version = CODES_VERSION if table is None else FORMAT_VERSION
+    version = CODES_VERSION
+    if material.table is not None:
+        version = FORMAT_VERSION if material.beside_lobe else TABLE_VERSION
     description: dict[str, Any] = {"version": version, "weights": fingerprint}
-    if rotation:
-        description["rotation"] = rotation
-    arrays = {"latents": latents}
-    if not np.array_equal(latents, anchors):
-        arrays["anchors"] = anchors
-    if table is not None:
-        arrays["table"] = table
+    if material.rotation:
+        description["rotation"] = material.rotation
+    arrays = {"latents": material.latents}
+    if not np.array_equal(material.latents, material.anchors):
+        arrays["anchors"] = material.anchors
+    if material.table is not None:
+        arrays["table"] = material.table
     files.write_tensors(path, "material", description, arrays)
 
 
@@ -73,10 +67,10 @@ def read(path: str | os.PathLike, model: Model | None) -> tuple[StoredMaterial, 
     description, arrays = files.read_tensors(path, "material")
     former.refuse_codes(path, description.get("weights"))
     version = description.get("version")
-    if version not in (CODES_VERSION, FORMAT_VERSION):
+    if version not in (CODES_VERSION, TABLE_VERSION, FORMAT_VERSION):
         raise FileError(
             f"'{path}' has version {version!r} of the material format, "
-            f"this Urushi reads versions {CODES_VERSION} and {FORMAT_VERSION}; "
+            f"this Urushi reads versions {CODES_VERSION} to {FORMAT_VERSION}; "
             "install the Urushi that wrote it"
         )
     made_with = description.get("weights")
@@ -111,7 +105,8 @@ def read(path: str | os.PathLike, model: Model | None) -> tuple[StoredMaterial, 
     rotation = description.get("rotation", 0.0)
     if not isinstance(rotation, int | float) or not np.isfinite(rotation):
         raise FileError(f"the material file '{path}' is damaged: its rotation is no angle")
-    return StoredMaterial(latents, anchors, table, float(rotation)), model
+    beside_lobe = version == FORMAT_VERSION
+    return StoredMaterial(latents, anchors, table, float(rotation), beside_lobe), model
 
 
 def check_weights(path: str | os.PathLike, made_with: object, model: Model) -> None:

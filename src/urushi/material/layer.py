@@ -9,9 +9,11 @@ from urushi import checks
 from urushi.checks import CoatParameters, Widths
 from urushi.errors import ParameterError
 from urushi.material.blend import blend_codes
+from urushi.material.coated_table import coated_table
 from urushi.material.encode import encode
 from urushi.material.energy import as_rendered, limit_coated_albedo
 from urushi.material.material import Material
+from urushi.nets import lobe as lobes
 from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model, Weights, anisotropic_model, default_model
 from urushi.parallel import fill_blocks
@@ -37,7 +39,9 @@ def layer(
     Args:
         top: the coat's interface, from `urushi.dielectric(alpha, eta)`, isotropic or anisotropic.
         bottom: a Material, or anything that `encode` takes; coats nest. All layers share one
-            tangent: a bottom that was `rotated` cannot get an anisotropic coat.
+            tangent: a bottom that was `rotated` cannot get an anisotropic coat. Over one with a
+            table, such as a measured BRDF, light is followed without networks (see
+            `urushi.material.coated_table`), and the result has a table too; one second.
         albedo: single-scattering albedo of the medium in [0, 1].
         sigma_t: its optical depth, >= 0.
         g: its Henyey-Greenstein asymmetry in (-1, 1).
@@ -76,9 +80,24 @@ def layer(
                 f"the coat's {name} has three values, but the bottom has {bottom.channels} "
                 "channels; give a scalar"
             )
+    return layer_material(coat, bottom)
+
+
+def layer_material(coat: CoatParameters, bottom: Material) -> Material:
+    """`layer` for checked parameters: arrays (C,), (1,) or ().
+
+    A bottom with a table gives a table of the rest beside the coat's lobe; where hardly any coat is
+    there (`presence`), a table of all of f.
+    """
     coat = _for_networks(bottom.model, coat)
     codes = _coated(bottom.model, bottom.anchors, coat, bottom.latents)
-    return Material(codes, bottom.model, rotation=bottom.rotation)
+    if bottom.table is None:
+        return Material(codes, bottom.model, rotation=bottom.rotation)
+    beside_lobe = bool((presence(coat.alpha, coat.eta, coat.sigma_t) >= PRESENT).all())
+    lobe = codes[:, : bottom.model.arch.lobe] if beside_lobe else lobes.of_coat(*coat[:2])
+    lobe = np.broadcast_to(lobe, (len(codes), bottom.model.arch.lobe))
+    table = coated_table(bottom, coat, lobe, beside_lobe=beside_lobe)
+    return Material(codes, bottom.model, table=table, beside_lobe=beside_lobe)
 
 
 def _below(
@@ -95,7 +114,7 @@ def _below(
                 )
             weights = anisotropic_model()
     if not isinstance(bottom, Material) or weights is not None:
-        bottom = encode(bottom, weights, refine=refine, table=False)
+        bottom = encode(bottom, weights, refine=refine)
     if anisotropic and bottom.rotation % 180 != 0:
         raise ParameterError(
             f"the bottom is turned by {bottom.rotation:g} degrees, and the coat's alpha_u and "

@@ -67,18 +67,25 @@ def lerp(a: Material, b: Material, t: npt.ArrayLike) -> Material:
     anchors = latents
     if a.anchors is not a.latents or b.anchors is not b.latents:
         anchors = _blend(a.model, a.anchors, b.anchors, share)
-    return Material(latents, a.model, anchors, _blended_table(a, b, share), a.rotation)
+    table, beside_lobe = _blended_table(a, b, share)
+    return Material(latents, a.model, anchors, table, a.rotation, beside_lobe)
 
 
-def _blended_table(a: Material, b: Material, share: np.ndarray) -> np.ndarray | None:
-    """The table of the blend with shares (C,) of b; None if a and b have none where they count."""
+def _blended_table(a: Material, b: Material, share: np.ndarray) -> tuple[np.ndarray | None, bool]:
+    """The table of the blend with shares (C,) of b, and whether it leaves the lobe out.
+
+    There is none if a and b have none where they count. Two lobes are no lobe: they are in the
+    table.
+    """
     if (share == 0).all() or (share == 1).all():
         end = b if share.any() else a
-        return None if end.table is None else np.broadcast_to(end.table, (*SHAPE, len(share)))
+        if end.table is None:
+            return None, False
+        return np.broadcast_to(end.table, (*SHAPE, len(share))), end.beside_lobe
     if a.table is None and b.table is None:
-        return None
+        return None, False
     of_a, of_b = (material.f(*node_pairs()) for material in (a, b))
-    return table_of_values((1 - share) * of_a + share * of_b)
+    return table_of_values((1 - share) * of_a + share * of_b), False
 
 
 def _blend(model: Model, a: np.ndarray, b: np.ndarray, share: np.ndarray) -> np.ndarray:

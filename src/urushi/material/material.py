@@ -15,6 +15,7 @@ from urushi.geometry.frames import rotated
 from urushi.geometry.quadrature import half_vector_rule
 from urushi.material import file
 from urushi.material.table import SHAPE, interpolated
+from urushi.nets import lobe as lobes
 from urushi.nets.networks import Proposal, UrushiNetworks
 from urushi.nets.weights import Model, Weights, find
 from urushi.parallel import fill_blocks
@@ -48,6 +49,9 @@ class Material:
             `urushi.material.fit`), and equal those of coated materials. Default: the latents.
         table: read-only float16 (U, V, W, C), ln f over directions (see `urushi.material.table`),
             by which f is evaluated instead of by the latents, as of measured BRDFs. Default: None.
+        beside_lobe: whether the table is of the rest alone, and f is the lobe of the latents plus
+            the table, as of coats over measured BRDFs; otherwise it is of all of f. False without a
+            table. Default: False.
         rotation: angle [degrees] by which the tangent is turned about the normal,
             counter-clockwise, see `rotated`; 0 for isotropic networks. Default: 0.
 
@@ -59,6 +63,7 @@ class Material:
     anchors: np.ndarray = None  # type: ignore[assignment]  # __post_init__ puts the latents there
     table: np.ndarray | None = None
     rotation: float = 0.0
+    beside_lobe: bool = False
 
     def __post_init__(self) -> None:
         latents = _checked(self.latents, self.model, "latents")
@@ -71,6 +76,8 @@ class Material:
             )
         if self.table is not None:
             object.__setattr__(self, "table", _checked_table(self.table, self.model, len(latents)))
+        beside_lobe = bool(self.beside_lobe) and self.table is not None
+        object.__setattr__(self, "beside_lobe", beside_lobe)
         object.__setattr__(self, "latents", latents)
         object.__setattr__(self, "anchors", anchors)
         turn = _checked_rotation(self.rotation) if self.model.widths == 2 else 0.0
@@ -84,13 +91,14 @@ class Material:
             and np.array_equal(self.latents, other.latents)
             and np.array_equal(self.anchors, other.anchors)
             and _same_table(self.table, other.table)
+            and self.beside_lobe == other.beside_lobe
             and self.rotation == other.rotation
         )
 
     def __hash__(self) -> int:
         table = None if self.table is None else self.table.tobytes()
         codes = self.latents.tobytes(), self.anchors.tobytes()
-        return hash((self.model.fingerprint, *codes, table, self.rotation))
+        return hash((self.model.fingerprint, *codes, table, self.beside_lobe, self.rotation))
 
     def __repr__(self) -> str:
         return f"Material({self.channels} channels, weights {self.model.fingerprint})"
@@ -153,6 +161,8 @@ class Material:
     def _tabulated(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         assert self.table is not None  # for the type checker
         f = interpolated(self.table, wi, wo)
+        if self.beside_lobe:
+            f = f + lobes.f(self.latents[:, : self.model.arch.lobe], wi[:, None], wo[:, None])
         return np.where(_above(wi, wo)[:, None], f, np.float32(0.0))
 
     def pdf(self, wi: npt.ArrayLike, wo: npt.ArrayLike) -> np.ndarray:
@@ -276,9 +286,10 @@ class Material:
         Raises:
             FileError: the file cannot be written.
         """
-        file.write(
-            path, self.latents, self.anchors, self.model.fingerprint, self.table, self.rotation
+        stored = file.StoredMaterial(
+            self.latents, self.anchors, self.table, self.rotation, self.beside_lobe
         )
+        file.write(path, stored, self.model.fingerprint)
 
 
 def load(path: str | os.PathLike, weights: Weights | None = None) -> Material:
@@ -291,7 +302,14 @@ def load(path: str | os.PathLike, weights: Weights | None = None) -> Material:
         FileError: missing, truncated, foreign, damaged, or made with other networks.
     """
     stored, model = file.read(path, None if weights is None else find(weights))
-    return Material(stored.latents, model, stored.anchors, stored.table, stored.rotation)
+    return Material(
+        stored.latents,
+        model,
+        stored.anchors,
+        stored.table,
+        stored.rotation,
+        stored.beside_lobe,
+    )
 
 
 def _checked(codes: npt.ArrayLike, model: Model, name: str) -> np.ndarray:

@@ -58,17 +58,22 @@ def table_of_values(f: np.ndarray) -> np.ndarray:
 
 def interpolated(table: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
     """f float32 (N, C) [1/sr] of a table (U, V, W, C) for pairs (N, 3) above the horizon."""
+    return interpolated_at(table, *coordinates(wi, wo))
+
+
+def interpolated_at(table: np.ndarray, *places: np.ndarray) -> np.ndarray:
+    """f float32 (N, C) [1/sr] of a table (U, V, W, C) at `coordinates`, three arrays (N,)."""
     _, columns, depth = SHAPE
     rows = table.reshape(-1, table.shape[-1])
     indices, shares = [], []
-    for coordinate, count in zip(coordinates(wi, wo), SHAPE, strict=True):
+    for coordinate, count in zip(places, SHAPE, strict=True):
         place = np.clip(coordinate, 0, 1) * (count - 1)
         index = np.minimum(place.astype(np.intp), count - 2)
         indices.append(index)
-        shares.append((place - index).astype(np.float32)[:, None])
+        shares.append((place - index.astype(place.dtype)).astype(np.float32)[:, None])
     first = (indices[0] * columns + indices[1]) * depth + indices[2]
     values = [
-        rows[first + (a * columns + b) * depth + c].astype(np.float32)
+        rows[first + (a * columns + b) * depth + c].astype(np.float32, copy=False)
         for a, b, c in np.ndindex(2, 2, 2)
     ]
     for share in reversed(shares):
@@ -81,13 +86,20 @@ def interpolated(table: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarra
 def coordinates(wi: np.ndarray, wo: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The coordinates u, v, w (N,) of pairs (N, 3), in [0, 1] up to rounding."""
     x, y, z = ((wi[:, i] + wo[:, i]).astype(np.float64) for i in range(3))
+    return coordinates_of_sum(x, y, z, wi[:, 2] - wo[:, 2])
+
+
+def coordinates_of_sum(
+    x: np.ndarray, y: np.ndarray, z: np.ndarray, difference: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """`coordinates` of pairs with sums wi + wo = (x, y, z) and differences of cosines (...)."""
     across, z2 = x * x + y * y, np.maximum(z * z, 1e-18)
     squared = across + z2
     u = (np.log(across / z2 + TAN2_OFFSET) - LOWEST) / (HIGHEST - LOWEST)
     cos_d = np.minimum(0.5 * np.sqrt(squared), 1)
     sin2 = (1 - cos_d) * (1 + cos_d)
     reach = np.minimum(0.5 * z, np.sqrt(across / squared * sin2))
-    size = np.clip(0.5 * np.abs(wi[:, 2] - wo[:, 2]) / np.maximum(reach, 1e-9), 0, 1)
+    size = np.clip(0.5 * np.abs(difference) / np.maximum(reach, 1e-9), 0, 1)
     return u, np.sqrt(1 - cos_d), 1 - np.sqrt(1 - size)
 
 

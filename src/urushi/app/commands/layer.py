@@ -74,7 +74,7 @@ class Layer:
 class Sheet:
     """Draw a sheet of spheres: rows blend from one material to the next, columns are coats.
 
-    Rows are linear blends of latent codes; the layering network adds the coats. A material is a
+    Rows are blends as of `urushi.lerp`, coats those of `urushi.layer`. A material is a
     file of `urushi encode`, a measured BRDF (MERL or RGL) or a description as in Python.
 
     Example: urushi sheet gold.safetensors "diffuse(0.4)" --rows 5 -o sheet.png
@@ -125,7 +125,7 @@ def read_material(text: str, weights: str | None) -> "Material":
         return urushi.encode(describe(text), weights, table=False)
     if Path(text).suffix == ".safetensors":
         return urushi.load(text, weights)
-    return urushi.encode(urushi.load_measured(text), weights, table=False)
+    return urushi.encode(urushi.load_measured(text), weights)
 
 
 def scalar_or_rgb(values: tuple[float, ...]) -> Any:

@@ -8,7 +8,8 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi.material.layer import layer_texels
+from urushi.checks import CoatParameters
+from urushi.material.layer import layer_material, layer_texels
 from urushi.nets.weights import Model
 from urushi.render import spectrum
 from urushi.render.latents.bottoms import BottomCodes, nested_latents
@@ -55,6 +56,10 @@ class Baker:
         if grid is None:
             self._texture = None
             table = self._coat.layering(np.full((1, 2), 0.5))
+            if self._codes.material is not None:
+                columns = [column[0] for column in CoatParameters(**table).columns()]
+                coated = layer_material(CoatParameters.of_columns(columns), self._codes.material)
+                return ConstantLatents.of(coated)
             return ConstantLatents(
                 self._model, layer_texels(self._model, self._codes.read(0, 1)[1], **table)[0]
             )

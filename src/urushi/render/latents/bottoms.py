@@ -14,6 +14,7 @@ from urushi.material.encode import (
     without_useless_rests,
 )
 from urushi.material.energy import limit_albedo, limit_mean_albedo
+from urushi.material.material import Material
 from urushi.nets.lobe import no_lobe, with_two_widths
 from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
@@ -43,6 +44,12 @@ class BottomCodes:
         self._grid: TexelGrid | None = None
         self._codes: np.ndarray | TextureStore | _BareBottom = np.zeros((1, 1, 1), np.float32)
         self._keys = np.zeros((1, 1), np.uint64)
+        self._material: Material | None = None
+
+    @property
+    def material(self) -> Material | None:
+        """A constant bottom as a material, if it has a table."""
+        return self._material
 
     def update(self, grid: TexelGrid | None) -> None:
         """Encode the bottom where it has changed since the last call with the same grid.
@@ -55,8 +62,10 @@ class BottomCodes:
         surface = known_surface(self._bottom) if own else None
         if surface is not None and surface.bare and surface.widths > self._model.widths:
             surface = None  # averaged over the azimuth
+        self._material = None
         if nested is not None and nested.resolution is None:
             self._keep_same(nested.at(np.full((1, 2), 0.5)))
+            self._keep_table(self._bottom.latents.material)
         elif grid is None or (nested is None and not varying_textures(self._bottom)):
             self._keep_same(self._encoded()[None])
         elif nested is not None:
@@ -81,12 +90,21 @@ class BottomCodes:
     def _encoded(self) -> np.ndarray:
         """Codes (C, size) of a constant bottom."""
         check_bottom(self._bottom, self._where)
+        source = reflection_source(self._bottom)
+        tables = isinstance(self._model.networks, UrushiNetworks) and self._model.widths == 1
         material, deviations = encode_source(
-            reflection_source(self._bottom), self._model, name=f"{self._where}: the nested BSDF"
+            source,
+            self._model,
+            table=tables and source.measured,
+            name=f"{self._where}: the nested BSDF",
         )
         for sentence in deviations.warnings():
             mi.Log(mi.LogLevel.Warn, f"{self._where}: {sentence}")
+        self._keep_table(material)
         return material.anchors
+
+    def _keep_table(self, material: Material) -> None:
+        self._material = None if material.table is None else material
 
     def _keep_same(self, codes: np.ndarray) -> None:
         """One code a channel, (1, C, size)."""

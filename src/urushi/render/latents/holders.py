@@ -58,10 +58,13 @@ class ConstantLatents:
         latents: np.ndarray,
         anchors: np.ndarray | None = None,
         table: np.ndarray | None = None,
+        beside_lobe: bool = False,
     ):
-        """latents, anchors: (C, size) float32, table: of ln f or None, those of a `Material`."""
-        self._material = Material(latents, model, latents if anchors is None else anchors, table)
-        kind = NO_LOBE if table is not None else kind_of_codes(model, latents[None])
+        """latents, anchors: (C, size) float32; these and the others are those of a `Material`."""
+        anchors = latents if anchors is None else anchors
+        self._material = Material(latents, model, anchors, table, beside_lobe=beside_lobe)
+        whole = table is not None and not beside_lobe
+        kind = NO_LOBE if whole else kind_of_codes(model, latents[None])
         self._is_tabulated = model.widths == 1  # one angle of wi determines the rest
         self._decoder: Decoder | TabulatedDecoder
         self._decoder, self._sampler = decoder_and_sampler(model, kind)
@@ -77,6 +80,17 @@ class ConstantLatents:
             self._proposals = [owned(mi.Float, x) for x in self._sampler.tabulated(mean)]
         else:
             self._proposals = _opaque(mean)
+
+    @classmethod
+    def of(cls, material: Material) -> "ConstantLatents":
+        """Those of a material, without its rotation."""
+        return cls(
+            material.model,
+            material.latents,
+            material.anchors,
+            material.table,
+            material.beside_lobe,
+        )
 
     def vertex(self, si, active) -> Vertex:
         """The vertex at a surface interaction."""

@@ -34,8 +34,7 @@ def define(base: type) -> type:
                                              exposed by ``mi.traverse``, not a property, and not
                                              for textures. A coat around a refined material lies
                                              over its anchors, or over these codes once they were
-                                             edited. Edited codes also replace decoders of the
-                                             material's own.
+                                             edited. Edited codes also replace the material's table.
         ============== ===================== ====================================================
 
         The material may come from a description, a simulation, a measurement or a function, and
@@ -79,9 +78,7 @@ def define(base: type) -> type:
                 self.model, angle = material.model, material.rotation
                 codes = lookup.owned(mi.Float, material.latents)
                 self._tensor = mi.TensorXf(codes, material.latents.shape)
-                self.latents = ConstantLatents(
-                    self.model, material.latents, material.anchors, material.table
-                )
+                self.latents = ConstantLatents.of(material)
             if self.latents.channels not in (1, 3):
                 raise ParameterError(
                     f"{self._where}: '{self._filename}' has {self.latents.channels} channels; "

@@ -64,10 +64,12 @@ def define(base: type) -> type:
         Takes the parameters of ``layered``, its reference, and adds ``resolution``, ``weights`` and
         ``mipmaps``. When the scene is loaded, the bottom is evaluated at the encoder's probe pairs,
         averaged where it has not the symmetry of materials (see ``urushi.encode``), encoded, and
-        layered by the network. All layers share one tangent frame, as in ``layered``. Textures are
-        baked in their own space if they share one ``to_uv``, otherwise over the unit square of uv,
-        which repeats. A change through ``mi.traverse`` recomputes the codes that depend on it. The
-        method ``save`` writes the codes to a file for ``neural_brdf``.
+        layered by the network. A constant coat over ``measured_brdf``, ``measured``, a file with a
+        table, or such a coat is computed from the table instead, as by ``urushi.layer``. All layers
+        share one tangent frame, as in ``layered``. Textures are baked in their own space if they
+        share one ``to_uv``, otherwise over the unit square of uv, which repeats. A change through
+        ``mi.traverse`` recomputes the codes that depend on it. The method ``save`` writes the codes
+        to a file for ``neural_brdf``.
         Reflects on the front side only: nest it in ``twosided`` for both sides. Spectral variants
         treat the three channels as bands at 611, 549 and 464 nm, linear in between.
 

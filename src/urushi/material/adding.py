@@ -1,0 +1,256 @@
+"""What light does inside a coat: adding and doubling on a grid of directions.
+
+A BRDF below a coat's interface is one matrix per Fourier mode of the azimuth between directions
+(Hansen 1971; Stam 2001). With K the BRDF, W the cosines times the weights of the quadrature, and J
+the reflection of the interface from below, light that is reflected any number of times is
+
+    (1 - K W J W)^-1 K,
+
+and a medium above the BRDF, of reflection P and transmission E + T (unscattered and scattered), is
+
+    P + (E + T W) (1 - K W P W)^-1 K (E + W T).
+
+All directions point away from what reflects, or away from where scattered light came from, so that
+a mirror turns the azimuth by half a turn, in modes (-1)^m. BRDFs may be narrower than the grid:
+what it misses of their albedo is put into a mirror reflection.
+"""
+
+import functools
+from collections.abc import Callable
+
+import numpy as np
+
+from urushi.geometry.quadrature import half_vector_rule
+from urushi.material.crossing import inner_albedo
+from urushi.nets import lobe as lobes
+
+#: Directions of the grid in elevation, and around.
+ELEVATIONS, AZIMUTHS = 24, 48
+
+#: Directions for each of the grid by which means about them are taken.
+FINE = 10
+
+#: Largest asymmetry of a phase function on the grid. What is above it counts as not scattered.
+LARGEST_ASYMMETRY = 0.9
+
+#: Optical depth at which doubling begins, and the least depth of scattering that counts.
+FIRST_DEPTH, LEAST_SCATTERING = 1e-4, 1e-6
+
+#: Rounds of the scalings that give rows their sums.
+ROUNDS = 20
+
+#: BRDF values (N, C) of float32 unit vectors (N, 3).
+Brdf = Callable[[np.ndarray, np.ndarray], np.ndarray]
+
+
+class Grid:
+    """Directions on the hemisphere: Gauss-Legendre nodes in the angle, evenly spaced azimuths.
+
+    Attributes:
+        angles, cosines: (N,) ascending angles to the normal, and their cosines.
+        weights: (N,) integrate over the cosine times the cosine.
+        azimuths: (H,) from 0 to pi, both included.
+        mirror: (H,) the modes of a mirror reflection.
+    """
+
+    def __init__(self, elevations: int = ELEVATIONS, azimuths: int = AZIMUTHS):
+        nodes, weights = np.polynomial.legendre.leggauss(elevations)
+        self.angles = 0.25 * np.pi * (nodes + 1)
+        self.cosines = np.cos(self.angles)
+        self.weights = 0.25 * np.pi * weights * np.sin(self.angles) * self.cosines
+        self.azimuths = np.linspace(0, np.pi, azimuths // 2 + 1)
+        self.mirror = (-1.0) ** np.arange(len(self.azimuths))
+        self._count = azimuths
+        self._upper = np.triu_indices(elevations)
+
+    def pairs(self) -> tuple[np.ndarray, np.ndarray]:
+        """Pairs float32 (M, 3) at which `values` takes a BRDF: half of all, by reciprocity."""
+        first, second, turn = (
+            x.ravel()
+            for x in np.broadcast_arrays(*(i[:, None] for i in self._upper), self.azimuths)
+        )
+        sines = np.sin(self.angles)
+        wi = np.stack([sines[first], 0 * turn, self.cosines[first]], axis=-1)
+        wo = np.stack(
+            [sines[second] * np.cos(turn), sines[second] * np.sin(turn), self.cosines[second]],
+            axis=-1,
+        )
+        return wi.astype(np.float32), wo.astype(np.float32)
+
+    def values(self, f: np.ndarray) -> np.ndarray:
+        """A BRDF (N, N, H) from its values (M,) at `pairs`."""
+        count = len(self.cosines)
+        result = np.empty((count, count, len(self.azimuths)))
+        rows = f.reshape(-1, len(self.azimuths))
+        result[self._upper], result[self._upper[::-1]] = rows, rows
+        return result
+
+    def modes(self, values: np.ndarray) -> np.ndarray:
+        """Modes (H, N, N) of values (N, N, H)."""
+        around = np.concatenate([values, values[..., -2:0:-1]], axis=-1)
+        modes = np.fft.rfft(around, axis=-1).real * (2 * np.pi / self._count)
+        return np.moveaxis(modes, -1, 0)
+
+    def values_of_modes(self, modes: np.ndarray) -> np.ndarray:
+        """Values (N, N, H) of modes (H, N, N)."""
+        around = np.fft.irfft(np.moveaxis(modes, 0, -1), n=self._count, axis=-1)
+        return around[..., : len(self.azimuths)] * (self._count / (2 * np.pi))
+
+    def brdf_modes(self, f: np.ndarray, albedo: np.ndarray) -> np.ndarray:
+        """Modes (H, N, N) of a BRDF with values f (M,) at `pairs` and albedos (N,).
+
+        Its values at mirror pairs, where lobes are narrow, are replaced by what the others miss of
+        the albedo. Others that have more are scaled down.
+        """
+        values, places = self.values(f), np.arange(len(self.cosines))
+        values[places, places, -1] = 0
+        modes = self.modes(values)
+        factors = np.ones(len(places))
+        for _ in range(3):
+            sums = factors * (modes[0] @ (self.weights * factors))
+            factors *= np.sqrt(np.minimum(albedo / np.maximum(sums, 1e-30), 1))
+        modes = modes * (factors[:, None] * factors)
+        missing = np.maximum(albedo - modes[0] @ self.weights, 0)
+        return modes + self.mirror[:, None, None] * np.diag(missing / self.weights)
+
+    def interpolated(self, values: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        """Values (M, C) for pairs (M, 3), from those of the grid (N, N, H, C)."""
+        axes = [self._place(np.arccos(np.clip(w[:, 2], -1, 1)), self.angles) for w in (wi, wo)]
+        cross = wi[:, 0] * wo[:, 1] - wi[:, 1] * wo[:, 0]
+        dot = wi[:, 0] * wo[:, 0] + wi[:, 1] * wo[:, 1]
+        axes.append(self._place(np.abs(np.arctan2(cross, dot)), self.azimuths))
+        result = np.zeros((len(wi), values.shape[-1]))
+        for corner in np.ndindex(2, 2, 2):
+            share = np.ones(len(wi))
+            for (_, part), side in zip(axes, corner, strict=True):
+                share = share * (part if side else 1 - part)
+            index = tuple(first + side for (first, _), side in zip(axes, corner, strict=True))
+            result += share[:, None] * values[index]
+        return result
+
+    def mean(self, function: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+        """Means (N,) of a function of the cosine (M,) about each node, as by linear interpolation.
+
+        The values at the nodes alone would miss the edge of total reflection.
+        """
+        fine = Grid(FINE * len(self.angles))
+        index, part = self._place(fine.angles, self.angles)
+        values = fine.weights * function(fine.cosines)
+
+        def shared(x: np.ndarray) -> np.ndarray:
+            count = len(self.angles)
+            return np.bincount(index, x * (1 - part), count) + np.bincount(
+                index + 1, x * part, count
+            )
+
+        return shared(values) / shared(fine.weights)
+
+    @staticmethod
+    def _place(x: np.ndarray, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        place = np.interp(x, nodes, np.arange(len(nodes)))
+        index = np.minimum(place.astype(np.intp), len(nodes) - 2)
+        return index, place - index
+
+
+@functools.cache
+def grid() -> Grid:
+    """The grid of coats."""
+    return Grid()
+
+
+def albedos(f: Brdf, cosines: np.ndarray) -> np.ndarray:
+    """Directional albedos (N, C) of a BRDF at cosines (N,), by 1536 directions for each."""
+    incident = np.stack([np.sqrt(1 - cosines * cosines), 0 * cosines, cosines], axis=-1)
+    wo, weights = half_vector_rule(incident)
+    wi = np.repeat(incident, weights.shape[1], axis=0).astype(np.float32)
+    values = f(wi, wo.reshape(-1, 3).astype(np.float32)).reshape(*weights.shape, -1)
+    return np.einsum("nmc,nm->nc", values.astype(np.float64), weights * wo[..., 2])
+
+
+def bottom_modes(f: Brdf) -> np.ndarray:
+    """Modes (C, H, N, N) of a BRDF. Albedos above 1 count as 1."""
+    own = grid()
+    values = f(*own.pairs()).astype(np.float64)
+    columns = zip(values.T, np.minimum(albedos(f, own.cosines), 1).T, strict=True)
+    return np.stack([own.brdf_modes(*column) for column in columns])
+
+
+def interface_modes(alpha: float, eta: float) -> np.ndarray:
+    """Modes (H, N, N) of the reflection of an interface from below; eta: below over above."""
+    own = grid()
+    wi, wo = (w.astype(np.float64) for w in own.pairs())
+    lobe = lobes.of_coat(np.float64(alpha), np.float64(1 / eta))
+    return own.brdf_modes(
+        lobes.f(lobe, wi, wo), own.mean(lambda cosine: inner_albedo(cosine, alpha, eta))
+    )
+
+
+def seen_inside(
+    bottom: np.ndarray, interface: np.ndarray, albedo: float, sigma_t: float, g: float
+) -> tuple[np.ndarray, float]:
+    """What a bottom and a medium reflect below an interface that reflects from below.
+
+    Args:
+        bottom, interface: modes (H, N, N).
+        albedo, sigma_t, g: of the medium.
+
+    Returns:
+        Values (N, N, H) [1/sr] of all but the light that the bottom alone reflects, once, and the
+        medium does not scatter; and the optical depth by which that light is dimmed.
+    """
+    own = grid()
+    weights, one = own.weights, np.eye(len(own.cosines))
+    if g > LARGEST_ASYMMETRY:  # Joseph, Wiscombe and Weinman (1976)
+        ahead = (g - LARGEST_ASYMMETRY) / (1 - LARGEST_ASYMMETRY)
+        left = 1 - albedo * ahead
+        albedo, sigma_t, g = albedo * (1 - ahead) / left, sigma_t * left, LARGEST_ASYMMETRY
+    through = np.exp(-sigma_t / own.cosines)
+    direct = through[:, None] * bottom * through
+    every = direct
+    if albedo * sigma_t > LEAST_SCATTERING:
+        reflected, passed = medium(albedo, sigma_t, g)
+        lit = np.linalg.solve(one - (bottom * weights) @ (reflected * weights), bottom)
+        down, up = np.diag(through) + weights[:, None] * passed, np.diag(through) + passed * weights
+        every = reflected + up @ lit @ down
+    every = np.linalg.solve(one - (every * weights) @ (interface * weights), every)
+    return own.values_of_modes(every - direct), sigma_t
+
+
+def medium(albedo: float, sigma_t: float, g: float) -> tuple[np.ndarray, np.ndarray]:
+    """Reflection and transmission of the light that a medium scatters: modes (H, N, N) each.
+
+    By doubling a thin layer that scatters once; its sums over directions are made exact.
+    """
+    own = grid()
+    cosines, weights, one = own.cosines, own.weights, np.eye(len(own.cosines))
+    count = max(int(np.ceil(np.log2(sigma_t / FIRST_DEPTH))), 0)
+    depth = sigma_t / 2**count
+    a, b = cosines[:, None], cosines
+    sines = np.sin(own.angles)
+    ahead = (a * b)[..., None] + (sines[:, None] * sines)[..., None] * np.cos(own.azimuths)
+    back, forth = (own.modes(_henyey_greenstein(sign * ahead, g)) for sign in (-1, 1))
+    same = np.isclose(a, b, rtol=0, atol=1e-9)
+    between = (np.exp(-depth / a) - np.exp(-depth / b)) / np.where(same, 1, a - b)
+    reflected = back * (-np.expm1(-depth * (1 / a + 1 / b)) / (a + b))
+    passed = forth * np.where(same, depth * np.exp(-depth / a) / (a * a), between)
+    through = np.exp(-depth / cosines)
+    factors = np.ones(len(cosines))
+    scattered = reflected[0] + passed[0]
+    for _ in range(ROUNDS):
+        factors = np.sqrt(factors * -np.expm1(-depth / cosines) / (scattered @ (weights * factors)))
+    factors = albedo * (factors[:, None] * factors)
+    reflected, passed = reflected * factors, passed * factors
+    for _ in range(count):
+        up = np.diag(through) + passed * weights
+        between = np.linalg.inv(one - (reflected * weights) @ (reflected * weights))
+        twice = up @ between
+        down = np.diag(through) + weights[:, None] * passed
+        reflected = reflected + twice @ reflected @ down
+        through = through * through
+        passed = (twice @ up - np.diag(through)) / weights
+    return reflected, passed
+
+
+def _henyey_greenstein(cosine: np.ndarray, g: float) -> np.ndarray:
+    """The phase function [1/sr]."""
+    return (1 - g * g) / (4 * np.pi * (1 + g * g - 2 * g * cosine) ** 1.5)

@@ -1,0 +1,256 @@
+"""Tables of coats over materials that have a table: light that crosses the coat to what is below.
+
+A code is too coarse for a measured BRDF, and a coat over the code has its error. The light below a
+coat's interface is therefore followed without networks. f of the coated material, without the lobe
+of its interface, is
+
+    1 / eta^2 E[w_i w_o S(wi', wo')],
+
+where wi' and wo' are the directions inside of wi and wo by the facets of the interface, w_i and w_o
+the shares that cross (`urushi.material.crossing`), and S is what lies below, as seen from right
+below the interface: the bottom through the medium, and all light that the medium scatters or that
+is reflected again (`urushi.material.adding`).
+
+The mean is a sum over fixed, evenly spread points. A rough coat blurs a narrow lobe of the bottom,
+which few of the pairs wi', wo' would meet. A part of the pairs is therefore drawn by the bottom's
+own half vectors, and all are combined by the balance heuristic (Veach and Guibas 1995).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from urushi.checks import CoatParameters
+from urushi.geometry.probe_pairs import even_points
+from urushi.material import adding, energy
+from urushi.material.crossing import Crossing, Vector, cross, crossing_at
+from urushi.material.material import Material
+from urushi.material.table import (
+    HIGHEST,
+    LOWEST,
+    SHAPE,
+    TAN2_OFFSET,
+    coordinates_of_sum,
+    interpolated,
+    interpolated_at,
+    node_pairs,
+    table_of_values,
+)
+from urushi.nets import lobe as lobes
+from urushi.parallel import fill_blocks
+
+#: Pairs of directions inside for each node: drawn by the interface alone, and by each of wi and wo
+#: together with a half vector of the bottom.
+BY_INTERFACE, BY_BOTTOM = 48, 24
+
+#: Half vectors are drawn by this power of the bottom's mean f over the half angle. The mean itself
+#: would spend half of them on what is wide, which the interface's pairs meet as well.
+PEAK_POWER = 1.5
+
+#: Nodes in the table's v of that mean: difference angles up to 45 degrees, as below a coat.
+PEAK_NODES = 17
+
+#: Nodes of a table that are computed at once: their numbers stay in a core's cache.
+ROWS = 128
+
+#: Cosines at which the albedo is limited.
+COSINES = np.array([1.0, 0.9, 0.75, 0.6, 0.45, 0.3, 0.2, 0.1])
+
+
+class HalfVectors(NamedTuple):
+    """The distribution of half vectors of a bottom, constant in solid angle between nodes in u.
+
+    Attributes:
+        cosines: (U,) of the half angle at the nodes.
+        cumulated: (U,) shares of the half vectors up to each node.
+        density: float32 (U - 1,) [1/sr].
+    """
+
+    cosines: np.ndarray
+    cumulated: np.ndarray
+    density: np.ndarray
+
+    def draw(self, u: np.ndarray) -> Vector:
+        """Half vectors (K,) from numbers u (K, 2) in [0, 1)."""
+        cosine = np.interp(u[:, 0], self.cumulated, self.cosines)
+        sine, phi = np.sqrt(np.maximum(1 - cosine * cosine, 0)), 2 * np.pi * u[:, 1]
+        x, y, z = (w.astype(np.float32) for w in (sine * np.cos(phi), sine * np.sin(phi), cosine))
+        return x, y, z
+
+    def density_at(self, u: np.ndarray) -> np.ndarray:
+        """Density [1/sr] at the table's coordinate u."""
+        last = len(self.density) - 1
+        return self.density[np.clip(u * (last + 1), 0, last).astype(np.intp)]
+
+
+class Below(NamedTuple):
+    """S of the module's text, for channels C that share an interface.
+
+    Attributes:
+        table: float32 (U, V, W, C), its logarithm without the bottom's lobes.
+        lobe: float32 (C, N) of the bottom; (1, N) if the channels share it; None: there is none.
+        depth: float32 (C,) the optical depth that dims light from the lobe.
+        peak: the bottom's half vectors.
+    """
+
+    table: np.ndarray
+    lobe: np.ndarray | None
+    depth: np.ndarray
+    peak: HalfVectors
+
+
+def coated_rest(bottom: Material, coat: CoatParameters) -> np.ndarray:
+    """f float32 (N, C) [1/sr] at `node_pairs` of a coated material without the interface's lobe.
+
+    Args:
+        bottom: a material with a table, of C or one channel.
+        coat: numbers or arrays (C,), with one width.
+    """
+    parameters = np.stack([*np.broadcast_arrays(*coat, np.zeros(bottom.channels))][:5])
+    result = np.empty((len(node_pairs()[0]), parameters.shape[1]), np.float32)
+    modes, peak = adding.bottom_modes(bottom.f), half_vectors(bottom)
+    for interface in np.unique(parameters[:2], axis=1).T:
+        chosen = np.flatnonzero((parameters[:2] == interface[:, None]).all(axis=0))
+        own = np.minimum(chosen, bottom.channels - 1)
+        below = _below(bottom, modes, own, interface, parameters[2:, chosen], peak)
+        values = np.empty((len(result), len(chosen)), np.float32)
+        fill_blocks(
+            values,
+            lambda *pair, below=below, interface=interface: _crossed(below, *interface, *pair),
+            *node_pairs(),
+            rows=ROWS,
+        )
+        result[:, chosen] = values
+    return result
+
+
+def coated_table(
+    bottom: Material, coat: CoatParameters, lobe: np.ndarray, *, beside_lobe: bool
+) -> np.ndarray:
+    """The table float16 (U, V, W, C) of a coated material.
+
+    Its directional albedo is at most 1, or that of the bottom if it gains energy.
+
+    Args:
+        bottom, coat: as of `coated_rest`.
+        lobe: (C, N) of the interface.
+        beside_lobe: whether the table leaves the lobe out.
+    """
+    rest = coated_rest(bottom, coat)
+    own = lobe.astype(np.float64)
+
+    def top(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+        return lobes.f(own, wi[:, None].astype(np.float64), wo[:, None].astype(np.float64))
+
+    table = table_of_values(rest).astype(np.float32)
+    of_rest = adding.albedos(lambda *w: interpolated(table, *w), COSINES)
+    of_top = adding.albedos(top, COSINES)
+    ceiling = np.full(rest.shape[1], 1 - energy.MARGIN)
+    if (of_rest + of_top > ceiling).any():
+        gained = adding.albedos(bottom.f, COSINES).max(axis=0)
+        ceiling = np.where(gained > 1 + energy.TOLERANCE, gained, ceiling)
+    allowed = np.maximum(ceiling - of_top, energy.LEAST_REST)
+    factors = (allowed / np.maximum(of_rest, energy.LEAST_ALBEDO)).min(axis=0)
+    rest = rest * np.minimum(factors, 1).astype(np.float32)
+    return table_of_values(rest if beside_lobe else rest + top(*node_pairs()))
+
+
+def half_vectors(bottom: Material) -> HalfVectors:
+    """The half vectors by which a bottom with a table reflects most."""
+    nodes = np.linspace(0, 1, SHAPE[0])
+    tan2 = np.maximum(np.exp(LOWEST + nodes * (HIGHEST - LOWEST)) - TAN2_OFFSET, 0)
+    cosines = 1 / np.sqrt(1 + tan2)
+    f = bottom.f(*node_pairs()).reshape(*SHAPE, -1)[:, :PEAK_NODES]
+    size = f.mean(axis=(1, 2, 3), dtype=np.float64) ** PEAK_POWER
+    angles = 2 * np.pi * (cosines[:-1] - cosines[1:])
+    shares = (size[:-1] + size[1:]) * (cosines[:-1] + cosines[1:]) * angles
+    shares /= shares.sum()
+    cumulated = np.concatenate([[0], np.cumsum(shares)])
+    return HalfVectors(cosines, cumulated, (shares / angles).astype(np.float32))
+
+
+def _below(
+    bottom: Material,
+    modes: np.ndarray,
+    channels: np.ndarray,
+    interface: np.ndarray,
+    media: np.ndarray,
+    peak: HalfVectors,
+) -> Below:
+    """S for channels (C,) of the bottom under media (3, C)."""
+    assert bottom.table is not None  # for the type checker
+    wi, wo = node_pairs()
+    back, known = adding.interface_modes(*interface), {}
+    table, depths = [], []
+    inverse = (1 / wi[:, 2] + 1 / wo[:, 2]).reshape(SHAPE)
+    for channel, medium in zip(channels, media.T, strict=True):
+        key = modes[channel].tobytes(), medium.tobytes()
+        if key not in known:
+            known[key] = adding.seen_inside(modes[channel], back, *medium)
+        again, depth = known[key]
+        more = adding.grid().interpolated(again[..., None], wi, wo).reshape(SHAPE)
+        own = np.exp(bottom.table[..., channel].astype(np.float32) - depth * inverse)
+        table.append(np.log(np.maximum(own + more, 1e-30)))
+        depths.append(depth)
+    lobe = None
+    if bottom.beside_lobe:
+        lobe = bottom.latents[channels, : bottom.model.arch.lobe]
+        lobe = lobe[:1] if (lobe == lobe[:1]).all() else lobe
+    return Below(
+        np.stack(table, axis=-1).astype(np.float32), lobe, np.array(depths, np.float32), peak
+    )
+
+
+def _crossed(below: Below, alpha: float, eta: float, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+    """The mean of the module's text: float32 (N, C) for pairs (N, 3)."""
+    cosines = wi[:, 2, None], wo[:, 2, None]
+    cross_product = wi[:, 0] * wo[:, 1] - wi[:, 1] * wo[:, 0]
+    turn = np.arctan2(cross_product, wi[:, 0] * wo[:, 0] + wi[:, 1] * wo[:, 1])[:, None]
+    alpha, eta = float(np.float32(alpha)), float(np.float32(eta))
+    u = even_points(BY_INTERFACE, 4).astype(np.float32)
+    a, b = (cross(c, alpha, eta, u[:, k : k + 2]) for c, k in zip(cosines, (0, 2), strict=True))
+    total = _weighted(below, a, b._replace(inside=_turned(b.inside, turn)))
+    u = even_points(BY_BOTTOM, 4)
+    half = below.peak.draw(u[:, 2:])
+    for one, other in (cosines, cosines[::-1]):  # the bottom is the same seen in a mirror
+        a = cross(one, alpha, eta, u[:, :2].astype(np.float32))
+        dot = sum(x * h for x, h in zip(a.inside, half, strict=True))
+        reflected = tuple(2 * dot * h - x for x, h in zip(a.inside, half, strict=True))
+        sine = np.sqrt(np.maximum(1 - other * other, 0))
+        outside = _turned((sine, np.zeros_like(sine), other), turn)
+        b = crossing_at(outside, reflected, alpha, eta)
+        total += _weighted(below, a, b._replace(weight=np.where(dot > 0, b.weight, 0)))
+    return total / (eta * eta)
+
+
+def _weighted(below: Below, a: Crossing, b: Crossing) -> np.ndarray:
+    """Sums (N, C) over pairs of crossings (N, K), weighted by the balance heuristic."""
+    weight = a.weight * b.weight
+    present = weight > 0
+    inside = [
+        tuple(np.where(present, x, np.float32(n)) for x, n in zip(w.inside, (0, 0, 1), strict=True))
+        for w in (a, b)
+    ]
+    x, y, z = (p + q for p, q in zip(*inside, strict=True))
+    places = coordinates_of_sum(x, y, z, inside[0][2] - inside[1][2])
+    # Reflection about a half vector stretches solid angles by 4 cos theta_d.
+    drawn = below.peak.density_at(places[0]) / (2 * np.sqrt(x * x + y * y + z * z))
+    least = np.float32(1e-30)
+    others = 1 / np.maximum(a.density, least) + 1 / np.maximum(b.density, least)
+    weight = np.where(present, weight / (BY_INTERFACE + BY_BOTTOM * drawn * others), 0)
+    values = interpolated_at(below.table, *(p.ravel() for p in places))
+    values = values.reshape(*weight.shape, -1)
+    if below.lobe is not None:
+        wi, wo = (np.stack(w, axis=-1)[:, :, None] for w in inside)
+        own = lobes.f(below.lobe, wi, wo)
+        if below.depth.any():
+            inverse = 1 / inside[0][2] + 1 / inside[1][2]
+            own = own * np.exp(-below.depth * inverse[..., None])
+        values = values + own
+    return np.einsum("nkc,nk->nc", values, weight)
+
+
+def _turned(w: Vector, turn: np.ndarray) -> Vector:
+    """Directions turned about the normal by angles (N, 1)."""
+    cos, sin = np.cos(turn), np.sin(turn)
+    return cos * w[0] - sin * w[1], sin * w[0] + cos * w[1], w[2]

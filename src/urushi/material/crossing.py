@@ -1,0 +1,143 @@
+"""How light crosses a rough dielectric interface: directions inside, their weights and densities.
+
+A direction w outside, which points away from the surface, and the direction w' inside that light
+from it takes, turned to point away from what is below, are joined by a facet normal m:
+
+    w' = w / eta + (cos_t - cos_m / eta) m,    cos_m = w.m,  cos_t = w'.m
+
+(Walter et al. 2007, eq. 40). Facets are drawn among those visible from w (Dupuy and Benyoub 2023,
+listing 1). The share of the light that crosses is the weight (1 - F) G1(w').
+
+All arrays are float32 of NumPy. A `Vector` is three arrays that broadcast: x, y and z.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from urushi.geometry.probe_pairs import even_points
+
+#: Components x, y and z of unit vectors.
+Vector = tuple[np.ndarray, ...]
+
+#: Least cosine of a direction inside. Light closer to the horizon does not cross.
+LEAST_COSINE = np.float32(1e-4)
+
+#: Least number in a division.
+TINY = np.float32(1e-12)
+
+
+class Crossing(NamedTuple):
+    """Light that crosses an interface, from directions outside to directions inside.
+
+    Attributes:
+        inside: the directions inside; the normal where light does not cross.
+        weight: share of the light that crosses, over the density; 0 where none does.
+        density: of the direction inside [1/sr], given that outside.
+    """
+
+    inside: Vector
+    weight: np.ndarray
+    density: np.ndarray
+
+
+def cross(cosine: np.ndarray, alpha: float, eta: float, u: np.ndarray) -> Crossing:
+    """Let light of directions (sqrt(1 - cosine^2), 0, cosine) cross.
+
+    Args:
+        cosine: (N, 1).
+        alpha: GGX width.
+        eta: index inside over that outside.
+        u: (K, 2) numbers in [0, 1) that choose the facets.
+
+    Returns:
+        Arrays (N, K).
+    """
+    sine = np.sqrt(np.maximum(1 - cosine * cosine, 0))
+    facet = visible_facets(cosine, sine, alpha, u)
+    cos_m = np.clip(sine * facet[0] + cosine * facet[2], 0, 1)
+    square = 1 - (1 - cos_m * cos_m) / np.float32(eta * eta)
+    cos_t = np.sqrt(np.maximum(square, 0))
+    along = cos_t - cos_m / np.float32(eta)
+    x = sine / np.float32(eta) + along * facet[0]
+    y = along * facet[1]
+    z = cosine / np.float32(eta) + along * facet[2]
+    size = 1 / np.sqrt(x * x + y * y + z * z)
+    x, y, z = x * size, y * size, z * size
+    present = (square > 0) & (z > LEAST_COSINE)
+    inside = tuple(np.where(present, w, n) for w, n in zip((x, y, z), (0, 0, 1), strict=True))
+    weight = transmittance(cos_m, cos_t, eta) * masking(inside[2], alpha)
+    density = _density(cosine, facet, cos_m, cos_t, alpha, eta)
+    return Crossing(inside, np.where(present, weight, 0), density)
+
+
+def crossing_at(outside: Vector, inside: Vector, alpha: float, eta: float) -> Crossing:
+    """The weight and the density of given pairs of directions outside and inside."""
+    sign = np.float32(1 if eta > 1 else -1)
+    facet = tuple(sign * (eta * b - a) for a, b in zip(outside, inside, strict=True))
+    size = np.sqrt(sum(x * x for x in facet))
+    facet = tuple(x / np.maximum(size, TINY) for x in facet)
+    cos_m = sum(a * m for a, m in zip(outside, facet, strict=True))
+    cos_t = sum(b * m for b, m in zip(inside, facet, strict=True))
+    present = (cos_m > 0) & (cos_t > 0) & (facet[2] > 0) & (inside[2] > LEAST_COSINE)
+    cos_m, cos_t = np.clip(cos_m, TINY, 1), np.clip(cos_t, TINY, 1)
+    weight = transmittance(cos_m, cos_t, eta) * masking(np.maximum(inside[2], LEAST_COSINE), alpha)
+    density = _density(outside[2], facet, cos_m, cos_t, alpha, eta)
+    return Crossing(inside, np.where(present, weight, 0), np.where(present, density, 0))
+
+
+def inner_albedo(cosine: np.ndarray, alpha: float, eta: float, count: int = 256) -> np.ndarray:
+    """The share (N,) of light of cosines (N,) inside that the interface reflects back inside."""
+    cosine = cosine.astype(np.float32)[:, None]
+    sine = np.sqrt(np.maximum(1 - cosine * cosine, 0))
+    facet = visible_facets(cosine, sine, alpha, even_points(count, 2).astype(np.float32))
+    cos_m = np.clip(sine * facet[0] + cosine * facet[2], 0, 1)
+    square = 1 - (1 - cos_m * cos_m) * np.float32(eta * eta)
+    reflected = 1 - transmittance(cos_m, np.sqrt(np.maximum(square, 0)), 1 / eta)
+    z = 2 * cos_m * facet[2] - cosine
+    reflected = np.where(square > 0, reflected, 1) * masking(np.maximum(z, LEAST_COSINE), alpha)
+    return np.where(z > LEAST_COSINE, reflected, 0).mean(axis=1, dtype=np.float64)
+
+
+def visible_facets(cosine: np.ndarray, sine: np.ndarray, alpha: float, u: np.ndarray) -> Vector:
+    """Facet normals (N, K) that are visible from directions (sine, 0, cosine) (N, 1); u: (K, 2)."""
+    stretched = np.float32(alpha) * sine
+    size = 1 / np.sqrt(stretched * stretched + cosine * cosine)
+    along, up = stretched * size, cosine * size
+    z = (1 - u[:, 1]) * (1 + up) - up
+    radius, phi = np.sqrt(np.maximum(1 - z * z, 0)), np.float32(2 * np.pi) * u[:, 0]
+    x = np.float32(alpha) * (radius * np.cos(phi) + along)
+    y = np.float32(alpha) * (radius * np.sin(phi))
+    z = np.maximum(z + up, 0)
+    size = 1 / np.sqrt(np.maximum(x * x + y * y + z * z, TINY))
+    return x * size, y * size, z * size
+
+
+def transmittance(cos_m: np.ndarray, cos_t: np.ndarray, eta: float) -> np.ndarray:
+    """1 - F of a smooth dielectric by its cosines on both sides; eta: index of cos_t's side."""
+    across = (cos_m - eta * cos_t) / np.maximum(cos_m + eta * cos_t, TINY)
+    along = (eta * cos_m - cos_t) / np.maximum(eta * cos_m + cos_t, TINY)
+    return 1 - np.float32(0.5) * (across * across + along * along)
+
+
+def masking(cosine: np.ndarray, alpha: float) -> np.ndarray:
+    """Smith's G1 of GGX (Walter et al. 2007, eq. 34)."""
+    square = cosine * cosine
+    return 2 * cosine / (cosine + np.sqrt(square + np.float32(alpha * alpha) * (1 - square)))
+
+
+def _density(
+    cosine: np.ndarray,
+    facet: Vector,
+    cos_m: np.ndarray,
+    cos_t: np.ndarray,
+    alpha: float,
+    eta: float,
+) -> np.ndarray:
+    """The density of directions inside [1/sr] (Walter et al. 2007, eqs. 17 and 33)."""
+    square = np.float32(alpha * alpha)
+    spread = facet[0] * facet[0] + facet[1] * facet[1] + square * (facet[2] * facet[2])
+    normals = square / (np.float32(np.pi) * spread * spread)
+    visible = masking(cosine, alpha) * normals * cos_m / cosine
+    change = eta * cos_t - cos_m
+    return visible * np.float32(eta * eta) * cos_t / np.maximum(change * change, TINY)

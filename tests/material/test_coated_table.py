@@ -1,0 +1,254 @@
+"""Coats over materials with a table, against closed forms and the walk."""
+
+import numpy as np
+import pytest
+
+import urushi
+from urushi.checks import CoatParameters
+from urushi.errors import UrushiWarning
+from urushi.geometry import direction_sets
+from urushi.geometry.error_metrics import stack_error
+from urushi.material import Material, encode, layer, lerp, load
+from urushi.material.coated_table import coated_rest
+from urushi.material.table import SHAPE, interpolated, node_pairs, table_of_values
+from urushi.measured.tabulated import MeasuredSurface, bin_centres
+from urushi.nets.lobe import f as lobe_f
+from urushi.nets.lobe import fresnel, of_coat
+from urushi.reference.stack import conductor, dielectric, diffuse
+
+COATS = {
+    "smooth": {"alpha": 0.03, "eta": 1.5},
+    "rough": {"alpha": 0.3, "eta": 1.5},
+    "tinted": {"alpha": 0.1, "eta": 1.5, "albedo": 0.0, "sigma_t": (0.1, 0.4, 1.2)},
+    "scattering": {
+        "alpha": 0.1, "eta": 1.4, "albedo": (0.95, 0.85, 0.7), "sigma_t": 1.0, "g": 0.3,
+    },
+}  # fmt: skip
+
+
+def sheen(wi, wo):
+    """Reciprocal values that no layered material has: a wide lobe, and light at grazing angles."""
+    h = wi + wo
+    cos_h = h[:, 2] / np.linalg.norm(h, axis=1)
+    lobe = 0.2**2 / (np.pi * (cos_h**2 * (0.2**2 - 1) + 1) ** 2)
+    grazing = np.exp(-3 * (np.maximum(wi[:, 2], 0.05) + np.maximum(wo[:, 2], 0.05)))
+    return np.stack([0.05 * lobe + 0.1, 0.1 * lobe + 0.3 * grazing, 0.02 + 0.6 * grazing], axis=1)
+
+
+class Sheen(MeasuredSurface):
+    """`sheen` as a measured BRDF, for the walk."""
+
+    def f(self, wi, wo):
+        return sheen(wi, wo).astype(np.float32)
+
+    def table(self):
+        from urushi.geometry.half_vector import directions_at
+
+        angles = np.broadcast_arrays(*bin_centres((64, 32, 32)))
+        wi, wo = directions_at(*(x.ravel() for x in angles))
+        wi, wo = (np.where(w[:, 2:] > 0.02, w, [0, 0, 1]) for w in (wi, wo))
+        return sheen(wi, wo).reshape(64, 32, 32, 3).astype(np.float32)
+
+
+@pytest.fixture(scope="module")
+def bottom(trained) -> Material:
+    return encode(sheen, trained, refine=False, table=True)
+
+
+def coated(bottom, coat) -> Material:
+    medium = {name: value for name, value in coat.items() if name not in ("alpha", "eta")}
+    return layer(dielectric(coat["alpha"], coat["eta"]), bottom, **medium)
+
+
+def parameters(alpha, eta, albedo=0.0, sigma_t=0.0, g=0.0) -> CoatParameters:
+    return CoatParameters(*(np.float64(x) for x in (alpha, eta, albedo, sigma_t, g)))
+
+
+def error(f_hat, f, wi, wo) -> float:
+    return float(stack_error(f_hat.T, f.T, wi[:, 2], wo[:, 2]).mean())
+
+
+def with_table(f, model, channels: int = 1) -> Material:
+    """A material with the table of f (N,) and codes that mean nothing."""
+    plain = encode(diffuse(0.5), model)
+    table = table_of_values(np.repeat(f(*node_pairs())[:, None], channels, axis=1))
+    return Material(plain.latents[:channels], model, None, table)
+
+
+def test_a_smooth_coat_over_black_velvet_dims_it_twice(trained):
+    """The bottom reflects hardly any light again: f = T T f' exp(-sigma / c' ...) / eta^2."""
+    faint = lambda wi, wo: 1e-4 * (1 + 3 * wi[:, 2] * wo[:, 2])  # noqa: E731
+    eta, sigma_t = 1.5, 0.4
+    rest = coated_rest(with_table(faint, trained), parameters(0.01, eta, 0.0, sigma_t))[:, 0]
+    wi, wo = (w.astype(np.float64) for w in node_pairs())
+    inside, passed = [], 1.0
+    for w in (wi, wo):
+        below = w[:, :2] / eta
+        z = np.sqrt(1 - (below**2).sum(axis=1))
+        inside.append(np.concatenate([below, z[:, None]], axis=1))
+        one, zero = np.full(len(w), eta), np.zeros(len(w))
+        passed = passed * (1 - fresnel(w[:, 2], one, zero)) * np.exp(-sigma_t / z)
+    expected = passed * faint(*inside) / eta**2
+    steep = (wi[:, 2] > 0.3) & (wo[:, 2] > 0.3)
+    # f in half precision of ln f is 0.5 % off, and interpolated between the nodes of its table.
+    ratio = rest[steep] / expected[steep]
+    np.testing.assert_allclose(ratio, 1, atol=0.05)
+    assert np.median(np.abs(ratio - 1)) < 0.004
+
+
+@pytest.mark.parametrize(
+    ("coat", "most"),
+    [
+        ((0.03, 1.5), 0.01),
+        ((0.3, 1.5), 0.02),
+        ((0.1, 1.5, 0.99, 3.0, 0.8), 0.03),
+        ((0.1, 1.5, 0.9, 8.0, -0.6), 0.02),
+        ((0.1, 0.7), 0.02),
+    ],
+)
+def test_as_the_walk_over_a_lambertian_bottom(coat, most, trained, random_directions):
+    white = with_table(lambda wi, wo: np.full(len(wi), 0.7 / np.pi), trained)
+    table = table_of_values(coated_rest(white, parameters(*coat)))
+    wi, wo = direction_sets.cosine_pairs(np.random.default_rng(0), 200)
+    top = lobe_f(of_coat(np.float64(coat[0]), np.float64(coat[1])), wi, wo)
+    f = interpolated(table, wi, wo) + top[:, None]
+    alpha, eta, *medium = coat
+    names = dict(zip(("albedo", "sigma_t", "g"), medium, strict=False))
+    stack = urushi.coat(diffuse(0.7), alpha=alpha, eta=eta, **names)
+    walk, _ = urushi.simulate(stack, wi, wo, walks=8192, progress=False)
+    # The walk's own noise is 0.5 to 1 %.
+    assert error(f, walk[:, :1], wi, wo) < most + 0.01
+
+
+@pytest.mark.parametrize("name", COATS)
+def test_closer_to_the_walk_than_the_codes(name, bottom):
+    wi, wo = direction_sets.cosine_pairs(np.random.default_rng(1), 200)
+    stack = urushi.coat(Sheen(), **COATS[name])
+    walk, _ = urushi.simulate(stack, wi, wo, walks=2048, progress=False)
+    codes = Material(bottom.latents, bottom.model, bottom.anchors)
+    ours, theirs = (error(coated(b, COATS[name]).f(wi, wo), walk, wi, wo) for b in (bottom, codes))
+    assert ours < 0.03 and ours < 0.6 * theirs
+
+
+def test_a_narrow_lobe_below_a_rough_coat(trained):
+    """Few pairs of directions of the interface meet the lobe of polished metal."""
+    metal = of_coat(np.float64(0.02), np.float64(4.0))  # of an index of 4, reflects a third
+    shiny = with_table(lambda wi, wo: lobe_f(metal, wi, wo), trained)
+    table = table_of_values(coated_rest(shiny, parameters(0.3, 1.5)))
+    wi, wo = direction_sets.cosine_pairs(np.random.default_rng(2), 200)
+    top = lobe_f(of_coat(np.float64(0.3), np.float64(1.5)), wi, wo)
+    stack = urushi.coat(dielectric_bottom(0.02, 4.0), alpha=0.3, eta=1.5)
+    walk, _ = urushi.simulate(stack, wi, wo, walks=8192, progress=False)
+    assert error(interpolated(table, wi, wo) + top[:, None], walk[:, :1], wi, wo) < 0.08
+
+
+def dielectric_bottom(alpha, eta):
+    """The reflection of an opaque dielectric, as a measured BRDF."""
+
+    class Surface(Sheen):
+        def f(self, wi, wo):
+            lobe = of_coat(np.float64(alpha), np.float64(eta))
+            return np.repeat(lobe_f(lobe, wi, wo)[:, None], 3, axis=1).astype(np.float32)
+
+        def table(self):
+            from urushi.geometry.half_vector import directions_at
+
+            shape = (256, 32, 16)
+            angles = np.broadcast_arrays(*bin_centres(shape))
+            wi, wo = directions_at(*(x.ravel() for x in angles))
+            wi, wo = (np.where(w[:, 2:] > 1e-3, w, [0, 0, 1]) for w in (wi, wo))
+            return self.f(wi, wo).reshape(*shape, 3)
+
+    return Surface()
+
+
+def test_reciprocal_to_the_bit_and_zero_below_the_horizon(bottom, directions):
+    material = coated(bottom, COATS["scattering"])
+    assert material.beside_lobe
+    wi, wo = directions, np.roll(directions, 1, axis=0)
+    f = material.f(wi, wo)
+    np.testing.assert_array_equal(f, material.f(wo, wi))
+    above = (wi[:, 2] > 0) & (wo[:, 2] > 0)
+    assert (f[above] > 0).all() and not f[~above].any()
+
+
+@pytest.mark.parametrize("alpha", [0.03, 0.3])
+@pytest.mark.parametrize("albedo", [0.0, 1.0])
+def test_white_below_reflects_no_more_than_comes(alpha, albedo, trained):
+    """All light that enters a smooth coat over a white bottom leaves it again."""
+    white = with_table(lambda wi, wo: np.full(len(wi), 1 / np.pi), trained)
+    material = layer(dielectric(alpha, 1.5), white, sigma_t=albedo, albedo=albedo)
+    cosines = np.array([1, 0.9, 0.7, 0.5, 0.3, 0.15])
+    wi = np.stack([np.sqrt(1 - cosines**2), 0 * cosines, cosines], axis=1).astype(np.float32)
+    found = material.directional_albedo(wi)
+    assert found.max() <= 1 + 1e-3
+    assert alpha > 0.1 or found[:4].min() > 0.96
+
+
+def test_colours_of_every_parameter(trained):
+    """Channels with interfaces of their own are those of grey coats."""
+    white = with_table(lambda wi, wo: 0.3 + 0.1 * wi[:, 2] * wo[:, 2], trained, 3)
+    coat = CoatParameters(
+        *np.array([[0.1, 0.1, 0.3], [1.5, 1.3, 1.5], [0, 0.5, 0.9], [0, 1, 1], [0, 0, 0.5]])
+    )
+    together = coated_rest(white, coat)
+    for channel in range(3):
+        alone = coated_rest(white, CoatParameters(*(p[channel] for p in coat)))
+        np.testing.assert_allclose(together[:, channel], alone[:, 0], rtol=1e-5)
+
+
+def test_coats_nest(trained):
+    """Two clear coats of one index are one, apart from the inner interface, which is not there."""
+    red = with_table(lambda wi, wo: np.full(len(wi), 0.5 / np.pi), trained)
+    once = layer(dielectric(0.05, 1.3), red, sigma_t=0.2)
+    twice = layer(dielectric(0.1, 1.5), once, sigma_t=0.3)
+    assert once.beside_lobe and twice.beside_lobe
+    stack = urushi.coat(
+        urushi.coat(diffuse(0.5), alpha=0.05, eta=1.3, sigma_t=0.2), alpha=0.1, eta=1.5, sigma_t=0.3
+    )
+    wi, wo = direction_sets.cosine_pairs(np.random.default_rng(3), 200)
+    walk, _ = urushi.simulate(stack, wi, wo, walks=8192, progress=False)
+    assert error(twice.f(wi, wo), walk[:, :1], wi, wo) < 0.03
+
+
+def test_an_absent_coat_leaves_all_as_it_is(bottom):
+    same = layer(dielectric(0.01, 1.001), bottom)
+    assert same.table is not None and not same.beside_lobe
+    wi, wo = direction_sets.cosine_pairs(np.random.default_rng(4), 300)
+    assert error(same.f(wi, wo), bottom.f(wi, wo), wi, wo) < 0.02
+
+
+def test_files_keep_the_kind_of_table(bottom, trained, tmp_path):
+    material = coated(bottom, COATS["rough"])
+    material.save(tmp_path / "a")
+    again = load(tmp_path / "a", trained)
+    assert again == material and hash(again) == hash(material) and again.beside_lobe
+    whole = Material(material.latents, trained, None, material.table)
+    assert whole != material
+    bottom.save(tmp_path / "b")
+    assert not load(tmp_path / "b", trained).beside_lobe
+
+
+def test_codes_are_those_of_the_layerer(bottom):
+    """Textures, shaders and further systems use them, and directions are sampled by them."""
+    codes = Material(bottom.latents, bottom.model, bottom.anchors)
+    material = coated(bottom, COATS["tinted"])
+    np.testing.assert_array_equal(material.latents, coated(codes, COATS["tinted"]).latents)
+    with pytest.warns(UrushiWarning, match="leaves out the table"):
+        material.shader("glsl")
+
+
+def test_blends_of_coated_materials(bottom, random_directions):
+    ends = [coated(bottom, COATS[name]) for name in ("smooth", "rough")]
+    assert lerp(*ends, 0) == ends[0] and lerp(*ends, 1) == ends[1]
+    between = lerp(*ends, 0.25)
+    assert between.table.shape == (*SHAPE, 3) and not between.beside_lobe
+    wi, wo = random_directions(400, 1, 0.1), random_directions(400, 2, 0.1)
+    expected = 0.75 * ends[0].f(wi, wo) + 0.25 * ends[1].f(wi, wo)
+    assert np.median(np.abs(between.f(wi, wo) / expected - 1)) < 0.01
+
+
+def test_a_measured_source_needs_no_encoding_first(trained):
+    """Sources other than measured ones have codes alone."""
+    assert layer(dielectric(0.1, 1.5), conductor(0.2, 0.8)).table is None
+    assert layer(dielectric(0.1, 1.5), sheen, refine=False).table is None

@@ -1,0 +1,52 @@
+"""Light across a rough interface: densities, weights and reciprocity."""
+
+import numpy as np
+import pytest
+
+from urushi.geometry.probe_pairs import even_points
+from urushi.material.crossing import cross, crossing_at, inner_albedo
+from urushi.nets.lobe import fresnel
+
+COSINES = np.float32([[1.0], [0.8], [0.4], [0.1]])
+
+
+def outside(cosine):
+    sine = np.sqrt(1 - cosine * cosine)
+    return sine, np.zeros_like(sine), cosine
+
+
+@pytest.mark.parametrize("eta", [1.5, 0.7])
+@pytest.mark.parametrize("alpha", [0.05, 0.5])
+def test_drawn_and_given_directions_agree(alpha, eta):
+    drawn = cross(COSINES, alpha, eta, even_points(64, 2).astype(np.float32))
+    given = crossing_at(outside(COSINES), drawn.inside, alpha, eta)
+    present = drawn.weight > 0
+    assert present.mean() > 0.4
+    np.testing.assert_allclose(given.weight[present], drawn.weight[present], rtol=1e-3)
+    np.testing.assert_allclose(given.density[present], drawn.density[present], rtol=2e-3)
+    norm = sum(x * x for x in drawn.inside)
+    np.testing.assert_allclose(norm, 1, rtol=1e-5)
+
+
+@pytest.mark.parametrize("eta", [1.5, 0.7])
+def test_the_density_integrates_to_what_crosses(eta):
+    """Over the hemisphere inside, density and weight give the mean weight of drawn directions."""
+    alpha, cosine = 0.4, np.float32([[0.7]])
+    mean = cross(cosine, alpha, eta, even_points(4096, 2).astype(np.float32)).weight.mean()
+    u = even_points(1 << 18, 2)
+    sine, phi = np.sqrt(1 - u[:, 0] ** 2), 2 * np.pi * u[:, 1]
+    inside = tuple(np.float32(x) for x in (sine * np.cos(phi), sine * np.sin(phi), u[:, 0]))
+    found = crossing_at(outside(cosine), inside, alpha, eta)
+    assert 2 * np.pi * (found.density * found.weight).mean() == pytest.approx(mean, rel=0.01)
+
+
+def test_smooth_interfaces_are_those_of_fresnel():
+    eta = 1.5
+    found = cross(COSINES, 0.01, eta, even_points(64, 2).astype(np.float32)).weight.mean(axis=1)
+    cosines = COSINES[:, 0].astype(float)
+    one, zero = np.full(len(cosines), eta), np.zeros(len(cosines))
+    np.testing.assert_allclose(found, 1 - fresnel(cosines, one, zero), rtol=0.02)
+    inner = inner_albedo(np.array([1.0, 0.9, 0.5]), 0.01, eta)
+    expected = fresnel(np.array([1.0, 0.9]), 1 / one[:2], zero[:2])
+    np.testing.assert_allclose(inner[:2], expected, rtol=0.02)
+    assert inner[2] == pytest.approx(1, abs=0.01)  # total reflection
