@@ -165,6 +165,17 @@ def test_a_small_demo_writes_every_file_and_its_pictures_agree(variant, tmp_path
     assert str(tmp_path / "new" / "demo" / "comparison.png") in text
 
 
+def test_the_demo_says_what_a_picture_of_equal_noise_costs(tmp_path):
+    figures = dict.fromkeys(
+        ("relative_mse", "neural_start_seconds", "reference_start_seconds"), 1.0
+    )
+    figures |= {"neural_seconds": 3.0, "reference_seconds": 4.0}
+    figures |= {"neural_noise": 0.001, "reference_noise": 0.002}
+    text = " ".join(demo.describe(figures, tmp_path).split())
+    assert "takes 75% of the walk's time and has 50% of its noise" in text
+    assert "the networks take 38% of the walk's time" in text  # three quarters of a half
+
+
 @pytest.mark.parametrize("command", [command for command, _ in demo.NEXT_COMMANDS])
 def test_the_suggested_commands_can_be_parsed(command):
     program, *arguments = shlex.split(command)
