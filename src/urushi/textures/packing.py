@@ -231,7 +231,7 @@ def _bytes(layout: TexelLayout, packed: PackedTexels, codes: np.ndarray) -> np.n
     lowest, inverse, highest = (
         np.tile(x, layout.channels) for x in (packed.lowest, inverse, highest)
     )
-    levels = codes.astype(np.float32).reshape(len(codes), -1)
+    levels = codes.astype(np.float32, order="C").reshape(len(codes), -1)
     levels -= lowest
     levels *= inverse
     np.rint(levels, out=levels)
