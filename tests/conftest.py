@@ -79,6 +79,15 @@ def test_data() -> Path:
 
 
 @pytest.fixture(scope="session")
+def openpbr_examples(test_data: Path) -> Path:
+    """The folder of OpenPBR's examples; without it, the test is skipped."""
+    folder = test_data / "data" / "openpbr"
+    if not folder.is_dir():
+        pytest.skip(f"no examples of OpenPBR in '{folder}'")
+    return folder
+
+
+@pytest.fixture(scope="session")
 def oracle(test_data: Path) -> Mapping[str, np.ndarray]:
     """Reference values of an independent simulator, by name (see its README)."""
     return _archive(test_data / "oracle" / "reference_values.npz")

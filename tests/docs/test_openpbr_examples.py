@@ -1,19 +1,15 @@
 """The table of OpenPBR's examples in the documentation is what the reader finds."""
 
-import os
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 
 import pytest
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
-EXAMPLES = Path(os.environ.get("URUSHI_TEST_DATA", "")) / "data" / "openpbr"
 
 
 @pytest.fixture(scope="module")
 def module():
-    if "URUSHI_TEST_DATA" not in os.environ or not EXAMPLES.is_dir():
-        pytest.skip("URUSHI_TEST_DATA names no folder with the examples of OpenPBR")
     mi = pytest.importorskip("mitsuba")
     mi.set_variant("llvm_ad_rgb")
     spec = spec_from_file_location("openpbr_examples", DOCS / "openpbr_examples.py")
@@ -28,11 +24,11 @@ def materials(table):
     return {name: (row[0].strip(), row[1]) for row in rows for name in row[3].strip().split(", ")}
 
 
-def test_the_table_is_true(module):
+def test_the_table_is_true(module, openpbr_examples):
     """It may be behind: a material that it calls refused may be rendered by now."""
     page = module.PAGE.read_text(encoding="utf-8")
     written = materials(page.split(module.BEGIN)[1].split(module.END)[0])
-    found = materials(module.table(EXAMPLES))
+    found = materials(module.table(openpbr_examples))
     assert len(written) == 83 and written.keys() == found.keys()
     for name, (asks, result) in written.items():
         assert found[name][0] == asks

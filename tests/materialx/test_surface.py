@@ -1,8 +1,6 @@
 """Materials of documents: constants, translations, and the examples of OpenPBR."""
 
-import os
 import warnings
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,8 +8,6 @@ import pytest
 import urushi
 from urushi.errors import FileError, ParameterError, UrushiWarning
 from urushi.materialx.surface import read_surface
-
-EXAMPLES = Path(os.environ.get("URUSHI_TEST_DATA", "")) / "data" / "openpbr"
 
 TWO = """<open_pbr_surface name="a" type="surfaceshader">
     <input name="base_metalness" type="float" value="0.25"/>
@@ -167,10 +163,8 @@ def test_an_old_document_is_upgraded(tmp_path, library):
     assert read_surface(path, None).values["base_color"] == pytest.approx((0.3, 0.2, 0.1))
 
 
-def test_every_example_of_openpbr_is_read():
-    if "URUSHI_TEST_DATA" not in os.environ or not EXAMPLES.is_dir():
-        pytest.skip("URUSHI_TEST_DATA names no folder with the examples of OpenPBR")
-    paths = sorted(EXAMPLES.glob("*.mtlx"))
+def test_every_example_of_openpbr_is_read(openpbr_examples):
+    paths = sorted(openpbr_examples.glob("*.mtlx"))
     assert len(paths) == 83
     for path in paths:
         with warnings.catch_warnings():
@@ -180,12 +174,10 @@ def test_every_example_of_openpbr_is_read():
         assert len(description) > 1
 
 
-def test_aces_gold_is_gold(tmp_path):
+def test_aces_gold_is_gold(openpbr_examples):
     """ACEScg 0.944, 0.776, 0.373 (Gold of the examples) in linear sRGB, by the matrix of OCIO."""
-    if "URUSHI_TEST_DATA" not in os.environ or not EXAMPLES.is_dir():
-        pytest.skip("URUSHI_TEST_DATA names no folder with the examples of OpenPBR")
     with pytest.warns(UrushiWarning):
-        gold = urushi.load_materialx(EXAMPLES / "open_pbr_gold.mtlx")
+        gold = urushi.load_materialx(openpbr_examples / "open_pbr_gold.mtlx")
     r, g, b = gold["base_color"]["value"]
     assert r == 1
     assert r > g > b > 0.25

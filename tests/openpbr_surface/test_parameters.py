@@ -1,6 +1,5 @@
 """The table of parameters, against the specification's reference graph and its examples."""
 
-import os
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
@@ -10,15 +9,11 @@ import pytest
 from urushi.errors import ParameterError
 from urushi.openpbr_surface.parameters import PARAMETERS, checked, complete
 
-EXAMPLES = Path(os.environ.get("URUSHI_TEST_DATA", "")) / "data" / "openpbr"
 
-
-def test_every_parameter_of_the_examples_is_known():
-    if "URUSHI_TEST_DATA" not in os.environ or not EXAMPLES.is_dir():
-        pytest.skip("URUSHI_TEST_DATA names no folder with the examples of OpenPBR")
+def test_every_parameter_of_the_examples_is_known(openpbr_examples):
     names = {
         element.get("name")
-        for path in EXAMPLES.glob("*.mtlx")
+        for path in openpbr_examples.glob("*.mtlx")
         for surface in ElementTree.parse(path).getroot().iter("open_pbr_surface")
         for element in surface.iter("input")
     }
