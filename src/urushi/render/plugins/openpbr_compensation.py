@@ -76,7 +76,7 @@ class Compensation:
 
         encoded: whether networks layer the coat. weights: theirs, as the plugin's property.
         """
-        self._inputs, self._encoded = inputs, encoded
+        self._inputs = inputs
         self._only_metal = inputs.is_constant("base_metalness", 1)
         self._only_dielectric = inputs.is_constant("base_metalness", 0)
         self._tinted = not inputs.is_constant("coat_color", 1)
@@ -110,7 +110,7 @@ class Compensation:
         if not self._only_metal:
             below = glossy.promised(color, internal)
         if not self._only_dielectric:
-            metal_below = self._metal_below(color, internal, si, active)
+            metal_below = glossy.promised(self._metal_color(color, si, active), internal)
         return Vertex(
             share,
             dr.power(color, WHITENESS) if self._dielectric else (),
@@ -145,26 +145,14 @@ class Compensation:
             f = f + share * tint * vertex.metal_below * lobe
         return f
 
-    def _metal_below(self, color, internal, si, active):
-        """Colour, below a smooth coat, of the light that the twin's metal and coat lose.
-
-        The coat returns its part as if the metal were diffuse, of the albedo of what its facets
-        reflect more than once. Where networks are given the metal's lobe alone, they lack that
-        light itself; the interface then reflects it to all of the metal.
-        """
+    def _metal_color(self, color, si, active):
+        """Albedo of the metal for light that its facets reflect more than once."""
         inputs = self._inputs
         tint = inputs.color("specular_color", si, active)
         weight = dr.minimum(inputs.number("specular_weight", si, active), 1)
+        mean = weight * metal.f82_mean(color, tint)
         alpha = roughness.lobe_width(inputs.number("specular_roughness", si, active), dr)
-        mean = metal.f82_mean(color, tint)
-        of_coat = glossy.promised(self._mirror.multiple(weight * mean, alpha), internal)
-        if not (self._metal and self._encoded):
-            return of_coat
-        more, seen = self._mirror.multiple(mean, alpha), self._mirror.seen_mean(alpha)
-        whole = weight * dr.lerp(more, mean, seen)
-        of_metal = (1 - internal) * weight * more / (1 - whole * internal)
-        lost, by_coat = 1 - seen, self._coat.mean_lost(si, active)
-        return dr.lerp(of_coat, of_metal, lost / dr.maximum(lost + by_coat, 1e-4))
+        return self._mirror.multiple(mean, alpha)
 
 
 def _path(w, eta):
@@ -187,18 +175,11 @@ class CoatLoss:
         """Share of the light from a direction that is lost."""
         return self._lost(self._at(si, active), cosine)
 
-    def mean_lost(self, si, active):
-        """Share of diffuse light that is lost."""
-        return self._mean(self._at(si, active))
-
-    def _mean(self, at: "LossVertex"):
-        reflected, passed = self._above.both_mean(at.alpha, at.eta)
-        return 1 - reflected - at.inside * passed
-
     def vertex(self, si, active) -> "LossVertex":
         """What depends on the position and on wi alone."""
         at = self._at(si, active)
-        mean = self._mean(at)
+        reflected, passed = self._above.both_mean(at.alpha, at.eta)
+        mean = 1 - reflected - at.inside * passed
         return at._replace(lost=self._lost(at, si.wi.z) / dr.maximum(dr.pi * mean, 1e-5))
 
     def lobe(self, vertex: "LossVertex", wo):
