@@ -26,7 +26,7 @@ from urushi import checks
 from urushi.checks import MIN_ALPHA, CoatParameters, Widths
 from urushi.errors import ParameterError
 from urushi.physics import microfacet
-from urushi.reference.monte_carlo import backend, per_channel
+from urushi.reference.monte_carlo import backend, values_per_channel
 from urushi.reference.stack import Conductor, Dielectric, Diffuse, Stack
 from urushi.reference.table import StackTable, TableLayers
 from urushi.rivals import belcour_tables as tables
@@ -107,12 +107,7 @@ def f(stack: Stack, wi: npt.ArrayLike, wo: npt.ArrayLike) -> np.ndarray:
             "belcour.f adds isotropic lobes only, and a surface of the stack has two widths; give "
             "alpha in place of alpha_u and alpha_v, or call weier.f"
         )
-
-    def channel(table: StackTable, row: np.ndarray, wi: np.ndarray, wo: np.ndarray):
-        values = rows(table, row, wi, wo)
-        return values, np.zeros_like(values)
-
-    return per_channel(stack, checks.directions(wi, wo), channel)[0]
+    return values_per_channel(stack, checks.directions(wi, wo), rows)
 
 
 def rows(table: StackTable, row: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:

@@ -24,7 +24,7 @@ from urushi.errors import ParameterError
 from urushi.physics import fresnel, microfacet
 from urushi.physics.frame import refract
 from urushi.reference.bottoms import Bottom
-from urushi.reference.monte_carlo import backend, per_channel
+from urushi.reference.monte_carlo import backend, values_per_channel
 from urushi.reference.stack import Stack
 from urushi.reference.table import StackTable, TableLayers, table_bottom
 from urushi.reference.walk import Layers
@@ -47,12 +47,7 @@ def f(stack: Stack, wi: npt.ArrayLike, wo: npt.ArrayLike) -> np.ndarray:
     """
     if not isinstance(stack, Stack):
         raise ParameterError("weidlich.f needs a Stack; describe it by urushi.coat(...)")
-
-    def channel(table: StackTable, row: np.ndarray, wi: np.ndarray, wo: np.ndarray):
-        values = rows(table, row, wi, wo)
-        return values, np.zeros_like(values)
-
-    return per_channel(stack, checks.directions(wi, wo), channel)[0]
+    return values_per_channel(stack, checks.directions(wi, wo), rows)
 
 
 def rows(table: StackTable, row: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
