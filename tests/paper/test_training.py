@@ -3,6 +3,7 @@
 import json
 from dataclasses import replace
 
+import jax
 import numpy as np
 import pytest
 
@@ -131,6 +132,24 @@ def test_one_brdf_is_learned_by_heart():
     assert loss < 0.4 * np.abs(f - np.median(f)).mean()
     assert np.abs(state.latents[0] - 1).max() > 1e-3
     np.testing.assert_array_equal(state.latents[1], 1)  # only the batch's codes learn
+
+
+@pytest.mark.parametrize("brdfs", [1, 8, 22, 29])
+def test_a_step_in_slices_is_a_step_of_the_whole_batch(brdfs):
+    """The first moments are a tenth of the slopes."""
+    rng = np.random.default_rng(brdfs)
+    wi, wo = (w[: 4 * brdfs].reshape(brdfs, 4, 3) for w in stratified_pairs(rng, 256))
+    f = rng.random((brdfs, 4)).astype(np.float32)
+    batch = representation.Batch(np.arange(brdfs), wi, wo, f)
+    state = representation.start(init(1), brdfs)
+    z = state.latents + rng.normal(0, 0.1, state.latents.shape)
+    state, loss = representation.step(state._replace(latents=z), batch, 0.0, 0.0)
+    params = {k: v for k, v in init(1).items() if k.startswith("evaluation.")}
+    whole, (slope, z_slope) = jax.value_and_grad(representation.l1_loss, (0, 1))(params, z, batch)
+    assert loss == pytest.approx(float(whole), rel=1e-5)
+    np.testing.assert_allclose(state.first, 0.1 * z_slope, rtol=1e-3, atol=1e-7)
+    for name, moment in state.optimiser.mu.items():
+        np.testing.assert_allclose(moment, 0.1 * slope[name], rtol=1e-3, atol=1e-6, err_msg=name)
 
 
 def test_an_epoch_shows_every_brdf_equally_often_and_is_repeatable(tmp_path):

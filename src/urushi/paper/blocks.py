@@ -45,6 +45,12 @@ class Linear:
         return self.apply(params, x), lambda dy: product(dy, weight.T)
 
 
+def _row_means(x: Any) -> Any:
+    """Means (..., 1) over the last axis, as a product: XLA adds up rows slowly on a CPU."""
+    xp = x.__array_namespace__()
+    return product(x, xp.full((x.shape[-1], 1), 1 / x.shape[-1], dtype=x.dtype))
+
+
 @dataclass(frozen=True)
 class Norm:
     """Layer normalisation (Ba et al. 2016) over the last axis, then ReLU."""
@@ -68,15 +74,14 @@ class Norm:
 
         def pull(dy: Any) -> Any:
             d = xp.where(y > 0, dy, 0) * scale
-            along = xp.mean(d * normal, axis=-1, keepdims=True)
-            return (d - xp.mean(d, axis=-1, keepdims=True) - normal * along) * inverse
+            return (d - _row_means(d) - normal * _row_means(d * normal)) * inverse
 
         return y, pull
 
     def _evaluate(self, params: Params, x: Any) -> tuple[Any, Any, Any]:
         xp = x.__array_namespace__()
-        centred = x - xp.mean(x, axis=-1, keepdims=True)
-        inverse = 1 / xp.sqrt(xp.mean(centred * centred, axis=-1, keepdims=True) + EPSILON)
+        centred = x - _row_means(x)
+        inverse = 1 / xp.sqrt(_row_means(centred * centred) + EPSILON)
         normal = centred * inverse
         y = normal * params[f"{self.name}.scale"] + params[f"{self.name}.shift"]
         return xp.maximum(y, 0), normal, inverse

@@ -21,6 +21,10 @@ from urushi.paper.train.preset import PaperPreset
 GROUP = 1 << 24
 
 
+#: BRDFs that pass the network together, at most: so few activations stay in a core's cache.
+TOGETHER = 8
+
+
 class Batch(NamedTuple):
     """B different BRDFs at P pairs each.
 
@@ -120,13 +124,31 @@ def l1_loss(params: Params, z: jax.Array, batch: Batch) -> jax.Array:
     return jnp.mean(jnp.abs(evaluate(params, z[:, None], directions) - batch.f))
 
 
+def _loss_and_slopes(params: Params, z: jax.Array, batch: Batch) -> tuple[Any, Any, Any]:
+    """`l1_loss` of a batch and its gradients by params and z, from slices of equal size."""
+    brdfs = len(z)
+    count = next(n for n in range(-(-brdfs // TOGETHER), brdfs + 1) if brdfs % n == 0)
+    columns = z, *map(jnp.asarray, batch)
+    slices = tuple(column.reshape(count, -1, *column.shape[1:]) for column in columns)
+
+    def add(total: Any, part: Any) -> tuple[Any, Any]:
+        z, *own = part
+        loss, (slope, z_slope) = jax.value_and_grad(l1_loss, (0, 1))(params, z, Batch(*own))
+        return jax.tree.map(jnp.add, total, (loss, slope)), z_slope
+
+    start = jnp.float32(0), jax.tree.map(jnp.zeros_like, params)
+    total, z_slope = jax.lax.scan(add, start, slices)
+    loss, slope = jax.tree.map(lambda x: x / count, total)
+    return loss, slope, z_slope.reshape(z.shape) / count
+
+
 @jax.jit
 def step(
     state: RepresentationState, batch: Batch, weights_rate: float, latents_rate: float
 ) -> tuple[RepresentationState, jax.Array]:
     """Update the weights and the batch's codes; returns the loss too."""
     z = state.latents[batch.rows]
-    loss, (slope, z_slope) = jax.value_and_grad(l1_loss, (0, 1))(state.params, z, batch)
+    loss, slope, z_slope = _loss_and_slopes(state.params, z, batch)
     update, optimiser = RULE.update(slope, state.optimiser)
     params = optax.apply_updates(
         state.params, jax.tree.map(lambda change: -weights_rate * change, update)
