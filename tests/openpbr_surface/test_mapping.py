@@ -5,6 +5,7 @@ import pytest
 
 import urushi
 from urushi.openpbr_surface import (
+    albedo_axes,
     anisotropic_albedo,
     darkening,
     facet_rule,
@@ -117,29 +118,31 @@ def test_slab_albedo_inverts_the_promise_and_exceeds_the_colour():
 def test_the_excess_of_a_rough_slab_is_its_integral(eta):
     """What EON of a white slab sends at once through the interface, by a quadrature over wo."""
     known, slab = interface_albedo.tables(eta), rough_slab.tables(eta)
-    nodes = np.linspace(0, 1, interface_albedo.COSINES)
+    nodes = np.linspace(0, 1, albedo_axes.COSINES)
+    fine = (np.arange(1000) + 0.5) / 1000  # the interface's edge has no room between few nodes
+    at = albedo_axes.cosine_coordinate(fine, eta)
     azimuths, sigma = (np.arange(64) + 0.5) * np.pi / 64, 0.6
     for row in (0, 9):
-        passed = 1 - np.interp(np.sqrt(COSINES), nodes, known.reflected[0, row])
-        away = np.interp(np.sqrt(COSINES), nodes, slab.inside[0, row])[:, None]
+        passed = 1 - np.interp(at, nodes, known.reflected[0, row])
+        away = np.interp(at, nodes, slab.inside[0, row])[:, None]
         for k in (2, 12, 31):
             cosine = slab.inside[0, row, k]
             between = cosine * away + np.sqrt((1 - cosine**2) * (1 - away**2)) * np.cos(azimuths)
             f = eon.f(eon.Cosines(cosine, away, between), 1.0, sigma).mean(axis=1)
-            found = np.pi * mean(passed * f) / mean(passed) - 1
+            found = np.pi * (fine * passed * f).sum() / (fine * passed).sum() - 1
             # Some 0.003 of the quadrature, of which EON's peak at grazing angles is narrow.
             assert found == pytest.approx(eon.deviation(sigma) * slab.excess[0, row, k], abs=0.003)
 
 
 def test_few_facets_have_the_moments_of_all():
-    """Gauss rules of three nodes are exact to the fifth power of the cosine to the facet."""
-    alphas, cosine = interface_albedo.nodes()
+    """Gauss rules of four nodes are exact to the seventh power of the cosine to the facet."""
+    alphas, cosine = albedo_axes.nodes()
     rules = facet_rule.rules()
     for row in (0, 8, 15):
         facets, weight = interface_albedo.seen_facets(alphas[row], cosine)
         seen = weight.sum(-1)
         assert np.allclose(seen, interface_albedo.mirror_tables().albedo[row], rtol=1e-6)
-        for power in range(6):
+        for power in range(8):
             expected = (weight * facets**power).sum(-1) / seen
             found = (rules.weights[row] * rules.cosines[row] ** power).sum(-1)
             assert np.allclose(found, expected, rtol=1e-4, atol=1e-6)
@@ -166,10 +169,13 @@ def test_a_smooth_glossy_base_keeps_its_colour_in_the_walk(eta):
 def test_tables_of_the_interface_agree_with_the_walk(alpha):
     """Over a black bottom, a stack reflects what its interface reflects."""
     for eta, cosine in ((1.5, 0.8), (1.5, 0.2), (0.9375, 0.6)):
-        at = interface_albedo.roughness_coordinate(alpha), np.sqrt(cosine)
+        at = (
+            albedo_axes.roughness_coordinate(alpha),
+            albedo_axes.cosine_coordinate(cosine, eta),
+        )
         found = interpolated(interface_albedo.tables(eta).reflected[0], at)
         among = interpolated(
-            interface_albedo.tables().reflected, (interface_albedo.index_coordinate(eta), *at)
+            interface_albedo.tables().reflected, (albedo_axes.index_coordinate(eta), *at)
         )
         stack = urushi.coat(urushi.diffuse(0.0), alpha=alpha, eta=eta)
         expected, error = albedo(stack, direction(cosine), walks=1 << 17)
@@ -181,7 +187,7 @@ def test_tables_of_the_interface_agree_with_the_walk(alpha):
 def test_what_an_interface_does_not_reflect_or_lose_passes(alpha):
     """The walk over a white bottom gives what passes, by all orders of internal reflection."""
     eta, cosine = 1.6, 0.7
-    at = interface_albedo.roughness_coordinate(alpha), np.sqrt(cosine)
+    at = albedo_axes.roughness_coordinate(alpha), np.sqrt(cosine)
     above, below = interface_albedo.tables(eta), interface_albedo.tables(1 / eta)
     reflected, passed = (interpolated(t[0], at) for t in (above.reflected, above.passed))
     leaving = interpolated(above.passed_mean[0], at[:1]) / eta**2
@@ -231,3 +237,24 @@ def test_the_sheen_lobe_is_a_density(r):
         values = sheen.density(given, sine * np.cos(azimuth), sine * np.sin(azimuth), cosine, r, np)
         assert 2 * np.pi * (WEIGHTS * values.mean(axis=1)).sum() == pytest.approx(1, abs=0.02)
         assert 0 <= sheen.albedo(given, r, np) <= 1
+
+
+@pytest.mark.parametrize("eta", [0.4, 0.7, 0.95, 1.3])
+def test_cosines_of_the_nodes_have_their_coordinates(eta):
+    """The rounding at both ends of an axis that turns there is that of the clipped arc cosine."""
+    _, cosine = albedo_axes.nodes(eta)
+    found = albedo_axes.cosine_coordinate(cosine, eta)
+    assert np.allclose(found, np.linspace(0, 1, albedo_axes.COSINES), atol=4e-3)
+    index = albedo_axes.index_coordinate(albedo_axes.indexnodes())
+    assert np.allclose(index, np.linspace(0, 1, albedo_axes.INDICES), atol=1e-6)
+
+
+@pytest.mark.parametrize("eta", [0.5, 0.7, 0.95])
+def test_total_reflection_of_a_smooth_interface_has_its_edge(eta):
+    """Facets of the narrowest width spread the edge over a few hundredths of the cosine."""
+    table, edge = interface_albedo.tables(eta).reflected[0, 0], (1 - eta * eta) ** 0.5
+    cosine = np.array([edge - 0.03, edge + 0.03])
+    at = albedo_axes.cosine_coordinate(cosine, eta)
+    found = np.interp(at, np.linspace(0, 1, len(table)), table)
+    expected = interface_albedo._fresnel(cosine, eta)[0]
+    assert np.allclose(found, expected, atol=0.03)

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from urushi.openpbr_surface import interface_albedo
+from urushi.openpbr_surface import albedo_axes, interface_albedo
 
 #: Nodes of the anisotropy (u - v) / (u + v) of the widths u >= v, and its greatest.
 ANISOTROPIES, MOST = 8, 0.98
@@ -43,7 +43,7 @@ def anisotropy(u: Any, v: Any) -> Any:
 @functools.cache
 def tables() -> Tables:
     """The tables, which take some seconds the first time."""
-    alphas, cosine = interface_albedo.nodes()
+    alphas, cosine = albedo_axes.nodes()
     albedo = np.empty((ANISOTROPIES, len(alphas), len(cosine), TERMS))
     series = np.cos(2 * np.outer(_AZIMUTHS, np.arange(TERMS)))
     fit = np.linalg.pinv(series)
@@ -52,7 +52,7 @@ def tables() -> Tables:
             widths = alpha * (1 + ratio), alpha * (1 - ratio)
             values = [_albedo(widths, cosine, azimuth) for azimuth in _AZIMUTHS]
             albedo[i, j] = (fit @ np.stack(values)).T
-    mean = interface_albedo.hemisphere_mean(albedo[..., 0])
+    mean = albedo_axes.hemisphere_mean(albedo[..., 0])
     return Tables(albedo.astype(np.float32), mean.astype(np.float32))
 
 
@@ -61,7 +61,7 @@ def _albedo(widths: tuple[float, float], cosine: np.ndarray, azimuth: float) -> 
 
     A quadrature over visible facets. Source: Dupuy and Benyoub 2023, listing 1.
     """
-    (u, v), (turn, height) = widths, interface_albedo.facet_nodes()
+    (u, v), (turn, height, weight) = widths, interface_albedo.facet_nodes()
     sine = np.sqrt(1 - cosine**2)
     wi = np.stack([sine * np.cos(azimuth), sine * np.sin(azimuth), cosine])[..., None]
     stretched = wi * np.array([u, v, 1.0])[:, None, None]
@@ -75,4 +75,4 @@ def _albedo(widths: tuple[float, float], cosine: np.ndarray, azimuth: float) -> 
     wo = 2 * np.clip((wi * m).sum(axis=0), 0, 1) * m - wi
     slope2 = ((u * wo[0]) ** 2 + (v * wo[1]) ** 2) / np.maximum(wo[2], 1e-9) ** 2
     masking = np.where(wo[2] > 0, 2 / (1 + np.sqrt(1 + slope2)), 0.0)
-    return interface_albedo.facet_mean(masking)
+    return masking @ weight

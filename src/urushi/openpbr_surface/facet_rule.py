@@ -10,10 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from urushi.openpbr_surface import interface_albedo
+from urushi.openpbr_surface import albedo_axes, interface_albedo
 
 #: Nodes of a rule from one direction, and of one for diffuse light.
-NODES, MEAN_NODES = 3, 6
+NODES, MEAN_NODES = 4, 4
 
 
 class Rules(NamedTuple):
@@ -33,9 +33,9 @@ class Rules(NamedTuple):
 @functools.cache
 def rules() -> Rules:
     """The rules of GGX facets with Smith's masking."""
-    alphas, cosine = interface_albedo.nodes()
+    alphas, cosine = albedo_axes.nodes()
     found, means = [], []
-    light = interface_albedo.hemisphere_mean(np.eye(len(cosine)))
+    light = albedo_axes.hemisphere_mean(np.eye(len(cosine)))
     for alpha in alphas:
         facets, weight = interface_albedo.seen_facets(alpha, cosine)
         found.append(gauss_rule(facets, weight, NODES))

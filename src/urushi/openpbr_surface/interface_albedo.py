@@ -9,23 +9,26 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from urushi.checks import MIN_ALPHA
+from urushi.openpbr_surface.albedo_axes import (
+    COSINES,
+    ROUGHNESSES,
+    hemisphere_mean,
+    indexnodes,
+    nodes,
+)
 
-#: Nodes of the tables: of the index, of the root of the GGX width, and of the root of the cosine.
-INDICES, ROUGHNESSES, COSINES = 49, 16, 32
-
-#: Largest magnitude of the amplitude (eta - 1) / (eta + 1): an index of 3, or of 1/3.
-LARGEST_AMPLITUDE = 0.5
-
-#: Nodes of the quadrature over visible facets: of their azimuth, and of their height.
+#: Nodes of the quadrature over visible facets: of their azimuth, and of their height. Where some of
+#: them reflect totally, the share that does decides, and the nodes are `FINE`.
 AZIMUTHS, HEIGHTS = 20, 40
+FINE = 28, 57
 
 
 class Tables(NamedTuple):
     """Albedos at the nodes, float32.
 
     Attributes:
-        reflected, passed: (I, ROUGHNESSES, COSINES) of the light from above.
+        reflected, passed: (I, ROUGHNESSES, COSINES) of the light from above; the cosines are those
+            of `albedo_axes.nodes` of the index.
         reflected_mean, passed_mean: (I, ROUGHNESSES) their cosine-weighted means.
         inside: (I, ROUGHNESSES, COSINES) mean cosine below the interface of what is passed.
     """
@@ -35,6 +38,22 @@ class Tables(NamedTuple):
     reflected_mean: np.ndarray
     passed_mean: np.ndarray
     inside: np.ndarray
+
+
+class Facets(NamedTuple):
+    """Facets that are seen from directions of given cosines (N,).
+
+    Attributes:
+        seen: (N, 1) the cosines. cosine: (N, K) of facet and direction.
+        z: (N, K) of the facets' normals. masking: (N, K) of what they reflect.
+        weight: (K,) of the facets, of sum one.
+    """
+
+    seen: np.ndarray
+    cosine: np.ndarray
+    z: np.ndarray
+    masking: np.ndarray
+    weight: np.ndarray
 
 
 class MirrorTables(NamedTuple):
@@ -49,47 +68,25 @@ class MirrorTables(NamedTuple):
     mean: np.ndarray
 
 
-def indexnodes() -> np.ndarray:
-    """The relative indices of the nodes, denser towards one, where total reflection sets in."""
-    root = np.linspace(-1, 1, INDICES)
-    amplitude = LARGEST_AMPLITUDE * np.abs(root) * root
-    return (1 + amplitude) / (1 - amplitude)
-
-
-def index_coordinate(eta: Any, xp: Any = np) -> Any:
-    """Where an index lies among the nodes, in [0, 1]."""
-    amplitude = (eta - 1) / (eta + 1) / LARGEST_AMPLITUDE
-    root = xp.sqrt(xp.abs(amplitude))
-    return 0.5 + 0.5 * (root * xp.sign(amplitude))
-
-
-def roughness_coordinate(alpha: Any, xp: Any = np) -> Any:
-    """Where a GGX width lies among the nodes, in [0, 1]."""
-    least = MIN_ALPHA**0.5
-    return (xp.sqrt(alpha) - least) / (1 - least)
-
-
 @functools.cache
 def tables(eta: float | None = None) -> Tables:
     """The tables of dielectric interfaces.
 
-    eta: the only index, I is 1; None: all of `index_nodes`, which takes seconds the first time.
+    eta: the only index, I is 1; None: all of `albedo_axes.indexnodes`, which takes seconds the
+        first time.
     """
-    alphas, cosine = nodes()
     etas = indexnodes() if eta is None else np.array([eta])
-    reflected = np.empty((len(etas), ROUGHNESSES, COSINES))
-    passed, inside = np.empty_like(reflected), np.empty_like(reflected)
-    for j, alpha in enumerate(alphas):
-        wi, m, cos_m = _visible_facets(alpha, cosine)
-        masking = _masking(2 * cos_m * m[..., 2] - wi[2], alpha)
+    shape = len(etas), ROUGHNESSES, COSINES
+    reflected, passed, inside = np.empty(shape), np.empty(shape), np.empty(shape)
+    known: Facets | None = None
+    for j, alpha in enumerate(nodes()[0]):
         for i, index in enumerate(etas):
-            reflectance, cos_t = _fresnel(cos_m, index)
-            reflected[i, j] = facet_mean(reflectance * masking)
-            below = (wi[2] - cos_m * m[..., 2]) / index + cos_t * m[..., 2]
-            share = (1 - reflectance) * _masking(below, alpha)
-            passed[i, j] = facet_mean(share)
-            inside[i, j] = facet_mean(share * below) / np.maximum(passed[i, j], 1e-12)
-    means = (hemisphere_mean(table) for table in (reflected, passed))
+            if index < 1 or i == 0 or etas[i - 1] < 1:  # indices from one share their cosines
+                sizes = FINE if index < 1 else (AZIMUTHS, HEIGHTS)
+                known = _facets(alpha, nodes(float(index))[1], sizes)
+            assert known is not None
+            reflected[i, j], passed[i, j], inside[i, j] = _albedos(known, alpha, index)
+    means = (hemisphere_mean(table, etas) for table in (reflected, passed))
     arrays = reflected, passed, *means, inside
     return Tables(*(array.astype(np.float32) for array in arrays))
 
@@ -100,58 +97,27 @@ def mirror_tables() -> MirrorTables:
     alphas, cosine = nodes()
     albedo = np.empty((ROUGHNESSES, COSINES))
     for j, alpha in enumerate(alphas):
-        wi, m, cos_m = _visible_facets(alpha, cosine)
-        albedo[j] = facet_mean(_masking(2 * cos_m * m[..., 2] - wi[2], alpha))
+        known = _facets(alpha, cosine)
+        albedo[j] = known.masking @ known.weight
     return MirrorTables(*(x.astype(np.float32) for x in (albedo, hemisphere_mean(albedo))))
 
 
-def nodes() -> tuple[np.ndarray, np.ndarray]:
-    """The GGX widths and cosines of the nodes."""
-    roughness = np.linspace(MIN_ALPHA**0.5, 1, ROUGHNESSES)
-    return roughness**2, np.maximum(np.linspace(0, 1, COSINES) ** 2, 1e-5)
-
-
-def hemisphere_mean(table: np.ndarray) -> np.ndarray:
-    """2 times the integral of a table (..., COSINES) times the cosine over [0, 1].
-
-    Exact for tables that are linear in the root between the nodes, as they are interpolated.
-    """
-    values, weight = between_nodes(table)
-    return values @ weight
-
-
-def between_nodes(table: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """A table (..., COSINES) at the points of a quadrature, (..., K), and their weights (K,).
-
-    The weights are those of `hemisphere_mean`, of sum one. The mean of a product of tables is that
-    of the product of their values here.
-    """
-    root = np.linspace(0, 1, table.shape[-1])
-    points, weights = np.polynomial.legendre.leggauss(4)
-    t = 0.5 * (points + 1)
-    x = (root[:-1, None] + t * root[1]).ravel()
-    values = table[..., :-1, None] * (1 - t) + table[..., 1:, None] * t
-    weight = 2 * root[1] * np.tile(weights, len(root) - 1) * x**3
-    return values.reshape(*table.shape[:-1], -1), weight
-
-
 @functools.cache
-def facet_nodes() -> tuple[np.ndarray, np.ndarray]:
-    """Azimuths [rad] and heights in (0, 1) of the quadrature over visible facets (K,).
+def facet_nodes(
+    azimuths: int = AZIMUTHS, heights: int = HEIGHTS
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Azimuths in [0, 2 pi) and heights in (0, 1) of the quadrature over visible facets (K,), and
+    their weights (K,), of sum one.
 
     A height of zero is the steepest facet. The nodes are dense there: whether steep facets send
-    light above the horizon decides what is lost, and few of them do.
+    light above the horizon decides what is lost, and few of them do. Every height has other
+    azimuths, so that no step of the values lies between the same nodes of all.
     """
-    turn = (np.arange(AZIMUTHS) + 0.5) * (2 * np.pi / AZIMUTHS)
-    root = (np.arange(HEIGHTS) + 0.5) / HEIGHTS
-    turns, heights = np.meshgrid(turn, root**3)
-    return turns.ravel(), heights.ravel()
-
-
-def facet_mean(values: np.ndarray) -> np.ndarray:
-    """The mean over visible facets of values (..., K) at `facet_nodes`."""
-    weight = facet_nodes()[1] ** (2 / 3)  # of the root, whose cube the height is
-    return values @ (weight / weight.sum())
+    row = np.repeat(np.arange(heights), azimuths)
+    shift = (row * 0.6180339887498949 + 0.5) % 1
+    turn = (np.tile(np.arange(azimuths), heights) + shift) * (2 * np.pi / azimuths)
+    root = (row + 0.5) / heights
+    return turn, root * root, root / root.sum()
 
 
 def seen_facets(alpha: float, cosine: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -161,28 +127,42 @@ def seen_facets(alpha: float, cosine: np.ndarray) -> tuple[np.ndarray, np.ndarra
         Their cosines to the direction (N, K), and the shares (N, K) of its light that they would
         reflect out if they reflected all; their sum is the albedo of `mirror_tables`.
     """
-    wi, m, cos_m = _visible_facets(alpha, cosine)
-    weight = facet_nodes()[1] ** (2 / 3)
-    return cos_m, _masking(2 * cos_m * m[..., 2] - wi[2], alpha) * (weight / weight.sum())
+    known = _facets(alpha, cosine)
+    return known.cosine, known.masking * known.weight
 
 
-def _visible_facets(alpha: float, cosine: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Facets seen from directions of given cosines, at `facet_nodes`: wi, m (N, K, 3), wi.m.
+def _facets(
+    alpha: float, cosine: np.ndarray, sizes: tuple[int, int] = (AZIMUTHS, HEIGHTS)
+) -> Facets:
+    """The facets seen from directions of given cosines (N,); sizes: of `facet_nodes`.
 
-    wi is (3, N, 1). Source: Dupuy and Benyoub 2023, listing 1.
+    Those of half of the azimuths, which are the mirror images of the others.
+
+    Source: Dupuy and Benyoub 2023, listing 1.
     """
-    turn, height = facet_nodes()
+    turn, height, weight = facet_nodes(*sizes)
     sine = np.sqrt(1 - cosine**2)[:, None]
-    wi = np.stack([sine, np.zeros_like(sine), cosine[:, None]])
-    stretched = np.stack([alpha * wi[0], wi[2]])
+    cosine = cosine[:, None]
+    stretched = np.stack([alpha * sine, cosine])
     stretched = stretched / np.linalg.norm(stretched, axis=0)
     z = height * (1 + stretched[1]) - stretched[1]
     across = np.sqrt(np.maximum(1 - z * z, 0))
-    x = alpha * (across * np.cos(turn) + stretched[0])
-    y = alpha * across * np.sin(turn)
-    m = np.stack([x, y, z + stretched[1]], axis=-1)
-    m = m / np.linalg.norm(m, axis=-1, keepdims=True)
-    return wi, m, np.clip(wi[0] * m[..., 0] + wi[2] * m[..., 2], 0, 1)
+    x = alpha * (across * np.cos(0.5 * turn) + stretched[0])
+    y = alpha * across * np.sin(0.5 * turn)
+    z = z + stretched[1]
+    scale = 1 / np.sqrt(x * x + y * y + z * z)
+    cos_m, z = np.clip((sine * x + cosine * z) * scale, 0, 1), z * scale
+    return Facets(cosine, cos_m, z, _masking(2 * cos_m * z - cosine, alpha), weight)
+
+
+def _albedos(facets: Facets, alpha: float, eta: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """What facets of an index reflect and pass, (N,), and the mean cosine below of the latter."""
+    reflectance, cos_t = _fresnel(facets.cosine, eta)
+    below = (facets.seen - facets.cosine * facets.z) / eta + cos_t * facets.z
+    share = (1 - reflectance) * _masking(below, alpha)
+    passed = share @ facets.weight
+    inside = ((share * below) @ facets.weight) / np.maximum(passed, 1e-12)
+    return (reflectance * facets.masking) @ facets.weight, passed, inside
 
 
 def _masking(cosine: np.ndarray, alpha: float) -> np.ndarray:

@@ -11,7 +11,7 @@ import numpy as np
 
 from urushi.checks import MIN_ALPHA
 from urushi.errors import ParameterError
-from urushi.openpbr_surface import darkening, interface_albedo, roughness
+from urushi.openpbr_surface import albedo_axes, darkening, interface_albedo, roughness
 from urushi.openpbr_surface.parameters import complete
 from urushi.physics import eon, metal
 
@@ -160,10 +160,11 @@ def _interface_albedo(cosine: np.ndarray, eta: float, widths: tuple[float, float
     """What an interface reflects by single scattering, linear between the nodes of the table."""
     table = interface_albedo.tables(float(eta)).reflected[0]
     alpha = max(np.sqrt(widths[0] * widths[1]), MIN_ALPHA)
-    row = interface_albedo.roughness_coordinate(alpha) * (len(table) - 1)
+    row = albedo_axes.roughness_coordinate(alpha) * (len(table) - 1)
     low = min(int(row), len(table) - 2)
     line = table[low] + (row - low) * (table[low + 1] - table[low])
-    return np.interp(np.sqrt(cosine), np.linspace(0, 1, len(line)), line)
+    at = albedo_axes.cosine_coordinate(cosine, float(eta))
+    return np.interp(at, np.linspace(0, 1, len(line)), line)
 
 
 def _darkening(p: dict[str, Any], recipe: Recipe) -> np.ndarray:

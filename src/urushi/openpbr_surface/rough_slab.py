@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from urushi.openpbr_surface import interface_albedo
+from urushi.openpbr_surface import albedo_axes, interface_albedo
 from urushi.physics import eon
 
 
@@ -33,14 +33,15 @@ class Tables(NamedTuple):
 def tables(eta: float | None = None) -> Tables:
     """The tables of a white slab.
 
-    eta: the only index, I is 1; None: all of `interface_albedo.indexnodes`.
+    eta: the only index, I is 1; None: all of `albedo_axes.indexnodes`.
     """
     known = interface_albedo.tables(eta)
+    etas = albedo_axes.indexnodes() if eta is None else np.array([eta])
     inside = np.clip(known.inside.astype(np.float64), 0, 1)
-    passed, weight = interface_albedo.between_nodes(1 - known.reflected.astype(np.float64))
+    passed, weight = albedo_axes.between_nodes(1 - known.reflected.astype(np.float64), etas)
     weights = passed * weight
     weights /= weights.sum(-1, keepdims=True)
-    away, _ = interface_albedo.between_nodes(inside)
+    away, _ = albedo_axes.between_nodes(inside)
     single = np.empty_like(inside)
     for k in range(inside.shape[-1]):
         along = eon.single_over_azimuths(inside[..., k, None], away, 1.0)
@@ -48,5 +49,5 @@ def tables(eta: float | None = None) -> Tables:
     lost = 1 - eon.single_albedo(inside, 1.0)
     lost_mean = (weights * (1 - eon.single_albedo(away, 1.0))).sum(-1, keepdims=True)
     excess = single + lost * lost_mean / (1 - eon.single_mean(1.0)) - 1
-    mean = (weights * interface_albedo.between_nodes(excess)[0]).sum(-1)
+    mean = (weights * albedo_axes.between_nodes(excess)[0]).sum(-1)
     return Tables(*(x.astype(np.float32) for x in (inside, excess, mean)))

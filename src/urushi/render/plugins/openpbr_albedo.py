@@ -6,7 +6,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi.openpbr_surface import anisotropic_albedo
+from urushi.openpbr_surface import albedo_axes, anisotropic_albedo
 from urushi.openpbr_surface import interface_albedo as tables
 
 
@@ -17,8 +17,8 @@ class InterfaceAlbedo:
     """
 
     def __init__(self, eta: float | None):
-        self._constant = eta is not None
-        known = tables.tables(None if eta is None else float(np.clip(eta, 1 / 3, 3)))
+        self._constant = None if eta is None else float(np.clip(eta, 1 / 3, 3))
+        known = tables.tables(self._constant)
         self._reflected = self._texture(known.reflected)
         self._reflected_mean = self._texture(known.reflected_mean)
         self._both = self._texture(known.reflected, known.passed)
@@ -43,10 +43,10 @@ class InterfaceAlbedo:
     def _texture(self, *values: np.ndarray):
         """Tables as channels, without the axis of the index if it is constant."""
         table = np.stack(values, axis=-1)
-        return _texture(table[0] if self._constant else table)
+        return _texture(table if self._constant is None else table[0])
 
     def _at(self, cosine, alpha, eta) -> list:
-        return coordinates(cosine, alpha, None if self._constant else eta)
+        return coordinates(cosine, alpha, eta if self._constant is None else self._constant)
 
 
 class MirrorAlbedo:
@@ -58,12 +58,12 @@ class MirrorAlbedo:
 
     def seen(self, w, widths):
         """Share of the light from a direction that one reflection by the facets lets leave."""
-        at = [dr.safe_sqrt(w.z), tables.roughness_coordinate(widths, dr)]
+        at = [dr.safe_sqrt(w.z), albedo_axes.roughness_coordinate(widths, dr)]
         return _read(self._albedo, at)[0]
 
     def seen_mean(self, widths):
         """The cosine-weighted mean of `seen` over the hemisphere."""
-        return _read(self._mean, [tables.roughness_coordinate(widths, dr)])[0]
+        return _read(self._mean, [albedo_axes.roughness_coordinate(widths, dr)])[0]
 
     def lost(self, seen_i, seen_o, widths, fresnel_mean):
         """The lobe [1/sr] of light that meets more than one facet.
@@ -119,7 +119,7 @@ class AnisotropicMirror(MirrorAlbedo):
     def _at(self, widths) -> list:
         ratio = anisotropic_albedo.anisotropy(widths.u, widths.v)
         mean = 0.5 * (widths.u + widths.v)
-        return [tables.roughness_coordinate(mean, dr), ratio / anisotropic_albedo.MOST]
+        return [albedo_axes.roughness_coordinate(mean, dr), ratio / anisotropic_albedo.MOST]
 
 
 class AnisotropicInterface:
@@ -134,10 +134,18 @@ class AnisotropicInterface:
 
     def reflected(self, w, widths, eta):
         """Share of the light from a direction that is reflected."""
-        x2, y2 = w.x * w.x, w.y * w.y
-        along = _width_along(widths, x2 / dr.maximum(x2 + y2, 1e-12))
+        along = self.along(w, widths)
         share = self._mirror.seen(w, widths) / self._one.seen(w, along)
         return dr.clip(self._interface.reflected(w.z, along, eta) * share, 0, 1)
+
+    def along(self, w, widths):
+        """The width along a direction."""
+        x2, y2 = w.x * w.x, w.y * w.y
+        return _width_along(widths, x2 / dr.maximum(x2 + y2, 1e-12))
+
+    def mean_along(self, widths):
+        """The mean of `along` over directions of all azimuths."""
+        return sum(_width_along(widths, x) for x in _AZIMUTHS) / len(_AZIMUTHS)
 
     def reflected_mean(self, widths, eta):
         """Share of diffuse light that is reflected."""
@@ -162,11 +170,14 @@ def _width_along(widths, cosine2):
 def coordinates(cosine, alpha, eta) -> list:
     """Coordinates in [0, 1] of a look-up in tables of `interface_albedo`, their last axis first.
 
-    cosine, eta: None in tables without their axis.
+    cosine: None in tables without its axis.
+    eta: None in tables that do not depend on it; a float in those of one index, without its axis.
     """
-    at = [] if cosine is None else [dr.safe_sqrt(cosine)]
-    index = [] if eta is None else [tables.index_coordinate(eta, dr)]
-    return [*at, tables.roughness_coordinate(alpha, dr), *index]
+    at = [] if cosine is None else [albedo_axes.cosine_coordinate(cosine, eta, dr)]
+    index = []
+    if eta is not None and not isinstance(eta, float):
+        index = [albedo_axes.index_coordinate(eta, dr)]
+    return [*at, albedo_axes.roughness_coordinate(alpha, dr), *index]
 
 
 def interpolated(table: np.ndarray) -> Callable[[list], list]:

@@ -43,16 +43,16 @@ class RoughSlab:
     """
 
     def __init__(self, eta: float | None):
-        self._constant = eta is not None
-        known = rough_slab.tables(None if eta is None else float(np.clip(eta, 1 / 3, 3)))
+        self._constant = None if eta is None else float(np.clip(eta, 1 / 3, 3))
+        known = rough_slab.tables(self._constant)
         table = np.stack([known.inside, known.excess], axis=-1)
         mean = known.excess_mean[..., None]
-        self._table = interpolated(table[0] if self._constant else table)
-        self._mean = interpolated(mean[0] if self._constant else mean)
+        self._table = interpolated(table if self._constant is None else table[0])
+        self._mean = interpolated(mean if self._constant is None else mean[0])
 
     def f(self, wi, wo, slab: Slab):
         """The BRDF [1/sr] of all orders of reflection."""
-        at = slab.alpha, None if self._constant else slab.eta
+        at = slab.alpha, slab.eta if self._constant is None else self._constant
         ends = [self._table(coordinates(w.z, *at)) for w in (wi, wo)]
         inside, excess = zip(*ends, strict=True)
         excess_mean = self._mean(coordinates(None, *at))[0]
