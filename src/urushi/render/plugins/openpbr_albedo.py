@@ -134,18 +134,10 @@ class AnisotropicInterface:
 
     def reflected(self, w, widths, eta):
         """Share of the light from a direction that is reflected."""
-        along = self.along(w, widths)
+        x2, y2 = w.x * w.x, w.y * w.y
+        along = _width_along(widths, x2 / dr.maximum(x2 + y2, 1e-12))
         share = self._mirror.seen(w, widths) / self._one.seen(w, along)
         return dr.clip(self._interface.reflected(w.z, along, eta) * share, 0, 1)
-
-    def along(self, w, widths):
-        """The width along a direction."""
-        x2, y2 = w.x * w.x, w.y * w.y
-        return _width_along(widths, x2 / dr.maximum(x2 + y2, 1e-12))
-
-    def mean_along(self, widths):
-        """The mean of `along` over directions of all azimuths."""
-        return sum(_width_along(widths, x) for x in _AZIMUTHS) / len(_AZIMUTHS)
 
     def reflected_mean(self, widths, eta):
         """Share of diffuse light that is reflected."""

@@ -173,14 +173,13 @@ def define(base: type) -> type:
             mean = self._reflected_mean(vertex)
             if self._film:
                 for i, w in enumerate((si.wi, wo)):
-                    width = self._turning.along(w, vertex.widths) if self._turning else alpha
-                    more = self._film.excess(w.z, width, eta, si, active)
+                    more = self._film.excess(w.z, alpha, eta, si, active)
                     reflected[i] = dr.clip(
                         reflected[i] + self._mirror.seen(w, vertex.widths) * more, 0, 1
                     )
-                width = self._turning.mean_along(vertex.widths) if self._turning else alpha
-                more = self._film.mean_excess(width, eta, si, active)
-                more *= self._mirror.seen_mean(vertex.widths)
+                more = self._mirror.seen_mean(vertex.widths) * self._film.mean_excess(
+                    alpha, eta, si, active
+                )
                 mean = dr.clip(mean + more, 0, 1)
             passed, mean = (1 - reflected[0]) * (1 - reflected[1]), 1 - mean
             if self._slab is None:
