@@ -3,9 +3,9 @@
     python -m figures.figure_7.compute
 
 Every method renders the same spheres in one studio, in the time in which the networks take
-`SAMPLES` samples for each pixel, and with many more samples to measure the bias. The reference is the walk with
-`REFERENCE` samples. Times are CPU
-times of a sample; the methods are timed alternately in one process.
+`SAMPLES` samples for each pixel, and with many more samples to measure the bias. The reference is
+the walk with `REFERENCE` samples. Times are CPU times of a sample; the methods are timed
+alternately in one process.
 """
 
 import functools
