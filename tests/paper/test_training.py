@@ -115,7 +115,7 @@ def test_scales_out_of_range_or_place_are_refused():
         paper(2)
     with pytest.raises(ParameterError, match="'quick' has one size; only 'paper' takes a scale"):
         find_preset("quick", 0.5)
-    with pytest.raises(ParameterError, match="'quick' projects nothing; only 'paper' takes a proj"):
+    with pytest.raises(ParameterError, match="'quick' has no projection; only 'paper' has one"):
         find_preset("quick", adam=AdamProjection())
 
 

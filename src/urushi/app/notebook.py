@@ -65,7 +65,7 @@ def show(material: Any, *, height: int = HEIGHT) -> Page:
         cards = cards_of(material)
         if cards is None:
             raise ParameterError(
-                "the page has no cards for this description; give urushi.encode of it"
+                "the page has no cards for this description; pass urushi.encode(description)"
             )
         first = First(cards)
     return Page(page_document(page_files(model, first)), height)
@@ -77,7 +77,7 @@ def _page_model(model: Model) -> Model:
         return model
     if model.fingerprint != anisotropic_model().fingerprint:
         raise ParameterError(
-            f"the weights {model.fingerprint} are for anisotropic materials, of which the page has "
-            "the shipped ones only; encode the material with these"
+            f"the weights {model.fingerprint} are for anisotropic materials, for which the page "
+            "supports only the shipped weights; encode the material with these"
         )
     return find(None)

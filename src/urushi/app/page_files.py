@@ -58,7 +58,7 @@ def page_files(model: Model, first: First | None) -> dict[str, bytes]:
     if model.widths == 2:
         raise ParameterError(
             f"the weights {model.fingerprint} are for anisotropic materials; give --weights of "
-            "networks for isotropic ones, or none"
+            "networks for isotropic ones, or leave it out"
         )
     folder = built_folder()
     built = {

@@ -91,7 +91,8 @@ def material_text(
     check(language, model, prefix)
     if len(latents) not in (1, 3):
         raise ParameterError(
-            f"the material has {len(latents)} channels; only one or three can become a shader"
+            f"the material has {len(latents)} channels; only materials of one or three can be "
+            "exported"
         )
     program = material_program(model, latents, anchors, rotation)
     return LANGUAGES[language](prefix).printed(program)
@@ -137,12 +138,12 @@ def check(language: str, model: Model, prefix: str) -> None:
         )
     if not (prefix.isascii() and prefix.isidentifier()) or "__" in prefix or prefix[0] == "_":
         raise ParameterError(
-            f"'{prefix}' cannot begin the names of functions; give letters, digits and single "
-            "underscores, a letter first"
+            f"'{prefix}' is not a valid prefix of function names; use letters, digits and single "
+            "underscores, beginning with a letter"
         )
     if not isinstance(model.networks, UrushiNetworks):
         raise ParameterError(
-            f"the networks {model.fingerprint} are of another system and cannot become a shader; "
+            f"the networks {model.fingerprint} are of another system and cannot be exported; "
             "encode the material with Urushi's networks"
         )
 

@@ -208,7 +208,7 @@ def required_pairs(
         table = own and model.widths == 1 and isinstance(source, Merl | Rgl | Path)
     if table and not (own and model.widths == 1):
         raise ParameterError(
-            "materials of these networks have no tables; give table=False or other networks"
+            "materials of these networks cannot have tables; give table=False or other networks"
         )
     if own and (table or not isinstance(source, Stack)):
         parts.append(albedo_rule(model.widths)[:2])
@@ -399,18 +399,18 @@ def _checked(values: Any, name: str, count: int) -> np.ndarray:
         array = np.asarray(values, dtype=np.float32)
     except (TypeError, ValueError) as error:
         raise ParameterError(
-            f"{name} gives no array of numbers; return f of shape (N, 3)"
+            f"{name} does not return an array of numbers; return f of shape (N, 3)"
         ) from error
     if array.ndim == 1:
         array = array[:, None]
     if array.ndim != 2 or array.shape[0] != count or array.shape[1] == 0:
         raise ParameterError(
-            f"{name} gives shape {np.shape(values)} for {count} pairs of directions; "
+            f"{name} returns shape {np.shape(values)} for {count} pairs of directions; "
             f"return ({count}, 3), or ({count},) for one channel"
         )
     if not (np.isfinite(array) & (array >= 0.0)).all():
         raise ParameterError(
-            f"{name} gives a negative or not finite value; a BRDF must be finite and at least 0"
+            f"{name} returns a negative or non-finite value; a BRDF must be finite and at least 0"
         )
     return array
 

@@ -39,8 +39,8 @@ def check_differentiable(model: Model, where: str) -> None:
     """
     if not isinstance(model.networks, UrushiNetworks):
         raise ParameterError(
-            f"{where}: gradients are asked for, but networks such as those of Fan et al. (2022) "
-            "have none here; use those that Urushi ships"
+            f"{where}: gradients are requested, but networks such as those of Fan et al. (2022) "
+            "do not support them; use the shipped networks"
         )
 
 

@@ -117,8 +117,8 @@ def _below(
         bottom = encode(bottom, weights, refine=refine)
     if anisotropic and bottom.rotation % 180 != 0:
         raise ParameterError(
-            f"the bottom is turned by {bottom.rotation:g} degrees, and the coat's alpha_u and "
-            "alpha_v differ, but all layers share one tangent; coat the bottom first, then turn "
+            f"the bottom is rotated by {bottom.rotation:g} degrees, and the coat's alpha_u and "
+            "alpha_v differ, but all layers share one tangent; coat the bottom first, then rotate "
             "the result"
         )
     return bottom

@@ -49,8 +49,8 @@ def lerp(a: Material, b: Material, t: npt.ArrayLike) -> Material:
         )
     if a.rotation != b.rotation:
         raise ParameterError(
-            f"the materials are turned by {a.rotation:g} and {b.rotation:g} degrees, and a blend "
-            "has one tangent; blend them before they are turned"
+            f"the materials are rotated by {a.rotation:g} and {b.rotation:g} degrees, but a blend "
+            "has one tangent; blend them before they are rotated"
         )
     try:
         share = np.asarray(t, np.float32)

@@ -72,7 +72,8 @@ class Material:
             anchors = _checked(self.anchors, self.model, "anchors")
         if anchors.shape != latents.shape:
             raise ParameterError(
-                f"a material has {len(latents)} latents, but {len(anchors)} anchors; give as many"
+                f"a material has {len(latents)} latents, but {len(anchors)} anchors; give one "
+                "anchor per latent code"
             )
         if self.table is not None:
             object.__setattr__(self, "table", _checked_table(self.table, self.model, len(latents)))
@@ -268,8 +269,8 @@ class Material:
         """
         if self.table is not None:
             warnings.warn(
-                f"shader: the {language} code leaves out the table of the material; its f is that "
-                "of the codes",
+                f"shader: the {language} code leaves out the table of the material and computes f "
+                "from its codes",
                 UrushiWarning,
                 stacklevel=2,
             )
@@ -346,7 +347,7 @@ def _same_table(a: np.ndarray | None, b: np.ndarray | None) -> bool:
 def _checked_table(table: npt.ArrayLike, model: Model, channels: int) -> np.ndarray:
     """A read-only copy float16 (U, V, W, C) of a material's table."""
     if not isinstance(model.networks, UrushiNetworks) or model.widths == 2:
-        raise ParameterError("materials of these networks have no tables")
+        raise ParameterError("materials of these networks cannot have tables")
     with np.errstate(over="ignore"):
         array = np.array(table, dtype=np.float16)
     if array.shape != (*SHAPE, channels):

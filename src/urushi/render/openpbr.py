@@ -116,8 +116,8 @@ class OpenPBR:
         """
         if not self.is_uniform:
             raise ParameterError(
-                f"openpbr: {self._textured()} is a texture, and a document is written of numbers "
-                "and colours; replace it by one of these"
+                f"openpbr: {self._textured()} is a texture, but only numbers "
+                "and colours can be written; replace it by one of these"
             )
         write_parameters(self.parameters, path, name)
 
@@ -180,7 +180,7 @@ def _value(name: str, value: Any) -> Any:
 def _(source: OpenPBR) -> Source:
     if not source.is_uniform:
         raise ParameterError(
-            f"encode openpbr: {source._textured()} is a texture, and a material is the same "
+            f"encode openpbr: {source._textured()} is a texture, but a material is the same "
             "everywhere; give a number or a colour"
         )
     return bsdf_source(source.bsdf())

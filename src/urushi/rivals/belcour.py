@@ -104,8 +104,8 @@ def f(stack: Stack, wi: npt.ArrayLike, wo: npt.ArrayLike) -> np.ndarray:
         )
     if stack.is_anisotropic:
         raise ParameterError(
-            "belcour.f adds isotropic lobes only, and a surface of the stack has two widths; give "
-            "alpha in place of alpha_u and alpha_v, or call weier.f"
+            "belcour.f supports isotropic lobes only, but a surface of the stack has two widths; "
+            "give alpha instead of alpha_u and alpha_v, or call weier.f"
         )
     return values_per_channel(stack, checks.directions(wi, wo), rows)
 
@@ -139,7 +139,7 @@ def lobes(table: StackTable, row: Any, cos_i: Any) -> list[Lobe]:
         cos_i: cosine of the incident direction, Dr.Jit floats (M,) in (0, 1].
     """
     if isinstance(table.alpha, Widths) or "alpha_u" in table.bottom:
-        raise ParameterError("lobes adds isotropic lobes only; the table has two widths")
+        raise ParameterError("lobes supports isotropic surfaces only; the table has two widths")
     layers = TableLayers(backend(), table, row)
     places = [type(row)(i) for i in range(layers.count)]
     coats = [CoatParameters(*layers.interface(i), *layers.medium(i)) for i in places]

@@ -29,7 +29,8 @@ def texels(store: TextureStore, grid: TexelGrid) -> Texels:
     layout, packed = store.layout, store.packed
     if layout.channels not in (1, 3):
         raise ParameterError(
-            f"the texture has {layout.channels} channels; only one or three can become a shader"
+            f"the texture has {layout.channels} channels; only textures of one or three can be "
+            "exported"
         )
     numbers = []
     for number in range(layout.size):

@@ -59,7 +59,7 @@ class Export:
             return self._textured_text()
         if self.texture is not None:
             raise ParameterError(
-                "only textures of codes become texture files; give one, or leave out --texture"
+                "only latent textures become texture files; give one, or leave out --texture"
             )
         if self.material is None:
             return codes_text(self.language, find(self.weights), self.prefix)

@@ -98,7 +98,7 @@ class Sheet:
         sheet.check_path(self.output)
         coats = sheet.chosen(self.coats)
         if len(self.materials) < 2:
-            raise ParameterError("a sheet goes from one material to another; give two or more")
+            raise ParameterError("a sheet blends materials; give two or more")
         materials = [read_material(text, self.weights) for text in self.materials]
         pictures: dict[tuple[int, int], np.ndarray] = {}
         total = self.rows * len(coats)

@@ -76,7 +76,7 @@ class View:
             server = PageServer(files, self.port)
         except (OSError, OverflowError) as error:
             raise FileError(
-                f"cannot serve the page at port {self.port}: {error}; leave out --port"
+                f"cannot serve the page on port {self.port}: {error}; leave out --port"
             ) from error
         with server, contextlib.suppress(KeyboardInterrupt):
             print(f"{server.url} (end with Ctrl-C)", flush=True)

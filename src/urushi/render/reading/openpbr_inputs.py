@@ -194,7 +194,7 @@ class Inputs:
             return
         if not ignore:
             raise ParameterError(
-                f"{self.where}: {name} asks for {feature}, which the plugin does not have; "
+                f"{self.where}: {name} needs {feature}, which the plugin does not support; "
                 'leave it out, or set unsupported to "ignore"'
             )
         mi.Log(mi.LogLevel.Warn, f"{self.where}: {feature} is left out ({name})")
