@@ -281,7 +281,7 @@ class Demo:
     """
 
     output: Annotated[Path, tyro.conf.arg(aliases=["-o"])] = Path("out/demo")
-    """Folder to write to. It is made if it is missing."""
+    """Folder to write to. It is created if it is missing."""
     mode: Annotated[str, tyro.conf.arg(aliases=["-m"])] = "llvm_ad_rgb"
     """Mitsuba variant."""
     width: int = 400

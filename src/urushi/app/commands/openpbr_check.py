@@ -22,9 +22,9 @@ WORST, SPHERE_WALKS = 6, 4
 class OpenPBRCheck:
     """Compare implementations of OpenPBR with random walks: 40 coated materials.
 
-    Prints E and the error of the albedo, in per cent, of the plugin openpbr and of three forms of
-    the specification's recipe. docs/conformance.md describes the materials and the file of the
-    reference.
+    Prints E and the error of the albedo, in per cent, of the plugin openpbr and of three closed
+    forms after the specification. docs/conformance.md describes the materials and the reference
+    file.
 
     Example: urushi openpbr-check
 

@@ -279,7 +279,7 @@ class ExportScene:
     scene: tyro.conf.Positional[str]
     """Name of the scene."""
     folder: tyro.conf.Positional[Path]
-    """Folder to write to. It is made if it is missing."""
+    """Folder to write to. It is created if it is missing."""
     coat: Literal["neural_layered", "layered"] = "neural_layered"
     """Plugin of the coats: the networks, or the walk. The default of the file's parameter $coat."""
     weights: str = "default"

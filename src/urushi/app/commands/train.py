@@ -114,10 +114,10 @@ class Train:
 class Evaluate:
     """Measure networks on layered materials that they were not trained on.
 
-    Prints for every kind of stack the errors E (energy-weighted, per stack) and P (relative, per
-    pair of directions) in percent with the reference's own error; then how well the networks keep
-    laws of physics, their sizes and their times. docs/conventions.md defines E and P. The
-    reference values are stored with Urushi, so that it takes one to two minutes.
+    For every kind of stack, prints the errors E (energy-weighted, per stack) and P (relative, per
+    pair of directions) in per cent, with the reference's own error. Then prints violations of
+    physical laws, and the sizes and times of the networks. docs/conventions.md defines E and P. The
+    reference values ship with Urushi, so that this takes one to two minutes.
 
     Example: urushi eval --weights runs/mine/weights.safetensors -o runs/mine/figures
     """
