@@ -14,7 +14,8 @@ class FileError(UrushiError, OSError):
 
 
 class PlatformError(UrushiError, RuntimeError):
-    """Something the machine must provide (libLLVM, a package, a device) is missing or unfit."""
+    """Something that the machine must provide (libLLVM, a package, a device) is missing or
+    unsuitable."""
 
 
 class UrushiWarning(UserWarning):

@@ -36,14 +36,14 @@ class Page:
 
 
 def show(material: Any, *, height: int = HEIGHT) -> Page:
-    """Return the page of `urushi view` with a material, which a notebook shows as an output.
+    """Return the page of `urushi view` with a material, for display in a notebook.
 
-    The page stands in the notebook as a whole, about 2 MB, and computes in the browser: it needs
+    The notebook contains the whole page, about 2 MB, which computes in the browser. It needs
     neither the kernel nor a server, and works in a saved notebook too.
 
     Args:
-        material: a `Material`, a description (a `Stack` or a surface), or what `urushi view` takes
-            as its argument, such as the path of a file.
+        material: a `Material`, a description (a `Stack` or a surface), or an argument of `urushi
+            view`, such as the path of a file.
         height: of the page [pixels].
 
     Raises:

@@ -1,9 +1,9 @@
 """Encoding: from any BRDF that can be evaluated at the probe pairs to a material.
 
-The topmost interface of a description, and a surface that is nothing else, are known exactly and
-become the lobe of the code (`urushi.nets.lobe`). The lobes of other sources are fitted to their
-values. For the rest of the BRDF, one pass of the encoder is followed by two steps of correction or
-by a refinement of many steps (`urushi.material.fit`).
+The topmost interface of a description is known exactly and becomes the lobe of the code
+(`urushi.nets.lobe`). The lobes of other sources are fitted to their values. For the rest of the
+BRDF, one pass of the encoder is followed by two correction steps or by a refinement of many steps
+(`urushi.material.fit`).
 """
 
 import warnings
@@ -76,35 +76,35 @@ def encode(
 
     Args:
         source: a description (conductor, dielectric, diffuse), a Stack (simulated with a fixed
-            seed), a Material, any callable or any object with a method f that gives
-            f(wi, wo) -> (N, 3), (N, C), or (N,) for one channel [1/sr, no cosine], a measured
-            BRDF, or a Mitsuba BSDF. It is evaluated at pairs above the horizon only. An anisotropic
-            source keeps its anisotropy about the tangent, the x axis. A source that is not
-            reciprocal, or not symmetric about the tangent, is averaged until it is (see
-            `urushi.material.symmetry`); of a BSDF that transmits, the reflection is encoded.
-        weights: the networks: a Model or a weights file; None: the shipped ones, "anisotropic" for
-            anisotropic sources. An anisotropic source is averaged over the azimuth for networks of
-            isotropic materials.
-        refine: whether to follow the encoder's pass by an optimisation, some 80 ms a channel, that
-            brings the decoded values closer to the given ones, instead of by two quick steps (see
+            seed), a Material, a measured BRDF, a Mitsuba BSDF, or a callable or an object with a
+            method f: f(wi, wo) -> (N, 3), (N, C), or (N,) for one channel [1/sr, no cosine]. It is
+            evaluated at pairs above the horizon only. An anisotropic source keeps its anisotropy
+            about the tangent, the x axis. A source that is not reciprocal, or not symmetric about
+            the tangent, is averaged to have these symmetries (see `urushi.material.symmetry`). Of a
+            BSDF that transmits, only the reflection is encoded.
+        weights: the networks, a Model or a weights file. None: the shipped ones, "anisotropic" for
+            anisotropic sources. Networks for isotropic materials encode the average of an
+            anisotropic source over the azimuth.
+        refine: whether to optimise the encoder's code, about 80 ms per channel, so that its decoded
+            values are closer to the given ones, instead of two quick correction steps (see
             `urushi.material.fit`). None: for measured BRDFs, and for any source whose residual
             exceeds `UNUSUAL_RESIDUAL`. Networks without an encoder always encode by optimisation.
-        table: whether the material gets a table of f over directions as well (see
-            `urushi.material.table`), by which it is evaluated and rendered, at the same price as by
-            the codes and far closer to unusual BRDFs. Coats and textures use the codes. The source
-            is evaluated at 25,000 more pairs, which takes minutes for a Stack; a file holds 150 kB
-            more. None: for measured BRDFs. A bare conductor or dielectric, which its lobe gives
-            exactly, and a Material of the same networks get none.
+        table: whether the material also gets a table of f over directions (see
+            `urushi.material.table`), which is used to evaluate and render it. It costs as much as
+            the codes and is far more accurate for unusual BRDFs. Textures use the codes. The source
+            is evaluated at 25,000 more pairs, which takes minutes for a Stack; a file is 150 kB
+            larger. None: for measured BRDFs. A bare conductor or dielectric, whose lobe is exact,
+            and a Material of the same networks get none.
 
     Raises:
-        ParameterError: the source is none of these, or an anisotropic Stack for isotropic networks,
-            or its values have a wrong shape, are negative or not finite; or it is a BSDF that
-            reflects nothing but mirror images, or nothing.
+        ParameterError: the source is none of these; it is an anisotropic Stack, but the networks
+            are isotropic; its values have a wrong shape, are negative or not finite; or it is a
+            BSDF without rough reflection.
         FileError: the shipped networks are missing.
 
     Warns:
-        UrushiWarning: averaging changes the source by more than 10 %, or a share of the light is
-            left out.
+        UrushiWarning: averaging changes the source by more than 10 %, or transmitted or specular
+            light is left out.
     """
     model = model_for(source, weights)
     if isinstance(source, Material) and source.model.fingerprint == model.fingerprint:

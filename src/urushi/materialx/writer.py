@@ -1,8 +1,8 @@
 """Descriptions of one coat as MaterialX documents of OpenPBR, and back.
 
-The base is a conductor of Schlick's Fresnel term, which F82 of a white tint is (Kutz et al. 2021),
-or a Lambertian surface, whose interface has the weight 0. A coat's colour is the square of its
-transmittance at normal incidence (OpenPBR Surface 1.1.1, "Coat").
+The base is a conductor with Schlick's Fresnel term, to which F82 with a white tint is equal (Kutz
+et al. 2021), or a Lambertian surface with a specular weight of 0. A coat's colour is the square of
+its transmittance at normal incidence (OpenPBR Surface 1.1.1, "Coat").
 """
 
 import os

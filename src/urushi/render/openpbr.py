@@ -88,7 +88,7 @@ class OpenPBR:
 
         Args:
             wi, wo: (N, 3) unit vectors above the horizon, z the normal and x the tangent.
-            walks: evaluations that are averaged; only those of `reference` differ.
+            walks: number of evaluations that are averaged; only those of `reference` have noise.
 
         Returns:
             (N, C) [1/sr], without cosine; C is the variant's number of channels.
@@ -137,16 +137,16 @@ def openpbr(
     """Describe a material of OpenPBR Surface 1.1.1.
 
     Args:
-        reference: whether the coat is a random walk, in place of networks.
-        energy_compensation: whether light that rough interfaces lose is given back.
-        unsupported: "error", or "ignore" to leave out what is missing, with a warning.
+        reference: whether the coat is computed by random walks instead of networks.
+        energy_compensation: whether the energy that rough interfaces lose is compensated.
+        unsupported: "error", or "ignore" to leave out unsupported features, with a warning.
         parameters: of the specification, by name. Numbers and colours (three numbers, linear sRGB)
             in their ranges; or textures, as Mitsuba's dictionaries or objects. Those that are left
             out have the defaults of the specification.
 
     Returns:
-        A description, which loads nothing. `f` evaluates it, `urushi.encode` encodes it, `save`
-        writes it, and `description` is its BSDF in a scene.
+        A description without Mitsuba objects. `f` evaluates it, `urushi.encode` encodes it, `save`
+        writes it, and `description` returns its BSDF for a scene.
 
     Raises:
         ParameterError: a name does not exist, or a value is out of range or of a wrong kind.

@@ -31,8 +31,8 @@ class Import:
     output: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
     """Weights file to write (.safetensors)."""
     projection: ProjectionName = "adam"
-    """How BRDFs are projected to codes with these weights. adam is the authors' method, with which the
-    layering network has learnt the codes. levenberg-marquardt takes a second for each channel."""
+    """How BRDFs are projected to codes with these weights. adam is the authors' method; the
+    layering network was trained on its codes. levenberg-marquardt takes a second per channel."""
     projection_pairs: int | None = None
     """Only for the projection adam: direction pairs in each of its 1,000 steps. Default: 64, which
     takes some seconds for each channel. The authors' 4096 take some minutes."""

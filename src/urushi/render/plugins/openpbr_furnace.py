@@ -1,4 +1,4 @@
-"""The white furnace of a coated base: how much less than all light its white twin reflects."""
+"""The white furnace of a coated base: one minus the directional albedo of its white twin."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -46,9 +46,9 @@ class FurnaceVertex(NamedTuple):
 
 
 class Furnace:
-    """What the white twin of a material does not reflect, a table; negative where it is too much.
+    """Table of one minus the directional albedo of a material's white twin; may be negative.
 
-    The twin has a base, a specular and a coat colour of one, and is all metal or all dielectric.
+    The white twin has base, specular and coat colours of one, and is all metal or all dielectric.
     """
 
     def __init__(
