@@ -1,4 +1,4 @@
-"""Errors that a user can cause, and warnings. Each is one sentence: what, where, and the cure."""
+"""Errors that a user can cause, and warnings. Each is one sentence: problem, place, cure."""
 
 
 class UrushiError(Exception):

@@ -1,4 +1,4 @@
-"""`urushi doctor`: check this machine, and say what is missing and how to mend it.
+"""`urushi doctor`: check this machine, and report what is missing and how to fix it.
 
 Every Mitsuba variant is tried in a process of its own, because a bad LLVM library or driver may
 abort the process.
@@ -205,7 +205,7 @@ def _version(package: str) -> str | None:
 
 @dataclass(frozen=True)
 class Doctor:
-    """Check this machine: print what Urushi finds, what is wrong, and how to mend it.
+    """Check this machine: print what Urushi finds, what is wrong, and how to fix it.
 
     Checks Python, Mitsuba, Dr.Jit, LLVM, the GPU, Mitsuba's variants, the shipped weights and every
     optional package. The exit code is 1 if something is wrong that Urushi cannot work without.

@@ -109,7 +109,7 @@ def rest(
     inputs: Sequence[Expression],
     activated: Function,
 ) -> Expression:
-    """What the decoder gives [1/sr] for the terms of a code and `features`."""
+    """The decoded rest [1/sr] for the terms of a code and `features`."""
     params, numbers = model.params, model.arch.latent - model.arch.lobe - 1
     output = len(model.arch.decoder)
     body.note_line("The first hidden layer, scaled and shifted by the code.")

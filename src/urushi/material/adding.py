@@ -1,4 +1,4 @@
-"""What light does inside a coat: adding and doubling on a grid of directions.
+"""Light transport inside a coat by adding and doubling on a grid of directions.
 
 A BRDF below a coat's interface is one matrix per Fourier mode of the azimuth between directions
 (Hansen 1971; Stam 2001). With K the BRDF, W the cosines times the weights of the quadrature, and J
@@ -10,9 +10,9 @@ and a medium above the BRDF, of reflection P and transmission E + T (unscattered
 
     P + (E + T W) (1 - K W P W)^-1 K (E + W T).
 
-All directions point away from what reflects, or away from where scattered light came from, so that
-a mirror turns the azimuth by half a turn, in modes (-1)^m. BRDFs may be narrower than the grid:
-what it misses of their albedo is put into a mirror reflection.
+All directions point away from the reflecting layer, so that a mirror rotates the azimuth by half a
+turn, in modes (-1)^m. BRDFs may be narrower than the grid: the part of their albedo that it misses
+is added as a mirror reflection.
 """
 
 import functools
@@ -30,7 +30,7 @@ ELEVATIONS, AZIMUTHS = 24, 48
 #: Directions for each of the grid by which means about them are taken.
 FINE = 10
 
-#: Largest asymmetry of a phase function on the grid. What is above it counts as not scattered.
+#: Largest asymmetry of a phase function on the grid. A sharper forward peak counts as unscattered.
 LARGEST_ASYMMETRY = 0.9
 
 #: Optical depth at which doubling begins, and the least depth of scattering that counts.

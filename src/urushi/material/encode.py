@@ -170,7 +170,7 @@ def encode_values(found: SourceValues, model: Model, *, refine: bool | None = No
 def material_of_lobes(lobe: np.ndarray, model: Model, channels: int = 3) -> Material:
     """The material of a surface that is its lobes (N,) or (channels, N) alone.
 
-    The anchor is what the encoder makes of them.
+    The anchor is the encoder's output for them.
     """
     anchors = bare_anchors(model, np.broadcast_to(lobe, (channels, lobe.shape[-1])))
     assert isinstance(model.networks, UrushiNetworks)  # for the type checker
@@ -180,8 +180,8 @@ def material_of_lobes(lobe: np.ndarray, model: Model, channels: int = 3) -> Mate
 def bare_anchors(model: Model, lobe: np.ndarray) -> np.ndarray:
     """The anchors float32 (..., L) of surfaces that are their lobes (..., N) alone.
 
-    All have one rest, what the encoder makes of none. No limit of energy scales it, because the
-    layerer has learned it as it is.
+    All have the same rest, the encoder's code of a zero rest. The energy limit does not scale it,
+    because the layerer was trained on it unscaled.
     """
     assert isinstance(model.networks, UrushiNetworks)  # for the type checker
     rest = model.networks.empty_rest()
@@ -304,7 +304,8 @@ def material_from_values(
 
 
 def _rest_share(source_albedo: np.ndarray, lobe: np.ndarray, rule: AlbedoRule) -> np.ndarray:
-    """The share (C,) of the light of sources of albedos (C, D) that is not their lobes' (C, N)."""
+    """The fraction (C,) of the light of sources of albedos (C, D) that their lobes (C, N) do not
+    reflect."""
     own = lobe_albedos(lobe, rule).mean(axis=-1)
     return np.maximum(1 - own / np.maximum(source_albedo.mean(axis=-1), energy.LEAST_ALBEDO), 0)
 
@@ -312,8 +313,9 @@ def _rest_share(source_albedo: np.ndarray, lobe: np.ndarray, rule: AlbedoRule) -
 def _without_faint_rest(model: Model, anchors: np.ndarray, share: np.ndarray) -> np.ndarray:
     """Anchors (C, L) that become those of their lobes alone where the rest's share (C,) is small.
 
-    The layerer knows bare lobes, and rests that matter. A faint rest, such as the misfit of a lobe,
-    has an arbitrary code, over which coats are wrong by up to a tenth of their light.
+    The layerer was trained on bare lobes and on rests that are visible. A faint rest, such as the
+    error of a fitted lobe, has an arbitrary code, over which coats have errors of up to a tenth of
+    their light.
     """
     return _with_rests(model, anchors, _ramp(share, FAINT_REST))
 
@@ -321,9 +323,9 @@ def _without_faint_rest(model: Model, anchors: np.ndarray, share: np.ndarray) ->
 def without_useless_rests(model: Model, anchors: np.ndarray, f: np.ndarray) -> np.ndarray:
     """Anchors (N, L) that become those of their lobes alone where these are closer to f (N, P).
 
-    f: [1/sr] at the probe pairs. A rest that decodes to something worse than nothing is unlike all
-    that the networks have learned, and coats over it may be wrong without bound. It occurs where
-    the lobe is nearly the whole source.
+    f: [1/sr] at the probe pairs. A rest whose decoded values are worse than zero is far from all
+        training data, and coats over it may have unbounded errors. This occurs if the lobe is
+        nearly the whole source.
     """
     networks = model.networks
     if not isinstance(networks, UrushiNetworks):
@@ -374,7 +376,7 @@ def _lobes_of_channels(model: Model, f: np.ndarray, lobe: np.ndarray | None) -> 
 def _source_albedos(f: np.ndarray, lobe: np.ndarray | None, rule: AlbedoRule) -> np.ndarray:
     """Directional albedos (C, D) of values f (C, M) at the nodes of a rule.
 
-    The nodes are too few for the sharpest lobes (N,), whose part is known without them.
+    The nodes are too few for the sharpest lobes (N,), whose albedos are computed separately.
     """
     if lobe is None:
         return rule.albedo(f)

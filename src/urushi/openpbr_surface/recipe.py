@@ -1,8 +1,8 @@
 """Coated surfaces by the specification's recipe, in closed form: what other renderers evaluate.
 
-The recipe scales the base by what the coat's interface passes (albedo scaling), by coat_color and
-by a darkening, and widens the base's lobes (roughening). It does not follow light through the coat.
-Three forms of it differ in the scaling of the base; see `Recipe`.
+The recipe multiplies the base by the transmittance of the coat's interface (albedo scaling), by
+coat_color and by a darkening factor, and widens the base's lobes (roughening). It does not follow
+light through the coat. Three forms of it differ in the scaling of the base; see `Recipe`.
 """
 
 from typing import Any, Literal, NamedTuple

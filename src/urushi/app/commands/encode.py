@@ -95,7 +95,7 @@ class Encode:
         return 0
 
     def _check(self) -> None:
-        """Raise before any work what is wrong with the flags, or that a package is missing."""
+        """Raise an error before any work if the flags are wrong or a package is missing."""
         if self.refine and self.no_refine:
             raise ParameterError(
                 "--refine and --no-refine exclude each other; give only one of them"
