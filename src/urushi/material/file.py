@@ -1,7 +1,7 @@
 """The file of a material: its latent codes and the fingerprint of the networks they belong to.
 
-Where a material has a table, it follows, and the version is higher: an older Urushi would evaluate
-the codes, or take the table of a rest for that of all of f.
+If the material has a table, the file also holds the table and has a higher version: an older Urushi
+would evaluate the codes, or mistake the table of a rest for a table of f.
 """
 
 import os

@@ -1,7 +1,7 @@
 """Directional albedos of rough dielectric interfaces and of GGX reflectors, tabulated.
 
-The interfaces scatter once: light that would meet a second facet is lost. How much is known from
-these tables, and the plugin `openpbr` gives it back.
+The interfaces scatter once: light that would hit a second facet is lost. These tables give the
+loss, for which the plugin `openpbr` compensates.
 """
 
 import functools

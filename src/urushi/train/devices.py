@@ -1,4 +1,4 @@
-"""Data-parallel training: every device has all parameters and a share of a step's stacks."""
+"""Data-parallel training: every device has all parameters and an equal part of a step's stacks."""
 
 from dataclasses import dataclass
 from typing import Any
