@@ -196,7 +196,7 @@ Look at {out / "comparison.png"}
 
 Try next
 {commands}
-  In a Mitsuba scene of your own, put the plugin "{NEURAL}" around a BSDF to coat it."""
+  In your own Mitsuba scene, put the plugin "{NEURAL}" around a BSDF to coat it."""
 
 
 def _cost(figures: dict[str, float], plugin: str, name: str) -> str:

@@ -71,7 +71,7 @@ def report(findings: Sequence[Finding]) -> str:
             kind = "PROBLEM" if finding.essential else "note"
             lines.append(f"{'':<{width}}  {kind}: {finding.problem}")
     wrong = [finding.name for finding in findings if finding.problem and finding.essential]
-    lines.append(f"\nWrong: {', '.join(wrong)}." if wrong else "\nAll that is essential is well.")
+    lines.append(f"\nProblems: {', '.join(wrong)}." if wrong else "\nNo problems with anything essential.")
     return "\n".join(lines)
 
 
@@ -91,7 +91,7 @@ def _package(
     numbers = re.match(r"(\d+)\.(\d+)", version)
     fits = numbers is None or oldest <= (int(numbers[1]), int(numbers[2])) < below
     wanted = f">={'.'.join(map(str, oldest))},<{'.'.join(map(str, below))}"
-    cure = f"this version does not fit; install another (pip install '{name}{wanted}')"
+    cure = f"unsupported version; install another (pip install '{name}{wanted}')"
     return Finding(name, version, None if fits else cure, True)
 
 
