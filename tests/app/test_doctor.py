@@ -34,8 +34,8 @@ def test_optional_packages_are_listed_with_their_purpose(monkeypatch):
 @pytest.mark.parametrize(
     ("findings", "code", "closing"),
     [
-        ([Finding("LLVM", "19", None, True)], 0, "No problems with anything essential."),
-        ([Finding("GPU", "none", "no driver")], 0, "No problems with anything essential."),
+        ([Finding("LLVM", "19", None, True)], 0, "All essential parts work."),
+        ([Finding("GPU", "none", "no driver")], 0, "All essential parts work."),
         ([Finding("LLVM", "14", "too old", True)], 1, "Problems: LLVM."),
     ],
 )

@@ -71,7 +71,7 @@ def report(findings: Sequence[Finding]) -> str:
             kind = "PROBLEM" if finding.essential else "note"
             lines.append(f"{'':<{width}}  {kind}: {finding.problem}")
     wrong = [finding.name for finding in findings if finding.problem and finding.essential]
-    lines.append(f"\nProblems: {', '.join(wrong)}." if wrong else "\nNo problems with anything essential.")
+    lines.append(f"\nProblems: {', '.join(wrong)}." if wrong else "\nAll essential parts work.")
     return "\n".join(lines)
 
 
