@@ -99,8 +99,8 @@ class Grid:
     def brdf_modes(self, f: np.ndarray, albedo: np.ndarray) -> np.ndarray:
         """Modes (H, N, N) of a BRDF with values f (M,) at `pairs` and albedos (N,).
 
-        Its values at mirror pairs, where lobes are narrow, are replaced by what the others miss of
-        the albedo. Others that have more are scaled down.
+        The values at mirror pairs, where lobes are narrow, are set so that the sums equal the
+        albedos. If the other values already exceed the albedo, they are scaled down.
         """
         values, places = self.values(f), np.arange(len(self.cosines))
         values[places, places, -1] = 0
@@ -188,15 +188,15 @@ def interface_modes(alpha: float, eta: float) -> np.ndarray:
 def seen_inside(
     bottom: np.ndarray, interface: np.ndarray, albedo: float, sigma_t: float, g: float
 ) -> tuple[np.ndarray, float]:
-    """What a bottom and a medium reflect below an interface that reflects from below.
+    """BRDF of a bottom and a medium below an interface that reflects from below.
 
     Args:
         bottom, interface: modes (H, N, N).
         albedo, sigma_t, g: of the medium.
 
     Returns:
-        Values (N, N, H) [1/sr] of all but the light that the bottom alone reflects, once, and the
-        medium does not scatter; and the optical depth by which that light is dimmed.
+        Values (N, N, H) [1/sr] of all light except that reflected once by the bottom and not
+        scattered by the medium; and the optical depth that attenuates the excepted light.
     """
     own = grid()
     weights, one = own.weights, np.eye(len(own.cosines))

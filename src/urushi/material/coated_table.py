@@ -90,7 +90,7 @@ class Below(NamedTuple):
     Attributes:
         table: float32 (U, V, W, C), its logarithm without the bottom's lobes.
         lobe: float32 (C, N) of the bottom; (1, N) if the channels share it; None: there is none.
-        depth: float32 (C,) the optical depth that dims light from the lobe.
+        depth: float32 (C,) the optical depth that attenuates light from the lobe.
         peak: the bottom's half vectors.
     """
 
@@ -157,7 +157,7 @@ def coated_table(
 
 
 def half_vectors(bottom: Material) -> HalfVectors:
-    """The half vectors by which a bottom with a table reflects most."""
+    """The distribution of half vectors at which a bottom with a table is bright."""
     nodes = np.linspace(0, 1, SHAPE[0])
     tan2 = np.maximum(np.exp(LOWEST + nodes * (HIGHEST - LOWEST)) - TAN2_OFFSET, 0)
     cosines = 1 / np.sqrt(1 + tan2)

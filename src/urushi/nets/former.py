@@ -1,4 +1,4 @@
-"""The networks of earlier versions, whose codes had no analytic lobe (`urushi.nets.lobe`).
+"""Detection of networks of earlier versions, whose codes had no analytic lobe (`urushi.nets.lobe`).
 
 Their names, their weights, and the materials and textures made with them are recognised and
 refused.

@@ -25,7 +25,7 @@ def internal_reflectance(passed_mean: Any, eta: Any) -> Any:
 
 
 def slab_albedo(color: Any, internal: Any) -> Any:
-    """The albedo of the diffuse slab for which the base keeps what base_color promises.
+    """The albedo of the diffuse slab that gives the base the colour base_color.
 
     The specification defines base_color as the share of the transmitted light that leaves again,
     at normal incidence: (1 - internal) rho / (1 - rho internal) = color.

@@ -27,7 +27,7 @@ class Tables(NamedTuple):
     Attributes:
         reflected, passed: (I, ROUGHNESSES, COSINES) of the light from above.
         reflected_mean, passed_mean: (I, ROUGHNESSES) their cosine-weighted means.
-        inside: (I, ROUGHNESSES, COSINES) mean cosine below the interface of what is passed.
+        inside: (I, ROUGHNESSES, COSINES) mean cosine of the transmitted light.
     """
 
     reflected: np.ndarray
@@ -139,8 +139,8 @@ def between_nodes(table: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def facet_nodes() -> tuple[np.ndarray, np.ndarray]:
     """Azimuths [rad] and heights in (0, 1) of the quadrature over visible facets (K,).
 
-    A height of zero is the steepest facet. The nodes are dense there: whether steep facets send
-    light above the horizon decides what is lost, and few of them do.
+    A height of zero is the steepest facet. The nodes are dense there, because the steep facets
+    determine the loss: only few of them reflect light above the horizon.
     """
     turn = (np.arange(AZIMUTHS) + 0.5) * (2 * np.pi / AZIMUTHS)
     root = (np.arange(HEIGHTS) + 0.5) / HEIGHTS

@@ -120,7 +120,8 @@ def define(base: type) -> type:
         def __init__(self, inputs: Inputs, make: Callable[[Layers | None], Layers]):
             """Make the layers.
 
-            make: gives those that the parameters need, of former ones what still serves.
+            make: returns the layers that the parameters need, and reuses previous ones that still
+                fit.
             """
             super().__init__(mi.Properties("openpbr"))
             self._inputs, self._make = inputs, make
@@ -238,7 +239,7 @@ def define(base: type) -> type:
 
 
 def _under_fuzz(fuzz: Fuzz, f, si, wo):
-    """Fuzz over f [1/sr]: it covers a share of the surface, and passes what it reflects not.
+    """Fuzz over f [1/sr]: it covers a fraction of the surface and transmits the rest.
 
     The specification's layering by the albedo of the direction that is seen.
     """
