@@ -15,7 +15,7 @@ from urushi.nets.weights import Model
 
 
 class CodeTerms(NamedTuple):
-    """What the decoder needs of a code, floats or colours.
+    """The terms of the decoder that depend on the code only, floats or colours.
 
     Attributes:
         gain: added to the logarithm.

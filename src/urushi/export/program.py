@@ -201,7 +201,7 @@ def _conventions(model: Model) -> tuple[str, ...]:
 
 
 def material_structure(model: Model) -> Structure:
-    """What `prepare` makes of codes."""
+    """The structure that `prepare` computes from codes."""
     arch = model.arch
     terms = 2 * arch.decoder[0]
     last = [Variable("alpha", FLOAT, note=WIDTH_NOTE)]
@@ -310,7 +310,7 @@ def template_program(model: Model) -> Program:
 
 
 def _prepare(model: Model, structure: Structure) -> Function:
-    """The function that turns codes into what f and the proposal need."""
+    """The function that computes from codes the terms that f and the proposal need."""
     arch = model.arch
     codes = Variable("codes", COLOUR, arch.latent)
     function = Function(

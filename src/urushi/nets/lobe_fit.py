@@ -74,7 +74,7 @@ def fit_lobes(f: np.ndarray, widths: int = 1) -> np.ndarray:
 
 
 class _Grid(NamedTuple):
-    """What the approximation needs at P pairs; the last five in single precision, for the steps.
+    """Precomputed quantities at P pairs; the last five in single precision, for the steps.
 
     Attributes:
         logs: (A, W) logarithms of the grid's widths.

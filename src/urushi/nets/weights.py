@@ -46,7 +46,7 @@ _kinds = {"urushi": ArchitectureKind(Architecture, parameter_shapes, UrushiNetwo
 
 
 def register_kind(name: str, kind: ArchitectureKind) -> None:
-    """Let models and weights files hold networks of another kind of architecture."""
+    """Register another kind of architecture for models and weights files."""
     _kinds[name] = kind
 
 

@@ -34,7 +34,7 @@ class AveragingSpace(Protocol):
         """Latent codes (n, L) of averaged points (n, K)."""
 
     def fits(self, z: np.ndarray) -> bool:
-        """Whether the space holds for other codes (n, L) than those that it was made for."""
+        """Whether the space is valid for codes (n, L) other than those it was fitted to."""
 
 
 def averaging_space(
@@ -73,7 +73,7 @@ class LatentSpace:
 
 
 class LobedSpace(NamedTuple):
-    """Codes with lobes: numbers of the lobes, beside the points of the rest.
+    """Codes with lobes: numbers of the lobes together with the points of the rest.
 
     Attributes:
         lobe: how many numbers a lobe has.

@@ -50,7 +50,7 @@ def texels(store: TextureStore, grid: TexelGrid) -> Texels:
 
 
 def _filtering(grid: TexelGrid) -> str:
-    """What the sampler of a grid must be."""
+    """The wrap and filter modes that the sampler of a grid needs."""
     wraps = {"repeat": "repeat", "mirror": "mirrored repeat", "clamp": "clamp to edge"}
     kind = "nearest" if grid.nearest else "linear"
     return f"Its sampler has the wrap mode {wraps[grid.wrap]} and {kind} filtering."

@@ -313,7 +313,8 @@ def top_lobes(part: Part, arrays: dict[str, np.ndarray], arch: Architecture) -> 
 def encoder_inputs(
     part: Part, arrays: dict[str, np.ndarray], arch: Architecture
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Lobes (S, L) and other values (S, probes) [1/sr] of what a part's stacks are encoded from.
+    """The inputs of the encoder for a part's stacks: lobes (S, L) and other values (S, probes)
+    [1/sr].
 
     These are the bottoms, or the whole stacks where their values at the probe pairs are stored.
     """
