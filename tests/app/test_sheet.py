@@ -54,7 +54,7 @@ def test_what_cannot_be_a_sheet(materials):
         (materials[:1], 2, bare, "give two or more"),
         (materials, 1, bare, "1 rows"),
         (materials, 2, {}, "no columns"),
-        ([*materials, other], 4, bare, "different networks"),
+        ([*materials, other], 4, bare, "different weights"),
         ([odd, odd], 2, bare, "2 channels"),
     ]:
         with pytest.raises(ParameterError, match=words):

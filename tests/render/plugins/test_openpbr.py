@@ -466,10 +466,10 @@ def test_what_is_missing_is_refused_in_one_sentence_or_ignored():
         ("transmission_weight", "transmission"),
         ("subsurface_weight", "subsurface scattering"),
     ):
-        with pytest.raises(RuntimeError, match=f"{name} asks for {word}, which the plugin does"):
+        with pytest.raises(RuntimeError, match=f"{name} needs {word}, which the plugin does"):
             openpbr(**{name: 0.5})
         openpbr(unsupported="ignore", **{name: 0.5})
-    with pytest.raises(RuntimeError, match="geometry_thin_walled asks for the thin-walled mode"):
+    with pytest.raises(RuntimeError, match="geometry_thin_walled needs the thin-walled mode"):
         openpbr(geometry_thin_walled=True)
     with pytest.raises(RuntimeError, match='unsupported is "yes"'):
         openpbr(unsupported="yes")
