@@ -31,15 +31,15 @@ def define(proposal_bsdf: type):
         geometry_tangent                           coat shares both: geometry_coat_normal and
                                                    geometry_coat_tangent must be equal to them, or
                                                    the base isotropic.
-        reference            boolean or string     Whether the coat is a random walk, the plugin
-                                                   ``layered``, in place of ``neural_layered``;
-                                                   or the name of one of both.
+        reference            boolean or string     Whether the coat is computed by random walks
+                                                   (``layered``) instead of ``neural_layered``;
+                                                   or the name of one of these plugins.
                                                    (Default: false)
-        energy_compensation  boolean               Whether light that the coated base loses is
-                                                   given back, so that a white twin reflects all.
+        energy_compensation  boolean               Whether energy that the coated base loses is
+                                                   compensated: white materials reflect all light.
                                                    (Default: true)
-        unsupported          string                "error" or "ignore": what happens where a
-                                                   feature is asked for that is missing.
+        unsupported          string                "error" or "ignore": whether an unsupported
+                                                   feature is refused or left out with a warning.
                                                    (Default: "error")
         resolution, weights  integer, string       As of ``neural_layered``, without ``reference``.
         ==================== ===================== =============================================
