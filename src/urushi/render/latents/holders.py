@@ -30,6 +30,12 @@ from urushi.textures.grid import TexelGrid
 from urushi.textures.store import TextureStore
 
 
+def tabulated(latents: Any) -> Material | None:
+    """The material of latents that are evaluated by a table, not by their codes; else None."""
+    material = getattr(latents, "material", None)
+    return None if material is None or material.table is None else material
+
+
 class Vertex(NamedTuple):
     """Quantities that depend on the position and on wi alone.
 
