@@ -3,8 +3,8 @@ READY := .venv/.ready
 # One worker for each core; a file's tests stay together, since they share fixtures.
 PYTEST := .venv/bin/pytest --numprocesses auto --dist loadfile --no-loadscope-reorder
 
-.PHONY: demo test test-slow test-all lint check-wheel docs cookbook tutorial notebook thumbnails \
-    measured-pictures figures set-up format clean viewer test-web
+.PHONY: demo test test-slow test-all pytest lint check-wheel docs cookbook tutorial notebook \
+    thumbnails measured-pictures figures set-up format clean viewer test-web test-page
 
 demo: $(READY)
 	.venv/bin/urushi demo
@@ -17,7 +17,11 @@ test: lint
 test-slow: $(READY)
 	$(PYTEST) -m slow
 
-test-all: test-slow test
+test-all: lint pytest
+
+# All tests in one run: a file's fixtures then serve its slow tests and its others.
+pytest: $(READY)
+	$(PYTEST)
 
 lint: $(READY)
 	.venv/bin/ruff check .
@@ -84,8 +88,12 @@ figures: $(READY)
 viewer: viewer/node_modules/.ready
 	cd viewer && npm run build
 
-# Checks and tests of the page: types, style, units, and the whole page in Chromium
-test-web: $(READY) viewer
+# Builds the page, then checks and tests it.
+test-web: viewer
+	$(MAKE) test-page
+
+# Checks and tests of the page as it is built: types, style, units, and the whole page in Chromium
+test-page: $(READY) viewer/node_modules/.ready
 	cd viewer && npm run check && npm test
 	viewer/install_chromium
 	cd viewer && npm run test:page
