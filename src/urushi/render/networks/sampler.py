@@ -9,7 +9,7 @@ import numpy as np
 from urushi.checks import MIN_ALPHA, Widths
 from urushi.nets.features import MIN_COSINE
 from urushi.nets.lobe import WIDTH_PLACES
-from urushi.nets.sampler import MIN_COSINE_SHARE, mixture
+from urushi.nets.sampler import MIN_COSINE_SHARE, mixture, sampler_inputs
 from urushi.nets.weights import Model
 from urushi.physics.mixture import Mixture
 from urushi.render.networks import mlp
@@ -59,6 +59,19 @@ class UrushiSampler:
         lobes = 1 + self._arch.lobes
         return Mixture(values[: lobes + 1], values[lobes + 1 : 2 * lobes + 1])
 
+    def code_terms(self, latent: np.ndarray) -> np.ndarray:
+        """The width or the widths of the code's lobe, and what the code adds to the first layer."""
+        own = latent[list(WIDTH_PLACES[self._arch.widths])]
+        inputs = sampler_inputs(self._arch, latent)
+        return np.concatenate([own, inputs @ self._weight[: len(inputs)] + self._bias])
+
+    def proposal_of_terms(self, terms: Sequence, wi) -> Mixture:
+        """The mixture from `code_terms`, a list of Dr.Jit floats, by the network."""
+        features = sampler_features(wi, self._arch.widths)
+        count = self._arch.widths
+        first = mlp.dense(features, self._weight[-len(features) :], terms[count:])
+        return self._mixture(terms[:count], self._hidden(first))
+
     def proposal(self, latent: Sequence, wi) -> Mixture:
         """The mixture from a latent code, a list (size) of Dr.Jit floats, by the network."""
         lobe = self._arch.lobe
@@ -74,7 +87,7 @@ class UrushiSampler:
         logits = output[: k + 1]
         largest = logits[0]
         for logit in logits[1:]:
-            largest = dr.maximum(largest, logit)
+            largest = dr.select(logit > largest, logit, largest)
         shares = [dr.exp(logit - largest) for logit in logits]
         scale = (1 - MIN_COSINE_SHARE) / sum(shares)
         weights = [share * scale for share in shares]
@@ -83,7 +96,7 @@ class UrushiSampler:
         alphas = [dr.exp(float(np.log(MIN_ALPHA)) * x) for x in fractions]
         # One side for each width: that of the code's lobe, and those of the other lobes.
         sides = [[width, *alphas[i * (k - 1) :][: k - 1]] for i, width in enumerate(own)]
-        sides = [[dr.clip(alpha, MIN_ALPHA, 1) for alpha in side] for side in sides]
+        sides = [[mlp.limited(alpha, MIN_ALPHA, 1) for alpha in side] for side in sides]
         if len(sides) == 1:
             return Mixture(weights, sides[0])
         return Mixture(weights, [Widths(u, v) for u, v in zip(*sides, strict=True)])
