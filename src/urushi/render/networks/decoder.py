@@ -73,7 +73,7 @@ class UrushiDecoder:
         gain, *units = terms
         scales, offsets = units[: self._width], units[self._width :]
         first = [dr.fma(*values) for values in zip(scales, response, offsets, strict=True)]
-        return dr.exp(mlp.limited(gain + self._hidden(first)[0], MIN_LOG, MAX_LOG))
+        return dr.exp(dr.clip(gain + self._hidden(first)[0], MIN_LOG, MAX_LOG))
 
 
 def direction_features(wi, wo, widths: int = 1):

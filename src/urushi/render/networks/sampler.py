@@ -87,7 +87,7 @@ class UrushiSampler:
         logits = output[: k + 1]
         largest = logits[0]
         for logit in logits[1:]:
-            largest = dr.select(logit > largest, logit, largest)
+            largest = dr.maximum(largest, logit)
         shares = [dr.exp(logit - largest) for logit in logits]
         scale = (1 - MIN_COSINE_SHARE) / sum(shares)
         weights = [share * scale for share in shares]
@@ -96,7 +96,7 @@ class UrushiSampler:
         alphas = [dr.exp(float(np.log(MIN_ALPHA)) * x) for x in fractions]
         # One side for each width: that of the code's lobe, and those of the other lobes.
         sides = [[width, *alphas[i * (k - 1) :][: k - 1]] for i, width in enumerate(own)]
-        sides = [[mlp.limited(alpha, MIN_ALPHA, 1) for alpha in side] for side in sides]
+        sides = [[dr.clip(alpha, MIN_ALPHA, 1) for alpha in side] for side in sides]
         if len(sides) == 1:
             return Mixture(weights, sides[0])
         return Mixture(weights, [Widths(u, v) for u, v in zip(*sides, strict=True)])
