@@ -3,21 +3,24 @@ READY := .venv/.ready
 # One worker for each core; a file's tests stay together, since they share fixtures.
 PYTEST := .venv/bin/pytest --numprocesses auto --dist loadfile --no-loadscope-reorder
 
-.PHONY: demo test test-slow test-all lint check-wheel docs cookbook tutorial notebook thumbnails \
-    measured-pictures figures set-up format clean viewer test-web
+.PHONY: demo test test-slow test-all lint check-wheel docs cookbook tutorial notebook \
+    thumbnails measured-pictures figures set-up format clean viewer test-web test-page
 
 demo: $(READY)
 	.venv/bin/urushi demo
 
-# The static checks and all tests that are not marked as slow
+# The static checks and all tests that are not marked as slow, or those of SELECTED
+SELECTED = -m "not slow"
 test: lint
-	$(PYTEST) -m "not slow"
+	$(PYTEST) $(SELECTED)
 
 # The long sweeps: tests marked as slow
 test-slow: $(READY)
 	$(PYTEST) -m slow
 
-test-all: test-slow test
+# The same with the slow tests: a file's fixtures then serve both.
+test-all:
+	$(MAKE) test SELECTED=
 
 lint: $(READY)
 	.venv/bin/ruff check .
@@ -84,8 +87,12 @@ figures: $(READY)
 viewer: viewer/node_modules/.ready
 	cd viewer && npm run build
 
-# Checks and tests of the page: types, style, units, and the whole page in Chromium
-test-web: $(READY) viewer
+# Builds the page, then checks and tests it.
+test-web: viewer
+	$(MAKE) test-page
+
+# Checks and tests of the page as it is built: types, style, units, and the whole page in Chromium
+test-page: $(READY) viewer/node_modules/.ready
 	cd viewer && npm run check && npm test
 	viewer/install_chromium
 	cd viewer && npm run test:page

@@ -53,7 +53,7 @@ def outcome(description: dict) -> str:
         mi.load_dict(urushi.openpbr(**description).on({"type": "sphere"}))
     except RuntimeError as error:  # Mitsuba's, around the plugin's own sentence
         sentence = str(error).strip().splitlines()[-1]
-        asked = re.search(r"(\w+) asks for ([\w -]+), which", sentence)
+        asked = re.search(r"(\w+) needs ([\w -]+), which", sentence)
         return f"refused: {asked[2]} (`{asked[1]}`)" if asked else f"refused: {sentence}"
     return "rendered"
 

@@ -21,14 +21,16 @@ ROOT = Path(__file__).resolve().parents[1]
 #: The files whose tests take longest, the longest first. Workers take files in this order, so that
 #: none is left alone with a long file at the end.
 LONGEST_FILES = (
+    "scenes/test_scenes.py",
     "train/test_loop.py",
     "train/test_devices.py",
+    "docs/test_examples.py",
+    "paper/test_training.py",
+    "paper/test_kernels.py",
     "render/latents/test_textures.py",
     "render/plugins/test_frozen.py",
-    "paper/test_training.py",
+    "benchmarks/test_rainer.py",
     "render/latents/test_gradients.py",
-    "scenes/test_scenes.py",
-    "paper/test_kernels.py",
     "train/test_decoding.py",
     "train/test_losses.py",
     "render/plugins/test_wrappers.py",

@@ -3,8 +3,9 @@
     python -m figures.figure_7.compute
 
 Every method renders the same spheres in one studio, in the time in which the networks take
-`SAMPLES` samples for each pixel, and with endless samples. The reference is the walk with
-`REFERENCE` samples. Times are CPU times of a sample, by turns in one process.
+`SAMPLES` samples for each pixel, and with many more samples to measure the bias. The reference is
+the walk with `REFERENCE` samples. Times are CPU times of a sample; the methods are timed
+alternately in one process.
 """
 
 import functools
@@ -31,7 +32,7 @@ PLUGINS = {
     "networks": "neural_layered",
 }
 #: Pixels along a side, samples of a pixel by the networks, renders whose errors are averaged,
-#: samples of the reference and of the other methods' endless pictures.
+#: samples of the reference and of the other methods' pictures that measure their bias.
 SIZE, SAMPLES, RENDERS, REFERENCE, ENDLESS = 160, 16, 8, 1024, 512
 #: Samples of a pass of long renders; and samples and turns of the measurement of times.
 PASS, LONG, TURNS = 64, 64, 3
@@ -148,7 +149,8 @@ def errors(
 
     Returns:
         by method: `time` of a sample over the networks', `samples` in the same time, the `error`
-        with them, a mean over renders, and the `bias`, the error of endless samples (0: the walk).
+        with them, a mean over renders, and the `bias`, the error that remains with many
+        samples (0: the walk).
     """
     loaded = scenes(layers, size)
     truth, noise = accumulated(loaded["walk"], reference)

@@ -46,7 +46,7 @@ def table(found) -> list[str]:
         + " | "
         + " | ".join(f"error, {name}" for name in names)
         + " | "
-        + " | ".join(f"endless, {name}" for name in names if name != "walk")
+        + " | ".join(f"bias, {name}" for name in names if name != "walk")
         + " |",
     ]
     lines.append("|---" * (3 * len(names) - 1) + "|")

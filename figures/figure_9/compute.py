@@ -1,4 +1,4 @@
-"""Measured materials, bare and under coats, by the walk and by the networks.
+"""Measured materials, bare and under coats, by the walk, by codes and by tables.
 
     URUSHI_TEST_DATA=FOLDER python -m figures.figure_9.compute
 
@@ -40,7 +40,11 @@ COATS: dict[str, list[dict[str, Any]]] = {
     "clear coat": [CLEAR],
     "milky and clear coat": [MILK, CLEAR],
 }
-#: Materials that are drawn, as shares of the order by mean E under coats, from best to worst.
+#: Representations, and the argument `table` of `urushi.encode`; None is the default. Codes are
+#: layered by the networks, tables without them.
+FORMS: dict[str, bool | None] = {"code": False, "table": None}
+#: Materials that are drawn, as shares of the order by the codes' mean E under coats, from best to
+#: worst.
 SHOWN = (0.0, 0.25, 0.5, 0.75, 0.9, 1.0)
 #: Pairs of directions and walks for E; walks for each node of a sphere; seed of both.
 PAIRS, WALKS, SPHERE_WALKS, SEED = 300, 1 << 13, 8, 9
@@ -88,7 +92,7 @@ def picture_file(name: str) -> Path:
 
 def shown(found: dict[str, Any]) -> list[str]:
     """The names of the drawn materials, from best to worst."""
-    order = sorted(found, key=lambda name: np.mean(list(found[name]["E"].values())[1:]))
+    order = sorted(found, key=lambda name: np.mean(list(found[name]["code"].values())[1:]))
     return [order[round(share * (len(order) - 1))] for share in SHOWN]
 
 
@@ -100,7 +104,7 @@ def stack(surface: MeasuredSurface, coats: list[dict[str, Any]]) -> Any:
     return stacked
 
 
-def networks(material: Material, coats: list[dict[str, Any]]) -> Material:
+def layered(material: Material, coats: list[dict[str, Any]]) -> Material:
     """The encoded surface under coats."""
     for coat in coats:
         medium = {name: value for name, value in coat.items() if name not in ("alpha", "eta")}
@@ -108,17 +112,18 @@ def networks(material: Material, coats: list[dict[str, Any]]) -> Material:
     return material
 
 
-def encoded(surface: MeasuredSurface) -> Material:
-    """The refined code alone, without the table by which bare measured materials are rendered."""
-    return urushi.encode(surface, refine=True, table=False)
+def encoded(surface: MeasuredSurface) -> dict[str, Material]:
+    """The surface's material in each of `FORMS`, refined."""
+    return {form: urushi.encode(surface, refine=True, table=table) for form, table in FORMS.items()}
 
 
 def errors(measured: Measured, walks: int = WALKS) -> dict[str, Any]:
-    """`E` of the networks by name of the coats, and the walk's own `noise` there."""
+    """E of each of `FORMS` by name of the coats, and the walk's own `noise` there."""
     surface = load(measured)
-    material = encoded(surface)
+    materials = encoded(surface)
     wi, wo = direction_sets.cosine_pairs(np.random.default_rng(SEED), PAIRS)
-    found: dict[str, Any] = {"file": "RGL" if measured.is_rgl else "stand-in", "E": {}, "noise": {}}
+    found: dict[str, Any] = {"file": "RGL" if measured.is_rgl else "stand-in"}
+    found |= {name: {} for name in (*FORMS, "noise")}
     for name, coats in COATS.items():
         if coats:
             f, se = urushi.simulate(
@@ -126,17 +131,18 @@ def errors(measured: Measured, walks: int = WALKS) -> dict[str, Any]:
             )
         else:
             f, se = 0.5 * (surface.f(wi, wo) + surface.f(wo, wi)), np.float64(0)
-        e = error(networks(material, coats).f(wi, wo), f, wi, wo)
+        values = {form: layered(m, coats).f(wi, wo) for form, m in materials.items()}
         # The mean size of a normal error is 0.8 of its deviation.
-        noise = error(f + 0.8 * se, f, wi, wo)
-        found["E"][name], found["noise"][name] = results.rounded(np.array([e, noise]), 3)
+        values["noise"] = f + 0.8 * se
+        for form, own in values.items():
+            found[form][name] = float(f"{error(own, f, wi, wo):.3g}")
     return found
 
 
 def spheres(measured: Measured) -> list[str]:
-    """Store a row of pictures: for each coat the walk and the networks. Returns their names."""
+    """Store a row of pictures: for each coat the walk and `FORMS`. Returns the coats' names."""
     surface = load(measured)
-    material = encoded(surface)
+    materials = encoded(surface)
     light = sphere.exposed(environment.own()[0])
     pictures = []
     for coats in COATS.values():
@@ -147,7 +153,7 @@ def spheres(measured: Measured) -> list[str]:
             walks = {"walks": SPHERE_WALKS, "seed": SEED, "progress": False}
             return urushi.simulate(stack(surface, coats), wi, wo, **walks)[0]
 
-        for f in (walked, networks(material, coats).f):
+        for f in (walked, *(layered(m, coats).f for m in materials.values())):
             pictures += sphere.render(f, [light])
     results.write_pictures(picture_file(measured.name), {"spheres": np.stack(pictures)})
     return list(COATS)

@@ -8,7 +8,7 @@ import json
 import numpy as np
 
 from figures import results, style
-from figures.figure_9.compute import COATS, FOLDER, SHOWN, materials, picture_file
+from figures.figure_9.compute import COATS, FOLDER, FORMS, SHOWN, materials, picture_file
 
 #: Kinds of files in the table.
 PLURALS = {"RGL": "RGL files", "stand-in": "stand-ins"}
@@ -19,50 +19,56 @@ def main() -> None:
     if not materials():
         return  # compute.py has said so
     found = json.loads((FOLDER / "results.json").read_text())
-    picture = style.figure(7.6, 8.6)
-    axes = picture.subplots(len(found["shown"]), 2 * len(COATS))
+    forms = 1 + len(FORMS)
+    picture = style.figure(11, 8.6)
+    axes = picture.subplots(len(found["shown"]), forms * len(COATS))
     for row, name in zip(axes, found["shown"], strict=True):
         draw(row, name, found["materials"][name])
     for column, coats in enumerate(COATS):
-        for axis, label in zip(
-            axes[0, 2 * column :], ("walk" if column else "file", "networks"), strict=False
-        ):
-            axis.set_title(f"{coats},\n{label}", fontsize=8)
+        labels = ("walk" if column else "file", *FORMS)
+        for axis, label in zip(axes[0, forms * column :], labels, strict=False):
+            axis.set_title(f"{coats},\n{label}", fontsize=7)
     style.save(picture, FOLDER / "figure.png")
     print("\n".join(table(found)))
 
 
 def draw(axes, name: str, material) -> None:
-    """A row: for each coat the walk and the networks, with E."""
+    """A row: for each coat the walk, and codes and tables with E."""
     pictures = results.shown_pictures(picture_file(name))["spheres"]
+    places = iter(axes)
     for column, axis in enumerate(axes):
         axis.imshow(pictures[column])
         axis.set(xticks=[], yticks=[])
-        if column % 2:
-            e = material["E"][list(COATS)[column // 2]]
-            axis.set_xlabel(f"E {100 * e:.2g} %", fontsize=8)
+    for coats in COATS:
+        next(places)
+        for form in FORMS:
+            next(places).set_xlabel(f"E {100 * material[form][coats]:.2g} %", fontsize=8)
     axes[0].set_ylabel(f"{name}\n({material['file']})", fontsize=7)
 
 
 def table(found) -> list[str]:
     """Lines of a Markdown table: E of the drawn materials, and means and medians of all."""
-    lines = ["| material | " + " | ".join(COATS) + " |", "|---" * (1 + len(COATS)) + "|"]
+    columns = [(coats, form) for coats in COATS for form in FORMS]
+    lines = [
+        "| material | " + " | ".join(f"{coats}: {form}" for coats, form in columns) + " |",
+        "|---" * (1 + len(columns)) + "|",
+    ]
     rows = {}
     for name, share in zip(found["shown"], SHOWN, strict=True):
         place = {0: "best", 1: "worst"}.get(share, f"{100 * share:.0f} % are better")
         material = found["materials"][name]
-        rows[f"{name}, {material['file']}: {place}"] = material["E"]
+        rows[f"{name}, {material['file']}: {place}"] = [material[f][c] for c, f in columns]
     for kind in PLURALS:
         members = [m for m in found["materials"].values() if m["file"] == kind]
         for label, mean in (("mean", np.mean), ("median", np.median)):
-            values = {name: mean([m["E"][name] for m in members]) for name in COATS}
+            values = [mean([m[form][coats] for m in members]) for coats, form in columns]
             rows[f"{label} of {len(members)} {PLURALS[kind]}"] = values
     every = found["materials"].values()
-    rows["the walk's own error"] = {
-        name: np.mean([m["noise"][name] for m in every]) for name in COATS
-    }
+    rows["the walk's own error"] = [
+        np.mean([m["noise"][coats] for m in every]) for coats, _ in columns
+    ]
     for label, values in rows.items():
-        cells = " | ".join(f"{100 * value:.2g} %" for value in values.values())
+        cells = " | ".join(f"{100 * value:.2g} %" for value in values)
         lines.append(f"| {label} | {cells} |")
     return lines
 

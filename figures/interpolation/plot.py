@@ -57,7 +57,7 @@ def draw(axis, name: str, found) -> None:
 
 def table(found) -> list[str]:
     """Lines of a Markdown table: E between the ends, and the light halfway, of each way."""
-    heads = "| way | reference's own error " + "".join(
+    heads = "| materials differ in | reference's own error " + "".join(
         f"| {method}: mean E | light halfway " for method in METHODS
     )
     lines = [f"{heads}|", "|---" * (2 + 2 * len(METHODS)) + "|"]

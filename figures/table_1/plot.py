@@ -107,8 +107,8 @@ def short(value: float) -> str:
 def table(found: dict[str, Any]) -> list[str]:
     """Lines of Markdown tables: storage and times, then each error by method and group."""
     lines = [
-        "| method | numbers of a texel | of a decoder | one serves | 4K texture | to represent | "
-        "to evaluate | paper: highlights | paper: a new material |",
+        "| method | numbers per texel | per decoder | one decoder for | 4K texture | "
+        "to represent | to evaluate | paper: keeps highlights | paper: for a new material |",
         "|---" * 9 + "|",
     ]
     for method, (texel, decoder, serves) in storage().items():

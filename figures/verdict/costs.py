@@ -17,7 +17,11 @@ from figures.verdict import methods as known
 from urushi.material.layer import layer_texels
 from urushi.nets.weights import Model, default_model
 from urushi.physics import microfacet
+from urushi.reference.monte_carlo import backend
+from urushi.reference.stack import Stack
+from urushi.reference.table import from_stack
 from urushi.render.reading import probing
+from urushi.rivals import belcour, weier
 from urushi.textures import packing
 
 PRINCIPLED = "principled"
@@ -46,7 +50,8 @@ def evaluations(paper: str | None) -> dict[str, float]:
     """CPU time of an evaluation of f at random pairs in a kernel, over that of `principled`.
 
     For methods without a plugin: the walk in both directions by `walk_pairs`, over the walk there;
-    fits by their own kernels.
+    Weier and Belcour 2020 by the kernel of a channel, over that of Belcour 2018; fits by their own
+    kernels.
     """
     rng = np.random.default_rng(0)
     wi, wo = _uniform(rng), _uniform(rng)
@@ -80,8 +85,30 @@ def evaluations(paper: str | None) -> dict[str, float]:
     )
     ratio = both[known.ESTIMATORS[known.BOTH_WAYS]] / both[known.ESTIMATORS[known.WALK]]
     least[known.BOTH_WAYS] = ratio * least[known.WALK]
+    least[known.WEIER] = two_widths_ratio(stack, wi, wo) * least[known.BELCOUR]
     found = {name: float(f"{t / least[PRINCIPLED]:.3g}") for name, t in least.items()}
     return found | {"nanoseconds": round(1e9 * least[PRINCIPLED] / EVALUATIONS, 2)}
+
+
+def two_widths_ratio(stack: Stack, wi: np.ndarray, wo: np.ndarray) -> float:
+    """CPU time of Weier and Belcour 2020 for pairs (N, 3), over that of Belcour 2018."""
+    device, table = backend(), from_stack(stack)
+    row = dr.zeros(device.UInt32, len(wi))
+    to_light, to_eye = (device.Array3f(np.ascontiguousarray(w.T, np.float32)) for w in (wi, wo))
+
+    def one_width() -> Any:
+        cos_i = dr.clip(to_light.z, belcour.MIN_COSINE, 1)
+        return belcour.value(belcour.lobes(table, row, cos_i), to_light, to_eye)
+
+    def two_widths() -> Any:
+        return belcour.value(weier.lobes(table, row, to_light), to_light, to_eye)
+
+    kernels = {known.BELCOUR: one_width, known.WEIER: two_widths}
+    least = _least(
+        {name: functools.partial(_timed, kernel) for name, kernel in kernels.items()},
+        EVALUATION_TURNS,
+    )
+    return least[known.WEIER] / least[known.BELCOUR]
 
 
 def renders(paper: str | None) -> dict[str, dict[str, float]]:
@@ -110,7 +137,7 @@ def memory() -> dict[str, dict[str, int]]:
     """
     material, texel = 3 * 4 * default_model().arch.latent, texel_bytes()
     found = {known.NETWORKS: {"material": material, "texel": texel, "texel 6": texel}}
-    for name in (known.WALK, known.BOTH_WAYS, *known.RIVALS):
+    for name in (known.WALK, known.BOTH_WAYS, *known.RIVALS):  # as of surfaces of one width
         numbers = COAT_NUMBERS + BOTTOM_NUMBERS
         found[name] = {
             "material": 4 * numbers,
@@ -162,7 +189,7 @@ def _plugins(paper: str | None) -> dict[str, str]:
 
 
 def _bsdf(plugin: str, textured: bool) -> dict[str, Any]:
-    rival = plugin in (known.PLUGINS[name] for name in known.RIVALS)
+    rival = plugin in (known.PLUGINS[name] for name in known.RIVALS if name in known.PLUGINS)
     bsdf = render.material("layered" if rival else plugin, textured)
     return bsdf | {"type": plugin} if rival else bsdf
 

@@ -108,15 +108,13 @@ def anisotropic(name: str, stacks: int = ANISOTROPIC, fitted: int = FITTED) -> d
     found = {
         "reference": error_metrics.stack_error(f + se, f, *cosines),
         known.NETWORKS: error_metrics.stack_error(predict.evaluate(materials, wi, wo), f, *cosines),
-        known.WEIDLICH: error_metrics.stack_error(
-            weidlich.rows(table, row, *flat).reshape(f.shape), f, *cosines
-        ),
     }
-    for method in known.ESTIMATORS:
-        own = known.of_walk(table, method).f(wi, wo)
-        found[method] = error_metrics.stack_error(own, f, *cosines)
+    others = {method: known.of_rival(table, method) for method in known.TWO_WIDTHS}
+    others |= {method: known.of_walk(table, method) for method in known.ESTIMATORS}
+    for method, values in others.items():
+        found[method] = error_metrics.stack_error(values.f(wi, wo), f, *cosines)
     p, count = fits.pairs(), fitted
-    values = walk_pairs(
+    walked = walk_pairs(
         table,
         np.repeat(np.arange(count, dtype=np.uint32), len(p.wi)),
         np.tile(p.wi, (count, 1)),
@@ -125,7 +123,7 @@ def anisotropic(name: str, stacks: int = ANISOTROPIC, fitted: int = FITTED) -> d
         seed=known.SEED,
     )[0].reshape(count, -1, 1)
     for method, form in fits.FORMS.items():
-        models = [fits.fit(form, own, anisotropic=True) for own in values]
+        models = [fits.fit(form, own, anisotropic=True) for own in walked]
         both = zip(models, wi, wo, strict=False)
         own = np.stack([model.f(*pair)[:, 0] for model, *pair in both])
         part = slice(count)
@@ -144,21 +142,28 @@ def measured(folder: Path) -> dict[str, Any]:
     found: dict[str, Any] = {"materials": chosen}
     for name in chosen:
         surface = Measured(name, folder / ARCHIVE).load()
-        material = urushi.encode(surface, refine=True)
+        forms = {
+            known.NETWORKS: urushi.encode(surface, refine=True, table=False),
+            known.TABLES: urushi.encode(surface, refine=True),
+        }
         for coat in OVER:
             stack = urushi.coat(surface, **COATS[coat])
-            for method, e in _over_measured(stack, coated(material, COATS[coat])).items():
+            materials = {form: coated(material, COATS[coat]) for form, material in forms.items()}
+            for method, e in _over_measured(stack, materials).items():
                 found.setdefault(method, []).append(float(f"{e:.4g}"))
     return found
 
 
-def _over_measured(stack: Stack, material: urushi.Material) -> dict[str, float]:
-    """E of the methods for one coat over a measured bottom; the mean over channels."""
+def _over_measured(stack: Stack, materials: dict[str, urushi.Material]) -> dict[str, float]:
+    """E of the methods for one coat over a measured bottom; the mean over channels.
+
+    materials: the stack, layered by `known.NETWORKS` and `known.TABLES`.
+    """
     wi, wo = direction_sets.cosine_pairs(np.random.default_rng(SEED), PAIRS)
     truth, se = urushi.simulate(stack, wi, wo, walks=MEASURED_WALKS, seed=SEED, progress=False)
     found = {
         "reference": error(truth + se, truth, wi, wo),
-        known.NETWORKS: error(material.f(wi, wo), truth, wi, wo),
+        **{form: error(m.f(wi, wo), truth, wi, wo) for form, m in materials.items()},
         known.WEIDLICH: error(weidlich.f(stack, wi, wo), truth, wi, wo),
     }
     for method, estimator in known.ESTIMATORS.items():

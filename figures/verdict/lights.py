@@ -19,7 +19,7 @@ def part(scene: str, light: str, paper: str | None, seconds: float = SECONDS) ->
     The error is that against the walk's converged picture: variance and bias. `exact` is a BSDF
     without noise and bias at the cost of Mitsuba's `principled`.
     """
-    plugins = {name: known.PLUGINS[name] for name in (known.NETWORKS, *known.RIVALS)}
+    plugins = {name: plugin for name, plugin in known.PLUGINS.items() if name != known.WALK}
     if paper:
         plugins[known.PAPER] = paper
     arguments = argparse.Namespace(

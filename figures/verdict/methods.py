@@ -11,11 +11,14 @@ from urushi.eval.samples import Samples
 from urushi.material import table as nodes
 from urushi.nets.weights import DEFAULT, Model
 from urushi.reference import StackTable, walk_pairs
-from urushi.rivals import belcour, weidlich
+from urushi.rivals import belcour, weidlich, weier
 
 NETWORKS, PAPER = "networks", "Fan et al. 2022"
 WALK, BOTH_WAYS = "walk", "walk, bidirectional"
-BELCOUR, WEIDLICH = "Belcour 2018", "Weidlich and Wilkie 2007"
+BELCOUR, WEIER = "Belcour 2018", "Weier and Belcour 2020"
+WEIDLICH = "Weidlich and Wilkie 2007"
+#: What `urushi.layer` makes over measured materials; it has no networks and no other bottoms.
+TABLES = "tables"
 #: Plugins of the methods that Mitsuba renders.
 PLUGINS = {
     NETWORKS: DEFAULT,
@@ -24,9 +27,11 @@ PLUGINS = {
     WEIDLICH: "layered_weidlich",
 }
 ESTIMATORS = {WALK: "unidirectional", BOTH_WAYS: "bidirectional"}
-RIVALS = {BELCOUR: belcour, WEIDLICH: weidlich}
+RIVALS = {BELCOUR: belcour, WEIER: weier, WEIDLICH: weidlich}
+#: Those that have surfaces of two widths.
+TWO_WIDTHS = (WEIER, WEIDLICH)
 #: Rows of the table; that of `PAPER` needs a weights file.
-METHODS = (NETWORKS, PAPER, WALK, BOTH_WAYS, BELCOUR, WEIDLICH, *fits.FITTED)
+METHODS = (NETWORKS, PAPER, WALK, BOTH_WAYS, BELCOUR, WEIER, WEIDLICH, *fits.FITTED)
 #: Walks of a pair, those of `urushi.simulate` by default; of a table that fits read; and a seed
 #: other than that of the references.
 WALKS, TABLE_WALKS, SEED = 4096, 256, 24

@@ -26,6 +26,7 @@ HAVE = {
     known.WALK: "yes | any BSDF | yes | yes | no | no",
     known.BOTH_WAYS: "yes | any BRDF | yes | no | no | no",
     known.BELCOUR: "no | conductors and diffuse | no | yes | no | no",
+    known.WEIER: "no | conductors and diffuse | yes | no | no | no",
     known.WEIDLICH: "no | any BSDF | yes | yes | no | no",
     fits.PRINCIPLED: "no | its own | yes | yes | yes | in most renderers",
     fits.RECIPE: "no | its own | yes | yes | no | MaterialX",
@@ -33,13 +34,14 @@ HAVE = {
     fits.NBRDF: "no | any, by training | no | no | no | no",
 }
 #: Markers of methods, and colours where those of `style` are not enough.
-MARKERS = dict(zip(known.METHODS, "o^s*DvP<X>", strict=True))
+MARKERS = dict(zip(known.METHODS, "o^s*D1vP<X>", strict=True))
 COLOURS = {
     known.NETWORKS: style.COLOURS["networks"],
     known.PAPER: style.COLOURS["Fan et al. 2022"],
     known.WALK: style.COLOURS["reference"],
     known.BOTH_WAYS: "#777777",
     known.BELCOUR: style.COLOURS["Belcour 2018"],
+    known.WEIER: "#7f2704",
     known.WEIDLICH: style.COLOURS["exact"],
     fits.PRINCIPLED: style.COLOURS["principled"],
     fits.RECIPE: "#56b4e9",
@@ -128,12 +130,19 @@ def errors(found: dict[str, Any]) -> str:
     for name in rows(found):
         if name == fits.PRINCIPLED:  # the first fit
             lines.append([SAME, *same_stacks(found)])
-        cells = [shown(e and e[0]) for n in INTERFACES for e in [percent(found, name, n)]]
-        for part in ("anisotropic_coat", "anisotropic_bottom", "measured"):
-            e = found.get(part, {}).get(name)
-            cells.append(shown(None if e is None else 100 * float(np.mean(e))))
-        lines.append([name, *cells])
+        lines.append([name, *error_cells(found, name)])
+        if name == known.NETWORKS:
+            lines.append([known.TABLES, *error_cells(found, known.TABLES)])
     return table(["method", *head], lines)
+
+
+def error_cells(found: dict[str, Any], name: str) -> list[str]:
+    """E of a method in all columns."""
+    cells = [shown(e and e[0]) for n in INTERFACES for e in [percent(found, name, n)]]
+    for part in ("anisotropic_coat", "anisotropic_bottom", "measured"):
+        e = found.get(part, {}).get(name)
+        cells.append(shown(None if e is None else 100 * float(np.mean(e))))
+    return cells
 
 
 def same_stacks(found: dict[str, Any]) -> list[str]:

@@ -1,4 +1,4 @@
-"""Checks of ranges and shapes at every entry point; an error is one sentence with the cure."""
+"""Checks of ranges and shapes at every entry point; errors state the cure."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

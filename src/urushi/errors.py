@@ -1,4 +1,4 @@
-"""Errors that a user can cause, and warnings. Each is one sentence: what, where, and the cure."""
+"""Errors that a user can cause, and warnings. Each is one sentence: problem, place, cure."""
 
 
 class UrushiError(Exception):
@@ -14,7 +14,8 @@ class FileError(UrushiError, OSError):
 
 
 class PlatformError(UrushiError, RuntimeError):
-    """Something the machine must provide (libLLVM, a package, a device) is missing or unfit."""
+    """Something that the machine must provide (libLLVM, a package, a device) is missing or
+    unsuitable."""
 
 
 class UrushiWarning(UserWarning):

@@ -69,7 +69,7 @@ def new_folder(path: str | os.PathLike) -> Path:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise FileError(
-            f"cannot make the folder '{folder}': {error.strerror or error}; "
+            f"cannot create the folder '{folder}': {error.strerror or error}; "
             "choose one that is writable"
         ) from error
     return folder
@@ -120,8 +120,8 @@ def read_tensors(
         raise FileError(f"cannot read the {kind} file '{source}': {reason}") from error
     except (safetensors.SafetensorError, AttributeError, TypeError, ValueError) as error:
         raise FileError(
-            f"'{source}' ({size} bytes) is no {kind} file or is truncated ({error}); "
-            "copy or create it again"
+            f"'{source}' ({size} bytes) is not a valid {kind} file or is truncated ({error}); "
+            "copy or write it again"
         ) from error
     description = _description(metadata.get(METADATA_KEY, ""))
     if description.get("kind") != kind:

@@ -209,7 +209,7 @@ def test_renders_of_other_seeds_are_independent(variant, tmp_path, monkeypatch):
 def test_unwritable_output_is_one_sentence(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(
-        FileError, match=r"^cannot make the folder .*; choose one that is writable$"
+        FileError, match=r"^cannot create the folder .*; choose one that is writable$"
     ):
         demo.run(tmp_path / "file" / "demo", width=8, height=8, spp=16)
     with pytest.raises(FileError, match=r"^cannot write .*; choose a folder that exists"):

@@ -34,9 +34,9 @@ def test_optional_packages_are_listed_with_their_purpose(monkeypatch):
 @pytest.mark.parametrize(
     ("findings", "code", "closing"),
     [
-        ([Finding("LLVM", "19", None, True)], 0, "All that is essential is well."),
-        ([Finding("GPU", "none", "no driver")], 0, "All that is essential is well."),
-        ([Finding("LLVM", "14", "too old", True)], 1, "Wrong: LLVM."),
+        ([Finding("LLVM", "19", None, True)], 0, "All essential parts work."),
+        ([Finding("GPU", "none", "no driver")], 0, "All essential parts work."),
+        ([Finding("LLVM", "14", "too old", True)], 1, "Problems: LLVM."),
     ],
 )
 def test_the_exit_code_states_the_result(monkeypatch, capsys, findings, code, closing):
@@ -97,4 +97,4 @@ def test_survives_a_missing_library():
     )
     assert run.returncode == 1, run.stderr
     assert "'/nowhere/libLLVM.so' is missing" in run.stdout
-    assert "Wrong: LLVM, variant llvm_ad_rgb" in run.stdout
+    assert "Problems: LLVM, variant llvm_ad_rgb" in run.stdout

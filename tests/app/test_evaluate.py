@@ -42,7 +42,7 @@ def test_eval_by_direction_tables(calls, capsys):
     assert calls == {"tables": ("w.safetensors", Path("out"))}
     assert capsys.readouterr().out == "tables\n"
     assert cli.main(["eval", "--protocol", "direction-tables", "--seed", "1"]) == 2
-    assert "--seed belongs to --protocol errors" in capsys.readouterr().err
+    assert "--seed applies to --protocol errors" in capsys.readouterr().err
 
 
 def test_benchmark(calls, capsys):

@@ -68,7 +68,7 @@ def test_encode_a_bsdf_of_a_scene(tmp_path):
     ("mark", "flags", "sentence"),
     [
         ("", [], "has 2 BSDFs; name one as "),
-        ("", [], "#ID', with the ID out of: floor, wall"),
+        ("", [], "#ID' with an ID from: floor, wall"),
         ("#roof", [], "has no BSDF 'roof' on a shape; it has: floor, wall"),
         ("#wall", ["-m", "llvm_rgb"], "Mitsuba has no variant 'llvm_rgb'"),
     ],
@@ -174,7 +174,7 @@ def test_a_report_without_its_packages_is_refused_before_the_work(
     ("sources", "output", "sentence"),
     [
         ([], "folder", "there is nothing to encode"),
-        ([GOLD, GOLD], "one.safetensors", "is one file for 2 sources; give a folder"),
+        ([GOLD, GOLD], "one.safetensors", "is one file, but there are 2 sources; give a folder"),
         (["a/gold.binary", "b/gold.bsdf"], "folder", "two of the sources are called 'gold'"),
         ([GOLD, "missing.binary"], "folder", "'missing.binary' is neither a file nor a descript"),
         (["a.xml#wall", "b.xml#wall"], "folder", "two of the sources are called 'wall'"),

@@ -99,5 +99,5 @@ def test_what_a_notebook_cannot_show(untrained):
     many = urushi.diffuse(0.5)
     for _ in range(page_files.MOST_COATS + 1):
         many = urushi.coat(many)
-    with pytest.raises(ParameterError, match=r"give urushi\.encode of it"):
+    with pytest.raises(ParameterError, match=r"pass urushi\.encode"):
         urushi.show(many)

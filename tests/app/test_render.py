@@ -79,7 +79,7 @@ def test_png(scene, tmp_path):
         (["-m", "llvm_rgb"], "Mitsuba has no variant 'llvm_rgb'; choose one of"),
         (["-s", "2"], "--sensor is 2, but"),
         (["-s", "-1"], "--sensor is -1, but"),
-        (["-D", "grey"], "-D is given 'grey'; write it as key=value"),
+        (["-D", "grey"], "-D 'grey' is not of the form key=value"),
         (["-D", "gloss=1"], "cannot load"),
         (
             ["-o", "picture.gif"],

@@ -54,7 +54,7 @@ def test_what_cannot_be_a_sheet(materials):
         (materials[:1], 2, bare, "give two or more"),
         (materials, 1, bare, "1 rows"),
         (materials, 2, {}, "no columns"),
-        ([*materials, other], 4, bare, "different networks"),
+        ([*materials, other], 4, bare, "different weights"),
         ([odd, odd], 2, bare, "2 channels"),
     ]:
         with pytest.raises(ParameterError, match=words):
@@ -80,7 +80,7 @@ def test_the_command_writes_a_picture(tmp_path, capsys, monkeypatch):
         (["diffuse(0.5)", "diffuse(0.2)", "--coats", "bare", "bare"], "is named twice"),
         (["diffuse(0.5)", "absent.binary"], "there is no file 'absent.binary'"),
         (["diffuse(0.5)", "diffuse(0.2)", "--rows", "1"], "1 rows"),
-        (["diffuse(0.5)", "strange-grey.safetensors"], "do not belong together"),
+        (["diffuse(0.5)", "strange-grey.safetensors"], "does not match the weights"),
     ],
 )
 def test_errors(arguments, sentence, tmp_path, capsys, monkeypatch):

@@ -88,7 +88,7 @@ def test_albedo_of_a_white_stack_is_one(tmp_path):
         (["diffuse(0.5)", "--azimuth", "nan"], "--azimuth is nan"),
         (["diffuse(0.5)", "--incidence", "nan"], "must be in [0, 90) degrees"),
         ([COATED, "--walks", "1"], "walks is 1"),
-        (["diffuse(0.5)", "--albedo"], "--albedo simulates coats"),
+        (["diffuse(0.5)", "--albedo"], "--albedo needs a stack"),
         (["diffuse(0.5)", "--pairs", "/nowhere.npz"], "it does not exist"),
         (["diffuse(0.5)", "-o", "/nowhere/f.npz"], "cannot write '/nowhere/f.npz'"),
     ],
@@ -103,14 +103,14 @@ def test_errors(arguments, sentence, capsys):
 def test_bad_pair_files(tmp_path):
     path = tmp_path / "pairs.npz"
     path.write_text("no archive")
-    with pytest.raises(urushi.errors.FileError, match="is no NPZ file"):
+    with pytest.raises(urushi.errors.FileError, match="is not an NPZ file"):
         simulate.read_pairs(path)
     np.savez(path, wi=np.zeros((1, 3)))
     with pytest.raises(urushi.errors.FileError, match="must hold the arrays wi and wo"):
         simulate.read_pairs(path)
     np.savez(path, wi=np.array([{}], dtype=object), wo=np.zeros((1, 3)))  # would need pickle
-    with pytest.raises(urushi.errors.FileError, match="is no NPZ file"):
+    with pytest.raises(urushi.errors.FileError, match="is not an NPZ file"):
         simulate.read_pairs(path)
     path.write_bytes(path.read_bytes()[:100])
-    with pytest.raises(urushi.errors.FileError, match="is no NPZ file"):
+    with pytest.raises(urushi.errors.FileError, match="is not an NPZ file"):
         simulate.read_pairs(path)

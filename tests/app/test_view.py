@@ -231,7 +231,7 @@ def test_a_textured_bsdf_of_a_scene_becomes_a_texture(tmp_path, rgb):
     other = tmp_path / "other.safetensors"
     arch = weights.default_model().arch
     weights.save(other, arch, init(arch, 1), {})
-    with pytest.raises(FileError, match="do not belong together"):
+    with pytest.raises(FileError, match="does not match the weights"):
         view.first_material(str(saved), str(other))
 
 
@@ -259,7 +259,7 @@ def test_the_page_is_written_into_a_folder(untrained, tmp_path, capsys):
 
 def test_a_taken_port_is_one_sentence(untrained, server, capsys):
     assert cli.main(["view", "--port", str(server.server_port), "--no-browser"]) == 2
-    assert capsys.readouterr().err.startswith("urushi: cannot serve the page at port")
+    assert capsys.readouterr().err.startswith("urushi: cannot serve the page on port")
 
 
 @pytest.mark.skipif(os.name != "posix", reason="the signal of Ctrl-C is sent otherwise")

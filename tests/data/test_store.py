@@ -161,7 +161,7 @@ def test_another_specification_is_refused(finished, change, message):
 
 
 def test_a_missing_store_is_named(tmp_path):
-    with pytest.raises(FileError, match=r"there is no data store '.*absent.zarr'; make it with"):
+    with pytest.raises(FileError, match=r"there is no data store '.*absent.zarr'; create it with"):
         Store.open(tmp_path / "absent.zarr")
 
 
@@ -196,7 +196,7 @@ def test_a_damaged_chunk_is_reported(tmp_path):
 
 def test_an_unwritable_place_is_reported(tmp_path):
     (tmp_path / "file").write_text("text")
-    with pytest.raises(FileError, match=r"cannot make the folder .* choose one that is writable"):
+    with pytest.raises(FileError, match=r"cannot create the folder .* choose one that is writable"):
         generate(SPEC, tmp_path / "file" / "store.zarr")
 
 

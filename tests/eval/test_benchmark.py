@@ -154,10 +154,10 @@ def test_sets_that_do_not_fit_are_refused(sets, groups, tmp_path, monkeypatch):
     with pytest.raises(FileError, match="lacks the group 'two, table2'"):
         benchmark.read(path)
     path.write_bytes(path.read_bytes()[:-100])
-    with pytest.raises(FileError, match="is no benchmark file or is truncated"):
+    with pytest.raises(FileError, match="is not a valid benchmark file or is truncated"):
         benchmark.read(path, groups)
     benchmark.write(path, sets, groups, seed=1)  # the header then states other directions
-    with pytest.raises(FileError, match="cannot be drawn again"):
+    with pytest.raises(FileError, match="cannot be reproduced"):
         benchmark.read(path, groups)
     monkeypatch.setattr(benchmark, "FORMAT_VERSION", 2)
     with pytest.raises(FileError, match="version 1 of the benchmark format"):

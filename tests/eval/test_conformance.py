@@ -89,7 +89,7 @@ def test_a_file_is_continued(tmp_path, monkeypatch):
 
 def test_a_foreign_file_is_refused(tmp_path):
     (tmp_path / "x.safetensors").write_bytes(b"no")
-    with pytest.raises(FileError, match="is no conformance file"):
+    with pytest.raises(FileError, match="is not a valid conformance file"):
         conformance.read(tmp_path / "x.safetensors")
 
 

@@ -111,5 +111,5 @@ def test_the_report_is_written(itself, tmp_path):
     assert content["bad"] == {"error": "is a web page"}
     text = (folder / "report.md").read_text()
     assert "| a b | 0.0% |" in text and "(<a b.png>)" in text and "is a web page" in text
-    with pytest.raises(FileError, match="cannot make the folder"):
+    with pytest.raises(FileError, match="cannot create the folder"):
         likeness.write_report(folder / "report.md" / "below", {})

@@ -137,5 +137,5 @@ def test_bad_input(sets, groups, tmp_path):
     with pytest.raises(FileError, match="is a safetensors file, but not one of Urushi's weights"):
         report.report(foreign)
     (tmp_path / "file").write_text("in the way")
-    with pytest.raises(FileError, match="cannot make the folder"):
+    with pytest.raises(FileError, match="cannot create the folder"):
         report.report(output=tmp_path / "file")

@@ -113,8 +113,8 @@ def test_rows_are_made_of_groups_that_exist():
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: Group("none", Table2(), 0), "group 'none' has 0 stacks; it needs some"),
-        (lambda: Group("deep", Table2(1), 3, probed=(2,)), "probes \\(2,\\) coats"),
+        (lambda: Group("none", Table2(), 0), "group 'none' has 0 stacks; it needs at least one"),
+        (lambda: Group("deep", Table2(1), 3, probed=(2,)), "probed = \\(2,\\)"),
     ],
 )
 def test_bad_groups(make, message):

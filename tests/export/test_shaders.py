@@ -188,11 +188,11 @@ def test_errors_name_the_cure(model, materials):
     material = materials["one lobe"]
     with pytest.raises(ParameterError, match="there is no language 'cg'; choose one of glsl, "):
         material.shader("cg")
-    with pytest.raises(ParameterError, match="'a b' cannot begin the names of functions"):
+    with pytest.raises(ParameterError, match="'a b' is not a valid prefix of function names"):
         material.shader("glsl", "a b")
     two = Material(material.latents[:2], model)
-    with pytest.raises(ParameterError, match="has 2 channels; only one or three"):
+    with pytest.raises(ParameterError, match="has 2 channels; only materials of one or three"):
         two.shader("glsl")
     paper = Model.of(PaperArchitecture(), paper_init(0), {})
-    with pytest.raises(ParameterError, match="are of another system and cannot become a shader"):
+    with pytest.raises(ParameterError, match="are of another system and cannot be exported"):
         codes_text("glsl", paper, "urushi")

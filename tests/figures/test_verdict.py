@@ -87,6 +87,9 @@ def test_networks_are_reciprocal_and_no_method_but_weidlich_and_wilkies_gains_en
     assert found[methods.WEIDLICH]["exchange"] < 1e-5  # rounding
     assert found[methods.BELCOUR]["exchange"] > 1e-3  # its lobes depend on one of the directions
     assert found[methods.NETWORKS]["E"][0] < found[methods.BELCOUR]["E"][0]
+    # The model of two widths is that of one where widths are equal, to 1e-5.
+    assert found[methods.WEIER]["E"] == pytest.approx(found[methods.BELCOUR]["E"], rel=1e-3)
+    assert laws[methods.WEIER] == pytest.approx(laws[methods.BELCOUR], rel=1e-3)
 
 
 def test_the_papers_system_has_a_row_if_it_has_weights(monkeypatch):
@@ -113,7 +116,17 @@ def test_the_committed_results_are_of_the_shipped_weights_and_complete(found):
         assert len(part[methods.NETWORKS]["E"]) == errors.STACKS
         assert len(part[fits.GGX]["E"]) == errors.FITTED
         assert max(part["reference"]) < 0.004
+    for surface in ("coat", "bottom"):
+        part = found[f"anisotropic_{surface}"]
+        assert all(len(part[name]) == errors.ANISOTROPIC for name in methods.TWO_WIDTHS)
+        assert methods.BELCOUR not in part
+    assert len(found["measured"][methods.TABLES]) == errors.BOTTOMS * len(errors.OVER)
     assert {f"{scene}, {light}" for scene in SCENES for light in LIGHTS} < set(found)
+
+
+def test_over_measured_bottoms_tables_are_closer_than_codes_on_average(found):
+    means = {name: np.mean(found["measured"][name]) for name in (methods.TABLES, methods.NETWORKS)}
+    assert means[methods.TABLES] < means[methods.NETWORKS]
 
 
 def test_the_docs_show_the_tables_of_the_results(found):

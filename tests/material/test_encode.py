@@ -88,14 +88,14 @@ def test_other_things_are_refused(source, model):
 @pytest.mark.parametrize(
     ("values", "words"),
     [
-        (lambda n: np.ones((n, 3, 1)), "gives shape"),
-        (lambda n: np.ones((n - 1, 3)), "gives shape"),
-        (lambda n: np.ones((n, 0)), "gives shape"),
-        (lambda n: 1.0, "gives shape"),
-        (lambda n: "bright", "no array of numbers"),
-        (lambda n: np.full((n, 3), -1e-3), "negative or not finite"),
-        (lambda n: np.full((n, 3), np.nan), "negative or not finite"),
-        (lambda n: np.full((n, 3), np.inf), "negative or not finite"),
+        (lambda n: np.ones((n, 3, 1)), "returns shape"),
+        (lambda n: np.ones((n - 1, 3)), "returns shape"),
+        (lambda n: np.ones((n, 0)), "returns shape"),
+        (lambda n: 1.0, "returns shape"),
+        (lambda n: "bright", "not return an array of numbers"),
+        (lambda n: np.full((n, 3), -1e-3), "negative or non-finite"),
+        (lambda n: np.full((n, 3), np.nan), "negative or non-finite"),
+        (lambda n: np.full((n, 3), np.inf), "negative or non-finite"),
     ],
 )
 def test_faulty_functions_are_refused(values, words, model):

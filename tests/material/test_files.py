@@ -32,7 +32,7 @@ def test_anchors_come_back(material, model, tmp_path):
 def test_other_weights_are_refused_by_name(material, model, other_model, tmp_path):
     path = tmp_path / "a.safetensors"
     material.save(path)
-    with pytest.raises(FileError, match="do not belong together") as caught:
+    with pytest.raises(FileError, match="does not match the weights") as caught:
         load(path, other_model)
     for part in (
         str(path),

@@ -120,5 +120,5 @@ def test_a_bottom_that_gains_energy_raises_the_ceiling(gaining, inputs):
 
 def test_the_papers_networks_are_refused():
     model = Model.of(PaperArchitecture(), init_paper(0), {})
-    with pytest.raises(ParameterError, match="the coat: gradients are asked for.* Urushi ships"):
+    with pytest.raises(ParameterError, match="coat: gradients are requested.* shipped networks"):
         gradients.check_differentiable(model, "the coat")

@@ -242,8 +242,8 @@ def test_layering_over_refined_codes(trained):
 
 def test_errors_stay_the_same(trained):
     for faulty, words in (
-        (lambda wi, wo: np.full(len(wi), np.nan), "negative or not finite"),
-        (lambda wi, wo: np.ones((len(wi) - 1, 3)), "gives shape"),
+        (lambda wi, wo: np.full(len(wi), np.nan), "negative or non-finite"),
+        (lambda wi, wo: np.ones((len(wi) - 1, 3)), "returns shape"),
     ):
         with pytest.raises(ParameterError, match=words):
             encode(faulty, trained, refine=True)

@@ -157,8 +157,8 @@ def test_the_same_alone_and_among_many(own, small):
 
 def test_other_networks_have_none():
     other = Model.of(PaperArchitecture(), init_paper(3), {})
-    with pytest.raises(ParameterError, match="no tables"):
+    with pytest.raises(ParameterError, match="cannot have tables"):
         required_pairs(velvet, other, True)
     latents = np.zeros((1, other.arch.latent), np.float32)
-    with pytest.raises(ParameterError, match="no tables"):
+    with pytest.raises(ParameterError, match="cannot have tables"):
         Material(latents, other, latents, np.zeros((*SHAPE, 1)))

@@ -120,7 +120,7 @@ def test_standard_surface_is_translated_by_the_library(document, library):
 def test_inputs_that_the_translation_leaves_out_are_named(document, library):
     shader = """<standard_surface name="s" type="surfaceshader">
         <input name="coat_rotation" type="float" value="0.5"/></standard_surface>"""
-    with pytest.warns(UrushiWarning, match="standard_surface leaves out coat_rotation"):
+    with pytest.warns(UrushiWarning, match="standard_surface ignores coat_rotation"):
         read_surface(document(shader), None)
 
 

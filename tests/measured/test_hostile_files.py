@@ -56,9 +56,9 @@ def test_a_bad_beginning_gets_one_sentence(tmp_path, content, message):
 @pytest.mark.parametrize(
     ("forged", "message"),
     [
-        ({"rgb": ((1, 4, 3, HUGE, 1), None, None)}, "'rgb' ends at byte .*, outside of the file"),
-        ({"rgb": ((2**63, 2**63), None, None)}, "outside of the file"),
-        ({"rgb": (None, None, 2**64 - 1)}, "outside of the file"),
+        ({"rgb": ((1, 4, 3, HUGE, 1), None, None)}, "'rgb' ends at byte .*, outside the file"),
+        ({"rgb": ((2**63, 2**63), None, None)}, "outside the file"),
+        ({"rgb": (None, None, 2**64 - 1)}, "outside the file"),
         ({"vndf": (None, None, 20)}, "'vndf' overlaps the header"),
         ({"sigma": (None, None, 500)}, "overlaps"),
         ({"rgb": (None, 0, None)}, "'rgb' has the unknown type 0"),
@@ -67,9 +67,9 @@ def test_a_bad_beginning_gets_one_sentence(tmp_path, content, message):
         ({"rgb": ((1,) * 20, None, None)}, "claims 20 dimensions"),
         ({"rgb": ((0, 2**64 - 1), None, None)}, "'rgb' (has the|is float32 of) shape"),
         ({"theta_i": ((2, 2), None, None)}, "'theta_i' is float32 of shape"),
-        ({"theta_i": ((3,), None, None)}, "shapes do not fit"),
-        ({"ndf": ((1, 8), None, None)}, "shapes do not fit"),
-        ({"jacobian": ((0,), None, None)}, "shapes do not fit"),
+        ({"theta_i": ((3,), None, None)}, "shapes of its tensors do not match"),
+        ({"ndf": ((1, 8), None, None)}, "shapes of its tensors do not match"),
+        ({"jacobian": ((0,), None, None)}, "shapes of its tensors do not match"),
     ],
 )
 def test_an_inconsistent_tensor_header_gets_one_sentence(
@@ -98,7 +98,7 @@ def test_an_inconsistent_tensor_header_gets_one_sentence(
         ({"ndf": -1}, "'ndf', a density, is negative"),
         ({"vndf": 0}, "'vndf' has no density at all"),
         ({"theta_i": 1}, "'theta_i' does not increase"),
-        ({"phi_i": np.zeros(8, np.float32)}, "shapes do not fit"),
+        ({"phi_i": np.zeros(8, np.float32)}, "shapes of its tensors do not match"),
         ({"sigma": np.arange(1, 17, dtype=np.float32).reshape(2, 8)}, "depends on the azimuth"),
         ({"spectra": np.ones((1, 4, 3, 8, 8), np.float32)}, "no tensor 'wavelengths'"),
     ],
@@ -132,7 +132,7 @@ def test_a_tensor_named_twice_is_refused(writers, fields, tmp_path):
     path = tmp_path / "twice.bsdf"
     content = writers.tensor_file(dict(fields, phi_j=fields["phi_i"]))
     path.write_bytes(content.replace(b"phi_j", b"phi_i"))
-    with pytest.raises(FileError, match="names a tensor twice"):
+    with pytest.raises(FileError, match="two of its tensors have the same name"):
         load_measured(path)
 
 
@@ -151,7 +151,7 @@ def test_a_truncated_material_is_refused(writers, fields, tmp_path, keep):
         (np.nan, "has 1458000 bins that are not finite"),
         (np.inf, "not finite"),
         (1e300, "not finite"),  # beyond float32
-        (-1.0, "has no valid bin, all are negative"),
+        (-1.0, "has no valid bin: all are negative"),
     ],
 )
 def test_tables_without_numbers_are_refused(writers, tmp_path, number, message):
@@ -207,7 +207,7 @@ def test_paths_that_are_not_files(tmp_path):
         load_measured(tmp_path)
     with pytest.raises(FileError, match="null"):
         load_measured("a\0b")
-    with pytest.raises(ParameterError, match="path must be a file's path, not 5"):
+    with pytest.raises(ParameterError, match="path must be the path of a file, not 5"):
         load_measured(5)
 
 

@@ -55,7 +55,7 @@ def test_the_lobes_numbers_pass_by_decoder_and_encoder():
 def test_a_lobe_of_other_numbers_is_refused():
     entries = json.loads(SMALL.to_json())
     assert entries["lobe"] == 6
-    with pytest.raises(ParameterError, match="lobe is 3; this Urushi's has 6 numbers"):
+    with pytest.raises(ParameterError, match="lobe is 3; this version of Urushi has 6 numbers"):
         Architecture.from_json(json.dumps(entries | {"lobe": 3}))
 
 
@@ -66,7 +66,7 @@ def test_a_lobe_of_other_numbers_is_refused():
         ({"probes": 1.5}, "probes is 1.5"),
         ({"decoder": ()}, "decoder is \\(\\)"),
         ({"sampler": (32, -1)}, "sampler is"),
-        ({"latent": 7}, "latent is 7; a code has 6 numbers of its lobe and at least two more"),
+        ({"latent": 7}, "latent is 7; a code has 6 numbers for its lobe and at least two more"),
         ({"activation": "tanh"}, "choose one of smoothstep, silu7, silu, relu"),
     ],
 )

@@ -189,7 +189,7 @@ def test_one_command_makes_weights_for_all_others(params, files, tmp_path, capsy
     assert projection(*other) is None
     wrong = [*other, "--projection-pairs", "64"]
     assert cli.main(["paper", "import", *paths, "-o", str(output), *wrong]) == 2
-    assert "--projection-pairs belongs to --projection adam" in capsys.readouterr().err
+    assert "--projection-pairs needs --projection adam" in capsys.readouterr().err
 
     assert cli.main(["paper", "tensors", paths[0]]) == 0
     assert "module.linear0.weight  256 × 38\n" in capsys.readouterr().out
@@ -306,9 +306,9 @@ def test_files_of_other_kinds_are_refused(params, files, tmp_path):
 
     refused(data[: len(data) // 2], "truncated or damaged")
     refused(data[:2], "truncated or damaged")
-    refused(b"", "is no file of PyTorch")
+    refused(b"", "is not a PyTorch file")
     refused(b"\x80\x02\x8a\nl\xfc\x9cF\xf9 j\xa8P\x19.\x80\x02M\xe9\x03.", r"before version 1\.6")
-    refused(b"\x89HDF\r\n", "is no file of PyTorch")
+    refused(b"\x89HDF\r\n", "is not a PyTorch file")
     with pytest.raises(FileError, match="cannot read .* No such file"):
         TorchFile(tmp_path / "missing.pth")
     with pytest.raises(FileError, match="cannot read .* Is a directory"):

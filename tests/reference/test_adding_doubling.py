@@ -192,7 +192,7 @@ def test_other_bottoms_are_refused() -> None:
     for stack in (coat(brushed), coat(diffuse(0.5), alpha_u=0.1, alpha_v=0.2)):
         with pytest.raises(ParameterError, match="alpha_u and alpha_v differ, but"):
             adding_doubling.solve(stack, [[0, 0, 1.0]], [[0, 0, 1.0]])
-    with pytest.raises(ParameterError, match="no kernel of a Own bottom; give a conductor"):
+    with pytest.raises(ParameterError, match="no kernel for a Own bottom; give a conductor"):
         adding_doubling.solve(coat(Own(), 0.3, 1.5), [[0, 0, 1.0]], [[0, 0, 1.0]])
     with pytest.raises(ParameterError, match=r"cosines in \(0, 1\]"):
         adding_doubling.albedo(ONE_COAT, [0.0])

@@ -42,15 +42,22 @@ def jit() -> ModuleType:
     return backend()
 
 
+def number(jit: ModuleType, value: float):
+    """A number in memory: one kernel serves all values, as it does not for a constant in code."""
+    return dr.opaque(jit.Float, value)
+
+
 def direction(jit: ModuleType, theta: float):
     """A unit vector above the surface."""
     sin = math.sin(theta)
-    return jit.Array3f(sin * 0.6, sin * 0.8, math.cos(theta))
+    return jit.Array3f(*(number(jit, x) for x in (sin * 0.6, sin * 0.8, math.cos(theta))))
 
 
 def width(jit: ModuleType, alpha: float | Widths):
     """A GGX width, or two of them."""
-    return alpha.map(jit.Float) if isinstance(alpha, Widths) else jit.Float(alpha)
+    if isinstance(alpha, Widths):
+        return alpha.map(lambda one: number(jit, one))
+    return number(jit, alpha)
 
 
 def uniform(jit: ModuleType, count: int, seed: int = 0):
@@ -68,7 +75,7 @@ def arrays(jit: ModuleType, points: np.ndarray):
 def test_samples_follow_the_stated_density(
     jit: ModuleType, sphere_test, alpha: float | Widths, eta: float, theta: float
 ) -> None:
-    wi, a, e = direction(jit, theta), width(jit, alpha), jit.Float(eta)
+    wi, a, e = direction(jit, theta), width(jit, alpha), number(jit, eta)
     wo, weight, _ = interface.sample(wi, a, e, *uniform(jit, 3))
     samples = wo.numpy().T.copy()
     samples[weight.numpy() == 0] = np.nan
@@ -83,7 +90,7 @@ def test_samples_follow_the_stated_density(
 def test_transmission_samples_follow_the_stated_density(
     jit: ModuleType, sphere_test, alpha: float | Widths, eta: float, theta: float
 ) -> None:
-    wi, a, e = direction(jit, theta), width(jit, alpha), jit.Float(eta)
+    wi, a, e = direction(jit, theta), width(jit, alpha), number(jit, eta)
     wo, weight = interface.sample_transmission(wi, a, e, *uniform(jit, 2))
     samples = wo.numpy().T.copy()
     samples[weight.numpy() == 0] = np.nan
@@ -98,7 +105,7 @@ def test_transmission_samples_follow_the_stated_density(
 def test_a_sample_carries_f_cos_over_its_density(
     jit: ModuleType, alpha: float | Widths, eta: float, theta: float
 ) -> None:
-    wi, a, e = direction(jit, theta), width(jit, alpha), jit.Float(eta)
+    wi, a, e = direction(jit, theta), width(jit, alpha), number(jit, eta)
     wo, weight, pdf = interface.sample(wi, a, e, *uniform(jit, 3))
     f, density = interface.scatter(wi, wo, a, e)
     kept = weight.numpy() > 0
@@ -115,7 +122,7 @@ def test_split_sampling_adds_up_to_both(
     jit: ModuleType, alpha: float | Widths, eta: float, theta: float
 ) -> None:
     # Fresnel as a weight, summed over the two choices, is Fresnel as a probability.
-    wi, a, e = direction(jit, theta), width(jit, alpha), jit.Float(eta)
+    wi, a, e = direction(jit, theta), width(jit, alpha), number(jit, eta)
     u0, u1, u2 = uniform(jit, 3)
     _, both, _ = interface.sample(wi, a, e, u0, u1, u2)
     split = sum(
@@ -133,11 +140,11 @@ def test_transmission_up_and_down_differ_by_the_squared_index(
 ) -> None:
     # In flux convention f(up) = f(down) / eta^2 (Veach 1997, section 5.2, with light's eta^2 out).
     above, a = direction(jit, 0.8), width(jit, alpha)
-    below, weight = interface.sample_transmission(above, a, jit.Float(eta), *uniform(jit, 2))
+    below, weight = interface.sample_transmission(above, a, number(jit, eta), *uniform(jit, 2))
     below = dr.select(weight > 0, below, jit.Array3f(0, 0, -1))  # failed: total reflection, masking
-    down, _ = interface.transmission(above, below, a, jit.Float(eta))
+    down, _ = interface.transmission(above, below, a, number(jit, eta))
     flip = interface.flip
-    up, _ = interface.transmission(flip(below), flip(above), a, jit.Float(1 / eta))
+    up, _ = interface.transmission(flip(below), flip(above), a, number(jit, 1 / eta))
     down, up = down.numpy(), up.numpy()
     assert np.array_equal(down > 0, up > 0) or np.mean((down > 0) != (up > 0)) < 1e-4
     lit = (down > 0.01 * down.max()) & (up > 0)
@@ -149,14 +156,14 @@ def test_samples_never_gain_energy(
     jit: ModuleType, alpha: float | Widths, eta: float, theta: float
 ) -> None:
     wi = direction(jit, theta)
-    _, weight, _ = interface.sample(wi, width(jit, alpha), jit.Float(eta), *uniform(jit, 3))
+    _, weight, _ = interface.sample(wi, width(jit, alpha), number(jit, eta), *uniform(jit, 3))
     assert weight.numpy().max() <= 1  # it is the masking of wo
 
 
 @pytest.mark.parametrize("eta", [1.5, 1 / 1.5])
 def test_a_smooth_interface_loses_no_energy(jit: ModuleType, eta: float) -> None:
     wi = direction(jit, 0.5)
-    _, weight, _ = interface.sample(wi, jit.Float(0.01), jit.Float(eta), *uniform(jit, 3))
+    _, weight, _ = interface.sample(wi, number(jit, 0.01), number(jit, eta), *uniform(jit, 3))
     # Single scattering loses the light that facets hide from each other, of order alpha^2.
     assert weight.numpy().mean() > 1 - 1e-3
 

@@ -142,7 +142,7 @@ def test_f_is_zero_below_the_horizon() -> None:
 
 def test_anisotropic_stacks_are_refused() -> None:
     stack = coat(conductor(alpha_u=0.1, alpha_v=0.3, r0=1.0))
-    with pytest.raises(ParameterError, match="adds isotropic lobes only"):
+    with pytest.raises(ParameterError, match="supports isotropic lobes only"):
         belcour.f(stack, [[0.0, 0.0, 1.0]], [[0.0, 0.0, 1.0]])
 
 

@@ -57,7 +57,7 @@ def four(tiny_data, tmp_path_factory):
     command = [sys.executable, "-c", SCRIPT, str(Path(__file__).parent), tiny_data, folder]
     flags = {"XLA_FLAGS": "--xla_force_host_platform_device_count=4", "JAX_PLATFORMS": "cpu"}
     run = subprocess.run(
-        command, env=os.environ | flags, capture_output=True, text=True, timeout=300
+        command, env=os.environ | flags, capture_output=True, text=True, timeout=600
     )
     assert run.returncode == 0, run.stderr
     return json.loads(run.stdout), weights.read(folder / "weights.safetensors")

@@ -147,7 +147,7 @@ def test_validation_measures_the_exported_weights(uninterrupted, tiny, tiny_data
 
 def test_an_interrupted_training_is_not_overwritten(uninterrupted, tiny, tiny_data):
     folder = uninterrupted[1]
-    with pytest.raises(FileError, match="holds a training that was begun; give --resume"):
+    with pytest.raises(FileError, match="contains an unfinished training; give --resume"):
         train(tiny, data=tiny_data, run=folder)
 
 
@@ -165,7 +165,7 @@ def test_a_checkpoint_of_another_preset_or_a_damaged_one_is_refused(
 
 def test_unwritable_paths_are_refused_before_the_training(tiny, tiny_data, tmp_path):
     (tmp_path / "file").write_text("text")
-    with pytest.raises(FileError, match="cannot make the folder"):
+    with pytest.raises(FileError, match="cannot create the folder"):
         train(tiny, data=tiny_data, run=tmp_path / "file" / "run")
     with pytest.raises(FileError, match="it is a folder; give the name of a file"):
         train(tiny, data=tiny_data, run=tmp_path / "run", out=tmp_path)

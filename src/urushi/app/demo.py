@@ -196,7 +196,7 @@ Look at {out / "comparison.png"}
 
 Try next
 {commands}
-  In a Mitsuba scene of your own, put the plugin "{NEURAL}" around a BSDF to coat it."""
+  In your own Mitsuba scene, put the plugin "{NEURAL}" around a BSDF to coat it."""
 
 
 def _cost(figures: dict[str, float], plugin: str, name: str) -> str:
@@ -281,7 +281,7 @@ class Demo:
     """
 
     output: Annotated[Path, tyro.conf.arg(aliases=["-o"])] = Path("out/demo")
-    """Folder to write to. It is made if it is missing."""
+    """Folder to write to. It is created if it is missing."""
     mode: Annotated[str, tyro.conf.arg(aliases=["-m"])] = "llvm_ad_rgb"
     """Mitsuba variant."""
     width: int = 400

@@ -59,10 +59,12 @@ def _number(node: ast.expr, text: str) -> Any:
     try:
         value = ast.literal_eval(node)
     except (ValueError, TypeError, SyntaxError) as error:
-        raise _refuse(text, f"'{ast.unparse(node)}' is neither a number nor three") from error
+        raise _refuse(
+            text, f"'{ast.unparse(node)}' is neither one number nor three numbers"
+        ) from error
     numbers = value if isinstance(value, tuple | list) else (value,)
     if not all(isinstance(x, int | float) and not isinstance(x, bool) for x in numbers):
-        raise _refuse(text, f"'{ast.unparse(node)}' is neither a number nor three")
+        raise _refuse(text, f"'{ast.unparse(node)}' is neither one number nor three numbers")
     return value
 
 

@@ -1,4 +1,4 @@
-"""`urushi doctor`: check this machine, and say what is missing and how to mend it.
+"""`urushi doctor`: check this machine, and report what is missing and how to fix it.
 
 Every Mitsuba variant is tried in a process of its own, because a bad LLVM library or driver may
 abort the process.
@@ -71,7 +71,7 @@ def report(findings: Sequence[Finding]) -> str:
             kind = "PROBLEM" if finding.essential else "note"
             lines.append(f"{'':<{width}}  {kind}: {finding.problem}")
     wrong = [finding.name for finding in findings if finding.problem and finding.essential]
-    lines.append(f"\nWrong: {', '.join(wrong)}." if wrong else "\nAll that is essential is well.")
+    lines.append(f"\nProblems: {', '.join(wrong)}." if wrong else "\nAll essential parts work.")
     return "\n".join(lines)
 
 
@@ -91,7 +91,7 @@ def _package(
     numbers = re.match(r"(\d+)\.(\d+)", version)
     fits = numbers is None or oldest <= (int(numbers[1]), int(numbers[2])) < below
     wanted = f">={'.'.join(map(str, oldest))},<{'.'.join(map(str, below))}"
-    cure = f"this version does not fit; install another (pip install '{name}{wanted}')"
+    cure = f"unsupported version; install another (pip install '{name}{wanted}')"
     return Finding(name, version, None if fits else cure, True)
 
 
@@ -205,7 +205,7 @@ def _version(package: str) -> str | None:
 
 @dataclass(frozen=True)
 class Doctor:
-    """Check this machine: print what Urushi finds, what is wrong, and how to mend it.
+    """Check this machine: print what Urushi finds, what is wrong, and how to fix it.
 
     Checks Python, Mitsuba, Dr.Jit, LLVM, the GPU, Mitsuba's variants, the shipped weights and every
     optional package. The exit code is 1 if something is wrong that Urushi cannot work without.

@@ -36,14 +36,14 @@ class Page:
 
 
 def show(material: Any, *, height: int = HEIGHT) -> Page:
-    """Return the page of `urushi view` with a material, which a notebook shows as an output.
+    """Return the page of `urushi view` with a material, for display in a notebook.
 
-    The page stands in the notebook as a whole, about 2 MB, and computes in the browser: it needs
+    The notebook contains the whole page, about 2 MB, which computes in the browser. It needs
     neither the kernel nor a server, and works in a saved notebook too.
 
     Args:
-        material: a `Material`, a description (a `Stack` or a surface), or what `urushi view` takes
-            as its argument, such as the path of a file.
+        material: a `Material`, a description (a `Stack` or a surface), or an argument of `urushi
+            view`, such as the path of a file.
         height: of the page [pixels].
 
     Raises:
@@ -65,7 +65,7 @@ def show(material: Any, *, height: int = HEIGHT) -> Page:
         cards = cards_of(material)
         if cards is None:
             raise ParameterError(
-                "the page has no cards for this description; give urushi.encode of it"
+                "the page has no cards for this description; pass urushi.encode(description)"
             )
         first = First(cards)
     return Page(page_document(page_files(model, first)), height)
@@ -77,7 +77,7 @@ def _page_model(model: Model) -> Model:
         return model
     if model.fingerprint != anisotropic_model().fingerprint:
         raise ParameterError(
-            f"the weights {model.fingerprint} are for anisotropic materials, of which the page has "
-            "the shipped ones only; encode the material with these"
+            f"the weights {model.fingerprint} are for anisotropic materials, for which the page "
+            "supports only the shipped weights; encode the material with these"
         )
     return find(None)

@@ -24,7 +24,9 @@ def page_document(files: Mapping[str, bytes]) -> str:
     """
     script, style = (files[f"assets/index.{suffix}"].decode() for suffix in ("js", "css"))
     if "</script" in script or "</style" in style:
-        raise FileError("the built page cannot stand in one document; build it by `make viewer`")
+        raise FileError(
+            "the built page cannot be put into one document; build it again by `make viewer`"
+        )
     packed = {
         path: base64.b64encode(gzip.compress(content, mtime=0)).decode()
         for path, content in files.items()
@@ -47,7 +49,7 @@ def page_document(files: Mapping[str, bytes]) -> str:
     ):
         parts = re.split(pattern, text)
         if len(parts) != 2:
-            raise FileError("the built page is of another form; build it anew by `make viewer`")
+            raise FileError("the built page has an unknown form; build it again by `make viewer`")
         text = replacement.join(parts)
     return text
 

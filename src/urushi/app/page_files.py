@@ -1,7 +1,7 @@
 """The files of the page: the built page, the networks, shader code, and what it shows first.
 
 The page is built from the folder `viewer` of the repository by `make viewer`. The networks are in
-half precision. The shader code is that of `urushi export`, in which the page fills in the codes of
+half precision. The shader code is that of `urushi export`, into which the page inserts the codes of
 its materials.
 """
 
@@ -58,7 +58,7 @@ def page_files(model: Model, first: First | None) -> dict[str, bytes]:
     if model.widths == 2:
         raise ParameterError(
             f"the weights {model.fingerprint} are for anisotropic materials; give --weights of "
-            "networks for isotropic ones, or none"
+            "networks for isotropic ones, or leave it out"
         )
     folder = built_folder()
     built = {

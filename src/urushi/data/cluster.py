@@ -63,7 +63,7 @@ def run(
                 result = future.result()
             except KilledWorker as error:
                 raise PlatformError(
-                    f"a task on the cluster at '{address}' killed its worker again and again; "
+                    f"a task on the cluster at '{address}' repeatedly killed its worker; "
                     "give each worker more memory"
                 ) from error
             yield indices.pop(future), result

@@ -242,7 +242,7 @@ _sources: dict[str, Any] = {
 
 
 def register_source(kind: str, source: type) -> None:
-    """Let data stores hold parts of another source, under the name `kind` in their manifest."""
+    """Register another source of parts for data stores, under the name `kind` in their manifest."""
     _sources[kind] = source
 
 

@@ -55,7 +55,7 @@ def make_shard(spec: DataSpec, part: int, shard: int) -> Shard:
 
 
 def generate(spec: DataSpec, path: str | os.PathLike, scheduler: str | None = None) -> Store:
-    """Make the data of `spec` at `path`, or resume where an earlier run was stopped.
+    """Generate the data of `spec` at `path`, or resume where an earlier run was stopped.
 
     The bytes of the result do not depend on interruptions, nor on the workers that simulate it.
 

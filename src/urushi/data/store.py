@@ -64,8 +64,8 @@ class Store:
             store = cls.open(folder)
             if store.spec != spec:
                 raise FileError(
-                    f"'{folder}' holds data of another specification ({_difference(store, spec)}); "
-                    "choose another path or delete that folder"
+                    f"'{folder}' contains data of another specification "
+                    f"({_difference(store, spec)}); choose another path or delete that folder"
                 )
             for stray in folder.rglob("*.partial"):  # left by a writer that was killed
                 stray.unlink()
@@ -93,7 +93,7 @@ class Store:
         folder = Path(path)
         if not folder.exists():
             raise FileError(
-                f"there is no data store '{folder}'; make it with `urushi data generate`"
+                f"there is no data store '{folder}'; create it with `urushi data generate`"
             )
         foreign = (
             f"'{folder}' is not a data store of Urushi; give the folder of `urushi data generate`"

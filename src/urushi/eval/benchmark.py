@@ -180,7 +180,7 @@ def _samples(
     # Within rounding: sines may differ in the last digit between machines.
     if not np.allclose(np.stack([wi[:, -1], wo[:, -1]], 1), arrays["last_pair"], atol=1e-5):
         raise FileError(
-            f"the directions of the benchmark set '{path}' cannot be drawn again: another NumPy or "
+            f"the directions of the benchmark set '{path}' cannot be reproduced: another NumPy or "
             f"another Urushi made it; {_REMEDY}"
         )
     kind = group.distribution.bottom

@@ -57,7 +57,7 @@ class Protocol:
         if self.azimuth % 2 or min(self.polar, self.azimuth) < 1:
             raise ParameterError(
                 f"the protocol has {self.polar} x {self.azimuth} angles; give positive numbers, "
-                "the azimuths' even"
+                "the azimuths even"
             )
 
     def table(self) -> StackTable:

@@ -1,4 +1,4 @@
-"""The picture by which a notebook shows a material: a lit sphere without noise."""
+"""The picture of a material in a notebook: a lit sphere without noise."""
 
 import functools
 

@@ -27,11 +27,13 @@ class Group:
 
     def __post_init__(self) -> None:
         if self.stacks < 1:
-            raise ParameterError(f"group '{self.name}' has {self.stacks} stacks; it needs some")
+            raise ParameterError(
+                f"group '{self.name}' has {self.stacks} stacks; it needs at least one"
+            )
         if not all(0 < coats <= self.distribution.coats for coats in self.probed):
             raise ParameterError(
-                f"group '{self.name}' probes {self.probed} coats; "
-                f"its stacks have 1 to {self.distribution.coats}"
+                f"group '{self.name}' has probed = {self.probed}; "
+                f"its stacks have 1 to {self.distribution.coats} coats"
             )
 
 

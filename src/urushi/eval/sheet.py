@@ -159,6 +159,6 @@ def _check(materials: Sequence[Material], rows: int, coats: Mapping[str, Any]) -
     fingerprints = {material.model.fingerprint for material in materials}
     if len(fingerprints) > 1:
         raise ParameterError(
-            f"the materials belong to different networks, {', '.join(sorted(fingerprints))}; "
-            "encode all with the same"
+            "the materials were encoded with different weights, "
+            f"{', '.join(sorted(fingerprints))}; encode all with the same weights"
         )

@@ -86,7 +86,7 @@ def transport(f: Brdf) -> np.ndarray:
 
 
 def picture(transported: np.ndarray, environment: Environment) -> np.ndarray:
-    """The picture (2 RINGS, 2 RINGS, 3) that a `transport` makes of an environment."""
+    """The picture (2 RINGS, 2 RINGS, 3) of a sphere: a `transport` applied to an environment."""
     light = np.fft.rfft(environment.radiance, axis=1)
     spectrum = np.einsum("kmc,rkmc->rmc", light, transported.conj())
     return _cartesian(np.fft.irfft(spectrum, AZIMUTHS, axis=1))

@@ -15,7 +15,7 @@ from urushi.nets.weights import Model
 
 
 class CodeTerms(NamedTuple):
-    """What the decoder needs of a code, floats or colours.
+    """The terms of the decoder that depend on the code only, floats or colours.
 
     Attributes:
         gain: added to the logarithm.
@@ -109,7 +109,7 @@ def rest(
     inputs: Sequence[Expression],
     activated: Function,
 ) -> Expression:
-    """What the decoder gives [1/sr] for the terms of a code and `features`."""
+    """The decoded rest [1/sr] for the terms of a code and `features`."""
     params, numbers = model.params, model.arch.latent - model.arch.lobe - 1
     output = len(model.arch.decoder)
     body.note_line("The first hidden layer, scaled and shifted by the code.")

@@ -1,9 +1,9 @@
-"""Expressions of shader code: numbers, colours and vectors, with constants computed at once.
+"""Expressions of shader code: numbers, colours and vectors, with constant folding.
 
-A colour has one number for each channel, red, green and blue. What is the same in all channels is a
-float. Arithmetic with constants is done here, in double precision. So one description of a formula
-serves for materials whose numbers are known and for those whose numbers are arguments: what
-vanishes for known numbers leaves no code.
+A colour has one number for each channel, red, green and blue. A value that is the same in all
+channels is a float. Arithmetic with constants is evaluated here, in double precision. So one
+description of a formula serves both for materials whose numbers are known and for those whose
+numbers are arguments; terms that vanish for known numbers generate no code.
 """
 
 from collections.abc import Callable, Sequence

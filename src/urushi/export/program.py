@@ -91,7 +91,8 @@ def material_text(
     check(language, model, prefix)
     if len(latents) not in (1, 3):
         raise ParameterError(
-            f"the material has {len(latents)} channels; only one or three can become a shader"
+            f"the material has {len(latents)} channels; only materials of one or three can be "
+            "exported"
         )
     program = material_program(model, latents, anchors, rotation)
     return LANGUAGES[language](prefix).printed(program)
@@ -137,12 +138,12 @@ def check(language: str, model: Model, prefix: str) -> None:
         )
     if not (prefix.isascii() and prefix.isidentifier()) or "__" in prefix or prefix[0] == "_":
         raise ParameterError(
-            f"'{prefix}' cannot begin the names of functions; give letters, digits and single "
-            "underscores, a letter first"
+            f"'{prefix}' is not a valid prefix of function names; use letters, digits and single "
+            "underscores, beginning with a letter"
         )
     if not isinstance(model.networks, UrushiNetworks):
         raise ParameterError(
-            f"the networks {model.fingerprint} are of another system and cannot become a shader; "
+            f"the networks {model.fingerprint} are of another system and cannot be exported; "
             "encode the material with Urushi's networks"
         )
 
@@ -200,7 +201,7 @@ def _conventions(model: Model) -> tuple[str, ...]:
 
 
 def material_structure(model: Model) -> Structure:
-    """What `prepare` makes of codes."""
+    """The structure that `prepare` computes from codes."""
     arch = model.arch
     terms = 2 * arch.decoder[0]
     last = [Variable("alpha", FLOAT, note=WIDTH_NOTE)]
@@ -309,7 +310,7 @@ def template_program(model: Model) -> Program:
 
 
 def _prepare(model: Model, structure: Structure) -> Function:
-    """The function that turns codes into what f and the proposal need."""
+    """The function that computes from codes the terms that f and the proposal need."""
     arch = model.arch
     codes = Variable("codes", COLOUR, arch.latent)
     function = Function(

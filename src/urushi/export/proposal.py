@@ -73,7 +73,7 @@ def fill(
 ) -> Expression:
     """The proposal of a code for wi.
 
-    first: what the sampler's first layer makes of the code, its bias included. own_alphas: the
+    first: the code's part of the sampler's first layer, its bias included. own_alphas: the
     widths of the code's lobe.
     """
     params, count = model.params, _lobes(model)
@@ -245,7 +245,7 @@ def _sample_reflection(widths: int) -> Function:
 
 
 def known_first(model: Model, code: np.ndarray) -> list[Expression]:
-    """What the sampler's first layer makes of a known code (size,)."""
+    """The code's part of the sampler's first layer, for a known code (size,)."""
     inputs = sampler_inputs(model.arch, code[None])
     weight = model.params["sampler.0.weight"][: inputs.shape[-1]]
     row = (inputs @ weight + model.params["sampler.0.bias"])[0]

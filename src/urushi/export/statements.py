@@ -114,7 +114,7 @@ class Function:
         return name(label, kind)
 
     def assign(self, target: Expression, value: Value) -> None:
-        """Give an element or a member its value."""
+        """Assign a value to an element or a member."""
         self.body.append(Statement("assign", target, converted(expression(value), target.kind)))
 
     @contextlib.contextmanager

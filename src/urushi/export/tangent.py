@@ -1,7 +1,7 @@
-"""The frame of a material's tangent as shader code: directions are turned into it and back.
+"""The frame of a material's tangent as shader code: rotation of directions into it and back.
 
-The networks take directions in a frame whose x axis is the tangent. A material that is turned has
-its tangent elsewhere: `Tangent` is where, in the frame of the caller's directions.
+The networks take directions in a frame whose x axis is the tangent. `Tangent` holds the tangent of
+a rotated material in the frame of the caller's directions.
 """
 
 from typing import NamedTuple

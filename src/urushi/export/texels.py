@@ -40,7 +40,7 @@ class Texels(NamedTuple):
 
 
 def texel_function(texels: Texels, prepare: Function) -> Function:
-    """The function that makes a material of a texel's filtered bytes."""
+    """The function that unpacks a texel's filtered bytes into a material."""
     stored = Variable("stored", FLOAT, 4 * texels.layers)
     function = Function(
         "texel", (stored,), prepare.kind, "A material of filtered bytes, each in [0, 1]."

@@ -191,7 +191,7 @@ def check_set(name: str, pairs: int, where: str) -> None:
         raise ParameterError(f"{where} has {pairs} {name} pairs; give a fourth power, such as 625")
     if name == "probed" and pairs <= PROBES:
         raise ParameterError(
-            f"{where} has {pairs} {name} pairs; give more than the {PROBES} of the encoder"
+            f"{where} has {pairs} {name} pairs; give more than the encoder's {PROBES}"
         )
 
 

@@ -1,4 +1,4 @@
-"""What light does inside a coat: adding and doubling on a grid of directions.
+"""Light transport inside a coat by adding and doubling on a grid of directions.
 
 A BRDF below a coat's interface is one matrix per Fourier mode of the azimuth between directions
 (Hansen 1971; Stam 2001). With K the BRDF, W the cosines times the weights of the quadrature, and J
@@ -10,9 +10,9 @@ and a medium above the BRDF, of reflection P and transmission E + T (unscattered
 
     P + (E + T W) (1 - K W P W)^-1 K (E + W T).
 
-All directions point away from what reflects, or away from where scattered light came from, so that
-a mirror turns the azimuth by half a turn, in modes (-1)^m. BRDFs may be narrower than the grid:
-what it misses of their albedo is put into a mirror reflection.
+All directions point away from the reflecting layer, so that a mirror rotates the azimuth by half a
+turn, in modes (-1)^m. BRDFs may be narrower than the grid: the part of their albedo that it misses
+is added as a mirror reflection.
 """
 
 import functools
@@ -30,7 +30,7 @@ ELEVATIONS, AZIMUTHS = 24, 48
 #: Directions for each of the grid by which means about them are taken.
 FINE = 10
 
-#: Largest asymmetry of a phase function on the grid. What is above it counts as not scattered.
+#: Largest asymmetry of a phase function on the grid. A sharper forward peak counts as unscattered.
 LARGEST_ASYMMETRY = 0.9
 
 #: Optical depth at which doubling begins, and the least depth of scattering that counts.
@@ -99,8 +99,8 @@ class Grid:
     def brdf_modes(self, f: np.ndarray, albedo: np.ndarray) -> np.ndarray:
         """Modes (H, N, N) of a BRDF with values f (M,) at `pairs` and albedos (N,).
 
-        Its values at mirror pairs, where lobes are narrow, are replaced by what the others miss of
-        the albedo. Others that have more are scaled down.
+        The values at mirror pairs, where lobes are narrow, are set so that the sums equal the
+        albedos. If the other values already exceed the albedo, they are scaled down.
         """
         values, places = self.values(f), np.arange(len(self.cosines))
         values[places, places, -1] = 0
@@ -188,15 +188,15 @@ def interface_modes(alpha: float, eta: float) -> np.ndarray:
 def seen_inside(
     bottom: np.ndarray, interface: np.ndarray, albedo: float, sigma_t: float, g: float
 ) -> tuple[np.ndarray, float]:
-    """What a bottom and a medium reflect below an interface that reflects from below.
+    """BRDF of a bottom and a medium below an interface that reflects from below.
 
     Args:
         bottom, interface: modes (H, N, N).
         albedo, sigma_t, g: of the medium.
 
     Returns:
-        Values (N, N, H) [1/sr] of all but the light that the bottom alone reflects, once, and the
-        medium does not scatter; and the optical depth by which that light is dimmed.
+        Values (N, N, H) [1/sr] of all light except that reflected once by the bottom and not
+        scattered by the medium; and the optical depth that attenuates the excepted light.
     """
     own = grid()
     weights, one = own.weights, np.eye(len(own.cosines))

@@ -1,10 +1,10 @@
-"""Blends of latent codes: a way from one BRDF to another along which light changes evenly.
+"""Blends of latent codes, whose reflected light is linear in the blend weight.
 
-The factors of the lobes (`urushi.nets.lobe`) are blended linearly, their widths in proportion to
-the light that each lobe reflects: the width of a lobe that reflects nothing means nothing. Indices
-likewise count by the light of the exact Fresnel term, whose factor then follows: its light is the
-linear blend of the two. The numbers of the rests are blended in proportion to the light of each
-rest, and the gain follows in the same way, from the mean of the albedo of the rest over the angles.
+The Fresnel factors of the lobes (`urushi.nets.lobe`) are blended linearly. Their widths are
+weighted by the light that each lobe reflects, because the width of a lobe that reflects nothing is
+meaningless. Indices are weighted by the light of the exact Fresnel term; its factor is then set so
+that its light is the linear blend of the two. The numbers of the rests are weighted by the light of
+each rest; the gain is then set in the same way, from the mean albedo of the rest over the angles.
 """
 
 import numpy as np

@@ -1,19 +1,19 @@
-"""Tables of coats over materials that have a table: light that crosses the coat to what is below.
+"""Tables of coats over materials that have a table, by light transport through the coat.
 
-A code is too coarse for a measured BRDF, and a coat over the code has its error. The light below a
-coat's interface is therefore followed without networks. f of the coated material, without the lobe
-of its interface, is
+A code is too coarse for a measured BRDF, and a coat over the code inherits its error. Light
+transport below the coat's interface is therefore computed without networks. f of the coated
+material, without the lobe of its interface, is
 
     1 / eta^2 E[w_i w_o S(wi', wo')],
 
-where wi' and wo' are the directions inside of wi and wo by the facets of the interface, w_i and w_o
-the shares that cross (`urushi.material.crossing`), and S is what lies below, as seen from right
-below the interface: the bottom through the medium, and all light that the medium scatters or that
-is reflected again (`urushi.material.adding`).
+where wi' and wo' are wi and wo after refraction at random facets of the interface, w_i and w_o the
+transmitted fractions (`urushi.material.crossing`), and S is the BRDF of everything below, seen from
+just below the interface: the bottom through the medium, and all light that the medium scatters or
+that the interface reflects back (`urushi.material.adding`).
 
-The mean is a sum over fixed, evenly spread points. A rough coat blurs a narrow lobe of the bottom,
-which few of the pairs wi', wo' would meet. A part of the pairs is therefore drawn by the bottom's
-own half vectors, and all are combined by the balance heuristic (Veach and Guibas 1995).
+The mean is a sum over fixed, evenly spread points. Under a rough coat, few of the pairs wi', wo'
+would hit a narrow lobe of the bottom. Some of the pairs are therefore sampled from half vectors of
+the bottom's lobe, and the balance heuristic combines all of them (Veach and Guibas 1995).
 """
 
 from typing import NamedTuple
@@ -43,8 +43,9 @@ from urushi.parallel import fill_blocks
 #: together with a half vector of the bottom.
 BY_INTERFACE, BY_BOTTOM = 48, 24
 
-#: Half vectors are drawn by this power of the bottom's mean f over the half angle. The mean itself
-#: would spend half of them on what is wide, which the interface's pairs meet as well.
+#: Half vectors are drawn in proportion to this power of the bottom's mean f over the half angle.
+#: The mean itself would spend half of them on wide lobes, which the interface's pairs sample as
+#: well.
 PEAK_POWER = 1.5
 
 #: Nodes in the table's v of that mean: difference angles up to 45 degrees, as below a coat.
@@ -89,7 +90,7 @@ class Below(NamedTuple):
     Attributes:
         table: float32 (U, V, W, C), its logarithm without the bottom's lobes.
         lobe: float32 (C, N) of the bottom; (1, N) if the channels share it; None: there is none.
-        depth: float32 (C,) the optical depth that dims light from the lobe.
+        depth: float32 (C,) the optical depth that attenuates light from the lobe.
         peak: the bottom's half vectors.
     """
 
@@ -156,7 +157,7 @@ def coated_table(
 
 
 def half_vectors(bottom: Material) -> HalfVectors:
-    """The half vectors by which a bottom with a table reflects most."""
+    """The distribution of half vectors at which a bottom with a table is bright."""
     nodes = np.linspace(0, 1, SHAPE[0])
     tan2 = np.maximum(np.exp(LOWEST + nodes * (HIGHEST - LOWEST)) - TAN2_OFFSET, 0)
     cosines = 1 / np.sqrt(1 + tan2)

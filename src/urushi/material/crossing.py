@@ -1,12 +1,12 @@
 """How light crosses a rough dielectric interface: directions inside, their weights and densities.
 
-A direction w outside, which points away from the surface, and the direction w' inside that light
-from it takes, turned to point away from what is below, are joined by a facet normal m:
+A facet normal m relates a direction w outside, which points away from the surface, to the direction
+w' of the refracted light inside, reversed to point upwards:
 
     w' = w / eta + (cos_t - cos_m / eta) m,    cos_m = w.m,  cos_t = w'.m
 
 (Walter et al. 2007, eq. 40). Facets are drawn among those visible from w (Dupuy and Benyoub 2023,
-listing 1). The share of the light that crosses is the weight (1 - F) G1(w').
+listing 1). The transmitted fraction of the light is the weight (1 - F) G1(w').
 
 All arrays are float32 of NumPy. A `Vector` is three arrays that broadcast: x, y and z.
 """
@@ -32,8 +32,8 @@ class Crossing(NamedTuple):
 
     Attributes:
         inside: the directions inside; the normal where light does not cross.
-        weight: share of the light that crosses, over the density; 0 where none does.
-        density: of the direction inside [1/sr], given that outside.
+        weight: transmitted fraction of the light, over the density; 0 where there is none. density:
+        of the direction inside [1/sr], given that outside.
     """
 
     inside: Vector

@@ -1,9 +1,9 @@
 """Encoding: from any BRDF that can be evaluated at the probe pairs to a material.
 
-The topmost interface of a description, and a surface that is nothing else, are known exactly and
-become the lobe of the code (`urushi.nets.lobe`). The lobes of other sources are fitted to their
-values. For the rest of the BRDF, one pass of the encoder is followed by two steps of correction or
-by a refinement of many steps (`urushi.material.fit`).
+The topmost interface of a description is known exactly and becomes the lobe of the code
+(`urushi.nets.lobe`). The lobes of other sources are fitted to their values. For the rest of the
+BRDF, one pass of the encoder is followed by two correction steps or by a refinement of many steps
+(`urushi.material.fit`).
 """
 
 import warnings
@@ -76,35 +76,35 @@ def encode(
 
     Args:
         source: a description (conductor, dielectric, diffuse), a Stack (simulated with a fixed
-            seed), a Material, any callable or any object with a method f that gives
-            f(wi, wo) -> (N, 3), (N, C), or (N,) for one channel [1/sr, no cosine], a measured
-            BRDF, or a Mitsuba BSDF. It is evaluated at pairs above the horizon only. An anisotropic
-            source keeps its anisotropy about the tangent, the x axis. A source that is not
-            reciprocal, or not symmetric about the tangent, is averaged until it is (see
-            `urushi.material.symmetry`); of a BSDF that transmits, the reflection is encoded.
-        weights: the networks: a Model or a weights file; None: the shipped ones, "anisotropic" for
-            anisotropic sources. An anisotropic source is averaged over the azimuth for networks of
-            isotropic materials.
-        refine: whether to follow the encoder's pass by an optimisation, some 80 ms a channel, that
-            brings the decoded values closer to the given ones, instead of by two quick steps (see
+            seed), a Material, a measured BRDF, a Mitsuba BSDF, or a callable or an object with a
+            method f: f(wi, wo) -> (N, 3), (N, C), or (N,) for one channel [1/sr, no cosine]. It is
+            evaluated at pairs above the horizon only. An anisotropic source keeps its anisotropy
+            about the tangent, the x axis. A source that is not reciprocal, or not symmetric about
+            the tangent, is averaged to have these symmetries (see `urushi.material.symmetry`). Of a
+            BSDF that transmits, only the reflection is encoded.
+        weights: the networks, a Model or a weights file. None: the shipped ones, "anisotropic" for
+            anisotropic sources. Networks for isotropic materials encode the average of an
+            anisotropic source over the azimuth.
+        refine: whether to optimise the encoder's code, about 80 ms per channel, so that its decoded
+            values are closer to the given ones, instead of two quick correction steps (see
             `urushi.material.fit`). None: for measured BRDFs, and for any source whose residual
             exceeds `UNUSUAL_RESIDUAL`. Networks without an encoder always encode by optimisation.
-        table: whether the material gets a table of f over directions as well (see
-            `urushi.material.table`), by which it is evaluated and rendered, at the same price as by
-            the codes and far closer to unusual BRDFs. Coats and textures use the codes. The source
-            is evaluated at 25,000 more pairs, which takes minutes for a Stack; a file holds 150 kB
-            more. None: for measured BRDFs. A bare conductor or dielectric, which its lobe gives
-            exactly, and a Material of the same networks get none.
+        table: whether the material also gets a table of f over directions (see
+            `urushi.material.table`), which is used to evaluate and render it. It costs as much as
+            the codes and is far more accurate for unusual BRDFs. Textures use the codes. The source
+            is evaluated at 25,000 more pairs, which takes minutes for a Stack; a file is 150 kB
+            larger. None: for measured BRDFs. A bare conductor or dielectric, whose lobe is exact,
+            and a Material of the same networks get none.
 
     Raises:
-        ParameterError: the source is none of these, or an anisotropic Stack for isotropic networks,
-            or its values have a wrong shape, are negative or not finite; or it is a BSDF that
-            reflects nothing but mirror images, or nothing.
+        ParameterError: the source is none of these; it is an anisotropic Stack, but the networks
+            are isotropic; its values have a wrong shape, are negative or not finite; or it is a
+            BSDF without rough reflection.
         FileError: the shipped networks are missing.
 
     Warns:
-        UrushiWarning: averaging changes the source by more than 10 %, or a share of the light is
-            left out.
+        UrushiWarning: averaging changes the source by more than 10 %, or transmitted or specular
+            light is left out.
     """
     model = model_for(source, weights)
     if isinstance(source, Material) and source.model.fingerprint == model.fingerprint:
@@ -170,7 +170,7 @@ def encode_values(found: SourceValues, model: Model, *, refine: bool | None = No
 def material_of_lobes(lobe: np.ndarray, model: Model, channels: int = 3) -> Material:
     """The material of a surface that is its lobes (N,) or (channels, N) alone.
 
-    The anchor is what the encoder makes of them.
+    The anchor is the encoder's output for them.
     """
     anchors = bare_anchors(model, np.broadcast_to(lobe, (channels, lobe.shape[-1])))
     assert isinstance(model.networks, UrushiNetworks)  # for the type checker
@@ -180,8 +180,8 @@ def material_of_lobes(lobe: np.ndarray, model: Model, channels: int = 3) -> Mate
 def bare_anchors(model: Model, lobe: np.ndarray) -> np.ndarray:
     """The anchors float32 (..., L) of surfaces that are their lobes (..., N) alone.
 
-    All have one rest, what the encoder makes of none. No limit of energy scales it, because the
-    layerer has learned it as it is.
+    All have the same rest, the encoder's code of a zero rest. The energy limit does not scale it,
+    because the layerer was trained on it unscaled.
     """
     assert isinstance(model.networks, UrushiNetworks)  # for the type checker
     rest = model.networks.empty_rest()
@@ -208,7 +208,7 @@ def required_pairs(
         table = own and model.widths == 1 and isinstance(source, Merl | Rgl | Path)
     if table and not (own and model.widths == 1):
         raise ParameterError(
-            "materials of these networks have no tables; give table=False or other networks"
+            "materials of these networks cannot have tables; give table=False or other networks"
         )
     if own and (table or not isinstance(source, Stack)):
         parts.append(albedo_rule(model.widths)[:2])
@@ -304,7 +304,8 @@ def material_from_values(
 
 
 def _rest_share(source_albedo: np.ndarray, lobe: np.ndarray, rule: AlbedoRule) -> np.ndarray:
-    """The share (C,) of the light of sources of albedos (C, D) that is not their lobes' (C, N)."""
+    """The fraction (C,) of the light of sources of albedos (C, D) that their lobes (C, N) do not
+    reflect."""
     own = lobe_albedos(lobe, rule).mean(axis=-1)
     return np.maximum(1 - own / np.maximum(source_albedo.mean(axis=-1), energy.LEAST_ALBEDO), 0)
 
@@ -312,8 +313,9 @@ def _rest_share(source_albedo: np.ndarray, lobe: np.ndarray, rule: AlbedoRule) -
 def _without_faint_rest(model: Model, anchors: np.ndarray, share: np.ndarray) -> np.ndarray:
     """Anchors (C, L) that become those of their lobes alone where the rest's share (C,) is small.
 
-    The layerer knows bare lobes, and rests that matter. A faint rest, such as the misfit of a lobe,
-    has an arbitrary code, over which coats are wrong by up to a tenth of their light.
+    The layerer was trained on bare lobes and on rests that are visible. A faint rest, such as the
+    error of a fitted lobe, has an arbitrary code, over which coats have errors of up to a tenth of
+    their light.
     """
     return _with_rests(model, anchors, _ramp(share, FAINT_REST))
 
@@ -321,9 +323,9 @@ def _without_faint_rest(model: Model, anchors: np.ndarray, share: np.ndarray) ->
 def without_useless_rests(model: Model, anchors: np.ndarray, f: np.ndarray) -> np.ndarray:
     """Anchors (N, L) that become those of their lobes alone where these are closer to f (N, P).
 
-    f: [1/sr] at the probe pairs. A rest that decodes to something worse than nothing is unlike all
-    that the networks have learned, and coats over it may be wrong without bound. It occurs where
-    the lobe is nearly the whole source.
+    f: [1/sr] at the probe pairs. A rest whose decoded values are worse than zero is far from all
+        training data, and coats over it may have unbounded errors. This occurs if the lobe is
+        nearly the whole source.
     """
     networks = model.networks
     if not isinstance(networks, UrushiNetworks):
@@ -374,7 +376,7 @@ def _lobes_of_channels(model: Model, f: np.ndarray, lobe: np.ndarray | None) -> 
 def _source_albedos(f: np.ndarray, lobe: np.ndarray | None, rule: AlbedoRule) -> np.ndarray:
     """Directional albedos (C, D) of values f (C, M) at the nodes of a rule.
 
-    The nodes are too few for the sharpest lobes (N,), whose part is known without them.
+    The nodes are too few for the sharpest lobes (N,), whose albedos are computed separately.
     """
     if lobe is None:
         return rule.albedo(f)
@@ -399,18 +401,18 @@ def _checked(values: Any, name: str, count: int) -> np.ndarray:
         array = np.asarray(values, dtype=np.float32)
     except (TypeError, ValueError) as error:
         raise ParameterError(
-            f"{name} gives no array of numbers; return f of shape (N, 3)"
+            f"{name} does not return an array of numbers; return f of shape (N, 3)"
         ) from error
     if array.ndim == 1:
         array = array[:, None]
     if array.ndim != 2 or array.shape[0] != count or array.shape[1] == 0:
         raise ParameterError(
-            f"{name} gives shape {np.shape(values)} for {count} pairs of directions; "
+            f"{name} returns shape {np.shape(values)} for {count} pairs of directions; "
             f"return ({count}, 3), or ({count},) for one channel"
         )
     if not (np.isfinite(array) & (array >= 0.0)).all():
         raise ParameterError(
-            f"{name} gives a negative or not finite value; a BRDF must be finite and at least 0"
+            f"{name} returns a negative or non-finite value; a BRDF must be finite and at least 0"
         )
     return array
 

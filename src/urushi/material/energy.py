@@ -1,12 +1,13 @@
 """Conservation of energy: codes whose directional albedo is too high are scaled down.
 
-A code's lobe (`urushi.nets.lobe`) reflects at most the light that arrives, and is exact. So only
-the rest is scaled, to what the lobe leaves of the ceiling. One factor for all pairs of directions
-leaves f exactly reciprocal. Codes of networks without a gain are not changed.
+A code's lobe (`urushi.nets.lobe`) conserves energy and is exact. So only the rest is scaled, until
+lobe and rest together meet the ceiling of the albedo. One factor for all pairs of directions keeps
+f exactly reciprocal. Codes of networks without a gain are not changed.
 
-To measure one code costs some hundred evaluations of the decoder, and a texture has millions of
-codes. They lie close together, so a regression on a thousand of them predicts the albedo of the
-others well enough to exclude those that are far below the ceiling (`codes_to_measure`).
+The quadrature of one code's albedo takes several hundred evaluations of the decoder, and a texture
+has millions of codes. They lie close together, so a regression fitted to a thousand of them
+predicts the albedo of the others well enough to skip those that are far below the ceiling
+(`codes_to_measure`).
 """
 
 import functools

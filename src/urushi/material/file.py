@@ -1,7 +1,7 @@
 """The file of a material: its latent codes and the fingerprint of the networks they belong to.
 
-Where a material has a table, it follows, and the version is higher: an older Urushi would evaluate
-the codes, or take the table of a rest for that of all of f.
+If the material has a table, the file also holds the table and has a higher version: an older Urushi
+would evaluate the codes, or mistake the table of a rest for a table of f.
 """
 
 import os
@@ -104,7 +104,7 @@ def read(path: str | os.PathLike, model: Model | None) -> tuple[StoredMaterial, 
         )
     rotation = description.get("rotation", 0.0)
     if not isinstance(rotation, int | float) or not np.isfinite(rotation):
-        raise FileError(f"the material file '{path}' is damaged: its rotation is no angle")
+        raise FileError(f"the material file '{path}' is damaged: its rotation is not an angle")
     beside_lobe = version == FORMAT_VERSION
     return StoredMaterial(latents, anchors, table, float(rotation), beside_lobe), model
 
@@ -117,7 +117,7 @@ def check_weights(path: str | os.PathLike, made_with: object, model: Model) -> N
     """
     if model.fingerprint != made_with:
         raise FileError(
-            f"'{path}' and the weights do not belong together: it was encoded with weights "
-            f"{made_with}, these are {model.fingerprint}; load those weights or encode the "
+            f"'{path}' does not match the weights: it was encoded with weights "
+            f"{made_with}, but these are {model.fingerprint}; load those weights or encode the "
             "material again"
         )

@@ -1,11 +1,11 @@
 """Refinement: a fit of latent codes to BRDF values, one channel at a time.
 
-It keeps the lobe of a code (`urushi.nets.lobe`) and changes the other numbers. Errors are those of
-the whole f, lobe included. The code that fits a BRDF's values best cannot
-be layered, because many codes decode to nearly the same values. So the distance from the encoder's
-codes is part of the objective. Let l be the logarithmic values ln(f + `DARK_OFFSET`) at the probe
-pairs, l(z) those that a code z decodes to, and D(z) the decoded values without the lobe, as the
-encoder E sees them (`encoder.log_values`). The objective of every channel is
+It keeps the lobe of a code (`urushi.nets.lobe`) and changes the rest. Errors are those of the whole
+f, lobe included. The best fit to a BRDF's values cannot be layered, because many codes decode to
+nearly the same values. So the objective includes the distance from the encoder's codes. Let l be
+the logarithmic values ln(f + `DARK_OFFSET`) at the probe pairs, l(z) those that a code z decodes
+to, and D(z) the decoded values without the lobe, as the encoder E sees them (`encoder.log_values`).
+The objective of every channel is
 
     mean rho(l(z) - l)  +  hold mean d^2,
 
@@ -22,8 +22,8 @@ the excess, and a few more steps follow.
 Two codes are fitted: with the hold `ANCHOR_HOLD`, the anchor; from there with the much smaller
 `CODE_HOLD`, the code that is evaluated.
 
-Initial guesses. A BRDF unlike all training data may get a code from which no step leads back; the
-code of a rough conductor or of a diffuse surface is then a better start.
+Initial guesses. For a BRDF far from all training data, the encoder's code may be so bad that the
+fit does not converge; the code of a rough conductor or of a diffuse surface is then a better start.
 """
 
 import functools

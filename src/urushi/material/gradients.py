@@ -39,8 +39,8 @@ def check_differentiable(model: Model, where: str) -> None:
     """
     if not isinstance(model.networks, UrushiNetworks):
         raise ParameterError(
-            f"{where}: gradients are asked for, but networks such as those of Fan et al. (2022) "
-            "have none here; use those that Urushi ships"
+            f"{where}: gradients are requested, but networks such as those of Fan et al. (2022) "
+            "do not support them; use the shipped networks"
         )
 
 
@@ -132,12 +132,12 @@ def _fill_rows(columns: int, block, *arrays: np.ndarray) -> np.ndarray:
 
 
 def _unlimited(model: Model, z_bottom: np.ndarray, coat: np.ndarray) -> np.ndarray:
-    """What the layerer makes before energy is limited: codes (N, L)."""
+    """The layerer's output before energy is limited: codes (N, L)."""
     return model.networks.layer(z_bottom, CoatParameters.of_columns(coat.T))
 
 
 def _encoded(model: Model, f: np.ndarray, lobe: np.ndarray) -> np.ndarray:
-    """What the encoder makes of f (N, P) before energy is limited: codes (N, L)."""
+    """The encoder's output for f (N, P) before energy is limited: codes (N, L)."""
     assert isinstance(model.networks, UrushiNetworks)  # for the type checker
     return model.networks.encode(f, lobe)
 

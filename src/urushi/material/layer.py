@@ -38,14 +38,14 @@ def layer(
 
     Args:
         top: the coat's interface, from `urushi.dielectric(alpha, eta)`, isotropic or anisotropic.
-        bottom: a Material, or anything that `encode` takes; coats nest. All layers share one
-            tangent: a bottom that was `rotated` cannot get an anisotropic coat. Over one with a
-            table, such as a measured BRDF, light is followed without networks (see
-            `urushi.material.coated_table`), and the result has a table too; one second.
+        bottom: a Material, or anything that `encode` accepts; coats nest. All layers share one
+            tangent: a bottom that was `rotated` cannot get an anisotropic coat. If the bottom has a
+            table, such as a measured BRDF, light transport is computed without networks (see
+            `urushi.material.coated_table`), and the result has a table too; this takes a second.
         albedo: single-scattering albedo of the medium in [0, 1].
         sigma_t: its optical depth, >= 0.
         g: its Henyey-Greenstein asymmetry in (-1, 1).
-        weights, refine: as of `encode`, by which a bottom is encoded that is no Material.
+        weights, refine: as in `encode`, for a bottom that is not a Material.
 
     Every parameter is a scalar or one value per RGB channel.
 
@@ -54,8 +54,8 @@ def layer(
         three. It is anisotropic if top or bottom are.
 
     Raises:
-        ParameterError: top is no dielectric, or a parameter is out of range or of a wrong shape; or
-            top is anisotropic, and the bottom is turned or has networks for isotropic materials
+        ParameterError: top is not a dielectric, or a parameter is out of range or of a wrong shape;
+            or top is anisotropic and the bottom is rotated, or has networks for isotropic materials
             that are not the shipped ones.
     """
     if not isinstance(top, Dielectric):
@@ -86,8 +86,8 @@ def layer(
 def layer_material(coat: CoatParameters, bottom: Material) -> Material:
     """`layer` for checked parameters: arrays (C,), (1,) or ().
 
-    A bottom with a table gives a table of the rest beside the coat's lobe; where hardly any coat is
-    there (`presence`), a table of all of f.
+    If the bottom has a table, the result has a table of the rest beside the coat's lobe, or of all
+    of f if the coat is almost invisible (`presence`).
     """
     coat = _for_networks(bottom.model, coat)
     codes = _coated(bottom.model, bottom.anchors, coat, bottom.latents)
@@ -117,8 +117,8 @@ def _below(
         bottom = encode(bottom, weights, refine=refine)
     if anisotropic and bottom.rotation % 180 != 0:
         raise ParameterError(
-            f"the bottom is turned by {bottom.rotation:g} degrees, and the coat's alpha_u and "
-            "alpha_v differ, but all layers share one tangent; coat the bottom first, then turn "
+            f"the bottom is rotated by {bottom.rotation:g} degrees, and the coat's alpha_u and "
+            "alpha_v differ, but all layers share one tangent; coat the bottom first, then rotate "
             "the result"
         )
     return bottom
@@ -203,12 +203,12 @@ def _coated(
 
 
 def presence(alpha: np.ndarray | Widths, eta: np.ndarray, sigma_t: np.ndarray) -> np.ndarray:
-    """The share (...) of a coat in the result of `layer_texels`: 0 where nothing is there, up to 1.
+    """The weight (...) of the layered code in `layer_texels`: 0 for an invisible coat, up to 1.
 
-    A smooth interface of an index close to 1 and a thin medium leave the bottom as it is, its lobe
-    included. The layerer, which gives the coat's interface the only lobe, cannot express this. A
-    rough interface of such an index is there: its facets mask and shadow each other. Of two widths,
-    the mean square counts.
+    A smooth interface of an index close to 1 and a thin medium leave the bottom unchanged, its lobe
+    included. The layerer cannot express this, because the coat's interface is the only lobe of its
+    result. A rough interface of such an index is visible: its facets mask and shadow each other.
+    Two widths are replaced by their root mean square.
     """
     change = (eta - 1.0) / (eta + 1.0) / ABSENT_CHANGE
     square = alpha**2 if not isinstance(alpha, Widths) else 0.5 * (alpha.u**2 + alpha.v**2)

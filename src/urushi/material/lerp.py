@@ -18,18 +18,18 @@ from urushi.nets.weights import Model, anisotropic_model, default_model
 def lerp(a: Material, b: Material, t: npt.ArrayLike) -> Material:
     """Return the material between a and b.
 
-    The albedo changes about evenly with t, see `urushi.material.blend`; energy is conserved. Codes
-    of networks of another system are (1 - t) a + t b.
+    The albedo is about linear in t, see `urushi.material.blend`; energy is conserved. Codes of
+    networks of another system are blended to (1 - t) a + t b.
 
     t: in [0, 1], a scalar or one number per RGB channel. A material of one channel blends with one
     of three. t = 0 gives exactly a's codes, t = 1 exactly b's. If a or b has a table, the result
     has one too, of (1 - t) a's f + t b's.
 
-    An isotropic material of the shipped networks is encoded anew to blend with an anisotropic one.
+    An isotropic material of the shipped networks is encoded again to blend with an anisotropic one.
 
     Raises:
-        ParameterError: a and b belong to different networks or numbers of channels, or are turned
-            by different angles, or t is out of range or of a wrong shape.
+        ParameterError: a and b belong to different networks, have different numbers of channels, or
+            are rotated by different angles, or t is out of range or of a wrong shape.
     """
     for name, material in (("a", a), ("b", b)):
         if not isinstance(material, Material):
@@ -49,8 +49,8 @@ def lerp(a: Material, b: Material, t: npt.ArrayLike) -> Material:
         )
     if a.rotation != b.rotation:
         raise ParameterError(
-            f"the materials are turned by {a.rotation:g} and {b.rotation:g} degrees, and a blend "
-            "has one tangent; blend them before they are turned"
+            f"the materials are rotated by {a.rotation:g} and {b.rotation:g} degrees, but a blend "
+            "has one tangent; blend them before they are rotated"
         )
     try:
         share = np.asarray(t, np.float32)

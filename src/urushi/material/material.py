@@ -72,7 +72,8 @@ class Material:
             anchors = _checked(self.anchors, self.model, "anchors")
         if anchors.shape != latents.shape:
             raise ParameterError(
-                f"a material has {len(latents)} latents, but {len(anchors)} anchors; give as many"
+                f"a material has {len(latents)} latents, but {len(anchors)} anchors; give one "
+                "anchor per latent code"
             )
         if self.table is not None:
             object.__setattr__(self, "table", _checked_table(self.table, self.model, len(latents)))
@@ -113,13 +114,13 @@ class Material:
         return len(self.latents)
 
     def rotated(self, angle: float) -> "Material":
-        """Return the material with its tangent turned about the normal.
+        """Return the material with its tangent rotated about the normal.
 
         angle: [degrees], counter-clockwise, added to the present rotation. An isotropic material is
             returned as it is.
 
         Raises:
-            ParameterError: angle is no finite number.
+            ParameterError: angle is not a finite number.
         """
         angle = _checked_rotation(angle)
         if self.model.widths == 1:
@@ -183,14 +184,14 @@ class Material:
         return self._proposal(wi).pdf(wi, wo)[:, None]
 
     def sample(self, wi: npt.ArrayLike, u: npt.ArrayLike) -> tuple[np.ndarray, np.ndarray]:
-        """Draw directions wo, about in proportion to f times wo's cosine.
+        """Draw directions wo with a density approximately proportional to f times wo's cosine.
 
         Args:
             wi: (N, 3) unit vectors.
             u: (N, 3) uniform random numbers in [0, 1).
 
         Returns:
-            (wo, pdf): float32 (N, 3) and (N,); where wi is below the horizon, the normal and 0.
+            (wo, pdf): float32 (N, 3) and (N,); the normal and 0 where wi is below the horizon.
 
         Raises:
             ParameterError: wrong shapes, directions that are not unit vectors, u out of range.
@@ -227,9 +228,9 @@ class Material:
     def directional_albedo(self, wi: npt.ArrayLike) -> np.ndarray:
         """Integrate f times wo's cosine over the hemisphere: the directional albedo.
 
-        wi: (N, 3) unit vectors. Returns float32 (N, C), zero where wi is below the horizon. By a
-        fixed quadrature of 1536 directions per wi, or 6144 for anisotropic materials, good to about
-        0.001.
+        wi: (N, 3) unit vectors. Returns float32 (N, C), zero where wi is below the horizon. It is
+            computed by a fixed quadrature of 1536 directions per wi, or 6144 for anisotropic
+            materials, with an error of about 0.001.
 
         Raises:
             ParameterError: wrong shape, or directions that are not unit vectors.
@@ -252,24 +253,24 @@ class Material:
     def shader(self, language: str, prefix: str = "urushi") -> str:
         """Return the material as source code: functions f, pdf and sample in one file.
 
-        The weights of the networks are literals in it; see `urushi export`. f is that of the codes:
-        a table is too large for source code.
+        The weights of the networks are literals in it; see `urushi export`. f is computed from the
+        codes, because a table is too large for source code.
 
         Args:
             language: "glsl", "wgsl", "hlsl", "slang", "osl" or "python".
             prefix: begins the names of functions and structures; those of Python have none.
 
         Raises:
-            ParameterError: an unknown language, a prefix that is no name, networks of another
-                system, or other than one or three channels.
+            ParameterError: the language is unknown, the prefix is not a name, the networks belong
+                to another system, or the material has neither one nor three channels.
 
         Warns:
             UrushiWarning: the material has a table.
         """
         if self.table is not None:
             warnings.warn(
-                f"shader: the {language} code leaves out the table of the material; its f is that "
-                "of the codes",
+                f"shader: the {language} code leaves out the table of the material and computes f "
+                "from its codes",
                 UrushiWarning,
                 stacklevel=2,
             )
@@ -295,8 +296,8 @@ class Material:
 def load(path: str | os.PathLike, weights: Weights | None = None) -> Material:
     """Read a material that `Material.save` wrote.
 
-    weights: the networks that made it: a Model or a file; by default those of the shipped ones by
-        which it was made.
+    weights: the networks with which it was encoded, a Model or a file; by default, the shipped
+        networks of its fingerprint.
 
     Raises:
         FileError: missing, truncated, foreign, damaged, or made with other networks.
@@ -346,7 +347,7 @@ def _same_table(a: np.ndarray | None, b: np.ndarray | None) -> bool:
 def _checked_table(table: npt.ArrayLike, model: Model, channels: int) -> np.ndarray:
     """A read-only copy float16 (U, V, W, C) of a material's table."""
     if not isinstance(model.networks, UrushiNetworks) or model.widths == 2:
-        raise ParameterError("materials of these networks have no tables")
+        raise ParameterError("materials of these networks cannot have tables")
     with np.errstate(over="ignore"):
         array = np.array(table, dtype=np.float16)
     if array.shape != (*SHAPE, channels):

@@ -1,6 +1,6 @@
 """Averages that give a BRDF the symmetry of materials, and what they change.
 
-Materials are reciprocal. Those of isotropic networks do not change if both directions are turned
+Materials are reciprocal. Those of isotropic networks do not change if both directions are rotated
 about the normal, and those of anisotropic networks are symmetric about the xz and the yz plane.
 """
 
@@ -21,7 +21,7 @@ from urushi.material.source import Source
 AZIMUTHS = 62
 
 #: The rotation, as a fraction of a full turn, by which isotropy is tested. It is no simple
-#: fraction, because some BRDFs are equal after one.
+#: fraction, because some BRDFs are invariant under such rotations.
 TEST_ROTATION = 0.155
 
 #: Anisotropy E above which a source gets networks of two widths.

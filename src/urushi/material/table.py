@@ -1,9 +1,8 @@
-"""Tables of ln f over directions: of what a constant material reflects beside its lobe, and of
-measured BRDFs.
+"""Tables of ln f over directions, for the rest of constant materials and for measured BRDFs.
 
 A renderer looks up the rest of a constant material, because the decoder takes four times as long.
-A measured BRDF differs from layered ones in more ways than the numbers of a code can say, so that
-its material has a table of f itself. f is interpolated linearly in three coordinates in [0, 1]:
+The numbers of a code are too few for a measured BRDF, so its material has a table of f itself. f is
+interpolated linearly in three coordinates in [0, 1]:
 
     u = (ln(tan^2 theta_h + `TAN2_OFFSET`) - `LOWEST`) / (`HIGHEST` - `LOWEST`)
     v = sqrt(1 - cos theta_d)

@@ -63,7 +63,7 @@ class Definitions:
             parent = current.get("inherit")
             current = None if parent is None else self.named(parent)
         raise FileError(
-            f"the definition '{definition.name[:60]}' inherits from itself, or over more than "
+            f"the definition '{definition.name[:60]}' inherits from itself, or through more than "
             f"{MAX_INHERITANCE} others"
         )
 

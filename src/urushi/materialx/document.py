@@ -50,7 +50,7 @@ def read_document(path: str | os.PathLike) -> Document:
     if version > VERSION:
         raise FileError(
             f"'{file}' is of MaterialX {version[0]}.{version[1]}; up to "
-            f"{VERSION[0]}.{VERSION[1]} is read, save it as that"
+            f"{VERSION[0]}.{VERSION[1]} can be read; convert it to that version"
         )
     if version < VERSION:
         text = upgrade(write(root), f"'{file}'")
@@ -72,11 +72,13 @@ class _Reader:
         where = f"'{file}'"
         root = parse(self._content(file), where)
         if root.tag != "materialx":
-            raise FileError(f"{where} is no MaterialX document: it begins with <{root.tag[:40]}>")
+            raise FileError(
+                f"{where} is not a MaterialX document: it begins with <{root.tag[:40]}>"
+            )
         self._elements += _count(root)
         if self._elements > MAX_ELEMENTS:
             raise FileError(
-                f"{where} and its includes have more than {MAX_ELEMENTS} elements together; keep "
+                f"{where} and its includes have more than {MAX_ELEMENTS} elements in total; keep "
                 "only the material"
             )
         here = (*around, file.resolve())
@@ -98,10 +100,10 @@ class _Reader:
         try:
             target = (self._folder / href).resolve()
         except (OSError, ValueError, RuntimeError) as error:
-            raise FileError(f"{where} includes '{href[:80]}', which is no path") from error
+            raise FileError(f"{where} includes '{href[:80]}', which is not a path") from error
         if not href or not target.is_relative_to(self._folder):
             raise FileError(
-                f"{where} includes '{href[:80]}' outside of its folder; copy that file beside it"
+                f"{where} includes '{href[:80]}' outside its folder; copy that file into the folder"
             )
         if target in here:
             raise FileError(f"{where} includes '{href[:80]}', which includes it again")
@@ -143,9 +145,9 @@ def _version(root: Element, where: str) -> tuple[int, int]:
     text = root.get("version") or f"{VERSION[0]}.{VERSION[1]}"
     major, _, minor = text.partition(".")
     if not (major.isascii() and major.isdigit() and minor.isascii() and minor.isdigit()):
-        raise FileError(f"{where} has version '{text[:40]}'; MaterialX's are such as 1.39")
+        raise FileError(f"{where} has version '{text[:40]}'; MaterialX versions look like 1.39")
     if len(major) > 4 or len(minor) > 4 or int(major) < 1:
-        raise FileError(f"{where} has version '{text[:40]}'; MaterialX's are such as 1.39")
+        raise FileError(f"{where} has version '{text[:40]}'; MaterialX versions look like 1.39")
     return int(major), int(minor)
 
 

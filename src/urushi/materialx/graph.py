@@ -126,7 +126,7 @@ class Evaluation:
             return self._values[key]
         where = self._named(node)
         if key in self._open:
-            raise FileError(f"{where} is connected to itself; break the circle")
+            raise FileError(f"{where} is connected to itself; remove the cycle")
         if len(self._open) >= MAX_CHAIN:
             raise FileError(f"{where} is the end of a chain of more than {MAX_CHAIN} nodes")
         if self.size >= MAX_NODES:
@@ -194,7 +194,7 @@ class Evaluation:
         """The value that the instance of a graph, or the graph itself, has for an input."""
         if frame.outer is None:
             raise FileError(
-                f"{self._named(node)} takes '{name[:60]}' from a node graph, but is in none"
+                f"{self._named(node)} reads '{name[:60]}' from a node graph, but is not inside one"
             )
         if frame.instance is not None:
             given = frame.instance.input(name)
@@ -207,7 +207,7 @@ class Evaluation:
         if declared is not None:
             key = (frame, declared, "")
             if key in self._open or len(self._open) >= MAX_CHAIN:
-                raise FileError(f"{self._named(node)} is connected to itself; break the circle")
+                raise FileError(f"{self._named(node)} is connected to itself; remove the cycle")
             self._open.append(key)
             value = self._connection(declared, frame.outer, frame.scope)
             self._open.pop()
@@ -228,7 +228,7 @@ class Evaluation:
             raise FileError(f"{self._named(node)} has no output '{output[:60]}'")
         key = (inner, found[0], "")
         if key in self._open or len(self._open) >= MAX_CHAIN:
-            raise FileError(f"{self._named(node)} is connected to itself; break the circle")
+            raise FileError(f"{self._named(node)} is connected to itself; remove the cycle")
         self._open.append(key)
         value = self._connection(found[0], inner, found[0])
         self._open.pop()
@@ -288,7 +288,8 @@ class Evaluation:
                 if isinstance(error, UrushiError):
                     raise
                 raise FileError(
-                    f"{where} has inputs whose numbers of channels do not fit its type; check them"
+                    f"{where} has inputs whose numbers of channels do not match its type; check "
+                    "them"
                 ) from error
             if value.shape[-1] != CHANNELS[node.type]:
                 value = self._channels(value, node, where)
@@ -306,15 +307,15 @@ class Evaluation:
         channels = CHANNELS[node.type]
         if value.shape[-1] != 1:
             raise FileError(
-                f"{where} gives {value.shape[-1]} channels in place of {channels}; its inputs do "
-                "not fit its type"
+                f"{where} has {value.shape[-1]} channels instead of {channels}; its inputs do "
+                "not match its type"
             )
         return np.broadcast_to(value, (*value.shape[:-1], channels))
 
     def _image(self, node: Element, frame: Frame, where: str) -> np.ndarray:
         channels = CHANNELS.get(node.type)
         if channels is None:
-            raise FileError(f"{where} has type '{node.type[:40]}', which images do not have")
+            raise FileError(f"{where} has type '{node.type[:40]}', which images cannot have")
         name = self.text(node, "file", frame)
         space = self._image_space(node, frame) if node.type in ("color3", "color4") else ""
         modes = [self.text(node, f"{axis}addressmode", frame) or "periodic" for axis in "uv"]
@@ -331,7 +332,7 @@ class Evaluation:
         self._in_image -= 1
         default = self.input(node, "default", frame)
         if default.ndim > 1 or uv.shape[-1] != 2:
-            raise FileError(f"{where}: its default must be a constant, its texcoord a vector2")
+            raise FileError(f"{where}: its default must be a constant, and its texcoord a vector2")
         pixels = self._graph.images.read(name, where)
         assert self._uv is not None
         uv = np.broadcast_to(uv, (len(self._uv), 2))
@@ -383,7 +384,7 @@ def parse_value(text: str, kind: str, where: str) -> np.ndarray:
     except ValueError:
         value = np.empty(0)
     if value.shape != (channels,) or not np.isfinite(value).all() or np.abs(value).max() > 1e30:
-        raise FileError(f"{where} has the value '{text[:60]}', which is no {kind}")
+        raise FileError(f"{where} has the value '{text[:60]}', which is not of type {kind}")
     return value
 
 

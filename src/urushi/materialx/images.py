@@ -43,7 +43,8 @@ class Images:
         """
         if re.search(r"<[A-Za-z]+>", name):
             raise FileError(
-                f"{where}: '{name[:80]}' stands for several files, which is not supported; name one"
+                f"{where}: '{name[:80]}' is a pattern for several files, which is not supported; "
+                "name one file"
             )
         try:
             path = (self._folder / name).resolve()
@@ -55,7 +56,7 @@ class Images:
                 if self._pixels > MAX_PIXELS:
                     raise FileError(
                         f"{where}: '{name[:80]}' has {width} x {height} pixels; all images of a "
-                        f"document may have {MAX_PIXELS >> 20} Mi together, use smaller ones"
+                        f"document may have {MAX_PIXELS >> 20} Mi in total; use smaller ones"
                     )
                 self._read[path] = self._decode(path)
         except UrushiError:
@@ -89,7 +90,7 @@ def image_size(path: Path) -> tuple[int, int]:
         size = None if found is None else (int(found[2]), int(found[1]))
     if size is None or size[0] < 1 or size[1] < 1:
         raise FileError(
-            f"'{path}' is no PNG, JPEG, OpenEXR or Radiance image, or is truncated; convert it"
+            f"'{path}' is not a PNG, JPEG, OpenEXR or Radiance image, or is truncated; convert it"
         )
     return int(size[0]), int(size[1])
 

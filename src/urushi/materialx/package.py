@@ -15,7 +15,7 @@ def libraries() -> Path:
     spec = find_spec("MaterialX")
     if spec is None or spec.origin is None:
         raise PlatformError(
-            "the package materialx is missing, whose library defines the nodes of this document; "
+            "the package materialx, whose library defines the nodes of this document, is missing; "
             "install it, for instance by pip install urushi[materialx]"
         )
     return Path(spec.origin).parent / "libraries"
@@ -38,5 +38,5 @@ def upgrade(text: str, where: str) -> str:
     except (MaterialX.Exception, RuntimeError, ValueError, IndexError) as error:
         reason = " ".join(str(error).split())[:200]
         raise FileError(
-            f"{where} cannot be upgraded to MaterialX 1.39 ({reason}); save it as that"
+            f"{where} cannot be upgraded to MaterialX 1.39 ({reason}); convert it to that version"
         ) from error

@@ -138,7 +138,7 @@ class _Reader:
                 left_out.append(element.name[:60])
         if left_out:
             warnings.warn(
-                f"{self._where}: MaterialX's translation of {tag[:40]} leaves out "
+                f"{self._where}: MaterialX's translation of {tag[:40]} ignores "
                 f"{', '.join(left_out)}",
                 UrushiWarning,
                 stacklevel=2,
@@ -161,8 +161,8 @@ class _Reader:
             )
         if own[2] == 0 or value.pixels.shape[-1] != 3:
             raise FileError(
-                f"{self._where}: {entry.name} varies over the surface, which is supported for "
-                "normals only"
+                f"{self._where}: {entry.name} varies over the surface, which is only supported for "
+                "normals"
             )
         return value.map(lambda n: 0.5 * n + 0.5)
 
@@ -179,14 +179,14 @@ class _Reader:
         if entry.kind == "color":
             if value.shape != (3,):
                 raise FileError(
-                    f"{where}: {entry.name} has {value.shape[-1]} channels in place of 3"
+                    f"{where}: {entry.name} has {value.shape[-1]} channels instead of 3"
                 )
             if entry.name != "emission_color":
                 value = self._limited(entry, value)
             r, g, b = (float(x) for x in np.broadcast_to(np.maximum(value, 0.0), 3))
             return r, g, b
         if value.shape != (1,):
-            raise FileError(f"{where}: {entry.name} has {value.shape[-1]} channels in place of 1")
+            raise FileError(f"{where}: {entry.name} has {value.shape[-1]} channels instead of 1")
         number = float(value[0])
         return checked(entry.name, number, where)
 
@@ -198,7 +198,7 @@ class _Reader:
         if np.abs(limited - value).max(initial=0) > GAMUT_TOLERANCE:
             warnings.warn(
                 f"{self._where}: {entry.name} leaves [{low:g}, {high:g}] in linear sRGB and is "
-                "limited to it",
+                "clipped to it",
                 UrushiWarning,
                 stacklevel=2,
             )

@@ -1,8 +1,8 @@
 """Descriptions of one coat as MaterialX documents of OpenPBR, and back.
 
-The base is a conductor of Schlick's Fresnel term, which F82 of a white tint is (Kutz et al. 2021),
-or a Lambertian surface, whose interface has the weight 0. A coat's colour is the square of its
-transmittance at normal incidence (OpenPBR Surface 1.1.1, "Coat").
+The base is a conductor with Schlick's Fresnel term, to which F82 with a white tint is equal (Kutz
+et al. 2021), or a Lambertian surface with a specular weight of 0. A coat's colour is the square of
+its transmittance at normal incidence (OpenPBR Surface 1.1.1, "Coat").
 """
 
 import os
@@ -112,7 +112,8 @@ def parameters(stack: Stack) -> dict[str, float | tuple[float, float, float]]:
         base = {"base_color": _rgb(bottom.reflectance), "specular_weight": 0.0}
     else:
         raise ParameterError(
-            "OpenPBR's base is written for a conductor of r0 or a diffuse surface; give one of them"
+            "only a conductor of r0 or a diffuse surface can be written as OpenPBR's base; give "
+            "one of them"
         )
     width, anisotropy = _roughness(coat.alpha, "the coat's alpha")
     return base | {
@@ -135,9 +136,13 @@ def stack_of(values: Mapping[str, ParameterValue]) -> Stack:
     full, default = complete(values), complete({})
     for name, value in full.items():
         if name not in _USED and not np.array_equal(value, default[name]):
-            raise ParameterError(f"a Stack of one coat has no {name}; leave it at its default")
+            raise ParameterError(
+                f"a Stack of one coat cannot represent {name}; leave it at its default"
+            )
     if full["coat_weight"] != 1:
-        raise ParameterError(f"coat_weight is {full['coat_weight']:g}; a Stack has a whole coat")
+        raise ParameterError(
+            f"coat_weight is {full['coat_weight']:g}; a Stack needs a coat_weight of 1"
+        )
     base_color = tuple(full["base_color"])
     bottom: Conductor | Diffuse
     if full["base_metalness"] == 1 and full["specular_weight"] == 1:
@@ -152,7 +157,9 @@ def stack_of(values: Mapping[str, ParameterValue]) -> Stack:
             "surface (both 0)"
         )
     if not (full["coat_color"] > 0).all():
-        raise ParameterError("coat_color is 0 in a channel; a Stack's medium transmits some light")
+        raise ParameterError(
+            "coat_color is 0 in a channel; a Stack's medium must transmit some light"
+        )
     sigma_t = -0.5 * np.log(full["coat_color"]) + 0.0  # -0.0 is 0
     alpha = _widths(full["coat_roughness"], full["coat_roughness_anisotropy"])
     return Stack((Coat(alpha, full["coat_ior"], sigma_t=tuple(sigma_t)),), bottom)

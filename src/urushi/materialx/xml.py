@@ -102,7 +102,9 @@ class _Parser:
             raise
         except (expat.ExpatError, ValueError, LookupError) as error:
             reason = " ".join(str(error).split())
-            raise FileError(f"{self._where} is no valid XML ({reason}); export it again") from error
+            raise FileError(
+                f"{self._where} is not valid XML ({reason}); export it again"
+            ) from error
         assert self._root is not None  # expat refuses a document without an element
         return self._root
 
@@ -136,7 +138,7 @@ class _Parser:
     def _refuse_doctype(self, *_: object) -> None:
         raise FileError(
             f"{self._where} has a document type or entities, which MaterialX does not need and "
-            "which can blow up; remove the DOCTYPE"
+            "which can expand without limit; remove the DOCTYPE"
         )
 
 

@@ -28,7 +28,7 @@ def load_measured(path: str | os.PathLike) -> Merl | Rgl:
     try:
         source = Path(path)
     except TypeError as error:
-        raise ParameterError(f"path must be a file's path, not {path!r}") from error
+        raise ParameterError(f"path must be the path of a file, not {path!r}") from error
     try:
         with source.open("rb") as file:
             start = file.read(512)

@@ -138,8 +138,8 @@ class Rgl(MeasuredSurface):
         """
         if not self.isotropic:
             raise ParameterError(
-                "the measured material is anisotropic, and the random walk takes isotropic ones; "
-                "in a scene, put Mitsuba's 'measured' under the coat"
+                "the measured material is anisotropic, but the random walk supports isotropic "
+                "ones only; in a scene, put Mitsuba's 'measured' under the coat"
             )
         return tabulated(self.f, TABLE_SHAPE)
 
@@ -216,7 +216,7 @@ def _check_structure(tensors: dict[str, np.ndarray]) -> np.ndarray:
     expected[colour] = (5, "f4")
     for name, (dimensions, dtype) in expected.items():
         if name not in tensors:
-            raise FileError(f"it has no tensor '{name}', so it is no RGL material")
+            raise FileError(f"it has no tensor '{name}', so it is not an RGL material")
         tensor = tensors[name]
         if tensor.ndim != dimensions or tensor.dtype.str[1:] != dtype:
             raise FileError(
@@ -236,7 +236,7 @@ def _check_structure(tensors: dict[str, np.ndarray]) -> np.ndarray:
         and tensors["jacobian"].shape == (1,)
     ):
         shapes = ", ".join(f"{name} {tensors[name].shape}" for name in expected)
-        raise FileError(f"its tensors' shapes do not fit each other: {shapes}")
+        raise FileError(f"the shapes of its tensors do not match: {shapes}")
     return measured
 
 
@@ -257,7 +257,7 @@ def _check_values(tensors: dict[str, np.ndarray], measured: np.ndarray) -> None:
         nm = tensors["wavelengths"]
         if ((nm >= VISIBLE[0]) & (nm <= VISIBLE[1])).sum() < 2:
             raise FileError(
-                f"its wavelengths, {nm[0]:g} to {nm[-1]:g} nm, are outside of visible light"
+                f"its wavelengths, {nm[0]:g} to {nm[-1]:g} nm, are outside the visible spectrum"
             )
     if not (tensors["sigma"] > 0).all():
         raise FileError("its tensor 'sigma', a projected area, is not positive")

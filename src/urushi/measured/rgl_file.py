@@ -54,7 +54,7 @@ def read(path: Path, names: Collection[str] | None = None) -> dict[str, np.ndarr
     with path.open("rb") as file:
         reader = _Reader(file, path, size)
         if reader.take(len(MAGIC)) != MAGIC:
-            raise FileError(f"'{path}' is no tensor file; its first bytes are not 'tensor_file'")
+            raise FileError(f"'{path}' is not a tensor file; its first bytes are not 'tensor_file'")
         version = reader.unpack("BB")
         if version != VERSION:
             raise FileError(
@@ -108,12 +108,12 @@ def _field(reader: _Reader) -> _Field:
 def _check_places(fields: list[_Field], header_end: int, reader: _Reader) -> None:
     """Raise a FileError if tensors repeat a name, overlap, or lie outside of the file."""
     if len({field.name for field in fields}) < len(fields):
-        raise reader.damaged("it names a tensor twice")
+        raise reader.damaged("two of its tensors have the same name")
     end, previous = header_end, "the header"
     for field in sorted(fields, key=lambda field: (field.start, field.end)):
         if field.end > reader.size:
             raise reader.damaged(
-                f"its tensor {field.name!r} ends at byte {field.end}, outside of the file"
+                f"its tensor {field.name!r} ends at byte {field.end}, outside the file"
             )
         if field.start < end:
             raise reader.damaged(f"its tensor {field.name!r} overlaps {previous}")

@@ -71,7 +71,7 @@ class Architecture:
                 )
         if self.latent < self.lobe + 2:
             raise ParameterError(
-                f"architecture's latent is {self.latent!r}; a code has {self.lobe} numbers of its "
+                f"architecture's latent is {self.latent!r}; a code has {self.lobe} numbers for its "
                 "lobe and at least two more"
             )
         for name in PARTS:
@@ -110,7 +110,7 @@ class Architecture:
         try:
             entries = json.loads(text)
         except ValueError as error:
-            raise ParameterError(f"the architecture is no valid JSON: {error}") from error
+            raise ParameterError(f"the architecture is not valid JSON: {error}") from error
         names = {entry.name for entry in fields(cls)} | {"lobe"}
         if isinstance(entries, dict):
             entries.setdefault("widths", 1)
@@ -123,7 +123,8 @@ class Architecture:
         architecture = cls(**entries)
         if lobe != architecture.lobe:
             raise ParameterError(
-                f"architecture's lobe is {lobe!r}; this Urushi's has {architecture.lobe} numbers"
+                f"architecture's lobe is {lobe!r}; this version of Urushi has {architecture.lobe} "
+                "numbers"
             )
         return architecture
 

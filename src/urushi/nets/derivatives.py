@@ -2,8 +2,8 @@
 
 `decode_log` and `encode_log` return values and whole Jacobians; fitting codes to values needs
 them. A pushforward multiplies a change of the inputs by the Jacobian, a pullback multiplies weights
-of the outputs by its transpose. These two cost about as much as the network itself, a Jacobian
-costs that times the number of outputs.
+of the outputs by its transpose. These two cost about as much as the network itself; a Jacobian
+costs that much for each output.
 """
 
 from typing import Any, NamedTuple

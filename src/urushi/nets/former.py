@@ -1,4 +1,4 @@
-"""The networks of earlier versions, whose codes had no analytic lobe (`urushi.nets.lobe`).
+"""Detection of networks of earlier versions, whose codes had no analytic lobe (`urushi.nets.lobe`).
 
 Their names, their weights, and the materials and textures made with them are recognised and
 refused.
@@ -21,7 +21,8 @@ def refuse_name(name: str) -> None:
     """
     if name in NAMES.values():
         raise FileError(
-            f"the weights '{name}' are shipped no more; {VERSION} has them, or use 'default'"
+            f"the weights '{name}' are no longer shipped; use 'default', or {VERSION}, which has "
+            "them"
         )
 
 
@@ -47,6 +48,6 @@ def refuse_codes(path: object, made_with: object) -> None:
     name = NAMES.get(str(made_with))
     if name is not None:
         raise FileError(
-            f"'{path}' was made with the former weights '{name}'; {VERSION} reads it, or make it "
+            f"'{path}' was made with the former weights '{name}'; {VERSION} reads it, or create it "
             "again from its source"
         )

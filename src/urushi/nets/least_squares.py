@@ -1,4 +1,4 @@
-"""The damped step of Gauss and Newton, by which latent codes are fitted to values."""
+"""The damped Gauss-Newton step that fits latent codes to values."""
 
 from typing import Any
 

@@ -1,15 +1,15 @@
-"""The analytic lobe of a BRDF that is known by its values alone.
+"""Fit of the analytic lobe to a BRDF that is given by values.
 
 A BRDF is approximated by a diffuse term and one GGX lobe with Schlick's Fresnel term,
 
     f ~ diffuse / pi + (normal (1 - m) + grazing m) S(alpha),    m = (1 - c)^5,
 
 where S is `lobe.shape` and c the cosine to the facet. Errors are relative to f. The rest of the
-BRDF, f less the lobe, is learned by the networks, and should not be negative: where the sum is
-above f, errors count much more than where it is below; and large errors below f, from what one lobe
-cannot represent, count linearly (Huber 1964).
+BRDF, f minus the lobe, is learned by the networks and should not be negative. Errors where the sum
+is above f therefore have a much larger weight than errors below f. Large errors below f, which one
+lobe cannot represent, enter linearly (Huber 1964).
 
-The best width of a grid, by weighted least squares, is the start of Gauss and Newton's method for
+The best width on a grid, by weighted least squares, is the initial guess of a Gauss-Newton fit of
 all four unknowns. A lobe of an anisotropic BRDF has two widths, and the fit five unknowns.
 """
 
@@ -74,7 +74,7 @@ def fit_lobes(f: np.ndarray, widths: int = 1) -> np.ndarray:
 
 
 class _Grid(NamedTuple):
-    """What the approximation needs at P pairs; the last five in single precision, for the steps.
+    """Precomputed quantities at P pairs; the last five in single precision, for the steps.
 
     Attributes:
         logs: (A, W) logarithms of the grid's widths.

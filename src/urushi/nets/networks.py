@@ -146,7 +146,7 @@ class UrushiNetworks(NamedTuple):
         return codes
 
     def empty_rest(self) -> Any:
-        """The code (R,) that the encoder makes of a rest that is zero."""
+        """The encoder's code (R,) of a rest that is zero."""
         nothing = np.zeros((1, self.arch.probes), np.float32)
         return encoder.encode(self.params, self.arch, nothing)[0]
 

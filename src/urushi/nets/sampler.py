@@ -37,7 +37,7 @@ def sampler_features(wi: Any, widths: int = 1) -> Any:
 
 
 def sampler_inputs(arch: Architecture, z: Any) -> Any:
-    """Return what the sampler sees of codes z (..., L): the features of their lobe, the rest."""
+    """Return the sampler's inputs for codes z (..., L): the features of their lobe, the rest."""
     xp = z.__array_namespace__()
     return xp.concat([lobe_features(z[..., : arch.lobe]), z[..., arch.lobe :]], axis=-1)
 

@@ -46,7 +46,7 @@ _kinds = {"urushi": ArchitectureKind(Architecture, parameter_shapes, UrushiNetwo
 
 
 def register_kind(name: str, kind: ArchitectureKind) -> None:
-    """Let models and weights files hold networks of another kind of architecture."""
+    """Register another kind of architecture for models and weights files."""
     _kinds[name] = kind
 
 
@@ -116,7 +116,7 @@ def _checked(name: str, value: Any, shape: tuple[int, ...]) -> np.ndarray:
     array = np.array(value, dtype=np.float32, order="C")
     if array.shape != shape:
         raise ParameterError(
-            f"the parameter '{name}' has shape {array.shape}, but its architecture asks for {shape}"
+            f"the parameter '{name}' has shape {array.shape}, but its architecture requires {shape}"
         )
     if not np.isfinite(array).all():
         raise ParameterError(f"the parameter '{name}' holds a number that is not finite")

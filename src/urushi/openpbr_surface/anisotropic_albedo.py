@@ -1,6 +1,6 @@
 """Directional albedos of GGX reflectors of two widths, tabulated.
 
-They depend on the azimuth: of a brushed surface, more light meets a second facet across the
+They depend on the azimuth: on a brushed surface, more light hits a second facet across the
 scratches than along them.
 """
 

@@ -1,7 +1,7 @@
 """The darkening of the base by reflections inside the coat, and its removal.
 
-Only the factor that undoes the darkening is an estimate. The darkening itself is what the layers
-do.
+Only the factor that cancels the darkening is an approximation. The darkening itself results from
+the light transport between the layers.
 """
 
 from typing import Any, NamedTuple

@@ -1,8 +1,8 @@
-"""Few facets that stand for all that are seen: quadratures of functions of the facet's cosine.
+"""Quadratures over visible facets, for functions of the cosine to the facet.
 
-The share of light that an interface reflects is a mean over visible facets of its reflectance times
-masking. A reflectance that is known when rendering only, such as that of a thin film, is taken at
-the nodes of a Gauss rule, which is exact for polynomials in the cosine to the facet.
+The directional albedo of an interface is a mean, over visible facets, of the reflectance times
+masking. A reflectance that is known only during rendering, such as that of a thin film, is
+evaluated at the nodes of a Gauss rule, which is exact for polynomials in the cosine to the facet.
 """
 
 import functools

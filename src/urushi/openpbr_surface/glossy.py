@@ -1,8 +1,9 @@
 """The glossy-diffuse base: a dielectric interface over a diffuse slab, in closed form.
 
-A diffuse slab forgets where light comes from. If the interface conserves energy and E(w) is its
-directional reflectance, then 1 - E(w) of the light passes, and reciprocity gives the light that
-leaves. All orders of reflection between both make a geometric series.
+The reflection of a diffuse slab does not depend on the direction of incidence. If the interface
+conserves energy and E(w) is its directional reflectance, the fraction 1 - E(w) of the light is
+transmitted; the light that leaves follows by reciprocity. All orders of reflection between both
+form a geometric series.
 """
 
 from typing import Any
@@ -24,7 +25,7 @@ def internal_reflectance(passed_mean: Any, eta: Any) -> Any:
 
 
 def slab_albedo(color: Any, internal: Any) -> Any:
-    """The albedo of the diffuse slab for which the base keeps what base_color promises.
+    """The albedo of the diffuse slab that gives the base the colour base_color.
 
     The specification defines base_color as the share of the transmitted light that leaves again,
     at normal incidence: (1 - internal) rho / (1 - rho internal) = color.

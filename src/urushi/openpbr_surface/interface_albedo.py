@@ -1,7 +1,7 @@
 """Directional albedos of rough dielectric interfaces and of GGX reflectors, tabulated.
 
-The interfaces scatter once: light that would meet a second facet is lost. How much is known from
-these tables, and the plugin `openpbr` gives it back.
+The interfaces scatter once: light that would hit a second facet is lost. These tables give the
+loss, for which the plugin `openpbr` compensates.
 """
 
 import functools
@@ -30,7 +30,7 @@ class Tables(NamedTuple):
         reflected, passed: (I, ROUGHNESSES, COSINES) of the light from above; the cosines are those
             of `albedo_axes.nodes` of the index.
         reflected_mean, passed_mean: (I, ROUGHNESSES) their cosine-weighted means.
-        inside: (I, ROUGHNESSES, COSINES) mean cosine below the interface of what is passed.
+        inside: (I, ROUGHNESSES, COSINES) mean cosine of the transmitted light.
     """
 
     reflected: np.ndarray
@@ -109,9 +109,9 @@ def facet_nodes(
     """Azimuths in [0, 2 pi) and heights in (0, 1) of the quadrature over visible facets (K,), and
     their weights (K,), of sum one.
 
-    A height of zero is the steepest facet. The nodes are dense there: whether steep facets send
-    light above the horizon decides what is lost, and few of them do. Every height has other
-    azimuths, so that no step of the values lies between the same nodes of all.
+    A height of zero is the steepest facet. The nodes are dense there, because the steep facets
+    determine the loss: only few of them reflect light above the horizon. The azimuths are shifted
+    from height to height, so that no step of the values lies between the same nodes of all heights.
     """
     row = np.repeat(np.arange(heights), azimuths)
     shift = (row * 0.6180339887498949 + 0.5) % 1

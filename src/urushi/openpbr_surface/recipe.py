@@ -1,8 +1,8 @@
 """Coated surfaces by the specification's recipe, in closed form: what other renderers evaluate.
 
-The recipe scales the base by what the coat's interface passes (albedo scaling), by coat_color and
-by a darkening, and widens the base's lobes (roughening). It does not follow light through the coat.
-Three forms of it differ in the scaling of the base; see `Recipe`.
+The recipe multiplies the base by the transmittance of the coat's interface (albedo scaling), by
+coat_color and by a darkening factor, and widens the base's lobes (roughening). It does not follow
+light through the coat. Three forms of it differ in the scaling of the base; see `Recipe`.
 """
 
 from typing import Any, Literal, NamedTuple
@@ -74,8 +74,8 @@ def f(
         (N, 3) [1/sr], without cosine.
 
     Raises:
-        ParameterError: a parameter does not exist, is out of range, or is none of an opaque surface
-            with base and coat.
+        ParameterError: a parameter does not exist, is out of range, or does not belong to an opaque
+            surface with base and coat.
 
     Source: Andersson et al., OpenPBR Surface 1.1.1, Coat; `open_pbr_surface.mtlx` and the nodes of
     MaterialX 1.39.5.
@@ -140,7 +140,7 @@ def _widths(rough: float, anisotropy: float) -> tuple[float, float]:
 def _dielectric(
     pairs: _Pairs, eta: float, widths: tuple[float, float], recipe: Recipe
 ) -> tuple[np.ndarray, Any]:
-    """The reflection of an interface, and the function of the cosine for what it passes."""
+    """The reflection of an interface, and its transmittance as a function of the cosine."""
     fresnel = _fresnel(pairs.facet, eta)
     lobe = fresnel * _lobe(pairs, widths) * _compensation(pairs.i, widths, fresnel)
 
@@ -157,7 +157,7 @@ def _dielectric(
 
 
 def _interface_albedo(cosine: np.ndarray, eta: float, widths: tuple[float, float]) -> np.ndarray:
-    """What an interface reflects by single scattering, linear between the nodes of the table."""
+    """The albedo of an interface by single scattering, linear between the nodes of the table."""
     table = interface_albedo.tables(float(eta)).reflected[0]
     alpha = max(np.sqrt(widths[0] * widths[1]), MIN_ALPHA)
     row = albedo_axes.roughness_coordinate(alpha) * (len(table) - 1)
@@ -187,7 +187,7 @@ def _darkening(p: dict[str, Any], recipe: Recipe) -> np.ndarray:
 
 
 def _absorption(p: dict[str, Any], pairs: _Pairs, recipe: Recipe) -> np.ndarray:
-    """The factor of the base for what the coat's medium absorbs."""
+    """The factor of the base for absorption in the coat's medium."""
     exponent: Any = 1.0
     if recipe != "materialx":
         inside = [np.sqrt(1 - (1 - c * c) / p["coat_ior"] ** 2) for c in (pairs.i, pairs.o)]

@@ -1,9 +1,10 @@
-"""How much of what a rough white slab reflects leaves at once, below a dielectric interface.
+"""First reflection by a rough white slab below a dielectric interface: the fraction that leaves.
 
-Light from a direction is passed by the interface's facets, and then runs in the slab at its mean
-cosine there. A Lambertian slab lets the same share of it leave at once wherever it comes from,
-passed_mean / eta^2. EON sends more or less of it towards directions that the interface passes. The
-deviation is proportional to `eon.deviation`, so that one table serves all roughnesses of the slab.
+Light from a direction is transmitted by the interface's facets, and is then assumed to have their
+mean cosine in the slab. Of its first reflection by a Lambertian slab, the interface transmits the
+fraction passed_mean / eta^2, whatever the direction. EON reflects more or less towards directions
+that the interface transmits. The deviation is proportional to `eon.deviation`, so that one table
+serves all roughnesses of the slab.
 """
 
 import functools
@@ -20,8 +21,8 @@ class Tables(NamedTuple):
 
     Attributes:
         inside: (I, ROUGHNESSES, COSINES) mean cosine in the slab.
-        excess: the same shape; what leaves at once, over that of a Lambertian slab, less one.
-        excess_mean: (I, ROUGHNESSES) its mean over the passed part of diffuse light.
+        excess: the same shape; ratio of the leaving light to that of a Lambertian slab, minus one.
+        excess_mean: (I, ROUGHNESSES) its mean over the transmitted part of diffuse light.
     """
 
     inside: np.ndarray

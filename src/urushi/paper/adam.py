@@ -1,9 +1,9 @@
-"""Projection by Adam on compressed values, as the authors of the paper do it.
+"""Projection by Adam on compressed values, the method of the paper's authors.
 
 The loss is the mean absolute difference of x / (1 + x), where x is f times the light's cosine. The
-compression bounds what a highlight counts, and the cosine what grazing light counts. Adam (Kingma
-and Ba 2015) takes steps of at most `RATE` in every number of the code. One definition runs on NumPy
-and JAX.
+compression limits the weight of highlights, and the cosine that of grazing light. Adam (Kingma and
+Ba 2015) takes steps of at most `RATE` in every number of the code. One definition runs on NumPy and
+JAX.
 """
 
 from typing import Any, NamedTuple

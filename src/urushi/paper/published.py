@@ -4,7 +4,7 @@ The files' names of layers are not known, so layers are matched by the order in 
 defines them, Linear and LayerNorm each among themselves, and every shape is checked. Assumed are,
 from the paper: the inputs in the order of `inference.direction_inputs` with the code after them, of
 the layering network the upper code, the lower code, albedo and sigma_t; values of f without cosine;
-LayerNorm with PyTorch's epsilon; codes as they are, which start at 1.
+LayerNorm with PyTorch's epsilon; codes are used unchanged and start at 1.
 """
 
 import os

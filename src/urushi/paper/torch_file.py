@@ -115,7 +115,7 @@ class TorchFile:
             member = self._archive.getinfo(name)
             if member.compress_type != zipfile.ZIP_STORED:
                 raise FileError(
-                    f"'{self.path}' is compressed, which torch.save never does; save it again"
+                    f"'{self.path}' is compressed, but torch.save never compresses; save it again"
                 )
             if member.file_size > most:
                 raise FileError(
@@ -154,7 +154,7 @@ def _opened(path: Path) -> zipfile.ZipFile:
             'write it again by a newer one: torch.save(torch.load(FILE, map_location="cpu"), FILE)'
         )
     if not first.startswith(b"PK"):
-        raise FileError(f"'{path}' is no file of PyTorch; give one of torch.save")
+        raise FileError(f"'{path}' is not a PyTorch file; give one written by torch.save")
     try:
         return zipfile.ZipFile(path)
     except (OSError, RuntimeError, ValueError, zipfile.BadZipFile) as error:

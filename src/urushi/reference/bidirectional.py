@@ -1,9 +1,10 @@
 """The bidirectional estimator of layered BRDFs (Guo, Hasan & Zhao 2018, section 5), in Dr.Jit.
 
-Two walks start outside, one at wi and one at wo. Depths are all that a vertex has for a position,
-so that any direction joins two vertices of the same layer. Every vertex of the walk from wi is
-joined with the first vertices of the other walk, by the direction that either of them draws. A path
-of n segments can be made in up to 2 n ways, which the power heuristic combines (Veach 1997).
+Two walks start outside, one at wi and one at wo. The position of a vertex is its depth only, so
+that any direction connects two vertices of the same layer. Every vertex of the walk from wi is
+connected to the first vertices of the other walk, by the direction that either of them draws. A
+path of n segments can be sampled in up to 2 n ways, which the power heuristic combines (Veach
+1997).
 
 A path v_0 ... v_n has directions d_1 ... d_n. From T(s, R), which joins v_s and v_{s+1} by a
 direction drawn at v_{s+1}, follow T(s, L) = T(s, R) p_s / q_{s+1} and

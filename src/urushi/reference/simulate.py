@@ -38,9 +38,9 @@ def simulate(
         walks: random walks per pair and channel, at least 2.
         seed: any integer; the same seed gives the same numbers on the same backend.
         progress: show a progress bar (on a terminal only).
-        estimator: "unidirectional", or "bidirectional": a walk from each direction, joined at all
-            vertices. It has the same mean and takes about three times as long, which is worth it in
-            media that scatter forward (g about 0.9).
+        estimator: "unidirectional", or "bidirectional": a walk from each direction, connected at
+            all vertices. It has the same mean and takes about three times as long, but is better at
+            equal time in media that scatter forward (g about 0.9).
 
     Returns:
         (f, se): float32 (N, 3) each, the BRDF [1/sr] without cosine and its standard error; both

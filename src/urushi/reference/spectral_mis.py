@@ -4,7 +4,7 @@ Free flights and phase functions are sampled for one channel, the hero, which is
 per walk. Besides its throughput (f / density of the hero), a walk carries the density of every
 channel relative to the hero's. Dividing contributions by the mean of these densities is the
 balance heuristic over channels. For a scalar colour type, `hero` is None and all ratios are the
-constant 1, so that nothing of this is compiled.
+constant 1, so that none of this is compiled.
 """
 
 from typing import Any

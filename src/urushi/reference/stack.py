@@ -139,7 +139,7 @@ BottomDescription = Conductor | Dielectric | Diffuse | object
 
 @dataclass(frozen=True)
 class Stack:
-    """Coats, top to bottom, over a bottom BRDF, whose values are those in air."""
+    """Coats, top to bottom, over a bottom BRDF, which is the same as in air."""
 
     coats: tuple[Coat, ...]
     bottom: BottomDescription
@@ -246,8 +246,8 @@ def coat(
         g: its Henyey-Greenstein asymmetry in (-1, 1).
 
     Raises:
-        ParameterError: a value is out of range, `bottom` is no BRDF, alpha is given together with
-            alpha_u or alpha_v, or only one of these is given.
+        ParameterError: a value is out of range, `bottom` is not a BRDF, alpha is given together
+            with alpha_u or alpha_v, or only one of these is given.
     """
     width = checks.widths(alpha, alpha_u, alpha_v, "the coat's", DEFAULT_COAT.alpha)
     top = Coat(width, eta, albedo, sigma_t, g)  # type: ignore[arg-type]

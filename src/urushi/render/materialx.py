@@ -67,7 +67,7 @@ def decode(path: Path) -> np.ndarray:
         bitmap = mi.Bitmap(str(path))
         layout = str(bitmap.pixel_format()).rpartition(".")[2]
         if layout not in _FORMATS:
-            raise FileError(f"'{path}' has channels of kind {layout}; make it grey or RGB")
+            raise FileError(f"'{path}' has the channels {layout}; convert it to grey or RGB")
         bitmap.set_srgb_gamma(False)  # keeps what is stored
         pixels = np.array(bitmap.convert(component_format=mi.Struct.Type.Float32))
     except RuntimeError as error:

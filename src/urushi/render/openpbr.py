@@ -88,7 +88,7 @@ class OpenPBR:
 
         Args:
             wi, wo: (N, 3) unit vectors above the horizon, z the normal and x the tangent.
-            walks: evaluations that are averaged; only those of `reference` differ.
+            walks: number of evaluations that are averaged; only those of `reference` have noise.
 
         Returns:
             (N, C) [1/sr], without cosine; C is the variant's number of channels.
@@ -116,8 +116,8 @@ class OpenPBR:
         """
         if not self.is_uniform:
             raise ParameterError(
-                f"openpbr: {self._textured()} is a texture, and a document is written of numbers "
-                "and colours; replace it by one of these"
+                f"openpbr: {self._textured()} is a texture, but only numbers "
+                "and colours can be written; replace it by one of these"
             )
         write_parameters(self.parameters, path, name)
 
@@ -137,16 +137,16 @@ def openpbr(
     """Describe a material of OpenPBR Surface 1.1.1.
 
     Args:
-        reference: whether the coat is a random walk, in place of networks.
-        energy_compensation: whether light that rough interfaces lose is given back.
-        unsupported: "error", or "ignore" to leave out what is missing, with a warning.
+        reference: whether the coat is computed by random walks instead of networks.
+        energy_compensation: whether the energy that rough interfaces lose is compensated.
+        unsupported: "error", or "ignore" to leave out unsupported features, with a warning.
         parameters: of the specification, by name. Numbers and colours (three numbers, linear sRGB)
             in their ranges; or textures, as Mitsuba's dictionaries or objects. Those that are left
             out have the defaults of the specification.
 
     Returns:
-        A description, which loads nothing. `f` evaluates it, `urushi.encode` encodes it, `save`
-        writes it, and `description` is its BSDF in a scene.
+        A description without Mitsuba objects. `f` evaluates it, `urushi.encode` encodes it, `save`
+        writes it, and `description` returns its BSDF for a scene.
 
     Raises:
         ParameterError: a name does not exist, or a value is out of range or of a wrong kind.
@@ -180,7 +180,7 @@ def _value(name: str, value: Any) -> Any:
 def _(source: OpenPBR) -> Source:
     if not source.is_uniform:
         raise ParameterError(
-            f"encode openpbr: {source._textured()} is a texture, and a material is the same "
+            f"encode openpbr: {source._textured()} is a texture, but a material is the same "
             "everywhere; give a number or a colour"
         )
     return bsdf_source(source.bsdf())

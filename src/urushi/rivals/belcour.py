@@ -3,16 +3,16 @@
 Each interface and each medium is an operator on the energy, the mean direction and the variance of
 a lobe. Adding the layers from top to bottom gives one GGX lobe for each interface. The equations
 are those of L. Belcour, Efficient Rendering of Layered Materials using an Atomic Decomposition with
-Statistical Operators, ACM Transactions on Graphics 37 (4), 2018, in the form of public ports of its
-author's code (forward model), from which they were read. Energies and variances depend on wi
-alone: the BRDF is not reciprocal.
+Statistical Operators, ACM Transactions on Graphics 37 (4), 2018, as implemented in public ports of
+the author's code (forward model). Energies and variances depend on wi alone: the BRDF is not
+reciprocal.
 
-Four things are chosen here. Variances are those of each colour channel, not of the channels' mean.
-The Fresnel mean of an interface is normalised by the lobe without Fresnel's term, so that a single
-interface has the exact albedo. Scattering widens a lobe by the share of the medium's albedo, after
-its equation 24, where some ports widen it in absorbing media also. A Lambertian bottom, which the
-paper does not have, reflects a Lambertian lobe. As in the ports, the refraction of a width ignores
-the angle, and reflectances from both sides of an interface are equal.
+This implementation makes four choices. Variances are those of each colour channel, not of the
+channels' mean. The Fresnel mean of an interface is normalised by the lobe without Fresnel's term,
+so that a single interface has the exact albedo. Scattering widens a lobe in proportion to the
+medium's albedo, after equation 24 of the paper; some ports also widen it in absorbing media. A
+Lambertian bottom, which the paper does not have, reflects a Lambertian lobe. As in the ports, the
+refraction of a width ignores the angle, and reflectances from both sides of an interface are equal.
 """
 
 from collections.abc import Callable, Sequence
@@ -104,8 +104,8 @@ def f(stack: Stack, wi: npt.ArrayLike, wo: npt.ArrayLike) -> np.ndarray:
         )
     if stack.is_anisotropic:
         raise ParameterError(
-            "belcour.f adds isotropic lobes only, and a surface of the stack has two widths; give "
-            "alpha in place of alpha_u and alpha_v, or call weier.f"
+            "belcour.f supports isotropic lobes only, but a surface of the stack has two widths; "
+            "give alpha instead of alpha_u and alpha_v, or call weier.f"
         )
     return values_per_channel(stack, checks.directions(wi, wo), rows)
 
@@ -139,7 +139,7 @@ def lobes(table: StackTable, row: Any, cos_i: Any) -> list[Lobe]:
         cos_i: cosine of the incident direction, Dr.Jit floats (M,) in (0, 1].
     """
     if isinstance(table.alpha, Widths) or "alpha_u" in table.bottom:
-        raise ParameterError("lobes adds isotropic lobes only; the table has two widths")
+        raise ParameterError("lobes supports isotropic surfaces only; the table has two widths")
     layers = TableLayers(backend(), table, row)
     places = [type(row)(i) for i in range(layers.count)]
     coats = [CoatParameters(*layers.interface(i), *layers.medium(i)) for i in places]

@@ -55,8 +55,8 @@ def table_bottom(table: StackTable, row: Any, float_type: type) -> Bottom:
 
     if table.kind not in FRESNEL:
         raise ParameterError(
-            f"the statistical operators have no '{table.kind}' bottom; use a conductor, dielectric "
-            "or diffuse"
+            f"the statistical operators do not support a '{table.kind}' bottom; use a conductor, "
+            "dielectric or diffuse"
         )
 
     def reflected(wo: Any, cos_m: Any) -> Any:

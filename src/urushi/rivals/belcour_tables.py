@@ -1,7 +1,7 @@
 """Tables of the statistical operators: mean Fresnel reflectance, share below the critical angle.
 
-Belcour 2018 precomputes both. They are computed here at their first use, by 144 visible normals
-a node, and are read by linear interpolation.
+Belcour 2018 precomputes both. Here they are computed at their first use, by 144 visible normals per
+node, and interpolated linearly.
 """
 
 import functools

@@ -6,16 +6,17 @@ is diagonal in it, and layers are added on each axis by itself. Every interface 
 anisotropic GGX lobe. P. Weier and L. Belcour, Rendering Layered Materials with Anisotropic
 Interfaces, Journal of Computer Graphics Techniques 9 (2), 2020.
 
-Neither the paper's text nor its authors' code was at hand; its abstract and a public port were. The
-abstract has the diagonal covariance, the adding on each axis, and mean reflectances that account
-for both widths. The port has the variance of each width by equation 6 of Belcour 2018, refraction
-that stretches both axes alike, and energies common to both. So has the code of T. Yamaguchi et al.,
-Real-Time Rendering of Layered Materials with Anisotropic Normal Distributions, 2019, whose layers
-may be turned against each other.
+Only the paper's abstract and a public port were available, not the paper's text or its authors'
+code. The abstract has the diagonal covariance, the adding on each axis, and mean reflectances that
+account for both widths. The port has the variance of each width by equation 6 of Belcour 2018,
+refraction that stretches both axes equally, and energies common to both. So does the code of T.
+Yamaguchi et al., Real-Time Rendering of Layered Materials with Anisotropic Normal Distributions,
+2019, whose layers may be rotated relative to each other.
 
-Derived here is the width by which tables of isotropic surfaces give mean reflectances and total
-reflection (`seen_width`). The abstract also mentions a new formula of the variance, which is not
-known here. What `belcour` chooses holds here too: both models agree where widths are equal.
+This module derives the width with which tables of isotropic surfaces are read for mean reflectances
+and total reflection (`seen_width`). The abstract also mentions a new formula for the variance,
+which was not available. All other choices are those of `belcour`: both models agree for equal
+widths.
 """
 
 from typing import Any

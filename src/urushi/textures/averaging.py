@@ -6,11 +6,11 @@ pairs and E is the encoder. E(D(z)) differs slightly from z. The mean of this *r
 is added, so that an area of equal codes keeps its code exactly. Two damped Gauss-Newton steps
 (`material.correction`) then bring the code five times closer to the averaged values.
 
-This is done with what the codes' lobes (`nets.lobe`) leave, the rest (`textures.averaging_rest`).
-The factors of the lobes are averaged linearly, as f is linear in them, and the roots of their
-widths by the light that each lobe reflects: the albedo of a lobe is nearly linear in the root, and
-a lobe that reflects nothing does not count. One lobe is not the sum of several widths, so that f of
-an average is less exact than its light.
+This is done for the rests of the codes (`textures.averaging_rest`); their lobes (`nets.lobe`) are
+averaged separately. The Fresnel factors of the lobes are averaged linearly, because f is linear in
+them. The square roots of their widths are weighted by the light that each lobe reflects, because
+the albedo of a lobe is nearly linear in the root. One lobe cannot represent a sum of several
+widths, so f of an average is less accurate than its energy.
 """
 
 from collections.abc import Callable
@@ -34,7 +34,7 @@ class AveragingSpace(Protocol):
         """Latent codes (n, L) of averaged points (n, K)."""
 
     def fits(self, z: np.ndarray) -> bool:
-        """Whether the space holds for other codes (n, L) than those that it was made for."""
+        """Whether the space is valid for codes (n, L) other than those it was fitted to."""
 
 
 def averaging_space(
@@ -73,7 +73,7 @@ class LatentSpace:
 
 
 class LobedSpace(NamedTuple):
-    """Codes with lobes: numbers of the lobes, beside the points of the rest.
+    """Codes with lobes: numbers of the lobes together with the points of the rest.
 
     Attributes:
         lobe: how many numbers a lobe has.

@@ -74,7 +74,7 @@ def _store(
     fits = 0 <= layout.used_bytes <= count and count % 4 == 0
     lengths = {len(layout.high), len(layout.low), len(layout.same), layout.size}
     if not fits or lengths != {size}:
-        raise ValueError("its layout is not that of these networks")
+        raise ValueError("its layout does not match these networks")
     if count.bit_count() != 1 or layout.channels < 1 or not _possible(layout):
         raise ValueError("its layout is impossible")
     width, height = int(description["width"]), int(description["height"])
@@ -92,7 +92,7 @@ def _store(
     for range_ in (packed.lowest, packed.step):
         wrong = range_.dtype != np.float32 or range_.shape != (size,)
         if wrong or not np.isfinite(range_).all():
-            raise ValueError("its ranges are no finite numbers")
+            raise ValueError("its ranges are not finite numbers")
     store.packed = packed
     return store
 

@@ -29,7 +29,8 @@ def texels(store: TextureStore, grid: TexelGrid) -> Texels:
     layout, packed = store.layout, store.packed
     if layout.channels not in (1, 3):
         raise ParameterError(
-            f"the texture has {layout.channels} channels; only one or three can become a shader"
+            f"the texture has {layout.channels} channels; only textures of one or three can be "
+            "exported"
         )
     numbers = []
     for number in range(layout.size):
@@ -49,7 +50,7 @@ def texels(store: TextureStore, grid: TexelGrid) -> Texels:
 
 
 def _filtering(grid: TexelGrid) -> str:
-    """What the sampler of a grid must be."""
+    """The wrap and filter modes that the sampler of a grid needs."""
     wraps = {"repeat": "repeat", "mirror": "mirrored repeat", "clamp": "clamp to edge"}
     kind = "nearest" if grid.nearest else "linear"
     return f"Its sampler has the wrap mode {wraps[grid.wrap]} and {kind} filtering."

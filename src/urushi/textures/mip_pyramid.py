@@ -1,8 +1,8 @@
 """The mip pyramid of a latent texture: codes of BRDFs averaged over areas, level by level.
 
-Averages are carried from level to level in the averaging space (`textures.averaging`), not as
-codes, so that errors do not accumulate. All cores share the work, tile by tile; the averages of a
-tile stay in a core's cache.
+Levels are computed from averages in the averaging space (`textures.averaging`), not from codes of
+the level below, so that errors do not accumulate. All cores share the work, tile by tile; the
+averages of a tile stay in a core's cache.
 """
 
 from collections.abc import Callable

@@ -74,7 +74,7 @@ def load(path: Path, like: Mapping[str, Checkpoint], identity: Mapping[str, Any]
     expected = _named_leaves(beginning)
     sizes = {name: leaf.size for name, leaf in expected}  # in a file, scalars are arrays of one
     if {name: array.size for name, array in arrays.items()} != sizes:
-        raise FileError(f"'{path}' has other arrays than its preset needs; delete it")
+        raise FileError(f"'{path}' does not have the arrays that its preset needs; delete it")
     structure = jax.tree.structure((beginning.state, beginning.networks))
     leaves = [jnp.asarray(arrays[name].reshape(leaf.shape)) for name, leaf in expected]
     state, networks = jax.tree.unflatten(structure, leaves)

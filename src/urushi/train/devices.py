@@ -1,4 +1,4 @@
-"""Data-parallel training: every device has all parameters and a share of a step's stacks."""
+"""Data-parallel training: every device has all parameters and an equal part of a step's stacks."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -63,7 +63,7 @@ def find(stacks: int) -> Devices:
     count = max(n for n in range(1, len(devices) + 1) if stacks % n == 0)
     if count == 1 < len(devices):
         raise ParameterError(
-            f"a step sees {stacks} stacks, which {len(devices)} devices cannot share evenly; let "
+            f"a step uses {stacks} stacks, which {len(devices)} devices cannot share evenly; let "
             f"the preset's stacks add up to a multiple of {len(devices)}, or show JAX one device "
             "(CUDA_VISIBLE_DEVICES=0)"
         )

@@ -191,22 +191,22 @@ def load(store: Store, arch: Architecture, pairs: int, memory: int) -> list[Dept
             if (used.stop - used.start) % pairs:
                 raise ParameterError(
                     f"part '{part.name}' has {used.stop - used.start} pairs to train on for each "
-                    f"stack; that must be a multiple of the {pairs} that a step sees"
+                    f"stack; that must be a multiple of the {pairs} that a step uses"
                 )
             if part.distribution.widths != arch.widths:
                 raise ParameterError(
-                    f"part '{part.name}' has stacks of {part.distribution.widths} GGX widths a "
+                    f"part '{part.name}' has stacks of {part.distribution.widths} GGX widths per "
                     f"surface, but the architecture's networks are for {arch.widths}"
                 )
             if part.directions == "probed" and arch.probes != PROBES:
                 raise ParameterError(
                     f"part '{part.name}' holds {PROBES} probes, "
-                    f"but the architecture's encoder sees {arch.probes}"
+                    f"but the architecture's encoder needs {arch.probes}"
                 )
         elif part.directions not in METRICS:
             raise ParameterError(
-                f"part '{part.name}' has directions '{part.directions}', which a training does not "
-                f"know; give it one of {', '.join((*TRAINING, *METRICS))}"
+                f"part '{part.name}' has directions '{part.directions}', which training does not "
+                f"support; choose one of {', '.join((*TRAINING, *METRICS))}"
             )
     if sorted(by_depth) != list(range(len(by_depth))):
         raise ParameterError(
@@ -313,7 +313,8 @@ def top_lobes(part: Part, arrays: dict[str, np.ndarray], arch: Architecture) -> 
 def encoder_inputs(
     part: Part, arrays: dict[str, np.ndarray], arch: Architecture
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Lobes (S, L) and other values (S, probes) [1/sr] of what a part's stacks are encoded from.
+    """The inputs of the encoder for a part's stacks: lobes (S, L) and other values (S, probes)
+    [1/sr].
 
     These are the bottoms, or the whole stacks where their values at the probe pairs are stored.
     """

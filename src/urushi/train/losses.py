@@ -129,7 +129,7 @@ def columns_of(coats: Any) -> CoatParameters:
 
 
 def without_lobe(params: Params, arch: Architecture, z: Any, features: Any) -> jax.Array:
-    """What the decoder gives (B, P) [1/sr] for codes z (B, L) and features (B, P, D) of pairs."""
+    """The decoded rest (B, P) [1/sr] of codes z (B, L) at features (B, P, D) of pairs."""
     return decode(params, arch, z[:, None, arch.lobe :], features)
 
 

@@ -146,7 +146,7 @@ def prepare(folder: Path, out: Path, resume: bool) -> None:
     """Make the folders; refuse unwritable places, and an earlier training that would be lost."""
     if not resume and Journal(folder, {}, ()).begun():
         raise FileError(
-            f"'{folder}' holds a training that was begun; give --resume to go on with it, "
+            f"'{folder}' contains an unfinished training; give --resume to continue it, "
             "or choose another run folder"
         )
     for place in (folder, out.parent):

@@ -141,5 +141,5 @@ def test_a_file_of_other_networks_is_refused(rgb, model, saved, tmp_path):
     _, path = saved
     other = tmp_path / "other.safetensors"
     weights.save(other, model.arch, init(model.arch, seed=99), {})
-    with pytest.raises(RuntimeError, match="FileError: .* do not belong together"):
+    with pytest.raises(RuntimeError, match="FileError: .* does not match the weights"):
         loaded(rgb, path, other)

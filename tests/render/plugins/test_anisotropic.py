@@ -203,7 +203,7 @@ def test_the_tangent_turns_with_the_shape_and_the_rotation(rgb):
         ({"rotation": "east"}, "rotation must be a number, a spectrum or a texture"),
         (
             {"base": {"type": "layered", "rotation": 10.0, "base": {"type": "diffuse"}}},
-            "layered: the nested coat has a rotation of its own, and all layers share one",
+            "layered: the nested coat has its own rotation, but all layers share one",
         ),
     ],
 )

@@ -174,7 +174,7 @@ def test_gradients_of_widths_and_angle_agree_with_differences(rgb):
 
 def test_bad_frames_are_refused(rgb):
     inner = {"type": "neural_layered", **COAT, "alpha": 0.1, "rotation": 20.0, "base": METAL}
-    with pytest.raises(Exception, match="rotation of its own") as caught:
+    with pytest.raises(Exception, match="its own rotation") as caught:
         coated(rgb, inner, alpha=0.2)
     assert isinstance(caught.value, ParameterError | RuntimeError)
     with pytest.raises(Exception, match="alpha_u and alpha_v go together"):

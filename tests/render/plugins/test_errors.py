@@ -41,9 +41,9 @@ def load(mi, networks, name: str, **properties):
         ),
         ({"thickness": 2.0}, 'float "thickness": 2'),
         ({"other": bottom()}, "has 2 nested BSDFs ('base', 'other'); nest exactly one"),
-        ({"base": bottom("dielectric")}, "the nested BSDF lets light through"),
+        ({"base": bottom("dielectric")}, "the nested BSDF transmits light"),
         ({"base": bottom("conductor")}, "the nested BSDF is perfectly smooth"),
-        ({"base": bottom("mask", nested=bottom())}, "the nested BSDF lets light through"),
+        ({"base": bottom("mask", nested=bottom())}, "the nested BSDF transmits light"),
     ],
 )
 def test_bad_parameters(rgb, networks, name, properties, sentence):
@@ -87,7 +87,7 @@ def test_a_texture_out_of_range(rgb, networks, name):
 
 def test_a_bottom_that_is_not_a_brdf(rgb, networks):
     negative = bottom(reflectance={"type": "uniform", "value": -1.0})
-    with pytest.raises(RuntimeError, match="the nested BSDF gives a negative or not finite value"):
+    with pytest.raises(RuntimeError, match="the nested BSDF returns a negative or non-finite"):
         load(rgb, networks, "neural_layered", base=negative)
 
 
@@ -115,7 +115,7 @@ def test_a_material_of_other_networks(rgb, networks, model, tmp_path):
     Material(np.zeros((3, 32)), model).save(tmp_path / "material.safetensors")
     other = tmp_path / "other.safetensors"
     weights.save(other, model.arch, init(model.arch, seed=99), {})
-    with pytest.raises(RuntimeError, match="do not belong together"):
+    with pytest.raises(RuntimeError, match="does not match the weights"):
         rgb.load_dict(
             {
                 "type": "neural_brdf",

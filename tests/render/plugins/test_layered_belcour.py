@@ -170,10 +170,10 @@ def test_the_description_names_the_parameters(rgb):
 @pytest.mark.parametrize(
     "change, message",
     (
-        ({"base": {"type": "plastic"}}, "does not describe the nested SmoothPlastic; nest a"),
+        ({"base": {"type": "plastic"}}, "does not support the nested SmoothPlastic; nest a"),
         ({"base": GOLD | {"distribution": "beckmann"}}, "of the distribution 'ggx'"),
         ({"base": BRUSHED}, "nested RoughConductor; .* with one alpha"),
-        ({"alpha_u": 0.1, "alpha_v": 0.3}, "isotropic lobes only; give alpha in place"),
+        ({"alpha_u": 0.1, "alpha_v": 0.3}, "isotropic lobes only; give alpha instead"),
         ({"rotation": 30.0}, "and no rotation"),
         ({"alpha": 2.0}, "alpha is 2; it must be a GGX width"),
         ({"second": {"type": "diffuse"}}, "has 2 nested BSDFs"),

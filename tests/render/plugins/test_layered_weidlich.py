@@ -108,7 +108,7 @@ def test_coats_of_layered_are_no_coats_of_this_stack(rgb):
 @pytest.mark.parametrize(
     "change, message",
     (
-        ({"base": {"type": "dielectric"}}, "lets light through; a coat needs an opaque bottom"),
+        ({"base": {"type": "dielectric"}}, "transmits light; a coat needs an opaque bottom"),
         ({"base": {"type": "conductor"}}, "perfectly smooth; give its rough variant"),
         ({"alpha": 2.0}, "alpha is 2; it must be a GGX width"),
         ({"second": {"type": "diffuse"}}, "has 2 nested BSDFs"),

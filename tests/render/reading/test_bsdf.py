@@ -65,8 +65,8 @@ def test_smooth_reflection_is_left_out_with_a_warning(rgb):
     ("kind", "sentence"),
     [
         ("conductor", "encode SmoothConductor: the BSDF is perfectly smooth"),
-        ("dielectric", "is perfectly smooth, and a material has no mirror images"),
-        ("null", "reflects nothing, it only lets light through"),
+        ("dielectric", "is perfectly smooth, but a material must be rough"),
+        ("null", "reflects nothing but only transmits"),
     ],
 )
 def test_bsdfs_without_rough_reflection_are_refused(rgb, kind, sentence):
@@ -103,7 +103,7 @@ def test_scalar_variants_are_refused():
     import mitsuba as mi
 
     mi.set_variant("scalar_rgb")
-    with pytest.raises(PlatformError, match="not read in the variant scalar_rgb"):
+    with pytest.raises(PlatformError, match="cannot be read in the variant scalar_rgb"):
         as_source(mi.load_dict({"type": "diffuse"}))
 
 

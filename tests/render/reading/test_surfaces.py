@@ -130,7 +130,7 @@ def test_textures_without_a_meaning_are_refused(rgb, file, name, value):
     pixels[1, 1, 2] = value
     own = "reflectance" if name == "diffuse" else "specular_reflectance"
     base = KNOWN[name] | {own: bitmap(rgb, pixels)}
-    with pytest.raises((ParameterError, RuntimeError), match="negative or not finite value"):
+    with pytest.raises((ParameterError, RuntimeError), match="negative or non-finite value"):
         rgb.load_dict({"type": "neural_layered", "weights": str(file), "base": base})
 
 

@@ -54,7 +54,7 @@ class Convert:
     document: tyro.conf.Positional[Path]
     """MaterialX document (.mtlx)."""
     output: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
-    """Folder to write to. It is made if it is missing."""
+    """Folder to write to. It is created if it is missing."""
     material: str | None = None
     """Name of the material. Default: the document's only one."""
     resolution: int = 1024

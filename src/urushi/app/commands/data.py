@@ -14,8 +14,8 @@ from urushi.app.commands.train import find_preset
 class Generate:
     """Simulate the training data of a preset.
 
-    An interrupted run continues where it stopped and ends in the same store. A Dask cluster
-    (`dask scheduler` on one machine, `dask worker ADDRESS` on each) makes the same store too.
+    An interrupted run continues where it stopped and ends in the same store. A Dask cluster (`dask
+    scheduler` on one machine, `dask worker ADDRESS` on each) writes an identical store.
 
     Example: urushi data generate --preset default -o runs/default.zarr
     """
@@ -76,8 +76,8 @@ class Benchmark:
     output: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
     """File to write (.safetensors)."""
     keep: Path | None = None
-    """A benchmark set. Groups of stacks that it holds already are taken from it. The output itself
-    continues a run that was stopped."""
+    """An existing benchmark set, whose groups of stacks are copied instead of simulated. The output
+    itself continues a run that was stopped."""
 
     def run(self) -> int:
         from urushi.eval import benchmark

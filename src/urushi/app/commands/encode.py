@@ -95,16 +95,18 @@ class Encode:
         return 0
 
     def _check(self) -> None:
-        """Raise before any work what is wrong with the flags, or that a package is missing."""
+        """Raise an error before any work if the flags are wrong or a package is missing."""
         if self.refine and self.no_refine:
-            raise ParameterError("--refine and --no-refine exclude each other; give one of them")
+            raise ParameterError(
+                "--refine and --no-refine exclude each other; give only one of them"
+            )
         if self.scheduler is not None:
             platform.require_extra("cluster")
             scenes = [text for text in self.sources if _is_scene(text)]
             if scenes:
                 raise ParameterError(
-                    f"'{scenes[0]}' is of a scene file, whose BSDFs are encoded on this machine; "
-                    "leave out --scheduler"
+                    f"'{scenes[0]}' is from a scene file, whose BSDFs are encoded on this machine "
+                    "only; leave out --scheduler"
                 )
         if self.report is not None:
             platform.require_extra("eval")
@@ -153,7 +155,7 @@ class Encode:
         if self.output.suffix == ".safetensors":
             if len(self.sources) > 1:
                 raise ParameterError(
-                    f"'{self.output}' is one file for {len(self.sources)} sources; "
+                    f"'{self.output}' is one file, but there are {len(self.sources)} sources; "
                     "give a folder for the materials"
                 )
             return [self.output]
@@ -161,8 +163,8 @@ class Encode:
         twice = next((name for name in names if names.count(name) > 1), None)
         if twice is not None:
             raise ParameterError(
-                f"two of the sources are called '{twice}' and would make the same file; "
-                "rename one, or encode it by itself"
+                f"two of the sources are called '{twice}' and would be written to the same file; "
+                "rename one, or encode it separately"
             )
         return [new_folder(self.output) / f"{name}.safetensors" for name in names]
 
@@ -225,7 +227,7 @@ def choose(bsdfs: Mapping[str, Any], name: str | None, path: Path) -> Any:
         return next(iter(bsdfs.values()))
     if name is None:
         raise ParameterError(
-            f"'{path}' has {len(bsdfs)} BSDFs; name one as '{path}#ID', with the ID out of: {names}"
+            f"'{path}' has {len(bsdfs)} BSDFs; select one by '{path}#ID' with an ID from: {names}"
         )
     if name not in bsdfs:
         raise ParameterError(f"'{path}' has no BSDF '{name}' on a shape; it has: {names}")

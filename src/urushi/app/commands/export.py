@@ -17,8 +17,8 @@ class Export:
     The weights of the networks are literals in the file, which needs nothing else. Without a
     material, the file is for all materials: their latent codes are arguments of its functions.
 
-    A texture of codes, as the method `save` of a plugin writes it, becomes such a file with its
-    look-up, and a texture file for graphics hardware.
+    A latent texture, as written by the method `save` of a plugin, becomes such a file with a
+    texture look-up, and a texture file for graphics hardware.
 
     Example: urushi export lacquer.safetensors --language glsl -o lacquer.glsl
 
@@ -34,7 +34,7 @@ class Export:
     ]
     """Language of the file."""
     material: tyro.conf.Positional[str | None] = None
-    """Material: a material file, a texture of codes, a measured BRDF (MERL or RGL), or a
+    """Material: a material file, a latent texture, a measured BRDF (MERL or RGL), or a
     description as in Python, such as "conductor(alpha=0.2, r0=0.9)"."""
     texture: Path | None = None
     """Texture file to write (.dds or .ktx2), with all mip levels that the texture has."""
@@ -59,7 +59,7 @@ class Export:
             return self._textured_text()
         if self.texture is not None:
             raise ParameterError(
-                "only textures of codes become texture files; give one, or leave out --texture"
+                "only latent textures become texture files; give one, or leave out --texture"
             )
         if self.material is None:
             return codes_text(self.language, find(self.weights), self.prefix)

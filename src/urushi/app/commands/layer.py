@@ -74,8 +74,8 @@ class Layer:
 class Sheet:
     """Draw a sheet of spheres: rows blend from one material to the next, columns are coats.
 
-    Rows are blends as of `urushi.lerp`, coats those of `urushi.layer`. A material is a
-    file of `urushi encode`, a measured BRDF (MERL or RGL) or a description as in Python.
+    Rows are blends by `urushi.lerp`, and coats are laid by `urushi.layer`. A material is a file of
+    `urushi encode`, a measured BRDF (MERL or RGL) or a description as in Python.
 
     Example: urushi sheet gold.safetensors "diffuse(0.4)" --rows 5 -o sheet.png
     """
@@ -98,7 +98,7 @@ class Sheet:
         sheet.check_path(self.output)
         coats = sheet.chosen(self.coats)
         if len(self.materials) < 2:
-            raise ParameterError("a sheet goes from one material to another; give two or more")
+            raise ParameterError("a sheet blends materials; give two or more")
         materials = [read_material(text, self.weights) for text in self.materials]
         pictures: dict[tuple[int, int], np.ndarray] = {}
         total = self.rows * len(coats)

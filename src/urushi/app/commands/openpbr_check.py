@@ -22,9 +22,9 @@ WORST, SPHERE_WALKS = 6, 4
 class OpenPBRCheck:
     """Compare implementations of OpenPBR with random walks: 40 coated materials.
 
-    Prints E and the error of the albedo, in per cent, of the plugin openpbr and of three forms of
-    the specification's recipe. docs/conformance.md describes the materials and the file of the
-    reference.
+    Prints E and the error of the albedo, in per cent, of the plugin openpbr and of three closed
+    forms after the specification. docs/conformance.md describes the materials and the reference
+    file.
 
     Example: urushi openpbr-check
 
@@ -111,8 +111,8 @@ def _read(path: Path) -> np.ndarray:
     except KeyError as error:
         raise FileError(f"'{path}' must hold the array f; {error.args[0]}") from error
     except (OSError, ValueError, EOFError, TypeError, BadZipFile) as error:
-        reason = "it does not exist" if not path.exists() else "it is no NPZ file"
-        raise FileError(f"cannot read '{path}': {reason}; write it by numpy.savez") from error
+        reason = "it does not exist" if not path.exists() else "it is not an NPZ file"
+        raise FileError(f"cannot read '{path}': {reason}; write it with numpy.savez") from error
 
 
 def _draw(path: Path, reference: "Reference", errors: "Errors", name: str) -> None:

@@ -18,8 +18,8 @@ PAIRS = 64
 class Import:
     """Convert the published PyTorch networks of Fan et al. 2022 into a weights file.
 
-    The files are those of torch.save, of state dicts. PyTorch is not needed, and nothing in the
-    files is run. docs/published.md says what is assumed about them.
+    The files are state dicts written by torch.save. PyTorch is not needed, and no code in the files
+    is executed. docs/published.md lists the assumptions about their layout.
 
     Example: urushi paper import representation.pth layering.pth -o published.safetensors
     """
@@ -31,8 +31,8 @@ class Import:
     output: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
     """Weights file to write (.safetensors)."""
     projection: ProjectionName = "adam"
-    """How BRDFs are projected to codes with these weights. adam is the authors' way, of which the
-    layering network has learnt the codes. levenberg-marquardt takes a second for each channel."""
+    """How BRDFs are projected to codes with these weights. adam is the authors' method; the
+    layering network was trained on its codes. levenberg-marquardt takes a second per channel."""
     projection_pairs: int | None = None
     """Only for the projection adam: direction pairs in each of its 1,000 steps. Default: 64, which
     takes some seconds for each channel. The authors' 4096 take some minutes."""

@@ -197,7 +197,7 @@ def load_scene(
     except Exception as error:  # Mitsuba raises several kinds, plugins their own
         raise FileError(f"cannot load '{path}': {one_line(error)}") from error
     if not isinstance(scene, mi.Scene):
-        raise FileError(f"'{path}' is no scene: its outermost element must be <scene>")
+        raise FileError(f"'{path}' is not a scene: its outermost element must be <scene>")
     return scene
 
 
@@ -238,7 +238,8 @@ def set_variant(name: str) -> None:
         mi.set_variant(name)
     except ImportError as error:
         raise PlatformError(
-            f"variant '{name}' cannot run here: {one_line(error)}; `urushi doctor` says which can"
+            f"variant '{name}' cannot run here: {one_line(error)}; `urushi doctor` lists those "
+            "that can"
         ) from error
 
 
@@ -248,7 +249,7 @@ def parse_definitions(pairs: tuple[str, ...]) -> dict[str, str]:
     for pair in pairs:
         key, equals, value = pair.partition("=")
         if not (key and equals):
-            raise ParameterError(f"-D is given '{pair}'; write it as key=value")
+            raise ParameterError(f"-D '{pair}' is not of the form key=value")
         definitions[key] = value
     return definitions
 
@@ -278,7 +279,7 @@ class ExportScene:
     scene: tyro.conf.Positional[str]
     """Name of the scene."""
     folder: tyro.conf.Positional[Path]
-    """Folder to write to. It is made if it is missing."""
+    """Folder to write to. It is created if it is missing."""
     coat: Literal["neural_layered", "layered"] = "neural_layered"
     """Plugin of the coats: the networks, or the walk. The default of the file's parameter $coat."""
     weights: str = "default"

@@ -108,7 +108,7 @@ def evaluate_albedo(
     from urushi.reference.simulate import albedo
 
     if not isinstance(description, urushi.Stack):
-        raise ParameterError("--albedo simulates coats; describe a coat(...) of one or more")
+        raise ParameterError("--albedo needs a stack; describe one by coat(...)")
     return albedo(description, wi, walks=walks, seed=seed)
 
 
@@ -116,7 +116,7 @@ def read_pairs(path: Path) -> tuple[np.ndarray, np.ndarray]:
     """The arrays wi and wo of an NPZ file.
 
     Raises:
-        FileError: the file is missing, is no NPZ file, or lacks an array.
+        FileError: the file is missing, is not an NPZ file, or lacks an array.
     """
     try:
         # opened here, because numpy does not close a file that it cannot read
@@ -125,8 +125,8 @@ def read_pairs(path: Path) -> tuple[np.ndarray, np.ndarray]:
     except KeyError as error:
         raise FileError(f"'{path}' must hold the arrays wi and wo; {error.args[0]}") from error
     except (OSError, ValueError, EOFError, TypeError, BadZipFile) as error:
-        reason = "it does not exist" if not path.exists() else "it is no NPZ file"
-        raise FileError(f"cannot read '{path}': {reason}; write it by numpy.savez") from error
+        reason = "it does not exist" if not path.exists() else "it is not an NPZ file"
+        raise FileError(f"cannot read '{path}': {reason}; write it with numpy.savez") from error
 
 
 def table(incidence: float, f: np.ndarray, se: np.ndarray) -> str:

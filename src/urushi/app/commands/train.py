@@ -33,9 +33,7 @@ def find_preset(
     if scale is not None and name in presets.NAMES:
         raise ParameterError(f"the preset '{name}' has one size; only 'paper' takes a scale")
     if adam is not None and name in presets.NAMES:
-        raise ParameterError(
-            f"the preset '{name}' projects nothing; only 'paper' takes a projection"
-        )
+        raise ParameterError(f"the preset '{name}' has no projection; only 'paper' has one")
     if name not in presets.NAMES:
         raise ParameterError(
             f"there is no preset '{name}'; choose one of {', '.join((*presets.NAMES, 'paper'))}"
@@ -55,7 +53,7 @@ def adam_projection(name: ProjectionName, pairs: int | None) -> "AdamProjection 
         return AdamProjection() if pairs is None else AdamProjection(pairs=pairs)
     if pairs is not None:
         raise ParameterError(
-            "--projection-pairs belongs to --projection adam; give both or leave it out"
+            "--projection-pairs needs --projection adam; give both, or leave it out"
         )
     return None
 
@@ -116,10 +114,10 @@ class Train:
 class Evaluate:
     """Measure networks on layered materials that they were not trained on.
 
-    Prints for every kind of stack the errors E (energy-weighted, per stack) and P (relative, per
-    pair of directions) in percent with the reference's own error; then how well the networks keep
-    laws of physics, their sizes and their times. docs/conventions.md defines E and P. The
-    reference values are stored with Urushi, so that it takes one to two minutes.
+    For every kind of stack, prints the errors E (energy-weighted, per stack) and P (relative, per
+    pair of directions) in per cent, with the reference's own error. Then prints violations of
+    physical laws, and the sizes and times of the networks. docs/conventions.md defines E and P. The
+    reference values ship with Urushi, so that this takes one to two minutes.
 
     Example: urushi eval --weights runs/mine/weights.safetensors -o runs/mine/figures
     """
@@ -140,7 +138,7 @@ class Evaluate:
 
             if self.seed is not None:
                 raise ParameterError(
-                    "--seed belongs to --protocol errors; leave it out with direction-tables"
+                    "--seed applies to --protocol errors only; leave it out with direction-tables"
                 )
             print(direction_tables.report(self.weights, self.output))
             return 0

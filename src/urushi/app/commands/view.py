@@ -22,11 +22,11 @@ MODE = "llvm_ad_rgb"
 
 @dataclass(frozen=True)
 class View:
-    """Open a page in the browser: coat a material by hand, and see it at once.
+    """Open an interactive page for designing coats in the browser.
 
-    The page is served to this machine alone, until Ctrl-C. It computes in the browser and asks
-    nothing else of any server. With --output it is written into a folder for a web server instead,
-    or into one document that a browser opens by itself.
+    The page is served to this machine only, until Ctrl-C. All computation runs in the browser. With
+    --output, the page is written into a folder for a web server instead, or into one self-contained
+    document.
 
     Example: urushi view "coat(conductor(0.2, r0=(0.98, 0.77, 0.34)), alpha=0.05, sigma_t=0.3)"
 
@@ -40,7 +40,7 @@ class View:
     """
 
     material: tyro.conf.Positional[str | None] = None
-    """Material to begin with: a description as in Python, a material file, a texture of codes, a
+    """Material to begin with: a description as in Python, a material file, a latent texture, a
     measured BRDF (MERL or RGL), or a BSDF of a Mitsuba scene file, SCENE.xml#ID. Default: one of
     the page's own."""
     output: Annotated[Path | None, tyro.conf.arg(aliases=["-o"])] = None
@@ -76,7 +76,7 @@ class View:
             server = PageServer(files, self.port)
         except (OSError, OverflowError) as error:
             raise FileError(
-                f"cannot serve the page at port {self.port}: {error}; leave out --port"
+                f"cannot serve the page on port {self.port}: {error}; leave out --port"
             ) from error
         with server, contextlib.suppress(KeyboardInterrupt):
             print(f"{server.url} (end with Ctrl-C)", flush=True)

@@ -47,7 +47,7 @@ class Baker:
         bottom_changed: whether the bottom may have changed since the last call.
 
         Raises:
-            ParameterError: a parameter is out of range, or the bottom gives what no BRDF gives.
+            ParameterError: a parameter is out of range, or the bottom's values are not a BRDF.
         """
         grid = choose_grid(self._coat, self._bottom, self._model, self._resolution)
         before = self._texture and self._texture.grid

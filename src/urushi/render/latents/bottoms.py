@@ -15,6 +15,7 @@ from urushi.material.encode import (
 )
 from urushi.material.energy import limit_albedo, limit_mean_albedo
 from urushi.material.material import Material
+from urushi.material.table import node_pairs, table_of_values
 from urushi.nets.lobe import no_lobe, with_two_widths
 from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
@@ -100,6 +101,11 @@ class BottomCodes:
         )
         for sentence in deviations.warnings():
             mi.Log(mi.LogLevel.Warn, f"{self._where}: {sentence}")
+        exact = getattr(self._bottom, "tabulated", None) if tables else None
+        if exact is not None:
+            f = probing.check_values(reflection_source(exact).f(*node_pairs()), self._where)
+            table = table_of_values(f)
+            material = Material(material.latents, self._model, material.anchors, table)
         self._keep_table(material)
         return material.anchors
 
@@ -228,21 +234,28 @@ class _ProbedBottom:
         parts = []
         for start in range(0, len(texel), PROBED_TEXELS):
             points = uv[texel[start : start + PROBED_TEXELS]]
-            f = probing.texel_values(self._bottom, *self._pairs, points, self._average)
-            f = probing.check_values(f, self._where).reshape(len(points) * channels, -1)
-            first = start * channels
-            own = row[slice(*np.searchsorted(row, [first, first + len(f)]))]
-            lobes = probing.known_lobes(self._bottom, points) if self._has_lobes else None
-            if lobes is not None and lobes.shape[-1] < self._model.arch.lobe:
-                lobes = with_two_widths(lobes)
-            if lobes is not None and lobes.shape[-1] != self._model.arch.lobe:
-                lobes = None  # of two widths, and the networks have one: it is fitted
+            count, first = len(points) * channels, start * channels
+            own = row[slice(*np.searchsorted(row, [first, first + count]))] - first
+            lobes = self._lobes(points)
             if lobes is not None:
-                lobes = lobes.reshape(len(f), -1)[own - first]
+                lobes = lobes.reshape(count, -1)[own]
                 if getattr(self._bottom, "bare", False):
                     parts.append(bare_anchors(self._model, lobes))
                     continue
-            anchors = encoder_codes(self._model, f[own - first], lobes)
-            parts.append(without_useless_rests(self._model, anchors, f[own - first]))
-        codes = limit_mean_albedo(self._model, np.concatenate(parts))
+            f = probing.texel_values(self._bottom, *self._pairs, points, self._average)
+            f = probing.check_values(f, self._where).reshape(count, -1)[own]
+            anchors = without_useless_rests(self._model, encoder_codes(self._model, f, lobes), f)
+            parts.append(limit_mean_albedo(self._model, anchors))
+        codes = np.concatenate(parts)
         return codes, row_of.reshape(len(texel), channels)[texel_of]
+
+    def _lobes(self, points: np.ndarray) -> np.ndarray | None:
+        """Lobes (M, C, N) at points uv (M, 2) as the networks take them; None: they are fitted."""
+        lobes = probing.known_lobes(self._bottom, points) if self._has_lobes else None
+        if lobes is None:
+            return None
+        lobes = probing.check_values(lobes, self._where)
+        if lobes.shape[-1] < self._model.arch.lobe:
+            lobes = with_two_widths(lobes)
+        # Networks of one width fit a lobe of two.
+        return lobes if lobes.shape[-1] == self._model.arch.lobe else None

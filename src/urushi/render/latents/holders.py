@@ -10,7 +10,7 @@ Mitsuba's differentiable integrators, samples are fixed while the integrand chan
 import os
 from collections.abc import Callable
 from functools import partial
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple, cast
 
 import drjit as dr
 import mitsuba as mi
@@ -23,6 +23,7 @@ from urushi.nets.weights import Model
 from urushi.render.latents.lookup import LatentTexture, are_constant, owned
 from urushi.render.networks.lobe import ANY_LOBE, NO_LOBE, LobeKind, kind_of
 from urushi.render.networks.protocols import Decoder, Proposal, decoder_and_sampler
+from urushi.render.networks.sampler import UrushiSampler
 from urushi.render.networks.table import TabulatedDecoder, padded
 from urushi.render.recording import only_where, signature
 from urushi.textures import file
@@ -30,11 +31,18 @@ from urushi.textures.grid import TexelGrid
 from urushi.textures.store import TextureStore
 
 
+def tabulated(latents: Any) -> Material | None:
+    """The material of latents that are evaluated by a table, not by their codes; else None."""
+    material = getattr(latents, "material", None)
+    return None if material is None or material.table is None else material
+
+
 class Vertex(NamedTuple):
     """Quantities that depend on the position and on wi alone.
 
     Attributes:
-        decoder_terms: per channel the decoder's terms of the latent code, as Dr.Jit floats.
+        decoder_terms: per channel the decoder's terms of the latent code, as Dr.Jit floats; only
+            one list if all channels have the same code.
         proposal: that of the mean latent code over the channels.
     """
 
@@ -63,6 +71,8 @@ class ConstantLatents:
         """latents, anchors: (C, size) float32; these and the others are those of a `Material`."""
         anchors = latents if anchors is None else anchors
         self._material = Material(latents, model, anchors, table, beside_lobe=beside_lobe)
+        if table is None and (latents == latents[:1]).all():
+            latents = latents[:1]  # channels of the same code are evaluated once
         whole = table is not None and not beside_lobe
         kind = NO_LOBE if whole else kind_of_codes(model, latents[None])
         self._is_tabulated = model.widths == 1  # one angle of wi determines the rest
@@ -73,13 +83,13 @@ class ConstantLatents:
             self._decoder = TabulatedDecoder(kind)
             table = rest_table(model.networks, latents) if table is None else table
             self._tables = [] if table is None else [owned(mi.Float, padded(table))]
-        self._signature = signature([*map(int, kind), len(self._tables)])
+        self._signature = signature([*map(int, kind), len(self._tables), int(len(latents) == 1)])
         self._decoder_terms = [_opaque(terms) for terms in self._decoder.code_terms(latents)]
         mean = self._material.anchors.mean(axis=0)
         if self._is_tabulated:
             self._proposals = [owned(mi.Float, x) for x in self._sampler.tabulated(mean)]
         else:
-            self._proposals = _opaque(mean)
+            self._proposals = _opaque(cast(UrushiSampler, self._sampler).code_terms(mean))
 
     @classmethod
     def of(cls, material: Material) -> "ConstantLatents":
@@ -99,16 +109,19 @@ class ConstantLatents:
             propose = partial(self._sampler.proposal_of_table, self._proposals)
             proposal = only_where(active, propose, si.wi.z)
         else:
-            proposal = only_where(active, self._sampler.proposal, self._proposals, si.wi)
+            of_terms = cast(UrushiSampler, self._sampler).proposal_of_terms
+            proposal = only_where(active, of_terms, self._proposals, si.wi)
         return Vertex(self._decoder_terms, proposal)
 
     def f(self, vertex: Vertex, si, wo, active) -> list:
         """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
-        return only_where(active, self._evaluated(), vertex.decoder_terms, si.wi, wo)
+        values = only_where(active, self._evaluated(), vertex.decoder_terms, si.wi, wo)
+        return _of_each_channel(values, self.channels)
 
     def f_and_pdf(self, vertex: Vertex, si, wo, active) -> tuple[list, Any]:
         """`f`, and the density of the proposal [1/sr]."""
-        return _f_and_pdf(self._evaluated(), vertex, si, wo, active)
+        values, pdf = _f_and_pdf(self._evaluated(), vertex, si, wo, active)
+        return _of_each_channel(values, self.channels), pdf
 
     def _evaluated(self) -> Callable[..., list]:
         """The function from terms, wi and wo to f. The tables are no arguments, as in `vertex`."""
@@ -177,7 +190,9 @@ class TexturedLatents:
         self._size, self._bytes = store.layout.size, store.layout.texel_bytes
         self._kind = kind_of_store(model, store)
         self._decoder, self._sampler = decoder_and_sampler(model, self._kind)
-        self._signature = signature(self._kind)
+        # Channels of the same code are evaluated once.
+        self._kept = 1 if (store.layout.constant | store.layout.same).all() else self.channels
+        self._signature = signature([*map(int, self._kind), int(self._kept == 1)])
         self._texture = LatentTexture(store, grid)
 
     def vertex(self, si, active) -> Vertex:
@@ -189,14 +204,16 @@ class TexturedLatents:
 
     def f(self, vertex: Vertex, si, wo, active) -> list:
         """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
-        return only_where(active, self._decoder.f_of_terms, vertex.decoder_terms, si.wi, wo)
+        values = only_where(active, self._decoder.f_of_terms, vertex.decoder_terms, si.wi, wo)
+        return _of_each_channel(values, self.channels)
 
     def f_and_pdf(self, vertex: Vertex, si, wo, active) -> tuple[list, Any]:
         """`f`, and the density of the proposal [1/sr]."""
-        return _f_and_pdf(self._decoder.f_of_terms, vertex, si, wo, active)
+        values, pdf = _f_and_pdf(self._decoder.f_of_terms, vertex, si, wo, active)
+        return _of_each_channel(values, self.channels), pdf
 
     def _vertex(self, wi, uv, *footprint) -> Vertex:
-        latents = self._texture.look_up(uv, *footprint)
+        latents = self._texture.look_up(uv, *footprint)[: self._kept]
         proposal = self._sampler.proposal(self._kind.mean(latents), wi)
         return Vertex(self._decoder.code_terms_drjit(latents), proposal)
 
@@ -223,6 +240,11 @@ class TexturedLatents:
             f"{width} x {height} texels of {self.channels} x {self._size} numbers "
             f"in {self._bytes} bytes"
         )
+
+
+def _of_each_channel(values: list, count: int) -> list:
+    """Values of `count` channels, from their values or from the one that they share."""
+    return values * count if len(values) == 1 else values
 
 
 def _f_and_pdf(f_of_terms: Callable[..., list], vertex: Vertex, si, wo, active) -> tuple[list, Any]:

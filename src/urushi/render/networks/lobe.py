@@ -1,8 +1,8 @@
 """The analytic lobe in Dr.Jit: the counterpart of `nets.lobe`.
 
-Numbers of a lobe are lists of Dr.Jit floats in the order of `nets.lobe.NUMBERS`. What is known
-of all lobes of a plugin when its code is recorded is a `LobeKind`: terms that vanish everywhere are
-left out, and channels share what is equal in them.
+Numbers of a lobe are lists of Dr.Jit floats in the order of `nets.lobe.NUMBERS`. A `LobeKind`
+states what all lobes of a plugin have in common when its code is recorded: terms that vanish
+everywhere are left out, and channels share equal terms.
 """
 
 from collections.abc import Sequence

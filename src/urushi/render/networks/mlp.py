@@ -1,8 +1,8 @@
 """Multilayer perceptrons as Dr.Jit code: every weight is a constant in unrolled multiply-adds.
 
 On LLVM this is about ten times as fast as matrices in memory, because a constant costs no load of
-its own. The price is compile time, so a network that is needed several times is compiled once. On
-GPUs `cooperative` has the faster form.
+its own. The cost is compile time, so a network that is used several times is compiled once. On GPUs
+`cooperative` has the faster form.
 """
 
 from collections.abc import Mapping, Sequence

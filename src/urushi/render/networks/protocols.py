@@ -1,4 +1,4 @@
-"""What a system of networks brings to be evaluated and sampled inside Dr.Jit's kernels.
+"""The interface of a system of networks for evaluation and sampling in Dr.Jit kernels.
 
 A decoder and a sampler, each in two steps: the terms that depend on the latent code alone, which
 constant materials compute once on the host, and the rest, which depends on directions. Urushi's own

@@ -9,7 +9,7 @@ import numpy as np
 from urushi.checks import MIN_ALPHA, Widths
 from urushi.nets.features import MIN_COSINE
 from urushi.nets.lobe import WIDTH_PLACES
-from urushi.nets.sampler import MIN_COSINE_SHARE, mixture
+from urushi.nets.sampler import MIN_COSINE_SHARE, mixture, sampler_inputs
 from urushi.nets.weights import Model
 from urushi.physics.mixture import Mixture
 from urushi.render.networks import mlp
@@ -58,6 +58,19 @@ class UrushiSampler:
         values = [dr.fma(b - a, fraction, a) for a, b in zip(low, high, strict=True)]
         lobes = 1 + self._arch.lobes
         return Mixture(values[: lobes + 1], values[lobes + 1 : 2 * lobes + 1])
+
+    def code_terms(self, latent: np.ndarray) -> np.ndarray:
+        """The width or the widths of the code's lobe, and what the code adds to the first layer."""
+        own = latent[list(WIDTH_PLACES[self._arch.widths])]
+        inputs = sampler_inputs(self._arch, latent)
+        return np.concatenate([own, inputs @ self._weight[: len(inputs)] + self._bias])
+
+    def proposal_of_terms(self, terms: Sequence, wi) -> Mixture:
+        """The mixture from `code_terms`, a list of Dr.Jit floats, by the network."""
+        features = sampler_features(wi, self._arch.widths)
+        count = self._arch.widths
+        first = mlp.dense(features, self._weight[-len(features) :], terms[count:])
+        return self._mixture(terms[:count], self._hidden(first))
 
     def proposal(self, latent: Sequence, wi) -> Mixture:
         """The mixture from a latent code, a list (size) of Dr.Jit floats, by the network."""

@@ -79,8 +79,9 @@ def define_proposal_bsdf() -> type:
             """
             if dr.flag(dr.JitFlag.FreezingScope):
                 raise ParameterError(
-                    f"{self._where}: its parameters are updated inside a frozen function, which "
-                    "would not do again what a change takes; call parameters.update() before it"
+                    f"{self._where}: its parameters are updated inside a frozen function, whose "
+                    "replay would not repeat the update; call parameters.update() before the "
+                    "function"
                 )
 
         def _active_vertex(self, ctx, si, active):

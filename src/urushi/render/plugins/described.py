@@ -52,7 +52,7 @@ class DescribedBottom:
         surface = known_surface(bsdf)
         if surface is None or surface.widths == 2:
             raise ParameterError(
-                f"{where}: the model does not describe the nested {bsdf.class_name()}; nest a "
+                f"{where}: the model does not support the nested {bsdf.class_name()}; nest a "
                 "'roughconductor' of the distribution 'ggx' with one alpha, a 'diffuse' or "
                 f"another '{plugin}', or use the plugin 'layered'"
             )
@@ -107,8 +107,8 @@ def define_described(base: type, plugin: str, label: str) -> type:
             self._coat = CoatTextures(props)
             if self._coat.is_anisotropic or self._coat.has_rotation:
                 raise ParameterError(
-                    f"{self._coat.where}: the model has isotropic lobes only; give alpha in place "
-                    "of alpha_u and alpha_v, and no rotation"
+                    f"{self._coat.where}: the model supports isotropic lobes only; give alpha "
+                    "instead of alpha_u and alpha_v, and no rotation"
                 )
             baking.check(self._coat)
             below = isinstance(self._nested, DescribedBSDF)

@@ -45,25 +45,25 @@ def define(base: type) -> type:
         ============== ===================== ====================================================
 
         Every evaluation is one random walk of unbounded depth between the coat's surface and the
-        bottom. Images are noisy and unbiased: they are the reference for ``neural_layered``, which
-        takes the same parameters. The density of directions has no noise. Random numbers come from
-        a hash of directions, position, uv and time. Directly nested coats form one stack.
+        bottom. Images are noisy but unbiased: they are the reference for ``neural_layered``, which
+        has the same parameters. The density of sampled directions has no noise. Random numbers come
+        from a hash of directions, position, uv and time. Directly nested coats form one stack.
         Reflects on the front side only: nest it in ``twosided`` for both sides. Spectral variants
         evaluate parameters at the rays' wavelengths; colours are bands at 611, 549 and 464 nm,
         linear in between.
 
-        All layers share one tangent frame: that of the shape, turned by ``rotation``. Directly
+        All layers share one tangent frame: that of the shape, rotated by ``rotation``. Directly
         nested coats have no rotation of their own, and an anisotropic bottom, such as
-        ``roughconductor`` of two widths, turns with the coats. A width that is a colour takes one
-        walk for each channel in place of one for all.
+        ``roughconductor`` with two widths, rotates with the coats. If a width is a colour, each
+        channel needs its own walk.
 
-        With the ``estimator`` "bidirectional", every evaluation joins a walk from each direction,
-        at all their vertices. Its mean is the same, and directions are drawn as before. It takes
-        about three times as long and has less noise in media that scatter forward (g about 0.9).
-        :doc:`/results` says where that pays: under small lights at best. The walks serve all
-        channels if ``sigma_t`` and ``g`` are numbers. If one of them is a colour or a texture,
-        every channel has walks of its own, which takes 1.6 times as long again. The outermost
-        coat's estimator serves the stack.
+        With the ``estimator`` "bidirectional", every evaluation connects a walk from each
+        direction, at all their vertices. The mean and the sampled directions stay the same. It
+        takes about three times as long and has less noise in media that scatter forward (g about
+        0.9). It pays under small lights at best, see :doc:`/results`. All channels share the walks
+        if ``sigma_t`` and ``g`` are numbers. If one of them is a colour or a texture, every channel
+        has its own walks, which takes another factor of 1.6. The outermost coat's estimator applies
+        to the stack.
 
         .. tabs::
             .. code-tab:: xml

@@ -47,16 +47,16 @@ def define(base: type) -> type:
                                              ``mi.traverse``, not a property.
         ============== ===================== ====================================================
 
-        A fast model of another author, to compare ``layered`` and ``neural_layered`` with; it takes
-        their parameters where it has a place for them. Every interface gives one GGX lobe about the
-        mirror direction of the viewer, with an energy and a width for each channel. They follow
-        from the reflectances and widths of the interfaces, all inter-reflection and the total
-        reflection from below included. Pictures have no noise but that of directions, which are
-        drawn from the lobes in proportion to their energies.
+        A fast model by another author, for comparison with ``layered`` and ``neural_layered``. It
+        has those of their parameters that it supports. Every interface gives one GGX lobe around
+        the mirror direction of the viewer, with an energy and a width for each channel. They are
+        computed from the reflectances and widths of the interfaces, including all interreflection
+        and total internal reflection. The only noise is that of sampled directions, which are drawn
+        from the lobes in proportion to their energies.
 
-        A medium absorbs, passes on what it scatters once, and widens the lobes below it. It sends
-        no light back, and light that is scattered more than once on one way is lost: materials of
-        thick, bright media are too dark. Energies depend on the viewer alone: the BSDF is not
+        A medium absorbs, transmits light that it scatters once, and widens the lobes below it. It
+        reflects no light, and light that is scattered more than once on one path is lost: materials
+        with thick, bright media are too dark. Energies depend on the viewer only: the BSDF is not
         reciprocal. A Lambertian bottom, which the paper does not have, gives a Lambertian lobe.
         Surfaces have one width, without ``alpha_u``, ``alpha_v`` and ``rotation``. The mean
         reflectance of a metal is read from a table, within 0.01 of ``urushi.rivals.belcour.f``.

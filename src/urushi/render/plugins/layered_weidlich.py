@@ -38,17 +38,18 @@ def define(base: type) -> type:
                                              ``mi.traverse``, not a property.
         ============== ===================== ====================================================
 
-        A fast model of other authors, to compare ``layered`` and ``neural_layered`` with; it takes
-        their parameters. The half vector of both directions is the facet by which light enters and
-        leaves. Both directions are refracted by it, the bottom is evaluated for them, and the
-        result is scaled by Fresnel's transmission on both ways and by absorption along the
-        refracted directions (Beer's law). The masked part of the light leaves without loss, as a
-        compensation. Values have no noise, and they are reciprocal where the bottom's are.
+        A fast model by other authors, for comparison with ``layered`` and ``neural_layered``; it
+        has the same parameters. Light enters and leaves through the facet whose normal is the half
+        vector of both directions. Both directions are refracted at this facet, the bottom is
+        evaluated for the refracted directions, and the result is multiplied by the Fresnel
+        transmittance of both paths and by absorption along the refracted directions (Beer's law).
+        The masked part of the light leaves without loss, as a compensation. Values have no noise,
+        and they are reciprocal if the bottom's are.
 
-        A medium that scatters absorbs by its extinction: ``sigma_t`` counts, ``albedo`` and ``g``
-        do not, so that bright media are dark. Light is not reflected between the layers, and
-        roughness of a coat does not widen the lobes below it. The model does not scale light for
-        the solid angle that refraction changes. Coated metals are therefore too dark at grazing
+        A scattering medium absorbs according to its extinction ``sigma_t``; ``albedo`` and ``g``
+        are ignored, so that bright media are too dark. There is no interreflection between the
+        layers, and the roughness of a coat does not widen the lobes below it. The model ignores
+        that refraction changes the solid angle. Coated metals are therefore too dark at grazing
         angles, and Lambertian surfaces are too bright. White ones reflect more light there than
         they receive, and so do coats of an index below one. Reflects on the front side only: nest
         it in ``twosided`` for both sides. Spectral variants evaluate parameters at the rays'

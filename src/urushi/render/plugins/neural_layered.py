@@ -63,15 +63,15 @@ def define(base: type) -> type:
 
         Takes the parameters of ``layered``, its reference, and adds ``resolution``, ``weights`` and
         ``mipmaps``. When the scene is loaded, the bottom is evaluated at the encoder's probe pairs,
-        averaged where it has not the symmetry of materials (see ``urushi.encode``), encoded, and
+        averaged if it lacks the symmetries of materials (see ``urushi.encode``), encoded, and
         layered by the network. A constant coat over ``measured_brdf``, ``measured``, a file with a
-        table, or such a coat is computed from the table instead, as by ``urushi.layer``. All layers
-        share one tangent frame, as in ``layered``. Textures are baked in their own space if they
-        share one ``to_uv``, otherwise over the unit square of uv, which repeats. A change through
-        ``mi.traverse`` recomputes the codes that depend on it. The method ``save`` writes the codes
-        to a file for ``neural_brdf``.
-        Reflects on the front side only: nest it in ``twosided`` for both sides. Spectral variants
-        treat the three channels as bands at 611, 549 and 464 nm, linear in between.
+        table, or another such coat is computed from the table instead, as in ``urushi.layer``. All
+        layers share one tangent frame, as in ``layered``. Textures are baked in their own space if
+        they share one ``to_uv``, otherwise over the unit square of uv, which repeats. A change
+        through ``mi.traverse`` recomputes the codes that depend on it. The method ``save`` writes
+        the codes to a file for ``neural_brdf``. Reflects on the front side only: nest it in
+        ``twosided`` for both sides. Spectral variants treat the three channels as bands at 611, 549
+        and 464 nm, linear in between.
 
         Pictures can be differentiated with respect to all parameters, including the bottom's, by
         Mitsuba's differentiable integrators such as ``prb``: enable gradients of the parameters
@@ -153,7 +153,7 @@ def define(base: type) -> type:
         def save(self, path):
             """Write the codes to a file that ``neural_brdf`` loads, textured or not.
 
-            A file of a texture of codes has no rotation: give it to ``neural_brdf`` again.
+            The file of a latent texture does not store a rotation: set it in ``neural_brdf`` again.
 
             Raises:
                 FileError: it cannot be written.

@@ -31,34 +31,35 @@ def define(proposal_bsdf: type):
         geometry_tangent                           coat shares both: geometry_coat_normal and
                                                    geometry_coat_tangent must be equal to them, or
                                                    the base isotropic.
-        reference            boolean or string     Whether the coat is a random walk, the plugin
-                                                   ``layered``, in place of ``neural_layered``;
-                                                   or the name of one of both.
+        reference            boolean or string     Whether the coat is computed by random walks
+                                                   (``layered``) instead of ``neural_layered``;
+                                                   or the name of one of these plugins.
                                                    (Default: false)
-        energy_compensation  boolean               Whether light that the coated base loses is
-                                                   given back, so that a white twin reflects all.
+        energy_compensation  boolean               Whether energy that the coated base loses is
+                                                   compensated: white materials reflect all light.
                                                    (Default: true)
-        unsupported          string                "error" or "ignore": what happens where a
-                                                   feature is asked for that is missing.
+        unsupported          string                "error" or "ignore": whether an unsupported
+                                                   feature is refused or left out with a warning.
                                                    (Default: "error")
         resolution, weights  integer, string       As of ``neural_layered``, without ``reference``.
         ==================== ===================== =============================================
 
-        The base is a closed form. A dielectric reflects by single scattering and passes the rest to
-        the diffuse slab, whose albedo is such that base_color is what leaves; a metal has the
-        F82-tint term. The coat over it is layered, and coat_weight mixes the BRDFs of the bare and
-        the coated base. Fuzz lies above both. Missing and refused, or left out with a warning:
-        transmission, subsurface scattering, the thin-walled mode, directions of the coat alone.
-        Light is emitted by the emitter ``openpbr_emission``. Reflects on the front side only: nest
-        it in ``twosided`` for both sides.
+        The base is a closed form. A dielectric reflects by single scattering and transmits the rest
+        to the diffuse slab, of which the fraction base_color leaves again; a metal has the F82-tint
+        term. The coat's light transport is computed by networks or walks, and coat_weight mixes the
+        BRDFs of the bare and the coated base. Fuzz lies above both. Not supported, and refused or
+        left out with a warning, are transmission, subsurface scattering, the thin-walled mode, and
+        separate directions for the coat. Light is emitted by the emitter ``openpbr_emission``.
+        Reflects on the front side only: nest it in ``twosided`` for both sides.
 
-        A number that ``mi.traverse`` changes counts as a texture from then on: what was left out
-        because of it, a coat or fuzz of weight zero for instance, is made. A coat follows all
-        changes of its base, and the compensation is measured again where it depends on them.
+        A number that ``mi.traverse`` changes is treated like a texture from then on. Components
+        that were left out because of it, for instance a coat or fuzz of weight zero, are created. A
+        coat is updated with its base, and the energy compensation is computed again if it depends
+        on the change.
 
-        Where the coat's index exceeds the base's, light in the coat is reflected totally by the
-        base. Networks take the inverse ratio below a specular_roughness of 0.3, and a
-        base_diffuse_roughness of at most 0.5.
+        If the coat's index exceeds the base's, total internal reflection occurs at the base. For a
+        specular_roughness below 0.3, networks use the inverse ratio of indices; they clamp
+        base_diffuse_roughness to 0.5.
 
         .. tabs::
             .. code-tab:: xml
@@ -117,7 +118,7 @@ def _is_reference(props: "mi.Properties") -> bool:
 def _layers(
     inputs: Inputs, base_class: type, compensated: bool, coat: dict[str, Any], former: Layers | None
 ) -> Layers:
-    """The layers that the parameters need, as much of former ones as still serves.
+    """The layers that the parameters need; previous ones are reused if they still fit.
 
     coat: type and options of the coat's plugin.
     """

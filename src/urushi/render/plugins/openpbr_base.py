@@ -1,5 +1,6 @@
 """The base of OpenPBR: metal and glossy-diffuse dielectric, in closed form."""
 
+from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 import drjit as dr
@@ -42,7 +43,18 @@ SCHLICK_COSINES = (0.6, 0.4, 0.25, 0.15, 0.05)
 
 #: Share of that lobe that is taken out. Networks expect a rest that is nowhere below zero and has a
 #: faint peak, as fitted lobes leave it.
-SCHLICK_SHARE = 0.9
+SCHLICK_SHARE = 0.8
+
+#: specular_roughness from which networks encode a constant, isotropic metal with what its facets
+#: reflect more than once. They see the lobe alone of other metals: smooth ones lose little, those
+#: of two widths became up to 15 % too dark, and textures would take long to encode.
+MULTIPLE_FROM = 0.5
+
+#: specular_roughness from which a coat over another constant base takes a table of the base.
+TABULATED_FROM = 0.15
+
+#: The parameters of an isotropic metal besides its specular_roughness.
+OF_METALS = ("base_weight", "base_color", "specular_weight", "specular_color")
 
 #: The parameters that the base reads.
 NAMES = (
@@ -235,7 +247,20 @@ def define(base: type) -> type:
         @property
         def bare(self) -> bool:
             """Whether the base counts as its lobe alone: a metal, but for its dip at 82 degrees."""
-            return self._only_metal
+            return self._only_metal and not is_rough_constant(self._inputs)
+
+        @property
+        def tabulated(self):
+            """The base as it is, without what networks cannot encode; None: coats take codes.
+
+            A constant coat over a constant, isotropic base that is not a metal takes a table of it,
+            see `urushi.material.coated_table`. The lobe of smooth bases is too narrow for a table.
+            """
+            if not self._encoded:
+                return None
+            if not is_rough(self._inputs, NAMES, TABULATED_FROM):
+                return None
+            return type(self)(self._inputs, self._under_coat, False, self._compensated)
 
         def lobes(self, si):
             """The base's lobe, six floats for each channel; seven of an anisotropic base.
@@ -243,7 +268,8 @@ def define(base: type) -> type:
             Metal and dielectric share one width, so that their mixture is one lobe. Its Fresnel
             term is the greatest of Schlick's form that lies below the mixture's: sums of Schlick's
             and an exact one are unknown to the networks, which return nonsense for some. The dip
-            of a metal's Fresnel term at 82 degrees is left to the rest. A metal alone is scaled to
+            of a metal's Fresnel term at 82 degrees is left to the rest, and so is what the facets
+            of a rough metal reflect more than once, see `MULTIPLE_FROM`. Another metal is scaled to
             the energy of its multiple scattering (Turquin 2019), unless that is given back to the
             coated base.
             """
@@ -263,7 +289,7 @@ def define(base: type) -> type:
                     tint * fresnel.dielectric(c, eta)[0], weight * metal.f82(c, color, tint), share
                 )
             )
-            metals = share == 1
+            metals = (share == 1) & mi.Bool(self.bare)
             normal = dr.select(metals, normal, mixed[0])
             grazing = dr.select(metals, grazing, mixed[1])
             values = (
@@ -323,6 +349,20 @@ def define(base: type) -> type:
             return "OpenPBRBase[]"
 
     return OpenPBRBase
+
+
+def is_rough_constant(inputs: Inputs) -> bool:
+    """Whether a metal is constant, isotropic and rough; see `MULTIPLE_FROM`."""
+    return is_rough(inputs, OF_METALS, MULTIPLE_FROM)
+
+
+def is_rough(inputs: Inputs, names: Iterable[str], least: float) -> bool:
+    """Whether parameters are constant and isotropic, and specular_roughness is at least so much."""
+    return (
+        inputs.is_uniform((*names, "specular_roughness", "specular_roughness_anisotropy"))
+        and inputs.middle("specular_roughness_anisotropy") == 0
+        and inputs.middle("specular_roughness") >= least
+    )
 
 
 def _schlick_below(reflectance):

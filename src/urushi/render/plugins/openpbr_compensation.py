@@ -1,7 +1,8 @@
 """Compensation of the energy that a coated base of OpenPBR loses: the white furnace reflects one.
 
-Facets of a rough coat scatter once, and networks deviate over bright bases. What a white twin of
-the material does not reflect, known from tables or measured when it is loaded, is given back.
+The model loses energy because facets of a rough coat scatter once, and because networks have errors
+over bright bases. The loss is that of the material's white twin: the same material with all colours
+set to one. It is read from tables or computed when the material is loaded, and added as a lobe.
 """
 
 from typing import Any, NamedTuple
@@ -36,7 +37,7 @@ class LossVertex(NamedTuple):
 
 
 class Vertex(NamedTuple):
-    """The material of `Compensation` at a vertex; what is not needed is ().
+    """The material of `Compensation` at a vertex; unused entries are ().
 
     Attributes:
         share: base_metalness. white: how much the deviation over a white base counts.
@@ -46,7 +47,7 @@ class Vertex(NamedTuple):
         loss: of the coat's interface.
         below, metal_below: the colour of light that a smooth coat passes to the dielectric or
             to the metal and back, without the tint.
-        dielectric, metal: what was measured of the twins.
+        dielectric, metal: the computed losses of the white twins.
     """
 
     share: Any

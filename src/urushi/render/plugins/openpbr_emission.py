@@ -21,12 +21,13 @@ def define() -> type:
     class OpenPBREmission(mi.Emitter):
         """The light that the base of OpenPBR emits (``openpbr_emission``).
 
-        An emitter of a shape: a BSDF does not emit. Give the shape this emitter beside the BSDF
+        A BSDF in Mitsuba cannot emit light. Give the shape this emitter in addition to the BSDF
         ``openpbr``, with the same parameters; it reads those of emission, coat, fuzz and opacity.
         ``urushi.openpbr`` makes both. The radiance is emission_luminance times emission_color, in
-        the scene's units: one stands for one nit. The base emits evenly. The coat passes what its
-        interface does not reflect, and absorbs along one refracted path; fuzz hides its albedo.
-        Light that the coat reflects down again is left out.
+        the scene's units: one unit is one nit. The base emits the same radiance in all directions.
+        The coat attenuates it by the transmittance of its interface and by absorption along one
+        refracted path, and fuzz by one minus its albedo. Light that the coat reflects back down is
+        ignored.
 
         .. tabs::
             .. code-tab:: xml

@@ -118,7 +118,7 @@ class FilmFresnel:
         return total
 
     def lobe_terms(self, eta, f0, tint, si, active):
-        """What stands for the film in the base's lobe: metal and dielectric without film.
+        """Substitutes for the film in the base's lobe: metal and dielectric without film.
 
         Means over the angles that light from above has in a coat.
 
@@ -144,8 +144,8 @@ class FilmFresnel:
         """f [1/sr] of networks for a coat over a filmed base, with the film's change of colour.
 
         The networks know the base's lobe by the mean reflectances of `lobe_terms`. The light from
-        that lobe is scaled by what the film reflects at the facets that a smooth coat shows, over
-        that. The factor is the same with si.wi and wo exchanged.
+        that lobe is multiplied by the film's reflectance at the refracted half vector of a smooth
+        coat and divided by this mean. The factor is the same with si.wi and wo exchanged.
 
         base: the base's vertex.
         """

@@ -1,4 +1,4 @@
-"""The white furnace of a coated base: how much less than all light its white twin reflects."""
+"""The white furnace of a coated base: one minus the directional albedo of its white twin."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -7,9 +7,11 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi.material import energy
+from urushi.material import adding, energy
 from urushi.material.albedo_rule import albedo_rule
+from urushi.render.latents.holders import tabulated
 from urushi.render.plugins.openpbr_albedo import interpolated
+from urushi.render.plugins.openpbr_base import NAMES
 from urushi.render.reading import probing
 from urushi.render.reading.openpbr_inputs import Inputs
 
@@ -20,12 +22,18 @@ ROUGHNESSES, NODES = ("coat_roughness", "specular_roughness"), 5
 #: polynomial that smooths the noise.
 COSINES, SAMPLES, DEGREE = 17, 1 << 14, 5
 
+#: Least cosine at which the albedo of a table is measured.
+LEAST_COSINE = 0.02
+
 #: The parameters that the twin shares; where they are textures, it has their values in the middle
 #: of uv.
 _SHARED = (
     *("base_diffuse_roughness", "specular_ior", "specular_roughness_anisotropy", "coat_ior"),
     *("coat_roughness_anisotropy", *ROUGHNESSES),
 )
+#: The parameters of the coat.
+_OF_COATS = ("coat_color", "coat_roughness", "coat_roughness_anisotropy")
+
 #: As `_SHARED`, of a dielectric base, whose index it changes.
 _OF_DIELECTRICS = ("specular_weight",)
 
@@ -46,9 +54,9 @@ class FurnaceVertex(NamedTuple):
 
 
 class Furnace:
-    """What the white twin of a material does not reflect, a table; negative where it is too much.
+    """Table of one minus the directional albedo of a material's white twin; may be negative.
 
-    The twin has a base, a specular and a coat colour of one, and is all metal or all dielectric.
+    The white twin has base, specular and coat colours of one, and is all metal or all dielectric.
     """
 
     def __init__(
@@ -69,7 +77,9 @@ class Furnace:
         self._varying = [name for name in ROUGHNESSES if inputs.known(name) is None]
         names = _SHARED if metalness else (*_SHARED, *_OF_DIELECTRICS)
         self._shared = _values(inputs, [name for name in names if name not in self._varying])
-        twin, uv = _twin(self._shared, metalness, encoded, weights, self._varying)
+        # A constant material may be evaluated by a table, a texture by codes; and so its twin.
+        constant = inputs.is_uniform((*NAMES, *_OF_COATS))
+        twin, uv = _twin(self._shared, metalness, encoded, weights, self._varying, constant)
         with dr.suspend_grad():
             measure = _encoded_losses if encoded else _sampled_losses
             losses = measure(twin, uv)
@@ -121,29 +131,27 @@ class Furnace:
 
 def _values(inputs: Inputs, names: list[str]) -> dict[str, float]:
     """The values of parameters in the middle of uv."""
-    si = dr.zeros(mi.SurfaceInteraction3f)
-    si.uv = mi.Point2f(0.5)
-    with dr.suspend_grad():
-        return {n: float(inputs.number(n, si, mi.Bool(True)).numpy()[0]) for n in names}
+    return {name: inputs.middle(name) for name in names}
 
 
 def _twin(
-    shared: dict[str, float], metalness: float, encoded: bool, weights: str, varying: list[str]
+    shared: dict[str, float],
+    metalness: float,
+    encoded: bool,
+    weights: str,
+    varying: list[str],
+    constant: bool,
 ) -> tuple["mi.BSDF", np.ndarray]:
-    """The white twin, and the points of uv (N, 2) of the nodes of the table, by rows."""
-    white = {"type": "rgb", "value": [1.0, 1.0, 1.0]}
+    """The white twin, and the points of uv (N, 2) of the nodes of the table, by rows.
+
+    constant: whether its base_color is a number, not a texture.
+    """
+    white = {"type": "rgb", "value": [1.0] * 3} if constant else _texture(np.ones((1, 1, 3)))
     twin: dict[str, Any] = dict(shared)
     nodes = np.linspace(0, 1, NODES, dtype=np.float32)
     grid = np.meshgrid(*[nodes] * len(varying), indexing="ij") if varying else []
     for name, values in zip(varying, grid, strict=True):
-        texels = np.atleast_2d(values)[..., None]
-        twin[name] = {
-            "type": "bitmap",
-            "bitmap": mi.Bitmap(np.ascontiguousarray(texels)),
-            "raw": True,
-            "filter_type": "nearest",
-            "wrap_mode": "clamp",
-        }
+        twin[name] = _texture(np.atleast_2d(values)[..., None])
     rows, columns = (1, 1) if not varying else np.atleast_2d(grid[0]).shape
     v, u = np.meshgrid((np.arange(rows) + 0.5) / rows, (np.arange(columns) + 0.5) / columns)
     uv = np.stack([u.T.ravel(), v.T.ravel()], axis=-1)
@@ -154,13 +162,28 @@ def _twin(
     return mi.load_dict({"type": "openpbr", **twin}), uv
 
 
+def _texture(texels: np.ndarray) -> dict[str, Any]:
+    """A texture of texels (H, W, 1 or 3)."""
+    return {
+        "type": "bitmap",
+        "bitmap": mi.Bitmap(np.ascontiguousarray(texels, np.float32)),
+        "raw": True,
+        "filter_type": "nearest",
+        "wrap_mode": "clamp",
+    }
+
+
 def _encoded_losses(twin: "mi.BSDF", uv: np.ndarray) -> np.ndarray:
-    """Losses (N, COSINES) of codes, by the rule of `urushi.material.energy`."""
+    """Losses (N, COSINES) of a table, or of codes by the rule of `urushi.material.energy`."""
     neural = twin.coated
+    nodes = np.linspace(0, 1, COSINES) ** 2
+    material = tabulated(neural.latents)
+    if material is not None:
+        albedos = adding.albedos(material.f, np.maximum(nodes, LEAST_COSINE))[:, 0]
+        return np.tile(1 - albedos, (len(uv), 1))
     codes = np.ascontiguousarray(neural.latents.at(uv)[:, 0])
     cosines = albedo_rule(neural.model.widths).cosines
     albedos = energy.directional_albedos(neural.model, codes)
-    nodes = np.linspace(0, 1, COSINES) ** 2
     return np.stack([1 - np.interp(nodes, cosines[::-1], row[::-1]) for row in albedos])
 
 

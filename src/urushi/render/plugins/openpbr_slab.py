@@ -32,12 +32,13 @@ class Slab(NamedTuple):
 
 
 class RoughSlab:
-    """What passes the interface, is reflected by a slab of EON and leaves; see `rough_slab`.
+    """Light that is transmitted, reflected by an EON slab and transmitted again; see `rough_slab`.
 
-    The first reflection is EON along the mean directions in the slab. What it keeps inside returns
-    as diffuse light. Of a white slab the interface then passes all that enters: what is kept from
-    w is K(w), a table, and the later reflections are (K(wi) + K(wo) - mean K) / (pi passed_mean),
-    whose integral over wo is K(wi). The mean is over the light that passes.
+    The first reflection is EON along the mean directions in the slab. Light that the interface
+    reflects back inside returns as diffuse light, so that a white slab conserves energy. The
+    fraction that is reflected back, for light from w, is K(w), a table, and the later reflections
+    are (K(wi) + K(wo) - mean K) / (pi passed_mean), whose integral over wo is K(wi). The mean is
+    over the light that passes.
 
     eta: the interface's index if it is constant; None: any between 1/3 and 3.
     """

@@ -7,6 +7,7 @@ import drjit as dr
 import mitsuba as mi
 
 from urushi.openpbr_surface import sheen
+from urushi.render.latents.holders import tabulated
 from urushi.render.plugins.coats import Turn, TurnedMixture
 from urushi.render.plugins.openpbr_compensation import Compensation
 from urushi.render.reading.openpbr_inputs import Inputs
@@ -120,7 +121,8 @@ def define(base: type) -> type:
         def __init__(self, inputs: Inputs, make: Callable[[Layers | None], Layers]):
             """Make the layers.
 
-            make: gives those that the parameters need, of former ones what still serves.
+            make: returns the layers that the parameters need, and reuses previous ones that still
+                fit.
             """
             super().__init__(mi.Properties("openpbr"))
             self._inputs, self._make = inputs, make
@@ -174,7 +176,8 @@ def define(base: type) -> type:
             for part in vertex.parts:
                 own, density = part.bsdf._f_and_pdf(part.vertex, ctx, si, wo, active)
                 if part.bsdf is self._coated:
-                    own = self._layers.below.below_coat(own, si, wo, active)
+                    if self._coat_has_codes():
+                        own = self._layers.below.below_coat(own, si, wo, active)
                     if self._compensation:
                         own = self._compensation.completed(vertex.compensation, own, wo)
                 f += part.weight * own
@@ -191,6 +194,10 @@ def define(base: type) -> type:
             ]
             proposal = SurfaceProposal(proposals, self._diffuse_share())
             return TurnedMixture(proposal, vertex.turn) if vertex.turn else proposal
+
+        def _coat_has_codes(self) -> bool:
+            """Whether networks evaluate the coat, which know a film by one mean reflectance."""
+            return tabulated(getattr(self._coated, "latents", None)) is None
 
         def _diffuse_share(self) -> float:
             """Share of cosine-distributed directions, beyond those of the parts."""
@@ -238,7 +245,7 @@ def define(base: type) -> type:
 
 
 def _under_fuzz(fuzz: Fuzz, f, si, wo):
-    """Fuzz over f [1/sr]: it covers a share of the surface, and passes what it reflects not.
+    """Fuzz over f [1/sr]: it covers a fraction of the surface and transmits the rest.
 
     The specification's layering by the albedo of the direction that is seen.
     """

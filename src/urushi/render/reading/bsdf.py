@@ -31,8 +31,8 @@ def bsdf_source(bsdf: "mi.BSDF") -> Source:
     name = bsdf.class_name()
     if mi.variant() is None or mi.variant().startswith("scalar") or mi.is_polarized:
         raise PlatformError(
-            f"encode {name}: BSDFs are not read in the variant {mi.variant()}; choose llvm_ad_rgb "
-            "or another vectorised one without polarization before loading the scene"
+            f"encode {name}: BSDFs cannot be read in the variant {mi.variant()}; choose "
+            "llvm_ad_rgb or another vectorised one without polarization before loading the scene"
         )
     _check_encodable(bsdf, name)
     transmitted, mirrored = excluded_shares(bsdf)
@@ -139,18 +139,17 @@ def _check_encodable(bsdf: "mi.BSDF", name: str) -> None:
     """Refuse a BSDF that has no value in the middle of uv, or no rough reflection."""
     if stranger := not_over_uv(bsdf):
         raise ParameterError(
-            f"encode {name}: the BSDF depends on {stranger} and not over uv; "
-            "give a texture over uv, or what is the same everywhere"
+            f"encode {name}: the BSDF depends on {stranger} and not on uv; "
+            "give a texture over uv, or a constant"
         )
     flags, has = bsdf.flags(), mi.has_flag
     if has(flags, mi.BSDFFlags.DiffuseReflection) or has(flags, mi.BSDFFlags.GlossyReflection):
         return
     if has(flags, mi.BSDFFlags.DeltaReflection):
         raise ParameterError(
-            f"encode {name}: the BSDF is perfectly smooth, and a material has no mirror images; "
+            f"encode {name}: the BSDF is perfectly smooth, but a material must be rough; "
             "give its rough variant, such as 'roughconductor' of alpha 0.01"
         )
     raise ParameterError(
-        f"encode {name}: the BSDF reflects nothing, it only lets light through; "
-        "a material is opaque"
+        f"encode {name}: the BSDF reflects nothing but only transmits; a material must be opaque"
     )

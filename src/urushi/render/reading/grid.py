@@ -49,7 +49,7 @@ def choose(
     for name, part in parts.items():
         if dependence := not_over_uv(part):
             raise ParameterError(
-                f"{where}: {name} depends on {dependence} and not over uv, where coats are baked; "
+                f"{where}: {name} depends on {dependence}, but coats are baked over uv; "
                 "give a texture over uv, or use the plugin 'layered', which evaluates every point"
             )
         grids += map(_texture_grid, varying_textures(part))

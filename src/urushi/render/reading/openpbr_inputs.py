@@ -1,6 +1,6 @@
 """The parameters of the plugin `openpbr`, as textures, and textures that are computed from them."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache
 from typing import Any
 
@@ -92,6 +92,17 @@ class Inputs:
         if name not in self._relied:
             self._relied[name] = _texture_value(self.textures[name])[0]
         return self.constants[name]
+
+    def is_uniform(self, names: Iterable[str]) -> bool:
+        """Whether parameters are now the same everywhere."""
+        return not any(self.textures[name].is_spatially_varying() for name in names)
+
+    def middle(self, name: str) -> float:
+        """The present value of a number in the middle of uv."""
+        si = dr.zeros(mi.SurfaceInteraction3f)
+        si.uv = mi.Point2f(0.5)
+        with dr.suspend_grad():
+            return float(self.number(name, si, mi.Bool(True)).numpy()[0])
 
     def refresh(self) -> bool:
         """Whether constants that code relies on have changed by `mi.traverse`, or need gradients.
@@ -194,7 +205,7 @@ class Inputs:
             return
         if not ignore:
             raise ParameterError(
-                f"{self.where}: {name} asks for {feature}, which the plugin does not have; "
+                f"{self.where}: {name} needs {feature}, which the plugin does not support; "
                 'leave it out, or set unsupported to "ignore"'
             )
         mi.Log(mi.LogLevel.Warn, f"{self.where}: {feature} is left out ({name})")

@@ -305,7 +305,7 @@ def check_bottom(bsdf: "mi.BSDF", where: str) -> None:
     flags, has = bsdf.flags(), mi.has_flag
     if has(flags, mi.BSDFFlags.Transmission) or has(flags, mi.BSDFFlags.Null):
         raise ParameterError(
-            f"{where}: the nested BSDF lets light through; a coat needs an opaque bottom"
+            f"{where}: the nested BSDF transmits light; a coat needs an opaque bottom"
         )
     if has(flags, mi.BSDFFlags.Delta):
         raise ParameterError(
@@ -323,7 +323,7 @@ def check_rotation(bottom: "mi.BSDF", where: str) -> None:
     coat = getattr(bottom, "_coat", None)
     if isinstance(coat, CoatTextures) and coat.has_rotation:
         raise ParameterError(
-            f"{where}: the nested coat has a rotation of its own, and all layers share one tangent "
+            f"{where}: the nested coat has its own rotation, but all layers share one tangent "
             "frame; give rotation to the outermost coat only"
         )
 

@@ -185,7 +185,7 @@ def check_values(f: np.ndarray, where: str) -> np.ndarray:
     """
     if not (np.isfinite(f) & (f >= 0)).all():
         raise ParameterError(
-            f"{where}: the nested BSDF gives a negative or not finite value; "
+            f"{where}: the nested BSDF returns a negative or non-finite value; "
             "a BRDF must be finite and at least 0"
         )
     return f

@@ -87,7 +87,7 @@ def _bottom(bottom: BottomDescription) -> tuple[Callable[..., Kernel], list[Valu
         case Conductor(alpha, None, float() | tuple() as eta, float() | tuple() as k):
             return surfaces.conductor_complex, [checks.one_width(alpha, "the bottom's"), eta, k]
     raise ParameterError(
-        f"adding-doubling knows no kernel of a {type(bottom).__name__} bottom; "
+        f"adding-doubling has no kernel for a {type(bottom).__name__} bottom; "
         "give a conductor, dielectric or diffuse"
     )
 
