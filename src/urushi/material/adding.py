@@ -175,6 +175,7 @@ def bottom_modes(f: Brdf) -> np.ndarray:
     return np.stack([own.brdf_modes(*column) for column in columns])
 
 
+@functools.lru_cache(maxsize=8)
 def interface_modes(alpha: float, eta: float) -> np.ndarray:
     """Modes (H, N, N) of the reflection of an interface from below; eta: below over above."""
     own = grid()

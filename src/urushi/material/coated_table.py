@@ -113,16 +113,36 @@ def coated_rest(bottom: Material, coat: CoatParameters) -> np.ndarray:
     for interface in np.unique(parameters[:2], axis=1).T:
         chosen = np.flatnonzero((parameters[:2] == interface[:, None]).all(axis=0))
         own = np.minimum(chosen, bottom.channels - 1)
-        below = _below(bottom, modes, own, interface, parameters[2:, chosen], peak)
-        values = np.empty((len(result), len(chosen)), np.float32)
+        first, which = _distinct(bottom, own, parameters[2:, chosen])
+        media = parameters[2:, chosen[first]]
+        below = _below(bottom, modes, own[first], interface, media, peak)
+        values = np.empty((len(result), len(first)), np.float32)
         fill_blocks(
             values,
             lambda *pair, below=below, interface=interface: _crossed(below, *interface, *pair),
             *node_pairs(),
             rows=ROWS,
         )
-        result[:, chosen] = values
+        result[:, chosen] = values[:, which]
     return result
+
+
+def _distinct(
+    bottom: Material, channels: np.ndarray, media: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Indices (D,) of channels (C,) under media (3, C) that differ, and the place (C,) of each
+    channel among them. A grey material is computed once."""
+    assert bottom.table is not None  # for the type checker
+    known: dict[tuple[bytes, ...], int] = {}
+    first, which = [], []
+    for index, (channel, medium) in enumerate(zip(channels, media.T, strict=True)):
+        parts = bottom.table[..., channel], bottom.latents[channel], medium
+        key = tuple(part.tobytes() for part in parts)
+        if key not in known:
+            known[key] = len(first)
+            first.append(index)
+        which.append(known[key])
+    return np.array(first), np.array(which)
 
 
 def coated_table(

@@ -1,4 +1,4 @@
-"""The plugin `openpbr`: OpenPBR Surface, its coat by the networks or by random walks."""
+"""The plugin `openpbr`: OpenPBR Surface, its coat by a table, networks or random walks."""
 
 from typing import Any
 
@@ -46,7 +46,7 @@ def define(proposal_bsdf: type):
 
         The base is a closed form. A dielectric reflects by single scattering and transmits the rest
         to the diffuse slab, of which the fraction base_color leaves again; a metal has the F82-tint
-        term. The coat's light transport is computed by networks or walks, and coat_weight mixes the
+        term. The coat's light transport is computed by a table, networks or walks; coat_weight mixes the
         BRDFs of the bare and the coated base. Fuzz lies above both. Not supported, and refused or
         left out with a warning, are transmission, subsurface scattering, the thin-walled mode, and
         separate directions for the coat. Light is emitted by the emitter ``openpbr_emission``.
@@ -56,6 +56,9 @@ def define(proposal_bsdf: type):
         that were left out because of it, for instance a coat or fuzz of weight zero, are created. A
         coat is updated with its base, and the energy compensation is computed again if it depends
         on the change.
+
+        Where all parameters are constant and isotropic and the base is not smooth, the coat is
+        computed as a table when the material is loaded. Networks layer all others.
 
         If the coat's index exceeds the base's, total internal reflection occurs at the base. For a
         specular_roughness below 0.3, networks use the inverse ratio of indices; they clamp
