@@ -134,7 +134,8 @@ def _distinct(
     channel among them. A grey material is computed once."""
     assert bottom.table is not None  # for the type checker
     known: dict[tuple[bytes, ...], int] = {}
-    first, which = [], []
+    first: list[int] = []
+    which: list[int] = []
     for index, (channel, medium) in enumerate(zip(channels, media.T, strict=True)):
         parts = bottom.table[..., channel], bottom.latents[channel], medium
         key = tuple(part.tobytes() for part in parts)
