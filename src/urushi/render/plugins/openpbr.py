@@ -46,11 +46,12 @@ def define(proposal_bsdf: type):
 
         The base is a closed form. A dielectric reflects by single scattering and transmits the rest
         to the diffuse slab, of which the fraction base_color leaves again; a metal has the F82-tint
-        term. The coat's light transport is computed by a table, networks or walks; coat_weight mixes
-        the BRDFs of the bare and the coated base. Fuzz lies above both. Not supported, and refused or
-        left out with a warning, are transmission, subsurface scattering, the thin-walled mode, and
-        separate directions for the coat. Light is emitted by the emitter ``openpbr_emission``.
-        Reflects on the front side only: nest it in ``twosided`` for both sides.
+        term. The coat's light transport is computed by a table, networks or walks; coat_weight
+        mixes the BRDFs of the bare and the coated base. Fuzz lies above both. Not supported, and
+        refused or left out with a warning, are transmission, subsurface scattering, the thin-walled
+        mode, and separate directions for the coat. Light is emitted by the emitter
+        ``openpbr_emission``. Reflects on the front side only: nest it in ``twosided`` for both
+        sides.
 
         A number that ``mi.traverse`` changes is treated like a texture from then on. Components
         that were left out because of it, for instance a coat or fuzz of weight zero, are created. A
