@@ -97,7 +97,7 @@ def test_four_devices_learn_the_same_as_one(four, tiny, tiny_data, tmp_path):
 @pytest.mark.slow
 def test_stacks_that_do_not_divide_use_fewer_devices_or_are_refused(four):
     assert four[0]["six stacks"] == 3
-    assert "a step sees 7 stacks, which 4 devices cannot share evenly" in four[0]["error"]
+    assert "a step uses 7 stacks, which 4 devices cannot share evenly" in four[0]["error"]
 
 
 def test_one_device_takes_any_number_of_stacks():
