@@ -50,7 +50,7 @@ def parts(weights: str | None) -> dict[str, Any]:
     functions: dict[str, Any] = {
         "evaluations": functools.partial(costs.evaluations, weights),
         "renders": functools.partial(costs.renders, weights),
-        "memory": costs.memory,
+        "memory": functools.partial(costs.memory, paper),
         "new": functools.partial(costs.new_materials, paper),
     }
     for n in INTERFACES:

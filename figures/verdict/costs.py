@@ -130,13 +130,20 @@ def renders(paper: str | None) -> dict[str, dict[str, float]]:
     return found
 
 
-def memory() -> dict[str, dict[str, int]]:
+def memory(paper: Model | None = None) -> dict[str, dict[str, int]]:
     """Bytes of a constant RGB material in single precision, and of a texel.
 
     Numbers of parametric models take one byte of a texel. `texel 6` is for six interfaces.
     """
     material, texel = 3 * 4 * default_model().arch.latent, texel_bytes()
     found = {known.NETWORKS: {"material": material, "texel": texel, "texel 6": texel}}
+    if paper is not None:
+        texel = packing.texel_layout(paper, 3).texel_bytes
+        found[known.PAPER] = {
+            "material": 3 * 4 * paper.arch.latent,
+            "texel": texel,
+            "texel 6": texel,
+        }
     for name in (known.WALK, known.BOTH_WAYS, *known.RIVALS):  # as of surfaces of one width
         numbers = COAT_NUMBERS + BOTTOM_NUMBERS
         found[name] = {

@@ -159,10 +159,12 @@ def costs(found: dict[str, Any]) -> str:
     head += ["material [B]", "texel [B]", "six interfaces [B]", "new material [s]"]
     lines = []
     for name in rows(found):
-        exchange = max(found[f"interfaces_{n}"][name]["exchange"] for n in INTERFACES)
+        by_number = [found[f"interfaces_{n}"] for n in INTERFACES]
+        measured = [part[name] for part in by_number if name in part]
+        exchange = max(part["exchange"] for part in measured)
         walked = name in known.ESTIMATORS
         memory = found["memory"].get(name, {})
-        fit = np.mean([found[f"interfaces_{n}"][name]["seconds"] for n in INTERFACES])
+        fit = np.mean([part["seconds"] for part in measured])
         own = found["new"].get(name, float(fit))
         lines.append(
             [
