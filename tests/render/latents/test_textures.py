@@ -138,7 +138,7 @@ def test_isotropic_networks_take_the_mean_of_a_textured_openpbr_base_of_two_widt
         mean_and_error(rgb, rgb.load_dict(described | {"base_color": of_base}), (0.5, 0.5))[0]
         for of_base in ({"type": "rgb", "value": colour}, bitmap(rgb, np.full((2, 2, 3), colour)))
     ]
-    # Azimuths of the averages are random, of the white twins' too, and a texture's codes have 8 bits.
+    # Azimuths of all averages are random, and a texture's codes have 8 bits.
     np.testing.assert_allclose(*values, rtol=0.03)
 
 
