@@ -67,7 +67,7 @@ def test_encode_a_bsdf_of_a_scene(tmp_path):
 @pytest.mark.parametrize(
     ("mark", "flags", "sentence"),
     [
-        ("", [], "has 2 BSDFs; name one as "),
+        ("", [], "has 2 BSDFs; select one by "),
         ("", [], "#ID' with an ID from: floor, wall"),
         ("#roof", [], "has no BSDF 'roof' on a shape; it has: floor, wall"),
         ("#wall", ["-m", "llvm_rgb"], "Mitsuba has no variant 'llvm_rgb'"),

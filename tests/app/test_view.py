@@ -200,7 +200,7 @@ def test_a_bsdf_of_a_scene_becomes_codes(tmp_path, rgb):
     assert (shown["name"], shown["bottom"]["kind"]) == ("gold", "codes")
     latents = np.reshape(shown["bottom"]["latents"], (3, -1))
     np.testing.assert_allclose(latents[:, 0], 0.3, rtol=1e-6)  # the lobe's width
-    with pytest.raises(ParameterError, match=r"has 2 BSDFs; name one as .*clay, gold"):
+    with pytest.raises(ParameterError, match=r"has 2 BSDFs; select one by .*clay, gold"):
         view.first_material(str(path), None)
     with pytest.raises(ParameterError, match="has no BSDF 'tin'"):
         view.first_material(f"{path}#tin", None)

@@ -193,7 +193,7 @@ def test_probed_stacks_are_encoded_from_their_own_values(tiny, tmp_path):
 def test_presets_that_do_not_fit_their_data_get_one_sentence(tiny, tiny_data, depths):
     with pytest.raises(ParameterError, match="stacks of up to 2 coats, but the preset draws"):
         Batches(depths, (4, 4), seed=0)
-    with pytest.raises(ParameterError, match="multiple of the 12 that a step sees"):
+    with pytest.raises(ParameterError, match="multiple of the 12 that a step uses"):
         examples.load(Store.open(tiny_data), tiny.arch, 12, EVERYTHING)
     store = Store.open(tiny_data)
     gap = dataclasses.replace(store.spec, parts=store.spec.parts[1:])
