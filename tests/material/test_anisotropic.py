@@ -146,7 +146,7 @@ def test_layers_share_one_tangent(lacquered):
     isotropic = urushi.dielectric(alpha=0.2, eta=1.4)
     assert urushi.layer(isotropic, lacquered[0].rotated(25)).rotation == 25
     assert urushi.layer(SATIN, lacquered[0].rotated(180)).rotation == 180
-    with pytest.raises(ParameterError, match="turned by 25 degrees.*share one tangent"):
+    with pytest.raises(ParameterError, match="rotated by 25 degrees.*share one tangent"):
         urushi.layer(SATIN, lacquered[0].rotated(25))
 
 
@@ -159,7 +159,7 @@ def test_blends(lacquered, pairs):
     assert np.isfinite(f).all() and (f > 0).all()
     mixed = urushi.lerp(urushi.encode(urushi.diffuse(0.5)), a, 0.5)
     assert mixed.model is anisotropic_model()
-    with pytest.raises(ParameterError, match="turned by 10 and 0 degrees"):
+    with pytest.raises(ParameterError, match="rotated by 10 and 0 degrees"):
         urushi.lerp(a.rotated(10), b, 0.5)
 
 

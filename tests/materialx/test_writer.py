@@ -79,7 +79,7 @@ def test_what_openpbr_cannot_describe_is_refused(tmp_path, stack, message):
     ("values", "message"),
     [
         ({"coat_weight": 0.5}, "coat_weight is 0.5"),
-        ({"coat_weight": 1.0, "fuzz_weight": 0.5}, "has no fuzz_weight"),
+        ({"coat_weight": 1.0, "fuzz_weight": 0.5}, "cannot represent fuzz_weight"),
         ({"coat_weight": 1.0}, "a metal .* or a Lambertian"),
         ({"coat_weight": 1.0, "specular_weight": 0.0, "coat_color": (0, 1, 1)}, "coat_color is 0"),
     ],
