@@ -233,5 +233,5 @@ def test_what_the_model_does_not_describe_is_refused() -> None:
         weier.f(diffuse(0.5), [[0.0, 0.0, 1.0]], [[0.0, 0.0, 1.0]])
     names = BOTTOM_KINDS["mixture"][1]
     table = bare("mixture", **dict.fromkeys(names, 0.5))
-    with pytest.raises(ParameterError, match="no 'mixture' bottom"):
+    with pytest.raises(ParameterError, match="do not support a 'mixture' bottom"):
         weier.rows(table, np.zeros(1, np.uint32), np.float32([[0, 0, 1]]), np.float32([[0, 0, 1]]))
