@@ -89,7 +89,8 @@ def nodes(eta: float | None = None) -> tuple[np.ndarray, np.ndarray]:
 def hemisphere_mean(table: np.ndarray, etas: np.ndarray | None = None) -> np.ndarray:
     """2 times the integral of a table (..., COSINES) times the cosine over [0, 1].
 
-    Exact for tables that are linear in the coordinate between the nodes, as they are interpolated.
+    The tables are interpolated linearly between their nodes. The integral of this interpolation is
+    exact, up to rounding, where the cosine is a polynomial of the coordinate.
 
     etas: None, or the indices (I,) of a table (I, ROUGHNESSES, COSINES).
     """
