@@ -199,17 +199,14 @@ def _below(
     media: np.ndarray,
     peak: HalfVectors,
 ) -> Below:
-    """S for channels (C,) of the bottom under media (3, C)."""
+    """S for channels (C,) of the bottom under media (3, C), which differ; see `_distinct`."""
     assert bottom.table is not None  # for the type checker
     wi, wo = node_pairs()
-    back, known = adding.interface_modes(*interface), {}
+    back = adding.interface_modes(*interface)
     table, depths = [], []
     inverse = (1 / wi[:, 2] + 1 / wo[:, 2]).reshape(SHAPE)
     for channel, medium in zip(channels, media.T, strict=True):
-        key = modes[channel].tobytes(), medium.tobytes()
-        if key not in known:
-            known[key] = adding.seen_inside(modes[channel], back, *medium)
-        again, depth = known[key]
+        again, depth = adding.seen_inside(modes[channel], back, *medium)
         more = adding.grid().interpolated(again[..., None], wi, wo).reshape(SHAPE)
         own = np.exp(bottom.table[..., channel].astype(np.float32) - depth * inverse)
         table.append(np.log(np.maximum(own + more, 1e-30)))
