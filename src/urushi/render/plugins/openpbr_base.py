@@ -50,7 +50,7 @@ SCHLICK_SHARE = 0.8
 #: of two widths became up to 15 % too dark, and textures would take long to encode.
 MULTIPLE_FROM = 0.5
 
-#: specular_roughness from which a coat over another constant base takes a table of the base.
+#: specular_roughness from which a coat over a constant, isotropic base takes a table of it.
 TABULATED_FROM = 0.15
 
 #: The parameters of an isotropic metal besides its specular_roughness.
@@ -251,14 +251,13 @@ def define(base: type) -> type:
 
         @property
         def tabulated(self):
-            """The base as it is, without what networks cannot encode; None: coats take codes.
+            """The base without the limits of networks, of which a coat takes a table; None: coats
+            take codes.
 
-            A constant coat over a constant, isotropic base that is not a metal takes a table of it,
-            see `urushi.material.coated_table`. The lobe of smooth bases is too narrow for a table.
+            A constant coat over a constant, isotropic base takes a table, see
+            `urushi.material.coated_table`. The lobe of a smooth base is too narrow for a table.
             """
-            if not self._encoded:
-                return None
-            if not is_rough(self._inputs, NAMES, TABULATED_FROM):
+            if not (self._encoded and is_rough(self._inputs, NAMES, TABULATED_FROM)):
                 return None
             return type(self)(self._inputs, self._under_coat, False, self._compensated)
 
@@ -357,7 +356,7 @@ def is_rough_constant(inputs: Inputs) -> bool:
 
 
 def is_rough(inputs: Inputs, names: Iterable[str], least: float) -> bool:
-    """Whether parameters are constant and isotropic, and specular_roughness is at least so much."""
+    """Whether the named parameters are constant, and the base is isotropic and as rough as least."""
     return (
         inputs.is_uniform((*names, "specular_roughness", "specular_roughness_anisotropy"))
         and inputs.middle("specular_roughness_anisotropy") == 0
