@@ -356,7 +356,7 @@ def is_rough_constant(inputs: Inputs) -> bool:
 
 
 def is_rough(inputs: Inputs, names: Iterable[str], least: float) -> bool:
-    """Whether the named parameters are constant, and the base is isotropic and as rough as least."""
+    """Whether parameters are constant, the base isotropic and its roughness at least `least`."""
     return (
         inputs.is_uniform((*names, "specular_roughness", "specular_roughness_anisotropy"))
         and inputs.middle("specular_roughness_anisotropy") == 0
