@@ -4,7 +4,7 @@ Command: `python -m benchmarks.quality.table`; half a minute on one core.
 
 Prints, for bare surfaces and coats over them, the error E of f by table against f by the decoder,
 the median relative difference and the 99th percentile, over cosine-distributed pairs and pairs near
-the mirror direction.
+the mirror direction. The last materials have two GGX widths.
 """
 
 import drjit as dr
@@ -31,6 +31,27 @@ def materials() -> dict[str, Material]:
         "clear coat on polished metal": layer(dielectric(0.02, 1.5), conductor(0.03, r0=0.9)),
         "two coats": layer(
             dielectric(0.3, 1.5), layer(dielectric(0.02, 1.5), gold, sigma_t=1, albedo=0.9)
+        ),
+        "lacquer on brushed metal": layer(
+            dielectric(0.05, 1.5),
+            conductor(alpha_u=0.08, alpha_v=0.4, r0=(0.9, 0.6, 0.3)),
+            sigma_t=0.3,
+            albedo=0.5,
+        ),
+        "clear coat on hairline metal": layer(
+            dielectric(0.02, 1.5), conductor(alpha_u=0.03, alpha_v=0.24, r0=0.9)
+        ),
+        "brushed coat on diffuse": layer(
+            dielectric(alpha_u=0.05, alpha_v=0.3, eta=1.5),
+            urushi.diffuse(0.5),
+            sigma_t=1,
+            albedo=0.8,
+        ),
+        "brushed coat on brushed metal": layer(
+            dielectric(alpha_u=0.3, alpha_v=0.05, eta=1.5),
+            conductor(alpha_u=0.05, alpha_v=0.3, r0=0.7),
+            sigma_t=0.5,
+            albedo=0.8,
         ),
     }
 

@@ -11,17 +11,20 @@ interpolated linearly in three coordinates in [0, 1]:
 with the half and the difference angle of Rusinkiewicz (1998), c = (cos_i + cos_o) / 2,
 d = (cos_i - cos_o) / 2 and s = sin theta_h sin theta_d; neither c nor s is below |d|. The nodes are
 densest for small half angles, where lobes are narrow, and where a direction grazes the surface.
-Exchanging wi and wo leaves the coordinates the same to the bit.
+Exchanging wi and wo leaves the coordinates the same to the bit. Rests of two GGX widths have the
+four coordinates of `anisotropic_table`.
 
 The table of a rest adds an error E of less than 0.05 % to most materials, and 0.15 % where a sharp
-coat covers a sharp lobe (`python -m benchmarks.quality.table`).
+coat covers a sharp lobe; with two widths 0.1 to 0.5 % (`python -m benchmarks.quality.table`).
 """
 
 import functools
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
+from urushi.material import anisotropic_table
 from urushi.nets.decoder import EMPTY_GAIN, MAX_LOG, MIN_LOG
 from urushi.nets.features import MIN_COSINE, direction_features
 from urushi.nets.networks import UrushiNetworks
@@ -38,15 +41,19 @@ BLOCK = 4096
 
 
 def rest_table(networks: UrushiNetworks, latents: np.ndarray) -> np.ndarray | None:
-    """ln f of the rests of codes (C, L): float32 (U, V, W, C); None if there are none."""
+    """ln f of the rests of codes (C, L): float32 (U, V, W, C); None if there are none.
+
+    (*`anisotropic_table.SHAPE`, C) of networks of two widths.
+    """
     if (latents[:, networks.arch.lobe] <= EMPTY_GAIN).all():
         return None
-    features = _node_features()
+    features = _node_features(networks.arch.widths)
     logs = [
         np.log(networks.rest(latents, features[start : start + BLOCK, None]))
         for start in range(0, len(features), BLOCK)
     ]
-    return np.concatenate(logs).reshape(*SHAPE, len(latents))
+    shape = SHAPE if networks.arch.widths == 1 else anisotropic_table.SHAPE
+    return np.concatenate(logs).reshape(*shape, len(latents))
 
 
 def table_of_values(f: np.ndarray) -> np.ndarray:
@@ -56,30 +63,36 @@ def table_of_values(f: np.ndarray) -> np.ndarray:
 
 
 def interpolated(table: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
-    """f float32 (N, C) [1/sr] of a table (U, V, W, C) for pairs (N, 3) above the horizon."""
-    return interpolated_at(table, *coordinates(wi, wo))
+    """f float32 (N, C) [1/sr] of a table (U, V, W, C) for pairs (N, 3) above the horizon.
+
+    The table may be one of four coordinates.
+    """
+    of = coordinates if table.ndim == 1 + len(SHAPE) else anisotropic_table.coordinates
+    return interpolated_at(table, *of(wi, wo))
 
 
 def interpolated_at(table: np.ndarray, *places: np.ndarray) -> np.ndarray:
-    """f float32 (N, C) [1/sr] of a table (U, V, W, C) at `coordinates`, three arrays (N,)."""
-    _, columns, depth = SHAPE
-    rows = table.reshape(-1, table.shape[-1])
-    indices, shares = [], []
-    for coordinate, count in zip(places, SHAPE, strict=True):
+    """f float32 (N, C) [1/sr] of a table (..., C) at its coordinates, arrays (N,)."""
+    *shape, channels = table.shape
+    rows = table.reshape(-1, channels)
+    first: np.ndarray | int = 0
+    shares = []
+    for coordinate, count in zip(places, shape, strict=True):
         place = np.clip(coordinate, 0, 1) * (count - 1)
         index = np.minimum(place.astype(np.intp), count - 2)
-        indices.append(index)
+        first = first * count + index
         shares.append((place - index.astype(place.dtype)).astype(np.float32)[:, None])
-    first = (indices[0] * columns + indices[1]) * depth + indices[2]
-    values = [
-        rows[first + (a * columns + b) * depth + c].astype(np.float32, copy=False)
-        for a, b, c in np.ndindex(2, 2, 2)
-    ]
+    values = [rows[first + step].astype(np.float32, copy=False) for step in corner_steps(shape)]
     for share in reversed(shares):
         values = [
             low + share * (high - low) for low, high in zip(values[::2], values[1::2], strict=True)
         ]
     return np.exp(values[0])
+
+
+def corner_steps(shape: Sequence[int]) -> list[int]:
+    """Steps from the first corner of a cell of a table to all corners, the last axis fastest."""
+    return [int(np.ravel_multi_index(corner, shape)) for corner in np.ndindex(*[2] * len(shape))]
 
 
 def coordinates(wi: np.ndarray, wo: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -134,6 +147,7 @@ def node_directions(u: np.ndarray, v: np.ndarray, w: np.ndarray) -> tuple[np.nda
 
 
 @functools.cache
-def _node_features() -> np.ndarray:
-    """The decoder's features float32 (N, 8) of the nodes."""
-    return direction_features(*node_pairs())
+def _node_features(widths: int) -> np.ndarray:
+    """The decoder's features float32 (N, D) of the nodes, for networks of one width or two."""
+    pairs = node_pairs() if widths == 1 else anisotropic_table.node_pairs()
+    return direction_features(*pairs, widths)

@@ -168,7 +168,7 @@ class PaperSampler:
         """Width and share; neither depends on directions."""
         return [np.array(value, np.float32) for value in proxy.proxy(self._params, latent)]
 
-    def proposal_of_table(self, table: Sequence, cos_i) -> Gaussian:
+    def proposal_of_table(self, table: Sequence, wi) -> Gaussian:
         """The proposal from width and share."""
         return Gaussian(*table)
 

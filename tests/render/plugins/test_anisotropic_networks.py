@@ -6,6 +6,8 @@ import pytest
 import urushi
 from urushi.errors import ParameterError
 from urushi.geometry.direction_sets import cosine_pairs
+from urushi.geometry.frames import rotated
+from urushi.material.table import interpolated, rest_table
 from urushi.nets.weights import anisotropic_model, default_model
 
 BRUSHED = {"type": "roughconductor", "distribution": "ggx", "material": "Cu"}
@@ -48,10 +50,14 @@ def test_plugins_are_materials(rgb, pairs, base, widths, degrees, tmp_path):
     turn = {"rotation": float(degrees)} if degrees else {}
     bsdf = coated(rgb, base, **widths, **turn)
     assert bsdf.model is anisotropic_model()
-    material = expected(rgb, base, **widths).rotated(degrees)
+    material = expected(rgb, base, **widths)
     f, pdf = values(rgb, bsdf, *pairs)
-    np.testing.assert_allclose(f, material.f(*pairs), rtol=1e-4, atol=1e-6)
-    np.testing.assert_allclose(pdf, material.pdf(*pairs), rtol=1e-4, atol=1e-6)
+    turned = [w.astype(np.float32) for w in (rotated(w, -degrees / 360) for w in pairs)]
+    rest = interpolated(rest_table(material.model.networks, material.latents), *turned)
+    top = material.model.networks.top(material.latents[:, None], *turned).T
+    np.testing.assert_allclose(f, top + rest, rtol=1e-3, atol=1e-6)
+    # The proposal is linear between 65 cosines and 9 azimuths.
+    np.testing.assert_allclose(pdf, material.rotated(degrees).pdf(*pairs), rtol=0.03, atol=1e-3)
     bsdf.save(tmp_path / "saved.safetensors")
     saved = rgb.load_dict({"type": "neural_brdf", "filename": str(tmp_path / "saved.safetensors")})
     np.testing.assert_array_equal(values(rgb, saved, *pairs)[0], f)
@@ -137,7 +143,10 @@ def test_pictures_agree_with_the_walk(rgb):
 
 
 def test_gradients_of_widths_and_angle_agree_with_differences(rgb):
-    """To 3 %. The azimuth changes f within a degree where a half vector is near an axis."""
+    """To 3 %. The azimuth changes f within a degree where a half vector is near an axis.
+
+    All values are those of codes with gradients: without, a table adds a tenth of a percent.
+    """
     import drjit as dr
 
     from urushi.render.reading import probing
@@ -154,6 +163,7 @@ def test_gradients_of_widths_and_angle_agree_with_differences(rgb):
     def mean(**changes) -> float:
         for key in keys:
             parameters[key] = start[key] + changes.get(key, 0.0)
+            dr.enable_grad(parameters[key])
         parameters.update()
         return float(dr.sum(weights * bsdf.eval(rgb.BSDFContext(), si, out)[1]).numpy()[0])
 
@@ -163,9 +173,6 @@ def test_gradients_of_widths_and_angle_agree_with_differences(rgb):
         (mean(**{key: steps[key]}) - mean(**{key: -steps[key]})) / (2 * steps[key]) for key in keys
     ]
     mean()
-    for key in keys:
-        dr.enable_grad(parameters[key])
-    parameters.update()
     value = dr.sum(weights * bsdf.eval(rgb.BSDFContext(), si, out)[1])
     dr.backward(value)
     found = [float(np.ravel(dr.grad(parameters[key]).numpy())[0]) for key in keys]

@@ -10,7 +10,7 @@ Mitsuba's differentiable integrators, samples are fixed while the integrand chan
 import os
 from collections.abc import Callable
 from functools import partial
-from typing import Any, ClassVar, NamedTuple, cast
+from typing import Any, ClassVar, NamedTuple
 
 import drjit as dr
 import mitsuba as mi
@@ -23,7 +23,6 @@ from urushi.nets.weights import Model
 from urushi.render.latents.lookup import LatentTexture, are_constant, owned
 from urushi.render.networks.lobe import ANY_LOBE, NO_LOBE, LobeKind, kind_of
 from urushi.render.networks.protocols import Decoder, Proposal, decoder_and_sampler
-from urushi.render.networks.sampler import UrushiSampler
 from urushi.render.networks.table import TabulatedDecoder, padded
 from urushi.render.recording import only_where, signature
 from urushi.textures import file
@@ -75,21 +74,22 @@ class ConstantLatents:
             latents = latents[:1]  # channels of the same code are evaluated once
         whole = table is not None and not beside_lobe
         kind = NO_LOBE if whole else kind_of_codes(model, latents[None])
-        self._is_tabulated = model.widths == 1  # one angle of wi determines the rest
         self._decoder: Decoder | TabulatedDecoder
         self._decoder, self._sampler = decoder_and_sampler(model, kind)
         self._tables = []
-        if isinstance(model.networks, UrushiNetworks) and self._is_tabulated:
+        if isinstance(model.networks, UrushiNetworks):
             self._decoder = TabulatedDecoder(kind)
-            table = rest_table(model.networks, latents) if table is None else table
+            table = self._rest(model.networks, latents) if table is None else table
             self._tables = [] if table is None else [owned(mi.Float, padded(table))]
         self._signature = signature([*map(int, kind), len(self._tables), int(len(latents) == 1)])
         self._decoder_terms = [_opaque(terms) for terms in self._decoder.code_terms(latents)]
         mean = self._material.anchors.mean(axis=0)
-        if self._is_tabulated:
-            self._proposals = [owned(mi.Float, x) for x in self._sampler.tabulated(mean)]
-        else:
-            self._proposals = _opaque(cast(UrushiSampler, self._sampler).code_terms(mean))
+        self._proposals = [owned(mi.Float, x) for x in self._sampler.tabulated(mean)]
+
+    @staticmethod
+    def _rest(networks: UrushiNetworks, latents: np.ndarray) -> np.ndarray | None:
+        """The table of the rests of codes (C, size)."""
+        return rest_table(networks, latents)
 
     @classmethod
     def of(cls, material: Material) -> "ConstantLatents":
@@ -104,13 +104,9 @@ class ConstantLatents:
 
     def vertex(self, si, active) -> Vertex:
         """The vertex at a surface interaction."""
-        if self._is_tabulated:
-            # The table is no argument: it has another width than the directions.
-            propose = partial(self._sampler.proposal_of_table, self._proposals)
-            proposal = only_where(active, propose, si.wi.z)
-        else:
-            of_terms = cast(UrushiSampler, self._sampler).proposal_of_terms
-            proposal = only_where(active, of_terms, self._proposals, si.wi)
+        # The table is no argument: it has another width than the directions.
+        propose = partial(self._sampler.proposal_of_table, self._proposals)
+        proposal = only_where(active, propose, si.wi)
         return Vertex(self._decoder_terms, proposal)
 
     def f(self, vertex: Vertex, si, wo, active) -> list:
@@ -315,6 +311,10 @@ class DifferentiableConstant(ConstantLatents):
         self.tensor = latents
         self._numbers = latents.array
         dr.make_opaque(self._numbers)
+
+    @staticmethod
+    def _rest(networks: UrushiNetworks, latents: np.ndarray) -> None:
+        """No table: f is the decoder's."""
 
     def f(self, vertex: Vertex, si, wo, active) -> list:
         """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""

@@ -49,8 +49,8 @@ class Sampler(Protocol):
     def tabulated(self, latent: np.ndarray) -> Sequence[np.ndarray]:
         """Arrays that `proposal_of_table` needs of a latent code (size,), of any shapes."""
 
-    def proposal_of_table(self, table: Sequence, cos_i) -> Proposal:
-        """The proposal for wi of cosine cos_i, about that of the code.
+    def proposal_of_table(self, table: Sequence, wi) -> Proposal:
+        """The proposal for wi, about that of the code.
 
         table: the arrays of `tabulated`, flattened, as Dr.Jit floats.
         """

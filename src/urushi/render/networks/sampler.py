@@ -9,16 +9,19 @@ import numpy as np
 from urushi.checks import MIN_ALPHA, Widths
 from urushi.nets.features import MIN_COSINE
 from urushi.nets.lobe import WIDTH_PLACES
-from urushi.nets.sampler import MIN_COSINE_SHARE, mixture, sampler_inputs
+from urushi.nets.sampler import MIN_COSINE_SHARE, mixture
 from urushi.nets.weights import Model
 from urushi.physics.mixture import Mixture
 from urushi.render.networks import mlp
 from urushi.render.networks.cooperative import hidden_layers
 from urushi.render.networks.lobe import LobeKind, lobe_features
 
-#: Roots of the cosines at which the proposals of one code are tabulated: most at grazing angles,
-#: where they change most.
-_ROOTS = np.linspace(0.0, 1.0, 129)
+#: Roots of the cosines at which the proposals of one code are tabulated, by the number of GGX
+#: widths: most at grazing angles, where proposals change most.
+_ROOTS = {1: np.linspace(0.0, 1.0, 129), 2: np.linspace(0.0, 1.0, 65)}
+
+#: Squares of the cosine of the azimuth at which they are tabulated for each root.
+_AZIMUTHS = {1: np.ones(1), 2: np.linspace(0.0, 1.0, 9)}
 
 
 class UrushiSampler:
@@ -26,8 +29,8 @@ class UrushiSampler:
 
     A proposal is a mixture of GGX reflection lobes and a cosine lobe (`physics.mixture`), whose
     weights and widths the network gives; the first width is that of the code's own lobe. Those of
-    one isotropic code depend on the cosine of wi alone. They are tabulated, because two entries of
-    a table take half the time of the network.
+    one code depend on the cosine of wi, and on its azimuth if there are two GGX widths. They are
+    tabulated, because two or four entries of a table take half the time of the network.
     """
 
     def __init__(self, model: Model, kind: LobeKind, cooperative: bool | None = None):
@@ -39,38 +42,50 @@ class UrushiSampler:
         self._weight, self._bias = params["sampler.0.weight"], params["sampler.0.bias"]
 
     def tabulated(self, latent: np.ndarray) -> list[np.ndarray]:
-        """The table of a latent code (size,): weights and widths at the squares of `_ROOTS`."""
-        cosines = np.square(_ROOTS, dtype=np.float32)
-        wi = np.stack([np.sqrt(1 - cosines**2), np.zeros_like(cosines), cosines], axis=-1)
+        """Tables of a latent code (size,): the proposals at the nodes, and the lobe's own widths.
+
+        A row has a node's weights, the widths of the network's lobes along the tangent, and those
+        across it if there are two. The azimuth is the fastest.
+        """
+        widths = self._arch.widths
+        nodes = np.meshgrid(_ROOTS[widths] ** 2, _AZIMUTHS[widths], indexing="ij")
+        cosine, along = (x.ravel() for x in nodes)
+        sine = np.sqrt(1 - cosine**2)
+        wi = np.stack([sine * np.sqrt(along), sine * np.sqrt(1 - along), cosine], axis=-1)
         codes = latent[None].astype(np.float32)
-        rows = np.concatenate(mixture(self._params, self._arch, codes, wi), axis=-1)
+        weights, alphas = mixture(self._params, self._arch, codes, wi.astype(np.float32))
+        sides = [alphas.u, alphas.v] if isinstance(alphas, Widths) else [alphas]
+        rows = np.concatenate([weights, *(side[:, 1:] for side in sides)], axis=-1)
         size = 1 << (rows.shape[-1] - 1).bit_length()  # Dr.Jit gathers powers of two at once
-        return [np.pad(rows, [(0, 0), (0, size - rows.shape[-1])])]
+        padded = np.pad(rows, [(0, 0), (0, size - rows.shape[-1])])
+        return [padded, np.stack([side[0, 0] for side in sides])]
 
-    def proposal_of_table(self, table: Sequence, cos_i) -> Mixture:
-        """The mixture for wi of cosine cos_i, linear in the cosine's root between entries."""
-        (numbers,) = table
-        size, last = len(numbers) // len(_ROOTS), len(_ROOTS) - 1
-        place = dr.sqrt(dr.select(cos_i > 0, cos_i, 0)) * last
-        index = dr.minimum(mi.UInt32(place), last - 1)
-        shape, fraction = (size, dr.width(index)), place - mi.Float(index)
-        low, high = (dr.gather(mi.ArrayXf, numbers, index + i, shape=shape) for i in (0, 1))
-        values = [dr.fma(b - a, fraction, a) for a, b in zip(low, high, strict=True)]
-        lobes = 1 + self._arch.lobes
-        return Mixture(values[: lobes + 1], values[lobes + 1 : 2 * lobes + 1])
-
-    def code_terms(self, latent: np.ndarray) -> np.ndarray:
-        """The width or the widths of the code's lobe, and what the code adds to the first layer."""
-        own = latent[list(WIDTH_PLACES[self._arch.widths])]
-        inputs = sampler_inputs(self._arch, latent)
-        return np.concatenate([own, inputs @ self._weight[: len(inputs)] + self._bias])
-
-    def proposal_of_terms(self, terms: Sequence, wi) -> Mixture:
-        """The mixture from `code_terms`, a list of Dr.Jit floats, by the network."""
-        features = sampler_features(wi, self._arch.widths)
-        count = self._arch.widths
-        first = mlp.dense(features, self._weight[-len(features) :], terms[count:])
-        return self._mixture(terms[:count], self._hidden(first))
+    def proposal_of_table(self, table: Sequence, wi) -> Mixture:
+        """The mixture for wi, linear in the cosine's root and in the azimuth between nodes."""
+        rows, own = table
+        widths, lobes = self._arch.widths, self._arch.lobes
+        roots, azimuths = len(_ROOTS[widths]), len(_AZIMUTHS[widths])
+        index, share = _between(dr.sqrt(dr.select(wi.z > 0, wi.z, 0)), roots)
+        steps, shares = [0, azimuths], [share]
+        if widths == 2:
+            x2 = wi.x * wi.x
+            turn, share = _between(x2 / dr.maximum(x2 + wi.y * wi.y, 1e-12), azimuths)
+            index = index * azimuths + turn
+            steps, shares = [0, 1, azimuths, azimuths + 1], [share, *shares]
+        shape = len(rows) // (roots * azimuths), dr.width(index)
+        values = [list(dr.gather(mi.ArrayXf, rows, index + step, shape=shape)) for step in steps]
+        for share in shares:
+            pairs = zip(values[::2], values[1::2], strict=True)
+            values = [
+                [dr.fma(b - a, share, a) for a, b in zip(low, high, strict=True)]
+                for low, high in pairs
+            ]
+        (numbers,) = values
+        sides = [
+            [dr.gather(mi.Float, own, side), *numbers[lobes + 2 + side * lobes :][:lobes]]
+            for side in range(widths)
+        ]
+        return _mixture(numbers[: lobes + 2], sides)
 
     def proposal(self, latent: Sequence, wi) -> Mixture:
         """The mixture from a latent code, a list (size) of Dr.Jit floats, by the network."""
@@ -79,9 +94,9 @@ class UrushiSampler:
         inputs += sampler_features(wi, self._arch.widths)
         first = mlp.dense(inputs, self._weight, self._bias.tolist())
         own = [latent[place] for place in WIDTH_PLACES[self._arch.widths]]
-        return self._mixture(own, self._hidden(first))
+        return self._of_output(own, self._hidden(first))
 
-    def _mixture(self, own: Sequence, output: Sequence) -> Mixture:
+    def _of_output(self, own: Sequence, output: Sequence) -> Mixture:
         """own: the width or the two widths of the code's lobe."""
         k = 1 + self._arch.lobes
         logits = output[: k + 1]
@@ -97,9 +112,21 @@ class UrushiSampler:
         # One side for each width: that of the code's lobe, and those of the other lobes.
         sides = [[width, *alphas[i * (k - 1) :][: k - 1]] for i, width in enumerate(own)]
         sides = [[dr.clip(alpha, MIN_ALPHA, 1) for alpha in side] for side in sides]
-        if len(sides) == 1:
-            return Mixture(weights, sides[0])
-        return Mixture(weights, [Widths(u, v) for u, v in zip(*sides, strict=True)])
+        return _mixture(weights, sides)
+
+
+def _mixture(weights: Sequence, sides: Sequence[Sequence]) -> Mixture:
+    """The proposal of lobes with widths along the tangent, and across it if there are two."""
+    if len(sides) == 1:
+        return Mixture(weights, sides[0])
+    return Mixture(weights, [Widths(u, v) for u, v in zip(*sides, strict=True)])
+
+
+def _between(coordinate, count: int) -> tuple:
+    """The node before a coordinate in [0, 1], of `count` nodes, and the share of the next one."""
+    place = coordinate * (count - 1)
+    index = dr.minimum(mi.UInt32(place), count - 2)
+    return index, place - mi.Float(index)
 
 
 def sampler_features(wi, widths: int = 1):

@@ -6,7 +6,8 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi.material.table import HIGHEST, LOWEST, SHAPE, TAN2_OFFSET
+from urushi.material import anisotropic_table
+from urushi.material.table import HIGHEST, LOWEST, SHAPE, TAN2_OFFSET, corner_steps
 from urushi.render.networks import lobe
 from urushi.render.networks.lobe import LobeKind
 
@@ -33,7 +34,7 @@ class TabulatedDecoder:
         """
         rests = [wi.z * 0] * len(terms)
         if tables:
-            rests = _looked_up(tables[0], len(terms), wi, wo)
+            rests = _looked_up(tables[0], len(terms), wi, wo, self._kind.widths)
         if not self._kind.present:
             return rests
         values = lobe.f(self._kind.complete(terms), wi, wo, self._kind)
@@ -41,26 +42,25 @@ class TabulatedDecoder:
 
 
 def padded(table: np.ndarray) -> np.ndarray:
-    """A table (U, V, W, C) float32 with entries of a power of two, which Dr.Jit gathers at once."""
+    """A table (..., C) as float32, C padded to a power of two, which Dr.Jit gathers at once."""
     channels = table.shape[-1]
     size = 1 << (channels - 1).bit_length()
-    return np.pad(table.astype(np.float32), [*[(0, 0)] * 3, (0, size - channels)])
+    return np.pad(table.astype(np.float32), [*[(0, 0)] * (table.ndim - 1), (0, size - channels)])
 
 
-def _looked_up(table, channels: int, wi, wo) -> list:
+def _looked_up(table, channels: int, wi, wo, widths: int) -> list:
     """f of each channel [1/sr], see `material.table.interpolated`."""
-    indices, shares = [], []
-    for coordinate, count in zip(_coordinates(wi, wo), SHAPE, strict=True):
+    shape = SHAPE if widths == 1 else anisotropic_table.SHAPE
+    places = _coordinates(wi, wo) if widths == 1 else _anisotropic_coordinates(wi, wo)
+    first, shares = mi.UInt32(0), []
+    for coordinate, count in zip(places, shape, strict=True):
         place = dr.clip(coordinate, 0, 1) * (count - 1)
         index = dr.minimum(mi.UInt32(place), count - 2)
-        indices.append(index)
+        first = first * count + index
         shares.append(place - mi.Float(index))
-    _, columns, depth = SHAPE
-    first = (indices[0] * columns + indices[1]) * depth + indices[2]
-    shape = (len(table) // int(np.prod(SHAPE)), dr.width(first))
+    entry = (len(table) // int(np.prod(shape)), dr.width(first))
     corners = [
-        dr.gather(mi.ArrayXf, table, first + (a * columns + b) * depth + c, shape=shape)
-        for a, b, c in np.ndindex(2, 2, 2)
+        dr.gather(mi.ArrayXf, table, first + step, shape=entry) for step in corner_steps(shape)
     ]
     values = [list(corner)[:channels] for corner in corners]
     for share in reversed(shares):
@@ -82,3 +82,21 @@ def _coordinates(wi, wo) -> tuple:
     reach = dr.maximum(dr.minimum(0.5 * z, dr.sqrt(across / squared * sin2)), 1e-9)
     size = dr.clip(0.5 * dr.abs(wi.z - wo.z) / reach, 0, 1)
     return u, dr.sqrt(1 - cos_d), 1 - dr.sqrt(1 - size)
+
+
+def _anisotropic_coordinates(wi, wo) -> tuple:
+    """The coordinates u_x, u_y, v, p, see `material.anisotropic_table.coordinates`."""
+    x, y, z = wi.x + wo.x, wi.y + wo.y, wi.z + wo.z
+    dx, dy = wi.x - wo.x, wi.y - wo.y
+    x2, y2, z2 = x * x, y * y, z * z
+    lowest = anisotropic_table.LOWEST
+    scale = 1 / (anisotropic_table.HIGHEST - lowest)
+    up = 1 / z2
+    along, across = (
+        (dr.log(dr.fma(c, up, anisotropic_table.TAN2_OFFSET)) - lowest) * scale for c in (x2, y2)
+    )
+    cos_d = dr.minimum(0.5 * dr.sqrt(x2 + y2 + z2), 1)
+    size_x, size_y = dr.abs(dx), dr.abs(dy)
+    turned = 0.5 * size_y / dr.maximum(size_x + size_y, 1e-12)
+    angle = dr.select((x * y) * (dx * dy) < 0, 1 - turned, turned)
+    return along, across, dr.sqrt(1 - cos_d), angle

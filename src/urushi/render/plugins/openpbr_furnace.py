@@ -10,6 +10,7 @@ import numpy as np
 from urushi.material import adding, energy
 from urushi.material.albedo_rule import albedo_rule
 from urushi.render.latents.holders import tabulated
+from urushi.render.plugins import openpbr_film
 from urushi.render.plugins.openpbr_albedo import interpolated
 from urushi.render.plugins.openpbr_base import NAMES
 from urushi.render.reading import probing
@@ -78,7 +79,8 @@ class Furnace:
         names = _SHARED if metalness else (*_SHARED, *_OF_DIELECTRICS)
         self._shared = _values(inputs, [name for name in names if name not in self._varying])
         # A constant material may be evaluated by a table, a texture by codes; and so its twin.
-        constant = inputs.is_uniform((*NAMES, *_OF_COATS))
+        film = () if inputs.is_constant("thin_film_weight", 0) else openpbr_film.NAMES
+        constant = inputs.is_uniform((*NAMES, *_OF_COATS, *film))
         twin, uv = _twin(self._shared, metalness, encoded, weights, self._varying, constant)
         with dr.suspend_grad():
             measure = _encoded_losses if encoded else _sampled_losses
