@@ -183,7 +183,7 @@ def define(base: type) -> type:
             color, alpha, eta = vertex.color, vertex.alpha, vertex.eta
             reflected = [self._reflected(w, vertex) for w in (si.wi, wo)]
             mean = self._reflected_mean(vertex)
-            if self._film:
+            if self._film and not self._encoded:
                 for i, w in enumerate((si.wi, wo)):
                     more = self._film.excess(w.z, alpha, eta, si, active)
                     reflected[i] = dr.clip(
@@ -214,8 +214,8 @@ def define(base: type) -> type:
             return self._albedo.reflected_mean(vertex.alpha, vertex.eta)
 
         def _dielectric(self, cosine, eta, si, active):
-            """The Fresnel term of the dielectric."""
-            if self._film:
+            """The Fresnel term of the dielectric; networks take it without the film."""
+            if self._film and not self._encoded:
                 return self._film.dielectric(cosine, eta, si, active)
             return fresnel.dielectric(cosine, eta)[0]
 
@@ -279,7 +279,7 @@ def define(base: type) -> type:
             if self.bare and not self._compensated:
                 scale *= self._mirror.gain(alpha, color)
             if self._film:
-                color, eta = self._film.lobe_terms(eta, color, tint, si, active)
+                color = self._film.metal_in_coat(color, tint, si, active)
             along, across = (alpha.u, [alpha.v]) if isinstance(alpha, Widths) else (alpha, [])
             dielectric = share == 0
             normal, grazing = weight * color, weight * tint
@@ -309,7 +309,9 @@ def define(base: type) -> type:
             """
             if not self._film or not self._encoded:
                 return f
-            return self._film.below_coat(f, self._vertex(si, active), si, wo, active)
+            vertex = self._vertex(si, active)
+            eta = self._relative_index(si, active)
+            return self._film.below_coat(f, vertex, eta, si, wo, active)
 
         def _alpha(self, si, active):
             """The GGX width, or `Widths` of an anisotropic interface."""
@@ -320,6 +322,14 @@ def define(base: type) -> type:
             return Widths(*roughness.lobe_widths(rough, bias, dr))
 
         def _eta(self, si, active):
+            """The index relative to the medium above, as networks take it."""
+            eta = self._relative_index(si, active)
+            if self._encoded:
+                rough = self._inputs.number("specular_roughness", si, active)
+                eta = dr.select((rough < INVERTED_BELOW) & (eta < 1), 1 / eta, eta)
+            return dr.clip(eta, 1 / 3, 3)
+
+        def _relative_index(self, si, active):
             """The index relative to the medium above."""
             ior, coat_ior, coat, weight = (
                 self._inputs.number(name, si, active) for name in INDICES
@@ -328,11 +338,7 @@ def define(base: type) -> type:
                 dr.maximum(ior, roughness.LEAST_INDEX),
                 dr.maximum(coat_ior, roughness.LEAST_INDEX),
             )
-            eta = roughness.base_index(ior, coat_ior, coat, weight, dr)
-            if self._encoded:
-                rough = self._inputs.number("specular_roughness", si, active)
-                eta = dr.select((rough < INVERTED_BELOW) & (eta < 1), 1 / eta, eta)
-            return dr.clip(eta, 1 / 3, 3)
+            return dr.clip(roughness.base_index(ior, coat_ior, coat, weight, dr), 1 / 3, 3)
 
         def traverse(self, callback):
             for name in NAMES:

@@ -117,37 +117,26 @@ class FilmFresnel:
             total += weight * (mi.Spectrum(*values) - fresnel.dielectric(cosine, edge)[0])
         return total
 
-    def lobe_terms(self, eta, f0, tint, si, active):
-        """Substitutes for the film in the base's lobe: metal and dielectric without film.
+    def metal_in_coat(self, f0, tint, si, active):
+        """The mean of `metal` over the angles that light from above has in a coat, a spectrum.
 
-        Means over the angles that light from above has in a coat.
-
-        Returns:
-            A metal's reflectance at normal incidence, and a dielectric's index; spectra.
+        Networks take it for a filmed metal's reflectance at normal incidence.
         """
-        metal_f0, dielectric_f0 = self._metal_in_coat(f0, tint, si, active), mi.Spectrum(0)
-        for cosine in _COAT_COSINES:
-            dielectric_f0 += self.dielectric(mi.Float(cosine), eta, si, active) / len(_COAT_COSINES)
-        root = dr.sqrt(dr.clip(dielectric_f0, 1e-5, 0.25))
-        above = self._film(si, active).eta  # total reflection begins where the film's does
-        return metal_f0, dr.select(above < 1, mi.Spectrum(above), (1 + root) / (1 - root))
-
-    def _metal_in_coat(self, f0, tint, si, active):
-        """The mean of `metal` over the angles that light from above has in a coat."""
         total = mi.Spectrum(0)
         for cosine in _COAT_COSINES:
             c = mi.Float(cosine)
             total += self.metal(c, f0, tint, metal.f82(c, f0, tint), si, active)
         return total / len(_COAT_COSINES)
 
-    def below_coat(self, f, base, si, wo, active):
-        """f [1/sr] of networks for a coat over a filmed base, with the film's change of colour.
+    def below_coat(self, f, base, eta, si, wo, active):
+        """f [1/sr] of networks for a coat over a base, with its film.
 
-        The networks know the base's lobe by the mean reflectances of `lobe_terms`. The light from
-        that lobe is multiplied by the film's reflectance at the refracted half vector of a smooth
-        coat and divided by this mean. The factor is the same with si.wi and wo exchanged.
+        The networks know the base without film of a dielectric, and with the mean reflectance
+        `metal_in_coat` of a metal. The light from the base is multiplied by the quotient of the
+        base's lobe and slab with and without film, at the refracted directions of a smooth coat.
+        The factor is the same with si.wi and wo exchanged.
 
-        base: the base's vertex.
+        base: the base's vertex. eta: its index relative to the coat.
         """
         inputs = self._inputs
         index = dr.maximum(inputs.number("coat_ior", si, active), roughness.LEAST_INDEX)
@@ -159,20 +148,19 @@ class FilmFresnel:
         c = dr.clip(cosine, 0, 1)
 
         color, tint, weight = base.color, base.tint, base.weight
-        f0, eta = self.lobe_terms(base.eta, color, tint, si, active)
+        f0 = self.metal_in_coat(color, tint, si, active)
         coded = dr.lerp(
             tint * fresnel.dielectric(c, eta)[0], weight * metal.f82(c, f0, tint), base.share
         )
         bare = metal.f82(c, color, tint)
         film = dr.lerp(
-            tint * self.dielectric(c, base.eta, si, active),
+            tint * self.dielectric(c, eta, si, active),
             weight * self.metal(c, color, tint, bare, si, active),
             base.share,
         )
-        shine = lobe * coded
         diffuse = (1 - base.share) * dr.inv_pi * color
-        share = shine / dr.maximum(shine + diffuse, _LEAST)
-        return top + (f - top) * dr.lerp(1, film / dr.maximum(coded, _LEAST), share)
+        quotient = (lobe * film + diffuse) / dr.maximum(lobe * coded + diffuse, _LEAST)
+        return top + (f - top) * quotient
 
     def _coat_widths(self, si, active):
         """The coat's GGX width, or both of an anisotropic one."""
