@@ -2,16 +2,18 @@
 
 Prints bytes per texel and the error E (docs/conventions.md) of packed codes, and of codes in half
 precision, against the codes themselves: random coats over all ranges of their parameters, on random
-conductors, three channels per texel; with one index for all, and with one for each channel.
+conductors, three channels per texel; with one index for all, and with one for each channel. Coats
+of the last rows have two GGX widths.
 """
 
 import numpy as np
 from benchmarks.quality.mipmap import cosine_pairs
 
+from urushi.checks import Widths
 from urushi.geometry.error_metrics import stack_error
 from urushi.material import encode
 from urushi.material.layer import layer_texels
-from urushi.nets.weights import default_model
+from urushi.nets.weights import Model, anisotropic_model, default_model
 from urushi.reference import conductor
 from urushi.textures import packing
 
@@ -21,20 +23,23 @@ TEXELS, BOTTOMS = 1024, 16
 def main() -> None:
     """Print the table."""
     print(f"{'indices':12}{'bytes':>8}{'mean E':>10}{'95 %':>10}{'half floats':>14}{'mean E':>10}")
-    for name, low, high in (("1.5", 1.5, 1.5), ("1.2 to 1.8", 1.2, 1.8)):
-        print(f"{name:12}{row(low, high)}", flush=True)
+    for model in (default_model(), anisotropic_model()):
+        for name, low, high in (("1.5", 1.5, 1.5), ("1.2 to 1.8", 1.2, 1.8)):
+            print(f"{name:12}{row(model, low, high)}", flush=True)
 
 
-def row(low: float, high: float) -> str:
+def row(model: Model, low: float, high: float) -> str:
     """The figures for coats of indices between two."""
-    model, rng = default_model(), np.random.default_rng(0)
+    rng = np.random.default_rng(0)
     metals = [conductor(rng.uniform(0.05, 0.6), rng.random(3)) for _ in range(BOTTOMS)]
     bottoms = np.concatenate([encode(metal, model).anchors for metal in metals])
     count = 3 * TEXELS
+    along = np.repeat(0.01 * 100 ** rng.random(TEXELS), 3)
+    across = np.repeat(0.01 * 100 ** rng.random(TEXELS), 3)
     codes = layer_texels(
         model,
         bottoms[rng.integers(len(bottoms), size=count)],
-        alpha=0.01 * 100 ** rng.random(count),
+        alpha=along if model.widths == 1 else Widths(along, across),
         eta=rng.uniform(low, high, count),
         albedo=rng.random(count),
         sigma_t=rng.exponential(1, count),
@@ -42,7 +47,8 @@ def row(low: float, high: float) -> str:
     )
     texels = codes.reshape(TEXELS, 3, -1)
     lowest, highest = codes.min(axis=0), codes.max(axis=0)
-    layout = packing.texel_layout(model, 3, constant=lowest == highest)
+    same = (texels == texels[:, :1]).all(axis=(0, 1))
+    layout = packing.texel_layout(model, 3, lowest == highest, same)
     empty = np.zeros((TEXELS, layout.texel_bytes), np.uint8)
     packed = packing.with_ranges(layout, empty, lowest, highest)
     packing.pack_rows(layout, packed, slice(None), texels)

@@ -97,12 +97,13 @@ def main() -> None:
         "| stacks | number | Weier and Belcour 2020 | Belcour 2018, mean widths | networks |"
         " reference's own |\n|---|---|---|---|---|---|"
     )
-    clear, widest = [], []
+    all_stacks, clear, widest = [], [], []
     for group in groups():
         tables = group.tables(arguments.stacks)
         held = reference(group, arguments.stacks, arguments.out)
         parts = [100 * errors(*part) for part in zip(tables, held, strict=True)]
         print_row(group.name, np.concatenate(parts, axis=1))
+        all_stacks += parts
         if isinstance(group, Clear):
             clear += parts
             widest += [np.maximum(table.alpha.u, table.alpha.v).max(axis=1) for table in tables]
@@ -110,6 +111,8 @@ def main() -> None:
     for low, high in itertools.pairwise(WIDTHS):
         within = (width >= low) & (width < high)
         print_row(f"clear, the coats' largest width {low:g} to {high:g}", e[:, within])
+    model, _, networks, _ = np.concatenate(all_stacks, axis=1)
+    print(f"networks closer to the walk: {(networks < model).sum()} of {len(model)} stacks")
 
 
 if __name__ == "__main__":
