@@ -158,8 +158,9 @@ class FilmFresnel:
             weight * self.metal(c, color, tint, bare, si, active),
             base.share,
         )
-        diffuse = (1 - base.share) * dr.inv_pi * color
-        quotient = (lobe * film + diffuse) / dr.maximum(lobe * coded + diffuse, _LEAST)
+        # Far from a metal's lobe the quotient is one.
+        others = (1 - base.share) * dr.inv_pi * color + _LEAST
+        quotient = (lobe * film + others) / (lobe * coded + others)
         return top + (f - top) * quotient
 
     def _coat_widths(self, si, active):
