@@ -13,12 +13,9 @@ have the same angle. Exchanging wi and wo, and mirroring both, leave the coordin
 the bit.
 """
 
-import functools
 import math
 
 import numpy as np
-
-from urushi.nets.features import MIN_COSINE
 
 #: Nodes in u_x, u_y, v and p.
 SHAPE = (40, 40, 16, 20)
@@ -42,18 +39,6 @@ def coordinates(wi: np.ndarray, wo: np.ndarray) -> tuple[np.ndarray, ...]:
     turned = 0.5 * np.abs(dy) / np.maximum(np.abs(dx) + np.abs(dy), 1e-12)
     angle = np.where((x * y) * (dx * dy) < 0, 1 - turned, turned)
     return along, across, np.sqrt(1 - cos_d), angle
-
-
-@functools.cache
-def node_pairs() -> tuple[np.ndarray, np.ndarray]:
-    """Pairs wi, wo float32 (N, 3) of the nodes, u_x slowest; cosines are at least `MIN_COSINE`."""
-    axes = (np.linspace(0, 1, count) for count in SHAPE)
-    pairs = node_directions(*(x.ravel() for x in np.meshgrid(*axes, indexing="ij")))
-    for w in pairs:
-        w[:, 2] = np.maximum(w[:, 2], MIN_COSINE)
-        w /= np.linalg.norm(w, axis=1, keepdims=True)
-        w.flags.writeable = False
-    return pairs
 
 
 def node_directions(

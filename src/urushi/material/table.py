@@ -20,7 +20,7 @@ coat covers a sharp lobe; with two widths 0.1 to 0.5 % (`python -m benchmarks.qu
 
 import functools
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -32,6 +32,9 @@ from urushi.nets.networks import UrushiNetworks
 #: Nodes in u, v and w.
 SHAPE = (96, 32, 8)
 
+#: Nodes of the table of a rest, by the number of GGX widths.
+SHAPES: dict[int, tuple[int, ...]] = {1: SHAPE, 2: anisotropic_table.SHAPE}
+
 #: Of the coordinate u.
 TAN2_OFFSET = 1e-5
 LOWEST, HIGHEST = math.log(TAN2_OFFSET), math.log(1e3)
@@ -41,10 +44,7 @@ BLOCK = 4096
 
 
 def rest_table(networks: UrushiNetworks, latents: np.ndarray) -> np.ndarray | None:
-    """ln f of the rests of codes (C, L): float32 (U, V, W, C); None if there are none.
-
-    (*`anisotropic_table.SHAPE`, C) of networks of two widths.
-    """
+    """ln f of the rests of codes (C, L): float32 (*`SHAPES[widths]`, C); None if there are none."""
     if (latents[:, networks.arch.lobe] <= EMPTY_GAIN).all():
         return None
     features = _node_features(networks.arch.widths)
@@ -52,8 +52,7 @@ def rest_table(networks: UrushiNetworks, latents: np.ndarray) -> np.ndarray | No
         np.log(networks.rest(latents, features[start : start + BLOCK, None]))
         for start in range(0, len(features), BLOCK)
     ]
-    shape = SHAPE if networks.arch.widths == 1 else anisotropic_table.SHAPE
-    return np.concatenate(logs).reshape(*shape, len(latents))
+    return np.concatenate(logs).reshape(*SHAPES[networks.arch.widths], len(latents))
 
 
 def table_of_values(f: np.ndarray) -> np.ndarray:
@@ -118,8 +117,18 @@ def coordinates_of_sum(
 @functools.cache
 def node_pairs() -> tuple[np.ndarray, np.ndarray]:
     """Pairs wi, wo float32 (N, 3) of the nodes, u slowest; cosines are at least `MIN_COSINE`."""
-    axes = (np.linspace(0, 1, count) for count in SHAPE)
-    pairs = node_directions(*(x.ravel() for x in np.meshgrid(*axes, indexing="ij")))
+    return _raised_pairs(SHAPE, node_directions)
+
+
+def _raised_pairs(
+    shape: Sequence[int], directions: Callable[..., tuple[np.ndarray, np.ndarray]]
+) -> tuple[np.ndarray, np.ndarray]:
+    """The pairs of all nodes of a table, the last axis fastest; cosines at least `MIN_COSINE`.
+
+    directions: from coordinates (N,), one array for each axis, to pairs wi, wo (N, 3).
+    """
+    axes = (np.linspace(0, 1, count) for count in shape)
+    pairs = directions(*(x.ravel() for x in np.meshgrid(*axes, indexing="ij")))
     for w in pairs:
         w[:, 2] = np.maximum(w[:, 2], MIN_COSINE)
         w /= np.linalg.norm(w, axis=1, keepdims=True)
@@ -149,5 +158,7 @@ def node_directions(u: np.ndarray, v: np.ndarray, w: np.ndarray) -> tuple[np.nda
 @functools.cache
 def _node_features(widths: int) -> np.ndarray:
     """The decoder's features float32 (N, D) of the nodes, for networks of one width or two."""
-    pairs = node_pairs() if widths == 1 else anisotropic_table.node_pairs()
+    if widths == 1:
+        return direction_features(*node_pairs())
+    pairs = _raised_pairs(anisotropic_table.SHAPE, anisotropic_table.node_directions)
     return direction_features(*pairs, widths)

@@ -15,6 +15,7 @@ from urushi.physics.mixture import Mixture
 from urushi.render.networks import mlp
 from urushi.render.networks.cooperative import hidden_layers
 from urushi.render.networks.lobe import LobeKind, lobe_features
+from urushi.render.networks.table import interpolated, padded
 
 #: Roots of the cosines at which the proposals of one code are tabulated, by the number of GGX
 #: widths: most at grazing angles, where proposals change most.
@@ -56,31 +57,18 @@ class UrushiSampler:
         weights, alphas = mixture(self._params, self._arch, codes, wi.astype(np.float32))
         sides = [alphas.u, alphas.v] if isinstance(alphas, Widths) else [alphas]
         rows = np.concatenate([weights, *(side[:, 1:] for side in sides)], axis=-1)
-        size = 1 << (rows.shape[-1] - 1).bit_length()  # Dr.Jit gathers powers of two at once
-        padded = np.pad(rows, [(0, 0), (0, size - rows.shape[-1])])
-        return [padded, np.stack([side[0, 0] for side in sides])]
+        return [padded(rows), np.stack([side[0, 0] for side in sides])]
 
     def proposal_of_table(self, table: Sequence, wi) -> Mixture:
         """The mixture for wi, linear in the cosine's root and in the azimuth between nodes."""
         rows, own = table
         widths, lobes = self._arch.widths, self._arch.lobes
-        roots, azimuths = len(_ROOTS[widths]), len(_AZIMUTHS[widths])
-        index, share = _between(dr.sqrt(dr.select(wi.z > 0, wi.z, 0)), roots)
-        steps, shares = [0, azimuths], [share]
+        shape, place = [len(_ROOTS[widths])], [dr.sqrt(dr.select(wi.z > 0, wi.z, 0))]
         if widths == 2:
             x2 = wi.x * wi.x
-            turn, share = _between(x2 / dr.maximum(x2 + wi.y * wi.y, 1e-12), azimuths)
-            index = index * azimuths + turn
-            steps, shares = [0, 1, azimuths, azimuths + 1], [share, *shares]
-        shape = len(rows) // (roots * azimuths), dr.width(index)
-        values = [list(dr.gather(mi.ArrayXf, rows, index + step, shape=shape)) for step in steps]
-        for share in shares:
-            pairs = zip(values[::2], values[1::2], strict=True)
-            values = [
-                [dr.fma(b - a, share, a) for a, b in zip(low, high, strict=True)]
-                for low, high in pairs
-            ]
-        (numbers,) = values
+            shape.append(len(_AZIMUTHS[widths]))
+            place.append(x2 / dr.maximum(x2 + wi.y * wi.y, 1e-12))
+        numbers = interpolated(rows, shape, place)
         sides = [
             [dr.gather(mi.Float, own, side), *numbers[lobes + 2 + side * lobes :][:lobes]]
             for side in range(widths)
@@ -120,13 +108,6 @@ def _mixture(weights: Sequence, sides: Sequence[Sequence]) -> Mixture:
     if len(sides) == 1:
         return Mixture(weights, sides[0])
     return Mixture(weights, [Widths(u, v) for u, v in zip(*sides, strict=True)])
-
-
-def _between(coordinate, count: int) -> tuple:
-    """The node before a coordinate in [0, 1], of `count` nodes, and the share of the next one."""
-    place = coordinate * (count - 1)
-    index = dr.minimum(mi.UInt32(place), count - 2)
-    return index, place - mi.Float(index)
 
 
 def sampler_features(wi, widths: int = 1):

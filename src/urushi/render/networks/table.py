@@ -7,7 +7,7 @@ import mitsuba as mi
 import numpy as np
 
 from urushi.material import anisotropic_table
-from urushi.material.table import HIGHEST, LOWEST, SHAPE, TAN2_OFFSET, corner_steps
+from urushi.material.table import HIGHEST, LOWEST, SHAPES, TAN2_OFFSET, corner_steps
 from urushi.render.networks import lobe
 from urushi.render.networks.lobe import LobeKind
 
@@ -48,27 +48,35 @@ def padded(table: np.ndarray) -> np.ndarray:
     return np.pad(table.astype(np.float32), [*[(0, 0)] * (table.ndim - 1), (0, size - channels)])
 
 
-def _looked_up(table, channels: int, wi, wo, widths: int) -> list:
-    """f of each channel [1/sr], see `material.table.interpolated`."""
-    shape = SHAPE if widths == 1 else anisotropic_table.SHAPE
-    places = _coordinates(wi, wo) if widths == 1 else _anisotropic_coordinates(wi, wo)
+def interpolated(table, shape: Sequence[int], coordinates: Sequence) -> list:
+    """The numbers of an entry (K) of a table (*shape, K), linear between its nodes.
+
+    table: flattened Dr.Jit floats; K is a power of two. coordinates: in [0, 1], one for each axis.
+    """
     first, shares = mi.UInt32(0), []
-    for coordinate, count in zip(places, shape, strict=True):
-        place = dr.clip(coordinate, 0, 1) * (count - 1)
+    for coordinate, count in zip(coordinates, shape, strict=True):
+        place = coordinate * (count - 1)
         index = dr.minimum(mi.UInt32(place), count - 2)
         first = first * count + index
         shares.append(place - mi.Float(index))
-    entry = (len(table) // int(np.prod(shape)), dr.width(first))
-    corners = [
-        dr.gather(mi.ArrayXf, table, first + step, shape=entry) for step in corner_steps(shape)
+    entry = len(table) // int(np.prod(shape)), dr.width(first)
+    values = [
+        list(dr.gather(mi.ArrayXf, table, first + step, shape=entry))
+        for step in corner_steps(shape)
     ]
-    values = [list(corner)[:channels] for corner in corners]
     for share in reversed(shares):
         pairs = zip(values[::2], values[1::2], strict=True)
         values = [
             [dr.fma(share, y - x, x) for x, y in zip(low, high, strict=True)] for low, high in pairs
         ]
-    return [dr.exp(value) for value in values[0]]
+    return values[0]
+
+
+def _looked_up(table, channels: int, wi, wo, widths: int) -> list:
+    """f of each channel [1/sr], see `material.table.interpolated`."""
+    places = _coordinates(wi, wo) if widths == 1 else _anisotropic_coordinates(wi, wo)
+    logs = interpolated(table, SHAPES[widths], [dr.clip(place, 0, 1) for place in places])
+    return [dr.exp(log) for log in logs[:channels]]
 
 
 def _coordinates(wi, wo) -> tuple:
