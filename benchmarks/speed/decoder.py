@@ -54,7 +54,10 @@ def evaluations(weights: str) -> dict[str, Callable[[], object]]:
         return lambda: latents.f(latents.vertex(si, mi.Bool(True)), si, wo, mi.Bool(True))
 
     cooperative = ConstantLatents(model, codes[0])
-    cooperative._decoder = UrushiDecoder(model, ANY_LOBE, cooperative=True)
+    decoder = UrushiDecoder(model, ANY_LOBE._replace(widths=model.widths), cooperative=True)
+    terms = [[mi.Float(float(x)) for x in channel] for channel in decoder.code_terms(codes[0])]
+    dr.make_opaque(terms)
+    cooperative._decoder, cooperative._decoder_terms = decoder, terms
     return {
         "constant codes": of(ConstantLatents(model, codes[0])),
         "textured codes": of(TexturedLatents(model, store, grid)),
