@@ -71,7 +71,7 @@ def test_textures(tmp_path):
 
 def test_anisotropy(tmp_path):
     """The blocks of the page run; the script draws both pictures."""
-    (block,) = PYTHON_BLOCK.findall((DOCS / "anisotropy.md").read_text())
+    blocks = PYTHON_BLOCK.findall((DOCS / "anisotropy.md").read_text())
     before = """
 import numpy as np
 import urushi
@@ -79,7 +79,7 @@ wi, wo = np.array([[0.0, 0.6, 0.8]]), np.array([[0.36, -0.48, 0.8]])
 """
     # A quarter of a turn exchanges x and y of the directions, here up to the signs.
     after = "\nassert np.array_equal(f, lacquered.f(wi[:, [1, 0, 2]], wo[:, [1, 0, 2]]))\n"
-    run(tmp_path, "-c", before + block + after)
+    run(tmp_path, "-c", before + "".join(blocks) + after)
     run(tmp_path, DOCS / "examples" / "anisotropy.py", tmp_path, "--size", "12", "--spp", "1")
     assert is_lit(tmp_path / "anisotropy.png", 12, 8)
 

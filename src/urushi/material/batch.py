@@ -11,7 +11,7 @@ from urushi.data import cluster
 from urushi.errors import UrushiError
 from urushi.material.encode import (
     SourceValues,
-    encode_values,
+    encode_found,
     evaluate_source,
     model_for,
     required_pairs,
@@ -66,7 +66,7 @@ def encode_all(
         if isinstance(found, UrushiError):
             yield index, found
             continue
-        material = encode_values(found, models[index], refine=wanted[index])
+        material = encode_found(sources[index], found, models[index], refine=wanted[index])
         yield index, EncodedSource(material, found.deviations)
 
 

@@ -96,7 +96,7 @@ def _correction_steps(
         errors.append(np.log(f_hat + DARK_OFFSET) - logs)
         slopes *= (rest / (f_hat + DARK_OFFSET))[..., None]
         step = _correction_step(errors[-1], slopes, damping)
-        codes.append(stepped(decoder, codes[-1], step))
+        codes.append(stepped(codes[-1], step))
     return codes[1:], errors[0]
 
 

@@ -27,6 +27,7 @@ fit does not converge; the code of a rough conductor or of a diffuse surface is 
 """
 
 import functools
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -191,9 +192,12 @@ def _cached_features(wi: bytes, wo: bytes, widths: int) -> np.ndarray:
     return direction_features(one, other, widths)
 
 
-def huber_loss(error: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Losses (...) of errors (...), and the factors by which the weights of squares are reduced."""
-    far = np.maximum(np.abs(error) / HUBER_KNEE, 1.0)
+def huber_loss(error: np.ndarray, knee: float = HUBER_KNEE) -> tuple[np.ndarray, np.ndarray]:
+    """Losses (...) of errors (...), and the factors by which the weights of squares are reduced.
+
+    The loss is the square up to the knee and linear beyond it.
+    """
+    far = np.maximum(np.abs(error) / knee, 1.0)
     return error**2 * (2.0 - 1.0 / far) / far, far
 
 
@@ -285,14 +289,22 @@ def levenberg_marquardt(
     hold: float,
     steps: int = REFINEMENT_STEPS,
 ) -> np.ndarray:
+    """Return a code float32 (L,) whose objective is at most that of z (L,)."""
+    return damped_steps(lambda z: _state_at(networks, z, aim, hold), z, steps)
+
+
+def damped_steps(
+    state_at: Callable[[np.ndarray], FitState], z: np.ndarray, steps: int
+) -> np.ndarray:
     """Return a code float32 (L,) whose objective is at most that of z (L,).
 
-    Every step is damped, and accepted only if it lowers the objective.
+    state_at gives the state of a code. Every step is damped, and accepted only if it lowers the
+    objective.
     """
-    state, damping = _state_at(networks, z, aim, hold), FIRST_DAMPING
+    state, damping = state_at(z), FIRST_DAMPING
     for _ in range(steps):
         step = damped_step(state.curvature, state.slope, damping)
-        new = _state_at(networks, stepped(networks, state.z, step), aim, hold)
+        new = state_at(stepped(state.z, step))
         better = new.objective < state.objective  # false for NaN
         state, damping = (
             (new, damping * DAMPING_DECREASE) if better else (state, damping * DAMPING_INCREASE)
@@ -300,9 +312,9 @@ def levenberg_marquardt(
     return state.z
 
 
-def stepped(networks: UrushiNetworks, z: np.ndarray, step: np.ndarray) -> np.ndarray:
-    """Codes float32 (..., L) after a step (..., R) of the numbers that follow the lobe's."""
-    lobe = networks.arch.lobe
+def stepped(z: np.ndarray, step: np.ndarray) -> np.ndarray:
+    """Codes float32 (..., L) after a step (..., R) of the R numbers that follow the lobe's."""
+    lobe = z.shape[-1] - step.shape[-1]
     return np.concatenate([z[..., :lobe], z[..., lobe:] - step], axis=-1).astype(np.float32)
 
 

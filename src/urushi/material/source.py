@@ -22,6 +22,9 @@ from urushi.reference.stack import Coat, Conductor, Dielectric, Diffuse, Stack
 #: Random walks per probe and channel for a Stack: about 0.5 % noise where f is not tiny.
 STACK_WALKS = 16384
 
+#: The same for each of the 10,240 pairs to which the code of a Stack is fitted.
+FIT_WALKS = 256
+
 #: An evaluated BRDF: f(wi, wo) -> (N, 3), (N, C) or (N,) [1/sr] for float32 unit vectors (N, 3).
 Brdf = Callable[[np.ndarray, np.ndarray], Any]
 
@@ -131,6 +134,16 @@ def _(source: Stack) -> Source:
         lobe=lobe,
         widths=widths,
     )
+
+
+def simulated(stack: Stack, wi: np.ndarray, wo: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """f and its standard error (N, 3) [1/sr] of a Stack by `FIT_WALKS`.
+
+    The random numbers are not those of its source.
+    """
+    from urushi.reference.simulate import simulate  # lazily: it starts Dr.Jit
+
+    return simulate(stack, wi, wo, walks=FIT_WALKS, seed=1)
 
 
 def lobe_of_surface(source: Conductor | Dielectric | Diffuse) -> np.ndarray:
