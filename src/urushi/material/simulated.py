@@ -125,7 +125,7 @@ def drawn_pairs(material: Material, rng: np.random.Generator) -> Pairs:
     repeated = np.repeat(angles.astype(np.float32), PER_ANGLE, axis=0)
     wo, pdf = material.sample(repeated, rng.random((len(repeated), 3)))
     drawn = pdf > 0
-    wo = np.where(drawn[:, None], wo, np.float32([0, 0, 1]))
+    wo = np.where(drawn[:, None], wo, np.array([0, 0, 1], np.float32))
     light = np.where(drawn, wo[:, 2] / np.where(drawn, pdf, 1), 0) / PER_ANGLE
     spread = cosine_pairs(rng, COSINE_PAIRS)
     used = np.concatenate([np.ones(COSINE_PAIRS, bool), drawn])
