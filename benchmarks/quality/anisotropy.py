@@ -141,7 +141,7 @@ def encoded(table: StackTable) -> list[Material]:
             return [x[:, None] for x in walk_pairs(table, rows, wi, wo, walks=walks, seed=seed)]
 
         values = walked(wi, wo, STACK_WALKS, 0)[0]
-        material = material_from_values(values, model, lobe=_top(table, row))
+        material = material_from_values(values, model, refine=None, lobe=_top(table, row))
         more = functools.partial(walked, walks=FIT_WALKS, seed=1)
         materials.append(fit_to_walks(material, more))
     return materials

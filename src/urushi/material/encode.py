@@ -159,10 +159,8 @@ def encode_found(
     source: Any, found: SourceValues, model: Model, *, refine: bool | None = None
 ) -> Material:
     """`encode_values`; the code of a Stack is then fitted to more of its simulated values."""
-    if not isinstance(source, Stack):
-        return encode_values(found, model, refine=refine)
-    material = encode_values(found, model, refine=False)
-    if refine is False:
+    material = encode_values(found, model, refine=refine)
+    if refine is False or not isinstance(source, Stack):
         return material
     return fit_to_walks(material, functools.partial(simulated, source))
 
