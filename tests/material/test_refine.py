@@ -8,17 +8,17 @@ from urushi.errors import ParameterError
 from urushi.eval import benchmark, predict
 from urushi.eval import samples as sampling
 from urushi.eval.groups import GROUPS
-from urushi.geometry.error_metrics import DARK_OFFSET
+from urushi.geometry.error_metrics import DARK_OFFSET, huber_loss
 from urushi.material import Material, encode, energy
 from urushi.material.albedo_rule import albedo_rule
 from urushi.material.encode import evaluate_source, material_from_values
 from urushi.material.fit import (
     ANCHOR_HOLD,
     CODE_HOLD,
+    HUBER_KNEE,
     REFINEMENT_STEPS,
     fit_below_ceiling,
     fit_target,
-    huber_loss,
     initial_code,
     levenberg_marquardt,
     objective,
@@ -150,7 +150,8 @@ def test_a_refined_code_is_closer_than_its_anchor(trained):
     def miss(z: np.ndarray) -> float:
         """What refinement minimises, without the hold: squares, linear where they are large."""
         f_hat = trained.networks.f(z[:, None], *trained.networks.pairs())
-        return huber_loss(np.log((f_hat + DARK_OFFSET) / (f + DARK_OFFSET)))[0].mean()
+        error = np.log((f_hat + DARK_OFFSET) / (f + DARK_OFFSET))
+        return huber_loss(error, HUBER_KNEE)[0].mean()
 
     free, held, one_pass = map(miss, (made.codes, made.anchors, encoded))
     assert free < held < one_pass

@@ -5,10 +5,11 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from urushi.geometry.error_metrics import FLOOR
 from urushi.nets.architecture import FIXED, Architecture, init
 from urushi.nets.lobe import NO_LOBE
 from urushi.train.examples import Batch
-from urushi.train.losses import FLOOR, mean_loss, squared_errors
+from urushi.train.losses import mean_loss, squared_errors
 from urushi.train.optimiser import Schedule, compile_steps, start
 from urushi.train.stages.decoding import (
     fresh_scatter,

@@ -5,13 +5,13 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from urushi.geometry.error_metrics import FLOOR
 from urushi.nets.architecture import Architecture, init
 from urushi.nets.encoder import encode
 from urushi.nets.layerer import layer
 from urushi.nets.lobe import of_coat
 from urushi.train.examples import Batch
 from urushi.train.losses import (
-    FLOOR,
     KNEE,
     LARGEST_CODE,
     compose,

@@ -8,8 +8,8 @@ the encoder's code as its anchor, over which coats are layered.
 
 import numpy as np
 
-from urushi.geometry.error_metrics import DARK_OFFSET
-from urushi.material.fit import huber_loss, probe_features, stepped
+from urushi.geometry.error_metrics import DARK_OFFSET, huber_loss
+from urushi.material.fit import HUBER_KNEE, probe_features, stepped
 from urushi.nets.least_squares import damped_step
 from urushi.nets.networks import Networks, UrushiNetworks
 from urushi.parallel import one_blas_thread
@@ -64,9 +64,9 @@ def correct_codes_serial(
         damping,
     )
     before = np.concatenate([fitted_errors, errors(z, rows, CHECKED_PAIRS)], axis=-1)
-    best, least = np.array(z), huber_loss(before)[0].sum(axis=-1)
+    best, least = np.array(z), huber_loss(before, HUBER_KNEE)[0].sum(axis=-1)
     for tried in reversed(steps):  # the last step is rarely worse than the encoder
-        loss = huber_loss(errors(tried[rows], rows))[0].sum(axis=-1)
+        loss = huber_loss(errors(tried[rows], rows), HUBER_KNEE)[0].sum(axis=-1)
         better = loss < least[rows]  # false for NaN
         best[rows[better]] = tried[rows[better]]
         rows = rows[~better]
@@ -102,7 +102,7 @@ def _correction_steps(
 
 def _correction_step(error: np.ndarray, slopes: np.ndarray, damping: float) -> np.ndarray:
     """The step (C, R) that is subtracted, from errors (C, P) and their derivatives (C, P, R)."""
-    _, far = huber_loss(error)
+    _, far = huber_loss(error, HUBER_KNEE)
     weighted = np.swapaxes(slopes / far[..., None], -1, -2)
     curvature = (weighted @ slopes).astype(np.float64)
     slope = (weighted @ error[..., None]).astype(np.float64)[..., 0]

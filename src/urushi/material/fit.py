@@ -32,7 +32,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from urushi.geometry.error_metrics import DARK_OFFSET
+from urushi.geometry.error_metrics import DARK_OFFSET, huber_loss
 from urushi.material import energy
 from urushi.material.albedo_rule import albedo_rule
 from urushi.material.energy import LEAST_ALBEDO
@@ -192,15 +192,6 @@ def _cached_features(wi: bytes, wo: bytes, widths: int) -> np.ndarray:
     return direction_features(one, other, widths)
 
 
-def huber_loss(error: np.ndarray, knee: float = HUBER_KNEE) -> tuple[np.ndarray, np.ndarray]:
-    """Losses (...) of errors (...), and the factors by which the weights of squares are reduced.
-
-    The loss is the square up to the knee and linear beyond it.
-    """
-    far = np.maximum(np.abs(error) / knee, 1.0)
-    return error**2 * (2.0 - 1.0 / far) / far, far
-
-
 class RefinedCodes(NamedTuple):
     """Codes float32 (C, L) that fit the target values, and their anchors."""
 
@@ -340,7 +331,7 @@ def _state_at(networks: UrushiNetworks, z: np.ndarray, aim: FitTarget, hold: flo
     variance = inward @ inward.T
     variance += LEAST_VARIANCE * np.trace(variance) / size * np.eye(size)
     gap, error = numbers - code, (np.log(f + DARK_OFFSET) - aim.logs).astype(np.float64)
-    losses, far = huber_loss(error)
+    losses, far = huber_loss(error, HUBER_KNEE)
     loss = aim.weights @ losses
     weighted = log_slopes.T * (aim.weights / far)
     gap_slope = np.eye(size) - inward @ outward

@@ -23,8 +23,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from urushi.geometry.direction_sets import cosine_pairs
+from urushi.geometry.error_metrics import error_divisors, huber_loss
 from urushi.material import energy
-from urushi.material.fit import FitState, damped_steps, huber_loss
+from urushi.material.fit import FitState, damped_steps
 from urushi.material.material import Material
 from urushi.nets.features import direction_features
 from urushi.nets.networks import UrushiNetworks
@@ -41,9 +42,6 @@ ROUNDS, STEPS = 6, 6
 
 #: Relative error above which the loss is linear.
 KNEE = 3.0
-
-#: [1/sr] Floor of the divisors, and the least brightness of a stack by which it is scaled.
-FLOOR, DARKEST = 2e-3, 0.05
 
 #: Weights of squared albedos that are too large, and of the distance from the encoder's code.
 ALBEDO_WEIGHT, HOLD = 200.0, 1e-5
@@ -140,9 +138,7 @@ def drawn_pairs(material: Material, rng: np.random.Generator) -> Pairs:
 def fit_code(networks: UrushiNetworks, z: np.ndarray, aim: Aim) -> np.ndarray:
     """The code float32 (L,) that fits the aim, from z (L,)."""
     for _ in range(ROUNDS):
-        f = aim.top + networks.rest(z, aim.features)
-        brightness = np.pi * np.minimum(f, 1.0).mean()
-        scale = f + FLOOR * np.clip(brightness, DARKEST, 1.0)
+        scale = error_divisors(aim.top + networks.rest(z, aim.features))
         z = damped_steps(functools.partial(_state_at, networks, aim, scale), z, STEPS)
     return z
 

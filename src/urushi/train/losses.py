@@ -6,15 +6,12 @@ import jax
 import jax.numpy as jnp
 
 from urushi.checks import CoatParameters
+from urushi.geometry.error_metrics import error_divisors, huber_loss
 from urushi.nets.architecture import Architecture
 from urushi.nets.decoder import decode
 from urushi.nets.encoder import encode
 from urushi.nets.layerer import layer
 from urushi.nets.mlp import Params
-
-#: Errors are divided by the prediction plus this floor [1/sr]: smaller differences are invisible.
-#: The floor of a dark stack is scaled by the stack's brightness, at least by the second number.
-FLOOR, DARKEST = 2e-3, 0.05
 
 #: The loss is linear in relative errors above this: a prediction that is far too dark must not
 #: dominate the gradient.
@@ -44,24 +41,12 @@ def error_scale(f_hat: Any) -> jax.Array:
     values of few walks teach without bias (Lehtinen et al. 2018). A logarithm or an L1 norm of
     them would not.
     """
-    constant = jax.lax.stop_gradient(f_hat)
-    brightness = jnp.pi * jnp.mean(jnp.minimum(constant, 1.0), axis=-1, keepdims=True)
-    return constant + FLOOR * jnp.clip(brightness, DARKEST, 1.0)
-
-
-def huber(error: jax.Array) -> tuple[jax.Array, jax.Array]:
-    """Squares of relative errors, linear beyond `KNEE`, and half of their slope over the error.
-
-    Twice the loss of Huber (1964).
-    """
-    size = jnp.abs(error)
-    weight = jnp.where(size < KNEE, 1.0, KNEE / jnp.maximum(size, KNEE))
-    return jnp.where(size < KNEE, error * error, KNEE * (2 * size - KNEE)), weight
+    return error_divisors(jax.lax.stop_gradient(f_hat))
 
 
 def squared_errors(f_hat: Any, f: Any) -> jax.Array:
     """Squared relative errors (S, P), linear beyond `KNEE`."""
-    return huber((f_hat - f) / error_scale(f_hat))[0]
+    return huber_loss((f_hat - f) / error_scale(f_hat), KNEE)[0]
 
 
 def stack_weights(squares: jax.Array) -> jax.Array:

@@ -6,6 +6,7 @@ from typing import Any, ClassVar
 import jax
 import jax.numpy as jnp
 
+from urushi.geometry.error_metrics import FLOOR
 from urushi.geometry.probe_pairs import probe_pairs
 from urushi.nets.architecture import FIXED, Architecture
 from urushi.nets.features import direction_features
@@ -15,7 +16,6 @@ from urushi.train import devices
 from urushi.train.devices import Devices
 from urushi.train.examples import Batch, Batches, Depth
 from urushi.train.losses import (
-    FLOOR,
     apply_coats,
     columns_of,
     encoded,

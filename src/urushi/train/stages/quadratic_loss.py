@@ -11,13 +11,21 @@ import jax.numpy as jnp
 import numpy as np
 from tqdm import tqdm
 
+from urushi.geometry.error_metrics import huber_loss
 from urushi.geometry.probe_pairs import probe_pairs
 from urushi.nets.architecture import Architecture
 from urushi.nets.derivatives import decode_log
 from urushi.nets.features import direction_features
 from urushi.nets.mlp import Params
 from urushi.train.examples import Examples
-from urushi.train.losses import compose, encoded, error_scale, huber, stack_weights, without_lobe
+from urushi.train.losses import (
+    KNEE,
+    compose,
+    encoded,
+    error_scale,
+    stack_weights,
+    without_lobe,
+)
 
 #: Items that are decoded at once.
 _BLOCK = 1024
@@ -63,8 +71,8 @@ def quadratic_expansion(
     f_hat = top + rest
     scale = error_scale(f_hat)
     error = (f_hat - f) / scale
-    squares, huber_weight = huber(error)
-    weight = 2.0 * stack_weights(squares) * huber_weight / f.shape[-1]
+    squares, far = huber_loss(error, KNEE)
+    weight = 2.0 * stack_weights(squares) / (far * f.shape[-1])
     jacobian = (rest / scale)[..., None] * log_slope
     slope = jnp.einsum("bp,bpl->bl", weight * error, jacobian)
     return slope, jnp.einsum("bpk,bpl->bkl", weight[..., None] * jacobian, jacobian)
