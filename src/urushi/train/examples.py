@@ -4,6 +4,7 @@ The examples of a step depend only on seed and step (see `order`), so that a tra
 interrupted continues to the same bits.
 """
 
+from collections.abc import Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -11,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from urushi.checks import COAT_COLUMNS, CoatParameters
+from urushi.data.distribution import BOTTOM_PARAMETERS
 from urushi.data.spec import Part
 from urushi.data.store import Store
 from urushi.errors import ParameterError
@@ -117,6 +119,10 @@ class Depth:
         window = Order(self.sizes, self.capacity, seed=0).windows(0)[0]
         return self.window(window, window)
 
+    def mirrored(self) -> Examples:
+        """The stacks of `first` with their x and y axes exchanged, which are not held in memory."""
+        return self._read(Order(self.sizes, self.capacity, seed=0).windows(0)[0], mirrored=True)
+
     def forget(self) -> None:
         """Release the examples in memory; the next use reads them again."""
         self._held.clear()
@@ -126,7 +132,7 @@ class Depth:
         used = trained_pairs(self._store.spec.parts[part])
         return (rows.stop - rows.start) * ((used.stop - used.start) // self._pairs)
 
-    def _read(self, window: Window) -> Examples:
+    def _read(self, window: Window, mirrored: bool = False) -> Examples:
         """Read shard after shard into arrays that have room for all."""
         items = sum(self._items(*self._shards[k]) for k in window)
         widths = self._arch.widths
@@ -137,6 +143,8 @@ class Depth:
         for index, shard in (self._shards[k] for k in window):
             part = self._store.spec.parts[index]
             arrays = self._store.read_shard(index, shard, ARRAYS)
+            if mirrored:
+                arrays = mirror_images(part, arrays)
             place = slice(first, first + self._items(index, shard))
             used, values = trained_pairs(part), arrays["f"]
             wi, wo = arrays["wi"][:, used], arrays["wo"][:, used]
@@ -300,6 +308,35 @@ def depth(part: Part) -> int:
 def trained_pairs(part: Part) -> slice:
     """The direction pairs of a training part that the loss uses."""
     return slice(PROBES if part.directions == "probed" else 0, part.pairs)
+
+
+def mirror_images(part: Part, arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """The arrays of a part of two GGX widths with the x and y axes exchanged.
+
+    This is the mirror image at the plane x = y. Values of f stay, so that simulated stacks give as
+    many others at no cost.
+
+    Raises:
+        ParameterError: the stacks have one GGX width per surface.
+    """
+    if part.distribution.widths != 2:
+        raise ParameterError(
+            f"part '{part.name}' has stacks of one GGX width per surface, which are their own "
+            "mirror images; use a Layering stage"
+        )
+    names = {"coats": COAT_COLUMNS[2], "bottom": BOTTOM_PARAMETERS[part.distribution.bottom]}
+    orders = {name: _exchanged_widths(columns) for name, columns in names.items()}
+    orders |= {"wi": [1, 0, 2], "wo": [1, 0, 2]}
+    return {name: x[..., orders[name]] if name in orders else x for name, x in arrays.items()}
+
+
+def _exchanged_widths(columns: Sequence[str]) -> list[int]:
+    """Places of the columns after widths along the tangent have been exchanged with those across.
+
+    Their names end in "alpha_u" and "alpha_v".
+    """
+    other = {"alpha_u": "alpha_v", "alpha_v": "alpha_u"}
+    return [columns.index(c[:-7] + other.get(c[-7:], c[-7:])) for c in columns]
 
 
 def top_lobes(part: Part, arrays: dict[str, np.ndarray], arch: Architecture) -> np.ndarray:

@@ -1,5 +1,6 @@
 """The layering stage: the layerer alone, which may be widened, on quadratic losses of its codes."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar, NamedTuple
 
@@ -12,7 +13,7 @@ from urushi.nets.architecture import Architecture, layer_sizes
 from urushi.nets.mlp import Params
 from urushi.train import devices
 from urushi.train.devices import Devices
-from urushi.train.examples import Depth
+from urushi.train.examples import Depth, Examples
 from urushi.train.losses import apply_coats
 from urushi.train.optimiser import compile_steps
 from urushi.train.order import Order
@@ -58,12 +59,20 @@ class Layering(Stage):
             return super().begin(params, arch, seed)
         return widened(params, self.arch_before(arch), "layerer", arch.layerer, seed)
 
+    def examples(self, depth: Depth) -> Iterator[Examples]:
+        """The stacks of one depth to learn from."""
+        yield depth.first()
+
     def learn(self, params: Params, arch: Architecture, depths: list[Depth], seed: int) -> Learner:
         """Steps of `layering_loss` on quadratic losses, which are measured first."""
         losses = []
         for depth in depths[1:]:
-            losses.append(measure_quadratic_losses(params, self.arch_before(arch), depth.first()))
+            measured = [
+                measure_quadratic_losses(params, self.arch_before(arch), examples)
+                for examples in self.examples(depth)
+            ]
             depth.forget()
+            losses.append(QuadraticLosses(*map(np.concatenate, zip(*measured, strict=True))))
 
         def loss(trained: Params, batch: Any) -> tuple[jax.Array, dict[str, jax.Array]]:
             return layering_loss(trained, arch, batch)
@@ -71,6 +80,17 @@ class Layering(Stage):
         steps = compile_steps(loss, self.schedule, self.devices())
         batches = LayeringBatches(losses, self.stacks, seed + self.seed_offset)
         return Learner(steps, batches.take)
+
+
+@dataclass(frozen=True)
+class MirroredLayering(Layering):
+    """`Layering` of two GGX widths on every stack and its mirror image at the plane x = y."""
+
+    def examples(self, depth: Depth) -> Iterator[Examples]:
+        """The stacks of one depth, then their mirror images."""
+        yield depth.first()
+        depth.forget()
+        yield depth.mirrored()
 
 
 class LayeringBatch(NamedTuple):
