@@ -116,16 +116,19 @@ class Depth:
 
     def first(self) -> Examples:
         """One window: all examples where they fit into memory, otherwise a random choice."""
-        window = Order(self.sizes, self.capacity, seed=0).windows(0)[0]
+        window = self._first_window()
         return self.window(window, window)
 
     def mirrored(self) -> Examples:
         """The stacks of `first` with their x and y axes exchanged, which are not held in memory."""
-        return self._read(Order(self.sizes, self.capacity, seed=0).windows(0)[0], mirrored=True)
+        return self._read(self._first_window(), mirrored=True)
 
     def forget(self) -> None:
         """Release the examples in memory; the next use reads them again."""
         self._held.clear()
+
+    def _first_window(self) -> Window:
+        return Order(self.sizes, self.capacity, seed=0).windows(0)[0]
 
     def _items(self, part: int, shard: int) -> int:
         rows = self._store.spec.rows(part, shard)

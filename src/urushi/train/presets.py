@@ -114,7 +114,7 @@ def anisotropic() -> Preset:
     """Networks of two GGX widths a surface, which anisotropic materials use.
 
     Command: `urushi train --preset anisotropic`
-    Time: 64 minutes on two cores (data 12, joint 30, the rest 22).
+    Time: about 64 minutes on two cores (data 12, joint 30, the rest 22).
     Expected: stacks of two interfaces of two widths, any index, E mean 2.2 %, P median 1.2 %.
     """
     stacks, coated = (48, 136, 40, 8, 8, 8), (512, 128, 48, 40, 40)

@@ -1,5 +1,6 @@
 """The layering stage: the layerer alone, which may be widened, on quadratic losses of its codes."""
 
+import functools
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar, NamedTuple
@@ -66,11 +67,9 @@ class Layering(Stage):
     def learn(self, params: Params, arch: Architecture, depths: list[Depth], seed: int) -> Learner:
         """Steps of `layering_loss` on quadratic losses, which are measured first."""
         losses = []
+        measure = functools.partial(measure_quadratic_losses, params, self.arch_before(arch))
         for depth in depths[1:]:
-            measured = [
-                measure_quadratic_losses(params, self.arch_before(arch), examples)
-                for examples in self.examples(depth)
-            ]
+            measured = list(map(measure, self.examples(depth)))  # holds no examples meanwhile
             depth.forget()
             losses.append(QuadraticLosses(*map(np.concatenate, zip(*measured, strict=True))))
 
@@ -88,7 +87,7 @@ class MirroredLayering(Layering):
 
     def examples(self, depth: Depth) -> Iterator[Examples]:
         """The stacks of one depth, then their mirror images."""
-        yield depth.first()
+        yield from super().examples(depth)
         depth.forget()
         yield depth.mirrored()
 
