@@ -44,6 +44,13 @@ LONGEST_FILES = (
     "train/test_learning.py",
 )
 
+# JAX reads these when it is imported, which the conftest of a folder may do before
+# `pytest_configure`. It compiles each training step once, though many tests and workers use it.
+if "PYTEST_XDIST_WORKER" not in os.environ:
+    os.environ["JAX_COMPILATION_CACHE_DIR"] = tempfile.mkdtemp(prefix="urushi-test-jax-")
+    os.environ["JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS"] = "0.2"
+    os.environ["JAX_DISABLE_MOST_OPTIMIZATIONS"] = "1"  # compiling takes longer than running
+
 
 def pytest_configure(config: pytest.Config) -> None:
     """Settings that all workers and the processes started by tests inherit."""
@@ -51,12 +58,8 @@ def pytest_configure(config: pytest.Config) -> None:
         signal.signal(signal.SIGINT, signal.default_int_handler)
     if hasattr(config, "workerinput"):
         return
-    # JAX compiles each training step once, though many tests and workers use it.
-    folder = tempfile.mkdtemp(prefix="urushi-test-jax-")
-    config.add_cleanup(lambda: shutil.rmtree(folder, ignore_errors=True))
-    os.environ["JAX_COMPILATION_CACHE_DIR"] = folder
-    os.environ["JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS"] = "0.2"
-    os.environ["JAX_DISABLE_MOST_OPTIMIZATIONS"] = "1"  # compiling takes longer than running
+    cache = os.environ["JAX_COMPILATION_CACHE_DIR"]
+    config.add_cleanup(lambda: shutil.rmtree(cache, ignore_errors=True))
     workers = config.getoption("numprocesses", None) or 1
     if workers > 1:  # each has its share of the cores: threads that wait for a core spin
         threads = max(available_cores() // workers, 1)

@@ -86,7 +86,7 @@ def test_ctrl_c_in_a_real_process():
         "signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # a shell may ignore it
         "from urushi.app import cli\n"
         "from urushi.app.doctor import Doctor\n"
-        "def wait(self): print('ready', flush=True); time.sleep(60)\n"
+        "def wait(self): print('ready', flush=True); time.sleep(600)\n"
         "Doctor.run = wait\n"
         "sys.exit(cli.main(['doctor']))"
     )
@@ -95,7 +95,10 @@ def test_ctrl_c_in_a_real_process():
     )
     assert process.stdout.readline() == "ready\n"
     process.send_signal(signal.SIGINT)
-    _, errors = process.communicate(timeout=30)
+    try:
+        _, errors = process.communicate(timeout=120)
+    finally:
+        process.kill()
     assert process.returncode == 130
     assert errors.count("\n") == 1
 
