@@ -69,14 +69,14 @@ def whole_domain(share: float = 1.0) -> DataSpec:
 
 
 def anisotropic_domain(share: float = 1.0) -> DataSpec:
-    """Stacks of two widths under up to five coats: 4.1 G walks, 12 minutes on two cores.
+    """Stacks of two widths under up to five coats: 4.6 G walks, half an hour on two cores.
 
     Of bare bottoms only those are included that are more than one lobe.
 
     share: of all these numbers of stacks.
     """
     kinds = ("conductor", "conductor_complex", "dielectric", "mixture", "diffuse", "measured_like")
-    layered = ((40, 24, 12, 40, 16, 8), (14, 8, 4, 8, 4, 2), *3 * [(3, 2, 1, 2, 1, 1)])
+    layered = ((40, 24, 12, 40, 16, 8), (28, 16, 8, 16, 8, 4), *3 * [(6, 4, 2, 4, 2, 2)])
     parts: list[Part] = []
     for coats, thousands in enumerate(layered, start=1):
         for kind, count in zip(kinds, thousands, strict=True):

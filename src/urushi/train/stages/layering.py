@@ -64,10 +64,14 @@ class Layering(Stage):
         """The stacks of one depth to learn from."""
         yield depth.first()
 
+    def losses_of(self, params: Params, arch: Architecture, examples: Examples) -> QuadraticLosses:
+        """The quadratic losses of examples of one depth by the networks before this stage."""
+        return measure_quadratic_losses(params, arch, examples)
+
     def learn(self, params: Params, arch: Architecture, depths: list[Depth], seed: int) -> Learner:
         """Steps of `layering_loss` on quadratic losses, which are measured first."""
         losses = []
-        measure = functools.partial(measure_quadratic_losses, params, self.arch_before(arch))
+        measure = functools.partial(self.losses_of, params, self.arch_before(arch))
         for depth in depths[1:]:
             measured = list(map(measure, self.examples(depth)))  # holds no examples meanwhile
             depth.forget()
@@ -83,7 +87,17 @@ class Layering(Stage):
 
 @dataclass(frozen=True)
 class MirroredLayering(Layering):
-    """`Layering` of two GGX widths on every stack and its mirror image at the plane x = y."""
+    """`Layering` of two GGX widths on every stack and its mirror image at the plane x = y.
+
+    Attributes:
+        energy_share: the share of the pairs' weights that are `energy_weights`.
+    """
+
+    energy_share: float = 0.0
+
+    def losses_of(self, params: Params, arch: Architecture, examples: Examples) -> QuadraticLosses:
+        """As in `Layering`, with energy weights."""
+        return measure_quadratic_losses(params, arch, examples, self.energy_share)
 
     def examples(self, depth: Depth) -> Iterator[Examples]:
         """The stacks of one depth, then their mirror images."""

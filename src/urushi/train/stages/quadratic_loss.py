@@ -26,6 +26,7 @@ from urushi.train.losses import (
     stack_weights,
     without_lobe,
 )
+from urushi.train.stages.energy_weights import energy_weights
 
 #: Items that are decoded at once.
 _BLOCK = 1024
@@ -58,13 +59,20 @@ def loss_increase(codes: Any, z: Any, slope: Any, curvature: Any) -> jax.Array:
 
 
 def quadratic_expansion(
-    params: Params, arch: Architecture, z: Any, features: Any, top: Any, f: Any
+    params: Params,
+    arch: Architecture,
+    z: Any,
+    features: Any,
+    top: Any,
+    f: Any,
+    energy_share: float = 0.0,
 ) -> tuple[jax.Array, jax.Array]:
     """Slope (B, L) and curvature (B, L, L) of the summands of `losses.stack_loss` at z (B, L).
 
     z without the lobe's numbers; features (B, P, D), top and f (B, P) as in `Examples`. The
     curvature is that of Gauss and Newton, as if f were linear in the code. The weights of the
-    errors are constant.
+    errors are constant. A share `energy_share` of the weights of pairs are `energy_weights`; the
+    others are one.
     """
     log_f, log_slope = decode_log(params, arch, z[:, None], features)
     rest = jnp.exp(log_f)
@@ -72,16 +80,22 @@ def quadratic_expansion(
     scale = error_scale(f_hat)
     error = (f_hat - f) / scale
     squares, far = huber_loss(error, KNEE)
-    weight = 2.0 * stack_weights(squares) / (far * f.shape[-1])
+    of_pairs: Any = 1.0
+    if energy_share > 0.0:
+        of_pairs = 1.0 - energy_share + energy_share * energy_weights(f_hat, features)
+    weight = 2.0 * of_pairs * stack_weights(of_pairs * squares) / (far * f.shape[-1])
     jacobian = (rest / scale)[..., None] * log_slope
     slope = jnp.einsum("bp,bpl->bl", weight * error, jacobian)
     return slope, jnp.einsum("bpk,bpl->bkl", weight[..., None] * jacobian, jacobian)
 
 
 def measure_quadratic_losses(
-    params: Params, arch: Architecture, examples: Examples
+    params: Params, arch: Architecture, examples: Examples, energy_share: float = 0.0
 ) -> QuadraticLosses:
-    """The quadratic losses of all stacks of one depth, at least one coat, from all their pairs."""
+    """The quadratic losses of all stacks of one depth, at least one coat, from all their pairs.
+
+    energy_share: as in `quadratic_expansion`.
+    """
     pairs = probe_pairs(arch.probes, arch.widths)
     at_probes = jnp.asarray(direction_features(*pairs, arch.widths))
 
@@ -100,7 +114,7 @@ def measure_quadratic_losses(
     def expansions(
         z: Any, features: Any, top: Any, f: Any, local: Any
     ) -> tuple[jax.Array, jax.Array]:
-        slope, curvature = quadratic_expansion(params, arch, z, features, top, f)
+        slope, curvature = quadratic_expansion(params, arch, z, features, top, f, energy_share)
         return (
             jax.ops.segment_sum(slope, local, _BLOCK),
             jax.ops.segment_sum(curvature, local, _BLOCK),

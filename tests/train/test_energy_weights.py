@@ -1,0 +1,98 @@
+"""Energy weights: integrals by training pairs, and the share of peaks."""
+
+import math
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from urushi.checks import Widths
+from urushi.geometry import direction_sets
+from urushi.nets import lobe
+from urushi.nets.architecture import Architecture, init
+from urushi.nets.decoder import decode
+from urushi.nets.features import direction_features
+from urushi.train.losses import squared_errors, stack_weights
+from urushi.train.stages import energy_weights
+from urushi.train.stages.quadratic_loss import quadratic_expansion
+
+PAIRS = 1 << 18
+
+
+@pytest.fixture(scope="module")
+def pairs():
+    """Training pairs, and the weights that make their means integrals of cos^2 cos^2."""
+    wi, wo = direction_sets.anisotropic_pairs(np.random.default_rng(1), PAIRS)
+    features = jnp.asarray(direction_features(wi, wo, 2))
+    return wi, wo, np.asarray(energy_weights.cosines_over_density(features), np.float64)
+
+
+def test_the_mean_over_training_pairs_is_the_integral_over_both_hemispheres(pairs):
+    _, _, weights = pairs
+    error = weights.std() / math.sqrt(PAIRS)
+    expected = (2 * math.pi / 3) ** 2  # of cos^2 over a hemisphere, squared
+    # Five standard errors, and half a per cent for pairs below the lowest cosine.
+    assert weights.mean() == pytest.approx(expected, abs=5 * error, rel=0.005)
+    assert error < 0.01 * expected
+
+
+@pytest.mark.parametrize("widths", [(0.02, 0.02), (0.03, 0.2), (0.5, 0.1)])
+def test_the_energy_of_a_narrow_lobe_is_that_of_an_independent_estimate(pairs, widths):
+    """Importance sampling of the half vector by its slopes is the other estimate."""
+    wi, wo, weights = pairs
+    alpha = Widths(*(np.float64(width) for width in widths))
+    values = lobe.shape(alpha, wi.astype(np.float64), wo.astype(np.float64)) * weights
+    rng = np.random.default_rng(2)
+    count = 1 << 20
+    cosine = rng.random(count)  # wi uniform over the hemisphere
+    turn, radius2 = 2 * math.pi * rng.random(count), rng.random(count)
+    sine = np.sqrt(1 - cosine**2)
+    wi = np.stack([sine * np.cos(turn), sine * np.sin(turn), cosine], -1)
+    tangent = np.sqrt(radius2 / (1 - radius2))  # GGX slopes of width one (Walter 2007, eq. 35)
+    turn = 2 * math.pi * rng.random(count)
+    x, y = alpha.u * tangent * np.cos(turn), alpha.v * tangent * np.sin(turn)
+    h = np.stack([x, y, np.ones(count)], -1) / np.sqrt(1 + x * x + y * y)[:, None]
+    across = (h * wi).sum(-1)
+    wo = 2 * across[:, None] * h - wi
+    inside = (across > 0) & (wo[:, 2] > 0)
+    slopes = 1 / (math.pi * alpha.u * alpha.v * (1 + tangent**2) ** 2)
+    density = slopes / h[:, 2] ** 3 / (4 * np.abs(across)) / (2 * math.pi)
+    wo[~inside] = wi[~inside]
+    squares = (wi[:, 2] * wo[:, 2]) ** 2
+    other = np.where(inside, lobe.shape(alpha, wi, wo) * squares / density, 0)
+    error = math.hypot(values.std() / math.sqrt(PAIRS), other.std() / math.sqrt(count))
+    assert error < 0.02 * other.mean()
+    assert values.mean() == pytest.approx(other.mean(), abs=5 * error)
+
+
+def test_weights_have_mean_one_and_do_not_follow_scale(pairs):
+    wi, wo, _ = (part[:4096] for part in pairs)
+    features = jnp.asarray(direction_features(wi, wo, 2)).reshape(64, 64, -1)
+    f = 0.1 + np.random.default_rng(3).random((64, 64)).astype(np.float32)
+    weights = np.asarray(energy_weights.energy_weights(jnp.asarray(f), features))
+    assert (weights >= 0).all()
+    assert (weights.max(-1) < energy_weights.LARGEST).all()
+    np.testing.assert_allclose(weights.mean(-1), 1, rtol=1e-5)
+    twice = np.asarray(energy_weights.energy_weights(jnp.asarray(2 * f), features))
+    np.testing.assert_allclose(twice, weights, rtol=1e-5)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.7, 1.0])
+def test_the_slope_is_that_of_the_weighted_loss(pairs, share):
+    arch = Architecture(latent=12, decoder=(8,), widths=2)
+    rng = np.random.default_rng(4)
+    params = {k: v + 0.05 * rng.standard_normal(v.shape) for k, v in init(arch, 3).items()}
+    params = {k: v.astype(np.float32) for k, v in params.items()}
+    features = jnp.asarray(direction_features(*(w[:64] for w in pairs[:2]), 2))[None]
+    z = jnp.asarray(rng.standard_normal((1, arch.latent - arch.lobe)), jnp.float32)
+    top, f = rng.random((2, 1, 64)).astype(np.float32)
+
+    def loss(z):
+        f_hat = top + decode(params, arch, z[:, None], features)
+        weights = 1 - share + share * energy_weights.energy_weights(f_hat, features)
+        squares = squared_errors(f_hat, f)
+        return jnp.mean(weights * stack_weights(weights * squares) * squares)
+
+    slope, _ = quadratic_expansion(params, arch, z, features, top, f, share)
+    np.testing.assert_allclose(slope, jax.grad(loss)(z), rtol=1e-3, atol=1e-6)
