@@ -47,11 +47,12 @@ def cosines_over_density(features: Any) -> jax.Array:
     cos_h = 1.0 / jnp.sqrt(1.0 + tangent2)
     cos_d = jnp.clip(_column(features, "cos theta_d"), 1e-3, 1.0 - 1e-6)
 
-    # Densities of the half vector [1/sr] of the three kinds of `slope_pairs`.
+    # Densities of the half vector [1/sr] of the three kinds of `slope_pairs`. The span is that of
+    # ln tan(theta_h).
     low, high = HALF_ANGLE_RANGE
-    octaves = math.log(high / low)
-    radial = 1.0 / (2.0 * math.pi * octaves * tangent2 * cos_h**3)
-    slopes = 1.0 / (4.0 * octaves**2 * jnp.sqrt(x2 * y2) * cos_h**3)
+    span = math.log(high / low)
+    radial = 1.0 / (2.0 * math.pi * span * tangent2 * cos_h**3)
+    slopes = 1.0 / (4.0 * span**2 * jnp.sqrt(x2 * y2) * cos_h**3)
     mirrored = 1.0 / (2.0 * math.pi * MIRROR_TANGENT * jnp.sqrt(tangent2) * cos_h**3)
     half_vector = (1.0 - MIRROR_SHARE) * 0.5 * (
         jnp.where(_within(tangent2), radial, 0.0)
