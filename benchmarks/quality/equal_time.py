@@ -57,8 +57,8 @@ from urushi.platform import available_cores
 TIMES = (4, 16, 64, 256)
 AIM = 10
 
-#: Least number of passes of a method.
-PASSES = 4
+#: Least number of passes of a method, and of samples per pixel of a pass.
+PASSES, LEAST_SPP = 4, 2
 
 COLUMNS = (
     "scene",
@@ -76,12 +76,13 @@ COLUMNS = (
 )
 
 
-@dataclass
+@dataclass(eq=False)
 class Method:
     """A way to render a scene, and the passes rendered so far.
 
     Attributes:
         scene: the loaded scene.
+        samples: per pixel of a pass.
         start: CPU time of loading and of the first render, which compiles [s].
         seconds, fixed: CPU time of each pass, and of one with one sample per pixel [s].
         total, squares: sums over passes of the pictures (H, W, 3), and of their squares.
@@ -89,6 +90,7 @@ class Method:
     """
 
     scene: Any
+    samples: int
     start: float
     seconds: list[float]
     fixed: list[float]
@@ -103,14 +105,14 @@ class Method:
     @property
     def second(self) -> float:
         """CPU time of one sample per pixel in a long render [s]."""
-        return max(median(self.seconds) - median(self.fixed), 1e-9) / (PASS_SPP - 1)
+        return max(median(self.seconds) - median(self.fixed), 1e-9) / (self.samples - 1)
 
     @property
     def variances(self) -> np.ndarray:
         """Variance (H, W) of one sample per pixel, as a mean over channels."""
         mean = self.total / self.passes
         spread = (self.squares / self.passes - mean**2) * self.passes / (self.passes - 1)
-        return spread.mean(axis=-1) * PASS_SPP
+        return spread.mean(axis=-1) * self.samples
 
     @property
     def variance(self) -> float:
@@ -119,22 +121,31 @@ class Method:
 
     def bias(self, reference: Picture) -> float:
         """Unbiased estimate of the mean squared error of endless samples; it may be negative."""
-        noise = self.variance / (self.passes * PASS_SPP) + reference.noise
+        noise = self.variance / (self.passes * self.samples) + reference.noise
         return metrics.mse(self.total / self.passes, reference.image) - noise
 
 
 def start(name: str, light: str, method: str, arguments: argparse.Namespace) -> Method:
-    """Load a scene and render it once, so that its kernels are compiled."""
+    """Load a scene and render it, so that its kernels are compiled.
+
+    A pass has `PASS_SPP` samples per pixel, or as many as take a share of `--seconds`, but two at
+    least.
+    """
     begin = time.process_time()
     scene, _ = load(name, method, arguments, light)
-    _, image = (np.array(mi.render(scene, spp=spp, seed=0)) for spp in (1, PASS_SPP))
-    spent = time.process_time() - begin
-    return Method(scene, spent, [], [], np.zeros(image.shape), np.zeros(image.shape), [])
+    for spp in (1, LEAST_SPP):  # one sample per pixel has a kernel of its own
+        shape = np.array(mi.render(scene, spp=spp, seed=0)).shape
+    compiled = time.process_time()
+    np.array(mi.render(scene, spp=LEAST_SPP, seed=0))
+    of_least = time.process_time() - compiled
+    affordable = LEAST_SPP * arguments.seconds / (PASSES * of_least)
+    samples = int(min(max(affordable, LEAST_SPP), PASS_SPP))
+    return Method(scene, samples, compiled - begin, [], [], np.zeros(shape), np.zeros(shape), [])
 
 
 def sample(method: Method, seed: int, reference: Picture) -> None:
     """Add one pass; at powers of two, store the error of the mean over all passes."""
-    for spp, times in ((1, method.fixed), (PASS_SPP, method.seconds)):
+    for spp, times in ((1, method.fixed), (method.samples, method.seconds)):
         begin = time.process_time()
         image = np.array(mi.render(method.scene, spp=spp, seed=seed), dtype=np.float64)
         times.append(time.process_time() - begin)
@@ -142,7 +153,7 @@ def sample(method: Method, seed: int, reference: Picture) -> None:
     method.squares += image**2
     if method.passes & (method.passes - 1) == 0:
         error = metrics.mse(method.total / method.passes, reference.image) - reference.noise
-        method.errors.append((method.passes * PASS_SPP, error))
+        method.errors.append((method.passes * method.samples, error))
 
 
 def measure(
@@ -150,17 +161,20 @@ def measure(
 ) -> tuple[dict[str, Method], Picture]:
     """All methods after alternating passes, so that other load affects all equally; and the truth.
 
-    Each method takes about `--seconds` of CPU time.
+    Each method takes about `--seconds` of CPU time. One that is too slow for this stops after
+    `PASSES` passes.
     """
     reference = converged(name, REFERENCE, arguments.spp, arguments, light)
     names = (REFERENCE, PRINCIPLED, *arguments.weights)
     methods = {method: start(name, light, method, arguments) for method in names}
+    quick = [method for method in methods.values() if method.samples == PASS_SPP]
     passes = spent = 0.0
-    while passes < PASSES or spent < arguments.seconds * len(methods):
+    while passes < PASSES or spent < arguments.seconds * len(quick):
         for number, method in enumerate(methods.values()):
-            sample(method, 1000 * (int(passes) + 1) + number, reference)
+            if passes < PASSES or method in quick:
+                sample(method, 1000 * (int(passes) + 1) + number, reference)
         passes += 1
-        spent = sum(sum(method.seconds) for method in methods.values())
+        spent = sum(sum(method.seconds) for method in quick)
     return methods, reference
 
 

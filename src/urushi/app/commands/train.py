@@ -68,8 +68,8 @@ class Train:
     """
 
     preset: str = "default"
-    """Name of the preset: default, quick (for experiments), smoke (half a minute, a check that
-    training runs), or paper (the system of Fan et al. 2022)."""
+    """Name of the preset: default, anisotropic (two GGX widths), quick (for experiments), smoke
+    (half a minute, a check that training runs), or paper (the system of Fan et al. 2022)."""
     scale: float | None = None
     """Only for the preset "paper": fraction of its training samples to use, in (0, 1]. 4e-5 takes
     about half an hour on two cores."""
