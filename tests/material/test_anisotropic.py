@@ -178,7 +178,7 @@ def test_coats_over_the_values_of_a_very_wide_lobe(alpha_v):
 
     The rest that the fitted lobe leaves has a code outside of all training. Coats over it were 13
     to 30 % wrong, and for some widths 10^8 times too bright. Separable masking, which the networks
-    know, differs under a coat by 1 %. Where some of the rest is kept, networks err by up to 11 %.
+    know, differs under a coat by 1 %. Where some of the rest is kept, networks err by up to 5 %.
     """
     surface = urushi.conductor(alpha_u=1.0, alpha_v=alpha_v, r0=(0.4, 0.3, 0.7))
 
@@ -194,4 +194,4 @@ def test_coats_over_the_values_of_a_very_wide_lobe(alpha_v):
         top = urushi.dielectric(alpha, eta)
         f = urushi.layer(top, encoded, sigma_t=sigma_t).f(wi, wo).T
         expected = urushi.layer(top, surface, sigma_t=sigma_t).f(wi, wo).T
-        assert (stack_error(f, expected, wi[:, 2], wo[:, 2]) < 0.12).all()
+        assert (stack_error(f, expected, wi[:, 2], wo[:, 2]) < 0.07).all()

@@ -14,9 +14,9 @@ from urushi.train.optimiser import Schedule, compile_steps, start
 from urushi.train.stages.decoding import (
     fresh_scatter,
     negative_log_likelihood,
-    pair_weights,
     plain_loss,
     scatter,
+    scatter_weights,
     weighted_loss,
 )
 
@@ -87,7 +87,7 @@ def test_scatter_that_differs_by_direction_and_code_is_learnt():
 
 def test_weights_have_mean_one_and_fall_with_the_scatter():
     values = jnp.array([[1e-4, 1e-2, 1.0, 4.0], [1e-9, 1e-9, 1e-9, 1e-9]])
-    weights = np.asarray(pair_weights(values))
+    weights = np.asarray(scatter_weights(values))
     np.testing.assert_allclose(weights.mean(axis=1), 1.0, rtol=1e-6)
     assert (np.diff(weights[0]) < 0).all()
     np.testing.assert_allclose(weights[1], 1.0, rtol=1e-6)
@@ -143,7 +143,7 @@ def test_the_minimum_under_uneven_noise_is_the_mean(spread):
     deviations = np.tile([spread / 4, spread], 8)
     shape = 1 / deviations**2
     f = jnp.asarray(rng.gamma(shape, 0.4 / shape, (40_000, 16)), jnp.float32)
-    weights = pair_weights(jnp.asarray(deviations**2, jnp.float32)[None])
+    weights = scatter_weights(jnp.asarray(deviations**2, jnp.float32)[None])
 
     @jax.jit
     @jax.vmap

@@ -8,13 +8,15 @@ import numpy as np
 import pytest
 
 from urushi.checks import Widths
+from urushi.errors import ParameterError
 from urushi.geometry import direction_sets
 from urushi.nets import lobe
 from urushi.nets.architecture import Architecture, init
 from urushi.nets.decoder import decode
 from urushi.nets.features import direction_features
+from urushi.train.examples import Batch
 from urushi.train.losses import squared_errors, stack_weights
-from urushi.train.stages import energy_weights
+from urushi.train.stages import decoding, energy_weights, joint
 from urushi.train.stages.quadratic_loss import quadratic_expansion
 
 PAIRS = 1 << 18
@@ -96,3 +98,33 @@ def test_the_slope_is_that_of_the_weighted_loss(pairs, share):
 
     slope, _ = quadratic_expansion(params, arch, z, features, top, f, share)
     np.testing.assert_allclose(slope, jax.grad(loss)(z), rtol=1e-3, atol=1e-6)
+
+
+def test_joint_and_decoding_loss_weigh_pairs_alike(pairs):
+    arch = Architecture(
+        latent=12, decoder=(8,), encoder=(8,), layerer=(8,), sampler=(4,), probes=6, widths=2
+    )
+    params, rng = init(arch, 3), np.random.default_rng(5)
+    features = jnp.asarray(direction_features(*(w[:64] for w in pairs[:2]), 2)).reshape(4, 16, -1)
+    batch = Batch(
+        lobes=np.tile(np.array(lobe.no_lobe(2), np.float32), (4, 1)),
+        probes=rng.random((4, 6), np.float32),
+        coats=(),
+        features=features,
+        top=np.zeros((4, 16), np.float32),
+        f=rng.random((4, 16), np.float32),
+    )
+    at_probes = features[0, :6]
+    plain, weighted = (
+        joint.joint_loss(params, arch, batch, at_probes, share)[1]["fit"] for share in (0.0, 0.9)
+    )
+    assert abs(weighted / plain - 1) > 0.01
+    again, _ = decoding.plain_loss(params, params, arch, batch, 0.9)
+    assert again == pytest.approx(float(weighted), rel=1e-5)
+
+
+def test_networks_of_one_width_have_no_energy_weights():
+    features = jnp.zeros((2, 8, 8))
+    with pytest.raises(ParameterError, match="energy_share"):
+        energy_weights.pair_weights(jnp.ones((2, 8)), features, 0.5)
+    assert energy_weights.pair_weights(jnp.ones((2, 8)), features, 0.0) == 1.0

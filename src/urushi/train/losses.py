@@ -63,13 +63,14 @@ def stack_weights(squares: jax.Array) -> jax.Array:
     return jnp.broadcast_to(weight, halves.shape).reshape(squares.shape)
 
 
-def stack_loss(f_hat: Any, f: Any) -> jax.Array:
+def stack_loss(f_hat: Any, f: Any, weights: Any = 1.0) -> jax.Array:
     """Mean over stacks of about the root of their mean squared relative error.
 
     Args:
         f_hat, f: (S, P) predicted and simulated values [1/sr], P a multiple of 8.
+        weights: (S, P) of the pairs in these means, about 1 on average.
     """
-    return mean_loss(squared_errors(f_hat, f))
+    return mean_loss(weights * squared_errors(f_hat, f))
 
 
 def mean_loss(squares: jax.Array, weights: Any = 1.0) -> jax.Array:

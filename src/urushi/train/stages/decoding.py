@@ -20,6 +20,7 @@ from urushi.train.devices import Devices
 from urushi.train.examples import Batch, Batches, Depth
 from urushi.train.losses import compose, mean_loss, squared_errors, stack_loss, without_lobe
 from urushi.train.optimiser import compile_steps
+from urushi.train.stages.energy_weights import pair_weights
 from urushi.train.stages.stage import Learner, Stage
 
 #: Widths of the hidden layers of the scatter's network, which has the form of the decoder.
@@ -47,10 +48,12 @@ class Decoding(Stage):
     Attributes:
         stacks: stacks of 0, 1, 2, ... coats in a step.
         weigh_pairs: whether pairs are weighted by their scatter.
+        energy_share: of the `energy_weights.pair_weights`; above zero only for two GGX widths.
     """
 
     stacks: tuple[int, ...]
     weigh_pairs: bool = True
+    energy_share: float = 0.0
     name: str = field(default="decoding", kw_only=True)
     trains: ClassVar[tuple[str, ...]] = ("decoder",)
 
@@ -68,7 +71,7 @@ class Decoding(Stage):
         minimised = weighted_loss if self.weigh_pairs else plain_loss
 
         def loss(trained: Params, batch: Any) -> tuple[jax.Array, dict[str, jax.Array]]:
-            return minimised(trained, params, arch, batch)
+            return minimised(trained, params, arch, batch, self.energy_share)
 
         steps = compile_steps(loss, self.schedule, self.devices())
         return Learner(steps, Batches(depths, self.stacks, seed + 1).take)
@@ -105,30 +108,40 @@ def negative_log_likelihood(scatter: Any, squares: Any) -> jax.Array:
     return jnp.mean(jnp.minimum(ratio, _LARGEST_RATIO) + jnp.log(scatter))
 
 
-def pair_weights(scatter: Any) -> jax.Array:
+def scatter_weights(scatter: Any) -> jax.Array:
     """Weights (S, P) of a stack's pairs: the root of their precision, 1 on average."""
     weights = 1.0 / jnp.sqrt(scatter + _LEAST)
     return weights / jnp.mean(weights, axis=-1, keepdims=True)
 
 
 def plain_loss(
-    trained: Params, params: Params, arch: Architecture, batch: Batch
+    trained: Params,
+    params: Params,
+    arch: Architecture,
+    batch: Batch,
+    energy_share: float = 0.0,
 ) -> tuple[jax.Array, dict[str, jax.Array]]:
-    """`losses.stack_loss` on composed codes, all pairs of equal weight, and its terms.
+    """`losses.stack_loss` on composed codes, and its terms.
 
     Args:
         trained: "decoder.*".
         params: all parameters; those of encoder and layerer compose the codes.
         arch: sizes of the networks.
         batch: simulated stacks.
+        energy_share: of the `energy_weights.pair_weights`.
     """
     z = compose(params, arch, batch.lobes, batch.probes, batch.coats)
-    fit = stack_loss(batch.top + without_lobe(trained, arch, z, batch.features), batch.f)
+    f_hat = batch.top + without_lobe(trained, arch, z, batch.features)
+    fit = stack_loss(f_hat, batch.f, pair_weights(f_hat, batch.features, energy_share))
     return fit, {"loss": fit}
 
 
 def weighted_loss(
-    trained: Params, params: Params, arch: Architecture, batch: Batch
+    trained: Params,
+    params: Params,
+    arch: Architecture,
+    batch: Batch,
+    energy_share: float = 0.0,
 ) -> tuple[jax.Array, dict[str, jax.Array]]:
     """Loss of decoder and scatter on composed codes, and its terms.
 
@@ -137,14 +150,15 @@ def weighted_loss(
 
     Args:
         trained: "decoder.*" and "scatter.*".
-        params, arch, batch: as of `plain_loss`.
+        params, arch, batch, energy_share: as of `plain_loss`.
     """
     z = compose(params, arch, batch.lobes, batch.probes, batch.coats)
     f_hat = batch.top + without_lobe(trained, arch, z, batch.features)
     squares = squared_errors(f_hat, batch.f)
     expected = scatter(trained, arch, z, batch.features)
-    weights = jax.lax.stop_gradient(pair_weights(expected))
-    fit = mean_loss(squares, weights)
+    weights = jax.lax.stop_gradient(scatter_weights(expected))
+    energies = pair_weights(f_hat, batch.features, energy_share)
+    fit = mean_loss(energies * squares, weights)
     unlikely = negative_log_likelihood(expected, jax.lax.stop_gradient(squares))
     loss = fit + _SHARE * unlikely
     return loss, {"loss": loss, "fit": fit, "scatter": unlikely}

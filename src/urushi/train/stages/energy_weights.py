@@ -6,6 +6,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 
+from urushi.errors import ParameterError
 from urushi.geometry.direction_sets import HALF_ANGLE_RANGE, MIRROR_SHARE, MIRROR_TANGENT
 from urushi.nets.features import AZIMUTH_TABLE, DIRECTION_TABLE
 
@@ -18,6 +19,23 @@ ABOVE_HORIZON = 0.7963
 
 _TABLE = DIRECTION_TABLE + AZIMUTH_TABLE
 _COLUMNS = {name: column for column, (name, _, _) in enumerate(_TABLE)}
+
+
+def pair_weights(f_hat: Any, features: Any, share: float) -> Any:
+    """Weights (B, P) of pairs: a share of them are `energy_weights`, the others are one.
+
+    Raises:
+        ParameterError: a share above zero and features (B, P, D) of one GGX width, whose training
+            pairs have another density.
+    """
+    if share == 0.0:
+        return 1.0
+    if features.shape[-1] != len(_TABLE):
+        raise ParameterError(
+            f"energy_share is {share} with features of one GGX width; it must be 0 unless the "
+            "networks have widths=2"
+        )
+    return 1.0 - share + share * energy_weights(f_hat, features)
 
 
 def energy_weights(f_hat: Any, features: Any) -> jax.Array:

@@ -23,6 +23,7 @@ from urushi.train.losses import (
     without_lobe,
 )
 from urushi.train.optimiser import compile_steps
+from urushi.train.stages.energy_weights import pair_weights
 from urushi.train.stages.stage import Learner, Stage
 
 #: Stride of the stacks used in the cycle loss, which decodes all probe pairs.
@@ -45,9 +46,11 @@ class Joint(Stage):
 
     Attributes:
         stacks: stacks of 0, 1, 2, ... coats in a step.
+        energy_share: of the `energy_weights.pair_weights`; above zero only for two GGX widths.
     """
 
     stacks: tuple[int, ...]
+    energy_share: float = 0.0
     name: str = field(default="joint", kw_only=True)
     trains: ClassVar[tuple[str, ...]] = ("decoder", "encoder", "layerer")
 
@@ -62,25 +65,32 @@ class Joint(Stage):
         fixed = {name: params[name] for name in FIXED}
 
         def loss(trained: Params, batch: Any) -> tuple[jax.Array, dict[str, jax.Array]]:
-            return joint_loss({**fixed, **trained}, arch, batch, features)
+            return joint_loss({**fixed, **trained}, arch, batch, features, self.energy_share)
 
         steps = compile_steps(loss, self.schedule, self.devices())
         return Learner(steps, Batches(depths, self.stacks, seed).take)
 
 
 def joint_loss(
-    params: Params, arch: Architecture, batch: Batch, probe_features: Any
+    params: Params,
+    arch: Architecture,
+    batch: Batch,
+    probe_features: Any,
+    energy_share: float = 0.0,
 ) -> tuple[jax.Array, dict[str, jax.Array]]:
     """Loss of encoder, layerer and decoder, and its terms.
 
-    - fit: decoded values of the composed latent codes against the simulated values;
+    - fit: decoded values of the composed latent codes against the simulated values, pairs with
+      `energy_weights.pair_weights`;
     - cycle: the same after decoding at the probe pairs and encoding again, for every
       `CYCLE_STRIDE`th stack, so that the networks' own output can be encoded and coated;
     - rise: `absorption_penalty` of a bottom's lowest coat, for every `ABSORPTION_STRIDE`th stack.
     """
     bottoms = encoded(params, arch, batch.lobes, batch.probes)
     z = apply_coats(params, arch, bottoms, batch.coats)
-    fit = stack_loss(batch.top + without_lobe(params, arch, z, batch.features), batch.f)
+    f_hat = batch.top + without_lobe(params, arch, z, batch.features)
+    weights = pair_weights(f_hat, batch.features, energy_share)
+    fit = stack_loss(f_hat, batch.f, weights)
 
     some = slice(None, None, CYCLE_STRIDE)
     chosen = z[some]

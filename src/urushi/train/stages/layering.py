@@ -38,11 +38,13 @@ class Layering(Stage):
         stacks: stacks of 1, 2, ... coats in a step.
         widen_from: widths of the layerer's hidden layers before this stage; None: as after it.
         seed_offset: added to the preset's seed for the order of the stacks.
+        energy_share: of the `energy_weights.pair_weights`; above zero only for two GGX widths.
     """
 
     stacks: tuple[int, ...]
     widen_from: tuple[int, ...] | None = None
     seed_offset: int = 0
+    energy_share: float = 0.0
     name: str = field(default="layering", kw_only=True)
     trains: ClassVar[tuple[str, ...]] = ("layerer",)
 
@@ -64,14 +66,15 @@ class Layering(Stage):
         """The stacks of one depth to learn from."""
         yield depth.first()
 
-    def losses_of(self, params: Params, arch: Architecture, examples: Examples) -> QuadraticLosses:
-        """The quadratic losses of examples of one depth by the networks before this stage."""
-        return measure_quadratic_losses(params, arch, examples)
-
     def learn(self, params: Params, arch: Architecture, depths: list[Depth], seed: int) -> Learner:
         """Steps of `layering_loss` on quadratic losses, which are measured first."""
         losses = []
-        measure = functools.partial(self.losses_of, params, self.arch_before(arch))
+        measure = functools.partial(
+            measure_quadratic_losses,
+            params,
+            self.arch_before(arch),
+            energy_share=self.energy_share,
+        )
         for depth in depths[1:]:
             measured = list(map(measure, self.examples(depth)))  # holds no examples meanwhile
             depth.forget()
@@ -87,17 +90,7 @@ class Layering(Stage):
 
 @dataclass(frozen=True)
 class MirroredLayering(Layering):
-    """`Layering` of two GGX widths on every stack and its mirror image at the plane x = y.
-
-    Attributes:
-        energy_share: the share of the pairs' weights that are `energy_weights`.
-    """
-
-    energy_share: float = 0.0
-
-    def losses_of(self, params: Params, arch: Architecture, examples: Examples) -> QuadraticLosses:
-        """As in `Layering`, with energy weights."""
-        return measure_quadratic_losses(params, arch, examples, self.energy_share)
+    """`Layering` of two GGX widths on every stack and its mirror image at the plane x = y."""
 
     def examples(self, depth: Depth) -> Iterator[Examples]:
         """The stacks of one depth, then their mirror images."""

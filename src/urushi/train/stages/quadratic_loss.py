@@ -26,7 +26,7 @@ from urushi.train.losses import (
     stack_weights,
     without_lobe,
 )
-from urushi.train.stages.energy_weights import energy_weights
+from urushi.train.stages.energy_weights import pair_weights
 
 #: Items that are decoded at once.
 _BLOCK = 1024
@@ -71,8 +71,7 @@ def quadratic_expansion(
 
     z without the lobe's numbers; features (B, P, D), top and f (B, P) as in `Examples`. The
     curvature is that of Gauss and Newton, as if f were linear in the code. The weights of the
-    errors are constant. A share `energy_share` of the weights of pairs are `energy_weights`; the
-    others are one.
+    errors are constant. energy_share: of the `energy_weights.pair_weights`.
     """
     log_f, log_slope = decode_log(params, arch, z[:, None], features)
     rest = jnp.exp(log_f)
@@ -80,9 +79,7 @@ def quadratic_expansion(
     scale = error_scale(f_hat)
     error = (f_hat - f) / scale
     squares, far = huber_loss(error, KNEE)
-    of_pairs: Any = 1.0
-    if energy_share > 0.0:
-        of_pairs = 1.0 - energy_share + energy_share * energy_weights(f_hat, features)
+    of_pairs = pair_weights(f_hat, features, energy_share)
     weight = 2.0 * of_pairs * stack_weights(of_pairs * squares) / (far * f.shape[-1])
     jacobian = (rest / scale)[..., None] * log_slope
     slope = jnp.einsum("bp,bpl->bl", weight * error, jacobian)
