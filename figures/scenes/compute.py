@@ -86,7 +86,11 @@ def part(
     """
     case = CASES[name]
     arguments = argparse.Namespace(
-        width=width, detail=DETAIL, depth=case.depth, folder=folder / "references"
+        width=width,
+        detail=DETAIL,
+        depth=case.depth,
+        seconds=seconds,
+        folder=folder / "references",
     )
     reference = converged(case.scene, REFERENCE, samples, arguments, case.light)
     methods = {
