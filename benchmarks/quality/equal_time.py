@@ -59,6 +59,8 @@ AIM = 10
 
 #: Least number of passes of a method, and of samples per pixel of a pass.
 PASSES, LEAST_SPP = 4, 2
+#: A method is slow if the least passes take so many times the seconds that it has.
+SLOW = 10
 
 COLUMNS = (
     "scene",
@@ -128,8 +130,8 @@ class Method:
 def start(name: str, light: str, method: str, arguments: argparse.Namespace) -> Method:
     """Load a scene and render it, so that its kernels are compiled.
 
-    A pass has `PASS_SPP` samples per pixel, or as many as take a share of `--seconds`, but two at
-    least.
+    A pass has `PASS_SPP` samples per pixel. That of a slow method has as many as keep `PASSES`
+    passes within `SLOW` times `--seconds`, but `LEAST_SPP` at least.
     """
     begin = time.process_time()
     scene, _ = load(name, method, arguments, light)
@@ -138,7 +140,7 @@ def start(name: str, light: str, method: str, arguments: argparse.Namespace) -> 
     compiled = time.process_time()
     np.array(mi.render(scene, spp=LEAST_SPP, seed=0))
     of_least = time.process_time() - compiled
-    affordable = LEAST_SPP * arguments.seconds / (PASSES * of_least)
+    affordable = LEAST_SPP * SLOW * arguments.seconds / (PASSES * of_least)
     samples = int(min(max(affordable, LEAST_SPP), PASS_SPP))
     return Method(scene, samples, compiled - begin, [], [], np.zeros(shape), np.zeros(shape), [])
 
@@ -161,8 +163,7 @@ def measure(
 ) -> tuple[dict[str, Method], Picture]:
     """All methods after alternating passes, so that other load affects all equally; and the truth.
 
-    Each method takes about `--seconds` of CPU time. One that is too slow for this stops after
-    `PASSES` passes.
+    Each method takes about `--seconds` of CPU time. A slow one stops after `PASSES` passes.
     """
     reference = converged(name, REFERENCE, arguments.spp, arguments, light)
     names = (REFERENCE, PRINCIPLED, *arguments.weights)
