@@ -33,8 +33,10 @@ that the table predicts.
 """
 
 import argparse
+import contextlib
 import time
 from dataclasses import dataclass
+from pathlib import Path
 from statistics import median
 from typing import Any
 
@@ -51,6 +53,9 @@ from benchmarks.quality.converged import (
 from benchmarks.scenes import LIGHTS, PRINCIPLED, processor
 
 from urushi.eval import metrics
+from urushi.nets.weights import find
+from urushi.paper.architecture import PaperArchitecture
+from urushi.paper.kernels import separate_kernels
 from urushi.platform import available_cores
 
 #: Times at which errors are compared, in samples of the walk.
@@ -84,6 +89,7 @@ class Method:
 
     Attributes:
         scene: the loaded scene.
+        separate: whether steps of paths are kernels of their own, see `rendered`.
         samples: per pixel of a pass.
         start: CPU time of loading and of the first render, which compiles [s].
         seconds, fixed: CPU time of each pass, and of one with one sample per pixel [s].
@@ -92,6 +98,7 @@ class Method:
     """
 
     scene: Any
+    separate: bool
     samples: int
     start: float
     seconds: list[float]
@@ -127,6 +134,20 @@ class Method:
         return metrics.mse(self.total / self.passes, reference.image) - noise
 
 
+def of_paper(method: str) -> bool:
+    """Whether a method is a weights file of the system of Fan et al. (2022)."""
+    file = Path(method).suffix == ".safetensors"
+    return file and isinstance(find(method).arch, PaperArchitecture)
+
+
+def rendered(scene: Any, separate: bool, spp: int, seed: int) -> tuple[np.ndarray, float]:
+    """A picture (H, W, 3) and its CPU time [s]; separate: as of `separate_kernels`."""
+    begin = time.process_time()
+    with separate_kernels() if separate else contextlib.nullcontext():
+        image = np.array(mi.render(scene, spp=spp, seed=seed), dtype=np.float64)
+    return image, time.process_time() - begin
+
+
 def start(name: str, light: str, method: str, arguments: argparse.Namespace) -> Method:
     """Load a scene and render it, so that its kernels are compiled.
 
@@ -135,22 +156,22 @@ def start(name: str, light: str, method: str, arguments: argparse.Namespace) -> 
     """
     begin = time.process_time()
     scene, _ = load(name, method, arguments, light)
+    separate = of_paper(method)
     for spp in (1, LEAST_SPP):  # one sample per pixel has a kernel of its own
-        shape = np.array(mi.render(scene, spp=spp, seed=0)).shape
+        shape = rendered(scene, separate, spp, 0)[0].shape
     compiled = time.process_time()
-    np.array(mi.render(scene, spp=LEAST_SPP, seed=0))
-    of_least = time.process_time() - compiled
+    of_least = rendered(scene, separate, LEAST_SPP, 0)[1]
     affordable = LEAST_SPP * SLOW * arguments.seconds / (PASSES * of_least)
     samples = int(min(max(affordable, LEAST_SPP), PASS_SPP))
-    return Method(scene, samples, compiled - begin, [], [], np.zeros(shape), np.zeros(shape), [])
+    nothing = np.zeros(shape)
+    return Method(scene, separate, samples, compiled - begin, [], [], nothing, nothing.copy(), [])
 
 
 def sample(method: Method, seed: int, reference: Picture) -> None:
     """Add one pass; at powers of two, store the error of the mean over all passes."""
     for spp, times in ((1, method.fixed), (method.samples, method.seconds)):
-        begin = time.process_time()
-        image = np.array(mi.render(method.scene, spp=spp, seed=seed), dtype=np.float64)
-        times.append(time.process_time() - begin)
+        image, seconds = rendered(method.scene, method.separate, spp, seed)
+        times.append(seconds)
     method.total += image
     method.squares += image**2
     if method.passes & (method.passes - 1) == 0:

@@ -43,9 +43,9 @@ MATERIALS = 10
 FRESH = "URUSHI_FRESH_KERNELS"  # set in the measuring process
 
 
-def texture(low: float, high: float, channels: int, seed: int) -> dict:
+def texture(low: float, high: float, channels: int, seed: int, side: int = TEXELS) -> dict:
     """A texture of uniform random texels."""
-    texels = np.random.default_rng(seed).uniform(low, high, (TEXELS, TEXELS, channels))
+    texels = np.random.default_rng(seed).uniform(low, high, (side, side, channels))
     return {"type": "bitmap", "bitmap": mi.Bitmap(texels.astype(np.float32)), "raw": True}
 
 
@@ -55,9 +55,9 @@ def value(low: float, high: float, channels: int, seed: int) -> dict | float:
     return {"type": "rgb", "value": numbers} if channels == 3 else numbers[0]
 
 
-def material(plugin: str, textured: bool, seed: int = 0) -> dict:
-    """The sphere's BSDF; plugin: one of `OTHERS`, or weights."""
-    of = texture if textured else value
+def material(plugin: str, textured: bool, seed: int = 0, side: int = TEXELS) -> dict:
+    """The sphere's BSDF; plugin: one of `OTHERS`, or weights; side: of textures, in texels."""
+    of = partial(texture, side=side) if textured else value
     if plugin == "principled":
         return {
             "type": "principled",

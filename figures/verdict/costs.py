@@ -16,6 +16,7 @@ from figures.verdict import fits
 from figures.verdict import methods as known
 from urushi.material.layer import layer_texels
 from urushi.nets.weights import Model, default_model
+from urushi.paper.kernels import separate_kernels
 from urushi.physics import microfacet
 from urushi.reference.monte_carlo import backend
 from urushi.reference.stack import Stack
@@ -32,6 +33,9 @@ SIDE, SAMPLES, TURNS = 192, 32, 3
 #: The system of Fan et al. (2022) does one part in so many of the others' work; its time is
 #: multiplied. It takes so long that the fixed cost of a kernel vanishes beside it.
 PAPER_PARTS = 32
+#: Side of its textures in texels, instead of `render.TEXELS`: each texel's width and bottom are
+#: projected. A render with larger ones takes as long.
+PAPER_TEXELS = 4
 #: Repetitions of encoding and layering.
 OPERATIONS = 10
 #: Texels from which a texture's bytes are found.
@@ -62,7 +66,7 @@ def evaluations(paper: str | None) -> dict[str, float]:
     fewer = _evaluated(wi[: EVALUATIONS // PAPER_PARTS], wo[: EVALUATIONS // PAPER_PARTS])
     kernels: dict[str, Callable[[], Any]] = {}
     for name, plugin in _plugins(paper).items():
-        bsdf = mi.load_dict(_bsdf(plugin, False))
+        bsdf = mi.load_dict(_bsdf(name, plugin, False))
         pairs = fewer if name == known.PAPER else (si, out)
         kernels[name] = functools.partial(bsdf.eval, mi.BSDFContext(), *pairs)
     kernels[fits.GGX] = functools.partial(ggx_kernel, si.wi, out, LOBES)
@@ -129,7 +133,7 @@ def renders(paper: str | None) -> dict[str, dict[str, float]]:
     found: dict[str, dict[str, float]] = {}
     for kind in ("constant", "textured"):
         scenes = {
-            name: render.scene([_bsdf(plugin, kind == "textured")], SIDE)
+            name: render.scene([_bsdf(name, plugin, kind == "textured")], SIDE)
             for name, plugin in _plugins(paper).items()
         }
         least = _least(
@@ -142,8 +146,10 @@ def renders(paper: str | None) -> dict[str, dict[str, float]]:
 
 def _rendered(name: str, scene: "mi.Scene") -> float:
     """CPU time of a render by a method [s]."""
-    parts = PAPER_PARTS if name == known.PAPER else 1
-    return parts * render.rendered(scene, SAMPLES // parts, 1)[1]
+    if name != known.PAPER:
+        return render.rendered(scene, SAMPLES, 1)[1]
+    with separate_kernels():
+        return PAPER_PARTS * render.rendered(scene, SAMPLES // PAPER_PARTS, 1)[1]
 
 
 def memory(paper: Model | None = None) -> dict[str, dict[str, int]]:
@@ -211,10 +217,12 @@ def _plugins(paper: str | None) -> dict[str, str]:
     return {PRINCIPLED: PRINCIPLED, **known.PLUGINS, **({known.PAPER: paper} if paper else {})}
 
 
-def _bsdf(plugin: str, textured: bool) -> dict[str, Any]:
-    rival = plugin in (known.PLUGINS[name] for name in known.RIVALS if name in known.PLUGINS)
-    bsdf = render.material("layered" if rival else plugin, textured)
-    return bsdf | {"type": plugin} if rival else bsdf
+def _bsdf(name: str, plugin: str, textured: bool) -> dict[str, Any]:
+    """The sphere's BSDF by a method and its plugin."""
+    if name in known.RIVALS:  # plugins with the parameters of `layered`
+        return render.material("layered", textured) | {"type": plugin}
+    side = PAPER_TEXELS if name == known.PAPER else render.TEXELS
+    return render.material(plugin, textured, side=side)
 
 
 def _least(operations: dict[str, Callable[[], float]], turns: int) -> dict[str, float]:

@@ -156,6 +156,15 @@ def test_unknown_names_name_the_shipped_weights():
         weights.find("large")
 
 
+def test_a_file_is_read_once_until_it_changes(tmp_path):
+    path = tmp_path / "own.safetensors"
+    weights.save(path, ARCH, init(ARCH, 0), {})
+    first = weights.find(path)
+    assert weights.find(str(path)) is first
+    weights.save(path, ARCH, init(ARCH, 1), {})
+    assert weights.find(path).fingerprint != first.fingerprint
+
+
 @pytest.mark.parametrize("name", ["base", "small"])
 def test_names_of_former_weights_name_the_version_that_has_them(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

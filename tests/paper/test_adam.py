@@ -114,6 +114,30 @@ def test_encode_uses_the_projection_of_the_weights(params):
     assert 0 < np.abs(codes - 1).max() <= 3 * adam.RATE * 1.01
 
 
+def test_a_texture_of_lambertian_brdfs_takes_few_projections(params, monkeypatch):
+    """Codes are interpolated; at the levels themselves they are those of the projection."""
+    projected = []
+
+    def project(self, directions, f):
+        projected.extend(np.pi * f[:, 0])
+        return np.repeat(np.sqrt(np.pi * f[:, :1]), 32, axis=1)  # linear between levels
+
+    monkeypatch.setattr(networks.PaperNetworks, "_project", project)
+    own = Model.of(PaperArchitecture(AdamProjection(steps=3, pairs=32)), params, {}).networks
+    reflectance = np.random.default_rng(0).uniform(0, 1, (500, 3))
+    f = np.repeat(reflectance[..., None] / np.pi, networks.ADAM_PAIRS, axis=-1).astype(np.float32)
+    codes = own.encode(f)
+    assert len(projected) <= networks.LEVELS + 1 and max(projected) < 1.001
+    expected = np.repeat(np.sqrt(reflectance)[..., None], 32, axis=-1)
+    np.testing.assert_allclose(codes, expected, atol=1e-5)
+    own.encode(f[:50])
+    assert len(projected) <= networks.LEVELS + 1  # they are kept
+    lobed = f[:20] * np.linspace(0.5, 1.5, f.shape[-1], dtype=np.float32)
+    before = len(projected)
+    own.encode(lobed)
+    assert len(projected) == before + 60
+
+
 @pytest.mark.parametrize("options", [{"steps": 0}, {"pairs": 2.5}, {"pairs": 1 << 21}])
 def test_impossible_options_are_refused(options):
     with pytest.raises(ParameterError, match=r"give a whole number from 1 to"):

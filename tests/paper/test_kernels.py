@@ -63,7 +63,7 @@ def test_proposals_agree_with_numpy(rgb, networks):
 @pytest.mark.slow
 def test_a_plate_in_white_light_shows_the_albedo(rgb, networks, tmp_path):
     """16 x 16 pixels through `neural_brdf`; in constant light of one, radiance is the albedo."""
-    import drjit as dr
+    from urushi.paper.kernels import separate_kernels
 
     model, path = networks
     material = Material(1 + 0.2 * np.random.default_rng(10).normal(size=(3, 32)), model)
@@ -84,9 +84,7 @@ def test_a_plate_in_white_light_shows_the_albedo(rgb, networks, tmp_path):
             "camera": camera,
         }
     )
-    # In symbolic calls, LLVM would compile the network for minutes on some CPUs, see `kernels`.
-    flags = (dr.JitFlag.SymbolicCalls, dr.JitFlag.SymbolicLoops)
-    with dr.scoped_set_flag(flags[0], False), dr.scoped_set_flag(flags[1], False):
+    with separate_kernels():
         image = rgb.render(scene, spp=16).numpy()
     assert image.shape == (16, 16, 3)
     # Untrained networks are not isotropic: integrate over the whole hemisphere, by cosine density.

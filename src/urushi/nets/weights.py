@@ -226,4 +226,11 @@ def find(given: Weights | None) -> Model:
         raise FileError(
             f"there are no weights '{given}'; give a file, or '{DEFAULT}' for the shipped ones"
         )
-    return read(given)
+    state = Path(given).stat()
+    return _read_once(str(Path(given).absolute()), state.st_mtime_ns, state.st_size)
+
+
+@functools.lru_cache(maxsize=8)
+def _read_once(path: str, changed: int, size: int) -> Model:
+    """A file's networks; the materials of a scene share them, with what the networks keep."""
+    return read(path)

@@ -1,12 +1,12 @@
 """The evaluation network and the sampling proxy in Dr.Jit, for the plugins.
 
-The million weights are read from memory. An evaluation takes about a hundred times as long as one
-of Urushi's own decoder, and compilation takes half a minute. In the routines of symbolic calls, to
-which weights are passed by lane, LLVM needs many minutes on CPUs without fast gathers (AVX2). On
-those, render with `drjit.JitFlag.SymbolicCalls` and `SymbolicLoops` switched off.
+The million weights are read from memory. Compilation takes a minute. Mitsuba records a whole path
+as one kernel, in which every lane reads the weights for itself. On CPUs this is ten times as slow
+as `separate_kernels`, and takes many minutes to compile where gathers are slow (AVX2).
 """
 
-from collections.abc import Callable, Mapping, Sequence
+import contextlib
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import drjit as dr
@@ -21,6 +21,19 @@ from urushi.paper.blocks import EPSILON, Block, Linear, Norm
 from urushi.paper.proxy import MIN_SHARE, MIN_SIGMA
 from urushi.physics.frame import square_to_cosine_hemisphere
 from urushi.render.networks import cooperative
+
+
+@contextlib.contextmanager
+def separate_kernels() -> Iterator[None]:
+    """Within this context `mi.render` runs a kernel for each step of a path.
+
+    The lanes of such a kernel read each weight once, together.
+    """
+    with (
+        dr.scoped_set_flag(dr.JitFlag.SymbolicCalls, False),
+        dr.scoped_set_flag(dr.JitFlag.SymbolicLoops, False),
+    ):
+        yield
 
 
 class NormKernel:

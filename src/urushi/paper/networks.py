@@ -32,6 +32,10 @@ ADAM_PAIRS = 4096
 #: Number of BRDFs that are projected together; more would not fit into the caches.
 TOGETHER = 4
 
+#: Codes of many Lambertian BRDFs, as of a texture, are interpolated between those of the
+#: reflectances (k / LEVELS)².
+LEVELS = 32
+
 #: Maximum number of different interfaces in one layering: a texture of widths would take hours.
 MAX_TOPS = 256
 
@@ -63,24 +67,55 @@ class PaperNetworks:
 
     def __init__(self, params: Params, arch: PaperArchitecture):
         self._params, self._adam = params, arch.adam
-        self._lock = threading.Lock()  # guards the codes of interfaces
+        self._lock = threading.RLock()  # guards the codes of interfaces and Lambertian BRDFs
         self._tops: dict[tuple[float, float], np.ndarray] = {}
+        self._levels: dict[float, np.ndarray] = {}
 
     def pairs(self) -> tuple[np.ndarray, np.ndarray]:
         """The pairs at which a BRDF is projected."""
         return projection_pairs() if self._adam is None else adam_pairs()
 
     def encode(self, f: Any) -> np.ndarray:
-        """Codes (..., 32) by projection: about a second each, or some minutes by Adam."""
+        """Codes (..., 32) by projection: about a second each, or some minutes by Adam.
+
+        Codes of more than `LEVELS` Lambertian BRDFs are interpolated, by Adam alone: its codes vary
+        smoothly with the BRDF.
+        """
         values = np.asarray(f, np.float32)
         directions = direction_inputs(*self.pairs())[None]
         rows = values.reshape(-1, directions.shape[1])
-        parts = [
-            self._project(directions, rows[start : start + TOGETHER])
-            for start in range(0, len(rows), TOGETHER)
-        ]
-        codes = np.concatenate(parts) if parts else np.zeros((0, LATENT), np.float32)
+        grey = np.ptp(rows, axis=1) <= 1e-4 * rows.max(axis=1)  # but for rounding
+        if self._adam is None or np.count_nonzero(grey) <= LEVELS:
+            grey[:] = False
+        codes = np.empty((len(rows), LATENT), np.float32)
+        codes[~grey] = self._projected(directions, rows[~grey])
+        if grey.any():
+            codes[grey] = self._interpolated(directions, rows[grey].mean(axis=1))
         return codes.reshape(*values.shape[:-1], LATENT)
+
+    def _interpolated(self, directions: np.ndarray, f: np.ndarray) -> np.ndarray:
+        """Codes (M, 32) of Lambertian BRDFs f (M,); those of levels are kept."""
+        position = LEVELS * np.sqrt(np.pi * np.maximum(f, 0))
+        lower = np.floor(position)
+        with self._lock:
+            new = sorted({*lower.tolist(), *(lower + 1).tolist()} - set(self._levels))
+            values = (np.array(new, np.float32)[:, None] / LEVELS) ** 2 / np.float32(np.pi)
+            codes = self._projected(directions, values.repeat(directions.shape[1], axis=1))
+            self._levels |= dict(zip(new, codes, strict=True))
+        below, above = (
+            np.array([self._levels[level] for level in (lower + k).tolist()]).reshape(-1, LATENT)
+            for k in (0, 1)
+        )
+        share = (position - lower)[:, None]
+        return (1 - share) * below + share * above
+
+    def _projected(self, directions: np.ndarray, f: np.ndarray) -> np.ndarray:
+        """Codes (M, 32) of BRDFs f (M, P), some at a time."""
+        parts = [
+            self._project(directions, f[start : start + TOGETHER])
+            for start in range(0, len(f), TOGETHER)
+        ]
+        return np.concatenate(parts) if parts else np.zeros((0, LATENT), np.float32)
 
     def _project(self, directions: np.ndarray, f: np.ndarray) -> np.ndarray:
         """Codes (M, 32) of BRDFs f (M, P)."""

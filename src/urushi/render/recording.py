@@ -32,6 +32,8 @@ def only_where(active, function: Callable, *args):
         return _flat(result)
 
     def zeros(*values):
+        if not results:  # no lane is active, and Dr.Jit knows it: the other branch is left out
+            evaluated(*values)
         return [dr.zeros(type(value)) for value in _flat(results[0])]
 
     # Conditions of Dr.Jit take neither named tuples nor frozen dataclasses.
