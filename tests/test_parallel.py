@@ -135,3 +135,24 @@ def test_threads_of_the_caller_take_turns():
         caller.join()
     assert all(np.array_equal(out, np.sqrt(x)) for out in outs)
     assert _blas_threads() == before
+
+
+@pytest.mark.parametrize("outer", ["a task", "one thread of BLAS"])
+def test_a_call_within_another_is_worked_on_by_its_thread(outer, threads):
+    x = np.random.default_rng(5).random((5 * ROWS, 1))
+    inner = []
+
+    def nested(part):
+        out, before = np.empty_like(x), threading.current_thread()
+        fill_blocks(out, lambda y: inner.append(threading.current_thread() is before) or y, x)
+        with parallel.one_blas_thread():
+            return part + out[: len(part)]
+
+    if outer == "a task":
+        out = np.empty_like(x)
+        fill_blocks(out, nested, x)
+    else:
+        with parallel.one_blas_thread():
+            out = nested(x)
+    assert all(inner) and len(inner) >= 5
+    np.testing.assert_array_equal(out[:ROWS], x[:ROWS] + x[:ROWS])

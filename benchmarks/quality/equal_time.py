@@ -24,20 +24,20 @@ Under small lights, single bright samples decide the mean variances: those of ca
 tracing hardly finds. `--depth 2` leaves them out, and `--seconds` makes them more certain. The
 median over pixels of V' / V is a column of its own, which these samples hardly change.
 
-Times are CPU times of all threads. The fixed cost of a pass, which records the code of every BSDF
-in memory, is measured by passes of one sample and subtracted. Loading and compiling have their own
-column. With default sizes it takes an hour on two cores; `--scenes demo --lights point --width 128
---spp 256 --seconds 4` takes a minute. The reference is stored in `--folder`, and a stopped run
-resumes. `equal-time.png` there shows the measured errors while samples accumulate, and the lines
-that the table predicts.
+Times are CPU times of all threads, the least of some renders. The fixed cost of a render, which
+records the code of every BSDF in memory, is measured by passes of one sample and subtracted.
+Loading and compiling have their own column. With default sizes it takes an hour on two cores;
+`--scenes demo --lights point --width 128 --spp 256 --seconds 4` takes a minute. The reference is
+stored in `--folder`, and a stopped run resumes. `equal-time.png` there shows the measured errors
+while samples accumulate, and the lines that the table predicts.
 """
 
 import argparse
 import contextlib
+import gc
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from statistics import median
 from typing import Any
 
 import mitsuba as mi
@@ -64,6 +64,8 @@ AIM = 10
 
 #: Least number of passes of a method, and of samples per pixel of a pass.
 PASSES, LEAST_SPP = 4, 2
+#: Small pictures are timed by renders of so many times a pass's samples, up to a number in all.
+LONG, LONG_SAMPLES, LONG_TURNS = 8, 1 << 20, 4
 #: A method is slow if the least passes take so many times the seconds that it has.
 SLOW = 10
 
@@ -93,6 +95,7 @@ class Method:
         samples: per pixel of a pass.
         start: CPU time of loading and of the first render, which compiles [s].
         seconds, fixed: CPU time of each pass, and of one with one sample per pixel [s].
+        long: CPU time of each long render [s]; none of slow methods.
         total, squares: sums over passes of the pictures (H, W, 3), and of their squares.
         errors: (samples per pixel, mean squared error) at powers of two of the passes.
     """
@@ -103,6 +106,7 @@ class Method:
     start: float
     seconds: list[float]
     fixed: list[float]
+    long: list[float]
     total: np.ndarray
     squares: np.ndarray
     errors: list[tuple[int, float]]
@@ -113,8 +117,20 @@ class Method:
 
     @property
     def second(self) -> float:
-        """CPU time of one sample per pixel in a long render [s]."""
-        return max(median(self.seconds) - median(self.fixed), 1e-9) / (self.samples - 1)
+        """CPU time of one sample per pixel in a long render [s].
+
+        By the least times, because other load only adds to them.
+        """
+        times, samples = (
+            (self.long, self.long_samples) if self.long else (self.seconds, self.samples)
+        )
+        return max(min(times) - min(self.fixed), 1e-9) / (samples - 1)
+
+    @property
+    def long_samples(self) -> int:
+        """Samples per pixel of a long render."""
+        pixels = self.total.shape[0] * self.total.shape[1]
+        return self.samples * max(1, min(LONG, LONG_SAMPLES // (pixels * self.samples)))
 
     @property
     def variances(self) -> np.ndarray:
@@ -164,7 +180,9 @@ def start(name: str, light: str, method: str, arguments: argparse.Namespace) -> 
     affordable = LEAST_SPP * SLOW * arguments.seconds / (PASSES * of_least)
     samples = int(min(max(affordable, LEAST_SPP), PASS_SPP))
     nothing = np.zeros(shape)
-    return Method(scene, separate, samples, compiled - begin, [], [], nothing, nothing.copy(), [])
+    return Method(
+        scene, separate, samples, compiled - begin, [], [], [], nothing, nothing.copy(), []
+    )
 
 
 def sample(method: Method, seed: int, reference: Picture) -> None:
@@ -184,11 +202,13 @@ def measure(
 ) -> tuple[dict[str, Method], Picture]:
     """All methods after alternating passes, so that other load affects all equally; and the truth.
 
-    Each method takes about `--seconds` of CPU time. A slow one stops after `PASSES` passes.
+    Each method takes about `--seconds` of CPU time. A slow one stops after `PASSES` passes. Methods
+    with separate kernels are measured afterwards: their BSDFs would be compiled into the kernels of
+    the others.
     """
     reference = converged(name, REFERENCE, arguments.spp, arguments, light)
     names = (REFERENCE, PRINCIPLED, *arguments.weights)
-    methods = {method: start(name, light, method, arguments) for method in names}
+    methods = {of: start(name, light, of, arguments) for of in names if not of_paper(of)}
     quick = [method for method in methods.values() if method.samples == PASS_SPP]
     passes = spent = 0.0
     while passes < PASSES or spent < arguments.seconds * len(quick):
@@ -197,6 +217,18 @@ def measure(
                 sample(method, 1000 * (int(passes) + 1) + number, reference)
         passes += 1
         spent = sum(sum(method.seconds) for method in quick)
+    for turn in range(LONG_TURNS):
+        for method in quick:
+            method.long.append(
+                rendered(method.scene, method.separate, method.long_samples, turn)[1]
+            )
+    for of in names:
+        if of not in methods:
+            methods[of] = start(name, light, of, arguments)
+            for index in range(PASSES):
+                sample(methods[of], 1000 * (index + 1) + len(methods), reference)
+            methods[of].scene = None
+            gc.collect()
     return methods, reference
 
 

@@ -2,8 +2,9 @@
 
     python -m figures.verdict.compute [--paper FILE]
 
-FILE are weights of the preset `paper`, the system of Fan et al. (2022); without them its row is
-missing. E over measured bottoms needs the folder that URUSHI_TEST_DATA names.
+FILE are weights of the system of Fan et al. (2022): those of a longer training, or the authors'
+(`urushi paper import`). The default are the weights in this folder. E over measured bottoms needs
+the folder that URUSHI_TEST_DATA names.
 """
 
 import argparse
@@ -22,6 +23,8 @@ from urushi.nets.weights import anisotropic_model, default_model, find
 from urushi.paper import register
 
 FOLDER = Path(__file__).parent
+#: The system of Fan et al. (2022), trained here; see the README.
+PAPER = FOLDER / "fan2022.safetensors"
 PARTS = Path("out/figures/verdict")
 #: Numbers of interfaces.
 INTERFACES = (1, 2, 3, 4, 5, 6)
@@ -30,7 +33,12 @@ INTERFACES = (1, 2, 3, 4, 5, 6)
 def main() -> None:
     """Compute what is missing and write results.json."""
     parser = argparse.ArgumentParser(prog="python -m figures.verdict.compute", description=__doc__)
-    parser.add_argument("--paper", help="weights of the system of Fan et al. (2022)")
+    parser.add_argument(
+        "--paper",
+        default=str(PAPER),
+        metavar="FILE",
+        help="weights of the system of Fan et al. (2022)",
+    )
     weights = parser.parse_args().paper
     mi.set_variant("llvm_ad_rgb")
     register()
@@ -38,15 +46,15 @@ def main() -> None:
     head = {
         "weights": default_model().fingerprint,
         "anisotropic weights": anisotropic_model().fingerprint,
-        "paper weights": find(weights).fingerprint if weights else None,
+        "paper weights": find(weights).fingerprint,
         "processor": processor(),
     }
     results.write(FOLDER / "results.json", {**head, **found})
 
 
-def parts(weights: str | None) -> dict[str, Any]:
-    """The functions of all parts by name; weights: of the paper's system."""
-    paper = find(weights) if weights else None
+def parts(weights: str) -> dict[str, Any]:
+    """The functions of all parts by name; weights: file of the paper's system."""
+    paper = find(weights)
     functions: dict[str, Any] = {
         "evaluations": functools.partial(costs.evaluations, weights),
         "renders": functools.partial(costs.renders, weights),
@@ -60,7 +68,7 @@ def parts(weights: str | None) -> dict[str, Any]:
     functions["laws"] = functools.partial(errors.laws, paper)
     if "URUSHI_TEST_DATA" in os.environ:
         functions["measured"] = functools.partial(
-            errors.measured, Path(os.environ["URUSHI_TEST_DATA"])
+            errors.measured, Path(os.environ["URUSHI_TEST_DATA"]), paper
         )
     for scene in SCENES:
         for light in LIGHTS:

@@ -131,7 +131,7 @@ def anisotropic(name: str, stacks: int = ANISOTROPIC, fitted: int = FITTED) -> d
     return {method: results.rounded(e) for method, e in found.items()}
 
 
-def measured(folder: Path) -> dict[str, Any]:
+def measured(folder: Path, paper: Model | None) -> dict[str, Any]:
     """E of the methods that take any bottom, over stand-ins for measured materials under coats.
 
     folder: of the test data.
@@ -146,6 +146,8 @@ def measured(folder: Path) -> dict[str, Any]:
             known.NETWORKS: urushi.encode(surface, refine=True, table=False),
             known.TABLES: urushi.encode(surface, refine=True),
         }
+        if paper is not None:
+            forms[known.PAPER] = urushi.encode(surface, paper)
         for coat in OVER:
             stack = urushi.coat(surface, **COATS[coat])
             materials = {form: coated(material, COATS[coat]) for form, material in forms.items()}
@@ -157,7 +159,7 @@ def measured(folder: Path) -> dict[str, Any]:
 def _over_measured(stack: Stack, materials: dict[str, urushi.Material]) -> dict[str, float]:
     """E of the methods for one coat over a measured bottom; the mean over channels.
 
-    materials: the stack, layered by `known.NETWORKS` and `known.TABLES`.
+    materials: the stack as layered by methods.
     """
     wi, wo = direction_sets.cosine_pairs(np.random.default_rng(SEED), PAIRS)
     truth, se = urushi.simulate(stack, wi, wo, walks=MEASURED_WALKS, seed=SEED, progress=False)

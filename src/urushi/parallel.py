@@ -23,6 +23,9 @@ Block = tuple[slice, ...]
 #: Held while BLAS is limited to one thread, a limit that applies to the whole process.
 _blas_lock = threading.Lock()
 
+#: `at_work` is true in threads of `run_all_cores`, and in the caller's within `one_blas_thread`.
+_thread = threading.local()
+
 
 def fill_blocks(
     out: np.ndarray,
@@ -34,7 +37,7 @@ def fill_blocks(
 
     Args:
         out: the result.
-        function: maps blocks of the arrays to (..., K). It must not call `fill_blocks`.
+        function: maps blocks of the arrays to (..., K).
         arrays: arrays whose first dimensions broadcast to the leading dimensions of `out`. Blocks
             keep dimensions of size one, so that the function computes shared values once per
             block.
@@ -79,12 +82,20 @@ def _part(array: np.ndarray, block: Block) -> np.ndarray:
 def run_all_cores(task: Callable[[Any], None], pieces: Sequence[Any]) -> None:
     """Call the task for every piece, on all cores. Concurrent calls wait for each other.
 
-    The task must call neither this function nor `fill_blocks`.
+    Within a task or `one_blas_thread`, the pieces of a further call are done one after another.
     """
+    if _at_work():
+        for piece in pieces:
+            task(piece)
+        return
     one_thread = functools.partial(_blas().limit, limits=1)
+
+    def begin() -> None:
+        _thread.at_work = True
+        one_thread()  # some builds of BLAS limit each calling thread separately
+
     with _blas_lock, one_thread():  # threads of BLAS would compete with those of the pool
-        # An initializer, because some builds of BLAS limit each calling thread separately.
-        pool = ThreadPoolExecutor(available_cores(), "urushi", initializer=one_thread)
+        pool = ThreadPoolExecutor(available_cores(), "urushi", initializer=begin)
         try:
             for future in [pool.submit(task, piece) for piece in pieces]:
                 future.result()
@@ -96,18 +107,28 @@ def run_all_cores(task: Callable[[Any], None], pieces: Sequence[Any]) -> None:
 def one_blas_thread() -> Iterator[None]:
     """Limit BLAS to one thread, which is faster for small matrices.
 
-    It must not be used within a function that `fill_blocks` calls.
+    Within this context, and within a task of `run_all_cores`, it does nothing.
     """
+    if _at_work():
+        yield
+        return
     libraries = _blas().lib_controllers
     with _blas_lock:  # not by `limit`, which asks the libraries more than this needs
         before = [library.get_num_threads() for library in libraries]
+        _thread.at_work = True
         try:
             for library in libraries:
                 library.set_num_threads(1)
             yield
         finally:
+            _thread.at_work = False
             for library, threads in zip(libraries, before, strict=True):
                 library.set_num_threads(threads)
+
+
+def _at_work() -> bool:
+    """Whether this thread already works with one thread of BLAS."""
+    return getattr(_thread, "at_work", False)
 
 
 @functools.cache

@@ -12,7 +12,7 @@ from figures.light.compute import SCENES
 from figures.verdict import compute, costs, errors, fits, methods, plot
 
 from urushi.geometry import direction_sets, error_metrics
-from urushi.nets.weights import Model, anisotropic_model, default_model
+from urushi.nets.weights import Model, anisotropic_model, default_model, find
 from urushi.paper import networks, register
 from urushi.paper.architecture import PaperArchitecture, init
 
@@ -111,6 +111,7 @@ def test_a_single_interface_is_exact_for_networks_and_walk():
 def test_the_committed_results_are_of_the_shipped_weights_and_complete(found):
     assert found["weights"] == default_model().fingerprint
     assert found["anisotropic weights"] == anisotropic_model().fingerprint
+    assert found["paper weights"] == find(compute.PAPER).fingerprint
     for n in compute.INTERFACES:
         part = found[f"interfaces_{n}"]
         assert len(part[methods.NETWORKS]["E"]) == errors.STACKS

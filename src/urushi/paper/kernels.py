@@ -1,8 +1,8 @@
 """The evaluation network and the sampling proxy in Dr.Jit, for the plugins.
 
-The million weights are read from memory. Compilation takes a minute. Mitsuba records a whole path
-as one kernel, in which every lane reads the weights for itself. On CPUs this is ten times as slow
-as `separate_kernels`, and takes many minutes to compile where gathers are slow (AVX2).
+The million weights are read from memory. Mitsuba records a whole path as one kernel, in which every
+lane reads the weights for itself. On CPUs this kernel takes minutes to compile, and ten times as
+long to run as `separate_kernels`.
 """
 
 import contextlib
@@ -22,18 +22,34 @@ from urushi.paper.proxy import MIN_SHARE, MIN_SIGMA
 from urushi.physics.frame import square_to_cosine_hemisphere
 from urushi.render.networks import cooperative
 
+#: The flags by which Mitsuba records a whole path as one kernel.
+_SYMBOLIC = (
+    dr.JitFlag.SymbolicCalls,
+    dr.JitFlag.SymbolicLoops,
+    dr.JitFlag.SymbolicConditionals,
+)
+
 
 @contextlib.contextmanager
 def separate_kernels() -> Iterator[None]:
-    """Within this context `mi.render` runs a kernel for each step of a path.
+    """Within this context `mi.render` runs a kernel for each layer of these networks.
 
-    The lanes of such a kernel read each weight once, together.
+    The lanes of such a kernel read each weight once, together. All activations are in memory: they
+    take about 4 kB for every ray of a pass.
     """
-    with (
-        dr.scoped_set_flag(dr.JitFlag.SymbolicCalls, False),
-        dr.scoped_set_flag(dr.JitFlag.SymbolicLoops, False),
-    ):
+    with contextlib.ExitStack() as stack:
+        for flag in _SYMBOLIC:
+            stack.enter_context(dr.scoped_set_flag(flag, False))
         yield
+
+
+def _stored(x: nn.CoopVec) -> nn.CoopVec:
+    """The same activations, in memory within `separate_kernels`."""
+    if dr.flag(dr.JitFlag.SymbolicScope) or any(map(dr.flag, _SYMBOLIC)):
+        return x
+    values = list(x)
+    dr.eval(values)
+    return nn.CoopVec(*values)
 
 
 class NormKernel:
@@ -131,7 +147,7 @@ def _skip(inner: list) -> Callable:
 
 def _chained(steps: Sequence[Callable], x: nn.CoopVec) -> nn.CoopVec:
     for step in steps:
-        x = step(x)
+        x = _stored(step(x))
     return x
 
 

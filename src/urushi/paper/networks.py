@@ -17,6 +17,7 @@ from urushi.paper.architecture import LATENT, PaperArchitecture
 from urushi.paper.inference import direction_inputs, evaluate, isotropic, layer
 from urushi.paper.projection import project
 from urushi.paper.proxy import GaussianMixture, proxy
+from urushi.parallel import run_all_cores
 from urushi.reference import analytic
 
 if TYPE_CHECKING:
@@ -67,7 +68,9 @@ class PaperNetworks:
 
     def __init__(self, params: Params, arch: PaperArchitecture):
         self._params, self._adam = params, arch.adam
-        self._lock = threading.RLock()  # guards the codes of interfaces and Lambertian BRDFs
+        self._lock = (
+            threading.Lock()
+        )  # guards the kept codes; never held while others are projected
         self._tops: dict[tuple[float, float], np.ndarray] = {}
         self._levels: dict[float, np.ndarray] = {}
 
@@ -99,23 +102,27 @@ class PaperNetworks:
         lower = np.floor(position)
         with self._lock:
             new = sorted({*lower.tolist(), *(lower + 1).tolist()} - set(self._levels))
-            values = (np.array(new, np.float32)[:, None] / LEVELS) ** 2 / np.float32(np.pi)
-            codes = self._projected(directions, values.repeat(directions.shape[1], axis=1))
+        values = (np.array(new, np.float32)[:, None] / LEVELS) ** 2 / np.float32(np.pi)
+        codes = self._projected(directions, values.repeat(directions.shape[1], axis=1))
+        with self._lock:
             self._levels |= dict(zip(new, codes, strict=True))
+            kept = self._levels
         below, above = (
-            np.array([self._levels[level] for level in (lower + k).tolist()]).reshape(-1, LATENT)
+            np.array([kept[level] for level in (lower + k).tolist()]).reshape(-1, LATENT)
             for k in (0, 1)
         )
         share = (position - lower)[:, None]
         return (1 - share) * below + share * above
 
     def _projected(self, directions: np.ndarray, f: np.ndarray) -> np.ndarray:
-        """Codes (M, 32) of BRDFs f (M, P), some at a time."""
-        parts = [
-            self._project(directions, f[start : start + TOGETHER])
-            for start in range(0, len(f), TOGETHER)
-        ]
-        return np.concatenate(parts) if parts else np.zeros((0, LATENT), np.float32)
+        """Codes (M, 32) of BRDFs f (M, P), on all cores."""
+        codes = np.empty((len(f), LATENT), np.float32)
+
+        def task(part: slice) -> None:
+            codes[part] = self._project(directions, f[part])
+
+        run_all_cores(task, [slice(i, i + TOGETHER) for i in range(0, len(f), TOGETHER)])
+        return codes
 
     def _project(self, directions: np.ndarray, f: np.ndarray) -> np.ndarray:
         """Codes (M, 32) of BRDFs f (M, P)."""
@@ -163,11 +170,10 @@ class PaperNetworks:
             )
         with self._lock:
             new = [key for key in map(tuple, keys.T.tolist()) if key not in self._tops]
-            if new:
-                columns = np.array(new, np.float32).T
-                codes = self.encode(self._dielectrics(*columns))
-                self._tops |= dict(zip(new, codes, strict=True))
-        codes = np.array([self._tops[key] for key in map(tuple, keys.T.tolist())])
+        projected = self.encode(self._dielectrics(*np.array(new, np.float32).T)) if new else ()
+        with self._lock:
+            self._tops |= dict(zip(new, projected, strict=True))
+            codes = np.array([self._tops[key] for key in map(tuple, keys.T.tolist())])
         return codes[index.reshape(alpha.shape)]
 
     def _dielectrics(self, alpha: np.ndarray, eta: np.ndarray) -> np.ndarray:
