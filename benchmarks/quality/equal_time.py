@@ -64,9 +64,10 @@ AIM = 10
 
 #: Least number of passes of a method, and of samples per pixel of a pass.
 PASSES, LEAST_SPP = 4, 2
-#: Small pictures are timed by renders of so many times a pass's samples, up to a number in all.
+#: A long render, by which methods are timed, has the samples of `LONG` passes. It has fewer if the
+#: whole picture would need more than `LONG_SAMPLES` samples. Every method renders `LONG_TURNS`.
 LONG, LONG_SAMPLES, LONG_TURNS = 8, 1 << 20, 4
-#: A method is slow if the least passes take so many times the seconds that it has.
+#: A method is slow if `PASSES` full passes take more than `SLOW` times `--seconds`.
 SLOW = 10
 
 COLUMNS = (
@@ -91,7 +92,7 @@ class Method:
 
     Attributes:
         scene: the loaded scene.
-        separate: whether steps of paths are kernels of their own, see `rendered`.
+        separate: whether it renders within `separate_kernels`.
         samples: per pixel of a pass.
         start: CPU time of loading and of the first render, which compiles [s].
         seconds, fixed: CPU time of each pass, and of one with one sample per pixel [s].
@@ -157,7 +158,7 @@ def of_paper(method: str) -> bool:
 
 
 def rendered(scene: Any, separate: bool, spp: int, seed: int) -> tuple[np.ndarray, float]:
-    """A picture (H, W, 3) and its CPU time [s]; separate: as of `separate_kernels`."""
+    """A picture (H, W, 3) and its CPU time [s]; separate: within `separate_kernels`."""
     begin = time.process_time()
     with separate_kernels() if separate else contextlib.nullcontext():
         image = np.array(mi.render(scene, spp=spp, seed=seed), dtype=np.float64)

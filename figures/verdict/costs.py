@@ -31,11 +31,12 @@ PRINCIPLED = "principled"
 EVALUATIONS, WALKS, EVALUATION_TURNS = 1 << 17, 16, 7
 #: The picture's width, samples of a pixel, and turns of renders.
 SIDE, SAMPLES, TURNS = 192, 32, 3
-#: The system of Fan et al. (2022) does one part in so many of the others' work in evaluations and
-#: renders; its time is multiplied. It takes so long that fixed costs vanish beside it.
+#: The system of Fan et al. (2022) is slow, so it is timed on a fraction of the work: an eighth of
+#: the evaluations, and a 32nd of a render's samples. The time is multiplied accordingly; fixed
+#: costs are negligible in it.
 PAPER_EVALUATION_PARTS, PAPER_PARTS = 8, 32
-#: Side of its textures in texels, instead of `render.TEXELS`: each texel's width and bottom are
-#: projected. A render with larger ones takes as long.
+#: Side of its textures in texels. `render.TEXELS` would be too many, because the width and the
+#: bottom of every texel are projected. Reading a larger texture is little work beside the networks.
 PAPER_TEXELS = 4
 #: Repetitions of encoding and layering.
 OPERATIONS = 10

@@ -68,9 +68,7 @@ class PaperNetworks:
 
     def __init__(self, params: Params, arch: PaperArchitecture):
         self._params, self._adam = params, arch.adam
-        self._lock = (
-            threading.Lock()
-        )  # guards the kept codes; never held while others are projected
+        self._lock = threading.Lock()  # guards the kept codes; not held during projections
         self._tops: dict[tuple[float, float], np.ndarray] = {}
         self._levels: dict[float, np.ndarray] = {}
 
