@@ -1,7 +1,9 @@
 """The paper's networks behind the interface that all architectures share."""
 
 import functools
+import hashlib
 import threading
+from collections import OrderedDict
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -40,6 +42,9 @@ LEVELS = 32
 #: Maximum number of different interfaces in one layering: a texture of widths would take hours.
 MAX_TOPS = 256
 
+#: Number of codes that are kept, of the BRDFs used last.
+KEPT = 1 << 14
+
 _GOLDEN_ANGLE = np.pi * (3 - np.sqrt(5))
 
 
@@ -69,8 +74,7 @@ class PaperNetworks:
     def __init__(self, params: Params, arch: PaperArchitecture):
         self._params, self._adam = params, arch.adam
         self._lock = threading.Lock()  # guards the kept codes; not held during projections
-        self._tops: dict[tuple[float, float], np.ndarray] = {}
-        self._levels: dict[float, np.ndarray] = {}
+        self._kept: OrderedDict[bytes, np.ndarray] = OrderedDict()
 
     def pairs(self) -> tuple[np.ndarray, np.ndarray]:
         """The pairs at which a BRDF is projected."""
@@ -79,6 +83,7 @@ class PaperNetworks:
     def encode(self, f: Any) -> np.ndarray:
         """Codes (..., 32) by projection: about a second each, or some minutes by Adam.
 
+        A BRDF whose code is kept is not projected again.
         Codes of more than `LEVELS` Lambertian BRDFs are interpolated, by Adam alone: its codes vary
         smoothly with the BRDF.
         """
@@ -95,32 +100,35 @@ class PaperNetworks:
         return codes.reshape(*values.shape[:-1], LATENT)
 
     def _interpolated(self, directions: np.ndarray, f: np.ndarray) -> np.ndarray:
-        """Codes (M, 32) of Lambertian BRDFs f (M,); those of levels are kept."""
+        """Codes (M, 32) of Lambertian BRDFs f (M,), between those of levels."""
         position = LEVELS * np.sqrt(np.pi * np.maximum(f, 0))
         lower = np.floor(position)
-        with self._lock:
-            new = sorted({*lower.tolist(), *(lower + 1).tolist()} - set(self._levels))
-        values = (np.array(new, np.float32)[:, None] / LEVELS) ** 2 / np.float32(np.pi)
+        levels, index = np.unique(np.stack([lower, lower + 1]), return_inverse=True)
+        values = (levels[:, None] / LEVELS) ** 2 / np.float32(np.pi)
         codes = self._projected(directions, values.repeat(directions.shape[1], axis=1))
-        with self._lock:
-            self._levels |= dict(zip(new, codes, strict=True))
-            kept = self._levels
-        below, above = (
-            np.array([kept[level] for level in (lower + k).tolist()]).reshape(-1, LATENT)
-            for k in (0, 1)
-        )
+        below, above = codes[index.reshape(2, -1)]
         share = (position - lower)[:, None]
         return (1 - share) * below + share * above
 
     def _projected(self, directions: np.ndarray, f: np.ndarray) -> np.ndarray:
-        """Codes (M, 32) of BRDFs f (M, P), on all cores."""
-        codes = np.empty((len(f), LATENT), np.float32)
+        """Codes (M, 32) of BRDFs f (M, P), on all cores; the last `KEPT` are kept."""
+        keys = [hashlib.sha256(row.tobytes()).digest() for row in f]
+        with self._lock:
+            found = {key: self._kept[key] for key in keys if key in self._kept}
+        new = list({key: i for i, key in enumerate(keys) if key not in found}.items())
 
         def task(part: slice) -> None:
-            codes[part] = self._project(directions, f[part])
+            codes = self._project(directions, f[[i for _, i in new[part]]])
+            found.update(zip((key for key, _ in new[part]), codes, strict=True))
 
-        run_all_cores(task, [slice(i, i + TOGETHER) for i in range(0, len(f), TOGETHER)])
-        return codes
+        run_all_cores(task, [slice(i, i + TOGETHER) for i in range(0, len(new), TOGETHER)])
+        with self._lock:
+            for key in dict.fromkeys(keys):
+                self._kept[key] = found[key]
+                self._kept.move_to_end(key)
+            while len(self._kept) > KEPT:
+                self._kept.popitem(last=False)
+        return np.array([found[key] for key in keys], np.float32).reshape(-1, LATENT)
 
     def _project(self, directions: np.ndarray, f: np.ndarray) -> np.ndarray:
         """Codes (M, 32) of BRDFs f (M, P)."""
@@ -131,8 +139,8 @@ class PaperNetworks:
     def layer(self, z_bottom: Any, coat: CoatParameters) -> Any:
         """Codes (..., 32) by the layering network, whose inputs include the interface's code.
 
-        Every pair of alpha and eta is projected once, and its code is kept. A medium that scatters
-        anisotropically is replaced by the similar isotropic one (`inference.isotropic`).
+        A medium that scatters anisotropically is replaced by the similar isotropic one
+        (`inference.isotropic`).
 
         Raises:
             ParameterError: an index is below one, or there are too many different interfaces.
@@ -166,12 +174,7 @@ class PaperNetworks:
                 f"need a second or more for each; give at most {MAX_TOPS} pairs of alpha and eta, "
                 "or use Urushi's own networks"
             )
-        with self._lock:
-            new = [key for key in map(tuple, keys.T.tolist()) if key not in self._tops]
-        projected = self.encode(self._dielectrics(*np.array(new, np.float32).T)) if new else ()
-        with self._lock:
-            self._tops |= dict(zip(new, projected, strict=True))
-            codes = np.array([self._tops[key] for key in map(tuple, keys.T.tolist())])
+        codes = self.encode(self._dielectrics(*keys))
         return codes[index.reshape(alpha.shape)]
 
     def _dielectrics(self, alpha: np.ndarray, eta: np.ndarray) -> np.ndarray:
