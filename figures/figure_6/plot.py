@@ -8,7 +8,7 @@ import json
 import mitsuba as mi
 import numpy as np
 
-from figures import style
+from figures import page, style
 from figures.figure_6.compute import ALBEDOS, BOTTOMS, DEPTHS, FOLDER, SIZE, TOPS
 
 
@@ -26,7 +26,7 @@ def main() -> None:
         draw(axis, name, columns, rows, np.array(found[name]))
     picture.suptitle("Left half of a sphere: networks. Right half: random walk.", fontsize=10)
     style.save(picture, FOLDER / "figure.png")
-    print("\n".join(table(found)))
+    print("\n\n".join(tables(found)))
 
 
 def draw(axis, name: str, columns, rows, errors: np.ndarray) -> None:
@@ -49,13 +49,13 @@ def draw(axis, name: str, columns, rows, errors: np.ndarray) -> None:
         )
 
 
-def table(found) -> list[str]:
-    """Lines of a Markdown table: mean and largest E of each grid, and the walk's own error."""
-    lines = ["| grid | mean E | largest E | the walk's own error |", "|---|---|---|---|"]
+def tables(found) -> list[str]:
+    """A table: mean and largest E of each grid, and the walk's own error."""
+    rows = []
     for name in ("roughness", "media"):
         e, own = 100 * np.array(found[name])[..., 0], 100 * np.array(found[name])[..., 1]
-        lines.append(f"| {name} | {e.mean():.2g} % | {e.max():.2g} % | {own.mean():.2g} % |")
-    return lines
+        rows.append([name, *(f"{value:.2g} %" for value in (e.mean(), e.max(), own.mean()))])
+    return [page.table(["grid", "mean E", "largest E", "the walk's own error"], rows)]
 
 
 if __name__ == "__main__":

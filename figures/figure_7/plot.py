@@ -5,7 +5,7 @@ python -m figures.figure_7.plot
 
 import json
 
-from figures import results, style
+from figures import page, results, style
 from figures.figure_7.compute import FOLDER, PLUGINS, REFERENCE, picture_file
 
 
@@ -26,7 +26,7 @@ def main() -> None:
                 axis.set_ylabel(ROWS[name], fontsize=9)
             axis.set_xlabel(caption(methods, name), fontsize=8)
     style.save(picture, FOLDER / "figure.png")
-    print("\n".join(table(found)))
+    print("\n\n".join(tables(found)))
 
 
 def caption(methods, name: str) -> str:
@@ -37,26 +37,16 @@ def caption(methods, name: str) -> str:
     return f"error {method['error']:.2g}\n{method['samples']} samples"
 
 
-def table(found) -> list[str]:
-    """Lines of a Markdown table: one for each material."""
-    names = list(PLUGINS)
-    lines = [
-        "| material | "
-        + " | ".join(f"time, {name}" for name in names if name != "networks")
-        + " | "
-        + " | ".join(f"error, {name}" for name in names)
-        + " | "
-        + " | ".join(f"bias, {name}" for name in names if name != "walk")
-        + " |",
+def tables(found) -> list[str]:
+    """A table with a row for each material."""
+    columns = [("time", name) for name in PLUGINS if name != "networks"]
+    columns += [("error", name) for name in PLUGINS]
+    columns += [("bias", name) for name in PLUGINS if name != "walk"]
+    rows = [
+        [material.replace("\n", " "), *(f"{methods[name][key]:.2g}" for key, name in columns)]
+        for material, methods in found["materials"].items()
     ]
-    lines.append("|---" * (3 * len(names) - 1) + "|")
-    for material, methods in found["materials"].items():
-        cells = [material.replace("\n", " ")]
-        cells += [f"{methods[name]['time']:.2g}" for name in names if name != "networks"]
-        cells += [f"{methods[name]['error']:.2g}" for name in names]
-        cells += [f"{methods[name]['bias']:.2g}" for name in names if name != "walk"]
-        lines.append("| " + " | ".join(cells) + " |")
-    return lines
+    return [page.table(["material", *map(", ".join, columns)], rows)]
 
 
 #: Labels of the rows.

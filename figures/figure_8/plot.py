@@ -7,7 +7,7 @@ import json
 
 import numpy as np
 
-from figures import results, style
+from figures import page, results, style
 from figures.figure_8.compute import FOLDER, INCIDENT, INTERFACES, OUTGOING
 
 
@@ -19,7 +19,7 @@ def main() -> None:
     draw_errors(axes[0], found)
     draw_lobes(axes[1:], found["lobes"])
     style.save(picture, FOLDER / "figure.png")
-    print("\n".join(table(found)))
+    print("\n\n".join(tables(found)))
 
 
 def draw_errors(axis, found) -> None:
@@ -61,17 +61,17 @@ def draw_lobes(axes, lobes) -> None:
     axes[0].legend(fontsize=8, loc="upper left")
 
 
-def table(found) -> list[str]:
-    """Lines of a Markdown table: mean E with its interval."""
-    lines = ["| interfaces | " + " | ".join(METHODS.values()) + " |", "|---|---|---|---|"]
+def tables(found) -> list[str]:
+    """A table: mean E with its interval."""
+    rows = []
     for n in INTERFACES:
-        cells = []
+        cells = [f"{n}"]
         for name in METHODS:
             e = 100 * np.array(found[f"interfaces_{n}"][name])
             low, high = results.interval(e)
             cells.append(f"{e.mean():.2g} % ({low:.2g} to {high:.2g})")
-        lines.append(f"| {n} | " + " | ".join(cells) + " |")
-    return lines
+        rows.append(cells)
+    return [page.table(["interfaces", *METHODS.values()], rows)]
 
 
 #: Methods in the order of the table, with their labels.

@@ -7,7 +7,7 @@ import json
 
 import numpy as np
 
-from figures import results, style
+from figures import page, results, style
 from figures.figure_9.compute import COATS, FOLDER, FORMS, SHOWN, materials, picture_file
 
 #: Kinds of files in the table.
@@ -29,7 +29,7 @@ def main() -> None:
         for axis, label in zip(axes[0, forms * column :], labels, strict=False):
             axis.set_title(f"{coats},\n{label}", fontsize=7)
     style.save(picture, FOLDER / "figure.png")
-    print("\n".join(table(found)))
+    print("\n\n".join(tables(found)))
 
 
 def draw(axes, name: str, material) -> None:
@@ -46,13 +46,9 @@ def draw(axes, name: str, material) -> None:
     axes[0].set_ylabel(f"{name}\n({material['file']})", fontsize=7)
 
 
-def table(found) -> list[str]:
-    """Lines of a Markdown table: E of the drawn materials, and means and medians of all."""
+def tables(found) -> list[str]:
+    """A table: E of the drawn materials, and means and medians of all."""
     columns = [(coats, form) for coats in COATS for form in FORMS]
-    lines = [
-        "| material | " + " | ".join(f"{coats}: {form}" for coats, form in columns) + " |",
-        "|---" * (1 + len(columns)) + "|",
-    ]
     rows = {}
     for name, share in zip(found["shown"], SHOWN, strict=True):
         place = {0: "best", 1: "worst"}.get(share, f"{100 * share:.0f} % are better")
@@ -67,10 +63,12 @@ def table(found) -> list[str]:
     rows["the walk's own error"] = [
         np.mean([m["noise"][coats] for m in every]) for coats, _ in columns
     ]
-    for label, values in rows.items():
-        cells = " | ".join(f"{100 * value:.2g} %" for value in values)
-        lines.append(f"| {label} | {cells} |")
-    return lines
+    return [
+        page.table(
+            ["material", *map(": ".join, columns)],
+            [[label, *(f"{100 * e:.2g} %" for e in values)] for label, values in rows.items()],
+        )
+    ]
 
 
 if __name__ == "__main__":

@@ -7,7 +7,7 @@ import json
 
 import numpy as np
 
-from figures import results, style
+from figures import page, results, style
 from figures.interpolation.compute import ENDS, FOLDER, METHODS, PARTS, REFERENCE, SHARES, SIZE
 
 #: Labels of the rows.
@@ -28,7 +28,7 @@ def main() -> None:
         draw(axis, name, found["ways"][name])
     picture.suptitle("Ways from one coated metal to another, E against the blend of BRDFs", size=10)
     style.save(picture, FOLDER / "figure.png")
-    print("\n".join(table(found)))
+    print("\n\n".join(tables(found)))
 
 
 def draw(axis, name: str, found) -> None:
@@ -55,20 +55,20 @@ def draw(axis, name: str, found) -> None:
             )
 
 
-def table(found) -> list[str]:
-    """Lines of a Markdown table: E between the ends, and the light halfway, of each way."""
-    heads = "| materials differ in | reference's own error " + "".join(
-        f"| {method}: mean E | light halfway " for method in METHODS
-    )
-    lines = [f"{heads}|", "|---" * (2 + 2 * len(METHODS)) + "|"]
+def tables(found) -> list[str]:
+    """A table: E between the ends, and the light halfway, of each way."""
+    head = ["materials differ in", "reference's own error"]
+    for method in METHODS:
+        head += [f"{method}: mean E", "light halfway"]
+    rows = []
     for name, way in found["ways"].items():
-        cells = [f"{100 * np.mean(way['noise']):.2g} %"]
+        cells = [name, f"{100 * np.mean(way['noise']):.2g} %"]
         for method in METHODS:
             halfway = way[method]["light"][SHARES.index(0.5)]
             cells.append(f"{100 * np.mean(way[method]['E'][1:-1]):.2g} %")
             cells.append(f"{100 * halfway:+.2g} %".replace("-", "−"))
-        lines.append(f"| {name} | {' | '.join(cells)} |")
-    return lines
+        rows.append(cells)
+    return [page.table(head, rows)]
 
 
 if __name__ == "__main__":

@@ -8,7 +8,7 @@ import json
 import numpy as np
 from benchmarks.scenes import LIGHTS
 
-from figures import style
+from figures import page, style
 from figures.light.compute import COUNT, FOLDER, SCENES
 
 #: Names of the lights.
@@ -26,7 +26,7 @@ def main() -> None:
     handles, labels = axes[0].get_legend_handles_labels()
     picture.legend(handles, labels, loc="outside upper center", ncols=2, fontsize=8)
     style.save(picture, FOLDER / "figure.png")
-    print("\n".join(table(found)))
+    print("\n\n".join(tables(found)))
 
 
 def draw(axis, scene: str, parts) -> None:
@@ -44,18 +44,14 @@ def draw(axis, scene: str, parts) -> None:
     axis.margins(y=0.12)
 
 
-def table(found) -> list[str]:
-    """Lines of a Markdown table: one for each scene and light."""
-    lines = [
-        "| scene | light | time | variance | networks | exact |",
-        "|---|---|---|---|---|---|",
-    ]
+def tables(found) -> list[str]:
+    """A table with a row for each scene and light."""
+    columns = ("time", "variance", "networks", "exact")
+    rows = []
     for name, part in found["parts"].items():
         scene, light = name.split(", ")
-        numbers = [part[key] for key in ("time", "variance", "networks", "exact")]
-        cells = " | ".join(f"{number:.2g}" for number in numbers)
-        lines.append(f"| {scene} | {LABELS[light]} | {cells} |")
-    return lines
+        rows.append([scene, LABELS[light], *(f"{part[key]:.2g}" for key in columns)])
+    return [page.table(["scene", "light", *columns], rows)]
 
 
 if __name__ == "__main__":

@@ -7,7 +7,7 @@ import json
 
 import numpy as np
 
-from figures import results, style
+from figures import page, results, style
 from figures.mipmaps.compute import FOLDER, KINDS, METHODS, PARTS, SAMPLES
 
 #: Rows of pixels of a running mean.
@@ -33,7 +33,7 @@ def main() -> None:
     panels[0].set_ylabel("E of a level [%]", fontsize=8)
     lower.legend(*rows.get_legend_handles_labels(), loc="outside lower center", ncols=3, fontsize=8)
     style.save(picture, FOLDER / "figure.png")
-    print("\n".join([*table(found), "", *plane_table(found)]))
+    print("\n\n".join(tables(found)))
 
 
 def draw_plane(part, found) -> None:
@@ -73,25 +73,20 @@ def draw_levels(axis, kind: str, errors: np.ndarray) -> None:
     axis.tick_params(labelsize=7)
 
 
-def table(found) -> list[str]:
-    """Lines of a Markdown table: E of levels."""
+def tables(found) -> list[str]:
+    """Tables: E of levels, and errors of the picture."""
     count = len(found["levels"][KINDS[0]])
-    heads = [f"{name}: level {n}" for name in METHODS[1:] for n in (1, count)]
-    lines = [f"| texture | {' | '.join(heads)} |", "|---" * 5 + "|"]
+    head = ["texture", *(f"{name}: level {n}" for name in METHODS[1:] for n in (1, count))]
+    rows = []
     for kind, levels in found["levels"].items():
         cells = [f"{100 * levels[n - 1][i]:.2g} %" for i in (0, 1) for n in (1, count)]
-        lines.append(f"| {kind} | {' | '.join(cells)} |")
-    return lines
-
-
-def plane_table(found) -> list[str]:
-    """Lines of a Markdown table: errors of the picture."""
-    lines = ["| plane | relative MSE | light |", "|---|---|---|"]
+        rows.append([kind, *cells])
+    plane = []
     for name in METHODS:
         part = found["plane"][name]
         light = f"{100 * part['light']:+.2g} %".replace("-", "−")
-        lines.append(f"| {name} | {part['error']:.2g} | {light} |")
-    return lines
+        plane.append([name, f"{part['error']:.2g}", light])
+    return [page.table(head, rows), page.table(["plane", "relative MSE", "light"], plane)]
 
 
 if __name__ == "__main__":

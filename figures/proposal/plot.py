@@ -8,7 +8,7 @@ import json
 import numpy as np
 from benchmarks.quality.sampling import ANGLES
 
-from figures import results, style
+from figures import page, results, style
 from figures.proposal.compute import COLUMNS, COUNTS, FOLDER, PICTURE, SHARES
 
 #: Colours of the proposals, and of their names in the figure.
@@ -27,7 +27,7 @@ def main() -> None:
     draw_spheres(left, found["spheres"])
     draw_variation(right, found["variation"])
     style.save(picture, FOLDER / "figure.png")
-    print("\n".join(table(found)))
+    print("\n\n".join(tables(found)))
 
 
 def draw_spheres(part, found) -> None:
@@ -66,12 +66,11 @@ def draw_variation(part, found) -> None:
         axis.grid(alpha=0.3)
 
 
-def table(found) -> list[str]:
-    """Lines of a Markdown table: one for each proposal."""
-    lines = ["| proposal | median | 95 % | worst | largest weight | "]
-    lines[0] += " | ".join(f"{name}, {c} samples" for name in found["spheres"] for c in COUNTS)
-    lines[0] += " |"
-    lines.append("|---" * (5 + len(found["spheres"]) * len(COUNTS)) + "|")
+def tables(found) -> list[str]:
+    """A table with a row for each proposal."""
+    head = ["proposal", "median", "95 %", "worst", "largest weight"]
+    head += [f"{name}, {count} samples" for name in found["spheres"] for count in COUNTS]
+    rows = []
     for name, values in found["variation"].items():
         quantiles = np.interp((0.5, 0.95, 1), SHARES, values["quantiles"])
         cells = [name, *map(number, (*quantiles, values["largest"]))]
@@ -80,8 +79,8 @@ def table(found) -> list[str]:
             for errors in found["spheres"].values()
             for count in COUNTS
         ]
-        lines.append("| " + " | ".join(cells) + " |")
-    return lines
+        rows.append(cells)
+    return [page.table(head, rows)]
 
 
 def number(value: float) -> str:

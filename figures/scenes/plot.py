@@ -7,7 +7,7 @@ import json
 
 from matplotlib.patches import Rectangle
 
-from figures import results, style
+from figures import page, results, style
 from figures.scenes.compute import CASES, FOLDER, METHODS, PARTS
 
 #: Insets of each case: column and row of the upper left pixel, in pixels of the picture.
@@ -33,7 +33,7 @@ def main() -> None:
     for part, name in zip(picture.subfigures(len(CASES) // 2, 2).ravel(), CASES, strict=True):
         draw(part, name, found["scenes"][name])
     style.save(picture, FOLDER / "figure.png")
-    print("\n".join([*table(found), "", *one_sample(found)]))
+    print("\n\n".join(tables(found)))
 
 
 def draw(part, name: str, found) -> None:
@@ -67,31 +67,31 @@ def caption(found) -> str:
     return f"{samples}\nrel. MSE {found['relative_mse']:.2g}\nFLIP {found['flip']:.2g}"
 
 
-def table(found) -> list[str]:
-    """Lines of a Markdown table: the scenes at equal time."""
-    lines = [
-        "| scene | samples: walk | networks | relative MSE: walk | networks | ratio "
-        "| FLIP: walk | networks |",
-        "|---" * 8 + "|",
-    ]
+def tables(found) -> list[str]:
+    """Tables: the scenes at equal time, and at one sample per pixel."""
+    return [_equal_time(found), _one_sample(found)]
+
+
+def _equal_time(found) -> str:
+    head = ["scene", "samples: walk", "networks", "relative MSE: walk", "networks", "ratio"]
+    rows = []
     for name, part in _parts(found, equal_time=True):
         walk, networks = part["walk"], part["networks"]
         cells = [CASES[name].title, f"{walk['samples']}", f"{networks['samples']}"]
         cells += [f"{x['relative_mse']:.2g}" for x in (walk, networks)]
         cells.append(f"{walk['relative_mse'] / networks['relative_mse']:.1f}")
         cells += [f"{x['flip']:.2g}" for x in (walk, networks)]
-        lines.append(f"| {' | '.join(cells)} |")
-    return lines
+        rows.append(cells)
+    return page.table([*head, "FLIP: walk", "networks"], rows)
 
 
-def one_sample(found) -> list[str]:
-    """Lines of a Markdown table: the scenes at one sample per pixel."""
-    lines = ["| scene | relative MSE: walk | networks | FLIP: walk | networks |", "|---" * 5 + "|"]
+def _one_sample(found) -> str:
+    rows = []
     for name, part in _parts(found, equal_time=False):
         both = part["walk"], part["networks"]
         cells = [f"{x[key]:.2g}" for key in ("relative_mse", "flip") for x in both]
-        lines.append(f"| {CASES[name].title} | {' | '.join(cells)} |")
-    return lines
+        rows.append([CASES[name].title, *cells])
+    return page.table(["scene", "relative MSE: walk", "networks", "FLIP: walk", "networks"], rows)
 
 
 def _parts(found, equal_time: bool):

@@ -7,7 +7,7 @@ import json
 
 import numpy as np
 
-from figures import results, style
+from figures import page, results, style
 from figures.simulator_biases.compute import (
     ALPHA,
     ALPHAS,
@@ -42,7 +42,7 @@ def main() -> None:
     for axis in axes.ravel():
         axis.grid(alpha=0.3)
     style.save(picture, FOLDER / "figure.png")
-    print("\n".join(table(found)))
+    print("\n\n".join(tables(found)))
 
 
 def draw_furnace(axis, found, x) -> None:
@@ -89,24 +89,24 @@ def draw_table2(axis, found) -> None:
     axis.legend(fontsize=8, loc="upper left")
 
 
-def table(found) -> list[str]:
-    """Lines of a Markdown table: E and the change of energy over the stacks of Table 2."""
-    lines = [
-        "| fault | E, mean (95 % interval) | median | largest | reflected energy, mean |",
-        "|---|---|---|---|---|",
-    ]
+def tables(found) -> list[str]:
+    """A table: E and the change of energy over the stacks of Table 2."""
+    head = ["fault", "E, mean (95 % interval)", "median", "largest", "reflected energy, mean"]
+    rows = []
     for name, (label, _) in FAULTS.items():
         errors = 100 * np.array(found["table2"][name]["E"])
         energy = 100 * np.mean(found["table2"][name]["energy"])
         low, high = results.interval(errors)
-        cells = (
-            f"{errors.mean():.2g} % ({low:.2g} to {high:.2g})",
-            f"{np.median(errors):.2g} %",
-            f"{errors.max():.2g} %",
-            f"{energy:+.2g} %",
+        rows.append(
+            [
+                label,
+                f"{errors.mean():.2g} % ({low:.2g} to {high:.2g})",
+                f"{np.median(errors):.2g} %",
+                f"{errors.max():.2g} %",
+                f"{energy:+.2g} %",
+            ]
         )
-        lines.append(f"| {label} | " + " | ".join(cells) + " |")
-    return lines
+    return [page.table(head, rows)]
 
 
 if __name__ == "__main__":

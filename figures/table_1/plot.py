@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from benchmarks.rivals import metalayer, nbrdf, rainer
 
-from figures import results, style
+from figures import page, results, style
 from figures.table_1.compute import FOLDER, METHODS
 from urushi.nets.weights import default_model
 from urushi.paper import architecture as paper
@@ -40,7 +40,7 @@ def main() -> None:
     handles, labels = axes[0].get_legend_handles_labels()
     picture.legend(handles, labels, loc="outside lower center", ncols=6, fontsize=8)
     style.save(picture, FOLDER / "figure.png")
-    print("\n".join(table(found)))
+    print("\n\n".join(tables(found)))
 
 
 def draw(axis, name: str, found) -> None:
@@ -104,13 +104,15 @@ def short(value: float) -> str:
     return f"{float(f'{value:.2g}'):g}"
 
 
-def table(found: dict[str, Any]) -> list[str]:
-    """Lines of Markdown tables: storage and times, then each error by method and group."""
-    lines = [
-        "| method | numbers per texel | per decoder | one decoder for | 4K texture | "
-        "to represent | to evaluate | paper: keeps highlights | paper: for a new material |",
-        "|---" * 9 + "|",
-    ]
+def tables(found: dict[str, Any]) -> list[str]:
+    """Tables: storage and times, then each error by method and group."""
+    return [_costs(found), *(_errors(found, name) for name in ERRORS)]
+
+
+def _costs(found: dict[str, Any]) -> str:
+    head = ["method", "numbers per texel", "per decoder", "one decoder for", "4K texture"]
+    head += ["to represent", "to evaluate", "paper: keeps highlights", "paper: for a new material"]
+    rows = []
     for method, (texel, decoder, serves) in storage().items():
         if method in METHODS and method not in measured(found):
             continue
@@ -123,31 +125,29 @@ def table(found: dict[str, Any]) -> list[str]:
             cells += [f"{both[0]}, refined {both[1]}", f"{found['evaluation'][method]:.2g} µs"]
         else:
             cells += [seconds(found, method), f"{found['evaluation'][method]:.2g} µs"]
-        cells += PAPER.get(method, ("", ""))
-        lines.append("| " + " | ".join(cells) + " |")
-    groups = list(found["groups"])
-    for name, (factor, unit) in ERRORS.items():
-        heads = [f"{group} ({len(found['groups'][group])})" for group in groups]
-        lines += [
-            "",
-            f"| {HEADS[name]} | " + " | ".join(heads) + " |",
-            "|---" * (len(groups) + 1) + "|",
+        rows.append([*cells, *PAPER.get(method, ("", ""))])
+    return page.table(head, rows)
+
+
+def _errors(found: dict[str, Any], name: str) -> str:
+    groups, (factor, unit) = found["groups"], ERRORS[name]
+    rows = []
+    for method in measured(found):
+        cells = [method]
+        for group in groups:
+            values = errors(found, group, method, name)
+            low, high = results.interval(values)
+            cells.append(f"{short(values.mean())}{unit} ({short(low)} to {short(high)})")
+        rows.append(cells)
+    if name == "E":
+        own = [
+            factor * np.mean([found["materials"][n]["reference"] for n in members])
+            for members in groups.values()
         ]
-        for method in measured(found):
-            cells = [method]
-            for group in groups:
-                values = errors(found, group, method, name)
-                low, high = results.interval(values)
-                cells.append(f"{short(values.mean())}{unit} ({short(low)} to {short(high)})")
-            lines.append("| " + " | ".join(cells) + " |")
-        if name == "E":
-            own_errors = [
-                factor * np.mean([found["materials"][n]["reference"] for n in found["groups"][g]])
-                for g in groups
-            ]
-            cells = [f"{short(value)}{unit}" if value else "0" for value in own_errors]
-            lines.append("| the reference's noise | " + " | ".join(cells) + " |")
-    return lines
+        cells = [f"{short(value)}{unit}" if value else "0" for value in own]
+        rows.append(["the reference's noise", *cells])
+    heads = [f"{group} ({len(members)})" for group, members in groups.items()]
+    return page.table([HEADS[name], *heads], rows)
 
 
 if __name__ == "__main__":

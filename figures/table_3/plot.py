@@ -7,7 +7,7 @@ import json
 
 import numpy as np
 
-from figures import results, style
+from figures import page, results, style
 from figures.table_3.compute import FOLDER, METHODS, SAMPLES
 
 #: The paper's Table 3: samples per pixel and mean squared error, minutes of either method.
@@ -49,7 +49,7 @@ def main() -> None:
         axis.set_xlim(-0.5, len(SAMPLES) - 0.5)
         axis.grid(axis="y", alpha=0.3)
     style.save(picture, FOLDER / "figure.png")
-    print("\n".join(table(found)))
+    print("\n\n".join(tables(found)))
 
 
 def bars(axis, places, errors, name: str, colours) -> None:
@@ -75,13 +75,11 @@ def ratio_interval(scene, seed: int = 0) -> tuple[float, float, float]:
     return float(means[0][0] / means[1][0]), float(low), float(high)
 
 
-def table(found) -> list[str]:
-    """Lines of a Markdown table: one for each scene and method."""
-    lines = [
-        "| scene | method | samples | CPU time | mean squared error | paper: samples | error | "
-        "walk over networks | paper |",
-        "|---" * 9 + "|",
-    ]
+def tables(found) -> list[str]:
+    """A table with a row for each scene and method."""
+    head = ["scene", "method", "samples", "CPU time", "mean squared error"]
+    head += ["paper: samples", "error", "walk over networks", "paper"]
+    rows = []
     for name in SAMPLES:
         scene = found["scenes"][name]
         for method in METHODS:
@@ -97,8 +95,8 @@ def table(found) -> list[str]:
                 cells += [f"{ratio:.2g} ({low:.2g} to {high:.2g})", f"{published:.2g}"]
             else:
                 cells += ["", ""]
-            lines.append("| " + " | ".join(cells) + " |")
-    return lines
+            rows.append(cells)
+    return [page.table(head, rows)]
 
 
 if __name__ == "__main__":

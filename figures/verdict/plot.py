@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from benchmarks.scenes import LIGHTS
 
-from figures import results, style
+from figures import page, results, style
 from figures.light.compute import SCENES
 from figures.light.plot import LABELS
 from figures.verdict import fits
@@ -117,7 +117,7 @@ def percent(found: dict[str, Any], name: str, interfaces: int) -> tuple[float, .
 
 
 def tables(found: dict[str, Any]) -> list[str]:
-    """Markdown tables: errors, laws and costs, renders at equal time, and properties."""
+    """Tables: errors, laws and costs, renders at equal time, and properties."""
     return [errors(found), costs(found), lights(found), properties(found)]
 
 
@@ -133,7 +133,7 @@ def errors(found: dict[str, Any]) -> str:
         lines.append([name, *error_cells(found, name)])
         if name == known.NETWORKS:
             lines.append([known.TABLES, *error_cells(found, known.TABLES)])
-    return table(["method", *head], lines)
+    return page.table(["method", *head], lines)
 
 
 def error_cells(found: dict[str, Any], name: str) -> list[str]:
@@ -179,7 +179,7 @@ def costs(found: dict[str, Any]) -> str:
                 f"{own:.2g}",
             ]
         )
-    return table(["method", *head], lines)
+    return page.table(["method", *head], lines)
 
 
 def lights(found: dict[str, Any]) -> str:
@@ -190,20 +190,13 @@ def lights(found: dict[str, Any]) -> str:
         if parts[0][0] is not None:
             lines.append([name, *(" / ".join(shown(x) for x in part) for part in parts)])
     labels = " / ".join(LABELS[light] for light in LIGHTS)
-    return table(["method", *(f"{scene}: {labels}" for scene in SCENES)], lines)
+    return page.table(["method", *(f"{scene}: {labels}" for scene in SCENES)], lines)
 
 
 def properties(found: dict[str, Any]) -> str:
     """What methods have by construction."""
     head = ["method", "noise", "bottoms", "anisotropy", "textures", "gradients", "shaders"]
-    return table(head, [[name, HAVE[name]] for name in rows(found)])
-
-
-def table(head: list[str], lines: list[list[str]]) -> str:
-    """A Markdown table."""
-    rule = "|---" * len(head) + "|"
-    head_line, *others = ["| " + " | ".join(cells) + " |" for cells in (head, *lines)]
-    return "\n".join([head_line, rule, *others])
+    return page.table(head, [[name, HAVE[name]] for name in rows(found)])
 
 
 def shown(value: float | None) -> str:

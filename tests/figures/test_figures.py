@@ -7,14 +7,7 @@ import numpy as np
 import pytest
 from figures import results
 from figures.figure_6 import compute as spheres
-from figures.figure_6 import plot as spheres_plot
 from figures.figure_8 import compute, plot
-from figures.interpolation import compute as interpolation
-from figures.interpolation import plot as interpolation_plot
-from figures.light import compute as light
-from figures.light import plot as light_plot
-from figures.mipmaps import compute as mipmaps
-from figures.mipmaps import plot as mipmaps_plot
 from figures.table_1 import compute as representations
 from figures.table_1 import materials
 from figures.table_1 import plot as representations_plot
@@ -77,26 +70,6 @@ def test_networks_stay_near_the_walk_for_a_new_computation():
     # The mean of 430 values: noise of the walk, and 3 % for the networks.
     error = np.abs(networks - walk).sum() / walk.sum()
     assert error < 0.03 + se.sum() / walk.sum()
-
-
-@pytest.mark.parametrize(
-    ("folder", "table"),
-    [
-        (compute.FOLDER, plot.table),
-        (spheres.FOLDER, spheres_plot.table),
-        (interpolation.FOLDER, interpolation_plot.table),
-        (light.FOLDER, light_plot.table),
-        (scenes.FOLDER, scenes_plot.table),
-        (mipmaps.FOLDER, mipmaps_plot.table),
-        (mipmaps.FOLDER, mipmaps_plot.plane_table),
-        (representations.FOLDER, representations_plot.table),
-    ],
-)
-def test_the_docs_show_the_table_of_the_results(folder, table):
-    found = json.loads((folder / "results.json").read_text())
-    assert found["weights"] == default_model().fingerprint
-    page = (folder.parents[1] / "docs" / "figures.md").read_text()
-    assert "\n".join(table(found)) in page
 
 
 def test_the_grids_of_spheres_are_complete():
@@ -174,7 +147,7 @@ def test_methods_without_results_are_left_out():
     found = json.loads((representations.FOLDER / "results.json").read_text())
     assert representations_plot.measured(found) == list(representations.METHODS)
     del found["materials"]["stack_3"]["BSDFNet"]
-    assert "BSDFNet" not in "\n".join(representations_plot.table(found))
+    assert "BSDFNet" not in "\n".join(representations_plot.tables(found))
 
 
 def test_storage_is_that_of_the_papers_discussion():
