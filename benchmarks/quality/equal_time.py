@@ -52,6 +52,7 @@ from benchmarks.quality.converged import (
 )
 from benchmarks.scenes import LIGHTS, PRINCIPLED, processor
 
+from urushi import paper
 from urushi.eval import metrics
 from urushi.nets.weights import find
 from urushi.paper.architecture import PaperArchitecture
@@ -298,6 +299,7 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=20.0, help="CPU time of each method [s]")
     arguments = parser.parse_args()
     mi.set_variant(arguments.mode)
+    paper.register()
     print(f"{processor()}, {available_cores()} cores, {arguments.width} pixels wide\n")
     print(f"| {' | '.join(COLUMNS)} |\n{'|---' * len(COLUMNS)}|", flush=True)
     measured: dict[str, dict[str, Method]] = {}
