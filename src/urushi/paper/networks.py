@@ -83,8 +83,8 @@ class PaperNetworks:
     def encode(self, f: Any) -> np.ndarray:
         """Codes (..., 32) by projection: about a second each, or some minutes by Adam.
 
-        Codes are kept, so that equal BRDFs are projected once. Those of more than `LEVELS` Lambertian
-        BRDFs are interpolated, by Adam alone: its codes vary smoothly with the BRDF.
+        Codes are kept, so that equal BRDFs are projected once. Codes of more than `LEVELS`
+        Lambertian BRDFs are interpolated, by Adam alone: its codes vary smoothly with the BRDF.
         """
         values = np.asarray(f, np.float32)
         directions = direction_inputs(*self.pairs())[None]
