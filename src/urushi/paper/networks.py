@@ -114,13 +114,14 @@ class PaperNetworks:
         keys = [hashlib.sha256(row.tobytes()).digest() for row in f]
         with self._lock:
             found = {key: self._kept[key] for key in keys if key in self._kept}
-        new = list({key: i for i, key in enumerate(keys) if key not in found}.items())
+        rows = {key: row for key, row in zip(keys, f, strict=True) if key not in found}
+        new = list(rows)
 
-        def task(part: slice) -> None:
-            codes = self._project(directions, f[[i for _, i in new[part]]])
-            found.update(zip((key for key, _ in new[part]), codes, strict=True))
+        def task(part: list[bytes]) -> None:
+            codes = self._project(directions, np.stack([rows[key] for key in part]))
+            found.update(zip(part, codes, strict=True))
 
-        run_all_cores(task, [slice(i, i + TOGETHER) for i in range(0, len(new), TOGETHER)])
+        run_all_cores(task, [new[i : i + TOGETHER] for i in range(0, len(new), TOGETHER)])
         with self._lock:
             for key in dict.fromkeys(keys):
                 self._kept[key] = found[key]
