@@ -167,6 +167,20 @@ def test_an_epoch_shows_every_brdf_equally_often_and_is_repeatable(tmp_path):
     assert not np.array_equal(other.f, batches[0].f)
 
 
+def test_batches_of_an_epoch_have_one_size_and_leave_out_different_brdfs(tmp_path):
+    preset = replace(paper(1e-9), stacks=8, pairs=16)
+    store = generate(preset.data, tmp_path / "data.zarr")
+    batches = list(representation.epoch(store, preset, 0))
+    trained, runs = representation.trained(preset), preset.part("two-layer").pairs // 16
+    assert trained % 8
+    assert {batch.f.shape for batch in batches} == {(8, 16)}
+    shown = np.array([batch.rows for batch in batches]).reshape(runs, -1)
+    assert shown.shape[1] == trained // 8 * 8
+    left_out = [set(range(trained)) - set(run) for run in shown.tolist()]
+    assert {len(rest) for rest in left_out} == {trained % 8}  # no BRDF twice in a run
+    assert len(set(map(frozenset, left_out))) == runs
+
+
 def test_projection_looks_at_different_pairs_more_of_them_near_highlights():
     rng = np.random.default_rng(10)
     wi, wo = (w[None] for w in stratified_pairs(rng, 7**4))

@@ -43,6 +43,8 @@ def epoch(store: Store, preset: PaperPreset, index: int) -> Iterator[Batch]:
 
     Groups of BRDFs that fit into memory are visited in random order. Within a group the pairs of
     every BRDF are shuffled and cut into runs; a batch has one run from each of different BRDFs.
+    BRDFs that do not fill a batch are left out of that run: batches of other sizes are slow where
+    `TOGETHER` does not divide them.
     """
     rng = np.random.default_rng((preset.seed, index))
     for shards in shuffled_groups(preset, rng):
@@ -51,10 +53,16 @@ def epoch(store: Store, preset: PaperPreset, index: int) -> Iterator[Batch]:
         run = min(preset.pairs, pairs)
         order = rng.permuted(np.tile(np.arange(pairs), (count, 1)), axis=1)
         for first in range(0, pairs - run + 1, run):
-            stacks = rng.permutation(count)
-            for chosen in np.array_split(stacks, -(-count // preset.stacks)):
+            for chosen in _full_batches(rng.permutation(count), preset.stacks):
                 at = chosen[:, None], order[chosen, first : first + run]
                 yield Batch(rows[chosen], arrays["wi"][at], arrays["wo"][at], arrays["f"][at])
+
+
+def _full_batches(stacks: np.ndarray, size: int) -> np.ndarray:
+    """Stacks (S,) as batches (B, size) without the rest; all in one where S is below size."""
+    size = min(size, len(stacks))
+    whole = len(stacks) // size * size
+    return stacks[:whole].reshape(-1, size)
 
 
 def shuffled_groups(preset: PaperPreset, rng: np.random.Generator) -> list[np.ndarray]:

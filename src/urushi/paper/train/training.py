@@ -114,7 +114,7 @@ def represent(
         rates = (rate * preset.decay**epoch for rate in (preset.weights_rate, preset.latents_rate))
         batches = tqdm(
             representation.epoch(store, preset, epoch),
-            total=runs * -(-representation.trained(preset) // preset.stacks),
+            total=runs * max(1, representation.trained(preset) // preset.stacks),
             desc=f"epoch {epoch + 1} of {preset.epochs}",
             disable=None,
         )
