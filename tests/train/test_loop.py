@@ -20,7 +20,7 @@ from urushi.nets.encoder import encode
 from urushi.nets.features import direction_features
 from urushi.nets.layerer import layer
 from urushi.train import presets, validation
-from urushi.train.checkpoint import Journal
+from urushi.train.checkpoint import Checkpoint, Journal
 from urushi.train.optimiser import Schedule
 from urushi.train.training import train
 
@@ -94,6 +94,15 @@ def test_a_killed_process_resumes_to_the_same_bits(uninterrupted, tmp_path, tiny
     assert not (tmp_path / "weights.safetensors").exists()
     resumed = train(tiny, data=tiny_data, run=tmp_path, resume=True)
     assert resumed.fingerprint == uninterrupted[0].fingerprint
+
+
+def test_the_time_of_the_data_is_kept_over_interruptions(tmp_path):
+    """A resumed run finds its data complete; the header still states what they cost."""
+    point = Checkpoint("joint", 1, 3.0, {"weight": np.ones(2, np.float32)}, {})
+    Journal(tmp_path, {}, ["joint"], data_seconds=100.0).save(point)
+    resumed = Journal(tmp_path, {}, ["joint"], data_seconds=2.0)
+    assert resumed.restore({"joint": point}).seconds == 3
+    assert resumed.data_seconds == 102
 
 
 def test_stages_and_pair_weights_are_optional(tiny, tiny_data, tmp_path):

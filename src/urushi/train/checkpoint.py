@@ -15,7 +15,7 @@ from urushi import files
 from urushi.errors import FileError
 from urushi.files import atomic_write
 
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
 
 
 @dataclass(frozen=True)
@@ -37,24 +37,33 @@ class Checkpoint:
     networks: dict[str, Any]
 
 
-def save(path: str | os.PathLike, point: Checkpoint, identity: Mapping[str, Any]) -> None:
+def save(
+    path: str | os.PathLike, point: Checkpoint, identity: Mapping[str, Any], data_seconds: float
+) -> None:
     """Write a checkpoint, so that readers find either the old file or the new one.
 
-    identity: JSON values that describe preset and data; `load` requires the same.
+    Args:
+        path: the file.
+        point: the state.
+        identity: JSON values that describe preset and data; `load` requires the same.
+        data_seconds: time spent on the data so far.
     """
     description = {
         "version": FORMAT_VERSION,
         "stage": point.stage,
         "step": point.step,
         "seconds": point.seconds,
+        "data_seconds": data_seconds,
         "identity": dict(identity),
     }
     arrays = {name: np.asarray(leaf) for name, leaf in _named_leaves(point)}
     files.write_tensors(path, "checkpoint", description, arrays)
 
 
-def load(path: Path, like: Mapping[str, Checkpoint], identity: Mapping[str, Any]) -> Checkpoint:
-    """Read a checkpoint.
+def load(
+    path: Path, like: Mapping[str, Checkpoint], identity: Mapping[str, Any]
+) -> tuple[Checkpoint, float]:
+    """Read a checkpoint, and the seconds spent on the data.
 
     Args:
         path: the file.
@@ -78,9 +87,10 @@ def load(path: Path, like: Mapping[str, Checkpoint], identity: Mapping[str, Any]
     structure = jax.tree.structure((beginning.state, beginning.networks))
     leaves = [jnp.asarray(arrays[name].reshape(leaf.shape)) for name, leaf in expected]
     state, networks = jax.tree.unflatten(structure, leaves)
-    return Checkpoint(
+    point = Checkpoint(
         description["stage"], description["step"], description["seconds"], state, networks
     )
+    return point, description["data_seconds"]
 
 
 def _named_leaves(point: Checkpoint) -> list[tuple[str, Any]]:
@@ -95,13 +105,24 @@ class Journal:
         folder: the run folder.
         identity: JSON values of preset and data; a checkpoint of another identity is an error.
         stages: the stages' names, in order.
+        data_seconds: time that this run has spent on its data.
+
+    Attributes:
+        data_seconds: time spent on the data, with that of the runs before the checkpoint.
     """
 
-    def __init__(self, folder: Path, identity: Mapping[str, Any], stages: Sequence[str]) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        identity: Mapping[str, Any],
+        stages: Sequence[str],
+        data_seconds: float = 0.0,
+    ) -> None:
         self._checkpoint = folder / "checkpoint.safetensors"
         self._log = folder / "log.jsonl"
         self._identity = identity
         self._stages = stages
+        self.data_seconds = data_seconds
 
     def begun(self) -> bool:
         """Whether there is a checkpoint."""
@@ -115,7 +136,8 @@ class Journal:
         """The last checkpoint, or None; later lines of the log are removed."""
         if not self.begun():
             return None
-        point = load(self._checkpoint, beginnings, self._identity)
+        point, earlier = load(self._checkpoint, beginnings, self._identity)
+        self.data_seconds += earlier
         if self._log.exists():
             lines = self._log.read_text().splitlines(keepends=True)
             with atomic_write(self._log) as path:
@@ -126,7 +148,7 @@ class Journal:
 
     def save(self, point: Checkpoint) -> None:
         """Replace the checkpoint."""
-        save(self._checkpoint, point, self._identity)
+        save(self._checkpoint, point, self._identity, self.data_seconds)
 
     def log(self, point: Checkpoint, figures: Mapping[str, float]) -> None:
         """Append a line for the steps up to `point`."""

@@ -78,7 +78,7 @@ def train(
     depths = examples.load(store, preset.arch, preset.pairs, preset.memory)
     checks = validation.load(store, preset.arch)
     origin = identity(preset, store)
-    journal = Journal(folder, origin, names)
+    journal = Journal(folder, origin, names, generated)
 
     params = initial(preset, depths)
     point = journal.restore(beginnings(preset, params)) if resume else None
@@ -103,7 +103,7 @@ def train(
     for stage in stages:
         metrics |= stage.measure(params, preset.arch, depths, preset.seed)
     cost = {
-        "data seconds": round(generated),
+        "data seconds": round(journal.data_seconds),
         "training seconds": round(point.seconds),
         "devices": device_count,
     }

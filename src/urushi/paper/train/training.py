@@ -48,7 +48,7 @@ def train(
     store = generate(preset.data, data if data is not None else folder / "data.zarr")
     generated = time.monotonic() - began
     identity = training.identity(preset, store)
-    journal = Journal(folder, identity, STAGES)
+    journal = Journal(folder, identity, STAGES, generated)
 
     starts = beginnings(preset)
     point = journal.restore(starts) if resume else None
@@ -72,7 +72,10 @@ def train(
     params = {name: v for name, v in results.items() if not name.startswith(("codes.", "error."))}
     sampling, divergence = learn_proxy(params, preset, results["codes.two-layer"])
     metrics = figures(params, preset, results, store) | {"proxy divergence": divergence}
-    cost = {"data seconds": round(generated), "training seconds": round(clock.seconds())}
+    cost = {
+        "data seconds": round(journal.data_seconds),
+        "training seconds": round(clock.seconds()),
+    }
     header = {**training.header(identity, metrics, cost), "scale": preset.scale}
     return weights.save(out, preset.arch, {**params, **sampling}, header)
 
