@@ -76,7 +76,7 @@ def paper(scale: float = 1.0, adam: AdamProjection | None = None) -> PaperPreset
     Adam with these options, in training and in the weights file; None: by Levenberg-Marquardt.
 
     Command: `urushi train --preset paper --scale 4e-5`
-    Time: at most 25 minutes on two cores at that scale, 100 at 1.5e-4, 40 hours of a GPU at 1.
+    Time: at most 25 minutes on two cores at that scale, 214 at 8e-4, 40 hours of a GPU at 1.
     Expected: at that scale no sharp highlights, and errors far above the paper's; the header of the
         weights file has the mean absolute errors of the projections.
     """
