@@ -1,5 +1,6 @@
 """`urushi render` works like Mitsuba's executable, and errors are one sentence."""
 
+import drjit as dr
 import mitsuba as mi
 import numpy as np
 import pytest
@@ -61,6 +62,17 @@ def test_flags(scene, tmp_path):
     np.testing.assert_allclose(image, 0.25, rtol=1e-3)
 
 
+def test_one_thread_reads_and_writes_exr_files(scene, tmp_path):
+    """Mitsuba waits for ever if it has one thread at that time."""
+    mi.util.write_bitmap(str(tmp_path / "light.exr"), np.full((2, 4, 3), 0.5, np.float32), False)
+    light = '<emitter type="envmap"><string name="filename" value="light.exr"/></emitter>'
+    scene.write_text(SCENE[: SCENE.index("<emitter")] + light + "</scene>")
+    threads = dr.thread_count()
+    assert cli.main(["render", str(scene), "-t", "1"]) == 0
+    assert dr.thread_count() == threads
+    np.testing.assert_allclose(read(scene.with_suffix(".exr")), 0.5, rtol=1e-3)
+
+
 @pytest.mark.parametrize("suffix", [".png", ".jpg"])
 def test_lights_of_thousands_of_nits_are_white(suffix, tmp_path):
     path = tmp_path / f"lamp{suffix}"
@@ -79,6 +91,7 @@ def test_png(scene, tmp_path):
         (["-m", "llvm_rgb"], "Mitsuba has no variant 'llvm_rgb'; choose one of"),
         (["-s", "2"], "--sensor is 2, but"),
         (["-s", "-1"], "--sensor is -1, but"),
+        (["-t", "0"], "--threads is 0; it must be at least 1"),
         (["-D", "grey"], "-D 'grey' is not of the form key=value"),
         (["-D", "gloss=1"], "cannot load"),
         (

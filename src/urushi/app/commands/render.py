@@ -94,7 +94,7 @@ class Render:
     ] = field(default=())
     """Another folder to search for the scene's files. May be repeated."""
     threads: Annotated[int | None, tyro.conf.arg(aliases=["-t"])] = None
-    """Number of threads. Default: one per core."""
+    """Number of threads that render. All cores read and write files. Default: one per core."""
     weights: str | None = None
     """Networks of every neural_layered and openpbr that names none itself: a weights file.
     Default: the shipped ones."""
@@ -110,12 +110,12 @@ class Render:
     def run(self) -> int:
         definitions = parse_definitions(self.define)
         overrides = Overrides(self.weights, self.width, self.height)
+        if self.threads is not None and self.threads < 1:
+            raise ParameterError(f"--threads is {self.threads}; it must be at least 1")
         set_variant(self.mode)
         import drjit as dr
         import mitsuba as mi
 
-        if self.threads is not None:
-            dr.set_thread_count(self.threads)
         scene = self._load(definitions, overrides)
         sensors = len(scene.sensors())
         if not 0 <= self.sensor < sensors:
@@ -124,7 +124,10 @@ class Render:
             )
         spp = SCENE_SPP if self.spp is None else self.spp
         try:
-            image = mi.render(scene, sensor=self.sensor, spp=spp, seed=self.seed)
+            with _thread_count(self.threads):
+                image = mi.render(scene, sensor=self.sensor, spp=spp, seed=self.seed)
+                dr.eval(image)
+                dr.sync_thread()
         except RuntimeError as error:
             raise PlatformError(f"cannot render '{self.scene}': {one_line(error)}") from error
         target = self.output or Path(self.scene).with_suffix(".exr")
@@ -143,6 +146,22 @@ class Render:
         with tempfile.TemporaryDirectory(prefix="urushi-") as folder:
             path = shipped.export(self.scene, folder)
             return load_scene(path, definitions, self.append, overrides)
+
+
+@contextmanager
+def _thread_count(count: int | None) -> Iterator[None]:
+    """Render with `count` threads; None: with one per core.
+
+    With one thread, Mitsuba waits for ever for an EXR file that it reads or writes.
+    """
+    import drjit as dr
+
+    before = dr.thread_count()
+    dr.set_thread_count(before if count is None else count)
+    try:
+        yield
+    finally:
+        dr.set_thread_count(before)
 
 
 def write_picture(image: Any, path: Path) -> None:
