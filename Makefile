@@ -54,19 +54,23 @@ notebook: $(READY)
 	VIRTUAL_ENV= UV_PROJECT_ENVIRONMENT=.venv .venv/bin/uv sync --quiet --locked --all-extras --inexact --group notebook
 	.venv/bin/jupyter execute --inplace --NotebookClient.record_timing=False docs/notebooks/*.ipynb
 
-# The README's pictures of the shipped scenes, by the present weights
+# The README's pictures of the gallery, by the present weights
+GALLERY := still-life globe teapot shoe brushed bells violin car
 thumbnails: $(READY)
+	for scene in $(GALLERY); do \
+	    .venv/bin/python -m gallery $$scene out/gallery/$$scene || exit; \
+	done
 	for scene in still-life globe teapot shoe brushed; do \
-	    .venv/bin/urushi render $$scene --width 320 --height 240 --spp 128 \
+	    .venv/bin/urushi render out/gallery/$$scene/scene.xml --width 320 --height 240 --spp 128 \
 	        -o docs/images/$$scene.png || exit; \
 	done
-	mkdir -p out
 	for scene in bells violin car; do \
-	    .venv/bin/urushi render $$scene --width 320 --height 240 --spp 160 \
+	    .venv/bin/urushi render out/gallery/$$scene/scene.xml --width 320 --height 240 --spp 160 \
 	        -o out/$$scene.png || exit; \
 	    .venv/bin/python docs/small_jpg.py out/$$scene.png docs/images || exit; \
 	done
-	.venv/bin/urushi render car -D coat=layered --width 320 --height 240 --spp 160 -o out/car-walk.png
+	.venv/bin/urushi render out/gallery/car/scene.xml -D coat=layered --width 320 --height 240 \
+	    --spp 160 -o out/car-walk.png
 	.venv/bin/python docs/small_jpg.py out/car-walk.png docs/images
 
 # The pictures of docs/measured.md, by the present weights

@@ -234,7 +234,10 @@ def demo() -> Entries:
         command = [sys.executable, "-m", "urushi.app.cli", "demo", "-o", folder, *size]
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
         figures = json.loads((Path(folder) / "report.json").read_text())
-    return {name: figures[name] for name in ("mse", "reference_noise", "neural_noise", "psnr")}
+    return {
+        name: figures[name]
+        for name in ("relative_mse", "layered_noise", "neural_layered_noise", "psnr")
+    }
 
 
 def training() -> Entries:

@@ -1,4 +1,4 @@
-"""The scenes of benchmarks: the demo's, the shipped ones and one variation, by methods and lights.
+"""The scenes of benchmarks: the demo's, the gallery's and one variation, by methods and lights.
 
 Methods are weights of `neural_layered` (a name or a file), `WALK`, the plugins of `RIVALS`, and
 `PRINCIPLED`: Mitsuba's principled BSDF in the place of every coat, with as many textures. It looks
@@ -14,16 +14,17 @@ from typing import Any
 import mitsuba as mi
 import numpy as np
 from benchmarks import textured_coats
+from gallery.scenes import SCENES as GALLERY
 
 import urushi  # noqa: F401  (registers the plugins)
-from urushi.files import new_folder
 from urushi.nets import weights as networks
-from urushi.scenes import caddy, shipped
-from urushi.scenes.mesh import lathe, write_ply
+from urushi.scenes import shipped
 from urushi.scenes.stage import COATS, Options
 
+#: The demo's scene goes by this name.
 DEMO = "demo"
-SCENES = (DEMO, *shipped.SCENES)
+_MAKERS = {DEMO: shipped.SCENES["caddy"], **GALLERY}
+SCENES = tuple(_MAKERS)
 #: The still life with textures of the coats' alpha and index; not among those measured by default.
 TEXTURED = "textured-still-life"
 WALK, PRINCIPLED = "layered", "principled"
@@ -61,20 +62,16 @@ def describe(
         folder: for meshes and textures.
         light: one of `LIGHTS`, or `BOTH`.
         width: of the picture [pixels]; the height is 3/4 of it.
-        detail: factor on the size of the shipped scenes' textures.
+        detail: factor on the size of the textures.
         depth: longest path, in segments; 2: direct light alone, which has no caustics.
     """
     height = width * 3 // 4
     coat = WALK if method == WALK or method in RIVALS else COATS[0]
-    if name == DEMO:
-        mesh = new_folder(folder) / "caddy.ply"
-        write_ply(lathe(caddy.natsume(), 256, 384), mesh)
-        scene = caddy.scene(coat, str(mesh), width=width, height=height)
-    else:
-        options = Options(coat=coat, width=width, height=height, detail=detail)
-        scene = shipped.build("still-life" if name == TEXTURED else name, folder, options)
-        if name == TEXTURED:
-            scene = textured_coats.applied(scene, folder, options)
+    options = Options(coat=coat, width=width, height=height, detail=detail)
+    make = _MAKERS["still-life" if name == TEXTURED else name]
+    scene = shipped.build(make, folder, options)
+    if name == TEXTURED:
+        scene = textured_coats.applied(scene, folder, options)
     if light == BOTH:
         scene["point"] = _light(POINT, scene["sensor"])
     elif light != OWN:

@@ -1,6 +1,7 @@
 """The demo: its shapes, its pattern, its scene, and what it writes."""
 
 import json
+import re
 import shlex
 from collections import Counter
 from pathlib import Path
@@ -10,10 +11,11 @@ import pytest
 
 from urushi.app import cli, demo
 from urushi.app.describe import describe
-from urushi.errors import FileError, ParameterError
+from urushi.errors import FileError
 from urushi.eval import metrics
 from urushi.scenes import caddy, caddy_pattern
 from urushi.scenes.mesh import Mesh, lathe, write_ply
+from urushi.scenes.stage import Options
 
 
 @pytest.fixture(scope="module")
@@ -109,8 +111,8 @@ def test_the_pattern_closes_around_the_caddy():
 
 
 def test_the_lacquer_is_a_valid_coat():
-    depth, albedo = caddy.lacquer()
-    assert depth.shape == albedo.shape == (caddy.TEXTURE_HEIGHT, 2 * caddy.TEXTURE_HEIGHT, 3)
+    depth, albedo = caddy.lacquer(96)
+    assert depth.shape == albedo.shape == (96, 192, 3)
     assert depth.min() > 0 and depth.max() <= 8, "within what the networks are trained on"
     assert albedo.min() >= 0 and albedo.max() <= 1
 
@@ -130,48 +132,36 @@ def test_difference_shows_sign_and_size():
 
 def test_figures_of_equal_images_are_their_noise():
     """Both renders have the halves 0.9 and 1.1: no difference, variance 0.01 each."""
-    halves = np.full((4, 4, 3), 0.9), np.full((4, 4, 3), 1.1)
-    same = demo.Render(*halves, seconds=1.0, start=2.0)
+    same = demo.Render(np.stack([np.full((4, 4, 3), 0.9), np.full((4, 4, 3), 1.1)]), 1.0, 2.0)
     figures = demo.compare(same, same)
     noise = 0.01 / (1 + 0.01)
-    assert figures["mse"] == 0
-    assert figures["reference_noise"] == pytest.approx(noise)
+    assert figures["layered_noise"] == figures["neural_layered_noise"] == pytest.approx(noise)
     assert figures["relative_mse"] == pytest.approx(-noise)
     assert figures["relative_mse_noise_free"] == pytest.approx(-2 * noise)
 
 
-def test_a_small_demo_writes_every_file_and_its_pictures_agree(variant, tmp_path, monkeypatch):
+def test_a_small_demo_writes_every_file_and_its_pictures_agree(tmp_path, monkeypatch, capsys):
     """The relative mean squared error is below 0.01 once the walk's noise is subtracted."""
     monkeypatch.setattr(caddy, "TEXTURE_HEIGHT", 96)
-    figures = demo.run(tmp_path / "new" / "demo", width=80, height=72, spp=128, variant=variant)
-    names = {path.name for path in (tmp_path / "new" / "demo").iterdir()}
-    assert names == {
-        "natsume.ply",
-        "report.json",
-        "comparison.png",
-        "difference.png",
-        "difference.exr",
-        "layered.png",
-        "layered.exr",
-        "neural_layered.png",
-        "neural_layered.exr",
-    }
-    assert json.loads((tmp_path / "new" / "demo" / "report.json").read_text()) == figures
-    assert all(np.isfinite(value) for value in figures.values())
-    assert figures["mse"] > 0
+    out = tmp_path / "new" / "demo"
+    size = ["--width", "80", "--height", "72", "--spp", "128"]
+    assert cli.main(["demo", "-o", str(out), *size]) == 0
+    names = {"scene", "report.json", "comparison.png", "layered.exr", "neural_layered.exr"}
+    assert {path.name for path in out.iterdir()} == names
+    figures = json.loads((out / "report.json").read_text())
     assert figures["relative_mse"] < 0.01
-    text = demo.describe(figures, tmp_path / "new" / "demo")
+    text = capsys.readouterr().out
     assert f"{figures['relative_mse']:.4f}" in text
-    assert str(tmp_path / "new" / "demo" / "comparison.png") in text
+    assert str(out / "comparison.png") in text
 
 
 def test_the_demo_says_what_a_picture_of_equal_noise_costs(tmp_path):
-    figures = dict.fromkeys(
-        ("relative_mse", "neural_start_seconds", "reference_start_seconds"), 1.0
-    )
-    figures |= {"neural_seconds": 3.0, "reference_seconds": 4.0}
-    figures |= {"neural_noise": 0.001, "reference_noise": 0.002}
-    text = " ".join(demo.describe(figures, tmp_path).split())
+    figures = {
+        f"{name}_{key}": value
+        for name, values in (("neural_layered", (1.0, 3.0, 1e-3)), ("layered", (1.0, 4.0, 2e-3)))
+        for key, value in zip(("start_seconds", "seconds", "noise"), values, strict=True)
+    }
+    text = " ".join(demo.describe({"relative_mse": 1.0} | figures, tmp_path).split())
     assert "takes 75% of the walk's time and has 50% of its noise" in text
     assert "the networks take 38% of the walk's time" in text  # three quarters of a half
 
@@ -191,41 +181,39 @@ def test_renders_of_other_seeds_are_independent(variant, tmp_path, monkeypatch):
     Half a dozen pairs of renders at 96 * 96 pixels lay within 6 % of that, relative to brightness;
     a seed that both renders share would leave nothing, and halves that share one would double it.
     """
-    monkeypatch.setattr(caddy, "coat", lambda _: {"type": "diffuse"})
-    write_ply(lathe(caddy.natsume(), 16, 32), tmp_path / "natsume.ply")
     import mitsuba as mi
 
     mi.set_variant(variant)
-    first, second = (
-        demo.render("diffuse", tmp_path / "natsume.ply", width=64, height=64, spp=32, seed=seed)
-        for seed in (0, 1)
-    )
+    monkeypatch.setattr(caddy, "coat", lambda *_: {"type": "diffuse"})
+    options = Options("layered", width=64, height=64, spp=32)
+    first, second = (demo.render(tmp_path, options, seed) for seed in (0, 1))
     noise = metrics.relative_mse(first.image, second.image)
     both = first.variance + second.variance
     rest = metrics.relative_mse(first.image, second.image, variance=both)
     assert abs(rest) < 0.25 * noise
 
 
-def test_unwritable_output_is_one_sentence(tmp_path):
+def test_unwritable_output_is_one_sentence(tmp_path, capsys):
     (tmp_path / "file").write_text("")
-    with pytest.raises(
-        FileError, match=r"^cannot create the folder .*; choose one that is writable$"
-    ):
-        demo.run(tmp_path / "file" / "demo", width=8, height=8, spp=16)
+    assert cli.main(["demo", "-o", str(tmp_path / "file" / "demo")]) == 2
+    error = capsys.readouterr().err
+    assert re.fullmatch(
+        r"urushi: cannot create the folder .*; choose one that is writable\n", error
+    )
     with pytest.raises(FileError, match=r"^cannot write .*; choose a folder that exists"):
         write_ply(lathe(caddy.natsume(), 4, 8), Path("/proc/caddy.ply"))
 
 
 @pytest.mark.parametrize(
-    ("size", "sentence"),
+    ("option", "value", "sentence"),
     [
-        ({"width": 0}, "width is 0"),
-        ({"height": 0}, "height is 0"),
-        ({"spp": 0}, "spp is 0"),
-        ({"spp": 12}, "spp is 12"),
-        ({"spp": -16}, "spp is -16"),
+        ("--width", 0, "width is 0; it must be at least 1"),
+        ("--spp", 0, "--spp is 0; it must be a positive multiple of 16"),
+        ("--spp", 12, "--spp is 12; it must be a positive multiple of 16"),
+        ("--spp", -16, "--spp is -16; it must be a positive multiple of 16"),
     ],
 )
-def test_bad_sizes_are_refused(size, sentence, tmp_path):
-    with pytest.raises(ParameterError, match=sentence):
-        demo.run(tmp_path, **size)
+def test_bad_sizes_are_refused(option, value, sentence, tmp_path, capsys):
+    assert cli.main(["demo", "-o", str(tmp_path / "demo"), option, str(value)]) == 2
+    assert capsys.readouterr().err == f"urushi: {sentence}\n"
+    assert not list(tmp_path.iterdir())

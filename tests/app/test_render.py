@@ -164,8 +164,8 @@ def test_a_folder_of_a_shipped_scenes_name_does_not_hide_the_scene(tmp_path, mon
     (tmp_path / "teapot").mkdir()
     monkeypatch.chdir(tmp_path)
 
-    def export(name, folder, *options):
-        raise ParameterError(f"the shipped scene {name} is exported")
+    def export(scene, folder, *options):
+        raise ParameterError(f"the shipped scene {scene.__name__} is exported")
 
     monkeypatch.setattr(shipped, "export", export)
     assert cli.main(["render", "teapot", "-o", "teapot.exr"]) == 2

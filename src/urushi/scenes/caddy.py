@@ -1,12 +1,13 @@
-"""The demo's scene: a lacquered tea caddy on a dark table between softboxes."""
+"""Tea caddy: a lacquered tea caddy on a dark table between softboxes."""
 
 from typing import Any
 
 import mitsuba as mi
 import numpy as np
 
-from urushi.scenes import caddy_pattern
-from urushi.scenes.mesh import Profile
+from urushi.scenes import caddy_pattern, stage
+from urushi.scenes.mesh import Profile, lathe
+from urushi.scenes.stage import Folder, Options, conductor, diffuse, rgb
 
 #: Rows of the pattern's texture.
 TEXTURE_HEIGHT = 384
@@ -20,65 +21,47 @@ GOLD = np.array([0.02, 0.05, 0.15]), np.array([0.9, 0.8, 0.6])
 TURN = 105.0
 
 
-def scene(bsdf: str, mesh: str, *, width: int = 400, height: int = 400) -> dict[str, Any]:
-    """Describe the scene, ready for `mi.load_dict`.
-
-    Args:
-        bsdf: the plugin of the caddy's coat: "layered" or "neural_layered".
-        mesh: path of the caddy's PLY file.
-        width, height: pixels of the film.
-    """
+def caddy(folder: Folder, options: Options) -> dict[str, Any]:
+    """A scene for `mi.load_dict`; see `urushi.scenes.shipped`."""
+    mesh = folder.mesh("natsume", lathe(natsume(), 256, 384))
     return {
         "type": "scene",
         "integrator": {"type": "path", "max_depth": 6},
-        "sensor": _camera(width, height),
-        "sky": _sky(),
+        "sensor": _camera(options),
+        "sky": _sky(folder),
         **_softboxes(),
         "table": {
             "type": "rectangle",
-            "to_world": mi.ScalarTransform4f().scale(40),
+            "to_world": mi.ScalarTransform4d().scale(40),
             "bsdf": {
                 "type": "roughplastic",
-                "diffuse_reflectance": {"type": "rgb", "value": [0.032, 0.030, 0.030]},
+                "diffuse_reflectance": rgb(0.032, 0.030, 0.030),
                 "alpha": 0.12,
             },
         },
         "caddy": {
-            "type": "ply",
-            "filename": mesh,
-            "to_world": mi.ScalarTransform4f().rotate([0, 0, 1], TURN),
-            "bsdf": coat(bsdf),
+            **mesh,
+            "to_world": mi.ScalarTransform4d().rotate([0, 0, 1], TURN),
+            "bsdf": coat(folder, options),
         },
     }
 
 
-def coat(bsdf: str) -> dict[str, Any]:
+def coat(folder: Folder, options: Options) -> dict[str, Any]:
     """The lacquer: dark and thick, thin over the pattern so that the gold below shines through."""
-    depth, albedo = lacquer()
-    return {
-        "type": bsdf,
-        "alpha": 0.05,
-        "int_ior": 1.5,
-        "albedo": _texture(albedo),
-        "sigma_t": _texture(depth),
-        "g": 0.0,
-        "bottom": {
-            "type": "roughconductor",
-            "distribution": "ggx",
-            "material": "Au",
-            "alpha": 0.22,
-        },
-    }
+    depth, albedo = lacquer(options.texels(TEXTURE_HEIGHT))
+    medium = {"albedo": folder.texture("albedo", albedo), "sigma_t": folder.texture("depth", depth)}
+    return options.coated(conductor("Au", 0.22), alpha=0.05, int_ior=1.5, g=0.0, **medium)
 
 
-def lacquer() -> tuple[np.ndarray, np.ndarray]:
+def lacquer(rows: int) -> tuple[np.ndarray, np.ndarray]:
     """Optical depth and albedo of the coat, (H, W, 3) each: black to red to black, then gold.
 
-    Depths are interpolated in their logarithms.
+    Depths are interpolated in their logarithms. rows: H; W is twice as many.
     """
     profile = natsume()
-    gold = caddy_pattern.gold(profile, TEXTURE_HEIGHT)[..., None]
-    height = profile((np.arange(TEXTURE_HEIGHT) + 0.5) / TEXTURE_HEIGHT)[0][:, 1]
+    gold = caddy_pattern.gold(profile, rows)[..., None]
+    height = profile((np.arange(rows) + 0.5) / rows)[0][:, 1]
     red = np.exp(-(((height - 0.42) / 0.30) ** 2))[:, None, None]  # a red band between black ones
     depth = np.exp(_blend(gold, _blend(red, *np.log([BLACK[0], RED[0]])), np.log(GOLD[0])))
     return depth, _blend(gold, _blend(red, BLACK[1], RED[1]), GOLD[1])
@@ -88,45 +71,16 @@ def _blend(amount: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndar
     return first + (second - first) * amount
 
 
-def _texture(values: np.ndarray) -> dict[str, Any]:
-    """An (H, W, 3) array as a texture without colour conversion."""
-    return {
-        "type": "bitmap",
-        "data": mi.TensorXf(values.astype(np.float32)),
-        "raw": True,
-    }
+def _camera(options: Options) -> dict[str, Any]:
+    return stage.camera(options, origin=[0, -4.2, 1.75], target=[0, 0, 0.47], fov=21)
 
 
-def _camera(width: int, height: int) -> dict[str, Any]:
-    return {
-        "type": "perspective",
-        "fov": 21,
-        "to_world": mi.ScalarTransform4f().look_at(
-            origin=[0, -4.2, 1.75], target=[0, 0, 0.47], up=[0, 0, 1]
-        ),
-        "film": {
-            "type": "hdrfilm",
-            "width": width,
-            "height": height,
-            "rfilter": {"type": "gaussian"},
-            "pixel_format": "rgb",
-            "component_format": "float32",
-        },
-        "sampler": {"type": "independent"},
-    }
-
-
-def _sky() -> dict[str, Any]:
+def _sky(folder: Folder) -> dict[str, Any]:
     """A dim dusk: cool overhead, warm at the horizon, dark below."""
     elevation = np.linspace(1, -1, 33)[:, None, None]
     zenith, horizon = np.array([0.16, 0.20, 0.27]), np.array([0.42, 0.33, 0.25])
     colour = horizon + (zenith - horizon) * np.clip(elevation, 0, 1) ** 0.5
-    colour = np.broadcast_to(colour * (elevation > -0.1), (33, 64, 3))
-    return {
-        "type": "envmap",
-        "bitmap": mi.Bitmap(np.ascontiguousarray(colour, dtype=np.float32)),
-        "to_world": mi.ScalarTransform4f().rotate([1, 0, 0], 90),
-    }
+    return folder.environment("sky", np.broadcast_to(colour * (elevation > -0.1), (33, 64, 3)))
 
 
 def _softboxes() -> dict[str, Any]:
@@ -145,10 +99,10 @@ def _softbox(
     """A one-sided rectangle of half sizes `size`, facing `target`."""
     return {
         "type": "rectangle",
-        "to_world": mi.ScalarTransform4f().look_at(origin=origin, target=target, up=[0, 0, 1])
-        @ mi.ScalarTransform4f().scale([*size, 1]),
-        "emitter": {"type": "area", "radiance": {"type": "rgb", "value": radiance}},
-        "bsdf": {"type": "diffuse", "reflectance": {"type": "rgb", "value": 0.0}},
+        "to_world": mi.ScalarTransform4d().look_at(origin=origin, target=target, up=[0, 0, 1])
+        @ mi.ScalarTransform4d().scale([*size, 1]),
+        "emitter": {"type": "area", "radiance": rgb(*radiance)},
+        "bsdf": diffuse(0.0, 0.0, 0.0),
     }
 
 

@@ -10,33 +10,23 @@ import mitsuba as mi
 
 from urushi.errors import ParameterError
 from urushi.files import atomic_write
-from urushi.scenes.bells import bells
-from urushi.scenes.brushed import brushed
-from urushi.scenes.car import car
-from urushi.scenes.globe import globe
-from urushi.scenes.shoe import shoe
+from urushi.scenes.caddy import caddy
 from urushi.scenes.stage import COATS, Folder, Options
-from urushi.scenes.still_life import still_life
 from urushi.scenes.teapot import teapot
-from urushi.scenes.violin import violin
 
-SCENES: dict[str, Callable[[Folder, Options], dict[str, Any]]] = {
-    "still-life": still_life,
-    "globe": globe,
-    "teapot": teapot,
-    "shoe": shoe,
-    "brushed": brushed,
-    "bells": bells,
-    "violin": violin,
-    "car": car,
-}
+#: A scene: a function that writes meshes and textures into a folder, and describes the scene.
+Scene = Callable[[Folder, Options], dict[str, Any]]
+
+SCENES: dict[str, Scene] = {"caddy": caddy, "teapot": teapot}
 
 
-def build(name: str, folder: str | os.PathLike, options: Options | None = None) -> dict[str, Any]:
+def build(
+    scene: Scene, folder: str | os.PathLike, options: Options | None = None
+) -> dict[str, Any]:
     """Describe a scene; its meshes and textures are written into a folder.
 
     Args:
-        name: one of `SCENES`.
+        scene: one of `SCENES`, or any other.
         folder: for these files; made if it is missing.
         options: see `Options`.
 
@@ -44,13 +34,12 @@ def build(name: str, folder: str | os.PathLike, options: Options | None = None) 
         The scene for `mi.load_dict`, in the current variant.
 
     Raises:
-        ParameterError: there is no such scene.
         FileError: the folder cannot be written.
     """
-    return find(name)(Folder(Path(folder)), options or Options())
+    return scene(Folder(Path(folder)), options or Options())
 
 
-def export(name: str, folder: str | os.PathLike, options: Options | None = None) -> Path:
+def export(scene: Scene, folder: str | os.PathLike, options: Options | None = None) -> Path:
     """Write a scene as a self-contained folder: `scene.xml`, meshes and textures.
 
     The options `coat`, `spp`, `width` and `height` are parameters of the XML file: $coat, ...
@@ -59,17 +48,17 @@ def export(name: str, folder: str | os.PathLike, options: Options | None = None)
         The path of `scene.xml`.
 
     Raises:
-        ParameterError, FileError: as of `build`.
+        FileError: as of `build`.
     """
     options = options or Options()
-    description = _relative(build(name, folder, options), Path(folder).resolve())
+    description = _relative(build(scene, folder, options), Path(folder).resolve())
     target = Path(folder) / "scene.xml"
     with atomic_write(target) as temporary:
         temporary.write_text(_xml(description, options.coat))
     return target
 
 
-def find(name: str) -> Callable[[Folder, Options], dict[str, Any]]:
+def find(name: str) -> Scene:
     """The function that describes the scene `name`.
 
     Raises:

@@ -69,9 +69,8 @@ class Render:
     """Render a Mitsuba scene file that may use Urushi's plugins, or one of the shipped scenes.
 
     The flags -m, -o, -s, -D, -a and -t mean what they mean to Mitsuba's own executable, which
-    cannot load plugins written in Python. The shipped scenes are still-life, globe, teapot,
-    shoe, brushed, bells, violin and car. Their parameters are $coat, $spp, $width and $height:
-    -D coat=layered renders the reference.
+    cannot load plugins written in Python. The shipped scenes are caddy and teapot. Their
+    parameters are $coat, $spp, $width and $height: -D coat=layered renders the reference.
 
     Example: urushi render teapot --width 320 --height 240 --spp 64 -o teapot.exr
     """
@@ -142,9 +141,9 @@ class Render:
         path = Path(self.scene)
         if path.is_file() or path.suffix:
             return load_scene(path, definitions, self.append, overrides)
-        shipped.find(self.scene)
+        scene = shipped.find(self.scene)
         with tempfile.TemporaryDirectory(prefix="urushi-") as folder:
-            path = shipped.export(self.scene, folder)
+            path = shipped.export(scene, folder)
             return load_scene(path, definitions, self.append, overrides)
 
 
@@ -289,10 +288,10 @@ def one_line(error: BaseException) -> str:
 class ExportScene:
     """Write a shipped scene into a folder: scene.xml with its meshes and textures.
 
-    The scenes are still-life, globe, teapot, shoe, brushed, bells, violin and car.
+    The scenes are caddy and teapot.
     `urushi render FOLDER/scene.xml` renders the written scene.
 
-    Example: urushi scenes export still-life out/still-life
+    Example: urushi scenes export teapot out/teapot
     """
 
     scene: tyro.conf.Positional[str]
@@ -325,7 +324,7 @@ class ExportScene:
             spp=self.spp,
             detail=self.detail,
         )
-        print(shipped.export(self.scene, self.folder, options))
+        print(shipped.export(shipped.find(self.scene), self.folder, options))
         return 0
 
 
@@ -349,7 +348,7 @@ class ListScenes:
 class Scenes:
     """List the scenes that ship with Urushi, or write one into a folder.
 
-    Example: urushi scenes export still-life out/still-life
+    Example: urushi scenes export teapot out/teapot
     """
 
     command: (

@@ -9,11 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from urushi.scenes import car_fittings, car_shape, noise, stage
+from gallery import car_fittings, car_shape
+from gallery.solids import merged
+from gallery.surface_nets import Field, mesh, projected
+from urushi.scenes import noise, stage
 from urushi.scenes.mesh import Mesh, Profile, lathe
-from urushi.scenes.solids import merged
 from urushi.scenes.stage import Folder, Light, Options, rgb
-from urushi.scenes.surface_nets import Field, mesh, projected
 
 #: Texels of the paint along a side of its pattern, which covers `TILE` [m] and repeats; and the
 #: number of flakes along it.

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from gallery import car, car_fittings, car_shape
 
-from urushi.scenes import car, car_fittings, car_shape
 from urushi.scenes.mesh import Mesh
 
 

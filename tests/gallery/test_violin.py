@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from gallery import solids, violin, violin_neck, violin_shape, violin_wood
+from gallery import violin_fittings as fittings
+from gallery.violin_shape import LENGTH, Arching
 
-from urushi.scenes import solids, violin, violin_neck, violin_shape, violin_wood
-from urushi.scenes import violin_fittings as fittings
 from urushi.scenes.mesh import Mesh, grid
-from urushi.scenes.violin_shape import LENGTH, Arching
 
 
 @pytest.fixture(scope="module")

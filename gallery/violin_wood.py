@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from gallery.solids import in_region, merged, moved
+from gallery.violin_neck import maple_parts as neck_parts
+from gallery.violin_shape import LENGTH, RIBS, WIDTH, Arching, plate, ribs
 from urushi.scenes import noise
 from urushi.scenes.mesh import Mesh
-from urushi.scenes.solids import in_region, merged, moved
-from urushi.scenes.violin_neck import maple_parts as neck_parts
-from urushi.scenes.violin_shape import LENGTH, RIBS, WIDTH, Arching, plate, ribs
 
 #: Regions of the maple's textures in u: half of the back from the middle, whose other half is its
 #: mirror image; the ribs; the neck with the scroll.

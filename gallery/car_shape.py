@@ -5,7 +5,7 @@ x points forward, y to the left, z up; the ground is z = 0. Fields are those of 
 
 import numpy as np
 
-from urushi.scenes.implicit import Loft, common, ellipsoid, polygon, superellipsoid, tube, union
+from gallery.implicit import Loft, common, ellipsoid, polygon, superellipsoid, tube, union
 
 #: Where the axles are along x, and the height of the wheels' middle.
 AXLES, WHEEL = (1.21, -1.20), 0.33

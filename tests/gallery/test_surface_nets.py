@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from gallery import implicit
+from gallery.implicit import Loft
+from gallery.surface_nets import mesh, projected
 
-from urushi.scenes import implicit
-from urushi.scenes.implicit import Loft
 from urushi.scenes.mesh import Mesh
-from urushi.scenes.surface_nets import mesh, projected
 
 RADII = (0.9, 0.5, 0.7)
 BOX = (-1.0, -0.6, -0.8), (1.0, 0.6, 0.8)

@@ -8,12 +8,12 @@ from typing import Any
 import mitsuba as mi
 import numpy as np
 
+from gallery import violin_fittings as fittings
+from gallery import violin_wood as wood
+from gallery.solids import merged
+from gallery.violin_shape import RIBS, Arching, plate
 from urushi.scenes import stage
-from urushi.scenes import violin_fittings as fittings
-from urushi.scenes import violin_wood as wood
-from urushi.scenes.solids import merged
 from urushi.scenes.stage import Folder, Light, Options
-from urushi.scenes.violin_shape import RIBS, Arching, plate
 
 #: Texels along the body.
 TEXELS = 640

@@ -7,8 +7,7 @@ x runs across the body, y from the lower end to the neck, z to the front; the ri
 
 import numpy as np
 
-from urushi.scenes.mesh import Mesh, grid
-from urushi.scenes.solids import (
+from gallery.solids import (
     bezier,
     cut,
     distance_to_line,
@@ -17,6 +16,7 @@ from urushi.scenes.solids import (
     signed_distance,
     wall,
 )
+from urushi.scenes.mesh import Mesh, grid
 
 LENGTH, WIDTH, RIBS = 356.0, 208.0, 31.0
 EDGE = 4.2

@@ -5,7 +5,8 @@ from typing import Any
 import mitsuba as mi
 import numpy as np
 
-from urushi.scenes import noise, shoe_shape, stage
+from gallery import shoe_shape
+from urushi.scenes import noise, stage
 from urushi.scenes.mesh import derivatives, grid, normal_map
 from urushi.scenes.stage import Folder, Light, Options, rgb
 

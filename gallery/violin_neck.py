@@ -6,9 +6,9 @@ Lengths are millimetres in the frame of `violin_shape`.
 import numpy as np
 import numpy.typing as npt
 
+from gallery.solids import curve, loft, merged, moved, section, turned
+from gallery.violin_shape import LENGTH
 from urushi.scenes.mesh import Mesh, Profile, grid, lathe
-from urushi.scenes.solids import curve, loft, merged, moved, section, turned
-from urushi.scenes.violin_shape import LENGTH
 
 #: Where the strings leave the nut.
 NUT = LENGTH + 129.0

@@ -10,7 +10,8 @@ from typing import Any
 import mitsuba as mi
 import numpy as np
 
-from urushi.scenes import stage, still_life_objects
+from gallery import still_life_objects
+from urushi.scenes import stage
 from urushi.scenes.mesh import Profile, derivatives, grid, lathe, normal_map
 from urushi.scenes.stage import Folder, Light, Options, rgb
 

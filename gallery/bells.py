@@ -10,8 +10,8 @@ from typing import Any
 import mitsuba as mi
 import numpy as np
 
+from gallery.brushed import straightened
 from urushi.scenes import noise, stage
-from urushi.scenes.brushed import straightened
 from urushi.scenes.mesh import Profile, lathe
 from urushi.scenes.stage import Folder, Light, Options
 

@@ -7,8 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from urushi.scenes.mesh import Mesh, Profile, grid, lathe
-from urushi.scenes.solids import (
+from gallery.solids import (
     cut,
     loft,
     merged,
@@ -19,7 +18,7 @@ from urushi.scenes.solids import (
     turned,
     wall,
 )
-from urushi.scenes.violin_neck import (
+from gallery.violin_neck import (
     NUT,
     PEGS,
     board_height,
@@ -29,7 +28,8 @@ from urushi.scenes.violin_neck import (
     peg,
     peg_place,
 )
-from urushi.scenes.violin_shape import LENGTH, Arching
+from gallery.violin_shape import LENGTH, Arching
+from urushi.scenes.mesh import Mesh, Profile, grid, lathe
 
 #: Where the strings cross the bridge, and its height above the belly.
 BRIDGE, BRIDGE_HEIGHT = LENGTH - 195.0, 33.5

@@ -5,7 +5,8 @@ from typing import Any
 import mitsuba as mi
 import numpy as np
 
-from urushi.scenes import continents, noise, stage
+from gallery import continents
+from urushi.scenes import noise, stage
 from urushi.scenes.mesh import Mesh, Profile, grid, lathe
 from urushi.scenes.stage import Folder, Light, Options, rgb
 

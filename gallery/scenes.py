@@ -1,0 +1,23 @@
+"""The scenes of the gallery by name."""
+
+from gallery.bells import bells
+from gallery.brushed import brushed
+from gallery.car import car
+from gallery.globe import globe
+from gallery.shoe import shoe
+from gallery.still_life import still_life
+from gallery.violin import violin
+from urushi.scenes.shipped import Scene
+from urushi.scenes.teapot import teapot
+
+#: In the order of the README's pictures.
+SCENES: dict[str, Scene] = {
+    "still-life": still_life,
+    "globe": globe,
+    "teapot": teapot,
+    "shoe": shoe,
+    "brushed": brushed,
+    "bells": bells,
+    "violin": violin,
+    "car": car,
+}
