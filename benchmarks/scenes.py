@@ -15,6 +15,7 @@ import mitsuba as mi
 import numpy as np
 from benchmarks import textured_coats
 from gallery.scenes import SCENES as GALLERY
+from research.rivals import plugins
 
 import urushi  # noqa: F401  (registers the plugins)
 from urushi.nets import weights as networks
@@ -30,6 +31,7 @@ TEXTURED = "textured-still-life"
 WALK, PRINCIPLED = "layered", "principled"
 #: Models of other authors, which take the parameters of `WALK`.
 RIVALS = ("layered_belcour", "layered_weidlich")
+plugins.register()
 
 #: Kinds of light: the scene's own; one point light; a cloudless sky with the sun.
 OWN, POINT, SKY = LIGHTS = ("own", "point", "sky")

@@ -253,6 +253,12 @@ def _load_module(path: Path):
 
 
 @pytest.fixture(scope="session")
+def sampling():
+    """The module of the chi-squared test of a plugin's sampling."""
+    return _load_module(ROOT / "tests" / "render" / "sampling.py")
+
+
+@pytest.fixture(scope="session")
 def tool(test_data):
     """The module that writes stand-ins for files of the MERL database."""
     path = test_data / "tools" / "merl_from_nbrdf.py"

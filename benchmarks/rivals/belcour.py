@@ -10,10 +10,10 @@ sigma_t over the media.
 import itertools
 
 import numpy as np
+from research.rivals import belcour
 
 from urushi.eval import benchmark
 from urushi.eval.samples import Samples, stack_errors
-from urushi.rivals import belcour
 
 DESCRIBED = ("conductor", "conductor_complex", "dielectric", "diffuse")
 #: The group that is split by scattering depth, and the limits of its parts.

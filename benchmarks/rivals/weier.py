@@ -14,13 +14,13 @@ from pathlib import Path
 
 import numpy as np
 from benchmarks.quality.anisotropy import E_PAIRS, GROUPS, KINDS, Group, predicted, reference
+from research.rivals import belcour, weier
+from research.rivals.belcour_bottoms import SUFFIX
 
 from urushi.checks import Widths
 from urushi.geometry import error_metrics
 from urushi.nets.weights import anisotropic_model
 from urushi.reference import StackTable
-from urushi.rivals import belcour, weier
-from urushi.rivals.belcour_bottoms import SUFFIX
 
 #: Kinds of bottoms that the model describes.
 DESCRIBED = tuple(kind for kind in KINDS if not kind.startswith("mixture"))

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 import mitsuba as mi
 import numpy as np
-from benchmarks.scenes import processor
+from benchmarks.scenes import processor  # registers the rivals' plugins
 
 from figures import results, sphere
 from urushi.eval import metrics

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from research.rivals import belcour
 
 import urushi
 from figures import results
@@ -18,7 +19,6 @@ from urushi.data.distribution import Table2
 from urushi.eval import predict, samples
 from urushi.eval.groups import Group
 from urushi.nets.weights import default_model
-from urushi.rivals import belcour
 
 FOLDER = Path(__file__).parent
 PARTS = Path("out/figures/figure_8")

@@ -12,6 +12,7 @@ import mitsuba as mi
 import numpy as np
 from benchmarks.rivals import ggx_fit, nbrdf
 from benchmarks.speed import render
+from research.rivals import belcour, weier
 
 import urushi
 from figures.verdict import fits
@@ -24,7 +25,6 @@ from urushi.reference.monte_carlo import backend
 from urushi.reference.stack import Stack
 from urushi.reference.table import from_stack
 from urushi.render.reading import probing
-from urushi.rivals import belcour, weier
 from urushi.textures import packing
 
 PRINCIPLED = "principled"

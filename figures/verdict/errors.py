@@ -8,6 +8,7 @@ import numpy as np
 from benchmarks.quality import anisotropy
 from benchmarks.quality.coated_measured import COATS, coated, error
 from benchmarks.rivals.comparisons import Measured
+from research.rivals import weidlich
 
 import urushi
 from figures import results
@@ -23,7 +24,6 @@ from urushi.nets.weights import Model, default_model
 from urushi.reference import walk_pairs
 from urushi.reference.simulate import albedo as walked_albedo
 from urushi.reference.stack import Stack
-from urushi.rivals import weidlich
 
 #: Stacks of a number of interfaces, those of them that models are fitted to, and the seed of stacks
 #: and walks, other than figure 8's.

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
+from research.rivals import belcour, weidlich, weier
 
 from figures.verdict import fits
 from urushi.eval import predict, samples
@@ -11,7 +12,6 @@ from urushi.eval.samples import Samples
 from urushi.material import table as nodes
 from urushi.nets.weights import DEFAULT, Model
 from urushi.reference import StackTable, walk_pairs
-from urushi.rivals import belcour, weidlich, weier
 
 NETWORKS, PAPER = "networks", "Fan et al. 2022"
 WALK, BOTH_WAYS = "walk", "walk, bidirectional"

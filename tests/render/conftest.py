@@ -1,6 +1,5 @@
 """Small random networks, a saved material, and BSDFs to nest, for the plugins' tests."""
 
-import importlib.util
 from pathlib import Path
 
 import numpy as np
@@ -70,13 +69,3 @@ def merl_file(tmp_path_factory):
         file.write(merl.HEADER)
         (rows / np.array(merl.SCALE)).T.astype("<f8").tofile(file)
     return path
-
-
-@pytest.fixture(scope="session")
-def sampling():
-    """The module of the chi-squared test beside this file."""
-    path = Path(__file__).with_name("sampling.py")
-    spec = importlib.util.spec_from_file_location(path.stem, path)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module

@@ -14,8 +14,6 @@ PLUGINS = (
     "measured_brdf",
     "openpbr",
     "materialx",
-    "layered_belcour",
-    "layered_weidlich",
 )
 
 _registered = False
@@ -40,6 +38,11 @@ def register(prepare: Callable[[], None] = lambda: None) -> None:
         on_variant(None, mi.variant())
 
 
+def supported(variant: str) -> bool:
+    """Whether plugins work in this variant, which is the current one."""
+    return not (variant.startswith("scalar") or mi.is_polarized)
+
+
 def _on_variant(old: str | None, new: str) -> None:
     """Define the plugins' classes: a class belongs to the variant in which it was defined."""
     if new.startswith("llvm"):
@@ -48,7 +51,7 @@ def _on_variant(old: str | None, new: str) -> None:
     from urushi.render.reading.bsdf import bsdf_source
 
     as_source.register(mi.BSDF, bsdf_source)  # for `urushi.encode`
-    if new.startswith("scalar") or mi.is_polarized:
+    if not supported(new):
         for name in PLUGINS:
             mi.register_bsdf(name, _refusal(name, new))
         mi.register_emitter("openpbr_emission", _refusal("openpbr_emission", new))
@@ -56,8 +59,6 @@ def _on_variant(old: str | None, new: str) -> None:
     from urushi.render.plugins import (
         base,
         layered,
-        layered_belcour,
-        layered_weidlich,
         materialx,
         measured_brdf,
         neural_brdf,
@@ -74,8 +75,6 @@ def _on_variant(old: str | None, new: str) -> None:
     mi.register_bsdf("measured_brdf", measured_brdf.define(proposal_bsdf))
     mi.register_bsdf("openpbr", openpbr.define(proposal_bsdf))
     mi.register_bsdf("materialx", materialx.define())
-    mi.register_bsdf("layered_belcour", layered_belcour.define(proposal_bsdf))
-    mi.register_bsdf("layered_weidlich", layered_weidlich.define(proposal_bsdf))
     emission = openpbr_emission.define()
     mi.register_emitter("openpbr_emission", lambda props: emission(props))
 

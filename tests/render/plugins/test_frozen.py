@@ -62,9 +62,7 @@ def picture(mi, loaded, seed) -> np.ndarray:
     return mi.render(loaded, spp=4, seed=seed)
 
 
-@pytest.mark.parametrize(
-    "name", ("layered", "neural_layered", "layered_belcour", "layered_weidlich")
-)
+@pytest.mark.parametrize("name", ("layered", "neural_layered"))
 @pytest.mark.parametrize("textured", (False, True))
 def test_replays_use_changed_parameters(rgb, networks, name, textured):
     loaded = scene(rgb, coat(rgb, name, networks, textured))
@@ -165,7 +163,7 @@ def test_gradients_inside_equal_those_outside(rgb, networks, model, tmp_path, ke
     assert frozen.n_recordings < 5
 
 
-@pytest.mark.parametrize("name", ("layered", "neural_layered", "neural_brdf", "layered_belcour"))
+@pytest.mark.parametrize("name", ("layered", "neural_layered", "neural_brdf"))
 def test_updates_inside_are_refused(rgb, networks, model, tmp_path, name):
     if name == "neural_brdf":
         bsdf = saved(model, networks, tmp_path)

@@ -12,8 +12,6 @@ PLUGINS = (
     "neural_layered",
     "neural_brdf",
     "measured_brdf",
-    "layered_belcour",
-    "layered_weidlich",
 )
 
 
@@ -34,8 +32,6 @@ def describe(networks, saved, merl_file):
     """The dictionary of a plugin by its name."""
     described = {
         "layered": {"type": "layered", **COAT, "base": bottom()},
-        "layered_weidlich": {"type": "layered_weidlich", **COAT, "base": bottom()},
-        "layered_belcour": {"type": "layered_belcour", **COAT, "base": bottom()},
         "neural_layered": {
             "type": "neural_layered",
             **COAT,

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from research.rivals import belcour
 
 import urushi
 from urushi.errors import ParameterError
-from urushi.rivals import belcour
 
 GOLD = {"type": "roughconductor", "distribution": "ggx", "alpha": 0.2, "eta": 0.2, "k": 3.9}
 BRUSHED = {"type": "roughconductor", "distribution": "ggx", "alpha_u": 0.1, "alpha_v": 0.3}

@@ -5,11 +5,11 @@ from collections.abc import Sequence
 import drjit as dr
 import mitsuba as mi
 
+from research.rivals import belcour, belcour_tables
+from research.rivals.belcour import Lobe
+from research.rivals.belcour_bottoms import Bottom
 from urushi.physics.mixture import Mixture
 from urushi.render.plugins.described import StackNumbers, define_described
-from urushi.rivals import belcour, belcour_tables
-from urushi.rivals.belcour import Lobe
-from urushi.rivals.belcour_bottoms import Bottom
 
 #: Least energy of a lobe in the proposal, so that a black stack has one.
 MIN_SHARE = 1e-6
@@ -59,7 +59,7 @@ def define(base: type) -> type:
         with thick, bright media are too dark. Energies depend on the viewer only: the BSDF is not
         reciprocal. A Lambertian bottom, which the paper does not have, gives a Lambertian lobe.
         Surfaces have one width, without ``alpha_u``, ``alpha_v`` and ``rotation``. The mean
-        reflectance of a metal is read from a table, within 0.01 of ``urushi.rivals.belcour.f``.
+        reflectance of a metal is read from a table, within 0.01 of ``research.rivals.belcour.f``.
         Reflects on the front side only: nest it in ``twosided`` for both sides. Spectral variants
         evaluate parameters at the rays' wavelengths; colours are bands at 611, 549 and 464 nm,
         linear in between.

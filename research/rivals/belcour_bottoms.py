@@ -6,11 +6,11 @@ from typing import Any, NamedTuple
 
 import drjit as dr
 
+from research.rivals import belcour_tables as tables
 from urushi.errors import ParameterError
 from urushi.physics import fresnel
 from urushi.reference.monte_carlo import backend
 from urushi.reference.table import StackTable
-from urushi.rivals import belcour_tables as tables
 
 #: What a table's kind of bottom ends in where it has two widths.
 SUFFIX = "_anisotropic"

@@ -1,7 +1,7 @@
 """The plugin `layered_weidlich`: coats by the model of Weidlich and Wilkie 2007."""
 
+from research.rivals import weidlich
 from urushi.render.plugins.coated import define_coated
-from urushi.rivals import weidlich
 
 
 def define(base: type) -> type:

@@ -1,6 +1,6 @@
 """Anisotropic layered materials by statistical operators: Weier and Belcour 2020.
 
-The operators of Belcour 2018 (`urushi.rivals.belcour`), with the covariance of a lobe in the
+The operators of Belcour 2018 (`research.rivals.belcour`), with the covariance of a lobe in the
 tangent plane in place of its variance. All layers share a tangent, so that every covariance matrix
 is diagonal in it, and layers are added on each axis by itself. Every interface gives one
 anisotropic GGX lobe. P. Weier and L. Belcour, Rendering Layered Materials with Anisotropic
@@ -25,6 +25,9 @@ import drjit as dr
 import numpy as np
 import numpy.typing as npt
 
+from research.rivals import belcour
+from research.rivals.belcour import Lobe
+from research.rivals.belcour_bottoms import table_bottom
 from urushi import checks
 from urushi.checks import CoatParameters, Widths
 from urushi.errors import ParameterError
@@ -32,9 +35,6 @@ from urushi.physics import microfacet
 from urushi.reference.monte_carlo import backend, values_per_channel
 from urushi.reference.stack import Conductor, Dielectric, Diffuse, Stack
 from urushi.reference.table import StackTable, TableLayers
-from urushi.rivals import belcour
-from urushi.rivals.belcour import Lobe
-from urushi.rivals.belcour_bottoms import table_bottom
 
 
 def f(stack: Stack, wi: npt.ArrayLike, wo: npt.ArrayLike) -> np.ndarray:

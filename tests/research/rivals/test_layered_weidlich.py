@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from research.rivals import weidlich
 
 import urushi
 from urushi.errors import ParameterError
-from urushi.rivals import weidlich
 
 GOLD = {"type": "roughconductor", "distribution": "ggx", "alpha": 0.2, "eta": 0.2, "k": 3.9}
 COAT = {"type": "layered_weidlich", "int_ior": 1.5, "ext_ior": 1.0}

@@ -22,6 +22,8 @@ import drjit as dr
 import numpy as np
 import numpy.typing as npt
 
+from research.rivals import belcour_tables as tables
+from research.rivals.belcour_bottoms import Bottom, table_bottom
 from urushi import checks
 from urushi.checks import MIN_ALPHA, CoatParameters, Widths
 from urushi.errors import ParameterError
@@ -29,8 +31,6 @@ from urushi.physics import microfacet
 from urushi.reference.monte_carlo import backend, values_per_channel
 from urushi.reference.stack import Conductor, Dielectric, Diffuse, Stack
 from urushi.reference.table import StackTable, TableLayers
-from urushi.rivals import belcour_tables as tables
-from urushi.rivals.belcour_bottoms import Bottom, table_bottom
 
 #: Exponent of the variance's formula (equation 6).
 VARIANCE_EXPONENT = 1.1

@@ -3,6 +3,8 @@
 import drjit as dr
 import numpy as np
 import pytest
+from research.rivals import belcour, belcour_tables, weier
+from research.rivals.belcour_bottoms import Bottom
 
 from urushi.checks import CoatParameters, Widths
 from urushi.errors import ParameterError
@@ -13,8 +15,6 @@ from urushi.physics.frame import reflect
 from urushi.reference import analytic, coat, conductor, dielectric, diffuse, simulate
 from urushi.reference.monte_carlo import backend
 from urushi.reference.table import BOTTOM_KINDS, StackTable, from_stack
-from urushi.rivals import belcour, belcour_tables, weier
-from urushi.rivals.belcour_bottoms import Bottom
 
 #: A stack of three interfaces of two widths, with media.
 METAL = conductor(alpha_u=0.1, alpha_v=0.4, r0=0.8)

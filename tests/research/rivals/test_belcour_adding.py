@@ -7,12 +7,12 @@ forms read the same tables, so that they differ by rounding alone.
 
 import numpy as np
 import pytest
+from research.rivals import belcour, belcour_tables
 
 from urushi.physics import fresnel
 from urushi.reference import coat, conductor
 from urushi.reference.monte_carlo import backend
 from urushi.reference.table import from_stack
-from urushi.rivals import belcour, belcour_tables
 
 COSINES = np.linspace(0.3, 1, 8)
 #: (alpha, eta, albedo, sigma_t, g) of coats, top to bottom.

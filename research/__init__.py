@@ -1,0 +1,1 @@
+"""The laboratory: models by other authors, beside which the networks are measured."""
