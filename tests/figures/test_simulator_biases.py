@@ -5,12 +5,12 @@ import json
 import numpy as np
 import pytest
 from figures.simulator_biases import compute, plot, variants
+from tests.oracles import adding_doubling
 
 import urushi
 from urushi.reference import walk
 from urushi.reference.exits import ExitPaths
 from urushi.reference.simulate import albedo
-from urushi.reference.validation import adding_doubling
 
 WALKS = 1 << 20
 COSINE = np.cos(np.radians(compute.INCIDENT))

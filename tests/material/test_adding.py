@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from tests.oracles.adding_doubling import layers
+from tests.oracles.adding_doubling.quadrature import CosineGrid, interpolation
 
 from urushi.material import adding
 from urushi.nets import lobe as lobes
-from urushi.reference.validation.adding_doubling import layers
-from urushi.reference.validation.adding_doubling.quadrature import CosineGrid, interpolation
 
 
 @pytest.mark.parametrize(("sigma_t", "g"), [(0.3, 0.0), (2.0, 0.6), (5.0, -0.5)])

@@ -4,12 +4,12 @@ from collections.abc import Mapping
 
 import numpy as np
 import pytest
+from tests.oracles import adding_doubling
+from tests.oracles.adding_doubling import layers, surfaces
+from tests.oracles.adding_doubling.quadrature import CosineGrid, fourier, series
 
 from urushi.errors import ParameterError
 from urushi.reference import Stack, coat, conductor, dielectric, diffuse, simulate
-from urushi.reference.validation import adding_doubling
-from urushi.reference.validation.adding_doubling import layers, surfaces
-from urushi.reference.validation.adding_doubling.quadrature import CosineGrid, fourier, series
 
 
 def directions(count: int, seed: int) -> np.ndarray:

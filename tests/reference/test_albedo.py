@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from tests.oracles.analog import analog_albedo
 
 from urushi.errors import ParameterError
 from urushi.reference import coat, conductor, dielectric, diffuse
 from urushi.reference.simulate import albedo
-from urushi.reference.validation.analog import analog_albedo
 
 THETA = np.array([0.0, 0.6, 1.1, 1.45])
 WI = np.stack([0.6 * np.sin(THETA), 0.8 * np.sin(THETA), np.cos(THETA)], axis=1)

@@ -4,13 +4,13 @@ import functools
 
 import numpy as np
 import pytest
+from tests.oracles import adding_doubling
 
 import urushi
 from urushi.errors import ParameterError
 from urushi.reference import bidirectional, coat, conductor, diffuse, simulate
 from urushi.reference.monte_carlo import average
 from urushi.reference.table import from_stack
-from urushi.reference.validation import adding_doubling
 
 WALKS = 1 << 14
 METAL = conductor(alpha=0.4, r0=0.9)

@@ -4,11 +4,11 @@ from collections.abc import Mapping
 
 import numpy as np
 import pytest
+from tests.oracles.analog import analog_albedo
 
 from urushi.reference import Stack, StackTable, coat, conductor, diffuse, walk_pairs
 from urushi.reference.simulate import albedo
 from urushi.reference.table import from_stack
-from urushi.reference.validation.analog import analog_albedo
 
 WALKS = 1 << 14  # a standard error of 0.4 % in the median; the reference's own is 1 %
 LATER_WALKS = 1 << 12  # up to 1 % in the medians of the later oracle, as its own

@@ -4,9 +4,9 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from tests.oracles import adding_doubling, slab
 
 from urushi.reference import coat, conductor, diffuse, simulate
-from urushi.reference.validation import adding_doubling, slab
 
 
 def walsh(n: float) -> float:

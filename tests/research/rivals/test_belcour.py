@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from research.rivals import belcour, belcour_tables
+from tests.oracles import slab
 
 from urushi.errors import ParameterError
 from urushi.geometry.direction_sets import cosine_pairs
@@ -10,7 +11,6 @@ from urushi.physics import fresnel
 from urushi.reference import analytic, coat, conductor, dielectric, diffuse
 from urushi.reference.monte_carlo import backend
 from urushi.reference.table import from_stack
-from urushi.reference.validation import slab
 
 COSINES = np.float32([0.2, 0.5, 0.8, 1.0])
 

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 from research.rivals import weidlich
+from tests.oracles import slab
 
 from urushi.errors import ParameterError
 from urushi.geometry.direction_sets import cosine_pairs
 from urushi.reference import analytic, coat, conductor, dielectric, diffuse
-from urushi.reference.validation import slab
 
 
 def mirrored(cos) -> tuple[np.ndarray, np.ndarray]:

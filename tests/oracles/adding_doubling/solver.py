@@ -5,12 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-
-from urushi import checks
-from urushi.errors import ParameterError
-from urushi.reference.stack import BottomDescription, Conductor, Dielectric, Diffuse, Stack, Value
-from urushi.reference.validation.adding_doubling import layers, surfaces
-from urushi.reference.validation.adding_doubling.quadrature import (
+from tests.oracles.adding_doubling import layers, surfaces
+from tests.oracles.adding_doubling.quadrature import (
     CosineGrid,
     Kernel,
     azimuths,
@@ -18,6 +14,10 @@ from urushi.reference.validation.adding_doubling.quadrature import (
     graded,
     series,
 )
+
+from urushi import checks
+from urushi.errors import ParameterError
+from urushi.reference.stack import BottomDescription, Conductor, Dielectric, Diffuse, Stack, Value
 
 #: Pairs evaluated at once; bounds the memory to modes * pairs * nodes numbers.
 _PAIRS = 256

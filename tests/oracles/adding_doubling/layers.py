@@ -11,9 +11,8 @@ split at the discontinuity, and only the field inside is interpolated (product i
 """
 
 import numpy as np
-
-from urushi.reference.validation.adding_doubling import surfaces
-from urushi.reference.validation.adding_doubling.quadrature import (
+from tests.oracles.adding_doubling import surfaces
+from tests.oracles.adding_doubling.quadrature import (
     CosineGrid,
     azimuths,
     graded,

@@ -7,8 +7,7 @@ azimuth between the directions of propagation, 1 for a mirror and for straight t
 from collections.abc import Callable
 
 import numpy as np
-
-from urushi.reference.validation.adding_doubling.quadrature import Kernel
+from tests.oracles.adding_doubling.quadrature import Kernel
 
 
 def fresnel_dielectric(cos: np.ndarray, eta: float) -> np.ndarray:
