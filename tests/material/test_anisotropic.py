@@ -1,5 +1,7 @@
 """Anisotropic materials of the shipped networks: networks are chosen, frames turn, laws hold."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -157,7 +159,10 @@ def test_blends(lacquered, pairs):
     middle = urushi.lerp(a, b, 0.5)
     f = middle.f(wi, wo)
     assert np.isfinite(f).all() and (f > 0).all()
-    mixed = urushi.lerp(urushi.encode(urushi.diffuse(0.5)), a, 0.5)
+    plain = urushi.encode(urushi.diffuse(0.5))
+    for angle in (20.0, -20.0):
+        assert urushi.lerp(plain, replace(a, rotation=angle), 0.5).rotation == angle
+    mixed = urushi.lerp(plain, a, 0.5)
     assert mixed.model is anisotropic_model()
     with pytest.raises(ParameterError, match="rotated by 10 and 0 degrees"):
         urushi.lerp(a.rotated(10), b, 0.5)

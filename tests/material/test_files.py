@@ -106,21 +106,6 @@ def test_a_file_without_weights_belongs_to_the_shipped_ones(tmp_path):
     assert load(tmp_path / "metal").model is weights.default_model()
 
 
-@pytest.mark.parametrize(
-    ("fingerprint", "name", "size"), [("18db0cb6471c", "base", 32), ("670684d2b9d0", "small", 18)]
-)
-def test_materials_of_former_weights_name_the_version_that_reads_them(
-    fingerprint, name, size, tmp_path
-):
-    path = tmp_path / "former.safetensors"
-    text = json.dumps({"kind": "material", "version": 2, "weights": fingerprint})
-    arrays = {"latents": np.ones((3, size), np.float32)}
-    path.write_bytes(safetensors.numpy.save(arrays, {"urushi": text}))
-    with pytest.raises(FileError, match=f"former weights '{name}'; Urushi .* 3078021") as caught:
-        load(path)
-    assert str(path) in str(caught.value)
-
-
 def test_unknown_networks_name_the_shipped_ones(tmp_path):
     with pytest.raises(FileError, match="no weights 'large'; give a file, or 'default'"):
         encode(conductor(0.3, 0.9), "large")

@@ -128,9 +128,3 @@ def test_bad_directions_are_refused(bad, material):
 def test_bad_random_numbers_are_refused(u, material):
     with pytest.raises(ParameterError, match="^u "):
         material.sample(UP, u)
-
-
-def test_the_former_name_of_the_directional_albedo_warns(material):
-    with pytest.warns(DeprecationWarning, match=r"use Material.directional_albedo"):
-        albedo = material.albedo(UP)
-    np.testing.assert_array_equal(albedo, material.directional_albedo(UP))

@@ -163,25 +163,3 @@ def test_a_file_is_read_once_until_it_changes(tmp_path):
     assert weights.find(str(path)) is first
     weights.save(path, ARCH, init(ARCH, 1), {})
     assert weights.find(path).fingerprint != first.fingerprint
-
-
-@pytest.mark.parametrize("name", ["base", "small"])
-def test_names_of_former_weights_name_the_version_that_has_them(name, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    with pytest.raises(FileError, match=f"'{name}' are no longer shipped; .*'default'.* 3078021"):
-        weights.find(name)
-    weights.save(name, ARCH, init(ARCH, 0), {})  # a file of that name is a file
-    assert weights.find(name).arch == ARCH
-
-
-def test_networks_without_a_lobe_name_the_version_that_reads_them(tmp_path):
-    """A file of the earlier form: its architecture has no entry `lobe`."""
-    path = tmp_path / "former.safetensors"
-    sizes = {"latent": 4, "lobes": 2, "activation": "silu7", "probes": 16}
-    sizes |= {part: [8] for part in ("decoder", "encoder", "layerer", "sampler")}
-    text = json.dumps({"kind": "weights", "version": 1, "architecture": sizes})
-    arrays = {"decoder.0.weight": np.zeros((11, 8), np.float32)}
-    path.write_bytes(safetensors.numpy.save(arrays, {"urushi": text}))
-    with pytest.raises(FileError, match="no analytic lobe; Urushi .* 3078021 reads it") as caught:
-        weights.find(path)
-    assert str(path) in str(caught.value) and "\n" not in str(caught.value)

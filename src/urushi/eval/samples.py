@@ -234,7 +234,7 @@ def albedo_directions() -> np.ndarray:
 def _albedo(
     table: StackTable, rng: np.random.Generator, name: str
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Directional albedo and its standard error (S, A), by the quadrature of `Material.albedo`."""
+    """Directional albedo and its standard error (S, A), by the same quadrature as materials."""
     wi = albedo_directions()
     wo, weights = half_vector_rule(wi)
     count, nodes = weights.shape

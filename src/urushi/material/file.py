@@ -12,7 +12,6 @@ import numpy as np
 from urushi import files
 from urushi.errors import FileError
 from urushi.material.table import SHAPE
-from urushi.nets import former
 from urushi.nets.weights import Model, of_fingerprint
 
 #: Versions of files without a table, with one of all of f, and with one beside the lobe.
@@ -65,7 +64,6 @@ def read(path: str | os.PathLike, model: Model | None) -> tuple[StoredMaterial, 
         FileError: missing, truncated, foreign, damaged, or made with other networks.
     """
     description, arrays = files.read_tensors(path, "material")
-    former.refuse_codes(path, description.get("weights"))
     version = description.get("version")
     if version not in (CODES_VERSION, TABLE_VERSION, FORMAT_VERSION):
         raise FileError(

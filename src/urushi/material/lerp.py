@@ -41,7 +41,7 @@ def lerp(a: Material, b: Material, t: npt.ArrayLike) -> Material:
         anisotropic_model().fingerprint,
     }:
         a, b = (encode(material, anisotropic_model()) for material in (a, b))
-        a, b = (replace(x, rotation=max(a.rotation, b.rotation)) for x in (a, b))
+        a, b = (replace(x, rotation=a.rotation or b.rotation) for x in (a, b))
     if a.model.fingerprint != b.model.fingerprint:
         raise ParameterError(
             f"the materials belong to different weights, {a.model.fingerprint} and "

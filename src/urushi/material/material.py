@@ -216,15 +216,6 @@ class Material:
     def _proposal(self, wi: np.ndarray) -> Proposal:
         return self.model.networks.proposal(self.anchors.mean(axis=0)[None], wi)
 
-    def albedo(self, wi: npt.ArrayLike) -> np.ndarray:
-        """Deprecated: the former name of `directional_albedo`."""
-        warnings.warn(
-            "Material.albedo is deprecated; use Material.directional_albedo",
-            DeprecationWarning,
-            stacklevel=2,
-        )
-        return self.directional_albedo(wi)
-
     def directional_albedo(self, wi: npt.ArrayLike) -> np.ndarray:
         """Integrate f times wo's cosine over the hemisphere: the directional albedo.
 

@@ -13,18 +13,9 @@ import numpy as np
 from urushi.checks import Widths
 from urushi.errors import ParameterError
 from urushi.files import atomic_write
-from urushi.materialx.baking import Texture
-from urushi.materialx.surface import TARGET, ParameterValue
+from urushi.materialx.surface import TARGET
 from urushi.materialx.xml import Element, write
-from urushi.openpbr_surface.parameters import PARAMETERS, complete
-from urushi.reference.stack import Coat, Conductor, Diffuse, Stack, Value
-
-#: Parameters of OpenPBR that one coat over a metal or a Lambertian surface can have.
-_USED = (
-    *("base_color", "base_metalness", "specular_weight", "specular_roughness"),
-    *("specular_roughness_anisotropy", "coat_weight", "coat_color", "coat_roughness"),
-    *("coat_roughness_anisotropy", "coat_ior"),
-)
+from urushi.reference.stack import Conductor, Diffuse, Stack, Value
 
 
 def save_materialx(stack: Stack, path: str | os.PathLike, name: str = "material") -> None:
@@ -125,46 +116,6 @@ def parameters(stack: Stack) -> dict[str, float | tuple[float, float, float]]:
     }
 
 
-def stack_of(values: Mapping[str, ParameterValue]) -> Stack:
-    """The stack that parameters of OpenPBR describe, if they are of the kind that is written.
-
-    Raises:
-        ParameterError: they describe something else.
-    """
-    if any(PARAMETERS[n].kind == "vector" or isinstance(v, Texture) for n, v in values.items()):
-        raise ParameterError("a Stack has constant parameters; leave out textures and maps")
-    full, default = complete(values), complete({})
-    for name, value in full.items():
-        if name not in _USED and not np.array_equal(value, default[name]):
-            raise ParameterError(
-                f"a Stack of one coat cannot represent {name}; leave it at its default"
-            )
-    if full["coat_weight"] != 1:
-        raise ParameterError(
-            f"coat_weight is {full['coat_weight']:g}; a Stack needs a coat_weight of 1"
-        )
-    base_color = tuple(full["base_color"])
-    bottom: Conductor | Diffuse
-    if full["base_metalness"] == 1 and full["specular_weight"] == 1:
-        bottom = Conductor(
-            _widths(full["specular_roughness"], full["specular_roughness_anisotropy"]), base_color
-        )
-    elif full["base_metalness"] == 0 and full["specular_weight"] == 0:
-        bottom = Diffuse(base_color)
-    else:
-        raise ParameterError(
-            "a Stack's base is a metal (base_metalness and specular_weight 1) or a Lambertian "
-            "surface (both 0)"
-        )
-    if not (full["coat_color"] > 0).all():
-        raise ParameterError(
-            "coat_color is 0 in a channel; a Stack's medium must transmit some light"
-        )
-    sigma_t = -0.5 * np.log(full["coat_color"]) + 0.0  # -0.0 is 0
-    alpha = _widths(full["coat_roughness"], full["coat_roughness_anisotropy"])
-    return Stack((Coat(alpha, full["coat_ior"], sigma_t=tuple(sigma_t)),), bottom)
-
-
 def _rgb(value: object) -> tuple[float, float, float]:
     r, g, b = (float(x) for x in np.broadcast_to(np.asarray(value, np.float64), 3))
     return r, g, b
@@ -181,9 +132,3 @@ def _roughness(alpha: Value | Widths, where: str) -> tuple[float, float]:
     if v > u:
         raise ParameterError(f"{where} is larger across the tangent; OpenPBR's is larger along it")
     return float(((u**2 + v**2) / 2) ** 0.25), float(1 - v / u)
-
-
-def _widths(roughness: float, anisotropy: float) -> float | Widths:
-    """The GGX widths of a roughness and an anisotropy, see `_roughness`."""
-    u = roughness**2 * (2 / (1 + (1 - anisotropy) ** 2)) ** 0.5
-    return roughness**2 if anisotropy == 0 else Widths(u, (1 - anisotropy) * u)

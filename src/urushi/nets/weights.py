@@ -13,7 +13,6 @@ import numpy as np
 
 from urushi import files
 from urushi.errors import FileError, ParameterError
-from urushi.nets import former
 from urushi.nets.architecture import Architecture, parameter_shapes
 from urushi.nets.mlp import Params
 from urushi.nets.networks import Networks, UrushiNetworks
@@ -55,16 +54,18 @@ def _kind_of(arch: Any) -> ArchitectureKind:
     return next(kind for kind in _kinds.values() if isinstance(arch, kind.architecture))
 
 
-def _read_architecture(description: Any) -> Any:
+def _read_architecture(path: str | os.PathLike, description: Any) -> Any:
     """The architecture that a weights file describes.
 
     Raises:
-        ParameterError: the kind is unknown, or the description does not fit its kind.
+        FileError: no kind of this name is registered.
+        ParameterError: the description does not fit its kind.
     """
     name = description.get("kind", "urushi") if isinstance(description, dict) else "urushi"
     if name not in _kinds:
-        raise ParameterError(
-            f"the architecture is of kind {name!r}; this Urushi knows {', '.join(_kinds)}"
+        raise FileError(
+            f"'{path}' holds networks of the kind {name!r}, but only {', '.join(_kinds)} can be "
+            "read; register that kind first"
         )
     return _kinds[name].architecture.from_json(json.dumps(description))
 
@@ -157,7 +158,7 @@ def read(path: str | os.PathLike) -> Model:
 
     Raises:
         FileError: the file is missing, truncated, foreign or of another version, its arrays do not
-            fit its architecture, or the codes of its networks have no lobe, see `nets.former`.
+            fit its architecture.
     """
     description, arrays = files.read_tensors(path, "weights")
     if description.get("version") != FORMAT_VERSION:
@@ -165,9 +166,8 @@ def read(path: str | os.PathLike) -> Model:
             f"'{path}' has version {description.get('version')!r} of the weights format, "
             f"this Urushi reads version {FORMAT_VERSION}; install the Urushi that wrote it"
         )
-    former.refuse_weights(path, description.get("architecture"))
     try:
-        arch = _read_architecture(description.get("architecture"))
+        arch = _read_architecture(path, description.get("architecture"))
         return Model.of(arch, arrays, description.get("header") or {})
     except (ParameterError, TypeError, ValueError) as error:
         raise FileError(f"the weights file '{path}' is damaged: {error}") from error
@@ -215,14 +215,13 @@ def find(given: Weights | None) -> Model:
     """The networks that a user gave; the shipped ones for None.
 
     Raises:
-        FileError: there is no such file, or it is damaged, or the name is that of former networks.
+        FileError: there is no such file, or it is damaged.
     """
     if isinstance(given, Model):
         return given
     if given is None or str(given) in (DEFAULT, ANISOTROPIC):
         return shipped(DEFAULT if given is None else str(given))
     if not Path(given).exists():
-        former.refuse_name(str(given))
         raise FileError(
             f"there are no weights '{given}'; give a file, or '{DEFAULT}' for the shipped ones"
         )

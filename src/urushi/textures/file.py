@@ -8,7 +8,6 @@ import numpy as np
 from urushi import files
 from urushi.errors import FileError
 from urushi.material.file import check_weights
-from urushi.nets import former
 from urushi.nets.weights import Model, of_fingerprint
 from urushi.textures import mip_pyramid
 from urushi.textures.grid import WRAPS, TexelGrid
@@ -49,7 +48,6 @@ def read(
         FileError: missing, truncated, foreign, damaged, or made with other networks.
     """
     description, arrays = files.read_tensors(path, KIND)
-    former.refuse_codes(path, description.get("weights"))
     if description.get("version") != FORMAT_VERSION:
         raise FileError(
             f"'{path}' has version {description.get('version')!r} of the texture format, "

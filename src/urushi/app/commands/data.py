@@ -23,7 +23,7 @@ class Generate:
     output: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
     """Store to write (.zarr)."""
     preset: str = "default"
-    """Training preset whose data are simulated: default, quick, smoke or paper."""
+    """Training preset whose data are simulated: default, anisotropic, quick, smoke or paper."""
     scale: float | None = None
     """Only for the preset "paper": fraction of its training samples, as for `urushi train`."""
     scheduler: str | None = None
