@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from urushi.app import cli
-from urushi.eval import benchmark, direction_tables, report
+from urushi.eval import benchmark, report
 
 
 @pytest.fixture
@@ -20,9 +20,6 @@ def calls(monkeypatch) -> dict:
 
     monkeypatch.setattr(report, "report", table)
     monkeypatch.setattr(
-        direction_tables, "report", lambda *args: calls.update(tables=args) or "tables"
-    )
-    monkeypatch.setattr(
         benchmark, "make", lambda path, keep: calls.update(path=path, keep=keep) or "0123"
     )
     return calls
@@ -34,15 +31,6 @@ def test_eval_uses_the_stored_set_unless_a_seed_is_given(calls, capsys):
     assert capsys.readouterr().out == "the table\n"
     assert cli.main(["eval", "--weights", "w.safetensors", "--seed", "3"]) == 0
     assert calls == {"weights": "w.safetensors", "output": None, "seed": 3}
-
-
-def test_eval_by_direction_tables(calls, capsys):
-    flags = ["--protocol", "direction-tables", "--weights", "w.safetensors", "-o", "out"]
-    assert cli.main(["eval", *flags]) == 0
-    assert calls == {"tables": ("w.safetensors", Path("out"))}
-    assert capsys.readouterr().out == "tables\n"
-    assert cli.main(["eval", "--protocol", "direction-tables", "--seed", "1"]) == 2
-    assert "--seed applies to --protocol errors" in capsys.readouterr().err
 
 
 def test_benchmark(calls, capsys):

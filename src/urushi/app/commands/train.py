@@ -128,20 +128,8 @@ class Evaluate:
     """Folder for the figures (JSON) and plots."""
     seed: int | None = None
     """Seed of other stacks, which are simulated first (ten minutes). Default: the stored ones."""
-    protocol: Literal["errors", "direction-tables"] = "errors"
-    """What to measure: the errors above, or full direction tables of 89 stacks, the comparison of
-    Sharma et al. 2026, which takes 10 to 20 minutes."""
 
     def run(self) -> int:
-        if self.protocol == "direction-tables":
-            from urushi.eval import direction_tables
-
-            if self.seed is not None:
-                raise ParameterError(
-                    "--seed applies to --protocol errors only; leave it out with direction-tables"
-                )
-            print(direction_tables.report(self.weights, self.output))
-            return 0
         if self.output is not None:
             platform.require_extra("eval")
         from urushi.eval import report

@@ -1,5 +1,7 @@
 """Errors in full tables of directions, the comparison of the Neural Material Adapter.
 
+    python -m research.direction_tables --weights FILE --output out
+
 Sharma et al. (2026) compare on 89 held-out stacks of three components (here: a rough interface, a
 medium and a conductor, by Table 2) in tables over theta_i, phi_i, theta_o and phi_o, of 40 x 80 x
 40 x 80 directions. Isotropic BRDFs need phi_i = 0 only: averages over all phi_i are the same, so
@@ -20,6 +22,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
+import tyro
 from tqdm import tqdm
 
 from urushi import files
@@ -236,3 +239,17 @@ def _description(protocol: Protocol, stack: int) -> dict[str, int]:
         "walks": protocol.walks,
         "seed": protocol.seed,
     }
+
+
+def main(weights: str | None = None, output: Path | None = None) -> None:
+    """Compare networks on full direction tables of 89 stacks; takes 10 to 20 minutes.
+
+    Args:
+        weights: weights file of the networks; default: the shipped ones.
+        output: folder for the figures and the simulated tables, which later calls reuse.
+    """
+    print(report(weights, output))
+
+
+if __name__ == "__main__":
+    tyro.cli(main)

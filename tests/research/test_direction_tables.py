@@ -4,10 +4,10 @@ import json
 
 import numpy as np
 import pytest
+from research import direction_tables
 
 import urushi
 from urushi.errors import FileError, ParameterError
-from urushi.eval import direction_tables
 from urushi.nets import weights
 from urushi.reference import simulate
 
