@@ -3,24 +3,24 @@ READY := .venv/.ready
 # One worker for each core; a file's tests stay together, since they share fixtures.
 PYTEST := .venv/bin/pytest --numprocesses auto --dist loadfile --no-loadscope-reorder
 
-.PHONY: demo test test-slow test-all lint check-wheel docs cookbook tutorial notebook \
+.PHONY: demo test test-all test-research lint check-wheel docs cookbook tutorial notebook \
     thumbnails measured-pictures figures set-up format clean viewer test-web test-page
 
 demo: $(READY)
 	.venv/bin/urushi demo
 
-# The static checks and all tests that are not marked as slow, or those of SELECTED
-SELECTED = -m "not slow"
+# The static checks and the tests of the first tier, or those of SELECTED
+SELECTED = -m "not slow and not research"
 test: lint
 	$(PYTEST) $(SELECTED)
 
-# The long sweeps: tests marked as slow
-test-slow: $(READY)
-	$(PYTEST) -m slow
-
-# The same with the slow tests: a file's fixtures then serve both.
+# The second tier: the long sweeps too, marked as slow
 test-all:
-	$(MAKE) test SELECTED=
+	$(MAKE) test SELECTED='-m "not research"'
+
+# The third tier: gallery, rivals, figures, benchmarks and trainings
+test-research: $(READY)
+	$(PYTEST) -m research
 
 lint: $(READY)
 	.venv/bin/ruff check .

@@ -29,7 +29,6 @@ LONGEST_FILES = (
     "paper/test_kernels.py",
     "render/latents/test_textures.py",
     "render/plugins/test_frozen.py",
-    "benchmarks/test_rainer.py",
     "render/latents/test_gradients.py",
     "train/test_decoding.py",
     "train/test_losses.py",
@@ -68,8 +67,15 @@ def pytest_configure(config: pytest.Config) -> None:
             os.environ.setdefault("XLA_FLAGS", "--xla_cpu_multi_thread_eigen=false")
 
 
+#: Folders of tests whose subject is not in the wheel; `make test-research` runs them.
+RESEARCH = ("benchmarks", "figures", "gallery", "research")
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Sort the tests by file, the longest first."""
+    """Mark the tests of the laboratory, and sort all by file, the longest first."""
+    for item in items:
+        if item.path.relative_to(ROOT / "tests").parts[0] in RESEARCH:
+            item.add_marker("research")
     place = {ROOT / "tests" / name: index for index, name in enumerate(LONGEST_FILES)}
     items.sort(key=lambda item: place.get(item.path, len(place)))
 

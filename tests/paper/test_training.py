@@ -23,6 +23,8 @@ from urushi.paper.train.training import train
 from urushi.reference import analytic
 from urushi.train.checkpoint import Journal
 
+pytestmark = pytest.mark.research
+
 TINY = 1e-10
 
 

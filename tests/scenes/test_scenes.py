@@ -17,10 +17,11 @@ from urushi.scenes.stage import COATS, Options
 
 TINY = {"width": 64, "height": 48, "spp": 32, "detail": 0.05}
 
-#: The scenes that take longest to compile.
-SLOW = ("still-life", "shoe", "bells", "violin", "car")
 SCENES = shipped.SCENES | GALLERY
-NAMES = [pytest.param(name, marks=pytest.mark.slow) if name in SLOW else name for name in SCENES]
+NAMES = [
+    name if name in (*shipped.SCENES, "globe") else pytest.param(name, marks=pytest.mark.research)
+    for name in SCENES
+]
 
 
 @pytest.fixture(scope="module")
@@ -99,7 +100,7 @@ def test_the_coat_is_a_parameter_of_the_file(mi, tmp_path):
     assert "Layered" in kinds and "NeuralLayered" not in kinds
 
 
-@pytest.mark.slow
+@pytest.mark.research
 def test_the_coat_of_openpbr_is_a_parameter_of_the_file(mi, tmp_path):
     """A hand-written name of the plugin in the place of the parameter gives the same picture."""
     path = shipped.export(
