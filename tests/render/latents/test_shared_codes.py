@@ -81,7 +81,9 @@ def test_a_texture_of_one_code_a_texel(rgb, model, codes):
         write(np.arange(4), codes[[SAME, [1, 1, 1], SAME, [1, 1, 1]]])
     latents = TexturedLatents(model, store, TexelGrid(2, 2, IDENTITY, "repeat", False))
     wi, wo, uv = points()
-    expected = model.networks.f(latents.at(uv)[:, 0], wi, wo)
+    codes = latents._texture.look_up(rgb.Point2f(uv.T), rgb.Vector3f(wi.T))
+    found = [np.broadcast_to(number.numpy(), len(uv)) for number in codes[0]]
+    expected = model.networks.f(np.stack(found, axis=-1), wi, wo)
     for found in f_and_pdf(rgb, latents)[:2]:
         assert found.shape == (3, COUNT)
         assert (found == found[0]).all()

@@ -142,17 +142,23 @@ def test_isotropic_networks_take_the_mean_of_a_textured_openpbr_base_of_two_widt
     np.testing.assert_allclose(*values, rtol=0.03)
 
 
-def looked_up(mi, bsdf, uv, duv=(0.0, 0.0)) -> np.ndarray:
-    """Codes (M, C, size) at points (M, 2), looked up with pixels that lie duv apart."""
+#: Look-ups of a point from random directions. Each draws a texel; the standard error of the mean is
+#: at most half of the texels' range over the root of this.
+DRAWS = 1024
+
+
+def looked_up(mi, bsdf, uv, duv=(0.0, 0.0), draws: int = 1) -> np.ndarray:
+    """Codes (M, C, size) at points (M, 2), the mean of draws, with pixels that lie duv apart."""
     import drjit as dr
 
-    point = mi.Point2f(np.float32(uv).T)
+    wi = np.random.default_rng(0).random((3, len(uv) * draws), np.float32)
+    point = mi.Point2f(np.repeat(np.float32(uv), draws, axis=0).T)
     steps = [mi.Vector2f(duv[0], 0), mi.Vector2f(0, duv[1])]
     dr.make_opaque(steps)
-    codes = bsdf.latents._texture.look_up(point, *steps)
+    codes = bsdf.latents._texture.look_up(point, mi.Vector3f(wi), *steps)
     # numbers that are the same everywhere have one entry
-    rows = [[np.broadcast_to(value.numpy(), len(uv)) for value in z] for z in codes]
-    return np.array(rows).transpose(2, 0, 1)
+    rows = [[np.broadcast_to(value.numpy(), len(uv) * draws) for value in z] for z in codes]
+    return np.array(rows).reshape(*np.shape(rows)[:2], len(uv), draws).mean(-1).transpose(2, 0, 1)
 
 
 def grid_of_points(width: int, height: int) -> np.ndarray:
@@ -180,9 +186,11 @@ def test_the_level_of_the_footprint_is_taken(networks, monkeypatch):
     for duv in ((2 / 16, 2 / 8), (2 / 16, 0), (0, 2 / 8)):
         assert (np.abs(looked_up(mi, bsdf, grid_of_points(8, 4), duv) - mean) <= step).all()
     # between two levels, half of each
-    between = looked_up(mi, bsdf, grid_of_points(8, 4), (2**1.5 / 16, 0))
-    coarse = looked_up(mi, bsdf, grid_of_points(8, 4), (4 / 16, 0))
-    assert (np.abs(between - 0.5 * (mean + coarse)) <= step).all()
+    between, coarse = (
+        looked_up(mi, bsdf, grid_of_points(8, 4), (width / 16, 0), DRAWS) for width in (2**1.5, 4)
+    )
+    noise = 4 * 0.5 * np.ptp(fine, axis=(0, 1)) / DRAWS**0.5
+    assert (np.abs(between - 0.5 * (mean + coarse)) <= step + 2 * noise).all()
     # farther away than the last level
     last = looked_up(mi, bsdf, rng.random((5, 2)), (100.0, 100.0))
     assert (np.abs(last - fine.mean(axis=0)) <= 3 * step).all()
@@ -224,17 +232,68 @@ def test_look_ups_wrap_and_filter_like_the_texture(rgb, networks, wrap, filter_t
     plain = load(rgb, "neural_layered", networks, sigma_t=bitmap(rgb, pixels, **properties))
     stored = looked_up(rgb, plain, grid_of_points(6, 4)).reshape(4, 6, 3, -1)
     uv = rng.uniform(-2, 3, (256, 2))
-    codes = looked_up(rgb, bsdf, uv)
+    codes = looked_up(rgb, bsdf, uv, draws=DRAWS)
     si = rgb.SurfaceInteraction3f()
     si.uv = rgb.Point2f(np.float32(uv).T)
     for number in range(0, stored.shape[-1], 7):
         expected = rgb.load_dict(
             bitmap(rgb, stored[:, :, :, number], to_uv=shear, **properties)
         ).eval_3(si)
-        # weights of 8 bits; a point that is nearest to two texels may take either
+        # Four standard errors of the draws, and weights of 8 bits; a point that is nearest to two
+        # texels may take either.
         error = np.abs(codes[:, :, number] - np.array(expected).T)
-        tolerance = 2e-2 * np.ptp(stored[..., number]) + 1e-5
+        tolerance = (4 * 0.5 / DRAWS**0.5 + 1e-2) * np.ptp(stored[..., number]) + 1e-5
         assert (error <= tolerance).mean() > 0.98
+
+
+@pytest.mark.parametrize("differentiable", (False, True))
+@pytest.mark.parametrize(
+    ("parameters", "texels"),
+    [
+        ({"base": "reflectance"}, (0.02, 0.9)),
+        pytest.param({"sigma_t": "sigma_t", "albedo": 0.0}, (0.0, 8.0), marks=pytest.mark.slow),
+    ],
+)
+def test_f_is_filtered_not_the_code(rgb, parameters, texels, differentiable):
+    """Halfway between two texels, f is the mean of both, and eval, pdf and sample agree."""
+    import drjit as dr
+
+    from urushi.render.reading import probing
+
+    def coat(value):
+        base = {"type": "diffuse"}
+        described = {"type": "neural_layered", "weights": "default", "alpha": 0.2, **parameters}
+        if "base" in parameters:
+            base["reflectance"] = value
+        else:
+            base = {"type": "roughconductor", "material": "Au", "alpha": 0.3, "distribution": "ggx"}
+            described["sigma_t"] = value
+        return rgb.load_dict(described | {"base": base})
+
+    count = 1 << 14
+    wi, wo, u = rgb.Vector3f(0.6, 0, 0.8), rgb.Vector3f(0, 0.28, 0.96), 0.01
+    ends = [coat(value) for value in texels]
+    textured = coat(bitmap(rgb, np.float32(texels)[None, :, None]))
+    if differentiable:
+        parameters = rgb.traverse(textured)
+        key = next(key for key, _ in parameters if key.endswith("data"))
+        dr.enable_grad(parameters[key])
+        parameters.update()
+    # Positions halfway between both texels, within a hundredth of their distance.
+    x = np.random.default_rng(0).uniform(0.5 - u / 4, 0.5 + u / 4, count)
+    si = probing.interaction(np.tile(np.array(wi).T, (count, 1)), np.stack([x, 0 * x + 0.5], -1))
+    context = rgb.BSDFContext()
+    at_ends = [bsdf.eval(context, si, wo).numpy()[:, 0] for bsdf in ends]
+    value, pdf = (part.numpy() for part in textured.eval_pdf(context, si, wo))
+    # Bernoulli noise of the draws, 8 bits of a code's range
+    noise = 4 * 0.5 * np.abs(at_ends[0] - at_ends[1]) / count**0.5
+    mean = 0.5 * (at_ends[0] + at_ends[1])
+    assert (np.abs(value.mean(axis=1) - mean) <= noise + 0.01 * mean).all()
+    np.testing.assert_allclose(textured.pdf(context, si, wo).numpy(), pdf, rtol=1e-4)
+    sample, weight = textured.sample(context, si, 0.5, rgb.Point2f(0.3, 0.6))
+    again, pdf = textured.eval_pdf(context, si, sample.wo)
+    np.testing.assert_allclose(pdf.numpy(), sample.pdf.numpy(), rtol=1e-3)
+    np.testing.assert_allclose((again / pdf).numpy(), weight.numpy(), rtol=1e-3)
 
 
 def test_a_checkerboard_stays_sharp(rgb, networks):

@@ -82,7 +82,8 @@ def _bottom_codes(
     nested = getattr(bottom, "latents", None)
     same_networks = nested is not None and bottom.model.fingerprint == model.fingerprint
     if same_networks and isinstance(nested, DifferentiableConstant | DifferentiableTexture):
-        return nested.codes(mi.Point2f(np.ascontiguousarray(uv.T, np.float32)))
+        point = mi.Point2f(np.ascontiguousarray(uv.T, np.float32))
+        return nested.codes(point, mi.Vector3f(0, 0, 1))
     surface = known_surface(bottom)
     known = surface is not None and surface.bare and surface.widths <= model.widths
     if known and wanted(bottom):

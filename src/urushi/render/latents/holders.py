@@ -20,7 +20,13 @@ from urushi.material.material import Material
 from urushi.material.table import rest_table
 from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
-from urushi.render.latents.lookup import LatentTexture, are_constant, owned
+from urushi.render.latents.lookup import (
+    LatentTexture,
+    are_constant,
+    drawn_texel,
+    owned,
+    texel_draw,
+)
 from urushi.render.networks.lobe import ANY_LOBE, NO_LOBE, LobeKind, kind_of
 from urushi.render.networks.protocols import Decoder, Proposal, decoder_and_sampler
 from urushi.render.networks.table import TabulatedDecoder, padded
@@ -209,7 +215,7 @@ class TexturedLatents:
         return _of_each_channel(values, self.channels), pdf
 
     def _vertex(self, wi, uv, *footprint) -> Vertex:
-        latents = self._texture.look_up(uv, *footprint)[: self._kept]
+        latents = self._texture.look_up(uv, wi, *footprint)[: self._kept]
         proposal = self._sampler.proposal(self._kind.mean(latents), wi)
         return Vertex(self._decoder.code_terms_drjit(latents), proposal)
 
@@ -275,9 +281,9 @@ def kind_of_store(model: Model, store: TextureStore) -> LobeKind:
     return kind_of(packed.lowest[lobe], highest[lobe], (layout.constant | layout.same)[lobe])
 
 
-def looked_up(look_up: Callable[["mi.Point2f"], list[list]], uv: np.ndarray) -> np.ndarray:
-    """Codes (M, C, size) at points uv (M, 2), from a look-up that returns lists of floats."""
-    latents = look_up(mi.Point2f(np.ascontiguousarray(uv.T, np.float32)))
+def looked_up(look_up: Callable[..., list[list]], uv: np.ndarray) -> np.ndarray:
+    """Codes (M, C, size) at points uv (M, 2), seen along the normal, of lists of floats."""
+    latents = look_up(mi.Point2f(np.ascontiguousarray(uv.T, np.float32)), mi.Vector3f(0, 0, 1))
     dr.eval(latents)
     result = np.empty((len(uv), len(latents), len(latents[0])), np.float32)
     for channel, z in enumerate(latents):
@@ -318,13 +324,13 @@ class DifferentiableConstant(ConstantLatents):
 
     def f(self, vertex: Vertex, si, wo, active) -> list:
         """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
-        return self._differentiable.f(self.codes(si.uv), si.wi, wo)
+        return self._differentiable.f(self.codes(si.uv, si.wi), si.wi, wo)
 
     def f_and_pdf(self, vertex: Vertex, si, wo, active) -> tuple[list, Any]:
         """`f`, and the density of the proposal [1/sr]."""
         return self.f(vertex, si, wo, active), vertex.proposal.pdf(si.wi, wo)
 
-    def codes(self, uv: "mi.Point2f") -> list[list]:
+    def codes(self, uv: "mi.Point2f", wi: "mi.Vector3f") -> list[list]:
         """Codes with gradients: of each channel a list (size) of Dr.Jit floats."""
         # Gathered at every call: an argument of a nested call must be the result of an operation in
         # the outer call, or Dr.Jit loses its gradient.
@@ -335,7 +341,7 @@ class DifferentiableConstant(ConstantLatents):
 class DifferentiableTexture:
     """A texture of codes that carry gradients, in single precision."""
 
-    DRJIT_STRUCT: ClassVar = {"_texture": object}  # for frozen functions
+    DRJIT_STRUCT: ClassVar = {"tensor": object}  # for frozen functions
 
     def __init__(self, model: Model, latents: "mi.TensorXf", grid: TexelGrid):
         """latents: (height, width, C, size), of the grid's texels."""
@@ -343,17 +349,11 @@ class DifferentiableTexture:
         self._kind = _any_lobe(model)
         self._decoder, self._sampler = decoder_and_sampler(model, self._kind)
         self.grid = grid
-        self.tensor = _padded(latents.array, (height, width), self.channels * self._size)
-        self._texture = mi.Texture2f(
-            self.tensor,
-            use_accel=False,
-            filter_mode=dr.FilterMode.Nearest if grid.nearest else dr.FilterMode.Linear,
-            wrap_mode=getattr(dr.WrapMode, grid.wrap.capitalize()),
-        )
+        self.tensor = mi.TensorXf(latents.array, (height, width, self.channels * self._size))
 
     def f(self, vertex: Vertex, si, wo, active) -> list:
         """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
-        return self._decoder.f(self.codes(si.uv), si.wi, wo)
+        return self._decoder.f(self.codes(si.uv, si.wi), si.wi, wo)
 
     def f_and_pdf(self, vertex: Vertex, si, wo, active) -> tuple[list, Any]:
         """`f`, and the density of the proposal [1/sr]."""
@@ -362,7 +362,7 @@ class DifferentiableTexture:
     def vertex(self, si, active) -> Vertex:
         """The proposal for si.wi, without gradients of the codes."""
         with dr.suspend_grad():
-            latents = self.codes(si.uv)
+            latents = self.codes(si.uv, si.wi)
         return Vertex([], self._sampler.proposal(self._kind.mean(latents), si.wi))
 
     def at(self, uv: np.ndarray) -> np.ndarray:
@@ -370,12 +370,15 @@ class DifferentiableTexture:
         with dr.suspend_grad():
             return looked_up(self.codes, uv)
 
-    def codes(self, uv: "mi.Point2f") -> list[list]:
-        """Codes with gradients at points uv: of each channel a list (size) of Dr.Jit floats."""
+    def codes(self, uv: "mi.Point2f", wi: "mi.Vector3f") -> list[list]:
+        """Codes with gradients at points uv, drawn as in `lookup`: a list (size) per channel."""
         (a, b, c), (d, e, f) = self.grid.to_texture
-        point = mi.Point2f(a * uv.x + b * uv.y + c, d * uv.x + e * uv.y + f)
-        values = list(self._texture.eval(point))
-        starts = range(0, self.channels * self._size, self._size)
+        point = a * uv.x + b * uv.y + c, d * uv.x + e * uv.y + f
+        sizes = mi.Int32(self.grid.width), mi.Int32(self.grid.height)
+        texel = drawn_texel(point, sizes, self.grid, texel_draw(uv, wi))
+        count = self.channels * self._size
+        values = [dr.gather(mi.Float, self.tensor.array, texel * count + i) for i in range(count)]
+        starts = range(0, count, self._size)
         return [values[i : i + self._size] for i in starts]
 
     @property
@@ -386,17 +389,3 @@ class DifferentiableTexture:
     def __str__(self) -> str:
         width, height = self.resolution
         return f"{width} x {height} texels of {self.channels} x {self._size}"
-
-
-def _padded(values: "mi.Float", shape: tuple[int, int], size: int) -> "mi.TensorXf":
-    """A tensor (*shape, K) of values, `size` for each texel, padded with zeros to a power of two.
-
-    Dr.Jit's texture would pad a copy, whose gradients cannot be accessed.
-    """
-    padded = 1 << (size - 1).bit_length()
-    index = dr.arange(mi.UInt32, shape[0] * shape[1] * padded)
-    texel = index // padded
-    number = index - texel * padded
-    return mi.TensorXf(
-        dr.gather(mi.Float, values, texel * size + number, number < size), (*shape, padded)
-    )

@@ -1,11 +1,13 @@
 """Look-up of packed latent textures (`textures.packing`) in Dr.Jit, with mip levels.
 
-A texel is gathered as words of four bytes. Bytes are interpolated two at a time in the halves of a
-word, by integer weights that add up to 256, so that nothing overflows. Graphics hardware resolves
-the position between texels equally finely. Compared with a texture of half floats, a look-up reads
-two thirds of the memory or less and takes half the time.
+f is filtered, not the code: f of the code halfway between two codes is far from the mean of both f
+where the two differ much. A look-up returns the code of one texel, drawn in proportion to its
+weight in the filter (Pharr, Wronski, Salvi and Fajardo 2024, *Filtering After Shading With
+Stochastic Texture Filtering*) by a hash of the position and of wi. f, density and sample of a
+vertex therefore belong to one texel, and f is right in the mean over positions.
 """
 
+from collections.abc import Sequence
 from typing import Any, ClassVar
 
 import drjit as dr
@@ -17,8 +19,9 @@ from urushi.textures.grid import IDENTITY, TexelGrid
 from urushi.textures.packing import TexelLayout
 from urushi.textures.store import TextureStore
 
-#: Sum of the integer weights of the four texels around a point.
-UNIT = 256
+#: Number of steps of a texel's weight along an axis. A point within half a step of the centre of a
+#: texel has this texel alone.
+WEIGHT_STEPS = 256
 
 
 def owned(kind: type, values: np.ndarray):
@@ -36,7 +39,7 @@ def owned(kind: type, values: np.ndarray):
 
 
 class LatentTexture:
-    """Codes at points of uv by bilinear filtering, trilinear where the footprint is known."""
+    """Codes at points of uv by bilinear filtering of f, trilinear where the footprint is known."""
 
     DRJIT_STRUCT: ClassVar = {
         "_words": object,
@@ -75,25 +78,22 @@ class LatentTexture:
             map(mi.Float, affine)
         )  # a new length makes frozen functions record again
         self._lowest = [mi.Float(float(value)) for value in packed.lowest]
-        self._steps = [mi.Float(float(value) / UNIT) for value in packed.step]
+        self._steps = [mi.Float(float(value)) for value in packed.step]
         self._signature = signature(layout_states(store.layout))
         # Read from memory, so that all textures of a model share compiled code.
         dr.make_opaque(self._base, self._affine, self._lowest, self._steps)
 
-    def look_up(self, uv, duv_dx=None, duv_dy=None) -> list[list]:
-        """Codes at uv (Point2f): of each channel a list (size) of Dr.Jit floats.
+    def look_up(self, uv, wi, duv_dx=None, duv_dy=None) -> list[list]:
+        """Codes at uv (Point2f) seen from wi: of each channel a list (size) of Dr.Jit floats.
 
         duv_dx, duv_dy: change of uv from one pixel to the next, if known. The level with texels of
-        that size is used, interpolated linearly between two levels.
+        that size is used, or one of the two nearest levels.
         """
-        point = self._to_texture(uv.x, uv.y, True)
-        if duv_dx is None or self._levels == 1:
-            return self._codes(self._sums(point, None))
-        level = self._level(duv_dx, duv_dy)
-        lower = dr.minimum(mi.UInt32(level), self._levels - 2)
-        fraction = level - mi.Float(lower)
-        fine, coarse = (self._sums(point, index) for index in (lower, lower + 1))
-        return self._codes([dr.lerp(a, b, fraction) for a, b in zip(fine, coarse, strict=True)])
+        draw, level = texel_draw(uv, wi), None
+        if duv_dx is not None and self._levels > 1:
+            level = mi.UInt32(self._level(duv_dx, duv_dy) + draw[2])
+            level = dr.minimum(level, self._levels - 1)
+        return self._codes(self._gather(self._texel(uv, level, draw)))
 
     def _to_texture(self, x, y, point: bool) -> tuple:
         if not self._affine:
@@ -112,53 +112,16 @@ class LatentTexture:
             squared = dr.maximum(squared, dr.square(x * width) + dr.square(y * height))
         return dr.minimum(0.5 * dr.log2(squared), last)
 
-    def _sums(self, point: tuple, level) -> list:
-        """Weighted sums of each number, as floats in steps: 0 to 255 or 65535, times `UNIT`."""
-        if level is None:
-            offset, (width, height) = 0, self._base[:2]
-        else:
+    def _texel(self, uv, level, draw: Sequence):
+        """Index of the texel at uv, of the first level if `level` is None."""
+        offset, (width, height) = 0, self._base[:2]
+        if level is not None:
             offset, width, height = (
                 dr.gather(mi.UInt32, array, level)
                 for array in (self._offsets, self._widths, self._heights)
             )
-            width, height = mi.Int32(width), mi.Int32(height)
-        columns, right = self._neighbours(point[0], width)
-        rows, down = self._neighbours(point[1], height)
-        both = (right * down + UNIT // 2) >> 8
-        both = dr.maximum(mi.Int32(both), mi.Int32(right + down) - UNIT)
-        both = mi.UInt32(both)
-        weights = [[UNIT + both - right - down, right - both], [down - both, both]]
-        even, odd = [0] * self._used, [0] * self._used
-        for row, line in zip(rows, weights, strict=True):
-            for column, weight in zip(columns, line, strict=True):
-                words = self._gather(offset + mi.UInt32(row * width + column))
-                for i, word in enumerate(words):
-                    even[i] += (word & 0x00FF00FF) * weight
-                    odd[i] += ((word >> 8) & 0x00FF00FF) * weight
-        return [self._number(even, odd, *place) for place in dict.fromkeys(self._places())]
-
-    def _neighbours(self, x, count):
-        """The two texels around x along an axis, and the integer weight of the second."""
-        if self._grid.wrap == "repeat":
-            x -= dr.floor(x)
-        elif self._grid.wrap == "mirror":
-            x = dr.abs(x - 2 * dr.round(0.5 * x))
-        else:
-            x = dr.clip(x, 0, 1)
-        x = x * count - 0.5
-        first = dr.floor(x)
-        fraction = x - first
-        weight = mi.UInt32(
-            dr.select(fraction >= 0.5, UNIT, 0) if self._grid.nearest else UNIT * fraction + 0.5
-        )
-        first = mi.Int32(first)
-        if self._grid.wrap == "repeat":
-            first = dr.select(first < 0, count - 1, first)  # NaN too
-            second = dr.select(first + 1 >= count, 0, first + 1)
-        else:
-            second = dr.clip(first + 1, 0, count - 1)
-            first = dr.clip(first, 0, count - 1)
-        return (first, second), weight
+        point = self._to_texture(uv.x, uv.y, True)
+        return offset + drawn_texel(point, (mi.Int32(width), mi.Int32(height)), self._grid, draw)
 
     @property
     def _used(self) -> int:
@@ -166,16 +129,12 @@ class LatentTexture:
         return -(-self._layout.used_bytes // 4)
 
     def _gather(self, texel) -> list:
+        """The words of texels."""
         words = self._layout.texel_bytes // 4
         if words == 1:
             return [dr.gather(mi.UInt32, self._words, texel)][: self._used]
         shape = words, dr.width(texel)
         return list(dr.gather(mi.ArrayXu, self._words, texel, shape=shape))[: self._used]
-
-    def _places(self) -> list[tuple[int, int]]:
-        """High byte and low byte, or -1, of every number of every channel; constants left out."""
-        layout = self._layout
-        return [self._place(*which) for which in self._all() if layout.high[which[1]] >= 0]
 
     def _all(self) -> list[tuple[int, int]]:
         return [(c, i) for c in range(self._layout.channels) for i in range(self._layout.size)]
@@ -185,19 +144,9 @@ class LatentTexture:
         low = self._layout.low[number]
         return start + self._layout.high[number], start + low if low >= 0 else -1
 
-    def _number(self, even: list, odd: list, first: int, second: int):
-        def byte(index: int):
-            total = (odd if index % 2 else even)[index // 4]
-            return total >> 16 if index % 4 > 1 else total & 0xFFFF
-
-        whole = byte(first)
-        if second >= 0:
-            whole = (whole << 8) + byte(second)
-        return mi.Float(whole)
-
-    def _codes(self, sums: list) -> list[list]:
+    def _codes(self, words: list) -> list[list]:
+        """The codes that the words of texels hold."""
         layout, size = self._layout, self._layout.size
-        sum_at = dict(zip(dict.fromkeys(self._places()), sums, strict=True))
         value_at: dict[tuple[int, int], Any] = {}
         values = []
         for channel, number in self._all():
@@ -206,9 +155,62 @@ class LatentTexture:
                 continue
             place = self._place(channel, number)
             if place not in value_at:
-                value_at[place] = dr.fma(sum_at[place], self._steps[number], self._lowest[number])
+                levels = _number(words, *place)
+                value_at[place] = dr.fma(levels, self._steps[number], self._lowest[number])
             values.append(value_at[place])
         return [values[i : i + size] for i in range(0, len(values), size)]
+
+
+def _number(words: list, high: int, low: int):
+    """The number whose bytes are at these places of a texel's words; low: -1 if it has one byte."""
+
+    def byte(place: int):
+        return (words[place // 4] >> (8 * (place % 4))) & 255
+
+    return mi.Float(byte(high) if low < 0 else (byte(high) << 8) + byte(low))
+
+
+def texel_draw(uv, wi) -> list:
+    """Three numbers in (0, 1) that draw a texel at uv seen from wi: along x, y, and the levels.
+
+    They are a hash of uv and wi, multiples of 1 / `WEIGHT_STEPS` plus half of it.
+    """
+    bits = [_bits(value) for value in (uv.x, uv.y, wi.x, wi.y)]
+    hashed, _ = mi.sample_tea_32(bits[0] + 0x9E3779B9 * bits[2], bits[1] + 0x85EBCA6B * bits[3])
+    return [
+        (mi.Float((hashed >> shift) % WEIGHT_STEPS) + 0.5) / WEIGHT_STEPS for shift in (8, 16, 24)
+    ]
+
+
+def _bits(value):
+    """The bits of a float in single precision."""
+    single = dr.float32_array_t(type(value))(dr.detach(value))
+    return dr.reinterpret_array(mi.UInt32, single)
+
+
+def drawn_texel(point: Sequence, sizes: Sequence, grid: TexelGrid, draw: Sequence):
+    """Index of one of the texels around a point of texture space, row by row, drawn by its weight.
+
+    point: x and y. sizes: Int32, numbers of texels along them. draw: of `texel_draw`.
+    """
+    column, row = (
+        _drawn_along(x, count, grid, u) for x, count, u in zip(point, sizes, draw, strict=False)
+    )
+    return mi.UInt32(row * sizes[0] + column)
+
+
+def _drawn_along(x, count, grid: TexelGrid, u):
+    """The texel (Int32) of `drawn_texel` along one axis."""
+    if grid.wrap == "repeat":
+        x = x - dr.floor(x)
+    elif grid.wrap == "mirror":
+        x = dr.abs(x - 2 * dr.round(0.5 * x))
+    else:
+        x = dr.clip(x, 0, 1)
+    texel = mi.Int32(dr.floor(x * count - (0.0 if grid.nearest else 0.5 - u)))
+    if grid.wrap == "repeat":
+        texel = dr.select(texel >= count, 0, dr.select(texel < 0, count - 1, texel))
+    return dr.clip(texel, 0, count - 1)  # NaN too
 
 
 def layout_states(layout: TexelLayout) -> list[int]:
