@@ -5,7 +5,7 @@ import pytest
 
 from urushi.material.layer import layer_texels
 from urushi.textures import bake, texel_hash
-from urushi.textures.bake import CoatTexture
+from urushi.textures.bake import BakedTexture, coat_source
 from urushi.textures.grid import TexelGrid
 
 GRID = TexelGrid(6, 4)
@@ -37,15 +37,15 @@ def test_only_distinct_and_changed_rows_are_layered(model, layered_rows):
         return {name: values[start:stop] for name, values in parameters.items()}
 
     def bottom(start, stop):
-        return hashes, codes
+        return hashes, lambda texel, channel: codes[0, channel]
 
-    texture = CoatTexture(model, GRID, 3, mipmaps=False)
-    texture.update(table, bottom)
+    texture = BakedTexture(model, GRID, 3)
+    texture.update(coat_source(model, table, bottom))
     assert layered_rows == [6]  # two values of alpha, three channels
-    texture.update(table, bottom)
+    texture.update(coat_source(model, table, bottom))
     assert layered_rows == [6]
     parameters["alpha"][5] = 0.2
-    texture.update(table, bottom)
+    texture.update(coat_source(model, table, bottom))
     assert layered_rows == [6, 3]
     expected = layer_texels(model, codes, **parameters)
     found = texture.store.read(slice(None))
@@ -53,7 +53,7 @@ def test_only_distinct_and_changed_rows_are_layered(model, layered_rows):
     np.testing.assert_allclose(found, expected, atol=0.02 * np.ptp(expected))
 
 
-def test_texels_that_share_nothing_equal_those_that_share(model, layered_rows):
+def test_texels_that_share_nothing_equal_those_that_share(model, layered_rows, monkeypatch):
     rng = np.random.default_rng(1)
     codes = rng.normal(size=(24, 3, 32)).astype(np.float32)
     codes[..., :6] = [0.2, 0, 0, 1, 1.5, 0]
@@ -67,21 +67,31 @@ def test_texels_that_share_nothing_equal_those_that_share(model, layered_rows):
         "g": rng.uniform(-0.5, 0.5, (24, 1)),
     }
 
-    def baked(texels):
-        grid = TexelGrid(texels, 1)
-        texture = CoatTexture(model, grid, 3, mipmaps=False)
-        texture.update(
-            lambda start, stop: {name: values[:texels] for name, values in coat.items()},
-            lambda start, stop: (hashes[:texels], codes[:texels]),
-        )
+    def table(start, stop):
+        return {name: values[start:stop] for name, values in coat.items()}
+
+    def bottom(start, stop):
+        return hashes[start:stop], lambda texel, channel: codes[start:stop][texel, channel]
+
+    def baked():
+        texture = BakedTexture(model, TexelGrid(24, 1), 3)
+        texture.update(coat_source(model, table, bottom))
         return texture.store.read(slice(None))
 
-    different = baked(24)
+    different = baked()
     for values in coat.values():
         values[1] = values[0]
-    shared = baked(24)
-    # All texels in one call, then 23 in rows of one channel.
-    assert layered_rows == [24, 69]
+    shared = baked()
+    assert layered_rows == [72, 69]
+    # Rows of equal hashes are computed once in all blocks.
+    monkeypatch.setattr(bake, "TEXEL_BLOCK", 7)
+    for values in coat.values():
+        values[20] = values[2]
+    codes[20], hashes[20] = codes[2], hashes[2]
+    blocks = baked()
+    assert sum(layered_rows[2:]) == 66
+    np.testing.assert_allclose(blocks[:20], shared[:20], atol=0.01 * np.ptp(different))
+    np.testing.assert_array_equal(blocks[20], blocks[2])
     kept = np.delete(np.arange(24), 1)
     # 8 bits of the range of the texture
     np.testing.assert_allclose(shared[kept], different[kept], atol=0.01 * np.ptp(different))

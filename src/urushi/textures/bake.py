@@ -1,7 +1,8 @@
-"""Baking of a coat over a bottom into a latent texture, without a renderer.
+"""Baking of latent textures, without a renderer.
 
-A texel and channel is layered only if the coat's parameters or the bottom's code there have changed
-since the last time, and texels of equal inputs are layered once.
+The inputs of every texel and channel have a hash. Rows, which are pairs of a texel and a channel,
+of equal hashes are computed once, wherever they are in the texture. After a change, only texels
+whose hashes have changed are computed again.
 """
 
 from collections.abc import Callable
@@ -16,98 +17,132 @@ from urushi.textures import packing, texel_hash
 from urushi.textures.grid import TexelGrid
 from urushi.textures.store import TextureStore
 
-#: Texels that are compared and layered at once: bounds memory.
+#: Texels whose inputs are read and compared at once: bounds memory.
 TEXEL_BLOCK = 1 << 18
+
+#: Codes (k, size) of rows, by the indices (k,) of texels, in ascending order, and of channels.
+CodesAt = Callable[[np.ndarray, np.ndarray], np.ndarray]
+
+#: Gives the texels start to stop - 1: hashes uint64 (n or 1, C) of their inputs, and the function
+#: that computes codes of rows, whose texels are counted from start.
+Source = Callable[[int, int], tuple[np.ndarray, CodesAt]]
 
 #: Gives the coat's parameters at texels start to stop - 1, arrays (n, 1 or C) by the names of
 #: `layer_texels`; alpha may be `Widths`.
 Table = Callable[[int, int], dict[str, Any]]
 
-#: Gives the bottom at texels start to stop - 1: hashes uint64 (n or 1, C) and codes
-#: (n or 1, C, size).
-Bottom = Callable[[int, int], tuple[np.ndarray, np.ndarray]]
 
-
-class CoatTexture:
-    """The codes of a coat over a bottom on a grid of texels.
+class BakedTexture:
+    """The packed codes of a source on a grid of texels.
 
     Attributes:
         grid: the texels.
-        store: their packed codes; empty before the first `update`.
+        store: their codes; empty before the first `update`.
     """
 
-    def __init__(self, model: Model, grid: TexelGrid, channels: int, mipmaps: bool):
+    def __init__(self, model: Model, grid: TexelGrid, channels: int, mipmaps: bool = False):
         """mipmaps: whether to hold all levels of the mip pyramid; else the first one only."""
-        self.grid, self._model = grid, model
+        self.grid = grid
         self._hashes = np.zeros((grid.texels, channels), np.uint64)
         layout = packing.texel_layout(model, channels)
         self.store = TextureStore(model, layout, grid.width, grid.height, mipmaps=mipmaps)
 
-    def update(self, table: Table, bottom: Bottom) -> None:
-        """Layer the rows, one for each texel and channel, whose inputs have changed."""
-        if self.store.empty:
-            self._hashes[:] = 0  # an error ended the last attempt
-        with self.store.writing() as write:
-            for start in range(0, self.grid.texels, TEXEL_BLOCK):
-                stop = min(start + TEXEL_BLOCK, self.grid.texels)
-                parameters = CoatParameters(**table(start, stop))
-                bottom_hashes, codes = bottom(start, stop)
-                former = self._hashes[start:stop]
-                hashes = np.broadcast_to(
-                    texel_hash.row_hashes([bottom_hashes, *parameters.columns()]), former.shape
-                )
-                changed = hashes != former
-                if not changed.any():
-                    continue
-                if changed.all():
-                    write(slice(start, stop), *self._all_layered(hashes, parameters, codes))
-                else:
-                    texel, channel = np.nonzero(changed)
-                    layered, row_of = self._layered(hashes, texel, channel, parameters, codes)
-                    rows, index = np.unique(texel, return_inverse=True)
-                    texels = self.store.read(start + rows)
-                    texels[index, channel] = layered[row_of]
-                    write(start + rows, texels)
-                self._hashes[start:stop] = hashes
+    def update(self, source: Source, advance: Callable[[int], None] = lambda texels: None) -> None:
+        """Compute the texels of which a hash has changed.
 
-    def _all_layered(
-        self, hashes: np.ndarray, parameters: CoatParameters, codes: np.ndarray
-    ) -> tuple[np.ndarray, ...]:
-        """Codes (n, C, size) of texels with hashes (n, C).
-
-        Or distinct codes (k, size) of them, and which one each texel has (n, C).
+        advance: called with the number of texels that are done, block after block.
         """
-        row, row_of = texel_hash.unique_rows(hashes.ravel())
-        if len(row) == hashes.size:  # nothing is shared, and nothing need be gathered
-            return (layer_texels(self._model, codes, **parameters._asdict()),)
-        texel, channel = np.divmod(row, hashes.shape[1])
-        return self._layered_rows(texel, channel, parameters, codes), row_of.reshape(hashes.shape)
+        shared = SharedCodes(self.store.layout.size)
+        rows, index, hashes = [], [], []
+        for start in range(0, self.grid.texels, TEXEL_BLOCK):
+            stop = min(start + TEXEL_BLOCK, self.grid.texels)
+            present, codes_at = source(start, stop)
+            former = self._hashes[start:stop]
+            present = np.broadcast_to(present, former.shape)
+            changed = np.flatnonzero((present != former).any(axis=1))
+            if len(changed):
+                hashes.append(present[changed])
+                index.append(shared.index(hashes[-1], _of_texels(codes_at, changed)))
+                rows.append(start + changed)
+            advance(stop)
+        if rows:
+            chosen = np.concatenate(rows)
+            with self.store.writing() as write:
+                everything = len(chosen) == self.grid.texels
+                write(slice(None) if everything else chosen, *shared.codes(np.concatenate(index)))
+            self._hashes[chosen] = np.concatenate(hashes)
 
-    def _layered(
-        self,
-        hashes: np.ndarray,
-        texel: np.ndarray,
-        channel: np.ndarray,
-        parameters: CoatParameters,
-        codes: np.ndarray,
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Distinct codes (k, size) of rows (texel, channel), and the index (n,) of each row's."""
-        row, row_of = texel_hash.unique_rows(hashes[texel, channel])
-        return self._layered_rows(texel[row], channel[row], parameters, codes), row_of
+    def read(self, start: int, stop: int) -> tuple[np.ndarray, CodesAt]:
+        """The texture as a `Source`."""
+        return self._hashes[start:stop], lambda texel, channel: _rows(
+            self.store.read, start + texel, channel
+        )
 
-    def _layered_rows(
-        self,
-        texel: np.ndarray,
-        channel: np.ndarray,
-        parameters: CoatParameters,
-        codes: np.ndarray,
-    ) -> np.ndarray:
-        """Codes (k, size) of rows (texel, channel)."""
 
-        def at_rows(array: np.ndarray) -> np.ndarray:
-            count, width = array.shape[:2]
-            return array[texel if count > 1 else 0, channel if width > 1 else 0]
+def _of_texels(codes_at: CodesAt, texels: np.ndarray) -> CodesAt:
+    """The codes of rows whose texels are counted among `texels`."""
+    return lambda texel, channel: codes_at(texels[texel], channel)
 
-        rows = [np.broadcast_to(at_rows(column), len(texel)) for column in parameters.columns()]
-        coat = CoatParameters.of_columns(rows)
-        return layer_texels(self._model, at_rows(codes), **coat._asdict())
+
+def _rows(
+    read: Callable[[np.ndarray], np.ndarray], texel: np.ndarray, channel: np.ndarray
+) -> np.ndarray:
+    """Codes (k, size) of rows, from a function that reads codes (n, C, size) of texels (n,)."""
+    texels, place = np.unique(texel, return_inverse=True)
+    return read(texels)[place, channel]
+
+
+class SharedCodes:
+    """Codes of rows, each hash computed once."""
+
+    def __init__(self, size: int):
+        """size: numbers of a code."""
+        self._keys, self._numbers = np.zeros(0, np.uint64), np.zeros(0, np.uint32)
+        self._parts = [np.zeros((0, size), np.float16)]
+
+    def index(self, hashes: np.ndarray, codes_at: CodesAt) -> np.ndarray:
+        """Which code each row (n, C) of hashes (n, C) has; new ones are computed."""
+        first, label = texel_hash.unique_rows(hashes.ravel())
+        keys = hashes.ravel()[first]
+        place = np.searchsorted(self._keys, keys)
+        number = np.zeros(len(keys), np.uint32)
+        known = place < len(self._keys)
+        known[known] = self._keys[place[known]] == keys[known]
+        number[known] = self._numbers[place[known]]
+        fresh = np.flatnonzero(~known)
+        if len(fresh):
+            number[fresh] = len(self._keys) + np.arange(len(fresh), dtype=np.uint32)
+            codes = codes_at(*np.divmod(first[fresh], hashes.shape[1]))
+            self._parts.append(codes.astype(np.float16))
+            fresh = fresh[np.argsort(keys[fresh])]
+            self._keys = np.insert(self._keys, place[fresh], keys[fresh])
+            self._numbers = np.insert(self._numbers, place[fresh], number[fresh])
+        return number[label].reshape(hashes.shape)
+
+    def codes(self, index: np.ndarray) -> tuple[np.ndarray, ...]:
+        """The codes (k, size), and the index (n, C); the codes (n, C, size) if all differ."""
+        codes = np.concatenate(self._parts)
+        if len(codes) == index.size:  # in the order of the rows
+            return (codes.reshape(*index.shape, -1),)
+        return codes, index
+
+
+def coat_source(model: Model, table: Table, bottom: Source) -> Source:
+    """The source of a coat of these parameters over a bottom."""
+
+    def source(start: int, stop: int) -> tuple[np.ndarray, CodesAt]:
+        parameters = CoatParameters(**table(start, stop))
+        hashes, bottom_at = bottom(start, stop)
+
+        def codes_at(texel: np.ndarray, channel: np.ndarray) -> np.ndarray:
+            def at_rows(array: np.ndarray) -> np.ndarray:
+                count, width = array.shape[:2]
+                return array[texel if count > 1 else 0, channel if width > 1 else 0]
+
+            rows = [np.broadcast_to(at_rows(column), len(texel)) for column in parameters.columns()]
+            coat = CoatParameters.of_columns(rows)
+            return layer_texels(model, bottom_at(texel, channel), **coat._asdict())
+
+        return texel_hash.row_hashes([hashes, *parameters.columns()]), codes_at
+
+    return source

@@ -26,6 +26,9 @@ Rows = slice | np.ndarray
 #: Least number of 16-bit numbers in a channel: the lobe's width and the gain, or its two widths.
 LEAST_FINE_NUMBERS = 2
 
+#: Texels of shared codes that a core packs at once.
+SHARED_ROWS = 1 << 14
+
 #: The measurement of importance: number of random coats, maximum number of direction pairs, seed of
 #: its random numbers, and change of a number, as the share of its range that 8 bits resolve.
 COATS, PAIRS, SEED, STEP = 256, 64, 0, 1 / 255
@@ -218,10 +221,15 @@ def pack_shared(
     one = layout._replace(channels=1, texel_bytes=width)
     parts = np.empty((len(codes), width), np.uint8)
     fill_blocks(parts, lambda z: _bytes(one, packed, z[:, None]), codes)
-    shared = layout.shared
-    packed.bytes[rows, :shared] = parts[index[:, 0], :shared]
-    own = parts[:, shared:][index]
-    packed.bytes[rows, shared : layout.used_bytes] = own.reshape(len(index), -1)
+
+    def texels(index: np.ndarray) -> np.ndarray:
+        own = parts[:, layout.shared :][index].reshape(len(index), -1)
+        return np.concatenate([parts[index[:, 0], : layout.shared], own], axis=1)
+
+    part = packed.bytes[rows]  # a view if `rows` is a slice, else a copy
+    fill_blocks(part[:, : layout.used_bytes], texels, index, rows=SHARED_ROWS)
+    if not isinstance(rows, slice):
+        packed.bytes[rows] = part
 
 
 def _bytes(layout: TexelLayout, packed: PackedTexels, codes: np.ndarray) -> np.ndarray:

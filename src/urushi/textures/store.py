@@ -63,10 +63,12 @@ class TextureStore:
             written: list[_Written] = []
 
             def collect(rows: Rows, codes: np.ndarray, index: np.ndarray | None = None) -> None:
-                ends = _ends(codes)
+                ends = _value_range(codes)
                 same = _same_in_channels(codes, index, self._compared)
                 which = None if index is None else index.astype(np.uint32)
-                written.append(_Written(rows, codes.astype(np.float16), which, ends, same))
+                written.append(
+                    _Written(rows, codes.astype(np.float16, copy=False), which, ends, same)
+                )
 
             yield collect
             self._pack_shared(written)
@@ -208,7 +210,7 @@ def _ends(codes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _value_range(whole: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The smallest and the largest values float32 (size,) of codes (T, channels, size)."""
+    """The smallest and the largest values float32 (size,) of codes (T, ..., size)."""
     pieces = [slice(start, start + PACKED_BLOCK) for start in range(0, len(whole), PACKED_BLOCK)]
     ends = np.empty((len(pieces), 2, whole.shape[-1]), np.float32)
 

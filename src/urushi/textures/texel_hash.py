@@ -17,23 +17,24 @@ _GAMMA, _FIRST, _SECOND = (
 )
 
 
-def row_hashes(columns: Sequence[np.ndarray]) -> np.ndarray:
+def row_hashes(columns: Sequence[np.ndarray], bits: int = MANTISSA_BITS) -> np.ndarray:
     """Hashes uint64 (...) of rows; the columns are arrays that broadcast to (...).
 
-    Columns are floating-point numbers, which are rounded, or hashes (uint64). Two different rows
-    have the same hash with a probability of 2^-64.
+    Columns are floating-point numbers, which are rounded to `bits` of mantissa, or hashes (uint64).
+    Two different rows have the same hash with a probability of 2^-64.
     """
     key: np.ndarray = np.zeros((), np.uint64)
     for column in columns:
-        bits = column if column.dtype == np.uint64 else rounded_bits(column).astype(np.uint64)
-        key = _mixed((key ^ bits) + _GAMMA)
+        if column.dtype != np.uint64:
+            column = rounded_bits(column, bits).astype(np.uint64)
+        key = _mixed((key ^ column) + _GAMMA)
     return np.ascontiguousarray(key).reshape(key.shape)
 
 
-def rounded_bits(numbers: np.ndarray) -> np.ndarray:
-    """The bits, uint32, of numbers in single precision, rounded to `MANTISSA_BITS` bits."""
+def rounded_bits(numbers: np.ndarray, kept: int = MANTISSA_BITS) -> np.ndarray:
+    """The bits, uint32, of numbers in single precision, rounded to `kept` bits of mantissa."""
     bits = np.asarray(numbers + np.float32(0), np.float32).view(np.uint32)  # -0 is 0
-    dropped = 23 - MANTISSA_BITS
+    dropped = 23 - kept
     return (bits + np.uint32(1 << (dropped - 1))) >> np.uint32(dropped)
 
 

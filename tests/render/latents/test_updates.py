@@ -107,7 +107,7 @@ def test_only_changed_texels_are_layered(rgb, networks, rows):
     pixels[:, :, 1] += 0.05
     parameters["albedo.data"] = rgb.TensorXf(pixels)
     parameters.update()
-    assert rows() == (0, SIDE**2)  # one channel
+    assert rows() == (0, 3 * SIDE**2)  # all channels of the changed texels
     fresh = rgb.load_dict(described(rgb, networks, albedo=bitmap(rgb, pixels)))
     assert close(codes(bsdf), codes(fresh))
 

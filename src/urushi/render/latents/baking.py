@@ -4,6 +4,8 @@ Three stages: the codes of the bottom (`bottoms`), the coat's parameters at ever
 layering. Each stage remembers its inputs and repeats only the work for inputs that have changed.
 """
 
+from typing import Any
+
 import drjit as dr
 import mitsuba as mi
 import numpy as np
@@ -16,7 +18,7 @@ from urushi.render.latents.bottoms import BottomCodes, nested_latents
 from urushi.render.latents.holders import ConstantLatents, TexturedLatents
 from urushi.render.reading import grid as grids
 from urushi.render.reading.parameters import CoatTextures
-from urushi.textures.bake import TEXEL_BLOCK, CoatTexture
+from urushi.textures.bake import TEXEL_BLOCK, BakedTexture, coat_source
 from urushi.textures.grid import TexelGrid
 
 
@@ -39,7 +41,7 @@ class Baker:
         self._model, self._coat, self._bottom = model, coat, bottom
         self._resolution, self._mipmaps = resolution, mipmaps
         self._codes = BottomCodes(model, bottom, coat.where)
-        self._texture: CoatTexture | None = None
+        self._texture: BakedTexture | None = None
 
     def update(self, bottom_changed: bool = True) -> ConstantLatents | TexturedLatents:
         """The codes for the current parameters; in a texture, only changed rows are layered.
@@ -61,14 +63,17 @@ class Baker:
                 coated = layer_material(CoatParameters.of_columns(columns), self._codes.material)
                 return ConstantLatents.of(coated)
             return ConstantLatents(
-                self._model, layer_texels(self._model, self._codes.read(0, 1)[1], **table)[0]
+                self._model, layer_texels(self._model, self._codes.read(0, 1), **table)[0]
             )
         if self._texture is None or grid != before:
-            self._texture = CoatTexture(self._model, grid, spectrum.channel_count(), self._mipmaps)
+            channels = spectrum.channel_count()
+            self._texture = BakedTexture(self._model, grid, channels, self._mipmaps)
         dr.sync_thread()  # kernels may still read what is overwritten here
-        self._texture.update(
-            lambda start, stop: self._coat.layering(grid.uv(start, stop)), self._codes.read
-        )
+
+        def parameters(start: int, stop: int) -> dict[str, Any]:
+            return self._coat.layering(grid.uv(start, stop))
+
+        self._texture.update(coat_source(self._model, parameters, self._codes.source))
         return TexturedLatents(self._model, self._texture.store, grid)
 
 

@@ -1,8 +1,10 @@
 """Latent codes of the bottom of a coat, a Mitsuba BSDF that is constant or textured.
 
-A textured bottom that is known by its values is compared by a few probes of each texel: texels with
-equal hashes share their codes.
+A textured bottom that is known by its values is compared by a few probes of each texel and channel.
 """
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import mitsuba as mi
 import numpy as np
@@ -25,35 +27,37 @@ from urushi.render.reading.bsdf import reflection_source
 from urushi.render.reading.grid import varying_textures
 from urushi.render.reading.parameters import check_bottom
 from urushi.render.reading.surfaces import KnownSurface, known_surface
-from urushi.textures import packing, texel_hash
-from urushi.textures.bake import TEXEL_BLOCK
+from urushi.textures import texel_hash
+from urushi.textures.bake import BakedTexture, CodesAt, Source
 from urushi.textures.grid import TexelGrid
-from urushi.textures.store import TextureStore
 
 #: Texels that are probed at once: bounds memory.
 PROBED_TEXELS = 1 << 13
 
-#: Stride of the probe pairs by which texels are compared.
-KEY_STRIDE = 24
+#: Stride of the probe pairs by which texels are compared, and bits of the mantissa to which their
+#: values are rounded: texels that differ by less than 0.2 % share a code.
+KEY_STRIDE, KEY_BITS = 24, 9
 
 
 class BottomCodes:
-    """The codes of a bottom; `update` computes them, and computes them again after a change."""
+    """The codes of a bottom; `update` computes them, and computes them again after a change.
+
+    Attributes:
+        material: a constant bottom as a material, if it has a table.
+    """
 
     def __init__(self, model: Model, bottom: "mi.BSDF", where: str):
         self._model, self._bottom, self._where = model, bottom, where
-        self._grid: TexelGrid | None = None
-        self._codes: np.ndarray | TextureStore | _BareBottom = np.zeros((1, 1, 1), np.float32)
-        self._keys = np.zeros((1, 1), np.uint64)
-        self._material: Material | None = None
+        self._baked: BakedTexture | None = None
+        self._source: Source | None = None
+        self.material: Material | None = None
 
-    @property
-    def material(self) -> Material | None:
-        """A constant bottom as a material, if it has a table."""
-        return self._material
-
-    def update(self, grid: TexelGrid | None) -> None:
+    def update(
+        self, grid: TexelGrid | None, advance: Callable[[int], None] = lambda texels: None
+    ) -> None:
         """Encode the bottom where it has changed since the last call with the same grid.
+
+        advance: as of `BakedTexture.update`.
 
         Raises:
             ParameterError: a value of the bottom is negative or not finite.
@@ -63,30 +67,39 @@ class BottomCodes:
         surface = known_surface(self._bottom) if own else None
         if surface is not None and surface.bare and surface.widths > self._model.widths:
             surface = None  # averaged over the azimuth
-        self._material = None
+        self.material = None
+        where = self._where
         if nested is not None and nested.resolution is None:
-            self._keep_same(nested.at(np.full((1, 2), 0.5)))
+            self._source = _uniform(nested.at(np.full((1, 2), 0.5))[0])
             self._keep_table(self._bottom.latents.material)
         elif grid is None or (nested is None and not varying_textures(self._bottom)):
-            self._keep_same(self._encoded()[None])
+            self._source = _uniform(self._encoded())
         elif nested is not None:
-            self._update_texels(grid, _NestedBottom(nested))
-        elif surface is None:
-            probed = _ProbedBottom(self._model, self._bottom, self._where, grid)
-            self._update_texels(grid, probed)
-        elif surface.bare:
-            self._codes = _BareBottom(self._model, surface, self._where, grid)
-            self._grid = None
+            self._source = _NestedBottom(nested, grid).read
+        elif surface is not None and surface.bare:
+            self._source = _BareBottom(self._model, surface, where, grid).read
         else:
-            self._update_texels(grid, _DiffuseBottom(self._model, surface, self._where))
+            if self._baked is None or self._baked.grid != grid:
+                self._baked = BakedTexture(self._model, grid, spectrum.channel_count())
+            if surface is None:
+                source = _ProbedBottom(self._model, self._bottom, where, grid).read
+            else:
+                source = _DiffuseBottom(self._model, surface, where, grid).read
+            self._baked.update(source, advance)
+            self._source = self._baked.read
+            return
+        self._baked = None
 
-    def read(self, start: int, stop: int) -> tuple[np.ndarray, np.ndarray]:
-        """Keys (n or 1, C) and codes (n or 1, C, size) of a range of texels."""
-        if isinstance(self._codes, np.ndarray):
-            return self._keys, self._codes
-        if isinstance(self._codes, _BareBottom):
-            return self._codes.read(start, stop)
-        return self._keys[start:stop], self._codes.read(slice(start, stop))
+    def source(self, start: int, stop: int) -> tuple[np.ndarray, CodesAt]:
+        """The bottom as a `Source`, after `update`."""
+        assert self._source is not None  # for the type checker
+        return self._source(start, stop)
+
+    def read(self, start: int, stop: int) -> np.ndarray:
+        """Codes (n, C, size) of a range of texels."""
+        shape = stop - start, spectrum.channel_count()
+        rows = np.divmod(np.arange(shape[0] * shape[1]), shape[1])
+        return self.source(start, stop)[1](*rows).reshape(*shape, -1)
 
     def _encoded(self) -> np.ndarray:
         """Codes (C, size) of a constant bottom."""
@@ -110,34 +123,13 @@ class BottomCodes:
         return material.anchors
 
     def _keep_table(self, material: Material) -> None:
-        self._material = None if material.table is None else material
+        self.material = None if material.table is None else material
 
-    def _keep_same(self, codes: np.ndarray) -> None:
-        """One code a channel, (1, C, size)."""
-        self._codes, self._grid = codes, None
-        self._keys = texel_hash.row_hashes(list(np.moveaxis(codes, -1, 0)))
 
-    def _update_texels(
-        self, grid: TexelGrid, source: "_NestedBottom | _ProbedBottom | _DiffuseBottom"
-    ) -> None:
-        channels = spectrum.channel_count()
-        if self._grid != grid:
-            self._grid = grid
-            layout = packing.texel_layout(self._model, channels)
-            self._codes = TextureStore(self._model, layout, grid.width, grid.height)
-            self._keys = np.zeros((grid.texels, channels), np.uint64)
-        assert isinstance(self._codes, TextureStore)
-        if self._codes.empty:
-            self._keys[:] = 0  # an error ended the last attempt
-        with self._codes.writing() as write:
-            for start in range(0, grid.texels, TEXEL_BLOCK):
-                stop = min(start + TEXEL_BLOCK, grid.texels)
-                uv = grid.uv(start, stop)
-                present = source.keys(uv)
-                rows = np.flatnonzero((present != self._keys[start:stop]).any(axis=1))
-                if len(rows):
-                    write(start + rows, *source.codes(uv[rows], present[rows]))
-                self._keys[start:stop] = present
+def _uniform(codes: np.ndarray) -> Source:
+    """The source of a bottom that has the same codes (C, size) everywhere."""
+    hashes = texel_hash.row_hashes(list(np.moveaxis(codes[None], -1, 0)))
+    return lambda start, stop: (hashes, lambda texel, channel: codes[channel])
 
 
 def nested_latents(bottom: "mi.BSDF", model: Model):
@@ -150,104 +142,98 @@ def nested_latents(bottom: "mi.BSDF", model: Model):
     return getattr(nested, "anchors", nested)
 
 
-class _NestedBottom:
-    """Codes of a bottom that consists of codes itself."""
+class _NestedBottom(NamedTuple):
+    """Codes of a bottom that consists of codes itself, a `Source`; nothing is stored."""
 
-    def __init__(self, latents):
-        self._latents = latents
+    latents: Any
+    grid: TexelGrid
 
-    def keys(self, uv: np.ndarray) -> np.ndarray:
-        """Keys (M, C) at points uv (M, 2)."""
-        return texel_hash.row_hashes(list(np.moveaxis(self._latents.at(uv), -1, 0)))
-
-    def codes(self, uv: np.ndarray, present: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Codes (k, size), and which of them (M, C) points uv (M, 2) with keys (M, C) have."""
-        codes = self._latents.at(uv)
-        return codes.reshape(-1, codes.shape[-1]), np.arange(present.size).reshape(present.shape)
+    def read(self, start: int, stop: int) -> tuple[np.ndarray, CodesAt]:
+        codes = self.latents.at(self.grid.uv(start, stop))
+        hashes = texel_hash.row_hashes(list(np.moveaxis(codes, -1, 0)))
+        return hashes, lambda texel, channel: codes[texel, channel]
 
 
-class _BareBottom:
-    """Codes of a bottom that is a lobe and nothing else, made of its textures when they are read.
+class _BareBottom(NamedTuple):
+    """Codes of a bottom that is a lobe and nothing else, a `Source`; nothing is stored."""
 
-    Nothing is stored: they cost less than a look-up.
-    """
+    model: Model
+    surface: KnownSurface
+    where: str
+    grid: TexelGrid
 
-    def __init__(self, model: Model, surface: KnownSurface, where: str, grid: TexelGrid):
-        self._model, self._surface, self._where, self._grid = model, surface, where, grid
-
-    def read(self, start: int, stop: int) -> tuple[np.ndarray, np.ndarray]:
-        """Keys (n, C) and codes (n, C, size) of a range of texels."""
-        lobe = probing.check_values(self._surface.at(self._grid.uv(start, stop)).lobe, self._where)
-        if self._model.widths == 2 and self._surface.widths == 1:
+    def read(self, start: int, stop: int) -> tuple[np.ndarray, CodesAt]:
+        lobe = probing.check_values(self.surface.at(self.grid.uv(start, stop)).lobe, self.where)
+        if self.model.widths == 2 and self.surface.widths == 1:
             lobe = with_two_widths(lobe)
         for reach in (lobe[..., :4], lobe[..., 6:]):  # all but the index
             np.minimum(reach, 1, out=reach)
-        keys = texel_hash.row_hashes(list(np.moveaxis(lobe, -1, 0)))
-        return keys, bare_anchors(self._model, lobe)
+        hashes = texel_hash.row_hashes(list(np.moveaxis(lobe, -1, 0)))
+        return hashes, lambda texel, channel: bare_anchors(self.model, lobe[texel, channel])
 
 
-class _DiffuseBottom:
-    """Codes of a Lambertian bottom."""
+class _DiffuseBottom(NamedTuple):
+    """Codes of a Lambertian bottom, a `Source`."""
 
-    def __init__(self, model: Model, surface: KnownSurface, where: str):
-        self._model, self._surface, self._where = model, surface, where
+    model: Model
+    surface: KnownSurface
+    where: str
+    grid: TexelGrid
 
-    def keys(self, uv: np.ndarray) -> np.ndarray:
-        """Keys (M, C) at points uv (M, 2): equal where the reflectance is."""
-        return texel_hash.row_hashes([self._surface.at(uv).diffuse])
+    def read(self, start: int, stop: int) -> tuple[np.ndarray, CodesAt]:
+        reflectance = self.surface.at(self.grid.uv(start, stop)).diffuse
+        probing.check_values(reflectance, self.where)
 
-    def codes(self, uv: np.ndarray, present: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Codes (k, size), and which of them (M, C) points uv (M, 2) with keys (M, C) have."""
-        reflectance = probing.check_values(self._surface.at(uv).diffuse, self._where)
-        row, row_of = texel_hash.unique_rows(present.ravel())
-        pairs = len(self._model.networks.pairs()[0])
-        f = np.repeat(reflectance.reshape(-1, 1)[row] / np.float32(np.pi), pairs, axis=1)
-        codes = encoder_codes(self._model, f, np.array(no_lobe(self._model.widths), np.float32))
-        return limit_albedo(self._model, codes), row_of.reshape(present.shape)
+        def codes_at(texel: np.ndarray, channel: np.ndarray) -> np.ndarray:
+            pairs = len(self.model.networks.pairs()[0])
+            f = np.repeat(reflectance[texel, channel, None] / np.float32(np.pi), pairs, axis=1)
+            lobe = np.array(no_lobe(self.model.widths), np.float32)
+            return limit_albedo(self.model, encoder_codes(self.model, f, lobe))
+
+        return texel_hash.row_hashes([reflectance]), codes_at
 
 
 class _ProbedBottom:
-    """Codes of a bottom that is evaluated at the probe pairs."""
+    """Codes of a bottom that is evaluated at the probe pairs, a `Source`."""
 
     def __init__(self, model: Model, bottom: "mi.BSDF", where: str, grid: TexelGrid):
-        self._model, self._bottom, self._where = model, bottom, where
+        self._model, self._bottom, self._where, self._grid = model, bottom, where, grid
         self._has_lobes = isinstance(model.networks, UrushiNetworks)
         self._pairs = model.networks.pairs()
         self._average = probing.needed_averaging(bottom, *self._pairs, grid, where, model.widths)
 
-    def keys(self, uv: np.ndarray) -> np.ndarray:
-        """Keys (M, C) at points uv (M, 2): equal where the bottom is."""
-        wi, wo = self._pairs
+    def read(self, start: int, stop: int) -> tuple[np.ndarray, CodesAt]:
+        uv = self._grid.uv(start, stop)
+        return self._hashes(uv), lambda texel, channel: self._codes(uv, texel, channel)
+
+    def _hashes(self, uv: np.ndarray) -> np.ndarray:
+        """Hashes (M, C) at points uv (M, 2): equal where the bottom is, within `KEY_BITS`."""
+        wi, wo = (w[::KEY_STRIDE] for w in self._pairs)
         if self._average.repeats > 1:  # values of a random BSDF cannot be compared
             shape = len(uv), spectrum.channel_count()
             return np.random.default_rng().integers(1 << 63, size=shape).astype(np.uint64)
-        f = probing.texel_values(
-            self._bottom, wi[::KEY_STRIDE], wo[::KEY_STRIDE], uv, probing.Averaging()
-        )
-        return texel_hash.row_hashes(list(np.moveaxis(f, -1, 0)))
+        f = probing.texel_values(self._bottom, wi, wo, uv, probing.Averaging())
+        return texel_hash.row_hashes(list(np.moveaxis(f, -1, 0)), KEY_BITS)
 
-    def codes(self, uv: np.ndarray, present: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Codes (k, size), and which of them (M, C) points uv (M, 2) with keys (M, C) have."""
-        channels = present.shape[1]
-        texel, texel_of = texel_hash.unique_rows(texel_hash.row_hashes(list(present.T)))
-        row, row_of = texel_hash.unique_rows(present[texel].ravel())
+    def _codes(self, uv: np.ndarray, texel: np.ndarray, channel: np.ndarray) -> np.ndarray:
+        """Codes (k, size) of rows: texels (k,), which ascend, at points uv (M, 2), and channels."""
+        texels, place = np.unique(texel, return_inverse=True)
         parts = []
-        for start in range(0, len(texel), PROBED_TEXELS):
-            points = uv[texel[start : start + PROBED_TEXELS]]
-            count, first = len(points) * channels, start * channels
-            own = row[slice(*np.searchsorted(row, [first, first + count]))] - first
+        for start in range(0, len(texels), PROBED_TEXELS):
+            rows = slice(*np.searchsorted(place, [start, start + PROBED_TEXELS]))
+            own = place[rows] - start, channel[rows]
+            points = uv[texels[start : start + PROBED_TEXELS]]
             lobes = self._lobes(points)
             if lobes is not None:
-                lobes = lobes.reshape(count, -1)[own]
+                lobes = lobes[own]
                 if getattr(self._bottom, "bare", False):
                     parts.append(bare_anchors(self._model, lobes))
                     continue
             f = probing.texel_values(self._bottom, *self._pairs, points, self._average)
-            f = probing.check_values(f, self._where).reshape(count, -1)[own]
+            f = probing.check_values(f, self._where)[own]
             anchors = without_useless_rests(self._model, encoder_codes(self._model, f, lobes), f)
             parts.append(limit_mean_albedo(self._model, anchors))
-        codes = np.concatenate(parts)
-        return codes, row_of.reshape(len(texel), channels)[texel_of]
+        return np.concatenate(parts)
 
     def _lobes(self, points: np.ndarray) -> np.ndarray | None:
         """Lobes (M, C, N) at points uv (M, 2) as the networks take them; None: they are fitted."""

@@ -94,7 +94,7 @@ def _bottom_codes(
         with dr.suspend_grad():  # a random walk's loop cannot be differentiated
             codes = BottomCodes(model, bottom, where)
             codes.update(grid)
-            return columns(codes.read(0, len(uv))[1])
+            return columns(codes.read(0, len(uv)))
     if grid is None or not varying_textures(bottom):
         grid, uv = MIDDLE, MIDDLE.uv()
     with dr.suspend_grad():
