@@ -12,13 +12,23 @@ from types import ModuleType
 import numpy as np
 import pytest
 from tests.paper import torch_writer as writer
-from tests.paper.torch_writer import dictionary, integer, named, state_dict, tensor, text, write
+from tests.paper.torch_writer import (
+    EMPTY,
+    dictionary,
+    integer,
+    named,
+    state_dict,
+    tensor,
+    text,
+    write,
+    write_legacy,
+)
 
 from urushi.app import cli
 from urushi.errors import FileError
 from urushi.material import Material
 from urushi.nets import weights
-from urushi.paper import published
+from urushi.paper import blocks, published
 from urushi.paper.architecture import EVALUATION, LAYERING, AdamProjection, init
 from urushi.paper.blocks import Linear
 from urushi.paper.inference import direction_inputs, evaluate, layer
@@ -56,15 +66,12 @@ def files(params, tmp_path_factory):
 
 
 def theirs(params, top, bottom, albedo, sigma_t):
-    """The layering network as published: codes in and out as they are."""
-    from urushi.paper import blocks
-
-    x = np.concatenate([top, bottom, albedo[:, None], sigma_t[:, None]], axis=1)
-    return blocks.apply(params, LAYERING, x)
+    """`layering.py` of the authors: layerer(input - 1) + 1, albedo and sigma_t plus 1 before."""
+    x = np.concatenate([top, bottom, albedo[:, None] + 1, sigma_t[:, None] + 1], axis=1)
+    return blocks.apply(params, LAYERING, x - 1) + 1
 
 
 def test_networks_keep_their_values(params, files, pairs):
-    """To float precision; the layering network's codes are shifted into its biases."""
     read = published.networks(*files)
     rng = np.random.default_rng(2)
     z = (1 + 0.5 * rng.normal(size=(300, 32))).astype(np.float32)
@@ -99,57 +106,151 @@ def test_tensors_that_share_a_storage_are_cut_out_of_it(tmp_path):
             "turned": tensor(values, "0", shape=(3, 2), strides=(1, 3), offset=12),
         }
     )
-    with TorchFile(write(tmp_path / "a.pth", program, {"0": values.tobytes()})) as file:
-        arrays = {name: file.array(t, name) for name, t in published.state_dict(file).items()}
+    file = TorchFile(write(tmp_path / "a.pth", program, {"0": values.tobytes()}))
+    arrays = {name: file.array(t, name) for name, t in published.state_dict(file).items()}
     np.testing.assert_array_equal(arrays["first"], values[:6].reshape(2, 3))
     np.testing.assert_array_equal(arrays["turned"], values[12:18].reshape(2, 3).T)
 
 
-@pytest.mark.parametrize("protocol", [2, 4])
-def test_what_pythons_own_pickler_writes_for_a_state_dict_is_read(protocol, tmp_path, monkeypatch):
-    """With its memo and its state `_metadata`; stand-ins have the names of PyTorch's functions."""
-    torch, utils = ModuleType("torch"), ModuleType("torch._utils")
-    torch.FloatStorage = type("FloatStorage", (), {"__module__": "torch"})
+class Storage:
+    def __init__(self, array):
+        self.array = array
 
-    def _rebuild_tensor_v2():
-        """Named in the pickle, never called."""
 
-    _rebuild_tensor_v2.__module__ = "torch._utils"
-    _rebuild_tensor_v2.__qualname__ = "_rebuild_tensor_v2"
-    utils._rebuild_tensor_v2 = _rebuild_tensor_v2
-    torch._utils = utils
-    monkeypatch.setitem(sys.modules, "torch", torch)
-    monkeypatch.setitem(sys.modules, "torch._utils", utils)
-    arrays = {"a.weight": np.ones((300, 2), np.float32), "a.bias": np.zeros(300, np.float32)}
+@pytest.fixture
+def by_python(monkeypatch):
+    """A function that pickles tensors by Python's own pickler, as PyTorch does.
 
-    class Storage:
-        def __init__(self, array):
-            self.array = array
+    Stand-ins have the names of PyTorch's and the authors' functions and classes.
+    """
 
-    class Standin:
+    def standin(module, name, value):
+        if module not in sys.modules or not hasattr(sys.modules[module], "standin"):
+            monkeypatch.setitem(sys.modules, module, ModuleType(module))
+            sys.modules[module].standin = True
+        value.__module__, value.__qualname__ = module, name
+        setattr(sys.modules[module], name, value)
+        return value
+
+    rebuild = standin("torch._utils", "_rebuild_tensor_v2", lambda: None)
+    parameter = standin("torch._utils", "_rebuild_parameter", lambda: None)
+    floats = standin("torch", "FloatStorage", type("FloatStorage", (), {}))
+    kinds = {
+        name: standin(f"torch.nn.modules.{module}", name, type(name, (), {}))
+        for module, name in (
+            ("linear", "Linear"),
+            ("normalization", "LayerNorm"),
+            ("container", "Sequential"),
+        )
+    }
+
+    class Tensor:
         def __init__(self, array):
             self.storage = Storage(array)
 
         def __reduce__(self):
             shape = self.storage.array.shape
             strides = tuple(int(np.prod(shape[i + 1 :])) for i in range(len(shape)))
-            return _rebuild_tensor_v2, (self.storage, 0, shape, strides, False, OrderedDict())
+            return rebuild, (self.storage, 0, shape, strides, False, OrderedDict())
 
-    class Pickler(pickle.Pickler):
-        def persistent_id(self, value):
-            if not isinstance(value, Storage):
+    class Parameter(Tensor):
+        def __reduce__(self):
+            return parameter, (Tensor(self.storage.array), True, OrderedDict())
+
+    class Network:
+        def state_dict(self):
+            """The authors saved this method."""
+
+    network = standin("model", "Network", Network)
+    module_kinds = {network, *kinds.values()}
+    config = standin("utils", "Config", type("Config", (), {}))
+
+    def module(kind, parameters=(), modules=()):
+        made = kind()
+        made.training, made._buffers, made._backward_hooks = True, OrderedDict(), OrderedDict()
+        made._parameters = OrderedDict((n, Parameter(a)) for n, a in parameters)
+        made._modules = OrderedDict(modules)
+        return made
+
+    def method(arrays):
+        """The bound method of a network with one module for each two arrays."""
+        parts = []
+        for name, weight in arrays.items():
+            place, _, part = name.rpartition(".")
+            if part == "weight":
+                kind = kinds["Linear" if weight.ndim == 2 else "LayerNorm"]
+                pair = (("weight", weight), ("bias", arrays[f"{place}.bias"]))
+                parts.append((place, module(kind, pair)))
+        whole = module(network, modules=[("layer", module(kinds["Sequential"], modules=parts))])
+        whole.config = config()
+        whole.config.layer_norm, whole.config.path = True, ["a", 1.5]
+        return whole.state_dict
+
+    def dictionary(arrays):
+        content = OrderedDict((name, Tensor(array)) for name, array in arrays.items())
+        content._metadata = OrderedDict([("", {"version": 1}), ("a", {"version": 1})])
+        return content
+
+    def program(arrays, form, protocol):
+        """Instructions without the first and the last, which the writers add."""
+        keys = {id(array): str(i) for i, array in enumerate(arrays.values())}
+        known = set()
+
+        class Pickler(pickle.Pickler):
+            def persistent_id(self, value):
+                if isinstance(value, Storage):
+                    size = value.array.size
+                    key = keys[id(value.array)]
+                    view = () if form == "dictionary" else (None,)
+                    return "storage", floats, key, "cuda:0", size, *view
+                if isinstance(value, type) and value in module_kinds - known and form == "method":
+                    known.add(value)
+                    return "module", value, "model.py", "class Network(nn.Module): ..."
                 return None
-            key = str([a is value.array for a in arrays.values()].index(True))
-            return "storage", torch.FloatStorage, key, "cuda:0", value.array.size
 
-    content = OrderedDict((name, Standin(array)) for name, array in arrays.items())
-    content._metadata = OrderedDict([("", {"version": 1}), ("a", {"version": 1})])
-    Pickler(buffer := io.BytesIO(), protocol).dump(content)
-    program = buffer.getvalue()[2:-1]  # `write` adds the first and the last instruction
+        Pickler(buffer := io.BytesIO(), protocol).dump(
+            method(arrays) if form == "method" else dictionary(arrays)
+        )
+        return buffer.getvalue()[2:-1]
+
+    return program
+
+
+@pytest.mark.parametrize("protocol", [2, 4])
+def test_what_pythons_own_pickler_writes_for_a_state_dict_is_read(protocol, tmp_path, by_python):
+    """With its memo and its state `_metadata`."""
+    arrays = {"a.weight": np.ones((300, 2), np.float32), "a.bias": np.zeros(300, np.float32)}
+    program = by_python(arrays, "dictionary", protocol)
     storages = {str(i): array.tobytes() for i, array in enumerate(arrays.values())}
-    with TorchFile(write(tmp_path / "a.pth", program, storages)) as file:
-        for name, value in published.state_dict(file).items():
-            np.testing.assert_array_equal(file.array(value, name), arrays[name])
+    file = TorchFile(write(tmp_path / "a.pth", program, storages))
+    for name, value in published.state_dict(file).items():
+        np.testing.assert_array_equal(file.array(value, name), arrays[name])
+
+
+@pytest.mark.parametrize("form", ["method", "old dictionary"])
+def test_the_authors_form_is_read(form, params, tmp_path, by_python):
+    """Their scripts call what they load: a network's method `state_dict`, in the older format."""
+    paths = []
+    for name, chain in (("Repre", EVALUATION), ("Layering", LAYERING)):
+        arrays = in_torch(params, chain)
+        storages = {str(i): array for i, array in enumerate(arrays.values())}
+        path = tmp_path / f"{name}Network.pth"
+        paths.append(write_legacy(path, by_python(arrays, form, 2), storages))
+    for name, value in published.networks(*paths).items():
+        np.testing.assert_array_equal(value, params[name])
+    data = paths[0].read_bytes()
+    for content, match in (
+        (data[:-1], "truncated or damaged"),
+        (data[: len(data) // 2], "truncated or damaged"),
+        (data[:200], "damaged"),
+        (data.replace(b"\xe9\x03", b"\xea\x03", 1), "truncated or damaged"),
+    ):
+        paths[0].write_bytes(content)
+        with pytest.raises(FileError, match=match):
+            TorchFile(paths[0])
+    write_legacy(paths[0], b"}", {}, little=False)
+    with pytest.raises(FileError, match="big-endian"):
+        TorchFile(paths[0])
 
 
 def test_files_of_pytorch_itself(params, tmp_path):
@@ -162,8 +263,8 @@ def test_files_of_pytorch_itself(params, tmp_path):
     read = published.networks(*paths)
     np.testing.assert_array_equal(read["evaluation.0.weight"], params["evaluation.0.weight"])
     torch.save(tensors, paths[-1], _use_new_zipfile_serialization=False)
-    with pytest.raises(FileError, match=r"before version 1\.6"):
-        published.networks(*paths)
+    old = published.networks(*paths)
+    np.testing.assert_array_equal(old["layering.0.weight"], params["layering.0.weight"])
 
 
 def test_one_command_makes_weights_for_all_others(params, files, tmp_path, capsys):
@@ -222,6 +323,22 @@ def test_a_file_of_another_network_is_refused(params, files, tmp_path):
         published.networks(path, layering)
 
 
+#: A network without attributes.
+NETWORK = named("model", "Network") + b")\x81"
+
+
+def method(value: bytes, name="state_dict") -> bytes:
+    """The method of an object."""
+    return named("__builtin__", "getattr") + value + text(name) + b"\x86R"
+
+
+def modules(*inner: bytes) -> bytes:
+    """Attributes of a network of modules."""
+    parts = b"".join(text(str(i)) + part for i, part in enumerate(inner))
+    names = b"}(" + text("_parameters") + EMPTY + text("_buffers") + EMPTY
+    return names + text("_modules") + EMPTY + b"(" + parts + b"uu"
+
+
 def hostile(target="") -> dict[str, tuple[bytes, str]]:
     """Pickles that must do nothing, with what the refusal says; some would make a file."""
     call = text(f"touch {target}") + b"\x85R"
@@ -233,7 +350,21 @@ def hostile(target="") -> dict[str, tuple[bytes, str]]:
         "eval": (named("builtins", "eval") + text("1") + b"\x85R", r"'builtins\.eval'"),
         "dotted": (named("torch", "serialization.load") + b")R", r"'torch\.serialization\.load'"),
         "other storage": (named("torch", "LongStorage"), r"'torch\.LongStorage'"),
-        "new object": (named("collections", "OrderedDict") + b")\x81", "instruction NEWOBJ"),
+        "new object": (named("collections", "OrderedDict") + b")\x81", "damaged"),
+        "new function": (named("torch._utils", "_rebuild_tensor_v2") + b")\x81", "damaged"),
+        "call of a class": (named("model", "Network") + b")R", "damaged"),
+        "class with arguments": (named("utils", "Config") + integer(1) + b"\x85\x81", "damaged"),
+        "name in a class": (named("model", "torch.hub.load") + b")\x81", "'model.torch.hub.load'"),
+        "other module": (named("torch.nn.utils", "x") + b")\x81", r"'torch\.nn\.utils\.x'"),
+        "other method": (method(b"}", "__class__"), "'__class__ of a network'"),
+        "method of a dictionary": (method(b"}"), "damaged"),
+        "method of a method": (method(named("__builtin__", "getattr")), "damaged"),
+        "no parameters": (method(NETWORK + b"}b"), "damaged"),
+        "module in itself": (method(NETWORK + b"q\x00" + modules(b"h\x00") + b"b"), "damaged"),
+        "module twice": (
+            method(NETWORK + modules(NETWORK + modules() + b"bq\x00", b"h\x00") + b"b"),
+            "damaged",
+        ),
         "extension": (b"\x82\x01", "instruction EXT1"),
         "call of a storage": (named("torch", "FloatStorage") + b")R", "damaged"),
         "dictionary of a call": (named("collections", "OrderedDict") + b"]\x85R", "damaged"),
@@ -254,13 +385,13 @@ def hostile(target="") -> dict[str, tuple[bytes, str]]:
 def test_a_hostile_pickle_is_refused_and_nothing_runs(name, tmp_path):
     target = tmp_path / "made"
     program, match = hostile(target)[name]
-    path = write(tmp_path / "hostile.pth", program, {})
-    with pytest.raises(FileError, match=match) as caught:
-        with TorchFile(path) as file:
-            published.state_dict(file)
-    assert str(path) in str(caught.value)
-    assert "\n" not in str(caught.value)
-    assert not target.exists()
+    for save in (write, write_legacy):
+        path = save(tmp_path / "hostile.pth", program, {})
+        with pytest.raises(FileError, match=match) as caught:
+            published.state_dict(TorchFile(path))
+        assert str(path) in str(caught.value)
+        assert "\n" not in str(caught.value)
+        assert not target.exists()
 
 
 def test_the_hostile_file_of_the_test_would_run_in_a_plain_pickle(tmp_path):
@@ -280,17 +411,17 @@ def test_shapes_outside_the_storage_are_refused(tmp_path):
     }
     for match, options in cases.items():
         program = dictionary({"a": tensor(values, "0", **options)})
-        with TorchFile(write(tmp_path / "a.pth", program, {"0": values.tobytes()})) as file:
-            with pytest.raises(FileError, match=match):
-                file.array(file.content["a"], "a")
+        file = TorchFile(write(tmp_path / "a.pth", program, {"0": values.tobytes()}))
+        with pytest.raises(FileError, match=match):
+            file.array(file.content["a"], "a")
     for match, storages in {
         "has 20 bytes instead of 24": {"0": bytes(20)},
-        "lacks the values 'a/data/0'": {},
+        "lacks the values of the tensor 'a'": {},
     }.items():
         program = dictionary({"a": tensor(values, "0")})
-        with TorchFile(write(tmp_path / "a.pth", program, storages)) as file:
-            with pytest.raises(FileError, match=match):
-                file.array(file.content["a"], "a")
+        file = TorchFile(write(tmp_path / "a.pth", program, storages))
+        with pytest.raises(FileError, match=match):
+            file.array(file.content["a"], "a")
 
 
 def test_files_of_other_kinds_are_refused(params, files, tmp_path):
@@ -307,7 +438,7 @@ def test_files_of_other_kinds_are_refused(params, files, tmp_path):
     refused(data[: len(data) // 2], "truncated or damaged")
     refused(data[:2], "truncated or damaged")
     refused(b"", "is not a PyTorch file")
-    refused(b"\x80\x02\x8a\nl\xfc\x9cF\xf9 j\xa8P\x19.\x80\x02M\xe9\x03.", r"before version 1\.6")
+    refused(b"\x80\x02\x8a\nl\xfc\x9cF\xf9 j\xa8P\x19.\x80\x02M\xe9\x03.", "damaged")
     refused(b"\x89HDF\r\n", "is not a PyTorch file")
     with pytest.raises(FileError, match="cannot read .* No such file"):
         TorchFile(tmp_path / "missing.pth")
@@ -354,3 +485,48 @@ def test_bombs_are_refused_in_little_memory(tmp_path):
     assert "more than 1048576" in long
     assert "1073741824 bytes" in sparse
     assert int(grown) < 50  # MB
+
+
+def codes(text):
+    """Numbers that the authors print."""
+    return np.array(text.split(), np.float32)
+
+
+#: Codes of the authors' `layering.py`: of the upper layer, the same for R, G and B, ...
+TOP = codes("""
+    1.0612 1.0654 1.0614 1.0730 0.9225 1.0260 0.9427 1.0506 0.9631 1.0320 1.0695 1.0979
+    1.0565 0.9360 0.9368 0.9340 0.9689 0.9265 0.9611 0.9153 0.9335 1.0632 0.9161 1.0621
+    1.0503 0.9159 1.0876 1.0519 0.9537 0.8968 1.0690 1.0926
+""")
+#: ... and of the lower layer.
+BOTTOM = codes("""
+    1.0357 1.0408 1.0111 1.0082 0.9337 1.0371 0.9698 1.0472 1.0252 0.9581 0.9941 0.9998
+    1.0237 0.9839 0.9645 0.9899 1.0191 0.9807 0.9569 1.0062 0.9887 1.0228 0.9749 0.9871
+    0.9560 1.0002 0.9644 0.9690 0.9858 0.8786 1.0145 1.0371 1.0406 1.0501 1.0168 1.0147
+    0.9320 1.0019 0.9645 1.0687 1.0633 1.0077 1.0002 1.0204 1.0279 0.9733 0.9622 0.9880
+    0.9869 0.9796 0.9412 1.0024 0.9851 1.0293 0.9760 1.0081 0.9759 0.9985 0.9706 0.9612
+    0.9785 0.9028 1.0155 1.0274 1.0375 1.0488 1.0276 1.0250 0.9497 0.9905 0.9466 1.0764
+    1.1145 1.0373 1.0133 1.0048 1.0359 0.9605 0.9625 0.9859 0.9715 0.9764 0.9293 0.9847
+    0.9677 1.0352 0.9703 1.0174 0.9892 0.9832 1.0055 0.9529 0.9692 0.9253 1.0243 1.0123
+""")
+#: Its output in their README, which leaves out the lines of the numbers 48 to 59 and 72 to 83.
+LAYERED = codes("""
+    1.0504 1.0140 0.9858 0.9929 0.9551 1.0667 1.0301 0.9681 0.9994 0.9346 0.9755 1.0965
+    0.9729 0.9676 1.0273 0.9618 1.0504 0.9365 1.0141 0.9615 1.0063 0.9993 0.9564 1.0172
+    0.9706 0.9159 1.0595 1.0985 1.0210 0.9151 0.9846 1.1005 1.0531 1.0070 0.9834 0.9946
+    0.9427 1.0695 1.0329 0.9671 1.0030 0.9307 0.9717 1.0957 0.9655 0.9536 1.0258 0.9603
+    1.0166 0.9141 0.9857 1.0903 1.0593 1.0096 0.9855 0.9977 0.9450 1.0692 1.0376 0.9607
+    0.9988 0.9997 0.9404 1.0150 0.9876 0.9113 1.0639 1.0914 1.0155 0.9163 0.9827 1.0837
+""")
+
+
+def test_the_authors_networks_layer_as_their_readme_prints(test_data):
+    """Four decimals are printed. The medium has albedo 1 and sigma_t 0."""
+    folder = test_data / "data" / "fan2022"
+    paths = [folder / f"{name}Network.pth" for name in ("Repre", "Layering")]
+    if not all(path.is_file() for path in paths):
+        pytest.skip(f"no networks of Fan et al. 2022 in '{folder}'")
+    read = published.networks(*paths)
+    found = layer(read, TOP, BOTTOM.reshape(3, 32), np.ones(3, np.float32), np.zeros(3, np.float32))
+    printed = np.r_[0:48, 60:72, 84:96]
+    np.testing.assert_allclose(found.ravel()[printed], LAYERED, atol=1e-4)

@@ -2,8 +2,11 @@
 
 The loss is the mean absolute difference of x / (1 + x), where x is f times the light's cosine. The
 compression limits the weight of highlights, and the cosine that of grazing light. Adam (Kingma and
-Ba 2015) takes steps of at most `RATE` in every number of the code. One definition runs on NumPy and
+Ba 2015) takes steps of about its rate in every number of the code. One definition runs on NumPy and
 JAX.
+
+Source: `compress.py` of the authors (github.com/sssssy/pytorch-mitsuba-NLB_Release). There, steps
+take the pairs in overlapping windows of a random order; here, every step draws pairs of its own.
 """
 
 from typing import Any, NamedTuple
@@ -14,8 +17,9 @@ from urushi.nets.mlp import Params
 from urushi.paper.architecture import FIRST_LATENT, LATENT, AdamProjection
 from urushi.paper.inference import LIGHT_COSINE, value_and_gradient
 
-#: Learning rate.
-RATE = 1e-3
+#: The learning rate of the first steps, its factor after each fifth of all steps, and the number of
+#: these decays: 1e-3 to 1.5e-5.
+RATE, DECAY, DECAYS = 1e-3, 0.003**0.24, 3
 
 #: Adam's default constants.
 FIRST_MOMENT, SECOND_MOMENT, TINY = 0.9, 0.999, 1e-8
@@ -54,10 +58,20 @@ def start(f: Any) -> AdamState:
     return AdamState(z, xp.zeros_like(z), xp.zeros_like(z), 0, nothing, nothing)
 
 
+def rate(taken: Any, steps: int, xp: Any = np) -> Any:
+    """The learning rate after `taken` of `steps` steps; xp: the array namespace."""
+    return RATE * DECAY ** xp.minimum(5 * taken // steps, DECAYS)
+
+
 def step(
-    params: Params, state: AdamState, directions: Any, f: Any, evaluate: Any = value_and_gradient
+    params: Params,
+    state: AdamState,
+    directions: Any,
+    f: Any,
+    steps: int,
+    evaluate: Any = value_and_gradient,
 ) -> AdamState:
-    """Take one step for every code.
+    """Take one of `steps` steps for every code.
 
     directions (M or 1, P, 6): `direction_inputs`; f (M, P) [1/sr], at the pairs of this step;
     evaluate: a function equal to `value_and_gradient`.
@@ -71,11 +85,12 @@ def step(
     slope = xp.mean(factor[..., None] * jacobian, axis=-2)
     first = FIRST_MOMENT * state.first + (1 - FIRST_MOMENT) * slope
     second = SECOND_MOMENT * state.second + (1 - SECOND_MOMENT) * slope * slope
-    steps = state.steps + 1
-    mean, square = first / (1 - FIRST_MOMENT**steps), second / (1 - SECOND_MOMENT**steps)
-    z = state.z - RATE * mean / (xp.sqrt(square) + TINY)
+    taken = state.steps + 1
+    mean, square = first / (1 - FIRST_MOMENT**taken), second / (1 - SECOND_MOMENT**taken)
+    size = xp.asarray(rate(state.steps, steps, xp), dtype=state.z.dtype)
+    z = state.z - size * mean / (xp.sqrt(square) + TINY)
     loss = xp.mean(xp.abs(difference), axis=-1)
-    return AdamState(z, first, second, steps, loss, xp.mean(xp.abs(value - f), axis=-1))
+    return AdamState(z, first, second, taken, loss, xp.mean(xp.abs(value - f), axis=-1))
 
 
 def draws(options: AdamProjection, count: int, seed: int = 0) -> np.ndarray | None:
@@ -101,7 +116,7 @@ def project(
     state = start(f)
     for index in range(options.steps):
         chosen = slice(None) if at is None else at[index]
-        state = step(params, state, directions[:, chosen], f[:, chosen], _in_parts)
+        state = step(params, state, directions[:, chosen], f[:, chosen], options.steps, _in_parts)
     return state.z, state.error
 
 

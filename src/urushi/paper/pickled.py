@@ -4,11 +4,16 @@ A pickle is a program for a stack machine, and Python's own `pickle` calls whate
 module interprets the few instructions that tensors in dictionaries need. It has no calls: a tensor
 becomes a description of where its values are, and every other object is refused by its name. Time
 and memory are proportional to the pickle's length.
+
+The authors saved the bound method `state_dict` of a network, so that their scripts call what
+`torch.load` returns. It stands for the tensors of the network's modules. Modules, and objects of
+classes in the authors' `model.py` and `utils.py`, are read as their attributes.
 """
 
 import os
 import pickletools
-from typing import Any, NamedTuple, NoReturn
+from dataclasses import dataclass, field
+from typing import Any, BinaryIO, NamedTuple, NoReturn
 
 from urushi.errors import FileError
 
@@ -42,7 +47,16 @@ class _Global(NamedTuple):
     name: str
 
 
+@dataclass(frozen=True, eq=False)
+class _Object:
+    """An object of a class that is not imported: its attributes by name."""
+
+    attributes: dict[str, Any] = field(default_factory=dict)
+
+
 _DICTIONARY = _Global("collections", "OrderedDict")
+_METHOD = _Global("__builtin__", "getattr")
+_SIZE = _Global("torch", "Size")
 _TENSOR = _Global("torch._utils", "_rebuild_tensor_v2")
 _PARAMETER = _Global("torch._utils", "_rebuild_parameter")
 _DTYPES = {
@@ -51,8 +65,17 @@ _DTYPES = {
     _Global("torch", "DoubleStorage"): "<f8",
 }
 
-#: All objects that a pickle may name. None of them is imported.
-ALLOWED = frozenset({_DICTIONARY, _TENSOR, _PARAMETER, *_DTYPES})
+#: All functions and types that a pickle may name. None of them is imported.
+ALLOWED = frozenset({_DICTIONARY, _METHOD, _SIZE, _TENSOR, _PARAMETER, *_DTYPES})
+
+#: Modules of the classes that a pickle may name: PyTorch's, and the authors' scripts.
+CLASS_MODULES = frozenset(
+    ["model", "utils"]
+    + [
+        f"torch.nn.modules.{name}"
+        for name in ("activation", "container", "linear", "normalization")
+    ]
+)
 
 #: Instructions whose argument is the value that they push.
 _CONSTANTS = frozenset(
@@ -62,17 +85,22 @@ _CONSTANTS = frozenset(
 _MARK = object()
 
 
-def decode(data: bytes, path: str | os.PathLike) -> Any:
-    """Return what a pickle describes: dicts, lists, tuples, numbers, text, None and tensors.
+def decode(file: BinaryIO, path: str | os.PathLike) -> tuple[Any, dict[str, Storage]]:
+    """Return what a pickle describes, and its storages by key.
 
-    path: of the file, for errors.
+    Values are dicts, lists, tuples, numbers, text, None and tensors.
+
+    Args:
+        file: the pickle; reading ends after its last instruction.
+        path: of the file, for errors.
 
     Raises:
-        FileError: the pickle names an object that is not `ALLOWED`, uses an instruction that
-            tensors in dictionaries do not need, or is damaged.
+        FileError: the pickle names an object that is not `ALLOWED` or of `CLASS_MODULES`, uses an
+            instruction that tensors in dictionaries do not need, or is damaged.
     """
+    machine = _Machine(path)
     try:
-        return _Machine(path).run(data)
+        return machine.run(file), machine.storages
     except (AttributeError, IndexError, KeyError, TypeError, ValueError) as error:
         raise FileError(
             f"'{path}' is damaged: its pickle is no sequence of instructions that PyTorch writes; "
@@ -87,10 +115,11 @@ class _Machine:
         self._path = path
         self._stack: list[Any] = []
         self._memo: dict[int, Any] = {}
+        self.storages: dict[str, Storage] = {}
 
-    def run(self, data: bytes) -> Any:
+    def run(self, file: BinaryIO) -> Any:
         """Interpret a pickle."""
-        for instruction, argument, _ in pickletools.genops(data):
+        for instruction, argument, _ in pickletools.genops(file):
             name = instruction.name
             if name in ("GLOBAL", "INST"):
                 self._push_global(*str(argument).split(" ", 1))
@@ -108,7 +137,8 @@ class _Machine:
         return result
 
     def _push_global(self, module: str, name: str) -> None:
-        if (module, name) not in ALLOWED:
+        is_class = module in CLASS_MODULES and name.isidentifier()
+        if (module, name) not in ALLOWED and not is_class:
             self._refuse(f"{module}.{name}")
         self._stack.append(_Global(module, name))
 
@@ -201,17 +231,35 @@ class _Machine:
         name, module = self._stack.pop(), self._stack.pop()
         self._push_global(_of(module, str), _of(name, str))
 
+    def _newobj(self) -> None:
+        arguments, kind = self._stack.pop(), _of(self._stack.pop(), _Global)
+        if kind.module not in CLASS_MODULES or arguments != ():
+            raise ValueError(kind)
+        self._stack.append(_Object())
+
     def _build(self) -> None:
-        """State of an object: the versions of a state dict's modules, which are not needed."""
-        self._stack.pop()
-        _of(self._stack[-1], dict)
+        """Attributes of an object. Those of a state dict, its modules' versions, are not needed."""
+        attributes = self._stack.pop()
+        if isinstance(self._stack[-1], _Object):
+            self._stack[-1].attributes.update(_of(attributes, dict))
+        else:
+            _of(self._stack[-1], dict)
 
     def _binpersid(self) -> None:
-        """A storage: ("storage", its type, its key, its device, its length)."""
-        word, kind, key, _, length = self._stack.pop()
-        if word != "storage":
+        """A storage: ("storage", type, key, device, length), and None for no view in old files.
+
+        Old files have the class of a module like this: ("module", class, its file, its text).
+        """
+        word, kind, key, _, *rest = _of(self._stack.pop(), tuple)
+        if word == "module" and not rest:
+            self._stack.append(_of(kind, _Global))
+            return
+        if word != "storage" or rest[1:] not in ([], [None]):
             raise ValueError(word)
-        self._stack.append(Storage(_DTYPES[kind], _of(key, str), _of(length, int)))
+        storage = Storage(_DTYPES[kind], _of(key, str), _of(rest[0], int))
+        if self.storages.setdefault(key, storage) != storage:
+            raise ValueError(key)
+        self._stack.append(storage)
 
     def _reduce(self) -> None:
         arguments, function = self._stack.pop(), self._stack.pop()
@@ -223,9 +271,38 @@ class _Machine:
             value = _of(_of(arguments, tuple)[0], Tensor)
         elif function == _DICTIONARY and arguments == ():
             value = {}
+        elif function == _SIZE:
+            (value,) = _of(arguments, tuple)
+        elif function == _METHOD:
+            module, name = _of(arguments, tuple)
+            if name != "state_dict":
+                self._refuse(f"{name} of a network")
+            value = _state_dict(_of(module, _Object))
         else:
             raise ValueError(function)
         self._stack.append(value)
+
+
+def _state_dict(network: _Object) -> dict[str, Tensor]:
+    """The tensors of a module and of all modules within, by name, as PyTorch's method does.
+
+    No module may occur twice: a short pickle could contain one module exponentially often.
+    """
+    tensors: dict[str, Tensor] = {}
+    found: set[_Object] = set()
+    waiting = [("", network)]
+    while waiting:
+        prefix, module = waiting.pop()
+        if module in found:
+            raise ValueError(prefix)
+        found.add(module)
+        for kind in ("_parameters", "_buffers"):
+            for name, tensor in _of(module.attributes[kind], dict).items():
+                if tensor is not None:
+                    tensors[f"{prefix}{name}"] = _of(tensor, Tensor)
+        inner = _of(module.attributes["_modules"], dict).items()
+        waiting += [(f"{prefix}{name}.", _of(part, _Object)) for name, part in inner][::-1]
+    return tensors
 
 
 def _of(value: Any, kind: type) -> Any:

@@ -1,10 +1,10 @@
 """The published networks in PyTorch's files, as parameters of Urushi's.
 
-The files' names of layers are not known, so layers are matched by the order in which a network
-defines them, Linear and LayerNorm each among themselves, and every shape is checked. Assumed are,
-from the paper: the inputs in the order of `inference.direction_inputs` with the code after them, of
-the layering network the upper code, the lower code, albedo and sigma_t; values of f without cosine;
-LayerNorm with PyTorch's epsilon; codes are used unchanged and start at 1.
+Layers are matched by the order in which a network defines them, Linear and LayerNorm each among
+themselves, and every shape is checked. Networks, inputs and outputs are as in the authors' scripts
+`model.py`, `layering.py` and `compress.py` (github.com/sssssy/pytorch-mitsuba-NLB_Release): the
+direction inputs in the order of `inference.direction_inputs`, then the code; of the layering
+network the upper and the lower code minus 1, albedo and sigma_t; its output is a code minus 1.
 """
 
 import os
@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from urushi.errors import FileError
-from urushi.paper.architecture import EVALUATION, LATENT, LAYERING, PROXY
+from urushi.paper.architecture import EVALUATION, LAYERING, PROXY
 from urushi.paper.blocks import Block, Linear, Norm, Skip, shapes
 from urushi.paper.pickled import Tensor
 from urushi.paper.torch_file import TorchFile
@@ -33,11 +33,6 @@ def networks(
     """
     params = _read(representation, "representation", EVALUATION)
     params |= _read(layering, "layering", LAYERING)
-    # Urushi's layering network reads and returns codes minus 1, the published one codes.
-    weight = params["layering.0.weight"][: 2 * LATENT].astype(np.float64)
-    bias = params["layering.0.bias"] + weight.sum(axis=0)
-    params["layering.0.bias"] = bias.astype(np.float32)
-    params["layering.3.bias"] = params["layering.3.bias"] - np.float32(1)
     return params
 
 
@@ -79,38 +74,37 @@ def _holds_tensors(value: Any) -> bool:
 
 def _read(path: str | os.PathLike, network: str, chain: Iterable[Block]) -> dict[str, np.ndarray]:
     """The parameters of one network, by Urushi's names."""
-    with TorchFile(path) as file:
-        tensors = state_dict(file)
-        modules: dict[str, dict[str, Tensor]] = {}
-        for name, tensor in tensors.items():
-            module, _, part = name.rpartition(".")
-            modules.setdefault(module, {})[part] = tensor
-        where = f"the {network} network in '{path}'"
-        found: dict[type, list[str]] = {Linear: [], Norm: []}
-        for module, parts in modules.items():
-            found[_kind(module, parts, where)].append(module)
-        params: dict[str, np.ndarray] = {}
-        for kind, word in ((Linear, "Linear"), (Norm, "LayerNorm")):
-            expected = [block for block in flat(chain) if isinstance(block, kind)]
-            if len(found[kind]) != len(expected):
+    file = TorchFile(path)
+    tensors = state_dict(file)
+    modules: dict[str, dict[str, Tensor]] = {}
+    for name, tensor in tensors.items():
+        module, _, part = name.rpartition(".")
+        modules.setdefault(module, {})[part] = tensor
+    where = f"the {network} network in '{path}'"
+    found: dict[type, list[str]] = {Linear: [], Norm: []}
+    for module, parts in modules.items():
+        found[_kind(module, parts, where)].append(module)
+    params: dict[str, np.ndarray] = {}
+    for kind, word in ((Linear, "Linear"), (Norm, "LayerNorm")):
+        expected = [block for block in flat(chain) if isinstance(block, kind)]
+        if len(found[kind]) != len(expected):
+            raise FileError(
+                f"{where} has {len(found[kind])} layers of kind {word}, the paper's has "
+                f"{len(expected)}; give the representation network first, then the layering one"
+            )
+        for number, (module, block) in enumerate(zip(found[kind], expected, strict=True), 1):
+            shape, asked = modules[module]["weight"].shape, _torch_shape(block)
+            if shape != asked:
                 raise FileError(
-                    f"{where} has {len(found[kind])} layers of kind {word}, the paper's has "
-                    f"{len(expected)}; give the representation network first, then the layering one"
+                    f"{word} {number} of {where}, '{module}', has a weight of shape {shape}, "
+                    f"the paper's has {asked}; give networks that define their layers in the "
+                    "paper's order"
                 )
-            for number, (module, block) in enumerate(zip(found[kind], expected, strict=True), 1):
-                shape, asked = modules[module]["weight"].shape, _torch_shape(block)
-                if shape != asked:
-                    raise FileError(
-                        f"{word} {number} of {where}, '{module}', has a weight of shape {shape}, "
-                        f"the paper's has {asked}; give networks that define their layers in the "
-                        "paper's order"
-                    )
-                weight, bias = (
-                    file.array(modules[module][part], f"{module}.{part}")
-                    for part in ("weight", "bias")
-                )
-                names = block.shapes()  # of the weight, then of the bias
-                params |= zip(names, (weight.T, bias), strict=True)
+            weight, bias = (
+                file.array(modules[module][part], f"{module}.{part}") for part in ("weight", "bias")
+            )
+            names = block.shapes()  # of the weight, then of the bias
+            params |= zip(names, (weight.T, bias), strict=True)
     return params
 
 

@@ -1,10 +1,11 @@
 """Files of `torch.save`, read with NumPy alone."""
 
+import io
 import math
 import os
 import zipfile
+from collections.abc import Mapping
 from pathlib import Path
-from types import TracebackType
 from typing import Any
 
 import numpy as np
@@ -19,15 +20,12 @@ MAX_FILE, MAX_PICKLE = 1 << 26, 1 << 20
 #: Largest number of values of a tensor: sixteen times that of the paper's largest.
 MAX_VALUES = 1 << 22
 
-#: First bytes of the format that PyTorch wrote before version 1.6.
-_LEGACY = b"\x80\x02\x8a\x0al\xfc\x9cF\xf9 j\xa8P\x19."
+#: First bytes of the format that PyTorch wrote before version 1.6, and the version of the format.
+_LEGACY, _LEGACY_VERSION = b"\x80\x02\x8a\x0al\xfc\x9cF\xf9 j\xa8P\x19.", 1001
 
 
 class TorchFile:
-    """An open file of `torch.save`; a context manager.
-
-    Only the zip format is read, which is PyTorch's since version 1.6 (2020). Members are not
-    compressed there, so that memory is bounded by the file's size.
+    """A file of `torch.save`, of the zip format or that before PyTorch 1.6 (2020).
 
     Attributes:
         path: the file.
@@ -35,39 +33,18 @@ class TorchFile:
     """
 
     def __init__(self, path: str | os.PathLike) -> None:
-        """Open a file and read its pickle; the tensors' values are read by `array`.
+        """Read a file's pickle and its storages; `array` makes tensors of them.
 
         Raises:
-            FileError: the file is missing, too large, truncated, foreign, of the older format, or
-                holds anything but tensors in dictionaries.
+            FileError: the file is missing, too large, truncated, foreign, or holds anything but
+                tensors in dictionaries.
         """
         self.path = Path(path)
-        self._archive = _opened(self.path)
-        try:
-            names = [n for n in self._archive.namelist() if n.endswith("/data.pkl")]
-            if len(names) != 1:
-                raise FileError(
-                    f"'{path}' is a zip file, but not one of torch.save; "
-                    "give a file of torch.save(network.state_dict())"
-                )
-            self._folder = names[0].removesuffix("data.pkl")
-            order = f"{self._folder}byteorder"
-            if order in self._archive.namelist() and self._member(order, 16) != b"little":
-                raise FileError(
-                    f"'{path}' has big-endian numbers; save it again on a little-endian machine"
-                )
-            self.content: Any = decode(self._member(names[0], MAX_PICKLE), path)
-        except BaseException:
-            self._archive.close()
-            raise
-
-    def __enter__(self) -> "TorchFile":
-        return self
-
-    def __exit__(
-        self, kind: type | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self._archive.close()
+        data = _read(self.path)
+        self.content: Any
+        self._storages: Mapping[str, bytes]
+        read = _read_legacy if data.startswith(_LEGACY) else _read_zip
+        self.content, self._storages = read(data, self.path)
 
     def array(self, tensor: Tensor, name: str) -> np.ndarray:
         """The values of a tensor as a new float32 array; name: for errors.
@@ -91,7 +68,11 @@ class TorchFile:
                 f"the tensor '{name}' of '{path}' lies outside its storage; save it again"
             )
         dtype = np.dtype(storage.dtype)
-        data = self._member(f"{self._folder}data/{storage.key}", MAX_FILE)
+        data = self._storages.get(storage.key)
+        if data is None:
+            raise FileError(
+                f"'{path}' lacks the values of the tensor '{name}'; download or save it again"
+            )
         if len(data) != storage.length * dtype.itemsize:
             raise FileError(
                 f"the storage of the tensor '{name}' of '{path}' has {len(data)} bytes instead of "
@@ -109,56 +90,92 @@ class TorchFile:
             )
         return array
 
-    def _member(self, name: str, most: int) -> bytes:
-        """The bytes of a member, at most `most`."""
-        try:
-            member = self._archive.getinfo(name)
-            if member.compress_type != zipfile.ZIP_STORED:
-                raise FileError(
-                    f"'{self.path}' is compressed, but torch.save never compresses; save it again"
-                )
-            if member.file_size > most:
-                raise FileError(
-                    f"'{name}' in '{self.path}' has {member.file_size} bytes, more than {most}; "
-                    "give a file of torch.save(network.state_dict())"
-                )
-            return self._archive.read(member)
-        except KeyError as error:
-            raise FileError(
-                f"'{self.path}' lacks the values '{name}'; download or save it again"
-            ) from error
-        except FileError:
-            raise
-        except (OSError, EOFError, RuntimeError, zipfile.BadZipFile) as error:
-            raise _damaged(self.path) from error
 
-
-def _opened(path: Path) -> zipfile.ZipFile:
-    """The file as a zip archive."""
+def _read(path: Path) -> bytes:
+    """All bytes of a file, at most `MAX_FILE`."""
     try:
         size = path.stat().st_size
+        if size > MAX_FILE:
+            raise FileError(
+                f"'{path}' has {size} bytes, and files of the paper's networks at most {MAX_FILE}; "
+                "give a file of torch.save(network.state_dict())"
+            )
         with path.open("rb") as file:
-            first = file.read(len(_LEGACY))
+            data = file.read(MAX_FILE)
     except OSError as error:
         raise FileError(
             f"cannot read '{path}': {error.strerror or error}; check the path"
         ) from error
-    if size > MAX_FILE:
-        raise FileError(
-            f"'{path}' has {size} bytes, and files of the paper's networks at most {MAX_FILE}; "
-            "give a file of torch.save(network.state_dict())"
-        )
-    if first == _LEGACY:
-        raise FileError(
-            f"'{path}' has the format that PyTorch wrote before version 1.6; "
-            'write it again by a newer one: torch.save(torch.load(FILE, map_location="cpu"), FILE)'
-        )
-    if not first.startswith(b"PK"):
+    if not data.startswith((_LEGACY, b"PK")):
         raise FileError(f"'{path}' is not a PyTorch file; give one written by torch.save")
+    return data
+
+
+def _read_zip(data: bytes, path: Path) -> tuple[Any, Mapping[str, bytes]]:
+    """Content and storages of a zip file, whose members are not compressed and do not overlap."""
     try:
-        return zipfile.ZipFile(path)
-    except (OSError, RuntimeError, ValueError, zipfile.BadZipFile) as error:
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            members = {member.filename: member for member in archive.infolist()}
+            if any(m.compress_type != zipfile.ZIP_STORED for m in members.values()):
+                raise FileError(
+                    f"'{path}' is compressed, but torch.save never compresses; save it again"
+                )
+            if sum(member.file_size for member in members.values()) > MAX_FILE:
+                raise _damaged(path)
+            names = [name for name in members if name.endswith("/data.pkl")]
+            if len(names) != 1:
+                raise FileError(
+                    f"'{path}' is a zip file, but not one of torch.save; "
+                    "give a file of torch.save(network.state_dict())"
+                )
+            size = members[names[0]].file_size
+            if size > MAX_PICKLE:
+                raise FileError(
+                    f"'{names[0]}' in '{path}' has {size} bytes, more than {MAX_PICKLE}; "
+                    "give a file of torch.save(network.state_dict())"
+                )
+            folder = names[0].removesuffix("data.pkl")
+            order = members.get(f"{folder}byteorder")
+            if order is not None and archive.read(order) != b"little":
+                raise _big_endian(path)
+            content, storages = decode(io.BytesIO(archive.read(names[0])), path)
+            places = {key: members.get(f"{folder}data/{key}") for key in storages}
+            return content, {k: archive.read(m) for k, m in places.items() if m is not None}
+    except FileError:
+        raise
+    except (OSError, EOFError, RuntimeError, ValueError, zipfile.BadZipFile) as error:
         raise _damaged(path) from error
+
+
+def _read_legacy(data: bytes, path: Path) -> tuple[Any, Mapping[str, bytes]]:
+    """Content and storages of the older format.
+
+    Five pickles follow each other: a number, the format's version, the machine, the content, and
+    the keys of its storages. After them, each storage has its length, 8 bytes, and its values.
+    """
+    file = io.BytesIO(data[:MAX_PICKLE])
+    _, version, machine = (decode(file, path)[0] for _ in range(3))
+    content, storages = decode(file, path)
+    keys, _ = decode(file, path)
+    if version != _LEGACY_VERSION or not isinstance(machine, dict) or not isinstance(keys, list):
+        raise _damaged(path)
+    if machine.get("little_endian") is not True:
+        raise _big_endian(path)
+    found, place = {}, file.tell()
+    for key in keys:
+        if type(key) is not str or key not in storages:
+            raise _damaged(path)
+        storage = storages[key]
+        end = place + 8 + storage.length * np.dtype(storage.dtype).itemsize
+        if int.from_bytes(data[place : place + 8], "little") != storage.length or end > len(data):
+            raise _damaged(path)
+        found[key] = data[place + 8 : end]
+        place = end
+    return content, found
+
+
+def _big_endian(path: Path) -> FileError:
+    return FileError(f"'{path}' has big-endian numbers; save it again on a little-endian machine")
 
 
 def _damaged(path: Path) -> FileError:

@@ -18,10 +18,10 @@ PAIRS = 64
 class Import:
     """Convert the published PyTorch networks of Fan et al. 2022 into a weights file.
 
-    The files are state dicts written by torch.save. PyTorch is not needed, and no code in the files
-    is executed. docs/published.md lists the assumptions about their layout.
+    PyTorch is not needed, and no code in the files is executed. docs/published.md lists what the
+    files may hold.
 
-    Example: urushi paper import representation.pth layering.pth -o published.safetensors
+    Example: urushi paper import RepreNetwork.pth LayeringNetwork.pth -o published.safetensors
     """
 
     representation: tyro.conf.Positional[Path]
@@ -78,7 +78,7 @@ class Import:
 class Tensors:
     """Print the names and shapes of the tensors in a file of torch.save.
 
-    Example: urushi paper tensors representation.pth
+    Example: urushi paper tensors RepreNetwork.pth
     """
 
     file: tyro.conf.Positional[Path]
@@ -88,9 +88,8 @@ class Tensors:
         from urushi.paper.published import state_dict
         from urushi.paper.torch_file import TorchFile
 
-        with TorchFile(self.file) as file:
-            for name, tensor in state_dict(file).items():
-                print(f"{name}  {' × '.join(map(str, tensor.shape)) or 'scalar'}")
+        for name, tensor in state_dict(TorchFile(self.file)).items():
+            print(f"{name}  {' × '.join(map(str, tensor.shape)) or 'scalar'}")
         return 0
 
 
@@ -98,7 +97,7 @@ class Tensors:
 class Paper:
     """Read the published networks of Fan et al. 2022, where you have their files.
 
-    Example: urushi paper import representation.pth layering.pth -o published.safetensors
+    Example: urushi paper import RepreNetwork.pth LayeringNetwork.pth -o published.safetensors
     """
 
     command: (

@@ -108,8 +108,8 @@ def _project_by_adam(
 ) -> tuple[jax.Array, jax.Array]:
     def step(index: int, state: adam.AdamState) -> adam.AdamState:
         if at is None:
-            return adam.step(params, state, directions, f)
-        return adam.step(params, state, directions[:, at[index]], f[:, at[index]])
+            return adam.step(params, state, directions, f, steps)
+        return adam.step(params, state, directions[:, at[index]], f[:, at[index]], steps)
 
     state = jax.lax.fori_loop(0, steps, step, adam.start(f))
     return state.z, state.error
