@@ -47,10 +47,10 @@ class BakedTexture:
         layout = packing.texel_layout(model, channels)
         self.store = TextureStore(model, layout, grid.width, grid.height, mipmaps=mipmaps)
 
-    def update(self, source: Source, advance: Callable[[int], None] = lambda texels: None) -> None:
+    def update(self, source: Source, advance: Callable[[int], Any] = lambda texels: None) -> None:
         """Compute the texels of which a hash has changed.
 
-        advance: called with the number of texels that are done, block after block.
+        advance: called with the number of texels of each block when it is done.
         """
         shared = SharedCodes(self.store.layout.size)
         rows, index, hashes = [], [], []
@@ -64,7 +64,7 @@ class BakedTexture:
                 hashes.append(present[changed])
                 index.append(shared.index(hashes[-1], _of_texels(codes_at, changed)))
                 rows.append(start + changed)
-            advance(stop)
+            advance(stop - start)
         if rows:
             chosen = np.concatenate(rows)
             with self.store.writing() as write:

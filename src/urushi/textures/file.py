@@ -1,6 +1,7 @@
 """The file of a latent texture: its packed texels, level by level, and its grid over uv."""
 
 import os
+import zlib
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,7 @@ def write(path: str | os.PathLike, store: TextureStore, grid: TexelGrid, fingerp
     Raises:
         FileError: the file cannot be written.
     """
+    packed = store.packed
     description = {
         "version": FORMAT_VERSION,
         "weights": fingerprint,
@@ -31,8 +33,8 @@ def write(path: str | os.PathLike, store: TextureStore, grid: TexelGrid, fingerp
         "levels": len(store.levels),
         "layout": store.layout._asdict(),
         "place": {"to_texture": grid.to_texture, "wrap": grid.wrap, "nearest": grid.nearest},
+        "checksum": _checksum(packed),
     }
-    packed = store.packed
     arrays = {"texels": packed.bytes, "lowest": packed.lowest, "step": packed.step}
     files.write_tensors(path, KIND, description, arrays)
 
@@ -87,12 +89,18 @@ def _store(
     packed = PackedTexels(arrays["texels"], arrays["lowest"], arrays["step"])
     if packed.bytes.dtype != np.uint8 or packed.bytes.shape != shape:
         raise ValueError("texels are missing")
+    if description.get("checksum", checksum := _checksum(packed)) != checksum:
+        raise ValueError("its texels have changed")
     for range_ in (packed.lowest, packed.step):
         wrong = range_.dtype != np.float32 or range_.shape != (size,)
         if wrong or not np.isfinite(range_).all():
             raise ValueError("its ranges are not finite numbers")
     store.packed = packed
     return store
+
+
+def _checksum(packed: PackedTexels) -> int:
+    return zlib.crc32(np.ascontiguousarray(packed.bytes).data)
 
 
 def _layout(entries: dict[str, Any]) -> TexelLayout:

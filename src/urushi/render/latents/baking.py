@@ -2,13 +2,18 @@
 
 Three stages: the codes of the bottom (`bottoms`), the coat's parameters at every texel, and the
 layering. Each stage remembers its inputs and repeats only the work for inputs that have changed.
+Textures that were baked before, even by another process, are read from the disk
+(`textures.cache`).
 """
 
+from collections.abc import Iterator
+from functools import partial
 from typing import Any
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
+from tqdm import tqdm
 
 from urushi.checks import CoatParameters
 from urushi.material.layer import layer_material, layer_texels
@@ -18,8 +23,12 @@ from urushi.render.latents.bottoms import BottomCodes, nested_latents
 from urushi.render.latents.holders import ConstantLatents, TexturedLatents
 from urushi.render.reading import grid as grids
 from urushi.render.reading.parameters import CoatTextures
+from urushi.textures import cache
 from urushi.textures.bake import TEXEL_BLOCK, BakedTexture, coat_source
 from urushi.textures.grid import TexelGrid
+
+#: Seconds of baking before progress is shown, and between two reports.
+PROGRESS_DELAY = 3.0
 
 
 class Baker:
@@ -52,11 +61,12 @@ class Baker:
             ParameterError: a parameter is out of range, or the bottom's values are not a BRDF.
         """
         grid = choose_grid(self._coat, self._bottom, self._model, self._resolution)
-        before = self._texture and self._texture.grid
-        if bottom_changed or grid != before:
-            self._codes.update(grid)
-        if grid is None:
+        if self._texture is not None and self._texture.grid != grid:
             self._texture = None
+        opened = bottom_changed or self._texture is None
+        if opened:
+            self._codes.open(grid)
+        if grid is None:
             table = self._coat.layering(np.full((1, 2), 0.5))
             if self._codes.material is not None:
                 columns = [column[0] for column in CoatParameters(**table).columns()]
@@ -65,16 +75,51 @@ class Baker:
             return ConstantLatents(
                 self._model, layer_texels(self._model, self._codes.read(0, 1), **table)[0]
             )
-        if self._texture is None or grid != before:
-            channels = spectrum.channel_count()
-            self._texture = BakedTexture(self._model, grid, channels, self._mipmaps)
+        key = self._key(grid) if self._texture is None and cache.folder() else None
+        kept = cache.read(key, self._model) if key else None
+        if kept is not None:
+            return TexturedLatents(self._model, kept[0], grid)
+        channels = spectrum.channel_count()
+        texture = self._texture or BakedTexture(self._model, grid, channels, self._mipmaps)
         dr.sync_thread()  # kernels may still read what is overwritten here
+        with self._progress(grid) as bar:
+            if opened:
+                self._codes.bake(bar.update)
+            source = coat_source(self._model, partial(self._parameters, grid), self._codes.source)
+            texture.update(source, bar.update)
+        if key:
+            cache.write(key, texture.store, grid, self._model)
+        self._texture = texture
+        return TexturedLatents(self._model, texture.store, grid)
 
-        def parameters(start: int, stop: int) -> dict[str, Any]:
-            return self._coat.layering(grid.uv(start, stop))
+    def _parameters(self, grid: TexelGrid, start: int, stop: int) -> dict[str, Any]:
+        """The arguments of `layer_texels` at a range of texels, or at one if they do not vary."""
+        varies = any(map(grids.varying_textures, self._coat.textures.values()))
+        return self._coat.layering(grid.uv(start, stop if varies else start + 1))
 
-        self._texture.update(coat_source(self._model, parameters, self._codes.source))
-        return TexturedLatents(self._model, self._texture.store, grid)
+    def _key(self, grid: TexelGrid) -> str:
+        """The key of the texture in the cache."""
+        settings = mi.__version__, mi.variant(), self._model.fingerprint, grid, self._mipmaps
+
+        def contents() -> Iterator[np.ndarray]:
+            for start in range(0, grid.texels, TEXEL_BLOCK):
+                stop = min(start + TEXEL_BLOCK, grid.texels)
+                yield from CoatParameters(**self._parameters(grid, start, stop)).columns()
+                yield self._codes.content(start, stop)
+
+        return cache.key(str(settings), contents())
+
+    def _progress(self, grid: TexelGrid) -> tqdm:
+        """A progress bar on stderr, in files too, of a baking that takes longer than a moment."""
+        return tqdm(
+            total=grid.texels * (1 + self._codes.stored),
+            desc=f"{self._coat.where}: {grid.width} x {grid.height} texels are baked (a lower "
+            "'resolution' is faster)",
+            unit=" texels",
+            unit_scale=True,
+            delay=PROGRESS_DELAY,
+            mininterval=PROGRESS_DELAY,
+        )
 
 
 def choose_grid(

@@ -40,24 +40,23 @@ KEY_STRIDE, KEY_BITS = 24, 9
 
 
 class BottomCodes:
-    """The codes of a bottom; `update` computes them, and computes them again after a change.
+    """The codes of a bottom: `open` reads it, `bake` computes the codes that are stored.
 
     Attributes:
         material: a constant bottom as a material, if it has a table.
+        stored: whether codes of texels have to be computed and stored.
     """
 
     def __init__(self, model: Model, bottom: "mi.BSDF", where: str):
         self._model, self._bottom, self._where = model, bottom, where
         self._baked: BakedTexture | None = None
-        self._source: Source | None = None
+        self._opened: Source | None = None
+        self._probed: _ProbedBottom | None = None
         self.material: Material | None = None
+        self.stored = False
 
-    def update(
-        self, grid: TexelGrid | None, advance: Callable[[int], None] = lambda texels: None
-    ) -> None:
-        """Encode the bottom where it has changed since the last call with the same grid.
-
-        advance: as of `BakedTexture.update`.
+    def open(self, grid: TexelGrid | None) -> None:
+        """Read the bottom, after each of its changes. If it is constant, it is encoded.
 
         Raises:
             ParameterError: a value of the bottom is negative or not finite.
@@ -67,33 +66,51 @@ class BottomCodes:
         surface = known_surface(self._bottom) if own else None
         if surface is not None and surface.bare and surface.widths > self._model.widths:
             surface = None  # averaged over the azimuth
-        self.material = None
-        where = self._where
+        self.material, self._probed, self.stored = None, None, False
         if nested is not None and nested.resolution is None:
-            self._source = _uniform(nested.at(np.full((1, 2), 0.5))[0])
+            self._opened = _uniform(nested.at(np.full((1, 2), 0.5))[0])
             self._keep_table(self._bottom.latents.material)
         elif grid is None or (nested is None and not varying_textures(self._bottom)):
-            self._source = _uniform(self._encoded())
+            self._opened = _uniform(self._encoded())
         elif nested is not None:
-            self._source = _NestedBottom(nested, grid).read
+            self._opened = _NestedBottom(nested, grid).read
         elif surface is not None and surface.bare:
-            self._source = _BareBottom(self._model, surface, where, grid).read
+            self._opened = _BareBottom(self._model, surface, self._where, grid).read
         else:
+            self.stored = True
+            if surface is None:
+                self._probed = _ProbedBottom(self._model, self._bottom, self._where, grid)
+                self._opened = self._probed.read
+            else:
+                self._opened = _DiffuseBottom(self._model, surface, self._where, grid).read
             if self._baked is None or self._baked.grid != grid:
                 self._baked = BakedTexture(self._model, grid, spectrum.channel_count())
-            if surface is None:
-                source = _ProbedBottom(self._model, self._bottom, where, grid).read
-            else:
-                source = _DiffuseBottom(self._model, surface, where, grid).read
-            self._baked.update(source, advance)
-            self._source = self._baked.read
             return
         self._baked = None
 
+    def bake(self, advance: Callable[[int], Any] = lambda texels: None) -> None:
+        """Compute the codes that are stored, where the bottom has changed since the last call.
+
+        advance: as of `BakedTexture.update`.
+
+        Raises:
+            ParameterError: a value of the bottom is negative or not finite.
+        """
+        if self._baked is not None and self._opened is not None:
+            self._baked.update(self._opened, advance)
+
+    def content(self, start: int, stop: int) -> np.ndarray:
+        """Numbers that tell bottoms apart at a range of texels, after `open`."""
+        if self._probed is not None:
+            return self._probed.content(start, stop)
+        assert self._opened is not None  # for the type checker
+        return self._opened(start, stop)[0]
+
     def source(self, start: int, stop: int) -> tuple[np.ndarray, CodesAt]:
-        """The bottom as a `Source`, after `update`."""
-        assert self._source is not None  # for the type checker
-        return self._source(start, stop)
+        """The bottom as a `Source`, after `bake`."""
+        source = self._opened if self._baked is None else self._baked.read
+        assert source is not None  # for the type checker
+        return source(start, stop)
 
     def read(self, start: int, stop: int) -> np.ndarray:
         """Codes (n, C, size) of a range of texels."""
@@ -205,6 +222,17 @@ class _ProbedBottom:
     def read(self, start: int, stop: int) -> tuple[np.ndarray, CodesAt]:
         uv = self._grid.uv(start, stop)
         return self._hashes(uv), lambda texel, channel: self._codes(uv, texel, channel)
+
+    def content(self, start: int, stop: int) -> np.ndarray:
+        """f (n, C, 2) [1/sr] of a range of texels at two pairs: near the mirror direction, and not.
+
+        Any change of a texel changes one of them.
+        """
+        wi, wo = self._pairs
+        half = np.linalg.norm(np.cross(wi + wo, [0, 0, 1]), axis=-1) / (wi + wo)[:, 2]
+        pairs = np.argsort(half)[[len(half) // 8, len(half) // 2]]
+        uv = self._grid.uv(start, stop)
+        return probing.texel_values(self._bottom, wi[pairs], wo[pairs], uv, probing.Averaging())
 
     def _hashes(self, uv: np.ndarray) -> np.ndarray:
         """Hashes (M, C) at points uv (M, 2): equal where the bottom is, within `KEY_BITS`."""

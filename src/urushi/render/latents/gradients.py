@@ -93,7 +93,8 @@ def _bottom_codes(
     if not wanted(bottom) or probing.needed_repeats(bottom, wi, wo, len(uv)) > 1:
         with dr.suspend_grad():  # a random walk's loop cannot be differentiated
             codes = BottomCodes(model, bottom, where)
-            codes.update(grid)
+            codes.open(grid)
+            codes.bake()
             return columns(codes.read(0, len(uv)))
     if grid is None or not varying_textures(bottom):
         grid, uv = MIDDLE, MIDDLE.uv()
