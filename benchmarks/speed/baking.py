@@ -9,6 +9,7 @@ no two channels are equal either. Every row is measured in a process of its own.
 """
 
 import argparse
+import os
 import resource
 import subprocess
 import sys
@@ -26,6 +27,7 @@ ROWS = ("one bottom", "textured bottom")
 
 def measure(side: int, weights: str | None, bottom: str, levels: int) -> None:
     """Print one row, in this process."""
+    os.environ["URUSHI_CACHE"] = "off"  # before anything is baked
     import mitsuba as mi
 
     import urushi  # noqa: F401  (registers the plugins)

@@ -77,6 +77,21 @@ def test_every_texel_is_layered_with_its_own_parameters(rgb, networks, name, par
             assert (np.abs(a - b) <= noise).all(), (row, column)
 
 
+@pytest.mark.parametrize("name", ("layered", "neural_layered"))
+def test_dark_texels_of_a_width_are_the_least_width(rgb, networks, name):
+    """A roughness map may have black texels; the constant 0 and texels above 1 are refused."""
+    dark = np.float32([[0.0, 0.3]])
+    black, least = (
+        mean_and_error(rgb, load(rgb, name, networks, alpha=bitmap(rgb, x[..., None])), (0.25, 0.5))
+        for x in (dark, np.maximum(dark, 0.01))
+    )
+    np.testing.assert_array_equal(black[0], least[0])
+    with pytest.raises(RuntimeError, match="alpha is 0; it must be"):
+        load(rgb, name, networks, alpha=0.0)
+    with pytest.raises(RuntimeError, match="a texel of alpha is 1.3; it must be"):
+        load(rgb, name, networks, alpha=bitmap(rgb, dark[..., None] + 1))
+
+
 def test_a_textured_bottom(rgb):
     pixels = np.float32([[[0.1, 0.5, 0.9], [0.8, 0.2, 0.4]]] * 2)
     textured = load(

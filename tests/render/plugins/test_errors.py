@@ -91,9 +91,11 @@ def test_a_bottom_that_is_not_a_brdf(rgb, networks):
         load(rgb, networks, "neural_layered", base=negative)
 
 
-def test_bad_resolution(rgb, networks):
-    with pytest.raises(RuntimeError, match="resolution is -1; give texels per side"):
-        load(rgb, networks, "neural_layered", resolution=-1)
+@pytest.mark.parametrize("resolution", (-1, 1_000_000, 2.5, "fine"))
+def test_bad_resolution(rgb, networks, resolution):
+    sentence = f"resolution is {resolution}; give texels per side, at most 8192"
+    with pytest.raises(RuntimeError, match=sentence):
+        load(rgb, networks, "neural_layered", resolution=resolution)
 
 
 def test_missing_files(rgb, networks):

@@ -17,7 +17,8 @@ def define(base: type) -> type:
 
         ============== ===================== ====================================================
         alpha          spectrum, texture     GGX width of the coat's surface, 0.01 to 1. Textures
-                                             have one channel. (Default: 0.1)
+                                             have one channel; their darker texels are 0.01.
+                                             (Default: 0.1)
         alpha_u,       spectrum, texture     In place of alpha: the widths along the tangent and
         alpha_v                              across it, 0.01 to 1, of an anisotropic surface.
         rotation       float, texture        Angle by which the tangent is turned about the normal,

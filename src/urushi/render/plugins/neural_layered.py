@@ -17,6 +17,9 @@ from urushi.render.reading.parameters import (
     nested_bsdf,
 )
 
+#: Greatest number of texels per side: the words of larger textures cannot be indexed by 32 bits.
+LARGEST_RESOLUTION = 8192
+
 
 def define(base: type) -> type:
     """Make the plugin's class in the current variant; base: of `define_neural_bsdf`."""
@@ -26,7 +29,8 @@ def define(base: type) -> type:
 
         ============== ===================== ====================================================
         alpha          spectrum, texture     GGX width of the coat's surface, 0.01 to 1. Textures
-                                             have one channel. (Default: 0.1)
+                                             have one channel; their darker texels are 0.01.
+                                             (Default: 0.1)
         alpha_u,       spectrum, texture     In place of alpha: the widths along the tangent and
         alpha_v                              across it, 0.01 to 1, of an anisotropic surface.
         rotation       float, texture        Angle by which the tangent of all layers is turned
@@ -48,8 +52,8 @@ def define(base: type) -> type:
                                              no perfectly smooth lobe and no normals of its own;
                                              coats nest. Its values in air are used.
         resolution     integer               Texels per side of the latent texture if anything is
-                                             textured. (Default: that of the largest texture, at
-                                             most 2048; 256 for procedural ones)
+                                             textured, at most 8192. (Default: that of the largest
+                                             texture, at most 2048; 256 for procedural ones)
         weights        string                File of the networks. (Default: the shipped
                                              ones, ``anisotropic`` where the coat or the bottom is
                                              anisotropic, otherwise ``default``)
@@ -109,14 +113,14 @@ def define(base: type) -> type:
             self._bottom = nested_bsdf(props)
             self._coat = CoatTextures(props)
             check_bottom(self._bottom, self._coat.where)
-            resolution = int(props.get("resolution", 0))
-            if resolution < 0:
+            resolution = props.get("resolution", 0)
+            if resolution not in range(LARGEST_RESOLUTION + 1):
                 raise ParameterError(
-                    f"{self._coat.where}: resolution is {resolution}; give texels per side, "
-                    "or 0 to choose by the textures"
+                    f"{self._coat.where}: resolution is {resolution}; give texels per side, at "
+                    f"most {LARGEST_RESOLUTION}, or 0 to choose by the textures"
                 )
             self._weights = read_weights(props)
-            self._resolution = resolution
+            self._resolution = int(resolution)
             self._mipmaps = bool(props.get("mipmaps", False))
             self._baker = None
             self._baked = False  # whether the baker has the present bottom

@@ -8,7 +8,7 @@ import mitsuba as mi
 import numpy as np
 
 from urushi import checks
-from urushi.checks import DEFAULT_COAT, CoatParameters, Widths
+from urushi.checks import DEFAULT_COAT, MIN_ALPHA, CoatParameters, Widths
 from urushi.errors import ParameterError
 from urushi.render import spectrum
 from urushi.render.reading.refraction import index_of_refraction
@@ -108,8 +108,9 @@ class CoatTextures:
     def table(self, uv: np.ndarray, unknown: Collection[str] = ()) -> dict[str, np.ndarray]:
         """Checked parameters at points uv (M, 2): alpha and eta (M, 1), the others (M, channels).
 
-        In place of alpha, `alpha_u` and `alpha_v` of an anisotropic coat, and (M, channels) of
-        coloured widths; `rotation` (M, 1) if the coat has it.
+        Widths of textures are at least `MIN_ALPHA`. In place of alpha, `alpha_u` and `alpha_v` of
+        an anisotropic coat, and (M, channels) of coloured widths; `rotation` (M, 1) if the coat has
+        it.
 
         unknown: names of parameters that are no functions of uv; they are left out.
 
@@ -136,6 +137,11 @@ class CoatTextures:
             # Six digits: 0.01 in single precision is less than 0.01 in double.
             array = np.stack(rows, axis=-1).astype(np.float64).round(6)
             label = "int_ior / ext_ior" if name == "eta" else name
+            texture = self.textures.get("int_ior" if name == "eta" else name)
+            if texture is not None and texture.is_spatially_varying():
+                label = f"a texel of {label}"
+                if CHECKS[name] is checks.alpha:  # dark texels of a map, as in the walk
+                    array = np.where((array >= 0) & (array < MIN_ALPHA), MIN_ALPHA, array)
             table[name] = CHECKS[name](array, f"{self.where}: {label}", any_shape=True)
         return table
 
