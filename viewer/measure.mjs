@@ -1,8 +1,9 @@
 /**
  * Measures the page in Chromium: `PAGE=ADDRESS npm run measure`, of a page that `urushi view` serves.
  *
- * Prints the least and the median of several runs: first picture after the page has loaded, and from
- * a slider's step to the new picture with six coats, the core's share apart.
+ * Prints the least and the median of several runs: first picture after the page has loaded, also by a
+ * slow connection, for the first time and again; and from a slider's step to the new picture with six
+ * coats, the core's share apart.
  */
 
 import { chromium } from "@playwright/test";
@@ -10,6 +11,10 @@ import { chromium } from "@playwright/test";
 const RUNS = 5;
 const STEPS = 12;
 const COATS = 6;
+const PAGE = process.env.PAGE ?? "http://127.0.0.1:8497/";
+
+/** A mobile connection: bytes a second, and delay [ms]. */
+const SLOW = { downloadThroughput: 1.6e6 / 8, uploadThroughput: 0.75e6 / 8, latency: 150 };
 
 const browser = await chromium.launch({
   executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
@@ -57,7 +62,7 @@ const whole = [];
 for (let run = 0; run < RUNS; run++) {
   const page = await browser.newPage({ viewport: { width: 900, height: 640 } });
   await page.addInitScript(watch);
-  await page.goto(process.env.PAGE ?? "http://127.0.0.1:8497/");
+  await page.goto(PAGE);
   await page.waitForFunction(() => window.pictures.length > 0);
   first.push(
     await page.evaluate(() => {
@@ -89,6 +94,21 @@ for (let run = 0; run < RUNS; run++) {
   whole.push(...steps.map(([, picture]) => picture));
   await page.close();
 }
+
+const slow = { first: [], again: [] };
+for (let run = 0; run < RUNS; run++) {
+  const context = await browser.newContext({ viewport: { width: 900, height: 640 } });
+  const page = await context.newPage();
+  await page.addInitScript(watch);
+  const session = await context.newCDPSession(page);
+  await session.send("Network.emulateNetworkConditions", { offline: false, ...SLOW });
+  for (const times of [slow.first, slow.again]) {
+    await page.goto(PAGE);
+    await page.waitForFunction(() => window.pictures.length > 0);
+    times.push(await page.evaluate(() => window.pictures[0]));
+  }
+  await context.close();
+}
 await browser.close();
 
 function told(times) {
@@ -98,5 +118,7 @@ function told(times) {
 }
 
 console.log(`first picture after the page has loaded: ${told(first)}`);
+console.log(`first picture by 1.6 Mbit/s from the start: ${told(slow.first)}`);
+console.log(`the same for the second time: ${told(slow.again)}`);
 console.log(`slider to codes and table, ${COATS} coats: ${told(core)}`);
 console.log(`slider to the picture, ${COATS} coats: ${told(whole)}`);

@@ -1,5 +1,6 @@
 """`urushi view` serves the page to this machine alone, and writes it for web servers."""
 
+import gzip
 import hashlib
 import http.client
 import json
@@ -39,9 +40,10 @@ def server():
         thread.join()
 
 
-def request(server, path, method="GET", host=None):
+def request(server, path, method="GET", **headers):
     connection = http.client.HTTPConnection(HOST, server.server_port, timeout=20)
-    connection.request(method, path, headers={} if host is None else {"Host": host})
+    named = {name.replace("_", "-"): value for name, value in headers.items()}
+    connection.request(method, path, headers=named)
     answer = connection.getresponse()
     body = answer.read()
     connection.close()
@@ -77,8 +79,31 @@ def test_nothing_can_be_sent(server, method):
 
 def test_only_this_machine_is_answered(server):
     assert server.server_address[0] == "127.0.0.1"
-    assert request(server, "/", host="urushi.example")[0].status == 403
-    assert request(server, "/", host=f"localhost:{server.server_port}")[0].status == 200
+    assert request(server, "/", Host="urushi.example")[0].status == 403
+    assert request(server, "/", Host=f"localhost:{server.server_port}")[0].status == 200
+
+
+def test_answers_are_compressed_for_browsers_that_accept_it(server):
+    answer, body = request(server, "/", Accept_Encoding="gzip, br")
+    assert answer.headers["Content-Encoding"] == "gzip"
+    assert int(answer.headers["Content-Length"]) == len(body)
+    assert gzip.decompress(body) == b"<!doctype html>"
+    plain, body = request(server, "/")
+    assert (plain.headers["Content-Encoding"], body) == (None, b"<!doctype html>")
+    assert answer.headers["Vary"] == plain.headers["Vary"] == "Accept-Encoding"
+
+
+def test_a_browser_asks_again_only_where_the_address_has_no_version(server):
+    digest = hashlib.sha256(b"0").hexdigest()[:16]
+    kept, _ = request(server, f"/assets/page.js?{digest}")
+    assert "immutable" in kept.headers["Cache-Control"]
+    for path in ("/", "/assets/page.js", "/assets/page.js?0123456789abcdef"):
+        first, _ = request(server, path)
+        assert first.headers["Cache-Control"] == "no-cache"
+        again, body = request(server, path, If_None_Match=first.headers["ETag"])
+        assert (again.status, body) == (304, b"")
+        assert again.headers["ETag"] == first.headers["ETag"]
+        assert request(server, path, If_None_Match='W/"other"')[0].status == 200
 
 
 def test_the_policy_of_the_page_is_that_of_the_server():
@@ -248,6 +273,7 @@ def test_what_the_page_cannot_show(untrained, monkeypatch, tmp_path):
 
 
 def test_the_page_is_written_into_a_folder(untrained, tmp_path, capsys):
+    """Any server can serve it: an address in it is a file and, as a query, its content's hash."""
     folder = tmp_path / "site"
     assert cli.main(["view", "diffuse(0.5)", "-o", str(folder)]) == 0
     assert capsys.readouterr().out == f"{folder}\n"
@@ -255,6 +281,15 @@ def test_the_page_is_written_into_a_folder(untrained, tmp_path, capsys):
     assert start["materials"][0]["bottom"] == {"kind": "diffuse", "reflectance": 0.5}
     assert (folder / "index.html").is_file()
     assert (folder / "weights.safetensors").stat().st_size > 10_000
+    document = (folder / "index.html").read_text()
+    links = re.findall(r'(?:href|src)="\./([^"?]*)\?([^"]*)"', document)
+    assert len(links) == len(re.findall(r'(?:href|src)="', document)) == 5
+    listed = json.loads(re.search(r'id="versions">(.*?)</script>', document)[1])
+    files = {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
+    assert listed.keys() == files - {"index.html"}
+    for path, version in (*links, *listed.items()):
+        assert version == hashlib.sha256((folder / path).read_bytes()).hexdigest()[:16]
+    assert re.search(r'rel="preload" as="fetch" crossorigin href="./weights', document)
 
 
 def test_a_taken_port_is_one_sentence(untrained, server, capsys):

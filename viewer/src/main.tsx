@@ -4,22 +4,15 @@ import { effect } from "@preact/signals";
 import { render } from "preact";
 import { isDocument } from "./engine/files";
 import { acceptDrops } from "./engine/open";
-import { begin, ownEnvironment } from "./engine/session";
+import { begin } from "./engine/session";
 import { fromAddress, toAddress } from "./state/address";
-import { begunWith, redo, state, undo } from "./state/store";
+import { complain, redo, showRead, state, undo } from "./state/store";
 import { App } from "./ui/App";
+import { keepFocus } from "./ui/focus";
 import "./style.css";
 
 const addressed = location.hash.length > 1;
-if (addressed) readAddress();
-
-function readAddress(): void {
-  begunWith(() => {
-    const read = fromAddress(location.hash);
-    const own = read.environment === "own" && ownEnvironment.value === null;
-    return own ? { ...read, environment: "studio" } : read;
-  });
-}
+if (addressed) showRead(() => fromAddress(location.hash), false);
 
 // The address follows the state, but not at every step of a slider. A document in a frame has none.
 let written = location.hash;
@@ -34,20 +27,21 @@ effect(() => {
   }, 300);
 });
 window.addEventListener("hashchange", () => {
-  if (location.hash !== written) readAddress();
+  if (location.hash !== written) showRead(() => fromAddress(location.hash), true);
 });
 
 window.addEventListener("keydown", (event) => {
-  if (!(event.ctrlKey || event.metaKey) || event.key.toLowerCase() !== "z") {
-    if (!(event.ctrlKey && event.key.toLowerCase() === "y")) return;
-    event.preventDefault();
-    return redo();
-  }
+  const key = event.ctrlKey || event.metaKey ? event.key.toLowerCase() : "";
+  const isText = event.target instanceof HTMLInputElement && event.target.type === "text";
+  if (isText || (key !== "z" && key !== "y")) return; // a text has an undo of its own
   event.preventDefault();
-  if (event.shiftKey) redo();
+  if (key === "y" || event.shiftKey) redo();
   else undo();
 });
 
+window.addEventListener("unhandledrejection", (event) => complain(event.reason));
+
 acceptDrops(document.documentElement);
+keepFocus();
 render(<App />, document.getElementById("page")!);
 void begin(addressed);

@@ -5,8 +5,11 @@ half precision. The shader code is that of `urushi export`, into which the page 
 its materials.
 """
 
+import hashlib
 import json
+import re
 import zlib
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -76,6 +79,33 @@ def page_files(model: Model, first: First | None) -> dict[str, bytes]:
         made[TEXTURE_FILE] = first.texture
     made[START_FILE] = json.dumps(start).encode()
     return built | made | shader_files(model) | shader_files(other)
+
+
+def addressed(files: Mapping[str, bytes]) -> dict[str, bytes]:
+    """The files of a page for a server: its document refers to each by its path and its version.
+
+    A browser may keep such a file without asking again, since changed content has a new address.
+    Any server can serve the files, because the version is a query, "assets/index.js?3f9c…". The
+    browser loads the networks together with the script, instead of after it.
+    """
+    versions = {path: version(content) for path, content in files.items() if path != "index.html"}
+    text = re.sub(
+        r'(?:href|src)="\./([^"]+)',
+        lambda link: f"{link[0]}?{versions[link[1]]}",
+        files["index.html"].decode(),
+    )
+    ahead = "".join(
+        f'<link rel="preload" as="fetch" crossorigin href="./{path}?{versions[path]}">'
+        for path in (START_FILE, WEIGHTS_FILE)
+    )
+    listed = f'<script type="application/json" id="versions">{json.dumps(versions)}</script>'
+    text = text.replace("</head>", f"{ahead}{listed}</head>")
+    return {**files, "index.html": text.encode()}
+
+
+def version(content: bytes) -> str:
+    """Identifies a file's content: the beginning of its SHA-256."""
+    return hashlib.sha256(content).hexdigest()[:16]
 
 
 def built_folder() -> Path:

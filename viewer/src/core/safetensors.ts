@@ -1,5 +1,7 @@
 /** Reading of safetensors files: named arrays, and Urushi's JSON description of them. */
 
+import { Refusal } from "../refusal";
+
 /** An array of a file, as double precision numbers. */
 export interface Tensor {
   readonly shape: readonly number[];
@@ -14,7 +16,7 @@ export interface TensorFile {
 }
 
 /** A file that is damaged or of another kind. Its message is one sentence. */
-export class FileError extends Error {
+export class FileError extends Refusal {
   // Written out, because minified classes have other names, and workers send names.
   override readonly name = "FileError";
 }

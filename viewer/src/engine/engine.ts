@@ -32,8 +32,9 @@ export const STEPS = [0.8191725133961645, 0.6710436067037893, 0.5497004779019703
 /** Shifted tables whose mean the picture at rest is. */
 export const MOST_TABLES = 48;
 
-/** Cosines at which the directional albedo is plotted, from the horizon to the normal. */
-export const ALBEDO_COSINES = Float32Array.from({ length: 16 }, (_, k) => (k + 0.5) / 16);
+/** Angles of incidence at which the directional albedo is plotted [degrees]. */
+export const ALBEDO_ANGLES = Float32Array.from({ length: 16 }, (_, k) => 5.9 * k);
+const ALBEDO_COSINES = ALBEDO_ANGLES.map((degrees) => Math.cos((degrees * Math.PI) / 180));
 
 /** Angles in the plane of incidence at which f is plotted [degrees]; positive beyond the normal. */
 export const PLANE_ANGLES = Float32Array.from({ length: 241 }, (_, k) => (k - 120) * 0.745);
@@ -76,7 +77,8 @@ export interface Shown {
 export interface Surroundings {
   /** Called when there is something new to draw. */
   changed: () => void;
-  failed: (error: unknown) => void;
+  /** Called with what another try does. */
+  failed: (error: unknown, retry?: () => void) => void;
   /** The plots' angle of incidence [degrees]. */
   incidence: () => number;
   /** Whether the plots show this slot. */
@@ -94,7 +96,7 @@ export class Slot {
   bright: Bright | null = null;
   /** Decoded at each pixel; null: the material is the same everywhere. */
   texture: ShownTexture | null = null;
-  /** f (N, 3) at `PLANE_ANGLES`, and the directional albedo (N, 3) at `ALBEDO_COSINES`. */
+  /** f (N, 3) at `PLANE_ANGLES`, and the directional albedo (N, 3) at `ALBEDO_ANGLES`. */
   readonly plane = signal<Float32Array | null>(null);
   readonly albedo = signal<Float32Array | null>(null);
   /** The walk so far; null: there is none. */
@@ -109,6 +111,7 @@ export class Slot {
   private timer = 0;
   private abort = new AbortController();
   private wanted: Shown | null = null;
+  private latest: Shown | null = null;
   private busy = false;
   private key = "";
 
@@ -124,7 +127,7 @@ export class Slot {
     const key = `${shown.texture?.texture.id ?? ""}${shown.rotation}${keyOf(shown.stack)}`;
     if (key === this.key) return;
     this.key = key;
-    this.wanted = shown;
+    this.wanted = this.latest = shown;
     void this.work();
   }
 
@@ -190,7 +193,8 @@ export class Slot {
         if (this.page.plotted()) await this.drawPlane();
       }
     } catch (error) {
-      this.page.failed(error);
+      this.key = "";
+      this.page.failed(error, () => this.show(this.latest!));
     } finally {
       this.busy = false;
     }

@@ -1,42 +1,66 @@
 /** Files of the page: they lie beside it, or inside it where the page is a single document. */
 
-/** Files by their paths, each by gzip (RFC 1952) and in base64. */
-type Packed = Record<string, string>;
+import workerAddress from "../core/worker.ts?worker&url";
+import { Unreachable } from "../refusal";
 
-let packed: Packed | null | undefined;
+const WORKER = "assets/worker.js";
 
-function packedFiles(): Packed | null {
-  if (packed === undefined) {
-    const element = document.getElementById("files");
-    packed = element === null ? null : (JSON.parse(element.textContent) as Packed);
+const read = new Map<string, Record<string, string> | null>();
+
+/** Texts by the paths of files, which Python wrote into an element of the document. */
+function listed(id: "files" | "versions"): Record<string, string> | null {
+  if (!read.has(id)) {
+    const element = document.getElementById(id);
+    read.set(id, element && JSON.parse(element.textContent));
   }
-  return packed;
+  return read.get(id)!;
 }
 
 /** Whether the page is a single document, which has no address of its own. */
 export function isDocument(): boolean {
-  return packedFiles() !== null;
+  return listed("files") !== null;
 }
 
-/** The content of a file by its path relative to the page; null: there is none. */
+/** The content of a file has its version in its address, so that a browser may keep it. */
+function versionOf(path: string): string {
+  return `?${listed("versions")?.[path] ?? ""}`;
+}
+
+/**
+ * The content of a file by its path relative to the page; null: there is none.
+ *
+ * @throws Unreachable
+ */
 export async function readFile(path: string): Promise<Uint8Array<ArrayBuffer> | null> {
-  const inside = packedFiles();
-  if (inside === null) {
-    const answer = await fetch(path);
-    return answer.ok ? new Uint8Array(await answer.arrayBuffer()) : null;
+  const packed = listed("files");
+  if (packed === null) {
+    try {
+      const answer = await fetch(path + versionOf(path));
+      if (answer.ok) return new Uint8Array(await answer.arrayBuffer());
+      if (answer.status === 404) return null;
+    } catch {} // There is no answer, or it ends too early.
+    throw new Unreachable(path);
   }
-  const text = inside[path];
+  // The document has each file by gzip (RFC 1952) and in base64.
+  const text = packed[path];
   if (text === undefined) return null;
   const bytes = Uint8Array.from(atob(text), (character) => character.charCodeAt(0));
   const whole = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
   return new Uint8Array(await new Response(whole).arrayBuffer());
 }
 
-/** The worker with the numeric core. */
-export async function startWorker(): Promise<Worker> {
-  if (!isDocument())
-    return new Worker(new URL("../core/worker.ts", import.meta.url), { type: "module" });
-  const code = await readFile("assets/worker.js");
-  // A document that is opened as a file may start no module from inside; the code is one file.
-  return new Worker(URL.createObjectURL(new Blob([code ?? ""], { type: "text/javascript" })));
+/** The worker with the numeric core, and a promise that fails if it does not start. */
+export async function startWorker(): Promise<{ worker: Worker; broken: Promise<never> }> {
+  let worker: Worker;
+  if (isDocument()) {
+    const code = await readFile(WORKER);
+    // A document that is opened as a file may start no module from inside; the code is one file.
+    worker = new Worker(URL.createObjectURL(new Blob([code!], { type: "text/javascript" })));
+  } else {
+    worker = new Worker(workerAddress + versionOf(WORKER), { type: "module" });
+  }
+  const broken = new Promise<never>((_resolve, reject) => {
+    worker.addEventListener("error", () => reject(new Unreachable(WORKER)));
+  });
+  return { worker, broken };
 }

@@ -2,13 +2,12 @@
 
 import { signal } from "@preact/signals";
 import type { Bottom } from "../core/api";
-import { FileError } from "../core/safetensors";
 import type { TexelBottom } from "../material/material";
 import { isTexture } from "../material/texture";
 import { readHdr, withoutLights } from "../picture/panorama";
 import { Refusal } from "../refusal";
 import { readState } from "../state/read";
-import { announcement, change, changeMaterial, notice } from "../state/store";
+import { announcement, change, changeMaterial, complain, notice } from "../state/store";
 import { networksOf, readMaterialFile } from "./material_file";
 import type { Cores, PageCore } from "./remote";
 import { session, useEnvironment } from "./session";
@@ -17,30 +16,43 @@ import { keepTexture } from "./textures";
 /** Whether a measured file is being encoded. */
 export const encoding = signal(false);
 
-/** Take over a file; what is wrong with it is told in one sentence. */
-export async function openFile(file: File): Promise<void> {
-  try {
-    notice.value = "";
-    const bytes = new Uint8Array(await file.arrayBuffer());
-    const suffix = file.name.toLowerCase().split(".").pop();
-    if (suffix === "hdr") {
-      useEnvironment({ name: file.name, file, ...withoutLights(readHdr(bytes)) });
-    } else if (suffix === "json") {
-      change(readState(parsed(bytes)));
-    } else if (suffix === "safetensors" || suffix === "binary" || suffix === "bsdf") {
-      const cores = session.value?.cores;
-      if (cores === undefined) throw new Refusal("The networks are not loaded yet.");
-      const opened = await materialOf(cores, bytes, suffix !== "safetensors");
-      const name = file.name.replace(/\.[a-z]+$/i, "").slice(0, 80);
-      changeMaterial({ name, ...opened, coats: [], solo: null });
-    } else {
-      throw new Refusal(
-        "The page opens materials (.safetensors), measured BRDFs (.binary of MERL, .bsdf of RGL), panoramas (.hdr) and saved states (.json).",
-      );
+/** Take over files, one after the other; what is wrong with one is told in one sentence. */
+export async function openFiles(files: readonly File[]): Promise<void> {
+  notice.value = null;
+  for (const file of files) {
+    try {
+      await openFile(file);
+    } catch (error) {
+      complain(error, () => void openFiles([file]), `“${file.name}” was not opened. `);
     }
-  } catch (error) {
-    if (!(error instanceof Refusal || error instanceof FileError)) throw error;
-    notice.value = `“${file.name}” was not opened. ${error.message}`;
+  }
+}
+
+async function openFile(file: File): Promise<void> {
+  const bytes = await bytesOf(file);
+  const suffix = file.name.toLowerCase().split(".").pop();
+  if (suffix === "hdr") {
+    useEnvironment(file.name, { file, ...withoutLights(readHdr(bytes)) });
+  } else if (suffix === "json") {
+    change(readState(parsed(bytes)));
+  } else if (suffix === "safetensors" || suffix === "binary" || suffix === "bsdf") {
+    const cores = session.value?.cores;
+    if (cores === undefined) throw new Refusal("The networks are not loaded yet.");
+    const opened = await materialOf(cores, bytes, suffix !== "safetensors");
+    const name = file.name.replace(/\.[a-z]+$/i, "").slice(0, 80);
+    changeMaterial({ name, ...opened, coats: [], solo: null });
+  } else {
+    throw new Refusal(
+      "The page opens materials (.safetensors), measured BRDFs (.binary of MERL, .bsdf of RGL), panoramas (.hdr) and saved states (.json).",
+    );
+  }
+}
+
+async function bytesOf(file: File): Promise<Uint8Array<ArrayBuffer>> {
+  try {
+    return new Uint8Array(await file.arrayBuffer());
+  } catch {
+    throw new Refusal("It is a folder, or the browser cannot read it.");
   }
 }
 
@@ -81,8 +93,9 @@ export function acceptDrops(page: HTMLElement): void {
   page.addEventListener("drop", (event) => {
     event.preventDefault();
     page.classList.remove("dropping");
-    const file = event.dataTransfer?.files[0];
-    if (file) void openFile(file);
+    const files = [...(event.dataTransfer?.files ?? [])];
+    if (files.length > 0) void openFiles(files);
+    else complain(new Refusal("What was dropped is no file; save it as a file, and drop that."));
   });
 }
 

@@ -34,7 +34,10 @@ export class Cores {
 
   /** @throws Refusal if it cannot be loaded. */
   anisotropic(): Promise<PageCore> {
-    this.second ??= this.start();
+    this.second ??= this.start().catch((error) => {
+      this.second = null; // another try may succeed
+      throw error;
+    });
     return this.second;
   }
 
@@ -60,16 +63,14 @@ export class Cores {
  * @throws Refusal if they cannot be loaded.
  */
 export async function connect(path = WEIGHTS): Promise<PageCore> {
-  const worker = await startWorker();
+  const weights = readFile(path); // while the worker starts
+  const { worker, broken } = await startWorker();
   const core = new RemoteCore(worker);
-  const broken = new Promise<never>((_resolve, reject) => {
-    const refusal = new Refusal(
-      "The browser could not start the page's worker; load the page anew.",
-    );
-    worker.addEventListener("error", () => reject(refusal));
-  });
-  const weights = await readFile(path);
-  if (weights === null) throw new Refusal(`The networks are missing beside the page (${path}).`);
-  await Promise.race([core.load(weights.buffer), broken]);
+  const load = async () => {
+    const bytes = await weights;
+    if (bytes === null) throw new Refusal(`The networks are missing beside the page (${path}).`);
+    await core.load(bytes.buffer);
+  };
+  await Promise.race([load(), broken]);
   return core;
 }

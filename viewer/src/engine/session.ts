@@ -5,36 +5,41 @@ import { type MaterialCards, stackOf } from "../material/material";
 import { meanCodes } from "../material/texture";
 import { type Light, lightsOf } from "../picture/environment";
 import { NoGraphics } from "../picture/gl";
-import { Painter } from "../picture/painter";
+import { noPictureYet, Painter } from "../picture/painter";
 import type { Panorama } from "../picture/panorama";
 import { Renderer, type Shot } from "../picture/renderer";
 import { Refusal } from "../refusal";
 import { exrFile, type Radiance } from "../save/exr";
 import type { Scene } from "../save/scene";
 import { readState } from "../state/read";
-import { announcement, begunWith, look, notice, state } from "../state/store";
+import type { State } from "../state/state";
+import { announcement, change, complain, showRead, state } from "../state/store";
 import { type Shown, Slot } from "./engine";
 import { readFile } from "./files";
 import { Cores, connect } from "./remote";
 import { keepTexture, textures } from "./textures";
 
-/** A panorama that was dropped on the page. */
-export interface OwnEnvironment {
-  name: string;
-  /** The file that was dropped. */
+/** A panorama that was opened. */
+interface OwnEnvironment {
   file: Blob;
   /** Its panorama without the bright lights, and these. */
   panorama: Panorama;
   lights: Light[];
 }
 
-export const ownEnvironment = signal<OwnEnvironment | null>(null);
+/** The panoramas that were opened, by the names of their files. */
+const panoramas = signal<ReadonlyMap<string, OwnEnvironment>>(new Map());
+
+/** The panorama of a state; null if it has none, or it was not opened. */
+function panoramaOf({ environment, panorama }: State): OwnEnvironment | null {
+  return environment === "own" ? (panoramas.value.get(panorama) ?? null) : null;
+}
 
 /** What keeps the picture from being drawn, or "". */
 export const noPicture = signal("");
 
-/** Whether the networks are there. */
-export const ready = signal(false);
+/** Whether the networks are being loaded. */
+export const loading = signal(true);
 
 export class Session {
   readonly slots: readonly [Slot, Slot];
@@ -46,12 +51,12 @@ export class Session {
     const slot = (place: 0 | 1) =>
       new Slot(cores, {
         changed: () => this.painter.refresh(),
-        failed,
+        failed: complain,
         incidence: () => state.peek().incidence,
         plotted: () => state.peek().active === place,
       });
     this.slots = [slot(0), slot(1)];
-    this.painter = new Painter(this.slots, failed);
+    this.painter = new Painter(this.slots, complain);
     this.bind();
   }
 
@@ -89,32 +94,35 @@ export class Session {
       return;
     }
     this.renderer.setObject(state.peek().object);
-    this.renderer.setEnvironment(state.peek().environment, ownEnvironment.peek());
+    this.renderer.setEnvironment(state.peek().environment, panoramaOf(state.peek()));
     this.painter.setRenderer(this.renderer);
   };
 
   /** The picture so far as linear radiance, before exposure and tone curve. */
-  radiance(): Radiance {
-    return this.drawing().radiance();
+  async radiance(): Promise<Radiance> {
+    return (await this.painter.whole()).radiance();
+  }
+
+  /** The picture so far as it is displayed. */
+  async picture(): Promise<Blob> {
+    await this.painter.whole();
+    const blob = await new Promise<Blob | null>((resolve) => this.canvas!.toBlob(resolve));
+    return blob!;
   }
 
   /** What the picture shows, but the material. */
   async scene(): Promise<Omit<Scene, "material">> {
-    const renderer = this.drawing();
+    if (this.renderer === null) throw noPictureYet();
+    const { renderer } = this;
     const { object, view, rotation, environment: name } = state.peek();
     const shown = { object, view, rotation, ...renderer.size };
-    const own = name === "own" ? ownEnvironment.peek() : null;
+    const own = panoramaOf(state.peek());
     if (own !== null) {
       const bytes = new Uint8Array(await own.file.arrayBuffer());
       return { ...shown, environment: { suffix: "hdr", bytes }, lights: [] };
     }
     const bytes = exrFile(renderer.panoramaOf(name));
     return { ...shown, environment: { suffix: "exr", bytes }, lights: lightsOf(name) };
-  }
-
-  private drawing(): Renderer {
-    if (this.renderer === null) throw new Refusal("There is no picture to save.");
-    return this.renderer;
   }
 
   private fit(): void {
@@ -158,15 +166,18 @@ export class Session {
       painter.refresh();
     });
     const environment = computed(() => state.value.environment);
+    const own = computed(() => panoramaOf(state.value));
     effect(() => {
-      const [name, own] = [environment.value, ownEnvironment.value];
-      this.renderer?.setEnvironment(name, own);
+      const [name, panorama] = [environment.value, own.value];
+      this.renderer?.setEnvironment(name, panorama);
       painter.refresh();
+      if (name === "own" && panorama === null)
+        complain(new Refusal(lost(`panorama “${state.peek().panorama}”`)));
     });
     const incidence = computed(() => state.value.incidence);
     effect(() => {
       incidence.value;
-      slots[active.value].drawPlane().catch(failed);
+      slots[active.value].drawPlane().catch(complain);
     });
     effect(() => {
       if (painter.converged.value) announcement.value = "The picture has converged.";
@@ -179,14 +190,16 @@ export const session = signal<Session | null>(null);
 
 /** Load the networks and begin, with the material that the page was opened for unless `addressed`. */
 export async function begin(addressed: boolean): Promise<void> {
+  loading.value = true;
   try {
     const [core, start] = await Promise.all([connect(), readStart()]);
     if ("texture" in start) await keepTexture(await readBytes(String(start.texture)), core);
-    if ("materials" in start && !addressed) begunWith(() => readState(start));
+    if ("materials" in start && !addressed) showRead(() => readState(start), false);
     session.value = new Session(new Cores(core));
-    ready.value = true;
   } catch (error) {
-    failed(error);
+    complain(error, () => void begin(addressed));
+  } finally {
+    loading.value = false;
   }
 }
 
@@ -208,7 +221,7 @@ function shownOf(material: MaterialCards): Shown | null {
   if (bottom.kind !== "texels") return { stack: stackOf(material), rotation, texture: null };
   const texture = textures.value.get(bottom.texture);
   if (texture === undefined) {
-    notice.value = `The texture of “${material.name}” is no part of the address or the state; open its file again.`;
+    complain(new Refusal(lost(`texture of “${material.name}”`)));
     return null;
   }
   const latents = meanCodes(texture.texture);
@@ -216,20 +229,14 @@ function shownOf(material: MaterialCards): Shown | null {
   return { stack: { bottom: mean, coats: [] }, rotation: 0, texture };
 }
 
-/** Light the object by a panorama. */
-export function useEnvironment(own: OwnEnvironment): void {
-  ownEnvironment.value = own;
-  look({ environment: "own" });
+function lost(what: string): string {
+  return `The ${what} is no part of the address or the state; open its file again.`;
 }
 
-/** The lights that the picture takes out of the environment. */
-export function brightLights(): Light[] {
-  const { environment } = state.peek();
-  return environment === "own" ? (ownEnvironment.peek()?.lights ?? []) : lightsOf(environment);
-}
-
-function failed(error: unknown): void {
-  console.error(error);
-  notice.value =
-    error instanceof Error ? error.message : "Something went wrong; load the page anew.";
+/** Light the object by a panorama; one of the same name takes the other's place. */
+export function useEnvironment(name: string, own: OwnEnvironment): void {
+  panoramas.value = new Map(panoramas.peek()).set(name, own);
+  const { environment, panorama } = state.peek();
+  if (environment !== "own" || panorama !== name)
+    change({ ...state.peek(), environment: "own", panorama: name });
 }

@@ -41,6 +41,11 @@ export function lightsOf(name: EnvironmentName): Light[] {
   return name === "sky" ? [SUN] : [];
 }
 
+/** The formula of an environment; that of the studio while its panorama is missing. */
+function formulaOf(name: EnvironmentName): number {
+  return name === "own" ? 0 : FORMULAS.indexOf(name);
+}
+
 /** Draws environments into a cube map. */
 export class EnvironmentMap {
   readonly texture: WebGLTexture;
@@ -69,7 +74,7 @@ export class EnvironmentMap {
   /** Draw an environment by formula. */
   drawFormula(name: EnvironmentName): void {
     this.places.use();
-    this.places.setInteger("which", FORMULAS.indexOf(name));
+    this.places.setInteger("which", formulaOf(name));
     this.places.setInteger("isPanorama", 0);
     this.drawFaces(this.places, 0);
     this.drawLevels();
@@ -89,7 +94,7 @@ export class EnvironmentMap {
     gl.disable(gl.DEPTH_TEST);
     gl.disable(gl.SCISSOR_TEST);
     places.use();
-    places.setInteger("which", FORMULAS.indexOf(name));
+    places.setInteger("which", formulaOf(name));
     places.setInteger("isPanorama", 1);
     cover(gl);
     const pixels = readRgb(gl, width, height);

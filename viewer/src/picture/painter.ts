@@ -3,6 +3,7 @@
 import { signal } from "@preact/signals";
 import { FIRST_SAMPLES, MOST_TABLES, SAMPLES, type Slot, TABLE_ROWS } from "../engine/engine";
 import type { ShownTexture } from "../engine/textures";
+import { Refusal } from "../refusal";
 import type { Renderer, Shot } from "./renderer";
 
 /** Aims for a frame's time while something moves, and for a strip's time at rest [ms]. */
@@ -39,8 +40,6 @@ export class Painter {
   /** Share of the frames that are gathered at rest, and whether no more will come. */
   readonly gathered = signal(0);
   readonly converged = signal(false);
-  /** Called when a new picture has been drawn. */
-  onPicture: (() => void) | null = null;
   private renderer: Renderer | null = null;
   private shot: Shot | null = null;
   /** Milliseconds for a million pixels, and for a strip without any, whose vertices are moved. */
@@ -78,6 +77,17 @@ export class Painter {
   setShot(shot: Shot): void {
     this.shot = shot;
     this.refresh();
+  }
+
+  /**
+   * The renderer, once it has a picture at the canvas's full size.
+   *
+   * @throws Refusal if none is being drawn.
+   */
+  async whole(): Promise<Renderer> {
+    while (this.count === 0 && this.running) await new Promise(requestAnimationFrame);
+    if (this.renderer === null || this.count === 0) throw noPictureYet();
+    return this.renderer;
   }
 
   /** The picture is out of date. */
@@ -175,7 +185,6 @@ export class Painter {
     renderer.drawStrip(shot, 0, share, 0, 1);
     renderer.endFrame(shot, 0);
     this.learn((await renderer.finished()) - this.stripCost, pixels * scale ** 2 * share);
-    this.onPicture?.();
   }
 
   /** Gather a whole frame, strip by strip; false if something has changed meanwhile. */
@@ -194,7 +203,6 @@ export class Painter {
     if (strips >= MANY_STRIPS) this.stripCost = Math.min(...times);
     const time = times.reduce((sum, one) => sum + one);
     this.learn(time - strips * this.stripCost, pixels);
-    this.onPicture?.();
     return true;
   }
 
@@ -224,7 +232,11 @@ export class Painter {
   }
 }
 
+export function noPictureYet(): Refusal {
+  return new Refusal("There is no picture to save.");
+}
+
 /** The materials that a shot shows. */
-export function shownSlots(shot: Shot): (0 | 1)[] {
+function shownSlots(shot: Shot): (0 | 1)[] {
   return shot.comparison === "off" ? [shot.slot] : [0, 1];
 }

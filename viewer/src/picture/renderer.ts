@@ -134,7 +134,7 @@ export class Renderer {
       this.map.drawPanorama(own.panorama);
       this.lights = own.lights;
     } else {
-      this.map.drawFormula(name === "own" ? "studio" : name);
+      this.map.drawFormula(name);
       this.lights = lightsOf(name);
     }
   }
@@ -147,10 +147,6 @@ export class Renderer {
   /** Whether f at bright lights is needed. */
   get hasLights(): boolean {
     return this.lights.length > 0;
-  }
-
-  hasMaterial(slot: 0 | 1): boolean {
-    return this.slots[slot] !== null;
   }
 
   /**

@@ -6,7 +6,7 @@ import { Refusal } from "../refusal";
 import { python } from "./numbers";
 
 /**
- * A program that describes the stack, layers it, and saves the material.
+ * A program that encodes the bottom, layers the coats as the page does, and saves the material.
  *
  * @param rotation of the tangent [degrees].
  */
@@ -16,22 +16,25 @@ export function pythonText(stack: Stack, name: string, rotation = 0): string {
     "",
     "import urushi",
     "",
-    `stack = ${bottomText(stack.bottom)}`,
+    "# The layers one by one, as on the page. urushi.encode of a description by urushi.coat takes",
+    "# longer and is closer to the random walk.",
+    `material = urushi.encode(${bottomText(stack.bottom)}, refine=False)`,
   ];
   for (const coat of [...stack.coats].reverse()) {
     const { eta, albedo, sigmaT, g } = coat;
-    const parameters = call(
-      "urushi.coat",
-      [...widthsOf(coat), ["eta", eta], ["albedo", albedo], ["sigma_t", sigmaT], ["g", g]],
-      "stack",
-    );
-    lines.push(`stack = ${parameters}`);
+    const top = call("urushi.dielectric", [...widthsOf(coat), ["eta", eta]]);
+    const medium: [string, Channels][] = [
+      ["albedo", albedo],
+      ["sigma_t", sigmaT],
+      ["g", g],
+    ];
+    lines.push(`material = ${call("urushi.layer", medium, `${top}, material`)}`);
   }
-  const turned = rotation !== 0 && isAnisotropic(stack) ? `.rotated(${rotation})` : "";
+  const turned = rotation !== 0 && isAnisotropic(stack) ? `material.rotated(${rotation})` : "";
   const direction = "np.array([[0.5, 0.0, np.sqrt(0.75)]])";
   lines.push(
+    ...(turned ? [`material = ${turned}`] : []),
     "",
-    `material = urushi.encode(stack)${turned}`,
     `print(material.f(${direction}, ${direction} * [-1, 1, 1]))  # 1/sr`,
     `material.save("${fileName(name)}.safetensors")`,
     "",

@@ -43,6 +43,7 @@ export function readState(value: unknown): State {
     scale: choice(fields.scale, DIFFERENCE_SCALES, INITIAL.scale),
     object: choice(fields.object, OBJECTS, INITIAL.object),
     environment: choice(fields.environment, ENVIRONMENTS, INITIAL.environment),
+    panorama: nameOf(fields.panorama, INITIAL.panorama),
     rotation: number(fields.rotation, -180, 180, INITIAL.rotation),
     exposure: number(fields.exposure, -6, 6, INITIAL.exposure),
     view: {
@@ -65,7 +66,7 @@ export function readMaterial(value: unknown): MaterialCards {
     throw new Refusal("A texture of codes cannot be coated on this page.");
   const solo = fields.solo;
   return {
-    name: typeof fields.name === "string" ? fields.name.slice(0, 80) : "Material",
+    name: nameOf(fields.name, "Material"),
     bottom,
     coats: coats.map(readCoat),
     ...(fields.rotation === undefined ? {} : { rotation: number(fields.rotation, -180, 180, 0) }),
@@ -158,6 +159,10 @@ function codes(value: unknown): Float32Array {
 function number(value: unknown, low: number, high: number, fallback: number): number {
   if (typeof value !== "number" || !Number.isFinite(value)) return fallback;
   return Math.min(Math.max(value, low), high);
+}
+
+function nameOf(value: unknown, fallback: string): string {
+  return typeof value === "string" ? value.slice(0, 80) : fallback;
 }
 
 function choice<T>(value: unknown, all: readonly T[], fallback: T): T {

@@ -35,6 +35,8 @@ export interface State {
   scale: number;
   object: ObjectName;
   environment: EnvironmentName;
+  /** Name of the file of the panorama that was opened last, of the environment "own"; or "". */
+  panorama: string;
   /** Rotation of the environment [degrees]. */
   rotation: number;
   /** Exposure [powers of two]. */
@@ -52,6 +54,7 @@ export const INITIAL: State = {
   scale: 50,
   object: "caddy",
   environment: "studio",
+  panorama: "",
   rotation: 0,
   exposure: 0,
   view: { azimuth: 20, elevation: 18, zoom: 1 },

@@ -2,15 +2,20 @@
 
 import { computed, signal } from "@preact/signals";
 import type { MaterialCards } from "../material/material";
-import { Refusal } from "../refusal";
+import { Refusal, Unreachable } from "../refusal";
 import { History } from "./history";
 import { activeMaterial, INITIAL, type State, withMaterial } from "./state";
 
 export const state = signal<State>(INITIAL);
 export const material = computed(() => activeMaterial(state.value));
 
-/** A sentence for the user, or "". */
-export const notice = signal("");
+/** What went wrong, in a sentence, and what another try does if it may help. */
+export interface Notice {
+  text: string;
+  retry?: (() => void) | undefined;
+}
+
+export const notice = signal<Notice | null>(null);
 /** What a screen reader announces. */
 export const announcement = signal("");
 
@@ -53,12 +58,23 @@ function restore(value: State | null, said: string): void {
   steps.value++;
 }
 
-/** Begin with a state that is read; what is wrong with it is told in one sentence. */
-export function begunWith(read: () => State): void {
+/** Tell what went wrong: `retry` tries again, and `context` is put before the sentence. */
+export function complain(error: unknown, retry?: () => void, context = ""): void {
+  if (error instanceof Refusal) {
+    const text = context + error.message;
+    notice.value = { text, retry: error instanceof Unreachable ? retry : undefined };
+  } else {
+    console.error(error);
+    notice.value = { text: `${context}Something went wrong (${error}); load the page anew.` };
+  }
+}
+
+/** Show a state that is read, as the first one or as a step; what is wrong with it is told. */
+export function showRead(read: () => State, isStep: boolean): void {
   try {
-    state.value = read();
+    if (isStep) change(read());
+    else state.value = read();
   } catch (error) {
-    if (!(error instanceof Refusal || error instanceof SyntaxError)) throw error;
-    notice.value = error.message;
+    complain(error);
   }
 }

@@ -14,11 +14,13 @@ export function App() {
       <main>
         <Stage />
         <Toolbar />
-        <aside aria-label="Material">
-          {state.value.comparison !== "off" && <Chooser />}
-          <Cards />
-        </aside>
-        <Plots />
+        <div class="side">
+          <aside aria-label="Material">
+            {state.value.comparison !== "off" && <Chooser />}
+            <Cards />
+          </aside>
+          <Plots />
+        </div>
       </main>
       <p class="spoken" role="status">
         {announcement.value}

@@ -28,7 +28,7 @@ export function Cards() {
 
   const move = (from: number, to: number) => {
     if (to < 0 || to >= coats.length || from === to) return;
-    changeMaterial(moved(material.value, from, to), "drag");
+    changeMaterial(moved(material.value, from, to), `move ${coats[from]!.id}`);
     announcement.value = `Coat moved to place ${to + 1} of ${coats.length}.`;
   };
 
@@ -47,9 +47,9 @@ export function Cards() {
       const own = boxes[from];
       if (own === undefined) return;
       if (before && now.clientY < before.top + Math.min(before.height / 2, own.height))
-        changeMaterial(moved(material.value, from, from - 1), "drag");
+        changeMaterial(moved(material.value, from, from - 1), `move ${card.id}`);
       else if (after && now.clientY > after.bottom - Math.min(after.height / 2, own.height))
-        changeMaterial(moved(material.value, from, from + 1), "drag");
+        changeMaterial(moved(material.value, from, from + 1), `move ${card.id}`);
     };
     const stop = () => {
       dragged.value = null;
@@ -67,13 +67,14 @@ export function Cards() {
         <button
           type="button"
           class="quiet"
-          disabled={!takesCoat(material.value)}
+          aria-disabled={!takesCoat(material.value)}
           title={
             takesCoat(material.value)
               ? "Add a clear coat on top"
               : "Six coats are the most, and a texture of codes has none"
           }
           onClick={() => {
+            if (!takesCoat(material.value)) return;
             changeMaterial(withCoat(material.value));
             announcement.value = "A coat was added on top.";
           }}

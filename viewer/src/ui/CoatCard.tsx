@@ -80,7 +80,7 @@ export function CoatCard({ card, name, seen, dragged, onMove, onDrag }: CoatCard
         </button>
         <button
           type="button"
-          class="icon-button"
+          class="icon-button eye"
           aria-label={`Show ${name}`}
           aria-pressed={card.on}
           title={card.on ? "Switch off" : "Switch on"}

@@ -6,6 +6,7 @@ import { depthOf, fromHex, hex, transmission } from "../material/colour";
 import { joined, type Rgb, rgb } from "../material/material";
 import { clamped, type Parameter, placeOf, rounded, valueAt } from "../material/parameters";
 import { NumberField } from "./NumberField";
+import { Slider } from "./Slider";
 
 interface FieldProps {
   /** What the parameter belongs to, for screen readers. */
@@ -101,25 +102,18 @@ interface RowProps {
 const STEPS = 500;
 
 function Row({ name, channel, parameter, value, onInput, onReset }: RowProps) {
-  const place = placeOf(parameter, value);
   return (
     <div class="row">
-      <input
-        type="range"
+      <Slider
         class={channel ?? ""}
-        aria-label={name}
-        aria-valuetext={String(value)}
-        title="Double click: reset"
-        min={0}
-        max={STEPS}
+        name={name}
+        text={String(value)}
+        low={0}
+        high={STEPS}
         step={1}
-        value={Math.round(place * STEPS)}
-        style={{ "--fill": `${(100 * place).toFixed(2)}%` }}
-        onInput={(event) => onInput(valueAt(parameter, Number(event.currentTarget.value) / STEPS))}
-        onDblClick={onReset}
-        onKeyDown={(event) => {
-          if (event.key === "Delete" || event.key === "Backspace") onReset();
-        }}
+        value={Math.round(placeOf(parameter, value) * STEPS)}
+        onInput={(place) => onInput(valueAt(parameter, place / STEPS))}
+        onReset={onReset}
       />
       <NumberField
         name={`${name}, number`}

@@ -34,7 +34,10 @@ export function NumberField({ name, value, low, high, onChange }: NumberFieldPro
       aria-label={name}
       value={typed.value ?? shown(value)}
       onInput={(event) => {
+        const isTyped = typed.value !== null;
         typed.value = event.currentTarget.value;
+        // An undo that goes back beyond what is being typed changes the number.
+        if (!isTyped && event.inputType.startsWith("history")) commit();
       }}
       onFocus={(event) => event.currentTarget.select()}
       onBlur={commit}

@@ -2,7 +2,7 @@
 
 import { useRef } from "preact/hooks";
 import {
-  ALBEDO_COSINES,
+  ALBEDO_ANGLES,
   type Comparison,
   PLANE_ANGLES,
   type Slot,
@@ -40,6 +40,8 @@ function scaleOf(f: Float32Array | null): { radius: (f: number) => number; rings
 
 function PlanePlot({ slot }: { slot: Slot | undefined }) {
   const svg = useRef<SVGSVGElement>(null);
+  const handle = useRef<SVGCircleElement>(null);
+  const held = useRef(false);
   const { incidence } = state.value;
   const f = slot?.plane.value ?? null;
   const walk = slot?.walk.value ?? null;
@@ -66,11 +68,17 @@ function PlanePlot({ slot }: { slot: Slot | undefined }) {
         role="group"
         aria-label="Plot of f in the plane of incidence"
         onPointerDown={(event) => {
+          // Elsewhere than on the handle, a touch scrolls the page.
+          held.current = event.pointerType !== "touch" || event.target === handle.current;
+          if (!held.current) return;
           event.currentTarget.setPointerCapture(event.pointerId);
           follow(event);
         }}
         onPointerMove={(event) => {
-          if (event.currentTarget.hasPointerCapture(event.pointerId)) follow(event);
+          if (held.current) follow(event);
+        }}
+        onLostPointerCapture={() => {
+          held.current = false;
         }}
       >
         <g class="grid">
@@ -90,11 +98,13 @@ function PlanePlot({ slot }: { slot: Slot | undefined }) {
           ))}
         {walk !== null && <Walk comparison={walk} radius={radius} />}
         <line class="incident" x1={0} y1={0} x2={x} y2={y} />
+        <circle class="knob" cx={x} cy={y} r={7} />
         <circle
+          ref={handle}
           class="handle"
           cx={x}
           cy={y}
-          r={7}
+          r={14}
           tabindex={0}
           role="slider"
           aria-label="Angle of incidence"
@@ -145,14 +155,14 @@ function Walk({ comparison, radius }: { comparison: Comparison; radius: (f: numb
 /** How far the networks are from the walk, in words. */
 function Difference({ comparison }: { comparison: Comparison | null }) {
   if (comparison === null || !Number.isFinite(comparison.noise)) return null;
-  const percent = (x: number) => `${(100 * x).toFixed(1)} %`;
+  const percent = (x: number) => `${(100 * x).toFixed(1)}\u00a0%`;
   return (
     <span
       class="difference"
       title="The random walk is the reference. Its noise falls as it goes on, and bounds what can be said."
     >
       {" · "}
-      {percent(comparison.deviation)} from the walk ± {percent(comparison.noise)}
+      {percent(comparison.deviation)} from the walk ±&nbsp;{percent(comparison.noise)}
     </span>
   );
 }
@@ -210,8 +220,8 @@ function AlbedoPlot({ slot }: { slot: Slot | undefined }) {
 }
 
 function albedoPath(albedo: Float32Array, channel: number, across: (degrees: number) => number) {
-  const points = Array.from(ALBEDO_COSINES, (cosine, at) => {
-    const x = across((Math.acos(cosine) * 180) / Math.PI);
+  const points = Array.from(ALBEDO_ANGLES, (degrees, at) => {
+    const x = across(degrees);
     const y = HEIGHT * (1 - Math.min(albedo[3 * at + channel]!, 1.1));
     return `${x.toFixed(1)} ${y.toFixed(1)}`;
   });
@@ -222,6 +232,5 @@ function spokenAlbedo(albedo: Float32Array | null): string {
   if (albedo === null) return "Directional albedo";
   const percent = (at: number) =>
     [0, 1, 2].map((k) => `${Math.round(100 * albedo[3 * at + k]!)}`).join(", ");
-  const last = ALBEDO_COSINES.length - 1;
-  return `Directional albedo in percent, red, green and blue: ${percent(last)} near the normal, ${percent(2)} at grazing incidence`;
+  return `Directional albedo in percent, red, green and blue: ${percent(0)} near the normal, ${percent(13)} at grazing incidence`;
 }

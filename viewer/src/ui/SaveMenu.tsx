@@ -14,8 +14,8 @@ import { mitsubaDict, mitsubaXml } from "../save/mitsuba";
 import { fileName, pythonText } from "../save/python";
 import { sceneFile } from "../save/scene";
 import { LANGUAGES, type Language, readTemplate, shaderText } from "../save/shader";
-import { toJson } from "../state/address";
-import { announcement, material, notice, state } from "../state/store";
+import { toAddress, toJson } from "../state/address";
+import { announcement, complain, material, state } from "../state/store";
 
 /** A kind of file: its name in the menu, what it is, and what makes it. */
 interface Kind {
@@ -56,17 +56,13 @@ const KINDS: readonly Kind[] = [
   {
     label: "Picture",
     hint: "PNG, as it is seen",
-    save: async (name) => {
-      const canvas = document.querySelector<HTMLCanvasElement>(".stage canvas")!;
-      const blob = await new Promise<Blob | null>((resolve) => canvas.toBlob(resolve, "image/png"));
-      if (blob === null) throw new Refusal("There is no picture to save.");
-      download(`${name}.png`, blob);
-    },
+    save: async (name) => download(`${name}.png`, await presentSession().picture()),
   },
   {
     label: "Radiance",
     hint: "EXR, the picture in linear light",
-    save: (name) => download(`${name}.exr`, new Blob([exrFile(presentSession().radiance())])),
+    save: async (name) =>
+      download(`${name}.exr`, new Blob([exrFile(await presentSession().radiance())])),
   },
   {
     label: "Material",
@@ -108,7 +104,14 @@ const ADDRESS: Kind = {
   label: "Copy the address",
   hint: "it holds the whole state",
   save: async () => {
-    await navigator.clipboard.writeText(location.href);
+    const address = new URL(`#${toAddress(state.value)}`, location.href).href;
+    try {
+      await navigator.clipboard.writeText(address);
+    } catch {
+      throw new Refusal(
+        "The browser gives the page no clipboard; copy the address from the address bar.",
+      );
+    }
     announcement.value = "The address was copied.";
   },
 };
@@ -127,10 +130,7 @@ export function SaveMenu({ onDone }: { onDone: () => void }) {
     try {
       await save(fileName(material.value.name));
     } catch (error) {
-      if (error instanceof Refusal) notice.value = error.message;
-      else if (error instanceof DOMException)
-        notice.value = "The browser did not allow it; copy the address from the address bar.";
-      else throw error;
+      complain(error, () => void run(save));
     }
   };
   return (

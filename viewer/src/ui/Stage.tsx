@@ -2,9 +2,9 @@
 
 import { useEffect, useRef } from "preact/hooks";
 import { encoding } from "../engine/open";
-import { noPicture, ready, session } from "../engine/session";
+import { loading, noPicture, session } from "../engine/session";
 import { DIFFERENCE_SCALES, type View } from "../state/state";
-import { look, notice, state } from "../state/store";
+import { change, look, notice, state } from "../state/store";
 
 export function Stage() {
   const { comparison, materials } = state.value;
@@ -20,25 +20,45 @@ export function Stage() {
       {comparison === "swipe" && <Edge />}
       {comparison === "difference" && <Legend />}
       {noPicture.value === "" ? <Status /> : <p class="missing">{noPicture.value}</p>}
-      {notice.value !== "" && (
-        <div class="notice" role="alert">
-          <span>{notice.value}</span>
-          <button
-            type="button"
-            onClick={() => {
-              notice.value = "";
-            }}
-          >
-            Close
-          </button>
-        </div>
-      )}
+      <Told />
     </section>
   );
 }
 
+/** What went wrong. */
+function Told() {
+  if (notice.value === null) return null;
+  const { text, retry } = notice.value;
+  const close = () => {
+    notice.value = null;
+  };
+  return (
+    <div class="notice" role="alert">
+      <span>{text}</span>
+      {retry && (
+        <button
+          type="button"
+          onClick={() => {
+            close();
+            retry();
+          }}
+        >
+          Try again
+        </button>
+      )}
+      <button type="button" onClick={close}>
+        Close
+      </button>
+    </div>
+  );
+}
+
+/** Where a pointer is that holds the picture [pixels]. */
+type Place = readonly [number, number];
+
 function Picture() {
   const canvas = useRef<HTMLCanvasElement>(null);
+  const { current: held } = useRef(new Map<number, Place>());
   const present = session.value;
   useEffect(
     () => (canvas.current && present ? present.attach(canvas.current) : undefined),
@@ -49,7 +69,9 @@ function Picture() {
     const element = canvas.current!;
     const wheel = (event: WheelEvent) => {
       event.preventDefault();
-      turn({ zoom: state.value.view.zoom * 2 ** (-event.deltaY / 600) });
+      // A pinch on a touchpad is a wheel with Ctrl, in small steps.
+      const steps = event.deltaY * (event.ctrlKey ? 6 : 1);
+      turn({ zoom: state.value.view.zoom * 2 ** (-steps / 600) });
     };
     element.addEventListener("wheel", wheel, { passive: false });
     return () => element.removeEventListener("wheel", wheel);
@@ -62,17 +84,24 @@ function Picture() {
       tabIndex={0}
       role="img"
       aria-label={`A ${object} of the material, lit by the environment “${environment}”. Arrow keys turn the camera, plus and minus zoom, with Shift the arrow keys turn the light.`}
-      onPointerDown={(event) => {
-        if (event.button === 0) event.currentTarget.setPointerCapture(event.pointerId);
+      onPointerDown={({ button, currentTarget, pointerId, clientX, clientY }) => {
+        if (button !== 0) return;
+        currentTarget.setPointerCapture(pointerId);
+        held.set(pointerId, [clientX, clientY]);
       }}
-      onPointerMove={(event) => {
-        if (!event.currentTarget.hasPointerCapture(event.pointerId)) return;
+      onLostPointerCapture={({ pointerId }) => held.delete(pointerId)}
+      onPointerMove={({ pointerId, clientX, clientY, shiftKey }) => {
+        const before = held.get(pointerId);
+        if (before === undefined) return;
         const { view } = state.value;
-        if (event.shiftKey) return light(event.movementX * 0.4);
-        turn({
-          azimuth: view.azimuth - event.movementX * 0.4,
-          elevation: view.elevation + event.movementY * 0.3,
-        });
+        const [x, y] = [clientX - before[0], clientY - before[1]];
+        held.set(pointerId, [clientX, clientY]);
+        const other = [...held].find(([id]) => id !== pointerId)?.[1];
+        if (other !== undefined) {
+          const apart = (at: Place) => Math.hypot(at[0] - other[0], at[1] - other[1]) + 1;
+          turn({ zoom: (view.zoom * apart([clientX, clientY])) / apart(before) });
+        } else if (shiftKey) light(x * 0.4);
+        else turn({ azimuth: view.azimuth - x * 0.4, elevation: view.elevation + y * 0.3 });
       }}
       onKeyDown={(event) => {
         const { view } = state.value;
@@ -102,9 +131,10 @@ function turn(change: Partial<View>): void {
   });
 }
 
-/** Turn the environment. */
+/** Turn the environment, which is a step of its own. */
 function light(degrees: number): void {
-  look({ rotation: around(state.value.rotation + degrees) });
+  const rotation = around(state.value.rotation + degrees);
+  change({ ...state.value, rotation }, "rotation");
 }
 
 function around(degrees: number): number {
@@ -114,7 +144,10 @@ function around(degrees: number): number {
 function Status() {
   const painter = session.value?.painter;
   if (encoding.value) return <p class="status">Encoding the measured BRDF …</p>;
-  if (!ready.value || painter === undefined) return <p class="status">Loading the networks …</p>;
+  if (painter === undefined) {
+    const text = loading.value ? "Loading the networks …" : "The networks are not loaded.";
+    return <p class="status">{text}</p>;
+  }
   return (
     <p class="status" data-converged={painter.converged.value}>
       <progress aria-hidden="true" value={painter.gathered.value} />

@@ -1,8 +1,8 @@
 /** Object, light, exposure and comparison, under the picture. */
 
-import { ownEnvironment } from "../engine/session";
 import { COMPARISONS, type Comparison, ENVIRONMENTS, OBJECTS, type State } from "../state/state";
 import { change, state } from "../state/store";
+import { Slider } from "./Slider";
 
 const COMPARISON_NAMES: Record<Comparison, string> = {
   off: "Single",
@@ -12,9 +12,9 @@ const COMPARISON_NAMES: Record<Comparison, string> = {
 };
 
 export function Toolbar() {
-  const { object, environment, rotation, exposure, comparison } = state.value;
+  const { object, environment, panorama, rotation, exposure, comparison } = state.value;
   const set = (next: Partial<State>, kind = "") => change({ ...state.value, ...next }, kind);
-  const environments = ENVIRONMENTS.filter((name) => name !== "own" || ownEnvironment.value);
+  const environments = ENVIRONMENTS.filter((name) => name !== "own" || panorama !== "");
   return (
     <div class="toolbar" role="toolbar" aria-label="Scene">
       <label>
@@ -40,7 +40,7 @@ export function Toolbar() {
         >
           {environments.map((name) => (
             <option key={name} value={name}>
-              {name === "own" ? (ownEnvironment.value?.name ?? "Own") : capital(name)}
+              {name === "own" ? panorama : capital(name)}
             </option>
           ))}
         </select>
@@ -89,23 +89,12 @@ interface DialProps {
   onInput: (value: number) => void;
 }
 
-function Dial({ label, text, value, low, high, step, onInput }: DialProps) {
-  const share = (value - low) / (high - low);
+function Dial({ label, ...dial }: DialProps) {
   return (
-    <label title="Double click: reset">
+    <label>
       <span>{label}</span>
-      <input
-        type="range"
-        min={low}
-        max={high}
-        step={step}
-        value={value}
-        aria-valuetext={text}
-        style={{ "--fill": `${(100 * share).toFixed(1)}%` }}
-        onInput={(event) => onInput(Number(event.currentTarget.value))}
-        onDblClick={() => onInput(0)}
-      />
-      <output>{text}</output>
+      <Slider {...dial} onReset={() => dial.onInput(0)} />
+      <output>{dial.text}</output>
     </label>
   );
 }

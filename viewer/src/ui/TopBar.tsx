@@ -1,7 +1,7 @@
 /** Presets, undo and redo, opening and saving. */
 
 import { useRef } from "preact/hooks";
-import { openFile } from "../engine/open";
+import { openFiles } from "../engine/open";
 import { canRedo, canUndo, material, redo, state, undo } from "../state/store";
 import { Icon } from "./icons";
 import { Menu } from "./Menu";
@@ -11,6 +11,7 @@ import { SaveMenu } from "./SaveMenu";
 export function TopBar() {
   const input = useRef<HTMLInputElement>(null);
   const { comparison, active } = state.value;
+  const badge = comparison === "off" ? "" : "AB"[active];
   return (
     <header class="top">
       <h1>
@@ -22,10 +23,10 @@ export function TopBar() {
       </h1>
       <Menu
         kind="presets"
-        name={`Material ${material.value.name}: choose another`}
+        name={`Material ${badge} ${material.value.name}: choose another`}
         label={
           <>
-            {comparison !== "off" && <b class="badge">{active === 0 ? "A" : "B"}</b>}
+            {badge && <b class="badge">{badge}</b>}{" "}
             <span class="current">{material.value.name}</span>
             <Icon name="down" />
           </>
@@ -39,7 +40,7 @@ export function TopBar() {
         class="icon-button"
         aria-label="Undo"
         title="Undo (Ctrl+Z)"
-        disabled={!canUndo.value}
+        aria-disabled={!canUndo.value}
         onClick={undo}
       >
         <Icon name="undo" />
@@ -49,7 +50,7 @@ export function TopBar() {
         class="icon-button"
         aria-label="Redo"
         title="Redo (Ctrl+Shift+Z)"
-        disabled={!canRedo.value}
+        aria-disabled={!canRedo.value}
         onClick={redo}
       >
         <Icon name="redo" />
@@ -58,10 +59,10 @@ export function TopBar() {
         ref={input}
         type="file"
         hidden
+        multiple
         accept=".hdr,.json,.safetensors,.binary,.bsdf"
         onChange={(event) => {
-          const file = event.currentTarget.files?.[0];
-          if (file) void openFile(file);
+          void openFiles([...(event.currentTarget.files ?? [])]);
           event.currentTarget.value = "";
         }}
       />

@@ -26,7 +26,7 @@ export function WidthFields({ owner, parameter, widths, onChange }: WidthFieldsP
       type="button"
       class="link"
       aria-pressed={!isLinked}
-      aria-label={`${owner}, two widths`}
+      aria-label={`${owner}, u·v: two widths`}
       title={isLinked ? "Two widths, along and across the tangent" : "One width"}
       onClick={() => onChange({ alpha, alphaV: isLinked ? alpha : undefined }, "")}
     >

@@ -1,6 +1,6 @@
 /** The cards: sliders and numbers, adding, moving and removing coats, undo, and the address. */
 
-import { coats, expect, number, open, test } from "./page";
+import { coats, expect, give, number, open, panorama, stateOf, test } from "./page";
 
 test("a slider moves by mouse and by keyboard, and its number follows", async ({ page }) => {
   await open(page);
@@ -82,14 +82,91 @@ test("a coat is added, moved by mouse and keyboard, and removed", async ({ page 
   await expect(width(2)).not.toHaveValue("0.1");
 });
 
-test("at most six coats", async ({ page }) => {
+test("at most six coats, and the focus stays where coats are added and removed", async ({
+  page,
+}) => {
   await open(page);
   const add = page.getByRole("button", { name: "Add coat" });
-  for (let count = 3; count <= 6; count++) {
-    await add.click();
-    await expect(coats(page)).toHaveCount(count);
+  await add.focus();
+  for (let count = 3; count <= 7; count++) {
+    await page.keyboard.press("Enter");
+    await expect(coats(page)).toHaveCount(Math.min(count, 6));
   }
   await expect(add).toBeDisabled();
+  await expect(add).toBeFocused();
+  await page.getByRole("button", { name: "Remove Coat 3" }).focus();
+  for (const next of ["Remove Coat 2", "Remove Coat 1", "Remove Coat 1", "Remove Coat 1"]) {
+    await page.keyboard.press("Enter");
+    await expect(page.getByRole("button", { name: next })).toBeFocused();
+  }
+  for (let count = 1; count >= 0; count--) {
+    await page.keyboard.press("Enter");
+    await expect(coats(page)).toHaveCount(count);
+  }
+  await expect(add).toBeFocused();
+  await page.getByRole("button", { name: "Undo" }).focus();
+  for (let step = 0; step < 11; step++) await page.keyboard.press("Enter");
+  await expect(page.getByRole("button", { name: "Undo" })).toBeDisabled();
+  await expect(page.getByRole("button", { name: "Undo" })).toBeFocused();
+});
+
+test("solo looks on while the pointer rests on it", async ({ page }) => {
+  await open(page);
+  const solo = page.getByRole("button", { name: "Solo Coat 1" });
+  const background = () => solo.evaluate((element) => getComputedStyle(element).backgroundColor);
+  await solo.click();
+  const under = await background();
+  await page.mouse.move(5, 5);
+  expect(under).toBe(await background());
+  await solo.click();
+  await page.mouse.move(5, 5);
+  expect(under).not.toBe(await background());
+});
+
+test("an undo takes back one action", async ({ page }) => {
+  await open(page);
+  await page.getByRole("slider", { name: "Coat 2, Index η" }).press("ArrowRight");
+  await page.locator(".stage canvas").press("Shift+ArrowRight");
+  await give(page, "first.hdr", panorama(64, 32, [128, 64, 32, 129]));
+  const lamp = page.getByRole("combobox", { name: "Light" });
+  await expect(lamp).toHaveValue("own");
+  await give(page, "second.hdr", panorama(64, 32, [32, 64, 128, 129]));
+  await expect(lamp).toContainText("second.hdr");
+  const after = await stateOf(page);
+  const seen = async () => {
+    const { environment, panorama, rotation, materials } = await stateOf(page);
+    return [environment, panorama, rotation, materials[0].coats[0]!.eta === 1.53];
+  };
+  for (const left of [
+    ["own", "first.hdr", 5, false],
+    ["studio", "", 5, false],
+    ["studio", "", 0, false],
+    ["studio", "", 0, true],
+  ]) {
+    await page.keyboard.press("Control+z");
+    await expect.poll(seen).toEqual(left);
+  }
+  for (let step = 0; step < 4; step++) await page.keyboard.press("Control+Shift+z");
+  await expect.poll(() => stateOf(page)).toEqual(after);
+});
+
+test("in a number, Ctrl+Z takes back the number", async ({ page }) => {
+  await open(page);
+  await page.getByRole("button", { name: "Remove Coat 1" }).click();
+  const field = number(page, "Coat 1, Index η");
+  await field.click();
+  await page.keyboard.type("1.8");
+  await page.keyboard.press("Control+z");
+  await expect(field).toHaveValue("1.53");
+  await expect(coats(page)).toHaveCount(1);
+  await field.selectText();
+  await page.keyboard.type("1.7");
+  await page.keyboard.press("Enter");
+  const eta = async () => (await stateOf(page)).materials[0].coats[0]!.eta;
+  await expect.poll(eta).toBe(1.7);
+  await page.keyboard.press("Control+z");
+  await expect.poll(eta).toBe(1.53);
+  await expect(coats(page)).toHaveCount(1);
 });
 
 test("undo and redo", async ({ page }) => {
@@ -137,7 +214,7 @@ test("a damaged address is told in a sentence, and the page works", async ({ pag
 
 test("two widths have sliders and an angle, and follow undo and the address", async ({ page }) => {
   await open(page);
-  const link = page.getByRole("button", { name: "Bottom, two widths" });
+  const link = page.getByRole("button", { name: "Bottom, u·v: two widths" });
   await page.getByLabel("Kind of bottom").selectOption("Metal by reflectance");
   await expect(number(page, "Material, Tangent angle")).toHaveCount(0);
   await link.click();

@@ -1,8 +1,11 @@
 /** Opening and saving: good files, bad files, and what is written is read again. */
 
+import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
 import type { Page } from "@playwright/test";
 import { rglTensors, tensorFile } from "../core/measured/files";
-import { coats, expect, give, number, open, panorama, saved, test } from "./page";
+import { coats, expect, give, number, open, panorama, saved, stateOf, test } from "./page";
 
 for (const [name, content, sentence] of [
   ["notes.txt", "hello", "The page opens materials"],
@@ -27,6 +30,113 @@ test("a panorama becomes the light", async ({ page }) => {
   await give(page, "evening.hdr", panorama(64, 32, [128, 64, 32, 129]));
   await expect(page.getByRole("combobox", { name: "Light" })).toHaveValue("own");
   await expect(page.getByRole("combobox", { name: "Light" })).toContainText("evening.hdr");
+});
+
+test("a panorama that was not opened here is told", async ({ page }) => {
+  await open(page);
+  const materials = [{ bottom: { kind: "diffuse" } }];
+  const state = { materials, environment: "own", panorama: "evening.hdr" };
+  await give(page, "state.json", JSON.stringify(state));
+  const told = "The panorama “evening.hdr” is no part of the address or the state";
+  await expect(page.getByRole("alert")).toContainText(told);
+  await give(page, "evening.hdr", panorama(64, 32, [128, 64, 32, 129]));
+  await expect(page.getByRole("alert")).toHaveCount(0);
+  await expect.poll(async () => (await stateOf(page)).environment).toBe("own");
+  const other = await page.context().newPage();
+  await other.goto(page.url());
+  await expect(other.getByRole("alert")).toContainText(told);
+  await other.close();
+});
+
+test("two files are opened together, and a folder is refused", async ({ page, context }) => {
+  await open(page);
+  const session = await context.newCDPSession(page);
+  const drop = async (...files: string[]) => {
+    const data = { items: [], files, dragOperationsMask: 1 };
+    for (const type of ["dragEnter", "dragOver", "dragOver", "drop"] as const)
+      await session.send("Input.dispatchDragEvent", { type, x: 300, y: 300, data });
+  };
+  const folder = mkdtempSync(join(tmpdir(), "dropped-"));
+  writeFileSync(join(folder, "evening.hdr"), panorama(64, 32, [128, 64, 32, 129]));
+  writeFileSync(
+    join(folder, "state.json"),
+    JSON.stringify({ materials: [{ bottom: { kind: "diffuse" } }] }),
+  );
+  await drop(join(folder, "state.json"), join(folder, "evening.hdr"));
+  await expect(coats(page)).toHaveCount(0);
+  await expect(page.getByRole("combobox", { name: "Light" })).toContainText("evening.hdr");
+  await expect(page.getByRole("alert")).toHaveCount(0);
+  await drop(folder);
+  await expect(page.getByRole("alert")).toContainText("It is a folder");
+  await page.getByRole("button", { name: "Close" }).press("Enter");
+  await expect(page.locator(".stage canvas")).toBeFocused();
+  await page.evaluate(() => {
+    const dataTransfer = new DataTransfer();
+    dataTransfer.setData("text/plain", "hello");
+    document.body.dispatchEvent(new DragEvent("drop", { dataTransfer, bubbles: true }));
+  });
+  await expect(page.getByRole("alert")).toContainText("is no file");
+  rmSync(folder, { recursive: true });
+});
+
+test("without a clipboard the address is not copied, and a sentence says so", async ({ page }) => {
+  await page.addInitScript(() =>
+    Object.defineProperty(navigator, "clipboard", { value: undefined }),
+  );
+  await open(page);
+  await page.getByRole("button", { name: "Save", exact: true }).click();
+  await page.getByRole("button", { name: /^Copy the address/ }).click();
+  await expect(page.getByRole("alert")).toContainText("copy the address from the address bar");
+});
+
+for (const [what, pattern] of [
+  ["the networks", "**/weights.safetensors*"],
+  ["the worker", "**/worker.js*"],
+  ["the first material", "**/start.json*"],
+] as const)
+  test(`${what} cannot be fetched, and then can`, async ({ page, quiet }) => {
+    await page.route(pattern, (route) => route.abort());
+    await page.goto("./");
+    await expect(page.getByRole("alert")).toContainText("could not be fetched");
+    await expect(page.locator(".status")).toHaveText("The networks are not loaded.");
+    await page.unroute(pattern);
+    await page.getByRole("button", { name: "Try again" }).click();
+    await expect(page.locator(".status[data-converged]")).toBeVisible();
+    await expect(page.getByRole("alert")).toHaveCount(0);
+    quiet.length = 0; // Chromium logs what was not fetched
+  });
+
+test("what is needed later is fetched by another try", async ({ page, quiet }) => {
+  await open(page);
+  for (const [pattern, act, done] of [
+    [
+      "**/anisotropic.safetensors*",
+      async () => {
+        await page.getByRole("button", { name: "Coat 2, u·v: two widths" }).click();
+        await number(page, "Coat 2, Roughness αᵥ").fill("0.5");
+        await number(page, "Coat 2, Roughness αᵥ").press("Enter");
+      },
+      () => expect(page.locator(".status[data-converged]")).toBeVisible(),
+    ],
+    [
+      "**/glsl.txt*",
+      async () => {
+        await page.getByRole("button", { name: "Save", exact: true }).click();
+        await page.getByRole("button", { name: "GLSL" }).click();
+      },
+      () => page.waitForEvent("download"),
+    ],
+  ] as const) {
+    await page.route(pattern, (route) => route.abort());
+    await act();
+    await expect(page.getByRole("alert")).toContainText("could not be fetched");
+    await page.unroute(pattern);
+    const finished = done();
+    await page.getByRole("button", { name: "Try again" }).click();
+    await finished;
+    await expect(page.getByRole("alert")).toHaveCount(0);
+  }
+  quiet.length = 0;
 });
 
 test("a measured BRDF is encoded and coated", async ({ page }) => {

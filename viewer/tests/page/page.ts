@@ -2,9 +2,11 @@
 
 import { readFileSync } from "node:fs";
 import { test as base, expect, type Page } from "@playwright/test";
+import { fromAddress, toAddress } from "../../src/state/address";
+import { INITIAL, type State } from "../../src/state/state";
 
-/** A page on which nothing is logged, fails, or is asked of another server. */
-export const test = base.extend<{ quiet: undefined }>({
+/** A page on which nothing is logged, fails, or is asked of another server; `quiet`: what was. */
+export const test = base.extend<{ quiet: string[] }>({
   quiet: [
     async ({ page, baseURL }, use) => {
       const complaints: string[] = [];
@@ -17,7 +19,7 @@ export const test = base.extend<{ quiet: undefined }>({
         const url = request.url();
         if (!url.startsWith(baseURL!) && !url.startsWith("blob:")) complaints.push(url);
       });
-      await use(undefined);
+      await use(complaints);
       expect(complaints).toEqual([]);
     },
     { auto: true },
@@ -30,6 +32,11 @@ export { expect };
 export async function open(page: Page, address = ""): Promise<void> {
   await page.goto(`./${address}`);
   await expect(page.locator(".status")).not.toHaveText(/Loading/);
+}
+
+/** The state that the address holds; it follows with a delay. */
+export async function stateOf(page: Page): Promise<State> {
+  return fromAddress(new URL(page.url()).hash || `#${toAddress(INITIAL)}`);
 }
 
 /** The names of the coats, the topmost first. */

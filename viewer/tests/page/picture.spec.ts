@@ -1,11 +1,11 @@
 /** The picture: it is there, follows the cards, and its absence is told. */
 
 import { decoded } from "../../src/material/colour";
-import { colourAt, expect, give, number, open, panorama, test } from "./page";
+import { colourAt, expect, give, number, open, panorama, saved, stateOf, test } from "./page";
 
 /** An address of a red matt ball in a small picture, where everything is fast. */
 async function matt(page: import("@playwright/test").Page, reflectance: number[]): Promise<void> {
-  await page.setViewportSize({ width: 900, height: 420 });
+  await page.setViewportSize({ width: 640, height: 250 });
   await open(page);
   await page.getByRole("combobox", { name: "Object" }).selectOption("ball");
   await page.getByRole("button", { name: "Remove Coat 2" }).click();
@@ -120,7 +120,7 @@ function radiance(shown: number[]): number[] {
 }
 
 test("in an even light the picture is the directional albedo", async ({ page }) => {
-  await page.setViewportSize({ width: 900, height: 420 });
+  await page.setViewportSize({ width: 640, height: 250 });
   await open(page);
   await page.getByRole("button", { name: /choose another/ }).click();
   await page.getByRole("button", { name: "Gold maki-e" }).click();
@@ -146,7 +146,7 @@ test("in an even light the picture is the directional albedo", async ({ page }) 
 });
 
 test("a lost context is told, and the picture returns", async ({ page }) => {
-  await page.setViewportSize({ width: 900, height: 420 });
+  await page.setViewportSize({ width: 640, height: 250 });
   await open(page);
   await page.locator(".stage canvas").evaluate((element) => {
     const gl = (element as HTMLCanvasElement).getContext("webgl2")!;
@@ -170,4 +170,116 @@ test("without WebGL 2 a sentence says so, and the cards work", async ({ page }) 
   await expect(page.getByText("This browser offers no WebGL 2")).toBeVisible();
   await page.getByRole("button", { name: "Remove Coat 2" }).click();
   await expect(page.locator(".curve").first()).toBeVisible();
+  for (const kind of ["Picture", "Radiance"]) {
+    await page.getByRole("button", { name: "Save", exact: true }).click();
+    await page.getByRole("button", { name: new RegExp(`^${kind}`) }).click();
+    await expect(page.getByRole("alert")).toContainText("There is no picture to save");
+    await page.getByRole("button", { name: "Close" }).click();
+  }
+});
+
+test("the radiance that is saved while the picture refines is that of the picture", async ({
+  browser,
+}) => {
+  // One canvas pixel for several of the screen: the processor draws.
+  const page = await browser.newPage({ deviceScaleFactor: 0.2 });
+  await open(page);
+  const { width, height } = await page
+    .locator(".stage canvas")
+    .evaluate((canvas: HTMLCanvasElement) => ({ width: canvas.width, height: canvas.height }));
+  const mean = async () => {
+    const file = Buffer.from((await saved(page, "Radiance")).text, "latin1");
+    const rows = file.subarray(file.length - height * (8 + 12 * width));
+    let sum = 0;
+    for (let y = 0; y < height; y++)
+      for (let x = 0; x < 3 * width; x++) sum += rows.readFloatLE(y * (8 + 12 * width) + 8 + 4 * x);
+    return sum / (3 * width * height);
+  };
+  const early = [await mean()];
+  for (const key of ["ArrowRight", "ArrowLeft"]) {
+    await page.locator(".stage canvas").press(key);
+    early.push(await mean());
+  }
+  await expect(page.locator(".status")).toHaveText("converged");
+  const last = await mean();
+  expect(last).toBeGreaterThan(0.01);
+  // A first frame has coarse levels of the environment: they blur it, and keep its mean.
+  for (const value of early) expect(Math.abs(value / last - 1)).toBeLessThan(0.05);
+  await page.close();
+});
+
+for (const [width, height] of [
+  [844, 390],
+  [740, 360],
+  [568, 320],
+  [390, 844],
+  [1440, 900],
+])
+  test(`${width} by ${height}: the picture has its place, and nothing is cut off`, async ({
+    page,
+  }) => {
+    await page.setViewportSize({ width: width!, height: height! });
+    await page.goto("./");
+    const stage = (await page.locator(".stage").boundingBox())!;
+    const share = (stage.width * stage.height) / (width! * height!);
+    expect(share).toBeGreaterThan(0.3);
+    const sizes = await page.evaluate(() => {
+      const { scrollWidth, clientWidth } = document.documentElement;
+      return [scrollWidth, clientWidth];
+    });
+    expect(sizes[0]).toBe(sizes[1]);
+  });
+
+test.describe("by touch", () => {
+  test.use({ hasTouch: true, isMobile: true, viewport: { width: 390, height: 700 } });
+
+  test("a swipe scrolls, a slider slides, and a pinch zooms", async ({ page, context }) => {
+    await open(page);
+    const session = await context.newCDPSession(page);
+    const touch = (type: "touchStart" | "touchMove" | "touchEnd", ...places: number[][]) =>
+      session.send("Input.dispatchTouchEvent", {
+        type,
+        touchPoints: places.map(([x, y], id) => ({ x: x!, y: y!, id })),
+      });
+    const move = async (name: string, [fromX, fromY]: number[], [toX, toY]: number[]) => {
+      const slider = page.getByRole("slider", { name });
+      await slider.scrollIntoViewIfNeeded();
+      const box = (await slider.boundingBox())!;
+      const at = (part: number) => [
+        box.x + box.width * (fromX! + (toX! - fromX!) * part),
+        box.y + box.height / 2 + fromY! + (toY! - fromY!) * part,
+      ];
+      await touch("touchStart", at(0));
+      for (let step = 1; step <= 10; step++) await touch("touchMove", at(step / 10));
+      await touch("touchEnd");
+    };
+    const place = () => page.evaluate(() => scrollY);
+    const field = number(page, "Coat 2, Index η");
+
+    await move("Coat 2, Index η", [0.8, 0], [0.8, -150]);
+    await expect.poll(place).toBeGreaterThan(50);
+    await expect(field).toHaveValue("1.53");
+    await page.evaluate(() => scrollTo(0, 0));
+    await move("Coat 2, Index η", [0.3, 0], [0.8, 0]);
+    await expect
+      .poll(async () => Math.abs(Number(await field.inputValue()) - 2.5))
+      .toBeLessThan(0.2);
+    const before = await place();
+    await move("Angle of incidence", [4, 0], [4, -120]);
+    await expect.poll(place).not.toBe(before);
+
+    const box = (await page.locator(".stage canvas").boundingBox())!;
+    const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+    const apart = (half: number) => [
+      [x - half, y],
+      [x + half, y],
+    ];
+    await touch("touchStart", ...apart(40));
+    for (let half = 44; half <= 80; half += 4) await touch("touchMove", ...apart(half));
+    await touch("touchEnd");
+    await expect.poll(async () => Math.abs((await stateOf(page)).view.zoom - 2)).toBeLessThan(0.1);
+    const { view, incidence } = await stateOf(page);
+    expect(view.azimuth).toBe(20);
+    expect(incidence).toBe(45);
+  });
 });

@@ -84,10 +84,10 @@ test("a state without its texture says so", async ({ page }) => {
 test("the page begins with a texture beside it", async ({ page }) => {
   const name = crc32(texture).toString(16).padStart(8, "0");
   const materials = [{ name: "stripes", bottom: { kind: "texels", texture: name } }];
-  await page.route("**/start.json", (route) =>
+  await page.route("**/start.json*", (route) =>
     route.fulfill({ json: { materials, texture: "texture.safetensors" } }),
   );
-  await page.route("**/texture.safetensors", (route) => route.fulfill({ body: texture }));
+  await page.route("**/texture.safetensors*", (route) => route.fulfill({ body: texture }));
   await open(page);
   await expect(page.getByRole("button", { name: "Material stripes" })).toBeVisible();
   await expect(page.getByRole("alert")).toHaveCount(0);

@@ -1,10 +1,12 @@
 """Evaluate what the page has saved: `evaluate.py FOLDER` for the tests beside this file.
 
-The folder holds `material.safetensors`, `pairs.json` with wi and wo, and for each language of
-shader code a filled template. Prints f by `urushi.load` and by the NumPy code as JSON.
+The folder holds `material.safetensors`, `pairs.json` with wi and wo, `program.py`, and a filled
+template of shader code. Prints f by `urushi.load`, by the program and by the NumPy code as JSON.
 """
 
+import contextlib
 import json
+import os
 import sys
 from pathlib import Path
 from types import ModuleType
@@ -17,7 +19,12 @@ folder = Path(sys.argv[1])
 wi, wo = np.array(json.loads((folder / "pairs.json").read_text()), np.float32).reshape(2, -1, 3)
 code = ModuleType("code")
 exec((folder / "material-numpy.py").read_text(), code.__dict__)
+program = ModuleType("program")
+os.chdir(folder)  # where the program saves
+with contextlib.redirect_stdout(None):
+    exec((folder / "program.py").read_text(), program.__dict__)
 values = {
+    "program": program.material.f(wi, wo),
     "loaded": urushi.load(folder / "material.safetensors").f(wi, wo),
     "code": code.f(code.material(), wi, wo),
 }

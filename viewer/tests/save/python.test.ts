@@ -7,6 +7,7 @@ import { join } from "node:path";
 import { afterAll, expect, test } from "vitest";
 import { loadCore } from "../../src/core/core";
 import { materialFile } from "../../src/engine/material_file";
+import { pythonText } from "../../src/save/python";
 import { shaderText } from "../../src/save/shader";
 import { bytesOf, readVectors, relativeError, SHIPPED } from "../core/vectors";
 
@@ -30,7 +31,7 @@ function python(...args: string[]): string {
 
 // Needs the project's Python environment, which `make test-web` sets up.
 test.skipIf(!existsSync(PYTHON) || vectors === undefined)(
-  "a saved material and its code give the page's f",
+  "a saved material, its code and its program give the page's f",
   { timeout: 120_000 },
   () => {
     const core = loadCore(bytesOf(SHIPPED));
@@ -43,11 +44,13 @@ test.skipIf(!existsSync(PYTHON) || vectors === undefined)(
       const file = materialFile(material, { latentSize, widths: 1, fingerprint });
       writeFileSync(join(folder, "material.safetensors"), file);
       writeFileSync(join(folder, "material-numpy.py"), shaderText(template, material));
+      writeFileSync(join(folder, "program.py"), pythonText(stack, "page"));
       const found = JSON.parse(python(EVALUATE, folder));
       const f = core.f(material, wi, wo);
       // Python computes in single precision: some roundings of logarithms up to 25.
       expect(relativeError(found.loaded, f)).toBeLessThan(1e-5);
       expect(relativeError(found.code, f)).toBeLessThan(1e-5);
+      expect(relativeError(found.program, f)).toBeLessThan(1e-5);
     }
   },
 );

@@ -13,10 +13,10 @@ const STACK: Stack = {
 
 test("Python: coats are put on from the bottom up", () => {
   const lines = pythonText(STACK, "My lacquer").split("\n");
-  expect(lines.filter((line) => line.startsWith("stack"))).toEqual([
-    "stack = urushi.conductor(alpha=0.2, eta=(0.2, 0.5, 1.3), k=3)",
-    "stack = urushi.coat(stack, alpha=0.4, eta=1.1, albedo=0.5, sigma_t=2, g=0.3)",
-    "stack = urushi.coat(stack, alpha=0.03, eta=1.53, albedo=0, sigma_t=(0.1, 0.2, 0.3), g=0)",
+  expect(lines.filter((line) => line.startsWith("material ="))).toEqual([
+    "material = urushi.encode(urushi.conductor(alpha=0.2, eta=(0.2, 0.5, 1.3), k=3), refine=False)",
+    "material = urushi.layer(urushi.dielectric(alpha=0.4, eta=1.1), material, albedo=0.5, sigma_t=2, g=0.3)",
+    "material = urushi.layer(urushi.dielectric(alpha=0.03, eta=1.53), material, albedo=0, sigma_t=(0.1, 0.2, 0.3), g=0)",
   ]);
   expect(lines).toContain('material.save("my-lacquer.safetensors")');
 });

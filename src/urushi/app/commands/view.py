@@ -54,18 +54,18 @@ class View:
 
     def run(self) -> int:
         from urushi.app.page_document import page_document
-        from urushi.app.page_files import page_files
+        from urushi.app.page_files import addressed, page_files
         from urushi.nets.weights import find
 
         shown = None if self.material is None else first_material(self.material, self.weights)
         files = page_files(find(self.weights), shown)
         if self.output is None:
-            self._serve(files)
+            self._serve(addressed(files))
             return 0
         if self.output.suffix == ".html":
             write({self.output.name: page_document(files).encode()}, self.output.parent)
         else:
-            write(files, self.output)
+            write(addressed(files), self.output)
         print(self.output)
         return 0
 
