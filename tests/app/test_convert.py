@@ -82,6 +82,16 @@ def test_an_emitting_material_gets_an_emitter(tmp_path):
     assert sum("OpenPBREmission" in str(emitter) for emitter in scene.emitters()) == 1
 
 
+def test_what_cannot_be_rendered_is_not_written(tmp_path, capsys):
+    document = tmp_path / "glass.mtlx"
+    document.write_text("""<materialx version="1.39"><open_pbr_surface name="Glass">
+        <input name="transmission_weight" type="float" value="1"/></open_pbr_surface>
+        </materialx>""")
+    assert main(["convert", str(document), "-o", str(tmp_path / "out")]) == 2
+    assert "transmission_weight needs transmission" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
 def test_errors_are_sentences(tmp_path, capsys):
     assert main(["convert", str(tmp_path / "no.mtlx"), "-o", str(tmp_path / "out")]) == 2
     assert "there is no MaterialX file" in capsys.readouterr().err

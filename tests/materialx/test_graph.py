@@ -7,9 +7,10 @@ from urushi.errors import FileError
 from urushi.materialx import noise
 from urushi.materialx.baking import Texture
 from urushi.materialx.document import read_document
-from urushi.materialx.graph import Evaluation, Graph
+from urushi.materialx.graph import Evaluation, Graph, parse_value
 from urushi.materialx.images import Images, Look, sample
 from urushi.materialx.surface import read_surface
+from urushi.materialx.xml import Element
 
 mi = pytest.importorskip("mitsuba")
 
@@ -32,8 +33,8 @@ def evaluate(document, library):
     def value(body, points=POINTS):
         path = document(body)
         graph = Graph(read_document(path).root, Images(path.parent, None), "test")
-        node = graph.root.nodes["n"]
-        result = Evaluation(graph, points).output(node, graph.root)
+        node = Element("output", {"nodename": "n"})
+        result = Evaluation(graph, points).value(graph.follow(node, graph.root, node), node)
         return np.broadcast_to(result, (len(points), result.shape[-1]))
 
     return value
@@ -131,6 +132,80 @@ def test_noise_is_gradient_noise():
     found = np.unique(np.round(gradients, 3), axis=0)
     assert np.allclose(np.sort(np.abs(found), -1), [1, 2], atol=1e-3)
     assert len(found) == 8
+
+
+def test_noise_in_space_is_gradient_noise():
+    """The same in three dimensions; the slopes are the 12 edges of a cube, and a plane repeats."""
+    lattice = np.stack(np.meshgrid(*[np.arange(-3.0, 3)] * 3), -1).reshape(-1, 3)
+    assert np.allclose(noise.perlin(lattice, 4)[..., :3], 0)
+    steps = 1e-6 * np.eye(3)
+    slopes = [noise.perlin(lattice + step, 1) / (0.9820 * 1e-6) for step in steps]
+    found = np.unique(np.round(np.concatenate(slopes, -1), 3), axis=0)
+    assert np.allclose(np.sort(np.abs(found), -1), [0, 1, 1], atol=1e-3)
+    assert len(found) == 12
+    nearest = noise.worley(lattice + 0.5, 3, np.zeros(1), 0)  # points in the cells' middles
+    assert np.allclose(nearest, [0, 1, 1])
+
+
+def test_patterns_in_space_need_a_plane(document, library):
+    """`position` on the plane is (u, v, 0); otherwise the sentence names the option and a tool."""
+    body = """<position name="p" type="vector3"/><convert name="n" type="color3">
+        <input name="in" type="vector3" nodename="p"/></convert><open_pbr_surface name="s"
+        type="surfaceshader"><input name="base_color" type="color3" nodename="n"/>
+        </open_pbr_surface>"""
+    with pytest.raises(FileError, match="set uv_plane .* or bake it .* command baketextures"):
+        read_surface(document(body), None)
+    pixels = read_surface(document(body), None, resolution=4, uv_plane=True).values["base_color"]
+    assert np.allclose(pixels.pixels[0, :, 0], [0.125, 0.375, 0.625, 0.875])
+    assert np.allclose(pixels.pixels[:, 0, 1], [0.875, 0.625, 0.375, 0.125])
+    assert not pixels.pixels[..., 2].any()
+
+
+@pytest.mark.parametrize("falloff", ["0.5", "0.8"])
+def test_hexagonal_tiles_that_do_not_differ_are_the_image(document, library, falloff):
+    tiled = dict.fromkeys(("rotation", "scale", "offset"), ("float", "0"))
+    body = element(
+        "hextiledimage",
+        "color3",
+        file=("filename", "a.exr"),
+        tiling=("vector2", "2, 3"),
+        falloff=("float", falloff),
+        **tiled,
+    )
+    texture = textured(document, body, 16)
+    u = (np.arange(16) + 0.5) / 16
+    uv = np.stack(np.meshgrid(u, 1 - u), -1).reshape(-1, 2) * [2, 3]
+    expected = sample(PIXELS, uv, Look(), np.zeros(3)).reshape(16, 16, 3)
+    assert np.allclose(texture.pixels, expected, atol=1e-6)
+
+
+@pytest.mark.parametrize(("amount", "unit"), [("90", "degree"), ("1.57079632679", "radian")])
+def test_angles_have_units(evaluate, amount, unit):
+    body = (
+        UV
+        + f"""<rotate2d name="n" type="vector2"><input name="in" type="vector2" nodename="uv"/>
+        <input name="amount" type="float" value="{amount}" unittype="angle" unit="{unit}"/>
+        </rotate2d>"""
+    )
+    x, y = POINTS.T
+    assert np.allclose(evaluate(body), np.stack([y, -x], -1))
+
+
+@pytest.mark.parametrize(
+    ("kind", "text", "expected"),
+    [
+        ("vector2", "0.5 0.25", [0.5, 0.25]),
+        ("color3", " 0.5 ,0.25,  1e-1 ", [0.5, 0.25, 0.1]),
+        ("float", "0.5f", [0.5]),
+        ("float", "10,5,1", [10]),
+        ("float", "+.5", [0.5]),
+        ("integer", "3.7", [3]),
+        ("boolean", "True", [1]),
+    ],
+)
+def test_values_are_read_as_by_materialx(kind, text, expected):
+    """Value.cpp of MaterialX splits at commas and spaces, and reads a number from the front."""
+    assert parse_value(text, kind, "x").tolist() == expected
 
 
 def test_the_hash_is_jenkins_final():
@@ -271,9 +346,10 @@ def test_a_position_outside_of_the_image_needs_a_grid(document, library):
 def test_colours_of_images_are_converted(document, library):
     body = '<image name="n" type="color3"><input name="file" type="filename" value="a.exr" '
     body += 'colorspace="srgb_texture"/></image>'
-    grey = np.full((6, 9, 1), 0.5, np.float32)
-    texture = textured(document, body, pixels=grey)
-    assert np.allclose(texture.pixels, ((0.5 + 0.055) / 1.055) ** 2.4)
+    texture = textured(document, body, pixels=0.5 + 0.5 * PIXELS[..., :1])
+    grey = (0.5 + 0.5 * PIXELS[..., :1] + 0.055) / 1.055
+    assert np.allclose(texture.pixels, grey**2.4)
+    assert textured(document, body, pixels=np.full((6, 9, 1), 1.0)) == (1, 1, 1)  # a constant
 
 
 def test_normal_maps_are_in_the_tangent_frame(document, library):

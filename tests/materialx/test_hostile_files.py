@@ -7,6 +7,7 @@ import zlib
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from urushi.errors import FileError, ParameterError
@@ -155,7 +156,16 @@ def test_definitions_that_inherit_in_a_circle(document, library):
 
 
 def test_values_that_are_no_numbers(document):
-    for text in ("", "1", "1, 2", "nan, 0, 0", "1e999, 0, 0", "x, y, z", "1, 2, 3, 4"):
+    for text in (
+        "1",
+        "1, 2",
+        "0.5, , 1",
+        "0.5 e 1",
+        "nan, 0, 0",
+        "1e999, 0, 0",
+        "x, y, z",
+        "1, 2, 3, 4",
+    ):
         shader = SURFACE.format(f'<input name="base_color" type="color3" value="{text}"/>')
         refused(document(shader), "which is not of type color3")
 
@@ -187,6 +197,21 @@ def test_images_that_cannot_be_read(tmp_path, document, library, name):
     (tmp_path / "bad.png").write_bytes(b"\x89PNG")
     text = name.replace("<", "&lt;")
     refused(document(IMAGE.format(text) + COLOUR.format("n")), "image|is a pattern for|cannot read")
+
+
+def test_paths_of_other_systems(tmp_path, document, library):
+    """Backslashes part folders; a name that differs in case only is named."""
+    (tmp_path / "maps").mkdir()
+    (tmp_path / "maps" / "a.exr").write_bytes(
+        b"\x76\x2f\x31\x01\x02\x00\x00\x00dataWindow\x00box2i\x00\x10\x00\x00\x00" + bytes(16)
+    )
+    refused(
+        document(IMAGE.format("Maps\\A.exr") + COLOUR.format("n")), "maps/a.exr' differs in case"
+    )
+    path = document(IMAGE.format("maps\\a.exr") + COLOUR.format("n"))
+    assert read_surface(path, lambda _: np.full((1, 1, 3), 0.5)).values["base_color"] == (0.5,) * 3
+    with pytest.raises(FileError, match="image 'maps.a.exr' has pixels that are not finite"):
+        read_surface(path, lambda _: np.full((1, 1, 3), np.nan))
 
 
 def test_a_picture_is_measured_before_it_is_decoded(tmp_path, document, library):

@@ -151,7 +151,7 @@ def test_a_truncated_material_is_refused(writers, fields, tmp_path, keep):
         (np.nan, "has 1458000 bins that are not finite"),
         (np.inf, "not finite"),
         (1e300, "not finite"),  # beyond float32
-        (-1.0, "has no valid bin: all are negative"),
+        (-1.0, "has no valid bin: above the horizon, each has a negative channel"),
     ],
 )
 def test_tables_without_numbers_are_refused(writers, tmp_path, number, message):

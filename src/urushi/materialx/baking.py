@@ -43,6 +43,12 @@ class Texture:
         """The texture of which each pixel is `function` of one of these."""
         return Texture(function(self.pixels), self.to_uv, self.wrap, self.blend)
 
+    @property
+    def constant(self) -> np.ndarray | None:
+        """The value (channels,) of all pixels; None if they differ."""
+        first = self.pixels[0, 0]
+        return first.astype(np.float64) if (self.pixels == first).all() else None
+
 
 _WRAPS = {"periodic": "repeat", "clamp": "clamp", "mirror": "mirror"}
 
@@ -63,20 +69,30 @@ def bake(graph: Graph, value: Value, resolution: int, where: str) -> np.ndarray 
     Raises:
         FileError: as of `Evaluation.input`, or a value is not finite.
     """
-    random = np.random.default_rng(0).random((PROBES - 3, 2))
-    probe = Evaluation(graph, np.concatenate([[[0, 0], [1, 0], [0, 1]], random]))
-    first = _finite(value(probe), where)
+    few = _few(graph)
+    first = _finite(value(few), where)
     if first.ndim == 1:
         return first
-    points = max(64, MEMORY // (32 * max(probe.size, 1)))
-    if len(probe.uses) == 1 and _is_simple(probe.uses[0]):
+    points = max(64, MEMORY // (32 * max(few.size, 1)))
+    if len(few.uses) == 1 and _is_simple(few.uses[0]):
         try:
-            return _from_texels(graph, value, probe.uses[0], points, where)
+            return _from_texels(graph, value, few.uses[0], points, where)
         except NeedsPosition:
             pass
-    sizes = [max(graph.images.read(use.file, where).shape[:2]) for use in probe.uses]
+    sizes = [max(graph.images.read(use.file, where).shape[:2]) for use in few.uses]
     side = min(max([resolution, *sizes]), MAX_RESOLUTION)
     return _on_grid(graph, value, side, points, where)
+
+
+def _few(graph: Graph) -> Evaluation:
+    """An evaluation at three corners and random points."""
+    random = np.random.default_rng(0).random((PROBES - 3, 2))
+    return Evaluation(graph, np.concatenate([[[0, 0], [1, 0], [0, 1]], random]))
+
+
+def probe(graph: Graph, value: Value) -> np.ndarray:
+    """A value (..., channels) at a few points."""
+    return value(_few(graph))
 
 
 def _is_simple(use: ImageUse) -> bool:

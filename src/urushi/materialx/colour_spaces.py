@@ -80,27 +80,37 @@ SPACES = {
     "lin_displayp3": ColourSpace(_P3),
 }
 
-#: Other names of the same spaces, among them those of the Color Interop Forum.
+#: Other names of the same spaces, of the Color Interop Forum, OpenColorIO's configurations and
+#: exporters; in lower case, without anything but letters and digits.
 ALIASES = {
-    "lin_ap1": "acescg",
-    "lin_ap1_scene": "acescg",
-    "lin_rec709_scene": "lin_rec709",
-    "lin_srgb": "lin_rec709",
-    "lin_ap0": "aces2065_1",
-    "lin_ap0_scene": "aces2065_1",
-    "srgb_rec709_scene": "srgb_texture",
-    "srgb_rec709_display": "srgb_texture",
-    "g22_rec709_scene": "g22_rec709",
-    "g18_rec709_scene": "g18_rec709",
-    "g22_ap1_scene": "g22_ap1",
-    "lin_adobergb_scene": "lin_adobergb",
-    "g22_adobergb_scene": "adobergb",
-    "lin_p3d65_scene": "lin_displayp3",
-    "srgb_p3d65_scene": "srgb_displayp3",
+    "srgb_texture": "srgb srgbtexture srgbrec709scene srgbrec709display utilitysrgbtexture "
+    "srgbencodedrec709srgb srgb8 inputgenericsrgbtexture",
+    "lin_rec709": "linear linrec709scene linsrgb linearsrgb linearrec709srgb linearrec709 "
+    "utilitylinearsrgb utilitylinearrec709 scenelinearrec709srgb linearbt709",
+    "g18_rec709": "gamma18 g18rec709scene gamma18rec709texture gamma18encodedrec709",
+    "g22_rec709": "gamma22 g22rec709scene gamma22rec709texture gamma22encodedrec709",
+    "rec709_display": "gamma24 rec709 rec1886rec709display",
+    "acescg": "linap1 linap1scene acesacescg",
+    "g22_ap1": "g22ap1scene gamma22encodedap1",
+    "aces2065_1": "linap0 linap0scene acesaces20651",
+    "adobergb": "g22adobergbscene gamma22encodedadobergb",
+    "lin_adobergb": "linadobergbscene linearadobergb",
+    "srgb_displayp3": "srgbp3d65scene srgbencodedp3d65",
+    "lin_displayp3": "linp3d65scene linearp3d65",
 }
 
 #: Names that ask for no conversion.
-RAW = ("", "none", "raw", "data")
+RAW = ("", "none", "raw", "data", "utilityraw", "noncolor", "noncolordata", "default", "auto")
+
+
+def _key(name: str) -> str:
+    """A name of a colour space without case, spaces and punctuation."""
+    return "".join(x for x in name.lower() if x.isalnum())
+
+
+_BY_KEY = {_key(name): space for name, space in SPACES.items()} | {
+    key: SPACES[name] for name, keys in ALIASES.items() for key in keys.split()
+}
 
 
 def to_linear_srgb(colours: npt.ArrayLike, space: str, where: str) -> np.ndarray:
@@ -112,9 +122,9 @@ def to_linear_srgb(colours: npt.ArrayLike, space: str, where: str) -> np.ndarray
         FileError: the space is unknown.
     """
     array = np.asarray(colours, np.float64)
-    if space in RAW:
+    if (key := _key(space)) in RAW:
         return array
-    entry = SPACES.get(ALIASES.get(space, space))
+    entry = _BY_KEY.get(key)
     if entry is None:
         raise FileError(
             f"{where}: the colour space '{space[:60]}' is unknown; use one of {', '.join(SPACES)}"

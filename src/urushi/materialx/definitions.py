@@ -1,5 +1,6 @@
 """Definitions of nodes and the graphs that implement them, of the document and of the library."""
 
+import re
 from functools import cache
 
 from urushi.errors import FileError
@@ -13,7 +14,7 @@ LIBRARY = (
     "bxdf/usd_preview_surface.mtlx",
     "bxdf/standard_surface.mtlx",
     "bxdf/gltf_pbr.mtlx",
-    "bxdf/translation/standard_surface_to_open_pbr.mtlx",
+    "bxdf/disney_principled.mtlx",
 )
 
 #: Largest number of definitions that inherit from each other.
@@ -25,9 +26,15 @@ class Definitions:
 
     def __init__(self, root: Element):
         self._own = _Index([root])
+        self._found: dict[Element, Element | None] = {}
 
     def find(self, node: Element) -> Element | None:
         """The definition of a node that fits its type and the types of its inputs, if any."""
+        if node not in self._found:
+            self._found[node] = self._best(node)
+        return self._found[node]
+
+    def _best(self, node: Element) -> Element | None:
         for index in (self._own, _library()):
             best, most = None, -1
             for definition in index.by_node.get(node.tag, ()):
@@ -46,6 +53,23 @@ class Definitions:
         """The node graph that implements a definition, if any."""
         name = definition.name
         return self._own.graphs.get(name) or _library().graphs.get(name)
+
+    def unit(self, name: str, where: str) -> tuple[str, float]:
+        """The kind of a unit, such as distance, and its size in metres or degrees.
+
+        Raises:
+            FileError: neither the document nor the library defines it.
+        """
+        for index in (self._own, _library()):
+            if name in index.units:
+                return index.units[name]
+        known = ", ".join(_library().units)
+        raise FileError(f"{where} has a value in '{name[:40]}', an unknown unit; use {known}")
+
+    def inputs_of(self, node: Element) -> dict[str, Element]:
+        """The inputs of a node's definition by name; empty if there is none."""
+        definition = self.find(node)
+        return {} if definition is None else self.inputs(definition)
 
     def inputs(self, definition: Element) -> dict[str, Element]:
         """The inputs of a definition by name, those that it inherits included.
@@ -75,7 +99,7 @@ class Definitions:
         if node.type == "multioutput":
             if len(outputs) < 2:
                 return -1
-        elif outputs and node.type not in [output.type for output in outputs]:
+        elif outputs and node.type not in ("", *(output.type for output in outputs)):
             return -1
         inputs = self.inputs(definition)
         score = 1 if definition.get("isdefaultversion") == "true" else 0
@@ -93,6 +117,7 @@ class _Index:
         self.by_node: dict[str, list[Element]] = {}
         self.by_name: dict[str, Element] = {}
         self.graphs: dict[str, Element] = {}
+        self.units: dict[str, tuple[str, float]] = {}
         named: dict[str, Element] = {}
         implementations = []
         for root in roots:
@@ -100,6 +125,11 @@ class _Index:
                 if element.tag == "nodedef":
                     self.by_node.setdefault(element.get("node") or "", []).append(element)
                     self.by_name[element.name] = element
+                elif element.tag == "unitdef":
+                    for unit in element.children:
+                        size = re.fullmatch(r"[0-9.]{1,20}", unit.get("scale") or "1")
+                        kind = element.get("unittype") or ""
+                        self.units[unit.name] = (kind, float(size[0]) if size else 1.0)
                 elif element.tag == "nodegraph":
                     named[element.name] = element
                     if (definition := element.get("nodedef")) is not None:

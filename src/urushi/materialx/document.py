@@ -1,4 +1,4 @@
-"""MaterialX documents: reading with includes, upgrading, and finding a material's surface."""
+"""MaterialX documents: reading with includes, upgrading, and finding a material."""
 
 import os
 from dataclasses import dataclass
@@ -6,6 +6,7 @@ from pathlib import Path
 
 from urushi.errors import FileError, ParameterError
 from urushi.materialx.package import upgrade
+from urushi.materialx.shaders import SHADERS
 from urushi.materialx.xml import MAX_BYTES, MAX_ELEMENTS, Element, parse, write
 
 #: The version of MaterialX that is read; older documents are upgraded.
@@ -53,8 +54,7 @@ def read_document(path: str | os.PathLike) -> Document:
             f"{VERSION[0]}.{VERSION[1]} can be read; convert it to that version"
         )
     if version < VERSION:
-        text = upgrade(write(root), f"'{file}'")
-        root = parse(text.encode(), f"'{file}' after its upgrade")
+        root = upgrade(write(root), f"'{file}'")
     return Document(file, root)
 
 
@@ -109,8 +109,7 @@ class _Reader:
             raise FileError(f"{where} includes '{href[:80]}', which includes it again")
         root = self.read(target, here)
         if _version(root, f"'{target}'") < VERSION:
-            text = upgrade(write(root), f"'{target}'")
-            root = parse(text.encode(), f"'{target}' after its upgrade")
+            root = upgrade(write(root), f"'{target}'")
         for child in root.children:
             for name in ("colorspace", "fileprefix"):
                 if name in root.attributes:
@@ -151,22 +150,30 @@ def _version(root: Element, where: str) -> tuple[int, int]:
     return int(major), int(minor)
 
 
-def find_surface(document: Document, name: str | None = None) -> tuple[str, Element]:
-    """The name of a material and its surface shader's node.
+def find_material(document: Document, name: str | None = None) -> Element:
+    """The node of a material, or of a surface shader.
+
+    Materials may be in node graphs. A document without materials has its surface shaders instead.
 
     name: of a material, or of a surface shader; None: the document's only one.
 
     Raises:
         ParameterError: there is none of this name, or several and no name.
-        FileError: the document has no material, or the material no surface shader.
+        FileError: the document has no material.
     """
     where = document.where
-    nodes = document.root.children
-    materials = [node for node in nodes if node.tag == "surfacematerial"]
-    shaders = [node for node in nodes if node.type == "surfaceshader" and node.tag != "output"]
+    nodes, inside = document.root.children, []
+    for graph in nodes:
+        if graph.tag == "nodegraph" and graph.get("nodedef") is None:
+            inside += graph.children
+    materials = [node for node in (*nodes, *inside) if node.tag == "surfacematerial"]
+    shaders = [node for node in nodes if _is_shader(node)]
+    shaders = shaders or [node for node in inside if _is_shader(node)]
     choices = materials or shaders
     if not choices:
-        raise FileError(f"{where} has no material; it needs a surfacematerial or a surface shader")
+        raise FileError(
+            f"{where} has no material; it needs a surfacematerial or a node of type surfaceshader"
+        )
     if name is None:
         found = choices
     else:
@@ -176,32 +183,11 @@ def find_surface(document: Document, name: str | None = None) -> tuple[str, Elem
         more = ", ..." if len(choices) > 12 else ""
         problem = "has several materials" if name is None else f"has no material '{name[:60]}'"
         raise ParameterError(f"{where} {problem}; choose one of {names}{more}")
-    node = found[0]
-    if node.tag != "surfacematerial":
-        return node.name, node
-    return node.name, _shader(document, node)
+    return found[0]
 
 
-def _shader(document: Document, material: Element) -> Element:
-    """The node that a material's input `surfaceshader` is connected to."""
-    where = f"{document.where}: the material '{material.name[:60]}'"
-    link, scope = material.input("surfaceshader"), document.root
-    for _ in range(MAX_INCLUDES):  # each step enters a graph or passes one of its outputs
-        if link is None:
-            break
-        if (graph_name := link.get("nodegraph")) is not None:
-            graph = _named(scope, graph_name)
-            outputs = [] if graph is None else [c for c in graph.children if c.tag == "output"]
-            wanted = link.get("output")
-            link = next((o for o in outputs if wanted in (None, o.name)), None)
-            scope = graph or scope
-            continue
-        node = _named(scope, link.get("nodename") or "")
-        if node is None:
-            break
-        return node
-    raise FileError(f"{where} is connected to no surface shader in the document")
-
-
-def _named(scope: Element, name: str) -> Element | None:
-    return next((child for child in scope.children if name and child.name == name), None)
+def _is_shader(node: Element) -> bool:
+    """Whether an element is a surface shader; exporters leave out the type of known ones."""
+    if node.tag in ("input", "output", "nodegraph", "nodedef"):
+        return False
+    return node.type == "surfaceshader" or (not node.type and node.tag in SHADERS)

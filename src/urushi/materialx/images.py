@@ -47,9 +47,11 @@ class Images:
                 "name one file"
             )
         try:
-            path = (self._folder / name).resolve()
+            path = (self._folder / name.replace("\\", "/")).resolve()
             if not name or not path.is_file():
-                raise FileError(f"{where}: there is no image '{name[:80]}'; check its path")
+                other = _other_case(path) if name else None
+                cure = "check its path" if other is None else f"'{other}' differs in case only"
+                raise FileError(f"{where}: there is no image '{name[:80]}'; {cure}")
             if path not in self._read:
                 width, height = image_size(path)
                 self._pixels += width * height
@@ -58,13 +60,27 @@ class Images:
                         f"{where}: '{name[:80]}' has {width} x {height} pixels; all images of a "
                         f"document may have {MAX_PIXELS >> 20} Mi in total; use smaller ones"
                     )
-                self._read[path] = self._decode(path)
+                pixels = self._decode(path)
+                if not np.isfinite(pixels).all():
+                    raise FileError(
+                        f"{where}: the image '{name[:80]}' has pixels that are not finite; repair "
+                        "them, or export it again"
+                    )
+                self._read[path] = pixels
         except UrushiError:
             raise
         except (OSError, ValueError, RuntimeError) as error:
             reason = " ".join(str(error).split())[:160]
             raise FileError(f"{where}: cannot read the image '{name[:80]}': {reason}") from error
         return self._read[path]
+
+
+def _other_case(path: Path) -> Path | None:
+    """An existing path that differs from one in upper and lower case only, if any."""
+    parent = path.parent if path.parent.is_dir() else _other_case(path.parent)
+    if parent is None or not parent.is_dir():
+        return None
+    return next((p for p in parent.iterdir() if p.name.casefold() == path.name.casefold()), None)
 
 
 def image_size(path: Path) -> tuple[int, int]:

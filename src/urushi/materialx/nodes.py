@@ -25,6 +25,9 @@ CHANNELS = {
     "vector4": 4,
 }
 
+#: The cure of what cannot be evaluated; `baketextures` comes with the package `materialx`.
+BAKE = "bake it into an image, for instance by MaterialX's command baketextures"
+
 #: Largest number of octaves of fractal noise.
 MAX_OCTAVES = 16
 
@@ -35,6 +38,7 @@ EPSILON = 1e-8
 class Call(Protocol):
     """A node that is evaluated."""
 
+    tag: str
     type: str
     where: str
 
@@ -276,35 +280,36 @@ def _split_down(call: Call) -> np.ndarray:
     return np.where(top, call["valuet"], call["valueb"])
 
 
-@_node("noise2d")
+def _place(call: Call) -> np.ndarray:
+    """The position (..., 2 or 3) that a noise is evaluated at."""
+    return call["texcoord" if call.tag.endswith("2d") else "position"]
+
+
+@_node("noise2d", "noise3d")
 def _noise(call: Call) -> np.ndarray:
-    value = noise.perlin(call["texcoord"], CHANNELS[call.type])
+    value = noise.perlin(_place(call), CHANNELS[call.type])
     return value * call["amplitude"] + call["pivot"]
 
 
-@_node("fractal2d")
+@_node("fractal2d", "fractal3d")
 def _fractal(call: Call) -> np.ndarray:
     octaves = call["octaves"]
     if octaves.ndim > 1 or not 0 <= octaves[0] <= MAX_OCTAVES:
         raise FileError(f"{call.where}: octaves must be a constant from 0 to {MAX_OCTAVES}")
     value = noise.fractal(
-        call["texcoord"],
-        CHANNELS[call.type],
-        int(octaves[0]),
-        call["lacunarity"],
-        call["diminish"],
+        _place(call), CHANNELS[call.type], int(octaves[0]), call["lacunarity"], call["diminish"]
     )
     return value * call["amplitude"]
 
 
-@_node("cellnoise2d")
+@_node("cellnoise2d", "cellnoise3d")
 def _cell_noise(call: Call) -> np.ndarray:
-    return noise.cell(call["texcoord"])
+    return noise.cell(_place(call))
 
 
-@_node("worleynoise2d")
+@_node("worleynoise2d", "worleynoise3d")
 def _worley_noise(call: Call) -> np.ndarray:
     style = call["style"]
     if style.ndim > 1 or style[0] not in (0, 1):
         raise FileError(f"{call.where}: style must be the constant 0 or 1")
-    return noise.worley(call["texcoord"], CHANNELS[call.type], call["jitter"], int(style[0]))
+    return noise.worley(_place(call), CHANNELS[call.type], call["jitter"], int(style[0]))

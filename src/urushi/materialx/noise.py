@@ -1,24 +1,27 @@
-"""Noise of MaterialX's standard library in two dimensions, on NumPy arrays.
+"""Noise of MaterialX's standard library in two and three dimensions, on NumPy arrays.
 
 The functions are those of Open Shading Language, as MaterialX defines them: gradient noise (Perlin,
 Improving noise, SIGGRAPH 2002) on Jenkins' integer hash (lookup3, 2006), cell noise and cellular
-noise (Worley, SIGGRAPH 1996). Positions are arrays (..., 2).
+noise (Worley, SIGGRAPH 1996). Positions are arrays (..., 2) or (..., 3).
 """
+
+from itertools import product
 
 import numpy as np
 
-#: Factor by which two-dimensional gradient noise comes close to [-1, 1].
-_SCALE = 0.6616
+#: Factor by which gradient noise comes close to [-1, 1], by the number of dimensions.
+_SCALE = {2: 0.6616, 3: 0.9820}
 
 #: Offsets of the positions of further channels.
-_NOISE_OFFSET = np.array([19.0, 73.0])
-_FRACTAL_OFFSET = np.array([19.0, 193.0])
+_NOISE_OFFSET = np.array([19.0, 73.0, 29.0])
+_FRACTAL_OFFSET = np.array([19.0, 193.0, 17.0])
 
 
-def _cell(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The integer part of numbers, as int64, and the rest."""
-    whole = np.floor(x)
-    return np.clip(whole, -(2.0**31), 2.0**31 - 1).astype(np.int64), x - whole
+def _cell(p: np.ndarray) -> tuple[list[np.ndarray], np.ndarray]:
+    """The integer parts of positions (..., D), int64 for each coordinate, and the rest (..., D)."""
+    whole = np.floor(p)
+    integers = np.clip(whole, -(2.0**31), 2.0**31 - 1).astype(np.int64)
+    return [integers[..., k] for k in range(p.shape[-1])], p - whole
 
 
 def _rotate(x: np.ndarray, bits: int) -> np.ndarray:
@@ -26,12 +29,15 @@ def _rotate(x: np.ndarray, bits: int) -> np.ndarray:
 
 
 def hash_integers(*numbers: np.ndarray) -> np.ndarray:
-    """Jenkins' hash of one to three integers, uint32."""
+    """Jenkins' hash of one to four integers, uint32."""
     seed = (0xDEADBEEF + (len(numbers) << 2) + 13) & 0xFFFFFFFF
     shape = np.broadcast_shapes(*(np.shape(n) for n in numbers))
     a, b, c = (np.full(shape or (1,), seed, np.uint32) for _ in range(3))
     for word, number in zip((a, b, c), numbers, strict=False):
         word += np.asarray(number).astype(np.uint32)
+    if len(numbers) > 3:
+        _mix(a, b, c)
+        a += np.asarray(numbers[3]).astype(np.uint32)
     c ^= b
     c -= _rotate(b, 14)
     a ^= c
@@ -49,27 +55,39 @@ def hash_integers(*numbers: np.ndarray) -> np.ndarray:
     return c.reshape(shape)
 
 
-def _gradient(code: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """The product of (x, y) with one of eight gradients (±1, ±2), (±2, ±1)."""
-    low = (code & np.uint32(7)) < 4
-    u, v = np.where(low, x, y), 2 * np.where(low, y, x)
+def _mix(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> None:
+    """Jenkins' reversible mixing of three words, in place."""
+    for bits in (4, 6, 8, 16, 19, 4):
+        a -= c
+        a ^= _rotate(c, bits)
+        c += b
+        a, b, c = b, c, a
+
+
+def _gradient(code: np.ndarray, p: np.ndarray) -> np.ndarray:
+    """The product of p (..., D) with a gradient: (±1, ±2), (±2, ±1), or to an edge of a cube."""
+    x, y = p[..., 0], p[..., 1]
+    if p.shape[-1] == 2:
+        low = (code & np.uint32(7)) < 4
+        u, v = np.where(low, x, y), 2 * np.where(low, y, x)
+    else:
+        h = code & np.uint32(15)
+        u = np.where(h < 8, x, y)
+        v = np.where(h < 4, y, np.where((h == 12) | (h == 14), x, p[..., 2]))
     return np.where(code & np.uint32(1), -u, u) + np.where(code & np.uint32(2), -v, v)
 
 
 def _perlin(p: np.ndarray, shifts: tuple[int, ...], mask: int) -> np.ndarray:
     """Gradient noise, one channel for each shift of the hash."""
-    (x, fx), (y, fy) = _cell(p[..., 0]), _cell(p[..., 1])
-    u, v = (t**3 * (t * (t * 6 - 15) + 10) for t in (fx, fy))
-    corners = {}
-    for i in (0, 1):
-        for j in (0, 1):
-            code = hash_integers(x + i, y + j)
-            channels = [(code >> np.uint32(shift)) & np.uint32(mask) for shift in shifts]
-            corners[i, j] = np.stack([_gradient(c, fx - i, fy - j) for c in channels], axis=-1)
-    u, v = u[..., None], v[..., None]
-    top = (1 - u) * corners[0, 0] + u * corners[1, 0]
-    bottom = (1 - u) * corners[0, 1] + u * corners[1, 1]
-    return _SCALE * ((1 - v) * top + v * bottom)
+    cell, inside = _cell(p)
+    fade = inside**3 * (inside * (inside * 6 - 15) + 10)
+    total = np.zeros((*p.shape[:-1], len(shifts)))
+    for corner in product((0, 1), repeat=p.shape[-1]):
+        code = hash_integers(*(x + i for x, i in zip(cell, corner, strict=True)))
+        channels = [(code >> np.uint32(shift)) & np.uint32(mask) for shift in shifts]
+        weight = np.where(corner, fade, 1 - fade).prod(-1)[..., None]
+        total += weight * np.stack([_gradient(c, inside - corner) for c in channels], axis=-1)
+    return _SCALE[p.shape[-1]] * total
 
 
 def _perlin_one(p: np.ndarray) -> np.ndarray:
@@ -81,12 +99,12 @@ def _perlin_three(p: np.ndarray) -> np.ndarray:
 
 
 def perlin(p: np.ndarray, channels: int) -> np.ndarray:
-    """Gradient noise at positions (..., 2), of 1 to 4 channels, about [-1, 1]."""
+    """Gradient noise at positions (..., D), of 1 to 4 channels, about [-1, 1]."""
     if channels == 1:
         return _perlin_one(p)
     three = _perlin_three(p)
     if channels == 4:
-        return np.concatenate([three, _perlin_one(p + _NOISE_OFFSET)], axis=-1)
+        return np.concatenate([three, _perlin_one(p + _NOISE_OFFSET[: p.shape[-1]])], axis=-1)
     return three[..., :channels]
 
 
@@ -111,7 +129,8 @@ def fractal(
     if channels == 3:
         return octave_sum(_perlin_three, p)
     first = _perlin_one if channels == 2 else _perlin_three
-    parts = (octave_sum(first, p), octave_sum(_perlin_one, p + _FRACTAL_OFFSET))
+    offset = _FRACTAL_OFFSET[: p.shape[-1]]
+    parts = (octave_sum(first, p), octave_sum(_perlin_one, p + offset))
     return np.concatenate(
         [np.broadcast_to(part, (*p.shape[:-1], part.shape[-1])) for part in parts], -1
     )
@@ -123,37 +142,32 @@ def _unit(code: np.ndarray) -> np.ndarray:
 
 def cell(p: np.ndarray) -> np.ndarray:
     """A random number in [0, 1] for each cell of the integer grid, (..., 1)."""
-    return _unit(hash_integers(_cell(p[..., 0])[0], _cell(p[..., 1])[0]))[..., None]
+    return _unit(hash_integers(*_cell(p)[0]))[..., None]
 
 
-def _cell_three(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    return np.stack([_unit(hash_integers(x, y, np.array(k))) for k in range(3)], axis=-1)
+def _cell_three(*cell: np.ndarray) -> np.ndarray:
+    return np.stack([_unit(hash_integers(*cell, np.array(k))) for k in range(3)], axis=-1)
 
 
 def worley(p: np.ndarray, channels: int, jitter: np.ndarray, style: int) -> np.ndarray:
     """Cellular noise of 1 to 3 channels.
 
     Args:
-        p: positions (..., 2).
+        p: positions (..., D).
         jitter: how far points lie from the centres of their cells, 1: anywhere inside.
         style: 0: distances to the nearest points; 1: random numbers of the nearest point's cell.
     """
-    (x, fx), (y, fy) = _cell(p[..., 0]), _cell(p[..., 1])
+    corner, inside = _cell(p)
     jitter = np.broadcast_to(np.asarray(jitter), (*p.shape[:-1], 1))
     nearest = np.full((*p.shape[:-1], channels), 1e6)
     offset = np.zeros(p.shape)
-    for i in (-1, 0, 1):
-        for j in (-1, 0, 1):
-            random = _cell_three(x + i, y + j)[..., :2]
-            point = (random - 0.5) * jitter + 0.5 + np.array([i, j])
-            difference = point - np.stack([fx, fy], axis=-1)
-            square = (difference**2).sum(-1, keepdims=True)
-            offset = np.where(square < nearest[..., :1], difference, offset)
-            nearest = np.sort(np.concatenate([nearest, square], -1), -1)[..., :channels]
+    for step in product((-1, 0, 1), repeat=p.shape[-1]):
+        random = _cell_three(*(x + i for x, i in zip(corner, step, strict=True)))
+        point = (random[..., : p.shape[-1]] - 0.5) * jitter + 0.5 + np.array(step)
+        square = ((point - inside) ** 2).sum(-1, keepdims=True)
+        offset = np.where(square < nearest[..., :1], point - inside, offset)
+        nearest = np.sort(np.concatenate([nearest, square], -1), -1)[..., :channels]
     if style == 1:
         there = p + offset
-        if channels == 1:
-            return cell(there)
-        cells = (_cell(there[..., 0])[0], _cell(there[..., 1])[0])
-        return _cell_three(*cells)[..., :channels]
+        return cell(there) if channels == 1 else _cell_three(*_cell(there)[0])[..., :channels]
     return np.sqrt(nearest)

@@ -2,8 +2,10 @@
 
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 from urushi.errors import FileError, PlatformError
+from urushi.materialx.xml import Element
 
 
 def libraries() -> Path:
@@ -21,8 +23,8 @@ def libraries() -> Path:
     return Path(spec.origin).parent / "libraries"
 
 
-def upgrade(text: str, where: str) -> str:
-    """The text of a document of an old version, in the package's version.
+def upgrade(text: str, where: str) -> Element:
+    """A document of an old version, in the package's version.
 
     Raises:
         FileError: the package refuses the document.
@@ -34,9 +36,21 @@ def upgrade(text: str, where: str) -> str:
     document = MaterialX.createDocument()
     try:
         MaterialX.readFromXmlString(document, text)
-        return MaterialX.writeToXmlString(document)
     except (MaterialX.Exception, RuntimeError, ValueError, IndexError) as error:
         reason = " ".join(str(error).split())[:200]
         raise FileError(
             f"{where} cannot be upgraded to MaterialX 1.39 ({reason}); convert it to that version"
         ) from error
+    return _element(document)
+
+
+def _element(source: Any) -> Element:
+    """An element of the package as one of ours."""
+    found = Element(source.getCategory())
+    if source.getParent() is not None:
+        found.attributes["name"] = source.getName()
+    for name in source.getAttributeNames():
+        found.attributes[name] = source.getAttribute(name)
+    for child in source.getChildren():
+        found.add(_element(child))
+    return found

@@ -1,26 +1,24 @@
 """Surface shaders of MaterialX as parameters of OpenPBR.
 
-`open_pbr_surface` is read directly; another shader by the node graph that translates it, of the
-library or of the document.
+`open_pbr_surface` is read directly; others by the formulas of `shaders`, or by a node graph of the
+document that translates them.
 """
 
 import os
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from urushi.errors import FileError, UrushiWarning
-from urushi.materialx.baking import Texture, Value, bake
-from urushi.materialx.document import find_surface, read_document
-from urushi.materialx.graph import Graph
+from urushi.materialx.baking import Texture, Value, bake, probe
+from urushi.materialx.document import find_material, read_document
+from urushi.materialx.graph import Frame, Graph, Source
 from urushi.materialx.images import Decode, Images
+from urushi.materialx.shaders import LOST, SHADERS, TARGET, TRANSLATIONS, Inputs
 from urushi.materialx.xml import Element
 from urushi.openpbr_surface.parameters import PARAMETERS, Parameter, checked, parameter
-
-#: The shader whose inputs are the parameters.
-TARGET = "open_pbr_surface"
 
 #: Rows and columns of a texture that is computed on a grid, unless another number is asked for.
 RESOLUTION = 1024
@@ -28,14 +26,8 @@ RESOLUTION = 1024
 #: Largest amount by which a colour may leave [0, 1] without a warning.
 GAMUT_TOLERANCE = 0.01
 
-#: Inputs of other shaders that are directions, and the parameters that they become.
-_DIRECTIONS = {
-    "normal": "geometry_normal",
-    "coat_normal": "geometry_coat_normal",
-    "clearcoat_normal": "geometry_coat_normal",
-    "tangent": "geometry_tangent",
-    "coat_tangent": "geometry_coat_tangent",
-}
+#: Inputs of a material that are no surface shader of its front, and what they are.
+_LOST_SHADERS = {"displacementshader": "displacement", "backsurfaceshader": "back's shader"}
 
 #: The geometry's own directions in the tangent frame.
 _OWN = {"normal": (0.0, 0.0, 1.0), "tangent": (1.0, 0.0, 0.0)}
@@ -59,7 +51,11 @@ class Surface:
 
 
 def read_surface(
-    path: str | os.PathLike, decode: Decode, name: str | None = None, resolution: int = RESOLUTION
+    path: str | os.PathLike,
+    decode: Decode,
+    name: str | None = None,
+    resolution: int = RESOLUTION,
+    uv_plane: bool = False,
 ) -> Surface:
     """Read a material of a document.
 
@@ -68,6 +64,7 @@ def read_surface(
         decode: reads an image.
         name: of the material; None: the only one.
         resolution: rows and columns of textures that have to be computed on a grid.
+        uv_plane: whether positions in space are (u, v, 0); else they are refused.
 
     Raises:
         FileError: the document or an image cannot be read, or has something unsupported.
@@ -75,27 +72,56 @@ def read_surface(
         PlatformError: the package materialx is needed and missing.
     """
     document = read_document(path)
-    name, shader = find_surface(document, name)
-    where = f"{document.where}: '{name[:60]}'"
-    graph = Graph(document.root, Images(document.path.parent, decode), document.where)
+    material = find_material(document, name)
+    where = f"{document.where}: '{material.name[:60]}'"
+    graph = Graph(
+        document.root, Images(document.path.parent, decode), document.where, uv_plane=uv_plane
+    )
     try:
+        shader = _find_shader(graph, material, where)
         values = _Reader(graph, shader, resolution, where).values()
     except RecursionError:
         raise FileError(f"{where} has nodes nested too deeply; simplify it") from None
-    return Surface(name, values)
+    return Surface(material.name, values)
+
+
+def _find_shader(graph: Graph, material: Element, where: str) -> Source:
+    """The surface shader of a material, or of a shader's graph."""
+    frame = graph.root
+    if (parent := material.parent) is not None and parent is not frame.scope:
+        frame = graph.inside(parent, frame) or frame
+    link = Element("input", {"nodename": material.name})
+    if material.tag == "surfacematerial":
+        for name, part in _LOST_SHADERS.items():
+            element = material.input(name)
+            if element is not None and graph.follow(element, frame, material).is_node:
+                _warn(f"{where}: its {part} is left out; OpenPBR describes the front's surface")
+        link = material.input("surfaceshader") or Element("input")
+    found = graph.follow(link, frame, material)
+    if not found.is_node:
+        raise FileError(f"{where} is connected to no surface shader in the document")
+    if found.element.tag == "mix":
+        raise FileError(
+            f"{where} mixes two surface shaders; mix the inputs of one shader instead, or bake the "
+            "material into images, for instance by Blender"
+        )
+    return found
+
+
+def _warn(message: str) -> None:
+    warnings.warn(message, UrushiWarning, stacklevel=3)
 
 
 class _Reader:
     """Reads the parameters of one shader."""
 
-    def __init__(self, graph: Graph, shader: Element, resolution: int, where: str):
-        self._graph, self._shader = graph, shader
+    def __init__(self, graph: Graph, shader: Source, resolution: int, where: str):
+        self._graph, self._shader, self._frame = graph, shader.element, shader.frame
         self._resolution, self._where = resolution, where
 
     def values(self) -> dict[str, ParameterValue]:
-        read = self._direct() if self._shader.tag == TARGET else self._translated()
         found: dict[str, ParameterValue] = {}
-        for name, value in read.items():
+        for name, value in self._formulas().items():
             entry = parameter(name, self._where)
             baked = bake(self._graph, value, self._resolution, f"{self._where}: {name}")
             if entry.kind != "vector":
@@ -104,56 +130,65 @@ class _Reader:
                 found[name] = normals
         return _bright(found)
 
-    def _direct(self) -> dict[str, Value]:
-        """The values of the inputs that the shader has."""
-        for element in self._shader.inputs():
-            parameter(element.name, self._where)
-        return {e.name: self._input(self._shader, e.name) for e in self._shader.inputs()}
-
-    def _input(self, node: Element, name: str) -> Value:
-        return lambda evaluation: evaluation.input(node, name, self._graph.root)
-
-    def _output(self, node: Element, name: str) -> Value:
-        return lambda evaluation: evaluation.output(node, self._graph.root, name)
-
-    def _translated(self) -> dict[str, Value]:
-        """The values of the outputs of the graph that translates the shader."""
+    def _formulas(self) -> dict[str, Value]:
+        """The values of the parameters, by name."""
         tag = self._shader.tag
-        node = Element(f"{tag}_to_{TARGET}", {"name": self._shader.name, "type": "multioutput"})
-        node.parent = self._shader.parent
-        definition = self._graph.definitions.find(node)
-        if definition is None:
+        if tag == TARGET:
+            for element in self._shader.inputs():
+                parameter(element.name, self._where)
+            names = [e.name for e in self._shader.inputs() if self._is_given(e)]
+            return {name: self._input(name) for name in names}
+        if (frame := self._own_translation(f"{tag}_to_{TARGET}")) is not None:
+            outputs = [child for child in frame.scope.children if child.tag == "output"]
+            named = {child.name.removesuffix("_out"): child for child in outputs}
+            return {n: self._output(e, frame) for n, e in named.items() if n in PARAMETERS}
+        if tag not in TRANSLATIONS:
             raise FileError(
-                f"{self._where} is a {tag[:40]}, which MaterialX does not translate to {TARGET}; "
-                f"only {TARGET} and standard_surface are read"
+                f"{self._where} is a {tag[:40]}, which is not read; translate it to {TARGET}, or "
+                f"use one of {', '.join(SHADERS)}"
             )
+        self._warn_of_losses(tag)
+        return {name: self._formula(formula) for name, formula in TRANSLATIONS[tag].items()}
+
+    def _own_translation(self, tag: str) -> Frame | None:
+        """The graph of the document that translates the shader, if it has one."""
+        node = Element(tag, {"name": self._shader.name, "type": "multioutput"})
         node.children = self._shader.children
-        known = self._graph.definitions.inputs(definition)
-        found: dict[str, Value] = {}
-        left_out = []
-        for element in node.inputs():
-            if element.name in _DIRECTIONS:
-                found[_DIRECTIONS[element.name]] = self._input(node, element.name)
-            elif element.name not in known:
-                left_out.append(element.name[:60])
-        if left_out:
-            warnings.warn(
-                f"{self._where}: MaterialX's translation of {tag[:40]} ignores "
-                f"{', '.join(left_out)}",
-                UrushiWarning,
-                stacklevel=2,
-            )
-        for output in definition.children:
-            name = output.name.removesuffix("_out")
-            if output.tag == "output" and name in PARAMETERS:
-                found[name] = self._output(node, output.name)
-        return found
+        return self._graph.inside(node, self._frame)
+
+    def _is_given(self, element: Element) -> bool:
+        return self._graph.follow(element, self._frame, self._shader).is_given
+
+    def _input(self, name: str) -> Value:
+        return lambda evaluation: evaluation.input(self._shader, name, self._frame)
+
+    def _formula(self, formula: Callable[[Inputs], np.ndarray]) -> Value:
+        return lambda evaluation: formula(
+            lambda name: evaluation.input(self._shader, name, self._frame)
+        )
+
+    def _warn_of_losses(self, tag: str) -> None:
+        """Warn of inputs without a parameter, where they would change something."""
+        known = self._graph.definitions.inputs_of(self._shader)
+        given = [element.name for element in self._shader.inputs()]
+        lost = [name for name in given if name not in known]
+        for name, formula in LOST.get(tag, {}).items():
+            if name in given and probe(self._graph, self._formula(formula)).any():
+                lost.append(name)
+        if lost:
+            _warn(f"{self._where}: OpenPBR has no counterpart of {', '.join(lost)[:200]} of {tag}")
+
+    def _output(self, output: Element, frame: Frame) -> Value:
+        return lambda evaluation: evaluation.value(
+            self._graph.follow(output, frame, self._shader), self._shader
+        )
 
     def _direction(self, entry: Parameter, value: np.ndarray | Texture) -> Texture | None:
         """A normal map of directions; None if they are the geometry's own."""
         own = np.array(_OWN[entry.name.rsplit("_", 1)[-1]])
         if isinstance(value, np.ndarray):
-            if value.shape == (3,) and np.allclose(value, own, atol=1e-6):
+            length = np.linalg.norm(value)  # 0: editors write directions that are not set so
+            if value.shape == (3,) and np.allclose(value, length * own, atol=1e-6):
                 return None
             raise FileError(
                 f"{self._where}: {entry.name} is a constant direction in space, which is not "
@@ -175,7 +210,10 @@ class _Reader:
             pixels = value.pixels
             if pixels.shape[-1] != (3 if entry.kind == "color" else 1):
                 raise FileError(f"{where}: {entry.name} has {pixels.shape[-1]} channels")
-            return value.map(lambda x: self._limited(entry, x).astype(np.float32))
+            texture = value.map(lambda x: self._limited(entry, x).astype(np.float32))
+            if (constant := texture.constant) is None:
+                return texture
+            value = constant
         if entry.kind == "color":
             if value.shape != (3,):
                 raise FileError(
@@ -196,18 +234,18 @@ class _Reader:
         high = np.inf if entry.high is None else entry.high
         limited = np.clip(value, low, high)
         if np.abs(limited - value).max(initial=0) > GAMUT_TOLERANCE:
-            warnings.warn(
+            _warn(
                 f"{self._where}: {entry.name} leaves [{low:g}, {high:g}] in linear sRGB and is "
-                "clipped to it",
-                UrushiWarning,
-                stacklevel=2,
+                "clipped to it"
             )
         return limited
 
 
 def _bright(values: dict[str, ParameterValue]) -> dict[str, ParameterValue]:
-    """The values, with an emission_color of at most 1: the luminance takes the rest."""
+    """The values, with an emission_color of at most 1 and no luminance of black."""
     color = values.get("emission_color")
+    if color == (0.0, 0.0, 0.0) and "emission_luminance" in values:
+        values["emission_luminance"] = 0.0
     luminance = values.get("emission_luminance", 0.0)
     if isinstance(color, tuple) and max(color) > 1 and isinstance(luminance, float):
         peak = max(color)

@@ -73,7 +73,10 @@ class Merl(MeasuredSurface):
             )
         valid = (values >= 0).all(-1) & above_horizon(*bin_centres(SHAPE))
         if not valid.any():
-            raise FileError("the MERL table has no valid bin: all are negative; obtain it again")
+            raise FileError(
+                "the MERL table has no valid bin: above the horizon, each has a negative channel; "
+                "obtain it again"
+            )
         fill_nearest(values, valid)
         self._table = values
 

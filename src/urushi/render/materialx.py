@@ -9,25 +9,31 @@ import numpy as np
 
 from urushi.errors import FileError, ParameterError
 from urushi.materialx.baking import Texture
-from urushi.materialx.surface import RESOLUTION, ParameterValue, read_surface
+from urushi.materialx.surface import RESOLUTION, ParameterValue, Surface, read_surface
 from urushi.openpbr_surface.parameters import PARAMETERS
+from urushi.render.reading.openpbr_inputs import EMISSION, Inputs
 
 _FORMATS = ("Y", "YA", "RGB", "RGBA")
 
 
 def load_materialx(
-    path: str | os.PathLike, name: str | None = None, resolution: int = RESOLUTION
+    path: str | os.PathLike,
+    name: str | None = None,
+    resolution: int = RESOLUTION,
+    uv_plane: bool = False,
 ) -> dict[str, Any]:
     """Read a material of a MaterialX document.
 
-    `open_pbr_surface` is read directly, `standard_surface` by MaterialX's own translation. Colours
-    become linear sRGB. A parameter that depends on one image has that image's texels; patterns and
-    combinations of images are computed on a grid over [0, 1]^2 of uv.
+    `open_pbr_surface` is read directly; `standard_surface`, `gltf_pbr`, `UsdPreviewSurface`,
+    `disney_principled` and `surface_unlit` are translated. Colours become linear sRGB. A parameter
+    that depends on one image has that image's texels; patterns and combinations of images are
+    computed on a grid over [0, 1]^2 of uv.
 
     Args:
         path: the document (.mtlx), of MaterialX 1.39 or older.
         name: of the material; None: the document's only one.
         resolution: rows and columns of the grid, in [1, 4096].
+        uv_plane: whether patterns in space are taken on the plane (u, v, 0); else they are refused.
 
     Returns:
         A description for `mi.load_dict` of the plugin `openpbr`. Numbers are floats, colours
@@ -41,9 +47,27 @@ def load_materialx(
             parameter is out of its range.
         PlatformError: the package materialx is needed and missing.
     """
-    surface = read_surface(path, decode, name, checked_resolution(resolution))
+    surface = read_surface(path, decode, name, checked_resolution(resolution), uv_plane)
     values = {name: mitsuba_value(name, value) for name, value in surface.values.items()}
     return {"type": "openpbr", **values}
+
+
+def check_supported(surface: Surface) -> None:
+    """Refuse a material that the plugin `openpbr` cannot render; an emitter takes its emission.
+
+    Raises:
+        ParameterError: it asks for a feature that is not supported.
+    """
+    props = mi.Properties("openpbr")
+    props.set_id(surface.name)
+    for name, value in surface.values.items():
+        if name in EMISSION:
+            continue
+        if isinstance(value, Texture):
+            props[name] = mi.load_dict(mitsuba_value(name, value))
+        else:
+            props[name] = mi.ScalarColor3f(value) if isinstance(value, tuple) else value
+    Inputs(props)
 
 
 def checked_resolution(resolution: int) -> int:

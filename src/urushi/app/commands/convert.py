@@ -60,13 +60,17 @@ class Convert:
     resolution: int = 1024
     """Rows and columns of textures that are computed from patterns, at most 4096."""
 
+    uv_plane: bool = False
+    """Take patterns in space on the plane (u, v, 0) of the texture coordinates."""
+
     def run(self) -> int:
         set_variant("scalar_rgb")  # enough for images, and needs no LLVM
         from urushi.materialx.surface import read_surface
-        from urushi.render.materialx import checked_resolution, decode
+        from urushi.render.materialx import check_supported, checked_resolution, decode
 
         resolution = checked_resolution(self.resolution)
-        surface = read_surface(self.document, decode, self.material, resolution)
+        surface = read_surface(self.document, decode, self.material, resolution, self.uv_plane)
+        check_supported(surface)
         folder = new_folder(self.output)
         bsdf, emitter = bsdf_xml(surface, folder)
         target = folder / "scene.xml"

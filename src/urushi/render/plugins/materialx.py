@@ -21,6 +21,8 @@ def define():
                                              one)
         bake           integer               Rows and columns of textures that are computed from
                                              patterns. (Default: 1024)
+        uv_plane       boolean               Take patterns in space on the plane (u, v, 0) instead
+                                             of refusing them. (Default: false)
         ============== ===================== ====================================================
 
         All other properties go to ``openpbr``, of which this is an instance: ``reference``,
@@ -44,9 +46,10 @@ def define():
         if "filename" not in props:
             raise ParameterError(f"{where} has no filename; give a MaterialX document")
         path, name = resolve(props["filename"]), props.get("material", None)
-        bsdf = load_materialx(path, name, int(props.get("bake", RESOLUTION)))
+        resolution, plane = int(props.get("bake", RESOLUTION)), bool(props.get("uv_plane", False))
+        bsdf = load_materialx(path, name, resolution, plane)
         for key in list(props.keys()):
-            if key not in ("filename", "material", "bake"):
+            if key not in ("filename", "material", "bake", "uv_plane"):
                 bsdf[key] = props[key]
         if props.id():
             bsdf["id"] = props.id()

@@ -1,0 +1,287 @@
+"""Surface shaders of MaterialX's library as formulas for the parameters of OpenPBR.
+
+The right side of each formula reads inputs of the shader by name. Formulas follow the node graphs
+that define the shaders in MaterialX's `libraries/bxdf`, and OpenPBR Surface 1.1.1.
+`docs/materialx.md` lists where they differ from MaterialX's own translations.
+"""
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+
+#: The shader whose inputs are the parameters.
+TARGET = "open_pbr_surface"
+
+#: Reads an input by name: (..., channels), or its default.
+Inputs = Callable[[str], np.ndarray]
+Formulas = Mapping[str, Callable[[Inputs], np.ndarray]]
+
+#: The cosine at which OpenPBR defines specular_color of a metal (F82).
+F82_COSINE = 1 / 7
+
+#: Weights of MaterialX's node `luminance`, which the opacity of standard_surface goes through.
+_LUMA = np.array([0.2722287, 0.6740818, 0.0536895])
+
+
+def _mix(bg: np.ndarray | float, fg: np.ndarray | float, t: np.ndarray) -> np.ndarray:
+    return bg * (1 - t) + fg * t
+
+
+def _peak(colour: np.ndarray) -> np.ndarray:
+    """The largest channel (..., 1)."""
+    return colour.max(-1, keepdims=True)
+
+
+def _unit(colour: np.ndarray) -> np.ndarray:
+    """A colour with a largest channel of 1; black stays."""
+    peak = _peak(colour)
+    return colour / np.where(peak > 0, peak, 1)
+
+
+def _if(condition: np.ndarray, yes: np.ndarray | float, no: np.ndarray | float) -> np.ndarray:
+    return np.where(condition, yes, no)
+
+
+def _roughness(tangent: np.ndarray, bitangent: np.ndarray) -> np.ndarray:
+    """OpenPBR's roughness of two GGX widths: r^4 is the mean of their squares."""
+    return np.minimum(((tangent**2 + bitangent**2) / 2) ** 0.25, 1)
+
+
+def _stretched(roughness: np.ndarray, anisotropy: np.ndarray) -> np.ndarray:
+    """OpenPBR's roughness for MaterialX's node `roughness_anisotropy`.
+
+    It has the widths r^2 / s and r^2 s with s^2 = 1 - a; OpenPBR's have the same ratio.
+    """
+    aspect = np.sqrt(1 - np.clip(anisotropy, 0, 0.98))
+    return _roughness(roughness**2 / aspect, roughness**2 * aspect)
+
+
+def edge_tint(reflectivity: np.ndarray, edge_color: np.ndarray) -> np.ndarray:
+    """The specular_color with which OpenPBR's metal has the reflectance of `artistic_ior` at F82.
+
+    Gulbrandsen, Artist Friendly Metallic Fresnel, JCGT 3(4), 2014, equations 6 to 8.
+
+    Args:
+        reflectivity, edge_color: (..., 3) in [0, 1].
+    """
+    r, g = np.clip(reflectivity, 0, 0.99), np.clip(edge_color, 0, 1)
+    n = _mix((1 + np.sqrt(r)) / (1 - np.sqrt(r)), (1 - r) / (1 + r), g)
+    k = np.sqrt(np.maximum(((n + 1) ** 2 * r - (n - 1) ** 2) / (1 - r), 0))
+    epsilon, c = (n + 1j * k) ** 2, F82_COSINE
+    inside = np.sqrt(epsilon - (1 - c**2))
+    s, p = (c - inside) / (c + inside), (epsilon * c - inside) / (epsilon * c + inside)
+    schlick = r + (1 - r) * (1 - c) ** 5
+    return np.minimum((np.abs(s) ** 2 + np.abs(p) ** 2) / (2 * schlick), 1)
+
+
+def _ior(f0: np.ndarray) -> np.ndarray:
+    """The index of refraction of a reflectance at normal incidence."""
+    root = np.sqrt(np.clip(f0, 0, 0.9))
+    return (1 + root) / (1 - root)
+
+
+_STANDARD_SURFACE: Formulas = {
+    "base_weight": lambda i: i("base"),
+    "base_color": lambda i: (
+        np.maximum(i("base_color"), 0)
+        ** (1 + np.clip(i("coat"), 0, 1) * i("coat_affect_color") * (1 - i("metalness")))
+    ),
+    "base_diffuse_roughness": lambda i: i("diffuse_roughness"),
+    "base_metalness": lambda i: i("metalness"),
+    "specular_weight": lambda i: _mix(i("specular"), 1, i("metalness")),
+    "specular_color": lambda i: _mix(
+        i("specular_color"),
+        edge_tint(i("base") * i("base_color"), i("specular") * i("specular_color")),
+        i("metalness"),
+    ),
+    "specular_roughness": lambda i: _stretched(i("specular_roughness"), i("specular_anisotropy")),
+    "specular_ior": lambda i: i("specular_IOR"),
+    "specular_roughness_anisotropy": lambda i: np.clip(i("specular_anisotropy"), 0, 0.98),
+    "transmission_weight": lambda i: i("transmission"),
+    "transmission_color": lambda i: i("transmission_color"),
+    "transmission_depth": lambda i: i("transmission_depth"),
+    "transmission_scatter": lambda i: i("transmission_scatter"),
+    "transmission_scatter_anisotropy": lambda i: i("transmission_scatter_anisotropy"),
+    "transmission_dispersion_scale": lambda i: _if(i("transmission_dispersion") > 0, 1, 0),
+    "transmission_dispersion_abbe_number": lambda i: _if(
+        i("transmission_dispersion") > 0, i("transmission_dispersion"), 20
+    ),
+    "subsurface_weight": lambda i: i("subsurface"),
+    "subsurface_color": lambda i: i("subsurface_color"),
+    "subsurface_radius": lambda i: i("subsurface_scale") * _peak(i("subsurface_radius")),
+    "subsurface_radius_scale": lambda i: _unit(i("subsurface_radius")),
+    "subsurface_scatter_anisotropy": lambda i: i("subsurface_anisotropy"),
+    "fuzz_weight": lambda i: i("sheen") * (1 - i("metalness")) * (1 - i("transmission")),
+    "fuzz_color": lambda i: i("sheen_color"),
+    "fuzz_roughness": lambda i: i("sheen_roughness") ** 0.4,  # as MaterialX translates it
+    "coat_weight": lambda i: i("coat"),
+    "coat_color": lambda i: i("coat_color"),
+    "coat_roughness": lambda i: _stretched(i("coat_roughness"), i("coat_anisotropy")),
+    "coat_roughness_anisotropy": lambda i: np.clip(i("coat_anisotropy"), 0, 0.98),
+    "coat_ior": lambda i: i("coat_IOR"),
+    "coat_darkening": lambda i: np.zeros(1),
+    "thin_film_weight": lambda i: _if(i("thin_film_thickness") > 0, 1, 0),
+    "thin_film_thickness": lambda i: 1e-3 * i("thin_film_thickness"),
+    "thin_film_ior": lambda i: i("thin_film_IOR"),
+    "emission_luminance": lambda i: i("emission"),
+    "emission_color": lambda i: i("emission_color"),
+    "geometry_opacity": lambda i: (i("opacity") * _LUMA).sum(-1, keepdims=True),
+    "geometry_thin_walled": lambda i: i("thin_walled"),
+    "geometry_normal": lambda i: i("normal"),
+    "geometry_tangent": lambda i: i("tangent"),
+    "geometry_coat_normal": lambda i: i("coat_normal"),
+}
+
+
+def _gltf_widths(i: Inputs) -> tuple[np.ndarray, np.ndarray]:
+    """GGX widths of KHR_materials_anisotropy."""
+    width = np.clip(i("roughness") ** 2, 1e-5, 1)
+    return _mix(width, 1, i("anisotropy_strength") ** 2), width
+
+
+_GLTF_PBR: Formulas = {
+    "base_color": lambda i: i("base_color"),
+    "base_metalness": lambda i: i("metallic"),
+    "specular_weight": lambda i: _mix(
+        i("specular") * np.maximum(_peak(i("specular_color")), 1), 1, i("metallic")
+    ),
+    "specular_color": lambda i: _mix(
+        i("specular_color") / np.maximum(_peak(i("specular_color")), 1), 1, i("metallic")
+    ),
+    "specular_roughness": lambda i: _roughness(*_gltf_widths(i)),
+    "specular_roughness_anisotropy": lambda i: 1 - np.divide(*_gltf_widths(i)[::-1]),
+    "specular_ior": lambda i: i("ior"),
+    "transmission_weight": lambda i: i("transmission"),
+    "transmission_color": lambda i: _if(
+        i("attenuation_distance") > 0, i("attenuation_color"), i("base_color")
+    ),
+    "transmission_depth": lambda i: i("attenuation_distance"),
+    "transmission_dispersion_scale": lambda i: _if(i("dispersion") > 0, 1, 0),
+    "transmission_dispersion_abbe_number": lambda i: (
+        20 / _if(i("dispersion") > 0, i("dispersion"), 1)
+    ),
+    "fuzz_weight": lambda i: _peak(i("sheen_color")),
+    "fuzz_color": lambda i: _unit(i("sheen_color")),
+    "fuzz_roughness": lambda i: i("sheen_roughness") ** 0.8,  # its square in standard_surface
+    "coat_weight": lambda i: i("clearcoat"),
+    "coat_roughness": lambda i: i("clearcoat_roughness"),
+    "coat_ior": lambda i: np.full(1, 1.5),
+    "coat_darkening": lambda i: np.zeros(1),
+    "thin_film_weight": lambda i: i("iridescence"),
+    "thin_film_thickness": lambda i: 1e-3 * i("iridescence_thickness"),
+    "thin_film_ior": lambda i: i("iridescence_ior"),
+    "emission_luminance": lambda i: i("emissive_strength"),
+    "emission_color": lambda i: i("emissive"),
+    "geometry_opacity": lambda i: _if(
+        i("alpha_mode") == 0,
+        1,
+        _if(i("alpha_mode") == 1, i("alpha") >= i("alpha_cutoff"), i("alpha")),
+    ),
+    "geometry_normal": lambda i: i("normal"),
+    "geometry_tangent": lambda i: i("tangent"),
+    "geometry_coat_normal": lambda i: i("clearcoat_normal"),
+}
+
+
+def _usd_metalness(i: Inputs) -> np.ndarray:
+    return i("metallic") * (i("useSpecularWorkflow") == 0)
+
+
+def _usd_dielectric(i: Inputs, with_color: np.ndarray, without: np.ndarray | float) -> np.ndarray:
+    """A value of the workflow with specularColor, or of that with metallic."""
+    return _if(i("useSpecularWorkflow") == 1, with_color, without)
+
+
+_USD_PREVIEW_SURFACE: Formulas = {
+    "base_color": lambda i: i("diffuseColor"),
+    "base_metalness": _usd_metalness,
+    "specular_color": lambda i: _mix(
+        _usd_dielectric(i, _unit(i("specularColor")), 1),
+        edge_tint(i("diffuseColor"), i("diffuseColor")),
+        _usd_metalness(i),
+    ),
+    "specular_roughness": lambda i: i("roughness"),
+    "specular_ior": lambda i: _usd_dielectric(i, _ior(_peak(i("specularColor"))), i("ior")),
+    "transmission_weight": lambda i: (
+        _if((i("opacityMode") == 0) & (i("opacityThreshold") <= 0), 1 - i("opacity"), 0)
+        * (1 - _usd_metalness(i))
+    ),
+    "coat_weight": lambda i: i("clearcoat"),
+    "coat_roughness": lambda i: i("clearcoatRoughness"),
+    "coat_ior": lambda i: i("ior"),
+    "coat_darkening": lambda i: np.zeros(1),
+    "emission_luminance": lambda i: np.ones(1),
+    "emission_color": lambda i: i("emissiveColor"),
+    "geometry_opacity": lambda i: _if(
+        i("opacityThreshold") > 0,
+        i("opacity") >= i("opacityThreshold"),
+        _if(i("opacityMode") == 1, i("opacity"), 1),
+    ),
+    "geometry_normal": lambda i: i("normal"),
+}
+
+_DISNEY_PRINCIPLED: Formulas = {
+    "base_color": lambda i: i("baseColor"),
+    "base_metalness": lambda i: i("metallic"),
+    "specular_color": lambda i: _mix(1, i("baseColor"), i("specularTint") * (1 - i("metallic"))),
+    "specular_roughness": lambda i: _stretched(i("roughness"), i("anisotropic")),
+    "specular_roughness_anisotropy": lambda i: np.clip(i("anisotropic"), 0, 0.98),
+    "specular_ior": lambda i: _mix(_ior(0.08 * i("specular")), i("ior"), i("specTrans")),
+    "transmission_weight": lambda i: i("specTrans"),
+    "transmission_color": lambda i: i("baseColor"),
+    "subsurface_weight": lambda i: i("subsurface"),
+    "subsurface_color": lambda i: i("baseColor"),
+    "subsurface_radius": lambda i: _peak(i("subsurfaceDistance")),
+    "subsurface_radius_scale": lambda i: _unit(i("subsurfaceDistance")),
+    "fuzz_weight": lambda i: i("sheen") * (1 - i("metallic")) * (1 - i("specTrans")),
+    "fuzz_color": lambda i: _mix(1, i("baseColor"), i("sheenTint")),
+    "fuzz_roughness": lambda i: np.full(1, 0.3**0.4),
+    "coat_weight": lambda i: i("clearcoat"),
+    "coat_roughness": lambda i: 1 - i("clearcoatGloss"),
+    "coat_ior": lambda i: np.full(1, 1.5),
+    "coat_darkening": lambda i: np.zeros(1),
+}
+
+_SURFACE_UNLIT: Formulas = {
+    "base_weight": lambda i: np.zeros(1),
+    "specular_weight": lambda i: np.zeros(1),
+    "emission_luminance": lambda i: i("emission"),
+    "emission_color": lambda i: i("emission_color"),
+    "geometry_opacity": lambda i: i("opacity") * (1 - i("transmission")),
+}
+
+#: Formulas for parameters, by shader; a parameter that is missing has OpenPBR's default.
+TRANSLATIONS: dict[str, Formulas] = {
+    "standard_surface": _STANDARD_SURFACE,
+    "gltf_pbr": _GLTF_PBR,
+    "UsdPreviewSurface": _USD_PREVIEW_SURFACE,
+    "disney_principled": _DISNEY_PRINCIPLED,
+    "surface_unlit": _SURFACE_UNLIT,
+}
+
+#: Shaders that are read.
+SHADERS = (TARGET, *TRANSLATIONS)
+
+#: Inputs that no parameter stands for, by shader: what is lost, 0 where that is nothing.
+LOST: dict[str, Formulas] = {
+    "standard_surface": {
+        "specular_rotation": lambda i: 2 * i("specular_rotation") % 1 * i("specular_anisotropy"),
+        "coat_rotation": lambda i: 2 * i("coat_rotation") % 1 * i("coat_anisotropy") * i("coat"),
+        "transmission_extra_roughness": lambda i: (
+            i("transmission_extra_roughness") * i("transmission")
+        ),
+    },
+    "gltf_pbr": {
+        "anisotropy_rotation": lambda i: (
+            np.round(np.sin(i("anisotropy_rotation")), 6) * i("anisotropy_strength")
+        ),
+    },
+    "UsdPreviewSurface": {"displacement": lambda i: i("displacement")},
+}
+
+#: Number of units in a metre of inputs that are thicknesses of films.
+FILM_UNITS = {
+    (TARGET, "thin_film_thickness"): 1e6,
+    ("standard_surface", "thin_film_thickness"): 1e9,
+    ("gltf_pbr", "iridescence_thickness"): 1e9,
+}
