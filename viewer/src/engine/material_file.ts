@@ -2,13 +2,8 @@
 
 import type { Bottom, Core, Material } from "../core/api";
 import { CHANNELS } from "../core/channels";
+import { headerOf } from "../material/tensor_file";
 import { Refusal } from "../refusal";
-
-interface Tensor {
-  dtype: string;
-  shape: number[];
-  data_offsets: [number, number];
-}
 
 /** Version of files without tables. */
 const VERSION = 2;
@@ -16,16 +11,9 @@ const VERSION = 2;
 /** The networks that a material belongs to. */
 type Networks = Pick<Core, "latentSize" | "widths" | "fingerprint">;
 
-/** What a file describes, where its numbers are, and where they begin. */
-interface Header {
-  description: { kind?: unknown; weights?: unknown; rotation?: unknown };
-  tensors: Record<string, Tensor>;
-  start: number;
-}
-
 /** The fingerprint of the networks that a material file names. */
 export function networksOf(bytes: Uint8Array): unknown {
-  return headerOf(bytes).description.weights;
+  return materialHeader(bytes).description.weights;
 }
 
 /**
@@ -37,7 +25,7 @@ export function readMaterialFile(
   bytes: Uint8Array,
   { latentSize, widths, fingerprint }: Networks,
 ): { bottom: Bottom & { kind: "codes" }; rotation?: number } {
-  const { description, tensors, start: first } = headerOf(bytes);
+  const { description, tensors, start: first } = materialHeader(bytes);
   if (description.weights !== fingerprint) throw foreign();
   const codes = (name: string): Float32Array | null => {
     const tensor = tensors[name];
@@ -60,21 +48,12 @@ export function readMaterialFile(
   return { bottom: { ...bottom, widths }, rotation: wrapped(rotation) };
 }
 
-function headerOf(bytes: Uint8Array): Header {
-  const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
-  const length = bytes.length >= 8 ? view.getUint32(0, true) : 0;
-  if (length === 0 || 8 + length > bytes.length) throw damaged();
-  let header: Record<string, Tensor> & { __metadata__?: { urushi?: string } };
-  let description: Header["description"];
-  try {
-    header = JSON.parse(new TextDecoder().decode(bytes.subarray(8, 8 + length)));
-    description = Object(JSON.parse(header.__metadata__?.urushi ?? "{}"));
-  } catch {
-    throw damaged();
-  }
-  if (description.kind !== "material")
+function materialHeader(bytes: Uint8Array) {
+  const header = headerOf(bytes);
+  if (header === null) throw damaged();
+  if (header.description.kind !== "material")
     throw new Refusal("It is no material that Urushi has saved.");
-  return { description, tensors: header, start: 8 + length };
+  return header;
 }
 
 /** An angle [degrees] in [-180, 180). */

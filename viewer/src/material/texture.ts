@@ -3,6 +3,7 @@
 import { CHANNELS } from "../core/channels";
 import { Refusal } from "../refusal";
 import { crc32 } from "../save/crc32";
+import { type Fields, headerOf } from "./tensor_file";
 
 /** A number of a code in one channel: linear in a texel's bytes, which are in [0, 255]. */
 export interface LinearNumber {
@@ -44,14 +45,6 @@ interface Networks {
   latentSize: number;
   fingerprint: string;
 }
-
-interface Tensor {
-  dtype: string;
-  shape: number[];
-  data_offsets: [number, number];
-}
-
-type Fields = Record<string, unknown>;
 
 /** Version of the format that Python writes. */
 const VERSION = 3;
@@ -137,23 +130,6 @@ export function meanCodes(texture: CodeTexture): Float32Array {
     });
   });
   return codes;
-}
-
-/** What the head of a safetensors file says; null if it is none. */
-function headerOf(
-  file: Uint8Array,
-): { description: Fields; tensors: Record<string, Tensor | undefined>; start: number } | null {
-  if (file.length < 8) return null;
-  const view = new DataView(file.buffer, file.byteOffset, file.byteLength);
-  const length = Number(view.getBigUint64(0, true));
-  if (length === 0 || 8 + length > file.length) return null;
-  try {
-    const tensors = JSON.parse(new TextDecoder().decode(file.subarray(8, 8 + length)));
-    const description = Object(JSON.parse(tensors.__metadata__?.urushi ?? "{}")) as Fields;
-    return { description, tensors, start: 8 + length };
-  } catch {
-    return null;
-  }
 }
 
 function levelsOf({ width, height, levels }: Fields): [number, number][] {

@@ -25,7 +25,9 @@ export interface TexelProgram {
 export function texelProgram(gl: Gl, codes: CodeTexture, shader: string): TexelProgram {
   const layers = Math.max(Math.ceil(codes.usedBytes / 4), 1);
   const source = included(texelsSource, { "frame.glsl": frameSource, "material.glsl": shader });
-  const program = coverProgram(gl, source.replaceAll("LAYERS", String(layers)));
+  const program = coverProgram(gl, source.replaceAll("LAYERS", String(layers)), {
+    SPREAD: codes.nearest ? 0 : 1,
+  });
   const texture = uploaded(gl, codes, layers);
   const [a, b, c, d, e, f] = codes.toTexture as [number, number, number, number, number, number];
   return {
@@ -39,7 +41,7 @@ export function texelProgram(gl: Gl, codes: CodeTexture, shader: string): TexelP
 
 /** An array texture: four bytes of the texels a layer, as Python's `textures.gpu` has it. */
 function uploaded(gl: Gl, codes: CodeTexture, layers: number): WebGLTexture {
-  const { levels, texels, texelBytes, nearest } = codes;
+  const { levels, texels, texelBytes } = codes;
   const most = gl.getParameter(gl.MAX_TEXTURE_SIZE) as number;
   const [width, height] = levels[0]!;
   if (Math.max(width, height) > most)
@@ -64,9 +66,7 @@ function uploaded(gl: Gl, codes: CodeTexture, layers: number): WebGLTexture {
     }
     first += w * h;
   });
-  const large = nearest ? gl.NEAREST : gl.LINEAR;
-  const small = nearest ? gl.NEAREST_MIPMAP_LINEAR : gl.LINEAR_MIPMAP_LINEAR;
-  filters(gl, target, levels.length > 1 ? small : large, large, wrapOf(gl, codes.wrap));
+  filters(gl, target, gl.NEAREST_MIPMAP_NEAREST, gl.NEAREST, wrapOf(gl, codes.wrap));
   return texture;
 }
 

@@ -69,6 +69,7 @@ export function TopBar() {
       <button
         type="button"
         class="text-button"
+        aria-label="Open"
         title="A material (.safetensors), a measured BRDF (.binary, .bsdf), a panorama (.hdr) or a saved state (.json); or drop it on the page"
         onClick={() => input.current?.click()}
       >

@@ -132,6 +132,7 @@ test("an undo takes back one action", async ({ page }) => {
   await expect(lamp).toHaveValue("own");
   await give(page, "second.hdr", panorama(64, 32, [32, 64, 128, 129]));
   await expect(lamp).toContainText("second.hdr");
+  await expect.poll(async () => (await stateOf(page)).panorama).toBe("second.hdr");
   const after = await stateOf(page);
   const seen = async () => {
     const { environment, panorama, rotation, materials } = await stateOf(page);

@@ -20,6 +20,20 @@ const vec3 STEPS = vec3(0.8191725133961645, 0.6710436067037893, 0.54970047790197
 
 out vec4 colour;
 
+uvec3 mixed(uvec3 v) {
+    v.x += v.y * v.z;
+    v.y += v.z * v.x;
+    v.z += v.x * v.y;
+    return v;
+}
+
+// Three numbers in [0, 1) for each pixel: pcg3d of Jarzynski and Olano 2020.
+vec3 hash(uvec3 v) {
+    v = mixed(v * 1664525u + 1013904223u);
+    v = mixed(v ^ (v >> 16u));
+    return vec3(v >> 8u) / 16777216.0;
+}
+
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec4 position = texelFetch(positions, pixel, 0);
@@ -27,9 +41,14 @@ void main() {
         colour = vec4(0.0, 0.0, 0.0, -position.w); // materials do not reflect on their backs
         return;
     }
+    // One texel is drawn in proportion to its weight, so that the mean of the frames filters f and
+    // not the code.
     vec3 at = texelFetch(places, pixel, 0).xyz;
+    vec3 random = fract(hash(uvec3(pixel, 0)) + start.zxy);
+    float level = floor(at.z + random.z);
+    at.xy += SPREAD * (random.xy - 0.5) / vec2(textureSize(codes, int(level)).xy);
     for (int layer = 0; layer < LAYERS; layer++) {
-        vec4 four = textureLod(codes, vec3(at.xy, float(layer)), at.z);
+        vec4 four = textureLod(codes, vec3(at.xy, float(layer)), level);
         stored[4 * layer] = four.r;
         stored[4 * layer + 1] = four.g;
         stored[4 * layer + 2] = four.b;
