@@ -5,6 +5,7 @@ of equal hashes are computed once, wherever they are in the texture. After a cha
 whose hashes have changed are computed again.
 """
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -135,13 +136,18 @@ def coat_source(model: Model, table: Table, bottom: Source) -> Source:
         hashes, bottom_at = bottom(start, stop)
 
         def codes_at(texel: np.ndarray, channel: np.ndarray) -> np.ndarray:
+            below, shape = bottom_at(texel, channel), (stop - start, int(channel.max()) + 1)
+            if len(texel) == math.prod(shape):  # every row: channels share what depends on texels
+                codes = layer_texels(model, below.reshape(*shape, -1), **parameters._asdict())
+                return codes.reshape(below.shape)
+
             def at_rows(array: np.ndarray) -> np.ndarray:
                 count, width = array.shape[:2]
                 return array[texel if count > 1 else 0, channel if width > 1 else 0]
 
             rows = [np.broadcast_to(at_rows(column), len(texel)) for column in parameters.columns()]
             coat = CoatParameters.of_columns(rows)
-            return layer_texels(model, bottom_at(texel, channel), **coat._asdict())
+            return layer_texels(model, below, **coat._asdict())
 
         return texel_hash.row_hashes([hashes, *parameters.columns()]), codes_at
 
