@@ -1,4 +1,4 @@
-"""Filters of magnified latent textures: `python -m benchmarks.quality.magnified`; 2 minutes.
+"""Filters of magnified latent textures: `python -m benchmarks.quality.magnified`; 4 minutes.
 
 Three filters are compared on textures of which a texel covers many pixels: codes interpolated
 linearly (as in Fan et al. 2022), f of the four nearest texels interpolated, and one of the four
