@@ -198,6 +198,7 @@ def test_angles_have_units(evaluate, amount, unit):
         ("color3", " 0.5 ,0.25,  1e-1 ", [0.5, 0.25, 0.1]),
         ("float", "0.5f", [0.5]),
         ("float", "10,5,1", [10]),
+        ("float", "3.40282e+38", [1e30]),
         ("float", "+.5", [0.5]),
         ("integer", "3.7", [3]),
         ("boolean", "True", [1]),

@@ -90,6 +90,13 @@ def test_bright_emission_keeps_its_radiance(document):
     assert product == pytest.approx([40, 20, 10])
 
 
+def test_an_abbe_number_as_a_scale_is_limited(document):
+    shader = """<open_pbr_surface name="s"><input name="transmission_dispersion_scale" type="float"
+        value="55.3"/></open_pbr_surface>"""
+    with pytest.warns(UrushiWarning, match=r"dispersion_scale leaves \[0, 1\] and is clipped"):
+        assert read_surface(document(shader), None).values == {"transmission_dispersion_scale": 1}
+
+
 def test_values_out_of_range_are_refused(document):
     shader = """<open_pbr_surface name="s" type="surfaceshader">
         <input name="coat_weight" type="float" value="1.5"/></open_pbr_surface>"""
@@ -347,7 +354,7 @@ def test_the_thickness_of_a_film_has_a_unit(document, library, tag, name, value,
 
 
 def test_unknown_shaders_are_refused(document, library):
-    with pytest.raises(FileError, match="is a simple_hair, which is not read; translate it to"):
+    with pytest.raises(FileError, match="of kind simple_hair, which is not read; translate it to"):
         read_surface(document('<simple_hair name="s" type="surfaceshader"/>'), None)
     mix = """<mix name="m" type="surfaceshader"/><surfacematerial name="x" type="material">
         <input name="surfaceshader" type="surfaceshader" nodename="m"/></surfacematerial>"""

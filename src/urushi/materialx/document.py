@@ -150,10 +150,28 @@ def _version(root: Element, where: str) -> tuple[int, int]:
     return int(major), int(minor)
 
 
+def materials(document: Document) -> list[Element]:
+    """The nodes of the materials, those in node graphs included; if none, of surface shaders.
+
+    Raises:
+        FileError: there is neither.
+    """
+    graphs = (x for x in document.root.children if x.tag == "nodegraph" and not x.get("nodedef"))
+    scopes = [document.root, *graphs]
+    nodes = [child for scope in scopes for child in scope.children]
+    found = [node for node in nodes if node.tag == "surfacematerial"]
+    found = found or [node for node in document.root.children if _is_shader(node)]
+    found = found or [node for node in nodes if _is_shader(node)]
+    if not found:
+        raise FileError(
+            f"{document.where} has no material; it needs a surfacematerial or a node of type "
+            "surfaceshader"
+        )
+    return found
+
+
 def find_material(document: Document, name: str | None = None) -> Element:
     """The node of a material, or of a surface shader.
-
-    Materials may be in node graphs. A document without materials has its surface shaders instead.
 
     name: of a material, or of a surface shader; None: the document's only one.
 
@@ -161,23 +179,9 @@ def find_material(document: Document, name: str | None = None) -> Element:
         ParameterError: there is none of this name, or several and no name.
         FileError: the document has no material.
     """
-    where = document.where
-    nodes, inside = document.root.children, []
-    for graph in nodes:
-        if graph.tag == "nodegraph" and graph.get("nodedef") is None:
-            inside += graph.children
-    materials = [node for node in (*nodes, *inside) if node.tag == "surfacematerial"]
-    shaders = [node for node in nodes if _is_shader(node)]
-    shaders = shaders or [node for node in inside if _is_shader(node)]
-    choices = materials or shaders
-    if not choices:
-        raise FileError(
-            f"{where} has no material; it needs a surfacematerial or a node of type surfaceshader"
-        )
-    if name is None:
-        found = choices
-    else:
-        found = [node for node in (*materials, *shaders) if node.name == name][:1]
+    where, choices = document.where, materials(document)
+    shaders = [node for node in document.root.children if _is_shader(node)]
+    found = choices if name is None else [x for x in (*choices, *shaders) if x.name == name][:1]
     if len(found) != 1:
         names = ", ".join(node.name[:60] for node in choices[:12])
         more = ", ..." if len(choices) > 12 else ""

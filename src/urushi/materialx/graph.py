@@ -450,8 +450,9 @@ def parse_value(text: str, kind: str, where: str) -> np.ndarray:
         parts = parts[:1] if channels == 1 else parts
         value = np.array([float(part[1]) for part in parts if part is not None])
         value = np.trunc(value) if kind == "integer" else value
+        value = np.where(np.isfinite(value), np.clip(value, -1e30, 1e30), value)  # FLT_MAX: none
         value = value if None not in parts else np.empty(0)
-    if value.shape != (channels,) or not np.isfinite(value).all() or np.abs(value).max() > 1e30:
+    if value.shape != (channels,) or not np.isfinite(value).all():
         raise FileError(f"{where} has the value '{text[:60]}', which is not of type {kind}")
     return value
 

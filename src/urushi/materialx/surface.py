@@ -103,7 +103,7 @@ def _find_shader(graph: Graph, material: Element, where: str) -> Source:
     if found.element.tag == "mix":
         raise FileError(
             f"{where} mixes two surface shaders; mix the inputs of one shader instead, or bake the "
-            "material into images, for instance by Blender"
+            "material into images, for instance by Houdini's Karma Texture Baker"
         )
     return found
 
@@ -144,8 +144,8 @@ class _Reader:
             return {n: self._output(e, frame) for n, e in named.items() if n in PARAMETERS}
         if tag not in TRANSLATIONS:
             raise FileError(
-                f"{self._where} is a {tag[:40]}, which is not read; translate it to {TARGET}, or "
-                f"use one of {', '.join(SHADERS)}"
+                f"{self._where} has a shader of kind {tag[:40]}, which is not read; translate it "
+                f"to one of {', '.join(SHADERS)}"
             )
         self._warn_of_losses(tag)
         return {name: self._formula(formula) for name, formula in TRANSLATIONS[tag].items()}
@@ -225,6 +225,8 @@ class _Reader:
             return r, g, b
         if value.shape != (1,):
             raise FileError(f"{where}: {entry.name} has {value.shape[-1]} channels instead of 1")
+        if entry.group == "transmission":  # not rendered; exporters write Abbe numbers as scales
+            value = self._limited(entry, value)
         number = float(value[0])
         return checked(entry.name, number, where)
 
@@ -234,10 +236,8 @@ class _Reader:
         high = np.inf if entry.high is None else entry.high
         limited = np.clip(value, low, high)
         if np.abs(limited - value).max(initial=0) > GAMUT_TOLERANCE:
-            _warn(
-                f"{self._where}: {entry.name} leaves [{low:g}, {high:g}] in linear sRGB and is "
-                "clipped to it"
-            )
+            ends = f"[{low:g}, {high:g}]" + (" in linear sRGB" if entry.kind == "color" else "")
+            _warn(f"{self._where}: {entry.name} leaves {ends} and is clipped to it")
         return limited
 
 
