@@ -96,3 +96,11 @@ def test_texels_that_share_nothing_equal_those_that_share(model, layered_rows, m
     # 8 bits of the range of the texture
     np.testing.assert_allclose(shared[kept], different[kept], atol=0.01 * np.ptp(different))
     np.testing.assert_array_equal(shared[0], shared[1])
+    # Grey texels: one row for each, given as three channels.
+    for name in ("albedo", "sigma_t"):
+        coat[name][:] = coat[name][:, :1]
+    codes[:], hashes[:] = codes[:, :1], hashes[:, :1]
+    monkeypatch.setattr(bake, "TEXEL_BLOCK", 24)
+    grey = baked()
+    assert layered_rows[-1] == 22
+    np.testing.assert_array_equal(grey[:, 0], grey[:, 2])

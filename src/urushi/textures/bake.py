@@ -5,7 +5,6 @@ of equal hashes are computed once, wherever they are in the texture. After a cha
 whose hashes have changed are computed again.
 """
 
-import math
 from collections.abc import Callable
 from typing import Any
 
@@ -136,10 +135,10 @@ def coat_source(model: Model, table: Table, bottom: Source) -> Source:
         hashes, bottom_at = bottom(start, stop)
 
         def codes_at(texel: np.ndarray, channel: np.ndarray) -> np.ndarray:
-            below, shape = bottom_at(texel, channel), (stop - start, int(channel.max()) + 1)
-            if len(texel) == math.prod(shape):  # every row: channels share what depends on texels
-                codes = layer_texels(model, below.reshape(*shape, -1), **parameters._asdict())
-                return codes.reshape(below.shape)
+            below = bottom_at(texel, channel)
+            if len(texel) == present.size:  # every row: channels share what depends on texels
+                grid = below.reshape(*present.shape, -1)
+                return layer_texels(model, grid, **parameters._asdict()).reshape(below.shape)
 
             def at_rows(array: np.ndarray) -> np.ndarray:
                 count, width = array.shape[:2]
@@ -149,6 +148,7 @@ def coat_source(model: Model, table: Table, bottom: Source) -> Source:
             coat = CoatParameters.of_columns(rows)
             return layer_texels(model, below, **coat._asdict())
 
-        return texel_hash.row_hashes([hashes, *parameters.columns()]), codes_at
+        present = texel_hash.row_hashes([hashes, *parameters.columns()])
+        return present, codes_at
 
     return source
