@@ -41,12 +41,12 @@ from urushi.parallel import fill_blocks
 
 #: Pairs of directions inside for each node: drawn by the interface alone, and by each of wi and wo
 #: together with a half vector of the bottom.
-BY_INTERFACE, BY_BOTTOM = 48, 24
+BY_INTERFACE, BY_BOTTOM = 64, 64
 
 #: Half vectors are drawn in proportion to this power of the bottom's mean f over the half angle.
-#: The mean itself would spend half of them on wide lobes, which the interface's pairs sample as
+#: The mean itself would spend most of them on wide lobes, which the interface's pairs sample as
 #: well.
-PEAK_POWER = 1.5
+PEAK_POWER = 2.0
 
 #: Nodes in the table's v of that mean: difference angles up to 45 degrees, as below a coat.
 PEAK_NODES = 17

@@ -26,7 +26,7 @@ from urushi.material.simulated import fit_to_walks
 from urushi.material.source import Source, as_source, simulated, source_name
 from urushi.material.symmetry import Deviations, deviations_of, is_anisotropic, symmetrise
 from urushi.material.table import node_pairs, table_of_values
-from urushi.measured import Merl, Rgl, is_anisotropic_file
+from urushi.measured import is_anisotropic_file
 from urushi.nets import lobe as lobes
 from urushi.nets.interface_fit import find_lobes
 from urushi.nets.networks import UrushiNetworks
@@ -97,8 +97,9 @@ def encode(
             `urushi.material.table`), which is used to evaluate and render it. It costs as much as
             the codes and is far more accurate for unusual BRDFs. Textures use the codes. The source
             is evaluated at 25,000 more pairs, which takes minutes for a Stack; a file is 150 kB
-            larger. None: for measured BRDFs. A bare conductor or dielectric, whose lobe is exact,
-            and a Material of the same networks get none.
+            larger. None: for measured BRDFs, and for Mitsuba BSDFs but conductors, Lambertians and
+            those that draw random numbers. A bare conductor or dielectric, whose lobe is exact, and
+            a Material of the same networks get none.
 
     Raises:
         ParameterError: the source is none of these; it is an anisotropic Stack, but the networks
@@ -219,7 +220,8 @@ def required_pairs(
     """
     parts, own = [model.networks.pairs()], isinstance(model.networks, UrushiNetworks)
     if table is None:
-        table = own and model.widths == 1 and isinstance(source, Merl | Rgl | Path)
+        table = own and model.widths == 1
+        table = table and (isinstance(source, Path) or as_source(source).tabulated)
     if table and not (own and model.widths == 1):
         raise ParameterError(
             "materials of these networks cannot have tables; give table=False or other networks"

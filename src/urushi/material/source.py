@@ -37,6 +37,8 @@ class Source(NamedTuple):
         symmetric: whether f is isotropic and reciprocal by construction.
         noisy: whether f draws random numbers; its asymmetry then cannot be separated from noise.
         measured: whether f is a measured BRDF.
+        tabulated: whether a material of it has a table by default, because its values are all that
+            is known of f and cost little.
         transmitted, mirrored: shares of the light, in [0, 1], that are transmitted, or reflected by
             a perfectly smooth surface; f contains neither.
         textured: whether f is that of one point of a texture.
@@ -52,6 +54,7 @@ class Source(NamedTuple):
     symmetric: bool = False
     noisy: bool = False
     measured: bool = False
+    tabulated: bool = False
     transmitted: float = 0.0
     mirrored: float = 0.0
     textured: bool = False
@@ -95,12 +98,12 @@ def _(source: Material) -> Source:
 
 @as_source.register
 def _(source: Merl) -> Source:
-    return Source(source.f, symmetric=True, measured=True)
+    return Source(source.f, symmetric=True, measured=True, tabulated=True)
 
 
 @as_source.register
 def _(source: Rgl) -> Source:
-    return Source(source.f, measured=True, isotropic=source.isotropic)
+    return Source(source.f, measured=True, tabulated=True, isotropic=source.isotropic)
 
 
 @as_source.register(Conductor)

@@ -126,7 +126,6 @@ class BottomCodes:
         material, deviations = encode_source(
             source,
             self._model,
-            table=tables and source.measured,
             name=f"{self._where}: the nested BSDF",
         )
         for sentence in deviations.warnings():

@@ -68,9 +68,10 @@ def define(base: type) -> type:
         Takes the parameters of ``layered``, its reference, and adds ``resolution``, ``weights`` and
         ``mipmaps``. When the scene is loaded, the bottom is evaluated at the encoder's probe pairs,
         averaged if it lacks the symmetries of materials (see ``urushi.encode``), encoded, and
-        layered by the network. A constant coat over ``measured_brdf``, ``measured``, a file with a
-        table, or another such coat is computed from the table instead, as in ``urushi.layer``. All
-        layers share one tangent frame, as in ``layered``. Textures are baked in their own space if
+        layered by the network. A constant coat over a constant bottom that is known by its values
+        alone, such as ``measured_brdf``, ``roughplastic`` or ``principled``, a file with a table,
+        or another such coat is computed from a table instead, as in ``urushi.layer``. All layers
+        share one tangent frame, as in ``layered``. Textures are baked in their own space if
         they share one ``to_uv``, otherwise over the unit square of uv, which repeats. A change
         through ``mi.traverse`` recomputes the codes that depend on it. The method ``save`` writes
         the codes to a file for ``neural_brdf``. Reflects on the front side only: nest it in

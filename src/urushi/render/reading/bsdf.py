@@ -72,9 +72,11 @@ def reflection_source(bsdf: "mi.BSDF") -> Source:
         return _mean_values(bsdf, wi, wo, probing.needed_repeats(bsdf, wi, wo, 1))
 
     wi, wo = (w[:64] for w in asymmetry_pairs())
+    noisy = probing.needed_repeats(bsdf, wi, wo, 1) > 1
     return Source(
         f,
-        noisy=probing.needed_repeats(bsdf, wi, wo, 1) > 1,
+        noisy=noisy,
+        tabulated=not noisy,
         measured=isinstance(table, MeasuredSurface) or bsdf.class_name() == MITSUBA_MEASURED,
     )
 
