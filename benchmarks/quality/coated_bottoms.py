@@ -102,12 +102,12 @@ BOTTOMS: dict[str, dict[str, Any]] = {
     },
     "bumpmap": {
         "type": "bumpmap",
-        "a": {"type": "checkerboard"},
+        "a": {"type": "bitmap", "raw": True, "data": None},
         "b": {"type": "diffuse", "reflectance": GREEN},
     },
     "normalmap": {
         "type": "normalmap",
-        "a": {"type": "bitmap", "raw": True, "data": None},
+        "normalmap": {"type": "bitmap", "raw": True, "data": None},
         "b": {"type": "diffuse", "reflectance": GREEN},
     },
     "mask": {"type": "mask", "opacity": 0.5, "a": {"type": "diffuse"}},
@@ -136,7 +136,7 @@ BOTTOMS: dict[str, dict[str, Any]] = {
 
 
 def loaded(description: dict[str, Any]) -> "mi.BSDF":
-    """A BSDF; entries of None are left out, and data of None are a flat normal map."""
+    """A BSDF; entries of None are left out, and data of None are those of one tilted normal."""
 
     def filled(entry: dict[str, Any]) -> dict[str, Any]:
         result = {}
@@ -203,11 +203,11 @@ def main() -> None:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("names", nargs="*", help="bottoms; default: all")
-    parser.add_argument("--measured", type=Path, nargs="*", default=[], help="RGL files")
+    parser.add_argument("--measured", type=Path, nargs="*", default=[], help="MERL or RGL files")
     options = parser.parse_args()
     mi.set_variant("llvm_ad_rgb")
     bottoms = BOTTOMS | {
-        f"measured ({path.stem})": {"type": "measured", "filename": str(path)}
+        f"measured_brdf ({path.stem})": {"type": "measured_brdf", "filename": str(path)}
         for path in options.measured
     }
     chosen = options.names or list(bottoms)

@@ -1,5 +1,6 @@
 """Checks of ranges and shapes at every entry point; errors state the cure."""
 
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -7,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from urushi.errors import ParameterError
+from urushi.errors import ParameterError, UrushiWarning
 
 #: Largest deviation of a direction's length from one.
 UNIT_TOLERANCE = 1e-3
@@ -19,6 +20,10 @@ MIN_INDEX_STEP = 1e-3
 
 #: Least and largest relative index of refraction.
 ETA_RANGE = (0.5, 3.0)
+
+#: Optical depths, asymmetries, and largest ratio of a surface's two widths in the training data,
+#: which have all values of the other parameters.
+TRAINED_DEPTH, TRAINED_G, TRAINED_WIDTH_RATIO = 8.0, (-0.8, 0.9), 8.0
 
 #: Least GGX width: a sharper lobe looks like a mirror under ordinary light sources.
 MIN_ALPHA = 0.01
@@ -269,6 +274,31 @@ def finite(**arrays: npt.ArrayLike) -> list[np.ndarray]:
         shapes = ", ".join(f"{name} {array.shape}" for name, array in result.items())
         raise ParameterError(f"shapes do not fit together: {shapes}") from error
     return list(result.values())
+
+
+def outside_training(parameters: CoatParameters) -> set[str]:
+    """Sentences about the trained ranges that coats (arrays of any shape) leave."""
+    low, high = TRAINED_G
+    left = set()
+    if np.max(parameters.sigma_t) > TRAINED_DEPTH:
+        left.add(f"sigma_t is above {TRAINED_DEPTH:g}")
+    if np.min(parameters.g) < low or np.max(parameters.g) > high:
+        left.add(f"g is outside [{low:g}, {high:g}]")
+    return left
+
+
+def warn_of_training(left: set[str], where: str) -> None:
+    """Warn of `outside_training`; where: begins the sentence, for example "the coat's".
+
+    Warns:
+        UrushiWarning: a range is left.
+    """
+    if left:
+        message = (
+            f"{where} {' and '.join(sorted(left))}, outside the networks' training data: a similar "
+            "medium is layered; the random walk ('layered', urushi.simulate) has no such limit"
+        )
+        warnings.warn(message, UrushiWarning, stacklevel=3)
 
 
 def coat(parameters: CoatParameters, where: str, *, any_shape: bool = False) -> CoatParameters:

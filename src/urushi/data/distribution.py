@@ -10,7 +10,7 @@ from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
-from urushi.checks import Widths
+from urushi.checks import TRAINED_DEPTH, TRAINED_G, Widths
 from urushi.data.draws import DRAW_BOTTOM, DRAW_ETA, draw_alpha, draw_widths
 from urushi.errors import ParameterError
 from urushi.reference.table import BOTTOM_KINDS, StackTable
@@ -131,8 +131,8 @@ class Extended(_Independent):
             alpha=draw_alpha(rng, shape),
             eta=DRAW_ETA[self.indices](rng, shape),
             albedo=1 - rng.uniform(0.0, 1.0, shape) ** 2,
-            sigma_t=8 * rng.uniform(0.0, 1.0, shape) ** 2,
-            g=rng.uniform(-0.8, 0.9, shape),
+            sigma_t=TRAINED_DEPTH * rng.uniform(0.0, 1.0, shape) ** 2,
+            g=rng.uniform(*TRAINED_G, shape),
             bottom=self._draw_bottom(rng, n),
         )
 
@@ -190,8 +190,8 @@ class Anisotropic(Extended):
             alpha=alpha,
             eta=DRAW_ETA[self.indices](rng, shape),
             albedo=1 - rng.uniform(0.0, 1.0, shape) ** 2,
-            sigma_t=thin if self.clear else 8 * rng.uniform(0.0, 1.0, shape) ** 2,
-            g=rng.uniform(-0.8, 0.9, shape),
+            sigma_t=thin if self.clear else TRAINED_DEPTH * rng.uniform(0.0, 1.0, shape) ** 2,
+            g=rng.uniform(*TRAINED_G, shape),
             bottom=self._draw_bottom(rng, n),
         )
 

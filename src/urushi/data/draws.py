@@ -5,11 +5,8 @@
 
 import numpy as np
 
-from urushi.checks import MIN_ALPHA, Widths
+from urushi.checks import MIN_ALPHA, TRAINED_WIDTH_RATIO, Widths
 from urushi.reference.bottoms import LOBE_PARAMETERS
-
-#: Largest quotient of the two widths of a surface.
-MAX_WIDTH_RATIO = 8.0
 
 
 def draw_alpha(rng: np.random.Generator, shape: int | tuple[int, ...]) -> np.ndarray:
@@ -19,7 +16,7 @@ def draw_alpha(rng: np.random.Generator, shape: int | tuple[int, ...]) -> np.nda
 
 def draw_widths(rng: np.random.Generator, mean: np.ndarray) -> Widths:
     """Two widths in [0.01, 1] of this geometric mean, see `distribution.Anisotropic`."""
-    limit = np.log(MAX_WIDTH_RATIO)
+    limit = np.log(TRAINED_WIDTH_RATIO)
     quotient = np.exp(rng.uniform(-limit, limit, np.shape(mean)))
     quotient = np.where(rng.random(np.shape(mean)) < 0.2, 1.0, quotient)
     root = np.sqrt(quotient)

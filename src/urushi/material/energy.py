@@ -42,12 +42,13 @@ GRAZING = 0.1
 LEAST_ALBEDO = 1e-6
 
 #: Albedo that the rest may always have: it is not scaled down for a lobe that reflects nearly all
-#: light at one angle, as in total reflection.
-LEAST_REST = 0.005
+#: light at one angle, as in total reflection; and the same for lobes with a sharp edge of total
+#: reflection, whose albedo the rule knows less well.
+LEAST_REST, LEAST_REST_OF_EDGE = 0.005, 0.05
 
 #: Distance from the critical cosine, in widths of the lobe, and the width of a lobe, below which an
 #: edge of total reflection is too sharp for the rule; see `near_edge`.
-EDGE_WIDTHS, SHARP = 3.0, 0.2
+EDGE_WIDTHS, SHARP = 1.0, 0.2
 
 #: Greatest difference of the code of a rest from that of nothing at which it is that of nothing.
 BARE_DIFFERENCE = 1e-4
@@ -156,7 +157,8 @@ def limit_mean_albedo(
 def _mean_factors(model: Model, z: np.ndarray, ceiling: np.ndarray | float) -> np.ndarray:
     """The factors (N,) in (0, 1] that bring the mean albedo of codes (N, L) to a ceiling."""
     widths = _diffuse_weights(albedo_rule(model.arch.widths))
-    allowed = np.maximum(ceiling - top_albedos(model, z) @ widths, LEAST_REST)
+    least = least_rests(z[:, : model.arch.lobe])[:, 0]
+    allowed = np.maximum(ceiling - top_albedos(model, z) @ widths, least)
     factors = allowed / np.maximum(rest_albedos(model, z) @ widths, LEAST_ALBEDO)
     return np.minimum(factors, 1).astype(np.float32)
 
@@ -271,10 +273,10 @@ def _own_networks(model: Model) -> UrushiNetworks:
 
 def excesses(model: Model, z: np.ndarray, ceiling: np.ndarray | float) -> np.ndarray:
     """Greatest ratios (N,) of the albedo of the rest of codes (N, L) and what it may be."""
-    allowed = np.maximum(ceiling - top_albedos(model, z), LEAST_REST)
+    lobe = z[:, : model.arch.lobe]
+    allowed = np.maximum(ceiling - top_albedos(model, z), least_rests(lobe))
     ratios = np.maximum(rest_albedos(model, z), LEAST_ALBEDO) / allowed
-    near = near_edge(z[:, : model.arch.lobe])
-    return np.where(near, LEAST_ALBEDO, ratios).max(axis=-1)
+    return np.where(near_edge(lobe), LEAST_ALBEDO, ratios).max(axis=-1)
 
 
 def near_edge(lobe: np.ndarray) -> np.ndarray:
@@ -283,21 +285,31 @@ def near_edge(lobe: np.ndarray) -> np.ndarray:
     There the albedos of a sharp lobe that reflects totally and of the rest below it change between
     two angles of the rule, and are not known well enough for a ceiling.
     """
-    widths = 1 + (lobe.shape[-1] > len(LOBE_NUMBERS))
-    rule = albedo_rule(widths)
-    exact, eta = (lobe[..., number, None] for number in (3, 4))
-    sharp = (exact > 0) & (eta < 1)
-    if sharp.any():
-        alphas = lobe[..., WIDTH_PLACES[widths]]
-        narrow, alpha = alphas.min(axis=-1)[..., None], alphas.max(axis=-1)[..., None]
-        sharp &= narrow < SHARP
+    rule = albedo_rule(1 + (lobe.shape[-1] > len(LOBE_NUMBERS)))
+    sharp, eta = _has_sharp_edge(lobe), lobe[..., 4, None]
     if not sharp.any():
         return np.zeros((*lobe.shape[:-1], len(rule.cosines)), bool)
     angles = rule.wi[rule.first, 2]
     critical = np.sqrt(np.maximum(1 - eta * eta, 0.0))
     between = (angles[rule.left] >= critical) & (critical >= angles[rule.left + 1])
-    near = between | (np.abs(rule.cosines - critical) < EDGE_WIDTHS * alpha)
-    return near & sharp
+    near = np.abs(rule.cosines - critical) < EDGE_WIDTHS * _widths(lobe).max(axis=-1)[..., None]
+    return (between | near) & sharp
+
+
+def least_rests(lobe: np.ndarray) -> np.ndarray:
+    """Albedos (..., 1) that the rests of codes of lobes (..., N) may always have."""
+    return np.where(_has_sharp_edge(lobe), LEAST_REST_OF_EDGE, LEAST_REST)
+
+
+def _has_sharp_edge(lobe: np.ndarray) -> np.ndarray:
+    """Whether lobes (..., N) have a sharp edge of total reflection; bool (..., 1)."""
+    edge = (lobe[..., 3] > 0) & (lobe[..., 4] < 1) & (_widths(lobe).min(axis=-1) < SHARP)
+    return edge[..., None]
+
+
+def _widths(lobe: np.ndarray) -> np.ndarray:
+    """The widths (..., 1 or 2) of lobes (..., N)."""
+    return lobe[..., WIDTH_PLACES[1 + (lobe.shape[-1] > len(LOBE_NUMBERS))]]
 
 
 def _scaled(

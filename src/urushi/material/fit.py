@@ -269,7 +269,8 @@ def _rest_ceiling(networks: UrushiNetworks, z: np.ndarray, own: np.ndarray) -> n
     """
     lobe, rule = z[: networks.arch.lobe], albedo_rule(networks.arch.widths)
     top = lobe_albedos(lobe, rule)
-    ceiling = np.maximum(energy.albedo_ceiling(own + top, rule) - top, energy.LEAST_REST)
+    least = energy.least_rests(lobe)
+    ceiling = np.maximum(energy.albedo_ceiling(own + top, rule) - top, least)
     return np.where(energy.near_edge(lobe), np.inf, ceiling)
 
 

@@ -180,10 +180,11 @@ def _log_share(model: Model, z: np.ndarray, ceiling: float) -> tuple[np.ndarray,
     for unlimited ones.
     """
     rest, rest_slopes, top, top_slopes = _albedos(model, z)
-    allowed = np.maximum(ceiling - top, energy.LEAST_REST)
-    seen = ~energy.near_edge(z[: model.arch.lobe])
+    lobe = z[: model.arch.lobe]
+    least = energy.least_rests(lobe)[0]
+    allowed, seen = np.maximum(ceiling - top, least), ~energy.near_edge(lobe)
     at = int((seen * rest / allowed).argmax())
-    of_allowed = 1 / allowed[at] if allowed[at] > energy.LEAST_REST else 0.0
+    of_allowed = 1 / allowed[at] if allowed[at] > least else 0.0
     of_rest = -rest_slopes(at) / max(rest[at], energy.LEAST_ALBEDO)
     of_z = np.concatenate([-of_allowed * top_slopes(at), of_rest])
     return of_z.astype(np.float32), float(of_allowed)

@@ -23,6 +23,14 @@ from urushi.reference.stack import Dielectric
 #: and the share from which all of it is.
 ABSENT_CHANGE, ABSENT_WIDTH, ABSENT_DEPTH, PRESENT = 0.005, 0.2, 0.01, 0.999
 
+#: Optical depth to which deeper media are cut: up to here the networks are closest to a medium at
+#: its own depth.
+DEEPEST = 12.0
+
+#: Largest ratio of two widths that is layered, those of OpenPBR's anisotropy 0.9. Up to here the
+#: error is that of the trained ratios.
+WIDEST = 1.25 * checks.TRAINED_WIDTH_RATIO
+
 
 def layer(
     top: Dielectric,
@@ -43,8 +51,8 @@ def layer(
             table, such as a measured BRDF, light transport is computed without networks (see
             `urushi.material.coated_table`), and the result has a table too; this takes a second.
         albedo: single-scattering albedo of the medium in [0, 1].
-        sigma_t: its optical depth, >= 0.
-        g: its Henyey-Greenstein asymmetry in (-1, 1).
+        sigma_t: its optical depth, >= 0; above 8 see `within_training`.
+        g: its Henyey-Greenstein asymmetry in (-1, 1); outside [-0.8, 0.9] see `within_training`.
         weights, refine: as in `encode`, for a bottom that is not a Material.
 
     Every parameter is a scalar or one value per RGB channel.
@@ -56,7 +64,10 @@ def layer(
     Raises:
         ParameterError: top is not a dielectric, or a parameter is out of range or of a wrong shape;
             or top is anisotropic and the bottom is rotated, or has networks for isotropic materials
-            that are not the shipped ones.
+            that are not the shipped ones; or the two widths of a surface have a ratio above 10.
+
+    Warns:
+        UrushiWarning: sigma_t or g is outside the networks' training data.
     """
     if not isinstance(top, Dielectric):
         raise ParameterError(
@@ -80,6 +91,8 @@ def layer(
                 f"the coat's {name} has three values, but the bottom has {bottom.channels} "
                 "channels; give a scalar"
             )
+    if bottom.table is None:
+        checks.warn_of_training(checks.outside_training(coat), "layer: the coat's")
     return layer_material(coat, bottom)
 
 
@@ -186,6 +199,9 @@ def _coated(
             f"the coat's parameters ({shapes}) do not fit the bottom's {z.shape[:-1]}; "
             "give scalars or arrays of the same shape"
         ) from error
+    if isinstance(model.networks, UrushiNetworks):
+        check_ratios(model, z, coat)
+        columns = within_training(coat).columns()
     rows = shape or (1,)
     coated = np.empty((*rows, z.shape[-1]), np.float32)
     fill_blocks(
@@ -200,6 +216,46 @@ def _coated(
         bottoms = as_rendered(model, z) if rendered is None else rendered
         coated = _without_absent_coats(model, coated, bottoms, share)
     return coated
+
+
+def within_training(coat: CoatParameters) -> CoatParameters:
+    """Coats with similar media, in or near the range of the networks' training data.
+
+    Media of equal absorption and equal scattering times 1 - g transport light alike (van de Hulst
+    1980). So g is moved into its range, and in media that are too deep further towards 0. Depths
+    that remain above `DEEPEST` are cut.
+    """
+    g = np.clip(coat.g, *checks.TRAINED_G)
+    if np.array_equal(g, coat.g) and np.max(coat.sigma_t) <= DEEPEST:
+        return coat
+    scattering = coat.albedo * coat.sigma_t
+    absorption = coat.sigma_t - scattering
+    reduced = scattering * (1 - coat.g)
+    least = 1 - reduced / np.maximum(DEEPEST - absorption, 1e-6)
+    g = np.where(absorption + reduced / (1 - g) > DEEPEST, np.clip(least, np.minimum(g, 0), g), g)
+    scattering = reduced / (1 - g)
+    depth = absorption + scattering
+    albedo = np.where(depth > 0, scattering / np.where(depth > 0, depth, 1), coat.albedo)
+    return coat._replace(albedo=albedo, sigma_t=np.minimum(depth, DEEPEST), g=g)
+
+
+def check_ratios(model: Model, z: np.ndarray, coat: CoatParameters) -> None:
+    """Refuse two widths of coats, or of the lobes of bottoms z (..., L), that differ too much.
+
+    Raises:
+        ParameterError: the ratio of a surface's widths is above `WIDEST`.
+    """
+    if model.widths == 1:
+        return
+    for owner, widths in (("bottom", lobes.width(z[..., : model.arch.lobe])), ("coat", coat.alpha)):
+        larger, smaller = np.maximum(widths.u, widths.v), np.minimum(widths.u, widths.v)
+        ratio = float(np.max(larger / np.maximum(smaller, checks.MIN_ALPHA)))
+        if ratio > WIDEST * (1 + 1e-4):  # widths may be of single precision
+            raise ParameterError(
+                f"the {owner}'s alpha_u and alpha_v have a ratio of {ratio:.3g}, but the networks "
+                f"can layer ratios up to {WIDEST:g}; give closer widths, or use the random walk "
+                "('layered', urushi.simulate)"
+            )
 
 
 def presence(alpha: np.ndarray | Widths, eta: np.ndarray, sigma_t: np.ndarray) -> np.ndarray:

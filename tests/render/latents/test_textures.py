@@ -1,8 +1,11 @@
 """Textured parameters and textured bottoms."""
 
+import re
+
 import numpy as np
 import pytest
 
+from urushi.errors import UrushiWarning
 from urushi.geometry.frames import rotated
 from urushi.material.encode import limited_codes
 from urushi.material.layer import layer_texels
@@ -388,3 +391,15 @@ def test_the_resolution_follows_the_textures(rgb, networks, properties, resoluti
         for key, value in properties.items()
     }
     assert load(rgb, "neural_layered", networks, **chosen).latents.resolution == resolution
+
+
+@pytest.mark.parametrize("textured", (False, True))
+def test_a_coat_outside_the_training_data_warns_once(rgb, textured):
+    """A texture warns once, not for every texel."""
+    depth = bitmap(rgb, np.linspace(1, 20, 16).reshape(4, 4, 1)) if textured else 20.0
+    coat = {"type": "neural_layered", "albedo": 1.0, "sigma_t": depth, "g": 0.95}
+    with pytest.warns(UrushiWarning) as caught:
+        rgb.load_dict({**coat, "bottom": {"type": "diffuse"}})
+    (warning,) = caught
+    sentence = r"^neural_layered: g is outside \[-0.8, 0.9\] and sigma_t is above 8"
+    assert re.match(sentence, str(warning.message))

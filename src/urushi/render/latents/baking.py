@@ -15,6 +15,7 @@ import mitsuba as mi
 import numpy as np
 from tqdm import tqdm
 
+from urushi import checks
 from urushi.checks import CoatParameters
 from urushi.material.layer import layer_material, layer_texels
 from urushi.nets.weights import Model
@@ -51,6 +52,7 @@ class Baker:
         self._resolution, self._mipmaps = resolution, mipmaps
         self._codes = BottomCodes(model, bottom, coat.where)
         self._texture: BakedTexture | None = None
+        self._left: set[str] = set()  # trained ranges that the coat leaves
 
     def update(self, bottom_changed: bool = True) -> ConstantLatents | TexturedLatents:
         """The codes for the current parameters; in a texture, only changed rows are layered.
@@ -59,7 +61,17 @@ class Baker:
 
         Raises:
             ParameterError: a parameter is out of range, or the bottom's values are not a BRDF.
+
+        Warns:
+            UrushiWarning: the coat is outside the networks' training data.
         """
+        self._left = set()
+        latents = self._updated(bottom_changed)
+        checks.warn_of_training(self._left, f"{self._coat.where}:")
+        return latents
+
+    def _updated(self, bottom_changed: bool) -> ConstantLatents | TexturedLatents:
+        """`update` without its warnings."""
         grid = choose_grid(self._coat, self._bottom, self._model, self._resolution)
         if self._texture is not None and self._texture.grid != grid:
             self._texture = None
@@ -72,6 +84,7 @@ class Baker:
                 columns = [column[0] for column in CoatParameters(**table).columns()]
                 coated = layer_material(CoatParameters.of_columns(columns), self._codes.material)
                 return ConstantLatents.of(coated)
+            self._left = checks.outside_training(CoatParameters(**table))
             return ConstantLatents(
                 self._model, layer_texels(self._model, self._codes.read(0, 1), **table)[0]
             )
@@ -95,7 +108,9 @@ class Baker:
     def _parameters(self, grid: TexelGrid, start: int, stop: int) -> dict[str, Any]:
         """The arguments of `layer_texels` at a range of texels, or at one if they do not vary."""
         varies = any(map(grids.varying_textures, self._coat.textures.values()))
-        return self._coat.layering(grid.uv(start, stop if varies else start + 1))
+        table = self._coat.layering(grid.uv(start, stop if varies else start + 1))
+        self._left |= checks.outside_training(CoatParameters(**table))
+        return table
 
     def _key(self, grid: TexelGrid) -> str:
         """The key of the texture in the cache."""

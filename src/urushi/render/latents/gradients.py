@@ -12,10 +12,11 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from urushi import checks
 from urushi.checks import CoatParameters, Widths
 from urushi.material import gradients
 from urushi.material.encode import limited_codes
-from urushi.material.layer import layer_texels
+from urushi.material.layer import layer_texels, within_training
 from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
 from urushi.render import spectrum
@@ -59,6 +60,7 @@ def bake(
     grid = choose_grid(coat, bottom, model, resolution)
     uv = grid.uv() if grid else np.full((1, 2), 0.5)
     table = coat.layering(uv)
+    checks.warn_of_training(checks.outside_training(CoatParameters(**table)), f"{coat.where}:")
     si = probing.interaction(np.tile([0.0, 0.0, 1.0], (len(uv), 1)), uv)
     evaluated = coat.evaluate(si, mi.Bool(True))
     if model.widths == 2 and not isinstance(evaluated.alpha, Widths):
@@ -213,7 +215,7 @@ class _Layer(dr.CustomOp):
     def eval(self, model, table, z_bottom, coat):
         bottom = rows(z_bottom)
         z = layer_texels(model, bottom, **table)
-        chosen = CoatParameters(**table)
+        chosen = within_training(CoatParameters(**table))
         if model.widths == 2 and not isinstance(chosen.alpha, Widths):
             chosen = chosen._replace(alpha=Widths(chosen.alpha, chosen.alpha))
         coats = np.stack(np.broadcast_arrays(*chosen.columns()), axis=-1)

@@ -44,10 +44,12 @@ def define(base: type) -> type:
                                              1.000277)
         albedo         spectrum, texture     Single-scattering albedo of the coat's medium, 0 to 1.
                                              (Default: 0)
-        sigma_t        spectrum, texture     Its optical depth, 0 or more: the coat has unit
-                                             thickness. (Default: 0, clear)
+        sigma_t        spectrum, texture     Its optical depth, 0 or more, of which the networks
+                                             know 0 to 8: the coat has unit thickness.
+                                             (Default: 0, clear)
         g              spectrum, texture     Asymmetry of its Henyey-Greenstein phase function,
-                                             -1 to 1, both excluded. (Default: 0)
+                                             -1 to 1, both excluded, of which the networks know
+                                             -0.8 to 0.9. (Default: 0)
         (nested)       BSDF                  The bottom, under any name: any opaque BSDF that has
                                              no perfectly smooth lobe and no normals of its own;
                                              coats nest. Its values in air are used.
@@ -75,8 +77,9 @@ def define(base: type) -> type:
         they share one ``to_uv``, otherwise over the unit square of uv, which repeats. A change
         through ``mi.traverse`` recomputes the codes that depend on it. The method ``save`` writes
         the codes to a file for ``neural_brdf``. Reflects on the front side only: nest it in
-        ``twosided`` for both sides. Spectral variants treat the three channels as bands at 611, 549
-        and 464 nm, linear in between.
+        ``twosided`` for both sides. Outside the ranges that the networks know, a similar medium is
+        layered with a warning; two widths of a ratio above 10 are refused. Spectral variants treat
+        the three channels as bands at 611, 549 and 464 nm, linear in between.
 
         Pictures can be differentiated with respect to all parameters, including the bottom's, by
         Mitsuba's differentiable integrators such as ``prb``: enable gradients of the parameters
