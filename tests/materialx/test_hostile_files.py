@@ -61,6 +61,8 @@ def test_a_bad_file_gets_one_sentence(tmp_path, content, message):
 def test_a_missing_file_and_a_folder(tmp_path):
     refused(tmp_path / "none.mtlx", "there is no MaterialX file")
     refused(tmp_path, "there is no MaterialX file")
+    (tmp_path / "Paint.mtlx").write_text("<materialx/>")
+    refused(tmp_path / "paint.mtlx", "there is no .*/Paint.mtlx' differs in case only")
 
 
 def test_memory_is_bounded_by_the_limits(tmp_path):

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from urushi.errors import FileError, ParameterError
+from urushi.materialx.images import other_case
 from urushi.materialx.package import upgrade
 from urushi.materialx.shaders import SHADERS
 from urushi.materialx.xml import MAX_BYTES, MAX_ELEMENTS, Element, parse, write
@@ -93,7 +94,7 @@ class _Reader:
 
     def _included(self, include: Element, file: Path, here: tuple[Path, ...]) -> list[Element]:
         where = f"'{file}'"
-        href = include.get("href") or ""
+        href = (include.get("href") or "").replace("\\", "/")
         self._includes += 1
         if self._includes > MAX_INCLUDES:
             raise FileError(f"{where} includes more than {MAX_INCLUDES} files")
@@ -119,7 +120,9 @@ class _Reader:
     def _content(self, file: Path) -> bytes:
         try:
             if not file.is_file():
-                raise FileError(f"there is no MaterialX file '{file}'; check the path")
+                other = other_case(file)
+                cure = "check the path" if other is None else f"'{other}' differs in case only"
+                raise FileError(f"there is no MaterialX file '{file}'; {cure}")
             with file.open("rb") as stream:
                 content = stream.read(MAX_BYTES + 1 - self._bytes)
         except FileError:

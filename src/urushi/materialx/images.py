@@ -49,7 +49,7 @@ class Images:
         try:
             path = (self._folder / name.replace("\\", "/")).resolve()
             if not name or not path.is_file():
-                other = _other_case(path) if name else None
+                other = other_case(path) if name else None
                 cure = "check its path" if other is None else f"'{other}' differs in case only"
                 raise FileError(f"{where}: there is no image '{name[:80]}'; {cure}")
             if path not in self._read:
@@ -75,9 +75,9 @@ class Images:
         return self._read[path]
 
 
-def _other_case(path: Path) -> Path | None:
+def other_case(path: Path) -> Path | None:
     """An existing path that differs from one in upper and lower case only, if any."""
-    parent = path.parent if path.parent.is_dir() else _other_case(path.parent)
+    parent = path.parent if path.parent.is_dir() else other_case(path.parent)
     if parent is None or not parent.is_dir():
         return None
     return next((p for p in parent.iterdir() if p.name.casefold() == path.name.casefold()), None)
