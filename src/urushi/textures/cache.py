@@ -34,7 +34,11 @@ def folder() -> Path | None:
         return None
     if chosen:
         return Path(chosen)
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "urushi" / "textures"
+    try:
+        caches = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    except RuntimeError:  # no home
+        return None
+    return caches / "urushi" / "textures"
 
 
 def key(description: str, contents: Iterable[np.ndarray]) -> str:

@@ -148,6 +148,16 @@ def test_a_constant_of_a_textured_bottom(rgb, networks, rows):
     assert close(codes(bsdf), codes(fresh))
 
 
+def test_a_constant_bottom_is_encoded_once(rgb, networks, rows):
+    constants = {"albedo": 0.5, "base": {"type": "diffuse", "reflectance": 0.5}}
+    bsdf = rgb.load_dict(described(rgb, networks, **constants))
+    assert rows()[0] > 0
+    parameters = rgb.traverse(bsdf)
+    parameters["sigma_t.value"] = 0.4
+    parameters.update()
+    assert rows() == (0, 3)
+
+
 def test_a_change_of_a_nested_coat(rgb, networks, rows):
     inner = described(rgb, networks)
     outer = {"type": "neural_layered", "weights": str(networks), "alpha": 0.1, "inner": inner}

@@ -51,6 +51,7 @@ class Baker:
         self._model, self._coat, self._bottom = model, coat, bottom
         self._resolution, self._mipmaps = resolution, mipmaps
         self._codes = BottomCodes(model, bottom, coat.where)
+        self._grid: TexelGrid | None = None
         self._texture: BakedTexture | None = None
         self._left: set[str] = set()  # trained ranges that the coat leaves
 
@@ -73,11 +74,12 @@ class Baker:
     def _updated(self, bottom_changed: bool) -> ConstantLatents | TexturedLatents:
         """`update` without its warnings."""
         grid = choose_grid(self._coat, self._bottom, self._model, self._resolution)
-        if self._texture is not None and self._texture.grid != grid:
+        if grid != self._grid:
             self._texture = None
-        opened = bottom_changed or self._texture is None
+        opened = bottom_changed or grid != self._grid or (grid and not self._texture)
         if opened:
             self._codes.open(grid)
+        self._grid = grid
         if grid is None:
             table = self._coat.layering(np.full((1, 2), 0.5))
             if self._codes.material is not None:
