@@ -57,6 +57,14 @@ MILKY = {"alpha": 0.4, "eta": 1.33, "albedo": 0.98, "sigmaT": 1.5, "g": [0.0, 0.
 LOW = {"alpha": 0.15, "eta": 0.75, "albedo": 0.5, "sigmaT": 0.3, "g": 0.0}
 SHARP = {"alpha": 0.01, "eta": 1.7, "albedo": 0.2, "sigmaT": 0.05, "g": 0.9}
 FAINT = {"alpha": 0.1, "eta": 1.02, "albedo": 0.5, "sigmaT": [0.0, 0.01, 1.0], "g": 0.0}
+DEEP = {
+    "alpha": 0.1,
+    "eta": 1.4,
+    "albedo": [1.0, 0.99, 0.9],
+    "sigmaT": [50.0, 20.0, 13.0],
+    "g": 0.5,
+}
+FORWARD = {"alpha": 0.1, "eta": 1.4, "albedo": 0.9, "sigmaT": 4.0, "g": [0.98, -0.95, 0.7]}
 GOLD = {"kind": "conductor", "alpha": 0.15, "eta": [0.14, 0.37, 1.44], "k": [4.1, 2.4, 1.6]}
 METAL = {"kind": "conductor", "alpha": [0.1, 0.2, 0.3], "r0": [0.9, 0.6, 0.3]}
 GLASS = {"kind": "dielectric", "alpha": 0.3, "eta": 1.52}
@@ -77,6 +85,8 @@ STACKS: list[dict[str, Any]] = [
     {"bottom": WHITE, "coats": [SHARP, CLEAR, MILKY]},
     {"bottom": METAL, "coats": [FAINT]},
     {"bottom": PAINT, "coats": [FAINT, CLEAR]},
+    {"bottom": PAINT, "coats": [DEEP]},
+    {"bottom": GOLD, "coats": [FORWARD]},
     {"bottom": PAINT, "coats": [LOW, MILKY, RED, CLEAR, MILKY, SHARP]},
 ]
 

@@ -16,6 +16,7 @@ import { Refinement } from "./refinement";
 import { Sampler } from "./sampler";
 import { SurfaceEncoder } from "./surface_encoder";
 import { coatOfChannel } from "./surfaces";
+import { withinTraining } from "./training";
 import { readWeights, type Weights } from "./weights";
 
 /**
@@ -117,7 +118,7 @@ export class NetworkCore implements Core {
     const kept = own.filter((channel, place) => channel === place);
     const layered = this.layerer.layer(
       kept.map((channel) => anchors[channel]),
-      kept.map((channel) => coats[channel]),
+      kept.map((channel) => withinTraining(coats[channel])),
     );
     const codes = layered.map((code, place) => {
       const channel = kept[place];

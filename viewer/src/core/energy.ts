@@ -22,15 +22,18 @@ const TOLERANCE = 0.005;
 /** Cosine of wi below which the source's albedo is no ceiling. */
 const GRAZING = 0.1;
 
-/** Least albedo in a division, and the albedo that the rest may always have. */
+/** Least albedo in a division. */
 const LEAST_ALBEDO = 1e-6;
+
+/** Albedo that the rest may always have, also beside a lobe with a sharp edge of total reflection. */
 const LEAST_REST = 0.005;
+const LEAST_REST_OF_EDGE = 0.05;
 
 /**
  * Distance from the critical cosine, in widths of the lobe, and the width of a lobe, below which an
  * edge of total reflection is too sharp for the rule.
  */
-const EDGE_WIDTHS = 3;
+const EDGE_WIDTHS = 1;
 const SHARP = 0.2;
 
 /** Greatest difference of a rest from that of nothing at which it is that of nothing. */
@@ -75,7 +78,7 @@ export class EnergyLimit {
     }
     const top = new Float64Array(this.rule.cosines.length);
     this.lobeAlbedo.add(code, 0, top);
-    const allowed = Math.max(ceiling - this.diffuseMean(top), LEAST_REST);
+    const allowed = Math.max(ceiling - this.diffuseMean(top), this.leastRest(code));
     const rest = Math.max(this.diffuseMean(this.restAlbedos(code)), LEAST_ALBEDO);
     this.scaleBy(code, Math.min(allowed / rest, 1));
   }
@@ -138,7 +141,9 @@ export class EnergyLimit {
     const top = new Float64Array(own.length);
     this.lobeAlbedo.add(code, 0, top);
     return this.ceilingOf(own.map((albedo, d) => albedo + top[d])).map((allowed, d) =>
-      this.nearEdge(code, d) ? Number.POSITIVE_INFINITY : Math.max(allowed - top[d], LEAST_REST),
+      this.nearEdge(code, d)
+        ? Number.POSITIVE_INFINITY
+        : Math.max(allowed - top[d], this.leastRest(code)),
     );
   }
 
@@ -190,15 +195,29 @@ export class EnergyLimit {
 
   /** Whether a cosine of the rule is near the critical one of a sharp lobe. */
   private nearEdge(code: ArrayLike<number>, d: number): boolean {
-    const [exact, eta] = [code[3], code[4]];
-    const across = this.rule.pairs.widths === 2 ? code[6] : code[0];
-    if (!(exact > 0 && eta < 1 && Math.min(code[0], across) < SHARP)) {
+    if (!this.hasSharpEdge(code)) {
       return false;
     }
+    const eta = code[4];
+    const across = this.acrossOf(code);
     const { angles, cosines, left } = this.rule;
     const critical = Math.sqrt(Math.max(1 - eta * eta, 0));
     const between = angles[left[d]] >= critical && critical >= angles[left[d] + 1];
     return between || Math.abs(cosines[d] - critical) < EDGE_WIDTHS * Math.max(code[0], across);
+  }
+
+  /** Albedo that the rest of a code may always have. */
+  private leastRest(code: ArrayLike<number>): number {
+    return this.hasSharpEdge(code) ? LEAST_REST_OF_EDGE : LEAST_REST;
+  }
+
+  /** Whether a code's lobe has a sharp edge of total reflection. */
+  private hasSharpEdge(code: ArrayLike<number>): boolean {
+    return code[3] > 0 && code[4] < 1 && Math.min(code[0], this.acrossOf(code)) < SHARP;
+  }
+
+  private acrossOf(code: ArrayLike<number>): number {
+    return this.rule.pairs.widths === 2 ? code[6] : code[0];
   }
 
   private scaleBy(code: Float32Array, factor: number): void {
@@ -217,7 +236,7 @@ export class EnergyLimit {
         continue;
       }
       const permitted = typeof ceiling === "number" ? ceiling : ceiling[d];
-      const allowed = Math.max(permitted - top[d], LEAST_REST);
+      const allowed = Math.max(permitted - top[d], this.leastRest(code));
       excess = Math.max(excess, Math.max(rest[d], LEAST_ALBEDO) / allowed);
     }
     return Math.min(1 / excess, 1);

@@ -2,7 +2,7 @@
 
 import type { Stack } from "../core/api";
 import { RemoteCore } from "../core/client";
-import { isAnisotropic } from "../material/material";
+import { isAnisotropic, widthRatio } from "../material/material";
 import { Refusal } from "../refusal";
 import { readFile, startWorker } from "./files";
 
@@ -22,6 +22,9 @@ export type PageCore = Pick<
 
 const WEIGHTS = "weights.safetensors";
 const ANISOTROPIC_WEIGHTS = "anisotropic.safetensors";
+
+/** Largest ratio of two widths that is layered, as in Python. */
+const MOST_RATIO = 10;
 
 /** The cores: one for isotropic materials, and one for others, which starts when it is needed. */
 export class Cores {
@@ -44,11 +47,16 @@ export class Cores {
   /**
    * The core of a stack.
    *
-   * @throws Refusal if its codes are of isotropic networks and a coat has two widths.
+   * @throws Refusal if its codes are of isotropic networks and a coat has two widths, or widths
+   *   differ too much.
    */
   async of(stack: Stack): Promise<PageCore> {
     if (!isAnisotropic(stack)) return this.isotropic;
-    const { bottom } = stack;
+    const { bottom, coats } = stack;
+    if (coats.length > 0 && [bottom, ...coats].some((one) => widthRatio(one) > MOST_RATIO))
+      throw new Refusal(
+        `The two widths of a surface differ by more than a factor of ${MOST_RATIO}, which the networks cannot layer; give closer widths.`,
+      );
     if (bottom.kind === "codes" && bottom.widths !== 2)
       throw new Refusal(
         "The loaded material is isotropic; give its coats one width, or coat it in Python.",

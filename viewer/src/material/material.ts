@@ -68,11 +68,12 @@ export function stackOf(material: MaterialCards): Stack {
   };
 }
 
-/** Whether a surface has two widths that differ. */
-export function hasTwoWidths(surface: Coat | Bottom): boolean {
-  if (!("alpha" in surface) || surface.alphaV === undefined) return false;
-  const { alpha, alphaV } = surface;
-  return rgb(alpha).some((width, channel) => width !== rgb(alphaV)[channel]);
+/** The largest ratio of a surface's two widths; 1 if it has one. */
+export function widthRatio(surface: Coat | Bottom): number {
+  if (!("alpha" in surface) || surface.alphaV === undefined) return 1;
+  const across = rgb(surface.alphaV);
+  const ratios = rgb(surface.alpha).map((width, channel) => width / across[channel]!);
+  return Math.max(...ratios, ...ratios.map((ratio) => 1 / ratio));
 }
 
 /** Whether a card has two widths, equal or not, or the loaded codes may have. */
@@ -84,7 +85,7 @@ export function hasTangent({ bottom, coats }: MaterialCards): boolean {
 /** Whether a stack needs the networks for anisotropic materials. */
 export function isAnisotropic({ bottom, coats }: Stack): boolean {
   const isOfCodes = bottom.kind === "codes" && bottom.widths === 2;
-  return isOfCodes || [bottom, ...coats].some(hasTwoWidths);
+  return isOfCodes || [bottom, ...coats].some((surface) => widthRatio(surface) !== 1);
 }
 
 /** Whether another coat can be added. */

@@ -14,7 +14,7 @@ export function App() {
       <main>
         <Stage />
         <Toolbar />
-        <div class="side">
+        <div class="column">
           <aside aria-label="Material">
             {state.value.comparison !== "off" && <Chooser />}
             <Cards />

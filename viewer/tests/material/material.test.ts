@@ -7,6 +7,7 @@ import {
   type MaterialCards,
   moved,
   stackOf,
+  widthRatio,
   withCoat,
   withoutCoat,
 } from "../../src/material/material";
@@ -38,6 +39,12 @@ describe("two widths", () => {
     expect(isAnisotropic(stackOf(withAcross(0.1)))).toBe(false);
     expect(isAnisotropic(stackOf(withAcross(0.2)))).toBe(true);
     expect(isAnisotropic(stackOf(withAcross([0.1, 0.1, 0.2])))).toBe(true);
+  });
+  test("have a ratio, whichever is larger", () => {
+    const ratios = [0.01, 0.1, [0.4, 0.05, 0.1] as [number, number, number]];
+    const found = ratios.map((across) => widthRatio(withAcross(across).coats[0]!));
+    expect(found.map((ratio) => Number(ratio.toFixed(9)))).toEqual([10, 1, 4]);
+    expect(widthRatio(top!)).toBe(1);
   });
   test("of a coat that is not shown do not count", () => {
     const material = withAcross(0.2);
