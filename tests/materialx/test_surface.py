@@ -280,7 +280,9 @@ def test_a_warning_says_what_is_lost(translated, tag, kept, lost):
 
 
 def test_shaders_of_other_sides_are_named(document, library):
-    displaced = """<displacement name="d" type="displacementshader"/>
+    """A displacement by nothing is not lost."""
+    displaced = """<displacement name="d" type="displacementshader">
+        <input name="displacement" type="float" value="0.1"/></displacement>
         <standard_surface name="s" type="surfaceshader"/>
         <surfacematerial name="m" type="material">
         <input name="surfaceshader" type="surfaceshader" nodename="s"/>
@@ -291,6 +293,8 @@ def test_shaders_of_other_sides_are_named(document, library):
     ):
         with pytest.warns(UrushiWarning, match=f"its {part} is left out"):
             read_surface(document(displaced.format(*given)), None)
+    flat = displaced.format("displacementshader", "displacementshader", "d").replace("0.1", "0")
+    read_surface(document(flat), None)
 
 
 SHADER = """<open_pbr_surface name="s" type="surfaceshader">

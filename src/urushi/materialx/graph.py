@@ -222,7 +222,6 @@ class Evaluation:
 
     Attributes:
         uses: the images that the values depend on.
-        uses_position: whether they depend on the texture coordinates elsewhere too.
         size: number of nodes evaluated.
     """
 
@@ -235,13 +234,11 @@ class Evaluation:
             texels: values (N, channels) of the only image.
         """
         self.uses: list[ImageUse] = []
-        self.uses_position = False
         self._graph = graph
         self._uv = uv
         self._texels = texels
         self._values: dict[tuple[Frame, Element, str], np.ndarray] = {}
         self._open: list[tuple[Frame, Element, str]] = []
-        self._in_image = 0
         self._metre = 1.0  # number of units of length in one
 
     @property
@@ -251,8 +248,6 @@ class Evaluation:
     def texture_coordinates(self) -> np.ndarray:
         if self._uv is None:
             raise NeedsPosition
-        if not self._in_image:
-            self.uses_position = True
         return self._uv
 
     def input(self, node: Element, name: str, frame: Frame) -> np.ndarray:
@@ -399,9 +394,7 @@ class Evaluation:
         look = Look(modes[0], modes[1], self.text(node, "filtertype", frame) != "closest")
         if self._texels is not None:
             return self._texels
-        self._in_image += 1
         uv = self.input(node, "texcoord", frame)
-        self._in_image -= 1
         default = self.input(node, "default", frame)
         if default.ndim > 1 or uv.shape[-1] != 2:
             raise FileError(f"{where}: its default must be a constant, and its texcoord a vector2")

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from urushi.errors import FileError, UrushiWarning
-from urushi.materialx.baking import Texture, Value, bake, probe
+from urushi.materialx.baking import Texture, Value, bake, changes
 from urushi.materialx.document import find_material, read_document
 from urushi.materialx.graph import Frame, Graph, Source
 from urushi.materialx.images import Decode, Images
@@ -94,7 +94,8 @@ def _find_shader(graph: Graph, material: Element, where: str) -> Source:
     if material.tag == "surfacematerial":
         for name, part in _LOST_SHADERS.items():
             element = material.input(name)
-            if element is not None and graph.follow(element, frame, material).is_node:
+            source = None if element is None else graph.follow(element, frame, material)
+            if source is not None and source.is_node and not _is_flat(graph, source):
                 _warn(f"{where}: its {part} is left out; OpenPBR describes the front's surface")
         link = material.input("surfaceshader") or Element("input")
     found = graph.follow(link, frame, material)
@@ -106,6 +107,12 @@ def _find_shader(graph: Graph, material: Element, where: str) -> Source:
             "material into images, for instance by Houdini's Karma Texture Baker"
         )
     return found
+
+
+def _is_flat(graph: Graph, source: Source) -> bool:
+    """Whether a node displaces by nothing."""
+    node, name = source.element, "displacement"
+    return node.tag == name and not changes(graph, lambda e: e.input(node, name, source.frame))
 
 
 def _warn(message: str) -> None:
@@ -173,7 +180,7 @@ class _Reader:
         given = [element.name for element in self._shader.inputs()]
         lost = [name for name in given if name not in known]
         for name, formula in LOST.get(tag, {}).items():
-            if name in given and probe(self._graph, self._formula(formula)).any():
+            if name in given and changes(self._graph, self._formula(formula)):
                 lost.append(name)
         if lost:
             _warn(f"{self._where}: OpenPBR has no counterpart of {', '.join(lost)[:200]} of {tag}")
