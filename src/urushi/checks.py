@@ -18,6 +18,9 @@ UNIT_TOLERANCE = 1e-3
 #: interface: the half vector of transmission is undefined.
 MIN_INDEX_STEP = 1e-3
 
+#: Largest optical depth: media of 1e6 reflect as deeper ones do.
+MAX_DEPTH = 1e6
+
 #: Least and largest relative index of refraction.
 ETA_RANGE = (0.5, 3.0)
 
@@ -197,8 +200,14 @@ def albedo(value: npt.ArrayLike, where: str = "albedo", *, any_shape: bool = Fal
 
 
 def sigma_t(value: npt.ArrayLike, where: str = "sigma_t", *, any_shape: bool = False) -> np.ndarray:
-    """Check optical depths, zero or more."""
-    return _parameter(value, where, lambda x: x >= 0, "an optical depth, zero or more", any_shape)
+    """Check optical depths in [0, 1e6]."""
+    return _parameter(
+        value,
+        where,
+        lambda x: (x >= 0) & (x <= MAX_DEPTH),
+        "an optical depth in [0, 1e6]",
+        any_shape,
+    )
 
 
 def g(value: npt.ArrayLike, where: str = "g", *, any_shape: bool = False) -> np.ndarray:

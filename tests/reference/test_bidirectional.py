@@ -16,6 +16,7 @@ WALKS = 1 << 14
 METAL = conductor(alpha=0.4, r0=0.9)
 STACKS = {
     "clear": coat(METAL, 0.2, 1.5, albedo=1, sigma_t=0),
+    "absorbing": coat(METAL, 0.2, 1.5, albedo=0, sigma_t=1),
     "milky": coat(diffuse(0.7), 0.2, 1.5, albedo=0.9, sigma_t=1),
     "forward": coat(METAL, 0.1, 1.5, albedo=0.95, sigma_t=2, g=0.9),
     "thick": coat(diffuse(0.3), 0.1, 1.5, albedo=0.99, sigma_t=6, g=0.7),

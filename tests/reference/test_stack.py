@@ -98,7 +98,7 @@ def test_widths_differ_by_channel_and_by_axis() -> None:
         (lambda: coat(diffuse(1), 0.1, 0.9999), r"the coat's eta is 0.9999; .* or \[1.001, 3\]"),
         (lambda: coat(diffuse(1), 0.1, 1.5, 1.1), "the coat's albedo is 1.1; it must be"),
         (lambda: coat(diffuse(1), 0.1, 1.5, -0.1), "the coat's albedo is -0.1; it must be"),
-        (lambda: coat(diffuse(1), 0.1, 1.5, 1, -1), "the coat's sigma_t is -1; .* zero or more"),
+        (lambda: coat(diffuse(1), 0.1, 1.5, 1, -1), "the coat's sigma_t is -1; .* optical depth"),
         (lambda: coat(diffuse(1), 0.1, 1.5, 1, np.inf), "the coat's sigma_t is inf; it must be"),
         (lambda: coat(diffuse(1), 0.1, 1.5, 1, 1, 1.0), r"the coat's g is 1; .* in \(-1, 1\)"),
         (lambda: coat(diffuse(1), 0.1, 1.5, 1, 1, -1), r"the coat's g is -1; .* in \(-1, 1\)"),

@@ -165,6 +165,13 @@ COLORED = {
     # a rough top: light leaves by sampled phase directions as often as by connections
     "g, rough": [dict(alpha=1.0, albedo=0.95, sigma_t=2.0, g=(-0.8, 0.0, 0.9))],
     "index below one": [dict(eta=0.7, albedo=(0.9, 0.5, 1.0), sigma_t=(0.0, 2.0, 5.0), g=0.4)],
+    "absorbing": [dict(albedo=0.0, sigma_t=(0.0, 1.0, 4.0))],
+    "hardly scattering": [dict(albedo=(0.0, 0.05, 0.15), sigma_t=(0.5, 2.0, 0.0), g=(0.3, 0, 0))],
+    "hardly scattering over another": [
+        dict(albedo=0.1, sigma_t=(0.0, 1.0, 2.0), g=0.5),
+        dict(albedo=(0.02, 0.1, 0.9), sigma_t=(3.0, 0.0, 1.0)),
+    ],
+    "deep": [dict(albedo=1.0, sigma_t=(13.0, 20.0, 50.0))],
     "two coats": [
         dict(albedo=(0.9, 0.5, 0.99), sigma_t=(0.0, 1.0, 2.0), g=(0.6, 0.1, -0.4)),
         dict(albedo=(0.6, 0.95, 0.8), sigma_t=(3.0, 0.0, 1.0), g=(-0.3, 0.0, 0.7)),
@@ -179,8 +186,9 @@ def test_one_walk_for_all_channels_equals_a_walk_per_channel(coats: list[dict]) 
         stack = coat(stack, **{"alpha": 0.25, "eta": 1.4} | parameters)
     rng = np.random.default_rng(1)
     wi, wo = hemisphere(6, rng), hemisphere(6, rng)
-    f, se = simulate(stack, wi, wo, walks=1 << 19, seed=1, progress=False)
-    color, se_color = walk_in_color(stack, wi, wo, 1 << 19, seed=2)
+    walks = 1 << (13 if coats == COLORED["deep"] else 18)
+    f, se = simulate(stack, wi, wo, walks=walks, seed=1, progress=False)
+    color, se_color = walk_in_color(stack, wi, wo, walks, seed=2)
     z = (color - f) / np.hypot(se, se_color)
     # 18 values, of which the three channels of a colour walk are correlated.
     assert np.abs(z).max() < 4.5
@@ -329,3 +337,21 @@ def test_optical_depth_of_negative_zero_is_zero() -> None:
         table, np.zeros(1, np.uint32), np.float32(wi), np.float32(wo), walks=64, seed=0
     )
     np.testing.assert_array_equal(f, clear[0][:, 0])
+
+
+@pytest.mark.parametrize("coats", [1, 2])
+def test_absorption_is_carried_as_a_weight(coats: int) -> None:
+    """If absorption ended walks by chance, only those that survive would contribute.
+
+    The surviving share is at most exp(-sigma_t) per coat on the way down, so that the variance
+    would be at least exp(coats sigma_t) - 1, in units of the squared mean.
+    """
+    stack = diffuse(0.5)
+    for _ in range(coats):
+        stack = coat(stack, 0.1, 1.3, albedo=0, sigma_t=1.0)
+    wi, wo = (hemisphere(8, np.random.default_rng(seed), 0.4) for seed in (1, 2))
+    for estimator in ("unidirectional", "bidirectional"):
+        f, se = simulate(stack, wi, wo, walks=1 << 12, seed=3, progress=False, estimator=estimator)
+        top = simulate(coat(diffuse(0), 0.1, 1.3), wi, wo, walks=2, progress=False)[0]
+        variance = (1 << 12) * (se / (f - top))[:, 0] ** 2
+        assert np.median(variance) < 0.2 * np.expm1(coats)

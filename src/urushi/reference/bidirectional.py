@@ -22,19 +22,20 @@ import drjit as dr
 
 from urushi.reference import interface
 from urushi.reference.bottoms import Bottom
+from urushi.reference.medium import ROULETTE_THRESHOLD
+from urushi.reference.spectral_mis import greatest
 from urushi.reference.vertices import (
     Scattering,
     Segment,
     Vertex,
     arrive,
     bounded,
-    brightest,
     edge,
     enter,
     leave,
     pending,
 )
-from urushi.reference.walk import ROULETTE_THRESHOLD, Layers
+from urushi.reference.walk import Layers
 
 #: Vertices of the walk from wo, with that on the topmost interface.
 LIGHT_VERTICES = 4
@@ -52,7 +53,7 @@ class Light:
         for _ in range(count - 1):
             v = arrive(stack, segment, rng)
             w, weight = stack.sample(v, rng)
-            w = dr.select(brightest(weight) > 0, w, type(w)(0, 0, 1))
+            w = dr.select(greatest(weight) > 0, w, type(w)(0, 0, 1))
             _, pdf, back = stack.evaluate(v, w)
             segment = leave(stack, v, w, weight, pdf, back)
             self.vertices.append(v)
@@ -91,13 +92,13 @@ class Light:
                 x.in_medium,
             )
         valid, distance = self._gap(layer, depth, s.layer, s.depth, w)
-        _, sigma_t, _ = self.stack.layers.medium(layer)
-        a = bounded(dr.square(edge(sigma_t, distance, w, in_medium)) * below)
-        b = bounded(dr.square(edge(sigma_t, distance, w, s.from_medium)) * s.pending[j])
+        sigma_t, drawn = self.stack.extinction(layer)
+        a = bounded(dr.square(edge(drawn, distance, w, in_medium)) * below)
+        b = bounded(dr.square(edge(drawn, distance, w, s.from_medium)) * s.pending[j])
         mis = weight(s.pdf, b, pdf, a)
         value = throughput * f * s.throughput * dr.exp(-sigma_t * distance) * mis
         value *= self._radiance(layer)
-        valid &= (brightest(s.throughput) > 0) & (brightest(f) > 0)
+        valid &= (greatest(s.throughput) > 0) & (greatest(f) > 0)
         return dr.select(valid, value, 0)
 
     def join_there(self, s: Segment, j: int) -> Any:
@@ -114,15 +115,15 @@ class Light:
             layer, depth = self.stack.departure(y, w)
             above, throughput, in_medium = pending(y, back, j), y.throughput, y.in_medium
         valid, distance = self._gap(layer, depth, s.layer, s.depth, w)
-        _, sigma_t, _ = self.stack.layers.medium(s.layer)
+        sigma_t, drawn = self.stack.extinction(s.layer)
         a = bounded(
-            dr.square(edge(sigma_t, distance, w, s.from_medium)) * s.pending[self.count - 1 - j]
+            dr.square(edge(drawn, distance, w, s.from_medium)) * s.pending[self.count - 1 - j]
         )
-        b = bounded(dr.square(edge(sigma_t, distance, w, in_medium)) * above)
+        b = bounded(dr.square(edge(drawn, distance, w, in_medium)) * above)
         mis = weight(s.pdf, a, pdf, b)
         value = s.throughput * f * throughput * dr.exp(-sigma_t * distance) * mis
         value *= self._radiance(s.layer)
-        valid &= (brightest(s.throughput) > 0) & (brightest(f) > 0)
+        valid &= (greatest(s.throughput) > 0) & (greatest(f) > 0)
         return dr.select(valid, value, 0)
 
 
@@ -163,7 +164,7 @@ def estimate(
             result += light.join_here(None, wi, j) + light.join_there(start, j)
     result = dr.select(active, result, 0)
 
-    entered = active & (brightest(start.throughput) > 0)
+    entered = active & (greatest(start.throughput) > 0)
     state = {"active": entered, "result": result, "rng": rng}
     state |= dict(zip(Segment._fields, start, strict=True))
 
@@ -175,13 +176,13 @@ def estimate(
         for j in range(count):
             gained += light.join_here(v, wi, j)
         w, factor = stack.sample(v, random)
-        w = dr.select(brightest(factor) > 0, w, type(w)(0, 0, 1))
+        w = dr.select(greatest(factor) > 0, w, type(w)(0, 0, 1))
         _, pdf, back = stack.evaluate(v, w)
         segment = leave(stack, v, w, factor, pdf, back)
         for j in range(count):
             gained += light.join_there(segment, j)
         s["result"] += dr.select(alive, gained, 0)
-        survival = dr.minimum(brightest(segment.throughput) / ROULETTE_THRESHOLD, 1)
+        survival = dr.minimum(greatest(segment.throughput) / ROULETTE_THRESHOLD, 1)
         throughput = dr.select(survival > 0, segment.throughput / survival, 0)
         s |= dict(zip(Segment._fields, segment._replace(throughput=throughput), strict=True))
         s["active"] = alive & (random.next_float32() < survival) & (w.z != 0)

@@ -13,6 +13,7 @@ import drjit as dr
 
 from urushi.reference import interface
 from urushi.reference.interface import flip
+from urushi.reference.medium import Media
 
 
 class ExitPath(NamedTuple):
@@ -36,7 +37,7 @@ class ExitPath(NamedTuple):
 class ExitPaths:
     """The chain through all layers of a stack, and the scattering of its topmost interface."""
 
-    def __init__(self, layers: Any, wo: Any, rng: Any) -> None:
+    def __init__(self, layers: Any, media: Media, wo: Any, rng: Any) -> None:
         self._wo = wo
         self._alpha, self._eta = layers.interface(dr.uint32_array_t(type(wo.z))(0))
         self._of_layer: list[ExitPath] = []
@@ -45,8 +46,8 @@ class ExitPaths:
             link = self._link(layers, outside, index, rng)
             if index > 0:
                 above = self._of_layer[-1]
-                _, sigma_t, _ = layers.medium(dr.uint32_array_t(type(wo.z))(index - 1))
-                weight = weight * dr.exp(-sigma_t / above.direction.z)
+                crossed = media.at(dr.uint32_array_t(type(wo.z))(index - 1))
+                weight = weight * crossed.transmittance(type(wo.z)(1), above.direction.z)
                 ratio = self._density_from_below(layers, link.direction, above.direction, index)
                 ratio /= above.pdf
                 ratios = 1 + dr.select(above.pdf > 0, ratio * ratio * above.ratios, 0)

@@ -11,8 +11,6 @@ from typing import Any
 
 import drjit as dr
 
-from urushi.physics import phase
-
 
 def pick(color: type, u: Any) -> Any:
     """The index of the hero channel from a uniform number; None if `color` is a scalar type."""
@@ -32,20 +30,20 @@ def of_hero(value: Any, hero: Any) -> Any:
     return result
 
 
-def flight_ratio(sigma_t: Any, distance: Any, in_medium: Any, hero: Any) -> Any:
-    """Each channel's density of a free flight relative to the hero's, which was sampled."""
-    if hero is None:
-        return 1
-    sigma_hero = of_hero(sigma_t, hero)
-    ratio = dr.exp((sigma_hero - sigma_t) * distance)
-    return ratio * dr.select(in_medium, sigma_t / sigma_hero, 1)
+def ratio(density: Any, hero: Any) -> Any:
+    """Each channel's density of a direction relative to the hero's, which was sampled."""
+    return 1 if hero is None else density / of_hero(density, hero)
 
 
-def phase_ratio(cos_theta: Any, g: Any, hero: Any) -> Any:
-    """Each channel's phase function relative to the hero's, which was sampled."""
+def connecting(sigma_t: Any, distance: Any, hero: Any) -> tuple[Any, Any]:
+    """The optical depth by which places of connections are drawn, and what collides within.
+
+    In colours it is not 0, as places of a clear hero connect the other channels.
+    """
     if hero is None:
-        return 1
-    return phase.hg(cos_theta, g) / phase.hg(cos_theta, of_hero(g, hero))
+        return sigma_t, 1 - dr.exp(-sigma_t * distance)
+    sigma_t = dr.maximum(sigma_t, 1e-3)
+    return sigma_t, dr.maximum(1 - dr.exp(-sigma_t * distance), 1e-7)
 
 
 def mean(spectral: Any, hero: Any) -> Any:
@@ -59,9 +57,17 @@ def mixture(density: Any, spectral: Any, hero: Any) -> Any:
     Weights that combine techniques must use this density. With the hero's own density they would
     differ between heroes, and the weights of the techniques would not sum to one.
     """
-    return density if hero is None else dr.mean(spectral * density) / dr.mean(spectral)
+    if hero is None:
+        return density
+    total = dr.mean(spectral)  # 0 at a place that no channel's collisions reach
+    return dr.select(total > 0, dr.mean(spectral * density) / total, 0)
 
 
-def strongest(throughput: Any, hero: Any) -> Any:
-    """The largest component of a throughput."""
-    return throughput if hero is None else dr.max(throughput)
+def greatest(value: Any) -> Any:
+    """The largest component of a colour; a float as it is."""
+    return dr.max(value) if dr.depth_v(value) > 1 else value
+
+
+def least(value: Any) -> Any:
+    """The smallest component of a colour; a float as it is."""
+    return dr.min(value) if dr.depth_v(value) > 1 else value

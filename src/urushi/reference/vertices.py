@@ -14,6 +14,7 @@ from urushi.physics.frame import from_cosine
 from urushi.reference import interface
 from urushi.reference.bottoms import Bottom
 from urushi.reference.interface import flip
+from urushi.reference.spectral_mis import greatest
 from urushi.reference.walk import Layers
 
 
@@ -55,6 +56,14 @@ class Scattering:
         top = boundary & ~down & (v.layer == 0)
         low = boundary & down & (v.layer == self.last)
         return top, low, boundary & ~top & ~low
+
+    def extinction(self, layer: Any) -> tuple[Any, Any]:
+        """sigma_t of a layer, and that by which flights are drawn: 0 without scattering.
+
+        Media that only absorb are crossed with the weight of their transmittance.
+        """
+        albedo, sigma_t, _ = self.layers.medium(layer)
+        return sigma_t, dr.select(greatest(albedo) > 0, sigma_t, 0)
 
     def departure(self, v: Vertex, w: Any) -> tuple[Any, Any]:
         """Layer and depth at which the direction w leaves a vertex."""
@@ -149,17 +158,18 @@ def enter(types: Any, direction: Any, layers: Layers, rng: Any, levels: int) -> 
 
 def arrive(stack: Scattering, s: Segment, rng: Any) -> Vertex:
     """Fly to the next vertex."""
-    _, sigma_t, _ = stack.layers.medium(s.layer)
+    sigma_t, drawn = stack.extinction(s.layer)
     to_boundary = dr.select(s.w.z < 0, 1 - s.depth, s.depth) / dr.abs(s.w.z)
-    flight = -dr.log(1 - rng.next_float32()) / sigma_t
+    flight = -dr.log(1 - rng.next_float32()) / drawn
     in_medium = flight < to_boundary
     distance = dr.select(in_medium, flight, to_boundary)
     boundary = dr.select(s.w.z < 0, type(s.depth)(1), 0)
     depth = dr.select(in_medium, dr.clip(s.depth - s.w.z * distance, 0, 1), boundary)
-    back = dr.square(edge(sigma_t, distance, s.w, s.from_medium))
+    back = dr.square(edge(drawn, distance, s.w, s.from_medium))
     ratios = [bounded(back * p) for p in s.pending]
-    inverse = 1 / dr.maximum(edge(sigma_t, distance, s.w, in_medium), 1e-20)
-    return Vertex(s.w, s.layer, depth, in_medium, s.throughput, s.pdf, inverse, ratios)
+    inverse = 1 / dr.maximum(edge(drawn, distance, s.w, in_medium), 1e-20)
+    throughput = s.throughput * dr.exp((drawn - sigma_t) * distance)
+    return Vertex(s.w, s.layer, depth, in_medium, throughput, s.pdf, inverse, ratios)
 
 
 def leave(stack: Scattering, v: Vertex, w: Any, weight: Any, pdf: Any, back: Any) -> Segment:
@@ -183,11 +193,6 @@ def pending(v: Vertex, back: Any, level: int) -> Any:
         return type(v.pdf)(0)
     ratio = dr.select(v.pdf > 0, back / v.pdf, 0)
     return bounded(dr.square(v.inverse_edge) * (1 + dr.square(ratio) * (1 + v.ratios[level - 1])))
-
-
-def brightest(x: Any) -> Any:
-    """The largest channel of a colour; a float as it is."""
-    return dr.max(x) if dr.depth_v(x) > 1 else x
 
 
 def bounded(x: Any) -> Any:

@@ -1,9 +1,9 @@
 """The position-free random walk through a layered stack (Guo, Hasan & Zhao 2018), in Dr.Jit.
 
 One walk estimates the BRDF f(wi, wo) [1/sr] without the reflection of the topmost interface, which
-is analytic. It starts with the refraction of wi at the top and has no limit of depth. Two
-techniques reach wo. The power heuristic combines them over the direction in which light rises to
-the top interface:
+is analytic. It starts with the refraction of wi at the top and has no limit of depth. The middle of
+a deep lossless medium is a diffuser (`urushi.reference.medium`). Two techniques reach wo. The power
+heuristic combines them over the direction in which light rises to the top interface:
 
 - A, next-event estimation: every vertex connects to wo along a path that is drawn once per walk,
   by refracting *wo* down through the interfaces (see `urushi.reference.exits`);
@@ -17,19 +17,18 @@ walk.
 The code is generic over Dr.Jit's backends and over scalar or colour throughputs.
 """
 
+import functools
 from typing import Any, NamedTuple, Protocol
 
 import drjit as dr
 
 from urushi.physics import phase
-from urushi.physics.frame import from_cosine
+from urushi.physics.frame import from_cosine, square_to_cosine_hemisphere
 from urushi.reference import interface, spectral_mis
 from urushi.reference.bottoms import Bottom
 from urushi.reference.exits import ExitPath, ExitPaths
 from urushi.reference.interface import flip
-
-#: Walks whose throughput falls below this continue with probability throughput / threshold.
-ROULETTE_THRESHOLD = 0.25
+from urushi.reference.medium import MIDDLE, ROULETTE_THRESHOLD, Media, Medium
 
 
 class Layers(Protocol):
@@ -45,6 +44,15 @@ class Layers(Protocol):
 
     def medium(self, index: Any) -> tuple[Any, Any, Any]:
         """(albedo, sigma_t, g) of the medium under that interface, floats or colours."""
+
+
+class Place(NamedTuple):
+    """Where a flight connects to wo: its collision, or the sheet at which it ends."""
+
+    depth: Any  # in the layer
+    throughput: Any  # at arrival
+    spectral: Any  # all channels' densities of the place relative to the hero's
+    mixing: Any  # all channels' densities of a collision there, in proportion
 
 
 class Event(NamedTuple):
@@ -77,7 +85,8 @@ def estimate(
     w, weight = interface.sample_transmission(
         wi, alpha, eta, rng.next_float32(), rng.next_float32()
     )
-    exits = ExitPaths(layers, wo, rng)
+    media = Media(layers, index_type)
+    exits = ExitPaths(layers, media, wo, rng)
 
     state = {
         "active": active & (weight > 0) & (wi.z > 0) & (wo.z > 0),
@@ -94,7 +103,7 @@ def estimate(
 
     def body(*values: Any) -> tuple[Any, ...]:
         s = dict(zip(state, values, strict=True))
-        advance(s, layers, bottom, exits, hero)
+        advance(s, layers, media, bottom, exits, hero)
         return tuple(s.values())
 
     values = dr.while_loop(
@@ -113,27 +122,30 @@ def top_reflection(layers: Layers, wi: Any, wo: Any) -> Any:
     return interface.reflection(wi, wo, alpha, eta)
 
 
-def advance(s: dict[str, Any], layers: Layers, bottom: Bottom, exits: ExitPaths, hero: Any) -> None:
+def advance(
+    s: dict[str, Any], layers: Layers, media: Media, bottom: Bottom, exits: ExitPaths, hero: Any
+) -> None:
     """One step of the walk: fly to the next vertex, connect to wo, scatter, play roulette."""
     rng, color = s["rng"], type(s["throughput"])
     active = dr.mask_t(s["depth"])(s["active"])
     down = s["w"].z < 0
-    medium = layers.medium(s["layer"])
+    here = media.at(s["layer"])
     path = exits.at(s["layer"])
-    in_medium = fly(s, medium[1], hero) & active
-    visible = transmittance(medium[1], s["depth"], path)
+    place, in_medium = fly(s, here, down, hero)
+    visible = here.transmittance(s["depth"], path.direction.z)
     u = rng.next_float32(), rng.next_float32(), rng.next_float32()
 
-    at_boundary = active & ~in_medium
+    at_sheet = ~in_medium & here.deep & (s["depth"] == MIDDLE)
+    at_boundary = active & ~in_medium & ~at_sheet
     at_top = at_boundary & ~down & (s["layer"] == 0)
     at_bottom = at_boundary & down & (s["layer"] == layers.count - 1)
-    inside = medium_event(s, medium, visible, path, hero, u)
+    inside, ratio = medium_event(s["w"], here, place, at_sheet, path, hero, u)
     top = top_event(s, exits, u)
     low = bottom_event(s, bottom, visible, path, u)
-    chosen = select_event(in_medium, inside, select_event(at_top, top, low))
+    chosen = select_event(at_top, top, low)
     if layers.count > 1:
         inner = at_boundary & ~at_top & ~at_bottom
-        chosen = select_event(inner, inner_event(s, layers, exits, down, u), chosen)
+        chosen = select_event(inner, inner_event(s, layers, media, exits, down, u), chosen)
         below = dr.select(down, s["layer"] + 1, s["layer"])
         rising = chosen.direction.z > 0
         s["layer"] = dr.select(inner, dr.select(rising, below - 1, below), s["layer"])
@@ -141,37 +153,60 @@ def advance(s: dict[str, Any], layers: Layers, bottom: Bottom, exits: ExitPaths,
 
     # The density of a connection ends at its vertex: it excludes the direction drawn there.
     mean = spectral_mis.mean(s["spectral"], hero)
-    s["result"] += dr.select(active, color(chosen.contribution) / mean, 0)
+    s["result"] += dr.select(at_boundary, color(chosen.contribution) / mean, 0)
+    mean = spectral_mis.mean(place.spectral, hero)
+    scatters = in_medium | at_sheet
+    connects = scatters | ((here.scatters < 1) & (spectral_mis.greatest(here.sigma_t) > 0))
+    s["result"] += dr.select(active & connects, color(inside.contribution) / mean, 0)
+    chosen = select_event(scatters, inside, chosen)
     if hero is not None:
-        cos_theta = dr.dot(s["w"], inside.direction)
-        ratio = spectral_mis.phase_ratio(cos_theta, medium[2], hero)
-        s["spectral"] *= dr.select(in_medium, ratio, 1)
-        mean = spectral_mis.mean(s["spectral"], hero)
+        s["spectral"] *= dr.select(scatters, ratio, 1)
+    mean = spectral_mis.mean(s["spectral"], hero)
     s["w"], s["pdf"], s["ratios"] = chosen.direction, chosen.pdf, chosen.ratios
-    survival = dr.minimum(
-        spectral_mis.strongest(chosen.throughput, hero) / (mean * ROULETTE_THRESHOLD), 1
-    )
+    survival = dr.minimum(spectral_mis.greatest(chosen.throughput) / (mean * ROULETTE_THRESHOLD), 1)
     s["throughput"] = dr.select(survival > 0, chosen.throughput / survival, 0)
     s["active"] = active & (rng.next_float32() < survival) & (s["w"].z != 0)
 
 
-def fly(s: dict[str, Any], sigma_t: Any, hero: Any) -> Any:
-    """Move along w to the next collision or boundary of the layer; returns whether it collides."""
-    to_boundary = dr.select(s["w"].z < 0, 1 - s["depth"], s["depth"]) / dr.abs(s["w"].z)
-    flight = -dr.log(1 - s["rng"].next_float32()) / spectral_mis.of_hero(sigma_t, hero)
-    in_medium = flight < to_boundary
-    distance = dr.select(in_medium, flight, to_boundary)
-    s["depth"] = dr.clip(s["depth"] - s["w"].z * distance, 0, 1)
-    if hero is not None:
-        ratio = spectral_mis.flight_ratio(sigma_t, distance, in_medium, hero)
-        s["throughput"] *= ratio
-        s["spectral"] *= ratio
-    return in_medium
+def fly(s: dict[str, Any], here: Medium, down: Any, hero: Any) -> tuple[Place, Any]:
+    """Move along w to the next vertex; returns the place to connect, and whether w scatters there.
 
-
-def transmittance(sigma_t: Any, depth: Any, path: ExitPath) -> Any:
-    """Beer's law from `depth` to the top of a layer along the exit path."""
-    return dr.exp(-sigma_t * (depth / path.direction.z))
+    Flights whose collision does not scatter reach the end like those without a collision. All of
+    these connect at a collision that is drawn for this alone, with the expected weight. Therefore
+    no stack has more variance than with absorption by chance (Jensen's inequality).
+    """
+    share, hero_of = here.scatters, functools.partial(spectral_mis.of_hero, hero=hero)
+    end = here.end(s["depth"], down)
+    to_end = (end - s["depth"]) / -s["w"].z
+    visible = dr.exp(-here.sigma_t * to_end)
+    reaches = 1 - share + share * visible
+    u, meets = s["rng"].next_float32(), share * hero_of(1 - visible)
+    scatters = u < meets
+    connecting, within = spectral_mis.connecting(here.sigma_t, to_end, hero)
+    u = dr.select(scatters, u / share, (u - meets) / (1 - meets) * hero_of(within))
+    u = dr.minimum(u, 1 - 2**-24)  # rounding gives 1, where densities would be 0
+    distance = -dr.log(1 - u) / dr.select(scatters, hero_of(here.sigma_t), hero_of(connecting))
+    distance = dr.minimum(distance, to_end)
+    if hero is None:
+        weight, density, mixing = dr.select(scatters, 1, (1 - share) * within / reaches), 1, 1
+    else:
+        mixing = here.sigma_t * dr.exp(-here.sigma_t * distance)
+        passing = reaches * connecting * dr.exp(-connecting * distance) / within
+        density = dr.select(scatters, share * mixing, passing)
+        weight = dr.select(scatters, share, 1 - share) * mixing / hero_of(density)
+        density = density / hero_of(density)
+    place = Place(
+        dr.clip(s["depth"] - s["w"].z * distance, 0, 1),
+        s["throughput"] * weight,
+        s["spectral"] * density,
+        s["spectral"] * mixing,
+    )
+    spectral = s["spectral"] * (reaches / hero_of(reaches))
+    ended = Place(end, s["throughput"] * (visible / hero_of(reaches)), spectral, spectral)
+    for name in ("depth", "throughput", "spectral"):
+        s[name] = dr.select(scatters, getattr(place, name), getattr(ended, name))
+    at_end = ~scatters & here.deep  # the end may be a sheet
+    return Place(*(dr.select(at_end, a, b) for a, b in zip(ended, place, strict=True))), scatters
 
 
 def select_event(mask: Any, a: Event, b: Event) -> Event:
@@ -180,26 +215,34 @@ def select_event(mask: Any, a: Event, b: Event) -> Event:
 
 
 def medium_event(
-    s: dict[str, Any],
-    medium: tuple[Any, Any, Any],
-    visible: Any,
-    path: ExitPath,
-    hero: Any,
-    u: Any,
-) -> Event:
-    """A collision in a medium: absorption, and Henyey-Greenstein scattering."""
-    albedo, _, g = medium
-    throughput = s["throughput"] * albedo
-    cos_exit = dr.dot(s["w"], path.direction)
-    towards_exit = phase.hg(cos_exit, g)
-    connected = throughput * towards_exit * visible
+    w: Any, here: Medium, place: Place, at_sheet: Any, path: ExitPath, hero: Any, u: Any
+) -> tuple[Event, Any]:
+    """A collision in a medium, absorption and Henyey-Greenstein scattering, or a sheet.
+
+    Returns also each channel's density of the direction relative to the hero's.
+    """
+    rises = dr.select(w.z < 0, 1 - here.passed, here.passed)  # the share that a sheet sends up
+
+    def density(direction: Any) -> Any:
+        share = dr.select(direction.z > 0, rises, 1 - rises)
+        diffuse = share * (dr.abs(direction.z) / dr.pi)
+        return dr.select(at_sheet, diffuse, phase.hg(dr.dot(w, direction), here.g))
+
+    throughput = place.throughput * here.albedo
+    towards_exit = density(path.direction)
+    connected = throughput * towards_exit * here.transmittance(place.depth, path.direction.z)
     connected *= path.weight / path.direction.z
-    contribution = connected * path.mis(spectral_mis.mixture(towards_exit, s["spectral"], hero))
-    cos_theta = phase.sample_hg_cosine(spectral_mis.of_hero(g, hero), u[1])
-    direction = from_cosine(s["w"], cos_theta, 2 * dr.pi * u[2])
-    throughput *= spectral_mis.phase_ratio(cos_theta, g, hero)
-    pdf = spectral_mis.mixture(phase.hg(cos_theta, g), s["spectral"], hero)
-    return Event(contribution, direction, throughput, pdf, type(pdf)(0))
+    contribution = connected * path.mis(spectral_mis.mixture(towards_exit, place.mixing, hero))
+    cos_theta = phase.sample_hg_cosine(spectral_mis.of_hero(here.g, hero), u[1])
+    direction = from_cosine(w, cos_theta, 2 * dr.pi * u[2])
+    diffuse = square_to_cosine_hemisphere(type(w), u[1], u[2])
+    diffuse = dr.select(u[0] < spectral_mis.of_hero(rises, hero), diffuse, flip(diffuse))
+    direction = dr.select(at_sheet, diffuse, direction)
+    pdfs = density(direction)
+    ratio = spectral_mis.ratio(pdfs, hero)
+    pdf = spectral_mis.mixture(pdfs, place.mixing, hero)
+    throughput *= ratio / here.scatters
+    return Event(contribution, direction, throughput, pdf, type(pdf)(0)), ratio
 
 
 def top_event(s: dict[str, Any], exits: ExitPaths, u: Any) -> Event:
@@ -221,7 +264,9 @@ def bottom_event(s: dict[str, Any], bottom: Bottom, visible: Any, path: ExitPath
     return Event(contribution, direction, s["throughput"] * weight, pdf, type(pdf)(0))
 
 
-def inner_event(s: dict[str, Any], layers: Layers, exits: ExitPaths, down: Any, u: Any) -> Event:
+def inner_event(
+    s: dict[str, Any], layers: Layers, media: Media, exits: ExitPaths, down: Any, u: Any
+) -> Event:
     """An interface between two media, from either side. It connects along the chain above it."""
     index = dr.clip(dr.select(down, s["layer"] + 1, s["layer"]), 1, layers.count - 1)
     above = index - 1
@@ -238,8 +283,8 @@ def inner_event(s: dict[str, Any], layers: Layers, exits: ExitPaths, down: Any, 
     path = exits.at(above)
     outgoing = dr.select(down, path.direction, flip(path.direction))
     f, pdf = interface.scatter(incident, outgoing, alpha, eta)
-    _, sigma_t, _ = layers.medium(above)
-    connected = s["throughput"] * f * transmittance(sigma_t, 1, path) * path.weight
+    visible = media.at(above).transmittance(type(f)(1), path.direction.z)
+    connected = s["throughput"] * f * visible * path.weight
     contribution = connected * path.mis(pdf, ratios_below(path.direction))
     direction, weight, pdf = interface.sample(incident, alpha, eta, *u)
     direction = dr.select(down, direction, flip(direction))

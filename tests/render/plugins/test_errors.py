@@ -28,7 +28,7 @@ def load(mi, networks, name: str, **properties):
         ({"alpha": 1.5}, "alpha is 1.5; it must be a GGX width in [0.01, 1]"),
         ({"alpha": float("nan")}, "alpha is nan; it must be a GGX width in [0.01, 1]"),
         ({"albedo": -0.1}, "albedo is -0.1; it must be a single-scattering albedo in [0, 1]"),
-        ({"sigma_t": -1.0}, "sigma_t is -1; it must be an optical depth, zero or more"),
+        ({"sigma_t": -1.0}, "sigma_t is -1; it must be an optical depth in [0, 1e6]"),
         ({"g": 1.0}, "g is 1; it must be a Henyey-Greenstein asymmetry in (-1, 1)"),
         ({"int_ior": 1.0, "ext_ior": 1.0}, "int_ior / ext_ior is 1; it must be an index"),
         ({"int_ior": 4.0}, "int_ior / ext_ior is 3.99889; it must be an index"),
