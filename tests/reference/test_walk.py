@@ -308,10 +308,11 @@ def test_extreme_stacks_stay_finite() -> None:
         coat(bottom, 0.01, 1.001, 1.0, 0.0),
         coat(bottom, 0.01, 0.999, 1.0, 0.0),
         coat(bottom, 0.01, 0.5, 1.0, 300.0, 0.999),
-        coat(coat(dielectric(1.0, 0.5), 1.0, 0.5, 1.0, 50.0, 0.99), 0.01, 0.5, 0.0, 1e30),
+        coat(coat(dielectric(1.0, 0.5), 1.0, 0.5, 1.0, 50.0, 0.99), 0.01, 0.5, 0.0, 1e6),
         coat(bottom, 0.01, 3.0, 1.0, 300.0, 0.999),
         coat(diffuse(1.0), 1.0, 3.0, 1.0, 1e-6, -0.999),
-        coat(coat(dielectric(1.0, 3.0), 1.0, 3.0, 1.0, 50.0, 0.99), 0.01, 3.0, 0.0, 1e30),
+        coat(coat(dielectric(1.0, 3.0), 1.0, 3.0, 1.0, 50.0, 0.99), 0.01, 3.0, 0.0, 1e6),
+        coat(bottom, 0.01, 1.5, 1.0, 1e6, 0.9),
         coat(conductor(0.01, eta=0.0, k=0.0), 0.01, 1.5),
     ):
         f, se = simulate(stack, wi, wo, walks=1 << 7, progress=False)

@@ -51,7 +51,7 @@ def layer(
             table, such as a measured BRDF, light transport is computed without networks (see
             `urushi.material.coated_table`), and the result has a table too; this takes a second.
         albedo: single-scattering albedo of the medium in [0, 1].
-        sigma_t: its optical depth, >= 0; above 8 see `within_training`.
+        sigma_t: its optical depth in [0, 1e6]; above 8 see `within_training`.
         g: its Henyey-Greenstein asymmetry in (-1, 1); outside [-0.8, 0.9] see `within_training`.
         weights, refine: as in `encode`, for a bottom that is not a Material.
 

@@ -242,7 +242,7 @@ def coat(
         eta: its index relative to the medium above, in [0.5, 3], at least 0.001 away from 1; by
             default that of BK7 glass in air.
         albedo: single-scattering albedo of the medium below it in [0, 1].
-        sigma_t: optical depth of that medium, >= 0.
+        sigma_t: optical depth of that medium in [0, 1e6].
         g: its Henyey-Greenstein asymmetry in (-1, 1).
 
     Raises:

@@ -44,7 +44,7 @@ class Layer:
     albedo: tuple[float, ...] = (DEFAULT_COAT.albedo,)
     """Single-scattering albedo of the medium inside the coat, in [0, 1]."""
     sigma_t: tuple[float, ...] = (DEFAULT_COAT.sigma_t,)
-    """Optical depth of the medium, zero or more; 0 is a clear coat."""
+    """Optical depth of the medium, 0 to 1e6; 0 is a clear coat."""
     g: tuple[float, ...] = (DEFAULT_COAT.g,)
     """Henyey-Greenstein asymmetry of the medium, in (-1, 1): above 0 it scatters forwards."""
     weights: str | None = None

@@ -32,7 +32,7 @@ def define(base: type) -> type:
                                              1.000277)
         albedo         spectrum, texture     Single-scattering albedo of the coat's medium, 0 to 1.
                                              (Default: 0)
-        sigma_t        spectrum, texture     Its optical depth, 0 or more: the coat has unit
+        sigma_t        spectrum, texture     Its optical depth, 0 to 1e6: the coat has unit
                                              thickness. (Default: 0, clear)
         g              spectrum, texture     Asymmetry of its Henyey-Greenstein phase function,
                                              -1 to 1, both excluded. (Default: 0)
@@ -46,8 +46,9 @@ def define(base: type) -> type:
         ============== ===================== ====================================================
 
         Every evaluation is one random walk of unbounded depth between the coat's surface and the
-        bottom. Images are noisy but unbiased: they are the reference for ``neural_layered``, which
-        has the same parameters. The density of sampled directions has no noise. Random numbers come
+        bottom. Images are noisy but unbiased, up to 0.1 % in lossless media deeper than 12 (see
+        :doc:`/conventions`): they are the reference for ``neural_layered``, which has the same
+        parameters. The density of sampled directions has no noise. Random numbers come
         from a hash of directions, position, uv and time. Directly nested coats form one stack.
         Reflects on the front side only: nest it in ``twosided`` for both sides. Spectral variants
         evaluate parameters at the rays' wavelengths; colours are bands at 611, 549 and 464 nm,
