@@ -41,6 +41,19 @@ def test_a_failure_keeps_the_old_file(tmp_path, failure):
     assert os.listdir(tmp_path) == ["old"]
 
 
+def test_a_full_disk_as_mitsuba_reports_it(tmp_path):
+    """Mitsuba's streams raise RuntimeError; the sentence keeps the reason and names the file."""
+    target = tmp_path / "picture.exr"
+    with pytest.raises(FileError) as caught, atomic_write(target) as temporary:
+        raise RuntimeError(
+            f'[FileStream] "{temporary}": I/O error while attempting to write 8192 bytes: No '
+            "space left on device"
+        )
+    sentence = f"cannot write '{target}': No space left on device; free some space"
+    assert str(caught.value).startswith(sentence)
+    assert not list(tmp_path.iterdir())
+
+
 def test_a_full_disk(tmp_path):
     target = tmp_path / "old"
     target.write_text("old")

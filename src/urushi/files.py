@@ -47,15 +47,25 @@ def atomic_write(path: str | os.PathLike) -> Iterator[Path]:
         yield temporary
         temporary.chmod(0o666 & ~_umask())  # mkstemp makes private files
         temporary.replace(target)
-    except OSError as error:
-        if isinstance(error, FileError):
+    except (OSError, RuntimeError) as error:
+        reason = _reason(error)
+        if isinstance(error, FileError) or reason is None:
             raise
         raise FileError(
-            f"cannot write '{target}': {error.strerror or error}; "
-            "free some space or choose another folder"
+            f"cannot write '{target}': {reason}; free some space or choose another folder"
         ) from error
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def _reason(error: OSError | RuntimeError) -> str | None:
+    """Why a file could not be written; None: the error is another one.
+
+    Mitsuba's streams raise RuntimeError: "... I/O error while ...: No space left on device".
+    """
+    if isinstance(error, OSError):
+        return error.strerror or str(error)
+    return str(error).rpartition(": ")[2] if "I/O error" in str(error) else None
 
 
 def new_folder(path: str | os.PathLike) -> Path:

@@ -204,13 +204,16 @@ def test_unwritable_output_is_one_sentence(tmp_path, capsys):
         write_ply(lathe(caddy.natsume(), 4, 8), Path("/proc/caddy.ply"))
 
 
+MULTIPLE = "it must be at least 16 and at most 65536 samples, a multiple of 16"
+
+
 @pytest.mark.parametrize(
     ("option", "value", "sentence"),
     [
-        ("--width", 0, "width is 0; it must be at least 1"),
-        ("--spp", 0, "--spp is 0; it must be a positive multiple of 16"),
-        ("--spp", 12, "--spp is 12; it must be a positive multiple of 16"),
-        ("--spp", -16, "--spp is -16; it must be a positive multiple of 16"),
+        ("--width", 0, "--width is 0; it must be at least 1 and at most 32768 pixels"),
+        ("--spp", 0, f"--spp is 0; {MULTIPLE}"),
+        ("--spp", 12, f"--spp is 12; {MULTIPLE}"),
+        ("--spp", -16, f"--spp is -16; {MULTIPLE}"),
     ],
 )
 def test_bad_sizes_are_refused(option, value, sentence, tmp_path, capsys):

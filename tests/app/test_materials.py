@@ -275,3 +275,11 @@ def test_unwritable_output(tmp_path, capsys):
     (tmp_path / "file").touch()
     assert cli.main(["encode", GOLD, "-o", str(tmp_path / "file" / "gold.safetensors")]) == 2
     assert "cannot write" in capsys.readouterr().err
+
+
+def test_an_output_that_is_neither_a_material_nor_a_folder_is_refused(tmp_path, capsys):
+    output = tmp_path / "new" / "a.txt"
+    assert cli.main(["encode", GOLD, "-o", str(output)]) == 2
+    error = capsys.readouterr().err
+    assert "--output is " in error and "give a file of that kind" in error
+    assert not output.parent.exists()

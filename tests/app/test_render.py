@@ -1,5 +1,7 @@
 """`urushi render` works like Mitsuba's executable, and errors are one sentence."""
 
+import re
+
 import drjit as dr
 import mitsuba as mi
 import numpy as np
@@ -90,7 +92,7 @@ def test_png(scene, tmp_path):
     [
         (["-m", "llvm_rgb"], "Mitsuba has no variant 'llvm_rgb'; choose one of"),
         (["-s", "2"], "--sensor is 2, but"),
-        (["-s", "-1"], "--sensor is -1, but"),
+        (["-s", "-1"], "--sensor is -1; it must be at least 0"),
         (["-t", "0"], "--threads is 0; it must be at least 1"),
         (["-D", "grey"], "-D 'grey' is not of the form key=value"),
         (["-D", "gloss=1"], "cannot load"),
@@ -170,3 +172,25 @@ def test_a_folder_of_a_shipped_scenes_name_does_not_hide_the_scene(tmp_path, mon
     monkeypatch.setattr(shipped, "export", export)
     assert cli.main(["render", "teapot", "-o", "teapot.exr"]) == 2
     assert "the shipped scene teapot is exported" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("flags", "reason"),
+    [
+        (["-D", "coat=foo"], 'failed to instantiate bsdf plugin of type "foo"'),
+        (["-D", "spp=x"], 'could not parse integer value "x"'),
+    ],
+)
+def test_errors_of_a_shipped_scene_name_it_and_no_temporary_file(flags, reason, capsys):
+    assert cli.main(["render", "teapot", *flags]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith(f"urushi: cannot load 'teapot': {reason}") and error.count("\n") == 1
+    assert "scene.xml" not in error and "/tmp" not in error
+
+
+def test_errors_of_a_file_name_it_once_with_the_line(tmp_path, capsys):
+    path = tmp_path / "box.xml"
+    path.write_text(SCENE.replace('value="4"', 'value="many"', 1))
+    assert cli.main(["render", str(path)]) == 2
+    error = capsys.readouterr().err
+    assert error.count(str(path)) == 1 and re.search(r"': line \d+: could not parse", error)

@@ -79,7 +79,7 @@ def test_the_command_writes_a_picture(tmp_path, capsys, monkeypatch):
         (["diffuse(0.5)", "diffuse(0.2)", "--coats", "wax"], "no coat 'wax'; choose from bare, cl"),
         (["diffuse(0.5)", "diffuse(0.2)", "--coats", "bare", "bare"], "is named twice"),
         (["diffuse(0.5)", "absent.binary"], "there is no file 'absent.binary'"),
-        (["diffuse(0.5)", "diffuse(0.2)", "--rows", "1"], "1 rows"),
+        (["diffuse(0.5)", "diffuse(0.2)", "--rows", "1"], "--rows is 1"),
         (["diffuse(0.5)", "strange-grey.safetensors"], "does not match the weights"),
     ],
 )

@@ -10,8 +10,10 @@ from typing import Annotated, Any
 import tyro
 
 from urushi import paper
+from urushi.app import ranges
 from urushi.app.commands.convert import Convert
 from urushi.app.commands.data import Data
+from urushi.app.commands.demo import Demo
 from urushi.app.commands.encode import Encode
 from urushi.app.commands.export import Export
 from urushi.app.commands.layer import Layer, Sheet
@@ -21,7 +23,6 @@ from urushi.app.commands.render import Render, Scenes
 from urushi.app.commands.simulate import Simulate
 from urushi.app.commands.train import Evaluate, Train
 from urushi.app.commands.view import View
-from urushi.app.demo import Demo
 from urushi.app.doctor import Doctor
 from urushi.errors import UrushiError
 from urushi.version import __version__
@@ -93,8 +94,9 @@ def main(args: Sequence[str] | None = None) -> int:
     if arguments == ["--version"]:
         print(__version__)
         return 0
-    command = parse(arguments)
     try:
+        command = parse(arguments)
+        ranges.check(command)
         paper.register()
         code = command.run()
         sys.stdout.flush()

@@ -1,6 +1,6 @@
 """`urushi demo`: a lacquered tea caddy, rendered by the networks and by the reference walk.
 
-In this order: pictures for looking at, rendering, comparison, the command.
+In this order: pictures for looking at, rendering, comparison, what is written and printed.
 """
 
 import json
@@ -8,14 +8,11 @@ import os
 import time
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated
 
 import mitsuba as mi
 import numpy as np
-import tyro
 from tqdm import tqdm
 
-from urushi.errors import ParameterError
 from urushi.eval import metrics
 from urushi.eval.metrics import srgb
 from urushi.files import atomic_write, new_folder
@@ -192,50 +189,28 @@ Try next
   In your own Mitsuba scene, put the plugin "{NEURAL}" around a BSDF to coat it."""
 
 
-@dataclass(frozen=True)
-class Demo:
-    """Render a lacquered tea caddy by the reference walk and by the networks, and compare.
+def run(out: Path, options: Options) -> dict[str, float]:
+    """Render the caddy by both methods and write pictures and figures into the folder `out`.
 
-    Writes both pictures (.exr), `comparison.png` and `report.json` into a folder, and the scene's
-    files into its folder `scene`. Then prints what each method cost, what to look at and what to
-    try next.
+    options: size and samples; `spp` is a multiple of 16. The plugin is ignored.
 
-    Example: urushi demo -o out/demo
+    Returns:
+        The figures of `report.json`, see `compare`.
+
+    Raises:
+        FileError: `out` cannot be written.
     """
-
-    output: Annotated[Path, tyro.conf.arg(aliases=["-o"])] = Path("out/demo")
-    """Folder to write to. It is created if it is missing."""
-    mode: Annotated[str, tyro.conf.arg(aliases=["-m"])] = "llvm_ad_rgb"
-    """Mitsuba variant."""
-    width: int = 400
-    """Width of each picture in pixels."""
-    height: int = 400
-    """Height of each picture in pixels."""
-    spp: int = 128
-    """Samples per pixel of each picture, a multiple of 16."""
-
-    def run(self) -> int:
-        from urushi.app.commands.render import set_variant
-
-        if self.spp < 2 * PASS_SPP or self.spp % (2 * PASS_SPP):
-            raise ParameterError(
-                f"--spp is {self.spp}; it must be a positive multiple of {2 * PASS_SPP}"
-            )
-        options = Options(width=self.width, height=self.height, spp=self.spp)
-        set_variant(self.mode)
-        new_folder(self.output)
-        neural, reference = (  # different seeds: noise that both share would cancel
-            render(self.output / "scene", replace(options, coat=coat), seed)
-            for seed, coat in enumerate(COATS)
-        )
-        figures = compare(neural, reference)
-        for name, of in ((NEURAL, neural), (REFERENCE, reference)):
-            with atomic_write(self.output / f"{name}.exr") as temporary:
-                mi.Bitmap(of.image.astype(np.float32)).write(str(temporary))
-        pictures = tonemap(reference.image), tonemap(neural.image)
-        difference = difference_picture(neural.image, reference.image)
-        write_png(side_by_side(*pictures, difference), self.output / "comparison.png")
-        with atomic_write(self.output / "report.json") as temporary:
-            temporary.write_text(json.dumps(figures, indent=2) + "\n")
-        print(describe(figures, self.output))
-        return 0
+    new_folder(out)
+    neural, reference = (  # different seeds: noise that both share would cancel
+        render(out / "scene", replace(options, coat=coat), seed) for seed, coat in enumerate(COATS)
+    )
+    figures = compare(neural, reference)
+    for name, of in ((NEURAL, neural), (REFERENCE, reference)):
+        with atomic_write(out / f"{name}.exr") as temporary:
+            mi.Bitmap(of.image.astype(np.float32)).write(str(temporary))
+    pictures = tonemap(reference.image), tonemap(neural.image)
+    difference = difference_picture(neural.image, reference.image)
+    write_png(side_by_side(*pictures, difference), out / "comparison.png")
+    with atomic_write(out / "report.json") as temporary:
+        temporary.write_text(json.dumps(figures, indent=2) + "\n")
+    return figures

@@ -113,6 +113,20 @@ def test_flat_normals_change_nothing(rgb, describe, name, wrapper):
     assert (np.abs(a.mean(axis=0) - b.mean(axis=0)) <= error).all()
 
 
+def test_one_word_changes_networks_to_walks(rgb, describe):
+    """`layered` ignores what `neural_layered` adds, and the other way round."""
+    extra = {"resolution": 64, "weights": "default", "mipmaps": True}
+    plain = describe("layered")
+    np.testing.assert_array_equal(
+        evaluate(rgb.load_dict(plain | extra)), evaluate(rgb.load_dict(plain))
+    )
+    neural = describe("neural_layered")
+    np.testing.assert_array_equal(
+        evaluate(rgb.load_dict(neural | {"estimator": "bidirectional"})),
+        evaluate(rgb.load_dict(neural)),
+    )
+
+
 @pytest.mark.parametrize("name", PLUGINS)
 def test_values_below_the_horizon_are_zero(rgb, describe, name):
     bsdf = rgb.load_dict(describe(name))

@@ -9,6 +9,7 @@ from xml.sax.saxutils import quoteattr
 import tyro
 
 from urushi.app.commands.render import set_variant
+from urushi.app.ranges import Texels
 from urushi.files import atomic_write, new_folder
 
 if TYPE_CHECKING:
@@ -57,7 +58,7 @@ class Convert:
     """Folder to write to. It is created if it is missing."""
     material: str | None = None
     """Name of the material. Default: the document's only one."""
-    resolution: int = 1024
+    resolution: Texels = 1024
     """Rows and columns of textures that are computed from patterns, at most 4096."""
 
     uv_plane: bool = False

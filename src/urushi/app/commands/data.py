@@ -8,6 +8,7 @@ import tyro
 
 from urushi import platform
 from urushi.app.commands.train import find_preset
+from urushi.app.ranges import Share
 
 
 @dataclass(frozen=True)
@@ -24,7 +25,7 @@ class Generate:
     """Store to write (.zarr)."""
     preset: str = "default"
     """Training preset whose data are simulated: default, anisotropic, quick, smoke or paper."""
-    scale: float | None = None
+    scale: Share | None = None
     """Only for the preset "paper": fraction of its training samples, as for `urushi train`."""
     scheduler: str | None = None
     """Address of a Dask scheduler whose workers simulate. Default: all cores of this machine."""

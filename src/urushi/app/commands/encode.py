@@ -159,6 +159,11 @@ class Encode:
                     "give a folder for the materials"
                 )
             return [self.output]
+        if self.output.suffix and not self.output.is_dir():
+            raise ParameterError(
+                f"--output is '{self.output}', which ends neither in .safetensors nor is a folder; "
+                "give a file of that kind, or a folder's name without a suffix"
+            )
         names = [_name(text, number) for number, text in enumerate(self.sources, 1)]
         twice = next((name for name in names if names.count(name) > 1), None)
         if twice is not None:

@@ -10,6 +10,7 @@ from tqdm import tqdm
 
 from urushi import platform
 from urushi.app.describe import describe, is_description
+from urushi.app.ranges import Rows
 from urushi.checks import DEFAULT_COAT
 from urushi.errors import ParameterError
 
@@ -84,7 +85,7 @@ class Sheet:
     """Two or more materials: the first row, those in between, and the last row, in this order."""
     output: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
     """Picture to write (.png, .jpg or .pdf)."""
-    rows: int = 5
+    rows: Rows = 5
     """Number of rows, two or more."""
     coats: tuple[str, ...] = ("bare", "clear", "satin", "amber", "milky", "lacquer")
     """Coats of the columns, by name. The default lists all that exist."""

@@ -9,6 +9,7 @@ import tyro
 
 from urushi import platform
 from urushi.app.commands.train import ProjectionName, adam_projection
+from urushi.app.ranges import Pairs
 
 #: Direction pairs in a step of the projection by Adam, unless a user gives another number.
 PAIRS = 64
@@ -33,7 +34,7 @@ class Import:
     projection: ProjectionName = "adam"
     """How BRDFs are projected to codes with these weights. adam is the authors' method; the
     layering network was trained on its codes. levenberg-marquardt takes a second per channel."""
-    projection_pairs: int | None = None
+    projection_pairs: Pairs | None = None
     """Only for the projection adam: direction pairs in each of its 1,000 steps. Default: 64, which
     takes some seconds for each channel. The authors' 4096 take some minutes."""
     fit_sampler: bool = False

@@ -12,6 +12,7 @@ from typing import Annotated, Any, Literal
 import tyro
 
 from urushi import platform
+from urushi.app.ranges import Detail, Index, Pixels, Samples, Seed, Threads
 from urushi.errors import FileError, ParameterError, PlatformError
 from urushi.files import atomic_write
 
@@ -36,12 +37,6 @@ class Overrides:
     weights: str | None = None
     width: int | None = None
     height: int | None = None
-
-    def __post_init__(self):
-        for name in ("width", "height"):
-            pixels = getattr(self, name)
-            if pixels is not None and pixels < 1:
-                raise ParameterError(f"{name} is {pixels}; it must be at least 1")
 
     def apply(self, state: Any) -> None:
         """Change the nodes of a `mi.parser.ParserState`."""
@@ -82,7 +77,7 @@ class Render:
     output: Annotated[Path | None, tyro.conf.arg(aliases=["-o"])] = None
     """Picture to write: .exr (linear), .png or .jpg (sRGB). Default: an .exr file of the scene's
     name, beside the scene file or, for a shipped scene, in the working folder."""
-    sensor: Annotated[int, tyro.conf.arg(aliases=["-s"])] = 0
+    sensor: Annotated[Index, tyro.conf.arg(aliases=["-s"])] = 0
     """Index of the sensor (camera), counted from 0 in the scene file's order."""
     define: Annotated[tuple[str, ...], tyro.conf.arg(aliases=["-D"]), tyro.conf.UseAppendAction] = (
         field(default=())
@@ -92,18 +87,18 @@ class Render:
         tuple[Path, ...], tyro.conf.arg(aliases=["-a"]), tyro.conf.UseAppendAction
     ] = field(default=())
     """Another folder to search for the scene's files. May be repeated."""
-    threads: Annotated[int | None, tyro.conf.arg(aliases=["-t"])] = None
+    threads: Annotated[Threads | None, tyro.conf.arg(aliases=["-t"])] = None
     """Number of threads that render. All cores read and write files. Default: one per core."""
     weights: str | None = None
     """Networks of every neural_layered and openpbr that names none itself: a weights file.
     Default: the shipped ones."""
-    width: int | None = None
+    width: Pixels | None = None
     """Width of the picture in pixels. Default: the scene's own."""
-    height: int | None = None
+    height: Pixels | None = None
     """Height of the picture in pixels. Default: the scene's own."""
-    spp: int | None = None
+    spp: Samples | None = None
     """Samples per pixel. Default: the scene's own."""
-    seed: int = 0
+    seed: Seed = 0
     """Seed of the random numbers."""
 
     def run(self) -> int:
@@ -144,7 +139,7 @@ class Render:
         scene = shipped.find(self.scene)
         with tempfile.TemporaryDirectory(prefix="urushi-") as folder:
             path = shipped.export(scene, folder)
-            return load_scene(path, definitions, self.append, overrides)
+            return load_scene(path, definitions, self.append, overrides, self.scene)
 
 
 @contextmanager
@@ -186,6 +181,7 @@ def load_scene(
     definitions: Mapping[str, str],
     folders: Sequence[Path] = (),
     overrides: Overrides | None = None,
+    name: str | None = None,
 ) -> Any:
     """Load a scene file as `mi.load_file` does.
 
@@ -194,6 +190,7 @@ def load_scene(
         definitions: values of the file's parameters by name.
         folders: where its meshes and textures are looked for, after the file's own folder.
         overrides: properties to replace.
+        name: what the messages call the scene; default: the file.
 
     Returns:
         The `mi.Scene`.
@@ -213,7 +210,11 @@ def load_scene(
             mi.parser.transform_all(config, state)
             scene = mi.parser.instantiate(config, state)
     except Exception as error:  # Mitsuba raises several kinds, plugins their own
-        raise FileError(f"cannot load '{path}': {one_line(error)}") from error
+        if "KeyboardInterrupt" in str(error):  # in a plugin, which Mitsuba reports as its error
+            raise KeyboardInterrupt from error
+        place = rf"(At|(Error w|W)hile loading) {re.escape(str(path))} \((line \d+), col \d+\): "
+        reason = re.sub(place, r"" if name else r"\3: ", one_line(error))
+        raise FileError(f"cannot load '{name or path}': {reason}") from error
     if not isinstance(scene, mi.Scene):
         raise FileError(f"'{path}' is not a scene: its outermost element must be <scene>")
     return scene
@@ -302,13 +303,13 @@ class ExportScene:
     """Plugin of the coats: the networks, or the walk. The default of the file's parameter $coat."""
     weights: str = "default"
     """Networks of neural_layered: default, or a weights file."""
-    width: int = 640
+    width: Pixels = 640
     """Width of the picture in pixels. Default of the written file's parameter $width."""
-    height: int = 480
+    height: Pixels = 480
     """Height of the picture in pixels. Default of the written file's parameter $height."""
-    spp: int = 64
+    spp: Samples = 64
     """Samples per pixel. Default of the written file's parameter $spp."""
-    detail: float = 1.0
+    detail: Detail = 1.0
     """Factor on the width and height of every texture, above 0 and at most 4."""
 
     def run(self) -> int:

@@ -8,6 +8,7 @@ from zipfile import BadZipFile
 import numpy as np
 import tyro
 
+from urushi.app.ranges import Angle, Incidence, Seed, Walks
 from urushi.errors import FileError, ParameterError
 from urushi.files import atomic_write
 from urushi.geometry.frames import rotated
@@ -32,17 +33,17 @@ class Simulate:
 
     description: tyro.conf.Positional[str]
     """Material: coat(...), conductor(...), dielectric(...) or diffuse(...); coats may be nested."""
-    incidence: float = 30.0
+    incidence: Incidence = 30.0
     """Angle between the incident direction and the normal [degrees], in [0, 90)."""
-    azimuth: float = 0.0
+    azimuth: Angle = 0.0
     """Angle of the plane of incidence about the normal, from the tangent [degrees]."""
     pairs: Path | None = None
     """NPZ file with arrays wi and wo, (N, 3) unit vectors, that replace the plane of incidence."""
     albedo: bool = False
     """Print the directional albedo, the reflected fraction of light, instead of f."""
-    walks: int = 4096
+    walks: Walks = 4096
     """Random walks per pair of directions (or per angle of incidence) and channel."""
-    seed: int = 0
+    seed: Seed = 0
     """Seed of the random numbers."""
     output: Annotated[Path | None, tyro.conf.arg(aliases=["-o"])] = None
     """NPZ file to write the numbers to. Default: print them."""
@@ -72,18 +73,12 @@ class Simulate:
 
     def _plane(self) -> tuple[np.ndarray, np.ndarray]:
         """wi and wo (N, 3) in the plane of incidence; the mirror direction has a positive angle."""
-        if not 0 <= self.incidence < 90:
-            raise ParameterError(
-                f"--incidence is {self.incidence:g}; it must be in [0, 90) degrees"
-            )
         wo = self._turned(_polar(-np.array(POLAR_DEGREES, float)))
         wi = self._turned(_polar(np.array([self.incidence])))
         return np.repeat(wi, len(wo), axis=0), wo
 
     def _turned(self, w: np.ndarray) -> np.ndarray:
         """Directions (N, 3) of the xz plane, in the plane of incidence."""
-        if not np.isfinite(self.azimuth):
-            raise ParameterError(f"--azimuth is {self.azimuth:g}; give an angle in degrees")
         return w if self.azimuth == 0 else rotated(w, self.azimuth / 360.0)
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import tyro
 
 from urushi import platform
+from urushi.app.ranges import Pairs, Seed, Share
 from urushi.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -70,12 +71,12 @@ class Train:
     preset: str = "default"
     """Name of the preset: default, anisotropic (two GGX widths), quick (for experiments), smoke
     (half a minute, a check that training runs), or paper (the system of Fan et al. 2022)."""
-    scale: float | None = None
+    scale: Share | None = None
     """Only for the preset "paper": fraction of its training samples to use, in (0, 1]. 4e-5 takes
     about half an hour on two cores."""
     projection: ProjectionName = "levenberg-marquardt"
     """Only for the preset "paper": how BRDFs are projected to codes. adam is the authors' way."""
-    projection_pairs: int | None = None
+    projection_pairs: Pairs | None = None
     """Only for the projection adam: direction pairs in each of its 1,000 steps. Default: 4096."""
     data: Path | None = None
     """Store of training data (.zarr). Default: runs/PRESET/data.zarr."""
@@ -126,7 +127,7 @@ class Evaluate:
     """Weights file of the networks. Default: the shipped ones."""
     output: Annotated[Path | None, tyro.conf.arg(aliases=["-o"])] = None
     """Folder for the figures (JSON) and plots."""
-    seed: int | None = None
+    seed: Seed | None = None
     """Seed of other stacks, which are simulated first (ten minutes). Default: the stored ones."""
 
     def run(self) -> int:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import tyro
 
 from urushi.app.describe import describe, is_description
+from urushi.app.ranges import Port
 from urushi.errors import FileError
 from urushi.files import atomic_write, new_folder, tensor_file_kind
 
@@ -45,7 +46,7 @@ class View:
     the page's own."""
     output: Annotated[Path | None, tyro.conf.arg(aliases=["-o"])] = None
     """Folder to write the page into, instead of serving it; or a single document (.html)."""
-    port: int = 0
+    port: Port = 0
     """Port to serve it at. Default: a free one."""
     no_browser: bool = False
     """Print the address only, and open no browser."""

@@ -169,6 +169,13 @@ def _inside(vertex: Any, si: Any, wo: Any) -> tuple[Any, Any, Any]:
     return vertex.vertex, vertex.turn.interaction(si), vertex.turn.inside(wo)
 
 
+def ignore(props: "mi.Properties", *names: str) -> None:
+    """Mark parameters of another plugin as used: Mitsuba refuses a scene with unused ones."""
+    for name in names:
+        if name in props:
+            props.mark_queried(name)
+
+
 def read_weights(props: "mi.Properties") -> Model | None:
     """The networks that the property `weights` names; None without it: shipped ones that fit."""
     name = props.get("weights", "")

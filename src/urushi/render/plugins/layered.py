@@ -4,6 +4,7 @@ import mitsuba as mi
 
 from urushi.physics.random import hashed_stream
 from urushi.reference import estimators, walk
+from urushi.render.plugins.base import ignore
 from urushi.render.plugins.coated import define_coated
 
 
@@ -44,6 +45,9 @@ def define(base: type) -> type:
         eta            float                 The ratio int_ior / ext_ior; exposed by
                                              ``mi.traverse``, not a property.
         ============== ===================== ====================================================
+
+        The parameters ``resolution``, ``weights`` and ``mipmaps`` of ``neural_layered`` are
+        ignored, so that one word changes a scene from networks to walks.
 
         Every evaluation is one random walk of unbounded depth between the coat's surface and the
         bottom. Images are noisy but unbiased, up to 0.1 % in lossless media deeper than 12 (see
@@ -93,6 +97,7 @@ def define(base: type) -> type:
 
         def __init__(self, props):
             super().__init__(props)
+            ignore(props, "resolution", "weights", "mipmaps")
             name = props.get("estimator", "unidirectional")
             self.estimator = estimators.checked(name, f"{self._where}: ")
 

@@ -7,7 +7,7 @@ from urushi.nets.weights import Model, anisotropic_model, default_model
 from urushi.render.latents import gradients
 from urushi.render.latents.baking import Baker
 from urushi.render.latents.holders import ConstantLatents, DifferentiableTexture, TexturedLatents
-from urushi.render.plugins.base import read_weights
+from urushi.render.plugins.base import ignore, read_weights
 from urushi.render.plugins.coats import Turn
 from urushi.render.reading.bsdf import has_two_widths
 from urushi.render.reading.parameters import (
@@ -68,18 +68,19 @@ def define(base: type) -> type:
         ============== ===================== ====================================================
 
         Takes the parameters of ``layered``, its reference, and adds ``resolution``, ``weights`` and
-        ``mipmaps``. When the scene is loaded, the bottom is evaluated at the encoder's probe pairs,
-        averaged if it lacks the symmetries of materials (see ``urushi.encode``), encoded, and
-        layered by the network. A constant coat over a constant bottom that is known by its values
-        alone, such as ``measured_brdf``, ``roughplastic`` or ``principled``, a file with a table,
-        or another such coat is computed from a table instead, as in ``urushi.layer``. All layers
-        share one tangent frame, as in ``layered``. Textures are baked in their own space if
-        they share one ``to_uv``, otherwise over the unit square of uv, which repeats. A change
-        through ``mi.traverse`` recomputes the codes that depend on it. The method ``save`` writes
-        the codes to a file for ``neural_brdf``. Reflects on the front side only: nest it in
-        ``twosided`` for both sides. Outside the ranges that the networks know, a similar medium is
-        layered with a warning; two widths of a ratio above 10 are refused. Spectral variants treat
-        the three channels as bands at 611, 549 and 464 nm, linear in between.
+        ``mipmaps``; ``estimator`` is ignored. When the scene is loaded, the bottom is evaluated at
+        the encoder's probe pairs, averaged if it lacks the symmetries of materials (see
+        ``urushi.encode``), encoded, and layered by the network. A constant coat over a constant
+        bottom that is known by its values alone, such as ``measured_brdf``, ``roughplastic`` or
+        ``principled``, a file with a table, or another such coat is computed from a table instead,
+        as in ``urushi.layer``. All layers share one tangent frame, as in ``layered``. Textures are
+        baked in their own space if they share one ``to_uv``, otherwise over the unit square of uv,
+        which repeats. A change through ``mi.traverse`` recomputes the codes that depend on it. The
+        method ``save`` writes the codes to a file for ``neural_brdf``. Reflects on the front side
+        only: nest it in ``twosided`` for both sides. Outside the ranges that the networks know, a
+        similar medium is layered with a warning; two widths of a ratio above 10 are refused.
+        Spectral variants treat the three channels as bands at 611, 549 and 464 nm, linear in
+        between.
 
         Pictures can be differentiated with respect to all parameters, including the bottom's, by
         Mitsuba's differentiable integrators such as ``prb``: enable gradients of the parameters
@@ -126,6 +127,7 @@ def define(base: type) -> type:
             self._weights = read_weights(props)
             self._resolution = int(resolution)
             self._mipmaps = bool(props.get("mipmaps", False))
+            ignore(props, "estimator")
             self._baker = None
             self._baked = False  # whether the baker has the present bottom
             self._differentiable = mi.TensorXf()  # codes with gradients, for integrators

@@ -1,0 +1,108 @@
+"""Every numeric option of every command refuses values out of its range, in one sentence."""
+
+import dataclasses
+import math
+from typing import Annotated, Any, get_args, get_origin, get_type_hints
+
+import pytest
+
+from urushi.app import cli, ranges
+from urushi.app.ranges import Range
+
+#: Arguments that the commands need beside the option.
+NEEDED = {
+    "render": ["scene.xml"],
+    "scenes export": ["teapot", "folder"],
+    "simulate": ["diffuse(0.5)"],
+    "encode": ["diffuse(0.5)", "-o", "a.safetensors"],
+    "layer": ["diffuse(0.5)", "-o", "a.safetensors"],
+    "sheet": ["diffuse(0.5)", "diffuse(0.1)", "-o", "a.png"],
+    "convert": ["a.mtlx", "-o", "folder"],
+    "data generate": ["-o", "a.zarr"],
+    "data benchmark": ["-o", "a.safetensors"],
+    "paper import": ["a.pth", "b.pth", "-o", "a.safetensors"],
+}
+#: Parameters of coats: their ranges are those of `urushi.coat`, whose own tests check them.
+OF_COATS = {"alpha", "alpha_u", "alpha_v", "eta", "albedo", "sigma_t", "g"}
+
+
+def commands() -> dict[str, type]:
+    """The commands by their words, those inside `scenes`, `data` and `paper` included."""
+    found = {}
+    for name, (command, _) in cli.COMMANDS.items():
+        hints = get_type_hints(command, include_extras=True)
+        inner = get_args(hints["command"]) if "command" in hints else ()
+        if get_origin(hints.get("command")) is Annotated:
+            inner = (hints["command"],)
+        for member in inner:
+            kind, *notes = get_args(member)
+            (given,) = (note.name for note in notes if hasattr(note, "name"))
+            found[f"{name} {given}"] = kind
+        if not inner:
+            found[name] = command
+    return found
+
+
+def is_number(hint: Any) -> bool:
+    """Whether a value of the type may be a number."""
+    if hint in (int, float):
+        return True
+    parts = get_args(hint)
+    return any(map(is_number, parts[:1] if get_origin(hint) is Annotated else parts))
+
+
+def options() -> list[tuple[str, str, list[Range]]]:
+    """Command, field and ranges of every option that is a number."""
+    return [
+        (name, field.name, ranges.ranges_of(hints[field.name]))
+        for name, command in commands().items()
+        for hints in [get_type_hints(command, include_extras=True)]
+        for field in dataclasses.fields(command)
+        if is_number(hints[field.name]) and field.name not in OF_COATS
+    ]
+
+
+def test_every_number_has_one_range():
+    assert len(options()) > 15
+    for name, field, found in options():
+        assert len(found) == 1, f"{name} --{field}"
+
+
+def bad_values(bounds: Range, whole: bool) -> list[str]:
+    """Values just outside, far outside, and no numbers at all."""
+    step = 1 if whole else 1e-3
+    values = [bounds.least if bounds.above else bounds.least - step, -(10**12)]
+    if bounds.most < math.inf:
+        values += [bounds.most if bounds.below else bounds.most + step, 10**12]
+    return [f"{x:.0f}" if whole else repr(float(x)) for x in values] + ([] if whole else ["nan"])
+
+
+CASES = [
+    (name, field, value)
+    for name, field, (bounds,) in options()
+    for value in bad_values(bounds, field not in ("scale", "detail", "incidence", "azimuth"))
+]
+
+
+@pytest.mark.parametrize(("name", "field", "value"), CASES)
+def test_bad_values_are_refused_before_any_work(name, field, value, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    option = "--" + field.replace("_", "-")
+    assert cli.main([*name.split(), *NEEDED.get(name, []), option, value]) == cli.FAILURE
+    error = capsys.readouterr().err
+    assert error.startswith(f"urushi: {option} is ") and error.count("\n") == 1
+    assert "it must be " in error
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("text", ["abc", "", "1e5x"])
+def test_what_is_no_number_is_a_usage_error(text, capsys):
+    with pytest.raises(SystemExit) as caught:
+        cli.main(["render", "teapot", "--spp", text])
+    assert caught.value.code == cli.FAILURE
+    assert "--spp" in "".join(capsys.readouterr())
+
+
+def test_all_commands_are_reached():
+    """Commands inside others are found too."""
+    assert {"scenes export", "data generate", "paper import", "demo"} <= set(commands())
