@@ -94,6 +94,7 @@ def rows() -> np.ndarray:
     half = slice(COUNT // 2, None)
     directions[1, half] = directions[0, half] * (-1, -1, 1) + rng.normal(size=(COUNT // 2, 3)) / 9
     directions[1, half, 2] = abs(directions[1, half, 2])
+    directions[0, 100:108], directions[1, 104:112] = (0, 0, 1), (0, 0, 1)  # no azimuth
     directions /= np.linalg.norm(directions, axis=-1, keepdims=True)
     rows[:, :3], rows[:, 4:7] = directions
     rows[:, 8:11] = rng.random((COUNT, 3), np.float32)

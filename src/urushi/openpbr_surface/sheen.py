@@ -29,26 +29,28 @@ def albedo(cosine: Any, roughness: Any, xp: Any) -> Any:
 
 
 def transform(cosine: Any, roughness: Any, xp: Any) -> tuple[Any, Any]:
-    """The entries a, b of the inverse transform [[a, 0, b], [0, a, 0], [0, 0, 1]]."""
+    """Numbers a, c of the inverse transform [[a, 0, b], [0, a, 0], [0, 0, 1]]; b is c times the
+    sine of the direction from which the fuzz is seen."""
     x, y = cosine, xp.clip(roughness, MIN_ROUGHNESS, 1)
     a = (2.58126 * x + 0.813703 * y) * y / (1 + 0.310327 * x * x + 2.60994 * x * y)
-    cubic = (y - 1) * y * y * y
-    b = xp.sqrt(xp.maximum(1 - x, 0)) * cubic
-    b = b / (2.54053e-5 + 1.71228 * x - 1.71506 * x * y + 1.34174 * y * y)
-    return a, b
+    # The fit of b has the factor sqrt(1 - x), the sine over sqrt(1 + x).
+    c = (y - 1) * y * y * y / xp.sqrt(1 + x)
+    return a, c / (2.54053e-5 + 1.71228 * x - 1.71506 * x * y + 1.34174 * y * y)
 
 
-def density(cosine: Any, along: Any, across: Any, up: Any, roughness: Any, xp: Any) -> Any:
-    """The lobe: a density [1/sr] over the upper hemisphere of the outgoing direction.
+def density(cosine: Any, up: Any, across: Any, roughness: Any, xp: Any) -> Any:
+    """The lobe over its cosine: a density over the upper hemisphere is `up` times it [1/sr].
 
     Args:
         cosine: of the given direction.
-        along, across, up: components of the other, `along` towards the azimuth of the given one.
+        up: cosine of the other.
+        across: product of both sines and of the cosine between the azimuths. It takes no azimuth,
+            which the normal does not have.
         roughness: fuzz_roughness.
         xp: the module of the arrays' functions, NumPy or drjit.
     """
-    a, b = transform(cosine, roughness, xp)
-    x, y = a * along + b * up, a * across
-    length2 = x * x + y * y + up * up
+    a, c = transform(cosine, roughness, xp)
+    b2 = c * c * (1 - cosine * cosine)
+    length2 = a * a * (1 - up * up) + up * (2 * a * c * across + (1 + b2) * up)
     ratio = a / length2
-    return xp.maximum(up, 0) * ratio * ratio / math.pi
+    return ratio * ratio / math.pi

@@ -159,7 +159,7 @@ def metal_index(f0: Any, tint: Any, xp: Any = np) -> Below:
     root = xp.sqrt(r)
     least, most = (1 - r) / (1 + r), (1 + root) / (1 - root)
     c = metal.EDGE_COSINE
-    target = xp.maximum(metal.f82(c, r, tint), _conductor(c, most, 0 * r, xp))
+    target = xp.maximum(metal.f82(c, r, tint, xp), _conductor(c, most, 0 * r, xp))
     # For |n + i k| well above one both polarisations are quotients of linear functions of n, and
     # their mean at a given reflectance is the root of a quadratic equation.
     q, s = (1 + r) / (1 - r), 1 - c * c

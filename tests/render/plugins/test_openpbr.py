@@ -157,6 +157,27 @@ def test_a_white_metal_is_schlicks_term_with_a_dip():
     assert np.allclose(found / mirror, expected, rtol=1e-3)
 
 
+@pytest.mark.parametrize("coat_weight", [0.0, 1.0])
+def test_a_dark_metal_of_a_dark_tint_is_never_negative(coat_weight):
+    """The mirror direction at 53 degrees, where the unclamped dip of f0 = 0 is deepest; a coat
+    takes what the base gives."""
+    dark = {"base_color": 0.0, "specular_color": 0.0, "base_metalness": 1.0}
+    bsdf = openpbr(**{k: {"type": "rgb", "value": v} if "color" in k else v
+                      for k, v in dark.items()}, coat_weight=coat_weight)  # fmt: skip
+    wi, wo = pairs(500)
+    wo[:250] = wi[:250] * [-1, -1, 1]
+    f = values(bsdf, wi, wo)
+    assert f.min() >= 0 and np.isfinite(f).all()
+
+
+def test_fuzz_seen_along_the_normal_is_the_limit_of_small_angles():
+    """The normal has no azimuth. The fuzz is continuous: 1e-4 rad change f by 1e-3 at most."""
+    bsdf, wo = openpbr(fuzz_weight=1.0), pairs(200)[1]
+    seen = [values(bsdf, np.tile(np.float32([x, 0, 1]), (200, 1)), wo) for x in (0, 1e-7, 1e-4)]
+    np.testing.assert_allclose(seen[0], seen[1], rtol=1e-3)
+    np.testing.assert_allclose(seen[0], seen[2], rtol=1e-3)
+
+
 def test_a_film_changes_the_fresnel_term_of_metals_and_dielectrics():
     """At the mirror direction f is that without film, times the quotient of the reflectances."""
     film = {"thin_film_weight": 1.0, "thin_film_thickness": 0.3, "thin_film_ior": 1.8}

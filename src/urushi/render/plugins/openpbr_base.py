@@ -165,7 +165,10 @@ def define(base: type) -> type:
                 f += lobe * self._dielectric(cos_m, vertex.eta, si, active) * tint
                 f += self._diffuse(si, wo, vertex, active)
             if not self._only_dielectric:
-                reflectance, mean = metal.f82(cos_m, color, tint), metal.f82_mean(color, tint)
+                reflectance, mean = (
+                    metal.f82(cos_m, color, tint, dr),
+                    metal.f82_mean(color, tint, dr),
+                )
                 if self._film:
                     reflectance = self._film.metal(cos_m, color, tint, reflectance, si, active)
                     mean = self._film.metal_mean(color, tint, mean, si, active)
@@ -285,7 +288,9 @@ def define(base: type) -> type:
             normal, grazing = weight * color, weight * tint
             mixed = _schlick_below(
                 lambda c: dr.lerp(
-                    tint * fresnel.dielectric(c, eta)[0], weight * metal.f82(c, color, tint), share
+                    tint * fresnel.dielectric(c, eta)[0],
+                    weight * metal.f82(c, color, tint, dr),
+                    share,
                 )
             )
             metals = (share == 1) & mi.Bool(self.bare)

@@ -151,7 +151,7 @@ class Compensation:
         inputs = self._inputs
         tint = inputs.color("specular_color", si, active)
         weight = dr.minimum(inputs.number("specular_weight", si, active), 1)
-        mean = weight * metal.f82_mean(color, tint)
+        mean = weight * metal.f82_mean(color, tint, dr)
         alpha = roughness.lobe_width(inputs.number("specular_roughness", si, active), dr)
         return self._mirror.multiple(mean, alpha)
 

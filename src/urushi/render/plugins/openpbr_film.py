@@ -125,7 +125,7 @@ class FilmFresnel:
         total = mi.Spectrum(0)
         for cosine in _COAT_COSINES:
             c = mi.Float(cosine)
-            total += self.metal(c, f0, tint, metal.f82(c, f0, tint), si, active)
+            total += self.metal(c, f0, tint, metal.f82(c, f0, tint, dr), si, active)
         return total / len(_COAT_COSINES)
 
     def below_coat(self, f, base, eta, si, wo, active):
@@ -150,9 +150,9 @@ class FilmFresnel:
         color, tint, weight = base.color, base.tint, base.weight
         f0 = self.metal_in_coat(color, tint, si, active)
         coded = dr.lerp(
-            tint * fresnel.dielectric(c, eta)[0], weight * metal.f82(c, f0, tint), base.share
+            tint * fresnel.dielectric(c, eta)[0], weight * metal.f82(c, f0, tint, dr), base.share
         )
-        bare = metal.f82(c, color, tint)
+        bare = metal.f82(c, color, tint, dr)
         film = dr.lerp(
             tint * self.dielectric(c, eta, si, active),
             weight * self.metal(c, color, tint, bare, si, active),

@@ -74,7 +74,8 @@ class RoughSlab:
 
 def _between(wi, wo, inside):
     """Cosine of the angle in the slab: of directions with the azimuths of wi and wo."""
-    sines2 = (1 - wi.z * wi.z) * (1 - wo.z * wo.z)
-    along = (wi.x * wo.x + wi.y * wo.y) * dr.rsqrt(dr.maximum(sines2, 1e-12))
+    sines2 = (dr.square(wi.x) + dr.square(wi.y)) * (dr.square(wo.x) + dr.square(wo.y))
+    # Zero at the normal, the mean over the azimuth, which the normal does not have.
+    along = (wi.x * wo.x + wi.y * wo.y) * dr.rsqrt(dr.maximum(sines2, 1e-24))
     sines = dr.safe_sqrt((1 - dr.square(inside[0])) * (1 - dr.square(inside[1])))
     return inside[0] * inside[1] + sines * dr.clip(along, -1, 1)

@@ -249,8 +249,6 @@ def _under_fuzz(fuzz: Fuzz, f, si, wo):
 
     The specification's layering by the albedo of the direction that is seen.
     """
-    sine = dr.sqrt(dr.maximum(si.wi.x * si.wi.x + si.wi.y * si.wi.y, 1e-12))
-    along = (wo.x * si.wi.x + wo.y * si.wi.y) / sine
-    across = (wo.y * si.wi.x - wo.x * si.wi.y) / sine
-    lobe = sheen.density(si.wi.z, along, across, wo.z, fuzz.roughness, dr)
-    return f * (1 - fuzz.hidden) + fuzz.color * (fuzz.hidden * lobe / dr.maximum(wo.z, 1e-6))
+    across = wo.x * si.wi.x + wo.y * si.wi.y
+    lobe = sheen.density(si.wi.z, wo.z, across, fuzz.roughness, dr)
+    return f * (1 - fuzz.hidden) + fuzz.color * (fuzz.hidden * lobe)

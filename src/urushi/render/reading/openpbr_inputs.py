@@ -193,8 +193,10 @@ class Inputs:
     def tangent(self, si, active) -> tuple["mi.Float", "mi.Float"]:
         """Sine and cosine of the angle from the shape's tangent to that of the map."""
         x, y = (2 * c - 1 for c in self.maps["geometry_tangent"].eval_3(si, active)[:2])
-        length = dr.sqrt(dr.maximum(x * x + y * y, 1e-12))
-        return y / length, dr.select(length > 1e-5, x / length, 1)
+        size2 = x * x + y * y
+        known = size2 > 1e-12
+        scale = dr.rsqrt(dr.select(known, size2, 1))
+        return dr.select(known, y * scale, 0), dr.select(known, x * scale, 1)
 
     def _refuse(self, name: str, feature: str, ignore: bool) -> None:
         """Refuse or leave out a feature whose weight is not zero."""
