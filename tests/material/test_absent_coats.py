@@ -117,4 +117,4 @@ def test_texels_and_materials_agree(trained):
         rendered=bare.latents,
     )  # fmt: skip
     alone = layer(dielectric(0.1, eta), bare, albedo=0.5, sigma_t=0.01)
-    np.testing.assert_array_equal(together, alone.latents)
+    np.testing.assert_array_equal(together, alone.anchors)

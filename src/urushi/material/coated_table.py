@@ -55,7 +55,10 @@ PEAK_NODES = 17
 ROWS = 128
 
 #: Cosines at which the albedo is limited.
-COSINES = np.array([1.0, 0.9, 0.75, 0.6, 0.45, 0.3, 0.2, 0.1])
+COSINES = np.array([1.0, 0.9, 0.75, 0.6, 0.45, 0.3, 0.2, 0.1, 0.05, 0.02, 0.01])
+
+#: Rounds of that limit.
+ROUNDS = 4
 
 
 class HalfVectors(NamedTuple):
@@ -146,17 +149,14 @@ def _distinct(
     return np.array(first), np.array(which)
 
 
-def coated_table(
-    bottom: Material, coat: CoatParameters, lobe: np.ndarray, *, beside_lobe: bool
-) -> np.ndarray:
-    """The table float16 (U, V, W, C) of a coated material.
+def coated_table(bottom: Material, coat: CoatParameters, lobe: np.ndarray) -> np.ndarray:
+    """The table float16 (U, V, W, C) of a coated material, without the lobe of its interface.
 
-    Its directional albedo is at most 1, or that of the bottom if it gains energy.
+    With the lobe, its directional albedo is at most 1, or that of the bottom if it gains energy.
 
     Args:
         bottom, coat: as of `coated_rest`.
-        lobe: (C, N) of the interface.
-        beside_lobe: whether the table leaves the lobe out.
+        lobe: (C, N) of the interface. No table has it: near the horizon it changes too fast.
     """
     rest = coated_rest(bottom, coat)
     own = lobe.astype(np.float64)
@@ -164,17 +164,29 @@ def coated_table(
     def top(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         return lobes.f(own, wi[:, None].astype(np.float64), wo[:, None].astype(np.float64))
 
-    table = table_of_values(rest).astype(np.float32)
-    of_rest = adding.albedos(lambda *w: interpolated(table, *w), COSINES)
+    of_rest = _albedos_of_values(rest)
     of_top = adding.albedos(top, COSINES)
     ceiling = np.full(rest.shape[1], 1 - energy.MARGIN)
     if (of_rest + of_top > ceiling).any():
         gained = adding.albedos(bottom.f, COSINES).max(axis=0)
         ceiling = np.where(gained > 1 + energy.TOLERANCE, gained, ceiling)
     allowed = np.maximum(ceiling - of_top, energy.LEAST_REST)
-    factors = (allowed / np.maximum(of_rest, energy.LEAST_ALBEDO)).min(axis=0)
-    rest = rest * np.minimum(factors, 1).astype(np.float32)
-    return table_of_values(rest if beside_lobe else rest + top(*node_pairs()))
+    for _ in range(ROUNDS):  # a factor at the nodes is a smaller change between them
+        factors = np.minimum(allowed / np.maximum(of_rest, energy.LEAST_ALBEDO), 1)
+        if (factors == 1).all():
+            break
+        for channel, values in enumerate(factors.T):
+            # The lesser of two factors keeps f reciprocal.
+            ends = [np.interp(w[:, 2], COSINES[::-1], values[::-1]) for w in node_pairs()]
+            rest[:, channel] *= np.minimum(*ends)
+        of_rest = _albedos_of_values(rest)
+    return table_of_values(rest)
+
+
+def _albedos_of_values(f: np.ndarray) -> np.ndarray:
+    """Albedos (N, C) at `COSINES` of the table of values f (M, C) at `node_pairs`."""
+    table = table_of_values(f).astype(np.float32)
+    return adding.albedos(lambda *w: interpolated(table, *w), COSINES)
 
 
 def half_vectors(bottom: Material) -> HalfVectors:

@@ -1,5 +1,6 @@
 """Layering: coats over materials in the latent space, one material or many texels at once."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,8 @@ from urushi.material.coated_table import coated_table
 from urushi.material.encode import encode
 from urushi.material.energy import as_rendered, limit_coated_albedo
 from urushi.material.material import Material
-from urushi.nets import lobe as lobes
+from urushi.material.table import SHAPE, rest_table
+from urushi.nets.decoder import MIN_LOG
 from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model, Weights, anisotropic_model, default_model
 from urushi.parallel import fill_blocks
@@ -30,6 +32,9 @@ DEEPEST = 12.0
 #: Largest ratio of two widths that is layered, those of OpenPBR's anisotropy 0.9. Up to here the
 #: error is that of the trained ratios.
 WIDEST = 1.25 * checks.TRAINED_WIDTH_RATIO
+
+#: GGX width of a bottom's lobe from which a table holds it under a coat of an index near one.
+TABULATED_FROM = 0.03
 
 
 def layer(
@@ -99,18 +104,34 @@ def layer(
 def layer_material(coat: CoatParameters, bottom: Material) -> Material:
     """`layer` for checked parameters: arrays (C,), (1,) or ().
 
-    If the bottom has a table, the result has a table of the rest beside the coat's lobe, or of all
-    of f if the coat is almost invisible (`presence`).
+    If the bottom has a table, or the coat's index is one for which codes fade (`presence`), the
+    result has a table of the rest beside the coat's lobe.
     """
-    coat = _for_networks(bottom.model, coat)
-    codes = _coated(bottom.model, bottom.anchors, coat, bottom.latents)
-    if bottom.table is None:
-        return Material(codes, bottom.model, rotation=bottom.rotation)
-    beside_lobe = bool((presence(coat.alpha, coat.eta, coat.sigma_t) >= PRESENT).all())
-    lobe = codes[:, : bottom.model.arch.lobe] if beside_lobe else lobes.of_coat(*coat[:2])
-    lobe = np.broadcast_to(lobe, (len(codes), bottom.model.arch.lobe))
-    table = coated_table(bottom, coat, lobe, beside_lobe=beside_lobe)
-    return Material(codes, bottom.model, table=table, beside_lobe=beside_lobe)
+    model = bottom.model
+    coat = _for_networks(model, coat)
+    codes = _layered(model, bottom.anchors, coat)
+    anchors = _without_absent_coats(model, codes, bottom.anchors, coat, bottom.latents)
+    below = _tabulated(bottom, coat)
+    if below is None:
+        return Material(anchors, model, rotation=bottom.rotation)
+    table = coated_table(below, coat, codes[:, : model.arch.lobe])
+    return Material(codes, model, anchors, table, beside_lobe=True)
+
+
+def _tabulated(bottom: Material, coat: CoatParameters) -> Material | None:
+    """The bottom with a table, under a coat that needs one; None: networks layer it."""
+    if bottom.table is not None:
+        return bottom
+    networks, none = bottom.model.networks, np.zeros(())
+    if not isinstance(networks, UrushiNetworks) or bottom.model.widths != 1:
+        return None
+    sharp = bottom.latents[:, 0].min() < TABULATED_FROM
+    if sharp or (presence(none, coat.eta, none) >= PRESENT).all():
+        return None
+    table = rest_table(networks, bottom.latents)
+    if table is None:
+        table = np.full((*SHAPE, bottom.channels), MIN_LOG)
+    return replace(bottom, table=table, beside_lobe=True)
 
 
 def _below(
@@ -182,13 +203,13 @@ def layer_texels(
     """
     coat = _for_networks(model, CoatParameters(alpha, eta, albedo, sigma_t, g))
     coat = checks.coat(coat, "the coat's", any_shape=True)
-    return _coated(model, np.asarray(z_bottom, np.float32), coat, rendered)
+    z = np.asarray(z_bottom, np.float32)
+    return _without_absent_coats(model, _layered(model, z, coat), z, coat, rendered)
 
 
-def _coated(
-    model: Model, z: np.ndarray, coat: CoatParameters, rendered: np.ndarray | None
-) -> np.ndarray:
-    """`layer_texels` of codes float32 z (..., L) for a coat of checked float64 arrays."""
+def _layered(model: Model, z: np.ndarray, coat: CoatParameters) -> np.ndarray:
+    """`layer_texels` of codes float32 z (..., L) for a coat of checked float64 arrays, as if no
+    coat were absent."""
     columns = coat.columns()
     try:
         shape = np.broadcast_shapes(z.shape[:-1], *(p.shape for p in columns))
@@ -210,12 +231,7 @@ def _coated(
         _with_leading_axes(z, len(rows) + 1),
         *(_with_leading_axes(p.astype(np.float32), len(rows)) for p in columns),
     )
-    coated = limit_coated_albedo(model, coated.reshape(*shape, z.shape[-1]), z)
-    share = presence(coat.alpha, coat.eta, coat.sigma_t)
-    if isinstance(model.networks, UrushiNetworks) and (share < PRESENT).any():
-        bottoms = as_rendered(model, z) if rendered is None else rendered
-        coated = _without_absent_coats(model, coated, bottoms, share)
-    return coated
+    return limit_coated_albedo(model, coated.reshape(*shape, z.shape[-1]), z)
 
 
 def within_training(coat: CoatParameters) -> CoatParameters:
@@ -273,13 +289,21 @@ def presence(alpha: np.ndarray | Widths, eta: np.ndarray, sigma_t: np.ndarray) -
 
 
 def _without_absent_coats(
-    model: Model, z: np.ndarray, bottoms: np.ndarray, share: np.ndarray
+    model: Model,
+    coated: np.ndarray,
+    z: np.ndarray,
+    coat: CoatParameters,
+    rendered: np.ndarray | None,
 ) -> np.ndarray:
-    """Codes z (..., L) of coats, blended with those of the bottoms where the `presence` is low."""
-    share = np.broadcast_to(share, z.shape[:-1]).astype(np.float32)
-    fading, result = share < PRESENT, np.array(z)
-    bottoms = np.broadcast_to(bottoms, z.shape)[fading]
-    result[fading] = blend_codes(model, bottoms, z[fading], share[fading])
+    """Codes (..., L) of coats, blended with those of the bottoms where the `presence` is low."""
+    share = presence(coat.alpha, coat.eta, coat.sigma_t)
+    if not isinstance(model.networks, UrushiNetworks) or (share >= PRESENT).all():
+        return coated
+    bottoms = as_rendered(model, z) if rendered is None else rendered
+    share = np.broadcast_to(share, coated.shape[:-1]).astype(np.float32)
+    fading, result = share < PRESENT, np.array(coated)
+    bottoms = np.broadcast_to(bottoms, coated.shape)[fading]
+    result[fading] = blend_codes(model, bottoms, coated[fading], share[fading])
     return result
 
 

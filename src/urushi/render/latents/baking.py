@@ -17,7 +17,7 @@ from tqdm import tqdm
 
 from urushi import checks
 from urushi.checks import CoatParameters
-from urushi.material.layer import layer_material, layer_texels
+from urushi.material.layer import layer_material
 from urushi.nets.weights import Model
 from urushi.render import spectrum
 from urushi.render.latents.bottoms import BottomCodes, nested_latents
@@ -81,15 +81,13 @@ class Baker:
             self._codes.open(grid)
         self._grid = grid
         if grid is None:
-            table = self._coat.layering(np.full((1, 2), 0.5))
-            if self._codes.material is not None:
-                columns = [column[0] for column in CoatParameters(**table).columns()]
-                coated = layer_material(CoatParameters.of_columns(columns), self._codes.material)
-                return ConstantLatents.of(coated)
-            self._left = checks.outside_training(CoatParameters(**table))
-            return ConstantLatents(
-                self._model, layer_texels(self._model, self._codes.read(0, 1), **table)[0]
-            )
+            coat = CoatParameters(**self._coat.layering(np.full((1, 2), 0.5)))
+            columns = [column[0] for column in coat.columns()]
+            bottom = self._codes.material
+            assert bottom is not None  # for the type checker
+            if bottom.table is None:
+                self._left = checks.outside_training(coat)
+            return ConstantLatents.of(layer_material(CoatParameters.of_columns(columns), bottom))
         key = self._key(grid) if self._texture is None and cache.folder() else None
         kept = cache.read(key, self._model) if key else None
         if kept is not None:

@@ -43,7 +43,7 @@ class BottomCodes:
     """The codes of a bottom: `open` reads it, `bake` computes the codes that are stored.
 
     Attributes:
-        material: a constant bottom as a material, if it has a table.
+        material: a constant bottom as a material; None: it varies over uv.
         stored: whether codes of texels have to be computed and stored.
     """
 
@@ -69,7 +69,7 @@ class BottomCodes:
         self.material, self._probed, self.stored = None, None, False
         if nested is not None and nested.resolution is None:
             self._opened = _uniform(nested.at(np.full((1, 2), 0.5))[0])
-            self._keep_table(self._bottom.latents.material)
+            self.material = self._bottom.latents.material
         elif grid is None or (nested is None and not varying_textures(self._bottom)):
             self._opened = _uniform(self._encoded())
         elif nested is not None:
@@ -135,11 +135,8 @@ class BottomCodes:
             f = probing.check_values(reflection_source(exact).f(*node_pairs()), self._where)
             table = table_of_values(f)
             material = Material(material.latents, self._model, material.anchors, table)
-        self._keep_table(material)
+        self.material = material
         return material.anchors
-
-    def _keep_table(self, material: Material) -> None:
-        self.material = None if material.table is None else material
 
 
 def _uniform(codes: np.ndarray) -> Source:
