@@ -90,8 +90,10 @@ def base_index(
     return modulated_index(ratio, specular_weight, xp)
 
 
-def interface_index(ratio: Any) -> np.ndarray:
+def interface_index(ratio: Any, xp: Any = np) -> Any:
     """A relative index within what the walk takes: in [0.5, 3], and a step away from one."""
-    ratio = np.clip(np.asarray(ratio, np.float64), *ETA_RANGE)
-    step = np.where(ratio < 1, -MIN_INDEX_STEP, MIN_INDEX_STEP)
-    return np.where(np.abs(ratio - 1) < MIN_INDEX_STEP, 1 + step, ratio)
+    ratio = xp.clip(ratio, *ETA_RANGE)
+    # Of single precision, whose 1.001 is a little less than the step away from one.
+    step = MIN_INDEX_STEP + 1e-7
+    where = xp.where if xp is np else xp.select
+    return where(xp.abs(ratio - 1) < step, where(ratio < 1, 1 - step, 1 + step), ratio)

@@ -11,8 +11,12 @@ from urushi.nets.weights import Model
 from urushi.render import spectrum
 from urushi.render.latents.holders import ConstantLatents, TexturedLatents, Vertex
 from urushi.render.plugins.coats import Turn, TurnedMixture
+from urushi.render.reading.kept import KeptParameters
 from urushi.render.reading.parameters import describe
 from urushi.render.recording import VertexCache
+
+#: Samples of the directional albedo for denoisers, at fixed points.
+ALBEDO_SAMPLES = 16
 
 
 def define_proposal_bsdf() -> type:
@@ -28,6 +32,7 @@ def define_proposal_bsdf() -> type:
             self.m_flags = self.m_components[0]
             self._where = describe(props)  # begins errors
             self._vertex_cache = VertexCache()
+            self._kept = KeptParameters()
 
         def _vertex(self, si, active):
             """Quantities at si that `_f` and `_proposal` share; None unless a subclass has any."""
@@ -70,6 +75,34 @@ def define_proposal_bsdf() -> type:
             bs.sampled_type = mi.UInt32(+mi.BSDFFlags.GlossyReflection)
             bs.sampled_component = 0
             return bs, dr.select(bs.pdf > 0, f_cos / bs.pdf, 0)
+
+        def eval_diffuse_reflectance(self, si, active=True):
+            """The directional albedo at si.wi, at most one: the `albedo` of Mitsuba's ``aov``."""
+
+            def add(index, total):
+                # Even points (Roberts 2018), the same everywhere: an estimate without noise.
+                steps = (0.8191725134, 0.6710436067, 0.5497004779)
+                place = mi.Float(index) + 0.5
+                u = [place * step - dr.floor(place * step) for step in steps]
+                ctx = mi.BSDFContext()
+                _, weight = self.sample(ctx, si, u[0], mi.Point2f(u[1], u[2]), active)
+                return index + 1, total + weight
+
+            start = mi.UInt32(0), mi.Spectrum(0)
+            _, total = dr.while_loop(start, lambda index, total: index < ALBEDO_SAMPLES, add)
+            return dr.clip(total / ALBEDO_SAMPLES, 0, 1)
+
+        def parameters_changed(self, keys):
+            self._check_changeable()
+            with self._kept.restored_on_error(self):
+                self._update(keys)
+
+        def _update(self, keys):
+            """Follow a change of the parameters that `traverse` lists.
+
+            Raises:
+                ParameterError: a value is out of range.
+            """
 
         def _check_changeable(self):
             """Refuse changes that are made while a frozen function is recorded.

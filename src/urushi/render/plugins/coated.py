@@ -39,6 +39,7 @@ def define_coated(base: type, label: str, *, widened: bool) -> type:
             self._coat = CoatTextures(props)
             check_bottom(self._nested, self._coat.where)
             self._prepare()
+            self._kept.keep(self)
 
         def _prepare(self):
             """Check the parameters, flatten nested coats, and estimate the bottom's lobes."""
@@ -86,8 +87,7 @@ def define_coated(base: type, label: str, *, widened: bool) -> type:
             self._coat.traverse(callback, mi.ParamFlags.NonDifferentiable)
             callback.put("bottom", self._nested, mi.ParamFlags.NonDifferentiable)
 
-        def parameters_changed(self, keys):
-            self._check_changeable()
+        def _update(self, keys):
             self._coat.parameters_changed()
             self._prepare()
 

@@ -130,8 +130,7 @@ def define_described(base: type, plugin: str, label: str) -> type:
             self._coat.traverse(callback, mi.ParamFlags.NonDifferentiable)
             callback.put("bottom", self._nested, mi.ParamFlags.NonDifferentiable)
 
-        def parameters_changed(self, keys):
-            self._check_changeable()
+        def _update(self, keys):
             self._coat.parameters_changed()
             baking.check(self._coat)
 

@@ -96,10 +96,9 @@ def define(base: type) -> type:
             if self._tensor is not None:
                 callback.put("latents", self._tensor, mi.ParamFlags.Differentiable)
 
-        def parameters_changed(self, keys):
+        def _update(self, keys):
             if self._tensor is None:
                 return
-            self._check_changeable()
             if dr.grad_enabled(self._tensor):
                 self.latents = DifferentiableConstant(self.model, self._tensor)
             else:

@@ -132,6 +132,7 @@ def define(base: type) -> type:
             self._baked = False  # whether the baker has the present bottom
             self._differentiable = mi.TensorXf()  # codes with gradients, for integrators
             self._bake()
+            self._kept.keep(self)
 
         def _choose_networks(self):
             """Choose the networks for the present coat and bottom."""
@@ -190,10 +191,9 @@ def define(base: type) -> type:
             callback.put("bottom", self._bottom, mi.ParamFlags.Differentiable)
             callback.put("latents", self._differentiable, mi.ParamFlags.ReadOnly)
 
-        def parameters_changed(self, keys):
+        def _update(self, keys):
             if keys == ["latents"]:
                 return  # read-only: they are computed from the others
-            self._check_changeable()
             self._coat.parameters_changed()
             self._bake(not keys or "bottom" in keys)
 

@@ -102,9 +102,11 @@ def define(base: type) -> type:
             compensated: whether the coated base is completed, so that a metal's lobe is not scaled.
             """
             super().__init__(mi.Properties("openpbr_base"))
+            self._where = inputs.where
             self._inputs, self._under_coat = inputs, under_coat
             self._encoded, self._compensated = encoded, compensated
             self._configure()
+            self._kept.keep(self)
 
         def _configure(self):
             """Leave out what parameters that are given as numbers do not need."""
@@ -351,8 +353,7 @@ def define(base: type) -> type:
             if self._film:
                 self._film.traverse(callback)
 
-        def parameters_changed(self, keys):
-            self._check_changeable()
+        def _update(self, keys):
             self.update()
 
         def to_string(self):

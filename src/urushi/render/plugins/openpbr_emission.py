@@ -5,6 +5,7 @@ import mitsuba as mi
 
 from urushi.openpbr_surface import medium, roughness, sheen
 from urushi.render.plugins.openpbr_albedo import InterfaceAlbedo
+from urushi.render.reading.kept import KeptParameters
 from urushi.render.reading.openpbr_inputs import EMISSION, Inputs
 
 #: The parameters on which the light depends.
@@ -58,6 +59,8 @@ def define() -> type:
             self.m_flags = mi.EmitterFlags.Surface | mi.EmitterFlags.SpatiallyVarying
             self._inputs = Inputs(props, emits=True)
             self._configure()
+            self._kept = KeptParameters()
+            self._kept.keep(self)
 
         def _configure(self):
             """Leave out coat and fuzz where their weights are given as zero."""
@@ -110,8 +113,9 @@ def define() -> type:
                 callback.put(name, self._inputs.textures[name], mi.ParamFlags.Differentiable)
 
         def parameters_changed(self, keys):
-            if self._inputs.refresh():
-                self._configure()
+            with self._kept.restored_on_error(self):
+                if self._inputs.refresh():
+                    self._configure()
 
         def to_string(self):
             return "OpenPBREmission[]"

@@ -9,6 +9,7 @@ import numpy as np
 
 from urushi.material import adding, energy
 from urushi.material.albedo_rule import albedo_rule
+from urushi.openpbr_surface.roughness import interface_index
 from urushi.render.latents.holders import tabulated
 from urushi.render.plugins import openpbr_film
 from urushi.render.plugins.openpbr_albedo import interpolated
@@ -150,6 +151,7 @@ def _twin(
     """
     white = {"type": "rgb", "value": [1.0] * 3} if constant else _texture(np.ones((1, 1, 3)))
     twin: dict[str, Any] = dict(shared)
+    twin["coat_ior"] = float(interface_index(shared["coat_ior"]))  # one has no coat
     nodes = np.linspace(0, 1, NODES, dtype=np.float32)
     grid = np.meshgrid(*[nodes] * len(varying), indexing="ij") if varying else []
     for name, values in zip(varying, grid, strict=True):

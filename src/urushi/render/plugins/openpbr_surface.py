@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import drjit as dr
 import mitsuba as mi
 
-from urushi.openpbr_surface import sheen
+from urushi.openpbr_surface import medium, sheen
 from urushi.render.latents.holders import tabulated
 from urushi.render.plugins.coats import Turn, TurnedMixture
 from urushi.render.plugins.openpbr_compensation import Compensation
@@ -125,10 +125,12 @@ def define(base: type) -> type:
                 fit.
             """
             super().__init__(mi.Properties("openpbr"))
+            self._where = inputs.where
             self._inputs, self._make = inputs, make
             self._turned = "geometry_tangent" in inputs.maps
             self._renewed = False  # whether `mi.traverse` may have listed a former coat
             self._configure(make(None))
+            self._kept.keep(self)
 
         def _configure(self, layers: Layers):
             """Take the layers."""
@@ -136,6 +138,11 @@ def define(base: type) -> type:
             self._base, self._coated = layers.base, layers.coated
             self._compensation = layers.compensation
             self._fuzz = not inputs.is_constant("fuzz_weight", 0)
+            # A coat without an interface, of index one, is its medium alone.
+            no_interface = inputs.is_constant("coat_ior", 1) and self._coated is None
+            self._absorbs = no_interface and not (
+                inputs.is_constant("coat_weight", 0) or inputs.is_constant("coat_color", 1)
+            )
             self._version = inputs.version
 
         @property
@@ -182,6 +189,11 @@ def define(base: type) -> type:
                         own = self._compensation.completed(vertex.compensation, own, wo)
                 f += part.weight * own
                 pdf += part.weight * density
+            if self._absorbs:
+                depth = medium.optical_depth(self._inputs.color("coat_color", si, active), dr)
+                passed = dr.exp(-depth * (1 / si.wi.z + 1 / wo.z))
+                weight = self._inputs.number("coat_weight", si, active)
+                f *= dr.lerp(mi.Spectrum(1), passed, weight)
             if vertex.fuzz:
                 f = _under_fuzz(vertex.fuzz, f, si, wo)
             return f, with_cosine(pdf, wo, self._diffuse_share())
@@ -221,8 +233,7 @@ def define(base: type) -> type:
             for name in OF_LAYERS:
                 callback.put(name, textures[name], mi.ParamFlags.Differentiable)
 
-        def parameters_changed(self, keys):
-            self._check_changeable()
+        def _update(self, keys):
             self._inputs.refresh()
             if keys and all(key.startswith("fuzz") for key in keys):
                 if self._version != self._inputs.version:

@@ -65,6 +65,7 @@ class Inputs:
         self.constants: dict[str, Any] = {}
         self.maps: dict[str, mi.Texture] = {}
         self.version = 0
+        self._numbers: list[str] = []  # parameters that are given as numbers
         self._relied: dict[str, np.ndarray] = {}  # constants that code relies on: their textures'
         for name, value in given.items():
             self._read(name, value)
@@ -108,7 +109,16 @@ class Inputs:
         """Whether constants that code relies on have changed by `mi.traverse`, or need gradients.
 
         They are taken off `constants`, and the version grows: what was left out must be made.
+
+        Raises:
+            ParameterError: a value that was given as a number is out of range now.
         """
+        for name in self._numbers:
+            value = _texture_value(self.textures[name])[0].ravel()
+            if not (
+                mi.is_spectral and PARAMETERS[name].kind == "color"
+            ):  # no colours, coefficients
+                checked(name, value if len(value) == 3 else value.item(), self.where)
         changed = []
         for name, relied in self._relied.items():
             value, differentiated = _texture_value(self.textures[name])
@@ -145,6 +155,8 @@ class Inputs:
 
     def _constant(self, name: str, value: Any) -> None:
         self.constants[name] = value
+        if PARAMETERS[name].kind in ("float", "color"):
+            self._numbers.append(name)
         if PARAMETERS[name].kind == "float":
             self.textures[name] = mi.load_dict({"type": "uniform", "value": value})
         elif PARAMETERS[name].kind == "color":

@@ -44,6 +44,9 @@ def index_of_refraction(props: "mi.Properties", name: str, default: str, where: 
         return float(value)
     if isinstance(value, str) and value.lower() in IOR:
         return IOR[value.lower()]
+    if not isinstance(value, str):
+        what = "texture" if isinstance(value, mi.Texture) else type(value).__name__
+        raise ParameterError(f"{where} is a {what}; give a number or the name of a material")
     raise ParameterError(
         f"{where} is {value!r}; give a number or one of the materials " + ", ".join(IOR)
     )
