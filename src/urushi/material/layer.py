@@ -15,6 +15,7 @@ from urushi.material.encode import encode
 from urushi.material.energy import as_rendered, limit_coated_albedo
 from urushi.material.material import Material
 from urushi.material.table import SHAPE, rest_table
+from urushi.nets import lobe as lobes
 from urushi.nets.decoder import MIN_LOG
 from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model, Weights, anisotropic_model, default_model
