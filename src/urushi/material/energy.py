@@ -79,7 +79,7 @@ def top_albedos(model: Model, z: np.ndarray) -> np.ndarray:
 
 def rest_albedos(model: Model, z: np.ndarray) -> np.ndarray:
     """The other part (N, D) of `directional_albedos`."""
-    nodes, networks = albedo_rule(model.arch.widths), _own_networks(model)
+    nodes, networks = albedo_rule(model.arch.widths), own_networks(model)
     count = len(nodes.cosines)
 
     def measure(codes: np.ndarray) -> np.ndarray:
@@ -201,10 +201,14 @@ def as_rendered(model: Model, z_bottom: np.ndarray) -> np.ndarray:
 
     The encoder's code of nothing decodes to some light, which is never rendered and is no gain.
     """
-    networks = _own_networks(model)
-    difference = np.abs(z_bottom[..., model.arch.lobe :] - networks.empty_rest()).max(axis=-1)
-    bare = difference < BARE_DIFFERENCE
-    return np.where(bare[..., None], networks.without_rest(z_bottom), z_bottom)
+    bare = are_bare(model, z_bottom)[..., None]
+    return np.where(bare, own_networks(model).without_rest(z_bottom), z_bottom)
+
+
+def are_bare(model: Model, z: np.ndarray) -> np.ndarray:
+    """Whether the rests of codes (..., L) are those of bare surfaces; bool (...)."""
+    empty = own_networks(model).empty_rest()
+    return np.abs(z[..., model.arch.lobe :] - empty).max(axis=-1) < BARE_DIFFERENCE
 
 
 def _ceilings_over(model: Model, z_bottom: np.ndarray) -> np.ndarray:
@@ -234,7 +238,7 @@ def _limiting_factors(
         if not isinstance(ceiling, float):
             ceilings = np.broadcast_to(ceiling, (*z.shape[:-1], _directions(model)))[far]
         further = _measured_factors(
-            model, _own_networks(model).rest_scaled(z[far], result[far]), ceilings
+            model, own_networks(model).rest_scaled(z[far], result[far]), ceilings
         )
         result[far] *= further
         far[far] = further < TINY_FACTOR
@@ -265,7 +269,7 @@ def _directions(model: Model) -> int:
     return len(albedo_rule(model.arch.widths).cosines)
 
 
-def _own_networks(model: Model) -> UrushiNetworks:
+def own_networks(model: Model) -> UrushiNetworks:
     """The networks, for the type checker: those of other systems have no gain."""
     assert isinstance(model.networks, UrushiNetworks)
     return model.networks
@@ -320,7 +324,7 @@ def _scaled(
     if not over.any():
         return z
     result = z if overwrite else np.array(z)
-    gains = _own_networks(model).gains(result)
+    gains = own_networks(model).gains(result)
     gains[over] += np.log(factors[over])
     return result
 

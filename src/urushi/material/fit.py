@@ -344,3 +344,18 @@ def _state_at(networks: UrushiNetworks, z: np.ndarray, aim: FitTarget, hold: flo
         weighted @ error + hold * gap_slope.T @ whitened[:, 0],
         weighted @ log_slopes + hold * gap_slope.T @ whitened[:, 1:],
     )
+
+
+def refined_slopes(networks: UrushiNetworks, f: np.ndarray, z: np.ndarray) -> np.ndarray:
+    """Return the derivatives (R, P) of a refined anchor z (L,) by the values f (P,) [1/sr].
+
+    They are those of its R numbers after the lobe by the rest of f, by the theorem of implicit
+    functions: the slope of the objective remains zero.
+    """
+    aim = fit_target(networks, f, None, z[: networks.arch.lobe])
+    log_rest, slopes = networks.decode_log(z, aim.features)
+    rest = np.exp(log_rest)
+    decoded = aim.top + rest + DARK_OFFSET
+    _, far = huber_loss(np.log(decoded) - aim.logs, HUBER_KNEE)
+    pull = slopes.T * (rest / decoded * aim.weights / far / (f + DARK_OFFSET))
+    return np.linalg.solve(_state_at(networks, z, aim, ANCHOR_HOLD).curvature, pull)

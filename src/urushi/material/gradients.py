@@ -1,4 +1,4 @@
-"""Derivatives of `layer_texels` and `limited_codes`, the limit of the albedo included.
+"""Derivatives of `layer_texels` and of anchors, the limit of the albedo included.
 
 Rows (N, ...) are codes of one channel each. A pushforward gives the change of the result for a
 change of the inputs, a pullback the gradient with respect to the inputs of a weighted sum of the
@@ -7,7 +7,8 @@ factor is what the code's lobe leaves of the ceiling over the albedo of the rest
 least; the gain follows its logarithm.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,14 +16,24 @@ from urushi.checks import MIN_ALPHA, CoatParameters
 from urushi.errors import ParameterError
 from urushi.material import energy
 from urushi.material.albedo_rule import albedo_rule
+from urushi.material.blend import blend_lobes
+from urushi.material.fit import refined_slopes
 from urushi.material.layer import PRESENT, presence
 from urushi.material.lobe_albedo import lobe_albedos
 from urushi.nets import derivatives
+from urushi.nets import lobe as lobes
 from urushi.nets.derivatives import decode_log
 from urushi.nets.lobe import WIDTH_PLACES
 from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
 from urushi.parallel import fill_blocks
+
+#: Least reflectance of the diffuse surface at whose code the encoder is differentiated.
+LEAST_REFLECTANCE = 0.01
+
+#: Least 1 - albedo and least sigma_t at which the derivatives by the medium of a coat are taken: at
+#: the ends of both ranges, the networks' slopes are farther from those of light transport.
+MIN_ABSORPTION, MIN_DEPTH = 1e-3, 0.02
 
 #: A code was scaled down if its gain is lower than the network's by more than rounding.
 _ROUNDING = 1e-5
@@ -55,17 +66,23 @@ def layer_pushforward(
     """Return the change (N, L) of `layer_texels`' codes z (N, L).
 
     z_bottom (N, L): the bottoms' codes; coat (N, C): columns `checks.COAT_COLUMNS`; dz_bottom and
-    dcoat: their changes. The blend of nearly absent coats with the bottom is neglected.
+    dcoat: their changes. Where a coat is nearly absent, the limit's factor is a constant.
     """
     gain = model.arch.lobe
 
     def block(z_bottom, coat, z, dz_bottom, dcoat):
+        inside, medium = _inside(coat)
         dz = derivatives.layer_pushforward(
-            model.params, model.arch, z_bottom, coat, dz_bottom, dcoat
+            model.params, model.arch, z_bottom, coat, dz_bottom, np.where(medium, 0, dcoat)
+        )
+        dz += derivatives.layer_pushforward(
+            model.params, model.arch, z_bottom, inside, 0 * dz_bottom, medium * dcoat
         )
         for row in _limited_coats(model, z_bottom, coat, z):
             of_z, of_bottom = _log_factor(model, z[row], z_bottom[row])
             dz[row, gain] += of_z @ dz[row] + of_bottom @ dz_bottom[row]
+        for row, of_rendered, of_coated, of_coat in _fading(model, z_bottom, coat):
+            dz[row] = of_rendered @ dz_bottom[row] + of_coated @ dz[row] + of_coat @ dcoat[row]
         return dz
 
     return _fill_rows(model.arch.latent, block, z_bottom, coat, z, dz_bottom, dcoat)
@@ -81,47 +98,127 @@ def layer_pullback(
     gain = model.arch.lobe
 
     def block(z_bottom, coat, z, dz):
-        dz, of_limit = dz.copy(), np.zeros_like(dz)
+        dz, beside = dz.copy(), np.zeros((len(dz), z.shape[-1] + coat.shape[-1]))
         for row in _limited_coats(model, z_bottom, coat, z):
             of_z, of_bottom = _log_factor(model, z[row], z_bottom[row])
-            of_limit[row] = dz[row, gain] * of_bottom
+            beside[row, : z.shape[-1]] = dz[row, gain] * of_bottom
             dz[row] += dz[row, gain] * of_z
+        for row, of_rendered, of_coated, of_coat in _fading(model, z_bottom, coat):
+            beside[row] = dz[row] @ np.concatenate([of_rendered, of_coat], axis=-1)
+            dz[row] = dz[row] @ of_coated
+        inside, medium = _inside(coat)
         of_bottom, of_coat = derivatives.layer_pullback(
             model.params, model.arch, z_bottom, coat, dz
         )
-        return np.concatenate([of_bottom + of_limit, of_coat], axis=-1)
+        _, of_inside = derivatives.layer_pullback(model.params, model.arch, z_bottom, inside, dz)
+        of_coat = np.where(medium, medium * of_inside, of_coat)
+        return np.concatenate([of_bottom, of_coat], axis=-1) + beside
 
     both = _fill_rows(model.arch.latent + coat.shape[-1], block, z_bottom, coat, z, dz)
     return both[:, : model.arch.latent], both[:, model.arch.latent :]
 
 
-def encode_pushforward(model: Model, f: np.ndarray, z: np.ndarray, df: np.ndarray) -> np.ndarray:
-    """Return the change (N, L) of `limited_codes`' codes z of f (N, P) for a change df (N, P)."""
+def linearised(model: Model, f: np.ndarray, anchors: np.ndarray) -> np.ndarray:
+    """Return the codes (N, L) at which derivatives of anchors (N, L) of f (N, P) are taken.
 
-    gain = model.arch.lobe
+    They are the anchors, but for rests below that of a diffuse surface of `LEAST_REFLECTANCE`:
+    networks see logarithms, whose derivatives mean nothing there, and that surface stands for them.
+    """
 
-    def block(f, z, df):
-        lobe = z[:, :gain]
-        dz = derivatives.encode_pushforward(model.params, model.arch, f, df, lobe)
-        for row in _limited_rows(model, z, _encoded(model, f, lobe)):
-            dz[row, gain] += _log_share(model, z[row], 1 - energy.MARGIN)[0] @ dz[row]
+    def block(f, z):
+        encoding = _Encoding.of(model, f, z)
+        return np.where(encoding.dark[:, None], encoding.encoded, z)
+
+    return _fill_rows(model.arch.latent, block, f, anchors)
+
+
+def encode_pushforward(
+    model: Model, f: np.ndarray, z: np.ndarray, df: np.ndarray, dlobe: np.ndarray | None = None
+) -> np.ndarray:
+    """Return the change (N, L) of the codes z of f (N, P) for a change df (N, P).
+
+    z (N, L): codes of `linearised`. dlobe (N, K): the change of their lobes, if these are known;
+    None: they are fitted to f. The limit of a bottom's albedo is ignored, so that an optimiser can
+    leave white.
+    """
+    arch, networks = model.arch, energy.own_networks(model)
+
+    def block(f, z, df, *dlobe):
+        lobe = z[:, : arch.lobe]
+        of_lobe = dlobe[0] if dlobe else derivatives.lobe_pushforward(arch, f, df, lobe)
+        encoding = _Encoding.of(model, f, z)
+        drest = df - (derivatives.top_slopes(arch, lobe) * of_lobe[..., None]).sum(axis=1)
+        drest = np.where(encoding.seen, drest, 0).astype(np.float32)
+        dz = derivatives.encode_pushforward(model.params, arch, encoding.rest, drest)
+        dz = np.concatenate([of_lobe, dz], axis=-1).astype(np.float32)
+        for row in encoding.refined:
+            dz[row, arch.lobe :] = refined_slopes(networks, f[row], z[row]) @ drest[row]
         return dz
 
-    return _fill_rows(model.arch.latent, block, f, z, df)
+    given = () if dlobe is None else (dlobe,)
+    return _fill_rows(arch.latent, block, f, z, df, *given)
 
 
-def encode_pullback(model: Model, f: np.ndarray, z: np.ndarray, dz: np.ndarray) -> np.ndarray:
-    """Return the gradient (N, P) with respect to f (N, P); dz (N, L): the weights of codes z."""
+def encode_pullback(
+    model: Model, f: np.ndarray, z: np.ndarray, dz: np.ndarray, fitted: bool = True
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return gradients (N, P) and (N, K) with respect to f (N, P) and the lobes of codes z (N, L).
 
-    gain = model.arch.lobe
+    dz (N, L): the weights of the codes. fitted: whether the lobes are fitted to f. Their gradients
+    are then contained in the first result. The others as in `encode_pushforward`.
+    """
+    arch, networks = model.arch, energy.own_networks(model)
 
     def block(f, z, dz):
-        dz, lobe = dz.copy(), z[:, :gain]
-        for row in _limited_rows(model, z, _encoded(model, f, lobe)):
-            dz[row] += dz[row, gain] * _log_share(model, z[row], 1 - energy.MARGIN)[0]
-        return derivatives.encode_pullback(model.params, model.arch, f, dz, lobe)
+        lobe = z[:, : arch.lobe]
+        encoding = _Encoding.of(model, f, z)
+        of_rest = dz[:, arch.lobe :]
+        of_f = derivatives.encode_pullback(model.params, arch, encoding.rest, of_rest)
+        for row in encoding.refined:
+            of_f[row] = of_rest[row] @ refined_slopes(networks, f[row], z[row])
+        of_f = np.where(encoding.seen, of_f, 0)
+        of_lobe = dz[:, : arch.lobe]
+        of_lobe = of_lobe - (derivatives.top_slopes(arch, lobe) @ of_f[..., None])[..., 0]
+        if fitted:
+            of_f = of_f + derivatives.lobe_pullback(arch, f, of_lobe, lobe)
+        return np.concatenate([of_f, of_lobe], axis=-1)
 
-    return _fill_rows(f.shape[-1], block, f, z, dz)
+    both = _fill_rows(f.shape[-1] + arch.lobe, block, f, z, dz)
+    return both[:, : f.shape[-1]], both[:, f.shape[-1] :]
+
+
+class _Encoding(NamedTuple):
+    """How codes (N, L) depend on their values f (N, P).
+
+    Attributes:
+        rest: (N, P) [1/sr] the values that the encoder sees.
+        seen: (N, P) whether a change of f changes them.
+        encoded: (N, L) the encoder's codes of them.
+        dark: (N,) whether they stand for a darker rest, see `linearised`.
+        refined: (K,) rows of codes that were fitted, not encoded.
+    """
+
+    rest: np.ndarray
+    seen: np.ndarray
+    encoded: np.ndarray
+    dark: np.ndarray
+    refined: np.ndarray
+
+    @classmethod
+    def of(cls, model: Model, f: np.ndarray, z: np.ndarray) -> "_Encoding":
+        """The dependence at f and codes z."""
+        networks, gain = energy.own_networks(model), model.arch.lobe
+        lobe = z[:, :gain]
+        rest = f - networks.top(z[:, None], *networks.pairs())
+        least, seen = np.float32(LEAST_REFLECTANCE / np.pi), rest >= 0
+        rest = np.maximum(rest, 0)
+        dark = (rest.mean(axis=-1) < least) | energy.are_bare(model, z)
+        rest[dark], seen[dark] = least, True
+        none = np.array(lobes.no_lobe(model.widths), np.float32)
+        encoded = networks.encode(rest, np.broadcast_to(none, lobe.shape))
+        encoded = np.concatenate([lobe, encoded[:, gain:]], axis=-1)
+        away = np.abs(encoded - z)[:, gain + 1 :].max(axis=-1) > _ROUNDING
+        return cls(rest, seen, encoded, dark, np.flatnonzero(away & ~dark))
 
 
 def _fill_rows(columns: int, block, *arrays: np.ndarray) -> np.ndarray:
@@ -134,12 +231,6 @@ def _fill_rows(columns: int, block, *arrays: np.ndarray) -> np.ndarray:
 def _unlimited(model: Model, z_bottom: np.ndarray, coat: np.ndarray) -> np.ndarray:
     """The layerer's output before energy is limited: codes (N, L)."""
     return model.networks.layer(z_bottom, CoatParameters.of_columns(coat.T))
-
-
-def _encoded(model: Model, f: np.ndarray, lobe: np.ndarray) -> np.ndarray:
-    """The encoder's output for f (N, P) before energy is limited: codes (N, L)."""
-    assert isinstance(model.networks, UrushiNetworks)  # for the type checker
-    return model.networks.encode(f, lobe)
 
 
 def _limited_rows(model: Model, z: np.ndarray, unlimited: np.ndarray) -> np.ndarray:
@@ -155,6 +246,86 @@ def _limited_coats(
     rows = _limited_rows(model, z, _unlimited(model, z_bottom, coat))
     chosen = CoatParameters.of_columns(coat[rows].T)
     return rows[presence(chosen.alpha, chosen.eta, chosen.sigma_t) >= PRESENT]
+
+
+def _inside(coat: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Coats (N, C) within `MIN_ABSORPTION` and `MIN_DEPTH`, and shares (N, C) of their derivatives.
+
+    These are the derivatives by the medium, if a coat is outside. The share is less than one of
+    albedo and g, which have no effect without a medium; it is zero of all other derivatives.
+    """
+    inside, medium = coat.copy(), np.zeros_like(coat)
+    inside[:, 2] = np.minimum(coat[:, 2], 1 - MIN_ABSORPTION)
+    inside[:, 3] = np.maximum(coat[:, 3], MIN_DEPTH)
+    medium[:, 2:5] = (inside != coat).any(axis=-1, keepdims=True)
+    medium[:, [2, 4]] *= (coat[:, 3] / inside[:, 3])[:, None]
+    return inside, medium
+
+
+def _fading(
+    model: Model, z_bottom: np.ndarray, coat: np.ndarray
+) -> Iterator[tuple[int, np.ndarray, np.ndarray, np.ndarray]]:
+    """The rows of nearly absent coats (N, C), and the derivatives of their blends with the bottom.
+
+    These are (L, L) by the bottom's code, (L, L) by that of the whole coat, and (L, C) by the coat.
+    """
+    columns = list(coat.T.astype(np.float64))
+    share = _presence(columns)
+    rows = np.flatnonzero(share < PRESENT)
+    if not len(rows):
+        return
+    coated = _unlimited(model, z_bottom[rows], coat[rows])
+    stepped = [[*columns[:i], columns[i] + 1e-20j, *columns[i + 1 :]] for i in range(len(columns))]
+    slopes = np.stack([_presence(each).imag / 1e-20 for each in stepped], axis=-1)
+    size, lobe = model.arch.latent, model.arch.lobe
+    for row, whole in zip(rows, coated, strict=True):
+        bottom = energy.as_rendered(model, z_bottom[row])
+        jacobian = _blend_slopes(model, bottom, whole, float(share[row]))
+        if energy.are_bare(model, z_bottom[row]):
+            jacobian[:, lobe:size] = 0  # its rest is not rendered
+        of_share = np.outer(jacobian[:, -1], slopes[row])
+        yield int(row), jacobian[:, :size], jacobian[:, size : 2 * size], of_share
+
+
+def _presence(columns: list[np.ndarray]) -> np.ndarray:
+    """`layer.presence` (N,) of the columns of coats."""
+    coat = CoatParameters.of_columns(columns)
+    return presence(coat.alpha, coat.eta, coat.sigma_t)
+
+
+def _blend_slopes(model: Model, a: np.ndarray, b: np.ndarray, share: float) -> np.ndarray:
+    """Derivatives (L, 2 L + 1) of `blend_codes` of codes a and b (L,) by a, b and the share."""
+    size, lobe = len(a), model.arch.lobe
+    result = np.zeros((size, 2 * size + 1))
+    x = np.concatenate([a[:lobe], b[:lobe], [share]]).astype(np.float64)
+    steps = _LOBE_STEP * np.eye(len(x))
+    upper, lower = (
+        blend_lobes(y[:, :lobe], y[:, lobe:-1], y[:, -1]) for y in (x + steps, x - steps)
+    )
+    places = [*range(lobe), *range(size, size + lobe), 2 * size]
+    result[:lobe, places] = (upper - lower).T / (2 * _LOBE_STEP)
+
+    light_a, slope_a = _mean_rest(model, a)
+    light_b, slope_b = _mean_rest(model, b)
+    wanted = (1 - share) * light_a + share * light_b
+    part = share * light_b / wanted
+    light, slope = _mean_rest(model, (1 - part) * a + part * b)
+    of_wanted = np.concatenate([(1 - share) * slope_a, share * slope_b, [light_b - light_a]])
+    of_part = np.concatenate([0 * slope_a, share * slope_b, [light_b]]) - part * of_wanted
+    eye, none = np.eye(size - lobe), np.zeros((size - lobe, 1))
+    rest = np.concatenate([(1 - part) * eye, part * eye, none], axis=-1)
+    rest += np.outer(b[lobe:] - a[lobe:], of_part / wanted)
+    rest[0] += of_wanted / wanted - slope @ rest / light
+    places = [*range(lobe, size), *range(size + lobe, 2 * size + 1)]
+    result[lobe:, places] = rest
+    return result
+
+
+def _mean_rest(model: Model, z: np.ndarray) -> tuple[float, np.ndarray]:
+    """The mean albedo of the rest of a code z (L,) over the angles, and its slope (R,)."""
+    rest, slopes, _, _ = _albedos(model, z.astype(np.float32))
+    mean = np.mean([slopes(angle) for angle in range(len(rest))], axis=0)
+    return max(float(rest.mean()), 1e-30), mean
 
 
 def _log_factor(model: Model, z: np.ndarray, z_bottom: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -71,64 +71,43 @@ def encode_log(params: Params, arch: Architecture, logs: Any) -> tuple[Any, Any]
     return z, product(gradient, params["encoder.0.weight"].T) / params["encoder.input_scale"]
 
 
-def encode_pushforward(params: Params, arch: Architecture, f: Any, df: Any, lobe: Any) -> Any:
-    """Return the change (N, L) of the encoder's codes for a change df (N, P) of f (N, P).
+def encode_pushforward(params: Params, arch: Architecture, rest: Any, drest: Any) -> Any:
+    """Return the change (N, R) of the encoder's numbers for a change drest (N, P) of rest (N, P).
 
-    lobe (N, L): the lobes that were fitted to f. They change with f, and the encoder sees what they
-    leave of it.
+    rest: [1/sr] what the lobe leaves of f at the probe pairs.
     """
-    slopes = fit_slopes(f, lobe, arch.widths)
-    dlobe = (slopes @ df[..., None])[..., 0]
-    top, columns = _top_at_probes(arch, lobe)
-    change = np.where(f >= top, df - (columns * dlobe[..., None]).sum(axis=1), 0)
-    rest = np.maximum(f - top, 0)
-    dz = _encode_pushforward(params, arch, rest, change.astype(f.dtype))
-    return np.concatenate([_all_numbers(arch, dlobe), dz], axis=-1).astype(f.dtype)
-
-
-def encode_pullback(params: Params, arch: Architecture, f: Any, dz: Any, lobe: Any) -> Any:
-    """Return the gradient (N, P) by f (N, P) of the sum of the codes weighted by dz (N, L).
-
-    lobe: as of `encode_pushforward`.
-    """
-    top, columns = _top_at_probes(arch, lobe)
-    of_rest = _encode_pullback(params, arch, np.maximum(f - top, 0), dz[:, arch.lobe :])
-    of_rest = np.where(f >= top, of_rest, 0)
-    of_lobe = dz[:, FITTED[arch.widths]] - (columns @ of_rest[..., None])[..., 0]
-    through = (of_lobe[:, None] @ fit_slopes(f, lobe, arch.widths))[:, 0]
-    return (of_rest + through).astype(f.dtype)
-
-
-def _encode_pushforward(params: Params, arch: Architecture, f: Any, df: Any) -> Any:
-    """The change of `encoder.encode`."""
-    first, factor = _encoder_first(params, f)
-    change = product(df * factor, params["encoder.0.weight"])
+    first, factor = _encoder_first(params, rest)
+    change = product(drest * factor, params["encoder.0.weight"])
     return _pushforward(params, "encoder", first, change, arch.activation)
 
 
-def _encode_pullback(params: Params, arch: Architecture, f: Any, dz: Any) -> Any:
-    """The gradient of `encoder.encode`."""
-    first, factor = _encoder_first(params, f)
+def encode_pullback(params: Params, arch: Architecture, rest: Any, dz: Any) -> Any:
+    """Return the gradient (N, P) by rest (N, P) of the sum of the numbers weighted by dz (N, R)."""
+    first, factor = _encoder_first(params, rest)
     gradient = _pullback(params, "encoder", first, dz, arch.activation)
     return product(gradient, params["encoder.0.weight"].T) * factor
 
 
-def _top_at_probes(arch: Architecture, lobe: Any) -> tuple[Any, Any]:
-    """f (N, P) of lobes (N, L) at the probe pairs, and its derivatives (N, K, P) by `FITTED`."""
+def lobe_pushforward(arch: Architecture, f: Any, df: Any, lobe: Any) -> Any:
+    """Return the change (N, L) of lobes (N, L) fitted to f (N, P) for a change df (N, P)."""
+    change = np.zeros(lobe.shape)
+    change[:, FITTED[arch.widths]] = (fit_slopes(f, lobe, arch.widths) @ df[..., None])[..., 0]
+    return change
+
+
+def lobe_pullback(arch: Architecture, f: Any, dlobe: Any, lobe: Any) -> Any:
+    """Return the gradient (N, P) by f of the sum of the lobes' numbers weighted by dlobe (N, L)."""
+    return (dlobe[:, None, FITTED[arch.widths]] @ fit_slopes(f, lobe, arch.widths))[:, 0]
+
+
+def top_slopes(arch: Architecture, lobe: Any) -> Any:
+    """Derivatives (N, L, P) of f of lobes (N, L) at the probe pairs by their numbers."""
     wi, wo = probe_pairs(arch.probes, arch.widths)
-    columns = []
-    for number in FITTED[arch.widths]:
-        stepped = lobe.astype(np.complex128)
-        stepped[:, number] += _STEP * 1j
-        columns.append(lobes.f(stepped[:, None], wi, wo).imag / _STEP)
-    return lobes.f(lobe[:, None], wi, wo), np.stack(columns, axis=1)
-
-
-def _all_numbers(arch: Architecture, fitted: Any) -> Any:
-    """Changes (N, L) of lobes from those (N, K) of the `FITTED` numbers."""
-    changes = np.zeros((len(fitted), arch.lobe))
-    changes[:, FITTED[arch.widths]] = fitted
-    return changes
+    columns = [
+        lobes.f((lobe + _STEP * 1j * step)[:, None], wi, wo).imag / _STEP
+        for step in np.eye(lobe.shape[-1])
+    ]
+    return np.stack(columns, axis=1)
 
 
 class _LayererInputs(NamedTuple):

@@ -67,8 +67,7 @@ def names(parameters) -> dict[str, str]:
 class Picture:
     """A scene as a function of one of its parameters, with derivatives of a weighted sum of pixels.
 
-    All of the coat's parameters always carry gradients, so that codes are in single precision for
-    finite differences, too.
+    All of the coat's parameters always carry gradients.
     """
 
     def __init__(self, mi, scene, spp=4):
@@ -126,7 +125,8 @@ class Picture:
 def test_backward_and_forward_against_differences(rgb, textured):
     """Under a point light no sample depends on the material: the only error is that of the step.
 
-    At a step of 0.01 the third derivative of glossy materials adds some tenths of a per cent.
+    At a step of 0.01 the third derivative of glossy materials adds some tenths of a per cent, and
+    the numbers of packed codes, of which differences are taken, one per cent.
     """
     picture = Picture(rgb, load(rgb, coat(rgb, textured)))
     backward = picture.backward()
@@ -135,19 +135,19 @@ def test_backward_and_forward_against_differences(rgb, textured):
     for name in ("albedo", "sigma_t", "bottom.alpha") if textured else backward:
         expected = picture.difference(name, 0.01)
         gradient = backward[name].sum()
-        assert gradient == pytest.approx(expected, rel=0.01, abs=0.01 * scale), name
+        assert gradient == pytest.approx(expected, rel=0.02, abs=0.01 * scale), name
     for name in ("albedo", "bottom.alpha"):
         assert picture.forward(name) == pytest.approx(backward[name].sum(), rel=1e-3)
 
 
 def test_gradients_of_single_texels(rgb):
-    """The change has another sign in each texel."""
+    """The change has another sign in each texel. Packed codes are too coarse for small steps."""
     picture = Picture(rgb, load(rgb, coat(rgb, textured=True)))
     gradient = picture.backward()["albedo"]
     sign = np.random.default_rng(3).choice([-1, 1], size=gradient.shape).astype(np.float32)
-    expected = picture.difference("albedo", 0.01, sign=rgb.TensorXf(sign))
+    expected = picture.difference("albedo", 0.03, sign=rgb.TensorXf(sign))
     scale = float(np.abs(gradient).sum())
-    assert (gradient * sign).sum() == pytest.approx(expected, rel=0.01, abs=1e-3 * scale)
+    assert (gradient * sign).sum() == pytest.approx(expected, rel=0.02, abs=5e-3 * scale)
 
 
 @pytest.mark.parametrize("integrator", ("prb", "direct"))
@@ -173,8 +173,9 @@ def test_through_a_nested_coat_with_textured_bottom(rgb):
     picture = Picture(rgb, load(rgb, coat(rgb, bottom=inner)))
     backward = picture.backward()
     for name in ("bottom.bottom.alpha", "bottom.albedo", "alpha"):
-        expected = picture.difference(name, 0.01)
-        assert backward[name].sum() == pytest.approx(expected, rel=0.02), name
+        expected = picture.difference(name, 0.03)
+        # Differences are of codes that are packed twice.
+        assert backward[name].sum() == pytest.approx(expected, rel=0.1), name
 
 
 def test_a_stochastic_bottom_has_no_gradient_but_its_coat_does(rgb, monkeypatch):
@@ -194,7 +195,8 @@ def test_saved_materials_have_gradients_of_their_codes(rgb, tmp_path):
     from urushi.material import encode
 
     path = tmp_path / "copper.safetensors"
-    encode(rgb.load_dict({"type": "roughconductor", "material": "Cu"}), WEIGHTS).save(path)
+    metal = rgb.load_dict({"type": "roughconductor", "material": "Cu"})
+    encode(metal, WEIGHTS, table=False).save(path)
     bsdf = {"type": "neural_brdf", "filename": str(path), "weights": WEIGHTS}
     scene = load(rgb, bsdf)
     parameters = rgb.traverse(scene)
@@ -209,7 +211,8 @@ def test_saved_materials_have_gradients_of_their_codes(rgb, tmp_path):
     floor = load(rgb, {"type": "diffuse", "reflectance": 0})
     seed = rgb.sample_tea_32(0, 1)[0]
     light = [rgb.render(s, spp=4, seed=seed).numpy().sum(axis=(0, 1)) for s in (scene, floor)]
-    np.testing.assert_allclose(gain, light[0] - light[1], rtol=1e-3)
+    # Light is that of the table of the rest, whose error is below 1 %.
+    np.testing.assert_allclose(gain, light[0] - light[1], rtol=1e-2)
 
 
 def test_directions_are_drawn_without_gradients(rgb):
@@ -237,17 +240,15 @@ def test_directions_are_drawn_without_gradients(rgb):
 
 
 @pytest.mark.parametrize("textured", (False, True))
-def test_pictures_are_the_same_bits_before_and_after(rgb, textured):
-    """Without gradients the bits stay the same; with gradients the picture is nearly the same."""
+def test_pictures_have_the_same_bits_with_gradients(rgb, textured):
+    """With gradients, and once they are disabled again."""
     scene = load(rgb, coat(rgb, textured))
     before = rgb.render(scene, spp=4).numpy()
     parameters = rgb.traverse(scene)
     key = "object.bsdf.alpha.value"
     dr.enable_grad(parameters[key])
     parameters.update()
-    # Half precision of a texture's codes is an error of 5e-4 of their size. A constant material has
-    # a table, whose error is below 1 % at most pairs (`tests.material.test_table`).
-    np.testing.assert_allclose(rgb.render(scene, spp=4), before, rtol=2e-2)
+    np.testing.assert_array_equal(rgb.render(scene, spp=4), before)
     dr.disable_grad(parameters[key])
     parameters.set_dirty(key)
     parameters.update()

@@ -1,5 +1,7 @@
 """Gradients through the analytic lobe in Dr.Jit, against complex steps of the NumPy networks."""
 
+from types import SimpleNamespace
+
 import drjit as dr
 import numpy as np
 import pytest
@@ -55,7 +57,8 @@ def slopes(model, codes, wi, wo):
 @pytest.mark.parametrize("name", LOBES)
 def test_f_has_the_gradients_of_all_numbers(rgb, model, name, textured):
     """Single precision of lobes of width 0.1, summed over 400 pairs: 1e-3."""
-    from urushi.render.latents.holders import DifferentiableConstant, DifferentiableTexture
+    from urushi.render.latents.differentiable import DifferentiableLatents
+    from urushi.render.latents.holders import ConstantLatents
     from urushi.textures.grid import IDENTITY, TexelGrid
 
     rest = np.random.default_rng(1).normal(size=(3, ARCH.latent - 6))
@@ -70,14 +73,18 @@ def test_f_has_the_gradients_of_all_numbers(rgb, model, name, textured):
         repeated = rgb.TensorXf(
             dr.gather(rgb.Float, tensor.array, dr.arange(rgb.UInt32, 144) % 36), (2, 2, 3, 12)
         )
-        held = DifferentiableTexture(model, repeated, TexelGrid(2, 2, IDENTITY, "repeat", False))
+        grid = TexelGrid(2, 2, IDENTITY, "repeat", False)
+        black = SimpleNamespace(grid=grid, channels=3, f=lambda *_: [rgb.Float(0)] * 3)
+        held = DifferentiableLatents(model, black, repeated)
     else:
-        held = DifferentiableConstant(model, tensor)
+        plain = ConstantLatents(model, codes.astype(np.float32))
+        held = DifferentiableLatents(model, plain, tensor)
     si = dr.zeros(rgb.SurfaceInteraction3f, len(wi))
     si.wi = rgb.Vector3f(wi.T.astype(np.float32))
     si.uv = rgb.Point2f(0.3, 0.6)
     out = rgb.Vector3f(wo.T.astype(np.float32))
-    channels = held.f(held.vertex(si, rgb.Bool(True)), si, out, rgb.Bool(True))
+    vertex = None if textured else held.vertex(si, rgb.Bool(True))
+    channels = held.f(vertex, si, out, rgb.Bool(True))
     weights = np.random.default_rng(3).uniform(0.5, 1.5, (3, len(wi)))
     total = sum(
         dr.sum(f * rgb.Float(w.astype(np.float32))) for f, w in zip(channels, weights, strict=True)

@@ -33,7 +33,12 @@ PROGRESS_DELAY = 3.0
 
 
 class Baker:
-    """The codes of a coat over a bottom; `update` computes them, and again after a change."""
+    """The codes of a coat over a bottom; `update` computes them, and again after a change.
+
+    Attributes:
+        model: the networks.
+        bottom: the codes of the bottom.
+    """
 
     def __init__(
         self,
@@ -48,9 +53,9 @@ class Baker:
         resolution: texels per side of a latent texture, 0 to choose.
         mipmaps: whether a latent texture has a mip pyramid.
         """
-        self._model, self._coat, self._bottom = model, coat, bottom
+        self.model, self._coat, self._bottom = model, coat, bottom
         self._resolution, self._mipmaps = resolution, mipmaps
-        self._codes = BottomCodes(model, bottom, coat.where)
+        self.bottom = BottomCodes(model, bottom, coat.where)
         self._grid: TexelGrid | None = None
         self._texture: BakedTexture | None = None
         self._left: set[str] = set()  # trained ranges that the coat leaves
@@ -73,37 +78,37 @@ class Baker:
 
     def _updated(self, bottom_changed: bool) -> ConstantLatents | TexturedLatents:
         """`update` without its warnings."""
-        grid = choose_grid(self._coat, self._bottom, self._model, self._resolution)
+        grid = choose_grid(self._coat, self._bottom, self.model, self._resolution)
         if grid != self._grid:
             self._texture = None
         opened = bottom_changed or grid != self._grid or (grid and not self._texture)
         if opened:
-            self._codes.open(grid)
+            self.bottom.open(grid)
         self._grid = grid
         if grid is None:
             coat = CoatParameters(**self._coat.layering(np.full((1, 2), 0.5)))
             columns = [column[0] for column in coat.columns()]
-            bottom = self._codes.material
+            bottom = self.bottom.material
             assert bottom is not None  # for the type checker
             if bottom.table is None:
                 self._left = checks.outside_training(coat)
             return ConstantLatents.of(layer_material(CoatParameters.of_columns(columns), bottom))
         key = self._key(grid) if self._texture is None and cache.folder() else None
-        kept = cache.read(key, self._model) if key else None
+        kept = cache.read(key, self.model) if key else None
         if kept is not None:
-            return TexturedLatents(self._model, kept[0], grid)
+            return TexturedLatents(self.model, kept[0], grid)
         channels = spectrum.channel_count()
-        texture = self._texture or BakedTexture(self._model, grid, channels, self._mipmaps)
+        texture = self._texture or BakedTexture(self.model, grid, channels, self._mipmaps)
         dr.sync_thread()  # kernels may still read what is overwritten here
         with self._progress(grid) as bar:
             if opened:
-                self._codes.bake(bar.update)
-            source = coat_source(self._model, partial(self._parameters, grid), self._codes.source)
+                self.bottom.bake(bar.update)
+            source = coat_source(self.model, partial(self._parameters, grid), self.bottom.source)
             texture.update(source, bar.update)
         if key:
-            cache.write(key, texture.store, grid, self._model)
+            cache.write(key, texture.store, grid, self.model)
         self._texture = texture
-        return TexturedLatents(self._model, texture.store, grid)
+        return TexturedLatents(self.model, texture.store, grid)
 
     def _parameters(self, grid: TexelGrid, start: int, stop: int) -> dict[str, Any]:
         """The arguments of `layer_texels` at a range of texels, or at one if they do not vary."""
@@ -114,20 +119,20 @@ class Baker:
 
     def _key(self, grid: TexelGrid) -> str:
         """The key of the texture in the cache."""
-        settings = mi.__version__, mi.variant(), self._model.fingerprint, grid, self._mipmaps
+        settings = mi.__version__, mi.variant(), self.model.fingerprint, grid, self._mipmaps
 
         def contents() -> Iterator[np.ndarray]:
             for start in range(0, grid.texels, TEXEL_BLOCK):
                 stop = min(start + TEXEL_BLOCK, grid.texels)
                 yield from CoatParameters(**self._parameters(grid, start, stop)).columns()
-                yield self._codes.content(start, stop)
+                yield self.bottom.content(start, stop)
 
         return cache.key(str(settings), contents())
 
     def _progress(self, grid: TexelGrid) -> tqdm:
         """A progress bar on stderr, in files too, of a baking that takes longer than a moment."""
         return tqdm(
-            total=grid.texels * (1 + self._codes.stored),
+            total=grid.texels * (1 + self.bottom.stored),
             desc=f"{self._coat.where}: {grid.width} x {grid.height} texels are baked (a lower "
             "'resolution' is faster)",
             unit=" texels",

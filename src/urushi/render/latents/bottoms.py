@@ -152,6 +152,7 @@ def nested_latents(bottom: "mi.BSDF", model: Model):
         return None
     if nested.channels != spectrum.channel_count():
         return None
+    nested = getattr(nested, "plain", nested)  # without gradients
     return getattr(nested, "anchors", nested)
 
 

@@ -1,9 +1,9 @@
 """Baking with gradients: latent codes that are differentiable in the parameters of a scene.
 
-Where a parameter of a coat or of its bottom carries a gradient, `bake` replaces `baking.Baker`. The
-bottom's values at the probe pairs, or the parameters of a bare surface, are differentiated by
-Dr.Jit. Encoder and layerer are custom operations of Dr.Jit, whose values and derivatives NumPy
-computes (`material.gradients`).
+Where a parameter of a coat or of its bottom carries a gradient, `bake` adds codes with derivatives
+to those of `baking.Baker`. The bottom's values at the probe pairs, or the parameters of a surface
+that is known by them, are differentiated by Dr.Jit. Encoder and layerer are custom operations of
+Dr.Jit, whose derivatives NumPy computes (`material.gradients`).
 """
 
 from collections.abc import Sequence
@@ -12,22 +12,22 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi import checks
 from urushi.checks import CoatParameters, Widths
 from urushi.material import gradients
-from urushi.material.encode import limited_codes
 from urushi.material.layer import layer_texels, within_training
+from urushi.nets.lobe import no_lobe
 from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
 from urushi.render import spectrum
 from urushi.render.latents import lookup
-from urushi.render.latents.baking import choose_grid
-from urushi.render.latents.bottoms import PROBED_TEXELS, BottomCodes
-from urushi.render.latents.holders import DifferentiableConstant, DifferentiableTexture
+from urushi.render.latents.baking import Baker
+from urushi.render.latents.bottoms import PROBED_TEXELS
+from urushi.render.latents.differentiable import DifferentiableLatents
+from urushi.render.latents.holders import ConstantLatents, TexturedLatents
 from urushi.render.reading import probing
 from urushi.render.reading.grid import varying_textures
 from urushi.render.reading.parameters import CoatTextures
-from urushi.render.reading.surfaces import KnownSurface, known_surface
+from urushi.render.reading.surfaces import known_surface
 from urushi.textures.grid import IDENTITY, TexelGrid
 
 #: For each channel a list of Dr.Jit floats, each with one entry per point, or one for all points.
@@ -49,18 +49,20 @@ def wanted(bsdf: "mi.BSDF") -> bool:
 
 
 def bake(
-    model: Model, coat: CoatTextures, bottom: "mi.BSDF", resolution: int
-) -> DifferentiableConstant | DifferentiableTexture:
-    """`baking.Baker.update` with codes that are differentiable in the parameters.
+    baker: Baker,
+    coat: CoatTextures,
+    bottom: "mi.BSDF",
+    plain: ConstantLatents | TexturedLatents,
+) -> DifferentiableLatents:
+    """Add codes that are differentiable in the parameters to the latents of `baker.update`.
 
     Raises:
-        ParameterError: as for `baking.Baker.update`, or the networks have no derivatives.
+        ParameterError: the networks have no derivatives.
     """
+    model, grid = baker.model, plain.grid
     gradients.check_differentiable(model, coat.where)
-    grid = choose_grid(coat, bottom, model, resolution)
     uv = grid.uv() if grid else np.full((1, 2), 0.5)
     table = coat.layering(uv)
-    checks.warn_of_training(checks.outside_training(CoatParameters(**table)), f"{coat.where}:")
     si = probing.interaction(np.tile([0.0, 0.0, 1.0], (len(uv), 1)), uv)
     evaluated = coat.evaluate(si, mi.Bool(True))
     if model.widths == 2 and not isinstance(evaluated.alpha, Widths):
@@ -69,56 +71,50 @@ def bake(
         [value] if dr.depth_v(value) == 1 else spectrum.to_channels(value)
         for value in evaluated.columns()
     ]
-    z_bottom = _bottom_codes(model, coat.where, bottom, uv, grid)
-    codes = layer(model, table, z_bottom, parameters)
-    if grid is None:
-        return DifferentiableConstant(model, codes)
-    shape = grid.height, grid.width, *codes.shape[1:]
-    return DifferentiableTexture(model, mi.TensorXf(codes.array, shape), grid)
+    codes = layer(model, table, _bottom_codes(baker, coat.where, bottom, uv, grid), parameters)
+    if grid is not None:
+        codes = mi.TensorXf(codes.array, (grid.height, grid.width, *codes.shape[1:]))
+    return DifferentiableLatents(model, plain, codes)
 
 
 def _bottom_codes(
-    model: Model, where: str, bottom: "mi.BSDF", uv: np.ndarray, grid: TexelGrid | None
+    baker: Baker, where: str, bottom: "mi.BSDF", uv: np.ndarray, grid: TexelGrid | None
 ) -> Columns:
     """The bottom's codes at points uv (M, 2), or one code if it is the same everywhere."""
-    nested = getattr(bottom, "latents", None)
+    model, nested = baker.model, getattr(bottom, "latents", None)
     same_networks = nested is not None and bottom.model.fingerprint == model.fingerprint
-    if same_networks and isinstance(nested, DifferentiableConstant | DifferentiableTexture):
+    if same_networks and isinstance(nested, DifferentiableLatents):
         point = mi.Point2f(np.ascontiguousarray(uv.T, np.float32))
         return nested.codes(point, mi.Vector3f(0, 0, 1))
-    surface = known_surface(bottom)
-    known = surface is not None and surface.bare and surface.widths <= model.widths
-    if known and wanted(bottom):
-        assert surface is not None  # for the type checker
-        return _bare_codes(model, where, surface, uv if varying_textures(bottom) else uv[:1])
-    wi, wo = model.networks.pairs()
-    if not wanted(bottom) or probing.needed_repeats(bottom, wi, wo, len(uv)) > 1:
-        with dr.suspend_grad():  # a random walk's loop cannot be differentiated
-            codes = BottomCodes(model, bottom, where)
-            codes.open(grid)
-            codes.bake()
-            return columns(codes.read(0, len(uv)))
-    if grid is None or not varying_textures(bottom):
+    if grid is None or (nested is None and not varying_textures(bottom)):
         grid, uv = MIDDLE, MIDDLE.uv()
+    wi, wo = model.networks.pairs()
+    fixed = not wanted(bottom)
+    with dr.suspend_grad():
+        baker.bottom.bake()  # the coat's texture may come from the disk
+        plain = baker.bottom.read(0, len(uv))
+        # A random walk's loop cannot be differentiated.
+        if fixed or probing.needed_repeats(bottom, wi, wo, len(uv)) > 1:
+            return columns(plain)
+    surface, lobes = known_surface(bottom), []
+    if surface is not None and not surface.bare:
+        lobes = [[mi.Float(x) for x in no_lobe(model.widths)]] * spectrum.channel_count()
+    elif surface is not None:
+        lobes = surface.lobes(uv)
+    elif method := getattr(bottom, "lobes", None):
+        lobes = method(probing.interaction(np.tile([0.0, 0.0, 1.0], (len(uv), 1)), uv)) or []
+    if lobes and len(lobes[0]) > model.arch.lobe:
+        lobes = []  # the average over the azimuth is fitted
+    lobes = [[*lobe, *lobe[: model.arch.lobe - len(lobe)]] for lobe in lobes]
+    if lobes and (surface.bare if surface is not None else getattr(bottom, "bare", False)):
+        assert isinstance(model.networks, UrushiNetworks)  # for the type checker
+        rest = [mi.Float(float(value)) for value in model.networks.empty_rest()]
+        return [[*lobe, *rest] for lobe in lobes]
     with dr.suspend_grad():
         average = probing.needed_averaging(bottom, wi, wo, grid, where, model.widths)
     starts = range(0, len(uv), PROBED_TEXELS)
     parts = [_probed(bottom, wi, wo, uv[i : i + PROBED_TEXELS], average) for i in starts]
-    return encode(model, where, parts)
-
-
-def _bare_codes(model: Model, where: str, surface: KnownSurface, uv: np.ndarray) -> Columns:
-    """`bottoms` of a surface that is its lobe alone, with the gradients of its parameters."""
-    assert isinstance(model.networks, UrushiNetworks)  # for the type checker
-    rest = [mi.Float(float(value)) for value in model.networks.empty_rest()]
-    size = model.arch.lobe
-    codes = []
-    for lobe in surface.lobes(uv):
-        across = [dr.minimum(value, 1) for value in (lobe[6:] or lobe[:1])]
-        bounded = [*(dr.minimum(value, 1) for value in lobe[:4]), *lobe[4:6], *across]
-        codes.append([*bounded[:size], *rest])
-    probing.check_values(rows([lobe[:size] for lobe in codes], len(uv)), where)
-    return codes
+    return encode(model, parts, lobes, plain)
 
 
 def _probed(
@@ -139,16 +135,14 @@ def _probed(
     return [value / (len(averaged) * (1 + average.exchanged)) for value in total]
 
 
-def encode(model: Model, where: str, parts: Sequence[Sequence]) -> Columns:
-    """`material.encode.limited_codes`, differentiable in f: codes, L columns per channel.
+def encode(model: Model, parts: Sequence[Sequence], lobes: Columns, anchors: np.ndarray) -> Columns:
+    """Anchors of a bottom, differentiable in its values and lobes: L columns per channel.
 
     parts: groups of points; for each group and channel f (M * P) [1/sr] at the probe pairs.
-    where: begins errors.
-
-    Raises:
-        ParameterError: f is negative or not finite.
+    lobes: the lobes of each channel if they are known; empty: they are fitted to the values.
+    anchors: (M or 1, C, L) as they are without gradients, see `gradients.linearised`.
     """
-    return dr.custom(_Encode, model, where, list(parts))
+    return dr.custom(_Encode, model, list(parts), lobes, anchors)
 
 
 def layer(
@@ -180,24 +174,30 @@ def rows(columns: Columns, points: int = 1) -> np.ndarray:
 
 
 class _Encode(dr.CustomOp):
-    def eval(self, model, where, parts):
+    def eval(self, model, parts, lobes, anchors):
         self._model, self._pairs = model, len(model.networks.pairs()[0])
         self._points = [len(part[0]) // self._pairs for part in parts]
-        self._f = probing.check_values(self._joined(parts), where)
-        self._z = limited_codes(model, self._f)
-        return columns(self._z)
+        f, self._fitted = self._joined(parts), not lobes
+        anchors = np.broadcast_to(anchors, (*f.shape[:2], anchors.shape[-1]))
+        self._shape, self._f = anchors.shape, _flat(f)
+        self._z = gradients.linearised(model, self._f, _flat(anchors))
+        return columns(self._z.reshape(self._shape))
 
     def forward(self):
-        df = self._joined(self.grad_in("parts"))
-        dz = gradients.encode_pushforward(self._model, *map(_flat, (self._f, self._z, df)))
-        self.set_grad_out(columns(dz.reshape(self._z.shape)))
+        df, dlobe = _flat(self._joined(self.grad_in("parts"))), None
+        if not self._fitted:
+            dlobe = _flat(rows(self.grad_in("lobes"), self._shape[0]))
+        dz = gradients.encode_pushforward(self._model, self._f, self._z, df, dlobe)
+        self.set_grad_out(columns(dz.reshape(self._shape)))
 
     def backward(self):
-        dz = rows(self.grad_out(), len(self._z))
-        df = gradients.encode_pullback(self._model, *map(_flat, (self._f, self._z, dz)))
-        parts = np.split(df.reshape(self._f.shape), np.cumsum(self._points)[:-1])
+        dz = _flat(rows(self.grad_out(), self._shape[0]))
+        df, dlobe = gradients.encode_pullback(self._model, self._f, self._z, dz, self._fitted)
+        parts = np.split(df.reshape(*self._shape[:2], -1), np.cumsum(self._points)[:-1])
         channels = [np.moveaxis(part, 1, 0).reshape(part.shape[1], -1) for part in parts]
         self.set_grad_in("parts", [[mi.Float(f) for f in part] for part in channels])
+        if not self._fitted:
+            self.set_grad_in("lobes", columns(dlobe.reshape(*self._shape[:2], -1)))
 
     def _joined(self, parts):
         """The values (M, C, P) of all parts."""

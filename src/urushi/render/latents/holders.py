@@ -1,10 +1,7 @@
-"""The latent codes of a plugin: one per channel or a texture of them, with or without gradients.
+"""The latent codes of a plugin: one per channel or a texture of them.
 
-All four classes have three operations: `vertex` computes what evaluating and sampling at a surface
+Both classes have three operations: `vertex` computes what evaluating and sampling at a surface
 interaction share, `f` evaluates every channel there, and `f_and_pdf` the proposal's density too.
-
-Only f is differentiated with respect to codes. Proposals depend on detached codes: as in all of
-Mitsuba's differentiable integrators, samples are fixed while the integrand changes.
 """
 
 import os
@@ -23,9 +20,7 @@ from urushi.nets.weights import Model
 from urushi.render.latents.lookup import (
     LatentTexture,
     are_constant,
-    drawn_texel,
     owned,
-    texel_draw,
 )
 from urushi.render.networks.lobe import ANY_LOBE, NO_LOBE, LobeKind, kind_of
 from urushi.render.networks.protocols import Decoder, Proposal, decoder_and_sampler
@@ -85,17 +80,12 @@ class ConstantLatents:
         self._tables = []
         if isinstance(model.networks, UrushiNetworks):
             self._decoder = TabulatedDecoder(kind)
-            table = self._rest(model.networks, latents) if table is None else table
+            table = rest_table(model.networks, latents) if table is None else table
             self._tables = [] if table is None else [owned(mi.Float, padded(table))]
         self._signature = signature([*map(int, kind), len(self._tables), int(len(latents) == 1)])
         self._decoder_terms = [_opaque(terms) for terms in self._decoder.code_terms(latents)]
         mean = self._material.anchors.mean(axis=0)
         self._proposals = [owned(mi.Float, x) for x in self._sampler.tabulated(mean)]
-
-    @staticmethod
-    def _rest(networks: UrushiNetworks, latents: np.ndarray) -> np.ndarray | None:
-        """The table of the rests of codes (C, size)."""
-        return rest_table(networks, latents)
 
     @classmethod
     def of(cls, material: Material) -> "ConstantLatents":
@@ -267,11 +257,6 @@ def kind_of_codes(model: Model, codes: np.ndarray) -> LobeKind:
     return kind_of(lobes.min(axis=(0, 1)), lobes.max(axis=(0, 1)), same)
 
 
-def _any_lobe(model: Model) -> LobeKind:
-    """A kind of which nothing is known but the number of widths."""
-    return ANY_LOBE._replace(widths=model.widths)
-
-
 def kind_of_store(model: Model, store: TextureStore) -> LobeKind:
     """What is known of the lobes of a texture; codes of other systems have none."""
     if not isinstance(model.networks, UrushiNetworks):
@@ -297,95 +282,3 @@ def _opaque(values: np.ndarray) -> list:
     scalars = [mi.Float(float(value)) for value in values]
     dr.make_opaque(scalars)
     return scalars
-
-
-class DifferentiableConstant(ConstantLatents):
-    """One code per channel that carries gradients.
-
-    The decoder's terms of the codes are computed at every evaluation. There are four times as many
-    terms as numbers in a code, and each would accumulate its gradient from all evaluations.
-    """
-
-    DRJIT_STRUCT: ClassVar[dict] = ConstantLatents.DRJIT_STRUCT | {"_numbers": object}
-
-    def __init__(self, model: Model, latents: "mi.TensorXf"):
-        """latents: (C, size) or (1, C, size)."""
-        channels, self._size = latents.shape[-2:]
-        super().__init__(model, dr.detach(latents).numpy().reshape(channels, self._size))
-        # Numbers that vanish or that channels share have gradients of their own.
-        self._differentiable, _ = decoder_and_sampler(model, _any_lobe(model))
-        self.tensor = latents
-        self._numbers = latents.array
-        dr.make_opaque(self._numbers)
-
-    @staticmethod
-    def _rest(networks: UrushiNetworks, latents: np.ndarray) -> None:
-        """No table: f is the decoder's."""
-
-    def f(self, vertex: Vertex, si, wo, active) -> list:
-        """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
-        return self._differentiable.f(self.codes(si.uv, si.wi), si.wi, wo)
-
-    def f_and_pdf(self, vertex: Vertex, si, wo, active) -> tuple[list, Any]:
-        """`f`, and the density of the proposal [1/sr]."""
-        return self.f(vertex, si, wo, active), vertex.proposal.pdf(si.wi, wo)
-
-    def codes(self, uv: "mi.Point2f", wi: "mi.Vector3f") -> list[list]:
-        """Codes with gradients: of each channel a list (size) of Dr.Jit floats."""
-        # Gathered at every call: an argument of a nested call must be the result of an operation in
-        # the outer call, or Dr.Jit loses its gradient.
-        numbers = [dr.gather(mi.Float, self._numbers, i) for i in range(len(self._numbers))]
-        return [numbers[i : i + self._size] for i in range(0, len(numbers), self._size)]
-
-
-class DifferentiableTexture:
-    """A texture of codes that carry gradients, in single precision."""
-
-    DRJIT_STRUCT: ClassVar = {"tensor": object}  # for frozen functions
-
-    def __init__(self, model: Model, latents: "mi.TensorXf", grid: TexelGrid):
-        """latents: (height, width, C, size), of the grid's texels."""
-        height, width, self.channels, self._size = latents.shape
-        self._kind = _any_lobe(model)
-        self._decoder, self._sampler = decoder_and_sampler(model, self._kind)
-        self.grid = grid
-        self.tensor = mi.TensorXf(latents.array, (height, width, self.channels * self._size))
-
-    def f(self, vertex: Vertex, si, wo, active) -> list:
-        """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
-        return self._decoder.f(self.codes(si.uv, si.wi), si.wi, wo)
-
-    def f_and_pdf(self, vertex: Vertex, si, wo, active) -> tuple[list, Any]:
-        """`f`, and the density of the proposal [1/sr]."""
-        return self.f(vertex, si, wo, active), vertex.proposal.pdf(si.wi, wo)
-
-    def vertex(self, si, active) -> Vertex:
-        """The proposal for si.wi, without gradients of the codes."""
-        with dr.suspend_grad():
-            latents = self.codes(si.uv, si.wi)
-        return Vertex([], self._sampler.proposal(self._kind.mean(latents), si.wi))
-
-    def at(self, uv: np.ndarray) -> np.ndarray:
-        """Detached codes (M, C, size) at points uv (M, 2)."""
-        with dr.suspend_grad():
-            return looked_up(self.codes, uv)
-
-    def codes(self, uv: "mi.Point2f", wi: "mi.Vector3f") -> list[list]:
-        """Codes with gradients at points uv, drawn as in `lookup`: a list (size) per channel."""
-        (a, b, c), (d, e, f) = self.grid.to_texture
-        point = a * uv.x + b * uv.y + c, d * uv.x + e * uv.y + f
-        sizes = mi.Int32(self.grid.width), mi.Int32(self.grid.height)
-        texel = drawn_texel(point, sizes, self.grid, texel_draw(uv, wi))
-        count = self.channels * self._size
-        values = [dr.gather(mi.Float, self.tensor.array, texel * count + i) for i in range(count)]
-        starts = range(0, count, self._size)
-        return [values[i : i + self._size] for i in starts]
-
-    @property
-    def resolution(self) -> tuple[int, int]:
-        """Width and height of the texture."""
-        return self.grid.width, self.grid.height
-
-    def __str__(self) -> str:
-        width, height = self.resolution
-        return f"{width} x {height} texels of {self.channels} x {self._size}"

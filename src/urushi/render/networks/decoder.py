@@ -91,7 +91,7 @@ def direction_features(wi, wo, widths: int = 1):
     opposite2 = opposite * opposite
     columns = [
         dr.log(across / (z * z) + 1e-6),
-        dr.sqrt(dr.sqrt(across / squared)),
+        dr.safe_sqrt(dr.safe_sqrt(across / squared)),
         z / length,
         cos_d,
         opposite2 * opposite2 * opposite,

@@ -87,9 +87,10 @@ def _coordinates(wi, wo) -> tuple:
     u = (dr.log(across / z2 + TAN2_OFFSET) - LOWEST) * (1 / (HIGHEST - LOWEST))
     cos_d = dr.minimum(0.5 * dr.sqrt(squared), 1)
     sin2 = (1 - cos_d) * (1 + cos_d)
-    reach = dr.maximum(dr.minimum(0.5 * z, dr.sqrt(across / squared * sin2)), 1e-9)
+    # Roots that reach zero have finite derivatives if they are safe ones.
+    reach = dr.maximum(dr.minimum(0.5 * z, dr.safe_sqrt(across / squared * sin2)), 1e-9)
     size = dr.clip(0.5 * dr.abs(wi.z - wo.z) / reach, 0, 1)
-    return u, dr.sqrt(1 - cos_d), 1 - dr.sqrt(1 - size)
+    return u, dr.safe_sqrt(1 - cos_d), 1 - dr.safe_sqrt(1 - size)
 
 
 def _anisotropic_coordinates(wi, wo) -> tuple:
@@ -107,4 +108,4 @@ def _anisotropic_coordinates(wi, wo) -> tuple:
     size_x, size_y = dr.abs(dx), dr.abs(dy)
     turned = 0.5 * size_y / dr.maximum(size_x + size_y, 1e-12)
     angle = dr.select((x * y) * (dx * dy) < 0, 1 - turned, turned)
-    return along, across, dr.sqrt(1 - cos_d), angle
+    return along, across, dr.safe_sqrt(1 - cos_d), angle

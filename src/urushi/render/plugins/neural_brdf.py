@@ -2,12 +2,14 @@
 
 import drjit as dr
 import mitsuba as mi
+import numpy as np
 
 from urushi import files
 from urushi.errors import ParameterError
-from urushi.material import load
+from urushi.material import Material, load
 from urushi.render.latents import lookup
-from urushi.render.latents.holders import ConstantLatents, DifferentiableConstant, TexturedLatents
+from urushi.render.latents.differentiable import DifferentiableLatents
+from urushi.render.latents.holders import ConstantLatents, TexturedLatents
 from urushi.render.plugins.base import read_weights, resolve
 from urushi.render.plugins.coats import Turn
 from urushi.render.reading.parameters import Rotation
@@ -57,7 +59,7 @@ def define(base: type) -> type:
         After Fan, Wang, Hašan, Yang and Yan, Neural Layered BRDFs, SIGGRAPH 2022.
         """
 
-        latents: ConstantLatents | TexturedLatents
+        latents: ConstantLatents | TexturedLatents | DifferentiableLatents
 
         def __init__(self, props):
             super().__init__(props)
@@ -74,7 +76,7 @@ def define(base: type) -> type:
                 store, grid, self.model = file.read(path, model)
                 self.latents = TexturedLatents(self.model, store, grid)
             else:
-                material = load(path, model)
+                self._material = material = load(path, model)
                 self.model, angle = material.model, material.rotation
                 codes = lookup.owned(mi.Float, material.latents)
                 self._tensor = mi.TensorXf(codes, material.latents.shape)
@@ -99,10 +101,12 @@ def define(base: type) -> type:
         def _update(self, keys):
             if self._tensor is None:
                 return
+            codes = self._tensor.numpy()
+            if not np.array_equal(codes, self._material.latents):
+                self._material = Material(codes, self.model)
+            self.latents = ConstantLatents.of(self._material)
             if dr.grad_enabled(self._tensor):
-                self.latents = DifferentiableConstant(self.model, self._tensor)
-            else:
-                self.latents = ConstantLatents(self.model, self._tensor.numpy())
+                self.latents = DifferentiableLatents(self.model, self.latents, self._tensor)
 
         def to_string(self):
             return (

@@ -1,12 +1,14 @@
 """The plugin `neural_layered`: a coat over any BSDF, layered in the latent space."""
 
+import drjit as dr
 import mitsuba as mi
 
 from urushi.errors import ParameterError
 from urushi.nets.weights import Model, anisotropic_model, default_model
 from urushi.render.latents import gradients
 from urushi.render.latents.baking import Baker
-from urushi.render.latents.holders import ConstantLatents, DifferentiableTexture, TexturedLatents
+from urushi.render.latents.differentiable import DifferentiableLatents
+from urushi.render.latents.holders import ConstantLatents, TexturedLatents
 from urushi.render.plugins.base import ignore, read_weights
 from urushi.render.plugins.coats import Turn
 from urushi.render.reading.bsdf import has_two_widths
@@ -110,7 +112,7 @@ def define(base: type) -> type:
         """
 
         model: Model
-        latents: ConstantLatents | TexturedLatents | DifferentiableTexture
+        latents: ConstantLatents | TexturedLatents | DifferentiableLatents
         _baker: Baker | None
 
         def __init__(self, props):
@@ -129,7 +131,6 @@ def define(base: type) -> type:
             self._mipmaps = bool(props.get("mipmaps", False))
             ignore(props, "estimator")
             self._baker = None
-            self._baked = False  # whether the baker has the present bottom
             self._differentiable = mi.TensorXf()  # codes with gradients, for integrators
             self._bake()
             self._kept.keep(self)
@@ -145,20 +146,15 @@ def define(base: type) -> type:
                 self.model = model
                 settings = self._resolution, self._mipmaps
                 self._baker = Baker(self.model, self._coat, self._bottom, *settings)
-                self._baked = False
 
         def _bake(self, bottom_changed=True):
             if bottom_changed:
                 self._choose_networks()
+            assert self._baker is not None  # for the type checker
+            with dr.suspend_grad():
+                self.latents = self._baker.update(bottom_changed)
             if gradients.wanted(self):
-                self.latents = gradients.bake(
-                    self.model, self._coat, self._bottom, self._resolution
-                )
-                self._baked = False
-            else:
-                assert self._baker is not None  # for the type checker
-                self.latents = self._baker.update(bottom_changed or not self._baked)
-                self._baked = True
+                self.latents = gradients.bake(self._baker, self._coat, self._bottom, self.latents)
             mi.set_property(self._differentiable, getattr(self.latents, "tensor", mi.TensorXf()))
 
         def save(self, path):
@@ -173,7 +169,7 @@ def define(base: type) -> type:
                 super().save(path)
                 return
             angle = self._coat.constant_rotation
-            if angle is None or not isinstance(self.latents, ConstantLatents):
+            if angle is None or self.latents.grid is not None:
                 mi.Log(
                     mi.LogLevel.Warn,
                     f"{self._coat.where}: the file of the codes leaves out the rotation; give it "

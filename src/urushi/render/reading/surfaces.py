@@ -72,7 +72,9 @@ class KnownSurface(NamedTuple):
         """The lobes of a bare surface at points uv: N Dr.Jit floats for each channel."""
         si = _points(uv)
         widths = ("alpha",) if self.widths == 1 else ("alpha_u", "alpha_v")
-        alpha, *across = (dr.maximum(self.textures[x].eval_1(si), MIN_ALPHA) for x in widths)
+        given = (self.textures[x].eval_1(si) for x in widths)
+        # The derivative passes the bound, so that an optimiser can leave it.
+        alpha, *across = (dr.replace_grad(dr.maximum(x, MIN_ALPHA), x) for x in given)
         names = ("specular_reflectance", "eta", "k")
         found = []
         for reflectance, eta, k in zip(*(self._channels(x, si) for x in names), strict=True):

@@ -1,0 +1,163 @@
+"""Slopes of f by parameters of coated materials, against differences of the walk.
+
+Command: `python -m benchmarks.quality.gradients`; a minute on two cores.
+
+Prints the derivative of the mean of f cos over pairs of directions, its difference quotient by the
+plugin itself and by the walk, and the error of the derivative against the walk, relative to the
+mean size of the slope.
+"""
+
+from typing import Any, NamedTuple
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+import urushi  # noqa: F401  # registers the plugins
+from urushi.render.reading import probing
+
+#: Pairs of directions at which slopes are compared.
+PAIRS = 2048
+
+
+def coated(bottom: dict, **coat) -> dict:
+    return {"type": "neural_layered", "alpha": 0.2, "bottom": bottom} | coat
+
+
+def grey(value: float) -> dict:
+    return {"type": "rgb", "value": [value] * 3}
+
+
+def diffuse(value: float) -> dict:
+    return coated({"type": "diffuse", "reflectance": grey(value)})
+
+
+def principled(value: float, **coat) -> dict:
+    return coated({"type": "principled", "base_color": grey(value)}, **coat)
+
+
+def plastic(value: float) -> dict:
+    bottom = {"type": "roughplastic", "distribution": "ggx", "diffuse_reflectance": grey(value)}
+    return coated(bottom, alpha=0.1)
+
+
+def gold(value: float) -> dict:
+    metal = {"type": "roughconductor", "material": "Au", "distribution": "ggx"}
+    return coated(metal | {"alpha": value}, alpha=0.1)
+
+
+def absent(value: float) -> dict:
+    return principled(value, alpha=0.02, int_ior=1.01, ext_ior=1.0)
+
+
+def openpbr(value: float) -> dict:
+    off = {"coat_weight": 1.0, "energy_compensation": False}
+    return {"type": "openpbr", "base_color": grey(value)} | off
+
+
+def medium(name: str, value: float) -> dict:
+    values = {"albedo": 0.0, "sigma_t": 5.0} | {name: value}
+    return coated({"type": "diffuse"}, alpha=0.3, **values)
+
+
+#: A function of a value, the value, the end of the parameter's name, the steps below and above it,
+#: and the tolerance, relative to the mean size of the slope. Both walks have the same random
+#: numbers, so that their noise is small. The networks err by some per cent of the slope in the
+#: middle of ranges, and by more at their ends.
+SLOPES = {
+    "black diffuse": (diffuse, 0.0, "reflectance.value", (0, 0.02), 0.05),
+    "dark diffuse": (diffuse, 0.002, "reflectance.value", (0, 0.02), 0.05),
+    "white diffuse": (diffuse, 1.0, "reflectance.value", (0.02, 0), 0.15),
+    "principled": (principled, 0.8, "base_color.value", (0.05, 0.05), 0.06),
+    "black principled": (principled, 0.0, "base_color.value", (0, 0.02), 0.15),
+    "plastic": (plastic, 0.5, "diffuse_reflectance.value", (0.05, 0.05), 0.08),
+    "absent coat": (absent, 0.5, "base_color.value", (0.02, 0.02), 0.03),
+    "sharp gold": (gold, 0.01, "bottom.alpha.value", (0, 0.002), 0.1),
+    "rough gold": (gold, 1.0, "bottom.alpha.value", (0.05, 0), 0.15),
+    "openpbr": (openpbr, 0.5, "base_color.value", (0.05, 0.05), 0.06),
+    # f by a table, its derivative by codes.
+    "bright openpbr": (openpbr, 0.8, "base_color.value", (0.05, 0.05), 0.25),
+    # The slope of light transport itself doubles between .98 and 1.
+    "white medium": (lambda x: medium("albedo", x), 1.0, "albedo.value", (0.002, 0), 0.3),
+    "no medium": (lambda x: medium("sigma_t", x), 0.0, "sigma_t.value", (0, 0.02), 0.1),
+}
+
+
+def spread(count: int, seed: int) -> np.ndarray:
+    u = np.random.default_rng(seed).random((count, 2))
+    sine, azimuth = np.sqrt(1 - u[:, 0] ** 2), 2 * np.pi * u[:, 1]
+    return np.stack([sine * np.cos(azimuth), sine * np.sin(azimuth), u[:, 0]], axis=-1)
+
+
+def f_cos(bsdf: "mi.BSDF") -> "mi.Float":
+    """The red channel of f cos at the pairs."""
+    wi, wo = (spread(PAIRS, seed) for seed in (1, 2))
+    si = probing.interaction(wi.astype(np.float32), np.full((PAIRS, 2), 0.5))
+    wo = mi.Vector3f(np.ascontiguousarray(wo.T, np.float32))
+    return bsdf.eval(mi.BSDFContext(), si, wo).x
+
+
+def attached(description: dict, name: str) -> tuple["mi.BSDF", Any]:
+    """A BSDF and one of its parameters, which carries a gradient."""
+    bsdf = mi.load_dict(description)
+    parameters = mi.traverse(bsdf)
+    key = next(key for key in parameters.keys() if key.endswith(name))  # noqa: SIM118
+    dr.enable_grad(parameters[key])
+    parameters.update()
+    return bsdf, parameters[key]
+
+
+class Slopes(NamedTuple):
+    """Slopes of the mean of f cos: the derivative, and differences of the plugin and of the walk.
+
+    size: the mean size of the slope of f cos by the walk.
+    """
+
+    derivative: float
+    plugin: float
+    walk: float
+    size: float
+
+
+def slopes(case: str) -> Slopes:
+    """The slopes of an entry of `SLOPES`.
+
+    Raises:
+        ValueError: f has other bits with gradients than without.
+    """
+    make, value, name, (below, above), _ = SLOPES[case]
+    ends = value - below, value + above
+    bsdf, parameter = attached(make(value), name)
+    found, plain = f_cos(bsdf), f_cos(mi.load_dict(make(value)))
+    if not np.array_equal(found.numpy(), plain.numpy()):
+        raise ValueError(f"{case}: f differs with gradients")
+    dr.backward(dr.mean(found))
+    walk = {"reference": True} if make is openpbr else {"type": "layered"}
+    by_plugin, by_walk = (
+        [f_cos(mi.load_dict(make(x) | other)).numpy() for x in ends] for other in ({}, walk)
+    )
+    of_plugin, of_walk = ((high - low) / (below + above) for low, high in (by_plugin, by_walk))
+    return Slopes(
+        float(np.sum(dr.grad(parameter).numpy()[:1])),
+        float(of_plugin.mean()),
+        float(of_walk.mean()),
+        float(np.abs(of_walk).mean()),
+    )
+
+
+def main() -> None:
+    """Print the table."""
+    mi.set_variant("llvm_ad_rgb")
+    print("| material | parameter | derivative | plugin | walk | error |")
+    print("|---|---|---|---|---|---|")
+    for case, (_, value, name, *_) in SLOPES.items():
+        of = slopes(case)
+        error = (of.derivative - of.walk) / of.size
+        print(
+            f"| {case} | `{name.split('.')[-2]}` {value:g} | {of.derivative:.4f} | "
+            f"{of.plugin:.4f} | {of.walk:.4f} | {error:+.1%} |"
+        )
+
+
+if __name__ == "__main__":
+    main()
