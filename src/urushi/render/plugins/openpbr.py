@@ -58,9 +58,10 @@ def define(proposal_bsdf: type):
         coat is updated with its base, and the energy compensation is computed again if it depends
         on the change.
 
-        Fuzz is layered by the albedo of the direction that is seen, as the specification says:
-        f under it changes by 6 % in the mean when wi and wo are exchanged. A coat whose index is
-        given as one has no interface: it absorbs the light of the uncoated base.
+        Fuzz is layered by the albedo of the direction that is seen, as the specification says.
+        Material with fuzz is therefore not reciprocal: f changes by some per cent in the mean when
+        wi and wo are exchanged. A coat whose index is given as one has no interface: it absorbs
+        light of the uncoated base.
 
         Where all parameters are constant and isotropic and the base is not smooth, the coat is
         computed as a table when the material is loaded. Networks layer all others.
