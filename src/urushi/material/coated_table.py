@@ -51,6 +51,10 @@ PEAK_POWER = 2.0
 #: Nodes in the table's v of that mean: difference angles up to 45 degrees, as below a coat.
 PEAK_NODES = 17
 
+#: Root mean square of the relative deviation of a channel from a sum of others that stands for it,
+#: about the rounding of a table in half precision.
+SPANNED = 2e-3
+
 #: Nodes of a table that are computed at once: their numbers stay in a core's cache.
 ROWS = 128
 
@@ -118,14 +122,15 @@ def coated_rest(bottom: Material, coat: CoatParameters) -> np.ndarray:
         own = np.minimum(chosen, bottom.channels - 1)
         first, which = _distinct(bottom, own, parameters[2:, chosen])
         media = parameters[2:, chosen[first]]
-        below = _below(bottom, modes, own[first], interface, media, peak)
-        values = np.empty((len(result), len(first)), np.float32)
+        below, weights = _spanning(_below(bottom, modes, own[first], interface, media, peak))
+        values = np.empty((len(result), len(weights)), np.float32)
         fill_blocks(
             values,
             lambda *pair, below=below, interface=interface: _crossed(below, *interface, *pair),
             *node_pairs(),
             rows=ROWS,
         )
+        values = values @ weights if len(weights) < len(first) else values
         result[:, chosen] = values[:, which]
     return result
 
@@ -230,6 +235,39 @@ def _below(
     return Below(
         np.stack(table, axis=-1).astype(np.float32), lobe, np.array(depths, np.float32), peak
     )
+
+
+def _spanning(below: Below) -> tuple[Below, np.ndarray]:
+    """Channels (D,) whose sums with weights (D, C) are all channels, up to `SPANNED`.
+
+    The mean of the module's text is linear in S. Those are chosen one by one, the farthest from the
+    sums of the others first, where there are more channels than three: the bands of a spectrum.
+    """
+    channels = below.table.shape[-1]
+    if channels <= 3:
+        return below, np.eye(channels, dtype=np.float32)
+    wi, wo = node_pairs()
+    s = np.exp(below.table.reshape(-1, channels))
+    if below.lobe is not None:
+        inverse = (1 / wi[:, 2] + 1 / wo[:, 2])[:, None]
+        s = s + lobes.f(below.lobe, wi[:, None], wo[:, None]) * np.exp(-below.depth * inverse)
+    relative = s / s.mean(axis=1, keepdims=True)
+    sizes = np.linalg.norm(relative, axis=0)
+    relative /= sizes
+    left, chosen = relative.copy(), list[int]()
+    while len(chosen) < channels:
+        away = np.linalg.norm(left, axis=0)
+        farthest = int(np.argmax(away))
+        if away[farthest] < SPANNED:
+            break
+        chosen.append(farthest)
+        axis = left[:, farthest] / away[farthest]
+        left -= axis[:, None] * (axis @ left)
+    weights = np.linalg.lstsq(relative[:, chosen], relative, rcond=None)[0]
+    weights *= sizes / sizes[chosen, None]
+    lobe = below.lobe if below.lobe is None or len(below.lobe) == 1 else below.lobe[chosen]
+    part = Below(below.table[..., chosen], lobe, below.depth[chosen], below.peak)
+    return part, weights.astype(np.float32)
 
 
 def _crossed(below: Below, alpha: float, eta: float, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:

@@ -150,7 +150,10 @@ def encode_source(
     """
     opened = _with_widths(as_source(source), model.widths)
     if opened.bare and opened.lobe is not None and isinstance(model.networks, UrushiNetworks):
-        return material_of_lobes(opened.lobe, model), deviations_of(opened, widths=model.widths)
+        lobe = np.atleast_2d(opened.lobe)
+        channels = 3 if len(lobe) == 1 else len(lobe)
+        material = material_of_lobes(opened.lobe, model, channels)
+        return material, deviations_of(opened, widths=model.widths)
     pairs = required_pairs(source, model, table)
     found = evaluate_source(source, *pairs, name, widths=model.widths)
     return encode_found(source, found, model, refine=refine), found.deviations

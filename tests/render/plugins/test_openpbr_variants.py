@@ -52,9 +52,9 @@ def test_grey_is_the_same_in_all_variants(name, pairs):
 
 @pytest.mark.parametrize("coat_weight", [0.0, 1.0])
 def test_a_colour_has_the_same_picture_in_all_variants(coat_weight):
-    """A plane under even light. Without coat, Mitsuba makes spectra of colours. Coated, they are
-    three bands, linear in between, which changes a channel by up to 8 %; and a coat over the
-    luminance differs from the luminance of a coated colour by 2 %."""
+    """A plane under even light. Without coat, Mitsuba makes spectra of colours. Coated, light
+    of several wavelengths is reflected again and again, which saturates spectra and channels
+    differently; and a coat over the luminance differs from the luminance of a coated colour."""
 
     def picture():
         scene = {

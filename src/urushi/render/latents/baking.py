@@ -72,13 +72,16 @@ class Baker:
             UrushiWarning: the coat is outside the networks' training data.
         """
         self._left = set()
-        latents = self._updated(bottom_changed)
+        grid = choose_grid(self._coat, self._bottom, self.model, self._resolution)
+        with spectrum.bands_of(grid):
+            latents = self._updated(grid, bottom_changed)
         checks.warn_of_training(self._left, f"{self._coat.where}:")
         return latents
 
-    def _updated(self, bottom_changed: bool) -> ConstantLatents | TexturedLatents:
-        """`update` without its warnings."""
-        grid = choose_grid(self._coat, self._bottom, self.model, self._resolution)
+    def _updated(
+        self, grid: TexelGrid | None, bottom_changed: bool
+    ) -> ConstantLatents | TexturedLatents:
+        """`update` on a grid, without its warnings."""
         if grid != self._grid:
             self._texture = None
         opened = bottom_changed or grid != self._grid or (grid and not self._texture)

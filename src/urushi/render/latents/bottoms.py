@@ -68,7 +68,10 @@ class BottomCodes:
             surface = None  # averaged over the azimuth
         self.material, self._probed, self.stored = None, None, False
         if nested is not None and nested.resolution is None:
-            self._opened = _uniform(nested.at(np.full((1, 2), 0.5))[0])
+            codes = nested.at(np.full((1, 2), 0.5))[0]
+            self._opened = _uniform(
+                codes[list(spectrum.FINE_AT_RGB)] if is_finer(nested) else codes
+            )
             self.material = self._bottom.latents.material
         elif grid is None or (nested is None and not varying_textures(self._bottom)):
             self._opened = _uniform(self._encoded())
@@ -150,10 +153,15 @@ def nested_latents(bottom: "mi.BSDF", model: Model):
     nested = getattr(bottom, "latents", None)
     if nested is None or bottom.model.fingerprint != model.fingerprint:
         return None
-    if nested.channels != spectrum.channel_count():
-        return None
     nested = getattr(nested, "plain", nested)  # without gradients
-    return getattr(nested, "anchors", nested)
+    nested = getattr(nested, "anchors", nested)
+    same = nested.channels == spectrum.channel_count()
+    return nested if same or is_finer(nested) else None
+
+
+def is_finer(latents) -> bool:
+    """Whether codes are those of `spectrum.FINE` bands, but materials are read at three."""
+    return latents.channels == spectrum.COUNT > spectrum.channel_count()
 
 
 class _NestedBottom(NamedTuple):

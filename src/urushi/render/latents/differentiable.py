@@ -14,6 +14,7 @@ import drjit as dr
 import mitsuba as mi
 
 from urushi.nets.weights import Model
+from urushi.render import spectrum
 from urushi.render.latents.holders import ConstantLatents, TexturedLatents
 from urushi.render.latents.lookup import drawn_texel, texel_draw
 from urushi.render.networks.lobe import ANY_LOBE
@@ -73,9 +74,18 @@ class DifferentiableLatents:
         numbers = [dr.gather(mi.Float, self._codes, first + i) for i in range(count)]
         return [numbers[i : i + self._size] for i in range(0, count, self._size)]
 
+    def _codes_of_bands(self, si) -> list[list]:
+        """The codes (size) of the band of each wavelength."""
+        size = self._size
+        return [
+            [dr.gather(mi.Float, self._codes, band * size + i) for i in range(size)]
+            for band in spectrum.band_at(si.wavelengths)
+        ]
+
     def _with_gradients(self, values: list, si, wo, active) -> list:
         """Values with the derivatives by the codes; those by the directions are their own."""
-        codes = self.codes(si.uv, si.wi)
+        bands = self.plain.channels == spectrum.COUNT
+        codes = self._codes_of_bands(si) if bands else self.codes(si.uv, si.wi)
         if not dr.grad_enabled(codes):
             return values
         directions = dr.detach(si.wi), dr.detach(wo)

@@ -12,6 +12,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from urushi import checks
 from urushi.checks import CoatParameters, Widths
 from urushi.material import gradients
 from urushi.material.layer import layer_texels, within_training
@@ -21,12 +22,12 @@ from urushi.nets.weights import Model
 from urushi.render import spectrum
 from urushi.render.latents import lookup
 from urushi.render.latents.baking import Baker
-from urushi.render.latents.bottoms import PROBED_TEXELS
+from urushi.render.latents.bottoms import PROBED_TEXELS, is_finer
 from urushi.render.latents.differentiable import DifferentiableLatents
 from urushi.render.latents.holders import ConstantLatents, TexturedLatents
 from urushi.render.reading import probing
 from urushi.render.reading.grid import varying_textures
-from urushi.render.reading.parameters import CoatTextures
+from urushi.render.reading.parameters import TWO_WIDTHS, CoatTextures
 from urushi.render.reading.surfaces import known_surface
 from urushi.textures.grid import IDENTITY, TexelGrid
 
@@ -61,20 +62,26 @@ def bake(
     """
     model, grid = baker.model, plain.grid
     gradients.check_differentiable(model, coat.where)
+    with spectrum.bands_of(grid):
+        return DifferentiableLatents(model, plain, _codes(baker, coat, bottom, grid))
+
+
+def _codes(
+    baker: Baker, coat: CoatTextures, bottom: "mi.BSDF", grid: TexelGrid | None
+) -> "mi.TensorXf":
+    """The codes of `bake`, ([1,] C, size), or (height, width, C, size) on a grid."""
+    model = baker.model
     uv = grid.uv() if grid else np.full((1, 2), 0.5)
     table = coat.layering(uv)
     si = probing.interaction(np.tile([0.0, 0.0, 1.0], (len(uv), 1)), uv)
-    evaluated = coat.evaluate(si, mi.Bool(True))
-    if model.widths == 2 and not isinstance(evaluated.alpha, Widths):
-        evaluated = evaluated._replace(alpha=Widths(evaluated.alpha, evaluated.alpha))
-    parameters = [
-        [value] if dr.depth_v(value) == 1 else spectrum.to_channels(value)
-        for value in evaluated.columns()
-    ]
+    by_name = coat.channels(si)
+    if model.widths == 2 and "alpha" in by_name:
+        by_name |= dict.fromkeys(TWO_WIDTHS, by_name["alpha"])
+    parameters = [by_name[name] for name in checks.COAT_COLUMNS[model.widths]]
     codes = layer(model, table, _bottom_codes(baker, coat.where, bottom, uv, grid), parameters)
     if grid is not None:
         codes = mi.TensorXf(codes.array, (grid.height, grid.width, *codes.shape[1:]))
-    return DifferentiableLatents(model, plain, codes)
+    return codes
 
 
 def _bottom_codes(
@@ -85,7 +92,8 @@ def _bottom_codes(
     same_networks = nested is not None and bottom.model.fingerprint == model.fingerprint
     if same_networks and isinstance(nested, DifferentiableLatents):
         point = mi.Point2f(np.ascontiguousarray(uv.T, np.float32))
-        return nested.codes(point, mi.Vector3f(0, 0, 1))
+        codes = nested.codes(point, mi.Vector3f(0, 0, 1))
+        return [codes[i] for i in spectrum.FINE_AT_RGB] if is_finer(nested) else codes
     if grid is None or (nested is None and not varying_textures(bottom)):
         grid, uv = MIDDLE, MIDDLE.uv()
     wi, wo = model.networks.pairs()
@@ -102,7 +110,8 @@ def _bottom_codes(
     elif surface is not None:
         lobes = surface.lobes(uv)
     elif method := getattr(bottom, "lobes", None):
-        lobes = method(probing.interaction(np.tile([0.0, 0.0, 1.0], (len(uv), 1)), uv)) or []
+        si = probing.interaction(np.tile([0.0, 0.0, 1.0], (len(uv), 1)), uv)
+        lobes = spectrum.at_bands(si, lambda: method(si) or [])
     if lobes and len(lobes[0]) > model.arch.lobe:
         lobes = []  # the average over the azimuth is fitted
     lobes = [[*lobe, *lobe[: model.arch.lobe - len(lobe)]] for lobe in lobes]
@@ -129,8 +138,7 @@ def _probed(
         a, b = (np.tile(w, (len(uv), 1)) for w in pair)
         for one, other in ((a, b), (b, a))[: 1 + average.exchanged]:
             out = mi.Vector3f(np.ascontiguousarray(other.T))
-            value = bottom.eval(mi.BSDFContext(), probing.interaction(one, everywhere), out)
-            channels = spectrum.to_channels(value / out.z)
+            channels = probing.bsdf_channels(bottom, probing.interaction(one, everywhere), out)
             total = [a + b for a, b in zip(total, channels, strict=True)]
     return [value / (len(averaged) * (1 + average.exchanged)) for value in total]
 

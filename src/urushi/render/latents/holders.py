@@ -17,6 +17,7 @@ from urushi.material.material import Material
 from urushi.material.table import rest_table
 from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
+from urushi.render import spectrum
 from urushi.render.latents.lookup import (
     LatentTexture,
     are_constant,
@@ -73,17 +74,25 @@ class ConstantLatents:
         self._material = Material(latents, model, anchors, table, beside_lobe=beside_lobe)
         if table is None and (latents == latents[:1]).all():
             latents = latents[:1]  # channels of the same code are evaluated once
+        self._fine = len(latents) == spectrum.COUNT
         whole = table is not None and not beside_lobe
         kind = NO_LOBE if whole else kind_of_codes(model, latents[None])
         self._decoder: Decoder | TabulatedDecoder
         self._decoder, self._sampler = decoder_and_sampler(model, kind)
         self._tables = []
-        if isinstance(model.networks, UrushiNetworks):
+        if isinstance(model.networks, UrushiNetworks) and not (self._fine and model.widths == 2):
             self._decoder = TabulatedDecoder(kind)
             table = rest_table(model.networks, latents) if table is None else table
-            self._tables = [] if table is None else [owned(mi.Float, padded(table))]
-        self._signature = signature([*map(int, kind), len(self._tables), int(len(latents) == 1)])
-        self._decoder_terms = [_opaque(terms) for terms in self._decoder.code_terms(latents)]
+            if table is not None:
+                table = np.moveaxis(table, -1, 0)[..., None] if self._fine else table
+                self._tables = [owned(mi.Float, padded(table))]
+        single = int(len(latents) == 1)
+        self._signature = signature([*map(int, kind), len(self._tables), single + 2 * self._fine])
+        if self._fine:
+            rows = np.stack([self._decoder.code_terms(z[None])[0] for z in latents])
+            self._decoder_terms, self._kind = [owned(mi.Float, rows)], kind
+        else:
+            self._decoder_terms = [_opaque(terms) for terms in self._decoder.code_terms(latents)]
         mean = self._material.anchors.mean(axis=0)
         self._proposals = [owned(mi.Float, x) for x in self._sampler.tabulated(mean)]
 
@@ -103,7 +112,19 @@ class ConstantLatents:
         # The table is no argument: it has another width than the directions.
         propose = partial(self._sampler.proposal_of_table, self._proposals)
         proposal = only_where(active, propose, si.wi)
-        return Vertex(self._decoder_terms, proposal)
+        terms = self._terms_at(si.wavelengths) if self._fine else self._decoder_terms
+        return Vertex(terms, proposal)
+
+    def _terms_at(self, wavelengths) -> list[list]:
+        """The terms of the band of each wavelength [nm], and then these bands."""
+        bands, numbers = spectrum.band_at(wavelengths), self._decoder_terms[0]
+        count, places = len(numbers) // spectrum.COUNT, self._kind.numbers(0)
+        terms = []
+        for i, band in enumerate(bands):
+            own = self._kind.numbers(i)  # without those that are the same in all channels
+            kept = [k for k in range(count) if k >= len(places) or places[k] in own]
+            terms.append([dr.gather(mi.Float, numbers, band * count + k) for k in kept])
+        return [*terms, bands]
 
     def f(self, vertex: Vertex, si, wo, active) -> list:
         """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
@@ -117,9 +138,14 @@ class ConstantLatents:
 
     def _evaluated(self) -> Callable[..., list]:
         """The function from terms, wi and wo to f. The tables are no arguments, as in `vertex`."""
+        f_of_terms: Callable = self._decoder.f_of_terms
         if isinstance(self._decoder, TabulatedDecoder):
-            return partial(self._decoder.f_of_terms, self._tables)
-        return self._decoder.f_of_terms
+            f_of_terms = partial(f_of_terms, self._tables)
+        if not self._fine:
+            return f_of_terms
+        if not self._tables:
+            return lambda terms, wi, wo: f_of_terms(terms[:-1], wi, wo)
+        return lambda terms, wi, wo: f_of_terms(terms[:-1], wi, wo, bands=terms[-1])
 
     def at(self, uv: np.ndarray) -> np.ndarray:
         """Latent codes (M, C, size) at points uv (M, 2)."""
@@ -236,7 +262,8 @@ class TexturedLatents:
 
 def _of_each_channel(values: list, count: int) -> list:
     """Values of `count` channels, from their values or from the one that they share."""
-    return values * count if len(values) == 1 else values
+    lanes = dr.size_v(mi.Spectrum) if count == spectrum.COUNT else count
+    return values * lanes if len(values) == 1 else values
 
 
 def _f_and_pdf(f_of_terms: Callable[..., list], vertex: Vertex, si, wo, active) -> tuple[list, Any]:

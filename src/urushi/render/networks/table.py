@@ -26,15 +26,18 @@ class TabulatedDecoder:
         """Terms (K,) of the code of each channel, from codes (C, size)."""
         return [code[self._kind.numbers(c)] for c, code in enumerate(latents)]
 
-    def f_of_terms(self, tables: Sequence, terms: Sequence[Sequence], wi, wo) -> list:
+    def f_of_terms(
+        self, tables: Sequence, terms: Sequence[Sequence], wi, wo, bands: Sequence | None = None
+    ) -> list:
         """f of each channel, from its terms, lists of Dr.Jit floats.
 
-        tables: that of `padded` as Dr.Jit floats; empty if there is no rest. Exchanging wi and wo
-        gives the same bits.
+        tables: that of `padded` as Dr.Jit floats; empty if there is no rest. bands: for each of
+        `terms` its place (UInt32) among tables of one channel that follow each other, if the table
+        is made of these. Exchanging wi and wo gives the same bits.
         """
         rests = [wi.z * 0] * len(terms)
         if tables:
-            rests = _looked_up(tables[0], len(terms), wi, wo, self._kind.widths)
+            rests = _looked_up(tables[0], len(terms), wi, wo, self._kind.widths, bands)
         if not self._kind.present:
             return rests
         values = lobe.f(self._kind.complete(terms), wi, wo, self._kind)
@@ -48,22 +51,26 @@ def padded(table: np.ndarray) -> np.ndarray:
     return np.pad(table.astype(np.float32), [*[(0, 0)] * (table.ndim - 1), (0, size - channels)])
 
 
-def interpolated(table, shape: Sequence[int], coordinates: Sequence) -> list:
+def interpolated(table, shape: Sequence[int], coordinates: Sequence, band=None) -> list:
     """The numbers of an entry (K) of a table (*shape, K), linear between its nodes.
 
     table: flattened Dr.Jit floats; K is a power of two. coordinates: in [0, 1], one for each axis.
+    band: the place (UInt32) among tables with K = 1 that follow each other, of which it is one.
     """
-    first, shares = mi.UInt32(0), []
+    first, shares = mi.UInt32(0 if band is None else band), []
     for coordinate, count in zip(coordinates, shape, strict=True):
         place = coordinate * (count - 1)
         index = dr.minimum(mi.UInt32(place), count - 2)
         first = first * count + index
         shares.append(place - mi.Float(index))
-    entry = len(table) // int(np.prod(shape)), dr.width(first)
-    values = [
-        list(dr.gather(mi.ArrayXf, table, first + step, shape=entry))
-        for step in corner_steps(shape)
-    ]
+
+    def entry(index) -> list:
+        if band is not None:  # Dr.Jit 1.5 fails on packets of one number in calls
+            return [dr.gather(mi.Float, table, index)]
+        packet = len(table) // int(np.prod(shape)), dr.width(index)
+        return list(dr.gather(mi.ArrayXf, table, index, shape=packet))
+
+    values = [entry(first + step) for step in corner_steps(shape)]
     for share in reversed(shares):
         pairs = zip(values[::2], values[1::2], strict=True)
         values = [
@@ -72,10 +79,14 @@ def interpolated(table, shape: Sequence[int], coordinates: Sequence) -> list:
     return values[0]
 
 
-def _looked_up(table, channels: int, wi, wo, widths: int) -> list:
+def _looked_up(table, channels: int, wi, wo, widths: int, bands: Sequence | None) -> list:
     """f of each channel [1/sr], see `material.table.interpolated`."""
     places = _coordinates(wi, wo) if widths == 1 else _anisotropic_coordinates(wi, wo)
-    logs = interpolated(table, SHAPES[widths], [dr.clip(place, 0, 1) for place in places])
+    clipped = [dr.clip(place, 0, 1) for place in places]
+    if bands is None:
+        logs = interpolated(table, SHAPES[widths], clipped)
+    else:
+        logs = [interpolated(table, SHAPES[widths], clipped, band)[0] for band in bands]
     return [dr.exp(log) for log in logs[:channels]]
 
 

@@ -7,6 +7,7 @@ import numpy as np
 from urushi import files
 from urushi.errors import ParameterError
 from urushi.material import Material, load
+from urushi.render import spectrum
 from urushi.render.latents import lookup
 from urushi.render.latents.differentiable import DifferentiableLatents
 from urushi.render.latents.holders import ConstantLatents, TexturedLatents
@@ -42,7 +43,8 @@ def define(base: type) -> type:
         The material may come from a description, a simulation, a measurement or a function, and
         may be coated and blended: see ``urushi.encode``, ``urushi.layer`` and ``urushi.lerp``.
         Reflects on the front side only. Mono variants take the luminance of a material of three
-        channels; spectral variants treat them as bands at 611, 549 and 464 nm, linear in between.
+        channels; spectral variants treat them as bands at 611, 549 and 464 nm, linear in between,
+        and also load the 56 bands that a ``neural_layered`` saved in a spectral variant.
 
         .. tabs::
             .. code-tab:: xml
@@ -81,7 +83,8 @@ def define(base: type) -> type:
                 codes = lookup.owned(mi.Float, material.latents)
                 self._tensor = mi.TensorXf(codes, material.latents.shape)
                 self.latents = ConstantLatents.of(material)
-            if self.latents.channels not in (1, 3):
+            bands = (spectrum.COUNT,) if mi.is_spectral else ()
+            if self.latents.channels not in (1, 3, *bands):
                 raise ParameterError(
                     f"{self._where}: '{self._filename}' has {self.latents.channels} channels; "
                     "only materials of one or three can be rendered"

@@ -81,8 +81,9 @@ def define(base: type) -> type:
         method ``save`` writes the codes to a file for ``neural_brdf``. Reflects on the front side
         only: nest it in ``twosided`` for both sides. Outside the ranges that the networks know, a
         similar medium is layered with a warning; two widths of a ratio above 10 are refused.
-        Spectral variants treat the three channels as bands at 611, 549 and 464 nm, linear in
-        between.
+        In spectral variants, a constant coat has one code for each of 56 bands from 380 to 720 nm,
+        and a wavelength takes that of its band. Textures have three bands at 611, 549 and 464 nm,
+        linear in between, which desaturate coated colours.
 
         Pictures can be differentiated with respect to all parameters, including the bottom's, by
         Mitsuba's differentiable integrators such as ``prb``: enable gradients of the parameters

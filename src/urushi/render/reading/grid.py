@@ -193,9 +193,8 @@ def _values(texture: "mi.Texture", uv: np.ndarray) -> np.ndarray:
     """The first channel of a texture (M,) at points uv (M, 2)."""
     si = dr.zeros(mi.SurfaceInteraction3f, len(uv))
     si.uv = mi.Point2f(np.ascontiguousarray(uv.T, np.float32))
-    spectrum.set_bands(si)
     try:
-        value = texture.eval(si)[0]
+        value = spectrum.at_bands(si, lambda: spectrum.to_channels(texture.eval(si)))[0]
     except RuntimeError:  # some variants have no spectrum of three raw numbers
         value = texture.eval_3(si)[0]
     return np.broadcast_to(value.numpy(), len(uv)).astype(np.float64)

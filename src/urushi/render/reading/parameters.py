@@ -93,6 +93,30 @@ class CoatTextures:
             *(textures[name].eval(si, active) for name in ("albedo", "sigma_t", "g")),
         )
 
+    def channels(self, si) -> dict[str, list]:
+        """The coat at a surface interaction by name; if anisotropic, `TWO_WIDTHS` for alpha.
+
+        Lists of Dr.Jit floats: one for each channel, or one that all channels share.
+        """
+
+        def rows() -> list[dict]:
+            named = self.evaluate(si, mi.Bool(True))._asdict()
+            if self.is_anisotropic:
+                alpha = named.pop("alpha")
+                named.update(zip(TWO_WIDTHS, (alpha.u, alpha.v), strict=True))
+            lanes = range(len(spectrum.to_channels(named["albedo"])))
+            return [
+                {name: x[lane] if dr.depth_v(x) > 1 else x for name, x in named.items()}
+                for lane in lanes
+            ]
+
+        channels = spectrum.at_bands(si, rows)
+        coloured = ("albedo", "sigma_t", "g", *self.coloured)
+        return {
+            name: [row[name] for row in (channels if name in coloured else channels[:1])]
+            for name in channels[0]
+        }
+
     def layering(self, uv: np.ndarray) -> dict[str, Any]:
         """The arguments of `layer_texels` at points uv (M, 2): `table`, alpha maybe `Widths`.
 
@@ -119,20 +143,14 @@ class CoatTextures:
         """
         si = dr.zeros(mi.SurfaceInteraction3f, len(uv))
         si.uv = mi.Point2f(np.ascontiguousarray(uv.T, np.float32))
-        spectrum.set_bands(si)
-        values = self.evaluate(si, mi.Bool(True))._asdict()
-        if self.is_anisotropic:
-            alpha = values.pop("alpha")
-            values.update(zip(TWO_WIDTHS, (alpha.u, alpha.v), strict=True))
+        values = self.channels(si)
         if "rotation" in self.textures:
-            values["rotation"] = self.textures["rotation"].eval_1(si)
+            values["rotation"] = [self.textures["rotation"].eval_1(si)]
         dr.eval(values)
         table = {}
-        for name, value in values.items():
+        for name, channels in values.items():
             if name in unknown or (name == "eta" and "int_ior" in unknown):
                 continue
-            coloured = name in ("albedo", "sigma_t", "g", *self.coloured)
-            channels = spectrum.to_channels(value) if coloured else [value]
             rows = [np.broadcast_to(channel.numpy(), len(uv)) for channel in channels]
             # Six digits: 0.01 in single precision is less than 0.01 in double.
             array = np.stack(rows, axis=-1).astype(np.float64).round(6)

@@ -79,11 +79,18 @@ def bsdf_values(
         rows = slice(start, start + CHUNK)
         si = interaction(wi[rows], uv[rows], repeat)
         out = _vector(wo[rows])
-        f = bsdf.eval(mi.BSDFContext(), si, out) / out.z
-        dr.eval(f)
-        channels = [channel.numpy() for channel in spectrum.to_channels(f)]
+        values = bsdf_channels(bsdf, si, out)
+        dr.eval(values)
+        channels = [channel.numpy() for channel in values]
         parts.append(np.stack(np.broadcast_arrays(*channels, wi[rows, 0])[:-1], axis=-1))
     return np.concatenate(parts)
+
+
+def bsdf_channels(bsdf: "mi.BSDF", si, wo: "mi.Vector3f") -> list:
+    """f [1/sr] of each channel of a BSDF at a surface interaction, as Dr.Jit floats."""
+    return spectrum.at_bands(
+        si, lambda: spectrum.to_channels(bsdf.eval(mi.BSDFContext(), si, wo) / wo.z)
+    )
 
 
 class Averaging(NamedTuple):
@@ -128,7 +135,7 @@ def texel_values(
             for table in tables:
                 a, b = (dr.gather(mi.Vector3f, w, pair) for w in table)
                 si = _interaction(a, where, float(repeat))
-                channels = spectrum.to_channels(bsdf.eval(mi.BSDFContext(), si, b) / b.z)
+                channels = bsdf_channels(bsdf, si, b)
                 total = [x + y for x, y in zip(total, channels, strict=True)]
                 if count > KERNEL_EVALUATIONS:
                     dr.eval(total)
@@ -209,8 +216,8 @@ def known_lobes(bsdf: "mi.BSDF", uv: np.ndarray) -> np.ndarray | None:
     """
     method = getattr(bsdf, "lobes", None)
     si = interaction(np.tile([0.0, 0.0, 1.0], (len(uv), 1)), uv)
-    channels = None if method is None else method(si)
-    if channels is None:
+    channels = spectrum.at_bands(si, lambda: method(si) or ()) if method else []
+    if not channels:
         return None
     dr.eval(channels)
     rows = [[np.broadcast_to(value.numpy(), len(uv)) for value in channel] for channel in channels]

@@ -90,14 +90,14 @@ class KnownSurface(NamedTuple):
         """The channels of a texture, as Dr.Jit floats."""
         if name not in self.textures:
             return [mi.Float(1)] * spectrum.channel_count()
-        return spectrum.to_channels(self.textures[name].eval(si))
+        texture = self.textures[name]
+        return spectrum.at_bands(si, lambda: spectrum.to_channels(texture.eval(si)))
 
 
 def _points(uv: np.ndarray) -> "mi.SurfaceInteraction3f":
     """Interactions at points uv (M, 2)."""
     si = dr.zeros(mi.SurfaceInteraction3f, len(uv))
     si.uv = mi.Point2f(np.ascontiguousarray(uv.T, np.float32))
-    spectrum.set_bands(si)
     return si
 
 
