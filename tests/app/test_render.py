@@ -194,3 +194,24 @@ def test_errors_of_a_file_name_it_once_with_the_line(tmp_path, capsys):
     assert cli.main(["render", str(path)]) == 2
     error = capsys.readouterr().err
     assert error.count(str(path)) == 1 and re.search(r"': line \d+: could not parse", error)
+
+
+@pytest.mark.parametrize("stage", ["load_scene", "render"])
+def test_an_interrupt_inside_a_plugin_is_an_interrupt(stage, tmp_path, monkeypatch, capsys):
+    """Dr.Jit raises a RuntimeError because of it, Mitsuba one that quotes it."""
+
+    def wrapped(*args, **options):
+        try:
+            raise KeyboardInterrupt
+        except KeyboardInterrupt as error:
+            raise RuntimeError("error while performing a custom operation") from error
+
+    monkeypatch.chdir(tmp_path)
+    path = tmp_path / "box.xml"
+    path.write_text(SCENE)
+    monkeypatch.setattr(
+        *((mi, "render") if stage == "render" else (mi.parser, "instantiate")), wrapped
+    )
+    assert cli.main(["render", str(path), "-o", "a.exr"]) == cli.INTERRUPTED
+    assert "interrupted" in capsys.readouterr().err
+    assert [file.name for file in tmp_path.iterdir()] == ["box.xml"]

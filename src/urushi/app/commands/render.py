@@ -123,6 +123,7 @@ class Render:
                 dr.eval(image)
                 dr.sync_thread()
         except RuntimeError as error:
+            raise_interrupt(error)
             raise PlatformError(f"cannot render '{self.scene}': {one_line(error)}") from error
         target = self.output or Path(self.scene).with_suffix(".exr")
         write_picture(image, target)
@@ -210,8 +211,7 @@ def load_scene(
             mi.parser.transform_all(config, state)
             scene = mi.parser.instantiate(config, state)
     except Exception as error:  # Mitsuba raises several kinds, plugins their own
-        if "KeyboardInterrupt" in str(error):  # in a plugin, which Mitsuba reports as its error
-            raise KeyboardInterrupt from error
+        raise_interrupt(error)
         place = rf"(At|(Error w|W)hile loading) {re.escape(str(path))} \((line \d+), col \d+\): "
         reason = re.sub(place, r"" if name else r"\3: ", one_line(error))
         raise FileError(f"cannot load '{name or path}': {reason}") from error
@@ -271,6 +271,15 @@ def parse_definitions(pairs: tuple[str, ...]) -> dict[str, str]:
             raise ParameterError(f"-D '{pair}' is not of the form key=value")
         definitions[key] = value
     return definitions
+
+
+def raise_interrupt(error: BaseException) -> None:
+    """Raise KeyboardInterrupt if it caused the error; Mitsuba and Dr.Jit wrap exceptions."""
+    cause: BaseException | None = error
+    while cause is not None:
+        if isinstance(cause, KeyboardInterrupt) or "KeyboardInterrupt" in str(cause):
+            raise KeyboardInterrupt from error
+        cause = cause.__cause__ or cause.__context__
 
 
 def one_line(error: BaseException) -> str:
