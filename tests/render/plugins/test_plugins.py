@@ -217,9 +217,11 @@ def test_a_saved_material_is_coated_over_its_anchors(rgb, saved, networks, model
     coated = rgb.load_dict(coat | {"base": inner})
     np.testing.assert_allclose(codes(coated), expected.latents, rtol=1e-5, atol=1e-5)
     parameters = rgb.traverse(inner)
-    parameters["latents"] = rgb.TensorXf(held.latents)
+    edited = np.array(held.latents)
+    edited[:, -1] += np.float32(0.1)
+    parameters["latents"] = rgb.TensorXf(edited)
     parameters.update()
-    expected = layer(dielectric(0.1, 1.5), Material(held.latents, model))
+    expected = layer(dielectric(0.1, 1.5), Material(edited, model))
     coated = rgb.load_dict(coat | {"base": inner})
     np.testing.assert_allclose(codes(coated), expected.latents, rtol=1e-5, atol=1e-5)
 
