@@ -74,7 +74,7 @@ def encoders(model: Model) -> Encoders:
 
 def stored(make: Encoders, group: Group, samples: Samples, model: Model) -> Errors:
     """E of a stored group: stacks encoded whole, and the uppermost coat over the encoded rest."""
-    pairs = required_pairs(None, model)
+    pairs = required_pairs(None, model, table=False)
     wi, wo = (np.broadcast_to(w, (len(samples.table), *w.shape)) for w in pairs)
     bottoms = sampling.evaluate_bottoms(samples.table, wi, wo)
     coats = group.distribution.coats

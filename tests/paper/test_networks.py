@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from urushi.errors import ParameterError
+from urushi.errors import FileError, ParameterError
 from urushi.nets import weights
 from urushi.nets.architecture import Architecture
 from urushi.nets.architecture import init as init_urushi
@@ -146,7 +146,7 @@ def test_weights_of_both_kinds_survive_a_round_trip(params, tmp_path):
 
 
 def test_unknown_kinds_and_other_sizes_are_refused():
-    with pytest.raises(ParameterError, match="of kind 'other'; this Urushi knows urushi, paper"):
-        weights._read_architecture({"kind": "other"})
+    with pytest.raises(FileError, match="of the kind 'other', but only urushi, paper can be read"):
+        weights._read_architecture("a", {"kind": "other"})
     with pytest.raises(ParameterError, match="takes no options"):
-        weights._read_architecture({"kind": "paper", "latent": 16})
+        weights._read_architecture("a", {"kind": "paper", "latent": 16})

@@ -51,7 +51,7 @@ def materials(
     """
 
     # Without coats the values are exact and cheap, so the bottoms' albedo is computed as well.
-    pairs = model.networks.pairs() if encoded else required_pairs(None, model)
+    pairs = model.networks.pairs() if encoded else required_pairs(None, model, table=False)
     values = _lower_values(samples, encoded, *pairs)
     table, own = samples.table, isinstance(model.networks, UrushiNetworks)
     if encoded == 0 and table.kind in BARE_LOBES and own:

@@ -58,11 +58,15 @@ def encode_all(
     """
     models = [model_for(source, weights) for source in sources]
     wanted = list(refine) if isinstance(refine, Sequence) else [refine] * len(sources)
-    tasks = [
-        (source, *required_pairs(source, model, table), model.widths)
-        for source, model in zip(sources, models, strict=True)
-    ]
-    for index, found in map_sources(_read, tasks, scheduler):
+    tasks, places = [], []
+    for index, (source, model) in enumerate(zip(sources, models, strict=True)):
+        try:
+            tasks.append((source, *required_pairs(source, model, table), model.widths))
+            places.append(index)
+        except UrushiError as error:
+            yield index, error
+    for task, found in map_sources(_read, tasks, scheduler):
+        index = places[task]
         if isinstance(found, UrushiError):
             yield index, found
             continue
