@@ -75,7 +75,7 @@ class View:
 
         try:
             server = PageServer(files, self.port)
-        except (OSError, OverflowError) as error:
+        except OSError as error:
             raise FileError(
                 f"cannot serve the page on port {self.port}: {error}; leave out --port"
             ) from error
