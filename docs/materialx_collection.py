@@ -17,7 +17,7 @@ import mitsuba as mi
 from urushi.errors import UrushiError, UrushiWarning
 from urushi.materialx.document import materials, read_document
 from urushi.materialx.surface import read_surface
-from urushi.render.materialx import check_supported, decode
+from urushi.mitsuba.materialx import check_supported, decode
 
 
 def outcomes(path: Path, uv_plane: bool) -> list[tuple[str, str]]:

@@ -34,7 +34,7 @@ from urushi.eval.groups import Group
 from urushi.eval.samples import Samples
 from urushi.files import atomic_write, new_folder
 from urushi.nets.weights import Model, Weights, find
-from urushi.reference import StackTable, walk_pairs
+from urushi.walk import StackTable, walk_pairs
 
 _KIND = "direction table"
 

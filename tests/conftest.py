@@ -263,7 +263,7 @@ def _load_module(path: Path):
 @pytest.fixture(scope="session")
 def sampling():
     """The module of the chi-squared test of a plugin's sampling."""
-    return _load_module(ROOT / "tests" / "render" / "sampling.py")
+    return _load_module(ROOT / "tests" / "mitsuba" / "sampling.py")
 
 
 @pytest.fixture(scope="session")

@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 from scipy.optimize import nnls
 
-from urushi.geometry.quadrature import half_vector_rule
+from urushi.core.quadrature import half_vector_rule
 from urushi.material.albedo_rule import COSINE_OFFSET
 
 ANGLES, LEAST_COSINE = 10, 0.005

@@ -17,9 +17,9 @@ import numpy as np
 
 import urushi
 from urushi.checks import CoatParameters, Widths
+from urushi.core import error_metrics
+from urushi.core.direction_sets import cosine_pairs, slope_pairs
 from urushi.data.distribution import Anisotropic
-from urushi.geometry import error_metrics
-from urushi.geometry.direction_sets import cosine_pairs, slope_pairs
 from urushi.material import Material
 from urushi.material.encode import material_from_values, material_of_lobes
 from urushi.material.layer import layer_texels
@@ -27,8 +27,8 @@ from urushi.material.simulated import fit_to_walks
 from urushi.material.source import FIT_WALKS, STACK_WALKS
 from urushi.nets import lobe as lobes
 from urushi.nets.weights import anisotropic_model
-from urushi.reference import StackTable, analytic, walk_pairs
 from urushi.train.bottoms import BARE_LOBES, bottom_lobes
+from urushi.walk import StackTable, analytic, walk_pairs
 
 SEED = 90210
 

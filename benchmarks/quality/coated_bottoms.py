@@ -18,10 +18,10 @@ import mitsuba as mi
 import numpy as np
 
 import urushi  # noqa: F401  registers the plugins
+from urushi.core import direction_sets
+from urushi.core.error_metrics import stack_error
 from urushi.errors import UrushiError
-from urushi.geometry import direction_sets
-from urushi.geometry.error_metrics import stack_error
-from urushi.render.reading import probing
+from urushi.mitsuba.reading import probing
 
 #: Cosines of the albedos, walks for each of them, and the least divisor of an error.
 COSINES, WALKS, DARK = (1.0, 0.85, 0.6, 0.3), 1 << 17, 0.02

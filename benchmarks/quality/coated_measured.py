@@ -21,8 +21,8 @@ from benchmarks.quality.measured import find_sets
 from benchmarks.rivals.comparisons import Measured, Reciprocal
 
 import urushi
+from urushi.core import direction_sets, error_metrics
 from urushi.errors import UrushiWarning
-from urushi.geometry import direction_sets, error_metrics
 from urushi.material import Material
 from urushi.measured.tabulated import MeasuredSurface
 

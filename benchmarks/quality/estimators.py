@@ -17,7 +17,7 @@ import mitsuba as mi
 import numpy as np
 
 import urushi
-from urushi.reference.estimators import ESTIMATORS
+from urushi.walk.estimators import ESTIMATORS
 
 METAL, WHITE = urushi.conductor(alpha=0.3, r0=0.9), urushi.diffuse(0.7)
 

@@ -14,7 +14,7 @@ import mitsuba as mi
 import numpy as np
 
 import urushi  # noqa: F401  # registers the plugins
-from urushi.render.reading import probing
+from urushi.mitsuba.reading import probing
 
 #: Pairs of directions at which slopes are compared.
 PAIRS = 2048

@@ -20,8 +20,8 @@ import numpy as np
 import urushi  # noqa: F401  (registers the plugins)
 
 mi.set_variant("llvm_ad_rgb")
-from urushi.render.latents import lookup  # noqa: E402  (needs a variant)
-from urushi.render.latents.holders import TexturedLatents, Vertex  # noqa: E402
+from urushi.mitsuba.latents import lookup  # noqa: E402  (needs a variant)
+from urushi.mitsuba.latents.holders import TexturedLatents, Vertex  # noqa: E402
 
 #: Width and height of the pictures, and samples of the reference.
 SIDE, REFERENCE_SPP, SPP = 128, 256, 16

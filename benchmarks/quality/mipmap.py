@@ -17,14 +17,14 @@ import time
 
 import numpy as np
 
-from urushi.geometry.error_metrics import stack_error
+from urushi.core.error_metrics import stack_error
 from urushi.material import encode
 from urushi.material.layer import layer_texels
 from urushi.nets import weights
 from urushi.nets.weights import Model
-from urushi.reference import conductor
 from urushi.textures import averaging_rest, mip_pyramid
 from urushi.textures.mip_pyramid import MipPyramid
+from urushi.walk import conductor
 
 SIDE, LEVELS, PAIRS = 32, 4, 128
 

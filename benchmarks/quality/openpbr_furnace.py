@@ -12,7 +12,7 @@ from typing import Any
 import mitsuba as mi
 import numpy as np
 
-from urushi.render.reading import probing
+from urushi.mitsuba.reading import probing
 
 SEED, SIDE, SAMPLES = 3, 6, 1 << 15
 COSINES = (1.0, 0.6, 0.3, 0.2)

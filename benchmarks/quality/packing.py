@@ -10,12 +10,12 @@ import numpy as np
 from benchmarks.quality.mipmap import cosine_pairs
 
 from urushi.checks import Widths
-from urushi.geometry.error_metrics import stack_error
+from urushi.core.error_metrics import stack_error
 from urushi.material import encode
 from urushi.material.layer import layer_texels
 from urushi.nets.weights import Model, anisotropic_model, default_model
-from urushi.reference import conductor
 from urushi.textures import packing
+from urushi.walk import conductor
 
 TEXELS, BOTTOMS = 1024, 16
 

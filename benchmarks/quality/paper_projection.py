@@ -21,14 +21,14 @@ import numpy as np
 import threadpoolctl
 
 from urushi import paper
-from urushi.geometry.direction_sets import stratified_pairs
+from urushi.core.direction_sets import stratified_pairs
 from urushi.nets import weights
 from urushi.paper import adam, projection
 from urushi.paper.architecture import AdamProjection
 from urushi.paper.inference import LIGHT_COSINE, direction_inputs, evaluate
 from urushi.paper.palette import Palette
 from urushi.paper.train.projection import spread
-from urushi.reference import walk_pairs
+from urushi.walk import walk_pairs
 
 #: Stratified pairs of each stack for its projection, and for its errors; walks for each.
 PAIRS, TEST_PAIRS, WALKS, TEST_WALKS = 8**4, 7**4, 256, 1024

@@ -23,11 +23,11 @@ import numpy as np
 
 import urushi
 from urushi.checks import CoatParameters
+from urushi.core import direction_sets, error_metrics
 from urushi.eval import benchmark, predict
 from urushi.eval import samples as sampling
 from urushi.eval.groups import GROUPS, Group
 from urushi.eval.samples import Samples
-from urushi.geometry import direction_sets, error_metrics
 from urushi.material import Material, fit, layer
 from urushi.material.encode import evaluate_source, material_from_values, required_pairs
 from urushi.material.layer import layer_texels
@@ -175,7 +175,7 @@ def simulated(
     coat: dict[str, float], bottom: dict[str, Any], wi: np.ndarray, wo: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Mean and standard error (N, 3) of a coat over a Mitsuba BSDF by random walks."""
-    from urushi.render.reading import probing
+    from urushi.mitsuba.reading import probing
 
     parameters = {name: value for name, value in coat.items() if name != "eta"}
     description = {"type": "layered", "int_ior": coat["eta"], "ext_ior": 1.0, **parameters}

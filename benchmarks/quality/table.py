@@ -12,8 +12,8 @@ import mitsuba as mi
 import numpy as np
 
 import urushi
-from urushi.geometry import error_metrics
-from urushi.geometry.direction_sets import cosine_pairs, half_angle_pairs
+from urushi.core import error_metrics
+from urushi.core.direction_sets import cosine_pairs, half_angle_pairs
 from urushi.material import Material
 
 PAIRS = 20_000
@@ -58,7 +58,7 @@ def materials() -> dict[str, Material]:
 
 def rendered(material: Material, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
     """f (N, C) by the plugins' table."""
-    from urushi.render.latents.holders import ConstantLatents  # after the variant is chosen
+    from urushi.mitsuba.latents.holders import ConstantLatents  # after the variant is chosen
 
     latents = ConstantLatents(material.model, material.latents, material.anchors)
     si = dr.zeros(mi.SurfaceInteraction3f, len(wi))

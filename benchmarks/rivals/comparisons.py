@@ -14,11 +14,11 @@ import numpy as np
 from benchmarks.rivals import ggx_fit, nbrdf
 
 import urushi
+from urushi.core import direction_sets, error_metrics
 from urushi.eval import metrics, sphere
 from urushi.eval.environment import Environment
 from urushi.eval.metrics import Comparison
 from urushi.files import atomic_write
-from urushi.geometry import direction_sets, error_metrics
 from urushi.material import energy, fit, table
 from urushi.measured import Merl, load_measured
 from urushi.measured.merl import SHAPE
@@ -221,7 +221,7 @@ def _mitsuba(path: Path) -> Brdf:
     """Mitsuba's own plugin on an RGL file."""
     import mitsuba as mi
 
-    from urushi.render.reading import probing
+    from urushi.mitsuba.reading import probing
 
     mi.set_variant("llvm_ad_rgb")
     bsdf = mi.load_dict({"type": "measured", "filename": str(path)})

@@ -14,8 +14,8 @@ import numpy as np
 import numpy.typing as npt
 from threadpoolctl import threadpool_limits
 
+from urushi.core.half_vector import directions_at
 from urushi.errors import ParameterError, PlatformError
-from urushi.geometry.half_vector import directions_at
 from urushi.measured.tabulated import evaluate
 
 

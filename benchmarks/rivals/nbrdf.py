@@ -18,8 +18,8 @@ import numpy as np
 import numpy.typing as npt
 import optax
 
+from urushi.core.half_vector import directions_at, half_difference_angles
 from urushi.errors import ParameterError
-from urushi.geometry.half_vector import directions_at, half_difference_angles
 from urushi.measured.tabulated import evaluate
 
 #: Shapes of weights and biases, in the order in which they are stored.

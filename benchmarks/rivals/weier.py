@@ -18,9 +18,9 @@ from research.rivals import belcour, weier
 from research.rivals.belcour_bottoms import SUFFIX
 
 from urushi.checks import Widths
-from urushi.geometry import error_metrics
+from urushi.core import error_metrics
 from urushi.nets.weights import anisotropic_model
-from urushi.reference import StackTable
+from urushi.walk import StackTable
 
 #: Kinds of bottoms that the model describes.
 DESCRIBED = tuple(kind for kind in KINDS if not kind.startswith("mixture"))

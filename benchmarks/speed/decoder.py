@@ -30,10 +30,10 @@ def directions(seed: int) -> "mi.Vector3f":
 
 def evaluations(weights: str) -> dict[str, Callable[[], object]]:
     """For each row of the table, a function that evaluates the decoder."""
+    from urushi.mitsuba.latents.holders import ConstantLatents, TexturedLatents
+    from urushi.mitsuba.networks.decoder import UrushiDecoder
+    from urushi.mitsuba.networks.lobe import ANY_LOBE
     from urushi.nets.weights import find
-    from urushi.render.latents.holders import ConstantLatents, TexturedLatents
-    from urushi.render.networks.decoder import UrushiDecoder
-    from urushi.render.networks.lobe import ANY_LOBE
     from urushi.textures import packing
     from urushi.textures.grid import IDENTITY, TexelGrid
     from urushi.textures.store import TextureStore

@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 
 import urushi
-from urushi.geometry.half_vector import directions_at
+from urushi.core.half_vector import directions_at
 from urushi.measured import merl
 from urushi.measured.tabulated import bin_centres
-from urushi.reference import analytic
+from urushi.walk import analytic
 
 RUNS = 5
 

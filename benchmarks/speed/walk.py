@@ -11,8 +11,8 @@ from statistics import median
 
 import numpy as np
 
-from urushi.reference import Stack, coat, conductor, walk_pairs
-from urushi.reference.table import from_stack
+from urushi.walk import Stack, coat, conductor, walk_pairs
+from urushi.walk.table import from_stack
 
 PAIRS, RUNS = 1024, 7
 WALKS, LOSSLESS_WALKS = 2048, 128

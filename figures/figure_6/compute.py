@@ -17,9 +17,9 @@ import numpy as np
 import urushi
 from figures import results
 from figures.sphere import render
+from urushi.core import direction_sets
+from urushi.core.error_metrics import stack_error
 from urushi.files import atomic_write
-from urushi.geometry import direction_sets
-from urushi.geometry.error_metrics import stack_error
 from urushi.nets.weights import default_model
 
 FOLDER = Path(__file__).parent

@@ -21,9 +21,9 @@ from benchmarks.rivals.comparisons import Measured
 
 import urushi
 from figures import results
+from urushi.core import direction_sets
 from urushi.errors import UrushiWarning
 from urushi.eval import environment, sphere
-from urushi.geometry import direction_sets
 from urushi.material import Material
 from urushi.measured.tabulated import MeasuredSurface
 from urushi.nets.weights import default_model

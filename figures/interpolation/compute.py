@@ -19,8 +19,8 @@ from benchmarks.scenes import processor
 import urushi
 from figures import results
 from figures.sphere import render
-from urushi.geometry import direction_sets
-from urushi.geometry.error_metrics import stack_error
+from urushi.core import direction_sets
+from urushi.core.error_metrics import stack_error
 from urushi.nets.weights import default_model
 
 FOLDER = Path(__file__).parent

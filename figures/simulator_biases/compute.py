@@ -17,7 +17,7 @@ from figures import results
 from figures.simulator_biases.variants import VARIANTS
 from urushi.eval import benchmark, samples
 from urushi.eval.groups import GROUPS
-from urushi.reference.simulate import albedo
+from urushi.walk.simulate import albedo
 
 FOLDER = Path(__file__).parent
 PARTS = Path("out/figures/simulator_biases")

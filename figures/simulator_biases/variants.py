@@ -11,9 +11,9 @@ from unittest import mock
 
 import drjit as dr
 
-from urushi.reference import interface, walk
-from urushi.reference.exits import ExitPaths
-from urushi.reference.interface import flip
+from urushi.walk import interface, walk
+from urushi.walk.exits import ExitPaths
+from urushi.walk.interface import flip
 
 
 @contextlib.contextmanager

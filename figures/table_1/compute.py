@@ -26,8 +26,8 @@ from benchmarks.scenes import processor
 import urushi
 from figures import results
 from figures.table_1.materials import SEED, Subject, Walked, subjects, training_set
+from urushi.core import direction_sets, error_metrics
 from urushi.files import atomic_write
-from urushi.geometry import direction_sets, error_metrics
 from urushi.material.source import Source
 from urushi.nets.weights import default_model
 

@@ -14,7 +14,7 @@ from benchmarks.rivals.nbrdf import training_pairs
 import urushi
 from urushi.data.distribution import Distribution, Extended, Table2
 from urushi.eval import samples
-from urushi.reference import StackTable, analytic, walk_pairs
+from urushi.walk import StackTable, analytic, walk_pairs
 
 STACKS, CONDUCTORS, SEED = "two interfaces", "bare conductors", 31
 MERL, RGL = "MERL stand-ins", "RGL"

@@ -17,15 +17,15 @@ from research.rivals import belcour, weier
 import urushi
 from figures.verdict import fits
 from figures.verdict import methods as known
+from urushi.core import microfacet
 from urushi.material.layer import layer_texels
+from urushi.mitsuba.reading import probing
 from urushi.nets.weights import Model, default_model
 from urushi.paper.kernels import separate_kernels
-from urushi.physics import microfacet
-from urushi.reference.monte_carlo import backend
-from urushi.reference.stack import Stack
-from urushi.reference.table import from_stack
-from urushi.render.reading import probing
 from urushi.textures import packing
+from urushi.walk.monte_carlo import backend
+from urushi.walk.stack import Stack
+from urushi.walk.table import from_stack
 
 PRINCIPLED = "principled"
 #: Evaluations in a kernel, walks of each in the walk's, and turns of all methods.

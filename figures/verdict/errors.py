@@ -15,15 +15,15 @@ from figures import results
 from figures.verdict import fits
 from figures.verdict import methods as known
 from figures.verdict.methods import Values
+from urushi.core import direction_sets, error_metrics
 from urushi.data.distribution import Table2
 from urushi.eval import predict, samples
 from urushi.eval.groups import Group
-from urushi.geometry import direction_sets, error_metrics
 from urushi.material import table as nodes
 from urushi.nets.weights import Model, default_model
-from urushi.reference import walk_pairs
-from urushi.reference.simulate import albedo as walked_albedo
-from urushi.reference.stack import Stack
+from urushi.walk import walk_pairs
+from urushi.walk.simulate import albedo as walked_albedo
+from urushi.walk.stack import Stack
 
 #: Stacks of a number of interfaces, those of them that models are fitted to, and the seed of stacks
 #: and walks, other than figure 8's.
@@ -185,7 +185,7 @@ def _over_measured(stack: Stack, materials: dict[str, urushi.Material]) -> dict[
 def laws(paper: Model | None, fitted: tuple[str, ...] = tuple(fits.FITTED)) -> dict[str, float]:
     """The largest albedo of each method over white coated stacks, which reflect at most 1.
 
-    That of the walk is by its own directions (`urushi.reference.simulate.albedo`).
+    That of the walk is by its own directions (`urushi.walk.simulate.albedo`).
     """
     rng = np.random.default_rng(SEED)
     radius, turn = np.sqrt(rng.uniform(size=DIRECTIONS)), rng.uniform(0, 2 * np.pi, DIRECTIONS)

@@ -15,10 +15,10 @@ import numpy as np
 from benchmarks.rivals import ggx_fit, nbrdf
 from scipy.optimize import least_squares
 
-from urushi.geometry.half_vector import turned
+from urushi.core.half_vector import turned
 from urushi.material import table
+from urushi.mitsuba.reading import probing
 from urushi.openpbr_surface import recipe
-from urushi.render.reading import probing
 
 #: f(wi, wo) -> (N, C) [1/sr].
 Brdf = Callable[[np.ndarray, np.ndarray], np.ndarray]

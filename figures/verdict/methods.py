@@ -11,7 +11,7 @@ from urushi.eval import predict, samples
 from urushi.eval.samples import Samples
 from urushi.material import table as nodes
 from urushi.nets.weights import DEFAULT, Model
-from urushi.reference import StackTable, walk_pairs
+from urushi.walk import StackTable, walk_pairs
 
 NETWORKS, PAPER = "networks", "Fan et al. 2022"
 WALK, BOTH_WAYS = "walk", "walk, bidirectional"

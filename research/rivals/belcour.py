@@ -26,11 +26,11 @@ from research.rivals import belcour_tables as tables
 from research.rivals.belcour_bottoms import Bottom, table_bottom
 from urushi import checks
 from urushi.checks import MIN_ALPHA, CoatParameters, Widths
+from urushi.core import microfacet
 from urushi.errors import ParameterError
-from urushi.physics import microfacet
-from urushi.reference.monte_carlo import backend, values_per_channel
-from urushi.reference.stack import Conductor, Dielectric, Diffuse, Stack
-from urushi.reference.table import StackTable, TableLayers
+from urushi.walk.monte_carlo import backend, values_per_channel
+from urushi.walk.stack import Conductor, Dielectric, Diffuse, Stack
+from urushi.walk.table import StackTable, TableLayers
 
 #: Exponent of the variance's formula (equation 6).
 VARIANCE_EXPONENT = 1.1

@@ -7,10 +7,10 @@ from typing import Any, NamedTuple
 import drjit as dr
 
 from research.rivals import belcour_tables as tables
+from urushi.core import fresnel
 from urushi.errors import ParameterError
-from urushi.physics import fresnel
-from urushi.reference.monte_carlo import backend
-from urushi.reference.table import StackTable
+from urushi.walk.monte_carlo import backend
+from urushi.walk.table import StackTable
 
 #: What a table's kind of bottom ends in where it has two widths.
 SUFFIX = "_anisotropic"

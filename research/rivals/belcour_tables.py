@@ -12,9 +12,9 @@ from typing import Any, NamedTuple
 import drjit as dr
 import numpy as np
 
-from urushi.physics import fresnel, microfacet
-from urushi.physics.frame import reflect
-from urushi.reference.monte_carlo import backend
+from urushi.core import fresnel, microfacet
+from urushi.core.frame import reflect
+from urushi.walk.monte_carlo import backend
 
 COSINES, WIDTHS, SHARES = 48, 16, 32
 #: Nodes of log(eta) below and above eta = 1; their distance is log(3) / ETAS_ABOVE.

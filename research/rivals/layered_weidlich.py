@@ -1,7 +1,7 @@
 """The plugin `layered_weidlich`: coats by the model of Weidlich and Wilkie 2007."""
 
 from research.rivals import weidlich
-from urushi.render.plugins.coated import define_coated
+from urushi.mitsuba.plugins.coated import define_coated
 
 
 def define(base: type) -> type:

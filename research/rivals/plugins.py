@@ -3,8 +3,8 @@
 import mitsuba as mi
 
 from research.rivals import layered_belcour, layered_weidlich
-from urushi.render.plugins.base import define_proposal_bsdf
-from urushi.render.register import supported
+from urushi.mitsuba.plugins.base import define_proposal_bsdf
+from urushi.mitsuba.register import supported
 
 
 def register() -> None:

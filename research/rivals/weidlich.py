@@ -20,14 +20,14 @@ import numpy as np
 import numpy.typing as npt
 
 from urushi import checks
+from urushi.core import fresnel, microfacet
+from urushi.core.frame import refract
 from urushi.errors import ParameterError
-from urushi.physics import fresnel, microfacet
-from urushi.physics.frame import refract
-from urushi.reference.bottoms import Bottom
-from urushi.reference.monte_carlo import backend, values_per_channel
-from urushi.reference.stack import Stack
-from urushi.reference.table import StackTable, TableLayers, table_bottom
-from urushi.reference.walk import Layers
+from urushi.walk.bottoms import Bottom
+from urushi.walk.monte_carlo import backend, values_per_channel
+from urushi.walk.stack import Stack
+from urushi.walk.table import StackTable, TableLayers, table_bottom
+from urushi.walk.walk import Layers
 
 
 def f(stack: Stack, wi: npt.ArrayLike, wo: npt.ArrayLike) -> np.ndarray:

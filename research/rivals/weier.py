@@ -30,11 +30,11 @@ from research.rivals.belcour import Lobe
 from research.rivals.belcour_bottoms import table_bottom
 from urushi import checks
 from urushi.checks import CoatParameters, Widths
+from urushi.core import microfacet
 from urushi.errors import ParameterError
-from urushi.physics import microfacet
-from urushi.reference.monte_carlo import backend, values_per_channel
-from urushi.reference.stack import Conductor, Dielectric, Diffuse, Stack
-from urushi.reference.table import StackTable, TableLayers
+from urushi.walk.monte_carlo import backend, values_per_channel
+from urushi.walk.stack import Conductor, Dielectric, Diffuse, Stack
+from urushi.walk.table import StackTable, TableLayers
 
 
 def f(stack: Stack, wi: npt.ArrayLike, wo: npt.ArrayLike) -> np.ndarray:

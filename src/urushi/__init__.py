@@ -18,10 +18,10 @@ if TYPE_CHECKING:
     from urushi.material.material import Material, load
     from urushi.materialx.writer import save_materialx
     from urushi.measured import load_measured
-    from urushi.reference.simulate import simulate
-    from urushi.reference.stack import Stack, coat, conductor, dielectric, diffuse
-    from urushi.render.materialx import load_materialx
-    from urushi.render.openpbr import OpenPBR, openpbr
+    from urushi.mitsuba.materialx import load_materialx
+    from urushi.mitsuba.openpbr import OpenPBR, openpbr
+    from urushi.walk.simulate import simulate
+    from urushi.walk.stack import Stack, coat, conductor, dielectric, diffuse
 
 __all__ = [
     "Material",
@@ -56,9 +56,9 @@ def __getattr__(name: str) -> Any:
     from urushi.material.material import register_picture
     from urushi.materialx.writer import save_materialx
     from urushi.measured import load_measured
-    from urushi.reference import Stack, coat, conductor, dielectric, diffuse, simulate
-    from urushi.render.materialx import load_materialx
-    from urushi.render.openpbr import OpenPBR, openpbr
+    from urushi.mitsuba.materialx import load_materialx
+    from urushi.mitsuba.openpbr import OpenPBR, openpbr
+    from urushi.walk import Stack, coat, conductor, dielectric, diffuse, simulate
 
     register_picture(_picture)
     public = (Material, encode, layer, lerp, load, load_measured, simulate)
@@ -81,6 +81,6 @@ def __dir__() -> list[str]:
 
 platform.choose_llvm()
 if platform.missing_library() is None:  # else Mitsuba cannot be imported, as `urushi doctor` says
-    from urushi.render.register import register
+    from urushi.mitsuba.register import register
 
     register(paper.register)

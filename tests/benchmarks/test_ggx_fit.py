@@ -39,7 +39,7 @@ def test_lobes_agree_with_those_of_the_random_walk(random_directions):
     import drjit as dr
     import drjit.llvm as jit
 
-    from urushi.physics import microfacet
+    from urushi.core import microfacet
 
     wi, wo = (random_directions(1000, seed, least_cosine=0.05) for seed in (3, 4))
     walked, cosine = microfacet.reflection_lobe(jit.Array3f(wi.T), jit.Array3f(wo.T), 0.2)

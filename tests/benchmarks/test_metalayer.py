@@ -5,7 +5,7 @@ import pytest
 from benchmarks.rivals import metalayer
 from benchmarks.rivals.ggx_fit import GgxFit, Lobe
 
-from urushi.geometry.direction_sets import cosine_pairs
+from urushi.core.direction_sets import cosine_pairs
 
 
 @pytest.fixture

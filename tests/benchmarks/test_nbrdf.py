@@ -5,8 +5,8 @@ import pytest
 from benchmarks.rivals import nbrdf
 from benchmarks.rivals.nbrdf import Nbrdf
 
+from urushi.core.half_vector import directions_at, half_difference_angles
 from urushi.errors import ParameterError
-from urushi.geometry.half_vector import directions_at, half_difference_angles
 
 
 @pytest.fixture

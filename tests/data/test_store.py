@@ -18,7 +18,7 @@ from urushi.data.generate import generate, make_shard
 from urushi.data.spec import DataSpec, Part
 from urushi.data.store import Store
 from urushi.errors import FileError, ParameterError
-from urushi.reference import analytic
+from urushi.walk import analytic
 
 SPEC = DataSpec(
     parts=(

@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
+from urushi.core.probe_pairs import PROBES, probe_pairs
+from urushi.core.quadrature import half_vector_rule
 from urushi.data.distribution import Extended, Table2
 from urushi.errors import ParameterError
 from urushi.eval import samples as sampling
 from urushi.eval.groups import GROUPS, ROWS, Group
 from urushi.eval.samples import Samples
-from urushi.geometry.probe_pairs import PROBES, probe_pairs
-from urushi.geometry.quadrature import half_vector_rule
-from urushi.reference import coat, conductor
-from urushi.reference.simulate import albedo
+from urushi.walk import coat, conductor
+from urushi.walk.simulate import albedo
 
 
 def test_the_reference_reaches_its_aim(sets, aim):

@@ -14,8 +14,8 @@ from figures.table_1 import plot as representations_plot
 from figures.table_3 import compute as scenes
 from figures.table_3 import plot as scenes_plot
 
+from urushi.core.direction_sets import cosine_pairs
 from urushi.data.distribution import Table2
-from urushi.geometry.direction_sets import cosine_pairs
 from urushi.nets.weights import default_model
 
 

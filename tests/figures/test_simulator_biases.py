@@ -8,9 +8,9 @@ from figures.simulator_biases import compute, plot, variants
 from tests.oracles import adding_doubling
 
 import urushi
-from urushi.reference import walk
-from urushi.reference.exits import ExitPaths
-from urushi.reference.simulate import albedo
+from urushi.walk import walk
+from urushi.walk.exits import ExitPaths
+from urushi.walk.simulate import albedo
 
 WALKS = 1 << 20
 COSINE = np.cos(np.radians(compute.INCIDENT))

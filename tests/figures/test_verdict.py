@@ -11,7 +11,7 @@ from benchmarks.scenes import LIGHTS
 from figures.light.compute import SCENES
 from figures.verdict import compute, costs, errors, fits, methods, plot
 
-from urushi.geometry import direction_sets, error_metrics
+from urushi.core import direction_sets, error_metrics
 from urushi.nets.weights import Model, anisotropic_model, default_model, find
 from urushi.paper import networks, register
 from urushi.paper.architecture import PaperArchitecture, init

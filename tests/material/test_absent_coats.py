@@ -5,13 +5,13 @@ import itertools
 import numpy as np
 import pytest
 
-from urushi.geometry.direction_sets import cosine_pairs
-from urushi.geometry.error_metrics import stack_error
+from urushi.core.direction_sets import cosine_pairs
+from urushi.core.error_metrics import stack_error
 from urushi.material import Material, encode, layer
 from urushi.material.blend import COSINES, blend_lobes
 from urushi.material.layer import PRESENT, layer_texels, presence
 from urushi.nets.lobe import reflectance
-from urushi.reference import coat, conductor, dielectric, diffuse, simulate
+from urushi.walk import coat, conductor, dielectric, diffuse, simulate
 
 
 @pytest.fixture(scope="module")

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 import urushi
+from urushi.core.direction_sets import cosine_pairs
+from urushi.core.error_metrics import stack_error
 from urushi.errors import ParameterError, UrushiWarning
-from urushi.geometry.direction_sets import cosine_pairs
-from urushi.geometry.error_metrics import stack_error
 from urushi.nets.weights import anisotropic_model, default_model
-from urushi.reference import analytic, simulate
+from urushi.walk import analytic, simulate
 
 BRUSHED = urushi.conductor(alpha_u=0.3, alpha_v=0.08, eta=0.2, k=3.9)
 SATIN = urushi.dielectric(alpha_u=0.1, alpha_v=0.4, eta=1.5)

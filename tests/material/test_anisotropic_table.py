@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from urushi.geometry.direction_sets import cosine_pairs, slope_pairs
+from urushi.core.direction_sets import cosine_pairs, slope_pairs
 from urushi.material import Material, encode, layer
 from urushi.material.anisotropic_table import SHAPE, coordinates, node_directions
 from urushi.material.table import interpolated, rest_table
-from urushi.reference import conductor, dielectric, diffuse
+from urushi.walk import conductor, dielectric, diffuse
 
 BRUSHED = {"alpha_u": 0.08, "alpha_v": 0.4}
 

@@ -5,16 +5,16 @@ import pytest
 
 import urushi
 from urushi.checks import CoatParameters
+from urushi.core import direction_sets
+from urushi.core.error_metrics import stack_error
 from urushi.errors import UrushiWarning
-from urushi.geometry import direction_sets
-from urushi.geometry.error_metrics import stack_error
 from urushi.material import Material, encode, layer, lerp, load
 from urushi.material.coated_table import coated_rest
 from urushi.material.table import SHAPE, interpolated, node_pairs, table_of_values
 from urushi.measured.tabulated import MeasuredSurface, bin_centres
 from urushi.nets.lobe import f as lobe_f
 from urushi.nets.lobe import fresnel, of_coat
-from urushi.reference.stack import conductor, dielectric, diffuse
+from urushi.walk.stack import conductor, dielectric, diffuse
 
 COATS = {
     "smooth": {"alpha": 0.03, "eta": 1.5},
@@ -42,7 +42,7 @@ class Sheen(MeasuredSurface):
         return sheen(wi, wo).astype(np.float32)
 
     def table(self):
-        from urushi.geometry.half_vector import directions_at
+        from urushi.core.half_vector import directions_at
 
         angles = np.broadcast_arrays(*bin_centres((64, 32, 32)))
         wi, wo = directions_at(*(x.ravel() for x in angles))
@@ -151,7 +151,7 @@ def dielectric_bottom(alpha, eta):
             return np.repeat(lobe_f(lobe, wi, wo)[:, None], 3, axis=1).astype(np.float32)
 
         def table(self):
-            from urushi.geometry.half_vector import directions_at
+            from urushi.core.half_vector import directions_at
 
             shape = (256, 32, 16)
             angles = np.broadcast_arrays(*bin_centres(shape))

@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from urushi.geometry.error_metrics import DARK_OFFSET
+from urushi.core.error_metrics import DARK_OFFSET
 from urushi.material import energy
 from urushi.material.albedo_rule import albedo_rule
 from urushi.material.correction import correct_codes
 from urushi.material.encode import bare_anchors, material_from_values
 from urushi.nets import weights
 from urushi.paper.architecture import PaperArchitecture, init
-from urushi.reference import analytic
-from urushi.reference.stack import conductor, dielectric, diffuse
+from urushi.walk import analytic
+from urushi.walk.stack import conductor, dielectric, diffuse
 
 SURFACES = (
     conductor(0.03, (0.95, 0.6, 0.3)),

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from urushi.geometry.probe_pairs import even_points
+from urushi.core.probe_pairs import even_points
 from urushi.material.crossing import cross, crossing_at, inner_albedo
 from urushi.nets.lobe import fresnel
 

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
+from urushi.core.probe_pairs import probe_pairs
 from urushi.errors import ParameterError
-from urushi.geometry.probe_pairs import probe_pairs
 from urushi.material import encode as package_encode
 from urushi.material.encode import encode
 from urushi.material.source import Source, as_source
-from urushi.reference.stack import coat, conductor, dielectric, diffuse
+from urushi.walk.stack import coat, conductor, dielectric, diffuse
 
 
 def test_a_function_and_its_description_encode_alike(model):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import urushi
-from urushi.geometry.quadrature import half_vector_rule
+from urushi.core.quadrature import half_vector_rule
 from urushi.material import Material, encode, energy, layer, lerp
 from urushi.material.albedo_rule import albedo_rule
 from urushi.material.encode import (
@@ -19,7 +19,7 @@ from urushi.nets import weights
 from urushi.nets.weights import Model
 from urushi.paper.architecture import PaperArchitecture
 from urushi.paper.architecture import init as init_paper
-from urushi.reference import analytic
+from urushi.walk import analytic
 
 #: None of the rule's ten angles is among these.
 COSINES = np.array([0.99, 0.85, 0.62, 0.4, 0.24, 0.12, 0.06, 0.025])

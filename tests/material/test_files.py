@@ -10,7 +10,7 @@ from urushi.errors import FileError
 from urushi.material import Material, encode, load
 from urushi.material.file import FORMAT_VERSION
 from urushi.nets import weights
-from urushi.reference import conductor
+from urushi.walk import conductor
 
 
 def test_round_trip(material, model, tmp_path):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from urushi.geometry import quadrature
+from urushi.core import quadrature
 from urushi.material.albedo_rule import albedo_rule
 from urushi.material.lobe_albedo import (
     REMEMBERED_ROWS,

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from urushi import parallel
-from urushi.geometry.probe_pairs import probe_pairs
+from urushi.core.probe_pairs import probe_pairs
 from urushi.material import energy
 from urushi.material.albedo_rule import INTERPOLATED_COSINES
 from urushi.material.encode import limited_codes

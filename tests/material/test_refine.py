@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
+from urushi.core.error_metrics import DARK_OFFSET, huber_loss
 from urushi.data.distribution import Extended
 from urushi.errors import ParameterError
 from urushi.eval import benchmark, predict
 from urushi.eval import samples as sampling
 from urushi.eval.groups import GROUPS
-from urushi.geometry.error_metrics import DARK_OFFSET, huber_loss
 from urushi.material import Material, encode, energy
 from urushi.material.albedo_rule import albedo_rule
 from urushi.material.encode import evaluate_source, material_from_values
@@ -28,7 +28,7 @@ from urushi.material.layer import layer, layer_texels
 from urushi.nets.lobe import NO_LOBE
 from urushi.nets.lobe_fit import fit_lobes
 from urushi.parallel import one_blas_thread
-from urushi.reference.stack import conductor, dielectric, diffuse
+from urushi.walk.stack import conductor, dielectric, diffuse
 
 
 def three_lobes(wi, wo):

@@ -3,16 +3,16 @@
 import numpy as np
 import pytest
 
-from urushi.geometry import error_metrics
-from urushi.geometry.direction_sets import cosine_pairs
+from urushi.core import error_metrics
+from urushi.core.direction_sets import cosine_pairs
 from urushi.material import encode
 from urushi.material.fit import stepped
 from urushi.material.material import Material
 from urushi.material.simulated import Aim, _state_at, drawn_pairs, fit_to_walks
 from urushi.nets.features import direction_features
 from urushi.nets.weights import anisotropic_model, default_model
-from urushi.reference.simulate import albedo, simulate
-from urushi.reference.stack import coat, conductor, diffuse
+from urushi.walk.simulate import albedo, simulate
+from urushi.walk.stack import coat, conductor, diffuse
 
 STACKS = {
     "isotropic": coat(conductor(0.15, 0.6), 0.3, 1.5, 0.8, 0.6, 0.5),

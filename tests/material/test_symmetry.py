@@ -5,15 +5,15 @@ import warnings
 import numpy as np
 import pytest
 
+from urushi.core.direction_sets import cosine_pairs
+from urushi.core.error_metrics import stack_error
+from urushi.core.probe_pairs import probe_pairs
+from urushi.core.rotations import rotated
 from urushi.errors import ParameterError, UrushiWarning
-from urushi.geometry.direction_sets import cosine_pairs
-from urushi.geometry.error_metrics import stack_error
-from urushi.geometry.frames import rotated
-from urushi.geometry.probe_pairs import probe_pairs
 from urushi.material.encode import encode, evaluate_source
 from urushi.material.layer import layer
 from urushi.material.symmetry import AZIMUTHS, Deviations, asymmetry_pairs
-from urushi.reference.stack import coat, conductor, dielectric
+from urushi.walk.stack import coat, conductor, dielectric
 
 WI, WO = probe_pairs(192)
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from urushi.geometry.direction_sets import cosine_pairs, half_angle_pairs
+from urushi.core.direction_sets import cosine_pairs, half_angle_pairs
 from urushi.material import Material, encode, layer
 from urushi.material.table import (
     SHAPE,
@@ -12,7 +12,7 @@ from urushi.material.table import (
     node_directions,
     rest_table,
 )
-from urushi.reference import conductor, dielectric, diffuse
+from urushi.walk import conductor, dielectric, diffuse
 
 
 def test_nodes_have_their_coordinates():

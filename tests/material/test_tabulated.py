@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import safetensors.numpy
 
+from urushi.core.error_metrics import stack_error
 from urushi.errors import FileError, ParameterError
-from urushi.geometry.error_metrics import stack_error
 from urushi.material import Material, encode, layer, lerp, load
 from urushi.material.albedo_rule import albedo_rule
 from urushi.material.batch import encode_all
@@ -17,7 +17,7 @@ from urushi.material.table import SHAPE
 from urushi.nets.weights import Model
 from urushi.paper.architecture import PaperArchitecture
 from urushi.paper.architecture import init as init_paper
-from urushi.reference.stack import conductor, dielectric
+from urushi.walk.stack import conductor, dielectric
 
 
 def velvet(wi, wo):

@@ -4,11 +4,11 @@ tests/eval/test_shipped_figures.py.
 
 import numpy as np
 
-from urushi.geometry.direction_sets import cosine_pairs
-from urushi.geometry.error_metrics import stack_error
+from urushi.core.direction_sets import cosine_pairs
+from urushi.core.error_metrics import stack_error
 from urushi.material import encode, layer
-from urushi.reference import StackTable, analytic, walk_pairs
-from urushi.reference.stack import conductor, dielectric
+from urushi.walk import StackTable, analytic, walk_pairs
+from urushi.walk.stack import conductor, dielectric
 
 
 def test_the_proposal_beats_the_cosine_on_glossy_materials(trained):

@@ -4,11 +4,11 @@ import drjit as dr
 import numpy as np
 import pytest
 
+from urushi.core.frame import square_to_cosine_hemisphere
+from urushi.core.random import stream
 from urushi.measured import Merl, load_measured, tabulated
-from urushi.physics.frame import square_to_cosine_hemisphere
-from urushi.physics.random import stream
-from urushi.reference import analytic, coat, conductor, diffuse, monte_carlo, simulate
-from urushi.reference.simulate import albedo
+from urushi.walk import analytic, coat, conductor, diffuse, monte_carlo, simulate
+from urushi.walk.simulate import albedo
 
 SAMPLES = 1 << 18
 COLOUR = np.array([0.6, 0.3, 0.1])

@@ -7,7 +7,7 @@ from urushi.errors import FileError, ParameterError
 from urushi.material.batch import encode_all
 from urushi.measured import Rgl, load_measured
 from urushi.measured.rgl import MIN_COSINE, srgb_weights
-from urushi.reference import analytic, conductor
+from urushi.walk import analytic, conductor
 
 NAMES = [
     "aurora_white", "cc_green_malachite", "cc_ibiza_sunset", "chm_mint", "cm_military_green",

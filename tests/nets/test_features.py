@@ -5,8 +5,8 @@ import re
 
 import numpy as np
 
-from urushi.geometry.half_vector import directions_at_tangent
-from urushi.geometry.probe_pairs import probe_pairs
+from urushi.core.half_vector import directions_at_tangent
+from urushi.core.probe_pairs import probe_pairs
 from urushi.nets.features import (
     COAT_FEATURES,
     COAT_TABLE,

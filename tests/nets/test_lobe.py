@@ -7,9 +7,9 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from urushi.core import fresnel, microfacet
 from urushi.nets import lobe
-from urushi.physics import fresnel, microfacet
-from urushi.reference.monte_carlo import backend
+from urushi.walk.monte_carlo import backend
 
 COSINES = np.concatenate([[1e-4], np.linspace(0.001, 0.999, 300), [1.0]])
 

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
+from urushi.core.probe_pairs import probe_pairs
 from urushi.data.distribution import Extended
-from urushi.geometry.probe_pairs import probe_pairs
 from urushi.nets import lobe as lobes
 from urushi.nets.lobe_fit import DARK, fit_lobes
-from urushi.reference import analytic
+from urushi.walk import analytic
 
 STACKS = 128
 

@@ -6,7 +6,7 @@ Decoder and encoder see the 18 numbers of a code that follow its lobe.
 import numpy as np
 import pytest
 
-from urushi.geometry.probe_pairs import probe_pairs
+from urushi.core.probe_pairs import probe_pairs
 from urushi.nets import decoder, encoder, layerer, sampler
 from urushi.nets.architecture import ACTIVATIONS, SCALE, Architecture, init
 from urushi.nets.features import direction_features

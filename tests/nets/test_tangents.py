@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from urushi.geometry.probe_pairs import probe_pairs
+from urushi.core.probe_pairs import probe_pairs
 from urushi.nets import derivatives, encoder, layerer, lobe
 from urushi.nets.lobe_fit import fit_lobes
 from urushi.nets.lobe_fit_slopes import fit_slopes

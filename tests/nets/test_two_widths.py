@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from urushi.checks import CoatParameters, Widths
-from urushi.geometry.direction_sets import cosine_pairs, slope_pairs
-from urushi.geometry.probe_pairs import ANISOTROPIC_PROBES, probe_pairs
+from urushi.core.direction_sets import cosine_pairs, slope_pairs
+from urushi.core.probe_pairs import ANISOTROPIC_PROBES, probe_pairs
 from urushi.nets import derivatives, layerer, lobe, sampler
 from urushi.nets.architecture import Architecture, init
 from urushi.nets.features import direction_features

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import urushi
+from urushi.core import eon, metal
 from urushi.openpbr_surface import (
     albedo_axes,
     anisotropic_albedo,
@@ -16,8 +17,7 @@ from urushi.openpbr_surface import (
     roughness,
     sheen,
 )
-from urushi.physics import eon, metal
-from urushi.reference.simulate import albedo
+from urushi.walk.simulate import albedo
 
 COSINES, WEIGHTS = np.polynomial.legendre.leggauss(48)
 COSINES, WEIGHTS = 0.5 * (COSINES + 1), 0.5 * WEIGHTS

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from urushi.core import metal
 from urushi.openpbr_surface import thin_film
 from urushi.openpbr_surface.thin_film import Below, Film
-from urushi.physics import metal
 
 COSINES = (1.0, 0.7, 0.2)
 

@@ -2,7 +2,7 @@
 
 Every event is drawn with its physical probability: reflection or refraction at each interface, the
 free flight, absorption, scattering. No event is forced, no vertex connects to wo, and photons have
-no weights, so that only the physics is common with `urushi.reference.walk`.
+no weights, so that only the physics is common with `urushi.walk.walk`.
 """
 
 from typing import Any
@@ -12,11 +12,11 @@ import numpy as np
 import numpy.typing as npt
 
 from urushi import checks
-from urushi.physics import fresnel, microfacet, phase
-from urushi.physics.frame import from_cosine, reflect, refract
-from urushi.reference.bottoms import Bottom
-from urushi.reference.monte_carlo import average, per_channel
-from urushi.reference.stack import Stack
+from urushi.core import fresnel, microfacet, phase
+from urushi.core.frame import from_cosine, reflect, refract
+from urushi.walk.bottoms import Bottom
+from urushi.walk.monte_carlo import average, per_channel
+from urushi.walk.stack import Stack
 
 
 def analog_albedo(

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from urushi.core import direction_sets
 from urushi.data.distribution import from_dict, to_dict
 from urushi.data.spec import Part
 from urushi.errors import ParameterError
-from urushi.geometry import direction_sets
 from urushi.paper.palette import Palette
 
 ALL = slice(0, 5000)

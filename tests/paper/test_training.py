@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from urushi.app.commands.train import find_preset
+from urushi.core.direction_sets import stratified_pairs
 from urushi.data.generate import generate
 from urushi.errors import ParameterError
-from urushi.geometry.direction_sets import stratified_pairs
 from urushi.material import Material
 from urushi.nets import weights
 from urushi.paper import adam, networks
@@ -20,8 +20,8 @@ from urushi.paper.palette import Palette
 from urushi.paper.train import held_out, layering, projection, proxy, representation, sampler
 from urushi.paper.train.preset import paper
 from urushi.paper.train.training import train
-from urushi.reference import analytic
 from urushi.train.checkpoint import Journal
+from urushi.walk import analytic
 
 pytestmark = pytest.mark.research
 

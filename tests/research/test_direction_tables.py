@@ -10,7 +10,7 @@ import urushi
 from urushi.errors import FileError, ParameterError
 from urushi.nets import weights
 from urushi.nets.architecture import Architecture, init
-from urushi.reference import simulate
+from urushi.walk import simulate
 
 
 @pytest.fixture

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from urushi.geometry.direction_sets import cosine_pairs
-from urushi.geometry.error_metrics import stack_error
+from urushi.core.direction_sets import cosine_pairs
+from urushi.core.error_metrics import stack_error
 from urushi.material import energy
 from urushi.material.albedo_rule import albedo_rule
 from urushi.material.encode import limited_codes

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from urushi.checks import Widths
+from urushi.core import direction_sets
 from urushi.errors import ParameterError
-from urushi.geometry import direction_sets
 from urushi.nets import lobe
 from urushi.nets.architecture import Architecture, init
 from urushi.nets.decoder import decode

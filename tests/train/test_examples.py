@@ -7,19 +7,19 @@ import weakref
 import numpy as np
 import pytest
 
+from urushi.core.probe_pairs import PROBES, probe_pairs
 from urushi.data.distribution import BOTTOMS, Extended, Table2
 from urushi.data.generate import generate
 from urushi.data.spec import DataSpec, Part
 from urushi.data.store import Store
 from urushi.errors import FileError, ParameterError
-from urushi.geometry.probe_pairs import PROBES, probe_pairs
 from urushi.nets import lobe
 from urushi.nets.architecture import Architecture
 from urushi.nets.features import direction_features
-from urushi.reference import analytic
 from urushi.train import examples
 from urushi.train.bottoms import BARE_LOBES, bottom_lobes, bottom_rest
 from urushi.train.examples import Batches, Depth
+from urushi.walk import analytic
 
 EVERYTHING = 1 << 20  # more direction pairs than the store has
 

@@ -5,20 +5,20 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from urushi.geometry.direction_sets import training_pairs
-from urushi.geometry.probe_pairs import probe_pairs
+from urushi.core.direction_sets import training_pairs
+from urushi.core.probe_pairs import probe_pairs
 from urushi.nets.architecture import Architecture, init
 from urushi.nets.encoder import input_statistics
 from urushi.nets.features import direction_features
 from urushi.nets.lobe import NO_LOBE
 from urushi.nets.sampler import mixture_pdf
-from urushi.reference import analytic, conductor
 from urushi.train.examples import Batch
 from urushi.train.losses import compose
 from urushi.train.optimiser import Schedule, compile_steps, start
 from urushi.train.stages import sampling
 from urushi.train.stages.joint import joint_loss
 from urushi.train.stages.sampling import Targets, sampler_loss, variation
+from urushi.walk import analytic, conductor
 
 ARCH = Architecture(
     latent=10, decoder=(32, 32), encoder=(8,), layerer=(4,), sampler=(16,), probes=32

@@ -11,9 +11,9 @@ import time
 import numpy as np
 import pytest
 
+from urushi.core import error_metrics
 from urushi.data.store import Store
 from urushi.errors import FileError, ParameterError
-from urushi.geometry import error_metrics
 from urushi.nets import lobe, weights
 from urushi.nets.decoder import decode
 from urushi.nets.encoder import encode

@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from urushi.geometry.error_metrics import FLOOR
+from urushi.core.error_metrics import FLOOR
 from urushi.nets.architecture import Architecture, init
 from urushi.nets.encoder import encode
 from urushi.nets.layerer import layer

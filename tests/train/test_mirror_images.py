@@ -4,16 +4,16 @@ import numpy as np
 import pytest
 
 from urushi.checks import CoatParameters
+from urushi.core.probe_pairs import ANISOTROPIC_PROBES
 from urushi.data.distribution import ANISOTROPIC_BOTTOMS, BOTTOM_PARAMETERS, Anisotropic, Table2
 from urushi.data.generate import generate, make_shard
 from urushi.data.spec import DataSpec, Part
 from urushi.errors import ParameterError
-from urushi.geometry.probe_pairs import ANISOTROPIC_PROBES
 from urushi.nets.architecture import Architecture, init
-from urushi.reference import StackTable, analytic, walk_pairs
 from urushi.train import examples
 from urushi.train.examples import mirror_images
 from urushi.train.stages.layering import MirroredLayering
+from urushi.walk import StackTable, analytic, walk_pairs
 
 ARCH = Architecture(
     latent=12,

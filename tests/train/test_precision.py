@@ -5,8 +5,8 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from urushi.core.direction_sets import training_pairs
 from urushi.errors import ParameterError
-from urushi.geometry.direction_sets import training_pairs
 from urushi.nets.architecture import Architecture, init
 from urushi.nets.decoder import decode
 from urushi.nets.features import direction_features

@@ -5,8 +5,8 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from urushi.core.probe_pairs import probe_pairs
 from urushi.data.store import Store
-from urushi.geometry.probe_pairs import probe_pairs
 from urushi.nets.architecture import init
 from urushi.nets.decoder import decode
 from urushi.nets.encoder import encode

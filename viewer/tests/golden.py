@@ -28,8 +28,8 @@ import numpy as np
 
 import urushi
 from urushi import files
-from urushi.geometry.direction_sets import training_pairs
-from urushi.geometry.half_vector import turned
+from urushi.core.direction_sets import training_pairs
+from urushi.core.half_vector import turned
 from urushi.material.energy import limit_albedo
 from urushi.material.material import Material
 from urushi.nets import weights

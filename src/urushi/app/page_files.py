@@ -24,7 +24,7 @@ from urushi.files import METADATA_KEY
 from urushi.material import Material
 from urushi.nets.architecture import Architecture
 from urushi.nets.weights import FORMAT_VERSION, Model, anisotropic_model
-from urushi.reference.stack import Conductor, Dielectric, Diffuse, Stack
+from urushi.walk.stack import Conductor, Dielectric, Diffuse, Stack
 
 #: Names of the files that are made, not built.
 WEIGHTS_FILE, START_FILE, SHADERS_FOLDER = "weights.safetensors", "start.json", "shaders"

@@ -13,7 +13,7 @@ import numpy as np
 from urushi.checks import TRAINED_DEPTH, TRAINED_G, Widths
 from urushi.data.draws import DRAW_BOTTOM, DRAW_ETA, draw_alpha, draw_widths
 from urushi.errors import ParameterError
-from urushi.reference.table import BOTTOM_KINDS, StackTable
+from urushi.walk.table import BOTTOM_KINDS, StackTable
 
 #: Maximum number of coats of a trained stack: five coats over a bottom have six interfaces.
 MAX_COATS = 5

@@ -6,7 +6,7 @@
 import numpy as np
 
 from urushi.checks import MIN_ALPHA, TRAINED_WIDTH_RATIO, Widths
-from urushi.reference.bottoms import LOBE_PARAMETERS
+from urushi.walk.bottoms import LOBE_PARAMETERS
 
 
 def draw_alpha(rng: np.random.Generator, shape: int | tuple[int, ...]) -> np.ndarray:

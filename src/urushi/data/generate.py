@@ -7,14 +7,14 @@ import numpy as np
 from tqdm import tqdm
 
 from urushi.checks import CoatParameters
+from urushi.core import direction_sets
 from urushi.data import cluster
 from urushi.data.distribution import BOTTOM_PARAMETERS
 from urushi.data.spec import DataSpec
 from urushi.data.store import Shard, Store, versions
 from urushi.errors import PlatformError
-from urushi.geometry import direction_sets
-from urushi.reference import analytic
-from urushi.reference.simulate import walk_pairs
+from urushi.walk import analytic
+from urushi.walk.simulate import walk_pairs
 
 
 def make_shard(spec: DataSpec, part: int, shard: int) -> Shard:

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from urushi.core import direction_sets
 from urushi.data import distribution as distributions
 from urushi.data.distribution import Source
 from urushi.errors import ParameterError
-from urushi.geometry import direction_sets
 
 
 @dataclass(frozen=True)

@@ -18,14 +18,14 @@ import numpy as np
 
 from urushi import files
 from urushi.checks import CoatParameters
+from urushi.core.probe_pairs import PROBES
 from urushi.data.distribution import BOTTOM_PARAMETERS, to_dict
 from urushi.errors import FileError
 from urushi.eval import samples as sampling
 from urushi.eval.groups import GROUPS, Group
 from urushi.eval.samples import Samples
-from urushi.geometry.probe_pairs import PROBES
-from urushi.reference import StackTable
 from urushi.version import __version__
+from urushi.walk import StackTable
 
 #: Seed of the stored set; `urushi eval --seed` draws another set.
 SEED = 0

@@ -13,8 +13,8 @@ import numpy as np
 
 from urushi import files
 from urushi.checks import finite
+from urushi.core import direction_sets, error_metrics
 from urushi.errors import FileError, ParameterError
-from urushi.geometry import direction_sets, error_metrics
 
 #: Pairs of directions, of cosine density on both sides, and the seed from which they are drawn.
 PAIRS, SEED = 300, 20260
@@ -139,7 +139,7 @@ def model(parameters: Mapping[str, Any], *, walks: int = 0) -> Brdf:
     Raises:
         PlatformError: no variant of Mitsuba is set.
     """
-    from urushi.render.openpbr import openpbr
+    from urushi.mitsuba.openpbr import openpbr
 
     bsdf = openpbr(reference=walks > 0, **parameters).bsdf()
     numbers = [float(k) for k in range(max(walks, 1))]
@@ -148,7 +148,7 @@ def model(parameters: Mapping[str, Any], *, walks: int = 0) -> Brdf:
 
 def _values(bsdf: Any, wi: np.ndarray, wo: np.ndarray, number: Any = 0.0) -> np.ndarray:
     """f (N, 3); walks of the same pair differ by their number, one or (N,)."""
-    from urushi.render.reading import probing
+    from urushi.mitsuba.reading import probing
 
     return probing.bsdf_values(bsdf, wi, wo, np.full((len(wi), 2), 0.5), number)
 
@@ -165,7 +165,7 @@ def simulate(
         walks: of a pair in one round.
         rounds: greatest number of rounds.
     """
-    from urushi.render.openpbr import openpbr
+    from urushi.mitsuba.openpbr import openpbr
 
     bsdf = openpbr(reference=True, **parameters).bsdf()
     wi, wo = pairs()

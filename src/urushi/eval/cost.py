@@ -11,7 +11,7 @@ from urushi.material import encode, layer
 from urushi.material.layer import layer_texels
 from urushi.nets.architecture import FIXED
 from urushi.nets.weights import Model
-from urushi.reference import conductor, dielectric
+from urushi.walk import conductor, dielectric
 
 #: Texels per side of the textures that are layered; the times are extrapolated to `TEXTURE` texels
 #: per side as a constant plus a time per texel.

@@ -8,18 +8,18 @@ from typing import Any
 
 import numpy as np
 
+from urushi.core.direction_sets import cosine_pairs, half_angle_pairs
+from urushi.core.error_metrics import energy_weight, pair_error
+from urushi.core.quadrature import half_vector_rule
 from urushi.errors import ParameterError, UrushiError
 from urushi.eval import environment, metrics, sphere
-from urushi.geometry.direction_sets import cosine_pairs, half_angle_pairs
-from urushi.geometry.error_metrics import energy_weight, pair_error
-from urushi.geometry.quadrature import half_vector_rule
 from urushi.material import Material
 from urushi.material.encode import evaluate_source
 from urushi.material.source import Source, as_source
 from urushi.material.symmetry import RELATIVE_TOLERANCE, azimuthal_mean
 from urushi.measured import load_measured
-from urushi.reference.simulate import simulate
-from urushi.reference.stack import Stack
+from urushi.walk.simulate import simulate
+from urushi.walk.stack import Stack
 
 #: Pairs for E and for P.
 E_PAIRS, P_PAIRS = 4096, 2048

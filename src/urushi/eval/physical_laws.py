@@ -6,12 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from urushi.checks import CoatParameters
+from urushi.core import error_metrics
 from urushi.data.distribution import Extended
 from urushi.eval import predict
 from urushi.eval import samples as sampling
 from urushi.eval.groups import Group
 from urushi.eval.samples import Samples
-from urushi.geometry import error_metrics
 from urushi.material import Material
 from urushi.material.layer import layer_texels
 from urushi.nets.weights import Model

@@ -3,10 +3,10 @@
 import numpy as np
 
 from urushi.checks import CoatParameters, one_width
+from urushi.core.probe_pairs import PROBES, probe_pairs
 from urushi.data.distribution import BOTTOM_PARAMETERS
 from urushi.eval import samples as sampling
 from urushi.eval.samples import Samples
-from urushi.geometry.probe_pairs import PROBES, probe_pairs
 from urushi.material import Material
 from urushi.material.encode import material_from_values, material_of_lobes, required_pairs
 from urushi.material.layer import layer_texels
@@ -15,8 +15,8 @@ from urushi.nets.architecture import Architecture
 from urushi.nets.lobe import of_coat
 from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
-from urushi.reference import StackTable
 from urushi.train.bottoms import BARE_LOBES, bottom_lobes
+from urushi.walk import StackTable
 
 #: Seed of the walks for networks whose probe pairs differ from the stored ones.
 _PROBE_SEED = 1

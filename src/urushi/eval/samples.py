@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from tqdm import tqdm
 
+from urushi.core import direction_sets, error_metrics
+from urushi.core.probe_pairs import PROBES, probe_pairs
+from urushi.core.quadrature import half_vector_rule
 from urushi.eval.groups import Group
-from urushi.geometry import direction_sets, error_metrics
-from urushi.geometry.probe_pairs import PROBES, probe_pairs
-from urushi.geometry.quadrature import half_vector_rule
 from urushi.material.source import STACK_WALKS
-from urushi.reference import StackTable, analytic, walk_pairs
+from urushi.walk import StackTable, analytic, walk_pairs
 
 #: Number of drawn pairs of a stack: for E (cosine density) and for P (log half angle).
 E_PAIRS, P_PAIRS = 100, 200

@@ -20,7 +20,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from urushi.geometry.quadrature import half_vector_rule
+from urushi.core.quadrature import half_vector_rule
 from urushi.material.crossing import inner_albedo
 from urushi.nets import lobe as lobes
 

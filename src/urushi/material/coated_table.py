@@ -21,7 +21,7 @@ from typing import NamedTuple
 import numpy as np
 
 from urushi.checks import CoatParameters
-from urushi.geometry.probe_pairs import even_points
+from urushi.core.probe_pairs import even_points
 from urushi.material import adding, energy
 from urushi.material.crossing import Crossing, Vector, cross, crossing_at
 from urushi.material.material import Material

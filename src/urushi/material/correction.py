@@ -8,7 +8,7 @@ the encoder's code as its anchor, over which coats are layered.
 
 import numpy as np
 
-from urushi.geometry.error_metrics import DARK_OFFSET, huber_loss
+from urushi.core.error_metrics import DARK_OFFSET, huber_loss
 from urushi.material.fit import HUBER_KNEE, probe_features, stepped
 from urushi.nets.least_squares import damped_step
 from urushi.nets.networks import Networks, UrushiNetworks

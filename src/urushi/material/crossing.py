@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from urushi.geometry.probe_pairs import even_points
+from urushi.core.probe_pairs import even_points
 
 #: Components x, y and z of unit vectors.
 Vector = tuple[np.ndarray, ...]

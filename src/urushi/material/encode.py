@@ -13,8 +13,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from urushi.core.error_metrics import DARK_OFFSET, energy_weight
 from urushi.errors import ParameterError, UrushiWarning
-from urushi.geometry.error_metrics import DARK_OFFSET, energy_weight
 from urushi.material import energy
 from urushi.material.albedo_rule import AlbedoRule, albedo_rule
 from urushi.material.correction import correct_codes
@@ -32,7 +32,7 @@ from urushi.nets.interface_fit import find_lobes
 from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model, Weights, anisotropic_model, find
 from urushi.parallel import fill_blocks
-from urushi.reference.stack import Stack
+from urushi.walk.stack import Stack
 
 #: Root mean square of the residual in ln(f + `DARK_OFFSET`) above which a source is refined unless
 #: the caller decides. Measured: descriptions, coats and stacks of the training distribution stay

@@ -32,7 +32,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from urushi.geometry.error_metrics import DARK_OFFSET, huber_loss
+from urushi.core.error_metrics import DARK_OFFSET, huber_loss
 from urushi.material import energy
 from urushi.material.albedo_rule import albedo_rule
 from urushi.material.energy import LEAST_ALBEDO
@@ -45,7 +45,7 @@ from urushi.nets.lobe import no_lobe
 from urushi.nets.lobe_fit import fit_lobes
 from urushi.nets.networks import Networks, UrushiNetworks
 from urushi.parallel import one_blas_thread
-from urushi.reference.stack import conductor, diffuse
+from urushi.walk.stack import conductor, diffuse
 
 #: Roughness of the conductors among the initial guesses, and shares of a white diffuse lobe that
 #: are added to each.
@@ -78,7 +78,7 @@ def _values_of_surfaces(networks: UrushiNetworks) -> np.ndarray:
 
 @functools.lru_cache(4)
 def _surface_values(wi: bytes, wo: bytes) -> np.ndarray:
-    from urushi.reference import analytic  # lazily: it starts Dr.Jit
+    from urushi.walk import analytic  # lazily: it starts Dr.Jit
 
     pairs = [np.frombuffer(w, np.float32).reshape(-1, 3) for w in (wi, wo)]
     white = analytic.f(diffuse(1.0), *pairs)[:, 0]

@@ -9,10 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 from urushi import checks
+from urushi.core.quadrature import half_vector_rule
+from urushi.core.rotations import rotated
 from urushi.errors import ParameterError, UrushiWarning
 from urushi.export.program import material_text
-from urushi.geometry.frames import rotated
-from urushi.geometry.quadrature import half_vector_rule
 from urushi.material import file
 from urushi.material.table import SHAPE, interpolated
 from urushi.nets import lobe as lobes

@@ -22,8 +22,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from urushi.geometry.direction_sets import cosine_pairs
-from urushi.geometry.error_metrics import error_divisors, huber_loss
+from urushi.core.direction_sets import cosine_pairs
+from urushi.core.error_metrics import error_divisors, huber_loss
 from urushi.material import energy
 from urushi.material.fit import FitState, damped_steps
 from urushi.material.material import Material

@@ -17,7 +17,7 @@ from urushi.material.material import Material
 from urushi.measured import Merl, Rgl
 from urushi.nets import lobe as lobes
 from urushi.nets.networks import UrushiNetworks
-from urushi.reference.stack import Coat, Conductor, Dielectric, Diffuse, Stack
+from urushi.walk.stack import Coat, Conductor, Dielectric, Diffuse, Stack
 
 #: Random walks per probe and channel for a Stack: about 0.5 % noise where f is not tiny.
 STACK_WALKS = 16384
@@ -110,7 +110,7 @@ def _(source: Rgl) -> Source:
 @as_source.register(Dielectric)
 @as_source.register(Diffuse)
 def _(source: Conductor | Dielectric | Diffuse) -> Source:
-    from urushi.reference import analytic  # lazily: it starts Dr.Jit
+    from urushi.walk import analytic  # lazily: it starts Dr.Jit
 
     def f(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         return analytic.f(source, wi, wo)
@@ -126,7 +126,7 @@ def _(source: Conductor | Dielectric | Diffuse) -> Source:
 
 @as_source.register
 def _(source: Stack) -> Source:
-    from urushi.reference.simulate import simulate
+    from urushi.walk.simulate import simulate
 
     lobe, widths = lobe_of_coat(source.coats[0]), 2 if source.is_anisotropic else 1
     if lobe.shape[-1] < len(lobes.NUMBERS[widths]):
@@ -144,7 +144,7 @@ def simulated(stack: Stack, wi: np.ndarray, wo: np.ndarray) -> tuple[np.ndarray,
 
     The random numbers are not those of its source.
     """
-    from urushi.reference.simulate import simulate  # lazily: it starts Dr.Jit
+    from urushi.walk.simulate import simulate  # lazily: it starts Dr.Jit
 
     return simulate(stack, wi, wo, walks=FIT_WALKS, seed=1)
 

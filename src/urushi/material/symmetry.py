@@ -10,9 +10,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from urushi.geometry.direction_sets import cosine_pairs
-from urushi.geometry.error_metrics import energy_weight
-from urushi.geometry.frames import rotated
+from urushi.core.direction_sets import cosine_pairs
+from urushi.core.error_metrics import energy_weight
+from urushi.core.rotations import rotated
 from urushi.material.source import Source
 
 #: Number of common rotations of a pair about the normal over which a BRDF is averaged: twice an odd

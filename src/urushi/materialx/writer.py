@@ -15,7 +15,7 @@ from urushi.errors import ParameterError
 from urushi.files import atomic_write
 from urushi.materialx.surface import TARGET
 from urushi.materialx.xml import Element, write
-from urushi.reference.stack import Conductor, Diffuse, Stack, Value
+from urushi.walk.stack import Conductor, Diffuse, Stack, Value
 
 
 def save_materialx(stack: Stack, path: str | os.PathLike, name: str = "material") -> None:

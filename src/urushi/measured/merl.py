@@ -15,8 +15,8 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
+from urushi.core.half_vector import above_horizon
 from urushi.errors import FileError
-from urushi.geometry.half_vector import above_horizon
 from urushi.measured.tabulated import (
     MeasuredSurface,
     bin_centres,

@@ -14,10 +14,10 @@ import numpy as np
 import numpy.typing as npt
 
 from urushi import checks
-from urushi.geometry.half_vector import above_horizon, directions_at, half_difference_angles
+from urushi.core.half_vector import above_horizon, directions_at, half_difference_angles
 
 if TYPE_CHECKING:
-    from urushi.reference.tabulated import Tabulated
+    from urushi.walk.tabulated import Tabulated
 
 #: Numbers of bins along theta_h, theta_d and phi_d.
 Shape = tuple[int, int, int]
@@ -47,16 +47,16 @@ class MeasuredSurface(ABC):
     @cached_property
     def tabulated(self) -> "Tabulated":
         """The table as a bottom of the random walk."""
-        from urushi.reference.tabulated import Tabulated  # imported here because it starts Dr.Jit
+        from urushi.walk.tabulated import Tabulated  # imported here because it starts Dr.Jit
 
         return Tabulated(self.table())
 
     def f_pdf(self, wi: Any, wo: Any) -> tuple[Any, Any]:
-        """See `urushi.reference.bottoms.Bottom`."""
+        """See `urushi.walk.bottoms.Bottom`."""
         return self.tabulated.f_pdf(wi, wo)
 
     def sample(self, wi: Any, u0: Any, u1: Any, u2: Any) -> tuple[Any, Any, Any]:
-        """See `urushi.reference.bottoms.Bottom`."""
+        """See `urushi.walk.bottoms.Bottom`."""
         return self.tabulated.sample(wi, u0, u1, u2)
 
 

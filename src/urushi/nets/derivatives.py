@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from urushi.checks import CoatParameters
-from urushi.geometry.probe_pairs import probe_pairs
+from urushi.core.probe_pairs import probe_pairs
 from urushi.nets import lobe as lobes
 from urushi.nets.architecture import SCALE, Architecture
 from urushi.nets.decoder import MAX_LOG, MIN_LOG, first_layer

@@ -9,7 +9,7 @@ if they give all values.
 import numpy as np
 
 from urushi.checks import MIN_ALPHA, Widths
-from urushi.geometry.probe_pairs import probe_pairs
+from urushi.core.probe_pairs import probe_pairs
 from urushi.nets import lobe as lobes
 from urushi.nets.least_squares import damped_step
 from urushi.nets.lobe_fit import DARK, fit_lobes

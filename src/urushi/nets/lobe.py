@@ -13,7 +13,7 @@ agree. The decoder evaluates the rest of the BRDF.
 A lobe of anisotropic networks has a seventh number, the width across the tangent (the y axis); its
 first number is the width along it (the x axis).
 
-Functions take arrays of NumPy or JAX. `urushi.render.networks.lobe` is the counterpart in Dr.Jit.
+Functions take arrays of NumPy or JAX. `urushi.mitsuba.networks.lobe` is the counterpart in Dr.Jit.
 """
 
 import math

@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from urushi.checks import MIN_ALPHA, Widths
-from urushi.geometry.probe_pairs import probe_pairs
+from urushi.core.probe_pairs import probe_pairs
 from urushi.nets import lobe as lobes
 
 #: Widths of the grid.

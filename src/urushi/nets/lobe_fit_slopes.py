@@ -8,7 +8,7 @@ of implicit functions).
 import numpy as np
 
 from urushi.checks import MIN_ALPHA, Widths
-from urushi.geometry.probe_pairs import probe_pairs
+from urushi.core.probe_pairs import probe_pairs
 from urushi.nets import lobe as lobes
 from urushi.nets.lobe_fit import DARK, KNEE, OVERSHOOT_WEIGHT
 

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from urushi.checks import CoatParameters
-from urushi.geometry.probe_pairs import probe_pairs
+from urushi.core.probe_pairs import probe_pairs
 from urushi.nets import decoder, derivatives, encoder, layerer, sampler
 from urushi.nets import lobe as lobes
 from urushi.nets.architecture import Architecture

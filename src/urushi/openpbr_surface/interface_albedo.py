@@ -174,7 +174,7 @@ def _masking(cosine: np.ndarray, alpha: float) -> np.ndarray:
 
 
 def _fresnel(cosine: np.ndarray, eta: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Reflectance and refracted cosine, see `urushi.physics.fresnel.dielectric`."""
+    """Reflectance and refracted cosine, see `urushi.core.fresnel.dielectric`."""
     cos_t2 = 1 - (1 - cosine * cosine) / (eta * eta)
     cos_t = np.sqrt(np.maximum(cos_t2, 0))
     with np.errstate(invalid="ignore", divide="ignore"):

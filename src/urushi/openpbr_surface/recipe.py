@@ -10,10 +10,10 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from urushi.checks import MIN_ALPHA
+from urushi.core import eon, metal
 from urushi.errors import ParameterError
 from urushi.openpbr_surface import albedo_axes, darkening, interface_albedo, roughness
 from urushi.openpbr_surface.parameters import complete
-from urushi.physics import eon, metal
 
 #: "materialx": the graph `open_pbr_surface.mtlx` of MaterialX 1.39 as its generator for GLSL has
 #: it; coat_color is the same for all directions. "specification": the text of OpenPBR 1.1.1, with

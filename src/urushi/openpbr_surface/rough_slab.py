@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from urushi.core import eon
 from urushi.openpbr_surface import albedo_axes, interface_albedo
-from urushi.physics import eon
 
 
 class Tables(NamedTuple):

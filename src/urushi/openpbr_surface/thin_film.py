@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from urushi.physics import metal
+from urushi.core import metal
 
 #: Terms of the series; the next is at most 2 % of the light for a film of index 2.
 ORDERS = 5

@@ -14,13 +14,13 @@ import mitsuba as mi
 import numpy as np
 from drjit import nn
 
+from urushi.core.frame import square_to_cosine_hemisphere
+from urushi.mitsuba.networks import cooperative
 from urushi.nets.weights import Model
 from urushi.paper import proxy
 from urushi.paper.architecture import EVALUATION, PROXY
 from urushi.paper.blocks import EPSILON, Block, Linear, Norm
 from urushi.paper.proxy import MIN_SHARE, MIN_SIGMA
-from urushi.physics.frame import square_to_cosine_hemisphere
-from urushi.render.networks import cooperative
 
 #: The flags by which Mitsuba records a whole path as one kernel.
 _SYMBOLIC = (

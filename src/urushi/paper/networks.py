@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urushi.checks import CoatParameters
+from urushi.core.direction_sets import stratified_pairs
+from urushi.core.probe_pairs import probe_pairs
 from urushi.errors import ParameterError
-from urushi.geometry.direction_sets import stratified_pairs
-from urushi.geometry.probe_pairs import probe_pairs
 from urushi.nets.mlp import Params
 from urushi.nets.weights import Model
 from urushi.paper import adam
@@ -20,7 +20,7 @@ from urushi.paper.inference import direction_inputs, evaluate, isotropic, layer
 from urushi.paper.projection import project
 from urushi.paper.proxy import GaussianMixture, proxy
 from urushi.parallel import run_all_cores
-from urushi.reference import analytic
+from urushi.walk import analytic
 
 if TYPE_CHECKING:
     from urushi.paper.kernels import PaperDecoder, PaperSampler

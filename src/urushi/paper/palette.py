@@ -6,7 +6,7 @@ from typing import ClassVar
 import numpy as np
 
 from urushi.errors import ParameterError
-from urushi.reference.table import StackTable
+from urushi.walk.table import StackTable
 
 #: The dielectric's row, the lower part's row, albedo and sigma_t of stacks, each (n,).
 Stacked = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]

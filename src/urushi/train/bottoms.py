@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from urushi.geometry.probe_pairs import probe_pairs
+from urushi.core.probe_pairs import probe_pairs
 from urushi.nets import lobe as lobes
 from urushi.nets.architecture import Architecture
 from urushi.nets.lobe_fit import fit_lobes
-from urushi.reference import analytic
+from urushi.walk import analytic
 
 #: Kinds of bottoms that are one lobe and nothing else.
 BARE_LOBES = (

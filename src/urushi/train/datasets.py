@@ -3,9 +3,9 @@
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
+from urushi.core.probe_pairs import PROBES
 from urushi.data.distribution import Anisotropic, Clear, Distribution, Extended, Table2
 from urushi.data.spec import DataSpec, Part
-from urushi.geometry.probe_pairs import PROBES
 
 #: Numbers of stacks by distribution: "table2", or the kind of bottom of an `Extended`.
 Counts = Mapping[str, int]

@@ -12,11 +12,11 @@ from typing import NamedTuple
 import numpy as np
 
 from urushi.checks import COAT_COLUMNS, CoatParameters
+from urushi.core.probe_pairs import PROBES, probe_pairs
 from urushi.data.distribution import BOTTOM_PARAMETERS
 from urushi.data.spec import Part
 from urushi.data.store import Store
 from urushi.errors import ParameterError
-from urushi.geometry.probe_pairs import PROBES, probe_pairs
 from urushi.nets import lobe as lobes
 from urushi.nets.architecture import Architecture
 from urushi.nets.features import DIRECTION_FEATURES, direction_features

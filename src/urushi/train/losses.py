@@ -6,7 +6,7 @@ import jax
 import jax.numpy as jnp
 
 from urushi.checks import CoatParameters
-from urushi.geometry.error_metrics import error_divisors, huber_loss
+from urushi.core.error_metrics import error_divisors, huber_loss
 from urushi.nets.architecture import Architecture
 from urushi.nets.decoder import decode
 from urushi.nets.encoder import encode

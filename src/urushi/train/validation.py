@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from urushi.checks import CoatParameters
+from urushi.core import error_metrics
 from urushi.data.store import Store
-from urushi.geometry import error_metrics
 from urushi.nets import lobe as lobes
 from urushi.nets.architecture import Architecture
 from urushi.nets.decoder import decode

@@ -17,7 +17,7 @@ from tests.oracles.adding_doubling.quadrature import (
 
 from urushi import checks
 from urushi.errors import ParameterError
-from urushi.reference.stack import BottomDescription, Conductor, Dielectric, Diffuse, Stack, Value
+from urushi.walk.stack import BottomDescription, Conductor, Dielectric, Diffuse, Stack, Value
 
 #: Pairs evaluated at once; bounds the memory to modes * pairs * nodes numbers.
 _PAIRS = 256
@@ -25,7 +25,7 @@ _PAIRS = 256
 
 @dataclass(frozen=True)
 class Layer:
-    """One coat of one channel; the fields are those of `urushi.reference.Coat`."""
+    """One coat of one channel; the fields are those of `urushi.walk.Coat`."""
 
     alpha: float
     eta: float

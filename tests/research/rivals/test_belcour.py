@@ -5,12 +5,12 @@ import pytest
 from research.rivals import belcour, belcour_tables
 from tests.oracles import slab
 
+from urushi.core import fresnel
+from urushi.core.direction_sets import cosine_pairs
 from urushi.errors import ParameterError
-from urushi.geometry.direction_sets import cosine_pairs
-from urushi.physics import fresnel
-from urushi.reference import analytic, coat, conductor, dielectric, diffuse
-from urushi.reference.monte_carlo import backend
-from urushi.reference.table import from_stack
+from urushi.walk import analytic, coat, conductor, dielectric, diffuse
+from urushi.walk.monte_carlo import backend
+from urushi.walk.table import from_stack
 
 COSINES = np.float32([0.2, 0.5, 0.8, 1.0])
 

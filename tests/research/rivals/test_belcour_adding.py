@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from research.rivals import belcour, belcour_tables
 
-from urushi.physics import fresnel
-from urushi.reference import coat, conductor
-from urushi.reference.monte_carlo import backend
-from urushi.reference.table import from_stack
+from urushi.core import fresnel
+from urushi.walk import coat, conductor
+from urushi.walk.monte_carlo import backend
+from urushi.walk.table import from_stack
 
 COSINES = np.linspace(0.3, 1, 8)
 #: (alpha, eta, albedo, sigma_t, g) of coats, top to bottom.

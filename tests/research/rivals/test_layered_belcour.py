@@ -18,7 +18,7 @@ def rgb_value(*values: float) -> dict:
 
 
 def values(bsdf, wi, wo, uv=None) -> np.ndarray:
-    from urushi.render.reading import probing
+    from urushi.mitsuba.reading import probing
 
     return probing.bsdf_values(bsdf, wi, wo, np.zeros((len(wi), 2)) if uv is None else uv)
 
@@ -81,7 +81,7 @@ def test_a_black_bottom_leaves_the_coats_lobe(rgb, random_directions):
 
 def sampled_albedo(mi, bsdf, wi, count: int = 1 << 16) -> np.ndarray:
     """Mean weights (C,) of directions that the BSDF draws."""
-    from urushi.render.reading import probing
+    from urushi.mitsuba.reading import probing
 
     rng = np.random.default_rng(0)
     si = probing.interaction(np.tile(np.float32(wi), (count, 1)), np.zeros((count, 2)))

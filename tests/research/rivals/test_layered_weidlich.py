@@ -14,7 +14,7 @@ ABSORBING = {"sigma_t": {"type": "rgb", "value": list(COLOURS)}}
 
 
 def values(bsdf, wi, wo, uv=None) -> np.ndarray:
-    from urushi.render.reading import probing
+    from urushi.mitsuba.reading import probing
 
     return probing.bsdf_values(bsdf, wi, wo, np.zeros((len(wi), 2)) if uv is None else uv)
 

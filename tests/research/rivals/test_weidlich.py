@@ -5,9 +5,9 @@ import pytest
 from research.rivals import weidlich
 from tests.oracles import slab
 
+from urushi.core.direction_sets import cosine_pairs
 from urushi.errors import ParameterError
-from urushi.geometry.direction_sets import cosine_pairs
-from urushi.reference import analytic, coat, conductor, dielectric, diffuse
+from urushi.walk import analytic, coat, conductor, dielectric, diffuse
 
 
 def mirrored(cos) -> tuple[np.ndarray, np.ndarray]:

@@ -7,14 +7,13 @@ from research.rivals import belcour, belcour_tables, weier
 from research.rivals.belcour_bottoms import Bottom
 
 from urushi.checks import CoatParameters, Widths
+from urushi.core import error_metrics, fresnel, microfacet
+from urushi.core.direction_sets import cosine_pairs
+from urushi.core.frame import reflect
 from urushi.errors import ParameterError
-from urushi.geometry import error_metrics
-from urushi.geometry.direction_sets import cosine_pairs
-from urushi.physics import fresnel, microfacet
-from urushi.physics.frame import reflect
-from urushi.reference import analytic, coat, conductor, dielectric, diffuse, simulate
-from urushi.reference.monte_carlo import backend
-from urushi.reference.table import BOTTOM_KINDS, StackTable, from_stack
+from urushi.walk import analytic, coat, conductor, dielectric, diffuse, simulate
+from urushi.walk.monte_carlo import backend
+from urushi.walk.table import BOTTOM_KINDS, StackTable, from_stack
 
 #: A stack of three interfaces of two widths, with media.
 METAL = conductor(alpha_u=0.1, alpha_v=0.4, r0=0.8)

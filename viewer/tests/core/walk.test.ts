@@ -1,7 +1,7 @@
 /**
  * The random walk against values of independent simulators, and against laws.
  *
- * The bounds are those of Python's tests of its own walk (`tests/reference/test_oracle.py`).
+ * The bounds are those of Python's tests of its own walk (`tests/walk/test_oracle.py`).
  */
 
 import { describe, expect, test } from "vitest";

@@ -67,7 +67,7 @@ class Convert:
     def run(self) -> int:
         set_variant("scalar_rgb")  # enough for images, and needs no LLVM
         from urushi.materialx.surface import read_surface
-        from urushi.render.materialx import check_supported, checked_resolution, decode
+        from urushi.mitsuba.materialx import check_supported, checked_resolution, decode
 
         resolution = checked_resolution(self.resolution)
         surface = read_surface(self.document, decode, self.material, resolution, self.uv_plane)
@@ -92,8 +92,8 @@ def bsdf_xml(surface: "Surface", folder: Path) -> tuple[str, str]:
         FileError: the folder cannot be written.
     """
     from urushi.materialx.baking import Texture
-    from urushi.render.plugins.openpbr_emission import NAMES
-    from urushi.render.reading.openpbr_inputs import EMISSION
+    from urushi.mitsuba.plugins.openpbr_emission import NAMES
+    from urushi.mitsuba.reading.openpbr_inputs import EMISSION
 
     lines: dict[str, str] = {}
     for name, value in surface.values.items():
@@ -118,7 +118,7 @@ def _texture_xml(material: str, name: str, texture: "Texture", folder: Path) -> 
     import mitsuba as mi
     import numpy as np
 
-    from urushi.render.materialx import filter_type, is_raw
+    from urushi.mitsuba.materialx import filter_type, is_raw
 
     file = "textures/" + re.sub(r"[^A-Za-z0-9_-]", "_", f"{material[:60]}-{name}") + ".exr"
     new_folder(folder / "textures")

@@ -9,9 +9,9 @@ import numpy as np
 import tyro
 
 from urushi.app.ranges import Angle, Incidence, Seed, Walks
+from urushi.core.rotations import rotated
 from urushi.errors import FileError, ParameterError
 from urushi.files import atomic_write
-from urushi.geometry.frames import rotated
 
 #: Polar angles of the printed table [degrees]; negative ones are on the light's side.
 POLAR_DEGREES = tuple(range(-80, 81, 10))
@@ -87,7 +87,7 @@ def evaluate(
 ) -> tuple[np.ndarray, np.ndarray]:
     """f [1/sr] and its standard error, (N, 3) each; without a coat f is analytic and exact."""
     import urushi
-    from urushi.reference import analytic
+    from urushi.walk import analytic
 
     if isinstance(description, urushi.Stack):
         return urushi.simulate(description, wi, wo, walks=walks, seed=seed)
@@ -100,7 +100,7 @@ def evaluate_albedo(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Directional albedo of a stack and its standard error, (N, 3) each."""
     import urushi
-    from urushi.reference.simulate import albedo
+    from urushi.walk.simulate import albedo
 
     if not isinstance(description, urushi.Stack):
         raise ParameterError("--albedo needs a stack; describe one by coat(...)")

@@ -115,7 +115,7 @@ def _first_of_scene(path: Path, bsdf: str | None, weights: str | None) -> "First
     import urushi
     from urushi.app.commands.encode import choose, scene_bsdfs
     from urushi.app.page_files import First, codes_of
-    from urushi.render.latents.holders import TexturedLatents
+    from urushi.mitsuba.latents.holders import TexturedLatents
 
     chosen = choose(scene_bsdfs(path, MODE), bsdf, path)
     name = bsdf or path.stem

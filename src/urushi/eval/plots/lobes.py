@@ -13,7 +13,7 @@ from urushi.eval import samples as sampling
 from urushi.eval.samples import Samples
 from urushi.files import atomic_write
 from urushi.nets.weights import Model
-from urushi.reference import StackTable
+from urushi.walk import StackTable
 
 #: Number of stacks shown, angles of incidence [degrees], and walks per direction.
 COUNT, INCIDENT, WALKS = 10, (10.0, 45.0, 75.0), 4096

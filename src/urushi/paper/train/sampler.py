@@ -10,7 +10,7 @@ from urushi.paper.inference import layer
 from urushi.paper.networks import PaperNetworks
 from urushi.paper.palette import Palette
 from urushi.paper.train import proxy
-from urushi.reference import analytic
+from urushi.walk import analytic
 
 #: Components of each kind, stacks of one coat, and incoming directions of their histograms.
 COMPONENTS, STACKS, INCOMING = 16, 64, 12

@@ -6,8 +6,8 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 
+from urushi.core.direction_sets import HALF_ANGLE_RANGE, MIRROR_SHARE, MIRROR_TANGENT
 from urushi.errors import ParameterError
-from urushi.geometry.direction_sets import HALF_ANGLE_RANGE, MIRROR_SHARE, MIRROR_TANGENT
 from urushi.nets.features import AZIMUTH_TABLE, DIRECTION_TABLE
 
 #: Largest weight of a pair over the mean of its run: pairs of bright, narrow peaks are few.

@@ -6,8 +6,8 @@ from typing import Any, ClassVar
 import jax
 import jax.numpy as jnp
 
-from urushi.geometry.error_metrics import FLOOR
-from urushi.geometry.probe_pairs import probe_pairs
+from urushi.core.error_metrics import FLOOR
+from urushi.core.probe_pairs import probe_pairs
 from urushi.nets.architecture import FIXED, Architecture
 from urushi.nets.features import direction_features
 from urushi.nets.layerer import layer

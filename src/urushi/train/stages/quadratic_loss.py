@@ -11,8 +11,8 @@ import jax.numpy as jnp
 import numpy as np
 from tqdm import tqdm
 
-from urushi.geometry.error_metrics import huber_loss
-from urushi.geometry.probe_pairs import probe_pairs
+from urushi.core.error_metrics import huber_loss
+from urushi.core.probe_pairs import probe_pairs
 from urushi.nets.architecture import Architecture
 from urushi.nets.derivatives import decode_log
 from urushi.nets.features import direction_features

@@ -1,0 +1,98 @@
+"""The probe pairs: fixed pairs of directions at which the encoder needs a BRDF's values."""
+
+import functools
+
+import numpy as np
+
+from urushi.core.half_vector import directions_at_tangent, turned
+
+#: Number of probe pairs of the shipped encoders of isotropic BRDFs.
+PROBES = 192
+
+#: The same for anisotropic ones, of which the azimuth counts as well.
+ANISOTROPIC_PROBES = 384
+
+#: Share of the pairs that is uniform in the logarithm of the half angle. The rest has independent
+#: directions over the hemisphere.
+HALF_ANGLE_SHARE = 2 / 3
+
+#: Range of tan theta_h, largest theta_d [rad], and least cosine of either direction.
+MIN_TANGENT, MAX_TANGENT = 1e-3, 4.0
+MAX_DIFFERENCE = np.radians(86.0)
+MIN_COSINE = 0.02
+
+
+def even_points(count: int, dimension: int) -> np.ndarray:
+    """Return the first points of Roberts' R sequence (2018) in the unit cube, float64."""
+    base = 2.0
+    for _ in range(64):  # the root of x^(d+1) = x + 1, by fixed-point iteration
+        base = (1.0 + base) ** (1.0 / (dimension + 1))
+    steps = base ** -np.arange(1.0, dimension + 1)
+    return (0.5 + np.arange(1, count + 1)[:, None] * steps) % 1.0
+
+
+def _half_angle_pairs(count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs log-uniform in tan theta_h; phi_d in one quadrant, by reciprocity and isotropy."""
+    u = even_points(8 * count, 3)
+    tan_h = MIN_TANGENT * (MAX_TANGENT / MIN_TANGENT) ** u[:, 0]
+    wi, wo = directions_at_tangent(tan_h, MAX_DIFFERENCE * u[:, 1], 0.5 * np.pi * u[:, 2])
+    above = np.flatnonzero((wi[:, 2] > MIN_COSINE) & (wo[:, 2] > MIN_COSINE))[:count]
+    return wi[above], wo[above]
+
+
+def _hemisphere_pairs(count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs with independent uniform cosines and a uniform difference of azimuths."""
+    u = even_points(count, 3)
+    cos_i, cos_o = (MIN_COSINE + (1.0 - MIN_COSINE) * u[:, i] for i in (0, 1))
+    sin_i, sin_o = np.sqrt(1.0 - cos_i**2), np.sqrt(1.0 - cos_o**2)
+    phi = np.pi * u[:, 2]
+    wi = np.stack([sin_i, np.zeros(count), cos_i], axis=-1)
+    return wi, np.stack([sin_o * np.cos(phi), sin_o * np.sin(phi), cos_o], axis=-1)
+
+
+def _slope_pairs(count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs whose half vector has independent log-uniform slopes, in one quadrant by mirroring.
+
+    Every second one has a log-uniform tan theta_h and a uniform azimuth instead.
+    """
+    u = even_points(8 * count, 4)
+    log_range = np.log(MAX_TANGENT / MIN_TANGENT)
+    along, across = (MIN_TANGENT * np.exp(log_range * u[:, i]) for i in (0, 3))
+    radial = np.arange(len(u)) % 2 == 0
+    tan_h = np.where(radial, along, np.hypot(along, across))
+    azimuth = np.where(radial, 0.5 * np.pi * u[:, 3], np.arctan2(across, along))
+    pairs = directions_at_tangent(tan_h, MAX_DIFFERENCE * u[:, 1], np.pi * u[:, 2])
+    wi, wo = (turned(w, azimuth) for w in pairs)
+    kept = (wi[:, 2] > MIN_COSINE) & (wo[:, 2] > MIN_COSINE) & (tan_h <= MAX_TANGENT)
+    above = np.flatnonzero(kept)[:count]
+    return wi[above], wo[above]
+
+
+def _turned_hemisphere_pairs(count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs with independent uniform cosines and azimuths, wi in one quadrant by mirroring."""
+    u = even_points(count, 4)
+    wi, wo = _hemisphere_pairs(count)
+    wo = turned(wo, np.pi * (u[:, 2] > 0.5))
+    return turned(wi, 0.5 * np.pi * u[:, 3]), turned(wo, 0.5 * np.pi * u[:, 3])
+
+
+@functools.cache
+def probe_pairs(n: int = PROBES, widths: int = 1) -> tuple[np.ndarray, np.ndarray]:
+    """Return the n pairs wi, wo: read-only float32 (n, 3), above the horizon, always the same.
+
+    Two thirds have tan theta_h log-uniform in [0.001, 4] and theta_d up to 86 degrees, so that
+    lobes down to alpha = 0.01 are resolved. The rest covers the hemisphere. For widths = 1, of
+    isotropic BRDFs, the half vector lies in the xz plane. For widths = 2 its azimuth varies, in one
+    quadrant: BRDFs are taken to be symmetric about the xz and the yz plane.
+    """
+    first = round(n * HALF_ANGLE_SHARE)
+    if widths == 1:
+        parts = _half_angle_pairs(first), _hemisphere_pairs(n - first)
+    else:
+        parts = _slope_pairs(first), _turned_hemisphere_pairs(n - first)
+    pairs = []
+    for side in (0, 1):
+        directions = np.concatenate([part[side] for part in parts]).astype(np.float32)
+        directions.flags.writeable = False
+        pairs.append(directions)
+    return pairs[0], pairs[1]

@@ -1,0 +1,178 @@
+"""Latent codes of a coat over a Mitsuba BSDF, constant or a texture.
+
+Three stages: the codes of the bottom (`bottoms`), the coat's parameters at every texel, and the
+layering. Each stage remembers its inputs and repeats only the work for inputs that have changed.
+Textures that were baked before, even by another process, are read from the disk
+(`textures.cache`).
+"""
+
+from collections.abc import Iterator
+from functools import partial
+from typing import Any
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+from tqdm import tqdm
+
+from urushi import checks
+from urushi.checks import CoatParameters
+from urushi.material.layer import layer_material
+from urushi.mitsuba import spectrum
+from urushi.mitsuba.latents.bottoms import BottomCodes, nested_latents
+from urushi.mitsuba.latents.holders import ConstantLatents, TexturedLatents
+from urushi.mitsuba.reading import grid as grids
+from urushi.mitsuba.reading.parameters import CoatTextures
+from urushi.nets.weights import Model
+from urushi.textures import cache
+from urushi.textures.bake import TEXEL_BLOCK, BakedTexture, coat_source
+from urushi.textures.grid import TexelGrid
+
+#: Seconds of baking before progress is shown, and between two reports.
+PROGRESS_DELAY = 3.0
+
+
+class Baker:
+    """The codes of a coat over a bottom; `update` computes them, and again after a change.
+
+    Attributes:
+        model: the networks.
+        bottom: the codes of the bottom.
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        coat: CoatTextures,
+        bottom: "mi.BSDF",
+        resolution: int,
+        mipmaps: bool = False,
+    ):
+        """Prepare a coat; nothing is evaluated before `update`.
+
+        resolution: texels per side of a latent texture, 0 to choose.
+        mipmaps: whether a latent texture has a mip pyramid.
+        """
+        self.model, self._coat, self._bottom = model, coat, bottom
+        self._resolution, self._mipmaps = resolution, mipmaps
+        self.bottom = BottomCodes(model, bottom, coat.where)
+        self._grid: TexelGrid | None = None
+        self._texture: BakedTexture | None = None
+        self._left: set[str] = set()  # trained ranges that the coat leaves
+
+    def update(self, bottom_changed: bool = True) -> ConstantLatents | TexturedLatents:
+        """The codes for the current parameters; in a texture, only changed rows are layered.
+
+        bottom_changed: whether the bottom may have changed since the last call.
+
+        Raises:
+            ParameterError: a parameter is out of range, or the bottom's values are not a BRDF.
+
+        Warns:
+            UrushiWarning: the coat is outside the networks' training data.
+        """
+        self._left = set()
+        grid = choose_grid(self._coat, self._bottom, self.model, self._resolution)
+        with spectrum.bands_of(grid):
+            latents = self._updated(grid, bottom_changed)
+        checks.warn_of_training(self._left, f"{self._coat.where}:")
+        return latents
+
+    def _updated(
+        self, grid: TexelGrid | None, bottom_changed: bool
+    ) -> ConstantLatents | TexturedLatents:
+        """`update` on a grid, without its warnings."""
+        if grid != self._grid:
+            self._texture = None
+        opened = bottom_changed or grid != self._grid or (grid and not self._texture)
+        if opened:
+            self.bottom.open(grid)
+        self._grid = grid
+        if grid is None:
+            coat = CoatParameters(**self._coat.layering(np.full((1, 2), 0.5)))
+            columns = [column[0] for column in coat.columns()]
+            bottom = self.bottom.material
+            assert bottom is not None  # for the type checker
+            if bottom.table is None:
+                self._left = checks.outside_training(coat)
+            return ConstantLatents.of(layer_material(CoatParameters.of_columns(columns), bottom))
+        key = self._key(grid) if self._texture is None and cache.folder() else None
+        kept = cache.read(key, self.model) if key else None
+        if kept is not None:
+            return TexturedLatents(self.model, kept[0], grid)
+        channels = spectrum.channel_count()
+        texture = self._texture or BakedTexture(self.model, grid, channels, self._mipmaps)
+        dr.sync_thread()  # kernels may still read what is overwritten here
+        with self._progress(grid) as bar:
+            if opened:
+                self.bottom.bake(bar.update)
+            source = coat_source(self.model, partial(self._parameters, grid), self.bottom.source)
+            texture.update(source, bar.update)
+        if key:
+            cache.write(key, texture.store, grid, self.model)
+        self._texture = texture
+        return TexturedLatents(self.model, texture.store, grid)
+
+    def _parameters(self, grid: TexelGrid, start: int, stop: int) -> dict[str, Any]:
+        """The arguments of `layer_texels` at a range of texels, or at one if they do not vary."""
+        varies = any(map(grids.varying_textures, self._coat.textures.values()))
+        table = self._coat.layering(grid.uv(start, stop if varies else start + 1))
+        self._left |= checks.outside_training(CoatParameters(**table))
+        return table
+
+    def _key(self, grid: TexelGrid) -> str:
+        """The key of the texture in the cache."""
+        settings = mi.__version__, mi.variant(), self.model.fingerprint, grid, self._mipmaps
+
+        def contents() -> Iterator[np.ndarray]:
+            for start in range(0, grid.texels, TEXEL_BLOCK):
+                stop = min(start + TEXEL_BLOCK, grid.texels)
+                yield from CoatParameters(**self._parameters(grid, start, stop)).columns()
+                yield self.bottom.content(start, stop)
+
+        return cache.key(str(settings), contents())
+
+    def _progress(self, grid: TexelGrid) -> tqdm:
+        """A progress bar on stderr, in files too, of a baking that takes longer than a moment."""
+        return tqdm(
+            total=grid.texels * (1 + self.bottom.stored),
+            desc=f"{self._coat.where}: {grid.width} x {grid.height} texels are baked (a lower "
+            "'resolution' is faster)",
+            unit=" texels",
+            unit_scale=True,
+            delay=PROGRESS_DELAY,
+            mininterval=PROGRESS_DELAY,
+        )
+
+
+def choose_grid(
+    coat: CoatTextures, bottom: "mi.BSDF", model: Model, resolution: int
+) -> TexelGrid | None:
+    """The grid of a coat's codes over a bottom; None: they are the same everywhere.
+
+    Raises:
+        ParameterError: a texture is not over uv, or the bottom has normals of its own.
+    """
+    grids.check_normals(bottom, coat.where)
+    nested = nested_latents(bottom, model)
+    below = {} if nested is not None else {"the nested BSDF": bottom}
+    inner = nested.grid if nested is not None else None
+    return grids.choose({**coat.textures, **below}, inner, resolution, coat.where)
+
+
+def check(coat: CoatTextures) -> None:
+    """Check the coat's parameters over uv; the walk clips the others at each point.
+
+    Raises:
+        ParameterError: one is out of range.
+    """
+    over_uv = {
+        name: texture for name, texture in coat.textures.items() if not grids.not_over_uv(texture)
+    }
+    elsewhere = coat.textures.keys() - over_uv.keys()
+    grid = grids.choose(over_uv, None, 0, coat.where)
+    if grid is None:
+        coat.table(np.full((1, 2), 0.5), elsewhere)
+        return
+    for start in range(0, grid.texels, TEXEL_BLOCK):
+        coat.table(grid.uv(start, min(start + TEXEL_BLOCK, grid.texels)), elsewhere)

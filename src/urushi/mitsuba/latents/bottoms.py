@@ -1,0 +1,280 @@
+"""Latent codes of the bottom of a coat, a Mitsuba BSDF that is constant or textured.
+
+A textured bottom that is known by its values is compared by a few probes of each texel and channel.
+"""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import mitsuba as mi
+import numpy as np
+
+from urushi.material.encode import (
+    bare_anchors,
+    encode_source,
+    encoder_codes,
+    without_useless_rests,
+)
+from urushi.material.energy import limit_albedo, limit_mean_albedo
+from urushi.material.material import Material
+from urushi.material.table import node_pairs, table_of_values
+from urushi.mitsuba import spectrum
+from urushi.mitsuba.reading import probing
+from urushi.mitsuba.reading.bsdf import reflection_source
+from urushi.mitsuba.reading.grid import varying_textures
+from urushi.mitsuba.reading.parameters import check_bottom
+from urushi.mitsuba.reading.surfaces import KnownSurface, known_surface
+from urushi.nets.lobe import no_lobe, with_two_widths
+from urushi.nets.networks import UrushiNetworks
+from urushi.nets.weights import Model
+from urushi.textures import texel_hash
+from urushi.textures.bake import BakedTexture, CodesAt, Source
+from urushi.textures.grid import TexelGrid
+
+#: Texels that are probed at once: bounds memory.
+PROBED_TEXELS = 1 << 13
+
+#: Stride of the probe pairs by which texels are compared, and bits of the mantissa to which their
+#: values are rounded: texels that differ by less than 0.2 % share a code.
+KEY_STRIDE, KEY_BITS = 24, 9
+
+
+class BottomCodes:
+    """The codes of a bottom: `open` reads it, `bake` computes the codes that are stored.
+
+    Attributes:
+        material: a constant bottom as a material; None: it varies over uv.
+        stored: whether codes of texels have to be computed and stored.
+    """
+
+    def __init__(self, model: Model, bottom: "mi.BSDF", where: str):
+        self._model, self._bottom, self._where = model, bottom, where
+        self._baked: BakedTexture | None = None
+        self._opened: Source | None = None
+        self._probed: _ProbedBottom | None = None
+        self.material: Material | None = None
+        self.stored = False
+
+    def open(self, grid: TexelGrid | None) -> None:
+        """Read the bottom, after each of its changes. If it is constant, it is encoded.
+
+        Raises:
+            ParameterError: a value of the bottom is negative or not finite.
+        """
+        nested = nested_latents(self._bottom, self._model)
+        own = isinstance(self._model.networks, UrushiNetworks)
+        surface = known_surface(self._bottom) if own else None
+        if surface is not None and surface.bare and surface.widths > self._model.widths:
+            surface = None  # averaged over the azimuth
+        self.material, self._probed, self.stored = None, None, False
+        if nested is not None and nested.resolution is None:
+            codes = nested.at(np.full((1, 2), 0.5))[0]
+            self._opened = _uniform(
+                codes[list(spectrum.FINE_AT_RGB)] if is_finer(nested) else codes
+            )
+            self.material = self._bottom.latents.material
+        elif grid is None or (nested is None and not varying_textures(self._bottom)):
+            self._opened = _uniform(self._encoded())
+        elif nested is not None:
+            self._opened = _NestedBottom(nested, grid).read
+        elif surface is not None and surface.bare:
+            self._opened = _BareBottom(self._model, surface, self._where, grid).read
+        else:
+            self.stored = True
+            if surface is None:
+                self._probed = _ProbedBottom(self._model, self._bottom, self._where, grid)
+                self._opened = self._probed.read
+            else:
+                self._opened = _DiffuseBottom(self._model, surface, self._where, grid).read
+            if self._baked is None or self._baked.grid != grid:
+                self._baked = BakedTexture(self._model, grid, spectrum.channel_count())
+            return
+        self._baked = None
+
+    def bake(self, advance: Callable[[int], Any] = lambda texels: None) -> None:
+        """Compute the codes that are stored, where the bottom has changed since the last call.
+
+        advance: as of `BakedTexture.update`.
+
+        Raises:
+            ParameterError: a value of the bottom is negative or not finite.
+        """
+        if self._baked is not None and self._opened is not None:
+            self._baked.update(self._opened, advance)
+
+    def content(self, start: int, stop: int) -> np.ndarray:
+        """Numbers that tell bottoms apart at a range of texels, after `open`."""
+        if self._probed is not None:
+            return self._probed.content(start, stop)
+        assert self._opened is not None  # for the type checker
+        return self._opened(start, stop)[0]
+
+    def source(self, start: int, stop: int) -> tuple[np.ndarray, CodesAt]:
+        """The bottom as a `Source`, after `bake`."""
+        source = self._opened if self._baked is None else self._baked.read
+        assert source is not None  # for the type checker
+        return source(start, stop)
+
+    def read(self, start: int, stop: int) -> np.ndarray:
+        """Codes (n, C, size) of a range of texels."""
+        shape = stop - start, spectrum.channel_count()
+        rows = np.divmod(np.arange(shape[0] * shape[1]), shape[1])
+        return self.source(start, stop)[1](*rows).reshape(*shape, -1)
+
+    def _encoded(self) -> np.ndarray:
+        """Codes (C, size) of a constant bottom."""
+        check_bottom(self._bottom, self._where)
+        source = reflection_source(self._bottom)
+        tables = isinstance(self._model.networks, UrushiNetworks) and self._model.widths == 1
+        material, deviations = encode_source(
+            source,
+            self._model,
+            name=f"{self._where}: the nested BSDF",
+        )
+        for sentence in deviations.warnings():
+            mi.Log(mi.LogLevel.Warn, f"{self._where}: {sentence}")
+        exact = getattr(self._bottom, "tabulated", None) if tables else None
+        if exact is not None:
+            f = probing.check_values(reflection_source(exact).f(*node_pairs()), self._where)
+            table = table_of_values(f)
+            material = Material(material.latents, self._model, material.anchors, table)
+        self.material = material
+        return material.anchors
+
+
+def _uniform(codes: np.ndarray) -> Source:
+    """The source of a bottom that has the same codes (C, size) everywhere."""
+    hashes = texel_hash.row_hashes(list(np.moveaxis(codes[None], -1, 0)))
+    return lambda start, stop: (hashes, lambda texel, channel: codes[channel])
+
+
+def nested_latents(bottom: "mi.BSDF", model: Model):
+    """The codes below a coat of a bottom that has codes of the same networks, or None."""
+    nested = getattr(bottom, "latents", None)
+    if nested is None or bottom.model.fingerprint != model.fingerprint:
+        return None
+    nested = getattr(nested, "plain", nested)  # without gradients
+    nested = getattr(nested, "anchors", nested)
+    same = nested.channels == spectrum.channel_count()
+    return nested if same or is_finer(nested) else None
+
+
+def is_finer(latents) -> bool:
+    """Whether codes are those of `spectrum.FINE` bands, but materials are read at three."""
+    return latents.channels == spectrum.COUNT > spectrum.channel_count()
+
+
+class _NestedBottom(NamedTuple):
+    """Codes of a bottom that consists of codes itself, a `Source`; nothing is stored."""
+
+    latents: Any
+    grid: TexelGrid
+
+    def read(self, start: int, stop: int) -> tuple[np.ndarray, CodesAt]:
+        codes = self.latents.at(self.grid.uv(start, stop))
+        hashes = texel_hash.row_hashes(list(np.moveaxis(codes, -1, 0)))
+        return hashes, lambda texel, channel: codes[texel, channel]
+
+
+class _BareBottom(NamedTuple):
+    """Codes of a bottom that is a lobe and nothing else, a `Source`; nothing is stored."""
+
+    model: Model
+    surface: KnownSurface
+    where: str
+    grid: TexelGrid
+
+    def read(self, start: int, stop: int) -> tuple[np.ndarray, CodesAt]:
+        lobe = probing.check_values(self.surface.at(self.grid.uv(start, stop)).lobe, self.where)
+        if self.model.widths == 2 and self.surface.widths == 1:
+            lobe = with_two_widths(lobe)
+        for reach in (lobe[..., :4], lobe[..., 6:]):  # all but the index
+            np.minimum(reach, 1, out=reach)
+        hashes = texel_hash.row_hashes(list(np.moveaxis(lobe, -1, 0)))
+        return hashes, lambda texel, channel: bare_anchors(self.model, lobe[texel, channel])
+
+
+class _DiffuseBottom(NamedTuple):
+    """Codes of a Lambertian bottom, a `Source`."""
+
+    model: Model
+    surface: KnownSurface
+    where: str
+    grid: TexelGrid
+
+    def read(self, start: int, stop: int) -> tuple[np.ndarray, CodesAt]:
+        reflectance = self.surface.at(self.grid.uv(start, stop)).diffuse
+        probing.check_values(reflectance, self.where)
+
+        def codes_at(texel: np.ndarray, channel: np.ndarray) -> np.ndarray:
+            pairs = len(self.model.networks.pairs()[0])
+            f = np.repeat(reflectance[texel, channel, None] / np.float32(np.pi), pairs, axis=1)
+            lobe = np.array(no_lobe(self.model.widths), np.float32)
+            return limit_albedo(self.model, encoder_codes(self.model, f, lobe))
+
+        return texel_hash.row_hashes([reflectance]), codes_at
+
+
+class _ProbedBottom:
+    """Codes of a bottom that is evaluated at the probe pairs, a `Source`."""
+
+    def __init__(self, model: Model, bottom: "mi.BSDF", where: str, grid: TexelGrid):
+        self._model, self._bottom, self._where, self._grid = model, bottom, where, grid
+        self._has_lobes = isinstance(model.networks, UrushiNetworks)
+        self._pairs = model.networks.pairs()
+        self._average = probing.needed_averaging(bottom, *self._pairs, grid, where, model.widths)
+
+    def read(self, start: int, stop: int) -> tuple[np.ndarray, CodesAt]:
+        uv = self._grid.uv(start, stop)
+        return self._hashes(uv), lambda texel, channel: self._codes(uv, texel, channel)
+
+    def content(self, start: int, stop: int) -> np.ndarray:
+        """f (n, C, 2) [1/sr] of a range of texels at two pairs: near the mirror direction, and not.
+
+        Any change of a texel changes one of them.
+        """
+        wi, wo = self._pairs
+        half = np.linalg.norm(np.cross(wi + wo, [0, 0, 1]), axis=-1) / (wi + wo)[:, 2]
+        pairs = np.argsort(half)[[len(half) // 8, len(half) // 2]]
+        uv = self._grid.uv(start, stop)
+        return probing.texel_values(self._bottom, wi[pairs], wo[pairs], uv, probing.Averaging())
+
+    def _hashes(self, uv: np.ndarray) -> np.ndarray:
+        """Hashes (M, C) at points uv (M, 2): equal where the bottom is, within `KEY_BITS`."""
+        wi, wo = (w[::KEY_STRIDE] for w in self._pairs)
+        if self._average.repeats > 1:  # values of a random BSDF cannot be compared
+            shape = len(uv), spectrum.channel_count()
+            return np.random.default_rng().integers(1 << 63, size=shape).astype(np.uint64)
+        f = probing.texel_values(self._bottom, wi, wo, uv, probing.Averaging())
+        return texel_hash.row_hashes(list(np.moveaxis(f, -1, 0)), KEY_BITS)
+
+    def _codes(self, uv: np.ndarray, texel: np.ndarray, channel: np.ndarray) -> np.ndarray:
+        """Codes (k, size) of rows: texels (k,), which ascend, at points uv (M, 2), and channels."""
+        texels, place = np.unique(texel, return_inverse=True)
+        parts = []
+        for start in range(0, len(texels), PROBED_TEXELS):
+            rows = slice(*np.searchsorted(place, [start, start + PROBED_TEXELS]))
+            own = place[rows] - start, channel[rows]
+            points = uv[texels[start : start + PROBED_TEXELS]]
+            lobes = self._lobes(points)
+            if lobes is not None:
+                lobes = lobes[own]
+                if getattr(self._bottom, "bare", False):
+                    parts.append(bare_anchors(self._model, lobes))
+                    continue
+            f = probing.texel_values(self._bottom, *self._pairs, points, self._average)
+            f = probing.check_values(f, self._where)[own]
+            anchors = without_useless_rests(self._model, encoder_codes(self._model, f, lobes), f)
+            parts.append(limit_mean_albedo(self._model, anchors))
+        return np.concatenate(parts)
+
+    def _lobes(self, points: np.ndarray) -> np.ndarray | None:
+        """Lobes (M, C, N) at points uv (M, 2) as the networks take them; None: they are fitted."""
+        lobes = probing.known_lobes(self._bottom, points) if self._has_lobes else None
+        if lobes is None:
+            return None
+        lobes = probing.check_values(lobes, self._where)
+        if lobes.shape[-1] < self._model.arch.lobe:
+            lobes = with_two_widths(lobes)
+        # Networks of one width fit a lobe of two.
+        return lobes if lobes.shape[-1] == self._model.arch.lobe else None

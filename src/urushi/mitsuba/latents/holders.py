@@ -1,0 +1,311 @@
+"""The latent codes of a plugin: one per channel or a texture of them.
+
+Both classes have three operations: `vertex` computes what evaluating and sampling at a surface
+interaction share, `f` evaluates every channel there, and `f_and_pdf` the proposal's density too.
+"""
+
+import os
+from collections.abc import Callable
+from functools import partial
+from typing import Any, ClassVar, NamedTuple
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from urushi.material.material import Material
+from urushi.material.table import rest_table
+from urushi.mitsuba import spectrum
+from urushi.mitsuba.latents.lookup import (
+    LatentTexture,
+    are_constant,
+    owned,
+)
+from urushi.mitsuba.networks.lobe import ANY_LOBE, NO_LOBE, LobeKind, kind_of
+from urushi.mitsuba.networks.protocols import Decoder, Proposal, decoder_and_sampler
+from urushi.mitsuba.networks.table import TabulatedDecoder, padded
+from urushi.mitsuba.recording import only_where, signature
+from urushi.nets.networks import UrushiNetworks
+from urushi.nets.weights import Model
+from urushi.textures import file
+from urushi.textures.grid import TexelGrid
+from urushi.textures.store import TextureStore
+
+
+def tabulated(latents: Any) -> Material | None:
+    """The material of latents that are evaluated by a table, not by their codes; else None."""
+    material = getattr(latents, "material", None)
+    return None if material is None or material.table is None else material
+
+
+class Vertex(NamedTuple):
+    """Quantities that depend on the position and on wi alone.
+
+    Attributes:
+        decoder_terms: per channel the decoder's terms of the latent code, as Dr.Jit floats; only
+            one list if all channels have the same code.
+        proposal: that of the mean latent code over the channels.
+    """
+
+    decoder_terms: list[list]
+    proposal: Proposal
+
+
+class ConstantLatents:
+    """One latent code per channel. What depends on the codes alone is computed once, here."""
+
+    DRJIT_STRUCT: ClassVar = {
+        "_decoder_terms": list,
+        "_tables": list,
+        "_proposals": list,
+        "_signature": list,
+    }  # for frozen functions
+
+    def __init__(
+        self,
+        model: Model,
+        latents: np.ndarray,
+        anchors: np.ndarray | None = None,
+        table: np.ndarray | None = None,
+        beside_lobe: bool = False,
+    ):
+        """latents, anchors: (C, size) float32; these and the others are those of a `Material`."""
+        anchors = latents if anchors is None else anchors
+        self._material = Material(latents, model, anchors, table, beside_lobe=beside_lobe)
+        if table is None and (latents == latents[:1]).all():
+            latents = latents[:1]  # channels of the same code are evaluated once
+        self._fine = len(latents) == spectrum.COUNT
+        whole = table is not None and not beside_lobe
+        kind = NO_LOBE if whole else kind_of_codes(model, latents[None])
+        self._decoder: Decoder | TabulatedDecoder
+        self._decoder, self._sampler = decoder_and_sampler(model, kind)
+        self._tables = []
+        if isinstance(model.networks, UrushiNetworks) and not (self._fine and model.widths == 2):
+            self._decoder = TabulatedDecoder(kind)
+            table = rest_table(model.networks, latents) if table is None else table
+            if table is not None:
+                table = np.moveaxis(table, -1, 0)[..., None] if self._fine else table
+                self._tables = [owned(mi.Float, padded(table))]
+        single = int(len(latents) == 1)
+        self._signature = signature([*map(int, kind), len(self._tables), single + 2 * self._fine])
+        if self._fine:
+            rows = np.stack([self._decoder.code_terms(z[None])[0] for z in latents])
+            self._decoder_terms, self._kind = [owned(mi.Float, rows)], kind
+        else:
+            self._decoder_terms = [_opaque(terms) for terms in self._decoder.code_terms(latents)]
+        mean = self._material.anchors.mean(axis=0)
+        self._proposals = [owned(mi.Float, x) for x in self._sampler.tabulated(mean)]
+
+    @classmethod
+    def of(cls, material: Material) -> "ConstantLatents":
+        """Those of a material, without its rotation."""
+        return cls(
+            material.model,
+            material.latents,
+            material.anchors,
+            material.table,
+            material.beside_lobe,
+        )
+
+    def vertex(self, si, active) -> Vertex:
+        """The vertex at a surface interaction."""
+        # The table is no argument: it has another width than the directions.
+        propose = partial(self._sampler.proposal_of_table, self._proposals)
+        proposal = only_where(active, propose, si.wi)
+        terms = self._terms_at(si.wavelengths) if self._fine else self._decoder_terms
+        return Vertex(terms, proposal)
+
+    def _terms_at(self, wavelengths) -> list[list]:
+        """The terms of the band of each wavelength [nm], and then these bands."""
+        bands, numbers = spectrum.band_at(wavelengths), self._decoder_terms[0]
+        count, places = len(numbers) // spectrum.COUNT, self._kind.numbers(0)
+        terms = []
+        for i, band in enumerate(bands):
+            own = self._kind.numbers(i)  # without those that are the same in all channels
+            kept = [k for k in range(count) if k >= len(places) or places[k] in own]
+            terms.append([dr.gather(mi.Float, numbers, band * count + k) for k in kept])
+        return [*terms, bands]
+
+    def f(self, vertex: Vertex, si, wo, active) -> list:
+        """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
+        values = only_where(active, self._evaluated(), vertex.decoder_terms, si.wi, wo)
+        return _of_each_channel(values, self.channels)
+
+    def f_and_pdf(self, vertex: Vertex, si, wo, active) -> tuple[list, Any]:
+        """`f`, and the density of the proposal [1/sr]."""
+        values, pdf = _f_and_pdf(self._evaluated(), vertex, si, wo, active)
+        return _of_each_channel(values, self.channels), pdf
+
+    def _evaluated(self) -> Callable[..., list]:
+        """The function from terms, wi and wo to f. The tables are no arguments, as in `vertex`."""
+        f_of_terms: Callable = self._decoder.f_of_terms
+        if isinstance(self._decoder, TabulatedDecoder):
+            f_of_terms = partial(f_of_terms, self._tables)
+        if not self._fine:
+            return f_of_terms
+        if not self._tables:
+            return lambda terms, wi, wo: f_of_terms(terms[:-1], wi, wo)
+        return lambda terms, wi, wo: f_of_terms(terms[:-1], wi, wo, bands=terms[-1])
+
+    def at(self, uv: np.ndarray) -> np.ndarray:
+        """Latent codes (M, C, size) at points uv (M, 2)."""
+        latents = self._material.latents
+        return np.broadcast_to(latents, (len(uv), *latents.shape))
+
+    @property
+    def material(self) -> Material:
+        """The codes as a material."""
+        return self._material
+
+    @property
+    def anchors(self) -> "ConstantLatents":
+        """The codes that coats are layered over."""
+        material = self._material
+        if material.anchors is material.latents and material.table is None:
+            return self
+        return ConstantLatents(material.model, material.anchors)
+
+    @property
+    def channels(self) -> int:
+        """Number of codes, one per channel."""
+        return self._material.channels
+
+    @property
+    def resolution(self) -> tuple[int, int] | None:
+        """Width and height of the texture; None: the same everywhere."""
+        return None
+
+    @property
+    def grid(self) -> TexelGrid | None:
+        """The texture's grid; None: the same everywhere."""
+        return None
+
+    def save(self, path: str | os.PathLike) -> None:
+        """Write a file that `neural_brdf` and `urushi.load` read.
+
+        Raises:
+            FileError: it cannot be written.
+        """
+        self._material.save(path)
+
+    def __str__(self) -> str:
+        count, size = self._material.latents.shape
+        table = "" if self._material.table is None else ", with a table"
+        return f"{count} x {size}{table}"
+
+
+class TexturedLatents:
+    """A packed texture of latent codes, see `textures.packing`."""
+
+    DRJIT_STRUCT: ClassVar = {
+        "_texture": object,
+        "_signature": list,
+    }  # for frozen functions
+
+    def __init__(self, model: Model, store: TextureStore, grid: TexelGrid):
+        self._store, self._fingerprint = store, model.fingerprint
+        self.grid, self.channels = grid, store.layout.channels
+        self._size, self._bytes = store.layout.size, store.layout.texel_bytes
+        self._kind = kind_of_store(model, store)
+        self._decoder, self._sampler = decoder_and_sampler(model, self._kind)
+        # Channels of the same code are evaluated once.
+        self._kept = 1 if (store.layout.constant | store.layout.same).all() else self.channels
+        self._signature = signature([*map(int, self._kind), int(self._kept == 1)])
+        self._texture = LatentTexture(store, grid)
+
+    def vertex(self, si, active) -> Vertex:
+        """The vertex at a surface interaction."""
+        footprint = [si.duv_dx, si.duv_dy]
+        if are_constant(*footprint):
+            footprint = []
+        return only_where(active, self._vertex, si.wi, si.uv, *footprint)
+
+    def f(self, vertex: Vertex, si, wo, active) -> list:
+        """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
+        values = only_where(active, self._decoder.f_of_terms, vertex.decoder_terms, si.wi, wo)
+        return _of_each_channel(values, self.channels)
+
+    def f_and_pdf(self, vertex: Vertex, si, wo, active) -> tuple[list, Any]:
+        """`f`, and the density of the proposal [1/sr]."""
+        values, pdf = _f_and_pdf(self._decoder.f_of_terms, vertex, si, wo, active)
+        return _of_each_channel(values, self.channels), pdf
+
+    def _vertex(self, wi, uv, *footprint) -> Vertex:
+        latents = self._texture.look_up(uv, wi, *footprint)[: self._kept]
+        proposal = self._sampler.proposal(self._kind.mean(latents), wi)
+        return Vertex(self._decoder.code_terms_drjit(latents), proposal)
+
+    def at(self, uv: np.ndarray) -> np.ndarray:
+        """Latent codes (M, C, size) at points uv (M, 2)."""
+        return looked_up(self._texture.look_up, uv)
+
+    @property
+    def resolution(self) -> tuple[int, int]:
+        """Width and height of the texture."""
+        return self.grid.width, self.grid.height
+
+    def save(self, path: str | os.PathLike) -> None:
+        """Write a file that `neural_brdf` reads.
+
+        Raises:
+            FileError: it cannot be written.
+        """
+        file.write(path, self._store, self.grid, self._fingerprint)
+
+    def __str__(self) -> str:
+        width, height = self.resolution
+        return (
+            f"{width} x {height} texels of {self.channels} x {self._size} numbers "
+            f"in {self._bytes} bytes"
+        )
+
+
+def _of_each_channel(values: list, count: int) -> list:
+    """Values of `count` channels, from their values or from the one that they share."""
+    lanes = dr.size_v(mi.Spectrum) if count == spectrum.COUNT else count
+    return values * lanes if len(values) == 1 else values
+
+
+def _f_and_pdf(f_of_terms: Callable[..., list], vertex: Vertex, si, wo, active) -> tuple[list, Any]:
+    """Values of each channel and the proposal's density where active, zero elsewhere."""
+
+    def evaluated(terms, proposal, wi, wo):
+        return f_of_terms(terms, wi, wo), proposal.pdf(wi, wo)
+
+    return only_where(active, evaluated, *vertex, si.wi, wo)
+
+
+def kind_of_codes(model: Model, codes: np.ndarray) -> LobeKind:
+    """What is known of the lobes of codes (T, C, size); codes of other systems have none."""
+    if not isinstance(model.networks, UrushiNetworks):
+        return ANY_LOBE
+    lobes = codes[..., : model.arch.lobe]
+    same = (lobes == lobes[:, :1]).all(axis=(0, 1))
+    return kind_of(lobes.min(axis=(0, 1)), lobes.max(axis=(0, 1)), same)
+
+
+def kind_of_store(model: Model, store: TextureStore) -> LobeKind:
+    """What is known of the lobes of a texture; codes of other systems have none."""
+    if not isinstance(model.networks, UrushiNetworks):
+        return ANY_LOBE
+    layout, packed = store.layout, store.packed
+    highest, lobe = packed.lowest + layout.levels * packed.step, slice(model.arch.lobe)
+    return kind_of(packed.lowest[lobe], highest[lobe], (layout.constant | layout.same)[lobe])
+
+
+def looked_up(look_up: Callable[..., list[list]], uv: np.ndarray) -> np.ndarray:
+    """Codes (M, C, size) at points uv (M, 2), seen along the normal, of lists of floats."""
+    latents = look_up(mi.Point2f(np.ascontiguousarray(uv.T, np.float32)), mi.Vector3f(0, 0, 1))
+    dr.eval(latents)
+    result = np.empty((len(uv), len(latents), len(latents[0])), np.float32)
+    for channel, z in enumerate(latents):
+        for number, value in enumerate(z):  # those that are the same everywhere have one entry
+            result[:, channel, number] = value.numpy()
+    return result
+
+
+def _opaque(values: np.ndarray) -> list:
+    """Dr.Jit scalars that kernels read from memory, so that all materials share compiled code."""
+    scalars = [mi.Float(float(value)) for value in values]
+    dr.make_opaque(scalars)
+    return scalars

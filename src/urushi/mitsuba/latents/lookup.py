@@ -1,0 +1,226 @@
+"""Look-up of packed latent textures (`textures.packing`) in Dr.Jit, with mip levels.
+
+f is filtered, not the code: f of the code halfway between two codes is far from the mean of both f
+where the two differ much. A look-up returns the code of one texel, drawn in proportion to its
+weight in the filter (Pharr, Wronski, Salvi and Fajardo 2024, *Filtering After Shading With
+Stochastic Texture Filtering*) by a hash of the position and of wi. f, density and sample of a
+vertex therefore belong to one texel, and f is right in the mean over positions.
+"""
+
+from collections.abc import Sequence
+from typing import Any, ClassVar
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from urushi.mitsuba.recording import signature
+from urushi.textures.grid import IDENTITY, TexelGrid
+from urushi.textures.packing import TexelLayout
+from urushi.textures.store import TextureStore
+
+#: Number of steps of a texel's weight along an axis. A point within half a step of the centre of a
+#: texel has this texel alone.
+WEIGHT_STEPS = 256
+
+
+def owned(kind: type, values: np.ndarray):
+    """A flattened copy of NumPy values as a Dr.Jit array of type `kind`, in Dr.Jit's own memory.
+
+    Dr.Jit shares NumPy's memory where it can. A plugin must not hold such memory: if it does not
+    start at a multiple of the vector width, frozen functions (Dr.Jit 1.5) are replayed with the
+    values of their recording; and freeing it while a function is recorded ends the process.
+    """
+    source = kind(np.ascontiguousarray(values).reshape(-1))
+    copy = dr.zeros(kind, len(source))
+    dr.scatter(copy, source, dr.arange(mi.UInt32, len(source)))
+    dr.eval(copy)
+    return copy
+
+
+class LatentTexture:
+    """Codes at points of uv by bilinear filtering of f, trilinear where the footprint is known."""
+
+    DRJIT_STRUCT: ClassVar = {
+        "_words": object,
+        "_offsets": object,
+        "_widths": object,
+        "_heights": object,
+        "_base": list,
+        "_affine": list,
+        "_lowest": list,
+        "_steps": list,
+        "_signature": list,
+    }  # for frozen functions
+
+    def __init__(self, store: TextureStore, grid: TexelGrid):
+        """grid: the place of the first level's texels."""
+        self._layout, self._grid = store.layout, grid
+        levels, packed = store.levels, store.packed
+        self._words = owned(mi.UInt32, packed.bytes.reshape(-1).view(np.uint32))
+        if dr.backend_v(mi.Float) == dr.JitBackend.LLVM:  # the store shares Dr.Jit's memory
+            own = self._words.numpy().view(np.uint8).reshape(packed.bytes.shape)
+            store.packed = packed._replace(bytes=own)
+        widths, heights = (np.array(sizes, np.uint32) for sizes in zip(*levels, strict=True))
+        texels = widths.astype(np.int64) * heights
+        self._offsets, self._widths, self._heights = (
+            owned(mi.UInt32, numbers.astype(np.uint32))
+            for numbers in (np.cumsum(texels) - texels, widths, heights)
+        )
+        self._levels = len(levels)
+        self._base = [
+            mi.Int32(int(widths[0])),
+            mi.Int32(int(heights[0])),
+            mi.Float(self._levels - 1),
+        ]
+        affine = [] if grid.to_texture == IDENTITY else np.ravel(grid.to_texture).tolist()
+        self._affine = list(
+            map(mi.Float, affine)
+        )  # a new length makes frozen functions record again
+        self._lowest = [mi.Float(float(value)) for value in packed.lowest]
+        self._steps = [mi.Float(float(value)) for value in packed.step]
+        self._signature = signature(layout_states(store.layout))
+        # Read from memory, so that all textures of a model share compiled code.
+        dr.make_opaque(self._base, self._affine, self._lowest, self._steps)
+
+    def look_up(self, uv, wi, duv_dx=None, duv_dy=None) -> list[list]:
+        """Codes at uv (Point2f) seen from wi: of each channel a list (size) of Dr.Jit floats.
+
+        duv_dx, duv_dy: change of uv from one pixel to the next, if known. The level with texels of
+        that size is used, or one of the two nearest levels.
+        """
+        draw, level = texel_draw(uv, wi), None
+        if duv_dx is not None and self._levels > 1:
+            level = mi.UInt32(self._level(duv_dx, duv_dy) + draw[2])
+            level = dr.minimum(level, self._levels - 1)
+        return self._codes(self._gather(self._texel(uv, level, draw)))
+
+    def _to_texture(self, x, y, point: bool) -> tuple:
+        if not self._affine:
+            return x, y
+        a, b, c, d, e, f = self._affine
+        if not point:
+            return dr.fma(a, x, b * y), dr.fma(d, x, e * y)
+        return dr.fma(a, x, dr.fma(b, y, c)), dr.fma(d, x, dr.fma(e, y, f))
+
+    def _level(self, duv_dx, duv_dy):
+        """The level, a float, whose texels have the size of a pixel along the longer axis."""
+        width, height, last = self._base
+        squared = mi.Float(1)
+        for change in (duv_dx, duv_dy):
+            x, y = self._to_texture(change.x, change.y, False)
+            squared = dr.maximum(squared, dr.square(x * width) + dr.square(y * height))
+        return dr.minimum(0.5 * dr.log2(squared), last)
+
+    def _texel(self, uv, level, draw: Sequence):
+        """Index of the texel at uv, of the first level if `level` is None."""
+        offset, (width, height) = 0, self._base[:2]
+        if level is not None:
+            offset, width, height = (
+                dr.gather(mi.UInt32, array, level)
+                for array in (self._offsets, self._widths, self._heights)
+            )
+        point = self._to_texture(uv.x, uv.y, True)
+        return offset + drawn_texel(point, (mi.Int32(width), mi.Int32(height)), self._grid, draw)
+
+    @property
+    def _used(self) -> int:
+        """Words of a texel that hold numbers; the others are padding."""
+        return -(-self._layout.used_bytes // 4)
+
+    def _gather(self, texel) -> list:
+        """The words of texels."""
+        words = self._layout.texel_bytes // 4
+        if words == 1:
+            return [dr.gather(mi.UInt32, self._words, texel)][: self._used]
+        shape = words, dr.width(texel)
+        return list(dr.gather(mi.ArrayXu, self._words, texel, shape=shape))[: self._used]
+
+    def _all(self) -> list[tuple[int, int]]:
+        return [(c, i) for c in range(self._layout.channels) for i in range(self._layout.size)]
+
+    def _place(self, channel: int, number: int) -> tuple[int, int]:
+        start = self._layout.start(channel, number)
+        low = self._layout.low[number]
+        return start + self._layout.high[number], start + low if low >= 0 else -1
+
+    def _codes(self, words: list) -> list[list]:
+        """The codes that the words of texels hold."""
+        layout, size = self._layout, self._layout.size
+        value_at: dict[tuple[int, int], Any] = {}
+        values = []
+        for channel, number in self._all():
+            if layout.high[number] < 0:
+                values.append(self._lowest[number])
+                continue
+            place = self._place(channel, number)
+            if place not in value_at:
+                levels = _number(words, *place)
+                value_at[place] = dr.fma(levels, self._steps[number], self._lowest[number])
+            values.append(value_at[place])
+        return [values[i : i + size] for i in range(0, len(values), size)]
+
+
+def _number(words: list, high: int, low: int):
+    """The number whose bytes are at these places of a texel's words; low: -1 if it has one byte."""
+
+    def byte(place: int):
+        return (words[place // 4] >> (8 * (place % 4))) & 255
+
+    return mi.Float(byte(high) if low < 0 else (byte(high) << 8) + byte(low))
+
+
+def texel_draw(uv, wi) -> list:
+    """Three numbers in (0, 1) that draw a texel at uv seen from wi: along x, y, and the levels.
+
+    They are a hash of uv and wi, multiples of 1 / `WEIGHT_STEPS` plus half of it.
+    """
+    bits = [_bits(value) for value in (uv.x, uv.y, wi.x, wi.y)]
+    hashed, _ = mi.sample_tea_32(bits[0] + 0x9E3779B9 * bits[2], bits[1] + 0x85EBCA6B * bits[3])
+    return [
+        (mi.Float((hashed >> shift) % WEIGHT_STEPS) + 0.5) / WEIGHT_STEPS for shift in (8, 16, 24)
+    ]
+
+
+def _bits(value):
+    """The bits of a float in single precision."""
+    single = dr.float32_array_t(type(value))(dr.detach(value))
+    return dr.reinterpret_array(mi.UInt32, single)
+
+
+def drawn_texel(point: Sequence, sizes: Sequence, grid: TexelGrid, draw: Sequence):
+    """Index of one of the texels around a point of texture space, row by row, drawn by its weight.
+
+    point: x and y. sizes: Int32, numbers of texels along them. draw: of `texel_draw`.
+    """
+    column, row = (
+        _drawn_along(x, count, grid, u) for x, count, u in zip(point, sizes, draw, strict=False)
+    )
+    return mi.UInt32(row * sizes[0] + column)
+
+
+def _drawn_along(x, count, grid: TexelGrid, u):
+    """The texel (Int32) of `drawn_texel` along one axis."""
+    if grid.wrap == "repeat":
+        x = x - dr.floor(x)
+    elif grid.wrap == "mirror":
+        x = dr.abs(x - 2 * dr.round(0.5 * x))
+    else:
+        x = dr.clip(x, 0, 1)
+    texel = mi.Int32(dr.floor(x * count - (0.0 if grid.nearest else 0.5 - u)))
+    if grid.wrap == "repeat":
+        texel = dr.select(texel >= count, 0, dr.select(texel < 0, count - 1, texel))
+    return dr.clip(texel, 0, count - 1)  # NaN too
+
+
+def layout_states(layout: TexelLayout) -> list[int]:
+    """How each number is looked up: not at all, or with 8 or 16 bits, for all channels or one."""
+    return [
+        0 if high < 0 else 1 + (low >= 0) + 2 * same
+        for high, low, same in zip(layout.high, layout.low, layout.same, strict=True)
+    ]
+
+
+def are_constant(*vectors) -> bool:
+    """Whether vectors are literals: integrators without footprints leave literal zeros."""
+    return all(value.state == dr.VarState.Literal for vector in vectors for value in vector)

@@ -1,0 +1,116 @@
+"""The decoder in Dr.Jit: the counterpart of `nets.decoder`, for channels that share directions."""
+
+from collections.abc import Sequence
+
+import drjit as dr
+import numpy as np
+
+from urushi.mitsuba.networks import lobe, mlp
+from urushi.mitsuba.networks.cooperative import hidden_layers
+from urushi.mitsuba.networks.lobe import LobeKind
+from urushi.nets.architecture import SCALE
+from urushi.nets.decoder import MAX_LOG, MIN_LOG
+from urushi.nets.features import AZIMUTH_TABLE, DIRECTION_TABLE, MIN_COSINE
+from urushi.nets.weights import Model
+
+
+class UrushiDecoder:
+    """f [1/sr] of latent codes: that of the lobe and the decoder's; see `protocols.Decoder`.
+
+    The terms of a channel's code are the numbers of its lobe that `LobeKind.numbers` names, its
+    gain, and the scales and the offsets of the units of the first hidden layer.
+    """
+
+    def __init__(self, model: Model, kind: LobeKind, cooperative: bool | None = None):
+        """kind: what is known of the codes' lobes. cooperative: see `cooperative.hidden_layers`."""
+        params, activation = model.params, model.arch.activation
+        self._hidden = hidden_layers(params, "decoder", activation, cooperative)
+        weight = model.params["decoder.0.weight"]
+        self._lobe = model.arch.lobe
+        self._kind = kind
+        numbers = model.arch.latent - self._lobe - 1  # the gain bypasses the network
+        self._response, self._width = weight[numbers:], model.arch.decoder[0]
+        self._of_code = np.concatenate([params[SCALE], weight[:numbers]], axis=-1)
+        self._bias = np.concatenate([np.ones(self._width, np.float32), params["decoder.0.bias"]])
+
+    def code_terms(self, latents: np.ndarray) -> list[np.ndarray]:
+        """Terms (K,) of the code of each channel, from codes (C, size)."""
+        gain, z = latents[:, self._lobe, None], latents[:, self._lobe + 1 :]
+        rest = np.concatenate([gain, z @ self._of_code + self._bias], axis=-1)
+        return [
+            np.concatenate([code[self._kind.numbers(c)], terms])
+            for c, (code, terms) in enumerate(zip(latents, rest, strict=True))
+        ]
+
+    def code_terms_drjit(self, latents: Sequence[Sequence]) -> list[list]:
+        """The same of codes that are lists (size) of Dr.Jit floats, one for each channel."""
+        codes = [z[self._lobe + 1 :] for z in latents]
+        rests = mlp.dense_each(codes, self._of_code, self._bias.tolist())
+        return [
+            [*(z[i] for i in self._kind.numbers(c)), z[self._lobe], *rest]
+            for c, (z, rest) in enumerate(zip(latents, rests, strict=True))
+        ]
+
+    def f_of_terms(self, terms: Sequence[Sequence], wi, wo) -> list:
+        """f of each channel, from a list of Dr.Jit floats, its terms, for each."""
+        # The response to the directions is the same for all channels.
+        features = direction_features(wi, wo, self._kind.widths)
+        response = mlp.dense(features, self._response, [0.0] * self._width)
+        count = 1 + len(self._bias)
+        rests = [self._rest(channel[-count:], response) for channel in terms]
+        if not self._kind.present:
+            return rests
+        lobes = self._kind.complete([channel[:-count] for channel in terms])
+        values = lobe.f(lobes, wi, wo, self._kind)
+        return [a + b for a, b in zip(values, rests, strict=True)]
+
+    def f(self, latents: Sequence[Sequence], wi, wo) -> list:
+        """f of each channel, from a list (size) of Dr.Jit floats for each."""
+        return self.f_of_terms(self.code_terms_drjit(latents), wi, wo)
+
+    def _rest(self, terms: Sequence, response: Sequence):
+        """What the decoder gives for one channel."""
+        gain, *units = terms
+        scales, offsets = units[: self._width], units[self._width :]
+        first = [dr.fma(*values) for values in zip(scales, response, offsets, strict=True)]
+        return dr.exp(dr.clip(gain + self._hidden(first)[0], MIN_LOG, MAX_LOG))
+
+
+def direction_features(wi, wo, widths: int = 1):
+    """The decoder's features of unit vectors wi and wo (z the normal), as a list.
+
+    Exchanging wi and wo gives the same bits, see `nets.features.direction_features`.
+    """
+    cos_i, cos_o = dr.maximum(wi.z, MIN_COSINE), dr.maximum(wo.z, MIN_COSINE)
+    x, y, z = wi.x + wo.x, wi.y + wo.y, cos_i + cos_o
+    across = x * x + y * y
+    squared = across + z * z
+    length = dr.sqrt(squared)
+    cos_d = dr.minimum(0.5 * length, 1)
+    opposite = 1 - cos_d
+    opposite2 = opposite * opposite
+    columns = [
+        dr.log(across / (z * z) + 1e-6),
+        dr.safe_sqrt(dr.safe_sqrt(across / squared)),
+        z / length,
+        cos_d,
+        opposite2 * opposite2 * opposite,
+        0.5 * dr.log(cos_i * cos_o),
+        dr.log(z),
+        dr.minimum(cos_i, cos_o),
+    ]
+    table: tuple[tuple[str, float, float], ...] = DIRECTION_TABLE
+    if widths == 2:
+        columns += [
+            dr.log(x * x / (z * z) + 1e-6),
+            dr.log(y * y / (z * z) + 1e-6),
+            dr.log(wi.x * wi.x + wo.x * wo.x + 1e-3),
+            dr.log(wi.y * wi.y + wo.y * wo.y + 1e-3),
+            wi.x * wo.x,
+            wi.y * wo.y,
+        ]
+        table += AZIMUTH_TABLE
+    return [
+        (column - mean) * (1 / scale)
+        for column, (_, mean, scale) in zip(columns, table, strict=True)
+    ]

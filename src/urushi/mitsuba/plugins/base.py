@@ -1,0 +1,223 @@
+"""Base classes of the plugins: a BSDF that samples a proposal, and one that has latent codes."""
+
+from typing import Any, NamedTuple
+
+import drjit as dr
+import mitsuba as mi
+
+from urushi.errors import ParameterError
+from urushi.mitsuba import spectrum
+from urushi.mitsuba.latents.holders import ConstantLatents, TexturedLatents, Vertex
+from urushi.mitsuba.plugins.coats import Turn, TurnedMixture
+from urushi.mitsuba.reading.kept import KeptParameters
+from urushi.mitsuba.reading.parameters import describe
+from urushi.mitsuba.recording import VertexCache
+from urushi.nets import weights
+from urushi.nets.weights import Model
+
+#: Samples of the directional albedo for denoisers, at fixed points.
+ALBEDO_SAMPLES = 16
+
+
+def define_proposal_bsdf() -> type:
+    """Make the class in the current variant."""
+
+    class ProposalBSDF(mi.BSDF):
+        """A reflecting BSDF; subclasses give the BRDF (`_f`) and the proposal (`_proposal`)."""
+
+        def __init__(self, props):
+            mi.BSDF.__init__(self, props)
+            flags = mi.BSDFFlags.GlossyReflection | mi.BSDFFlags.DiffuseReflection
+            self.m_components = [flags | mi.BSDFFlags.FrontSide]
+            self.m_flags = self.m_components[0]
+            self._where = describe(props)  # begins errors
+            self._vertex_cache = VertexCache()
+            self._kept = KeptParameters()
+
+        def _vertex(self, si, active):
+            """Quantities at si that `_f` and `_proposal` share; None unless a subclass has any."""
+
+        def _f(self, vertex, ctx, si, wo, active):
+            """The BRDF, a spectrum [1/sr], for si.wi and wo above the horizon."""
+            raise NotImplementedError
+
+        def _proposal(self, vertex, si, active):
+            """The proposal for si.wi, a `networks.protocols.Proposal`."""
+            raise NotImplementedError
+
+        def _f_and_pdf(self, vertex, ctx, si, wo, active):
+            """`_f`, and the density of the proposal [1/sr]."""
+            f = self._f(vertex, ctx, si, wo, active)
+            return f, self._proposal(vertex, si, active).pdf(si.wi, wo)
+
+        def eval(self, ctx, si, wo, active=True):
+            active, vertex = self._active_vertex(ctx, si, active)
+            above = active & (wo.z > 0)
+            f = self._f(vertex, ctx, si, wo, above)
+            self._vertex_cache.extend()
+            return dr.select(above, f * wo.z, 0)
+
+        def pdf(self, ctx, si, wo, active=True):
+            active, vertex = self._active_vertex(ctx, si, active)
+            density = self._proposal(vertex, si, active).pdf(si.wi, wo)
+            return dr.select(active & (wo.z > 0), density, 0)
+
+        def eval_pdf(self, ctx, si, wo, active=True):
+            active, vertex = self._active_vertex(ctx, si, active)
+            return self._f_cos_and_pdf(vertex, ctx, si, wo, active)
+
+        def sample(self, ctx, si, sample1, sample2, active=True):
+            active, vertex = self._active_vertex(ctx, si, active)
+            bs = dr.zeros(mi.BSDFSample3f)
+            bs.wo = self._proposal(vertex, si, active).sample(si.wi, sample1, sample2)
+            f_cos, bs.pdf = self._f_cos_and_pdf(vertex, ctx, si, bs.wo, active)
+            bs.eta = 1
+            bs.sampled_type = mi.UInt32(+mi.BSDFFlags.GlossyReflection)
+            bs.sampled_component = 0
+            return bs, dr.select(bs.pdf > 0, f_cos / bs.pdf, 0)
+
+        def eval_diffuse_reflectance(self, si, active=True):
+            """The directional albedo at si.wi, at most one: the `albedo` of Mitsuba's ``aov``."""
+
+            def add(index, total):
+                # Even points (Roberts 2018), the same everywhere: an estimate without noise.
+                steps = (0.8191725134, 0.6710436067, 0.5497004779)
+                place = mi.Float(index) + 0.5
+                u = [place * step - dr.floor(place * step) for step in steps]
+                ctx = mi.BSDFContext()
+                _, weight = self.sample(ctx, si, u[0], mi.Point2f(u[1], u[2]), active)
+                return index + 1, total + weight
+
+            start = mi.UInt32(0), mi.Spectrum(0)
+            _, total = dr.while_loop(start, lambda index, total: index < ALBEDO_SAMPLES, add)
+            return dr.clip(total / ALBEDO_SAMPLES, 0, 1)
+
+        def parameters_changed(self, keys):
+            self._check_changeable()
+            with self._kept.restored_on_error(self):
+                self._update(keys)
+
+        def _update(self, keys):
+            """Follow a change of the parameters that `traverse` lists.
+
+            Raises:
+                ParameterError: a value is out of range.
+            """
+
+        def _check_changeable(self):
+            """Refuse changes that are made while a frozen function is recorded.
+
+            Raises:
+                ParameterError: this is one.
+            """
+            if dr.flag(dr.JitFlag.FreezingScope):
+                raise ParameterError(
+                    f"{self._where}: its parameters are updated inside a frozen function, whose "
+                    "replay would not repeat the update; call parameters.update() before the "
+                    "function"
+                )
+
+        def _active_vertex(self, ctx, si, active):
+            """Lanes that the caller wants and whose wi is above the horizon; the vertex there."""
+            active = mi.Bool(active)
+
+            def compute():
+                enabled = self._enabled(ctx, si, active)
+                return enabled, self._vertex(si, enabled)
+
+            inputs = (*si.wi, *si.uv, *si.duv_dx, *si.duv_dy, *si.p, active)
+            if mi.is_spectral:
+                inputs += tuple(si.wavelengths)
+            return self._vertex_cache.get(inputs, compute)
+
+        def _f_cos_and_pdf(self, vertex, ctx, si, wo, active):
+            above = active & (wo.z > 0)
+            f, pdf = self._f_and_pdf(vertex, ctx, si, wo, above)
+            self._vertex_cache.extend()
+            return dr.select(above, f * wo.z, 0), dr.select(above, pdf, 0)
+
+        def _enabled(self, ctx, si, active):
+            glossy, diffuse = mi.BSDFFlags.GlossyReflection, mi.BSDFFlags.DiffuseReflection
+            enabled = ctx.is_enabled(glossy) or ctx.is_enabled(diffuse)
+            return mi.Bool(active) & (si.wi.z > 0) & enabled
+
+    return ProposalBSDF
+
+
+class TurnedVertex(NamedTuple):
+    """The vertex of codes whose tangent is turned about the normal."""
+
+    turn: Turn
+    vertex: Vertex
+
+
+def define_neural_bsdf(base: type) -> type:
+    """Make the class in the current variant; base: of `define_proposal_bsdf`."""
+
+    class NeuralBSDF(base):
+        """A BRDF given by latent codes; subclasses set `model` and `latents`."""
+
+        model: Model
+        latents: ConstantLatents | TexturedLatents
+
+        def save(self, path):
+            """Write the codes to a file that ``neural_brdf`` loads, textured or not.
+
+            Raises:
+                FileError: it cannot be written.
+            """
+            self.latents.save(path)
+
+        def _turn(self, si, active) -> Turn | None:
+            """The turn of the tangent, if there is one."""
+
+        def _vertex(self, si, active):
+            turn = self._turn(si, active)
+            if turn is None:
+                return self.latents.vertex(si, active)
+            return TurnedVertex(turn, self.latents.vertex(turn.interaction(si), active))
+
+        def _f(self, vertex, ctx, si, wo, active):
+            vertex, si, wo = _inside(vertex, si, wo)
+            channels = self.latents.f(vertex, si, wo, active)
+            return spectrum.from_channels(channels, si.wavelengths)
+
+        def _proposal(self, vertex, si, active):
+            if isinstance(vertex, TurnedVertex):
+                return TurnedMixture(vertex.vertex.proposal, vertex.turn)
+            return vertex.proposal
+
+        def _f_and_pdf(self, vertex, ctx, si, wo, active):
+            vertex, si, wo = _inside(vertex, si, wo)
+            channels, pdf = self.latents.f_and_pdf(vertex, si, wo, active)
+            return spectrum.from_channels(channels, si.wavelengths), pdf
+
+    return NeuralBSDF
+
+
+def _inside(vertex: Any, si: Any, wo: Any) -> tuple[Any, Any, Any]:
+    """The vertex, the interaction and wo in the turned frame, if there is a turn."""
+    if not isinstance(vertex, TurnedVertex):
+        return vertex, si, wo
+    return vertex.vertex, vertex.turn.interaction(si), vertex.turn.inside(wo)
+
+
+def ignore(props: "mi.Properties", *names: str) -> None:
+    """Mark parameters of another plugin as used: Mitsuba refuses a scene with unused ones."""
+    for name in names:
+        if name in props:
+            props.mark_queried(name)
+
+
+def read_weights(props: "mi.Properties") -> Model | None:
+    """The networks that the property `weights` names; None without it: shipped ones that fit."""
+    name = props.get("weights", "")
+    if not name:
+        return None
+    shipped = weights.DEFAULT, weights.ANISOTROPIC
+    return weights.find(name if name in shipped else resolve(name))
+
+
+def resolve(path: str) -> str:
+    """Find a file as Mitsuba does: relative to the scene file, then to the working folder."""
+    return str(mi.file_resolver().resolve(path))

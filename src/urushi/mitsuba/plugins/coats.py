@@ -1,0 +1,321 @@
+"""A stack of coats over a Mitsuba BSDF, in the form that the random walk and its proposal take."""
+
+import copy
+from collections.abc import Callable, Sequence
+from typing import Any, ClassVar, NamedTuple
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from urushi.checks import ETA_RANGE, MIN_ALPHA, MIN_INDEX_STEP, CoatParameters, Widths
+from urushi.core import fresnel, microfacet
+from urushi.core.mixture import Mixture
+from urushi.mitsuba.reading import probing
+from urushi.mitsuba.reading.parameters import CoatTextures, opaque
+
+#: Smallest unnormalised weights of a lobe and of the cosine lobe in a proposal.
+MIN_SHARE, MIN_COSINE_SHARE = 0.02, 0.1
+#: Samples from which a bottom's lobes are estimated.
+SAMPLES = 1 << 14
+#: Ratio of a bottom lobe's two widths from which its lobe in a proposal has both. The estimate of
+#: the ratio has a standard error of about 2 %.
+ANISOTROPIC_RATIO = 1.25
+
+
+def walk_color() -> type:
+    """The type of the walk's throughputs: a plain float where there is one channel."""
+    return mi.Float if mi.is_monochromatic else mi.Spectrum
+
+
+class CoatStack:
+    """Coats at a surface interaction, top to bottom; see `urushi.walk.walk.Layers`.
+
+    A walk needs single numbers for widths and indices. If a width is coloured, the coats of one
+    channel are a stack of their own.
+    """
+
+    def __init__(self, parameters: Sequence[CoatTextures], si, active, channel: int | None = None):
+        """Evaluate the coats; channel: the only one of the spectrum's that is kept, if not None."""
+        self.count = len(parameters)
+        values = [coat.evaluate(si, active) for coat in parameters]
+        if channel is not None:
+            values = [CoatParameters(*(_at_channel(x, channel) for x in coat)) for coat in values]
+        if any(coat.is_anisotropic for coat in parameters):
+            values = [value._replace(alpha=_two_widths(value.alpha)) for value in values]
+        self._etas = [
+            _clipped_eta(value.eta) if coat.has_textured_eta else value.eta
+            for coat, value in zip(parameters, values, strict=True)
+        ]
+        self._coats = [_clipped(value) for value in values]
+
+    def interface(self, index):
+        """(alpha, eta) of an interface; eta is relative to the medium above.
+
+        alpha is `Widths` if one of the coats is anisotropic.
+        """
+        return self._at(index, [coat.alpha for coat in self._coats]), self._at(index, self._etas)
+
+    def medium(self, index):
+        """(albedo, sigma_t, g) of the medium under that interface."""
+        return tuple(
+            self._at(index, [getattr(coat, name) for coat in self._coats])
+            for name in ("albedo", "sigma_t", "g")
+        )
+
+    def with_grey_media(self) -> "CoatStack":
+        """The same coats with sigma_t and g as numbers, those of the first channel."""
+        stack = copy.copy(self)
+        stack._coats = [
+            coat._replace(sigma_t=_at_channel(coat.sigma_t, 0), g=_at_channel(coat.g, 0))
+            for coat in self._coats
+        ]
+        return stack
+
+    def proposal(self, bottom: "BottomLobes", cos_i, widened: bool = True) -> Mixture:
+        """A proposal: one lobe for each interface, two for the bottom, and a cosine lobe.
+
+        Lobes from below are widened by refraction at the interfaces above and by their roughness,
+        unless `widened` is False. A heuristic: it affects the noise only, not the mean.
+        """
+        reached, diffuse = mi.Float(1), mi.Float(MIN_COSINE_SHARE)
+        stretch, blur = mi.Float(1), mi.Float(0)  # alpha^2 outside = stretch alpha^2 + blur
+        alphas, shares = [], []
+        for coat, eta in zip(self._coats, self._etas, strict=True):
+            reflectance, cos_t = fresnel.dielectric(cos_i, eta)
+            widths = _channel_widths(coat.alpha)
+            share = reached * reflectance + MIN_SHARE
+            for alpha in widths:
+                alphas.append(_width_outside(alpha, stretch, blur))
+                shares.append(share if len(widths) == 1 else share / len(widths))
+            passed = dr.exp(-_mean(coat.sigma_t) * (2 / dr.maximum(cos_t, 0.1)))
+            reached = reached * (1 - reflectance)
+            diffuse += reached * (1 - passed) * _mean(coat.albedo)
+            reached = reached * passed
+            cos_i = cos_t
+            if not widened:
+                continue
+            blur = _widths_of(
+                lambda blur, alpha, eta=eta, stretch=stretch: (
+                    blur + stretch * 2 * dr.square((eta - 1) * alpha)
+                ),
+                blur,
+                widths[0] if len(widths) == 1 else _widths_of(_mean, coat.alpha),
+            )
+            stretch *= eta * eta
+        for alpha in bottom.alphas:
+            alphas.append(_width_outside(alpha, stretch, blur))
+            shares.append(reached * (0.5 * bottom.albedo) + MIN_SHARE)
+        if any(isinstance(alpha, Widths) for alpha in alphas):
+            alphas = [_two_widths(alpha) for alpha in alphas]
+        shares.append(diffuse)
+        scale = 1 / sum(shares)
+        return Mixture([share * scale for share in shares], alphas)
+
+    def _at(self, index, values):
+        result = values[0]
+        for i, value in enumerate(values[1:], 1):
+            result = dr.select(index == i, value, result)
+        return result
+
+
+def coats_at(parameters: Sequence[CoatTextures], si, active) -> list[list[CoatParameters]]:
+    """Isotropic coats, top to bottom, for each channel of the variant's spectrum; all floats."""
+    found = []
+    for coat in parameters:
+        value = _clipped(coat.evaluate(si, active))
+        if coat.has_textured_eta:
+            value = value._replace(eta=_clipped_eta(value.eta))
+        found.append(value)
+    channels = range(dr.size_v(mi.Spectrum))
+    return [
+        [CoatParameters(*(_at_channel(x, channel) for x in coat)) for coat in found]
+        for channel in channels
+    ]
+
+
+class MitsubaBottom:
+    """A Mitsuba BSDF at a surface interaction; see `urushi.walk.bottoms.Bottom`.
+
+    channel: the only one of the spectrum's that is kept, if not None.
+    """
+
+    def __init__(self, bsdf: "mi.BSDF", ctx, si, active, channel: int | None = None):
+        self._bsdf, self._si, self._active, self._channel = bsdf, si, active, channel
+        self._ctx = mi.BSDFContext(ctx.mode)
+
+    def f_pdf(self, wi, wo):
+        """BRDF [1/sr] and the density of `sample` at wo, both zero below the horizon."""
+        valid = self._active & (wi.z > 0) & (wo.z > 0)
+        f_cos, pdf = self._bsdf.eval_pdf(self._ctx, self._interaction(wi), wo, valid)
+        return dr.select(valid, self._kept(f_cos) / wo.z, 0), dr.select(valid, pdf, 0)
+
+    def sample(self, wi, u0, u1, u2):
+        """Draw wo; returns (wo, f cos / pdf, pdf), weight 0 on failure."""
+        valid = self._active & (wi.z > 0)
+        si, u = self._interaction(wi), mi.Point2f(u1, u2)
+        bs, weight = self._bsdf.sample(self._ctx, si, u0, u, valid)
+        valid &= (bs.wo.z > 0) & (bs.pdf > 0)
+        return bs.wo, dr.select(valid, self._kept(weight), 0), dr.select(valid, bs.pdf, 0)
+
+    def _kept(self, value):
+        return _color(value) if self._channel is None else value[self._channel]
+
+    def _interaction(self, wi):
+        si = mi.SurfaceInteraction3f(self._si)
+        si.wi = wi
+        return si
+
+
+class BottomLobes:
+    """Two GGX lobes and the directional albedo of a BSDF at normal incidence, by sampling it.
+
+    For a GGX reflector and wi at the normal, the share q of samples with tan theta_h below t is
+    q = t^2 / (alpha^2 + t^2), so that alpha follows from any quantile. The first and the third
+    quartile of another BSDF give a narrow and a wide lobe. Along one axis, the share with
+    |h.x / h.z| below t is q = t / sqrt(alpha_u^2 + t^2), from which follow the widths of an
+    anisotropic lobe.
+    """
+
+    DRJIT_STRUCT: ClassVar = {"albedo": object, "_alphas": list}  # for frozen functions
+
+    def __init__(self, bsdf: "mi.BSDF"):
+        rng = mi.PCG32(size=SAMPLES)
+        uv = np.random.default_rng(0).random((SAMPLES, 2), np.float32)
+        si = probing.interaction(np.tile([0.0, 0.0, 1.0], (SAMPLES, 1)), uv)
+        u = mi.Point2f(rng.next_float32(), rng.next_float32())
+        bs, weight = bsdf.sample(mi.BSDFContext(), si, rng.next_float32(), u)
+        valid = (bs.pdf > 0) & (bs.wo.z > 0)
+        half = bs.wo + mi.Vector3f(0, 0, 1)
+        tangent = (dr.hypot(half.x, half.y) / half.z).numpy()
+        share = np.where(valid.numpy(), _mean(_color(weight)).numpy(), 0)
+        below = _cumulative(tangent, share)[1]
+        self.albedo = opaque(min(below[-1] / SAMPLES, 1))
+        self._alphas = []  # of each lobe, one width or two
+        for q in (0.25, 0.75):
+            along_axis = (1 - q * q) ** 0.5 / q
+            widths = [
+                _width(np.abs(slope.numpy()), share, q, along_axis)
+                for slope in (half.x / half.z, half.y / half.z)
+            ]
+            if max(widths) < ANISOTROPIC_RATIO * min(widths):
+                widths = [_width(tangent, share, q, ((1 - q) / q) ** 0.5)]
+            self._alphas.append([opaque(width) for width in widths])
+
+    @property
+    def alphas(self) -> list[Any]:
+        """The widths of the two lobes, `Widths` of those that are anisotropic."""
+        return [alpha[0] if len(alpha) == 1 else Widths(*alpha) for alpha in self._alphas]
+
+
+def _cumulative(tangent: np.ndarray, share: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Tangents in ascending order, and the sums of the weights up to each."""
+    order = np.argsort(tangent)
+    return tangent[order], np.cumsum(share[order])
+
+
+def _width(tangent: np.ndarray, share: np.ndarray, q: float, factor: float) -> float:
+    """A GGX width: a factor times the q-quantile of tangents of the given weights."""
+    ascending, below = _cumulative(tangent, share)
+    if below[-1] == 0:
+        return 0.5  # black: the width does not matter
+    return float(ascending[np.searchsorted(below, q * below[-1])] * factor)
+
+
+class TurnedMixture(NamedTuple):
+    """A proposal whose tangent is turned about the normal; see `protocols.Proposal`."""
+
+    mixture: Any
+    turn: "Turn"
+
+    def pdf(self, wi, wo):
+        """Density of `sample` at wo [1/sr]."""
+        return self.mixture.pdf(self.turn.inside(wi), self.turn.inside(wo))
+
+    def sample(self, wi, choice, u):
+        """Draw wo; see `Mixture.sample`."""
+        return self.turn.outside(self.mixture.sample(self.turn.inside(wi), choice, u))
+
+
+class Turn(NamedTuple):
+    """A turn of the tangent about the normal, by the sine and the cosine of its angle."""
+
+    sin: Any
+    cos: Any
+
+    def inside(self, w):
+        """A direction of the shape's frame, in the turned frame."""
+        return type(w)(self.cos * w.x + self.sin * w.y, self.cos * w.y - self.sin * w.x, w.z)
+
+    def outside(self, w):
+        """A direction of the turned frame, in the shape's."""
+        return Turn(-self.sin, self.cos).inside(w)
+
+    def interaction(self, si):
+        """The interaction in the turned frame."""
+        turned = mi.SurfaceInteraction3f(si)
+        turned.wi = self.inside(si.wi)
+        s, t = si.sh_frame.s, si.sh_frame.t
+        turned.sh_frame.s = self.cos * s + self.sin * t
+        turned.sh_frame.t = self.cos * t - self.sin * s
+        return turned
+
+
+def _clipped(coat: CoatParameters) -> CoatParameters:
+    """Parameters clipped to their ranges: filters and spectra may leave them."""
+    return CoatParameters(
+        _widths_of(lambda alpha: dr.clip(alpha, MIN_ALPHA, 1), coat.alpha),
+        coat.eta,
+        dr.clip(_color(coat.albedo), 0, 1),
+        dr.maximum(_color(coat.sigma_t), 0),
+        dr.clip(_color(coat.g), -0.999, 0.999),
+    )
+
+
+def _clipped_eta(eta):
+    """An index clipped to its range, and pushed away from 1: a texture's filter may cross it."""
+    step = dr.copysign(dr.maximum(dr.abs(eta - 1), MIN_INDEX_STEP), eta - 1)
+    return dr.clip(1 + step, *ETA_RANGE)
+
+
+def _width_outside(alpha, stretch, blur):
+    """The width, seen from outside the stack, of a lobe of width alpha inside it."""
+    return _widths_of(
+        lambda alpha, blur: dr.clip(dr.sqrt(stretch * alpha * alpha + blur), MIN_ALPHA, 1),
+        alpha,
+        blur,
+    )
+
+
+def _widths_of(function: Callable[..., Any], *values: Any) -> Any:
+    """A function of numbers, for each of two widths if one of the values is `Widths`."""
+    if not any(isinstance(value, Widths) for value in values):
+        return function(*values)
+    pairs = [microfacet.pair(value) for value in values]
+    return Widths(*(function(*axis) for axis in zip(*pairs, strict=True)))
+
+
+def _at_channel(value: Any, channel: int) -> Any:
+    """A channel of a spectrum; a number as it is."""
+    return _widths_of(lambda x: x[channel] if dr.depth_v(x) > 1 else x, value)
+
+
+def _channel_widths(alpha: Any) -> list[Any]:
+    """The widths of a surface: one, or that of every channel if the widths are coloured."""
+    if all(dr.depth_v(width) == 1 for width in microfacet.pair(alpha)):
+        return [alpha]
+    return [_at_channel(alpha, channel) for channel in range(dr.size_v(mi.Spectrum))]
+
+
+def _two_widths(alpha: Any) -> Widths:
+    """A width as two equal ones; two as they are."""
+    return Widths(*microfacet.pair(alpha))
+
+
+def _color(value):
+    return value[0] if mi.is_monochromatic else value
+
+
+def _mean(value):
+    """The mean over the channels; a number as it is."""
+    return value if dr.depth_v(value) == 1 else dr.mean(value)

@@ -1,0 +1,120 @@
+"""The plugin `neural_brdf`: a material that was saved as latent codes."""
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from urushi import files
+from urushi.errors import ParameterError
+from urushi.material import Material, load
+from urushi.mitsuba import spectrum
+from urushi.mitsuba.latents import lookup
+from urushi.mitsuba.latents.differentiable import DifferentiableLatents
+from urushi.mitsuba.latents.holders import ConstantLatents, TexturedLatents
+from urushi.mitsuba.plugins.base import read_weights, resolve
+from urushi.mitsuba.plugins.coats import Turn
+from urushi.mitsuba.reading.parameters import Rotation
+from urushi.textures import file
+
+
+def define(base: type) -> type:
+    """Make the plugin's class in the current variant; base: of `define_neural_bsdf`."""
+
+    class NeuralBRDF(base):
+        """A saved material (``neural_brdf``).
+
+        ============== ===================== ====================================================
+        filename       string                File that ``urushi.Material.save`` wrote, or the
+                                             method ``save`` of a ``neural_layered``, textures
+                                             included; relative to the scene file. (Required)
+        weights        string                File of the networks that the material was encoded
+                                             with. (Default: the shipped networks)
+        rotation       float, texture        Angle by which the tangent of an anisotropic material
+                                             is turned about the normal, counter-clockwise from
+                                             dp/du of the shape, in degrees; it is added to that of
+                                             the file. (Default: 0)
+        latents        tensor                The latent codes (channels, L), differentiable;
+                                             exposed by ``mi.traverse``, not a property, and not
+                                             for textures. A coat around a refined material lies
+                                             over its anchors, or over these codes once they were
+                                             edited. Edited codes also replace the material's table.
+        ============== ===================== ====================================================
+
+        The material may come from a description, a simulation, a measurement or a function, and
+        may be coated and blended: see ``urushi.encode``, ``urushi.layer`` and ``urushi.lerp``.
+        Reflects on the front side only. Mono variants take the luminance of a material of three
+        channels; spectral variants treat them as bands at 611, 549 and 464 nm, linear in between,
+        and also load the 56 bands that a ``neural_layered`` saved in a spectral variant.
+
+        .. tabs::
+            .. code-tab:: xml
+
+                <bsdf type="neural_brdf">
+                    <string name="filename" value="lacquer.safetensors"/>
+                </bsdf>
+
+            .. code-tab:: python
+
+                'type': 'neural_brdf',
+                'filename': 'lacquer.safetensors'
+
+        After Fan, Wang, Hašan, Yang and Yan, Neural Layered BRDFs, SIGGRAPH 2022.
+        """
+
+        latents: ConstantLatents | TexturedLatents | DifferentiableLatents
+
+        def __init__(self, props):
+            super().__init__(props)
+            if "filename" not in props:
+                raise ParameterError(
+                    f"{self._where} has no filename; give the file of a material saved by "
+                    "Material.save"
+                )
+            self._filename = props["filename"]
+            model = read_weights(props)
+            path, angle = resolve(self._filename), 0.0
+            if files.tensor_file_kind(path) == file.KIND:
+                self._tensor = None
+                store, grid, self.model = file.read(path, model)
+                self.latents = TexturedLatents(self.model, store, grid)
+            else:
+                self._material = material = load(path, model)
+                self.model, angle = material.model, material.rotation
+                codes = lookup.owned(mi.Float, material.latents)
+                self._tensor = mi.TensorXf(codes, material.latents.shape)
+                self.latents = ConstantLatents.of(material)
+            bands = (spectrum.COUNT,) if mi.is_spectral else ()
+            if self.latents.channels not in (1, 3, *bands):
+                raise ParameterError(
+                    f"{self._where}: '{self._filename}' has {self.latents.channels} channels; "
+                    "only materials of one or three can be rendered"
+                )
+
+            self._rotation = Rotation(props, angle)
+
+        def _turn(self, si, active):
+            turned = self.model.widths == 2 and self._rotation.present
+            return Turn(*self._rotation.turn(si, active)) if turned else None
+
+        def traverse(self, callback):
+            self._rotation.traverse(callback)
+            if self._tensor is not None:
+                callback.put("latents", self._tensor, mi.ParamFlags.Differentiable)
+
+        def _update(self, keys):
+            if self._tensor is None:
+                return
+            codes = self._tensor.numpy()
+            if not np.array_equal(codes, self._material.latents):
+                self._material = Material(codes, self.model)
+            self.latents = ConstantLatents.of(self._material)
+            if dr.grad_enabled(self._tensor):
+                self.latents = DifferentiableLatents(self.model, self.latents, self._tensor)
+
+        def to_string(self):
+            return (
+                f'NeuralBRDF[\n  filename = "{self._filename}",\n  latents = {self.latents},\n'
+                f"  weights = {self.model.fingerprint}\n]"
+            )
+
+    return NeuralBRDF

@@ -1,0 +1,204 @@
+"""The plugin `neural_layered`: a coat over any BSDF, layered in the latent space."""
+
+import drjit as dr
+import mitsuba as mi
+
+from urushi.errors import ParameterError
+from urushi.mitsuba.latents import gradients
+from urushi.mitsuba.latents.baking import Baker
+from urushi.mitsuba.latents.differentiable import DifferentiableLatents
+from urushi.mitsuba.latents.holders import ConstantLatents, TexturedLatents
+from urushi.mitsuba.plugins.base import ignore, read_weights
+from urushi.mitsuba.plugins.coats import Turn
+from urushi.mitsuba.reading.bsdf import has_two_widths
+from urushi.mitsuba.reading.parameters import (
+    CoatTextures,
+    check_bottom,
+    check_rotation,
+    nested_bsdf,
+)
+from urushi.nets.weights import Model, anisotropic_model, default_model
+
+#: Greatest number of texels per side: the words of larger textures cannot be indexed by 32 bits.
+LARGEST_RESOLUTION = 8192
+
+
+def define(base: type) -> type:
+    """Make the plugin's class in the current variant; base: of `define_neural_bsdf`."""
+
+    class NeuralLayered(base):
+        """A coated BSDF by neural networks, evaluated without noise (``neural_layered``).
+
+        ============== ===================== ====================================================
+        alpha          spectrum, texture     GGX width of the coat's surface, 0.01 to 1. Textures
+                                             have one channel; their darker texels are 0.01.
+                                             (Default: 0.1)
+        alpha_u,       spectrum, texture     In place of alpha: the widths along the tangent and
+        alpha_v                              across it, 0.01 to 1, of an anisotropic surface.
+        rotation       float, texture        Angle by which the tangent of all layers is turned
+                                             about the normal, counter-clockwise from dp/du of the
+                                             shape, in degrees. (Default: 0)
+        int_ior        float, string,        Index of refraction inside the coat, a number, a
+                       texture               material such as "water", or a texture of numbers.
+                                             (Default: "bk7", 1.5046)
+        ext_ior        float, string         Index outside; the ratio of both must be within 0.5 to
+                                             3, and at least 0.001 away from 1. (Default: "air",
+                                             1.000277)
+        albedo         spectrum, texture     Single-scattering albedo of the coat's medium, 0 to 1.
+                                             (Default: 0)
+        sigma_t        spectrum, texture     Its optical depth, 0 or more, of which the networks
+                                             know 0 to 8: the coat has unit thickness.
+                                             (Default: 0, clear)
+        g              spectrum, texture     Asymmetry of its Henyey-Greenstein phase function,
+                                             -1 to 1, both excluded, of which the networks know
+                                             -0.8 to 0.9. (Default: 0)
+        (nested)       BSDF                  The bottom, under any name: any opaque BSDF that has
+                                             no perfectly smooth lobe and no normals of its own;
+                                             coats nest. Its values in air are used.
+        resolution     integer               Texels per side of the latent texture if anything is
+                                             textured, at most 8192. (Default: that of the largest
+                                             texture, at most 2048; 256 for procedural ones)
+        weights        string                File of the networks. (Default: the shipped
+                                             ones, ``anisotropic`` where the coat or the bottom is
+                                             anisotropic, otherwise ``default``)
+        mipmaps        boolean               Whether to build the mip pyramid of the latent texture:
+                                             averages of it at lower resolutions, for integrators
+                                             that compute derivatives of uv. Those that ship with
+                                             Mitsuba do not. (Default: false)
+        eta            float                 The ratio int_ior / ext_ior; exposed by
+                                             ``mi.traverse``, not a property.
+        ============== ===================== ====================================================
+
+        Takes the parameters of ``layered``, its reference, and adds ``resolution``, ``weights`` and
+        ``mipmaps``; ``estimator`` is ignored. When the scene is loaded, the bottom is evaluated at
+        the encoder's probe pairs, averaged if it lacks the symmetries of materials (see
+        ``urushi.encode``), encoded, and layered by the network. A constant coat over a constant
+        bottom that is known by its values alone, such as ``measured_brdf``, ``roughplastic`` or
+        ``principled``, a file with a table, or another such coat is computed from a table instead,
+        as in ``urushi.layer``. All layers share one tangent frame, as in ``layered``. Textures are
+        baked in their own space if they share one ``to_uv``, otherwise over the unit square of uv,
+        which repeats. A change through ``mi.traverse`` recomputes the codes that depend on it. The
+        method ``save`` writes the codes to a file for ``neural_brdf``. Reflects on the front side
+        only: nest it in ``twosided`` for both sides. Outside the ranges that the networks know, a
+        similar medium is layered with a warning; two widths of a ratio above 10 are refused.
+        In spectral variants, a constant coat has one code for each of 56 bands from 380 to 720 nm,
+        and a wavelength takes that of its band. Textures have three bands at 611, 549 and 464 nm,
+        linear in between, which desaturate coated colours.
+
+        Pictures can be differentiated with respect to all parameters, including the bottom's, by
+        Mitsuba's differentiable integrators such as ``prb``: enable gradients of the parameters
+        that ``mi.traverse`` lists, and update.
+
+        .. tabs::
+            .. code-tab:: xml
+
+                <bsdf type="neural_layered">
+                    <float name="alpha" value="0.05"/>
+                    <rgb name="sigma_t" value="0.2, 1.0, 3.0"/>
+                    <float name="albedo" value="0.8"/>
+                    <bsdf type="roughconductor" name="base">
+                        <string name="distribution" value="ggx"/>
+                    </bsdf>
+                </bsdf>
+
+            .. code-tab:: python
+
+                'type': 'neural_layered',
+                'alpha': 0.05,
+                'sigma_t': {'type': 'rgb', 'value': [0.2, 1.0, 3.0]},
+                'albedo': 0.8,
+                'base': {'type': 'roughconductor', 'distribution': 'ggx'}
+
+        After Fan, Wang, Hašan, Yang and Yan, Neural Layered BRDFs, SIGGRAPH 2022.
+        """
+
+        model: Model
+        latents: ConstantLatents | TexturedLatents | DifferentiableLatents
+        _baker: Baker | None
+
+        def __init__(self, props):
+            super().__init__(props)
+            self._bottom = nested_bsdf(props)
+            self._coat = CoatTextures(props)
+            check_bottom(self._bottom, self._coat.where)
+            resolution = props.get("resolution", 0)
+            if resolution not in range(LARGEST_RESOLUTION + 1):
+                raise ParameterError(
+                    f"{self._coat.where}: resolution is {resolution}; give texels per side, at "
+                    f"most {LARGEST_RESOLUTION}, or 0 to choose by the textures"
+                )
+            self._weights = read_weights(props)
+            self._resolution = int(resolution)
+            self._mipmaps = bool(props.get("mipmaps", False))
+            ignore(props, "estimator")
+            self._baker = None
+            self._differentiable = mi.TensorXf()  # codes with gradients, for integrators
+            self._bake()
+            self._kept.keep(self)
+
+        def _choose_networks(self):
+            """Choose the networks for the present coat and bottom."""
+            check_rotation(self._bottom, self._coat.where)
+            model = self._weights
+            if model is None:
+                anisotropic = self._coat.is_anisotropic or has_two_widths(self._bottom)
+                model = anisotropic_model() if anisotropic else default_model()
+            if self._baker is None or self.model.fingerprint != model.fingerprint:
+                self.model = model
+                settings = self._resolution, self._mipmaps
+                self._baker = Baker(self.model, self._coat, self._bottom, *settings)
+
+        def _bake(self, bottom_changed=True):
+            if bottom_changed:
+                self._choose_networks()
+            assert self._baker is not None  # for the type checker
+            with dr.suspend_grad():
+                self.latents = self._baker.update(bottom_changed)
+            if gradients.wanted(self):
+                self.latents = gradients.bake(self._baker, self._coat, self._bottom, self.latents)
+            mi.set_property(self._differentiable, getattr(self.latents, "tensor", mi.TensorXf()))
+
+        def save(self, path):
+            """Write the codes to a file that ``neural_brdf`` loads, textured or not.
+
+            The file of a latent texture does not store a rotation: set it in ``neural_brdf`` again.
+
+            Raises:
+                FileError: it cannot be written.
+            """
+            if not self._coat.has_rotation:
+                super().save(path)
+                return
+            angle = self._coat.constant_rotation
+            if angle is None or self.latents.grid is not None:
+                mi.Log(
+                    mi.LogLevel.Warn,
+                    f"{self._coat.where}: the file of the codes leaves out the rotation; give it "
+                    "to the plugin 'neural_brdf' that reads the file",
+                )
+                super().save(path)
+                return
+            self.latents.material.rotated(angle).save(path)
+
+        def _turn(self, si, active):
+            return Turn(*self._coat.turn(si, active)) if self._coat.has_rotation else None
+
+        def traverse(self, callback):
+            self._coat.traverse(callback, mi.ParamFlags.Differentiable)
+            callback.put("bottom", self._bottom, mi.ParamFlags.Differentiable)
+            callback.put("latents", self._differentiable, mi.ParamFlags.ReadOnly)
+
+        def _update(self, keys):
+            if keys == ["latents"]:
+                return  # read-only: they are computed from the others
+            self._coat.parameters_changed()
+            self._bake(not keys or "bottom" in keys)
+
+        def to_string(self):
+            bottom = str(self._bottom).replace("\n", "\n  ")
+            return (
+                f"NeuralLayered[\n{self._coat},\n  latents = {self.latents},\n"
+                f"  weights = {self.model.fingerprint},\n  bottom = {bottom}\n]"
+            )
+
+    return NeuralLayered

@@ -1,0 +1,212 @@
+"""The grid of texels on which a plugin's textures are baked, chosen from the textures.
+
+Textures that share one `to_uv` transform are baked in their own space. A pattern that the transform
+repeats is then baked once and has no seam.
+"""
+
+from collections.abc import Mapping
+from functools import cache
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from urushi.errors import ParameterError
+from urushi.mitsuba import spectrum
+from urushi.textures.grid import IDENTITY, TexelGrid, from_texture
+
+#: Texels per side for procedural textures, and the largest side that is chosen automatically.
+PROCEDURAL, LARGEST = 256, 2048
+
+#: Classes of Mitsuba's textures that are not functions of uv, and their description in errors.
+ELSEWHERE = {
+    "MeshAttribute": "a mesh attribute, which is given on a mesh",
+    "VolumeAdapter": "a volume, which is given in space",
+}
+
+#: Classes of Mitsuba's BSDFs that change normals, and their plugins.
+NORMALS = {"NormalMap": "normalmap", "BumpMap": "bumpmap"}
+
+#: Points at which a bitmap is evaluated to detect how it wraps and filters.
+POINTS = 64
+
+
+def choose(
+    parts: Mapping[str, "mi.Object"], nested: TexelGrid | None, resolution: int, where: str
+) -> TexelGrid | None:
+    """The grid that resolves all textures and the bottom's latent texture; None if all is constant.
+
+    Args:
+        parts: the objects that hold the textures, by the names that errors use.
+        nested: the grid of the bottom's codes, if it has one.
+        resolution: texels per side; 0 to choose it from the textures.
+        where: start of errors and warnings.
+
+    Raises:
+        ParameterError: a texture is not a function of uv.
+    """
+    grids = [nested] if nested else []
+    for name, part in parts.items():
+        if dependence := not_over_uv(part):
+            raise ParameterError(
+                f"{where}: {name} depends on {dependence}, but coats are baked over uv; "
+                "give a texture over uv, or use the plugin 'layered', which evaluates every point"
+            )
+        grids += map(_texture_grid, varying_textures(part))
+    if not grids:
+        return None
+    spaces = {np.array(grid.to_texture).round(6).tobytes() for grid in grids}
+    wraps = {grid.wrap for grid in grids}
+    wrap = wraps.pop() if len(wraps) == 1 else "repeat"
+    if len(spaces) == 1:
+        place, sizes = grids[0].to_texture, [(grid.width, grid.height) for grid in grids]
+    else:
+        place, wrap, sizes = IDENTITY, "repeat", [_over_uv(grid) for grid in grids]
+        if any(not _seamless(grid) for grid in grids):
+            mi.Log(
+                mi.LogLevel.Warn,
+                f"{where}: its textures have different to_uv transforms, one of which does not map "
+                "the unit square of uv onto whole repetitions: a seam is left where uv repeats; "
+                "give all textures the same to_uv",
+            )
+    width, height = (min(max(side), LARGEST) for side in zip(*sizes, strict=True))
+    nearest = all(grid.nearest for grid in grids)
+    if resolution:
+        width = height = resolution
+    return TexelGrid(width, height, place, wrap, nearest)
+
+
+def varying_textures(root: "mi.Object") -> list["mi.Texture"]:
+    """The textures that depend on the position, anywhere in a scene object."""
+    # Mesh attributes report that they do not vary.
+    return [
+        node
+        for node in _within(root)
+        if isinstance(node, mi.Texture)
+        and (node.is_spatially_varying() or node.class_name() in ELSEWHERE)
+    ]
+
+
+def check_normals(bsdf: "mi.BSDF", where: str) -> None:
+    """Refuse a bottom that contains a normal map or a bump map.
+
+    Raises:
+        ParameterError: it contains one.
+    """
+    for node in _within(bsdf):
+        if node.class_name() in NORMALS:
+            raise ParameterError(
+                f"{where}: the nested BSDF contains a '{NORMALS[node.class_name()]}', and codes "
+                "have no normals; put it around the coat, or use the plugin 'layered'"
+            )
+
+
+def not_over_uv(root: "mi.Object") -> str | None:
+    """Description of a texture in a scene object that is not a function of uv, or None."""
+    names = [texture.class_name() for texture in varying_textures(root)]
+    return next((ELSEWHERE[name] for name in names if name in ELSEWHERE), None)
+
+
+def _within(root: "mi.Object") -> list["mi.Object"]:
+    """A scene object and all objects nested in it, each once."""
+    nodes, pending = {}, [root]
+    while pending:
+        node = pending.pop()
+        if id(node) not in nodes:
+            nodes[id(node)] = node
+            pending += nested_objects(node).values()
+    return list(nodes.values())
+
+
+def nested_objects(node: "mi.Object") -> dict[str, "mi.Object"]:
+    """The objects nested in a scene object, by the names under which it lists them."""
+    collector = _collector(mi.variant())()
+    node.traverse(collector)
+    return collector.objects
+
+
+@cache
+def _collector(variant: str) -> type:
+    """The class of a callback that collects the objects nested in a node, in a variant.
+
+    Defined once: a new class for each node would keep the objects until Python collects cycles.
+    """
+
+    class Collector(mi.TraversalCallback):
+        def __init__(self):
+            super().__init__()
+            self.objects = {}
+
+        def put(self, name, value, flags, cpptype=None):
+            if isinstance(value, mi.Object):
+                self.objects[name] = value
+
+        def put_value(self, name, value, flags, cpptype=None):
+            pass
+
+        def put_object(self, name, value, flags):
+            if value is not None:
+                self.objects[name] = value
+
+    return Collector
+
+
+def _texture_grid(texture: "mi.Texture") -> TexelGrid:
+    """The grid of one texture."""
+    parameters = mi.traverse(texture)
+    place = IDENTITY
+    if "to_uv" in parameters:
+        matrix = np.asarray(parameters["to_uv"].matrix.numpy(), np.float64).reshape(3, 3)
+        (a, b, c), (d, e, f) = matrix[:2].tolist()
+        place = (a, b, c), (d, e, f)
+    width, height = texture.resolution()
+    if width * height <= 1:
+        sharp = texture.class_name() == "Checkerboard"  # its edges fall between texels
+        return TexelGrid(PROCEDURAL, PROCEDURAL, place, "repeat", sharp)
+    return TexelGrid(width, height, place, *_addressing(texture, place, width, height))
+
+
+def _addressing(texture: "mi.Texture", place: tuple, width: int, height: int) -> tuple[str, bool]:
+    """Wrap mode of a bitmap beyond its unit square, and whether it is filtered by nearest texel.
+
+    Detected from its values, because Mitsuba's bitmaps do not expose these properties.
+    """
+    rng = np.random.default_rng(0)
+    size = np.array([width, height])
+    texel = rng.integers(size, size=(POINTS, 2))
+    inside = (texel + 0.5) / size
+    outside = inside + 1
+    mirrored, clamped = 1 - inside, np.broadcast_to(1 - 0.5 / size, inside.shape)
+    shifted = (texel + 0.75) / size
+    values = [
+        _values(texture, from_texture(place, points))
+        for points in (outside, inside, mirrored, clamped, shifted)
+    ]
+    error = [np.abs(values[0] - other).max() for other in values[1:4]]
+    spread = max(np.ptp(values[1]), 1e-6)
+    wrap = ("repeat", "mirror", "clamp")[int(np.argmin([max(e, 0.01 * spread) for e in error]))]
+    nearest = bool(np.abs(values[4] - values[1]).max() < 1e-4 * spread)
+    return wrap, nearest and np.ptp(values[1]) > 0
+
+
+def _values(texture: "mi.Texture", uv: np.ndarray) -> np.ndarray:
+    """The first channel of a texture (M,) at points uv (M, 2)."""
+    si = dr.zeros(mi.SurfaceInteraction3f, len(uv))
+    si.uv = mi.Point2f(np.ascontiguousarray(uv.T, np.float32))
+    try:
+        value = spectrum.at_bands(si, lambda: spectrum.to_channels(texture.eval(si)))[0]
+    except RuntimeError:  # some variants have no spectrum of three raw numbers
+        value = texture.eval_3(si)[0]
+    return np.broadcast_to(value.numpy(), len(uv)).astype(np.float64)
+
+
+def _over_uv(grid: TexelGrid) -> tuple[int, int]:
+    """Texels over the unit square of uv, including repetitions by the transform."""
+    scale = np.abs(np.array(grid.to_texture))[:, :2].max(axis=1)
+    return max(round(grid.width * scale[0]), 1), max(round(grid.height * scale[1]), 1)
+
+
+def _seamless(grid: TexelGrid) -> bool:
+    """Whether a texture repeats with a period of one in u and v."""
+    linear = np.array(grid.to_texture)[:, :2]
+    return grid.wrap == "repeat" and bool(np.abs(linear - linear.round()).max() < 1e-4)

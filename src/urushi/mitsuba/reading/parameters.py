@@ -1,0 +1,356 @@
+"""The parameters of `layered` and `neural_layered`: a coat's textures and the BSDF under it."""
+
+from collections.abc import Collection
+from typing import Any, ClassVar
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from urushi import checks
+from urushi.checks import DEFAULT_COAT, MIN_ALPHA, CoatParameters, Widths
+from urushi.errors import ParameterError
+from urushi.mitsuba import spectrum
+from urushi.mitsuba.reading.refraction import index_of_refraction
+
+#: Parameters of a coat that may be textures, and their defaults. The index of refraction is given
+#: by two properties of its own.
+DEFAULTS = {name: value for name, value in DEFAULT_COAT._asdict().items() if name != "eta"}
+
+#: The properties of an anisotropic coat's widths, in place of `alpha`.
+TWO_WIDTHS = ("alpha_u", "alpha_v")
+
+#: The check of each parameter.
+CHECKS = {
+    **{name: getattr(checks, name) for name in CoatParameters._fields},
+    **dict.fromkeys(TWO_WIDTHS, checks.alpha),
+    "rotation": checks.rotation,
+}
+
+
+class CoatTextures:
+    """The textures of a coat, read from a plugin's properties, and its relative index `eta`.
+
+    An anisotropic coat has the textures `alpha_u` and `alpha_v` in place of `alpha`. The texture
+    `rotation` exists if the property is given.
+
+    Attributes:
+        where: the plugin's name; begins errors.
+        textures: the textures by the properties' names.
+        coloured: names of the widths that are given as colours or spectra, which monochromatic
+            variants read as numbers.
+        grey_medium: whether sigma_t and g are given as numbers, which all channels share.
+        opaque_eta: the relative index, or 1 / ext_ior if `int_ior` is textured.
+    """
+
+    DRJIT_STRUCT: ClassVar = {"textures": dict, "opaque_eta": object}  # for frozen functions
+
+    def __init__(self, props: "mi.Properties"):
+        """Read the properties.
+
+        Raises:
+            ParameterError: a property is missing, out of range or of a wrong kind.
+        """
+        self.where = describe(props)
+        names = [*self._width_names(props), *(n for n in DEFAULTS if n != "alpha")]
+        if "rotation" in props:
+            names.append("rotation")
+        colours = _coloured(props)
+        self.coloured = () if mi.is_monochromatic else colours
+        numbers = mi.Properties.Type.Float, mi.Properties.Type.Integer
+        given = (name for name in ("sigma_t", "g") if name in props)
+        self.grey_medium = all(props.type(name) in numbers for name in given)
+        self.textures = {name: self._texture(props, name, name in colours) for name in names}
+        ext_ior = index_of_refraction(props, "ext_ior", "air", f"{self.where}: ext_ior")
+        if not ext_ior > 0:
+            raise ParameterError(f"{self.where}: ext_ior is {ext_ior:g}; it must be positive")
+        if "int_ior" in props and props.type("int_ior") == mi.Properties.Type.Object:
+            self.textures["int_ior"] = self._texture(props, "int_ior")
+            self.opaque_eta = opaque(1 / ext_ior)
+        else:
+            int_ior = index_of_refraction(props, "int_ior", "bk7", f"{self.where}: int_ior")
+            ratio = checks.eta(int_ior / ext_ior, f"{self.where}: int_ior / ext_ior")
+            self.opaque_eta = opaque(float(ratio))
+
+    def evaluate(self, si, active) -> CoatParameters:
+        """The coat at a surface interaction: alpha and eta Dr.Jit floats, the others spectra.
+
+        alpha is `Widths` if the coat is anisotropic, and a width is a spectrum if it is `coloured`.
+        """
+        textures, eta = self.textures, self.opaque_eta
+        if self.has_textured_eta:
+            eta = eta * textures["int_ior"].eval_1(si, active)
+
+        def width(name: str) -> Any:
+            texture = textures[name]
+            evaluate = texture.eval if name in self.coloured else texture.eval_1
+            return evaluate(si, active)
+
+        alpha = Widths(*map(width, TWO_WIDTHS)) if self.is_anisotropic else width("alpha")
+        return CoatParameters(
+            alpha,
+            eta,
+            *(textures[name].eval(si, active) for name in ("albedo", "sigma_t", "g")),
+        )
+
+    def channels(self, si) -> dict[str, list]:
+        """The coat at a surface interaction by name; if anisotropic, `TWO_WIDTHS` for alpha.
+
+        Lists of Dr.Jit floats: one for each channel, or one that all channels share.
+        """
+
+        def rows() -> list[dict]:
+            named = self.evaluate(si, mi.Bool(True))._asdict()
+            if self.is_anisotropic:
+                alpha = named.pop("alpha")
+                named.update(zip(TWO_WIDTHS, (alpha.u, alpha.v), strict=True))
+            lanes = range(len(spectrum.to_channels(named["albedo"])))
+            return [
+                {name: x[lane] if dr.depth_v(x) > 1 else x for name, x in named.items()}
+                for lane in lanes
+            ]
+
+        channels = spectrum.at_bands(si, rows)
+        coloured = ("albedo", "sigma_t", "g", *self.coloured)
+        return {
+            name: [row[name] for row in (channels if name in coloured else channels[:1])]
+            for name in channels[0]
+        }
+
+    def layering(self, uv: np.ndarray) -> dict[str, Any]:
+        """The arguments of `layer_texels` at points uv (M, 2): `table`, alpha maybe `Widths`.
+
+        Raises:
+            ParameterError: a value is out of range.
+        """
+        table: dict[str, Any] = self.table(uv)
+        table.pop("rotation", None)
+        if self.is_anisotropic:
+            table["alpha"] = Widths(*(table.pop(name) for name in TWO_WIDTHS))
+        return table
+
+    def table(self, uv: np.ndarray, unknown: Collection[str] = ()) -> dict[str, np.ndarray]:
+        """Checked parameters at points uv (M, 2): alpha and eta (M, 1), the others (M, channels).
+
+        Widths of textures are at least `MIN_ALPHA`. In place of alpha, `alpha_u` and `alpha_v` of
+        an anisotropic coat, and (M, channels) of coloured widths; `rotation` (M, 1) if the coat has
+        it.
+
+        unknown: names of parameters that are no functions of uv; they are left out.
+
+        Raises:
+            ParameterError: a value is out of range.
+        """
+        si = dr.zeros(mi.SurfaceInteraction3f, len(uv))
+        si.uv = mi.Point2f(np.ascontiguousarray(uv.T, np.float32))
+        values = self.channels(si)
+        if "rotation" in self.textures:
+            values["rotation"] = [self.textures["rotation"].eval_1(si)]
+        dr.eval(values)
+        table = {}
+        for name, channels in values.items():
+            if name in unknown or (name == "eta" and "int_ior" in unknown):
+                continue
+            rows = [np.broadcast_to(channel.numpy(), len(uv)) for channel in channels]
+            # Six digits: 0.01 in single precision is less than 0.01 in double.
+            array = np.stack(rows, axis=-1).astype(np.float64).round(6)
+            label = "int_ior / ext_ior" if name == "eta" else name
+            texture = self.textures.get("int_ior" if name == "eta" else name)
+            if texture is not None and texture.is_spatially_varying():
+                label = f"a texel of {label}"
+                if CHECKS[name] is checks.alpha:  # dark texels of a map, as in the walk
+                    array = np.where((array >= 0) & (array < MIN_ALPHA), MIN_ALPHA, array)
+            table[name] = CHECKS[name](array, f"{self.where}: {label}", any_shape=True)
+        return table
+
+    @property
+    def is_anisotropic(self) -> bool:
+        """Whether the coat has the textures `alpha_u` and `alpha_v`."""
+        return "alpha_u" in self.textures
+
+    @property
+    def has_rotation(self) -> bool:
+        """Whether the tangent is turned."""
+        return "rotation" in self.textures
+
+    @property
+    def constant_rotation(self) -> float | None:
+        """The angle of the tangent [degrees]; None: it is a texture, or there is none."""
+        texture = self.textures.get("rotation")
+        if texture is None or texture.is_spatially_varying():
+            return None
+        return float(texture.eval_1(dr.zeros(mi.SurfaceInteraction3f)).numpy()[0])
+
+    def turn(self, si, active) -> tuple["mi.Float", "mi.Float"]:
+        """Sine and cosine of the angle from the shape's tangent to the coat's; needs `rotation`."""
+        degrees = self.textures["rotation"].eval_1(si, active)
+        return dr.sincos(degrees * (dr.pi / 180))
+
+    @property
+    def has_textured_eta(self) -> bool:
+        """Whether `int_ior` is a texture; `opaque_eta` is 1 / ext_ior then."""
+        return "int_ior" in self.textures
+
+    @property
+    def eta(self) -> float:
+        """The relative index of refraction, unless it is textured."""
+        return float(self.opaque_eta.numpy()[0])
+
+    def traverse(self, callback, flags: "mi.ParamFlags") -> None:
+        """List the textures and `eta` for `mi.traverse`."""
+        for name, texture in self.textures.items():
+            callback.put(name, texture, flags)
+        if not self.has_textured_eta:
+            callback.put("eta", self.opaque_eta, flags)
+
+    def parameters_changed(self) -> None:
+        """Check `eta`, which `mi.traverse` may have changed.
+
+        Raises:
+            ParameterError: it is out of range.
+        """
+        if not self.has_textured_eta:
+            checks.eta(self.eta, f"{self.where}: eta")
+        dr.make_opaque(self.opaque_eta)
+
+    def __str__(self) -> str:
+        lines = [f"  {name} = {_indent(texture)}" for name, texture in self.textures.items()]
+        if not self.has_textured_eta:
+            lines.append(f"  eta = {self.eta:g}")
+        return ",\n".join(lines)
+
+    def _width_names(self, props: "mi.Properties") -> tuple[str, ...]:
+        """The properties that hold the GGX width or the two widths."""
+        alpha, alpha_u, alpha_v = (props.get(n, None) for n in ("alpha", *TWO_WIDTHS))
+        chosen = checks.widths(alpha, alpha_u, alpha_v, f"{self.where}:", DEFAULTS["alpha"])
+        return TWO_WIDTHS if isinstance(chosen, Widths) else ("alpha",)
+
+    def _texture(
+        self, props: "mi.Properties", name: str, coloured_width: bool = False
+    ) -> "mi.Texture":
+        """A property as a texture; coloured_width: whether it is a width that may be a colour."""
+        kind = props.type(name) if name in props else None
+        if mi.is_spectral and kind == mi.Properties.Type.Color:
+            color = [float(value) for value in props[name]]
+            if min(color) < 0:
+                raise ParameterError(
+                    f"{self.where}: {name} has a negative channel, which spectral variants cannot "
+                    "represent; give one number"
+                )
+            texture = mi.load_dict(spectrum.from_color(color))
+        else:
+            try:
+                texture = props.get_unbounded_texture(name, DEFAULTS.get(name, 1.5))
+            except RuntimeError as error:
+                raise ParameterError(
+                    f"{self.where}: {name} must be a number, a spectrum or a texture"
+                ) from error
+        colors = mi.Properties.Type.Color, mi.Properties.Type.Spectrum
+        is_number = name in ("alpha", *TWO_WIDTHS, "rotation") and not coloured_width
+        if is_number and kind in colors:
+            raise ParameterError(
+                f"{self.where}: {name} must be a number or a texture; all channels share it"
+            )
+        return texture
+
+
+class Rotation:
+    """The rotation of a tangent: a texture, read from a plugin's properties, and a fixed angle."""
+
+    def __init__(self, props: "mi.Properties", angle: float = 0.0):
+        """angle: [degrees] added to the texture."""
+        self._angle = opaque(angle)
+        given = "rotation" in props
+        self._texture = props.get_unbounded_texture("rotation", 0.0) if given else None
+        self.present = angle != 0 or self._texture is not None
+
+    def turn(self, si, active) -> tuple["mi.Float", "mi.Float"]:
+        """Sine and cosine of the angle."""
+        degrees = self._angle
+        if self._texture is not None:
+            degrees = degrees + self._texture.eval_1(si, active)
+        return dr.sincos(degrees * (dr.pi / 180))
+
+    def traverse(self, callback) -> None:
+        """List the texture for `mi.traverse`."""
+        if self._texture is not None:
+            callback.put("rotation", self._texture, mi.ParamFlags.Differentiable)
+
+
+def _coloured(props: "mi.Properties") -> tuple[str, ...]:
+    """The names of the widths that are given as colours or spectra, not as numbers or textures."""
+    colors = mi.Properties.Type.Color, mi.Properties.Type.Spectrum
+    given = (name for name in ("alpha", *TWO_WIDTHS) if name in props)
+    return tuple(name for name in given if props.type(name) in colors)
+
+
+def opaque(value: float) -> "mi.Float":
+    """A Dr.Jit scalar that kernels read from memory, so that plugins of one type share code."""
+    scalar = mi.Float(value)
+    dr.make_opaque(scalar)
+    return scalar
+
+
+def describe(props: "mi.Properties") -> str:
+    """The plugin's name, and its id if the user gave one; begins errors."""
+    name = props.id()
+    return props.plugin_name() + (f" '{name}'" if name and not name.startswith("__") else "")
+
+
+def nested_bsdf(props: "mi.Properties") -> "mi.BSDF":
+    """The one BSDF among the properties, under any name. Call this before reading textures.
+
+    Listing the objects resets Mitsuba's record of which properties were read.
+
+    Raises:
+        ParameterError: there is none, or more than one.
+    """
+    found = [
+        (name, value)
+        for name, value in props.objects(mark_queried=False)
+        if isinstance(value, mi.BSDF)
+    ]
+    if len(found) != 1:
+        named = ", ".join(f"'{name}'" for name, _ in found)
+        amount = f"{len(found)} nested BSDFs ({named})" if found else "no nested BSDF"
+        raise ParameterError(
+            f"{describe(props)} has {amount}; nest exactly one, the bottom under the coat"
+        )
+    props.mark_queried(found[0][0])
+    return found[0][1]
+
+
+def check_bottom(bsdf: "mi.BSDF", where: str) -> None:
+    """Refuse BSDFs that cannot be coated: those that transmit light or have a delta lobe.
+
+    Raises:
+        ParameterError: the BSDF transmits, or has a delta lobe.
+    """
+    flags, has = bsdf.flags(), mi.has_flag
+    if has(flags, mi.BSDFFlags.Transmission) or has(flags, mi.BSDFFlags.Null):
+        raise ParameterError(
+            f"{where}: the nested BSDF transmits light; a coat needs an opaque bottom"
+        )
+    if has(flags, mi.BSDFFlags.Delta):
+        raise ParameterError(
+            f"{where}: the nested BSDF is perfectly smooth; give its rough variant, such as "
+            "'roughconductor' of alpha 0.01"
+        )
+
+
+def check_rotation(bottom: "mi.BSDF", where: str) -> None:
+    """Refuse a bottom with a rotation of its own.
+
+    Raises:
+        ParameterError: it has one.
+    """
+    coat = getattr(bottom, "_coat", None)
+    if isinstance(coat, CoatTextures) and coat.has_rotation:
+        raise ParameterError(
+            f"{where}: the nested coat has its own rotation, but all layers share one tangent "
+            "frame; give rotation to the outermost coat only"
+        )
+
+
+def _indent(value: object) -> str:
+    return str(value).replace("\n", "\n  ")

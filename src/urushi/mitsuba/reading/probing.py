@@ -1,0 +1,228 @@
+"""Evaluation of Mitsuba BSDFs at pairs of directions, for the encoder."""
+
+from typing import NamedTuple
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from urushi.errors import ParameterError
+from urushi.material.symmetry import (
+    AZIMUTHS,
+    WARNED_ASYMMETRY,
+    Deviations,
+    isotropy_test_pairs,
+    mirrored_pairs,
+    nearly_equal,
+    rotated_pairs,
+)
+from urushi.mitsuba import spectrum
+from urushi.textures.grid import TexelGrid
+
+#: Greatest number of evaluations in one launch: bounds memory.
+CHUNK = 1 << 21
+
+#: Evaluations of a BSDF that draws random numbers: for each pair, and at most for all pairs of all
+#: texels together.
+REPEATS, BUDGET = 4096, 1 << 26
+
+#: Texels at which a textured BSDF is tested for asymmetry.
+TESTED_TEXELS = 64
+
+#: Least number of rotations about the normal over which an anisotropic textured BSDF is averaged;
+#: twice an odd number, see `symmetry.rotated_pairs`.
+LEAST_AZIMUTHS = 6
+
+#: Greatest number of evaluations of an anisotropic textured BSDF, about a minute: large textures
+#: are averaged over fewer rotations than `symmetry.AZIMUTHS`.
+ANISOTROPIC_BUDGET = 1 << 32
+
+#: Greatest number of evaluations of a pair in one kernel.
+KERNEL_EVALUATIONS = 4
+
+
+def interaction(
+    wi: np.ndarray, uv: np.ndarray, repeat: float | np.ndarray = 0.0
+) -> "mi.SurfaceInteraction3f":
+    """Surface interactions (M) seen from wi (M, 3) at uv (M, 2), in the frame of the coordinates.
+
+    repeat: the time, one number or (M,). BSDFs that draw random numbers draw others at another
+        time.
+    """
+    return _interaction(_vector(wi), mi.Point2f(np.ascontiguousarray(uv.T, np.float32)), repeat)
+
+
+def _interaction(
+    wi: "mi.Vector3f", uv: "mi.Point2f", repeat: float | np.ndarray
+) -> "mi.SurfaceInteraction3f":
+    si = dr.zeros(mi.SurfaceInteraction3f, dr.width(wi))
+    si.wi, si.uv = wi, uv
+    si.time = mi.Float(repeat)
+    dr.make_opaque(si.time)  # a constant would make another kernel each time
+    si.n = mi.Normal3f(0, 0, 1)
+    si.sh_frame = mi.Frame3f(mi.Vector3f(1, 0, 0), mi.Vector3f(0, 1, 0), mi.Vector3f(0, 0, 1))
+    si.dp_du, si.dp_dv = mi.Vector3f(1, 0, 0), mi.Vector3f(0, 1, 0)
+    spectrum.set_bands(si)
+    return si
+
+
+def bsdf_values(
+    bsdf: "mi.BSDF",
+    wi: np.ndarray,
+    wo: np.ndarray,
+    uv: np.ndarray,
+    repeat: float | np.ndarray = 0.0,
+) -> np.ndarray:
+    """f (M, C) [1/sr] of a BSDF for wi, wo (M, 3) above the horizon at uv (M, 2)."""
+    parts = []
+    for start in range(0, len(wi), CHUNK):
+        rows = slice(start, start + CHUNK)
+        si = interaction(wi[rows], uv[rows], repeat)
+        out = _vector(wo[rows])
+        values = bsdf_channels(bsdf, si, out)
+        dr.eval(values)
+        channels = [channel.numpy() for channel in values]
+        parts.append(np.stack(np.broadcast_arrays(*channels, wi[rows, 0])[:-1], axis=-1))
+    return np.concatenate(parts)
+
+
+def bsdf_channels(bsdf: "mi.BSDF", si, wo: "mi.Vector3f") -> list:
+    """f [1/sr] of each channel of a BSDF at a surface interaction, as Dr.Jit floats."""
+    return spectrum.at_bands(
+        si, lambda: spectrum.to_channels(bsdf.eval(mi.BSDFContext(), si, wo) / wo.z)
+    )
+
+
+class Averaging(NamedTuple):
+    """An average of a BSDF that has the symmetry of a material and is free of noise.
+
+    Attributes:
+        azimuths: number of common rotations of a pair about the normal, of
+            `symmetry.rotated_pairs`; 0 for the mirror images of `symmetry.mirrored_pairs`.
+        exchanged: whether the average is also over the exchange of wi and wo.
+        repeats: evaluations of each pair, for BSDFs that draw random numbers.
+    """
+
+    azimuths: int = 1
+    exchanged: bool = False
+    repeats: int = 1
+
+    def pairs(self, wi: np.ndarray, wo: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+        """The pairs whose values are averaged for pairs (P, 3), without their exchange."""
+        if self.azimuths == 0:
+            return mirrored_pairs(wi, wo)
+        return list(rotated_pairs(wi, wo, self.azimuths))
+
+
+def texel_values(
+    bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, uv: np.ndarray, average: Averaging
+) -> np.ndarray:
+    """f float32 (M, C, P) [1/sr] at points uv (M, 2) for pairs (P, 3) above the horizon."""
+    pairs = len(wi)
+    most = max(CHUNK // pairs, 1)
+    result = np.empty((len(uv), spectrum.channel_count(), pairs), np.float32)
+    averaged = average.pairs(wi, wo)
+    if average.exchanged:
+        averaged += [pair[::-1] for pair in averaged]
+    tables = [tuple(_vector(w) for w in pair) for pair in averaged]
+    count = average.repeats * len(tables)
+    for start in range(0, len(uv), most):
+        part = uv[start : start + most]
+        texel, pair = _outer(len(part), pairs)
+        where = dr.gather(mi.Point2f, mi.Point2f(np.ascontiguousarray(part.T, np.float32)), texel)
+        total = [mi.Float(0)] * result.shape[1]
+        for repeat in range(average.repeats):
+            for table in tables:
+                a, b = (dr.gather(mi.Vector3f, w, pair) for w in table)
+                si = _interaction(a, where, float(repeat))
+                channels = bsdf_channels(bsdf, si, b)
+                total = [x + y for x, y in zip(total, channels, strict=True)]
+                if count > KERNEL_EVALUATIONS:
+                    dr.eval(total)
+        for channel, value in enumerate(total):
+            values = np.broadcast_to((value / count).numpy(), len(part) * pairs)
+            result[start : start + most, channel] = values.reshape(len(part), pairs)
+    return result
+
+
+def _outer(rows: int, columns: int) -> tuple["mi.UInt32", "mi.UInt32"]:
+    """Row and column of every entry of a matrix, row by row."""
+    index = dr.arange(mi.UInt32, rows * columns)
+    row = index // columns
+    return row, index - row * columns
+
+
+def needed_averaging(
+    bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, grid: TexelGrid, where: str, widths: int = 1
+) -> Averaging:
+    """The averaging that gives a textured BSDF the symmetry of a material at pairs (P, 3).
+
+    A BSDF that has it at `TESTED_TEXELS` texels is taken to have it everywhere.
+
+    where: begins warnings. widths: of the material's networks.
+    """
+    count = needed_repeats(bsdf, wi, wo, grid.texels)
+    if count > 1:
+        return Averaging(2 if widths == 1 else 0, True, count)
+    texels = np.random.default_rng(0).integers(grid.texels, size=TESTED_TEXELS)
+    uv = np.concatenate([grid.uv(texel, texel + 1) for texel in texels])
+    tests = [isotropy_test_pairs(wi, wo)] if widths == 1 else mirrored_pairs(wi, wo)[1:3]
+    once, exchanged, *others = (
+        texel_values(bsdf, *pair, uv, Averaging()) for pair in ((wi, wo), (wo, wi), *tests)
+    )
+    reciprocal = nearly_equal(once, exchanged)
+    if all(nearly_equal(once, other) for other in others):
+        return Averaging(1, not reciprocal)
+    if widths == 2:
+        return Averaging(0, not reciprocal)
+    mean = texel_values(bsdf, wi, wo, uv, Averaging(LEAST_AZIMUTHS))
+    spread = np.abs(once - mean).sum() / max(mean.sum(), 1e-30)
+    if spread > WARNED_ASYMMETRY:
+        mi.Log(mi.LogLevel.Warn, f"{where}: " + Deviations(anisotropy=spread).warnings()[0])
+    most = ANISOTROPIC_BUDGET // (grid.texels * len(wi) * (1 if reciprocal else 2))
+    odd = (min(max(most, LEAST_AZIMUTHS), AZIMUTHS) // 2 - 1) // 2 * 2 + 1
+    return Averaging(2 * odd, not reciprocal)
+
+
+def check_values(f: np.ndarray, where: str) -> np.ndarray:
+    """Return f.
+
+    Raises:
+        ParameterError: a value is negative or not finite; the error begins with `where`.
+    """
+    if not (np.isfinite(f) & (f >= 0)).all():
+        raise ParameterError(
+            f"{where}: the nested BSDF returns a negative or non-finite value; "
+            "a BRDF must be finite and at least 0"
+        )
+    return f
+
+
+def needed_repeats(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, points: int) -> int:
+    """Number of evaluations to average over at `points` texels: 1 unless the BSDF is random."""
+    uv = np.full((len(wi), 2), 0.5)
+    first, second = (bsdf_values(bsdf, wi, wo, uv, time) for time in (0.0, 1.0))
+    if np.array_equal(first, second):
+        return 1
+    return max(min(REPEATS, BUDGET // (points * len(wi))) // (2 * AZIMUTHS), 1)
+
+
+def known_lobes(bsdf: "mi.BSDF", uv: np.ndarray) -> np.ndarray | None:
+    """The lobes float32 (M, C, 6 or 7) at points uv (M, 2) of a BSDF that knows them, or None.
+
+    A plugin gives them by a method `lobes` of a surface interaction: six Dr.Jit floats for each
+    channel, seven of an anisotropic BSDF, or None (see `urushi.nets.lobe`). Its values contain more
+    than the lobe.
+    """
+    method = getattr(bsdf, "lobes", None)
+    si = interaction(np.tile([0.0, 0.0, 1.0], (len(uv), 1)), uv)
+    channels = spectrum.at_bands(si, lambda: method(si) or ()) if method else []
+    if not channels:
+        return None
+    dr.eval(channels)
+    rows = [[np.broadcast_to(value.numpy(), len(uv)) for value in channel] for channel in channels]
+    return np.moveaxis(np.array(rows, np.float32), -1, 0)
+
+
+def _vector(w: np.ndarray) -> "mi.Vector3f":
+    return mi.Vector3f(np.ascontiguousarray(w.T, np.float32))

@@ -1,0 +1,55 @@
+"""BRDFs of described surfaces without coats, in closed form."""
+
+import drjit as dr
+import numpy as np
+import numpy.typing as npt
+
+from urushi import checks
+from urushi.walk.monte_carlo import backend
+from urushi.walk.stack import Conductor, Dielectric, Diffuse
+from urushi.walk.table import BOTTOM_KINDS, bottom_columns, channel_count
+
+
+def f(
+    description: Conductor | Dielectric | Diffuse, wi: npt.ArrayLike, wo: npt.ArrayLike
+) -> np.ndarray:
+    """Evaluate a described surface in air.
+
+    Args:
+        description: a conductor, a dielectric (its reflection alone) or a diffuse surface.
+        wi, wo: (N, 3) unit vectors.
+
+    Returns:
+        float32 (N, 3): the BRDF [1/sr], without cosine; zero below the horizon.
+
+    Raises:
+        ParameterError: wrong shapes, or directions that are not unit vectors.
+    """
+    wi, wo = checks.directions(wi, wo)
+    channels = channel_count(description)
+    kind, columns = bottom_columns(description, channels)
+    row = np.tile(np.arange(channels, dtype=np.uint32), len(wi))
+    values = rows(kind, columns, row, np.repeat(wi, channels, 0), np.repeat(wo, channels, 0))
+    return np.broadcast_to(values.reshape(-1, channels), (len(wi), 3)).copy()
+
+
+def rows(
+    kind: str, columns: dict[str, np.ndarray], row: np.ndarray, wi: np.ndarray, wo: np.ndarray
+) -> np.ndarray:
+    """Evaluate surface row[i] of `kind` at (wi[i], wo[i]); returns float32 (M,) [1/sr].
+
+    `columns` has the parameters of the kind (see `urushi.walk.table.BOTTOM_KINDS`) by name,
+    (S,) each.
+    """
+    if not len(row):
+        return np.zeros(0, np.float32)
+    device = backend()
+    index = device.UInt32(np.ascontiguousarray(row, np.uint32))
+    factory, names = BOTTOM_KINDS[kind]
+    parameters = (
+        dr.gather(device.Float, device.Float(np.ascontiguousarray(columns[n], np.float32)), index)
+        for n in names
+    )
+    wi, wo = (device.Array3f(np.ascontiguousarray(w.T, np.float32)) for w in (wi, wo))
+    value, _ = factory(*parameters).f_pdf(wi, wo)
+    return np.array(value.numpy(), np.float32)

@@ -1,0 +1,98 @@
+"""Paths out of a stack: one chain of refractions from wo down to every layer, drawn once per walk.
+
+A vertex in layer l connects to wo along a chain of directions u_l, ..., u_0 that rise through the
+interfaces l, ..., 0 without scattering. Drawn from outside, starting at wo, u_l has the density a_l
+given u_{l-1}; drawn by the walk, from below, it has the density b_l. The walk can leave for the
+chain at any of its layers, so that several techniques produce the same path. The power heuristic
+over all of them (Veach 1997) needs the sums of squared density ratios that are kept here.
+"""
+
+from typing import Any, NamedTuple
+
+import drjit as dr
+
+from urushi.walk import interface
+from urushi.walk.interface import flip
+from urushi.walk.medium import Media
+
+
+class ExitPath(NamedTuple):
+    """The part of the chain above a vertex in layer l."""
+
+    direction: Any  # u_l, the propagation direction in the layer, z > 0
+    weight: Any  # product over the chain of BTDF / density, times the cosine of u_l; 0 if it failed
+    pdf: Any  # a_l [1/sr]
+    ratios: Any  # E_l = 1 + (b_{l-1} / a_{l-1})^2 E_{l-1}: techniques that connect above layer l
+
+    def mis(self, pdf_vertex: Any, ratios_below: Any = 0) -> Any:
+        """Weight of the connection at a vertex whose own sampling has the density `pdf_vertex`.
+
+        `ratios_below` is the sum of squared ratios of the techniques that connect at an earlier
+        vertex, below this one.
+        """
+        ratio = pdf_vertex / self.pdf
+        return dr.select(self.pdf > 0, 1 / (1 + ratio * ratio * self.ratios + ratios_below), 0)
+
+
+class ExitPaths:
+    """The chain through all layers of a stack, and the scattering of its topmost interface."""
+
+    def __init__(self, layers: Any, media: Media, wo: Any, rng: Any) -> None:
+        self._wo = wo
+        self._alpha, self._eta = layers.interface(dr.uint32_array_t(type(wo.z))(0))
+        self._of_layer: list[ExitPath] = []
+        outside, weight, ratios = wo, 1, 1
+        for index in range(layers.count):
+            link = self._link(layers, outside, index, rng)
+            if index > 0:
+                above = self._of_layer[-1]
+                crossed = media.at(dr.uint32_array_t(type(wo.z))(index - 1))
+                weight = weight * crossed.transmittance(type(wo.z)(1), above.direction.z)
+                ratio = self._density_from_below(layers, link.direction, above.direction, index)
+                ratio /= above.pdf
+                ratios = 1 + dr.select(above.pdf > 0, ratio * ratio * above.ratios, 0)
+            weight = weight * link.weight
+            self._of_layer.append(ExitPath(link.direction, weight, link.pdf, ratios))
+            outside = link.direction
+
+    @staticmethod
+    def _link(layers: Any, outside: Any, index: int, rng: Any) -> ExitPath:
+        """Refract the upward direction `outside` down through one interface, against the light."""
+        alpha, eta = layers.interface(dr.uint32_array_t(type(outside.z))(index))
+        inside, weight = interface.sample_transmission(
+            outside, alpha, eta, rng.next_float32(), rng.next_float32()
+        )
+        # A failed sample gets a vertical direction, so that no cosine is zero.
+        inside = dr.select(weight > 0, inside, type(outside)(0, 0, -1))
+        _, pdf = interface.transmission(outside, inside, alpha, eta)
+        # `weight` is (1 - F) G1 for light that enters. Light that leaves has the same factors
+        # divided by eta^2, because a cone of light widens.
+        return ExitPath(-inside, weight / (eta * eta), pdf, 1)
+
+    @staticmethod
+    def _density_from_below(layers: Any, inside: Any, outside: Any, index: int) -> Any:
+        """b: the density with which a walk that rises along `inside` continues along `outside`."""
+        alpha, eta = layers.interface(dr.uint32_array_t(type(inside.z))(index))
+        _, pdf = interface.scatter(flip(-inside), flip(outside), alpha, 1 / eta)
+        return pdf
+
+    def at(self, layer: Any) -> ExitPath:
+        """The chain above a vertex in `layer`, which may vary per lane."""
+        result = self._of_layer[0]
+        for index, path in enumerate(self._of_layer[1:], start=1):
+            here = layer == index
+            result = ExitPath(*(dr.select(here, a, b) for a, b in zip(path, result, strict=True)))
+        return result
+
+    def through_top(self, w: Any) -> tuple[Any, Any]:
+        """BTDF [1/sr] of the topmost interface from propagation direction w to wo, and a_0(w)."""
+        f_inward, pdf = interface.transmission(self._wo, -w, self._alpha, self._eta)
+        # BTDFs in flux convention differ by eta^2 between the two directions.
+        return f_inward / (self._eta * self._eta), pdf
+
+    def reflect_at_top(self, w: Any, u1: Any, u2: Any) -> tuple[Any, Any]:
+        """Sample the topmost interface's internal reflection of w; returns (direction, weight)."""
+        direction, weight = interface.sample_reflection(
+            flip(-w), self._alpha, 1 / self._eta, u1, u2
+        )
+        return flip(direction), weight

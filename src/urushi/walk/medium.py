@@ -1,0 +1,78 @@
+"""The medium of a layer as the walk crosses it: its flights, and a diffuser for its deep middle.
+
+Absorption is carried as a weight where a medium hardly scatters: of the flights that collide, the
+share `scatters` scatters, and the others reach the end of the layer with a smaller weight.
+
+In the middle of a deep lossless medium, light is diffuse: radiance is isotropic but for a part
+proportional to the net flux, which is constant (Chandrasekhar 1960; Case & Zweifel 1967). There, a
+sheet that scatters diffusely to both sides passes as much light as the slab that it replaces.
+`KEPT` is left on both of its sides. The layer's f differs by less than 0.1 % from the whole slab's,
+by adding and doubling (tests/walk/test_deep_media.py), and a walk's length is bounded.
+"""
+
+from typing import Any, NamedTuple
+
+import drjit as dr
+
+from urushi.walk import spectral_mis
+
+#: Collisions whose albedo is below this scatter with probability albedo / threshold; walks whose
+#: throughput falls below this continue with probability throughput / threshold.
+ROULETTE_THRESHOLD = 0.25
+
+#: Optical depth that is left on each side of a sheet, and from which on a medium has a sheet; both
+#: times 1 - g for g > 0.
+KEPT, DEEP = 5.0, 12.0
+
+#: Milne's extrapolation distance of the diffuse field beyond a free surface [transport mean free
+#: paths]. For HG phase functions it differs by at most 0.02.
+MILNE = 0.7104
+
+#: Depth of the sheet in its layer.
+MIDDLE = 0.5
+
+
+class Medium(NamedTuple):
+    """Parameters are floats or colours; `scatters` is a float, `deep` a mask."""
+
+    albedo: Any
+    sigma_t: Any  # without what a sheet replaces
+    g: Any
+    scatters: Any  # the share of collisions that scatter
+    deep: Any  # whether there is a sheet
+    passed: Any  # the share of light that the sheet transmits, the rest is reflected
+
+    def transmittance(self, depth: Any, cos_theta: Any) -> Any:
+        """Beer's law from `depth` to the top of the layer; nothing passes a sheet unscattered."""
+        direct = dr.exp(-self.sigma_t * (depth / cos_theta))
+        return dr.select(self.deep & (depth > MIDDLE), 0, direct)
+
+    def end(self, depth: Any, down: Any) -> Any:
+        """The depth at which a flight from `depth` without a collision ends."""
+        middle = self.deep & dr.select(down, depth < MIDDLE, depth > MIDDLE)
+        return dr.select(middle, MIDDLE, dr.select(down, type(depth)(1), 0))
+
+
+def of(albedo: Any, sigma_t: Any, g: Any) -> Medium:
+    """The medium with these parameters, floats or colours."""
+    scatters = dr.minimum(spectral_mis.greatest(albedo) / ROULETTE_THRESHOLD, 1)
+    reduced = 1 - dr.maximum(g, 0)
+    deep = (spectral_mis.least(albedo) >= 1) & (spectral_mis.least(sigma_t * reduced) > DEEP)
+    kept = 2 * KEPT / reduced
+    # Two diffusers in series with half-spaces of the medium: each half-space adds its distance
+    # MILNE, each Lambertian surface 2/3.
+    resistance = 0.75 * (1 - g) * (sigma_t - kept) + 1 - 1.5 * MILNE
+    passed = dr.select(deep, 1 / (1 + resistance), 1)
+    return Medium(albedo, dr.select(deep, kept, sigma_t), g, scatters, deep, passed)
+
+
+class Media:
+    """The media of a stack's layers; that of a single layer is computed once, outside of loops."""
+
+    def __init__(self, layers: Any, index_type: type) -> None:
+        self._layers = layers
+        self._single = of(*layers.medium(index_type(0))) if layers.count == 1 else None
+
+    def at(self, layer: Any) -> Medium:
+        """The medium of a layer, which may vary per lane."""
+        return self._single or of(*self._layers.medium(layer))

@@ -1,0 +1,152 @@
+"""Monte Carlo means over random walks, with standard errors, in kernel launches of bounded size."""
+
+import functools
+import importlib
+from collections.abc import Callable, Sequence
+from types import ModuleType
+from typing import Any
+
+import drjit as dr
+import numpy as np
+from tqdm import tqdm
+
+from urushi import platform
+from urushi.core.random import stream
+from urushi.errors import ParameterError
+from urushi.walk.stack import Stack
+from urushi.walk.table import StackTable, TableLayers, from_stack, table_bottom
+
+#: Walks per kernel launch; bounds device memory to a few hundred MB.
+LANES = 1 << 22
+
+#: One walk per lane: walk(layers, bottom, *directions, rng) returns a Dr.Jit float.
+Walk = Callable[..., Any]
+
+
+@functools.cache
+def backend() -> ModuleType:
+    """The module of Dr.Jit's array types: `drjit.cuda` if there is a GPU, else `drjit.llvm`.
+
+    Raises:
+        PlatformError: there is neither a GPU nor a libLLVM that Dr.Jit can use.
+    """
+    if dr.has_backend(dr.JitBackend.CUDA):
+        return importlib.import_module("drjit.cuda")
+    platform.require_llvm()
+    return importlib.import_module("drjit.llvm")
+
+
+def per_channel(
+    stack: Stack,
+    directions: Sequence[np.ndarray],
+    function: Callable[..., tuple[np.ndarray, np.ndarray]],
+) -> tuple[np.ndarray, np.ndarray]:
+    """Evaluate a function for every channel of a stack.
+
+    Args:
+        stack: the stack.
+        directions: arrays float32 (N, 3) of unit vectors.
+        function: function(table, row, *directions) -> two arrays (M,), see `average`.
+
+    Returns:
+        Its two results, (N, 3) each.
+    """
+    table, count = from_stack(stack), len(directions[0])
+    channels = len(table)
+    row = np.tile(np.arange(channels, dtype=np.uint32), count)
+    mean, se = (
+        np.broadcast_to(x.reshape(count, channels), (count, 3)).copy()
+        for x in function(table, row, *(np.repeat(w, channels, axis=0) for w in directions))
+    )
+    return mean, se
+
+
+def values_per_channel(
+    stack: Stack, directions: Sequence[np.ndarray], rows: Callable[..., np.ndarray]
+) -> np.ndarray:
+    """Evaluate a closed form for every channel of a stack: (N, 3).
+
+    stack, directions: as of `per_channel`. rows: rows(table, row, *directions) -> (M,).
+    """
+    return per_channel(stack, directions, lambda *given: (rows(*given),) * 2)[0]
+
+
+def average(
+    table: StackTable,
+    row: np.ndarray,
+    directions: Sequence[np.ndarray],
+    walk: Walk,
+    *,
+    walks: int,
+    seed: int,
+    progress: bool = False,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Mean and standard error of `walk` through row[i] of `table` for directions[...][i].
+
+    Args:
+        table: S monochrome stacks.
+        row: (M,) unsigned integers below S.
+        directions: arrays float32 (M, 3) of unit vectors, the arguments of the walk.
+        walk: the function to average.
+        walks: random walks per row, at least 2.
+        seed: any integer.
+        progress: show a progress bar (on a terminal only).
+
+    Returns:
+        (mean, se): float64 (M,).
+    """
+    if walks < 2:
+        raise ParameterError(f"walks is {walks}; a standard error needs at least 2")
+    total = np.zeros((2, len(row)))
+    block = min(walks, LANES)
+    rows_per_launch = max(LANES // block, 1)
+    launches = -(-len(row) // rows_per_launch) * -(-walks // block)
+    with tqdm(total=launches, disable=None if progress else True, unit="launch") as bar:
+        for start in range(0, len(row), rows_per_launch):
+            part = slice(start, start + rows_per_launch)
+            directions_part = [w[part] for w in directions]
+            for first in range(0, walks, block):
+                count = min(block, walks - first)
+                total[:, part] += _launch(
+                    table, row[part], directions_part, walk, count, (start, first), seed, walks
+                )
+                bar.update()
+    mean = total[0] / walks
+    variance = np.maximum(total[1] / walks - mean * mean, 0) / (walks - 1)
+    return mean, np.sqrt(variance)
+
+
+def _launch(
+    table: StackTable,
+    row: np.ndarray,
+    directions: Sequence[np.ndarray],
+    walk: Walk,
+    count: int,
+    first: tuple[int, int],
+    seed: int,
+    walks: int,
+) -> np.ndarray:
+    """Sum and sum of squares, (2, rows), of `count` walks for each row, in one kernel launch.
+
+    `first` is the number of the first row and of the first walk in the whole request. A walk's
+    random numbers depend on these alone, so that the result does not depend on how the request is
+    divided into launches.
+    """
+    device = backend()
+    lane = dr.arange(device.UInt32, len(row) * count)
+    start = lane // count if count > 1 else lane
+    place = device.UInt64(start) + first[0]
+    place = place * walks + device.UInt64(lane - start * count) + first[1]
+    lane_row = dr.gather(device.UInt32, device.UInt32(np.ascontiguousarray(row, np.uint32)), start)
+    value = walk(
+        TableLayers(device, table, lane_row),
+        table_bottom(device, table, lane_row),
+        *(
+            dr.gather(device.Array3f, device.Array3f(np.ascontiguousarray(w.T)), start)
+            for w in directions
+        ),
+        stream(device.PCG32, place, seed),
+    )
+    sums = dr.block_sum(value, count), dr.block_sum(value * value, count)
+    dr.eval(*sums)
+    return np.stack([x.numpy().astype(np.float64) for x in sums])

@@ -1,0 +1,252 @@
+"""Many monochrome stacks of one shape as arrays, from which each lane of a walk reads one row."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+import drjit as dr
+import numpy as np
+import numpy.typing as npt
+
+from urushi.checks import CoatParameters, Widths
+from urushi.errors import ParameterError
+from urushi.walk import bottoms
+from urushi.walk.stack import Conductor, Dielectric, Diffuse, Stack
+
+#: Factory of each kind of bottom, and the names of its arguments in order.
+BOTTOM_KINDS: dict[str, tuple[Any, tuple[str, ...]]] = {
+    "conductor": (bottoms.schlick_conductor, ("alpha", "r0")),
+    "conductor_complex": (bottoms.conductor, ("alpha", "eta", "k")),
+    "dielectric": (bottoms.dielectric_reflector, ("alpha", "eta")),
+    "diffuse": (bottoms.Lambertian, ("reflectance",)),
+    "conductor_anisotropic": (
+        bottoms.anisotropic(bottoms.schlick_conductor),
+        ("alpha_u", "alpha_v", "r0"),
+    ),
+    "conductor_complex_anisotropic": (
+        bottoms.anisotropic(bottoms.conductor),
+        ("alpha_u", "alpha_v", "eta", "k"),
+    ),
+    "dielectric_anisotropic": (
+        bottoms.anisotropic(bottoms.dielectric_reflector),
+        ("alpha_u", "alpha_v", "eta"),
+    ),
+    "mixture": (
+        bottoms.MixtureBottom,
+        (
+            "diffuse",
+            "ggx_weight",
+            "ggx_alpha",
+            "ggx_r0",
+            "beckmann_weight",
+            "beckmann_alpha",
+            "beckmann_r0",
+        ),
+    ),
+    "mixture_anisotropic": (
+        bottoms.anisotropic_mixture,
+        (
+            "diffuse",
+            "ggx_weight",
+            "ggx_alpha_u",
+            "ggx_alpha_v",
+            "ggx_r0",
+            "beckmann_weight",
+            "beckmann_alpha_u",
+            "beckmann_alpha_v",
+            "beckmann_r0",
+        ),
+    ),
+    "measured_like": (
+        bottoms.MeasuredLike,
+        (
+            "diffuse",
+            "roughness",
+            "sheen",
+            *(f"{name}_{k}" for k in (1, 2) for name in bottoms.LOBE_PARAMETERS),
+        ),
+    ),
+}
+
+
+@dataclass(frozen=True)
+class StackTable:
+    """S monochrome stacks of N coats each over bottoms of one kind.
+
+    Attributes:
+        alpha, eta, albedo, sigma_t, g: float32 (S, N), coats from top to bottom. alpha is `Widths`
+            of two such arrays if a coat may be anisotropic; a walk then takes up to a tenth longer.
+        kind: a key of `BOTTOM_KINDS`, or "custom".
+        bottom: parameters of the bottom by name, float32 (S,).
+        custom: for "custom", a `bottoms.Bottom`; row i reads channel i of its colours.
+    """
+
+    alpha: np.ndarray | Widths
+    eta: np.ndarray
+    albedo: np.ndarray
+    sigma_t: np.ndarray
+    g: np.ndarray
+    kind: str
+    bottom: dict[str, np.ndarray] = field(default_factory=dict)
+    custom: Any = None
+
+    def __post_init__(self) -> None:
+        names = BOTTOM_KINDS[self.kind][1] if self.kind in BOTTOM_KINDS else ()
+        if self.kind != "custom" and tuple(self.bottom) != names:
+            raise ParameterError(
+                f"a table of '{self.kind}' bottoms needs the parameters {', '.join(names)}"
+            )
+        for name in CoatParameters._fields:
+            value = getattr(self, name)
+            if isinstance(value, Widths):
+                value = Widths(*map(self._coat_column, ("alpha_u", "alpha_v"), (value.u, value.v)))
+            else:
+                value = self._coat_column(name, value)
+            object.__setattr__(self, name, value)
+        columns = {name: _column(values) for name, values in self.bottom.items()}
+        if any(v.shape != (len(self),) for v in columns.values()):
+            raise ParameterError("the table's bottom parameters must have one number per stack")
+        object.__setattr__(self, "bottom", columns)
+
+    def _coat_column(self, name: str, values: npt.ArrayLike) -> np.ndarray:
+        """A parameter of the coats as float32 (S, N)."""
+        array = _column(values)
+        if array.ndim != 2 or array.shape != np.shape(self.albedo):
+            raise ParameterError(f"the table's {name} must have shape (stacks, coats)")
+        return array
+
+    def __len__(self) -> int:
+        return len(self.eta)
+
+    @property
+    def coats(self) -> int:
+        """Number of coats of every stack."""
+        return int(self.eta.shape[1])
+
+
+def _column(values: npt.ArrayLike) -> np.ndarray:
+    """The values as contiguous float32; -0.0, by which the walk may divide, becomes 0.0."""
+    return np.ascontiguousarray(values, np.float32) + np.float32(0)
+
+
+def channel_count(description: object) -> int:
+    """3 if a parameter of a description or Stack is given per channel, else 1."""
+    parts = (
+        (*description.coats, description.bottom)
+        if isinstance(description, Stack)
+        else (description,)
+    )
+    described = (Conductor, Dielectric, Diffuse)
+    for part in parts:
+        if part is parts[-1] and not isinstance(part, described):
+            return 3
+        if any(isinstance(value, tuple) for value in _numbers(part)):
+            return 3
+    return 1
+
+
+def _numbers(part: object) -> Iterator[object]:
+    """The parameters of a description, both widths among them."""
+    for value in vars(part).values():
+        yield from (value.u, value.v) if isinstance(value, Widths) else (value,)
+
+
+def bottom_columns(
+    description: Conductor | Dielectric | Diffuse, channels: int
+) -> tuple[str, dict[str, np.ndarray]]:
+    """The kind of a described bottom, and its parameters as float32 (channels,) by name."""
+    if isinstance(description, Conductor):
+        kind = "conductor" if description.r0 is not None else "conductor_complex"
+    else:
+        kind = "dielectric" if isinstance(description, Dielectric) else "diffuse"
+    if not isinstance(description, Diffuse) and description.is_anisotropic:
+        kind += "_anisotropic"
+    names = BOTTOM_KINDS[kind][1]
+    columns = {
+        name: np.broadcast_to(np.float32(getattr(description, name)), (channels,)) for name in names
+    }
+    return kind, columns
+
+
+def from_stack(stack: Stack) -> StackTable:
+    """The table of a Stack's channels: three rows, or one if all channels are equal."""
+    channels = channel_count(stack)
+
+    def column(name: str) -> np.ndarray:
+        """A parameter of the coats, (channels, coats)."""
+        return np.stack(
+            [np.broadcast_to(getattr(coat, name), (channels,)) for coat in stack.coats], axis=1
+        )
+
+    coats: dict[str, Any] = {name: column(name) for name in CoatParameters._fields[1:]}
+    if any(coat.is_anisotropic for coat in stack.coats):
+        coats["alpha"] = Widths(column("alpha_u"), column("alpha_v"))
+    else:
+        coats["alpha"] = column("alpha")
+    if not isinstance(stack.bottom, Conductor | Dielectric | Diffuse):
+        return StackTable(**coats, kind="custom", custom=stack.bottom)
+    kind, columns = bottom_columns(stack.bottom, channels)
+    return StackTable(**coats, kind=kind, bottom=columns)
+
+
+class TableLayers:
+    """The walk's `Layers`: one row of a table per lane."""
+
+    def __init__(self, types: Any, table: StackTable, row: Any) -> None:
+        self.count = table.coats
+        self._row = row * self.count
+        columns = {name: getattr(table, name) for name in CoatParameters._fields}
+        self._anisotropic = isinstance(table.alpha, Widths)
+        if isinstance(table.alpha, Widths):
+            del columns["alpha"]
+            columns |= {"alpha_u": table.alpha.u, "alpha_v": table.alpha.v}
+        self._columns = {name: types.Float(array.ravel()) for name, array in columns.items()}
+        self._float = types.Float
+        if self.count == 1:  # read each parameter once, outside of the walk's loop
+            self._cached = {name: self._gather(name, row) for name in self._columns}
+
+    def _gather(self, name: str, index: Any) -> Any:
+        return dr.gather(self._float, self._columns[name], index)
+
+    def _read(self, index: Any, *names: str) -> tuple[Any, ...]:
+        if self.count == 1:
+            return tuple(self._cached[name] for name in names)
+        return tuple(self._gather(name, self._row + index) for name in names)
+
+    def interface(self, index: Any) -> tuple[Any, Any]:
+        if self._anisotropic:
+            *alphas, eta = self._read(index, "alpha_u", "alpha_v", "eta")
+            return Widths(*alphas), eta
+        return self._read(index, "alpha", "eta")
+
+    def medium(self, index: Any) -> tuple[Any, Any, Any]:
+        return self._read(index, "albedo", "sigma_t", "g")
+
+
+class ChannelBottom:
+    """A custom bottom of which each lane reads one channel, the number of its row."""
+
+    def __init__(self, brdf: Any, row: Any) -> None:
+        self._brdf = brdf
+        self._row = row
+
+    def _channel(self, value: Any) -> Any:
+        if dr.size_v(type(value)) != 3 or dr.depth_v(type(value)) < 2:
+            return value
+        return dr.select(self._row == 0, value[0], dr.select(self._row == 1, value[1], value[2]))
+
+    def f_pdf(self, wi: Any, wo: Any) -> tuple[Any, Any]:
+        f, pdf = self._brdf.f_pdf(wi, wo)
+        return self._channel(f), pdf
+
+    def sample(self, wi: Any, u0: Any, u1: Any, u2: Any) -> tuple[Any, Any, Any]:
+        wo, weight, pdf = self._brdf.sample(wi, u0, u1, u2)
+        return wo, self._channel(weight), pdf
+
+
+def table_bottom(types: Any, table: StackTable, row: Any) -> bottoms.Bottom:
+    """The walk's bottom: one row of a table per lane."""
+    if table.kind == "custom":
+        return ChannelBottom(table.custom, row)
+    factory, names = BOTTOM_KINDS[table.kind]
+    return factory(*(dr.gather(types.Float, types.Float(table.bottom[n]), row) for n in names))

@@ -1,0 +1,296 @@
+"""Gradients of pictures, by Mitsuba's differentiable integrators, against finite differences."""
+
+import drjit as dr
+import numpy as np
+import pytest
+
+from urushi.errors import ParameterError
+
+#: The shipped networks: derivatives of random ones change too fast for finite differences.
+WEIGHTS = "default"
+
+
+def texture(mi, low, high, seed=0, channels=3) -> dict:
+    pixels = np.random.default_rng(seed).uniform(low, high, size=(4, 4, channels))
+    return {"type": "bitmap", "bitmap": mi.Bitmap(pixels.astype(np.float32)), "raw": True}
+
+
+def coat(mi, textured=False, **properties) -> dict:
+    colour = {"type": "rgb", "value": [0.3, 0.6, 0.8]}
+    return {
+        "type": "neural_layered",
+        "weights": WEIGHTS,
+        "alpha": 0.3,
+        "albedo": texture(mi, 0.3, 0.9) if textured else colour,
+        "sigma_t": texture(mi, 0.3, 1.2, 1) if textured else colour,
+        "g": 0.2,
+        "bottom": {"type": "roughconductor", "material": "Cu", "alpha": 0.3, "distribution": "ggx"},
+    } | properties
+
+
+#: The point light of most scenes.
+LAMP = {"type": "point", "position": [2, 2, 4], "intensity": {"type": "rgb", "value": [20, 30, 40]}}
+SKY = {"type": "constant", "radiance": {"type": "rgb", "value": [0.5, 0.7, 1.0]}}
+
+
+def load(mi, bsdf: dict, light=LAMP, integrator="prb", depth=2):
+    """A sphere over a grey floor."""
+    to_world = mi.ScalarTransform4f()
+    return mi.load_dict(
+        {
+            "type": "scene",
+            "integrator": {"type": integrator} | ({"max_depth": depth} if depth else {}),
+            "sensor": {
+                "type": "perspective",
+                "fov": 30,
+                "to_world": to_world.look_at([0, 2, 5], [0, 0, 0], [0, 1, 0]),
+                "film": {"type": "hdrfilm", "width": 16, "height": 16, "rfilter": {"type": "box"}},
+            },
+            "light": light,
+            "floor": {"type": "rectangle", "to_world": to_world.translate([0, -1, 0]).rotate(
+                [1, 0, 0], -90).scale(2), "bsdf": {"type": "diffuse"}},
+            "object": {"type": "sphere", "bsdf": bsdf},
+        }
+    )  # fmt: skip
+
+
+def names(parameters) -> dict[str, str]:
+    """The coat's parameters, by their short names."""
+    prefix = "object.bsdf."
+    found = {}
+    for key in parameters.keys():  # noqa: SIM118
+        if key.startswith(prefix) and not key.endswith(("to_uv", "latents")):
+            found[key.removeprefix(prefix).removesuffix(".data").removesuffix(".value")] = key
+    return found
+
+
+class Picture:
+    """A scene as a function of one of its parameters, with derivatives of a weighted sum of pixels.
+
+    All of the coat's parameters always carry gradients.
+    """
+
+    def __init__(self, mi, scene, spp=4):
+        self.mi, self.scene, self.spp = mi, scene, spp
+        self.parameters = mi.traverse(scene)
+        self.keys = names(self.parameters)
+        self.start = {
+            key: type(self.parameters[key])(self.parameters[key]) for key in self.keys.values()
+        }
+        pixels = scene.sensors()[0].film().size()
+        rng = np.random.default_rng(0)
+        self.weights = mi.TensorXf(rng.uniform(0.5, 1.5, (*pixels, 3)).astype(np.float32))
+
+    def attach(self, name=None, change=0.0):
+        """Set all parameters to their first values, one of them changed, and attach all."""
+        for key in self.keys.values():
+            value = self.start[key]
+            value = value + change if key == self.keys.get(name) else type(value)(value)
+            self.parameters[key] = value
+            dr.enable_grad(self.parameters[key])
+        self.parameters.update()
+
+    def render(self, seed=0):
+        return self.mi.render(self.scene, self.parameters, spp=self.spp, seed=seed)
+
+    def loss(self, image):
+        return dr.sum(image * self.weights, axis=None)
+
+    def backward(self, seed=0) -> dict[str, np.ndarray]:
+        """Gradients of the loss with respect to all parameters, in one pass."""
+        self.attach()
+        dr.backward(self.loss(self.render(seed)))
+        return {name: dr.grad(self.parameters[key]).numpy() for name, key in self.keys.items()}
+
+    def forward(self, name, seed=0) -> float:
+        """The loss's derivative with respect to a change of all of a parameter's numbers."""
+        self.attach()
+        image = self.render(seed)
+        dr.set_grad(self.parameters[self.keys[name]], 1)
+        change = dr.forward_to(image)
+        return float(np.sum(change.numpy() * self.weights.numpy()))
+
+    def difference(self, name, change, seed=0, sign=1) -> float:
+        """The same by a central difference, with the random numbers of the derivatives."""
+        losses = []
+        for way in (1, -1):
+            self.attach(name, way * change * sign)
+            with dr.suspend_grad():
+                image = self.render(self.mi.sample_tea_32(seed, 1)[0])
+            losses.append(float(self.loss(image).numpy().item()))
+        return (losses[0] - losses[1]) / (2 * change)
+
+
+@pytest.mark.parametrize("textured", (False, True))
+def test_backward_and_forward_against_differences(rgb, textured):
+    """Under a point light no sample depends on the material: the only error is that of the step.
+
+    At a step of 0.01 the third derivative of glossy materials adds some tenths of a per cent, and
+    the numbers of packed codes, of which differences are taken, one per cent.
+    """
+    picture = Picture(rgb, load(rgb, coat(rgb, textured)))
+    backward = picture.backward()
+    assert set(backward) >= {"alpha", "albedo", "sigma_t", "g", "eta", "bottom.alpha", "bottom.k"}
+    scale = 0.01 * float(max(np.abs(gradient).sum() for gradient in backward.values()))
+    for name in ("albedo", "sigma_t", "bottom.alpha") if textured else backward:
+        expected = picture.difference(name, 0.01)
+        gradient = backward[name].sum()
+        assert gradient == pytest.approx(expected, rel=0.02, abs=0.01 * scale), name
+    for name in ("albedo", "bottom.alpha"):
+        assert picture.forward(name) == pytest.approx(backward[name].sum(), rel=1e-3)
+
+
+def test_gradients_of_single_texels(rgb):
+    """The change has another sign in each texel. Packed codes are too coarse for small steps."""
+    picture = Picture(rgb, load(rgb, coat(rgb, textured=True)))
+    gradient = picture.backward()["albedo"]
+    sign = np.random.default_rng(3).choice([-1, 1], size=gradient.shape).astype(np.float32)
+    expected = picture.difference("albedo", 0.03, sign=rgb.TensorXf(sign))
+    scale = float(np.abs(gradient).sum())
+    assert (gradient * sign).sum() == pytest.approx(expected, rel=0.02, abs=5e-3 * scale)
+
+
+@pytest.mark.parametrize("integrator", ("prb", "direct"))
+def test_in_an_environment(rgb, integrator):
+    """Directions are drawn from the material here, so that only the means over 4 renders agree."""
+    scene = load(rgb, coat(rgb), SKY, integrator, 4 if integrator == "prb" else 0)
+    picture = Picture(rgb, scene, spp=32)
+    seeds = range(4)
+    backward = [picture.backward(seed) for seed in seeds]
+    for name in ("sigma_t", "bottom.alpha"):
+        gradient = np.array([each[name].sum() for each in backward])
+        expected = np.array([picture.difference(name, 0.02, seed) for seed in seeds])
+        error = np.hypot(gradient.std(ddof=1), expected.std(ddof=1)) / len(seeds) ** 0.5
+        assert abs(gradient.mean() - expected.mean()) < 5 * error + 0.01 * abs(expected.mean()), (
+            name
+        )
+
+
+def test_through_a_nested_coat_with_textured_bottom(rgb):
+    metal = {"type": "roughconductor", "distribution": "ggx", "material": "Cu"}
+    rough = metal | {"alpha": texture(rgb, 0.15, 0.4, channels=1)}
+    inner = coat(rgb, albedo=texture(rgb, 0.2, 0.8), bottom=rough)
+    picture = Picture(rgb, load(rgb, coat(rgb, bottom=inner)))
+    backward = picture.backward()
+    for name in ("bottom.bottom.alpha", "bottom.albedo", "alpha"):
+        expected = picture.difference(name, 0.03)
+        # Differences are of codes that are packed twice.
+        assert backward[name].sum() == pytest.approx(expected, rel=0.1), name
+
+
+def test_a_stochastic_bottom_has_no_gradient_but_its_coat_does(rgb, monkeypatch):
+    monkeypatch.setattr("urushi.mitsuba.reading.probing.REPEATS", 64)  # noise does not matter here
+    walk = {"type": "layered", "sigma_t": 0.3, "bottom": {"type": "diffuse"}}
+    scene = load(rgb, coat(rgb, bottom=walk))
+    parameters = rgb.traverse(scene)
+    key = "object.bsdf.albedo.value"
+    assert parameters.flags("object.bsdf.bottom.sigma_t.value") & rgb.ParamFlags.NonDifferentiable
+    dr.enable_grad(parameters[key])
+    parameters.update()
+    dr.backward(dr.sum(rgb.render(scene, parameters, spp=4), axis=None))
+    assert (dr.grad(parameters[key]).numpy() > 0).all()
+
+
+def test_saved_materials_have_gradients_of_their_codes(rgb, tmp_path):
+    from urushi.material import encode
+
+    path = tmp_path / "copper.safetensors"
+    metal = rgb.load_dict({"type": "roughconductor", "material": "Cu"})
+    encode(metal, WEIGHTS, table=False).save(path)
+    bsdf = {"type": "neural_brdf", "filename": str(path), "weights": WEIGHTS}
+    scene = load(rgb, bsdf)
+    parameters = rgb.traverse(scene)
+    key = "object.bsdf.latents"
+    dr.enable_grad(parameters[key])
+    parameters.update()
+    image = rgb.render(scene, parameters, spp=4)
+    dr.backward(dr.sum(image, axis=None))
+    slopes, codes = dr.grad(parameters[key]).numpy(), parameters[key].numpy()
+    # f is linear in three numbers of the lobe; the gain is the logarithm of a factor of the rest.
+    gain = (slopes[:, 1:4] * codes[:, 1:4]).sum(axis=1) + slopes[:, 6]
+    floor = load(rgb, {"type": "diffuse", "reflectance": 0})
+    seed = rgb.sample_tea_32(0, 1)[0]
+    light = [rgb.render(s, spp=4, seed=seed).numpy().sum(axis=(0, 1)) for s in (scene, floor)]
+    # Light is that of the table of the rest, whose error is below 1 %.
+    np.testing.assert_allclose(gain, light[0] - light[1], rtol=1e-2)
+
+
+def test_directions_are_drawn_without_gradients(rgb):
+    """Only f is differentiated; samples and densities are constant. The weight is f cos / pdf."""
+    from urushi.mitsuba.reading import probing
+
+    bsdf = rgb.load_dict(coat(rgb, textured=True))
+    parameters = rgb.traverse(bsdf)
+    dr.enable_grad(parameters["alpha.value"])
+    parameters.update()
+    si = probing.interaction(np.tile([[0, 0.6, 0.8]], (100, 1)), np.full((100, 2), 0.3))
+    u = np.random.default_rng(0).random((3, 100), np.float32)
+    context = rgb.BSDFContext()
+    sample, weight = bsdf.sample(context, si, rgb.Float(u[0]), rgb.Point2f(u[1:]))
+    assert not dr.grad_enabled(sample)
+    assert not dr.grad_enabled(bsdf.pdf(context, si, sample.wo))
+    f_cos, pdf = bsdf.eval_pdf(context, si, sample.wo)
+    assert dr.grad_enabled(f_cos) and not dr.grad_enabled(pdf)
+    np.testing.assert_allclose(weight.numpy(), (f_cos / sample.pdf).numpy(), rtol=1e-5)
+    changes = []
+    for value in (weight.x, f_cos.x / sample.pdf):
+        dr.set_grad(parameters["alpha.value"], 1)
+        changes.append(dr.forward_to(value, flags=dr.ADFlag.ClearVertices).numpy())
+    np.testing.assert_allclose(*changes, rtol=1e-4, atol=1e-5)
+
+
+@pytest.mark.parametrize("textured", (False, True))
+def test_pictures_have_the_same_bits_with_gradients(rgb, textured):
+    """With gradients, and once they are disabled again."""
+    scene = load(rgb, coat(rgb, textured))
+    before = rgb.render(scene, spp=4).numpy()
+    parameters = rgb.traverse(scene)
+    key = "object.bsdf.alpha.value"
+    dr.enable_grad(parameters[key])
+    parameters.update()
+    np.testing.assert_array_equal(rgb.render(scene, spp=4), before)
+    dr.disable_grad(parameters[key])
+    parameters.set_dirty(key)
+    parameters.update()
+    np.testing.assert_array_equal(rgb.render(scene, spp=4), before)
+
+
+def test_descent_finds_a_coat(rgb):
+    """Sixteen steps remove most of the error of a wrong albedo and a wrong optical depth."""
+    scene = load(rgb, coat(rgb))
+    target = rgb.render(scene, spp=16, seed=100)
+    parameters = rgb.traverse(scene)
+    keys = ["object.bsdf.albedo.value", "object.bsdf.sigma_t.value"]
+    optimiser = rgb.ad.Adam(lr=0.07)
+    for key in keys:
+        parameters[key] = rgb.Color3f(0.5)
+        optimiser[key] = parameters[key]
+    losses = []
+    for step in range(16):
+        parameters.update(optimiser)
+        image = rgb.render(scene, parameters, spp=8, seed=step)
+        loss = dr.mean(dr.square(image - target), axis=None)
+        dr.backward(loss)
+        optimiser.step()
+        optimiser[keys[0]] = dr.clip(optimiser[keys[0]], 0, 1)
+        optimiser[keys[1]] = dr.maximum(optimiser[keys[1]], 0)
+        losses.append(loss.numpy().item())
+    assert losses[-1] < 0.3 * losses[0]
+
+
+def test_eta_is_a_parameter(rgb):
+    from urushi.mitsuba.reading import probing
+
+    changed = rgb.load_dict(coat(rgb))
+    parameters = rgb.traverse(changed)
+    parameters["eta"] = 1.7
+    parameters.update()
+    fresh = rgb.load_dict(coat(rgb, int_ior=1.7, ext_ior=1.0))
+    si = probing.interaction(np.float32([[0, 0.6, 0.8]]), np.zeros((1, 2)))
+    values = [
+        bsdf.eval(rgb.BSDFContext(), si, rgb.Vector3f(0, -0.6, 0.8)) for bsdf in (changed, fresh)
+    ]
+    np.testing.assert_allclose(*values, rtol=1e-5)
+    parameters["eta"] = 3.5
+    with pytest.raises(ParameterError, match="eta is 3.5; it must be an index of refraction"):
+        parameters.update()

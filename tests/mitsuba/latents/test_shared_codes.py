@@ -1,0 +1,102 @@
+"""Channels of the same code are evaluated once: the values are those of channels on their own."""
+
+import drjit as dr
+import numpy as np
+import pytest
+
+from urushi.core.direction_sets import cosine_pairs
+from urushi.nets import sampler
+from urushi.nets.architecture import SCALE, Architecture, init
+from urushi.nets.weights import Model
+from urushi.textures import packing
+from urushi.textures.grid import IDENTITY, TexelGrid
+from urushi.textures.store import TextureStore
+
+COUNT = 500
+
+#: The codes of three channels.
+SAME, OTHER = [0, 0, 0], [0, 0, 1]
+
+
+@pytest.fixture(scope="module", params=[1, 2], ids=["one width", "two widths"])
+def model(request) -> Model:
+    """Random networks whose codes scale the decoder's units."""
+    small = {"encoder": (8,), "layerer": (8,), "lobes": 2, "probes": 48}
+    arch = Architecture(latent=14, decoder=(8, 8), sampler=(8,), widths=request.param, **small)
+    params = init(arch, seed=3)
+    rng = np.random.default_rng(5)
+    params[SCALE] = 0.3 * rng.normal(size=params[SCALE].shape).astype(np.float32)
+    return Model.of(arch, params, {})
+
+
+@pytest.fixture
+def codes(model) -> np.ndarray:
+    """Two codes (2, L) of dielectrics."""
+    codes = np.random.default_rng(1).normal(size=(2, model.arch.latent)).astype(np.float32)
+    codes[:, : model.arch.lobe] = [(0.2, 0, 0, 1, 1.5, 0, 0.1)[: model.arch.lobe]] * 2
+    return codes
+
+
+def points() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Directions wi, wo (N, 3) and uv (N, 2)."""
+    pairs = cosine_pairs(np.random.default_rng(0), COUNT, lowest_cosine=0.02)
+    return *(w.astype(np.float32) for w in pairs), np.random.default_rng(4).random((COUNT, 2))
+
+
+def f_and_pdf(mi, latents) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """f (C, N) by both methods, and the proposal's density (N,)."""
+    wi, wo, uv = points()
+    si = dr.zeros(mi.SurfaceInteraction3f, COUNT)
+    si.wi, out = (mi.Vector3f(np.ascontiguousarray(w.T)) for w in (wi, wo))
+    si.uv = mi.Point2f(np.ascontiguousarray(uv.T, np.float32))
+    active = dr.full(mi.Bool, True, COUNT)
+    vertex = latents.vertex(si, active)
+    alone = latents.f(vertex, si, out, active)
+    f, pdf = latents.f_and_pdf(vertex, si, out, active)
+    return np.stack([x.numpy() for x in alone]), np.stack([x.numpy() for x in f]), pdf.numpy()
+
+
+def test_a_constant_of_one_code(rgb, model, codes):
+    from urushi.mitsuba.latents.holders import ConstantLatents
+
+    shared, separate = (ConstantLatents(model, codes[channels]) for channels in (SAME, OTHER))
+    values = zip(f_and_pdf(rgb, shared)[:2], f_and_pdf(rgb, separate)[:2], strict=True)
+    for found, expected in values:
+        assert found.shape == (3, COUNT)
+        assert (found == found[0]).all()
+        # The compiler may contract the products of one kernel and not of the other.
+        np.testing.assert_allclose(found[0], expected[0], rtol=1e-5)
+        assert not np.allclose(expected[0], expected[2], rtol=1e-2)
+    assert shared.channels == 3
+    np.testing.assert_array_equal(shared.at(np.zeros((1, 2)))[0], codes[SAME])
+
+
+def test_a_texture_of_one_code_a_texel(rgb, model, codes):
+    """The values are those of the codes that are looked up."""
+    from urushi.mitsuba.latents.holders import TexturedLatents
+
+    same = np.ones(model.arch.latent, bool)
+    store = TextureStore(model, packing.texel_layout(model, 3, same=same), 2, 2)
+    with store.writing() as write:
+        write(np.arange(4), codes[[SAME, [1, 1, 1], SAME, [1, 1, 1]]])
+    latents = TexturedLatents(model, store, TexelGrid(2, 2, IDENTITY, "repeat", False))
+    wi, wo, uv = points()
+    codes = latents._texture.look_up(rgb.Point2f(uv.T), rgb.Vector3f(wi.T))
+    found = [np.broadcast_to(number.numpy(), len(uv)) for number in codes[0]]
+    expected = model.networks.f(np.stack(found, axis=-1), wi, wo)
+    for found in f_and_pdf(rgb, latents)[:2]:
+        assert found.shape == (3, COUNT)
+        assert (found == found[0]).all()
+        # Logarithms of small half angles are rounded, and random networks are steep.
+        np.testing.assert_allclose(found[0], expected, rtol=1e-3)
+
+
+def test_the_proposal_of_a_constant_agrees_with_numpy(rgb, model, codes):
+    from urushi.mitsuba.latents.holders import ConstantLatents
+
+    latents = ConstantLatents(model, codes[OTHER])
+    wi, wo, _ = points()
+    mean = codes[OTHER].mean(axis=0)
+    expected = sampler.mixture_pdf(*sampler.mixture(model.params, model.arch, mean, wi), wi, wo)
+    # For one width from a table, which is linear between 129 cosines.
+    np.testing.assert_allclose(f_and_pdf(rgb, latents)[2], expected, rtol=5e-3)

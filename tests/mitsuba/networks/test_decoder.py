@@ -1,0 +1,201 @@
+"""The networks in Dr.Jit agree with those in NumPy, and f is reciprocal in both."""
+
+import drjit as dr
+import numpy as np
+import pytest
+
+from urushi.material import Material
+from urushi.material.table import interpolated, rest_table
+from urushi.nets import features as numpy_features
+from urushi.nets import sampler as numpy_lobes
+from urushi.nets import sampler as numpy_sampler
+from urushi.textures import packing
+from urushi.textures.store import TextureStore
+
+
+def hemisphere(count: int, seed: int) -> np.ndarray:
+    """Unit vectors (count, 3) above the horizon, a third of them grazing."""
+    rng = np.random.default_rng(seed)
+    w = rng.normal(size=(count, 3))
+    w[::3, 2] *= 1e-2
+    w[:, 2] = np.abs(w[:, 2])
+    return (w / np.linalg.norm(w, axis=1, keepdims=True)).astype(np.float32)
+
+
+def pairs(count: int = 4096) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs, half of them close to mirror directions."""
+    wi, wo = hemisphere(count, 1), hemisphere(count, 2)
+    noise = np.random.default_rng(3).normal(size=(count, 3)) * 0.01
+    mirrored = wi * [-1, -1, 1] + noise
+    mirrored[:, 2] = np.abs(mirrored[:, 2])
+    wo[::2] = (mirrored / np.linalg.norm(mirrored, axis=1, keepdims=True))[::2]
+    return wi, wo
+
+
+def latents(count: int, seed: int = 0) -> np.ndarray:
+    codes = np.random.default_rng(seed).normal(size=(count, 32))
+    codes[:, :6] = [0.2, 0, 0, 1, 1.5, 0]
+    return codes.astype(np.float32)
+
+
+@pytest.fixture
+def parts(rgb, model):
+    """Constant latents in Dr.Jit and the same material in NumPy."""
+    from urushi.mitsuba.latents.holders import ConstantLatents
+
+    z = latents(3)
+    return ConstantLatents(model, z), Material(z, model)
+
+
+def vector(mi, w):
+    return mi.Vector3f(np.ascontiguousarray(w.T))
+
+
+def interaction(mi, wi):
+    si = dr.zeros(mi.SurfaceInteraction3f, len(wi))
+    si.wi = vector(mi, wi)
+    return si
+
+
+def evaluated(latents, si, wo) -> list:
+    """f of every channel."""
+    active = dr.full(dr.mask_t(si.t), True, dr.width(wo))
+    return latents.f(latents.vertex(si, active), si, wo, active)
+
+
+def test_features_agree_with_numpy(rgb):
+    from urushi.mitsuba.networks.decoder import direction_features
+
+    wi, wo = pairs()
+    ours = np.stack([x.numpy() for x in direction_features(vector(rgb, wi), vector(rgb, wo))], -1)
+    # rounding of logarithms of small half angles, in units of their spread
+    np.testing.assert_allclose(ours, numpy_features.direction_features(wi, wo), atol=2e-5)
+
+
+def test_f_agrees_with_numpy(rgb, parts):
+    """The lobe, and the table of the rest, of which `tests.material.test_table` has the error."""
+    drjit, numpy = parts
+    wi, wo = pairs()
+    f = evaluated(drjit, interaction(rgb, wi), vector(rgb, wo))
+    networks, z = numpy.model.networks, numpy.latents
+    expected = networks.top(z, wi[:, None], wo[:, None])
+    expected = expected + interpolated(rest_table(networks, z), wi, wo)
+    # Coordinates lose digits at grazing angles, where the values of these random networks change
+    # by half from one node to the next.
+    np.testing.assert_allclose(np.stack([x.numpy() for x in f], -1), expected, rtol=5e-3)
+
+
+def test_f_is_reciprocal_to_the_last_bit(rgb, parts):
+    drjit, _ = parts
+    wi, wo = pairs()
+    there = evaluated(drjit, interaction(rgb, wi), vector(rgb, wo))
+    back = evaluated(drjit, interaction(rgb, wo), vector(rgb, wi))
+    for a, b in zip(there, back, strict=True):
+        np.testing.assert_array_equal(a.numpy(), b.numpy())
+
+
+def test_f_of_a_constant_texture_agrees_with_numpy(rgb, model, parts):
+    from urushi.mitsuba.latents.holders import TexturedLatents
+    from urushi.textures.grid import IDENTITY, TexelGrid
+
+    _, numpy = parts
+    store = TextureStore(model, packing.texel_layout(model, 3), 8, 4)
+    with store.writing() as write:
+        write(np.arange(32), np.broadcast_to(latents(3), (32, 3, 32)))
+    textured = TexturedLatents(model, store, TexelGrid(8, 4, IDENTITY, "repeat", False))
+    wi, wo = pairs()
+    si = interaction(rgb, wi)
+    si.uv = rgb.Point2f(np.random.default_rng(0).normal(size=(2, len(wi))).astype(np.float32))
+    f = np.stack([x.numpy() for x in evaluated(textured, si, vector(rgb, wo))], -1)
+    # half precision: 5e-4 of a latent, 32 of them, through a network that triples its output
+    np.testing.assert_allclose(f, numpy.f(wi, wo), rtol=2e-2)
+
+
+def test_mixture_agrees_with_numpy(rgb, model, parts):
+    drjit, numpy = parts
+    wi, _ = pairs()
+    mixture = drjit.vertex(interaction(rgb, wi), rgb.Bool(True)).proposal
+    mean = numpy.latents.mean(axis=0)
+    weights, alphas = numpy_sampler.mixture(model.params, model.arch, mean[None], wi)
+    # a table that is linear between 129 cosines
+    for ours, theirs in ((mixture.weights, weights), (mixture.alphas, alphas)):
+        values = np.stack([np.broadcast_to(x.numpy(), len(wi)) for x in ours], -1)
+        np.testing.assert_allclose(values, theirs, atol=5e-3)
+    np.testing.assert_allclose(sum(mixture.weights).numpy(), 1, atol=1e-6)
+
+
+def test_density_and_samples_of_a_mixture_agree_with_numpy(rgb):
+    from urushi.core.mixture import Mixture
+
+    wi, wo = pairs()
+    rng = np.random.default_rng(7)
+    alphas = np.exp(rng.uniform(np.log(0.01), 0, (len(wi), 2))).astype(np.float32)
+    weights = rng.dirichlet([1, 1, 1], len(wi)).astype(np.float32)
+    u = rng.random((len(wi), 3), np.float32)
+    mixture = Mixture([rgb.Float(x) for x in weights.T], [rgb.Float(x) for x in alphas.T])
+    density = mixture.pdf(vector(rgb, wi), vector(rgb, wo)).numpy()
+    # |h_xy|^2 of a lobe of width 0.01 loses digits where the directions are nearly opposite
+    np.testing.assert_allclose(density, numpy_lobes.mixture_pdf(weights, alphas, wi, wo), rtol=1e-3)
+    drawn = mixture.sample(
+        vector(rgb, wi), rgb.Float(u[:, 0]), rgb.Point2f(*map(rgb.Float, u[:, 1:].T))
+    )
+    # reflecting about a normal that is nearly perpendicular to wi loses three of seven digits
+    np.testing.assert_allclose(
+        drawn.numpy().T, numpy_lobes.sample_mixture(weights, alphas, wi, u), atol=3e-4
+    )
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 12])
+def test_layers_of_several_inputs_agree_with_numpy(rgb, count):
+    from urushi.mitsuba.networks import mlp
+
+    rng = np.random.default_rng(count)
+    x = rng.normal(size=(count, 5, 7)).astype(np.float32)  # lists, inputs, points
+    weight, bias = rng.normal(size=(5, 25)), rng.normal(size=25)
+    lists = [[rgb.Float(values) for values in one] for one in x]
+    found = mlp.dense_each(lists, weight, bias.tolist())
+    expected = np.einsum("lip,io->lop", x, weight) + bias[:, None]
+    np.testing.assert_allclose([[y.numpy() for y in one] for one in found], expected, atol=1e-5)
+
+
+def test_cooperative_vectors_agree_with_constants_in_code(rgb, model):
+    from urushi.mitsuba.networks.decoder import UrushiDecoder
+    from urushi.mitsuba.networks.lobe import ANY_LOBE
+    from urushi.mitsuba.networks.sampler import UrushiSampler
+
+    wi, wo = (vector(rgb, w) for w in pairs())
+    z, values, mixtures = latents(3), [], []
+    for cooperative in (False, True):
+        decoder = UrushiDecoder(model, ANY_LOBE, cooperative)
+        terms = [[rgb.Float(x) for x in channel] for channel in decoder.code_terms(z)]
+        values.append(decoder.f_of_terms(terms, wi, wo))
+        sampler = UrushiSampler(model, ANY_LOBE, cooperative)
+        code = [rgb.Float(x) for x in z[0]]
+        mixture = dr.switch(rgb.UInt32(0), [lambda c, s=sampler, t=code: flat(s, t, c)], wi)
+        mixtures.append(mixture)
+    for a, b in (*zip(*values, strict=True), *zip(*mixtures, strict=True)):
+        np.testing.assert_allclose(a.numpy(), b.numpy(), rtol=2e-4)
+
+
+def flat(sampler, latent, wi) -> list:
+    mixture = sampler.proposal(latent, wi)
+    return [*mixture.weights, *mixture.alphas]
+
+
+def test_cuda_agrees_with_numpy(model):
+    import mitsuba as mi
+
+    try:
+        mi.set_variant("cuda_ad_rgb")
+        dr.eval(mi.Float(0) + dr.opaque(mi.Float, 1))
+    except (ImportError, RuntimeError):
+        pytest.skip("there is no CUDA device")
+    from urushi.mitsuba.latents.holders import ConstantLatents
+
+    z = latents(3)
+    wi, wo = pairs()
+    f = evaluated(ConstantLatents(model, z), interaction(mi, wi), vector(mi, wo))
+    # half precision: 5e-4 of every activation, through a network that triples its output
+    np.testing.assert_allclose(
+        np.stack([x.numpy() for x in f], -1), Material(z, model).f(wi, wo), rtol=2e-2
+    )

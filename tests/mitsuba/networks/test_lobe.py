@@ -1,0 +1,167 @@
+"""The analytic lobe in Dr.Jit agrees with NumPy, alone and in the f and the proposals of codes."""
+
+import drjit as dr
+import numpy as np
+import pytest
+
+from urushi.material.table import interpolated, rest_table
+from urushi.nets import lobe as numpy_lobe
+from urushi.nets import weights
+from urushi.nets.architecture import SCALE, Architecture, init
+from urushi.nets.networks import UrushiNetworks
+from urushi.textures import packing
+from urushi.textures.grid import IDENTITY, TexelGrid
+from urushi.textures.store import TextureStore
+
+ARCH = Architecture(
+    latent=12, decoder=(8, 8), encoder=(8,), layerer=(8,), sampler=(8,), lobes=1, probes=48
+)
+
+#: alpha, normal, grazing, exact, eta, k; one for each kind of code that is recorded.
+LOBES = {
+    "dielectric": [(0.1, 0, 0, 1, 1.5, 0)] * 3,
+    "sharp dielectric": [(0.01, 0, 0, 1, 1.5, 0)] * 3,
+    "total reflection": [(0.2, 0, 0, 1, 0.625, 0)] * 3,
+    "no interface": [(0.3, 0, 0, 1, 1.0, 0)] * 3,
+    "metal": [(0.01, 0, 0, 1, 0.2, 3.9), (0.01, 0, 0, 1, 0.4, 2.4), (0.01, 0, 0, 1, 1.4, 1.6)],
+    "schlick": [(0.3, 0.9, 1, 0, 1.5, 0), (0.2, 0.7, 1, 0, 1.5, 0), (0.1, 0.3, 1, 0, 1.5, 0)],
+    "blend": [(0.3, 0.5, 0.4, 0.2, 1.5, 0), (0.2, 0.1, 0.1, 1, 1.5, 1), (0.1, 0, 0, 1, 1.2, 0)],
+    "none": [numpy_lobe.NO_LOBE] * 3,
+}
+
+
+@pytest.fixture(scope="module")
+def model(tmp_path_factory):
+    """Small networks whose codes have a lobe."""
+    params = init(ARCH, seed=3)
+    rng = np.random.default_rng(5)
+    params[SCALE] = 0.3 * rng.normal(size=params[SCALE].shape).astype(np.float32)
+    params["sampler.1.weight"] = 20 * params["sampler.1.weight"]
+    path = tmp_path_factory.mktemp("weights") / "lobed.safetensors"
+    weights.save(path, ARCH, params, {})
+    return weights.read(path)
+
+
+def codes(name: str) -> np.ndarray:
+    """Codes (3, 12) of these lobes and a random rest."""
+    rest = np.random.default_rng(1).normal(size=(3, ARCH.latent - 6))
+    return np.concatenate([LOBES[name], rest], axis=1).astype(np.float32)
+
+
+def directions(count: int = 2048) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs: at random, grazing, about mirror directions, and exactly mirrored or opposite."""
+    rng = np.random.default_rng(2)
+    w = rng.normal(size=(2, count, 3))
+    w[:, ::3, 2] *= 1e-3
+    w[1, ::2] = w[0, ::2] * [-1, -1, 1] + 0.01 * rng.normal(size=(count // 2, 3))
+    w[1, ::8] = w[0, ::8] * [-1, -1, 1]
+    w[1, 1::8] = w[0, 1::8]
+    w[..., 2] = np.abs(w[..., 2])
+    w /= np.linalg.norm(w, axis=-1, keepdims=True)
+    return tuple(w.astype(np.float32))
+
+
+def vector(mi, w):
+    return mi.Vector3f(np.ascontiguousarray(w.T))
+
+
+def interaction(mi, wi):
+    si = dr.zeros(mi.SurfaceInteraction3f, len(wi))
+    si.wi = vector(mi, wi)
+    return si
+
+
+def constant(model, z):
+    from urushi.mitsuba.latents.holders import ConstantLatents
+
+    return ConstantLatents(model, z)
+
+
+def textured(model, z):
+    """A texture of 4 x 2 equal texels."""
+    from urushi.mitsuba.latents.holders import TexturedLatents
+
+    store = TextureStore(model, packing.texel_layout(model, 3), 4, 2)
+    with store.writing() as write:
+        write(np.arange(8), np.broadcast_to(z, (8, *z.shape)))
+    return TexturedLatents(model, store, TexelGrid(4, 2, IDENTITY, "repeat", False))
+
+
+def evaluated(mi, latents, wi, wo) -> np.ndarray:
+    """f (N, 3)."""
+    si, active = interaction(mi, wi), mi.Bool(np.ones(len(wi), bool))
+    f = latents.f(latents.vertex(si, active), si, vector(mi, wo), active)
+    return np.stack([x.numpy() for x in f], axis=-1)
+
+
+@pytest.mark.parametrize("name", LOBES)
+@pytest.mark.parametrize("hold", [constant, textured])
+def test_f_agrees_with_numpy(rgb, model, name, hold):
+    z = codes(name)
+    wi, wo = directions()
+    networks = UrushiNetworks({k: v.astype(np.float64) for k, v in model.params.items()}, ARCH)
+    exact = z.astype(np.float64), *(w[:, None].astype(np.float64) for w in (wi, wo))
+    expected = networks.f(*exact)
+    if hold is constant:
+        table = rest_table(model.networks, z)
+        assert table is not None
+        expected = networks.top(*exact) + interpolated(table, wi, wo)
+    f = evaluated(rgb, hold(model, z), wi, wo)
+    assert np.isfinite(f).all()
+    # Half vectors of float32 directions lose digits: |h_xy|^2 of a lobe of width 0.01 by 1e-3.
+    # Texels have half precision: 5e-4 of a number.
+    # Coordinates of the table lose digits at grazing angles, where random networks change most.
+    np.testing.assert_allclose(f, expected, rtol=5e-3)
+
+
+@pytest.mark.parametrize("name", LOBES)
+def test_f_is_reciprocal_to_the_last_bit(rgb, model, name):
+    wi, wo = directions()
+    latents = constant(model, codes(name))
+    np.testing.assert_array_equal(evaluated(rgb, latents, wi, wo), evaluated(rgb, latents, wo, wi))
+
+
+@pytest.mark.parametrize("name", LOBES)
+@pytest.mark.parametrize("hold", [constant, textured])
+def test_proposal_agrees_with_numpy(rgb, model, name, hold):
+    z = codes(name)
+    wi, _ = directions()
+    mixture = hold(model, z).vertex(interaction(rgb, wi), rgb.Bool(True)).proposal
+    expected = model.networks.proposal(z.mean(axis=0)[None], wi)
+    for ours, theirs in (
+        (mixture.weights, expected.weights),
+        (mixture.alphas, expected.alphas),
+    ):
+        values = np.stack([np.broadcast_to(x.numpy(), len(wi)) for x in ours], axis=-1)
+        # texels: half precision, through a network that multiplies its output by twenty;
+        # constant codes: a table that is linear between 129 cosines
+        np.testing.assert_allclose(values, theirs, atol=2e-2 if hold is textured else 5e-3)
+
+
+def test_the_first_width_of_a_proposal_is_that_of_the_lobe(rgb, model):
+    z = codes("dielectric")
+    proposal = constant(model, z).vertex(interaction(rgb, directions()[0]), rgb.Bool(True)).proposal
+    assert len(proposal.alphas) == ARCH.lobes + 1
+    np.testing.assert_array_equal(proposal.alphas[0].numpy(), np.float32(0.1))
+
+
+@pytest.mark.parametrize(
+    "kind",
+    [
+        {},
+        {"schlick": False},
+        {"schlick": False, "plain": True, "absorbing": False},
+        {"schlick": False, "plain": True, "absorbing": False, "same_alpha": True}
+        | {"same_reflectance": True},
+    ],
+)
+def test_what_is_known_of_lobes_does_not_change_them(rgb, kind):
+    from urushi.mitsuba.networks import lobe
+
+    z = np.float32(LOBES["dielectric"])
+    wi, wo = (vector(rgb, w) for w in directions())
+    numbers = [[rgb.Float(float(x)) for x in channel] for channel in z]
+    expected = lobe.f(numbers, wi, wo, lobe.ANY_LOBE)
+    values = lobe.f(numbers, wi, wo, lobe.LobeKind(**kind))
+    for a, b in zip(values, expected, strict=True):
+        np.testing.assert_allclose(a.numpy(), b.numpy(), rtol=1e-4)

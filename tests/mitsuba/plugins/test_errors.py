@@ -1,0 +1,199 @@
+"""Users' mistakes in scenes: each error sentence names the cure."""
+
+import numpy as np
+import pytest
+
+from urushi.material import Material
+from urushi.mitsuba import register
+from urushi.nets import weights
+from urushi.nets.architecture import init
+
+COATS = ("layered", "neural_layered")
+
+
+def bottom(kind: str = "diffuse", **properties) -> dict:
+    return {"type": kind, **properties}
+
+
+def load(mi, networks, name: str, **properties):
+    extra = {} if name == "layered" else {"weights": str(networks)}
+    return mi.load_dict({"type": name, "base": bottom(), **extra, **properties})
+
+
+@pytest.mark.parametrize("name", COATS)
+@pytest.mark.parametrize(
+    ("properties", "sentence"),
+    [
+        ({"alpha": 0.009}, "alpha is 0.009; it must be a GGX width in [0.01, 1]"),
+        ({"alpha": 1.5}, "alpha is 1.5; it must be a GGX width in [0.01, 1]"),
+        ({"alpha": float("nan")}, "alpha is nan; it must be a GGX width in [0.01, 1]"),
+        ({"albedo": -0.1}, "albedo is -0.1; it must be a single-scattering albedo in [0, 1]"),
+        ({"sigma_t": -1.0}, "sigma_t is -1; it must be an optical depth in [0, 1e6]"),
+        ({"g": 1.0}, "g is 1; it must be a Henyey-Greenstein asymmetry in (-1, 1)"),
+        ({"int_ior": 1.0, "ext_ior": 1.0}, "int_ior / ext_ior is 1; it must be an index"),
+        ({"int_ior": 4.0}, "int_ior / ext_ior is 3.99889; it must be an index"),
+        ({"int_ior": "lacquer"}, "int_ior is 'lacquer'; give a number or one of the materials"),
+        ({"ext_ior": 0.0}, "ext_ior is 0; it must be positive"),
+        ({"albedo": "red"}, "albedo must be a number, a spectrum or a texture"),
+        (
+            {"albedo": {"type": "rgb", "value": [0.1, 2, 0.3]}},
+            "albedo is 2; it must be a single-scattering albedo in [0, 1]",
+        ),
+        ({"thickness": 2.0}, 'float "thickness": 2'),
+        ({"other": bottom()}, "has 2 nested BSDFs ('base', 'other'); nest exactly one"),
+        ({"base": bottom("dielectric")}, "the nested BSDF transmits light"),
+        ({"base": bottom("conductor")}, "the nested BSDF is perfectly smooth"),
+        ({"base": bottom("mask", nested=bottom())}, "the nested BSDF transmits light"),
+    ],
+)
+def test_bad_parameters(rgb, networks, name, properties, sentence):
+    with pytest.raises(RuntimeError) as caught:
+        load(rgb, networks, name, **properties)
+    assert sentence in str(caught.value)
+
+
+def test_channels_share_a_rotation(rgb, networks):
+    color = {"type": "rgb", "value": [0.1, 0.2, 0.3]}
+    for name in ("layered", "neural_layered"):
+        with pytest.raises(RuntimeError, match="rotation must be a number or a texture; all chann"):
+            load(rgb, networks, name, rotation=color)
+
+
+@pytest.mark.parametrize("name", COATS)
+def test_an_error_names_the_plugin(rgb, networks, name):
+    # in XML, where a user gives an id
+    extra = "" if name == "layered" else f'<string name="weights" value="{networks}"/>'
+    with pytest.raises(RuntimeError, match=f"{name} 'lacquer': alpha is 3;"):
+        rgb.load_string(
+            f'<bsdf version="3.0.0" type="{name}" id="lacquer"><float name="alpha" value="3"/>'
+            f'{extra}<bsdf type="diffuse"/></bsdf>'
+        )
+
+
+@pytest.mark.parametrize("name", COATS)
+def test_no_bottom(rgb, name):
+    with pytest.raises(RuntimeError, match=f"{name} has no nested BSDF; nest exactly one"):
+        rgb.load_dict({"type": name})
+
+
+@pytest.mark.parametrize("name", COATS)
+def test_a_texture_out_of_range(rgb, networks, name):
+    pixels = np.full((4, 4, 1), 0.5, np.float32)
+    pixels[2, 3] = 1.25
+    texture = {"type": "bitmap", "bitmap": rgb.Bitmap(pixels), "raw": True}
+    with pytest.raises(RuntimeError, match=r"albedo is 1.25; it must be"):
+        load(rgb, networks, name, albedo=texture)
+
+
+def test_a_bottom_that_is_not_a_brdf(rgb, networks):
+    negative = bottom(reflectance={"type": "uniform", "value": -1.0})
+    with pytest.raises(RuntimeError, match="the nested BSDF returns a negative or non-finite"):
+        load(rgb, networks, "neural_layered", base=negative)
+
+
+@pytest.mark.parametrize("resolution", (-1, 1_000_000, 2.5, "fine"))
+def test_bad_resolution(rgb, networks, resolution):
+    sentence = f"resolution is {resolution}; give texels per side, at most 8192"
+    with pytest.raises(RuntimeError, match=sentence):
+        load(rgb, networks, "neural_layered", resolution=resolution)
+
+
+def test_missing_files(rgb, networks):
+    with pytest.raises(RuntimeError, match="neural_brdf has no filename"):
+        rgb.load_dict({"type": "neural_brdf"})
+    with pytest.raises(RuntimeError, match="FileError.*nowhere.safetensors"):
+        rgb.load_dict(
+            {
+                "type": "neural_brdf",
+                "filename": "nowhere.safetensors",
+                "weights": str(networks),
+            }
+        )
+    with pytest.raises(RuntimeError, match="FileError.*none.safetensors"):
+        load(rgb, networks, "neural_layered", weights="none.safetensors")
+
+
+def test_a_material_of_other_networks(rgb, networks, model, tmp_path):
+    Material(np.zeros((3, 32)), model).save(tmp_path / "material.safetensors")
+    other = tmp_path / "other.safetensors"
+    weights.save(other, model.arch, init(model.arch, seed=99), {})
+    with pytest.raises(RuntimeError, match="does not match the weights"):
+        rgb.load_dict(
+            {
+                "type": "neural_brdf",
+                "filename": str(tmp_path / "material.safetensors"),
+                "weights": str(other),
+            }
+        )
+
+
+def strangers(mi) -> dict[str, dict]:
+    """Textures that are not functions of uv."""
+    volume = mi.VolumeGrid(np.full((2, 2, 2, 1), 0.5, np.float32))
+    attribute = {"type": "mesh_attribute", "name": "vertex_value"}
+    return {
+        "a mesh attribute, which is given on a mesh": attribute,
+        "a volume, which is given in space": {
+            "type": "volume",
+            "volume": {"type": "gridvolume", "grid": volume, "raw": True},
+        },
+        "a mesh attribute, which": {"type": "checkerboard", "color0": attribute},
+    }
+
+
+@pytest.mark.parametrize("parameter", ("alpha", "albedo", "sigma_t", "g", "int_ior"))
+def test_textures_that_are_not_over_uv_cannot_be_baked(rgb, networks, parameter):
+    for kind, texture in strangers(rgb).items():
+        with pytest.raises(RuntimeError, match=f"neural_layered: {parameter} depends on {kind}"):
+            load(rgb, networks, "neural_layered", **{parameter: texture})
+
+
+@pytest.mark.parametrize(
+    ("kind", "parameter"),
+    [
+        ("diffuse", "reflectance"),
+        ("roughconductor", "alpha"),
+        ("principled", "roughness"),
+        ("layered", "sigma_t"),
+    ],
+)
+def test_bottoms_with_textures_not_over_uv_cannot_be_baked(rgb, networks, kind, parameter):
+    for what, texture in strangers(rgb).items():
+        inside = {"inside": bottom()} if kind == "layered" else {}
+        base = bottom(kind, **inside, **{parameter: texture})
+        with pytest.raises(RuntimeError, match=f"the nested BSDF depends on {what}"):
+            load(rgb, networks, "neural_layered", base=base)
+
+
+@pytest.mark.parametrize("kind", ("normalmap", "bumpmap"))
+def test_normal_maps_in_bottoms_are_refused(rgb, networks, kind):
+    bitmap = {"type": "bitmap", "bitmap": rgb.Bitmap(np.full((2, 2, 3), 0.5, np.float32))}
+    mapped = bottom(kind, normals=bitmap | {"raw": True}, inside=bottom())
+    if kind == "normalmap":
+        mapped["normalmap"] = mapped.pop("normals")
+    twosided = bottom("twosided", inside=mapped)
+    for base in (mapped, twosided):
+        with pytest.raises(RuntimeError, match=f"contains a '{kind}', and codes have no normals"):
+            load(rgb, networks, "neural_layered", base=base)
+        load(rgb, networks, "layered", base=base)
+
+
+def test_the_walk_checks_parameters_beside_textures_not_over_uv(rgb, networks):
+    for texture in strangers(rgb).values():
+        load(rgb, networks, "layered", alpha=texture, int_ior=texture)
+        with pytest.raises(RuntimeError, match="layered: g is 1; it must be"):
+            load(rgb, networks, "layered", alpha=texture, int_ior=texture, g=1.0)
+
+
+@pytest.mark.parametrize("name", register.PLUGINS)
+@pytest.mark.parametrize("variant", ("scalar_rgb", "scalar_spectral", "llvm_ad_mono_polarized"))
+def test_variants_that_cannot_work_say_which_can(name, variant):
+    import mitsuba as mi
+
+    import urushi  # noqa: F401
+
+    mi.set_variant(variant)
+    with pytest.raises(RuntimeError) as caught:
+        mi.load_dict({"type": name})
+    sentence = f"'{name}' does not work in the variant {variant}; choose llvm_ad_rgb"
+    assert sentence in str(caught.value)

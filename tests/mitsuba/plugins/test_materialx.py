@@ -1,0 +1,75 @@
+"""The plugin `materialx` is `openpbr` with a document's parameters."""
+
+import mitsuba as mi
+import numpy as np
+import pytest
+
+from urushi.mitsuba.reading import probing
+
+pytestmark = pytest.mark.usefixtures("rgb")
+
+DOCUMENT = """<materialx version="1.39" colorspace="lin_rec709">
+<open_pbr_surface name="Gold" type="surfaceshader">
+<input name="base_metalness" type="float" value="1"/>
+<input name="base_color" type="color3" value="0.9, 0.7, 0.3"/>
+<input name="specular_roughness" type="float" value="0.5"/></open_pbr_surface>
+<open_pbr_surface name="Glass" type="surfaceshader">
+<input name="transmission_weight" type="float" value="1"/></open_pbr_surface></materialx>"""
+
+
+@pytest.fixture
+def path(tmp_path):
+    file = tmp_path / "materials.mtlx"
+    file.write_text(DOCUMENT)
+    return str(file)
+
+
+def values(bsdf):
+    w = np.random.default_rng(0).normal(size=(2, 100, 3))
+    w[..., 2] = np.abs(w[..., 2]) + 0.1
+    wi, wo = (w / np.linalg.norm(w, axis=-1, keepdims=True)).astype(np.float32)
+    uv, time = np.full((100, 2), 0.5), np.zeros(100, np.float32)
+    return probing.bsdf_values(bsdf, wi, wo, uv, time)
+
+
+def test_parameters_are_those_of_the_document(path):
+    read = mi.load_dict({"type": "materialx", "filename": path, "material": "Gold"})
+    described = mi.load_dict(
+        {
+            "type": "openpbr",
+            "base_metalness": 1.0,
+            "base_color": {"type": "rgb", "value": [0.9, 0.7, 0.3]},
+            "specular_roughness": 0.5,
+        }
+    )
+    assert np.array_equal(values(read), values(described))
+
+
+def test_properties_replace_parameters(path):
+    gold = {"type": "materialx", "filename": path, "material": "Gold"}
+    rougher = mi.load_dict(gold | {"specular_roughness": 0.8})
+    assert not np.allclose(values(rougher), values(mi.load_dict(gold)), rtol=0.1)
+
+
+def test_a_scene_file_names_the_document(path):
+    bsdf = mi.load_string(
+        f"""<bsdf version="3.0.0" type="materialx">
+        <string name="filename" value="{path}"/><string name="material" value="Gold"/></bsdf>"""
+    )
+    gold = mi.load_dict({"type": "materialx", "filename": path, "material": "Gold"})
+    assert np.array_equal(values(bsdf), values(gold))
+
+
+@pytest.mark.parametrize(
+    ("properties", "message"),
+    [
+        ({}, "has no filename; give a MaterialX document"),
+        ({"filename": "none.mtlx"}, "there is no MaterialX file"),
+        ({"filename": None}, "has several materials; choose one of Gold, Glass"),
+        ({"filename": None, "material": "Glass"}, "transmission"),
+    ],
+)
+def test_errors_say_what_to_do(path, properties, message):
+    given = {k: path if v is None else v for k, v in properties.items()}
+    with pytest.raises(Exception, match=message):
+        mi.load_dict({"type": "materialx", **given})

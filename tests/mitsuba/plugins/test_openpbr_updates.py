@@ -1,0 +1,210 @@
+"""Updates of `openpbr` by `mi.traverse`: a changed material is one that is loaded so."""
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+import pytest
+
+from urushi.errors import ParameterError
+from urushi.mitsuba.reading import probing
+
+pytestmark = pytest.mark.usefixtures("rgb")
+
+#: A base under half a coat, with all of which a part may be left out at other values.
+PLAIN = {"base_metalness": 0.0, "coat_weight": 0.5, "coat_roughness": 0.3, "coat_color": 1.0}
+
+
+def loaded(**parameters):
+    given = {
+        name: {"type": "rgb", "value": [value] * 3} if name.endswith("color") else value
+        for name, value in parameters.items()
+    }
+    return mi.load_dict({"type": "openpbr", **given})
+
+
+def update(bsdf, **changes):
+    """Change parameters by name, wherever `mi.traverse` lists them."""
+    parameters = mi.traverse(bsdf)
+    for name, value in changes.items():
+        (key,) = (key for key in list(parameters.keys()) if f".{key}".endswith(f".{name}.value"))
+        parameters[key] = type(parameters[key])(value)
+    parameters.update()
+
+
+def values(bsdf, repeats=1):
+    """f at 40 pairs, the mean over `repeats` walks."""
+    rng = np.random.default_rng(3)
+    w = rng.normal(size=(2, 40, 3)) * [1, 1, 0] + [0, 0, 1]
+    wi, wo = (np.tile(x / np.linalg.norm(x, axis=1, keepdims=True), (repeats, 1)) for x in w)
+    time = np.repeat(np.arange(repeats), 40).astype(np.float32)
+    f = probing.bsdf_values(bsdf, wi, wo, np.full((len(wi), 2), 0.5), time)
+    return f.reshape(repeats, 40, -1).mean(0)
+
+
+@pytest.mark.parametrize(
+    ("before", "change"),
+    [
+        ({}, {"fuzz_weight": 0.6}),
+        ({}, {"base_diffuse_roughness": 0.7}),
+        ({}, {"base_metalness": 0.4}),
+        ({"base_metalness": 1.0}, {"base_metalness": 0.4}),
+        ({}, {"thin_film_weight": 0.8}),
+        ({}, {"specular_ior": 1.9}),
+    ],
+)
+def test_a_changed_base_is_the_one_that_is_loaded_so(before, change):
+    """Within the tables: those of any index are coarser than those of a number."""
+    bsdf, former = loaded(**before), loaded(**before)
+    update(bsdf, **change)
+    expected = values(loaded(**(before | change)))
+    np.testing.assert_allclose(values(bsdf), expected, rtol=0.01)
+    assert not np.allclose(values(former), expected, rtol=0.01)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"coat_weight": 0.9},
+        {"base_color": 0.3},
+        {"coat_ior": 2.0},
+        {"coat_color": 0.4},
+    ],
+)
+def test_a_changed_base_under_networks_is_the_one_that_is_loaded_so(change):
+    """Within 2 %: what a white twin loses is interpolated where roughness has changed."""
+    bsdf = loaded(**PLAIN)
+    before = values(bsdf)
+    update(bsdf, **change)
+    expected = values(loaded(**(PLAIN | change)))
+    np.testing.assert_allclose(values(bsdf), expected, rtol=0.02)
+    assert not np.allclose(before, expected, rtol=0.03)
+
+
+@pytest.mark.parametrize("reference", [False, True])
+def test_a_coat_appears_and_follows_its_parameters(reference):
+    """From no coat: first its weight, then its colour, by the same list of parameters or anew."""
+    bsdf = loaded(coat_weight=0.0, reference=reference)
+    walks = 512 if reference else 1
+    update(bsdf, coat_weight=0.8, coat_roughness=0.4)
+    shared = dict(coat_weight=0.8, coat_roughness=0.4, reference=reference)
+    # The walks draw the same numbers, and their mean loss is from another table.
+    np.testing.assert_allclose(values(bsdf, walks), values(loaded(**shared), walks), rtol=0.02)
+    update(bsdf, coat_color=0.5)
+    expected = values(loaded(**shared, coat_color=0.5), walks)
+    np.testing.assert_allclose(values(bsdf, walks), expected, rtol=0.02)
+    update(bsdf, base_color=0.2)
+    expected = values(loaded(**shared, coat_color=0.5, base_color=0.2), walks)
+    np.testing.assert_allclose(values(bsdf, walks), expected, rtol=0.02)
+
+
+def test_an_old_list_of_parameters_reaches_a_coat_that_was_made_later():
+    bsdf = loaded(coat_weight=0.0)
+    parameters = mi.traverse(bsdf)
+    parameters["coat_weight.value"] = 1.0
+    parameters.update()
+    parameters["base.base_color.value"] = mi.Color3f(0.2)
+    parameters.update()
+    expected = values(loaded(coat_weight=1.0, base_color=0.2))
+    np.testing.assert_allclose(values(bsdf), expected, rtol=0.02)
+
+
+def test_what_is_measured_of_a_coated_base_follows_its_index():
+    shared = dict(coat_weight=1.0, base_color=1.0, coat_roughness=0.6)
+    bsdf = loaded(**shared)
+    parameters = mi.traverse(bsdf)
+    for ior in (1.2, 2.2):  # after the first change it is no constant
+        parameters["coated.bottom.coat_ior.value"] = ior
+        parameters.update()
+        expected = values(loaded(**shared, coat_ior=ior))
+        np.testing.assert_allclose(values(bsdf), expected, rtol=0.02)
+
+
+def test_the_gradient_of_a_weight_of_zero_is_that_of_the_part():
+    """By the difference of two weights, to which f is linear."""
+    bsdf = loaded()
+    parameters = mi.traverse(bsdf)
+    parameters["fuzz_weight.value"] = mi.Float(0)
+    dr.enable_grad(parameters["fuzz_weight.value"])
+    parameters.update()
+    si = probing.interaction(np.float32([[0.6, 0, 0.8]]), np.full((1, 2), 0.5))
+    wo = mi.Vector3f(0.0, 0.6, 0.8)
+    value = bsdf.eval(mi.BSDFContext(), si, wo)[0]
+    dr.backward(value)
+    found = parameters["fuzz_weight.value"].grad[0]
+    none, half = (loaded(fuzz_weight=x).eval(mi.BSDFContext(), si, wo)[0][0] for x in (0.0, 0.5))
+    assert found == pytest.approx((half - none) / 0.5, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("base_color", 2.0), ("coat_weight", 2.0), ("specular_ior", float("nan")), ("coat_ior", -1.0)],
+)
+def test_a_refused_update_leaves_all_as_it_was(name, value):
+    bsdf = loaded(**PLAIN)
+    before = values(bsdf)
+    parameters = mi.traverse(bsdf)
+    (key,) = (key for key in list(parameters.keys()) if f".{key}".endswith(f".{name}.value"))
+    kept = np.array(parameters[key])
+    parameters[key] = type(parameters[key])(value)
+    with pytest.raises(ParameterError, match=f"openpbr: {name} is "):
+        parameters.update()
+    assert np.array_equal(np.array(parameters[key]), kept)
+    assert np.array_equal(values(bsdf), before)
+    update(bsdf, base_color=0.3)  # the next one is accepted
+    np.testing.assert_allclose(values(bsdf), values(loaded(**PLAIN, base_color=0.3)), rtol=0.02)
+
+
+@pytest.mark.parametrize("reference", [False, True])
+def test_a_coat_of_index_one_is_its_medium_alone(reference):
+    """coat_color is the square of the transmittance along the normal, without refraction."""
+    rng = np.random.default_rng(3)
+    w = rng.normal(size=(2, 40, 3)) * [1, 1, 0] + [0, 0, 1]
+    cosines = 1 / np.linalg.norm(w, axis=-1)
+    shared = dict(coat_ior=1.0, coat_roughness=0.4, reference=reference)
+    clear, tinted = (loaded(coat_weight=0.5, coat_color=c, **shared) for c in (1.0, 0.3))
+    bare = values(loaded())
+    assert np.array_equal(values(clear), bare)
+    passed = 0.5 + 0.5 * 0.3 ** (0.5 * (1 / cosines).sum(axis=0))
+    np.testing.assert_allclose(values(tinted), bare * passed[:, None], rtol=1e-4)
+    update(clear, coat_ior=1.6)
+    update(clear, coat_ior=1.0)  # now the index nearest to one that has an interface
+    assert np.isfinite(values(clear)).all()
+
+
+@pytest.mark.parametrize("name", ["layered", "neural_layered"])
+def test_a_refused_texture_is_put_back(name):
+    texel = mi.Bitmap(np.full((2, 2, 1), 0.2, np.float32))
+    alpha = {"type": "bitmap", "raw": True, "bitmap": texel}
+    bsdf = mi.load_dict({"type": name, "alpha": alpha, "base": {"type": "diffuse"}})
+    before, parameters = values(bsdf), mi.traverse(bsdf)
+    for key, value in (("alpha.data", mi.TensorXf(np.full((2, 2, 1), 2.0))), ("eta", mi.Float(9))):
+        kept = np.array(parameters[key])
+        parameters[key] = value
+        with pytest.raises(ParameterError, match="it must be"):
+            parameters.update()
+        assert np.array_equal(np.array(parameters[key]), kept)
+        assert np.array_equal(values(bsdf), before)
+
+
+@pytest.mark.parametrize(
+    "bsdf",
+    [
+        {"type": "neural_layered", "alpha": 0.01,
+         "base": {"type": "roughconductor", "material": "Au", "distribution": "ggx"}},
+        {"type": "openpbr", "coat_weight": 1.0, "fuzz_weight": 0.5},
+    ],
+)  # fmt: skip
+def test_denoisers_get_the_directional_albedo(bsdf):
+    """Mitsuba's default, pi f along the normal, is 35 for gold. 16 samples have an error of some
+    per cent; the albedo is by 65,536."""
+    bsdf = mi.load_dict(bsdf)
+    for cosine in (1.0, 0.3):
+        wi = np.float32([[(1 - cosine**2) ** 0.5, 0, cosine]])
+        found = bsdf.eval_diffuse_reflectance(probing.interaction(wi, np.full((1, 2), 0.5)))
+        si = probing.interaction(np.tile(wi, (1 << 16, 1)), np.full((1 << 16, 2), 0.5))
+        rng = mi.PCG32(size=1 << 16)
+        u = mi.Point2f(rng.next_float32(), rng.next_float32())
+        _, weight = bsdf.sample(mi.BSDFContext(), si, rng.next_float32(), u)
+        expected = weight.numpy().mean(axis=1)
+        assert (found.numpy() <= 1).all()
+        np.testing.assert_allclose(found.numpy()[:, 0], expected, atol=0.07)

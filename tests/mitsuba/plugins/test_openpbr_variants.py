@@ -1,0 +1,92 @@
+"""`openpbr` in the variants: the same material in RGB, monochromatic and spectral."""
+
+import mitsuba as mi
+import numpy as np
+import pytest
+
+import urushi  # noqa: F401  (registers the plugins)
+from urushi.mitsuba.reading import probing
+
+VARIANTS = ("llvm_ad_rgb", "llvm_ad_mono", "llvm_ad_spectral")
+
+GREY = {"type": "rgb", "value": [0.5, 0.5, 0.5]}
+COLOR = {"type": "rgb", "value": [0.7, 0.5, 0.3]}
+
+MATERIALS = {
+    "mixture": {
+        "base_metalness": 0.5,
+        "base_diffuse_roughness": 0.5,
+        "coat_weight": 0.5,
+        "coat_color": GREY,
+        "fuzz_weight": 0.5,
+    },
+    "anisotropic": {"specular_roughness_anisotropy": 0.5, "coat_weight": 1.0},
+    "walks": {"coat_weight": 1.0, "coat_roughness": 0.4, "reference": True},
+}
+
+
+def in_variants(function):
+    """The value of a function in each variant."""
+    found = {}
+    for variant in VARIANTS:
+        mi.set_variant(variant)
+        found[variant] = function()
+    mi.set_variant("llvm_ad_rgb")
+    return found
+
+
+@pytest.mark.parametrize("name", MATERIALS)
+def test_grey_is_the_same_in_all_variants(name, pairs):
+    wi, wo = (w[500:].astype(np.float32) for w in pairs)
+    above = (wi[:, 2] > 0.05) & (wo[:, 2] > 0.05)
+    wi, wo = wi[above][:200], wo[above][:200]
+
+    def values():
+        bsdf = mi.load_dict({"type": "openpbr", "base_color": GREY, **MATERIALS[name]})
+        return probing.bsdf_values(bsdf, wi, wo, np.full((len(wi), 2), 0.5))
+
+    found = in_variants(values)
+    for f in found.values():  # the walks of all variants draw the same random numbers
+        np.testing.assert_allclose(f, found["llvm_ad_rgb"][:, : f.shape[1]], rtol=2e-3, atol=1e-5)
+
+
+@pytest.mark.parametrize("coat_weight", [0.0, 1.0])
+def test_a_colour_has_the_same_picture_in_all_variants(coat_weight):
+    """A plane under even light. Without coat, Mitsuba makes spectra of colours. Coated, light
+    of several wavelengths is reflected again and again, which saturates spectra and channels
+    differently; and a coat over the luminance differs from the luminance of a coated colour."""
+
+    def picture():
+        scene = {
+            "type": "scene",
+            "integrator": {"type": "path", "max_depth": 2},
+            "sensor": {
+                "type": "perspective",
+                "fov": 20,
+                "to_world": mi.ScalarTransform4f().look_at([0, 0, 3], [0, 0, 0], [0, 1, 0]),
+                "film": {"type": "hdrfilm", "width": 8, "height": 8, "rfilter": {"type": "box"}},
+            },
+            "light": {"type": "constant"},
+            "shape": {
+                "type": "rectangle",
+                "bsdf": {"type": "openpbr", "base_color": COLOR, "coat_weight": coat_weight},
+            },
+        }
+        image = np.array(mi.render(mi.load_dict(scene), spp=1024))
+        return image.mean(axis=(0, 1))[:3]
+
+    found = in_variants(picture)
+    rgb = found["llvm_ad_rgb"]
+    luminance = rgb @ [0.2126, 0.7152, 0.0722]
+    assert found["llvm_ad_mono"][0] == pytest.approx(luminance, rel=0.03 if coat_weight else 0.01)
+    np.testing.assert_allclose(found["llvm_ad_spectral"], rgb, rtol=0.08 if coat_weight else 0.02)
+
+
+def test_scalar_variants_are_refused():
+    mi.set_variant("scalar_rgb")
+    try:
+        for load in ({"type": "openpbr"}, {"type": "openpbr_emission"}):
+            with pytest.raises(RuntimeError, match="does not work in the variant scalar_rgb"):
+                mi.load_dict(load)
+    finally:
+        mi.set_variant("llvm_ad_rgb")

@@ -1,0 +1,252 @@
+"""Loading the plugins: dictionaries and XML, nested in Mitsuba's BSDFs, in several variants."""
+
+import drjit as dr
+import numpy as np
+import pytest
+
+from urushi.material import Material
+
+COAT = {"alpha": 0.2, "int_ior": 1.4, "albedo": 0.7, "sigma_t": 0.8, "g": 0.3}
+PLUGINS = (
+    "layered",
+    "neural_layered",
+    "neural_brdf",
+    "measured_brdf",
+)
+
+
+def bottom() -> dict:
+    return {"type": "roughconductor", "distribution": "ggx", "alpha": 0.3}
+
+
+@pytest.fixture
+def saved(model, codes, tmp_path):
+    """A file of a material."""
+    path = tmp_path / "material.safetensors"
+    Material(codes(), model).save(path)
+    return path
+
+
+@pytest.fixture
+def describe(networks, saved, merl_file):
+    """The dictionary of a plugin by its name."""
+    described = {
+        "layered": {"type": "layered", **COAT, "base": bottom()},
+        "neural_layered": {
+            "type": "neural_layered",
+            **COAT,
+            "base": bottom(),
+            "weights": str(networks),
+        },
+        "neural_brdf": {
+            "type": "neural_brdf",
+            "filename": str(saved),
+            "weights": str(networks),
+        },
+        "measured_brdf": {"type": "measured_brdf", "filename": str(merl_file)},
+    }
+    return described.__getitem__
+
+
+def evaluate(bsdf, wi=(0.3, 0.1, 0.9), wo=(-0.5, 0.1, 0.6), count=1, repeat=0.0) -> np.ndarray:
+    """f cos (count, channels)."""
+    from urushi.mitsuba.reading import probing
+
+    wi, wo = (np.tile(np.float32(w) / np.linalg.norm(w), (count, 1)) for w in (wi, wo))
+    import mitsuba as mi
+
+    si = probing.interaction(wi, np.random.default_rng(0).random((count, 2)), repeat)
+    value = bsdf.eval(mi.BSDFContext(), si, mi.Vector3f(np.ascontiguousarray(wo.T)))
+    return np.stack(np.broadcast_arrays(*(channel.numpy() for channel in value)), -1)
+
+
+@pytest.mark.parametrize("name", PLUGINS)
+def test_dictionary_and_xml_are_the_same(rgb, describe, name):
+    properties = describe(name)
+    tags = {float: "float", str: "string"}
+    lines = [
+        f'<{tags[type(value)]} name="{key}" value="{value}"/>'
+        for key, value in properties.items()
+        if type(value) in tags and key != "type"
+    ]
+    if "base" in properties:
+        lines.append(
+            '<bsdf type="roughconductor"><string name="distribution" value="ggx"/>'
+            '<float name="alpha" value="0.3"/></bsdf>'
+        )
+    xml = f'<bsdf type="{name}" version="3.0.0">{"".join(lines)}</bsdf>'
+    a, b = rgb.load_dict(properties), rgb.load_string(xml)
+    assert str(a) == str(b)
+    np.testing.assert_array_equal(evaluate(a), evaluate(b))
+
+
+@pytest.mark.parametrize("name", PLUGINS)
+def test_nested_in_mitsubas_bsdfs(rgb, describe, name):
+    plain = rgb.load_dict(describe(name))
+    f = evaluate(plain)
+    assert (f > 0).all()
+    two_sided = rgb.load_dict({"type": "twosided", "inner": describe(name)})
+    np.testing.assert_allclose(evaluate(two_sided), f, rtol=1e-5)
+    flipped = evaluate(two_sided, wi=(0.3, 0.1, -0.9), wo=(-0.5, 0.1, -0.6), count=4096)
+    above = evaluate(plain, count=4096)  # other bits, other walks: compare means
+    error = 5 * (flipped.std(axis=0) + above.std(axis=0)) / 64 + 1e-4 * above.mean(axis=0)
+    assert (np.abs(flipped.mean(axis=0) - above.mean(axis=0)) <= error).all()
+    blend = rgb.load_dict(
+        {"type": "blendbsdf", "weight": 0.25, "a": describe(name), "b": {"type": "diffuse"}}
+    )
+    diffuse = evaluate(rgb.load_dict({"type": "diffuse"}))
+    np.testing.assert_allclose(evaluate(blend), 0.75 * f + 0.25 * diffuse, rtol=1e-5)
+    mask = rgb.load_dict({"type": "mask", "opacity": 0.4, "inner": describe(name)})
+    np.testing.assert_allclose(evaluate(mask), 0.4 * f, rtol=1e-5)
+
+
+@pytest.mark.parametrize("name", ("layered", "neural_layered"))
+@pytest.mark.parametrize("wrapper", ("normalmap", "bumpmap"))
+def test_flat_normals_change_nothing(rgb, describe, name, wrapper):
+    flat = np.full((2, 2, 3), 0.5, np.float32)
+    flat[..., 2] = 1 if wrapper == "normalmap" else 0.5
+    texture = {"type": "bitmap", "bitmap": rgb.Bitmap(flat), "raw": True}
+    wrapped = rgb.load_dict({"type": wrapper, wrapper: texture, "inner": describe(name)})
+    plain = rgb.load_dict(describe(name))
+    a, b = evaluate(wrapped, count=4096), evaluate(plain, count=4096)
+    error = 5 * (a.std(axis=0) + b.std(axis=0)) / 64 + 1e-3 * b.mean(axis=0)
+    assert (np.abs(a.mean(axis=0) - b.mean(axis=0)) <= error).all()
+
+
+def test_one_word_changes_networks_to_walks(rgb, describe):
+    """`layered` ignores what `neural_layered` adds, and the other way round."""
+    extra = {"resolution": 64, "weights": "default", "mipmaps": True}
+    plain = describe("layered")
+    np.testing.assert_array_equal(
+        evaluate(rgb.load_dict(plain | extra)), evaluate(rgb.load_dict(plain))
+    )
+    neural = describe("neural_layered")
+    np.testing.assert_array_equal(
+        evaluate(rgb.load_dict(neural | {"estimator": "bidirectional"})),
+        evaluate(rgb.load_dict(neural)),
+    )
+
+
+@pytest.mark.parametrize("name", PLUGINS)
+def test_values_below_the_horizon_are_zero(rgb, describe, name):
+    bsdf = rgb.load_dict(describe(name))
+    assert (evaluate(bsdf, wi=(0.3, 0.1, -0.9)) == 0).all()
+    assert (evaluate(bsdf, wo=(0.3, 0.1, -0.9)) == 0).all()
+
+
+def scene(mi, *bsdfs: dict):
+    """Spheres side by side in a white world."""
+    spheres = {
+        f"object {i}": {"type": "sphere", "center": [2 * i - len(bsdfs) + 1, 0, 0], "bsdf": bsdf}
+        for i, bsdf in enumerate(bsdfs)
+    }
+    return mi.load_dict(
+        {
+            "type": "scene",
+            "integrator": {"type": "path", "max_depth": 3},
+            "sensor": {
+                "type": "perspective",
+                "to_world": mi.ScalarTransform4f().look_at([0, 0, 5], [0, 0, 0], [0, 1, 0]),
+                "film": {"type": "hdrfilm", "width": 8, "height": 8},
+            },
+            "light": {"type": "constant"},
+            **spheres,
+        }
+    )
+
+
+@pytest.mark.parametrize("name", PLUGINS)
+def test_every_variant_renders(describe, name):
+    import mitsuba as mi
+
+    # in both orders, because classes must not outlive their variant
+    for variant in ("llvm_ad_mono", "llvm_ad_spectral", "llvm_ad_rgb", "llvm_ad_mono"):
+        mi.set_variant(variant)
+        # two of a kind: Mitsuba must not mix them up
+        image = mi.render(scene(mi, describe(name), describe(name)), spp=16).numpy()
+        assert np.isfinite(image).all()
+        assert image.min() > 0
+
+
+def test_grey_in_spectral_is_grey_in_rgb(describe):
+    import mitsuba as mi
+
+    values = {}
+    for variant in ("llvm_ad_rgb", "llvm_ad_spectral", "llvm_ad_mono"):
+        mi.set_variant(variant)
+        bsdf = mi.load_dict(describe("neural_layered") | {"base": {"type": "diffuse"}})
+        values[variant] = evaluate(bsdf)[0]
+    for f in values.values():
+        np.testing.assert_allclose(f, values["llvm_ad_rgb"][0], rtol=1e-4)
+
+
+def test_coats_agree_with_the_python_functions(rgb):
+    """One coat and two, of shipped networks: the plugin agrees with `layer` over `encode`."""
+    from urushi import dielectric, encode, layer
+
+    interface = dielectric(COAT["alpha"], COAT["int_ior"] / 1.000277)
+    medium = {name: COAT[name] for name in ("albedo", "sigma_t", "g")}
+    plugin = rgb.load_dict(bottom())
+    material = encode(plugin, refine=False)
+    for _ in range(2):
+        plugin = rgb.load_dict({"type": "neural_layered", **COAT, "base": plugin})
+        material = layer(interface, material, **medium)
+        codes = plugin.latents.at(np.zeros((1, 2)))[0]
+        np.testing.assert_allclose(codes, material.latents, rtol=1e-3, atol=1e-4)
+
+
+def test_a_saved_material_is_coated_over_its_anchors(rgb, saved, networks, model, tmp_path):
+    """After an edit of its codes the coat lies over the edited codes."""
+    from urushi.material import layer, load
+    from urushi.walk import dielectric
+
+    anchors = load(saved, model).latents
+    held = Material(anchors + np.float32(0.3), model, anchors)
+    held.save(tmp_path / "held.safetensors")
+    weights = {"weights": str(networks)}
+    inner = rgb.load_dict(
+        {"type": "neural_brdf", "filename": str(tmp_path / "held.safetensors"), **weights}
+    )
+    coat = {"type": "neural_layered", "alpha": 0.1, "int_ior": 1.5, "ext_ior": 1.0, **weights}
+
+    def codes(bsdf):
+        return bsdf.latents.at(np.zeros((1, 2)))[0]
+
+    np.testing.assert_array_equal(codes(inner), held.latents)
+    expected = layer(dielectric(0.1, 1.5), held)
+    coated = rgb.load_dict(coat | {"base": inner})
+    np.testing.assert_allclose(codes(coated), expected.latents, rtol=1e-5, atol=1e-5)
+    parameters = rgb.traverse(inner)
+    edited = np.array(held.latents)
+    edited[:, -1] += np.float32(0.1)
+    parameters["latents"] = rgb.TensorXf(edited)
+    parameters.update()
+    expected = layer(dielectric(0.1, 1.5), Material(edited, model))
+    coated = rgb.load_dict(coat | {"base": inner})
+    np.testing.assert_allclose(codes(coated), expected.latents, rtol=1e-5, atol=1e-5)
+
+
+def test_a_change_through_traverse_layers_again(rgb, describe):
+    changed = rgb.load_dict(describe("neural_layered"))
+    parameters = rgb.traverse(changed)
+    parameters["sigma_t.value"] = 2.5
+    parameters.update()
+    fresh = rgb.load_dict(describe("neural_layered") | {"sigma_t": 2.5})
+    np.testing.assert_array_equal(evaluate(changed), evaluate(fresh))
+
+
+def test_encode_takes_mitsuba_bsdfs(rgb, model):
+    from urushi.material import encode
+
+    material = encode(rgb.load_dict({"type": "diffuse"}), model)
+    same = encode(lambda wi, wo: np.full((len(wi), 3), 0.5 / np.pi), model)
+    # the width of a lobe that reflects nothing has no meaning
+    anchors = material.anchors[:, 1:]
+    np.testing.assert_allclose(anchors, same.anchors[:, 1:], rtol=1e-4, atol=1e-5)
+
+
+def test_eval_diffuse_reflectance_is_positive(rgb, describe):
+    bsdf = rgb.load_dict(describe("neural_brdf"))
+    si = dr.zeros(rgb.SurfaceInteraction3f)
+    si.wi = [0, 0, 1]
+    assert dr.all(bsdf.eval_diffuse_reflectance(si) > 0, axis=None)

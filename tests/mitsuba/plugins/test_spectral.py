@@ -1,0 +1,138 @@
+"""Coats in spectral variants against the walk of the same variant, and what their bands keep."""
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+import pytest
+
+import urushi  # noqa: F401  (registers the plugins)
+from urushi.mitsuba import spectrum
+
+SATURATED = [
+    (0.9, 0.05, 0.02),
+    (0.05, 0.9, 0.02),
+    (0.02, 0.05, 0.9),
+    (0.9, 0.9, 0.02),
+    (0.9, 0.02, 0.9),
+    (0.02, 0.9, 0.9),
+    (0.8, 0.2, 0.05),
+    (0.1, 0.5, 0.3),
+    (0.3, 0.1, 0.6),
+    (0.95, 0.6, 0.05),
+]
+
+
+@pytest.fixture(autouse=True)
+def spectral():
+    mi.set_variant("llvm_ad_spectral")
+    yield
+    mi.set_variant("llvm_ad_rgb")
+
+
+def coated(plugin: str, **bottom) -> dict:
+    return {"type": plugin, "alpha": 0.1, "base": bottom}
+
+
+def lambertian(color, plugin: str) -> dict:
+    return coated(plugin, type="diffuse", reflectance={"type": "rgb", "value": color})
+
+
+def openpbr(color, plugin: str) -> dict:
+    return {
+        "type": "openpbr",
+        "base_color": {"type": "rgb", "value": color},
+        "coat_weight": 1.0,
+        "reference": plugin == "layered",
+    }
+
+
+def furnace(bsdf: dict, spp: int = 1024) -> np.ndarray:
+    """Linear sRGB of a plane in a white world, seen at 40 degrees."""
+    transform = mi.ScalarTransform4f().look_at([0, 2.5, 3], [0, 0, 0], [0, 1, 0])
+    film = {"type": "hdrfilm", "width": 8, "height": 8, "rfilter": {"type": "box"}}
+    scene = {
+        "type": "scene",
+        "integrator": {"type": "path", "max_depth": 2},
+        "sensor": {"type": "perspective", "fov": 15, "to_world": transform, "film": film},
+        "light": {"type": "constant", "radiance": {"type": "d65"}},
+        "shape": {"type": "rectangle", "bsdf": bsdf},
+    }
+    return np.array(mi.render(mi.load_dict(scene), spp=spp)).mean(axis=(0, 1))[:3]
+
+
+@pytest.mark.parametrize("material", [lambertian, openpbr])
+@pytest.mark.parametrize(
+    "color",
+    [
+        pytest.param(color, marks=() if number == 0 else pytest.mark.slow)
+        for number, color in enumerate(SATURATED)
+    ],
+)
+def test_saturated_colours_are_those_of_the_walk(material, color):
+    """3 %, and 0.3 % of the largest channel: the noise of the difference of positive and negative
+    wavelengths in channels that are nearly black."""
+    walk, coat = (furnace(material(color, plugin)) for plugin in ("layered", "neural_layered"))
+    np.testing.assert_array_less(np.abs(coat - walk), 0.03 * np.abs(walk) + 0.003 * walk.max())
+
+
+def test_a_metals_index_is_that_of_each_wavelength():
+    """3 %: that of the networks over gold."""
+    gold = {"type": "roughconductor", "material": "Au", "alpha": 0.2, "distribution": "ggx"}
+    walk, coat = (furnace(coated(plugin, **gold)) for plugin in ("layered", "neural_layered"))
+    np.testing.assert_allclose(coat, walk, rtol=0.03)
+
+
+def test_grey_is_grey_and_white_returns_no_more_than_one():
+    """A grey coat has one value at all wavelengths, and the integral of f cos is at most one."""
+    bsdf = mi.load_dict(coated("neural_layered", type="diffuse", reflectance=1.0))
+    si = mi.SurfaceInteraction3f()
+    si.wi, si.wavelengths = mi.Vector3f(0.6, 0, 0.8), mi.Spectrum(400, 500, 600, 700)
+    grid = (np.arange(256) + 0.5) / 256
+    radius, azimuth = (x.ravel() for x in np.meshgrid(np.sqrt(grid), 2 * np.pi * grid))
+    wo = np.stack([radius * np.cos(azimuth), radius * np.sin(azimuth), np.sqrt(1 - radius**2)])
+    f_cos = bsdf.eval(mi.BSDFContext(), si, mi.Vector3f(wo)).numpy()
+    albedo = np.pi * (f_cos / wo[2]).mean(axis=-1)
+    np.testing.assert_allclose(albedo, albedo[0], rtol=1e-6)
+    assert albedo.max() <= 1.001  # the rule at the coat's peak
+
+
+def test_wavelengths_have_the_bands_that_they_lie_in():
+    """Of Mitsuba's wavelengths as many lie in each band, but for those beyond the ends."""
+    u = (np.arange(1 << 12) + 0.5) / (1 << 12)
+    wavelengths, _ = mi.sample_rgb_spectrum(mi.Spectrum(mi.Float(u)))
+    inside = np.abs(wavelengths[0].numpy() - np.mean(spectrum.ENDS)) < np.ptp(spectrum.ENDS) / 2
+    bands = spectrum.band_at(wavelengths)[0].numpy()[inside]
+    count = np.bincount(bands, minlength=spectrum.COUNT)
+    np.testing.assert_allclose(count, inside.sum() / spectrum.COUNT, atol=2)
+
+
+def test_gradients_are_those_of_finite_differences():
+    """The mean of f cos over pairs and wavelengths, by the depth of a coat over a colour; 3 %: f is
+    tabulated, and its derivative is that of the networks."""
+    color = {"type": "rgb", "value": (0.8, 0.3, 0.1)}
+    bottom = coated("neural_layered", type="diffuse", reflectance=color)
+    bsdf = mi.load_dict(bottom | {"sigma_t": 0.5})
+    parameters, key = mi.traverse(bsdf), "sigma_t.value"
+    wi, wo = (mi.Vector3f(np.float32(w).T) for w in upper_pairs(64))
+    si = mi.SurfaceInteraction3f()
+    si.wi, si.wavelengths = wi, mi.Spectrum(450, 520, 580, 640)
+
+    def mean(value):
+        parameters[key] = mi.Float(value)
+        dr.enable_grad(parameters[key])
+        parameters.update()
+        return dr.mean(dr.mean(bsdf.eval(mi.BSDFContext(), si, wo)))
+
+    found = mean(0.5)
+    dr.backward(found)
+    gradient = float(dr.grad(parameters[key]).numpy()[0])
+    high, low = (float(mean(value).numpy()[0]) for value in (0.52, 0.48))
+    assert gradient == pytest.approx((high - low) / 0.04, rel=0.03)
+
+
+def upper_pairs(count: int) -> np.ndarray:
+    """Pairs of directions (2, count, 3), with cosine density."""
+    u = np.random.default_rng(0).random((2, count, 2))
+    radius, azimuth = np.sqrt(0.95 * u[..., 0]), 2 * np.pi * u[..., 1]
+    x, y = radius * np.cos(azimuth), radius * np.sin(azimuth)
+    return np.stack([x, y, np.sqrt(1 - radius**2)], axis=-1)

@@ -1,0 +1,132 @@
+"""Materials with tables are rendered as they are evaluated in NumPy."""
+
+import drjit as dr
+import numpy as np
+import pytest
+
+from urushi.material import Material
+from urushi.material.table import SHAPE
+from urushi.nets.architecture import Architecture, init
+from urushi.nets.weights import Model
+
+
+def random_table(seed: int) -> np.ndarray:
+    """ln f (U, V, W, 3) that neighbouring nodes share roughly."""
+    rng = np.random.default_rng(seed)
+    slopes = rng.normal(size=(3, 3))
+    nodes = np.stack(np.meshgrid(*(np.linspace(0, 1, n) for n in SHAPE), indexing="ij"), axis=-1)
+    return nodes @ slopes + 0.1 * rng.normal(size=(*SHAPE, 3)) - 1
+
+
+@pytest.fixture(scope="module")
+def small() -> Model:
+    """Untrained networks of few numbers."""
+    arch = Architecture(latent=24, decoder=(8,), layerer=(8,), encoder=(8,), sampler=(8,), lobes=1)
+    return Model.of(arch, init(arch, 2), {})
+
+
+def materials(model: Model) -> list[Material]:
+    """With lobes that channels share or do not share, with none, and with one channel."""
+    lobe = model.arch.lobe
+    latents = np.random.default_rng(1).normal(size=(3, model.arch.latent)).astype(np.float32)
+    numbers = [
+        [[0.2, 0.5, 0.9, 0, 1.5, 0]] * 3,
+        [[0.2, 0.5, 0.9, 0, 1.5, 0], [0.3, 0.2, 1, 0.5, 1.3, 0.4], [0.4, 0, 0, 1, 0.3, 3]],
+        [[0.2, 0, 0, 0, 1.5, 0]] * 3,
+    ]
+    made = []
+    for seed, values in enumerate(numbers):
+        codes = np.concatenate([np.float32(values), latents[:, lobe:]], axis=1)
+        made.append(Material(codes, model, None, random_table(seed)))
+    return [*made, Material(made[0].latents[:1], model, None, made[0].table[..., :1])]
+
+
+def loaded(mi, material, folder):
+    """The plugin of a saved material and the networks in a file."""
+    from urushi.nets import weights
+
+    weights.save(folder / "weights", material.model.arch, material.model.params, {})
+    material.save(folder / "material")
+    paths = {"filename": str(folder / "material"), "weights": str(folder / "weights")}
+    return mi.load_dict({"type": "neural_brdf", **paths})
+
+
+def evaluated(mi, bsdf, wi, wo) -> np.ndarray:
+    """f (N, 3) of a plugin for pairs above the horizon."""
+    si = dr.zeros(mi.SurfaceInteraction3f, len(wi))
+    si.wi = mi.Vector3f(np.ascontiguousarray(wi.T))
+    f_cos = bsdf.eval(mi.BSDFContext(), si, mi.Vector3f(np.ascontiguousarray(wo.T)))
+    return (f_cos.numpy() / wo.T[2]).T
+
+
+def test_plugins_evaluate_as_numpy_does(rgb, small, random_directions, tmp_path):
+    wi, wo = random_directions(500, 1, 0.05), random_directions(500, 2, 0.05)
+    wo[:100] = wi[:100] * [-1, -1, 1]
+    for material in materials(small):
+        f = evaluated(rgb, loaded(rgb, material, tmp_path), wi, wo)
+        np.testing.assert_allclose(f, np.broadcast_to(material.f(wi, wo), f.shape), rtol=2e-3)
+
+
+def test_reciprocal_to_the_bit(rgb, small, random_directions):
+    from urushi.mitsuba.latents.holders import ConstantLatents
+
+    material = materials(small)[1]
+    latents = ConstantLatents(small, material.latents, None, material.table)
+    sides = random_directions(2000, 3), random_directions(2000, 4)
+
+    def f(wi, wo) -> np.ndarray:
+        si = dr.zeros(rgb.SurfaceInteraction3f, len(wi))
+        si.wi = rgb.Vector3f(np.ascontiguousarray(wi.T))
+        active = dr.full(rgb.Bool, True, len(wi))
+        channels = latents.f(
+            latents.vertex(si, active), si, rgb.Vector3f(np.ascontiguousarray(wo.T)), active
+        )
+        return np.stack([channel.numpy() for channel in channels])
+
+    np.testing.assert_array_equal(f(*sides), f(*sides[::-1]))
+
+
+def test_saved_again_to_the_byte(rgb, small, tmp_path):
+    loaded(rgb, materials(small)[1], tmp_path).save(tmp_path / "again")
+    assert (tmp_path / "again").read_bytes() == (tmp_path / "material").read_bytes()
+
+
+def test_edited_codes_replace_them(rgb, small, random_directions, tmp_path):
+    material = materials(small)[1]
+    bsdf = loaded(rgb, material, tmp_path)
+    parameters = rgb.traverse(bsdf)
+    edited = np.array(material.latents)
+    edited[:, -1] += np.float32(0.1)
+    parameters["latents"] = rgb.TensorXf(edited)
+    parameters.update()
+    wi, wo = random_directions(100, 1, 0.05), random_directions(100, 2, 0.05)
+    of_codes = Material(edited, small).f(wi, wo)
+    # The plugin has a table of the codes' rest, the networks are random.
+    np.testing.assert_allclose(evaluated(rgb, bsdf, wi, wo), of_codes, rtol=5e-2)
+
+
+def test_coats_lie_over_the_anchors(rgb, small):
+    from urushi.mitsuba.latents.holders import ConstantLatents
+
+    material = materials(small)[0]
+    bottom = ConstantLatents(small, material.latents, None, material.table).anchors
+    again = bottom.anchors
+    assert again is bottom and str(bottom) == "3 x 24"
+
+
+def test_frozen_functions_tell_materials_apart(rgb, small, random_directions, tmp_path):
+    codes = materials(small)[0].latents
+    made = [Material(codes, small, None, random_table(seed)) for seed in (5, 6)]
+    bsdfs = [loaded(rgb, material, tmp_path) for material in made]
+    wi, wo = random_directions(64, 1, 0.05), random_directions(64, 2, 0.05)
+
+    @dr.freeze
+    def frozen(bsdf, wi, wo):
+        si = dr.zeros(rgb.SurfaceInteraction3f, dr.width(wi))
+        si.wi = wi
+        return bsdf.eval(rgb.BSDFContext(), si, wo)
+
+    vectors = [rgb.Vector3f(np.ascontiguousarray(w.T)) for w in (wi, wo)]
+    for bsdf, material in zip(bsdfs, made, strict=True):
+        f = (frozen(bsdf, *vectors).numpy() / wo.T[2]).T
+        np.testing.assert_allclose(f, material.f(wi, wo), rtol=2e-3)

@@ -1,0 +1,130 @@
+"""Mitsuba's BSDFs as sources of `encode`: averages, parts that are left out, and errors."""
+
+import warnings
+
+import numpy as np
+import pytest
+
+from urushi.core.probe_pairs import probe_pairs
+from urushi.errors import ParameterError, PlatformError, UrushiWarning
+from urushi.material.encode import encode, evaluate_source
+from urushi.material.layer import layer
+from urushi.material.source import as_source
+from urushi.walk import analytic
+from urushi.walk.stack import conductor, dielectric
+
+WI, WO = probe_pairs(64)
+
+
+def test_an_isotropic_bsdf_is_read_unchanged(rgb):
+    r0 = (0.9, 0.5, 0.2)
+    source = rgb.load_dict({
+        "type": "principled", "metallic": 1.0, "roughness": 0.5, "specular": 0.5,
+        "base_color": {"type": "rgb", "value": r0},
+    })  # fmt: skip
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        reading = evaluate_source(source, WI, WO)
+    assert not any(reading.deviations[:-1]) and reading.deviations.widths == 1
+    exact = analytic.f(conductor(0.25, r0), WI, WO)  # its alpha is the roughness squared
+    np.testing.assert_allclose(reading.values, exact, rtol=0.02, atol=1e-4)
+
+
+def test_an_anisotropic_bsdf_is_averaged_with_a_warning(rgb, model):
+    brushed = {"type": "roughconductor", "alpha_u": 0.05, "alpha_v": 0.5}
+    with pytest.warns(UrushiWarning, match="is anisotropic: it differs by"):
+        along = encode(rgb.load_dict(brushed), model)
+    with pytest.warns(UrushiWarning):
+        across = encode(rgb.load_dict(brushed | {"alpha_u": 0.5, "alpha_v": 0.05}), model)
+    # The average includes a quarter of a turn.
+    np.testing.assert_allclose(along.anchors, across.anchors, rtol=1e-2, atol=1e-3)
+
+
+def test_transmission_is_left_out_with_a_warning(rgb):
+    reading = evaluate_source(rgb.load_dict({"type": "roughdielectric", "alpha": 0.3}), WI, WO)
+    # Diffuse light onto glass of 1.5: 9.2 % come back (Walsh 1926); roughness loses a little.
+    assert 0.9 < reading.deviations.transmitted < 0.93
+    assert reading.deviations.mirrored == 0
+    assert "lets 9" in reading.deviations.warnings()[0]
+    veiled = rgb.load_dict({"type": "mask", "opacity": 0.4, "nested": {"type": "diffuse"}})
+    reading = evaluate_source(veiled, WI, WO)
+    assert reading.deviations.transmitted == pytest.approx(0.6, abs=0.01)  # 65,536 samples
+    np.testing.assert_allclose(reading.values, 0.4 * 0.5 / np.pi, rtol=1e-4)
+
+
+def test_smooth_reflection_is_left_out_with_a_warning(rgb):
+    glazed = rgb.load_dict({"type": "plastic", "int_ior": 1.5, "ext_ior": 1.0})
+    reading = evaluate_source(glazed, WI, WO)
+    # Diffuse light onto glass of 1.5, as above; 65,536 samples that vary by about 100 %.
+    assert reading.deviations.mirrored == pytest.approx(0.0918, abs=0.0015)
+    assert reading.deviations.transmitted == 0
+    assert "9% of the light by a perfectly smooth surface" in reading.deviations.warnings()[0]
+
+
+@pytest.mark.parametrize(
+    ("kind", "sentence"),
+    [
+        ("conductor", "encode SmoothConductor: the BSDF is perfectly smooth"),
+        ("dielectric", "is perfectly smooth, but a material must be rough"),
+        ("null", "reflects nothing but only transmits"),
+    ],
+)
+def test_bsdfs_without_rough_reflection_are_refused(rgb, kind, sentence):
+    with pytest.raises(ParameterError, match=sentence):
+        as_source(rgb.load_dict({"type": kind}))
+
+
+def test_a_texture_is_read_at_the_middle_of_uv(rgb):
+    checks = {"type": "checkerboard", "color0": 0.2, "color1": 0.6}
+    reading = evaluate_source(rgb.load_dict({"type": "diffuse", "reflectance": checks}), WI, WO)
+    assert reading.deviations.textured
+    assert "middle of uv" in reading.deviations.warnings()[0]
+    assert len(np.unique(reading.values.round(6))) == 1
+
+
+def test_textures_that_are_not_over_uv_are_refused(rgb):
+    attribute = {"type": "mesh_attribute", "name": "vertex_color"}
+    bsdf = rgb.load_dict({"type": "principled", "base_color": attribute})
+    with pytest.raises(ParameterError, match="Principled: the BSDF depends on a mesh attribute"):
+        as_source(bsdf)
+
+
+def test_a_random_walk_is_averaged_without_a_warning(rgb):
+    walk = {"type": "layered", "alpha": 0.3, "sigma_t": 1.0, "albedo": 0.8}
+    reading = evaluate_source(rgb.load_dict(walk | {"bottom": {"type": "diffuse"}}), WI, WO)
+    assert reading.deviations.anisotropy is None and reading.deviations.reciprocity is None
+    swapped = evaluate_source(rgb.load_dict(walk | {"bottom": {"type": "diffuse"}}), WO, WI)
+    # 4,096 walks for each pair: only their noise of about 2 % remains.
+    error = np.abs(reading.values - swapped.values).sum() / swapped.values.sum()
+    assert error < 0.05
+
+
+def test_scalar_variants_are_refused():
+    import mitsuba as mi
+
+    mi.set_variant("scalar_rgb")
+    with pytest.raises(PlatformError, match="cannot be read in the variant scalar_rgb"):
+        as_source(mi.load_dict({"type": "diffuse"}))
+
+
+@pytest.mark.parametrize(
+    "bottom",
+    [
+        {"type": "roughplastic", "alpha": 0.2},
+        {"type": "roughconductor", "material": "Al", "alpha_u": 0.1, "alpha_v": 0.3},
+    ],
+    ids=lambda bottom: bottom["type"],
+)
+def test_a_coat_lies_over_the_same_codes_in_python_and_in_the_plugin(rgb, bottom):
+    """For isotropic and for averaged bottoms both use one symmetrisation.
+
+    What remains is the rounding of single precision in products of different shapes.
+    """
+    coated = rgb.load_dict(
+        {"type": "neural_layered", "alpha": 0.1, "int_ior": 1.5, "ext_ior": 1.0, "base": bottom}
+    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UrushiWarning)  # of the anisotropy
+        expected = layer(dielectric(0.1, 1.5), rgb.load_dict(bottom))
+    codes = coated.latents.at(np.full((1, 2), 0.5))[0]
+    np.testing.assert_allclose(codes, expected.latents, atol=2e-6)

@@ -1,0 +1,147 @@
+"""Surfaces that are known from their parameters, against Mitsuba's own evaluation of them."""
+
+import numpy as np
+import pytest
+
+from urushi.core.probe_pairs import probe_pairs
+from urushi.errors import ParameterError
+from urushi.material.encode import bare_anchors, encode, encoder_codes
+from urushi.material.energy import limit_albedo
+from urushi.material.layer import layer_texels
+from urushi.nets import lobe as lobes
+from urushi.nets import weights
+from urushi.nets.architecture import Architecture, init
+from urushi.nets.weights import Model
+
+ARCH = Architecture(
+    latent=12, decoder=(8, 8), encoder=(8,), layerer=(8,), sampler=(8,), lobes=1, probes=48
+)
+WI, WO = probe_pairs(192)
+COLOUR = {"type": "rgb", "value": (0.9, 0.5, 0.2)}
+GGX = {"type": "roughconductor", "distribution": "ggx", "alpha": 0.2}
+
+KNOWN = {
+    "perfect reflector": GGX,
+    "reflectance": GGX | {"specular_reflectance": COLOUR},
+    "gold": GGX | {"material": "Au"},
+    "glass": GGX | {"eta": 1.5, "k": 0.0, "specular_reflectance": COLOUR},
+    "both sides": {"type": "twosided", "surface": GGX | {"material": "Cu"}},
+    "diffuse": {"type": "diffuse", "reflectance": COLOUR},
+}
+UNKNOWN = {
+    "beckmann": GGX | {"distribution": "beckmann"},
+    "plastic": {"type": "roughplastic", "distribution": "ggx"},
+    "principled": {"type": "principled"},
+}
+
+
+@pytest.fixture(scope="module")
+def model() -> Model:
+    return Model.of(ARCH, init(ARCH, seed=3), {})
+
+
+@pytest.fixture(scope="module")
+def file(model, tmp_path_factory):
+    path = tmp_path_factory.mktemp("weights") / "lobed.safetensors"
+    weights.save(path, ARCH, model.params, {})
+    return path
+
+
+def bitmap(mi, pixels) -> dict:
+    return {"type": "bitmap", "bitmap": mi.Bitmap(np.float32(pixels)), "raw": True}
+
+
+@pytest.mark.parametrize("name", KNOWN)
+def test_a_known_surface_has_the_values_of_the_bsdf(rgb, name):
+    from urushi.mitsuba.reading import probing
+    from urushi.mitsuba.reading.surfaces import known_surface
+
+    bsdf = rgb.load_dict(KNOWN[name])
+    uv = np.full((len(WI), 2), 0.5)
+    found = known_surface(bsdf).at(uv)
+    values = lobes.f(found.lobe, WI[:, None], WO[:, None]) + found.diffuse / np.pi
+    expected = probing.bsdf_values(bsdf, WI, WO, uv)
+    # single precision of the half vector, in the steepest part of the lobe
+    np.testing.assert_allclose(values, expected, rtol=5e-4, atol=1e-6)
+    assert found.are_possible()
+
+
+@pytest.mark.parametrize("name", UNKNOWN)
+def test_other_bsdfs_are_known_by_their_values_alone(rgb, name):
+    from urushi.mitsuba.reading.surfaces import known_surface
+
+    assert known_surface(rgb.load_dict(UNKNOWN[name])) is None
+
+
+def test_a_bare_bsdf_is_encoded_exactly(rgb, model):
+    from urushi.mitsuba.reading import probing
+
+    bsdf = rgb.load_dict(KNOWN["gold"])
+    expected = probing.bsdf_values(bsdf, WI, WO, np.full((len(WI), 2), 0.5))
+    np.testing.assert_allclose(encode(bsdf, model).f(WI, WO), expected, rtol=5e-4, atol=1e-6)
+
+
+@pytest.mark.parametrize("name", ("reflectance", "diffuse"))
+def test_every_texel_of_a_surface_is_that_surface(rgb, model, file, name):
+    """The codes under a coat are those of each texel's own surface; a texture's codes have 8 bits.
+
+    The reflectance is 8 x 6 texels, so that several texels and channels are equal.
+    """
+    rng = np.random.default_rng(0)
+    pixels, widths = rng.integers(1, 5, (6, 8, 3)) / 4, rng.integers(1, 3, (6, 8, 1)) / 4
+    base = KNOWN[name] | {
+        "reflectance" if name == "diffuse" else "specular_reflectance": bitmap(rgb, pixels)
+    }
+    if name == "diffuse":
+        f = np.broadcast_to(pixels[..., None] / np.pi, (*pixels.shape, ARCH.probes))
+        codes = encoder_codes(model, f, np.float32(lobes.NO_LOBE))
+        bottom = limit_albedo(model, codes)
+    else:
+        base["alpha"] = bitmap(rgb, widths)
+        none, one = np.zeros_like(pixels), np.ones_like(pixels)
+        numbers = widths * one, pixels, pixels, none, 1.5 * one, none
+        bottom = bare_anchors(model, np.stack(numbers, axis=-1).astype(np.float32))
+    coat = {"sigma_t": 0.5, "albedo": 0.5, "g": 0.0, "alpha": 0.1}
+    bsdf = rgb.load_dict(
+        {"type": "neural_layered", "weights": str(file), "int_ior": 1.5, "ext_ior": 1.0}
+        | coat
+        | {"base": base}
+    )
+    x, y = np.meshgrid((np.arange(8) + 0.5) / 8, (np.arange(6) + 0.5) / 6)
+    found = bsdf.latents.at(np.float32([x.ravel(), y.ravel()]).T).reshape(6, 8, 3, -1)
+    expected = layer_texels(model, bottom, eta=1.5, **coat)
+    # 8 bits of a number's range in the bottom and in the coat, and half precision
+    tolerance = 0.01 * np.ptp(expected, axis=(0, 1, 2)) + 5e-4 * np.abs(expected) + 1e-6
+    assert (np.abs(found - expected) <= tolerance).all()
+
+
+def test_the_rest_of_bare_surfaces_is_what_the_layerer_has_learned(rgb, model):
+    """The encoder's code of nothing, unscaled: in training no limit of energy scales bottoms."""
+    lobe = np.float32([lobes.NO_LOBE, (0.3, 1, 1, 0, 1.5, 0), (0.05, 0, 0, 0.9, 0.2, 3.9)])
+    anchors = bare_anchors(model, lobe)
+    nothing = model.networks.encode(np.zeros((3, ARCH.probes), np.float32), lobe)
+    np.testing.assert_allclose(anchors, nothing, rtol=1e-5, atol=1e-6)
+
+
+@pytest.mark.parametrize("value", (-0.5, np.nan))
+@pytest.mark.parametrize("name", ("reflectance", "diffuse"))
+def test_textures_without_a_meaning_are_refused(rgb, file, name, value):
+    pixels = np.full((2, 2, 3), 0.5)
+    pixels[1, 1, 2] = value
+    own = "reflectance" if name == "diffuse" else "specular_reflectance"
+    base = KNOWN[name] | {own: bitmap(rgb, pixels)}
+    with pytest.raises((ParameterError, RuntimeError), match="negative or non-finite value"):
+        rgb.load_dict({"type": "neural_layered", "weights": str(file), "base": base})
+
+
+def test_codes_are_looked_up_where_numbers_are_the_same_everywhere(rgb, file):
+    """A coat over a textured coat: the numbers of its lobe that do not vary have no bytes."""
+    albedo = bitmap(rgb, np.random.default_rng(0).random((2, 2, 3)))
+    inner = {"type": "neural_layered", "weights": str(file), "albedo": albedo, "sigma_t": 1.0}
+    inner["base"] = KNOWN["diffuse"]
+    bsdf = rgb.load_dict(inner)
+    codes = bsdf.latents.at(np.float32([[0.25, 0.25], [0.75, 0.25]]))
+    assert codes.shape == (2, 3, ARCH.latent)
+    np.testing.assert_allclose(codes[..., 1:4], np.broadcast_to([0, 0, 1], (2, 3, 3)))
+    outer = {"type": "neural_layered", "weights": str(file), "alpha": 0.3, "base": inner}
+    assert rgb.load_dict(outer).latents.resolution == (2, 2)

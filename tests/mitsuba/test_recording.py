@@ -1,0 +1,48 @@
+"""Conditions and modes of Dr.Jit: pictures do not depend on how their kernels are recorded."""
+
+import drjit as dr
+import numpy as np
+
+from urushi.mitsuba.recording import only_where
+
+
+def test_no_active_lane_gives_zeros(rgb):
+    """Also where Dr.Jit knows that none is active, and leaves the function out."""
+    x = dr.arange(rgb.Float, 4)
+    for active in (rgb.Bool(False), rgb.Bool([False] * 4)):
+        first, (second,) = only_where(active, lambda a: [a + 1, [2 * a]], x)
+        for value in (first, second):
+            np.testing.assert_array_equal(value.numpy(), np.zeros(len(value)))
+
+
+def test_calls_of_one_kernel_or_of_several_render_the_same(rgb, networks):
+    """A coat and a textured one, some rays of which leave the scene."""
+    texels = np.random.default_rng(0).uniform(0.3, 0.8, (4, 4, 3)).astype(np.float32)
+    albedo = {"type": "bitmap", "bitmap": rgb.Bitmap(texels), "raw": True}
+    coat = {"type": "neural_layered", "weights": str(networks), "alpha": 0.2, "sigma_t": 0.8}
+    coat["bottom"] = {"type": "roughconductor", "distribution": "ggx", "alpha": 0.3}
+
+    def sphere(x, albedo):
+        return {
+            "type": "sphere", "center": [x, 0, 0], "radius": 0.8, "bsdf": coat | {"albedo": albedo}
+        }  # fmt: skip
+
+    to_world = rgb.ScalarTransform4f().look_at([0, -5, 1], [0, 0, 0], [0, 0, 1])
+    film = {"type": "hdrfilm", "width": 12, "height": 8, "rfilter": {"type": "box"}}
+    scene = rgb.load_dict(
+        {
+            "type": "scene",
+            "integrator": {"type": "path", "max_depth": 3},
+            "sky": {"type": "constant", "radiance": 0.5},
+            "lamp": {"type": "point", "position": [1, -3, 3], "intensity": 8.0},
+            "constant": sphere(-1, 0.7),
+            "textured": sphere(1, albedo),
+            "sensor": {"type": "perspective", "fov": 50, "to_world": to_world, "film": film},
+        }
+    )
+    one = rgb.render(scene, spp=4, seed=3).numpy()
+    calls, loops = dr.JitFlag.SymbolicCalls, dr.JitFlag.SymbolicLoops
+    with dr.scoped_set_flag(calls, False), dr.scoped_set_flag(loops, False):
+        several = rgb.render(scene, spp=4, seed=3).numpy()
+    # The same random numbers; sums have another order.
+    np.testing.assert_allclose(several, one, rtol=1e-4)

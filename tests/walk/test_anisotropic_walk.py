@@ -1,0 +1,182 @@
+"""The random walk over surfaces of two widths: reciprocity, symmetries, and equal widths."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from urushi.checks import Widths
+from urushi.walk import (
+    Stack,
+    StackTable,
+    analytic,
+    coat,
+    conductor,
+    dielectric,
+    diffuse,
+    simulate,
+    walk_pairs,
+)
+from urushi.walk.monte_carlo import backend
+from urushi.walk.table import BOTTOM_KINDS, from_stack
+
+#: Anisotropic at the top, at the bottom, at both, and with three interfaces; per channel once.
+STACKS = {
+    "top": coat(diffuse(0.8), None, 1.5, 0.9, 0.5, 0.3, alpha_u=0.5, alpha_v=0.1),
+    "bottom": coat(conductor(r0=0.9, alpha_u=0.08, alpha_v=0.5), 0.15, 1.4, 0.8, 0.7),
+    "both": coat(
+        conductor(eta=(0.2, 0.9, 1.5), k=(3.9, 2.4, 1.9), alpha_u=0.4, alpha_v=(0.1, 0.2, 0.3)),
+        *(None, 1.6),
+        alpha_u=0.1,
+        alpha_v=0.6,
+    ),
+    "three": coat(
+        coat(dielectric(eta=1.8, alpha_u=0.2, alpha_v=0.6), 0.3, 1.2, 0.9, 0.5),
+        *(None, 0.8, 0.9, 0.3, -0.5),
+        alpha_u=0.7,
+        alpha_v=0.2,
+    ),
+}
+
+
+def pairs(count: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Unit vectors (count, 3) with cosines above 0.1."""
+    rng = np.random.default_rng(seed)
+    z, phi = rng.uniform(0.1, 1, (2, count)), rng.uniform(0, 2 * np.pi, (2, count))
+    r = np.sqrt(1 - z * z)
+    w = np.stack([r * np.cos(phi), r * np.sin(phi), z], axis=-1)
+    return w[0].astype(np.float32), w[1].astype(np.float32)
+
+
+def check_equal_means(a: tuple[np.ndarray, ...], b: tuple[np.ndarray, ...]) -> None:
+    """Two independent estimates (f, se) agree."""
+    # Rounding of the analytic top reflection is allowed.
+    z = (a[0] - b[0]) / np.sqrt(a[1] ** 2 + b[1] ** 2 + (1e-5 * a[0]) ** 2)
+    # 300 values of long-tailed estimates, channels in part the same: z is wider than a Gaussian.
+    assert np.abs(z).max() < 6
+    assert abs(z.mean()) < 4 / np.sqrt(len(z))
+    assert np.mean(z**2) < 1.6
+    # The comparison is sharp enough to see the anisotropy.
+    assert np.median(a[1] / a[0]) < 0.05
+
+
+def run(stack: Stack, wi: np.ndarray, wo: np.ndarray, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    f, se = simulate(stack, wi, wo, walks=1 << 12, seed=seed, progress=False)
+    return f.astype(np.float64), se.astype(np.float64)
+
+
+@pytest.mark.parametrize("stack", STACKS.values(), ids=STACKS.keys())
+def test_stacks_are_reciprocal_in_the_mean(stack: Stack) -> None:
+    wi, wo = pairs(100, 1)
+    check_equal_means(run(stack, wi, wo, 1), run(stack, wo, wi, 2))
+
+
+@pytest.mark.parametrize(
+    "signs", [[-1, -1, 1], [1, -1, 1], [-1, 1, 1]], ids=["half-turn", "mirror-y", "mirror-x"]
+)
+@pytest.mark.parametrize("stack", STACKS.values(), ids=STACKS.keys())
+def test_stacks_have_the_symmetries_of_their_tangent(stack: Stack, signs: list[int]) -> None:
+    wi, wo = pairs(100, 2)
+    sign = np.array(signs, np.float32)
+    check_equal_means(run(stack, wi, wo, 3), run(stack, sign * wi, sign * wo, 4))
+
+
+def crossed(stack: Stack) -> Stack:
+    """The stack with its two widths exchanged."""
+    result = dataclasses.replace(stack.bottom, alpha=_exchanged(stack.bottom.alpha))
+    for layer in reversed(stack.coats):
+        other = dataclasses.replace(layer, alpha=_exchanged(layer.alpha))
+        result = Stack((other, *getattr(result, "coats", ())), getattr(result, "bottom", result))
+    return result
+
+
+def _exchanged(alpha):
+    return Widths(alpha.v, alpha.u) if isinstance(alpha, Widths) else alpha
+
+
+@pytest.mark.parametrize("name", ["bottom", "both", "three"])
+def test_a_quarter_turn_exchanges_the_widths(name: str) -> None:
+    wi, wo = pairs(100, 3)
+    a, b = (np.stack([-w[:, 1], w[:, 0], w[:, 2]], axis=1) for w in (wi, wo))
+    stack = STACKS[name]
+    check_equal_means(run(stack, wi, wo, 5), run(crossed(stack), a, b, 6))
+    # The turn alone changes f, far beyond the noise.
+    f, turned = run(stack, wi, wo, 5)[0], run(stack, a, b, 6)[0]
+    assert np.mean(np.abs(turned / f - 1) > 0.2) > 0.1
+
+
+@pytest.mark.parametrize("coats", [1, 2])
+@pytest.mark.parametrize("kind", ["conductor", "conductor_complex", "dielectric"])
+def test_equal_widths_give_the_walks_of_one_width(kind: str, coats: int) -> None:
+    """The same bits on LLVM; CUDA divides approximately, and a walk amplifies a rounding."""
+    if backend().__name__ != "drjit.llvm":
+        pytest.skip("only LLVM divides exactly")
+    rng = np.random.default_rng(7)
+    shape = (8, coats)
+    coat_columns = {
+        "eta": rng.uniform(1.1, 1.8, shape),
+        "albedo": rng.uniform(0, 1, shape),
+        "sigma_t": rng.uniform(0, 2, shape),
+        "g": rng.uniform(-0.9, 0.9, shape),
+    }
+    alpha, others = rng.uniform(0.01, 1, 8), BOTTOM_KINDS[kind][1][1:]
+    bottom = {name: rng.uniform(0.5, 0.9, 8) for name in others}
+    widths = rng.uniform(0.01, 1, shape)
+    one = StackTable(widths, **coat_columns, kind=kind, bottom={"alpha": alpha, **bottom})
+    two = StackTable(
+        Widths(widths, widths),
+        **coat_columns,
+        kind=f"{kind}_anisotropic",
+        bottom={"alpha_u": alpha, "alpha_v": alpha, **bottom},
+    )
+    row, (wi, wo) = np.arange(64, dtype=np.uint32) % 8, pairs(64, 8)
+    f, se = walk_pairs(one, row, wi, wo, walks=256, seed=9)
+    f_two, se_two = walk_pairs(two, row, wi, wo, walks=256, seed=9)
+    np.testing.assert_array_equal(f_two, f)
+    np.testing.assert_array_equal(se_two, se)
+
+
+def test_channels_of_different_widths_are_stacks_of_their_own() -> None:
+    wi, wo = pairs(20, 9)
+    both = STACKS["both"]
+    f = simulate(both, wi, wo, walks=256, seed=1, progress=False)[0]
+    for channel in range(3):
+        bottom = conductor(
+            eta=both.bottom.eta[channel],
+            k=both.bottom.k[channel],
+            alpha_u=0.4,
+            alpha_v=both.bottom.alpha_v[channel],
+        )
+        table = from_stack(coat(bottom, None, 1.6, alpha_u=0.1, alpha_v=0.6))
+        alone, se = walk_pairs(table, np.zeros(20, np.uint32), wi, wo, walks=1 << 12, seed=2)
+        # 256 walks of the three channels against 4096 of one: 17 times their variance.
+        assert np.all(np.abs(f[:, channel] - alone) < 5 * np.sqrt(17) * se + 1e-4 * alone)
+
+
+@pytest.mark.parametrize("alpha_u", [0.05, 0.5])
+@pytest.mark.parametrize("eta_k", [(0.2, 3.9), (1.5, 2.0)])
+def test_a_bare_conductor_is_mitsubas(variant: str, alpha_u: float, eta_k) -> None:
+    """Mitsuba's own roughconductor of the same two widths, about the same axes."""
+    import drjit as dr
+    import mitsuba as mi
+
+    eta, k = eta_k
+    spectra = {
+        name: {"type": "rgb", "value": [x] * 3} for name, x in zip(("eta", "k"), eta_k, strict=True)
+    }
+    bsdf = mi.load_dict(
+        {
+            "type": "roughconductor",
+            "distribution": "ggx",
+            "alpha_u": alpha_u,
+            "alpha_v": 0.2,
+            **spectra,
+        }
+    )
+    wi, wo = pairs(1000, 10)
+    si = dr.zeros(mi.SurfaceInteraction3f, len(wi))
+    si.wi, outgoing = (mi.Vector3f(np.ascontiguousarray(w.T)) for w in (wi, wo))
+    theirs = bsdf.eval(mi.BSDFContext(), si, outgoing)[0].numpy() / wo[:, 2]
+    ours = analytic.f(conductor(eta=eta, k=k, alpha_u=alpha_u, alpha_v=0.2), wi, wo)[:, 0]
+    # float32 on both sides, in steep lobes.
+    np.testing.assert_allclose(ours, theirs, rtol=2e-3, atol=1e-6)

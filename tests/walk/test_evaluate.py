@@ -1,0 +1,111 @@
+"""Surfaces without coats: closed forms, energy and reciprocity."""
+
+import numpy as np
+import pytest
+
+from urushi.errors import ParameterError
+from urushi.walk import conductor, dielectric, diffuse
+from urushi.walk.analytic import f
+
+DESCRIPTIONS = {
+    "schlick": conductor((0.1, 0.3, 1.0), 0.5),
+    "complex": conductor(0.3, eta=(0.2, 0.9, 1.5), k=(3.9, 2.4, 1.9)),
+    "dielectric": dielectric(0.2, (1.1, 1.5, 3.0)),
+    "diffuse": diffuse((0.1, 0.5, 1.0)),
+}
+
+
+def hemisphere(count: int, seed: int) -> np.ndarray:
+    """Unit vectors (count, 3) above the horizon."""
+    v = np.random.default_rng(seed).normal(size=(count, 3))
+    v[:, 2] = np.abs(v[:, 2]) + 0.05
+    return v / np.linalg.norm(v, axis=1, keepdims=True)
+
+
+def ggx(wi: np.ndarray, wo: np.ndarray, alpha: float) -> tuple[np.ndarray, np.ndarray]:
+    """D G / (4 cos cos) and wi.m in float64, from the slopes of facets (Heitz 2014)."""
+    m = wi + wo
+    m /= np.linalg.norm(m, axis=1, keepdims=True)
+    tan2 = 1 / m[:, 2] ** 2 - 1
+    d = np.exp(-2 * np.log1p(tan2 / alpha**2)) / (np.pi * alpha**2 * m[:, 2] ** 4)
+
+    def masking(w: np.ndarray) -> np.ndarray:
+        tan = np.tan(np.arccos(w[:, 2]))
+        return 1 / (1 + (np.sqrt(1 + (alpha * tan) ** 2) - 1) / 2)
+
+    g = masking(wi) * masking(wo)
+    return d * g / (4 * wi[:, 2] * wo[:, 2]), np.sum(wi * m, axis=1)
+
+
+def test_conductors_follow_the_closed_form() -> None:
+    wi, wo = hemisphere(500, 0), hemisphere(500, 1)
+    for alpha in (0.05, 0.5, 1.0):
+        lobe, cos = ggx(wi, wo, alpha)
+        schlick = lobe * (0.3 + 0.7 * (1 - cos) ** 5)
+        np.testing.assert_allclose(f(conductor(alpha, 0.3), wi, wo)[:, 0], schlick, rtol=2e-4)
+        # Fresnel's equations with a complex index, amplitudes first
+        index = 0.9 - 2.4j
+        cos_t = np.sqrt(1 - (1 - cos**2) / index**2 + 0j)
+        s = (cos - index * cos_t) / (cos + index * cos_t)
+        p = (index * cos - cos_t) / (index * cos + cos_t)
+        exact = lobe * (np.abs(s) ** 2 + np.abs(p) ** 2) / 2
+        found = f(conductor(alpha, eta=0.9, k=2.4), wi, wo)[:, 0]
+        np.testing.assert_allclose(found, exact, rtol=3e-4)
+
+
+def test_a_conductor_without_absorption_is_a_dielectric() -> None:
+    wi, wo = hemisphere(500, 2), hemisphere(500, 3)
+    metal = f(conductor(0.3, eta=1.5, k=0.0), wi, wo)
+    np.testing.assert_allclose(metal, f(dielectric(0.3, 1.5), wi, wo), rtol=1e-3, atol=1e-6)
+
+
+def test_diffuse_is_constant() -> None:
+    value = f(diffuse((0.1, 0.5, 1.0)), hemisphere(10, 4), hemisphere(10, 5))
+    np.testing.assert_allclose(value, np.broadcast_to([0.1, 0.5, 1.0], (10, 3)) / np.pi, rtol=1e-6)
+
+
+@pytest.mark.parametrize("description", DESCRIPTIONS.values(), ids=DESCRIPTIONS.keys())
+def test_surfaces_are_reciprocal_and_dark_below_the_horizon(description) -> None:
+    wi, wo = hemisphere(500, 6), hemisphere(500, 7)
+    there, back = f(description, wi, wo), f(description, wo, wi)
+    assert there.dtype == np.float32
+    assert there.shape == (500, 3)
+    assert np.all(there >= 0)
+    np.testing.assert_allclose(there, back, rtol=1e-5)
+    down = wo * [1, 1, -1]
+    assert not f(description, wi, down).any()
+    assert not f(description, down, wi).any()
+    assert not f(description, down, down).any()
+
+
+@pytest.mark.parametrize("description", DESCRIPTIONS.values(), ids=DESCRIPTIONS.keys())
+def test_surfaces_reflect_at_most_what_arrives(description) -> None:
+    grid = (np.arange(256) + 0.5) / 256
+    z, phi = (x.ravel() for x in np.meshgrid(grid, 2 * np.pi * grid))
+    r = np.sqrt(1 - z * z)
+    wo = np.stack([r * np.cos(phi), r * np.sin(phi), z], axis=1)
+    for theta in (0.0, 0.7, 1.3):
+        wi = np.broadcast_to([np.sin(theta), 0, np.cos(theta)], wo.shape)
+        reflected = 2 * np.pi * np.mean(f(description, wi, wo) * z[:, None], axis=0)
+        assert np.all(reflected < 1.01)  # the grid's error at the narrowest lobe
+
+
+def test_channels_are_independent() -> None:
+    wi, wo = hemisphere(50, 8), hemisphere(50, 9)
+    rgb = f(DESCRIPTIONS["schlick"], wi, wo)
+    for channel, alpha in enumerate((0.1, 0.3, 1.0)):
+        alone = f(conductor(alpha, 0.5), wi, wo)
+        np.testing.assert_allclose(rgb[:, channel], alone[:, 0], rtol=1e-6)
+
+
+def test_no_directions_give_no_values() -> None:
+    nothing = np.zeros((0, 3))
+    for description in DESCRIPTIONS.values():
+        assert f(description, nothing, nothing).shape == (0, 3)
+
+
+def test_errors_name_bad_directions() -> None:
+    with pytest.raises(ParameterError, match=r"wi\[1\] = .* is not a unit vector"):
+        f(diffuse(0.5), [[0, 0, 1], [0, 0, 1.1]], [[0, 0, 1], [0, 0, 1]])
+    with pytest.raises(ParameterError, match="wi has 1 directions and wo has 2"):
+        f(diffuse(0.5), [[0, 0, 1]], [[0, 0, 1], [0, 0, 1]])

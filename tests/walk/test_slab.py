@@ -1,0 +1,137 @@
+"""Closed forms of a smooth slab: known identities, and the smooth limit of both simulators."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from tests.oracles import adding_doubling, slab
+
+from urushi.walk import coat, conductor, diffuse, simulate
+
+
+def walsh(n: float) -> float:
+    """Diffuse reflectance of a smooth dielectric from air (Walsh 1926), in closed form."""
+    log_n, log_ratio = np.log(n), np.log((n - 1) / (n + 1))
+    return (
+        0.5
+        + (n - 1) * (3 * n + 1) / (6 * (n + 1) ** 2)
+        + n**2 * (n**2 - 1) ** 2 / (n**2 + 1) ** 3 * log_ratio
+        - 2 * n**3 * (n**2 + 2 * n - 1) / ((n**2 + 1) * (n**4 - 1))
+        + 8 * n**4 * (n**4 + 1) / ((n**2 + 1) * (n**4 - 1) ** 2) * log_n
+    )
+
+
+@pytest.mark.parametrize("eta", [0.5, 0.95])
+def test_a_thin_medium_returns_walshs_reflectance_from_outside(eta: float) -> None:
+    # Seen from inside a slab of the lower index, its surface is a dielectric of the index 1 / eta.
+    assert slab.internal_return(eta) == pytest.approx(walsh(1 / eta), rel=1e-6)
+
+
+@pytest.mark.parametrize("eta", [1.05, 1.5, 3.0])
+def test_internal_return_is_walshs_diffuse_reflectance(eta: float) -> None:
+    # As much phase space leaves as enters: eta^2 (1 - inside) = 1 - outside.
+    assert 1 - slab.internal_return(eta) == pytest.approx((1 - walsh(eta)) / eta**2, rel=1e-6)
+
+
+def test_absorption_weakens_the_internal_return() -> None:
+    values = [slab.internal_return(1.5, sigma_t) for sigma_t in (0.0, 0.1, 1.0, 10.0)]
+    assert all(a > b for a, b in pairwise(values))
+    assert values[-1] < 1e-8
+
+
+@pytest.mark.parametrize("eta", [0.5, 0.7, 0.95, 1.5])
+def test_white_furnace(eta: float) -> None:
+    cos = np.linspace(0.02, 1, 25)
+    np.testing.assert_allclose(slab.mirror_albedo(cos, eta, 0.0, 1.0), 1, rtol=1e-12)
+    # The error is the quadrature's: Fresnel's formula has a square root at grazing directions.
+    np.testing.assert_allclose(slab.lambertian_albedo(cos, eta, 0.0, 1.0), 1, rtol=1e-6)
+
+
+def test_below_the_critical_cosine_all_light_is_reflected() -> None:
+    eta, critical = 0.7, np.sqrt(1 - 0.7**2)
+    for albedo in (slab.mirror_albedo, slab.lambertian_albedo):
+        beyond, before = albedo(np.array([critical - 0.01, critical + 0.01]), eta, 1.0, 0.5)
+        assert beyond == 1
+        assert before < 1
+    assert slab.lambertian_f(critical - 0.01, 1.0, eta, 1.0, 0.5) == 0
+
+
+def test_a_black_slab_only_reflects_at_its_surface() -> None:
+    cos = np.array([0.1, 0.6, 1.0])
+    surface = slab.interface_reflectance(cos, 1.5)
+    assert surface[-1] == pytest.approx(0.04)
+    np.testing.assert_allclose(slab.mirror_albedo(cos, 1.5, 50.0, 1.0), surface)
+    np.testing.assert_allclose(slab.lambertian_albedo(cos, 1.5, 1.0, 0.0), surface)
+
+
+SIGMA_T = (0.0, 0.25, 0.5)
+REFLECTANCE = (0.9, 0.6, 0.5)
+
+
+def pairs_off_the_mirror() -> tuple[np.ndarray, np.ndarray]:
+    """Pairs at 0 to 60 degrees whose half vector is 10 degrees or more from the normal."""
+    theta_i, theta_o = (a.ravel() for a in np.meshgrid([0.35, 0.7, 1.05], [0.35, 0.7, 1.05]))
+    wi = np.stack([np.sin(theta_i), 0 * theta_i, np.cos(theta_i)], axis=1)
+    # The half vector is tilted at a right angle to the plane of incidence.
+    wo = np.stack([0 * theta_o, np.sin(theta_o), np.cos(theta_o)], axis=1)
+    return wi, wo
+
+
+@pytest.mark.parametrize("eta", [0.95, 0.999, 1.001, 1.5])
+def test_walk_over_a_lambertian_reaches_the_smooth_limit(eta: float) -> None:
+    wi, wo = pairs_off_the_mirror()
+    stack = coat(diffuse(REFLECTANCE), 0.01, eta, albedo=0.0, sigma_t=SIGMA_T)
+    f, se = simulate(stack, wi, wo, walks=20_000, seed=1)
+    for channel, (sigma_t, rho) in enumerate(zip(SIGMA_T, REFLECTANCE, strict=True)):
+        expected = slab.lambertian_f(wi[:, 2], wo[:, 2], eta, sigma_t, rho)
+        # 1 %: GGX has long tails, so that even alpha = 0.01 is not quite smooth.
+        error = np.abs(f[:, channel] - expected)
+        assert np.all(error < 0.01 * expected + 4 * se[:, channel])
+        assert np.median(f[:, channel] / expected) == pytest.approx(1, abs=5e-3)
+
+
+def test_adding_doubling_over_a_lambertian_approaches_the_smooth_limit() -> None:
+    wi, wo = pairs_off_the_mirror()
+    expected = slab.lambertian_f(wi[:, 2], wo[:, 2], 1.5, 0.5, 0.5)
+    worst = []
+    for alpha in (0.2, 0.1, 0.05):
+        stack = coat(diffuse(0.5), alpha, 1.5, albedo=0.0, sigma_t=0.5)
+        f = adding_doubling.solve(stack, wi, wo, nodes=40, modes=8)[:, 0]
+        f -= top_reflection(wi, wo, alpha)
+        worst.append(np.abs(f / expected - 1).max())
+    assert worst[0] > worst[1] > worst[2]
+    assert worst[2] < 0.02  # GGX's tails again
+
+
+def top_reflection(wi: np.ndarray, wo: np.ndarray, alpha: float) -> np.ndarray:
+    """The reflection of the top interface alone: that of a stack with a black bottom."""
+    black = coat(diffuse(0.0), alpha, 1.5, albedo=0.0, sigma_t=1.0)
+    return adding_doubling.solve(black, wi, wo, nodes=8, modes=2)[:, 0]
+
+
+@pytest.mark.parametrize("theta", [0.1, 0.6])
+def test_walk_over_a_mirror_reaches_the_smooth_limit(theta: float) -> None:
+    stack = coat(conductor(0.01, REFLECTANCE), 0.01, 1.5, albedo=0.0, sigma_t=SIGMA_T)
+    mean, se = albedo_about_the_mirror(stack, theta, alpha=0.02, samples=40_000)
+    for channel, (sigma_t, r0) in enumerate(zip(SIGMA_T, REFLECTANCE, strict=True)):
+        expected = slab.mirror_albedo(np.cos(theta), 1.5, sigma_t, r0)
+        # 1 %: light that GGX's tails reflect below the horizon is lost.
+        assert abs(mean[channel] - expected) < 0.01 * expected + 3 * se[channel]
+
+
+def albedo_about_the_mirror(stack, theta, alpha, samples):  # type: ignore[no-untyped-def]
+    """Directional albedo by the walk, wo drawn from a GGX lobe of width alpha; mean and error."""
+    rng = np.random.default_rng(7)
+    u, v = rng.random((2, samples))
+    tan2, phi = alpha**2 * u / (1 - u), 2 * np.pi * v
+    cos = 1 / np.sqrt(1 + tan2)
+    sin = np.sqrt(1 - cos**2)
+    half = np.stack([sin * np.cos(phi), sin * np.sin(phi), cos], axis=1)
+    wi = np.array([np.sin(theta), 0.0, np.cos(theta)])
+    dot = half @ wi
+    wo = 2 * dot[:, None] * half - wi
+    wo /= np.linalg.norm(wo, axis=1, keepdims=True)
+    density = alpha**2 / (np.pi * (cos**2 * (alpha**2 - 1) + 1) ** 2) * cos / (4 * np.abs(dot))
+    f, _ = simulate(stack, np.tile(wi, (samples, 1)), wo, walks=32, seed=3)
+    value = f * wo[:, 2:] / density[:, None]
+    return value.mean(0), value.std(0) / np.sqrt(samples)

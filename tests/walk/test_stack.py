@@ -1,0 +1,181 @@
+"""Descriptions: values, equality, and an error sentence for every mistake."""
+
+import numpy as np
+import pytest
+
+from urushi.checks import Widths
+from urushi.errors import ParameterError
+from urushi.walk import (
+    Coat,
+    Conductor,
+    Stack,
+    StackTable,
+    coat,
+    conductor,
+    dielectric,
+    diffuse,
+    simulate,
+    walk_pairs,
+)
+from urushi.walk.table import from_stack
+
+UP = [[0.0, 0.0, 1.0]]
+STACK = coat(diffuse(0.5), 0.1, 1.5)
+
+
+def test_descriptions_are_values() -> None:
+    stack = coat(conductor(0.1, [0.9, 0.8, 0.7]), np.float32(0.5), 1.5, albedo=np.array(0.5))
+    again = coat(conductor(0.1, (0.9, 0.8, 0.7)), 0.5, 1.5, 0.5)
+    assert stack == again
+    assert hash(stack) == hash(again)
+    assert stack.bottom.r0 == (0.9, 0.8, 0.7)
+    assert stack.coats[0].alpha == 0.5
+
+
+def test_defaults_of_coat_are_those_of_the_plugins() -> None:
+    """BK7 glass (1.5046) in air (1.000277), as Mitsuba's rough dielectrics, of width 0.1, clear."""
+    eta = 1.5046 / 1.000277
+    assert coat(diffuse(0.5)) == coat(diffuse(0.5), 0.1, eta, 0, 0, 0)
+    assert dielectric() == dielectric(0.1, eta)
+
+
+def test_coating_a_stack_adds_on_top() -> None:
+    inner = coat(diffuse(0.5), 0.1, 1.3)
+    outer = coat(inner, 0.2, 1.5)
+    assert outer == Stack((Coat(0.2, 1.5), Coat(0.1, 1.3)), diffuse(0.5))
+
+
+def test_a_table_has_a_row_per_channel_that_differs() -> None:
+    assert len(from_stack(STACK)) == 1
+    table = from_stack(coat(STACK, 0.3, 1.2, albedo=(0.1, 0.2, 0.3)))
+    assert len(table) == 3
+    assert table.coats == 2
+    np.testing.assert_allclose(table.albedo, [[0.1, 0], [0.2, 0], [0.3, 0]])
+    np.testing.assert_allclose(table.alpha, [[0.3, 0.1]] * 3)
+
+
+def test_equal_widths_are_one_width() -> None:
+    assert conductor(alpha_u=0.2, alpha_v=0.2, r0=0.9) == conductor(0.2, 0.9)
+    assert dielectric(alpha_u=0.2, alpha_v=0.2) == dielectric(0.2)
+    three = (0.1, 0.2, 0.3)
+    assert coat(STACK, alpha_u=three, alpha_v=three) == coat(STACK, three)
+    assert dielectric(alpha_u=0.2, alpha_v=(0.2, 0.2, 0.2)).alpha_u == (0.2, 0.2, 0.2)
+
+
+def test_widths_differ_by_channel_and_by_axis() -> None:
+    brushed = conductor(alpha_u=0.1, alpha_v=(0.2, 0.3, 0.1), r0=0.9)
+    assert brushed.is_anisotropic
+    assert (brushed.alpha_u, brushed.alpha_v) == ((0.1, 0.1, 0.1), (0.2, 0.3, 0.1))
+    stack = coat(coat(brushed, 0.4), alpha_u=0.5, alpha_v=0.6)
+    assert stack.is_anisotropic and not STACK.is_anisotropic
+    assert hash(stack) == hash(coat(coat(brushed, 0.4), alpha_u=0.5, alpha_v=0.6))
+    table = from_stack(stack)
+    assert table.kind == "conductor_anisotropic"
+    np.testing.assert_allclose(table.alpha.u, [[0.5, 0.4]] * 3)
+    np.testing.assert_allclose(table.alpha.v, [[0.6, 0.4]] * 3)
+    np.testing.assert_allclose(table.bottom["alpha_v"], [0.2, 0.3, 0.1])
+
+
+@pytest.mark.parametrize(
+    ("make", "sentence"),
+    [
+        (lambda: conductor(0.009, 0.5), "the conductor's alpha is 0.009; it must be a GGX width"),
+        (lambda: conductor(1.01, 0.5), "the conductor's alpha is 1.01; it must be a GGX width in"),
+        (lambda: conductor(0.1, 1.5), "the conductor's r0 is 1.5; it must be a reflectance in"),
+        (lambda: conductor(0.1, (0, -0.1, 1)), "the conductor's r0 is -0.1; it must be"),
+        (lambda: conductor(0.1), "a conductor needs either r0 .* or both eta and k"),
+        (lambda: conductor(0.1, 0.5, eta=1.5, k=1), "a conductor needs either r0"),
+        (lambda: conductor(0.1, eta=1.5), "a conductor needs either r0"),
+        (lambda: conductor(0.1, eta=-1, k=1), "the conductor's eta is -1; it must be zero or more"),
+        (lambda: conductor(0.1, eta=1, k=-1), "the conductor's k is -1; it must be zero or more"),
+        (lambda: dielectric(0.001, 1.5), "the dielectric's alpha is 0.001; it must be"),
+        (lambda: dielectric(0.1, 1.0), r"the dielectric's eta is 1; .* or \[1.001, 3\]"),
+        (lambda: diffuse(1.1), r"reflectance is 1.1; it must be a reflectance in \[0, 1\]"),
+        (lambda: diffuse(np.nan), "reflectance is nan; it must be"),
+        (lambda: coat(diffuse(1), 0.0, 1.5), r"the coat's alpha is 0; .* in \[0.01, 1\]"),
+        (lambda: coat(diffuse(1), 0.1, 3.1), r"the coat's eta is 3.1; .* or \[1.001, 3\]"),
+        (lambda: coat(diffuse(1), 0.1, 0.4), r"the coat's eta is 0.4; .* in \[0.5, 0.999\]"),
+        (lambda: coat(diffuse(1), 0.1, 0.9999), r"the coat's eta is 0.9999; .* or \[1.001, 3\]"),
+        (lambda: coat(diffuse(1), 0.1, 1.5, 1.1), "the coat's albedo is 1.1; it must be"),
+        (lambda: coat(diffuse(1), 0.1, 1.5, -0.1), "the coat's albedo is -0.1; it must be"),
+        (lambda: coat(diffuse(1), 0.1, 1.5, 1, -1), "the coat's sigma_t is -1; .* optical depth"),
+        (lambda: coat(diffuse(1), 0.1, 1.5, 1, np.inf), "the coat's sigma_t is inf; it must be"),
+        (lambda: coat(diffuse(1), 0.1, 1.5, 1, 1, 1.0), r"the coat's g is 1; .* in \(-1, 1\)"),
+        (lambda: coat(diffuse(1), 0.1, 1.5, 1, 1, -1), r"the coat's g is -1; .* in \(-1, 1\)"),
+        (lambda: coat(diffuse(1), 0.1, 1.5, [1, 2]), r"the coat's albedo has shape \(2,\); give"),
+        (lambda: coat(diffuse(1), 0.1, 1.5, "red"), "the coat's albedo must be a number or one"),
+        (lambda: coat("gold", 0.1, 1.5), "str cannot lie under a coat; give a conductor"),
+        (lambda: coat(None, 0.1, 1.5), "NoneType cannot lie under a coat"),
+        (lambda: conductor(r0=0.5), "the conductor's alpha is missing; give alpha, or alpha_u and"),
+        (
+            lambda: conductor(0.1, 0.5, alpha_u=0.1, alpha_v=0.2),
+            "the conductor's alpha is given together with alpha_u or alpha_v; give alpha alone",
+        ),
+        (lambda: dielectric(0.1, alpha_v=0.2), "the dielectric's alpha is given together with"),
+        (lambda: dielectric(alpha_v=0.2), "the dielectric's alpha_u is missing; alpha_u and alph"),
+        (lambda: coat(diffuse(1), alpha_u=0.2), "the coat's alpha_v is missing; .* go together"),
+        (
+            lambda: coat(diffuse(1), alpha_u=0.2, alpha_v=(0.1, 0.2, 1.1)),
+            r"the coat's alpha_v is 1.1; it must be a GGX width in \[0.01, 1\]",
+        ),
+        (
+            lambda: conductor(r0=1, alpha_u=0, alpha_v=1),
+            "the conductor's alpha_u is 0; it must be a GGX width in",
+        ),
+        (lambda: Stack((), diffuse(1)), "a Stack needs one or more Coat objects, top to bottom"),
+        (lambda: Stack((diffuse(1),), diffuse(1)), "a Stack needs one or more Coat objects"),
+    ],
+)
+def test_errors_name_mistakes_in_descriptions(make, sentence: str) -> None:
+    with pytest.raises(ParameterError, match=sentence):
+        make()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        ((diffuse(0.5), UP, UP), r"simulate needs a Stack from urushi.coat\(...\), not Diffuse"),
+        ((None, UP, UP), "simulate needs a Stack .* not NoneType"),
+        ((STACK, UP, [[0, 0, 1.01]]), r"wo\[0\] = .* is not a unit vector; divide directions by"),
+        ((STACK, [[0, np.nan, 1]], UP), r"wi\[0\] = .* is not a unit vector"),
+        ((STACK, [0, 0, 1], UP), r"wi has shape \(3,\); give unit vectors of shape \(N, 3\)"),
+        ((STACK, UP, UP * 2), "wi has 1 directions and wo has 2; give pairs of the same number"),
+        ((STACK, "up", UP), r"wi must be an \(N, 3\) array of unit vectors"),
+    ],
+)
+def test_errors_name_mistakes_in_a_simulation(arguments: tuple, sentence: str) -> None:
+    with pytest.raises(ParameterError, match=sentence):
+        simulate(*arguments)
+
+
+def test_one_walk_has_no_standard_error() -> None:
+    for walks in (1, 0, -5):
+        with pytest.raises(ParameterError, match=f"walks is {walks}; .* needs at least 2"):
+            simulate(STACK, UP, UP, walks=walks)
+        with pytest.raises(ParameterError, match=f"walks is {walks}; .* needs at least 2"):
+            ones = np.array(UP, np.float32)
+            walk_pairs(from_stack(STACK), np.zeros(1, np.uint32), ones, ones, walks=walks, seed=0)
+
+
+def test_no_directions_give_no_values() -> None:
+    nothing = np.zeros((0, 3))
+    f, se = simulate(STACK, nothing, nothing, walks=2, progress=False)
+    assert f.shape == se.shape == (0, 3)
+
+
+def test_errors_name_mistakes_in_a_table() -> None:
+    one = np.ones((2, 1))
+    with pytest.raises(ParameterError, match="'conductor' bottoms needs the parameters alpha, r0"):
+        StackTable(one, one, one, one, one, "conductor", {"alpha": np.ones(2)})
+    with pytest.raises(ParameterError, match=r"eta must have shape \(stacks, coats\)"):
+        StackTable(one, np.ones(2), one, one, one, "diffuse", {"reflectance": np.ones(2)})
+    with pytest.raises(ParameterError, match=r"alpha_v must have shape \(stacks, coats\)"):
+        alpha = Widths(one, np.ones(2))
+        StackTable(alpha, one, one, one, one, "diffuse", {"reflectance": np.ones(2)})
+    with pytest.raises(ParameterError, match="bottom parameters must have one number per stack"):
+        StackTable(one, one, one, one, one, "diffuse", {"reflectance": np.ones(3)})
+
+
+def test_a_description_cannot_be_changed() -> None:
+    with pytest.raises(AttributeError):
+        Conductor(0.1, 0.5).alpha = 0.2  # type: ignore[misc]

@@ -1,0 +1,358 @@
+"""The random walk: reciprocity, independence of launches and channels, and edge cases."""
+
+from types import ModuleType
+
+import drjit as dr
+import numpy as np
+import pytest
+
+from urushi.checks import Widths
+from urushi.core.frame import from_cosine
+from urushi.core.random import stream
+from urushi.walk import (
+    Coat,
+    StackTable,
+    bottoms,
+    coat,
+    conductor,
+    dielectric,
+    diffuse,
+    monte_carlo,
+    simulate,
+    walk,
+    walk_pairs,
+)
+from urushi.walk.monte_carlo import backend
+from urushi.walk.table import BOTTOM_KINDS
+
+
+def hemisphere(count: int, rng: np.random.Generator, lowest: float = 0.1) -> np.ndarray:
+    """Unit vectors (count, 3) with uniform cosines above `lowest`."""
+    z, phi = rng.uniform(lowest, 1, count), rng.uniform(0, 2 * np.pi, count)
+    r = np.sqrt(1 - z * z)
+    return np.stack([r * np.cos(phi), r * np.sin(phi), z], axis=1).astype(np.float32)
+
+
+def random_table(
+    kind: str, stacks: int, coats: int, rng: np.random.Generator, lowest_eta: float = 1.01
+) -> StackTable:
+    """Stacks over the whole range of every parameter."""
+    shape = (stacks, coats)
+    ranges = {
+        "alpha": (0.01, 1),
+        "alpha_u": (0.01, 1),
+        "alpha_v": (0.01, 1),
+        "eta": (lowest_eta, 3),
+        "reflectance": (0, 1),
+        "r0": (0, 1),
+        "k": (0, 5),
+    }
+    bottom = {name: rng.uniform(*ranges[name], stacks) for name in BOTTOM_KINDS[kind][1]}
+    alpha = 10 ** rng.uniform(-2, 0, shape)
+    if kind.endswith("anisotropic"):
+        alpha = Widths(alpha, 10 ** rng.uniform(-2, 0, shape))
+    return StackTable(
+        alpha=alpha,
+        eta=rng.uniform(lowest_eta, 2, shape),
+        albedo=rng.uniform(0, 1, shape),
+        sigma_t=rng.uniform(0, 4, shape) * (rng.random(shape) < 0.8),
+        g=rng.uniform(-0.9, 0.9, shape),
+        kind=kind,
+        bottom=bottom,
+    )
+
+
+FAMILIES = [
+    ("conductor", 1),
+    ("conductor_complex", 1),
+    ("dielectric", 1),
+    ("diffuse", 1),
+    ("conductor", 2),
+    ("diffuse", 2),
+    ("conductor_complex", 3),
+    ("dielectric", 4),
+]
+
+#: Bottoms and all coats have two widths each. Without indices below one: beyond the critical angle,
+#: light enters through a few facets of the wider axis alone, often in none of the walks.
+ANISOTROPIC = [
+    ("conductor_anisotropic", 1),
+    ("conductor_complex_anisotropic", 1),
+    ("dielectric_anisotropic", 1),
+    ("conductor_anisotropic", 2),
+    ("dielectric_anisotropic", 2),
+    ("conductor_complex_anisotropic", 2),
+    ("conductor_anisotropic", 3),
+    ("dielectric_anisotropic", 4),
+]
+
+
+@pytest.mark.parametrize(
+    ("families", "lowest_eta"), [(FAMILIES, 0.5), (FAMILIES, 1.01), (ANISOTROPIC, 1.01)]
+)
+def test_200_random_stacks_are_reciprocal(families, lowest_eta: float) -> None:
+    rng = np.random.default_rng(5)
+    there, back, z = [], [], []
+    for kind, coats in families:
+        table = random_table(kind, 25, coats, rng, lowest_eta)
+        wi, wo = hemisphere(25, rng), hemisphere(25, rng)
+        row = np.tile(np.arange(25, dtype=np.uint32), 2)
+        both = np.concatenate([wi, wo]), np.concatenate([wo, wi])
+        f, se = walk_pairs(table, row, *both, walks=1 << 15, seed=6)
+        f, se = f.reshape(2, 25), se.reshape(2, 25)
+        # Rounding of the analytic reflection is allowed where a stack reflects nothing else.
+        z.append((f[0] - f[1]) / np.sqrt(se[0] ** 2 + se[1] ** 2 + (1e-5 * f[0]) ** 2 + 1e-30))
+        there.append(f[0])
+        back.append(f[1])
+    z, there, back = (np.concatenate(x) for x in (z, there, back))
+    assert np.count_nonzero(there) == len(there) == 200
+    # 200 values: heavy tails make the standard errors uncertain, so z is wider than a Gaussian.
+    # The test would still detect a bias of one or two standard errors in a fourth of the pairs.
+    assert np.abs(z).max() < 5
+    assert abs(z.mean()) < 4 / np.sqrt(200)
+    assert np.mean(z**2) < 1.5
+    assert np.median(np.abs(there / back - 1)) < 0.02
+
+
+class ColorLayers:
+    """Coats with one value per channel, as a renderer passes them to the walk."""
+
+    def __init__(self, jit: ModuleType, coats: tuple[Coat, ...]) -> None:
+        self.count = len(coats)
+        self._jit, self._coats = jit, coats
+
+    def _choose(self, index, values):
+        result = values[-1]
+        for i, value in enumerate(values[:-1]):
+            result = dr.select(index == i, value, result)
+        return result
+
+    def interface(self, index):
+        return tuple(
+            self._choose(index, [self._jit.Float(getattr(c, name)) for c in self._coats])
+            for name in ("alpha", "eta")
+        )
+
+    def medium(self, index):
+        def color(value):
+            return self._jit.Array3f(*np.broadcast_to(value, 3).tolist())
+
+        return tuple(
+            self._choose(index, [color(getattr(c, name)) for c in self._coats])
+            for name in ("albedo", "sigma_t", "g")
+        )
+
+
+def walk_in_color(stack, wi: np.ndarray, wo: np.ndarray, walks: int, seed: int):
+    """Mean and standard error (N, 3) of walks that carry three channels at once."""
+    jit = backend()
+    pair = dr.arange(jit.UInt32, len(wi) * walks) // walks
+    a, b = (dr.gather(jit.Array3f, jit.Array3f(np.ascontiguousarray(w.T)), pair) for w in (wi, wo))
+    layers = ColorLayers(jit, stack.coats)
+    bottom = bottoms.Lambertian(jit.Array3f(*np.broadcast_to(stack.bottom.reflectance, 3).tolist()))
+    rng = stream(jit.PCG32, dr.arange(jit.UInt32, len(wi) * walks), seed)
+    f = walk.estimate(layers, bottom, a, b, rng, jit.Array3f).numpy()
+    f = f.reshape(3, len(wi), walks).astype(np.float64)
+    top = walk.top_reflection(layers, a, b).numpy()[::walks, None]
+    return f.mean(axis=2).T + top, f.std(axis=2).T / np.sqrt(walks)
+
+
+COLORED = {
+    "albedo": [dict(albedo=(0.9, 0.5, 1.0), sigma_t=2.0, g=0.3)],
+    "sigma_t": [dict(albedo=0.9, sigma_t=(0.2, 1.0, 6.0), g=0.3)],
+    "clear in one channel": [dict(albedo=(0.9, 0.5, 1.0), sigma_t=(0.0, 2.0, 5.0), g=0.4)],
+    "g": [dict(albedo=0.95, sigma_t=2.0, g=(-0.5, 0.1, 0.8))],
+    # a rough top: light leaves by sampled phase directions as often as by connections
+    "g, rough": [dict(alpha=1.0, albedo=0.95, sigma_t=2.0, g=(-0.8, 0.0, 0.9))],
+    "index below one": [dict(eta=0.7, albedo=(0.9, 0.5, 1.0), sigma_t=(0.0, 2.0, 5.0), g=0.4)],
+    "absorbing": [dict(albedo=0.0, sigma_t=(0.0, 1.0, 4.0))],
+    "hardly scattering": [dict(albedo=(0.0, 0.05, 0.15), sigma_t=(0.5, 2.0, 0.0), g=(0.3, 0, 0))],
+    "hardly scattering over another": [
+        dict(albedo=0.1, sigma_t=(0.0, 1.0, 2.0), g=0.5),
+        dict(albedo=(0.02, 0.1, 0.9), sigma_t=(3.0, 0.0, 1.0)),
+    ],
+    "deep": [dict(albedo=1.0, sigma_t=(13.0, 20.0, 50.0))],
+    "two coats": [
+        dict(albedo=(0.9, 0.5, 0.99), sigma_t=(0.0, 1.0, 2.0), g=(0.6, 0.1, -0.4)),
+        dict(albedo=(0.6, 0.95, 0.8), sigma_t=(3.0, 0.0, 1.0), g=(-0.3, 0.0, 0.7)),
+    ],
+}
+
+
+@pytest.mark.parametrize("coats", COLORED.values(), ids=COLORED.keys())
+def test_one_walk_for_all_channels_equals_a_walk_per_channel(coats: list[dict]) -> None:
+    stack = diffuse((0.8, 0.4, 0.1))
+    for parameters in reversed(coats):
+        stack = coat(stack, **{"alpha": 0.25, "eta": 1.4} | parameters)
+    rng = np.random.default_rng(1)
+    wi, wo = hemisphere(6, rng), hemisphere(6, rng)
+    walks = 1 << (13 if coats == COLORED["deep"] else 18)
+    f, se = simulate(stack, wi, wo, walks=walks, seed=1, progress=False)
+    color, se_color = walk_in_color(stack, wi, wo, walks, seed=2)
+    z = (color - f) / np.hypot(se, se_color)
+    # 18 values, of which the three channels of a colour walk are correlated.
+    assert np.abs(z).max() < 4.5
+    assert np.mean(z**2) < 2
+    assert np.median(se_color / f) < 0.02  # the comparison has enough samples
+
+
+STACK = coat(coat(conductor(0.2, (0.9, 0.6, 0.3)), 0.3, 1.3, 0.9, 1.0, 0.5), 0.1, 1.5, 0.5, 0.3)
+
+
+def test_a_seed_gives_the_same_numbers_again_and_another_gives_others() -> None:
+    rng = np.random.default_rng(2)
+    wi, wo = hemisphere(5, rng), hemisphere(5, rng)
+    first, again, other = (
+        simulate(STACK, wi, wo, walks=2000, seed=seed, progress=False) for seed in (7, 7, 8)
+    )
+    assert np.array_equal(first[0], again[0])
+    assert np.array_equal(first[1], again[1])
+    assert np.all(first[0] != other[0])
+
+
+@pytest.mark.parametrize("lanes", [700, 3000, 1 << 13])
+def test_the_result_does_not_depend_on_the_division_into_launches(
+    monkeypatch: pytest.MonkeyPatch, lanes: int
+) -> None:
+    # 700: parts of a row; 3000: three rows; 2^13: eight rows and the last one alone.
+    rng = np.random.default_rng(3)
+    wi, wo = hemisphere(3, rng), hemisphere(3, rng)
+    whole = simulate(STACK, wi, wo, walks=1000, seed=1, progress=False)
+    monkeypatch.setattr(monte_carlo, "LANES", lanes)
+    parts = simulate(STACK, wi, wo, walks=1000, seed=1, progress=False)
+    np.testing.assert_allclose(parts[0], whole[0], rtol=1e-5)  # sums of float32 in other orders
+    np.testing.assert_allclose(parts[1], whole[1], rtol=1e-3, atol=1e-6)
+
+
+def test_pairs_and_seeds_are_independent() -> None:
+    # The same pair 2000 times: the values' deviation must agree with the standard error.
+    wi, wo = hemisphere(2, np.random.default_rng(4))[:, None]
+    wi, wo = np.repeat(wi, 2000, axis=0), np.repeat(wo, 2000, axis=0)
+    stack = coat(diffuse(0.5), 0.3, 1.5, 0.9, 1.0)
+    (f, se), (other, _) = (
+        simulate(stack, wi, wo, walks=256, seed=seed, progress=False) for seed in (1, 2)
+    )
+    f, se, other = f[:, 0], se[:, 0], other[:, 0]
+    # The deviation of 2000 values is known to 2 %, and slightly worse with long tails.
+    assert f.std() == pytest.approx(np.sqrt(np.mean(se**2)), rel=0.1)
+    for a, b in ((f, other), (f[1:], f[:-1]), (f[1:], other[:-1])):
+        assert abs(np.corrcoef(a, b)[0, 1]) < 4 / np.sqrt(2000)
+
+
+class Reflector:
+    """A custom bottom: one Lambertian reflectance per channel, sampled uniformly."""
+
+    def __init__(self, reflectance: tuple[float, float, float]) -> None:
+        self.reflectance = reflectance
+
+    def _value(self, wi):
+        jit = backend()
+        return jit.Array3f(*(r / np.pi for r in self.reflectance))
+
+    def f_pdf(self, wi, wo):
+        valid = (wi.z > 0) & (wo.z > 0)
+        return dr.select(valid, self._value(wi), 0), dr.select(valid, 0.5 * dr.inv_pi, 0)
+
+    def sample(self, wi, u0, u1, u2):
+        up = type(wi)(0, 0, 1)
+        wo = from_cosine(up, u1, 2 * dr.pi * u2)
+        pdf = 0.5 * dr.inv_pi
+        return wo, self._value(wi) * (wo.z / pdf), type(wo.z)(pdf)
+
+
+def test_a_custom_bottom_equals_the_built_in_one() -> None:
+    reflectance = (0.8, 0.4, 0.1)
+    rng = np.random.default_rng(6)
+    wi, wo = hemisphere(6, rng), hemisphere(6, rng)
+    for sigma_t in (0.0, 1.0):
+        coats = 0.2, 1.5, (0.9, 0.5, 0.2), sigma_t, 0.5
+        custom_f, se_custom = simulate(
+            coat(Reflector(reflectance), *coats), wi, wo, walks=1 << 16, seed=1, progress=False
+        )
+        f, se = simulate(
+            coat(diffuse(reflectance), *coats), wi, wo, walks=1 << 16, seed=2, progress=False
+        )
+        z = (custom_f - f) / np.hypot(se, se_custom)
+        assert np.abs(z).max() < 4
+        assert np.mean(z**2) < 2  # 18 values
+
+
+def test_built_in_bottoms_can_be_used_as_custom_bottoms() -> None:
+    jit = backend()
+    rng = np.random.default_rng(7)
+    wi, wo = hemisphere(5, rng), hemisphere(5, rng)
+    stack = coat(bottoms.schlick_conductor(jit.Float(0.2), jit.Float(0.9)), 0.2, 1.5, 0.9, 1.0)
+    same = coat(conductor(0.2, 0.9), 0.2, 1.5, 0.9, 1.0)
+    custom, _ = simulate(stack, wi, wo, walks=1 << 14, seed=3, progress=False)
+    f, se = simulate(same, wi, wo, walks=1 << 14, seed=3, progress=False)
+    assert np.all(np.abs(custom - f) < 6 * se)
+    # A pair of a custom bottom has three rows: only the first pair has the same random stream.
+    np.testing.assert_allclose(custom[0, 0], f[0, 0], rtol=1e-4)
+
+
+def test_f_is_zero_below_the_horizon() -> None:
+    up, down, level = [0, 0.6, 0.8], [0, 0.6, -0.8], [1, 0, 0]
+    wi, wo = [up, down, down, level, up], [down, up, down, up, level]
+    for stack in (STACK, coat(diffuse(1.0), 0.5, 1.5)):
+        f, se = simulate(stack, wi, wo, walks=64, progress=False)
+        assert not f.any()
+        assert not se.any()
+
+
+def test_extreme_stacks_stay_finite() -> None:
+    z = np.array([1.0, 1e-3, 1e-6, 0.5])
+    wi = np.stack([np.sqrt(1 - z * z), 0 * z, z], axis=1)
+    wo = wi * [-1, 1, 1]
+    bottom = conductor(0.01, 1.0)
+    for stack in (
+        coat(bottom, 0.01, 1.001, 1.0, 0.0),
+        coat(bottom, 0.01, 0.999, 1.0, 0.0),
+        coat(bottom, 0.01, 0.5, 1.0, 300.0, 0.999),
+        coat(coat(dielectric(1.0, 0.5), 1.0, 0.5, 1.0, 50.0, 0.99), 0.01, 0.5, 0.0, 1e6),
+        coat(bottom, 0.01, 3.0, 1.0, 300.0, 0.999),
+        coat(diffuse(1.0), 1.0, 3.0, 1.0, 1e-6, -0.999),
+        coat(coat(dielectric(1.0, 3.0), 1.0, 3.0, 1.0, 50.0, 0.99), 0.01, 3.0, 0.0, 1e6),
+        coat(bottom, 0.01, 1.5, 1.0, 1e6, 0.9),
+        coat(conductor(0.01, eta=0.0, k=0.0), 0.01, 1.5),
+    ):
+        f, se = simulate(stack, wi, wo, walks=1 << 7, progress=False)
+        assert np.all(np.isfinite(f))
+        assert np.all(np.isfinite(se))
+        assert np.all(f >= 0)
+
+
+def test_optical_depth_of_negative_zero_is_zero() -> None:
+    """-0.0 passes the range check; a walk that divided by it would stop at once in the medium."""
+    wi, wo = [[0.6, 0.0, 0.8]], [[0.0, 0.3, np.sqrt(0.91)]]
+    clear, negative = (
+        simulate(coat(diffuse(0.5), 0.1, 1.5, sigma_t=depth), wi, wo, walks=64, progress=False)
+        for depth in (0.0, -0.0)
+    )
+    np.testing.assert_array_equal(negative, clear)
+    table = StackTable(
+        *np.float32([[[0.1]], [[1.5]], [[0.0]], [[-0.0]], [[0.0]]]),
+        "diffuse",
+        {"reflectance": np.float32([0.5])},
+    )
+    f, _ = walk_pairs(
+        table, np.zeros(1, np.uint32), np.float32(wi), np.float32(wo), walks=64, seed=0
+    )
+    np.testing.assert_array_equal(f, clear[0][:, 0])
+
+
+@pytest.mark.parametrize("coats", [1, 2])
+def test_absorption_is_carried_as_a_weight(coats: int) -> None:
+    """If absorption ended walks by chance, only those that survive would contribute.
+
+    The surviving share is at most exp(-sigma_t) per coat on the way down, so that the variance
+    would be at least exp(coats sigma_t) - 1, in units of the squared mean.
+    """
+    stack = diffuse(0.5)
+    for _ in range(coats):
+        stack = coat(stack, 0.1, 1.3, albedo=0, sigma_t=1.0)
+    wi, wo = (hemisphere(8, np.random.default_rng(seed), 0.4) for seed in (1, 2))
+    for estimator in ("unidirectional", "bidirectional"):
+        f, se = simulate(stack, wi, wo, walks=1 << 12, seed=3, progress=False, estimator=estimator)
+        top = simulate(coat(diffuse(0), 0.1, 1.3), wi, wo, walks=2, progress=False)[0]
+        variance = (1 << 12) * (se / (f - top))[:, 0] ** 2
+        assert np.median(variance) < 0.2 * np.expm1(coats)
