@@ -6,7 +6,7 @@ from typing import Any
 from urushi.errors import ParameterError
 from urushi.walk import bidirectional, walk
 
-#: estimate(layers, bottom, wi, wo, rng, color, active), see `walk.estimate`.
+#: estimate(layers, bottom, wi, wo, rng, color, active), see `walk.walk.estimate`.
 Estimate = Callable[..., Any]
 
 #: One walk's f, without the reflection of the topmost interface, by the estimator's name.
