@@ -52,11 +52,11 @@ from benchmarks.quality.converged import (
 )
 from benchmarks.scenes import LIGHTS, PRINCIPLED, processor
 
-from urushi import paper
+from urushi import fan2022
 from urushi.eval import metrics
+from urushi.fan2022.architecture import PaperArchitecture
+from urushi.fan2022.kernels import separate_kernels
 from urushi.nets.weights import find
-from urushi.paper.architecture import PaperArchitecture
-from urushi.paper.kernels import separate_kernels
 from urushi.platform import available_cores
 
 #: Times at which errors are compared, in samples of the walk.
@@ -299,7 +299,7 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=20.0, help="CPU time of each method [s]")
     arguments = parser.parse_args()
     mi.set_variant(arguments.mode)
-    paper.register()
+    fan2022.register()
     print(f"{processor()}, {available_cores()} cores, {arguments.width} pixels wide\n")
     print(f"| {' | '.join(COLUMNS)} |\n{'|---' * len(COLUMNS)}|", flush=True)
     measured: dict[str, dict[str, Method]] = {}

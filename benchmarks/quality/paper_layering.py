@@ -12,14 +12,14 @@ import tempfile
 from dataclasses import replace
 from pathlib import Path
 
-from urushi import paper
+from urushi import fan2022
 from urushi.data.generate import generate
 from urushi.data.spec import DataSpec, Part
+from urushi.fan2022.architecture import AdamProjection, init
+from urushi.fan2022.palette import Palette
+from urushi.fan2022.train import held_out, layering, preset
+from urushi.fan2022.train.projection import project_part
 from urushi.nets import weights
-from urushi.paper.architecture import AdamProjection, init
-from urushi.paper.palette import Palette
-from urushi.paper.train import held_out, layering, preset
-from urushi.paper.train.projection import project_part
 
 #: Components of each kind, stratified pairs of each BRDF, walks for each, and epochs of training.
 COMPONENTS, PAIRS, WALKS, EPOCHS = 8, 5**4, 256, 400
@@ -55,7 +55,7 @@ def main() -> None:
     parser.add_argument("--stacks", type=int, default=64)
     parser.add_argument("--pairs", type=int, help="of Adam's steps; default: Levenberg-Marquardt")
     options = parser.parse_args()
-    paper.register()
+    fan2022.register()
     model = weights.read(options.weights)
     training = small(options.stacks, options.pairs and AdamProjection(pairs=options.pairs))
     with tempfile.TemporaryDirectory() as folder:

@@ -6,7 +6,7 @@ variation is the relative noise of a picture under a uniform sky at one sample p
 three proposals:
 
 - the networks' own;
-- the one of Fan et al. 2022 (`urushi.paper.proxy`), a Gaussian on the projected half vector and a
+- the one of Fan et al. 2022 (`urushi.fan2022.proxy`), a Gaussian on the projected half vector and a
   cosine lobe, both independent of wi; its width and share are the best for each material, in place
   of a network's;
 - a cosine lobe.
@@ -23,10 +23,10 @@ import numpy as np
 from tqdm import tqdm
 
 from urushi.eval import benchmark, predict
+from urushi.fan2022.proxy import MIN_SHARE, MIN_SIGMA, GaussianMixture
 from urushi.material import Material
 from urushi.nets import weights
 from urushi.nets.weights import Model
-from urushi.paper.proxy import MIN_SHARE, MIN_SIGMA, GaussianMixture
 
 MATERIALS, SAMPLES = 200, 512
 ANGLES = tuple(range(0, 90, 5))

@@ -19,9 +19,9 @@ import urushi
 from figures import results
 from urushi.eval import environment, metrics, sphere
 from urushi.eval.environment import AZIMUTHS, ELEVATIONS, Environment
+from urushi.fan2022.proxy import GaussianMixture
 from urushi.material import Material
 from urushi.nets.weights import default_model
-from urushi.paper.proxy import GaussianMixture
 
 FOLDER = Path(__file__).parent
 PARTS = Path("out/figures/proposal")

@@ -11,8 +11,8 @@ from benchmarks.rivals import metalayer, nbrdf, rainer
 
 from figures import page, results, style
 from figures.table_1.compute import FOLDER, METHODS
+from urushi.fan2022 import architecture as paper
 from urushi.nets.weights import default_model
-from urushi.paper import architecture as paper
 
 #: Errors in the order of the tables: name, factor and unit.
 ERRORS = {"E": (100, " %"), "P": (100, " %"), "L1": (1e3, "e-3")}

@@ -19,8 +19,8 @@ from benchmarks.scenes import LIGHTS, processor
 from figures import results
 from figures.light.compute import SCENES
 from figures.verdict import costs, errors, lights
+from urushi.fan2022 import register
 from urushi.nets.weights import anisotropic_model, default_model, find
-from urushi.paper import register
 
 FOLDER = Path(__file__).parent
 #: The system of Fan et al. (2022), trained here; see the README.

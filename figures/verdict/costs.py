@@ -18,10 +18,10 @@ import urushi
 from figures.verdict import fits
 from figures.verdict import methods as known
 from urushi.core import microfacet
+from urushi.fan2022.kernels import separate_kernels
 from urushi.material.layer import layer_texels
 from urushi.mitsuba.reading import probing
 from urushi.nets.weights import Model, default_model
-from urushi.paper.kernels import separate_kernels
 from urushi.textures import packing
 from urushi.walk.monte_carlo import backend
 from urushi.walk.stack import Stack

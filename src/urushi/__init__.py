@@ -7,7 +7,7 @@ else is loaded when it is first used.
 
 from typing import TYPE_CHECKING, Any
 
-from urushi import paper, platform
+from urushi import fan2022, platform
 from urushi.version import __version__
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ def __getattr__(name: str) -> Any:
     if name not in __all__ or name == "__version__":
         raise AttributeError(f"module 'urushi' has no attribute '{name}'")
     platform.require_drjit()
-    paper.register()
+    fan2022.register()
     from urushi.app.notebook import show
     from urushi.material import Material, encode, layer, lerp, load
     from urushi.material.material import register_picture
@@ -83,4 +83,4 @@ platform.choose_llvm()
 if platform.missing_library() is None:  # else Mitsuba cannot be imported, as `urushi doctor` says
     from urushi.mitsuba.register import register
 
-    register(paper.register)
+    register(fan2022.register)

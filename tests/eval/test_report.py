@@ -6,16 +6,16 @@ import json
 import numpy as np
 import pytest
 
-from urushi import paper
+from urushi import fan2022
 from urushi.data.distribution import Extended
 from urushi.errors import FileError
 from urushi.eval import benchmark, cost, metrics, physical_laws, report
 from urushi.eval import samples as sampling
 from urushi.eval.groups import Aim, Group, Row
 from urushi.eval.samples import Samples
+from urushi.fan2022.architecture import PaperArchitecture
+from urushi.fan2022.architecture import init as init_paper
 from urushi.nets import weights
-from urushi.paper.architecture import PaperArchitecture
-from urushi.paper.architecture import init as init_paper
 
 ROWS = (
     Row("encode bare ones", ("bare",), aims=(Aim("E", "mean", 1e9),)),
@@ -64,7 +64,7 @@ def test_rows_that_networks_do_not_cover_have_dashes(result, tiny, sets, groups)
     every = report.measure_errors(tiny, both, groups=(*groups, LOW), rows=rows)
     assert all(np.isfinite(row["E"]["mean"]) for row in every.rows.values())
     assert every.rows["encode bare ones"] == result.rows["encode bare ones"]
-    paper.register()
+    fan2022.register()
     theirs = weights.Model.of(PaperArchitecture(), init_paper(0), {})
     few = report.measure_errors(theirs, both, groups=(*groups, LOW), rows=rows[1:])
     assert few.rows == {"low ones": None, "mixed ones": None}

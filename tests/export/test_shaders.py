@@ -14,11 +14,11 @@ from urushi.app.cli import main
 from urushi.errors import ParameterError, UrushiWarning
 from urushi.export import dense
 from urushi.export.program import codes_text, template_text
+from urushi.fan2022.architecture import PaperArchitecture
+from urushi.fan2022.architecture import init as paper_init
 from urushi.material import Material
 from urushi.material.table import SHAPE
 from urushi.nets.weights import Model
-from urushi.paper.architecture import PaperArchitecture
-from urushi.paper.architecture import init as paper_init
 
 #: Relative difference of f and pdf: some roundings of single precision, in ln f up to 25.
 TOLERANCE = 1e-5

@@ -12,9 +12,9 @@ from figures.light.compute import SCENES
 from figures.verdict import compute, costs, errors, fits, methods, plot
 
 from urushi.core import direction_sets, error_metrics
+from urushi.fan2022 import networks, register
+from urushi.fan2022.architecture import PaperArchitecture, init
 from urushi.nets.weights import Model, anisotropic_model, default_model, find
-from urushi.paper import networks, register
-from urushi.paper.architecture import PaperArchitecture, init
 
 register()
 

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from urushi.core.error_metrics import DARK_OFFSET
+from urushi.fan2022.architecture import PaperArchitecture, init
 from urushi.material import energy
 from urushi.material.albedo_rule import albedo_rule
 from urushi.material.correction import correct_codes
 from urushi.material.encode import bare_anchors, material_from_values
 from urushi.nets import weights
-from urushi.paper.architecture import PaperArchitecture, init
 from urushi.walk import analytic
 from urushi.walk.stack import conductor, dielectric, diffuse
 

@@ -5,6 +5,8 @@ import pytest
 
 import urushi
 from urushi.core.quadrature import half_vector_rule
+from urushi.fan2022.architecture import PaperArchitecture
+from urushi.fan2022.architecture import init as init_paper
 from urushi.material import Material, encode, energy, layer, lerp
 from urushi.material.albedo_rule import albedo_rule
 from urushi.material.encode import (
@@ -17,8 +19,6 @@ from urushi.material.encode import (
 from urushi.material.layer import layer_texels
 from urushi.nets import weights
 from urushi.nets.weights import Model
-from urushi.paper.architecture import PaperArchitecture
-from urushi.paper.architecture import init as init_paper
 from urushi.walk import analytic
 
 #: None of the rule's ten angles is among these.

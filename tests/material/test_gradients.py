@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from urushi.errors import ParameterError
+from urushi.fan2022.architecture import PaperArchitecture
+from urushi.fan2022.architecture import init as init_paper
 from urushi.material import energy, gradients
 from urushi.material.encode import encoder_codes, limited_codes
 from urushi.material.layer import layer_texels
 from urushi.nets import lobe as lobes
 from urushi.nets.weights import Model
-from urushi.paper.architecture import PaperArchitecture
-from urushi.paper.architecture import init as init_paper
 
 ROWS = 24
 NAMES = ("alpha", "eta", "albedo", "sigma_t", "g")

@@ -8,6 +8,8 @@ import safetensors.numpy
 
 from urushi.core.error_metrics import stack_error
 from urushi.errors import FileError, ParameterError
+from urushi.fan2022.architecture import PaperArchitecture
+from urushi.fan2022.architecture import init as init_paper
 from urushi.material import Material, encode, layer, lerp, load
 from urushi.material.albedo_rule import albedo_rule
 from urushi.material.batch import encode_all
@@ -15,8 +17,6 @@ from urushi.material.encode import required_pairs
 from urushi.material.file import CODES_VERSION, FORMAT_VERSION, TABLE_VERSION
 from urushi.material.table import SHAPE
 from urushi.nets.weights import Model
-from urushi.paper.architecture import PaperArchitecture
-from urushi.paper.architecture import init as init_paper
 from urushi.walk.stack import conductor, dielectric
 
 

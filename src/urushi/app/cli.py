@@ -9,7 +9,7 @@ from typing import Annotated, Any
 
 import tyro
 
-from urushi import paper
+from urushi import fan2022
 from urushi.app import ranges
 from urushi.app.commands.convert import Convert
 from urushi.app.commands.data import Data
@@ -97,7 +97,7 @@ def main(args: Sequence[str] | None = None) -> int:
     try:
         command = parse(arguments)
         ranges.check(command)
-        paper.register()
+        fan2022.register()
         code = command.run()
         sys.stdout.flush()
         return code

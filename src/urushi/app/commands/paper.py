@@ -47,14 +47,14 @@ class Import:
         adam = adam_projection(self.projection, pairs)
         if self.fit_sampler:
             platform.require_extra("train")
+        from urushi.fan2022 import published
+        from urushi.fan2022.architecture import PaperArchitecture
         from urushi.nets import weights
-        from urushi.paper import published
-        from urushi.paper.architecture import PaperArchitecture
 
         params = published.networks(self.representation, self.layering)
         sampler = published.cosine_proxy()
         if self.fit_sampler:
-            from urushi.paper.train.sampler import fitted_proxy
+            from urushi.fan2022.train.sampler import fitted_proxy
 
             fitted, divergence = fitted_proxy(params)
             sampler = dict(fitted)
@@ -86,8 +86,8 @@ class Tensors:
     """File of PyTorch (.pth)."""
 
     def run(self) -> int:
-        from urushi.paper.published import state_dict
-        from urushi.paper.torch_file import TorchFile
+        from urushi.fan2022.published import state_dict
+        from urushi.fan2022.torch_file import TorchFile
 
         for name, tensor in state_dict(TorchFile(self.file)).items():
             print(f"{name}  {' × '.join(map(str, tensor.shape)) or 'scalar'}")

@@ -11,8 +11,8 @@ from urushi.app.ranges import Pairs, Seed, Share
 from urushi.errors import ParameterError
 
 if TYPE_CHECKING:
-    from urushi.paper.architecture import AdamProjection
-    from urushi.paper.train.preset import PaperPreset
+    from urushi.fan2022.architecture import AdamProjection
+    from urushi.fan2022.train.preset import PaperPreset
     from urushi.train.presets import Preset
 
 ProjectionName = Literal["levenberg-marquardt", "adam"]
@@ -21,12 +21,12 @@ ProjectionName = Literal["levenberg-marquardt", "adam"]
 def find_preset(
     name: str, scale: float | None = None, adam: "AdamProjection | None" = None
 ) -> "Preset | PaperPreset":
-    """The training preset of a name; the others are for "paper", see `paper.train.preset.paper`.
+    """The training preset of a name; the others are for "paper", see `fan2022.train.preset.paper`.
 
     Raises:
         ParameterError: there is no such preset, or it takes no scale or projection.
     """
-    from urushi.paper.train.preset import paper
+    from urushi.fan2022.train.preset import paper
     from urushi.train import presets
 
     if name == "paper":
@@ -48,7 +48,7 @@ def adam_projection(name: ProjectionName, pairs: int | None) -> "AdamProjection 
     Raises:
         ParameterError: the number of pairs is out of range, or given without Adam.
     """
-    from urushi.paper.architecture import AdamProjection
+    from urushi.fan2022.architecture import AdamProjection
 
     if name == "adam":
         return AdamProjection() if pairs is None else AdamProjection(pairs=pairs)
@@ -89,8 +89,8 @@ class Train:
 
     def run(self) -> int:
         platform.require_extra("train")
-        from urushi.paper.train import training as paper_training
-        from urushi.paper.train.preset import PaperPreset
+        from urushi.fan2022.train import training as paper_training
+        from urushi.fan2022.train.preset import PaperPreset
         from urushi.train import training
 
         adam = adam_projection(self.projection, self.projection_pairs)

@@ -7,10 +7,10 @@ import jax.numpy as jnp
 import numpy as np
 import optax
 
+from urushi.fan2022.inference import layer
+from urushi.fan2022.palette import Palette
+from urushi.fan2022.train.preset import PaperPreset
 from urushi.nets.mlp import Params
-from urushi.paper.inference import layer
-from urushi.paper.palette import Palette
-from urushi.paper.train.preset import PaperPreset
 
 RULE = optax.scale_by_adam()
 

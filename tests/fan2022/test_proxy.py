@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from urushi.paper.architecture import init
-from urushi.paper.proxy import MIN_SHARE, MIN_SIGMA, GaussianMixture, proxy
+from urushi.fan2022.architecture import init
+from urushi.fan2022.proxy import MIN_SHARE, MIN_SIGMA, GaussianMixture, proxy
 
 
 def direction(degrees: float) -> np.ndarray:

@@ -4,12 +4,12 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from urushi.fan2022.architecture import PaperArchitecture, init
+from urushi.fan2022.inference import layer
+from urushi.fan2022.networks import PaperNetworks
+from urushi.fan2022.palette import Palette
+from urushi.fan2022.train import proxy
 from urushi.nets.mlp import Params
-from urushi.paper.architecture import PaperArchitecture, init
-from urushi.paper.inference import layer
-from urushi.paper.networks import PaperNetworks
-from urushi.paper.palette import Palette
-from urushi.paper.train import proxy
 from urushi.walk import analytic
 
 #: Components of each kind, stacks of one coat, and incoming directions of their histograms.

@@ -7,7 +7,7 @@ from urushi.core import direction_sets
 from urushi.data.distribution import from_dict, to_dict
 from urushi.data.spec import Part
 from urushi.errors import ParameterError
-from urushi.paper.palette import Palette
+from urushi.fan2022.palette import Palette
 
 ALL = slice(0, 5000)
 

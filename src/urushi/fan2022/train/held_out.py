@@ -8,11 +8,11 @@ import jax.numpy as jnp
 import numpy as np
 
 from urushi.data.store import Store
+from urushi.fan2022.adam import compressed
+from urushi.fan2022.inference import LIGHT_COSINE, direction_inputs, evaluate, layer
+from urushi.fan2022.train.layering import Examples
+from urushi.fan2022.train.preset import PaperPreset
 from urushi.nets.mlp import Params
-from urushi.paper.adam import compressed
-from urushi.paper.inference import LIGHT_COSINE, direction_inputs, evaluate, layer
-from urushi.paper.train.layering import Examples
-from urushi.paper.train.preset import PaperPreset
 
 #: Direction pairs of each BRDF, at most; they are drawn without replacement.
 PAIRS = 4096

@@ -7,9 +7,9 @@ import jax.numpy as jnp
 import numpy as np
 import optax
 
+from urushi.fan2022.inference import direction_inputs, evaluate
+from urushi.fan2022.proxy import proxy
 from urushi.nets.mlp import Params
-from urushi.paper.inference import direction_inputs, evaluate
-from urushi.paper.proxy import proxy
 
 #: Bins on each side of the square around the unit disk of projected half vectors.
 BINS = 40

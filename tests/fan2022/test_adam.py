@@ -5,11 +5,11 @@ import numpy as np
 import pytest
 
 from urushi.errors import ParameterError
+from urushi.fan2022 import adam, networks
+from urushi.fan2022.architecture import AdamProjection, PaperArchitecture, init
+from urushi.fan2022.inference import direction_inputs, evaluate
+from urushi.fan2022.train import projection
 from urushi.nets.weights import Model
-from urushi.paper import adam, networks
-from urushi.paper.architecture import AdamProjection, PaperArchitecture, init
-from urushi.paper.inference import direction_inputs, evaluate
-from urushi.paper.train import projection
 
 
 @pytest.fixture(scope="module")

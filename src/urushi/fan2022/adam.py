@@ -13,9 +13,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from urushi.fan2022.architecture import FIRST_LATENT, LATENT, AdamProjection
+from urushi.fan2022.inference import LIGHT_COSINE, value_and_gradient
 from urushi.nets.mlp import Params
-from urushi.paper.architecture import FIRST_LATENT, LATENT, AdamProjection
-from urushi.paper.inference import LIGHT_COSINE, value_and_gradient
 
 #: The learning rate of the first steps, its factor after each fifth of all steps, and the number of
 #: these decays: 1e-3 to 1.5e-5.

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from urushi.errors import FileError, ParameterError
+from urushi.fan2022 import architecture, inference
+from urushi.fan2022.architecture import PaperArchitecture, init
+from urushi.fan2022.inference import direction_inputs, evaluate, value_and_gradient
+from urushi.fan2022.proxy import proxy
 from urushi.nets import weights
 from urushi.nets.architecture import Architecture
 from urushi.nets.architecture import init as init_urushi
-from urushi.paper import architecture, inference
-from urushi.paper.architecture import PaperArchitecture, init
-from urushi.paper.inference import direction_inputs, evaluate, value_and_gradient
-from urushi.paper.proxy import proxy
 
 
 @pytest.fixture(scope="module")

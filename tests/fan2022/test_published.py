@@ -26,13 +26,13 @@ from tests.paper.torch_writer import (
 
 from urushi.app import cli
 from urushi.errors import FileError
+from urushi.fan2022 import blocks, published
+from urushi.fan2022.architecture import EVALUATION, LAYERING, AdamProjection, init
+from urushi.fan2022.blocks import Linear
+from urushi.fan2022.inference import direction_inputs, evaluate, layer
+from urushi.fan2022.torch_file import MAX_PICKLE, TorchFile
 from urushi.material import Material
 from urushi.nets import weights
-from urushi.paper import blocks, published
-from urushi.paper.architecture import EVALUATION, LAYERING, AdamProjection, init
-from urushi.paper.blocks import Linear
-from urushi.paper.inference import direction_inputs, evaluate, layer
-from urushi.paper.torch_file import MAX_PICKLE, TorchFile
 
 
 @pytest.fixture(scope="module")
@@ -469,7 +469,7 @@ def test_bombs_are_refused_in_little_memory(tmp_path):
     code = (
         "import resource, sys\n"
         "from urushi.errors import FileError\n"
-        "from urushi.paper.torch_file import TorchFile\n"
+        "from urushi.fan2022.torch_file import TorchFile\n"
         "before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss\n"
         "for path in sys.argv[1:]:\n"
         "    try: TorchFile(path)\n"

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from urushi.fan2022 import blocks
+from urushi.fan2022.architecture import DIRECTIONS, EVALUATION, LAYERING
 from urushi.nets.mlp import Params, product, split_linear
-from urushi.paper import blocks
-from urushi.paper.architecture import DIRECTIONS, EVALUATION, LAYERING
 
 #: The first layer; its product with the code is shared by all directions.
 _FIRST = "evaluation.0"

@@ -5,11 +5,11 @@ import pytest
 
 import urushi
 from urushi.errors import ParameterError
+from urushi.fan2022 import networks
+from urushi.fan2022.architecture import PaperArchitecture, init
 from urushi.material import Material
 from urushi.material.layer import layer_texels
 from urushi.nets.weights import Model
-from urushi.paper import networks
-from urushi.paper.architecture import PaperArchitecture, init
 
 
 @pytest.fixture(scope="module")

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
+from urushi.fan2022 import blocks
+from urushi.fan2022.architecture import PaperArchitecture, init
+from urushi.fan2022.proxy import proxy
 from urushi.material import Material
 from urushi.nets import weights
-from urushi.paper import blocks
-from urushi.paper.architecture import PaperArchitecture, init
-from urushi.paper.proxy import proxy
 
 
 @pytest.fixture(scope="module")
@@ -24,7 +24,7 @@ def test_blocks_agree_with_numpy(rgb):
     """A skip around a normalised layer, at widths that compile in no time."""
     from drjit import nn
 
-    from urushi.paper.kernels import _bound, _chained
+    from urushi.fan2022.kernels import _bound, _chained
 
     chain = (*blocks.fc("a", 6, 8), *blocks.rb("b", 8), blocks.Linear("c", 8, 2))
     rng = np.random.default_rng(6)
@@ -37,7 +37,7 @@ def test_blocks_agree_with_numpy(rgb):
 
 
 def test_proposals_agree_with_numpy(rgb, networks):
-    from urushi.paper.kernels import Gaussian, PaperSampler
+    from urushi.fan2022.kernels import Gaussian, PaperSampler
 
     model, _ = networks
     z = np.random.default_rng(7).normal(size=(50, 32)).astype(np.float32)
@@ -63,7 +63,7 @@ def test_proposals_agree_with_numpy(rgb, networks):
 @pytest.mark.slow
 def test_a_plate_in_white_light_shows_the_albedo(rgb, networks, tmp_path):
     """16 x 16 pixels through `neural_brdf`; in constant light of one, radiance is the albedo."""
-    from urushi.paper.kernels import separate_kernels
+    from urushi.fan2022.kernels import separate_kernels
 
     model, path = networks
     material = Material(1 + 0.2 * np.random.default_rng(10).normal(size=(3, 32)), model)

@@ -13,11 +13,11 @@ from tqdm import tqdm
 
 from urushi.data.generate import generate
 from urushi.data.store import Store
+from urushi.fan2022.architecture import LATENT, init
+from urushi.fan2022.train import held_out, layering, proxy, representation
+from urushi.fan2022.train.preset import PaperPreset
+from urushi.fan2022.train.projection import project_part
 from urushi.nets import weights
-from urushi.paper.architecture import LATENT, init
-from urushi.paper.train import held_out, layering, proxy, representation
-from urushi.paper.train.preset import PaperPreset
-from urushi.paper.train.projection import project_part
 from urushi.train import training
 from urushi.train.checkpoint import Checkpoint, Journal
 

@@ -8,8 +8,8 @@ from typing import ClassVar
 import numpy as np
 
 from urushi.errors import ParameterError
-from urushi.paper import blocks
-from urushi.paper.blocks import Block, Linear, Skip, fc, rb
+from urushi.fan2022 import blocks
+from urushi.fan2022.blocks import Block, Linear, Skip, fc, rb
 
 LATENT = 32
 
@@ -22,7 +22,7 @@ DIRECTIONS = 6
 
 @dataclass(frozen=True)
 class AdamProjection:
-    """Options of the projection by Adam (`urushi.paper.adam`); the authors' by default.
+    """Options of the projection by Adam (`urushi.fan2022.adam`); the authors' by default.
 
     Attributes:
         steps: number of steps, up to a million.
@@ -48,7 +48,7 @@ class PaperArchitecture:
 
     Attributes:
         adam: how a BRDF is projected to a code. None: by Levenberg-Marquardt, see
-            `urushi.paper.projection`. A layering network expects codes of the projection that it
+            `urushi.fan2022.projection`. A layering network expects codes of the projection that it
             was trained with.
     """
 

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from urushi.paper import networks, projection
-from urushi.paper.architecture import PaperArchitecture, init
-from urushi.paper.inference import direction_inputs, evaluate
-from urushi.paper.networks import PAIRS, PaperNetworks, projection_pairs
+from urushi.fan2022 import networks, projection
+from urushi.fan2022.architecture import PaperArchitecture, init
+from urushi.fan2022.inference import direction_inputs, evaluate
+from urushi.fan2022.networks import PAIRS, PaperNetworks, projection_pairs
 
 
 def test_pairs_are_unit_vectors_above_the_horizon_in_all_azimuths():

@@ -12,10 +12,10 @@ import numpy as np
 import optax
 
 from urushi.data.store import Store
+from urushi.fan2022.architecture import FIRST_LATENT, LATENT
+from urushi.fan2022.inference import direction_inputs, evaluate
+from urushi.fan2022.train.preset import PaperPreset
 from urushi.nets.mlp import Params
-from urushi.paper.architecture import FIRST_LATENT, LATENT
-from urushi.paper.inference import direction_inputs, evaluate
-from urushi.paper.train.preset import PaperPreset
 
 #: Maximum number of direction pairs in memory at once: half a gigabyte.
 GROUP = 1 << 24

@@ -7,11 +7,11 @@ import numpy as np
 from tqdm import tqdm
 
 from urushi.data.store import Store
+from urushi.fan2022 import adam, projection
+from urushi.fan2022.architecture import AdamProjection
+from urushi.fan2022.inference import direction_inputs
+from urushi.fan2022.networks import PAIRS
 from urushi.nets.mlp import Params
-from urushi.paper import adam, projection
-from urushi.paper.architecture import AdamProjection
-from urushi.paper.inference import direction_inputs
-from urushi.paper.networks import PAIRS
 
 #: BRDFs that are projected together, at most.
 TOGETHER = 16

@@ -12,18 +12,18 @@ from urushi.checks import CoatParameters
 from urushi.core.direction_sets import stratified_pairs
 from urushi.core.probe_pairs import probe_pairs
 from urushi.errors import ParameterError
+from urushi.fan2022 import adam
+from urushi.fan2022.architecture import LATENT, PaperArchitecture
+from urushi.fan2022.inference import direction_inputs, evaluate, isotropic, layer
+from urushi.fan2022.projection import project
+from urushi.fan2022.proxy import GaussianMixture, proxy
 from urushi.nets.mlp import Params
 from urushi.nets.weights import Model
-from urushi.paper import adam
-from urushi.paper.architecture import LATENT, PaperArchitecture
-from urushi.paper.inference import direction_inputs, evaluate, isotropic, layer
-from urushi.paper.projection import project
-from urushi.paper.proxy import GaussianMixture, proxy
 from urushi.parallel import run_all_cores
 from urushi.walk import analytic
 
 if TYPE_CHECKING:
-    from urushi.paper.kernels import PaperDecoder, PaperSampler
+    from urushi.fan2022.kernels import PaperDecoder, PaperSampler
 
 #: Number of direction pairs at which a BRDF is evaluated for its projection.
 PAIRS = 512
@@ -188,6 +188,6 @@ class PaperNetworks:
 
     def drjit(self, model: Model) -> "tuple[PaperDecoder, PaperSampler]":
         """The evaluation network and the proxy in Dr.Jit, in the current variant."""
-        from urushi.paper.kernels import PaperDecoder, PaperSampler  # lazily: it starts Mitsuba
+        from urushi.fan2022.kernels import PaperDecoder, PaperSampler  # lazily: it starts Mitsuba
 
         return PaperDecoder(model), PaperSampler(model)

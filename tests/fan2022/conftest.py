@@ -1,5 +1,5 @@
 """The paper's kinds of weights and data are registered before any test of this folder."""
 
-from urushi import paper
+from urushi import fan2022
 
-paper.register()
+fan2022.register()

@@ -10,10 +10,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from urushi.fan2022.architecture import FIRST_LATENT, LATENT
+from urushi.fan2022.inference import value_and_gradient
 from urushi.nets.least_squares import damped_step
 from urushi.nets.mlp import Params
-from urushi.paper.architecture import FIRST_LATENT, LATENT
-from urushi.paper.inference import value_and_gradient
 
 #: Number of forward and backward passes of a projection.
 STEPS = 16

@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 
 from urushi.errors import FileError
-from urushi.paper.architecture import EVALUATION, LAYERING, PROXY
-from urushi.paper.blocks import Block, Linear, Norm, Skip, shapes
-from urushi.paper.pickled import Tensor
-from urushi.paper.torch_file import TorchFile
+from urushi.fan2022.architecture import EVALUATION, LAYERING, PROXY
+from urushi.fan2022.blocks import Block, Linear, Norm, Skip, shapes
+from urushi.fan2022.pickled import Tensor
+from urushi.fan2022.torch_file import TorchFile
 
 #: Output of a sampler without training, for the least share of the Gaussian.
 _COSINE_OUTPUT = 20.0

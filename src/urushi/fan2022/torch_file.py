@@ -12,7 +12,7 @@ import numpy as np
 from numpy.lib.stride_tricks import as_strided
 
 from urushi.errors import FileError
-from urushi.paper.pickled import Tensor, decode
+from urushi.fan2022.pickled import Tensor, decode
 
 #: Largest file, and largest pickle in it. The paper's networks have 12 MB, their pickles 30 kB.
 MAX_FILE, MAX_PICKLE = 1 << 26, 1 << 20

@@ -11,15 +11,15 @@ from urushi.app.commands.train import find_preset
 from urushi.core.direction_sets import stratified_pairs
 from urushi.data.generate import generate
 from urushi.errors import ParameterError
+from urushi.fan2022 import adam, networks
+from urushi.fan2022.architecture import AdamProjection, init
+from urushi.fan2022.inference import direction_inputs, evaluate
+from urushi.fan2022.palette import Palette
+from urushi.fan2022.train import held_out, layering, projection, proxy, representation, sampler
+from urushi.fan2022.train.preset import paper
+from urushi.fan2022.train.training import train
 from urushi.material import Material
 from urushi.nets import weights
-from urushi.paper import adam, networks
-from urushi.paper.architecture import AdamProjection, init
-from urushi.paper.inference import direction_inputs, evaluate
-from urushi.paper.palette import Palette
-from urushi.paper.train import held_out, layering, projection, proxy, representation, sampler
-from urushi.paper.train.preset import paper
-from urushi.paper.train.training import train
 from urushi.train.checkpoint import Journal
 from urushi.walk import analytic
 

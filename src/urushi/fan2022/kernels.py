@@ -15,12 +15,12 @@ import numpy as np
 from drjit import nn
 
 from urushi.core.frame import square_to_cosine_hemisphere
+from urushi.fan2022 import proxy
+from urushi.fan2022.architecture import EVALUATION, PROXY
+from urushi.fan2022.blocks import EPSILON, Block, Linear, Norm
+from urushi.fan2022.proxy import MIN_SHARE, MIN_SIGMA
 from urushi.mitsuba.networks import cooperative
 from urushi.nets.weights import Model
-from urushi.paper import proxy
-from urushi.paper.architecture import EVALUATION, PROXY
-from urushi.paper.blocks import EPSILON, Block, Linear, Norm
-from urushi.paper.proxy import MIN_SHARE, MIN_SIGMA
 
 #: The flags by which Mitsuba records a whole path as one kernel.
 _SYMBOLIC = (
@@ -53,7 +53,7 @@ def _stored(x: nn.CoopVec) -> nn.CoopVec:
 
 
 class NormKernel:
-    """Layer normalisation and ReLU, equal to `paper.blocks.Norm`."""
+    """Layer normalisation and ReLU, equal to `fan2022.blocks.Norm`."""
 
     def __init__(self, params: Mapping[str, np.ndarray], name: str):
         scale, shift = params[f"{name}.scale"], params[f"{name}.shift"]
@@ -152,7 +152,7 @@ def _chained(steps: Sequence[Callable], x: nn.CoopVec) -> nn.CoopVec:
 
 
 class Gaussian(NamedTuple):
-    """The proposal of `paper.proxy.GaussianMixture`, with Dr.Jit floats."""
+    """The proposal of `fan2022.proxy.GaussianMixture`, with Dr.Jit floats."""
 
     sigma: Any
     share: Any

@@ -6,8 +6,8 @@ from typing import Any
 
 from urushi.data.spec import DataSpec, Part
 from urushi.errors import ParameterError
-from urushi.paper.architecture import AdamProjection, PaperArchitecture
-from urushi.paper.palette import Palette
+from urushi.fan2022.architecture import AdamProjection, PaperArchitecture
+from urushi.fan2022.palette import Palette
 
 #: Pairs of direction strata in memory together, at most: bounds memory to some hundred MB.
 SHARD_PAIRS = 1 << 21
