@@ -15,9 +15,9 @@ from pathlib import Path
 import mitsuba as mi
 
 from urushi.errors import UrushiError, UrushiWarning
-from urushi.materialx.document import materials, read_document
-from urushi.materialx.surface import read_surface
-from urushi.mitsuba.materialx import check_supported, decode
+from urushi.openpbr.documents import check_supported, decode
+from urushi.openpbr.materialx.document import materials, read_document
+from urushi.openpbr.materialx.surface import read_surface
 
 
 def outcomes(path: Path, uv_plane: bool) -> list[tuple[str, str]]:

@@ -16,10 +16,10 @@ if TYPE_CHECKING:
     from urushi.material.layer import layer
     from urushi.material.lerp import lerp
     from urushi.material.material import Material, load
-    from urushi.materialx.writer import save_materialx
     from urushi.measured import load_measured
-    from urushi.mitsuba.materialx import load_materialx
-    from urushi.mitsuba.openpbr import OpenPBR, openpbr
+    from urushi.openpbr.description import OpenPBR, openpbr
+    from urushi.openpbr.documents import load_materialx
+    from urushi.openpbr.materialx.writer import save_materialx
     from urushi.walk.simulate import simulate
     from urushi.walk.stack import Stack, coat, conductor, dielectric, diffuse
 
@@ -54,10 +54,10 @@ def __getattr__(name: str) -> Any:
     from urushi.app.notebook import show
     from urushi.material import Material, encode, layer, lerp, load
     from urushi.material.material import register_picture
-    from urushi.materialx.writer import save_materialx
     from urushi.measured import load_measured
-    from urushi.mitsuba.materialx import load_materialx
-    from urushi.mitsuba.openpbr import OpenPBR, openpbr
+    from urushi.openpbr.description import OpenPBR, openpbr
+    from urushi.openpbr.documents import load_materialx
+    from urushi.openpbr.materialx.writer import save_materialx
     from urushi.walk import Stack, coat, conductor, dielectric, diffuse, simulate
 
     register_picture(_picture)
@@ -82,5 +82,7 @@ def __dir__() -> list[str]:
 platform.choose_llvm()
 if platform.missing_library() is None:  # else Mitsuba cannot be imported, as `urushi doctor` says
     from urushi.mitsuba.register import register
+    from urushi.openpbr.plugins import ROOM
 
-    register(fan2022.register)
+    del globals()["openpbr"]  # the package; `urushi.openpbr` is the function, see `__getattr__`
+    register(fan2022.register, ROOM)

@@ -1,4 +1,4 @@
-"""Mitsuba 3 plugins: `layered` (a random walk), `neural_layered`, `openpbr` and others.
+"""Mitsuba 3 plugins: `layered` (a random walk), `neural_layered` and others.
 
 `register` makes them known to Mitsuba and `plugins` defines them. `reading` evaluates the textures
 and BSDFs that a scene gives them. `latents` bakes latent codes from these, constant, textured or

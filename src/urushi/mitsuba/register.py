@@ -1,28 +1,35 @@
 """Registration of the plugins with Mitsuba, in every variant that is set."""
 
 from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import mitsuba as mi
 
 from urushi import platform
 from urushi.errors import PlatformError
 
-PLUGINS = (
-    "layered",
-    "neural_layered",
-    "neural_brdf",
-    "measured_brdf",
-    "openpbr",
-    "materialx",
-)
+
+class Room(NamedTuple):
+    """The plugins of one part of the package.
+
+    Attributes:
+        define: makes their constructors by name in the current variant, from the class of
+            `plugins.base.define_proposal_bsdf`.
+        bsdfs, emitters: their names.
+    """
+
+    define: Callable[[type], dict[str, Any]]
+    bsdfs: tuple[str, ...]
+    emitters: tuple[str, ...] = ()
+
 
 _registered = False
 
 
-def register(prepare: Callable[[], None] = lambda: None) -> None:
+def register(prepare: Callable[[], None], *extensions: Room) -> None:
     """Register the plugins in the current variant, if any, and in all that are set later.
 
-    prepare: called before the plugins of a variant are defined.
+    prepare: called before the plugins of a variant are defined. extensions: further plugins.
     """
     global _registered
     if _registered:
@@ -31,7 +38,7 @@ def register(prepare: Callable[[], None] = lambda: None) -> None:
 
     def on_variant(old: str | None, new: str) -> None:
         prepare()
-        _on_variant(old, new)
+        _on_variant(new, (ROOM, *extensions))
 
     mi.detail.add_variant_callback(on_variant)
     if mi.variant() is not None:
@@ -43,7 +50,7 @@ def supported(variant: str) -> bool:
     return not (variant.startswith("scalar") or mi.is_polarized)
 
 
-def _on_variant(old: str | None, new: str) -> None:
+def _on_variant(new: str, rooms: tuple[Room, ...]) -> None:
     """Define the plugins' classes: a class belongs to the variant in which it was defined."""
     if new.startswith("llvm"):
         platform.require_llvm()  # an old LLVM would crash when the first kernel is compiled
@@ -51,32 +58,34 @@ def _on_variant(old: str | None, new: str) -> None:
     from urushi.mitsuba.reading.bsdf import bsdf_source
 
     as_source.register(mi.BSDF, bsdf_source)  # for `urushi.encode`
-    if not supported(new):
-        for name in PLUGINS:
-            mi.register_bsdf(name, _refusal(name, new))
-        mi.register_emitter("openpbr_emission", _refusal("openpbr_emission", new))
-        return
-    from urushi.mitsuba.plugins import (
-        base,
-        layered,
-        materialx,
-        measured_brdf,
-        neural_brdf,
-        neural_layered,
-        openpbr,
-        openpbr_emission,
-    )
+    made: dict[str, Any] = {}
+    if supported(new):
+        from urushi.mitsuba.plugins.base import define_proposal_bsdf
 
-    proposal_bsdf = base.define_proposal_bsdf()
+        proposal_bsdf = define_proposal_bsdf()
+        for room in rooms:
+            made |= room.define(proposal_bsdf)
+    for room in rooms:
+        for name in room.bsdfs:
+            mi.register_bsdf(name, made.get(name) or _refusal(name, new))
+        for name in room.emitters:
+            mi.register_emitter(name, made.get(name) or _refusal(name, new))
+
+
+def _define(proposal_bsdf: type) -> dict[str, Any]:
+    from urushi.mitsuba.plugins import base, layered, measured_brdf, neural_brdf, neural_layered
+
     neural_bsdf = base.define_neural_bsdf(proposal_bsdf)
-    mi.register_bsdf("layered", layered.define(proposal_bsdf))
-    mi.register_bsdf("neural_layered", neural_layered.define(neural_bsdf))
-    mi.register_bsdf("neural_brdf", neural_brdf.define(neural_bsdf))
-    mi.register_bsdf("measured_brdf", measured_brdf.define(proposal_bsdf))
-    mi.register_bsdf("openpbr", openpbr.define(proposal_bsdf))
-    mi.register_bsdf("materialx", materialx.define())
-    emission = openpbr_emission.define()
-    mi.register_emitter("openpbr_emission", lambda props: emission(props))
+    return {
+        "layered": layered.define(proposal_bsdf),
+        "neural_layered": neural_layered.define(neural_bsdf),
+        "neural_brdf": neural_brdf.define(neural_bsdf),
+        "measured_brdf": measured_brdf.define(proposal_bsdf),
+    }
+
+
+#: The plugins of the core.
+ROOM = Room(_define, ("layered", "neural_layered", "neural_brdf", "measured_brdf"))
 
 
 def _refusal(name: str, variant: str):

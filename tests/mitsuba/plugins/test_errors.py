@@ -7,6 +7,7 @@ from urushi.material import Material
 from urushi.mitsuba import register
 from urushi.nets import weights
 from urushi.nets.architecture import init
+from urushi.openpbr.plugins import ROOM
 
 COATS = ("layered", "neural_layered")
 
@@ -185,7 +186,7 @@ def test_the_walk_checks_parameters_beside_textures_not_over_uv(rgb, networks):
             load(rgb, networks, "layered", alpha=texture, int_ior=texture, g=1.0)
 
 
-@pytest.mark.parametrize("name", register.PLUGINS)
+@pytest.mark.parametrize("name", (*register.ROOM.bsdfs, *ROOM.bsdfs, *ROOM.emitters))
 @pytest.mark.parametrize("variant", ("scalar_rgb", "scalar_spectral", "llvm_ad_mono_polarized"))
 def test_variants_that_cannot_work_say_which_can(name, variant):
     import mitsuba as mi

@@ -13,8 +13,8 @@ from urushi.app.ranges import Texels
 from urushi.files import atomic_write, new_folder
 
 if TYPE_CHECKING:
-    from urushi.materialx.baking import Texture
-    from urushi.materialx.surface import Surface
+    from urushi.openpbr.materialx.baking import Texture
+    from urushi.openpbr.materialx.surface import Surface
 
 #: A sphere under even light, seen from the front.
 _SCENE = """<scene version="3.0.0">
@@ -66,8 +66,8 @@ class Convert:
 
     def run(self) -> int:
         set_variant("scalar_rgb")  # enough for images, and needs no LLVM
-        from urushi.materialx.surface import read_surface
-        from urushi.mitsuba.materialx import check_supported, checked_resolution, decode
+        from urushi.openpbr.documents import check_supported, checked_resolution, decode
+        from urushi.openpbr.materialx.surface import read_surface
 
         resolution = checked_resolution(self.resolution)
         surface = read_surface(self.document, decode, self.material, resolution, self.uv_plane)
@@ -91,9 +91,9 @@ def bsdf_xml(surface: "Surface", folder: Path) -> tuple[str, str]:
     Raises:
         FileError: the folder cannot be written.
     """
-    from urushi.materialx.baking import Texture
-    from urushi.mitsuba.plugins.openpbr_emission import NAMES
-    from urushi.mitsuba.reading.openpbr_inputs import EMISSION
+    from urushi.openpbr.inputs import EMISSION
+    from urushi.openpbr.materialx.baking import Texture
+    from urushi.openpbr.plugins.emission import NAMES
 
     lines: dict[str, str] = {}
     for name, value in surface.values.items():
@@ -118,7 +118,7 @@ def _texture_xml(material: str, name: str, texture: "Texture", folder: Path) -> 
     import mitsuba as mi
     import numpy as np
 
-    from urushi.mitsuba.materialx import filter_type, is_raw
+    from urushi.openpbr.documents import filter_type, is_raw
 
     file = "textures/" + re.sub(r"[^A-Za-z0-9_-]", "_", f"{material[:60]}-{name}") + ".exr"
     new_folder(folder / "textures")
