@@ -27,8 +27,8 @@ from urushi.material.simulated import fit_to_walks
 from urushi.material.source import FIT_WALKS, STACK_WALKS
 from urushi.nets import lobe as lobes
 from urushi.nets.weights import anisotropic_model
-from urushi.train.bottoms import BARE_LOBES, bottom_lobes
-from urushi.walk import StackTable, analytic, walk_pairs
+from urushi.train.bottoms import bottom_lobes
+from urushi.walk import StackTable, analytic, bottoms, walk_pairs
 
 SEED = 90210
 
@@ -157,7 +157,7 @@ def _bottom(table: StackTable, row: int) -> Material:
     """The encoded bottom of a stack."""
     model = anisotropic_model()
     columns = {name: values[row : row + 1] for name, values in table.bottom.items()}
-    if table.kind in BARE_LOBES:
+    if bottoms.KINDS[table.kind].family.bare:
         lobe = bottom_lobes(table.kind, np.stack(list(columns.values()), axis=-1), model.arch)
         return material_of_lobes(lobe, model, channels=1)
 

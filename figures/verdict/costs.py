@@ -23,8 +23,8 @@ from urushi.material.layer import layer_texels
 from urushi.mitsuba.reading import probing
 from urushi.nets.weights import Model, default_model
 from urushi.textures import packing
+from urushi.walk import Stack
 from urushi.walk.monte_carlo import backend
-from urushi.walk.stack import Stack
 from urushi.walk.table import from_stack
 
 PRINCIPLED = "principled"

@@ -21,9 +21,8 @@ from urushi.eval import predict, samples
 from urushi.eval.groups import Group
 from urushi.material import table as nodes
 from urushi.nets.weights import Model, default_model
-from urushi.walk import walk_pairs
+from urushi.walk import Stack, walk_pairs
 from urushi.walk.simulate import albedo as walked_albedo
-from urushi.walk.stack import Stack
 
 #: Stacks of a number of interfaces, those of them that models are fitted to, and the seed of stacks
 #: and walks, other than figure 8's.

@@ -28,8 +28,8 @@ from urushi import checks
 from urushi.checks import MIN_ALPHA, CoatParameters, Widths
 from urushi.core import microfacet
 from urushi.errors import ParameterError
+from urushi.walk import Conductor, Dielectric, Diffuse, Stack
 from urushi.walk.monte_carlo import backend, values_per_channel
-from urushi.walk.stack import Conductor, Dielectric, Diffuse, Stack
 from urushi.walk.table import StackTable, TableLayers
 
 #: Exponent of the variance's formula (equation 6).

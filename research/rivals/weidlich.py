@@ -23,9 +23,9 @@ from urushi import checks
 from urushi.core import fresnel, microfacet
 from urushi.core.frame import refract
 from urushi.errors import ParameterError
+from urushi.walk import Stack
 from urushi.walk.bottoms import Bottom
 from urushi.walk.monte_carlo import backend, values_per_channel
-from urushi.walk.stack import Stack
 from urushi.walk.table import StackTable, TableLayers, table_bottom
 from urushi.walk.walk import Layers
 

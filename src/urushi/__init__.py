@@ -5,6 +5,7 @@ Importing this package chooses a libLLVM that Dr.Jit can use and registers the M
 else is loaded when it is first used.
 """
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from urushi import fan2022, platform
@@ -20,8 +21,8 @@ if TYPE_CHECKING:
     from urushi.openpbr.description import OpenPBR, openpbr
     from urushi.openpbr.documents import load_materialx
     from urushi.openpbr.materialx.writer import save_materialx
+    from urushi.walk import Stack, coat, conductor, dielectric, diffuse
     from urushi.walk.simulate import simulate
-    from urushi.walk.stack import Stack, coat, conductor, dielectric, diffuse
 
 __all__ = [
     "Material",
@@ -47,7 +48,7 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     """Load the public names when one of them is first used: they start Dr.Jit."""
-    if name not in __all__ or name == "__version__":
+    if not (name in __all__ and name != "__version__") and not _is_bottom(name):
         raise AttributeError(f"module 'urushi' has no attribute '{name}'")
     platform.require_drjit()
     fan2022.register()
@@ -58,14 +59,21 @@ def __getattr__(name: str) -> Any:
     from urushi.openpbr.description import OpenPBR, openpbr
     from urushi.openpbr.documents import load_materialx
     from urushi.openpbr.materialx.writer import save_materialx
-    from urushi.walk import Stack, coat, conductor, dielectric, diffuse, simulate
+    from urushi.walk import Stack, bottoms, coat, simulate
 
     register_picture(_picture)
     public = (Material, encode, layer, lerp, load, load_measured, simulate)
-    described = (Stack, coat, conductor, dielectric, diffuse)
+    described = (Stack, coat, *bottoms.MAKERS.values())
     documents = (load_materialx, save_materialx, OpenPBR, openpbr, show)
     globals().update({value.__name__: value for value in (*public, *described, *documents)})
+    if name not in globals():
+        raise AttributeError(f"module 'urushi' has no attribute '{name}'")
     return globals()[name]
+
+
+def _is_bottom(name: str) -> bool:
+    """Whether a file of `walk.bottoms` may define this function, without starting Dr.Jit."""
+    return Path(__file__).with_name("walk").joinpath("bottoms", f"{name}.py").is_file()
 
 
 def _picture(material: Any) -> bytes:

@@ -12,7 +12,7 @@ from urushi.eval.plots import likeness
 from urushi.material import Material, encode
 from urushi.nets.architecture import Architecture, init
 from urushi.nets.weights import Model
-from urushi.walk.stack import coat, conductor, diffuse
+from urushi.walk import coat, conductor, diffuse
 
 pytest.importorskip("skimage")
 ARCH = Architecture(decoder=(8,), encoder=(16,), layerer=(16,), sampler=(8,), probes=48)

@@ -14,7 +14,7 @@ from urushi.material.table import SHAPE, interpolated, node_pairs, table_of_valu
 from urushi.measured.tabulated import MeasuredSurface, bin_centres
 from urushi.nets.lobe import f as lobe_f
 from urushi.nets.lobe import fresnel, of_coat
-from urushi.walk.stack import conductor, dielectric, diffuse
+from urushi.walk import conductor, dielectric, diffuse
 
 COATS = {
     "smooth": {"alpha": 0.03, "eta": 1.5},

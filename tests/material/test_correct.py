@@ -10,8 +10,7 @@ from urushi.material.albedo_rule import albedo_rule
 from urushi.material.correction import correct_codes
 from urushi.material.encode import bare_anchors, material_from_values
 from urushi.nets import weights
-from urushi.walk import analytic
-from urushi.walk.stack import conductor, dielectric, diffuse
+from urushi.walk import analytic, conductor, dielectric, diffuse
 
 SURFACES = (
     conductor(0.03, (0.95, 0.6, 0.3)),

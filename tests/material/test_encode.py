@@ -8,7 +8,7 @@ from urushi.errors import ParameterError
 from urushi.material import encode as package_encode
 from urushi.material.encode import encode
 from urushi.material.source import Source, as_source
-from urushi.walk.stack import coat, conductor, dielectric, diffuse
+from urushi.walk import coat, conductor, dielectric, diffuse
 
 
 def test_a_function_and_its_description_encode_alike(model):

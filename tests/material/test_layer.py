@@ -7,8 +7,8 @@ from urushi.checks import CoatParameters
 from urushi.errors import ParameterError, UrushiWarning
 from urushi.material import Material, encode, layer, lerp
 from urushi.material.layer import layer_texels, within_training
+from urushi.walk import coat, conductor, dielectric, diffuse
 from urushi.walk.simulate import simulate
-from urushi.walk.stack import coat, conductor, dielectric, diffuse
 
 TOP = dielectric(0.1, 1.5)
 

@@ -8,8 +8,7 @@ from urushi.material.correction import correct_codes
 from urushi.material.encode import material_from_values
 from urushi.material.fit import fit_target, initial_code, levenberg_marquardt
 from urushi.nets import lobe as lobes
-from urushi.walk import analytic
-from urushi.walk.stack import coat, conductor, dielectric, diffuse
+from urushi.walk import analytic, coat, conductor, dielectric, diffuse
 
 BARE = (
     conductor(0.03, (0.95, 0.6, 0.3)),

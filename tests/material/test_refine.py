@@ -28,7 +28,7 @@ from urushi.material.layer import layer, layer_texels
 from urushi.nets.lobe import NO_LOBE
 from urushi.nets.lobe_fit import fit_lobes
 from urushi.parallel import one_blas_thread
-from urushi.walk.stack import conductor, dielectric, diffuse
+from urushi.walk import conductor, dielectric, diffuse
 
 
 def three_lobes(wi, wo):

@@ -11,8 +11,8 @@ from urushi.material.material import Material
 from urushi.material.simulated import Aim, _state_at, drawn_pairs, fit_to_walks
 from urushi.nets.features import direction_features
 from urushi.nets.weights import anisotropic_model, default_model
+from urushi.walk import coat, conductor, diffuse
 from urushi.walk.simulate import albedo, simulate
-from urushi.walk.stack import coat, conductor, diffuse
 
 STACKS = {
     "isotropic": coat(conductor(0.15, 0.6), 0.3, 1.5, 0.8, 0.6, 0.5),

@@ -13,7 +13,7 @@ from urushi.errors import ParameterError, UrushiWarning
 from urushi.material.encode import encode, evaluate_source
 from urushi.material.layer import layer
 from urushi.material.symmetry import AZIMUTHS, Deviations, asymmetry_pairs
-from urushi.walk.stack import coat, conductor, dielectric
+from urushi.walk import coat, conductor, dielectric
 
 WI, WO = probe_pairs(192)
 

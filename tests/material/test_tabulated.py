@@ -17,7 +17,7 @@ from urushi.material.encode import required_pairs
 from urushi.material.file import CODES_VERSION, FORMAT_VERSION, TABLE_VERSION
 from urushi.material.table import SHAPE
 from urushi.nets.weights import Model
-from urushi.walk.stack import conductor, dielectric
+from urushi.walk import conductor, dielectric
 
 
 def velvet(wi, wo):

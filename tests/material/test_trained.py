@@ -7,8 +7,7 @@ import numpy as np
 from urushi.core.direction_sets import cosine_pairs
 from urushi.core.error_metrics import stack_error
 from urushi.material import encode, layer
-from urushi.walk import StackTable, analytic, walk_pairs
-from urushi.walk.stack import conductor, dielectric
+from urushi.walk import StackTable, analytic, conductor, dielectric, walk_pairs
 
 
 def test_the_proposal_beats_the_cosine_on_glossy_materials(trained):

@@ -14,9 +14,9 @@ import numpy.typing as npt
 from urushi import checks
 from urushi.core import fresnel, microfacet, phase
 from urushi.core.frame import from_cosine, reflect, refract
+from urushi.walk import Stack
 from urushi.walk.bottoms import Bottom
 from urushi.walk.monte_carlo import average, per_channel
-from urushi.walk.stack import Stack
 
 
 def analog_albedo(

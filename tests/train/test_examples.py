@@ -17,9 +17,10 @@ from urushi.nets import lobe
 from urushi.nets.architecture import Architecture
 from urushi.nets.features import direction_features
 from urushi.train import examples
-from urushi.train.bottoms import BARE_LOBES, bottom_lobes, bottom_rest
+from urushi.train.bottoms import bottom_lobes, bottom_rest
 from urushi.train.examples import Batches, Depth
 from urushi.walk import analytic
+from urushi.walk.bottoms import KINDS
 
 EVERYTHING = 1 << 20  # more direction pairs than the store has
 
@@ -75,7 +76,7 @@ def test_a_bottom_is_its_lobe_and_the_rest(kind):
         sum_of_both = lobe.f(own[row], wi, wo) + rest[row]
         assert (sum_of_both >= f * (1 - 1e-2) - 1e-5).all()  # rounding of sharp lobes
         assert np.median(sum_of_both / (f + 1e-3)) < 1.05
-    if kind in BARE_LOBES:
+    if KINDS[kind].family.bare:
         assert not rest.any()
     if kind == "diffuse":
         assert not own[:, 1:4].any()

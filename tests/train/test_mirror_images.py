@@ -5,7 +5,7 @@ import pytest
 
 from urushi.checks import CoatParameters
 from urushi.core.probe_pairs import ANISOTROPIC_PROBES
-from urushi.data.distribution import ANISOTROPIC_BOTTOMS, BOTTOM_PARAMETERS, Anisotropic, Table2
+from urushi.data.distribution import ANISOTROPIC_BOTTOMS, Anisotropic, Table2
 from urushi.data.generate import generate, make_shard
 from urushi.data.spec import DataSpec, Part
 from urushi.errors import ParameterError
@@ -14,6 +14,7 @@ from urushi.train import examples
 from urushi.train.examples import mirror_images
 from urushi.train.stages.layering import MirroredLayering
 from urushi.walk import StackTable, analytic, walk_pairs
+from urushi.walk.bottoms import KINDS
 
 ARCH = Architecture(
     latent=12,
@@ -37,7 +38,7 @@ def test_simulation_of_the_mirror_image_agrees(kind):
     mirrored = mirror_images(part, arrays)
     coats = CoatParameters.of_columns(np.moveaxis(mirrored["coats"], -1, 0))
     assert not np.array_equal(coats.alpha.u, coats.alpha.v)
-    columns = dict(zip(BOTTOM_PARAMETERS[kind], mirrored["bottom"].T, strict=True))
+    columns = dict(zip(KINDS[kind].parameters, mirrored["bottom"].T, strict=True))
     table = StackTable(kind=kind, bottom=columns, **coats._asdict())
     row = np.repeat(np.arange(len(table), dtype=np.uint32), 32)
     wi, wo = (mirrored[name].reshape(-1, 3) for name in ("wi", "wo"))
@@ -54,7 +55,7 @@ def test_simulation_of_the_mirror_image_agrees(kind):
 def test_a_bare_bottom_has_the_same_values(kind):
     part, arrays = _shard(kind, coats=0, walks=1)
     mirrored = mirror_images(part, arrays)
-    columns = dict(zip(BOTTOM_PARAMETERS[kind], mirrored["bottom"].T, strict=True))
+    columns = dict(zip(KINDS[kind].parameters, mirrored["bottom"].T, strict=True))
     row = np.repeat(np.arange(8, dtype=np.uint32), 32)
     f = analytic.rows(kind, columns, row, *(mirrored[n].reshape(-1, 3) for n in ("wi", "wo")))
     np.testing.assert_allclose(f, arrays["f"].ravel(), rtol=1e-4, atol=1e-7)

@@ -17,8 +17,9 @@ from urushi.walk import (
     simulate,
     walk_pairs,
 )
+from urushi.walk.bottoms import KINDS
 from urushi.walk.monte_carlo import backend
-from urushi.walk.table import BOTTOM_KINDS, from_stack
+from urushi.walk.table import from_stack
 
 #: Anisotropic at the top, at the bottom, at both, and with three interfaces; per channel once.
 STACKS = {
@@ -119,7 +120,7 @@ def test_equal_widths_give_the_walks_of_one_width(kind: str, coats: int) -> None
         "sigma_t": rng.uniform(0, 2, shape),
         "g": rng.uniform(-0.9, 0.9, shape),
     }
-    alpha, others = rng.uniform(0.01, 1, 8), BOTTOM_KINDS[kind][1][1:]
+    alpha, others = rng.uniform(0.01, 1, 8), KINDS[kind].parameters[1:]
     bottom = {name: rng.uniform(0.5, 0.9, 8) for name in others}
     widths = rng.uniform(0.01, 1, shape)
     one = StackTable(widths, **coat_columns, kind=kind, bottom={"alpha": alpha, **bottom})

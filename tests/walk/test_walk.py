@@ -12,7 +12,6 @@ from urushi.core.random import stream
 from urushi.walk import (
     Coat,
     StackTable,
-    bottoms,
     coat,
     conductor,
     dielectric,
@@ -22,8 +21,10 @@ from urushi.walk import (
     walk,
     walk_pairs,
 )
+from urushi.walk.bottoms import KINDS
+from urushi.walk.bottoms.conductor import SchlickConductor
+from urushi.walk.bottoms.diffuse import Lambertian
 from urushi.walk.monte_carlo import backend
-from urushi.walk.table import BOTTOM_KINDS
 
 
 def hemisphere(count: int, rng: np.random.Generator, lowest: float = 0.1) -> np.ndarray:
@@ -47,7 +48,7 @@ def random_table(
         "r0": (0, 1),
         "k": (0, 5),
     }
-    bottom = {name: rng.uniform(*ranges[name], stacks) for name in BOTTOM_KINDS[kind][1]}
+    bottom = {name: rng.uniform(*ranges[name], stacks) for name in KINDS[kind].parameters}
     alpha = 10 ** rng.uniform(-2, 0, shape)
     if kind.endswith("anisotropic"):
         alpha = Widths(alpha, 10 ** rng.uniform(-2, 0, shape))
@@ -149,7 +150,7 @@ def walk_in_color(stack, wi: np.ndarray, wo: np.ndarray, walks: int, seed: int):
     pair = dr.arange(jit.UInt32, len(wi) * walks) // walks
     a, b = (dr.gather(jit.Array3f, jit.Array3f(np.ascontiguousarray(w.T)), pair) for w in (wi, wo))
     layers = ColorLayers(jit, stack.coats)
-    bottom = bottoms.Lambertian(jit.Array3f(*np.broadcast_to(stack.bottom.reflectance, 3).tolist()))
+    bottom = Lambertian(jit.Array3f(*np.broadcast_to(stack.bottom.reflectance, 3).tolist()))
     rng = stream(jit.PCG32, dr.arange(jit.UInt32, len(wi) * walks), seed)
     f = walk.estimate(layers, bottom, a, b, rng, jit.Array3f).numpy()
     f = f.reshape(3, len(wi), walks).astype(np.float64)
@@ -281,7 +282,7 @@ def test_built_in_bottoms_can_be_used_as_custom_bottoms() -> None:
     jit = backend()
     rng = np.random.default_rng(7)
     wi, wo = hemisphere(5, rng), hemisphere(5, rng)
-    stack = coat(bottoms.schlick_conductor(jit.Float(0.2), jit.Float(0.9)), 0.2, 1.5, 0.9, 1.0)
+    stack = coat(SchlickConductor(jit.Float(0.2), jit.Float(0.9)), 0.2, 1.5, 0.9, 1.0)
     same = coat(conductor(0.2, 0.9), 0.2, 1.5, 0.9, 1.0)
     custom, _ = simulate(stack, wi, wo, walks=1 << 14, seed=3, progress=False)
     f, se = simulate(same, wi, wo, walks=1 << 14, seed=3, progress=False)

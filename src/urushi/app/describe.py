@@ -4,19 +4,22 @@ import ast
 import inspect
 from typing import Any
 
-import urushi
 from urushi.errors import ParameterError
 
-#: The functions of the Python interface that a description may call.
-MAKERS = ("coat", "conductor", "dielectric", "diffuse")
+
+def makers() -> dict[str, Any]:
+    """The functions of the Python interface that a description may call, by name."""
+    from urushi.walk import bottoms, coat  # lazily: it starts Dr.Jit
+
+    return {"coat": coat, **bottoms.MAKERS}
 
 
 def describe(text: str) -> Any:
-    """Build the Conductor, Dielectric, Diffuse or Stack that `text` describes.
+    """Build the description of a bottom, or the Stack, that `text` describes.
 
     The text is a Python expression without the prefix `urushi.`; coats may be nested:
     "coat(conductor(alpha=0.2, r0=0.9), alpha=0.05, eta=1.5)". It may hold the functions of
-    `MAKERS`, numbers and tuples of numbers; nothing else is evaluated.
+    `makers`, numbers and tuples of numbers; nothing else is evaluated.
 
     Raises:
         ParameterError: the text is no such expression, or a parameter is unknown or out of range.
@@ -29,16 +32,17 @@ def describe(text: str) -> Any:
 
 
 def is_description(text: str) -> bool:
-    """Whether `text` begins with a call of `MAKERS`, and so is no file name."""
-    return text.strip().startswith(tuple(f"{maker}(" for maker in MAKERS))
+    """Whether `text` begins with a call of `makers`, and so is no file name."""
+    return text.strip().startswith(tuple(f"{maker}(" for maker in makers()))
 
 
 def _build(node: ast.expr, text: str) -> Any:
     if not isinstance(node, ast.Call):
         return _number(node, text)
-    if not isinstance(node.func, ast.Name) or node.func.id not in MAKERS:
-        raise _refuse(text, f"'{ast.unparse(node.func)}' is not one of {', '.join(MAKERS)}")
-    maker = getattr(urushi, node.func.id)
+    known = makers()
+    if not isinstance(node.func, ast.Name) or node.func.id not in known:
+        raise _refuse(text, f"'{ast.unparse(node.func)}' is not one of {', '.join(known)}")
+    maker = known[node.func.id]
     positional = [_build(argument, text) for argument in node.args]
     named = {str(keyword.arg): _build(keyword.value, text) for keyword in node.keywords}
     try:

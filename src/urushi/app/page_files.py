@@ -24,7 +24,7 @@ from urushi.files import METADATA_KEY
 from urushi.material import Material
 from urushi.nets.architecture import Architecture
 from urushi.nets.weights import FORMAT_VERSION, Model, anisotropic_model
-from urushi.walk.stack import Conductor, Dielectric, Diffuse, Stack
+from urushi.walk import Stack
 
 #: Names of the files that are made, not built.
 WEIGHTS_FILE, START_FILE, SHADERS_FOLDER = "weights.safetensors", "start.json", "shaders"
@@ -33,6 +33,9 @@ TEXTURE_FILE = "texture.safetensors"
 
 #: Coats that the page has cards for.
 MOST_COATS = 6
+
+#: Descriptions of bottoms that the page has cards for.
+PAGE_BOTTOMS = ("conductor", "dielectric", "diffuse")
 
 
 class First(NamedTuple):
@@ -180,17 +183,11 @@ def cards_of(described: Any) -> dict[str, Any] | None:
     bottom = described.bottom if isinstance(described, Stack) else described
     if len(coats) > MOST_COATS:
         return None
-    match bottom:
-        case Conductor(alpha=alpha, r0=None, eta=eta, k=k):
-            kind = {"kind": "conductor", **_widths(alpha), "eta": eta, "k": k}
-        case Conductor(alpha=alpha, r0=r0):
-            kind = {"kind": "conductor", **_widths(alpha), "r0": r0}
-        case Dielectric(alpha=alpha, eta=eta):
-            kind = {"kind": "dielectric", **_widths(alpha), "eta": eta}
-        case Diffuse(reflectance=reflectance):
-            kind = {"kind": "diffuse", "reflectance": reflectance}
-        case _:
-            return None
+    kind = type(bottom).__name__.lower()
+    if kind not in PAGE_BOTTOMS:
+        return None
+    numbers = {name: value for name, value in vars(bottom).items() if value is not None}
+    widths = _widths(numbers.pop("alpha")) if "alpha" in numbers else {}
     cards = [
         {
             **_widths(coat.alpha),
@@ -201,7 +198,7 @@ def cards_of(described: Any) -> dict[str, Any] | None:
         }
         for coat in coats
     ]
-    return {"name": "Material", "bottom": kind, "coats": cards}
+    return {"name": "Material", "bottom": {"kind": kind, **widths, **numbers}, "coats": cards}
 
 
 def _widths(alpha: Any) -> dict[str, Any]:

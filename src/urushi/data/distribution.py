@@ -10,34 +10,71 @@ from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
-from urushi.checks import TRAINED_DEPTH, TRAINED_G, Widths
-from urushi.data.draws import DRAW_BOTTOM, DRAW_ETA, draw_alpha, draw_widths
+from urushi.checks import MIN_ALPHA, TRAINED_DEPTH, TRAINED_G, TRAINED_WIDTH_RATIO, Widths
 from urushi.errors import ParameterError
-from urushi.walk.table import BOTTOM_KINDS, StackTable
+from urushi.walk.bottoms import KINDS
+from urushi.walk.bottoms.bottom import Family, Kind, draw_alpha
+from urushi.walk.table import StackTable
 
 #: Maximum number of coats of a trained stack: five coats over a bottom have six interfaces.
 MAX_COATS = 5
 
+
+def _is_drawn(kind: Kind) -> bool:
+    return kind.family.draw is not Family.draw
+
+
 #: The kinds of bottoms of isotropic stacks.
-BOTTOMS = ("conductor", "conductor_complex", "dielectric", "diffuse", "mixture", "measured_like")
+BOTTOMS = tuple(name for name, kind in KINDS.items() if _is_drawn(kind) and kind.widths == 1)
 
 #: The kinds of bottoms of anisotropic stacks. Where a kind has two widths, they may be equal.
-ANISOTROPIC_BOTTOMS = (
-    "conductor_anisotropic",
-    "conductor_complex_anisotropic",
-    "dielectric_anisotropic",
-    "mixture_anisotropic",
-    "diffuse",
-    "measured_like",
+ANISOTROPIC_BOTTOMS = tuple(
+    name for name, kind in KINDS.items() if _is_drawn(kind) and f"{name}_anisotropic" not in KINDS
 )
-
-#: Their parameters, in the order of the data stores.
-BOTTOM_PARAMETERS = {
-    kind: BOTTOM_KINDS[kind][1] for kind in dict.fromkeys(BOTTOMS + ANISOTROPIC_BOTTOMS)
-}
 
 #: Share of anisotropic stacks whose coats all have equal widths, where the bottom has not.
 ISOTROPIC_COATS = 0.3
+
+
+def draw_widths(rng: np.random.Generator, mean: np.ndarray) -> Widths:
+    """Two widths in [0.01, 1] of this geometric mean, see `Anisotropic`."""
+    limit = np.log(TRAINED_WIDTH_RATIO)
+    quotient = np.exp(rng.uniform(-limit, limit, np.shape(mean)))
+    quotient = np.where(rng.random(np.shape(mean)) < 0.2, 1.0, quotient)
+    root = np.sqrt(quotient)
+    return Widths(np.clip(mean * root, MIN_ALPHA, 1.0), np.clip(mean / root, MIN_ALPHA, 1.0))
+
+
+def common_eta(rng: np.random.Generator, shape: int | tuple[int, ...]) -> np.ndarray:
+    """U(1.05, 2), as in Table 2."""
+    return rng.uniform(1.05, 2.0, shape)
+
+
+def whole_eta(rng: np.random.Generator, shape: int | tuple[int, ...]) -> np.ndarray:
+    """Indices in [0.5, 3], those of coats on air or on a denser or thinner medium.
+
+    55 % are U(1.05, 2), 10 % U(2, 3), 25 % U(0.5, 0.96). In the last 10 %, |eta - 1| is log-uniform
+    in [0.004, 0.05], on either side of 1.
+    """
+    near = np.exp(rng.uniform(np.log(0.004), np.log(0.05), shape))
+    near = 1 + np.where(rng.integers(2, size=shape) == 0, -near, near)
+    parts = (
+        rng.uniform(1.05, 2.0, shape),
+        rng.uniform(2.0, 3.0, shape),
+        rng.uniform(0.5, 0.96, shape),
+        near,
+    )
+    which = rng.choice(len(parts), shape, p=(0.55, 0.1, 0.25, 0.1))
+    return np.choose(which, parts)
+
+
+def low_eta(rng: np.random.Generator, shape: int | tuple[int, ...]) -> np.ndarray:
+    """U(0.5, 0.96): every interface is to a thinner medium, with total reflection from above."""
+    return rng.uniform(0.5, 0.96, shape)
+
+
+#: Indices of refraction by name: functions of a generator and a shape.
+DRAW_ETA = {"common": common_eta, "whole": whole_eta, "low": low_eta}
 
 
 class _Independent:
@@ -97,12 +134,9 @@ class Extended(_Independent):
 
     Attributes:
         coats: as in `Table2`.
-        bottom: "conductor" (Schlick's R0 = U(0, 1)), "conductor_complex" (eta = U(0.05, 3.5),
-            k = U(0.5, 8), about the range of metals), "diffuse" (reflectance = U(0, 1)),
-            "dielectric" (the reflection of a rough interface, eta by `indices`), "mixture" (see
-            `draws.mixture`) or "measured_like" (see `draws.measured_like`).
+        bottom: one of `BOTTOMS`; its parameters are drawn by the `draw` of its family.
         indices: eta of coats and of "dielectric" bottoms: "common" (U(1.05, 2), as in Table 2),
-            "whole" (all of [0.5, 3], see `draws.whole_eta`) or "low" (U(0.5, 0.96), for
+            "whole" (all of [0.5, 3], see `whole_eta`) or "low" (U(0.5, 0.96), for
             evaluation).
     """
 
@@ -137,9 +171,13 @@ class Extended(_Independent):
         )
 
     def _draw_bottom(self, rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
-        if self.bottom == "dielectric":
-            return {"alpha": draw_alpha(rng, n), "eta": DRAW_ETA[self.indices](rng, n)}
-        return DRAW_BOTTOM[self.bottom](rng, n)
+        kind = KINDS[self.bottom]
+        columns = kind.family.draw(rng, n, DRAW_ETA[self.indices])
+        if kind.widths == 2:
+            for name in [name for name in columns if name not in kind.parameters]:
+                widths = draw_widths(rng, columns.pop(name))
+                columns |= {f"{name}_u": widths.u, f"{name}_v": widths.v}
+        return {name: columns[name] for name in kind.parameters}
 
 
 @dataclass(frozen=True)
@@ -181,7 +219,7 @@ class Anisotropic(Extended):
         """Draw n stacks."""
         shape = (n, self.coats)
         alpha = draw_widths(rng, draw_alpha(rng, shape))
-        if self.bottom in _DRAW_ISOTROPIC:
+        if KINDS[self.bottom].widths == 2:
             plain = rng.random((n, 1)) < ISOTROPIC_COATS
             alpha = Widths(alpha.u, np.where(plain, alpha.u, alpha.v))
         thin = np.maximum(rng.uniform(-0.3, 0.3, shape), 0.0)
@@ -195,18 +233,6 @@ class Anisotropic(Extended):
             bottom=self._draw_bottom(rng, n),
         )
 
-    def _draw_bottom(self, rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
-        isotropic = _DRAW_ISOTROPIC.get(self.bottom, self.bottom)
-        if isotropic == "dielectric":
-            columns = {"alpha": draw_alpha(rng, n), "eta": DRAW_ETA[self.indices](rng, n)}
-        else:
-            columns = DRAW_BOTTOM[isotropic](rng, n)
-        if self.bottom in _DRAW_ISOTROPIC:
-            for name in [name for name in columns if name.endswith("alpha")]:
-                widths = draw_widths(rng, columns.pop(name))
-                columns |= {f"{name}_u": widths.u, f"{name}_v": widths.v}
-        return {name: columns[name] for name in BOTTOM_PARAMETERS[self.bottom]}
-
 
 #: Distributions from which any number of stacks can be drawn.
 Distribution = Table2 | Extended
@@ -218,7 +244,7 @@ class Source(Protocol):
     Attributes:
         coats: coats of every stack.
         widths: numbers of a coat's GGX width: 2 if it may be anisotropic, otherwise 1.
-        bottom: the kind of its bottom, a key of `BOTTOM_PARAMETERS`.
+        bottom: the kind of its bottom, a key of `KINDS`.
     """
 
     @property
@@ -274,14 +300,6 @@ def from_dict(description: Mapping[str, Any]) -> Source:
         return _sources[kind](**fields)
     except TypeError as error:
         raise ParameterError(f"distribution '{kind}' has no such field: {error}") from error
-
-
-#: Kinds of bottoms of two widths, and the kinds of one width of whose parameters they are drawn.
-_DRAW_ISOTROPIC = {
-    kind: kind.removesuffix("_anisotropic")
-    for kind in ANISOTROPIC_BOTTOMS
-    if kind.endswith("_anisotropic")
-}
 
 
 def _check_coats(coats: int) -> None:

@@ -9,11 +9,11 @@ from tqdm import tqdm
 from urushi.checks import CoatParameters
 from urushi.core import direction_sets
 from urushi.data import cluster
-from urushi.data.distribution import BOTTOM_PARAMETERS
 from urushi.data.spec import DataSpec
 from urushi.data.store import Shard, Store, versions
 from urushi.errors import PlatformError
 from urushi.walk import analytic
+from urushi.walk.bottoms import KINDS
 from urushi.walk.simulate import walk_pairs
 
 
@@ -42,7 +42,7 @@ def make_shard(spec: DataSpec, part: int, shard: int) -> Shard:
         seed = int(walks.generate_state(1)[0])
         f, se = walk_pairs(table, row, wi, wo, walks=described.walks, seed=seed)
     arrays = {
-        "bottom": np.stack([table.bottom[name] for name in BOTTOM_PARAMETERS[table.kind]], axis=-1),
+        "bottom": np.stack([table.bottom[name] for name in KINDS[table.kind].parameters], axis=-1),
         "wi": wi.reshape(count, -1, 3),
         "wo": wo.reshape(count, -1, 3),
         "f": f.reshape(count, -1),

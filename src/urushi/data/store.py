@@ -27,11 +27,11 @@ import numpy as np
 import zarr
 
 from urushi.checks import COAT_COLUMNS
-from urushi.data.distribution import BOTTOM_PARAMETERS
 from urushi.data.spec import DataSpec, Part
 from urushi.errors import FileError, ParameterError
 from urushi.files import new_folder
 from urushi.version import __version__
+from urushi.walk.bottoms import KINDS
 
 FORMAT_VERSION = 1
 _MANIFEST = "urushi_data"
@@ -205,7 +205,7 @@ def _layout(part: Part) -> dict[str, tuple[int, ...]]:
     """Shapes of a part's arrays for one stack."""
     layout = {
         "coats": (part.distribution.coats, len(COAT_COLUMNS[part.distribution.widths])),
-        "bottom": (len(BOTTOM_PARAMETERS[part.distribution.bottom]),),
+        "bottom": (len(KINDS[part.distribution.bottom].parameters),),
         "wi": (part.pairs, 3),
         "wo": (part.pairs, 3),
         "f": (part.pairs,),
@@ -220,7 +220,7 @@ def _create_part(root: zarr.Group, spec: DataSpec, part: Part) -> None:
     group = root.create_group(part.name)
     names = {
         "coats": COAT_COLUMNS[part.distribution.widths],
-        "bottom": BOTTOM_PARAMETERS[part.distribution.bottom],
+        "bottom": KINDS[part.distribution.bottom].parameters,
     }
     for name, shape in _layout(part).items():
         array = group.create_array(

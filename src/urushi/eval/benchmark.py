@@ -19,13 +19,14 @@ import numpy as np
 from urushi import files
 from urushi.checks import CoatParameters
 from urushi.core.probe_pairs import PROBES
-from urushi.data.distribution import BOTTOM_PARAMETERS, to_dict
+from urushi.data.distribution import to_dict
 from urushi.errors import FileError
 from urushi.eval import samples as sampling
 from urushi.eval.groups import GROUPS, Group
 from urushi.eval.samples import Samples
 from urushi.version import __version__
 from urushi.walk import StackTable
+from urushi.walk.bottoms import KINDS
 
 #: Seed of the stored set; `urushi eval --seed` draws another set.
 SEED = 0
@@ -152,7 +153,7 @@ def _checked(path: str | os.PathLike) -> tuple[dict[str, Any], dict[str, np.ndar
 def _arrays(samples: Samples) -> dict[str, np.ndarray]:
     """The stored arrays of a set by name."""
     table = samples.table
-    bottom = [table.bottom[name] for name in BOTTOM_PARAMETERS[table.kind]]
+    bottom = [table.bottom[name] for name in KINDS[table.kind].parameters]
     coats = [getattr(table, name) for name in CoatParameters._fields]
     return {
         "coats": np.stack(coats, axis=-1),
@@ -185,7 +186,7 @@ def _samples(
         )
     kind = group.distribution.bottom
     columns = dict(zip(CoatParameters._fields, np.moveaxis(arrays["coats"], -1, 0), strict=True))
-    bottom = dict(zip(BOTTOM_PARAMETERS[kind], arrays["bottom"].T, strict=True))
+    bottom = dict(zip(KINDS[kind].parameters, arrays["bottom"].T, strict=True))
     return Samples(
         table=StackTable(**columns, kind=kind, bottom=bottom),
         wi=wi,

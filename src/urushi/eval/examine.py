@@ -18,8 +18,8 @@ from urushi.material.encode import evaluate_source
 from urushi.material.source import Source, as_source
 from urushi.material.symmetry import RELATIVE_TOLERANCE, azimuthal_mean
 from urushi.measured import load_measured
+from urushi.walk import Stack
 from urushi.walk.simulate import simulate
-from urushi.walk.stack import Stack
 
 #: Pairs for E and for P.
 E_PAIRS, P_PAIRS = 4096, 2048

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 from urushi.data.distribution import Clear, Distribution, Extended, Table2
 from urushi.errors import ParameterError
+from urushi.walk.bottoms import KINDS
 
 
 @dataclass(frozen=True)
@@ -75,11 +76,9 @@ def _e(limit: float) -> Aim:
 
 #: The kinds of bottom that are measured, with their names in the table.
 BOTTOMS = {
-    "conductor": "conductor (Schlick)",
-    "conductor_complex": "conductor (complex)",
-    "dielectric": "dielectric reflector",
-    "diffuse": "Lambertian",
-    "mixture": "mixture",
+    name: kind.family.title
+    for name, kind in KINDS.items()
+    if kind.family.title and kind.widths == 1
 }
 _KINDS = tuple(BOTTOMS)
 

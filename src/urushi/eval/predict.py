@@ -4,7 +4,6 @@ import numpy as np
 
 from urushi.checks import CoatParameters, one_width
 from urushi.core.probe_pairs import PROBES, probe_pairs
-from urushi.data.distribution import BOTTOM_PARAMETERS
 from urushi.eval import samples as sampling
 from urushi.eval.samples import Samples
 from urushi.material import Material
@@ -15,8 +14,9 @@ from urushi.nets.architecture import Architecture
 from urushi.nets.lobe import of_coat
 from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
-from urushi.train.bottoms import BARE_LOBES, bottom_lobes
+from urushi.train.bottoms import bottom_lobes
 from urushi.walk import StackTable
+from urushi.walk.bottoms import KINDS
 
 #: Seed of the walks for networks whose probe pairs differ from the stored ones.
 _PROBE_SEED = 1
@@ -54,10 +54,11 @@ def materials(
     pairs = model.networks.pairs() if encoded else required_pairs(None, model, table=False)
     values = _lower_values(samples, encoded, *pairs)
     table, own = samples.table, isinstance(model.networks, UrushiNetworks)
-    if encoded == 0 and table.kind in BARE_LOBES and own:
+    if encoded == 0 and KINDS[table.kind].family.bare and own:
         material = material_of_lobes(_lobes(samples, encoded), model, len(values))
     else:
-        lobe = _lobes(samples, encoded) if encoded or table.kind == "diffuse" else None
+        known = encoded or KINDS[table.kind].family.fresnel_numbers(table.bottom) is not None
+        lobe = _lobes(samples, encoded) if known else None
         material = material_from_values(values.T, model, refine=refined, lobe=lobe)
     if table.coats == encoded:
         return split(material)
@@ -76,7 +77,7 @@ def _lobes(samples: Samples, encoded: int) -> np.ndarray:
     if encoded:
         alpha = one_width(table.alpha, "the table's")
         return of_coat(alpha[:, -encoded], table.eta[:, -encoded])
-    names = BOTTOM_PARAMETERS[table.kind]
+    names = KINDS[table.kind].parameters
     bottom = np.stack([table.bottom[name] for name in names], axis=-1)
     return bottom_lobes(table.kind, bottom, Architecture())
 

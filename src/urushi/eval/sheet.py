@@ -15,7 +15,7 @@ from urushi.errors import ParameterError
 from urushi.eval import environment, metrics, sphere
 from urushi.files import atomic_write
 from urushi.material import Material, layer, lerp
-from urushi.walk.stack import dielectric
+from urushi.walk import dielectric
 
 #: Coats by name: alpha and eta of the interface, and the medium under it; None is no coat.
 COATS: dict[str, dict[str, Any] | None] = {

@@ -32,7 +32,7 @@ from urushi.nets.interface_fit import find_lobes
 from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model, Weights, anisotropic_model, find
 from urushi.parallel import fill_blocks
-from urushi.walk.stack import Stack
+from urushi.walk import Stack
 
 #: Root mean square of the residual in ln(f + `DARK_OFFSET`) above which a source is refined unless
 #: the caller decides. Measured: descriptions, coats and stacks of the training distribution stay

@@ -45,7 +45,7 @@ from urushi.nets.lobe import no_lobe
 from urushi.nets.lobe_fit import fit_lobes
 from urushi.nets.networks import Networks, UrushiNetworks
 from urushi.parallel import one_blas_thread
-from urushi.walk.stack import conductor, diffuse
+from urushi.walk import conductor, diffuse
 
 #: Roughness of the conductors among the initial guesses, and shares of a white diffuse lobe that
 #: are added to each.

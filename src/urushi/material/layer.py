@@ -20,7 +20,7 @@ from urushi.nets.decoder import MIN_LOG
 from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model, Weights, anisotropic_model, default_model
 from urushi.parallel import fill_blocks
-from urushi.walk.stack import Dielectric
+from urushi.walk import Dielectric
 
 #: Values of (eta - 1) / (eta + 1), of alpha and of sigma_t at which 1 - 1/e of a coat is present,
 #: and the share from which all of it is.

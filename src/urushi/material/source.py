@@ -17,7 +17,8 @@ from urushi.material.material import Material
 from urushi.measured import Merl, Rgl
 from urushi.nets import lobe as lobes
 from urushi.nets.networks import UrushiNetworks
-from urushi.walk.stack import Coat, Conductor, Dielectric, Diffuse, Stack
+from urushi.walk import Coat, Stack
+from urushi.walk.bottoms import Description
 
 #: Random walks per probe and channel for a Stack: about 0.5 % noise where f is not tiny.
 STACK_WALKS = 16384
@@ -106,10 +107,8 @@ def _(source: Rgl) -> Source:
     return Source(source.f, measured=True, tabulated=True, isotropic=source.isotropic)
 
 
-@as_source.register(Conductor)
-@as_source.register(Dielectric)
-@as_source.register(Diffuse)
-def _(source: Conductor | Dielectric | Diffuse) -> Source:
+@as_source.register
+def _(source: Description) -> Source:
     from urushi.walk import analytic  # lazily: it starts Dr.Jit
 
     def f(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
@@ -119,8 +118,8 @@ def _(source: Conductor | Dielectric | Diffuse) -> Source:
         f,
         symmetric=True,
         lobe=lobe_of_surface(source),
-        bare=not isinstance(source, Diffuse),
-        widths=2 if not isinstance(source, Diffuse) and source.is_anisotropic else 1,
+        bare=source.as_kind().family.bare,
+        widths=source.as_kind().widths,
     )
 
 
@@ -149,16 +148,14 @@ def simulated(stack: Stack, wi: np.ndarray, wo: np.ndarray) -> tuple[np.ndarray,
     return simulate(stack, wi, wo, walks=FIT_WALKS, seed=1)
 
 
-def lobe_of_surface(source: Conductor | Dielectric | Diffuse) -> np.ndarray:
-    """The lobe float32 (N,) or (3, N) of a surface, N = 7 if it has two widths, otherwise 6."""
-    if isinstance(source, Diffuse):
-        return np.array(lobes.NO_LOBE, np.float32)
-    if isinstance(source, Dielectric):
-        return _lobe(source.alpha, 0.0, 0.0, 1.0, source.eta, 0.0)
-    if source.eta is not None and source.k is not None:
-        return _lobe(source.alpha, 0.0, 0.0, 1.0, source.eta, source.k)
-    assert source.r0 is not None
-    return _lobe(source.alpha, source.r0, 1.0, 0.0, lobes.NO_LOBE[4], 0.0)
+def lobe_of_surface(source: Description) -> np.ndarray | None:
+    """The lobe float32 (N,) or (3, N) of a surface, N = 7 if it has two widths, otherwise 6.
+
+    None if its family does not know it.
+    """
+    fresnel = source.as_kind().family.fresnel_numbers(vars(source))
+    alpha = getattr(source, "alpha", lobes.NO_LOBE[0])
+    return None if fresnel is None else _lobe(alpha, *fresnel)
 
 
 def lobe_of_coat(coat: Coat) -> np.ndarray:

@@ -52,11 +52,11 @@ class MeasuredSurface(ABC):
         return Tabulated(self.table())
 
     def f_pdf(self, wi: Any, wo: Any) -> tuple[Any, Any]:
-        """See `urushi.walk.bottoms.Bottom`."""
+        """See `urushi.walk.bottoms.bottom.Bottom`."""
         return self.tabulated.f_pdf(wi, wo)
 
     def sample(self, wi: Any, u0: Any, u1: Any, u2: Any) -> tuple[Any, Any, Any]:
-        """See `urushi.walk.bottoms.Bottom`."""
+        """See `urushi.walk.bottoms.bottom.Bottom`."""
         return self.tabulated.sample(wi, u0, u1, u2)
 
 

@@ -7,37 +7,29 @@ from urushi.nets import lobe as lobes
 from urushi.nets.architecture import Architecture
 from urushi.nets.lobe_fit import fit_lobes
 from urushi.walk import analytic
-
-#: Kinds of bottoms that are one lobe and nothing else.
-BARE_LOBES = (
-    *("conductor", "conductor_complex", "dielectric"),
-    *("conductor_anisotropic", "conductor_complex_anisotropic", "dielectric_anisotropic"),
-)
+from urushi.walk.bottoms import KINDS
 
 
 def bottom_lobes(kind: str, bottom: np.ndarray, arch: Architecture) -> np.ndarray:
     """Lobes (S, L) of bottoms with the parameters (S, K), in the order of their kind.
 
-    Those of mixtures and of measured-like bottoms are fitted to their values, as `encode` does.
+    Lobes that the family does not know are fitted to its values, as `encode` does.
     """
-    columns = dict(zip(analytic.BOTTOM_KINDS[kind][1], bottom.T, strict=True))
+    columns = dict(zip(KINDS[kind].parameters, bottom.T, strict=True))
+    fresnel = KINDS[kind].family.fresnel_numbers(columns)
+    if fresnel is None:
+        return fit_lobes(_values(kind, bottom, arch), arch.widths)
     result = np.tile(np.array(lobes.no_lobe(arch.widths), np.float32), (len(bottom), 1))
-    if kind in BARE_LOBES:
-        widths = [column for name, column in columns.items() if name.startswith("alpha")]
+    if widths := [column for name, column in columns.items() if name.startswith("alpha")]:
         result[:, lobes.WIDTH_PLACES[arch.widths]] = np.stack(widths, axis=-1)
-        if "r0" in columns:
-            result[:, 1:3] = np.stack([columns["r0"], np.ones(len(bottom))], axis=-1)
-        else:
-            k = columns.get("k", np.zeros(len(bottom)))
-            result[:, 3:6] = np.stack([np.ones(len(bottom)), columns["eta"], k], axis=-1)
-    elif kind != "diffuse":
-        result = fit_lobes(_values(kind, bottom, arch), arch.widths)
+    for place, numbers in enumerate(fresnel, start=1):
+        result[:, place] = numbers
     return result
 
 
 def bottom_rest(kind: str, bottom: np.ndarray, own: np.ndarray, arch: Architecture) -> np.ndarray:
     """Values (S, probes) [1/sr] of bottoms in air at the probe pairs, less those of their lobes."""
-    if kind in BARE_LOBES:
+    if KINDS[kind].family.bare:
         return np.zeros((len(bottom), arch.probes), np.float32)
     top = lobes.f(own[:, None], *probe_pairs(arch.probes, arch.widths))
     return np.maximum(_values(kind, bottom, arch) - top, 0.0)
@@ -45,7 +37,7 @@ def bottom_rest(kind: str, bottom: np.ndarray, own: np.ndarray, arch: Architectu
 
 def _values(kind: str, bottom: np.ndarray, arch: Architecture) -> np.ndarray:
     """Values (S, probes) [1/sr] of bottoms in air at the probe pairs."""
-    names = analytic.BOTTOM_KINDS[kind][1]
+    names = KINDS[kind].parameters
     count = len(bottom)
     wi, wo = (np.tile(w, (count, 1)) for w in probe_pairs(arch.probes, arch.widths))
     row = np.repeat(np.arange(count, dtype=np.uint32), arch.probes)

@@ -13,15 +13,15 @@ import numpy as np
 
 from urushi.checks import COAT_COLUMNS, CoatParameters
 from urushi.core.probe_pairs import PROBES, probe_pairs
-from urushi.data.distribution import BOTTOM_PARAMETERS
 from urushi.data.spec import Part
 from urushi.data.store import Store
 from urushi.errors import ParameterError
 from urushi.nets import lobe as lobes
 from urushi.nets.architecture import Architecture
 from urushi.nets.features import DIRECTION_FEATURES, direction_features
-from urushi.train.bottoms import BARE_LOBES, bottom_lobes, bottom_rest
+from urushi.train.bottoms import bottom_lobes, bottom_rest
 from urushi.train.order import Order, Window
+from urushi.walk.bottoms import KINDS
 
 #: The arrays that are read from a store.
 ARRAYS = ("coats", "bottom", "wi", "wo", "f")
@@ -194,7 +194,7 @@ def load(store: Store, arch: Architecture, pairs: int, memory: int) -> list[Dept
             if (
                 depth(part) == 0
                 and part.directions != "probed"
-                and part.distribution.bottom in BARE_LOBES
+                and KINDS[part.distribution.bottom].family.bare
             ):
                 continue
             by_depth.setdefault(depth(part), []).append(index)
@@ -327,7 +327,7 @@ def mirror_images(part: Part, arrays: dict[str, np.ndarray]) -> dict[str, np.nda
             f"part '{part.name}' has stacks of one GGX width per surface, which are their own "
             "mirror images; use a Layering stage"
         )
-    names = {"coats": COAT_COLUMNS[2], "bottom": BOTTOM_PARAMETERS[part.distribution.bottom]}
+    names = {"coats": COAT_COLUMNS[2], "bottom": KINDS[part.distribution.bottom].parameters}
     orders = {name: _exchanged_widths(columns) for name, columns in names.items()}
     orders |= {"wi": [1, 0, 2], "wo": [1, 0, 2]}
     return {name: x[..., orders[name]] if name in orders else x for name, x in arrays.items()}

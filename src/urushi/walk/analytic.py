@@ -5,18 +5,16 @@ import numpy as np
 import numpy.typing as npt
 
 from urushi import checks
+from urushi.walk.bottoms import KINDS, Description
 from urushi.walk.monte_carlo import backend
-from urushi.walk.stack import Conductor, Dielectric, Diffuse
-from urushi.walk.table import BOTTOM_KINDS, bottom_columns, channel_count
+from urushi.walk.table import bottom_columns, channel_count
 
 
-def f(
-    description: Conductor | Dielectric | Diffuse, wi: npt.ArrayLike, wo: npt.ArrayLike
-) -> np.ndarray:
+def f(description: Description, wi: npt.ArrayLike, wo: npt.ArrayLike) -> np.ndarray:
     """Evaluate a described surface in air.
 
     Args:
-        description: a conductor, a dielectric (its reflection alone) or a diffuse surface.
+        description: a surface; of a dielectric, its reflection alone.
         wi, wo: (N, 3) unit vectors.
 
     Returns:
@@ -38,18 +36,18 @@ def rows(
 ) -> np.ndarray:
     """Evaluate surface row[i] of `kind` at (wi[i], wo[i]); returns float32 (M,) [1/sr].
 
-    `columns` has the parameters of the kind (see `urushi.walk.table.BOTTOM_KINDS`) by name,
+    `columns` has the parameters of the kind (see `urushi.walk.bottoms.KINDS`) by name,
     (S,) each.
     """
     if not len(row):
         return np.zeros(0, np.float32)
     device = backend()
     index = device.UInt32(np.ascontiguousarray(row, np.uint32))
-    factory, names = BOTTOM_KINDS[kind]
+    family = KINDS[kind]
     parameters = (
         dr.gather(device.Float, device.Float(np.ascontiguousarray(columns[n], np.float32)), index)
-        for n in names
+        for n in family.parameters
     )
     wi, wo = (device.Array3f(np.ascontiguousarray(w.T, np.float32)) for w in (wi, wo))
-    value, _ = factory(*parameters).f_pdf(wi, wo)
+    value, _ = family.bottom(*parameters).f_pdf(wi, wo)
     return np.array(value.numpy(), np.float32)

@@ -1,6 +1,5 @@
 """Many monochrome stacks of one shape as arrays, from which each lane of a walk reads one row."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -10,63 +9,9 @@ import numpy.typing as npt
 
 from urushi.checks import CoatParameters, Widths
 from urushi.errors import ParameterError
-from urushi.walk import bottoms
-from urushi.walk.stack import Conductor, Dielectric, Diffuse, Stack
-
-#: Factory of each kind of bottom, and the names of its arguments in order.
-BOTTOM_KINDS: dict[str, tuple[Any, tuple[str, ...]]] = {
-    "conductor": (bottoms.schlick_conductor, ("alpha", "r0")),
-    "conductor_complex": (bottoms.conductor, ("alpha", "eta", "k")),
-    "dielectric": (bottoms.dielectric_reflector, ("alpha", "eta")),
-    "diffuse": (bottoms.Lambertian, ("reflectance",)),
-    "conductor_anisotropic": (
-        bottoms.anisotropic(bottoms.schlick_conductor),
-        ("alpha_u", "alpha_v", "r0"),
-    ),
-    "conductor_complex_anisotropic": (
-        bottoms.anisotropic(bottoms.conductor),
-        ("alpha_u", "alpha_v", "eta", "k"),
-    ),
-    "dielectric_anisotropic": (
-        bottoms.anisotropic(bottoms.dielectric_reflector),
-        ("alpha_u", "alpha_v", "eta"),
-    ),
-    "mixture": (
-        bottoms.MixtureBottom,
-        (
-            "diffuse",
-            "ggx_weight",
-            "ggx_alpha",
-            "ggx_r0",
-            "beckmann_weight",
-            "beckmann_alpha",
-            "beckmann_r0",
-        ),
-    ),
-    "mixture_anisotropic": (
-        bottoms.anisotropic_mixture,
-        (
-            "diffuse",
-            "ggx_weight",
-            "ggx_alpha_u",
-            "ggx_alpha_v",
-            "ggx_r0",
-            "beckmann_weight",
-            "beckmann_alpha_u",
-            "beckmann_alpha_v",
-            "beckmann_r0",
-        ),
-    ),
-    "measured_like": (
-        bottoms.MeasuredLike,
-        (
-            "diffuse",
-            "roughness",
-            "sheen",
-            *(f"{name}_{k}" for k in (1, 2) for name in bottoms.LOBE_PARAMETERS),
-        ),
-    ),
-}
+from urushi.walk.bottoms import KINDS, Bottom, Description
+from urushi.walk.bottoms.bottom import numbers_of
+from urushi.walk.stack import Stack
 
 
 @dataclass(frozen=True)
@@ -76,9 +21,9 @@ class StackTable:
     Attributes:
         alpha, eta, albedo, sigma_t, g: float32 (S, N), coats from top to bottom. alpha is `Widths`
             of two such arrays if a coat may be anisotropic; a walk then takes up to a tenth longer.
-        kind: a key of `BOTTOM_KINDS`, or "custom".
+        kind: a key of `bottoms.KINDS`, or "custom".
         bottom: parameters of the bottom by name, float32 (S,).
-        custom: for "custom", a `bottoms.Bottom`; row i reads channel i of its colours.
+        custom: for "custom", a `Bottom`; row i reads channel i of its colours.
     """
 
     alpha: np.ndarray | Widths
@@ -91,7 +36,7 @@ class StackTable:
     custom: Any = None
 
     def __post_init__(self) -> None:
-        names = BOTTOM_KINDS[self.kind][1] if self.kind in BOTTOM_KINDS else ()
+        names = KINDS[self.kind].parameters if self.kind in KINDS else ()
         if self.kind != "custom" and tuple(self.bottom) != names:
             raise ParameterError(
                 f"a table of '{self.kind}' bottoms needs the parameters {', '.join(names)}"
@@ -136,36 +81,22 @@ def channel_count(description: object) -> int:
         if isinstance(description, Stack)
         else (description,)
     )
-    described = (Conductor, Dielectric, Diffuse)
     for part in parts:
-        if part is parts[-1] and not isinstance(part, described):
+        if part is parts[-1] and not isinstance(part, Description):
             return 3
-        if any(isinstance(value, tuple) for value in _numbers(part)):
+        if any(isinstance(value, tuple) for value in numbers_of(part)):
             return 3
     return 1
 
 
-def _numbers(part: object) -> Iterator[object]:
-    """The parameters of a description, both widths among them."""
-    for value in vars(part).values():
-        yield from (value.u, value.v) if isinstance(value, Widths) else (value,)
-
-
-def bottom_columns(
-    description: Conductor | Dielectric | Diffuse, channels: int
-) -> tuple[str, dict[str, np.ndarray]]:
+def bottom_columns(description: Description, channels: int) -> tuple[str, dict[str, np.ndarray]]:
     """The kind of a described bottom, and its parameters as float32 (channels,) by name."""
-    if isinstance(description, Conductor):
-        kind = "conductor" if description.r0 is not None else "conductor_complex"
-    else:
-        kind = "dielectric" if isinstance(description, Dielectric) else "diffuse"
-    if not isinstance(description, Diffuse) and description.is_anisotropic:
-        kind += "_anisotropic"
-    names = BOTTOM_KINDS[kind][1]
+    kind = description.as_kind()
     columns = {
-        name: np.broadcast_to(np.float32(getattr(description, name)), (channels,)) for name in names
+        name: np.broadcast_to(np.float32(getattr(description, name)), (channels,))
+        for name in kind.parameters
     }
-    return kind, columns
+    return kind.name, columns
 
 
 def from_stack(stack: Stack) -> StackTable:
@@ -183,7 +114,7 @@ def from_stack(stack: Stack) -> StackTable:
         coats["alpha"] = Widths(column("alpha_u"), column("alpha_v"))
     else:
         coats["alpha"] = column("alpha")
-    if not isinstance(stack.bottom, Conductor | Dielectric | Diffuse):
+    if not isinstance(stack.bottom, Description):
         return StackTable(**coats, kind="custom", custom=stack.bottom)
     kind, columns = bottom_columns(stack.bottom, channels)
     return StackTable(**coats, kind=kind, bottom=columns)
@@ -244,9 +175,10 @@ class ChannelBottom:
         return wo, self._channel(weight), pdf
 
 
-def table_bottom(types: Any, table: StackTable, row: Any) -> bottoms.Bottom:
+def table_bottom(types: Any, table: StackTable, row: Any) -> Bottom:
     """The walk's bottom: one row of a table per lane."""
     if table.kind == "custom":
         return ChannelBottom(table.custom, row)
-    factory, names = BOTTOM_KINDS[table.kind]
-    return factory(*(dr.gather(types.Float, types.Float(table.bottom[n]), row) for n in names))
+    kind = KINDS[table.kind]
+    columns = (types.Float(table.bottom[name]) for name in kind.parameters)
+    return kind.bottom(*(dr.gather(types.Float, column, row) for column in columns))

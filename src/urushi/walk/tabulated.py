@@ -105,7 +105,7 @@ def _best_shares(cost: np.ndarray, densities: np.ndarray, steps: int) -> tuple[n
 
 
 class Tabulated:
-    """A tabulated BRDF on any backend: a `urushi.walk.bottoms.Bottom`."""
+    """A tabulated BRDF on any backend: a `urushi.walk.bottoms.bottom.Bottom`."""
 
     def __init__(self, table: np.ndarray):
         """table: float32 (theta_h, theta_d, phi_d, 3) [1/sr], finite and not negative."""

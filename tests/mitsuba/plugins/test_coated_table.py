@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import urushi
-from urushi.walk.stack import dielectric
+from urushi.walk import dielectric
 
 SIGMA_T = (0.1, 0.4, 1.2)
 

@@ -10,8 +10,7 @@ from urushi.errors import ParameterError, PlatformError, UrushiWarning
 from urushi.material.encode import encode, evaluate_source
 from urushi.material.layer import layer
 from urushi.material.source import as_source
-from urushi.walk import analytic
-from urushi.walk.stack import conductor, dielectric
+from urushi.walk import analytic, conductor, dielectric
 
 WI, WO = probe_pairs(64)
 

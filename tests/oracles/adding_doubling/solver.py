@@ -17,7 +17,9 @@ from tests.oracles.adding_doubling.quadrature import (
 
 from urushi import checks
 from urushi.errors import ParameterError
-from urushi.walk.stack import BottomDescription, Conductor, Dielectric, Diffuse, Stack, Value
+from urushi.walk import Conductor, Dielectric, Diffuse, Stack
+from urushi.walk.bottoms import Value
+from urushi.walk.stack import BottomDescription
 
 #: Pairs evaluated at once; bounds the memory to modes * pairs * nodes numbers.
 _PAIRS = 256

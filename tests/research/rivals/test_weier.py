@@ -12,8 +12,9 @@ from urushi.core.direction_sets import cosine_pairs
 from urushi.core.frame import reflect
 from urushi.errors import ParameterError
 from urushi.walk import analytic, coat, conductor, dielectric, diffuse, simulate
+from urushi.walk.bottoms import KINDS
 from urushi.walk.monte_carlo import backend
-from urushi.walk.table import BOTTOM_KINDS, StackTable, from_stack
+from urushi.walk.table import StackTable, from_stack
 
 #: A stack of three interfaces of two widths, with media.
 METAL = conductor(alpha_u=0.1, alpha_v=0.4, r0=0.8)
@@ -230,7 +231,7 @@ def test_values_below_the_horizon_are_zero_and_others_finite() -> None:
 def test_what_the_model_does_not_describe_is_refused() -> None:
     with pytest.raises(ParameterError, match="needs a Stack"):
         weier.f(diffuse(0.5), [[0.0, 0.0, 1.0]], [[0.0, 0.0, 1.0]])
-    names = BOTTOM_KINDS["mixture"][1]
+    names = KINDS["mixture"].parameters
     table = bare("mixture", **dict.fromkeys(names, 0.5))
     with pytest.raises(ParameterError, match="do not support a 'mixture' bottom"):
         weier.rows(table, np.zeros(1, np.uint32), np.float32([[0, 0, 1]]), np.float32([[0, 0, 1]]))

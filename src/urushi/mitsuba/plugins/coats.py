@@ -135,7 +135,7 @@ def coats_at(parameters: Sequence[CoatTextures], si, active) -> list[list[CoatPa
 
 
 class MitsubaBottom:
-    """A Mitsuba BSDF at a surface interaction; see `urushi.walk.bottoms.Bottom`.
+    """A Mitsuba BSDF at a surface interaction; see `urushi.walk.bottoms.bottom.Bottom`.
 
     channel: the only one of the spectrum's that is kept, if not None.
     """

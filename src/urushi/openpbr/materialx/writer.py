@@ -15,7 +15,8 @@ from urushi.errors import ParameterError
 from urushi.files import atomic_write
 from urushi.openpbr.materialx.surface import TARGET
 from urushi.openpbr.materialx.xml import Element, write
-from urushi.walk.stack import Conductor, Diffuse, Stack, Value
+from urushi.walk import Conductor, Diffuse, Stack
+from urushi.walk.bottoms import Value
 
 
 def save_materialx(stack: Stack, path: str | os.PathLike, name: str = "material") -> None:

@@ -1,0 +1,192 @@
+"""What every bottom is made of: the walk's protocol, descriptions, and families with a registry.
+
+A *description* is a frozen dataclass whose values a user gives. A *family* is a BRDF on Dr.Jit
+arrays whose parameters are one number per lane. Both register themselves when they are defined.
+"""
+
+from collections.abc import Callable, Iterator
+from typing import Any, ClassVar, NamedTuple, Protocol
+
+import numpy as np
+
+from urushi import checks
+from urushi.checks import MIN_ALPHA, Widths
+
+#: A number, or one number per RGB channel.
+Value = float | tuple[float, float, float]
+
+#: Random indices of refraction: a function of a generator and a shape.
+DrawEta = Callable[[np.random.Generator, Any], np.ndarray]
+
+
+class Bottom(Protocol):
+    """The BRDF under the lowest medium, as the random walk uses it.
+
+    Values are Dr.Jit floats or colours.
+    """
+
+    def f_pdf(self, wi: Any, wo: Any) -> tuple[Any, Any]:
+        """BRDF [1/sr] and the density of `sample` at wo, both zero below the horizon."""
+
+    def sample(self, wi: Any, u0: Any, u1: Any, u2: Any) -> tuple[Any, Any, Any]:
+        """Draw wo by three uniform numbers; returns (wo, weight, pdf).
+
+        weight = f cos / pdf; it is 0 if the sample fails.
+        """
+
+
+class Family:
+    """Base of the BRDFs that a table of stacks may have as bottoms.
+
+    Subclasses with the keyword `kind` are listed in `KINDS`. Their constructor takes the
+    `parameters` in order. If some end with "alpha", the kind "..._anisotropic" has two widths in
+    place of each.
+
+    Attributes:
+        parameters: names of the parameters.
+        bare: whether the BRDF is one GGX lobe and nothing else.
+        title: name in the tables of `urushi eval`; empty if it is not evaluated.
+    """
+
+    parameters: ClassVar[tuple[str, ...]]
+    bare: ClassVar[bool] = False
+    title: ClassVar[str] = ""
+
+    def __init_subclass__(cls, kind: str = "", **others: Any) -> None:
+        super().__init_subclass__(**others)
+        if not kind:
+            return
+        KINDS[kind] = Kind(kind, cls, cls.parameters)
+        if any(name.endswith("alpha") for name in cls.parameters):
+            names = (
+                (f"{name}_u", f"{name}_v") if name.endswith("alpha") else (name,)
+                for name in cls.parameters
+            )
+            twin = f"{kind}_anisotropic"
+            KINDS[twin] = Kind(twin, cls, tuple(name for part in names for name in part), 2)
+
+    @staticmethod
+    def fresnel_numbers(columns: dict[str, Any]) -> tuple[Any, Any, Any, Any, Any] | None:
+        """The Fresnel term of the lobe that the BRDF has, from its parameters.
+
+        Returns:
+            (normal, grazing, exact, eta, k) of F(c) = normal (1 - (1 - c)^5) + grazing (1 - c)^5 +
+            exact F(c; eta, k); all factors are 0 if there is no lobe. None: the encoder fits a lobe
+            to values.
+        """
+
+    @staticmethod
+    def draw(rng: np.random.Generator, n: int, draw_eta: DrawEta) -> dict[str, np.ndarray]:
+        """Draw the parameters of n bottoms of one width for training, float64 (n,) by name."""
+        raise NotImplementedError
+
+
+class Kind(NamedTuple):
+    """A family with one width for each of its GGX lobes, or with two.
+
+    Attributes:
+        parameters: names of the columns of a table, in the order of stored data.
+    """
+
+    name: str
+    family: type[Family]
+    parameters: tuple[str, ...]
+    widths: int = 1
+
+    def bottom(self, *values: Any) -> Bottom:
+        """The BRDF of these parameters."""
+        named = dict(zip(self.parameters, values, strict=True))
+        for name in self.family.parameters:
+            if name not in named:
+                named[name] = Widths(named[f"{name}_u"], named[f"{name}_v"])
+        return self.family(*(named[name] for name in self.family.parameters))  # type: ignore
+
+
+#: All kinds of bottoms by name.
+KINDS: dict[str, Kind] = {}
+
+
+class Description:
+    """Base of the frozen dataclasses that describe a bottom."""
+
+    @property
+    def kind(self) -> str:
+        """The kind of the BRDF apart from its number of widths, a key of `KINDS`."""
+        raise NotImplementedError
+
+    @property
+    def is_anisotropic(self) -> bool:
+        """Whether the BRDF has two different widths."""
+        return False
+
+    def as_kind(self) -> Kind:
+        """The kind of the BRDF."""
+        return KINDS[self.kind + "_anisotropic" * self.is_anisotropic]
+
+
+#: Functions of the public interface that make a description, by name.
+MAKERS: dict[str, Any] = {}
+
+
+def maker(function: Any) -> Any:
+    """Register a function that makes a description; `urushi` offers it under its name."""
+    MAKERS[function.__name__] = function
+    return function
+
+
+class Rough:
+    """A description of a GGX surface."""
+
+    alpha: Value | Widths
+
+    @property
+    def alpha_u(self) -> Value:
+        """The GGX width along the tangent (the x axis)."""
+        return self.alpha.u if isinstance(self.alpha, Widths) else self.alpha
+
+    @property
+    def alpha_v(self) -> Value:
+        """The GGX width across the tangent (along the y axis)."""
+        return self.alpha.v if isinstance(self.alpha, Widths) else self.alpha
+
+    @property
+    def is_anisotropic(self) -> bool:
+        """Whether the two widths differ in a channel."""
+        return isinstance(self.alpha, Widths)
+
+
+def numbers_of(part: object) -> Iterator[object]:
+    """The parameters of a description, both widths among them."""
+    for value in vars(part).values():
+        yield from (value.u, value.v) if isinstance(value, Widths) else (value,)
+
+
+def _freeze(array: np.ndarray) -> Value:
+    if array.ndim == 0:
+        return float(array)
+    return float(array[0]), float(array[1]), float(array[2])
+
+
+def store(instance: object, name: str, array: np.ndarray) -> None:
+    """Set a parameter of a frozen description to a checked value."""
+    object.__setattr__(instance, name, _freeze(array))
+
+
+def store_alpha(instance: object, alpha: Value | Widths, where: str) -> None:
+    """Check and set the GGX width or widths of a description; equal widths are stored as one."""
+    stored: Value | Widths
+    if isinstance(alpha, Widths):
+        u, v = (
+            checks.alpha(width, f"{where} {name}")
+            for width, name in ((alpha.u, "alpha_u"), (alpha.v, "alpha_v"))
+        )
+        u, v = np.broadcast_arrays(u, v)
+        stored = _freeze(u) if np.array_equal(u, v) else Widths(_freeze(u), _freeze(v))
+    else:
+        stored = _freeze(checks.alpha(alpha, f"{where} alpha"))
+    object.__setattr__(instance, "alpha", stored)
+
+
+def draw_alpha(rng: np.random.Generator, shape: int | tuple[int, ...]) -> np.ndarray:
+    """U(0.01^(1/3), 1)^3, in [0.01, 1]."""
+    return np.maximum(rng.uniform(MIN_ALPHA ** (1 / 3), 1.0, shape) ** 3, MIN_ALPHA)
