@@ -82,16 +82,14 @@ def evaluations(paper: str | None) -> dict[str, float]:
         urushi.conductor(0.2, (0.98, 0.77, 0.34)), 0.1, 1.5, albedo=0.8, sigma_t=(0.2, 1, 2)
     )
 
-    def walks(estimator: str) -> float:
+    def walks(method: str) -> float:
         pairs = wi[: EVALUATIONS // WALKS], wo[: EVALUATIONS // WALKS]
         begin = time.process_time()
-        urushi.simulate(stack, *pairs, walks=WALKS, progress=False, estimator=estimator)
+        known.ESTIMATORS[method].simulate(stack, *pairs, walks=WALKS)
         return time.process_time() - begin
 
-    both = _least(
-        {e: functools.partial(walks, e) for e in known.ESTIMATORS.values()}, EVALUATION_TURNS
-    )
-    ratio = both[known.ESTIMATORS[known.BOTH_WAYS]] / both[known.ESTIMATORS[known.WALK]]
+    both = _least({e: functools.partial(walks, e) for e in known.ESTIMATORS}, EVALUATION_TURNS)
+    ratio = both[known.BOTH_WAYS] / both[known.WALK]
     least[known.BOTH_WAYS] = ratio * least[known.WALK]
     least[known.WEIER] = two_widths_ratio(stack, wi, wo) * least[known.BELCOUR]
     if paper is not None:

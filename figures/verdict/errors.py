@@ -168,9 +168,7 @@ def _over_measured(stack: Stack, materials: dict[str, urushi.Material]) -> dict[
         known.WEIDLICH: error(weidlich.f(stack, wi, wo), truth, wi, wo),
     }
     for method, estimator in known.ESTIMATORS.items():
-        f, _ = urushi.simulate(
-            stack, wi, wo, walks=known.WALKS, seed=known.SEED, progress=False, estimator=estimator
-        )
+        f, _ = estimator.simulate(stack, wi, wo, walks=known.WALKS, seed=known.SEED)
         found[method] = error(f, truth, wi, wo)
     f, _ = urushi.simulate(
         stack, *nodes.node_pairs(), walks=MEASURED_TABLE_WALKS, seed=known.SEED, progress=False

@@ -4,8 +4,10 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
+from research import bidirectional
 from research.rivals import belcour, weidlich, weier
 
+import urushi.walk
 from figures.verdict import fits
 from urushi.eval import predict, samples
 from urushi.eval.samples import Samples
@@ -26,7 +28,8 @@ PLUGINS = {
     BELCOUR: "layered_belcour",
     WEIDLICH: "layered_weidlich",
 }
-ESTIMATORS = {WALK: "unidirectional", BOTH_WAYS: "bidirectional"}
+#: Modules' functions `simulate` and `walk_pairs`, by method.
+ESTIMATORS = {WALK: urushi.walk, BOTH_WAYS: bidirectional}
 RIVALS = {BELCOUR: belcour, WEIER: weier, WEIDLICH: weidlich}
 #: Those that have surfaces of two widths.
 TWO_WIDTHS = (WEIER, WEIDLICH)
@@ -66,8 +69,8 @@ def of_walk(table: StackTable, name: str) -> Values:
         return _by_row(
             wi,
             wo,
-            lambda row, wi, wo: walk_pairs(
-                table, row, wi, wo, walks=WALKS, seed=SEED, estimator=ESTIMATORS[name]
+            lambda row, wi, wo: ESTIMATORS[name].walk_pairs(
+                table, row, wi, wo, walks=WALKS, seed=SEED
             )[0],
         )
 

@@ -14,7 +14,6 @@ from urushi.core.frame import reflect, square_to_cosine_hemisphere
 from urushi.errors import ParameterError
 from urushi.walk import walk
 from urushi.walk.bottoms import Bottom
-from urushi.walk.estimators import ESTIMATORS, Estimate, checked
 from urushi.walk.monte_carlo import average, backend, per_channel
 from urushi.walk.stack import Stack
 from urushi.walk.table import StackTable, TableLayers
@@ -28,7 +27,6 @@ def simulate(
     walks: int = 4096,
     seed: int = 0,
     progress: bool = True,
-    estimator: str = "unidirectional",
 ) -> tuple[np.ndarray, np.ndarray]:
     """Estimate the BRDF of a layered stack without bias, by position-free Monte Carlo.
 
@@ -40,31 +38,22 @@ def simulate(
         walks: random walks per pair and channel, at least 2.
         seed: any integer; the same seed gives the same numbers on the same backend.
         progress: show a progress bar (on a terminal only).
-        estimator: "unidirectional", or "bidirectional": a walk from each direction, connected at
-            all vertices. It has the same mean and takes about three times as long, but is better at
-            equal time in media that scatter forward (g about 0.9). In lossless media its time grows
-            with the optical depth.
 
     Returns:
         (f, se): float32 (N, 3) each, the BRDF [1/sr] without cosine and its standard error; both
         are zero where a direction is at or below the horizon.
 
     Raises:
-        ParameterError: wrong shapes, directions that are not unit vectors, too few walks, an
-            unknown estimator.
+        ParameterError: wrong shapes, directions that are not unit vectors, too few walks.
         PlatformError: no libLLVM that Dr.Jit can use.
 
-    Source: Guo, Hasan & Zhao 2018 (unidirectional with next-event estimation and MIS, and
-    bidirectional).
+    Source: Guo, Hasan & Zhao 2018, section 4: one walk with next-event estimation and MIS.
     """
     if not isinstance(stack, Stack):
         raise ParameterError(
             f"simulate needs a Stack from urushi.coat(...), not {type(stack).__name__}"
         )
-    checked(estimator)
-    walk_all = functools.partial(
-        walk_pairs, walks=walks, seed=seed, progress=progress, estimator=estimator
-    )
+    walk_all = functools.partial(walk_pairs, walks=walks, seed=seed, progress=progress)
     return per_channel(stack, checks.directions(wi, wo), walk_all)
 
 
@@ -77,7 +66,6 @@ def walk_pairs(
     walks: int,
     seed: int,
     progress: bool = False,
-    estimator: str = "unidirectional",
 ) -> tuple[np.ndarray, np.ndarray]:
     """Estimate f of row[i] of `table` at (wi[i], wo[i]) for every i.
 
@@ -88,25 +76,26 @@ def walk_pairs(
         walks: random walks per pair, at least 2.
         seed: any integer.
         progress: show a progress bar (on a terminal only).
-        estimator: a name of `ESTIMATORS`.
 
     Returns:
         (f, se): float32 (M,), mean [1/sr] and standard error.
     """
-    one_walk = functools.partial(_estimate, ESTIMATORS[estimator])
-    mean, se = average(table, row, (wi, wo), one_walk, walks=walks, seed=seed, progress=progress)
-    if len(row):
-        mean += _top(table, row, wi, wo)
+    mean, se = average(table, row, (wi, wo), _estimate, walks=walks, seed=seed, progress=progress)
+    mean += top_reflection(table, row, wi, wo)
     return mean.astype(np.float32), se.astype(np.float32)
 
 
-def _estimate(estimate: Estimate, layers: Any, bottom: Bottom, wi: Any, wo: Any, rng: Any) -> Any:
+def _estimate(layers: Any, bottom: Bottom, wi: Any, wo: Any, rng: Any) -> Any:
     """One walk's f of one channel, without the reflection of the topmost interface."""
-    return estimate(layers, bottom, wi, wo, rng, type(wi.z))
+    return walk.estimate(layers, bottom, wi, wo, rng, type(wi.z))
 
 
-def _top(table: StackTable, row: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+def top_reflection(
+    table: StackTable, row: np.ndarray, wi: np.ndarray, wo: np.ndarray
+) -> np.ndarray:
     """The reflection of the topmost interface, (M,) [1/sr]."""
+    if not len(row):
+        return np.zeros(0, np.float32)
     device = backend()
     rows = device.UInt32(np.ascontiguousarray(row, np.uint32))
     wi, wo = (device.Array3f(np.ascontiguousarray(w.T)) for w in (wi, wo))

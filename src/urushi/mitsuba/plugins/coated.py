@@ -54,10 +54,6 @@ def define_coated(base: type, label: str, *, widened: bool) -> type:
             """The BRDF [1/sr] of coats over a bottom, of the type `color`, a subclass's."""
             raise NotImplementedError
 
-        def _is_per_channel(self) -> bool:
-            """Whether every channel is evaluated by itself, as a stack of its own."""
-            return any(coat.coloured for coat in self.coats)
-
         def _f(self, vertex, ctx, si, wo, active):
             def evaluated(si, wo, active):
                 if self._coat.has_rotation:
@@ -69,8 +65,9 @@ def define_coated(base: type, label: str, *, widened: bool) -> type:
                     bottom = MitsubaBottom(self.bottom, ctx, si, active, channel)
                     return self._model(coats, bottom, si, wo, color, active)
 
-                if not self._is_per_channel():
+                if not any(coat.coloured for coat in self.coats):
                     return mi.Spectrum(value(walk_color()))
+                # Every channel has a stack of its own.
                 channels = range(dr.size_v(mi.Spectrum))
                 return mi.Spectrum(*(value(mi.Float, channel) for channel in channels))
 

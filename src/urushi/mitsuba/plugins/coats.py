@@ -1,6 +1,5 @@
 """A stack of coats over a Mitsuba BSDF, in the form that the random walk and its proposal take."""
 
-import copy
 from collections.abc import Callable, Sequence
 from typing import Any, ClassVar, NamedTuple
 
@@ -62,15 +61,6 @@ class CoatStack:
             self._at(index, [getattr(coat, name) for coat in self._coats])
             for name in ("albedo", "sigma_t", "g")
         )
-
-    def with_grey_media(self) -> "CoatStack":
-        """The same coats with sigma_t and g as numbers, those of the first channel."""
-        stack = copy.copy(self)
-        stack._coats = [
-            coat._replace(sigma_t=_at_channel(coat.sigma_t, 0), g=_at_channel(coat.g, 0))
-            for coat in self._coats
-        ]
-        return stack
 
     def proposal(self, bottom: "BottomLobes", cos_i, widened: bool = True) -> Mixture:
         """A proposal: one lobe for each interface, two for the bottom, and a cosine lobe.

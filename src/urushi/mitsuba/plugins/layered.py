@@ -5,7 +5,7 @@ import mitsuba as mi
 from urushi.core.random import hashed_stream
 from urushi.mitsuba.plugins.base import ignore
 from urushi.mitsuba.plugins.coated import define_coated
-from urushi.walk import estimators, walk
+from urushi.walk import walk
 
 
 def define(base: type) -> type:
@@ -37,8 +37,6 @@ def define(base: type) -> type:
                                              thickness. (Default: 0, clear)
         g              spectrum, texture     Asymmetry of its Henyey-Greenstein phase function,
                                              -1 to 1, both excluded. (Default: 0)
-        estimator      string                "unidirectional" or "bidirectional", see below.
-                                             (Default: "unidirectional")
         (nested)       BSDF                  The bottom, under any name: any opaque BSDF that has
                                              no perfectly smooth lobe; coats nest. Its values in
                                              air are used, unchanged by the coat's index.
@@ -62,14 +60,6 @@ def define(base: type) -> type:
         nested coats have no rotation of their own, and an anisotropic bottom, such as
         ``roughconductor`` with two widths, rotates with the coats. If a width is a colour, each
         channel needs its own walk.
-
-        With the ``estimator`` "bidirectional", every evaluation connects a walk from each
-        direction, at all their vertices. The mean and the sampled directions stay the same. It
-        takes about three times as long and has less noise in media that scatter forward (g about
-        0.9). It pays under small lights at best, see :doc:`/results`. All channels share the walks
-        if ``sigma_t`` and ``g`` are numbers. If one of them is a colour or a texture, every channel
-        has its own walks, which takes another factor of 1.6. The outermost coat's estimator applies
-        to the stack.
 
         .. tabs::
             .. code-tab:: xml
@@ -98,26 +88,11 @@ def define(base: type) -> type:
         def __init__(self, props):
             super().__init__(props)
             ignore(props, "resolution", "weights", "mipmaps")
-            name = props.get("estimator", "unidirectional")
-            self.estimator = estimators.checked(name, f"{self._where}: ")
-
-        def _is_per_channel(self):
-            coloured = super()._is_per_channel()
-            if mi.is_monochromatic or self.estimator == "unidirectional":
-                return coloured
-            return coloured or not all(coat.grey_medium for coat in self.coats)
 
         def _model(self, coats, bottom, si, wo, color, active):
             # Mitsuba gives `eval` no random numbers: hash all that distinguishes the call.
             rng = hashed_stream(mi.PCG32, (*si.wi, *wo, *si.p, *si.uv, si.time))
-            estimate = estimators.ESTIMATORS[self.estimator]
-            if self.estimator == "bidirectional":
-                coats = coats.with_grey_media()
-            f = estimate(coats, bottom, si.wi, wo, rng, color, active)
+            f = walk.estimate(coats, bottom, si.wi, wo, rng, color, active)
             return f + walk.top_reflection(coats, si.wi, wo)
-
-        def to_string(self):
-            text = super().to_string()
-            return text.removesuffix("\n]") + f",\n  estimator = {self.estimator}\n]"
 
     return Layered

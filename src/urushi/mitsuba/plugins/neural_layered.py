@@ -8,7 +8,7 @@ from urushi.mitsuba.latents import gradients
 from urushi.mitsuba.latents.baking import Baker
 from urushi.mitsuba.latents.differentiable import DifferentiableLatents
 from urushi.mitsuba.latents.holders import ConstantLatents, TexturedLatents
-from urushi.mitsuba.plugins.base import ignore, read_weights
+from urushi.mitsuba.plugins.base import read_weights
 from urushi.mitsuba.plugins.coats import Turn
 from urushi.mitsuba.reading.bsdf import has_two_widths
 from urushi.mitsuba.reading.parameters import (
@@ -70,7 +70,7 @@ def define(base: type) -> type:
         ============== ===================== ====================================================
 
         Takes the parameters of ``layered``, its reference, and adds ``resolution``, ``weights`` and
-        ``mipmaps``; ``estimator`` is ignored. When the scene is loaded, the bottom is evaluated at
+        ``mipmaps``. When the scene is loaded, the bottom is evaluated at
         the encoder's probe pairs, averaged if it lacks the symmetries of materials (see
         ``urushi.encode``), encoded, and layered by the network. A constant coat over a constant
         bottom that is known by its values alone, such as ``measured_brdf``, ``roughplastic`` or
@@ -130,7 +130,6 @@ def define(base: type) -> type:
             self._weights = read_weights(props)
             self._resolution = int(resolution)
             self._mipmaps = bool(props.get("mipmaps", False))
-            ignore(props, "estimator")
             self._baker = None
             self._differentiable = mi.TensorXf()  # codes with gradients, for integrators
             self._bake()

@@ -39,7 +39,6 @@ class CoatTextures:
         textures: the textures by the properties' names.
         coloured: names of the widths that are given as colours or spectra, which monochromatic
             variants read as numbers.
-        grey_medium: whether sigma_t and g are given as numbers, which all channels share.
         opaque_eta: the relative index, or 1 / ext_ior if `int_ior` is textured.
     """
 
@@ -57,9 +56,6 @@ class CoatTextures:
             names.append("rotation")
         colours = _coloured(props)
         self.coloured = () if mi.is_monochromatic else colours
-        numbers = mi.Properties.Type.Float, mi.Properties.Type.Integer
-        given = (name for name in ("sigma_t", "g") if name in props)
-        self.grey_medium = all(props.type(name) in numbers for name in given)
         self.textures = {name: self._texture(props, name, name in colours) for name in names}
         ext_ior = index_of_refraction(props, "ext_ior", "air", f"{self.where}: ext_ior")
         if not ext_ior > 0:

@@ -4,11 +4,10 @@ import functools
 
 import numpy as np
 import pytest
+from research import bidirectional
 from tests.oracles import adding_doubling
 
-import urushi
-from urushi.errors import ParameterError
-from urushi.walk import bidirectional, coat, conductor, diffuse, simulate
+from urushi.walk import coat, conductor, diffuse, simulate
 from urushi.walk.monte_carlo import average
 from urushi.walk.table import from_stack
 
@@ -42,9 +41,9 @@ def pairs(count, seed):
     return np.stack([sine * np.cos(angle), sine * np.sin(angle), cosine], axis=-1)
 
 
-def walked(stack, wi, wo, seed, estimator="bidirectional"):
+def walked(stack, wi, wo, seed, estimate=bidirectional.simulate):
     """f and standard error (N,) of the first channel."""
-    f, se = simulate(stack, wi, wo, walks=WALKS, seed=seed, progress=False, estimator=estimator)
+    f, se = estimate(stack, wi, wo, walks=WALKS, seed=seed)
     return f[:, 0].astype(float), se[:, 0].astype(float)
 
 
@@ -60,9 +59,7 @@ def assert_equal_means(first, second):
 @pytest.mark.parametrize("name", STACKS)
 def test_both_estimators_have_the_same_mean(name):
     wi, wo = pairs(24, seed=1)
-    assert_equal_means(
-        walked(STACKS[name], wi, wo, 2), walked(STACKS[name], wi, wo, 3, "unidirectional")
-    )
+    assert_equal_means(walked(STACKS[name], wi, wo, 2), walked(STACKS[name], wi, wo, 3, simulate))
 
 
 @pytest.mark.parametrize("count", [1, 2, 6])
@@ -105,8 +102,8 @@ def test_reciprocity(name):
 def test_forward_scattering_has_less_noise_than_one_walk():
     wi, wo = pairs(24, seed=10)
     both, one = (
-        walked(STACKS["forward"], wi, wo, 11, name)[1]
-        for name in ("bidirectional", "unidirectional")
+        walked(STACKS["forward"], wi, wo, 11, estimate)[1]
+        for estimate in (bidirectional.simulate, simulate)
     )
     assert (both**2).mean() < 0.5 * (one**2).mean()
 
@@ -116,9 +113,3 @@ def test_directions_below_the_horizon_give_zero():
     wo[:, 2] *= -1
     f, se = walked(STACKS["milky"], wi, wo, 13)
     assert not f.any() and not se.any()
-
-
-def test_an_unknown_estimator_is_refused():
-    wi, wo = pairs(2, seed=14)
-    with pytest.raises(ParameterError, match="unidirectional"):
-        urushi.simulate(STACKS["clear"], wi, wo, estimator="both")

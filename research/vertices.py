@@ -1,8 +1,8 @@
-"""Vertices and segments of walks through a stack, with the sums that weigh bidirectional joints.
+"""Vertices and segments of walks through a stack, for `research.bidirectional`.
 
-Throughputs and values are floats or colours, `types` the types of floats, of indices and of
-throughputs. A vertex knows the squared density ratios of techniques that join earlier; see
-`urushi.walk.bidirectional`.
+A vertex keeps the sum of squared density ratios of all techniques that join two walks before it.
+The power heuristic (Veach 1997, equation 9.10) weighs a joint by these sums. `types` are the
+Dr.Jit types of floats, of indices and of throughputs; a throughput is a float or a colour.
 """
 
 from typing import Any, NamedTuple
