@@ -26,7 +26,6 @@ import tyro
 from tqdm import tqdm
 
 from urushi import files
-from urushi.data.distribution import Table2
 from urushi.errors import FileError, ParameterError
 from urushi.eval import metrics, predict
 from urushi.eval import samples as sampling
@@ -34,6 +33,7 @@ from urushi.eval.groups import Group
 from urushi.eval.samples import Samples
 from urushi.files import atomic_write, new_folder
 from urushi.nets.weights import Model, Weights, find
+from urushi.train.data.distribution import Table2
 from urushi.walk import StackTable, walk_pairs
 
 _KIND = "direction table"

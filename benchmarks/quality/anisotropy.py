@@ -19,7 +19,6 @@ import urushi
 from urushi.checks import CoatParameters, Widths
 from urushi.core import error_metrics
 from urushi.core.direction_sets import cosine_pairs, slope_pairs
-from urushi.data.distribution import Anisotropic
 from urushi.material import Material
 from urushi.material.encode import material_from_values, material_of_lobes
 from urushi.material.layer import layer_texels
@@ -28,6 +27,7 @@ from urushi.material.source import FIT_WALKS, STACK_WALKS
 from urushi.nets import lobe as lobes
 from urushi.nets.weights import anisotropic_model
 from urushi.train.bottoms import bottom_lobes
+from urushi.train.data.distribution import Anisotropic
 from urushi.walk import StackTable, analytic, bottoms, walk_pairs
 
 SEED = 90210

@@ -13,13 +13,13 @@ from dataclasses import replace
 from pathlib import Path
 
 from urushi import fan2022
-from urushi.data.generate import generate
-from urushi.data.spec import DataSpec, Part
 from urushi.fan2022.architecture import AdamProjection, init
 from urushi.fan2022.palette import Palette
 from urushi.fan2022.train import held_out, layering, preset
 from urushi.fan2022.train.projection import project_part
 from urushi.nets import weights
+from urushi.train.data.generate import generate
+from urushi.train.data.spec import DataSpec, Part
 
 #: Components of each kind, stratified pairs of each BRDF, walks for each, and epochs of training.
 COMPONENTS, PAIRS, WALKS, EPOCHS = 8, 5**4, 256, 400

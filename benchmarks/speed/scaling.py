@@ -23,10 +23,10 @@ from pathlib import Path
 import numpy as np
 import zarr
 
-from urushi.data.distribution import Extended, Table2
-from urushi.data.generate import generate, make_shard
-from urushi.data.spec import DataSpec, Part
-from urushi.data.store import Store
+from urushi.train.data.distribution import Extended, Table2
+from urushi.train.data.generate import generate, make_shard
+from urushi.train.data.spec import DataSpec, Part
+from urushi.train.data.store import Store
 from urushi.train.order import Order
 
 #: Direction pairs per stack and walks per pair, as in the preset `quick`.

@@ -15,10 +15,10 @@ from research.rivals import belcour
 
 import urushi
 from figures import results
-from urushi.data.distribution import Table2
 from urushi.eval import predict, samples
 from urushi.eval.groups import Group
 from urushi.nets.weights import default_model
+from urushi.train.data.distribution import Table2
 
 FOLDER = Path(__file__).parent
 PARTS = Path("out/figures/figure_8")

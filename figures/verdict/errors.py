@@ -16,11 +16,11 @@ from figures.verdict import fits
 from figures.verdict import methods as known
 from figures.verdict.methods import Values
 from urushi.core import direction_sets, error_metrics
-from urushi.data.distribution import Table2
 from urushi.eval import predict, samples
 from urushi.eval.groups import Group
 from urushi.material import table as nodes
 from urushi.nets.weights import Model, default_model
+from urushi.train.data.distribution import Table2
 from urushi.walk import Stack, walk_pairs
 from urushi.walk.simulate import albedo as walked_albedo
 

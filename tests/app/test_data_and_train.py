@@ -11,10 +11,10 @@ from urushi.app import cli
 pytest.importorskip("jax", reason="the extra 'train' is not installed")
 pytest.importorskip("zarr", reason="the extra 'train' is not installed")
 
-from urushi.data.distribution import Extended, Table2
-from urushi.data.spec import DataSpec, Part
-from urushi.data.store import Store
 from urushi.train import presets, training
+from urushi.train.data.distribution import Extended, Table2
+from urushi.train.data.spec import DataSpec, Part
+from urushi.train.data.store import Store
 
 
 @pytest.fixture

@@ -136,17 +136,6 @@ def test_a_report(small_spheres, tmp_path, capsys):
     assert len(content["conductor-1"]["E"]) == 3
 
 
-@pytest.mark.slow
-def test_a_report_by_a_cluster(merl, two_workers, tmp_path):
-    pytest.importorskip("matplotlib")
-    table, file, folder = merl("green", 0.2), tmp_path / "green.safetensors", tmp_path / "report"
-    flags = ["--scheduler", two_workers.scheduler_address, "--report", str(folder)]
-    assert cli.main(["encode", str(table), *flags, "-o", str(file)]) == 0
-    assert urushi.load(file) == urushi.encode(urushi.load_measured(table), refine=True)
-    albedo = json.loads((folder / "report.json").read_text())["green"]["albedo"]["source"]
-    np.testing.assert_allclose(albedo, 0.2 * np.pi, rtol=2e-3)
-
-
 def test_averaging_is_reported(tmp_path, capsys):
     scene = tmp_path / "scene.xml"
     brushed = '<float name="alpha_u" value="0.05"/><float name="alpha_v" value="0.5"/>'
@@ -191,15 +180,6 @@ def test_several_bsdfs_of_a_scene(tmp_path):
     assert cli.main(["encode", f"{scene}#wall", GOLD, f"{scene}#floor", "-o", str(folder)]) == 0
     names = ["conductor-2.safetensors", "floor.safetensors", "wall.safetensors"]
     assert sorted(file.name for file in folder.iterdir()) == names
-
-
-def test_scenes_are_not_sent_to_a_cluster(tmp_path, capsys):
-    pytest.importorskip("distributed")
-    scene = tmp_path / "scene.xml"
-    scene.write_text(SCENE.format("wall", "0.5"))
-    flags = ["--scheduler", "tcp://127.0.0.1:1", "-o", str(tmp_path / "wall.safetensors")]
-    assert cli.main(["encode", f"{scene}#wall", *flags]) == 2
-    assert "are encoded on this machine" in capsys.readouterr().err
 
 
 def test_layer_a_file_and_a_description_alike(tmp_path):

@@ -2,12 +2,12 @@
 
 import pytest
 
-from urushi.data.distribution import Extended, Table2
 from urushi.eval import samples as sampling
 from urushi.eval.groups import Group
 from urushi.eval.samples import Samples
 from urushi.nets import weights
 from urushi.nets.architecture import Architecture, init
+from urushi.train.data.distribution import Extended, Table2
 
 #: Small ones: one with everything that a group may have, and one that is analytic.
 GROUPS = (

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from urushi.data.distribution import Extended
 from urushi.errors import FileError
 from urushi.eval import benchmark
 from urushi.eval import samples as sampling
 from urushi.eval.groups import GROUPS, Group
 from urushi.files import read_tensors, write_tensors
+from urushi.train.data.distribution import Extended
 
 
 @pytest.fixture(scope="module")

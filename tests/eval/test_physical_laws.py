@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import urushi
-from urushi.data.distribution import Extended
 from urushi.eval import physical_laws, predict
 from urushi.eval import samples as sampling
 from urushi.eval.groups import Group
@@ -15,6 +14,7 @@ from urushi.material import Material, energy
 from urushi.material.albedo_rule import albedo_rule
 from urushi.material.encode import material_from_values
 from urushi.nets.lobe import of_coat
+from urushi.train.data.distribution import Extended
 
 
 def of(figures, name):

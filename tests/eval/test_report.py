@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from urushi import fan2022
-from urushi.data.distribution import Extended
 from urushi.errors import FileError
 from urushi.eval import benchmark, cost, metrics, physical_laws, report
 from urushi.eval import samples as sampling
@@ -16,6 +15,7 @@ from urushi.eval.samples import Samples
 from urushi.fan2022.architecture import PaperArchitecture
 from urushi.fan2022.architecture import init as init_paper
 from urushi.nets import weights
+from urushi.train.data.distribution import Extended
 
 ROWS = (
     Row("encode bare ones", ("bare",), aims=(Aim("E", "mean", 1e9),)),

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from urushi.core import direction_sets
-from urushi.data.distribution import from_dict, to_dict
-from urushi.data.spec import Part
 from urushi.errors import ParameterError
 from urushi.fan2022.palette import Palette
+from urushi.train.data.distribution import from_dict, to_dict
+from urushi.train.data.spec import Part
 
 ALL = slice(0, 5000)
 

@@ -9,7 +9,6 @@ import pytest
 
 from urushi.app.commands.train import find_preset
 from urushi.core.direction_sets import stratified_pairs
-from urushi.data.generate import generate
 from urushi.errors import ParameterError
 from urushi.fan2022 import adam, networks
 from urushi.fan2022.architecture import AdamProjection, init
@@ -21,6 +20,7 @@ from urushi.fan2022.train.training import train
 from urushi.material import Material
 from urushi.nets import weights
 from urushi.train.checkpoint import Journal
+from urushi.train.data.generate import generate
 from urushi.walk import analytic
 
 pytestmark = pytest.mark.research

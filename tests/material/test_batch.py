@@ -1,7 +1,4 @@
-"""BRDFs that are encoded together have the same codes as alone, locally and on a cluster."""
-
-import os
-import signal
+"""BRDFs that are encoded together have the same codes as alone."""
 
 import numpy as np
 import pytest
@@ -36,32 +33,15 @@ def test_here(model):
     same(dict(encode_all(SOURCES, weights=model)), model)
 
 
-def test_on_a_cluster_whose_worker_is_killed(two_workers, model):
-    distributed = pytest.importorskip("distributed")
-    address = two_workers.scheduler_address
-    with distributed.Client(address, set_as_default=False) as client:
-        pid = next(iter(client.run(os.getpid).values()))
-    found = {}
-    for index, encoded in encode_all(SOURCES, weights=model, scheduler=address):
-        if not found:
-            os.kill(pid, signal.SIGKILL)
-        found[index] = encoded
-    same(found, model)
-
-
 def test_each_may_be_refined_by_itself(model):
     found = dict(encode_all(SOURCES[:2], weights=model, refine=[False, True]))
     assert found[0].material == encode(SOURCES[0], model, refine=False)
     assert found[1].material == encode(SOURCES[1], model, refine=True)
 
 
-@pytest.mark.parametrize("where", ["here", "cluster"])
-def test_errors_belong_to_their_source(where, model, tmp_path, request):
-    address = None
-    if where == "cluster":
-        address = request.getfixturevalue("two_workers").scheduler_address
+def test_errors_belong_to_their_source(model, tmp_path):
     missing = [tmp_path / "absent.binary", tmp_path / "nothing.bsdf"]
-    found = dict(encode_all([*missing, GOLD, 7], weights=model, scheduler=address))
+    found = dict(encode_all([*missing, GOLD, 7], weights=model))
     assert isinstance(found[0], FileError) and "absent.binary" in str(found[0])
     assert isinstance(found[1], FileError) and "nothing.bsdf" in str(found[1])
     np.testing.assert_array_equal(found[2].material.latents, encode(GOLD, model).latents)

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from urushi.core.error_metrics import DARK_OFFSET, huber_loss
-from urushi.data.distribution import Extended
 from urushi.errors import ParameterError
 from urushi.eval import benchmark, predict
 from urushi.eval import samples as sampling
@@ -28,6 +27,7 @@ from urushi.material.layer import layer, layer_texels
 from urushi.nets.lobe import NO_LOBE
 from urushi.nets.lobe_fit import fit_lobes
 from urushi.parallel import one_blas_thread
+from urushi.train.data.distribution import Extended
 from urushi.walk import conductor, dielectric, diffuse
 
 

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from urushi.core.probe_pairs import probe_pairs
-from urushi.data.distribution import Extended
 from urushi.nets import lobe as lobes
 from urushi.nets.interface_fit import TOLERANCE, find_lobes
 from urushi.nets.lobe_fit import DARK, fit_lobes
+from urushi.train.data.distribution import Extended
 from urushi.walk import analytic
 
 STACKS = 96

@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 
 from urushi.core.probe_pairs import PROBES, probe_pairs
-from urushi.data.distribution import BOTTOMS, Extended, Table2
-from urushi.data.generate import generate
-from urushi.data.spec import DataSpec, Part
-from urushi.data.store import Store
 from urushi.errors import FileError, ParameterError
 from urushi.nets import lobe
 from urushi.nets.architecture import Architecture
 from urushi.nets.features import direction_features
 from urushi.train import examples
 from urushi.train.bottoms import bottom_lobes, bottom_rest
+from urushi.train.data.distribution import BOTTOMS, Extended, Table2
+from urushi.train.data.generate import generate
+from urushi.train.data.spec import DataSpec, Part
+from urushi.train.data.store import Store
 from urushi.train.examples import Batches, Depth
 from urushi.walk import analytic
 from urushi.walk.bottoms import KINDS

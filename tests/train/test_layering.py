@@ -6,12 +6,12 @@ import jax
 import numpy as np
 import pytest
 
-from urushi.data.store import Store
 from urushi.errors import ParameterError
 from urushi.nets.architecture import init
 from urushi.nets.layerer import layer
 from urushi.nets.lobe import of_coat
 from urushi.train import examples
+from urushi.train.data.store import Store
 from urushi.train.optimiser import compile_steps, start
 from urushi.train.stages import quadratic_loss
 from urushi.train.stages.layering import LayeringBatches, layering_loss, widened

@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 
 from urushi.core import error_metrics
-from urushi.data.store import Store
 from urushi.errors import FileError, ParameterError
 from urushi.nets import lobe, weights
 from urushi.nets.decoder import decode
@@ -21,6 +20,7 @@ from urushi.nets.features import direction_features
 from urushi.nets.layerer import layer
 from urushi.train import presets, validation
 from urushi.train.checkpoint import Checkpoint, Journal
+from urushi.train.data.store import Store
 from urushi.train.optimiser import Schedule
 from urushi.train.training import train
 

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from urushi.core.probe_pairs import probe_pairs
-from urushi.data.store import Store
 from urushi.nets.architecture import init
 from urushi.nets.decoder import decode
 from urushi.nets.encoder import encode
 from urushi.nets.features import direction_features
 from urushi.nets.layerer import layer
 from urushi.train import examples
+from urushi.train.data.store import Store
 from urushi.train.losses import stack_loss
 from urushi.train.stages import quadratic_loss
 

@@ -19,11 +19,11 @@ import numpy as np
 from urushi import files
 from urushi.checks import CoatParameters
 from urushi.core.probe_pairs import PROBES
-from urushi.data.distribution import to_dict
 from urushi.errors import FileError
 from urushi.eval import samples as sampling
 from urushi.eval.groups import GROUPS, Group
 from urushi.eval.samples import Samples
+from urushi.train.data.distribution import to_dict
 from urushi.version import __version__
 from urushi.walk import StackTable
 from urushi.walk.bottoms import KINDS

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from urushi.data.distribution import Clear, Distribution, Extended, Table2
 from urushi.errors import ParameterError
+from urushi.train.data.distribution import Clear, Distribution, Extended, Table2
 from urushi.walk.bottoms import KINDS
 
 

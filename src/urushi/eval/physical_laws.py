@@ -7,7 +7,6 @@ import numpy as np
 
 from urushi.checks import CoatParameters
 from urushi.core import error_metrics
-from urushi.data.distribution import Extended
 from urushi.eval import predict
 from urushi.eval import samples as sampling
 from urushi.eval.groups import Group
@@ -15,6 +14,7 @@ from urushi.eval.samples import Samples
 from urushi.material import Material
 from urushi.material.layer import layer_texels
 from urushi.nets.weights import Model
+from urushi.train.data.distribution import Extended
 
 #: Number of stacks that absorb nothing, per number of coats and kind of bottom; numbers of coats.
 WHITE_STACKS, WHITE_COATS = 16, (1, 2, 3, 5)

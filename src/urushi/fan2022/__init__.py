@@ -7,11 +7,11 @@ after `register`, weights files, materials and plugins can hold its networks.
 
 def register() -> None:
     """Let Urushi read the paper's weights and data."""
-    from urushi.data import distribution
     from urushi.fan2022.architecture import PaperArchitecture, parameter_shapes
     from urushi.fan2022.networks import PaperNetworks
     from urushi.fan2022.palette import Palette
     from urushi.nets import weights
+    from urushi.train.data import distribution
 
     weights.register_kind(
         "paper", weights.ArchitectureKind(PaperArchitecture, parameter_shapes, PaperNetworks)

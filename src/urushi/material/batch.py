@@ -1,4 +1,4 @@
-"""Encoding of many BRDFs: their values are computed in parallel, on all cores or a cluster."""
+"""Encoding of many BRDFs: their values are computed in parallel, on all cores."""
 
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
@@ -7,7 +7,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from urushi.data import cluster
 from urushi.errors import UrushiError
 from urushi.material.encode import (
     SourceValues,
@@ -34,18 +33,15 @@ def encode_all(
     sources: Sequence[Any],
     *,
     weights: Weights | None = None,
-    scheduler: str | None = None,
     refine: bool | Sequence[bool | None] | None = None,
     table: bool | None = None,
 ) -> Iterator[tuple[int, EncodedSource | UrushiError]]:
-    """Encode many BRDFs, on all cores of this machine or on a cluster.
+    """Encode many BRDFs, on all cores of this machine.
 
     Args:
-        sources: each a Path of a measured BRDF, which whoever reads it must reach, or else what
-            `encode` takes; on a cluster it must be picklable, as descriptions are.
+        sources: each a Path of a measured BRDF, or else what `encode` takes.
         weights: the networks, as of `encode`.
-        scheduler: address of a Dask scheduler; by default this process does it, on all cores.
-        refine: as of `encode`, one value for all sources or one for each; this process refines.
+        refine: as of `encode`, one value for all sources or one for each.
         table: as of `encode`, for all sources.
 
     Yields:
@@ -53,7 +49,6 @@ def encode_all(
         others.
 
     Raises:
-        PlatformError: there is no such scheduler.
         FileError: the shipped networks are missing.
     """
     models = [model_for(source, weights) for source in sources]
@@ -65,7 +60,7 @@ def encode_all(
             places.append(index)
         except UrushiError as error:
             yield index, error
-    for task, found in map_sources(_read, tasks, scheduler):
+    for task, found in map_sources(_read, tasks):
         index = places[task]
         if isinstance(found, UrushiError):
             yield index, found
@@ -74,24 +69,18 @@ def encode_all(
         yield index, EncodedSource(material, found.deviations)
 
 
-def map_sources(
-    function: Callable[..., Any], tasks: Sequence[tuple], scheduler: str | None = None
-) -> Iterator[tuple[int, Any]]:
+def map_sources(function: Callable[..., Any], tasks: Sequence[tuple]) -> Iterator[tuple[int, Any]]:
     """Call a function for many sources.
 
     Args:
-        function: of a module; on a cluster its arguments must be picklable.
+        function: is called in a thread if its source is a Path.
         tasks: the arguments of each call, of which the first is the source: a Path is read by a
             thread, for a reader uses one core; other sources one after the other, for Dr.Jit uses
             all.
-        scheduler: as of `encode_all`.
 
     Yields:
         (index, result) of each call as it is done.
     """
-    if scheduler is not None and tasks:
-        yield from cluster.run(scheduler, function, tasks)
-        return
     files = [k for k, task in enumerate(tasks) if isinstance(task[0], Path)]
     pool = ThreadPoolExecutor(available_cores())
     try:

@@ -4,8 +4,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from urushi.core.probe_pairs import PROBES
-from urushi.data.distribution import Anisotropic, Clear, Distribution, Extended, Table2
-from urushi.data.spec import DataSpec, Part
+from urushi.train.data.distribution import Anisotropic, Clear, Distribution, Extended, Table2
+from urushi.train.data.spec import DataSpec, Part
 
 #: Numbers of stacks by distribution: "table2", or the kind of bottom of an `Extended`.
 Counts = Mapping[str, int]

@@ -13,13 +13,13 @@ import numpy as np
 
 from urushi.checks import COAT_COLUMNS, CoatParameters
 from urushi.core.probe_pairs import PROBES, probe_pairs
-from urushi.data.spec import Part
-from urushi.data.store import Store
 from urushi.errors import ParameterError
 from urushi.nets import lobe as lobes
 from urushi.nets.architecture import Architecture
 from urushi.nets.features import DIRECTION_FEATURES, direction_features
 from urushi.train.bottoms import bottom_lobes, bottom_rest
+from urushi.train.data.spec import Part
+from urushi.train.data.store import Store
 from urushi.train.order import Order, Window
 from urushi.walk.bottoms import KINDS
 

@@ -6,10 +6,10 @@ from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 from urushi.core.probe_pairs import ANISOTROPIC_PROBES
-from urushi.data.distribution import Extended, Table2
-from urushi.data.spec import DataSpec, Part
 from urushi.errors import ParameterError
 from urushi.nets.architecture import Architecture
+from urushi.train.data.distribution import Extended, Table2
+from urushi.train.data.spec import DataSpec, Part
 from urushi.train.datasets import anisotropic_domain, validation, whole_domain
 from urushi.train.optimiser import Schedule
 from urushi.train.stages.decoding import Decoding

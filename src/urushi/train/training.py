@@ -14,8 +14,6 @@ from typing import Any
 import numpy as np
 from tqdm import tqdm
 
-from urushi.data.generate import generate
-from urushi.data.store import Store
 from urushi.errors import FileError
 from urushi.files import new_folder
 from urushi.nets import weights
@@ -25,6 +23,8 @@ from urushi.nets.mlp import Params
 from urushi.platform import available_cores
 from urushi.train import examples, presets, validation
 from urushi.train.checkpoint import Checkpoint, Journal
+from urushi.train.data.generate import generate
+from urushi.train.data.store import Store
 from urushi.train.examples import Depth
 from urushi.train.optimiser import TrainState, start
 from urushi.train.presets import Preset

@@ -7,7 +7,6 @@ import numpy as np
 
 from urushi.checks import CoatParameters
 from urushi.core import error_metrics
-from urushi.data.store import Store
 from urushi.nets import lobe as lobes
 from urushi.nets.architecture import Architecture
 from urushi.nets.decoder import decode
@@ -15,6 +14,7 @@ from urushi.nets.encoder import encode
 from urushi.nets.features import direction_features
 from urushi.nets.layerer import layer
 from urushi.nets.mlp import Params
+from urushi.train.data.store import Store
 from urushi.train.examples import METRICS, coats_to_layer, encoder_inputs, top_lobes
 
 

@@ -34,7 +34,7 @@ class Generate:
         platform.require_extra("train")
         if self.scheduler is not None:
             platform.require_extra("cluster")
-        from urushi.data.generate import generate
+        from urushi.train.data.generate import generate
 
         preset = find_preset(self.preset, self.scale)
         store = generate(preset.data, self.output, self.scheduler)
@@ -54,7 +54,7 @@ class Show:
 
     def run(self) -> int:
         platform.require_extra("train")
-        from urushi.data.store import Store
+        from urushi.train.data.store import Store
 
         store = Store.open(self.store)
         total, missing = len(list(store.spec.shards())), len(store.missing())

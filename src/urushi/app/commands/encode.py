@@ -48,8 +48,6 @@ class Encode:
     """Store no table."""
     mode: Annotated[str, tyro.conf.arg(aliases=["-m"])] = "llvm_ad_rgb"
     """Mitsuba variant for reading scene files."""
-    scheduler: str | None = None
-    """Address of a Dask scheduler whose workers do the work. Default: this machine alone."""
     weights: str | None = None
     """Weights file of the networks. Default: the shipped ones."""
 
@@ -69,7 +67,6 @@ class Encode:
             for position, result in encode_all(
                 [sources[k] for k in readable],
                 weights=self.weights,
-                scheduler=self.scheduler,
                 refine=True if self.refine else False if self.no_refine else None,
                 table=True if self.table else False if self.no_table else None,
             ):
@@ -100,14 +97,6 @@ class Encode:
             raise ParameterError(
                 "--refine and --no-refine exclude each other; give only one of them"
             )
-        if self.scheduler is not None:
-            platform.require_extra("cluster")
-            scenes = [text for text in self.sources if _is_scene(text)]
-            if scenes:
-                raise ParameterError(
-                    f"'{scenes[0]}' is from a scene file, whose BSDFs are encoded on this machine "
-                    "only; leave out --scheduler"
-                )
         if self.report is not None:
             platform.require_extra("eval")
 
@@ -128,7 +117,7 @@ class Encode:
         indices = list(encoded)
         tasks = [(sources[index], encoded[index].material) for index in indices]
         examinations, failed = {}, {}
-        for task, result in map_sources(examine.examined, tasks, self.scheduler):
+        for task, result in map_sources(examine.examined, tasks):
             progress.update()
             if isinstance(result, UrushiError):
                 failed[indices[task]] = result

@@ -7,12 +7,12 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from urushi.data.store import Store
 from urushi.fan2022.adam import compressed
 from urushi.fan2022.inference import LIGHT_COSINE, direction_inputs, evaluate, layer
 from urushi.fan2022.train.layering import Examples
 from urushi.fan2022.train.preset import PaperPreset
 from urushi.nets.mlp import Params
+from urushi.train.data.store import Store
 
 #: Direction pairs of each BRDF, at most; they are drawn without replacement.
 PAIRS = 4096

@@ -4,10 +4,10 @@ import json
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-from urushi.data.spec import DataSpec, Part
 from urushi.errors import ParameterError
 from urushi.fan2022.architecture import AdamProjection, PaperArchitecture
 from urushi.fan2022.palette import Palette
+from urushi.train.data.spec import DataSpec, Part
 
 #: Pairs of direction strata in memory together, at most: bounds memory to some hundred MB.
 SHARD_PAIRS = 1 << 21

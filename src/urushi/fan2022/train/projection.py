@@ -6,12 +6,12 @@ import jax
 import numpy as np
 from tqdm import tqdm
 
-from urushi.data.store import Store
 from urushi.fan2022 import adam, projection
 from urushi.fan2022.architecture import AdamProjection
 from urushi.fan2022.inference import direction_inputs
 from urushi.fan2022.networks import PAIRS
 from urushi.nets.mlp import Params
+from urushi.train.data.store import Store
 
 #: BRDFs that are projected together, at most.
 TOGETHER = 16

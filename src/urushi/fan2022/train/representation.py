@@ -11,11 +11,11 @@ import jax.numpy as jnp
 import numpy as np
 import optax
 
-from urushi.data.store import Store
 from urushi.fan2022.architecture import FIRST_LATENT, LATENT
 from urushi.fan2022.inference import direction_inputs, evaluate
 from urushi.fan2022.train.preset import PaperPreset
 from urushi.nets.mlp import Params
+from urushi.train.data.store import Store
 
 #: Maximum number of direction pairs in memory at once: half a gigabyte.
 GROUP = 1 << 24

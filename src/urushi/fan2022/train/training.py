@@ -11,8 +11,6 @@ import jax
 import numpy as np
 from tqdm import tqdm
 
-from urushi.data.generate import generate
-from urushi.data.store import Store
 from urushi.fan2022.architecture import LATENT, init
 from urushi.fan2022.train import held_out, layering, proxy, representation
 from urushi.fan2022.train.preset import PaperPreset
@@ -20,6 +18,8 @@ from urushi.fan2022.train.projection import project_part
 from urushi.nets import weights
 from urushi.train import training
 from urushi.train.checkpoint import Checkpoint, Journal
+from urushi.train.data.generate import generate
+from urushi.train.data.store import Store
 
 STAGES = ("representation", "layering", "proxy")
 

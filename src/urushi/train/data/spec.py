@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from urushi.core import direction_sets
-from urushi.data import distribution as distributions
-from urushi.data.distribution import Source
 from urushi.errors import ParameterError
+from urushi.train.data import distribution as distributions
+from urushi.train.data.distribution import Source
 
 
 @dataclass(frozen=True)

@@ -27,9 +27,9 @@ import numpy as np
 import zarr
 
 from urushi.checks import COAT_COLUMNS
-from urushi.data.spec import DataSpec, Part
 from urushi.errors import FileError, ParameterError
 from urushi.files import new_folder
+from urushi.train.data.spec import DataSpec, Part
 from urushi.version import __version__
 from urushi.walk.bottoms import KINDS
 

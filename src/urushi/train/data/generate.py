@@ -8,10 +8,10 @@ from tqdm import tqdm
 
 from urushi.checks import CoatParameters
 from urushi.core import direction_sets
-from urushi.data import cluster
-from urushi.data.spec import DataSpec
-from urushi.data.store import Shard, Store, versions
 from urushi.errors import PlatformError
+from urushi.train.data import cluster
+from urushi.train.data.spec import DataSpec
+from urushi.train.data.store import Shard, Store, versions
 from urushi.walk import analytic
 from urushi.walk.bottoms import KINDS
 from urushi.walk.simulate import walk_pairs

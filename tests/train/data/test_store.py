@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 import zarr
 
-from urushi.data import generate as generation
-from urushi.data.distribution import Extended, Table2
-from urushi.data.generate import generate, make_shard
-from urushi.data.spec import DataSpec, Part
-from urushi.data.store import Store
 from urushi.errors import FileError, ParameterError
+from urushi.train.data import generate as generation
+from urushi.train.data.distribution import Extended, Table2
+from urushi.train.data.generate import generate, make_shard
+from urushi.train.data.spec import DataSpec, Part
+from urushi.train.data.store import Store
 from urushi.walk import analytic
 
 SPEC = DataSpec(
@@ -115,8 +115,8 @@ def test_a_killed_process_resumes_to_the_same_bytes(fingerprints, tmp_path):
     )
     script = (
         "import json, sys\n"
-        "from urushi.data.generate import generate\n"
-        "from urushi.data.spec import DataSpec\n"
+        "from urushi.train.data.generate import generate\n"
+        "from urushi.train.data.spec import DataSpec\n"
         "generate(DataSpec.from_dict(json.loads(sys.argv[1])), sys.argv[2])\n"
     )
     path = tmp_path / "killed.zarr"

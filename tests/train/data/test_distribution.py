@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from urushi.data import distribution
-from urushi.data.distribution import Clear, Extended, Table2
 from urushi.errors import ParameterError
+from urushi.train.data import distribution
+from urushi.train.data.distribution import Clear, Extended, Table2
 
 N = 20_000
 

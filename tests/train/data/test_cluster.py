@@ -11,13 +11,13 @@ from pathlib import Path
 
 import pytest
 
-from urushi.data import cluster
-from urushi.data import generate as generation
-from urushi.data.distribution import Extended, Table2
-from urushi.data.generate import generate
-from urushi.data.spec import DataSpec, Part
-from urushi.data.store import Store
 from urushi.errors import ParameterError, PlatformError
+from urushi.train.data import cluster
+from urushi.train.data import generate as generation
+from urushi.train.data.distribution import Extended, Table2
+from urushi.train.data.generate import generate
+from urushi.train.data.spec import DataSpec, Part
+from urushi.train.data.store import Store
 
 distributed = pytest.importorskip("distributed", reason="the extra 'cluster' is not installed")
 
