@@ -20,7 +20,7 @@ from research.rivals import plugins
 import urushi  # noqa: F401  (registers the plugins)
 from urushi.nets import weights as networks
 from urushi.scenes import shipped
-from urushi.scenes.stage import COATS, Options
+from urushi.scenes.options import COATS, Options
 
 #: The demo's scene goes by this name.
 DEMO = "demo"

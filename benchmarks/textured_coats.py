@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 
 from urushi.scenes import noise
-from urushi.scenes.stage import Folder, Options
+from urushi.scenes.options import Options
+from urushi.scenes.stage import Folder
 
 #: Ranges of the textures: GGX widths, and indices of refraction.
 ALPHAS, INDICES = (0.03, 0.45), (1.3, 1.9)

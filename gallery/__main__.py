@@ -11,7 +11,7 @@ import tyro
 
 from gallery.scenes import SCENES
 from urushi.scenes import shipped
-from urushi.scenes.stage import Options
+from urushi.scenes.options import Options
 
 
 def main(

@@ -13,7 +13,8 @@ import numpy as np
 from gallery.brushed import straightened
 from urushi.scenes import noise, stage
 from urushi.scenes.mesh import Profile, lathe
-from urushi.scenes.stage import Folder, Light, Options
+from urushi.scenes.options import Options
+from urushi.scenes.stage import Folder, Light
 
 #: Texels of the bells' textures along their outline, and of the tray's along a side.
 TEXELS = 512

@@ -13,7 +13,8 @@ import numpy as np
 
 from urushi.scenes import noise, stage
 from urushi.scenes.mesh import Mesh, Profile, grid, lathe
-from urushi.scenes.stage import Folder, Light, Options
+from urushi.scenes.options import Options
+from urushi.scenes.stage import Folder, Light
 
 #: Texels of the bowl's textures along its outline.
 TEXELS = 512

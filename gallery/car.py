@@ -14,7 +14,8 @@ from gallery.solids import merged
 from gallery.surface_nets import Field, mesh, projected
 from urushi.scenes import noise, stage
 from urushi.scenes.mesh import Mesh, Profile, lathe
-from urushi.scenes.stage import Folder, Light, Options, rgb
+from urushi.scenes.options import Options
+from urushi.scenes.stage import Folder, Light, rgb
 
 #: Texels of the paint along a side of its pattern, which covers `TILE` [m] and repeats; and the
 #: number of flakes along it.

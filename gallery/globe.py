@@ -8,7 +8,8 @@ import numpy as np
 from gallery import continents
 from urushi.scenes import noise, stage
 from urushi.scenes.mesh import Mesh, Profile, grid, lathe
-from urushi.scenes.stage import Folder, Light, Options, rgb
+from urushi.scenes.options import Options
+from urushi.scenes.stage import Folder, Light, rgb
 
 #: Number of rows of the map; it has twice as many columns.
 ROWS = 512

@@ -8,7 +8,8 @@ import numpy as np
 from gallery import shoe_shape
 from urushi.scenes import noise, stage
 from urushi.scenes.mesh import derivatives, grid, normal_map
-from urushi.scenes.stage import Folder, Light, Options, rgb
+from urushi.scenes.options import Options
+from urushi.scenes.stage import Folder, Light, rgb
 
 #: Texels around the upper; half as many from the sole to the collar.
 TEXELS = 1024

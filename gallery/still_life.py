@@ -13,7 +13,8 @@ import numpy as np
 from gallery import still_life_objects
 from urushi.scenes import stage
 from urushi.scenes.mesh import Profile, derivatives, grid, lathe, normal_map
-from urushi.scenes.stage import Folder, Light, Options, rgb
+from urushi.scenes.options import Options
+from urushi.scenes.stage import Folder, Light, rgb
 
 #: Number of rows of the largest textures.
 ROWS = 512

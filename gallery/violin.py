@@ -13,7 +13,8 @@ from gallery import violin_wood as wood
 from gallery.solids import merged
 from gallery.violin_shape import RIBS, Arching, plate
 from urushi.scenes import stage
-from urushi.scenes.stage import Folder, Light, Options
+from urushi.scenes.options import Options
+from urushi.scenes.stage import Folder, Light
 
 #: Texels along the body.
 TEXELS = 640

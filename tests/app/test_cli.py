@@ -103,6 +103,21 @@ def test_ctrl_c_in_a_real_process():
     assert errors.count("\n") == 1
 
 
+def test_ctrl_c_while_python_imports():
+    code = (
+        "import signal, sys, urushi_command\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+        "class Interrupts:\n"
+        "    def find_spec(self, name, *_):\n"
+        "        if name == 'urushi': signal.raise_signal(signal.SIGINT)\n"
+        "sys.meta_path.insert(0, Interrupts())\n"
+        "sys.exit(urushi_command.main())"
+    )
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert run.returncode == 130
+    assert run.stderr == "urushi: interrupted; nothing half-written was left behind\n"
+
+
 def test_the_script_imports_little():
     """A command does not import packages that only another command needs."""
     code = (

@@ -15,7 +15,7 @@ from urushi.errors import FileError
 from urushi.eval import metrics
 from urushi.scenes import caddy, caddy_pattern
 from urushi.scenes.mesh import Mesh, lathe, write_ply
-from urushi.scenes.stage import Options
+from urushi.scenes.options import Options
 
 
 @pytest.fixture(scope="module")

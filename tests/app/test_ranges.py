@@ -2,12 +2,14 @@
 
 import dataclasses
 import math
+from collections.abc import Iterator
 from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
 import pytest
 
-from urushi.app import cli, ranges
-from urushi.app.ranges import Range
+from urushi import ranges
+from urushi.app import cli
+from urushi.ranges import Range
 
 #: Arguments that the commands need beside the option.
 NEEDED = {
@@ -51,14 +53,23 @@ def is_number(hint: Any) -> bool:
     return any(map(is_number, parts[:1] if get_origin(hint) is Annotated else parts))
 
 
+def fields(command: type) -> Iterator[tuple[str, Any]]:
+    """Names and types of a command's options, those of nested dataclasses included."""
+    for name, hint in get_type_hints(command, include_extras=True).items():
+        inner = get_args(hint)[0] if get_origin(hint) is Annotated else hint
+        if dataclasses.is_dataclass(inner):
+            yield from fields(inner)
+        elif name in command.__dataclass_fields__:
+            yield name, hint
+
+
 def options() -> list[tuple[str, str, list[Range]]]:
     """Command, field and ranges of every option that is a number."""
     return [
-        (name, field.name, ranges.ranges_of(hints[field.name]))
+        (name, field, ranges.ranges_of(hint))
         for name, command in commands().items()
-        for hints in [get_type_hints(command, include_extras=True)]
-        for field in dataclasses.fields(command)
-        if is_number(hints[field.name]) and field.name not in OF_COATS
+        for field, hint in fields(command)
+        if is_number(hint) and field not in OF_COATS
     ]
 
 

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from urushi.scenes import mesh, noise, stage, teapot
-from urushi.scenes.stage import Folder, Options
+from urushi.scenes.options import Options
+from urushi.scenes.stage import Folder
 
 
 @pytest.fixture(scope="module")

@@ -13,7 +13,7 @@ from urushi.errors import ParameterError
 from urushi.nets import weights
 from urushi.nets.architecture import Architecture, init
 from urushi.scenes import shipped
-from urushi.scenes.stage import COATS, Options
+from urushi.scenes.options import COATS, Options
 
 TINY = {"width": 64, "height": 48, "spp": 32, "detail": 0.05}
 
@@ -194,10 +194,11 @@ def test_errors_of_unknown_names_list_the_choices(arguments, tmp_path, monkeypat
     ("options", "sentence"),
     [
         ({"coat": "varnish"}, "coat is 'varnish'; choose one of neural_layered, layered"),
-        ({"width": 0}, "width is 0; it must be at least 1"),
+        ({"width": 0}, "width is 0; it must be at least 1 and at most 32768 pixels"),
         ({"detail": 0}, "detail is 0; it must be above 0 and at most 4"),
     ],
 )
-def test_bad_options(options, sentence):
+def test_bad_options(options, sentence, tmp_path):
     with pytest.raises(ParameterError, match=f"^{re.escape(sentence)}$"):
-        Options(**options)
+        shipped.build(SCENES["globe"], tmp_path / "folder", Options(**options))
+    assert not list(tmp_path.iterdir())

@@ -9,8 +9,7 @@ from typing import Annotated, Any
 
 import tyro
 
-from urushi import fan2022
-from urushi.app import ranges
+from urushi import fan2022, ranges
 from urushi.app.commands.convert import Convert
 from urushi.app.commands.data import Data
 from urushi.app.commands.demo import Demo

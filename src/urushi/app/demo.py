@@ -17,7 +17,7 @@ from urushi.eval import metrics
 from urushi.eval.metrics import srgb
 from urushi.files import atomic_write, new_folder
 from urushi.scenes import shipped
-from urushi.scenes.stage import COATS, Options
+from urushi.scenes.options import COATS, Options
 
 #: Samples per pixel in one pass: bounds the memory, and is the step of the progress bar.
 PASS_SPP = 8

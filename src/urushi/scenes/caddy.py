@@ -7,7 +7,8 @@ import numpy as np
 
 from urushi.scenes import caddy_pattern, stage
 from urushi.scenes.mesh import Profile, lathe
-from urushi.scenes.stage import Folder, Options, conductor, diffuse, rgb
+from urushi.scenes.options import Options
+from urushi.scenes.stage import Folder, conductor, diffuse, rgb
 
 #: Rows of the pattern's texture.
 TEXTURE_HEIGHT = 384

@@ -11,7 +11,8 @@ import mitsuba as mi
 from urushi.errors import ParameterError
 from urushi.files import atomic_write
 from urushi.scenes.caddy import caddy
-from urushi.scenes.stage import COATS, Folder, Options
+from urushi.scenes.options import COATS, Options
+from urushi.scenes.stage import Folder
 from urushi.scenes.teapot import teapot
 
 #: A scene: a function that writes meshes and textures into a folder, and describes the scene.
@@ -35,8 +36,11 @@ def build(
 
     Raises:
         FileError: the folder cannot be written.
+        ParameterError: an option is unknown or out of range.
     """
-    return scene(Folder(Path(folder)), options or Options())
+    options = options or Options()
+    options.check()
+    return scene(Folder(Path(folder)), options)
 
 
 def export(scene: Scene, folder: str | os.PathLike, options: Options | None = None) -> Path:
@@ -48,7 +52,7 @@ def export(scene: Scene, folder: str | os.PathLike, options: Options | None = No
         The path of `scene.xml`.
 
     Raises:
-        FileError: as of `build`.
+        FileError, ParameterError: as of `build`.
     """
     options = options or Options()
     description = _relative(build(scene, folder, options), Path(folder).resolve())

@@ -8,11 +8,10 @@ from typing import Any
 import mitsuba as mi
 import numpy as np
 
-from urushi.errors import ParameterError
 from urushi.files import atomic_write, new_folder
-from urushi.nets.weights import DEFAULT
 from urushi.scenes.mesh import Mesh, write_ply
 from urushi.scenes.noise import smoothstep
+from urushi.scenes.options import Options
 
 
 class Folder:
@@ -47,59 +46,6 @@ class Folder:
 
 
 Vector = Sequence[float]
-
-#: The plugins for the coats of a scene; the first one uses networks, the second one walks.
-COATS = ("neural_layered", "layered")
-
-
-@dataclass(frozen=True)
-class Options:
-    """Options of a shipped scene.
-
-    Attributes:
-        coat: plugin of all coats, "neural_layered" or "layered", those of OpenPBR included.
-        weights: networks of "neural_layered": "default" or a weights file.
-        width, height: size of the film [pixels].
-        spp: samples per pixel.
-        detail: factor on the width and height of textures, in (0, 4]; with less detail the scene
-            loads faster.
-    """
-
-    coat: str = COATS[0]
-    weights: str = DEFAULT
-    width: int = 640
-    height: int = 480
-    spp: int = 64
-    detail: float = 1.0
-
-    def __post_init__(self):
-        if self.coat not in COATS:
-            raise ParameterError(f"coat is '{self.coat}'; choose one of {', '.join(COATS)}")
-        for name in ("width", "height", "spp"):
-            if getattr(self, name) < 1:
-                raise ParameterError(f"{name} is {getattr(self, name)}; it must be at least 1")
-        if not 0 < self.detail <= 4:
-            raise ParameterError(f"detail is {self.detail:g}; it must be above 0 and at most 4")
-
-    def texels(self, count: int) -> int:
-        """Number of texels along a side that has `count` texels at detail 1."""
-        return max(8, round(count * self.detail))
-
-    def coated(self, bottom: dict[str, Any], **parameters: Any) -> dict[str, Any]:
-        """The coat with these parameters over `bottom`.
-
-        `weights` are left out if they are the default, so that the scenes of networks and reference
-        differ in one word.
-        """
-        return {"type": self.coat, **parameters, **self._weights(), "bottom": bottom}
-
-    def openpbr(self, **parameters: Any) -> dict[str, Any]:
-        """The material of these parameters of OpenPBR, its coat by the plugin `coat`."""
-        return {"type": "openpbr", "reference": self.coat, **parameters, **self._weights()}
-
-    def _weights(self) -> dict[str, str]:
-        named = self.coat == COATS[0] and self.weights != DEFAULT
-        return {"weights": self.weights} if named else {}
 
 
 def rgb(*value: float) -> dict[str, Any]:

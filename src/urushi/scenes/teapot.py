@@ -15,7 +15,8 @@ import numpy.typing as npt
 
 from urushi.scenes import noise, stage
 from urushi.scenes.mesh import Mesh, grid, lathe, surface
-from urushi.scenes.stage import Folder, Light, Options
+from urushi.scenes.options import Options
+from urushi.scenes.stage import Folder, Light
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,8 @@ from xml.sax.saxutils import quoteattr
 import tyro
 
 from urushi.app.commands.render import set_variant
-from urushi.app.ranges import Texels
 from urushi.files import atomic_write, new_folder
+from urushi.ranges import Texels
 
 if TYPE_CHECKING:
     from urushi.openpbr.materialx.baking import Texture

@@ -8,7 +8,7 @@ import tyro
 
 from urushi import platform
 from urushi.app.commands.train import find_preset
-from urushi.app.ranges import Share
+from urushi.ranges import Share
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from typing import Annotated
 import tyro
 
 from urushi.app.commands.render import set_variant
-from urushi.app.ranges import Pixels, Range
+from urushi.ranges import Pixels, Range
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class Demo:
     def run(self) -> int:
         set_variant(self.mode)
         from urushi.app import demo
-        from urushi.scenes.stage import Options
+        from urushi.scenes.options import Options
 
         options = Options(width=self.width, height=self.height, spp=self.spp)
         print(demo.describe(demo.run(self.output, options), self.output))

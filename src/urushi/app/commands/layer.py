@@ -10,9 +10,9 @@ from tqdm import tqdm
 
 from urushi import platform
 from urushi.app.describe import describe, is_description
-from urushi.app.ranges import Rows
 from urushi.checks import DEFAULT_COAT
 from urushi.errors import ParameterError
+from urushi.ranges import Rows
 
 if TYPE_CHECKING:
     from urushi.material import Material

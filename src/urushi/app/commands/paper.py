@@ -9,7 +9,7 @@ import tyro
 
 from urushi import platform
 from urushi.app.commands.train import ProjectionName, adam_projection
-from urushi.app.ranges import Pairs
+from urushi.ranges import Pairs
 
 #: Direction pairs in a step of the projection by Adam, unless a user gives another number.
 PAIRS = 64

@@ -7,14 +7,15 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import tyro
 
 from urushi import platform
-from urushi.app.ranges import Detail, Index, Pixels, Samples, Seed, Threads
 from urushi.errors import FileError, ParameterError, PlatformError
 from urushi.files import atomic_write
+from urushi.ranges import Index, Pixels, Samples, Seed, Threads
+from urushi.scenes.options import Options
 
 #: Mitsuba puts this into long messages as a place to break the line.
 ZERO_WIDTH_SPACE = "\u200b"
@@ -104,8 +105,6 @@ class Render:
     def run(self) -> int:
         definitions = parse_definitions(self.define)
         overrides = Overrides(self.weights, self.width, self.height)
-        if self.threads is not None and self.threads < 1:
-            raise ParameterError(f"--threads is {self.threads}; it must be at least 1")
         set_variant(self.mode)
         import drjit as dr
         import mitsuba as mi
@@ -171,10 +170,7 @@ def write_picture(image: Any, path: Path) -> None:
     if path.suffix.lower() != ".exr":
         image = dr.minimum(image, 1)  # Mitsuba's conversion to bytes turns thousands into black
     with atomic_write(path) as temporary:
-        try:
-            mi.util.write_bitmap(str(temporary), image, write_async=False)
-        except RuntimeError as error:
-            raise FileError(f"cannot write '{path}': {one_line(error)}") from error
+        mi.util.write_bitmap(str(temporary), image, write_async=False)
 
 
 def load_scene(
@@ -308,33 +304,14 @@ class ExportScene:
     """Name of the scene."""
     folder: tyro.conf.Positional[Path]
     """Folder to write to. It is created if it is missing."""
-    coat: Literal["neural_layered", "layered"] = "neural_layered"
-    """Plugin of the coats: the networks, or the walk. The default of the file's parameter $coat."""
-    weights: str = "default"
-    """Networks of neural_layered: default, or a weights file."""
-    width: Pixels = 640
-    """Width of the picture in pixels. Default of the written file's parameter $width."""
-    height: Pixels = 480
-    """Height of the picture in pixels. Default of the written file's parameter $height."""
-    spp: Samples = 64
-    """Samples per pixel. Default of the written file's parameter $spp."""
-    detail: Detail = 1.0
-    """Factor on the width and height of every texture, above 0 and at most 4."""
+    picture: Annotated[Options, tyro.conf.OmitArgPrefixes] = field(default_factory=Options)
+    """All but `weights` and `detail` are defaults of the written file's parameters: $coat, ..."""
 
     def run(self) -> int:
         set_variant("scalar_rgb")  # enough for describing a scene, and needs no LLVM
         from urushi.scenes import shipped
-        from urushi.scenes.stage import Options
 
-        options = Options(
-            coat=self.coat,
-            weights=self.weights,
-            width=self.width,
-            height=self.height,
-            spp=self.spp,
-            detail=self.detail,
-        )
-        print(shipped.export(shipped.find(self.scene), self.folder, options))
+        print(shipped.export(shipped.find(self.scene), self.folder, self.picture))
         return 0
 
 

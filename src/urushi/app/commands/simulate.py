@@ -8,10 +8,10 @@ from zipfile import BadZipFile
 import numpy as np
 import tyro
 
-from urushi.app.ranges import Angle, Incidence, Seed, Walks
 from urushi.core.rotations import rotated
 from urushi.errors import FileError, ParameterError
 from urushi.files import atomic_write
+from urushi.ranges import Angle, Incidence, Seed, Walks
 
 #: Polar angles of the printed table [degrees]; negative ones are on the light's side.
 POLAR_DEGREES = tuple(range(-80, 81, 10))

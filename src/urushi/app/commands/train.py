@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import tyro
 
 from urushi import platform
-from urushi.app.ranges import Pairs, Seed, Share
 from urushi.errors import ParameterError
+from urushi.ranges import Pairs, Seed, Share
 
 if TYPE_CHECKING:
     from urushi.fan2022.architecture import AdamProjection

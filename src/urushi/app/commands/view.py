@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Annotated
 import tyro
 
 from urushi.app.describe import describe, is_description
-from urushi.app.ranges import Port
 from urushi.errors import FileError
 from urushi.files import atomic_write, new_folder, tensor_file_kind
+from urushi.ranges import Port
 
 if TYPE_CHECKING:
     from urushi.app.page_files import First

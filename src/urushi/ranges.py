@@ -53,8 +53,10 @@ Incidence = Annotated[float, Range(0, 90, " degrees", below=True)]
 Angle = Annotated[float, Range(-360, 360, " degrees")]
 
 
-def check(command: Any) -> None:
+def check(command: Any, dashes: str = "--") -> None:
     """Refuse values of a command, or of the commands and options inside, that are out of range.
+
+    `dashes` begin an option's name in the sentence.
 
     Raises:
         ParameterError: one is; the sentence names the option.
@@ -63,12 +65,12 @@ def check(command: Any) -> None:
     for field in dataclasses.fields(command):
         value = getattr(command, field.name)
         if dataclasses.is_dataclass(value):
-            check(value)
+            check(value, dashes)
         elif value is not None:
             for bounds in ranges_of(hints[field.name]):
                 if value not in bounds:
-                    option = "--" + field.name.replace("_", "-")
-                    raise ParameterError(f"{option} is {value:.16g}; it must be {bounds}")
+                    name = field.name.replace("_", "-") if dashes else field.name
+                    raise ParameterError(f"{dashes}{name} is {value:.16g}; it must be {bounds}")
 
 
 def ranges_of(hint: Any) -> list[Range]:
