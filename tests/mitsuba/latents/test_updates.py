@@ -1,5 +1,6 @@
 """After a change through `mi.traverse`, the networks evaluate only the rows that changed."""
 
+import drjit as dr
 import numpy as np
 import pytest
 
@@ -247,3 +248,29 @@ def test_a_texture_that_was_baked_before_is_read_from_the_disk(
     (tmp_path / "file").touch()
     monkeypatch.setenv("URUSHI_CACHE", str(tmp_path / "file"))
     rgb.load_dict(properties | {"alpha": 0.22})
+
+
+def test_the_key_of_a_texture_knows_what_the_probes_read(rgb, networks, rows, tmp_path, monkeypatch):
+    """A change of a bottom at grazing angles alone, which `mi.traverse` does not list, is seen."""
+    monkeypatch.setenv("URUSHI_CACHE", str(tmp_path))
+
+    class Grazing(rgb.BSDF):
+        def __init__(self, props):
+            super().__init__(props)
+            self._color, self._shine = props["color"], props["shine"]
+            self.m_flags = rgb.BSDFFlags.GlossyReflection | rgb.BSDFFlags.FrontSide
+            self.m_components = [self.m_flags]
+
+        def eval(self, ctx, si, wo, active=True):
+            shine = dr.select(si.wi.z * wo.z < 0.02, self._shine, 0.0)
+            return (self._color.eval(si) / dr.pi + shine) * wo.z
+
+        def traverse(self, callback):
+            callback.put("color", self._color, rgb.ParamFlags.Differentiable)
+
+    rgb.register_bsdf("grazing", Grazing)
+    color = bitmap(rgb, noise(3))
+    for shine, baked in ((0.1, True), (0.1, False), (0.2, True)):
+        base = {"type": "grazing", "color": color, "shine": shine}
+        rgb.load_dict(described(rgb, networks, base=base))
+        assert (rows()[1] > 0) == baked

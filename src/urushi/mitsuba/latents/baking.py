@@ -128,7 +128,7 @@ class Baker:
             for start in range(0, grid.texels, TEXEL_BLOCK):
                 stop = min(start + TEXEL_BLOCK, grid.texels)
                 yield from CoatParameters(**self._parameters(grid, start, stop)).columns()
-                yield self.bottom.content(start, stop)
+                yield from self.bottom.contents(start, stop)
 
         return cache.key(str(settings), contents())
 

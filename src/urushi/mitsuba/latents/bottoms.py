@@ -3,7 +3,7 @@
 A textured bottom that is known by its values is compared by a few probes of each texel and channel.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
 import mitsuba as mi
@@ -22,6 +22,7 @@ from urushi.mitsuba import spectrum
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.bsdf import reflection_source
 from urushi.mitsuba.reading.grid import varying_textures
+from urushi.mitsuba.reading.kept import parameter_arrays
 from urushi.mitsuba.reading.parameters import check_bottom
 from urushi.mitsuba.reading.surfaces import KnownSurface, known_surface
 from urushi.nets.lobe import no_lobe, with_two_widths
@@ -102,12 +103,13 @@ class BottomCodes:
         if self._baked is not None and self._opened is not None:
             self._baked.update(self._opened, advance)
 
-    def content(self, start: int, stop: int) -> np.ndarray:
+    def contents(self, start: int, stop: int) -> Iterator[np.ndarray]:
         """Numbers that tell bottoms apart at a range of texels, after `open`."""
-        if self._probed is not None:
-            return self._probed.content(start, stop)
         assert self._opened is not None  # for the type checker
-        return self._opened(start, stop)[0]
+        if self._probed is None:
+            yield self._opened(start, stop)[0]
+        else:
+            yield from self._probed.contents(start, stop)
 
     def source(self, start: int, stop: int) -> tuple[np.ndarray, CodesAt]:
         """The bottom as a `Source`, after `bake`."""
@@ -228,16 +230,21 @@ class _ProbedBottom:
         uv = self._grid.uv(start, stop)
         return self._hashes(uv), lambda texel, channel: self._codes(uv, texel, channel)
 
-    def content(self, start: int, stop: int) -> np.ndarray:
-        """f (n, C, 2) [1/sr] of a range of texels at two pairs: near the mirror direction, and not.
+    def contents(self, start: int, stop: int) -> Iterator[np.ndarray]:
+        """Numbers that tell bottoms apart at a range of texels.
 
-        Any change of a texel changes one of them.
+        They are f at two pairs, one near the mirror direction; and at the first range the bottom's
+        parameters, and f at all pairs of a few texels for what is no parameter of `mi.traverse`.
         """
         wi, wo = self._pairs
         half = np.linalg.norm(np.cross(wi + wo, [0, 0, 1]), axis=-1) / (wi + wo)[:, 2]
         pairs = np.argsort(half)[[len(half) // 8, len(half) // 2]]
-        uv = self._grid.uv(start, stop)
-        return probing.texel_values(self._bottom, wi[pairs], wo[pairs], uv, probing.Averaging())
+        uv, once = self._grid.uv(start, stop), probing.Averaging()
+        yield probing.texel_values(self._bottom, wi[pairs], wo[pairs], uv, once)
+        if start == 0:
+            yield from parameter_arrays(self._bottom)
+            some = uv[:: max(len(uv) // probing.TESTED_TEXELS, 1)]
+            yield probing.texel_values(self._bottom, wi, wo, some, once)
 
     def _hashes(self, uv: np.ndarray) -> np.ndarray:
         """Hashes (M, C) at points uv (M, 2): equal where the bottom is, within `KEY_BITS`."""

@@ -1,10 +1,11 @@
-"""The last accepted parameters of a plugin, put back where an update is refused."""
+"""The values of a plugin's parameters: compared, and put back where an update is refused."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
 import mitsuba as mi
+import numpy as np
 
 from urushi.errors import ParameterError
 
@@ -18,10 +19,7 @@ class KeptParameters:
 
     def keep(self, plugin: "mi.Object") -> None:
         """Remember the present values. Dr.Jit's arrays are copied when they are written."""
-        parameters = mi.traverse(plugin)
-        keys = list(parameters.keys())
-        written = [key for key in keys if not parameters.flags(key) & mi.ParamFlags.ReadOnly]
-        self._values = {key: type(parameters[key])(parameters[key]) for key in written}
+        self._values = {key: type(value)(value) for key, value in _writable(plugin)}
 
     @contextmanager
     def restored_on_error(self, plugin: "mi.Object") -> Iterator[None]:
@@ -40,3 +38,16 @@ class KeptParameters:
             raise
         if not self._restoring:
             self.keep(plugin)
+
+
+def parameter_arrays(plugin: "mi.Object") -> Iterator[np.ndarray]:
+    """All values that `mi.traverse` lists below a plugin, as arrays without names."""
+    for _, value in _writable(plugin):
+        array = np.array(getattr(value, "matrix", value))
+        yield array if array.dtype != object else np.frombuffer(str(value).encode(), np.uint8)
+
+
+def _writable(plugin: "mi.Object") -> list[tuple[str, Any]]:
+    """Names and values of the parameters below a plugin that are not read-only."""
+    parameters, read_only = mi.traverse(plugin), mi.ParamFlags.ReadOnly
+    return [(key, value) for key, value in parameters if not parameters.flags(key) & read_only]
