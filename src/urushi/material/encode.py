@@ -49,6 +49,9 @@ FAINT_REST = (0.03, 0.08)
 #: which it is left out; and the error of the lobe alone up to which this is looked at.
 HELPFUL_REST, NEAR_LOBE = (1.0, 1.1), 0.3
 
+#: Reflectance at normal incidence of an index of 2: a fitted lobe below it is a dielectric's.
+DIELECTRIC = 1 / 9
+
 
 class SourceValues(NamedTuple):
     """Values of a source of `encode`.
@@ -291,7 +294,7 @@ def material_from_values(
     pairs = len(model.networks.pairs()[0])
     probed, at_nodes = values[:pairs].T, values[pairs:].T
     nodes = at_nodes if at_nodes.size else None
-    lobe = _lobes_of_channels(model, probed, lobe)
+    fitted, lobe = lobe is None, _lobes_of_channels(model, probed, lobe)
     source_albedo, ceiling = np.ones((len(probed), 1)), np.full((len(probed), 1), 1 - energy.MARGIN)
     if nodes is not None:
         rule = albedo_rule(model.widths)
@@ -306,10 +309,15 @@ def material_from_values(
         if refine is None:
             refine = bool((residual(model, codes, probed) > UNUSUAL_RESIDUAL).any())
     if refine:
-        both = np.stack(refine_codes(model.networks, probed, nodes, lobe))
+        codes, anchors = refine_codes(model.networks, probed, nodes, lobe)
+        if fitted:
+            anchors = with_dielectrics_in_rests(model, anchors, probed)
+        both = np.stack([codes, anchors])
         codes, anchors = energy.limit_albedo(model, both, ceiling)
         anchors = without_useless_rests(model, anchors, probed)
         return Material(codes, model, _without_faint_rest(model, anchors, share))
+    if fitted:
+        anchors = with_dielectrics_in_rests(model, anchors, probed)
     # Anchors are never rendered. They are limited only where they would bring light into a coat,
     # and by their mean: an excess at grazing angles, which few paths in a coat have, would
     # darken all others.
@@ -337,6 +345,28 @@ def _without_faint_rest(model: Model, anchors: np.ndarray, share: np.ndarray) ->
     their light.
     """
     return _with_rests(model, anchors, _ramp(share, FAINT_REST))
+
+
+def with_dielectrics_in_rests(model: Model, anchors: np.ndarray, f: np.ndarray) -> np.ndarray:
+    """Anchors (N, L) of f (N, P) whose fitted lobes of dielectrics become part of the rests.
+
+    The layerer has seen exact lobes of dielectrics only, and coats over fitted ones lose up to nine
+    tenths of their light. Lobes that are half of the light or more remain.
+
+    f: [1/sr] at the probe pairs.
+    """
+    networks = model.networks
+    if not isinstance(networks, UrushiNetworks):
+        return anchors
+    normal, grazing, exact = anchors[:, 1:4].T
+    rest = np.median(f - networks.top(anchors[:, None], *networks.pairs()), axis=-1)
+    mixed = (normal < DIELECTRIC) & (exact == 0) & (normal + grazing > lobes.VISIBLE)
+    mixed &= np.pi * rest > 0.5 * normal
+    if not mixed.any():
+        return anchors
+    result, none = np.array(anchors), np.array(lobes.no_lobe(model.widths), np.float32)
+    result[mixed] = encoder_codes(model, f[mixed], none)
+    return result
 
 
 def without_useless_rests(model: Model, anchors: np.ndarray, f: np.ndarray) -> np.ndarray:

@@ -52,6 +52,8 @@ def coat(folder: Folder, options: Options) -> dict[str, Any]:
     """The lacquer: dark and thick, thin over the pattern so that the gold below shines through."""
     depth, albedo = lacquer(options.texels(TEXTURE_HEIGHT))
     medium = {"albedo": folder.texture("albedo", albedo), "sigma_t": folder.texture("depth", depth)}
+    for texture in medium.values():  # between gold and lacquer f is far from linear in sigma_t
+        texture["filter_type"] = "nearest"
     return options.coated(conductor("Au", 0.22), alpha=0.05, int_ior=1.5, g=0.0, **medium)
 
 

@@ -250,7 +250,9 @@ def test_a_texture_that_was_baked_before_is_read_from_the_disk(
     rgb.load_dict(properties | {"alpha": 0.22})
 
 
-def test_the_key_of_a_texture_knows_what_the_probes_read(rgb, networks, rows, tmp_path, monkeypatch):
+def test_the_key_of_a_texture_knows_what_the_probes_read(
+    rgb, networks, rows, tmp_path, monkeypatch
+):
     """A change of a bottom at grazing angles alone, which `mi.traverse` does not list, is seen."""
     monkeypatch.setenv("URUSHI_CACHE", str(tmp_path))
 

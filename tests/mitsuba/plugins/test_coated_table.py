@@ -73,27 +73,39 @@ def test_textured_coats_lie_over_the_codes(rgb, merl_file):
     assert bsdf.latents.resolution is not None
 
 
+TABULATED, TEXTURED, ANISOTROPIC = {"alpha": 0.1}, {"alpha": 0.2}, {"alpha_u": 0.05, "alpha_v": 0.3}
+
+
 @pytest.mark.parametrize(
-    "bottom",
+    ("bottom", "coat", "tolerance"),
     [
-        {"type": "pplastic", "alpha": 0.1},
-        {"type": "roughplastic", "alpha": 0.05},
-        {"type": "principled", "roughness": 0.5, "clearcoat": 1.0, "clearcoat_gloss": 0.9},
+        ({"type": "pplastic", "alpha": 0.1}, TABULATED, 0.03),
+        ({"type": "roughplastic", "alpha": 0.05}, TABULATED, 0.03),
+        ({"type": "principled", "clearcoat": 1.0, "clearcoat_gloss": 0.9}, TABULATED, 0.03),
+        ({"type": "pplastic", "alpha": 0.1}, TEXTURED, 0.08),
+        ({"type": "openpbr", "specular_roughness": 0.15}, TEXTURED, 0.08),
+        ({"type": "openpbr", "specular_roughness": 0.15}, ANISOTROPIC, 0.08),
     ],
-    ids=lambda bottom: bottom["type"],
 )
-def test_albedo_over_dielectrics_is_that_of_the_walk(rgb, bottom):
-    """The standard error of the walk's albedo is below 0.5 %, and the table's error below 2 %."""
-    name = "base_color" if bottom["type"] == "principled" else "diffuse_reflectance"
-    bottom = {**bottom, name: {"type": "rgb", "value": [0.8, 0.35, 0.1]}}
+def test_albedo_over_dielectrics_is_that_of_the_walk(rgb, bottom, coat, tolerance):
+    """The standard error of the walk's albedo is below 0.5 %, and the table's error below 2 %; the
+    networks, which layer textures and anisotropic coats, leave up to 7 % over dielectrics."""
+    key = "base_color" if bottom["type"] in ("principled", "openpbr") else "diffuse_reflectance"
+    color = {"type": "rgb", "value": [0.8, 0.35, 0.1]}
+    if coat is TEXTURED:
+        pixels = np.full((2, 2, 3), color["value"], np.float32)
+        pixels[0, 0] *= 0.9
+        color = {"type": "bitmap", "bitmap": rgb.Bitmap(pixels), "raw": True}
+        color["filter_type"] = "nearest"
+    bottom = {**bottom, key: color}
     count = 1 << 15
     rng = np.random.default_rng(0)
     u = rng.random((3, count), np.float32)
     si = dr.zeros(rgb.SurfaceInteraction3f, count)
     si.time = rgb.Float(np.arange(count, dtype=np.float32))
-    si.wi = rgb.Vector3f(0.6, 0.0, 0.8)
+    si.wi, si.uv = rgb.Vector3f(0.6, 0.0, 0.8), rgb.Point2f(0.75)
     walk, neural = (
-        rgb.load_dict({"type": kind, "alpha": 0.1, "base": bottom})
+        rgb.load_dict({"type": kind, **coat, "base": bottom})
         for kind in ("layered", "neural_layered")
     )
     context = rgb.BSDFContext()
@@ -101,4 +113,4 @@ def test_albedo_over_dielectrics_is_that_of_the_walk(rgb, bottom):
     drawn = sample.pdf > 0
     weight = dr.select(drawn, neural.eval(context, si, sample.wo) / sample.pdf, 0)
     means = [np.array(value).mean(axis=1) for value in (weight, truth)]
-    np.testing.assert_allclose(*means, rtol=0.03)
+    np.testing.assert_allclose(*means, rtol=tolerance)

@@ -13,6 +13,7 @@ from urushi.material.encode import (
     bare_anchors,
     encode_source,
     encoder_codes,
+    with_dielectrics_in_rests,
     without_useless_rests,
 )
 from urushi.material.energy import limit_albedo, limit_mean_albedo
@@ -271,7 +272,10 @@ class _ProbedBottom:
                     continue
             f = probing.texel_values(self._bottom, *self._pairs, points, self._average)
             f = probing.check_values(f, self._where)[own]
-            anchors = without_useless_rests(self._model, encoder_codes(self._model, f, lobes), f)
+            anchors = encoder_codes(self._model, f, lobes)
+            if lobes is None:
+                anchors = with_dielectrics_in_rests(self._model, anchors, f)
+            anchors = without_useless_rests(self._model, anchors, f)
             parts.append(limit_mean_albedo(self._model, anchors))
         return np.concatenate(parts)
 
