@@ -1,4 +1,4 @@
-"""Mip levels represent averages of BRDFs, and are computed again where a texture has changed."""
+"""Mip levels represent averages of BRDFs, after a change too."""
 
 import numpy as np
 import pytest
@@ -86,9 +86,6 @@ def test_the_regression_agrees_with_decoding(trained, monkeypatch):
         estimated.exact.lift(codes)[:, estimated.kept],
     )
     assert np.sqrt(np.square(np.log(predicted / decoded)).mean()) < 0.03
-    assert estimated.fits(codes[:100])
-    strange = codes[:100] + np.random.default_rng(1).normal(size=(100, codes.shape[1]))
-    assert not estimated.fits(strange.astype(np.float32))
 
 
 def test_every_level_keeps_the_light(trained):
@@ -127,32 +124,6 @@ def test_plain_averages_go_through_the_same_tiles(model, monkeypatch, width, hei
     for found in pyramid_levels(model, level.astype(np.float32)):
         np.testing.assert_allclose(found, level, atol=1e-5)
         level = mip_pyramid.half_resolution(level, 0, len(level))
-
-
-@pytest.mark.parametrize("place", [(0, 0), (17, 20), (28, 36)])
-def test_only_changed_tiles_are_computed_again(trained, monkeypatch, place):
-    monkeypatch.setattr(mip_pyramid, "KEPT_TEXELS", 20)
-    monkeypatch.setattr(mip_pyramid, "TILE_TEXELS", 8)
-    height, width = 29, 37
-    codes = coats(trained, height, width).reshape(height * width, 3, -1)
-    of = MipPyramid(trained, width, height, 3)
-    whole = np.zeros((sum(w * h for w, h in of.sizes), *codes.shape[1:]), np.float32)
-    whole[: len(codes)] = codes
-    of.fill(whole.__getitem__, whole.__setitem__)
-    changed = np.array([place[0] * width + place[1]])
-    whole[changed] = codes[0] if changed[0] else codes[1]
-    read_rows = []
-
-    def read(index):
-        read_rows.append(index)
-        return whole[index]
-
-    of.fill(read, whole.__setitem__, changed)
-    assert len(np.unique(np.concatenate(read_rows))) < 0.6 * len(codes)
-    again = np.array(whole)
-    of.fill(again.__getitem__, again.__setitem__, np.arange(len(codes)))
-    # Products of other sizes are summed in another order.
-    np.testing.assert_allclose(whole, again, atol=1e-5)
 
 
 def test_a_store_has_levels_within_what_it_can_store(trained):

@@ -1,16 +1,19 @@
-"""Averaging BRDFs that are given as latent codes, for the mip pyramid.
+"""Averages of BRDFs that are given as latent codes, for the mip pyramid.
 
-The code of an average BRDF is not the average of the codes. Averages are therefore taken of values
-at the encoder's probe pairs, and encoded again: E(mean D(z)), where D decodes a code z at the probe
-pairs and E is the encoder. E(D(z)) differs slightly from z. The mean of this *residual* z - E(D(z))
-is added, so that an area of equal codes keeps its code exactly. Two damped Gauss-Newton steps
-(`material.correction`) then bring the code five times closer to the averaged values.
+The code of an average BRDF is not the average of the codes. An average of codes z is computed in
+four steps, with the decoder D at the encoder's probe pairs and the encoder E:
 
-This is done for the rests of the codes (`textures.averaging_rest`); their lobes (`nets.lobe`) are
-averaged separately. The Fresnel factors of the lobes are averaged linearly, because f is linear in
-them. The square roots of their widths are weighted by the light that each lobe reflects, because
-the albedo of a lobe is nearly linear in the root. One lobe cannot represent a sum of several
-widths, so f of an average is less accurate than its energy.
+1. Average the values: f = mean D(z).
+2. Encode: E(f).
+3. Add the mean residual, mean(z - E(D(z))), so that equal codes keep their code exactly.
+4. Take two damped Gauss-Newton steps towards f (`material.correction`). They bring the decoded
+   values five times closer to f.
+
+These steps apply to the rests of the codes (`textures.averaging_rest`). The lobes (`nets.lobe`) are
+averaged separately. f is linear in the Fresnel factors, which are averaged. The albedo of a lobe is
+nearly linear in the square root of its width. The roots are averaged with the light that each lobe
+reflects as weights. A sum of lobes of several widths is not one lobe: the average keeps the energy,
+and is less accurate in f.
 """
 
 from collections.abc import Callable
@@ -32,9 +35,6 @@ class AveragingSpace(Protocol):
 
     def drop(self, means: np.ndarray) -> np.ndarray:
         """Latent codes (n, L) of averaged points (n, K)."""
-
-    def fits(self, z: np.ndarray) -> bool:
-        """Whether the space is valid for codes (n, L) other than those it was fitted to."""
 
 
 def averaging_space(
@@ -67,10 +67,6 @@ class LatentSpace:
         """The averaged codes."""
         return means
 
-    def fits(self, z: np.ndarray) -> bool:
-        """Always."""
-        return True
-
 
 class LobedSpace(NamedTuple):
     """Codes with lobes: numbers of the lobes together with the points of the rest.
@@ -93,15 +89,11 @@ class LobedSpace(NamedTuple):
         lobes, rest = np.split(means, [LIFTED_LOBE + self.lobe - len(LOBE_NUMBERS)], axis=1)
         return np.concatenate([dropped_lobes(lobes), self.rest.drop(rest)], axis=1)
 
-    def fits(self, z: np.ndarray) -> bool:
-        """Whether it holds for the rest."""
-        return self.rest.fits(z[:, self.lobe :])
-
 
 #: Numbers of a lobe in `LobedSpace`, and the cosines over which its reflectance is averaged.
 LIFTED_LOBE, COSINES = 9, np.array([1.0, 0.8, 0.6, 0.4, 0.2], np.float32)
 
-#: Weights of a lobe that does not reflect, lest the numbers of many such have no average.
+#: Least weight of a lobe: lobes that do not reflect have an average too.
 LEAST_WEIGHT = 1e-6
 
 #: Mean k above which an averaged index is that of a metal.

@@ -34,9 +34,8 @@ KEPT_PAIRS = 48
 #: The sample is mixed this many times: averages of 2, 4, ..., 2^HALVINGS random codes.
 HALVINGS = 4
 
-#: Codes decoded at a time at all pairs; codes that measure the error of the regression; averages of
-#: each mixture to which the correction is fitted.
-DECODED_BLOCK, ERROR_SAMPLE, CORRECTION_SAMPLE = 8, 256, 256
+#: Codes decoded at a time at all pairs; averages of each mixture that fit the correction.
+DECODED_BLOCK, CORRECTION_SAMPLE = 8, 256
 
 #: Damping of the Gauss-Newton steps. It is larger than for encoded sources, because a regression
 #: cannot predict numbers of a code on which the values hardly depend.
@@ -76,9 +75,7 @@ def rest_space(
     correct = _fit_correction(
         exact, kept, encode, np.concatenate([part[:CORRECTION_SAMPLE] for part in mixtures[1:]])
     )
-    space = RegressionSpace(exact, kept, encode, correct, features, coefficients, 0.0)
-    with one_blas_thread():
-        return space._replace(error=space.round_trip_error(z[:ERROR_SAMPLE]))
+    return RegressionSpace(exact, kept, encode, correct, features, coefficients)
 
 
 class DecodedSpace(NamedTuple):
@@ -102,10 +99,6 @@ class DecodedSpace(NamedTuple):
         blocks = [corrected_averages(self.networks, z[rows], f[rows]) for rows in _blocks(z)]
         return np.concatenate(blocks)
 
-    def fits(self, z: np.ndarray) -> bool:
-        """Always."""
-        return True
-
     def _decoded(self, z: np.ndarray, features: np.ndarray) -> np.ndarray:
         return decoder.decode(self.networks.params, self.networks.arch, z[:, None], features)
 
@@ -127,7 +120,6 @@ class RegressionSpace(NamedTuple):
         correct: the regression that replaces the Gauss-Newton steps.
         features, coefficients: (F, K + L) of the regression that replaces the decoder. The first K
             columns give ln f less the gain, the others the residual.
-        error: root mean square error of ln f after a round trip of sampled codes.
     """
 
     exact: DecodedSpace
@@ -136,7 +128,6 @@ class RegressionSpace(NamedTuple):
     correct: "AverageCorrection"
     features: CodeFeatures
     coefficients: np.ndarray
-    error: float
 
     def lift(self, z: np.ndarray) -> np.ndarray:
         """Estimates of f (n, K) and of the residual (n, L), and z (n, L), side by side."""
@@ -150,16 +141,6 @@ class RegressionSpace(NamedTuple):
         """Encode, add the residual, and add the estimated correction."""
         f, residual, mean = _split(means, len(self.kept))
         return self.correct(self.encode(f) + residual, residual, mean)
-
-    def fits(self, z: np.ndarray) -> bool:
-        """Whether other codes (n, L) are estimated about as well as the sample."""
-        return self.round_trip_error(z) <= 2 * self.error + 0.01
-
-    def round_trip_error(self, z: np.ndarray) -> float:
-        """Root mean square difference of ln f between codes (n, L) and drop(lift(z))."""
-        points = (self.exact.lift(codes) for codes in (z, self.drop(self.lift(z))))
-        f, again = (self.exact.split(part)[0] for part in points)
-        return float(np.sqrt(np.square(np.log(again / f)).mean()))
 
 
 class AverageCorrection(NamedTuple):

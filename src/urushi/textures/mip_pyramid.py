@@ -14,12 +14,9 @@ from urushi.nets.weights import Model
 from urushi.textures import averaging
 from urushi.textures.averaging import AveragingSpace
 
-#: Coarser levels are made from the averages of the first level with at most this many texels, which
-#: are kept; and the number of texels of the first level in a tile.
+#: Coarser levels are made from the averages of the first level with at most this many texels; and
+#: the number of texels of the first level in a tile.
 KEPT_TEXELS, TILE_TEXELS = 1 << 14, 1 << 10
-
-#: Number of changed codes that check whether the fitted space still holds.
-CHECKED_CODES = 256
 
 #: From indices (n,) of texels to their codes (n, channels, size).
 ReadCodes = Callable[[np.ndarray], np.ndarray]
@@ -29,7 +26,11 @@ WriteCodes = Callable[[np.ndarray, np.ndarray], None]
 
 
 class MipPyramid:
-    """All levels of a texture but the first. Only what has changed is computed again."""
+    """All levels of a texture but the first.
+
+    Attributes:
+        sizes: width and height of every level, the first included.
+    """
 
     def __init__(self, model: Model, width: int, height: int, channels: int):
         self._model, self._channels = model, channels
@@ -37,43 +38,30 @@ class MipPyramid:
         counts = [w * h for w, h in self.sizes]
         self._first = np.cumsum([0, *counts])
         self._kept = next(level for level, count in enumerate(counts) if count <= KEPT_TEXELS)
-        self._means: np.ndarray = np.zeros(0, np.float32)
-        self._space: AveragingSpace | None = None
 
-    def fill(self, read: ReadCodes, write: WriteCodes, changed: np.ndarray | None = None) -> None:
+    def fill(self, read: ReadCodes, write: WriteCodes) -> None:
         """Compute the codes of the levels.
 
-        Args:
-            read: reads codes of the first level; several threads call it.
-            write: stores codes of the other levels; several threads call it.
-            changed: (n,) indices of the texels of the first level that have changed; by default,
-                and the first time, all.
+        read: reads codes of the first level. write: stores codes of the other levels. Several
+        threads call both.
         """
         width, height = self.sizes[0]
-        if changed is None or self._space is None or not self._still_fits(read, changed):
-            changed = None
-            self._space = averaging.averaging_space(
-                self._model, self._rows(read), width * height * self._channels
-            )
-        space = self._space
+        space = averaging.averaging_space(
+            self._model, self._rows(read), width * height * self._channels
+        )
         columns, rows = self.sizes[self._kept]
         step = max(TILE_TEXELS >> (2 * self._kept), 1)
-        tiles = [(y, x) for y in range(rows) for x in range(0, columns, step)]
-        if changed is not None:
-            stale = self._stale(changed)
-            tiles = [(y, x) for y, x in tiles if stale[y, x : x + step].any()]
+        lifted = space.lift(self._rows(read)(np.zeros(1, np.intp)).astype(np.float32))
+        means = np.empty((rows, columns, self._channels, lifted.shape[1]), np.float32)
 
         def make(tile: tuple[int, int]) -> None:
             y, x = tile
             across = range(x, min(x + step, columns))
             part = self._average(space, read, write, self._kept, range(y, y + 1), across)
-            self._means[y, x : x + step] = part
+            means[y, x : x + step] = part
 
-        if changed is None:
-            lifted = space.lift(self._rows(read)(np.zeros(1, np.intp)).astype(np.float32))
-            self._means = np.empty((rows, columns, self._channels, lifted.shape[1]), np.float32)
+        tiles = [(y, x) for y in range(rows) for x in range(0, columns, step)]
         parallel.run_all_cores(make, tiles)
-        means = self._means
         for level in range(self._kept + 1, len(self.sizes)):
             w, h = self.sizes[level - 1]
             means = half_resolution(means, 0, h, 0, w)
@@ -134,29 +122,6 @@ class MipPyramid:
             return read(texel)[np.arange(len(index)), channel]
 
         return codes
-
-    def _still_fits(self, read: ReadCodes, changed: np.ndarray) -> bool:
-        """Whether the space that was fitted before the change holds for the changed codes."""
-        if self._space is None or not len(changed):
-            return True
-        chosen = np.random.default_rng(0).integers(
-            len(changed) * self._channels, size=CHECKED_CODES
-        )
-        texel, channel = np.divmod(chosen, self._channels)
-        codes = read(changed[texel])[np.arange(CHECKED_CODES), channel]
-        with parallel.one_blas_thread():  # the matrices are small
-            return self._space.fits(codes.astype(np.float32))
-
-    def _stale(self, changed: np.ndarray) -> np.ndarray:
-        """Mask (rows, columns) of the texels of the kept level that changed texels may affect."""
-        columns, rows = self.sizes[self._kept]
-        y, x = (at >> self._kept for at in np.divmod(changed, self.sizes[0][0]))
-        stale = np.zeros((rows, columns), bool)
-        for down in (0, 1):  # with an odd number of texels, the last one belongs to two
-            for across in (0, 1):
-                at = np.clip(y - down, 0, rows - 1), np.clip(x - across, 0, columns - 1)
-                stale[at] = True
-        return stale
 
 
 def level_sizes(width: int, height: int) -> list[tuple[int, int]]:

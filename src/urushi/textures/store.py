@@ -55,7 +55,7 @@ class TextureStore:
         chooses each texel's codes among them.
 
         The first writing must set all rows; they are packed together at its end. The other levels
-        are computed at the end of a writing, where they change.
+        are computed at the end of each writing.
         """
         width, height = self.levels[0]
         coarser = self._coarser
@@ -85,20 +85,15 @@ class TextureStore:
             coarser.fill(whole.__getitem__, whole.__setitem__)
             self._pack(whole)
             return
-        changed = np.zeros(width * height, bool)
 
         def write(rows: Rows, codes: np.ndarray, index: np.ndarray | None = None) -> None:
-            changed[rows] = True
             self._overwrite(rows, codes if index is None else codes[index])
 
         yield write
-        if coarser and changed.any():
+        if coarser and len(self.levels) > 1:
             parts: list[tuple[np.ndarray, np.ndarray]] = []
-            coarser.fill(
-                self._read_alone, lambda *part: parts.append(part), np.flatnonzero(changed)
-            )
-            if parts:
-                self._overwrite(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
+            coarser.fill(self._read_alone, lambda *part: parts.append(part))
+            self._overwrite(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
 
     def _read_alone(self, rows: np.ndarray) -> np.ndarray:
         """`read` on the calling thread alone."""
