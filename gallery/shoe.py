@@ -6,8 +6,9 @@ import mitsuba as mi
 import numpy as np
 
 from gallery import shoe_shape
+from gallery.relief import normal_map
 from urushi.scenes import noise, stage
-from urushi.scenes.mesh import derivatives, grid, normal_map
+from urushi.scenes.mesh import derivatives, grid
 from urushi.scenes.options import Options
 from urushi.scenes.stage import Folder, Light, rgb
 

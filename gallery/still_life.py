@@ -11,8 +11,9 @@ import mitsuba as mi
 import numpy as np
 
 from gallery import still_life_objects
+from gallery.relief import normal_map
 from urushi.scenes import stage
-from urushi.scenes.mesh import Profile, derivatives, grid, lathe, normal_map
+from urushi.scenes.mesh import Profile, derivatives, grid, lathe
 from urushi.scenes.options import Options
 from urushi.scenes.stage import Folder, Light, rgb
 

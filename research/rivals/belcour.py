@@ -23,13 +23,14 @@ import numpy as np
 import numpy.typing as npt
 
 from research.rivals import belcour_tables as tables
+from research.rivals import values_per_channel
 from research.rivals.belcour_bottoms import Bottom, table_bottom
 from urushi import checks
 from urushi.checks import MIN_ALPHA, CoatParameters, Widths
 from urushi.core import microfacet
 from urushi.errors import ParameterError
 from urushi.walk import Conductor, Dielectric, Diffuse, Stack
-from urushi.walk.monte_carlo import backend, values_per_channel
+from urushi.walk.monte_carlo import backend
 from urushi.walk.table import StackTable, TableLayers
 
 #: Exponent of the variance's formula (equation 6).

@@ -19,13 +19,14 @@ import drjit as dr
 import numpy as np
 import numpy.typing as npt
 
+from research.rivals import values_per_channel
 from urushi import checks
 from urushi.core import fresnel, microfacet
 from urushi.core.frame import refract
 from urushi.errors import ParameterError
 from urushi.walk import Stack
 from urushi.walk.bottoms import Bottom
-from urushi.walk.monte_carlo import backend, values_per_channel
+from urushi.walk.monte_carlo import backend
 from urushi.walk.table import StackTable, TableLayers, table_bottom
 from urushi.walk.walk import Layers
 

@@ -25,7 +25,7 @@ import drjit as dr
 import numpy as np
 import numpy.typing as npt
 
-from research.rivals import belcour
+from research.rivals import belcour, values_per_channel
 from research.rivals.belcour import Lobe
 from research.rivals.belcour_bottoms import table_bottom
 from urushi import checks
@@ -33,7 +33,7 @@ from urushi.checks import CoatParameters, Widths
 from urushi.core import microfacet
 from urushi.errors import ParameterError
 from urushi.walk import Conductor, Dielectric, Diffuse, Stack
-from urushi.walk.monte_carlo import backend, values_per_channel
+from urushi.walk.monte_carlo import backend
 from urushi.walk.table import StackTable, TableLayers
 
 

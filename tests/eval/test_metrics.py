@@ -22,14 +22,6 @@ def test_image_errors_by_hand():
     assert metrics.psnr(image, image) == np.inf
 
 
-def test_table_errors_by_hand():
-    table, reference = [1.0, 0.0, 0.0, 3.0], [3.0, 0.0, 2.0, 3.0]
-    assert metrics.mae(table, reference) == pytest.approx(1.0)
-    # 2 * 2 / 4 = 1 for the first, 2 for the third, which are as far apart as can be.
-    assert metrics.smape(table, reference) == pytest.approx((1 + 0 + 2 + 0) / 4)
-    assert metrics.smape(reference, table) == metrics.smape(table, reference)
-
-
 def test_noise_alone_leaves_no_relative_error():
     """An exact image against a noisy reference: nothing but the statistics' own spread is left.
 

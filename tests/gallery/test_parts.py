@@ -3,21 +3,19 @@
 import numpy as np
 import pytest
 from gallery import continents, shoe_shape, still_life_objects
+from gallery.relief import normal_map
+from tests.oracles.meshes import faces, signed_volume
 
 from urushi.scenes import mesh
 from urushi.scenes.mesh import Profile, surface
 
 
-def faces(of: mesh.Mesh) -> tuple[np.ndarray, np.ndarray]:
-    """Twice the area times the normal of every triangle, and the mean of its vertices' normals."""
-    a, b, c = (of.positions[of.faces[:, k]].astype(float) for k in range(3))
-    return np.cross(b - a, c - a), of.normals[of.faces].mean(axis=1)
+@pytest.fixture(scope="module")
+def mi():
+    import mitsuba
 
-
-def signed_volume(of: mesh.Mesh) -> float:
-    """Volume enclosed (divergence theorem); negative where triangles face inwards."""
-    a, b, c = (of.positions[of.faces[:, k]].astype(float) for k in range(3))
-    return float((np.cross(a, b) * c).sum() / 6)
+    mitsuba.set_variant("llvm_ad_rgb")
+    return mitsuba
 
 
 @pytest.mark.parametrize("part", shoe_shape.SHAPES)
@@ -52,3 +50,58 @@ def test_texels_of_turned_shapes_lie_on_them():
     points = still_life_objects.texels(profile, 8)
     assert points.shape == (8, 16, 3)
     np.testing.assert_allclose(points[2, 5], surface(profile, 5.5 / 16, 2.5 / 8)[0])
+
+
+def test_a_normal_map_is_the_slope_of_its_heights():
+    """A plane that rises by 0.3 along u and falls by 0.2 along v, on a surface of 2 by 3."""
+    u, v = np.meshgrid((np.arange(32) + 0.5) / 32, (np.arange(16) + 0.5) / 16)
+    normal = 2 * normal_map(0.3 * 2 * u - 0.2 * 3 * v, 2, 3)[1:-1, 1:-1] - 1
+    expected = np.array([-0.3, 0.2, 1]) / np.linalg.norm([-0.3, 0.2, 1])
+    np.testing.assert_allclose(normal, np.broadcast_to(expected, normal.shape), atol=1e-6)
+
+
+def test_a_bump_is_lit_from_its_side(mi, tmp_path):
+    """Mitsuba reads relief in our texture coordinates: a hill's slope to the light is brighter."""
+    grid_u, grid_v = np.meshgrid(np.linspace(0, 1, 3), np.linspace(0, 1, 3))
+    flat = mesh.grid(np.stack([grid_u, grid_v, 0 * grid_u], axis=-1))
+    mesh.write_ply(flat, tmp_path / "flat.ply")
+    u, v = np.meshgrid((np.arange(64) + 0.5) / 64, (np.arange(64) + 0.5) / 64)
+    height = 0.1 * np.exp(-((u - 0.5) ** 2 + (v - 0.5) ** 2) / 0.02)
+    normals = normal_map(height, 1, 1)
+    camera = mi.ScalarTransform4f().look_at([0.5, 0.5, 4], [0.5, 0.5, 0], [0, 1, 0])
+
+    def seen(towards):
+        scene = mi.load_dict(
+            {
+                "type": "scene",
+                "integrator": {"type": "direct"},
+                "light": {"type": "directional", "direction": [-x for x in towards]},
+                "sensor": {
+                    "type": "orthographic",
+                    "to_world": camera @ mi.ScalarTransform4f().scale([0.5, 0.5, 1]),
+                    "film": {
+                        "type": "hdrfilm",
+                        "width": 32,
+                        "height": 32,
+                        "rfilter": {"type": "box"},
+                    },
+                },
+                "flat": {
+                    "type": "ply",
+                    "filename": str(tmp_path / "flat.ply"),
+                    "bsdf": {
+                        "type": "normalmap",
+                        "normalmap": {"type": "bitmap", "data": mi.TensorXf(normals), "raw": True},
+                        "bsdf": {"type": "diffuse"},
+                    },
+                },
+            }
+        )
+        return mi.render(scene, spp=4).numpy().mean(axis=-1)
+
+    even = seen([0, 0, 1])
+    # the camera looks down with y up: +x is to the right of its picture
+    right = seen([0.6, 0, 0.8]) - 0.8 * even
+    above = seen([0, 0.6, 0.8]) - 0.8 * even
+    assert right[:, 16:].mean() > 1e-3 > -1e-3 > right[:, :16].mean()
+    assert above[:16].mean() > 1e-3 > -1e-3 > above[16:].mean()

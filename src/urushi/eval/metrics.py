@@ -75,16 +75,6 @@ def mae(table: npt.ArrayLike, reference: npt.ArrayLike) -> float:
     return float(np.abs(table - reference).mean())
 
 
-def smape(table: npt.ArrayLike, reference: npt.ArrayLike) -> float:
-    """Symmetric mean absolute percentage error as a fraction: mean of 2 |a - b| / (|a| + |b|).
-
-    From 0 to 2; entries where both are zero count as exact.
-    """
-    table, reference = checks.finite(table=table, reference=reference)
-    total = np.abs(table) + np.abs(reference)
-    return float((2 * np.abs(table - reference) / np.where(total > 0, total, 1)).mean())
-
-
 #: PSNR of equal pictures [dB], finite so that means are finite. It is higher than that of any two
 #: different pictures of 16 bits per channel.
 BEST_PSNR = 100.0

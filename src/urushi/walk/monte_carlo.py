@@ -61,16 +61,6 @@ def per_channel(
     return mean, se
 
 
-def values_per_channel(
-    stack: Stack, directions: Sequence[np.ndarray], rows: Callable[..., np.ndarray]
-) -> np.ndarray:
-    """Evaluate a closed form for every channel of a stack: (N, 3).
-
-    stack, directions: as of `per_channel`. rows: rows(table, row, *directions) -> (M,).
-    """
-    return per_channel(stack, directions, lambda *given: (rows(*given),) * 2)[0]
-
-
 def average(
     table: StackTable,
     row: np.ndarray,
