@@ -15,9 +15,9 @@ from pathlib import Path
 import mitsuba as mi
 
 from urushi.errors import UrushiError, UrushiWarning
-from urushi.openpbr.documents import check_supported, decode
 from urushi.openpbr.materialx.document import materials, read_document
 from urushi.openpbr.materialx.surface import read_surface
+from urushi.openpbr.plugins.materialx import check_supported, decode
 
 
 def outcomes(path: Path, uv_plane: bool) -> list[tuple[str, str]]:
@@ -46,7 +46,8 @@ def main(folder: Path, uv_plane: bool) -> None:
     states = Counter(state for state, _ in found)
     read = states["read"] + states["rendered"]
     print(f"{len(found)} materials, {read} read, {states['rendered']} rendered")
-    reasons = Counter(f"{state}: {re.sub('^.*?: ', '', why)}" for state, why in found if why)
+    place = re.compile(r"^.*?: (the node .*?\): )?")
+    reasons = Counter(f"{state}: {place.sub('', why)}" for state, why in found if why)
     for reason, count in reasons.most_common():
         print(f"{count:6} {reason[:200]}")
 

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from urushi.material.material import Material, load
     from urushi.measured import load_measured
     from urushi.openpbr.description import OpenPBR, openpbr
-    from urushi.openpbr.documents import load_materialx
     from urushi.openpbr.materialx.writer import save_materialx
+    from urushi.openpbr.plugins.materialx import load_materialx
     from urushi.walk import Stack, coat, conductor, dielectric, diffuse
     from urushi.walk.simulate import simulate
 
@@ -57,8 +57,8 @@ def __getattr__(name: str) -> Any:
     from urushi.material.material import register_picture
     from urushi.measured import load_measured
     from urushi.openpbr.description import OpenPBR, openpbr
-    from urushi.openpbr.documents import load_materialx
     from urushi.openpbr.materialx.writer import save_materialx
+    from urushi.openpbr.plugins.materialx import load_materialx
     from urushi.walk import Stack, bottoms, coat, simulate
 
     register_picture(_picture)

@@ -1,5 +1,7 @@
 """The plugin `materialx` is `openpbr` with a document's parameters."""
 
+from pathlib import Path
+
 import mitsuba as mi
 import numpy as np
 import pytest
@@ -60,13 +62,41 @@ def test_a_scene_file_names_the_document(path):
     assert np.array_equal(values(bsdf), values(gold))
 
 
+@pytest.mark.parametrize("weight", ['value="0.3"', 'nodename="u"', 'value="1"'])
+def test_a_mixture_of_shaders_is_one_of_their_brdfs(path, weight):
+    """As MaterialX defines `mix`: (1 - mix) bg + mix fg. u is .5 where `values` evaluates."""
+    gold, plain = "Gold", "Plain"
+    mixed = f"""<open_pbr_surface name="{plain}" type="surfaceshader"/>
+    <texcoord name="uv" type="vector2"/><extract name="u" type="float">
+    <input name="in" type="vector2" nodename="uv"/></extract>
+    <mix name="Mix" type="surfaceshader"><input name="mix" type="float" {weight}/>
+    <input name="bg" type="surfaceshader" nodename="{plain}"/>
+    <input name="fg" type="surfaceshader" nodename="{gold}"/></mix></materialx>"""
+    Path(path).write_text(DOCUMENT.replace("</materialx>", mixed))
+
+    def f(material):
+        return values(mi.load_dict({"type": "materialx", "filename": path, "material": material}))
+
+    share = {"0": 0.3, "u": 0.5, "1": 1.0}[weight.split('"')[1][0]]
+    expected = (1 - share) * f(plain) + share * f(gold)
+    assert np.allclose(f("Mix"), expected, rtol=1e-3, atol=1e-6)  # the texture has 1024 columns
+
+
 @pytest.mark.parametrize(
     ("properties", "message"),
     [
         ({}, "has no filename; give a MaterialX document"),
         ({"filename": "none.mtlx"}, "there is no MaterialX file"),
         ({"filename": None}, "has several materials; choose one of Gold, Glass"),
-        ({"filename": None, "material": "Glass"}, "transmission"),
+        (
+            {"filename": None, "material": "Glass"},
+            r"materialx: '.*': the node 'Glass' \(open_pbr_surface\): transmission_weight needs",
+        ),
+        ({"filename": None, "material": "Gold", "bake": 0}, "materialx: bake is 0; it must be in"),
+        (
+            {"filename": None, "material": "Gold", "coat_weight": 1.0, "coat_ior": -1.0},
+            r"materialx: '.*': the node 'Gold' \(open_pbr_surface\): coat_ior is -1",
+        ),
     ],
 )
 def test_errors_say_what_to_do(path, properties, message):

@@ -5,18 +5,7 @@ import pytest
 
 import urushi
 from urushi.core import eon, metal
-from urushi.openpbr import (
-    albedo_axes,
-    anisotropic_albedo,
-    darkening,
-    facet_rule,
-    glossy,
-    interface_albedo,
-    medium,
-    rough_slab,
-    roughness,
-    sheen,
-)
+from urushi.openpbr import albedo_axes, albedos, film, formulas
 from urushi.walk.simulate import albedo
 
 COSINES, WEIGHTS = np.polynomial.legendre.leggauss(48)
@@ -34,24 +23,24 @@ def direction(cosine):
 
 def test_anisotropy_keeps_the_mean_square_width():
     r, a = np.meshgrid(np.linspace(0, 1, 7), np.linspace(0, 1, 5))
-    along, across = roughness.widths(r, a)
+    along, across = formulas.widths(r, a)
     assert np.allclose(along**2 + across**2, 2 * r**4)
     assert np.allclose(across, (1 - a) * along)
-    assert roughness.widths(0.5, 0.0) == pytest.approx((0.25, 0.25))
-    assert roughness.widths(0.5, 1.0) == pytest.approx((0.25 * 2**0.5, 0))
+    assert formulas.widths(0.5, 0.0) == pytest.approx((0.25, 0.25))
+    assert formulas.widths(0.5, 1.0) == pytest.approx((0.25 * 2**0.5, 0))
 
 
 def test_a_mirror_has_the_narrowest_lobe():
-    assert roughness.lobe_widths(0.0, 0.0) == (0.01, 0.01)
-    assert roughness.is_mirror(0.0)
-    assert not roughness.is_mirror(0.1)
+    assert formulas.lobe_widths(0.0, 0.0) == (0.01, 0.01)
+    assert formulas.is_mirror(0.0)
+    assert not formulas.is_mirror(0.1)
 
 
 def test_the_base_has_the_ratio_of_the_indices():
-    assert roughness.base_index(1.5, 1.6, 0.0, 1.0) == pytest.approx(1.5)
-    assert roughness.base_index(1.5, 1.6, 1.0, 1.0) == pytest.approx(1.5 / 1.6)
-    assert roughness.base_index(1.5, 1.6, 0.5, 1.0) == pytest.approx(0.5 * (1.5 + 1.5 / 1.6))
-    assert roughness.base_index(1.5, 1.6, 0.3, 0.0) == 1
+    assert formulas.base_index(1.5, 1.6, 0.0, 1.0) == pytest.approx(1.5)
+    assert formulas.base_index(1.5, 1.6, 1.0, 1.0) == pytest.approx(1.5 / 1.6)
+    assert formulas.base_index(1.5, 1.6, 0.5, 1.0) == pytest.approx(0.5 * (1.5 + 1.5 / 1.6))
+    assert formulas.base_index(1.5, 1.6, 0.3, 0.0) == 1
 
 
 @pytest.mark.parametrize("ior", [1.2, 1.5, 0.9])
@@ -60,23 +49,23 @@ def test_specular_weight_scales_the_reflectance(ior):
         return ((eta - 1) / (eta + 1)) ** 2
 
     for weight in (0.25, 1.0, 2.0):
-        eta = roughness.base_index(ior, 1.6, 0.0, weight)
+        eta = formulas.base_index(ior, 1.6, 0.0, weight)
         assert reflectance(eta) == pytest.approx(weight * reflectance(ior))
         assert (eta - 1) * (ior - 1) > 0
 
 
 def test_interface_indices_keep_a_step():
-    assert roughness.interface_index([1.0, 0.9999, 1.5, 9, 0.1]).tolist() == pytest.approx(
+    assert formulas.interface_index([1.0, 0.9999, 1.5, 9, 0.1]).tolist() == pytest.approx(
         [1.001, 0.999, 1.5, 3, 0.5]
     )
 
 
 def test_coat_color_is_the_square_of_the_transmittance():
     color = np.array([1.0, 0.25, 0.01])
-    sigma_t = medium.optical_depth(color)
+    sigma_t = formulas.optical_depth(color)
     assert np.allclose(np.exp(-2 * sigma_t), color)
     assert not np.signbit(sigma_t).any()
-    assert np.isfinite(medium.optical_depth(0.0))
+    assert np.isfinite(formulas.optical_depth(0.0))
 
 
 def test_f82_is_tinted_at_82_degrees_and_mean_is_its_integral():
@@ -117,8 +106,8 @@ def test_eon_albedos_are_its_integrals(sigma):
 
 def test_slab_albedo_inverts_the_promise_and_exceeds_the_colour():
     color, internal = np.meshgrid(np.linspace(0, 1, 6), np.linspace(0, 0.8, 5))
-    rho = glossy.slab_albedo(color, internal)
-    assert np.allclose(glossy.promised(rho, internal), color)
+    rho = formulas.slab_albedo(color, internal)
+    assert np.allclose(formulas.promised(rho, internal), color)
     assert (rho >= color - 1e-12).all()
     assert (rho <= 1 + 1e-12).all()
 
@@ -126,7 +115,7 @@ def test_slab_albedo_inverts_the_promise_and_exceeds_the_colour():
 @pytest.mark.parametrize("eta", [0.7, 1.2, 2.0])
 def test_the_excess_of_a_rough_slab_is_its_integral(eta):
     """What EON of a white slab sends at once through the interface, by a quadrature over wo."""
-    known, slab = interface_albedo.tables(eta), rough_slab.tables(eta)
+    known, slab = albedos.tables(eta), albedos.slab_tables(eta)
     nodes = np.linspace(0, 1, albedo_axes.COSINES)
     fine = (np.arange(1000) + 0.5) / 1000  # the interface's edge has no room between few nodes
     at = albedo_axes.cosine_coordinate(fine, eta)
@@ -146,11 +135,11 @@ def test_the_excess_of_a_rough_slab_is_its_integral(eta):
 def test_few_facets_have_the_moments_of_all():
     """Gauss rules of four nodes are exact to the seventh power of the cosine to the facet."""
     alphas, cosine = albedo_axes.nodes()
-    rules = facet_rule.rules()
+    rules = film.rules()
     for row in (0, 8, 15):
-        facets, weight = interface_albedo.seen_facets(alphas[row], cosine)
+        facets, weight = albedos.seen_facets(alphas[row], cosine)
         seen = weight.sum(-1)
-        assert np.allclose(seen, interface_albedo.mirror_tables().albedo[row], rtol=1e-6)
+        assert np.allclose(seen, albedos.mirror_tables().albedo[row], rtol=1e-6)
         for power in range(8):
             expected = (weight * facets**power).sum(-1) / seen
             found = (rules.weights[row] * rules.cosines[row] ** power).sum(-1)
@@ -166,8 +155,8 @@ def test_a_smooth_glossy_base_keeps_its_colour_in_the_walk(eta):
     color = np.array([0.2, 0.5, 0.9])
     # The mean of a curve with a kink, where total reflection begins: a fine quadrature.
     fine = (np.arange(20000) + 0.5) / 20000
-    passed = 2 * (fine * (1 - interface_albedo._fresnel(fine, eta)[0])).mean()
-    rho = glossy.slab_albedo(color, glossy.internal_reflectance(passed, eta))
+    passed = 2 * (fine * (1 - albedos.fresnel(fine, eta)[0])).mean()
+    rho = formulas.slab_albedo(color, formulas.internal_reflectance(passed, eta))
     stack = urushi.coat(urushi.diffuse(rho), alpha=0.02, eta=eta)
     found, error = albedo(stack, direction(1.0), walks=1 << 18)
     spec = ((eta - 1) / (eta + 1)) ** 2
@@ -182,10 +171,8 @@ def test_tables_of_the_interface_agree_with_the_walk(alpha):
             albedo_axes.roughness_coordinate(alpha),
             albedo_axes.cosine_coordinate(cosine, eta),
         )
-        found = interpolated(interface_albedo.tables(eta).reflected[0], at)
-        among = interpolated(
-            interface_albedo.tables().reflected, (albedo_axes.index_coordinate(eta), *at)
-        )
+        found = interpolated(albedos.tables(eta).reflected[0], at)
+        among = interpolated(albedos.tables().reflected, (albedo_axes.index_coordinate(eta), *at))
         stack = urushi.coat(urushi.diffuse(0.0), alpha=alpha, eta=eta)
         expected, error = albedo(stack, direction(cosine), walks=1 << 17)
         assert abs(found - expected[0, 0]) < 4 * error[0, 0] + 2e-3
@@ -197,7 +184,7 @@ def test_what_an_interface_does_not_reflect_or_lose_passes(alpha):
     """The walk over a white bottom gives what passes, by all orders of internal reflection."""
     eta, cosine = 1.6, 0.7
     at = albedo_axes.roughness_coordinate(alpha), np.sqrt(cosine)
-    above, below = interface_albedo.tables(eta), interface_albedo.tables(1 / eta)
+    above, below = albedos.tables(eta), albedos.tables(1 / eta)
     reflected, passed = (interpolated(t[0], at) for t in (above.reflected, above.passed))
     leaving = interpolated(above.passed_mean[0], at[:1]) / eta**2
     returned = interpolated(below.reflected_mean[0], at[:1])
@@ -209,7 +196,7 @@ def test_what_an_interface_does_not_reflect_or_lose_passes(alpha):
 
 def test_the_albedo_of_two_equal_widths_is_that_of_one():
     """Up to the azimuth's quadrature: both tables are made by the same nodes, turned."""
-    two, one = anisotropic_albedo.tables(), interface_albedo.mirror_tables()
+    two, one = albedos.anisotropic_tables(), albedos.mirror_tables()
     assert np.abs(two.albedo[0, ..., 0] - one.albedo).max() < 3e-3
     assert np.abs(two.albedo[0, ..., 1:]).max() < 3e-3
 
@@ -227,15 +214,15 @@ def interpolated(table, at):
 def test_without_darkening_a_smooth_coat_keeps_the_base_albedo(color):
     """B0 over a Lambertian base, whose roughness estimate is one."""
     eta = 1.6
-    base = darkening.Base(color, 1.0, 0.0, 0.0)
-    boosted = color * darkening.boost(0.0, eta, base)
+    base = formulas.Base(color, 1.0, 0.0, 0.0)
+    boosted = color * formulas.boost(0.0, eta, base)
     assert boosted <= 1
     stack = urushi.coat(urushi.diffuse(boosted), alpha=0.02, eta=eta)
     found, error = albedo(stack, direction(1.0), walks=1 << 18)
     f0 = ((eta - 1) / (eta + 1)) ** 2
     assert abs(found[0, 0] - (f0 + (1 - f0) * color)) < 4 * error[0, 0] + 2e-3
-    assert darkening.boost(1.0, eta, base) == 1
-    assert darkening.boost(0.5, eta, base) == pytest.approx(0.5 * (1 + boosted / color))
+    assert formulas.boost(1.0, eta, base) == 1
+    assert formulas.boost(0.5, eta, base) == pytest.approx(0.5 * (1 + boosted / color))
 
 
 @pytest.mark.parametrize("r", [0.05, 0.3, 1.0])
@@ -244,9 +231,9 @@ def test_the_sheen_lobe_is_a_density(r):
     cosine, sine = COSINES[:, None], np.sqrt(1 - COSINES**2)[:, None]
     for given in (0.3, 0.9, 1.0):
         across = (1 - given**2) ** 0.5 * sine * np.cos(azimuth)
-        values = cosine * sheen.density(given, cosine, across, r, np)
+        values = cosine * formulas.fuzz_density(given, cosine, across, r, np)
         assert 2 * np.pi * (WEIGHTS * values.mean(axis=1)).sum() == pytest.approx(1, abs=0.02)
-        assert 0 <= sheen.albedo(given, r, np) <= 1
+        assert 0 <= formulas.fuzz_albedo(given, r, np) <= 1
 
 
 @pytest.mark.parametrize("eta", [0.4, 0.7, 0.95, 1.3])
@@ -262,9 +249,9 @@ def test_cosines_of_the_nodes_have_their_coordinates(eta):
 @pytest.mark.parametrize("eta", [0.5, 0.7, 0.95])
 def test_total_reflection_of_a_smooth_interface_has_its_edge(eta):
     """Facets of the narrowest width spread the edge over a few hundredths of the cosine."""
-    table, edge = interface_albedo.tables(eta).reflected[0, 0], (1 - eta * eta) ** 0.5
+    table, edge = albedos.tables(eta).reflected[0, 0], (1 - eta * eta) ** 0.5
     cosine = np.array([edge - 0.03, edge + 0.03])
     at = albedo_axes.cosine_coordinate(cosine, eta)
     found = np.interp(at, np.linspace(0, 1, len(table)), table)
-    expected = interface_albedo._fresnel(cosine, eta)[0]
+    expected = albedos.fresnel(cosine, eta)[0]
     assert np.allclose(found, expected, atol=0.03)

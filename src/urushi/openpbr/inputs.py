@@ -13,7 +13,7 @@ from urushi.mitsuba.reading.parameters import describe
 from urushi.openpbr.parameters import PARAMETERS, checked, parameter
 
 #: Properties of the plugin that are no parameters of the specification.
-OPTIONS = ("reference", "unsupported", "energy_compensation", "resolution", "weights")
+OPTIONS = ("reference", "unsupported", "energy_compensation", "resolution", "weights", "origin")
 
 #: Weights of what transmits or scatters below the surface, and what it is.
 UNSUPPORTED = {
@@ -41,7 +41,8 @@ class Inputs:
     """All parameters but the directions, each a texture, numbers and colours as well.
 
     Attributes:
-        where: the plugin's name; begins errors.
+        where: the plugin's name, or its property `origin`, the document that `materialx` read;
+            begins errors.
         textures: by the parameters' names.
         constants: of those that are given as numbers, their values; of the others, nothing. One
             that is changed later counts as a texture from then on, see `refresh`.
@@ -58,7 +59,7 @@ class Inputs:
             ParameterError: a name does not exist, a value is out of range or of a wrong kind, or a
                 feature is asked for that the plugin does not have.
         """
-        self.where = describe(props)
+        self.where = props.get("origin", describe(props))
         given = {name: props[name] for name in list(props.keys()) if name not in OPTIONS}
         ignore = _ignores(props, self.where)
         self.textures: dict[str, mi.Texture] = {}
@@ -77,6 +78,19 @@ class Inputs:
         for name, entry in PARAMETERS.items():
             if entry.kind in ("float", "color") and name not in self.textures:
                 self._constant(name, checked(name, entry.default))
+
+    @classmethod
+    def of(cls, values: Mapping[str, Any], origin: str) -> "Inputs":
+        """The parameters of numbers, colours as tuples, and textures as Mitsuba's dictionaries.
+
+        origin: begins errors.
+        """
+        props = mi.Properties("openpbr")
+        props["origin"] = origin
+        for key, value in values.items():
+            value = mi.load_dict(value) if isinstance(value, dict) else value
+            props[key] = mi.ScalarColor3f(value) if isinstance(value, tuple) else value
+        return cls(props)
 
     def is_constant(self, name: str, value: float) -> bool:
         """Whether a parameter is given as this number, and not as a texture."""

@@ -12,7 +12,7 @@ import numpy as np
 from urushi.checks import MIN_ALPHA
 from urushi.core import eon, metal
 from urushi.errors import ParameterError
-from urushi.openpbr import albedo_axes, darkening, interface_albedo, roughness
+from urushi.openpbr import albedo_axes, albedos, formulas
 from urushi.openpbr.parameters import complete
 
 #: "materialx": the graph `open_pbr_surface.mtlx` of MaterialX 1.39 as its generator for GLSL has
@@ -128,12 +128,12 @@ def _index(p: dict[str, Any]) -> float:
     """The index of the base's interface: below one its inverse, which is not reflected totally."""
     ratio = p["specular_ior"] / p["coat_ior"]
     mixed = p["specular_ior"] + p["coat_weight"] * (max(ratio, 1 / ratio) - p["specular_ior"])
-    return roughness.modulated_index(mixed, p["specular_weight"])
+    return formulas.modulated_index(mixed, p["specular_weight"])
 
 
 def _widths(rough: float, anisotropy: float) -> tuple[float, float]:
     """The GGX widths, above zero and at most one."""
-    u, v = roughness.widths(rough, anisotropy)
+    u, v = formulas.widths(rough, anisotropy)
     return float(np.clip(u, 1e-6, 1)), float(np.clip(v, 1e-6, 1))
 
 
@@ -141,7 +141,7 @@ def _dielectric(
     pairs: _Pairs, eta: float, widths: tuple[float, float], recipe: Recipe
 ) -> tuple[np.ndarray, Any]:
     """The reflection of an interface, and its transmittance as a function of the cosine."""
-    fresnel = _fresnel(pairs.facet, eta)
+    fresnel = albedos.fresnel(pairs.facet, eta)[0]
     lobe = fresnel * _lobe(pairs, widths) * _compensation(pairs.i, widths, fresnel)
 
     def passed(cosine: np.ndarray) -> np.ndarray:
@@ -158,7 +158,7 @@ def _dielectric(
 
 def _interface_albedo(cosine: np.ndarray, eta: float, widths: tuple[float, float]) -> np.ndarray:
     """The albedo of an interface by single scattering, linear between the nodes of the table."""
-    table = interface_albedo.tables(float(eta)).reflected[0]
+    table = albedos.tables(float(eta)).reflected[0]
     alpha = max(np.sqrt(widths[0] * widths[1]), MIN_ALPHA)
     row = albedo_axes.roughness_coordinate(alpha) * (len(table) - 1)
     low = min(int(row), len(table) - 2)
@@ -180,8 +180,8 @@ def _darkening(p: dict[str, Any], recipe: Recipe) -> np.ndarray:
         metallic = min(p["specular_weight"], 1.0) * color
         albedo = f0 + (1 - f0) * color
         albedo = albedo + share * (metallic - albedo)
-        base = darkening.Base(albedo, p["specular_roughness"], share, f0)
-        internal = darkening.internal(eta, base)
+        base = formulas.Base(albedo, p["specular_roughness"], share, f0)
+        internal = formulas.internal(eta, base)
     full = (1 - internal) / (1 - albedo * internal)
     return 1 + p["coat_weight"] * p["coat_darkening"] * (full - 1)
 
@@ -193,14 +193,6 @@ def _absorption(p: dict[str, Any], pairs: _Pairs, recipe: Recipe) -> np.ndarray:
         inside = [np.sqrt(1 - (1 - c * c) / p["coat_ior"] ** 2) for c in (pairs.i, pairs.o)]
         exponent = 0.5 / inside[0] + 0.5 / inside[1]
     return 1 + p["coat_weight"] * (p["coat_color"] ** exponent - 1)
-
-
-def _fresnel(cosine: np.ndarray, eta: float) -> np.ndarray:
-    """Reflectance of a smooth dielectric of index eta, at least one."""
-    inside = np.sqrt(1 - (1 - cosine**2) / eta**2)
-    s = (cosine - eta * inside) / (cosine + eta * inside)
-    p = (eta * cosine - inside) / (eta * cosine + inside)
-    return 0.5 * (s * s + p * p)
 
 
 def _lobe(pairs: _Pairs, widths: tuple[float, float]) -> np.ndarray:

@@ -268,7 +268,7 @@ EXR += np.array([0, 0, 8, 5], "<i4").tobytes()
 
 def lookup(texture, uv):
     """Mitsuba's look-up at uv from the upper left corner."""
-    from urushi.openpbr.documents import mitsuba_value
+    from urushi.openpbr.plugins.materialx import mitsuba_value
 
     bitmap = mi.load_dict(mitsuba_value("base_color", texture))
     si = mi.SurfaceInteraction3f()

@@ -362,8 +362,17 @@ def test_unknown_shaders_are_refused(document, library):
         read_surface(document('<simple_hair name="s" type="surfaceshader"/>'), None)
     mix = """<mix name="m" type="surfaceshader"/><surfacematerial name="x" type="material">
         <input name="surfaceshader" type="surfaceshader" nodename="m"/></surfacematerial>"""
-    with pytest.raises(FileError, match="mixes two surface shaders; mix the inputs"):
+    with pytest.raises(FileError, match=r"node 'm' \(mix\): its bg is connected to no surface"):
         read_surface(document(mix), None)
+    chain = "".join(
+        f"""<mix name="m{k}" type="surfaceshader"><input name="mix" type="float" value="0.5"/>
+        <input name="bg" type="surfaceshader" nodename="m{k - 1}"/>
+        <input name="fg" type="surfaceshader" nodename="m{k - 1}"/></mix>"""
+        for k in range(1, 40)
+    )
+    shader = '<open_pbr_surface name="m0" type="surfaceshader"/>'
+    with pytest.raises(FileError, match="mixes more than 16 surface shaders"):
+        read_surface(document(shader + chain), None, "m39")
 
 
 def test_directions_that_are_not_set(document, library):

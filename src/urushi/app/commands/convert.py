@@ -14,7 +14,7 @@ from urushi.ranges import Texels
 
 if TYPE_CHECKING:
     from urushi.openpbr.materialx.baking import Texture
-    from urushi.openpbr.materialx.surface import Surface
+    from urushi.openpbr.materialx.surface import Mix, ParameterValue, Surface
 
 #: A sphere under even light, seen from the front.
 _SCENE = """<scene version="3.0.0">
@@ -66,24 +66,24 @@ class Convert:
 
     def run(self) -> int:
         set_variant("scalar_rgb")  # enough for images, and needs no LLVM
-        from urushi.openpbr.documents import check_supported, checked_resolution, decode
         from urushi.openpbr.materialx.surface import read_surface
+        from urushi.openpbr.plugins.materialx import check_supported, checked_resolution, decode
 
         resolution = checked_resolution(self.resolution)
-        surface = read_surface(self.document, decode, self.material, resolution, self.uv_plane)
-        check_supported(surface)
+        found = read_surface(self.document, decode, self.material, resolution, self.uv_plane)
+        check_supported(found)
         folder = new_folder(self.output)
-        bsdf, emitter = bsdf_xml(surface, folder)
+        bsdf, emitter = bsdf_xml(found, found.name, folder)
         target = folder / "scene.xml"
         with atomic_write(target) as temporary:
-            scene = _SCENE.format(bsdf=bsdf, emitter=emitter, id=quoteattr(surface.name))
+            scene = _SCENE.format(bsdf=bsdf, emitter=emitter, id=quoteattr(found.name))
             temporary.write_text(scene, encoding="utf-8")
         print(target)
         return 0
 
 
-def bsdf_xml(surface: "Surface", folder: Path) -> tuple[str, str]:
-    """The material as an element <bsdf>; its textures are written into the folder.
+def bsdf_xml(found: "Surface | Mix", name: str, folder: Path) -> tuple[str, str]:
+    """The material of a name as an element <bsdf>; its textures are written into the folder.
 
     Returns:
         The element, and the element <emitter> of what it emits, empty if nothing.
@@ -92,33 +92,42 @@ def bsdf_xml(surface: "Surface", folder: Path) -> tuple[str, str]:
         FileError: the folder cannot be written.
     """
     from urushi.openpbr.inputs import EMISSION
-    from urushi.openpbr.materialx.baking import Texture
+    from urushi.openpbr.materialx.surface import Mix
     from urushi.openpbr.plugins.emission import NAMES
 
-    lines: dict[str, str] = {}
-    for name, value in surface.values.items():
-        if isinstance(value, Texture):
-            lines[name] = _texture_xml(surface.name, name, value, folder)
-        elif isinstance(value, bool):
-            lines[name] = f'<boolean name="{name}" value="{str(value).lower()}"/>'
-        elif isinstance(value, tuple):
-            numbers = " ".join(repr(number) for number in value)
-            lines[name] = f'<rgb name="{name}" value="{numbers}"/>'
-        else:
-            lines[name] = f'<float name="{name}" value="{value!r}"/>'
-    inside = "".join(f"\n        {x}" for name, x in lines.items() if name not in EMISSION)
-    bsdf = f'    <bsdf type="openpbr" id={quoteattr(surface.name)}>{inside}\n    </bsdf>'
-    if surface.values.get("emission_luminance", 0.0) == 0.0:
+    if isinstance(found, Mix):
+        parts = [bsdf_xml(found.bg, f"{name}-bg", folder), bsdf_xml(found.fg, f"{name}-fg", folder)]
+        weight = _value_xml(name, "weight", found.weight, folder)
+        inside = "\n".join((f"        {weight}", *(part for part, _ in parts)))
+        return f'    <bsdf type="blendbsdf" id={quoteattr(name)}>\n{inside}\n    </bsdf>', ""
+    lines = {key: _value_xml(name, key, x, folder) for key, x in found.values.items()}
+    inside = "".join(f"\n        {x}" for key, x in lines.items() if key not in EMISSION)
+    bsdf = f'    <bsdf type="openpbr" id={quoteattr(name)}>{inside}\n    </bsdf>'
+    if found.values.get("emission_luminance", 0.0) == 0.0:
         return bsdf, ""
-    light = "".join(f"\n            {x}" for name, x in lines.items() if name in NAMES)
+    light = "".join(f"\n            {x}" for key, x in lines.items() if key in NAMES)
     return bsdf, f'\n        <emitter type="openpbr_emission">{light}\n        </emitter>\n    '
+
+
+def _value_xml(material: str, name: str, value: "ParameterValue", folder: Path) -> str:
+    """The element of a parameter."""
+    from urushi.openpbr.materialx.baking import Texture
+
+    if isinstance(value, Texture):
+        return _texture_xml(material, name, value, folder)
+    if isinstance(value, bool):
+        return f'<boolean name="{name}" value="{str(value).lower()}"/>'
+    if isinstance(value, tuple):
+        numbers = " ".join(repr(number) for number in value)
+        return f'<rgb name="{name}" value="{numbers}"/>'
+    return f'<float name="{name}" value="{value!r}"/>'
 
 
 def _texture_xml(material: str, name: str, texture: "Texture", folder: Path) -> str:
     import mitsuba as mi
     import numpy as np
 
-    from urushi.openpbr.documents import filter_type, is_raw
+    from urushi.openpbr.plugins.materialx import filter_type, is_raw
 
     file = "textures/" + re.sub(r"[^A-Za-z0-9_-]", "_", f"{material[:60]}-{name}") + ".exr"
     new_folder(folder / "textures")

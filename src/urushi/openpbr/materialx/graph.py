@@ -11,12 +11,12 @@ import numpy as np
 from urushi.errors import FileError, UrushiError
 from urushi.openpbr.materialx.colour_spaces import to_linear_srgb
 from urushi.openpbr.materialx.definitions import Definitions
-from urushi.openpbr.materialx.hextiles import hextiles
 from urushi.openpbr.materialx.images import (
     ADDRESS_MODES,
     Images,
     ImageUse,
     Look,
+    hextiles,
     image_values,
     sample,
 )

@@ -1,4 +1,8 @@
-"""Image files of a document: checks of their size before they are decoded, and look-ups."""
+"""Image files of a document: checks of their size before they are decoded, and look-ups.
+
+Images on hexagonal tiles that are turned, scaled and moved at random are those of MaterialX's node
+`hextiledimage` (Mikkelsen, Practical Real-Time Hex-Tiling, JCGT 11(2), 2022).
+"""
 
 import re
 import struct
@@ -10,6 +14,7 @@ import numpy as np
 
 from urushi.errors import FileError, UrushiError
 from urushi.openpbr.materialx.colour_spaces import to_linear_srgb
+from urushi.openpbr.materialx.nodes import Call
 
 #: Largest number of pixels of all images of a document together.
 MAX_PIXELS = 1 << 26
@@ -20,6 +25,12 @@ HEADER = 1 << 18
 #: A function from a file to its stored values, float32 (height, width, channels); the numbers of
 #: 8- and 16-bit files are divided by 255 and 65,535.
 Decode = Callable[[Path], np.ndarray]
+
+#: Size of the texture in tiles.
+_TILES = 2 * np.sqrt(3.0)
+
+#: From uv to the grid of triangles of tiles, as rows.
+_SKEW = np.array([[1, -np.tan(np.pi / 6)], [0, 2 * np.tan(np.pi / 6)]])
 
 #: Ways to continue an image outside of [0, 1]; all but "constant" are those of MaterialX.
 ADDRESS_MODES = ("periodic", "clamp", "mirror", "constant")
@@ -205,3 +216,62 @@ def _index(cells: np.ndarray, size: int, mode: str) -> np.ndarray:
         cells = cells % (2 * size)
         return np.where(cells < size, cells, 2 * size - 1 - cells)
     return np.clip(cells, 0, size - 1)
+
+
+def _random(cell: np.ndarray) -> np.ndarray:
+    """Two random numbers in [0, 1) for each cell (N, 2); shadertoy.com/view/4djSRW."""
+    p = (cell + 0.12345)[:, [0, 1, 0]] * (0.1031, 0.1030, 0.0973) % 1
+    p = p + (p * (p[:, [1, 2, 0]] + 33.33)).sum(-1, keepdims=True)
+    return (p[:, :1] + p[:, 1:]) * p[:, [2, 1]] % 1
+
+
+def _gain(x: np.ndarray, r: np.ndarray) -> np.ndarray:
+    """Schlick, Fast Alternatives to Perlin's Bias and Gain Functions, Graphics Gems IV, 1994."""
+    a = (1 / np.clip(r, 0.001, 0.999) - 2) * (1 - 2 * x)
+    return np.where(x < 0.5, x / (a + 1), (a - x) / (a - 1))
+
+
+def hextiles(pixels: np.ndarray, uv: np.ndarray, call: Call) -> np.ndarray:
+    """Values (N, channels) of an image (height, width, channels) at uv (N, 2).
+
+    call: the node, whose inputs give the tiling and how much tiles differ.
+    """
+    uv = uv * call["tiling"]
+    skewed = _TILES * uv @ _SKEW.T
+    cell, (x, y) = np.floor(skewed), (skewed % 1).T
+    upper = x + y >= 1
+    corners = np.where(
+        upper[:, None, None], [[1, 1], [1, 0], [0, 1]], [[0, 0], [0, 1], [1, 0]]
+    )  # of the triangle around each point, the first opposite to its longest side
+    near = np.stack([np.where(upper, x + y - 1, 1 - x - y), np.where(upper, 1 - y, y)])
+    weights = np.concatenate([near, np.where(upper, 1 - x, x)[None]])
+    values = []
+    for k in range(3):
+        corner = cell + corners[:, k]
+        centre = corner / _TILES @ np.linalg.inv(_SKEW).T
+        random = _random(corner)
+        turn = _between(np.radians(call["rotationrange"]), random[:, :1] * call["rotation"])
+        scale = 1 + (_between(call["scalerange"], random[:, 1:]) - 1) * call["scale"]
+        shift = _between(call["offsetrange"], random * call["offset"])
+        s, c = np.sin(turn), np.cos(turn)
+        dx, dy = np.split(uv - centre, 2, axis=-1)
+        there = np.concatenate([c * dx - s * dy, s * dx + c * dy], axis=-1) / scale
+        values.append(sample(pixels, there + centre + shift, Look(), np.zeros(1)))
+    tiles = np.stack(values)
+    luma = (tiles[..., :3] * call["lumacoeffs"]).sum(-1)
+    weighted = _weights(1 + (luma - 1) * call["falloffcontrast"], weights, call["falloff"])
+    colour = (weighted[..., None] * tiles[..., :3]).sum(0)
+    plain = _weights(np.ones_like(luma), weights, call["falloff"])
+    return np.concatenate([colour, (plain[..., None] * tiles[..., 3:]).sum(0)], axis=-1)
+
+
+def _between(ends: np.ndarray, t: np.ndarray) -> np.ndarray:
+    return ends[..., :1] + (ends[..., 1:] - ends[..., :1]) * t
+
+
+def _weights(factors: np.ndarray, weights: np.ndarray, falloff: np.ndarray) -> np.ndarray:
+    """Weights (3, N) of the three tiles around each point, of sum 1."""
+    w = factors * weights**7
+    w = w / w.sum(0)
+    w = np.where(falloff == 0.5, w, _gain(w, falloff))
+    return w / w.sum(0)

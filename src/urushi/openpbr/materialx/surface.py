@@ -6,7 +6,7 @@ document that translates them.
 
 import os
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,7 +14,7 @@ import numpy as np
 from urushi.errors import FileError, UrushiWarning
 from urushi.openpbr.materialx.baking import Texture, Value, bake, changes
 from urushi.openpbr.materialx.document import find_material, read_document
-from urushi.openpbr.materialx.graph import Frame, Graph, Source
+from urushi.openpbr.materialx.graph import Evaluation, Frame, Graph, Source
 from urushi.openpbr.materialx.images import Decode, Images
 from urushi.openpbr.materialx.shaders import LOST, SHADERS, TARGET, TRANSLATIONS, Inputs
 from urushi.openpbr.materialx.xml import Element
@@ -29,6 +29,9 @@ GAMUT_TOLERANCE = 0.01
 #: Inputs of a material that are no surface shader of its front, and what they are.
 _LOST_SHADERS = {"displacementshader": "displacement", "backsurfaceshader": "back's shader"}
 
+#: Largest number of shaders in a mixture.
+MAX_MIXED = 16
+
 #: The geometry's own directions in the tangent frame.
 _OWN = {"normal": (0.0, 0.0, 1.0), "tangent": (1.0, 0.0, 0.0)}
 
@@ -42,12 +45,30 @@ class Surface:
 
     Attributes:
         name: the material's.
+        where: the document and the shader's node; begins errors.
         values: its parameters that the document gives, by OpenPBR's names. Normals are textures of
             0.5 n + 0.5 in the tangent frame.
     """
 
     name: str
+    where: str
     values: Mapping[str, ParameterValue]
+
+
+@dataclass(frozen=True)
+class Mix:
+    """Two materials that MaterialX's node `mix` mixes: (1 - weight) bg + weight fg.
+
+    Attributes:
+        name: the material's.
+        weight: a number in (0, 1), or a texture.
+        bg, fg: the materials.
+    """
+
+    name: str
+    weight: float | Texture
+    bg: "Surface | Mix"
+    fg: "Surface | Mix"
 
 
 def read_surface(
@@ -56,7 +77,7 @@ def read_surface(
     name: str | None = None,
     resolution: int = RESOLUTION,
     uv_plane: bool = False,
-) -> Surface:
+) -> Surface | Mix:
     """Read a material of a document.
 
     Args:
@@ -79,10 +100,50 @@ def read_surface(
     )
     try:
         shader = _find_shader(graph, material, where)
-        values = _Reader(graph, shader, resolution, where).values()
+        return _read(graph, shader, resolution, material.name, iter(range(MAX_MIXED)))
     except RecursionError:
         raise FileError(f"{where} has nodes nested too deeply; simplify it") from None
-    return Surface(material.name, values)
+
+
+def _read(
+    graph: Graph, shader: Source, resolution: int, name: str, left: Iterator[int]
+) -> Surface | Mix:
+    """The material of a shader, or the mixture of two.
+
+    name: the material's. left: has as many items as there may be further shaders.
+    """
+    node, named = shader.element, graph.named(shader.element)
+    where = f"{graph.where}: '{name[:60]}'"
+    if next(left, None) is None:
+        raise FileError(
+            f"{where} mixes more than {MAX_MIXED} surface shaders; mix the inputs of one shader "
+            "instead, or bake the material into images"
+        )
+    if node.tag != "mix":
+        return Surface(name, named, _Reader(graph, shader, resolution, where).values())
+
+    def weigh(evaluation: Evaluation) -> np.ndarray:
+        return np.clip(evaluation.input(node, "mix", shader.frame), 0, 1)
+
+    baked = bake(graph, weigh, resolution, f"{named}: mix")
+    if isinstance(baked, Texture) and (constant := baked.constant) is not None:
+        baked = constant
+    weight = baked if isinstance(baked, Texture) else _number(baked, f"{named}: mix")
+    found = []
+    for side, absent in (("bg", 1.0), ("fg", 0.0)):
+        if weight != absent:
+            link = node.input(side) or Element("input")
+            part = _shader(graph, link, shader.frame, node, f"{named}: its {side}")
+            found.append(_read(graph, part, resolution, name, left))
+    return Mix(name, weight, *found) if len(found) == 2 else found[0]
+
+
+def _shader(graph: Graph, link: Element, frame: Frame, node: Element, where: str) -> Source:
+    """The shader to which an input of a node is connected."""
+    found = graph.follow(link, frame, node)
+    if not found.is_node:
+        raise FileError(f"{where} is connected to no surface shader in the document")
+    return found
 
 
 def _find_shader(graph: Graph, material: Element, where: str) -> Source:
@@ -98,15 +159,7 @@ def _find_shader(graph: Graph, material: Element, where: str) -> Source:
             if source is not None and source.is_node and not _is_flat(graph, source):
                 _warn(f"{where}: its {part} is left out; OpenPBR describes the front's surface")
         link = material.input("surfaceshader") or Element("input")
-    found = graph.follow(link, frame, material)
-    if not found.is_node:
-        raise FileError(f"{where} is connected to no surface shader in the document")
-    if found.element.tag == "mix":
-        raise FileError(
-            f"{where} mixes two surface shaders; mix the inputs of one shader instead, or bake the "
-            "material into images, for instance by Houdini's Karma Texture Baker"
-        )
-    return found
+    return _shader(graph, link, frame, material, where)
 
 
 def _is_flat(graph: Graph, source: Source) -> bool:
@@ -230,12 +283,9 @@ class _Reader:
                 value = self._limited(entry, value)
             r, g, b = (float(x) for x in np.broadcast_to(np.maximum(value, 0.0), 3))
             return r, g, b
-        if value.shape != (1,):
-            raise FileError(f"{where}: {entry.name} has {value.shape[-1]} channels instead of 1")
         if entry.group == "transmission":  # not rendered; exporters write Abbe numbers as scales
             value = self._limited(entry, value)
-        number = float(value[0])
-        return checked(entry.name, number, where)
+        return checked(entry.name, _number(value, f"{where}: {entry.name}"), where)
 
     def _limited(self, entry: Parameter, value: np.ndarray) -> np.ndarray:
         """Values limited to the range of a parameter, with a warning if that changes them much."""
@@ -246,6 +296,12 @@ class _Reader:
             ends = f"[{low:g}, {high:g}]" + (" in linear sRGB" if entry.kind == "color" else "")
             _warn(f"{self._where}: {entry.name} leaves {ends} and is clipped to it")
         return limited
+
+
+def _number(value: np.ndarray, where: str) -> float:
+    if value.shape != (1,):
+        raise FileError(f"{where} has {value.shape[-1]} channels instead of 1")
+    return float(value[0])
 
 
 def _bright(values: dict[str, ParameterValue]) -> dict[str, ParameterValue]:

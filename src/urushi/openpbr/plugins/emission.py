@@ -4,9 +4,9 @@ import drjit as dr
 import mitsuba as mi
 
 from urushi.mitsuba.reading.kept import KeptParameters
-from urushi.openpbr import medium, roughness, sheen
+from urushi.openpbr import formulas
 from urushi.openpbr.inputs import EMISSION, Inputs
-from urushi.openpbr.plugins.albedo import InterfaceAlbedo
+from urushi.openpbr.lookups import InterfaceAlbedo
 
 #: The parameters on which the light depends.
 NAMES = (
@@ -96,14 +96,16 @@ def define() -> type:
             )
             if self._interface:
                 eta = dr.clip(inputs.number("coat_ior", si, active), 1 / 3, 3)
-                alpha = roughness.lobe_width(inputs.number("coat_roughness", si, active), dr)
+                alpha = formulas.lobe_width(inputs.number("coat_roughness", si, active), dr)
                 inside = dr.sqrt(dr.maximum(1 - (1 - cosine * cosine) / (eta * eta), 1e-6))
-                depth = medium.optical_depth(inputs.color("coat_color", si, active), dr)
+                depth = formulas.optical_depth(inputs.color("coat_color", si, active), dr)
                 passed = 1 - self._interface.reflected(cosine, alpha, eta)
                 coated = passed * dr.exp(-depth / inside)
                 value *= dr.lerp(mi.Spectrum(1), coated, inputs.number("coat_weight", si, active))
             if self._fuzz:
-                hidden = sheen.albedo(cosine, inputs.number("fuzz_roughness", si, active), dr)
+                hidden = formulas.fuzz_albedo(
+                    cosine, inputs.number("fuzz_roughness", si, active), dr
+                )
                 value *= 1 - inputs.number("fuzz_weight", si, active) * hidden
             value *= inputs.number("geometry_opacity", si, active)
             return dr.select(active, value, 0)

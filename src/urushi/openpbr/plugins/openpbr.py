@@ -6,11 +6,10 @@ import drjit as dr
 import mitsuba as mi
 
 from urushi.errors import ParameterError
-from urushi.openpbr import medium, roughness
+from urushi.openpbr import bsdfs, formulas
+from urushi.openpbr.bsdfs import Layers
+from urushi.openpbr.compensation import Compensation
 from urushi.openpbr.inputs import Inputs, derived
-from urushi.openpbr.plugins import base, surface
-from urushi.openpbr.plugins.compensation import Compensation
-from urushi.openpbr.plugins.surface import Layers
 
 #: Plugins of the coat: by networks, and by walks.
 COATS = ("neural_layered", "layered")
@@ -18,8 +17,7 @@ COATS = ("neural_layered", "layered")
 
 def define(proposal_bsdf: type):
     """Make the plugin's constructor in the current variant; see `define_proposal_bsdf`."""
-    base_class = base.define(proposal_bsdf)
-    surface_class = surface.define(proposal_bsdf)
+    base_class, surface_class = bsdfs.define(proposal_bsdf)
 
     def openpbr(props):
         """OpenPBR Surface 1.1.1, opaque, with its coat as light transport (``openpbr``).
@@ -92,16 +90,11 @@ def define(proposal_bsdf: type):
         reference = _is_reference(props)
         compensated = bool(props.get("energy_compensation", True))
         _warn_of_mirrors(inputs)
-        coat = {name: props[name] for name in ("resolution", "weights") if name in props}
-        coat["type"] = "layered" if reference else "neural_layered"
-        for name in ("resolution", "weights"):
-            if name in props:
-                props.mark_queried(name)
-
-        def layers(former: Layers | None) -> Layers:
-            return _layers(inputs, base_class, compensated, coat, former)
-
-        bsdf = surface_class(inputs, layers)
+        options = {name: props[name] for name in ("resolution", "weights") if name in props}
+        for name in options:
+            props.mark_queried(name)
+        maker = _Maker(inputs, base_class, COATS[reference], {} if reference else options)
+        bsdf = surface_class(inputs, lambda former: maker.layers(former, compensated))
         if "geometry_normal" in inputs.maps:
             bsdf = mi.load_dict(
                 {"type": "normalmap", "normalmap": inputs.maps["geometry_normal"], "bsdf": bsdf}
@@ -124,54 +117,62 @@ def _is_reference(props: "mi.Properties") -> bool:
     return bool(value)
 
 
-def _layers(
-    inputs: Inputs, base_class: type, compensated: bool, coat: dict[str, Any], former: Layers | None
-) -> Layers:
-    """The layers that the parameters need; previous ones are reused if they still fit.
+class _Maker:
+    """Makes the layers that parameters need."""
 
-    coat: type and options of the coat's plugin.
-    """
-    encoded = coat["type"] == "neural_layered"
-    base = below = coated = compensation = kind = None
-    if former is not None:
-        base, below, coated, compensation, kind = former
-        for part in (base, below):
-            if part is not None:
-                part.update()
-    # A coat of index one has no interface: it only absorbs, see `surface`.
-    coat_present = _has(inputs, "coat_weight") and not inputs.is_constant("coat_ior", 1)
-    if base is None and not (coat_present and inputs.is_constant("coat_weight", 1)):
-        base = base_class(inputs, False, False, False)
-    if coat_present:
-        if below is None:
-            below = base_class(inputs, True, encoded, compensated)
-        present = (
-            inputs.is_constant("coat_roughness_anisotropy", 0),
-            inputs.known("coat_ior"),
-            inputs.is_constant("coat_color", 1),
-        )
-        if coated is None or kind != present:
-            options = coat if encoded else {"type": coat["type"]}
-            coated, kind = _named(inputs.where, _coat(inputs, below) | options), present
-        if compensated:
-            compensation = Compensation(inputs, encoded, str(coat.get("weights", "")))
-    return Layers(base, below, coated, compensation, kind)
+    def __init__(self, inputs: Inputs, base_class: type, plugin: str, options: dict[str, Any]):
+        """plugin: of the coat, one of `COATS`. options: its resolution and weights, if given."""
+        self._inputs, self._base_class = inputs, base_class
+        self._plugin, self._options = plugin, options
+        self._encoded = plugin == COATS[0]
 
+    def layers(self, former: Layers | None, compensated: bool) -> Layers:
+        """The layers; previous ones are reused if they still fit."""
+        inputs = self._inputs
+        base = below = coated = compensation = kind = None
+        if former is not None:
+            base, below, coated, compensation, kind = former
+            for part in (base, below):
+                if part is not None:
+                    part.update()
+        # A coat of index one has no interface: it only absorbs, see `model.absorbed`.
+        coat_present = _has(inputs, "coat_weight") and not inputs.is_constant("coat_ior", 1)
+        if base is None and not (coat_present and inputs.is_constant("coat_weight", 1)):
+            base = self._base_class(inputs, False, False, False)
+        if coat_present:
+            if below is None:
+                below = self._base_class(inputs, True, self._encoded, compensated)
+            present = (
+                inputs.is_constant("coat_roughness_anisotropy", 0),
+                inputs.known("coat_ior"),
+                inputs.is_constant("coat_color", 1),
+            )
+            if coated is None or kind != present:
+                coated, kind = self._coat(inputs, below, self._options), present
+            if compensated:
+                compensation = Compensation(inputs, self._encoded, self._coated)
+        return Layers(base, below, coated, compensation, kind)
 
-def _named(where: str, coat: dict[str, Any]) -> "mi.BSDF":
-    """The coat of a dictionary; its errors begin with the plugin that the user wrote.
+    def _coated(self, inputs: Inputs) -> "mi.BSDF":
+        """A base of other parameters under its coat, without compensation."""
+        below = self._base_class(inputs, True, self._encoded, False)
+        options = {name: x for name, x in self._options.items() if name == "weights" and x}
+        return self._coat(inputs, below, options)
 
-    Raises:
-        ParameterError: the coat or the base cannot be evaluated.
-    """
-    try:
-        return mi.load_dict(coat)
-    except RuntimeError as error:
-        sentence = str(error).strip().splitlines()[-1]
-        name = coat["type"] + ": "
-        if name not in sentence:
-            raise
-        raise ParameterError(f"{where}: {sentence.partition(name)[2]}") from error
+    def _coat(self, inputs: Inputs, below: "mi.BSDF", options: dict[str, Any]) -> "mi.BSDF":
+        """The coat over a base; its errors begin with the plugin that the user wrote.
+
+        Raises:
+            ParameterError: the coat or the base cannot be evaluated.
+        """
+        try:
+            return mi.load_dict({"type": self._plugin, **_coat(inputs, below), **options})
+        except RuntimeError as error:
+            sentence = str(error).strip().splitlines()[-1]
+            name = self._plugin + ": "
+            if name not in sentence:
+                raise
+            raise ParameterError(f"{inputs.where}: {sentence.partition(name)[2]}") from error
 
 
 def _coat(inputs: Inputs, below: "mi.BSDF") -> dict[str, Any]:
@@ -179,21 +180,19 @@ def _coat(inputs: Inputs, below: "mi.BSDF") -> dict[str, Any]:
     coat: dict[str, Any] = {"ext_ior": 1.0, "bottom": below}
     names = "coat_roughness", "coat_roughness_anisotropy"
     if inputs.is_constant(names[1], 0):
-        coat["alpha"] = derived(inputs, names[:1], lambda r: roughness.lobe_width(r, dr))
+        coat["alpha"] = derived(inputs, names[:1], lambda r: formulas.lobe_width(r, dr))
     else:
         for i, name in enumerate(("alpha_u", "alpha_v")):
-            coat[name] = derived(
-                inputs, names, lambda r, a, i=i: roughness.lobe_widths(r, a, dr)[i]
-            )
+            coat[name] = derived(inputs, names, lambda r, a, i=i: formulas.lobe_widths(r, a, dr)[i])
     if inputs.known("coat_ior") is not None:
-        coat["int_ior"] = float(roughness.interface_index(inputs.known("coat_ior")))
+        coat["int_ior"] = float(formulas.interface_index(inputs.known("coat_ior")))
     else:
         coat["int_ior"] = derived(
-            inputs, ("coat_ior",), lambda ior: roughness.interface_index(ior, dr)
+            inputs, ("coat_ior",), lambda ior: formulas.interface_index(ior, dr)
         )
     if not inputs.is_constant("coat_color", 1):
         coat["sigma_t"] = derived(
-            inputs, ("coat_color",), lambda color: medium.optical_depth(color, dr), color=True
+            inputs, ("coat_color",), lambda color: formulas.optical_depth(color, dr), color=True
         )
     return coat
 
@@ -204,7 +203,7 @@ def _warn_of_mirrors(inputs: Inputs) -> None:
     smooth = [
         name
         for name, used in present.items()
-        if used and name in inputs.constants and roughness.is_mirror(inputs.constants[name])
+        if used and name in inputs.constants and formulas.is_mirror(inputs.constants[name])
     ]
     if smooth:
         mi.Log(

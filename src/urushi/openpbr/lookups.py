@@ -1,13 +1,17 @@
-"""The albedos of `urushi.openpbr.interface_albedo` as Dr.Jit textures, and what they give back."""
+"""The tables of `albedos` as Dr.Jit textures: interfaces, reflectors and the slab below them."""
 
 from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi.openpbr import albedo_axes, anisotropic_albedo
-from urushi.openpbr import interface_albedo as tables
+from urushi.core import eon
+from urushi.openpbr import albedo_axes, albedos, formulas
+
+#: Least share of light that leaves the slab at once; less is a slab of index far above 10.
+LEAST_SHARE = 1e-3
 
 
 class InterfaceAlbedo:
@@ -18,7 +22,7 @@ class InterfaceAlbedo:
 
     def __init__(self, eta: float | None):
         self._constant = None if eta is None else float(np.clip(eta, 1 / 3, 3))
-        known = tables.tables(self._constant)
+        known = albedos.tables(self._constant)
         self._reflected = self._texture(known.reflected)
         self._reflected_mean = self._texture(known.reflected_mean)
         self._both = self._texture(known.reflected, known.passed)
@@ -53,7 +57,7 @@ class MirrorAlbedo:
     """Directional albedos of GGX facets that reflect all light, of one width."""
 
     def __init__(self) -> None:
-        known = tables.mirror_tables()
+        known = albedos.mirror_tables()
         self._albedo, self._mean = (_texture(x[..., None]) for x in (known.albedo, known.mean))
 
     def seen(self, w, widths):
@@ -100,7 +104,7 @@ class AnisotropicMirror(MirrorAlbedo):
     """The same of facets of two widths, of which u is not less than v."""
 
     def __init__(self) -> None:
-        known = anisotropic_albedo.tables()
+        known = albedos.anisotropic_tables()
         self._albedo, self._mean = _texture(known.albedo), _texture(known.mean[..., None])
 
     def seen(self, w, widths):
@@ -117,9 +121,9 @@ class AnisotropicMirror(MirrorAlbedo):
         return _read(self._mean, self._at(widths))[0]
 
     def _at(self, widths) -> list:
-        ratio = anisotropic_albedo.anisotropy(widths.u, widths.v)
+        ratio = (widths.u - widths.v) / (widths.u + widths.v)
         mean = 0.5 * (widths.u + widths.v)
-        return [albedo_axes.roughness_coordinate(mean, dr), ratio / anisotropic_albedo.MOST]
+        return [albedo_axes.roughness_coordinate(mean, dr), ratio / albedos.MOST]
 
 
 class AnisotropicInterface:
@@ -160,7 +164,7 @@ def _width_along(widths, cosine2):
 
 
 def coordinates(cosine, alpha, eta) -> list:
-    """Coordinates in [0, 1] of a look-up in tables of `interface_albedo`, their last axis first.
+    """Coordinates in [0, 1] of a look-up in tables of `albedos`, their last axis first.
 
     cosine: None in tables without its axis.
     eta: None in tables that do not depend on it; a float in those of one index, without its axis.
@@ -198,3 +202,71 @@ def _read(texture, at: list) -> list:
     position = [(x * (size - 1) + 0.5) / size for x, size in zip(at, sizes, strict=True)]
     kinds = {1: mi.Point1f, 2: mi.Point2f, 3: mi.Point3f}
     return list(texture.eval(kinds[len(at)](*position)))
+
+
+class Slab(NamedTuple):
+    """The slab and its interface at a vertex.
+
+    Attributes:
+        color: base_weight times base_color. roughness: base_diffuse_roughness.
+        alpha: one GGX width of the interface. eta: its index relative to the medium above.
+        passed: the product of the shares of light that it passes from wi and from wo.
+        passed_mean: the share of diffuse light that it passes.
+    """
+
+    color: Any
+    roughness: Any
+    alpha: Any
+    eta: Any
+    passed: Any
+    passed_mean: Any
+
+
+class RoughSlab:
+    """Light that is transmitted, reflected by an EON slab and transmitted again.
+
+    The first reflection is EON along the mean directions in the slab. Light that the interface
+    reflects back inside returns as diffuse light, so that a white slab conserves energy. The
+    fraction that is reflected back, for light from w, is K(w), a table, and the later reflections
+    are (K(wi) + K(wo) - mean K) / (pi passed_mean), whose integral over wo is K(wi). The mean is
+    over the light that passes.
+
+    eta: the interface's index if it is constant; None: any between 1/3 and 3.
+    """
+
+    def __init__(self, eta: float | None):
+        self._constant = None if eta is None else float(np.clip(eta, 1 / 3, 3))
+        known = albedos.slab_tables(self._constant)
+        table = np.stack([known.inside, known.excess], axis=-1)
+        mean = known.excess_mean[..., None]
+        self._table = interpolated(table if self._constant is None else table[0])
+        self._mean = interpolated(mean if self._constant is None else mean[0])
+
+    def f(self, wi, wo, slab: Slab):
+        """The BRDF [1/sr] of all orders of reflection."""
+        at = slab.alpha, slab.eta if self._constant is None else self._constant
+        ends = [self._table(coordinates(w.z, *at)) for w in (wi, wo)]
+        inside, excess = zip(*ends, strict=True)
+        excess_mean = self._mean(coordinates(None, *at))[0]
+        direct = dr.clip(slab.passed_mean / dr.square(slab.eta), LEAST_SHARE, 1)
+        internal = 1 - direct
+        rho = formulas.slab_albedo(slab.color, internal)
+
+        cosines = eon.Cosines(inside[0], inside[1], _between(wi, wo, inside))
+        first = direct * eon.f(cosines, rho, slab.roughness, dr)
+        more = direct * eon.deviation(slab.roughness)
+        kept = internal - more * (excess[0] + excess[1] - excess_mean)
+        albedos = [eon.albedo(cosine, rho, slab.roughness, dr) for cosine in inside]
+        mean_albedo = eon.mean_albedo(rho, slab.roughness)
+        later = albedos[0] * albedos[1] * kept * (direct / (1 - mean_albedo * internal))
+        # What is kept is less than nothing for few directions at grazing angles.
+        return dr.maximum(first + dr.inv_pi * later, 0) * (slab.passed / slab.passed_mean)
+
+
+def _between(wi, wo, inside):
+    """Cosine of the angle in the slab: of directions with the azimuths of wi and wo."""
+    sines2 = (dr.square(wi.x) + dr.square(wi.y)) * (dr.square(wo.x) + dr.square(wo.y))
+    # Zero at the normal, the mean over the azimuth, which the normal does not have.
+    along = (wi.x * wo.x + wi.y * wo.y) * dr.rsqrt(dr.maximum(sines2, 1e-24))
+    sines = dr.safe_sqrt((1 - dr.square(inside[0])) * (1 - dr.square(inside[1])))
+    return inside[0] * inside[1] + sines * dr.clip(along, -1, 1)

@@ -1,4 +1,7 @@
-"""The surface of OpenPBR: base, coated base and fuzz, mixed by their weights."""
+"""The BSDFs of OpenPBR: the base, and the surface of base, coated base and fuzz.
+
+What they evaluate is in `model`; here it is sampled, listed for `mi.traverse` and updated.
+"""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -6,11 +9,15 @@ from typing import Any, NamedTuple
 import drjit as dr
 import mitsuba as mi
 
+from urushi.core.mixture import Mixture
 from urushi.mitsuba.latents.holders import tabulated
 from urushi.mitsuba.plugins.coats import Turn, TurnedMixture
-from urushi.openpbr import medium, sheen
+from urushi.openpbr import encoding, model
+from urushi.openpbr.compensation import Compensation
 from urushi.openpbr.inputs import Inputs
-from urushi.openpbr.plugins.compensation import Compensation
+
+#: Least share of each lobe in the base's proposal.
+MIN_SHARE = 0.1
 
 #: Share of the fuzz and of the coat's compensation in what is sampled.
 DIFFUSE_SHARE = 0.1
@@ -40,19 +47,6 @@ class Part(NamedTuple):
     weight: Any
 
 
-class Fuzz(NamedTuple):
-    """The fuzz at a vertex.
-
-    Attributes:
-        hidden: fuzz_weight times the albedo seen from wi.
-        color: fuzz_color. roughness: fuzz_roughness.
-    """
-
-    hidden: Any
-    color: Any
-    roughness: Any
-
-
 class Layers(NamedTuple):
     """What a surface consists of; None where the weights leave a part out.
 
@@ -71,7 +65,7 @@ class Layers(NamedTuple):
 
 
 class Vertex(NamedTuple):
-    """The surface at a vertex; see `Part` and `Fuzz`."""
+    """The surface at a vertex; see `Part` and `model.Fuzz`."""
 
     turn: Turn | None
     parts: list[Part]
@@ -112,10 +106,90 @@ def with_cosine(density, wo, share: float):
     return (1 - share) * density + share * (wo.z * dr.inv_pi)
 
 
-def define(base: type) -> type:
-    """Make the class in the current variant; base: of `define_proposal_bsdf`."""
+def define(proposal_bsdf: type) -> tuple[type, type]:
+    """The classes of base and surface in the current variant; see `define_proposal_bsdf`."""
 
-    class OpenPBRSurface(base):
+    class OpenPBRBase(proposal_bsdf):
+        """The base without coat and fuzz, for directions in the medium above it."""
+
+        def __init__(self, inputs: Inputs, under_coat: bool, encoded: bool, compensated: bool):
+            """Take the parameters.
+
+            under_coat, encoded: see `model.Base`.
+            compensated: whether the coated base is completed, so that a metal's lobe is not scaled.
+            """
+            super().__init__(mi.Properties("openpbr_base"))
+            self._where, self._inputs = inputs.where, inputs
+            self._under_coat, self._encoded = under_coat, encoded
+            self._compensated = compensated
+            self._configure()
+            self._kept.keep(self)
+
+        def _configure(self):
+            self._version = self._inputs.version
+            self._model = model.Base(self._inputs, self._under_coat, self._encoded)
+
+        def update(self) -> None:
+            """Make what was left out and is needed since parameters have changed."""
+            self._inputs.refresh()
+            if self._version != self._inputs.version:
+                self._configure()
+
+        def _vertex(self, si, active):
+            return self._model.vertex(si, active)
+
+        def _f(self, vertex, ctx, si, wo, active):
+            return self._model.f(vertex, si, wo, active)
+
+        def _proposal(self, vertex, si, active):
+            share = mi.Float(1 - MIN_SHARE)
+            if not self._model.only_metal:
+                reflected = self._model.reflected(si.wi, vertex)
+                color = dr.mean(vertex.color)
+                share = reflected / (reflected + (1 - reflected) * color + 1e-4)
+                share = dr.lerp(share, 1, vertex.share)
+                share = dr.clip(share, MIN_SHARE, 1 - MIN_SHARE)
+            return Mixture([share, 1 - share], [vertex.widths])
+
+        @property
+        def bare(self) -> bool:
+            """Whether the base counts as its lobe alone: a metal, but for its dip at 82 degrees."""
+            return self._model.only_metal and not encoding.has_multiple(self._inputs)
+
+        @property
+        def tabulated(self):
+            """The base without the limits of networks, of which a coat takes a table; None: coats
+            take codes."""
+            if not (self._encoded and encoding.is_tabulated(self._inputs)):
+                return None
+            return type(self)(self._inputs, self._under_coat, False, self._compensated)
+
+        def lobes(self, si):
+            """The base's lobe by channel, see `encoding.lobe`."""
+            return encoding.lobe(self._model, si, self.bare, self._compensated)
+
+        def below_coat(self, f, si, wo, active):
+            """f [1/sr] of networks for a coat over this base, with the film's change of colour."""
+            film = self._model.film
+            if not film or not self._encoded:
+                return f
+            vertex = self._vertex(si, active)
+            eta = self._model.relative_index(si, active)
+            return film.below_coat(f, vertex, eta, si, wo, active)
+
+        def traverse(self, callback):
+            for name in encoding.NAMES:
+                callback.put(name, self._inputs.textures[name], mi.ParamFlags.Differentiable)
+            if self._model.film:
+                self._model.film.traverse(callback)
+
+        def _update(self, keys):
+            self.update()
+
+        def to_string(self):
+            return "OpenPBRBase[]"
+
+    class OpenPBRSurface(proposal_bsdf):
         """Mixes BRDFs: (1 - coat_weight) base + coat_weight coated, and fuzz above both."""
 
         def __init__(self, inputs: Inputs, make: Callable[[Layers | None], Layers]):
@@ -170,7 +244,7 @@ def define(base: type) -> type:
                 for bsdf, weight in zip(bsdfs, weights, strict=True)
             ]
             compensation = self._compensation.vertex(si, active) if self._compensation else None
-            fuzz = self._fuzz_at(si, active) if self._fuzz else None
+            fuzz = model.fuzz_at(self._inputs, si, active) if self._fuzz else None
             return Vertex(turn, parts, compensation, fuzz)
 
         def _f(self, vertex, ctx, si, wo, active):
@@ -190,12 +264,9 @@ def define(base: type) -> type:
                 f += part.weight * own
                 pdf += part.weight * density
             if self._absorbs:
-                depth = medium.optical_depth(self._inputs.color("coat_color", si, active), dr)
-                passed = dr.exp(-depth * (1 / si.wi.z + 1 / wo.z))
-                weight = self._inputs.number("coat_weight", si, active)
-                f *= dr.lerp(mi.Spectrum(1), passed, weight)
+                f = model.absorbed(self._inputs, f, si, wo, active)
             if vertex.fuzz:
-                f = _under_fuzz(vertex.fuzz, f, si, wo)
+                f = model.under_fuzz(vertex.fuzz, f, si, wo)
             return f, with_cosine(pdf, wo, self._diffuse_share())
 
         def _proposal(self, vertex, si, active):
@@ -214,13 +285,6 @@ def define(base: type) -> type:
         def _diffuse_share(self) -> float:
             """Share of cosine-distributed directions, beyond those of the parts."""
             return DIFFUSE_SHARE if self._fuzz or self._compensation else 0.0
-
-        def _fuzz_at(self, si, active) -> Fuzz:
-            """The fuzz at a surface interaction."""
-            inputs = self._inputs
-            rough = inputs.number("fuzz_roughness", si, active)
-            hidden = inputs.number("fuzz_weight", si, active) * sheen.albedo(si.wi.z, rough, dr)
-            return Fuzz(hidden, inputs.color("fuzz_color", si, active), rough)
 
         def traverse(self, callback):
             textures = self._inputs.textures
@@ -252,14 +316,4 @@ def define(base: type) -> type:
             parts = "\n".join(f"{part}," for part in (self._base, self._coated) if part)
             return "OpenPBR[\n  " + parts.replace("\n", "\n  ") + "\n]"
 
-    return OpenPBRSurface
-
-
-def _under_fuzz(fuzz: Fuzz, f, si, wo):
-    """Fuzz over f [1/sr]: it covers a fraction of the surface and transmits the rest.
-
-    The specification's layering by the albedo of the direction that is seen.
-    """
-    across = wo.x * si.wi.x + wo.y * si.wi.y
-    lobe = sheen.density(si.wi.z, wo.z, across, fuzz.roughness, dr)
-    return f * (1 - fuzz.hidden) + fuzz.color * (fuzz.hidden * lobe)
+    return OpenPBRBase, OpenPBRSurface

@@ -1,17 +1,20 @@
-"""Directional albedos of rough dielectric interfaces and of GGX reflectors, tabulated.
+"""Directional albedos of rough interfaces, of GGX reflectors and of slabs below them, tabulated.
 
 The interfaces scatter once: light that would hit a second facet is lost. These tables give the
-loss, for which the plugin `openpbr` compensates.
+loss, for which the plugin `openpbr` compensates. Albedos of two widths depend on the azimuth: on a
+brushed surface, more light hits a second facet across the scratches than along them.
 """
 
 import functools
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from urushi.core import eon
 from urushi.openpbr.albedo_axes import (
     COSINES,
     ROUGHNESSES,
+    between_nodes,
     hemisphere_mean,
     indexnodes,
     nodes,
@@ -21,6 +24,15 @@ from urushi.openpbr.albedo_axes import (
 #: them reflect totally, the share that does decides, and the nodes are `FINE`.
 AZIMUTHS, HEIGHTS = 20, 40
 FINE = 28, 57
+
+#: Nodes of the anisotropy (u - v) / (u + v) of the widths u >= v, and its greatest.
+ANISOTROPIES, MOST = 8, 0.98
+
+#: Terms of the cosine series in the azimuth, of 0, 2, 4 and 6 times it.
+TERMS = 4
+
+#: Azimuths from which the series is fitted.
+_AZIMUTHS = np.linspace(0, np.pi / 2, 7)
 
 
 class Tables(NamedTuple):
@@ -157,7 +169,7 @@ def _facets(
 
 def _albedos(facets: Facets, alpha: float, eta: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """What facets of an index reflect and pass, (N,), and the mean cosine below of the latter."""
-    reflectance, cos_t = _fresnel(facets.cosine, eta)
+    reflectance, cos_t = fresnel(facets.cosine, eta)
     below = (facets.seen - facets.cosine * facets.z) / eta + cos_t * facets.z
     share = (1 - reflectance) * _masking(below, alpha)
     passed = share @ facets.weight
@@ -173,7 +185,7 @@ def _masking(cosine: np.ndarray, alpha: float) -> np.ndarray:
     return np.where(cosine > 0, g1, 0.0)
 
 
-def _fresnel(cosine: np.ndarray, eta: Any) -> tuple[np.ndarray, np.ndarray]:
+def fresnel(cosine: np.ndarray, eta: float) -> tuple[np.ndarray, np.ndarray]:
     """Reflectance and refracted cosine, see `urushi.core.fresnel.dielectric`."""
     cos_t2 = 1 - (1 - cosine * cosine) / (eta * eta)
     cos_t = np.sqrt(np.maximum(cos_t2, 0))
@@ -182,3 +194,102 @@ def _fresnel(cosine: np.ndarray, eta: Any) -> tuple[np.ndarray, np.ndarray]:
         perpendicular = (cosine - eta * cos_t) / (cosine + eta * cos_t)
     reflectance = 0.5 * (parallel * parallel + perpendicular * perpendicular)
     return np.where(cos_t2 > 0, reflectance, 1.0), cos_t
+
+
+class AnisotropicTables(NamedTuple):
+    """Albedos of a reflector whose facets reflect all light, float32.
+
+    Attributes:
+        albedo: (ANISOTROPIES, ROUGHNESSES, COSINES, TERMS), the series in the azimuth.
+        mean: (ANISOTROPIES, ROUGHNESSES) the cosine-weighted mean over the hemisphere.
+
+    The roughness is that of the mean of both widths.
+    """
+
+    albedo: np.ndarray
+    mean: np.ndarray
+
+
+@functools.cache
+def anisotropic_tables() -> AnisotropicTables:
+    """The tables, which take some seconds the first time."""
+    alphas, cosine = nodes()
+    albedo = np.empty((ANISOTROPIES, len(alphas), len(cosine), TERMS))
+    series = np.cos(2 * np.outer(_AZIMUTHS, np.arange(TERMS)))
+    fit = np.linalg.pinv(series)
+    for i, ratio in enumerate(np.linspace(0, MOST, ANISOTROPIES)):
+        for j, alpha in enumerate(alphas):
+            widths = alpha * (1 + ratio), alpha * (1 - ratio)
+            values = [_azimuthal_albedo(widths, cosine, azimuth) for azimuth in _AZIMUTHS]
+            albedo[i, j] = (fit @ np.stack(values)).T
+    mean = hemisphere_mean(albedo[..., 0])
+    return AnisotropicTables(albedo.astype(np.float32), mean.astype(np.float32))
+
+
+def _azimuthal_albedo(
+    widths: tuple[float, float], cosine: np.ndarray, azimuth: float
+) -> np.ndarray:
+    """Share (N,) of the light from directions of given cosines (N,) that leaves at once.
+
+    A quadrature over visible facets. Source: Dupuy and Benyoub 2023, listing 1.
+    """
+    (u, v), (turn, height, weight) = widths, facet_nodes()
+    sine = np.sqrt(1 - cosine**2)
+    wi = np.stack([sine * np.cos(azimuth), sine * np.sin(azimuth), cosine])[..., None]
+    stretched = wi * np.array([u, v, 1.0])[:, None, None]
+    stretched = stretched / np.linalg.norm(stretched, axis=0)
+    z = height * (1 + stretched[2]) - stretched[2]
+    across = np.sqrt(np.maximum(1 - z * z, 0))
+    x = u * (across * np.cos(turn) + stretched[0])
+    y = v * (across * np.sin(turn) + stretched[1])
+    m = np.stack([x, y, z + stretched[2]])
+    m = m / np.linalg.norm(m, axis=0)
+    wo = 2 * np.clip((wi * m).sum(axis=0), 0, 1) * m - wi
+    slope2 = ((u * wo[0]) ** 2 + (v * wo[1]) ** 2) / np.maximum(wo[2], 1e-9) ** 2
+    masking = np.where(wo[2] > 0, 2 / (1 + np.sqrt(1 + slope2)), 0.0)
+    return masking @ weight
+
+
+# The first reflection by a rough white slab below an interface. The facets pass light from a
+# direction, which is then assumed to have their mean cosine in the slab. Of its first reflection by
+# a Lambertian slab, the interface passes the share passed_mean / eta^2, whatever the direction. EON
+# reflects more or less towards directions that the interface passes. The deviation is proportional
+# to `eon.deviation`, so that one table serves all roughnesses of the slab.
+
+
+class SlabTables(NamedTuple):
+    """A rough white slab below an interface, float32, for a base_diffuse_roughness of one.
+
+    Attributes:
+        inside: (I, ROUGHNESSES, COSINES) mean cosine in the slab.
+        excess: the same shape; ratio of the leaving light to that of a Lambertian slab, minus one.
+        excess_mean: (I, ROUGHNESSES) its mean over the transmitted part of diffuse light.
+    """
+
+    inside: np.ndarray
+    excess: np.ndarray
+    excess_mean: np.ndarray
+
+
+@functools.cache
+def slab_tables(eta: float | None = None) -> SlabTables:
+    """The tables of a white slab.
+
+    eta: the only index, I is 1; None: all of `indexnodes`.
+    """
+    known = tables(eta)
+    etas = indexnodes() if eta is None else np.array([eta])
+    inside = np.clip(known.inside.astype(np.float64), 0, 1)
+    passed, weight = between_nodes(1 - known.reflected.astype(np.float64), etas)
+    weights = passed * weight
+    weights /= weights.sum(-1, keepdims=True)
+    away, _ = between_nodes(inside)
+    single = np.empty_like(inside)
+    for k in range(inside.shape[-1]):
+        along = eon.single_over_azimuths(inside[..., k, None], away, 1.0)
+        single[..., k] = (weights * along).sum(-1)
+    lost = 1 - eon.single_albedo(inside, 1.0)
+    lost_mean = (weights * (1 - eon.single_albedo(away, 1.0))).sum(-1, keepdims=True)
+    excess = single + lost * lost_mean / (1 - eon.single_mean(1.0)) - 1
+    mean = (weights * between_nodes(excess)[0]).sum(-1)
+    return SlabTables(*(x.astype(np.float32) for x in (inside, excess, mean)))

@@ -1,4 +1,12 @@
-"""The Fresnel terms of OpenPBR's base under a thin film."""
+"""Thin-film iridescence of OpenPBR's base (section 3.3): its Fresnel terms under a film.
+
+The directional albedo of an interface is a mean, over visible facets, of the reflectance times
+masking. The film's reflectance is known only during rendering. It is evaluated at the nodes of a
+Gauss rule, which is exact for polynomials in the cosine to the facet.
+"""
+
+import functools
+from typing import NamedTuple
 
 import drjit as dr
 import mitsuba as mi
@@ -6,9 +14,9 @@ import numpy as np
 
 from urushi.checks import Widths
 from urushi.core import fresnel, metal, microfacet
-from urushi.openpbr import facet_rule, roughness, thin_film
+from urushi.openpbr import albedo_axes, albedos, formulas, thin_film
 from urushi.openpbr.inputs import Inputs
-from urushi.openpbr.plugins.albedo import (
+from urushi.openpbr.lookups import (
     InterfaceAlbedo,
     MirrorAlbedo,
     coordinates,
@@ -30,6 +38,9 @@ _LEAST = 1e-4
 #: Cosine whose reflectance stands for the mean of a metal's, which is nearly constant.
 _MEAN_COSINE = 0.66
 
+#: Nodes of a rule from one direction, and of one for diffuse light.
+NODES, MEAN_NODES = 4, 4
+
 
 class FilmFresnel:
     """Fresnel terms with the film, which covers the share `thin_film_weight` of the facets.
@@ -40,12 +51,12 @@ class FilmFresnel:
 
     def __init__(self, inputs: Inputs):
         self._inputs = inputs
-        rules = facet_rule.rules()
-        self._rule = interpolated(np.concatenate([rules.cosines, rules.weights], -1))
-        self._mean_rule = interpolated(np.concatenate([rules.mean_cosines, rules.mean_weights], -1))
+        known = rules()
+        self._rule = interpolated(np.concatenate([known.cosines, known.weights], -1))
+        self._mean_rule = interpolated(np.concatenate([known.mean_cosines, known.mean_weights], -1))
         indices = [inputs.known(name) for name in _INDICES]
         self._mirror, self._total = MirrorAlbedo(), None
-        if any(x is None for x in indices) or roughness.relative_index(*indices) < 1:
+        if any(x is None for x in indices) or formulas.relative_index(*indices) < 1:
             self._total = InterfaceAlbedo(None)
 
     def dielectric(self, cosine, eta, si, active):
@@ -73,7 +84,7 @@ class FilmFresnel:
     def excess(self, cosine, alpha, eta, si, active):
         """What the film adds to the light that a dielectric's facets reflect, a spectrum.
 
-        Over what they would reflect as mirrors; by the facets of `facet_rule`.
+        Over what they would reflect as mirrors; by the facets of `rules`.
         """
         rule = self._rule(coordinates(cosine, alpha, None))
         edge = self._edge(eta, si, active)
@@ -139,7 +150,7 @@ class FilmFresnel:
         base: the base's vertex. eta: its index relative to the coat.
         """
         inputs = self._inputs
-        index = dr.maximum(inputs.number("coat_ior", si, active), roughness.LEAST_INDEX)
+        index = dr.maximum(inputs.number("coat_ior", si, active), formulas.LEAST_INDEX)
         coat = self._coat_widths(si, active)
         lobe, cosine = microfacet.reflection_lobe(si.wi, wo, coat)
         top = dr.minimum(f, lobe * fresnel.dielectric(dr.abs(cosine), index)[0])
@@ -167,9 +178,9 @@ class FilmFresnel:
         """The coat's GGX width, or both of an anisotropic one."""
         rough = self._inputs.number("coat_roughness", si, active)
         if self._inputs.is_constant("coat_roughness_anisotropy", 0):
-            return roughness.lobe_width(rough, dr)
+            return formulas.lobe_width(rough, dr)
         bias = self._inputs.number("coat_roughness_anisotropy", si, active)
-        return Widths(*roughness.lobe_widths(rough, bias, dr))
+        return Widths(*formulas.lobe_widths(rough, bias, dr))
 
     def traverse(self, callback):
         """List the textures for `mi.traverse`."""
@@ -182,8 +193,8 @@ class FilmFresnel:
     def _film(self, si, active):
         names = *_INDICES, "thin_film_thickness"
         ior, coat_ior, coat, thickness = (self._inputs.number(n, si, active) for n in names)
-        ior, coat_ior = (dr.maximum(x, roughness.LEAST_INDEX) for x in (ior, coat_ior))
-        return thin_film.Film(roughness.relative_index(ior, coat_ior, coat), ior, thickness)
+        ior, coat_ior = (dr.maximum(x, formulas.LEAST_INDEX) for x in (ior, coat_ior))
+        return thin_film.Film(formulas.relative_index(ior, coat_ior, coat), ior, thickness)
 
     def _responses(self, si):
         if mi.is_monochromatic:
@@ -210,3 +221,60 @@ def _blurred(widths, coat, index):
     pairs = zip(microfacet.pair(widths), microfacet.pair(coat), strict=True)
     u, v = (dr.clip(dr.sqrt(a * a + turned * b * b), 0.01, 1) for a, b in pairs)
     return Widths(u, v)
+
+
+class Rules(NamedTuple):
+    """Gauss rules at the nodes of `albedos`, float32; weights have a sum of one.
+
+    Attributes:
+        cosines, weights: (ROUGHNESSES, COSINES, NODES) of the facets seen from a direction.
+        mean_cosines, mean_weights: (ROUGHNESSES, MEAN_NODES) of those that diffuse light meets.
+    """
+
+    cosines: np.ndarray
+    weights: np.ndarray
+    mean_cosines: np.ndarray
+    mean_weights: np.ndarray
+
+
+@functools.cache
+def rules() -> Rules:
+    """The rules of GGX facets with Smith's masking."""
+    alphas, cosine = albedo_axes.nodes()
+    found, means = [], []
+    light = albedo_axes.hemisphere_mean(np.eye(len(cosine)))
+    for alpha in alphas:
+        facets, weight = albedos.seen_facets(alpha, cosine)
+        found.append(gauss_rule(facets, weight, NODES))
+        weight = weight * light[:, None]
+        means.append(gauss_rule(facets.ravel(), weight.ravel(), MEAN_NODES))
+    tables = [np.stack(x) for pairs in (found, means) for x in zip(*pairs, strict=True)]
+    return Rules(*(table.astype(np.float32) for table in tables))
+
+
+def gauss_rule(x: np.ndarray, weight: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """The Gauss rules of discrete measures.
+
+    Args:
+        x: (..., K) points in [0, 1]. weight: their weights, not negative.
+        count: of nodes, N.
+
+    Returns:
+        Nodes within [0, 1] and weights of sum one, (..., N).
+
+    Source: Golub and Welsch 1969; the recurrence of orthogonal polynomials by Stieltjes' procedure.
+    """
+    weight = weight / weight.sum(-1, keepdims=True)
+    former, present = np.zeros_like(x), np.ones_like(x)
+    matrix = np.zeros((*x.shape[:-1], count, count))
+    for k in range(count):
+        matrix[..., k, k] = (weight * x * present**2).sum(-1)
+        following = (x - matrix[..., k, k, None]) * present
+        if k:
+            following -= matrix[..., k, k - 1, None] * former
+        norm = np.sqrt((weight * following**2).sum(-1))
+        if k + 1 < count:
+            matrix[..., k, k + 1] = matrix[..., k + 1, k] = norm
+        former, present = present, following / np.maximum(norm, 1e-300)[..., None]
+    nodes, vectors = np.linalg.eigh(matrix)
+    return np.clip(nodes, 0, 1), vectors[..., 0, :] ** 2

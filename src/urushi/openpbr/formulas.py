@@ -1,0 +1,255 @@
+"""The formulas of OpenPBR Surface 1.1.1, in the order of the specification.
+
+Section numbers are those of the specification (Andersson et al., OpenPBR Surface 1.1.1). All
+functions take NumPy or Dr.Jit arrays; `xp` is the module of their functions, NumPy or drjit.
+
+3.1    microfacet widths           `widths`, `lobe_widths`, `lobe_width`, `is_mirror`
+3.2    index of the base           `relative_index`, `modulated_index`, `base_index`
+3.2.2  glossy-diffuse base         `internal_reflectance`, `slab_albedo`, `promised`
+3.4    coat: medium and darkening  `optical_depth`, `mean_fresnel`, `boost`
+3.5    fuzz                        `fuzz_albedo`, `fuzz_density`
+
+The Fresnel terms are in `urushi.core` (`fresnel`, `metal`), the diffuse slab is
+`urushi.core.eon`, and section 3.3 is in `thin_film`.
+"""
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from urushi.checks import ETA_RANGE, MIN_ALPHA, MIN_INDEX_STEP
+
+#: Least index of refraction of a medium.
+LEAST_INDEX = 0.1
+
+#: Least coat_color: its optical depth is 6.9, from which nothing returns.
+LEAST_COLOR = 1e-6
+
+#: Least fuzz_roughness that the fits of the fuzz cover.
+LEAST_FUZZ_ROUGHNESS = 0.01
+
+
+# 3.1 Microfacet model
+
+
+def widths(roughness: Any, anisotropy: Any, xp: Any = np) -> tuple[Any, Any]:
+    """The GGX widths along the tangent and across it: alpha_t^2 + alpha_b^2 = 2 roughness^4.
+
+    roughness, anisotropy: in [0, 1].
+
+    Returns:
+        (alpha_t, alpha_b), zero or more; alpha_t may exceed one.
+    """
+    ratio = 1 - anisotropy
+    along = roughness * roughness * xp.sqrt(2 / (1 + ratio * ratio))
+    return along, ratio * along
+
+
+def lobe_widths(roughness: Any, anisotropy: Any, xp: Any = np) -> tuple[Any, Any]:
+    """`widths` clipped to [0.01, 1], which the interfaces take: a mirror has the narrowest lobe."""
+    along, across = widths(roughness, anisotropy, xp)
+    return tuple(xp.clip(width, MIN_ALPHA, 1) for width in (along, across))
+
+
+def lobe_width(roughness: Any, xp: Any = np) -> Any:
+    """The one of `lobe_widths` of an isotropic surface: roughness squared."""
+    return xp.clip(roughness * roughness, MIN_ALPHA, 1)
+
+
+def is_mirror(roughness: float) -> bool:
+    """Whether the lobe of an isotropic surface is narrower than the narrowest that is evaluated."""
+    return roughness * roughness < MIN_ALPHA
+
+
+# 3.2 Base substrate: the index of the dielectric base
+
+
+def relative_index(ior: Any, coat_ior: Any, coat_weight: Any) -> Any:
+    """An index relative to the medium above: air, the coat, or linear in between (3.4).
+
+    ior, coat_ior: positive. coat_weight: in [0, 1].
+    """
+    return ior + coat_weight * (ior / coat_ior - ior)
+
+
+def modulated_index(ratio: Any, specular_weight: Any, xp: Any = np) -> Any:
+    """The relative index whose reflectance at normal incidence is specular_weight times another's.
+
+    ratio: the other relative index, positive. specular_weight: zero or more.
+
+    Returns:
+        A positive ratio, on the same side of one; 1 where the interface vanishes. The reflectance
+        is at most 0.98.
+    """
+    amplitude = (ratio - 1) / (ratio + 1)  # the signed root of the reflectance
+    # An amplitude of one would be an index without bound; the interfaces end far below.
+    scaled = xp.clip(amplitude * xp.sqrt(specular_weight), -0.99, 0.99)
+    return (1 + scaled) / (1 - scaled)
+
+
+def base_index(
+    specular_ior: Any, coat_ior: Any, coat_weight: Any, specular_weight: Any, xp: Any = np
+) -> Any:
+    """The index of the dielectric base relative to the medium above it.
+
+    An index below one reflects totally at grazing angles, which light refracted by a smooth coat
+    does not reach. The specification (3.4.4) recommends the inverse ratio where refraction by the
+    coat is not followed; here it is followed.
+    """
+    ratio = relative_index(specular_ior, coat_ior, coat_weight)
+    return modulated_index(ratio, specular_weight, xp)
+
+
+def interface_index(ratio: Any, xp: Any = np) -> Any:
+    """A relative index within what the walk takes: in [0.5, 3], and a step away from one."""
+    ratio = xp.clip(ratio, *ETA_RANGE)
+    # Of single precision, whose 1.001 is a little less than the step away from one.
+    step = MIN_INDEX_STEP + 1e-7
+    where = xp.where if xp is np else xp.select
+    return where(xp.abs(ratio - 1) < step, where(ratio < 1, 1 - step, 1 + step), ratio)
+
+
+# 3.2.2 Glossy-diffuse. The interface conserves energy and has the directional reflectance E(w). It
+# passes 1 - E(w) of the light to a diffuse slab, whose reflection does not depend on the direction.
+# All orders of reflection between both are a geometric series.
+
+
+def internal_reflectance(passed_mean: Any, eta: Any) -> Any:
+    """Share of diffuse light from below that the interface reflects down again.
+
+    passed_mean: the cosine-weighted mean of 1 - E over the hemisphere above.
+    eta: index of the slab relative to the medium above.
+
+    Returns:
+        1 - passed_mean / eta^2, in [0, 1).
+
+    Source: reciprocity of the transmitted radiance; for smooth interfaces Elias and Elias 2001.
+    """
+    return 1 - passed_mean / (eta * eta)
+
+
+def slab_albedo(color: Any, internal: Any) -> Any:
+    """The albedo rho of the diffuse slab that gives the base the colour base_color.
+
+    The specification defines base_color as the share of the transmitted light that leaves again
+    at normal incidence, (1 - internal) rho / (1 - rho internal); this is solved for rho.
+
+    color: base_weight times base_color, in [0, 1]. internal: of `internal_reflectance`.
+
+    Returns:
+        rho, in [0, 1], at least `color`.
+    """
+    return color / (1 - internal + color * internal)
+
+
+def promised(rho: Any, internal: Any) -> Any:
+    """The inverse of `slab_albedo`: the share of the transmitted light that leaves again."""
+    return (1 - internal) * rho / (1 - rho * internal)
+
+
+# 3.4 Coat
+
+
+def optical_depth(coat_color: Any, xp: Any = np) -> Any:
+    """The optical depth of the coat, which absorbs and does not scatter.
+
+    coat_color is the square of the transmittance at normal incidence, exp(-2 sigma_t); values
+    below `LEAST_COLOR` count as `LEAST_COLOR`.
+
+    Returns:
+        sigma_t, zero or more, of the same shape; 0.0 where the colour is one.
+    """
+    return xp.abs(0.5 * xp.log(xp.clip(coat_color, LEAST_COLOR, 1)))
+
+
+class Base(NamedTuple):
+    """The base below the coat, for the estimate of its darkening (3.4.1).
+
+    Attributes:
+        albedo: directional albedo at normal incidence, per channel.
+        roughness: specular_roughness.
+        metalness: base_metalness.
+        reflectance: of the dielectric base's interface at normal incidence.
+    """
+
+    albedo: Any
+    roughness: Any
+    metalness: Any
+    reflectance: Any
+
+
+def mean_fresnel(eta: Any, xp: Any = np) -> Any:
+    """Cosine-weighted mean of the Fresnel reflectance of a smooth dielectric of index eta >= 1.
+
+    Source: Kulla and Conty 2017, a fit, within 0.1 % of one.
+    """
+    return xp.log((10893 * eta - 1438.2) / (-774.4 * eta * eta + 10212 * eta + 1))
+
+
+def internal(coat_eta: Any, base: Base, xp: Any = np) -> Any:
+    """Share K of the light leaving the base that the coat's interface returns to it (3.4.1).
+
+    It lies between the share of diffuse light and that of light along the normal, by the roughness
+    of the base.
+    """
+    diffuse = internal_reflectance(1 - mean_fresnel(coat_eta, xp), coat_eta)
+    root = (coat_eta - 1) / (coat_eta + 1)
+    dielectric = 1 + (base.roughness - 1) * base.reflectance
+    rough = dielectric + (base.roughness - dielectric) * base.metalness
+    return root * root + (diffuse - root * root) * rough
+
+
+def boost(darkening: Any, coat_eta: Any, base: Base, xp: Any = np) -> Any:
+    """The factor B of the base's BRDF under the coat for a coat_darkening in [0, 1] (3.4.1).
+
+    The darkening results from the light transport between the layers. B cancels it: 1 for a
+    darkening of one. For zero the coated albedo at normal incidence is F0 + (1 - F0) E_b, which
+    needs a base of albedo E_b / (1 - K + K E_b): the specification's Delta = (1 - K) /
+    (1 - B E_b K) with B Delta = 1.
+
+    Returns:
+        Per channel, at least one.
+    """
+    k = internal(coat_eta, base, xp)
+    undarkened = 1 / (1 - k + k * base.albedo)
+    return 1 + (undarkened - 1) * (1 - darkening)
+
+
+# 3.5 Fuzz: a layer of fibres, whose reflection is a linearly transformed cosine (Zeltner, Burley
+# and Chiang 2022, Practical multiple-scattering sheen), by the rational fits of MaterialX.
+
+
+def fuzz_albedo(cosine: Any, roughness: Any, xp: Any) -> Any:
+    """Share of the light from a direction of a cosine in [0, 1] that white fuzz reflects."""
+    x, y = cosine, xp.clip(roughness, LEAST_FUZZ_ROUGHNESS, 1)
+    s = y * (0.0206607 + 1.58491 * y) / (0.0379424 + y * (1.32227 + y))
+    m = y * (-0.193854 + y * (-1.14885 + y * (1.7932 - 0.95943 * y * y))) / (0.046391 + y)
+    o = y * (0.000654023 + y * (-0.0207818 + 0.119681 * y)) / (1.26264 + y * (-1.92021 + y))
+    t = (x - m) / s
+    value = xp.exp(-0.5 * t * t) / (s * math.sqrt(2 * math.pi)) + o
+    return xp.clip(value, 0, 1)
+
+
+def fuzz_density(cosine: Any, up: Any, across: Any, roughness: Any, xp: Any) -> Any:
+    """The fuzz's lobe over its cosine: a density over the upper hemisphere is `up` times it [1/sr].
+
+    The inverse transform is [[a, 0, b], [0, a, 0], [0, 0, 1]], and b = c sin.
+
+    Args:
+        cosine: of the given direction.
+        up: cosine of the other.
+        across: product of both sines and of the cosine between the azimuths. It takes no azimuth,
+            which the normal does not have.
+        roughness: fuzz_roughness.
+        xp: see the module.
+    """
+    x, y = cosine, xp.clip(roughness, LEAST_FUZZ_ROUGHNESS, 1)
+    a = (2.58126 * x + 0.813703 * y) * y / (1 + 0.310327 * x * x + 2.60994 * x * y)
+    # The fit of b has the factor sqrt(1 - x), the sine over sqrt(1 + x).
+    c = (y - 1) * y * y * y / xp.sqrt(1 + x)
+    c = c / (2.54053e-5 + 1.71228 * x - 1.71506 * x * y + 1.34174 * y * y)
+    b2 = c * c * (1 - cosine * cosine)
+    length2 = a * a * (1 - up * up) + up * (2 * a * c * across + (1 + b2) * up)
+    ratio = a / length2
+    return ratio * ratio / math.pi
