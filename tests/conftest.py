@@ -18,31 +18,6 @@ from urushi.platform import available_cores
 
 ROOT = Path(__file__).resolve().parents[1]
 
-#: The files whose tests take longest, the longest first. Workers take files in this order, so that
-#: none is left alone with a long file at the end.
-LONGEST_FILES = (
-    "scenes/test_scenes.py",
-    "train/test_loop.py",
-    "train/test_devices.py",
-    "docs/test_examples.py",
-    "fan2022/test_training.py",
-    "fan2022/test_kernels.py",
-    "render/latents/test_textures.py",
-    "render/plugins/test_frozen.py",
-    "render/latents/test_gradients.py",
-    "train/test_decoding.py",
-    "train/test_losses.py",
-    "render/plugins/test_wrappers.py",
-    "train/test_examples.py",
-    "render/plugins/test_plugins.py",
-    "train/test_layering.py",
-    "train/test_quadratic_loss.py",
-    "reference/test_walk.py",
-    "render/plugins/test_bias.py",
-    "render/plugins/test_sampling.py",
-    "train/test_learning.py",
-)
-
 os.environ["URUSHI_CACHE"] = "off"  # textures are baked anew in every test
 
 # JAX reads these when it is imported, which the conftest of a folder may do before
@@ -69,17 +44,20 @@ def pytest_configure(config: pytest.Config) -> None:
             os.environ.setdefault("XLA_FLAGS", "--xla_cpu_multi_thread_eigen=false")
 
 
-#: Folders of tests whose subject is not in the wheel; `make test-research` runs them.
-RESEARCH = ("benchmarks", "figures", "gallery", "research")
+#: Folders of tests by their tier: a marker, and the subjects that no user's machine needs to prove.
+TIERS = {
+    "slow": ("train",),  # each loss and stage compiles for seconds
+    "research": ("benchmarks", "figures", "gallery", "research"),  # not in the wheel
+}
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark the tests of the laboratory, and sort all by file, the longest first."""
+    """Mark the tests of whole folders."""
     for item in items:
-        if item.path.relative_to(ROOT / "tests").parts[0] in RESEARCH:
-            item.add_marker("research")
-    place = {ROOT / "tests" / name: index for index, name in enumerate(LONGEST_FILES)}
-    items.sort(key=lambda item: place.get(item.path, len(place)))
+        folder = item.path.relative_to(ROOT / "tests").parts[0]
+        for marker, folders in TIERS.items():
+            if folder in folders:
+                item.add_marker(marker)
 
 
 @pytest.fixture(scope="session")

@@ -9,6 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
 
@@ -47,7 +49,6 @@ def test_readme(tmp_path):
     assert (tmp_path / "lacquer.safetensors").is_file()
 
 
-@pytest.mark.slow
 def test_tutorial(tmp_path):
     """Every picture of the page is made."""
     run(tmp_path, DOCS / "tutorial" / "first_coat.py", tmp_path, "--size", "16", "--spp", "2")
@@ -100,7 +101,6 @@ wi, wo = np.array([[0.0, 0.6, 0.8]]), np.array([[0.0, -0.6, 0.8]])
     run(tmp_path, "-c", before + "\n".join(blocks) + after)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("scene", sorted(DOCS.glob("cookbook/*.xml")), ids=lambda path: path.stem)
 def test_cookbook(scene, tmp_path):
     size = ("-D", "width=12", "-D", "height=8", "--spp", "1")

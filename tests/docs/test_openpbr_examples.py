@@ -24,6 +24,7 @@ def materials(table):
     return {name: (row[0].strip(), row[1]) for row in rows for name in row[3].strip().split(", ")}
 
 
+@pytest.mark.slow
 def test_the_table_is_true(module, openpbr_examples):
     """It may be behind: a material that it calls refused may be rendered by now."""
     page = module.PAGE.read_text(encoding="utf-8")

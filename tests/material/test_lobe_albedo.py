@@ -62,12 +62,19 @@ def test_no_lobes_have_no_albedos():
         assert found.shape == (0, 3, len(rule.cosines))
 
 
-@pytest.mark.parametrize("fresnel", [name for name in FRESNEL if name != "inside"])
-@pytest.mark.parametrize("pair", [(0.05, 0.4), (0.4, 0.05), (0.2, 0.1), (0.02, 0.02)])
+@pytest.mark.parametrize(
+    ("pair", "fresnel"),
+    [
+        ((0.05, 0.4), "white"),
+        ((0.4, 0.05), "gold"),
+        ((0.2, 0.1), "schlick"),
+        ((0.02, 0.02), "glass"),
+    ],
+)
 def test_two_widths_agree_with_a_fine_quadrature(pair, fresnel, monkeypatch):
     """To 0.004, from 4 degrees above the horizon, at azimuths between the axes as well."""
-    monkeypatch.setattr(quadrature, "POLAR_NODES", 512)
-    monkeypatch.setattr(quadrature, "AZIMUTH_NODES", 256)
+    monkeypatch.setattr(quadrature, "POLAR_NODES", 256)
+    monkeypatch.setattr(quadrature, "AZIMUTH_NODES", 128)
     cosines = np.array([1.0, 0.9, 0.6, 0.3, 0.15, 0.07])
     azimuths = np.array([0.0, 0.5, 0.2, 1.2, 0.9, 0.5 * np.pi])
     sines = np.sqrt(1 - cosines**2)

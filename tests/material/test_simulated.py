@@ -34,10 +34,10 @@ def encoded():
 
 def test_the_fitted_code_is_closer_to_the_walk(encoded):
     """On pairs and walks that the fit has not seen."""
-    wi, wo = cosine_pairs(np.random.default_rng(7), 200)
+    wi, wo = cosine_pairs(np.random.default_rng(7), 100)
     errors = []
     for name, stack in STACKS.items():
-        f = simulate(stack, wi, wo, walks=1 << 14, seed=70)[0].T
+        f = simulate(stack, wi, wo, walks=1 << 13, seed=70)[0].T
         errors.append(
             [
                 error_metrics.stack_error(m.f(wi, wo).T, f, wi[:, 2], wo[:, 2]).mean()

@@ -25,7 +25,7 @@ def test_the_proposal_beats_the_cosine_on_glossy_materials(trained):
 def test_a_faint_rest_does_not_spoil_coats(trained):
     """A white metal with half a per cent of diffuse light, under a smooth coat, against the walk.
 
-    The lobe alone is within 1 % in E, and the walk's noise is 0.7 %. A code of the faint rest led
+    The lobe alone is within 1 % in E, and the walk's noise is 1.0 %. A code of the faint rest led
     to an E of 9 %.
     """
     surface = {
@@ -43,7 +43,7 @@ def test_a_faint_rest_does_not_spoil_coats(trained):
     def f(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         return analytic.rows("mixture", columns, np.zeros(len(wi), np.uint32), wi, wo)
 
-    wi, wo = cosine_pairs(np.random.default_rng(7), 300)
-    walked, _ = walk_pairs(stack, np.zeros(300, np.uint32), wi, wo, walks=8192, seed=3)
+    wi, wo = cosine_pairs(np.random.default_rng(7), 100)
+    walked, _ = walk_pairs(stack, np.zeros(100, np.uint32), wi, wo, walks=4096, seed=3)
     coated = layer(dielectric(0.03, 1.5), encode(f, trained)).f(wi, wo)[:, 0]
     assert stack_error(coated[None], walked[None], wi[:, 2], wo[:, 2])[0] < 0.03

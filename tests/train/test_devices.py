@@ -63,7 +63,7 @@ def four(tiny_data, tmp_path_factory):
     return json.loads(run.stdout), weights.read(folder / "weights.safetensors")
 
 
-@pytest.mark.slow
+@pytest.mark.research
 def test_each_device_has_its_share_of_the_stacks_and_all_parameters(four, tiny):
     shapes, steps = four[0]["Batch"], tiny.stages[0].schedule.steps_per_call
     assert shapes["f"] == [[steps, 4, tiny.pairs]] * 4  # 16 stacks a step
@@ -77,7 +77,7 @@ def test_each_device_has_its_share_of_the_stacks_and_all_parameters(four, tiny):
     assert shapes["weight"] == [[12 + 18, 24]] * 4
 
 
-@pytest.mark.slow
+@pytest.mark.research
 def test_four_devices_learn_the_same_as_one(four, tiny, tiny_data, tmp_path):
     one = train(dataclasses.replace(tiny, stages=tiny.stages[:2]), data=tiny_data, run=tmp_path)
     model = four[1]
@@ -94,7 +94,7 @@ def test_four_devices_learn_the_same_as_one(four, tiny, tiny_data, tmp_path):
         assert model.header["metrics"][name] == pytest.approx(value, rel=1e-2)
 
 
-@pytest.mark.slow
+@pytest.mark.research
 def test_stacks_that_do_not_divide_use_fewer_devices_or_are_refused(four):
     assert four[0]["six stacks"] == 3
     assert "a step uses 7 stacks, which 4 devices cannot share evenly" in four[0]["error"]

@@ -20,6 +20,8 @@ from urushi.train.stages.joint import joint_loss
 from urushi.train.stages.sampling import Targets, sampler_loss, variation
 from urushi.walk import analytic, conductor
 
+pytestmark = pytest.mark.research
+
 ARCH = Architecture(
     latent=10, decoder=(32, 32), encoder=(8,), layerer=(4,), sampler=(16,), probes=32
 )

@@ -55,9 +55,9 @@ def log(folder):
     "saves",
     [
         pytest.param(2, id="before the layerer is widened"),
-        pytest.param(4, id="within layering", marks=pytest.mark.slow),
-        pytest.param(7, id="within decoding", marks=pytest.mark.slow),
-        pytest.param(13, id="within sampling"),
+        pytest.param(4, id="within layering", marks=pytest.mark.research),
+        pytest.param(7, id="within decoding", marks=pytest.mark.research),
+        pytest.param(13, id="within sampling", marks=pytest.mark.research),
     ],
 )
 def test_an_interrupted_training_resumes_to_the_same_bits(

@@ -46,6 +46,7 @@ def test_as_in_python(rgb, merl_file, coated, random_directions, tmp_path):
     np.testing.assert_array_equal(evaluated(rgb, again, wi, wo), evaluated(rgb, bsdf, wi, wo))
 
 
+@pytest.mark.slow
 def test_over_saved_and_coated_materials(rgb, measured, coated, tmp_path):
     measured.save(tmp_path / "bare")
     over_file = plugin(rgb, {"type": "neural_brdf", "filename": str(tmp_path / "bare")})
@@ -73,18 +74,19 @@ def test_textured_coats_lie_over_the_codes(rgb, merl_file):
     assert bsdf.latents.resolution is not None
 
 
+SLOW = pytest.mark.slow
 TABULATED, TEXTURED, ANISOTROPIC = {"alpha": 0.1}, {"alpha": 0.2}, {"alpha_u": 0.05, "alpha_v": 0.3}
 
 
 @pytest.mark.parametrize(
     ("bottom", "coat", "tolerance"),
     [
-        ({"type": "pplastic", "alpha": 0.1}, TABULATED, 0.03),
-        ({"type": "roughplastic", "alpha": 0.05}, TABULATED, 0.03),
         ({"type": "principled", "clearcoat": 1.0, "clearcoat_gloss": 0.9}, TABULATED, 0.03),
         ({"type": "pplastic", "alpha": 0.1}, TEXTURED, 0.08),
-        ({"type": "openpbr", "specular_roughness": 0.15}, TEXTURED, 0.08),
-        ({"type": "openpbr", "specular_roughness": 0.15}, ANISOTROPIC, 0.08),
+        pytest.param({"type": "roughplastic", "alpha": 0.05}, TABULATED, 0.03, marks=SLOW),
+        pytest.param(
+            {"type": "openpbr", "specular_roughness": 0.15}, ANISOTROPIC, 0.08, marks=SLOW
+        ),
     ],
 )
 def test_albedo_over_dielectrics_is_that_of_the_walk(rgb, bottom, coat, tolerance):

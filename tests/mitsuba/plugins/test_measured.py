@@ -58,25 +58,6 @@ def test_under_layered_values_agree_with_the_simulation(rgb, merl_file):
     assert np.mean(z**2) < 2
 
 
-def test_under_neural_layered_the_refined_code_is_layered(rgb, merl_file):
-    bsdf = rgb.load_dict(
-        {
-            "type": "neural_layered",
-            "int_ior": 1.5,
-            "ext_ior": 1.0,
-            **COAT,
-            "base": {"type": "measured_brdf", "filename": str(merl_file)},
-        }
-    )
-    medium = {name: COAT[name] for name in ("albedo", "sigma_t", "g")}
-    top, table = urushi.dielectric(COAT["alpha"], 1.5), urushi.load_measured(merl_file)
-    expected = urushi.layer(top, table, **medium)
-    codes = bsdf.latents.at(np.full((1, 2), 0.5))[0]
-    np.testing.assert_allclose(codes, expected.latents, atol=2e-6)  # the rounding of float32
-    refined = urushi.layer(top, urushi.encode(table, refine=True), **medium)
-    assert expected == refined != urushi.layer(top, table, refine=False, **medium)
-
-
 def test_errors_name_mistakes(rgb, tmp_path):
     with pytest.raises(RuntimeError, match="measured_brdf has no filename; give a MERL or RGL"):
         rgb.load_dict({"type": "measured_brdf"})

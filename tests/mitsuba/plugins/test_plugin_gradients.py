@@ -5,8 +5,15 @@ import numpy as np
 import pytest
 from benchmarks.quality.gradients import SLOPES, coated, slopes, spread
 
+#: Cases of the first tier and of the second; the others are for the third, at the ends of ranges.
+FIRST = ("black diffuse", "white diffuse", "rough gold")
+SECOND = ("openpbr", "absent coat", "white medium", "no medium")
+RARE = {name: pytest.mark.slow if name in SECOND else pytest.mark.research for name in SLOPES}
 
-@pytest.mark.parametrize("case", SLOPES)
+
+@pytest.mark.parametrize(
+    "case", [pytest.param(name, marks=() if name in FIRST else RARE[name]) for name in SLOPES]
+)
 def test_slopes_are_those_of_the_walk(rgb, case):
     """With the same bits of f as without gradients."""
     found = slopes(case)
