@@ -111,6 +111,3 @@ export interface Core {
    */
   table(material: Material, options: TableOptions): Float32Array;
 }
-
-export { loadCore } from "./core";
-export { FileError } from "./safetensors";

@@ -3,6 +3,7 @@
 import { signal } from "@preact/signals";
 import type { Material, Stack } from "../core/api";
 import { Superseded } from "../core/client";
+import { sequenceSteps } from "../core/probe_pairs";
 import type { Estimate } from "../core/walk/reference";
 import {
   ANISOTROPIC_COARSE,
@@ -25,9 +26,6 @@ export const TABLE_ROWS = {
   1: { azimuths: 1, cosines: 64 },
   2: { azimuths: 8, cosines: 32 },
 } as const;
-
-/** Steps of the sequence of directions (Roberts 2018). */
-export const STEPS = [0.8191725133961645, 0.6710436067037893, 0.5497004779019703] as const;
 
 /** Shifted tables whose mean the picture at rest is. */
 export const MOST_TABLES = 48;
@@ -255,7 +253,11 @@ export class Slot {
 
 /** The shift by which a table goes on where the one before it has ended. */
 export function shiftOf(place: number): [number, number, number] {
-  const [x, y, z] = STEPS.map((step) => (step * SAMPLES * place) % 1) as [number, number, number];
+  const [x, y, z] = sequenceSteps(3).map((step) => (step * SAMPLES * place) % 1) as [
+    number,
+    number,
+    number,
+  ];
   return [x, y, z];
 }
 

@@ -3,10 +3,10 @@
 import { computed, effect, signal } from "@preact/signals";
 import { type MaterialCards, stackOf } from "../material/material";
 import { meanCodes } from "../material/texture";
-import { type Light, lightsOf } from "../picture/environment";
+import { lightsOf } from "../picture/environment";
 import { NoGraphics } from "../picture/gl";
 import { noPictureYet, Painter } from "../picture/painter";
-import type { Panorama } from "../picture/panorama";
+import type { Light, Panorama } from "../picture/panorama";
 import { Renderer, type Shot } from "../picture/renderer";
 import { Refusal } from "../refusal";
 import { exrFile, type Radiance } from "../save/exr";

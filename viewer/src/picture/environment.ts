@@ -2,20 +2,10 @@
 
 import type { EnvironmentName } from "../state/state";
 import { cover, coverProgram, filters, type Gl, type Program, readRgb } from "./gl";
-import type { Panorama } from "./panorama";
+import type { Light, Panorama } from "./panorama";
 import halveSource from "./shaders/halve.frag?raw";
 import panoramaSource from "./shaders/panorama.frag?raw";
 import placesSource from "./shaders/places.frag?raw";
-
-/** A light that is so small and bright that it is evaluated directly. */
-export interface Light {
-  direction: readonly [number, number, number];
-  /** Irradiance at normal incidence, red, green and blue. */
-  power: readonly [number, number, number];
-}
-
-/** The shader has room for so many. */
-export const MOST_LIGHTS = 4;
 
 /** Texels along a side of a face. */
 export const SIDE = 256;

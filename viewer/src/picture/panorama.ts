@@ -1,7 +1,6 @@
 /** Panoramas: reading Radiance's .hdr files, and taking the bright lights out of them. */
 
 import { Refusal } from "../refusal";
-import { type Light, MOST_LIGHTS } from "./environment";
 
 /** A picture of all directions: width twice the height, the zenith in the first row. */
 export interface Panorama {
@@ -10,6 +9,16 @@ export interface Panorama {
   /** (height, width, 3) linear radiance. */
   pixels: Float32Array;
 }
+
+/** A light that is so small and bright that it is evaluated directly. */
+export interface Light {
+  direction: readonly [number, number, number];
+  /** Irradiance at normal incidence, red, green and blue. */
+  power: readonly [number, number, number];
+}
+
+/** The shader has room for so many. */
+export const MOST_LIGHTS = 4;
 
 const MOST_PIXELS = 8192 * 4096;
 

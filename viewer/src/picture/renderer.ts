@@ -1,16 +1,16 @@
 /** Draws the object with one or two materials, and gathers frames until the picture is smooth. */
 
-import { STEPS } from "../engine/engine";
+import { sequenceSteps } from "../core/probe_pairs";
 import type { ShownTexture } from "../engine/textures";
 import type { Radiance } from "../save/exr";
 import type { Comparison, EnvironmentName, ObjectName, View } from "../state/state";
 import type { AnisotropicSize } from "./anisotropic_table";
 import { brightTexels, directionTexels, FAR, NEAR, type TableSize } from "./bright_table";
 import { type Camera, cameraOf } from "./camera";
-import { EnvironmentMap, type Light, lightsOf, MOST_LIGHTS, SIDE } from "./environment";
+import { EnvironmentMap, lightsOf, SIDE } from "./environment";
 import { contextOf, cover, coverProgram, filters, type Gl, included, Program } from "./gl";
 import { type Mesh, meshOf, VERTEX_NUMBERS } from "./meshes";
-import type { Panorama } from "./panorama";
+import { type Light, MOST_LIGHTS, type Panorama } from "./panorama";
 import anisotropicSource from "./shaders/anisotropic.glsl?raw";
 import backdropSource from "./shaders/backdrop.frag?raw";
 import basisSource from "./shaders/basis.glsl?raw";
@@ -488,7 +488,11 @@ function padded(vectors: (readonly number[])[]): Float32Array {
 
 /** The place where a sequence of directions goes on after so many (Roberts 2018). */
 function sequence(place: number): [number, number, number] {
-  const [x, y, z] = STEPS.map((step) => (0.5 + step * place) % 1) as [number, number, number];
+  const [x, y, z] = sequenceSteps(3).map((step) => (0.5 + step * place) % 1) as [
+    number,
+    number,
+    number,
+  ];
   return [x, y, z];
 }
 

@@ -1,8 +1,8 @@
 /** What the page shows as a scene of Mitsuba 3: an archive of XML, mesh, environment and material. */
 
 import { cameraOf } from "../picture/camera";
-import type { Light } from "../picture/environment";
 import { type Mesh, meshOf } from "../picture/meshes";
+import type { Light } from "../picture/panorama";
 import type { ObjectName, View } from "../state/state";
 import { plyFile } from "./ply";
 import { zipFile } from "./zip";
