@@ -78,7 +78,7 @@ def _is_bottom(name: str) -> bool:
 
 def _picture(material: Any) -> bytes:
     """The picture of a material in a notebook."""
-    from urushi.eval.display import png
+    from urushi.eval.sheet import png
 
     return png(material)
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import urushi
-from urushi.eval import display, sphere
+from urushi.eval import sheet, sphere
 from urushi.material import Material
 
 
@@ -16,10 +16,10 @@ from urushi.material import Material
 def small_spheres(monkeypatch):
     """Spheres of 24 x 24 pixels, whose nodes take a fraction of the time."""
     monkeypatch.setattr(sphere, "RINGS", 12)
-    for cached in (sphere.nodes, sphere._white, display.png):
+    for cached in (sphere.nodes, sphere._white, sheet.png):
         cached.cache_clear()
     yield
-    for cached in (sphere.nodes, sphere._white, display.png):
+    for cached in (sphere.nodes, sphere._white, sheet.png):
         cached.cache_clear()
 
 

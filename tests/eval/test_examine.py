@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from urushi.errors import FileError, ParameterError
-from urushi.eval import examine, metrics
+from urushi.eval import examine, likeness, metrics
 from urushi.eval.examine import ALBEDO_ANGLES, INCIDENT, OUTGOING
-from urushi.eval.plots import likeness
 from urushi.material import Material, encode
 from urushi.nets.architecture import Architecture, init
 from urushi.nets.weights import Model

@@ -108,7 +108,7 @@ def test_json_has_the_same_figures(result, tmp_path):
 
 def test_report_reads_the_weights_and_writes_the_folder(result, sets, tiny, tmp_path, monkeypatch):
     pytest.importorskip("matplotlib", reason="the extra 'eval' is not installed")
-    from urushi.eval.plots import lobes
+    from urushi.eval import plots
 
     seen = {}
 
@@ -118,7 +118,7 @@ def test_report_reads_the_weights_and_writes_the_folder(result, sets, tiny, tmp_
 
     monkeypatch.setattr(report, "measure", measure)
     monkeypatch.setattr(benchmark, "read", lambda: sets)
-    monkeypatch.setattr(lobes, "WALKS", 16)
+    monkeypatch.setattr(plots, "WALKS", 16)
     weights.save(tmp_path / "w.safetensors", tiny.arch, tiny.params, {})
     text = report.report(tmp_path / "w.safetensors", tmp_path / "new" / "figures")
     assert seen["model"].fingerprint == tiny.fingerprint and "the stored set" in text

@@ -14,9 +14,10 @@ from urushi.nets import lobe
 from urushi.nets.architecture import Architecture, init
 from urushi.nets.decoder import decode
 from urushi.nets.features import direction_features
+from urushi.train import losses
 from urushi.train.examples import Batch
 from urushi.train.losses import squared_errors, stack_weights
-from urushi.train.stages import decoding, energy_weights, joint
+from urushi.train.stages import decoding, joint
 from urushi.train.stages.quadratic_loss import quadratic_expansion
 
 PAIRS = 1 << 18
@@ -27,7 +28,7 @@ def pairs():
     """Training pairs, and the weights that make their means integrals of cos^2 cos^2."""
     wi, wo = direction_sets.anisotropic_pairs(np.random.default_rng(1), PAIRS)
     features = jnp.asarray(direction_features(wi, wo, 2))
-    return wi, wo, np.asarray(energy_weights.cosines_over_density(features), np.float64)
+    return wi, wo, np.asarray(losses.cosines_over_density(features), np.float64)
 
 
 def test_the_mean_over_training_pairs_is_the_integral_over_both_hemispheres(pairs):
@@ -72,11 +73,11 @@ def test_weights_have_mean_one_and_do_not_follow_scale(pairs):
     wi, wo, _ = (part[:4096] for part in pairs)
     features = jnp.asarray(direction_features(wi, wo, 2)).reshape(64, 64, -1)
     f = 0.1 + np.random.default_rng(3).random((64, 64)).astype(np.float32)
-    weights = np.asarray(energy_weights.energy_weights(jnp.asarray(f), features))
+    weights = np.asarray(losses.energy_weights(jnp.asarray(f), features))
     assert (weights >= 0).all()
-    assert (weights.max(-1) < energy_weights.LARGEST).all()
+    assert (weights.max(-1) < losses.LARGEST_WEIGHT).all()
     np.testing.assert_allclose(weights.mean(-1), 1, rtol=1e-5)
-    twice = np.asarray(energy_weights.energy_weights(jnp.asarray(2 * f), features))
+    twice = np.asarray(losses.energy_weights(jnp.asarray(2 * f), features))
     np.testing.assert_allclose(twice, weights, rtol=1e-5)
 
 
@@ -92,7 +93,7 @@ def test_the_slope_is_that_of_the_weighted_loss(pairs, share):
 
     def loss(z):
         f_hat = top + decode(params, arch, z[:, None], features)
-        weights = 1 - share + share * energy_weights.energy_weights(f_hat, features)
+        weights = 1 - share + share * losses.energy_weights(f_hat, features)
         squares = squared_errors(f_hat, f)
         return jnp.mean(weights * stack_weights(weights * squares) * squares)
 
@@ -126,5 +127,5 @@ def test_joint_and_decoding_loss_weigh_pairs_alike(pairs):
 def test_networks_of_one_width_have_no_energy_weights():
     features = jnp.zeros((2, 8, 8))
     with pytest.raises(ParameterError, match="energy_share"):
-        energy_weights.pair_weights(jnp.ones((2, 8)), features, 0.5)
-    assert energy_weights.pair_weights(jnp.ones((2, 8)), features, 0.0) == 1.0
+        losses.pair_weights(jnp.ones((2, 8)), features, 0.5)
+    assert losses.pair_weights(jnp.ones((2, 8)), features, 0.0) == 1.0

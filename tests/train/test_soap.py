@@ -6,8 +6,7 @@ import numpy as np
 import optax
 import pytest
 
-from urushi.train.optimiser import Schedule, compile_steps, start
-from urushi.train.soap import soap
+from urushi.train.optimiser import Schedule, compile_steps, soap, start
 
 SHAPE = (12, 8)
 

@@ -75,10 +75,10 @@ def report(
     result = measure(model, sets, source=source)
     if folder is not None:
         write_json(folder / "figures.json", result)
-        from urushi.eval.plots import errors, lobes  # lazily: matplotlib is an extra
+        from urushi.eval import plots  # lazily: matplotlib is an extra
 
-        errors.draw(folder / "errors.png", sets, result.errors)
-        lobes.draw(folder / "worst.png", model, sets, result.errors)
+        plots.draw_errors(folder / "errors.png", sets, result.errors)
+        plots.draw_lobes(folder / "worst.png", model, sets, result.errors)
     return table(result)
 
 

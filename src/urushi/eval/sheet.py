@@ -1,9 +1,11 @@
-"""Sheets of spheres: blends of materials from row to row, coats from column to column.
+"""Pictures of materials: sheets of blends under coats, and a sphere for a notebook.
 
-Both are arithmetic on latent codes: a row is `urushi.lerp` of its neighbours among the materials,
-a column `urushi.layer` over it.
+A sheet has blends of materials from row to row, and coats from column to column. Both are
+arithmetic on latent codes: a row is `urushi.lerp` of its neighbours among the materials, a column
+`urushi.layer` over it.
 """
 
+import functools
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -162,3 +164,24 @@ def _check(materials: Sequence[Material], rows: int, coats: Mapping[str, Any]) -
             "the materials were encoded with different weights, "
             f"{', '.join(sorted(fingerprints))}; encode all with the same weights"
         )
+
+
+#: Number of pictures that are remembered: a notebook shows the same material several times.
+REMEMBERED = 32
+
+
+@functools.lru_cache(REMEMBERED)
+def png(material: Material) -> bytes:
+    """A sphere in Urushi's studio as a PNG file, 128 pixels across, transparent around it.
+
+    material: of one or three channels. The tangents of an anisotropic one point away from the
+    middle. A picture takes about two seconds.
+    """
+    import mitsuba as mi  # lazily: a notebook may never show a material
+
+    alpha = sphere.mask().astype(float)[..., None]
+    pixels = np.concatenate([metrics.shown(picture(material)), alpha], axis=-1)
+    stream = mi.MemoryStream()
+    bitmap = mi.Bitmap((255 * pixels + 0.5).astype(np.uint8), mi.Bitmap.PixelFormat.RGBA)
+    bitmap.write(stream, mi.Bitmap.FileFormat.PNG)
+    return bytes(stream.raw_buffer())

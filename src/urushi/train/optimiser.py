@@ -12,7 +12,6 @@ import optax.contrib
 from urushi.errors import ParameterError
 from urushi.nets.mlp import Params
 from urushi.train.devices import Devices
-from urushi.train.soap import MEAN, SQUARES, soap
 
 #: Coefficients (a, b, c) of Muon's iterations, polynomials a x + b x^3 + c x^5 of the singular
 #: values. Together they map [0.005, 1] to within a twelfth of 1, each optimal for the range that
@@ -173,3 +172,107 @@ def lowered(params: Params, precision: str) -> dict[str, Any]:
         name: value.astype(jnp.bfloat16) if name in hidden else value
         for name, value in params.items()
     }
+
+
+#: SOAP's decay rates per step: of the mean gradient M; of the squares V and of L and R.
+MEAN, SQUARES = 0.95, 0.99
+
+#: SOAP: steps between two updates of the eigenbases; a decomposition costs more than a step.
+EVERY = 20
+
+#: Gradients below this share of the largest are rounding errors: their steps are reduced.
+_ROUNDING = 1e-5
+_TINY = 1e-30
+
+
+class Side(NamedTuple):
+    """One side of Shampoo's preconditioner, (n, n) for a side of n rows or columns.
+
+    Attributes:
+        outer: L, the moving average of G Gᵀ over gradients G; or R, that of Gᵀ G.
+        basis: its eigenvectors as columns.
+    """
+
+    outer: jax.Array
+    basis: jax.Array
+
+
+class Matrix(NamedTuple):
+    """SOAP's moments of one weight matrix (rows, columns).
+
+    Attributes:
+        mean: M, the moving average of the gradient.
+        squares: V, the moving average of the squared gradient in the eigenbases.
+        left, right: L and R with their eigenbases.
+    """
+
+    mean: jax.Array
+    squares: jax.Array
+    left: Side
+    right: Side
+
+
+class SoapState(NamedTuple):
+    """Number of steps, and a tree like the parameters with the `Matrix` of each."""
+
+    step: jax.Array
+    matrices: Any
+
+
+def soap(rate: optax.Schedule) -> optax.GradientTransformation:
+    """Adam in the eigenbasis of Shampoo's preconditioner (Vyas et al. 2024, algorithm 3).
+
+    Every parameter is a matrix. Its gradient G is rotated into the eigenbases Q_L and Q_R of the
+    averages L of G Gᵀ and R of Gᵀ G, where Adam divides by the root of the mean square. The step
+    is rotated back. The eigenbases are updated every `EVERY` steps by one power iteration.
+
+    Args:
+        rate: learning rate by step.
+    """
+
+    def init(params: Any) -> SoapState:
+        return SoapState(jnp.zeros((), jnp.int32), jax.tree.map(_beginning, params))
+
+    def update(gradients: Any, state: SoapState, params: Any = None) -> tuple[Any, SoapState]:
+        del params
+        step = state.step + 1
+        moved = jax.tree.map(lambda g, kept: _moved(g, kept, step), gradients, state.matrices)
+        factor = -rate(state.step)
+        updates = jax.tree.map(lambda _, pair: factor * pair[0], gradients, moved)
+        return updates, SoapState(step, jax.tree.map(lambda _, pair: pair[1], gradients, moved))
+
+    return optax.GradientTransformation(init, update)
+
+
+def _beginning(x: jax.Array) -> Matrix:
+    left, right = (Side(jnp.zeros((n, n), x.dtype), jnp.eye(n, dtype=x.dtype)) for n in x.shape)
+    return Matrix(jnp.zeros_like(x), jnp.zeros_like(x), left, right)
+
+
+def _moved(gradient: jax.Array, kept: Matrix, step: jax.Array) -> tuple[jax.Array, Matrix]:
+    """One step for one matrix: its direction, without the learning rate, and the new moments."""
+    left = _followed(kept.left, gradient @ gradient.T, step)
+    right = _followed(kept.right, gradient.T @ gradient, step)
+    rotated = left.basis.T @ gradient @ right.basis  # Q_Lᵀ G Q_R
+    mean = MEAN * kept.mean + (1 - MEAN) * gradient
+    squares = SQUARES * kept.squares + (1 - SQUARES) * rotated * rotated
+    size = jnp.sqrt(squares / (1 - SQUARES**step))
+    size = size + _ROUNDING * jnp.max(size) + _TINY
+    direction = (left.basis.T @ mean @ right.basis) / (1 - MEAN**step) / size
+    return left.basis @ direction @ right.basis.T, Matrix(mean, squares, left, right)
+
+
+def _followed(side: Side, outer: jax.Array, step: jax.Array) -> Side:
+    """Add an outer product to a side; every `EVERY` steps, update its basis."""
+    first = step == 1
+    outer = jnp.where(first, outer, SQUARES * side.outer + (1 - SQUARES) * outer)
+    basis = jax.lax.cond(
+        step % EVERY == 1,
+        lambda: jax.lax.cond(
+            first,
+            lambda: jnp.linalg.eigh(outer)[1][:, ::-1],
+            lambda: jnp.linalg.qr(outer @ side.basis)[0],
+        ),
+        lambda: side.basis,
+    )
+    return Side(outer, basis)

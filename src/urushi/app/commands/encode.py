@@ -110,8 +110,7 @@ class Encode:
         progress: tqdm,
     ) -> dict[int, UrushiError]:
         """Compare the materials with their sources; returns the comparisons' errors by index."""
-        from urushi.eval import examine
-        from urushi.eval.plots import likeness
+        from urushi.eval import examine, likeness
         from urushi.material.batch import map_sources
 
         indices = list(encoded)

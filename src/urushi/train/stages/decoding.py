@@ -18,9 +18,15 @@ from urushi.nets.mlp import Params
 from urushi.train import devices
 from urushi.train.devices import Devices
 from urushi.train.examples import Batch, Batches, Depth
-from urushi.train.losses import compose, mean_loss, squared_errors, stack_loss, without_lobe
+from urushi.train.losses import (
+    compose,
+    mean_loss,
+    pair_weights,
+    squared_errors,
+    stack_loss,
+    without_lobe,
+)
 from urushi.train.optimiser import compile_steps
-from urushi.train.stages.energy_weights import pair_weights
 from urushi.train.stages.stage import Learner, Stage
 
 #: Widths of the hidden layers of the scatter's network, which has the form of the decoder.
@@ -48,7 +54,7 @@ class Decoding(Stage):
     Attributes:
         stacks: stacks of 0, 1, 2, ... coats in a step.
         weigh_pairs: whether pairs are weighted by their scatter.
-        energy_share: of the `energy_weights.pair_weights`; above zero only for two GGX widths.
+        energy_share: of the `losses.pair_weights`; above zero only for two GGX widths.
     """
 
     stacks: tuple[int, ...]
@@ -128,7 +134,7 @@ def plain_loss(
         params: all parameters; those of encoder and layerer compose the codes.
         arch: sizes of the networks.
         batch: simulated stacks.
-        energy_share: of the `energy_weights.pair_weights`.
+        energy_share: of the `losses.pair_weights`.
     """
     z = compose(params, arch, batch.lobes, batch.probes, batch.coats)
     f_hat = batch.top + without_lobe(trained, arch, z, batch.features)

@@ -19,11 +19,11 @@ from urushi.train.losses import (
     apply_coats,
     columns_of,
     encoded,
+    pair_weights,
     stack_loss,
     without_lobe,
 )
 from urushi.train.optimiser import compile_steps
-from urushi.train.stages.energy_weights import pair_weights
 from urushi.train.stages.stage import Learner, Stage
 
 #: Stride of the stacks used in the cycle loss, which decodes all probe pairs.
@@ -46,7 +46,7 @@ class Joint(Stage):
 
     Attributes:
         stacks: stacks of 0, 1, 2, ... coats in a step.
-        energy_share: of the `energy_weights.pair_weights`; above zero only for two GGX widths.
+        energy_share: of the `losses.pair_weights`; above zero only for two GGX widths.
     """
 
     stacks: tuple[int, ...]
@@ -81,7 +81,7 @@ def joint_loss(
     """Loss of encoder, layerer and decoder, and its terms.
 
     - fit: decoded values of the composed latent codes against the simulated values, pairs with
-      `energy_weights.pair_weights`;
+      `losses.pair_weights`;
     - cycle: the same after decoding at the probe pairs and encoding again, for every
       `CYCLE_STRIDE`th stack, so that the networks' own output can be encoded and coated;
     - rise: `absorption_penalty` of a bottom's lowest coat, for every `ABSORPTION_STRIDE`th stack.

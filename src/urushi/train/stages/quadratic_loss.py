@@ -23,10 +23,10 @@ from urushi.train.losses import (
     compose,
     encoded,
     error_scale,
+    pair_weights,
     stack_weights,
     without_lobe,
 )
-from urushi.train.stages.energy_weights import pair_weights
 
 #: Items that are decoded at once.
 _BLOCK = 1024
@@ -71,7 +71,7 @@ def quadratic_expansion(
 
     z without the lobe's numbers; features (B, P, D), top and f (B, P) as in `Examples`. The
     curvature is that of Gauss and Newton, as if f were linear in the code. The weights of the
-    errors are constant. energy_share: of the `energy_weights.pair_weights`.
+    errors are constant. energy_share: of the `losses.pair_weights`.
     """
     log_f, log_slope = decode_log(params, arch, z[:, None], features)
     rest = jnp.exp(log_f)

@@ -1,1 +1,0 @@
-"""Plots of an evaluation; they need matplotlib, the extra `eval`."""
