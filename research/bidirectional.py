@@ -4,7 +4,7 @@ Two walks start outside, one at wi and one at wo. The position of a vertex is it
 that any direction connects two vertices of the same layer. Every vertex of the walk from wi is
 connected to the first vertices of the other walk, by the direction that either of them draws. A
 path of n segments can be sampled in up to 2 n ways, which the power heuristic combines (Veach
-1997, equation 9.10).
+1997, section 9.2.3).
 
 It has the mean of `urushi.simulate` and takes about three times as long. At equal time it is better
 in media that scatter forward (g about 0.9), by 1.2 to 2.5; under small lights pictures gain 1.1 to

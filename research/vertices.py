@@ -1,7 +1,7 @@
 """Vertices and segments of walks through a stack, for `research.bidirectional`.
 
 A vertex keeps the sum of squared density ratios of all techniques that join two walks before it.
-The power heuristic (Veach 1997, equation 9.10) weighs a joint by these sums. `types` are the
+The power heuristic (Veach 1997, section 9.2.3) weighs a joint by these sums. `types` are the
 Dr.Jit types of floats, of indices and of throughputs; a throughput is a float or a colour.
 """
 

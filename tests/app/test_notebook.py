@@ -12,7 +12,7 @@ import pytest
 
 import urushi
 from urushi.app import cli, page_files
-from urushi.app.page_document import page_document
+from urushi.app.page_files import page_document
 from urushi.errors import FileError, ParameterError
 from urushi.material import Material
 from urushi.nets import weights

@@ -3,8 +3,7 @@
 import html
 from typing import Any
 
-from urushi.app.page_document import page_document
-from urushi.app.page_files import First, cards_of, codes_of, page_files
+from urushi.app.page_files import First, cards_of, codes_of, page_document, page_files
 from urushi.errors import ParameterError
 from urushi.material import Material
 from urushi.nets.weights import Model, anisotropic_model, find

@@ -1,10 +1,11 @@
 """Paths out of a stack: one chain of refractions from wo down to every layer, drawn once per walk.
 
 A vertex in layer l connects to wo along a chain of directions u_l, ..., u_0 that rise through the
-interfaces l, ..., 0 without scattering. Drawn from outside, starting at wo, u_l has the density a_l
-given u_{l-1}; drawn by the walk, from below, it has the density b_l. The walk can leave for the
-chain at any of its layers, so that several techniques produce the same path. The power heuristic
-over all of them (Veach 1997) needs the sums of squared density ratios that are kept here.
+interfaces l, ..., 0 without scattering. The chain is drawn from outside: u_0 by refracting wo, u_l
+by refracting u_{l-1}, with the density a_l. The walk itself, from below, draws u_l with the density
+b_l. It can join the chain in any layer, so that several techniques produce the same path. The power
+heuristic with exponent 2 (Veach 1997, section 9.2.3) weighs technique k by p_k^2 / sum_j p_j^2; the
+sums of squared ratios (p_j / p_k)^2 are kept here.
 """
 
 from typing import Any, NamedTuple

@@ -171,9 +171,10 @@ def advance(
 def fly(s: dict[str, Any], here: Medium, down: Any, hero: Any) -> tuple[Place, Any]:
     """Move along w to the next vertex; returns the place to connect, and whether w scatters there.
 
-    Flights whose collision does not scatter reach the end like those without a collision. All of
-    these connect at a collision that is drawn for this alone, with the expected weight. Therefore
-    no stack has more variance than with absorption by chance (Jensen's inequality).
+    Only the share `here.scatters` of the collisions scatters. All other flights go on to the end,
+    with the expected weight of what absorption leaves. They also connect to wo once, at a place
+    drawn for this connection alone. An expected weight in place of a random absorption never
+    increases the variance (Jensen's inequality).
     """
     share, hero_of = here.scatters, functools.partial(spectral_mis.of_hero, hero=hero)
     end = here.end(s["depth"], down)

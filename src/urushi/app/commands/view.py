@@ -54,8 +54,7 @@ class View:
     """Weights file of the networks. Default: the shipped ones."""
 
     def run(self) -> int:
-        from urushi.app.page_document import page_document
-        from urushi.app.page_files import addressed, page_files
+        from urushi.app.page_files import addressed, page_document, page_files
         from urushi.nets.weights import find
 
         shown = None if self.material is None else first_material(self.material, self.weights)
