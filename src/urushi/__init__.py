@@ -18,8 +18,7 @@ if TYPE_CHECKING:
     from urushi.material.lerp import lerp
     from urushi.material.material import Material, load
     from urushi.measured import load_measured
-    from urushi.openpbr.description import OpenPBR, openpbr
-    from urushi.openpbr.materialx.writer import save_materialx
+    from urushi.openpbr.description import OpenPBR, openpbr, save_materialx
     from urushi.openpbr.plugins.materialx import load_materialx
     from urushi.walk import Stack, coat, conductor, dielectric, diffuse
     from urushi.walk.simulate import simulate
@@ -56,8 +55,7 @@ def __getattr__(name: str) -> Any:
     from urushi.material import Material, encode, layer, lerp, load
     from urushi.material.material import register_picture
     from urushi.measured import load_measured
-    from urushi.openpbr.description import OpenPBR, openpbr
-    from urushi.openpbr.materialx.writer import save_materialx
+    from urushi.openpbr.description import OpenPBR, openpbr, save_materialx
     from urushi.openpbr.plugins.materialx import load_materialx
     from urushi.walk import Stack, bottoms, coat, simulate
 

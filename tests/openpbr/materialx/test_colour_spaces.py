@@ -5,7 +5,7 @@ import pytest
 
 from urushi.errors import FileError
 from urushi.openpbr.materialx.colour_spaces import ALIASES, SPACES, matrix_to_srgb, to_linear_srgb
-from urushi.openpbr.materialx.package import libraries
+from urushi.openpbr.materialx.definitions import libraries
 from urushi.openpbr.materialx.xml import parse
 
 

@@ -5,8 +5,8 @@ import pytest
 
 import urushi
 from urushi.errors import ParameterError
+from urushi.openpbr.description import save_materialx
 from urushi.openpbr.materialx.surface import read_surface
-from urushi.openpbr.materialx.writer import save_materialx
 from urushi.openpbr.parameters import complete
 
 GOLD = urushi.conductor(alpha=0.3, r0=(0.98, 0.77, 0.34))

@@ -1,13 +1,15 @@
-"""MaterialX documents: reading with includes, upgrading, and finding a material."""
+"""MaterialX documents: reading with includes, upgrading, finding a material, and writing one."""
 
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from urushi.errors import FileError, ParameterError
+from urushi.files import atomic_write
+from urushi.openpbr.materialx.definitions import upgrade
 from urushi.openpbr.materialx.images import other_case
-from urushi.openpbr.materialx.package import upgrade
-from urushi.openpbr.materialx.shaders import SHADERS
+from urushi.openpbr.materialx.shaders import SHADERS, TARGET
 from urushi.openpbr.materialx.xml import MAX_BYTES, MAX_ELEMENTS, Element, parse, write
 
 #: The version of MaterialX that is read; older documents are upgraded.
@@ -198,3 +200,46 @@ def _is_shader(node: Element) -> bool:
     if node.tag in ("input", "output", "nodegraph", "nodedef"):
         return False
     return node.type == "surfaceshader" or (not node.type and node.tag in SHADERS)
+
+
+def write_parameters(
+    values: Mapping[str, float | bool | tuple[float, float, float]],
+    path: str | os.PathLike,
+    name: str = "material",
+) -> None:
+    """Write constant parameters of OpenPBR as a document.
+
+    Args:
+        values: by name; colours in linear sRGB.
+        path: the document (.mtlx).
+        name: of the material; letters, digits and underscores.
+
+    Raises:
+        ParameterError: the name is another one.
+        FileError: the file cannot be written.
+    """
+    if not (name.isascii() and name.isidentifier()):
+        raise ParameterError(
+            f"the material's name is {name!r}; use letters, digits and underscores"
+        )
+    root = Element("materialx", {"version": "1.39", "colorspace": "lin_rec709"})
+    shader = Element(TARGET, {"name": f"{name}_shader", "type": "surfaceshader"})
+    for parameter, value in values.items():
+        kind, text = _typed(value)
+        shader.add(Element("input", {"name": parameter, "type": kind, "value": text}))
+    material = Element("surfacematerial", {"name": name, "type": "material"})
+    link = {"name": "surfaceshader", "type": "surfaceshader", "nodename": f"{name}_shader"}
+    material.add(Element("input", link))
+    root.add(shader)
+    root.add(material)
+    with atomic_write(path) as temporary:
+        temporary.write_text('<?xml version="1.0"?>\n' + write(root), encoding="utf-8")
+
+
+def _typed(value: float | bool | tuple[float, float, float]) -> tuple[str, str]:
+    """MaterialX's type and text of a value."""
+    if isinstance(value, bool):
+        return "boolean", str(value).lower()
+    if isinstance(value, tuple):
+        return "color3", ", ".join(repr(x) for x in value)
+    return "float", repr(value)
