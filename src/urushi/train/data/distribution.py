@@ -111,8 +111,8 @@ class Table2(_Independent):
     def sample(self, rng: np.random.Generator, n: int) -> StackTable:
         """Draw n stacks."""
         shape = (n, self.coats)
-        return _table(
-            self.bottom,
+        return StackTable(
+            kind=self.bottom,
             alpha=rng.uniform(0.216, 1.0, shape) ** 3,
             eta=rng.uniform(1.05, 2.0, shape),
             albedo=1 - rng.uniform(0.0, 1.0, shape) ** 2,
@@ -160,8 +160,8 @@ class Extended(_Independent):
     def sample(self, rng: np.random.Generator, n: int) -> StackTable:
         """Draw n stacks."""
         shape = (n, self.coats)
-        return _table(
-            self.bottom,
+        return StackTable(
+            kind=self.bottom,
             alpha=draw_alpha(rng, shape),
             eta=DRAW_ETA[self.indices](rng, shape),
             albedo=1 - rng.uniform(0.0, 1.0, shape) ** 2,
@@ -223,8 +223,8 @@ class Anisotropic(Extended):
             plain = rng.random((n, 1)) < ISOTROPIC_COATS
             alpha = Widths(alpha.u, np.where(plain, alpha.u, alpha.v))
         thin = np.maximum(rng.uniform(-0.3, 0.3, shape), 0.0)
-        return _table(
-            self.bottom,
+        return StackTable(
+            kind=self.bottom,
             alpha=alpha,
             eta=DRAW_ETA[self.indices](rng, shape),
             albedo=1 - rng.uniform(0.0, 1.0, shape) ** 2,
@@ -305,16 +305,3 @@ def from_dict(description: Mapping[str, Any]) -> Source:
 def _check_coats(coats: int) -> None:
     if coats not in range(MAX_COATS + 1):
         raise ParameterError(f"coats is {coats!r}; it must be an integer from 0 to {MAX_COATS}")
-
-
-def _table(
-    kind: str, *, bottom: Mapping[str, np.ndarray], alpha: np.ndarray | Widths, **coats: np.ndarray
-) -> StackTable:
-    """A table in float32, the precision of the walk."""
-    single = np.float32
-    return StackTable(
-        alpha=alpha.map(single) if isinstance(alpha, Widths) else alpha.astype(single),
-        **{name: value.astype(single) for name, value in coats.items()},
-        kind=kind,
-        bottom={name: value.astype(np.float32) for name, value in bottom.items()},
-    )
