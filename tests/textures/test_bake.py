@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from urushi.material.layer import layer_texels
-from urushi.textures import bake, texel_hash
+from urushi.textures import bake
 from urushi.textures.bake import BakedTexture, coat_source
 from urushi.textures.grid import TexelGrid
 
@@ -28,7 +28,7 @@ def test_only_distinct_and_changed_rows_are_layered(model, layered_rows):
     rng = np.random.default_rng(0)
     codes = rng.normal(size=(1, 3, 32)).astype(np.float32)
     codes[..., :6] = [0.2, 0, 0, 1, 1.5, 0]
-    hashes = texel_hash.row_hashes(list(np.moveaxis(codes, -1, 0)))
+    hashes = bake.code_hashes(codes)
     coat = {"alpha": 0.1, "eta": 1.5, "albedo": 0.5, "sigma_t": 1.0, "g": 0.0}
     parameters = {name: np.full((24, 1), value) for name, value in coat.items()}
     parameters["alpha"][:12] = 0.3
@@ -58,7 +58,7 @@ def test_texels_that_share_nothing_equal_those_that_share(model, layered_rows, m
     codes = rng.normal(size=(24, 3, 32)).astype(np.float32)
     codes[..., :6] = [0.2, 0, 0, 1, 1.5, 0]
     codes[1] = codes[0]
-    hashes = texel_hash.row_hashes(list(np.moveaxis(codes, -1, 0)))
+    hashes = bake.code_hashes(codes)
     coat = {
         "alpha": rng.uniform(0.1, 0.5, (24, 1)),
         "eta": np.full((24, 1), 1.5),
@@ -104,3 +104,26 @@ def test_texels_that_share_nothing_equal_those_that_share(model, layered_rows, m
     grey = baked()
     assert layered_rows[-1] == 22
     np.testing.assert_array_equal(grey[:, 0], grey[:, 2])
+
+
+@pytest.mark.parametrize(("count", "kinds"), [(0, 1), (1, 1), (7, 3), (5000, 50), (5000, 2**40)])
+def test_unique_rows_represent_all_keys(count, kinds):
+    keys = np.random.default_rng(0).integers(kinds, size=count).astype(np.uint64)
+    first, label = bake.unique_rows(keys)
+    np.testing.assert_array_equal(keys[first][label], keys)  # every key has an equal representative
+    assert len(first) == len(set(keys.tolist()))  # no representative occurs twice
+    assert (np.diff(first) > 0).all()
+    np.testing.assert_array_equal(label[first], np.arange(len(first)))
+
+
+def test_only_equal_rows_have_equal_hashes():
+    rng = np.random.default_rng(1)
+    columns = [rng.integers(4, size=3000).astype(np.float32) for _ in range(4)]
+    found = bake.row_hashes(columns)
+    rows = {tuple(row) for row in np.stack(columns, axis=1).tolist()}
+    assert len(np.unique(found)) == len(rows)
+    again = bake.row_hashes(
+        [column * np.float32(1 + 1e-6) for column in columns]
+    )  # with the rounding errors of a filter
+    np.testing.assert_array_equal(again, found)
+    assert (bake.row_hashes(columns[::-1]) != found).any()

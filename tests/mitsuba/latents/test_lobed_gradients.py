@@ -57,7 +57,7 @@ def slopes(model, codes, wi, wo):
 @pytest.mark.parametrize("name", LOBES)
 def test_f_has_the_gradients_of_all_numbers(rgb, model, name, textured):
     """Single precision of lobes of width 0.1, summed over 400 pairs: 1e-3."""
-    from urushi.mitsuba.latents.differentiable import DifferentiableLatents
+    from urushi.mitsuba.latents.gradients import DifferentiableLatents
     from urushi.mitsuba.latents.holders import ConstantLatents
     from urushi.textures.grid import IDENTITY, TexelGrid
 

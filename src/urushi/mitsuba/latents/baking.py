@@ -1,9 +1,9 @@
 """Latent codes of a coat over a Mitsuba BSDF, constant or a texture.
 
-Three stages: the codes of the bottom (`bottoms`), the coat's parameters at every texel, and the
-layering. Each stage remembers its inputs and repeats only the work for inputs that have changed.
-Textures that were baked before, even by another process, are read from the disk
-(`textures.cache`).
+`Baker.update` is the whole journey: choose the grid of texels, read the bottom (`bottoms`), read
+the coat's parameters at every texel, and layer (`textures.bake`). Each stage remembers its inputs
+and repeats only the work for inputs that have changed. Textures that were baked before, even by
+another process, are read from the disk (`textures.cache`).
 """
 
 from collections.abc import Iterator
@@ -74,28 +74,27 @@ class Baker:
         self._left = set()
         grid = choose_grid(self._coat, self._bottom, self.model, self._resolution)
         with spectrum.bands_of(grid):
-            latents = self._updated(grid, bottom_changed)
+            if grid != self._grid:
+                self._texture = None
+            if bottom_changed or grid != self._grid or (grid and not self._texture):
+                self.bottom.open(grid)
+            self._grid = grid
+            latents = self._constant() if grid is None else self._textured(grid)
         checks.warn_of_training(self._left, f"{self._coat.where}:")
         return latents
 
-    def _updated(
-        self, grid: TexelGrid | None, bottom_changed: bool
-    ) -> ConstantLatents | TexturedLatents:
-        """`update` on a grid, without its warnings."""
-        if grid != self._grid:
-            self._texture = None
-        opened = bottom_changed or grid != self._grid or (grid and not self._texture)
-        if opened:
-            self.bottom.open(grid)
-        self._grid = grid
-        if grid is None:
-            coat = CoatParameters(**self._coat.layering(np.full((1, 2), 0.5)))
-            columns = [column[0] for column in coat.columns()]
-            bottom = self.bottom.material
-            assert bottom is not None  # for the type checker
-            if bottom.table is None:
-                self._left = checks.outside_training(coat)
-            return ConstantLatents.of(layer_material(CoatParameters.of_columns(columns), bottom))
+    def _constant(self) -> ConstantLatents:
+        """The codes of a coat and a bottom without textures."""
+        coat = CoatParameters(**self._coat.layering(np.full((1, 2), 0.5)))
+        bottom = self.bottom.material
+        assert bottom is not None  # for the type checker
+        if bottom.table is None:
+            self._left = checks.outside_training(coat)
+        columns = [column[0] for column in coat.columns()]
+        return ConstantLatents.of(layer_material(CoatParameters.of_columns(columns), bottom))
+
+    def _textured(self, grid: TexelGrid) -> TexturedLatents:
+        """The codes of all texels: from the disk, or those of the bottom, layered."""
         key = self._key(grid) if self._texture is None and cache.folder() else None
         kept = cache.read(key, self.model) if key else None
         if kept is not None:
@@ -104,8 +103,7 @@ class Baker:
         texture = self._texture or BakedTexture(self.model, grid, channels, self._mipmaps)
         dr.sync_thread()  # kernels may still read what is overwritten here
         with self._progress(grid) as bar:
-            if opened:
-                self.bottom.bake(bar.update)
+            self.bottom.bake(bar.update)
             source = coat_source(self.model, partial(self._parameters, grid), self.bottom.source)
             texture.update(source, bar.update)
         if key:

@@ -4,7 +4,7 @@ A textured bottom that is known by its values is compared by a few probes of eac
 """
 
 from collections.abc import Callable, Iterator
-from typing import Any, NamedTuple
+from typing import Any
 
 import mitsuba as mi
 import numpy as np
@@ -29,8 +29,7 @@ from urushi.mitsuba.reading.surfaces import KnownSurface, known_surface
 from urushi.nets.lobe import no_lobe, with_two_widths
 from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
-from urushi.textures import texel_hash
-from urushi.textures.bake import BakedTexture, CodesAt, Source
+from urushi.textures.bake import BakedTexture, CodesAt, Source, code_hashes, row_hashes
 from urushi.textures.grid import TexelGrid
 
 #: Texels that are probed at once: bounds memory.
@@ -42,7 +41,7 @@ KEY_STRIDE, KEY_BITS = 24, 9
 
 
 class BottomCodes:
-    """The codes of a bottom: `open` reads it, `bake` computes the codes that are stored.
+    """The codes of a bottom: `open` prepares them, `bake` computes those that are stored.
 
     Attributes:
         material: a constant bottom as a material; None: it varies over uv.
@@ -55,7 +54,7 @@ class BottomCodes:
         self._opened: Source | None = None
         self._probed: _ProbedBottom | None = None
         self.material: Material | None = None
-        self.stored = False
+        self.stored = self._stale = False
 
     def open(self, grid: TexelGrid | None) -> None:
         """Read the bottom, after each of its changes. If it is constant, it is encoded.
@@ -68,7 +67,8 @@ class BottomCodes:
         surface = known_surface(self._bottom) if own else None
         if surface is not None and surface.bare and surface.widths > self._model.widths:
             surface = None  # averaged over the azimuth
-        self.material, self._probed, self.stored = None, None, False
+        self.material, self._probed = None, None
+        self.stored, self._stale = False, True
         if nested is not None and nested.resolution is None:
             codes = nested.at(np.full((1, 2), 0.5))[0]
             self._opened = _uniform(
@@ -78,31 +78,32 @@ class BottomCodes:
         elif grid is None or (nested is None and not varying_textures(self._bottom)):
             self._opened = _uniform(self._encoded())
         elif nested is not None:
-            self._opened = _NestedBottom(nested, grid).read
+            self._opened = _nested(nested, grid)
         elif surface is not None and surface.bare:
-            self._opened = _BareBottom(self._model, surface, self._where, grid).read
+            self._opened = _bare(self._model, surface, self._where, grid)
         else:
             self.stored = True
             if surface is None:
                 self._probed = _ProbedBottom(self._model, self._bottom, self._where, grid)
                 self._opened = self._probed.read
             else:
-                self._opened = _DiffuseBottom(self._model, surface, self._where, grid).read
+                self._opened = _diffuse(self._model, surface, self._where, grid)
             if self._baked is None or self._baked.grid != grid:
                 self._baked = BakedTexture(self._model, grid, spectrum.channel_count())
             return
         self._baked = None
 
     def bake(self, advance: Callable[[int], Any] = lambda texels: None) -> None:
-        """Compute the codes that are stored, where the bottom has changed since the last call.
+        """Compute the codes that are stored, where texels have changed before the last `open`.
 
         advance: as of `BakedTexture.update`.
 
         Raises:
             ParameterError: a value of the bottom is negative or not finite.
         """
-        if self._baked is not None and self._opened is not None:
+        if self._stale and self._baked is not None and self._opened is not None:
             self._baked.update(self._opened, advance)
+        self._stale = False
 
     def contents(self, start: int, stop: int) -> Iterator[np.ndarray]:
         """Numbers that tell bottoms apart at a range of texels, after `open`."""
@@ -147,7 +148,7 @@ class BottomCodes:
 
 def _uniform(codes: np.ndarray) -> Source:
     """The source of a bottom that has the same codes (C, size) everywhere."""
-    hashes = texel_hash.row_hashes(list(np.moveaxis(codes[None], -1, 0)))
+    hashes = code_hashes(codes[None])
     return lambda start, stop: (hashes, lambda texel, channel: codes[channel])
 
 
@@ -167,55 +168,45 @@ def is_finer(latents) -> bool:
     return latents.channels == spectrum.COUNT > spectrum.channel_count()
 
 
-class _NestedBottom(NamedTuple):
-    """Codes of a bottom that consists of codes itself, a `Source`; nothing is stored."""
+def _nested(latents: Any, grid: TexelGrid) -> Source:
+    """The source of a bottom that consists of codes itself."""
 
-    latents: Any
-    grid: TexelGrid
+    def read(start: int, stop: int) -> tuple[np.ndarray, CodesAt]:
+        codes = latents.at(grid.uv(start, stop))
+        return code_hashes(codes), lambda texel, channel: codes[texel, channel]
 
-    def read(self, start: int, stop: int) -> tuple[np.ndarray, CodesAt]:
-        codes = self.latents.at(self.grid.uv(start, stop))
-        hashes = texel_hash.row_hashes(list(np.moveaxis(codes, -1, 0)))
-        return hashes, lambda texel, channel: codes[texel, channel]
+    return read
 
 
-class _BareBottom(NamedTuple):
-    """Codes of a bottom that is a lobe and nothing else, a `Source`; nothing is stored."""
+def _bare(model: Model, surface: KnownSurface, where: str, grid: TexelGrid) -> Source:
+    """The source of a bottom that is a lobe and nothing else."""
 
-    model: Model
-    surface: KnownSurface
-    where: str
-    grid: TexelGrid
-
-    def read(self, start: int, stop: int) -> tuple[np.ndarray, CodesAt]:
-        lobe = probing.check_values(self.surface.at(self.grid.uv(start, stop)).lobe, self.where)
-        if self.model.widths == 2 and self.surface.widths == 1:
+    def read(start: int, stop: int) -> tuple[np.ndarray, CodesAt]:
+        lobe = probing.check_values(surface.at(grid.uv(start, stop)).lobe, where)
+        if model.widths == 2 and surface.widths == 1:
             lobe = with_two_widths(lobe)
         for reach in (lobe[..., :4], lobe[..., 6:]):  # all but the index
             np.minimum(reach, 1, out=reach)
-        hashes = texel_hash.row_hashes(list(np.moveaxis(lobe, -1, 0)))
-        return hashes, lambda texel, channel: bare_anchors(self.model, lobe[texel, channel])
+        return code_hashes(lobe), lambda texel, channel: bare_anchors(model, lobe[texel, channel])
+
+    return read
 
 
-class _DiffuseBottom(NamedTuple):
-    """Codes of a Lambertian bottom, a `Source`."""
+def _diffuse(model: Model, surface: KnownSurface, where: str, grid: TexelGrid) -> Source:
+    """The source of a Lambertian bottom."""
+    lobe = np.array(no_lobe(model.widths), np.float32)
 
-    model: Model
-    surface: KnownSurface
-    where: str
-    grid: TexelGrid
-
-    def read(self, start: int, stop: int) -> tuple[np.ndarray, CodesAt]:
-        reflectance = self.surface.at(self.grid.uv(start, stop)).diffuse
-        probing.check_values(reflectance, self.where)
+    def read(start: int, stop: int) -> tuple[np.ndarray, CodesAt]:
+        reflectance = probing.check_values(surface.at(grid.uv(start, stop)).diffuse, where)
 
         def codes_at(texel: np.ndarray, channel: np.ndarray) -> np.ndarray:
-            pairs = len(self.model.networks.pairs()[0])
+            pairs = len(model.networks.pairs()[0])
             f = np.repeat(reflectance[texel, channel, None] / np.float32(np.pi), pairs, axis=1)
-            lobe = np.array(no_lobe(self.model.widths), np.float32)
-            return limit_albedo(self.model, encoder_codes(self.model, f, lobe))
+            return limit_albedo(model, encoder_codes(model, f, lobe))
 
-        return texel_hash.row_hashes([reflectance]), codes_at
+        return row_hashes([reflectance]), codes_at
+
+    return read
 
 
 class _ProbedBottom:
@@ -254,7 +245,7 @@ class _ProbedBottom:
             shape = len(uv), spectrum.channel_count()
             return np.random.default_rng().integers(1 << 63, size=shape).astype(np.uint64)
         f = probing.texel_values(self._bottom, wi, wo, uv, probing.Averaging())
-        return texel_hash.row_hashes(list(np.moveaxis(f, -1, 0)), KEY_BITS)
+        return code_hashes(f, KEY_BITS)
 
     def _codes(self, uv: np.ndarray, texel: np.ndarray, channel: np.ndarray) -> np.ndarray:
         """Codes (k, size) of rows: texels (k,), which ascend, at points uv (M, 2), and channels."""

@@ -9,7 +9,7 @@ from urushi.errors import ParameterError
 from urushi.material import Material, load
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents import lookup
-from urushi.mitsuba.latents.differentiable import DifferentiableLatents
+from urushi.mitsuba.latents.gradients import DifferentiableLatents
 from urushi.mitsuba.latents.holders import ConstantLatents, TexturedLatents
 from urushi.mitsuba.plugins.base import read_weights, resolve
 from urushi.mitsuba.plugins.coats import Turn

@@ -6,7 +6,7 @@ import mitsuba as mi
 from urushi.errors import ParameterError
 from urushi.mitsuba.latents import gradients
 from urushi.mitsuba.latents.baking import Baker
-from urushi.mitsuba.latents.differentiable import DifferentiableLatents
+from urushi.mitsuba.latents.gradients import DifferentiableLatents
 from urushi.mitsuba.latents.holders import ConstantLatents, TexturedLatents
 from urushi.mitsuba.plugins.base import read_weights
 from urushi.mitsuba.plugins.coats import Turn
