@@ -49,8 +49,9 @@ FAINT_REST = (0.03, 0.08)
 #: which it is left out; and the error of the lobe alone up to which this is looked at.
 HELPFUL_REST, NEAR_LOBE = (1.0, 1.1), 0.3
 
-#: Reflectance at normal incidence of an index of 2: a fitted lobe below it is a dielectric's.
-DIELECTRIC = 1 / 9
+#: Reflectance at normal incidence of an index of 2: a fitted lobe below it is a dielectric's if
+#: there is light below it, f at this quantile of the probe pairs: dark in lobes of rough metals.
+DIELECTRIC, DIFFUSE_QUANTILE = 1 / 9, 0.2
 
 
 class SourceValues(NamedTuple):
@@ -359,9 +360,10 @@ def with_dielectrics_in_rests(model: Model, anchors: np.ndarray, f: np.ndarray) 
     if not isinstance(networks, UrushiNetworks):
         return anchors
     normal, grazing, exact = anchors[:, 1:4].T
-    rest = np.median(f - networks.top(anchors[:, None], *networks.pairs()), axis=-1)
+    rest = f - networks.top(anchors[:, None], *networks.pairs())
+    diffuse = np.pi * np.quantile(rest, DIFFUSE_QUANTILE, axis=-1)
     mixed = (normal < DIELECTRIC) & (exact == 0) & (normal + grazing > lobes.VISIBLE)
-    mixed &= np.pi * rest > 0.5 * normal
+    mixed &= diffuse > 0.5 * normal
     if not mixed.any():
         return anchors
     result, none = np.array(anchors), np.array(lobes.no_lobe(model.widths), np.float32)
