@@ -6,6 +6,7 @@ from dataclasses import replace
 from urushi.core.probe_pairs import PROBES
 from urushi.train.data.distribution import Anisotropic, Clear, Distribution, Extended, Table2
 from urushi.train.data.spec import DataSpec, Part
+from urushi.walk.bottoms import KINDS
 
 #: Numbers of stacks by distribution: "table2", or the kind of bottom of an `Extended`.
 Counts = Mapping[str, int]
@@ -68,12 +69,10 @@ def whole_domain(share: float = 1.0) -> DataSpec:
     return DataSpec((*parts, *validation()), seed=1, shard=1024)
 
 
-def anisotropic_domain(share: float = 1.0) -> DataSpec:
+def anisotropic_domain() -> DataSpec:
     """Stacks of two widths under up to five coats: 4.6 G walks, half an hour on two cores.
 
     Of bare bottoms only those are included that are more than one lobe.
-
-    share: of all these numbers of stacks.
     """
     kinds = ("conductor", "conductor_complex", "dielectric", "mixture", "diffuse", "measured_like")
     layered = ((40, 24, 12, 40, 16, 8), (28, 16, 8, 16, 8, 4), *3 * [(6, 4, 2, 4, 2, 2)])
@@ -90,7 +89,6 @@ def anisotropic_domain(share: float = 1.0) -> DataSpec:
     for kind, count in {"mixture": 48, "diffuse": 2, "measured_like": 24}.items():
         drawn = Anisotropic(0, _anisotropic_bottom(kind))
         parts.append(Part(f"bare-{kind}", drawn, 1024 * count, 256, 1, "anisotropic"))
-    parts = [replace(part, stacks=max(round(share * part.stacks), 1)) for part in parts]
     held_back = Anisotropic(1, _anisotropic_bottom("conductor"))
     checks = (
         Part("validation-e", held_back, 64, 128, 8192, "cosine"),
@@ -100,7 +98,8 @@ def anisotropic_domain(share: float = 1.0) -> DataSpec:
 
 
 def _anisotropic_bottom(kind: str) -> str:
-    return kind if kind in ("diffuse", "measured_like") else f"{kind}_anisotropic"
+    """The kind with two widths, if there is one."""
+    return f"{kind}_anisotropic" if f"{kind}_anisotropic" in KINDS else kind
 
 
 def _counts(*thousands: int) -> Counts:
