@@ -11,8 +11,8 @@ from types import ModuleType
 
 import numpy as np
 import pytest
-from tests.paper import torch_writer as writer
-from tests.paper.torch_writer import (
+from tests.fan2022 import torch_writer as writer
+from tests.fan2022.torch_writer import (
     EMPTY,
     dictionary,
     integer,

@@ -8,21 +8,6 @@ pytestmark = pytest.mark.usefixtures("rgb")
 
 COLOR = {"type": "rgb", "value": [0.2, 0.5, 0.8]}
 
-MATERIALS = {
-    "base": {"base_metalness": 0.4, "specular_roughness_anisotropy": 0.6},
-    "networks, bare in part": {"coat_weight": 0.5, "coat_roughness": 0.4, "fuzz_weight": 0.5},
-    "walks over a metal": {"coat_weight": 0.7, "base_metalness": 1.0, "reference": True},
-}
-
-
-@pytest.mark.parametrize("name", MATERIALS)
-def test_directions_have_the_density_that_is_claimed(sampling, name):
-    """Chi-squared: the parts' proposals, their weights and the cosine lobe."""
-    bsdf = mi.load_dict({"type": "openpbr", "base_color": COLOR, **MATERIALS[name]})
-    test = sampling.chi_squared(bsdf, 40, seed=1)
-    assert test.run(0.01, test_count=len(MATERIALS), quiet=True), test.messages
-    assert test.pdf_sum[0] == pytest.approx(1, abs=0.005)
-
 
 def test_a_path_computes_a_vertex_once(monkeypatch):
     """Light and continuation share the codes and the parameters of the vertex."""

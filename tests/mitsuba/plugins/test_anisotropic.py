@@ -67,23 +67,6 @@ def test_the_plugin_is_the_walk(rgb, degrees):
     check_walk(rgb, layered(rgb, inner, alpha_u=0.2, alpha_v=0.5, **turn), three, degrees)
 
 
-def test_densities_agree_with_samples(rgb, sampling):
-    nested = {"type": "layered", "alpha_u": 0.1, "alpha_v": 0.6, "base": metal()}
-    cases = [
-        (layered(rgb, **WIDTHS), 30),
-        (layered(rgb, alpha_u=0.02, alpha_v=0.15), 70),
-        (layered(rgb, metal(), alpha=0.05), 50),
-        (layered(rgb, metal(), **WIDTHS, rotation=40.0), 60),
-        (layered(rgb, nested, alpha_u=0.8, alpha_v=0.1, rotation=-70.0), 85),
-        (layered(rgb, nested, alpha=0.3), 89),
-    ]
-    for seed, (bsdf, degrees) in enumerate(cases):
-        test = sampling.chi_squared(bsdf, degrees, seed=seed)
-        assert test.run(0.01, test_count=len(cases), quiet=True), (seed, test.messages)
-        assert test.pdf_sum[0] == pytest.approx(1, abs=0.005)
-        assert test.histogram_sum[0] == 1
-
-
 def test_the_proposal_follows_an_anisotropic_bottom(rgb):
     from urushi.mitsuba.plugins.coats import BottomLobes
 
@@ -260,18 +243,6 @@ def test_equal_colours_are_one_width(rgb):
     # Roulette, by the strongest channel of a walk for all, makes other walks of the darker ones.
     error = np.hypot(one.std(axis=1), two.std(axis=1)) / np.sqrt(one.shape[1])
     assert (np.abs(one.mean(axis=1) - two.mean(axis=1)) < 4 * error).all()
-
-
-def test_densities_of_coloured_widths_agree_with_samples(rgb, sampling):
-    color = {"type": "rgb", "value": [0.05, 0.2, 0.6]}
-    cases = [
-        (layered(rgb, alpha=color), 50),
-        (layered(rgb, metal(), alpha_u=color, alpha_v=0.1, rotation=40.0), 70),
-    ]
-    for seed, (bsdf, degrees) in enumerate(cases):
-        test = sampling.chi_squared(bsdf, degrees, seed=seed)
-        assert test.run(0.01, test_count=len(cases), quiet=True), (seed, test.messages)
-        assert test.pdf_sum[0] == pytest.approx(1, abs=0.005)
 
 
 def test_monochromatic_variants_read_the_luminance_of_a_colour():

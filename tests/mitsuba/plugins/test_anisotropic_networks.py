@@ -103,18 +103,6 @@ def test_textured_metal_under_a_coat(rgb, pairs):
         assert np.median(np.abs(f / material.f(*pairs) - 1)) < 0.005
 
 
-def test_densities_agree_with_samples(rgb, sampling):
-    cases = [
-        (coated(rgb, METAL, alpha=0.05), 30),
-        (coated(rgb, METAL, **WIDTHS, rotation=40.0), 60),
-        (coated(rgb, METAL, alpha=0.4, rotation=-70.0), 89),
-    ]
-    for seed, (bsdf, degrees) in enumerate(cases):
-        test = sampling.chi_squared(bsdf, degrees, seed=seed)
-        assert test.run(0.01, test_count=len(cases), quiet=True), (seed, test.messages)
-        assert test.pdf_sum[0] == pytest.approx(1, abs=0.005)
-
-
 def test_pictures_agree_with_the_walk(rgb):
     """A sphere in even light: the mean radiance is within 2 %, the walk's noise below 0.5 %."""
     means = []

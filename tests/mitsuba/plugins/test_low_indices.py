@@ -44,15 +44,6 @@ def test_the_plugin_is_the_walk(rgb, degrees):
         assert se < 0.02 * f_cos  # the comparison is sharp
 
 
-def test_densities_agree_with_samples(rgb, sampling):
-    # Angles on both sides of the critical one, for the greatest and the least step of the index.
-    cases = [(0.5, 20), (0.5, 45), (0.8, 70), (0.95, 60), (0.95, 89)]
-    for seed, (eta, degrees) in enumerate(cases):
-        bsdf = rgb.load_dict(layered(eta, 1.0))
-        test = sampling.chi_squared(bsdf, degrees, seed=seed)
-        assert test.run(0.01, test_count=len(cases), quiet=True), (eta, degrees, test.messages)
-
-
 def test_a_texture_may_cross_one(rgb):
     pixels = np.array([[0.8, 1.6], [1.2, 0.9]], np.float32)[..., None]
     texture = {"type": "bitmap", "bitmap": rgb.Bitmap(pixels), "raw": True}

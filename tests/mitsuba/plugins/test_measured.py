@@ -25,15 +25,6 @@ def test_values_are_those_of_the_reader(rgb, merl_file):
     np.testing.assert_allclose(f, urushi.load_measured(merl_file).f(wi, wo), rtol=1e-3)
 
 
-def test_samples_follow_the_normalised_density(rgb, sampling, merl_file):
-    bsdf = rgb.load_dict({"type": "measured_brdf", "filename": str(merl_file)})
-    for seed, degrees in enumerate((0, 45, 80, 89)):
-        test = sampling.chi_squared(bsdf, degrees, seed)
-        assert test.run(0.01, test_count=4, quiet=True), (degrees, test.messages)
-        assert test.pdf_sum[0] == pytest.approx(1, abs=0.005)
-        assert test.histogram_sum[0] == 1
-
-
 def test_under_layered_values_agree_with_the_simulation(rgb, merl_file):
     from urushi.mitsuba.reading import probing
 

@@ -122,47 +122,6 @@ def test_one_word_changes_networks_to_walks(rgb, describe):
     )
 
 
-@pytest.mark.parametrize("name", PLUGINS)
-def test_values_below_the_horizon_are_zero(rgb, describe, name):
-    bsdf = rgb.load_dict(describe(name))
-    assert (evaluate(bsdf, wi=(0.3, 0.1, -0.9)) == 0).all()
-    assert (evaluate(bsdf, wo=(0.3, 0.1, -0.9)) == 0).all()
-
-
-def scene(mi, *bsdfs: dict):
-    """Spheres side by side in a white world."""
-    spheres = {
-        f"object {i}": {"type": "sphere", "center": [2 * i - len(bsdfs) + 1, 0, 0], "bsdf": bsdf}
-        for i, bsdf in enumerate(bsdfs)
-    }
-    return mi.load_dict(
-        {
-            "type": "scene",
-            "integrator": {"type": "path", "max_depth": 3},
-            "sensor": {
-                "type": "perspective",
-                "to_world": mi.ScalarTransform4f().look_at([0, 0, 5], [0, 0, 0], [0, 1, 0]),
-                "film": {"type": "hdrfilm", "width": 8, "height": 8},
-            },
-            "light": {"type": "constant"},
-            **spheres,
-        }
-    )
-
-
-@pytest.mark.parametrize("name", PLUGINS)
-def test_every_variant_renders(describe, name):
-    import mitsuba as mi
-
-    # in both orders, because classes must not outlive their variant
-    for variant in ("llvm_ad_mono", "llvm_ad_spectral", "llvm_ad_rgb", "llvm_ad_mono"):
-        mi.set_variant(variant)
-        # two of a kind: Mitsuba must not mix them up
-        image = mi.render(scene(mi, describe(name), describe(name)), spp=16).numpy()
-        assert np.isfinite(image).all()
-        assert image.min() > 0
-
-
 def test_grey_in_spectral_is_grey_in_rgb(describe):
     import mitsuba as mi
 
@@ -219,15 +178,6 @@ def test_a_saved_material_is_coated_over_its_anchors(rgb, saved, networks, model
     expected = layer(dielectric(0.1, 1.5), Material(edited, model))
     coated = rgb.load_dict(coat | {"base": inner})
     np.testing.assert_allclose(codes(coated), expected.latents, rtol=1e-5, atol=1e-5)
-
-
-def test_a_change_through_traverse_layers_again(rgb, describe):
-    changed = rgb.load_dict(describe("neural_layered"))
-    parameters = rgb.traverse(changed)
-    parameters["sigma_t.value"] = 2.5
-    parameters.update()
-    fresh = rgb.load_dict(describe("neural_layered") | {"sigma_t": 2.5})
-    np.testing.assert_array_equal(evaluate(changed), evaluate(fresh))
 
 
 def test_encode_takes_mitsuba_bsdfs(rgb, model):

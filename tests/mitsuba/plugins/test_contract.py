@@ -1,0 +1,214 @@
+"""What Mitsuba's integrators ask of a BSDF, by every plugin: a case for each of its code paths."""
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+import pytest
+
+from urushi.material import encode
+from urushi.mitsuba.reading import probing
+from urushi.walk import conductor
+
+MEDIUM = {"int_ior": 1.4, "ext_ior": 1.0, "albedo": 0.7, "sigma_t": 0.8, "g": 0.3}
+COAT = MEDIUM | {"alpha": 0.2}
+WIDTHS = MEDIUM | {"alpha_u": 0.08, "alpha_v": 0.3, "rotation": 40.0}
+GGX = {"type": "roughconductor", "distribution": "ggx"}
+BRUSHED = GGX | {"alpha_u": 0.1, "alpha_v": 0.4}
+
+
+def color(*values: float) -> dict:
+    return {"type": "rgb", "value": list(values)}
+
+
+#: By name, a description, and one of its parameters with another value. None: no property has the
+#: parameters, or an update fits a table for seconds.
+CASES = {
+    "walks": ({"type": "layered", **COAT, "base": GGX | {"alpha": 0.3}}, ("sigma_t", 2.5)),
+    "walks of two widths": (
+        {"type": "layered", **WIDTHS, "base": BRUSHED},
+        ("alpha_v", 0.6),
+    ),
+    "walks of coloured widths": (
+        {"type": "layered", "alpha": color(0.05, 0.2, 0.6), "base": BRUSHED},
+        ("sigma_t", 0.5),
+    ),
+    "walks into a lower index": (
+        {"type": "layered", **COAT, "int_ior": 0.8, "base": {"type": "diffuse"}},
+        ("g", 0.6),
+    ),
+    "networks": ({"type": "neural_layered", **COAT, "base": GGX | {"alpha": 0.3}}, ("alpha", 0.4)),
+    "networks of two widths": (
+        {"type": "neural_layered", **WIDTHS, "base": BRUSHED},
+        ("rotation", 70.0),
+    ),
+    "saved codes": ({"type": "neural_brdf"}, None),
+    "measured table": ({"type": "measured_brdf"}, None),
+    "openpbr": (
+        {"type": "openpbr", "base_metalness": 0.4, "specular_roughness_anisotropy": 0.6},
+        ("specular_roughness", 0.5),
+    ),
+    "openpbr under walks": (
+        {"type": "openpbr", "base_metalness": 1.0, "coat_weight": 0.7, "reference": True},
+        ("coat_weight", 0.4),
+    ),
+    "openpbr under networks": (
+        {"type": "openpbr", "coat_weight": 0.5, "coat_roughness": 0.4, "fuzz_weight": 0.5},
+        None,
+    ),
+}
+
+#: Cases that draw random walks for f: two values of one pair differ.
+STOCHASTIC = [name for name in CASES if "walks" in name]
+
+#: Compiling the case of all OpenPBR's parts takes as long as that of all others.
+LONGEST = "openpbr under networks"
+
+every_plugin = pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=pytest.mark.slow) if name == LONGEST else name for name in CASES],
+)
+
+
+@pytest.fixture
+def describe(networks, model, merl_file, tmp_path):
+    """The description of a case, with the small networks, a saved material and a measured one."""
+    path = tmp_path / "material.safetensors"
+    encode(conductor(0.3, (0.9, 0.5, 0.2)), model).save(path)
+    extra = {
+        "networks": {"weights": str(networks)},
+        "saved codes": {"weights": str(networks), "filename": str(path)},
+        "measured table": {"filename": str(merl_file)},
+    }
+    return lambda name: CASES[name][0] | extra.get(name, {})
+
+
+def directions(count: int, seed: int, least: float = 0.0) -> np.ndarray:
+    """Directions (count, 3) uniform above a cosine."""
+    z, phi = np.random.default_rng(seed).uniform([[least], [0]], [[1], [2 * np.pi]], (2, count))
+    r = np.sqrt(1 - z * z)
+    return np.stack([r * np.cos(phi), r * np.sin(phi), z], axis=-1).astype(np.float32)
+
+
+def values(bsdf, wi: np.ndarray, wo: np.ndarray, repeats: int = 1) -> np.ndarray:
+    """f (repeats, N, C) [1/sr], each repeat by other random numbers."""
+    time = np.repeat(np.arange(repeats), len(wi)).astype(np.float32)
+    sides = (np.tile(w, (repeats, 1)) for w in (wi, wo))
+    f = probing.bsdf_values(bsdf, *sides, np.full((len(time), 2), 0.3), time)
+    return f.reshape(repeats, len(wi), -1).astype(np.float64)
+
+
+@every_plugin
+def test_the_density_is_normalised_and_that_of_the_samples(rgb, describe, sampling, name):
+    """Chi-squared at 1 % for all cases together; 0.5 % is the error of the quadrature."""
+    bsdf = rgb.load_dict(describe(name))
+    for degrees in (40, 85):
+        test = sampling.chi_squared(bsdf, degrees, seed=degrees)
+        assert test.run(0.01, test_count=2 * len(CASES), quiet=True), (degrees, test.messages)
+        assert test.pdf_sum[0] == pytest.approx(1, abs=0.005)
+
+
+@every_plugin
+def test_reciprocity(rgb, describe, name):
+    """Up to rounding; of walks the means, within five standard errors of all pairs. OpenPBR's fuzz
+    is defined by one of the directions."""
+    wi, wo = directions(200, 1, 0.1), directions(200, 2, 0.1)
+    bsdf = rgb.load_dict(describe(name) | ({"fuzz_weight": 0.0} if "openpbr" in name else {}))
+    walks = name in STOCHASTIC
+    there, back = (values(bsdf, *w, 1024 if walks else 1) for w in ((wi, wo), (wo, wi)))
+    if not walks:
+        np.testing.assert_allclose(there, back, rtol=1e-4, atol=1e-6)
+        return
+    there, back = there.mean(axis=2), back.mean(axis=2)  # channels share random numbers
+    error = np.sqrt((there.var(axis=0) + back.var(axis=0)) / len(there))
+    assert (np.abs(there.mean(axis=0) - back.mean(axis=0)) < 5 * error + 1e-6).all()
+
+
+@every_plugin
+def test_no_direction_reflects_more_than_arrives(rgb, describe, name):
+    """The mean weight of samples, which is f cos / pdf of eval and pdf where f is no walk's."""
+    bsdf, count = rgb.load_dict(describe(name)), 1 << 14
+    u = np.random.default_rng(3).random((3, count), np.float32)
+    for cosine in (1.0, 0.5, 0.1):
+        wi = np.tile(np.float32([(1 - cosine**2) ** 0.5, 0, cosine]), (count, 1))
+        si = probing.interaction(wi, np.full((count, 2), 0.3), np.arange(count))
+        sample, weight = bsdf.sample(rgb.BSDFContext(), si, rgb.Float(u[0]), rgb.Point2f(u[1:]))
+        f_cos, pdf = bsdf.eval_pdf(rgb.BSDFContext(), si, sample.wo)
+        drawn, light = sample.pdf.numpy() > 0, weight.numpy()
+        # The density at a drawn direction depends on the direction's last digits.
+        np.testing.assert_allclose(pdf.numpy()[drawn], sample.pdf.numpy()[drawn], rtol=0.02)
+        if name not in STOCHASTIC:
+            expected = (f_cos / pdf).numpy()
+            np.testing.assert_allclose(light[:, drawn], expected[:, drawn], rtol=0.02, atol=1e-6)
+        mean, error = light.mean(axis=1), light.std(axis=1) / count**0.5
+        assert (light >= 0).all() and (mean <= 1.005 + 5 * error).all()
+
+
+@every_plugin
+def test_nothing_passes_below_the_horizon(rgb, describe, name):
+    bsdf, up = rgb.load_dict(describe(name)), directions(64, 4, 0.1)
+    down = up * np.float32([1, 1, -1])
+    for wi, wo in ((up, down), (down, up), (down, down)):
+        si = probing.interaction(wi, np.full((64, 2), 0.3))
+        f_cos, pdf = bsdf.eval_pdf(rgb.BSDFContext(), si, rgb.Vector3f(wo.T.copy()))
+        assert not f_cos.numpy().any() and not pdf.numpy().any()
+
+
+@pytest.mark.parametrize("name", [name for name, (_, change) in CASES.items() if change])
+def test_an_updated_plugin_is_one_that_is_loaded_so(rgb, describe, name):
+    """Within 1 %: OpenPBR's tables for any parameter are coarser than those of a number."""
+    (end, value), wi, wo = CASES[name][1], directions(64, 5, 0.1), directions(64, 6, 0.1)
+    bsdf = rgb.load_dict(describe(name))
+    before, parameters = values(bsdf, wi, wo), rgb.traverse(bsdf)
+    (key,) = (
+        key for key in list(parameters.keys())
+        if f".{key}".endswith(f".{end}.value") and not key.startswith("bottom.")
+    )  # fmt: skip
+    parameters[key] = type(parameters[key])(value)
+    parameters.update()
+    expected = values(rgb.load_dict(describe(name) | {end: value}), wi, wo)
+    np.testing.assert_allclose(values(bsdf, wi, wo), expected, rtol=0.01, atol=1e-6)
+    assert not np.allclose(before, expected, rtol=0.01)
+
+
+def special_pairs() -> tuple[np.ndarray, np.ndarray]:
+    """Pairs at which arguments of roots, logarithms or divisions become zero."""
+    a, b = directions(200, 7), directions(200, 8)
+    normal, low = np.tile(np.float32([0, 0, 1]), (200, 1)), a * np.float32([1, 1, 1e-4])
+    low /= np.linalg.norm(low, axis=-1, keepdims=True)
+    mirror = np.float32([-1, -1, 1])
+    pairs = [
+        (a, b), (normal, b), (a, normal), (normal, normal), (a, a), (a, a * mirror), (low, b),
+        (low, low), (low, low * mirror),
+    ]  # fmt: skip
+    return tuple(np.concatenate(side) for side in zip(*pairs, strict=True))
+
+
+@pytest.mark.parametrize("name", [name for name in CASES if name not in (*STOCHASTIC, LONGEST)])
+def test_derivatives_by_directions_are_finite(rgb, describe, name):
+    """Walks have none."""
+    wi, wo = special_pairs()
+    bsdf = rgb.load_dict(describe(name))
+    si = probing.interaction(wi, np.full((len(wi), 2), 0.3))
+    ends = rgb.Vector3f(si.wi), rgb.Vector3f(np.ascontiguousarray(wo.T))
+    dr.enable_grad(*ends)
+    si.wi = ends[0]
+    f, pdf = bsdf.eval_pdf(rgb.BSDFContext(), si, ends[1])
+    dr.backward(dr.sum(f.x + f.y + f.z + pdf))
+    for end in ends:
+        assert np.isfinite(dr.grad(end).numpy()).all()
+
+
+@every_plugin
+def test_every_variant_renders(describe, name):
+    """In this order, because a class must not outlive its variant; and two of a kind, which Mitsuba
+    must not mix up."""
+    look = {"type": "perspective", "film": {"type": "hdrfilm", "width": 4, "height": 4}}
+    for variant in ("llvm_ad_spectral", "llvm_ad_mono", "llvm_ad_rgb"):
+        mi.set_variant(variant)
+        spheres = {
+            f"sphere {x}": {"type": "sphere", "center": [x, 0, 4], "bsdf": describe(name)}
+            for x in (-1, 1)
+        }
+        scene = {"type": "scene", "integrator": {"type": "path", "max_depth": 3}, "sensor": look}
+        picture = mi.render(mi.load_dict(scene | {"light": {"type": "constant"}} | spheres), spp=8)
+        assert np.isfinite(picture.numpy()).all() and picture.numpy().min() > 0
