@@ -139,7 +139,7 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
             return self._model.vertex(si, active)
 
         def _f(self, vertex, ctx, si, wo, active):
-            return self._model.f(vertex, si, wo, active)
+            return mi.Spectrum(self._model.f(vertex, si, wo, active))  # walks ask for this type
 
         def _proposal(self, vertex, si, active):
             share = mi.Float(1 - MIN_SHARE)
