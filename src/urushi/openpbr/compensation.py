@@ -276,14 +276,21 @@ class Furnace:
         self._varying = [name for name in ROUGHNESSES if inputs.known(name) is None]
         names = _SHARED if metalness else (*_SHARED, *_OF_DIELECTRICS)
         self._shared = _values(inputs, [name for name in names if name not in self._varying])
-        # A constant material may be evaluated by a table, a texture by codes; and so its twin.
+        # A constant material may be evaluated by a table, a texture by codes; and so its twin. Only
+        # codes of constant metals contain multiple scattering, see `encoding.MULTIPLE_FROM`.
         film = () if inputs.is_constant("thin_film_weight", 0) else _OF_FILMS
         constant = inputs.is_uniform((*encoding.NAMES, *_OF_COATS, *film))
-        twin, uv = _twin(self._shared, metalness, self._varying, constant, inputs.where)
+        twin, uv = _twin(self._shared, metalness, self._varying)
+        if not constant and metalness and inputs.is_uniform(encoding.OF_METALS):
+            if isinstance(rough := twin["coat_roughness"], float):
+                twin["coat_roughness"] = _texture(np.full((1, 1, 1), rough))
+        elif not constant:
+            twin["base_color"] = _texture(np.ones((1, 1, 3)))
+        parameters = Inputs.of(twin, inputs.where)
         with dr.suspend_grad():
-            losses = _losses(coated(twin), uv)
+            losses = _losses(coated(parameters), uv)
             if known is not None:
-                losses = losses - _known_losses(known(twin), uv)
+                losses = losses - _known_losses(known(parameters), uv)
         losses = losses.reshape(*([NODES] * len(self._varying)), COSINES)
         parts = np.maximum(losses, 0), np.maximum(-losses, 0)
         self._deviations = interpolated(np.stack(parts, axis=-1).astype(np.float32))
@@ -334,14 +341,10 @@ def _values(inputs: Inputs, names: list[str]) -> dict[str, float]:
 
 
 def _twin(
-    shared: dict[str, float], metalness: float, varying: list[str], constant: bool, where: str
-) -> tuple[Inputs, np.ndarray]:
-    """The white twin's parameters, and the points of uv (N, 2) of the nodes of the table, by rows.
-
-    constant: whether its base_color is a number, not a texture. where: begins errors.
-    """
-    twin: dict[str, Any] = dict(shared)
-    twin["base_color"] = (1.0, 1.0, 1.0) if constant else _texture(np.ones((1, 1, 3)))
+    shared: dict[str, float], metalness: float, varying: list[str]
+) -> tuple[dict[str, Any], np.ndarray]:
+    """The white twin's parameters, and points of uv (N, 2) of the nodes of the table, by rows."""
+    twin: dict[str, Any] = {**shared, "base_color": (1.0, 1.0, 1.0)}
     twin["coat_ior"] = float(formulas.interface_index(shared["coat_ior"]))  # one has no coat
     nodes = np.linspace(0, 1, NODES, dtype=np.float32)
     grid = np.meshgrid(*[nodes] * len(varying), indexing="ij") if varying else []
@@ -350,7 +353,7 @@ def _twin(
     rows, columns = (1, 1) if not varying else np.atleast_2d(grid[0]).shape
     v, u = np.meshgrid((np.arange(rows) + 0.5) / rows, (np.arange(columns) + 0.5) / columns)
     uv = np.stack([u.T.ravel(), v.T.ravel()], axis=-1)
-    return Inputs.of(twin | {"base_metalness": metalness, "coat_weight": 1.0}, where), uv
+    return twin | {"base_metalness": metalness, "coat_weight": 1.0}, uv
 
 
 def _texture(texels: np.ndarray) -> dict[str, Any]:

@@ -29,7 +29,7 @@ MULTIPLE_FROM = 0.5
 TABULATED_FROM = 0.15
 
 #: The parameters of an isotropic metal besides its specular_roughness.
-_OF_METALS = ("base_weight", "base_color", "specular_weight", "specular_color")
+OF_METALS = ("base_weight", "base_color", "specular_weight", "specular_color")
 
 #: The parameters that the base reads.
 NAMES = (
@@ -41,7 +41,7 @@ NAMES = (
 
 def has_multiple(inputs: Inputs) -> bool:
     """Whether a metal is encoded with what its facets reflect more than once; `MULTIPLE_FROM`."""
-    return _is_rough(inputs, _OF_METALS, MULTIPLE_FROM)
+    return _is_rough(inputs, OF_METALS, MULTIPLE_FROM)
 
 
 def is_tabulated(inputs: Inputs) -> bool:
