@@ -50,3 +50,29 @@ def conductor(cos_i, eta, k):
     ratio = dr.select(t3 + t4 > 0, (t3 - t4) / (t3 + t4), 1)
     parallel = perpendicular * ratio
     return 0.5 * (parallel + perpendicular)
+
+
+def exact(cosine, eta, k, xp):
+    """Reflectance of a smooth surface of index eta - i k (PBRT v3, 8.2.1), without loss of digits.
+
+    eta < 1 reflects totally beyond the critical angle. k None is a dielectric, whose formula is
+    shorter and keeps its digits for eta near 1. Terms of 1e-12 replace the branches for 0 / 0.
+    """
+    named = xp.named
+    cos2 = named("cos2", cosine * cosine)
+    sin2 = named("sin2", 1.0 - cos2)
+    if k is None:
+        root = named("root", xp.sqrt(xp.positive((eta - 1.0) * (eta + 1.0) + cos2)))
+        across = named("second", root * cosine)
+        n2, d2 = named("third", across - sin2), named("fourth", across + sin2)
+        ratio = named("parallel", (root - cosine) / ((root + cosine) * d2 + 1e-12))
+        return 0.5 * (ratio * ratio) * (d2 * d2 + n2 * n2)
+    # eta^2 - k^2 - sin2 without loss of digits at grazing angles
+    difference = named("difference", ((eta - 1.0) * (eta + 1.0) - k * k) + cos2)
+    size = named("size", xp.sqrt(difference * difference + 4.0 * (eta * eta) * (k * k)))
+    a = named("root", xp.sqrt(0.5 * xp.positive(size + difference)))
+    first, second = named("first", size + cos2), named("second", 2.0 * a * cosine)
+    perpendicular = named("across", (first - second) / (first + second))
+    third, fourth = named("third", cos2 * size + sin2 * sin2), named("fourth", second * sin2)
+    ratio = named("parallel", (third - fourth + 1e-12) / (third + fourth + 1e-12))
+    return 0.5 * perpendicular * (1.0 + ratio)

@@ -6,9 +6,12 @@ exactly 1, as on the LLVM backend. The other distributions are used by bottoms o
 one width or two.
 """
 
+import math
+
 import drjit as dr
 
 from urushi.checks import Widths
+from urushi.core.namespace import DRJIT, Components
 
 
 def ggx_d(m, alpha):
@@ -45,20 +48,20 @@ def sample_visible_normal(w, alpha, u1, u2):
     return dr.normalize(type(m)(m.x, m.y, dr.maximum(m.z, 0)))
 
 
-def stretched(w, alpha):
+def stretched(w, alpha, xp=DRJIT):
     """The direction `w` in the space where the GGX surface of width `alpha` is a hemisphere."""
     u, v = pair(alpha)
-    return dr.normalize(type(w)(u * w.x, v * w.y, w.z))
+    return xp.normalized(type(w)(u * w.x, v * w.y, w.z))
 
 
-def cap_normal(w, alpha, z, u):
+def cap_normal(w, alpha, z, u, xp=DRJIT):
     """The facet normal of a point of the spherical cap seen from the `stretched` direction `w`.
 
     The point has the height z in [-w.z, 1] and the azimuth 2 pi u. The normal has any length.
     Source: Dupuy & Benyoub 2023, listing 1.
     """
-    sin_phi, cos_phi = dr.sincos(2 * dr.pi * u)
-    sin_theta = dr.safe_sqrt(1 - z * z)
+    sin_phi, cos_phi = xp.sincos(xp.named("phi", (2 * math.pi) * u))
+    sin_theta = xp.named("radius", xp.safe_sqrt(xp.positive(1 - z * z)))
     along, across = pair(alpha)
     x, y = along * (sin_theta * cos_phi + w.x), across * (sin_theta * sin_phi + w.y)
     return type(w)(x, y, z + w.z)
@@ -101,6 +104,57 @@ def reflection_lobe(wi, wo, alpha):
     g = smith_g1(wi, alpha) * smith_g1(wo, alpha)
     f = ggx_d(m, alpha) * g / (4 * wi.z * wo.z)
     return dr.select((wi.z > 0) & (wo.z > 0), f, 0), dr.dot(wi, m)
+
+
+def lobe_shape(alpha, wi, wo, h, xp):
+    """The lobe D G / (4 cos_i cos_o) [1/sr] for reflectance 1, of directions above the horizon.
+
+    It is `reflection_lobe` (Walter et al. 2007, eqs. 20, 33 and 34; with two widths Heitz 2014,
+    eqs. 80 and 85), written without the cosines in the denominator and with h = wi + wo of any
+    length. Exchanging wi and wo gives the same bits.
+    """
+    named = xp.named
+    x2, y2 = h.x * h.x, h.y * h.y
+    across, z2 = named("half_xy2", x2 + y2), named("half_z2", h.z * h.z)
+    if isinstance(alpha, Widths):
+        alpha2, u_v, v_u = product_and_quotients(alpha, xp)
+        squeezed = x2 * v_u + y2 * u_v
+
+        def root2(w):
+            return alpha2 * ((w.x * w.x) * u_v + (w.y * w.y) * v_u) + w.z * w.z
+
+    else:
+        alpha2, squeezed = named("alpha2", alpha * alpha), across
+        rest = named("remaining", 1.0 - alpha2)
+
+        def root2(w):
+            return alpha2 + rest * (w.z * w.z)
+
+    ratio = named("ratio", (across + z2) / (squeezed + alpha2 * z2 + 1e-18))
+    # Two names: a product of sums is the same with wi and wo exchanged, whatever is contracted.
+    masking_i = named("masking_i", wi.z + xp.sqrt(root2(wi)))
+    masking_o = named("masking_o", wo.z + xp.sqrt(root2(wo)))
+    return named("lobe_shape", (alpha2 / math.pi) * (ratio * ratio) / (masking_i * masking_o))
+
+
+def product_and_quotients(alpha, xp):
+    """The product of two GGX widths, and the quotients u / v and v / u."""
+    return (
+        xp.named("alpha2", alpha.u * alpha.v),
+        xp.named("u_over_v", alpha.u / alpha.v),
+        xp.named("v_over_u", alpha.v / alpha.u),
+    )
+
+
+def half_vector(wi, wo, xp):
+    """The sum of two directions, in the direction of the half vector."""
+    sums = (wi.x + wo.x, wi.y + wo.y, wi.z + wo.z)
+    return Components(*(xp.named(f"half_{axis}", s) for axis, s in zip("xyz", sums, strict=True)))
+
+
+def facet_cosine(h, xp):
+    """The cosine between either direction and their half vector, from their sum h."""
+    return xp.named("cos_facet", xp.minimum(0.5 * xp.sqrt(h.x * h.x + h.y * h.y + h.z * h.z), 1.0))
 
 
 def beckmann_d(m, alpha):

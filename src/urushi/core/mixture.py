@@ -4,6 +4,7 @@ Directions below the horizon are mirrored up, so that the density is exactly nor
 upper hemisphere.
 """
 
+import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -12,6 +13,7 @@ import drjit as dr
 from urushi.checks import Widths
 from urushi.core import microfacet
 from urushi.core.frame import square_to_cosine_hemisphere
+from urushi.core.namespace import DRJIT
 
 
 class Mixture(NamedTuple):
@@ -42,38 +44,48 @@ class Mixture(NamedTuple):
         return dr.select(choice >= edge, cosine, sample_reflection(alpha, wi, u[0], u[1]))
 
 
-def reflection_pdf(alpha, wi, wo):
+def reflection_pdf(alpha, wi, wo, xp=DRJIT):
     """Density of `sample_reflection` at wo above the horizon [1/sr], the mirrored part included.
 
-    D(h) / (2 (cos_i + root)) with Smith's shadowing in the root, see `nets.sampler.reflection_pdf`.
+    A visible normal has the density G1(wi) (wi.h) D(h) / cos_i (Heitz 2018, eq. 1); its
+    reflection has that density divided by 4 wi.h. With Smith's G1 = 2 cos_i / (cos_i + root) for
+    GGX, the quotient is D(h) / (2 (cos_i + root)). D is computed from h = wi + wo without
+    normalising it.
     """
-    alpha2 = microfacet.product(alpha)
-    squeezed = microfacet.squeezed_sine2(wi + wo, alpha)
-    x, y = wi.x + wo.x, wi.y + wo.y
-    level = x * x + y * y  # the same for wo's mirror image
-    up, down = wi.z + wo.z, wi.z - wo.z
-    total = _scaled_ggx(alpha2, level, squeezed, up)
-    total += dr.select(down > 0, _scaled_ggx(alpha2, level, squeezed, down), 0)
-    root2 = alpha2 + (1 - alpha2) * (wi.z * wi.z)
-    if isinstance(alpha, Widths):  # (u wi.x)^2 + (v wi.y)^2 + wi.z^2, and no change if u = v
+    named = xp.named
+    x, y = named("half_x", wi.x + wo.x), named("half_y", wi.y + wo.y)
+    x2, y2, cos2 = x * x, y * y, wi.z * wi.z
+    level = squeezed = named("half_xy2", x2 + y2)  # the same for wo's mirror image
+    if isinstance(alpha, Widths):
         u, v = alpha.u, alpha.v
-        root2 += (u - v) * (u * (wi.x * wi.x) - v * (wi.y * wi.y))
-    root = dr.sqrt(root2)
-    return total * (alpha2 * (0.5 * dr.inv_pi)) / (wi.z + root)
+        alpha2, u_v, v_u = microfacet.product_and_quotients(alpha, xp)
+        squeezed = named("squeezed", x2 * v_u + y2 * u_v)
+    else:
+        alpha2 = named("alpha2", alpha * alpha)
+    root2 = alpha2 + (1.0 - alpha2) * cos2
+    if isinstance(alpha, Widths):  # (u wi.x)^2 + (v wi.y)^2 + wi.z^2, and no change if u = v
+        root2 = root2 + (u - v) * (u * (wi.x * wi.x) - v * (wi.y * wi.y))
+
+    def ratio(z, label):
+        """The root of pi D(h) / alpha2 of a half vector with h_z = z."""
+        z2 = named(f"{label}2", z * z)
+        return named(f"ratio_{label}", (level + z2) / xp.maximum(squeezed + alpha2 * z2, 1e-18))
+
+    up, down = named("up", wi.z + wo.z), named("down", wi.z - wo.z)
+    upper, lower = ratio(up, "up"), ratio(down, "down")
+    total = upper * upper + xp.where(down > 0.0, lower * lower, 0.0)
+    # > 0 even for wi below the horizon
+    below = named("below", xp.positive(wi.z) + xp.sqrt(root2))
+    return total * (alpha2 / (2.0 * math.pi)) / below
 
 
-def sample_reflection(alpha, wi, u1, u2):
+def sample_reflection(alpha, wi, u1, u2, xp=DRJIT):
     """Reflect wi about a visible GGX normal and mirror it up; density `reflection_pdf`."""
-    w = microfacet.stretched(wi, alpha)
-    h = microfacet.cap_normal(w, alpha, (1 - u2) * (1 + w.z) - w.z, u1)
-    wo = (2 * dr.dot(wi, h) / dr.maximum(dr.squared_norm(h), 1e-30)) * h - wi
-    return type(wi)(wo.x, wo.y, dr.abs(wo.z))
-
-
-def _scaled_ggx(alpha2, level, squeezed, z):
-    """pi D(h) / alpha2 of a half vector with h_z = z and |h_xy|^2 = level.
-
-    alpha2 is `microfacet.product`, and `squeezed` the squared sine of D (`squeezed_sine2`).
-    """
-    ratio = (level + z * z) / dr.maximum(squeezed + alpha2 * (z * z), 1e-30)
-    return ratio * ratio
+    w = microfacet.stretched(wi, alpha, xp)
+    height = xp.named("height", (1.0 - u2) * (1.0 + w.z) - w.z)
+    h = microfacet.cap_normal(w, alpha, height, u1, xp)
+    h = type(h)(*(xp.named(f"facet_{axis}", getattr(h, axis)) for axis in "xyz"))
+    length2 = h.x * h.x + h.y * h.y + h.z * h.z
+    product = 2.0 * (wi.x * h.x + wi.y * h.y + wi.z * h.z)
+    scale = xp.named("twice_cosine", product / xp.maximum(length2, 1e-18))
+    return type(wi)(scale * h.x - wi.x, scale * h.y - wi.y, xp.absolute(scale * h.z - wi.z))

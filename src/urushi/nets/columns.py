@@ -38,6 +38,11 @@ class Normalisation:
         features *= factors
         return features
 
+    def each(self, columns: Sequence[Any]) -> list[Any]:
+        """The same of columns of any kind, as a list."""
+        constants = zip(columns, self._means.tolist(), self._factors.tolist(), strict=True)
+        return [(column - mean) * factor for column, mean, factor in constants]
+
     def _constants(self, dtype: Any) -> tuple[np.ndarray, np.ndarray]:
         """The means and factors (C,) in the precision of the columns."""
         if dtype not in self._of_type:

@@ -3,6 +3,7 @@
 from typing import Any
 
 from urushi.checks import Widths
+from urushi.core.namespace import Namespace, arrays, components
 from urushi.nets.columns import Normalisation
 
 #: Smallest cosine to the normal. Smaller ones are clamped to it, so f is constant near the horizon.
@@ -75,7 +76,7 @@ def _normalisation(table: Table) -> Normalisation:
 
 
 #: Normalisations of the features, for networks of one GGX width or two.
-_DIRECTIONS = {
+DIRECTIONS = {
     1: _normalisation(DIRECTION_TABLE),
     2: _normalisation(DIRECTION_TABLE + AZIMUTH_TABLE),
 }
@@ -94,21 +95,27 @@ def direction_features(wi: Any, wo: Any, widths: int = 1) -> Any:
     either direction; Rusinkiewicz 1998), so that small half angles keep their digits in float32.
     The features are finite for every pair; cosines are clamped to at least `MIN_COSINE`.
     """
-    xp = wi.__array_namespace__()
-    cos_i = xp.maximum(wi[..., 2], MIN_COSINE)
-    cos_o = xp.maximum(wo[..., 2], MIN_COSINE)
-    x = wi[..., 0] + wo[..., 0]
-    y = wi[..., 1] + wo[..., 1]
-    z = cos_i + cos_o
-    across = x * x + y * y  # |h|^2 sin^2 theta_h, h = wi + wo
-    squared = across + z * z
-    length = xp.sqrt(squared)  # 2 cos theta_d for unit vectors
-    cos_d = xp.minimum(0.5 * length, 1.0)
-    opposite = 1.0 - cos_d
-    opposite2 = opposite * opposite
+    columns = direction_columns(components(wi), components(wo), widths, arrays(wi))
+    return DIRECTIONS[widths](columns)
+
+
+def direction_columns(wi: Any, wo: Any, widths: int, xp: Namespace) -> list[Any]:
+    """The features of two directions before normalisation, by `DIRECTIONS`."""
+    named = xp.named
+    cos_i = named("cos_i", xp.maximum(wi.z, MIN_COSINE))
+    cos_o = named("cos_o", xp.maximum(wo.z, MIN_COSINE))
+    x, y = named("sum_x", wi.x + wo.x), named("sum_y", wi.y + wo.y)
+    z = named("sum_z", cos_i + cos_o)
+    x2, y2, z2 = x * x, y * y, named("sum_z2", z * z)
+    across = named("sum_xy2", x2 + y2)  # |h|^2 sin^2 theta_h, h = wi + wo
+    squared = named("sum2", across + z2)
+    length = named("sum_size", xp.sqrt(squared))  # 2 cos theta_d for unit vectors
+    cos_d = named("cos_d", xp.minimum(0.5 * length, 1.0))
+    opposite = named("opposite", 1.0 - cos_d)
+    opposite2 = named("opposite2", opposite * opposite)
     columns = [
-        xp.log(across / (z * z) + 1e-6),
-        xp.sqrt(xp.sqrt(across / squared)),
+        xp.log(across / z2 + 1e-6),
+        xp.safe_sqrt(xp.safe_sqrt(across / squared)),
         z / length,
         cos_d,
         opposite2 * opposite2 * opposite,
@@ -116,15 +123,16 @@ def direction_features(wi: Any, wo: Any, widths: int = 1) -> Any:
         xp.log(z),
         xp.minimum(cos_i, cos_o),
     ]
-    if widths == 1:
-        return _DIRECTIONS[1](columns)
-    columns += [
-        xp.log(x * x / (z * z) + 1e-6),
-        xp.log(y * y / (z * z) + 1e-6),
-        *(xp.log(wi[..., k] * wi[..., k] + wo[..., k] * wo[..., k] + 1e-3) for k in (0, 1)),
-        *(wi[..., k] * wo[..., k] for k in (0, 1)),
-    ]
-    return _DIRECTIONS[2](columns)
+    if widths == 2:
+        columns += [
+            xp.log(x2 / z2 + 1e-6),
+            xp.log(y2 / z2 + 1e-6),
+            xp.log(wi.x * wi.x + wo.x * wo.x + 1e-3),
+            xp.log(wi.y * wi.y + wo.y * wo.y + 1e-3),
+            wi.x * wo.x,
+            wi.y * wo.y,
+        ]
+    return columns
 
 
 def coat_features(alpha: Any, eta: Any, albedo: Any, sigma_t: Any, g: Any) -> Any:

@@ -13,13 +13,16 @@ agree. The decoder evaluates the rest of the BRDF.
 A lobe of anisotropic networks has a seventh number, the width across the tangent (the y axis); its
 first number is the width along it (the x axis).
 
-Functions take arrays of NumPy or JAX. `urushi.mitsuba.networks.lobe` is the counterpart in Dr.Jit.
+Functions take arrays of NumPy or JAX; those with an argument `xp` also serve Dr.Jit and shaders.
 """
 
-import math
+from collections.abc import Sequence
 from typing import Any
 
 from urushi.checks import Widths
+from urushi.core import fresnel as core_fresnel
+from urushi.core import microfacet
+from urushi.core.namespace import Components, Namespace, arrays, components
 from urushi.nets.columns import Normalisation, stacked
 
 #: The numbers: the GGX width, the factors of the Fresnel terms, and the complex index.
@@ -39,9 +42,10 @@ FEATURE_MEANS = (-0.9, 0.22, 0.45, 0.47, 0.55, -1.5)
 FEATURE_SCALES = (1.1, 0.3, 0.4, 0.4, 0.35, 1.5)
 LOBE_FEATURES = {1: len(FEATURE_MEANS), 2: len(FEATURE_MEANS) + 2}
 
-_FEATURES = {
-    6: Normalisation(FEATURE_MEANS, FEATURE_SCALES),
-    7: Normalisation(FEATURE_MEANS + FEATURE_MEANS[:2], FEATURE_SCALES + FEATURE_SCALES[:2]),
+#: Normalisations of the features of lobes with one width and with two.
+FEATURES = {
+    1: Normalisation(FEATURE_MEANS, FEATURE_SCALES),
+    2: Normalisation(FEATURE_MEANS + FEATURE_MEANS[:2], FEATURE_SCALES + FEATURE_SCALES[:2]),
 }
 
 #: Cosines at which `lobe_features` contains the reflectance.
@@ -70,37 +74,31 @@ def with_two_widths(lobe: Any) -> Any:
 
 def reflectance(lobe: Any, cosine: Any) -> Any:
     """Return F (...) of lobes (..., N) at cosines (...) between direction and facet normal."""
-    xp = lobe.__array_namespace__()
-    away = xp.clip(1.0 - cosine, 0.0, 1.0)
-    away2 = away * away
-    fifth = away2 * away2 * away
-    schlick = lobe[..., 1] * (1.0 - fifth) + lobe[..., 2] * fifth
-    return schlick + lobe[..., 3] * fresnel(cosine, lobe[..., 4], lobe[..., 5])
+    return reflectance_of([lobe[..., i] for i in range(1, 6)], cosine, arrays(lobe))
+
+
+def reflectance_of(numbers: Sequence[Any], cosine: Any, xp: Namespace) -> Any:
+    """The Fresnel term of the numbers normal, grazing, exact, eta and k at a cosine in [0, 1].
+
+    None stands for numbers that are known: the factors normal and exact or eta are None for terms
+    that vanish, exact alone is None for a factor of one, and k is None for dielectrics.
+    """
+    normal, grazing, factor, eta, k = numbers
+    value: Any = 0.0
+    if normal is not None:
+        away = xp.named("away", 1.0 - cosine)
+        away2 = xp.named("away2", away * away)
+        fifth = xp.named("fifth", away2 * away2 * away)
+        value = normal * (1.0 - fifth) + grazing * fifth
+    if eta is not None:
+        exact = core_fresnel.exact(cosine, eta, k, xp)
+        value = value + (exact if factor is None else factor * exact)
+    return xp.named("fresnel", value)
 
 
 def fresnel(cosine: Any, eta: Any, k: Any) -> Any:
-    """Return the unpolarised reflectance of a smooth surface of index eta - i k (PBRT v3, 8.2.1).
-
-    k = 0 is a dielectric; eta < 1 reflects totally beyond the critical angle.
-    """
-    xp = eta.__array_namespace__()
-    cos2 = cosine * cosine
-    sin2 = 1.0 - cos2
-    # eta^2 - k^2 - sin2 without loss of digits at grazing angles
-    difference = ((eta - 1.0) * (eta + 1.0) - k * k) + cos2
-    size = xp.sqrt(difference * difference + 4.0 * (eta * eta) * (k * k))
-    a = xp.sqrt(0.5 * _positive(size + difference))
-    first, second = size + cos2, 2.0 * a * cosine
-    perpendicular = (first - second) / (first + second)
-    third, fourth = cos2 * size + sin2 * sin2, second * sin2
-    ratio = (third - fourth + 1e-12) / (third + fourth + 1e-12)
-    return 0.5 * perpendicular * (1.0 + ratio)
-
-
-def _positive(x: Any) -> Any:
-    """x, at least zero; by its real part if it is complex, as in a complex step."""
-    xp = x.__array_namespace__()
-    return xp.where(x.real > 0.0, x, 0.0)
+    """Return the unpolarised reflectance of a smooth surface of index eta - i k, see `exact`."""
+    return core_fresnel.exact(cosine, eta, k, arrays(eta))
 
 
 def f(lobe: Any, wi: Any, wo: Any) -> Any:
@@ -113,46 +111,14 @@ def f(lobe: Any, wi: Any, wo: Any) -> Any:
 
 def cosine_to_facet(wi: Any, wo: Any) -> Any:
     """Return the cosine (...) between either direction (..., 3) and their half vector."""
-    xp = wi.__array_namespace__()
-    x, y, z = (wi[..., i] + wo[..., i] for i in range(3))
-    return xp.clip(0.5 * xp.sqrt(x * x + y * y + z * z), 0.0, 1.0)
+    return microfacet.facet_cosine(components(wi + wo), arrays(wi))
 
 
 def shape(alpha: Any, wi: Any, wo: Any) -> Any:
-    """Return the lobe (...) [1/sr] of a GGX width alpha (...) for a reflectance of one.
-
-    D G / (4 cos_i cos_o) by Walter et al. (2007), eqs. 20, 33 and 34, written without the cosines
-    in the denominator, and in the half vector wi + wo without normalising it. For two `Widths` see
-    Heitz (2014), eqs. 80 and 85.
-    """
-    xp = wi.__array_namespace__()
-    cos_i, cos_o = xp.clip(wi[..., 2], 0.0, 1.0), xp.clip(wo[..., 2], 0.0, 1.0)
-    if isinstance(alpha, Widths):
-        return _anisotropic_shape(alpha, wi, wo, cos_i, cos_o)
-    alpha2 = alpha * alpha
-    x, y, z = wi[..., 0] + wo[..., 0], wi[..., 1] + wo[..., 1], cos_i + cos_o
-    across, z2 = x * x + y * y, z * z
-    ratio = (across + z2) / (across + alpha2 * z2 + 1e-18)
-    rest = 1.0 - alpha2
-    masking = (cos_i + xp.sqrt(alpha2 + rest * (cos_i * cos_i))) * (
-        cos_o + xp.sqrt(alpha2 + rest * (cos_o * cos_o))
-    )
-    return (alpha2 / math.pi) * (ratio * ratio) / masking
-
-
-def _anisotropic_shape(alpha: Widths, wi: Any, wo: Any, cos_i: Any, cos_o: Any) -> Any:
-    """`shape` for two widths."""
-    xp = wi.__array_namespace__()
-    product, u_v, v_u = alpha.u * alpha.v, alpha.u / alpha.v, alpha.v / alpha.u
-    x, y, z = wi[..., 0] + wo[..., 0], wi[..., 1] + wo[..., 1], cos_i + cos_o
-    x2, y2, z2 = x * x, y * y, z * z
-    ratio = (x2 + y2 + z2) / (x2 * v_u + y2 * u_v + product * z2 + 1e-18)
-
-    def masked(w: Any, cos: Any) -> Any:
-        sine2 = (w[..., 0] * w[..., 0]) * u_v + (w[..., 1] * w[..., 1]) * v_u
-        return cos + xp.sqrt(product * sine2 + cos * cos)
-
-    return (product / math.pi) * (ratio * ratio) / (masked(wi, cos_i) * masked(wo, cos_o))
+    """Return `microfacet.lobe_shape` (...) [1/sr] of a GGX width alpha (...) or two `Widths`."""
+    xp = arrays(wi)
+    wi, wo = (Components(w.x, w.y, xp.positive(w.z)) for w in map(components, (wi, wo)))
+    return microfacet.lobe_shape(alpha, wi, wo, microfacet.half_vector(wi, wo, xp), xp)
 
 
 def lobe_features(lobe: Any) -> Any:
@@ -167,14 +133,19 @@ def lobe_features(lobe: Any) -> Any:
     # first, so that many lobes are a row of numbers for NumPy.
     cosines = xp.asarray(COSINES, dtype=lobe.real.dtype).reshape((-1, *[1] * (lobe.ndim - 1)))
     at = list(reflectance(lobe, cosines))
-    mean = (at[0] + at[1] + at[2]) * (1.0 / 3.0)
-    seen = mean / (mean + VISIBLE)
-    alpha = lobe[..., 0]
-    columns = [seen * xp.log(alpha), seen * alpha, *at, xp.log(mean + VISIBLE)]
-    if lobe.shape[-1] > len(LOBE_NUMBERS):
-        across = lobe[..., -1]
-        columns += [seen * xp.log(across), seen * across]
-    return _FEATURES[lobe.shape[-1]](columns)
+    alphas = [lobe[..., place] for place in WIDTH_PLACES[1 + (lobe.shape[-1] > 6)]]
+    return FEATURES[len(alphas)](feature_columns(alphas, at, arrays(lobe)))
+
+
+def feature_columns(alphas: Sequence[Any], at: Sequence[Any], xp: Namespace) -> list[Any]:
+    """The features of a lobe before normalisation.
+
+    alphas: its width or two. at: its reflectance at `COSINES`.
+    """
+    mean = xp.named("mean_fresnel", (at[0] + at[1] + at[2]) * (1.0 / 3.0))
+    seen = xp.named("seen", mean / (mean + VISIBLE))
+    first, *others = [[seen * xp.log(alpha), seen * alpha] for alpha in alphas]
+    return [*first, *at, xp.log(mean + VISIBLE), *(x for other in others for x in other)]
 
 
 def scaled_lobe(lobe: Any, factor: Any) -> Any:

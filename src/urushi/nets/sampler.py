@@ -11,6 +11,8 @@ import math
 from typing import Any
 
 from urushi.checks import MIN_ALPHA, Widths
+from urushi.core.mixture import reflection_pdf, sample_reflection
+from urushi.core.namespace import Namespace, arrays, components, stacked_components
 from urushi.nets.architecture import Architecture
 from urushi.nets.features import MIN_COSINE
 from urushi.nets.lobe import lobe_features, width
@@ -28,12 +30,17 @@ def sampler_features(wi: Any, widths: int = 1) -> Any:
 
     These are the cosine and its logarithm. For widths = 2 there are the squares of x and y, too.
     """
-    xp = wi.__array_namespace__()
-    raised = xp.maximum(wi[..., 2], MIN_COSINE)
+    columns = sampler_columns(components(wi), widths, arrays(wi))
+    return wi.__array_namespace__().stack(columns, axis=-1)
+
+
+def sampler_columns(wi: Any, widths: int, xp: Namespace) -> list[Any]:
+    """`sampler_features` of a direction as a list."""
+    raised = xp.named("raised", xp.maximum(wi.z, MIN_COSINE))
     columns = [(raised - 0.5) * 3.0, xp.log(raised) + 1.0]
     if widths == 2:
-        columns += [(wi[..., k] * wi[..., k] - 0.33) * 3.0 for k in (0, 1)]
-    return xp.stack(columns, axis=-1)
+        columns += [(wi.x * wi.x - 0.33) * 3.0, (wi.y * wi.y - 0.33) * 3.0]
+    return columns
 
 
 def sampler_inputs(arch: Architecture, z: Any) -> Any:
@@ -81,56 +88,10 @@ def mixture_pdf(weights: Any, alphas: Any, wi: Any, wo: Any) -> Any:
     """
     xp = wi.__array_namespace__()
     cos_i, cos_o = wi[..., 2], wo[..., 2]
-    lobes = reflection_pdf(alphas, wi[..., None, :], wo[..., None, :])
+    pair = components(wi[..., None, :]), components(wo[..., None, :])
+    lobes = reflection_pdf(alphas, *pair, arrays(wi))
     density = xp.sum(weights[..., :-1] * lobes, axis=-1) + weights[..., -1] * (cos_o / math.pi)
     return xp.where((cos_i > 0.0) & (cos_o > 0.0), density, 0.0)
-
-
-def reflection_pdf(alpha: Any, wi: Any, wo: Any) -> Any:
-    """Return the density (...) [1/sr] of `sample_reflection`, for wi and wo above the horizon.
-
-    A visible normal has the density G1(wi) (wi.h) D(h) / cos_i (Heitz 2018, eq. 1); its
-    reflection has that density divided by 4 wi.h. With Smith's G1 for GGX the quotient is
-    D(h) / (2 (cos_i + root)), see `_root`. D is computed from h = wi + wo without normalising it.
-    The density of the mirrored directions is included.
-    """
-    xp = wi.__array_namespace__()
-    cos_i, cos_o = wi[..., 2], wo[..., 2]
-    x, y = wi[..., 0] + wo[..., 0], wi[..., 1] + wo[..., 1]
-    x2, y2 = x * x, y * y
-    across = x2 + y2  # the same for wo's mirror image
-    if isinstance(alpha, Widths):
-        alpha2 = alpha.u * alpha.v
-        squeezed = x2 * (alpha.v / alpha.u) + y2 * (alpha.u / alpha.v)
-    else:
-        alpha2, squeezed = alpha * alpha, across
-    up, down = cos_i + cos_o, cos_i - cos_o
-    total = _scaled_ggx(alpha2, across, squeezed, up) + xp.where(
-        down > 0.0, _scaled_ggx(alpha2, across, squeezed, down), 0.0
-    )
-    below = xp.maximum(cos_i, 0.0) + _root(alpha, wi)  # > 0 even below the horizon
-    return total * (alpha2 / (2.0 * math.pi)) / below
-
-
-def _scaled_ggx(alpha2: Any, across: Any, squeezed: Any, z: Any) -> Any:
-    """Return pi D(h) / alpha^2 of a half vector with |h_xy|^2 = across and h_z = z.
-
-    With two widths alpha^2 is their product, and `squeezed` is (h_x^2 / u^2 + h_y^2 / v^2) u v.
-    """
-    xp = across.__array_namespace__()
-    ratio = (across + z * z) / xp.maximum(squeezed + alpha2 * (z * z), 1e-18)
-    return ratio * ratio
-
-
-def _root(alpha: Any, wi: Any) -> Any:
-    """Return cos_i (1 + 2 Lambda(wi)), Smith's shadowing by GGX: G1 = 2 cos_i / (cos_i + root)."""
-    xp = wi.__array_namespace__()
-    cos2 = wi[..., 2] * wi[..., 2]
-    if isinstance(alpha, Widths):
-        x, y = alpha.u * wi[..., 0], alpha.v * wi[..., 1]
-        return xp.sqrt(x * x + y * y + cos2)
-    alpha2 = alpha * alpha
-    return xp.sqrt(alpha2 + (1.0 - alpha2) * cos2)
 
 
 def sample_mixture(weights: Any, alphas: Any, wi: Any, u: Any) -> Any:
@@ -148,31 +109,10 @@ def sample_mixture(weights: Any, alphas: Any, wi: Any, u: Any) -> Any:
             xp.where(beyond, alpha.u[..., k], chosen.u), xp.where(beyond, alpha.v[..., k], chosen.v)
         )
         edge = edge + weights[..., k]
-    reflected = sample_reflection(chosen, wi, u1, u2)
+    reflected = stacked_components(
+        sample_reflection(chosen, components(wi), u1, u2, arrays(wi)), xp
+    )
     radius, phi = xp.sqrt(u1), (2.0 * math.pi) * u2
     cosine = [radius * xp.cos(phi), radius * xp.sin(phi), xp.sqrt(1.0 - u1)]
     cosine = xp.stack(xp.broadcast_arrays(*cosine), axis=-1)
     return xp.where((choice >= edge)[..., None], cosine, reflected)
-
-
-def sample_reflection(alpha: Any, wi: Any, u1: Any, u2: Any) -> Any:
-    """Return wi (..., 3) reflected about a visible normal, mirrored up; density `reflection_pdf`.
-
-    alpha: a GGX width, or two `Widths`.
-
-    The normal is sampled on a spherical cap (Dupuy and Benyoub 2023, listing 1).
-    """
-    xp = wi.__array_namespace__()
-    along, across = (alpha.u, alpha.v) if isinstance(alpha, Widths) else (alpha, alpha)
-    x, y, z = along * wi[..., 0], across * wi[..., 1], wi[..., 2]
-    length = xp.sqrt(x * x + y * y + z * z)
-    x, y, z = x / length, y / length, z / length
-    phi = (2.0 * math.pi) * u1
-    cap_z = (1.0 - u2) * (1.0 + z) - z
-    cap_r = xp.sqrt(xp.maximum(1.0 - cap_z * cap_z, 0.0))
-    hx, hy = along * (cap_r * xp.cos(phi) + x), across * (cap_r * xp.sin(phi) + y)
-    hz = cap_z + z
-    scale = 2.0 * (wi[..., 0] * hx + wi[..., 1] * hy + wi[..., 2] * hz)
-    scale = scale / xp.maximum(hx * hx + hy * hy + hz * hz, 1e-18)
-    wo = [scale * hx - wi[..., 0], scale * hy - wi[..., 1], xp.abs(scale * hz - wi[..., 2])]
-    return xp.stack(xp.broadcast_arrays(*wo), axis=-1)

@@ -1,0 +1,100 @@
+"""Functions by which one text of a formula serves arrays, kernels and shaders.
+
+A formula of `core` or `nets` takes a `Namespace` as its last argument, `xp`, and directions with the
+components x, y and z. Arithmetic is that of the operands. `arrays` is for NumPy and JAX, `DRJIT` for
+Dr.Jit; `urushi.export.statements.namespace` is for the expressions of shader code.
+"""
+
+import functools
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import drjit as dr
+
+Function = Callable[..., Any]
+
+
+class Components(NamedTuple):
+    """A vector whose components are arrays (...) or expressions."""
+
+    x: Any
+    y: Any
+    z: Any
+
+
+class Namespace(NamedTuple):
+    """Functions of numbers.
+
+    Attributes:
+        sqrt, safe_sqrt: the square root of x >= 0; the safe one has a finite derivative at 0.
+        exp, log, absolute, minimum, maximum, where: those of NumPy.
+        positive: x, at least zero; by its real part if it is complex, as in a complex step. It has
+            a finite derivative.
+        sincos: sine and cosine of an angle [rad].
+        normalized: a vector, scaled to length one.
+        named: a value, given its name; shader code declares a variable.
+    """
+
+    sqrt: Function
+    safe_sqrt: Function
+    exp: Function
+    log: Function
+    absolute: Function
+    minimum: Function
+    maximum: Function
+    where: Function
+    positive: Function
+    sincos: Function
+    normalized: Function
+    named: Callable[[str, Any], Any] = lambda _label, value: value
+
+
+DRJIT = Namespace(
+    dr.sqrt,
+    dr.safe_sqrt,
+    dr.exp,
+    dr.log,
+    dr.abs,
+    dr.minimum,
+    dr.maximum,
+    dr.select,
+    lambda x: dr.select(x > 0, x, 0),
+    dr.sincos,
+    dr.normalize,
+)
+
+
+def arrays(x: Any) -> Namespace:
+    """The functions of the arrays of x, those of NumPy or JAX."""
+    return _of_module(x.__array_namespace__())
+
+
+@functools.cache
+def _of_module(xp: Any) -> Namespace:
+    def normalized(w: Components) -> Components:
+        length = xp.sqrt(w.x * w.x + w.y * w.y + w.z * w.z)
+        return Components(w.x / length, w.y / length, w.z / length)
+
+    return Namespace(
+        xp.sqrt,
+        xp.sqrt,
+        xp.exp,
+        xp.log,
+        xp.abs,
+        xp.minimum,
+        xp.maximum,
+        xp.where,
+        lambda x: xp.where(x.real > 0.0, x, 0.0),
+        lambda x: (xp.sin(x), xp.cos(x)),
+        normalized,
+    )
+
+
+def components(w: Any) -> Components:
+    """The components (...) of an array (..., 3)."""
+    return Components(w[..., 0], w[..., 1], w[..., 2])
+
+
+def stacked_components(w: Components, xp: Any) -> Any:
+    """The array (..., 3) of components that broadcast; xp: their module, NumPy or JAX."""
+    return xp.stack(xp.broadcast_arrays(*w), axis=-1)
