@@ -61,7 +61,7 @@ def cap_normal(w, alpha, z, u, xp=DRJIT):
     Source: Dupuy & Benyoub 2023, listing 1.
     """
     sin_phi, cos_phi = xp.sincos(xp.named("phi", (2 * math.pi) * u))
-    sin_theta = xp.named("radius", xp.safe_sqrt(xp.positive(1 - z * z)))
+    sin_theta = xp.named("radius", xp.sqrt(xp.positive(1 - z * z)))
     along, across = pair(alpha)
     x, y = along * (sin_theta * cos_phi + w.x), across * (sin_theta * sin_phi + w.y)
     return type(w)(x, y, z + w.z)

@@ -7,10 +7,10 @@ import numpy as np
 
 from urushi.export.dense import dense
 from urushi.export.expressions import Expression, call, colour, dot
-from urushi.export.statements import Function
+from urushi.export.statements import Function, namespace
 from urushi.nets.architecture import SCALE
 from urushi.nets.decoder import MAX_LOG, MIN_LOG
-from urushi.nets.features import AZIMUTH_TABLE, DIRECTION_TABLE, MIN_COSINE
+from urushi.nets.features import DIRECTIONS, direction_columns
 from urushi.nets.weights import Model
 
 
@@ -56,50 +56,8 @@ def known_terms(model: Model, codes: np.ndarray) -> CodeTerms:
 def features(body: Function, wi: Expression, wo: Expression, widths: int = 1) -> list[Expression]:
     """The features of two directions, see `nets.features.direction_features`."""
     body.note_line("Features of the two directions, the same with wi and wo exchanged.")
-    cos_i = body.let("cos_i", call("max", wi.z, MIN_COSINE))
-    cos_o = body.let("cos_o", call("max", wo.z, MIN_COSINE))
-    x, y = body.let("sum_x", wi.x + wo.x), body.let("sum_y", wi.y + wo.y)
-    z = body.let("sum_z", cos_i + cos_o)
-    across = body.let("sum_xy2", x * x + y * y)
-    squared = body.let("sum2", across + z * z)
-    size = body.let("sum_size", call("sqrt", squared))
-    cos_d = body.let("cos_d", call("min", 0.5 * size, 1.0))
-    opposite = body.let("opposite", 1.0 - cos_d)
-    opposite2 = body.let("opposite2", opposite * opposite)
-    columns = [
-        call("log", across / (z * z) + 1e-6),
-        call("sqrt", call("sqrt", across / squared)),
-        z / size,
-        cos_d,
-        opposite2 * opposite2 * opposite,
-        0.5 * call("log", cos_i * cos_o),
-        call("log", z),
-        call("min", cos_i, cos_o),
-    ]
-    table: tuple[tuple[str, float, float], ...] = DIRECTION_TABLE
-    if widths == 2:
-        table += AZIMUTH_TABLE
-        columns += _azimuth_columns(body, (wi.x, wo.x, x), (wi.y, wo.y, y), z)
-    return [
-        body.let(f"feature{i}", (column - mean) * (1.0 / scale))
-        for i, (column, (_, mean, scale)) in enumerate(zip(columns, table, strict=True))
-    ]
-
-
-def _azimuth_columns(
-    body: Function,
-    along: tuple[Expression, Expression, Expression],
-    across: tuple[Expression, Expression, Expression],
-    z: Expression,
-) -> list[Expression]:
-    """The columns of `AZIMUTH_TABLE` of wi's, wo's and their sum's component on either axis."""
-    z2 = body.let("sum_z2", z * z)
-    axes = along, across
-    return [
-        *(call("log", total * total / z2 + 1e-6) for _, _, total in axes),
-        *(call("log", one * one + other * other + 1e-3) for one, other, _ in axes),
-        *(one * other for one, other, _ in axes),
-    ]
+    columns = DIRECTIONS[widths].each(direction_columns(wi, wo, widths, namespace(body)))
+    return [body.let(f"feature{i}", column) for i, column in enumerate(columns)]
 
 
 def rest(

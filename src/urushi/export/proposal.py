@@ -6,7 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from urushi.checks import MIN_ALPHA
+from urushi.checks import MIN_ALPHA, Widths
+from urushi.core.mixture import reflection_pdf, sample_reflection
+from urushi.core.namespace import Components
 from urushi.export.dense import dense
 from urushi.export.expressions import (
     FLOAT,
@@ -18,10 +20,8 @@ from urushi.export.expressions import (
     select,
     vector,
 )
-from urushi.export.lobe import products
-from urushi.export.statements import Function, Structure, Variable, member
-from urushi.nets.features import MIN_COSINE
-from urushi.nets.sampler import MIN_COSINE_SHARE, sampler_inputs
+from urushi.export.statements import Function, Structure, Variable, member, namespace
+from urushi.nets.sampler import MIN_COSINE_SHARE, sampler_columns, sampler_inputs
 from urushi.nets.weights import Model
 
 WI, WO = Variable("wi", VECTOR), Variable("wo", VECTOR)
@@ -77,16 +77,8 @@ def fill(
     widths of the code's lobe.
     """
     params, count = model.params, _lobes(model)
-    raised = body.let("raised", call("max", wi.z, MIN_COSINE))
-    inputs = [
-        body.let("cosine", (raised - 0.5) * 3.0),
-        body.let("log_cosine", call("log", raised) + 1.0),
-    ]
-    if model.widths == 2:
-        inputs += [
-            body.let(f"square_{axis}", (value * value - 0.33) * 3.0)
-            for axis, value in (("x", wi.x), ("y", wi.y))
-        ]
+    columns = sampler_columns(wi, model.widths, namespace(body))
+    inputs = [body.let(f"direction{k}", column) for k, column in enumerate(columns)]
     weight = params["sampler.0.weight"][-len(inputs) :]
     values = dense(body, "first", weight, inputs, first)
     layer = 1
@@ -185,7 +177,7 @@ def _alphas(widths: int) -> tuple[Variable, ...]:
 
 
 def _reflection_density(widths: int) -> Function:
-    """Of visible normals of GGX, see `nets.sampler.reflection_pdf`."""
+    """Of visible normals of GGX, see `core.mixture.reflection_pdf`."""
     function = Function(
         "reflection_density",
         (*_alphas(widths), WI, WO),
@@ -193,33 +185,13 @@ def _reflection_density(widths: int) -> Function:
         "The density of wi reflected about a visible GGX normal and mirrored up (Heitz 2018).",
     )
     *alphas, wi, wo = map(argument, function.arguments)
-    x, y = function.let("half_x", wi.x + wo.x), function.let("half_y", wi.y + wo.y)
-    across = squeezed = function.let("half_xy2", x * x + y * y)
-    cos_i = function.let("cos_i", call("max", wi.z, 0.0))
-    if widths == 1:
-        alpha2 = function.let("alpha2", alphas[0] * alphas[0])
-        below = alpha2 + (1.0 - alpha2) * (cos_i * cos_i)
-    else:
-        alpha2, u_over_v, v_over_u = products(function, *alphas)
-        squeezed = function.let("squeezed", x * x * v_over_u + y * y * u_over_v)
-        wide_x = function.let("wide_x", alphas[0] * wi.x)
-        wide_y = function.let("wide_y", alphas[1] * wi.y)
-        below = wide_x * wide_x + wide_y * wide_y + cos_i * cos_i
-    ratios = []
-    for label, z in (("up", wi.z + wo.z), ("down", wi.z - wo.z)):
-        z = function.let(label, z)
-        z2 = function.let(f"{label}2", z * z)
-        ratio = (across + z2) / call("max", squeezed + alpha2 * z2, 1e-18)
-        ratios.append((z, function.let(f"ratio_{label}", ratio)))
-    (_, upper), (down, lower) = ratios
-    total = upper * upper + select(down > 0.0, lower * lower, 0.0)
-    root = function.let("root", call("sqrt", below))
-    function.returns(total * (alpha2 * (0.5 / math.pi)) / (cos_i + root))
+    alpha = alphas[0] if widths == 1 else Widths(*alphas)
+    function.returns(reflection_pdf(alpha, wi, wo, namespace(function)))
     return function
 
 
 def _sample_reflection(widths: int) -> Function:
-    """By a spherical cap (Dupuy and Benyoub 2023), see `nets.sampler.sample_reflection`."""
+    """By a spherical cap (Dupuy and Benyoub 2023), see `core.mixture.sample_reflection`."""
     function = Function(
         "sample_reflection",
         (*_alphas(widths), WI, U),
@@ -227,20 +199,9 @@ def _sample_reflection(widths: int) -> Function:
         "wi reflected about a visible GGX normal by u.y and u.z (Dupuy and Benyoub 2023).",
     )
     *alphas, wi, u = map(argument, function.arguments)
-    along, across = alphas[0], alphas[-1]
-    x, y, z = function.let("wide_x", along * wi.x), function.let("wide_y", across * wi.y), wi.z
-    size = function.let("wide_size", call("sqrt", x * x + y * y + z * z))
-    x, y = function.let("cap_x", x / size), function.let("cap_y", y / size)
-    z = function.let("cap_z", z / size)
-    phi = function.let("phi", (2.0 * math.pi) * u.y)
-    height = function.let("height", (1.0 - u.z) * (1.0 + z) - z)
-    radius = function.let("radius", call("sqrt", call("max", 1.0 - height * height, 0.0)))
-    hx = function.let("facet_x", along * (radius * call("cos", phi) + x))
-    hy = function.let("facet_y", across * (radius * call("sin", phi) + y))
-    hz = function.let("facet_z", height + z)
-    product = 2.0 * (wi.x * hx + wi.y * hy + wi.z * hz)
-    scale = function.let("twice_cosine", product / call("max", hx * hx + hy * hy + hz * hz, 1e-18))
-    function.returns(vector(scale * hx - wi.x, scale * hy - wi.y, call("abs", scale * hz - wi.z)))
+    alpha = alphas[0] if widths == 1 else Widths(*alphas)
+    incident = Components(wi.x, wi.y, wi.z)
+    function.returns(vector(*sample_reflection(alpha, incident, u.y, u.z, namespace(function))))
     return function
 
 

@@ -1,19 +1,23 @@
 """Statements of shader code: functions, structures and tables, and a builder for their bodies."""
 
 import contextlib
-from collections.abc import Iterator, Sequence
+import functools
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from urushi.core.namespace import Components, Namespace
 from urushi.export.expressions import (
     FLOAT,
     INT,
     Expression,
     Value,
+    call,
     converted,
     expression,
     name,
+    select,
 )
 
 
@@ -204,3 +208,38 @@ def offset_index(start: int, index: Expression) -> Expression:
 def member(structure: Expression, which: Variable) -> Expression:
     """A member of a structure."""
     return Expression("field", which.kind, (structure,), which.name)
+
+
+def namespace(body: Function, suffix: str = "") -> Namespace:
+    """The functions of formulas for expressions; variables are declared in `body`.
+
+    suffix: of their names.
+    """
+
+    def named(label: str, value: Value) -> Expression:
+        return body.let(label + suffix, value)
+
+    def normalized(w: Components) -> Components:
+        wide = Components(*(named(f"wide_{axis}", c) for axis, c in zip("xyz", w, strict=True)))
+        size = named("wide_size", call("sqrt", wide.x * wide.x + wide.y * wide.y + wide.z * wide.z))
+        return Components(
+            *(named(f"cap_{axis}", c / size) for axis, c in zip("xyz", wide, strict=True))
+        )
+
+    def function(label: str) -> Callable[..., Expression]:
+        return functools.partial(call, label)
+
+    return Namespace(
+        function("sqrt"),
+        function("sqrt"),
+        function("exp"),
+        function("log"),
+        function("abs"),
+        function("min"),
+        function("max"),
+        select,
+        lambda x: call("max", x, 0.0),
+        lambda x: (call("sin", x), call("cos", x)),
+        normalized,
+        named,
+    )

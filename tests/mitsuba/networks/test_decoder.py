@@ -64,10 +64,11 @@ def evaluated(latents, si, wo) -> list:
 
 
 def test_features_agree_with_numpy(rgb):
-    from urushi.mitsuba.networks.decoder import direction_features
+    from urushi.core.namespace import DRJIT
 
     wi, wo = pairs()
-    ours = np.stack([x.numpy() for x in direction_features(vector(rgb, wi), vector(rgb, wo))], -1)
+    columns = numpy_features.direction_columns(vector(rgb, wi), vector(rgb, wo), 1, DRJIT)
+    ours = np.stack([x.numpy() for x in numpy_features.DIRECTIONS[1].each(columns)], -1)
     # rounding of logarithms of small half angles, in units of their spread
     np.testing.assert_allclose(ours, numpy_features.direction_features(wi, wo), atol=2e-5)
 

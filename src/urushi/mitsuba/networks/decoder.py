@@ -5,12 +5,13 @@ from collections.abc import Sequence
 import drjit as dr
 import numpy as np
 
+from urushi.core.namespace import DRJIT
 from urushi.mitsuba.networks import lobe, mlp
 from urushi.mitsuba.networks.cooperative import hidden_layers
 from urushi.mitsuba.networks.lobe import LobeKind
 from urushi.nets.architecture import SCALE
 from urushi.nets.decoder import MAX_LOG, MIN_LOG
-from urushi.nets.features import AZIMUTH_TABLE, DIRECTION_TABLE, MIN_COSINE
+from urushi.nets.features import DIRECTIONS, direction_columns
 from urushi.nets.weights import Model
 
 
@@ -54,7 +55,8 @@ class UrushiDecoder:
     def f_of_terms(self, terms: Sequence[Sequence], wi, wo) -> list:
         """f of each channel, from a list of Dr.Jit floats, its terms, for each."""
         # The response to the directions is the same for all channels.
-        features = direction_features(wi, wo, self._kind.widths)
+        widths = self._kind.widths
+        features = DIRECTIONS[widths].each(direction_columns(wi, wo, widths, DRJIT))
         response = mlp.dense(features, self._response, [0.0] * self._width)
         count = 1 + len(self._bias)
         rests = [self._rest(channel[-count:], response) for channel in terms]
@@ -74,43 +76,3 @@ class UrushiDecoder:
         scales, offsets = units[: self._width], units[self._width :]
         first = [dr.fma(*values) for values in zip(scales, response, offsets, strict=True)]
         return dr.exp(dr.clip(gain + self._hidden(first)[0], MIN_LOG, MAX_LOG))
-
-
-def direction_features(wi, wo, widths: int = 1):
-    """The decoder's features of unit vectors wi and wo (z the normal), as a list.
-
-    Exchanging wi and wo gives the same bits, see `nets.features.direction_features`.
-    """
-    cos_i, cos_o = dr.maximum(wi.z, MIN_COSINE), dr.maximum(wo.z, MIN_COSINE)
-    x, y, z = wi.x + wo.x, wi.y + wo.y, cos_i + cos_o
-    across = x * x + y * y
-    squared = across + z * z
-    length = dr.sqrt(squared)
-    cos_d = dr.minimum(0.5 * length, 1)
-    opposite = 1 - cos_d
-    opposite2 = opposite * opposite
-    columns = [
-        dr.log(across / (z * z) + 1e-6),
-        dr.safe_sqrt(dr.safe_sqrt(across / squared)),
-        z / length,
-        cos_d,
-        opposite2 * opposite2 * opposite,
-        0.5 * dr.log(cos_i * cos_o),
-        dr.log(z),
-        dr.minimum(cos_i, cos_o),
-    ]
-    table: tuple[tuple[str, float, float], ...] = DIRECTION_TABLE
-    if widths == 2:
-        columns += [
-            dr.log(x * x / (z * z) + 1e-6),
-            dr.log(y * y / (z * z) + 1e-6),
-            dr.log(wi.x * wi.x + wo.x * wo.x + 1e-3),
-            dr.log(wi.y * wi.y + wo.y * wo.y + 1e-3),
-            wi.x * wo.x,
-            wi.y * wo.y,
-        ]
-        table += AZIMUTH_TABLE
-    return [
-        (column - mean) * (1 / scale)
-        for column, (_, mean, scale) in zip(columns, table, strict=True)
-    ]

@@ -8,13 +8,13 @@ import numpy as np
 
 from urushi.checks import MIN_ALPHA, Widths
 from urushi.core.mixture import Mixture
+from urushi.core.namespace import DRJIT
 from urushi.mitsuba.networks import mlp
 from urushi.mitsuba.networks.cooperative import hidden_layers
 from urushi.mitsuba.networks.lobe import LobeKind, lobe_features
 from urushi.mitsuba.networks.table import interpolated, padded
-from urushi.nets.features import MIN_COSINE
 from urushi.nets.lobe import WIDTH_PLACES
-from urushi.nets.sampler import MIN_COSINE_SHARE, mixture
+from urushi.nets.sampler import MIN_COSINE_SHARE, mixture, sampler_columns
 from urushi.nets.weights import Model
 
 #: Roots of the cosines at which the proposals of one code are tabulated, by the number of GGX
@@ -79,7 +79,7 @@ class UrushiSampler:
         """The mixture from a latent code, a list (size) of Dr.Jit floats, by the network."""
         lobe = self._arch.lobe
         inputs = [*lobe_features(latent[:lobe], self._kind), *latent[lobe:]]
-        inputs += sampler_features(wi, self._arch.widths)
+        inputs += sampler_columns(wi, self._arch.widths, DRJIT)
         first = mlp.dense(inputs, self._weight, self._bias.tolist())
         own = [latent[place] for place in WIDTH_PLACES[self._arch.widths]]
         return self._of_output(own, self._hidden(first))
@@ -108,12 +108,3 @@ def _mixture(weights: Sequence, sides: Sequence[Sequence]) -> Mixture:
     if len(sides) == 1:
         return Mixture(weights, sides[0])
     return Mixture(weights, [Widths(u, v) for u, v in zip(*sides, strict=True)])
-
-
-def sampler_features(wi, widths: int = 1):
-    """The sampler's features of wi, see `nets.sampler.sampler_features`, as a list."""
-    raised = dr.maximum(wi.z, MIN_COSINE)
-    columns = [(raised - 0.5) * 3, dr.log(raised) + 1]
-    if widths == 2:
-        columns += [(wi.x * wi.x - 0.33) * 3, (wi.y * wi.y - 0.33) * 3]
-    return columns
