@@ -1,8 +1,8 @@
 """Functions by which one text of a formula serves arrays, kernels and shaders.
 
 A formula of `core` or `nets` takes a `Namespace` as its last argument, `xp`, and directions with
-the components x, y and z. Arithmetic is that of the operands. `arrays` is for NumPy and JAX, `DRJIT`
-for Dr.Jit, and `urushi.export.statements.namespace` for the expressions of shader code.
+the components x, y and z. Arithmetic is that of the operands. `arrays` is for NumPy and JAX,
+`DRJIT` for Dr.Jit, and `urushi.export.statements.namespace` for the expressions of shader code.
 """
 
 import functools
