@@ -1,4 +1,4 @@
-"""The analytic lobe in Dr.Jit: the counterpart of `nets.lobe`.
+"""The analytic lobe in Dr.Jit, by the formulas of `core` and `nets.lobe`.
 
 Numbers of a lobe are lists of Dr.Jit floats in the order of `nets.lobe.NUMBERS`. A `LobeKind`
 states what all lobes of a plugin have in common when its code is recorded: terms that vanish

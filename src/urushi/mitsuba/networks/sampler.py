@@ -28,7 +28,7 @@ _AZIMUTHS = {1: np.ones(1), 2: np.linspace(0.0, 1.0, 9)}
 class UrushiSampler:
     """Proposals from latent codes and the cosine of wi; see `protocols.Sampler`.
 
-    A proposal is a mixture of GGX reflection lobes and a cosine lobe (`physics.mixture`), whose
+    A proposal is a mixture of GGX reflection lobes and a cosine lobe (`core.mixture`), whose
     weights and widths the network gives; the first width is that of the code's own lobe. Those of
     one code depend on the cosine of wi, and on its azimuth if there are two GGX widths. They are
     tabulated, because two or four entries of a table take half the time of the network.
