@@ -9,14 +9,13 @@ PYTEST := .venv/bin/pytest --numprocesses auto --dist loadfile --no-loadscope-re
 demo: $(READY)
 	.venv/bin/urushi demo
 
-# The static checks and the tests of the first tier, or those of SELECTED
-SELECTED = -m "not slow and not research"
+# The static checks and the tests of the first tier
 test: lint
-	$(PYTEST) $(SELECTED)
+	$(PYTEST) -m "not slow and not research"
 
-# The second tier: the long sweeps too, marked as slow
-test-all:
-	$(MAKE) test SELECTED='-m "not research"'
+# The tests of the first and of the second tier: the long sweeps too, marked as slow
+test-all: $(READY)
+	$(PYTEST) -m "not research"
 
 # The third tier: gallery, rivals, figures, benchmarks and trainings
 test-research: $(READY)

@@ -1,6 +1,7 @@
 """Settings of the test run, and fixtures that tests of several floors share."""
 
 import importlib.util
+import json
 import os
 import shutil
 import signal
@@ -105,6 +106,21 @@ def two_workers():
         n_workers=2, threads_per_worker=2, dashboard_address=":0", host="127.0.0.1"
     ) as cluster:
         yield cluster
+
+
+@pytest.fixture(scope="session")
+def stored_results() -> Callable[..., dict]:
+    """A function (module of figures.NAME.compute, networks by key) -> its stored results."""
+    return _stored_results
+
+
+def _stored_results(compute, **networks) -> dict:
+    """The results of a figure; an expected failure if they are not by these networks."""
+    found = json.loads((compute.FOLDER / "results.json").read_text())
+    stale = [key for key, model in networks.items() if found[key] != model.fingerprint]
+    if stale:
+        pytest.xfail(f"stale {', '.join(stale)}: run `python -m {compute.__name__}`")
+    return found
 
 
 Sphere = Callable[[np.ndarray], np.ndarray]

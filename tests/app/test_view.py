@@ -297,6 +297,7 @@ def test_a_taken_port_is_one_sentence(untrained, server, capsys):
     assert capsys.readouterr().err.startswith("urushi: cannot serve the page on port")
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name != "posix", reason="the signal of Ctrl-C is sent otherwise")
 def test_it_ends_by_ctrl_c():
     command = [sys.executable, "-m", "urushi.app.cli", "view", "--no-browser"]

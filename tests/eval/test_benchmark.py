@@ -18,6 +18,7 @@ def stored():
     return benchmark.read()
 
 
+@pytest.mark.slow
 def test_write_and_read(sets, groups, tmp_path):
     path = tmp_path / "set.safetensors"
     digest = benchmark.write(path, sets, groups)
@@ -36,6 +37,7 @@ def test_write_and_read(sets, groups, tmp_path):
     assert benchmark.write(path, again, groups) == digest
 
 
+@pytest.mark.slow
 def test_a_set_is_reproduced_to_the_byte(groups, tmp_path, monkeypatch):
     """The same command gives the same file; at a coarse aim, for time."""
     for name in ("E_ERROR", "P_ERROR", "PROBE_ERROR", "ALBEDO_ERROR"):
@@ -45,6 +47,7 @@ def test_a_set_is_reproduced_to_the_byte(groups, tmp_path, monkeypatch):
     assert files[0].read_bytes() == files[1].read_bytes()
 
 
+@pytest.mark.slow
 def test_groups_that_a_file_holds_are_kept_to_the_bit(sets, groups, tmp_path, monkeypatch):
     """Only missing groups, and those of other stacks, are simulated; at a coarse aim, for time."""
     for name in ("E_ERROR", "P_ERROR", "PROBE_ERROR", "ALBEDO_ERROR"):
@@ -77,6 +80,7 @@ def test_groups_that_a_file_holds_are_kept_to_the_bit(sets, groups, tmp_path, mo
     assert simulated == ["few"]
 
 
+@pytest.mark.slow
 def test_a_stopped_run_continues(groups, tmp_path, monkeypatch):
     """Groups that were finished are in the file, and the end is the same file."""
     for name in ("E_ERROR", "P_ERROR", "PROBE_ERROR", "ALBEDO_ERROR"):

@@ -69,6 +69,7 @@ def test_albedo_of_a_lambertian_surface(material):
     np.testing.assert_allclose(figures["albedo"]["source"], expected, rtol=2e-3)
 
 
+@pytest.mark.slow
 def test_asymmetry_is_apart_from_the_error(material, monkeypatch):
     monkeypatch.setattr("urushi.material.symmetry.AZIMUTHS", 6)  # enough for cos(2 phi)
 

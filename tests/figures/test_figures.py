@@ -52,9 +52,8 @@ def test_rounded_keeps_shape_and_digits():
     assert np.shape(results.rounded(values)) == values.shape
 
 
-def test_the_committed_results_are_of_the_shipped_weights_and_complete():
-    found = json.loads((compute.FOLDER / "results.json").read_text())
-    assert found["weights"] == default_model().fingerprint
+def test_the_stored_results_are_complete(stored_results):
+    found = stored_results(compute, weights=default_model())
     for n in compute.INTERFACES:
         for name in plot.METHODS:
             values = np.array(found[f"interfaces_{n}"][name])

@@ -1,7 +1,5 @@
 """The verdict's fits recover what they can say, its kernels are those models, and docs agree."""
 
-import json
-
 import drjit as dr
 import mitsuba as mi
 import numpy as np
@@ -25,8 +23,15 @@ def variant():
 
 
 @pytest.fixture(scope="module")
-def found():
-    return json.loads((compute.FOLDER / "results.json").read_text())
+def found(stored_results):
+    return stored_results(
+        compute,
+        **{
+            "weights": default_model(),
+            "anisotropic weights": anisotropic_model(),
+            "paper weights": find(compute.PAPER),
+        },
+    )
 
 
 def pairs(count=400):
@@ -97,7 +102,7 @@ def test_the_papers_system_has_a_row_if_it_has_weights(monkeypatch):
     monkeypatch.setattr(networks, "project", lambda p, d, f: project(p, d, f, steps=2))
     untrained = Model.of(PaperArchitecture(), init(3), {})
     found = errors.isotropic(2, untrained, stacks=1, fitted=0)
-    assert np.isfinite(found[methods.PAPER]["E"]).all()
+    assert min(found[methods.PAPER]["E"]) > max(found[methods.NETWORKS]["E"])  # it learned nothing
     found |= {f"interfaces_{n}": found for n in compute.INTERFACES}
     assert methods.PAPER in plot.rows(found)
 
@@ -108,10 +113,7 @@ def test_a_single_interface_is_exact_for_networks_and_walk():
         assert max(found[name]["E"]) < 1e-5  # rounding
 
 
-def test_the_committed_results_are_of_the_shipped_weights_and_complete(found):
-    assert found["weights"] == default_model().fingerprint
-    assert found["anisotropic weights"] == anisotropic_model().fingerprint
-    assert found["paper weights"] == find(compute.PAPER).fingerprint
+def test_the_stored_results_are_complete(found):
     for n in compute.INTERFACES:
         part = found[f"interfaces_{n}"]
         assert len(part[methods.NETWORKS]["E"]) == errors.STACKS

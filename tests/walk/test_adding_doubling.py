@@ -198,7 +198,13 @@ def test_other_bottoms_are_refused() -> None:
         adding_doubling.albedo(ONE_COAT, [0.0])
 
 
-@pytest.mark.parametrize("name", STACKS)
+@pytest.mark.parametrize(
+    "name",
+    [
+        name if name == "two coats" else pytest.param(name, marks=pytest.mark.slow)
+        for name in STACKS
+    ],
+)
 def test_walk_agrees(name: str) -> None:
     wi, wo = directions(120, 7), directions(120, 8)
     f = adding_doubling.solve(STACKS[name], wi, wo, nodes=32, modes=32)

@@ -89,7 +89,8 @@ ANISOTROPIC = [
 
 
 @pytest.mark.parametrize(
-    ("families", "lowest_eta"), [(FAMILIES, 0.5), (FAMILIES, 1.01), (ANISOTROPIC, 1.01)]
+    ("families", "lowest_eta"),
+    [(FAMILIES, 0.5), pytest.param(ANISOTROPIC, 1.01, marks=pytest.mark.slow)],
 )
 def test_200_random_stacks_are_reciprocal(families, lowest_eta: float) -> None:
     rng = np.random.default_rng(5)
@@ -180,7 +181,17 @@ COLORED = {
 }
 
 
-@pytest.mark.parametrize("coats", COLORED.values(), ids=COLORED.keys())
+#: Cases of the first tier: together they vary every parameter by channel.
+FIRST = ("clear in one channel", "g, rough", "index below one")
+
+
+@pytest.mark.parametrize(
+    "coats",
+    [
+        pytest.param(coats, id=name, marks=() if name in FIRST else pytest.mark.slow)
+        for name, coats in COLORED.items()
+    ],
+)
 def test_one_walk_for_all_channels_equals_a_walk_per_channel(coats: list[dict]) -> None:
     stack = diffuse((0.8, 0.4, 0.1))
     for parameters in reversed(coats):
