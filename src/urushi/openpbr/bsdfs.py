@@ -219,16 +219,6 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
             )
             self._version = inputs.version
 
-        @property
-        def inputs(self) -> Inputs:
-            """The parameters."""
-            return self._inputs
-
-        @property
-        def coated(self):
-            """The BSDF of the base under the coat; None without a coat."""
-            return self._coated
-
         def _vertex(self, si, active):
             turn = None
             if self._turned:

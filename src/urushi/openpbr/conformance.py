@@ -15,6 +15,8 @@ from urushi import files
 from urushi.checks import finite
 from urushi.core import direction_sets, error_metrics
 from urushi.errors import FileError, ParameterError
+from urushi.mitsuba.reading import probing
+from urushi.openpbr.description import openpbr
 
 #: Pairs of directions, of cosine density on both sides, and the seed from which they are drawn.
 PAIRS, SEED = 300, 20260
@@ -139,8 +141,6 @@ def model(parameters: Mapping[str, Any], *, walks: int = 0) -> Brdf:
     Raises:
         PlatformError: no variant of Mitsuba is set.
     """
-    from urushi.openpbr.description import openpbr
-
     bsdf = openpbr(reference=walks > 0, **parameters).bsdf()
     numbers = [float(k) for k in range(max(walks, 1))]
     return lambda wi, wo: np.mean([_values(bsdf, wi, wo, k) for k in numbers], axis=0)
@@ -148,8 +148,6 @@ def model(parameters: Mapping[str, Any], *, walks: int = 0) -> Brdf:
 
 def _values(bsdf: Any, wi: np.ndarray, wo: np.ndarray, number: Any = 0.0) -> np.ndarray:
     """f (N, 3); walks of the same pair differ by their number, one or (N,)."""
-    from urushi.mitsuba.reading import probing
-
     return probing.bsdf_values(bsdf, wi, wo, np.full((len(wi), 2), 0.5), number)
 
 
@@ -165,8 +163,6 @@ def simulate(
         walks: of a pair in one round.
         rounds: greatest number of rounds.
     """
-    from urushi.openpbr.description import openpbr
-
     bsdf = openpbr(reference=True, **parameters).bsdf()
     wi, wo = pairs()
     mean, se = _walked(bsdf, wi, wo, walks, range(PILOT))

@@ -226,10 +226,7 @@ class Inputs:
 
     def _refuse(self, name: str, feature: str, ignore: bool) -> None:
         """Refuse or leave out a feature whose weight is not zero."""
-        value = self.constants.get(name, False if name == "geometry_thin_walled" else 0.0)
-        if name not in self.textures and not value:
-            return
-        if not value and name in self.constants:
+        if not self.constants.get(name, name in self.textures):
             return
         if not ignore:
             raise ParameterError(

@@ -136,7 +136,9 @@ class _Maker:
                 if part is not None:
                     part.update()
         # A coat of index one has no interface: it only absorbs, see `model.absorbed`.
-        coat_present = _has(inputs, "coat_weight") and not inputs.is_constant("coat_ior", 1)
+        coat_present = not (
+            inputs.is_constant("coat_weight", 0) or inputs.is_constant("coat_ior", 1)
+        )
         if base is None and not (coat_present and inputs.is_constant("coat_weight", 1)):
             base = self._base_class(inputs, False, False, False)
         if coat_present:
@@ -199,7 +201,10 @@ def _coat(inputs: Inputs, below: "mi.BSDF") -> dict[str, Any]:
 
 def _warn_of_mirrors(inputs: Inputs) -> None:
     """Say that a perfectly smooth interface has the narrowest lobe that there is."""
-    present = {"specular_roughness": True, "coat_roughness": _has(inputs, "coat_weight")}
+    present = {
+        "specular_roughness": True,
+        "coat_roughness": not inputs.is_constant("coat_weight", 0),
+    }
     smooth = [
         name
         for name, used in present.items()
@@ -210,8 +215,3 @@ def _warn_of_mirrors(inputs: Inputs) -> None:
             mi.LogLevel.Info,
             f"{inputs.where}: {' and '.join(smooth)} below 0.1 have the lobe of 0.1, the narrowest",
         )
-
-
-def _has(inputs: Inputs, weight: str) -> bool:
-    """Whether a part of a given weight is there."""
-    return not inputs.is_constant(weight, 0)
