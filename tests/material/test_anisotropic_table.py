@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from urushi.core.direction_sets import cosine_pairs, slope_pairs
+from urushi.core.error_metrics import stack_error
 from urushi.material import Material, encode, layer
 from urushi.material.anisotropic_table import SHAPE, coordinates, node_directions
 from urushi.material.table import interpolated, rest_table
@@ -76,11 +77,12 @@ def test_interpolation_keeps_f(materials, tables):
         assert table.shape == (*SHAPE, 3)
         f, networks = material.f(wi, wo), material.model.networks
         top = networks.top(material.latents[:, None], wi, wo).T
-        error = np.abs(top + interpolated(table, wi, wo) - f) / f
+        found = top + interpolated(table, wi, wo)
         # 40 nodes over 16 in ln tan^2: a linear step of 0.4 errs by up to 1 % of a GGX lobe.
         # Where a direction grazes the surface, f changes by several per cent from node to node.
-        assert np.median(error) < 0.01
-        assert np.quantile(error, 0.99) < 0.1
+        assert np.median(np.abs(found / f - 1)) < 0.01
+        assert stack_error(found.T, f.T, wi[:, 2], wo[:, 2]).max() < 0.005
+        np.testing.assert_allclose(found, f, rtol=0.5)
 
 
 def test_a_bare_lobe_needs_no_table():

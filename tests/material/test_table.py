@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from urushi.core.direction_sets import cosine_pairs, half_angle_pairs
+from urushi.core.error_metrics import stack_error
 from urushi.material import Material, encode, layer
 from urushi.material.table import (
     SHAPE,
@@ -57,10 +58,12 @@ def test_interpolation_keeps_f(materials):
     for material in materials:
         f, networks = material.f(wi, wo), material.model.networks
         top = networks.top(material.latents[:, None], wi, wo).T
-        error = np.abs(top + interpolated(rest_table(networks, material.latents), wi, wo) - f) / f
-        # 96 nodes over 18 in ln tan^2: a linear step of 0.2 errs by 0.3 % of a GGX lobe.
-        assert np.median(error) < 0.003
-        assert np.quantile(error, 0.99) < 0.03
+        found = top + interpolated(rest_table(networks, material.latents), wi, wo)
+        # 96 nodes over 18 in ln tan^2: a linear step of 0.2 errs by 0.3 % of a GGX lobe, and by
+        # less of all light. Where a direction grazes the surface, f changes between two nodes.
+        assert np.median(np.abs(found / f - 1)) < 0.003
+        assert stack_error(found.T, f.T, wi[:, 2], wo[:, 2]).max() < 0.001
+        np.testing.assert_allclose(found, f, rtol=0.2)
 
 
 def test_lobes_alone_need_no_table(model):
