@@ -7,8 +7,8 @@ import pytest
 
 from urushi.core.direction_sets import cosine_pairs
 from urushi.core.error_metrics import stack_error
+from urushi.core.half_vector import rotated
 from urushi.core.probe_pairs import probe_pairs
-from urushi.core.rotations import rotated
 from urushi.errors import ParameterError, UrushiWarning
 from urushi.material.encode import encode, evaluate_source
 from urushi.material.layer import layer

@@ -19,7 +19,7 @@ from urushi.fan2022 import proxy
 from urushi.fan2022.architecture import EVALUATION, PROXY
 from urushi.fan2022.blocks import EPSILON, Block, Linear, Norm
 from urushi.fan2022.proxy import MIN_SHARE, MIN_SIGMA
-from urushi.mitsuba.networks import cooperative
+from urushi.mitsuba.networks import mlp
 from urushi.nets.weights import Model
 
 #: The flags by which Mitsuba records a whole path as one kernel.
@@ -60,10 +60,8 @@ class NormKernel:
         width = len(scale)
         zeros = np.zeros((width, 1), np.float32)
         # A vector in memory can be used only as the bias of a matrix, here of zeros.
-        self._scale, self._shift = cooperative.pack(zeros, scale), cooperative.pack(zeros, shift)
-        self._mean = cooperative.pack(
-            np.full((1, width), 1 / width, np.float32), np.zeros(1, np.float32)
-        )
+        self._scale, self._shift = mlp.pack(zeros, scale), mlp.pack(zeros, shift)
+        self._mean = mlp.pack(np.full((1, width), 1 / width, np.float32), np.zeros(1, np.float32))
 
     def __call__(self, x: nn.CoopVec) -> nn.CoopVec:
         """Apply to activations."""
@@ -132,7 +130,7 @@ def _bound(params: Mapping[str, np.ndarray], chain: Sequence[Block]) -> list:
     steps: list = []
     for block in chain:
         if isinstance(block, Linear):
-            steps.append(cooperative.Linear(params, block.name))
+            steps.append(mlp.Linear(params, block.name))
         elif isinstance(block, Norm):
             steps.append(NormKernel(params, block.name))
         else:

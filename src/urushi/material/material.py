@@ -9,8 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from urushi import checks
+from urushi.core.half_vector import rotated
 from urushi.core.quadrature import half_vector_rule
-from urushi.core.rotations import rotated
 from urushi.errors import ParameterError, UrushiWarning
 from urushi.export.program import material_text
 from urushi.material import file

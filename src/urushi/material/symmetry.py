@@ -12,7 +12,7 @@ import numpy as np
 
 from urushi.core.direction_sets import cosine_pairs
 from urushi.core.error_metrics import energy_weight
-from urushi.core.rotations import rotated
+from urushi.core.half_vector import rotated
 from urushi.material.source import Source
 
 #: Number of common rotations of a pair about the normal over which a BRDF is averaged: twice an odd

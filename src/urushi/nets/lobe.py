@@ -23,7 +23,7 @@ from urushi.checks import Widths
 from urushi.core import fresnel as core_fresnel
 from urushi.core import microfacet
 from urushi.core.namespace import Components, Namespace, arrays, components
-from urushi.nets.columns import Normalisation, stacked
+from urushi.nets.features import Normalisation, stacked
 
 #: The numbers: the GGX width, the factors of the Fresnel terms, and the complex index.
 LOBE_NUMBERS = ("alpha", "normal", "grazing", "exact", "eta", "k")

@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from urushi.core.rotations import rotated
+from urushi.core.half_vector import rotated
 from urushi.errors import UrushiWarning
 from urushi.material.encode import limited_codes
 from urushi.material.layer import layer_texels

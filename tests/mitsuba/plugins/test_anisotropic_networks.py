@@ -5,7 +5,7 @@ import pytest
 
 import urushi
 from urushi.core.direction_sets import cosine_pairs
-from urushi.core.rotations import rotated
+from urushi.core.half_vector import rotated
 from urushi.errors import ParameterError
 from urushi.material.table import interpolated, rest_table
 from urushi.nets.weights import anisotropic_model, default_model

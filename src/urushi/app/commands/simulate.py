@@ -8,7 +8,7 @@ from zipfile import BadZipFile
 import numpy as np
 import tyro
 
-from urushi.core.rotations import rotated
+from urushi.core.half_vector import rotated
 from urushi.errors import FileError, ParameterError
 from urushi.files import atomic_write
 from urushi.ranges import Angle, Incidence, Seed, Walks

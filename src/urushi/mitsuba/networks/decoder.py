@@ -7,7 +7,6 @@ import numpy as np
 
 from urushi.core.namespace import DRJIT
 from urushi.mitsuba.networks import lobe, mlp
-from urushi.mitsuba.networks.cooperative import hidden_layers
 from urushi.mitsuba.networks.lobe import LobeKind
 from urushi.nets.architecture import SCALE
 from urushi.nets.decoder import MAX_LOG, MIN_LOG
@@ -23,9 +22,9 @@ class UrushiDecoder:
     """
 
     def __init__(self, model: Model, kind: LobeKind, cooperative: bool | None = None):
-        """kind: what is known of the codes' lobes. cooperative: see `cooperative.hidden_layers`."""
+        """kind: what is known of the codes' lobes. cooperative: see `mlp.hidden_layers`."""
         params, activation = model.params, model.arch.activation
-        self._hidden = hidden_layers(params, "decoder", activation, cooperative)
+        self._hidden = mlp.hidden_layers(params, "decoder", activation, cooperative)
         weight = model.params["decoder.0.weight"]
         self._lobe = model.arch.lobe
         self._kind = kind

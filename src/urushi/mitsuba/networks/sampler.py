@@ -10,7 +10,6 @@ from urushi.checks import MIN_ALPHA, Widths
 from urushi.core.mixture import Mixture
 from urushi.core.namespace import DRJIT
 from urushi.mitsuba.networks import mlp
-from urushi.mitsuba.networks.cooperative import hidden_layers
 from urushi.mitsuba.networks.lobe import LobeKind, lobe_features
 from urushi.mitsuba.networks.table import interpolated, padded
 from urushi.nets.lobe import WIDTH_PLACES
@@ -35,9 +34,9 @@ class UrushiSampler:
     """
 
     def __init__(self, model: Model, kind: LobeKind, cooperative: bool | None = None):
-        """kind: what is known of the codes' lobes. cooperative: see `cooperative.hidden_layers`."""
+        """kind: what is known of the codes' lobes. cooperative: see `mlp.hidden_layers`."""
         params, activation = model.params, model.arch.activation
-        self._hidden = hidden_layers(params, "sampler", activation, cooperative)
+        self._hidden = mlp.hidden_layers(params, "sampler", activation, cooperative)
         self._arch, self._kind = model.arch, kind
         self._params = params
         self._weight, self._bias = params["sampler.0.weight"], params["sampler.0.bias"]
