@@ -1,4 +1,4 @@
-"""The axes of the tables of `interface_albedo`: index, root of the GGX width, and cosine.
+"""The axes of the tables of `albedos`: index, root of the GGX width, and cosine.
 
 Seen from the denser side, an interface reflects totally at grazing angles. The edge moves with the
 index, and is sharp for smooth interfaces. The axis of the cosine follows it, so that tables that
@@ -44,7 +44,7 @@ def indexnodes() -> np.ndarray:
 
 
 def index_coordinate(eta: Any, xp: Any = np) -> Any:
-    """Where an index lies among the nodes, in [0, 1]; never between those at either side of one."""
+    """Coordinate of an index in [0, 1]. None lies between the two nodes on either side of one."""
     amplitude = (eta - 1) / (eta + 1) / LARGEST_AMPLITUDE
     root = xp.sqrt(xp.abs(amplitude))
     below = (BELOW - 1) * xp.clip((1 - root) / (1 - _LEAST_ROOT), 0, 1)
@@ -103,8 +103,8 @@ def between_nodes(
 ) -> tuple[np.ndarray, np.ndarray]:
     """A table (..., COSINES) at the points of a quadrature, (..., K), and their weights.
 
-    The weights, (K,) or (I, 1, K), are those of `hemisphere_mean`, of sum one. The mean of a
-    product of tables is that of the product of their values here.
+    The weights, (K,) or (I, 1, K), have a sum of one, as in `hemisphere_mean`. Multiply values of
+    several tables before summing to get the mean of their product.
     """
     points, weights = np.polynomial.legendre.leggauss(4)
     t, step = 0.5 * (points + 1), 1 / (COSINES - 1)

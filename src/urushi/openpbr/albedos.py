@@ -203,7 +203,7 @@ class AnisotropicTables(NamedTuple):
         albedo: (ANISOTROPIES, ROUGHNESSES, COSINES, TERMS), the series in the azimuth.
         mean: (ANISOTROPIES, ROUGHNESSES) the cosine-weighted mean over the hemisphere.
 
-    The roughness is that of the mean of both widths.
+    The roughness axis is the mean of both widths.
     """
 
     albedo: np.ndarray
@@ -262,7 +262,7 @@ class SlabTables(NamedTuple):
 
     Attributes:
         inside: (I, ROUGHNESSES, COSINES) mean cosine in the slab.
-        excess: the same shape; ratio of the leaving light to that of a Lambertian slab, minus one.
+        excess: the same shape; light that leaves over what leaves a Lambertian slab, minus one.
         excess_mean: (I, ROUGHNESSES) its mean over the transmitted part of diffuse light.
     """
 

@@ -77,7 +77,7 @@ class SurfaceProposal(NamedTuple):
     """A mixture of proposals and a cosine lobe.
 
     Attributes:
-        proposals: those of the parts, with their weights of sum one.
+        proposals: the parts' proposals, each with its weight; the weights sum to one.
         diffuse: share of the cosine lobe.
     """
 
@@ -158,8 +158,7 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
 
         @property
         def tabulated(self):
-            """The base without the limits of networks, of which a coat takes a table; None: coats
-            take codes."""
+            """The base without the limits of networks, for tables; None: coats take codes."""
             if not (self._encoded and encoding.is_tabulated(self._inputs)):
                 return None
             return type(self)(self._inputs, self._under_coat, False, self._compensated)
@@ -273,7 +272,7 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
             return tabulated(getattr(self._coated, "latents", None)) is None
 
         def _diffuse_share(self) -> float:
-            """Share of cosine-distributed directions, beyond those of the parts."""
+            """Share of the cosine lobe, which is sampled besides the parts."""
             return DIFFUSE_SHARE if self._fuzz or self._compensation else 0.0
 
         def traverse(self, callback):

@@ -1,8 +1,8 @@
 """Compensation of the energy that a coated base of OpenPBR loses: the white furnace reflects one.
 
 The model loses energy because facets of a rough coat scatter once, and because networks have errors
-over bright bases. The loss is that of the material's white twin: the same material with all colours
-set to one. It is read from tables (`CoatLoss`) or computed when the material is loaded (`Furnace`),
+over bright bases. The loss is measured on the white twin: the same material with all colours set to
+one. It is read from tables (`CoatLoss`) or computed when the material is loaded (`Furnace`),
 and added as a lobe.
 """
 
@@ -109,7 +109,7 @@ class Compensation:
 
     @property
     def is_current(self) -> bool:
-        """Whether what was measured is that of the present parameters."""
+        """Whether the measured twins belong to the present parameters."""
         return all(part.is_current for part in (self._dielectric, self._metal) if part)
 
     def vertex(self, si, active) -> "Vertex":

@@ -20,8 +20,8 @@ SCHLICK_COSINES = (0.6, 0.4, 0.25, 0.15, 0.05)
 SCHLICK_SHARE = 0.8
 
 #: specular_roughness from which networks encode a constant, isotropic metal with what its facets
-#: reflect more than once. They see the lobe alone of other metals: smooth ones lose little, those
-#: of two widths became up to 15 % too dark, and textures would take long to encode.
+#: reflect more than once. They see the lobe alone of other metals: smooth metals lose little,
+#: metals of two widths became up to 15 % too dark, and textures would take long to encode.
 MULTIPLE_FROM = 0.5
 
 #: specular_roughness from which a constant coat over a constant, isotropic base takes a table of

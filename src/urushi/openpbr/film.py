@@ -45,8 +45,8 @@ NODES, MEAN_NODES = 4, 4
 class FilmFresnel:
     """Fresnel terms with the film, which covers the share `thin_film_weight` of the facets.
 
-    In colour variants the channels have the sensitivities of linear sRGB, in spectral ones those of
-    single wavelengths, and a monochromatic one has that of Y.
+    The channels' sensitivities are linear sRGB in colour variants, single wavelengths in spectral
+    variants, and Y in monochromatic variants.
     """
 
     def __init__(self, inputs: Inputs):
@@ -228,7 +228,7 @@ class Rules(NamedTuple):
 
     Attributes:
         cosines, weights: (ROUGHNESSES, COSINES, NODES) of the facets seen from a direction.
-        mean_cosines, mean_weights: (ROUGHNESSES, MEAN_NODES) of those that diffuse light meets.
+        mean_cosines, mean_weights: (ROUGHNESSES, MEAN_NODES) of the facets met by diffuse light.
     """
 
     cosines: np.ndarray

@@ -190,8 +190,8 @@ def mean_fresnel(eta: Any, xp: Any = np) -> Any:
 def internal(coat_eta: Any, base: Base, xp: Any = np) -> Any:
     """Share K of the light leaving the base that the coat's interface returns to it (3.4.1).
 
-    It lies between the share of diffuse light and that of light along the normal, by the roughness
-    of the base.
+    It interpolates between the shares of diffuse light and of light along the normal, by the
+    roughness of the base.
     """
     diffuse = internal_reflectance(1 - mean_fresnel(coat_eta, xp), coat_eta)
     root = (coat_eta - 1) / (coat_eta + 1)

@@ -44,8 +44,8 @@ class Inputs:
         where: the plugin's name, or its property `origin`, the document that `materialx` read;
             begins errors.
         textures: by the parameters' names.
-        constants: of those that are given as numbers, their values; of the others, nothing. One
-            that is changed later counts as a texture from then on, see `refresh`.
+        constants: the values of parameters that are given as numbers, by name. A number that is
+            changed later counts as a texture from then on, see `refresh`.
         maps: the textures of directions, by the parameters' names.
         version: how often `refresh` has found changes.
     """
@@ -192,7 +192,7 @@ class Inputs:
         mi.Log(mi.LogLevel.Warn, f"{self.where}: {sentence}")
 
     def _check_directions(self, ignore: bool) -> None:
-        """Refuse a coat whose normal or tangent is not that of the base, or give it the base's."""
+        """Refuse a coat with a normal or tangent of its own, or give it the base's."""
         for base, coat, anisotropies in DIRECTIONS:
             if coat not in self.maps or self._is_absent("coat_weight"):
                 continue
@@ -275,7 +275,7 @@ def derived(
 
     Args:
         inputs: the parameters.
-        names: of those that the function takes, in order.
+        names: the function's parameters, in order.
         function: of Dr.Jit floats, or of spectra if `color`.
         color: whether the value is a colour.
     """

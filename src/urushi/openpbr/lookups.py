@@ -85,7 +85,7 @@ class MirrorAlbedo:
     def multiple(self, fresnel_mean, widths):
         """The albedo of light that facets of a mean Fresnel term reflect more than once.
 
-        Source: as of `lost`.
+        Source: Kulla and Conty 2017, as `lost`.
         """
         mean = self.seen_mean(widths)
         return fresnel_mean * fresnel_mean * mean / (1 - fresnel_mean * (1 - mean))
@@ -101,7 +101,7 @@ class MirrorAlbedo:
 
 
 class AnisotropicMirror(MirrorAlbedo):
-    """The same of facets of two widths, of which u is not less than v."""
+    """`MirrorAlbedo` of facets of two widths u >= v."""
 
     def __init__(self) -> None:
         known = albedos.anisotropic_tables()
@@ -167,7 +167,7 @@ def coordinates(cosine, alpha, eta) -> list:
     """Coordinates in [0, 1] of a look-up in tables of `albedos`, their last axis first.
 
     cosine: None in tables without its axis.
-    eta: None in tables that do not depend on it; a float in those of one index, without its axis.
+    eta: None in tables that do not depend on it; a float in tables of one index, without its axis.
     """
     at = [] if cosine is None else [albedo_axes.cosine_coordinate(cosine, eta, dr)]
     index = []

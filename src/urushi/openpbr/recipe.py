@@ -109,7 +109,7 @@ def _pairs(wi: np.ndarray, wo: np.ndarray) -> _Pairs:
 
 
 def _base(p: dict[str, Any], pairs: _Pairs, recipe: Recipe) -> np.ndarray:
-    """The base, of which the coat widens the lobes."""
+    """The base, whose lobes the coat widens (3.4.3)."""
     coat, rough = p["coat_weight"], p["specular_roughness"]
     covered = min(1.0, rough**4 + 2 * p["coat_roughness"] ** 4) ** 0.25
     rough = rough + coat * (covered - rough)

@@ -80,7 +80,7 @@ def _description(found: Surface | Mix, extra: Mapping[str, Any] = {}, where: str
 def check_supported(found: Surface | Mix, *, emits: bool = True) -> None:
     """Refuse a material that the plugin `openpbr` cannot render.
 
-    emits: whether an emitter takes its emission; none takes that of a mixture.
+    emits: whether an emitter takes its emission; mixtures have no emitter.
 
     Raises:
         ParameterError: it asks for a feature that is not supported.
