@@ -49,8 +49,9 @@ FAINT_REST = (0.03, 0.08)
 #: which it is left out; and the error of the lobe alone up to which this is looked at.
 HELPFUL_REST, NEAR_LOBE = (1.0, 1.1), 0.3
 
-#: Reflectance at normal incidence of an index of 2: a fitted lobe below it is a dielectric's if
-#: there is light below it, f at this quantile of the probe pairs: dark in lobes of rough metals.
+#: Reflectance at normal incidence of an index of 2: fitted lobes of dielectrics are below it. And
+#: the quantile of f over the probe pairs, less the lobe, that is the light of a surface below a
+#: dielectric: it is near 0 for rough metals that a lobe does not fit.
 DIELECTRIC, DIFFUSE_QUANTILE = 1 / 9, 0.2
 
 
@@ -352,7 +353,8 @@ def with_dielectrics_in_rests(model: Model, anchors: np.ndarray, f: np.ndarray) 
     """Anchors (N, L) of f (N, P) whose fitted lobes of dielectrics become part of the rests.
 
     The layerer has seen exact lobes of dielectrics only, and coats over fitted ones lose up to nine
-    tenths of their light. Lobes that are half of the light or more remain.
+    tenths of their light. A lobe remains if the surface below it reflects less than half of what
+    the lobe reflects at normal incidence.
 
     f: [1/sr] at the probe pairs.
     """
