@@ -1,7 +1,8 @@
 """Thin-film iridescence (OpenPBR Surface 1.1.1, 3.3): the reflectance of a filmed facet.
 
 Light inside the film interferes. The reflectance at one wavelength is a Fourier series in the phase
-that the light gains on its way through the film. A colour is the integral of every term over a sensitivity curve, in closed form.
+that the light gains on its way through the film. A colour is the integral of every term over a
+sensitivity curve, in closed form.
 
 Source: Belcour and Barla 2017, A practical extension to microfacet theory for the modeling of
 varying iridescence.
@@ -193,7 +194,9 @@ def _conductor(cosine: float, n: Any, k: Any, xp: Any) -> Any:
 def _series(front: Any, real: Any, imaginary: Any, path: Any, response: Response, xp: Any) -> Any:
     """The reflectance of one polarisation, by the real amplitude of the film's front.
 
-    real, imaginary: of the amplitude at its back. Source: Belcour and Barla 2017, equations 7 to 10.
+    real, imaginary: of the amplitude at its back.
+
+    Source: Belcour and Barla 2017, equations 7 to 10.
     """
     magnitude = xp.sqrt(xp.maximum(real * real + imaginary * imaginary, LEAST))
     angle = (xp.arctan2 if xp is np else xp.atan2)(imaginary, real)
