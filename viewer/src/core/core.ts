@@ -1,14 +1,13 @@
 /** The core: networks and energy limit behind the interface of `api.ts`. */
 
-import type { Bottom, Coat, Core, Material, Stack, TableOptions } from "./api";
+import type { Bottom, Coat, Core, Material, Stack } from "./api";
 import { blended, PRESENT, presence } from "./blend";
 import { CHANNELS, firstSame, joined, rows, sameNumbers } from "./channels";
 import { Decoder } from "./decoder";
 import { Encoder } from "./encoder";
 import { EnergyLimit, MARGIN } from "./energy";
 import { Evaluation } from "./evaluation";
-import type { Widths } from "./features";
-import { Layerer } from "./layerer";
+import { Layerer, withinTraining } from "./layerer";
 import { noLobe } from "./lobe";
 import { MeasuredEncoder } from "./measured_encoder";
 import { activationOf } from "./mlp";
@@ -16,7 +15,6 @@ import { Refinement } from "./refinement";
 import { Sampler } from "./sampler";
 import { SurfaceEncoder } from "./surface_encoder";
 import { coatOfChannel } from "./surfaces";
-import { withinTraining } from "./training";
 import { readWeights, type Weights } from "./weights";
 
 /**
@@ -28,32 +26,27 @@ export function loadCore(safetensors: ArrayBuffer): NetworkCore {
   return new NetworkCore(readWeights(safetensors));
 }
 
-export class NetworkCore implements Core {
-  readonly latentSize: number;
-  readonly widths: Widths;
+export class NetworkCore extends Evaluation implements Core {
   readonly fingerprint: string;
   private readonly surfaces: SurfaceEncoder;
   private readonly measured: MeasuredEncoder;
   private readonly layerer: Layerer;
   private readonly energy: EnergyLimit;
-  private readonly evaluation: Evaluation;
 
   constructor(weights: Weights) {
     const activation = activationOf(weights.arch.activation);
     const decoder = new Decoder(weights, activation);
+    super(decoder, new Sampler(weights, activation));
     const encoder = new Encoder(weights, decoder, activation);
     const dark = new Float64Array(weights.arch.probes);
-    const { latent, lobe, widths } = weights.arch;
+    const { lobe, widths } = weights.arch;
     const nothing = encoder.encode(noLobe(widths), dark).slice(lobe);
-    this.latentSize = latent;
-    this.widths = widths;
     this.fingerprint = weights.fingerprint;
     this.layerer = new Layerer(weights, activation);
     this.energy = new EnergyLimit(decoder, nothing);
     this.surfaces = new SurfaceEncoder(encoder, this.energy, nothing);
     const refinement = new Refinement(weights, activation, decoder, encoder, this.energy);
     this.measured = new MeasuredEncoder(encoder, this.energy, refinement, nothing);
-    this.evaluation = new Evaluation(decoder, new Sampler(weights, activation));
   }
 
   encode(bottom: Bottom): Material {
@@ -73,22 +66,6 @@ export class NetworkCore implements Core {
       material = { latents, anchors: latents };
     }
     return material;
-  }
-
-  f(material: Material, wi: Float32Array, wo: Float32Array): Float32Array {
-    return this.evaluation.f(material, wi, wo);
-  }
-
-  pdf(material: Material, wi: Float32Array, wo: Float32Array): Float32Array {
-    return this.evaluation.pdf(material, wi, wo);
-  }
-
-  albedo(material: Material, cosines: Float32Array): Float32Array {
-    return this.evaluation.albedo(material, cosines);
-  }
-
-  table(material: Material, options: TableOptions): Float32Array {
-    return this.evaluation.table(material, options);
   }
 
   /** Codes (3, L) scaled down, each as a whole, so that they reflect at most all light. */

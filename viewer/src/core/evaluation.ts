@@ -14,16 +14,16 @@ const BELOW_ONE = 1 - 2 ** -24;
 
 /** The methods are those of `api.ts`. */
 export class Evaluation {
-  private readonly size: number;
+  readonly latentSize: number;
   private readonly lobe: number;
-  private readonly widths: Widths;
+  readonly widths: Widths;
 
   constructor(
     private readonly decoder: Decoder,
     private readonly sampler: Sampler,
   ) {
     const { latent, lobe, widths } = decoder.weights.arch;
-    this.size = latent;
+    this.latentSize = latent;
     this.lobe = lobe;
     this.widths = widths;
   }
@@ -115,7 +115,7 @@ export class Evaluation {
 
   /** f (count, 3) of the first pairs. */
   private values(material: Material, pairs: Pairs, count: number): Float64Array {
-    const codes = rows(material.latents, this.size);
+    const codes = rows(material.latents, this.latentSize);
     const responses = this.decoder.respond(pairs, count);
     const result = new Float64Array(CHANNELS * count);
     for (let channel = 0; channel < CHANNELS; channel++) {
@@ -147,9 +147,9 @@ export class Evaluation {
 
   /** The mean of the channels' anchors, whose proposal all share. */
   private meanAnchor(material: Material): Float32Array {
-    const anchors = rows(material.anchors, this.size);
+    const anchors = rows(material.anchors, this.latentSize);
     return Float32Array.from(
-      { length: this.size },
+      { length: this.latentSize },
       (_, k) => anchors.reduce((sum, code) => sum + code[k], 0) / anchors.length,
     );
   }

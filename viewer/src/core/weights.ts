@@ -12,7 +12,7 @@ const KNOWN =
   /^((decoder|encoder|layerer|sampler)\.\d+\.(weight|bias)|decoder\.scale|encoder\.input_(mean|scale))$/;
 
 /** Sizes of the networks; see Python's `nets.architecture`. */
-export interface Architecture {
+interface Architecture {
   /** Numbers of one channel's code. */
   readonly latent: number;
   /** GGX widths of a surface. */

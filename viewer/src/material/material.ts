@@ -38,7 +38,7 @@ export const BARE = 0;
 export const MOST_COATS = 6;
 
 /** A clear coat of glass, as Urushi's default. */
-export const CLEAR_COAT: Coat = { alpha: 0.1, eta: 1.5, albedo: 0, sigmaT: 0, g: 0 };
+const CLEAR_COAT: Coat = { alpha: 0.1, eta: 1.5, albedo: 0, sigmaT: 0, g: 0 };
 
 /** Whether a coat is part of the picture. */
 export function isSeen(material: MaterialCards, coat: CoatCard): boolean {
@@ -94,7 +94,7 @@ export function takesCoat({ bottom, coats }: MaterialCards): boolean {
 }
 
 /** A number for an additional card. */
-export function freeId(material: MaterialCards): number {
+function freeId(material: MaterialCards): number {
   return Math.max(0, ...material.coats.map((coat) => coat.id)) + 1;
 }
 

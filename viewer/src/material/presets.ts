@@ -1,8 +1,17 @@
 /** Materials to begin with. All are described by physical parameters. */
 
 import type { Bottom, Coat } from "../core/api";
-import type { MaterialCards } from "./material";
-import { METALS } from "./metals";
+import type { MaterialCards, Rgb } from "./material";
+
+/** Complex indices of refraction of metals, as Mitsuba has them in its RGB variants. */
+export const METALS: Readonly<Record<string, { eta: Rgb; k: Rgb }>> = {
+  Gold: { eta: [0.143, 0.375, 1.442], k: [3.983, 2.386, 1.603] },
+  Silver: { eta: [0.155, 0.117, 0.138], k: [4.828, 3.122, 2.147] },
+  Copper: { eta: [0.201, 0.924, 1.102], k: [3.913, 2.453, 2.142] },
+  Aluminium: { eta: [1.658, 0.88, 0.521], k: [9.224, 6.27, 4.837] },
+  Chromium: { eta: [4.37, 2.917, 1.655], k: [5.207, 4.231, 3.755] },
+  Tungsten: { eta: [4.371, 3.3, 2.998], k: [3.501, 2.605, 2.273] },
+};
 
 function material(name: string, bottom: Bottom, ...coats: Partial<Coat>[]): MaterialCards {
   return {

@@ -2,7 +2,7 @@
 
 import { CHANNELS } from "../core/channels";
 import { Refusal } from "../refusal";
-import { crc32 } from "../save/crc32";
+import { crc32 } from "../save/zip";
 import { type Fields, headerOf } from "./tensor_file";
 
 /** A number of a code in one channel: linear in a texel's bytes, which are in [0, 255]. */

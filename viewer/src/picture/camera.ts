@@ -3,7 +3,7 @@
 import type { View } from "../state/state";
 import type { Mesh } from "./meshes";
 
-export type Vector = readonly [number, number, number];
+type Vector = readonly [number, number, number];
 
 export interface Camera {
   eye: Vector;

@@ -3,7 +3,6 @@
 import type { Bottom, Channels, Coat, Stack } from "../core/api";
 import { isAnisotropic } from "../material/material";
 import { Refusal } from "../refusal";
-import { listed } from "./numbers";
 
 /** A node of a scene: a plugin, its parameters and the BSDF inside. */
 interface Node {
@@ -143,4 +142,9 @@ function dictLines(node: Node, depth: number): string[] {
 /** Parameters that Mitsuba reads as colours, whether one number or three. */
 function isColour(name: string): boolean {
   return ["reflectance", "specular_reflectance", "k", "eta"].includes(name);
+}
+
+/** "0.1" or "0.1, 0.2, 0.3". */
+function listed(value: Channels): string {
+  return typeof value === "number" ? String(value) : value.join(", ");
 }

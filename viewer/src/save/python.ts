@@ -3,7 +3,6 @@
 import type { Bottom, Channels, Stack } from "../core/api";
 import { isAnisotropic } from "../material/material";
 import { Refusal } from "../refusal";
-import { python } from "./numbers";
 
 /**
  * A program that encodes the bottom, layers the coats as the page does, and saves the material.
@@ -82,4 +81,9 @@ function widthsOf(surface: { alpha: Channels; alphaV?: Channels }): [string, Cha
 function call(name: string, parameters: [string, Channels][], first = ""): string {
   const named = parameters.map(([key, value]) => `${key}=${python(value)}`);
   return `${name}(${[...(first ? [first] : []), ...named].join(", ")})`;
+}
+
+/** "0.1" or "(0.1, 0.2, 0.3)". */
+function python(value: Channels): string {
+  return typeof value === "number" ? String(value) : `(${value.join(", ")})`;
 }

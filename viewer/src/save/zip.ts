@@ -1,7 +1,5 @@
 /** Archives of files that are not compressed (.ZIP File Format Specification, PKWARE, 6.3.10). */
 
-import { crc32 } from "./crc32";
-
 /** 1 January 1980, the first day that the format knows: archives of equal files are equal. */
 const DATE = 0x21;
 
@@ -53,4 +51,18 @@ function short(value: number): number[] {
 
 function long(value: number): number[] {
   return [...short(value & 0xffff), ...short(value >>> 16)];
+}
+
+/** Sums of single bytes. */
+const SUMS = Uint32Array.from({ length: 256 }, (_, byte) => {
+  let sum = byte;
+  for (let bit = 0; bit < 8; bit++) sum = (sum >>> 1) ^ (sum & 1 ? 0xedb88320 : 0);
+  return sum;
+});
+
+/** CRC-32 (ISO 3309) of bytes, in [0, 2^32). */
+export function crc32(bytes: Uint8Array): number {
+  let sum = 0xffffffff;
+  for (const byte of bytes) sum = (sum >>> 8) ^ SUMS[(sum ^ byte) & 0xff]!;
+  return (sum ^ 0xffffffff) >>> 0;
 }

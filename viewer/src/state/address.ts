@@ -1,7 +1,7 @@
 /** The whole state as one string for the address: a version, a check sum, and the state. */
 
 import { Refusal } from "../refusal";
-import { crc32 } from "../save/crc32";
+import { crc32 } from "../save/zip";
 import { readState } from "./read";
 import type { State } from "./state";
 

@@ -3,8 +3,8 @@
 import type { Bottom, Channels } from "../core/api";
 import { hex } from "../material/colour";
 import { BARE, type MaterialCards, type Rgb, rgb } from "../material/material";
-import { METALS } from "../material/metals";
 import { BOTTOM_PARAMETERS, COAT_PARAMETERS, type Parameter } from "../material/parameters";
+import { METALS } from "../material/presets";
 import { changeMaterial } from "../state/store";
 import { Field } from "./Field";
 import { WidthFields, withWidths } from "./WidthFields";

@@ -126,7 +126,7 @@ export function CoatCard({ card, name, seen, dragged, onMove, onDrag }: CoatCard
 }
 
 /** What kind of coat it is, in a word or two. */
-export function kindOf(coat: Coat): string {
+function kindOf(coat: Coat): string {
   const depth = Math.max(...rgb(coat.sigmaT));
   const albedo = Math.max(...rgb(coat.albedo));
   const widest = Math.max(...rgb(coat.alpha), ...rgb(coat.alphaV ?? coat.alpha));

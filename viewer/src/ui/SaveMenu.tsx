@@ -8,7 +8,6 @@ import { type Session, session } from "../engine/session";
 import { textures } from "../engine/textures";
 import { stackOf } from "../material/material";
 import { Refusal } from "../refusal";
-import { download, textBlob } from "../save/download";
 import { exrFile } from "../save/exr";
 import { mitsubaDict, mitsubaXml } from "../save/mitsuba";
 import { fileName, pythonText } from "../save/python";
@@ -122,6 +121,19 @@ async function saveShader(language: Language, name: string): Promise<void> {
   const { core, codes } = await encoded();
   const text = shaderText(await readTemplate(language, core.widths), codes, rotation());
   download(`${name}${LANGUAGES[language].suffix}`, textBlob(text));
+}
+
+/** Offer a file for download. */
+function download(name: string, content: Blob): void {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(content);
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+}
+
+function textBlob(text: string): Blob {
+  return new Blob([text], { type: "text/plain" });
 }
 
 export function SaveMenu({ onDone }: { onDone: () => void }) {

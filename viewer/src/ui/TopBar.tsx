@@ -1,11 +1,12 @@
 /** Presets, undo and redo, opening and saving. */
 
-import { useRef } from "preact/hooks";
+import { useEffect, useRef } from "preact/hooks";
 import { openFiles } from "../engine/open";
-import { canRedo, canUndo, material, redo, state, undo } from "../state/store";
+import { drawThumbnails } from "../engine/thumbnails";
+import { PRESETS } from "../material/presets";
+import { canRedo, canUndo, changeMaterial, material, redo, state, undo } from "../state/store";
 import { Icon } from "./icons";
 import { Menu } from "./Menu";
-import { Presets } from "./Presets";
 import { SaveMenu } from "./SaveMenu";
 
 export function TopBar() {
@@ -89,5 +90,37 @@ export function TopBar() {
         {(close) => <SaveMenu onDone={close} />}
       </Menu>
     </header>
+  );
+}
+
+/** The materials to begin with, as small pictures. */
+function Presets({ onChosen }: { onChosen: () => void }) {
+  const list = useRef<HTMLUListElement>(null);
+  useEffect(() => {
+    const canvases = [...(list.current?.querySelectorAll("canvas") ?? [])];
+    let open = true;
+    void drawThumbnails(canvases, () => open);
+    return () => {
+      open = false;
+    };
+  }, []);
+  return (
+    <ul ref={list}>
+      {PRESETS.map((preset) => (
+        <li key={preset.name}>
+          <button
+            type="button"
+            aria-pressed={preset.name === material.value.name}
+            onClick={() => {
+              changeMaterial(preset);
+              onChosen();
+            }}
+          >
+            <canvas width={112} height={112} aria-hidden="true" />
+            <span>{preset.name}</span>
+          </button>
+        </li>
+      ))}
+    </ul>
   );
 }

@@ -1,7 +1,7 @@
 /** The picture at rest is Mitsuba's of the same material, object, camera and environment. */
 
 import type { Bottom, Coat } from "../../src/core/api";
-import { METALS } from "../../src/material/metals";
+import { METALS } from "../../src/material/presets";
 import type { EnvironmentName, ObjectName } from "../../src/state/state";
 import { compared, hasFlip } from "./compared";
 import { expect, give, open, test } from "./page";

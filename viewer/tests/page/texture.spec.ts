@@ -4,7 +4,7 @@ import { execFileSync } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
-import { crc32 } from "../../src/save/crc32";
+import { crc32 } from "../../src/save/zip";
 import { compared, hasFlip, PYTHON } from "./compared";
 import { coats, colourAt, expect, give, open, saved, test } from "./page";
 

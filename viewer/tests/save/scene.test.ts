@@ -1,9 +1,8 @@
 import { expect, test } from "vitest";
 import { meshOf } from "../../src/picture/meshes";
-import { crc32 } from "../../src/save/crc32";
 import { plyFile } from "../../src/save/ply";
 import { type Scene, sceneXml } from "../../src/save/scene";
-import { zipFile } from "../../src/save/zip";
+import { crc32, zipFile } from "../../src/save/zip";
 
 test("the check sum has its published check value", () => {
   expect(crc32(new TextEncoder().encode("123456789"))).toBe(0xcbf43926);

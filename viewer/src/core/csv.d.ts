@@ -1,5 +1,0 @@
-/** Vite gives the text of a file whose name ends so. */
-declare module "*.csv?raw" {
-  const text: string;
-  export default text;
-}
