@@ -40,7 +40,7 @@ from urushi.material.lobe_albedo import lobe_albedos
 from urushi.nets import lobe as lobes
 from urushi.nets.encoder import OFFSET, log_values
 from urushi.nets.features import direction_features
-from urushi.nets.least_squares import damped_step
+from urushi.nets.least_squares import Damping, FitState, damped_steps
 from urushi.nets.lobe import no_lobe
 from urushi.nets.lobe_fit import fit_lobes
 from urushi.nets.networks import Networks, UrushiNetworks
@@ -110,29 +110,12 @@ CEILING_ROUNDS, CEILING_STEPS = 2, 6
 #: reach do not spoil the others.
 HUBER_KNEE = 0.5
 
-#: Initial damping, relative to the mean curvature, and its factors after accepted and after
-#: rejected steps.
-FIRST_DAMPING, DAMPING_DECREASE, DAMPING_INCREASE = 1e-3, 0.25, 8.0
+#: Damping of the steps.
+DAMPING = Damping(1e-3, 0.25, 8.0)
 
 #: Least variance of a code's numbers under changes of f, relative to their mean: numbers that the
 #: encoder never changes keep their value.
 LEAST_VARIANCE = 1e-6
-
-
-class FitState(NamedTuple):
-    """State of the optimisation of one code.
-
-    Attributes:
-        z: (L,) the code, float32.
-        objective: the objective at z.
-        slope: (R,) half its gradient by the code's numbers after the lobe.
-        curvature: (R, R) half its Hessian by Gauss and Newton, float64.
-    """
-
-    z: np.ndarray
-    objective: float
-    slope: np.ndarray
-    curvature: np.ndarray
 
 
 class FitTarget(NamedTuple):
@@ -282,26 +265,12 @@ def levenberg_marquardt(
     steps: int = REFINEMENT_STEPS,
 ) -> np.ndarray:
     """Return a code float32 (L,) whose objective is at most that of z (L,)."""
-    return damped_steps(lambda z: _state_at(networks, z, aim, hold), z, steps)
+    return code_steps(lambda z: _state_at(networks, z, aim, hold), z, steps)
 
 
-def damped_steps(
-    state_at: Callable[[np.ndarray], FitState], z: np.ndarray, steps: int
-) -> np.ndarray:
-    """Return a code float32 (L,) whose objective is at most that of z (L,).
-
-    state_at gives the state of a code. Every step is damped, and accepted only if it lowers the
-    objective.
-    """
-    state, damping = state_at(z), FIRST_DAMPING
-    for _ in range(steps):
-        step = damped_step(state.curvature, state.slope, damping)
-        new = state_at(stepped(state.z, step))
-        better = new.objective < state.objective  # false for NaN
-        state, damping = (
-            (new, damping * DAMPING_DECREASE) if better else (state, damping * DAMPING_INCREASE)
-        )
-    return state.z
+def code_steps(state_at: Callable[[np.ndarray], FitState], z: np.ndarray, steps: int) -> np.ndarray:
+    """`damped_steps` of a code z (L,), of which the numbers after the lobe's are unknown."""
+    return damped_steps(state_at, z, steps, DAMPING, stepped)
 
 
 def stepped(z: np.ndarray, step: np.ndarray) -> np.ndarray:

@@ -25,9 +25,10 @@ import numpy as np
 from urushi.core.direction_sets import cosine_pairs
 from urushi.core.error_metrics import error_divisors, huber_loss
 from urushi.material import energy
-from urushi.material.fit import FitState, damped_steps
+from urushi.material.fit import code_steps
 from urushi.material.material import Material
 from urushi.nets.features import direction_features
+from urushi.nets.least_squares import FitState
 from urushi.nets.networks import UrushiNetworks
 from urushi.parallel import one_blas_thread
 
@@ -139,7 +140,7 @@ def fit_code(networks: UrushiNetworks, z: np.ndarray, aim: Aim) -> np.ndarray:
     """The code float32 (L,) that fits the aim, from z (L,)."""
     for _ in range(ROUNDS):
         scale = error_divisors(aim.top + networks.rest(z, aim.features))
-        z = damped_steps(functools.partial(_state_at, networks, aim, scale), z, STEPS)
+        z = code_steps(functools.partial(_state_at, networks, aim, scale), z, STEPS)
     return z
 
 

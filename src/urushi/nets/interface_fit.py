@@ -11,7 +11,7 @@ import numpy as np
 from urushi.checks import MIN_ALPHA, Widths
 from urushi.core.probe_pairs import probe_pairs
 from urushi.nets import lobe as lobes
-from urushi.nets.least_squares import damped_step
+from urushi.nets.least_squares import Damping, FitState, damped_steps
 from urushi.nets.lobe_fit import DARK, fit_lobes
 
 #: Mean relative error of Schlick's term between which an exact one is looked for.
@@ -20,9 +20,8 @@ LEAST_ERROR, GREATEST_ERROR = 2e-3, 0.15
 #: Greatest relative error of any value that the exact term may leave.
 TOLERANCE = 0.005
 
-#: Number of steps, the first damping relative to the mean curvature, and its factors after steps
-#: that lower the error and that do not.
-STEPS, DAMPING, DECREASE, INCREASE = 20, 1e-3, 0.2, 10.0
+#: Number of steps, and their damping.
+STEPS, DAMPING = 20, Damping(1e-3, 0.2, 10.0)
 
 #: Bounds of eta and k; those of the logarithms of widths, which come before, are those of widths.
 LOWER, UPPER = [0.02, 0.0], [8.0, 12.0]
@@ -88,19 +87,15 @@ def _descend(f: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     widths = x.shape[-1] - len(LOWER)
     lower, upper = [np.log(MIN_ALPHA)] * widths + LOWER, [0.0] * widths + UPPER
     x = np.clip(x, lower, upper)
-    error, slopes = _errors(f, x)
-    damping = np.full(len(f), DAMPING)
-    for _ in range(STEPS):
-        step = damped_step(
-            slopes @ np.swapaxes(slopes, -1, -2), (slopes @ error[..., None])[..., 0], damping
-        )
-        new = np.clip(x - step, lower, upper)
-        new_error, new_slopes = _errors(f, new)
-        better = np.square(new_error).sum(axis=-1) < np.square(error).sum(axis=-1)
-        x, error = np.where(better[:, None], new, x), np.where(better[:, None], new_error, error)
-        slopes = np.where(better[:, None, None], new_slopes, slopes)
-        damping *= np.where(better, DECREASE, INCREASE)
-    return x, np.abs(error).max(axis=-1)
+
+    def state_at(x: np.ndarray) -> FitState:
+        error, slopes = _errors(f, x)
+        slope = (slopes @ error[..., None])[..., 0]
+        curvature = slopes @ np.swapaxes(slopes, -1, -2)
+        return FitState(x, np.square(error).sum(axis=-1), slope, curvature)
+
+    x = damped_steps(state_at, x, STEPS, DAMPING, lambda x, step: np.clip(x - step, lower, upper))
+    return x, np.abs(_errors(f, x)[0]).max(axis=-1)
 
 
 def _errors(f: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

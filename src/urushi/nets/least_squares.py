@@ -1,6 +1,9 @@
-"""The damped Gauss-Newton step that fits latent codes to values."""
+"""The damped least-squares solver of all fits (Marquardt 1963), for one problem or for many."""
 
-from typing import Any
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
 
 
 def damped_step(curvature: Any, slope: Any, damping: Any) -> Any:
@@ -20,3 +23,65 @@ def damped_step(curvature: Any, slope: Any, damping: Any) -> Any:
     added = xp.asarray(damping * mean + 1e-12)[..., None, None]
     damped = curvature + added * xp.eye(size, dtype=curvature.dtype)
     return xp.linalg.solve(damped, slope[..., None])[..., 0]
+
+
+class FitState(NamedTuple):
+    """The state of fits of U numbers, at x (..., L), which determines the numbers.
+
+    Attributes:
+        x: where the state is.
+        objective: (...) what is minimised.
+        slope: (..., U) half its gradient.
+        curvature: (..., U, U) half its Hessian, by Gauss and Newton.
+    """
+
+    x: np.ndarray
+    objective: Any
+    slope: np.ndarray
+    curvature: np.ndarray
+
+
+class Damping(NamedTuple):
+    """Damping relative to the mean curvature.
+
+    Attributes:
+        first: at the first step.
+        decrease, increase: its factors after steps that lower the objective and that do not.
+    """
+
+    first: float
+    decrease: float
+    increase: float
+
+
+def damped_steps(
+    state_at: Callable[[np.ndarray], FitState],
+    x: np.ndarray,
+    steps: int,
+    damping: Damping,
+    moved: Callable[[np.ndarray, np.ndarray], np.ndarray],
+) -> np.ndarray:
+    """Return x (..., L) whose objective is at most that of the given x, for each problem.
+
+    Every step is damped, and accepted only if it lowers the objective.
+
+    Args:
+        state_at: gives the state at x.
+        x: (..., L) the initial guesses.
+        steps: number of trial steps.
+        damping: its first value and its change.
+        moved: gives x (..., L) after a step (..., U), which is subtracted.
+    """
+    state = state_at(x)
+    factor = np.full(np.shape(state.objective), damping.first)
+    for _ in range(steps):
+        new = state_at(moved(state.x, damped_step(state.curvature, state.slope, factor)))
+        better = np.asarray(new.objective < state.objective)  # false for NaN
+        state = FitState(*(_chosen(better, *pair) for pair in zip(new, state, strict=True)))
+        factor = factor * np.where(better, damping.decrease, damping.increase)
+    return state.x
+
+
+def _chosen(better: np.ndarray, new: Any, old: Any) -> np.ndarray:
+    """New values (..., K) of the problems (...) that are better, old ones of the others."""
+    return np.where(better.reshape(better.shape + (1,) * (np.ndim(new) - better.ndim)), new, old)
