@@ -70,6 +70,7 @@ def test_a_document_becomes_a_scene(document, tmp_path, capsys):
     assert np.allclose(values(written), values(described), atol=1e-3)  # files are of half precision
 
 
+@pytest.mark.slow
 def test_an_emitting_material_gets_an_emitter(tmp_path):
     document = tmp_path / "lamp.mtlx"
     document.write_text("""<materialx version="1.39" colorspace="lin_rec709">

@@ -121,6 +121,7 @@ def test_texels_are_coated_like_materials(material, model):
     np.testing.assert_allclose(coated[3, 2], single.latents, atol=1e-5)
 
 
+@pytest.mark.slow
 def test_large_textures_pass_in_chunks(model, draw_codes):
     z = draw_codes((200, 40, 1), np.random.default_rng(6))
     sigma_t = np.linspace(0, 8, 8_000).reshape(200, 40, 1)

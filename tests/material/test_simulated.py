@@ -14,6 +14,8 @@ from urushi.nets.weights import anisotropic_model, default_model
 from urushi.walk import coat, conductor, diffuse
 from urushi.walk.simulate import albedo, simulate
 
+pytestmark = pytest.mark.slow
+
 STACKS = {
     "isotropic": coat(conductor(0.15, 0.6), 0.3, 1.5, 0.8, 0.6, 0.5),
     "diffuse": coat(diffuse((0.8, 0.4, 0.1)), 0.1, 1.4, (0.2, 0.5, 0.9), 1.0),

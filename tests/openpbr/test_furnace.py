@@ -67,7 +67,9 @@ def albedos(bsdf, cosine, uv, samples):
         (("specular_roughness", "specular_ior"), {"base_diffuse_roughness": 1.0}, 0.003),
         (("specular_roughness",), {"base_diffuse_roughness": 1.0, "specular_ior": 1.0}, 0.005),
         (("specular_roughness",), {"base_diffuse_roughness": 1.0, "specular_ior": 0.9}, 0.005),
-        (("specular_roughness", *FILM), {"thin_film_weight": 1.0}, 0.005),
+        pytest.param(
+            ("specular_roughness", *FILM), {"thin_film_weight": 1.0}, 0.005, marks=pytest.mark.slow
+        ),
     ],
 )
 def test_a_white_base_reflects_all_light(names, constants, tolerance):

@@ -78,6 +78,7 @@ def test_a_coat_appears_and_follows_its_parameters(reference):
     np.testing.assert_allclose(values(bsdf, walks), expected, rtol=0.02)
 
 
+@pytest.mark.slow
 def test_an_old_list_of_parameters_reaches_a_coat_that_was_made_later():
     bsdf = loaded(coat_weight=0.0)
     parameters = mi.traverse(bsdf)

@@ -55,6 +55,7 @@ def test_over_saved_and_coated_materials(rgb, measured, coated, tmp_path):
     assert twice.latents.material == urushi.layer(dielectric(0.1, 1.5), coated, sigma_t=SIGMA_T)
 
 
+@pytest.mark.slow
 def test_a_change_of_the_coat_makes_the_table_anew(rgb, merl_file, measured):
     bsdf = plugin(rgb, {"type": "measured_brdf", "filename": str(merl_file)})
     parameters = rgb.traverse(bsdf)

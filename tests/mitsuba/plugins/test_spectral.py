@@ -106,6 +106,7 @@ def test_wavelengths_have_the_bands_that_they_lie_in():
     np.testing.assert_allclose(count, inside.sum() / spectrum.COUNT, atol=2)
 
 
+@pytest.mark.slow
 def test_gradients_are_those_of_finite_differences():
     """The mean of f cos over pairs and wavelengths, by the depth of a coat over a colour; 3 %: f is
     tabulated, and its derivative is that of the networks."""

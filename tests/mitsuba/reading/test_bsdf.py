@@ -88,6 +88,7 @@ def test_textures_that_are_not_over_uv_are_refused(rgb):
         as_source(bsdf)
 
 
+@pytest.mark.slow
 def test_a_random_walk_is_averaged_without_a_warning(rgb):
     walk = {"type": "layered", "alpha": 0.3, "sigma_t": 1.0, "albedo": 0.8}
     reading = evaluate_source(rgb.load_dict(walk | {"bottom": {"type": "diffuse"}}), WI, WO)
