@@ -13,6 +13,7 @@ Values are constant beyond the outermost bands, so that grey stays grey.
 """
 
 import contextlib
+import contextvars
 from collections.abc import Callable, Iterator, Sequence
 
 import drjit as dr
@@ -38,25 +39,25 @@ FINE: tuple[float, ...] = tuple((CENTRE + np.arctanh(_places) / STEEPNESS).tolis
 #: Those of these bands that are nearest to `RGB`.
 FINE_AT_RGB = tuple(int(np.argmin(np.abs(np.array(FINE) - wavelength))) for wavelength in RGB)
 
-_read: tuple[float, ...] = RGB
+#: The bands that materials are read at. Mitsuba loads plugins in several threads.
+_read: contextvars.ContextVar[tuple[float, ...]] = contextvars.ContextVar("bands", default=RGB)
 
 
 @contextlib.contextmanager
 def bands_of(grid: object) -> Iterator[None]:
     """Read materials at the bands of textures, or of constant coats if there is no grid."""
-    global _read
-    before, _read = _read, RGB if grid else FINE
+    before = _read.set(RGB if grid else FINE)
     try:
         yield
     finally:
-        _read = before
+        _read.reset(before)
 
 
 def channel_count() -> int:
     """Channels that materials are read with: 1, 3, or `COUNT` within `bands_of`."""
     if mi.is_monochromatic:
         return 1
-    return len(_read) if mi.is_spectral else 3
+    return len(_read.get()) if mi.is_spectral else 3
 
 
 def set_bands(si) -> None:
@@ -75,8 +76,8 @@ def at_bands(si, evaluate: Callable[[], Sequence]) -> list:
         return list(evaluate())
     lanes = dr.size_v(mi.Spectrum)
     channels: list = []
-    for start in range(0, len(_read), lanes):
-        group = _read[start : start + lanes]
+    for start in range(0, len(_read.get()), lanes):
+        group = _read.get()[start : start + lanes]
         si.wavelengths = mi.Spectrum([*group, *[group[-1]] * (lanes - len(group))])
         channels += evaluate()[: len(group)]
     return channels
