@@ -208,7 +208,7 @@ def _widths(alpha: Any) -> dict[str, Any]:
     return {"alpha": alpha.u, "alphaV": alpha.v} if isinstance(alpha, Widths) else {"alpha": alpha}
 
 
-#: Files that stand in the document as they are, or are of no use in it.
+#: Files that are not packed: the document contains their text, or does not need them.
 _WRITTEN = ("index.html", "assets/index.js", "assets/index.css", "icon.svg", "sources.txt")
 
 

@@ -31,6 +31,15 @@ METRIC_HALF_ANGLE_RANGE = (1e-3, 4.0)
 Pairs = tuple[np.ndarray, np.ndarray]
 
 
+def _tangents(u: np.ndarray, low: float, high: float, mirror_share: float) -> np.ndarray:
+    """tan(theta_h) of uniform numbers u: log-uniform, or for a share near the mirror direction."""
+    tangent = np.exp(low + (high - low) * (u - mirror_share) / (1 - mirror_share))
+    if mirror_share == 0:
+        return tangent
+    mirrored = MIRROR_TANGENT * np.maximum(0.0, 2 * u / mirror_share - 1)
+    return np.where(u < mirror_share, mirrored, tangent)
+
+
 def half_angle_pairs(
     rng: np.random.Generator,
     n: int,
@@ -53,10 +62,7 @@ def half_angle_pairs(
 
     def draw(count: int) -> Pairs:
         u = rng.random((3, count))
-        tangent = np.exp(low + (high - low) * (u[0] - mirror_share) / (1 - mirror_share))
-        if mirror_share > 0:
-            mirrored = MIRROR_TANGENT * np.maximum(0.0, 2 * u[0] / mirror_share - 1)
-            tangent = np.where(u[0] < mirror_share, mirrored, tangent)
+        tangent = _tangents(u[0], low, high, mirror_share)
         return directions_at_tangent(tangent, 0.5 * np.pi * u[1], 2 * np.pi * u[2])
 
     return _accepted(draw, n, lowest_cosine)
@@ -80,10 +86,7 @@ def slope_pairs(
 
     def draw(count: int) -> Pairs:
         u = rng.random((5, count))
-        tangent = np.exp(low + (high - low) * (u[0] - mirror_share) / (1 - mirror_share))
-        if mirror_share > 0:
-            mirrored = MIRROR_TANGENT * np.maximum(0.0, 2 * u[0] / mirror_share - 1)
-            tangent = np.where(u[0] < mirror_share, mirrored, tangent)
+        tangent = _tangents(u[0], low, high, mirror_share)
         across = np.exp(low + (high - low) * u[3])
         radial = (u[4] < 0.5) | (u[0] < mirror_share)
         turn = np.where(radial, 2 * np.pi * u[3], np.arctan2(across, tangent))
