@@ -3,15 +3,16 @@
     python -m figures.mipmaps.compute
 
 The errors of levels are those of `benchmarks.quality.mipmap`. The plane is lacquered gold with a
-pattern in all of the coat's parameters. One sample in the middle of each pixel reads the first
-level (no filter), averages of codes as in Fan et al. (2022), or those of Urushi; the reference has
-`SAMPLES` samples of the first level. The light is a set of directions, so that nothing but the
-texture has to be filtered.
+pattern in all of the coat's parameters. `DRAWS` samples in the middle of each pixel, each of which
+draws a texel, read the first level (no filter), averages of codes as in Fan et al. (2022), or those
+of Urushi; the reference has `SAMPLES` samples of the first level all over the pixel. The light is a
+set of directions, so that nothing but the texture has to be filtered.
 """
 
 import contextlib
 import functools
 import json
+import os
 from collections.abc import Iterator
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -29,7 +30,7 @@ from figures import results
 from urushi.eval import metrics
 from urushi.nets.weights import default_model
 from urushi.scenes import noise, stage
-from urushi.textures import averaging
+from urushi.textures import averaging, cache
 
 FOLDER = Path(__file__).parent
 PARTS = Path("out/figures/mipmaps")
@@ -40,7 +41,10 @@ WIDTH, HEIGHT, SUPER, TEXELS = 320, 192, 24, 128
 #: How often the pattern repeats along a side of the plane, and half of this side.
 REPEATS, HALF = 48.0, 24.0
 SAMPLES = SUPER**2
-#: Seed of the reference's samples.
+#: Samples along a side of the middle of a pixel, and the size of this middle in pixels.
+DRAWN, SPOT = 4, 0.01
+DRAWS = DRAWN**2
+#: Seed of the samples.
 SEED = 3
 
 
@@ -62,12 +66,12 @@ def levels(kind: str) -> list[list[float]]:
 def plane(
     width: int = WIDTH, height: int = HEIGHT, side: int = SUPER, folder: Path = PARTS
 ) -> dict[str, Any]:
-    """`differences` of one sample per pixel; the pictures are written as plane.npz."""
+    """`differences` of the middles of pixels; the pictures are written as plane.npz."""
     pictures = {}
     for name in METHODS:
         with codes_averaged() if name == "averages of codes" else contextlib.nullcontext():
             scene, lights = loaded(mipmaps=name != "no filter")
-        pictures[name] = radiance(scene, lights, width, height, 1)
+        pictures[name] = radiance(scene, lights, width, height, DRAWN, SPOT)
         if name == "no filter":
             pictures["reference"] = radiance(scene, lights, width, height, side)
     results.write_pictures(folder / "plane.npz", pictures)
@@ -100,8 +104,9 @@ def differences(pictures: dict[str, np.ndarray]) -> dict[str, Any]:
 
 @contextlib.contextmanager
 def codes_averaged() -> Iterator[None]:
-    """Mip levels are averages of the codes themselves, while the context lasts."""
-    with mock.patch.object(averaging, "averaging_space", lambda *_: averaging.LatentSpace()):
+    """Mip levels are averages of the codes themselves, while the context lasts; none is kept."""
+    space = mock.patch.object(averaging, "averaging_space", lambda *_: averaging.LatentSpace())
+    with space, mock.patch.dict(os.environ, {cache.VARIABLE: "off"}):
         yield
 
 
@@ -150,22 +155,22 @@ def material(folder: stage.Folder) -> dict[str, Any]:
     } | {"int_ior": 1.5}
 
 
-def radiance(scene: Any, lights: list, width: int, height: int, side: int) -> np.ndarray:
-    """The picture (height, width, 3) with side x side samples per pixel.
+def radiance(
+    scene: Any, lights: list, width: int, height: int, side: int, size: float = 1.0
+) -> np.ndarray:
+    """The picture (height, width, 3) with side x side samples per pixel, jittered within a grid.
 
-    One sample lies in the middle of its pixel; several are jittered within a grid.
+    size: side of the grid about the middle of a pixel [pixels].
     """
     sensor, total = scene.sensors()[0], np.zeros((height, width, 3))
     rng = np.random.default_rng(SEED)
     row, column, across = np.indices((height, width, side)).reshape(3, -1)
     for down in range(side):
-        u, v = rng.random((2, len(row))) if side > 1 else (0.5, 0.5)
-        place = mi.Point2f(
-            mi.Float((column + (across + u) / side) / width),
-            mi.Float((row + (down + v) / side) / height),
-        )
+        u, v = rng.random((2, len(row)))
+        x, y = (size * ((k + w) / side - 0.5) + 0.5 for k, w in ((across, u), (down, v)))
+        place = mi.Point2f(mi.Float((column + x) / width), mi.Float((row + y) / height))
         ray, _ = sensor.sample_ray_differential(0, 0.5, place, 0.5)
-        ray.scale_differential(WIDTH / width / side)
+        ray.scale_differential(WIDTH / width)
         si = scene.ray_intersect(ray)
         si.compute_uv_partials(ray)
         si.uv = si.uv * REPEATS

@@ -8,7 +8,7 @@ import json
 import numpy as np
 
 from figures import page, results, style
-from figures.mipmaps.compute import FOLDER, KINDS, METHODS, PARTS, SAMPLES
+from figures.mipmaps.compute import DRAWS, FOLDER, KINDS, METHODS, PARTS, SAMPLES
 
 #: Rows of pixels of a running mean.
 RUN = 9
@@ -43,9 +43,9 @@ def draw_plane(part, found) -> None:
     for axis, name in zip(axes, (*METHODS, "reference"), strict=True):
         axis.imshow(shown[name], interpolation="nearest")
         axis.set(xticks=[], yticks=[])
-        samples = f"{SAMPLES} samples" if name == "reference" else "one sample"
+        samples = f"{SAMPLES} samples" if name == "reference" else f"{DRAWS} in the middle"
         error = f", rel. MSE {found[name]['error']:.2g}" if name in found else ""
-        axis.set_title(f"{name}, {samples} per pixel{error}", fontsize=8, pad=3)
+        axis.set_title(f"{name}, {samples}{error}", fontsize=8, pad=3)
 
 
 def draw_rows(axis, found) -> None:

