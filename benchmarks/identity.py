@@ -9,6 +9,7 @@ weights    fingerprints of the shipped weights                                  
 textures   texels of the finest level, by `neural_layered` with mipmaps                     20 s
 codes      latent codes of constant coats, encoded, refined, layered and blended materials  10 s
 values     `simulate`, and f, pdf, samples and albedo of a material                         10 s
+openpbr    f, pdf and samples of `openpbr`, bare and under a coat, with film and fuzz           1 min
 eval       every figure of `urushi eval`, except times                                      3 min
 demo       figures of the demo at 96 x 96 pixels, compared within ten per cent: Mitsuba loads
            shapes in parallel, and their order, in which lights are numbered, varies from
@@ -29,6 +30,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import drjit as dr
 import mitsuba as mi
 import numpy as np
 
@@ -216,6 +218,42 @@ def values() -> Entries:
     }
 
 
+def openpbr() -> Entries:
+    """What the plugin `openpbr` gives for pairs of directions."""
+    gold = {"base_metalness": 1.0, "base_color": _rgb(0.98, 0.77, 0.34)}
+    turned = {"specular_roughness_anisotropy": 0.6, "base_diffuse_roughness": 0.4}
+    film = {"thin_film_weight": 0.8, "thin_film_ior": 1.6}
+    coat = {"coat_weight": 1.0, "coat_color": _rgb(0.9, 0.7, 0.4), "coat_roughness": 0.2}
+    color = {"base_color": _texture("base_color"), "specular_roughness": _texture("roughness")}
+    mixed = {**turned, **film, "base_metalness": 0.4, "coat_weight": 0.6, "coat_ior": 1.4}
+    cases = {
+        "plain": {"fuzz_weight": 0.5},
+        "turned film": {**turned, **film},
+        "metal film": {**gold, **film},
+        "coat": {**coat, "base_color": _rgb(0.2, 0.5, 0.8), "coat_darkening": 0.3},
+        "coated gold": {**gold, **coat},
+        "coated mixture": {**coat, **mixed},
+        "coated textures": {**coat, **color},
+        "walk": {**coat, **gold, "reference": True},
+    }
+    return {name: _evaluated({"type": "openpbr", **case}) for name, case in cases.items()}
+
+
+def _rgb(*values: float) -> dict:
+    return {"type": "rgb", "value": list(values)}
+
+
+def _evaluated(bsdf: dict) -> str:
+    """f times the cosine, pdf and samples of a BSDF."""
+    loaded, (_, wi, wo, u) = mi.load_dict(bsdf), inputs()
+    si = dr.zeros(mi.SurfaceInteraction3f, len(wi))
+    si.wi, si.uv = mi.Vector3f(wi.T), mi.Point2f(u[:, :2].T)
+    f, pdf = loaded.eval_pdf(mi.BSDFContext(), si, mi.Vector3f(wo.T))
+    second = mi.Point2f(u[:, 1:].T)
+    drawn, weight = loaded.sample(mi.BSDFContext(), si, mi.Float(u[:, 0].copy()), second)
+    return hashed(*(np.array(x) for x in (f, pdf, drawn.wo, drawn.pdf, weight)))
+
+
 def evaluation() -> Entries:
     """Every figure of `urushi eval`, except times."""
     from urushi.eval import report
@@ -268,6 +306,7 @@ SECTIONS: dict[str, Callable[[], Entries]] = {
     "textures": textures,
     "codes": codes,
     "values": values,
+    "openpbr": openpbr,
     "eval": evaluation,
     "demo": demo,
     "training": training,
