@@ -9,7 +9,7 @@ weights    fingerprints of the shipped weights                                  
 textures   texels of the finest level, by `neural_layered` with mipmaps                     20 s
 codes      latent codes of constant coats, encoded, refined, layered and blended materials  10 s
 values     `simulate`, and f, pdf, samples and albedo of a material                         10 s
-openpbr    f, pdf and samples of `openpbr`, bare and under a coat, with film and fuzz           1 min
+openpbr    f, pdf and samples of `openpbr`, bare and under a coat, with film and fuzz          1 min
 eval       every figure of `urushi eval`, except times                                      3 min
 demo       figures of the demo at 96 x 96 pixels, compared within ten per cent: Mitsuba loads
            shapes in parallel, and their order, in which lights are numbered, varies from

@@ -15,9 +15,9 @@ from pathlib import Path
 import mitsuba as mi
 
 from urushi.errors import UrushiError, UrushiWarning
-from urushi.openpbr.materialx.document import materials, read_document
-from urushi.openpbr.materialx.surface import read_surface
-from urushi.openpbr.plugins.materialx import check_supported, decode
+from urushi.openpbr_surface.materialx.document import materials, read_document
+from urushi.openpbr_surface.materialx.surface import read_surface
+from urushi.openpbr_surface.plugins.materialx import check_supported, decode
 
 
 def outcomes(path: Path, uv_plane: bool) -> list[tuple[str, str]]:

@@ -15,7 +15,7 @@ from typing import Any
 import mitsuba as mi
 import numpy as np
 
-from urushi.openpbr import conformance
+from urushi.openpbr_surface import conformance
 
 #: Seed of the materials; those of training and of other benchmarks differ.
 SEED = 911

@@ -18,7 +18,7 @@ from scipy.optimize import least_squares
 from urushi.core.half_vector import turned
 from urushi.material import table
 from urushi.mitsuba.reading import probing
-from urushi.openpbr import recipe
+from urushi.openpbr_surface import recipe
 
 #: f(wi, wo) -> (N, C) [1/sr].
 Brdf = Callable[[np.ndarray, np.ndarray], np.ndarray]

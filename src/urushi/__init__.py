@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from urushi.material.lerp import lerp
     from urushi.material.material import Material, load
     from urushi.measured import load_measured
-    from urushi.openpbr.description import OpenPBR, openpbr, save_materialx
-    from urushi.openpbr.plugins.materialx import load_materialx
+    from urushi.openpbr_surface.description import OpenPBR, openpbr, save_materialx
+    from urushi.openpbr_surface.plugins.materialx import load_materialx
     from urushi.walk import Stack, coat, conductor, dielectric, diffuse
     from urushi.walk.simulate import simulate
 
@@ -55,8 +55,8 @@ def __getattr__(name: str) -> Any:
     from urushi.material import Material, encode, layer, lerp, load
     from urushi.material.material import register_picture
     from urushi.measured import load_measured
-    from urushi.openpbr.description import OpenPBR, openpbr, save_materialx
-    from urushi.openpbr.plugins.materialx import load_materialx
+    from urushi.openpbr_surface.description import OpenPBR, openpbr, save_materialx
+    from urushi.openpbr_surface.plugins.materialx import load_materialx
     from urushi.walk import Stack, bottoms, coat, simulate
 
     register_picture(_picture)
@@ -88,7 +88,6 @@ def __dir__() -> list[str]:
 platform.choose_llvm()
 if platform.missing_library() is None:  # else Mitsuba cannot be imported, as `urushi doctor` says
     from urushi.mitsuba.register import register
-    from urushi.openpbr.plugins import ROOM
+    from urushi.openpbr_surface.plugins import ROOM
 
-    del globals()["openpbr"]  # the package; `urushi.openpbr` is the function, see `__getattr__`
     register(fan2022.register, ROOM)

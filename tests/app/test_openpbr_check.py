@@ -3,7 +3,7 @@
 import numpy as np
 
 from urushi.app.cli import main
-from urushi.openpbr import conformance
+from urushi.openpbr_surface import conformance
 
 
 def test_values_of_another_renderer_are_compared(tmp_path, capsys):

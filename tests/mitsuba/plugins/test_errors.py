@@ -7,7 +7,7 @@ from urushi.material import Material
 from urushi.mitsuba import register
 from urushi.nets import weights
 from urushi.nets.architecture import init
-from urushi.openpbr.plugins import ROOM
+from urushi.openpbr_surface.plugins import ROOM
 
 COATS = ("layered", "neural_layered")
 

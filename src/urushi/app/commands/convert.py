@@ -13,8 +13,8 @@ from urushi.files import atomic_write, new_folder
 from urushi.ranges import Texels
 
 if TYPE_CHECKING:
-    from urushi.openpbr.materialx.baking import Texture
-    from urushi.openpbr.materialx.surface import Mix, ParameterValue, Surface
+    from urushi.openpbr_surface.materialx.baking import Texture
+    from urushi.openpbr_surface.materialx.surface import Mix, ParameterValue, Surface
 
 #: A sphere under even light, seen from the front.
 _SCENE = """<scene version="3.0.0">
@@ -66,8 +66,12 @@ class Convert:
 
     def run(self) -> int:
         set_variant("scalar_rgb")  # enough for images, and needs no LLVM
-        from urushi.openpbr.materialx.surface import read_surface
-        from urushi.openpbr.plugins.materialx import check_supported, checked_resolution, decode
+        from urushi.openpbr_surface.materialx.surface import read_surface
+        from urushi.openpbr_surface.plugins.materialx import (
+            check_supported,
+            checked_resolution,
+            decode,
+        )
 
         resolution = checked_resolution(self.resolution)
         found = read_surface(self.document, decode, self.material, resolution, self.uv_plane)
@@ -91,9 +95,9 @@ def bsdf_xml(found: "Surface | Mix", name: str, folder: Path) -> tuple[str, str]
     Raises:
         FileError: the folder cannot be written.
     """
-    from urushi.openpbr.inputs import EMISSION
-    from urushi.openpbr.materialx.surface import Mix
-    from urushi.openpbr.plugins.emission import NAMES
+    from urushi.openpbr_surface.inputs import EMISSION
+    from urushi.openpbr_surface.materialx.surface import Mix
+    from urushi.openpbr_surface.plugins.emission import NAMES
 
     if isinstance(found, Mix):
         parts = [bsdf_xml(found.bg, f"{name}-bg", folder), bsdf_xml(found.fg, f"{name}-fg", folder)]
@@ -111,7 +115,7 @@ def bsdf_xml(found: "Surface | Mix", name: str, folder: Path) -> tuple[str, str]
 
 def _value_xml(material: str, name: str, value: "ParameterValue", folder: Path) -> str:
     """The element of a parameter."""
-    from urushi.openpbr.materialx.baking import Texture
+    from urushi.openpbr_surface.materialx.baking import Texture
 
     if isinstance(value, Texture):
         return _texture_xml(material, name, value, folder)
@@ -127,7 +131,7 @@ def _texture_xml(material: str, name: str, texture: "Texture", folder: Path) -> 
     import mitsuba as mi
     import numpy as np
 
-    from urushi.openpbr.plugins.materialx import filter_type, is_raw
+    from urushi.openpbr_surface.plugins.materialx import filter_type, is_raw
 
     file = "textures/" + re.sub(r"[^A-Za-z0-9_-]", "_", f"{material[:60]}-{name}") + ".exr"
     new_folder(folder / "textures")

@@ -12,7 +12,7 @@ from urushi.errors import FileError
 from urushi.files import new_folder
 
 if TYPE_CHECKING:
-    from urushi.openpbr.conformance import Errors, Reference
+    from urushi.openpbr_surface.conformance import Errors, Reference
 
 #: Number of materials that are drawn, and walks for a node of a sphere of the reference.
 WORST, SPHERE_WALKS = 6, 4
@@ -41,7 +41,7 @@ class OpenPBRCheck:
     """Simulate the reference and write it to this file, which is continued if it exists."""
 
     def run(self) -> int:
-        from urushi.openpbr import conformance
+        from urushi.openpbr_surface import conformance
 
         if self.values is None or self.pictures is not None or self.make is not None:
             set_variant("llvm_ad_rgb")
@@ -68,7 +68,7 @@ class OpenPBRCheck:
 
 def _models() -> dict[str, Any]:
     """The implementations: functions from parameters to f, by name."""
-    from urushi.openpbr import conformance, recipe
+    from urushi.openpbr_surface import conformance, recipe
 
     def by_recipe(form: recipe.Recipe) -> Any:
         return lambda parameters: lambda wi, wo: recipe.f(parameters, wi, wo, form)
@@ -119,7 +119,7 @@ def _draw(path: Path, reference: "Reference", errors: "Errors", name: str) -> No
     from matplotlib import pyplot as plt
 
     from urushi.eval import environment, sphere
-    from urushi.openpbr import conformance
+    from urushi.openpbr_surface import conformance
 
     light = sphere.exposed(environment.own()[0])
     worst = np.argsort(errors.error)[::-1][:WORST]

@@ -1,0 +1,308 @@
+"""The BSDFs of OpenPBR: the base, and the surface of base, coated base and fuzz.
+
+What they evaluate is in `model`; here it is sampled, listed for `mi.traverse` and updated.
+"""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import drjit as dr
+import mitsuba as mi
+
+from urushi.core.mixture import Mixture
+from urushi.mitsuba.latents.holders import tabulated
+from urushi.mitsuba.plugins.coats import Turn, TurnedMixture
+from urushi.openpbr_surface import encoding, model
+from urushi.openpbr_surface.compensation import Compensation
+from urushi.openpbr_surface.inputs import Inputs
+
+#: Least share of each lobe in the base's proposal.
+MIN_SHARE = 0.1
+
+#: Share of the fuzz and of the coat's compensation in what is sampled.
+DIFFUSE_SHARE = 0.1
+
+
+#: The parameters that the surface reads itself.
+OWN = ("coat_weight", "fuzz_weight", "fuzz_color", "fuzz_roughness")
+
+#: Those of layers, which may be left out as long as the parameters have their defaults.
+OF_LAYERS = (
+    *("coat_color", "coat_roughness", "coat_roughness_anisotropy", "coat_ior", "coat_darkening"),
+    *("thin_film_weight", "thin_film_thickness", "thin_film_ior"),
+)
+
+
+class Part(NamedTuple):
+    """A BSDF at a vertex.
+
+    Attributes:
+        bsdf: of `base.define_proposal_bsdf`.
+        vertex: its own.
+        weight: its weight in the mixture.
+    """
+
+    bsdf: Any
+    vertex: Any
+    weight: Any
+
+
+class Layers(NamedTuple):
+    """What a surface consists of; None where the weights leave a part out.
+
+    Attributes:
+        base: in air; None where the coat covers everything.
+        below: the base below the coat. coated: that base under the coat.
+        compensation: gives back what a coated white base loses; None: nothing does.
+        kind: what the coat has been made for.
+    """
+
+    base: Any
+    below: Any
+    coated: Any
+    compensation: Compensation | None
+    kind: Any
+
+
+class Vertex(NamedTuple):
+    """The surface at a vertex; see `Part` and `model.Fuzz`."""
+
+    turn: Turn | None
+    parts: list[Part]
+    compensation: Any
+    fuzz: Any
+
+
+class SurfaceProposal(NamedTuple):
+    """A mixture of proposals and a cosine lobe.
+
+    Attributes:
+        proposals: the parts' proposals, each with its weight; the weights sum to one.
+        diffuse: share of the cosine lobe.
+    """
+
+    proposals: list[tuple[Any, Any]]
+    diffuse: float
+
+    def pdf(self, wi, wo):
+        """Density of `sample` at wo [1/sr]."""
+        density = sum(weight * proposal.pdf(wi, wo) for proposal, weight in self.proposals)
+        return with_cosine(density, wo, self.diffuse)
+
+    def sample(self, wi, choice, u):
+        """Draw wo; see `Mixture.sample`."""
+        wo = mi.warp.square_to_cosine_hemisphere(u)
+        rest, start = (choice - self.diffuse) / (1 - self.diffuse), mi.Float(0)
+        for proposal, weight in self.proposals:
+            chosen = (choice >= self.diffuse) & (rest >= start) & (weight > 0)
+            own = dr.clip((rest - start) / dr.maximum(weight, 1e-6), 0, 0.99999994)
+            wo = dr.select(chosen, proposal.sample(wi, own, u), wo)
+            start = start + weight
+        return wo
+
+
+def with_cosine(density, wo, share: float):
+    """A density mixed with a share of the cosine lobe's."""
+    return (1 - share) * density + share * (wo.z * dr.inv_pi)
+
+
+def define(proposal_bsdf: type) -> tuple[type, type]:
+    """The classes of base and surface in the current variant; see `define_proposal_bsdf`."""
+
+    class OpenPBRBase(proposal_bsdf):
+        """The base without coat and fuzz, for directions in the medium above it."""
+
+        def __init__(self, inputs: Inputs, under_coat: bool, encoded: bool, compensated: bool):
+            """Take the parameters.
+
+            under_coat, encoded: see `model.Base`.
+            compensated: whether the coated base is completed, so that a metal's lobe is not scaled.
+            """
+            super().__init__(mi.Properties("openpbr_base"))
+            self._where, self._inputs = inputs.where, inputs
+            self._under_coat, self._encoded = under_coat, encoded
+            self._compensated = compensated
+            self._configure()
+            self._kept.keep(self)
+
+        def _configure(self):
+            self._version = self._inputs.version
+            self._model = model.Base(self._inputs, self._under_coat, self._encoded)
+
+        def update(self) -> None:
+            """Make what was left out and is needed since parameters have changed."""
+            self._inputs.refresh()
+            if self._version != self._inputs.version:
+                self._configure()
+
+        def _vertex(self, si, active):
+            return self._model.vertex(si, active)
+
+        def _f(self, vertex, ctx, si, wo, active):
+            return mi.Spectrum(self._model.f(vertex, si, wo, active))  # walks ask for this type
+
+        def _proposal(self, vertex, si, active):
+            share = mi.Float(1 - MIN_SHARE)
+            if not self._model.only_metal:
+                reflected = self._model.reflected(si.wi, vertex)
+                color = dr.mean(vertex.color)
+                share = reflected / (reflected + (1 - reflected) * color + 1e-4)
+                share = dr.lerp(share, 1, vertex.share)
+                share = dr.clip(share, MIN_SHARE, 1 - MIN_SHARE)
+            return Mixture([share, 1 - share], [vertex.widths])
+
+        @property
+        def bare(self) -> bool:
+            """Whether the base counts as its lobe alone: a metal, but for its dip at 82 degrees."""
+            return self._model.only_metal and not encoding.has_multiple(self._inputs)
+
+        @property
+        def tabulated(self):
+            """The base without the limits of networks, for tables; None: coats take codes."""
+            if not (self._encoded and encoding.is_tabulated(self._inputs)):
+                return None
+            return type(self)(self._inputs, self._under_coat, False, self._compensated)
+
+        def lobes(self, si):
+            """The base's lobe by channel, see `encoding.lobe`."""
+            return encoding.lobe(self._model, si, self.bare, self._compensated)
+
+        def below_coat(self, f, si, wo, active):
+            """f [1/sr] of networks for a coat over this base, with the film's change of colour."""
+            film = self._model.film
+            if not film or not self._encoded:
+                return f
+            vertex = self._vertex(si, active)
+            eta = self._model.relative_index(si, active)
+            return film.below_coat(f, vertex, eta, si, wo, active)
+
+        def traverse(self, callback):
+            for name in encoding.NAMES:
+                callback.put(name, self._inputs.textures[name], mi.ParamFlags.Differentiable)
+            if self._model.film:
+                self._model.film.traverse(callback)
+
+        def _update(self, keys):
+            self.update()
+
+        def to_string(self):
+            return "OpenPBRBase[]"
+
+    class OpenPBRSurface(proposal_bsdf):
+        """Mixes BRDFs: (1 - coat_weight) base + coat_weight coated, and fuzz above both."""
+
+        def __init__(self, inputs: Inputs, make: Callable[[Layers | None], Layers]):
+            """Make the layers.
+
+            make: returns the layers that the parameters need, and reuses previous ones that still
+                fit.
+            """
+            super().__init__(mi.Properties("openpbr"))
+            self._where = inputs.where
+            self._inputs, self._make = inputs, make
+            self._turned = "geometry_tangent" in inputs.maps
+            self._renewed = False  # whether `mi.traverse` may have listed a former coat
+            self._configure(make(None))
+            self._kept.keep(self)
+
+        def _configure(self, layers: Layers):
+            """Take the layers."""
+            self._layers, inputs = layers, self._inputs
+            self._base, self._coated = layers.base, layers.coated
+            self._compensation = layers.compensation
+            self._fuzz = not inputs.is_constant("fuzz_weight", 0)
+            # A coat without an interface, of index one, is its medium alone.
+            no_interface = inputs.is_constant("coat_ior", 1) and self._coated is None
+            self._absorbs = no_interface and not (
+                inputs.is_constant("coat_weight", 0) or inputs.is_constant("coat_color", 1)
+            )
+            self._version = inputs.version
+
+        def _vertex(self, si, active):
+            turn = None
+            if self._turned:
+                turn = Turn(*self._inputs.tangent(si, active))
+                si = turn.interaction(si)
+            bsdfs = [part for part in (self._base, self._coated) if part is not None]
+            weights: list[Any] = [mi.Float(1)]
+            if len(bsdfs) == 2:
+                weight = self._inputs.number("coat_weight", si, active)
+                weights = [1 - weight, weight]
+            parts = [
+                Part(bsdf, bsdf._vertex(si, active), weight)
+                for bsdf, weight in zip(bsdfs, weights, strict=True)
+            ]
+            compensation = self._compensation.vertex(si, active) if self._compensation else None
+            fuzz = model.fuzz_at(self._inputs, si, active) if self._fuzz else None
+            return Vertex(turn, parts, compensation, fuzz)
+
+        def _f(self, vertex, ctx, si, wo, active):
+            return self._f_and_pdf(vertex, ctx, si, wo, active)[0]
+
+        def _f_and_pdf(self, vertex, ctx, si, wo, active):
+            if vertex.turn:
+                si, wo = vertex.turn.interaction(si), vertex.turn.inside(wo)
+            f, pdf = mi.Spectrum(0), mi.Float(0)
+            for part in vertex.parts:
+                own, density = part.bsdf._f_and_pdf(part.vertex, ctx, si, wo, active)
+                if part.bsdf is self._coated:
+                    if self._coat_has_codes():
+                        own = self._layers.below.below_coat(own, si, wo, active)
+                    if self._compensation:
+                        own = self._compensation.completed(vertex.compensation, own, wo)
+                f += part.weight * own
+                pdf += part.weight * density
+            if self._absorbs:
+                f = model.absorbed(self._inputs, f, si, wo, active)
+            if vertex.fuzz:
+                f = model.under_fuzz(vertex.fuzz, f, si, wo)
+            return f, with_cosine(pdf, wo, self._diffuse_share())
+
+        def _proposal(self, vertex, si, active):
+            if vertex.turn:
+                si = vertex.turn.interaction(si)
+            proposals = [
+                (part.bsdf._proposal(part.vertex, si, active), part.weight) for part in vertex.parts
+            ]
+            proposal = SurfaceProposal(proposals, self._diffuse_share())
+            return TurnedMixture(proposal, vertex.turn) if vertex.turn else proposal
+
+        def _coat_has_codes(self) -> bool:
+            """Whether networks evaluate the coat, which know a film by one mean reflectance."""
+            return tabulated(getattr(self._coated, "latents", None)) is None
+
+        def _diffuse_share(self) -> float:
+            """Share of the cosine lobe, which is sampled besides the parts."""
+            return DIFFUSE_SHARE if self._fuzz or self._compensation else 0.0
+
+        def traverse(self, callback):
+            textures = self._inputs.textures
+            for name in OWN:
+                callback.put(name, textures[name], mi.ParamFlags.Differentiable)
+            for name, part in (("base", self._base), ("coated", self._coated)):
+                if part is not None:
+                    callback.put(name, part, mi.ParamFlags.Differentiable)
+            # Mitsuba lists a texture once. These are the ones that no layer has listed.
+            for name in OF_LAYERS:
+                callback.put(name, textures[name], mi.ParamFlags.Differentiable)
+
+        def _update(self, keys):
+            self._inputs.refresh()
+            if keys and all(key.startswith("fuzz") for key in keys):
+                if self._version != self._inputs.version:
+                    self._configure(self._layers)
+                return
+            former, renewed = self._layers, self._version != self._inputs.version
+            if renewed or (self._compensation and not self._compensation.is_current):
+                self._configure(self._make(former))
+                self._renewed |= former.coated is not self._coated
+            # A coat has seen what has changed if it was listed, and nothing else has.
+            seen = set(keys) == {"coated"} and not (renewed or self._renewed)
+            if self._coated is former.coated is not None and not seen:
+                self._coated.parameters_changed(["bottom"])
+
+        def to_string(self):
+            parts = "\n".join(f"{part}," for part in (self._base, self._coated) if part)
+            return "OpenPBR[\n  " + parts.replace("\n", "\n  ") + "\n]"
+
+    return OpenPBRBase, OpenPBRSurface

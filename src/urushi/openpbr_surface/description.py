@@ -1,0 +1,267 @@
+"""Materials of OpenPBR in Python: what `urushi.openpbr` returns, and a `Stack` as one.
+
+A stack's base is a conductor with Schlick's Fresnel term, to which F82 with a white tint is equal
+(Kutz et al. 2021), or a Lambertian surface with a specular weight of 0. A coat's colour is the
+square of its transmittance at normal incidence (OpenPBR Surface 1.1.1, 3.4).
+"""
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import mitsuba as mi
+import numpy as np
+
+from urushi.checks import Widths
+from urushi.errors import ParameterError, PlatformError
+from urushi.material.source import Source, as_source
+from urushi.mitsuba.reading import probing
+from urushi.mitsuba.reading.bsdf import bsdf_source
+from urushi.openpbr_surface.inputs import EMISSION
+from urushi.openpbr_surface.materialx.document import write_parameters
+from urushi.openpbr_surface.parameters import checked, parameter
+from urushi.openpbr_surface.plugins.emission import NAMES as EMISSION_INPUTS
+from urushi.walk import Conductor, Diffuse, Stack
+from urushi.walk.bottoms import Value
+
+
+@dataclass(frozen=True)
+class OpenPBR:
+    """A material of OpenPBR Surface 1.1.1, as `openpbr` makes it.
+
+    Attributes:
+        parameters: those that are given, by name: floats, truth values, colours as tuples of three
+            numbers, and textures as Mitsuba's dictionaries or objects.
+        options: of the plugin `openpbr`, such as `reference`.
+    """
+
+    parameters: Mapping[str, Any]
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def is_uniform(self) -> bool:
+        """Whether no parameter is a texture."""
+        return all(isinstance(x, float | bool | tuple) for x in self.parameters.values())
+
+    @property
+    def emits(self) -> bool:
+        """Whether there is emitted light."""
+        return self.parameters.get("emission_luminance", 0.0) != 0.0
+
+    def description(self) -> dict[str, Any]:
+        """The BSDF for `mi.load_dict`, of the plugin `openpbr`; it does not emit."""
+        values = {name: x for name, x in self._values().items() if name not in EMISSION}
+        return {"type": "openpbr", **values, **self.options}
+
+    def emitter(self) -> dict[str, Any] | None:
+        """The emitted light for `mi.load_dict`, of the plugin `openpbr_emission`; None: none."""
+        if not self.emits:
+            return None
+        values = {name: x for name, x in self._values().items() if name in EMISSION_INPUTS}
+        return {"type": "openpbr_emission", **values}
+
+    def on(self, shape: Mapping[str, Any]) -> dict[str, Any]:
+        """A shape of this material, with its emitted light.
+
+        shape: a dictionary for `mi.load_dict`, such as {"type": "sphere"}, without BSDF and
+            emitter.
+        """
+        emitter = self.emitter()
+        light = {} if emitter is None else {"emitter": emitter}
+        return {**shape, "bsdf": self.description(), **light}
+
+    def _values(self) -> dict[str, Any]:
+        """The parameters as `mi.load_dict` takes them."""
+        return {
+            name: {"type": "rgb", "value": list(value)} if isinstance(value, tuple) else value
+            for name, value in self.parameters.items()
+        }
+
+    def bsdf(self) -> "mi.BSDF":
+        """The BSDF in the current variant.
+
+        Raises:
+            PlatformError: no variant is set.
+        """
+        if mi.variant() is None:
+            raise PlatformError(
+                "openpbr: no Mitsuba variant is set; set one first, for instance by "
+                "mi.set_variant('llvm_ad_rgb')"
+            )
+        return mi.load_dict(self.description())
+
+    def f(self, wi: np.ndarray, wo: np.ndarray, walks: int = 1) -> np.ndarray:
+        """The BRDF at the middle of uv.
+
+        Args:
+            wi, wo: (N, 3) unit vectors above the horizon, z the normal and x the tangent.
+            walks: number of evaluations that are averaged; only those of `reference` have noise.
+
+        Returns:
+            (N, C) [1/sr], without cosine; C is the variant's number of channels.
+
+        Raises:
+            PlatformError: no variant is set.
+        """
+        bsdf, total = self.bsdf(), np.zeros(())
+        wi, wo = (np.asarray(w, np.float32) for w in (wi, wo))
+        uv = np.full((len(wi), 2), 0.5)
+        for walk in range(walks):
+            total = total + probing.bsdf_values(bsdf, wi, wo, uv, float(walk))
+        return total / walks
+
+    def save(self, path: str | os.PathLike, name: str = "material") -> None:
+        """Write the material as a MaterialX document, which `load_materialx` reads.
+
+        Args:
+            path: the document (.mtlx).
+            name: of the material; letters, digits and underscores.
+
+        Raises:
+            ParameterError: a parameter is a texture, or the name is another one.
+            FileError: the file cannot be written.
+        """
+        if not self.is_uniform:
+            raise ParameterError(
+                f"openpbr: {self._textured()} is a texture, but only numbers "
+                "and colours can be written; replace it by one of these"
+            )
+        write_parameters(self.parameters, path, name)
+
+    def _textured(self) -> str:
+        """The name of the first texture."""
+        values = self.parameters.items()
+        return next(n for n, x in values if not isinstance(x, float | bool | tuple))
+
+
+def openpbr(
+    *,
+    reference: bool = False,
+    energy_compensation: bool = True,
+    unsupported: str = "error",
+    **parameters: Any,
+) -> OpenPBR:
+    """Describe a material of OpenPBR Surface 1.1.1.
+
+    Args:
+        reference: whether the coat is computed by random walks instead of networks.
+        energy_compensation: whether the energy that rough interfaces lose is compensated.
+        unsupported: "error", or "ignore" to leave out unsupported features, with a warning.
+        parameters: of the specification, by name. Numbers and colours (three numbers, linear sRGB)
+            in their ranges; or textures, as Mitsuba's dictionaries or objects. Those that are left
+            out have the defaults of the specification.
+
+    Returns:
+        A description without Mitsuba objects. `f` evaluates it, `urushi.encode` encodes it, `save`
+        writes it, and `description` returns its BSDF for a scene.
+
+    Raises:
+        ParameterError: a name does not exist, or a value is out of range or of a wrong kind.
+
+    Source: Andersson et al., OpenPBR Surface 1.1.1, Academy Software Foundation.
+    """
+    options = {
+        "reference": bool(reference),
+        "energy_compensation": bool(energy_compensation),
+        "unsupported": unsupported,
+    }
+    if parameters.get("type") == "openpbr":  # as `urushi.load_materialx` gives them
+        parameters = {name: value for name, value in parameters.items() if name != "type"}
+    return OpenPBR({name: _value(name, value) for name, value in parameters.items()}, options)
+
+
+def _value(name: str, value: Any) -> Any:
+    """A parameter as it is kept."""
+    entry = parameter(name)
+    if isinstance(value, Mapping) and value.get("type") == "rgb":
+        value = value["value"]
+    if isinstance(value, Mapping) or type(value).__module__.startswith("mitsuba"):
+        if entry.kind == "boolean":
+            raise ParameterError(f"openpbr: {name} cannot be a texture; give true or false")
+        return value
+    constant = checked(name, value)
+    return tuple(constant.tolist()) if isinstance(constant, np.ndarray) else constant
+
+
+@as_source.register
+def _(source: OpenPBR) -> Source:
+    if not source.is_uniform:
+        raise ParameterError(
+            f"encode openpbr: {source._textured()} is a texture, but a material is the same "
+            "everywhere; give a number or a colour"
+        )
+    return bsdf_source(source.bsdf())
+
+
+def save_materialx(stack: Stack, path: str | os.PathLike, name: str = "material") -> None:
+    """Write one clear or tinted coat over a metal or a diffuse base as a document of OpenPBR.
+
+    Args:
+        stack: one coat with an albedo of 0 or no medium, over a `conductor` of r0 or a `diffuse`.
+            GGX widths are equal in all channels, and not larger across the tangent than along it.
+        path: the document (.mtlx).
+        name: of the material; letters, digits and underscores.
+
+    Raises:
+        ParameterError: the stack or the name is another one.
+        FileError: the file cannot be written.
+    """
+    write_parameters(parameters(stack), path, name)
+
+
+def parameters(stack: Stack) -> dict[str, float | tuple[float, float, float]]:
+    """The parameters of OpenPBR that describe a stack, see `save_materialx`.
+
+    Raises:
+        ParameterError: OpenPBR cannot describe it.
+    """
+    if not isinstance(stack, Stack) or len(stack.coats) != 1:
+        raise ParameterError("OpenPBR has one coat; give a Stack of one coat over its base")
+    coat, bottom = stack.coats[0], stack.bottom
+    absorbs = np.asarray(coat.sigma_t) > 0
+    if (absorbs & (np.asarray(coat.albedo) > 0)).any():
+        raise ParameterError("OpenPBR's coat does not scatter; make its albedo 0")
+    if np.ndim(coat.eta):
+        raise ParameterError("OpenPBR's coat_ior is one number; give one eta for all channels")
+    if isinstance(bottom, Conductor) and bottom.r0 is not None:
+        width, anisotropy = _roughness(bottom.alpha, "the conductor's alpha")
+        base: dict[str, float | tuple[float, float, float]] = {
+            "base_color": _rgb(bottom.r0),
+            "base_metalness": 1.0,
+            "specular_roughness": width,
+            "specular_roughness_anisotropy": anisotropy,
+        }
+    elif isinstance(bottom, Diffuse):
+        base = {"base_color": _rgb(bottom.reflectance), "specular_weight": 0.0}
+    else:
+        raise ParameterError(
+            "only a conductor of r0 or a diffuse surface can be written as OpenPBR's base; give "
+            "one of them"
+        )
+    width, anisotropy = _roughness(coat.alpha, "the coat's alpha")
+    return base | {
+        "coat_weight": 1.0,
+        "coat_color": _rgb(np.exp(-2 * np.asarray(coat.sigma_t))),
+        "coat_roughness": width,
+        "coat_roughness_anisotropy": anisotropy,
+        "coat_ior": float(np.asarray(coat.eta)),
+    }
+
+
+def _rgb(value: object) -> tuple[float, float, float]:
+    r, g, b = (float(x) for x in np.broadcast_to(np.asarray(value, np.float64), 3))
+    return r, g, b
+
+
+def _roughness(alpha: Value | Widths, where: str) -> tuple[float, float]:
+    """Roughness r and anisotropy a of OpenPBR: alpha_t = r^2 sqrt(2 / (1 + (1 - a)^2)).
+
+    alpha_b = (1 - a) alpha_t, so that (alpha_t^2 + alpha_b^2) / 2 = r^4.
+    """
+    u, v = (alpha.u, alpha.v) if isinstance(alpha, Widths) else (alpha, alpha)
+    if isinstance(u, tuple) or isinstance(v, tuple):
+        raise ParameterError(f"{where} has a width for each channel; OpenPBR has one for all")
+    if v > u:
+        raise ParameterError(f"{where} is larger across the tangent; OpenPBR's is larger along it")
+    return float(((u**2 + v**2) / 2) ** 0.25), float(1 - v / u)

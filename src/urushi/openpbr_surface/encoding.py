@@ -1,0 +1,113 @@
+"""What networks take of OpenPBR's base: its lobe, and when coats take a table in place of codes."""
+
+from collections.abc import Iterable
+
+import drjit as dr
+import mitsuba as mi
+
+from urushi.checks import Widths
+from urushi.core import fresnel, metal
+from urushi.mitsuba import spectrum
+from urushi.nets.lobe import NO_LOBE
+from urushi.openpbr_surface.inputs import Inputs
+from urushi.openpbr_surface.model import Base
+
+#: Cosines at which the lobe of a mixture is not above the mixture.
+SCHLICK_COSINES = (0.6, 0.4, 0.25, 0.15, 0.05)
+
+#: Share of that lobe that is taken out. Networks expect a rest that is nowhere below zero and has a
+#: faint peak, as fitted lobes leave it.
+SCHLICK_SHARE = 0.8
+
+#: specular_roughness from which networks encode a constant, isotropic metal with what its facets
+#: reflect more than once. They see the lobe alone of other metals: smooth metals lose little,
+#: metals of two widths became up to 15 % too dark, and textures would take long to encode.
+MULTIPLE_FROM = 0.5
+
+#: specular_roughness from which a constant coat over a constant, isotropic base takes a table of
+#: it, see `urushi.material.coated_table`. The lobe of a smooth base is too narrow for a table.
+TABULATED_FROM = 0.15
+
+#: The parameters of an isotropic metal besides its specular_roughness.
+OF_METALS = ("base_weight", "base_color", "specular_weight", "specular_color")
+
+#: The parameters that the base reads.
+NAMES = (
+    *("base_weight", "base_color", "base_diffuse_roughness", "base_metalness"),
+    *("specular_weight", "specular_color", "specular_roughness", "specular_ior"),
+    *("specular_roughness_anisotropy", "coat_weight", "coat_ior", "coat_darkening"),
+)
+
+
+def has_multiple(inputs: Inputs) -> bool:
+    """Whether a metal is encoded with what its facets reflect more than once; `MULTIPLE_FROM`."""
+    return _is_rough(inputs, OF_METALS, MULTIPLE_FROM)
+
+
+def is_tabulated(inputs: Inputs) -> bool:
+    """Whether a constant coat takes a table of the base; see `TABULATED_FROM`."""
+    return _is_rough(inputs, NAMES, TABULATED_FROM)
+
+
+def _is_rough(inputs: Inputs, names: Iterable[str], least: float) -> bool:
+    """Whether parameters are constant, the base isotropic and its roughness at least `least`."""
+    return (
+        inputs.is_uniform((*names, "specular_roughness", "specular_roughness_anisotropy"))
+        and inputs.middle("specular_roughness_anisotropy") == 0
+        and inputs.middle("specular_roughness") >= least
+    )
+
+
+def lobe(base: Base, si, bare: bool, compensated: bool) -> list[list]:
+    """The base's lobe, six floats for each channel; seven of an anisotropic base.
+
+    Metal and dielectric share one width, so that their mixture is one lobe. The mixture's Fresnel
+    term is the greatest of Schlick's form below it: the networks return nonsense for some sums of
+    Schlick's and an exact term. The rest contains the dip of a metal's Fresnel term at 82 degrees,
+    and what the facets of a rough metal reflect more than once.
+
+    Args:
+        base: the base. si: the surface interactions.
+        bare: whether the base counts as its lobe alone.
+        compensated: whether the coated base gets back what it loses. If not, a bare metal is scaled
+            to the energy of its multiple scattering (Turquin 2019).
+    """
+    active = mi.Bool(True)
+    vertex = base.vertex(si, active)
+    color, tint, weight, share, alpha, _, eta = vertex
+    scale = base.boost(vertex, si, active)
+    if bare and not compensated:
+        scale *= base.mirror.gain(alpha, color)
+    if base.film:
+        color = base.film.metal_in_coat(color, tint, si, active)
+    along, across = (alpha.u, [alpha.v]) if isinstance(alpha, Widths) else (alpha, [])
+    dielectric = share == 0
+    normal, grazing = _schlick_below(
+        lambda c: dr.lerp(
+            tint * fresnel.dielectric(c, eta)[0], weight * metal.f82(c, color, tint, dr), share
+        )
+    )
+    metals = (share == 1) & mi.Bool(bare)
+    normal = dr.select(metals, weight * color, normal)
+    grazing = dr.select(metals, weight * tint, grazing)
+    values = (
+        mi.Spectrum(along),
+        dr.select(dielectric, 0, dr.minimum(scale * normal, 1)),
+        dr.select(dielectric, 0, dr.minimum(scale * grazing, 1)),
+        dr.select(dielectric, dr.minimum(scale * tint, 1), 0),
+        dr.select(dielectric, mi.Spectrum(eta), NO_LOBE[4]),
+        mi.Spectrum(0),
+        *map(mi.Spectrum, across),
+    )
+    return [list(c) for c in zip(*map(spectrum.to_channels, values), strict=True)]
+
+
+def _schlick_below(reflectance):
+    """Factors (normal, grazing) of Schlick's form, `SCHLICK_SHARE` of a reflectance at normal
+    incidence, and not above it at `SCHLICK_COSINES`."""
+    normal, grazing = reflectance(mi.Float(1)), mi.Spectrum(1)
+    for cosine in SCHLICK_COSINES:
+        share = (1 - cosine) ** 5
+        bound = (reflectance(mi.Float(cosine)) - normal * (1 - share)) / share
+        grazing = dr.minimum(grazing, bound)
+    return SCHLICK_SHARE * normal, SCHLICK_SHARE * dr.maximum(grazing, 0)

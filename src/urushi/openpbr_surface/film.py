@@ -1,0 +1,280 @@
+"""Thin-film iridescence of OpenPBR's base (section 3.3): its Fresnel terms under a film.
+
+The directional albedo of an interface is a mean, over visible facets, of the reflectance times
+masking. The film's reflectance is known only during rendering. It is evaluated at the nodes of a
+Gauss rule, which is exact for polynomials in the cosine to the facet.
+"""
+
+import functools
+from typing import NamedTuple
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from urushi.checks import Widths
+from urushi.core import fresnel, metal, microfacet
+from urushi.openpbr_surface import albedo_axes, albedos, formulas, thin_film
+from urushi.openpbr_surface.inputs import Inputs
+from urushi.openpbr_surface.lookups import (
+    InterfaceAlbedo,
+    MirrorAlbedo,
+    coordinates,
+    interpolated,
+)
+
+#: The parameters that the film reads.
+NAMES = ("thin_film_weight", "thin_film_thickness", "thin_film_ior")
+
+#: The parameters on which the film's relative index depends.
+_INDICES = ("thin_film_ior", "coat_ior", "coat_weight")
+
+#: Cosines inside a coat of light from above.
+_COAT_COSINES = (1.0, 0.9, 0.8, 0.7)
+
+#: Least reflectance in a division.
+_LEAST = 1e-4
+
+#: Cosine whose reflectance stands for the mean of a metal's, which is nearly constant.
+_MEAN_COSINE = 0.66
+
+#: Nodes of a rule from one direction, and of one for diffuse light.
+NODES, MEAN_NODES = 4, 4
+
+
+class FilmFresnel:
+    """Fresnel terms with the film, which covers the share `thin_film_weight` of the facets.
+
+    The channels' sensitivities are linear sRGB in colour variants, single wavelengths in spectral
+    variants, and Y in monochromatic variants.
+    """
+
+    def __init__(self, inputs: Inputs):
+        self._inputs = inputs
+        known = rules()
+        self._rule = interpolated(np.concatenate([known.cosines, known.weights], -1))
+        self._mean_rule = interpolated(np.concatenate([known.mean_cosines, known.mean_weights], -1))
+        indices = [inputs.known(name) for name in _INDICES]
+        self._mirror, self._total = MirrorAlbedo(), None
+        if any(x is None for x in indices) or formulas.relative_index(*indices) < 1:
+            self._total = InterfaceAlbedo(None)
+
+    def dielectric(self, cosine, eta, si, active):
+        """The term of a dielectric of index eta relative to the medium above, a spectrum."""
+        bare = fresnel.dielectric(cosine, eta)[0]
+        film = self._film(si, active)
+        values = [
+            thin_film.reflectance(cosine, film, thin_film.Below(eta), response, dr)
+            for response in self._responses(si)
+        ]
+        return dr.lerp(mi.Spectrum(bare), mi.Spectrum(*values), self._weight(si, active))
+
+    def metal(self, cosine, f0, tint, bare, si, active):
+        """The term of a metal of `bare` reflectance without film, a spectrum."""
+        film, values = self._film(si, active), []
+        for i, response in enumerate(self._responses(si)):
+            below = thin_film.metal_index(f0[i], tint[i], dr)
+            values.append(thin_film.reflectance(cosine, film, below, response, dr))
+        return dr.lerp(mi.Spectrum(bare), mi.Spectrum(*values), self._weight(si, active))
+
+    def metal_mean(self, f0, tint, bare, si, active):
+        """The mean of `metal` over the hemisphere; bare: that without film."""
+        return self.metal(mi.Float(_MEAN_COSINE), f0, tint, bare, si, active)
+
+    def excess(self, cosine, alpha, eta, si, active):
+        """What the film adds to the light that a dielectric's facets reflect, a spectrum.
+
+        Over what they would reflect as mirrors; by the facets of `rules`.
+        """
+        rule = self._rule(coordinates(cosine, alpha, None))
+        edge = self._edge(eta, si, active)
+        total = self._mean_over(rule, eta, edge, si, active)
+        if self._total:
+            more, less = (self._total.reflected(cosine, alpha, index) for index in (edge, eta))
+            seen = self._mirror.seen(mi.Vector3f(0, 0, cosine), alpha)
+            total += (more - less) / dr.maximum(seen, _LEAST)
+        return self._weight(si, active) * total
+
+    def mean_excess(self, alpha, eta, si, active):
+        """The mean of `excess` over diffuse light."""
+        rule = self._mean_rule(coordinates(None, alpha, None))
+        edge = self._edge(eta, si, active)
+        total = self._mean_over(rule, eta, edge, si, active)
+        if self._total:
+            more, less = (self._total.reflected_mean(alpha, index) for index in (edge, eta))
+            total += (more - less) / dr.maximum(self._mirror.seen_mean(alpha), _LEAST)
+        return self._weight(si, active) * total
+
+    def _edge(self, eta, si, active):
+        """The index of a dielectric that reflects totally where a dielectric under the film does.
+
+        It is eta itself unless the film's index is below one and below eta.
+        """
+        film = self._film(si, active).eta
+        return dr.select(film < 1, dr.minimum(film, eta), eta) if self._total else eta
+
+    def _mean_over(self, rule: list, eta, edge, si, active):
+        """The mean of what the film reflects more than a dielectric of index `edge`.
+
+        rule: cosines of facets, and then their weights. Both reflect totally at the same facets, so
+        that the difference has no step.
+        """
+        film, total, count = self._film(si, active), mi.Spectrum(0), len(rule) // 2
+        for cosine, weight in zip(rule[:count], rule[count:], strict=True):
+            values = [
+                thin_film.reflectance(cosine, film, thin_film.Below(eta), response, dr)
+                for response in self._responses(si)
+            ]
+            total += weight * (mi.Spectrum(*values) - fresnel.dielectric(cosine, edge)[0])
+        return total
+
+    def metal_in_coat(self, f0, tint, si, active):
+        """The mean of `metal` over the angles that light from above has in a coat, a spectrum.
+
+        Networks take it for a filmed metal's reflectance at normal incidence.
+        """
+        total = mi.Spectrum(0)
+        for cosine in _COAT_COSINES:
+            c = mi.Float(cosine)
+            total += self.metal(c, f0, tint, metal.f82(c, f0, tint, dr), si, active)
+        return total / len(_COAT_COSINES)
+
+    def below_coat(self, f, base, eta, si, wo, active):
+        """f [1/sr] of networks for a coat over a base, with its film.
+
+        The networks know the base without film of a dielectric, and with the mean reflectance
+        `metal_in_coat` of a metal. The light from the base is multiplied by the quotient of the
+        base's lobe and slab with and without film, at the refracted directions of a smooth coat.
+        The factor is the same with si.wi and wo exchanged.
+
+        base: the base's vertex. eta: its index relative to the coat.
+        """
+        inputs = self._inputs
+        index = dr.maximum(inputs.number("coat_ior", si, active), formulas.LEAST_INDEX)
+        coat = self._coat_widths(si, active)
+        lobe, cosine = microfacet.reflection_lobe(si.wi, wo, coat)
+        top = dr.minimum(f, lobe * fresnel.dielectric(dr.abs(cosine), index)[0])
+        wi, wo = (_refracted(w, index) for w in (si.wi, wo))
+        lobe, cosine = microfacet.reflection_lobe(wi, wo, _blurred(base.widths, coat, index))
+        c = dr.clip(cosine, 0, 1)
+
+        color, tint, weight = base.color, base.tint, base.weight
+        f0 = self.metal_in_coat(color, tint, si, active)
+        coded = dr.lerp(
+            tint * fresnel.dielectric(c, eta)[0], weight * metal.f82(c, f0, tint, dr), base.share
+        )
+        bare = metal.f82(c, color, tint, dr)
+        film = dr.lerp(
+            tint * self.dielectric(c, eta, si, active),
+            weight * self.metal(c, color, tint, bare, si, active),
+            base.share,
+        )
+        # Far from a metal's lobe the quotient is one.
+        others = (1 - base.share) * dr.inv_pi * color + _LEAST
+        quotient = (lobe * film + others) / (lobe * coded + others)
+        return top + (f - top) * quotient
+
+    def _coat_widths(self, si, active):
+        """The coat's GGX width, or both of an anisotropic one."""
+        rough = self._inputs.number("coat_roughness", si, active)
+        if self._inputs.is_constant("coat_roughness_anisotropy", 0):
+            return formulas.lobe_width(rough, dr)
+        bias = self._inputs.number("coat_roughness_anisotropy", si, active)
+        return Widths(*formulas.lobe_widths(rough, bias, dr))
+
+    def traverse(self, callback):
+        """List the textures for `mi.traverse`."""
+        for name in NAMES:
+            callback.put(name, self._inputs.textures[name], mi.ParamFlags.Differentiable)
+
+    def _weight(self, si, active):
+        return self._inputs.number("thin_film_weight", si, active)
+
+    def _film(self, si, active):
+        names = *_INDICES, "thin_film_thickness"
+        ior, coat_ior, coat, thickness = (self._inputs.number(n, si, active) for n in names)
+        ior, coat_ior = (dr.maximum(x, formulas.LEAST_INDEX) for x in (ior, coat_ior))
+        return thin_film.Film(formulas.relative_index(ior, coat_ior, coat), ior, thickness)
+
+    def _responses(self, si):
+        if mi.is_monochromatic:
+            return [thin_film.luminance_response()]
+        if mi.is_spectral:
+            return [thin_film.wavelength_response(x) for x in si.wavelengths]
+        return thin_film.rgb_responses()
+
+
+def _refracted(w, index):
+    """A direction in a coat of an index, from w above it."""
+    return mi.Vector3f(
+        w.x / index, w.y / index, dr.safe_sqrt(1 - (1 - w.z * w.z) / (index * index))
+    )
+
+
+def _blurred(widths, coat, index):
+    """The width of a lobe below a coat of other widths, as slopes in the coat.
+
+    Facets of a slope s turn refracted light by (1 - 1 / index) s, twice, and a reflecting facet by
+    twice its slope (Belcour 2018, section 4).
+    """
+    turned = dr.square(1 - 1 / index) / 2
+    pairs = zip(microfacet.pair(widths), microfacet.pair(coat), strict=True)
+    u, v = (dr.clip(dr.sqrt(a * a + turned * b * b), 0.01, 1) for a, b in pairs)
+    return Widths(u, v)
+
+
+class Rules(NamedTuple):
+    """Gauss rules at the nodes of `albedos`, float32; weights have a sum of one.
+
+    Attributes:
+        cosines, weights: (ROUGHNESSES, COSINES, NODES) of the facets seen from a direction.
+        mean_cosines, mean_weights: (ROUGHNESSES, MEAN_NODES) of the facets met by diffuse light.
+    """
+
+    cosines: np.ndarray
+    weights: np.ndarray
+    mean_cosines: np.ndarray
+    mean_weights: np.ndarray
+
+
+@functools.cache
+def rules() -> Rules:
+    """The rules of GGX facets with Smith's masking."""
+    alphas, cosine = albedo_axes.nodes()
+    found, means = [], []
+    light = albedo_axes.hemisphere_mean(np.eye(len(cosine)))
+    for alpha in alphas:
+        facets, weight = albedos.seen_facets(alpha, cosine)
+        found.append(gauss_rule(facets, weight, NODES))
+        weight = weight * light[:, None]
+        means.append(gauss_rule(facets.ravel(), weight.ravel(), MEAN_NODES))
+    tables = [np.stack(x) for pairs in (found, means) for x in zip(*pairs, strict=True)]
+    return Rules(*(table.astype(np.float32) for table in tables))
+
+
+def gauss_rule(x: np.ndarray, weight: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """The Gauss rules of discrete measures.
+
+    Args:
+        x: (..., K) points in [0, 1]. weight: their weights, not negative.
+        count: of nodes, N.
+
+    Returns:
+        Nodes within [0, 1] and weights of sum one, (..., N).
+
+    Source: Golub and Welsch 1969; the recurrence of orthogonal polynomials by Stieltjes' procedure.
+    """
+    weight = weight / weight.sum(-1, keepdims=True)
+    former, present = np.zeros_like(x), np.ones_like(x)
+    matrix = np.zeros((*x.shape[:-1], count, count))
+    for k in range(count):
+        matrix[..., k, k] = (weight * x * present**2).sum(-1)
+        following = (x - matrix[..., k, k, None]) * present
+        if k:
+            following -= matrix[..., k, k - 1, None] * former
+        norm = np.sqrt((weight * following**2).sum(-1))
+        if k + 1 < count:
+            matrix[..., k, k + 1] = matrix[..., k + 1, k] = norm
+        former, present = present, following / np.maximum(norm, 1e-300)[..., None]
+    nodes, vectors = np.linalg.eigh(matrix)
+    return np.clip(nodes, 0, 1), vectors[..., 0, :] ** 2

@@ -1,0 +1,327 @@
+"""The parameters of the plugin `openpbr`, as textures, and textures that are computed from them."""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import cache
+from typing import Any
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from urushi.errors import ParameterError
+from urushi.mitsuba.reading.parameters import describe
+from urushi.openpbr_surface.parameters import PARAMETERS, checked, parameter
+
+#: Properties of the plugin that are no parameters of the specification.
+OPTIONS = ("reference", "unsupported", "energy_compensation", "resolution", "weights", "origin")
+
+#: Weights of what transmits or scatters below the surface, and what it is.
+UNSUPPORTED = {
+    "transmission_weight": "transmission",
+    "subsurface_weight": "subsurface scattering",
+    "geometry_thin_walled": "the thin-walled mode",
+}
+
+#: The parameters of emission, which a BSDF does not have.
+EMISSION = ("emission_luminance", "emission_color")
+
+#: The parameters of directions: of the base, of the coat, and of the anisotropies that a direction
+#: matters to, none for a normal.
+DIRECTIONS = (
+    ("geometry_normal", "geometry_coat_normal", None),
+    (
+        "geometry_tangent",
+        "geometry_coat_tangent",
+        ("specular_roughness_anisotropy", "coat_roughness_anisotropy"),
+    ),
+)
+
+
+class Inputs:
+    """All parameters but the directions, each a texture, numbers and colours as well.
+
+    Attributes:
+        where: the plugin's name, or its property `origin`, the document that `materialx` read;
+            begins errors.
+        textures: by the parameters' names.
+        constants: the values of parameters that are given as numbers, by name. A number that is
+            changed later counts as a texture from then on, see `refresh`.
+        maps: the textures of directions, by the parameters' names.
+        version: how often `refresh` has found changes.
+    """
+
+    def __init__(self, props: "mi.Properties", *, emits: bool = False):
+        """Read the properties.
+
+        emits: whether they are an emitter's, which only reads what it needs.
+
+        Raises:
+            ParameterError: a name does not exist, a value is out of range or of a wrong kind, or a
+                feature is asked for that the plugin does not have.
+        """
+        self.where = props.get("origin", describe(props))
+        given = {name: props[name] for name in list(props.keys()) if name not in OPTIONS}
+        ignore = _ignores(props, self.where)
+        self.textures: dict[str, mi.Texture] = {}
+        self.constants: dict[str, Any] = {}
+        self.maps: dict[str, mi.Texture] = {}
+        self.version = 0
+        self._numbers: list[str] = []  # parameters that are given as numbers
+        self._relied: dict[str, np.ndarray] = {}  # constants that code relies on: their textures'
+        for name, value in given.items():
+            self._read(name, value)
+        if not emits:
+            for name, feature in UNSUPPORTED.items():
+                self._refuse(name, feature, ignore)
+            self._check_emission(ignore)
+            self._check_directions(ignore)
+        for name, entry in PARAMETERS.items():
+            if entry.kind in ("float", "color") and name not in self.textures:
+                self._constant(name, checked(name, entry.default))
+
+    @classmethod
+    def of(cls, values: Mapping[str, Any], origin: str) -> "Inputs":
+        """The parameters of numbers, colours as tuples, and textures as Mitsuba's dictionaries.
+
+        origin: begins errors.
+        """
+        props = mi.Properties("openpbr")
+        props["origin"] = origin
+        for key, value in values.items():
+            value = mi.load_dict(value) if isinstance(value, dict) else value
+            props[key] = mi.ScalarColor3f(value) if isinstance(value, tuple) else value
+        return cls(props)
+
+    def is_constant(self, name: str, value: float) -> bool:
+        """Whether a parameter is given as this number, and not as a texture."""
+        known = self.known(name)
+        return known is not None and bool(np.all(known == value))
+
+    def known(self, name: str) -> Any:
+        """The value of a parameter that is given as a number; None of a texture.
+
+        Code may be left out by it: `refresh` tells whether it is still the same.
+        """
+        if name not in self.constants:
+            return None
+        if name not in self._relied:
+            self._relied[name] = _texture_value(self.textures[name])[0]
+        return self.constants[name]
+
+    def is_uniform(self, names: Iterable[str]) -> bool:
+        """Whether parameters are now the same everywhere."""
+        return not any(self.textures[name].is_spatially_varying() for name in names)
+
+    def middle(self, name: str) -> float:
+        """The present value of a number in the middle of uv."""
+        si = dr.zeros(mi.SurfaceInteraction3f)
+        si.uv = mi.Point2f(0.5)
+        with dr.suspend_grad():
+            return float(self.number(name, si, mi.Bool(True)).numpy()[0])
+
+    def refresh(self) -> bool:
+        """Whether constants that code relies on have changed by `mi.traverse`, or need gradients.
+
+        They are taken off `constants`, and the version grows: what was left out must be made.
+
+        Raises:
+            ParameterError: a value that was given as a number is out of range now.
+        """
+        for name in self._numbers:
+            value = _texture_value(self.textures[name])[0].ravel()
+            if not (
+                mi.is_spectral and PARAMETERS[name].kind == "color"
+            ):  # no colours, coefficients
+                checked(name, value if len(value) == 3 else value.item(), self.where)
+        changed = []
+        for name, relied in self._relied.items():
+            value, differentiated = _texture_value(self.textures[name])
+            if differentiated or not np.array_equal(value, relied):
+                changed.append(name)
+        for name in changed:
+            del self._relied[name], self.constants[name]
+        self.version += bool(changed)
+        return bool(changed)
+
+    def number(self, name: str, si, active) -> "mi.Float":
+        """The value of a number at a surface interaction, within the parameter's range."""
+        return _clipped(name, self.textures[name].eval_1(si, active))
+
+    def color(self, name: str, si, active) -> "mi.Spectrum":
+        """The value of a colour at a surface interaction, within the parameter's range."""
+        return _clipped(name, self.textures[name].eval(si, active))
+
+    def _read(self, name: str, value: Any) -> None:
+        entry = parameter(name, self.where)
+        if entry.kind == "vector":
+            if not isinstance(value, mi.Texture):
+                checked(name, value, self.where)  # the error says what to give
+            self.maps[name] = value
+        elif isinstance(value, mi.Texture):
+            if not entry.can_be_textured:
+                raise ParameterError(
+                    f"{self.where}: {name} cannot be a texture; give true or false"
+                )
+            self.textures[name] = value
+        else:
+            channels = [float(x) for x in value] if isinstance(value, mi.ScalarColor3f) else value
+            self._constant(name, checked(name, channels, self.where))
+
+    def _constant(self, name: str, value: Any) -> None:
+        self.constants[name] = value
+        if PARAMETERS[name].kind in ("float", "color"):
+            self._numbers.append(name)
+        if PARAMETERS[name].kind == "float":
+            self.textures[name] = mi.load_dict({"type": "uniform", "value": value})
+        elif PARAMETERS[name].kind == "color":
+            color = mi.ScalarColor3f(value.tolist())
+            self.textures[name] = mi.load_dict({"type": "srgb", "color": color, "unbounded": True})
+
+    def _check_emission(self, ignore: bool) -> None:
+        """Refuse emitted light, or leave it to the emitter."""
+        if self._is_absent("emission_luminance"):
+            return
+        sentence = (
+            "emission_luminance asks for emitted light, and a BSDF does not emit; give its shape "
+            "the emitter 'openpbr_emission'"
+        )
+        if not ignore:
+            raise ParameterError(
+                f'{self.where}: {sentence} and leave it out here, or set unsupported to "ignore"'
+            )
+        mi.Log(mi.LogLevel.Warn, f"{self.where}: {sentence}")
+
+    def _check_directions(self, ignore: bool) -> None:
+        """Refuse a coat with a normal or tangent of its own, or give it the base's."""
+        for base, coat, anisotropies in DIRECTIONS:
+            if coat not in self.maps or self._is_absent("coat_weight"):
+                continue
+            if anisotropies and self._is_absent(anisotropies[1]):
+                continue  # the coat has no tangent
+            if anisotropies and self._is_absent(anisotropies[0]):
+                self.maps[base] = self.maps[coat]  # nor has the base
+            if base in self.maps and _equal_textures(self.maps[base], self.maps[coat]):
+                continue
+            sentence = (
+                f"{coat} differs from {base}, and all layers share one frame; give both the same"
+            )
+            if not ignore:
+                raise ParameterError(
+                    f'{self.where}: {sentence}, or set unsupported to "ignore" for the base\'s'
+                )
+            mi.Log(mi.LogLevel.Warn, f"{self.where}: {sentence}; the coat has the base's")
+
+    def _is_absent(self, name: str) -> bool:
+        """Whether a parameter of default 0 is not given, or as 0."""
+        given = name in self.textures or name in self.constants
+        return not given or self.is_constant(name, 0)
+
+    def tangent(self, si, active) -> tuple["mi.Float", "mi.Float"]:
+        """Sine and cosine of the angle from the shape's tangent to that of the map."""
+        x, y = (2 * c - 1 for c in self.maps["geometry_tangent"].eval_3(si, active)[:2])
+        size2 = x * x + y * y
+        known = size2 > 1e-12
+        scale = dr.rsqrt(dr.select(known, size2, 1))
+        return dr.select(known, y * scale, 0), dr.select(known, x * scale, 1)
+
+    def _refuse(self, name: str, feature: str, ignore: bool) -> None:
+        """Refuse or leave out a feature whose weight is not zero."""
+        if not self.constants.get(name, name in self.textures):
+            return
+        if not ignore:
+            raise ParameterError(
+                f"{self.where}: {name} needs {feature}, which the plugin does not support; "
+                'leave it out, or set unsupported to "ignore"'
+            )
+        mi.Log(mi.LogLevel.Warn, f"{self.where}: {feature} is left out ({name})")
+
+
+def _ignores(props: "mi.Properties", where: str) -> bool:
+    """The property `unsupported`: whether unsupported features are left out."""
+    value = props.get("unsupported", "error")
+    if value not in ("error", "ignore"):
+        raise ParameterError(f'{where}: unsupported is "{value}"; give "error" or "ignore"')
+    return bool(value == "ignore")
+
+
+def _texture_value(texture: "mi.Texture") -> tuple[np.ndarray, bool]:
+    """The parameter of a texture of one value, and whether it has gradients enabled."""
+    value = mi.traverse(texture)["value"]
+    return np.array(dr.detach(value)), bool(dr.grad_enabled(value))
+
+
+def _equal_textures(one: "mi.Texture", other: "mi.Texture") -> bool:
+    """Whether two textures are the same, or have the same parameters."""
+    if one is other:
+        return True
+    first, second = mi.traverse(one), mi.traverse(other)
+    keys = sorted(first.keys())
+    return keys == sorted(second.keys()) and all(
+        np.array_equal(np.array(first[key]), np.array(second[key])) for key in keys
+    )
+
+
+def _clipped(name: str, value: Any) -> Any:
+    """A value of a texture within the range of a parameter; has gradients at its ends."""
+    entry, kind = PARAMETERS[name], type(value)  # a selection of spectra is an array
+    value = value if entry.low is None else dr.select(value < entry.low, entry.low, value)
+    return kind(value if entry.high is None else dr.select(value > entry.high, entry.high, value))
+
+
+def derived(
+    inputs: Inputs, names: Sequence[str], function: Callable[..., Any], *, color: bool = False
+) -> "mi.Texture":
+    """A texture whose value is a function of parameters.
+
+    Args:
+        inputs: the parameters.
+        names: the function's parameters, in order.
+        function: of Dr.Jit floats, or of spectra if `color`.
+        color: whether the value is a colour.
+    """
+    return _derived_class(mi.variant())(inputs, names, function, color)
+
+
+@cache
+def _derived_class(variant: str) -> type:
+    """The class of the textures of `derived`, in a variant."""
+
+    class Derived(mi.Texture):
+        """A function of the plugin's parameters."""
+
+        def __init__(
+            self,
+            inputs: Inputs,
+            names: Sequence[str],
+            function: Callable[..., Any],
+            color: bool,
+        ):
+            mi.Texture.__init__(self, mi.Properties("derived"))
+            self._inputs, self._names = inputs, names
+            self._function, self._color = function, color
+
+        def _sources(self) -> Mapping[str, "mi.Texture"]:
+            return {name: self._inputs.textures[name] for name in self._names}
+
+        def eval(self, si, active=True):
+            read = self._inputs.color if self._color else self._inputs.number
+            return mi.Spectrum(self._function(*(read(name, si, active) for name in self._names)))
+
+        def eval_1(self, si, active=True):
+            return self._function(*(self._inputs.number(name, si, active) for name in self._names))
+
+        def mean(self):
+            return self.eval_1(mi.SurfaceInteraction3f())
+
+        def is_spatially_varying(self):
+            # The sources are listed and vary by themselves, with their own transforms.
+            return False
+
+        def traverse(self, callback):
+            for name, texture in self._sources().items():
+                callback.put(name, texture, mi.ParamFlags.Differentiable)
+
+        def to_string(self):
+            return f"Derived[{', '.join(self._names)}]"
+
+    return Derived

@@ -1,0 +1,272 @@
+"""The tables of `albedos` as Dr.Jit textures: interfaces, reflectors and the slab below them."""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from urushi.core import eon
+from urushi.openpbr_surface import albedo_axes, albedos, formulas
+
+#: Least share of light that leaves the slab at once; less is a slab of index far above 10.
+LEAST_SHARE = 1e-3
+
+
+class InterfaceAlbedo:
+    """Directional albedos of a rough dielectric interface, from above.
+
+    eta: its index if it is constant; None: any between 1/3 and 3.
+    """
+
+    def __init__(self, eta: float | None):
+        self._constant = None if eta is None else float(np.clip(eta, 1 / 3, 3))
+        known = albedos.tables(self._constant)
+        self._reflected = self._texture(known.reflected)
+        self._reflected_mean = self._texture(known.reflected_mean)
+        self._both = self._texture(known.reflected, known.passed)
+        self._both_mean = self._texture(known.reflected_mean, known.passed_mean)
+
+    def reflected(self, cosine, alpha, eta):
+        """Share of the light from a direction that is reflected."""
+        return _read(self._reflected, self._at(cosine, alpha, eta))[0]
+
+    def both(self, cosine, alpha, eta) -> list:
+        """Shares that are reflected and transmitted; the rest would meet a second facet."""
+        return _read(self._both, self._at(cosine, alpha, eta))
+
+    def reflected_mean(self, alpha, eta):
+        """Share of diffuse light that is reflected."""
+        return _read(self._reflected_mean, self._at(None, alpha, eta))[0]
+
+    def both_mean(self, alpha, eta) -> list:
+        """Shares of diffuse light that are reflected and transmitted."""
+        return _read(self._both_mean, self._at(None, alpha, eta))
+
+    def _texture(self, *values: np.ndarray):
+        """Tables as channels, without the axis of the index if it is constant."""
+        table = np.stack(values, axis=-1)
+        return _texture(table if self._constant is None else table[0])
+
+    def _at(self, cosine, alpha, eta) -> list:
+        return coordinates(cosine, alpha, eta if self._constant is None else self._constant)
+
+
+class MirrorAlbedo:
+    """Directional albedos of GGX facets that reflect all light, of one width."""
+
+    def __init__(self) -> None:
+        known = albedos.mirror_tables()
+        self._albedo, self._mean = (_texture(x[..., None]) for x in (known.albedo, known.mean))
+
+    def seen(self, w, widths):
+        """Share of the light from a direction that one reflection by the facets lets leave."""
+        at = [dr.safe_sqrt(w.z), albedo_axes.roughness_coordinate(widths, dr)]
+        return _read(self._albedo, at)[0]
+
+    def seen_mean(self, widths):
+        """The cosine-weighted mean of `seen` over the hemisphere."""
+        return _read(self._mean, [albedo_axes.roughness_coordinate(widths, dr)])[0]
+
+    def lost(self, seen_i, seen_o, widths, fresnel_mean):
+        """The lobe [1/sr] of light that meets more than one facet.
+
+        seen_i, seen_o: `seen` of both directions. fresnel_mean: cosine-weighted mean of the
+        facets' Fresnel term.
+
+        Source: Kulla and Conty 2017, with the Fresnel term of Jimenez and Hanika in their notes.
+        """
+        color = self.multiple(fresnel_mean, widths)
+        # Where nothing is lost, the quotient is 0 / 0.
+        loss = dr.maximum(dr.pi * (1 - self.seen_mean(widths)), 1e-6)
+        return color * ((1 - seen_i) * (1 - seen_o) / loss)
+
+    def multiple(self, fresnel_mean, widths):
+        """The albedo of light that facets of a mean Fresnel term reflect more than once.
+
+        Source: Kulla and Conty 2017, as `lost`.
+        """
+        mean = self.seen_mean(widths)
+        return fresnel_mean * fresnel_mean * mean / (1 - fresnel_mean * (1 - mean))
+
+    def gain(self, widths, f0):
+        """The factor by which multiple scattering increases a lobe of reflectance f0.
+
+        Source: Turquin 2019, Practical multiple scattering compensation for microfacet models,
+        with the mean albedo in place of the directional one.
+        """
+        mean = self.seen_mean(widths)
+        return 1 + f0 * ((1 - mean) / mean)
+
+
+class AnisotropicMirror(MirrorAlbedo):
+    """`MirrorAlbedo` of facets of two widths u >= v."""
+
+    def __init__(self) -> None:
+        known = albedos.anisotropic_tables()
+        self._albedo, self._mean = _texture(known.albedo), _texture(known.mean[..., None])
+
+    def seen(self, w, widths):
+        """See `MirrorAlbedo`; the x axis is along u."""
+        terms = _read(self._albedo, [dr.safe_sqrt(w.z), *self._at(widths)])
+        x2, y2 = w.x * w.x, w.y * w.y
+        cosine = dr.select(x2 + y2 > 1e-12, (x2 - y2) / dr.maximum(x2 + y2, 1e-12), 0)
+        fourth = 2 * cosine * cosine - 1  # cosines of 4 and of 6 times the azimuth
+        sixth = cosine * (2 * fourth - 1)
+        return terms[0] + terms[1] * cosine + terms[2] * fourth + terms[3] * sixth
+
+    def seen_mean(self, widths):
+        """See `MirrorAlbedo`."""
+        return _read(self._mean, self._at(widths))[0]
+
+    def _at(self, widths) -> list:
+        ratio = (widths.u - widths.v) / (widths.u + widths.v)
+        mean = 0.5 * (widths.u + widths.v)
+        return [albedo_axes.roughness_coordinate(mean, dr), ratio / albedos.MOST]
+
+
+class AnisotropicInterface:
+    """`InterfaceAlbedo.reflected` of two widths.
+
+    A direction has the albedo of the width along it, times the quotient of what facets of both
+    widths and of this one lose.
+    """
+
+    def __init__(self, interface: InterfaceAlbedo, mirror: AnisotropicMirror):
+        self._interface, self._mirror, self._one = interface, mirror, MirrorAlbedo()
+
+    def reflected(self, w, widths, eta):
+        """Share of the light from a direction that is reflected."""
+        x2, y2 = w.x * w.x, w.y * w.y
+        along = _width_along(widths, x2 / dr.maximum(x2 + y2, 1e-12))
+        share = self._mirror.seen(w, widths) / self._one.seen(w, along)
+        return dr.clip(self._interface.reflected(w.z, along, eta) * share, 0, 1)
+
+    def reflected_mean(self, widths, eta):
+        """Share of diffuse light that is reflected."""
+        reflected, seen = mi.Float(0), mi.Float(0)
+        for cosine2 in _AZIMUTHS:
+            along = _width_along(widths, cosine2)
+            reflected += self._interface.reflected_mean(along, eta)
+            seen += self._one.seen_mean(along)
+        return reflected / seen * self._mirror.seen_mean(widths)
+
+
+#: Squares of the cosines of azimuths for a mean over them.
+_AZIMUTHS = tuple(np.cos((np.arange(4) + 0.5) * np.pi / 8) ** 2)
+
+
+def _width_along(widths, cosine2):
+    """The width along a direction whose azimuth has a cosine of a given square."""
+    along, across = dr.square(widths.u), dr.square(widths.v)
+    return dr.sqrt(across + (along - across) * cosine2)
+
+
+def coordinates(cosine, alpha, eta) -> list:
+    """Coordinates in [0, 1] of a look-up in tables of `albedos`, their last axis first.
+
+    cosine: None in tables without its axis.
+    eta: None in tables that do not depend on it; a float in tables of one index, without its axis.
+    """
+    at = [] if cosine is None else [albedo_axes.cosine_coordinate(cosine, eta, dr)]
+    index = []
+    if eta is not None and not isinstance(eta, float):
+        index = [albedo_axes.index_coordinate(eta, dr)]
+    return [*at, albedo_axes.roughness_coordinate(alpha, dr), *index]
+
+
+def interpolated(table: np.ndarray) -> Callable[[list], list]:
+    """A table of channels, the last axis, as a function of coordinates in [0, 1].
+
+    The coordinate of the last axis but the channels comes first.
+    """
+    texture = _texture(table)
+    return lambda at: _read(texture, at)
+
+
+def _texture(table: np.ndarray):
+    """A table as a texture, whose last axis are channels, linear between the nodes."""
+    kinds = {2: mi.Texture1f, 3: mi.Texture2f, 4: mi.Texture3f}
+    return kinds[table.ndim](
+        mi.TensorXf(np.ascontiguousarray(table)),
+        use_accel=False,
+        filter_mode=dr.FilterMode.Linear,
+        wrap_mode=dr.WrapMode.Clamp,
+    )
+
+
+def _read(texture, at: list) -> list:
+    """The channels at coordinates in [0, 1], from the first to the last node of each axis."""
+    sizes = reversed(texture.shape[:-1])
+    position = [(x * (size - 1) + 0.5) / size for x, size in zip(at, sizes, strict=True)]
+    kinds = {1: mi.Point1f, 2: mi.Point2f, 3: mi.Point3f}
+    return list(texture.eval(kinds[len(at)](*position)))
+
+
+class Slab(NamedTuple):
+    """The slab and its interface at a vertex.
+
+    Attributes:
+        color: base_weight times base_color. roughness: base_diffuse_roughness.
+        alpha: one GGX width of the interface. eta: its index relative to the medium above.
+        passed: the product of the shares of light that it passes from wi and from wo.
+        passed_mean: the share of diffuse light that it passes.
+    """
+
+    color: Any
+    roughness: Any
+    alpha: Any
+    eta: Any
+    passed: Any
+    passed_mean: Any
+
+
+class RoughSlab:
+    """Light that is transmitted, reflected by an EON slab and transmitted again.
+
+    The first reflection is EON along the mean directions in the slab. Light that the interface
+    reflects back inside returns as diffuse light, so that a white slab conserves energy. The
+    fraction that is reflected back, for light from w, is K(w), a table, and the later reflections
+    are (K(wi) + K(wo) - mean K) / (pi passed_mean), whose integral over wo is K(wi). The mean is
+    over the light that passes.
+
+    eta: the interface's index if it is constant; None: any between 1/3 and 3.
+    """
+
+    def __init__(self, eta: float | None):
+        self._constant = None if eta is None else float(np.clip(eta, 1 / 3, 3))
+        known = albedos.slab_tables(self._constant)
+        table = np.stack([known.inside, known.excess], axis=-1)
+        mean = known.excess_mean[..., None]
+        self._table = interpolated(table if self._constant is None else table[0])
+        self._mean = interpolated(mean if self._constant is None else mean[0])
+
+    def f(self, wi, wo, slab: Slab):
+        """The BRDF [1/sr] of all orders of reflection."""
+        at = slab.alpha, slab.eta if self._constant is None else self._constant
+        ends = [self._table(coordinates(w.z, *at)) for w in (wi, wo)]
+        inside, excess = zip(*ends, strict=True)
+        excess_mean = self._mean(coordinates(None, *at))[0]
+        direct = dr.clip(slab.passed_mean / dr.square(slab.eta), LEAST_SHARE, 1)
+        internal = 1 - direct
+        rho = formulas.slab_albedo(slab.color, internal)
+
+        cosines = eon.Cosines(inside[0], inside[1], _between(wi, wo, inside))
+        first = direct * eon.f(cosines, rho, slab.roughness, dr)
+        more = direct * eon.deviation(slab.roughness)
+        kept = internal - more * (excess[0] + excess[1] - excess_mean)
+        albedos = [eon.albedo(cosine, rho, slab.roughness, dr) for cosine in inside]
+        mean_albedo = eon.mean_albedo(rho, slab.roughness)
+        later = albedos[0] * albedos[1] * kept * (direct / (1 - mean_albedo * internal))
+        # What is kept is less than nothing for few directions at grazing angles.
+        return dr.maximum(first + dr.inv_pi * later, 0) * (slab.passed / slab.passed_mean)
+
+
+def _between(wi, wo, inside):
+    """Cosine of the angle in the slab: of directions with the azimuths of wi and wo."""
+    sines2 = (dr.square(wi.x) + dr.square(wi.y)) * (dr.square(wo.x) + dr.square(wo.y))
+    # Zero at the normal, the mean over the azimuth, which the normal does not have.
+    along = (wi.x * wo.x + wi.y * wo.y) * dr.rsqrt(dr.maximum(sines2, 1e-24))
+    sines = dr.safe_sqrt((1 - dr.square(inside[0])) * (1 - dr.square(inside[1])))
+    return inside[0] * inside[1] + sines * dr.clip(along, -1, 1)

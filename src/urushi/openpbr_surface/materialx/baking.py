@@ -1,0 +1,139 @@
+"""Parameters that vary over the surface, as textures: an image's own texels, or a grid in uv."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from urushi.errors import FileError
+from urushi.openpbr_surface.materialx.graph import Evaluation, Graph, NeedsPosition
+from urushi.openpbr_surface.materialx.images import ImageUse, image_values
+
+#: Number of points at which a graph is evaluated first, to find what its values depend on.
+PROBES = 64
+
+#: Bytes that the values of all nodes may take at once.
+MEMORY = 1 << 27
+
+#: Largest width and height of a texture that is computed on a grid.
+MAX_RESOLUTION = 4096
+
+#: A value of a graph: the evaluation at some points gives (..., channels).
+Value = Callable[[Evaluation], np.ndarray]
+
+
+@dataclass(frozen=True, eq=False)
+class Texture:
+    """A parameter that varies over the surface.
+
+    Attributes:
+        pixels: (height, width, channels), float32, the upper row first; colours in linear sRGB.
+        to_uv: (3, 3), the map from the surface's uv to the texture's, both from the upper left
+            corner as in Mitsuba.
+        wrap: how it continues outside of [0, 1]: repeat, clamp or mirror.
+        blend: whether pixels are interpolated.
+    """
+
+    pixels: np.ndarray
+    to_uv: np.ndarray
+    wrap: str = "repeat"
+    blend: bool = True
+
+    def map(self, function: Callable[[np.ndarray], np.ndarray]) -> "Texture":
+        """The texture of which each pixel is `function` of one of these."""
+        return Texture(function(self.pixels), self.to_uv, self.wrap, self.blend)
+
+    @property
+    def constant(self) -> np.ndarray | None:
+        """The value (channels,) of all pixels; None if they differ."""
+        first = self.pixels[0, 0]
+        return first.astype(np.float64) if (self.pixels == first).all() else None
+
+
+_WRAPS = {"periodic": "repeat", "clamp": "clamp", "mirror": "mirror"}
+
+
+def bake(graph: Graph, value: Value, resolution: int, where: str) -> np.ndarray | Texture:
+    """The constant (channels,) or the texture that a graph's value is.
+
+    A value that depends on one image, with an affine map of its coordinates, and on nothing else
+    of the position, has that image's texels. All others are computed at the centres of a grid over
+    [0, 1]^2, with at least as many rows and columns as the largest image.
+
+    Args:
+        graph: the nodes.
+        value: evaluates it.
+        resolution: rows and columns of the grid.
+        where: begins errors.
+
+    Raises:
+        FileError: as of `Evaluation.input`, or a value is not finite.
+    """
+    few = _few(graph)
+    first = _finite(value(few), where)
+    if first.ndim == 1:
+        return first
+    points = max(64, MEMORY // (32 * max(few.size, 1)))
+    if len(few.uses) == 1 and _is_simple(few.uses[0]):
+        try:
+            return _from_texels(graph, value, few.uses[0], points, where)
+        except NeedsPosition:
+            pass
+    sizes = [max(graph.images.read(use.file, where).shape[:2]) for use in few.uses]
+    side = min(max([resolution, *sizes]), MAX_RESOLUTION)
+    return _on_grid(graph, value, side, points, where)
+
+
+def _few(graph: Graph) -> Evaluation:
+    """An evaluation at three corners and random points."""
+    random = np.random.default_rng(0).random((PROBES - 3, 2))
+    return Evaluation(graph, np.concatenate([[[0, 0], [1, 0], [0, 1]], random]))
+
+
+def changes(graph: Graph, value: Value) -> bool:
+    """Whether a value is not zero everywhere, or cannot be computed."""
+    try:
+        return bool(value(_few(graph)).any())
+    except FileError:
+        return True
+
+
+def _is_simple(use: ImageUse) -> bool:
+    """Whether one texture with an affine map can replace an image."""
+    look = use.look
+    return use.matrix is not None and look.u_mode == look.v_mode and look.u_mode in _WRAPS
+
+
+def _from_texels(graph: Graph, value: Value, use: ImageUse, points: int, where: str) -> Texture:
+    pixels = image_values(graph.images.read(use.file, where), use, where)
+    height, width = pixels.shape[:2]
+    flat = pixels.reshape(-1, pixels.shape[-1])
+    parts = []
+    for begin in range(0, len(flat), points):
+        texels = flat[begin : begin + points].astype(np.float64)
+        part = _finite(value(Evaluation(graph, None, texels)), where)
+        parts.append(np.broadcast_to(part, (len(texels), part.shape[-1])).astype(np.float32))
+    matrix = np.eye(3)
+    matrix[:2] = use.matrix
+    flip = np.array([[1, 0, 0], [0, -1, 1], [0, 0, 1.0]])  # v runs upwards in MaterialX
+    values = np.concatenate(parts).reshape(height, width, -1)
+    look = use.look
+    return Texture(values, flip @ matrix @ flip, _WRAPS[look.u_mode], look.blend)
+
+
+def _on_grid(graph: Graph, value: Value, side: int, points: int, where: str) -> Texture:
+    u = (np.arange(side) + 0.5) / side
+    rows = max(1, points // side)
+    parts = []
+    for begin in range(0, side, rows):
+        v = 1 - u[begin : begin + rows]
+        uv = np.stack(np.broadcast_arrays(u[None, :], v[:, None]), axis=-1).reshape(-1, 2)
+        part = _finite(value(Evaluation(graph, uv)), where)
+        parts.append(np.broadcast_to(part, (len(uv), part.shape[-1])).astype(np.float32))
+    return Texture(np.concatenate(parts).reshape(side, side, -1), np.eye(3))
+
+
+def _finite(value: np.ndarray, where: str) -> np.ndarray:
+    if not np.isfinite(value).all() or np.abs(value).max(initial=0) > 1e30:
+        raise FileError(f"{where} is not finite everywhere; check its nodes for divisions by zero")
+    return value

@@ -1,0 +1,277 @@
+"""Image files of a document: checks of their size before they are decoded, and look-ups.
+
+Images on hexagonal tiles that are turned, scaled and moved at random are those of MaterialX's node
+`hextiledimage` (Mikkelsen, Practical Real-Time Hex-Tiling, JCGT 11(2), 2022).
+"""
+
+import re
+import struct
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from urushi.errors import FileError, UrushiError
+from urushi.openpbr_surface.materialx.colour_spaces import to_linear_srgb
+from urushi.openpbr_surface.materialx.nodes import Call
+
+#: Largest number of pixels of all images of a document together.
+MAX_PIXELS = 1 << 26
+
+#: Number of bytes of a file in which its size is looked for.
+HEADER = 1 << 18
+
+#: A function from a file to its stored values, float32 (height, width, channels); the numbers of
+#: 8- and 16-bit files are divided by 255 and 65,535.
+Decode = Callable[[Path], np.ndarray]
+
+#: Size of the texture in tiles.
+_TILES = 2 * np.sqrt(3.0)
+
+#: From uv to the grid of triangles of tiles, as rows.
+_SKEW = np.array([[1, -np.tan(np.pi / 6)], [0, 2 * np.tan(np.pi / 6)]])
+
+#: Ways to continue an image outside of [0, 1]; all but "constant" are those of MaterialX.
+ADDRESS_MODES = ("periodic", "clamp", "mirror", "constant")
+
+
+class Images:
+    """Reads image files once each."""
+
+    def __init__(self, folder: Path, decode: Decode):
+        """folder: that names are relative to."""
+        self._folder = folder
+        self._decode = decode
+        self._read: dict[Path, np.ndarray] = {}
+        self._pixels = 0
+
+    def read(self, name: str, where: str) -> np.ndarray:
+        """The stored values (height, width, channels) of a file.
+
+        Raises:
+            FileError: it is missing, of another format or too large, or cannot be decoded.
+        """
+        if re.search(r"<[A-Za-z]+>", name):
+            raise FileError(
+                f"{where}: '{name[:80]}' is a pattern for several files, which is not supported; "
+                "name one file"
+            )
+        try:
+            path = (self._folder / name.replace("\\", "/")).resolve()
+            if not name or not path.is_file():
+                other = other_case(path) if name else None
+                cure = "check its path" if other is None else f"'{other}' differs in case only"
+                raise FileError(f"{where}: there is no image '{name[:80]}'; {cure}")
+            if path not in self._read:
+                width, height = image_size(path)
+                self._pixels += width * height
+                if self._pixels > MAX_PIXELS:
+                    raise FileError(
+                        f"{where}: '{name[:80]}' has {width} x {height} pixels; all images of a "
+                        f"document may have {MAX_PIXELS >> 20} Mi in total; use smaller ones"
+                    )
+                pixels = self._decode(path)
+                if not np.isfinite(pixels).all():
+                    raise FileError(
+                        f"{where}: the image '{name[:80]}' has pixels that are not finite; repair "
+                        "them, or export it again"
+                    )
+                self._read[path] = pixels
+        except UrushiError:
+            raise
+        except (OSError, ValueError, RuntimeError) as error:
+            reason = " ".join(str(error).split())[:160]
+            raise FileError(f"{where}: cannot read the image '{name[:80]}': {reason}") from error
+        return self._read[path]
+
+
+def other_case(path: Path) -> Path | None:
+    """An existing path that differs from one in upper and lower case only, if any."""
+    parent = path.parent if path.parent.is_dir() else other_case(path.parent)
+    if parent is None or not parent.is_dir():
+        return None
+    return next((p for p in parent.iterdir() if p.name.casefold() == path.name.casefold()), None)
+
+
+def image_size(path: Path) -> tuple[int, int]:
+    """Width and height of a PNG, JPEG, OpenEXR or Radiance file, from its header.
+
+    Raises:
+        FileError: the file is of another format, or truncated.
+    """
+    with path.open("rb") as file:
+        header = file.read(HEADER)
+    size = None
+    if header.startswith(b"\x89PNG\r\n\x1a\n") and len(header) >= 24:
+        size = struct.unpack(">II", header[16:24])
+    elif header.startswith(b"\xff\xd8"):
+        size = _jpeg_size(header)
+    elif header.startswith(b"\x76\x2f\x31\x01"):
+        at = header.find(b"dataWindow\0box2i\0")
+        if at >= 0 and len(header) >= at + 37:
+            x0, y0, x1, y1 = struct.unpack("<4i", header[at + 21 : at + 37])
+            size = (x1 - x0 + 1, y1 - y0 + 1)
+    elif header.startswith(b"#?"):
+        found = re.search(rb"[-+]Y (\d{1,9}) [-+]X (\d{1,9})\n", header)
+        size = None if found is None else (int(found[2]), int(found[1]))
+    if size is None or size[0] < 1 or size[1] < 1:
+        raise FileError(
+            f"'{path}' is not a PNG, JPEG, OpenEXR or Radiance image, or is truncated; convert it"
+        )
+    return int(size[0]), int(size[1])
+
+
+def _jpeg_size(header: bytes) -> tuple[int, int] | None:
+    at = 2
+    while at + 9 <= len(header) and header[at] == 0xFF:
+        marker = header[at + 1]
+        if 0xC0 <= marker <= 0xCF and marker not in (0xC4, 0xC8, 0xCC):
+            height, width = struct.unpack(">HH", header[at + 5 : at + 9])
+            return width, height
+        at += 2 + struct.unpack(">H", header[at + 2 : at + 4])[0] if marker != 0xFF else 1
+    return None
+
+
+@dataclass(frozen=True)
+class Look:
+    """How an image is looked up: the modes in u and v, and whether pixels are blended."""
+
+    u_mode: str = "periodic"
+    v_mode: str = "periodic"
+    blend: bool = True
+
+
+@dataclass(frozen=True)
+class ImageUse:
+    """An image that a value depends on.
+
+    Attributes:
+        file: its name.
+        space: the colour space of its values, "" for none.
+        channels: the number that is used.
+        look: how it is looked up.
+        matrix: (2, 3), rows of the affine map from the surface's uv to the image's; None: the map
+            is not affine.
+    """
+
+    file: str
+    space: str
+    channels: int
+    look: Look
+    matrix: tuple[tuple[float, ...], ...] | None
+
+
+def image_values(pixels: np.ndarray, use: ImageUse, where: str) -> np.ndarray:
+    """The values (height, width, channels) of a use of an image, colours in linear sRGB.
+
+    A grey image has equal channels; a missing alpha is 1.
+    """
+    have = pixels.shape[-1]
+    if have < 3 and use.channels >= 3:
+        grey, alpha = pixels[..., :1], pixels[..., 1:]
+        pixels = np.concatenate([grey, grey, grey, alpha], axis=-1)
+    if pixels.shape[-1] < use.channels:
+        missing = use.channels - pixels.shape[-1]
+        ones = np.ones((*pixels.shape[:2], missing), pixels.dtype)
+        pixels = np.concatenate([pixels, ones], axis=-1)
+    values = pixels[..., : use.channels]
+    if use.space:
+        return to_linear_srgb(values, use.space, where).astype(np.float32)
+    return values
+
+
+def sample(pixels: np.ndarray, uv: np.ndarray, look: Look, default: np.ndarray) -> np.ndarray:
+    """Values (N, channels) of an image at uv (N, 2); the origin is its lower left corner.
+
+    default: (channels,), taken outside of [0, 1] where the mode is "constant".
+    """
+    height, width = pixels.shape[:2]
+    uv = np.clip(np.nan_to_num(uv), -1e6, 1e6)
+    x, y = uv[:, 0] * width, (1 - uv[:, 1]) * height
+    if not look.blend:
+        i, j = _index(np.floor(x), width, look.u_mode), _index(np.floor(y), height, look.v_mode)
+        value = pixels[j, i].astype(np.float64)
+    else:
+        x, y = x - 0.5, y - 0.5
+        fx, fy = (x - np.floor(x))[:, None], (y - np.floor(y))[:, None]
+        columns = [_index(np.floor(x) + k, width, look.u_mode) for k in (0, 1)]
+        rows = [_index(np.floor(y) + k, height, look.v_mode) for k in (0, 1)]
+        upper, lower = (
+            pixels[row, columns[0]] * (1 - fx) + pixels[row, columns[1]] * fx for row in rows
+        )
+        value = upper * (1 - fy) + lower * fy
+    for axis, mode in enumerate((look.u_mode, look.v_mode)):
+        if mode == "constant":
+            outside = (uv[:, axis] < 0) | (uv[:, axis] > 1)
+            value = np.where(outside[:, None], default, value)
+    return value
+
+
+def _index(cells: np.ndarray, size: int, mode: str) -> np.ndarray:
+    cells = cells.astype(np.int64)
+    if mode == "periodic":
+        return cells % size
+    if mode == "mirror":
+        cells = cells % (2 * size)
+        return np.where(cells < size, cells, 2 * size - 1 - cells)
+    return np.clip(cells, 0, size - 1)
+
+
+def _random(cell: np.ndarray) -> np.ndarray:
+    """Two random numbers in [0, 1) for each cell (N, 2); shadertoy.com/view/4djSRW."""
+    p = (cell + 0.12345)[:, [0, 1, 0]] * (0.1031, 0.1030, 0.0973) % 1
+    p = p + (p * (p[:, [1, 2, 0]] + 33.33)).sum(-1, keepdims=True)
+    return (p[:, :1] + p[:, 1:]) * p[:, [2, 1]] % 1
+
+
+def _gain(x: np.ndarray, r: np.ndarray) -> np.ndarray:
+    """Schlick, Fast Alternatives to Perlin's Bias and Gain Functions, Graphics Gems IV, 1994."""
+    a = (1 / np.clip(r, 0.001, 0.999) - 2) * (1 - 2 * x)
+    return np.where(x < 0.5, x / (a + 1), (a - x) / (a - 1))
+
+
+def hextiles(pixels: np.ndarray, uv: np.ndarray, call: Call) -> np.ndarray:
+    """Values (N, channels) of an image (height, width, channels) at uv (N, 2).
+
+    call: the node, whose inputs give the tiling and how much tiles differ.
+    """
+    uv = uv * call["tiling"]
+    skewed = _TILES * uv @ _SKEW.T
+    cell, (x, y) = np.floor(skewed), (skewed % 1).T
+    upper = x + y >= 1
+    corners = np.where(
+        upper[:, None, None], [[1, 1], [1, 0], [0, 1]], [[0, 0], [0, 1], [1, 0]]
+    )  # of the triangle around each point, the first opposite to its longest side
+    near = np.stack([np.where(upper, x + y - 1, 1 - x - y), np.where(upper, 1 - y, y)])
+    weights = np.concatenate([near, np.where(upper, 1 - x, x)[None]])
+    values = []
+    for k in range(3):
+        corner = cell + corners[:, k]
+        centre = corner / _TILES @ np.linalg.inv(_SKEW).T
+        random = _random(corner)
+        turn = _between(np.radians(call["rotationrange"]), random[:, :1] * call["rotation"])
+        scale = 1 + (_between(call["scalerange"], random[:, 1:]) - 1) * call["scale"]
+        shift = _between(call["offsetrange"], random * call["offset"])
+        s, c = np.sin(turn), np.cos(turn)
+        dx, dy = np.split(uv - centre, 2, axis=-1)
+        there = np.concatenate([c * dx - s * dy, s * dx + c * dy], axis=-1) / scale
+        values.append(sample(pixels, there + centre + shift, Look(), np.zeros(1)))
+    tiles = np.stack(values)
+    luma = (tiles[..., :3] * call["lumacoeffs"]).sum(-1)
+    weighted = _weights(1 + (luma - 1) * call["falloffcontrast"], weights, call["falloff"])
+    colour = (weighted[..., None] * tiles[..., :3]).sum(0)
+    plain = _weights(np.ones_like(luma), weights, call["falloff"])
+    return np.concatenate([colour, (plain[..., None] * tiles[..., 3:]).sum(0)], axis=-1)
+
+
+def _between(ends: np.ndarray, t: np.ndarray) -> np.ndarray:
+    return ends[..., :1] + (ends[..., 1:] - ends[..., :1]) * t
+
+
+def _weights(factors: np.ndarray, weights: np.ndarray, falloff: np.ndarray) -> np.ndarray:
+    """Weights (3, N) of the three tiles around each point, of sum 1."""
+    w = factors * weights**7
+    w = w / w.sum(0)
+    w = np.where(falloff == 0.5, w, _gain(w, falloff))
+    return w / w.sum(0)

@@ -1,0 +1,318 @@
+"""Surface shaders of MaterialX as parameters of OpenPBR.
+
+`open_pbr_surface` is read directly; others by the formulas of `shaders`, or by a node graph of the
+document that translates them.
+"""
+
+import os
+import warnings
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from urushi.errors import FileError, UrushiWarning
+from urushi.openpbr_surface.materialx.baking import Texture, Value, bake, changes
+from urushi.openpbr_surface.materialx.document import find_material, read_document
+from urushi.openpbr_surface.materialx.graph import Evaluation, Frame, Graph, Source
+from urushi.openpbr_surface.materialx.images import Decode, Images
+from urushi.openpbr_surface.materialx.shaders import LOST, SHADERS, TARGET, TRANSLATIONS, Inputs
+from urushi.openpbr_surface.materialx.xml import Element
+from urushi.openpbr_surface.parameters import PARAMETERS, Parameter, checked, parameter
+
+#: Rows and columns of a texture that is computed on a grid, unless another number is asked for.
+RESOLUTION = 1024
+
+#: Largest amount by which a colour may leave [0, 1] without a warning.
+GAMUT_TOLERANCE = 0.01
+
+#: Inputs of a material that are no surface shader of its front, and what they are.
+_LOST_SHADERS = {"displacementshader": "displacement", "backsurfaceshader": "back's shader"}
+
+#: Largest number of shaders in a mixture.
+MAX_MIXED = 16
+
+#: The geometry's own directions in the tangent frame.
+_OWN = {"normal": (0.0, 0.0, 1.0), "tangent": (1.0, 0.0, 0.0)}
+
+#: A number, a truth value, a colour in linear sRGB, or a texture.
+ParameterValue = float | bool | tuple[float, float, float] | Texture
+
+
+@dataclass(frozen=True)
+class Surface:
+    """A material of a document.
+
+    Attributes:
+        name: the material's.
+        where: the document and the shader's node; begins errors.
+        values: its parameters that the document gives, by OpenPBR's names. Normals are textures of
+            0.5 n + 0.5 in the tangent frame.
+    """
+
+    name: str
+    where: str
+    values: Mapping[str, ParameterValue]
+
+
+@dataclass(frozen=True)
+class Mix:
+    """Two materials that MaterialX's node `mix` mixes: (1 - weight) bg + weight fg.
+
+    Attributes:
+        name: the material's.
+        weight: a number in (0, 1), or a texture.
+        bg, fg: the materials.
+    """
+
+    name: str
+    weight: float | Texture
+    bg: "Surface | Mix"
+    fg: "Surface | Mix"
+
+
+def read_surface(
+    path: str | os.PathLike,
+    decode: Decode,
+    name: str | None = None,
+    resolution: int = RESOLUTION,
+    uv_plane: bool = False,
+) -> Surface | Mix:
+    """Read a material of a document.
+
+    Args:
+        path: the document.
+        decode: reads an image.
+        name: of the material; None: the only one.
+        resolution: rows and columns of textures that have to be computed on a grid.
+        uv_plane: whether positions in space are (u, v, 0); else they are refused.
+
+    Raises:
+        FileError: the document or an image cannot be read, or has something unsupported.
+        ParameterError: there is no such material, or a parameter is out of its range.
+        PlatformError: the package materialx is needed and missing.
+    """
+    document = read_document(path)
+    material = find_material(document, name)
+    where = f"{document.where}: '{material.name[:60]}'"
+    graph = Graph(
+        document.root, Images(document.path.parent, decode), document.where, uv_plane=uv_plane
+    )
+    try:
+        shader = _find_shader(graph, material, where)
+        return _read(graph, shader, resolution, material.name, iter(range(MAX_MIXED)))
+    except RecursionError:
+        raise FileError(f"{where} has nodes nested too deeply; simplify it") from None
+
+
+def _read(
+    graph: Graph, shader: Source, resolution: int, name: str, left: Iterator[int]
+) -> Surface | Mix:
+    """The material of a shader, or the mixture of two.
+
+    name: the material's. left: has as many items as there may be further shaders.
+    """
+    node, named = shader.element, graph.named(shader.element)
+    where = f"{graph.where}: '{name[:60]}'"
+    if next(left, None) is None:
+        raise FileError(
+            f"{where} mixes more than {MAX_MIXED} surface shaders; mix the inputs of one shader "
+            "instead, or bake the material into images"
+        )
+    if node.tag != "mix":
+        return Surface(name, named, _Reader(graph, shader, resolution, where).values())
+
+    def weigh(evaluation: Evaluation) -> np.ndarray:
+        return np.clip(evaluation.input(node, "mix", shader.frame), 0, 1)
+
+    baked = bake(graph, weigh, resolution, f"{named}: mix")
+    if isinstance(baked, Texture) and (constant := baked.constant) is not None:
+        baked = constant
+    weight = baked if isinstance(baked, Texture) else _number(baked, f"{named}: mix")
+    found = []
+    for side, absent in (("bg", 1.0), ("fg", 0.0)):
+        if weight != absent:
+            link = node.input(side) or Element("input")
+            part = _shader(graph, link, shader.frame, node, f"{named}: its {side}")
+            found.append(_read(graph, part, resolution, name, left))
+    return Mix(name, weight, *found) if len(found) == 2 else found[0]
+
+
+def _shader(graph: Graph, link: Element, frame: Frame, node: Element, where: str) -> Source:
+    """The shader to which an input of a node is connected."""
+    found = graph.follow(link, frame, node)
+    if not found.is_node:
+        raise FileError(f"{where} is connected to no surface shader in the document")
+    return found
+
+
+def _find_shader(graph: Graph, material: Element, where: str) -> Source:
+    """The surface shader of a material, or of a shader's graph."""
+    frame = graph.root
+    if (parent := material.parent) is not None and parent is not frame.scope:
+        frame = graph.inside(parent, frame) or frame
+    link = Element("input", {"nodename": material.name})
+    if material.tag == "surfacematerial":
+        for name, part in _LOST_SHADERS.items():
+            element = material.input(name)
+            source = None if element is None else graph.follow(element, frame, material)
+            if source is not None and source.is_node and not _is_flat(graph, source):
+                _warn(f"{where}: its {part} is left out; OpenPBR describes the front's surface")
+        link = material.input("surfaceshader") or Element("input")
+    return _shader(graph, link, frame, material, where)
+
+
+def _is_flat(graph: Graph, source: Source) -> bool:
+    """Whether a node displaces by nothing."""
+    node, name = source.element, "displacement"
+    return node.tag == name and not changes(graph, lambda e: e.input(node, name, source.frame))
+
+
+def _warn(message: str) -> None:
+    warnings.warn(message, UrushiWarning, stacklevel=3)
+
+
+class _Reader:
+    """Reads the parameters of one shader."""
+
+    def __init__(self, graph: Graph, shader: Source, resolution: int, where: str):
+        self._graph, self._shader, self._frame = graph, shader.element, shader.frame
+        self._resolution, self._where = resolution, where
+
+    def values(self) -> dict[str, ParameterValue]:
+        found: dict[str, ParameterValue] = {}
+        for name, value in self._formulas().items():
+            entry = parameter(name, self._where)
+            baked = bake(self._graph, value, self._resolution, f"{self._where}: {name}")
+            if entry.kind != "vector":
+                found[name] = self._final(entry, baked)
+            elif (normals := self._direction(entry, baked)) is not None:
+                found[name] = normals
+        return _bright(found)
+
+    def _formulas(self) -> dict[str, Value]:
+        """The values of the parameters, by name."""
+        tag = self._shader.tag
+        if tag == TARGET:
+            for element in self._shader.inputs():
+                parameter(element.name, self._where)
+            names = [e.name for e in self._shader.inputs() if self._is_given(e)]
+            return {name: self._input(name) for name in names}
+        if (frame := self._own_translation(f"{tag}_to_{TARGET}")) is not None:
+            outputs = [child for child in frame.scope.children if child.tag == "output"]
+            named = {child.name.removesuffix("_out"): child for child in outputs}
+            return {n: self._output(e, frame) for n, e in named.items() if n in PARAMETERS}
+        if tag not in TRANSLATIONS:
+            raise FileError(
+                f"{self._where} has a shader of kind {tag[:40]}, which is not read; translate it "
+                f"to one of {', '.join(SHADERS)}"
+            )
+        self._warn_of_losses(tag)
+        return {name: self._formula(formula) for name, formula in TRANSLATIONS[tag].items()}
+
+    def _own_translation(self, tag: str) -> Frame | None:
+        """The graph of the document that translates the shader, if it has one."""
+        node = Element(tag, {"name": self._shader.name, "type": "multioutput"})
+        node.children = self._shader.children
+        return self._graph.inside(node, self._frame)
+
+    def _is_given(self, element: Element) -> bool:
+        return self._graph.follow(element, self._frame, self._shader).is_given
+
+    def _input(self, name: str) -> Value:
+        return lambda evaluation: evaluation.input(self._shader, name, self._frame)
+
+    def _formula(self, formula: Callable[[Inputs], np.ndarray]) -> Value:
+        return lambda evaluation: formula(
+            lambda name: evaluation.input(self._shader, name, self._frame)
+        )
+
+    def _warn_of_losses(self, tag: str) -> None:
+        """Warn of inputs without a parameter, where they would change something."""
+        known = self._graph.definitions.inputs_of(self._shader)
+        given = [element.name for element in self._shader.inputs()]
+        lost = [name for name in given if name not in known]
+        for name, formula in LOST.get(tag, {}).items():
+            if name in given and changes(self._graph, self._formula(formula)):
+                lost.append(name)
+        if lost:
+            _warn(f"{self._where}: OpenPBR has no counterpart of {', '.join(lost)[:200]} of {tag}")
+
+    def _output(self, output: Element, frame: Frame) -> Value:
+        return lambda evaluation: evaluation.value(
+            self._graph.follow(output, frame, self._shader), self._shader
+        )
+
+    def _direction(self, entry: Parameter, value: np.ndarray | Texture) -> Texture | None:
+        """A normal map of directions; None if they are the geometry's own."""
+        own = np.array(_OWN[entry.name.rsplit("_", 1)[-1]])
+        if isinstance(value, np.ndarray):
+            length = np.linalg.norm(value)  # 0: editors write directions that are not set so
+            if value.shape == (3,) and np.allclose(value, length * own, atol=1e-6):
+                return None
+            raise FileError(
+                f"{self._where}: {entry.name} is a constant direction in space, which is not "
+                "supported; leave it out, or give a normal map"
+            )
+        if own[2] == 0 or value.pixels.shape[-1] != 3:
+            raise FileError(
+                f"{self._where}: {entry.name} varies over the surface, which is only supported for "
+                "normals"
+            )
+        return value.map(lambda n: 0.5 * n + 0.5)
+
+    def _final(self, entry: Parameter, value: np.ndarray | Texture) -> ParameterValue:
+        """A value after checks; colours are limited to the parameter's range."""
+        where = self._where
+        if isinstance(value, Texture):
+            if not entry.can_be_textured:
+                raise FileError(f"{where}: {entry.name} must not vary over the surface")
+            pixels = value.pixels
+            if pixels.shape[-1] != (3 if entry.kind == "color" else 1):
+                raise FileError(f"{where}: {entry.name} has {pixels.shape[-1]} channels")
+            texture = value.map(lambda x: self._limited(entry, x).astype(np.float32))
+            if (constant := texture.constant) is None:
+                return texture
+            value = constant
+        if entry.kind == "color":
+            if value.shape != (3,):
+                raise FileError(
+                    f"{where}: {entry.name} has {value.shape[-1]} channels instead of 3"
+                )
+            if entry.name != "emission_color":
+                value = self._limited(entry, value)
+            r, g, b = (float(x) for x in np.broadcast_to(np.maximum(value, 0.0), 3))
+            return r, g, b
+        if entry.group == "transmission":  # not rendered; exporters write Abbe numbers as scales
+            value = self._limited(entry, value)
+        return checked(entry.name, _number(value, f"{where}: {entry.name}"), where)
+
+    def _limited(self, entry: Parameter, value: np.ndarray) -> np.ndarray:
+        """Values limited to the range of a parameter, with a warning if that changes them much."""
+        low = -np.inf if entry.low is None else entry.low
+        high = np.inf if entry.high is None else entry.high
+        limited = np.clip(value, low, high)
+        if np.abs(limited - value).max(initial=0) > GAMUT_TOLERANCE:
+            ends = f"[{low:g}, {high:g}]" + (" in linear sRGB" if entry.kind == "color" else "")
+            _warn(f"{self._where}: {entry.name} leaves {ends} and is clipped to it")
+        return limited
+
+
+def _number(value: np.ndarray, where: str) -> float:
+    if value.shape != (1,):
+        raise FileError(f"{where} has {value.shape[-1]} channels instead of 1")
+    return float(value[0])
+
+
+def _bright(values: dict[str, ParameterValue]) -> dict[str, ParameterValue]:
+    """The values, with an emission_color of at most 1 and no luminance of black."""
+    color = values.get("emission_color")
+    if color == (0.0, 0.0, 0.0) and "emission_luminance" in values:
+        values["emission_luminance"] = 0.0
+    luminance = values.get("emission_luminance", 0.0)
+    if isinstance(color, tuple) and max(color) > 1 and isinstance(luminance, float):
+        peak = max(color)
+        r, g, b = (x / peak for x in color)
+        values["emission_color"] = (r, g, b)
+        values["emission_luminance"] = luminance * peak
+    return values

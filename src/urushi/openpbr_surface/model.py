@@ -1,0 +1,249 @@
+"""The eval of OpenPBR Surface 1.1.1, opaque, in the order of its specification.
+
+3.2    base substrate: a mixture of metal (3.2.1) and glossy-diffuse dielectric (3.2.2), whose
+       facets a thin film (3.3) covers                                                   `Base`
+3.4    coat: the darkening of the base (3.4.1) and absorption (3.4.2)  `Base.boost`, `absorbed`
+3.5    fuzz above both                                                      `Fuzz`, `under_fuzz`
+
+The light transport between the coat and the base is computed by `layered` or `neural_layered`, not
+by a formula. Departures from the specification: a metal has the lobe of multiple scattering of
+Kulla and Conty 2017, and the base follows refraction by the coat (`formulas.base_index`).
+"""
+
+from typing import Any, NamedTuple
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from urushi.checks import Widths
+from urushi.core import fresnel, metal, microfacet
+from urushi.openpbr_surface import formulas
+from urushi.openpbr_surface.film import FilmFresnel
+from urushi.openpbr_surface.inputs import Inputs
+from urushi.openpbr_surface.lookups import (
+    AnisotropicInterface,
+    AnisotropicMirror,
+    InterfaceAlbedo,
+    MirrorAlbedo,
+    RoughSlab,
+    Slab,
+)
+
+#: specular_roughness below which networks take the inverse of an index below one, which reflects
+#: as much at normal incidence: they do not represent the edge of sharp total reflection over a
+#: bright slab.
+INVERTED_BELOW = 0.3
+
+#: Greatest base_diffuse_roughness that networks encode. They have not learned what scatters further
+#: back, and darken it by up to 25 %; a coat hides most of the difference.
+ENCODED_DIFFUSE_ROUGHNESS = 0.5
+
+#: The parameters on which the base's relative index depends.
+INDICES = ("specular_ior", "coat_ior", "coat_weight", "specular_weight")
+
+
+class BaseVertex(NamedTuple):
+    """The base at a surface interaction.
+
+    Attributes:
+        color: base_weight times base_color. tint: specular_color.
+        weight: specular_weight, at most one. share: base_metalness.
+        widths: the GGX width, or `Widths` of an anisotropic interface; alpha: one for both.
+        eta: the index relative to the medium above.
+    """
+
+    color: Any
+    tint: Any
+    weight: Any
+    share: Any
+    widths: Any
+    alpha: Any
+    eta: Any
+
+
+class Base:
+    """The base substrate (3.2), for directions in the medium above it.
+
+    The dielectric's interface reflects by single scattering and passes the rest, so that a white
+    base reflects all light.
+    """
+
+    def __init__(self, inputs: Inputs, under_coat: bool, encoded: bool):
+        """Leave out what parameters that are given as numbers do not need.
+
+        under_coat: whether `coat_darkening` has an effect.
+        encoded: whether networks encode it. They take the dielectric without its film; see
+            `INVERTED_BELOW` and `ENCODED_DIFFUSE_ROUGHNESS`.
+        """
+        self.inputs, self.encoded = inputs, encoded
+        self._boosted = under_coat and not inputs.is_constant("coat_darkening", 1)
+        self.only_metal = inputs.is_constant("base_metalness", 1)
+        self._only_dielectric = inputs.is_constant("base_metalness", 0)
+        self.film = self._slab = self._turning = None
+        if not inputs.is_constant("thin_film_weight", 0):
+            self.film = FilmFresnel(inputs)
+        eta = self._constant_eta()
+        self._albedo, self.mirror = InterfaceAlbedo(eta), MirrorAlbedo()
+        if not inputs.is_constant("base_diffuse_roughness", 0):
+            self._slab = RoughSlab(eta)
+        if not inputs.is_constant("specular_roughness_anisotropy", 0):
+            self.mirror = AnisotropicMirror()
+            self._turning = AnisotropicInterface(self._albedo, self.mirror)
+
+    def vertex(self, si, active) -> BaseVertex:
+        """The parameters at a surface interaction."""
+        inputs = self.inputs
+        rough = inputs.number("specular_roughness", si, active)
+        eta = self.relative_index(si, active)
+        if self.encoded:
+            eta = dr.select((rough < INVERTED_BELOW) & (eta < 1), 1 / eta, eta)
+        if self._turning is None:
+            widths = alpha = formulas.lobe_width(rough, dr)
+        else:
+            bias = inputs.number("specular_roughness_anisotropy", si, active)
+            widths = Widths(*formulas.lobe_widths(rough, bias, dr))
+            alpha = 0.5 * (widths.u + widths.v)
+        return BaseVertex(
+            inputs.number("base_weight", si, active) * inputs.color("base_color", si, active),
+            inputs.color("specular_color", si, active),
+            dr.minimum(inputs.number("specular_weight", si, active), 1),
+            inputs.number("base_metalness", si, active),
+            widths,
+            alpha,
+            dr.clip(eta, 1 / 3, 3),
+        )
+
+    def f(self, vertex: BaseVertex, si, wo, active):
+        """The BRDF [1/sr] (3.2): a mixture of metal and dielectric by base_metalness."""
+        lobe, cosine = microfacet.reflection_lobe(si.wi, wo, vertex.widths)
+        cosine = dr.abs(cosine)
+        f = mi.Spectrum(0)
+        if not self.only_metal:
+            f += lobe * self._dielectric(cosine, vertex.eta, si, active) * vertex.tint
+            f += self._diffuse(vertex, si, wo, active)
+        if not self._only_dielectric:
+            shine = self._metal(vertex, lobe, cosine, si, wo, active)
+            f = shine if self.only_metal else dr.lerp(f, shine, vertex.share)
+        return f * self.boost(vertex, si, active) if self._boosted else f
+
+    def _metal(self, vertex: BaseVertex, lobe, cosine, si, wo, active):
+        """Metal (3.2.1): GGX facets of the F82-tint term, and what they reflect more than once."""
+        color, tint, widths = vertex.color, vertex.tint, vertex.widths
+        reflectance = metal.f82(cosine, color, tint, dr)
+        mean = metal.f82_mean(color, tint, dr)
+        if self.film:
+            reflectance = self.film.metal(cosine, color, tint, reflectance, si, active)
+            mean = self.film.metal_mean(color, tint, mean, si, active)
+        first, second = (self.mirror.seen(w, widths) for w in (si.wi, wo))
+        more = self.mirror.lost(first, second, widths, mean)
+        return vertex.weight * (lobe * reflectance + more)
+
+    def _dielectric(self, cosine, eta, si, active):
+        """The Fresnel term of the dielectric's interface (3.2), under the film (3.3)."""
+        if self.film and not self.encoded:
+            return self.film.dielectric(cosine, eta, si, active)
+        return fresnel.dielectric(cosine, eta)[0]
+
+    def _diffuse(self, vertex: BaseVertex, si, wo, active):
+        """Glossy-diffuse (3.2.2): the interface passes light, the slab reflects it [1/sr]."""
+        color, alpha, eta = vertex.color, vertex.alpha, vertex.eta
+        reflected = [self.reflected(w, vertex) for w in (si.wi, wo)]
+        if self._turning:
+            mean = self._turning.reflected_mean(vertex.widths, eta)
+        else:
+            mean = self._albedo.reflected_mean(alpha, eta)
+        if self.film and not self.encoded:
+            for i, w in enumerate((si.wi, wo)):
+                more = self.film.excess(w.z, alpha, eta, si, active)
+                more = self.mirror.seen(w, vertex.widths) * more
+                reflected[i] = dr.clip(reflected[i] + more, 0, 1)
+            more = self.film.mean_excess(alpha, eta, si, active)
+            mean = dr.clip(mean + self.mirror.seen_mean(vertex.widths) * more, 0, 1)
+        passed, mean = (1 - reflected[0]) * (1 - reflected[1]), 1 - mean
+        if self._slab is None:
+            return color * (passed * dr.inv_pi / mean)
+        rough = self.inputs.number("base_diffuse_roughness", si, active)
+        if self.encoded:
+            rough = dr.minimum(rough, ENCODED_DIFFUSE_ROUGHNESS)
+        return self._slab.f(si.wi, wo, Slab(color, rough, alpha, eta, passed, mean))
+
+    def reflected(self, w, vertex: BaseVertex):
+        """Share of the light from a direction that the dielectric's interface reflects."""
+        if self._turning:
+            return self._turning.reflected(w, vertex.widths, vertex.eta)
+        return self._albedo.reflected(w.z, vertex.alpha, vertex.eta)
+
+    def boost(self, vertex: BaseVertex, si, active):
+        """The factor that cancels darkening by the coat (3.4.1), see `formulas.boost`; 1: none."""
+        if not self._boosted:
+            return mi.Spectrum(1)
+        inputs = self.inputs
+        f0 = dr.square((vertex.eta - 1) / (vertex.eta + 1))
+        dielectric, shine = f0 + (1 - f0) * vertex.color, vertex.weight * vertex.color
+        base = formulas.Base(
+            dr.lerp(dielectric, shine, vertex.share),
+            inputs.number("specular_roughness", si, active),
+            vertex.share,
+            f0,
+        )
+        coat_eta = dr.maximum(inputs.number("coat_ior", si, active), 1.001)
+        return formulas.boost(inputs.number("coat_darkening", si, active), coat_eta, base, dr)
+
+    def relative_index(self, si, active):
+        """The dielectric's index relative to the medium above, without networks' limits."""
+        ior, coat_ior, coat, weight = (self.inputs.number(name, si, active) for name in INDICES)
+        ior, coat_ior = (dr.maximum(x, formulas.LEAST_INDEX) for x in (ior, coat_ior))
+        return dr.clip(formulas.base_index(ior, coat_ior, coat, weight, dr), 1 / 3, 3)
+
+    def _constant_eta(self) -> float | None:
+        """The index that `vertex` gives everywhere; None if it varies."""
+        values = [self.inputs.known(name) for name in INDICES]
+        if any(value is None for value in values):
+            return None
+        values[:2] = np.maximum(values[:2], formulas.LEAST_INDEX)
+        eta = float(formulas.base_index(*values))
+        if self.encoded and eta < 1:
+            rough = self.inputs.known("specular_roughness")
+            if rough is None:
+                return None
+            eta = 1 / eta if rough < INVERTED_BELOW else eta
+        return eta
+
+
+def absorbed(inputs: Inputs, f, si, wo, active):
+    """f [1/sr] under the medium (3.4.2) of a coat of index one, which has no interface."""
+    depth = formulas.optical_depth(inputs.color("coat_color", si, active), dr)
+    passed = dr.exp(-depth * (1 / si.wi.z + 1 / wo.z))
+    return f * dr.lerp(mi.Spectrum(1), passed, inputs.number("coat_weight", si, active))
+
+
+class Fuzz(NamedTuple):
+    """The fuzz (3.5) at a vertex.
+
+    Attributes:
+        hidden: fuzz_weight times the albedo seen from wi.
+        color: fuzz_color. roughness: fuzz_roughness.
+    """
+
+    hidden: Any
+    color: Any
+    roughness: Any
+
+
+def fuzz_at(inputs: Inputs, si, active) -> Fuzz:
+    """The fuzz at a surface interaction."""
+    rough = inputs.number("fuzz_roughness", si, active)
+    hidden = inputs.number("fuzz_weight", si, active) * formulas.fuzz_albedo(si.wi.z, rough, dr)
+    return Fuzz(hidden, inputs.color("fuzz_color", si, active), rough)
+
+
+def under_fuzz(fuzz: Fuzz, f, si, wo):
+    """f [1/sr] with fuzz above it, which covers a fraction of the surface and passes the rest.
+
+    The layers are weighted by the albedo of the direction that is seen, as in the specification
+    (2.2), so that the sum is not reciprocal.
+    """
+    across = wo.x * si.wi.x + wo.y * si.wi.y
+    lobe = formulas.fuzz_density(si.wi.z, wo.z, across, fuzz.roughness, dr)
+    return f * (1 - fuzz.hidden) + fuzz.color * (fuzz.hidden * lobe)

@@ -1,0 +1,125 @@
+"""The emitter `openpbr_emission`: the light that an OpenPBR base emits, seen through the coat."""
+
+import drjit as dr
+import mitsuba as mi
+
+from urushi.mitsuba.reading.kept import KeptParameters
+from urushi.openpbr_surface import formulas
+from urushi.openpbr_surface.inputs import EMISSION, Inputs
+from urushi.openpbr_surface.lookups import InterfaceAlbedo
+
+#: The parameters on which the light depends.
+NAMES = (
+    *EMISSION,
+    *("coat_weight", "coat_color", "coat_roughness", "coat_ior"),
+    *("fuzz_weight", "fuzz_roughness", "geometry_opacity"),
+)
+
+
+def define() -> type:
+    """Make the plugin's class in the current variant."""
+
+    class OpenPBREmission(mi.Emitter):
+        """The light that the base of OpenPBR emits (``openpbr_emission``).
+
+        A BSDF in Mitsuba cannot emit light. Give the shape this emitter in addition to the BSDF
+        ``openpbr``, with the same parameters; it reads those of emission, coat, fuzz and opacity.
+        ``urushi.openpbr`` makes both. The radiance is emission_luminance times emission_color, in
+        the scene's units: one unit is one nit. The base emits the same radiance in all directions.
+        The coat attenuates it by the transmittance of its interface and by absorption along one
+        refracted path, and fuzz by one minus its albedo. Light that the coat reflects back down is
+        ignored.
+
+        .. tabs::
+            .. code-tab:: xml
+
+                <shape type="sphere">
+                    <bsdf type="openpbr"/>
+                    <emitter type="openpbr_emission">
+                        <float name="emission_luminance" value="100"/>
+                        <rgb name="emission_color" value="1, 0.5, 0.1"/>
+                    </emitter>
+                </shape>
+
+            .. code-tab:: python
+
+                'type': 'sphere',
+                'bsdf': {'type': 'openpbr'},
+                'emitter': {
+                    'type': 'openpbr_emission',
+                    'emission_luminance': 100.0,
+                    'emission_color': {'type': 'rgb', 'value': [1, 0.5, 0.1]},
+                }
+
+        Andersson et al., OpenPBR Surface 1.1.1, Emission.
+        """
+
+        def __init__(self, props):
+            mi.Emitter.__init__(self, props)
+            self.m_flags = mi.EmitterFlags.Surface | mi.EmitterFlags.SpatiallyVarying
+            self._inputs = Inputs(props, emits=True)
+            self._configure()
+            self._kept = KeptParameters()
+            self._kept.keep(self)
+
+        def _configure(self):
+            """Leave out coat and fuzz where their weights are given as zero."""
+            self._interface = None
+            if not self._inputs.is_constant("coat_weight", 0):
+                self._interface = InterfaceAlbedo(None)
+            self._fuzz = not self._inputs.is_constant("fuzz_weight", 0)
+
+        def eval(self, si, active=True):
+            return self._radiance(mi.Frame3f.cos_theta(si.wi), si, active)
+
+        def sample_direction(self, it, sample, active=True):
+            ds = self.get_shape().sample_direction(it, sample, active)
+            value = self.eval_direction(it, ds, mi.Bool(active) & (ds.pdf > 0))
+            ds.emitter = mi.EmitterPtr(self)
+            return ds, dr.select(ds.pdf > 0, value / ds.pdf, 0)
+
+        def pdf_direction(self, it, ds, active=True):
+            facing = mi.Bool(active) & (dr.dot(ds.d, ds.n) < 0)
+            return dr.select(facing, self.get_shape().pdf_direction(it, ds, facing), 0)
+
+        def eval_direction(self, it, ds, active=True):
+            si = dr.zeros(mi.SurfaceInteraction3f, dr.width(ds))
+            si.uv, si.p, si.n, si.wavelengths = ds.uv, ds.p, ds.n, it.wavelengths
+            return self._radiance(-dr.dot(ds.d, ds.n), si, active)
+
+        def _radiance(self, cosine, si, active):
+            """What leaves at an angle to the normal."""
+            inputs, active = self._inputs, mi.Bool(active) & (cosine > 0)
+            cosine = dr.clip(cosine, 0, 1)
+            value = inputs.number("emission_luminance", si, active) * inputs.color(
+                "emission_color", si, active
+            )
+            if self._interface:
+                eta = dr.clip(inputs.number("coat_ior", si, active), 1 / 3, 3)
+                alpha = formulas.lobe_width(inputs.number("coat_roughness", si, active), dr)
+                inside = dr.sqrt(dr.maximum(1 - (1 - cosine * cosine) / (eta * eta), 1e-6))
+                depth = formulas.optical_depth(inputs.color("coat_color", si, active), dr)
+                passed = 1 - self._interface.reflected(cosine, alpha, eta)
+                coated = passed * dr.exp(-depth / inside)
+                value *= dr.lerp(mi.Spectrum(1), coated, inputs.number("coat_weight", si, active))
+            if self._fuzz:
+                hidden = formulas.fuzz_albedo(
+                    cosine, inputs.number("fuzz_roughness", si, active), dr
+                )
+                value *= 1 - inputs.number("fuzz_weight", si, active) * hidden
+            value *= inputs.number("geometry_opacity", si, active)
+            return dr.select(active, value, 0)
+
+        def traverse(self, callback):
+            for name in NAMES:
+                callback.put(name, self._inputs.textures[name], mi.ParamFlags.Differentiable)
+
+        def parameters_changed(self, keys):
+            with self._kept.restored_on_error(self):
+                if self._inputs.refresh():
+                    self._configure()
+
+        def to_string(self):
+            return "OpenPBREmission[]"
+
+    return OpenPBREmission

@@ -1,0 +1,213 @@
+"""The plugin `materialx`, and materials of MaterialX documents as descriptions of `openpbr`."""
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import mitsuba as mi
+import numpy as np
+
+from urushi.errors import FileError, ParameterError
+from urushi.mitsuba.plugins.base import resolve
+from urushi.mitsuba.reading.parameters import describe
+from urushi.openpbr_surface.inputs import EMISSION, Inputs
+from urushi.openpbr_surface.materialx.baking import Texture
+from urushi.openpbr_surface.materialx.surface import (
+    RESOLUTION,
+    Mix,
+    ParameterValue,
+    Surface,
+    read_surface,
+)
+from urushi.openpbr_surface.parameters import PARAMETERS
+
+_FORMATS = ("Y", "YA", "RGB", "RGBA")
+
+
+def load_materialx(
+    path: str | os.PathLike,
+    name: str | None = None,
+    resolution: int = RESOLUTION,
+    uv_plane: bool = False,
+) -> dict[str, Any]:
+    """Read a material of a MaterialX document.
+
+    `open_pbr_surface` is read directly; `standard_surface`, `gltf_pbr`, `UsdPreviewSurface`,
+    `disney_principled` and `surface_unlit` are translated. Colours become linear sRGB. A parameter
+    that depends on one image has that image's texels; patterns and combinations of images are
+    computed on a grid over [0, 1]^2 of uv.
+
+    Args:
+        path: the document (.mtlx), of MaterialX 1.39 or older.
+        name: of the material; None: the document's only one.
+        resolution: rows and columns of the grid, in [1, 4096].
+        uv_plane: whether patterns in space are taken on the plane (u, v, 0); else they are refused.
+
+    Returns:
+        A description for `mi.load_dict` of the plugin `openpbr`, or of `blendbsdf` for a mixture of
+        shaders. Numbers are floats, colours dictionaries of type `rgb`, textures of type `bitmap`.
+        Parameters that the document leaves out are missing.
+
+    Raises:
+        FileError: the document, or a file that it includes or an image, is missing, damaged, too
+            large or has something that is not supported.
+        ParameterError: there is no such material, it is one of several and no name is given, or a
+            parameter is out of its range.
+        PlatformError: the package materialx is needed and missing.
+    """
+    return _description(_read(path, name, resolution, uv_plane))
+
+
+def _read(path: str | os.PathLike, name: str | None, resolution: int, uv: bool) -> Surface | Mix:
+    return read_surface(path, decode, name, checked_resolution(resolution), uv)
+
+
+def _description(found: Surface | Mix, extra: Mapping[str, Any] = {}, where: str = "") -> Any:
+    """A dictionary for `mi.load_dict`.
+
+    extra: further properties of each `openpbr`. where: begins its errors, before the document.
+    """
+    if isinstance(found, Mix):
+        parts = {"bsdf_0": found.bg, "bsdf_1": found.fg}
+        parts = {name: _description(part, extra, where) for name, part in parts.items()}
+        return {"type": "blendbsdf", "weight": mitsuba_value("mix", found.weight), **parts}
+    values = {name: mitsuba_value(name, value) for name, value in found.values.items()}
+    origin = {"origin": f"{where}: {found.where}"} if where else {}
+    return {"type": "openpbr", **values, **extra, **origin}
+
+
+def check_supported(found: Surface | Mix, *, emits: bool = True) -> None:
+    """Refuse a material that the plugin `openpbr` cannot render.
+
+    emits: whether an emitter takes its emission; mixtures have no emitter.
+
+    Raises:
+        ParameterError: it asks for a feature that is not supported.
+    """
+    if isinstance(found, Mix):
+        check_supported(found.bg, emits=False)
+        check_supported(found.fg, emits=False)
+        return
+    values = {
+        name: mitsuba_value(name, value) if isinstance(value, Texture) else value
+        for name, value in found.values.items()
+        if not (emits and name in EMISSION)
+    }
+    Inputs.of(values, found.where)
+
+
+def checked_resolution(resolution: int, name: str = "resolution") -> int:
+    """The resolution, in [1, 4096]; name: the user's for it.
+
+    Raises:
+        ParameterError: it is not.
+    """
+    if not 1 <= resolution <= 4096:
+        raise ParameterError(f"{name} is {resolution}; it must be in [1, 4096]")
+    return int(resolution)
+
+
+def decode(path: Path) -> np.ndarray:
+    """The stored values of an image, float32 (height, width, channels), not linearised.
+
+    Raises:
+        FileError: it is damaged, or has other channels than grey or RGB with or without alpha.
+    """
+    try:
+        bitmap = mi.Bitmap(str(path))
+        layout = str(bitmap.pixel_format()).rpartition(".")[2]
+        if layout not in _FORMATS:
+            raise FileError(f"'{path}' has the channels {layout}; convert it to grey or RGB")
+        bitmap.set_srgb_gamma(False)  # keeps what is stored
+        pixels = np.array(bitmap.convert(component_format=mi.Struct.Type.Float32))
+    except RuntimeError as error:
+        reason = " ".join(str(error).split())[:160]
+        raise FileError(f"cannot read the image '{path}': {reason}") from error
+    return pixels.reshape(*pixels.shape[:2], -1)
+
+
+def mitsuba_value(name: str, value: ParameterValue) -> Any:
+    """A parameter's value as `mi.load_dict` takes it.
+
+    Raises:
+        ParameterError: it is a texture and no variant is set.
+    """
+    if isinstance(value, tuple):
+        return {"type": "rgb", "value": list(value)}
+    if not isinstance(value, Texture):
+        return value
+    if mi.variant() is None:
+        raise ParameterError(
+            f"{name} is a texture, which needs a Mitsuba variant; set one first, for instance by "
+            "mi.set_variant('llvm_ad_rgb')"
+        )
+    return {
+        "type": "bitmap",
+        "bitmap": mi.Bitmap(np.ascontiguousarray(value.pixels)),
+        "raw": is_raw(name),
+        "to_uv": mi.ScalarTransform3f(value.to_uv.tolist()),
+        "wrap_mode": value.wrap,
+        "filter_type": filter_type(value),
+    }
+
+
+def is_raw(name: str) -> bool:
+    """Whether a parameter's texture holds numbers, not colours."""
+    return name not in PARAMETERS or PARAMETERS[name].kind != "color"
+
+
+def filter_type(texture: Texture) -> str:
+    """Mitsuba's name for how a texture is interpolated."""
+    return "bilinear" if texture.blend else "nearest"
+
+
+def define():
+    """Make the plugin's constructor, which is the same in every variant."""
+
+    def materialx(props):
+        """A material of a MaterialX document (``materialx``).
+
+        ============== ===================== ====================================================
+        filename       string                The document (``.mtlx``), relative to the scene file.
+                                             (Required)
+        material       string                Name of the material. (Default: the document's only
+                                             one)
+        bake           integer               Rows and columns of textures that are computed from
+                                             patterns. (Default: 1024)
+        uv_plane       boolean               Take patterns in space on the plane (u, v, 0) instead
+                                             of refusing them. (Default: false)
+        ============== ===================== ====================================================
+
+        All other properties go to ``openpbr``, of which this is an instance: ``reference``,
+        ``unsupported``, and parameters of OpenPBR, which replace those of the document. A mixture
+        of two shaders is a ``blendbsdf`` of two instances.
+
+        .. tabs::
+            .. code-tab:: xml
+
+                <bsdf type="materialx">
+                    <string name="filename" value="paints.mtlx"/>
+                    <string name="material" value="Red"/>
+                </bsdf>
+
+            .. code-tab:: python
+
+                'type': 'materialx',
+                'filename': 'paints.mtlx',
+                'material': 'Red'
+        """
+        where = describe(props)
+        if "filename" not in props:
+            raise ParameterError(f"{where} has no filename; give a MaterialX document")
+        path, name = resolve(props["filename"]), props.get("material", None)
+        resolution = checked_resolution(int(props.get("bake", RESOLUTION)), f"{where}: bake")
+        plane = bool(props.get("uv_plane", False))
+        own = ("filename", "material", "bake", "uv_plane")
+        extra = {key: props[key] for key in list(props.keys()) if key not in own}
+        bsdf = _description(_read(path, name, resolution, plane), extra, where)
+        if props.id():
+            bsdf["id"] = props.id()
+        return mi.load_dict(bsdf)
+
+    return materialx

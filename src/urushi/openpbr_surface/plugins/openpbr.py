@@ -1,0 +1,217 @@
+"""The plugin `openpbr`: OpenPBR Surface, its coat by a table, networks or random walks."""
+
+from typing import Any
+
+import drjit as dr
+import mitsuba as mi
+
+from urushi.errors import ParameterError
+from urushi.openpbr_surface import bsdfs, formulas
+from urushi.openpbr_surface.bsdfs import Layers
+from urushi.openpbr_surface.compensation import Compensation
+from urushi.openpbr_surface.inputs import Inputs, derived
+
+#: Plugins of the coat: by networks, and by walks.
+COATS = ("neural_layered", "layered")
+
+
+def define(proposal_bsdf: type):
+    """Make the plugin's constructor in the current variant; see `define_proposal_bsdf`."""
+    base_class, surface_class = bsdfs.define(proposal_bsdf)
+
+    def openpbr(props):
+        """OpenPBR Surface 1.1.1, opaque, with its coat as light transport (``openpbr``).
+
+        ==================== ===================== =============================================
+        (parameters)         float, rgb, texture   The parameters of the specification under their
+                                                   names, with its defaults.
+        geometry_normal,     texture               Maps of 0.5 n + 0.5 in the tangent frame. The
+        geometry_tangent                           coat shares both: geometry_coat_normal and
+                                                   geometry_coat_tangent must be equal to them, or
+                                                   the base isotropic.
+        reference            boolean or string     Whether the coat is computed by random walks
+                                                   (``layered``) instead of ``neural_layered``;
+                                                   or the name of one of these plugins.
+                                                   (Default: false)
+        energy_compensation  boolean               Whether energy that the coated base loses is
+                                                   compensated: white materials reflect all light.
+                                                   (Default: true)
+        unsupported          string                "error" or "ignore": whether an unsupported
+                                                   feature is refused or left out with a warning.
+                                                   (Default: "error")
+        resolution, weights  integer, string       As of ``neural_layered``, without ``reference``.
+        ==================== ===================== =============================================
+
+        The base is a closed form. A dielectric reflects by single scattering and transmits the rest
+        to the diffuse slab, of which the fraction base_color leaves again; a metal has the F82-tint
+        term. The coat's light transport is computed by a table, networks or walks; coat_weight
+        mixes the BRDFs of the bare and the coated base. Fuzz lies above both. Not supported, and
+        refused or left out with a warning, are transmission, subsurface scattering, the thin-walled
+        mode, and separate directions for the coat. Light is emitted by the emitter
+        ``openpbr_emission``. Reflects on the front side only: nest it in ``twosided`` for both
+        sides.
+
+        A number that ``mi.traverse`` changes is treated like a texture from then on. Components
+        that were left out because of it, for instance a coat or fuzz of weight zero, are created. A
+        coat is updated with its base, and the energy compensation is computed again if it depends
+        on the change.
+
+        Fuzz is layered by the albedo of the direction that is seen, as the specification says.
+        Material with fuzz is therefore not reciprocal: f changes by some per cent in the mean when
+        wi and wo are exchanged. A coat whose index is given as one has no interface: it absorbs
+        light of the uncoated base.
+
+        Where all parameters are constant and isotropic and the base is not smooth, the coat is
+        computed as a table when the material is loaded. Networks layer all others.
+
+        If the coat's index exceeds the base's, total internal reflection occurs at the base. For a
+        specular_roughness below 0.3, networks use the inverse ratio of indices; they clamp
+        base_diffuse_roughness to 0.5.
+
+        .. tabs::
+            .. code-tab:: xml
+
+                <bsdf type="openpbr">
+                    <rgb name="base_color" value="0.6, 0.1, 0.05"/>
+                    <float name="coat_weight" value="1"/>
+                    <rgb name="coat_color" value="0.9, 0.7, 0.4"/>
+                </bsdf>
+
+            .. code-tab:: python
+
+                'type': 'openpbr',
+                'base_color': {'type': 'rgb', 'value': [0.6, 0.1, 0.05]},
+                'coat_weight': 1.0,
+                'coat_color': {'type': 'rgb', 'value': [0.9, 0.7, 0.4]}
+
+        Andersson et al., OpenPBR Surface 1.1.1, Academy Software Foundation.
+        """
+        inputs = Inputs(props)
+        reference = _is_reference(props)
+        compensated = bool(props.get("energy_compensation", True))
+        _warn_of_mirrors(inputs)
+        options = {name: props[name] for name in ("resolution", "weights") if name in props}
+        for name in options:
+            props.mark_queried(name)
+        maker = _Maker(inputs, base_class, COATS[reference], {} if reference else options)
+        bsdf = surface_class(inputs, lambda former: maker.layers(former, compensated))
+        if "geometry_normal" in inputs.maps:
+            bsdf = mi.load_dict(
+                {"type": "normalmap", "normalmap": inputs.maps["geometry_normal"], "bsdf": bsdf}
+            )
+        if not inputs.is_constant("geometry_opacity", 1):
+            opacity = inputs.textures["geometry_opacity"]
+            bsdf = mi.load_dict({"type": "mask", "opacity": opacity, "bsdf": bsdf})
+        return bsdf
+
+    return openpbr
+
+
+def _is_reference(props: "mi.Properties") -> bool:
+    """Whether the coat is a random walk, said by a boolean or by the coat's plugin."""
+    value = props.get("reference", False)
+    if isinstance(value, str):
+        if value not in COATS:
+            raise ParameterError(f"reference is '{value}'; choose one of {', '.join(COATS)}")
+        return value == COATS[1]
+    return bool(value)
+
+
+class _Maker:
+    """Makes the layers that parameters need."""
+
+    def __init__(self, inputs: Inputs, base_class: type, plugin: str, options: dict[str, Any]):
+        """plugin: of the coat, one of `COATS`. options: its resolution and weights, if given."""
+        self._inputs, self._base_class = inputs, base_class
+        self._plugin, self._options = plugin, options
+        self._encoded = plugin == COATS[0]
+
+    def layers(self, former: Layers | None, compensated: bool) -> Layers:
+        """The layers; previous ones are reused if they still fit."""
+        inputs = self._inputs
+        base = below = coated = compensation = kind = None
+        if former is not None:
+            base, below, coated, compensation, kind = former
+            for part in (base, below):
+                if part is not None:
+                    part.update()
+        # A coat of index one has no interface: it only absorbs, see `model.absorbed`.
+        coat_present = not (
+            inputs.is_constant("coat_weight", 0) or inputs.is_constant("coat_ior", 1)
+        )
+        if base is None and not (coat_present and inputs.is_constant("coat_weight", 1)):
+            base = self._base_class(inputs, False, False, False)
+        if coat_present:
+            if below is None:
+                below = self._base_class(inputs, True, self._encoded, compensated)
+            present = (
+                inputs.is_constant("coat_roughness_anisotropy", 0),
+                inputs.known("coat_ior"),
+                inputs.is_constant("coat_color", 1),
+            )
+            if coated is None or kind != present:
+                coated, kind = self._coat(inputs, below, self._options), present
+            if compensated:
+                compensation = Compensation(inputs, self._encoded, self._coated)
+        return Layers(base, below, coated, compensation, kind)
+
+    def _coated(self, inputs: Inputs) -> "mi.BSDF":
+        """A base of other parameters under its coat, without compensation."""
+        below = self._base_class(inputs, True, self._encoded, False)
+        options = {name: x for name, x in self._options.items() if name == "weights" and x}
+        return self._coat(inputs, below, options)
+
+    def _coat(self, inputs: Inputs, below: "mi.BSDF", options: dict[str, Any]) -> "mi.BSDF":
+        """The coat over a base; its errors begin with the plugin that the user wrote.
+
+        Raises:
+            ParameterError: the coat or the base cannot be evaluated.
+        """
+        try:
+            return mi.load_dict({"type": self._plugin, **_coat(inputs, below), **options})
+        except RuntimeError as error:
+            sentence = str(error).strip().splitlines()[-1]
+            name = self._plugin + ": "
+            if name not in sentence:
+                raise
+            raise ParameterError(f"{inputs.where}: {sentence.partition(name)[2]}") from error
+
+
+def _coat(inputs: Inputs, below: "mi.BSDF") -> dict[str, Any]:
+    """The coat over the base as a dictionary of a plugin, without its type."""
+    coat: dict[str, Any] = {"ext_ior": 1.0, "bottom": below}
+    names = "coat_roughness", "coat_roughness_anisotropy"
+    if inputs.is_constant(names[1], 0):
+        coat["alpha"] = derived(inputs, names[:1], lambda r: formulas.lobe_width(r, dr))
+    else:
+        for i, name in enumerate(("alpha_u", "alpha_v")):
+            coat[name] = derived(inputs, names, lambda r, a, i=i: formulas.lobe_widths(r, a, dr)[i])
+    if inputs.known("coat_ior") is not None:
+        coat["int_ior"] = float(formulas.interface_index(inputs.known("coat_ior")))
+    else:
+        coat["int_ior"] = derived(
+            inputs, ("coat_ior",), lambda ior: formulas.interface_index(ior, dr)
+        )
+    if not inputs.is_constant("coat_color", 1):
+        coat["sigma_t"] = derived(
+            inputs, ("coat_color",), lambda color: formulas.optical_depth(color, dr), color=True
+        )
+    return coat
+
+
+def _warn_of_mirrors(inputs: Inputs) -> None:
+    """Say that a perfectly smooth interface has the narrowest lobe that there is."""
+    present = {
+        "specular_roughness": True,
+        "coat_roughness": not inputs.is_constant("coat_weight", 0),
+    }
+    smooth = [
+        name
+        for name, used in present.items()
+        if used and name in inputs.constants and formulas.is_mirror(inputs.constants[name])
+    ]
+    if smooth:
+        mi.Log(
+            mi.LogLevel.Info,
+            f"{inputs.where}: {' and '.join(smooth)} below 0.1 have the lobe of 0.1, the narrowest",
+        )

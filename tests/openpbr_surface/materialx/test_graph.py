@@ -1,0 +1,376 @@
+"""Node graphs: values at points, textures against Mitsuba's own look-up, noise."""
+
+import numpy as np
+import pytest
+
+from urushi.errors import FileError
+from urushi.openpbr_surface.materialx import noise
+from urushi.openpbr_surface.materialx.baking import Texture
+from urushi.openpbr_surface.materialx.document import read_document
+from urushi.openpbr_surface.materialx.graph import Evaluation, Graph, parse_value
+from urushi.openpbr_surface.materialx.images import Images, Look, sample
+from urushi.openpbr_surface.materialx.surface import read_surface
+from urushi.openpbr_surface.materialx.xml import Element
+
+mi = pytest.importorskip("mitsuba")
+
+POINTS = np.random.default_rng(0).random((64, 2))
+
+
+@pytest.fixture
+def llvm():
+    before = mi.variant()
+    mi.set_variant("llvm_ad_rgb")
+    yield
+    if before is not None:
+        mi.set_variant(before)
+
+
+@pytest.fixture
+def evaluate(document, library):
+    """A function: the values of the node `n` of a document at POINTS."""
+
+    def value(body, points=POINTS):
+        path = document(body)
+        graph = Graph(read_document(path).root, Images(path.parent, None), "test")
+        node = Element("output", {"nodename": "n"})
+        result = Evaluation(graph, points).value(graph.follow(node, graph.root, node), node)
+        return np.broadcast_to(result, (len(points), result.shape[-1]))
+
+    return value
+
+
+def element(tag, kind, name="n", **inputs):
+    """The text of a node; inputs: type and value, or type and @node."""
+    inside = ""
+    for key, (of, value) in inputs.items():
+        link = "nodename" if value.startswith("@") else "value"
+        inside += f'<input name="{key.rstrip("_")}" type="{of}" {link}="{value.lstrip("@")}"/>'
+    return f'<{tag} name="{name}" type="{kind}">{inside}</{tag}>'
+
+
+UV = element("texcoord", "vector2", "uv")
+
+
+@pytest.mark.parametrize(
+    ("tag", "inputs", "expected"),
+    [
+        ("add", {"in1": "3", "in2": "2"}, 5),
+        ("subtract", {"in1": "3", "in2": "2"}, 1),
+        ("divide", {"in1": "3", "in2": "2"}, 1.5),
+        ("modulo", {"in1": "-1", "in2": "3"}, 2),
+        ("power", {"in1": "3", "in2": "2"}, 9),
+        ("min", {"in1": "3", "in2": "2"}, 2),
+        ("invert", {"in": "0.25"}, 0.75),
+        ("clamp", {"in": "1.5"}, 1),
+        ("round", {"in": "2.5"}, 3),
+        ("fract", {"in": "-0.25"}, 0.75),
+        ("smoothstep", {"in": "0.5"}, 0.5),
+        ("mix", {"fg": "1", "bg": "3", "mix": "0.25"}, 2.5),
+        ("remap", {"in": "0.5", "outlow": "2", "outhigh": "4"}, 3),
+        ("ifgreater", {"value1": "1", "value2": "1", "in1": "5", "in2": "6"}, 6),
+        ("ifgreatereq", {"value1": "1", "value2": "1", "in1": "5", "in2": "6"}, 5),
+        ("screen", {"fg": "0.5", "bg": "0.5", "mix": "1"}, 0.75),
+        ("range", {"in": "0.25", "outhigh": "2"}, 0.5),
+    ],
+)
+def test_arithmetic(evaluate, tag, inputs, expected):
+    text = element(tag, "float", **{key + "_": ("float", v) for key, v in inputs.items()})
+    assert evaluate(text)[0, 0] == pytest.approx(expected)
+
+
+def test_hue_goes_round(evaluate):
+    """RGB to HSV and back is the identity."""
+    body = element("rgbtohsv", "color3", "h", in_=("color3", "0.7, 0.2, 0.4"))
+    body += element("hsvtorgb", "color3", in_=("color3", "@h"))
+    assert evaluate(body)[0] == pytest.approx([0.7, 0.2, 0.4])
+
+
+def test_channels(evaluate):
+    parts = {f"in{k}": ("float", str(k)) for k in (1, 2, 3)}
+    body = element("combine3", "color3", "c", **parts)
+    body += element("separate3", "multioutput", "s", in_=("color3", "@c"))
+    body += """<dot name="n" type="float">
+        <input name="in" type="float" nodename="s" output="outg"/></dot>"""
+    assert evaluate(body)[0, 0] == 2
+
+
+def test_positions_are_placed(evaluate):
+    """place2d: p -> R((p - pivot) / scale) - offset + pivot, R clockwise; by hand."""
+    body = UV + element(
+        "place2d",
+        "vector2",
+        texcoord=("vector2", "@uv"),
+        pivot=("vector2", "0.5, 0.5"),
+        scale=("vector2", "2, 4"),
+        rotate=("float", "90"),
+        offset=("vector2", "0.1, 0.2"),
+    )
+    x, y = ((POINTS - 0.5) / [2, 4]).T
+    assert evaluate(body) == pytest.approx(np.stack([y - 0.1 + 0.5, -x - 0.2 + 0.5], -1))
+
+
+def test_ramps_and_checkers(evaluate):
+    ramp = element("ramplr", "float", valuel=("float", "1"), valuer=("float", "3"))
+    assert evaluate(ramp)[:, 0] == pytest.approx(1 + 2 * POINTS[:, 0])
+    ramp = element("ramptb", "float", valuet=("float", "1"), valueb=("float", "3"))
+    assert evaluate(ramp)[:, 0] == pytest.approx(3 - 2 * POINTS[:, 1])
+    board = element("checkerboard", "color3", uvtiling=("vector2", "4, 2"))
+    cells = np.floor(POINTS * [4, 2]).sum(-1) % 2
+    value = evaluate(board)[:, 0]
+    assert len(np.unique(value[cells == 0])) == len(np.unique(value[cells == 1])) == 1
+    assert value[cells == 0][0] != value[cells == 1][0]
+
+
+def test_noise_is_gradient_noise():
+    """It is 0 on the lattice, where its slopes are one of eight gradients, and random in sign."""
+    lattice = np.stack(np.meshgrid(np.arange(-8, 8), np.arange(-8, 8)), -1).reshape(-1, 2) * 1.0
+    assert np.allclose(noise.perlin(lattice, 4)[..., :3], 0)
+    h = 1e-6
+    slopes = [noise.perlin(lattice + step, 1) / (0.6616 * h) for step in ([h, 0], [0, h])]
+    gradients = np.concatenate(slopes, -1)
+    found = np.unique(np.round(gradients, 3), axis=0)
+    assert np.allclose(np.sort(np.abs(found), -1), [1, 2], atol=1e-3)
+    assert len(found) == 8
+
+
+def test_noise_in_space_is_gradient_noise():
+    """The same in three dimensions; the slopes are the 12 edges of a cube, and a plane repeats."""
+    lattice = np.stack(np.meshgrid(*[np.arange(-3.0, 3)] * 3), -1).reshape(-1, 3)
+    assert np.allclose(noise.perlin(lattice, 4)[..., :3], 0)
+    steps = 1e-6 * np.eye(3)
+    slopes = [noise.perlin(lattice + step, 1) / (0.9820 * 1e-6) for step in steps]
+    found = np.unique(np.round(np.concatenate(slopes, -1), 3), axis=0)
+    assert np.allclose(np.sort(np.abs(found), -1), [0, 1, 1], atol=1e-3)
+    assert len(found) == 12
+    nearest = noise.worley(lattice + 0.5, 3, np.zeros(1), 0)  # points in the cells' middles
+    assert np.allclose(nearest, [0, 1, 1])
+
+
+def test_patterns_in_space_need_a_plane(document, library):
+    """`position` on the plane is (u, v, 0); otherwise the sentence names the option and a tool."""
+    body = """<position name="p" type="vector3"/><convert name="n" type="color3">
+        <input name="in" type="vector3" nodename="p"/></convert><open_pbr_surface name="s"
+        type="surfaceshader"><input name="base_color" type="color3" nodename="n"/>
+        </open_pbr_surface>"""
+    with pytest.raises(FileError, match="set uv_plane .* or bake it .* command baketextures"):
+        read_surface(document(body), None)
+    pixels = read_surface(document(body), None, resolution=4, uv_plane=True).values["base_color"]
+    assert np.allclose(pixels.pixels[0, :, 0], [0.125, 0.375, 0.625, 0.875])
+    assert np.allclose(pixels.pixels[:, 0, 1], [0.875, 0.625, 0.375, 0.125])
+    assert not pixels.pixels[..., 2].any()
+
+
+@pytest.mark.parametrize("falloff", ["0.5", "0.8"])
+def test_hexagonal_tiles_that_do_not_differ_are_the_image(document, library, falloff):
+    tiled = dict.fromkeys(("rotation", "scale", "offset"), ("float", "0"))
+    body = element(
+        "hextiledimage",
+        "color3",
+        file=("filename", "a.exr"),
+        tiling=("vector2", "2, 3"),
+        falloff=("float", falloff),
+        **tiled,
+    )
+    texture = textured(document, body, 16)
+    u = (np.arange(16) + 0.5) / 16
+    uv = np.stack(np.meshgrid(u, 1 - u), -1).reshape(-1, 2) * [2, 3]
+    expected = sample(PIXELS, uv, Look(), np.zeros(3)).reshape(16, 16, 3)
+    assert np.allclose(texture.pixels, expected, atol=1e-6)
+
+
+@pytest.mark.parametrize(("amount", "unit"), [("90", "degree"), ("1.57079632679", "radian")])
+def test_angles_have_units(evaluate, amount, unit):
+    body = (
+        UV
+        + f"""<rotate2d name="n" type="vector2"><input name="in" type="vector2" nodename="uv"/>
+        <input name="amount" type="float" value="{amount}" unittype="angle" unit="{unit}"/>
+        </rotate2d>"""
+    )
+    x, y = POINTS.T
+    assert np.allclose(evaluate(body), np.stack([y, -x], -1))
+
+
+@pytest.mark.parametrize(
+    ("kind", "text", "expected"),
+    [
+        ("vector2", "0.5 0.25", [0.5, 0.25]),
+        ("color3", " 0.5 ,0.25,  1e-1 ", [0.5, 0.25, 0.1]),
+        ("float", "0.5f", [0.5]),
+        ("float", "10,5,1", [10]),
+        ("float", "3.40282e+38", [1e30]),
+        ("float", "+.5", [0.5]),
+        ("integer", "3.7", [3]),
+        ("boolean", "True", [1]),
+    ],
+)
+def test_values_are_read_as_by_materialx(kind, text, expected):
+    """Value.cpp of MaterialX splits at commas and spaces, and reads a number from the front."""
+    assert parse_value(text, kind, "x").tolist() == expected
+
+
+def test_the_hash_is_jenkins_final():
+    """The same steps on Python's integers, for one pair of numbers."""
+
+    def rotate(x, k):
+        return ((x << k) | (x >> (32 - k))) & 0xFFFFFFFF
+
+    a = b = c = (0xDEADBEEF + 8 + 13) & 0xFFFFFFFF
+    a, b = (a + 5) & 0xFFFFFFFF, (b - 7) & 0xFFFFFFFF
+    words = {"a": a, "b": b, "c": c}
+    for target, source, bits in [
+        ("c", "b", 14),
+        ("a", "c", 11),
+        ("b", "a", 25),
+        ("c", "b", 16),
+        ("a", "c", 4),
+        ("b", "a", 14),
+        ("c", "b", 24),
+    ]:
+        words[target] ^= words[source]
+        words[target] = (words[target] - rotate(words[source], bits)) & 0xFFFFFFFF
+    assert noise.hash_integers(np.array(5), np.array(-7)) == words["c"]
+
+
+def test_octaves_add_up():
+    p = POINTS * 5
+    two = noise.fractal(p, 1, 2, np.array([2.0]), np.array([0.5]))
+    assert two == pytest.approx(noise.perlin(p, 1) + 0.5 * noise.perlin(2 * p, 1))
+
+
+def test_cellular_noise_is_a_distance():
+    """Its slope is at most 1, the second distance is not below the first, 0 jitter is a grid."""
+    p = POINTS * 7
+    one, two = noise.worley(p, 2, np.array([1.0]), 0).T
+    assert (two >= one).all()
+    near = noise.worley(p + np.array([1e-4, 0]), 2, np.array([1.0]), 0)[:, 0]
+    assert (np.abs(near - one) <= 1e-4 * (1 + 1e-6)).all()
+    grid = noise.worley(p, 1, np.array([0.0]), 0)[:, 0]
+    assert grid == pytest.approx(np.linalg.norm(p - np.floor(p) - 0.5, axis=-1))
+
+
+PIXELS = np.random.default_rng(3).random((6, 9, 3)).astype(np.float32)
+
+
+def textured(document, body, resolution=64, pixels=PIXELS):
+    """The texture of base_color, which is connected to the node `n`."""
+    shader = '<open_pbr_surface name="s" type="surfaceshader">'
+    shader += '<input name="base_color" type="color3" nodename="n"/></open_pbr_surface>'
+    path = document(body + shader)
+    (path.parent / "a.exr").write_bytes(EXR)
+    return read_surface(path, lambda _: pixels, resolution=resolution).values["base_color"]
+
+
+# A header that says 9 x 6 pixels; the decoder of these tests does not read the file.
+EXR = b"\x76\x2f\x31\x01\x02\x00\x00\x00dataWindow\x00box2i\x00\x10\x00\x00\x00"
+EXR += np.array([0, 0, 8, 5], "<i4").tobytes()
+
+
+def lookup(texture, uv):
+    """Mitsuba's look-up at uv from the upper left corner."""
+    from urushi.openpbr_surface.plugins.materialx import mitsuba_value
+
+    bitmap = mi.load_dict(mitsuba_value("base_color", texture))
+    si = mi.SurfaceInteraction3f()
+    si.uv = mi.Point2f(uv.T)
+    return np.array(bitmap.eval(si)).T
+
+
+@pytest.mark.parametrize("mode", ["periodic", "clamp", "mirror"])
+@pytest.mark.parametrize("blend", ["linear", "closest"])
+def test_an_image_keeps_its_texels_and_its_place(document, library, llvm, mode, blend):
+    """Mitsuba's look-up in the texture is the graph's look-up in the image, at any uv.
+
+    Single precision of uv moves look-ups by 1e-6 of a texel; nearest ones at an edge may differ.
+    """
+    place = UV + element(
+        "place2d",
+        "vector2",
+        "p",
+        texcoord=("vector2", "@uv"),
+        rotate=("float", "25"),
+        scale=("vector2", "0.3, 0.7"),
+    )
+    image = element(
+        "image",
+        "color3",
+        "i",
+        file=("filename", "a.exr"),
+        texcoord=("vector2", "@p"),
+        uaddressmode=("string", mode),
+        vaddressmode=("string", mode),
+        filtertype=("string", blend),
+    )
+    body = place + image + element("multiply", "color3", in1=("color3", "@i"), in2=("float", "0.5"))
+    texture = textured(document, body)
+    assert isinstance(texture, Texture)
+    assert np.allclose(texture.pixels, 0.5 * PIXELS)
+    uv = np.random.default_rng(1).random((200, 2)) * 3 - 1
+    c, s = np.cos(np.radians(25)), np.sin(np.radians(25))
+    x, y = uv[:, 0] / 0.3, (1 - uv[:, 1]) / 0.7
+    placed = np.stack([c * x + s * y, c * y - s * x], -1)
+    expected = 0.5 * sample(PIXELS, placed, Look(mode, mode, blend == "linear"), np.zeros(3))
+    close = np.isclose(lookup(texture, uv), expected, atol=1e-4).all(-1)
+    assert close.all() if blend == "linear" else close.mean() > 0.98
+
+
+def test_a_pattern_is_computed_on_a_grid(document, library, llvm):
+    """A ramp between pixel centres is linear, so that the interpolated grid is exact there."""
+    body = element("ramptb", "color3", valuet=("color3", "1,0,0"), valueb=("color3", "0,0,1"))
+    texture = textured(document, body, 32)
+    assert texture.pixels.shape == (32, 32, 3)
+    uv = np.random.default_rng(1).uniform(1 / 32, 31 / 32, (50, 2))
+    up = 1 - uv[:, 1:]
+    assert lookup(texture, uv) == pytest.approx(up * [1, 0, 0] + (1 - up) * [0, 0, 1], abs=1e-5)
+
+
+def test_two_images_are_combined_on_a_grid_of_their_size(document, library):
+    image = element("image", "color3", "i", file=("filename", "a.exr"))
+    tiled = element(
+        "tiledimage", "color3", "t", file=("filename", "a.exr"), uvtiling=("vector2", "2, 2")
+    )
+    body = (
+        image
+        + tiled
+        + element("mix", "color3", fg=("color3", "@i"), bg=("color3", "@t"), mix=("float", "0.5"))
+    )
+    assert textured(document, body, 4).pixels.shape == (9, 9, 3)
+
+
+def test_a_position_outside_of_the_image_needs_a_grid(document, library):
+    image = element("image", "color3", "i", file=("filename", "a.exr"))
+    ramp = element("ramplr", "color3", "r", valuer=("color3", "1,1,1"))
+    body = image + ramp + element("multiply", "color3", in1=("color3", "@i"), in2=("color3", "@r"))
+    assert textured(document, body, 16).pixels.shape == (16, 16, 3)
+
+
+def test_colours_of_images_are_converted(document, library):
+    body = '<image name="n" type="color3"><input name="file" type="filename" value="a.exr" '
+    body += 'colorspace="srgb_texture"/></image>'
+    texture = textured(document, body, pixels=0.5 + 0.5 * PIXELS[..., :1])
+    grey = (0.5 + 0.5 * PIXELS[..., :1] + 0.055) / 1.055
+    assert np.allclose(texture.pixels, grey**2.4)
+    assert textured(document, body, pixels=np.full((6, 9, 1), 1.0)) == (1, 1, 1)  # a constant
+
+
+def test_normal_maps_are_in_the_tangent_frame(document, library):
+    body = """<image name="i" type="vector3">
+        <input name="file" type="filename" value="a.exr"/></image>
+        <normalmap name="n" type="vector3"><input name="in" type="vector3" nodename="i"/>
+        </normalmap><open_pbr_surface name="s" type="surfaceshader">
+        <input name="geometry_normal" type="vector3" nodename="n"/></open_pbr_surface>"""
+    path = document(body)
+    (path.parent / "a.exr").write_bytes(EXR)
+    unit = PIXELS * [1, 1, 0.5] + [0, 0, 0.5]
+    unit = 2 * unit - 1
+    unit /= np.linalg.norm(unit, axis=-1, keepdims=True)
+    texture = read_surface(path, lambda _: 0.5 * unit + 0.5).values["geometry_normal"]
+    assert np.allclose(texture.pixels, 0.5 * unit + 0.5, atol=1e-6)
+
+
+def test_directions_in_space_are_refused(document, library):
+    shader = """<constant name="c" type="vector3"><input name="value" type="vector3" value="1,0,1"/>
+        </constant><open_pbr_surface name="s" type="surfaceshader">
+        <input name="geometry_normal" type="vector3" nodename="c"/></open_pbr_surface>"""
+    with pytest.raises(FileError, match="geometry_normal is a constant direction in space"):
+        read_surface(document(shader), None)

@@ -1,0 +1,237 @@
+"""Damaged, foreign and malicious documents: one error sentence each, and bounded memory."""
+
+import struct
+import sys
+import tracemalloc
+import zlib
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from urushi.errors import FileError, ParameterError
+from urushi.openpbr_surface.materialx.images import MAX_PIXELS, image_size
+from urushi.openpbr_surface.materialx.surface import read_surface
+
+BOMB = """<?xml version="1.0"?><!DOCTYPE m [<!ENTITY a "aaaaaaaaaa">
+<!ENTITY b "&a;&a;&a;&a;&a;&a;&a;&a;&a;&a;"><!ENTITY c "&b;&b;&b;&b;&b;&b;&b;&b;&b;&b;">]>
+<materialx version="1.39"><x name="&c;"/></materialx>"""
+
+SURFACE = '<open_pbr_surface name="s" type="surfaceshader">{}</open_pbr_surface>'
+COLOUR = SURFACE.format('<input name="base_color" type="color3" nodename="{}"/>')
+
+
+def no_images(path):
+    raise AssertionError("no image should be decoded")
+
+
+def refused(path, message, error=FileError):
+    with pytest.raises(error, match=message) as caught:
+        read_surface(path, no_images)
+    assert "\n" not in str(caught.value)
+    return str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (b"", "is not valid XML"),
+        (b"\x00\x01", "is not valid XML"),
+        (b"<materialx>", "is not valid XML"),
+        (b"<html></html>", "is not a MaterialX document: it begins with <html>"),
+        (BOMB.encode(), "has a document type or entities"),
+        (b'<!DOCTYPE x SYSTEM "file:///etc/passwd"><materialx/>', "has a document type"),
+        (b'<?xml version="1.0" encoding="klingon"?><materialx/>', "is not valid XML"),
+        (b"<materialx/>", "has no material"),
+        (b'<materialx version="2.0"/>', "is of MaterialX 2.0; up to 1.39 can be read"),
+        (b'<materialx version="new"/>', "has version 'new'"),
+        (b"<a>" * 40 + b"</a>" * 40, "nested more than 32 deep"),
+        (b'<materialx x="' + b"a" * 70_000 + b'"/>', "has 70000 characters"),
+        (b"<materialx>" + b"<a/>" * 60_000 + b"</materialx>", "more than 50000 elements"),
+        (b"<materialx>" + b" " * (17 << 20) + b"</materialx>", "larger than 16 MiB"),
+    ],
+)
+def test_a_bad_file_gets_one_sentence(tmp_path, content, message):
+    path = tmp_path / "bad.mtlx"
+    path.write_bytes(content)
+    assert "bad.mtlx" in refused(path, message)
+
+
+def test_a_missing_file_and_a_folder(tmp_path):
+    refused(tmp_path / "none.mtlx", "there is no MaterialX file")
+    refused(tmp_path, "there is no MaterialX file")
+    (tmp_path / "Paint.mtlx").write_text("<materialx/>")
+    refused(tmp_path / "paint.mtlx", "there is no .*/Paint.mtlx' differs in case only")
+
+
+def test_memory_is_bounded_by_the_limits(tmp_path):
+    """A file of 16 MiB of elements stops at 50,000, which take less than 64 MiB."""
+    path = tmp_path / "huge.mtlx"
+    path.write_bytes(b"<materialx>" + b"<a/>" * ((4 << 20) - 8))
+    tracemalloc.start()
+    refused(path, "more than 50000 elements")
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 64 << 20
+
+
+@pytest.mark.parametrize("href", ["../other.mtlx", "/etc/passwd", "a/../../other.mtlx", ""])
+def test_includes_stay_in_the_folder(tmp_path, document, href):
+    (tmp_path / "inside").mkdir()
+    (tmp_path / "other.mtlx").write_text("<materialx/>")
+    path = document(f'<xi:include href="{href}"/>', name="inside/material.mtlx")
+    refused(path, f"includes '{href}' outside its folder")
+
+
+def test_a_link_out_of_the_folder_is_no_way_out(tmp_path, document):
+    (tmp_path / "inside").mkdir()
+    (tmp_path / "other.mtlx").write_text("<materialx/>")
+    (tmp_path / "inside" / "link.mtlx").symlink_to(tmp_path / "other.mtlx")
+    path = document('<xi:include href="link.mtlx"/>', name="inside/material.mtlx")
+    refused(path, "outside its folder")
+
+
+def test_includes_do_not_run_in_circles(document):
+    document('<xi:include href="a.mtlx"/>', name="b.mtlx")
+    refused(document('<xi:include href="b.mtlx"/>', name="a.mtlx"), "includes it again")
+
+
+def test_many_includes_share_the_limits(document):
+    document("<a/>" * 20_000, name="part.mtlx")
+    path = document('<xi:include href="part.mtlx"/>' * 5)
+    refused(path, "more than 50000 elements in total")
+    document("", name="part.mtlx")
+    refused(document('<xi:include href="part.mtlx"/>' * 100), "includes more than 64 files")
+
+
+def test_circles_of_nodes(document, library):
+    link = '<add name="{}" type="color3"><input name="in1" type="color3" nodename="{}"/></add>'
+    path = document(link.format("a", "b") + link.format("b", "a") + COLOUR.format("a"))
+    refused(path, "is connected to itself; remove the cycle")
+
+
+def test_circles_of_graphs(document, library):
+    graph = """<nodegraph name="{0}"><input name="i" type="color3" nodegraph="{1}"/>
+        <dot name="d" type="color3"><input name="in" type="color3" interfacename="i"/></dot>
+        <output name="o" type="color3" nodename="d"/></nodegraph>"""
+    shader = SURFACE.format('<input name="base_color" type="color3" nodegraph="a"/>')
+    refused(document(graph.format("a", "b") + graph.format("b", "a") + shader), "remove the cycle")
+
+
+def test_long_chains_and_wide_graphs(document, library):
+    link = '<add name="n{}" type="color3"><input name="in1" type="color3" nodename="n{}"/></add>'
+    chain = "".join(link.format(i, i + 1) for i in range(5000))
+    refused(document(chain + COLOUR.format("n0")), "a chain of more than 80 nodes|nested too")
+    # A tree of distinct nodes, four inputs each: more than 5,000 nodes
+    tree, leaf = "", '<constant name="n{}" type="float"/>'
+    for i in range(1365):
+        tree += f'<switch name="n{i}" type="float">'
+        for k in range(1, 5):
+            tree += f'<input name="in{k}" type="float" nodename="n{4 * i + k}"/>'
+        tree += "</switch>"
+    leaves = "".join(leaf.format(i) for i in range(1365, 5461))
+    refused(document(tree + leaves + COLOUR.format("n0")), "more than 2048 nodes")
+
+
+def test_definitions_that_double_are_bounded(document, library):
+    """Each of 24 definitions uses the next twice: 2^24 nodes if they were all evaluated."""
+    body = ""
+    for i in range(24):
+        node = f"d{i + 1}" if i < 23 else "add"
+        body += f"""<nodedef name="ND_{i}" node="d{i}"><input name="in" type="color3"/>
+            <output name="out" type="color3"/></nodedef>
+            <nodegraph name="NG_{i}" nodedef="ND_{i}">
+            <{node} name="x" type="color3"/><{node} name="y" type="color3"/>
+            <add name="z" type="color3"><input name="in1" type="color3" nodename="x"/>
+            <input name="in2" type="color3" nodename="y"/></add>
+            <output name="out" type="color3" nodename="z"/></nodegraph>"""
+    path = document(body + '<d0 name="n" type="color3"/>' + COLOUR.format("n"))
+    refused(path, "more than (2048|80) nodes")
+
+
+def test_definitions_that_inherit_in_a_circle(document, library):
+    body = """<nodedef name="A" node="a" inherit="B"><output name="out" type="color3"/></nodedef>
+        <nodedef name="B" node="b" inherit="A"><output name="out" type="color3"/></nodedef>
+        <a name="n" type="color3"/>"""
+    refused(document(body + COLOUR.format("n")), "inherits from itself")
+
+
+def test_values_that_are_no_numbers(document):
+    for text in (
+        "1",
+        "1, 2",
+        "0.5, , 1",
+        "0.5 e 1",
+        "nan, 0, 0",
+        "1e999, 0, 0",
+        "x, y, z",
+        "1, 2, 3, 4",
+    ):
+        shader = SURFACE.format(f'<input name="base_color" type="color3" value="{text}"/>')
+        refused(document(shader), "which is not of type color3")
+
+
+def test_divisions_by_zero(document, library):
+    divide = (
+        '<divide name="n" type="color3"><input name="in2" type="color3" value="0,0,0"/></divide>'
+    )
+    refused(document(divide + COLOUR.format("n")), "not finite everywhere")
+
+
+def test_what_does_not_exist(document, library):
+    refused(document(COLOUR.format("n")), "is connected to 'n', which does not exist")
+    refused(document('<magic name="n" type="color3"/>' + COLOUR.format("n")), "not supported")
+    refused(
+        document(SURFACE.format('<input name="colour" type="color3"/>')),
+        "no parameter",
+        ParameterError,
+    )
+    lost = '<surfacematerial name="m" type="material"/>'
+    refused(document(lost), "is connected to no surface shader")
+
+
+IMAGE = """<image name="n" type="color3"><input name="file" type="filename" value="{}"/></image>"""
+
+
+@pytest.mark.parametrize("name", ["none.png", "", "a<UDIM>.png", "bad.png", "\u00e4" * 3000])
+def test_images_that_cannot_be_read(tmp_path, document, library, name):
+    (tmp_path / "bad.png").write_bytes(b"\x89PNG")
+    text = name.replace("<", "&lt;")
+    refused(document(IMAGE.format(text) + COLOUR.format("n")), "image|is a pattern for|cannot read")
+
+
+def test_paths_of_other_systems(tmp_path, document, library):
+    """Backslashes part folders; a name that differs in case only is named."""
+    (tmp_path / "maps").mkdir()
+    (tmp_path / "maps" / "a.exr").write_bytes(
+        b"\x76\x2f\x31\x01\x02\x00\x00\x00dataWindow\x00box2i\x00\x10\x00\x00\x00" + bytes(16)
+    )
+    refused(
+        document(IMAGE.format("Maps\\A.exr") + COLOUR.format("n")), "maps/a.exr' differs in case"
+    )
+    path = document(IMAGE.format("maps\\a.exr") + COLOUR.format("n"))
+    assert read_surface(path, lambda _: np.full((1, 1, 3), 0.5)).values["base_color"] == (0.5,) * 3
+    with pytest.raises(FileError, match="image 'maps.a.exr' has pixels that are not finite"):
+        read_surface(path, lambda _: np.full((1, 1, 3), np.nan))
+
+
+def test_a_picture_is_measured_before_it_is_decoded(tmp_path, document, library):
+    """A PNG of 100,000 x 100,000 pixels of one colour has 30 MB of zeros, compressed to 30 kB."""
+    header = struct.pack(">IIBBBBB", 100_000, 100_000, 8, 2, 0, 0, 0)
+    chunk = struct.pack(">I", 13) + b"IHDR" + header
+    chunk += struct.pack(">I", zlib.crc32(b"IHDR" + header))
+    (tmp_path / "bomb.png").write_bytes(b"\x89PNG\r\n\x1a\n" + chunk)
+    assert image_size(tmp_path / "bomb.png") == (100_000, 100_000)
+    assert MAX_PIXELS < 100_000**2
+    refused(document(IMAGE.format("bomb.png") + COLOUR.format("n")), "100000 x 100000 pixels")
+
+
+def test_fuzzing(tmp_path, library):
+    """150 mutants of seed 1; `fuzz_documents.py` says what fails."""
+    path = Path(__file__).with_name("fuzz_documents.py")
+    spec = spec_from_file_location("fuzz_documents", path)
+    fuzzer = sys.modules["fuzz_documents"] = module_from_spec(spec)
+    spec.loader.exec_module(fuzzer)
+    report = fuzzer.fuzz(tmp_path, 1, runs=150)
+    assert 0 < report.loaded < report.runs == 150

@@ -1,0 +1,440 @@
+"""Materials of documents: constants, translations, and the examples of OpenPBR."""
+
+import warnings
+
+import mitsuba as mi
+import numpy as np
+import pytest
+
+import urushi
+from urushi.errors import FileError, ParameterError, UrushiWarning
+from urushi.openpbr_surface.materialx.shaders import F82_COSINE, edge_tint
+from urushi.openpbr_surface.materialx.surface import read_surface
+
+TWO = """<open_pbr_surface name="a" type="surfaceshader">
+    <input name="base_metalness" type="float" value="0.25"/>
+    <input name="base_color" type="color3" value="0.5, 0.25, 0.125"/>
+    <input name="geometry_thin_walled" type="boolean" value="false"/>
+  </open_pbr_surface>
+  <open_pbr_surface name="b" type="surfaceshader"/>
+  <surfacematerial name="A" type="material">
+    <input name="surfaceshader" type="surfaceshader" nodename="a"/></surfacematerial>
+  <surfacematerial name="B" type="material">
+    <input name="surfaceshader" type="surfaceshader" nodename="b"/></surfacematerial>"""
+
+
+def test_a_material_is_found_by_its_name(document):
+    path = document(TWO)
+    surface = read_surface(path, None, "A")
+    assert surface.name == "A"
+    assert surface.values == {
+        "base_metalness": 0.25,
+        "base_color": (0.5, 0.25, 0.125),
+        "geometry_thin_walled": False,
+    }
+    assert read_surface(path, None, "B").values == {}
+    with pytest.raises(ParameterError, match="has several materials; choose one of A, B"):
+        read_surface(path, None)
+    with pytest.raises(ParameterError, match="has no material 'C'; choose one of A, B"):
+        read_surface(path, None, "C")
+
+
+def test_a_shader_may_be_in_a_graph_and_in_an_included_file(document):
+    document(
+        """<nodegraph name="g"><open_pbr_surface name="s" type="surfaceshader">
+        <input name="base_color" type="color3" value="1, 1, 1"/>
+        <input name="coat_weight" type="float" value="0.5"/></open_pbr_surface>
+        <output name="o" type="surfaceshader" nodename="s"/></nodegraph>""",
+        space="acescg",
+        name="part.mtlx",
+    )
+    path = document(
+        """<xi:include href="part.mtlx"/><surfacematerial name="M" type="material">
+        <input name="surfaceshader" type="surfaceshader" nodegraph="g"/></surfacematerial>"""
+    )
+    values = read_surface(path, None).values
+    assert values["coat_weight"] == 0.5
+    assert values["base_color"] == pytest.approx((1, 1, 1))
+
+
+@pytest.mark.parametrize(("space", "same"), [("lin_rec709", True), ("acescg", False)])
+def test_an_input_takes_the_nearest_colour_space(document, space, same):
+    shader = """<open_pbr_surface name="s" type="surfaceshader">
+        <input name="base_color" type="color3" value="0.3, 0.2, 0.1"{}/></open_pbr_surface>"""
+    inherited = read_surface(document(shader.format(""), space), None).values["base_color"]
+    own = shader.format(' colorspace="lin_rec709"')
+    given = read_surface(document(own, space), None).values["base_color"]
+    assert given == (0.3, 0.2, 0.1)
+    assert (inherited == given) is same
+
+
+def test_a_colour_outside_of_srgb_is_limited_with_a_warning(document):
+    path = document(
+        """<open_pbr_surface name="s" type="surfaceshader">
+        <input name="base_color" type="color3" value="0, 1, 0"/></open_pbr_surface>""",
+        "acescg",
+    )
+    with pytest.warns(UrushiWarning, match=r"base_color leaves \[0, 1\] in linear sRGB"):
+        values = read_surface(path, None).values
+    assert values["base_color"] == (0, 1, 0)
+
+
+def test_bright_emission_keeps_its_radiance(document):
+    """The luminance multiplies the colour, so that only their product counts."""
+    shader = """<open_pbr_surface name="s" type="surfaceshader">
+        <input name="emission_color" type="color3" value="4, 2, 1"/>
+        <input name="emission_luminance" type="float" value="10"/></open_pbr_surface>"""
+    values = read_surface(document(shader), None).values
+    assert max(values["emission_color"]) == 1
+    product = np.array(values["emission_color"]) * values["emission_luminance"]
+    assert product == pytest.approx([40, 20, 10])
+
+
+def test_an_abbe_number_as_a_scale_is_limited(document):
+    shader = """<open_pbr_surface name="s"><input name="transmission_dispersion_scale" type="float"
+        value="55.3"/></open_pbr_surface>"""
+    with pytest.warns(UrushiWarning, match=r"dispersion_scale leaves \[0, 1\] and is clipped"):
+        assert read_surface(document(shader), None).values == {"transmission_dispersion_scale": 1}
+
+
+def test_values_out_of_range_are_refused(document):
+    shader = """<open_pbr_surface name="s" type="surfaceshader">
+        <input name="coat_weight" type="float" value="1.5"/></open_pbr_surface>"""
+    with pytest.raises(ParameterError, match=r"coat_weight is 1.5; it must be in \[0, 1\]"):
+        read_surface(document(shader), None)
+
+
+def inputs(**values):
+    """Input elements: a float, or a colour as a tuple."""
+    kinds = {tuple: "color3", int: "integer", float: "float"}
+    text = {
+        name: ", ".join(map(str, x)) if isinstance(x, tuple) else x for name, x in values.items()
+    }
+    return "".join(
+        f'<input name="{name}" type="{kinds[type(x)]}" value="{text[name]}"/>'
+        for name, x in values.items()
+    )
+
+
+@pytest.fixture
+def translated(document, library):
+    """A function: the parameters of a shader with some inputs; any warning is an error."""
+
+    def values(tag, **given):
+        path = document(f'<{tag} name="s" type="surfaceshader">{inputs(**given)}</{tag}>')
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            return read_surface(path, None).values
+
+    return values
+
+
+def test_a_coat_of_standard_surface_tints_once_and_stays_on_metal(translated):
+    """Below the coat's reflection, the graph multiplies any base by coat_color."""
+    for metalness in (0.0, 0.00392, 1.0):
+        values = translated(
+            "standard_surface",
+            base=1.0,
+            base_color=(1.0, 0.78, 0.34),
+            specular=0.2,
+            metalness=metalness,
+            coat=0.75,
+            coat_color=(0.9, 0.2, 0.1),
+            coat_roughness=0.05,
+        )
+        assert values["base_color"] == pytest.approx((1.0, 0.78, 0.34))
+        assert values["coat_color"] == pytest.approx((0.9, 0.2, 0.1))
+        assert values["coat_weight"] == 0.75
+        assert values["coat_darkening"] == 0  # its graph does not darken the base
+        assert values["coat_roughness"] == pytest.approx(0.05)
+        assert values["specular_weight"] == pytest.approx(0.2 + 0.8 * metalness)
+
+
+def test_values_of_standard_surface(translated):
+    values = translated(
+        "standard_surface",
+        base_color=(0.5, 0.25, 1.0),
+        coat=0.5,
+        coat_affect_color=1.0,
+        thin_film_thickness=500.0,
+        transmission_dispersion=55.3,
+        subsurface_radius=(2.0, 1.0, 0.5),
+        subsurface_scale=3.0,
+        sheen=0.5,
+        opacity=(0.3, 0.3, 0.3),
+    )
+    assert values["base_color"] == pytest.approx((0.5**1.5, 0.25**1.5, 1))  # "coat gamma"
+    assert (values["thin_film_thickness"], values["thin_film_weight"]) == (0.5, 1)
+    assert values["transmission_dispersion_abbe_number"] == 55.3
+    assert values["subsurface_radius"] == 6
+    assert values["subsurface_radius_scale"] == (1, 0.5, 0.25)
+    assert values["fuzz_weight"] == 0.5
+    assert values["geometry_opacity"] == pytest.approx(0.3)
+
+
+@pytest.mark.parametrize("reflectivity", [0.1, 0.5, 0.9])
+@pytest.mark.parametrize("edge", [0.2, 1.0])
+def test_the_edge_of_a_metal_is_that_of_its_index(reflectivity, edge):
+    """F82 times Schlick's term is Mitsuba's Fresnel term of Gulbrandsen's index, up to a tint of 1.
+
+    The index is equation 6 and 8 of his paper; Mitsuba is in single precision.
+    """
+    r = reflectivity
+    n = edge * (1 - r) / (1 + r) + (1 - edge) * (1 + r**0.5) / (1 - r**0.5)
+    k = max(((n + 1) ** 2 * r - (n - 1) ** 2) / (1 - r), 0) ** 0.5
+    mi.set_variant("scalar_rgb")
+    fresnel = mi.fresnel_conductor(F82_COSINE, mi.Complex2f(n, k))
+    schlick = r + (1 - r) * (1 - F82_COSINE) ** 5
+    assert edge_tint(np.full(1, r), np.full(1, edge)) == pytest.approx(
+        min(fresnel / schlick, 1), 1e-4
+    )
+
+
+def widths(values, part):
+    """The GGX widths along and across the tangent (OpenPBR Surface 1.1.1, "Microfacet")."""
+    r, a = values[f"{part}_roughness"], values[f"{part}_roughness_anisotropy"]
+    along = r**2 * (2 / (1 + (1 - a) ** 2)) ** 0.5
+    return along, (1 - a) * along
+
+
+def test_anisotropy_keeps_its_widths(translated):
+    """MaterialX's node roughness_anisotropy, and glTF's extension KHR_materials_anisotropy."""
+    values = translated("standard_surface", specular_roughness=0.5, specular_anisotropy=0.75)
+    assert widths(values, "specular") == pytest.approx((0.25 / 0.5, 0.25 * 0.5))
+    values = translated("disney_principled", roughness=0.5, anisotropic=0.75)
+    assert widths(values, "specular") == pytest.approx((0.25 / 0.5, 0.25 * 0.5))
+    values = translated("gltf_pbr", roughness=0.5, anisotropy_strength=0.6)
+    assert widths(values, "specular") == pytest.approx((0.25 + 0.75 * 0.36, 0.25))
+
+
+def reflectance(ior):
+    return ((ior - 1) / (ior + 1)) ** 2
+
+
+def test_gltf_pbr(translated):
+    """A sheen of colour c is a fuzz of weight max c; emission above 1 goes into the luminance."""
+    values = translated(
+        "gltf_pbr",
+        base_color=(0.1, 0.2, 0.3),
+        metallic=0.0,
+        specular_color=(2.0, 1.0, 0.5),
+        specular=0.5,
+        ior=1.4,
+        clearcoat=0.7,
+        clearcoat_roughness=0.2,
+        sheen_color=(0.2, 0.4, 0.1),
+        emissive=(0.5, 0.25, 0.0),
+        emissive_strength=8.0,
+        iridescence_thickness=300.0,
+        alpha=0.3,
+    )
+    tint = values["specular_weight"] * np.array(values["specular_color"])
+    assert tint == pytest.approx((1.0, 0.5, 0.25))
+    assert values["fuzz_weight"] * np.array(values["fuzz_color"]) == pytest.approx((0.2, 0.4, 0.1))
+    light = values["emission_luminance"] * np.array(values["emission_color"])
+    assert light == pytest.approx((4, 2, 0))
+    assert values["thin_film_thickness"] == pytest.approx(0.3)
+    assert values["geometry_opacity"] == 1  # alpha_mode is OPAQUE
+    assert (values["coat_weight"], values["coat_ior"], values["specular_ior"]) == (0.7, 1.5, 1.4)
+    assert translated("gltf_pbr", alpha=0.3, alpha_mode=1)["geometry_opacity"] == 0
+    assert translated("gltf_pbr", alpha=0.3, alpha_mode=2)["geometry_opacity"] == 0.3
+
+
+def test_usd_preview_surface(translated):
+    values = translated(
+        "UsdPreviewSurface",
+        useSpecularWorkflow=1,
+        specularColor=(0.04, 0.16, 0.08),
+        metallic=1.0,
+        clearcoat=0.5,
+    )
+    f0 = reflectance(values["specular_ior"]) * np.array(values["specular_color"])
+    assert f0 == pytest.approx((0.04, 0.16, 0.08))
+    assert (values["base_metalness"], values["coat_weight"]) == (0, 0.5)
+    assert values["emission_luminance"] == 0
+    assert translated("UsdPreviewSurface", opacity=0.25)["transmission_weight"] == 0.75
+    cut = translated("UsdPreviewSurface", opacity=0.25, opacityThreshold=0.5)
+    assert (cut["transmission_weight"], cut["geometry_opacity"]) == (0, 0)
+
+
+def test_disney_principled(translated):
+    """Burley 2012: specular is F0 / 0.08, and a gloss of clearcoat is 1 - roughness."""
+    values = translated("disney_principled", specular=0.75, clearcoat=1.0, clearcoatGloss=0.9)
+    assert reflectance(values["specular_ior"]) == pytest.approx(0.06)
+    assert values["coat_roughness"] == pytest.approx(0.1)
+
+
+@pytest.mark.parametrize(
+    ("tag", "kept", "lost"),
+    [
+        ("standard_surface", "specular_rotation", {"specular_anisotropy": 0.5}),
+        ("standard_surface", "transmission_extra_roughness", {"transmission": 1.0}),
+        ("gltf_pbr", "anisotropy_rotation", {"anisotropy_strength": 0.5}),
+    ],
+)
+def test_a_warning_says_what_is_lost(translated, tag, kept, lost):
+    """An input that the other inputs leave without effect is not lost."""
+    translated(tag, **{kept: 0.2})
+    with pytest.raises(UrushiWarning, match=f"no counterpart of {kept} of {tag}"):
+        translated(tag, **{kept: 0.2}, **lost)
+
+
+def test_shaders_of_other_sides_are_named(document, library):
+    """A displacement by nothing is not lost."""
+    displaced = """<displacement name="d" type="displacementshader">
+        <input name="displacement" type="float" value="0.1"/></displacement>
+        <standard_surface name="s" type="surfaceshader"/>
+        <surfacematerial name="m" type="material">
+        <input name="surfaceshader" type="surfaceshader" nodename="s"/>
+        <input name="{}" type="{}" nodename="{}"/></surfacematerial>"""
+    for given, part in (
+        (("displacementshader", "displacementshader", "d"), "displacement"),
+        (("backsurfaceshader", "surfaceshader", "s"), "back's shader"),
+    ):
+        with pytest.warns(UrushiWarning, match=f"its {part} is left out"):
+            read_surface(document(displaced.format(*given)), None)
+    flat = displaced.format("displacementshader", "displacementshader", "d").replace("0.1", "0")
+    read_surface(document(flat), None)
+
+
+SHADER = """<open_pbr_surface name="s" type="surfaceshader">
+    <input name="base_color" type="color3" {}/></open_pbr_surface>
+    <output name="out" type="surfaceshader" nodename="s"/>"""
+PAINT = (
+    '<constant name="paint" type="color3"><input name="value" type="color3" value="{}"/></constant>'
+)
+MATERIAL = """<surfacematerial name="m" type="material">
+    <input name="surfaceshader" type="surfaceshader" {}="{}"/></surfacematerial>"""
+OF_GRAPH, OF_NODE = MATERIAL.format("nodegraph", "g"), MATERIAL.format("nodename", "s")
+RED = PAINT.format("1, 0, 0")
+GREEN = PAINT.format("0, 1, 0")
+INSIDE = SHADER.format('nodename="paint"')
+INTERFACE = SHADER.format('interfacename="c"')
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        f'{RED}<nodegraph name="g">{GREEN}{INSIDE}</nodegraph>{OF_GRAPH}',
+        f'{RED}<nodegraph name="g">{GREEN}{INSIDE}{OF_NODE}</nodegraph>',
+        f"""{RED}<nodegraph name="o"><nodegraph name="g">{GREEN}{INSIDE}</nodegraph>
+        <output name="out" type="surfaceshader" nodegraph="g"/></nodegraph>
+        {OF_GRAPH.replace('"g"', '"o" output="out"')}""",
+        f"""{GREEN}<nodegraph name="g"><input name="c" type="color3" nodename="paint"/>
+        {RED}{INTERFACE}</nodegraph>{OF_GRAPH}""",
+        f"""<nodegraph name="g"><input name="c" type="color3" value="0, 1, 0"/>
+        {RED}{INTERFACE}</nodegraph>{OF_GRAPH}""",
+        f"""<nodedef name="ND" node="coat_of_paint"><input name="c" type="color3" value="1, 0, 0"/>
+        <output name="out" type="surfaceshader"/></nodedef>
+        <nodegraph name="NG" nodedef="ND">{RED}{INTERFACE}</nodegraph>{GREEN}
+        <coat_of_paint name="p" type="surfaceshader">
+        <input name="c" type="color3" nodename="paint"/></coat_of_paint>
+        {OF_NODE.replace('"s"', '"p"')}""",
+        f'{RED}<nodegraph name="g">{GREEN}{INSIDE}</nodegraph>',
+    ],
+    ids=["graph", "material", "nested", "interface", "value", "functional", "shader only"],
+)
+def test_names_belong_to_their_graph(document, library, body):
+    """The shader's colour is green; a node of the same name in another scope is red."""
+    assert read_surface(document(body), None).values["base_color"] == (0, 1, 0)
+
+
+@pytest.mark.parametrize(
+    ("tag", "name"),
+    [("open_pbr_surface", "thin_film_thickness"), ("gltf_pbr", "iridescence_thickness")],
+)
+@pytest.mark.parametrize(
+    ("value", "unit"), [("500", "nanometer"), ("0.5", "micron"), ("5e-7", "meter")]
+)
+def test_the_thickness_of_a_film_has_a_unit(document, library, tag, name, value, unit):
+    """OpenPBR's is in micrometres; wherever in the graph the number is."""
+    number = f'type="float" value="{value}" unit="{unit}" unittype="distance"'
+    shader = f'<{tag} name="s" type="surfaceshader"><input name="{name}" {{}}/></{tag}>'
+    direct = document(shader.format(number))
+    assert read_surface(direct, None).values["thin_film_thickness"] == pytest.approx(0.5)
+    node = f'<constant name="c" type="float"><input name="value" {number}/></constant>'
+    linked = document(node + shader.format('type="float" nodename="c"'))
+    assert read_surface(linked, None).values["thin_film_thickness"] == pytest.approx(0.5)
+
+
+def test_unknown_shaders_are_refused(document, library):
+    with pytest.raises(FileError, match="of kind simple_hair, which is not read; translate it to"):
+        read_surface(document('<simple_hair name="s" type="surfaceshader"/>'), None)
+    mix = """<mix name="m" type="surfaceshader"/><surfacematerial name="x" type="material">
+        <input name="surfaceshader" type="surfaceshader" nodename="m"/></surfacematerial>"""
+    with pytest.raises(FileError, match=r"node 'm' \(mix\): its bg is connected to no surface"):
+        read_surface(document(mix), None)
+    chain = "".join(
+        f"""<mix name="m{k}" type="surfaceshader"><input name="mix" type="float" value="0.5"/>
+        <input name="bg" type="surfaceshader" nodename="m{k - 1}"/>
+        <input name="fg" type="surfaceshader" nodename="m{k - 1}"/></mix>"""
+        for k in range(1, 40)
+    )
+    shader = '<open_pbr_surface name="m0" type="surfaceshader"/>'
+    with pytest.raises(FileError, match="mixes more than 16 surface shaders"):
+        read_surface(document(shader + chain), None, "m39")
+
+
+def test_directions_that_are_not_set(document, library):
+    """Editors write them as 0, 0, 0."""
+    directions = "".join(
+        f'<input name="{name}" type="vector3" value="0, 0, 0"/>'
+        for name in ("normal", "coat_normal", "tangent")
+    )
+    path = document(f'<standard_surface name="s">{directions}</standard_surface>')
+    assert not [name for name in read_surface(path, None).values if name.endswith("al")]
+
+
+def test_a_document_may_bring_its_own_translation(document, library):
+    path = document(
+        """<nodedef name="ND" node="gltf_pbr_to_open_pbr_surface">
+        <input name="metallic" type="float" value="1"/>
+        <output name="base_metalness_out" type="float"/>
+        <output name="coat_weight_out" type="float"/></nodedef>
+        <nodegraph name="NG" nodedef="ND">
+        <dot name="d" type="float"><input name="in" type="float" interfacename="metallic"/></dot>
+        <output name="base_metalness_out" type="float" nodename="d"/>
+        <output name="coat_weight_out" type="float" value="0.5"/></nodegraph>
+        <gltf_pbr name="s" type="surfaceshader">
+        <input name="metallic" type="float" value="0.75"/></gltf_pbr>"""
+    )
+    assert read_surface(path, None).values == {"base_metalness": 0.75, "coat_weight": 0.5}
+
+
+def test_an_old_document_is_upgraded(tmp_path, library):
+    """Swizzles are of 1.38. A pattern of file names, which is escaped in XML, stays so."""
+    path = tmp_path / "old.mtlx"
+    path.write_text(
+        """<materialx version="1.38" colorspace="lin_rec709">
+        <nodegraph name="g"><constant name="c" type="color4">
+        <input name="value" type="color4" value="0.1, 0.2, 0.3, 0.4"/></constant>
+        <swizzle name="s" type="color3"><input name="in" type="color4" nodename="c"/>
+        <input name="channels" type="string" value="bgr"/></swizzle>
+        <output name="o" type="color3" nodename="s"/></nodegraph>
+        <image name="i" type="color3"><input name="file" type="filename" value="&lt;UDIM&gt;.png"/>
+        </image>
+        <standard_surface name="s" type="surfaceshader">
+        <input name="base_color" type="color3" nodegraph="g" output="o"/></standard_surface>
+        </materialx>"""
+    )
+    assert read_surface(path, None).values["base_color"] == pytest.approx((0.3, 0.2, 0.1))
+
+
+def test_every_example_of_openpbr_is_read(openpbr_examples):
+    paths = sorted(openpbr_examples.glob("*.mtlx"))
+    assert len(paths) == 83
+    for path in paths:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UrushiWarning)  # colours outside of sRGB
+            description = urushi.load_materialx(path)
+        assert description["type"] == "openpbr"
+        assert len(description) > 1
+
+
+def test_aces_gold_is_gold(openpbr_examples):
+    """ACEScg 0.944, 0.776, 0.373 (Gold of the examples) in linear sRGB, by the matrix of OCIO."""
+    with pytest.warns(UrushiWarning):
+        gold = urushi.load_materialx(openpbr_examples / "open_pbr_gold.mtlx")
+    r, g, b = gold["base_color"]["value"]
+    assert r == 1
+    assert r > g > b > 0.25
