@@ -144,33 +144,41 @@ def test_indices_below_one_are_those_of_the_lobe(material):
     np.testing.assert_allclose(coated.latents[:, 4], (1.5, 0.7, 0.5), rtol=1e-6)
 
 
-@pytest.mark.parametrize("sigma_t", [20.0, 50.0, 1e4])
+@pytest.mark.parametrize("sigma_t", [9.0, 20.0, 50.0, 1e4, 1e6])
 def test_a_deep_white_medium_stays_white(trained, sigma_t):
-    """Nothing absorbs, so that the albedo is 1; the networks lose 13 % at the depth of 12."""
-    with pytest.warns(UrushiWarning, match="sigma_t is above 8"):
-        enamel = layer(TOP, diffuse(1.0), albedo=1.0, sigma_t=sigma_t, weights=trained)
+    """Nothing absorbs, so that the albedo is 1 but for a bottom whose code is 0.995.
+
+    Light meets it a few times. Grazing light of rough coats is lost between facets.
+    """
+    enamel = layer(dielectric(0.01, 1.5), diffuse(1.0), albedo=1.0, sigma_t=sigma_t)
     cosines = np.array([1.0, 0.9, 0.6])
     wi = np.stack([np.sqrt(1 - cosines**2), 0 * cosines, cosines], axis=-1)
-    np.testing.assert_allclose(enamel.directional_albedo(wi), 1, atol=0.15)
+    np.testing.assert_allclose(enamel.directional_albedo(wi), 1, atol=0.03)
 
 
 @pytest.mark.parametrize(
-    "medium",
+    ("bottom", "medium"),
     [
-        {"albedo": 0.98, "sigma_t": 50.0, "g": 0.0},
-        {"albedo": 1.0, "sigma_t": 20.0, "g": 0.7},
-        {"albedo": 1.0, "sigma_t": 8.0, "g": 0.93},
+        (diffuse(0.5), {"albedo": 0.98, "sigma_t": 50.0, "g": 0.0}),
+        (diffuse(0.5), {"albedo": 1.0, "sigma_t": 20.0, "g": 0.7}),
+        (diffuse(0.5), {"albedo": 1.0, "sigma_t": 8.0, "g": 0.93}),
+        (diffuse(0.5), {"albedo": 0.9, "sigma_t": 2.0, "g": -0.95}),
+        (conductor(0.02, 0.9), {"albedo": 1.0, "sigma_t": 20.0, "g": 0.0}),
     ],
 )
-def test_media_outside_the_training_data_are_near_the_walk(trained, medium):
-    """Standard error of a pair 3 %; the networks at the medium's own numbers are 30 to 70 % off."""
+def test_media_outside_the_training_data_are_near_the_walk(trained, bottom, medium):
+    """Standard error of a pair 2 %; the networks at the medium's own numbers are 30 to 70 % off."""
     wi = np.array([[0, 0.6, 0.8], [0.3, 0.1, 0.9**0.5]], np.float32)
     wo = np.array([[0.3, -0.1, 0.9**0.5], [-0.5, 0, 0.75**0.5]], np.float32)
-    stack = coat(diffuse(0.5), alpha=0.1, eta=1.5, **medium)
-    truth = simulate(stack, wi, wo, walks=4096, progress=False)[0]
-    with pytest.warns(UrushiWarning, match=r"sigma_t is above 8|g is outside \[-0.8, 0.9\]"):
-        found = layer(TOP, diffuse(0.5), **medium, weights=trained).f(wi, wo)
-    np.testing.assert_allclose(found, truth, rtol=0.15)
+    truth = simulate(coat(bottom, alpha=0.1, eta=1.5, **medium), wi, wo, walks=8192, progress=False)
+    found = layer(TOP, bottom, **medium, weights=trained).f(wi, wo)
+    np.testing.assert_allclose(found, truth[0], rtol=0.1)
+
+
+def test_codes_outside_the_training_data_are_warned_of():
+    """Anisotropic materials have no table."""
+    with pytest.warns(UrushiWarning, match=r"g is outside \[-0.8, 0.9\] and sigma_t is above 8"):
+        layer(dielectric(alpha_u=0.1, alpha_v=0.2, eta=1.5), diffuse(0.5), sigma_t=9.0, g=-0.9)
 
 
 def test_media_of_the_training_data_are_not_changed():

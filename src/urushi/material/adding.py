@@ -33,6 +33,9 @@ FINE = 10
 #: Largest asymmetry of a phase function on the grid. A sharper forward peak counts as unscattered.
 LARGEST_ASYMMETRY = 0.9
 
+#: Least asymmetry that the grid resolves; a sharper backward peak counts as this one.
+RESOLVED_G = -0.95
+
 #: Optical depth at which doubling begins, and the least depth of scattering that counts.
 FIRST_DEPTH, LEAST_SCATTERING = 1e-4, 1e-6
 
@@ -205,6 +208,7 @@ def seen_inside(
         ahead = (g - LARGEST_ASYMMETRY) / (1 - LARGEST_ASYMMETRY)
         left = 1 - albedo * ahead
         albedo, sigma_t, g = albedo * (1 - ahead) / left, sigma_t * left, LARGEST_ASYMMETRY
+    g = max(g, RESOLVED_G)
     through = np.exp(-sigma_t / own.cosines)
     direct = through[:, None] * bottom * through
     every = direct

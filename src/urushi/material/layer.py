@@ -34,9 +34,6 @@ DEEPEST = 12.0
 #: error is that of the trained ratios.
 WIDEST = 1.25 * checks.TRAINED_WIDTH_RATIO
 
-#: GGX width of a bottom's lobe from which a table holds it under a coat of an index near one.
-TABULATED_FROM = 0.03
-
 
 def layer(
     top: Dielectric,
@@ -54,11 +51,12 @@ def layer(
         top: the coat's interface, from `urushi.dielectric(alpha, eta)`, isotropic or anisotropic.
         bottom: a Material, or anything that `encode` accepts; coats nest. All layers share one
             tangent: a bottom that was `rotated` cannot get an anisotropic coat. If the bottom has a
-            table, such as a measured BRDF, light transport is computed without networks (see
-            `urushi.material.coated_table`), and the result has a table too; this takes a second.
+            table, such as a measured BRDF, or the medium is outside the networks' training data,
+            light transport is computed without networks (see `urushi.material.coated_table`), and
+            the result has a table too; this takes a second. Anisotropic materials have no tables.
         albedo: single-scattering albedo of the medium in [0, 1].
-        sigma_t: its optical depth in [0, 1e6]; above 8 see `within_training`.
-        g: its Henyey-Greenstein asymmetry in (-1, 1); outside [-0.8, 0.9] see `within_training`.
+        sigma_t: its optical depth in [0, 1e6].
+        g: its Henyey-Greenstein asymmetry in (-1, 1); in tables, less than -0.95 is -0.95.
         weights, refine: as in `encode`, for a bottom that is not a Material.
 
     Every parameter is a scalar or one value per RGB channel.
@@ -73,7 +71,8 @@ def layer(
             that are not the shipped ones; or the two widths of a surface have a ratio above 10.
 
     Warns:
-        UrushiWarning: sigma_t or g is outside the networks' training data.
+        UrushiWarning: the medium is outside the networks' training data, and the result has no
+            table: its codes are those of `within_training`.
     """
     if not isinstance(top, Dielectric):
         raise ParameterError(
@@ -97,16 +96,18 @@ def layer(
                 f"the coat's {name} has three values, but the bottom has {bottom.channels} "
                 "channels; give a scalar"
             )
-    if bottom.table is None:
+    coated = layer_material(coat, bottom)
+    if coated.table is None:
         checks.warn_of_training(checks.outside_training(coat), "layer: the coat's")
-    return layer_material(coat, bottom)
+    return coated
 
 
 def layer_material(coat: CoatParameters, bottom: Material) -> Material:
     """`layer` for checked parameters: arrays (C,), (1,) or ().
 
-    If the bottom has a table, or the coat's index is one for which codes fade (`presence`), the
-    result has a table of the rest beside the coat's lobe.
+    If the bottom has a table, or the coat's index is one for which codes fade (`presence`), or its
+    medium is outside the networks' training data, the result has a table of the rest beside the
+    coat's lobe.
     """
     model = bottom.model
     coat = _for_networks(model, coat)
@@ -126,8 +127,8 @@ def _tabulated(bottom: Material, coat: CoatParameters) -> Material | None:
     networks, none = bottom.model.networks, np.zeros(())
     if not isinstance(networks, UrushiNetworks) or bottom.model.widths != 1:
         return None
-    sharp = bottom.latents[:, 0].min() < TABULATED_FROM
-    if sharp or (presence(none, coat.eta, none) >= PRESENT).all():
+    codes_fade = (presence(none, coat.eta, none) < PRESENT).any()
+    if not (codes_fade or checks.outside_training(coat)):
         return None
     table = rest_table(networks, bottom.latents)
     if table is None:

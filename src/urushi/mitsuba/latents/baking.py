@@ -69,7 +69,7 @@ class Baker:
             ParameterError: a parameter is out of range, or the bottom's values are not a BRDF.
 
         Warns:
-            UrushiWarning: the coat is outside the networks' training data.
+            UrushiWarning: codes of a coat outside the networks' training data are rendered.
         """
         self._left = set()
         grid = choose_grid(self._coat, self._bottom, self.model, self._resolution)
@@ -88,10 +88,11 @@ class Baker:
         coat = CoatParameters(**self._coat.layering(np.full((1, 2), 0.5)))
         bottom = self.bottom.material
         assert bottom is not None  # for the type checker
-        if bottom.table is None:
-            self._left = checks.outside_training(coat)
         columns = [column[0] for column in coat.columns()]
-        return ConstantLatents.of(layer_material(CoatParameters.of_columns(columns), bottom))
+        material = layer_material(CoatParameters.of_columns(columns), bottom)
+        if material.table is None:
+            self._left = checks.outside_training(coat)
+        return ConstantLatents.of(material)
 
     def _textured(self, grid: TexelGrid) -> TexturedLatents:
         """The codes of all texels: from the disk, or those of the bottom, layered."""

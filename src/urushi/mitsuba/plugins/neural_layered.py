@@ -75,12 +75,14 @@ def define(base: type) -> type:
         ``urushi.encode``), encoded, and layered by the network. A constant coat over a constant
         bottom that is known by its values alone, such as ``measured_brdf``, ``roughplastic`` or
         ``principled``, a file with a table, or another such coat is computed from a table instead,
-        as in ``urushi.layer``. All layers share one tangent frame, as in ``layered``. Textures are
+        as in ``urushi.layer``, and so is a constant coat outside the ranges that the networks know.
+        All layers share one tangent frame, as in ``layered``. Textures are
         baked in their own space if they share one ``to_uv``, otherwise over the unit square of uv,
         which repeats. A change through ``mi.traverse`` recomputes the codes that depend on it. The
         method ``save`` writes the codes to a file for ``neural_brdf``. Reflects on the front side
-        only: nest it in ``twosided`` for both sides. Outside the ranges that the networks know, a
-        similar medium is layered with a warning; two widths of a ratio above 10 are refused.
+        only: nest it in ``twosided`` for both sides. Outside the ranges that the networks know,
+        textures and anisotropic coats layer a similar medium, with a warning; two widths of a ratio
+        above 10 are refused.
         In spectral variants, a constant coat has one code for each of 56 bands from 380 to 720 nm,
         and a wavelength takes that of its band. Textures have three bands at 611, 549 and 464 nm,
         linear in between, which desaturate coated colours.
