@@ -5,12 +5,9 @@ import numpy as np
 import pytest
 
 from urushi.material import Material
-from urushi.material.table import interpolated, rest_table
 from urushi.nets import features as numpy_features
 from urushi.nets import sampler as numpy_lobes
 from urushi.nets import sampler as numpy_sampler
-from urushi.textures import packing
-from urushi.textures.store import TextureStore
 
 
 def hemisphere(count: int, seed: int) -> np.ndarray:
@@ -71,45 +68,6 @@ def test_features_agree_with_numpy(rgb):
     ours = np.stack([x.numpy() for x in numpy_features.DIRECTIONS[1].each(columns)], -1)
     # rounding of logarithms of small half angles, in units of their spread
     np.testing.assert_allclose(ours, numpy_features.direction_features(wi, wo), atol=2e-5)
-
-
-def test_f_agrees_with_numpy(rgb, parts):
-    """The lobe, and the table of the rest, of which `tests.material.test_table` has the error."""
-    drjit, numpy = parts
-    wi, wo = pairs()
-    f = evaluated(drjit, interaction(rgb, wi), vector(rgb, wo))
-    networks, z = numpy.model.networks, numpy.latents
-    expected = networks.top(z, wi[:, None], wo[:, None])
-    expected = expected + interpolated(rest_table(networks, z), wi, wo)
-    # Coordinates lose digits at grazing angles, where the values of these random networks change
-    # by half from one node to the next.
-    np.testing.assert_allclose(np.stack([x.numpy() for x in f], -1), expected, rtol=5e-3)
-
-
-def test_f_is_reciprocal_to_the_last_bit(rgb, parts):
-    drjit, _ = parts
-    wi, wo = pairs()
-    there = evaluated(drjit, interaction(rgb, wi), vector(rgb, wo))
-    back = evaluated(drjit, interaction(rgb, wo), vector(rgb, wi))
-    for a, b in zip(there, back, strict=True):
-        np.testing.assert_array_equal(a.numpy(), b.numpy())
-
-
-def test_f_of_a_constant_texture_agrees_with_numpy(rgb, model, parts):
-    from urushi.mitsuba.latents.holders import TexturedLatents
-    from urushi.textures.grid import IDENTITY, TexelGrid
-
-    _, numpy = parts
-    store = TextureStore(model, packing.texel_layout(model, 3), 8, 4)
-    with store.writing() as write:
-        write(np.arange(32), np.broadcast_to(latents(3), (32, 3, 32)))
-    textured = TexturedLatents(model, store, TexelGrid(8, 4, IDENTITY, "repeat", False))
-    wi, wo = pairs()
-    si = interaction(rgb, wi)
-    si.uv = rgb.Point2f(np.random.default_rng(0).normal(size=(2, len(wi))).astype(np.float32))
-    f = np.stack([x.numpy() for x in evaluated(textured, si, vector(rgb, wo))], -1)
-    # half precision: 5e-4 of a latent, 32 of them, through a network that triples its output
-    np.testing.assert_allclose(f, numpy.f(wi, wo), rtol=2e-2)
 
 
 def test_mixture_agrees_with_numpy(rgb, model, parts):

@@ -62,8 +62,10 @@ def agree(a: np.ndarray, b: np.ndarray) -> None:
     assert (np.abs(total[0].mean(axis=0) - total[1].mean(axis=0)) < 5 * spread).all()
 
 
-def test_light_bsdf_and_combined_sampling_give_the_same_picture(rgb):
-    bsdf = rgb.load_dict(described(alpha=0.15, albedo=0.7, sigma_t=0.5))
+@pytest.mark.parametrize("plugin", ["layered", "neural_layered"])
+def test_light_bsdf_and_combined_sampling_give_the_same_picture(rgb, plugin):
+    coat = described(alpha=0.15, albedo=0.7, sigma_t=0.5) | {"type": plugin}
+    bsdf = rgb.load_dict(coat)
     pictures = []
     for light, bsdf_samples in ((1, 0), (0, 1), (1, 1)):
         integrator = {"type": "direct", "emitter_samples": light, "bsdf_samples": bsdf_samples}

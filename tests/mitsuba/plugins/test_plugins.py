@@ -100,19 +100,6 @@ def test_nested_in_mitsubas_bsdfs(rgb, describe, name):
     np.testing.assert_allclose(evaluate(mask), 0.4 * f, rtol=1e-5)
 
 
-@pytest.mark.parametrize("name", ("layered", "neural_layered"))
-@pytest.mark.parametrize("wrapper", ("normalmap", "bumpmap"))
-def test_flat_normals_change_nothing(rgb, describe, name, wrapper):
-    flat = np.full((2, 2, 3), 0.5, np.float32)
-    flat[..., 2] = 1 if wrapper == "normalmap" else 0.5
-    texture = {"type": "bitmap", "bitmap": rgb.Bitmap(flat), "raw": True}
-    wrapped = rgb.load_dict({"type": wrapper, wrapper: texture, "inner": describe(name)})
-    plain = rgb.load_dict(describe(name))
-    a, b = evaluate(wrapped, count=4096), evaluate(plain, count=4096)
-    error = 5 * (a.std(axis=0) + b.std(axis=0)) / 64 + 1e-3 * b.mean(axis=0)
-    assert (np.abs(a.mean(axis=0) - b.mean(axis=0)) <= error).all()
-
-
 def test_one_word_changes_networks_to_walks(rgb, describe):
     """`layered` ignores what `neural_layered` adds."""
     extra = {"resolution": 64, "weights": "default", "mipmaps": True}
@@ -120,18 +107,6 @@ def test_one_word_changes_networks_to_walks(rgb, describe):
     np.testing.assert_array_equal(
         evaluate(rgb.load_dict(plain | extra)), evaluate(rgb.load_dict(plain))
     )
-
-
-def test_grey_in_spectral_is_grey_in_rgb(describe):
-    import mitsuba as mi
-
-    values = {}
-    for variant in ("llvm_ad_rgb", "llvm_ad_spectral", "llvm_ad_mono"):
-        mi.set_variant(variant)
-        bsdf = mi.load_dict(describe("neural_layered") | {"base": {"type": "diffuse"}})
-        values[variant] = evaluate(bsdf)[0]
-    for f in values.values():
-        np.testing.assert_allclose(f, values["llvm_ad_rgb"][0], rtol=1e-4)
 
 
 def test_coats_agree_with_the_python_functions(rgb):

@@ -80,42 +80,6 @@ def test_a_normal_map_tilts_the_frame(rgb, coat):
     np.testing.assert_allclose(evaluate(rgb, mapped, wi, wo), inner, rtol=2e-3)
 
 
-def test_a_bump_map_of_a_slope_is_a_tilted_frame(rgb, coat):
-    # heights rise along u with a constant slope, except at the seam
-    heights = np.broadcast_to(np.linspace(0, 1, 64)[None, :, None], (2, 64, 1))
-    bumped = rgb.load_dict({"type": "bumpmap", "arbitrary": bitmap(rgb, heights), "inner": coat})
-    wi, wo = (directions(seed, 0.5) for seed in (1, 2))
-    plain = evaluate(rgb, rgb.load_dict(coat), wi, wo)
-    assert not np.allclose(evaluate(rgb, bumped, wi, wo), plain, rtol=0.1)
-    assert (evaluate(rgb, bumped, wi, wo)[3] > 0).mean() > 0.8
-
-
-def test_twosided_has_the_same_values_from_behind(rgb, coat):
-    both = rgb.load_dict({"type": "twosided", "inner": coat})
-    wi, wo = (directions(seed) for seed in (1, 2))
-    front = evaluate(rgb, rgb.load_dict(coat), wi, wo)
-    np.testing.assert_array_equal(evaluate(rgb, both, wi, wo), front)
-    below = np.float32([1, 1, -1])
-    np.testing.assert_array_equal(evaluate(rgb, both, wi * below, wo * below), front)
-    assert (evaluate(rgb, both, wi, wo * below) == 0).all()
-
-
-@pytest.mark.parametrize("opacity", (0.0, 0.5, 1.0))
-def test_a_mask_scales_the_values_by_its_opacity(rgb, coat, opacity):
-    masked = rgb.load_dict({"type": "mask", "opacity": opacity, "inner": coat})
-    wi, wo = (directions(seed) for seed in (1, 2))
-    plain = evaluate(rgb, rgb.load_dict(coat), wi, wo)
-    np.testing.assert_allclose(evaluate(rgb, masked, wi, wo), opacity * plain, rtol=1e-5, atol=1e-7)
-
-
-def test_a_blend_of_two_coats_is_their_weighted_mean(rgb, coat):
-    other = coat | {"sigma_t": 3.0}
-    blend = rgb.load_dict({"type": "blendbsdf", "weight": 0.25, "a": coat, "b": other})
-    wi, wo = (directions(seed) for seed in (1, 2))
-    a, b = (evaluate(rgb, rgb.load_dict(each), wi, wo) for each in (coat, other))
-    np.testing.assert_allclose(evaluate(rgb, blend, wi, wo), 0.75 * a + 0.25 * b, rtol=1e-5)
-
-
 def scene(mi, bsdf: dict):
     """A rectangle that fills the picture, lit from all sides."""
     to_world = mi.ScalarTransform4f()
