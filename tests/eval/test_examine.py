@@ -5,13 +5,16 @@ import json
 import numpy as np
 import pytest
 
+from urushi.core.direction_sets import cosine_pairs
+from urushi.core.error_metrics import stack_error
 from urushi.errors import FileError, ParameterError
 from urushi.eval import examine, likeness, metrics
 from urushi.eval.examine import ALBEDO_ANGLES, INCIDENT, OUTGOING
 from urushi.material import Material, encode
 from urushi.nets.architecture import Architecture, init
 from urushi.nets.weights import Model
-from urushi.walk import coat, conductor, diffuse
+from urushi.walk import coat, conductor, diffuse, simulate
+from urushi.walk.simulate import albedo
 
 pytest.importorskip("skimage")
 ARCH = Architecture(decoder=(8,), encoder=(16,), layerer=(16,), sampler=(8,), probes=48)
@@ -89,9 +92,14 @@ def test_simulated_stacks_can_be_examined(material, monkeypatch):
     monkeypatch.setattr(examine, "WALKS", 1 << 20)
     stack = coat(diffuse(0.5), alpha=0.3, eta=1.5, sigma_t=1.0, albedo=0.5)
     figures = examine.examine(stack, material).figures
-    assert all(np.isfinite(figures["E"]))
-    albedo = np.array(figures["albedo"]["source"])
-    assert (albedo > 0.05).all() and (albedo < 1).all()
+    wi, wo = cosine_pairs(np.random.default_rng(5), 1000)
+    f = simulate(stack, wi, wo, walks=256)[0]
+    error = stack_error(material.f(wi, wo).T, f.T, wi[:, 2], wo[:, 2])
+    np.testing.assert_allclose(figures["E"], error, rtol=0.1)  # of other pairs and other walks
+    angles = np.radians(ALBEDO_ANGLES)
+    up = np.stack([np.sin(angles), 0 * angles, np.cos(angles)], axis=-1)
+    expected = albedo(stack, up, walks=1 << 15)[0]
+    np.testing.assert_allclose(figures["albedo"]["source"], expected, rtol=0.03)
 
 
 def test_errors_of_materials_that_cannot_be_examined(material, tmp_path):

@@ -40,12 +40,10 @@ def assert_close(f_channels, wo, expected):
     cosine = wo[:, 2:]
     ours, expected = (a[cosine[:, 0] > MIN_COSINE] for a in (f_channels * cosine, expected))
     # Mitsuba computes in float32: its warps are known to about 1e-6 of the square, in which the
-    # mirror-like materials vary by their full range over a 32nd. A pair on the border of a cell of
-    # the steepest one can differ by about 1e-3; one pair in a thousand may.
-    scale = np.abs(expected) + 1e-3 * np.abs(expected).mean()
-    error = np.abs(ours - expected) / scale
-    assert np.quantile(error, 0.999) < 1e-3
-    assert error.max() < 1e-2
+    # mirror-like materials vary by their full range over a 32nd: by up to 1e-2 on a cell's border.
+    atol = 1e-5 * np.abs(expected).mean()
+    np.testing.assert_allclose(ours, expected, rtol=1e-2, atol=atol)
+    assert np.abs(ours - expected).sum() < 1e-4 * np.abs(expected).sum()
 
 
 def test_rgb_agrees_with_mitsuba(material, random_directions):
@@ -100,7 +98,7 @@ def test_an_anisotropic_conductor_comes_back(writers, tmp_path, random_direction
     wi, wo = random_directions(3000, 9, 0.2), random_directions(3000, 10, 0.2)
     expected = analytic.f(surface, wi, wo)
     # Linear interpolation between the file's 97 angles of the half vector.
-    assert np.median(np.abs(brdf.f(wi, wo) / expected - 1)) < 0.005
+    assert np.abs(brdf.f(wi, wo) - expected).sum() < 0.005 * expected.sum()
     material = urushi.encode(brdf)
     assert material.model.widths == 2
     error = np.abs(material.f(wi, wo) - expected).sum() / expected.sum()

@@ -39,11 +39,6 @@ def test_init_depends_on_the_seed_alone():
     assert not np.array_equal(first["decoder.0.weight"], other["decoder.0.weight"])
 
 
-def test_decoder_of_the_default_sizes_is_the_documented_one():
-    # 33-64-64-64-1 with biases, lobe and gain apart, and scales of the first layer.
-    assert parameter_count(Architecture(), "decoder") == 34 * 64 + 2 * 65 * 64 + 65 + 25 * 64
-
-
 def test_the_lobes_numbers_pass_by_decoder_and_encoder():
     arch = Architecture(latent=24, decoder=(24, 24), sampler=(16,), lobes=1)
     shapes = parameter_shapes(arch)

@@ -78,7 +78,7 @@ def test_networks_and_walk_give_a_scene_the_same_light(rendered):
         assert pair.shape[1:] == (48, 64, 3)
         assert np.isfinite(pair).all()
         assert pair.min() >= 0
-        assert (pair.mean(axis=0) > 0).mean() > 0.99, "nothing is in total darkness"
+        assert (pair.mean(axis=0) > 0).all(), "nothing is in total darkness"
     (networks, networks_error), (walk, walk_error) = map(mean_and_error, images.values())
     assert abs(networks - walk) < 0.02 * walk + 3 * np.hypot(networks_error, walk_error)
 
@@ -97,9 +97,7 @@ def test_the_exported_file_renders_as_the_dictionary_does(name, mi, tmp_path):
     named = set(re.findall(r'name="filename" value="([^"]+)"', text))
     assert named == {file.name for file in path.parent.iterdir()} - {"scene.xml"}
     loaded = mi.render(load_scene(path, {}), seed=1)
-    difference = np.abs(mi.render(scene, seed=1).numpy() - loaded.numpy())
-    assert np.quantile(difference, 0.999) < 1e-4
-    assert difference.mean() < 1e-4
+    np.testing.assert_allclose(loaded, mi.render(scene, seed=1).numpy(), atol=1e-3)
 
 
 def test_the_coat_is_a_parameter_of_the_file(mi, tmp_path):

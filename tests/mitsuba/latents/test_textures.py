@@ -316,6 +316,9 @@ def test_a_checkerboard_stays_sharp(rgb, networks):
     board = {"type": "checkerboard", "color0": 0.2, "color1": 0.9, "to_uv": turned}
     bsdf = load(rgb, "neural_layered", networks, albedo=board)
     uv = np.random.default_rng(0).uniform(-2, 2, (4096, 2)).astype(np.float32)
+    # Rounding moves points across an edge of a field, which is half of the pattern's period.
+    fields = 2 * (np.array(turned.matrix) @ np.c_[uv, np.ones(len(uv))].T)[:2]
+    uv = uv[(np.abs(fields - np.round(fields)) > 1e-4).all(axis=0)]
     si = rgb.SurfaceInteraction3f()
     si.uv = rgb.Point2f(uv.T)
     values = rgb.load_dict(board).eval(si)[0].numpy()
@@ -323,8 +326,7 @@ def test_a_checkerboard_stays_sharp(rgb, networks):
     for value in (0.2, 0.9):
         found = codes[np.isclose(values, value)]
         assert len(found) > 1000
-        # except for points that rounding may move across an edge
-        assert (found == np.median(found, axis=0)).all(axis=(1, 2)).mean() > 0.999
+        assert (found == np.median(found, axis=0)).all()
         constant = load(rgb, "neural_layered", networks, albedo=value).latents.at(np.zeros((1, 2)))
         step = 1e-2 * np.ptp(codes, axis=0) + 1e-3  # of storing 8 bits
         assert (np.abs(np.median(found, axis=0) - constant[0]) <= step).all()

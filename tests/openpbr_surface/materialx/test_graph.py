@@ -281,7 +281,8 @@ def lookup(texture, uv):
 def test_an_image_keeps_its_texels_and_its_place(document, library, llvm, mode, blend):
     """Mitsuba's look-up in the texture is the graph's look-up in the image, at any uv.
 
-    Single precision of uv moves look-ups by 1e-6 of a texel; nearest ones at an edge may differ.
+    Single precision of uv moves look-ups by 1e-6 of a texel: nearest ones are compared where they
+    are a thousandth of a texel from an edge.
     """
     place = UV + element(
         "place2d",
@@ -310,8 +311,11 @@ def test_an_image_keeps_its_texels_and_its_place(document, library, llvm, mode, 
     x, y = uv[:, 0] / 0.3, (1 - uv[:, 1]) / 0.7
     placed = np.stack([c * x + s * y, c * y - s * x], -1)
     expected = 0.5 * sample(PIXELS, placed, Look(mode, mode, blend == "linear"), np.zeros(3))
-    close = np.isclose(lookup(texture, uv), expected, atol=1e-4).all(-1)
-    assert close.all() if blend == "linear" else close.mean() > 0.98
+    texels = placed * PIXELS.shape[1::-1]
+    inside = (np.abs(texels - np.round(texels)) > 1e-3).all(-1)
+    assert inside.mean() > 0.98
+    kept = slice(None) if blend == "linear" else inside
+    np.testing.assert_allclose(lookup(texture, uv)[kept], expected[kept], atol=1e-4)
 
 
 def test_a_pattern_is_computed_on_a_grid(document, library, llvm):
