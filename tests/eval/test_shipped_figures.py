@@ -52,21 +52,6 @@ def sets():
     return benchmark.read()
 
 
-@pytest.mark.parametrize("count", [1, 2])
-def test_the_table_is_read_by_the_networks_that_its_header_names(count):
-    names = ("first", "second")[:count]
-    columns = "".join(f"| `{name}`: E mean / median / p95 | P median " for name in names)
-    rows = ("easy", " 0.{}0 / 0.2 / 1.25 % | 0.30 % |"), ("beyond it", " – | – |")
-    lines = [f"{columns}|", "|---" * (1 + 2 * count) + "|"]
-    lines[0] = f"| what the networks do {lines[0]}"
-    for row, cells in rows:
-        lines.append(f"| {row} |" + "".join(cells.format(k) for k in range(count)))
-    read = published("\n".join(["Text.", "", *lines, "", "| another | table |"]))
-    assert list(read) == list(names)
-    for k, name in enumerate(names):
-        assert read[name] == {"easy": (0.1 * k, 0.2, 1.25, 0.3), "beyond it": None}
-
-
 def test_the_shipped_networks_hold_the_published_figures(sets):
     tables = published(RESULTS.read_text(encoding="utf-8"))
     assert list(tables) == [weights.DEFAULT]

@@ -100,7 +100,7 @@ def test_a_smooth_coat_over_black_velvet_dims_it_twice(trained):
     ("coat", "most"),
     [
         ((0.3, 1.5), 0.02),
-        ((0.1, 1.5, 0.99, 3.0, 0.8), 0.03),
+        pytest.param((0.1, 1.5, 0.99, 3.0, 0.8), 0.03, marks=pytest.mark.slow),
         ((0.1, 0.7), 0.02),
     ],
 )
@@ -182,6 +182,7 @@ def test_white_below_reflects_no_more_than_comes(alpha, albedo, trained):
     assert alpha > 0.1 or found[:4].min() > 0.96
 
 
+@pytest.mark.slow
 def test_colours_of_every_parameter(trained):
     """Channels with interfaces of their own are those of grey coats."""
     white = with_table(lambda wi, wo: 0.3 + 0.1 * wi[:, 2] * wo[:, 2], trained, 3)

@@ -33,9 +33,9 @@ def test_descriptions_have_three_channels(description, model):
 
 def test_a_stack_is_simulated_the_same_every_time(model):
     stack = coat(conductor(0.3, 0.9), alpha=0.2, eta=1.5, albedo=0.5, sigma_t=1)
-    first = encode(stack, model)
+    first = encode(stack, model, refine=False)
     assert first.latents.shape == (3, 32)
-    assert first == encode(stack, model)
+    assert first == encode(stack, model, refine=False)
 
 
 def test_one_channel_functions(model):
@@ -55,7 +55,8 @@ def test_objects_with_f_and_materials(material, model, other_model):
 
 @pytest.mark.parametrize("source", [dielectric(0.1, 0.7), coat(diffuse(0.5), 0.1, 0.7)])
 def test_indices_below_one_are_those_of_the_lobe(source, model):
-    np.testing.assert_allclose(encode(source, model).latents[:, 3:6], [[1, 0.7, 0]] * 3, rtol=1e-6)
+    latents = encode(source, model, refine=False).latents
+    np.testing.assert_allclose(latents[:, 3:6], [[1, 0.7, 0]] * 3, rtol=1e-6)
 
 
 def test_other_types_of_sources_can_be_registered(model):

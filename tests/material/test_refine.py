@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from urushi.core.error_metrics import DARK_OFFSET, huber_loss
-from urushi.errors import ParameterError
 from urushi.eval import benchmark, predict
 from urushi.eval import samples as sampling
 from urushi.eval.groups import GROUPS
@@ -239,17 +238,6 @@ def test_layering_over_refined_codes(trained):
             found.append(sampling.stack_errors(f_hat, samples))
     before, after = (np.concatenate(errors[refine]).mean() for refine in (False, True))
     assert after < 1.1 * before
-
-
-def test_errors_stay_the_same(trained):
-    for faulty, words in (
-        (lambda wi, wo: np.full(len(wi), np.nan), "negative or non-finite"),
-        (lambda wi, wo: np.ones((len(wi) - 1, 3)), "returns shape"),
-    ):
-        with pytest.raises(ParameterError, match=words):
-            encode(faulty, trained, refine=True)
-    with pytest.raises(ParameterError, match="cannot encode NoneType"):
-        encode(None, trained, refine=True)
 
 
 def tan2_h(wi, wo):

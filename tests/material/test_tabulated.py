@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 import safetensors.numpy
 
-from urushi.core.error_metrics import stack_error
 from urushi.errors import FileError, ParameterError
 from urushi.fan2022.architecture import PaperArchitecture
 from urushi.fan2022.architecture import init as init_paper
@@ -34,11 +33,6 @@ def velvet(wi, wo):
 def own(small) -> Material:
     """A material with a table, of untrained networks."""
     return encode(velvet, small, refine=False, table=True)
-
-
-def error(f_hat, f, wi, wo) -> np.ndarray:
-    """E (C,) of values (N, C)."""
-    return stack_error(f_hat.T, f.T, wi[:, 2], wo[:, 2])
 
 
 def test_reciprocal_to_the_bit_and_zero_below_the_horizon(own, directions):
@@ -141,11 +135,6 @@ def test_blends_are_linear_in_f(own, small, random_directions):
     assert np.median(np.abs(ratio - 1)) < 0.005
     assert np.quantile(np.abs(ratio - 1), 0.95) < 0.03
     assert lerp(other, other, 0.5).table is None
-
-
-def test_a_bare_interface_needs_none(small):
-    gold = conductor(0.2, (0.9, 0.7, 0.3))
-    assert encode(gold, small, table=True) == encode(gold, small)
 
 
 def test_the_same_alone_and_among_many(own, small):

@@ -7,9 +7,12 @@ from urushi.nets import lobe
 from urushi.nets.architecture import SCALE, Architecture, init
 
 
-@pytest.fixture(scope="session", params=["smoothstep", "silu7", "silu", "relu"])
+@pytest.fixture(scope="session", params=["silu7", "relu"])
 def networks(request):
-    """An architecture and random parameters whose f spans several orders of magnitude."""
+    """An architecture and random parameters whose f spans several orders of magnitude.
+
+    Of the shipped activation and of the one with a kink; all have tests of their own.
+    """
     arch = Architecture(latent=24, activation=request.param)
     params = init(arch, seed=5)
     params["decoder.3.weight"] = params["decoder.3.weight"] * 8

@@ -6,7 +6,6 @@ Decoder and encoder see the 18 numbers of a code that follow its lobe.
 import numpy as np
 import pytest
 
-from urushi.core.probe_pairs import probe_pairs
 from urushi.nets import decoder, encoder, layerer, sampler
 from urushi.nets.architecture import ACTIVATIONS, SCALE, Architecture, init
 from urushi.nets.features import direction_features
@@ -133,14 +132,6 @@ def test_slopes_are_the_activations_derivatives(activation):
     value, slope = with_slope(x, activation)
     np.testing.assert_allclose(slope, change, atol=1e-7)
     np.testing.assert_allclose(value, activate(x, activation), atol=1e-14)
-
-
-def test_everything_runs_at_the_probes(networks):
-    arch, params = networks
-    wi, wo = probe_pairs(arch.probes)
-    z = encoder.encode(params, arch, np.ones((2, arch.probes), np.float32))
-    f = decoder.decode(params, arch, z[:, None], direction_features(wi, wo)[None])
-    assert encoder.encode(params, arch, f).shape == z.shape
 
 
 def test_scaled_codes_scale_f_equally_for_all_pairs(networks, pairs):

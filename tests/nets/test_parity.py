@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from urushi.nets import decoder, encoder, features, layerer, sampler
+from urushi.nets.architecture import ACTIVATIONS
+from urushi.nets.mlp import with_slope
 
 
 @pytest.fixture(scope="module")
@@ -51,6 +53,12 @@ def test_direction_features(pairs):
 
 def test_features_of_coats(vectors):
     _close(_both(features.coat_features, *vectors["coat"]), atol=1e-5)
+
+
+@pytest.mark.parametrize("activation", ACTIVATIONS)
+def test_activations(activation):
+    x = np.linspace(-20, 20, 1001, dtype=np.float32)
+    _close(_both(lambda x: with_slope(x, activation), x), atol=1e-5, rtol=1e-5)
 
 
 def test_decode(networks, vectors, pairs):

@@ -48,7 +48,7 @@ def values(bsdf, repeats=1):
         ({}, {"base_diffuse_roughness": 0.7}),
         ({}, {"base_metalness": 0.4}),
         ({"base_metalness": 1.0}, {"base_metalness": 0.4}),
-        ({}, {"thin_film_weight": 0.8}),
+        pytest.param({}, {"thin_film_weight": 0.8}, marks=pytest.mark.slow),
         ({}, {"specular_ior": 1.9}),
     ],
 )
@@ -61,7 +61,7 @@ def test_a_changed_base_is_the_one_that_is_loaded_so(before, change):
     assert not np.allclose(values(former), expected, rtol=0.01)
 
 
-@pytest.mark.parametrize("reference", [False, True])
+@pytest.mark.parametrize("reference", [pytest.param(False, marks=pytest.mark.slow), True])
 def test_a_coat_appears_and_follows_its_parameters(reference):
     """From no coat: first its weight, then its colour, by the same list of parameters or anew."""
     bsdf = loaded(coat_weight=0.0, reference=reference)

@@ -18,10 +18,14 @@ from urushi.scenes.options import COATS, Options
 TINY = {"width": 64, "height": 48, "spp": 32, "detail": 0.05}
 
 SCENES = shipped.SCENES | GALLERY
-NAMES = [
-    name if name in (*shipped.SCENES, "globe") else pytest.param(name, marks=pytest.mark.research)
-    for name in SCENES
-]
+
+
+def names(first: str, without: str = "") -> list:
+    """Scenes, of which one is in the first tier; the second has the other shipped and the globe."""
+    second = {*shipped.SCENES, "globe"} - {first}
+    marks = {name: pytest.mark.slow if name in second else pytest.mark.research for name in SCENES}
+    kept = [name for name in SCENES if name != without]
+    return [n if n == first else pytest.param(n, marks=marks[n]) for n in kept]
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +44,7 @@ def unfiltered(node: dict) -> dict:
     return result | ({"filter_type": "nearest"} if node.get("type") == "bitmap" else {})
 
 
-@pytest.fixture(scope="module", params=NAMES)
+@pytest.fixture(scope="module", params=names("caddy"))
 def rendered(mi, request, tmp_path_factory):
     """A scene's name, and by coat two renders (2, 48, 64, 3) of it with the seeds 0 and 1.
 
@@ -83,7 +87,7 @@ def test_networks_and_walk_give_a_scene_the_same_light(rendered):
     assert abs(networks - walk) < 0.02 * walk + 3 * np.hypot(networks_error, walk_error)
 
 
-@pytest.mark.parametrize("name", [name for name in NAMES if name != "caddy"])
+@pytest.mark.parametrize("name", names("teapot", without="caddy"))
 def test_the_exported_file_renders_as_the_dictionary_does(name, mi, tmp_path):
     """With the same seed, to what transforms lose when they are written as steps.
 

@@ -8,7 +8,6 @@ from tests.oracles import adding_doubling
 from tests.oracles.adding_doubling import layers, surfaces
 from tests.oracles.adding_doubling.quadrature import CosineGrid, fourier, series
 
-from urushi.errors import ParameterError
 from urushi.walk import Stack, coat, conductor, dielectric, diffuse, simulate
 
 
@@ -134,16 +133,6 @@ def test_reciprocity() -> None:
         np.testing.assert_allclose(forth, back, rtol=1e-6)  # up to the thin layer
 
 
-def test_isotropy_and_the_horizon() -> None:
-    wi, wo = directions(10, 1), directions(10, 2)
-    turn = np.array([[0.6, -0.8, 0], [0.8, 0.6, 0], [0, 0, 1]])
-    f = adding_doubling.solve(ONE_COAT, wi, wo, nodes=16, modes=16)
-    turned = adding_doubling.solve(ONE_COAT, wi @ turn.T, wo @ turn.T, nodes=16, modes=16)
-    np.testing.assert_allclose(turned, f, rtol=1e-5)  # directions are rounded to float32
-    below = wo * [1, 1, -1]
-    assert np.all(adding_doubling.solve(ONE_COAT, wi, below, nodes=16, modes=16) == 0)
-
-
 def test_converges_with_nodes_and_modes() -> None:
     wi, wo = directions(60, 3), directions(60, 4)
     stack = coat(conductor(0.15, 0.9), 0.15, 1.5, 0.95, 1.0, g=0.5)
@@ -157,22 +146,6 @@ def test_converges_with_nodes_and_modes() -> None:
     assert error[2].max() < 2e-3
 
 
-def test_albedo_is_the_integral_of_f() -> None:
-    cos_i = 0.7
-    mu, weight = np.polynomial.legendre.leggauss(24)
-    mu, weight = (mu + 1) / 2, weight / 2
-    phi = np.arange(48) * (np.pi / 24)
-    mu_o, phi_o = (a.ravel() for a in np.meshgrid(mu, phi, indexing="ij"))
-    sin_o = np.sqrt(1 - mu_o**2)
-    wo = np.stack([sin_o * np.cos(phi_o), sin_o * np.sin(phi_o), mu_o], axis=1)
-    wi = np.tile([np.sqrt(1 - cos_i**2), 0, cos_i], (len(wo), 1))
-    stack = coat(conductor(0.4, 0.9), 0.35, 1.4, 0.8, 0.5)
-    f = adding_doubling.solve(stack, wi, wo, nodes=24, modes=24)[:, 0]
-    total = (f * mu_o * np.repeat(weight, 48)).sum() * 2 * np.pi / 48
-    albedo = adding_doubling.albedo(stack, [cos_i], nodes=24, modes=24)[0, 0]
-    assert total == pytest.approx(albedo, rel=1e-3)
-
-
 def test_complex_index_and_dielectric_bottoms() -> None:
     wi, wo = directions(40, 5), directions(40, 6)
     for bottom in (conductor(0.4, eta=0.2, k=3.0), dielectric(0.4, 1.7)):
@@ -181,21 +154,6 @@ def test_complex_index_and_dielectric_bottoms() -> None:
         walked, se = (x[:, 0] for x in simulate(stack, wi, wo, walks=8000, seed=5))
         z = (walked - f) / np.hypot(se, 0.002 * f)
         assert np.mean(z**2) < 1.5  # 40 values: two standard deviations of their chi2
-
-
-def test_other_bottoms_are_refused() -> None:
-    class Own:
-        def f_pdf(self) -> None: ...
-        def sample(self) -> None: ...
-
-    brushed = conductor(r0=0.9, alpha_u=0.1, alpha_v=0.2)
-    for stack in (coat(brushed), coat(diffuse(0.5), alpha_u=0.1, alpha_v=0.2)):
-        with pytest.raises(ParameterError, match="alpha_u and alpha_v differ, but"):
-            adding_doubling.solve(stack, [[0, 0, 1.0]], [[0, 0, 1.0]])
-    with pytest.raises(ParameterError, match="no kernel for a Own bottom; give a conductor"):
-        adding_doubling.solve(coat(Own(), 0.3, 1.5), [[0, 0, 1.0]], [[0, 0, 1.0]])
-    with pytest.raises(ParameterError, match=r"cosines in \(0, 1\]"):
-        adding_doubling.albedo(ONE_COAT, [0.0])
 
 
 @pytest.mark.parametrize(

@@ -56,9 +56,15 @@ def test_the_integral_of_the_brdf_agrees_with_the_analog_walk(stack) -> None:
 
 
 @pytest.mark.parametrize("estimate", [albedo, analog_albedo])
-@pytest.mark.parametrize("bottom", [conductor(0.01, 1.0), diffuse(1.0)], ids=["mirror", "white"])
-@pytest.mark.parametrize("sigma_t", [0.0, 2.0])
-@pytest.mark.parametrize("eta", [0.5, 0.95, 1.5])
+@pytest.mark.parametrize(
+    ("bottom", "sigma_t", "eta"),
+    [
+        (conductor(0.01, 1.0), 0.0, 0.95),
+        (conductor(0.01, 1.0), 2.0, 1.5),
+        (diffuse(1.0), 0.0, 1.5),
+        (diffuse(1.0), 2.0, 0.5),
+    ],
+)
 def test_a_smooth_stack_that_absorbs_nothing_reflects_everything(
     estimate, bottom, sigma_t: float, eta: float
 ) -> None:
@@ -116,31 +122,19 @@ def test_a_black_diffuse_bottom_leaves_only_the_top_reflection() -> None:
     assert top[0] == pytest.approx(0.04, abs=0.002)
 
 
-@pytest.mark.parametrize("estimate", [albedo, analog_albedo])
-def test_directions_below_the_horizon_have_zero_albedo(estimate) -> None:
-    value, se = estimate(STACKS["diffuse"], [[0, 0.6, -0.8], [1, 0, 0]], walks=100)
+def test_directions_below_the_horizon_have_zero_albedo() -> None:
+    value, se = albedo(STACKS["diffuse"], [[0, 0.6, -0.8], [1, 0, 0]], walks=100)
     assert not value.any()
     assert not se.any()
 
 
-@pytest.mark.parametrize("estimate", [albedo, analog_albedo])
-def test_a_seed_gives_the_same_numbers_again(estimate) -> None:
-    first, again, other = (
-        estimate(STACKS["two coats"], WI, walks=1000, seed=seed)[0] for seed in (1, 1, 2)
-    )
-    assert np.array_equal(first, again)
-    assert np.all(first != other)
-
-
-@pytest.mark.parametrize("estimate", [albedo, analog_albedo])
-def test_no_directions_give_no_values(estimate) -> None:
-    value, se = estimate(STACKS["diffuse"], np.zeros((0, 3)))
+def test_no_directions_give_no_values() -> None:
+    value, se = albedo(STACKS["diffuse"], np.zeros((0, 3)))
     assert value.shape == se.shape == (0, 3)
 
 
-@pytest.mark.parametrize("estimate", [albedo, analog_albedo])
-def test_errors_name_the_bad_input(estimate) -> None:
+def test_errors_name_the_bad_input() -> None:
     with pytest.raises(ParameterError, match="walks is 1; a standard error needs at least 2"):
-        estimate(STACKS["diffuse"], WI, walks=1)
+        albedo(STACKS["diffuse"], WI, walks=1)
     with pytest.raises(ParameterError, match=r"wi\[0\] = .* is not a unit vector"):
-        estimate(STACKS["diffuse"], [[0, 0, 2]])
+        albedo(STACKS["diffuse"], [[0, 0, 2]])

@@ -90,14 +90,6 @@ def test_surfaces_reflect_at_most_what_arrives(description) -> None:
         assert np.all(reflected < 1.01)  # the grid's error at the narrowest lobe
 
 
-def test_channels_are_independent() -> None:
-    wi, wo = hemisphere(50, 8), hemisphere(50, 9)
-    rgb = f(DESCRIPTIONS["schlick"], wi, wo)
-    for channel, alpha in enumerate((0.1, 0.3, 1.0)):
-        alone = f(conductor(alpha, 0.5), wi, wo)
-        np.testing.assert_allclose(rgb[:, channel], alone[:, 0], rtol=1e-6)
-
-
 def test_no_directions_give_no_values() -> None:
     nothing = np.zeros((0, 3))
     for description in DESCRIPTIONS.values():

@@ -10,7 +10,7 @@ from urushi.walk import Stack, StackTable, coat, conductor, diffuse, walk_pairs
 from urushi.walk.simulate import albedo
 from urushi.walk.table import from_stack
 
-WALKS = 1 << 14  # a standard error of 0.4 % in the median; the reference's own is 1 %
+WALKS = 1 << 13  # a standard error of 0.6 % in the median; the reference's own is 1 %
 LATER_WALKS = 1 << 12  # up to 1 % in the medians of the later oracle, as its own
 
 

@@ -44,20 +44,6 @@ def mean_and_error(mi, bsdf, uv, count: int = 1 << 14) -> tuple[np.ndarray, np.n
 
 
 @pytest.mark.parametrize("name", ("layered", "neural_layered"))
-def test_a_constant_texture_is_the_constant(rgb, networks, name):
-    constant = load(rgb, name, networks)
-    textured = load(
-        rgb, name, networks, **{key: bitmap(rgb, np.full((4, 4, 1), v)) for key, v in COAT.items()}
-    )
-    (a, error_a), (b, error_b) = (
-        mean_and_error(rgb, bsdf, (0.3, 0.7)) for bsdf in (constant, textured)
-    )
-    # noise of two walks; half precision of latents
-    noise = 4 * np.hypot(error_a, error_b) if name == "layered" else 1e-2 * a
-    assert (np.abs(a - b) <= noise).all()
-
-
-@pytest.mark.parametrize("name", ("layered", "neural_layered"))
 @pytest.mark.parametrize("parameter", ("alpha", "albedo", "sigma_t", "g", "int_ior"))
 def test_every_texel_is_layered_with_its_own_parameters(rgb, networks, name, parameter):
     values = np.float32([[0.2, 0.4, 0.6], [0.5, 0.9, 0.3]]) + (parameter == "int_ior")
@@ -356,14 +342,6 @@ def test_the_walk_takes_mesh_attributes_and_volumes(rgb):
     attribute = {"type": "mesh_attribute", "name": "vertex_value"}
     np.testing.assert_allclose(mean(attribute), mean(0.3), rtol=1e-2)
     np.testing.assert_allclose(mean({"type": "volume", "volume": volume}), mean(0.3), rtol=1e-2)
-
-
-def test_a_textured_coat_under_another(rgb, networks):
-    rng = np.random.default_rng(0)
-    inner = load(rgb, "neural_layered", networks, albedo=bitmap(rgb, rng.random((4, 4, 3))))
-    outer = load(rgb, "neural_layered", networks, base=inner)
-    assert outer.latents.resolution == (4, 4)
-    assert np.ptp(outer.latents.at(rng.random((16, 2))), axis=0).max() > 0.01
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from urushi.errors import ParameterError
 from urushi.walk import coat, conductor, diffuse, simulate
 
 COAT = {"int_ior": 1.5, "ext_ior": 1.0, "albedo": 0.7, "sigma_t": 0.5, "g": 0.3}
@@ -103,24 +102,6 @@ def test_textures_are_numbers_at_each_point(rgb):
     assert np.median(np.abs(changed)) < 1e-5 * plain.mean()
 
 
-def test_a_change_through_traverse(rgb):
-    bsdf = layered(rgb, **WIDTHS, rotation=90.0)
-    before = values(rgb, bsdf, walks=64)
-    parameters = rgb.traverse(bsdf)
-    parameters["alpha_u.value"], parameters["alpha_v.value"] = 0.1, 0.5
-    parameters["rotation.value"] = 0.0
-    parameters.update()
-    np.testing.assert_array_equal(
-        values(rgb, bsdf, walks=64),
-        values(rgb, layered(rgb, alpha_u=0.1, alpha_v=0.5, rotation=0.0), walks=64),
-    )
-    # A quarter turn exchanges the widths: the same mean, by other walks.
-    assert not np.array_equal(before, values(rgb, bsdf, walks=64))
-    parameters["alpha_v.value"] = 2.0
-    with pytest.raises(ParameterError, match="alpha_v is 2; it must be a GGX width"):
-        parameters.update()
-
-
 def picture(mi, bsdf, degrees: float) -> np.ndarray:
     """Independent pictures (8, 3) of a plate turned about its normal, as means over the pixels."""
     transform = mi.ScalarTransform4f
@@ -194,18 +175,6 @@ def test_mistakes_are_named(rgb, properties, sentence):
     with pytest.raises(RuntimeError) as caught:
         layered(rgb, **properties)
     assert sentence in str(caught.value)
-
-
-def test_isotropic_networks_refuse_two_widths(rgb, networks):
-    with pytest.raises(RuntimeError, match="these networks are for isotropic materials"):
-        rgb.load_dict(
-            {
-                "type": "neural_layered",
-                **WIDTHS,
-                "weights": str(networks),
-                "base": {"type": "diffuse"},
-            }
-        )
 
 
 def test_widths_that_are_colours_are_walks_of_their_own(rgb):

@@ -7,7 +7,6 @@ import urushi
 from urushi.core.direction_sets import cosine_pairs
 from urushi.core.error_metrics import stack_error
 from urushi.core.half_vector import rotated
-from urushi.errors import ParameterError
 from urushi.material.table import interpolated, rest_table
 from urushi.nets.weights import anisotropic_model, default_model
 
@@ -166,12 +165,3 @@ def test_gradients_of_widths_and_angle_agree_with_differences(rgb):
     dr.backward(value)
     found = [float(np.ravel(dr.grad(parameters[key]).numpy())[0]) for key in keys]
     np.testing.assert_allclose(found, differences, rtol=0.03, atol=5e-4)
-
-
-def test_bad_frames_are_refused(rgb):
-    inner = {"type": "neural_layered", **COAT, "alpha": 0.1, "rotation": 20.0, "base": METAL}
-    with pytest.raises(Exception, match="its own rotation") as caught:
-        coated(rgb, inner, alpha=0.2)
-    assert isinstance(caught.value, ParameterError | RuntimeError)
-    with pytest.raises(Exception, match="alpha_u and alpha_v go together"):
-        coated(rgb, METAL, alpha_u=0.2)

@@ -60,6 +60,9 @@ CASES = {
 #: Cases that draw random walks for f: two values of one pair differ.
 STOCHASTIC = [name for name in CASES if "walks" in name]
 
+#: One case for each plugin, and for both ways in which `openpbr` has a coat.
+EACH = ("walks", "networks", "saved codes", "measured table", "openpbr", "openpbr under walks")
+
 #: Compiling the case of all OpenPBR's parts takes as long as that of all others.
 LONGEST = "openpbr under networks"
 
@@ -198,7 +201,9 @@ def test_derivatives_by_directions_are_finite(rgb, describe, name):
         assert np.isfinite(dr.grad(end).numpy()).all()
 
 
-@every_plugin
+@pytest.mark.parametrize(
+    "name", [name if name in EACH else pytest.param(name, marks=pytest.mark.slow) for name in CASES]
+)
 def test_every_variant_renders(describe, name):
     """In this order, because a class must not outlive its variant; and two of a kind, which Mitsuba
     must not mix up."""

@@ -125,9 +125,8 @@ def test_replays_use_textures_that_begin_to_vary(rgb, networks):
             np.testing.assert_allclose(frozen(loaded).numpy(), expected, rtol=1e-4)
 
 
-@pytest.mark.parametrize(
-    "key", ("alpha.value", pytest.param("albedo.data", marks=pytest.mark.slow))
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("key", ("alpha.value", "albedo.data"))
 def test_gradients_inside_equal_those_outside(rgb, networks, key):
     loaded = scene(rgb, coat(rgb, "neural_layered", networks, key == "albedo.data"), "prb")
     parameters = rgb.traverse(loaded)

@@ -42,13 +42,3 @@ def test_the_plugin_is_the_walk(rgb, degrees):
         f, se_f = simulate(stack, wi[None], wo[None], walks=1 << 17, progress=False)
         assert abs(f_cos - f[0, 0] * wo[2]) < 4 * np.hypot(se, se_f[0, 0] * wo[2])
         assert se < 0.02 * f_cos  # the comparison is sharp
-
-
-def test_a_texture_may_cross_one(rgb):
-    pixels = np.array([[0.8, 1.6], [1.2, 0.9]], np.float32)[..., None]
-    texture = {"type": "bitmap", "bitmap": rgb.Bitmap(pixels), "raw": True}
-    bsdf = rgb.load_dict(layered(texture, 1.0))
-    # Interpolated indices pass 1, where they are kept away from it.
-    up = np.array([0.0, 0.6, 0.8])
-    f_cos, se = mean_f_cos(rgb, bsdf, up, up)
-    assert np.isfinite(f_cos) and np.isfinite(se) and f_cos > 0

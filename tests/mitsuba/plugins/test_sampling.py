@@ -7,7 +7,7 @@ from urushi.eval import benchmark, predict
 from urushi.material import Material
 from urushi.nets import weights
 
-MATERIALS = 12
+MATERIALS = 6
 #: Angles of wi from the normal [degrees].
 ANGLES = (0, 20, 45, 70, 85, 89)
 

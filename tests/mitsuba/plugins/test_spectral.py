@@ -60,7 +60,7 @@ def furnace(bsdf: dict, spp: int = 1024) -> np.ndarray:
     return np.array(mi.render(mi.load_dict(scene), spp=spp)).mean(axis=(0, 1))[:3]
 
 
-@pytest.mark.parametrize("material", [lambertian, openpbr])
+@pytest.mark.parametrize("material", [lambertian, pytest.param(openpbr, marks=pytest.mark.slow)])
 @pytest.mark.parametrize(
     "color",
     [

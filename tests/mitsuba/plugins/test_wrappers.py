@@ -121,7 +121,13 @@ WRAPPERS = {
 }
 
 
-@pytest.mark.parametrize("wrapper", WRAPPERS)
+@pytest.mark.parametrize(
+    "wrapper",
+    [
+        name if name in ("normalmap", "blendbsdf") else pytest.param(name, marks=pytest.mark.slow)
+        for name in WRAPPERS
+    ],
+)
 def test_pictures_are_those_of_the_walk(rgb, wrapper):
     # The shipped networks and the walk agree within a few percent of the albedo under a white sky,
     # which is the mean over all directions; noise is below 1 % of the mean over 64 pixels.

@@ -7,7 +7,7 @@ import pytest
 
 from urushi.core.probe_pairs import probe_pairs
 from urushi.errors import ParameterError, PlatformError, UrushiWarning
-from urushi.material.encode import encode, evaluate_source
+from urushi.material.encode import evaluate_source
 from urushi.material.layer import layer
 from urushi.material.source import as_source
 from urushi.walk import analytic, conductor, dielectric
@@ -27,16 +27,6 @@ def test_an_isotropic_bsdf_is_read_unchanged(rgb):
     assert not any(reading.deviations[:-1]) and reading.deviations.widths == 1
     exact = analytic.f(conductor(0.25, r0), WI, WO)  # its alpha is the roughness squared
     np.testing.assert_allclose(reading.values, exact, rtol=0.02, atol=1e-4)
-
-
-def test_an_anisotropic_bsdf_is_averaged_with_a_warning(rgb, model):
-    brushed = {"type": "roughconductor", "alpha_u": 0.05, "alpha_v": 0.5}
-    with pytest.warns(UrushiWarning, match="is anisotropic: it differs by"):
-        along = encode(rgb.load_dict(brushed), model)
-    with pytest.warns(UrushiWarning):
-        across = encode(rgb.load_dict(brushed | {"alpha_u": 0.5, "alpha_v": 0.05}), model)
-    # The average includes a quarter of a turn.
-    np.testing.assert_allclose(along.anchors, across.anchors, rtol=1e-2, atol=1e-3)
 
 
 def test_transmission_is_left_out_with_a_warning(rgb):

@@ -6,7 +6,6 @@ from research.rivals import belcour, belcour_tables
 from tests.oracles import slab
 
 from urushi.core import fresnel
-from urushi.core.direction_sets import cosine_pairs
 from urushi.errors import ParameterError
 from urushi.walk import analytic, coat, conductor, dielectric, diffuse
 from urushi.walk.monte_carlo import backend
@@ -117,22 +116,6 @@ def test_a_white_stack_reflects_no_more_than_it_receives(cos: float) -> None:
     assert belcour.f(stack, incident(cos, len(wo)), wo)[:, 0] @ weights <= 1.01
 
 
-def test_the_model_is_not_reciprocal() -> None:
-    wi, wo = cosine_pairs(np.random.default_rng(3), 200, lowest_cosine=0.1)
-    stack = coat(conductor(0.2, r0=0.9), 0.3, 1.5)
-    there, back = belcour.f(stack, wi, wo), belcour.f(stack, wo, wi)
-    assert np.max(np.abs(there - back) / (there + back + 1e-3)) > 0.01
-
-
-def test_channels_are_independent() -> None:
-    wi, wo = cosine_pairs(np.random.default_rng(1), 50)
-    colour = coat(conductor(0.2, r0=(0.9, 0.5, 0.2)), 0.1, 1.5, 0.0, (0.1, 1.0, 3.0))
-    grey = coat(conductor(0.2, r0=0.5), 0.1, 1.5, 0.0, 1.0)
-    np.testing.assert_allclose(
-        belcour.f(colour, wi, wo)[:, 1], belcour.f(grey, wi, wo)[:, 1], rtol=1e-5
-    )
-
-
 def test_f_is_zero_below_the_horizon() -> None:
     up, down = [[0.0, 0.0, 1.0]], [[0.0, 0.6, -0.8]]
     stack = coat(diffuse(0.5))
@@ -144,12 +127,3 @@ def test_anisotropic_stacks_are_refused() -> None:
     stack = coat(conductor(alpha_u=0.1, alpha_v=0.3, r0=1.0))
     with pytest.raises(ParameterError, match="supports isotropic lobes only"):
         belcour.f(stack, [[0.0, 0.0, 1.0]], [[0.0, 0.0, 1.0]])
-
-
-def test_tables_interpolate_linearly() -> None:
-    # A linear function is reproduced exactly.
-    x, y, z = np.meshgrid(*(np.linspace(0, 1, n) for n in (3, 4, 5)), indexing="ij")
-    table = belcour_tables.Table(np.float32(1 + x - 2 * y + 3 * z))
-    u = np.random.default_rng(0).random((3, 100)).astype(np.float32)
-    values = table.read(*(lanes(place) for place in u)).numpy()
-    np.testing.assert_allclose(values, 1 + u[0] - 2 * u[1] + 3 * u[2], atol=1e-5)

@@ -161,12 +161,6 @@ def test_changed_parameters_are_used(rgb, random_directions):
         parameters.update()
 
 
-def test_the_description_names_the_parameters(rgb):
-    text = str(rgb.load_dict(COAT | {"alpha": 0.1, "base": GOLD}))
-    assert text.startswith("LayeredBelcour[")
-    assert "eta = 1.5" in text and "bottom = RoughConductor[" in text
-
-
 @pytest.mark.parametrize(
     "change, message",
     (

@@ -54,21 +54,6 @@ def test_equal_widths_are_the_isotropic_model(name: str, eta: float) -> None:
     np.testing.assert_allclose(weier.f(stack, wi, wo), belcour.f(stack, wi, wo), rtol=1e-5)
 
 
-def test_two_columns_of_equal_widths_are_one() -> None:
-    wi, wo = cosine_pairs(np.random.default_rng(1), 500)
-    one = from_stack(coat(conductor(0.2, r0=0.9), 0.3, 1.5, 0.5, 0.4, 0.3))
-    columns = {name: getattr(one, name) for name in CoatParameters._fields[1:]}
-    alpha, r0 = one.bottom["alpha"], one.bottom["r0"]
-    bottom = {"alpha_u": alpha, "alpha_v": alpha, "r0": r0}
-    two = StackTable(
-        Widths(one.alpha, one.alpha), **columns, kind="conductor_anisotropic", bottom=bottom
-    )
-    row = np.zeros(len(wi), np.uint32)
-    np.testing.assert_allclose(
-        weier.rows(two, row, wi, wo), belcour.rows(one, row, wi, wo), rtol=1e-5
-    )
-
-
 def test_a_bare_mirror_is_its_lobe() -> None:
     wi, wo = cosine_pairs(np.random.default_rng(2), 500)
     table = bare("conductor_anisotropic", alpha_u=0.1, alpha_v=0.4, r0=1.0)
