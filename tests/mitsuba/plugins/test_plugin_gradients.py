@@ -5,7 +5,7 @@ from benchmarks.quality.gradients import SLOPES, slopes
 
 #: Cases of the first tier and of the second; the others are for the third, at the ends of ranges.
 FIRST = ("black diffuse", "rough gold")
-SECOND = ("white diffuse", "openpbr", "absent coat", "white medium", "no medium")
+SECOND = ("white diffuse", "openpbr", "white medium", "no medium")
 RARE = {name: pytest.mark.slow if name in SECOND else pytest.mark.research for name in SLOPES}
 
 
