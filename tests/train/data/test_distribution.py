@@ -6,7 +6,7 @@ from scipy import stats
 
 from urushi.errors import ParameterError
 from urushi.train.data import distribution
-from urushi.train.data.distribution import Clear, Extended, Table2
+from urushi.train.data.distribution import Clear, Extended, Practical, Table2
 
 N = 20_000
 
@@ -131,6 +131,29 @@ def test_low_indices_are_below_one_at_every_interface(make):
         assert eta.min() >= 0.5 and eta.max() < 1
 
 
+def test_practical_coats_have_absolute_indices_with_gaps_of_air():
+    table = Practical(3, "conductor_complex").sample(np.random.default_rng(0), N)
+    index = np.cumprod(table.eta.astype(np.float64), axis=1)
+    gap = np.abs(index - 1) < 1e-6
+    assert not gap[:, 0].any() and not (gap[:, 1] & gap[:, 2]).any()
+    assert (table.sigma_t[gap] == 0).all()
+    solid = (index[:, 0] < 2) & ~gap[:, 0]
+    assert abs(gap[solid, 1].mean() - 0.2) < 4 * np.sqrt(0.16 / solid.sum())
+    below = gap[:, 1]
+    assert index[below, 2].min() >= 1.3 - 1e-6 and index[below, 2].max() <= 1.8 + 1e-6
+    ratio = table.eta[~gap[:, 1], 1]
+    assert ratio.min() > 0.8 - 1e-6 and ratio.max() < 1.3 + 1e-6
+    # k was U(0.5, 8) before its division by the index above.
+    assert kolmogorov(table.bottom["k"] * index[:, 2], uniform_cdf(0.5, 8)) > 1e-3
+
+
+def test_practical_media_are_clear_tinted_lossless_or_any():
+    table = Practical(1, "diffuse").sample(np.random.default_rng(0), N)
+    clear, tinted, lossless = table.sigma_t == 0, table.albedo == 0, table.albedo == 1
+    for chosen, share in ((clear, 0.4), (tinted, 0.2), (lossless, 0.1)):
+        assert abs(chosen.mean() - share) < 4 * np.sqrt(share * (1 - share) / N)
+
+
 def test_descriptions_from_before_the_choice_of_indices_mean_common_ones():
     old = {"kind": "extended", "coats": 2, "bottom": "diffuse"}
     assert distribution.from_dict(old) == Extended(2, "diffuse", "common")
@@ -139,7 +162,13 @@ def test_descriptions_from_before_the_choice_of_indices_mean_common_ones():
 
 @pytest.mark.parametrize(
     "drawn",
-    [Table2(3), Extended(1, "diffuse"), Clear(1, "diffuse"), Clear(1, "dielectric", "low")],
+    [
+        Table2(3),
+        Extended(1, "diffuse"),
+        Clear(1, "diffuse"),
+        Clear(1, "dielectric", "low"),
+        Practical(2),
+    ],
 )
 def test_json_round_trip(drawn):
     assert distribution.from_dict(distribution.to_dict(drawn)) == drawn

@@ -196,6 +196,85 @@ class Clear(Extended):
 
 
 @dataclass(frozen=True)
+class Practical(Extended):
+    """Coats as people build them: varnish, lacquer, enamel, glaze, car paint, coated metal.
+
+    Each medium has an absolute index, and the interfaces have the ratios of these. The topmost is
+    U(1.3, 1.8), for a tenth of the stacks U(1.8, 3). A medium below another one has about the same
+    index (30 %, within 5 %), a higher one (25 %, up to 1.3 times), a lower one (25 %, down to 0.8
+    times), or is a gap of air (20 %). Below a gap it is U(1.3, 1.8), and below indices from 2 on
+    there is a lower one in place of the gap. Media are clear (40 %, and all gaps), tinted without
+    scattering (20 %), lossless (10 %) or as those of `Extended`. Widths are log-uniform in
+    [0.01, 0.5], those of bottoms named "alpha" too. The index of a complex conductor is divided by
+    that of the medium above it.
+
+    Attributes:
+        coats, bottom: as in `Extended`.
+    """
+
+    def sample(self, rng: np.random.Generator, n: int) -> StackTable:
+        """Draw n stacks."""
+        shape = (n, self.coats)
+        index, gap = self._draw_indices(rng, n)
+        above = np.concatenate([np.ones((n, 1)), index[:, :-1]], axis=1)
+        medium = rng.choice(4, shape, p=(0.4, 0.2, 0.1, 0.3))
+        depth = np.choose(
+            medium,
+            (
+                np.zeros(shape),
+                2.0 * rng.uniform(0.0, 1.0, shape) ** 2,
+                TRAINED_DEPTH * rng.uniform(0.0, 1.0, shape) ** 2,
+                TRAINED_DEPTH * rng.uniform(0.0, 1.0, shape) ** 2,
+            ),
+        )
+        scattered = 1 - rng.uniform(0.0, 1.0, shape) ** 2
+        bottom = self._draw_bottom(rng, n)
+        if "k" in bottom:
+            bottom["eta"], bottom["k"] = bottom["eta"] / index[:, -1], bottom["k"] / index[:, -1]
+        if "reflectance" in bottom:
+            bottom["reflectance"] = 1 - rng.uniform(0.0, 1.0, n) ** 2
+        if "alpha" in bottom:
+            bottom["alpha"] = smooth_alpha(rng, n)
+        return StackTable(
+            kind=self.bottom,
+            alpha=smooth_alpha(rng, shape),
+            eta=np.clip(index / above, 0.5, 3.0),
+            albedo=np.choose(medium, (scattered, np.zeros(shape), np.ones(shape), scattered)),
+            sigma_t=np.where(gap, 0.0, depth),
+            g=rng.uniform(*TRAINED_G, shape),
+            bottom=bottom,
+        )
+
+    def _draw_indices(self, rng: np.random.Generator, n: int) -> tuple[np.ndarray, np.ndarray]:
+        """The absolute index of every medium (n, coats), and whether it is a gap of air."""
+        dense = rng.random(n) < 0.1
+        top = np.where(dense, rng.uniform(1.8, 3.0, n), rng.uniform(1.3, 1.8, n))
+        indices, gaps = [top], [np.zeros(n, bool)]
+        for _ in range(self.coats - 1):
+            before, in_air = indices[-1], gaps[-1]
+            which = rng.choice(4, n, p=(0.3, 0.25, 0.25, 0.2))
+            factor = np.choose(
+                which,
+                (
+                    np.exp(rng.uniform(-0.05, 0.05, n)),
+                    rng.uniform(1.05, 1.3, n),
+                    rng.uniform(0.8, 0.95, n),
+                    rng.uniform(0.8, 0.95, n),
+                ),
+            )
+            gap = (which == 3) & ~in_air & (before < 2.0)
+            solid = np.where(in_air, rng.uniform(1.3, 1.8, n), before * factor)
+            indices.append(np.where(gap, 1.0, solid))
+            gaps.append(gap)
+        return np.stack(indices, axis=1), np.stack(gaps, axis=1)
+
+
+def smooth_alpha(rng: np.random.Generator, shape: int | tuple[int, ...]) -> np.ndarray:
+    """Log-uniform in [0.01, 0.5]: half of the surfaces are smoother than 0.07."""
+    return np.exp(rng.uniform(np.log(MIN_ALPHA), np.log(0.5), shape)).clip(MIN_ALPHA, 0.5)
+
+
+@dataclass(frozen=True)
 class Anisotropic(Extended):
     """`Extended` with two widths of every coat, and of bottoms of an "..._anisotropic" kind.
 
@@ -263,6 +342,7 @@ _sources: dict[str, Any] = {
     "table2": Table2,
     "extended": Extended,
     "clear": Clear,
+    "practical": Practical,
     "anisotropic": Anisotropic,
 }
 
