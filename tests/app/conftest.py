@@ -2,7 +2,6 @@
 
 import pytest
 
-from urushi.eval import sphere
 from urushi.nets import weights
 from urushi.nets.architecture import Architecture, init
 
@@ -20,14 +19,3 @@ def untrained(monkeypatch, tmp_path):
     weights.shipped.cache_clear()
     yield
     weights.shipped.cache_clear()
-
-
-@pytest.fixture
-def small_spheres(monkeypatch):
-    """Pictures of spheres of 24 x 24 pixels, whose nodes take a fraction of the time."""
-    monkeypatch.setattr(sphere, "RINGS", 12)
-    sphere.nodes.cache_clear()
-    sphere._white.cache_clear()
-    yield
-    sphere.nodes.cache_clear()
-    sphere._white.cache_clear()

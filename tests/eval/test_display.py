@@ -8,19 +8,9 @@ import numpy as np
 import pytest
 
 import urushi
-from urushi.eval import sheet, sphere
 from urushi.material import Material
 
-
-@pytest.fixture(autouse=True)
-def small_spheres(monkeypatch):
-    """Spheres of 24 x 24 pixels, whose nodes take a fraction of the time."""
-    monkeypatch.setattr(sphere, "RINGS", 12)
-    for cached in (sphere.nodes, sphere._white, sheet.png):
-        cached.cache_clear()
-    yield
-    for cached in (sphere.nodes, sphere._white, sheet.png):
-        cached.cache_clear()
+pytestmark = pytest.mark.usefixtures("small_spheres")
 
 
 def pixels(material: Material) -> np.ndarray:

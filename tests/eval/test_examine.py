@@ -8,7 +8,7 @@ import pytest
 from urushi.core.direction_sets import cosine_pairs
 from urushi.core.error_metrics import stack_error
 from urushi.errors import FileError, ParameterError
-from urushi.eval import examine, likeness, metrics, sphere
+from urushi.eval import examine, likeness, metrics
 from urushi.eval.examine import ALBEDO_ANGLES, INCIDENT, OUTGOING
 from urushi.material import Material, encode
 from urushi.nets.architecture import Architecture, init
@@ -17,19 +17,8 @@ from urushi.walk import coat, conductor, diffuse, simulate
 from urushi.walk.simulate import albedo
 
 pytest.importorskip("skimage")
+pytestmark = pytest.mark.usefixtures("small_spheres")
 ARCH = Architecture(decoder=(8,), encoder=(16,), layerer=(16,), sampler=(8,), probes=48)
-
-
-@pytest.fixture(scope="module", autouse=True)
-def small_spheres():
-    """Spheres of 24 x 24 pixels, whose nodes take a fraction of the time."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(sphere, "RINGS", 12)
-        sphere.nodes.cache_clear()
-        sphere._white.cache_clear()
-        yield
-    sphere.nodes.cache_clear()
-    sphere._white.cache_clear()
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +30,7 @@ def material():
 
 
 @pytest.fixture(scope="module")
-def itself(material):
+def itself(material, small_spheres):
     return examine.examine(material, material)
 
 
