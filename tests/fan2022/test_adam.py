@@ -39,6 +39,7 @@ def test_the_rate_falls_as_the_authors_script_prints():
     assert f"{rates[-1]:.7f}" == "0.0000153"
 
 
+@pytest.mark.slow
 def test_the_code_of_a_decoded_brdf_decodes_to_it_again(params, directions):
     """The values are found, not the code: many codes decode to about the same values.
 

@@ -95,6 +95,7 @@ def test_blends_of_lobes_reflect_at_most_what_both_do(share):
             assert light[2] == pytest.approx(even, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_f_changes_gradually(trained, pairs):
     bare = encode(conductor(0.2, r0=0.8), trained)
     few = [side[:300] for side in pairs]

@@ -118,7 +118,7 @@ def test_as_the_walk_over_a_lambertian_bottom(coat, most, trained, random_direct
     assert error(f, walk[:, :1], wi, wo) < most + 0.01
 
 
-@pytest.mark.parametrize("name", ["smooth", "scattering"])
+@pytest.mark.parametrize("name", ["smooth", pytest.param("scattering", marks=pytest.mark.slow)])
 def test_closer_to_the_walk_than_the_codes(name, bottom):
     wi, wo = direction_sets.cosine_pairs(np.random.default_rng(1), 200)
     stack = urushi.coat(Sheen(), **COATS[name])

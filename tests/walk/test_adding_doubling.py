@@ -166,7 +166,7 @@ def test_complex_index_and_dielectric_bottoms() -> None:
 def test_walk_agrees(name: str) -> None:
     wi, wo = directions(120, 7), directions(120, 8)
     f = adding_doubling.solve(STACKS[name], wi, wo, nodes=32, modes=32)
-    walked, se = simulate(STACKS[name], wi, wo, walks=16_000, seed=9)
+    walked, se = simulate(STACKS[name], wi, wo, walks=8_000, seed=9)
     z = (walked - f) / np.hypot(se, 0.002 * f)
     assert np.all(np.mean(z**2, axis=0) < 1.4)
     np.testing.assert_allclose(np.median(walked / f, axis=0), 1, atol=5e-3)
