@@ -12,8 +12,8 @@ RANGES = [
     (checks.alpha, [0.01, 0.5, 1], [0.01 - TINY, 0, -0.1, 1 + TINY]),
     (
         checks.eta,
-        [0.5, 0.7, 0.999, 1.001, 1.5, 3],
-        [0.5 - TINY, 0.9995, 1, 1.0005, 3 + TINY, 0, -1.5],
+        [0.5, 0.7, 0.999, 1, 1.001, 1.5, 3],
+        [0.5 - TINY, 3 + TINY, 0, -1.5],
     ),
     (checks.albedo, [0, 0.5, 1], [-TINY, 1 + TINY]),
     (checks.sigma_t, [0, 1, 1e6], [-TINY, -1]),
@@ -32,6 +32,13 @@ def test_ranges(check, accepted, refused):
     for value in [*refused, np.nan, np.inf, -np.inf]:
         with pytest.raises(ParameterError, match=f"^{check.__name__} is .*; it must be"):
             check(value)
+
+
+def test_indices_near_one_are_one():
+    """Those of single precision that are a step away are not."""
+    step = np.float32([0.999, 1.001])
+    np.testing.assert_array_equal(checks.eta((0.9995, 1, 1.0009)), 1)
+    np.testing.assert_array_equal(checks.eta([*step], any_shape=True), step)
 
 
 @pytest.mark.parametrize(("check", "accepted", "refused"), RANGES)

@@ -14,9 +14,9 @@ from urushi.errors import ParameterError, UrushiWarning
 UNIT_TOLERANCE = 1e-3
 
 
-#: Least distance of a relative index of refraction from 1. Without a step of the index there is no
-#: interface: the half vector of transmission is undefined.
-MIN_INDEX_STEP = 1e-3
+#: Distance from 1 below which a relative index of refraction counts as 1, which is no interface:
+#: 0.001 less the rounding of single precision. The half vector of transmission needs a step.
+MIN_INDEX_STEP = 0.9999e-3
 
 #: Largest optical depth: media of 1e6 reflect as deeper ones do.
 MAX_DEPTH = 1e6
@@ -57,8 +57,8 @@ class CoatParameters(NamedTuple):
 
     Attributes:
         alpha: GGX width of the interface, in [0.01, 1], or `Widths` where anisotropy is possible.
-        eta: its index of refraction relative to the medium above, in [0.5, 3], at least 0.001 away
-            from 1. Below 1 there is total reflection from above, at grazing angles.
+        eta: its index of refraction relative to the medium above, in [0.5, 3]. Below 1 there is
+            total reflection from above, at grazing angles. At 1 there is no interface.
         albedo: single-scattering albedo of the medium below it, in [0, 1].
         sigma_t: optical depth of that medium, at least 0.
         g: its Henyey-Greenstein asymmetry, in (-1, 1).
@@ -175,17 +175,16 @@ def one_width(value: Any, where: str) -> Any:
 
 
 def eta(value: npt.ArrayLike, where: str = "eta", *, any_shape: bool = False) -> np.ndarray:
-    """Check relative indices of refraction in [0.5, 3], at least 0.001 away from 1."""
-    domain = (
-        "an index of refraction relative to the medium above, in [0.5, 0.999] or [1.001, 3] "
-        "(without a step of the index there is no interface)"
+    """Check relative indices of refraction in [0.5, 3]; those nearer to 1 than 0.001 become 1."""
+    low, high = ETA_RANGE
+    index = _parameter(
+        value,
+        where,
+        lambda x: (x >= low) & (x <= high),
+        "an index of refraction relative to the medium above, in [0.5, 3]",
+        any_shape,
     )
-    (low, high), step = ETA_RANGE, MIN_INDEX_STEP * (1 - 1e-4)  # 0.999 may be of single precision
-
-    def valid(x: np.ndarray) -> np.ndarray:
-        return (x >= low) & (x <= high) & (np.abs(x - 1) >= step)
-
-    return _parameter(value, where, valid, domain, any_shape)
+    return np.where(np.abs(index - 1) < MIN_INDEX_STEP, 1.0, index)
 
 
 def albedo(value: npt.ArrayLike, where: str = "albedo", *, any_shape: bool = False) -> np.ndarray:

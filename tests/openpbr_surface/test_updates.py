@@ -152,8 +152,8 @@ def test_a_coat_of_index_one_is_its_medium_alone(reference):
     passed = 0.5 + 0.5 * 0.3 ** (0.5 * (1 / cosines).sum(axis=0))
     np.testing.assert_allclose(values(tinted), bare * passed[:, None], rtol=1e-4)
     update(clear, coat_ior=1.6)
-    update(clear, coat_ior=1.0)  # now the index nearest to one that has an interface
-    assert np.isfinite(values(clear)).all()
+    update(clear, coat_ior=1.0)  # the coat remains, without an interface
+    np.testing.assert_allclose(values(clear), bare, rtol=1e-3 if reference else 0.02)
 
 
 @pytest.mark.parametrize("name", ["layered", "neural_layered"])

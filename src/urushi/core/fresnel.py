@@ -12,11 +12,11 @@ def dielectric(cos_i, eta):
 
     Returns:
         (F, cos_t): reflectance in [0, 1] and the cosine (>= 0) of the refracted angle;
-        F = 1 and cos_t = 0 under total internal reflection.
+        F = 1 and cos_t = 0 under total internal reflection. F = 0 at an index of 1.
     """
     inv_eta = 1 / eta
     cos_t2 = 1 - (1 - cos_i * cos_i) * inv_eta * inv_eta
-    cos_t = dr.safe_sqrt(cos_t2)
+    cos_t = dr.select(eta == 1, cos_i, dr.safe_sqrt(cos_t2))  # to the last digit
     parallel = (eta * cos_i - cos_t) / (eta * cos_i + cos_t)
     perpendicular = (cos_i - eta * cos_t) / (cos_i + eta * cos_t)
     reflectance = 0.5 * (parallel * parallel + perpendicular * perpendicular)

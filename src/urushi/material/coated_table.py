@@ -11,6 +11,8 @@ transmitted fractions (`urushi.material.crossing`), and S is the BRDF of everyth
 just below the interface: the bottom through the medium, and all light that the medium scatters or
 that the interface reflects back (`urushi.material.adding`).
 
+An index of 1 is no interface, and f is S itself.
+
 The mean is a sum over fixed, evenly spread points. Under a rough coat, few of the pairs wi', wo'
 would hit a narrow lobe of the bottom. Some of the pairs are therefore sampled from half vectors of
 the bottom's lobe, and the balance heuristic combines all of them (Veach and Guibas 1995).
@@ -30,6 +32,7 @@ from urushi.material.table import (
     LOWEST,
     SHAPE,
     TAN2_OFFSET,
+    coordinates,
     coordinates_of_sum,
     interpolated,
     interpolated_at,
@@ -272,6 +275,8 @@ def _spanning(below: Below) -> tuple[Below, np.ndarray]:
 
 def _crossed(below: Below, alpha: float, eta: float, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
     """The mean of the module's text: float32 (N, C) for pairs (N, 3)."""
+    if eta == 1:
+        return _seen(below, wi, wo, coordinates(wi, wo))
     cosines = wi[:, 2, None], wo[:, 2, None]
     cross_product = wi[:, 0] * wo[:, 1] - wi[:, 1] * wo[:, 0]
     turn = np.arctan2(cross_product, wi[:, 0] * wo[:, 0] + wi[:, 1] * wo[:, 1])[:, None]
@@ -307,16 +312,22 @@ def _weighted(below: Below, a: Crossing, b: Crossing) -> np.ndarray:
     least = np.float32(1e-30)
     others = 1 / np.maximum(a.density, least) + 1 / np.maximum(b.density, least)
     weight = np.where(present, weight / (BY_INTERFACE + BY_BOTTOM * drawn * others), 0)
+    wi, wo = (np.stack(w, axis=-1) for w in inside)
+    return np.einsum("nkc,nk->nc", _seen(below, wi, wo, places), weight)
+
+
+def _seen(
+    below: Below, wi: np.ndarray, wo: np.ndarray, places: tuple[np.ndarray, ...]
+) -> np.ndarray:
+    """S (..., C) for pairs (..., 3) with table coordinates `places` (...)."""
     values = interpolated_at(below.table, *(p.ravel() for p in places))
-    values = values.reshape(*weight.shape, -1)
-    if below.lobe is not None:
-        wi, wo = (np.stack(w, axis=-1)[:, :, None] for w in inside)
-        own = lobes.f(below.lobe, wi, wo)
-        if below.depth.any():
-            inverse = 1 / inside[0][2] + 1 / inside[1][2]
-            own = own * np.exp(-below.depth * inverse[..., None])
-        values = values + own
-    return np.einsum("nkc,nk->nc", values, weight)
+    values = values.reshape(*places[0].shape, -1)
+    if below.lobe is None:
+        return values
+    own = lobes.f(below.lobe, wi[..., None, :], wo[..., None, :])
+    if below.depth.any():
+        own = own * np.exp(-below.depth * (1 / wi[..., 2, None] + 1 / wo[..., 2, None]))
+    return values + own
 
 
 def _turned(w: Vector, turn: np.ndarray) -> Vector:

@@ -1,5 +1,6 @@
 """Layering: coats over materials in the latent space, one material or many texels at once."""
 
+import functools
 from dataclasses import replace
 from typing import Any
 
@@ -107,16 +108,23 @@ def layer_material(coat: CoatParameters, bottom: Material) -> Material:
 
     If the bottom has a table, or the coat's index is one for which codes fade (`presence`), or its
     medium is outside the networks' training data, the result has a table of the rest beside the
-    coat's lobe.
+    coat's lobe. The bottom under no interface and no medium is returned as it is.
     """
     model = bottom.model
     coat = _for_networks(model, coat)
+    absent = (coat.eta == 1) & (coat.sigma_t == 0)
+    if absent.all():
+        return bottom
     codes = _layered(model, bottom.anchors, coat)
     anchors = _without_absent_coats(model, codes, bottom.anchors, coat, bottom.latents)
     below = _tabulated(bottom, coat)
     if below is None:
         return Material(anchors, model, rotation=bottom.rotation)
     table = coated_table(below, coat, codes[:, : model.arch.lobe])
+    table = np.where(absent, below.table, table)
+    if below.beside_lobe:
+        numbers = np.arange(codes.shape[1]) < model.arch.lobe
+        codes = np.where(absent[..., None] & numbers, below.latents, codes)
     return Material(codes, model, anchors, table, beside_lobe=True)
 
 
@@ -241,8 +249,15 @@ def within_training(coat: CoatParameters) -> CoatParameters:
 
     Media of equal absorption and equal scattering times 1 - g transport light alike (van de Hulst
     1980). So g is moved into its range, and in media that are too deep further towards 0. Depths
-    that remain above `DEEPEST` are cut.
+    that remain above `DEEPEST` are cut. Coats of index 1, which have no interface, get the least
+    width.
     """
+    if (coat.eta == 1).any():
+        smooth = functools.partial(np.where, coat.eta == 1, checks.MIN_ALPHA)
+        widths = coat.alpha
+        coat = coat._replace(
+            alpha=widths.map(smooth) if isinstance(widths, Widths) else smooth(widths)
+        )
     g = np.clip(coat.g, *checks.TRAINED_G)
     if np.array_equal(g, coat.g) and np.max(coat.sigma_t) <= DEEPEST:
         return coat
@@ -281,12 +296,13 @@ def presence(alpha: np.ndarray | Widths, eta: np.ndarray, sigma_t: np.ndarray) -
 
     A smooth interface of an index close to 1 and a thin medium leave the bottom unchanged, its lobe
     included. The layerer cannot express this, because the coat's interface is the only lobe of its
-    result. A rough interface of such an index is visible: its facets mask and shadow each other.
+    result. A rough interface of such an index is visible: its facets mask and shadow each other. An
+    index of 1 is no interface.
     Two widths are replaced by their root mean square.
     """
     change = (eta - 1.0) / (eta + 1.0) / ABSENT_CHANGE
     square = alpha**2 if not isinstance(alpha, Widths) else 0.5 * (alpha.u**2 + alpha.v**2)
-    width = square / ABSENT_WIDTH**2
+    width = np.where(np.real(eta) == 1, 0, square) / ABSENT_WIDTH**2
     return 1.0 - np.exp(-(change * change) - width * width - sigma_t / ABSENT_DEPTH)
 
 

@@ -225,7 +225,7 @@ class CoatLoss:
     def _at(self, si, active) -> "LossVertex":
         """The coat at a surface interaction."""
         inputs = self._inputs
-        eta = dr.clip(inputs.number("coat_ior", si, active), 1.001, 3)
+        eta = formulas.interface_index(inputs.number("coat_ior", si, active), dr)
         alpha = formulas.lobe_width(inputs.number("coat_roughness", si, active), dr)
         # Both from one table: what it does not reflect is passed or lost, whatever its error.
         reflected, passed = self._below.both_mean(alpha, 1 / eta)
@@ -235,7 +235,8 @@ class CoatLoss:
     def _lost(self, at: "LossVertex", cosine):
         """Share of the light from a direction that is lost."""
         reflected, passed = self._above.both(cosine, at.alpha, at.eta)
-        return dr.clip(1 - reflected - at.inside * passed, 0, 1)
+        lost = dr.clip(1 - reflected - at.inside * passed, 0, 1)
+        return dr.select(at.eta == 1, 0, lost)  # there is no interface
 
 
 class FurnaceVertex(NamedTuple):
@@ -345,7 +346,7 @@ def _twin(
 ) -> tuple[dict[str, Any], np.ndarray]:
     """The white twin's parameters, and points of uv (N, 2) of the nodes of the table, by rows."""
     twin: dict[str, Any] = {**shared, "base_color": (1.0, 1.0, 1.0)}
-    twin["coat_ior"] = float(formulas.interface_index(shared["coat_ior"]))  # one has no coat
+    twin["coat_ior"] = float(formulas.interface_index(shared["coat_ior"]))
     nodes = np.linspace(0, 1, NODES, dtype=np.float32)
     grid = np.meshgrid(*[nodes] * len(varying), indexing="ij") if varying else []
     for name, values in zip(varying, grid, strict=True):

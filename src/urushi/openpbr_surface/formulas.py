@@ -102,12 +102,10 @@ def base_index(
 
 
 def interface_index(ratio: Any, xp: Any = np) -> Any:
-    """A relative index within what the walk takes: in [0.5, 3], and a step away from one."""
+    """A relative index within what the walk takes: in [0.5, 3], and 1 near 1."""
     ratio = xp.clip(ratio, *ETA_RANGE)
-    # Of single precision, whose 1.001 is a little less than the step away from one.
-    step = MIN_INDEX_STEP + 1e-7
     where = xp.where if xp is np else xp.select
-    return where(xp.abs(ratio - 1) < step, where(ratio < 1, 1 - step, 1 + step), ratio)
+    return where(xp.abs(ratio - 1) < MIN_INDEX_STEP, 1, ratio)
 
 
 # 3.2.2 Glossy-diffuse. The interface conserves energy and has the directional reflectance E(w). It

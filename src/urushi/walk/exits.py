@@ -6,6 +6,10 @@ by refracting u_{l-1}, with the density a_l. The walk itself, from below, draws 
 b_l. It can join the chain in any layer, so that several techniques produce the same path. The power
 heuristic with exponent 2 (Veach 1997, section 9.2.3) weighs technique k by p_k^2 / sum_j p_j^2; the
 sums of squared ratios (p_j / p_k)^2 are kept here.
+
+Where an interface has the index 1, there is none: the chain goes straight on, with the density and
+the ratios of the layer above. Below a topmost interface of index 1 no walk can draw u_0, and the
+density of the chain is infinite.
 """
 
 from typing import Any, NamedTuple
@@ -52,6 +56,9 @@ class ExitPaths:
                 ratio = self._density_from_below(layers, link.direction, above.direction, index)
                 ratio /= above.pdf
                 ratios = 1 + dr.select(above.pdf > 0, ratio * ratio * above.ratios, 0)
+                straight = link.pdf == dr.inf
+                link = link._replace(pdf=dr.select(straight, above.pdf, link.pdf))
+                ratios = dr.select(straight, above.ratios, ratios)
             weight = weight * link.weight
             self._of_layer.append(ExitPath(link.direction, weight, link.pdf, ratios))
             outside = link.direction
@@ -66,6 +73,7 @@ class ExitPaths:
         # A failed sample gets a vertical direction, so that no cosine is zero.
         inside = dr.select(weight > 0, inside, type(outside)(0, 0, -1))
         _, pdf = interface.transmission(outside, inside, alpha, eta)
+        pdf = dr.select(eta == 1, dr.inf, pdf)
         # `weight` is (1 - F) G1 for light that enters. Light that leaves has the same factors
         # divided by eta^2, because a cone of light widens.
         return ExitPath(-inside, weight / (eta * eta), pdf, 1)

@@ -5,6 +5,9 @@ below), `alpha`, one GGX width or two `Widths`, and `eta`, the index of the far 
 wi's side. Transmission is in *flux* convention: the integral of f |cos| over outgoing directions is
 the transmitted fraction of power, with no 1/eta^2 scaling of radiance, so that a stack seen from
 outside is reciprocal.
+
+An index of 1 is no interface: light passes straight whatever the width. `sample_transmission` and
+`sample` then give the opposite of wi with weight 1; functions of two directions give 0.
 """
 
 import drjit as dr
@@ -33,7 +36,7 @@ def transmission(wi, wo, alpha, eta):
     m = wi + eta * wo
     m = dr.normalize(dr.select(m.z < 0, -m, m))
     cos_i, cos_o = dr.dot(wi, m), dr.dot(wo, m)
-    valid = (wi.z > 0) & (wo.z < 0) & (cos_i > 0) & (cos_o < 0)
+    valid = (wi.z > 0) & (wo.z < 0) & (cos_i > 0) & (cos_o < 0) & (eta != 1)
     reflectance, _ = fresnel.dielectric(dr.maximum(cos_i, 0), eta)
     denominator = cos_i + eta * cos_o
     jacobian = eta * eta * -cos_o / (denominator * denominator)
@@ -59,7 +62,8 @@ def sample_transmission(wi, alpha, eta, u1, u2):
     reflectance, cos_t = fresnel.dielectric(dr.dot(wi, m), eta)
     wo = refract(wi, m, cos_t, eta)
     valid = (wo.z < 0) & (reflectance < 1)
-    return wo, dr.select(valid, (1 - reflectance) * microfacet.smith_g1(wo, alpha), 0)
+    weight = dr.select(valid, (1 - reflectance) * microfacet.smith_g1(wo, alpha), 0)
+    return dr.select(eta == 1, -wi, wo), dr.select(eta == 1, 1, weight)
 
 
 def sample(wi, alpha, eta, u0, u1, u2):
@@ -78,7 +82,9 @@ def sample(wi, alpha, eta, u0, u1, u2):
     )
     valid = dr.select(reflected, wo.z > 0, wo.z < 0) & (cos_i > 0)
     pdf = microfacet.visible_normal_pdf(wi, m, alpha) * jacobian
-    return wo, dr.select(valid, microfacet.smith_g1(wo, alpha), 0), dr.select(valid, pdf, 0)
+    weight = dr.select(valid, microfacet.smith_g1(wo, alpha), 0)
+    pdf = dr.select(valid & (eta != 1), pdf, 0)
+    return dr.select(eta == 1, -wi, wo), dr.select(eta == 1, 1, weight), pdf
 
 
 def scatter(wi, wo, alpha, eta):

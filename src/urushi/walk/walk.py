@@ -290,4 +290,7 @@ def inner_event(
     direction, weight, pdf = interface.sample(incident, alpha, eta, *u)
     direction = dr.select(down, direction, flip(direction))
     ratios = dr.select(direction.z > 0, ratios_below(direction), 0)
+    # Without an interface this is no vertex: the direction is the one that the last vertex drew.
+    pdf = dr.select(eta == 1, s["pdf"], pdf)
+    ratios = dr.select(eta == 1, s["ratios"], ratios)
     return Event(contribution, direction, s["throughput"] * weight, pdf, ratios)

@@ -42,11 +42,8 @@ class CoatStack:
             values = [CoatParameters(*(_at_channel(x, channel) for x in coat)) for coat in values]
         if any(coat.is_anisotropic for coat in parameters):
             values = [value._replace(alpha=_two_widths(value.alpha)) for value in values]
-        self._etas = [
-            _clipped_eta(value.eta) if coat.has_textured_eta else value.eta
-            for coat, value in zip(parameters, values, strict=True)
-        ]
         self._coats = [_clipped(value) for value in values]
+        self._etas = [coat.eta for coat in self._coats]
 
     def interface(self, index):
         """(alpha, eta) of an interface; eta is relative to the medium above.
@@ -113,10 +110,7 @@ def coats_at(parameters: Sequence[CoatTextures], si, active) -> list[list[CoatPa
     """Isotropic coats, top to bottom, for each channel of the variant's spectrum; all floats."""
     found = []
     for coat in parameters:
-        value = _clipped(coat.evaluate(si, active))
-        if coat.has_textured_eta:
-            value = value._replace(eta=_clipped_eta(value.eta))
-        found.append(value)
+        found.append(_clipped(coat.evaluate(si, active)))
     channels = range(dr.size_v(mi.Spectrum))
     return [
         [CoatParameters(*(_at_channel(x, channel) for x in coat)) for coat in found]
@@ -255,17 +249,12 @@ def _clipped(coat: CoatParameters) -> CoatParameters:
     """Parameters clipped to their ranges: filters and spectra may leave them."""
     return CoatParameters(
         _widths_of(lambda alpha: dr.clip(alpha, MIN_ALPHA, 1), coat.alpha),
-        coat.eta,
+        # A filter may cross 1, near which an index is 1.
+        dr.select(dr.abs(coat.eta - 1) < MIN_INDEX_STEP, 1, dr.clip(coat.eta, *ETA_RANGE)),
         dr.clip(_color(coat.albedo), 0, 1),
         dr.maximum(_color(coat.sigma_t), 0),
         dr.clip(_color(coat.g), -0.999, 0.999),
     )
-
-
-def _clipped_eta(eta):
-    """An index clipped to its range, and pushed away from 1: a texture's filter may cross it."""
-    step = dr.copysign(dr.maximum(dr.abs(eta - 1), MIN_INDEX_STEP), eta - 1)
-    return dr.clip(1 + step, *ETA_RANGE)
 
 
 def _width_outside(alpha, stretch, blur):
