@@ -50,6 +50,7 @@ def layer(
 
     Args:
         top: the coat's interface, from `urushi.dielectric(alpha, eta)`, isotropic or anisotropic.
+            An eta of 1 is no interface: the coat is its medium.
         bottom: a Material, or anything that `encode` accepts; coats nest. All layers share one
             tangent: a bottom that was `rotated` cannot get an anisotropic coat. If the bottom has a
             table, such as a measured BRDF, or the medium is outside the networks' training data,
@@ -64,7 +65,8 @@ def layer(
 
     Returns:
         A Material of the bottom's channels, or of three if the bottom has one and a parameter has
-        three. It is anisotropic if top or bottom are.
+        three. It is anisotropic if top or bottom are. The bottom itself, if the coat has neither an
+        interface nor a medium.
 
     Raises:
         ParameterError: top is not a dielectric, or a parameter is out of range or of a wrong shape;

@@ -87,8 +87,8 @@ def coat(
         alpha: GGX width of the interface in [0.01, 1], by default 0.1.
         alpha_u, alpha_v: in place of alpha, the widths along the tangent and across it. The tangent
             is the x axis of the directions, for all coats and for the bottom.
-        eta: its index relative to the medium above, in [0.5, 3], at least 0.001 away from 1; by
-            default that of BK7 glass in air.
+        eta: its index relative to the medium above, in [0.5, 3], by default that of BK7 glass in
+            air. Nearer to 1 than 0.001 it is 1: there is no interface, whatever its width.
         albedo: single-scattering albedo of the medium below it in [0, 1].
         sigma_t: optical depth of that medium in [0, 1e6].
         g: its Henyey-Greenstein asymmetry in (-1, 1).

@@ -31,7 +31,6 @@ def load(mi, networks, name: str, **properties):
         ({"albedo": -0.1}, "albedo is -0.1; it must be a single-scattering albedo in [0, 1]"),
         ({"sigma_t": -1.0}, "sigma_t is -1; it must be an optical depth in [0, 1e6]"),
         ({"g": 1.0}, "g is 1; it must be a Henyey-Greenstein asymmetry in (-1, 1)"),
-        ({"int_ior": 1.0, "ext_ior": 1.0}, "int_ior / ext_ior is 1; it must be an index"),
         ({"int_ior": 4.0}, "int_ior / ext_ior is 3.99889; it must be an index"),
         ({"int_ior": "lacquer"}, "int_ior is 'lacquer'; give a number or one of the materials"),
         ({"ext_ior": 0.0}, "ext_ior is 0; it must be positive"),

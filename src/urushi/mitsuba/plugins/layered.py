@@ -29,8 +29,8 @@ def define(base: type) -> type:
                        texture               material such as "water", or a texture of numbers.
                                              (Default: "bk7", 1.5046)
         ext_ior        float, string         Index outside; the ratio of both must be within 0.5 to
-                                             3, and at least 0.001 away from 1. (Default: "air",
-                                             1.000277)
+                                             3. Nearer to 1 than 0.001 it is 1, without a surface:
+                                             the coat is its medium. (Default: "air", 1.000277)
         albedo         spectrum, texture     Single-scattering albedo of the coat's medium, 0 to 1.
                                              (Default: 0)
         sigma_t        spectrum, texture     Its optical depth, 0 to 1e6: the coat has unit

@@ -58,8 +58,8 @@ def define(proposal_bsdf: type):
 
         Fuzz is layered by the albedo of the direction that is seen, as the specification says.
         Material with fuzz is therefore not reciprocal: f changes by some per cent in the mean when
-        wi and wo are exchanged. A coat whose index is given as one has no interface: it absorbs
-        light of the uncoated base.
+        wi and wo are exchanged. A coat of index one has no interface: it absorbs light of the
+        uncoated base.
 
         Where all parameters are constant and isotropic and the base is not smooth, the coat is
         computed as a table when the material is loaded. Networks layer all others.

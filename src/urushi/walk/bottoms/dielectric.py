@@ -51,8 +51,8 @@ def dielectric(
     Args:
         alpha: GGX width in [0.01, 1], by default 0.1.
         alpha_u, alpha_v: in place of alpha, the widths along the tangent and across it.
-        eta: index relative to the medium above, in [0.5, 3], at least 0.001 away from 1; by default
-            that of BK7 glass in air.
+        eta: index relative to the medium above, in [0.5, 3], by default that of BK7 glass in air.
+            Nearer to 1 than 0.001 it is 1, without an interface.
 
     Raises:
         ParameterError: a value is out of range, alpha is given together with alpha_u or alpha_v, or
