@@ -54,6 +54,16 @@ def test_the_limit_acts_on_some_codes_and_not_on_others(gaining, inputs):
     assert 0 < len(over) < ROWS
 
 
+def test_the_width_of_no_interface_has_no_derivative(gaining, inputs):
+    _, z, coat = inputs
+    coat = np.where(np.arange(5) == 1, np.float32(1), coat)
+    code, one = layered(gaining, z, coat), np.eye(5)[[0]] * np.ones((ROWS, 1))
+    np.testing.assert_array_equal(layered(gaining, z, coat * [0.5, 1, 1, 1, 1]), code)
+    assert not gradients.layer_pushforward(gaining, z, coat, code, 0 * z, one).any()
+    _, of_coat = gradients.layer_pullback(gaining, z, coat, code, np.ones_like(z))
+    assert not of_coat[:, 0].any() and np.isfinite(of_coat).all() and of_coat[:, 3].any()
+
+
 def test_layer_against_differences(gaining, inputs):
     """To 2 %: single precision, and the table of lobes' albedos is interpolated linearly.
 

@@ -78,3 +78,9 @@ def test_smooth_coats_near_one_are_near_it(trained, pairs, eta):
     bottom, medium = diffuse(0.6), {"sigma_t": 0.4, "albedo": 0.7}
     found, expected = (layer(dielectric(0.01, n), bottom, **medium).f(*pairs) for n in (eta, 1))
     assert (error(found, expected, pairs) < 0.02).all()
+
+
+def test_a_stack_without_its_topmost_interface_is_encoded_with_the_lobe_below(trained, pairs):
+    bottom = conductor(0.1, 0.9)
+    found = encode(coat(bottom, 0.3, 1), trained).f(*pairs)
+    assert (error(found, encode(bottom, trained).f(*pairs), pairs) < 0.01).all()

@@ -69,6 +69,7 @@ def layer_pushforward(
     dcoat: their changes. Where a coat is nearly absent, the limit's factor is a constant.
     """
     gain = model.arch.lobe
+    dcoat = np.where(_without_meaning(coat), 0, dcoat)
 
     def block(z_bottom, coat, z, dz_bottom, dcoat):
         inside, medium = _inside(coat)
@@ -115,7 +116,13 @@ def layer_pullback(
         return np.concatenate([of_bottom, of_coat], axis=-1) + beside
 
     both = _fill_rows(model.arch.latent + coat.shape[-1], block, z_bottom, coat, z, dz)
-    return both[:, : model.arch.latent], both[:, model.arch.latent :]
+    of_coat = np.where(_without_meaning(coat), 0, both[:, model.arch.latent :])
+    return both[:, : model.arch.latent], of_coat
+
+
+def _without_meaning(coat: np.ndarray) -> np.ndarray:
+    """Whether a parameter of coats (N, C) is the width of an index of 1, which is no interface."""
+    return (coat[:, 1:2] == 1) & np.isin(np.arange(coat.shape[-1]), (0, 5))
 
 
 def linearised(model: Model, f: np.ndarray, anchors: np.ndarray) -> np.ndarray:

@@ -122,6 +122,7 @@ def layer_material(coat: CoatParameters, bottom: Material) -> Material:
     below = _tabulated(bottom, coat)
     if below is None:
         return Material(anchors, model, rotation=bottom.rotation)
+    assert below.table is not None  # for the type checker
     table = coated_table(below, coat, codes[:, : model.arch.lobe])
     table = np.where(absent, below.table, table)
     if below.beside_lobe:

@@ -127,9 +127,12 @@ def _(source: Description) -> Source:
 def _(source: Stack) -> Source:
     from urushi.walk.simulate import simulate
 
-    lobe, widths = lobe_of_coat(source.coats[0]), 2 if source.is_anisotropic else 1
-    if lobe.shape[-1] < len(lobes.NUMBERS[widths]):
-        lobe = lobes.with_two_widths(lobe)
+    top, widths = source.coats[0], 2 if source.is_anisotropic else 1
+    lobe = None  # if there is no interface, it is one from below
+    if not np.all(np.equal(top.eta, 1)):
+        lobe = lobe_of_coat(top)
+        if lobe.shape[-1] < len(lobes.NUMBERS[widths]):
+            lobe = lobes.with_two_widths(lobe)
     return Source(
         lambda wi, wo: simulate(source, wi, wo, walks=STACK_WALKS, seed=0)[0],
         symmetric=True,

@@ -47,7 +47,7 @@ def test_the_plugin_is_the_walk(rgb, degrees):
 @pytest.mark.parametrize("name", ["layered", "neural_layered"])
 @pytest.mark.parametrize("textured", [False, True])
 def test_an_index_of_one_is_no_interface(rgb, name, textured):
-    """f is the bottom's, attenuated by what the medium absorbs; the index is by single precision."""
+    """f is that of the bottom, attenuated by what the medium absorbs."""
     wi, wo = np.array([0.0, 0.6, 0.8]), np.array([0.5, 0.0, 0.75**0.5])
     index: float | dict = 1.33
     if textured:
@@ -56,7 +56,7 @@ def test_an_index_of_one_is_no_interface(rgb, name, textured):
     for depth, tolerance in ((0.0, 0.01), (0.2, 0.04)):
         medium = {"alpha": 0.5, "albedo": 0.0, "sigma_t": depth}
         described = layered(index, 1.33) | {"type": name} | medium
-        f_cos, se = mean_f_cos(rgb, rgb.load_dict(described), wi, wo, walks=1 << 8)
+        f_cos, _ = mean_f_cos(rgb, rgb.load_dict(described), wi, wo, walks=1 << 8)
         expected = 0.6 / np.pi * np.exp(-depth * (1 / wi[2] + 1 / wo[2])) * wo[2]
         # Half precision of codes; the error of a code below a medium.
         assert f_cos == pytest.approx(expected, rel=tolerance if name != "layered" else 1e-4)
