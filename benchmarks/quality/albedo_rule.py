@@ -17,8 +17,11 @@ from pathlib import Path
 import numpy as np
 from scipy.optimize import nnls
 
+from urushi.core import fresnel
+from urushi.core.namespace import NUMPY
 from urushi.core.quadrature import half_vector_rule
 from urushi.material.albedo_rule import COSINE_OFFSET
+from urushi.nets import lobe as lobes
 
 ANGLES, LEAST_COSINE = 10, 0.005
 TOLERANCE, MOST_NODES, STEP = 0.002, 72, 2
@@ -56,7 +59,7 @@ def family(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         out += [phase, phase * (1 - np.exp(-0.3 * (1 / cos_i + 1 / cos_o)))]
     for alpha in WIDTHS:
         distribution = alpha**2 / (np.pi * ((alpha**2 - 1) * cos_h**2 + 1) ** 2)
-        lobe = distribution * _smith(cos_i, alpha) * _smith(cos_o, alpha) / (4 * cos_i * cos_o)
+        lobe = lobes.shape(alpha, np.broadcast_to(wi, wo.shape), wo)
         out += [lobe, lobe * (1 - cos_d) ** 5, *(lobe * _fresnel(cos_d, n) for n in (1.1, 1.5, 2))]
         passed = lobe * (1 - _fresnel(cos_o, 1.5))
         depth = 1 / np.sqrt(1 - (1 - cos_o**2) / 1.5**2)
@@ -77,13 +80,7 @@ def family(wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
 
 
 def _fresnel(c: np.ndarray, eta: float) -> np.ndarray:
-    t = np.sqrt(1 - (1 - c * c) / eta**2)
-    parallel, crossed = (eta * c - t) / (eta * c + t), (c - eta * t) / (c + eta * t)
-    return 0.5 * (parallel**2 + crossed**2)
-
-
-def _smith(c: np.ndarray, alpha: float) -> np.ndarray:
-    return 2 / (1 + np.sqrt(1 + alpha**2 * (1 / c**2 - 1)))
+    return fresnel.dielectric(c, eta, NUMPY)[0]
 
 
 def pick(values: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:

@@ -9,6 +9,7 @@ take the best of `candidates` for each. Every fit starts from several initial wi
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -17,6 +18,7 @@ from threadpoolctl import threadpool_limits
 from urushi.core.half_vector import directions_at
 from urushi.errors import ParameterError, PlatformError
 from urushi.measured.tabulated import evaluate
+from urushi.nets import lobe as analytic
 
 
 @dataclass(frozen=True)
@@ -68,41 +70,28 @@ class GgxFit:
         return result
 
 
-@dataclass(frozen=True)
-class Geometry:
-    """Quantities that lobes depend on, (N,) each.
+class Geometry(NamedTuple):
+    """Pairs of directions.
 
     Attributes:
-        sin2_h, cos2_h: of the half vector's angle to the normal.
-        tan2_i, tan2_o: of the directions' angles to it.
-        cosines: product of the directions' cosines.
-        edge: (1 - cos theta_d)^5, of Schlick's Fresnel term.
+        wi, wo: float64 (N, 3), unit vectors above the horizon.
+        edge: (N,) (1 - cos theta_d)^5, of Schlick's Fresnel term.
     """
 
-    sin2_h: np.ndarray
-    cos2_h: np.ndarray
-    tan2_i: np.ndarray
-    tan2_o: np.ndarray
-    cosines: np.ndarray
+    wi: np.ndarray
+    wo: np.ndarray
     edge: np.ndarray
 
     @classmethod
     def of(cls, wi: np.ndarray, wo: np.ndarray) -> "Geometry":
-        """wi, wo: float64 (N, 3), unit vectors above the horizon."""
-        half = wi + wo
-        half /= np.linalg.norm(half, axis=1, keepdims=True)
-        x2, y2, z2 = (half**2).T
-        tan2_i, tan2_o = ((w[:, 0] ** 2 + w[:, 1] ** 2) / w[:, 2] ** 2 for w in (wi, wo))
-        edge = (1 - np.clip(np.sum(half * wi, axis=1), 0, 1)) ** 5
-        return cls(x2 + y2, z2, tan2_i, tan2_o, wi[:, 2] * wo[:, 2], edge)
+        """wi, wo: (N, 3), unit vectors above the horizon."""
+        wi, wo = (w.astype(np.float64) for w in (wi, wo))
+        return cls(wi, wo, (1 - analytic.cosine_to_facet(wi, wo)) ** 5)
 
 
 def shape(g: Geometry, alpha: float) -> np.ndarray:
-    """D G / (4 cos cos) with separable masking (Walter et al. 2007, equations 33, 34 and 20)."""
-    alpha2 = alpha * alpha
-    d = alpha2 / (np.pi * (alpha2 * g.cos2_h + g.sin2_h) ** 2)
-    i, o = (1 + np.sqrt(1 + alpha2 * tan2) for tan2 in (g.tan2_i, g.tan2_o))
-    return d / (i * o * g.cosines)  # G = (2 / i) (2 / o)
+    """D G / (4 cos cos) with separable masking."""
+    return analytic.shape(alpha, g.wi, g.wo)
 
 
 def schlick(g: Geometry, f0: float) -> np.ndarray:
@@ -186,8 +175,7 @@ def fit(f: Brdf, lobes: int = 1, loss: str = "log", measure: float = 1.0) -> Ggx
     wi, wo = pairs()
     values = np.broadcast_to(np.asarray(f(wi, wo), np.float64), (len(wi), 3))
     weight = solid_angles() ** (measure / 2)
-    geometry = Geometry.of(*(w.astype(np.float64) for w in (wi, wo)))
-    problem = _Problem(geometry, values, loss, weight / weight.mean())
+    problem = _Problem(Geometry.of(wi, wo), values, loss, weight / weight.mean())
     with threadpool_limits(1):  # more threads slow such small matrices down
         solutions = [
             least_squares(
@@ -239,8 +227,7 @@ class _Problem:
         self._geometry = geometry
         self._weight = weight[:, None]
         self._map = LOSSES[loss]
-        cos_i = 1 / np.sqrt(1 + geometry.tan2_i)
-        self._cosine = cos_i[:, None]
+        self._cosine = geometry.wi[:, 2:]
         self._target = self._map(values * self._cosine)[0]
         self._values = values
 

@@ -17,7 +17,7 @@ SUFFIX = "_anisotropic"
 #: Fresnel's term of each kind of one width, of the facet's cosine and of the bottom's parameters.
 FRESNEL: dict[str, Callable[[Any, dict[str, Any]], Any]] = {
     "conductor": lambda cos, column: fresnel.schlick(cos, column["r0"]),
-    "conductor_complex": lambda cos, column: fresnel.conductor(cos, column["eta"], column["k"]),
+    "conductor_complex": lambda cos, column: fresnel.exact(cos, column["eta"], column["k"]),
     "dielectric": lambda cos, column: fresnel.dielectric(cos, column["eta"])[0],
 }
 

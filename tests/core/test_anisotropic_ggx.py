@@ -153,7 +153,5 @@ def test_equal_widths_are_one_width(jit: ModuleType, alpha: float) -> None:
     ]
     for function in functions:
         one, two = (function(a).numpy() for a in (jit.Float(alpha), widths(jit, (alpha, alpha))))
-        if jit.__name__ == "drjit.llvm":
-            np.testing.assert_array_equal(one, two)
-        else:  # CUDA's division is approximate: u / u may differ from 1 by a rounding
-            np.testing.assert_allclose(one, two, rtol=2e-5, atol=1e-6)
+        # Sums are in another order, and CUDA's u / u may differ from 1 by a rounding.
+        np.testing.assert_allclose(one, two, rtol=2e-5, atol=1e-6)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from urushi.core import fresnel
+from urushi.core.namespace import NUMPY
 
 COSINES = np.linspace(0.01, 1, 500, dtype=np.float32)
 
@@ -54,15 +55,27 @@ def test_brewsters_angle_leaves_only_one_polarisation(jit: ModuleType) -> None:
 @pytest.mark.parametrize("eta", [1.2, 1.5, 3.0])
 def test_a_conductor_that_absorbs_nothing_is_a_dielectric(jit: ModuleType, eta: float) -> None:
     cos = jit.Float(COSINES)
-    metal = fresnel.conductor(cos, jit.Float(eta), jit.Float(0)).numpy()
+    metal = fresnel.exact(cos, jit.Float(eta), jit.Float(0)).numpy()
     np.testing.assert_allclose(metal, fresnel.dielectric(cos, eta)[0].numpy(), atol=2e-5)
 
 
 def test_conductor_at_normal_incidence(jit: ModuleType) -> None:
     for eta, k in ((0.2, 3.9), (1.5, 7.3), (0.0, 2.0), (0.0, 0.0)):
-        found = fresnel.conductor(jit.Float(1), jit.Float(eta), jit.Float(k))[0]
+        found = fresnel.exact(jit.Float(1), jit.Float(eta), jit.Float(k))[0]
         expected = ((eta - 1) ** 2 + k**2) / ((eta + 1) ** 2 + k**2)
         assert found == pytest.approx(expected, abs=1e-6)
+
+
+def test_conductors_reflect_by_fresnels_amplitudes() -> None:
+    """The squared complex amplitudes of both polarisations."""
+    for eta, k in np.random.default_rng(3).uniform([0.1, 0], [4, 9], (50, 2)):
+        index = eta - 1j * k
+        inside = np.sqrt(index**2 - 1 + COSINES.astype(np.float64) ** 2)
+        across = (COSINES - inside) / (COSINES + inside)
+        along = (index**2 * COSINES - inside) / (index**2 * COSINES + inside)
+        expected = 0.5 * (np.abs(across) ** 2 + np.abs(along) ** 2)
+        found = fresnel.exact(COSINES.astype(np.float64), eta, k, NUMPY)
+        np.testing.assert_allclose(found, expected, atol=1e-10)
 
 
 def test_schlick_spans_r0_to_one_for_colours(jit: ModuleType) -> None:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from urushi.core import metal
+from urushi.core import fresnel
 from urushi.openpbr_surface import thin_film
 from urushi.openpbr_surface.thin_film import Below, Film
 
@@ -86,8 +86,8 @@ def test_a_film_of_no_thickness_is_not_seen():
 @pytest.mark.parametrize(("f0", "tint"), [(0.9, 0.95), (0.5, 0.7), (0.98, 1.0), (0.3, 0.9)])
 def test_a_metals_index_has_its_reflectance_at_both_ends(f0, tint):
     below = thin_film.metal_index(np.float64(f0), np.float64(tint))
-    for cosine, tolerance in ((1.0, 1e-6), (metal.EDGE_COSINE, 0.02)):
+    for cosine, tolerance in ((1.0, 1e-6), (fresnel.EDGE_COSINE, 0.02)):
         found = thin_film.reflectance(
             cosine, Film(1.0, 1.0, 0.0), below, thin_film.luminance_response()
         )
-        assert found == pytest.approx(metal.f82(cosine, f0, tint), abs=tolerance)
+        assert found == pytest.approx(fresnel.f82(cosine, f0, tint), abs=tolerance)

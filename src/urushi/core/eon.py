@@ -7,7 +7,7 @@ single-scattering term is Fujii's (2012).
 import math
 from typing import Any, NamedTuple
 
-import numpy as np
+from urushi.core.namespace import NUMPY, Namespace
 
 _FIRST = 0.5 - 2 / (3 * math.pi)
 _SECOND = 2 / 3 - 28 / (15 * math.pi)
@@ -21,16 +21,16 @@ class Cosines(NamedTuple):
     between: Any
 
 
-def single_albedo(cosine: Any, roughness: Any, xp: Any = np) -> Any:
+def single_albedo(cosine: Any, roughness: Any, xp: Namespace = NUMPY) -> Any:
     """Directional albedo of the single-scattering term for a facet albedo of one.
 
     Args:
         cosine: to the normal, in [0, 1].
         roughness: base_diffuse_roughness, in [0, 1].
-        xp: the module of the arrays' functions, NumPy or drjit.
+        xp: the functions of the arrays.
     """
     sine = xp.sqrt(xp.maximum(1 - cosine * cosine, 0))
-    angle = (xp.arccos if xp is np else xp.acos)(xp.clip(cosine, 0, 1))
+    angle = xp.arccos(xp.clip(cosine, 0, 1))
     # (sine / cosine)(1 - sine^3) without the quotient: 1 - sine^2 = cosine^2.
     ratio = sine * cosine * (1 + sine + sine * sine) / (1 + sine)
     g = sine * (angle - sine * cosine) + 2 / 3 * (ratio - sine)
@@ -42,13 +42,13 @@ def single_mean(roughness: Any) -> Any:
     return (1 + _SECOND * roughness) / (1 + _FIRST * roughness)
 
 
-def single_over_azimuths(i: Any, o: Any, roughness: Any, xp: Any = np) -> Any:
+def single_over_azimuths(i: Any, o: Any, roughness: Any, xp: Namespace = NUMPY) -> Any:
     """The single-scattering term times pi for a facet albedo of one, its mean over the azimuth.
 
     Args:
         i, o: cosines to the normal, in [0, 1].
         roughness: base_diffuse_roughness, in [0, 1].
-        xp: the module of the arrays' functions, NumPy or drjit.
+        xp: the functions of the arrays.
     """
     sines2 = xp.maximum(1 - i * i, 0) * xp.maximum(1 - o * o, 0)
     larger = xp.maximum(xp.maximum(i, o), 1e-7)
@@ -70,14 +70,14 @@ def multiple_albedo(color: Any, roughness: Any) -> Any:
     return color * color * mean / (1 - color * (1 - mean))
 
 
-def albedo(cosine: Any, color: Any, roughness: Any, xp: Any = np) -> Any:
+def albedo(cosine: Any, color: Any, roughness: Any, xp: Namespace = NUMPY) -> Any:
     """Directional albedo of the BRDF, one for a colour of one.
 
     Args:
         cosine: to the normal, in [0, 1].
         color: albedo of the facets, in [0, 1].
         roughness: base_diffuse_roughness, in [0, 1].
-        xp: the module of the arrays' functions, NumPy or drjit.
+        xp: the functions of the arrays.
     """
     single = single_albedo(cosine, roughness, xp)
     return color * single + multiple_albedo(color, roughness) * (1 - single)
@@ -89,14 +89,14 @@ def mean_albedo(color: Any, roughness: Any) -> Any:
     return color * mean + multiple_albedo(color, roughness) * (1 - mean)
 
 
-def f(cosines: Cosines, color: Any, roughness: Any, xp: Any = np) -> Any:
+def f(cosines: Cosines, color: Any, roughness: Any, xp: Namespace = NUMPY) -> Any:
     """The BRDF [1/sr], without cosine.
 
     Args:
         cosines: of directions above the horizon.
         color: albedo of the facets, in [0, 1].
         roughness: base_diffuse_roughness, in [0, 1].
-        xp: the module of the arrays' functions, NumPy or drjit.
+        xp: the functions of the arrays.
     """
     s = cosines.between - cosines.i * cosines.o
     larger = xp.maximum(xp.maximum(cosines.i, cosines.o), 1e-7)

@@ -1,9 +1,8 @@
 """Microfacet distributions with separable Smith masking, G = G1(wi) G1(wo).
 
 All interfaces are GGX, isotropic or anisotropic: `alpha` is one width, or the two `Widths` along x
-and y (Heitz 2014, section 5.4). Two equal widths give the same bits as one wherever u / u is
-exactly 1, as on the LLVM backend. The other distributions are used by bottoms only, Beckmann's with
-one width or two.
+and y (Heitz 2014, section 5.4). Two equal widths agree with one up to rounding. The other distributions
+are used by bottoms only, Beckmann's with one width or two.
 """
 
 import math
@@ -26,14 +25,14 @@ def ggx_d(m, alpha):
     return dr.select(m.z > 0, d, 0)
 
 
-def smith_g1(w, alpha):
+def smith_g1(w, alpha, xp=DRJIT):
     """Smith masking of direction `w` on either side (Walter et al. 2007, eq. 34).
 
     With two widths, their mean square towards the azimuth of `w` (Heitz 2014, eq. 80).
     """
     cos2 = w.z * w.z
     tan2 = stretched_sine2(w, alpha) / cos2
-    return dr.select(cos2 > 0, 2 / (1 + dr.sqrt(dr.fma(product(alpha), tan2, 1))), 0)
+    return xp.where(cos2 > 0, 2 / (1 + xp.sqrt(1 + product(alpha) * tan2)), 0)
 
 
 def visible_normal_pdf(w, m, alpha):
@@ -98,20 +97,19 @@ def squeezed_sine2(m, alpha):
 def reflection_lobe(wi, wo, alpha):
     """The microfacet reflection BRDF for Fresnel reflectance 1 [1/sr], and the cosine wi.m.
 
-    Multiply it by the Fresnel term at that cosine (Walter et al. 2007, eq. 20).
+    Multiply it by the Fresnel term at that cosine. It is zero below the horizon.
     """
-    m = dr.normalize(wi + wo)
-    g = smith_g1(wi, alpha) * smith_g1(wo, alpha)
-    f = ggx_d(m, alpha) * g / (4 * wi.z * wo.z)
-    return dr.select((wi.z > 0) & (wo.z > 0), f, 0), dr.dot(wi, m)
+    h = half_vector(wi, wo, DRJIT)
+    f = lobe_shape(alpha, wi, wo, h, DRJIT)
+    return dr.select((wi.z > 0) & (wo.z > 0), f, 0), facet_cosine(h, DRJIT)
 
 
 def lobe_shape(alpha, wi, wo, h, xp):
     """The lobe D G / (4 cos_i cos_o) [1/sr] for reflectance 1, of directions above the horizon.
 
-    It is `reflection_lobe` (Walter et al. 2007, eqs. 20, 33 and 34; with two widths Heitz 2014,
-    eqs. 80 and 85), written without the cosines in the denominator and with h = wi + wo of any
-    length. Exchanging wi and wo gives the same bits.
+    Walter et al. 2007, eqs. 20, 33 and 34; with two widths Heitz 2014, eqs. 80 and 85. Written
+    without the cosines in the denominator, and with h = wi + wo of any length. Exchanging wi and wo
+    gives the same bits.
     """
     named = xp.named
     x2, y2 = h.x * h.x, h.y * h.y

@@ -1,7 +1,7 @@
 """Functions by which one text of a formula serves arrays, kernels and shaders.
 
-A formula of `core` or `nets` takes a `Namespace` as its last argument, `xp`, and directions with
-the components x, y and z. Arithmetic is that of the operands. `arrays` is for NumPy and JAX,
+A formula takes a `Namespace` as its last argument, `xp`, and directions with the components x, y
+and z. Arithmetic is that of the operands. `NUMPY` and `arrays` are for NumPy, `arrays` for JAX,
 `DRJIT` for Dr.Jit, and `urushi.export.statements.namespace` for the expressions of shader code.
 """
 
@@ -10,6 +10,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import drjit as dr
+import numpy as np
 
 Function = Callable[..., Any]
 
@@ -22,12 +23,17 @@ class Components(NamedTuple):
     z: Any
 
 
+def _absent(*_: Any) -> Any:
+    raise NotImplementedError("shader code does not have this function")
+
+
 class Namespace(NamedTuple):
     """Functions of numbers.
 
     Attributes:
         sqrt, safe_sqrt: the square root of x >= 0; the safe one has a finite derivative at 0.
         exp, log, absolute, minimum, maximum, where: those of NumPy.
+        clip, cos, arccos, arctan2: those of NumPy; shader code has none.
         positive: x, at least zero; by its real part if it is complex, as in a complex step. It has
             a finite derivative.
         sincos: sine and cosine of an angle [rad].
@@ -47,6 +53,10 @@ class Namespace(NamedTuple):
     sincos: Function
     normalized: Function
     named: Callable[[str, Any], Any] = lambda _label, value: value
+    clip: Function = _absent
+    cos: Function = _absent
+    arccos: Function = _absent
+    arctan2: Function = _absent
 
 
 DRJIT = Namespace(
@@ -61,6 +71,10 @@ DRJIT = Namespace(
     lambda x: dr.select(x > 0, x, 0),
     dr.sincos,
     dr.normalize,
+    clip=dr.clip,
+    cos=dr.cos,
+    arccos=dr.acos,
+    arctan2=dr.atan2,
 )
 
 
@@ -87,7 +101,14 @@ def _of_module(xp: Any) -> Namespace:
         lambda x: xp.where(x.real > 0.0, x, 0.0),
         lambda x: (xp.sin(x), xp.cos(x)),
         normalized,
+        clip=xp.clip,
+        cos=xp.cos,
+        arccos=xp.arccos,
+        arctan2=xp.arctan2,
     )
+
+
+NUMPY = _of_module(np)
 
 
 def components(w: Any) -> Components:

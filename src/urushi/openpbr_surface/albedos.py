@@ -3,22 +3,44 @@
 The interfaces scatter once: light that would hit a second facet is lost. These tables give the
 loss, for which the plugin `openpbr` compensates. Albedos of two widths depend on the azimuth: on a
 brushed surface, more light hits a second facet across the scratches than along them.
+
+The axes of the tables are the index, the root of the GGX width, and the cosine. Seen from the
+denser side, an interface reflects totally at grazing angles. The edge moves with the index, and is
+sharp for smooth interfaces. The axis of the cosine follows it, so that tables that are linear
+between their nodes have it in its place.
 """
 
 import functools
-from typing import NamedTuple
+import math
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from urushi.core import eon
-from urushi.openpbr_surface.albedo_axes import (
-    COSINES,
-    ROUGHNESSES,
-    between_nodes,
-    hemisphere_mean,
-    indexnodes,
-    nodes,
-)
+from urushi.checks import MIN_ALPHA, Widths
+from urushi.core import eon, fresnel, microfacet
+from urushi.core.namespace import NUMPY, Components, Namespace
+
+#: Nodes of the tables: of the index below one and from one, of the width, and of the cosine.
+BELOW, ABOVE, ROUGHNESSES, COSINES = 21, 25, 16, 48
+
+#: Nodes of the index.
+INDICES = BELOW + ABOVE
+
+#: Cells of the axis of the cosine below the edge of total reflection.
+TOTAL_CELLS = 24
+
+#: Largest magnitude of the amplitude (eta - 1) / (eta + 1): an index of 3, or of 1/3.
+LARGEST_AMPLITUDE = 0.5
+
+#: Root of the amplitude's share at the last node below one. From there to an index of one, where
+#: nothing is reflected, tables are constant relative to the edge.
+_LEAST_ROOT = 0.03
+
+#: Coordinate of the edge of total reflection.
+_EDGE = TOTAL_CELLS / (COSINES - 1)
+
+#: Least cosine of a node.
+_LEAST_COSINE = 1e-5
 
 #: Nodes of the quadrature over visible facets: of their azimuth, and of their height. Where some of
 #: them reflect totally, the share that does decides, and the nodes are `FINE`.
@@ -35,12 +57,114 @@ TERMS = 4
 _AZIMUTHS = np.linspace(0, np.pi / 2, 7)
 
 
+def indexnodes() -> np.ndarray:
+    """The relative indices of the nodes (INDICES,), denser towards one."""
+    below, above = np.linspace(-1, -_LEAST_ROOT, BELOW), np.linspace(0, 1, ABOVE)
+    root = np.concatenate([below, above])
+    amplitude = LARGEST_AMPLITUDE * np.abs(root) * root
+    return (1 + amplitude) / (1 - amplitude)
+
+
+def index_coordinate(eta: Any, xp: Namespace = NUMPY) -> Any:
+    """Coordinate of an index in [0, 1]. None lies between the two nodes on either side of one."""
+    amplitude = (eta - 1) / (eta + 1) / LARGEST_AMPLITUDE
+    root = xp.sqrt(xp.absolute(amplitude))
+    below = (BELOW - 1) * xp.clip((1 - root) / (1 - _LEAST_ROOT), 0, 1)
+    above = BELOW + (ABOVE - 1) * root
+    return xp.where(eta < 1, below, above) / (INDICES - 1)
+
+
+def roughness_coordinate(alpha: Any, xp: Namespace = NUMPY) -> Any:
+    """Where a GGX width lies among the nodes, in [0, 1]."""
+    least = MIN_ALPHA**0.5
+    return (xp.sqrt(alpha) - least) / (1 - least)
+
+
+def cosine_coordinate(cosine: Any, eta: Any = None, xp: Namespace = NUMPY) -> Any:
+    """Where a cosine lies among the nodes of an index, in [0, 1].
+
+    It is the root of the cosine. For indices below one it is `_EDGE` at the cosine of total
+    reflection, and above that linear in the root of the distance.
+
+    eta: None in tables without index. A float is a constant.
+    """
+    root = xp.sqrt(xp.maximum(cosine, 0))
+    constant = isinstance(eta, float)
+    if eta is None or (constant and eta >= 1):
+        return root
+    edge = _edge(eta, xp)
+    # Clipped where the derivatives have no bound.
+    turn = xp.clip(1 - 2 * cosine / edge, -1 + 1e-6, 1 - 1e-6)
+    total = (_EDGE / math.pi) * xp.arccos(turn)
+    beyond = xp.maximum((cosine - edge) / (1 - edge), 1e-8)
+    split = xp.where(cosine < edge, total, _EDGE + (1 - _EDGE) * xp.sqrt(beyond))
+    return split if constant else xp.where(eta < 1, split, root)
+
+
+def nodes(eta: float | None = None) -> tuple[np.ndarray, np.ndarray]:
+    """The GGX widths and, of an index, the cosines of the nodes."""
+    roughness = np.linspace(MIN_ALPHA**0.5, 1, ROUGHNESSES)
+    cosine, _ = _cosine_at(np.linspace(0, 1, COSINES), eta)
+    return roughness**2, np.maximum(cosine, _LEAST_COSINE)
+
+
+def hemisphere_mean(table: np.ndarray, etas: np.ndarray | None = None) -> np.ndarray:
+    """2 times the integral of a table (..., COSINES) times the cosine over [0, 1].
+
+    The tables are interpolated linearly between their nodes. The integral of this interpolation is
+    exact, up to rounding, where the cosine is a polynomial of the coordinate.
+
+    etas: None, or the indices (I,) of a table (I, ROUGHNESSES, COSINES).
+    """
+    values, weight = between_nodes(table, etas)
+    return (values * weight).sum(-1)
+
+
+def between_nodes(
+    table: np.ndarray, etas: np.ndarray | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """A table (..., COSINES) at the points of a quadrature, (..., K), and their weights.
+
+    The weights, (K,) or (I, 1, K), have a sum of one, as in `hemisphere_mean`. Multiply values of
+    several tables before summing to get the mean of their product.
+    """
+    points, weights = np.polynomial.legendre.leggauss(4)
+    t, step = 0.5 * (points + 1), 1 / (COSINES - 1)
+    x = ((np.arange(COSINES - 1)[:, None] + t) * step).ravel()
+    values = table[..., :-1, None] * (1 - t) + table[..., 1:, None] * t
+    given = [None] if etas is None else etas
+    density = np.stack([np.prod(_cosine_at(x, eta), axis=0) for eta in given])
+    weight = density * np.tile(weights, COSINES - 1)
+    weight /= weight.sum(-1, keepdims=True)
+    weight = weight[0] if etas is None else weight[:, None]
+    return values.reshape(*table.shape[:-1], -1), weight
+
+
+def _cosine_at(x: np.ndarray, eta: float | None) -> tuple[np.ndarray, np.ndarray]:
+    """The inverse of `cosine_coordinate`, and its derivative."""
+    if eta is None or eta >= 1:
+        return x * x, 2 * x
+    edge, total = float(_edge(eta, NUMPY)), x < _EDGE
+    u, v = np.pi * np.minimum(x / _EDGE, 1), np.maximum(x - _EDGE, 0) / (1 - _EDGE)
+    cosine = np.where(total, 0.5 * edge * (1 - np.cos(u)), edge + (1 - edge) * v * v)
+    slope = np.where(
+        total, 0.5 * np.pi * edge / _EDGE * np.sin(u), 2 * (1 - edge) / (1 - _EDGE) * v
+    )
+    return cosine, slope
+
+
+def _edge(eta: Any, xp: Namespace) -> Any:
+    """The cosine below which light meets total reflection, for an index from 1/3 to one."""
+    eta = xp.maximum(eta, 1 / 3)
+    return xp.sqrt(xp.maximum(1 - eta * eta, 1e-8))
+
+
 class Tables(NamedTuple):
     """Albedos at the nodes, float32.
 
     Attributes:
         reflected, passed: (I, ROUGHNESSES, COSINES) of the light from above; the cosines are those
-            of `albedo_axes.nodes` of the index.
+            of `nodes` of the index.
         reflected_mean, passed_mean: (I, ROUGHNESSES) their cosine-weighted means.
         inside: (I, ROUGHNESSES, COSINES) mean cosine of the transmitted light.
     """
@@ -52,28 +176,13 @@ class Tables(NamedTuple):
     inside: np.ndarray
 
 
-class Facets(NamedTuple):
-    """Facets that are seen from directions of given cosines (N,).
-
-    Attributes:
-        seen: (N, 1) the cosines. cosine: (N, K) of facet and direction.
-        z: (N, K) of the facets' normals. masking: (N, K) of what they reflect.
-        weight: (K,) of the facets, of sum one.
-    """
-
-    seen: np.ndarray
-    cosine: np.ndarray
-    z: np.ndarray
-    masking: np.ndarray
-    weight: np.ndarray
-
-
 class MirrorTables(NamedTuple):
     """Albedos of a reflector whose facets reflect all light, float32.
 
     Attributes:
-        albedo: (ROUGHNESSES, COSINES).
-        mean: (ROUGHNESSES,) its cosine-weighted mean.
+        albedo: (ROUGHNESSES, COSINES); of two widths (ANISOTROPIES, ROUGHNESSES, COSINES, TERMS),
+            the series in the azimuth, and the axis of the roughness is the mean of both widths.
+        mean: (ROUGHNESSES,) or (ANISOTROPIES, ROUGHNESSES) its cosine-weighted mean.
     """
 
     albedo: np.ndarray
@@ -84,33 +193,28 @@ class MirrorTables(NamedTuple):
 def tables(eta: float | None = None) -> Tables:
     """The tables of dielectric interfaces.
 
-    eta: the only index, I is 1; None: all of `albedo_axes.indexnodes`, which takes seconds the
-        first time.
+    eta: the only index, I is 1; None: all of `indexnodes`, which takes seconds the first time.
     """
     etas = indexnodes() if eta is None else np.array([eta])
-    shape = len(etas), ROUGHNESSES, COSINES
-    reflected, passed, inside = np.empty(shape), np.empty(shape), np.empty(shape)
-    known: Facets | None = None
+    reflected, passed, inside = arrays = np.empty((3, len(etas), ROUGHNESSES, COSINES))
+    facets: Facets | None = None
     for j, alpha in enumerate(nodes()[0]):
         for i, index in enumerate(etas):
             if index < 1 or i == 0 or etas[i - 1] < 1:  # indices from one share their cosines
                 sizes = FINE if index < 1 else (AZIMUTHS, HEIGHTS)
-                known = _facets(alpha, nodes(float(index))[1], sizes)
-            assert known is not None
-            reflected[i, j], passed[i, j], inside[i, j] = _albedos(known, alpha, index)
+                facets = visible_facets(alpha, nodes(float(index))[1], sizes=sizes)
+            assert facets is not None
+            arrays[:, i, j] = _albedos(facets, alpha, index)
     means = (hemisphere_mean(table, etas) for table in (reflected, passed))
-    arrays = reflected, passed, *means, inside
-    return Tables(*(array.astype(np.float32) for array in arrays))
+    return Tables(*(x.astype(np.float32) for x in (reflected, passed, *means, inside)))
 
 
 @functools.cache
 def mirror_tables() -> MirrorTables:
     """The tables of a GGX reflector without losses at its facets."""
     alphas, cosine = nodes()
-    albedo = np.empty((ROUGHNESSES, COSINES))
-    for j, alpha in enumerate(alphas):
-        known = _facets(alpha, cosine)
-        albedo[j] = known.masking @ known.weight
+    facets = [visible_facets(alpha, cosine) for alpha in alphas]
+    albedo = np.stack([x.masking @ x.weight for x in facets])
     return MirrorTables(*(x.astype(np.float32) for x in (albedo, hemisphere_mean(albedo))))
 
 
@@ -132,122 +236,77 @@ def facet_nodes(
     return turn, root * root, root / root.sum()
 
 
-def seen_facets(alpha: float, cosine: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Facets of a GGX width from directions of given cosines (N,).
+class Facets(NamedTuple):
+    """K facets that are seen from N directions.
 
-    Returns:
-        Their cosines to the direction (N, K), and the shares (N, K) of its light that they would
-        reflect out if they reflected all; their sum is the albedo of `mirror_tables`.
+    Attributes:
+        seen: (N, 1) cosines of the directions. cosine: (N, K) of facet and direction.
+        z: (N, K) of the facets' normals. masking: (N, K) of what they reflect.
+        weight: (K,) of the facets, of sum one.
     """
-    known = _facets(alpha, cosine)
-    return known.cosine, known.masking * known.weight
+
+    seen: np.ndarray
+    cosine: np.ndarray
+    z: np.ndarray
+    masking: np.ndarray
+    weight: np.ndarray
 
 
-def _facets(
-    alpha: float, cosine: np.ndarray, sizes: tuple[int, int] = (AZIMUTHS, HEIGHTS)
+def visible_facets(
+    alpha: float | Widths,
+    cosine: np.ndarray,
+    azimuth: float | None = None,
+    sizes: tuple[int, int] = (AZIMUTHS, HEIGHTS),
 ) -> Facets:
-    """The facets seen from directions of given cosines (N,); sizes: of `facet_nodes`.
+    """The facets of a GGX surface seen from directions of given cosines (N,).
 
-    Those of half of the azimuths, which are the mirror images of the others.
-
-    Source: Dupuy and Benyoub 2023, listing 1.
+    azimuth: of the directions; None: 0, where one half of the facets mirrors the other and is left
+        out. sizes: of `facet_nodes`.
     """
     turn, height, weight = facet_nodes(*sizes)
-    sine = np.sqrt(1 - cosine**2)[:, None]
-    cosine = cosine[:, None]
-    stretched = np.stack([alpha * sine, cosine])
-    stretched = stretched / np.linalg.norm(stretched, axis=0)
-    z = height * (1 + stretched[1]) - stretched[1]
-    across = np.sqrt(np.maximum(1 - z * z, 0))
-    x = alpha * (across * np.cos(0.5 * turn) + stretched[0])
-    y = alpha * across * np.sin(0.5 * turn)
-    z = z + stretched[1]
-    scale = 1 / np.sqrt(x * x + y * y + z * z)
-    cos_m, z = np.clip((sine * x + cosine * z) * scale, 0, 1), z * scale
-    return Facets(cosine, cos_m, z, _masking(2 * cos_m * z - cosine, alpha), weight)
+    turn, angle = (0.5 * turn, 0.0) if azimuth is None else (turn, azimuth)
+    sine, cosine = np.sqrt(1 - cosine**2)[:, None], cosine[:, None]
+    wi = Components(sine * np.cos(angle), sine * np.sin(angle), cosine)
+    cap = microfacet.stretched(wi, alpha, NUMPY)
+    turn = turn / (2 * np.pi)
+    m = microfacet.cap_normal(cap, alpha, height * (1 + cap.z) - cap.z, turn, NUMPY)
+    m = NUMPY.normalized(m)
+    facing = np.clip(wi.x * m.x + wi.y * m.y + wi.z * m.z, 0, 1)
+    wo = Components(*(2 * facing * b - a for a, b in zip(wi, m, strict=True)))
+    return Facets(cosine, facing, m.z, _masking(wo, alpha), weight)
 
 
 def _albedos(facets: Facets, alpha: float, eta: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """What facets of an index reflect and pass, (N,), and the mean cosine below of the latter."""
-    reflectance, cos_t = fresnel(facets.cosine, eta)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        reflectance, cos_t = fresnel.dielectric(facets.cosine, eta, NUMPY)
     below = (facets.seen - facets.cosine * facets.z) / eta + cos_t * facets.z
-    share = (1 - reflectance) * _masking(below, alpha)
+    sine = np.sqrt(np.maximum(1 - below * below, 0))
+    share = (1 - reflectance) * _masking(Components(sine, 0.0, below), alpha)
     passed = share @ facets.weight
     inside = ((share * below) @ facets.weight) / np.maximum(passed, 1e-12)
     return (reflectance * facets.masking) @ facets.weight, passed, inside
 
 
-def _masking(cosine: np.ndarray, alpha: float) -> np.ndarray:
-    """Smith masking of GGX; zero below the horizon (Walter et al. 2007, equation 34)."""
-    safe = np.maximum(cosine, 1e-9)
-    tangent2 = (1 - safe * safe) / (safe * safe)
-    g1 = 2 / (1 + np.sqrt(1 + alpha * alpha * tangent2))
-    return np.where(cosine > 0, g1, 0.0)
-
-
-def fresnel(cosine: np.ndarray, eta: float) -> tuple[np.ndarray, np.ndarray]:
-    """Reflectance and refracted cosine, see `urushi.core.fresnel.dielectric`."""
-    cos_t2 = 1 - (1 - cosine * cosine) / (eta * eta)
-    cos_t = np.sqrt(np.maximum(cos_t2, 0))
-    with np.errstate(invalid="ignore", divide="ignore"):
-        parallel = (eta * cosine - cos_t) / (eta * cosine + cos_t)
-        perpendicular = (cosine - eta * cos_t) / (cosine + eta * cos_t)
-    reflectance = 0.5 * (parallel * parallel + perpendicular * perpendicular)
-    return np.where(cos_t2 > 0, reflectance, 1.0), cos_t
-
-
-class AnisotropicTables(NamedTuple):
-    """Albedos of a reflector whose facets reflect all light, float32.
-
-    Attributes:
-        albedo: (ANISOTROPIES, ROUGHNESSES, COSINES, TERMS), the series in the azimuth.
-        mean: (ANISOTROPIES, ROUGHNESSES) the cosine-weighted mean over the hemisphere.
-
-    The roughness axis is the mean of both widths.
-    """
-
-    albedo: np.ndarray
-    mean: np.ndarray
+def _masking(w: Components, alpha: float | Widths) -> np.ndarray:
+    """Smith masking of directions; zero below the horizon."""
+    above = w._replace(z=np.maximum(w.z, 1e-9))
+    return np.where(w.z > 0, microfacet.smith_g1(above, alpha, NUMPY), 0.0)
 
 
 @functools.cache
-def anisotropic_tables() -> AnisotropicTables:
-    """The tables, which take some seconds the first time."""
+def anisotropic_tables() -> MirrorTables:
+    """`mirror_tables` of two widths, which take some seconds the first time."""
     alphas, cosine = nodes()
     albedo = np.empty((ANISOTROPIES, len(alphas), len(cosine), TERMS))
-    series = np.cos(2 * np.outer(_AZIMUTHS, np.arange(TERMS)))
-    fit = np.linalg.pinv(series)
+    fit = np.linalg.pinv(np.cos(2 * np.outer(_AZIMUTHS, np.arange(TERMS))))
     for i, ratio in enumerate(np.linspace(0, MOST, ANISOTROPIES)):
         for j, alpha in enumerate(alphas):
-            widths = alpha * (1 + ratio), alpha * (1 - ratio)
-            values = [_azimuthal_albedo(widths, cosine, azimuth) for azimuth in _AZIMUTHS]
-            albedo[i, j] = (fit @ np.stack(values)).T
+            widths = Widths(alpha * (1 + ratio), alpha * (1 - ratio))
+            facets = [visible_facets(widths, cosine, azimuth) for azimuth in _AZIMUTHS]
+            albedo[i, j] = (fit @ np.stack([x.masking @ x.weight for x in facets])).T
     mean = hemisphere_mean(albedo[..., 0])
-    return AnisotropicTables(albedo.astype(np.float32), mean.astype(np.float32))
-
-
-def _azimuthal_albedo(
-    widths: tuple[float, float], cosine: np.ndarray, azimuth: float
-) -> np.ndarray:
-    """Share (N,) of the light from directions of given cosines (N,) that leaves at once.
-
-    A quadrature over visible facets. Source: Dupuy and Benyoub 2023, listing 1.
-    """
-    (u, v), (turn, height, weight) = widths, facet_nodes()
-    sine = np.sqrt(1 - cosine**2)
-    wi = np.stack([sine * np.cos(azimuth), sine * np.sin(azimuth), cosine])[..., None]
-    stretched = wi * np.array([u, v, 1.0])[:, None, None]
-    stretched = stretched / np.linalg.norm(stretched, axis=0)
-    z = height * (1 + stretched[2]) - stretched[2]
-    across = np.sqrt(np.maximum(1 - z * z, 0))
-    x = u * (across * np.cos(turn) + stretched[0])
-    y = v * (across * np.sin(turn) + stretched[1])
-    m = np.stack([x, y, z + stretched[2]])
-    m = m / np.linalg.norm(m, axis=0)
-    wo = 2 * np.clip((wi * m).sum(axis=0), 0, 1) * m - wi
-    slope2 = ((u * wo[0]) ** 2 + (v * wo[1]) ** 2) / np.maximum(wo[2], 1e-9) ** 2
-    masking = np.where(wo[2] > 0, 2 / (1 + np.sqrt(1 + slope2)), 0.0)
-    return masking @ weight
+    return MirrorTables(albedo.astype(np.float32), mean.astype(np.float32))
 
 
 # The first reflection by a rough white slab below an interface. The facets pass light from a

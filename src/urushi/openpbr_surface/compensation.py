@@ -13,7 +13,8 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi.core import metal
+from urushi.core import fresnel
+from urushi.core.namespace import DRJIT
 from urushi.material import adding, energy
 from urushi.material.albedo_rule import albedo_rule
 from urushi.mitsuba.latents.holders import tabulated
@@ -118,7 +119,7 @@ class Compensation:
         share = inputs.number("base_metalness", si, active)
         color = inputs.number("base_weight", si, active) * inputs.color("base_color", si, active)
         eta = dr.clip(inputs.number("coat_ior", si, active), 1.001, 3)
-        internal = formulas.internal_reflectance(1 - formulas.mean_fresnel(eta, dr), eta)
+        internal = formulas.internal_reflectance(1 - formulas.mean_fresnel(eta, DRJIT), eta)
         loss: Any = ()
         if not (self._only_metal and self._metal):
             loss = self._coat.vertex(si, active)
@@ -171,8 +172,8 @@ class Compensation:
         inputs = self._inputs
         tint = inputs.color("specular_color", si, active)
         weight = dr.minimum(inputs.number("specular_weight", si, active), 1)
-        mean = weight * metal.f82_mean(color, tint, dr)
-        alpha = formulas.lobe_width(inputs.number("specular_roughness", si, active), dr)
+        mean = weight * fresnel.f82_mean(color, tint, DRJIT)
+        alpha = formulas.lobe_width(inputs.number("specular_roughness", si, active), DRJIT)
         return self._mirror.multiple(mean, alpha)
 
 
@@ -225,8 +226,8 @@ class CoatLoss:
     def _at(self, si, active) -> "LossVertex":
         """The coat at a surface interaction."""
         inputs = self._inputs
-        eta = formulas.interface_index(inputs.number("coat_ior", si, active), dr)
-        alpha = formulas.lobe_width(inputs.number("coat_roughness", si, active), dr)
+        eta = formulas.interface_index(inputs.number("coat_ior", si, active), DRJIT)
+        alpha = formulas.lobe_width(inputs.number("coat_roughness", si, active), DRJIT)
         # Both from one table: what it does not reflect is passed or lost, whatever its error.
         reflected, passed = self._below.both_mean(alpha, 1 / eta)
         inside = passed / (1 - reflected)

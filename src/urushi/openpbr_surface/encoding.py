@@ -6,7 +6,8 @@ import drjit as dr
 import mitsuba as mi
 
 from urushi.checks import Widths
-from urushi.core import fresnel, metal
+from urushi.core import fresnel
+from urushi.core.namespace import DRJIT
 from urushi.mitsuba import spectrum
 from urushi.nets.lobe import NO_LOBE
 from urushi.openpbr_surface.inputs import Inputs
@@ -84,7 +85,7 @@ def lobe(base: Base, si, bare: bool, compensated: bool) -> list[list]:
     dielectric = share == 0
     normal, grazing = _schlick_below(
         lambda c: dr.lerp(
-            tint * fresnel.dielectric(c, eta)[0], weight * metal.f82(c, color, tint, dr), share
+            tint * fresnel.dielectric(c, eta)[0], weight * fresnel.f82(c, color, tint, DRJIT), share
         )
     )
     metals = (share == 1) & mi.Bool(bare)

@@ -13,8 +13,9 @@ import mitsuba as mi
 import numpy as np
 
 from urushi.checks import Widths
-from urushi.core import fresnel, metal, microfacet
-from urushi.openpbr_surface import albedo_axes, albedos, formulas, thin_film
+from urushi.core import fresnel, microfacet
+from urushi.core.namespace import DRJIT
+from urushi.openpbr_surface import albedos, formulas, thin_film
 from urushi.openpbr_surface.inputs import Inputs
 from urushi.openpbr_surface.lookups import (
     InterfaceAlbedo,
@@ -64,7 +65,7 @@ class FilmFresnel:
         bare = fresnel.dielectric(cosine, eta)[0]
         film = self._film(si, active)
         values = [
-            thin_film.reflectance(cosine, film, thin_film.Below(eta), response, dr)
+            thin_film.reflectance(cosine, film, thin_film.Below(eta), response, DRJIT)
             for response in self._responses(si)
         ]
         return dr.lerp(mi.Spectrum(bare), mi.Spectrum(*values), self._weight(si, active))
@@ -73,8 +74,8 @@ class FilmFresnel:
         """The term of a metal of `bare` reflectance without film, a spectrum."""
         film, values = self._film(si, active), []
         for i, response in enumerate(self._responses(si)):
-            below = thin_film.metal_index(f0[i], tint[i], dr)
-            values.append(thin_film.reflectance(cosine, film, below, response, dr))
+            below = thin_film.metal_index(f0[i], tint[i], DRJIT)
+            values.append(thin_film.reflectance(cosine, film, below, response, DRJIT))
         return dr.lerp(mi.Spectrum(bare), mi.Spectrum(*values), self._weight(si, active))
 
     def metal_mean(self, f0, tint, bare, si, active):
@@ -122,7 +123,7 @@ class FilmFresnel:
         film, total, count = self._film(si, active), mi.Spectrum(0), len(rule) // 2
         for cosine, weight in zip(rule[:count], rule[count:], strict=True):
             values = [
-                thin_film.reflectance(cosine, film, thin_film.Below(eta), response, dr)
+                thin_film.reflectance(cosine, film, thin_film.Below(eta), response, DRJIT)
                 for response in self._responses(si)
             ]
             total += weight * (mi.Spectrum(*values) - fresnel.dielectric(cosine, edge)[0])
@@ -136,7 +137,7 @@ class FilmFresnel:
         total = mi.Spectrum(0)
         for cosine in _COAT_COSINES:
             c = mi.Float(cosine)
-            total += self.metal(c, f0, tint, metal.f82(c, f0, tint, dr), si, active)
+            total += self.metal(c, f0, tint, fresnel.f82(c, f0, tint, DRJIT), si, active)
         return total / len(_COAT_COSINES)
 
     def below_coat(self, f, base, eta, si, wo, active):
@@ -161,9 +162,11 @@ class FilmFresnel:
         color, tint, weight = base.color, base.tint, base.weight
         f0 = self.metal_in_coat(color, tint, si, active)
         coded = dr.lerp(
-            tint * fresnel.dielectric(c, eta)[0], weight * metal.f82(c, f0, tint, dr), base.share
+            tint * fresnel.dielectric(c, eta)[0],
+            weight * fresnel.f82(c, f0, tint, DRJIT),
+            base.share,
         )
-        bare = metal.f82(c, color, tint, dr)
+        bare = fresnel.f82(c, color, tint, DRJIT)
         film = dr.lerp(
             tint * self.dielectric(c, eta, si, active),
             weight * self.metal(c, color, tint, bare, si, active),
@@ -178,9 +181,9 @@ class FilmFresnel:
         """The coat's GGX width, or both of an anisotropic one."""
         rough = self._inputs.number("coat_roughness", si, active)
         if self._inputs.is_constant("coat_roughness_anisotropy", 0):
-            return formulas.lobe_width(rough, dr)
+            return formulas.lobe_width(rough, DRJIT)
         bias = self._inputs.number("coat_roughness_anisotropy", si, active)
-        return Widths(*formulas.lobe_widths(rough, bias, dr))
+        return Widths(*formulas.lobe_widths(rough, bias, DRJIT))
 
     def traverse(self, callback):
         """List the textures for `mi.traverse`."""
@@ -240,14 +243,15 @@ class Rules(NamedTuple):
 @functools.cache
 def rules() -> Rules:
     """The rules of GGX facets with Smith's masking."""
-    alphas, cosine = albedo_axes.nodes()
+    alphas, cosine = albedos.nodes()
     found, means = [], []
-    light = albedo_axes.hemisphere_mean(np.eye(len(cosine)))
+    light = albedos.hemisphere_mean(np.eye(len(cosine)))
     for alpha in alphas:
-        facets, weight = albedos.seen_facets(alpha, cosine)
-        found.append(gauss_rule(facets, weight, NODES))
+        facets = albedos.visible_facets(alpha, cosine)
+        weight = facets.masking * facets.weight
+        found.append(gauss_rule(facets.cosine, weight, NODES))
         weight = weight * light[:, None]
-        means.append(gauss_rule(facets.ravel(), weight.ravel(), MEAN_NODES))
+        means.append(gauss_rule(facets.cosine.ravel(), weight.ravel(), MEAN_NODES))
     tables = [np.stack(x) for pairs in (found, means) for x in zip(*pairs, strict=True)]
     return Rules(*(table.astype(np.float32) for table in tables))
 

@@ -1,7 +1,7 @@
 """The formulas of OpenPBR Surface 1.1.1, in the order of the specification.
 
 Section numbers are those of the specification (Andersson et al., OpenPBR Surface 1.1.1). All
-functions take NumPy or Dr.Jit arrays; `xp` is the module of their functions, NumPy or drjit.
+functions take NumPy or Dr.Jit arrays; `xp` has their functions.
 
 3.1    microfacet widths           `widths`, `lobe_widths`, `lobe_width`, `is_mirror`
 3.2    index of the base           `relative_index`, `modulated_index`, `base_index`
@@ -16,9 +16,8 @@ The Fresnel terms are in `urushi.core` (`fresnel`, `metal`), the diffuse slab is
 import math
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from urushi.checks import ETA_RANGE, MIN_ALPHA, MIN_INDEX_STEP
+from urushi.core.namespace import NUMPY, Namespace
 
 #: Least index of refraction of a medium.
 LEAST_INDEX = 0.1
@@ -33,7 +32,7 @@ LEAST_FUZZ_ROUGHNESS = 0.01
 # 3.1 Microfacet model
 
 
-def widths(roughness: Any, anisotropy: Any, xp: Any = np) -> tuple[Any, Any]:
+def widths(roughness: Any, anisotropy: Any, xp: Namespace = NUMPY) -> tuple[Any, Any]:
     """The GGX widths along the tangent and across it: alpha_t^2 + alpha_b^2 = 2 roughness^4.
 
     roughness, anisotropy: in [0, 1].
@@ -46,13 +45,13 @@ def widths(roughness: Any, anisotropy: Any, xp: Any = np) -> tuple[Any, Any]:
     return along, ratio * along
 
 
-def lobe_widths(roughness: Any, anisotropy: Any, xp: Any = np) -> tuple[Any, Any]:
+def lobe_widths(roughness: Any, anisotropy: Any, xp: Namespace = NUMPY) -> tuple[Any, Any]:
     """`widths` clipped to [0.01, 1], which the interfaces take: a mirror has the narrowest lobe."""
     along, across = widths(roughness, anisotropy, xp)
     return tuple(xp.clip(width, MIN_ALPHA, 1) for width in (along, across))
 
 
-def lobe_width(roughness: Any, xp: Any = np) -> Any:
+def lobe_width(roughness: Any, xp: Namespace = NUMPY) -> Any:
     """The one of `lobe_widths` of an isotropic surface: roughness squared."""
     return xp.clip(roughness * roughness, MIN_ALPHA, 1)
 
@@ -73,7 +72,7 @@ def relative_index(ior: Any, coat_ior: Any, coat_weight: Any) -> Any:
     return ior + coat_weight * (ior / coat_ior - ior)
 
 
-def modulated_index(ratio: Any, specular_weight: Any, xp: Any = np) -> Any:
+def modulated_index(ratio: Any, specular_weight: Any, xp: Namespace = NUMPY) -> Any:
     """The relative index whose reflectance at normal incidence is specular_weight times another's.
 
     ratio: the other relative index, positive. specular_weight: zero or more.
@@ -89,7 +88,7 @@ def modulated_index(ratio: Any, specular_weight: Any, xp: Any = np) -> Any:
 
 
 def base_index(
-    specular_ior: Any, coat_ior: Any, coat_weight: Any, specular_weight: Any, xp: Any = np
+    specular_ior: Any, coat_ior: Any, coat_weight: Any, specular_weight: Any, xp: Namespace = NUMPY
 ) -> Any:
     """The index of the dielectric base relative to the medium above it.
 
@@ -101,11 +100,10 @@ def base_index(
     return modulated_index(ratio, specular_weight, xp)
 
 
-def interface_index(ratio: Any, xp: Any = np) -> Any:
+def interface_index(ratio: Any, xp: Namespace = NUMPY) -> Any:
     """A relative index within what the walk takes: in [0.5, 3], and 1 near 1."""
     ratio = xp.clip(ratio, *ETA_RANGE)
-    where = xp.where if xp is np else xp.select
-    return where(xp.abs(ratio - 1) < MIN_INDEX_STEP, 1, ratio)
+    return xp.where(xp.absolute(ratio - 1) < MIN_INDEX_STEP, 1, ratio)
 
 
 # 3.2.2 Glossy-diffuse. The interface conserves energy and has the directional reflectance E(w). It
@@ -149,7 +147,7 @@ def promised(rho: Any, internal: Any) -> Any:
 # 3.4 Coat
 
 
-def optical_depth(coat_color: Any, xp: Any = np) -> Any:
+def optical_depth(coat_color: Any, xp: Namespace = NUMPY) -> Any:
     """The optical depth of the coat, which absorbs and does not scatter.
 
     coat_color is the square of the transmittance at normal incidence, exp(-2 sigma_t); values
@@ -158,7 +156,7 @@ def optical_depth(coat_color: Any, xp: Any = np) -> Any:
     Returns:
         sigma_t, zero or more, of the same shape; 0.0 where the colour is one.
     """
-    return xp.abs(0.5 * xp.log(xp.clip(coat_color, LEAST_COLOR, 1)))
+    return xp.absolute(0.5 * xp.log(xp.clip(coat_color, LEAST_COLOR, 1)))
 
 
 class Base(NamedTuple):
@@ -177,7 +175,7 @@ class Base(NamedTuple):
     reflectance: Any
 
 
-def mean_fresnel(eta: Any, xp: Any = np) -> Any:
+def mean_fresnel(eta: Any, xp: Namespace = NUMPY) -> Any:
     """Cosine-weighted mean of the Fresnel reflectance of a smooth dielectric of index eta >= 1.
 
     Source: Kulla and Conty 2017, a fit, within 0.1 % of one.
@@ -185,7 +183,7 @@ def mean_fresnel(eta: Any, xp: Any = np) -> Any:
     return xp.log((10893 * eta - 1438.2) / (-774.4 * eta * eta + 10212 * eta + 1))
 
 
-def internal(coat_eta: Any, base: Base, xp: Any = np) -> Any:
+def internal(coat_eta: Any, base: Base, xp: Namespace = NUMPY) -> Any:
     """Share K of the light leaving the base that the coat's interface returns to it (3.4.1).
 
     It interpolates between the shares of diffuse light and of light along the normal, by the
@@ -198,7 +196,7 @@ def internal(coat_eta: Any, base: Base, xp: Any = np) -> Any:
     return root * root + (diffuse - root * root) * rough
 
 
-def boost(darkening: Any, coat_eta: Any, base: Base, xp: Any = np) -> Any:
+def boost(darkening: Any, coat_eta: Any, base: Base, xp: Namespace = NUMPY) -> Any:
     """The factor B of the base's BRDF under the coat for a coat_darkening in [0, 1] (3.4.1).
 
     The darkening results from the light transport between the layers. B cancels it: 1 for a
@@ -218,7 +216,7 @@ def boost(darkening: Any, coat_eta: Any, base: Base, xp: Any = np) -> Any:
 # and Chiang 2022, Practical multiple-scattering sheen), by the rational fits of MaterialX.
 
 
-def fuzz_albedo(cosine: Any, roughness: Any, xp: Any) -> Any:
+def fuzz_albedo(cosine: Any, roughness: Any, xp: Namespace) -> Any:
     """Share of the light from a direction of a cosine in [0, 1] that white fuzz reflects."""
     x, y = cosine, xp.clip(roughness, LEAST_FUZZ_ROUGHNESS, 1)
     s = y * (0.0206607 + 1.58491 * y) / (0.0379424 + y * (1.32227 + y))
@@ -229,7 +227,7 @@ def fuzz_albedo(cosine: Any, roughness: Any, xp: Any) -> Any:
     return xp.clip(value, 0, 1)
 
 
-def fuzz_density(cosine: Any, up: Any, across: Any, roughness: Any, xp: Any) -> Any:
+def fuzz_density(cosine: Any, up: Any, across: Any, roughness: Any, xp: Namespace) -> Any:
     """The fuzz's lobe over its cosine: a density over the upper hemisphere is `up` times it [1/sr].
 
     The inverse transform is [[a, 0, b], [0, a, 0], [0, 0, 1]], and b = c sin.

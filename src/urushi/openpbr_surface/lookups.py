@@ -8,7 +8,8 @@ import mitsuba as mi
 import numpy as np
 
 from urushi.core import eon
-from urushi.openpbr_surface import albedo_axes, albedos, formulas
+from urushi.core.namespace import DRJIT
+from urushi.openpbr_surface import albedos, formulas
 
 #: Least share of light that leaves the slab at once; less is a slab of index far above 10.
 LEAST_SHARE = 1e-3
@@ -62,12 +63,12 @@ class MirrorAlbedo:
 
     def seen(self, w, widths):
         """Share of the light from a direction that one reflection by the facets lets leave."""
-        at = [dr.safe_sqrt(w.z), albedo_axes.roughness_coordinate(widths, dr)]
+        at = [dr.safe_sqrt(w.z), albedos.roughness_coordinate(widths, DRJIT)]
         return _read(self._albedo, at)[0]
 
     def seen_mean(self, widths):
         """The cosine-weighted mean of `seen` over the hemisphere."""
-        return _read(self._mean, [albedo_axes.roughness_coordinate(widths, dr)])[0]
+        return _read(self._mean, [albedos.roughness_coordinate(widths, DRJIT)])[0]
 
     def lost(self, seen_i, seen_o, widths, fresnel_mean):
         """The lobe [1/sr] of light that meets more than one facet.
@@ -123,7 +124,7 @@ class AnisotropicMirror(MirrorAlbedo):
     def _at(self, widths) -> list:
         ratio = (widths.u - widths.v) / (widths.u + widths.v)
         mean = 0.5 * (widths.u + widths.v)
-        return [albedo_axes.roughness_coordinate(mean, dr), ratio / albedos.MOST]
+        return [albedos.roughness_coordinate(mean, DRJIT), ratio / albedos.MOST]
 
 
 class AnisotropicInterface:
@@ -169,11 +170,11 @@ def coordinates(cosine, alpha, eta) -> list:
     cosine: None in tables without its axis.
     eta: None in tables that do not depend on it; a float in tables of one index, without its axis.
     """
-    at = [] if cosine is None else [albedo_axes.cosine_coordinate(cosine, eta, dr)]
+    at = [] if cosine is None else [albedos.cosine_coordinate(cosine, eta, DRJIT)]
     index = []
     if eta is not None and not isinstance(eta, float):
-        index = [albedo_axes.index_coordinate(eta, dr)]
-    return [*at, albedo_axes.roughness_coordinate(alpha, dr), *index]
+        index = [albedos.index_coordinate(eta, DRJIT)]
+    return [*at, albedos.roughness_coordinate(alpha, DRJIT), *index]
 
 
 def interpolated(table: np.ndarray) -> Callable[[list], list]:
@@ -253,10 +254,10 @@ class RoughSlab:
         rho = formulas.slab_albedo(slab.color, internal)
 
         cosines = eon.Cosines(inside[0], inside[1], _between(wi, wo, inside))
-        first = direct * eon.f(cosines, rho, slab.roughness, dr)
+        first = direct * eon.f(cosines, rho, slab.roughness, DRJIT)
         more = direct * eon.deviation(slab.roughness)
         kept = internal - more * (excess[0] + excess[1] - excess_mean)
-        albedos = [eon.albedo(cosine, rho, slab.roughness, dr) for cosine in inside]
+        albedos = [eon.albedo(cosine, rho, slab.roughness, DRJIT) for cosine in inside]
         mean_albedo = eon.mean_albedo(rho, slab.roughness)
         later = albedos[0] * albedos[1] * kept * (direct / (1 - mean_albedo * internal))
         # What is kept is less than nothing for few directions at grazing angles.

@@ -17,7 +17,8 @@ import mitsuba as mi
 import numpy as np
 
 from urushi.checks import Widths
-from urushi.core import fresnel, metal, microfacet
+from urushi.core import fresnel, microfacet
+from urushi.core.namespace import DRJIT
 from urushi.openpbr_surface import formulas
 from urushi.openpbr_surface.film import FilmFresnel
 from urushi.openpbr_surface.inputs import Inputs
@@ -99,10 +100,10 @@ class Base:
         if self.encoded:
             eta = dr.select((rough < INVERTED_BELOW) & (eta < 1), 1 / eta, eta)
         if self._turning is None:
-            widths = alpha = formulas.lobe_width(rough, dr)
+            widths = alpha = formulas.lobe_width(rough, DRJIT)
         else:
             bias = inputs.number("specular_roughness_anisotropy", si, active)
-            widths = Widths(*formulas.lobe_widths(rough, bias, dr))
+            widths = Widths(*formulas.lobe_widths(rough, bias, DRJIT))
             alpha = 0.5 * (widths.u + widths.v)
         return BaseVertex(
             inputs.number("base_weight", si, active) * inputs.color("base_color", si, active),
@@ -130,8 +131,8 @@ class Base:
     def _metal(self, vertex: BaseVertex, lobe, cosine, si, wo, active):
         """Metal (3.2.1): GGX facets of the F82-tint term, and what they reflect more than once."""
         color, tint, widths = vertex.color, vertex.tint, vertex.widths
-        reflectance = metal.f82(cosine, color, tint, dr)
-        mean = metal.f82_mean(color, tint, dr)
+        reflectance = fresnel.f82(cosine, color, tint, DRJIT)
+        mean = fresnel.f82_mean(color, tint, DRJIT)
         if self.film:
             reflectance = self.film.metal(cosine, color, tint, reflectance, si, active)
             mean = self.film.metal_mean(color, tint, mean, si, active)
@@ -188,13 +189,13 @@ class Base:
             f0,
         )
         coat_eta = dr.maximum(inputs.number("coat_ior", si, active), 1.001)
-        return formulas.boost(inputs.number("coat_darkening", si, active), coat_eta, base, dr)
+        return formulas.boost(inputs.number("coat_darkening", si, active), coat_eta, base, DRJIT)
 
     def relative_index(self, si, active):
         """The dielectric's index relative to the medium above, without networks' limits."""
         ior, coat_ior, coat, weight = (self.inputs.number(name, si, active) for name in INDICES)
         ior, coat_ior = (dr.maximum(x, formulas.LEAST_INDEX) for x in (ior, coat_ior))
-        return dr.clip(formulas.base_index(ior, coat_ior, coat, weight, dr), 1 / 3, 3)
+        return dr.clip(formulas.base_index(ior, coat_ior, coat, weight, DRJIT), 1 / 3, 3)
 
     def _constant_eta(self) -> float | None:
         """The index that `vertex` gives everywhere; None if it varies."""
@@ -213,7 +214,7 @@ class Base:
 
 def absorbed(inputs: Inputs, f, si, wo, active):
     """f [1/sr] under the medium (3.4.2) of a coat of index one, which has no interface."""
-    depth = formulas.optical_depth(inputs.color("coat_color", si, active), dr)
+    depth = formulas.optical_depth(inputs.color("coat_color", si, active), DRJIT)
     passed = dr.exp(-depth * (1 / si.wi.z + 1 / wo.z))
     return f * dr.lerp(mi.Spectrum(1), passed, inputs.number("coat_weight", si, active))
 
@@ -234,7 +235,7 @@ class Fuzz(NamedTuple):
 def fuzz_at(inputs: Inputs, si, active) -> Fuzz:
     """The fuzz at a surface interaction."""
     rough = inputs.number("fuzz_roughness", si, active)
-    hidden = inputs.number("fuzz_weight", si, active) * formulas.fuzz_albedo(si.wi.z, rough, dr)
+    hidden = inputs.number("fuzz_weight", si, active) * formulas.fuzz_albedo(si.wi.z, rough, DRJIT)
     return Fuzz(hidden, inputs.color("fuzz_color", si, active), rough)
 
 
@@ -245,5 +246,5 @@ def under_fuzz(fuzz: Fuzz, f, si, wo):
     (2.2), so that the sum is not reciprocal.
     """
     across = wo.x * si.wi.x + wo.y * si.wi.y
-    lobe = formulas.fuzz_density(si.wi.z, wo.z, across, fuzz.roughness, dr)
+    lobe = formulas.fuzz_density(si.wi.z, wo.z, across, fuzz.roughness, DRJIT)
     return f * (1 - fuzz.hidden) + fuzz.color * (fuzz.hidden * lobe)

@@ -10,9 +10,10 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from urushi.checks import MIN_ALPHA
-from urushi.core import eon, metal
+from urushi.core import eon, fresnel
+from urushi.core.namespace import NUMPY
 from urushi.errors import ParameterError
-from urushi.openpbr_surface import albedo_axes, albedos, formulas
+from urushi.openpbr_surface import albedos, formulas
 from urushi.openpbr_surface.parameters import complete
 
 #: "materialx": the graph `open_pbr_surface.mtlx` of MaterialX 1.39 as its generator for GLSL has
@@ -118,9 +119,9 @@ def _base(p: dict[str, Any], pairs: _Pairs, recipe: Recipe) -> np.ndarray:
     cosines = eon.Cosines(pairs.i, pairs.o, np.maximum(pairs.between, 0))
     diffuse = p["base_weight"] * eon.f(cosines, p["base_color"], p["base_diffuse_roughness"])
     dielectric = p["specular_color"] * reflection + passed(pairs.i) * diffuse
-    fresnel = metal.f82(pairs.facet, p["base_weight"] * p["base_color"], p["specular_color"])
-    shine = p["specular_weight"] * fresnel * _lobe(pairs, widths)
-    shine = shine * _compensation(pairs.i, widths, fresnel)
+    f82 = fresnel.f82(pairs.facet, p["base_weight"] * p["base_color"], p["specular_color"])
+    shine = p["specular_weight"] * f82 * _lobe(pairs, widths)
+    shine = shine * _compensation(pairs.i, widths, f82)
     return dielectric + p["base_metalness"] * (shine - dielectric)
 
 
@@ -141,8 +142,8 @@ def _dielectric(
     pairs: _Pairs, eta: float, widths: tuple[float, float], recipe: Recipe
 ) -> tuple[np.ndarray, Any]:
     """The reflection of an interface, and its transmittance as a function of the cosine."""
-    fresnel = albedos.fresnel(pairs.facet, eta)[0]
-    lobe = fresnel * _lobe(pairs, widths) * _compensation(pairs.i, widths, fresnel)
+    reflectance = fresnel.dielectric(pairs.facet, eta, NUMPY)[0]
+    lobe = reflectance * _lobe(pairs, widths) * _compensation(pairs.i, widths, reflectance)
 
     def passed(cosine: np.ndarray) -> np.ndarray:
         if recipe == "materialx":
@@ -151,7 +152,7 @@ def _dielectric(
         else:
             single = _interface_albedo(cosine, eta, widths)
         # The compensation is by the Fresnel term of the pair, as in MaterialX.
-        return 1 - single * _compensation(cosine, widths, fresnel)
+        return 1 - single * _compensation(cosine, widths, reflectance)
 
     return lobe, passed
 
@@ -160,10 +161,10 @@ def _interface_albedo(cosine: np.ndarray, eta: float, widths: tuple[float, float
     """The albedo of an interface by single scattering, linear between the nodes of the table."""
     table = albedos.tables(float(eta)).reflected[0]
     alpha = max(np.sqrt(widths[0] * widths[1]), MIN_ALPHA)
-    row = albedo_axes.roughness_coordinate(alpha) * (len(table) - 1)
+    row = albedos.roughness_coordinate(alpha) * (len(table) - 1)
     low = min(int(row), len(table) - 2)
     line = table[low] + (row - low) * (table[low + 1] - table[low])
-    at = albedo_axes.cosine_coordinate(cosine, float(eta))
+    at = albedos.cosine_coordinate(cosine, float(eta))
     return np.interp(at, np.linspace(0, 1, len(line)), line)
 
 
@@ -214,7 +215,7 @@ def _albedo_terms(cosine: np.ndarray, widths: tuple[float, float]) -> tuple[Any,
     return low, high
 
 
-def _compensation(cosine: np.ndarray, widths: tuple[float, float], fresnel: Any) -> Any:
+def _compensation(cosine: np.ndarray, widths: tuple[float, float], reflectance: Any) -> Any:
     """The factor for light that is scattered more than once (Turquin 2019)."""
     single = sum(_albedo_terms(cosine, widths))
-    return 1 + fresnel * (1 - single) / single
+    return 1 + reflectance * (1 - single) / single

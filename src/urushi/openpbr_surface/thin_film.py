@@ -14,7 +14,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from urushi.core import metal
+from urushi.core import fresnel
+from urushi.core.namespace import NUMPY, Namespace
 
 #: Terms of the series; the next is at most 2 % of the light for a film of index 2.
 ORDERS = 5
@@ -78,7 +79,7 @@ def color_response(weights: np.ndarray) -> Response:
     weights: (3,) of X, Y and Z, of sum one.
     """
 
-    def response(path: Any, shift: Any, xp: Any) -> Any:
+    def response(path: Any, shift: Any, xp: Namespace) -> Any:
         phase = 2e-6 * math.pi * path
         total = 0.0 * path
         for row, share, mean, variance in _GAUSSIANS:
@@ -104,7 +105,9 @@ def wavelength_response(wavelength: Any) -> Response:
     return lambda path, shift, xp: xp.cos(path * (2e3 * math.pi / wavelength) + shift)
 
 
-def reflectance(cosine: Any, film: Film, below: Below, response: Response, xp: Any = np) -> Any:
+def reflectance(
+    cosine: Any, film: Film, below: Below, response: Response, xp: Namespace = NUMPY
+) -> Any:
     """Reflectance of a facet under a film, for unpolarised light.
 
     Args:
@@ -112,7 +115,7 @@ def reflectance(cosine: Any, film: Film, below: Below, response: Response, xp: A
         film: see `Film`.
         below: see `Below`.
         response: of the channel.
-        xp: the module of the arrays' functions, NumPy or drjit.
+        xp: the functions of the arrays.
 
     Returns:
         In [0, 1]; 1 where the film reflects totally.
@@ -139,11 +142,11 @@ def reflectance(cosine: Any, film: Film, below: Below, response: Response, xp: A
     total = 0.0 * path
     for r, (real, imaginary) in zip(front, back, strict=True):
         total = total + 0.5 * _series(r, real, imaginary, path, response, xp)
-    seen = (xp.where if xp is np else xp.select)(sine2 < 1, total, 1.0)
+    seen = xp.where(sine2 < 1, total, 1.0)
     return xp.clip(seen, 0, 1)
 
 
-def metal_index(f0: Any, tint: Any, xp: Any = np) -> Below:
+def metal_index(f0: Any, tint: Any, xp: Namespace = NUMPY) -> Below:
     """The complex index of a metal, relative to the medium above, by its F82-tint term.
 
     All indices n + i k of one reflectance at normal incidence lie on a curve. The point on it has
@@ -152,15 +155,15 @@ def metal_index(f0: Any, tint: Any, xp: Any = np) -> Below:
     Args:
         f0: reflectance at normal incidence, in [0, 1].
         tint: specular_color, in [0, 1].
-        xp: the module of the arrays' functions, NumPy or drjit.
+        xp: the functions of the arrays.
 
     Source: Gulbrandsen 2014, Artist friendly metallic Fresnel, equations 1 to 4, for the curve.
     """
     r = xp.clip(f0, 0.001, LARGEST_REFLECTANCE)
     root = xp.sqrt(r)
     least, most = (1 - r) / (1 + r), (1 + root) / (1 - root)
-    c = metal.EDGE_COSINE
-    target = xp.maximum(metal.f82(c, r, tint, xp), _conductor(c, most, 0 * r, xp))
+    c = fresnel.EDGE_COSINE
+    target = xp.maximum(fresnel.f82(c, r, tint, xp), fresnel.exact(c, most, 0 * r, xp))
     # For |n + i k| well above one both polarisations are quotients of linear functions of n, and
     # their mean at a given reflectance is the root of a quadratic equation.
     q, s = (1 + r) / (1 - r), 1 - c * c
@@ -173,25 +176,15 @@ def metal_index(f0: Any, tint: Any, xp: Any = np) -> Below:
     return Below(n, _absorption(n, r, xp))
 
 
-def _absorption(n: Any, r: Any, xp: Any) -> Any:
+def _absorption(n: Any, r: Any, xp: Namespace) -> Any:
     """k of an index n + i k of reflectance r at normal incidence."""
     excess = r * (n + 1) * (n + 1) - (n - 1) * (n - 1)
     return xp.sqrt(xp.maximum(excess, 0) / (1 - r))
 
 
-def _conductor(cosine: float, n: Any, k: Any, xp: Any) -> Any:
-    """Fresnel reflectance of an index n + i k."""
-    square = n * n - k * k, 2 * n * k
-    a, b = _root((square[0] - (1 - cosine * cosine), square[1]), xp)
-    s = _ratio((cosine - a, -b), (cosine + a, b))
-    p = _ratio(
-        (square[0] * cosine - a, square[1] * cosine - b),
-        (square[0] * cosine + a, square[1] * cosine + b),
-    )
-    return 0.5 * (s[0] * s[0] + s[1] * s[1] + p[0] * p[0] + p[1] * p[1])
-
-
-def _series(front: Any, real: Any, imaginary: Any, path: Any, response: Response, xp: Any) -> Any:
+def _series(
+    front: Any, real: Any, imaginary: Any, path: Any, response: Response, xp: Namespace
+) -> Any:
     """The reflectance of one polarisation, by the real amplitude of the film's front.
 
     real, imaginary: of the amplitude at its back.
@@ -199,7 +192,7 @@ def _series(front: Any, real: Any, imaginary: Any, path: Any, response: Response
     Source: Belcour and Barla 2017, equations 7 to 10.
     """
     magnitude = xp.sqrt(xp.maximum(real * real + imaginary * imaginary, LEAST))
-    angle = (xp.arctan2 if xp is np else xp.atan2)(imaginary, real)
+    angle = xp.arctan2(imaginary, real)
     passed = 1 - front * front
     both = -front * magnitude
     rest = passed * passed * magnitude * magnitude / xp.maximum(1 - both * both, 1e-6)
@@ -211,7 +204,7 @@ def _series(front: Any, real: Any, imaginary: Any, path: Any, response: Response
     return total
 
 
-def _root(z: tuple[Any, Any], xp: Any) -> tuple[Any, ...]:
+def _root(z: tuple[Any, Any], xp: Namespace) -> tuple[Any, ...]:
     """The root of a complex number of positive imaginary part, with positive parts."""
     length = xp.sqrt(xp.maximum(z[0] * z[0] + z[1] * z[1], LEAST))
     return tuple(xp.sqrt(xp.maximum(length + x, LEAST) / 2) for x in (z[0], -z[0]))

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 import urushi
+from urushi.core.fresnel import EDGE_COSINE
 from urushi.errors import FileError, ParameterError, UrushiWarning
-from urushi.openpbr_surface.materialx.shaders import F82_COSINE, edge_tint
+from urushi.openpbr_surface.materialx.shaders import edge_tint
 from urushi.openpbr_surface.materialx.surface import read_surface
 
 TWO = """<open_pbr_surface name="a" type="surfaceshader">
@@ -183,8 +184,8 @@ def test_the_edge_of_a_metal_is_that_of_its_index(reflectivity, edge):
     n = edge * (1 - r) / (1 + r) + (1 - edge) * (1 + r**0.5) / (1 - r**0.5)
     k = max(((n + 1) ** 2 * r - (n - 1) ** 2) / (1 - r), 0) ** 0.5
     mi.set_variant("scalar_rgb")
-    fresnel = mi.fresnel_conductor(F82_COSINE, mi.Complex2f(n, k))
-    schlick = r + (1 - r) * (1 - F82_COSINE) ** 5
+    fresnel = mi.fresnel_conductor(EDGE_COSINE, mi.Complex2f(n, k))
+    schlick = r + (1 - r) * (1 - EDGE_COSINE) ** 5
     assert edge_tint(np.full(1, r), np.full(1, edge)) == pytest.approx(
         min(fresnel / schlick, 1), 1e-4
     )

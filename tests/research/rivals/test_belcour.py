@@ -46,7 +46,7 @@ def test_the_tabulated_mean_of_metals_is_that_over_facets(eta: float, k: float) 
     cos, alpha = (lanes(x) for x in places)
 
     def metal(cosine) -> object:
-        return fresnel.conductor(cosine, lanes(eta), lanes(k))
+        return fresnel.exact(cosine, lanes(eta), lanes(k))
 
     exact = belcour_tables.mean_over_facets(lambda wo, cosine: metal(cosine), cos, alpha)
     values = [metal(lanes(x)) for x in belcour_tables.FACET_COSINES]

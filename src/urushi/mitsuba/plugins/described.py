@@ -87,7 +87,7 @@ def _conductor(factor, eta, k) -> Callable[[Any], Any]:
 
     def reflectance(cos):
         cos = dr.clip(cos, 0, 1)
-        return factor * dr.select(exact, fresnel.conductor(cos, dr.select(exact, eta, 1), k), 1)
+        return factor * dr.select(exact, fresnel.exact(cos, dr.select(exact, eta, 1), k), 1)
 
     return reflectance
 

@@ -9,15 +9,15 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
+from urushi.core import fresnel
+from urushi.core.namespace import NUMPY
+
 #: The shader whose inputs are the parameters.
 TARGET = "open_pbr_surface"
 
 #: Reads an input by name: (..., channels), or its default.
 Inputs = Callable[[str], np.ndarray]
 Formulas = Mapping[str, Callable[[Inputs], np.ndarray]]
-
-#: The cosine at which OpenPBR defines specular_color of a metal (F82).
-F82_COSINE = 1 / 7
 
 #: Weights of MaterialX's node `luminance`, which the opacity of standard_surface goes through.
 _LUMA = np.array([0.2722287, 0.6740818, 0.0536895])
@@ -67,11 +67,8 @@ def edge_tint(reflectivity: np.ndarray, edge_color: np.ndarray) -> np.ndarray:
     r, g = np.clip(reflectivity, 0, 0.99), np.clip(edge_color, 0, 1)
     n = _mix((1 + np.sqrt(r)) / (1 - np.sqrt(r)), (1 - r) / (1 + r), g)
     k = np.sqrt(np.maximum(((n + 1) ** 2 * r - (n - 1) ** 2) / (1 - r), 0))
-    epsilon, c = (n + 1j * k) ** 2, F82_COSINE
-    inside = np.sqrt(epsilon - (1 - c**2))
-    s, p = (c - inside) / (c + inside), (epsilon * c - inside) / (epsilon * c + inside)
-    schlick = r + (1 - r) * (1 - c) ** 5
-    return np.minimum((np.abs(s) ** 2 + np.abs(p) ** 2) / (2 * schlick), 1)
+    c = fresnel.EDGE_COSINE
+    return np.minimum(fresnel.exact(c, n, k, NUMPY) / fresnel.schlick(c, r, NUMPY), 1)
 
 
 def _ior(f0: np.ndarray) -> np.ndarray:

@@ -3,6 +3,7 @@
 import drjit as dr
 import mitsuba as mi
 
+from urushi.core.namespace import DRJIT
 from urushi.mitsuba.reading.kept import KeptParameters
 from urushi.openpbr_surface import formulas
 from urushi.openpbr_surface.inputs import EMISSION, Inputs
@@ -96,9 +97,9 @@ def define() -> type:
             )
             if self._interface:
                 eta = dr.clip(inputs.number("coat_ior", si, active), 1 / 3, 3)
-                alpha = formulas.lobe_width(inputs.number("coat_roughness", si, active), dr)
+                alpha = formulas.lobe_width(inputs.number("coat_roughness", si, active), DRJIT)
                 inside = dr.sqrt(dr.maximum(1 - (1 - cosine * cosine) / (eta * eta), 1e-6))
-                depth = formulas.optical_depth(inputs.color("coat_color", si, active), dr)
+                depth = formulas.optical_depth(inputs.color("coat_color", si, active), DRJIT)
                 passed = 1 - self._interface.reflected(cosine, alpha, eta)
                 coated = passed * dr.exp(-depth / inside)
                 value *= dr.lerp(mi.Spectrum(1), coated, inputs.number("coat_weight", si, active))

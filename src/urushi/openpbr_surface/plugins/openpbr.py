@@ -2,9 +2,9 @@
 
 from typing import Any
 
-import drjit as dr
 import mitsuba as mi
 
+from urushi.core.namespace import DRJIT
 from urushi.errors import ParameterError
 from urushi.openpbr_surface import bsdfs, formulas
 from urushi.openpbr_surface.bsdfs import Layers
@@ -182,19 +182,21 @@ def _coat(inputs: Inputs, below: "mi.BSDF") -> dict[str, Any]:
     coat: dict[str, Any] = {"ext_ior": 1.0, "bottom": below}
     names = "coat_roughness", "coat_roughness_anisotropy"
     if inputs.is_constant(names[1], 0):
-        coat["alpha"] = derived(inputs, names[:1], lambda r: formulas.lobe_width(r, dr))
+        coat["alpha"] = derived(inputs, names[:1], lambda r: formulas.lobe_width(r, DRJIT))
     else:
         for i, name in enumerate(("alpha_u", "alpha_v")):
-            coat[name] = derived(inputs, names, lambda r, a, i=i: formulas.lobe_widths(r, a, dr)[i])
+            coat[name] = derived(
+                inputs, names, lambda r, a, i=i: formulas.lobe_widths(r, a, DRJIT)[i]
+            )
     if inputs.known("coat_ior") is not None:
         coat["int_ior"] = float(formulas.interface_index(inputs.known("coat_ior")))
     else:
         coat["int_ior"] = derived(
-            inputs, ("coat_ior",), lambda ior: formulas.interface_index(ior, dr)
+            inputs, ("coat_ior",), lambda ior: formulas.interface_index(ior, DRJIT)
         )
     if not inputs.is_constant("coat_color", 1):
         coat["sigma_t"] = derived(
-            inputs, ("coat_color",), lambda color: formulas.optical_depth(color, dr), color=True
+            inputs, ("coat_color",), lambda color: formulas.optical_depth(color, DRJIT), color=True
         )
     return coat
 

@@ -107,7 +107,7 @@ class ComplexConductor(Microfacet, kind="conductor_complex"):
         self.eta, self.k = eta, k
 
     def reflectance(self, cos_m):
-        return fresnel.conductor(cos_m, self.eta, self.k)
+        return fresnel.exact(cos_m, self.eta, self.k)
 
     @staticmethod
     def fresnel_numbers(columns):
