@@ -111,7 +111,7 @@ def test_a_quarter_turn_exchanges_the_widths(name: str) -> None:
 @pytest.mark.parametrize("coats", [1, 2])
 @pytest.mark.parametrize("kind", ["conductor", "conductor_complex", "dielectric"])
 def test_equal_widths_give_the_walks_of_one_width(kind: str, coats: int) -> None:
-    """The same bits on LLVM; CUDA divides approximately, and a walk amplifies a rounding."""
+    """The same paths on LLVM, up to rounding; CUDA divides approximately, and paths diverge."""
     if backend().__name__ != "drjit.llvm":
         pytest.skip("only LLVM divides exactly")
     rng = np.random.default_rng(7)
@@ -135,8 +135,8 @@ def test_equal_widths_give_the_walks_of_one_width(kind: str, coats: int) -> None
     row, (wi, wo) = np.arange(64, dtype=np.uint32) % 8, pairs(64, 8)
     f, se = walk_pairs(one, row, wi, wo, walks=256, seed=9)
     f_two, se_two = walk_pairs(two, row, wi, wo, walks=256, seed=9)
-    np.testing.assert_array_equal(f_two, f)
-    np.testing.assert_array_equal(se_two, se)
+    np.testing.assert_allclose(f_two, f, rtol=1e-6)
+    np.testing.assert_allclose(se_two, se, rtol=1e-5)
 
 
 def test_channels_of_different_widths_are_stacks_of_their_own() -> None:
