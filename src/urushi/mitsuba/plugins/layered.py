@@ -52,9 +52,7 @@ def define(base: type) -> type:
         :doc:`/conventions`): they are the reference for ``neural_layered``, which has the same
         parameters. The density of sampled directions has no noise. Random numbers come
         from a hash of directions, position, uv and time. Directly nested coats form one stack.
-        Reflects on the front side only: nest it in ``twosided`` for both sides. Spectral variants
-        evaluate parameters at the rays' wavelengths; colours are bands at 611, 549 and 464 nm,
-        linear in between.
+        Spectral variants evaluate parameters at the rays' wavelengths.
 
         All layers share one tangent frame: that of the shape, rotated by ``rotation``. Directly
         nested coats have no rotation of their own, and an anisotropic bottom, such as

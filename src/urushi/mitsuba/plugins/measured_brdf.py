@@ -25,10 +25,7 @@ def define(base: type) -> type:
         half and difference angles, as by ``urushi.load_measured``. An RGL material is not exactly
         reciprocal: it is averaged over the exchange of its directions and tabulated on
         256 x 64 x 64 bins (Mitsuba's own ``measured`` does not average). Directions are drawn from
-        two GGX lobes and a cosine lobe that are fitted to the table. Reflects on the front side
-        only: nest it in ``twosided`` for both sides. Mono variants take the luminance;
-        spectral variants treat the three channels as bands at 611, 549 and 464 nm, linear in
-        between.
+        two GGX lobes and a cosine lobe that are fitted to the table.
 
         .. tabs::
             .. code-tab:: xml

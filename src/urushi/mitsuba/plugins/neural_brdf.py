@@ -42,9 +42,7 @@ def define(base: type) -> type:
 
         The material may come from a description, a simulation, a measurement or a function, and
         may be coated and blended: see ``urushi.encode``, ``urushi.layer`` and ``urushi.lerp``.
-        Reflects on the front side only. Mono variants take the luminance of a material of three
-        channels; spectral variants treat them as bands at 611, 549 and 464 nm, linear in between,
-        and also load the 56 bands that a ``neural_layered`` saved in a spectral variant.
+        Spectral variants also load the 56 bands that a ``neural_layered`` saved in one.
 
         .. tabs::
             .. code-tab:: xml

@@ -29,32 +29,9 @@ def define(base: type) -> type:
     class NeuralLayered(base):
         """A coated BSDF by neural networks, evaluated without noise (``neural_layered``).
 
+        Takes the parameters of ``layered``, its reference, and these:
+
         ============== ===================== ====================================================
-        alpha          spectrum, texture     GGX width of the coat's surface, 0.01 to 1. Textures
-                                             have one channel; their darker texels are 0.01.
-                                             (Default: 0.1)
-        alpha_u,       spectrum, texture     In place of alpha: the widths along the tangent and
-        alpha_v                              across it, 0.01 to 1, of an anisotropic surface.
-        rotation       float, texture        Angle by which the tangent of all layers is turned
-                                             about the normal, counter-clockwise from dp/du of the
-                                             shape, in degrees. (Default: 0)
-        int_ior        float, string,        Index of refraction inside the coat, a number, a
-                       texture               material such as "water", or a texture of numbers.
-                                             (Default: "bk7", 1.5046)
-        ext_ior        float, string         Index outside; the ratio of both must be within 0.5 to
-                                             3. Nearer to 1 than 0.001 it is 1, without a surface:
-                                             the coat is its medium. (Default: "air", 1.000277)
-        albedo         spectrum, texture     Single-scattering albedo of the coat's medium, 0 to 1.
-                                             (Default: 0)
-        sigma_t        spectrum, texture     Its optical depth, 0 or more, of which the networks
-                                             know 0 to 8: the coat has unit thickness.
-                                             (Default: 0, clear)
-        g              spectrum, texture     Asymmetry of its Henyey-Greenstein phase function,
-                                             -1 to 1, both excluded, of which the networks know
-                                             -0.8 to 0.9. (Default: 0)
-        (nested)       BSDF                  The bottom, under any name: any opaque BSDF that has
-                                             no perfectly smooth lobe and no normals of its own;
-                                             coats nest. Its values in air are used.
         resolution     integer               Texels per side of the latent texture if anything is
                                              textured, at most 8192. (Default: that of the largest
                                              texture, at most 2048; 256 for procedural ones)
@@ -65,51 +42,27 @@ def define(base: type) -> type:
                                              averages of it at lower resolutions, for integrators
                                              that compute derivatives of uv. Those that ship with
                                              Mitsuba do not. (Default: false)
-        eta            float                 The ratio int_ior / ext_ior; exposed by
-                                             ``mi.traverse``, not a property.
         ============== ===================== ====================================================
 
-        Takes the parameters of ``layered``, its reference, and adds ``resolution``, ``weights`` and
-        ``mipmaps``. When the scene is loaded, the bottom is evaluated at
-        the encoder's probe pairs, averaged if it lacks the symmetries of materials (see
-        ``urushi.encode``), encoded, and layered by the network. A constant coat over a constant
-        bottom that is known by its values alone, such as ``measured_brdf``, ``roughplastic`` or
-        ``principled``, a file with a table, or another such coat is computed from a table instead,
-        as in ``urushi.layer``, and so is a constant coat outside the ranges that the networks know.
-        All layers share one tangent frame, as in ``layered``. Textures are
-        baked in their own space if they share one ``to_uv``, otherwise over the unit square of uv,
-        which repeats. A change through ``mi.traverse`` recomputes the codes that depend on it. The
-        method ``save`` writes the codes to a file for ``neural_brdf``. Reflects on the front side
-        only: nest it in ``twosided`` for both sides. Outside the ranges that the networks know,
-        textures and anisotropic coats layer a similar medium, with a warning; two widths of a ratio
-        above 10 are refused.
-        In spectral variants, a constant coat has one code for each of 56 bands from 380 to 720 nm,
-        and a wavelength takes that of its band. Textures have three bands at 611, 549 and 464 nm,
-        linear in between, which desaturate coated colours.
+        The networks know sigma_t from 0 to 8 and g from -0.8 to 0.9. Outside these ranges, constant
+        coats are computed from a table; textures and anisotropic coats layer a similar medium, with
+        a warning. Two widths of a ratio above 10 are refused. The bottom must have no normals of
+        its own.
+
+        When the scene is loaded, the bottom is evaluated at the encoder's probe pairs, averaged if
+        it lacks the symmetries of materials (see ``urushi.encode``), encoded, and layered by the
+        network. A constant coat over a constant bottom that is known by its values alone, such as
+        ``measured_brdf``, ``roughplastic`` or ``principled``, a file with a table, or another such
+        coat is computed from a table instead, as in ``urushi.layer``. Textures are baked in their
+        own space if they share one ``to_uv``, otherwise over the unit square of uv, which repeats.
+        A change through ``mi.traverse`` recomputes the codes that depend on it. The method ``save``
+        writes the codes to a file for ``neural_brdf``. In spectral variants, a constant coat has
+        one code for each of 56 bands from 380 to 720 nm, and a wavelength takes that of its band;
+        textures have the three bands of colours, which desaturate coated colours.
 
         Pictures can be differentiated with respect to all parameters, including the bottom's, by
         Mitsuba's differentiable integrators such as ``prb``: enable gradients of the parameters
         that ``mi.traverse`` lists, and update.
-
-        .. tabs::
-            .. code-tab:: xml
-
-                <bsdf type="neural_layered">
-                    <float name="alpha" value="0.05"/>
-                    <rgb name="sigma_t" value="0.2, 1.0, 3.0"/>
-                    <float name="albedo" value="0.8"/>
-                    <bsdf type="roughconductor" name="base">
-                        <string name="distribution" value="ggx"/>
-                    </bsdf>
-                </bsdf>
-
-            .. code-tab:: python
-
-                'type': 'neural_layered',
-                'alpha': 0.05,
-                'sigma_t': {'type': 'rgb', 'value': [0.2, 1.0, 3.0]},
-                'albedo': 0.8,
-                'base': {'type': 'roughconductor', 'distribution': 'ggx'}
 
         After Fan, Wang, Hašan, Yang and Yan, Neural Layered BRDFs, SIGGRAPH 2022.
         """

@@ -48,8 +48,7 @@ def define(proposal_bsdf: type):
         mixes the BRDFs of the bare and the coated base. Fuzz lies above both. Not supported, and
         refused or left out with a warning, are transmission, subsurface scattering, the thin-walled
         mode, and separate directions for the coat. Light is emitted by the emitter
-        ``openpbr_emission``. Reflects on the front side only: nest it in ``twosided`` for both
-        sides.
+        ``openpbr_emission``.
 
         A number that ``mi.traverse`` changes is treated like a texture from then on. Components
         that were left out because of it, for instance a coat or fuzz of weight zero, are created. A
