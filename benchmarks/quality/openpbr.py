@@ -14,6 +14,7 @@ from typing import Any
 
 import mitsuba as mi
 import numpy as np
+from benchmarks.quality import openpbr_reference
 
 from urushi.openpbr_surface import conformance
 
@@ -55,10 +56,10 @@ def draw(rng: np.random.Generator, anisotropic: bool) -> dict[str, Any]:
 
 def measure(materials: list[dict[str, Any]]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """E of the networks, signed errors of the albedo, and E of the walks' noise: each (M,)."""
-    wi, wo = conformance.pairs()
+    wi, wo = openpbr_reference.pairs()
     rows, values = [], []
     for parameters in materials:
-        rows.append(conformance.simulate(parameters))
+        rows.append(openpbr_reference.simulate(parameters))
         values.append(conformance.model(parameters)(wi, wo))
     f, se = (np.stack([row[k] for row in rows]) for k in range(2))
     names = {str(k): parameters for k, parameters in enumerate(materials)}

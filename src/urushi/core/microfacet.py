@@ -1,8 +1,8 @@
 """Microfacet distributions with separable Smith masking, G = G1(wi) G1(wo).
 
 All interfaces are GGX, isotropic or anisotropic: `alpha` is one width, or the two `Widths` along x
-and y (Heitz 2014, section 5.4). Two equal widths agree with one up to rounding. The other distributions
-are used by bottoms only, Beckmann's with one width or two.
+and y (Heitz 2014, section 5.4). Two equal widths agree with one up to rounding. The other
+distributions are used by bottoms only, Beckmann's with one width or two.
 """
 
 import math

@@ -37,17 +37,12 @@ class OpenPBRCheck:
     """Folder for pictures: spheres of the six materials with the largest E of each."""
     reference: Path | None = None
     """File of the reference. Default: the one that ships."""
-    make: Path | None = None
-    """Simulate the reference and write it to this file, which is continued if it exists."""
 
     def run(self) -> int:
         from urushi.openpbr_surface import conformance
 
-        if self.values is None or self.pictures is not None or self.make is not None:
+        if self.values is None:
             set_variant("llvm_ad_rgb")
-        if self.make is not None:
-            conformance.make(self.make)
-            return 0
         reference = conformance.read(self.reference)
         if self.values is not None:
             results = {self.values.stem: conformance.errors(_read(self.values), reference)}
