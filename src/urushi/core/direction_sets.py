@@ -13,7 +13,7 @@ from urushi.core.probe_pairs import PROBES, probe_pairs
 from urushi.errors import ParameterError
 
 #: Least cosine of training pairs. Pairs below it carry no energy, and the feature
-#: 0.5 ln(cos_i cos_o) of a few would outweigh that of all others.
+#: 0.5 ln(cos_i cos_o) of a few pairs would outweigh all other pairs.
 LOWEST_COSINE = 0.004
 
 #: Range of tan(theta_h) in training pairs, wider than that of the error P.
@@ -181,7 +181,7 @@ def probed_pairs(rng: np.random.Generator, n: int) -> Pairs:
     return np.concatenate([probes[0], others[0]]), np.concatenate([probes[1], others[1]])
 
 
-#: Further sets by name, of which every stack has a complete one.
+#: Further sets by name; every stack has each of them complete.
 COMPLETE_SETS = {"stratified": stratified_pairs, "probed": probed_pairs}
 
 

@@ -57,9 +57,9 @@ def single_over_azimuths(i: Any, o: Any, roughness: Any, xp: Namespace = NUMPY) 
 
 
 def deviation(roughness: Any) -> Any:
-    """How far the BRDF is from a Lambertian one: roughness / (1 + c roughness), over that of one.
+    """Deviation of a white BRDF from a Lambertian one, as a share of the deviation at roughness 1.
 
-    Integrals over directions of what the BRDF for a colour of one differs are proportional to it.
+    It is the same for all directions.
     """
     return roughness * ((1 + _FIRST) / (1 + _FIRST * roughness))
 

@@ -9,7 +9,7 @@ from urushi.core.half_vector import directions_at_tangent, turned
 #: Number of probe pairs of the shipped encoders of isotropic BRDFs.
 PROBES = 192
 
-#: The same for anisotropic ones, of which the azimuth counts as well.
+#: The same for anisotropic BRDFs, which depend on the azimuth too.
 ANISOTROPIC_PROBES = 384
 
 #: Share of the pairs that is uniform in the logarithm of the half angle. The rest has independent

@@ -1,9 +1,9 @@
-"""The quadrature by which the directional albedo of codes is measured at ten angles and between.
+"""Quadrature for the directional albedo of codes at ten angles, and interpolation between them.
 
 The albedo is smooth in ln(cos + 0.1), and a polynomial interpolates it between the angles. A rest
 below an interface of an index below one is dark beyond the critical angle, with an edge as sharp as
-the interface is smooth, where a polynomial swings. Its values are therefore clipped to those at the
-two angles beside them.
+the interface is smooth, where a polynomial swings. The polynomial is therefore clipped to the range
+of the albedos at the two neighbouring angles.
 
 For anisotropic codes the angles are repeated at several azimuths of wi, in one quadrant, because
 these codes are symmetric about the xz and the yz plane.
@@ -23,8 +23,8 @@ COSINE_OFFSET = 0.1
 #: Number of cosines, evenly spaced in that variable, at which the polynomial is evaluated.
 INTERPOLATED_COSINES = 41
 
-#: Share by which the polynomial may leave the range of the values at the two angles beside it: the
-#: albedo may have its maximum between them.
+#: Share by which the polynomial may leave the range of the albedos at the two neighbouring angles:
+#: the albedo may have its maximum between them.
 OVERSHOOT = 0.05
 
 
@@ -32,14 +32,14 @@ OVERSHOOT = 0.05
 AZIMUTHS = (0.0, 0.25 * np.pi, 0.5 * np.pi)
 ANISOTROPIC_COSINES = (1.0, 0.925, 0.735, 0.51, 0.315, 0.175, 0.09)
 
-#: Nodes of that rule for each of its directions: in theta_h from this tangent on, and in a quadrant
-#: of the azimuth, with how much they crowd at its ends. Errors of the albedo of white lobes with
-#: quotients of widths up to 8 are below 0.006.
+#: Nodes of the anisotropic rule for each wi: number in theta_h, number in a quadrant of the
+#: azimuth, how strongly they crowd at the quadrant's ends, and least tan(theta_h). Errors of the
+#: albedo of white lobes with quotients of widths up to 8 are below 0.006.
 POLAR_NODES, QUADRANT_NODES, CROWDING, LEAST_TANGENT = 14, 8, 1.5, 1e-3
 
 
 class AlbedoRule(NamedTuple):
-    """A quadrature for the directional albedo at K angles of M nodes in all, and between them.
+    """A quadrature of M nodes for the albedo at K angles, and its interpolation to D angles.
 
     K and D count the angles of all azimuths, one azimuth after the other.
 
@@ -49,9 +49,8 @@ class AlbedoRule(NamedTuple):
         weights: (M,), wo's cosine included; the nodes of an angle are contiguous.
         first: (K,) index of the first node of each angle.
         cosines: (D,) of the wi at which albedos are interpolated.
-        polynomial: (D, K), from the albedos at the angles to those of the polynomial at `cosines`.
-        left: (D,) index of the last angle whose cosine is not below that of `cosines`; K - 2 at
-            the last.
+        polynomial: (D, K), maps albedos at the angles to the polynomial's albedos at `cosines`.
+        left: (D,) index of the left neighbour among the angles, whose cosines fall; at most K - 2.
     """
 
     wi: np.ndarray
@@ -100,7 +99,7 @@ class AlbedoRule(NamedTuple):
 def albedo_rule(widths: int = 1) -> AlbedoRule:
     """The rule of codes of one GGX width or two.
 
-    That of one is in `albedo_rule.csv`; `benchmarks/quality/albedo_rule.py` makes and measures it.
+    `albedo_rule.csv` holds the rule of one width; `benchmarks/quality/albedo_rule.py` makes it.
     """
     return _isotropic_rule() if widths == 1 else _anisotropic_rule()
 
@@ -187,7 +186,7 @@ def _half_vector_nodes(azimuth: float, cosine: float) -> tuple[np.ndarray, np.nd
 
 
 def _lagrange(nodes: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """The matrix (X, N) from values at nodes (N,) to those of their polynomial at x (X,)."""
+    """The matrix (X, N) that maps values at nodes (N,) to their polynomial's values at x (X,)."""
     columns = []
     for index, node in enumerate(nodes):
         others = np.delete(nodes, index)

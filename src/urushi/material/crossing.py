@@ -32,8 +32,8 @@ class Crossing(NamedTuple):
 
     Attributes:
         inside: the directions inside; the normal where light does not cross.
-        weight: transmitted fraction of the light, over the density; 0 where there is none. density:
-        of the direction inside [1/sr], given that outside.
+        weight: transmitted fraction of the light over the density; 0 where no light crosses.
+        density: probability density of the inner direction [1/sr], given the outer one.
     """
 
     inside: Vector

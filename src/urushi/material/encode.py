@@ -41,8 +41,8 @@ from urushi.walk import Stack
 UNUSUAL_RESIDUAL = 0.3
 
 
-#: Shares of the light up to which the rest of a source is left out of its anchor, and from which
-#: it is kept whole.
+#: Share of the rest in the light of a source: up to the first, the anchor leaves the rest out; from
+#: the second, it keeps the whole rest.
 FAINT_REST = (0.03, 0.08)
 
 #: Errors of an anchor, over those of its lobe alone, up to which its rest is kept whole, and from
@@ -340,7 +340,7 @@ def _rest_share(source_albedo: np.ndarray, lobe: np.ndarray, rule: AlbedoRule) -
 
 
 def _without_faint_rest(model: Model, anchors: np.ndarray, share: np.ndarray) -> np.ndarray:
-    """Anchors (C, L) that become those of their lobes alone where the rest's share (C,) is small.
+    """Anchors (C, L) without their rests where the rest's share (C,) of the light is small.
 
     The layerer was trained on bare lobes and on rests that are visible. A faint rest, such as the
     error of a fitted lobe, has an arbitrary code, over which coats have errors of up to a tenth of
@@ -374,7 +374,7 @@ def with_dielectrics_in_rests(model: Model, anchors: np.ndarray, f: np.ndarray) 
 
 
 def without_useless_rests(model: Model, anchors: np.ndarray, f: np.ndarray) -> np.ndarray:
-    """Anchors (N, L) that become those of their lobes alone where these are closer to f (N, P).
+    """Anchors (N, L) without their rests where the lobe alone is closer to f (N, P).
 
     f: [1/sr] at the probe pairs. A rest whose decoded values are worse than zero is far from all
         training data, and coats over it may have unbounded errors. This occurs if the lobe is
@@ -398,7 +398,7 @@ def without_useless_rests(model: Model, anchors: np.ndarray, f: np.ndarray) -> n
 
 
 def _with_rests(model: Model, anchors: np.ndarray, kept: np.ndarray) -> np.ndarray:
-    """Anchors (C, L), blended with those of their lobes alone; kept: (C,) the share of their own.
+    """Anchors (C, L), blended with anchors of their lobes alone; kept: (C,) share of the former.
 
     The same bits where that is one.
     """

@@ -6,7 +6,7 @@ f exactly reciprocal. Codes of networks without a gain are not changed.
 
 The quadrature of one code's albedo takes several hundred evaluations of the decoder, and a texture
 has millions of codes. They lie close together, so a regression fitted to a thousand of them
-predicts the albedo of the others well enough to skip those that are far below the ceiling
+predicts the albedo of the other codes, and codes far below the ceiling are skipped
 (`codes_to_measure`).
 """
 
@@ -28,7 +28,7 @@ from urushi.parallel import fill_blocks, one_blas_thread
 #: Error of the quadrature and of the interpolation in the albedo: the ceiling is 1 less this.
 MARGIN = 0.002
 
-#: Amount by which a code's albedo may exceed that of its source; with `MARGIN`, 0.5 %.
+#: Excess of a code's albedo over its source's albedo that is allowed; with `MARGIN`, 0.5 %.
 SLACK = 0.003
 
 #: Excess over an albedo of 1 that counts as a numerical error of a source that conserves energy.
@@ -50,7 +50,7 @@ LEAST_REST, LEAST_REST_OF_EDGE = 0.005, 0.05
 #: edge of total reflection is too sharp for the rule; see `near_edge`.
 EDGE_WIDTHS, SHARP = 1.0, 0.2
 
-#: Greatest difference of the code of a rest from that of nothing at which it is that of nothing.
+#: Largest difference between a rest and the empty rest at which the rest counts as empty.
 BARE_DIFFERENCE = 1e-4
 
 #: A code with a factor below `TINY_FACTOR` is measured again, at most `TINY_FACTOR_ROUNDS` times:
@@ -63,7 +63,7 @@ BLOCK = 32
 #: Codes that are decoded at once: their activations stay in a core's cache.
 AT_ONCE = 6
 
-#: Number of codes above which only those of `codes_to_measure` are measured.
+#: Number of codes above which only the codes chosen by `codes_to_measure` are measured.
 SCREENED_COUNT = 4096
 
 
@@ -73,12 +73,12 @@ def directional_albedos(model: Model, z: np.ndarray) -> np.ndarray:
 
 
 def top_albedos(model: Model, z: np.ndarray) -> np.ndarray:
-    """The part (..., D) of `directional_albedos` of the codes' lobes."""
+    """Directional albedos (..., D) of the lobes of codes (..., L) at the cosines of the rule."""
     return lobe_albedos(z[..., : model.arch.lobe], albedo_rule(model.arch.widths))
 
 
 def rest_albedos(model: Model, z: np.ndarray) -> np.ndarray:
-    """The other part (N, D) of `directional_albedos`."""
+    """Directional albedos (N, D) of the rests of codes (N, L) at the cosines of the rule."""
     nodes, networks = albedo_rule(model.arch.widths), own_networks(model)
     count = len(nodes.cosines)
 
@@ -100,16 +100,16 @@ def rest_albedos(model: Model, z: np.ndarray) -> np.ndarray:
 
 
 def peak_ceiling(own: np.ndarray) -> np.ndarray:
-    """The greatest permitted albedo (..., 1) of a code, from its source's albedos own (..., D).
+    """The largest albedo (..., 1) allowed for a code whose source has the albedos own (..., D).
 
-    1 less the margin; for a source that gains energy, its own greatest albedo.
+    It is 1 - `MARGIN`, or the source's largest albedo if the source gains energy.
     """
     peak = own.max(axis=-1, keepdims=True)
     return np.where(peak > 1 + TOLERANCE, peak, 1 - MARGIN)
 
 
 def albedo_ceiling(own: np.ndarray, rule: AlbedoRule) -> np.ndarray:
-    """Ceiling (..., D) of a code's albedos, from its source's albedos own (..., D) of a rule."""
+    """Largest albedos (..., D) allowed for a code whose source has the albedos own (..., D)."""
     top = peak_ceiling(own)
     return np.where(rule.cosines < GRAZING, top, np.minimum(own + SLACK, top))
 
@@ -136,8 +136,8 @@ def limit_mean_albedo(
 ) -> np.ndarray:
     """Scale codes down so that the mean of their directional albedo is not above a ceiling.
 
-    The mean is that over diffuse light. Codes that are nowhere above it are not changed, nor those
-    of networks without a gain.
+    The mean is over diffuse light. Codes whose albedo is nowhere above the ceiling, and codes of
+    networks without a gain, are not changed.
 
     Args:
         model: the networks.
@@ -197,16 +197,17 @@ def limit_coated_albedo(model: Model, z: np.ndarray, z_bottom: np.ndarray) -> np
 
 
 def as_rendered(model: Model, z_bottom: np.ndarray) -> np.ndarray:
-    """Codes (..., L) of bottoms without the rests that bare surfaces have for the layerer alone.
+    """Codes (..., L) of bottoms as they are rendered: without the rests of bare surfaces.
 
-    The encoder's code of nothing decodes to some light, which is never rendered and is no gain.
+    The encoder's code of an empty rest decodes to a little light. It serves the layerer and is
+    never rendered.
     """
     bare = are_bare(model, z_bottom)[..., None]
     return np.where(bare, own_networks(model).without_rest(z_bottom), z_bottom)
 
 
 def are_bare(model: Model, z: np.ndarray) -> np.ndarray:
-    """Whether the rests of codes (..., L) are those of bare surfaces; bool (...)."""
+    """Whether codes (..., L) have an empty rest, as bare surfaces have; bool (...)."""
     empty = own_networks(model).empty_rest()
     return np.abs(z[..., model.arch.lobe :] - empty).max(axis=-1) < BARE_DIFFERENCE
 
@@ -270,13 +271,13 @@ def _directions(model: Model) -> int:
 
 
 def own_networks(model: Model) -> UrushiNetworks:
-    """The networks, for the type checker: those of other systems have no gain."""
+    """The networks as Urushi's own, for the type checker; other systems have no gain."""
     assert isinstance(model.networks, UrushiNetworks)
     return model.networks
 
 
 def excesses(model: Model, z: np.ndarray, ceiling: np.ndarray | float) -> np.ndarray:
-    """Greatest ratios (N,) of the albedo of the rest of codes (N, L) and what it may be."""
+    """Largest ratios (N,) of the albedo of the rest to its allowed albedo, for codes (N, L)."""
     lobe = z[:, : model.arch.lobe]
     allowed = np.maximum(ceiling - top_albedos(model, z), least_rests(lobe))
     ratios = np.maximum(rest_albedos(model, z), LEAST_ALBEDO) / allowed
@@ -301,7 +302,7 @@ def near_edge(lobe: np.ndarray) -> np.ndarray:
 
 
 def least_rests(lobe: np.ndarray) -> np.ndarray:
-    """Albedos (..., 1) that the rests of codes of lobes (..., N) may always have."""
+    """Albedos (..., 1) up to which the rest beside lobes (..., N) is never scaled down."""
     return np.where(_has_sharp_edge(lobe), LEAST_REST_OF_EDGE, LEAST_REST)
 
 
@@ -340,7 +341,7 @@ SCREEN_WEIGHT_POWER, SCREEN_NEAR, SCREEN_ERROR_FACTOR, SCREEN_LEAST_MARGIN = 4.0
 #: Regression: number of random features, and ridge.
 SCREEN_FEATURES, SCREEN_RIDGE = 64, 1e-3
 
-#: Factor on the range of the sample outside of which, in any number, a code is always measured.
+#: Factor on the range of the sample; a code outside this range in any number is measured.
 SCREEN_REACH = 1.25
 
 #: Greatest number of rounds, each with its own sample. The rounds stop when fewer than

@@ -99,7 +99,7 @@ class VertexCache:
         """Return compute(), or the last result if the inputs are the same and it can be used.
 
         inputs: Dr.Jit arrays. A result can be used in the scope that it was computed in, and in
-        those that `extend` reaches: those that follow it without leaving the recorded code.
+        the scopes that `extend` reaches: they follow it without leaving the recorded code.
         """
         last, self._last = self._last, None
         scope, indices = _scope(inputs), _indices(inputs)

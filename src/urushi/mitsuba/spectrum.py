@@ -36,7 +36,7 @@ _LOWEST, _HIGHEST = np.tanh(STEEPNESS * (np.array(ENDS) - CENTRE)).tolist()
 _places = _LOWEST + (np.arange(COUNT) + 0.5) / COUNT * (_HIGHEST - _LOWEST)
 FINE: tuple[float, ...] = tuple((CENTRE + np.arctanh(_places) / STEEPNESS).tolist())
 
-#: Those of these bands that are nearest to `RGB`.
+#: The bands nearest to `RGB`.
 FINE_AT_RGB = tuple(int(np.argmin(np.abs(np.array(FINE) - wavelength))) for wavelength in RGB)
 
 #: The bands that materials are read at. Mitsuba loads plugins in several threads.

@@ -1,6 +1,6 @@
 """The decoder: maps a latent code and a pair of directions to the BRDF without its lobe.
 
-Codes z (..., R) are those of the rest, without the numbers of the lobe (`nets.lobe`).
+Codes z (..., R) have the numbers of the rest only, not of the lobe (`nets.lobe`).
 """
 
 from typing import Any

@@ -1,6 +1,6 @@
 """The encoder: maps the values of a BRDF at the fixed probe pairs to its latent code.
 
-The values are f minus the lobe (`nets.lobe`), and the code is that of the rest.
+The values are f minus the lobe (`nets.lobe`); the code has the numbers of the rest only.
 """
 
 from typing import Any

@@ -23,7 +23,7 @@ TOLERANCE = 0.005
 #: Number of steps, and their damping.
 STEPS, DAMPING = 20, Damping(1e-3, 0.2, 10.0)
 
-#: Bounds of eta and k; those of the logarithms of widths, which come before, are those of widths.
+#: Bounds of eta and k, the last two unknowns.
 LOWER, UPPER = [0.02, 0.0], [8.0, 12.0]
 
 #: Indices eta of the metals that are tried.
@@ -33,7 +33,8 @@ METALS = (0.2, 1.0, 2.5)
 def find_lobes(f: np.ndarray, widths: int = 1) -> np.ndarray:
     """Return the lobes float32 (..., N) of BRDFs with values f (..., P) [1/sr] at the probe pairs.
 
-    Exact ones of bare interfaces, and those of `lobe_fit` of all other BRDFs; pairs and N as there.
+    A bare interface gets its exact lobe, any other BRDF the lobe of `lobe_fit.fit_lobes`, which
+    documents the pairs and N.
     """
     rows = np.maximum(np.ascontiguousarray(f, np.float64).reshape(-1, f.shape[-1]), 0.0)
     found = exact_interfaces(rows, fit_lobes(rows, widths))
@@ -41,7 +42,7 @@ def find_lobes(f: np.ndarray, widths: int = 1) -> np.ndarray:
 
 
 def exact_interfaces(f: np.ndarray, schlick: np.ndarray) -> np.ndarray:
-    """Return lobes (N, L): exact ones where they give f (N, P) [1/sr], or else those of `schlick`.
+    """Return lobes (N, L): exact lobes where they reproduce f (N, P) [1/sr], else `schlick`.
 
     schlick: (N, L) the best lobes with Schlick's term.
     """

@@ -10,7 +10,7 @@ from urushi.nets.features import coat_features
 from urushi.nets.lobe import lobe_features, of_coat
 from urushi.nets.mlp import Params, hidden_to_output, split_linear
 
-#: Greatest number of bottoms whose features are remembered: those of a material.
+#: Greatest number of bottoms whose features are remembered, enough for one material.
 REMEMBERED_BOTTOMS = 16
 
 
@@ -32,7 +32,7 @@ def layer(params: Params, arch: Architecture, z_bottom: Any, coat: tuple[Any, ..
 
 
 def _bottom_features(lobe: Any) -> Any:
-    """`lobe_features` of lobes (..., N); those of a few are remembered, for coats that change."""
+    """`lobe_features` of lobes (..., N). Features of few lobes are kept, for coats that change."""
     if not isinstance(lobe, np.ndarray) or lobe.size > REMEMBERED_BOTTOMS * lobe.shape[-1]:
         return lobe_features(lobe)
     return _remembered(lobe.tobytes(), lobe.dtype.char, lobe.shape)

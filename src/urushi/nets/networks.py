@@ -83,7 +83,7 @@ class UrushiNetworks(NamedTuple):
     def encode(self, f: Any, lobe: Any = None) -> Any:
         """Codes (..., L) of values f (..., P) [1/sr] at the probe pairs.
 
-        lobe: (..., N) the lobes of these BRDFs, if known; None: those of `fit_lobes`.
+        lobe: (..., N) the lobes of these BRDFs, if known; None: `fit_lobes` fits them.
         """
         lobe = fit_lobes(f, self.arch.widths) if lobe is None else lobe
         rest = np.maximum(f - lobes.f(lobe[..., None, :], *self.pairs()), 0.0)

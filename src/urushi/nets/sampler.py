@@ -53,8 +53,8 @@ def mixture(params: Params, arch: Architecture, z: Any, wi: Any) -> tuple[Any, A
     """Return the proposal's weights (..., K+1), the last the cosine lobe's, and widths (..., K).
 
     z (..., L) and wi (..., 3) broadcast against each other. Weights are positive and add up to 1;
-    widths are GGX alphas in [0.01, 1], the first that of the code's lobe. They are `Widths` of two
-    arrays if the networks are anisotropic.
+    widths are GGX alphas in [0.01, 1]; the first is the width of the code's lobe. They are `Widths`
+    of two arrays if the networks are anisotropic.
     """
     angle = sampler_features(wi, arch.widths)
     first = split_linear(params, "sampler.0", sampler_inputs(arch, z), angle)

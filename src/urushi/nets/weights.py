@@ -206,7 +206,7 @@ def anisotropic_model() -> Model:
 
 
 def of_fingerprint(fingerprint: object) -> Model:
-    """The shipped networks of a fingerprint; those of isotropic materials if there are none."""
+    """The shipped networks of a fingerprint; the isotropic ones if no shipped networks have it."""
     other = anisotropic_model()
     return other if other.fingerprint == fingerprint else default_model()
 

@@ -277,7 +277,7 @@ def visible_facets(
 
 
 def _albedos(facets: Facets, alpha: float, eta: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """What facets of an index reflect and pass, (N,), and the mean cosine below of the latter."""
+    """Shares (N,) of light reflected and passed by facets; mean cosine of the passed light."""
     with np.errstate(invalid="ignore", divide="ignore"):
         reflectance, cos_t = fresnel.dielectric(facets.cosine, eta, NUMPY)
     below = (facets.seen - facets.cosine * facets.z) / eta + cos_t * facets.z

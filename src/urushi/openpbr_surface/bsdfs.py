@@ -26,7 +26,7 @@ DIFFUSE_SHARE = 0.1
 #: The parameters that the surface reads itself.
 OWN = ("coat_weight", "fuzz_weight", "fuzz_color", "fuzz_roughness")
 
-#: Those of layers, which may be left out as long as the parameters have their defaults.
+#: The parameters of layers, which are left out while the parameters have their defaults.
 OF_LAYERS = (
     *("coat_color", "coat_roughness", "coat_roughness_anisotropy", "coat_ior", "coat_darkening"),
     *("thin_film_weight", "thin_film_thickness", "thin_film_ior"),

@@ -49,7 +49,7 @@ _SHARED = (
 #: The parameters of the coat and of the film.
 _OF_COATS = ("coat_color", "coat_roughness", "coat_roughness_anisotropy")
 
-#: As `_SHARED`, of a dielectric base, whose index it changes.
+#: Further parameters that the dielectric twin shares: they change its index.
 _OF_DIELECTRICS = ("specular_weight",)
 _OF_FILMS = ("thin_film_weight", "thin_film_thickness", "thin_film_ior")
 
@@ -104,7 +104,7 @@ class Compensation:
         self._dielectric = self._metal = None
         if encoded and not self._only_metal:
             self._dielectric = Furnace(inputs, 0.0, coated, CoatLoss)
-        # The codes of a mixture contain what its facets reflect more than once, a metal's do not.
+        # Codes of mixtures include multiple scattering between facets; codes of metals do not.
         if self._only_metal or not (encoded or self._only_dielectric):
             self._metal = Furnace(inputs, 1.0, coated, None)
 
@@ -245,9 +245,9 @@ class FurnaceVertex(NamedTuple):
 
     Attributes:
         at: coordinates in the table besides the cosine, its last axis first.
-        lost: what is lost at wi, over pi times its mean; with a known part, what is lost beyond it
-            less its mean.
-        excess: one and what is too much at wi; with a known part, ().
+        lost: share of light lost at wi, over pi times its mean; with a known part, the share lost
+            beyond it, minus the mean of this share.
+        excess: one plus the share of light gained at wi; with a known part, ().
     """
 
     at: list
@@ -271,8 +271,8 @@ class Furnace:
         """Measure the twin.
 
         metalness: of the twin. coated: makes it of its parameters.
-        known: of the twin's parameters, the part of the loss that is none of the table; its
-            method `lost` gives it at cosines.
+        known: makes, from the twin's parameters, an object whose method `lost` gives the known
+            part of the loss, which the table leaves out; None: nothing is known.
         """
         self._inputs = inputs
         self._varying = [name for name in ROUGHNESSES if inputs.known(name) is None]

@@ -13,11 +13,11 @@ from urushi.nets.lobe import NO_LOBE
 from urushi.openpbr_surface.inputs import Inputs
 from urushi.openpbr_surface.model import Base
 
-#: Cosines at which the lobe of a mixture is not above the mixture.
+#: Cosines at which the lobe of a mixture is limited to the mixture.
 SCHLICK_COSINES = (0.6, 0.4, 0.25, 0.15, 0.05)
 
-#: Share of that lobe that is taken out. Networks expect a rest that is nowhere below zero and has a
-#: faint peak, as fitted lobes leave it.
+#: Factor on this lobe. Networks expect a rest that is nowhere negative and has a faint peak, as
+#: fitted lobes leave it.
 SCHLICK_SHARE = 0.8
 
 #: specular_roughness from which networks encode a constant, isotropic metal with what its facets

@@ -83,9 +83,9 @@ class FilmFresnel:
         return self.metal(mi.Float(_MEAN_COSINE), f0, tint, bare, si, active)
 
     def excess(self, cosine, alpha, eta, si, active):
-        """What the film adds to the light that a dielectric's facets reflect, a spectrum.
+        """Light that the film adds to a dielectric's reflection, over the reflection of mirrors.
 
-        Over what they would reflect as mirrors; by the facets of `rules`.
+        A spectrum, by the Gauss rules of `rules`.
         """
         rule = self._rule(coordinates(cosine, alpha, None))
         edge = self._edge(eta, si, active)
@@ -115,7 +115,7 @@ class FilmFresnel:
         return dr.select(film < 1, dr.minimum(film, eta), eta) if self._total else eta
 
     def _mean_over(self, rule: list, eta, edge, si, active):
-        """The mean of what the film reflects more than a dielectric of index `edge`.
+        """Mean difference of the film's reflectance and of a dielectric's of index `edge`.
 
         rule: cosines of facets, and then their weights. Both reflect totally at the same facets, so
         that the difference has no step.

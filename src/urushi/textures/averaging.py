@@ -73,14 +73,14 @@ class LobedSpace(NamedTuple):
 
     Attributes:
         lobe: how many numbers a lobe has.
-        rest: the space of the numbers after those of the lobe.
+        rest: the space of the numbers that follow the lobe.
     """
 
     lobe: int
     rest: DecodedSpace | RegressionSpace
 
     def lift(self, z: np.ndarray) -> np.ndarray:
-        """Factors, reflectance, and products with what they weigh, side by side with the rest."""
+        """`lifted_lobes` of the lobes, side by side with the lifted rest."""
         lobe, rest = np.split(z, [self.lobe], axis=1)
         return np.concatenate([lifted_lobes(lobe), self.rest.lift(rest)], axis=1)
 
@@ -96,7 +96,7 @@ LIFTED_LOBE, COSINES = 9, np.array([1.0, 0.8, 0.6, 0.4, 0.2], np.float32)
 #: Least weight of a lobe: lobes that do not reflect have an average too.
 LEAST_WEIGHT = 1e-6
 
-#: Mean k above which an averaged index is that of a metal.
+#: Mean k above which an averaged index counts as a metal's.
 LEAST_K = 1e-3
 
 
@@ -117,8 +117,8 @@ def lifted_lobes(lobe: np.ndarray) -> np.ndarray:
 def dropped_lobes(means: np.ndarray) -> np.ndarray:
     """Lobes float32 (n, 6 or 7) of averages (n, 9 or 10) of `lifted_lobes`.
 
-    The index reflects as much at normal incidence as the averaged ones do: that of a dielectric is
-    above one if their mean is, and a metal has their mean eta.
+    The averaged index has the mean reflectance at normal incidence. A dielectric's index is on the
+    same side of one as the mean index; a metal has the mean eta.
     """
     normal, grazing, exact, bright, root_width, indexed, *others = means.astype(np.float64).T
     eta, k, head_on = (x / indexed for x in others[:3])

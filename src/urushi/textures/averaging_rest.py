@@ -55,7 +55,13 @@ ROUNDING = 1e-6
 def rest_space(
     networks: UrushiNetworks, read: Callable[[np.ndarray], np.ndarray], count: int
 ) -> "DecodedSpace | RegressionSpace":
-    """The space of the rest; arguments as of `averaging_space`, for codes less their lobes."""
+    """The space in which rests are averaged.
+
+    Args:
+        networks: Urushi's own.
+        read: from indices below `count` to the rests (n, R) of codes.
+        count: number of codes in the texture.
+    """
     exact = DecodedSpace(networks)
     if count <= SAMPLE:
         return exact
@@ -81,7 +87,7 @@ def rest_space(
 class DecodedSpace(NamedTuple):
     """Values at all P probe pairs, the residual, and the code: K = P + 2 L. Exact, but slow.
 
-    Codes (n, L) are those of the rest, without the numbers of a lobe.
+    Codes (n, L) have the numbers of the rest only, not of the lobe.
     """
 
     networks: UrushiNetworks
@@ -111,7 +117,7 @@ class DecodedSpace(NamedTuple):
 
 
 class RegressionSpace(NamedTuple):
-    """The same at K of the probe pairs, by regressions instead of decoder and steps.
+    """`DecodedSpace` at K of the probe pairs, by regressions in place of decoder and steps.
 
     Attributes:
         exact: the space that this one approximates.

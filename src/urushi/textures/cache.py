@@ -1,7 +1,7 @@
 """Baked textures on disk, so that a scene that was loaded before is not baked again.
 
 A texture is found by a digest of all that its codes depend on: the networks, the program, and the
-values of its inputs at every texel. Files are those of `textures.file`. A file that is damaged is
+values of its inputs at every texel. `textures.file` reads and writes the files. A damaged file is
 ignored and written anew, and a folder that cannot be written is not used.
 """
 
@@ -23,7 +23,7 @@ from urushi.version import __version__
 #: Environment variable: the folder of the textures, or "off".
 VARIABLE = "URUSHI_CACHE"
 
-#: Size of all files [bytes]; those that have not been read for the longest time are removed.
+#: Largest size of all files [bytes]; the files read least recently are removed.
 LIMIT = 4 << 30
 
 

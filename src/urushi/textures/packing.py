@@ -5,9 +5,8 @@ is a fixed-point number between its least and its greatest value in the texture.
 power of two of bytes. The numbers with the greatest effect on f have 16 bits, as many as fit, the
 lobe's width and the gain first; the others have 8. Sixteen bits are two separate bytes, high and
 low: interpolation is linear, so that a renderer may interpolate all bytes in the same way and add
-them afterwards.
-Numbers that are the same in the whole texture take no bytes, those that are the same in all
-channels are stored once.
+them afterwards. Numbers that are equal in the whole texture take no bytes; numbers that are equal
+in all channels are stored once.
 """
 
 from typing import NamedTuple

@@ -28,7 +28,7 @@ def bottom_lobes(kind: str, bottom: np.ndarray, arch: Architecture) -> np.ndarra
 
 
 def bottom_rest(kind: str, bottom: np.ndarray, own: np.ndarray, arch: Architecture) -> np.ndarray:
-    """Values (S, probes) [1/sr] of bottoms in air at the probe pairs, less those of their lobes."""
+    """Values (S, probes) [1/sr] of bottoms in air at the probe pairs, minus their lobes."""
     if KINDS[kind].family.bare:
         return np.zeros((len(bottom), arch.probes), np.float32)
     top = lobes.f(own[:, None], *probe_pairs(arch.probes, arch.widths))

@@ -125,7 +125,7 @@ def compile_steps(loss: Loss, schedule: Schedule, devices: Devices | None = None
     Args:
         loss: (params, batch) to (loss, terms to log).
         schedule: of the stage.
-        devices: those that share the batches; by default JAX's default device alone.
+        devices: the devices that share each batch; None: JAX's default device.
 
     Returns:
         A function of a state and of batches stacked along a first axis; it returns the new state
@@ -189,8 +189,8 @@ class Side(NamedTuple):
     """One side of Shampoo's preconditioner, (n, n) for a side of n rows or columns.
 
     Attributes:
-        outer: L, the moving average of G Gᵀ over gradients G; or R, that of Gᵀ G.
-        basis: its eigenvectors as columns.
+        outer: the moving average over gradients G of G Gᵀ (L of the left side) or Gᵀ G (R).
+        basis: eigenvectors of `outer` as columns.
     """
 
     outer: jax.Array
@@ -203,7 +203,7 @@ class Matrix(NamedTuple):
     Attributes:
         mean: M, the moving average of the gradient.
         squares: V, the moving average of the squared gradient in the eigenbases.
-        left, right: L and R with their eigenbases.
+        left, right: averages L and R with their eigenbases.
     """
 
     mean: jax.Array
@@ -213,7 +213,7 @@ class Matrix(NamedTuple):
 
 
 class SoapState(NamedTuple):
-    """Number of steps, and a tree like the parameters with the `Matrix` of each."""
+    """SOAP's state: number of steps, and the moments of each parameter in a tree like theirs."""
 
     step: jax.Array
     matrices: Any

@@ -155,7 +155,7 @@ class TableLayers:
 
 
 class ChannelBottom:
-    """A custom bottom of which each lane reads one channel, the number of its row."""
+    """A custom bottom; each lane reads the channel whose number is the lane's row."""
 
     def __init__(self, brdf: Any, row: Any) -> None:
         self._brdf = brdf

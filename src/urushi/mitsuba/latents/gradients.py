@@ -1,7 +1,7 @@
 """Latent codes with gradients: values of the plain latents, derivatives of the codes.
 
 Where a parameter of a coat or of its bottom carries a gradient, `bake` adds codes with derivatives
-to those of `baking.Baker`. The bottom's values at the probe pairs, or the parameters of a surface
+to the plain codes. The bottom's values at the probe pairs, or the parameters of a surface
 that is known by them, are differentiated by Dr.Jit. Encoder and layerer are custom operations of
 Dr.Jit, whose derivatives NumPy computes (`material.gradients`).
 

@@ -68,7 +68,7 @@ class LobeKind(NamedTuple):
         return needed | ({6: self.present} if self.widths == 2 else {})
 
     def numbers(self, channel: int) -> list[int]:
-        """Places of the numbers that the lobe of a channel needs, less those of the first one."""
+        """Places of the numbers of a channel's lobe that the first channel does not give."""
         needed = self.needed
         own = dict.fromkeys(needed, not self.same_reflectance)
         own |= dict.fromkeys(WIDTH_PLACES[self.widths], not self.same_alpha)

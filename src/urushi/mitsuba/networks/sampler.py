@@ -28,9 +28,9 @@ class UrushiSampler:
     """Proposals from latent codes and the cosine of wi; see `protocols.Sampler`.
 
     A proposal is a mixture of GGX reflection lobes and a cosine lobe (`core.mixture`), whose
-    weights and widths the network gives; the first width is that of the code's own lobe. Those of
-    one code depend on the cosine of wi, and on its azimuth if there are two GGX widths. They are
-    tabulated, because two or four entries of a table take half the time of the network.
+    weights and widths the network gives; the first width is the width of the code's lobe. Weights
+    and widths of one code depend on the cosine of wi, and on its azimuth if there are two GGX
+    widths. They are tabulated: two or four entries of a table take half the network's time.
     """
 
     def __init__(self, model: Model, kind: LobeKind, cooperative: bool | None = None):

@@ -31,9 +31,9 @@ class TabulatedDecoder:
     ) -> list:
         """f of each channel, from its terms, lists of Dr.Jit floats.
 
-        tables: that of `padded` as Dr.Jit floats; empty if there is no rest. bands: for each of
-        `terms` its place (UInt32) among tables of one channel that follow each other, if the table
-        is made of these. Exchanging wi and wo gives the same bits.
+        tables: the `padded` table as Dr.Jit floats; empty if there is no rest. bands: index
+        (UInt32) of each term's table, if the table is a sequence of tables of one channel.
+        Exchanging wi and wo gives the same bits.
         """
         rests = [wi.z * 0] * len(terms)
         if tables:
@@ -55,7 +55,7 @@ def interpolated(table, shape: Sequence[int], coordinates: Sequence, band=None) 
     """The numbers of an entry (K) of a table (*shape, K), linear between its nodes.
 
     table: flattened Dr.Jit floats; K is a power of two. coordinates: in [0, 1], one for each axis.
-    band: the place (UInt32) among tables with K = 1 that follow each other, of which it is one.
+    band: index (UInt32) of the table in a sequence of tables with K = 1.
     """
     first, shares = mi.UInt32(0 if band is None else band), []
     for coordinate, count in zip(coordinates, shape, strict=True):

@@ -32,7 +32,7 @@ from urushi.train.stages.stage import Learner, Stage
 #: Widths of the hidden layers of the scatter's network, which has the form of the decoder.
 WIDTHS = (16, 16)
 
-#: Logarithm of the scatter at the start, about that of all pairs.
+#: Logarithm of the scatter at the start, about its mean over all pairs.
 _START = -5.0
 
 #: Upper bounds of a squared relative error and of its ratio to the scatter, in the likelihood: a

@@ -28,7 +28,7 @@ STACKS = 1 << 15
 #: Materials in a step, each with one incoming direction, and outgoing directions for each.
 MATERIALS, DIRECTIONS = 96, 64
 
-#: Channels of a material; they share one proposal, that of their mean code.
+#: Channels of a material; they share the proposal of their mean code.
 CHANNELS = 3
 
 #: Fixed mixture from which half of the directions are drawn, so that no part of a BRDF is missed.

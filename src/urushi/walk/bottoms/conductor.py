@@ -1,4 +1,4 @@
-"""Rough conductors: a GGX surface with Schlick's Fresnel term or that of a complex index."""
+"""Rough conductors: a GGX surface with Schlick's Fresnel term, or with a complex index."""
 
 from dataclasses import dataclass
 

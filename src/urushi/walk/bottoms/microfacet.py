@@ -1,4 +1,4 @@
-"""A GGX reflector whose Fresnel term is that of a subclass: conductors and dielectrics."""
+"""A GGX reflector; its subclasses, conductors and dielectrics, give the Fresnel term."""
 
 from typing import Any, ClassVar
 
