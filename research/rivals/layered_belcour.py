@@ -8,8 +8,8 @@ import mitsuba as mi
 from research.rivals import belcour, belcour_tables
 from research.rivals.belcour import Lobe
 from research.rivals.belcour_bottoms import Bottom
+from research.rivals.described import StackNumbers, define_described
 from urushi.core.mixture import Mixture
-from urushi.mitsuba.plugins.described import StackNumbers, define_described
 
 #: Least energy of a lobe in the proposal, so that a black stack has one.
 MIN_SHARE = 1e-6
