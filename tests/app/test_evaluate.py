@@ -1,12 +1,11 @@
-"""`urushi eval` and `urushi data benchmark` pass their flags to the evaluation."""
+"""`urushi eval` passes its flags to the evaluation."""
 
 import sys
-from pathlib import Path
 
 import pytest
 
 from urushi.app import cli
-from urushi.eval import benchmark, report
+from urushi.eval import report
 
 
 @pytest.fixture
@@ -19,9 +18,6 @@ def calls(monkeypatch) -> dict:
         return "the table"
 
     monkeypatch.setattr(report, "report", table)
-    monkeypatch.setattr(
-        benchmark, "make", lambda path, keep: calls.update(path=path, keep=keep) or "0123"
-    )
     return calls
 
 
@@ -31,14 +27,6 @@ def test_eval_uses_the_stored_set_unless_a_seed_is_given(calls, capsys):
     assert capsys.readouterr().out == "the table\n"
     assert cli.main(["eval", "--weights", "w.safetensors", "--seed", "3"]) == 0
     assert calls == {"weights": "w.safetensors", "output": None, "seed": 3}
-
-
-def test_benchmark(calls, capsys):
-    assert cli.main(["data", "benchmark", "-o", "b.safetensors"]) == 0
-    assert calls == {"path": Path("b.safetensors"), "keep": None}
-    assert capsys.readouterr().out == "b.safetensors  0123\n"
-    assert cli.main(["data", "benchmark", "-o", "b.safetensors", "--keep", "a.safetensors"]) == 0
-    assert calls == {"path": Path("b.safetensors"), "keep": Path("a.safetensors")}
 
 
 def test_plots_need_their_extra(calls, monkeypatch, capsys):

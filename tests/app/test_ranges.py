@@ -21,7 +21,6 @@ NEEDED = {
     "sheet": ["diffuse(0.5)", "diffuse(0.1)", "-o", "a.png"],
     "convert": ["a.mtlx", "-o", "folder"],
     "data generate": ["-o", "a.zarr"],
-    "data benchmark": ["-o", "a.safetensors"],
     "paper import": ["a.pth", "b.pth", "-o", "a.safetensors"],
 }
 #: Parameters of coats: their ranges are those of `urushi.coat`, whose own tests check them.

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from benchmarks.quality import benchmark_set
 
 from urushi.errors import FileError
 from urushi.eval import benchmark
@@ -37,17 +38,17 @@ def test_write_and_read(sets, groups, tmp_path):
     assert benchmark.write(path, again, groups) == digest
 
 
-@pytest.mark.slow
+@pytest.mark.research
 def test_a_set_is_reproduced_to_the_byte(groups, tmp_path, monkeypatch):
     """The same command gives the same file; at a coarse aim, for time."""
     for name in ("E_ERROR", "P_ERROR", "PROBE_ERROR", "ALBEDO_ERROR"):
         monkeypatch.setattr(sampling, name, 0.1)
     files = [tmp_path / name for name in ("a.safetensors", "b.safetensors")]
-    assert benchmark.make(files[0], groups[:1]) == benchmark.make(files[1], groups[:1])
+    assert benchmark_set.make(files[0], groups[:1]) == benchmark_set.make(files[1], groups[:1])
     assert files[0].read_bytes() == files[1].read_bytes()
 
 
-@pytest.mark.slow
+@pytest.mark.research
 def test_groups_that_a_file_holds_are_kept_to_the_bit(sets, groups, tmp_path, monkeypatch):
     """Only missing groups, and those of other stacks, are simulated; at a coarse aim, for time."""
     for name in ("E_ERROR", "P_ERROR", "PROBE_ERROR", "ALBEDO_ERROR"):
@@ -64,7 +65,7 @@ def test_groups_that_a_file_holds_are_kept_to_the_bit(sets, groups, tmp_path, mo
         return simulate(group, seed)
 
     monkeypatch.setattr(sampling, "simulate", noted)
-    benchmark.make(path, (*groups, new), keep=path)
+    benchmark_set.make(path, (*groups, new), keep=path)
     assert simulated == ["bare", "new"]  # "bare" is analytic
     _, after = read_tensors(path, "benchmark")
     assert {name.split(".")[0] for name in set(after) - set(before)} == {"new"}
@@ -72,15 +73,15 @@ def test_groups_that_a_file_holds_are_kept_to_the_bit(sets, groups, tmp_path, mo
         assert array.tobytes() == after[name].tobytes() and array.dtype == after[name].dtype
     assert list(benchmark.read(path, (*groups, new))) == [*(g.name for g in groups), "new"]
     simulated.clear()
-    benchmark.make(tmp_path / "other.safetensors", (other,), keep=path)
+    benchmark_set.make(tmp_path / "other.safetensors", (other,), keep=path)
     assert simulated == ["few"]
     benchmark.write(path, sets, groups, seed=1)
     simulated.clear()
-    benchmark.make(path, (groups[0],), keep=path)
+    benchmark_set.make(path, (groups[0],), keep=path)
     assert simulated == ["few"]
 
 
-@pytest.mark.slow
+@pytest.mark.research
 def test_a_stopped_run_continues(groups, tmp_path, monkeypatch):
     """Groups that were finished are in the file, and the end is the same file."""
     for name in ("E_ERROR", "P_ERROR", "PROBE_ERROR", "ALBEDO_ERROR"):
@@ -97,10 +98,10 @@ def test_a_stopped_run_continues(groups, tmp_path, monkeypatch):
     with monkeypatch.context() as patch:
         patch.setattr(sampling, "simulate", stop)
         with pytest.raises(KeyboardInterrupt):
-            benchmark.make(stopped, (first, second))
+            benchmark_set.make(stopped, (first, second))
     assert list(benchmark.read(stopped, (first,))) == ["first"]
-    digest = benchmark.make(stopped, (first, second), keep=stopped)
-    assert digest == benchmark.make(whole, (first, second))
+    digest = benchmark_set.make(stopped, (first, second), keep=stopped)
+    assert digest == benchmark_set.make(whole, (first, second))
     assert stopped.read_bytes() == whole.read_bytes()
 
 

@@ -1,9 +1,10 @@
 """The stored benchmark set: reference values that `urushi eval` compares with by default.
 
-One safetensors file of about 1 MB, made by `urushi data benchmark`. It holds, for every group that
-must be simulated, the stacks' parameters, f in single and its standard error in half precision, the
-values at the probe pairs and the directional albedo. The pairs of directions are drawn again from
-the seed; the last pair of every stack is stored to detect if other pairs are drawn.
+One safetensors file of about 1 MB, made by `benchmarks/quality/benchmark_set.py`. It holds, for
+every group that must be simulated, the stacks' parameters, f in single and its standard error in
+half precision, the values at the probe pairs and the directional albedo. The pairs of directions
+are drawn again from the seed; the last pair of every stack is stored to detect if other pairs are
+drawn.
 """
 
 import hashlib
@@ -32,45 +33,12 @@ from urushi.walk.bottoms import KINDS
 SEED = 0
 FORMAT_VERSION = 1
 _KIND = "benchmark"
-_REMEDY = "restore it from the repository, or make it again with `urushi data benchmark`"
+_REMEDY = "restore it from the repository"
 
 
 def default_path() -> Path:
     """Path of the stored set."""
     return Path(__file__).with_name("benchmark.safetensors")
-
-
-def make(
-    path: str | os.PathLike,
-    groups: tuple[Group, ...] = GROUPS,
-    keep: str | os.PathLike | None = None,
-) -> str:
-    """Simulate groups and write them to a file; returns its hash.
-
-    The file is written after each group, so that a stopped run continues with `keep=path`.
-
-    Args:
-        path: file to write; it may be `keep` itself.
-        groups: to write.
-        keep: a file of `write`. Groups that it holds with the same description and seed are taken
-            from it, to the bit, and not simulated. Its other groups are left out.
-
-    Raises:
-        FileError: `keep` is missing, foreign or damaged, or the file cannot be written.
-    """
-    sets: dict[str, Samples] = {}
-    if keep is not None:
-        description, _ = _checked(keep)
-        held = {group["name"]: group for group in description["groups"]}
-        same = [group for group in groups if held.get(group.name) == _describe(group)]
-        if description["seed"] == SEED:
-            sets = read(keep, tuple(same))
-    digest = write(path, sets, tuple(group for group in groups if group.name in sets))
-    for group in groups:
-        if group.name not in sets:
-            sets[group.name] = sampling.simulate(group, SEED)
-            digest = write(path, sets, tuple(group for group in groups if group.name in sets))
-    return digest
 
 
 def write(
@@ -94,7 +62,7 @@ def write(
     description: dict[str, Any] = {
         "version": FORMAT_VERSION,
         "seed": seed,
-        "groups": [_describe(group) for group in simulated],
+        "groups": [describe(group) for group in simulated],
         "hash": _hash(arrays),
         "versions": {
             "urushi": __version__,
@@ -119,13 +87,13 @@ def read(
         FileError: missing, foreign, damaged, or made for other groups.
     """
     path = default_path() if path is None else path
-    description, arrays = _checked(path)
+    description, arrays = checked_content(path)
     stored = {group["name"]: group for group in description["groups"]}
     result = {}
     for group in groups:
         if not group.distribution.coats:
             result[group.name] = sampling.simulate(group, description["seed"])
-        elif stored.get(group.name) != _describe(group):
+        elif stored.get(group.name) != describe(group):
             raise FileError(
                 f"the benchmark set '{path}' lacks the group '{group.name}' or was made for other "
                 f"stacks of that name; {_REMEDY}"
@@ -137,7 +105,7 @@ def read(
     return result
 
 
-def _checked(path: str | os.PathLike) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+def checked_content(path: str | os.PathLike) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
     """Description and arrays of a file, after checks of its version and its hash."""
     description, arrays = files.read_tensors(path, _KIND)
     if description.get("version") != FORMAT_VERSION:
@@ -199,7 +167,7 @@ def _samples(
     )
 
 
-def _describe(group: Group) -> dict[str, object]:
+def describe(group: Group) -> dict[str, object]:
     """A group as JSON values."""
     return {
         "name": group.name,

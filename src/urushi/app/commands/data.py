@@ -1,4 +1,4 @@
-"""`urushi data`: stores of simulated BRDF values for training, and the stored benchmark."""
+"""`urushi data`: stores of simulated BRDF values for training."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -68,28 +68,8 @@ class Show:
 
 
 @dataclass(frozen=True)
-class Benchmark:
-    """Simulate the benchmark set that `urushi eval` compares with: about a quarter of an hour.
-
-    Example: urushi data benchmark -o src/urushi/eval/benchmark.safetensors
-    """
-
-    output: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
-    """File to write (.safetensors)."""
-    keep: Path | None = None
-    """An existing benchmark set, whose groups of stacks are copied instead of simulated. The output
-    itself continues a run that was stopped."""
-
-    def run(self) -> int:
-        from urushi.eval import benchmark
-
-        print(f"{self.output}  {benchmark.make(self.output, keep=self.keep)}")
-        return 0
-
-
-@dataclass(frozen=True)
 class Data:
-    """Simulate training data, show what a store holds, or simulate the benchmark set.
+    """Simulate training data, or show what a store holds.
 
     Example: urushi data generate --preset default -o runs/default.zarr
     """
@@ -97,7 +77,6 @@ class Data:
     command: (
         Annotated[Generate, tyro.conf.subcommand("generate")]
         | Annotated[Show, tyro.conf.subcommand("show")]
-        | Annotated[Benchmark, tyro.conf.subcommand("benchmark")]
     )
 
     def run(self) -> int:
