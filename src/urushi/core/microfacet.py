@@ -100,7 +100,9 @@ def reflection_lobe(wi, wo, alpha):
     Multiply it by the Fresnel term at that cosine. It is zero below the horizon.
     """
     h = half_vector(wi, wo, DRJIT)
-    f = lobe_shape(alpha, wi, wo, h, DRJIT)
+    # Clamped, so that derivatives are finite below the horizon too.
+    above = (Components(w.x, w.y, DRJIT.positive(w.z)) for w in (wi, wo))
+    f = lobe_shape(alpha, *above, h, DRJIT)
     return dr.select((wi.z > 0) & (wo.z > 0), f, 0), facet_cosine(h, DRJIT)
 
 
