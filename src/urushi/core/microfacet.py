@@ -101,8 +101,8 @@ def reflection_lobe(wi, wo, alpha):
     """
     h = half_vector(wi, wo, DRJIT)
     # Clamped, so that derivatives are finite below the horizon too.
-    above = (Components(w.x, w.y, DRJIT.positive(w.z)) for w in (wi, wo))
-    f = lobe_shape(alpha, *above, h, DRJIT)
+    i, o = (Components(w.x, w.y, DRJIT.positive(w.z)) for w in (wi, wo))
+    f = lobe_shape(alpha, i, o, h, DRJIT)
     return dr.select((wi.z > 0) & (wo.z > 0), f, 0), facet_cosine(h, DRJIT)
 
 
