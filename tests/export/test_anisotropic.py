@@ -29,13 +29,6 @@ def test_turned_material(anisotropic_materials, rows, language):
 
 
 @pytest.mark.parametrize("language", ["python", *SHADERS])
-def test_codes_as_arguments(anisotropic_model, anisotropic_materials, rows, language):
-    material = anisotropic_materials["three lobes"]
-    text = codes_text(language, anisotropic_model, "urushi")
-    check(language, text, material, rows, material.latents.T)
-
-
-@pytest.mark.parametrize("language", ["python", *SHADERS])
 def test_templates_with_codes_and_tangent_filled_in(
     anisotropic_model, anisotropic_materials, rows, language
 ):

@@ -1,57 +1,13 @@
-"""Mip levels of codes with lobes: factors are averaged linearly, roots of widths by light."""
+"""Averages of lobes: factors are averaged linearly, roots of widths by light."""
 
 import numpy as np
-import pytest
 
 from urushi.core.direction_sets import cosine_pairs
 from urushi.core.error_metrics import stack_error
-from urushi.material import energy
 from urushi.material.albedo_rule import albedo_rule
 from urushi.material.lobe_albedo import isotropic_albedos
 from urushi.nets import lobe as lobes
-from urushi.nets.architecture import SCALE, Architecture, init
-from urushi.nets.weights import Model
 from urushi.textures import averaging
-from urushi.textures.mip_pyramid import MipPyramid
-
-
-@pytest.fixture(scope="module")
-def model() -> Model:
-    """Untrained networks of few numbers."""
-    arch = Architecture(
-        latent=14, decoder=(16, 16), layerer=(16,), encoder=(32,), sampler=(8,), lobes=1
-    )
-    params = init(arch, 0)
-    rng = np.random.default_rng(0)
-    params[SCALE] = 0.2 * rng.normal(size=params[SCALE].shape).astype(np.float32)
-    params["decoder.2.bias"] = params["decoder.2.bias"] - 2
-    return Model.of(arch, params, {})
-
-
-def codes(height: int, width: int, same: bool = False) -> np.ndarray:
-    """Codes (height, width, 2, 14) of interfaces of different widths and indices."""
-    rng = np.random.default_rng(1)
-    shape = (height, width, 2)
-    own = lobes.of_coat(rng.uniform(0.05, 0.5, shape), rng.uniform(1.2, 2, shape))
-    z = np.concatenate([own, 0.3 * rng.normal(size=(*shape, 8))], axis=-1).astype(np.float32)
-    return np.broadcast_to(z[:1, :1], z.shape) if same else z
-
-
-def levels(model, z):
-    height, width, channels, size = z.shape
-    of = MipPyramid(model, width, height, channels)
-    whole = np.zeros((sum(w * h for w, h in of.sizes), channels, size), np.float32)
-    whole[: width * height] = z.reshape(-1, channels, size)
-    of.fill(whole.__getitem__, whole.__setitem__)
-    parts = np.split(whole, np.cumsum([w * h for w, h in of.sizes])[:-1])
-    return [p.reshape(h, w, channels, size) for p, (w, h) in zip(parts, of.sizes, strict=True)]
-
-
-@pytest.mark.parametrize("side", (4, 64))  # by decoding, and by a regression
-def test_levels_of_a_constant_texture_are_constant(model, side):
-    whole = levels(model, codes(side, side, same=True))
-    for level in whole[1:]:
-        np.testing.assert_allclose(level, whole[0][: len(level), : len(level)], atol=1e-4)
 
 
 def test_lobes_of_equal_widths_and_indices_are_averaged_exactly():
@@ -99,18 +55,3 @@ def test_hardly_any_other_width_is_closer():
         other = one * np.array([factor, 1, 1, 1, 1, 1])
         errors.append(stack_error(lobes.f(other[:, None], wi, wo), f, wi[:, 2], wo[:, 2]))
     assert errors[10].mean() < 1.1 * np.mean(errors, axis=1).min()
-
-
-@pytest.mark.parametrize("side", (8, 64))
-def test_every_level_keeps_the_light(model, side):
-    """Under light from all sides, to 2 %: an averaged index is exact at normal incidence alone."""
-    z = codes(side, side)
-    cosines = albedo_rule().cosines
-    weights = np.abs(np.gradient(cosines)) * cosines
-
-    def light(codes):
-        albedos = energy.directional_albedos(model, codes.reshape(-1, codes.shape[-1]))
-        return albedos @ (weights / weights.sum())
-
-    whole = light(z[:8]).reshape(-1, 2).mean(axis=0)
-    np.testing.assert_allclose(light(levels(model, z[:8])[-1]), whole, rtol=0.02)
