@@ -14,7 +14,7 @@ _SECOND = 2 / 3 - 28 / (15 * math.pi)
 
 
 class Cosines(NamedTuple):
-    """What the BRDF depends on: the cosines to the normal, and that between the directions."""
+    """Cosines of wi and wo to the normal, and the cosine between wi and wo."""
 
     i: Any
     o: Any

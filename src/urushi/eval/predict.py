@@ -72,7 +72,7 @@ def materials(
 
 
 def _lobes(samples: Samples, encoded: int) -> np.ndarray:
-    """The known lobes (S, 6) of what is encoded: of the topmost coat or of the bottom."""
+    """The known lobes (S, 6) of the encoded BRDFs: of the topmost coat or of the bottom."""
     table = samples.table
     if encoded:
         alpha = one_width(table.alpha, "the table's")

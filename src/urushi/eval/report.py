@@ -83,7 +83,7 @@ def report(
 
 
 class Way(NamedTuple):
-    """How the materials of a group's stacks are made, see `groups.Row`."""
+    """A way to make the materials of a group's stacks, see `groups.Row`."""
 
     group: str
     encoded: int = 0

@@ -55,7 +55,7 @@ class Architecture:
 
     @property
     def lobe(self) -> int:
-        """How many numbers of a code describe its analytic lobe, see `nets.lobe`."""
+        """Number of numbers of a code that describe its analytic lobe, see `nets.lobe`."""
         return len(NUMBERS[self.widths])
 
     def __post_init__(self) -> None:

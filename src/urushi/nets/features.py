@@ -39,7 +39,7 @@ class Normalisation:
         return features
 
     def each(self, columns: Sequence[Any]) -> list[Any]:
-        """The same of columns of any kind, as a list."""
+        """Columns of any kind, normalised in the same way, as a list."""
         constants = zip(columns, self._means.tolist(), self._factors.tolist(), strict=True)
         return [(column - mean) * factor for column, mean, factor in constants]
 

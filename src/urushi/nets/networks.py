@@ -122,7 +122,7 @@ class UrushiNetworks(NamedTuple):
         return lobes.f(z[..., : self.arch.lobe], wi, wo)
 
     def rest(self, z: Any, features: Any) -> Any:
-        """The other part (...) [1/sr], from `direction_features`."""
+        """The rest of f (...) [1/sr], from `direction_features`."""
         return decoder.decode(self.params, self.arch, z[..., self.arch.lobe :], features)
 
     def rest_at_all(self, z: np.ndarray, features: np.ndarray) -> np.ndarray:

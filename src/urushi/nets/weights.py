@@ -27,7 +27,7 @@ DEFAULT, ANISOTROPIC = "default", "anisotropic"
 
 @dataclass(frozen=True)
 class ArchitectureKind:
-    """How models and weights files handle one class of architectures.
+    """The functions by which models and weights files handle one class of architectures.
 
     Attributes:
         architecture: the class; it has `latent`, `to_json` and `from_json`.

@@ -19,7 +19,7 @@ from urushi.openpbr_surface.inputs import Inputs
 #: Least share of each lobe in the base's proposal.
 MIN_SHARE = 0.1
 
-#: Share of the fuzz and of the coat's compensation in what is sampled.
+#: Share of the proposal for the fuzz and for the coat's compensation.
 DIFFUSE_SHARE = 0.1
 
 
@@ -48,7 +48,7 @@ class Part(NamedTuple):
 
 
 class Layers(NamedTuple):
-    """What a surface consists of; None where the weights leave a part out.
+    """The parts of a surface; None for a part that the weights leave out.
 
     Attributes:
         base: in air; None where the coat covers everything.

@@ -23,7 +23,7 @@ from urushi.openpbr_surface import encoding, formulas
 from urushi.openpbr_surface.inputs import Inputs
 from urushi.openpbr_surface.lookups import InterfaceAlbedo, MirrorAlbedo, interpolated
 
-#: Makes the coated base, without compensation, of parameters.
+#: A function from parameters to the coated base without compensation.
 Coated = Callable[[Inputs], "mi.BSDF"]
 
 #: Power of the base's albedo by which the deviation of networks over a white base counts.
@@ -114,7 +114,7 @@ class Compensation:
         return all(part.is_current for part in (self._dielectric, self._metal) if part)
 
     def vertex(self, si, active) -> "Vertex":
-        """What depends on the position and on wi alone."""
+        """The quantities that depend on the position and on wi alone."""
         inputs = self._inputs
         share = inputs.number("base_metalness", si, active)
         color = inputs.number("base_weight", si, active) * inputs.color("base_color", si, active)
@@ -213,7 +213,7 @@ class CoatLoss:
         return self._lost(self._at(si, active), cosine)
 
     def vertex(self, si, active) -> "LossVertex":
-        """What depends on the position and on wi alone."""
+        """The quantities that depend on the position and on wi alone."""
         at = self._at(si, active)
         reflected, passed = self._above.both_mean(at.alpha, at.eta)
         mean = 1 - reflected - at.inside * passed
@@ -311,7 +311,7 @@ class Furnace:
         return _values(self._inputs, list(self._shared)) == self._shared
 
     def vertex(self, si, active) -> "FurnaceVertex":
-        """What depends on the position and on wi alone."""
+        """The quantities that depend on the position and on wi alone."""
         at = [self._inputs.number(name, si, active) for name in reversed(self._varying)]
         lost, excess = self._deviations([dr.safe_sqrt(si.wi.z), *at])
         mean = mi.Float(self._constant_mean) if self._mean is None else self._mean(at)[0]
@@ -320,7 +320,7 @@ class Furnace:
         return FurnaceVertex(at, lost / dr.maximum(dr.pi * mean, 1e-5), 1 + excess)
 
     def beyond_known(self, vertex: "FurnaceVertex", wo):
-        """The lobe [1/sr] of what is lost beyond the known part, negative where too much returns.
+        """The lobe [1/sr] of the loss beyond the known part; negative where too much light returns.
 
         (L(wi) + L(wo) - mean L) / pi, whose integral over wo is L(wi). Small beside f, which a
         dielectric base has in all directions.

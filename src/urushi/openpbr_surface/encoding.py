@@ -1,4 +1,4 @@
-"""What networks take of OpenPBR's base: its lobe, and when coats take a table in place of codes."""
+"""The lobe of OpenPBR's base for the networks, and when a coat takes a table instead."""
 
 from collections.abc import Iterable
 

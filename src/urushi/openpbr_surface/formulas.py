@@ -52,7 +52,7 @@ def lobe_widths(roughness: Any, anisotropy: Any, xp: Namespace = NUMPY) -> tuple
 
 
 def lobe_width(roughness: Any, xp: Namespace = NUMPY) -> Any:
-    """The one of `lobe_widths` of an isotropic surface: roughness squared."""
+    """The GGX width of an isotropic surface: roughness squared, at least 0.01."""
     return xp.clip(roughness * roughness, MIN_ALPHA, 1)
 
 

@@ -15,7 +15,7 @@ from urushi.openpbr_surface.parameters import PARAMETERS, checked, parameter
 #: Properties of the plugin that are no parameters of the specification.
 OPTIONS = ("reference", "unsupported", "energy_compensation", "resolution", "weights", "origin")
 
-#: Weights of what transmits or scatters below the surface, and what it is.
+#: Weights of features that are not supported, and the features' names.
 UNSUPPORTED = {
     "transmission_weight": "transmission",
     "subsurface_weight": "subsurface scattering",

@@ -64,7 +64,7 @@ class Film(NamedTuple):
 
 
 class Below(NamedTuple):
-    """What is below the film: its complex index eta + i k, relative to the medium above the film.
+    """Complex index eta + i k of the material below the film, relative to the medium above it.
 
     k is None for a dielectric.
     """

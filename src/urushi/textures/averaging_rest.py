@@ -213,7 +213,7 @@ def fit_average_correction(
 
 
 def _correction_inputs(z: np.ndarray, residual: np.ndarray) -> np.ndarray:
-    """Inputs (n, 2 L - 1) of the correction: all but the gain, on which it does not depend."""
+    """Inputs (n, 2 L - 1) of the correction, which does not depend on the gain."""
     return np.concatenate([z[:, 1:], residual], axis=1)
 
 

@@ -21,7 +21,7 @@ _DXGI_RGBA8, _VULKAN_RGBA8 = 28, 37
 
 
 def texels(store: TextureStore, grid: TexelGrid) -> Texels:
-    """How shaders read a texture's codes.
+    """The layout by which shaders read a texture's codes.
 
     Raises:
         ParameterError: it has other than one or three channels.

@@ -186,7 +186,7 @@ def quick() -> Preset:
 
 
 def smoke() -> Preset:
-    """The same system at a five-hundredth of the size, to check that everything runs.
+    """A five-hundredth of `default`, to check that everything runs.
 
     Command: `urushi train --preset smoke`
     Time: half a minute on two cores.

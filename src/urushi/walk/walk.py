@@ -47,7 +47,7 @@ class Layers(Protocol):
 
 
 class Place(NamedTuple):
-    """Where a flight connects to wo: its collision, or the sheet at which it ends."""
+    """The place at which a flight connects to wo: its collision, or the sheet where it ends."""
 
     depth: Any  # in the layer
     throughput: Any  # at arrival

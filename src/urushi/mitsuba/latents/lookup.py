@@ -214,7 +214,7 @@ def _drawn_along(x, count, grid: TexelGrid, u):
 
 
 def layout_states(layout: TexelLayout) -> list[int]:
-    """How each number is looked up: not at all, or with 8 or 16 bits, for all channels or one."""
+    """For each number of a code: absent, or 8 or 16 bits, for all channels or for each."""
     return [
         0 if high < 0 else 1 + (low >= 0) + 2 * same
         for high, low, same in zip(layout.high, layout.low, layout.same, strict=True)

@@ -43,7 +43,7 @@ class UrushiDecoder:
         ]
 
     def code_terms_drjit(self, latents: Sequence[Sequence]) -> list[list]:
-        """The same of codes that are lists (size) of Dr.Jit floats, one for each channel."""
+        """`code_terms` of codes given as lists (size) of Dr.Jit floats, one for each channel."""
         codes = [z[self._lobe + 1 :] for z in latents]
         rests = mlp.dense_each(codes, self._of_code, self._bias.tolist())
         return [
@@ -70,7 +70,7 @@ class UrushiDecoder:
         return self.f_of_terms(self.code_terms_drjit(latents), wi, wo)
 
     def _rest(self, terms: Sequence, response: Sequence):
-        """What the decoder gives for one channel."""
+        """The decoded rest [1/sr] of one channel."""
         gain, *units = terms
         scales, offsets = units[: self._width], units[self._width :]
         first = [dr.fma(*values) for values in zip(scales, response, offsets, strict=True)]

@@ -24,7 +24,7 @@ from urushi.nets.lobe import (
 
 
 class LobeKind(NamedTuple):
-    """What is known of the lobes of a plugin's codes, at all texels.
+    """Properties that the lobes of a plugin's codes have at all texels.
 
     Attributes:
         schlick: whether the factors normal and grazing may differ from zero.
@@ -46,7 +46,7 @@ class LobeKind(NamedTuple):
 
     @property
     def size(self) -> int:
-        """How many numbers a lobe has."""
+        """Number of numbers of a lobe."""
         return len(NUMBERS[self.widths])
 
     @property

@@ -37,7 +37,7 @@ class Decoder(Protocol):
         """f [1/sr] of each channel, from a list of Dr.Jit floats, its terms, for each."""
 
     def code_terms_drjit(self, latents: Sequence[Sequence]) -> list[list]:
-        """The same of codes that are lists (size) of Dr.Jit floats, one for each channel."""
+        """`code_terms` of codes given as lists (size) of Dr.Jit floats, one for each channel."""
 
     def f(self, latents: Sequence[Sequence], wi, wo) -> list:
         """f [1/sr] of each channel, from a list (size) of Dr.Jit floats for each."""

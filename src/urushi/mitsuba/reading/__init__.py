@@ -1,1 +1,1 @@
-"""What scenes hold: a coat's parameters, their textures, and Mitsuba's BSDFs at given pairs."""
+"""Reads scenes: parameters of coats, their textures, and values of BSDFs at given pairs."""

@@ -22,7 +22,7 @@ GGX = "distribution = ggx"
 
 
 class SurfaceValues(NamedTuple):
-    """What a surface is at M points.
+    """The parameters of a surface at M points.
 
     Attributes:
         lobe: float32 (M, C, N) the lobes of the channels, with widths of at least `MIN_ALPHA`;

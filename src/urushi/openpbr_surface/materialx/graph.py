@@ -136,7 +136,7 @@ class Graph:
         return found
 
     def follow(self, element: Element, frame: Frame, node: Element) -> Source:
-        """What an input or output of a node is connected to, through interfaces and graphs.
+        """The source of an input or output of a node, followed through interfaces and graphs.
 
         Raises:
             FileError: it does not exist, or the connections run in a circle.
@@ -194,7 +194,7 @@ class Graph:
         return self._frames[key]
 
     def _declared(self, name: str, frame: Frame, node: Element) -> tuple[Element, Frame] | None:
-        """What gives an interface of a graph its value: an input, and where it is."""
+        """The input that gives an interface of a graph its value, and the input's frame."""
         if frame.instance is not None:
             assert frame.outer is not None
             given = frame.instance.input(name)

@@ -25,7 +25,7 @@ CHANNELS = {
     "vector4": 4,
 }
 
-#: The cure of what cannot be evaluated; `baketextures` comes with the package `materialx`.
+#: The cure for nodes that cannot be evaluated; `baketextures` comes with the package `materialx`.
 BAKE = "bake it into an image, for instance by MaterialX's command baketextures"
 
 #: Largest number of octaves of fractal noise.

@@ -259,7 +259,7 @@ TRANSLATIONS: dict[str, Formulas] = {
 #: Shaders that are read.
 SHADERS = (TARGET, *TRANSLATIONS)
 
-#: Inputs that no parameter stands for, by shader: what is lost, 0 where that is nothing.
+#: Inputs without a counterpart in OpenPBR, by shader: the loss, 0 where nothing is lost.
 LOST: dict[str, Formulas] = {
     "standard_surface": {
         "specular_rotation": lambda i: 2 * i("specular_rotation") % 1 * i("specular_anisotropy"),

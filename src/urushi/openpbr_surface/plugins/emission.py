@@ -89,7 +89,7 @@ def define() -> type:
             return self._radiance(-dr.dot(ds.d, ds.n), si, active)
 
         def _radiance(self, cosine, si, active):
-            """What leaves at an angle to the normal."""
+            """The radiance that leaves at an angle to the normal."""
             inputs, active = self._inputs, mi.Bool(active) & (cosine > 0)
             cosine = dr.clip(cosine, 0, 1)
             value = inputs.number("emission_luminance", si, active) * inputs.color(

@@ -1,4 +1,4 @@
-"""What every bottom is made of: the walk's protocol, descriptions, and families with a registry.
+"""The walk's protocol of bottoms, their descriptions, and the registry of their families.
 
 A *description* is a frozen dataclass whose values a user gives. A *family* is a BRDF on Dr.Jit
 arrays whose parameters are one number per lane. Both register themselves when they are defined.
