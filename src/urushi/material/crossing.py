@@ -15,6 +15,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from urushi.core import fresnel, microfacet
+from urushi.core.namespace import NUMPY, Components
 from urushi.core.probe_pairs import even_points
 
 #: Components x, y and z of unit vectors.
@@ -55,18 +57,17 @@ def cross(cosine: np.ndarray, alpha: float, eta: float, u: np.ndarray) -> Crossi
     """
     sine = np.sqrt(np.maximum(1 - cosine * cosine, 0))
     facet = visible_facets(cosine, sine, alpha, u)
-    cos_m = np.clip(sine * facet[0] + cosine * facet[2], 0, 1)
-    square = 1 - (1 - cos_m * cos_m) / np.float32(eta * eta)
-    cos_t = np.sqrt(np.maximum(square, 0))
+    cos_m = np.clip(sine * facet[0] + cosine * facet[2], TINY, 1)
+    reflectance, cos_t = fresnel.dielectric(cos_m, np.float32(eta), NUMPY)
     along = cos_t - cos_m / np.float32(eta)
     x = sine / np.float32(eta) + along * facet[0]
     y = along * facet[1]
     z = cosine / np.float32(eta) + along * facet[2]
     size = 1 / np.sqrt(x * x + y * y + z * z)
     x, y, z = x * size, y * size, z * size
-    present = (square > 0) & (z > LEAST_COSINE)
+    present = (cos_t > 0) & (z > LEAST_COSINE)
     inside = tuple(np.where(present, w, n) for w, n in zip((x, y, z), (0, 0, 1), strict=True))
-    weight = transmittance(cos_m, cos_t, eta) * masking(inside[2], alpha)
+    weight = (1 - reflectance) * masking(inside[2], alpha)
     density = _density(cosine, facet, cos_m, cos_t, alpha, eta)
     return Crossing(inside, np.where(present, weight, 0), density)
 
@@ -81,7 +82,8 @@ def crossing_at(outside: Vector, inside: Vector, alpha: float, eta: float) -> Cr
     cos_t = sum(b * m for b, m in zip(inside, facet, strict=True))
     present = (cos_m > 0) & (cos_t > 0) & (facet[2] > 0) & (inside[2] > LEAST_COSINE)
     cos_m, cos_t = np.clip(cos_m, TINY, 1), np.clip(cos_t, TINY, 1)
-    weight = transmittance(cos_m, cos_t, eta) * masking(np.maximum(inside[2], LEAST_COSINE), alpha)
+    reflectance = fresnel.dielectric(cos_m, np.float32(eta), NUMPY)[0]
+    weight = (1 - reflectance) * masking(np.maximum(inside[2], LEAST_COSINE), alpha)
     density = _density(outside[2], facet, cos_m, cos_t, alpha, eta)
     return Crossing(inside, np.where(present, weight, 0), np.where(present, density, 0))
 
@@ -91,33 +93,21 @@ def inner_albedo(cosine: np.ndarray, alpha: float, eta: float, count: int = 256)
     cosine = cosine.astype(np.float32)[:, None]
     sine = np.sqrt(np.maximum(1 - cosine * cosine, 0))
     facet = visible_facets(cosine, sine, alpha, even_points(count, 2).astype(np.float32))
-    cos_m = np.clip(sine * facet[0] + cosine * facet[2], 0, 1)
-    square = 1 - (1 - cos_m * cos_m) * np.float32(eta * eta)
-    reflected = 1 - transmittance(cos_m, np.sqrt(np.maximum(square, 0)), 1 / eta)
+    cos_m = np.clip(sine * facet[0] + cosine * facet[2], TINY, 1)
     z = 2 * cos_m * facet[2] - cosine
-    reflected = np.where(square > 0, reflected, 1) * masking(np.maximum(z, LEAST_COSINE), alpha)
+    reflectance = fresnel.dielectric(cos_m, np.float32(1 / eta), NUMPY)[0]
+    reflected = reflectance * masking(np.maximum(z, LEAST_COSINE), alpha)
     return np.where(z > LEAST_COSINE, reflected, 0).mean(axis=1, dtype=np.float64)
 
 
 def visible_facets(cosine: np.ndarray, sine: np.ndarray, alpha: float, u: np.ndarray) -> Vector:
     """Facet normals (N, K) that are visible from directions (sine, 0, cosine) (N, 1); u: (K, 2)."""
-    stretched = np.float32(alpha) * sine
-    size = 1 / np.sqrt(stretched * stretched + cosine * cosine)
-    along, up = stretched * size, cosine * size
-    z = (1 - u[:, 1]) * (1 + up) - up
-    radius, phi = np.sqrt(np.maximum(1 - z * z, 0)), np.float32(2 * np.pi) * u[:, 0]
-    x = np.float32(alpha) * (radius * np.cos(phi) + along)
-    y = np.float32(alpha) * (radius * np.sin(phi))
-    z = np.maximum(z + up, 0)
-    size = 1 / np.sqrt(np.maximum(x * x + y * y + z * z, TINY))
-    return x * size, y * size, z * size
-
-
-def transmittance(cos_m: np.ndarray, cos_t: np.ndarray, eta: float) -> np.ndarray:
-    """1 - F of a smooth dielectric by its cosines on both sides; eta: index of cos_t's side."""
-    across = (cos_m - eta * cos_t) / np.maximum(cos_m + eta * cos_t, TINY)
-    along = (eta * cos_m - cos_t) / np.maximum(eta * cos_m + cos_t, TINY)
-    return 1 - np.float32(0.5) * (across * across + along * along)
+    width = np.float32(alpha)
+    w = microfacet.stretched(Components(sine, 0.0, cosine), width, NUMPY)
+    m = microfacet.cap_normal(w, width, (1 - u[:, 1]) * (1 + w.z) - w.z, u[:, 0], NUMPY)
+    z = np.maximum(m.z, 0)
+    size = 1 / np.sqrt(np.maximum(m.x * m.x + m.y * m.y + z * z, TINY))
+    return m.x * size, m.y * size, z * size
 
 
 def masking(cosine: np.ndarray, alpha: float) -> np.ndarray:
