@@ -144,16 +144,19 @@ def test_indices_below_one_are_those_of_the_lobe(material):
     np.testing.assert_allclose(coated.latents[:, 4], (1.5, 0.7, 0.5), rtol=1e-6)
 
 
-@pytest.mark.parametrize("sigma_t", [9.0, 20.0, 50.0, 1e4, 1e6])
-def test_a_deep_white_medium_stays_white(trained, sigma_t):
+@pytest.mark.parametrize(
+    ("sigma_t", "g"), [(9.0, 0.0), (20.0, 0.0), (1e4, 0.7), (1e6, 0.0), (2.0, -0.99), (2.0, 0.99)]
+)
+def test_a_white_medium_outside_the_training_data_stays_white(trained, sigma_t, g):
     """Nothing absorbs, so that the albedo is 1 but for a bottom whose code is 0.995.
 
     Light meets it a few times. Grazing light of rough coats is lost between facets.
     """
-    enamel = layer(dielectric(0.01, 1.5), diffuse(1.0), albedo=1.0, sigma_t=sigma_t)
+    enamel = layer(dielectric(0.01, 1.5), diffuse(1.0), albedo=1.0, sigma_t=sigma_t, g=g)
     cosines = np.array([1.0, 0.9, 0.6])
     wi = np.stack([np.sqrt(1 - cosines**2), 0 * cosines, cosines], axis=-1)
-    np.testing.assert_allclose(enamel.directional_albedo(wi), 1, atol=0.03)
+    most = 0.03 if g > -0.9 else 0.06  # a table has few nodes across a backward peak
+    np.testing.assert_allclose(enamel.directional_albedo(wi), 1, atol=most)
 
 
 @pytest.mark.parametrize(
