@@ -75,6 +75,7 @@ def test_an_interrupted_training_resumes_to_the_same_bits(
     assert log(run) == log(folder)
 
 
+@pytest.mark.research
 def test_a_killed_process_resumes_to_the_same_bits(uninterrupted, tmp_path, tiny, tiny_data):
     script = (
         "import sys\n"
