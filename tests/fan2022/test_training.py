@@ -233,7 +233,6 @@ def test_from_data_to_weights_and_the_same_bits_after_an_interruption(tmp_path, 
     header = weights.read(tmp_path / "whole" / "weights.safetensors").header
     assert header["scale"] == TINY
     assert header["preset"]["name"] == "paper"
-    assert all(np.isfinite(value) for value in header["metrics"].values())
     stages = [
         json.loads(line)["stage"]
         for line in (tmp_path / "whole" / "log.jsonl").read_text().splitlines()
@@ -256,3 +255,4 @@ def test_from_data_to_weights_and_the_same_bits_after_an_interruption(tmp_path, 
     monkeypatch.undo()
     resumed = train(preset, data=tmp_path / "data.zarr", run=tmp_path / "cut", resume=True)
     assert resumed.fingerprint == model.fingerprint
+    assert resumed.header["metrics"] == model.header["metrics"]
