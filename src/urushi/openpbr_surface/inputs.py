@@ -1,6 +1,6 @@
 """The parameters of the plugin `openpbr`, as textures, and textures that are computed from them."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from typing import Any
 
@@ -71,10 +71,10 @@ class Inputs:
         for name, value in given.items():
             self._read(name, value)
         if not emits:
-            for name, feature in UNSUPPORTED.items():
-                self._refuse(name, feature, ignore)
-            self._check_emission(ignore)
-            self._check_directions(ignore)
+            for sentence, cure, instead in (*self._unsupported(), *self._own_directions()):
+                if not ignore:
+                    raise ParameterError(f"{self.where}: {sentence}{cure}")
+                mi.Log(mi.LogLevel.Warn, f"{self.where}: {sentence}{instead}")
         for name, entry in PARAMETERS.items():
             if entry.kind in ("float", "color") and name not in self.textures:
                 self._constant(name, checked(name, entry.default))
@@ -177,22 +177,21 @@ class Inputs:
             color = mi.ScalarColor3f(value.tolist())
             self.textures[name] = mi.load_dict({"type": "srgb", "color": color, "unbounded": True})
 
-    def _check_emission(self, ignore: bool) -> None:
-        """Refuse emitted light, or leave it to the emitter."""
-        if self._is_absent("emission_luminance"):
-            return
-        sentence = (
-            "emission_luminance asks for emitted light, and a BSDF does not emit; give its shape "
-            "the emitter 'openpbr_emission'"
-        )
-        if not ignore:
-            raise ParameterError(
-                f'{self.where}: {sentence} and leave it out here, or set unsupported to "ignore"'
+    def _unsupported(self) -> Iterator[tuple[str, str, str]]:
+        """The features that the BSDF does not have: sentence, cure, and what happens instead."""
+        for name, feature in UNSUPPORTED.items():
+            if self.constants.get(name, name in self.textures):
+                sentence = f"{name} needs {feature}, which the plugin does not support; "
+                yield sentence, 'leave it out, or set unsupported to "ignore"', "it is left out"
+        if not self._is_absent("emission_luminance"):
+            sentence = (
+                "emission_luminance asks for emitted light, and a BSDF does not emit; give its "
+                "shape the emitter 'openpbr_emission'"
             )
-        mi.Log(mi.LogLevel.Warn, f"{self.where}: {sentence}")
+            yield sentence, ' and leave it out here, or set unsupported to "ignore"', ""
 
-    def _check_directions(self, ignore: bool) -> None:
-        """Refuse a coat with a normal or tangent of its own, or give it the base's."""
+    def _own_directions(self) -> Iterator[tuple[str, str, str]]:
+        """As `_unsupported`, for a coat with a normal or tangent of its own; it gets the base's."""
         for base, coat, anisotropies in DIRECTIONS:
             if coat not in self.maps or self._is_absent("coat_weight"):
                 continue
@@ -205,11 +204,8 @@ class Inputs:
             sentence = (
                 f"{coat} differs from {base}, and all layers share one frame; give both the same"
             )
-            if not ignore:
-                raise ParameterError(
-                    f'{self.where}: {sentence}, or set unsupported to "ignore" for the base\'s'
-                )
-            mi.Log(mi.LogLevel.Warn, f"{self.where}: {sentence}; the coat has the base's")
+            cure = ', or set unsupported to "ignore" for the base\'s'
+            yield sentence, cure, "; the coat has the base's"
 
     def _is_absent(self, name: str) -> bool:
         """Whether a parameter of default 0 is not given, or as 0."""
@@ -223,17 +219,6 @@ class Inputs:
         known = size2 > 1e-12
         scale = dr.rsqrt(dr.select(known, size2, 1))
         return dr.select(known, y * scale, 0), dr.select(known, x * scale, 1)
-
-    def _refuse(self, name: str, feature: str, ignore: bool) -> None:
-        """Refuse or leave out a feature whose weight is not zero."""
-        if not self.constants.get(name, name in self.textures):
-            return
-        if not ignore:
-            raise ParameterError(
-                f"{self.where}: {name} needs {feature}, which the plugin does not support; "
-                'leave it out, or set unsupported to "ignore"'
-            )
-        mi.Log(mi.LogLevel.Warn, f"{self.where}: {feature} is left out ({name})")
 
 
 def _ignores(props: "mi.Properties", where: str) -> bool:
