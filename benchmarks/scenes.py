@@ -1,8 +1,9 @@
 """The scenes of benchmarks: the demo's, the gallery's and one variation, by methods and lights.
 
-Methods are weights of `neural_layered` (a name or a file), `WALK`, the plugins of `RIVALS`, and
-`PRINCIPLED`: Mitsuba's principled BSDF in the place of every coat, with as many textures. It looks
-different, and shows what an ordinary material costs in the same scene.
+Methods are weights of `neural_layered` (a name or a file) or of Fan et al. (`render.PAPER`),
+`WALK`, the plugins of `RIVALS`, and `PRINCIPLED`: Mitsuba's principled BSDF in the place of every
+coat, with as many textures. It looks different, and shows what an ordinary material costs in the
+same scene.
 """
 
 import hashlib
@@ -14,10 +15,11 @@ from typing import Any
 import mitsuba as mi
 import numpy as np
 from benchmarks import textured_coats
+from benchmarks.speed.render import coat
 from gallery.scenes import SCENES as GALLERY
 from research.rivals import plugins
 
-import urushi  # noqa: F401  (registers the plugins)
+import urushi.fan2022  # noqa: F401  (registers the plugins)
 from urushi.nets import weights as networks
 from urushi.scenes import shipped
 from urushi.scenes.options import COATS, Options
@@ -68,8 +70,8 @@ def describe(
         depth: longest path, in segments; 2: direct light alone, which has no caustics.
     """
     height = width * 3 // 4
-    coat = WALK if method == WALK or method in RIVALS else COATS[0]
-    options = Options(coat=coat, width=width, height=height, detail=detail)
+    kind = WALK if method == WALK or method in RIVALS else COATS[0]
+    options = Options(coat=kind, width=width, height=height, detail=detail)
     make = _MAKERS["still-life" if name == TEXTURED else name]
     scene = shipped.build(make, folder, options)
     if name == TEXTURED:
@@ -98,7 +100,8 @@ def digest(scene: dict[str, Any]) -> str:
         if key == "filename":
             result.update(Path(value).read_bytes())
         elif key == "weights":
-            result.update(networks.find(value).fingerprint.encode())
+            file = Path(value)
+            result.update(file.read_bytes() if file.is_file() else value.encode())
         elif isinstance(value, str) and value == COATS[0]:
             for model in (networks.default_model(), networks.anisotropic_model()):
                 result.update(model.fingerprint.encode())
@@ -143,7 +146,7 @@ def _with_method(node: dict[str, Any], method: str) -> dict[str, Any]:
         if method == PRINCIPLED:
             return _principled(node)
         # Without weights a coat chooses the shipped networks that its surfaces need.
-        return node if method == networks.DEFAULT else {**node, "weights": method}
+        return node if method == networks.DEFAULT else node | coat(method)
     if node.get("type") == WALK and method in RIVALS:
         node = {**node, "type": method}
     return {
@@ -152,15 +155,15 @@ def _with_method(node: dict[str, Any], method: str) -> dict[str, Any]:
     }
 
 
-def _principled(coat: dict[str, Any]) -> dict[str, Any]:
+def _principled(node: dict[str, Any]) -> dict[str, Any]:
     """A principled BSDF with as many textures as a coat and its bottom have, at most three."""
-    maps = list(_bitmaps(coat))
-    colours = [node for node in maps if node is not coat.get("sigma_t")][:1] * len(maps)
-    colour = coat.get("albedo", coat.get("base_color", 0.5))
+    maps = list(_bitmaps(node))
+    colours = [other for other in maps if other is not node.get("sigma_t")][:1] * len(maps)
+    colour = node.get("albedo", node.get("base_color", 0.5))
     constant = {"base_color": colour, "metallic": 0.5, "clearcoat": 1.0}
     return {
         "type": PRINCIPLED,
-        "roughness": coat.get("alpha", coat.get("coat_roughness", 0.3)),
+        "roughness": node.get("alpha", node.get("coat_roughness", 0.3)),
         **constant,
         **dict(zip(("base_color", "metallic", "clearcoat"), colours, strict=False)),
     }

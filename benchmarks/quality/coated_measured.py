@@ -12,8 +12,9 @@ seconds of CPU time for a material, and 20 for one whose spheres are drawn.
 
 import argparse
 import warnings
+from collections.abc import Callable
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import mitsuba as mi
 import numpy as np
@@ -56,10 +57,10 @@ def load(material: Measured) -> MeasuredSurface:
     return loaded.source if isinstance(loaded, Reciprocal) else loaded
 
 
-def coated(material: Material, coat: dict) -> Material:
-    """The material under a coat."""
+def coated(material: Any, coat: dict, layer: Callable[..., Any] = urushi.layer) -> Any:
+    """The material under a coat; layer: of the material's system."""
     medium = {name: value for name, value in coat.items() if name not in ("alpha", "eta")}
-    return urushi.layer(urushi.dielectric(coat["alpha"], coat["eta"]), material, **medium)
+    return layer(urushi.dielectric(coat["alpha"], coat["eta"]), material, **medium)
 
 
 def error(f_hat: np.ndarray, f: np.ndarray, wi: np.ndarray, wo: np.ndarray) -> float:

@@ -37,7 +37,6 @@ import contextlib
 import gc
 import time
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import mitsuba as mi
@@ -51,12 +50,10 @@ from benchmarks.quality.converged import (
     load,
 )
 from benchmarks.scenes import LIGHTS, PRINCIPLED, processor
+from benchmarks.speed.render import PAPER
 
-from urushi import fan2022
 from urushi.eval import metrics
-from urushi.fan2022.architecture import PaperArchitecture
 from urushi.fan2022.kernels import separate_kernels
-from urushi.nets.weights import find
 from urushi.platform import available_cores
 
 #: Times at which errors are compared, in samples of the walk.
@@ -152,12 +149,6 @@ class Method:
         return metrics.mse(self.total / self.passes, reference.image) - noise
 
 
-def of_paper(method: str) -> bool:
-    """Whether a method is a weights file of the system of Fan et al. (2022)."""
-    file = Path(method).suffix == ".safetensors"
-    return file and isinstance(find(method).arch, PaperArchitecture)
-
-
 def rendered(scene: Any, separate: bool, spp: int, seed: int) -> tuple[np.ndarray, float]:
     """A picture (H, W, 3) and its CPU time [s]; separate: within `separate_kernels`."""
     begin = time.process_time()
@@ -174,7 +165,7 @@ def start(name: str, light: str, method: str, arguments: argparse.Namespace) -> 
     """
     begin = time.process_time()
     scene, _ = load(name, method, arguments, light)
-    separate = of_paper(method)
+    separate = method.startswith(PAPER)
     for spp in (1, LEAST_SPP):  # one sample per pixel has a kernel of its own
         shape = rendered(scene, separate, spp, 0)[0].shape
     compiled = time.process_time()
@@ -210,7 +201,7 @@ def measure(
     """
     reference = converged(name, REFERENCE, arguments.spp, arguments, light)
     names = (REFERENCE, PRINCIPLED, *arguments.weights)
-    methods = {of: start(name, light, of, arguments) for of in names if not of_paper(of)}
+    methods = {of: start(name, light, of, arguments) for of in names if not of.startswith(PAPER)}
     quick = [method for method in methods.values() if method.samples == PASS_SPP]
     passes = spent = 0.0
     while passes < PASSES or spent < arguments.seconds * len(quick):
@@ -299,7 +290,6 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=20.0, help="CPU time of each method [s]")
     arguments = parser.parse_args()
     mi.set_variant(arguments.mode)
-    fan2022.register()
     print(f"{processor()}, {available_cores()} cores, {arguments.width} pixels wide\n")
     print(f"| {' | '.join(COLUMNS)} |\n{'|---' * len(COLUMNS)}|", flush=True)
     measured: dict[str, dict[str, Method]] = {}

@@ -12,12 +12,11 @@ import tempfile
 from dataclasses import replace
 from pathlib import Path
 
-from urushi import fan2022
+from urushi.fan2022 import PaperNetworks
 from urushi.fan2022.architecture import AdamProjection, init
 from urushi.fan2022.palette import Palette
 from urushi.fan2022.train import held_out, layering, preset
 from urushi.fan2022.train.projection import project_part
-from urushi.nets import weights
 from urushi.train.data.generate import generate
 from urushi.train.data.spec import DataSpec, Part
 
@@ -55,8 +54,7 @@ def main() -> None:
     parser.add_argument("--stacks", type=int, default=64)
     parser.add_argument("--pairs", type=int, help="of Adam's steps; default: Levenberg-Marquardt")
     options = parser.parse_args()
-    fan2022.register()
-    model = weights.read(options.weights)
+    model = PaperNetworks.read(options.weights)
     training = small(options.stacks, options.pairs and AdamProjection(pairs=options.pairs))
     with tempfile.TemporaryDirectory() as folder:
         store = generate(training.data, Path(folder) / "data.zarr")

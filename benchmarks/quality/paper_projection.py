@@ -20,14 +20,12 @@ from collections.abc import Callable
 import numpy as np
 import threadpoolctl
 
-from urushi import fan2022
 from urushi.core.direction_sets import stratified_pairs
-from urushi.fan2022 import adam, projection
+from urushi.fan2022 import PaperNetworks, adam, projection
 from urushi.fan2022.architecture import AdamProjection
 from urushi.fan2022.inference import LIGHT_COSINE, direction_inputs, evaluate
 from urushi.fan2022.palette import Palette
 from urushi.fan2022.train.projection import spread
-from urushi.nets import weights
 from urushi.walk import walk_pairs
 
 #: Stratified pairs of each stack for its projection, and for its errors; walks for each.
@@ -71,8 +69,7 @@ def main() -> None:
     parser.add_argument("--stacks", type=int, default=8)
     parser.add_argument("--pairs", type=int, nargs="*", default=[16, 64], help="of Adam's steps")
     options = parser.parse_args()
-    fan2022.register()
-    model = weights.read(options.weights)
+    model = PaperNetworks.read(options.weights)
     data = simulated(options.stacks, PAIRS, WALKS, 1)
     wi, wo, f = simulated(options.stacks, TEST_PAIRS, TEST_WALKS, 2)
     directions = direction_inputs(wi, wo)

@@ -40,6 +40,8 @@ OTHERS = ("principled", "layered")
 TABLES = ("sphere", "materials", "scenes")
 TEXELS = 64
 MATERIALS = 10
+#: Before the file of weights of the system of Fan et al. (2022), where others are a name or a file.
+PAPER = "fan2022:"
 FRESH = "URUSHI_FRESH_KERNELS"  # set in the measuring process
 
 
@@ -53,6 +55,15 @@ def value(low: float, high: float, channels: int, seed: int) -> dict | float:
     """One value from the same range."""
     numbers = np.random.default_rng(seed).uniform(low, high, channels).tolist()
     return {"type": "rgb", "value": numbers} if channels == 3 else numbers[0]
+
+
+def coat(plugin: str) -> dict[str, str]:
+    """The type and the weights of a coat by "layered", or by weights."""
+    if plugin == "layered":
+        return {"type": plugin}
+    if plugin.startswith(PAPER):
+        return {"type": "fan2022_layered", "weights": plugin.removeprefix(PAPER)}
+    return {"type": "neural_layered", "weights": plugin}
 
 
 def material(plugin: str, textured: bool, seed: int = 0, side: int = TEXELS) -> dict:
@@ -73,8 +84,7 @@ def material(plugin: str, textured: bool, seed: int = 0, side: int = TEXELS) -> 
         "alpha": of(0.05, 0.4, 1, seed + 1),
         "specular_reflectance": of(0.3, 0.95, 3, seed + 2),
     }
-    kind = {"type": "layered"} if plugin == "layered" else {"type": "neural_layered"}
-    return kind | ({} if plugin == "layered" else {"weights": plugin}) | {
+    return coat(plugin) | {
         "alpha": of(0.02, 0.3, 1, seed + 3),
         "albedo": of(0.2, 0.95, 3, seed + 4),
         "sigma_t": of(0.1, 2, 3, seed + 5),

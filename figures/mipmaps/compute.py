@@ -102,10 +102,22 @@ def differences(pictures: dict[str, np.ndarray]) -> dict[str, Any]:
     return found
 
 
+class LatentSpace:
+    """Averages of the codes themselves, as in Fan et al. (2022); see `averaging.LobedSpace`."""
+
+    def lift(self, z: np.ndarray) -> np.ndarray:
+        """The codes."""
+        return z
+
+    def drop(self, means: np.ndarray) -> np.ndarray:
+        """The averaged codes."""
+        return means
+
+
 @contextlib.contextmanager
 def codes_averaged() -> Iterator[None]:
     """Mip levels are averages of the codes themselves, while the context lasts; none is kept."""
-    space = mock.patch.object(averaging, "averaging_space", lambda *_: averaging.LatentSpace())
+    space = mock.patch.object(averaging, "averaging_space", lambda *_: LatentSpace())
     with space, mock.patch.dict(os.environ, {cache.VARIABLE: "off"}):
         yield
 

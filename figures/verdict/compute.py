@@ -19,8 +19,8 @@ from benchmarks.scenes import LIGHTS, processor
 from figures import results
 from figures.light.compute import SCENES
 from figures.verdict import costs, errors, lights
-from urushi.fan2022 import register
-from urushi.nets.weights import anisotropic_model, default_model, find
+from urushi.fan2022 import PaperNetworks
+from urushi.nets.weights import anisotropic_model, default_model
 
 FOLDER = Path(__file__).parent
 #: The system of Fan et al. (2022), trained here; see the README.
@@ -41,12 +41,11 @@ def main() -> None:
     )
     weights = parser.parse_args().paper
     mi.set_variant("llvm_ad_rgb")
-    register()
     found = results.collect(PARTS, parts(weights))
     head = {
         "weights": default_model().fingerprint,
         "anisotropic weights": anisotropic_model().fingerprint,
-        "paper weights": find(weights).fingerprint,
+        "paper weights": PaperNetworks.read(weights).fingerprint,
         "processor": processor(),
     }
     results.write(FOLDER / "results.json", {**head, **found})
@@ -54,11 +53,11 @@ def main() -> None:
 
 def parts(weights: str) -> dict[str, Any]:
     """The functions of all parts by name; weights: file of the paper's system."""
-    paper = find(weights)
+    paper = PaperNetworks.read(weights)
     functions: dict[str, Any] = {
         "evaluations": functools.partial(costs.evaluations, weights),
         "renders": functools.partial(costs.renders, weights),
-        "memory": functools.partial(costs.memory, paper),
+        "memory": functools.partial(costs.memory, True),
         "new": functools.partial(costs.new_materials, paper),
     }
     for n in INTERFACES:

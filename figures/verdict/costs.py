@@ -1,6 +1,5 @@
 """Costs of all methods: an evaluation, a render, memory, and a new material."""
 
-import dataclasses
 import functools
 import gc
 import time
@@ -17,11 +16,14 @@ from research.rivals import belcour, weier
 import urushi
 from figures.verdict import fits
 from figures.verdict import methods as known
+from urushi import fan2022
 from urushi.core import microfacet
+from urushi.fan2022 import PaperNetworks
+from urushi.fan2022.architecture import LATENT
 from urushi.fan2022.kernels import separate_kernels
 from urushi.material.layer import layer_texels
 from urushi.mitsuba.reading import probing
-from urushi.nets.weights import Model, default_model
+from urushi.nets.weights import default_model
 from urushi.textures import packing
 from urushi.walk import Stack
 from urushi.walk.monte_carlo import backend
@@ -108,7 +110,7 @@ def _evaluated(wi: np.ndarray, wo: np.ndarray) -> tuple["mi.SurfaceInteraction3f
 
 def _evaluated_by_paper(weights: str, wi: np.ndarray, wo: np.ndarray) -> float:
     """CPU time of evaluations by the system of Fan et al. (2022) [s]."""
-    bsdf = mi.load_dict(render.material(weights, False))
+    bsdf = mi.load_dict(render.material(render.PAPER + weights, False))
     count = EVALUATIONS // PAPER_EVALUATION_PARTS
     si, out = _evaluated(wi[:count], wo[:count])
 
@@ -167,7 +169,8 @@ def _rendered(scene: "mi.Scene") -> float:
 
 def _rendered_by_paper(weights: str, textured: bool) -> float:
     """CPU time of a render by the system of Fan et al. (2022) [s]."""
-    scene = render.scene([render.material(weights, textured, side=PAPER_TEXELS)], SIDE)
+    material = render.material(render.PAPER + weights, textured, side=PAPER_TEXELS)
+    scene = render.scene([material], SIDE)
     with separate_kernels():
         times = [render.rendered(scene, SAMPLES // PAPER_PARTS, 1)[1] for _ in range(TURNS + 1)]
     del scene
@@ -175,20 +178,16 @@ def _rendered_by_paper(weights: str, textured: bool) -> float:
     return PAPER_PARTS * min(times[1:])
 
 
-def memory(paper: Model | None = None) -> dict[str, dict[str, int]]:
+def memory(paper: bool = False) -> dict[str, dict[str, int]]:
     """Bytes of a constant RGB material in single precision, and of a texel.
 
     Numbers of parametric models take one byte of a texel. `texel 6` is for six interfaces.
     """
     material, texel = 3 * 4 * default_model().arch.latent, texel_bytes()
     found = {known.NETWORKS: {"material": material, "texel": texel, "texel 6": texel}}
-    if paper is not None:
-        texel = packing.texel_layout(paper, 3).texel_bytes
-        found[known.PAPER] = {
-            "material": 3 * 4 * paper.arch.latent,
-            "texel": texel,
-            "texel 6": texel,
-        }
+    if paper:  # in single precision, in textures too
+        names = ("material", "texel", "texel 6")
+        found[known.PAPER] = dict.fromkeys(names, 3 * 4 * LATENT)
     for name in (known.WALK, known.BOTH_WAYS, *known.RIVALS):  # as of surfaces of one width
         numbers = COAT_NUMBERS + BOTTOM_NUMBERS
         found[name] = {
@@ -220,19 +219,21 @@ def texel_bytes() -> int:
     return packing.texel_layout(model, 3, constant, same).texel_bytes
 
 
-def new_materials(paper: Model | None) -> dict[str, float]:
+def new_materials(paper: PaperNetworks | None) -> dict[str, float]:
     """CPU time to encode a metal and to lay a coat over it, RGB [s]."""
     top = urushi.dielectric(0.05, 1.5)
 
-    def seconds(model: Model) -> float:
+    def seconds(system: Any, networks: Any) -> float:
         begin = time.process_time()
-        bottom = urushi.encode(urushi.conductor(0.2, (0.98, 0.77, 0.34)), model)
-        urushi.layer(top, bottom, albedo=0.8, sigma_t=(0.2, 1.0, 3.0))
+        bottom = system.encode(urushi.conductor(0.2, (0.98, 0.77, 0.34)), networks)
+        system.layer(top, bottom, albedo=0.8, sigma_t=(0.2, 1.0, 3.0))
         return time.process_time() - begin
 
-    least = _least({known.NETWORKS: functools.partial(seconds, default_model())}, OPERATIONS)
+    own = functools.partial(seconds, urushi, default_model())
+    least = _least({known.NETWORKS: own}, OPERATIONS)
     if paper is not None:
-        least[known.PAPER] = seconds(dataclasses.replace(paper))  # it has kept no codes
+        fresh = PaperNetworks(paper.arch, paper.params, {})  # it has kept no codes
+        least[known.PAPER] = seconds(fan2022, fresh)
     return {name: float(f"{t:.3g}") for name, t in least.items()}
 
 

@@ -15,11 +15,13 @@ from figures import results
 from figures.verdict import fits
 from figures.verdict import methods as known
 from figures.verdict.methods import Values
+from urushi import fan2022
 from urushi.core import direction_sets, error_metrics
 from urushi.eval import predict, samples
 from urushi.eval.groups import Group
+from urushi.fan2022 import PaperNetworks
 from urushi.material import table as nodes
-from urushi.nets.weights import Model, default_model
+from urushi.nets.weights import default_model
 from urushi.train.data.distribution import Table2
 from urushi.walk import Stack, walk_pairs
 from urushi.walk.simulate import albedo as walked_albedo
@@ -38,7 +40,7 @@ MEASURED_WALKS, MEASURED_TABLE_WALKS = 1 << 13, 64
 
 
 def isotropic(
-    interfaces: int, paper: Model | None, stacks: int = STACKS, fitted: int = FITTED
+    interfaces: int, paper: PaperNetworks | None, stacks: int = STACKS, fitted: int = FITTED
 ) -> dict[str, Any]:
     """E of each method by stack, its E to the exchange of directions, and CPU seconds of a fit.
 
@@ -49,7 +51,7 @@ def isotropic(
     table, wi, wo = held_out.table, held_out.wi, held_out.wo
     methods = {known.NETWORKS: known.of_networks(default_model(), held_out)}
     if paper is not None:
-        methods[known.PAPER] = known.of_networks(paper, held_out)
+        methods[known.PAPER] = known.of_paper(paper, held_out)
     methods |= {name: known.of_walk(table, name) for name in known.ESTIMATORS}
     methods |= {name: known.of_rival(table, name) for name in known.RIVALS}
     if fitted:
@@ -130,7 +132,7 @@ def anisotropic(name: str, stacks: int = ANISOTROPIC, fitted: int = FITTED) -> d
     return {method: results.rounded(e) for method, e in found.items()}
 
 
-def measured(folder: Path, paper: Model | None) -> dict[str, Any]:
+def measured(folder: Path, paper: PaperNetworks | None) -> dict[str, Any]:
     """E of the methods that take any bottom, over stand-ins for measured materials under coats.
 
     folder: of the test data.
@@ -146,16 +148,18 @@ def measured(folder: Path, paper: Model | None) -> dict[str, Any]:
             known.TABLES: urushi.encode(surface, refine=True),
         }
         if paper is not None:
-            forms[known.PAPER] = urushi.encode(surface, paper)
+            projected = fan2022.encode(surface, paper)
         for coat in OVER:
             stack = urushi.coat(surface, **COATS[coat])
             materials = {form: coated(material, COATS[coat]) for form, material in forms.items()}
+            if paper is not None:
+                materials[known.PAPER] = coated(projected, COATS[coat], fan2022.layer)
             for method, e in _over_measured(stack, materials).items():
                 found.setdefault(method, []).append(float(f"{e:.4g}"))
     return found
 
 
-def _over_measured(stack: Stack, materials: dict[str, urushi.Material]) -> dict[str, float]:
+def _over_measured(stack: Stack, materials: dict[str, Any]) -> dict[str, float]:
     """E of the methods for one coat over a measured bottom; the mean over channels.
 
     materials: the stack as layered by methods.
@@ -179,7 +183,9 @@ def _over_measured(stack: Stack, materials: dict[str, urushi.Material]) -> dict[
     return found
 
 
-def laws(paper: Model | None, fitted: tuple[str, ...] = tuple(fits.FITTED)) -> dict[str, float]:
+def laws(
+    paper: PaperNetworks | None, fitted: tuple[str, ...] = tuple(fits.FITTED)
+) -> dict[str, float]:
     """The largest albedo of each method over white coated stacks, which reflect at most 1.
 
     That of the walk is by its own directions (`urushi.walk.simulate.albedo`).
@@ -210,14 +216,14 @@ def _tilted(cosines: tuple[float, ...]) -> np.ndarray:
 
 
 def _white(
-    alpha: float, bottom: Any, paper: Model | None, fitted: tuple[str, ...]
+    alpha: float, bottom: Any, paper: PaperNetworks | None, fitted: tuple[str, ...]
 ) -> dict[str, fits.Brdf]:
     """All methods for a coat without absorption over a white bottom."""
     stack: Stack = urushi.coat(bottom, alpha, 1.5)
     top = urushi.dielectric(alpha=alpha, eta=1.5)
     found: dict[str, fits.Brdf] = {known.NETWORKS: urushi.layer(top, bottom).f}
     if paper is not None:
-        found[known.PAPER] = urushi.layer(top, urushi.encode(bottom, paper)).f
+        found[known.PAPER] = fan2022.layer(top, fan2022.encode(bottom, paper)).f
 
     def rival(name: str) -> fits.Brdf:
         return lambda wi, wo: known.RIVALS[name].f(stack, wi, wo)

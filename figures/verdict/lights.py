@@ -5,6 +5,7 @@ import argparse
 from benchmarks.quality import equal_time
 from benchmarks.quality.converged import REFERENCE
 from benchmarks.scenes import PRINCIPLED
+from benchmarks.speed.render import PAPER
 
 from figures.light.compute import COUNT, DEPTH, DETAIL, PARTS, SAMPLES, WIDTH
 from figures.verdict import methods as known
@@ -21,7 +22,7 @@ def part(scene: str, light: str, paper: str | None, seconds: float = SECONDS) ->
     """
     plugins = {name: plugin for name, plugin in known.PLUGINS.items() if name != known.WALK}
     if paper:
-        plugins[known.PAPER] = paper
+        plugins[known.PAPER] = PAPER + paper
     arguments = argparse.Namespace(
         weights=list(plugins.values()),
         width=WIDTH,

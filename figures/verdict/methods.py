@@ -11,6 +11,7 @@ import urushi.walk
 from figures.verdict import fits
 from urushi.eval import predict, samples
 from urushi.eval.samples import Samples
+from urushi.fan2022 import PaperNetworks, evaluation
 from urushi.material import table as nodes
 from urushi.nets.weights import DEFAULT, Model
 from urushi.walk import StackTable, walk_pairs
@@ -57,6 +58,12 @@ class Values(NamedTuple):
 def of_networks(model: Model, held_out: Samples) -> Values:
     """Networks that encode the bottoms and layer the coats."""
     materials = predict.materials(model, held_out)
+    return Values(len(materials), lambda wi, wo: predict.evaluate(materials, wi, wo))
+
+
+def of_paper(networks: PaperNetworks, held_out: Samples) -> Values:
+    """The same by the system of Fan et al. (2022)."""
+    materials = evaluation.materials(networks, held_out)
     return Values(len(materials), lambda wi, wo: predict.evaluate(materials, wi, wo))
 
 

@@ -1,22 +1,16 @@
 """The plugins `layered_belcour` and `layered_weidlich`, in every variant that is set."""
 
-import mitsuba as mi
-
 from research.rivals import layered_belcour, layered_weidlich
-from urushi.mitsuba.plugins.base import define_proposal_bsdf
-from urushi.mitsuba.register import supported
+from urushi.mitsuba import register as plugins
 
 
 def register() -> None:
     """Register both plugins in the current variant, if any, and in all that are set later."""
-    mi.detail.add_variant_callback(_on_variant)
-    if mi.variant() is not None:
-        _on_variant(None, mi.variant())
+    plugins.register(plugins.Room(_define, ("layered_belcour", "layered_weidlich")))
 
 
-def _on_variant(old: str | None, new: str) -> None:
-    if not supported(new):
-        return
-    base = define_proposal_bsdf()
-    mi.register_bsdf("layered_belcour", layered_belcour.define(base))
-    mi.register_bsdf("layered_weidlich", layered_weidlich.define(base))
+def _define(proposal_bsdf: type) -> dict[str, type]:
+    return {
+        "layered_belcour": layered_belcour.define(proposal_bsdf),
+        "layered_weidlich": layered_weidlich.define(proposal_bsdf),
+    }

@@ -8,7 +8,7 @@ else is loaded when it is first used.
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from urushi import fan2022, platform
+from urushi import platform
 from urushi.version import __version__
 
 if TYPE_CHECKING:
@@ -50,16 +50,14 @@ def __getattr__(name: str) -> Any:
     if not (name in __all__ and name != "__version__") and not _is_bottom(name):
         raise AttributeError(f"module 'urushi' has no attribute '{name}'")
     platform.require_drjit()
-    fan2022.register()
     from urushi.app.notebook import show
     from urushi.material import Material, encode, layer, lerp, load
-    from urushi.material.material import register_picture
     from urushi.measured import load_measured
     from urushi.openpbr_surface.description import OpenPBR, openpbr, save_materialx
     from urushi.openpbr_surface.plugins.materialx import load_materialx
     from urushi.walk import Stack, bottoms, coat, simulate
 
-    register_picture(_picture)
+    Material._repr_png_ = _picture  # type: ignore[attr-defined]
     public = (Material, encode, layer, lerp, load, load_measured, simulate)
     described = (Stack, coat, *bottoms.MAKERS.values())
     documents = (load_materialx, save_materialx, OpenPBR, openpbr, show)
@@ -74,11 +72,11 @@ def _is_bottom(name: str) -> bool:
     return Path(__file__).with_name("walk").joinpath("bottoms", f"{name}.py").is_file()
 
 
-def _picture(material: Any) -> bytes:
-    """The picture of a material in a notebook."""
+def _picture(material: "Material") -> bytes | None:
+    """The picture (PNG) by which IPython and Jupyter show a material of one or three channels."""
     from urushi.eval.sheet import png
 
-    return png(material)
+    return png(material) if material.channels in (1, 3) else None
 
 
 def __dir__() -> list[str]:
@@ -87,7 +85,7 @@ def __dir__() -> list[str]:
 
 platform.choose_llvm()
 if platform.missing_library() is None:  # else Mitsuba cannot be imported, as `urushi doctor` says
-    from urushi.mitsuba.register import register
-    from urushi.openpbr_surface.plugins import ROOM
+    from urushi.mitsuba import register
+    from urushi.openpbr_surface import plugins
 
-    register(fan2022.register, ROOM)
+    register.register(register.ROOM, plugins.ROOM)

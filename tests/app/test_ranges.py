@@ -22,6 +22,7 @@ NEEDED = {
     "convert": ["a.mtlx", "-o", "folder"],
     "data generate": ["-o", "a.zarr"],
     "paper import": ["a.pth", "b.pth", "-o", "a.safetensors"],
+    "paper eval": ["a.safetensors"],
 }
 #: Parameters of coats: their ranges are those of `urushi.coat`, whose own tests check them.
 OF_COATS = {"alpha", "alpha_u", "alpha_v", "eta", "albedo", "sigma_t", "g"}

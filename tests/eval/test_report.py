@@ -6,17 +6,12 @@ import json
 import numpy as np
 import pytest
 
-from urushi import fan2022
 from urushi.errors import FileError
 from urushi.eval import benchmark, cost, metrics, physical_laws, report
 from urushi.eval import samples as sampling
-from urushi.eval.groups import Aim, Group, Row
-from urushi.eval.samples import Samples
-from urushi.fan2022.architecture import PaperArchitecture
-from urushi.fan2022.architecture import init as init_paper
+from urushi.eval.groups import Aim, Row
 from urushi.nets import weights
 from urushi.nets.architecture import FIXED
-from urushi.train.data.distribution import Extended
 
 ROWS = (
     Row("encode bare ones", ("bare",), aims=(Aim("E", "mean", 1e9),)),
@@ -50,29 +45,6 @@ def test_rows_are_the_figures_of_the_networks(result, tiny, sets):
         assert {k: row[metric][k] for k in expected} == pytest.approx(expected, rel=1e-9)
     assert row["E"]["reference"] < 0.01 and result.rows["encode bare ones"]["E"]["reference"] == 0
     assert set(result.errors) == {"bare", "few"}
-
-
-LOW = Group("low", Extended(1, "dielectric", "low"), 2)
-
-
-def test_rows_that_networks_do_not_cover_have_dashes(result, tiny, sets, groups):
-    """Urushi's networks cover indices of 0.5 and more, those of Fan et al. indices above one."""
-    table, (wi, wo) = sampling.draw_stacks(LOW), sampling.draw_pairs(LOW)
-    # f = 1 stands for the reference: only which rows have figures matters here.
-    ones = np.ones(wi.shape[:2], np.float32)
-    both = {**sets, "low": Samples(table, wi, wo, ones, 0 * ones)}
-    rows = (ROWS[0], Row("low ones", ("low",)), Row("mixed ones", ("bare", "low")))
-    every = report.measure_errors(tiny, both, groups=(*groups, LOW), rows=rows)
-    assert all(np.isfinite(row["E"]["mean"]) for row in every.rows.values())
-    assert every.rows["encode bare ones"] == result.rows["encode bare ones"]
-    fan2022.register()
-    theirs = weights.Model.of(PaperArchitecture(), init_paper(0), {})
-    few = report.measure_errors(theirs, both, groups=(*groups, LOW), rows=rows[1:])
-    assert few.rows == {"low ones": None, "mixed ones": None}
-    assert not few.materials and not few.stacks
-    text = report.table(dataclasses.replace(result, rows=every.rows | few.rows))
-    line = next(line for line in text.splitlines() if line.startswith("low ones"))
-    assert line.split()[2:] == ["–"] * (1 + len(report.COLUMNS))
 
 
 def test_the_text_has_every_line(result, monkeypatch):

@@ -14,11 +14,8 @@ from urushi.app.cli import main
 from urushi.errors import ParameterError, UrushiWarning
 from urushi.export import dense
 from urushi.export.program import codes_text, template_text
-from urushi.fan2022.architecture import PaperArchitecture
-from urushi.fan2022.architecture import init as paper_init
 from urushi.material import Material
 from urushi.material.table import SHAPE
-from urushi.nets.weights import Model
 
 #: Relative difference of f and pdf: some roundings of single precision, in ln f up to 25.
 TOLERANCE = 1e-5
@@ -193,6 +190,3 @@ def test_errors_name_the_cure(model, materials):
     two = Material(material.latents[:2], model)
     with pytest.raises(ParameterError, match="has 2 channels; only materials of one or three"):
         two.shader("glsl")
-    paper = Model.of(PaperArchitecture(), paper_init(0), {})
-    with pytest.raises(ParameterError, match="are of another system and cannot be exported"):
-        codes_text("glsl", paper, "urushi")

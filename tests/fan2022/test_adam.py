@@ -9,7 +9,6 @@ from urushi.fan2022 import adam, networks
 from urushi.fan2022.architecture import AdamProjection, PaperArchitecture, init
 from urushi.fan2022.inference import direction_inputs, evaluate
 from urushi.fan2022.train import projection
-from urushi.nets.weights import Model
 
 
 @pytest.fixture(scope="module")
@@ -111,14 +110,15 @@ def test_numpy_and_jax_agree(params, directions):
 
 
 def test_encode_uses_the_projection_of_the_weights(params):
-    """`urushi.encode` takes it from the architecture, which the weights file records."""
+    """They take it from the architecture, which the weights file records."""
     arch = PaperArchitecture(AdamProjection(steps=3, pairs=32))
     assert PaperArchitecture.from_json(arch.to_json()) == arch
-    model = Model.of(arch, params, {})
-    assert model.fingerprint != Model.of(PaperArchitecture(), params, {}).fingerprint
-    wi, _ = model.networks.pairs()
+    own = networks.PaperNetworks(arch, params, {})
+    other = networks.PaperNetworks(PaperArchitecture(), params, {})
+    assert own.fingerprint != other.fingerprint
+    wi, _ = own.pairs()
     assert len(wi) == networks.ADAM_PAIRS
-    codes = model.networks.encode(np.full((1, 2, len(wi)), 0.3, np.float32))
+    codes = own.encode(np.full((1, 2, len(wi)), 0.3, np.float32))
     assert codes.shape == (1, 2, 32)
     assert 0 < np.abs(codes - 1).max() <= 3 * adam.RATE * 1.01
 
@@ -132,7 +132,8 @@ def test_a_texture_of_lambertian_brdfs_takes_few_projections(params, monkeypatch
         return np.repeat(np.sqrt(np.pi * f[:, :1]), 32, axis=1)  # linear between levels
 
     monkeypatch.setattr(networks.PaperNetworks, "_project", project)
-    own = Model.of(PaperArchitecture(AdamProjection(steps=3, pairs=32)), params, {}).networks
+    arch = PaperArchitecture(AdamProjection(steps=3, pairs=32))
+    own = networks.PaperNetworks(arch, params, {})
     reflectance = np.random.default_rng(0).uniform(0, 1, (500, 3))
     f = np.repeat(reflectance[..., None] / np.pi, networks.ADAM_PAIRS, axis=-1).astype(np.float32)
     codes = own.encode(f)

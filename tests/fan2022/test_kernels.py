@@ -3,21 +3,22 @@
 import numpy as np
 import pytest
 
-from urushi.fan2022 import blocks
+import urushi
+from urushi import fan2022
+from urushi.errors import ParameterError
+from urushi.fan2022 import Material, PaperNetworks, blocks, load, networks
 from urushi.fan2022.architecture import PaperArchitecture, init
 from urushi.fan2022.proxy import proxy
-from urushi.material import Material
-from urushi.nets import weights
 
 
 @pytest.fixture(scope="module")
-def networks(tmp_path_factory):
+def paper(tmp_path_factory):
     """Untrained networks with values around 0.3, and proposals that differ."""
     params = init(5)
     params["evaluation.3.bias"] = params["evaluation.3.bias"] + np.float32(0.3)
     params["proxy.4.weight"] = 20 * params["proxy.4.weight"]
     path = tmp_path_factory.mktemp("paper") / "weights.safetensors"
-    return weights.save(path, PaperArchitecture(), params, {}), path
+    return PaperNetworks(PaperArchitecture(), params, {}).save(path), path
 
 
 def test_blocks_agree_with_numpy(rgb):
@@ -36,13 +37,13 @@ def test_blocks_agree_with_numpy(rgb):
     np.testing.assert_allclose(ours, expected, atol=1e-5 * np.abs(expected).max())
 
 
-def test_proposals_agree_with_numpy(rgb, networks):
+def test_proposals_agree_with_numpy(rgb, paper):
     from urushi.fan2022.kernels import Gaussian, PaperSampler
 
-    model, _ = networks
+    own, _ = paper
     z = np.random.default_rng(7).normal(size=(50, 32)).astype(np.float32)
-    expected = proxy(model.params, z)
-    ours = PaperSampler(model).proposal([rgb.Float(column) for column in z.T], 1)
+    expected = proxy(own.params, z)
+    ours = PaperSampler(own.params).proposal([rgb.Float(column) for column in z.T])
     np.testing.assert_allclose(ours.sigma.numpy(), expected.sigma, rtol=1e-3)
     np.testing.assert_allclose(ours.share.numpy(), expected.share, rtol=1e-3)
 
@@ -61,15 +62,15 @@ def test_proposals_agree_with_numpy(rgb, networks):
 
 
 @pytest.mark.slow
-def test_a_plate_in_white_light_shows_the_albedo(rgb, networks, tmp_path):
-    """16 x 16 pixels through `neural_brdf`; in constant light of one, radiance is the albedo."""
+def test_a_plate_in_white_light_shows_the_albedo(rgb, paper, tmp_path):
+    """16 x 16 pixels through `fan2022_brdf`; in constant light of one, radiance is the albedo."""
     from urushi.fan2022.kernels import separate_kernels
 
-    model, path = networks
-    material = Material(1 + 0.2 * np.random.default_rng(10).normal(size=(3, 32)), model)
+    own, path = paper
+    material = Material(1 + 0.2 * np.random.default_rng(10).normal(size=(3, 32)), own)
     material.save(tmp_path / "material.safetensors")
     files = {"filename": str(tmp_path / "material.safetensors"), "weights": str(path)}
-    plate = {"type": "rectangle", "bsdf": {"type": "neural_brdf", **files}}
+    plate = {"type": "rectangle", "bsdf": {"type": "fan2022_brdf", **files}}
     camera = {
         "type": "orthographic",
         "to_world": rgb.ScalarTransform4f().look_at([0, 0, 4], [0, 0, 0], [0, 1, 0]),
@@ -94,3 +95,85 @@ def test_a_plate_in_white_light_shows_the_albedo(rgb, networks, tmp_path):
     f = np.pi * material.f(np.broadcast_to([0.0, 0.0, 1.0], wo.shape), wo)
     error = np.hypot(image.std(axis=(0, 1)) / 16, f.std(axis=0) / 128)  # of both means
     np.testing.assert_array_less(np.abs(image.mean(axis=(0, 1)) - f.mean(axis=0)), 5 * error)
+
+
+def values(mi, bsdf, uv, wi, wo):
+    """f (N, 3) of a BSDF at points uv, without its kernels' long compilation."""
+    from urushi.fan2022.kernels import separate_kernels
+    from urushi.mitsuba.reading import probing
+
+    with separate_kernels():
+        return probing.bsdf_values(bsdf, wi, wo, uv)
+
+
+@pytest.fixture
+def pairs():
+    w = np.random.default_rng(1).normal(size=(2, 16, 3))
+    w[..., 2] = 0.1 + np.abs(w[..., 2])
+    return (w / np.linalg.norm(w, axis=-1, keepdims=True)).astype(np.float32)
+
+
+@pytest.fixture
+def quick(monkeypatch):
+    """Projections of one step."""
+    project = networks.project
+    monkeypatch.setattr(networks, "project", lambda p, d, f: project(p, d, f, steps=1))
+
+
+def test_a_constant_coat_is_that_of_the_functions(rgb, paper, tmp_path, pairs, quick):
+    own, path = paper
+    bottom = {"type": "diffuse", "reflectance": {"type": "rgb", "value": [0.2, 0.4, 0.6]}}
+    coat = {"alpha": 0.2, "int_ior": 1.5, "ext_ior": 1.0, "albedo": 0.5, "sigma_t": 1.0}
+    inner = {"type": "fan2022_layered", "weights": str(path), "bottom": bottom, **coat}
+    bsdf = rgb.load_dict({**inner, "bottom": inner})  # two coats
+    top, medium = urushi.dielectric(0.2, 1.5), {"albedo": 0.5, "sigma_t": 1.0}
+    expected = fan2022.encode(urushi.diffuse((0.2, 0.4, 0.6)), own)
+    for _ in range(2):
+        expected = fan2022.layer(top, expected, **medium)
+    # Mitsuba's values of the bottom are those of the description but for rounding.
+    f = values(rgb, bsdf, np.full((16, 2), 0.5), *pairs)
+    np.testing.assert_allclose(f, expected.f(*pairs), rtol=1e-2, atol=1e-3)
+    bsdf.save(tmp_path / "coated.safetensors")
+    np.testing.assert_allclose(
+        load(tmp_path / "coated.safetensors", own).latents, bsdf.codes.codes[0]
+    )
+    rgb.traverse(bsdf).update({"alpha.value": 0.5})
+    assert np.abs(bsdf.codes.codes[0] - expected.latents).max() > 1e-3
+
+
+def test_a_texture_has_the_constant_coats_of_its_texels(rgb, paper, pairs, quick):
+    _, path = paper
+    texels = np.array([[[0.2], [0.8]]], np.float32)
+
+    def bsdf(reflectance, sigma_t):
+        bottom = {"type": "diffuse", "reflectance": reflectance}
+        return rgb.load_dict(
+            {"type": "fan2022_layered", "weights": str(path), "bottom": bottom, "alpha": 0.3,
+             "albedo": 0.5, "sigma_t": sigma_t}
+        )  # fmt: skip
+
+    bitmap = {"type": "bitmap", "bitmap": rgb.Bitmap(texels), "raw": True, "filter_type": "nearest"}
+    textured = bsdf(bitmap, bitmap)
+    for texel, value in enumerate((0.2, 0.8)):
+        one = bsdf(value, value)
+        f = values(rgb, textured, np.tile([0.25 + 0.5 * texel, 0.5], (16, 1)), *pairs)
+        expected = values(rgb, one, np.full((16, 2), 0.5), *pairs)
+        np.testing.assert_allclose(f, expected, rtol=1e-2, atol=1e-3)
+    with pytest.raises(ParameterError, match="textures of its codes cannot be saved"):
+        textured.save("nowhere")
+
+
+@pytest.mark.parametrize(
+    ("extra", "sentence"),
+    [
+        ({"alpha_u": 0.1, "alpha_v": 0.2}, "the networks are for isotropic lobes"),
+        ({"rotation": 30.0}, "the networks are for isotropic lobes"),
+        ({"int_ior": 1.0, "ext_ior": 1.5}, "cover indices above 1 only"),
+        ({"weights": None}, "has no weights; give a file"),
+    ],
+)
+def test_scenes_that_it_cannot_render_are_refused(rgb, paper, quick, extra, sentence):
+    _, path = paper
+    bsdf = {"type": "fan2022_layered", "weights": str(path), "bottom": {"type": "diffuse"}} | extra
+    with pytest.raises(RuntimeError, match=sentence):
+        rgb.load_dict({k: v for k, v in bsdf.items() if v is not None})

@@ -1,15 +1,18 @@
-"""Materials of the paper's networks have the same operations as those of Urushi's."""
+"""Materials of the paper's networks, and its errors over held-out stacks."""
 
 import numpy as np
 import pytest
 
 import urushi
-from urushi.errors import ParameterError
-from urushi.fan2022 import networks
+from urushi import fan2022
+from urushi.checks import CoatParameters
+from urushi.errors import FileError, ParameterError
+from urushi.eval import samples
+from urushi.eval.groups import Group
+from urushi.fan2022 import Material, PaperNetworks, evaluation, networks
 from urushi.fan2022.architecture import PaperArchitecture, init
-from urushi.material import Material
-from urushi.material.layer import layer_texels
-from urushi.nets.weights import Model
+from urushi.nets.weights import default_model, find, shipped_folder
+from urushi.train.data.distribution import Extended
 
 
 @pytest.fixture(scope="module")
@@ -17,24 +20,62 @@ def paper():
     """Untrained networks whose values are positive nearly everywhere."""
     params = init(3)
     params["evaluation.3.bias"] = params["evaluation.3.bias"] + np.float32(0.5)
-    return Model.of(PaperArchitecture(), params, {})
+    return PaperNetworks(PaperArchitecture(), params, {})
 
 
-def test_encode_layer_lerp_save_and_load(paper, tmp_path, monkeypatch):
+@pytest.fixture
+def quick(monkeypatch):
+    """Projections of two steps."""
     project = networks.project
     monkeypatch.setattr(networks, "project", lambda p, d, f: project(p, d, f, steps=2))
 
-    def grey(wi, wo):
-        return np.full(len(wi), 0.3)
 
-    bottom = urushi.encode(grey, paper)
+def grey(wi, wo):
+    return np.full(len(wi), 0.3)
+
+
+def test_encode_layer_save_and_load(paper, tmp_path, quick):
+    bottom = fan2022.encode(grey, paper)
     assert bottom.latents.shape == (1, 32)
-    assert urushi.encode(grey, paper, refine=True) == bottom  # projection leaves nothing to refine
-    coated = urushi.layer(urushi.dielectric(0.2, 1.5), bottom, albedo=0.5, sigma_t=1.0, g=0.3)
-    blend = urushi.lerp(bottom, coated, 0.5)
-    np.testing.assert_allclose(blend.latents, (bottom.latents + coated.latents) / 2, rtol=1e-6)
+    assert fan2022.encode(bottom, paper) is bottom
+    medium = {"albedo": 0.5, "sigma_t": (0.5, 1.0, 2.0), "g": 0.3}
+    coated = fan2022.layer(urushi.dielectric(0.2, 1.5), bottom, **medium)
+    assert coated.latents.shape == (3, 32)
     coated.save(tmp_path / "coated.safetensors")
-    assert urushi.load(tmp_path / "coated.safetensors", paper) == coated
+    loaded = fan2022.load(tmp_path / "coated.safetensors", paper)
+    np.testing.assert_array_equal(loaded.latents, coated.latents)
+    other = PaperNetworks(PaperArchitecture(), init(4), {})
+    with pytest.raises(FileError, match="does not match the weights"):
+        fan2022.load(tmp_path / "coated.safetensors", other)
+
+
+def test_weights_of_one_system_are_refused_by_the_other(paper, tmp_path):
+    paper.save(tmp_path / "paper.safetensors")
+    read = PaperNetworks.read(tmp_path / "paper.safetensors")
+    assert read.fingerprint == paper.fingerprint and read.arch == paper.arch
+    sentence = "holds networks of the system '{}', but those of '{}' are needed"
+    with pytest.raises(FileError, match=sentence.format("paper", "urushi")):
+        find(tmp_path / "paper.safetensors")
+    with pytest.raises(FileError, match=sentence.format("urushi", "paper")):
+        PaperNetworks.read(shipped_folder() / "default.safetensors")
+    with pytest.raises(FileError, match="does not match the weights"):
+        Material(np.ones((1, 32)), paper).save(tmp_path / "material.safetensors")
+        urushi.load(tmp_path / "material.safetensors", default_model())
+
+
+def test_errors_are_measured_over_stacks_of_indices_above_one(paper, quick, monkeypatch):
+    def group(name, indices, coats=0):
+        return Group(name, Extended(coats, "dielectric", indices), 2)
+
+    groups = group("common", "common"), group("low", "low")
+    sets = {g.name: samples.simulate(g) for g in groups}
+    monkeypatch.setattr(evaluation, "GROUPS", groups)
+    rows = tuple(evaluation.ROWS[0].__class__(g.name, (g.name,)) for g in groups)
+    monkeypatch.setattr(evaluation, "ROWS", rows)
+    text = evaluation.evaluate(paper, sets)
+    assert "common" in text and "low" not in text and paper.fingerprint in text
+    (row,) = (line for line in text.splitlines() if line.startswith("common"))
+    assert float(row.split()[2]) > 1  # per cent: the networks have learned nothing
 
 
 def test_values_are_never_negative_and_zero_below_the_horizon(paper, directions):
@@ -60,4 +101,16 @@ def test_too_many_interfaces_at_once_are_refused(paper):
     z = np.ones((networks.MAX_TOPS + 1, 32), np.float32)
     alpha = np.linspace(0.1, 1, len(z))
     with pytest.raises(ParameterError, match="has 257 different interfaces"):
-        layer_texels(paper, z, alpha=alpha, eta=1.5, albedo=0.0, sigma_t=0.0, g=0.0)
+        paper.layer(z, CoatParameters(alpha, 1.5, 0.0, 0.0, 0.0))
+
+
+@pytest.mark.parametrize(
+    ("top", "sentence"),
+    [
+        (urushi.dielectric(0.1, 0.8), "the coat's eta is 0.8, and the paper's networks cover"),
+        (urushi.dielectric(alpha_u=0.1, alpha_v=0.2, eta=1.5), "alpha_u and alpha_v differ"),
+    ],
+)
+def test_coats_that_the_networks_do_not_cover_are_refused(paper, top, sentence):
+    with pytest.raises(ParameterError, match=sentence):
+        fan2022.layer(top, Material(np.ones((1, 32)), paper))

@@ -5,14 +5,11 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from urushi.errors import FileError, ParameterError
-from urushi.fan2022 import architecture, inference
+from urushi.errors import ParameterError
+from urushi.fan2022 import PaperNetworks, architecture, inference
 from urushi.fan2022.architecture import PaperArchitecture, init
 from urushi.fan2022.inference import direction_inputs, evaluate, value_and_gradient
 from urushi.fan2022.proxy import proxy
-from urushi.nets import weights
-from urushi.nets.architecture import Architecture
-from urushi.nets.architecture import init as init_urushi
 
 
 @pytest.fixture(scope="module")
@@ -133,20 +130,13 @@ def test_isotropic_media_stay_and_absorption_does_for_all():
     np.testing.assert_allclose(thickness * other, sigma_t * albedo * 0.3, atol=1e-12)
 
 
-def test_weights_of_both_kinds_survive_a_round_trip(params, tmp_path):
-    paper = weights.save(tmp_path / "paper", PaperArchitecture(), params, {"scale": 0.5})
-    read = weights.read(tmp_path / "paper")
-    assert read.arch == PaperArchitecture()
-    assert read.fingerprint == paper.fingerprint
+def test_weights_survive_a_round_trip_and_other_sizes_are_refused(params, tmp_path):
+    own = PaperNetworks(PaperArchitecture(), params, {"scale": 0.5}).save(tmp_path / "paper")
+    read = PaperNetworks.read(tmp_path / "paper")
+    assert (read.arch, read.fingerprint) == (PaperArchitecture(), own.fingerprint)
     assert read.header["scale"] == 0.5
-    arch = Architecture(decoder=(8,), encoder=(8,), layerer=(8,), sampler=(8,))
-    own = weights.save(tmp_path / "own", arch, init_urushi(arch, 0), {})
-    assert weights.read(tmp_path / "own").fingerprint == own.fingerprint
-    assert isinstance(read.arch, PaperArchitecture) and isinstance(own.arch, Architecture)
-
-
-def test_unknown_kinds_and_other_sizes_are_refused():
-    with pytest.raises(FileError, match="of the kind 'other', but only urushi, paper can be read"):
-        weights._read_architecture("a", {"kind": "other"})
     with pytest.raises(ParameterError, match="takes no options"):
-        weights._read_architecture("a", {"kind": "paper", "latent": 16})
+        PaperArchitecture.from_json('{"kind": "paper", "latent": 16}')
+    with pytest.raises(ParameterError, match="'evaluation.0.bias' is missing"):
+        less = {k: v for k, v in params.items() if k != "evaluation.0.bias"}
+        PaperNetworks(PaperArchitecture(), less, {})

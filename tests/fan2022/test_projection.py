@@ -50,7 +50,7 @@ def test_equal_interfaces_are_projected_once(monkeypatch):
         return np.repeat(f[:, :1], 32, axis=1), None
 
     monkeypatch.setattr(networks, "project", project)
-    model = PaperNetworks(init(0), PaperArchitecture())
+    model = PaperNetworks(PaperArchitecture(), init(0), {})
 
     def dielectrics(self, alpha, eta):
         return np.repeat((alpha * eta)[:, None], PAIRS, axis=1)

@@ -26,13 +26,11 @@ from tests.fan2022.torch_writer import (
 
 from urushi.app import cli
 from urushi.errors import FileError
-from urushi.fan2022 import blocks, published
+from urushi.fan2022 import Material, PaperNetworks, blocks, published
 from urushi.fan2022.architecture import EVALUATION, LAYERING, AdamProjection, init
 from urushi.fan2022.blocks import Linear
 from urushi.fan2022.inference import direction_inputs, evaluate, layer
 from urushi.fan2022.torch_file import MAX_PICKLE, TorchFile
-from urushi.material import Material
-from urushi.nets import weights
 
 
 @pytest.fixture(scope="module")
@@ -271,7 +269,7 @@ def test_one_command_makes_weights_for_all_others(params, files, tmp_path, capsy
     output = tmp_path / "published.safetensors"
     paths = [str(path) for path in files]
     assert cli.main(["paper", "import", *paths, "-o", str(output)]) == 0
-    model = weights.read(output)
+    model = PaperNetworks.read(output)
     assert capsys.readouterr().out == f"{output}  {model.fingerprint}\n"
     assert model.header["published"]["layering"]["file"] == "layering.pth"
     material = Material(np.ones((1, 32)), model)
@@ -282,7 +280,7 @@ def test_one_command_makes_weights_for_all_others(params, files, tmp_path, capsy
 
     def projection(*arguments):
         assert cli.main(["paper", "import", *paths, "-o", str(output), *arguments]) == 0
-        return weights.read(output).arch.adam
+        return PaperNetworks.read(output).arch.adam
 
     assert model.arch.adam == AdamProjection(pairs=64)
     assert projection("--projection-pairs", "4096") == AdamProjection()

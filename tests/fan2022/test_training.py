@@ -10,15 +10,13 @@ import pytest
 from urushi.app.commands.train import find_preset
 from urushi.core.direction_sets import stratified_pairs
 from urushi.errors import ParameterError
-from urushi.fan2022 import adam, networks
+from urushi.fan2022 import Material, adam, networks
 from urushi.fan2022.architecture import AdamProjection, init
 from urushi.fan2022.inference import direction_inputs, evaluate
 from urushi.fan2022.palette import Palette
 from urushi.fan2022.train import held_out, layering, projection, proxy, representation, sampler
 from urushi.fan2022.train.preset import paper
 from urushi.fan2022.train.training import train
-from urushi.material import Material
-from urushi.nets import weights
 from urushi.train.checkpoint import Journal
 from urushi.train.data.generate import generate
 from urushi.walk import analytic
@@ -230,7 +228,7 @@ def test_the_proxy_learns_to_tell_narrow_from_wide():
 def test_from_data_to_weights_and_the_same_bits_after_an_interruption(tmp_path, monkeypatch):
     preset = paper(TINY)
     model = train(preset, data=tmp_path / "data.zarr", run=tmp_path / "whole")
-    header = weights.read(tmp_path / "whole" / "weights.safetensors").header
+    header = networks.PaperNetworks.read(tmp_path / "whole" / "weights.safetensors").header
     assert header["scale"] == TINY
     assert header["preset"]["name"] == "paper"
     stages = [

@@ -41,7 +41,7 @@ def test_codes_are_averaged_only_while_the_context_lasts(tmp_path, monkeypatch):
     monkeypatch.setenv(cache.VARIABLE, str(tmp_path))
     whole = averaging.averaging_space
     with compute.codes_averaged():
-        assert isinstance(averaging.averaging_space(None, None, 0), averaging.LatentSpace)
+        assert isinstance(averaging.averaging_space(None, None, 0), compute.LatentSpace)
         assert cache.folder() is None
     assert averaging.averaging_space is whole
     assert cache.folder() == tmp_path

@@ -10,11 +10,9 @@ from figures.light.compute import SCENES
 from figures.verdict import compute, costs, errors, fits, methods, plot
 
 from urushi.core import direction_sets, error_metrics
-from urushi.fan2022 import networks, register
+from urushi.fan2022 import PaperNetworks, networks
 from urushi.fan2022.architecture import PaperArchitecture, init
-from urushi.nets.weights import Model, anisotropic_model, default_model, find
-
-register()
+from urushi.nets.weights import anisotropic_model, default_model
 
 
 @pytest.fixture(autouse=True)
@@ -29,7 +27,7 @@ def found(stored_results):
         **{
             "weights": default_model(),
             "anisotropic weights": anisotropic_model(),
-            "paper weights": find(compute.PAPER),
+            "paper weights": PaperNetworks.read(compute.PAPER),
         },
     )
 
@@ -100,7 +98,7 @@ def test_networks_are_reciprocal_and_no_method_but_weidlich_and_wilkies_gains_en
 def test_the_papers_system_has_a_row_if_it_has_weights(monkeypatch):
     project = networks.project
     monkeypatch.setattr(networks, "project", lambda p, d, f: project(p, d, f, steps=2))
-    untrained = Model.of(PaperArchitecture(), init(3), {})
+    untrained = PaperNetworks(PaperArchitecture(), init(3), {})
     found = errors.isotropic(2, untrained, stacks=1, fitted=0)
     assert min(found[methods.PAPER]["E"]) > max(found[methods.NETWORKS]["E"])  # it learned nothing
     found |= {f"interfaces_{n}": found for n in compute.INTERFACES}

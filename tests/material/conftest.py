@@ -3,13 +3,10 @@
 import numpy as np
 import pytest
 
-from urushi import fan2022
 from urushi.material import Material
 from urushi.nets.architecture import SCALE, Architecture, init
 from urushi.nets.lobe import NO_LOBE
 from urushi.nets.weights import Model, default_model
-
-fan2022.register()  # some tests use its networks, which have no gain and no derivatives
 
 #: Codes of a dielectric, of a metal and of no lobe, over random rests.
 LOBES = [[0.2, 0, 0, 1, 1.5, 0], [0.1, 0.8, 1, 0, 1.5, 0], NO_LOBE]

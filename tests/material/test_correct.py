@@ -4,12 +4,10 @@ import numpy as np
 import pytest
 
 from urushi.core.error_metrics import DARK_OFFSET
-from urushi.fan2022.architecture import PaperArchitecture, init
 from urushi.material import energy
 from urushi.material.albedo_rule import albedo_rule
 from urushi.material.correction import correct_codes
 from urushi.material.encode import bare_anchors, material_from_values
-from urushi.nets import weights
 from urushi.walk import analytic, conductor, dielectric, diffuse
 
 SURFACES = (
@@ -112,12 +110,3 @@ def test_channels_are_corrected_by_themselves(trained, surfaces):
         trained.networks.f(codes[:, None], *trained.networks.pairs()) for codes in (together, alone)
     ]
     np.testing.assert_allclose(f[0], f[1], rtol=2e-3)  # a step magnifies rounding errors
-
-
-def test_codes_of_networks_that_optimise_are_not_corrected():
-    arch = PaperArchitecture()
-    networks = weights.Model.of(arch, init(0), {}).networks
-    z, f = np.zeros((1, 32), np.float32), np.ones((1, len(networks.pairs()[0])), np.float32)
-    codes, excess = correct_codes(networks, z, f)
-    assert codes is z
-    assert np.isinf(excess).all()

@@ -3,9 +3,6 @@
 import numpy as np
 import pytest
 
-from urushi.errors import ParameterError
-from urushi.fan2022.architecture import PaperArchitecture
-from urushi.fan2022.architecture import init as init_paper
 from urushi.material import energy, gradients
 from urushi.material.encode import encoder_codes, limited_codes
 from urushi.material.layer import layer_texels
@@ -126,9 +123,3 @@ def test_a_bottom_that_gains_energy_raises_the_ceiling(gaining, inputs):
     rows = gradients._limited_rows(gaining, coated, unlimited)
     slopes = [gradients._log_factor(gaining, coated[row], bright[row])[1] for row in rows]
     assert slopes and all(slope[6] > 0 for slope in slopes)
-
-
-def test_the_papers_networks_are_refused():
-    model = Model.of(PaperArchitecture(), init_paper(0), {})
-    with pytest.raises(ParameterError, match="coat: gradients are requested.* shipped networks"):
-        gradients.check_differentiable(model, "the coat")

@@ -7,15 +7,13 @@ import pytest
 import safetensors.numpy
 
 from urushi.errors import FileError, ParameterError
-from urushi.fan2022.architecture import PaperArchitecture
-from urushi.fan2022.architecture import init as init_paper
 from urushi.material import Material, encode, layer, lerp, load
 from urushi.material.albedo_rule import albedo_rule
 from urushi.material.batch import encode_all
 from urushi.material.encode import required_pairs
 from urushi.material.file import CODES_VERSION, FORMAT_VERSION, TABLE_VERSION
 from urushi.material.table import SHAPE
-from urushi.nets.weights import Model
+from urushi.nets.weights import anisotropic_model
 from urushi.walk import conductor, dielectric
 
 
@@ -144,8 +142,8 @@ def test_the_same_alone_and_among_many(own, small):
         np.testing.assert_array_equal(material.table, own.table[..., [0, 2][index], None])
 
 
-def test_other_networks_have_none():
-    other = Model.of(PaperArchitecture(), init_paper(3), {})
+def test_networks_of_two_widths_have_none():
+    other = anisotropic_model()
     with pytest.raises(ParameterError, match="cannot have tables"):
         required_pairs(velvet, other, True)
     latents = np.zeros((1, other.arch.latent), np.float32)

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 
 import tyro
 
-from urushi import fan2022, ranges
+from urushi import ranges
 from urushi.app.commands.convert import Convert
 from urushi.app.commands.data import Data
 from urushi.app.commands.demo import Demo
@@ -56,7 +56,7 @@ COMMANDS: dict[str, tuple[type, str]] = {
     "data": (Data, "Simulate training data, or show a store of them."),
     "train": (Train, "Train networks."),
     "eval": (Evaluate, "Measure networks on held-out materials."),
-    "paper": (Paper, "Read the published networks of Fan et al. 2022."),
+    "paper": (Paper, "Read and measure networks of Fan et al. 2022."),
     "doctor": (Doctor, "Check this machine and say what is missing."),
 }
 
@@ -96,7 +96,6 @@ def main(args: Sequence[str] | None = None) -> int:
     try:
         command = parse(arguments)
         ranges.check(command)
-        fan2022.register()
         code = command.run()
         sys.stdout.flush()
         return code

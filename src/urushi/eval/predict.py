@@ -12,7 +12,6 @@ from urushi.material.layer import layer_texels
 from urushi.material.source import STACK_WALKS
 from urushi.nets.architecture import Architecture
 from urushi.nets.lobe import of_coat
-from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
 from urushi.train.bottoms import bottom_lobes
 from urushi.walk import StackTable
@@ -20,19 +19,6 @@ from urushi.walk.bottoms import KINDS
 
 #: Seed of the walks for networks whose probe pairs differ from the stored ones.
 _PROBE_SEED = 1
-
-
-def covered(model: Model, table: StackTable) -> bool:
-    """Whether the networks cover the indices of refraction of all interfaces of the stacks.
-
-    Those of another system cover indices above one.
-    """
-    if isinstance(model.networks, UrushiNetworks):
-        return True
-    indices = [table.eta.ravel()]
-    if table.kind == "dielectric":
-        indices.append(table.bottom["eta"])
-    return bool(np.concatenate(indices).min(initial=np.inf) >= 1)
 
 
 def materials(
@@ -52,9 +38,9 @@ def materials(
 
     # Without coats the values are exact and cheap, so the bottoms' albedo is computed as well.
     pairs = model.networks.pairs() if encoded else required_pairs(None, model, table=False)
-    values = _lower_values(samples, encoded, *pairs)
-    table, own = samples.table, isinstance(model.networks, UrushiNetworks)
-    if encoded == 0 and KINDS[table.kind].family.bare and own:
+    values = lower_values(samples, encoded, *pairs)
+    table = samples.table
+    if encoded == 0 and KINDS[table.kind].family.bare:
         material = material_of_lobes(_lobes(samples, encoded), model, len(values))
     else:
         known = encoded or KINDS[table.kind].family.fresnel_numbers(table.bottom) is not None
@@ -64,10 +50,7 @@ def materials(
         return split(material)
     latents = material.anchors
     for index in reversed(range(table.coats - encoded)):
-        coat = {name: getattr(table, name)[:, index] for name in CoatParameters._fields}
-        # Single precision may round the smallest width down.
-        coat["alpha"] = np.maximum(coat["alpha"].astype(np.float64), 0.01)
-        latents = layer_texels(model, latents, **coat)
+        latents = layer_texels(model, latents, **coats_at(table, index)._asdict())
     return split(Material(latents, model))
 
 
@@ -88,12 +71,19 @@ def split(material: Material) -> list[Material]:
     return [Material(code[None], material.model, anchor[None]) for code, anchor in codes]
 
 
-def evaluate(materials: list[Material], wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+def evaluate(materials: list, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
     """Values float32 (S, M) [1/sr] of S materials, each at its own pairs (S, M, 3)."""
     return np.stack([m.f(*pairs)[:, 0] for m, *pairs in zip(materials, wi, wo, strict=True)])
 
 
-def _lower_values(samples: Samples, coats: int, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
+def coats_at(table: StackTable, index: int) -> CoatParameters:
+    """The coats (S,) of a place in the stacks, 0 the topmost."""
+    coat = CoatParameters(*(getattr(table, name)[:, index] for name in CoatParameters._fields))
+    # Single precision may round the smallest width down.
+    return coat._replace(alpha=np.maximum(coat.alpha.astype(np.float64), 0.01))
+
+
+def lower_values(samples: Samples, coats: int, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
     """Values (S, P) [1/sr] of the lowest `coats` coats over the bottoms at pairs (P, 3)."""
     stacks = len(samples.table)
     wi_all, wo_all = (np.broadcast_to(w, (stacks, *w.shape)) for w in (wi, wo))

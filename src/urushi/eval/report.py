@@ -2,8 +2,9 @@
 
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -14,7 +15,6 @@ from urushi.eval import samples as sampling
 from urushi.eval.groups import GROUPS, ROWS, Aim, Group, Row
 from urushi.eval.samples import Samples
 from urushi.files import atomic_write, new_folder
-from urushi.material import Material
 from urushi.nets.weights import Model, Weights, find
 
 #: Columns of the errors. The mean of P is left out: a few pairs in dark tails dominate it.
@@ -32,8 +32,7 @@ class Result:
         fingerprint: of the networks.
         reference: origin of the reference values, in words.
         rows: by row name, stacks and by metric "E" (over stacks) and "P" (over all pairs): mean,
-            median, p95 and reference, the reference's own error (mean of E, median of P). None for
-            rows with stacks that the networks do not cover, see `predict.covered`.
+            median, p95 and reference, the reference's own error (mean of E, median of P).
         laws: the laws of physics.
         parameters: number of trained parameters by network.
         seconds: time of every operation [s].
@@ -42,7 +41,7 @@ class Result:
 
     fingerprint: str
     reference: str
-    rows: dict[str, dict[str, Any] | None]
+    rows: dict[str, dict[str, Any]]
     laws: list[physical_laws.Figure]
     parameters: dict[str, int]
     seconds: dict[str, float]
@@ -95,17 +94,17 @@ class Errors(NamedTuple):
 
     Attributes:
         rows: as of `Result`.
-        materials: by group that the networks cover, their materials with every coat layered.
+        materials: by group, the materials with every coat layered.
         stacks: by group, E (S,) of these materials.
     """
 
-    rows: dict[str, dict[str, Any] | None]
-    materials: dict[str, list[Material]]
+    rows: dict[str, dict[str, Any]]
+    materials: dict[str, list]
     stacks: dict[str, np.ndarray]
 
 
 def measure_errors(
-    model: Model,
+    predicted: Callable[..., list],
     sets: Mapping[str, Samples],
     *,
     groups: tuple[Group, ...] = GROUPS,
@@ -113,29 +112,25 @@ def measure_errors(
 ) -> Errors:
     """Errors E and P of networks on the groups' sets, row by row.
 
-    Groups with indices of refraction that the networks do not cover are left out.
+    predicted: from samples, the number of encoded coats and `refined` to their materials, as
+        `predict.materials` for a model.
     """
-    materials: dict[Way, list[Material]] = {}
+    materials: dict[Way, list] = {}
     values: dict[Way, np.ndarray] = {}
     by_name = {group.name: group for group in groups}
-    missing = {name for name in by_name if not predict.covered(model, sets[name].table)}
-    covered = [row for row in rows if missing.isdisjoint(row.groups)]
 
     def ways(row: Row) -> list[Way]:
         return [Way(name, row.coats(by_name[name]), row.refined) for name in row.groups]
 
-    for way in (way for row in covered for way in ways(row)):
+    for way in (way for row in rows for way in ways(row)):
         if way not in materials:
             samples = sets[way.group]
-            materials[way] = predict.materials(model, samples, way.encoded, refined=way.refined)
+            materials[way] = predicted(samples, way.encoded, refined=way.refined)
             values[way] = predict.evaluate(materials[way], samples.wi, samples.wo)
     layered = [way for way in materials if way == Way(way.group)]
     return Errors(
         rows={
-            row.name: _row([(sets[way.group], values[way]) for way in ways(row)])
-            if row in covered
-            else None
-            for row in rows
+            row.name: _row([(sets[way.group], values[way]) for way in ways(row)]) for row in rows
         },
         materials={way.group: materials[way] for way in layered},
         stacks={way.group: sampling.stack_errors(values[way], sets[way.group]) for way in layered},
@@ -151,7 +146,7 @@ def measure(
     source: str = "",
 ) -> Result:
     """All figures of networks on the groups' sets; `source`: where the sets are from, in words."""
-    errors = measure_errors(model, sets, groups=groups, rows=rows)
+    errors = measure_errors(partial(predict.materials, model), sets, groups=groups, rows=rows)
     return Result(
         fingerprint=model.fingerprint,
         reference=source,
@@ -186,23 +181,10 @@ def write_json(path: Path, result: Result) -> None:
 
 
 def table(result: Result) -> str:
-    """The whole table: errors in percent, laws of physics, sizes and times.
-
-    Rows of stacks that the networks do not cover have dashes.
-    """
-    aims = {row.name: row.aims for row in ROWS}
+    """The whole table: errors in percent, laws of physics, sizes and times."""
     width = max(map(len, [*result.rows, *(law.name for law in result.laws), *result.seconds]))
-    heads = " ".join(f"{metric + ' ' + _SHORT.get(key, key):>8}" for metric, key in COLUMNS)
-    title = f"networks {result.fingerprint}, reference: {result.reference}"
-    lines = [title, "", f"{'errors [%]':<{width}} {'stacks':>6} {heads}  aims"]
-    for name, row in result.rows.items():
-        if row is None:
-            dashes = " ".join(["       –"] * len(COLUMNS))
-            lines.append(f"{name:<{width}} {'–':>6} {dashes}")
-            continue
-        numbers = " ".join(f"{100 * row[metric][key]:8.2f}" for metric, key in COLUMNS)
-        verdict = "; ".join(_aim(aim, row) for aim in aims.get(name, ()))
-        lines.append(f"{name:<{width}} {row['stacks']:>6} {numbers}  {verdict}".rstrip())
+    lines = [f"networks {result.fingerprint}, reference: {result.reference}", ""]
+    lines += error_lines(result.rows, width)
     lines += ["", "laws of physics"]
     for law in result.laws:
         lines.append(f"{law.name:<{width}} {law.value:>10.4g} {law.unit:<4} {_limit(law)}".rstrip())
@@ -211,6 +193,18 @@ def table(result: Result) -> str:
     lines += ["", "times, on this machine now"]
     lines += [f"{name:<{width}} {_duration(value)}" for name, value in result.seconds.items()]
     return "\n".join(lines)
+
+
+def error_lines(rows: Mapping[str, dict[str, Any]], width: int) -> list[str]:
+    """The lines of the errors in percent; width: of the names."""
+    aims = {row.name: row.aims for row in ROWS}
+    heads = " ".join(f"{metric + ' ' + _SHORT.get(key, key):>8}" for metric, key in COLUMNS)
+    lines = [f"{'errors [%]':<{width}} {'stacks':>6} {heads}  aims"]
+    for name, row in rows.items():
+        numbers = " ".join(f"{100 * row[metric][key]:8.2f}" for metric, key in COLUMNS)
+        verdict = "; ".join(_aim(aim, row) for aim in aims.get(name, ()))
+        lines.append(f"{name:<{width}} {row['stacks']:>6} {numbers}  {verdict}".rstrip())
+    return lines
 
 
 def _aim(aim: Aim, row: dict[str, Any]) -> str:

@@ -31,7 +31,6 @@ from urushi.export.statements import (
 from urushi.export.tangent import FIELDS, X_AXIS, Tangent
 from urushi.export.texels import Texels, texel_function
 from urushi.nets.lobe import WIDTH_PLACES
-from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
 
 #: How directions and values are meant, in every file.
@@ -140,11 +139,6 @@ def check(language: str, model: Model, prefix: str) -> None:
         raise ParameterError(
             f"'{prefix}' is not a valid prefix of function names; use letters, digits and single "
             "underscores, beginning with a letter"
-        )
-    if not isinstance(model.networks, UrushiNetworks):
-        raise ParameterError(
-            f"the networks {model.fingerprint} are of another system and cannot be exported; "
-            "encode the material with Urushi's networks"
         )
 
 

@@ -1,19 +1,15 @@
 """The whole system of Neural Layered BRDFs (Fan, Wang, Hašan, Yang and Yan, SIGGRAPH 2022).
 
-Networks, data and training are as published. The rest of Urushi does not import this package;
-after `register`, weights files, materials and plugins can hold its networks.
+Networks, data and training are as published. This is an extension: it has its own functions, of the
+names of Urushi's, and the rest of Urushi does not import it. Importing it registers the Mitsuba
+plugins `fan2022_brdf` and `fan2022_layered`.
 """
 
+from urushi.fan2022 import plugins
+from urushi.fan2022.material import Material, encode, layer, load
+from urushi.fan2022.networks import PaperNetworks
+from urushi.mitsuba import register
 
-def register() -> None:
-    """Let Urushi read the paper's weights and data."""
-    from urushi.fan2022.architecture import PaperArchitecture, parameter_shapes
-    from urushi.fan2022.networks import PaperNetworks
-    from urushi.fan2022.palette import Palette
-    from urushi.nets import weights
-    from urushi.train.data import distribution
+__all__ = ["Material", "PaperNetworks", "encode", "layer", "load"]
 
-    weights.register_kind(
-        "paper", weights.ArchitectureKind(PaperArchitecture, parameter_shapes, PaperNetworks)
-    )
-    distribution.register_source("palette", Palette)
+register.register(plugins.ROOM)

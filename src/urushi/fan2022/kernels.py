@@ -15,12 +15,11 @@ import numpy as np
 from drjit import nn
 
 from urushi.core.frame import square_to_cosine_hemisphere
-from urushi.fan2022 import proxy
 from urushi.fan2022.architecture import EVALUATION, PROXY
 from urushi.fan2022.blocks import EPSILON, Block, Linear, Norm
 from urushi.fan2022.proxy import MIN_SHARE, MIN_SIGMA
 from urushi.mitsuba.networks import mlp
-from urushi.nets.weights import Model
+from urushi.nets.mlp import Params
 
 #: The flags by which Mitsuba records a whole path as one kernel.
 _SYMBOLIC = (
@@ -82,20 +81,8 @@ class NormKernel:
 class PaperDecoder:
     """f [1/sr] from latent codes, by the evaluation network."""
 
-    def __init__(self, model: Model):
-        self._steps = _bound(model.params, EVALUATION)
-
-    def code_terms(self, latents: np.ndarray) -> np.ndarray:
-        """The latents themselves: the first layer is a small part of the work."""
-        return latents
-
-    def code_terms_drjit(self, latents: Sequence[Sequence]) -> list[list]:
-        """The latents themselves."""
-        return [list(latent) for latent in latents]
-
-    def f_of_terms(self, terms: Sequence[Sequence], wi, wo) -> list:
-        """f of each channel; terms: per channel a list (32) of Dr.Jit floats."""
-        return self.f(terms, wi, wo)
+    def __init__(self, params: Params):
+        self._steps = _bound(params, EVALUATION)
 
     def f(self, latents: Sequence[Sequence], wi, wo) -> list:
         """f of each channel, never negative; latents: per channel a list (32) of Dr.Jit floats.
@@ -187,19 +174,10 @@ class Gaussian(NamedTuple):
 class PaperSampler:
     """Proposals from latent codes, the same for all directions."""
 
-    def __init__(self, model: Model):
-        self._params = model.params
-        self._steps = _bound(model.params, PROXY)
+    def __init__(self, params: Params):
+        self._steps = _bound(params, PROXY)
 
-    def tabulated(self, latent: np.ndarray) -> list[np.ndarray]:
-        """Width and share; neither depends on directions."""
-        return [np.array(value, np.float32) for value in proxy.proxy(self._params, latent)]
-
-    def proposal_of_table(self, table: Sequence, wi) -> Gaussian:
-        """The proposal from width and share."""
-        return Gaussian(*table)
-
-    def proposal(self, latent: Sequence, wi) -> Gaussian:
+    def proposal(self, latent: Sequence) -> Gaussian:
         """The proposal of a latent code, a list (32) of Dr.Jit floats."""
         x = self._steps[0](nn.CoopVec(*latent))
         for step in self._steps[1:]:

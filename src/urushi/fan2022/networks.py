@@ -1,29 +1,31 @@
-"""The paper's networks behind the interface that all architectures share."""
+"""The paper's trained networks as one value: projection, layering, evaluation and sampling."""
 
 import functools
 import hashlib
+import os
 import threading
 from collections import OrderedDict
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
-from urushi.checks import CoatParameters
+from urushi.checks import CoatParameters, one_width
 from urushi.core.direction_sets import stratified_pairs
 from urushi.core.probe_pairs import probe_pairs
 from urushi.errors import ParameterError
 from urushi.fan2022 import adam
-from urushi.fan2022.architecture import LATENT, PaperArchitecture
+from urushi.fan2022.architecture import LATENT, PaperArchitecture, parameter_shapes
 from urushi.fan2022.inference import direction_inputs, evaluate, isotropic, layer
 from urushi.fan2022.projection import project
 from urushi.fan2022.proxy import GaussianMixture, proxy
+from urushi.nets import weights
 from urushi.nets.mlp import Params
-from urushi.nets.weights import Model
-from urushi.parallel import run_all_cores
+from urushi.parallel import fill_blocks, run_all_cores
 from urushi.walk import analytic
 
-if TYPE_CHECKING:
-    from urushi.fan2022.kernels import PaperDecoder, PaperSampler
+#: The system that weights files name.
+KIND = "paper"
 
 #: Number of direction pairs at which a BRDF is evaluated for its projection.
 PAIRS = 512
@@ -69,16 +71,47 @@ def adam_pairs() -> tuple[np.ndarray, np.ndarray]:
 
 
 class PaperNetworks:
-    """Projection, layering, evaluation and sampling by the paper's networks (NumPy)."""
+    """The paper's networks (NumPy). Make them of parameters, or by `read`.
 
-    def __init__(self, params: Params, arch: PaperArchitecture):
-        self._params, self._adam = params, arch.adam
+    Attributes:
+        arch, params, header, fingerprint: as of `nets.weights.Model`.
+    """
+
+    def __init__(self, arch: PaperArchitecture, params: Params, header: Mapping[str, Any]):
+        """params: arrays of NumPy or JAX.
+
+        Raises:
+            ParameterError: a parameter is missing, unknown, of a wrong shape or not finite.
+        """
+        self.arch, self.header = arch, dict(header)
+        self.params = weights.checked_parameters(params, parameter_shapes(arch))
+        self.fingerprint = weights.fingerprint(arch, self.params)
         self._lock = threading.Lock()  # guards the kept codes; not held during projections
         self._kept: OrderedDict[bytes, np.ndarray] = OrderedDict()
 
+    @classmethod
+    def read(cls, path: str | os.PathLike) -> "PaperNetworks":
+        """Read a weights file of `save`.
+
+        Raises:
+            FileError: as of `nets.weights.read_file`.
+        """
+        return weights.read_file(
+            path, KIND, lambda arch, *rest: cls(PaperArchitecture.from_json(arch), *rest)
+        )
+
+    def save(self, path: str | os.PathLike) -> "PaperNetworks":
+        """Write a weights file.
+
+        Raises:
+            FileError: the file cannot be written.
+        """
+        weights.write_file(path, self.arch, self.params, self.header)
+        return self
+
     def pairs(self) -> tuple[np.ndarray, np.ndarray]:
         """The pairs at which a BRDF is projected."""
-        return projection_pairs() if self._adam is None else adam_pairs()
+        return projection_pairs() if self.arch.adam is None else adam_pairs()
 
     def encode(self, f: Any) -> np.ndarray:
         """Codes (..., 32) by projection: about a second each, or some minutes by Adam.
@@ -90,7 +123,7 @@ class PaperNetworks:
         directions = direction_inputs(*self.pairs())[None]
         rows = values.reshape(-1, directions.shape[1])
         grey = np.ptp(rows, axis=1) <= 1e-4 * rows.max(axis=1)  # but for rounding
-        if self._adam is None or np.count_nonzero(grey) <= LEVELS:
+        if self.arch.adam is None or np.count_nonzero(grey) <= LEVELS:
             grey[:] = False
         codes = np.empty((len(rows), LATENT), np.float32)
         codes[~grey] = self._projected(directions, rows[~grey])
@@ -132,19 +165,26 @@ class PaperNetworks:
 
     def _project(self, directions: np.ndarray, f: np.ndarray) -> np.ndarray:
         """Codes (M, 32) of BRDFs f (M, P)."""
-        if self._adam is None:
-            return project(self._params, directions, f)[0]
-        return adam.project(self._params, directions, f, self._adam)[0]
+        if self.arch.adam is None:
+            return project(self.params, directions, f)[0]
+        return adam.project(self.params, directions, f, self.arch.adam)[0]
 
-    def layer(self, z_bottom: Any, coat: CoatParameters) -> Any:
+    def layer(self, z_bottom: np.ndarray, coat: CoatParameters) -> np.ndarray:
         """Codes (..., 32) by the layering network, whose inputs include the interface's code.
 
         A medium that scatters anisotropically is replaced by the similar isotropic one
         (`inference.isotropic`).
 
+        Args:
+            z_bottom: codes (..., 32) of the bottoms.
+            coat: checked parameters, arrays that broadcast against the leading shape of z_bottom.
+
         Raises:
-            ParameterError: an index is below one, or there are too many different interfaces.
+            ParameterError: the coat has two widths, an index is below one, or there are too many
+                different interfaces.
         """
+        one_width(coat.alpha, "the coat's")
+        coat = CoatParameters(*map(np.float32, coat))
         lowest = np.min(coat.eta)
         if lowest < 1:
             raise ParameterError(
@@ -153,16 +193,22 @@ class PaperNetworks:
             )
         z_top = self._top(coat.alpha, coat.eta)
         medium = isotropic(coat.albedo, coat.sigma_t, coat.g)
-        return layer(self._params, z_top, z_bottom, *medium)
+        codes = (z_top, z_bottom)
+        shape = np.broadcast_shapes(*(z.shape[:-1] for z in codes), *map(np.shape, medium))
+        result = np.empty((*shape, LATENT), np.float32)
+        parts = [np.broadcast_to(z, result.shape) for z in codes]
+        parts += [np.broadcast_to(x, shape) for x in medium]
+        fill_blocks(result, functools.partial(layer, self.params), *parts)
+        return result
 
     def f(self, z: Any, wi: Any, wo: Any) -> Any:
         """Values (...) [1/sr]; the network's negative outputs become zero."""
-        value = evaluate(self._params, z, direction_inputs(wi, wo))
+        value = evaluate(self.params, z, direction_inputs(wi, wo))
         return np.maximum(value, 0)
 
-    def proposal(self, z: Any, wi: Any) -> GaussianMixture:
-        """A Gaussian and a cosine lobe, the same for all wi."""
-        return proxy(self._params, z)
+    def proposal(self, z: Any) -> GaussianMixture:
+        """The proposal of codes z (..., 32): a Gaussian and a cosine lobe, the same for all wi."""
+        return proxy(self.params, z)
 
     def _top(self, alpha: Any, eta: Any) -> np.ndarray:
         """Codes (..., 32) of rough dielectrics."""
@@ -185,9 +231,3 @@ class PaperNetworks:
         columns = {"alpha": alpha, "eta": eta}
         wi, wo = np.tile(wi, (count, 1)), np.tile(wo, (count, 1))
         return analytic.rows("dielectric", columns, row, wi, wo).reshape(count, -1)
-
-    def drjit(self, model: Model) -> "tuple[PaperDecoder, PaperSampler]":
-        """The evaluation network and the proxy in Dr.Jit, in the current variant."""
-        from urushi.fan2022.kernels import PaperDecoder, PaperSampler  # lazily: it starts Mitsuba
-
-        return PaperDecoder(model), PaperSampler(model)

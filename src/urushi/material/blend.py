@@ -11,7 +11,6 @@ import numpy as np
 
 from urushi.material import energy
 from urushi.nets import lobe as lobes
-from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
 
 #: Cosines over which the reflectance of a lobe is averaged.
@@ -19,13 +18,8 @@ COSINES = np.array([1.0, 0.8, 0.6, 0.4, 0.2])
 
 
 def blend_codes(model: Model, a: np.ndarray, b: np.ndarray, share: np.ndarray) -> np.ndarray:
-    """Codes (C, L) between a and b (C, L); share: (C,) of b, in [0, 1].
-
-    Codes of networks of another system are blended linearly.
-    """
+    """Codes (C, L) between a and b (C, L); share: (C,) of b, in [0, 1]."""
     networks, size = model.networks, model.arch.latent
-    if not isinstance(networks, UrushiNetworks):
-        return (1.0 - share[:, None]) * a + share[:, None] * b
     count = networks.arch.lobe
     codes = np.empty((len(share), size), np.float32)
     codes[:, :count] = blend_lobes(a[:, :count], b[:, :count], share)

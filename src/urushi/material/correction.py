@@ -11,7 +11,7 @@ import numpy as np
 from urushi.core.error_metrics import DARK_OFFSET, huber_loss
 from urushi.material.fit import HUBER_KNEE, probe_features, stepped
 from urushi.nets.least_squares import damped_step
-from urushi.nets.networks import Networks, UrushiNetworks
+from urushi.nets.networks import UrushiNetworks
 from urushi.parallel import one_blas_thread
 
 #: Number of correction steps, and their damping relative to the mean curvature (Marquardt 1963).
@@ -22,7 +22,7 @@ FITTED_PAIRS, CHECKED_PAIRS = slice(0, None, 2), slice(1, None, 2)
 
 
 def correct_codes(
-    networks: Networks, z: np.ndarray, f: np.ndarray
+    networks: UrushiNetworks, z: np.ndarray, f: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return corrected codes, and factors by which the encoder's codes are too bright.
 
@@ -33,11 +33,8 @@ def correct_codes(
 
     Returns:
         Codes float32 (C, L) whose error is at most that of z, and the greatest ratios (C,) of the
-        values that z decodes to and f. For networks that encode by optimisation, z itself and
-        infinity.
+        values that z decodes to and f.
     """
-    if not isinstance(networks, UrushiNetworks):
-        return z, np.full(len(z), np.inf)
     with one_blas_thread():
         return correct_codes_serial(networks, z, f, CORRECTION_DAMPING)
 

@@ -29,7 +29,6 @@ from urushi.material.table import node_pairs, table_of_values
 from urushi.measured import is_anisotropic_file
 from urushi.nets import lobe as lobes
 from urushi.nets.interface_fit import find_lobes
-from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model, Weights, anisotropic_model, find
 from urushi.parallel import fill_blocks
 from urushi.walk import Stack
@@ -97,7 +96,7 @@ def encode(
             `urushi.material.fit`). None: for measured BRDFs, for a Stack, and for any source whose
             residual exceeds `UNUSUAL_RESIDUAL`. The code of a Stack is fitted to walks, 2.6 M for
             each channel (see `urushi.material.simulated`); it is twice as close as the code of
-            `layer`. Networks without an encoder always encode by optimisation.
+            `layer`.
         table: whether the material also gets a table of f over directions (see
             `urushi.material.table`), which is used to evaluate and render it. It costs as much as
             the codes and is far more accurate for unusual BRDFs. Textures use the codes. The source
@@ -154,7 +153,7 @@ def encode_source(
         The material, and the source's deviations.
     """
     opened = _with_widths(as_source(source), model.widths)
-    if opened.bare and opened.lobe is not None and isinstance(model.networks, UrushiNetworks):
+    if opened.bare and opened.lobe is not None:
         lobe = np.atleast_2d(opened.lobe)
         channels = 3 if len(lobe) == 1 else len(lobe)
         material = material_of_lobes(opened.lobe, model, channels)
@@ -180,7 +179,7 @@ def encode_values(found: SourceValues, model: Model, *, refine: bool | None = No
     It has a table if the values at the pairs of its nodes are among them.
     """
     refine = True if refine is None and found.measured else refine
-    if found.bare and found.lobe is not None and isinstance(model.networks, UrushiNetworks):
+    if found.bare and found.lobe is not None:
         return material_of_lobes(found.lobe, model, found.values.shape[1])
     count = len(required_pairs(None, model, table=False)[0])
     values, at_table = found.values[:count], found.values[count:]
@@ -196,7 +195,6 @@ def material_of_lobes(lobe: np.ndarray, model: Model, channels: int = 3) -> Mate
     The anchor is the encoder's output for them.
     """
     anchors = bare_anchors(model, np.broadcast_to(lobe, (channels, lobe.shape[-1])))
-    assert isinstance(model.networks, UrushiNetworks)  # for the type checker
     return Material(model.networks.without_rest(anchors), model, anchors)
 
 
@@ -206,7 +204,6 @@ def bare_anchors(model: Model, lobe: np.ndarray) -> np.ndarray:
     All have the same rest, the encoder's code of a zero rest. The energy limit does not scale it,
     because the layerer was trained on it unscaled.
     """
-    assert isinstance(model.networks, UrushiNetworks)  # for the type checker
     rest = model.networks.empty_rest()
     shape = *lobe.shape[:-1], len(rest)
     return np.concatenate([lobe, np.broadcast_to(rest, shape)], axis=-1, dtype=np.float32)
@@ -224,17 +221,17 @@ def required_pairs(
     source: as of `encode`, or the Path of a measured file.
 
     Raises:
-        ParameterError: materials of the networks, of another system, have no tables.
+        ParameterError: materials of the networks, of two widths, have no tables.
     """
-    parts, own = [model.networks.pairs()], isinstance(model.networks, UrushiNetworks)
+    parts = [model.networks.pairs()]
     if table is None:
-        table = own and model.widths == 1
+        table = model.widths == 1
         table = table and (isinstance(source, Path) or as_source(source).tabulated)
-    if table and not (own and model.widths == 1):
+    if table and model.widths != 1:
         raise ParameterError(
             "materials of these networks cannot have tables; give table=False or other networks"
         )
-    if own and (table or not isinstance(source, Stack)):
+    if table or not isinstance(source, Stack):
         parts.append(albedo_rule(model.widths)[:2])
     if table:
         parts.append(node_pairs())
@@ -290,8 +287,7 @@ def material_from_values(
         model: the networks.
         refine: whether to refine the codes; None: if the residual of one exceeds
             `UNUSUAL_RESIDUAL`.
-        lobe: (N,) or (C, N) the channels' lobes; None: they are fitted to the values. Codes of
-            another system have none.
+        lobe: (N,) or (C, N) the channels' lobes; None: they are fitted to the values.
     """
     pairs = len(model.networks.pairs()[0])
     probed, at_nodes = values[:pairs].T, values[pairs:].T
@@ -303,7 +299,7 @@ def material_from_values(
         source_albedo = _source_albedos(nodes, lobe, rule)
         ceiling = energy.albedo_ceiling(source_albedo, rule)
     share = np.ones(len(probed))
-    if nodes is not None and lobe is not None:
+    if nodes is not None:
         share = _rest_share(source_albedo, lobe, rule)
     if not refine:
         anchors = encoder_codes(model, probed, lobe)
@@ -359,8 +355,6 @@ def with_dielectrics_in_rests(model: Model, anchors: np.ndarray, f: np.ndarray) 
     f: [1/sr] at the probe pairs.
     """
     networks = model.networks
-    if not isinstance(networks, UrushiNetworks):
-        return anchors
     normal, grazing, exact = anchors[:, 1:4].T
     rest = f - networks.top(anchors[:, None], *networks.pairs())
     diffuse = np.pi * np.quantile(rest, DIFFUSE_QUANTILE, axis=-1)
@@ -381,8 +375,6 @@ def without_useless_rests(model: Model, anchors: np.ndarray, f: np.ndarray) -> n
         nearly the whole source.
     """
     networks = model.networks
-    if not isinstance(networks, UrushiNetworks):
-        return anchors
     wi, wo = networks.pairs()
     weight = energy_weight(wi[:, 2], wo[:, 2])
     rest = f - networks.top(anchors[:, None], wi, wo)
@@ -417,33 +409,24 @@ def _ramp(x: np.ndarray, ends: tuple[float, float]) -> np.ndarray:
     return np.clip((x - low) / (high - low), 0, 1)
 
 
-def _lobes_of_channels(model: Model, f: np.ndarray, lobe: np.ndarray | None) -> np.ndarray | None:
-    """The lobes float32 (C, N) of values f (C, P) at the probe pairs; None for other systems."""
-    if not isinstance(model.networks, UrushiNetworks):
-        return None
+def _lobes_of_channels(model: Model, f: np.ndarray, lobe: np.ndarray | None) -> np.ndarray:
+    """The lobes float32 (C, N) of values f (C, P) at the probe pairs; lobe: (C, N), if known."""
     if lobe is None:
         return find_lobes(f, model.widths)
     return np.broadcast_to(np.asarray(lobe, np.float32), (len(f), lobe.shape[-1]))
 
 
-def _source_albedos(f: np.ndarray, lobe: np.ndarray | None, rule: AlbedoRule) -> np.ndarray:
+def _source_albedos(f: np.ndarray, lobe: np.ndarray, rule: AlbedoRule) -> np.ndarray:
     """Directional albedos (C, D) of values f (C, M) at the nodes of a rule.
 
     The nodes are too few for the sharpest lobes (N,), whose albedos are computed separately.
     """
-    if lobe is None:
-        return rule.albedo(f)
     rest = np.maximum(f - lobes.f(lobe[:, None], rule.wi, rule.wo), 0.0)
     return rule.albedo(rest) + lobe_albedos(lobe, rule)
 
 
 def residual(model: Model, z: np.ndarray, f: np.ndarray) -> np.ndarray:
-    """Root mean squares (C,) of ln(f + `DARK_OFFSET`) between codes (C, L) and values f (C, P).
-
-    Zero for networks of another system, whose codes cannot be refined.
-    """
-    if not isinstance(model.networks, UrushiNetworks):
-        return np.zeros(len(z))
+    """Root mean squares (C,) of ln(f + `DARK_OFFSET`) between codes (C, L) and values f (C, P)."""
     decoded = model.networks.f(z[:, None], *model.networks.pairs())
     return np.sqrt(np.square(np.log((decoded + DARK_OFFSET) / (f + DARK_OFFSET))).mean(axis=-1))
 

@@ -21,7 +21,6 @@ from urushi.material.albedo_rule import AlbedoRule, albedo_rule
 from urushi.material.lobe_albedo import lobe_albedos
 from urushi.material.regression import CodeFeatures
 from urushi.nets.lobe import LOBE_NUMBERS, WIDTH_PLACES
-from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
 from urushi.parallel import fill_blocks, one_blas_thread
 
@@ -79,7 +78,7 @@ def top_albedos(model: Model, z: np.ndarray) -> np.ndarray:
 
 def rest_albedos(model: Model, z: np.ndarray) -> np.ndarray:
     """Directional albedos (N, D) of the rests of codes (N, L) at the cosines of the rule."""
-    nodes, networks = albedo_rule(model.arch.widths), own_networks(model)
+    nodes, networks = albedo_rule(model.arch.widths), model.networks
     count = len(nodes.cosines)
 
     def measure(codes: np.ndarray) -> np.ndarray:
@@ -125,8 +124,7 @@ def limit_albedo(
         ceiling: a number, or an array that broadcasts to (..., D), at the cosines of `albedo_rule`.
 
     Returns:
-        float32 (..., L); the same bits where a code is not above its ceiling, and for networks
-        whose codes have no gain.
+        float32 (..., L); the same bits where a code is not above its ceiling.
     """
     return _scaled(model, z, _limiting_factors(model, z, ceiling))
 
@@ -136,8 +134,7 @@ def limit_mean_albedo(
 ) -> np.ndarray:
     """Scale codes down so that the mean of their directional albedo is not above a ceiling.
 
-    The mean is over diffuse light. Codes whose albedo is nowhere above the ceiling, and codes of
-    networks without a gain, are not changed.
+    The mean is over diffuse light. Codes whose albedo is nowhere above the ceiling are not changed.
 
     Args:
         model: the networks.
@@ -203,12 +200,12 @@ def as_rendered(model: Model, z_bottom: np.ndarray) -> np.ndarray:
     never rendered.
     """
     bare = are_bare(model, z_bottom)[..., None]
-    return np.where(bare, own_networks(model).without_rest(z_bottom), z_bottom)
+    return np.where(bare, model.networks.without_rest(z_bottom), z_bottom)
 
 
 def are_bare(model: Model, z: np.ndarray) -> np.ndarray:
     """Whether codes (..., L) have an empty rest, as bare surfaces have; bool (...)."""
-    empty = own_networks(model).empty_rest()
+    empty = model.networks.empty_rest()
     return np.abs(z[..., model.arch.lobe :] - empty).max(axis=-1) < BARE_DIFFERENCE
 
 
@@ -239,7 +236,7 @@ def _limiting_factors(
         if not isinstance(ceiling, float):
             ceilings = np.broadcast_to(ceiling, (*z.shape[:-1], _directions(model)))[far]
         further = _measured_factors(
-            model, own_networks(model).rest_scaled(z[far], result[far]), ceilings
+            model, model.networks.rest_scaled(z[far], result[far]), ceilings
         )
         result[far] *= further
         far[far] = further < TINY_FACTOR
@@ -249,7 +246,7 @@ def _limiting_factors(
 def _measured_factors(model: Model, z: np.ndarray, ceiling: np.ndarray | float) -> np.ndarray:
     """`_limiting_factors` by one measurement, exact where f is below the decoder's maximum."""
     result = np.ones(z.shape[:-1], np.float32)
-    if not isinstance(model.networks, UrushiNetworks) or not z.size:
+    if not z.size:
         return result
     rows = np.ascontiguousarray(z).reshape(-1, z.shape[-1])
     if isinstance(ceiling, float) and len(rows) > SCREENED_COUNT:
@@ -268,12 +265,6 @@ def _measured_factors(model: Model, z: np.ndarray, ceiling: np.ndarray | float) 
 def _directions(model: Model) -> int:
     """The number D of directions at which the albedos of codes are known."""
     return len(albedo_rule(model.arch.widths).cosines)
-
-
-def own_networks(model: Model) -> UrushiNetworks:
-    """The networks as Urushi's own, for the type checker; other systems have no gain."""
-    assert isinstance(model.networks, UrushiNetworks)
-    return model.networks
 
 
 def excesses(model: Model, z: np.ndarray, ceiling: np.ndarray | float) -> np.ndarray:
@@ -325,7 +316,7 @@ def _scaled(
     if not over.any():
         return z
     result = z if overwrite else np.array(z)
-    gains = own_networks(model).gains(result)
+    gains = model.networks.gains(result)
     gains[over] += np.log(factors[over])
     return result
 

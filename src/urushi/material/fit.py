@@ -43,7 +43,7 @@ from urushi.nets.features import direction_features
 from urushi.nets.least_squares import Damping, FitState, damped_steps
 from urushi.nets.lobe import no_lobe
 from urushi.nets.lobe_fit import fit_lobes
-from urushi.nets.networks import Networks, UrushiNetworks
+from urushi.nets.networks import UrushiNetworks
 from urushi.parallel import one_blas_thread
 from urushi.walk import conductor, diffuse
 
@@ -183,22 +183,18 @@ class RefinedCodes(NamedTuple):
 
 
 def refine_codes(
-    networks: Networks,
+    networks: UrushiNetworks,
     f: np.ndarray,
     nodes: np.ndarray | None = None,
     lobe: np.ndarray | None = None,
 ) -> RefinedCodes:
     """Return refined codes of BRDFs with values f (C, P) [1/sr] at `networks.pairs`.
 
-    Each channel is optimised by itself, so that no rounding error of one affects another. Networks
-    of another system, which encode by optimisation, only encode.
+    Each channel is optimised by itself, so that no rounding error of one affects another.
 
     nodes: (C, M) [1/sr], the BRDFs' values at the nodes of `albedo_rule`, if known. lobe:
     (C, 6), which the codes keep; None: those of `fit_lobes`.
     """
-    if not isinstance(networks, UrushiNetworks):
-        codes = networks.encode(f)
-        return RefinedCodes(codes, codes)
     rows = np.ascontiguousarray(f)
     own = fit_lobes(rows, networks.arch.widths) if lobe is None else lobe
     further = [None] * len(rows) if nodes is None else np.ascontiguousarray(nodes)

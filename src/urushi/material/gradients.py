@@ -13,7 +13,6 @@ from typing import NamedTuple
 import numpy as np
 
 from urushi.checks import MIN_ALPHA, CoatParameters
-from urushi.errors import ParameterError
 from urushi.material import energy
 from urushi.material.albedo_rule import albedo_rule
 from urushi.material.blend import blend_lobes
@@ -24,7 +23,6 @@ from urushi.nets import derivatives
 from urushi.nets import lobe as lobes
 from urushi.nets.derivatives import decode_log
 from urushi.nets.lobe import WIDTH_PLACES
-from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
 from urushi.parallel import fill_blocks
 
@@ -40,19 +38,6 @@ _ROUNDING = 1e-5
 
 #: Step of the central differences of a lobe's albedo: its table is in single precision.
 _LOBE_STEP = 1e-3
-
-
-def check_differentiable(model: Model, where: str) -> None:
-    """Check that these networks have derivatives.
-
-    Raises:
-        ParameterError: they are networks of another system.
-    """
-    if not isinstance(model.networks, UrushiNetworks):
-        raise ParameterError(
-            f"{where}: gradients are requested, but networks such as those of Fan et al. (2022) "
-            "do not support them; use the shipped networks"
-        )
 
 
 def layer_pushforward(
@@ -148,7 +133,7 @@ def encode_pushforward(
     None: they are fitted to f. The limit of a bottom's albedo is ignored, so that an optimiser can
     leave white.
     """
-    arch, networks = model.arch, energy.own_networks(model)
+    arch, networks = model.arch, model.networks
 
     def block(f, z, df, *dlobe):
         lobe = z[:, : arch.lobe]
@@ -174,7 +159,7 @@ def encode_pullback(
     dz (N, L): the weights of the codes. fitted: whether the lobes are fitted to f. Their gradients
     are then contained in the first result. The others as in `encode_pushforward`.
     """
-    arch, networks = model.arch, energy.own_networks(model)
+    arch, networks = model.arch, model.networks
 
     def block(f, z, dz):
         lobe = z[:, : arch.lobe]
@@ -214,7 +199,7 @@ class _Encoding(NamedTuple):
     @classmethod
     def of(cls, model: Model, f: np.ndarray, z: np.ndarray) -> "_Encoding":
         """The dependence at f and codes z."""
-        networks, gain = energy.own_networks(model), model.arch.lobe
+        networks, gain = model.networks, model.arch.lobe
         lobe = z[:, :gain]
         rest = f - networks.top(z[:, None], *networks.pairs())
         least, seen = np.float32(LEAST_REFLECTANCE / np.pi), rest >= 0

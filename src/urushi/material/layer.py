@@ -18,7 +18,6 @@ from urushi.material.material import Material
 from urushi.material.table import SHAPE, rest_table
 from urushi.nets import lobe as lobes
 from urushi.nets.decoder import MIN_LOG
-from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model, Weights, anisotropic_model, default_model
 from urushi.parallel import fill_blocks
 from urushi.walk import Dielectric
@@ -135,13 +134,13 @@ def _tabulated(bottom: Material, coat: CoatParameters) -> Material | None:
     """The bottom with a table, under a coat that needs one; None: networks layer it."""
     if bottom.table is not None:
         return bottom
-    networks, none = bottom.model.networks, np.zeros(())
-    if not isinstance(networks, UrushiNetworks) or bottom.model.widths != 1:
+    none = np.zeros(())
+    if bottom.model.widths != 1:
         return None
     codes_fade = (presence(none, coat.eta, none) < PRESENT).any()
     if not (codes_fade or checks.outside_training(coat)):
         return None
-    table = rest_table(networks, bottom.latents)
+    table = rest_table(bottom.model.networks, bottom.latents)
     if table is None:
         table = np.full((*SHAPE, bottom.channels), MIN_LOG)
     return replace(bottom, table=table, beside_lobe=True)
@@ -233,9 +232,8 @@ def _layered(model: Model, z: np.ndarray, coat: CoatParameters) -> np.ndarray:
             f"the coat's parameters ({shapes}) do not fit the bottom's {z.shape[:-1]}; "
             "give scalars or arrays of the same shape"
         ) from error
-    if isinstance(model.networks, UrushiNetworks):
-        check_ratios(model, z, coat)
-        columns = within_training(coat).columns()
+    check_ratios(model, z, coat)
+    columns = within_training(coat).columns()
     rows = shape or (1,)
     coated = np.empty((*rows, z.shape[-1]), np.float32)
     fill_blocks(
@@ -318,7 +316,7 @@ def _without_absent_coats(
 ) -> np.ndarray:
     """Codes (..., L) of coats, blended with those of the bottoms where the `presence` is low."""
     share = presence(coat.alpha, coat.eta, coat.sigma_t)
-    if not isinstance(model.networks, UrushiNetworks) or (share >= PRESENT).all():
+    if (share >= PRESENT).all():
         return coated
     bottoms = as_rendered(model, z) if rendered is None else rendered
     share = np.broadcast_to(share, coated.shape[:-1]).astype(np.float32)

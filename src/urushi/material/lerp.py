@@ -11,15 +11,13 @@ from urushi.material.blend import blend_codes
 from urushi.material.encode import encode
 from urushi.material.material import Material
 from urushi.material.table import SHAPE, node_pairs, table_of_values
-from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model, anisotropic_model, default_model
 
 
 def lerp(a: Material, b: Material, t: npt.ArrayLike) -> Material:
     """Return the material between a and b.
 
-    The albedo is about linear in t, see `urushi.material.blend`; energy is conserved. Codes of
-    networks of another system are blended to (1 - t) a + t b.
+    The albedo is about linear in t, see `urushi.material.blend`; energy is conserved.
 
     t: in [0, 1], a scalar or one number per RGB channel. A material of one channel blends with one
     of three. t = 0 gives exactly a's codes, t = 1 exactly b's. If a or b has a table, the result
@@ -96,8 +94,7 @@ def _blend(model: Model, a: np.ndarray, b: np.ndarray, share: np.ndarray) -> np.
     shape = (len(share), a.shape[1])
     a, b = np.broadcast_to(a, shape), np.broadcast_to(b, shape)
     codes = blend_codes(model, a, b, share)
-    if isinstance(model.networks, UrushiNetworks):
-        peaks = [energy.directional_albedos(model, z).max(axis=-1) for z in (a, b)]
-        ceiling = np.maximum(np.maximum(*peaks), 1 - energy.MARGIN)
-        codes = energy.limit_albedo(model, codes, ceiling[:, None])
+    peaks = [energy.directional_albedos(model, z).max(axis=-1) for z in (a, b)]
+    ceiling = np.maximum(np.maximum(*peaks), 1 - energy.MARGIN)
+    codes = energy.limit_albedo(model, codes, ceiling[:, None])
     return np.where((share == 0)[:, None], a, np.where((share == 1)[:, None], b, codes))

@@ -2,7 +2,6 @@
 
 import os
 import warnings
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,21 +15,12 @@ from urushi.export.program import material_text
 from urushi.material import file
 from urushi.material.table import SHAPE, interpolated
 from urushi.nets import lobe as lobes
-from urushi.nets.networks import Proposal, UrushiNetworks
+from urushi.nets.networks import Proposal
 from urushi.nets.weights import Model, Weights, find
 from urushi.parallel import fill_blocks
 
 #: Directions whose albedo is integrated at once, over 1536 others each.
 ALBEDO_BLOCK = 16
-
-
-#: Makes the picture of a material as the bytes of a PNG file; see `register_picture`.
-_pictures: list[Callable[["Material"], bytes]] = []
-
-
-def register_picture(picture: Callable[["Material"], bytes]) -> None:
-    """Let notebooks show materials of one or three channels by a picture (PNG)."""
-    _pictures[:] = [picture]
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,10 +93,6 @@ class Material:
 
     def __repr__(self) -> str:
         return f"Material({self.channels} channels, weights {self.model.fingerprint})"
-
-    def _repr_png_(self) -> bytes | None:
-        """The picture that IPython and Jupyter show."""
-        return _pictures[0](self) if _pictures and self.channels in (1, 3) else None
 
     @property
     def channels(self) -> int:
@@ -252,8 +238,8 @@ class Material:
             prefix: begins the names of functions and structures; those of Python have none.
 
         Raises:
-            ParameterError: the language is unknown, the prefix is not a name, the networks belong
-                to another system, or the material has neither one nor three channels.
+            ParameterError: the language is unknown, the prefix is not a name, or the material has
+                neither one nor three channels.
 
         Warns:
             UrushiWarning: the material has a table.
@@ -337,7 +323,7 @@ def _same_table(a: np.ndarray | None, b: np.ndarray | None) -> bool:
 
 def _checked_table(table: npt.ArrayLike, model: Model, channels: int) -> np.ndarray:
     """A read-only copy float16 (U, V, W, C) of a material's table."""
-    if not isinstance(model.networks, UrushiNetworks) or model.widths == 2:
+    if model.widths == 2:
         raise ParameterError("materials of these networks cannot have tables")
     with np.errstate(over="ignore"):
         array = np.array(table, dtype=np.float16)

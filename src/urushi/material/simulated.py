@@ -96,8 +96,6 @@ def fit_to_walks(
             standard errors, for float32 unit vectors (N, 3) above the horizon.
     """
     networks = material.model.networks
-    if not isinstance(networks, UrushiNetworks):
-        return material
     pairs = drawn_pairs(material, np.random.default_rng(SEED))
     f, se = (np.asarray(x, np.float64) for x in simulated(pairs.wi, pairs.wo))
     features = direction_features(pairs.wi, pairs.wo, networks.arch.widths)

@@ -16,7 +16,6 @@ from urushi.errors import ParameterError
 from urushi.material.material import Material
 from urushi.measured import Merl, Rgl
 from urushi.nets import lobe as lobes
-from urushi.nets.networks import UrushiNetworks
 from urushi.walk import Coat, Stack
 from urushi.walk.bottoms import Description
 
@@ -92,8 +91,7 @@ def _(source: Source) -> Source:
 
 @as_source.register
 def _(source: Material) -> Source:
-    own = isinstance(source.model.networks, UrushiNetworks)
-    lobe = source.latents[:, : source.model.arch.lobe] if own else None
+    lobe = source.latents[:, : source.model.arch.lobe]
     return Source(source.f, symmetric=True, lobe=lobe, widths=source.model.widths)
 
 

@@ -23,22 +23,14 @@ class Room(NamedTuple):
     emitters: tuple[str, ...] = ()
 
 
-_registered = False
+def register(*rooms: Room) -> None:
+    """Register plugins in the current variant, if any, and in all that are set later.
 
-
-def register(prepare: Callable[[], None], *extensions: Room) -> None:
-    """Register the plugins in the current variant, if any, and in all that are set later.
-
-    prepare: called before the plugins of a variant are defined. extensions: further plugins.
+    The package registers its own when it is imported. An extension calls this once, for its own.
     """
-    global _registered
-    if _registered:
-        return
-    _registered = True
 
     def on_variant(old: str | None, new: str) -> None:
-        prepare()
-        _on_variant(new, (ROOM, *extensions))
+        _on_variant(new, rooms)
 
     mi.detail.add_variant_callback(on_variant)
     if mi.variant() is not None:

@@ -1,4 +1,4 @@
-"""The interface of networks of any architecture, and its implementation by Urushi's own."""
+"""Urushi's networks as one value, and the interface of their proposals."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple, Protocol
@@ -26,30 +26,6 @@ class Proposal(Protocol):
         """Directions wo (..., 3) from uniform numbers u (..., 3); wi above the horizon."""
 
 
-class Networks(Protocol):
-    """Operations on latent codes z (..., L) that every kind of networks has.
-
-    A code represents one monochrome BRDF. Leading dimensions broadcast; arrays are NumPy's. The
-    operations are thread-safe. `UrushiNetworks` has more: gains of codes, and derivatives.
-    Features that need these are skipped for other kinds.
-    """
-
-    def pairs(self) -> tuple[np.ndarray, np.ndarray]:
-        """The direction pairs wi, wo (P, 3) at which `encode` needs a BRDF's values."""
-
-    def encode(self, f: Any) -> Any:
-        """Codes (..., L) of BRDFs with values f (..., P) [1/sr] at `pairs`."""
-
-    def layer(self, z_bottom: Any, coat: CoatParameters) -> Any:
-        """Codes (..., L) of bottoms under coats."""
-
-    def f(self, z: Any, wi: Any, wo: Any) -> Any:
-        """BRDF values (...) [1/sr, no cosine], never negative, for wi, wo above the horizon."""
-
-    def proposal(self, z: Any, wi: Any) -> Proposal:
-        """The sampling proposal of codes z (..., L) for wi (..., 3) above the horizon."""
-
-
 class LobeProposal(NamedTuple):
     """A mixture of K GGX reflection lobes and a cosine lobe.
 
@@ -71,7 +47,11 @@ class LobeProposal(NamedTuple):
 
 
 class UrushiNetworks(NamedTuple):
-    """Encoder, layerer, decoder and sampler of an `Architecture`."""
+    """Encoder, layerer, decoder and sampler of an `Architecture`.
+
+    A code z (..., L) represents one monochrome BRDF. Leading dimensions broadcast; arrays are
+    NumPy's. The operations are thread-safe.
+    """
 
     params: Params
     arch: Architecture

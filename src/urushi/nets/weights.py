@@ -7,7 +7,7 @@ import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from urushi import files
 from urushi.errors import FileError, ParameterError
 from urushi.nets.architecture import Architecture, parameter_shapes
 from urushi.nets.mlp import Params
-from urushi.nets.networks import Networks, UrushiNetworks
+from urushi.nets.networks import UrushiNetworks
 
 #: Version of the file format.
 FORMAT_VERSION = 1
@@ -25,49 +25,17 @@ FORMAT_VERSION = 1
 DEFAULT, ANISOTROPIC = "default", "anisotropic"
 
 
-@dataclass(frozen=True)
-class ArchitectureKind:
-    """The functions by which models and weights files handle one class of architectures.
+#: The system that files name as `kind`; those without the entry hold Urushi's own networks.
+KIND = "urushi"
 
-    Attributes:
-        architecture: the class; it has `latent`, `to_json` and `from_json`.
-        parameter_shapes: maps an architecture to its parameters' shapes by name.
-        networks: makes networks of parameters and an architecture.
-    """
-
-    architecture: Any
-    parameter_shapes: Callable[[Any], dict[str, tuple[int, ...]]]
-    networks: Callable[[Params, Any], Networks]
+Networks = TypeVar("Networks")
 
 
-#: Kinds of architectures by the name that files record as `kind`; "urushi" is the default.
-_kinds = {"urushi": ArchitectureKind(Architecture, parameter_shapes, UrushiNetworks)}
+class Described(Protocol):
+    """An architecture that files describe."""
 
-
-def register_kind(name: str, kind: ArchitectureKind) -> None:
-    """Register another kind of architecture for models and weights files."""
-    _kinds[name] = kind
-
-
-def _kind_of(arch: Any) -> ArchitectureKind:
-    """The kind of an architecture."""
-    return next(kind for kind in _kinds.values() if isinstance(arch, kind.architecture))
-
-
-def _read_architecture(path: str | os.PathLike, description: Any) -> Any:
-    """The architecture that a weights file describes.
-
-    Raises:
-        FileError: no kind of this name is registered.
-        ParameterError: the description does not fit its kind.
-    """
-    name = description.get("kind", "urushi") if isinstance(description, dict) else "urushi"
-    if name not in _kinds:
-        raise FileError(
-            f"'{path}' holds networks of the kind {name!r}, but only {', '.join(_kinds)} can be "
-            "read; register that kind first"
-        )
-    return _kinds[name].architecture.from_json(json.dumps(description))
+    def to_json(self) -> str:
+        """The text of a JSON object; its entry `kind` names another system than Urushi's."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,41 +43,51 @@ class Model:
     """Trained networks: architecture, parameters and origin. Make one by `Model.of` or `read`.
 
     Attributes:
-        arch: the architecture, of a registered kind.
+        arch: the architecture.
         params: read-only float32 NumPy arrays by name.
         header: any JSON values: preset, seed, data, metrics, versions.
         fingerprint: twelve hexadecimal digits that identify arch and params, but not the header.
     """
 
-    arch: Any
+    arch: Architecture
     params: Mapping[str, np.ndarray]
     header: Mapping[str, Any]
     fingerprint: str
 
     @classmethod
-    def of(cls, arch: Any, params: Params, header: Mapping[str, Any]) -> "Model":
+    def of(cls, arch: Architecture, params: Params, header: Mapping[str, Any]) -> "Model":
         """Make a model of parameters (arrays of NumPy or JAX).
 
         Raises:
             ParameterError: a parameter is missing, unknown, of a wrong shape or not finite.
         """
-        shapes = _kind_of(arch).parameter_shapes(arch)
-        unmatched = sorted(set(shapes) ^ set(params))
-        if unmatched:
-            state = "missing" if unmatched[0] in shapes else "unknown"
-            raise ParameterError(f"the parameter '{unmatched[0]}' is {state} in these networks")
-        checked = {name: _checked(name, params[name], shape) for name, shape in shapes.items()}
+        checked = checked_parameters(params, parameter_shapes(arch))
         return cls(arch, checked, dict(header), fingerprint(arch, checked))
 
     @property
     def widths(self) -> int:
         """GGX widths of a surface: 2 if the networks are for anisotropic materials, otherwise 1."""
-        return getattr(self.arch, "widths", 1)
+        return self.arch.widths
 
     @functools.cached_property
-    def networks(self) -> Networks:
+    def networks(self) -> UrushiNetworks:
         """The networks: encoder, layerer, evaluation and proposals."""
-        return _kind_of(self.arch).networks(self.params, self.arch)
+        return UrushiNetworks(self.params, self.arch)
+
+
+def checked_parameters(
+    params: Params, shapes: Mapping[str, tuple[int, ...]]
+) -> dict[str, np.ndarray]:
+    """Read-only float32 copies of parameters.
+
+    Raises:
+        ParameterError: a parameter is missing, unknown, of a wrong shape or not finite.
+    """
+    unmatched = sorted(set(shapes) ^ set(params))
+    if unmatched:
+        state = "missing" if unmatched[0] in shapes else "unknown"
+        raise ParameterError(f"the parameter '{unmatched[0]}' is {state} in these networks")
+    return {name: _checked(name, params[name], shape) for name, shape in shapes.items()}
 
 
 def _checked(name: str, value: Any, shape: tuple[int, ...]) -> np.ndarray:
@@ -125,7 +103,7 @@ def _checked(name: str, value: Any, shape: tuple[int, ...]) -> np.ndarray:
     return array
 
 
-def fingerprint(arch: Any, params: Params) -> str:
+def fingerprint(arch: Described, params: Params) -> str:
     """Return twelve hexadecimal digits of the SHA-256 of the architecture, names and arrays."""
     digest = hashlib.sha256(arch.to_json().encode())
     for name in sorted(params):
@@ -134,7 +112,9 @@ def fingerprint(arch: Any, params: Params) -> str:
     return digest.hexdigest()[:12]
 
 
-def save(path: str | os.PathLike, arch: Any, params: Params, header: Mapping[str, Any]) -> Model:
+def save(
+    path: str | os.PathLike, arch: Architecture, params: Params, header: Mapping[str, Any]
+) -> Model:
     """Write networks to a safetensors file and return them as a model.
 
     header: JSON values that describe their origin.
@@ -144,21 +124,50 @@ def save(path: str | os.PathLike, arch: Any, params: Params, header: Mapping[str
         FileError: the file cannot be written.
     """
     model = Model.of(arch, params, header)
+    write_file(path, arch, model.params, header)
+    return model
+
+
+def write_file(
+    path: str | os.PathLike, arch: Described, params: Params, header: Mapping[str, Any]
+) -> None:
+    """Write the networks of any system to a weights file.
+
+    Raises:
+        FileError: the file cannot be written.
+    """
     description = {
         "version": FORMAT_VERSION,
         "architecture": json.loads(arch.to_json()),
         "header": dict(header),
     }
-    files.write_tensors(path, "weights", description, model.params)
-    return model
+    files.write_tensors(path, "weights", description, params)
 
 
 def read(path: str | os.PathLike) -> Model:
     """Read a weights file that `save` wrote.
 
     Raises:
-        FileError: the file is missing, truncated, foreign or of another version, its arrays do not
-            fit its architecture.
+        FileError: as `read_file`.
+    """
+    return read_file(path, KIND, lambda arch, *rest: Model.of(Architecture.from_json(arch), *rest))
+
+
+def read_file(
+    path: str | os.PathLike,
+    kind: str,
+    make: Callable[[str, Params, Mapping[str, Any]], Networks],
+) -> Networks:
+    """Read a weights file that `write_file` wrote.
+
+    Args:
+        path: the file.
+        kind: the system of the networks.
+        make: from the architecture's JSON text, the parameters and the header to the networks.
+
+    Raises:
+        FileError: the file is missing, truncated, foreign, of another version or of another system,
+            or its arrays do not fit its architecture.
     """
     description, arrays = files.read_tensors(path, "weights")
     if description.get("version") != FORMAT_VERSION:
@@ -166,9 +175,15 @@ def read(path: str | os.PathLike) -> Model:
             f"'{path}' has version {description.get('version')!r} of the weights format, "
             f"this Urushi reads version {FORMAT_VERSION}; install the Urushi that wrote it"
         )
+    arch = description.get("architecture")
+    found = arch.get("kind", KIND) if isinstance(arch, dict) else KIND
+    if found != kind:
+        raise FileError(
+            f"'{path}' holds networks of the system '{found}', but those of '{kind}' are needed; "
+            f"use the functions, plugins and commands of the system '{found}' for this file"
+        )
     try:
-        arch = _read_architecture(path, description.get("architecture"))
-        return Model.of(arch, arrays, description.get("header") or {})
+        return make(json.dumps(arch), arrays, description.get("header") or {})
     except (ParameterError, TypeError, ValueError) as error:
         raise FileError(f"the weights file '{path}' is damaged: {error}") from error
 

@@ -17,55 +17,30 @@ and is less accurate in f.
 """
 
 from collections.abc import Callable
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 
 from urushi.nets.lobe import LOBE_NUMBERS, fresnel, reflectance
-from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
 from urushi.textures.averaging_rest import DecodedSpace, RegressionSpace, rest_space
 
 
-class AveragingSpace(Protocol):
-    """A linear space in which BRDFs are averaged."""
-
-    def lift(self, z: np.ndarray) -> np.ndarray:
-        """Points (n, K) of latent codes (n, L)."""
-
-    def drop(self, means: np.ndarray) -> np.ndarray:
-        """Latent codes (n, L) of averaged points (n, K)."""
-
-
 def averaging_space(
     model: Model, read: Callable[[np.ndarray], np.ndarray], count: int
-) -> AveragingSpace:
+) -> "LobedSpace":
     """The space in which the codes of one texture are averaged.
 
     Args:
-        model: the networks. Codes of other systems than Urushi's own are averaged themselves.
+        model: the networks.
         read: from indices below `count` to codes (n, L).
         count: number of codes in the texture.
 
     The seed of the sample is fixed.
     """
     networks = model.networks
-    if not isinstance(networks, UrushiNetworks):
-        return LatentSpace()
     lobe = networks.arch.lobe
     return LobedSpace(lobe, rest_space(networks, lambda index: read(index)[:, lobe:], count))
-
-
-class LatentSpace:
-    """Averages of the codes themselves, as in Fan et al. (2022)."""
-
-    def lift(self, z: np.ndarray) -> np.ndarray:
-        """The codes."""
-        return z
-
-    def drop(self, means: np.ndarray) -> np.ndarray:
-        """The averaged codes."""
-        return means
 
 
 class LobedSpace(NamedTuple):

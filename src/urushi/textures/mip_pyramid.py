@@ -12,7 +12,7 @@ import numpy as np
 from urushi import parallel
 from urushi.nets.weights import Model
 from urushi.textures import averaging
-from urushi.textures.averaging import AveragingSpace
+from urushi.textures.averaging import LobedSpace
 
 #: Coarser levels are made from the averages of the first level with at most this many texels; and
 #: the number of texels of the first level in a tile.
@@ -69,7 +69,7 @@ class MipPyramid:
 
     def _average(
         self,
-        space: AveragingSpace,
+        space: LobedSpace,
         read: ReadCodes,
         write: WriteCodes,
         level: int,
@@ -96,7 +96,7 @@ class MipPyramid:
 
     def _write(
         self,
-        space: AveragingSpace,
+        space: LobedSpace,
         write: WriteCodes,
         level: int,
         rows: range,

@@ -15,7 +15,6 @@ import numpy as np
 
 from urushi.checks import MIN_ALPHA, CoatParameters, Widths
 from urushi.nets.lobe import WIDTH_PLACES
-from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
 from urushi.parallel import fill_blocks
 
@@ -138,12 +137,7 @@ def texel_layout(
 
 
 def importance_order(model: Model) -> list[int]:
-    """The numbers of a code by their effect on f, the greatest first.
-
-    Codes of networks of another system keep their order.
-    """
-    if not isinstance(model.networks, UrushiNetworks):
-        return list(range(model.arch.latent))
+    """The numbers of a code by their effect on f, the greatest first."""
     if model.fingerprint not in _importance:
         first = (*WIDTH_PLACES[model.widths], model.arch.lobe)  # the lobe's widths, and the gain
         order = measure_importance(model)

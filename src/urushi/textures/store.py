@@ -31,7 +31,7 @@ class TextureStore:
         """mipmaps: whether to hold all levels of the mip pyramid; else the first one only."""
         self.layout, self._model = layout, model
         # Channels often share numbers of their lobes, which are compared one by one.
-        self._compared = getattr(model.arch, "lobe", 0)
+        self._compared = model.arch.lobe
         self._coarser = MipPyramid(model, width, height, layout.channels) if mipmaps else None
         self.levels = self._coarser.sizes if self._coarser else [(width, height)]
         nothing = np.zeros(layout.size, np.float32)

@@ -1,4 +1,4 @@
-"""`urushi paper`: the published networks of Fan et al. 2022, from the files of PyTorch."""
+"""`urushi paper`: networks of Fan et al. 2022; the published ones, from the files of PyTorch."""
 
 import hashlib
 from dataclasses import dataclass
@@ -47,9 +47,8 @@ class Import:
         adam = adam_projection(self.projection, pairs)
         if self.fit_sampler:
             platform.require_extra("train")
-        from urushi.fan2022 import published
+        from urushi.fan2022 import PaperNetworks, published
         from urushi.fan2022.architecture import PaperArchitecture
-        from urushi.nets import weights
 
         params = published.networks(self.representation, self.layering)
         sampler = published.cosine_proxy()
@@ -70,8 +69,8 @@ class Import:
             "sampler": "fitted" if self.fit_sampler else "cosine",
         }
         arch = PaperArchitecture(adam)
-        model = weights.save(self.output, arch, {**params, **sampler}, header)
-        print(f"{self.output}  {model.fingerprint}")
+        networks = PaperNetworks(arch, {**params, **sampler}, header).save(self.output)
+        print(f"{self.output}  {networks.fingerprint}")
         return 0
 
 
@@ -95,8 +94,28 @@ class Tensors:
 
 
 @dataclass(frozen=True)
+class PaperEval:
+    """Measure networks on the stacks of `urushi eval` whose indices are all above one.
+
+    Prints the errors E and P. Several hundred BRDFs are projected, which takes some minutes to
+    hours.
+
+    Example: urushi paper eval published.safetensors
+    """
+
+    weights: tyro.conf.Positional[Path]
+    """Weights file of `urushi train --preset paper` or `urushi paper import`."""
+
+    def run(self) -> int:
+        from urushi.fan2022 import PaperNetworks, evaluation
+
+        print(evaluation.evaluate(PaperNetworks.read(self.weights)))
+        return 0
+
+
+@dataclass(frozen=True)
 class Paper:
-    """Read the published networks of Fan et al. 2022, where you have their files.
+    """Read the published networks of Fan et al. 2022, or measure networks of their system.
 
     Example: urushi paper import RepreNetwork.pth LayeringNetwork.pth -o published.safetensors
     """
@@ -104,6 +123,7 @@ class Paper:
     command: (
         Annotated[Import, tyro.conf.subcommand("import")]
         | Annotated[Tensors, tyro.conf.subcommand("tensors")]
+        | Annotated[PaperEval, tyro.conf.subcommand("eval")]
     )
 
     def run(self) -> int:

@@ -101,6 +101,7 @@ class Train:
             "run": self.run_folder,
             "resume": self.resume,
         }
+        model: Any
         if isinstance(preset, PaperPreset):
             model = paper_training.train(preset, **files)
         else:

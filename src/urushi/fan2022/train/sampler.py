@@ -8,6 +8,7 @@ from urushi.fan2022.architecture import PaperArchitecture, init
 from urushi.fan2022.inference import layer
 from urushi.fan2022.networks import PaperNetworks
 from urushi.fan2022.palette import Palette
+from urushi.fan2022.published import cosine_proxy
 from urushi.fan2022.train import proxy
 from urushi.nets.mlp import Params
 from urushi.walk import analytic
@@ -26,7 +27,7 @@ def fitted_proxy(params: Mapping[str, np.ndarray], seed: int = 0) -> tuple[Param
     """
     source = Palette(1, components=COMPONENTS, stacks=STACKS, seed=seed)
     top, below, albedo, sigma_t = source.parts(slice(0, STACKS))
-    networks = PaperNetworks(params, PaperArchitecture())
+    networks = PaperNetworks(PaperArchitecture(), {**params, **cosine_proxy()}, {})
     wi, wo = networks.pairs()
     codes = {}
     for kind in ("dielectric", "conductor"):

@@ -12,10 +12,10 @@ import numpy as np
 from tqdm import tqdm
 
 from urushi.fan2022.architecture import LATENT, init
+from urushi.fan2022.networks import PaperNetworks
 from urushi.fan2022.train import held_out, layering, proxy, representation
 from urushi.fan2022.train.preset import PaperPreset
 from urushi.fan2022.train.projection import project_part
-from urushi.nets import weights
 from urushi.train import training
 from urushi.train.checkpoint import Checkpoint, Journal
 from urushi.train.data.generate import generate
@@ -31,7 +31,7 @@ def train(
     out: str | os.PathLike | None = None,
     run: str | os.PathLike | None = None,
     resume: bool = False,
-) -> weights.Model:
+) -> PaperNetworks:
     """Train the three networks in turn and write the weights.
 
     Arguments as for `urushi.train.training.train`.
@@ -77,7 +77,7 @@ def train(
         "training seconds": round(clock.seconds()),
     }
     header = {**training.header(identity, metrics, cost), "scale": preset.scale}
-    return weights.save(out, preset.arch, {**params, **sampling}, header)
+    return PaperNetworks(preset.arch, {**params, **sampling}, header).save(out)
 
 
 class Clock:

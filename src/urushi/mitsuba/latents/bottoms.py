@@ -27,7 +27,6 @@ from urushi.mitsuba.reading.kept import parameter_arrays
 from urushi.mitsuba.reading.parameters import check_bottom
 from urushi.mitsuba.reading.surfaces import KnownSurface, known_surface
 from urushi.nets.lobe import no_lobe, with_two_widths
-from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
 from urushi.textures.bake import BakedTexture, CodesAt, Source, code_hashes, row_hashes
 from urushi.textures.grid import TexelGrid
@@ -63,8 +62,7 @@ class BottomCodes:
             ParameterError: a value of the bottom is negative or not finite.
         """
         nested = nested_latents(self._bottom, self._model)
-        own = isinstance(self._model.networks, UrushiNetworks)
-        surface = known_surface(self._bottom) if own else None
+        surface = known_surface(self._bottom)
         if surface is not None and surface.bare and surface.widths > self._model.widths:
             surface = None  # averaged over the azimuth
         self.material, self._probed = None, None
@@ -129,7 +127,7 @@ class BottomCodes:
         """Codes (C, size) of a constant bottom."""
         check_bottom(self._bottom, self._where)
         source = reflection_source(self._bottom)
-        tables = isinstance(self._model.networks, UrushiNetworks) and self._model.widths == 1
+        tables = self._model.widths == 1
         material, deviations = encode_source(
             source,
             self._model,
@@ -214,7 +212,6 @@ class _ProbedBottom:
 
     def __init__(self, model: Model, bottom: "mi.BSDF", where: str, grid: TexelGrid):
         self._model, self._bottom, self._where, self._grid = model, bottom, where, grid
-        self._has_lobes = isinstance(model.networks, UrushiNetworks)
         self._pairs = model.networks.pairs()
         self._average = probing.needed_averaging(bottom, *self._pairs, grid, where, model.widths)
 
@@ -272,7 +269,7 @@ class _ProbedBottom:
 
     def _lobes(self, points: np.ndarray) -> np.ndarray | None:
         """Lobes (M, C, N) at points uv (M, 2) as the networks take them; None: they are fitted."""
-        lobes = probing.known_lobes(self._bottom, points) if self._has_lobes else None
+        lobes = probing.known_lobes(self._bottom, points)
         if lobes is None:
             return None
         lobes = probing.check_values(lobes, self._where)

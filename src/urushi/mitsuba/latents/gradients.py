@@ -29,15 +29,14 @@ from urushi.mitsuba.latents.baking import Baker
 from urushi.mitsuba.latents.bottoms import PROBED_TEXELS, is_finer
 from urushi.mitsuba.latents.holders import ConstantLatents, TexturedLatents
 from urushi.mitsuba.latents.lookup import drawn_texel, owned, texel_draw
+from urushi.mitsuba.networks.decoder import UrushiDecoder
 from urushi.mitsuba.networks.lobe import ANY_LOBE
-from urushi.mitsuba.networks.protocols import decoder_and_sampler
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.grid import varying_textures
 from urushi.mitsuba.reading.parameters import TWO_WIDTHS, CoatTextures
 from urushi.mitsuba.reading.surfaces import known_surface
 from urushi.mitsuba.recording import only_where
 from urushi.nets.lobe import no_lobe
-from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
 from urushi.textures.grid import IDENTITY, TexelGrid
 
@@ -63,7 +62,7 @@ class DifferentiableLatents:
         """tensor: the codes, ([1,] C, size), or (height, width, C, size) of a texture."""
         self.plain = plain
         # Numbers that vanish or that channels share have gradients of their own.
-        self._decoder, _ = decoder_and_sampler(model, ANY_LOBE._replace(widths=model.widths))
+        self._decoder = UrushiDecoder(model, ANY_LOBE._replace(widths=model.widths))
         self._size = tensor.shape[-1]
         if plain.grid is None:
             self.tensor, self._codes = tensor, tensor.array
@@ -139,13 +138,8 @@ def bake(
     bottom: "mi.BSDF",
     plain: ConstantLatents | TexturedLatents,
 ) -> DifferentiableLatents:
-    """Add codes that are differentiable in the parameters to the latents of `baker.update`.
-
-    Raises:
-        ParameterError: the networks have no derivatives.
-    """
+    """Add codes that are differentiable in the parameters to the latents of `baker.update`."""
     model, grid = baker.model, plain.grid
-    gradients.check_differentiable(model, coat.where)
     with spectrum.bands_of(grid):
         return DifferentiableLatents(model, plain, _codes(baker, coat, bottom, grid))
 
@@ -200,7 +194,6 @@ def _bottom_codes(
         lobes = []  # the average over the azimuth is fitted
     lobes = [[*lobe, *lobe[: model.arch.lobe - len(lobe)]] for lobe in lobes]
     if lobes and (surface.bare if surface is not None else getattr(bottom, "bare", False)):
-        assert isinstance(model.networks, UrushiNetworks)  # for the type checker
         rest = [mi.Float(float(value)) for value in model.networks.empty_rest()]
         return [[*lobe, *rest] for lobe in lobes]
     with dr.suspend_grad():

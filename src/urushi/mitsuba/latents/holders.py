@@ -13,6 +13,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from urushi.core.mixture import Mixture
 from urushi.material.material import Material
 from urushi.material.table import rest_table
 from urushi.mitsuba import spectrum
@@ -21,11 +22,11 @@ from urushi.mitsuba.latents.lookup import (
     are_constant,
     owned,
 )
-from urushi.mitsuba.networks.lobe import ANY_LOBE, NO_LOBE, LobeKind, kind_of
-from urushi.mitsuba.networks.protocols import Decoder, Proposal, decoder_and_sampler
+from urushi.mitsuba.networks.decoder import UrushiDecoder
+from urushi.mitsuba.networks.lobe import NO_LOBE, LobeKind, kind_of
+from urushi.mitsuba.networks.sampler import UrushiSampler
 from urushi.mitsuba.networks.table import TabulatedDecoder, padded
 from urushi.mitsuba.recording import only_where, signature
-from urushi.nets.networks import UrushiNetworks
 from urushi.nets.weights import Model
 from urushi.textures import file
 from urushi.textures.grid import TexelGrid
@@ -48,7 +49,7 @@ class Vertex(NamedTuple):
     """
 
     decoder_terms: list[list]
-    proposal: Proposal
+    proposal: Mixture
 
 
 class ConstantLatents:
@@ -77,10 +78,12 @@ class ConstantLatents:
         self._fine = len(latents) == spectrum.COUNT
         whole = table is not None and not beside_lobe
         kind = NO_LOBE if whole else kind_of_codes(model, latents[None])
-        self._decoder: Decoder | TabulatedDecoder
-        self._decoder, self._sampler = decoder_and_sampler(model, kind)
+        self._sampler = UrushiSampler(model, kind)
+        self._decoder: UrushiDecoder | TabulatedDecoder
         self._tables = []
-        if isinstance(model.networks, UrushiNetworks) and not (self._fine and model.widths == 2):
+        if self._fine and model.widths == 2:
+            self._decoder = UrushiDecoder(model, kind)
+        else:
             self._decoder = TabulatedDecoder(kind)
             table = rest_table(model.networks, latents) if table is None else table
             if table is not None:
@@ -207,7 +210,8 @@ class TexturedLatents:
         self.grid, self.channels = grid, store.layout.channels
         self._size, self._bytes = store.layout.size, store.layout.texel_bytes
         self._kind = kind_of_store(model, store)
-        self._decoder, self._sampler = decoder_and_sampler(model, self._kind)
+        self._decoder = UrushiDecoder(model, self._kind)
+        self._sampler = UrushiSampler(model, self._kind)
         # Channels of the same code are evaluated once.
         self._kept = 1 if (store.layout.constant | store.layout.same).all() else self.channels
         self._signature = signature([*map(int, self._kind), int(self._kept == 1)])
@@ -276,18 +280,14 @@ def _f_and_pdf(f_of_terms: Callable[..., list], vertex: Vertex, si, wo, active) 
 
 
 def kind_of_codes(model: Model, codes: np.ndarray) -> LobeKind:
-    """What is known of the lobes of codes (T, C, size); codes of other systems have none."""
-    if not isinstance(model.networks, UrushiNetworks):
-        return ANY_LOBE
+    """What is known of the lobes of codes (T, C, size)."""
     lobes = codes[..., : model.arch.lobe]
     same = (lobes == lobes[:, :1]).all(axis=(0, 1))
     return kind_of(lobes.min(axis=(0, 1)), lobes.max(axis=(0, 1)), same)
 
 
 def kind_of_store(model: Model, store: TextureStore) -> LobeKind:
-    """What is known of the lobes of a texture; codes of other systems have none."""
-    if not isinstance(model.networks, UrushiNetworks):
-        return ANY_LOBE
+    """What is known of the lobes of a texture."""
     layout, packed = store.layout, store.packed
     highest, lobe = packed.lowest + layout.levels * packed.step, slice(model.arch.lobe)
     return kind_of(packed.lowest[lobe], highest[lobe], (layout.constant | layout.same)[lobe])

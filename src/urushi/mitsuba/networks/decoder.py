@@ -15,7 +15,7 @@ from urushi.nets.weights import Model
 
 
 class UrushiDecoder:
-    """f [1/sr] of latent codes: the lobe plus the decoded rest; see `protocols.Decoder`.
+    """f [1/sr] of latent codes: the lobe plus the decoded rest.
 
     The terms of a channel's code are the numbers of its lobe that `LobeKind.numbers` names, its
     gain, and the scales and the offsets of the units of the first hidden layer.

@@ -25,7 +25,7 @@ _AZIMUTHS = {1: np.ones(1), 2: np.linspace(0.0, 1.0, 9)}
 
 
 class UrushiSampler:
-    """Proposals from latent codes and the cosine of wi; see `protocols.Sampler`.
+    """Proposals from latent codes and the cosine of wi.
 
     A proposal is a mixture of GGX reflection lobes and a cosine lobe (`core.mixture`), whose
     weights and widths the network gives; the first width is the width of the code's lobe. Weights

@@ -42,7 +42,7 @@ def define_proposal_bsdf() -> type:
             raise NotImplementedError
 
         def _proposal(self, vertex, si, active):
-            """The proposal for si.wi, a `networks.protocols.Proposal`."""
+            """The proposal for si.wi: it has `pdf` and `sample`, as `core.mixture.Mixture`."""
             raise NotImplementedError
 
         def _f_and_pdf(self, vertex, ctx, si, wo, active):

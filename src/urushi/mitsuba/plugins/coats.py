@@ -207,7 +207,7 @@ def _width(tangent: np.ndarray, share: np.ndarray, q: float, factor: float) -> f
 
 
 class TurnedMixture(NamedTuple):
-    """A proposal whose tangent is turned about the normal; see `protocols.Proposal`."""
+    """A proposal whose tangent is turned about the normal; see `core.mixture.Mixture`."""
 
     mixture: Any
     turn: "Turn"

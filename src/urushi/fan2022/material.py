@@ -1,0 +1,126 @@
+"""Materials of the paper's networks: projected, layered, evaluated and sampled in NumPy."""
+
+import os
+import warnings
+from dataclasses import dataclass
+from typing import Any, cast
+
+import numpy as np
+import numpy.typing as npt
+
+from urushi import checks
+from urushi.checks import CoatParameters
+from urushi.errors import ParameterError, UrushiWarning
+from urushi.fan2022.architecture import LATENT
+from urushi.fan2022.networks import PaperNetworks
+from urushi.material import file
+from urushi.material.encode import evaluate_source
+from urushi.material.source import source_name
+from urushi.parallel import fill_blocks
+from urushi.walk import Dielectric
+
+
+@dataclass(frozen=True, eq=False)
+class Material:
+    """A BRDF as codes of the paper's networks. Make it with `encode`, `layer` or `load`.
+
+    Attributes:
+        latents: float32 (C, 32), one code per channel (C = 3 for RGB, 1 for grey). The networks
+            interpolate them: a blend of two materials has the blend of their codes.
+        networks: the networks.
+    """
+
+    latents: np.ndarray
+    networks: PaperNetworks
+
+    def __post_init__(self) -> None:
+        latents = np.array(self.latents, np.float32)
+        if latents.ndim != 2 or latents.shape[1] != LATENT or not np.isfinite(latents).all():
+            raise ParameterError(
+                f"a material's latents have shape {latents.shape}; give finite (channels, {LATENT})"
+            )
+        object.__setattr__(self, "latents", latents)
+
+    def f(self, wi: npt.ArrayLike, wo: npt.ArrayLike) -> np.ndarray:
+        """Return float32 (N, C) [1/sr] for unit vectors (N, 3); never negative, not reciprocal.
+
+        It is zero where either direction is below the horizon.
+        """
+        wi, wo = checks.directions(wi, wo)
+        f = np.empty((len(wi), len(self.latents)), np.float32)
+        codes, pairs = self.latents[None], (wi[:, None], wo[:, None])
+        fill_blocks(f[..., None], lambda *part: self.networks.f(*part)[..., None], codes, *pairs)
+        return np.where(((wi[:, 2] > 0) & (wo[:, 2] > 0))[:, None], f, np.float32(0))
+
+    def pdf(self, wi: npt.ArrayLike, wo: npt.ArrayLike) -> np.ndarray:
+        """Return the density (N,) [1/sr] of `sample`; zero where a direction is below the horizon.
+
+        All channels share one proposal, of the mean code.
+        """
+        return self.networks.proposal(self.latents.mean(axis=0)).pdf(*checks.directions(wi, wo))
+
+    def sample(self, wi: npt.ArrayLike, u: npt.ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+        """Draw directions (N, 3) and their densities (N,) from uniform numbers u (N, 3).
+
+        wi: unit vectors (N, 3) above the horizon.
+        """
+        wi = checks.direction(wi, "wi")
+        wo = self.networks.proposal(self.latents.mean(axis=0)).sample(wi, np.asarray(u, np.float32))
+        return wo, self.pdf(wi, wo)
+
+    def save(self, path: str | os.PathLike) -> None:
+        """Write the codes and the fingerprint of the networks to a safetensors file.
+
+        Raises:
+            FileError: the file cannot be written.
+        """
+        stored = file.StoredMaterial(self.latents, self.latents)
+        file.write(path, stored, self.networks.fingerprint)
+
+
+def load(path: str | os.PathLike, networks: PaperNetworks) -> Material:
+    """Read a material that `Material.save` wrote.
+
+    Raises:
+        FileError: missing, truncated, foreign, damaged, or made with other networks.
+    """
+    stored, _ = file.read(path, cast(Any, networks))  # needs fingerprint and arch.latent
+    return Material(stored.latents, networks)
+
+
+def encode(source: Any, networks: PaperNetworks) -> Material:
+    """Project a BRDF into codes, one per channel: about a second each, or some minutes by Adam.
+
+    source: as of `urushi.encode`; it is averaged to be isotropic and reciprocal.
+
+    Raises:
+        ParameterError: the source cannot be encoded, or its values are negative or not finite.
+
+    Warns:
+        UrushiWarning: averaging changes the source by more than 10 %, or transmitted or specular
+            light is left out.
+    """
+    if isinstance(source, Material) and source.networks.fingerprint == networks.fingerprint:
+        return source
+    found = evaluate_source(source, *networks.pairs())
+    for sentence in found.deviations.warnings():
+        warnings.warn(f"encode {source_name(source)}: {sentence}", UrushiWarning, stacklevel=2)
+    return Material(networks.encode(found.values.T), networks)
+
+
+def layer(
+    top: Dielectric,
+    bottom: Material,
+    *,
+    albedo: npt.ArrayLike = checks.DEFAULT_COAT.albedo,
+    sigma_t: npt.ArrayLike = checks.DEFAULT_COAT.sigma_t,
+    g: npt.ArrayLike = checks.DEFAULT_COAT.g,
+) -> Material:
+    """Coat a material; the arguments are those of `urushi.layer`.
+
+    Raises:
+        ParameterError: a parameter is out of range or of a wrong shape, the coat has two widths, or
+            its index is below one.
+    """
+    coat = checks.coat(CoatParameters(top.alpha, top.eta, albedo, sigma_t, g), "the coat's")
+    return Material(bottom.networks.layer(bottom.latents, coat), bottom.networks)

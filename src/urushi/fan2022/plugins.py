@@ -1,0 +1,205 @@
+"""The Mitsuba plugins `fan2022_brdf` and `fan2022_layered`.
+
+On CPUs, render them within `kernels.separate_kernels`.
+"""
+
+from functools import partial
+from typing import Any, ClassVar
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from urushi.checks import CoatParameters
+from urushi.errors import ParameterError
+from urushi.fan2022.architecture import LATENT
+from urushi.fan2022.kernels import PaperDecoder, PaperSampler
+from urushi.fan2022.material import Material, encode, load
+from urushi.fan2022.networks import PaperNetworks
+from urushi.mitsuba import spectrum
+from urushi.mitsuba.latents.bottoms import KEY_BITS
+from urushi.mitsuba.latents.lookup import drawn_texel, owned, texel_draw
+from urushi.mitsuba.plugins.base import ignore, resolve
+from urushi.mitsuba.reading import grid as grids
+from urushi.mitsuba.reading import probing
+from urushi.mitsuba.reading.parameters import CoatTextures, check_bottom, nested_bsdf
+from urushi.mitsuba.recording import only_where
+from urushi.mitsuba.register import Room
+from urushi.textures.bake import code_hashes, unique_rows
+from urushi.textures.grid import TexelGrid
+
+#: Texels whose bottom is evaluated at once: bounds memory.
+TEXELS = 1 << 10
+
+#: The grid of what is the same everywhere.
+MIDDLE = TexelGrid(1, 1)
+
+
+class TexelCodes:
+    """Codes on a grid of texels, in single precision, in Dr.Jit."""
+
+    DRJIT_STRUCT: ClassVar = {"_numbers": object}  # for frozen functions
+
+    def __init__(self, networks: PaperNetworks, codes: np.ndarray, grid: TexelGrid = MIDDLE):
+        """codes: (T, C, 32) of the grid's texels, or (1, C, 32)."""
+        self.codes = np.broadcast_to(codes, (grid.texels, *codes.shape[1:]))
+        self.grid, self._numbers = grid, owned(mi.Float, self.codes)
+        self._decoder, self._sampler = PaperDecoder(networks.params), PaperSampler(networks.params)
+
+    def vertex(self, si) -> list[list]:
+        """The codes at a surface interaction: a list (32) of Dr.Jit floats for each channel.
+
+        They are those of one texel, drawn as in `mitsuba.latents.lookup`.
+        """
+        (a, b, c), (d, e, f) = self.grid.to_texture
+        point = a * si.uv.x + b * si.uv.y + c, d * si.uv.x + e * si.uv.y + f
+        sizes, channels = (mi.Int32(self.grid.width), mi.Int32(self.grid.height)), self.channels
+        first = drawn_texel(point, sizes, self.grid, texel_draw(si.uv, si.wi)) * channels
+        return [
+            [dr.gather(mi.Float, self._numbers, (first + c) * LATENT + i) for i in range(LATENT)]
+            for c in range(channels)
+        ]
+
+    def f(self, vertex: list[list], si, wo, active) -> "mi.Spectrum":
+        """The BRDF [1/sr]."""
+        channels = only_where(active, self._decoder.f, vertex, si.wi, wo)
+        return spectrum.from_channels(channels, si.wavelengths)
+
+    def proposal(self, vertex: list[list]) -> Any:
+        """The proposal of the mean code."""
+        return self._sampler.proposal([sum(z) / self.channels for z in zip(*vertex, strict=True)])
+
+    @property
+    def channels(self) -> int:
+        """Number of codes of a texel, one per channel."""
+        return self.codes.shape[1]
+
+
+def define(base: type) -> dict[str, type]:
+    """Make the plugins' classes in the current variant; base: of `define_proposal_bsdf`."""
+
+    class PaperBSDF(base):
+        """A BRDF by codes of the paper's networks; subclasses set `codes`."""
+
+        codes: TexelCodes
+
+        def __init__(self, props):
+            super().__init__(props)
+            if "weights" not in props:
+                raise ParameterError(f"{self._where} has no weights; give a file of its networks")
+            self.networks = PaperNetworks.read(resolve(props["weights"]))
+
+        def _vertex(self, si, active):
+            return self.codes.vertex(si)
+
+        def _f(self, vertex, ctx, si, wo, active):
+            return self.codes.f(vertex, si, wo, active)
+
+        def _proposal(self, vertex, si, active):
+            return self.codes.proposal(vertex)
+
+    class PaperBRDF(PaperBSDF):
+        """A saved material of the system of Fan et al. 2022 (``fan2022_brdf``).
+
+        ============== ===================== ====================================================
+        filename       string                File of ``urushi.fan2022.Material.save``. (Required)
+        weights        string                File of the networks. (Required)
+        ============== ===================== ====================================================
+        """
+
+        def __init__(self, props):
+            super().__init__(props)
+            if "filename" not in props:
+                raise ParameterError(f"{self._where} has no filename; give a file of Material.save")
+            material = load(resolve(props["filename"]), self.networks)
+            self.codes = TexelCodes(self.networks, material.latents[None])
+
+    class PaperLayered(PaperBSDF):
+        """A coat over any BSDF by the system of Fan et al. 2022 (``fan2022_layered``).
+
+        ============== ===================== ====================================================
+        weights        string                File of the networks. (Required)
+        resolution     integer               Texels per side if anything is textured. (Default: that
+                                             of the largest texture; 384 bytes for an RGB texel)
+        ============== ===================== ====================================================
+
+        The coat and the nested BSDF are those of ``neural_layered``, isotropic and with indices
+        above one. Every different bottom, and every pair of ``alpha`` and index, is projected,
+        which takes seconds or minutes; a texture has at most 256 of these pairs. Codes are kept in
+        memory.
+        """
+
+        def __init__(self, props):
+            bottom = nested_bsdf(props)
+            super().__init__(props)
+            self._bottom = bottom
+            ignore(props, "mipmaps")
+            self._coat = CoatTextures(props)
+            check_bottom(self._bottom, self._coat.where)
+            if self._coat.is_anisotropic or self._coat.has_rotation:
+                raise ParameterError(
+                    f"{self._coat.where}: the networks are for isotropic lobes; give alpha instead "
+                    "of alpha_u and alpha_v, and no rotation"
+                )
+            self._resolution = int(props.get("resolution", 0))
+            self._update([])
+            self._kept.keep(self)
+
+        def _update(self, keys):
+            self._coat.parameters_changed()
+            grids.check_normals(self._bottom, self._coat.where)
+            below = isinstance(self._bottom, PaperBSDF) and self._bottom.codes
+            inner = below.grid if below and below.grid != MIDDLE else None
+            parts = self._coat.textures | ({} if below else {"the nested BSDF": self._bottom})
+            chosen = grids.choose(parts, inner, self._resolution, self._coat.where) or MIDDLE
+            coat = CoatParameters(**self._coat.layering(chosen.uv()))
+            codes = self.networks.layer(self._bottom_codes(below, chosen), coat)
+            self.codes = TexelCodes(self.networks, codes, chosen)
+
+        def _bottom_codes(self, below, grid):
+            """Codes (T or 1, C, 32) of the bottom on a grid; below: those of its own, or False."""
+            if below and self._bottom.networks.fingerprint == self.networks.fingerprint:
+                return below.codes if below.grid == MIDDLE else _read(below, grid)
+            if grid == MIDDLE or not grids.varying_textures(self._bottom):
+                return encode(self._bottom, self.networks).latents[None]
+            pairs = self.networks.pairs()
+            average = probing.needed_averaging(self._bottom, *pairs, grid, self._coat.where)
+            values = partial(probing.texel_values, self._bottom, *pairs, average=average)
+            parts = []
+            for start in range(0, grid.texels, TEXELS):
+                uv = grid.uv(start, min(start + TEXELS, grid.texels))
+                f = probing.check_values(values(uv), self._coat.where)
+                first, label = unique_rows(code_hashes(f, KEY_BITS).ravel())
+                codes = self.networks.encode(f.reshape(-1, f.shape[-1])[first])
+                parts.append(codes[label].reshape(*f.shape[:2], LATENT))
+            return np.concatenate(parts)
+
+        def save(self, path):
+            """Write the codes of a constant coat to a file that ``fan2022_brdf`` loads.
+
+            Raises:
+                ParameterError: the codes are a texture.
+                FileError: the file cannot be written.
+            """
+            if self.codes.grid != MIDDLE:
+                raise ParameterError(f"{self._where}: textures of its codes cannot be saved")
+            Material(self.codes.codes[0], self.networks).save(path)
+
+        def traverse(self, callback):
+            self._coat.traverse(callback, mi.ParamFlags.NonDifferentiable)
+            callback.put("bottom", self._bottom, mi.ParamFlags.NonDifferentiable)
+
+        def to_string(self):
+            bottom = str(self._bottom).replace("\n", "\n  ")
+            return f"PaperLayered[\n{self._coat},\n  bottom = {bottom}\n]"
+
+    return {"fan2022_brdf": PaperBRDF, "fan2022_layered": PaperLayered}
+
+
+def _read(below: TexelCodes, grid: TexelGrid) -> np.ndarray:
+    """Codes (T, C, 32) of a textured bottom at the texels of a grid."""
+    si = probing.interaction(np.tile([0.0, 0.0, 1.0], (grid.texels, 1)), grid.uv())
+    return np.array([[z.numpy() for z in codes] for codes in below.vertex(si)]).transpose(2, 0, 1)
+
+
+ROOM = Room(define, ("fan2022_brdf", "fan2022_layered"))
