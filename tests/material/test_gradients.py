@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from urushi.material import energy, gradients
-from urushi.material.encode import encoder_codes, limited_codes
+from urushi.material.encode import encoder_codes
+from urushi.material.energy import limit_albedo
 from urushi.material.layer import layer_texels
 from urushi.nets import lobe as lobes
 from urushi.nets.weights import Model
@@ -35,7 +36,7 @@ def inputs(gaining):
     f = lobes.f(lobe[:, None], *pairs) + reflectance / np.pi
     f = (f * np.exp(0.02 * rng.normal(size=f.shape))).astype(np.float32)
     coat = rng.uniform([0.1, 1.2, 0.5, 0.1, -0.3], [0.6, 2, 0.9, 1, 0.5], (ROWS, 5))
-    return f, limited_codes(gaining, f), coat.astype(np.float32)
+    return f, limit_albedo(gaining, encoder_codes(gaining, f)), coat.astype(np.float32)
 
 
 def layered(model, z, coat):
@@ -47,7 +48,9 @@ def test_the_limit_acts_on_some_codes_and_not_on_others(gaining, inputs):
     unlimited = gradients._unlimited(gaining, z, coat)
     over = gradients._limited_rows(gaining, layered(gaining, z, coat), unlimited)
     assert 0 < len(over) < ROWS
-    over = gradients._limited_rows(gaining, limited_codes(gaining, f), encoder_codes(gaining, f))
+    over = gradients._limited_rows(
+        gaining, limit_albedo(gaining, encoder_codes(gaining, f)), encoder_codes(gaining, f)
+    )
     assert 0 < len(over) < ROWS
 
 

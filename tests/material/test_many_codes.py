@@ -9,7 +9,8 @@ from urushi import parallel
 from urushi.core.probe_pairs import probe_pairs
 from urushi.material import energy
 from urushi.material.albedo_rule import INTERPOLATED_COSINES
-from urushi.material.encode import limited_codes
+from urushi.material.encode import encoder_codes
+from urushi.material.energy import limit_albedo
 from urushi.material.layer import layer_texels
 from urushi.nets import lobe, lobe_fit
 from urushi.nets.layerer import layer
@@ -81,7 +82,12 @@ def test_bits_do_not_depend_on_the_number_of_cores(model, draw_codes, monkeypatc
     results = []
     for count in (1, 2, 5):
         monkeypatch.setattr(parallel, "available_cores", lambda count=count: count)
-        results.append((layer_texels(model, z, **_coat(COATS["rgb"])), limited_codes(model, f)))
+        results.append(
+            (
+                layer_texels(model, z, **_coat(COATS["rgb"])),
+                limit_albedo(model, encoder_codes(model, f)),
+            )
+        )
     for coated, codes in results[1:]:
         np.testing.assert_array_equal(coated, results[0][0])
         np.testing.assert_array_equal(codes, results[0][1])
@@ -90,7 +96,7 @@ def test_bits_do_not_depend_on_the_number_of_cores(model, draw_codes, monkeypatc
 def test_texels_are_encoded_like_plain_rows(model):
     f = np.moveaxis(glossy(np.random.default_rng(4), (H, W)), -1, 1).copy()
     values = np.moveaxis(f, 1, -1)  # as a renderer gives them, not contiguous
-    codes = limited_codes(model, values)
+    codes = limit_albedo(model, encoder_codes(model, values))
     assert codes.shape == (H, W, 32) and codes.dtype == np.float32
     expected = model.networks.encode(values.reshape(-1, 192))
     np.testing.assert_allclose(codes.reshape(-1, 32), expected, **ROUNDING)
@@ -111,7 +117,7 @@ def test_memory_is_the_result_and_some_blocks(operation, model, draw_codes, monk
     run = {
         "layer": lambda: layer_texels(model, z, **coat),
         "layer one bottom": lambda: layer_texels(model, z[0, 0], **coat),
-        "encode": lambda: limited_codes(model, f),
+        "encode": lambda: limit_albedo(model, encoder_codes(model, f)),
     }[operation]
     parallel._blas()
     tracemalloc.start()
@@ -132,5 +138,5 @@ def test_one_texel_and_none(model):
     assert alone.shape == (32,)
     np.testing.assert_allclose(layer_texels(model, z[None, None], **coat)[0, 0], alone, **ROUNDING)
     assert layer_texels(model, np.ones((0, 3, 32)), **coat).shape == (0, 3, 32)
-    assert limited_codes(model, np.ones((0, 3, 192))).shape == (0, 3, 32)
-    assert limited_codes(model, np.ones(192)).shape == (32,)
+    assert limit_albedo(model, encoder_codes(model, np.ones((0, 3, 192)))).shape == (0, 3, 32)
+    assert limit_albedo(model, encoder_codes(model, np.ones(192))).shape == (32,)

@@ -18,7 +18,6 @@ from urushi.errors import ParameterError, UrushiWarning
 from urushi.material import energy
 from urushi.material.albedo_rule import AlbedoRule, albedo_rule
 from urushi.material.correction import correct_codes
-from urushi.material.energy import limit_albedo
 from urushi.material.fit import probe_features, refine_codes
 from urushi.material.lobe_albedo import lobe_albedos
 from urushi.material.material import Material
@@ -451,11 +450,6 @@ def _checked(values: Any, name: str, count: int) -> np.ndarray:
             f"{name} returns a negative or non-finite value; a BRDF must be finite and at least 0"
         )
     return array
-
-
-def limited_codes(model: Model, f: np.ndarray) -> np.ndarray:
-    """`encoder_codes` with directional albedos of at most 1 (see `urushi.material.energy`)."""
-    return limit_albedo(model, encoder_codes(model, f))
 
 
 def encoder_codes(model: Model, f: np.ndarray, lobe: np.ndarray | None = None) -> np.ndarray:

@@ -143,21 +143,6 @@ class Rgl(MeasuredSurface):
             )
         return tabulated(self.f, TABLE_SHAPE)
 
-    def f_channels(self, wi: npt.ArrayLike, wo: npt.ArrayLike) -> np.ndarray:
-        """Evaluate in the channels of the file.
-
-        Args:
-            wi, wo: (N, 3) unit vectors.
-
-        Returns:
-            float32 (N, W) [1/sr] at the file's wavelengths, or (N, 3) in linear sRGB for an RGB
-            file, without cosine. Colours outside of sRGB have negative channels.
-
-        Raises:
-            ParameterError: wrong shapes, or directions that are not unit vectors.
-        """
-        return evaluate(self._lookup, self._channels, wi, wo, width=self._channels)
-
     def _lookup(self, wi: np.ndarray, wo: np.ndarray) -> np.ndarray:
         """The formula of this module for float64 (N, 3) directions above the horizon."""
         wi, wo = _folded(wi, wo, self._symmetry)

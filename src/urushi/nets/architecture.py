@@ -164,14 +164,6 @@ def parameter_shapes(arch: Architecture) -> dict[str, tuple[int, ...]]:
     return shapes | dict.fromkeys(FIXED, (arch.probes,))
 
 
-def parameter_count(arch: Architecture, part: str) -> int:
-    """Return the number of trained parameters of one network."""
-    sizes = layer_sizes(arch, part)
-    layers = sum((a + 1) * b for a, b in itertools.pairwise(sizes))
-    scales = (arch.latent - arch.lobe - 1) * arch.decoder[0]
-    return layers + (scales if part == "decoder" else 0)
-
-
 def init(arch: Architecture, seed: int) -> dict[str, np.ndarray]:
     """Draw initial float32 parameters: He et al. (2015) for hidden layers, zero biases.
 

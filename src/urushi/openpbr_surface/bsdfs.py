@@ -4,13 +4,14 @@ What they evaluate is in `model`; here it is sampled, listed for `mi.traverse` a
 """
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any, NamedTuple
 
 import drjit as dr
 import mitsuba as mi
 
 from urushi.core.mixture import Mixture
-from urushi.mitsuba.latents.holders import tabulated
+from urushi.mitsuba.offers import Offer, offer_of, tabulated
 from urushi.mitsuba.plugins.coats import Turn, TurnedMixture
 from urushi.openpbr_surface import encoding, model
 from urushi.openpbr_surface.compensation import Compensation
@@ -151,21 +152,21 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
                 share = dr.clip(share, MIN_SHARE, 1 - MIN_SHARE)
             return Mixture([share, 1 - share], [vertex.widths])
 
+        def offer(self):
+            bare = self._bare
+            lobes = partial(encoding.lobe, self._model, bare=bare, compensated=self._compensated)
+            return Offer(lobes=lobes, bare=bare, exact=self._exact)
+
         @property
-        def bare(self) -> bool:
+        def _bare(self) -> bool:
             """Whether the base counts as its lobe alone: a metal, but for its dip at 82 degrees."""
             return self._model.only_metal and not encoding.has_multiple(self._inputs)
 
-        @property
-        def tabulated(self):
+        def _exact(self):
             """The base without the limits of networks, for tables; None: coats take codes."""
             if not (self._encoded and encoding.is_tabulated(self._inputs)):
                 return None
             return type(self)(self._inputs, self._under_coat, False, self._compensated)
-
-        def lobes(self, si):
-            """The base's lobe by channel, see `encoding.lobe`."""
-            return encoding.lobe(self._model, si, self.bare, self._compensated)
 
         def below_coat(self, f, si, wo, active):
             """f [1/sr] of networks for a coat over this base, with the film's change of colour."""
@@ -269,7 +270,7 @@ def define(proposal_bsdf: type) -> tuple[type, type]:
 
         def _coat_has_codes(self) -> bool:
             """Whether networks evaluate the coat, which know a film by one mean reflectance."""
-            return tabulated(getattr(self._coated, "latents", None)) is None
+            return tabulated(offer_of(self._coated).latents) is None
 
         def _diffuse_share(self) -> float:
             """Share of the cosine lobe, which is sampled besides the parts."""

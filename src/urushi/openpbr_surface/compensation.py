@@ -17,7 +17,7 @@ from urushi.core import fresnel
 from urushi.core.namespace import DRJIT
 from urushi.material import adding, energy
 from urushi.material.albedo_rule import albedo_rule
-from urushi.mitsuba.latents.holders import tabulated
+from urushi.mitsuba.offers import offer_of, tabulated
 from urushi.mitsuba.reading import probing
 from urushi.openpbr_surface import encoding, formulas
 from urushi.openpbr_surface.inputs import Inputs
@@ -372,16 +372,17 @@ def _texture(texels: np.ndarray) -> dict[str, Any]:
 def _losses(coat: "mi.BSDF", uv: np.ndarray) -> np.ndarray:
     """Losses (N, COSINES) at points of uv: of a random walk, of a table, or of codes by the rule of
     `urushi.material.energy`."""
-    if not hasattr(coat, "latents"):
+    offer = offer_of(coat)
+    if offer.latents is None:
         return _sampled_losses(coat, uv)
     nodes = np.linspace(0, 1, COSINES) ** 2
-    material = tabulated(coat.latents)
+    material = tabulated(offer.latents)
     if material is not None:
         albedos = adding.albedos(material.f, np.maximum(nodes, LEAST_COSINE))[:, 0]
         return np.tile(1 - albedos, (len(uv), 1))
-    codes = np.ascontiguousarray(coat.latents.at(uv)[:, 0])
-    cosines = albedo_rule(coat.model.widths).cosines
-    albedos = energy.directional_albedos(coat.model, codes)
+    codes = np.ascontiguousarray(offer.latents.at(uv)[:, 0])
+    cosines = albedo_rule(offer.latents.model.widths).cosines
+    albedos = energy.directional_albedos(offer.latents.model, codes)
     return np.stack([1 - np.interp(nodes, cosines[::-1], row[::-1]) for row in albedos])
 
 

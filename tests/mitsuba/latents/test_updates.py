@@ -194,7 +194,7 @@ def test_a_texture_that_becomes_larger_is_baked_larger(rgb, networks):
     pixels = np.repeat(np.repeat(noise(3), 2, axis=0), 2, axis=1).astype(np.float32)
     parameters["albedo.data"] = rgb.TensorXf(pixels)
     parameters.update()
-    assert bsdf.latents.resolution == (2 * SIDE, 2 * SIDE)
+    assert bsdf.latents.grid[:2] == (2 * SIDE, 2 * SIDE)
     fresh = rgb.load_dict(described(rgb, networks, albedo=bitmap(rgb, pixels)))
     np.testing.assert_allclose(codes(bsdf), codes(fresh), rtol=1e-3, atol=1e-3)
 

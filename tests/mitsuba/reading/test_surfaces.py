@@ -144,4 +144,4 @@ def test_codes_are_looked_up_where_numbers_are_the_same_everywhere(rgb, file):
     assert codes.shape == (2, 3, ARCH.latent)
     np.testing.assert_allclose(codes[..., 1:4], np.broadcast_to([0, 0, 1], (2, 3, 3)))
     outer = {"type": "neural_layered", "weights": str(file), "alpha": 0.3, "base": inner}
-    assert rgb.load_dict(outer).latents.resolution == (2, 2)
+    assert rgb.load_dict(outer).latents.grid[:2] == (2, 2)

@@ -20,6 +20,7 @@ from urushi.material.energy import limit_albedo, limit_mean_albedo
 from urushi.material.material import Material
 from urushi.material.table import node_pairs, table_of_values
 from urushi.mitsuba import spectrum
+from urushi.mitsuba.offers import Latents, offer_of
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.bsdf import reflection_source
 from urushi.mitsuba.reading.grid import varying_textures
@@ -61,18 +62,20 @@ class BottomCodes:
         Raises:
             ParameterError: a value of the bottom is negative or not finite.
         """
+        offer = offer_of(self._bottom)
         nested = nested_latents(self._bottom, self._model)
         surface = known_surface(self._bottom)
         if surface is not None and surface.bare and surface.widths > self._model.widths:
             surface = None  # averaged over the azimuth
         self.material, self._probed = None, None
         self.stored, self._stale = False, True
-        if nested is not None and nested.resolution is None:
+        if nested is not None and nested.grid is None:
             codes = nested.at(np.full((1, 2), 0.5))[0]
             self._opened = _uniform(
                 codes[list(spectrum.FINE_AT_RGB)] if is_finer(nested) else codes
             )
-            self.material = self._bottom.latents.material
+            assert offer.latents is not None  # for the type checker
+            self.material = offer.latents.material
         elif grid is None or (nested is None and not varying_textures(self._bottom)):
             self._opened = _uniform(self._encoded())
         elif nested is not None:
@@ -135,7 +138,7 @@ class BottomCodes:
         )
         for sentence in deviations.warnings():
             mi.Log(mi.LogLevel.Warn, f"{self._where}: {sentence}")
-        exact = getattr(self._bottom, "tabulated", None) if tables else None
+        exact = offer_of(self._bottom).exact() if tables else None
         if exact is not None:
             f = probing.check_values(reflection_source(exact).f(*node_pairs()), self._where)
             table = table_of_values(f)
@@ -150,23 +153,22 @@ def _uniform(codes: np.ndarray) -> Source:
     return lambda start, stop: (hashes, lambda texel, channel: codes[channel])
 
 
-def nested_latents(bottom: "mi.BSDF", model: Model):
+def nested_latents(bottom: "mi.BSDF", model: Model) -> Latents | None:
     """The codes below a coat of a bottom that has codes of the same networks, or None."""
-    nested = getattr(bottom, "latents", None)
-    if nested is None or bottom.model.fingerprint != model.fingerprint:
+    nested = offer_of(bottom).latents
+    if nested is None or nested.model.fingerprint != model.fingerprint:
         return None
-    nested = getattr(nested, "plain", nested)  # without gradients
-    nested = getattr(nested, "anchors", nested)
+    nested = nested.anchors
     same = nested.channels == spectrum.channel_count()
     return nested if same or is_finer(nested) else None
 
 
-def is_finer(latents) -> bool:
+def is_finer(latents: Latents) -> bool:
     """Whether codes are those of `spectrum.FINE` bands, but materials are read at three."""
     return latents.channels == spectrum.COUNT > spectrum.channel_count()
 
 
-def _nested(latents: Any, grid: TexelGrid) -> Source:
+def _nested(latents: Latents, grid: TexelGrid) -> Source:
     """The source of a bottom that consists of codes itself."""
 
     def read(start: int, stop: int) -> tuple[np.ndarray, CodesAt]:
@@ -255,7 +257,7 @@ class _ProbedBottom:
             lobes = self._lobes(points)
             if lobes is not None:
                 lobes = lobes[own]
-                if getattr(self._bottom, "bare", False):
+                if offer_of(self._bottom).bare:
                     parts.append(bare_anchors(self._model, lobes))
                     continue
             f = probing.texel_values(self._bottom, *self._pairs, points, self._average)

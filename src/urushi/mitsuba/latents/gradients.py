@@ -31,6 +31,7 @@ from urushi.mitsuba.latents.holders import ConstantLatents, TexturedLatents
 from urushi.mitsuba.latents.lookup import drawn_texel, owned, texel_draw
 from urushi.mitsuba.networks.decoder import UrushiDecoder
 from urushi.mitsuba.networks.lobe import ANY_LOBE
+from urushi.mitsuba.offers import offer_of
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.grid import varying_textures
 from urushi.mitsuba.reading.parameters import TWO_WIDTHS, CoatTextures
@@ -60,7 +61,10 @@ class DifferentiableLatents:
         self, model: Model, plain: ConstantLatents | TexturedLatents, tensor: "mi.TensorXf"
     ):
         """tensor: the codes, ([1,] C, size), or (height, width, C, size) of a texture."""
-        self.plain = plain
+        self.model, self.plain = model, plain
+        self.vertex, self.at, self.save = plain.vertex, plain.at, plain.save
+        self.channels, self.grid = plain.channels, plain.grid
+        self.material, self.anchors = plain.material, plain.anchors
         # Numbers that vanish or that channels share have gradients of their own.
         self._decoder = UrushiDecoder(model, ANY_LOBE._replace(widths=model.widths))
         self._size = tensor.shape[-1]
@@ -71,11 +75,6 @@ class DifferentiableLatents:
         numbers = plain.channels * self._size
         self.tensor = mi.TensorXf(tensor.array, (plain.grid.height, plain.grid.width, numbers))
         self._codes = self.tensor.array
-
-    def __getattr__(self, name: str) -> Any:
-        if name == "plain":  # while an instance is made
-            raise AttributeError(name)
-        return getattr(self.plain, name)
 
     def f(self, vertex, si, wo, active) -> list:
         """The BRDF [1/sr] of each channel for si.wi and wo above the horizon."""
@@ -166,8 +165,9 @@ def _bottom_codes(
     baker: Baker, where: str, bottom: "mi.BSDF", uv: np.ndarray, grid: TexelGrid | None
 ) -> Columns:
     """The bottom's codes at points uv (M, 2), or one code if it is the same everywhere."""
-    model, nested = baker.model, getattr(bottom, "latents", None)
-    same_networks = nested is not None and bottom.model.fingerprint == model.fingerprint
+    model, offer = baker.model, offer_of(bottom)
+    nested = offer.latents
+    same_networks = nested is not None and nested.model.fingerprint == model.fingerprint
     if same_networks and isinstance(nested, DifferentiableLatents):
         point = mi.Point2f(np.ascontiguousarray(uv.T, np.float32))
         codes = nested.codes(point, mi.Vector3f(0, 0, 1))
@@ -187,13 +187,13 @@ def _bottom_codes(
         lobes = [[mi.Float(x) for x in no_lobe(model.widths)]] * spectrum.channel_count()
     elif surface is not None:
         lobes = surface.lobes(uv)
-    elif method := getattr(bottom, "lobes", None):
+    else:
         si = probing.interaction(np.tile([0.0, 0.0, 1.0], (len(uv), 1)), uv)
-        lobes = spectrum.at_bands(si, lambda: method(si) or [])
+        lobes = spectrum.at_bands(si, lambda: offer.lobes(si) or [])
     if lobes and len(lobes[0]) > model.arch.lobe:
         lobes = []  # the average over the azimuth is fitted
     lobes = [[*lobe, *lobe[: model.arch.lobe - len(lobe)]] for lobe in lobes]
-    if lobes and (surface.bare if surface is not None else getattr(bottom, "bare", False)):
+    if lobes and (surface.bare if surface is not None else offer.bare):
         rest = [mi.Float(float(value)) for value in model.networks.empty_rest()]
         return [[*lobe, *rest] for lobe in lobes]
     with dr.suspend_grad():

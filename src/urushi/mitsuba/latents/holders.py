@@ -33,12 +33,6 @@ from urushi.textures.grid import TexelGrid
 from urushi.textures.store import TextureStore
 
 
-def tabulated(latents: Any) -> Material | None:
-    """The material of latents that are evaluated by a table, not by their codes; else None."""
-    material = getattr(latents, "material", None)
-    return None if material is None or material.table is None else material
-
-
 class Vertex(NamedTuple):
     """Quantities that depend on the position and on wi alone.
 
@@ -156,6 +150,11 @@ class ConstantLatents:
         return np.broadcast_to(latents, (len(uv), *latents.shape))
 
     @property
+    def model(self) -> Model:
+        """The networks."""
+        return self._material.model
+
+    @property
     def material(self) -> Material:
         """The codes as a material."""
         return self._material
@@ -172,11 +171,6 @@ class ConstantLatents:
     def channels(self) -> int:
         """Number of codes, one per channel."""
         return self._material.channels
-
-    @property
-    def resolution(self) -> tuple[int, int] | None:
-        """Width and height of the texture; None: the same everywhere."""
-        return None
 
     @property
     def grid(self) -> TexelGrid | None:
@@ -200,13 +194,15 @@ class ConstantLatents:
 class TexturedLatents:
     """A packed texture of latent codes, see `textures.packing`."""
 
+    material = None
+
     DRJIT_STRUCT: ClassVar = {
         "_texture": object,
         "_signature": list,
     }  # for frozen functions
 
     def __init__(self, model: Model, store: TextureStore, grid: TexelGrid):
-        self._store, self._fingerprint = store, model.fingerprint
+        self._store, self.model = store, model
         self.grid, self.channels = grid, store.layout.channels
         self._size, self._bytes = store.layout.size, store.layout.texel_bytes
         self._kind = kind_of_store(model, store)
@@ -244,9 +240,9 @@ class TexturedLatents:
         return looked_up(self._texture.look_up, uv)
 
     @property
-    def resolution(self) -> tuple[int, int]:
-        """Width and height of the texture."""
-        return self.grid.width, self.grid.height
+    def anchors(self) -> "TexturedLatents":
+        """The codes that coats are layered over."""
+        return self
 
     def save(self, path: str | os.PathLike) -> None:
         """Write a file that `neural_brdf` reads.
@@ -254,13 +250,12 @@ class TexturedLatents:
         Raises:
             FileError: it cannot be written.
         """
-        file.write(path, self._store, self.grid, self._fingerprint)
+        file.write(path, self._store, self.grid, self.model.fingerprint)
 
     def __str__(self) -> str:
-        width, height = self.resolution
         return (
-            f"{width} x {height} texels of {self.channels} x {self._size} numbers "
-            f"in {self._bytes} bytes"
+            f"{self.grid.width} x {self.grid.height} texels of {self.channels} x {self._size} "
+            f"numbers in {self._bytes} bytes"
         )
 
 

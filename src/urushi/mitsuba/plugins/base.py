@@ -8,6 +8,7 @@ import mitsuba as mi
 from urushi.errors import ParameterError
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents.holders import ConstantLatents, TexturedLatents, Vertex
+from urushi.mitsuba.offers import Offer
 from urushi.mitsuba.plugins.coats import Turn, TurnedMixture
 from urushi.mitsuba.reading.kept import KeptParameters
 from urushi.mitsuba.reading.parameters import describe
@@ -33,6 +34,10 @@ def define_proposal_bsdf() -> type:
             self._where = describe(props)  # begins errors
             self._vertex_cache = VertexCache()
             self._kept = KeptParameters()
+
+        def offer(self):
+            """What it tells a coat above it."""
+            return Offer()
 
         def _vertex(self, si, active):
             """Quantities at si that `_f` and `_proposal` share; None unless a subclass has any."""
@@ -167,6 +172,9 @@ def define_neural_bsdf(base: type) -> type:
                 FileError: it cannot be written.
             """
             self.latents.save(path)
+
+        def offer(self):
+            return Offer(self.latents)
 
         def _turn(self, si, active) -> Turn | None:
             """The turn of the tangent, if there is one."""

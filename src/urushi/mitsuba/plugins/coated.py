@@ -4,6 +4,7 @@ import drjit as dr
 import mitsuba as mi
 
 from urushi.mitsuba.latents import baking
+from urushi.mitsuba.offers import Offer
 from urushi.mitsuba.plugins.coats import (
     BottomLobes,
     CoatStack,
@@ -40,6 +41,9 @@ def define_coated(base: type, label: str, *, widened: bool) -> type:
             check_bottom(self._nested, self._coat.where)
             self._prepare()
             self._kept.keep(self)
+
+        def offer(self):
+            return Offer(rotated=self._coat.has_rotation)
 
         def _prepare(self):
             """Check the parameters, flatten nested coats, and estimate the bottom's lobes."""

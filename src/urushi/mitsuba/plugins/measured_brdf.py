@@ -5,6 +5,7 @@ import mitsuba as mi
 from urushi.errors import ParameterError
 from urushi.measured import load_measured
 from urushi.mitsuba import spectrum
+from urushi.mitsuba.offers import Offer
 from urushi.mitsuba.plugins.base import resolve
 
 
@@ -54,6 +55,9 @@ def define(base: type) -> type:
                 self._reflector = self.source.tabulated.on(mi.Float)
             except ParameterError as error:
                 raise ParameterError(f"{self._where}: {error}") from error
+
+        def offer(self):
+            return Offer(measured=self.source)
 
         def _f(self, vertex, ctx, si, wo, active):
             channels = self._reflector.f(si.wi, wo)

@@ -1,5 +1,7 @@
 """The plugin `neural_layered`: a coat over any BSDF, layered in the latent space."""
 
+from dataclasses import replace
+
 import drjit as dr
 import mitsuba as mi
 
@@ -90,6 +92,9 @@ def define(base: type) -> type:
             self._bake()
             self._kept.keep(self)
 
+        def offer(self):
+            return replace(super().offer(), rotated=self._coat.has_rotation)
+
         def _choose_networks(self):
             """Choose the networks for the present coat and bottom."""
             check_rotation(self._bottom, self._coat.where)
@@ -108,9 +113,11 @@ def define(base: type) -> type:
             assert self._baker is not None  # for the type checker
             with dr.suspend_grad():
                 self.latents = self._baker.update(bottom_changed)
+            tensor = mi.TensorXf()
             if gradients.wanted(self):
                 self.latents = gradients.bake(self._baker, self._coat, self._bottom, self.latents)
-            mi.set_property(self._differentiable, getattr(self.latents, "tensor", mi.TensorXf()))
+                tensor = self.latents.tensor
+            mi.set_property(self._differentiable, tensor)
 
         def save(self, path):
             """Write the codes to a file that ``neural_brdf`` loads, textured or not.
@@ -132,7 +139,9 @@ def define(base: type) -> type:
                 )
                 super().save(path)
                 return
-            self.latents.material.rotated(angle).save(path)
+            material = self.latents.material
+            assert material is not None  # for the type checker
+            material.rotated(angle).save(path)
 
         def _turn(self, si, active):
             return Turn(*self._coat.turn(si, active)) if self._coat.has_rotation else None

@@ -6,8 +6,8 @@ import numpy as np
 from urushi.errors import ParameterError, PlatformError
 from urushi.material.source import Source, as_source
 from urushi.material.symmetry import asymmetry_pairs, is_anisotropic
-from urushi.measured.tabulated import MeasuredSurface
 from urushi.mitsuba import spectrum
+from urushi.mitsuba.offers import offer_of
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.grid import not_over_uv, varying_textures
 from urushi.mitsuba.reading.surfaces import known_surface
@@ -43,9 +43,9 @@ def bsdf_source(bsdf: "mi.BSDF") -> Source:
 
 def reflection_source(bsdf: "mi.BSDF") -> Source:
     """`bsdf_source` of a BSDF that is known to be opaque and rough, and not to be textured."""
-    table = getattr(bsdf, "source", None)
-    if isinstance(table, MeasuredSurface) and spectrum.channel_count() == 3:
-        return as_source(table)  # what `urushi.load_measured` gives, to the bit
+    offer = offer_of(bsdf)
+    if offer.measured is not None and spectrum.channel_count() == 3:
+        return as_source(offer.measured)  # what `urushi.load_measured` gives, to the bit
 
     if surface := known_surface(bsdf):
         lobe, _ = values = surface.at(np.full((1, 2), 0.5))
@@ -64,7 +64,7 @@ def reflection_source(bsdf: "mi.BSDF") -> Source:
             lambda wi, wo: _mean_values(bsdf, wi, wo, 1),
             symmetric=True,
             lobe=lobes[0],
-            bare=bool(getattr(bsdf, "bare", False)),
+            bare=offer.bare,
             widths=1 if lobes.shape[-1] == len(LOBE_NUMBERS) else 2,
         )
 
@@ -77,7 +77,7 @@ def reflection_source(bsdf: "mi.BSDF") -> Source:
         f,
         noisy=noisy,
         tabulated=not noisy,
-        measured=isinstance(table, MeasuredSurface) or bsdf.class_name() == MITSUBA_MEASURED,
+        measured=offer.measured is not None or bsdf.class_name() == MITSUBA_MEASURED,
     )
 
 
@@ -86,9 +86,9 @@ def has_two_widths(bsdf: "mi.BSDF") -> bool:
 
     A texture counts by its value in the middle of uv; a random BSDF counts as isotropic.
     """
-    model = getattr(bsdf, "model", None)
-    if model is not None and hasattr(bsdf, "latents"):
-        return model.widths == 2
+    latents = offer_of(bsdf).latents
+    if latents is not None:
+        return latents.model.widths == 2
     surface = known_surface(bsdf)
     if surface is not None and surface.widths == 2 and not varying_textures(bsdf):
         lobe = surface.at(np.full((1, 2), 0.5)).lobe

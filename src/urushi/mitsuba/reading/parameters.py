@@ -11,6 +11,7 @@ from urushi import checks
 from urushi.checks import DEFAULT_COAT, MIN_ALPHA, CoatParameters, Widths
 from urushi.errors import ParameterError
 from urushi.mitsuba import spectrum
+from urushi.mitsuba.offers import offer_of
 from urushi.mitsuba.reading.refraction import index_of_refraction
 
 #: Parameters of a coat that may be textures, and their defaults. The index of refraction is given
@@ -340,8 +341,7 @@ def check_rotation(bottom: "mi.BSDF", where: str) -> None:
     Raises:
         ParameterError: it has one.
     """
-    coat = getattr(bottom, "_coat", None)
-    if isinstance(coat, CoatTextures) and coat.has_rotation:
+    if offer_of(bottom).rotated:
         raise ParameterError(
             f"{where}: the nested coat has its own rotation, but all layers share one tangent "
             "frame; give rotation to the outermost coat only"

@@ -17,6 +17,7 @@ from urushi.material.symmetry import (
     rotated_pairs,
 )
 from urushi.mitsuba import spectrum
+from urushi.mitsuba.offers import offer_of
 from urushi.textures.grid import TexelGrid
 
 #: Greatest number of evaluations in one launch: bounds memory.
@@ -208,15 +209,10 @@ def needed_repeats(bsdf: "mi.BSDF", wi: np.ndarray, wo: np.ndarray, points: int)
 
 
 def known_lobes(bsdf: "mi.BSDF", uv: np.ndarray) -> np.ndarray | None:
-    """The lobes float32 (M, C, 6 or 7) at points uv (M, 2) of a BSDF that knows them, or None.
-
-    A plugin gives them by a method `lobes` of a surface interaction: six Dr.Jit floats for each
-    channel, seven of an anisotropic BSDF, or None (see `urushi.nets.lobe`). Its values contain more
-    than the lobe.
-    """
-    method = getattr(bsdf, "lobes", None)
+    """The lobes float32 (M, C, 6 or 7) at points uv (M, 2) of a BSDF that offers them, or None."""
+    offer = offer_of(bsdf)
     si = interaction(np.tile([0.0, 0.0, 1.0], (len(uv), 1)), uv)
-    channels = spectrum.at_bands(si, lambda: method(si) or ()) if method else []
+    channels = spectrum.at_bands(si, lambda: offer.lobes(si) or ())
     if not channels:
         return None
     dr.eval(channels)
