@@ -72,7 +72,7 @@ def test_textured_coats_lie_over_the_codes(rgb, merl_file):
         {"type": "measured_brdf", "filename": str(merl_file)},
         alpha={**texture, "raw": True},
     )
-    assert bsdf.latents.resolution is not None
+    assert bsdf.latents.grid is not None
 
 
 SLOW = pytest.mark.slow
