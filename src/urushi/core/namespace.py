@@ -32,7 +32,7 @@ class Namespace(NamedTuple):
 
     Attributes:
         sqrt, safe_sqrt: the square root of x >= 0; the safe one has a finite derivative at 0.
-        exp, log, absolute, minimum, maximum, where: those of NumPy.
+        exp, log, log1p, absolute, minimum, maximum, where: those of NumPy.
         clip, cos, arccos, arctan2: those of NumPy; shader code has none.
         positive: x, at least zero; by its real part if it is complex, as in a complex step. It has
             a finite derivative.
@@ -45,6 +45,7 @@ class Namespace(NamedTuple):
     safe_sqrt: Function
     exp: Function
     log: Function
+    log1p: Function
     absolute: Function
     minimum: Function
     maximum: Function
@@ -64,6 +65,7 @@ DRJIT = Namespace(
     dr.safe_sqrt,
     dr.exp,
     dr.log,
+    lambda x: dr.log(1 + x),
     dr.abs,
     dr.minimum,
     dr.maximum,
@@ -94,6 +96,7 @@ def _of_module(xp: Any) -> Namespace:
         xp.sqrt,
         xp.exp,
         xp.log,
+        xp.log1p,
         xp.abs,
         xp.minimum,
         xp.maximum,

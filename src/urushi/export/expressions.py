@@ -76,6 +76,9 @@ class Expression:
     def __rsub__(self, other: Value) -> "Expression":
         return expression(other) - self
 
+    def __neg__(self) -> "Expression":
+        return -1.0 * self
+
     def __mul__(self, other: Value) -> "Expression":
         a, b = self, expression(other)
         if is_zero(a) or is_zero(b):

@@ -234,6 +234,7 @@ def namespace(body: Function, suffix: str = "") -> Namespace:
         function("sqrt"),
         function("exp"),
         function("log"),
+        function("log1p"),
         function("abs"),
         function("min"),
         function("max"),

@@ -124,7 +124,7 @@ DIRECTIONS = {
     1: _normalisation(DIRECTION_TABLE),
     2: _normalisation(DIRECTION_TABLE + AZIMUTH_TABLE),
 }
-_COATS = {1: _normalisation(COAT_TABLE), 2: _normalisation(COAT_TABLE + COAT_TABLE[:2])}
+COATS = {1: _normalisation(COAT_TABLE), 2: _normalisation(COAT_TABLE + COAT_TABLE[:2])}
 
 
 def direction_features(wi: Any, wo: Any, widths: int = 1) -> Any:
@@ -186,22 +186,28 @@ def coat_features(alpha: Any, eta: Any, albedo: Any, sigma_t: Any, g: Any) -> An
     (-1, 1). C is `COAT_FEATURES` of one width or two. For sigma_t = 0 the features do not depend on
     albedo and g.
     """
-    across = None
-    if isinstance(alpha, Widths):
-        alpha, across = alpha.u, alpha.v
-    xp = alpha.__array_namespace__()
-    s = (eta - 1.0) / (eta + 1.0)
-    s2, outside = s * s, 1.0 - eta * eta
-    m, absorbed = 1.0 - xp.exp(-sigma_t), 1.0 - albedo
+    widths = 1 + isinstance(alpha, Widths)
+    return COATS[widths](coat_columns(alpha, eta, albedo, sigma_t, g, arrays(eta)))
+
+
+def coat_columns(
+    alpha: Any, eta: Any, albedo: Any, sigma_t: Any, g: Any, xp: Namespace
+) -> list[Any]:
+    """The features of a coat before normalisation, by `COATS`."""
+    named = xp.named
+    along, *across = (alpha.u, alpha.v) if isinstance(alpha, Widths) else (alpha,)
+    s = named("s", (eta - 1.0) / (eta + 1.0))
+    s2 = named("s2", s * s)
+    m, absorbed = named("m", 1.0 - xp.exp(-sigma_t)), 1.0 - albedo
     m_albedo, m_g = m * albedo, m * g
     columns = [
-        xp.log(alpha),
-        alpha,
+        xp.log(along),
+        along,
         eta,
         s,
         s2,
         xp.log(s2 + 1e-4),
-        xp.where(outside.real > 0.0, outside, 0.0),
+        xp.positive(1.0 - eta * eta),
         m,
         xp.exp(-4.0 * sigma_t),
         xp.log1p(sigma_t),
@@ -214,6 +220,4 @@ def coat_features(alpha: Any, eta: Any, albedo: Any, sigma_t: Any, g: Any) -> An
         xp.log1p(sigma_t * absorbed),
         xp.log1p(sigma_t * (1.0 - albedo * g)),
     ]
-    if across is None:
-        return _COATS[1](columns)
-    return _COATS[2]([*columns, xp.log(across), across])
+    return columns + [column for width in across for column in (xp.log(width), width)]

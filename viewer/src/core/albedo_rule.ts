@@ -8,26 +8,12 @@
 // The same table that Python's `material.energy` reads.
 import table from "../../../src/urushi/material/albedo_rule.csv?raw";
 import { Pairs, type Widths } from "./features";
+import { ALBEDO_RULE } from "./formulas";
 import { gaussLegendre } from "./quadrature";
 
-/** The variable of the interpolating polynomial is ln(cos + this). */
-const COSINE_OFFSET = 0.1;
-
-/** Number of cosines, evenly spaced in that variable, at which the polynomial is evaluated. */
-const INTERPOLATED_COSINES = 41;
-
-/** Share by which the polynomial may leave the range of the values at the two angles beside it. */
-const OVERSHOOT = 0.05;
-
-/** Azimuths and cosines of wi in the rule of anisotropic codes. */
-const AZIMUTHS = [0, 0.25 * Math.PI, 0.5 * Math.PI] as const;
-const ANISOTROPIC_COSINES = [1, 0.925, 0.735, 0.51, 0.315, 0.175, 0.09] as const;
-
-/** Nodes of that rule in theta_h, and in a quadrant of the azimuth, crowded at its ends. */
-const POLAR_NODES = 14;
-const QUADRANT_NODES = 8;
-const CROWDING = 1.5;
-const LEAST_TANGENT = 1e-3;
+const { COSINE_OFFSET, INTERPOLATED_COSINES, OVERSHOOT, AZIMUTHS, ANISOTROPIC_COSINES } =
+  ALBEDO_RULE;
+const { POLAR_NODES, QUADRANT_NODES, CROWDING, LEAST_TANGENT } = ALBEDO_RULE;
 
 /** K and D count the angles of all azimuths, one azimuth after the other. */
 export interface AlbedoRule {

@@ -6,13 +6,12 @@
  */
 
 import { type AlbedoRule, interpolatedAlbedos } from "./albedo_rule";
-import { reflectance } from "./lobe";
+import { LOBE_ALBEDO } from "./formulas";
+import { isDark, reflectance } from "./lobe";
 import type { LobeAlbedos } from "./lobe_albedo";
 import { gaussLegendre } from "./quadrature";
 
-/** Nodes in height, and evenly spaced azimuths. */
-const HEIGHTS = 16;
-const TURNS = 20;
+const { HEIGHTS, TURNS } = LOBE_ALBEDO;
 
 const heights = gaussLegendre(HEIGHTS);
 const turns = Array.from({ length: TURNS }, (_, k) => (2 * Math.PI * (k + 0.5)) / TURNS);
@@ -23,9 +22,7 @@ export class AnisotropicLobeAlbedo implements LobeAlbedos {
   constructor(private readonly rule: AlbedoRule) {}
 
   add(lobe: ArrayLike<number>, at: number, albedos: Float64Array): void {
-    if (lobe[at + 1] === 0 && lobe[at + 2] === 0 && lobe[at + 3] === 0) {
-      return;
-    }
+    if (isDark(lobe, at)) return;
     const { rule } = this;
     const atAngles = Float64Array.from(rule.angles, (_, k) => {
       const first = 3 * rule.bounds[k];

@@ -8,18 +8,10 @@
 import { scaleRest } from "./decoder";
 import type { EnergyLimit } from "./energy";
 import type { CoatOfChannel } from "./features";
-import { fresnel, reflectance } from "./lobe";
+import { BLEND, fresnel, LAYER } from "./formulas";
+import { reflectance } from "./lobe";
 
-/** Values of (eta - 1) / (eta + 1), alpha and sigma_t at which 1 - 1/e of a coat is present. */
-const ABSENT_CHANGE = 0.005;
-const ABSENT_WIDTH = 0.2;
-const ABSENT_DEPTH = 0.01;
-
-/** The share from which all of a coat is present. */
-export const PRESENT = 0.999;
-
-/** Cosines over which the reflectance of a lobe is averaged. */
-const COSINES = [1.0, 0.8, 0.6, 0.4, 0.2] as const;
+const { ABSENT_CHANGE, ABSENT_WIDTH, ABSENT_DEPTH } = LAYER;
 
 /** The share of a coat in a layered code: 0 where nothing is there, up to 1. */
 export function presence({ alpha, alphaV, eta, sigmaT }: CoatOfChannel): number {
@@ -70,11 +62,11 @@ function inProportion(sizeA: number, sizeB: number, share: number): number {
 
 /** Mean of the exact Fresnel term over the cosines, for a factor of one. */
 function exactReflectance(lobe: Float32Array): number {
-  return mean(COSINES.map((cosine) => fresnel(cosine, lobe[4], lobe[5])));
+  return mean(BLEND.COSINES.map((cosine) => fresnel(cosine, lobe[4], lobe[5])));
 }
 
 function meanReflectance(lobe: Float32Array): number {
-  return mean(COSINES.map((cosine) => reflectance(lobe, 0, cosine)));
+  return mean(BLEND.COSINES.map((cosine) => reflectance(lobe, 0, cosine)));
 }
 
 function mean(numbers: ArrayLike<number>): number {

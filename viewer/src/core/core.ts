@@ -1,12 +1,13 @@
 /** The core: networks and energy limit behind the interface of `api.ts`. */
 
 import type { Bottom, Coat, Core, Material, Stack } from "./api";
-import { blended, PRESENT, presence } from "./blend";
+import { blended, presence } from "./blend";
 import { CHANNELS, firstSame, joined, rows, sameNumbers } from "./channels";
 import { Decoder } from "./decoder";
 import { Encoder } from "./encoder";
-import { EnergyLimit, MARGIN } from "./energy";
+import { EnergyLimit } from "./energy";
 import { Evaluation } from "./evaluation";
+import { ENERGY, LAYER } from "./formulas";
 import { Layerer, withinTraining } from "./layerer";
 import { noLobe } from "./lobe";
 import { MeasuredEncoder } from "./measured_encoder";
@@ -72,7 +73,7 @@ export class NetworkCore extends Evaluation implements Core {
   limited(codes: Float32Array): Float32Array {
     const own = rows(this.checked(codes).slice(), this.latentSize);
     for (const code of own) {
-      this.energy.limit(code, 1 - MARGIN);
+      this.energy.limit(code, 1 - ENERGY.MARGIN);
     }
     return joined(own);
   }
@@ -101,7 +102,7 @@ export class NetworkCore extends Evaluation implements Core {
       const channel = kept[place];
       this.energy.limitCoated(code, anchors[channel]);
       const share = presence(coats[channel]);
-      return share < PRESENT ? blended(this.energy, latents[channel], code, share) : code;
+      return share < LAYER.PRESENT ? blended(this.energy, latents[channel], code, share) : code;
     });
     return joined(own.map((channel) => codes[kept.indexOf(channel)]));
   }

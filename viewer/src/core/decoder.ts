@@ -1,15 +1,11 @@
 /** The decoder: from a code and pairs of directions to the BRDF without its topmost lobe. */
 
-import { DIRECTION_FEATURES, type Pairs } from "./features";
+import type { Pairs } from "./features";
+import { DECODER } from "./formulas";
 import { type Activation, activate } from "./mlp";
 import { first, type Layer, last, type Weights } from "./weights";
 
-/** Range of ln f. */
-const MIN_LOG = -25;
-const MAX_LOG = 20;
-
-/** Gain with which any code decodes to exp(`MIN_LOG`). */
-const EMPTY_GAIN = -100;
+const { MIN_LOG, MAX_LOG, EMPTY_GAIN } = DECODER;
 
 /** What the decoder needs of one code: how it shifts and scales the first layer, and its gain. */
 export interface PreparedCode {
@@ -54,7 +50,7 @@ export class Decoder {
     this.width = this.entry.outputs;
     const layers = weights.decoder.slice(0, -1);
     this.states = layers.map(({ outputs }) => new Float64Array(outputs * LANES));
-    this.features = DIRECTION_FEATURES[weights.arch.widths];
+    this.features = this.entry.inputs - this.codes;
     this.ofDirections = new Float64Array(this.width * this.features);
     for (let j = 0; j < this.width; j++) {
       const at = j * this.entry.inputs + this.codes;

@@ -3,22 +3,16 @@
 import type { Decoder, Responses } from "./decoder";
 import { DecoderSlopes } from "./decoder_slopes";
 import { Pairs, type Widths } from "./features";
+import { CORRECTION, ENCODER, ERROR_METRICS, FIT } from "./formulas";
 import { dampedStep } from "./least_squares";
-import { lobeValue } from "./lobe";
+import { lobeValues } from "./lobe";
 import { type Activation, Mlp } from "./mlp";
 import { probePairs } from "./probe_pairs";
 import type { Weights } from "./weights";
 
-/** [1/sr] Added to f before the logarithm of the encoder, and of the correction. */
-export const OFFSET = 1e-4;
-export const DARK_OFFSET = 1e-3;
-
-/** Number of correction steps, and their damping relative to the mean curvature. */
-const CORRECTION_STEPS = 2;
-const CORRECTION_DAMPING = 1e-3;
-
-/** Errors of ln f above this count linearly (Huber 1964). */
-const HUBER_KNEE = 0.5;
+const { CORRECTION_STEPS, CORRECTION_DAMPING } = CORRECTION;
+const { OFFSET } = ENCODER;
+const { DARK_OFFSET } = ERROR_METRICS;
 
 /** A corrected code, and the factor by which the encoder's own is too bright somewhere. */
 export interface Correction {
@@ -74,9 +68,8 @@ export class Encoder {
    * given one at all pairs, or that one.
    */
   correct(code: Float32Array, f: ArrayLike<number>): Correction {
-    const count = this.pairs.capacity;
-    const top = Float64Array.from({ length: count }, (_, i) => lobeValue(code, 0, this.pairs, i));
-    const logs = Float64Array.from({ length: count }, (_, i) => Math.log(f[i] + DARK_OFFSET));
+    const top = lobeValues(code, this.pairs);
+    const logs = Float64Array.from(f, (value) => Math.log(value + DARK_OFFSET));
     const before = this.errors(code, top, logs);
     const least = totalLoss(before);
     const tried: Float32Array[] = [];
@@ -125,20 +118,14 @@ export class Encoder {
 }
 
 function everySecond(pairs: Pairs): Pairs {
-  const result = new Pairs(Math.ceil(pairs.capacity / 2), pairs.widths);
-  for (const name of ["cosI", "cosO", "across", "cosD"] as const) {
-    result[name].set(pairs[name].filter((_, i) => i % 2 === 0));
-  }
-  for (const name of ["features", "flat"] as const) {
-    const width = pairs[name].length / pairs.capacity;
-    result[name].set(pairs[name].filter((_, i) => Math.floor(i / width) % 2 === 0));
-  }
-  return result;
+  const kept = pairs.directions.filter((_, k) => Math.floor(k / 6) % 2 === 0);
+  const of = (start: number) => kept.filter((_, k) => (k - start + 6) % 6 < 3);
+  return Pairs.of(of(0), of(3), pairs.widths);
 }
 
 /** The factor by which an error's weight is reduced. */
 export function farness(error: number): number {
-  return Math.max(Math.abs(error) / HUBER_KNEE, 1);
+  return Math.max(Math.abs(error) / FIT.HUBER_KNEE, 1);
 }
 
 function totalLoss(errors: Float64Array): number {

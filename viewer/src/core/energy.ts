@@ -8,40 +8,11 @@
 import { type AlbedoRule, addAlbedos, albedoRule } from "./albedo_rule";
 import { AnisotropicLobeAlbedo } from "./anisotropic_lobe_albedo";
 import { type Decoder, emptyRest, type Responses, scaleRest } from "./decoder";
+import { ENERGY } from "./formulas";
 import { LobeAlbedo, type LobeAlbedos } from "./lobe_albedo";
 
-/** Error of the quadrature and of the interpolation: the ceiling is 1 less this. */
-export const MARGIN = 0.002;
-
-/** Amount by which a code's albedo may exceed that of its source. */
-const SLACK = 0.003;
-
-/** Excess over an albedo of 1 that counts as a numerical error. */
-const TOLERANCE = 0.005;
-
-/** Cosine of wi below which the source's albedo is no ceiling. */
-const GRAZING = 0.1;
-
-/** Least albedo in a division. */
-const LEAST_ALBEDO = 1e-6;
-
-/** Albedo that the rest may always have, also beside a lobe with a sharp edge of total reflection. */
-const LEAST_REST = 0.005;
-const LEAST_REST_OF_EDGE = 0.05;
-
-/**
- * Distance from the critical cosine, in widths of the lobe, and the width of a lobe, below which an
- * edge of total reflection is too sharp for the rule.
- */
-const EDGE_WIDTHS = 1;
-const SHARP = 0.2;
-
-/** Greatest difference of a rest from that of nothing at which it is that of nothing. */
-const BARE_DIFFERENCE = 1e-4;
-
-/** A code with a smaller factor is measured again, so many times. */
-const TINY_FACTOR = 1e-3;
-const TINY_FACTOR_ROUNDS = 3;
+const { MARGIN, SLACK, TOLERANCE, GRAZING, LEAST_ALBEDO, LEAST_REST, LEAST_REST_OF_EDGE } = ENERGY;
+const { EDGE_WIDTHS, SHARP, BARE_DIFFERENCE, TINY_FACTOR, TINY_FACTOR_ROUNDS } = ENERGY;
 
 /** A ceiling at all angles, or one for each of the rule's cosines. */
 export type Ceiling = number | Float64Array;

@@ -4,10 +4,11 @@ import type { Material, TableOptions } from "./api";
 import { CHANNELS, firstSame, rows, sameNumbers } from "./channels";
 import type { Decoder, Responses } from "./decoder";
 import { Pairs, type Widths } from "./features";
+import type { Vector } from "./formulas";
 import { lobeValue } from "./lobe";
 import { sequenceSteps } from "./probe_pairs";
 import { halfVectorRule } from "./quadrature";
-import { type Direction, mixtureDensity, type Sampler, sampleMixture } from "./sampler";
+import { mixtureDensity, type Sampler, sampleMixture } from "./sampler";
 
 /** The largest number below one of single precision, for uniform numbers. */
 const BELOW_ONE = 1 - 2 ** -24;
@@ -42,16 +43,15 @@ export class Evaluation {
   pdf(material: Material, wi: Float32Array, wo: Float32Array): Float32Array {
     const proposal = this.sampler.proposals(this.meanAnchor(material));
     const result = new Float32Array(wi.length / 3);
-    let latest: Direction = [0, 0, 1];
+    let latest: Vector = { x: 0, y: 0, z: 1 };
     let mixture = proposal(latest);
     for (let i = 0; i < result.length; i++) {
-      const at = 3 * i;
-      const own: Direction = [wi[at], wi[at + 1], wi[at + 2]];
-      if (!sameNumbers(own, latest)) {
+      const own = vectorAt(wi, i);
+      if (own.x !== latest.x || own.y !== latest.y || own.z !== latest.z) {
         latest = own;
         mixture = proposal(own);
       }
-      result[i] = mixtureDensity(mixture, own, [wo[at], wo[at + 1], wo[at + 2]]);
+      result[i] = mixtureDensity(mixture, own, vectorAt(wo, i));
     }
     return result;
   }
@@ -86,18 +86,18 @@ export class Evaluation {
     const uniform = shiftedSequence(samples, shift);
     const pairs = new Pairs(samples, this.widths);
     const densities = new Float64Array(samples);
-    const wo = new Float64Array(3);
     for (let row = 0; row < azimuths * cosines; row++) {
       const cosine = ((row % cosines) + 0.5) / cosines;
       const sine = Math.sqrt(1 - cosine * cosine);
       const azimuth = (0.5 * Math.PI * Math.floor(row / cosines)) / Math.max(azimuths - 1, 1);
-      const wi: Direction = [sine * Math.cos(azimuth), sine * Math.sin(azimuth), cosine];
+      const wi = { x: sine * Math.cos(azimuth), y: sine * Math.sin(azimuth), z: cosine };
       const mixture = proposal(wi);
       for (let i = 0; i < samples; i++) {
-        sampleMixture(mixture, wi, uniform[3 * i], uniform[3 * i + 1], uniform[3 * i + 2], wo);
-        pairs.set(i, ...wi, wo[0], wo[1], wo[2]);
-        densities[i] = mixtureDensity(mixture, wi, [wo[0], wo[1], wo[2]]);
-        result.set(wo, (row * samples + i) * 8);
+        const u = vectorAt(uniform, i);
+        const wo = sampleMixture(mixture, wi, u.x, u.y, u.z);
+        pairs.set(i, wi.x, wi.y, wi.z, wo.x, wo.y, wo.z);
+        densities[i] = mixtureDensity(mixture, wi, wo);
+        result.set([wo.x, wo.y, wo.z], (row * samples + i) * 8);
       }
       const values = this.values(material, pairs, samples);
       for (let i = 0; i < samples; i++) {
@@ -153,6 +153,10 @@ export class Evaluation {
       (_, k) => anchors.reduce((sum, code) => sum + code[k], 0) / anchors.length,
     );
   }
+}
+
+function vectorAt(array: ArrayLike<number>, i: number): Vector {
+  return { x: array[3 * i], y: array[3 * i + 1], z: array[3 * i + 2] };
 }
 
 /** Points of Roberts' R sequence (2018) in three dimensions, shifted: (count, 3). */

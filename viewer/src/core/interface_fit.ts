@@ -4,29 +4,17 @@
  */
 
 import type { Pairs } from "./features";
-import { dampedStep } from "./least_squares";
-import { fresnel, lobeValue } from "./lobe";
-import { DARK, fitLobe, LEAST_LOG, lobeShape } from "./lobe_fit";
+import { CHECKS, fresnel, INTERFACE_FIT, LOBE_FIT } from "./formulas";
+import { dampedSteps, type FitState } from "./least_squares";
+import { lobeValue } from "./lobe";
+import { fitLobe, lobeShape } from "./lobe_fit";
 
-/** Mean relative error of Schlick's term between which an exact one is looked for. */
-const LEAST_ERROR = 2e-3;
-const GREATEST_ERROR = 0.15;
-
-/** Greatest relative error of any value that the exact term may leave. */
-const TOLERANCE = 0.005;
-
-/** Steps, the first damping, and its factors after steps that lower the error and that do not. */
-const STEPS = 20;
-const DAMPING = 1e-3;
-const DECREASE = 0.2;
-const INCREASE = 10;
+const { LEAST_ERROR, GREATEST_ERROR, TOLERANCE, STEPS, METALS } = INTERFACE_FIT;
+const { DARK } = LOBE_FIT;
 
 /** Bounds of ln alpha, eta and k. */
-const LOWER = [LEAST_LOG, 0.02, 0];
-const UPPER = [0, 8, 12];
-
-/** Indices of the metals that are tried. */
-const METALS = [0.2, 1, 2.5];
+const LOWER = [Math.log(CHECKS.MIN_ALPHA), ...INTERFACE_FIT.LOWER];
+const UPPER = [0, ...INTERFACE_FIT.UPPER];
 
 /** Relative difference of derivatives. */
 const STEP = 1e-5;
@@ -49,9 +37,8 @@ export function findLobe(pairs: Pairs, f: Float64Array): Float32Array {
   return Float32Array.from(schlick);
 }
 
-interface Fit {
-  /** ln alpha, eta and k. */
-  readonly x: readonly number[];
+interface Fit extends FitState<readonly number[]> {
+  /** The greatest relative error. */
   readonly greatest: number;
 }
 
@@ -69,51 +56,32 @@ function fitted(pairs: Pairs, f: Float64Array, schlick: Float64Array): Fit {
 }
 
 function descend(pairs: Pairs, f: Float64Array, start: readonly number[]): Fit {
-  let x = clipped(start);
-  let state = errorsAt(pairs, f, x);
-  let damping = DAMPING;
-  for (let step = 0; step < STEPS; step++) {
-    const curvature = new Float64Array(9);
-    const slope = new Float64Array(3);
-    for (let a = 0; a < 3; a++) {
-      slope[a] = dot(state.slopes[a], state.error);
-      for (let b = 0; b < 3; b++) {
-        curvature[3 * a + b] = dot(state.slopes[a], state.slopes[b]);
-      }
-    }
-    const change = dampedStep(curvature, slope, damping);
-    const next = clipped(x.map((number, k) => number - change[k]));
-    const found = errorsAt(pairs, f, next);
-    const isBetter = dot(found.error, found.error) < dot(state.error, state.error);
-    if (isBetter) {
-      [x, state] = [next, found];
-    }
-    damping *= isBetter ? DECREASE : INCREASE;
-  }
-  return { x, greatest: state.error.reduce((most, error) => Math.max(most, Math.abs(error)), 0) };
+  const stateAt = (x: readonly number[]) => fitAt(pairs, f, x);
+  return dampedSteps(stateAt, clipped(start), STEPS, INTERFACE_FIT.DAMPING, (x, step) =>
+    clipped(x.map((number, k) => number - step[k])),
+  ) as Fit;
 }
 
-/** Relative errors of unknowns, and their derivatives. */
-function errorsAt(
-  pairs: Pairs,
-  f: Float64Array,
-  [log, eta, k]: readonly number[],
-): { error: Float64Array; slopes: Float64Array[] } {
-  const alpha = Math.exp(log);
-  const shape = lobeShape(pairs, alpha);
-  const wider = lobeShape(pairs, alpha * (1 + STEP));
-  const error = new Float64Array(f.length);
-  const slopes = [0, 1, 2].map(() => new Float64Array(f.length));
-  for (let i = 0; i < f.length; i++) {
-    const scale = 1 / (f[i] + DARK);
-    const cosine = pairs.cosD[i];
-    const reflected = fresnel(cosine, eta, k);
-    error[i] = (shape[i] * reflected - f[i]) * scale;
-    slopes[0][i] = ((wider[i] - shape[i]) / STEP) * reflected * scale;
-    slopes[1][i] = shape[i] * ((fresnel(cosine, eta + STEP, k) - reflected) / STEP) * scale;
-    slopes[2][i] = shape[i] * ((fresnel(cosine, eta, k + STEP) - reflected) / STEP) * scale;
-  }
-  return { error, slopes };
+/** The state at unknowns; derivatives are differences. */
+function fitAt(pairs: Pairs, f: Float64Array, x: readonly number[]): Fit {
+  const error = errorsAt(pairs, f, x);
+  const slopes = x.map((_, a) => {
+    const beside = errorsAt(pairs, f, x.with(a, x[a] + STEP));
+    return beside.map((value, i) => (value - error[i]) / STEP);
+  });
+  return {
+    x,
+    objective: dot(error, error),
+    slope: Float64Array.from(slopes, (own) => dot(own, error)),
+    curvature: Float64Array.from(slopes.flatMap((a) => slopes.map((b) => dot(a, b)))),
+    greatest: error.reduce((most, value) => Math.max(most, Math.abs(value)), 0),
+  };
+}
+
+/** Relative errors of unknowns ln alpha, eta and k. */
+function errorsAt(pairs: Pairs, f: Float64Array, [log, eta, k]: readonly number[]): Float64Array {
+  const shape = lobeShape(pairs, Math.exp(log));
+  return f.map((value, i) => (shape[i] * fresnel(pairs.cosD[i], eta, k) - value) / (value + DARK));
 }
 
 function clipped(x: readonly number[]): number[] {

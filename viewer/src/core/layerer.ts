@@ -5,8 +5,9 @@
  * `material.layer`.
  */
 
-import { COAT_FEATURES, type CoatOfChannel, coatFeatures } from "./features";
-import { LOBE_FEATURES, lobeFeatures } from "./lobe";
+import type { CoatOfChannel } from "./features";
+import { CHECKS, coatFeatures, coatFeatures2, FEATURES, LAYER, LOBE } from "./formulas";
+import { lobeFeatures } from "./lobe";
 import { type Activation, Mlp } from "./mlp";
 import type { Weights } from "./weights";
 
@@ -23,14 +24,17 @@ export class Layerer {
   /** The codes of bottoms under coats, the same number of both. */
   layer(bottoms: readonly Float32Array[], coats: readonly CoatOfChannel[]): Float32Array[] {
     const { rest, lobe, widths } = this.weights.arch;
-    const ofLobe = LOBE_FEATURES[widths];
-    const width = rest + ofLobe + COAT_FEATURES[widths];
+    const ofLobe = LOBE.LOBE_FEATURES[widths];
+    const width = rest + ofLobe + FEATURES.COAT_FEATURES[widths];
     const inputs = new Float64Array(bottoms.length * width);
     bottoms.forEach((bottom, row) => {
       const at = row * width;
       inputs.set(bottom.subarray(lobe), at);
-      lobeFeatures(bottom, 0, inputs, at + rest, widths);
-      coatFeatures(coats[row], inputs, at + rest + ofLobe, widths);
+      lobeFeatures(bottom, inputs, at + rest, widths);
+      const { alpha, alphaV, eta, albedo, sigmaT, g } = coats[row];
+      const place = at + rest + ofLobe;
+      if (widths === 1) coatFeatures(alpha, eta, albedo, sigmaT, g, inputs, place);
+      else coatFeatures2(alpha, alphaV, eta, albedo, sigmaT, g, inputs, place);
     });
     const changes = this.network.evaluate(inputs, bottoms.length);
     return bottoms.map((bottom, row) => {
@@ -45,11 +49,8 @@ export class Layerer {
   }
 }
 
-/** Asymmetries in the training data. */
-const [LEAST_G, MOST_G] = [-0.8, 0.9];
-
-/** Optical depth to which deeper media are cut. */
-const DEEPEST = 12;
+const [LEAST_G, MOST_G] = CHECKS.TRAINED_G;
+const { DEEPEST } = LAYER;
 
 /**
  * A coat with a similar medium, in or near the range of the training data.

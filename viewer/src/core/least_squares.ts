@@ -31,6 +31,34 @@ export function solve(matrix: Float64Array, right: Float64Array, size: number): 
   return right;
 }
 
+/** The state of a fit at x: what is minimised, half its gradient and half its Hessian. */
+export interface FitState<X> {
+  readonly x: X;
+  readonly objective: number;
+  readonly slope: Float64Array;
+  readonly curvature: Float64Array;
+}
+
+/** The last state of damped steps, each accepted only if it lowers the objective. */
+export function dampedSteps<X>(
+  stateAt: (x: X) => FitState<X>,
+  start: X,
+  steps: number,
+  [first, decrease, increase]: readonly [number, number, number],
+  moved: (x: X, step: Float64Array) => X,
+): FitState<X> {
+  let state = stateAt(start);
+  let damping: number = first;
+  for (let k = 0; k < steps; k++) {
+    const step = dampedStep(state.curvature.slice(), state.slope.slice(), damping);
+    const found = stateAt(moved(state.x, step));
+    const isBetter = found.objective < state.objective;
+    if (isBetter) state = found;
+    damping *= isBetter ? decrease : increase;
+  }
+  return state;
+}
+
 /** Solve (curvature + damping) x = slope (Marquardt 1963); both arrays are overwritten. */
 export function dampedStep(
   curvature: Float64Array,

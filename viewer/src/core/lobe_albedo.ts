@@ -6,19 +6,12 @@
  * weights. Rules are made for some widths and interpolated; see Python's `material.lobe_albedo`.
  */
 
-import { reflectance } from "./lobe";
+import { CHECKS, LOBE_ALBEDO } from "./formulas";
+import { isDark, reflectance } from "./lobe";
 import { gaussLegendre, type Rule, ruleOfMatrix } from "./quadrature";
 
-/** Nodes of a rule, and for eta < 1, where the reflectance has an edge. */
-const NODES = 6;
-const EDGE_NODES = 16;
-
-/** Number of widths, evenly spaced in the root of alpha between those of 0.01 and 1. */
-export const WIDTHS = 24;
-const LEAST_ROOT = 0.1;
-
-/** Nodes in each dimension of the quadrature by which the rules are made. */
-const FINE = 40;
+const { NODES, EDGE_NODES, WIDTHS, FINE } = LOBE_ALBEDO;
+const LEAST_ROOT = Math.sqrt(CHECKS.MIN_ALPHA);
 
 /** Cosines to the facet and weights of an angle's nodes, one angle after the other. */
 interface FacetRules {
@@ -42,11 +35,8 @@ export class LobeAlbedo implements LobeAlbedos {
 
   /** Add the albedos of the lobe whose six numbers begin at a place to `albedos`. */
   add(lobe: ArrayLike<number>, at: number, albedos: Float64Array): void {
-    const exact = lobe[at + 3];
-    if (lobe[at + 1] === 0 && lobe[at + 2] === 0 && exact === 0) {
-      return;
-    }
-    const nodes = exact > 0 && lobe[at + 4] < 1 ? EDGE_NODES : NODES;
+    if (isDark(lobe, at)) return;
+    const nodes = lobe[at + 3] > 0 && lobe[at + 4] < 1 ? EDGE_NODES : NODES;
     const place = ((Math.sqrt(lobe[at]) - LEAST_ROOT) / (1 - LEAST_ROOT)) * (WIDTHS - 1);
     const clamped = Math.min(Math.max(place, 0), WIDTHS - 1);
     const index = Math.min(Math.floor(clamped), WIDTHS - 2);

@@ -6,29 +6,15 @@
  */
 
 import type { Pairs } from "./features";
+import { CHECKS, LOBE, LOBE_FIT } from "./formulas";
 import { solve } from "./least_squares";
-import { lobeValue, NO_LOBE } from "./lobe";
+import { lobeValues } from "./lobe";
 
-/** [1/sr] Added to f in relative errors. */
-export const DARK = 1e-3;
+const { GRID, DARK, OVERSHOOT_WEIGHT, KNEE, STEPS, CONVERGED, LONGEST_STEP, LAST_STEPS } = LOBE_FIT;
 
-/** Logarithm of the least width, and the widths that are tried first. */
-export const LEAST_LOG = Math.log(0.01);
-const WIDTHS = Array.from({ length: 24 }, (_, k) => Math.exp(LEAST_LOG * (1 - k / 23)));
-
-/** Weight of errors above f, and the relative error below f from which errors count linearly. */
-const OVERSHOOT_WEIGHT = 30;
-const KNEE = 0.05;
-
-/** Most steps, the change below which there are no more, and the last steps, which keep alpha. */
-const STEPS = 14;
-const CONVERGED = 1e-4;
-const LAST_STEPS = 3;
-
-/** Bounds of the diffuse term, the two factors and ln alpha, and of the change of the latter. */
-const LOWER = [0, 0, 0, LEAST_LOG];
+/** Bounds of the diffuse term, the two factors and ln alpha. */
+const LOWER = [0, 0, 0, Math.log(CHECKS.MIN_ALPHA)];
 const UPPER = [Number.POSITIVE_INFINITY, 1, 1, 0];
-const LONGEST_STEP = 0.3;
 
 /** The lobe (6) with Schlick's term of a BRDF with values f [1/sr] at the probe pairs. */
 export function fitLobe(pairs: Pairs, f: Float64Array): Float64Array {
@@ -40,15 +26,14 @@ export function fitLobe(pairs: Pairs, f: Float64Array): Float64Array {
       break;
     }
   }
-  const lobe = Float64Array.from(NO_LOBE);
+  const lobe = Float64Array.from(LOBE.NO_LOBE);
   lobe.set([Math.exp(x[3]), x[1], x[2]]);
   return Float64Array.from(Float32Array.from(lobe));
 }
 
 /** The lobe (count) [1/sr] of a width for a reflectance of one. */
 export function lobeShape(pairs: Pairs, alpha: number): Float64Array {
-  const lobe = [alpha, 1, 1, 0, 1.5, 0];
-  return Float64Array.from({ length: pairs.capacity }, (_, i) => lobeValue(lobe, 0, pairs, i));
+  return lobeValues([alpha, 1, 1, 0, 1.5, 0], pairs);
 }
 
 /** Schlick's share of the reflectance at grazing incidence at pair `i`. */
@@ -58,9 +43,9 @@ function grazingShare(pairs: Pairs, i: number): number {
 
 /** The best factors of the best width: diffuse, normal, grazing, ln alpha. */
 function bestWidth(pairs: Pairs, f: Float64Array): Float64Array {
-  let best = Float64Array.of(0, 0, 0, Math.log(WIDTHS[0]));
+  let best = Float64Array.of(0, 0, 0, Math.log(GRID[0]));
   let most = Number.NEGATIVE_INFINITY;
-  for (const alpha of WIDTHS) {
+  for (const alpha of GRID) {
     const shape = lobeShape(pairs, alpha);
     const normal = new Float64Array(9);
     const slope = new Float64Array(3);
@@ -126,9 +111,9 @@ function stepFrom(pairs: Pairs, f: Float64Array, x: Float64Array, longest: numbe
 /** The derivative of the logarithm of the lobe's shape by ln alpha. */
 function shapeSlope(pairs: Pairs, i: number, alpha: number): number {
   const alpha2 = alpha * alpha;
-  const [cosI, cosO] = [pairs.cosI[i], pairs.cosO[i]];
+  const [ix, iy, cosI, ox, oy, cosO] = pairs.directions.subarray(6 * i, 6 * i + 6);
   const along = alpha2 * (cosI + cosO) ** 2;
-  let slope = 2 - (4 * along) / (along + pairs.across[i]);
+  let slope = 2 - (4 * along) / (along + (ix + ox) ** 2 + (iy + oy) ** 2);
   for (const cosine of [cosI, cosO]) {
     const sine2 = 1 - cosine * cosine;
     const root = Math.sqrt(alpha2 * sine2 + cosine * cosine);

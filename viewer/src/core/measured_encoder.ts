@@ -5,20 +5,14 @@ import type { Material } from "./api";
 import { joined } from "./channels";
 import type { Encoder } from "./encoder";
 import type { EnergyLimit } from "./energy";
+import { ENCODE } from "./formulas";
 import { findLobe } from "./interface_fit";
+import { lobeValues } from "./lobe";
 import { readMeasured, valuesAt } from "./measured/read";
 import { probeDirections } from "./probe_pairs";
-import { difference, lobeValues, type Refinement } from "./refinement";
+import { difference, type Refinement } from "./refinement";
 
-/** Shares of the light between which the rest of a source enters its anchor, as in Python. */
-const FAINT_REST = [0.03, 0.08];
-
-/**
- * Errors of an anchor, over those of its lobe alone, between which its rest is left out, and the
- * error of the lobe alone up to which this is looked at; as in Python.
- */
-const HELPFUL_REST = [1, 1.1];
-const NEAR_LOBE = 0.3;
+const { FAINT_REST, HELPFUL_REST, NEAR_LOBE } = ENCODE;
 
 export class MeasuredEncoder {
   /** @param nothing the rest that the encoder makes of none. */

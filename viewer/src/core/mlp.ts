@@ -1,21 +1,14 @@
 /** Multilayer perceptrons and their activation; see Python's `nets.mlp`. */
 
+import { MLP } from "./formulas";
 import { FileError } from "./safetensors";
 import type { Layer } from "./weights";
 
-/**
- * An activation x (1/2 + t q(t^2)), with t = x clamped to [-bound, bound] and q of degree three,
- * lowest power first. It resembles SiLU without an exponential.
- */
+/** An activation: its bound and its polynomial, see `POLYNOMIALS` of Python's `nets.mlp`. */
 export interface Activation {
   readonly bound: number;
-  readonly q: readonly [number, number, number, number];
+  readonly q: readonly number[];
 }
-
-const ACTIVATIONS: Readonly<Record<string, Activation>> = {
-  smoothstep: { bound: 2.0, q: [0.375, -0.03125, 0, 0] },
-  silu7: { bound: 5.75, q: [0.225729, -0.010473, 2.924521977775268e-4, -3.1043713096403e-6] },
-};
 
 /**
  * The activation of a name.
@@ -23,11 +16,11 @@ const ACTIVATIONS: Readonly<Record<string, Activation>> = {
  * @throws FileError if this core does not know it.
  */
 export function activationOf(name: string): Activation {
-  const activation = ACTIVATIONS[name];
-  if (!activation) {
+  if (!Object.hasOwn(MLP.POLYNOMIALS, name)) {
     throw new FileError(`the networks' activation '${name}' is unknown here`);
   }
-  return activation;
+  const [bound, q] = MLP.POLYNOMIALS[name as keyof typeof MLP.POLYNOMIALS];
+  return { bound, q: [...q, 0, 0].slice(0, 4) };
 }
 
 /** Apply an activation to the first `count` numbers, in place. */

@@ -1,15 +1,9 @@
 /** The probe pairs, at which the encoder needs a BRDF's values; see Python's `geometry`. */
 
 import { Pairs, type Widths } from "./features";
+import { PROBE_PAIRS } from "./formulas";
 
-/** Share of the pairs that is uniform in the logarithm of the half angle. */
-const HALF_ANGLE_SHARE = 2 / 3;
-
-/** Range of tan theta_h, largest theta_d, and least cosine of either direction. */
-const MIN_TANGENT = 1e-3;
-const MAX_TANGENT = 4.0;
-const MAX_DIFFERENCE = (86 * Math.PI) / 180;
-const MIN_COSINE = 0.02;
+const { HALF_ANGLE_SHARE, MIN_TANGENT, MAX_TANGENT, MAX_DIFFERENCE, MIN_COSINE } = PROBE_PAIRS;
 
 type Vector = readonly [number, number, number];
 

@@ -1,5 +1,7 @@
 /** Quadrature: Gauss's rules, and one over the hemisphere that resolves any GGX-like lobe. */
 
+import { QUADRATURE } from "./formulas";
+
 /** Nodes and weights of a one-dimensional rule. */
 export interface Rule {
   readonly nodes: Float64Array;
@@ -109,10 +111,7 @@ function rotate(
   beside[m] = 0;
 }
 
-/** Nodes in ln tan theta_h and in each half of [0, pi] of the azimuth; least tan theta_h. */
-const POLAR_NODES = 48;
-const AZIMUTH_NODES = 16;
-const MIN_TANGENT = 1e-5;
+const { POLAR_NODES, AZIMUTH_NODES, MIN_TANGENT } = QUADRATURE;
 
 const polar = gaussLegendre(POLAR_NODES);
 

@@ -8,44 +8,20 @@
 import { albedosAtAngles, interpolatedAlbedos } from "./albedo_rule";
 import { type Decoder, type Responses, scaleRest } from "./decoder";
 import { DecoderSlopes } from "./decoder_slopes";
-import { DARK_OFFSET, type Encoder, farness, OFFSET } from "./encoder";
+import { type Encoder, farness } from "./encoder";
 import { encoderSlopes } from "./encoder_slopes";
 import type { EnergyLimit } from "./energy";
-import type { Pairs } from "./features";
-import { dampedStep, solve } from "./least_squares";
-import { lobeValue, NO_LOBE } from "./lobe";
+import { ENCODER, ENERGY, ERROR_METRICS, FIT, LOBE } from "./formulas";
+import { dampedSteps, type FitState, solve } from "./least_squares";
+import { lobeValues } from "./lobe";
 import type { Activation } from "./mlp";
 import type { Weights } from "./weights";
 
-/** Trial steps, weights of the distance from the encoder's codes, for anchors and for codes. */
-const STEPS = 20;
-const ANCHOR_HOLD = 4;
-const CODE_HOLD = 0.0005;
-
-/** Share of the albedo nodes in the error, and the exponent of their weights. */
-const NODES_SHARE = 0.5;
-const NODES_POWER = 0.5;
-
-/** Times that targets are lowered where a code is too bright, and the steps after each. */
-const CEILING_ROUNDS = 2;
-const CEILING_STEPS = 6;
-
-/** First damping, and its factors after accepted and after rejected steps. */
-const FIRST_DAMPING = 1e-3;
-const DECREASE = 0.25;
-const INCREASE = 8;
-
-/** Least variance of a code's numbers under changes of f, relative to their mean. */
-const LEAST_VARIANCE = 1e-6;
-
-const LEAST_ALBEDO = 1e-6;
-
-/** Least cosine in the weights of errors. */
-const LEAST_COSINE = 0.02;
-
-/** Surfaces whose codes are tried first: widths of conductors, and shares of white added. */
-const WIDTHS = [0.05, 0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 1];
-const WHITE_SHARES = [0, 0.02, 0.2];
+const { INITIAL_ALPHAS, INITIAL_WHITE_SHARES, REFINEMENT_STEPS, ANCHOR_HOLD, CODE_HOLD } = FIT;
+const { NODES_SHARE, NODES_POWER, CEILING_ROUNDS, CEILING_STEPS, LEAST_VARIANCE } = FIT;
+const { LEAST_ALBEDO } = ENERGY;
+const { OFFSET } = ENCODER;
+const { COSINE_FLOOR, DARK_OFFSET } = ERROR_METRICS;
 
 /** Target values at the probe pairs and the albedo nodes. */
 interface Target {
@@ -53,13 +29,6 @@ interface Target {
   readonly logs: Float64Array;
   readonly weights: Float64Array;
   readonly top: Float64Array;
-}
-
-interface State {
-  readonly code: Float32Array;
-  readonly objective: number;
-  readonly slope: Float64Array;
-  readonly curvature: Float64Array;
 }
 
 export class Refinement {
@@ -102,7 +71,8 @@ export class Refinement {
     const rest = decoder.rest(decoder.prepare(code, lobe), this.responses[0]);
     let [light, alone, own] = [0, 0, 0];
     f.forEach((value, i) => {
-      const weight = Math.max(pairs.cosI[i], LEAST_COSINE) * Math.max(pairs.cosO[i], LEAST_COSINE);
+      const [cosI, cosO] = [pairs.directions[6 * i + 2], pairs.directions[6 * i + 5]];
+      const weight = Math.max(cosI, COSINE_FLOOR) * Math.max(cosO, COSINE_FLOOR);
       light += weight * value;
       alone += weight * Math.abs(value - top[i]);
       own += weight * Math.abs(value - top[i] - rest[i]);
@@ -114,7 +84,9 @@ export class Refinement {
     const { rule } = this.energy;
     const logOf = (value: number) => Math.log(value + DARK_OFFSET);
     // The rule's weights hold wo's cosine, the shares those of both.
-    const light = nodes.map((value, i) => value * rule.weights[i] * rule.pairs.cosI[i]);
+    const light = nodes.map(
+      (value, i) => value * rule.weights[i] * rule.pairs.directions[6 * i + 2],
+    );
     const shares = light.map((value) => Math.max(value, 0) ** NODES_POWER);
     const sum = shares.reduce((a, b) => a + b, 0);
     const share = sum > 0 ? NODES_SHARE : 0;
@@ -169,12 +141,12 @@ export class Refinement {
     if (!this.surfaces) {
       const { encoder } = this;
       const white = new Float64Array(this.probes).fill(1 / Math.PI);
-      this.surfaces = [encoder.encode(NO_LOBE, white)];
-      for (const alpha of WIDTHS) {
+      this.surfaces = [encoder.encode(LOBE.NO_LOBE, white)];
+      for (const alpha of INITIAL_ALPHAS) {
         const metal = lobeValues([alpha, 0.9, 1, 0, 1.5, 0], encoder.pairs);
-        for (const share of WHITE_SHARES) {
+        for (const share of INITIAL_WHITE_SHARES) {
           const values = metal.map((value) => value + share / Math.PI);
-          this.surfaces.push(encoder.encode(NO_LOBE, values));
+          this.surfaces.push(encoder.encode(LOBE.NO_LOBE, values));
         }
       }
     }
@@ -194,7 +166,7 @@ export class Refinement {
     let code = start;
     let best = start;
     let least = Number.POSITIVE_INFINITY;
-    const rounds = [STEPS, ...Array<number>(CEILING_ROUNDS).fill(CEILING_STEPS), 0];
+    const rounds = [REFINEMENT_STEPS, ...Array<number>(CEILING_ROUNDS).fill(CEILING_STEPS), 0];
     rounds.forEach((steps, round) => {
       const decoded = this.restOf(code);
       const bright = albedosAtAngles(rule, decoded.subarray(probes));
@@ -229,22 +201,13 @@ export class Refinement {
     return best;
   }
 
-  /** Damped steps (Marquardt 1963), each accepted only if it lowers the objective. */
+  /** The code after damped steps. */
   private descend(code: Float32Array, target: Target, hold: number, steps: number): Float32Array {
-    let state = this.stateAt(code, target, hold);
-    let damping = FIRST_DAMPING;
-    for (let step = 0; step < steps; step++) {
-      const change = dampedStep(state.curvature.slice(), state.slope.slice(), damping);
-      const next = state.code.slice();
-      change.forEach((value, k) => {
-        next[this.weights.arch.lobe + k] -= value;
-      });
-      const found = this.stateAt(next, target, hold);
-      const isBetter = found.objective < state.objective;
-      state = isBetter ? found : state;
-      damping *= isBetter ? DECREASE : INCREASE;
-    }
-    return state.code;
+    const { lobe } = this.weights.arch;
+    const stateAt = (x: Float32Array) => this.stateAt(x, target, hold);
+    return dampedSteps(stateAt, code, steps, FIT.DAMPING, (x, step) =>
+      x.map((number, k) => (k < lobe ? number : number - step[k - lobe])),
+    ).x;
   }
 
   /** Values of the rest at the probe pairs and the albedo nodes. */
@@ -255,7 +218,7 @@ export class Refinement {
   }
 
   /** The objective at a code, half its gradient and half its Hessian by Gauss and Newton. */
-  private stateAt(code: Float32Array, target: Target, hold: number): State {
+  private stateAt(code: Float32Array, target: Target, hold: number): FitState<Float32Array> {
     const { probes } = this;
     const size = this.weights.arch.rest;
     const slope = new Float64Array(size);
@@ -282,7 +245,7 @@ export class Refinement {
       }
     }
     objective += this.addDistance(code, atProbes, hold / probes, slope, curvature);
-    return { code, objective, slope, curvature };
+    return { x: code, objective, slope, curvature };
   }
 
   /**
@@ -363,11 +326,6 @@ function addStep(
       curvature[a * size + b] += weight * own * slopes[at + b];
     }
   }
-}
-
-/** The lobe (count) [1/sr] at all pairs. */
-export function lobeValues(lobe: ArrayLike<number>, pairs: Pairs): Float64Array {
-  return Float64Array.from({ length: pairs.capacity }, (_, i) => lobeValue(lobe, 0, pairs, i));
 }
 
 /** What a lobe leaves of f, at least zero. */

@@ -2,7 +2,7 @@
 
 import type { Core } from "./api";
 import { loadCore, type NetworkCore } from "./core";
-import { WIDTHS } from "./lobe_albedo";
+import { LOBE_ALBEDO } from "./formulas";
 import type { CallName, Calls, Cancellation, Request, Response } from "./protocol";
 import { Reference } from "./walk/reference";
 
@@ -84,7 +84,7 @@ export class Server {
     } else if (this.walker) {
       const { walker } = this;
       this.guarded(walker.request.id, () => this.walk(walker));
-    } else if (this.core && this.prepared < WIDTHS) {
+    } else if (this.core && this.prepared < LOBE_ALBEDO.WIDTHS) {
       this.core.prepareWidth(this.prepared++);
     } else {
       return false;

@@ -5,8 +5,9 @@ import type { Material } from "./api";
 import { CHANNELS, firstSame, joined, sameNumbers } from "./channels";
 import { emptyRest } from "./decoder";
 import type { Encoder } from "./encoder";
-import { type EnergyLimit, MARGIN } from "./energy";
+import type { EnergyLimit } from "./energy";
 import type { Widths } from "./features";
+import { ENERGY } from "./formulas";
 import { lobeOfSurface, ofChannel, type Surface } from "./surfaces";
 
 /** The code of one channel, and its anchor. */
@@ -72,7 +73,7 @@ export class SurfaceEncoder {
     const own = new Float64Array(energy.rule.cosines.length);
     addAlbedos(energy.rule, new Float64Array(energy.rule.weights.length).fill(value), own);
     // Anchors are never rendered. They are limited only where they would bring light into a coat.
-    if (Math.max(...own) * excess > 1 - MARGIN) {
+    if (Math.max(...own) * excess > 1 - ENERGY.MARGIN) {
       energy.limitMean(anchor, energy.peakCeiling(own));
     }
     energy.limit(code, energy.ceilingOf(own));

@@ -1,7 +1,7 @@
 /** The networks' sizes and parameters from a weights file of `urushi train`. */
 
-import { COAT_FEATURES, DIRECTION_FEATURES, type Widths } from "./features";
-import { LOBE_FEATURES, LOBE_NUMBERS } from "./lobe";
+import type { Widths } from "./features";
+import { FEATURES, LOBE } from "./formulas";
 import { FileError, isRecord, readTensors, type Tensor } from "./safetensors";
 
 /** Version of the file format. */
@@ -74,14 +74,14 @@ export function readWeights(file: ArrayBuffer): Weights {
   const part = (name: string, inputs: number, outputs: number) =>
     readLayers(tensors, name, inputs, outputs);
   const { widths, rest } = arch;
-  const decoder = part("decoder", arch.codes + DIRECTION_FEATURES[widths], 1);
-  const ofLobe = LOBE_FEATURES[widths];
+  const decoder = part("decoder", arch.codes + FEATURES.DIRECTION_FEATURES[widths], 1);
+  const ofLobe = LOBE.LOBE_FEATURES[widths];
   return {
     arch,
     fingerprint: String(description.fingerprint ?? ""),
     decoder,
     encoder: part("encoder", arch.probes, rest),
-    layerer: part("layerer", rest + ofLobe + COAT_FEATURES[widths], rest),
+    layerer: part("layerer", rest + ofLobe + FEATURES.COAT_FEATURES[widths], rest),
     sampler: part("sampler", ofLobe + rest + 2 * widths, (1 + widths) * arch.lobes + 2),
     scale: transposed(tensorOf(tensors, "decoder.scale", [arch.codes, first(decoder).outputs])),
     inputMean: tensorOf(tensors, "encoder.input_mean", [arch.probes]).values,
@@ -104,7 +104,7 @@ function readArchitecture(value: unknown): Architecture {
       `the architecture's surfaces have ${widths} widths; this page reads 1 or 2`,
     );
   }
-  const lobe = LOBE_NUMBERS[widths];
+  const lobe = LOBE.NUMBERS[widths].length;
   if (size("lobe") !== lobe) {
     throw new FileError(`the codes' lobes have ${size("lobe")} numbers; this page reads ${lobe}`);
   }

@@ -21,7 +21,7 @@ from urushi.export.statements import (
 WIDTH = 100
 
 _PRECEDENCE = {">": 1, ">=": 1, "+": 2, "-": 2, "*": 3, "/": 3}
-_UNARY, _PRIMARY = 4, 5
+_UNARY, PRIMARY = 4, 5
 
 
 class Printer:
@@ -241,37 +241,37 @@ class Printer:
         operation, arguments, detail = value.operation, value.arguments, value.detail
         if operation == "constant":
             if value.kind == COLOUR:
-                return self.colour([float(x) for x in detail]), _PRIMARY
+                return self.colour([float(x) for x in detail]), PRIMARY
             number = self.number(float(detail))
-            return number, _UNARY if number.startswith("-") else _PRIMARY
+            return number, _UNARY if number.startswith("-") else PRIMARY
         if operation in _PRECEDENCE:
             return self._binary(operation, *arguments), _PRECEDENCE[operation]
         texts = [self.text(argument) for argument in arguments]
         if operation in ("name", "integer"):
-            return str(detail), _PRIMARY
+            return str(detail), PRIMARY
         if operation == "table":
-            return self.table_name(detail), _PRIMARY
+            return self.table_name(detail), PRIMARY
         if operation == "call":
-            return f"{self.calls.get(detail, detail)}({', '.join(texts)})", _PRIMARY
+            return f"{self.calls.get(detail, detail)}({', '.join(texts)})", PRIMARY
         if operation == "invoke":
-            return f"{self.function_name(detail)}({', '.join(texts)})", _PRIMARY
+            return f"{self.function_name(detail)}({', '.join(texts)})", PRIMARY
         if operation == "select":
-            return self.selected(*texts), _PRIMARY
+            return self.selected(*texts), PRIMARY
         if operation == "component":
-            return f"{self._primary(arguments[0])}{self.components[detail]}", _PRIMARY
+            return f"{self._primary(arguments[0])}{self.components[detail]}", PRIMARY
         if operation == "field":
-            return f"{self._primary(arguments[0])}.{detail}", _PRIMARY
+            return f"{self._primary(arguments[0])}.{detail}", PRIMARY
         if operation == "element":
-            return f"{self._primary(arguments[0])}[{texts[1]}]", _PRIMARY
+            return f"{self._primary(arguments[0])}[{texts[1]}]", PRIMARY
         if operation == "vector":
-            return self.vector(texts), _PRIMARY
+            return self.vector(texts), PRIMARY
         if operation == "channels":
-            return self.channels(texts), _PRIMARY
-        return self.splat(texts[0]), _PRIMARY
+            return self.channels(texts), PRIMARY
+        return self.splat(texts[0]), PRIMARY
 
     def _primary(self, value: Expression) -> str:
         text, binding = self._precise(value)
-        return text if binding == _PRIMARY else f"({text})"
+        return text if binding == PRIMARY else f"({text})"
 
     def _binary(self, sign: str, a: Expression, b: Expression) -> str:
         level = _PRECEDENCE[sign]

@@ -1,7 +1,7 @@
 /** BRDFs of described bottoms, for one channel of the random walk. */
 
-import { fresnel, reflectance } from "../lobe";
-import { lobeOfSurface, ofChannel, type Surface } from "../surfaces";
+import { fresnel, schlick } from "../formulas";
+import { ofChannel, type Surface } from "../surfaces";
 import type { Sample, Value } from "./interface";
 import {
   dielectric,
@@ -32,8 +32,8 @@ export function bottomOf(surface: Surface, channel: number): WalkedBottom {
     return microfacets(alpha, (cosine) => dielectric(cosine, eta));
   }
   if ("r0" in surface) {
-    const lobe = lobeOfSurface(surface, channel, 1);
-    return microfacets(alpha, (cosine) => reflectance(lobe, 0, cosine));
+    const r0 = ofChannel(surface.r0, channel);
+    return microfacets(alpha, (cosine) => schlick(r0, 1, cosine));
   }
   const [eta, k] = [ofChannel(surface.eta, channel), ofChannel(surface.k, channel)];
   return microfacets(alpha, (cosine) => fresnel(cosine, eta, k));

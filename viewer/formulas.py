@@ -1,0 +1,327 @@
+"""Formulas and constants of the networks as TypeScript, for the page's core.
+
+    python viewer/formulas.py
+
+writes `src/core/formulas.ts`. The formulas are those of `urushi.core` and `urushi.nets`, by the
+expressions of which `urushi export` prints shaders; what has a fast form of its own in the page,
+the networks' layers, is not among them. Functions take numbers, a direction as three of them, and
+put features into an array. `make viewer` runs this script.
+"""
+
+import importlib
+import math
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+
+from urushi.checks import Widths
+from urushi.core import fresnel, microfacet, mixture
+from urushi.core.namespace import Components
+from urushi.export.expressions import BOOL, FLOAT, INT, VECTOR, Expression, name, vector
+from urushi.export.languages.printer import PRIMARY, Printer, broken
+from urushi.export.statements import Function, Variable, element, namespace, offset_index
+from urushi.nets import features, lobe, sampler
+
+FILE = Path(__file__).parent / "src/core/formulas.ts"
+
+HEAD = """\
+// Written by `python viewer/formulas.py` from the formulas of Python. Do not edit it.
+"""
+
+#: The kind of functions that return nothing but fill an array.
+NOTHING = "void"
+
+
+def camel(label: str) -> str:
+    """A name of Python as one of TypeScript: sum_xy2 as sumXy2."""
+    return re.sub(r"_([a-z0-9])", lambda found: found[1].upper(), label)
+
+
+class TypeScript(Printer):
+    """TypeScript in double precision. An argument that is a direction becomes three numbers."""
+
+    title = "TypeScript"
+    kinds: ClassVar[Mapping[str, str]] = {
+        FLOAT: "number",
+        VECTOR: "Vector",
+        BOOL: "boolean",
+        INT: "number",
+        NOTHING: "void",
+    }
+    calls: ClassVar[Mapping[str, str]] = {
+        label: f"Math.{label}"
+        for label in ("sqrt", "log", "log1p", "exp", "abs", "min", "max", "cos", "sin")
+    }
+
+    def function_name(self, label: str) -> str:
+        return camel(label)
+
+    def _precise(self, value: Expression) -> tuple[str, int]:
+        """Components of directions are arguments of their own."""
+        if value.operation == "component":
+            return f"{camel(value.arguments[0].detail)}{'XYZ'[value.detail]}", PRIMARY
+        text, binding = super()._precise(value)
+        return (camel(text), binding) if value.operation == "name" else (text, binding)
+
+    def declared(self, variable: Variable) -> str:
+        label = camel(variable.name)
+        if variable.kind == VECTOR:
+            return ", ".join(f"{label}{axis}: number" for axis in "XYZ")
+        kind = "ArrayLike<number>" if variable.count else self.kinds[variable.kind]
+        return f"{label}: {'Float64Array' if variable.name == 'out' else kind}"
+
+    def comments(self, text: str) -> list[str]:
+        return [f"/** {text} */"]
+
+    def function(self, function: Function) -> list[str]:
+        note, head, *body = super().function(function)
+        for label in re.findall(r"(\w+): number[,)]", head):
+            if not re.search(rf"\b{label}\b", "".join(body)):
+                head = head.replace(f"{label}:", f"_{label}:")  # an argument that is not read
+        return [note, *self.wrapped(head), *body]
+
+    def signature(self, function: Function) -> str:
+        arguments = ", ".join(map(self.declared, function.arguments))
+        head = f"export function {camel(function.name)}({arguments})"
+        return f"{head}: {self.kinds[function.kind]} {{"
+
+    def let(self, variable: Variable, value: str) -> str:
+        return f"const {camel(variable.name)} = {value};"
+
+    def vector(self, components: Sequence[str]) -> str:
+        return "{ " + ", ".join(f"{k}: {x}" for k, x in zip("xyz", components, strict=True)) + " }"
+
+    def number(self, value: float) -> str:
+        return repr(int(value) if value == int(value) else value)
+
+
+WI, WO = Variable("wi", VECTOR), Variable("wo", VECTOR)
+OUT, AT = Variable("out", FLOAT, 1), Variable("at", INT)
+
+
+def floats(*names: str) -> tuple[Variable, ...]:
+    """Arguments that are numbers."""
+    return tuple(Variable(label, FLOAT) for label in names)
+
+
+def argument(variable: Variable) -> Expression:
+    """An argument inside its function."""
+    return name(variable.name, variable.kind)
+
+
+def components(variable: Variable) -> Components:
+    """A direction inside its function."""
+    w = argument(variable)
+    return Components(w.x, w.y, w.z)
+
+
+def returning(
+    label: str,
+    note: str,
+    arguments: Sequence[Variable],
+    formula: Callable[..., Any],
+    kind: str = FLOAT,
+) -> Function:
+    """The function of a formula, which takes the arguments and a namespace."""
+    function = Function(label, tuple(arguments), kind, note)
+    result = formula(*map(_value, arguments), namespace(function))
+    function.returns(vector(*result) if kind == VECTOR else result)
+    return function
+
+
+def filling(
+    label: str, note: str, arguments: Sequence[Variable], formula: Callable[..., Iterable[Any]]
+) -> Function:
+    """The function that puts the numbers of a formula into `out`, from the place `at` on."""
+    function = Function(label, (*arguments, OUT, AT), NOTHING, note)
+    for place, value in enumerate(formula(*map(_value, arguments), namespace(function))):
+        function.assign(element(argument(OUT), offset_index(place, argument(AT))), value)
+    return function
+
+
+def _value(variable: Variable) -> Any:
+    return components(variable) if variable.kind == VECTOR else argument(variable)
+
+
+def of_widths(alphas: Sequence[Any]) -> Any:
+    """A width of GGX, or two."""
+    return alphas[0] if len(alphas) == 1 else Widths(*alphas)
+
+
+def functions() -> list[Function]:
+    """The functions of the file; those of two widths end in 2."""
+    found = [
+        returning(
+            "schlick",
+            "Schlick's term of factors at normal and at grazing incidence (Schlick 1994).",
+            floats("normal", "grazing", "cosine"),
+            lambda normal, grazing, cosine, xp: lobe.reflectance_of(
+                (normal, grazing, None, None, None), cosine, xp
+            ),
+        ),
+        returning(
+            "fresnel",
+            "Unpolarised reflectance of a smooth surface of index eta - i k (PBRT v3, 8.2.1).",
+            floats("cosine", "eta", "k"),
+            fresnel.exact,
+        ),
+        returning(
+            "facet_cosine",
+            "Cosine between either direction and the half vector.",
+            (WI, WO),
+            lambda wi, wo, xp: microfacet.facet_cosine(microfacet.half_vector(wi, wo, xp), xp),
+        ),
+    ]
+    for widths in (1, 2):
+        end = "" if widths == 1 else "2"
+        alphas = floats("alpha") if widths == 1 else floats("alpha_u", "alpha_v")
+        found += _of_widths(widths, end, alphas)
+    return found
+
+
+def _of_widths(widths: int, end: str, alphas: Sequence[Variable]) -> list[Function]:
+    """The functions for surfaces of one GGX width or two."""
+    u1, u2 = floats("u1", "u2")
+    medium = floats("eta", "albedo", "sigma_t", "g")
+
+    def shape(*values: Any) -> Any:
+        *given, wi, wo, xp = values
+        above = (
+            Components(w.x, w.y, xp.named(f"above_{label}", xp.positive(w.z)))
+            for label, w in (("i", wi), ("o", wo))
+        )
+        wi, wo = above
+        h = microfacet.half_vector(wi, wo, xp)
+        return microfacet.lobe_shape(of_widths(given), wi, wo, h, xp)
+
+    def coat(*values: Any) -> Any:
+        *given, eta, albedo, sigma_t, g, xp = values
+        columns = features.coat_columns(of_widths(given), eta, albedo, sigma_t, g, xp)
+        return features.COATS[widths].each(columns)
+
+    def lobe_columns(*values: Any) -> Any:
+        *given, first, second, third, xp = values
+        columns = lobe.feature_columns(given, (first, second, third), xp)
+        return lobe.FEATURES[widths].each(columns)
+
+    return [
+        filling(
+            f"direction_features{end}",
+            "The decoder's inputs of a pair of directions.",
+            (WI, WO),
+            lambda wi, wo, xp: features.DIRECTIONS[widths].each(
+                features.direction_columns(wi, wo, widths, xp)
+            ),
+        ),
+        filling(f"coat_features{end}", "The layerer's inputs of a coat.", (*alphas, *medium), coat),
+        filling(
+            f"lobe_features{end}",
+            "The networks' inputs of a lobe, by its reflectances at `LOBE.COSINES`.",
+            (*alphas, *floats("first", "second", "third")),
+            lobe_columns,
+        ),
+        filling(
+            f"sampler_features{end}",
+            "The sampler's inputs of a direction.",
+            (WI,),
+            lambda wi, xp: sampler.sampler_columns(wi, widths, xp),
+        ),
+        returning(
+            f"lobe_shape{end}", "The lobe [1/sr] of reflectance 1.", (*alphas, WI, WO), shape
+        ),
+        returning(
+            f"reflection_pdf{end}",
+            "Density [1/sr] of `sampleReflection`, its mirrored part included.",
+            (*alphas, WI, WO),
+            lambda *values: mixture.reflection_pdf(of_widths(values[:-3]), *values[-3:]),
+        ),
+        returning(
+            f"sample_reflection{end}",
+            "Reflect wi about a visible normal and mirror it up (Dupuy and Benyoub 2023).",
+            (*alphas, WI, u1, u2),
+            lambda *values: mixture.sample_reflection(of_widths(values[:-4]), *values[-4:]),
+            VECTOR,
+        ),
+    ]
+
+
+#: Constants of the file, by their modules; `nets.decoder` is the object DECODER.
+CONSTANTS: dict[str, str] = {
+    "checks": "MIN_ALPHA TRAINED_G",
+    "core.error_metrics": "COSINE_FLOOR DARK_OFFSET",
+    "core.probe_pairs": "HALF_ANGLE_SHARE MIN_TANGENT MAX_TANGENT MAX_DIFFERENCE MIN_COSINE",
+    "core.quadrature": "POLAR_NODES AZIMUTH_NODES MIN_TANGENT",
+    "material.albedo_rule": (
+        "COSINE_OFFSET INTERPOLATED_COSINES OVERSHOOT AZIMUTHS ANISOTROPIC_COSINES "
+        "POLAR_NODES QUADRANT_NODES CROWDING LEAST_TANGENT"
+    ),
+    "material.blend": "COSINES",
+    "material.correction": "CORRECTION_STEPS CORRECTION_DAMPING",
+    "material.encode": "FAINT_REST HELPFUL_REST NEAR_LOBE",
+    "material.energy": (
+        "MARGIN SLACK TOLERANCE GRAZING LEAST_ALBEDO LEAST_REST LEAST_REST_OF_EDGE "
+        "EDGE_WIDTHS SHARP BARE_DIFFERENCE TINY_FACTOR TINY_FACTOR_ROUNDS"
+    ),
+    "material.fit": (
+        "INITIAL_ALPHAS INITIAL_WHITE_SHARES REFINEMENT_STEPS ANCHOR_HOLD CODE_HOLD "
+        "NODES_SHARE NODES_POWER CEILING_ROUNDS CEILING_STEPS HUBER_KNEE DAMPING "
+        "LEAST_VARIANCE"
+    ),
+    "material.layer": "ABSENT_CHANGE ABSENT_WIDTH ABSENT_DEPTH PRESENT DEEPEST",
+    "material.lobe_albedo": "NODES EDGE_NODES WIDTHS FINE HEIGHTS TURNS",
+    "nets.decoder": "MIN_LOG MAX_LOG EMPTY_GAIN",
+    "nets.encoder": "OFFSET",
+    "nets.features": "MIN_COSINE DIRECTION_FEATURES COAT_FEATURES",
+    "nets.interface_fit": ("LEAST_ERROR GREATEST_ERROR TOLERANCE STEPS DAMPING LOWER UPPER METALS"),
+    "nets.lobe": "NO_LOBE LOBE_FEATURES NUMBERS COSINES",
+    "nets.lobe_fit": ("GRID DARK OVERSHOOT_WEIGHT KNEE STEPS CONVERGED LONGEST_STEP LAST_STEPS"),
+    "nets.mlp": "POLYNOMIALS",
+    "nets.sampler": "MIN_COSINE_SHARE",
+}
+
+
+def constants(path: str, names: str) -> list[str]:
+    """The object of a module's constants."""
+    module = importlib.import_module(f"urushi.{path}")
+    lines = [f"/** Of `urushi.{path}` of Python. */"]
+    lines.append(f"export const {path.rpartition('.')[2].upper()} = {{")
+    for label in names.split():
+        lines += broken(f"{label}: {_literal(getattr(module, label))},", "  ", "    ")
+    return [*lines, "} as const;", ""]
+
+
+def _literal(value: Any) -> str:
+    """A value as TypeScript."""
+    if isinstance(value, Mapping):
+        return "{ " + ", ".join(f"{key}: {_literal(x)}" for key, x in value.items()) + " }"
+    if isinstance(value, str):
+        return f'"{value}"'
+    if isinstance(value, (Sequence, np.ndarray)):
+        return "[" + ", ".join(map(_literal, value)) + "]"
+    if not math.isfinite(value):
+        return "-Infinity" if value < 0 else "Infinity"
+    return TypeScript("").number(float(value))
+
+
+def text() -> str:
+    """The file."""
+    printer = TypeScript("")
+    lines = [HEAD, "/** A direction, z the normal. */"]
+    lines += ["export interface Vector {", *(f"  readonly {k}: number;" for k in "xyz"), "}", ""]
+    for path, names in CONSTANTS.items():
+        lines += constants(path, names)
+    for function in functions():
+        lines += [*printer.function(function), ""]
+    return "\n".join(lines)
+
+
+def main() -> None:
+    """Write the file."""
+    FILE.write_text(text(), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

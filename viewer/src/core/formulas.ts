@@ -1,0 +1,503 @@
+// Written by `python viewer/formulas.py` from the formulas of Python. Do not edit it.
+
+/** A direction, z the normal. */
+export interface Vector {
+  readonly x: number;
+  readonly y: number;
+  readonly z: number;
+}
+
+/** Of `urushi.checks` of Python. */
+export const CHECKS = {
+  MIN_ALPHA: 0.01,
+  TRAINED_G: [-0.8, 0.9],
+} as const;
+
+/** Of `urushi.core.error_metrics` of Python. */
+export const ERROR_METRICS = {
+  COSINE_FLOOR: 0.02,
+  DARK_OFFSET: 0.001,
+} as const;
+
+/** Of `urushi.core.probe_pairs` of Python. */
+export const PROBE_PAIRS = {
+  HALF_ANGLE_SHARE: 0.6666666666666666,
+  MIN_TANGENT: 0.001,
+  MAX_TANGENT: 4,
+  MAX_DIFFERENCE: 1.5009831567151235,
+  MIN_COSINE: 0.02,
+} as const;
+
+/** Of `urushi.core.quadrature` of Python. */
+export const QUADRATURE = {
+  POLAR_NODES: 48,
+  AZIMUTH_NODES: 16,
+  MIN_TANGENT: 1e-05,
+} as const;
+
+/** Of `urushi.material.albedo_rule` of Python. */
+export const ALBEDO_RULE = {
+  COSINE_OFFSET: 0.1,
+  INTERPOLATED_COSINES: 41,
+  OVERSHOOT: 0.05,
+  AZIMUTHS: [0, 0.7853981633974483, 1.5707963267948966],
+  ANISOTROPIC_COSINES: [1, 0.925, 0.735, 0.51, 0.315, 0.175, 0.09],
+  POLAR_NODES: 14,
+  QUADRANT_NODES: 8,
+  CROWDING: 1.5,
+  LEAST_TANGENT: 0.001,
+} as const;
+
+/** Of `urushi.material.blend` of Python. */
+export const BLEND = {
+  COSINES: [1, 0.8, 0.6, 0.4, 0.2],
+} as const;
+
+/** Of `urushi.material.correction` of Python. */
+export const CORRECTION = {
+  CORRECTION_STEPS: 2,
+  CORRECTION_DAMPING: 0.001,
+} as const;
+
+/** Of `urushi.material.encode` of Python. */
+export const ENCODE = {
+  FAINT_REST: [0.03, 0.08],
+  HELPFUL_REST: [1, 1.1],
+  NEAR_LOBE: 0.3,
+} as const;
+
+/** Of `urushi.material.energy` of Python. */
+export const ENERGY = {
+  MARGIN: 0.002,
+  SLACK: 0.003,
+  TOLERANCE: 0.005,
+  GRAZING: 0.1,
+  LEAST_ALBEDO: 1e-06,
+  LEAST_REST: 0.005,
+  LEAST_REST_OF_EDGE: 0.05,
+  EDGE_WIDTHS: 1,
+  SHARP: 0.2,
+  BARE_DIFFERENCE: 0.0001,
+  TINY_FACTOR: 0.001,
+  TINY_FACTOR_ROUNDS: 3,
+} as const;
+
+/** Of `urushi.material.fit` of Python. */
+export const FIT = {
+  INITIAL_ALPHAS: [0.05, 0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 1],
+  INITIAL_WHITE_SHARES: [0, 0.02, 0.2],
+  REFINEMENT_STEPS: 20,
+  ANCHOR_HOLD: 4,
+  CODE_HOLD: 0.0005,
+  NODES_SHARE: 0.5,
+  NODES_POWER: 0.5,
+  CEILING_ROUNDS: 2,
+  CEILING_STEPS: 6,
+  HUBER_KNEE: 0.5,
+  DAMPING: [0.001, 0.25, 8],
+  LEAST_VARIANCE: 1e-06,
+} as const;
+
+/** Of `urushi.material.layer` of Python. */
+export const LAYER = {
+  ABSENT_CHANGE: 0.005,
+  ABSENT_WIDTH: 0.2,
+  ABSENT_DEPTH: 0.01,
+  PRESENT: 0.999,
+  DEEPEST: 12,
+} as const;
+
+/** Of `urushi.material.lobe_albedo` of Python. */
+export const LOBE_ALBEDO = {
+  NODES: 6,
+  EDGE_NODES: 16,
+  WIDTHS: 24,
+  FINE: 40,
+  HEIGHTS: 16,
+  TURNS: 20,
+} as const;
+
+/** Of `urushi.nets.decoder` of Python. */
+export const DECODER = {
+  MIN_LOG: -25,
+  MAX_LOG: 20,
+  EMPTY_GAIN: -100,
+} as const;
+
+/** Of `urushi.nets.encoder` of Python. */
+export const ENCODER = {
+  OFFSET: 0.0001,
+} as const;
+
+/** Of `urushi.nets.features` of Python. */
+export const FEATURES = {
+  MIN_COSINE: 0.005,
+  DIRECTION_FEATURES: { 1: 8, 2: 14 },
+  COAT_FEATURES: { 1: 18, 2: 20 },
+} as const;
+
+/** Of `urushi.nets.interface_fit` of Python. */
+export const INTERFACE_FIT = {
+  LEAST_ERROR: 0.002,
+  GREATEST_ERROR: 0.15,
+  TOLERANCE: 0.005,
+  STEPS: 20,
+  DAMPING: [0.001, 0.2, 10],
+  LOWER: [0.02, 0],
+  UPPER: [8, 12],
+  METALS: [0.2, 1, 2.5],
+} as const;
+
+/** Of `urushi.nets.lobe` of Python. */
+export const LOBE = {
+  NO_LOBE: [1, 0, 0, 0, 1.5, 0],
+  LOBE_FEATURES: { 1: 6, 2: 8 },
+  NUMBERS: { 1: ["alpha", "normal", "grazing", "exact", "eta", "k"], 2: ["alpha_u", "normal",
+    "grazing", "exact", "eta", "k", "alpha_v"] },
+  COSINES: [1, 0.5, 0.2],
+} as const;
+
+/** Of `urushi.nets.lobe_fit` of Python. */
+export const LOBE_FIT = {
+  GRID: [0.010000000000000004, 0.012216773489967928, 0.014924955450518296, 0.018233480008684418,
+    0.022275429519995588, 0.027213387683753087, 0.03324597932270942, 0.04061585988376981,
+    0.049619476030029044, 0.060618989934975734, 0.07405684692262439, 0.09047357242349298,
+    0.11052951411260215, 0.13503140378698733, 0.16496480740980204, 0.20153376859417335,
+    0.24620924014946258, 0.3007882518043099, 0.36746619407366893, 0.44892512582186045,
+    0.548441657612102, 0.6700187503509585, 0.8185467307069025, 1],
+  DARK: 0.001,
+  OVERSHOOT_WEIGHT: 30,
+  KNEE: 0.05,
+  STEPS: 14,
+  CONVERGED: 0.0001,
+  LONGEST_STEP: 0.3,
+  LAST_STEPS: 3,
+} as const;
+
+/** Of `urushi.nets.mlp` of Python. */
+export const MLP = {
+  POLYNOMIALS: { smoothstep: [2, [0.375, -0.03125]], silu7: [5.75, [0.225729, -0.010473,
+    0.0002924521977775268, -3.1043713096403e-06]] },
+} as const;
+
+/** Of `urushi.nets.sampler` of Python. */
+export const SAMPLER = {
+  MIN_COSINE_SHARE: 0.02,
+} as const;
+
+/** Schlick's term of factors at normal and at grazing incidence (Schlick 1994). */
+export function schlick(normal: number, grazing: number, cosine: number): number {
+    const away = 1 - cosine;
+    const away2 = away * away;
+    const fifth = away2 * away2 * away;
+    const fresnel = normal * (1 - fifth) + grazing * fifth;
+    return fresnel;
+}
+
+/** Unpolarised reflectance of a smooth surface of index eta - i k (PBRT v3, 8.2.1). */
+export function fresnel(cosine: number, eta: number, k: number): number {
+    const cos2 = cosine * cosine;
+    const sin2 = 1 - cos2;
+    const difference = (eta - 1) * (eta + 1) - k * k + cos2;
+    const size = Math.sqrt(difference * difference + 4 * (eta * eta) * (k * k));
+    const root = Math.sqrt(0.5 * Math.max(size + difference, 0));
+    const first = size + cos2;
+    const second = 2 * root * cosine;
+    const across = (first - second) / (first + second);
+    const third = cos2 * size + sin2 * sin2;
+    const fourth = second * sin2;
+    const parallel = (third - fourth + 1e-12) / (third + fourth + 1e-12);
+    return 0.5 * across * (1 + parallel);
+}
+
+/** Cosine between either direction and the half vector. */
+export function facetCosine(wiX: number, wiY: number, wiZ: number, woX: number, woY: number, woZ:
+    number): number {
+    const halfX = wiX + woX;
+    const halfY = wiY + woY;
+    const halfZ = wiZ + woZ;
+    const cosFacet = Math.min(0.5 * Math.sqrt(halfX * halfX + halfY * halfY + halfZ * halfZ), 1);
+    return cosFacet;
+}
+
+/** The decoder's inputs of a pair of directions. */
+export function directionFeatures(wiX: number, wiY: number, wiZ: number, woX: number, woY: number,
+    woZ: number, out: Float64Array, at: number): void {
+    const cosI = Math.max(wiZ, 0.005);
+    const cosO = Math.max(woZ, 0.005);
+    const sumX = wiX + woX;
+    const sumY = wiY + woY;
+    const sumZ = cosI + cosO;
+    const sumZ2 = sumZ * sumZ;
+    const sumXy2 = sumX * sumX + sumY * sumY;
+    const sum2 = sumXy2 + sumZ2;
+    const sumSize = Math.sqrt(sum2);
+    const cosD = Math.min(0.5 * sumSize, 1);
+    const opposite = 1 - cosD;
+    const opposite2 = opposite * opposite;
+    out[at] = (Math.log(sumXy2 / sumZ2 + 1e-06) - (-3.2)) * 0.2173913043478261;
+    out[1 + at] = (Math.sqrt(Math.sqrt(sumXy2 / sum2)) - 0.55) * 2.941176470588235;
+    out[2 + at] = (sumZ / sumSize - 0.8) * 4.166666666666667;
+    out[3 + at] = (cosD - 0.73) * 4.166666666666667;
+    out[4 + at] = (opposite2 * opposite2 * opposite - 0.04) * 5;
+    out[5 + at] = (0.5 * Math.log(cosI * cosO) - (-0.78)) * 1.5384615384615383;
+    out[6 + at] = Math.log(sumZ) * 1.7857142857142856;
+    out[7 + at] = (Math.min(cosI, cosO) - 0.47) * 3.3333333333333335;
+}
+
+/** The layerer's inputs of a coat. */
+export function coatFeatures(alpha: number, eta: number, albedo: number, sigmaT: number, g: number,
+    out: Float64Array, at: number): void {
+    const s = (eta - 1) / (eta + 1);
+    const s2 = s * s;
+    const m = 1 - Math.exp(-1 * sigmaT);
+    out[at] = (Math.log(alpha) - (-1.45)) * 0.7692307692307692;
+    out[1 + at] = (alpha - 0.4) * 3.3333333333333335;
+    out[2 + at] = (eta - 1.4) * 2.5;
+    out[3 + at] = (s - 0.13) * 5.88235294117647;
+    out[4 + at] = (s2 - 0.047) * 25;
+    out[5 + at] = (Math.log(s2 + 0.0001) - (-4)) * 0.625;
+    out[6 + at] = (Math.max(1 - eta * eta, 0) - 0.08) * 5;
+    out[7 + at] = (m - 0.75) * 3.0303030303030303;
+    out[8 + at] = (Math.exp(-4 * sigmaT) - 0.14) * 3.0303030303030303;
+    out[9 + at] = (Math.log1p(sigmaT) - 1.2) * 1.4925373134328357;
+    out[10 + at] = (m * albedo - 0.5) * 3.0303030303030303;
+    out[11 + at] = (m * Math.sqrt(1 - albedo) - 0.37) * 3.4482758620689657;
+    out[12 + at] = m * g * 3.4482758620689657;
+    out[13 + at] = (m * g * g - 0.09) * 5.88235294117647;
+    out[14 + at] = m * albedo * g * 4.761904761904762;
+    out[15 + at] = (Math.log1p(sigmaT * albedo) - 0.9) * 1.5873015873015872;
+    out[16 + at] = (Math.log1p(sigmaT * (1 - albedo)) - 0.52) * 1.8518518518518516;
+    out[17 + at] = (Math.log1p(sigmaT * (1 - albedo * g)) - 1.15) * 1.4492753623188408;
+}
+
+/** The networks' inputs of a lobe, by its reflectances at `LOBE.COSINES`. */
+export function lobeFeatures(alpha: number, first: number, second: number, third: number, out:
+    Float64Array, at: number): void {
+    const meanFresnel = (first + second + third) * 0.3333333333333333;
+    const seen = meanFresnel / (meanFresnel + 0.01);
+    out[at] = (seen * Math.log(alpha) - (-0.9)) * 0.9090909090909091;
+    out[1 + at] = (seen * alpha - 0.22) * 3.3333333333333335;
+    out[2 + at] = (first - 0.45) * 2.5;
+    out[3 + at] = (second - 0.47) * 2.5;
+    out[4 + at] = (third - 0.55) * 2.857142857142857;
+    out[5 + at] = (Math.log(meanFresnel + 0.01) - (-1.5)) * 0.6666666666666666;
+}
+
+/** The sampler's inputs of a direction. */
+export function samplerFeatures(_wiX: number, _wiY: number, wiZ: number, out: Float64Array, at:
+    number): void {
+    const raised = Math.max(wiZ, 0.005);
+    out[at] = (raised - 0.5) * 3;
+    out[1 + at] = Math.log(raised) + 1;
+}
+
+/** The lobe [1/sr] of reflectance 1. */
+export function lobeShape(alpha: number, wiX: number, wiY: number, wiZ: number, woX: number, woY:
+    number, woZ: number): number {
+    const aboveI = Math.max(wiZ, 0);
+    const aboveO = Math.max(woZ, 0);
+    const halfX = wiX + woX;
+    const halfY = wiY + woY;
+    const halfZ = aboveI + aboveO;
+    const halfXy2 = halfX * halfX + halfY * halfY;
+    const halfZ2 = halfZ * halfZ;
+    const alpha2 = alpha * alpha;
+    const remaining = 1 - alpha2;
+    const ratio = (halfXy2 + halfZ2) / (halfXy2 + alpha2 * halfZ2 + 1e-18);
+    const maskingI = aboveI + Math.sqrt(alpha2 + remaining * (aboveI * aboveI));
+    const maskingO = aboveO + Math.sqrt(alpha2 + remaining * (aboveO * aboveO));
+    const lobeShape = alpha2 / 3.141592653589793 * (ratio * ratio) / (maskingI * maskingO);
+    return lobeShape;
+}
+
+/** Density [1/sr] of `sampleReflection`, its mirrored part included. */
+export function reflectionPdf(alpha: number, wiX: number, wiY: number, wiZ: number, woX: number,
+    woY: number, woZ: number): number {
+    const halfX = wiX + woX;
+    const halfY = wiY + woY;
+    const halfXy2 = halfX * halfX + halfY * halfY;
+    const alpha2 = alpha * alpha;
+    const up = wiZ + woZ;
+    const down = wiZ - woZ;
+    const up2 = up * up;
+    const ratioUp = (halfXy2 + up2) / Math.max(halfXy2 + alpha2 * up2, 1e-18);
+    const down2 = down * down;
+    const ratioDown = (halfXy2 + down2) / Math.max(halfXy2 + alpha2 * down2, 1e-18);
+    const below = Math.max(wiZ, 0) + Math.sqrt(alpha2 + (1 - alpha2) * (wiZ * wiZ));
+    return (ratioUp * ratioUp + (down > 0 ? ratioDown * ratioDown : 0)) * (alpha2 /
+        6.283185307179586) / below;
+}
+
+/** Reflect wi about a visible normal and mirror it up (Dupuy and Benyoub 2023). */
+export function sampleReflection(alpha: number, wiX: number, wiY: number, wiZ: number, u1: number,
+    u2: number): Vector {
+    const wideX = alpha * wiX;
+    const wideY = alpha * wiY;
+    const wideZ = wiZ;
+    const wideSize = Math.sqrt(wideX * wideX + wideY * wideY + wideZ * wideZ);
+    const capX = wideX / wideSize;
+    const capY = wideY / wideSize;
+    const capZ = wideZ / wideSize;
+    const height = (1 - u2) * (1 + capZ) - capZ;
+    const phi = 6.283185307179586 * u1;
+    const radius = Math.sqrt(Math.max(1 - height * height, 0));
+    const facetX = alpha * (radius * Math.cos(phi) + capX);
+    const facetY = alpha * (radius * Math.sin(phi) + capY);
+    const facetZ = height + capZ;
+    const twiceCosine = 2 * (wiX * facetX + wiY * facetY + wiZ * facetZ) / Math.max(facetX * facetX
+        + facetY * facetY + facetZ * facetZ, 1e-18);
+    return { x: twiceCosine * facetX - wiX, y: twiceCosine * facetY - wiY, z: Math.abs(twiceCosine *
+        facetZ - wiZ) };
+}
+
+/** The decoder's inputs of a pair of directions. */
+export function directionFeatures2(wiX: number, wiY: number, wiZ: number, woX: number, woY: number,
+    woZ: number, out: Float64Array, at: number): void {
+    const cosI = Math.max(wiZ, 0.005);
+    const cosO = Math.max(woZ, 0.005);
+    const sumX = wiX + woX;
+    const sumY = wiY + woY;
+    const sumZ = cosI + cosO;
+    const sumZ2 = sumZ * sumZ;
+    const sumXy2 = sumX * sumX + sumY * sumY;
+    const sum2 = sumXy2 + sumZ2;
+    const sumSize = Math.sqrt(sum2);
+    const cosD = Math.min(0.5 * sumSize, 1);
+    const opposite = 1 - cosD;
+    const opposite2 = opposite * opposite;
+    out[at] = (Math.log(sumXy2 / sumZ2 + 1e-06) - (-3.2)) * 0.2173913043478261;
+    out[1 + at] = (Math.sqrt(Math.sqrt(sumXy2 / sum2)) - 0.55) * 2.941176470588235;
+    out[2 + at] = (sumZ / sumSize - 0.8) * 4.166666666666667;
+    out[3 + at] = (cosD - 0.73) * 4.166666666666667;
+    out[4 + at] = (opposite2 * opposite2 * opposite - 0.04) * 5;
+    out[5 + at] = (0.5 * Math.log(cosI * cosO) - (-0.78)) * 1.5384615384615383;
+    out[6 + at] = Math.log(sumZ) * 1.7857142857142856;
+    out[7 + at] = (Math.min(cosI, cosO) - 0.47) * 3.3333333333333335;
+    out[8 + at] = (Math.log(sumX * sumX / sumZ2 + 1e-06) - (-5)) * 0.23255813953488372;
+    out[9 + at] = (Math.log(sumY * sumY / sumZ2 + 1e-06) - (-5)) * 0.23255813953488372;
+    out[10 + at] = (Math.log(wiX * wiX + woX * woX + 0.001) - (-0.9)) * 0.7692307692307692;
+    out[11 + at] = (Math.log(wiY * wiY + woY * woY + 0.001) - (-0.9)) * 0.7692307692307692;
+    out[12 + at] = (wiX * woX - (-0.1)) * 3.3333333333333335;
+    out[13 + at] = (wiY * woY - (-0.1)) * 3.3333333333333335;
+}
+
+/** The layerer's inputs of a coat. */
+export function coatFeatures2(alphaU: number, alphaV: number, eta: number, albedo: number, sigmaT:
+    number, g: number, out: Float64Array, at: number): void {
+    const s = (eta - 1) / (eta + 1);
+    const s2 = s * s;
+    const m = 1 - Math.exp(-1 * sigmaT);
+    out[at] = (Math.log(alphaU) - (-1.45)) * 0.7692307692307692;
+    out[1 + at] = (alphaU - 0.4) * 3.3333333333333335;
+    out[2 + at] = (eta - 1.4) * 2.5;
+    out[3 + at] = (s - 0.13) * 5.88235294117647;
+    out[4 + at] = (s2 - 0.047) * 25;
+    out[5 + at] = (Math.log(s2 + 0.0001) - (-4)) * 0.625;
+    out[6 + at] = (Math.max(1 - eta * eta, 0) - 0.08) * 5;
+    out[7 + at] = (m - 0.75) * 3.0303030303030303;
+    out[8 + at] = (Math.exp(-4 * sigmaT) - 0.14) * 3.0303030303030303;
+    out[9 + at] = (Math.log1p(sigmaT) - 1.2) * 1.4925373134328357;
+    out[10 + at] = (m * albedo - 0.5) * 3.0303030303030303;
+    out[11 + at] = (m * Math.sqrt(1 - albedo) - 0.37) * 3.4482758620689657;
+    out[12 + at] = m * g * 3.4482758620689657;
+    out[13 + at] = (m * g * g - 0.09) * 5.88235294117647;
+    out[14 + at] = m * albedo * g * 4.761904761904762;
+    out[15 + at] = (Math.log1p(sigmaT * albedo) - 0.9) * 1.5873015873015872;
+    out[16 + at] = (Math.log1p(sigmaT * (1 - albedo)) - 0.52) * 1.8518518518518516;
+    out[17 + at] = (Math.log1p(sigmaT * (1 - albedo * g)) - 1.15) * 1.4492753623188408;
+    out[18 + at] = (Math.log(alphaV) - (-1.45)) * 0.7692307692307692;
+    out[19 + at] = (alphaV - 0.4) * 3.3333333333333335;
+}
+
+/** The networks' inputs of a lobe, by its reflectances at `LOBE.COSINES`. */
+export function lobeFeatures2(alphaU: number, alphaV: number, first: number, second: number, third:
+    number, out: Float64Array, at: number): void {
+    const meanFresnel = (first + second + third) * 0.3333333333333333;
+    const seen = meanFresnel / (meanFresnel + 0.01);
+    out[at] = (seen * Math.log(alphaU) - (-0.9)) * 0.9090909090909091;
+    out[1 + at] = (seen * alphaU - 0.22) * 3.3333333333333335;
+    out[2 + at] = (first - 0.45) * 2.5;
+    out[3 + at] = (second - 0.47) * 2.5;
+    out[4 + at] = (third - 0.55) * 2.857142857142857;
+    out[5 + at] = (Math.log(meanFresnel + 0.01) - (-1.5)) * 0.6666666666666666;
+    out[6 + at] = (seen * Math.log(alphaV) - (-0.9)) * 0.9090909090909091;
+    out[7 + at] = (seen * alphaV - 0.22) * 3.3333333333333335;
+}
+
+/** The sampler's inputs of a direction. */
+export function samplerFeatures2(wiX: number, wiY: number, wiZ: number, out: Float64Array, at:
+    number): void {
+    const raised = Math.max(wiZ, 0.005);
+    out[at] = (raised - 0.5) * 3;
+    out[1 + at] = Math.log(raised) + 1;
+    out[2 + at] = (wiX * wiX - 0.33) * 3;
+    out[3 + at] = (wiY * wiY - 0.33) * 3;
+}
+
+/** The lobe [1/sr] of reflectance 1. */
+export function lobeShape2(alphaU: number, alphaV: number, wiX: number, wiY: number, wiZ: number,
+    woX: number, woY: number, woZ: number): number {
+    const aboveI = Math.max(wiZ, 0);
+    const aboveO = Math.max(woZ, 0);
+    const halfX = wiX + woX;
+    const halfY = wiY + woY;
+    const halfZ = aboveI + aboveO;
+    const halfXy2 = halfX * halfX + halfY * halfY;
+    const halfZ2 = halfZ * halfZ;
+    const alpha2 = alphaU * alphaV;
+    const uOverV = alphaU / alphaV;
+    const vOverU = alphaV / alphaU;
+    const ratio = (halfXy2 + halfZ2) / (halfX * halfX * vOverU + halfY * halfY * uOverV + alpha2 *
+        halfZ2 + 1e-18);
+    const maskingI = aboveI + Math.sqrt(alpha2 * (wiX * wiX * uOverV + wiY * wiY * vOverU) + aboveI
+        * aboveI);
+    const maskingO = aboveO + Math.sqrt(alpha2 * (woX * woX * uOverV + woY * woY * vOverU) + aboveO
+        * aboveO);
+    const lobeShape = alpha2 / 3.141592653589793 * (ratio * ratio) / (maskingI * maskingO);
+    return lobeShape;
+}
+
+/** Density [1/sr] of `sampleReflection`, its mirrored part included. */
+export function reflectionPdf2(alphaU: number, alphaV: number, wiX: number, wiY: number, wiZ:
+    number, woX: number, woY: number, woZ: number): number {
+    const halfX = wiX + woX;
+    const halfY = wiY + woY;
+    const halfXy2 = halfX * halfX + halfY * halfY;
+    const alpha2 = alphaU * alphaV;
+    const uOverV = alphaU / alphaV;
+    const vOverU = alphaV / alphaU;
+    const squeezed = halfX * halfX * vOverU + halfY * halfY * uOverV;
+    const up = wiZ + woZ;
+    const down = wiZ - woZ;
+    const up2 = up * up;
+    const ratioUp = (halfXy2 + up2) / Math.max(squeezed + alpha2 * up2, 1e-18);
+    const down2 = down * down;
+    const ratioDown = (halfXy2 + down2) / Math.max(squeezed + alpha2 * down2, 1e-18);
+    const below = Math.max(wiZ, 0) + Math.sqrt(alpha2 + (1 - alpha2) * (wiZ * wiZ) + (alphaU -
+        alphaV) * (alphaU * (wiX * wiX) - alphaV * (wiY * wiY)));
+    return (ratioUp * ratioUp + (down > 0 ? ratioDown * ratioDown : 0)) * (alpha2 /
+        6.283185307179586) / below;
+}
+
+/** Reflect wi about a visible normal and mirror it up (Dupuy and Benyoub 2023). */
+export function sampleReflection2(alphaU: number, alphaV: number, wiX: number, wiY: number, wiZ:
+    number, u1: number, u2: number): Vector {
+    const wideX = alphaU * wiX;
+    const wideY = alphaV * wiY;
+    const wideZ = wiZ;
+    const wideSize = Math.sqrt(wideX * wideX + wideY * wideY + wideZ * wideZ);
+    const capX = wideX / wideSize;
+    const capY = wideY / wideSize;
+    const capZ = wideZ / wideSize;
+    const height = (1 - u2) * (1 + capZ) - capZ;
+    const phi = 6.283185307179586 * u1;
+    const radius = Math.sqrt(Math.max(1 - height * height, 0));
+    const facetX = alphaU * (radius * Math.cos(phi) + capX);
+    const facetY = alphaV * (radius * Math.sin(phi) + capY);
+    const facetZ = height + capZ;
+    const twiceCosine = 2 * (wiX * facetX + wiY * facetY + wiZ * facetZ) / Math.max(facetX * facetX
+        + facetY * facetY + facetZ * facetZ, 1e-18);
+    return { x: twiceCosine * facetX - wiX, y: twiceCosine * facetY - wiY, z: Math.abs(twiceCosine *
+        facetZ - wiZ) };
+}
