@@ -79,9 +79,6 @@ export interface Core {
   /** Identifies the networks: a saved material names those it belongs to. */
   readonly fingerprint: string;
 
-  /** Encode a bottom without coats. */
-  encode(bottom: Bottom): Material;
-
   /**
    * Encode a measured BRDF: a MERL table or an isotropic RGL material.
    *
@@ -94,9 +91,6 @@ export interface Core {
 
   /** The BRDF [1/sr], without cosine: (N, 3) for directions (N, 3). */
   f(material: Material, wi: Float32Array, wo: Float32Array): Float32Array;
-
-  /** Density [1/sr] of the proposal, the mean of the channels': (N) for directions (N, 3). */
-  pdf(material: Material, wi: Float32Array, wo: Float32Array): Float32Array;
 
   /** Directional albedo: (N, 3) for N cosines of the incident direction, in the plane y = 0. */
   albedo(material: Material, cosines: Float32Array): Float32Array;

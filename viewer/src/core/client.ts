@@ -1,7 +1,6 @@
 /** The page's side of the core in its worker. */
 
-import type { Bottom, Material, Stack, TableOptions } from "./api";
-import type { Widths } from "./features";
+import type { Core, Stack } from "./api";
 import type { CallName, Calls, Cancellation, Request, Response, WalkOptions } from "./protocol";
 import { FileError } from "./safetensors";
 import type { Estimate } from "./walk/reference";
@@ -12,7 +11,7 @@ export interface Port {
   addEventListener(type: "message", listener: (event: { data: Response }) => void): void;
 }
 
-/** A later call of the same key has taken the place of this one, or it was cancelled. */
+/** A later walk has taken the place of this one, or it was cancelled. */
 export class Superseded extends Error {
   constructor() {
     super("a later request has taken the place of this one");
@@ -22,16 +21,19 @@ export class Superseded extends Error {
 interface Promised {
   resolve(result: ReturnType<Calls[CallName]>): void;
   reject(error: Error): void;
-  soFar?: ((estimate: Estimate) => void) | undefined;
+  soFar: ((estimate: Estimate) => void) | undefined;
 }
 
-/** The core behind messages. Calls are answered in their order; a key as in `Request`. */
+/** The core behind messages, the methods of `Core`. Calls are answered in their order. */
 export class RemoteCore {
   private readonly promised = new Map<number, Promised>();
   private count = 0;
-  private size = 0;
-  private networks = "";
-  private ownWidths = 1 as Widths;
+  private loaded: ReturnType<Calls["load"]> = { latentSize: 0, widths: 1, fingerprint: "" };
+
+  readonly layer = this.remote("layer");
+  readonly f = this.remote("f");
+  readonly albedo = this.remote("albedo");
+  readonly table = this.remote("table");
 
   /** @param port a worker of `worker.ts`; without `load`, it can only walk. */
   constructor(private readonly port: Port) {
@@ -40,17 +42,17 @@ export class RemoteCore {
 
   /** Numbers of one channel's code; 0 before the networks are loaded. */
   get latentSize(): number {
-    return this.size;
+    return this.loaded.latentSize;
   }
 
   /** GGX widths of a surface; 1 before the networks are loaded. */
-  get widths(): Widths {
-    return this.ownWidths;
+  get widths(): Core["widths"] {
+    return this.loaded.widths;
   }
 
   /** Identifies the networks; "" before they are loaded. */
   get fingerprint(): string {
-    return this.networks;
+    return this.loaded.fingerprint;
   }
 
   /**
@@ -59,14 +61,7 @@ export class RemoteCore {
    * @throws FileError if the file is damaged.
    */
   async load(weights: ArrayBuffer): Promise<void> {
-    const loaded = await this.call("load", [weights], { transfer: [weights] });
-    this.size = loaded.latentSize;
-    this.networks = loaded.fingerprint;
-    this.ownWidths = loaded.widths;
-  }
-
-  encode(bottom: Bottom, key?: string): Promise<Material> {
-    return this.call("encode", [bottom], { key });
+    this.loaded = await this.call("load", [weights], [weights]);
   }
 
   /**
@@ -74,28 +69,8 @@ export class RemoteCore {
    *
    * @throws FileError if it is damaged or of another format.
    */
-  encodeMeasured(file: ArrayBuffer): Promise<Material> {
-    return this.call("encodeMeasured", [file], { transfer: [file] });
-  }
-
-  layer(stack: Stack, key?: string): Promise<Material> {
-    return this.call("layer", [stack], { key });
-  }
-
-  f(material: Material, wi: Float32Array, wo: Float32Array, key?: string): Promise<Float32Array> {
-    return this.call("f", [material, wi, wo], { key });
-  }
-
-  pdf(material: Material, wi: Float32Array, wo: Float32Array, key?: string): Promise<Float32Array> {
-    return this.call("pdf", [material, wi, wo], { key });
-  }
-
-  albedo(material: Material, cosines: Float32Array, key?: string): Promise<Float32Array> {
-    return this.call("albedo", [material, cosines], { key });
-  }
-
-  table(material: Material, options: TableOptions, key?: string): Promise<Float32Array> {
-    return this.call("table", [material, options], { key });
+  encodeMeasured(file: ArrayBuffer): ReturnType<typeof this.layer> {
+    return this.call("encodeMeasured", [file], [file]);
   }
 
   /**
@@ -113,25 +88,27 @@ export class RemoteCore {
     soFar: (estimate: Estimate) => void,
     signal?: AbortSignal,
   ): Promise<Estimate> {
-    if (signal?.aborted) {
-      return Promise.reject(new Superseded());
-    }
+    if (signal?.aborted) return Promise.reject(new Superseded());
     const id = this.count;
     signal?.addEventListener("abort", () => this.port.postMessage({ cancelled: id }, []));
-    return this.call("walk", [stack, ...pairs, options], { key: "walk", soFar });
+    return this.call("walk", [stack, ...pairs, options], [], soFar);
+  }
+
+  /** A method of the core by its name. */
+  private remote<Name extends CallName>(name: Name) {
+    return (...args: Parameters<Calls[Name]>) => this.call(name, args);
   }
 
   private call<Name extends CallName>(
     call: Name,
     args: Parameters<Calls[Name]>,
-    options: { key?: string | undefined; soFar?: Promised["soFar"]; transfer?: Transferable[] },
+    transfer: Transferable[] = [],
+    soFar?: Promised["soFar"],
   ): Promise<ReturnType<Calls[Name]>> {
     const id = this.count++;
-    const { key, soFar, transfer = [] } = options;
     return new Promise((resolve, reject) => {
-      const settle = resolve as Promised["resolve"];
-      this.promised.set(id, { resolve: settle, reject, soFar });
-      this.port.postMessage({ id, call, args, key } as Request, transfer);
+      this.promised.set(id, { resolve: resolve as Promised["resolve"], reject, soFar });
+      this.port.postMessage({ id, call, args } as Request, transfer);
     });
   }
 

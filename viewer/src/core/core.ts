@@ -50,6 +50,7 @@ export class NetworkCore extends Evaluation implements Core {
     this.measured = new MeasuredEncoder(encoder, this.energy, refinement, nothing);
   }
 
+  /** Encode a bottom without coats. */
   encode(bottom: Bottom): Material {
     return bottom.kind === "codes"
       ? { latents: this.checked(bottom.latents), anchors: this.checked(bottom.anchors) }

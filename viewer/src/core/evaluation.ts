@@ -40,22 +40,6 @@ export class Evaluation {
     return Float32Array.from(values);
   }
 
-  pdf(material: Material, wi: Float32Array, wo: Float32Array): Float32Array {
-    const proposal = this.sampler.proposals(this.meanAnchor(material));
-    const result = new Float32Array(wi.length / 3);
-    let latest: Vector = { x: 0, y: 0, z: 1 };
-    let mixture = proposal(latest);
-    for (let i = 0; i < result.length; i++) {
-      const own = vectorAt(wi, i);
-      if (own.x !== latest.x || own.y !== latest.y || own.z !== latest.z) {
-        latest = own;
-        mixture = proposal(own);
-      }
-      result[i] = mixtureDensity(mixture, own, vectorAt(wo, i));
-    }
-    return result;
-  }
-
   albedo(material: Material, cosines: Float32Array): Float32Array {
     const result = new Float32Array(CHANNELS * cosines.length);
     cosines.forEach((cosine, row) => {

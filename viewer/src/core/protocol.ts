@@ -12,8 +12,7 @@ export interface WalkOptions {
 }
 
 /** What the worker does, by name. */
-export interface Calls
-  extends Pick<Core, "encode" | "encodeMeasured" | "layer" | "f" | "pdf" | "albedo" | "table"> {
+export interface Calls extends Pick<Core, "encodeMeasured" | "layer" | "f" | "albedo" | "table"> {
   /** Load the networks, which other calls but `walk` need. */
   load(weights: ArrayBuffer): Pick<Core, "latentSize" | "widths" | "fingerprint">;
   /** Estimate f of a stack by random walks; estimates so far precede the result. */
@@ -28,12 +27,10 @@ export type Request = {
     readonly id: number;
     readonly call: Name;
     readonly args: Parameters<Calls[Name]>;
-    /** Calls of the same key supersede each other: only the latest matters. */
-    readonly key?: string | undefined;
   };
 }[CallName];
 
-/** The end of a walk that nobody wants any more, or of another call that still waits. */
+/** The end of a walk that nobody wants any more. */
 export interface Cancellation {
   readonly cancelled: number;
 }

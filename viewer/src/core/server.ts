@@ -1,6 +1,5 @@
 /** The worker's side: calls in their order, and walks while there is nothing else to do. */
 
-import type { Core } from "./api";
 import { loadCore, type NetworkCore } from "./core";
 import { LOBE_ALBEDO } from "./formulas";
 import type { CallName, Calls, Cancellation, Request, Response } from "./protocol";
@@ -29,7 +28,7 @@ interface Walker {
 
 export class Server {
   private core: NetworkCore | undefined;
-  private readonly waiting: Request[] = [];
+  private waiting: Request[] = [];
   private walker: Walker | undefined;
   /** Widths of lobes whose tables are made ahead, so that no slider waits for them. */
   private prepared = 0;
@@ -42,26 +41,21 @@ export class Server {
     if ("cancelled" in message) {
       this.drop((request) => request.id === message.cancelled);
     } else {
-      const { key } = message;
-      if (key !== undefined) {
-        this.drop((request) => request.key === key);
-      }
+      if (message.call === "walk") this.drop((request) => request.call === "walk");
       this.waiting.push(message);
     }
     this.defer();
   }
 
-  /** Answer calls that are not wanted any more. */
+  /** Answer walks that are not wanted any more. */
   private drop(isUnwanted: (request: Request) => boolean): void {
     const dropped = this.waiting.filter(isUnwanted);
-    for (const request of dropped) {
-      this.waiting.splice(this.waiting.indexOf(request), 1);
-      this.post({ id: request.id, superseded: true });
-    }
+    this.waiting = this.waiting.filter((request) => !dropped.includes(request));
     if (this.walker && isUnwanted(this.walker.request)) {
-      this.post({ id: this.walker.request.id, superseded: true });
+      dropped.push(this.walker.request);
       this.walker = undefined;
     }
+    for (const { id } of dropped) this.post({ id, superseded: true });
   }
 
   private defer(): void {
@@ -104,7 +98,6 @@ export class Server {
 
   private answer(request: Request): void {
     if (request.call === "walk") {
-      this.drop((other) => other === this.walker?.request);
       const [stack, wi, wo, { seed }] = request.args;
       const reference = new Reference(stack, wi, wo, seed);
       this.walker = { request, reference, walks: 0, reported: performance.now() };
@@ -122,7 +115,8 @@ export class Server {
     if (!this.core) {
       throw new Error("the networks are not loaded yet");
     }
-    return resultOf(this.core, request);
+    const method = this.core[request.call] as (...args: unknown[]) => ReturnType<Calls[CallName]>;
+    return method.apply(this.core, request.args);
   }
 
   private walk(walker: Walker): void {
@@ -144,28 +138,6 @@ export class Server {
 
   private post(response: Response): void {
     this.surroundings.post(response, buffersOf(response));
-  }
-}
-
-function resultOf(
-  core: Core,
-  request: Exclude<Request, { call: "walk" | "load" }>,
-): ReturnType<Calls[CallName]> {
-  switch (request.call) {
-    case "encode":
-      return core.encode(...request.args);
-    case "encodeMeasured":
-      return core.encodeMeasured(...request.args);
-    case "layer":
-      return core.layer(...request.args);
-    case "f":
-      return core.f(...request.args);
-    case "pdf":
-      return core.pdf(...request.args);
-    case "albedo":
-      return core.albedo(...request.args);
-    case "table":
-      return core.table(...request.args);
   }
 }
 

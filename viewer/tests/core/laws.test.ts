@@ -3,7 +3,10 @@
 import { beforeAll, describe, expect, test } from "vitest";
 import type { Bottom, Coat, Material, Stack } from "../../src/core/api";
 import { loadCore, type NetworkCore } from "../../src/core/core";
+import { activationOf } from "../../src/core/mlp";
 import { halfVectorRule } from "../../src/core/quadrature";
+import { mixtureDensity, Sampler } from "../../src/core/sampler";
+import { readWeights } from "../../src/core/weights";
 import { bytesOf, goldenFile, readVectors } from "./vectors";
 
 const STACK: Stack = {
@@ -107,9 +110,14 @@ describe("layering", () => {
 describe("the proposal", () => {
   test.each([0.95, 0.5, 0.1])("integrates to one at the cosine %f", (cosine) => {
     const { wo, weights } = halfVectorRule(cosine, false);
-    const wi = Float32Array.from(wo, (_, i) => [Math.sqrt(1 - cosine * cosine), 0, cosine][i % 3]);
-    const density = core.pdf(material, wi, Float32Array.from(wo));
-    const total = density.reduce((sum, value, i) => sum + value * weights[i], 0);
+    const networks = readWeights(bytesOf(goldenFile("random.safetensors")));
+    const sampler = new Sampler(networks, activationOf(networks.arch.activation));
+    const wi = { x: Math.sqrt(1 - cosine * cosine), y: 0, z: cosine };
+    const mixture = sampler.proposals(material.anchors.slice(0, core.latentSize))(wi);
+    const total = weights.reduce((sum, weight, i) => {
+      const [x, y, z] = wo.slice(3 * i, 3 * i + 3);
+      return sum + mixtureDensity(mixture, wi, { x, y, z }) * weight;
+    }, 0);
     expect(total).toBeCloseTo(1, 2);
   });
 

@@ -51,29 +51,11 @@ describe("calls", { timeout: 30_000 }, () => {
     expect(remote.latentSize).toBe(core.latentSize);
     const material = await remote.layer(stack);
     expect(material).toEqual(core.layer(stack));
-    expect(await remote.encode(stack.bottom)).toEqual(core.encode(stack.bottom));
     expect(await remote.f(material, wi, wo)).toEqual(core.f(material, wi, wo));
-    expect(await remote.pdf(material, wi, wo)).toEqual(core.pdf(material, wi, wo));
     const cosines = Float32Array.of(0.2, 0.9);
     expect(await remote.albedo(material, cosines)).toEqual(core.albedo(material, cosines));
     const options = { cosines: 2, samples: 4, shift: [0, 0.5, 0] } as const;
     expect(await remote.table(material, options)).toEqual(core.table(material, options));
-  });
-
-  test("of one key supersede each other while they wait", async () => {
-    await remote.load(weights());
-    const outcomes = await Promise.allSettled([
-      remote.layer(stack, "slider"),
-      remote.layer(stack, "slider"),
-      remote.layer(stack, "other"),
-      remote.layer(stack, "slider"),
-    ]);
-    const reasons = outcomes.map((outcome) =>
-      outcome.status === "rejected" ? outcome.reason : outcome.status,
-    );
-    expect(reasons[0]).toBeInstanceOf(Superseded);
-    expect(reasons[1]).toBeInstanceOf(Superseded);
-    expect(reasons.slice(2)).toEqual(["fulfilled", "fulfilled"]);
   });
 
   test("fail with a sentence, and the next one is answered", async () => {
