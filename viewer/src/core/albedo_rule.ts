@@ -9,7 +9,8 @@
 import table from "../../../src/urushi/material/albedo_rule.csv?raw";
 import { Pairs, type Widths } from "./features";
 import { ALBEDO_RULE } from "./formulas";
-import { gaussLegendre } from "./quadrature";
+import { addHalfVectors, type DirectionRule, gaussLegendre } from "./quadrature";
+import { last } from "./weights";
 
 const { COSINE_OFFSET, INTERPOLATED_COSINES, OVERSHOOT, AZIMUTHS, ANISOTROPIC_COSINES } =
   ALBEDO_RULE;
@@ -36,141 +37,103 @@ export interface AlbedoRule {
   readonly angles: Float64Array;
 }
 
-/** The rule of codes of one GGX width or two. */
-export function albedoRule(widths: Widths): AlbedoRule {
-  return widths === 1 ? isotropicRule() : anisotropicRule();
+/** The nodes of a rule: cosines of wi at each of its azimuths, and what belongs to each wi. */
+interface Nodes extends DirectionRule {
+  readonly wi: number[];
+  readonly bounds: number[];
+  readonly cosines: readonly number[];
+  readonly azimuths: number;
 }
 
-/** The rule of the table. */
-function isotropicRule(): AlbedoRule {
-  const lines = table.split("\n").filter((line) => line && !line.startsWith("#"));
-  const rows = lines.map((line) => line.split(",").map(Number) as [number, ...number[]]);
-  const wi = Float32Array.from(
-    rows.flatMap(([cosine]) => [Math.sqrt(1 - cosine * cosine), 0, cosine]),
-  );
-  const wo = Float32Array.from(rows.flatMap((row) => row.slice(1, 4)));
-  const starts = rows.flatMap((row, i) => (row[0] === rows[i - 1]?.[0] ? [] : [i]));
-  const angles = starts.map((i) => Math.log((rows[i]?.[0] ?? 0) + COSINE_OFFSET));
-  const [top = 0, bottom = 0] = [angles[0], angles[angles.length - 1]];
-  const between = Float64Array.from(
+/** The rule of codes of one GGX width or two. */
+export function albedoRule(widths: Widths): AlbedoRule {
+  const { wi, wo, weights, bounds, cosines, azimuths } =
+    widths === 1 ? isotropicNodes() : anisotropicNodes();
+  const nodes = cosines.map((cosine) => Math.log(cosine + COSINE_OFFSET));
+  const steps = Array.from(
     { length: INTERPOLATED_COSINES },
-    (_, d) => top + ((bottom - top) * d) / (INTERPOLATED_COSINES - 1),
+    (_, d) => d / (INTERPOLATED_COSINES - 1),
   );
+  const between = steps.map((step) => nodes[0] + (last(nodes) - nodes[0]) * step);
+  const blocks = Array.from({ length: azimuths }, (_, block) => block * nodes.length);
+  const [incident, out] = [Float32Array.from(wi), Float32Array.from(wo)];
   return {
-    pairs: Pairs.of(wi, wo),
-    wi,
-    wo,
-    weights: Float64Array.from(rows, (row) => row[4] as number),
-    bounds: [...starts, rows.length],
-    cosines: between.map((x) => Math.exp(x) - COSINE_OFFSET),
-    polynomial: lagrange(angles, between),
-    left: leftOf(angles, between),
-    angles: Float64Array.from(starts, (i) => rows[i]?.[0] ?? 0),
+    pairs: Pairs.of(incident, out, widths),
+    wi: incident,
+    wo: out,
+    weights: Float64Array.from(weights),
+    bounds: [...bounds, weights.length],
+    cosines: Float64Array.from(
+      blocks.flatMap(() => between.map((x) => Math.exp(x) - COSINE_OFFSET)),
+    ),
+    polynomial: Float64Array.from(
+      blocks.flatMap((own) =>
+        between.flatMap((x) => blocks.flatMap((other) => lagrange(nodes, x, own === other))),
+      ),
+    ),
+    left: blocks.flatMap((start) => between.map((x) => start + leftOf(nodes, x))),
+    angles: Float64Array.from(blocks.flatMap(() => cosines)),
+  };
+}
+
+/** Those of the table. */
+function isotropicNodes(): Nodes {
+  const lines = table.split("\n").filter((line) => line && !line.startsWith("#"));
+  const rows = lines.map((line) => line.split(",").map(Number));
+  const bounds = rows.flatMap((row, i) => (row[0] === rows[i - 1]?.[0] ? [] : [i]));
+  return {
+    wi: rows.flatMap(([cosine]) => [Math.sqrt(1 - cosine * cosine), 0, cosine]),
+    wo: rows.flatMap((row) => row.slice(1, 4)),
+    weights: rows.map((row) => row[4]),
+    bounds,
+    cosines: bounds.map((i) => rows[i][0]),
+    azimuths: 1,
   };
 }
 
 /** Half vectors logarithmic in tan theta_h, dense in azimuth near the xz and the yz plane. */
-function anisotropicRule(): AlbedoRule {
-  const wi: number[] = [];
-  const wo: number[] = [];
-  const weights: number[] = [];
-  const bounds: number[] = [];
-  for (const azimuth of AZIMUTHS)
-    for (const cosine of ANISOTROPIC_COSINES) {
-      bounds.push(weights.length);
-      addHalfVectorNodes(azimuth, cosine, wi, wo, weights);
-    }
-  const angles = ANISOTROPIC_COSINES.map((cosine) => Math.log(cosine + COSINE_OFFSET));
-  const [top = 0, bottom = 0] = [angles[0], angles[angles.length - 1]];
-  const between = Float64Array.from(
-    { length: INTERPOLATED_COSINES },
-    (_, d) => top + ((bottom - top) * d) / (INTERPOLATED_COSINES - 1),
-  );
-  const [rows, columns] = [between.length, angles.length];
-  const one = lagrange(angles, between);
-  const polynomial = new Float64Array(one.length * AZIMUTHS.length ** 2);
-  const left = AZIMUTHS.flatMap((_, block) => {
-    for (let d = 0; d < rows; d++) {
-      const row = (block * rows + d) * columns * AZIMUTHS.length;
-      polynomial.set(one.subarray(d * columns, (d + 1) * columns), row + block * columns);
-    }
-    return leftOf(angles, between).map((index) => index + block * columns);
-  });
-  const floats = [wi, wo].map((numbers) => Float32Array.from(numbers)) as [
-    Float32Array,
-    Float32Array,
-  ];
-  return {
-    pairs: Pairs.of(...floats, 2),
-    wi: floats[0],
-    wo: floats[1],
-    weights: Float64Array.from(weights),
-    bounds: [...bounds, weights.length],
-    cosines: Float64Array.from(
-      AZIMUTHS.flatMap(() => Array.from(between, (x) => Math.exp(x) - COSINE_OFFSET)),
-    ),
-    polynomial,
-    left,
-    angles: Float64Array.from(AZIMUTHS.flatMap(() => [...ANISOTROPIC_COSINES])),
-  };
-}
-
-/** Add the directions of one wi, and the weights of f, wo's cosine included. */
-function addHalfVectorNodes(
-  azimuth: number,
-  cosine: number,
-  wi: number[],
-  wo: number[],
-  weights: number[],
-): void {
-  const sine = Math.sqrt(1 - cosine * cosine);
-  const incident = [sine * Math.cos(azimuth), sine * Math.sin(azimuth), cosine] as const;
+function anisotropicNodes(): Nodes {
   const quadrant = gaussLegendre(QUADRANT_NODES);
   const polar = gaussLegendre(POLAR_NODES);
-  for (let turn = 0; turn < 4; turn++)
-    quadrant.nodes.forEach((node, i) => {
-      const crowded = Math.tanh(CROWDING * node) / Math.tanh(CROWDING);
-      const phi = 0.25 * Math.PI * (1 + crowded) + turn * 0.5 * Math.PI;
-      const slope = CROWDING / (Math.tanh(CROWDING) * Math.cosh(CROWDING * node) ** 2);
-      const phiWeight = 0.25 * Math.PI * quadrant.weights[i] * slope;
-      const end = 0.5 * (0.5 * Math.PI + Math.atan2(sine * Math.cos(phi - azimuth), cosine));
-      const span = Math.log(Math.tan(end)) - Math.log(LEAST_TANGENT);
-      polar.nodes.forEach((place, k) => {
-        const tangent = LEAST_TANGENT * Math.exp(0.5 * span * (place + 1));
-        const cosH = 1 / Math.sqrt(1 + tangent * tangent);
-        const sinH = tangent * cosH;
-        const h = [sinH * Math.cos(phi), sinH * Math.sin(phi), cosH] as const;
-        const dot = h[0] * incident[0] + h[1] * incident[1] + h[2] * incident[2];
-        const out = h.map((number, axis) => 2 * dot * number - incident[axis]);
-        const spread = 4 * dot * sinH * sinH * cosH;
-        const weight = spread * (0.5 * span * polar.weights[k]) * phiWeight * out[2];
-        if (weight > 0) {
-          wi.push(...incident);
-          wo.push(...out);
-          weights.push(weight);
-        }
+  const nodes = { wi: [] as number[], wo: [] as number[], weights: [] as number[] };
+  const bounds: number[] = [];
+  for (const azimuth of AZIMUTHS)
+    for (const z of ANISOTROPIC_COSINES) {
+      bounds.push(nodes.weights.length);
+      const sine = Math.sqrt(1 - z * z);
+      const wi = { x: sine * Math.cos(azimuth), y: sine * Math.sin(azimuth), z };
+      const found: DirectionRule = { wo: [], weights: [] };
+      for (let turn = 0; turn < 4; turn++)
+        quadrant.nodes.forEach((node, i) => {
+          const crowded = Math.tanh(CROWDING * node) / Math.tanh(CROWDING);
+          const phi = 0.25 * Math.PI * (1 + crowded) + turn * 0.5 * Math.PI;
+          const slope = CROWDING / (Math.tanh(CROWDING) * Math.cosh(CROWDING * node) ** 2);
+          const weight = 0.25 * Math.PI * quadrant.weights[i] * slope;
+          addHalfVectors(found, wi, phi, weight, polar, LEAST_TANGENT);
+        });
+      found.weights.forEach((weight, i) => {
+        const [x, y, cosine] = found.wo.slice(3 * i, 3 * i + 3);
+        if (!(weight * cosine > 0)) return;
+        nodes.wi.push(wi.x, wi.y, wi.z);
+        nodes.wo.push(x, y, cosine);
+        nodes.weights.push(weight * cosine);
       });
-    });
+    }
+  return { ...nodes, bounds, cosines: ANISOTROPIC_COSINES, azimuths: AZIMUTHS.length };
 }
 
-/** Of each x the index of the last node that is not below it; both fall. */
-function leftOf(nodes: readonly number[], x: Float64Array): number[] {
-  return Array.from(x, (at) =>
-    Math.min(nodes.filter((node) => node >= at).length - 1, nodes.length - 2),
-  );
+/** The index of the last node that is not below x; the nodes fall. */
+function leftOf(nodes: readonly number[], x: number): number {
+  return Math.min(nodes.filter((node) => node >= x).length - 1, nodes.length - 2);
 }
 
-/** The matrix (X, N) from values at nodes to those of their polynomial at x. */
-function lagrange(nodes: readonly number[], x: Float64Array): Float64Array {
-  const matrix = new Float64Array(x.length * nodes.length);
-  x.forEach((at, row) => {
-    nodes.forEach((node, column) => {
-      const others = nodes.filter((_, other) => other !== column);
-      const factors = others.map((other) => (at - other) / (node - other));
-      matrix[row * nodes.length + column] = factors.reduce((a, b) => a * b, 1);
-    });
+/** The row (N) from values at nodes to that of their polynomial at x; zero if it is of no use. */
+function lagrange(nodes: readonly number[], x: number, isUsed: boolean): number[] {
+  return nodes.map((node, column) => {
+    if (!isUsed) return 0;
+    const others = nodes.filter((_, other) => other !== column);
+    return others.reduce((product, other) => (product * (x - other)) / (node - other), 1);
   });
-  return matrix;
 }
 
 /** Add the albedos (D) of values f (M) at the rule's nodes to `albedos`. */

@@ -149,7 +149,7 @@ class Facets {
       beside[k] = below;
       factor = 1 / Math.max(below, 1e-30);
     }
-    const rule = ruleOfMatrix(diagonal, beside);
+    const rule = ruleOfMatrix(diagonal, beside, 0);
     return {
       nodes: rule.nodes.map((node) => Math.min(Math.max(node, 0), 1)),
       weights: rule.weights.map((weight) => weight * total),

@@ -1,6 +1,6 @@
 /** Quadrature: Gauss's rules, and one over the hemisphere that resolves any GGX-like lobe. */
 
-import { QUADRATURE } from "./formulas";
+import { QUADRATURE, type Vector } from "./formulas";
 
 /** Nodes and weights of a one-dimensional rule. */
 export interface Rule {
@@ -8,107 +8,82 @@ export interface Rule {
   readonly weights: Float64Array;
 }
 
-/** Gauss and Legendre's rule on [-1, 1], by Newton's method. */
+/** Gauss and Legendre's rule on [-1, 1]. */
 export function gaussLegendre(count: number): Rule {
-  const nodes = new Float64Array(count);
-  const weights = new Float64Array(count);
-  for (let i = 0; i < count; i++) {
-    let x = -Math.cos((Math.PI * (i + 0.75)) / (count + 0.5));
-    let slope = 1;
-    for (let round = 0; round < 50; round++) {
-      let [previous, value] = [1, x];
-      for (let k = 2; k <= count; k++) {
-        [previous, value] = [value, ((2 * k - 1) * x * value - (k - 1) * previous) / k];
-      }
-      slope = (count * (x * value - previous)) / (x * x - 1);
-      const change = value / slope;
-      x -= change;
-      if (Math.abs(change) < 1e-15) {
-        break;
-      }
-    }
-    nodes[i] = x;
-    weights[i] = 2 / ((1 - x * x) * slope * slope);
-  }
-  return { nodes, weights };
+  const beside = Float64Array.from(
+    { length: count },
+    (_, k) => (k + 1) / Math.sqrt(4 * (k + 1) ** 2 - 1),
+  );
+  const { nodes, weights } = ruleOfMatrix(new Float64Array(count), beside, -1);
+  return { nodes, weights: weights.map((weight) => 2 * weight) };
 }
 
 /**
- * Gauss's rule of a symmetric tridiagonal matrix (Golub and Welsch 1969): its eigenvalues, and the
- * squares of the first components of its eigenvectors, in ascending order. By the QL algorithm with
- * implicit shifts.
+ * Gauss's rule of a symmetric tridiagonal matrix (Golub and Welsch 1969), its weights of sum 1.
  *
- * @param diagonal its diagonal, which is overwritten.
- * @param beside the elements beside the diagonal, as many as the diagonal's, the last one unused;
- *   overwritten.
+ * The nodes are the roots of the last of the orthogonal polynomials that the matrix defines; roots
+ * of each lie between those of the one before it.
+ *
+ * @param diagonal the matrix's diagonal; beside: the elements beside it, and one that is not used.
+ * @param least the nodes lie between this and 1.
  */
-export function ruleOfMatrix(diagonal: Float64Array, beside: Float64Array): Rule {
-  const n = diagonal.length;
-  const firsts = new Float64Array(n);
-  firsts[0] = 1;
-  beside[n - 1] = 0;
-  for (let l = 0; l < n; l++) {
-    for (let round = 0; round < 100; round++) {
-      let m = l;
-      while (m < n - 1 && !isNegligible(diagonal, beside, m)) {
-        m++;
-      }
-      if (m === l) {
-        break;
-      }
-      rotate(diagonal, beside, firsts, l, m);
-    }
+export function ruleOfMatrix(diagonal: Float64Array, beside: Float64Array, least: number): Rule {
+  let nodes: number[] = [];
+  for (let degree = 1; degree <= diagonal.length; degree++) {
+    const edges = [least, ...nodes, 1];
+    const at = (x: number) => polynomial(diagonal, beside, degree, x);
+    // The polynomial rises at its greatest root, and in turn.
+    nodes = edges.slice(1).map((edge, i) => {
+      return rootBetween(edges[i], edge, (degree - i) % 2 === 1, at);
+    });
   }
-  const order = Array.from(diagonal.keys()).sort((a, b) => diagonal[a] - diagonal[b]);
-  return {
-    nodes: Float64Array.from(order, (k) => diagonal[k]),
-    weights: Float64Array.from(order, (k) => firsts[k] * firsts[k]),
-  };
+  const weights = nodes.map((x) => 1 / polynomial(diagonal, beside, nodes.length, x).squares);
+  return { nodes: Float64Array.from(nodes), weights: Float64Array.from(weights) };
 }
 
-function isNegligible(diagonal: Float64Array, beside: Float64Array, m: number): boolean {
-  const size = Math.abs(diagonal[m]) + Math.abs(diagonal[m + 1]);
-  return Math.abs(beside[m]) <= Number.EPSILON * size;
+interface PolynomialValue {
+  readonly value: number;
+  readonly slope: number;
+  /** Sum of the squares of the polynomials of lower degrees. */
+  readonly squares: number;
 }
 
-/** One implicit QL sweep over rows l to m (Press et al. 2007, section 11.4). */
-function rotate(
+/** The orthonormal polynomial of a degree by its recurrence; scaled, which keeps its roots. */
+function polynomial(
   diagonal: Float64Array,
   beside: Float64Array,
-  firsts: Float64Array,
-  l: number,
-  m: number,
-): void {
-  let g = (diagonal[l + 1] - diagonal[l]) / (2 * beside[l]);
-  let r = Math.hypot(g, 1);
-  g = diagonal[m] - diagonal[l] + beside[l] / (g + (g < 0 ? -r : r));
-  let s = 1;
-  let c = 1;
-  let p = 0;
-  for (let i = m - 1; i >= l; i--) {
-    const f = s * beside[i];
-    const b = c * beside[i];
-    r = Math.hypot(f, g);
-    beside[i + 1] = r;
-    if (r === 0) {
-      diagonal[i + 1] -= p;
-      beside[m] = 0;
-      return;
-    }
-    s = f / r;
-    c = g / r;
-    g = diagonal[i + 1] - p;
-    r = (diagonal[i] - g) * s + 2 * c * b;
-    p = s * r;
-    diagonal[i + 1] = g + p;
-    g = c * r - b;
-    const above = firsts[i + 1];
-    firsts[i + 1] = s * firsts[i] + c * above;
-    firsts[i] = c * firsts[i] - s * above;
+  degree: number,
+  x: number,
+): PolynomialValue {
+  let [previous, value, previousSlope, slope, squares] = [0, 1, 0, 0, 0];
+  for (let k = 0; k < degree; k++) {
+    squares += value * value;
+    const [below, above] = [k > 0 ? beside[k - 1] : 0, beside[k] || 1];
+    const next = ((x - diagonal[k]) * value - below * previous) / above;
+    const nextSlope = (value + (x - diagonal[k]) * slope - below * previousSlope) / above;
+    [previous, value, previousSlope, slope] = [value, next, slope, nextSlope];
   }
-  diagonal[l] -= p;
-  beside[l] = g;
-  beside[m] = 0;
+  return { value, slope, squares };
+}
+
+/** The only root between two numbers, by Newton's method within a shrinking bracket. */
+function rootBetween(
+  low: number,
+  high: number,
+  isRising: boolean,
+  at: (x: number) => PolynomialValue,
+): number {
+  let x = 0.5 * (low + high);
+  for (let round = 0; round < 100; round++) {
+    const { value, slope } = at(x);
+    if (value > 0 === isRising) high = x;
+    else low = x;
+    const step = x - value / slope;
+    const next = step > low && step < high ? step : 0.5 * (low + high);
+    if (Math.abs(next - x) <= 1e-16) break;
+    x = next;
+  }
+  return x;
 }
 
 const { POLAR_NODES, AZIMUTH_NODES, MIN_TANGENT } = QUADRATURE;
@@ -117,8 +92,36 @@ const polar = gaussLegendre(POLAR_NODES);
 
 /** Directions (M, 3), and weights (M) of f, cosine not included. */
 export interface DirectionRule {
-  readonly wo: Float64Array;
-  readonly weights: Float64Array;
+  readonly wo: number[];
+  readonly weights: number[];
+}
+
+/**
+ * Add directions and weights for wi, from half vectors at an azimuth.
+ *
+ * The variable is logarithmic in tan theta_h, and its range ends at the horizon; see Python's
+ * `core.quadrature`.
+ */
+export function addHalfVectors(
+  { wo, weights }: DirectionRule,
+  wi: Vector,
+  phi: number,
+  phiWeight: number,
+  polar: Rule,
+  leastTangent: number,
+): void {
+  const [cosPhi, sinPhi, start] = [Math.cos(phi), Math.sin(phi), Math.log(leastTangent)];
+  const end = 0.5 * (0.5 * Math.PI + Math.atan2(wi.x * cosPhi + wi.y * sinPhi, wi.z));
+  const span = Math.max(Math.log(Math.tan(end)) - start, 0);
+  polar.nodes.forEach((node, k) => {
+    const tangent = Math.exp(start + 0.5 * span * (node + 1));
+    const cosH = 1 / Math.sqrt(1 + tangent * tangent);
+    const sinH = tangent * cosH;
+    const [x, y] = [sinH * cosPhi, sinH * sinPhi];
+    const dot = wi.x * x + wi.y * y + wi.z * cosH;
+    wo.push(2 * dot * x - wi.x, 2 * dot * y - wi.y, 2 * dot * cosH - wi.z);
+    weights.push(4 * dot * sinH * sinH * cosH * (0.5 * span * polar.weights[k]) * phiWeight);
+  });
 }
 
 /**
@@ -126,39 +129,16 @@ export interface DirectionRule {
  *
  * Nodes lie on one side of the plane of incidence, about which f must be symmetric. For anisotropic
  * f they are twice as dense: at the azimuth of the tangent, f is symmetric as well.
- *
- * The variable is the half vector, logarithmic in tan theta_h, and its range ends at the horizon;
- * see Python's `geometry.quadrature`.
  */
 export function halfVectorRule(cosine: number, isAnisotropic: boolean): DirectionRule {
-  const half = AZIMUTH_NODES * (isAnisotropic ? 2 : 1);
-  const azimuths = gaussLegendre(half);
-  const c = cosine;
-  const s = Math.sqrt(Math.max(1 - c * c, 0));
-  const count = 2 * half * POLAR_NODES;
-  const wo = new Float64Array(3 * count);
-  const weights = new Float64Array(count);
-  const start = Math.log(MIN_TANGENT);
-  let at = 0;
-  for (let i = 0; i < 2 * half; i++) {
-    const quarter = 0.25 * Math.PI * (azimuths.nodes[i % half] + 1);
-    const phi = i < half ? quarter : Math.PI - quarter;
-    const phiWeight = 0.5 * Math.PI * azimuths.weights[i % half]; // both sides
-    const cosPhi = Math.cos(phi);
-    const sinPhi = Math.sin(phi);
-    const end = 0.5 * (0.5 * Math.PI + Math.atan2(s * cosPhi, c));
-    const span = Math.max(Math.log(Math.tan(end)) - start, 0);
-    for (let k = 0; k < POLAR_NODES; k++, at++) {
-      const tangent = Math.exp(start + 0.5 * span * (polar.nodes[k] + 1));
-      const cosH = 1 / Math.sqrt(1 + tangent * tangent);
-      const sinH = tangent * cosH;
-      const hx = sinH * cosPhi;
-      const dot = s * hx + c * cosH;
-      wo[3 * at] = 2 * dot * hx - s;
-      wo[3 * at + 1] = 2 * dot * sinH * sinPhi;
-      wo[3 * at + 2] = 2 * dot * cosH - c;
-      weights[at] = 4 * dot * sinH * sinH * cosH * (0.5 * span * polar.weights[k]) * phiWeight;
-    }
-  }
-  return { wo, weights };
+  const rule: DirectionRule = { wo: [], weights: [] };
+  const wi = { x: Math.sqrt(Math.max(1 - cosine * cosine, 0)), y: 0, z: cosine };
+  const { nodes, weights } = gaussLegendre(AZIMUTH_NODES * (isAnisotropic ? 2 : 1));
+  for (const isFar of [false, true])
+    nodes.forEach((node, i) => {
+      const quarter = 0.25 * Math.PI * (node + 1);
+      const weight = 0.5 * Math.PI * weights[i]; // both sides
+      addHalfVectors(rule, wi, isFar ? Math.PI - quarter : quarter, weight, polar, MIN_TANGENT);
+    });
+  return rule;
 }
