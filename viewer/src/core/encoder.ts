@@ -1,13 +1,13 @@
 /** The encoder: from the values of a BRDF at the probe pairs to the code of its rest. */
 
 import type { Decoder, Responses } from "./decoder";
-import { DecoderSlopes } from "./decoder_slopes";
 import { Pairs, type Widths } from "./features";
 import { CORRECTION, ENCODER, ERROR_METRICS, FIT } from "./formulas";
 import { dampedStep } from "./least_squares";
 import { lobeValues } from "./lobe";
 import { type Activation, Mlp } from "./mlp";
 import { probePairs } from "./probe_pairs";
+import { DecoderSlopes } from "./slopes";
 import type { Weights } from "./weights";
 
 const { CORRECTION_STEPS, CORRECTION_DAMPING } = CORRECTION;

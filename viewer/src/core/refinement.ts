@@ -7,14 +7,13 @@
 
 import { albedosAtAngles, interpolatedAlbedos } from "./albedo_rule";
 import { type Decoder, type Responses, scaleRest } from "./decoder";
-import { DecoderSlopes } from "./decoder_slopes";
 import { type Encoder, farness } from "./encoder";
-import { encoderSlopes } from "./encoder_slopes";
 import type { EnergyLimit } from "./energy";
 import { ENCODER, ENERGY, ERROR_METRICS, FIT, LOBE } from "./formulas";
 import { dampedSteps, type FitState, solve } from "./least_squares";
 import { lobeValues } from "./lobe";
 import type { Activation } from "./mlp";
+import { DecoderSlopes, EncoderSlopes } from "./slopes";
 import type { Weights } from "./weights";
 
 const { INITIAL_ALPHAS, INITIAL_WHITE_SHARES, REFINEMENT_STEPS, ANCHOR_HOLD, CODE_HOLD } = FIT;
@@ -33,6 +32,7 @@ interface Target {
 
 export class Refinement {
   private readonly slopes: DecoderSlopes;
+  private readonly encoderSlopes: EncoderSlopes;
   /** Of the probe pairs, and of the albedo nodes. */
   private readonly responses: readonly [Responses, Responses];
   private readonly probes: number;
@@ -40,12 +40,13 @@ export class Refinement {
 
   constructor(
     private readonly weights: Weights,
-    private readonly activation: Activation,
+    activation: Activation,
     private readonly decoder: Decoder,
     private readonly encoder: Encoder,
     private readonly energy: EnergyLimit,
   ) {
     this.slopes = new DecoderSlopes(decoder);
+    this.encoderSlopes = new EncoderSlopes(weights, activation);
     this.responses = [decoder.respond(encoder.pairs), decoder.respond(energy.rule.pairs)];
     this.probes = encoder.pairs.capacity;
   }
@@ -265,7 +266,7 @@ export class Refinement {
     const { probes } = this;
     const size = slope.length;
     const logs = decoded.rest.map((value) => Math.log(Math.max(value, 0) + OFFSET));
-    const { numbers, slopes: inward } = encoderSlopes(this.weights, this.activation, logs);
+    const { numbers, slopes: inward } = this.encoderSlopes.at(logs);
     const variance = new Float64Array(size * size);
     // (size, 1 + size): the gap, and its derivatives by the code's numbers
     const width = 1 + size;
