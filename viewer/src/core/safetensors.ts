@@ -24,9 +24,6 @@ export class FileError extends Refusal {
 /** The only metadata key. */
 const METADATA_KEY = "urushi";
 
-/** Headers of sane files are far smaller. */
-const LARGEST_HEADER = 1 << 24;
-
 const READERS: Readonly<Record<string, { bytes: number; read: Reader }>> = {
   F16: { bytes: 2, read: (view, at) => halfPrecision(view.getUint16(at, true)) },
   F32: { bytes: 4, read: (view, at) => view.getFloat32(at, true) },
@@ -35,42 +32,48 @@ const READERS: Readonly<Record<string, { bytes: number; read: Reader }>> = {
 
 type Reader = (view: DataView, at: number) => number;
 
+export type Fields = Record<string, unknown>;
+
+/** What the head of a file says of an array, unchecked. */
+export interface Entry {
+  dtype: string;
+  shape: number[];
+  data_offsets: [number, number];
+}
+
+/** What the head says, and where the numbers begin; null: it is no safetensors file. */
+export function headerOf(
+  file: Uint8Array,
+): { description: Fields; tensors: Record<string, Entry | undefined>; start: number } | null {
+  if (file.length < 8) return null;
+  const view = new DataView(file.buffer, file.byteOffset, file.byteLength);
+  const length = Number(view.getBigUint64(0, true));
+  if (length === 0 || 8 + length > file.length) return null;
+  try {
+    const head = JSON.parse(new TextDecoder().decode(file.subarray(8, 8 + length)));
+    const { __metadata__: metadata, ...tensors } = head;
+    const description = Object(JSON.parse(metadata?.[METADATA_KEY] ?? "{}")) as Fields;
+    return { description, tensors, start: 8 + length };
+  } catch {
+    return null;
+  }
+}
+
 /**
  * Read a file of half, single or double precision arrays.
  *
  * @throws FileError if it is truncated, no safetensors file, or has arrays of other types.
  */
 export function readTensors(file: ArrayBuffer): TensorFile {
-  const header = readHeader(file);
-  const start = 8 + header.bytes;
-  const tensors = new Map<string, Tensor>();
-  for (const [name, entry] of Object.entries(header.entries)) {
-    if (name !== "__metadata__") {
-      tensors.set(name, readTensor(new DataView(file, start), name, entry));
-    }
-  }
-  return { description: descriptionOf(header.entries), tensors };
-}
-
-function readHeader(file: ArrayBuffer): { bytes: number; entries: Record<string, unknown> } {
-  const view = new DataView(file);
-  const bytes = file.byteLength < 8 ? Number.NaN : Number(view.getBigUint64(0, true));
-  if (!(bytes <= Math.min(file.byteLength - 8, LARGEST_HEADER))) {
+  const header = headerOf(new Uint8Array(file));
+  if (header === null)
     throw new FileError(`the file (${file.byteLength} bytes) is no safetensors file, or truncated`);
-  }
-  const text = new TextDecoder().decode(new Uint8Array(file, 8, bytes));
-  const entries = parsed(text);
-  if (!isRecord(entries)) {
-    throw new FileError("the file's header is no JSON object; copy or create the file again");
-  }
-  return { bytes, entries };
-}
-
-function descriptionOf(entries: Record<string, unknown>): Record<string, unknown> {
-  const metadata = entries.__metadata__;
-  const text = isRecord(metadata) ? metadata[METADATA_KEY] : undefined;
-  const description = typeof text === "string" ? parsed(text) : undefined;
-  return isRecord(description) ? description : {};
+  const { description, tensors, start } = header;
+  const data = new DataView(file, start);
+  const arrays = Object.entries(tensors).map(
+    ([name, entry]) => [name, readTensor(data, name, entry)] as const,
+  );
+  return { description, tensors: new Map(arrays) };
 }
 
 function readTensor(data: DataView, name: string, entry: unknown): Tensor {
@@ -106,14 +109,6 @@ function halfPrecision(bits: number): number {
     return fraction ? Number.NaN : sign * Number.POSITIVE_INFINITY;
   }
   return sign * (1 + fraction / 1024) * 2 ** (exponent - 15);
-}
-
-function parsed(text: string): unknown {
-  try {
-    return JSON.parse(text);
-  } catch {
-    return undefined;
-  }
 }
 
 /** Whether a value is a JSON object. */

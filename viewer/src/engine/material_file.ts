@@ -2,7 +2,7 @@
 
 import type { Bottom, Core, Material } from "../core/api";
 import { CHANNELS } from "../core/channels";
-import { headerOf } from "../material/tensor_file";
+import { headerOf } from "../core/safetensors";
 import { Refusal } from "../refusal";
 
 /** Version of files without tables. */

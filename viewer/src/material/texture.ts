@@ -1,9 +1,9 @@
 /** Textures of latent codes: files that the method `save` of Python's plugins writes. */
 
 import { CHANNELS } from "../core/channels";
+import { type Fields, headerOf } from "../core/safetensors";
 import { Refusal } from "../refusal";
 import { crc32 } from "../save/zip";
-import { type Fields, headerOf } from "./tensor_file";
 
 /** A number of a code in one channel: linear in a texel's bytes, which are in [0, 255]. */
 export interface LinearNumber {
