@@ -87,7 +87,8 @@ figures: $(READY)
 	done
 
 # Builds the page of `urushi view` into the package; using it needs no Node, building it does.
-viewer: viewer/node_modules/.ready
+viewer: $(READY) viewer/node_modules/.ready
+	.venv/bin/python viewer/formulas.py
 	cd viewer && npm run build
 
 # Builds the page, then checks and tests it.

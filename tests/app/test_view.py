@@ -6,6 +6,7 @@ import http.client
 import json
 import os
 import re
+import runpy
 import signal
 import subprocess
 import sys
@@ -125,6 +126,13 @@ def test_the_built_page_is_that_of_the_sources():
         digest.update(name.encode() + b"\0" + files[name].read_bytes() + b"\0")
     built = (page_files.built_folder() / "sources.txt").read_text().strip()
     assert built == digest.hexdigest()
+
+
+@pytest.mark.skipif(not VIEWER.is_dir(), reason="the page's sources are not here")
+def test_the_formulas_of_the_page_are_those_of_python():
+    """After a change of a formula, `make viewer` prints them anew. See `viewer/formulas.py`."""
+    formulas = runpy.run_path(str(VIEWER / "formulas.py"))
+    assert formulas["FILE"].read_text(encoding="utf-8") == formulas["text"]()
 
 
 def test_the_whole_page_is_small():

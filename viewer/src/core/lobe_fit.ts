@@ -10,10 +10,14 @@ import { CHECKS, LOBE, LOBE_FIT } from "./formulas";
 import { solve } from "./least_squares";
 import { lobeValues } from "./lobe";
 
-const { GRID, DARK, OVERSHOOT_WEIGHT, KNEE, STEPS, CONVERGED, LONGEST_STEP, LAST_STEPS } = LOBE_FIT;
+const { DARK, OVERSHOOT_WEIGHT, KNEE, STEPS, CONVERGED, LONGEST_STEP, LAST_STEPS } = LOBE_FIT;
+
+/** Logarithm of the least width, and the widths that are tried first. */
+const LEAST_LOG = Math.log(CHECKS.MIN_ALPHA);
+const GRID = Array.from({ length: 24 }, (_, k) => Math.exp(LEAST_LOG * (1 - k / 23)));
 
 /** Bounds of the diffuse term, the two factors and ln alpha. */
-const LOWER = [0, 0, 0, Math.log(CHECKS.MIN_ALPHA)];
+const LOWER = [0, 0, 0, LEAST_LOG];
 const UPPER = [Number.POSITIVE_INFINITY, 1, 1, 0];
 
 /** The lobe (6) with Schlick's term of a BRDF with values f [1/sr] at the probe pairs. */
