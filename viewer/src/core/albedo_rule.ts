@@ -9,7 +9,7 @@
 import table from "../../../src/urushi/material/albedo_rule.csv?raw";
 import { Pairs, type Widths } from "./features";
 import { ALBEDO_RULE } from "./formulas";
-import { addHalfVectors, type DirectionRule, gaussLegendre } from "./quadrature";
+import { addHalfVectors, emptyRule, gaussLegendre } from "./quadrature";
 import { last } from "./weights";
 
 const { COSINE_OFFSET, INTERPOLATED_COSINES, OVERSHOOT, AZIMUTHS, ANISOTROPIC_COSINES } =
@@ -38,8 +38,10 @@ export interface AlbedoRule {
 }
 
 /** The nodes of a rule: cosines of wi at each of its azimuths, and what belongs to each wi. */
-interface Nodes extends DirectionRule {
+interface Nodes {
   readonly wi: number[];
+  readonly wo: number[];
+  readonly weights: number[];
   readonly bounds: number[];
   readonly cosines: readonly number[];
   readonly azimuths: number;
@@ -102,14 +104,15 @@ function anisotropicNodes(): Nodes {
       bounds.push(nodes.weights.length);
       const sine = Math.sqrt(1 - z * z);
       const wi = { x: sine * Math.cos(azimuth), y: sine * Math.sin(azimuth), z };
-      const found: DirectionRule = { wo: [], weights: [] };
+      const found = emptyRule(4 * QUADRANT_NODES * POLAR_NODES);
       for (let turn = 0; turn < 4; turn++)
         quadrant.nodes.forEach((node, i) => {
           const crowded = Math.tanh(CROWDING * node) / Math.tanh(CROWDING);
           const phi = 0.25 * Math.PI * (1 + crowded) + turn * 0.5 * Math.PI;
           const slope = CROWDING / (Math.tanh(CROWDING) * Math.cosh(CROWDING * node) ** 2);
           const weight = 0.25 * Math.PI * quadrant.weights[i] * slope;
-          addHalfVectors(found, wi, phi, weight, polar, LEAST_TANGENT);
+          const first = (turn * QUADRANT_NODES + i) * POLAR_NODES;
+          addHalfVectors(found, first, wi, phi, weight, polar, LEAST_TANGENT);
         });
       found.weights.forEach((weight, i) => {
         const [x, y, cosine] = found.wo.slice(3 * i, 3 * i + 3);

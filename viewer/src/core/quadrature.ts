@@ -8,14 +8,18 @@ export interface Rule {
   readonly weights: Float64Array;
 }
 
+const legendre = new Map<number, Rule>();
+
 /** Gauss and Legendre's rule on [-1, 1]. */
 export function gaussLegendre(count: number): Rule {
-  const beside = Float64Array.from(
-    { length: count },
-    (_, k) => (k + 1) / Math.sqrt(4 * (k + 1) ** 2 - 1),
-  );
-  const { nodes, weights } = ruleOfMatrix(new Float64Array(count), beside, -1);
-  return { nodes, weights: weights.map((weight) => 2 * weight) };
+  let found = legendre.get(count);
+  if (!found) {
+    const beside = Float64Array.from({ length: count }, (_, k) => 1 / Math.sqrt(4 - (k + 1) ** -2));
+    const { nodes, weights } = ruleOfMatrix(new Float64Array(count), beside, -1);
+    found = { nodes, weights: weights.map((weight) => 2 * weight) };
+    legendre.set(count, found);
+  }
+  return found;
 }
 
 /**
@@ -92,18 +96,24 @@ const polar = gaussLegendre(POLAR_NODES);
 
 /** Directions (M, 3), and weights (M) of f, cosine not included. */
 export interface DirectionRule {
-  readonly wo: number[];
-  readonly weights: number[];
+  readonly wo: Float64Array;
+  readonly weights: Float64Array;
+}
+
+/** Room for a number of directions. */
+export function emptyRule(count: number): DirectionRule {
+  return { wo: new Float64Array(3 * count), weights: new Float64Array(count) };
 }
 
 /**
- * Add directions and weights for wi, from half vectors at an azimuth.
+ * Put directions and weights for wi, from half vectors at an azimuth, at place `first` and after.
  *
  * The variable is logarithmic in tan theta_h, and its range ends at the horizon; see Python's
  * `core.quadrature`.
  */
 export function addHalfVectors(
   { wo, weights }: DirectionRule,
+  first: number,
   wi: Vector,
   phi: number,
   phiWeight: number,
@@ -113,15 +123,18 @@ export function addHalfVectors(
   const [cosPhi, sinPhi, start] = [Math.cos(phi), Math.sin(phi), Math.log(leastTangent)];
   const end = 0.5 * (0.5 * Math.PI + Math.atan2(wi.x * cosPhi + wi.y * sinPhi, wi.z));
   const span = Math.max(Math.log(Math.tan(end)) - start, 0);
-  polar.nodes.forEach((node, k) => {
-    const tangent = Math.exp(start + 0.5 * span * (node + 1));
+  for (let k = 0; k < polar.nodes.length; k++) {
+    const tangent = Math.exp(start + 0.5 * span * (polar.nodes[k] + 1));
     const cosH = 1 / Math.sqrt(1 + tangent * tangent);
     const sinH = tangent * cosH;
     const [x, y] = [sinH * cosPhi, sinH * sinPhi];
     const dot = wi.x * x + wi.y * y + wi.z * cosH;
-    wo.push(2 * dot * x - wi.x, 2 * dot * y - wi.y, 2 * dot * cosH - wi.z);
-    weights.push(4 * dot * sinH * sinH * cosH * (0.5 * span * polar.weights[k]) * phiWeight);
-  });
+    const at = first + k;
+    wo[3 * at] = 2 * dot * x - wi.x;
+    wo[3 * at + 1] = 2 * dot * y - wi.y;
+    wo[3 * at + 2] = 2 * dot * cosH - wi.z;
+    weights[at] = 4 * dot * sinH * sinH * cosH * (0.5 * span * polar.weights[k]) * phiWeight;
+  }
 }
 
 /**
@@ -131,14 +144,14 @@ export function addHalfVectors(
  * f they are twice as dense: at the azimuth of the tangent, f is symmetric as well.
  */
 export function halfVectorRule(cosine: number, isAnisotropic: boolean): DirectionRule {
-  const rule: DirectionRule = { wo: [], weights: [] };
   const wi = { x: Math.sqrt(Math.max(1 - cosine * cosine, 0)), y: 0, z: cosine };
   const { nodes, weights } = gaussLegendre(AZIMUTH_NODES * (isAnisotropic ? 2 : 1));
-  for (const isFar of [false, true])
-    nodes.forEach((node, i) => {
-      const quarter = 0.25 * Math.PI * (node + 1);
-      const weight = 0.5 * Math.PI * weights[i]; // both sides
-      addHalfVectors(rule, wi, isFar ? Math.PI - quarter : quarter, weight, polar, MIN_TANGENT);
-    });
+  const rule = emptyRule(2 * nodes.length * POLAR_NODES);
+  for (let i = 0; i < 2 * nodes.length; i++) {
+    const quarter = 0.25 * Math.PI * (nodes[i % nodes.length] + 1);
+    const phi = i < nodes.length ? quarter : Math.PI - quarter;
+    const phiWeight = 0.5 * Math.PI * weights[i % nodes.length]; // both sides
+    addHalfVectors(rule, i * POLAR_NODES, wi, phi, phiWeight, polar, MIN_TANGENT);
+  }
   return rule;
 }
