@@ -29,76 +29,57 @@ export function probePairs(n: number, widths: Widths): Pairs {
 /** The directions (n, 3) of the probe pairs, which are float32 unit vectors. */
 export function probeDirections(n: number, widths: Widths): { wi: Float32Array; wo: Float32Array } {
   const first = Math.round(n * HALF_ANGLE_SHARE);
-  const chosen =
-    widths === 1
-      ? [...halfAnglePairs(first), ...hemispherePairs(n - first)]
-      : [...slopePairs(first), ...turnedHemispherePairs(n - first)];
-  const wi = Float32Array.from(chosen.flatMap(([w]) => [...w]));
-  const wo = Float32Array.from(chosen.flatMap(([, w]) => [...w]));
+  const chosen = [...halfVectorPairs(first, widths), ...hemispherePairs(n - first, widths)];
+  const wi = Float32Array.from(chosen.flatMap(([w]) => w));
+  const wo = Float32Array.from(chosen.flatMap(([, w]) => w));
   return { wi, wo };
 }
 
-function points(count: number): Vector[] {
-  const [a, b, c] = sequenceSteps(3) as [number, number, number];
-  return Array.from({ length: count }, (_, n) => [
-    (0.5 + (n + 1) * a) % 1,
-    (0.5 + (n + 1) * b) % 1,
-    (0.5 + (n + 1) * c) % 1,
-  ]);
-}
-
-/** Pairs log-uniform in tan theta_h about difference directions of one quadrant. */
-function halfAnglePairs(count: number): [Vector, Vector][] {
-  const pairs: [Vector, Vector][] = [];
-  for (const [u, v, w] of points(8 * count)) {
-    const tangent = MIN_TANGENT * (MAX_TANGENT / MIN_TANGENT) ** u;
-    const pair = aboutHalfVector(tangent, MAX_DIFFERENCE * v, 0.5 * Math.PI * w);
-    if (pair.every((direction) => direction[2] > MIN_COSINE) && pairs.length < count) {
-      pairs.push(pair);
-    }
-  }
-  return pairs;
-}
-
-/** Points of the sequence in four dimensions. */
-function points4(count: number): (readonly [number, number, number, number])[] {
-  const steps = sequenceSteps(4);
-  return Array.from({ length: count }, (_, n) => {
-    const at = (k: number) => (0.5 + (n + 1) * (steps[k] ?? 0)) % 1;
-    return [at(0), at(1), at(2), at(3)];
-  });
+/** Points of the sequence; those of two widths have a fourth number. */
+function points(count: number, widths: Widths): number[][] {
+  const steps = sequenceSteps(2 + widths);
+  return Array.from({ length: count }, (_, n) => steps.map((step) => (0.5 + (n + 1) * step) % 1));
 }
 
 /**
- * Pairs whose half vector has independent log-uniform slopes, in one quadrant by mirroring.
+ * Pairs log-uniform in tan theta_h about difference directions, in one quadrant by mirroring.
  *
- * Every second one has a log-uniform tan theta_h and a uniform azimuth instead.
+ * With two widths, half vectors are at all azimuths. Those of every second pair have independent
+ * log-uniform slopes along both axes instead.
  */
-function slopePairs(count: number): [Vector, Vector][] {
+function halfVectorPairs(count: number, widths: Widths): [Vector, Vector][] {
   const pairs: [Vector, Vector][] = [];
   const range = Math.log(MAX_TANGENT / MIN_TANGENT);
-  points4(8 * count).forEach(([u, v, w, t], n) => {
+  points(8 * count, widths).forEach(([u, v, w, t = 0], n) => {
     const along = MIN_TANGENT * Math.exp(range * u);
     const across = MIN_TANGENT * Math.exp(range * t);
-    const isRadial = n % 2 === 0;
+    const isRadial = widths === 1 || n % 2 === 0;
     const tangent = isRadial ? along : Math.hypot(along, across);
     const azimuth = isRadial ? 0.5 * Math.PI * t : Math.atan2(across, along);
-    const pair = aboutHalfVector(tangent, MAX_DIFFERENCE * v, Math.PI * w);
+    const pair = aboutHalfVector(tangent, MAX_DIFFERENCE * v, 0.5 * Math.PI * widths * w);
     const isAbove = pair.every((direction) => direction[2] > MIN_COSINE);
-    if (isAbove && tangent <= MAX_TANGENT && pairs.length < count) {
+    if (isAbove && tangent <= MAX_TANGENT && pairs.length < count)
       pairs.push([turned(pair[0], azimuth), turned(pair[1], azimuth)]);
-    }
   });
   return pairs;
 }
 
-/** Pairs with independent uniform cosines and azimuths, wi in one quadrant by mirroring. */
-function turnedHemispherePairs(count: number): [Vector, Vector][] {
-  const turns = points4(count);
-  return hemispherePairs(count).map(([wi, wo], n) => {
+/**
+ * Pairs with independent uniform cosines and azimuths, wi in one quadrant by mirroring.
+ *
+ * With one width, wi is at the azimuth 0.
+ */
+function hemispherePairs(count: number, widths: Widths): [Vector, Vector][] {
+  const turns = points(count, widths);
+  return points(count, 1).map(([u, v, w], n) => {
     const [, , side, turn] = turns[n];
-    const azimuth = 0.5 * Math.PI * turn;
-    return [turned(wi, azimuth), turned(wo, azimuth + (side > 0.5 ? Math.PI : 0))];
+    const azimuth = widths === 1 ? 0 : 0.5 * Math.PI * turn;
+    const phi = azimuth + Math.PI * (w + (widths === 2 && side > 0.5 ? 1 : 0));
+    const at = (share: number, angle: number) => {
+      const cosine = MIN_COSINE + (1 - MIN_COSINE) * share;
+      return turned([Math.sqrt(1 - cosine * cosine), 0, cosine], angle);
+    };
+    return [at(u, azimuth), at(v, phi)];
   });
 }
 
@@ -120,19 +101,4 @@ function aboutHalfVector(tangent: number, thetaD: number, phiD: number): [Vector
     cosH * up - sinH * x,
   ];
   return [direction(along, across), direction(-along, -across)];
-}
-
-/** Pairs with independent uniform cosines and a uniform difference of azimuths. */
-function hemispherePairs(count: number): [Vector, Vector][] {
-  return points(count).map(([u, v, w]) => {
-    const cosI = MIN_COSINE + (1 - MIN_COSINE) * u;
-    const cosO = MIN_COSINE + (1 - MIN_COSINE) * v;
-    const sinI = Math.sqrt(1 - cosI * cosI);
-    const sinO = Math.sqrt(1 - cosO * cosO);
-    const phi = Math.PI * w;
-    return [
-      [sinI, 0, cosI],
-      [sinO * Math.cos(phi), sinO * Math.sin(phi), cosO],
-    ];
-  });
 }
