@@ -166,7 +166,6 @@ def write_vectors(name: str, model: weights.Model) -> None:
         "latents": np.stack([material.latents for material in materials]),
         "anchors": np.stack([material.anchors for material in materials]),
         "f": np.stack([_values(material, wi, wo) for material in materials]).astype(np.float32),
-        "pdf": np.stack([material.pdf(wi, wo) for material in materials]),
         "albedo": np.stack([m.directional_albedo(incident) for m in materials]),
         "bright": bright,
         "limited": np.stack([limit_albedo(model, codes) for codes in bright]),

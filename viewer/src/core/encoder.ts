@@ -3,7 +3,7 @@
 import type { Decoder, Responses } from "./decoder";
 import { Pairs, type Widths } from "./features";
 import { CORRECTION, ENCODER, ERROR_METRICS, FIT } from "./formulas";
-import { dampedStep } from "./least_squares";
+import { addRow, dampedStep } from "./least_squares";
 import { lobeValues } from "./lobe";
 import { type Activation, Mlp } from "./mlp";
 import { probePairs } from "./probe_pairs";
@@ -100,16 +100,15 @@ export class Encoder {
       const f = top[2 * place] + rest + DARK_OFFSET;
       const error = Math.log(f) - logs[2 * place];
       const share = rest / f;
-      const weight = (share * share) / farness(error);
-      const pull = (error * share) / farness(error);
-      const row = place * size;
-      for (let i = 0; i < size; i++) {
-        const a = found.slopes[row + i];
-        slope[i] += pull * a;
-        for (let j = 0; j < size; j++) {
-          curvature[i * size + j] += weight * a * found.slopes[row + j];
-        }
-      }
+      const far = farness(error);
+      addRow(
+        slope,
+        curvature,
+        found.slopes,
+        place * size,
+        (error * share) / far,
+        (share * share) / far,
+      );
     }
     const step = dampedStep(curvature, slope, CORRECTION_DAMPING);
     const { lobe } = this.weights.arch;

@@ -2,7 +2,7 @@
 
 import type { Material, TableOptions } from "./api";
 import { CHANNELS, firstSame, rows, sameNumbers } from "./channels";
-import type { Decoder, Responses } from "./decoder";
+import type { Decoder } from "./decoder";
 import { Pairs, type Widths } from "./features";
 import type { Vector } from "./formulas";
 import { lobeValue } from "./lobe";
@@ -109,24 +109,13 @@ export class Evaluation {
           result[CHANNELS * i + channel] = result[CHANNELS * i + own];
         }
       } else {
-        this.valuesOfChannel(codes[channel], pairs, responses, result, channel);
+        const rest = this.decoder.rest(this.decoder.prepare(codes[channel], this.lobe), responses);
+        for (let i = 0; i < count; i++) {
+          result[CHANNELS * i + channel] = lobeValue(codes[channel], 0, pairs, i) + rest[i];
+        }
       }
     }
     return result;
-  }
-
-  private valuesOfChannel(
-    code: Float32Array,
-    pairs: Pairs,
-    responses: Responses,
-    result: Float64Array,
-    channel: number,
-  ): void {
-    const { decoder } = this;
-    const rest = decoder.rest(decoder.prepare(code, this.lobe), responses);
-    for (let i = 0; i < rest.length; i++) {
-      result[CHANNELS * i + channel] = lobeValue(code, 0, pairs, i) + rest[i];
-    }
   }
 
   /** The mean of the channels' anchors, whose proposal all share. */

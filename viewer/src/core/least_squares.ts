@@ -31,6 +31,28 @@ export function solve(matrix: Float64Array, right: Float64Array, size: number): 
   return right;
 }
 
+/**
+ * Add a residual to slope and curvature.
+ *
+ * @param slopes its derivatives by the unknowns begin at a place of this array.
+ * @param pull its weight times the residual.
+ */
+export function addRow(
+  slope: Float64Array,
+  curvature: Float64Array,
+  slopes: ArrayLike<number>,
+  at: number,
+  pull: number,
+  weight: number,
+): void {
+  const size = slope.length;
+  for (let a = 0; a < size; a++) {
+    const own = slopes[at + a];
+    slope[a] += pull * own;
+    for (let b = 0; b < size; b++) curvature[a * size + b] += weight * own * slopes[at + b];
+  }
+}
+
 /** The state of a fit at x: what is minimised, half its gradient and half its Hessian. */
 export interface FitState<X> {
   readonly x: X;

@@ -7,7 +7,7 @@
 
 import type { Pairs } from "./features";
 import { CHECKS, LOBE, LOBE_FIT } from "./formulas";
-import { solve } from "./least_squares";
+import { addRow, solve } from "./least_squares";
 import { lobeValues } from "./lobe";
 
 const { DARK, OVERSHOOT_WEIGHT, KNEE, STEPS, CONVERGED, LONGEST_STEP, LAST_STEPS } = LOBE_FIT;
@@ -57,12 +57,7 @@ function bestWidth(pairs: Pairs, f: Float64Array): Float64Array {
       const weight = 1 / (f[i] + DARK) ** 2;
       const grazing = grazingShare(pairs, i);
       const columns = [1 / Math.PI, shape[i] * (1 - grazing), shape[i] * grazing];
-      for (let a = 0; a < 3; a++) {
-        slope[a] += weight * f[i] * columns[a];
-        for (let b = 0; b < 3; b++) {
-          normal[3 * a + b] += weight * columns[a] * columns[b];
-        }
-      }
+      addRow(slope, normal, columns, 0, weight * f[i], weight);
     }
     const factors = bounded(normal, slope, [0, 0, 0], [Infinity, Infinity, Infinity]);
     const bend = product(normal, factors);
@@ -96,12 +91,7 @@ function stepFrom(pairs: Pairs, f: Float64Array, x: Float64Array, longest: numbe
     ];
     const error = lobe + diffuse * white - f[i] * scale;
     const weight = error > 0 ? OVERSHOOT_WEIGHT : KNEE / Math.max(-error, KNEE);
-    for (let a = 0; a < 4; a++) {
-      ahead[a] -= weight * columns[a] * error;
-      for (let b = 0; b < 4; b++) {
-        curvature[4 * a + b] += weight * columns[a] * columns[b];
-      }
-    }
+    addRow(ahead, curvature, columns, 0, -weight * error, weight);
   }
   const reach = [Infinity, Infinity, Infinity, longest];
   return bounded(

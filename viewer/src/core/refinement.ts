@@ -10,7 +10,7 @@ import { type Decoder, type Responses, scaleRest } from "./decoder";
 import { type Encoder, farness } from "./encoder";
 import type { EnergyLimit } from "./energy";
 import { ENCODER, ENERGY, ERROR_METRICS, FIT, LOBE } from "./formulas";
-import { dampedSteps, type FitState, solve } from "./least_squares";
+import { addRow, dampedSteps, type FitState, solve } from "./least_squares";
 import { lobeValues } from "./lobe";
 import type { Activation } from "./mlp";
 import { DecoderSlopes, EncoderSlopes } from "./slopes";
@@ -239,10 +239,15 @@ export class Refinement {
         const far = farness(error);
         const share = part.rest[i] / f;
         objective += (target.weights[at] * error * error * (2 - 1 / far)) / far;
-        addStep(slope, curvature, part.slopes, i * size, {
-          pull: (target.weights[at] * error * share) / far,
-          weight: (target.weights[at] * share * share) / far,
-        });
+        const weight = target.weights[at] / far;
+        addRow(
+          slope,
+          curvature,
+          part.slopes,
+          i * size,
+          weight * error * share,
+          weight * share * share,
+        );
       }
     }
     objective += this.addDistance(code, atProbes, hold / probes, slope, curvature);
@@ -309,23 +314,6 @@ export class Refinement {
       }
     }
     return distance;
-  }
-}
-
-function addStep(
-  slope: Float64Array,
-  curvature: Float64Array,
-  slopes: Float64Array,
-  at: number,
-  { pull, weight }: { pull: number; weight: number },
-): void {
-  const size = slope.length;
-  for (let a = 0; a < size; a++) {
-    const own = slopes[at + a];
-    slope[a] += pull * own;
-    for (let b = 0; b < size; b++) {
-      curvature[a * size + b] += weight * own * slopes[at + b];
-    }
   }
 }
 
