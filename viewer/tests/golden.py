@@ -118,7 +118,7 @@ REFERENCE_PAIRS = 24
 
 
 def material_of(stack: dict[str, Any], model: weights.Model) -> Material:
-    """The codes of a stack, without the table that light transport gives some: as the page has them.
+    """The codes of a stack, without the tables that light transport gives, as the page has them.
 
     A diffuse surface is not refined: the page does not refine.
     """
