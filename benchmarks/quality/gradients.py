@@ -41,6 +41,14 @@ def plastic(value: float) -> dict:
     return coated(bottom, alpha=0.1)
 
 
+def on_plastic(name: str, value: float) -> dict:
+    return plastic(0.5) | {"alpha": 0.2, "sigma_t": 0.5, "albedo": 0.5} | {name: value}
+
+
+def two_coats(value: float) -> dict:
+    return coated(plastic(value), alpha=0.3)
+
+
 def gold(value: float) -> dict:
     metal = {"type": "roughconductor", "material": "Au", "distribution": "ggx"}
     return coated(metal | {"alpha": value}, alpha=0.1)
@@ -70,13 +78,16 @@ SLOPES = {
     "white diffuse": (diffuse, 1.0, "reflectance.value", (0.02, 0), 0.15),
     "principled": (principled, 0.8, "base_color.value", (0.05, 0.05), 0.06),
     "black principled": (principled, 0.0, "base_color.value", (0, 0.02), 0.15),
-    "plastic": (plastic, 0.5, "diffuse_reflectance.value", (0.05, 0.05), 0.08),
+    "plastic": (plastic, 0.5, "diffuse_reflectance.value", (0.05, 0.05), 0.02),
     "absent coat": (absent, 0.5, "base_color.value", (0.02, 0.02), 0.03),
     "sharp gold": (gold, 0.01, "bottom.alpha.value", (0, 0.002), 0.1),
     "rough gold": (gold, 1.0, "bottom.alpha.value", (0.05, 0), 0.15),
     "openpbr": (openpbr, 0.5, "base_color.value", (0.05, 0.05), 0.06),
-    # f by a table, its derivative by codes.
-    "bright openpbr": (openpbr, 0.8, "base_color.value", (0.05, 0.05), 0.25),
+    # f is a table by light transport, and its derivative that of the table.
+    "bright openpbr": (openpbr, 0.8, "base_color.value", (0.05, 0.05), 0.02),
+    "alpha on plastic": (lambda x: on_plastic("alpha", x), 0.2, "alpha.value", (0.02, 0.02), 0.06),
+    "depth on plastic": (lambda x: on_plastic("sigma_t", x), 0.5, "t.value", (0.05, 0.05), 0.08),
+    "two coats on plastic": (two_coats, 0.5, "diffuse_reflectance.value", (0.05, 0.05), 0.08),
     # The slope of light transport itself doubles between .98 and 1.
     "white medium": (lambda x: medium("albedo", x), 1.0, "albedo.value", (0.002, 0), 0.3),
     "no medium": (lambda x: medium("sigma_t", x), 0.0, "sigma_t.value", (0, 0.02), 0.1),

@@ -6,8 +6,8 @@ bands, each a channel:
 - Constant coats have `COUNT` bands, spaced by the density of Mitsuba's wavelengths, as many in each
   band. A wavelength has the value of the band that it lies in. f of a coat is not linear in the
   colour of its bottom: bands that are wider desaturate.
-- Textures, files and tables have three bands at fixed wavelengths (`RGB`): values are linear in
-  wavelength between them.
+- Textures, files and tables have three bands at fixed wavelengths (`RGB`). Between them values are
+  linear in wavelength; those of textured coats follow an estimate (`plugins.estimates`).
 
 Values are constant beyond the outermost bands, so that grey stays grey.
 """
@@ -15,6 +15,7 @@ Values are constant beyond the outermost bands, so that grey stays grey.
 import contextlib
 import contextvars
 from collections.abc import Callable, Iterator, Sequence
+from typing import Any
 
 import drjit as dr
 import mitsuba as mi
@@ -94,10 +95,15 @@ def band_at(wavelengths) -> list:
     return [mi.UInt32(dr.clip(x, 0, COUNT - 1)) for x in place]
 
 
-def from_channels(values: Sequence, wavelengths) -> "mi.Spectrum":
+def from_channels(
+    values: Sequence, wavelengths, estimates: tuple[Any, Sequence] | None = None
+) -> "mi.Spectrum":
     """The variant's spectrum at `wavelengths` [nm].
 
-    values: one, three, red first, or in spectral variants one for each wavelength.
+    Args:
+        values: one, three, red first, or in spectral variants one for each wavelength.
+        estimates: of three values' spectrum at the wavelengths and at `RGB`, up to a factor and a
+            constant; what is left is linear in wavelength. None: all is.
     """
     if len(values) == 1:
         return mi.Spectrum(values[0])
@@ -107,11 +113,20 @@ def from_channels(values: Sequence, wavelengths) -> "mi.Spectrum":
         return mi.Color3f(*values)
     if len(values) > len(RGB):
         return mi.Spectrum(*values)
-    red, green, blue = values
     long, middle, short = RGB
     above = dr.clip((wavelengths - middle) / (long - middle), 0, 1)
     below = dr.clip((middle - wavelengths) / (middle - short), 0, 1)
-    return green + above * (red - green) + below * (blue - green)
+
+    def linear(red, green, blue):
+        return green + above * (red - green) + below * (blue - green)
+
+    if estimates is None:
+        return linear(*values)
+    at_wavelengths, at_bands = estimates
+    mean, center = sum(values) / len(RGB), sum(at_bands) / len(RGB)
+    covariance = sum((x - mean) * (y - center) for x, y in zip(values, at_bands, strict=True))
+    slope = covariance / dr.maximum(sum(dr.square(y - center) for y in at_bands), 1e-9)
+    return dr.maximum(linear(*values) + slope * (at_wavelengths - linear(*at_bands)), 0)
 
 
 def from_color(color: Sequence[float]) -> dict:

@@ -287,7 +287,7 @@ class Furnace:
             if isinstance(rough := twin["coat_roughness"], float):
                 twin["coat_roughness"] = _texture(np.full((1, 1, 1), rough))
         elif not constant:
-            twin["base_color"] = _texture(np.ones((1, 1, 3)))
+            twin["base_color"] = _texture(np.ones((1, 1, 1)))
         parameters = Inputs.of(twin, inputs.where)
         with dr.suspend_grad():
             losses = _losses(coated(parameters), uv)

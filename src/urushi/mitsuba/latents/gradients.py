@@ -7,13 +7,16 @@ Dr.Jit, whose derivatives NumPy computes (`material.gradients`).
 
 f has the bits that it has without gradients. Its derivative is that of the decoded codes, which
 are computed within the ranges of the parameters, so that f need not be their value. Integrators
-evaluate a picture without derivatives first; no code is decoded then.
+evaluate a picture without derivatives first; no code is decoded then. A table by light transport
+has slopes of its own by every number that carries a gradient (`material.table_slopes`), and codes
+give the derivatives of the lobe beside it.
 
 Only f is differentiated with respect to codes. Proposals depend on detached codes: as in all of
 Mitsuba's differentiable integrators, samples are fixed while the integrand changes.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any, ClassVar
 
 import drjit as dr
@@ -24,14 +27,17 @@ from urushi import checks
 from urushi.checks import CoatParameters, Widths
 from urushi.material import gradients
 from urushi.material.layer import layer_texels, within_training
+from urushi.material.table import node_pairs
 from urushi.mitsuba import spectrum
+from urushi.mitsuba.latents import table_gradients
 from urushi.mitsuba.latents.baking import Baker
 from urushi.mitsuba.latents.bottoms import PROBED_TEXELS, is_finer
 from urushi.mitsuba.latents.holders import ConstantLatents, TexturedLatents
 from urushi.mitsuba.latents.lookup import drawn_texel, owned, texel_draw
 from urushi.mitsuba.networks.decoder import UrushiDecoder
 from urushi.mitsuba.networks.lobe import ANY_LOBE
-from urushi.mitsuba.offers import offer_of
+from urushi.mitsuba.networks.table import TabulatedDecoder
+from urushi.mitsuba.offers import offer_of, tabulated
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.grid import varying_textures
 from urushi.mitsuba.reading.parameters import TWO_WIDTHS, CoatTextures
@@ -55,18 +61,34 @@ MIDDLE = TexelGrid(1, 1, IDENTITY, "repeat", False)
 class DifferentiableLatents:
     """Latents with the gradients of codes; everything else is that of the plain latents."""
 
-    DRJIT_STRUCT: ClassVar = {"plain": object, "_codes": object}  # for frozen functions
+    DRJIT_STRUCT: ClassVar = {
+        "plain": object,
+        "_codes": object,
+        "_tables": list,
+    }  # for frozen functions
 
     def __init__(
-        self, model: Model, plain: ConstantLatents | TexturedLatents, tensor: "mi.TensorXf"
+        self,
+        model: Model,
+        plain: ConstantLatents | TexturedLatents,
+        tensor: "mi.TensorXf",
+        logs: Sequence | None = None,
     ):
-        """tensor: the codes, ([1,] C, size), or (height, width, C, size) of a texture."""
-        self.model, self.plain = model, plain
+        """tensor: the codes, ([1,] C, size), or (height, width, C, size) of a texture.
+
+        logs: ln f of each channel at the nodes, if a table gives f beside the lobes of the codes.
+        """
+        self.model, self.plain, self.logs = model, plain, logs
         self.vertex, self.at, self.save = plain.vertex, plain.at, plain.save
         self.channels, self.grid = plain.channels, plain.grid
         self.material, self.anchors = plain.material, plain.anchors
+        self.table = mi.TensorXf() if logs is None else table_gradients.interleaved(logs)
+        self._tables = [] if logs is None else [self.table.array]
+        dr.make_opaque(self._tables)
         # Numbers that vanish or that channels share have gradients of their own.
-        self._decoder = UrushiDecoder(model, ANY_LOBE._replace(widths=model.widths))
+        kind = ANY_LOBE._replace(widths=model.widths)
+        self._decoder = UrushiDecoder(model, kind)
+        self._tabulated, self._lobe = TabulatedDecoder(kind), kind.size
         self._size = tensor.shape[-1]
         if plain.grid is None:
             self.tensor, self._codes = tensor, tensor.array
@@ -117,7 +139,12 @@ class DifferentiableLatents:
         if not dr.grad_enabled(codes):
             return values
         directions = dr.detach(si.wi), dr.detach(wo)
-        changing = only_where(active, self._decoder.f, codes, *directions)
+        evaluate: Callable[..., list] = self._decoder.f
+        if self._tables:
+            codes = [code[: self._lobe] for code in codes]
+            places = {"bands": spectrum.band_at(si.wavelengths)} if bands else {}
+            evaluate = partial(self._tabulated.f_of_terms, self._tables, **places)
+        changing = only_where(active, evaluate, codes, *directions)
         return [
             value + (change - dr.detach(change))
             for value, change in zip(values, changing, strict=True)
@@ -126,9 +153,20 @@ class DifferentiableLatents:
 
 def wanted(bsdf: "mi.BSDF") -> bool:
     """Whether any parameter of a BSDF carries a gradient; read-only codes do not count."""
-    parameters = mi.traverse(bsdf)
-    flags, read_only = parameters.flags, mi.ParamFlags.ReadOnly
-    return any(dr.grad_enabled(value) for key, value in parameters if not flags(key) & read_only)
+    return bool(_numbers(bsdf))
+
+
+def _numbers(bsdf: "mi.BSDF") -> list:
+    """The parameters of a BSDF that carry gradients, as flat arrays."""
+    parameters, read_only = mi.traverse(bsdf), mi.ParamFlags.ReadOnly
+    values = [value for key, value in parameters if not parameters.flags(key) & read_only]
+    return [x for value in values if dr.grad_enabled(value) for x in _flat_arrays(value)]
+
+
+def _flat_arrays(value: Any) -> list:
+    if dr.is_tensor_v(value):
+        return [value.array]
+    return [value] if dr.depth_v(value) == 1 else [x for part in value for x in _flat_arrays(part)]
 
 
 def bake(
@@ -140,7 +178,8 @@ def bake(
     """Add codes that are differentiable in the parameters to the latents of `baker.update`."""
     model, grid = baker.model, plain.grid
     with spectrum.bands_of(grid):
-        return DifferentiableLatents(model, plain, _codes(baker, coat, bottom, grid))
+        tensor = _codes(baker, coat, bottom, grid)
+        return DifferentiableLatents(model, plain, tensor, _table(baker, coat, bottom, plain))
 
 
 def _codes(
@@ -159,6 +198,26 @@ def _codes(
     if grid is not None:
         codes = mi.TensorXf(codes.array, (grid.height, grid.width, *codes.shape[1:]))
     return codes
+
+
+def _table(baker: Baker, coat: CoatTextures, bottom: "mi.BSDF", plain: Any) -> list | None:
+    """ln f of each channel at the nodes of the latents' table; None: they have none."""
+    material, below = tabulated(plain), baker.bottom.material
+    if material is None or below is None:
+        return None
+    offer, values, codes = offer_of(bottom), [], []
+    if wanted(bottom):
+        nested = offer.latents
+        if isinstance(nested, DifferentiableLatents) and nested.logs is not None:
+            values = [dr.exp(log) for log in nested.logs]
+        elif below.table is not None:
+            exact, (wi, wo) = offer.exact() or bottom, node_pairs()
+            si = probing.interaction(wi, np.full((len(wi), 2), 0.5))
+            out = mi.Vector3f(np.ascontiguousarray(wo.T))
+            values = probing.bsdf_channels(exact, si, out)
+        if not values or below.beside_lobe:
+            codes = list(_bottom_codes(baker, coat.where, bottom, MIDDLE.uv(), None))
+    return table_gradients.attached(material, coat, below, _numbers(bottom), values, codes)
 
 
 def _bottom_codes(

@@ -149,11 +149,18 @@ def define_proposal_bsdf() -> type:
     return ProposalBSDF
 
 
-class TurnedVertex(NamedTuple):
-    """The vertex of codes whose tangent is turned about the normal."""
+class PlacedVertex(NamedTuple):
+    """The vertex of codes at a surface interaction.
 
-    turn: Turn
+    Attributes:
+        turn: of the tangent about the normal, if there is one.
+        vertex: that of the codes, in the turned frame.
+        estimates: of f, see `spectrum.from_channels`.
+    """
+
+    turn: Turn | None
     vertex: Vertex
+    estimates: tuple[Any, list] | None
 
 
 def define_neural_bsdf(base: type) -> type:
@@ -179,35 +186,36 @@ def define_neural_bsdf(base: type) -> type:
         def _turn(self, si, active) -> Turn | None:
             """The turn of the tangent, if there is one."""
 
+        def _estimates(self, si, active) -> tuple[Any, list] | None:
+            """Estimates of f that tell its spectrum between bands, if there are any."""
+
         def _vertex(self, si, active):
-            turn = self._turn(si, active)
-            if turn is None:
-                return self.latents.vertex(si, active)
-            return TurnedVertex(turn, self.latents.vertex(turn.interaction(si), active))
+            turn, estimates = self._turn(si, active), self._estimates(si, active)
+            inside = si if turn is None else turn.interaction(si)
+            return PlacedVertex(turn, self.latents.vertex(inside, active), estimates)
 
         def _f(self, vertex, ctx, si, wo, active):
-            vertex, si, wo = _inside(vertex, si, wo)
-            channels = self.latents.f(vertex, si, wo, active)
-            return spectrum.from_channels(channels, si.wavelengths)
+            si, wo = _inside(vertex, si, wo)
+            channels = self.latents.f(vertex.vertex, si, wo, active)
+            return spectrum.from_channels(channels, si.wavelengths, vertex.estimates)
 
         def _proposal(self, vertex, si, active):
-            if isinstance(vertex, TurnedVertex):
-                return TurnedMixture(vertex.vertex.proposal, vertex.turn)
-            return vertex.proposal
+            proposal = vertex.vertex.proposal
+            return proposal if vertex.turn is None else TurnedMixture(proposal, vertex.turn)
 
         def _f_and_pdf(self, vertex, ctx, si, wo, active):
-            vertex, si, wo = _inside(vertex, si, wo)
-            channels, pdf = self.latents.f_and_pdf(vertex, si, wo, active)
-            return spectrum.from_channels(channels, si.wavelengths), pdf
+            si, wo = _inside(vertex, si, wo)
+            channels, pdf = self.latents.f_and_pdf(vertex.vertex, si, wo, active)
+            return spectrum.from_channels(channels, si.wavelengths, vertex.estimates), pdf
 
     return NeuralBSDF
 
 
-def _inside(vertex: Any, si: Any, wo: Any) -> tuple[Any, Any, Any]:
-    """The vertex, the interaction and wo in the turned frame, if there is a turn."""
-    if not isinstance(vertex, TurnedVertex):
-        return vertex, si, wo
-    return vertex.vertex, vertex.turn.interaction(si), vertex.turn.inside(wo)
+def _inside(vertex: PlacedVertex, si: Any, wo: Any) -> tuple[Any, Any]:
+    """The interaction and wo in the turned frame, if there is a turn."""
+    return (
+        (si, wo) if vertex.turn is None else (vertex.turn.interaction(si), vertex.turn.inside(wo))
+    )
 
 
 def ignore(props: "mi.Properties", *names: str) -> None:

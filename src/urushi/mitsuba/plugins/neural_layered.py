@@ -12,6 +12,7 @@ from urushi.mitsuba.latents.gradients import DifferentiableLatents
 from urushi.mitsuba.latents.holders import ConstantLatents, TexturedLatents
 from urushi.mitsuba.plugins.base import read_weights
 from urushi.mitsuba.plugins.coats import Turn
+from urushi.mitsuba.plugins.estimates import estimates
 from urushi.mitsuba.reading.bsdf import has_two_widths
 from urushi.mitsuba.reading.parameters import (
     CoatTextures,
@@ -60,7 +61,8 @@ def define(base: type) -> type:
         A change through ``mi.traverse`` recomputes the codes that depend on it. The method ``save``
         writes the codes to a file for ``neural_brdf``. In spectral variants, a constant coat has
         one code for each of 56 bands from 380 to 720 nm, and a wavelength takes that of its band;
-        textures have the three bands of colours, which desaturate coated colours.
+        textures have codes at the three bands of colours, and f at other wavelengths follows an
+        estimate of the albedo by the spectra of coat and bottom there.
 
         Pictures can be differentiated with respect to all parameters, including the bottom's, by
         Mitsuba's differentiable integrators such as ``prb``: enable gradients of the parameters
@@ -88,7 +90,8 @@ def define(base: type) -> type:
             self._resolution = int(resolution)
             self._mipmaps = bool(props.get("mipmaps", False))
             self._baker = None
-            self._differentiable = mi.TensorXf()  # codes with gradients, for integrators
+            # Codes and table with gradients, for integrators
+            self._differentiable = {"latents": mi.TensorXf(), "table": mi.TensorXf()}
             self._bake()
             self._kept.keep(self)
 
@@ -113,11 +116,12 @@ def define(base: type) -> type:
             assert self._baker is not None  # for the type checker
             with dr.suspend_grad():
                 self.latents = self._baker.update(bottom_changed)
-            tensor = mi.TensorXf()
+            codes, table = mi.TensorXf(), mi.TensorXf()
             if gradients.wanted(self):
                 self.latents = gradients.bake(self._baker, self._coat, self._bottom, self.latents)
-                tensor = self.latents.tensor
-            mi.set_property(self._differentiable, tensor)
+                codes, table = self.latents.tensor, self.latents.table
+            mi.set_property(self._differentiable["latents"], codes)
+            mi.set_property(self._differentiable["table"], table)
 
         def save(self, path):
             """Write the codes to a file that ``neural_brdf`` loads, textured or not.
@@ -146,13 +150,19 @@ def define(base: type) -> type:
         def _turn(self, si, active):
             return Turn(*self._coat.turn(si, active)) if self._coat.has_rotation else None
 
+        def _estimates(self, si, active):
+            if not mi.is_spectral or self.latents.grid is None:
+                return None
+            return estimates(self._coat, self._bottom, si, active)
+
         def traverse(self, callback):
             self._coat.traverse(callback, mi.ParamFlags.Differentiable)
             callback.put("bottom", self._bottom, mi.ParamFlags.Differentiable)
-            callback.put("latents", self._differentiable, mi.ParamFlags.ReadOnly)
+            for name, tensor in self._differentiable.items():
+                callback.put(name, tensor, mi.ParamFlags.ReadOnly)
 
         def _update(self, keys):
-            if keys == ["latents"]:
+            if set(keys) <= {"latents", "table"} and keys:
                 return  # read-only: they are computed from the others
             self._coat.parameters_changed()
             self._bake(not keys or "bottom" in keys)
