@@ -134,7 +134,10 @@ def test_the_current_simulator_agrees_with_the_stored_set(stored, name):
     ours = stored[name]
     part = sampling.first(ours.table, 2)
     f, se = sampling.walk_all(part, ours.wi[:2], ours.wo[:2], 2048, seed=17)
-    z = (f - ours.f[:2]) / np.maximum(np.hypot(se, ours.se[:2]), 1e-6)
+    # Besides noise, single precision: the stored lobe in a mirror direction at a cosine of 4e-4 is
+    # 1e-4 of its value too bright.
+    error = np.hypot(np.hypot(se, ours.se[:2]), 1e-4 * ours.f[:2])
+    z = (f - ours.f[:2]) / np.maximum(error, 1e-6)
     assert 0.7 < np.median(np.abs(z)) / 0.6745 < 1.3
     assert abs(z.mean()) < 0.35
 
