@@ -318,7 +318,7 @@ Distribution = Table2 | Extended
 
 
 class Source(Protocol):
-    """The source of a data store's part: a frozen dataclass, a `Distribution` or a registered one.
+    """The source of a data store's part: a frozen dataclass, a `Distribution` or an extension's.
 
     Attributes:
         coats: coats of every stack.
@@ -347,17 +347,13 @@ _sources: dict[str, Any] = {
 }
 
 
-def register_source(kind: str, source: type) -> None:
-    """Register another source of parts for data stores, under the name `kind` in their manifest."""
-    _sources[kind] = source
-
-
 def to_dict(distribution: Source) -> dict[str, Any]:
     """Describe a distribution for JSON; `from_dict` reads it back.
 
     Common indices are left out: descriptions from before `Extended.indices` stay equal to new ones.
     """
-    kind = next(name for name, cls in _sources.items() if type(distribution) is cls)
+    kinds = (name for name, cls in _sources.items() if type(distribution) is cls)
+    kind = next(kinds, type(distribution).__name__.lower())  # of an extension
     fields = asdict(distribution)  # type: ignore[call-overload]
     if fields.get("indices") == "common":
         del fields["indices"]

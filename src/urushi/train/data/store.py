@@ -61,15 +61,15 @@ class Store:
         """
         folder = Path(path)
         if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-            store = cls.open(folder)
-            if store.spec != spec:
+            found, wanted = _description(folder), json.loads(json.dumps(spec.to_dict()))
+            if found != wanted:
                 raise FileError(
                     f"'{folder}' contains data of another specification "
-                    f"({_difference(store, spec)}); choose another path or delete that folder"
+                    f"({_difference(found, wanted)}); choose another path or delete that folder"
                 )
             for stray in folder.rglob("*.partial"):  # left by a writer that was killed
                 stray.unlink()
-            return store
+            return cls(folder, spec)
         new_folder(folder)
         with _readable(folder):
             root = zarr.create_group(folder, zarr_format=3)
@@ -91,27 +91,10 @@ class Store:
             FileError: it is missing, is not a data store, or has another format version.
         """
         folder = Path(path)
-        if not folder.exists():
-            raise FileError(
-                f"there is no data store '{folder}'; create it with `urushi data generate`"
-            )
-        foreign = (
-            f"'{folder}' is not a data store of Urushi; give the folder of `urushi data generate`"
-        )
         try:
-            manifest: Any = zarr.open_group(folder, mode="r").attrs[_MANIFEST]
-            found, described = manifest["format_version"], manifest["spec"]
-        except _ZARR_ERRORS as error:
-            raise FileError(foreign) from error
-        if found != FORMAT_VERSION:
-            raise FileError(
-                f"'{folder}' has data format {found}, and this Urushi reads {FORMAT_VERSION}; "
-                "generate the data again"
-            )
-        try:
-            return cls(folder, DataSpec.from_dict(described))
+            return cls(folder, DataSpec.from_dict(_description(folder)))
         except ParameterError as error:
-            raise FileError(f"{foreign} ({error})") from error
+            raise FileError(f"{_FOREIGN.format(folder)} ({error})") from error
 
     def missing(self) -> list[tuple[int, int]]:
         """The (part, shard) indices that are not yet complete, in order."""
@@ -185,6 +168,24 @@ class Store:
 
 
 _ZARR_ERRORS = (OSError, ValueError, KeyError, TypeError, RuntimeError)
+_FOREIGN = "'{}' is not a data store of Urushi; give the folder of `urushi data generate`"
+
+
+def _description(folder: Path) -> dict[str, Any]:
+    """The specification in the manifest of a store, as `DataSpec.to_dict` describes it."""
+    if not folder.exists():
+        raise FileError(f"there is no data store '{folder}'; create it with `urushi data generate`")
+    try:
+        manifest: Any = zarr.open_group(folder, mode="r").attrs[_MANIFEST]
+        found, described = manifest["format_version"], manifest["spec"]
+    except _ZARR_ERRORS as error:
+        raise FileError(_FOREIGN.format(folder)) from error
+    if found != FORMAT_VERSION:
+        raise FileError(
+            f"'{folder}' has data format {found}, and this Urushi reads {FORMAT_VERSION}; "
+            "generate the data again"
+        )
+    return described
 
 
 @contextlib.contextmanager
@@ -238,17 +239,16 @@ def _array(root: zarr.Group, part: Part, name: str) -> Any:
     return root[f"{part.name}/{name}"]
 
 
-def _difference(store: Store, spec: DataSpec) -> str:
-    """Name the first entry in which two specifications differ."""
-    found, wanted = store.spec, spec
+def _difference(found: Mapping[str, Any], wanted: Mapping[str, Any]) -> str:
+    """Name the first entry in which two described specifications differ."""
     for name in ("seed", "shard"):
-        if getattr(found, name) != getattr(wanted, name):
-            return f"its {name} is {getattr(found, name)}, not {getattr(wanted, name)}"
-    names = [part.name for part in found.parts], [part.name for part in wanted.parts]
+        if found[name] != wanted[name]:
+            return f"its {name} is {found[name]}, not {wanted[name]}"
+    names = [[part["name"] for part in spec["parts"]] for spec in (found, wanted)]
     if names[0] != names[1]:
         return f"its parts are {', '.join(names[0])} instead of {', '.join(names[1])}"
-    pairs = zip(found.parts, wanted.parts, strict=True)
-    part = next(ours.name for ours, theirs in pairs if ours != theirs)
+    pairs = zip(found["parts"], wanted["parts"], strict=True)
+    part = next(ours["name"] for ours, theirs in pairs if ours != theirs)
     return f"its part '{part}' has another specification"
 
 
