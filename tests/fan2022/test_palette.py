@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from urushi.core import direction_sets
-from urushi.errors import ParameterError
+from urushi.errors import FileError, ParameterError
 from urushi.fan2022.palette import Palette
-from urushi.train.data.distribution import from_dict, to_dict
-from urushi.train.data.spec import Part
+from urushi.train.data.spec import DataSpec, Part
+from urushi.train.data.store import Store
 
 ALL = slice(0, 5000)
 
@@ -53,9 +53,14 @@ def test_rows_do_not_depend_on_which_others_are_drawn():
     np.testing.assert_array_equal(some.albedo, table(2).albedo[100:130])
 
 
-def test_description_survives_a_round_trip():
-    source = Palette(2, components=7, stacks=9, seed=3)
-    assert from_dict(to_dict(source)) == source
+def test_a_store_is_resumed_by_the_same_palette_alone(tmp_path):
+    def spec(**options):
+        return DataSpec((Part("a", Palette(0, components=7, **options), 7, 81, 1, "stratified"),))
+
+    store = Store.create(tmp_path / "data.zarr", spec(seed=3))
+    assert Store.create(tmp_path / "data.zarr", spec(seed=3)) == store
+    with pytest.raises(FileError, match="its part 'a' has another specification"):
+        Store.create(tmp_path / "data.zarr", spec(seed=4))
 
 
 def test_impossible_ones_are_refused():
