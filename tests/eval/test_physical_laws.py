@@ -56,7 +56,7 @@ def test_other_probes_are_simulated(tiny, sets, monkeypatch):
     monkeypatch.setattr(predict, "STACK_WALKS", 2048)
     bare = Samples(few.table, few.wi, few.wo, few.f, few.se)
     wi, wo = tiny.networks.pairs()
-    values = predict._lower_values(bare, 1, wi, wo)
+    values = predict.lower_values(bare, 1, wi, wo)
     error = np.abs(values - few.probed[1]) / (few.probed[1] + 1e-3)
     assert np.median(error) < 0.03  # 0.44 / sqrt(2048), the walk's spread in P, is 0.01
 
@@ -120,7 +120,7 @@ def test_energy_is_conserved_by_any_networks(sets, lax, monkeypatch):
     assert physical_laws.white_albedo(lax).kept
     materials = {"bare": predict.materials(lax, sets["bare"])}
     bare = sets["bare"]
-    own = [albedo_rule().albedo(f) for f in predict._lower_values(bare, 0, *albedo_rule()[:2])]
+    own = [albedo_rule().albedo(f) for f in predict.lower_values(bare, 0, *albedo_rule()[:2])]
     for material, albedo in zip(materials["bare"], own, strict=True):
         excess = energy.directional_albedos(lax, material.latents)[0] - albedo
         lawful = albedo_rule().cosines > energy.GRAZING
