@@ -235,7 +235,7 @@ def test_one_value_or_three():
         (["layer", GOLD, "--alpha", "0"], "alpha is 0"),
         (["layer", GOLD, "--alpha-u", "0.1"], "alpha_v"),
         (["layer", GOLD, "--alpha", "0.1", "--alpha-u", "0.1", "--alpha-v", "0.2"], "alpha"),
-        (["layer", GOLD, "--eta", "1"], "eta is 1"),
+        (["layer", GOLD, "--eta", "0.4"], "eta is 0.4"),
         (["layer", GOLD, "--albedo", "0.5", "1.5", "0.5"], "albedo is 1.5"),
         (["layer", GOLD, "--sigma-t", "-1"], "sigma_t is -1"),
         (["layer", GOLD, "--g", "nan"], "g is nan"),
