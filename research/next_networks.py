@@ -124,6 +124,10 @@ def tests() -> DataSpec:
                 drawn = Extended(coats, kind, indices="whole")
                 drawn = Practical(coats, kind) if name == "practical" else drawn
                 parts.append(Part(f"{name}-{kind}-{coats}", drawn, n, 256, 2048, "cosine"))
+    parts += [
+        Part(f"low-{kind}-1", Extended(1, kind, indices="low"), 12, 256, 2048, "cosine")
+        for kind in ("conductor", "conductor_complex")
+    ]
     return DataSpec(tuple(parts), seed=777, shard=64)
 
 
