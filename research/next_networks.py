@@ -27,8 +27,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from urushi.checks import CoatParameters
-from urushi.core import direction_sets, error_metrics
-from urushi.core.half_vector import directions_at_tangent
+from urushi.core import error_metrics
 from urushi.core.probe_pairs import PROBES, probe_pairs
 from urushi.nets import lobe as lobes
 from urushi.nets.architecture import Architecture
@@ -44,7 +43,7 @@ from urushi.train.data.spec import DataSpec, Part
 from urushi.train.data.store import Store
 from urushi.train.datasets import validation, whole_domain
 from urushi.train.examples import Batches
-from urushi.train.losses import LARGEST_WEIGHT, bounded, columns_of, stack_loss
+from urushi.train.losses import bounded, columns_of, pair_weights, stack_loss
 from urushi.train.optimiser import Schedule, compile_steps, start
 
 #: The kinds of bottoms of practical stacks, and thousands of training stacks by number of coats.
@@ -285,37 +284,6 @@ def inputs(
 _ENCODER_INPUTS = examples.encoder_inputs
 
 
-def cosines_over_density(features: Any, above: float) -> Any:
-    """cos^2 theta_i cos^2 theta_o over the density [1/sr^2] of `direction_sets.training_pairs`.
-
-    above: the share of drawn half vectors whose directions are both above the horizon.
-    """
-    low, high = direction_sets.HALF_ANGLE_RANGE
-    mirror, near = direction_sets.MIRROR_SHARE, direction_sets.MIRROR_TANGENT
-    tan2 = jnp.maximum(jnp.exp(_column(features, "ln(tan^2 theta_h + 1e-6)")) - 1e-6, 1e-9)
-    cosines = jnp.exp(2 * _column(features, "1/2 ln(cos_i cos_o)"))
-    cos_h = 1 / jnp.sqrt(1 + tan2)
-    cos_d = jnp.clip(_column(features, "cos theta_d"), 1e-3, 1 - 1e-6)
-    radial = 1 / (2 * math.pi * math.log(high / low) * tan2 * cos_h**3)
-    mirrored = 1 / (2 * math.pi * near * jnp.sqrt(tan2) * cos_h**3)
-    half = (1 - mirror) * jnp.where((tan2 > low**2) & (tan2 < high**2), radial, 0)
-    half += jnp.where(tan2 < near**2, 0.5 * mirror * mirrored, 0)
-    about = 1 / (math.pi**2 * jnp.sqrt(1 - cos_d**2) * 4 * cos_d)
-    density = 0.5 * half * about / above + 0.25 * cosines / math.pi**2 + 0.25 / (4 * math.pi**2)
-    return cosines**2 / density
-
-
-def share_above() -> float:
-    """The share `above` of `cosines_over_density`, by 400,000 draws."""
-    u = np.random.default_rng(5).random((3, 400_000))
-    low, high = np.log(direction_sets.HALF_ANGLE_RANGE)
-    tangents = np.exp(low + (high - low) * u[0])
-    mirrored = u[0] < direction_sets.MIRROR_SHARE
-    tangents = np.where(mirrored, 0.0, tangents)
-    wi, wo = directions_at_tangent(tangents, 0.5 * np.pi * u[1], 2 * np.pi * u[2])
-    return float(np.mean((wi[:, 2] > direction_sets.LOWEST_COSINE) & (wo[:, 2] > 0)))
-
-
 def measured(form: Form, params: Any, arch: Architecture, store: Store) -> dict[str, np.ndarray]:
     """E of all test stacks by group: the distribution and the number of coats; and of metals."""
     groups: dict[str, list[np.ndarray]] = {}
@@ -347,18 +315,12 @@ def train(form: Form, folder: Path, steps: int, rate: float, seed: int) -> None:
     depths = examples.load(Store.open(folder / "data.zarr"), arch, 64, 1 << 28)
     fixed = input_statistics(np.concatenate([depth.first().probes for depth in depths]))
     at_probes = jnp.asarray(direction_features(*probe_pairs()))
-    above = share_above()
-
-    def weights(f: Any, features: Any) -> Any:
-        energies = jax.lax.stop_gradient(f) * cosines_over_density(features, above)
-        relative = jnp.minimum(energies / energies.mean(axis=-1, keepdims=True), LARGEST_WEIGHT)
-        return 1 - form.energy + form.energy * relative
 
     def loss(trained: Any, batch: Any) -> tuple[jax.Array, dict[str, jax.Array]]:
         params = {**fixed, **trained}
         z = coated(form, params, encoded(params, arch, batch.lobes, batch.probes), batch.coats)
         f = batch.top + decoded(form, params, z, batch.features)
-        fit = stack_loss(f, batch.f, weights(f, batch.features) if form.energy else 1.0)
+        fit = stack_loss(f, batch.f, pair_weights(f, batch.features, form.energy))
         some = slice(None, None, 16)
         again = decoded(form, params, z[some], at_probes[None])
         again = encoded(params, arch, z[some, : TOP + INNER], again)

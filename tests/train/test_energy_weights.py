@@ -1,5 +1,6 @@
 """Energy weights: integrals by training pairs, and the share of peaks."""
 
+import functools
 import math
 
 import jax
@@ -9,7 +10,6 @@ import pytest
 
 from urushi.checks import Widths
 from urushi.core import direction_sets
-from urushi.errors import ParameterError
 from urushi.nets import lobe
 from urushi.nets.architecture import Architecture, init
 from urushi.nets.decoder import decode
@@ -23,12 +23,20 @@ from urushi.train.stages.quadratic_loss import quadratic_expansion
 PAIRS = 1 << 18
 
 
-@pytest.fixture(scope="module")
-def pairs():
+DRAWN = {1: direction_sets.training_pairs, 2: direction_sets.anisotropic_pairs}
+
+
+@functools.cache
+def pairs_of(widths):
     """Training pairs, and the weights that make their means integrals of cos^2 cos^2."""
-    wi, wo = direction_sets.anisotropic_pairs(np.random.default_rng(1), PAIRS)
-    features = jnp.asarray(direction_features(wi, wo, 2))
+    wi, wo = DRAWN[widths](np.random.default_rng(1), PAIRS)
+    features = jnp.asarray(direction_features(wi, wo, widths))
     return wi, wo, np.asarray(losses.cosines_over_density(features), np.float64)
+
+
+@pytest.fixture(params=[1, 2])
+def pairs(request):
+    return pairs_of(request.param)
 
 
 def test_the_mean_over_training_pairs_is_the_integral_over_both_hemispheres(pairs):
@@ -40,10 +48,13 @@ def test_the_mean_over_training_pairs_is_the_integral_over_both_hemispheres(pair
     assert error < 0.01 * expected
 
 
-@pytest.mark.parametrize("widths", [(0.02, 0.02), (0.03, 0.2), (0.5, 0.1)])
-def test_the_energy_of_a_narrow_lobe_is_that_of_an_independent_estimate(pairs, widths):
+@pytest.mark.parametrize(
+    ("number", "widths"),
+    [(1, (0.02, 0.02)), (1, (0.2, 0.2)), (2, (0.02, 0.02)), (2, (0.03, 0.2)), (2, (0.5, 0.1))],
+)
+def test_the_energy_of_a_narrow_lobe_is_that_of_an_independent_estimate(number, widths):
     """Importance sampling of the half vector by its slopes is the other estimate."""
-    wi, wo, weights = pairs
+    wi, wo, weights = pairs_of(number)
     alpha = Widths(*(np.float64(width) for width in widths))
     values = lobe.shape(alpha, wi.astype(np.float64), wo.astype(np.float64)) * weights
     rng = np.random.default_rng(2)
@@ -69,8 +80,8 @@ def test_the_energy_of_a_narrow_lobe_is_that_of_an_independent_estimate(pairs, w
     assert values.mean() == pytest.approx(other.mean(), abs=5 * error)
 
 
-def test_weights_have_mean_one_and_do_not_follow_scale(pairs):
-    wi, wo, _ = (part[:4096] for part in pairs)
+def test_weights_have_mean_one_and_do_not_follow_scale():
+    wi, wo, _ = (part[:4096] for part in pairs_of(2))
     features = jnp.asarray(direction_features(wi, wo, 2)).reshape(64, 64, -1)
     f = 0.1 + np.random.default_rng(3).random((64, 64)).astype(np.float32)
     weights = np.asarray(losses.energy_weights(jnp.asarray(f), features))
@@ -82,12 +93,12 @@ def test_weights_have_mean_one_and_do_not_follow_scale(pairs):
 
 
 @pytest.mark.parametrize("share", [0.0, 0.7, 1.0])
-def test_the_slope_is_that_of_the_weighted_loss(pairs, share):
+def test_the_slope_is_that_of_the_weighted_loss(share):
     arch = Architecture(latent=12, decoder=(8,), widths=2)
     rng = np.random.default_rng(4)
     params = {k: v + 0.05 * rng.standard_normal(v.shape) for k, v in init(arch, 3).items()}
     params = {k: v.astype(np.float32) for k, v in params.items()}
-    features = jnp.asarray(direction_features(*(w[:64] for w in pairs[:2]), 2))[None]
+    features = jnp.asarray(direction_features(*(w[:64] for w in pairs_of(2)[:2]), 2))[None]
     z = jnp.asarray(rng.standard_normal((1, arch.latent - arch.lobe)), jnp.float32)
     top, f = rng.random((2, 1, 64)).astype(np.float32)
 
@@ -101,14 +112,16 @@ def test_the_slope_is_that_of_the_weighted_loss(pairs, share):
     np.testing.assert_allclose(slope, jax.grad(loss)(z), rtol=1e-3, atol=1e-6)
 
 
-def test_joint_and_decoding_loss_weigh_pairs_alike(pairs):
+@pytest.mark.parametrize("widths", [1, 2])
+def test_joint_and_decoding_loss_weigh_pairs_alike(widths):
     arch = Architecture(
-        latent=12, decoder=(8,), encoder=(8,), layerer=(8,), sampler=(4,), probes=6, widths=2
+        latent=12, decoder=(8,), encoder=(8,), layerer=(8,), sampler=(4,), probes=6, widths=widths
     )
+    some = [w[:64] for w in pairs_of(widths)[:2]]
     params, rng = init(arch, 3), np.random.default_rng(5)
-    features = jnp.asarray(direction_features(*(w[:64] for w in pairs[:2]), 2)).reshape(4, 16, -1)
+    features = jnp.asarray(direction_features(*some, widths)).reshape(4, 16, -1)
     batch = Batch(
-        lobes=np.tile(np.array(lobe.no_lobe(2), np.float32), (4, 1)),
+        lobes=np.tile(np.array(lobe.no_lobe(widths), np.float32), (4, 1)),
         probes=rng.random((4, 6), np.float32),
         coats=(),
         features=features,
@@ -122,10 +135,3 @@ def test_joint_and_decoding_loss_weigh_pairs_alike(pairs):
     assert abs(weighted / plain - 1) > 0.01
     again, _ = decoding.plain_loss(params, params, arch, batch, 0.9)
     assert again == pytest.approx(float(weighted), rel=1e-5)
-
-
-def test_networks_of_one_width_have_no_energy_weights():
-    features = jnp.zeros((2, 8, 8))
-    with pytest.raises(ParameterError, match="energy_share"):
-        losses.pair_weights(jnp.ones((2, 8)), features, 0.5)
-    assert losses.pair_weights(jnp.ones((2, 8)), features, 0.0) == 1.0

@@ -9,7 +9,6 @@ import jax.numpy as jnp
 from urushi.checks import CoatParameters
 from urushi.core.direction_sets import HALF_ANGLE_RANGE, MIRROR_SHARE, MIRROR_TANGENT
 from urushi.core.error_metrics import error_divisors, huber_loss
-from urushi.errors import ParameterError
 from urushi.nets.architecture import Architecture
 from urushi.nets.decoder import decode
 from urushi.nets.encoder import encode
@@ -139,28 +138,18 @@ bounded.defvjp(lambda z: (bounded(z), z), _bounded_pullback)
 #: Largest weight of a pair over the mean of its run: pairs of bright, narrow peaks are few.
 LARGEST_WEIGHT = 20.0
 
-#: Share of the drawn pairs of `direction_sets.slope_pairs` whose directions are both above the
-#: horizon, for the range and the mirror share of training pairs.
-ABOVE_HORIZON = 0.7963
+#: Share of the drawn pairs of `direction_sets.half_angle_pairs` (one GGX width) and `slope_pairs`
+#: (two) that are accepted, for the arguments of training pairs.
+ABOVE_HORIZON = {1: 0.8501, 2: 0.7963}
 
 _TABLE = DIRECTION_TABLE + AZIMUTH_TABLE
 _COLUMNS = {name: column for column, (name, _, _) in enumerate(_TABLE)}
 
 
 def pair_weights(f_hat: Any, features: Any, share: float) -> Any:
-    """Weights (B, P) of pairs: a share of them are `energy_weights`, the others are one.
-
-    Raises:
-        ParameterError: a share above zero and features (B, P, D) of one GGX width, whose training
-            pairs have another density.
-    """
+    """Weights (B, P) of pairs: a share of them are `energy_weights`, the others are one."""
     if share == 0.0:
         return 1.0
-    if features.shape[-1] != len(_TABLE):
-        raise ParameterError(
-            f"energy_share is {share} with features of one GGX width; it must be 0 unless the "
-            "networks have widths=2"
-        )
     return 1.0 - share + share * energy_weights(f_hat, features)
 
 
@@ -172,39 +161,43 @@ def energy_weights(f_hat: Any, features: Any) -> jax.Array:
 
     Args:
         f_hat: (B, P) predicted values [1/sr], which have no noise that the weights could follow.
-        features: (B, P, D) of pairs of the set "anisotropic", for networks of two GGX widths.
+        features: (B, P, D) of pairs of the set "training" (one GGX width) or "anisotropic" (two).
     """
     energies = jax.lax.stop_gradient(f_hat) * cosines_over_density(features)
     return jnp.minimum(energies / energies.mean(axis=-1, keepdims=True), LARGEST_WEIGHT)
 
 
 def cosines_over_density(features: Any) -> jax.Array:
-    """cos^2 theta_i cos^2 theta_o over the density [1/sr^2] of `direction_sets.anisotropic_pairs`.
+    """cos^2 theta_i cos^2 theta_o over the density [1/sr^2] of training pairs.
 
-    features (..., D): `features.direction_features` of the pairs, for two GGX widths. Exact mirror
-    directions, which are drawn with a probability instead of a density, give nearly zero.
+    features (..., D): `features.direction_features` of `direction_sets.training_pairs`, or for two
+    GGX widths of `anisotropic_pairs`. Exact mirror directions, which are drawn with a probability
+    instead of a density, give nearly zero.
     """
+    widths = 2 if features.shape[-1] == len(_TABLE) else 1
     tangent2 = jnp.maximum(jnp.exp(_column(features, "ln(tan^2 theta_h + 1e-6)")) - 1e-6, 1e-9)
-    x2 = jnp.maximum(jnp.exp(_column(features, "ln(h_x^2 / h_z^2 + 1e-6)")) - 1e-6, 1e-9)
-    y2 = jnp.maximum(jnp.exp(_column(features, "ln(h_y^2 / h_z^2 + 1e-6)")) - 1e-6, 1e-9)
     cosines = jnp.exp(2.0 * _column(features, "1/2 ln(cos_i cos_o)"))
     cos_h = 1.0 / jnp.sqrt(1.0 + tangent2)
     cos_d = jnp.clip(_column(features, "cos theta_d"), 1e-3, 1.0 - 1e-6)
 
-    # Densities of the half vector [1/sr] of the three kinds of `slope_pairs`. The span is that of
-    # ln tan(theta_h).
+    # Densities of the half vector [1/sr]: of `half_angle_pairs`, of the two kinds of `slope_pairs`,
+    # and near mirror directions. The span is that of ln tan(theta_h).
     low, high = HALF_ANGLE_RANGE
     span = math.log(high / low)
-    radial = 1.0 / (2.0 * math.pi * span * tangent2 * cos_h**3)
-    slopes = 1.0 / (4.0 * span**2 * jnp.sqrt(x2 * y2) * cos_h**3)
+    half_vector = 1.0 / (2.0 * math.pi * span * tangent2 * cos_h**3)
+    half_vector = jnp.where(_within(tangent2), half_vector, 0.0)
+    if widths == 2:
+        x2 = jnp.maximum(jnp.exp(_column(features, "ln(h_x^2 / h_z^2 + 1e-6)")) - 1e-6, 1e-9)
+        y2 = jnp.maximum(jnp.exp(_column(features, "ln(h_y^2 / h_z^2 + 1e-6)")) - 1e-6, 1e-9)
+        slopes = 1.0 / (4.0 * span**2 * jnp.sqrt(x2 * y2) * cos_h**3)
+        slopes = jnp.where(_within(x2) & _within(y2), slopes, 0.0)
+        half_vector = 0.5 * (half_vector + slopes)
     mirrored = 1.0 / (2.0 * math.pi * MIRROR_TANGENT * jnp.sqrt(tangent2) * cos_h**3)
-    half_vector = (1.0 - MIRROR_SHARE) * 0.5 * (
-        jnp.where(_within(tangent2), radial, 0.0)
-        + jnp.where(_within(x2) & _within(y2), slopes, 0.0)
-    ) + jnp.where(tangent2 < MIRROR_TANGENT**2, 0.5 * MIRROR_SHARE * mirrored, 0.0)
+    mirrored = jnp.where(tangent2 < MIRROR_TANGENT**2, 0.5 * mirrored, 0.0)
+    half_vector = (1.0 - MIRROR_SHARE) * half_vector + MIRROR_SHARE * mirrored
     # Of wi about it, with theta_d and phi_d uniform; and the Jacobian of h to wo, 4 cos theta_d.
     about = 1.0 / (math.pi**2 * jnp.sqrt(1.0 - cos_d * cos_d) * 4.0 * cos_d)
-    density = 0.5 * half_vector * about / ABOVE_HORIZON
+    density = 0.5 * half_vector * about / ABOVE_HORIZON[widths]
     density += 0.25 * cosines / math.pi**2 + 0.25 / (4.0 * math.pi**2)
     return cosines * cosines / density
 

@@ -54,7 +54,7 @@ class Decoding(Stage):
     Attributes:
         stacks: stacks of 0, 1, 2, ... coats in a step.
         weigh_pairs: whether pairs are weighted by their scatter.
-        energy_share: of the `losses.pair_weights`; above zero only for two GGX widths.
+        energy_share: of the `losses.pair_weights`.
     """
 
     stacks: tuple[int, ...]

@@ -46,7 +46,7 @@ class Joint(Stage):
 
     Attributes:
         stacks: stacks of 0, 1, 2, ... coats in a step.
-        energy_share: of the `losses.pair_weights`; above zero only for two GGX widths.
+        energy_share: of the `losses.pair_weights`.
     """
 
     stacks: tuple[int, ...]

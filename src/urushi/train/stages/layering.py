@@ -38,7 +38,7 @@ class Layering(Stage):
         stacks: stacks of 1, 2, ... coats in a step.
         widen_from: widths of the layerer's hidden layers before this stage; None: as after it.
         seed_offset: added to the preset's seed for the order of the stacks.
-        energy_share: of the `losses.pair_weights`; above zero only for two GGX widths.
+        energy_share: of the `losses.pair_weights`.
     """
 
     stacks: tuple[int, ...]
