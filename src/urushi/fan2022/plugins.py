@@ -26,13 +26,10 @@ from urushi.mitsuba.reading.parameters import CoatTextures, check_bottom, nested
 from urushi.mitsuba.recording import only_where
 from urushi.mitsuba.register import Room
 from urushi.textures.bake import code_hashes, unique_rows
-from urushi.textures.grid import TexelGrid
+from urushi.textures.grid import MIDDLE, TexelGrid
 
 #: Texels whose bottom is evaluated at once: bounds memory.
 TEXELS = 1 << 10
-
-#: The grid of what is the same everywhere.
-MIDDLE = TexelGrid(1, 1)
 
 
 class TexelCodes:

@@ -40,6 +40,10 @@ class TexelGrid(NamedTuple):
         return from_texture(self.to_texture, np.stack([x, y], axis=-1))
 
 
+#: The grid of what is the same everywhere.
+MIDDLE = TexelGrid(1, 1)
+
+
 def from_texture(to_texture: tuple, points: np.ndarray) -> np.ndarray:
     """The uv (M, 2) of points of texture space (M, 2)."""
     if to_texture == IDENTITY:

@@ -251,12 +251,12 @@ def set_variant(name: str) -> None:
         platform.require_llvm()
     try:
         mi.set_variant(name)
-        import urushi.fan2022  # noqa: F401  (registers its plugins)
     except ImportError as error:
         raise PlatformError(
             f"variant '{name}' cannot run here: {one_line(error)}; `urushi doctor` lists those "
             "that can"
         ) from error
+    import urushi.fan2022  # noqa: F401  (registers its plugins)
 
 
 def parse_definitions(pairs: tuple[str, ...]) -> dict[str, str]:

@@ -45,7 +45,7 @@ from urushi.mitsuba.reading.surfaces import known_surface
 from urushi.mitsuba.recording import only_where
 from urushi.nets.lobe import no_lobe
 from urushi.nets.weights import Model
-from urushi.textures.grid import IDENTITY, TexelGrid
+from urushi.textures.grid import MIDDLE, TexelGrid
 
 #: For each channel a list of Dr.Jit floats, each with one entry per point, or one for all points.
 Columns = Sequence[Sequence]
@@ -53,9 +53,6 @@ Columns = Sequence[Sequence]
 #: Largest number of rotations of an anisotropic bottom, twice an odd number: all are traced
 #: together.
 AZIMUTHS = 14
-
-#: The grid of a bottom without textures.
-MIDDLE = TexelGrid(1, 1, IDENTITY, "repeat", False)
 
 
 class DifferentiableLatents:

@@ -187,7 +187,7 @@ def define_neural_bsdf(base: type) -> type:
             """The turn of the tangent, if there is one."""
 
         def _estimates(self, si, active) -> tuple[Any, list] | None:
-            """Estimates of f that tell its spectrum between bands, if there are any."""
+            """Estimates of f at si's wavelengths and at its bands; None: f is linear in between."""
 
         def _vertex(self, si, active):
             turn, estimates = self._turn(si, active), self._estimates(si, active)

@@ -1,4 +1,4 @@
-"""Estimates of coated albedos, which tell the spectrum of textures between bands.
+"""Estimates of coated albedos, by which textures have a spectrum between their bands.
 
 Textures of spectral variants have codes at three bands. f at other wavelengths follows the albedo
 of a Lambertian bottom under a medium (Kubelka and Munk 1931) and an interface (Saunderson 1942),
