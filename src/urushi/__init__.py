@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from urushi.measured import load_measured
     from urushi.openpbr_surface.description import OpenPBR, openpbr, save_materialx
     from urushi.openpbr_surface.plugins.materialx import load_materialx
-    from urushi.walk import Stack, coat, conductor, dielectric, diffuse
+    from urushi.walk import Stack, coat, conductor, dielectric, diffuse, slab
     from urushi.walk.simulate import simulate
 
 __all__ = [
@@ -42,6 +42,7 @@ __all__ = [
     "save_materialx",
     "show",
     "simulate",
+    "slab",
 ]
 
 
@@ -55,11 +56,11 @@ def __getattr__(name: str) -> Any:
     from urushi.measured import load_measured
     from urushi.openpbr_surface.description import OpenPBR, openpbr, save_materialx
     from urushi.openpbr_surface.plugins.materialx import load_materialx
-    from urushi.walk import Stack, bottoms, coat, simulate
+    from urushi.walk import Stack, bottoms, coat, simulate, slab
 
     Material._repr_png_ = _picture  # type: ignore[attr-defined]
     public = (Material, encode, layer, lerp, load, load_measured, simulate)
-    described = (Stack, coat, *bottoms.MAKERS.values())
+    described = (Stack, coat, slab, *bottoms.MAKERS.values())
     documents = (load_materialx, save_materialx, OpenPBR, openpbr, show)
     globals().update({value.__name__: value for value in (*public, *described, *documents)})
     if name not in globals():

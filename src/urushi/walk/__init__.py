@@ -4,7 +4,7 @@ from urushi.walk.bottoms.conductor import Conductor, conductor
 from urushi.walk.bottoms.dielectric import Dielectric, dielectric
 from urushi.walk.bottoms.diffuse import Diffuse, diffuse
 from urushi.walk.simulate import simulate, walk_pairs
-from urushi.walk.stack import Coat, Stack, coat
+from urushi.walk.stack import Coat, Stack, coat, slab
 from urushi.walk.table import StackTable
 
 __all__ = [
@@ -19,5 +19,6 @@ __all__ = [
     "dielectric",
     "diffuse",
     "simulate",
+    "slab",
     "walk_pairs",
 ]

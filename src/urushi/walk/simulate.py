@@ -1,4 +1,4 @@
-"""BRDF and directional albedo of stacks by random walks: the reference."""
+"""BSDF and directional albedo of stacks by random walks: the reference."""
 
 import functools
 from typing import Any
@@ -12,8 +12,10 @@ from urushi.checks import Widths
 from urushi.core import microfacet
 from urushi.core.frame import reflect, square_to_cosine_hemisphere
 from urushi.errors import ParameterError
-from urushi.walk import walk
+from urushi.walk import slab, walk
 from urushi.walk.bottoms import Bottom
+from urushi.walk.bottoms.dielectric import Dielectric, Reflector
+from urushi.walk.interface import flip
 from urushi.walk.monte_carlo import average, backend, per_channel
 from urushi.walk.stack import Stack
 from urushi.walk.table import StackTable, TableLayers
@@ -27,24 +29,33 @@ def simulate(
     walks: int = 4096,
     seed: int = 0,
     progress: bool = True,
+    mode: str = "radiance",
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Estimate the BRDF of a layered stack without bias, by position-free Monte Carlo.
+    """Estimate the BSDF of a layered stack without bias, by position-free Monte Carlo.
 
     Deep lossless media are within 0.1 %, see `urushi.walk.medium`.
 
     Args:
-        stack: what to simulate (`urushi.coat`).
-        wi, wo: (N, 3) unit vectors pointing away from the surface; z is the normal.
+        stack: what to simulate (`urushi.coat`, `urushi.slab`).
+        wi, wo: (N, 3) unit vectors pointing away from the surface; z is the normal. Those of slabs
+            may be on either side.
         walks: random walks per pair and channel, at least 2.
         seed: any integer; the same seed gives the same numbers on the same backend.
         progress: show a progress bar (on a terminal only).
+        mode: Mitsuba's `TransportMode`, "radiance" or "importance". They differ in light that slabs
+            transmit to another index: with eta that on wo's side relative to that on wi's, f of
+            importance, whose integral over wo's cosine is the transmitted power of light from wi,
+            is eta^2 times that of radiance.
 
     Returns:
-        (f, se): float32 (N, 3) each, the BRDF [1/sr] without cosine and its standard error; both
-        are zero where a direction is at or below the horizon.
+        (f, se): float32 (N, 3) each, the BSDF [1/sr] without cosine and its standard error. Both
+        are zero where a direction is at the horizon or, of stacks over opaque bottoms, below it.
+        Without the delta of unscattered light through a slab whose indices are all 1, of the share
+        exp(-sigma_t / cos).
 
     Raises:
-        ParameterError: wrong shapes, directions that are not unit vectors, too few walks.
+        ParameterError: wrong shapes, directions that are not unit vectors, too few walks, another
+            mode.
         PlatformError: no libLLVM that Dr.Jit can use.
 
     Source: Guo, Hasan & Zhao 2018, section 4: one walk with next-event estimation and MIS.
@@ -53,8 +64,17 @@ def simulate(
         raise ParameterError(
             f"simulate needs a Stack from urushi.coat(...), not {type(stack).__name__}"
         )
-    walk_all = functools.partial(walk_pairs, walks=walks, seed=seed, progress=progress)
-    return per_channel(stack, checks.directions(wi, wo), walk_all)
+    if mode not in ("radiance", "importance"):
+        raise ParameterError(f"mode is {mode!r}; give 'radiance' or 'importance'")
+    wi, wo = checks.directions(wi, wo)
+    options: dict[str, Any] = dict(walks=walks, seed=seed, progress=progress)
+    if not isinstance(stack.bottom, Dielectric):
+        return per_channel(stack, (wi, wo), functools.partial(walk_pairs, **options))
+    f, se = per_channel(stack, (wi, wo), functools.partial(average, walk=_scattered, **options))
+    if mode == "radiance":
+        side = np.sign(wi[:, 2:]) - np.sign(wo[:, 2:])  # 2: down through the slab, -2: up
+        f, se = (x * stack.index**-side for x in (f, se))
+    return f.astype(np.float32), se.astype(np.float32)
 
 
 def walk_pairs(
@@ -90,6 +110,11 @@ def _estimate(layers: Any, bottom: Bottom, wi: Any, wo: Any, rng: Any) -> Any:
     return walk.estimate(layers, bottom, wi, wo, rng, type(wi.z))
 
 
+def _scattered(coats: Any, lowest: Reflector, wi: Any, wo: Any, rng: Any) -> Any:
+    """One walk's f of one channel of a slab."""
+    return slab.estimate(coats, lowest, wi, wo, rng, type(wi.z), True)
+
+
 def top_reflection(
     table: StackTable, row: np.ndarray, wi: np.ndarray, wo: np.ndarray
 ) -> np.ndarray:
@@ -103,40 +128,72 @@ def top_reflection(
 
 
 def albedo(
-    stack: Stack, wi: npt.ArrayLike, *, walks: int = 1 << 16, seed: int = 0
+    stack: Stack,
+    wi: npt.ArrayLike,
+    *,
+    walks: int = 1 << 16,
+    seed: int = 0,
+    transmitted: bool = False,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Estimate the fraction of the light from `wi` that a stack reflects, from its BRDF.
+    """Estimate the share of the light from `wi` that a stack reflects or transmits, from its BSDF.
 
     Every walk has its own wo, drawn from a mixture of the top interface's lobe, a wider lobe and a
-    cosine lobe.
+    cosine lobe. Where light is transmitted, the lobes lie about its refracted direction.
 
     Args:
-        stack: what to simulate (`urushi.coat`).
-        wi: (N, 3) unit vectors.
+        stack: what to simulate (`urushi.coat`, `urushi.slab`).
+        wi: (N, 3) unit vectors; those of slabs may be on either side.
         walks: random walks per direction and channel, at least 2.
         seed: any integer; the same seed gives the same numbers on the same backend.
+        transmitted: estimate the light that a slab transmits, not the light that is reflected.
 
     Returns:
-        (albedo, se): float64 (N, 3); zero where wi is at or below the horizon.
+        (albedo, se): float64 (N, 3); zero where wi is at the horizon or, of stacks over opaque
+        bottoms, below it. Without the delta that `simulate` leaves out.
 
     Raises:
-        ParameterError: wrong shapes, directions that are not unit vectors, too few walks.
+        ParameterError: wrong shapes, directions that are not unit vectors, too few walks, or an
+            opaque bottom and `transmitted`.
         PlatformError: no libLLVM that Dr.Jit can use.
     """
+    is_slab = isinstance(stack.bottom, Dielectric)
+    if transmitted and not is_slab:
+        raise ParameterError(
+            f"a {type(stack.bottom).__name__} bottom is opaque; only urushi.slab(...) transmits"
+        )
+    walk_one = functools.partial(_slab_albedo, transmitted) if is_slab else _reflected
     return per_channel(
         stack,
         (checks.direction(wi, "wi"),),
-        lambda table, row, wi: average(table, row, (wi,), _reflected, walks=walks, seed=seed),
+        lambda table, row, wi: average(table, row, (wi,), walk_one, walks=walks, seed=seed),
     )
 
 
-def _reflected(layers: Any, bottom: Bottom, wi: Any, rng: Any) -> Any:
-    """One estimate of the integral of f cos over wo."""
-    wo, pdf = _sample_outgoing(layers, wi, rng)
-    valid = (wi.z > 0) & (wo.z > 0) & (pdf > 0)
-    f = walk.estimate(layers, bottom, wi, wo, rng, type(wi.z), valid)
+def _slab_albedo(transmitted: bool, coats: Any, lowest: Reflector, wi: Any, rng: Any) -> Any:
+    """One estimate of the integral of a slab's f cos over wo, on one side."""
+    turned = (wi.z > 0) == transmitted
+    layers = slab.Slab(coats, lowest, turned)
+    wi = dr.select(turned, flip(wi), wi)
+    return _reflected(layers, layers.bottom, wi, rng, layers.entry if transmitted else None)
+
+
+def _reflected(layers: Any, bottom: Bottom, wi: Any, rng: Any, entry: Bottom | None = None) -> Any:
+    """One estimate of the integral of f cos over wo above the horizon; entry: wi is below it."""
+    about, lit = wi, wi.z > 0
+    if entry is not None:
+        about, lit = _straight(layers, wi), wi.z < 0
+    wo, pdf = _sample_outgoing(layers, about, rng)
+    valid = lit & (wo.z > 0) & (pdf > 0)
+    f = walk.estimate(layers, bottom, wi, wo, rng, type(wi.z), valid, entry)
     f += walk.top_reflection(layers, wi, wo)
     return dr.select(valid, f * wo.z / pdf, 0)
+
+
+def _straight(layers: slab.Slab, wi: Any) -> Any:
+    """The direction above a slab of which a mirror makes that of straight light from wi below."""
+    x, y = wi.x * layers.index, wi.y * layers.index
+    # Totally reflected light has no direction; what scatters inside leaves anywhere.
+    return dr.normalize(type(wi)(x, y, dr.sqrt(dr.maximum(1 - x * x - y * y, 1e-3))))
 
 
 def _sample_outgoing(layers: Any, wi: Any, rng: Any) -> tuple[Any, Any]:

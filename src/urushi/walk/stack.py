@@ -5,8 +5,10 @@ GGX width `alpha` may be two of these, `checks.Widths`, along and across the tan
 layers share. Equal widths are stored as one.
 """
 
+import functools
 from dataclasses import dataclass
 
+import numpy as np
 import numpy.typing as npt
 
 from urushi import checks
@@ -14,6 +16,7 @@ from urushi.checks import DEFAULT_COAT, CoatParameters, Widths
 from urushi.errors import ParameterError
 from urushi.walk.bottoms import MAKERS, Description, Rough, Value
 from urushi.walk.bottoms.bottom import store, store_alpha
+from urushi.walk.bottoms.dielectric import Dielectric
 
 
 @dataclass(frozen=True)
@@ -55,6 +58,12 @@ class Stack:
             isinstance(part, Rough | Description) and part.is_anisotropic
             for part in (*self.coats, self.bottom)
         )
+
+    @property
+    def index(self) -> np.ndarray:
+        """Index of the medium under a slab relative to that above it, (3,) or (); of its bottom."""
+        etas = (part.eta for part in (*self.coats, self.bottom))  # type: ignore[attr-defined]
+        return functools.reduce(np.multiply, etas)
 
     def __post_init__(self) -> None:
         if not self.coats or not all(isinstance(coat, Coat) for coat in self.coats):
@@ -102,3 +111,39 @@ def coat(
     if isinstance(bottom, Stack):
         return Stack((top, *bottom.coats), bottom.bottom)
     return Stack((top,), bottom)
+
+
+def slab(
+    alpha: npt.ArrayLike | None = None,
+    eta: npt.ArrayLike = DEFAULT_COAT.eta,
+    albedo: npt.ArrayLike = DEFAULT_COAT.albedo,
+    sigma_t: npt.ArrayLike = DEFAULT_COAT.sigma_t,
+    g: npt.ArrayLike = DEFAULT_COAT.g,
+    *,
+    far: Dielectric | None = None,
+    alpha_u: npt.ArrayLike | None = None,
+    alpha_v: npt.ArrayLike | None = None,
+) -> Stack:
+    """Describe a layer that transmits light: a coat over its own lower interface.
+
+    It is `coat` over a `urushi.dielectric`; further coats may be put on it.
+
+    Args:
+        alpha, eta, albedo, sigma_t, g, alpha_u, alpha_v: as of `coat`.
+        far: the interface between the medium and what lies beyond, `urushi.dielectric(alpha, eta)`
+            with the index beyond relative to the medium; by default of the same width, with the
+            medium above also beyond: 1 / eta.
+
+    Raises:
+        ParameterError: a value is out of range, or far is no dielectric.
+    """
+    width = checks.widths(alpha, alpha_u, alpha_v, "the slab's", DEFAULT_COAT.alpha)
+    if far is None:
+        far = Dielectric(width, 1 / checks.eta(eta, "the slab's eta"))  # type: ignore[arg-type]
+    if not isinstance(far, Dielectric):
+        raise ParameterError(
+            f"the far side of a slab is a {type(far).__name__}, not an interface; give "
+            "urushi.dielectric(alpha, eta), or put a coat on an opaque bottom"
+        )
+    top = Coat(width, eta, albedo, sigma_t, g)  # type: ignore[arg-type]
+    return Stack((top,), far)

@@ -66,7 +66,14 @@ class Event(NamedTuple):
 
 
 def estimate(
-    layers: Layers, bottom: Bottom, wi: Any, wo: Any, rng: Any, color: type, active: Any = True
+    layers: Layers,
+    bottom: Bottom,
+    wi: Any,
+    wo: Any,
+    rng: Any,
+    color: type,
+    active: Any = True,
+    entry: Bottom | None = None,
 ) -> Any:
     """One walk's estimate of f(wi, wo) [1/sr] of type `color`, top reflection excluded.
 
@@ -77,6 +84,8 @@ def estimate(
         rng: a Dr.Jit PCG32 of independent streams per lane.
         color: the Dr.Jit type of throughputs: a float or a colour of the same backend.
         active: mask of lanes that walk.
+        entry: the transmission of the bottom to wo above from wi below, where walks start with it;
+            None: the bottom is opaque.
     """
     scalar, vector = type(wi.z), type(wi)
     index_type = dr.uint32_array_t(scalar)
@@ -100,6 +109,9 @@ def estimate(
         "result": color(0),
         "rng": rng,
     }
+    if entry is not None:
+        below = active & (wi.z < 0) & (wo.z > 0)
+        enter(state, layers, media, entry, exits, wi, below)
 
     def body(*values: Any) -> tuple[Any, ...]:
         s = dict(zip(state, values, strict=True))
@@ -114,6 +126,29 @@ def estimate(
         label="layered walk",
     )
     return dict(zip(state, values, strict=True))["result"]
+
+
+def enter(
+    s: dict[str, Any],
+    layers: Layers,
+    media: Media,
+    entry: Bottom,
+    exits: ExitPaths,
+    wi: Any,
+    below: Any,
+) -> None:
+    """Start the walks of the lanes `below` at the bottom: its transmission is their first event."""
+    lowest = type(s["layer"])(layers.count - 1)
+    path = exits.at(lowest)
+    start = {"w": -wi, "throughput": type(s["throughput"])(1)}
+    visible = media.at(lowest).transmittance(type(s["depth"])(1), path.direction.z)
+    u = s["rng"].next_float32(), s["rng"].next_float32(), s["rng"].next_float32()
+    first = bottom_event(start, entry, visible, path, u)
+    s["active"] |= below & (spectral_mis.greatest(first.throughput) > 0)
+    s["result"] += dr.select(below, first.contribution, 0)
+    changed = {"w": first.direction, "throughput": first.throughput, "pdf": first.pdf}
+    for name, value in (changed | {"layer": lowest, "depth": 1}).items():
+        s[name] = dr.select(below, value, s[name])
 
 
 def top_reflection(layers: Layers, wi: Any, wo: Any) -> Any:
@@ -258,7 +293,7 @@ def top_event(s: dict[str, Any], exits: ExitPaths, u: Any) -> Event:
 
 
 def bottom_event(s: dict[str, Any], bottom: Bottom, visible: Any, path: ExitPath, u: Any) -> Event:
-    """Reflection by the bottom BRDF."""
+    """Reflection by the bottom BRDF, or transmission by an entry."""
     f, pdf = bottom.f_pdf(-s["w"], path.direction)
     contribution = s["throughput"] * f * visible * path.weight * path.mis(pdf)
     direction, weight, pdf = bottom.sample(-s["w"], *u)

@@ -1,4 +1,4 @@
-"""The rough dielectric interface, as a coat's surface or as a bottom that only reflects."""
+"""The rough dielectric interface, as a coat's surface or as the lowest interface of a slab."""
 
 from dataclasses import dataclass
 
@@ -23,7 +23,8 @@ from urushi.walk.bottoms.microfacet import Microfacet
 class Dielectric(Rough, Description):
     """A rough dielectric interface: GGX of width `alpha`, relative index `eta`.
 
-    `urushi.layer` uses it as a coat. As a bottom it only reflects: the transmitted light is lost.
+    `urushi.layer` uses it as a coat. A stack over it is a slab, which transmits (`urushi.slab`).
+    Materials have its reflection alone.
     """
 
     alpha: Value | Widths = DEFAULT_COAT.alpha
@@ -63,7 +64,7 @@ def dielectric(
 
 
 class Reflector(Microfacet, kind="dielectric"):
-    """The reflection of a rough dielectric; the transmitted light is lost."""
+    """The reflection of a rough dielectric."""
 
     parameters = ("alpha", "eta")
     title = "dielectric reflector"
