@@ -1,10 +1,11 @@
-"""Directional albedo by analog Monte Carlo, independent of the random walk's estimator.
+"""Reflected and transmitted light by analog Monte Carlo, independent of the random walk's estimator.
 
 Every event is drawn with its physical probability: reflection or refraction at each interface, the
 free flight, absorption, scattering. No event is forced, no vertex connects to wo, and photons have
 no weights, so that only the physics is common with `urushi.walk.walk`.
 """
 
+import functools
 from typing import Any
 
 import drjit as dr
@@ -16,13 +17,19 @@ from urushi.core import fresnel, microfacet, phase
 from urushi.core.frame import from_cosine, reflect, refract
 from urushi.walk import Stack
 from urushi.walk.bottoms import Bottom
+from urushi.walk.bottoms.dielectric import Reflector
 from urushi.walk.monte_carlo import average, per_channel
 
 
 def analog_albedo(
-    stack: Stack, wi: npt.ArrayLike, *, walks: int = 1 << 16, seed: int = 0
+    stack: Stack,
+    wi: npt.ArrayLike,
+    *,
+    walks: int = 1 << 16,
+    seed: int = 0,
+    transmitted: bool = False,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Count the photons from `wi` that a stack reflects.
+    """Count the photons from `wi` that a stack reflects, or that a slab transmits.
 
     Microfacet reflections and refractions that end on the wrong side of the horizon, and those
     masked by Smith's term, are absorbed, as in the model.
@@ -30,6 +37,7 @@ def analog_albedo(
     Args:
         stack: what to simulate (`urushi.coat`).
         wi: (N, 3) unit vectors.
+        transmitted: count the photons that pass the dielectric under the coats instead.
         walks: photons per direction and channel, at least 2.
         seed: any integer; the same seed gives the same numbers on the same backend.
 
@@ -40,26 +48,27 @@ def analog_albedo(
         ParameterError: wrong shapes, directions that are not unit vectors, too few walks.
         PlatformError: no libLLVM that Dr.Jit can use.
     """
+    photon = functools.partial(_photon, transmitted)
     return per_channel(
         stack,
         (checks.direction(wi, "wi"),),
-        lambda table, row, wi: average(table, row, (wi,), _photon, walks=walks, seed=seed),
+        lambda table, row, wi: average(table, row, (wi,), photon, walks=walks, seed=seed),
     )
 
 
-def _photon(layers: Any, bottom: Bottom, wi: Any, rng: Any) -> Any:
-    """1 if a photon from wi comes out of the stack, else 0."""
+def _photon(transmitted: bool, layers: Any, bottom: Bottom, wi: Any, rng: Any) -> Any:
+    """1 if a photon from wi comes out of the stack on the side that is counted, else 0."""
     index_type = dr.uint32_array_t(type(wi.z))
     alpha, eta = layers.interface(index_type(0))
     w, alive = _cross(-wi, alpha, eta, rng)
     alive &= wi.z > 0
     inside = w.z < 0
-    escaped = dr.select(alive & ~inside, type(wi.z)(1), 0)
+    escaped = dr.select(alive & ~inside & (not transmitted), type(wi.z)(1), 0)
     layer, depth = dr.zeros(index_type, dr.width(wi)), dr.zeros(type(wi.z), dr.width(wi))
 
     def body(alive: Any, w: Any, layer: Any, depth: Any, escaped: Any, rng: Any) -> tuple:
         w, layer, depth, survives, out = _event(layers, bottom, w, layer, depth, rng)
-        escaped = dr.select(alive & out, 1, escaped)
+        escaped = dr.select(alive & out & ((w.z < 0) == transmitted), 1, escaped)
         return alive & survives & ~out, w, layer, depth, escaped, rng
 
     return dr.while_loop(
@@ -86,8 +95,11 @@ def _event(layers: Any, bottom: Bottom, w: Any, layer: Any, depth: Any, rng: Any
     survives = rng.next_float32() < albedo
 
     u = rng.next_float32(), rng.next_float32(), rng.next_float32()
-    bounced, weight, _ = bottom.sample(-w, *u)
-    kept = (rng.next_float32() < weight) & (bounced.z > 0)
+    if isinstance(bottom, Reflector):  # the lowest interface of a slab
+        bounced, kept = _cross(w, bottom.alpha, bottom.eta, rng)
+    else:
+        bounced, weight, _ = bottom.sample(-w, *u)
+        kept = (rng.next_float32() < weight) & (bounced.z > 0)
 
     index = dr.minimum(dr.select(down, layer + 1, layer), layers.count - 1)
     alpha, eta = layers.interface(index)
@@ -98,10 +110,11 @@ def _event(layers: Any, bottom: Bottom, w: Any, layer: Any, depth: Any, rng: Any
     rises = w.z > 0
     at_interface = ~collides & ~at_bottom
     escaped = at_interface & (index == 0) & rises & survives
+    passed = at_bottom & ~rises & survives
     # Interface i is the bottom of layer i - 1 and the top of layer i.
     layer = dr.select(at_interface, dr.select(rises & ~escaped, index - 1, index), layer)
     depth = dr.select(collides, collision, dr.select(at_bottom | rises, 1, 0))
-    return w, layer, depth, survives, escaped
+    return w, layer, depth, survives, escaped | passed
 
 
 def _cross(w: Any, alpha: Any, eta: Any, rng: Any) -> tuple[Any, Any]:

@@ -1,4 +1,4 @@
-"""Closed forms of a smooth dielectric slab that absorbs, over a mirror or a Lambertian.
+"""Closed forms of a smooth dielectric slab that absorbs: free, over a mirror or a Lambertian.
 
 The limit of the layered model for alpha -> 0 without scattering, in NumPy float64, without code of
 the random walk. Monochrome; all cosines are those in air, in (0, 1]. The index of the slab relative
@@ -45,6 +45,22 @@ def mirror_albedo(cos: npt.ArrayLike, eta: float, sigma_t: float, r0: float) -> 
     return surface + np.where(
         surface < 1, twice / np.where(surface < 1, 1 - surface * round_trip, 1), 0
     )
+
+
+def free(
+    cos: npt.ArrayLike, eta: float, far: float, sigma_t: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Reflected and transmitted share of the light on an absorbing slab (Stokes 1862, incoherent).
+
+    Args:
+        cos: incident cosines, any shape.
+        eta, far: index of the slab and of what lies beyond, relative to that before it.
+        sigma_t: optical depth of the slab.
+    """
+    first, inside = interface_reflectance(cos, eta), refracted(cos, eta)
+    last, through = interface_reflectance(inside, far / eta), _transmittance(sigma_t, inside)
+    left = (1 - first) / np.where(first < 1, 1 - first * last * through**2, 1)
+    return first + left * (1 - first) * last * through**2, left * (1 - last) * through
 
 
 def internal_return(eta: float, sigma_t: float = 0.0) -> float:

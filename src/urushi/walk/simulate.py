@@ -179,10 +179,10 @@ def _slab_albedo(transmitted: bool, coats: Any, lowest: Reflector, wi: Any, rng:
 
 def _reflected(layers: Any, bottom: Bottom, wi: Any, rng: Any, entry: Bottom | None = None) -> Any:
     """One estimate of the integral of f cos over wo above the horizon; entry: wi is below it."""
-    about, lit = wi, wi.z > 0
-    if entry is not None:
-        about, lit = _straight(layers, wi), wi.z < 0
-    wo, pdf = _sample_outgoing(layers, about, rng)
+    about, lit, narrow = wi, wi.z > 0, 1.0
+    if entry is not None:  # two refractions of glass are about half as wide as a reflection
+        about, lit, narrow = _straight(layers, wi), wi.z < 0, 0.5
+    wo, pdf = _sample_outgoing(layers, about, rng, narrow)
     valid = lit & (wo.z > 0) & (pdf > 0)
     f = walk.estimate(layers, bottom, wi, wo, rng, type(wi.z), valid, entry)
     f += walk.top_reflection(layers, wi, wo)
@@ -196,14 +196,19 @@ def _straight(layers: slab.Slab, wi: Any) -> Any:
     return dr.normalize(type(wi)(x, y, dr.sqrt(dr.maximum(1 - x * x - y * y, 1e-3))))
 
 
-def _sample_outgoing(layers: Any, wi: Any, rng: Any) -> tuple[Any, Any]:
-    """Draw wo by one of three techniques; returns (wo, density [1/sr] of the mixture)."""
+def _sample_outgoing(layers: Any, wi: Any, rng: Any, narrow: float) -> tuple[Any, Any]:
+    """Draw wo by one of three techniques; returns (wo, density [1/sr] of the mixture).
+
+    narrow: width of the narrow lobe relative to the top interface's.
+    """
     choice, u1, u2 = rng.next_float32(), rng.next_float32(), rng.next_float32()
     alpha, _ = layers.interface(dr.uint32_array_t(type(wi.z))(0))
     # Light that was scattered below leaves in a lobe wider than the top interface's. The root of
     # alpha lies between a narrow lobe and the cosine lobe.
-    wider = alpha.map(dr.sqrt) if isinstance(alpha, Widths) else dr.sqrt(alpha)
-    widths = alpha, wider
+    widths = [
+        alpha.map(width) if isinstance(alpha, Widths) else width(alpha)
+        for width in (lambda alpha: narrow * alpha, dr.sqrt)
+    ]
     width = dr.select(choice < 1 / 3, *widths)
     m = microfacet.sample_visible_normal(wi, width, u1, u2)
     cosine = square_to_cosine_hemisphere(type(wi), u1, u2)

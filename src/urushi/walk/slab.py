@@ -53,7 +53,7 @@ class Slab:
         self.bottom, self.entry = Reflector(*last), Entry(*last)
         self.index = last[1]
         for index in range(self.count):
-            self.index *= self.interface(dr.uint32_array_t(turned)(index))[1]
+            self.index = self.index * self.interface(dr.uint32_array_t(turned)(index))[1]
 
     def interface(self, index: Any) -> tuple[Any, Any]:
         index = dr.select(self._turned, self.count - index, index)
