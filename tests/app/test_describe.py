@@ -18,11 +18,13 @@ from urushi.errors import ParameterError
         "coat(conductor(0.2, 0.9), alpha=0.05, eta=1.5)",
         "coat(diffuse(0.5), alpha=0.1, eta=1.4, albedo=0.8, sigma_t=(0.2, 1, 3), g=-0.3)",
         "coat(coat(diffuse(0.5), alpha=0.1, eta=1.2), alpha=0.05, eta=1.5, sigma_t=1, albedo=1)",
+        "slab(0.1, 1.5, albedo=0.9, sigma_t=2, far=dielectric(0.2, 0.887))",
         "\n  diffuse( 5e-1 ) ",
     ],
 )
 def test_means_what_python_means(text):
-    names = {name: getattr(urushi, name) for name in ("coat", "conductor", "dielectric", "diffuse")}
+    makers = ("coat", "conductor", "dielectric", "diffuse", "slab")
+    names = {name: getattr(urushi, name) for name in makers}
     assert describe(text) == eval(text.strip(), names)
     assert is_description(text)
 
@@ -33,7 +35,7 @@ def test_means_what_python_means(text):
         ("", "not a Python expression"),
         ("conductor(", "not a Python expression"),
         ("import os", "not a Python expression"),
-        ("lacquer(0.2)", "'lacquer' is not one of coat, conductor, dielectric, diffuse"),
+        ("lacquer(0.2)", "'lacquer' is not one of coat, slab, conductor, dielectric, diffuse"),
         ("__import__('os').getcwd()", "is not one of"),
         ("urushi.diffuse(0.5)", "is not one of"),
         ("diffuse(open('x'))", "is not one of"),

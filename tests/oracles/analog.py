@@ -1,4 +1,4 @@
-"""Reflected and transmitted light by analog Monte Carlo, independent of the random walk's estimator.
+"""Reflected and transmitted light by analog Monte Carlo, independent of the walk's estimator.
 
 Every event is drawn with its physical probability: reflection or refraction at each interface, the
 free flight, absorption, scattering. No event is forced, no vertex connects to wo, and photons have
@@ -131,4 +131,6 @@ def _cross(w: Any, alpha: Any, eta: Any, rng: Any) -> tuple[Any, Any]:
     out = dr.select(mirrored, reflect(near, m), refract(near, m, cos_t, eta))
     unmasked = rng.next_float32() < microfacet.smith_g1(out, alpha)
     survives = unmasked & (mirrored == (out.z > 0)) & (out.z != 0)
+    matched = eta == 1  # no interface
+    out, survives = dr.select(matched, -near, out), survives | matched
     return type(w)(out.x, out.y, out.z * side), survives

@@ -9,9 +9,9 @@ from urushi.errors import ParameterError
 
 def makers() -> dict[str, Any]:
     """The functions of the Python interface that a description may call, by name."""
-    from urushi.walk import bottoms, coat  # lazily: it starts Dr.Jit
+    from urushi.walk import bottoms, coat, slab  # lazily: it starts Dr.Jit
 
-    return {"coat": coat, **bottoms.MAKERS}
+    return {"coat": coat, "slab": slab, **bottoms.MAKERS}
 
 
 def describe(text: str) -> Any:

@@ -12,7 +12,7 @@ from urushi.checks import Widths
 from urushi.core import microfacet
 from urushi.core.frame import reflect, square_to_cosine_hemisphere
 from urushi.errors import ParameterError
-from urushi.walk import slab, walk
+from urushi.walk import slabs, walk
 from urushi.walk.bottoms import Bottom
 from urushi.walk.bottoms.dielectric import Dielectric, Reflector
 from urushi.walk.interface import flip
@@ -70,7 +70,9 @@ def simulate(
     options: dict[str, Any] = dict(walks=walks, seed=seed, progress=progress)
     if not isinstance(stack.bottom, Dielectric):
         return per_channel(stack, (wi, wo), functools.partial(walk_pairs, **options))
-    f, se = per_channel(stack, (wi, wo), functools.partial(average, walk=_scattered, **options))
+    f, se = per_channel(
+        stack, (wi, wo), lambda table, row, *w: average(table, row, w, _scattered, **options)
+    )
     if mode == "radiance":
         side = np.sign(wi[:, 2:]) - np.sign(wo[:, 2:])  # 2: down through the slab, -2: up
         f, se = (x * stack.index**-side for x in (f, se))
@@ -112,7 +114,7 @@ def _estimate(layers: Any, bottom: Bottom, wi: Any, wo: Any, rng: Any) -> Any:
 
 def _scattered(coats: Any, lowest: Reflector, wi: Any, wo: Any, rng: Any) -> Any:
     """One walk's f of one channel of a slab."""
-    return slab.estimate(coats, lowest, wi, wo, rng, type(wi.z), True)
+    return slabs.estimate(coats, lowest, wi, wo, rng, type(wi.z), True)
 
 
 def top_reflection(
@@ -172,7 +174,7 @@ def albedo(
 def _slab_albedo(transmitted: bool, coats: Any, lowest: Reflector, wi: Any, rng: Any) -> Any:
     """One estimate of the integral of a slab's f cos over wo, on one side."""
     turned = (wi.z > 0) == transmitted
-    layers = slab.Slab(coats, lowest, turned)
+    layers = slabs.Slab(coats, lowest, turned)
     wi = dr.select(turned, flip(wi), wi)
     return _reflected(layers, layers.bottom, wi, rng, layers.entry if transmitted else None)
 
@@ -189,7 +191,7 @@ def _reflected(layers: Any, bottom: Bottom, wi: Any, rng: Any, entry: Bottom | N
     return dr.select(valid, f * wo.z / pdf, 0)
 
 
-def _straight(layers: slab.Slab, wi: Any) -> Any:
+def _straight(layers: slabs.Slab, wi: Any) -> Any:
     """The direction above a slab of which a mirror makes that of straight light from wi below."""
     x, y = wi.x * layers.index, wi.y * layers.index
     # Totally reflected light has no direction; what scatters inside leaves anywhere.

@@ -32,13 +32,14 @@ class Simulate:
     """
 
     description: tyro.conf.Positional[str]
-    """Material: coat(...), conductor(...), dielectric(...) or diffuse(...); coats may be nested."""
+    """Material: coat(...), slab(...), conductor(...), dielectric(...) or diffuse(...); coats may be nested."""
     incidence: Incidence = 30.0
     """Angle between the incident direction and the normal [degrees], in [0, 90)."""
     azimuth: Angle = 0.0
     """Angle of the plane of incidence about the normal, from the tangent [degrees]."""
     pairs: Path | None = None
-    """NPZ file with arrays wi and wo, (N, 3) unit vectors, that replace the plane of incidence."""
+    """NPZ file with arrays wi and wo, (N, 3) unit vectors, that replace the plane of incidence.
+    Those of a slab may be on either side."""
     albedo: bool = False
     """Print the directional albedo, the reflected fraction of light, instead of f."""
     walks: Walks = 4096
