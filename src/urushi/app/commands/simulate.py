@@ -32,7 +32,7 @@ class Simulate:
     """
 
     description: tyro.conf.Positional[str]
-    """Material: coat(...), slab(...), conductor(...), dielectric(...) or diffuse(...). Coats nest."""
+    """Material: coat(...), slab(...), conductor(...), dielectric(...) or diffuse(...); nested."""
     incidence: Incidence = 30.0
     """Angle between the incident direction and the normal [degrees], in [0, 90)."""
     azimuth: Angle = 0.0
