@@ -24,7 +24,12 @@ def define_proposal_bsdf() -> type:
     """Make the class in the current variant."""
 
     class ProposalBSDF(mi.BSDF):
-        """A reflecting BSDF; subclasses give the BRDF (`_f`) and the proposal (`_proposal`)."""
+        """A BSDF; subclasses give f (`_f`) and the proposal (`_proposal`).
+
+        It reflects light from above, unless a subclass calls `_transmit`.
+        """
+
+        _transmits = False
 
         def __init__(self, props):
             mi.BSDF.__init__(self, props)
@@ -35,6 +40,18 @@ def define_proposal_bsdf() -> type:
             self._vertex_cache = VertexCache()
             self._kept = KeptParameters()
 
+        def _transmit(self):
+            """Scatter light from both sides to both."""
+            self._transmits = True
+            passed = mi.BSDFFlags.GlossyTransmission | mi.BSDFFlags.DiffuseTransmission
+            sides = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
+            self.m_components = [self.m_components[0] | sides, passed | sides]
+            self.m_flags = self.m_components[0] | passed
+
+        def _faces(self, w):
+            """Whether light arrives along or leaves along w."""
+            return (w.z != 0) if self._transmits else (w.z > 0)
+
         def offer(self):
             """What it tells a coat above it."""
             return Offer()
@@ -43,7 +60,7 @@ def define_proposal_bsdf() -> type:
             """Quantities at si that `_f` and `_proposal` share; None unless a subclass has any."""
 
         def _f(self, vertex, ctx, si, wo, active):
-            """The BRDF, a spectrum [1/sr], for si.wi and wo above the horizon."""
+            """f, a spectrum [1/sr], for si.wi and wo of which both `_faces` are true."""
             raise NotImplementedError
 
         def _proposal(self, vertex, si, active):
@@ -57,15 +74,15 @@ def define_proposal_bsdf() -> type:
 
         def eval(self, ctx, si, wo, active=True):
             active, vertex = self._active_vertex(ctx, si, active)
-            above = active & (wo.z > 0)
-            f = self._f(vertex, ctx, si, wo, above)
+            lit = active & self._faces(wo)
+            f = self._f(vertex, ctx, si, wo, lit)
             self._vertex_cache.extend()
-            return dr.select(above, f * wo.z, 0)
+            return dr.select(lit, f * dr.abs(wo.z), 0)
 
         def pdf(self, ctx, si, wo, active=True):
             active, vertex = self._active_vertex(ctx, si, active)
             density = self._proposal(vertex, si, active).pdf(si.wi, wo)
-            return dr.select(active & (wo.z > 0), density, 0)
+            return dr.select(active & self._faces(wo), density, 0)
 
         def eval_pdf(self, ctx, si, wo, active=True):
             active, vertex = self._active_vertex(ctx, si, active)
@@ -79,6 +96,11 @@ def define_proposal_bsdf() -> type:
             bs.eta = 1
             bs.sampled_type = mi.UInt32(+mi.BSDFFlags.GlossyReflection)
             bs.sampled_component = 0
+            if self._transmits:
+                through = bs.wo.z * si.wi.z < 0
+                bs.sampled_component = dr.select(through, mi.UInt32(1), 0)
+                passed = mi.UInt32(+mi.BSDFFlags.GlossyTransmission)
+                bs.sampled_type = dr.select(through, passed, bs.sampled_type)
             return bs, dr.select(bs.pdf > 0, f_cos / bs.pdf, 0)
 
         def eval_diffuse_reflectance(self, si, active=True):
@@ -136,15 +158,17 @@ def define_proposal_bsdf() -> type:
             return self._vertex_cache.get(inputs, compute)
 
         def _f_cos_and_pdf(self, vertex, ctx, si, wo, active):
-            above = active & (wo.z > 0)
-            f, pdf = self._f_and_pdf(vertex, ctx, si, wo, above)
+            lit = active & self._faces(wo)
+            f, pdf = self._f_and_pdf(vertex, ctx, si, wo, lit)
             self._vertex_cache.extend()
-            return dr.select(above, f * wo.z, 0), dr.select(above, pdf, 0)
+            return dr.select(lit, f * dr.abs(wo.z), 0), dr.select(lit, pdf, 0)
 
         def _enabled(self, ctx, si, active):
-            glossy, diffuse = mi.BSDFFlags.GlossyReflection, mi.BSDFFlags.DiffuseReflection
-            enabled = ctx.is_enabled(glossy) or ctx.is_enabled(diffuse)
-            return mi.Bool(active) & (si.wi.z > 0) & enabled
+            flags = [mi.BSDFFlags.GlossyReflection, mi.BSDFFlags.DiffuseReflection]
+            if self._transmits:
+                flags += [mi.BSDFFlags.GlossyTransmission, mi.BSDFFlags.DiffuseTransmission]
+            enabled = any(ctx.is_enabled(flag) for flag in flags)
+            return mi.Bool(active) & self._faces(si.wi) & enabled
 
     return ProposalBSDF
 

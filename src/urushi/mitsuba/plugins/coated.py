@@ -3,6 +3,8 @@
 import drjit as dr
 import mitsuba as mi
 
+from urushi.checks import MIN_INDEX_STEP
+from urushi.errors import ParameterError
 from urushi.mitsuba.latents import baking
 from urushi.mitsuba.offers import Offer
 from urushi.mitsuba.plugins.coats import (
@@ -36,26 +38,53 @@ def define_coated(base: type, label: str, *, widened: bool) -> type:
 
         def __init__(self, props):
             super().__init__(props)
-            self._nested = nested_bsdf(props)
+            self._nested = nested_bsdf(props, optional=True)
             self._coat = CoatTextures(props)
-            check_bottom(self._nested, self._coat.where)
+            if self._nested is not None and not self._is_slab(self._nested):
+                check_bottom(self._nested, self._coat.where)
             self._prepare()
             self._kept.keep(self)
 
         def offer(self):
             return Offer(rotated=self._coat.has_rotation)
 
+        @staticmethod
+        def _is_slab(bsdf):
+            return isinstance(bsdf, CoatedBSDF) and bsdf.bottom is None
+
         def _prepare(self):
             """Check the parameters, flatten nested coats, and estimate the bottom's lobes."""
             baking.check(self._coat)
-            check_rotation(self._nested, self._coat.where)
             below = isinstance(self._nested, CoatedBSDF)
             self.coats = [self._coat, *(self._nested.coats if below else [])]
             self.bottom = self._nested.bottom if below else self._nested
-            self.bottom_lobes = self._nested.bottom_lobes if below else BottomLobes(self.bottom)
+            if self._nested is not None:
+                check_rotation(self._nested, self._coat.where)
+            if self.bottom is None:
+                self._check_slab()
+                self._transmit()
+            else:
+                self.bottom_lobes = self._nested.bottom_lobes if below else BottomLobes(self.bottom)
 
-        def _model(self, coats: CoatStack, bottom: MitsubaBottom, si, wo, color, active):
-            """The BRDF [1/sr] of coats over a bottom, of the type `color`, a subclass's."""
+        def _check_slab(self):
+            """Refuse slabs of which a part of the light goes straight on, a delta.
+
+            Raises:
+                ParameterError: an index is a texture, or all are 1.
+            """
+            if any(coat.has_textured_eta for coat in self.coats):
+                raise ParameterError(
+                    f"{self._where}: int_ior is a texture, but a slab, which has no nested BSDF, "
+                    "needs one number"
+                )
+            if all(abs(coat.eta - 1) < MIN_INDEX_STEP for coat in self.coats):
+                raise ParameterError(
+                    f"{self._where}: no interface bends light through this slab, as int_ior and "
+                    "ext_ior are equal; give another int_ior, or nest a BSDF"
+                )
+
+        def _model(self, coats: CoatStack, bottom: MitsubaBottom | None, si, wo, color, active):
+            """f [1/sr] of coats over a bottom, of the type `color`, a subclass's; None: a slab."""
             raise NotImplementedError
 
         def _f(self, vertex, ctx, si, wo, active):
@@ -66,7 +95,9 @@ def define_coated(base: type, label: str, *, widened: bool) -> type:
 
                 def value(color, channel=None):
                     coats = CoatStack(self.coats, si, active, channel)
-                    bottom = MitsubaBottom(self.bottom, ctx, si, active, channel)
+                    bottom = None
+                    if self.bottom is not None:
+                        bottom = MitsubaBottom(self.bottom, ctx, si, active, channel)
                     return self._model(coats, bottom, si, wo, color, active)
 
                 if not any(coat.coloured for coat in self.coats):
@@ -79,14 +110,18 @@ def define_coated(base: type, label: str, *, widened: bool) -> type:
 
         def _proposal(self, vertex, si, active):
             coats = CoatStack(self.coats, si, active)
-            mixture = coats.proposal(self.bottom_lobes, si.wi.z, widened)
+            if self.bottom is None:
+                mixture = coats.slab_proposal(si.wi)
+            else:
+                mixture = coats.proposal(self.bottom_lobes, si.wi.z, widened)
             if not self._coat.has_rotation:
                 return mixture
             return TurnedMixture(mixture, Turn(*self._coat.turn(si, active)))
 
         def traverse(self, callback):
             self._coat.traverse(callback, mi.ParamFlags.NonDifferentiable)
-            callback.put("bottom", self._nested, mi.ParamFlags.NonDifferentiable)
+            if self._nested is not None:
+                callback.put("bottom", self._nested, mi.ParamFlags.NonDifferentiable)
 
         def _update(self, keys):
             self._coat.parameters_changed()

@@ -1,5 +1,7 @@
 """A stack of coats over a Mitsuba BSDF, in the form that the random walk and its proposal take."""
 
+import functools
+import operator
 from collections.abc import Callable, Sequence
 from typing import Any, ClassVar, NamedTuple
 
@@ -12,6 +14,7 @@ from urushi.core import fresnel, microfacet
 from urushi.core.mixture import Mixture
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.parameters import CoatTextures, opaque
+from urushi.walk.bottoms.dielectric import Reflector
 
 #: Smallest unnormalised weights of a lobe and of the cosine lobe in a proposal.
 MIN_SHARE, MIN_COSINE_SHARE = 0.02, 0.1
@@ -98,6 +101,19 @@ class CoatStack:
         shares.append(diffuse)
         scale = 1 / sum(shares)
         return Mixture([share * scale for share in shares], alphas)
+
+    def lowest(self) -> Reflector:
+        """The lower interface of a slab: as wide as the lowest coat's, with air beyond."""
+        index = functools.reduce(operator.mul, self._etas)
+        return Reflector(self._coats[-1].alpha, 1 / index)
+
+    def slab_proposal(self, wi) -> "SlabMixture":
+        """A proposal for both sides of a slab: the same lobes on each."""
+        widths = _channel_widths(self._coats[-1].alpha)
+        cosine = dr.abs(wi.z)
+        reflectance, _ = fresnel.dielectric(cosine, self._etas[0])
+        mixture = self.proposal(SlabLobes(widths), cosine)
+        return SlabMixture(mixture, 0.25 + 0.5 * reflectance)
 
     def _at(self, index, values):
         result = values[0]
@@ -204,6 +220,43 @@ def _width(tangent: np.ndarray, share: np.ndarray, q: float, factor: float) -> f
     if below[-1] == 0:
         return 0.5  # black: the width does not matter
     return float(ascending[np.searchsorted(below, q * below[-1])] * factor)
+
+
+class SlabLobes(NamedTuple):
+    """The lobes of the lower interface of a slab; see `BottomLobes`."""
+
+    alphas: list[Any]
+    albedo: float = 1.0
+
+
+class SlabMixture(NamedTuple):
+    """A proposal for both sides of a slab, whose far side has the index of the near side.
+
+    Attributes:
+        mixture: of reflected directions; transmitted ones are mirrored through the slab.
+        reflected: the probability of reflection.
+    """
+
+    mixture: Mixture
+    reflected: Any
+
+    def pdf(self, wi, wo):
+        """Density of `sample` at wo [1/sr]; zero at the horizon."""
+        share = dr.select(wi.z * wo.z > 0, self.reflected, 1 - self.reflected)
+        return share * self.mixture.pdf(_raised(wi), _raised(wo))
+
+    def sample(self, wi, choice, u):
+        """Draw wo; see `Mixture.sample`."""
+        reflects = choice < self.reflected
+        choice = dr.select(reflects, choice, choice - self.reflected)
+        choice /= dr.select(reflects, self.reflected, 1 - self.reflected)
+        wo = self.mixture.sample(_raised(wi), choice, u)
+        return type(wo)(wo.x, wo.y, dr.select((wi.z > 0) == reflects, wo.z, -wo.z))
+
+
+def _raised(w):
+    """A direction, mirrored to the upper side."""
+    return type(w)(w.x, w.y, dr.abs(w.z))
 
 
 class TurnedMixture(NamedTuple):

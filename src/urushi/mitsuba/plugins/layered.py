@@ -5,7 +5,7 @@ import mitsuba as mi
 from urushi.core.random import hashed_stream
 from urushi.mitsuba.plugins.base import ignore
 from urushi.mitsuba.plugins.coated import define_coated
-from urushi.walk import walk
+from urushi.walk import slabs, walk
 
 
 def define(base: type) -> type:
@@ -39,7 +39,8 @@ def define(base: type) -> type:
                                              -1 to 1, both excluded. (Default: 0)
         (nested)       BSDF                  The bottom, under any name: any opaque BSDF that has
                                              no perfectly smooth lobe; coats nest. Its values in
-                                             air are used, unchanged by the coat's index.
+                                             air are used, unchanged by the coat's index. Without
+                                             it, coats are a slab, which transmits light.
         eta            float                 The ratio int_ior / ext_ior; exposed by
                                              ``mi.traverse``, not a property.
         ============== ===================== ====================================================
@@ -53,6 +54,10 @@ def define(base: type) -> type:
         parameters. The density of sampled directions has no noise. Random numbers come
         from a hash of directions, position, uv and time. Directly nested coats form one stack.
         Spectral variants evaluate parameters at the rays' wavelengths.
+
+        Without a nested BSDF, the plugin is a thin slab: paper, a frosted pane, a leaf. Its lower
+        interface is as wide as that of the lowest coat, and the medium outside lies beyond, too.
+        It scatters light from both sides to both. Its indices are numbers, and not all 1.
 
         All layers share one tangent frame: that of the shape, rotated by ``rotation``. Directly
         nested coats have no rotation of their own, and an anisotropic bottom, such as
@@ -90,6 +95,8 @@ def define(base: type) -> type:
         def _model(self, coats, bottom, si, wo, color, active):
             # Mitsuba gives `eval` no random numbers: hash all that distinguishes the call.
             rng = hashed_stream(mi.PCG32, (*si.wi, *wo, *si.p, *si.uv, si.time))
+            if bottom is None:
+                return slabs.estimate(coats, coats.lowest(), si.wi, wo, rng, color, active)
             f = walk.estimate(coats, bottom, si.wi, wo, rng, color, active)
             return f + walk.top_reflection(coats, si.wi, wo)
 

@@ -294,10 +294,12 @@ def describe(props: "mi.Properties") -> str:
     return props.plugin_name() + (f" '{name}'" if name and not name.startswith("__") else "")
 
 
-def nested_bsdf(props: "mi.Properties") -> "mi.BSDF":
+def nested_bsdf(props: "mi.Properties", *, optional: bool = False) -> Any:
     """The one BSDF among the properties, under any name. Call this before reading textures.
 
     Listing the objects resets Mitsuba's record of which properties were read.
+
+    optional: return None if there is none.
 
     Raises:
         ParameterError: there is none, or more than one.
@@ -307,6 +309,8 @@ def nested_bsdf(props: "mi.Properties") -> "mi.BSDF":
         for name, value in props.objects(mark_queried=False)
         if isinstance(value, mi.BSDF)
     ]
+    if optional and not found:
+        return None
     if len(found) != 1:
         named = ", ".join(f"'{name}'" for name, _ in found)
         amount = f"{len(found)} nested BSDFs ({named})" if found else "no nested BSDF"
@@ -326,7 +330,8 @@ def check_bottom(bsdf: "mi.BSDF", where: str) -> None:
     flags, has = bsdf.flags(), mi.has_flag
     if has(flags, mi.BSDFFlags.Transmission) or has(flags, mi.BSDFFlags.Null):
         raise ParameterError(
-            f"{where}: the nested BSDF transmits light; a coat needs an opaque bottom"
+            f"{where}: the nested BSDF transmits light; a coat needs an opaque bottom ('layered' "
+            "without a nested BSDF is a slab, which transmits)"
         )
     if has(flags, mi.BSDFFlags.Delta):
         raise ParameterError(
