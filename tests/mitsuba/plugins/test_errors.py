@@ -70,10 +70,9 @@ def test_an_error_names_the_plugin(rgb, networks, name):
         )
 
 
-@pytest.mark.parametrize("name", COATS)
-def test_no_bottom(rgb, name):
-    with pytest.raises(RuntimeError, match=f"{name} has no nested BSDF; nest exactly one"):
-        rgb.load_dict({"type": name})
+def test_no_bottom(rgb):
+    with pytest.raises(RuntimeError, match="neural_layered has no nested BSDF; nest exactly one"):
+        rgb.load_dict({"type": "neural_layered"})
 
 
 @pytest.mark.parametrize("name", COATS)
