@@ -4,6 +4,7 @@ import drjit as dr
 import mitsuba as mi
 
 from urushi.checks import MIN_INDEX_STEP
+from urushi.core.mixture import Mixture
 from urushi.errors import ParameterError
 from urushi.mitsuba.latents import baking
 from urushi.mitsuba.offers import Offer
@@ -11,6 +12,7 @@ from urushi.mitsuba.plugins.coats import (
     BottomLobes,
     CoatStack,
     MitsubaBottom,
+    SlabMixture,
     Turn,
     TurnedMixture,
     walk_color,
@@ -110,6 +112,7 @@ def define_coated(base: type, label: str, *, widened: bool) -> type:
 
         def _proposal(self, vertex, si, active):
             coats = CoatStack(self.coats, si, active)
+            mixture: Mixture | SlabMixture
             if self.bottom is None:
                 mixture = coats.slab_proposal(si.wi)
             else:

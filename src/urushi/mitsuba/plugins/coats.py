@@ -62,7 +62,7 @@ class CoatStack:
             for name in ("albedo", "sigma_t", "g")
         )
 
-    def proposal(self, bottom: "BottomLobes", cos_i, widened: bool = True) -> Mixture:
+    def proposal(self, bottom: "BottomLobes | SlabLobes", cos_i, widened: bool = True) -> Mixture:
         """A proposal: one lobe for each interface, two for the bottom, and a cosine lobe.
 
         Lobes from below are widened by refraction at the interfaces above and by their roughness,
