@@ -9,8 +9,7 @@ import numpy.typing as npt
 
 from urushi import checks
 from urushi.checks import Widths
-from urushi.core import microfacet
-from urushi.core.frame import reflect, square_to_cosine_hemisphere
+from urushi.core.mixture import Mixture
 from urushi.errors import ParameterError
 from urushi.walk import slabs, walk
 from urushi.walk.bottoms import Bottom
@@ -203,7 +202,6 @@ def _sample_outgoing(layers: Any, wi: Any, rng: Any, narrow: float) -> tuple[Any
 
     narrow: width of the narrow lobe relative to the top interface's.
     """
-    choice, u1, u2 = rng.next_float32(), rng.next_float32(), rng.next_float32()
     alpha, _ = layers.interface(dr.uint32_array_t(type(wi.z))(0))
     # Light that was scattered below leaves in a lobe wider than the top interface's. The root of
     # alpha lies between a narrow lobe and the cosine lobe.
@@ -211,12 +209,7 @@ def _sample_outgoing(layers: Any, wi: Any, rng: Any, narrow: float) -> tuple[Any
         alpha.map(width) if isinstance(alpha, Widths) else width(alpha)
         for width in (lambda alpha: narrow * alpha, dr.sqrt)
     ]
-    width = dr.select(choice < 1 / 3, *widths)
-    m = microfacet.sample_visible_normal(wi, width, u1, u2)
-    cosine = square_to_cosine_hemisphere(type(wi), u1, u2)
-    wo = dr.select(choice < 2 / 3, reflect(wi, m), cosine)
-    m = dr.normalize(wi + wo)
-    pdf = dr.maximum(wo.z, 0) * dr.inv_pi
-    for width in widths:
-        pdf += microfacet.visible_normal_pdf(wi, m, width) / (4 * dr.dot(wi, m))
-    return wo, pdf / 3
+    mixture = Mixture([1 / 3] * 3, widths)
+    choice, *u = rng.next_float32(), rng.next_float32(), rng.next_float32()
+    wo = mixture.sample(wi, choice, u)
+    return wo, mixture.pdf(wi, wo)
