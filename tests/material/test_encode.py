@@ -108,15 +108,9 @@ def retro_reflector(wi, wo):
     return 5 * np.exp(-200 * ((wi - wo) ** 2).sum(axis=1)) + 0.05
 
 
-def velvet(wi, wo):
-    h = (wi + wo) / np.linalg.norm(wi + wo, axis=1, keepdims=True)
-    return 0.3 * np.exp(-4 * h[:, 2])
-
-
-@pytest.mark.parametrize("source", [retro_reflector, velvet])
-def test_unusual_sources_are_refined(source):
-    assert encode(source) == encode(source, refine=True)
-    assert encode(source) != encode(source, refine=False)
+def test_unusual_sources_are_refined():
+    assert encode(retro_reflector) == encode(retro_reflector, refine=True)
+    assert encode(retro_reflector) != encode(retro_reflector, refine=False)
 
 
 @pytest.mark.parametrize(

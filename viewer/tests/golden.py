@@ -130,7 +130,8 @@ def material_of(stack: dict[str, Any], model: weights.Model) -> Material:
         top = urushi.dielectric(eta=coat["eta"], **widths_of(coat))
         medium = {"albedo": coat["albedo"], "sigma_t": coat["sigmaT"], "g": coat["g"]}
         material = urushi.layer(top, material, **medium)
-    return dataclasses.replace(material, table=None, beside_lobe=False)
+    latents = material.anchors if material.beside_lobe else material.latents
+    return dataclasses.replace(material, latents=latents, table=None, beside_lobe=False)
 
 
 def widths_of(numbers: dict[str, Any]) -> dict[str, Any]:

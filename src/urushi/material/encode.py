@@ -35,7 +35,7 @@ from urushi.walk import Stack
 #: Root mean square of the residual in ln(f + `DARK_OFFSET`) above which a source is refined unless
 #: the caller decides. Measured: descriptions, coats and stacks of the training distribution stay
 #: below 0.2, Mitsuba's `roughconductor` and `roughplastic` below 0.3, and so do most of
-#: `principled`; retro-reflectors and velvet exceed it.
+#: `principled`; retro-reflectors exceed it.
 UNUSUAL_RESIDUAL = 0.3
 
 

@@ -20,7 +20,6 @@ from urushi.material import regression
 from urushi.material.albedo_rule import AlbedoRule, albedo_rule
 from urushi.material.lobe_albedo import lobe_albedos
 from urushi.material.regression import CodeFeatures
-from urushi.nets.lobe import LOBE_NUMBERS, WIDTH_PLACES
 from urushi.nets.weights import Model
 from urushi.parallel import fill_blocks, one_blas_thread
 
@@ -41,13 +40,8 @@ GRAZING = 0.1
 LEAST_ALBEDO = 1e-6
 
 #: Albedo that the rest may always have: it is not scaled down for a lobe that reflects nearly all
-#: light at one angle, as in total reflection; and the same for lobes with a sharp edge of total
-#: reflection, whose albedo the rule knows less well.
-LEAST_REST, LEAST_REST_OF_EDGE = 0.005, 0.05
-
-#: Distance from the critical cosine, in widths of the lobe, and the width of a lobe, below which an
-#: edge of total reflection is too sharp for the rule; see `near_edge`.
-EDGE_WIDTHS, SHARP = 1.0, 0.2
+#: light at one angle.
+LEAST_REST = 0.005
 
 #: Largest difference between a rest and the empty rest at which the rest counts as empty.
 BARE_DIFFERENCE = 1e-4
@@ -154,8 +148,7 @@ def limit_mean_albedo(
 def _mean_factors(model: Model, z: np.ndarray, ceiling: np.ndarray | float) -> np.ndarray:
     """The factors (N,) in (0, 1] that bring the mean albedo of codes (N, L) to a ceiling."""
     widths = _diffuse_weights(albedo_rule(model.arch.widths))
-    least = least_rests(z[:, : model.arch.lobe])[:, 0]
-    allowed = np.maximum(ceiling - top_albedos(model, z) @ widths, least)
+    allowed = np.maximum(ceiling - top_albedos(model, z) @ widths, LEAST_REST)
     factors = allowed / np.maximum(rest_albedos(model, z) @ widths, LEAST_ALBEDO)
     return np.minimum(factors, 1).astype(np.float32)
 
@@ -173,26 +166,6 @@ def _diffuse_weights(rule: AlbedoRule) -> np.ndarray:
     return weights.ravel() / azimuths
 
 
-def limit_coated_albedo(model: Model, z: np.ndarray, z_bottom: np.ndarray) -> np.ndarray:
-    """`limit_albedo` for codes (..., L) of coats over bottoms z_bottom (broadcast to the same).
-
-    The ceiling is 1, or the albedo of the bottom if it gains energy. The codes are overwritten.
-    """
-    factors = _limiting_factors(model, z)
-    over = factors < 1
-    if over.any():
-        if z_bottom.size > z[over].size:
-            ceilings = _ceilings_over(model, np.broadcast_to(z_bottom, z.shape)[over])
-        else:
-            ceilings = np.broadcast_to(_ceilings_over(model, z_bottom), z.shape[:-1])[over]
-        gaining = ceilings > 1
-        if gaining.any():
-            raised = factors[over]
-            raised[gaining] = _limiting_factors(model, z[over][gaining], ceilings[gaining, None])
-            factors[over] = raised
-    return _scaled(model, z, factors, overwrite=True)
-
-
 def as_rendered(model: Model, z_bottom: np.ndarray) -> np.ndarray:
     """Codes (..., L) of bottoms as they are rendered: without the rests of bare surfaces.
 
@@ -207,16 +180,6 @@ def are_bare(model: Model, z: np.ndarray) -> np.ndarray:
     """Whether codes (..., L) have an empty rest, as bare surfaces have; bool (...)."""
     empty = model.networks.empty_rest()
     return np.abs(z[..., model.arch.lobe :] - empty).max(axis=-1) < BARE_DIFFERENCE
-
-
-def _ceilings_over(model: Model, z_bottom: np.ndarray) -> np.ndarray:
-    """Ceilings (...) of coats over bottoms (..., L)."""
-    z_bottom = as_rendered(model, z_bottom)
-    ceilings = np.full(z_bottom.shape[:-1], 1 - MARGIN)
-    gaining = _limiting_factors(model, z_bottom, 1 + TOLERANCE) < 1
-    if gaining.any():
-        ceilings[gaining] = directional_albedos(model, z_bottom[gaining]).max(axis=-1)
-    return ceilings
 
 
 def _limiting_factors(
@@ -269,53 +232,27 @@ def _directions(model: Model) -> int:
 
 def excesses(model: Model, z: np.ndarray, ceiling: np.ndarray | float) -> np.ndarray:
     """Largest ratios (N,) of the albedo of the rest to its allowed albedo, for codes (N, L)."""
-    lobe = z[:, : model.arch.lobe]
-    allowed = np.maximum(ceiling - top_albedos(model, z), least_rests(lobe))
+    allowed = np.maximum(ceiling - top_albedos(model, z), LEAST_REST)
     ratios = np.maximum(rest_albedos(model, z), LEAST_ALBEDO) / allowed
-    return np.where(near_edge(lobe), LEAST_ALBEDO, ratios).max(axis=-1)
+    return np.where(is_limited(z[:, : model.arch.lobe]), ratios.max(axis=-1), LEAST_ALBEDO)
 
 
-def near_edge(lobe: np.ndarray) -> np.ndarray:
-    """Whether a cosine of `albedo_rule` is near the critical one of lobes (..., N); bool (..., D).
+def is_limited(lobe: np.ndarray) -> np.ndarray:
+    """Whether codes of lobes (..., N) are limited; bool (...).
 
-    There the albedos of a sharp lobe that reflects totally and of the rest below it change between
-    two angles of the rule, and are not known well enough for a ceiling.
+    An interface of an index below one lies below another coat. It reflects all light beyond the
+    critical angle, and the rest ends there, with an edge that the decoder cannot draw where the
+    interface is smooth. Coats over such codes meet the ceiling themselves.
     """
-    rule = albedo_rule(1 + (lobe.shape[-1] > len(LOBE_NUMBERS)))
-    sharp, eta = _has_sharp_edge(lobe), lobe[..., 4, None]
-    if not sharp.any():
-        return np.zeros((*lobe.shape[:-1], len(rule.cosines)), bool)
-    angles = rule.wi[rule.first, 2]
-    critical = np.sqrt(np.maximum(1 - eta * eta, 0.0))
-    between = (angles[rule.left] >= critical) & (critical >= angles[rule.left + 1])
-    near = np.abs(rule.cosines - critical) < EDGE_WIDTHS * _widths(lobe).max(axis=-1)[..., None]
-    return (between | near) & sharp
+    return (lobe[..., 3] <= 0) | (lobe[..., 4] >= 1)
 
 
-def least_rests(lobe: np.ndarray) -> np.ndarray:
-    """Albedos (..., 1) up to which the rest beside lobes (..., N) is never scaled down."""
-    return np.where(_has_sharp_edge(lobe), LEAST_REST_OF_EDGE, LEAST_REST)
-
-
-def _has_sharp_edge(lobe: np.ndarray) -> np.ndarray:
-    """Whether lobes (..., N) have a sharp edge of total reflection; bool (..., 1)."""
-    edge = (lobe[..., 3] > 0) & (lobe[..., 4] < 1) & (_widths(lobe).min(axis=-1) < SHARP)
-    return edge[..., None]
-
-
-def _widths(lobe: np.ndarray) -> np.ndarray:
-    """The widths (..., 1 or 2) of lobes (..., N)."""
-    return lobe[..., WIDTH_PLACES[1 + (lobe.shape[-1] > len(LOBE_NUMBERS))]]
-
-
-def _scaled(
-    model: Model, z: np.ndarray, factors: np.ndarray, *, overwrite: bool = False
-) -> np.ndarray:
-    """Codes (..., L) with factors (...) in (0, 1] on their rests; in place if `overwrite`."""
+def _scaled(model: Model, z: np.ndarray, factors: np.ndarray) -> np.ndarray:
+    """Codes (..., L) with factors (...) in (0, 1] on their rests."""
     over = factors < 1
     if not over.any():
         return z
-    result = z if overwrite else np.array(z)
+    result = np.array(z)
     gains = model.networks.gains(result)
     gains[over] += np.log(factors[over])
     return result

@@ -242,15 +242,12 @@ def fit_below_ceiling(
 
 
 def _rest_ceiling(networks: UrushiNetworks, z: np.ndarray, own: np.ndarray) -> np.ndarray:
-    """The ceiling (D,) of the rest of a code (L,), from the albedos own (D,) of its target.
-
-    Infinite where the rule is too coarse, see `energy.near_edge`.
-    """
+    """The ceiling (D,) of the rest of a code (L,), from the albedos own (D,) of its target."""
     lobe, rule = z[: networks.arch.lobe], albedo_rule(networks.arch.widths)
+    if not energy.is_limited(lobe):
+        return np.full_like(own, np.inf)
     top = lobe_albedos(lobe, rule)
-    least = energy.least_rests(lobe)
-    ceiling = np.maximum(energy.albedo_ceiling(own + top, rule) - top, least)
-    return np.where(energy.near_edge(lobe), np.inf, ceiling)
+    return np.maximum(energy.albedo_ceiling(own + top, rule) - top, energy.LEAST_REST)
 
 
 def levenberg_marquardt(

@@ -65,8 +65,7 @@ def layer_pushforward(
             model.params, model.arch, z_bottom, inside, 0 * dz_bottom, medium * dcoat
         )
         for row in _limited_coats(model, z_bottom, coat, z):
-            of_z, of_bottom = _log_factor(model, z[row], z_bottom[row])
-            dz[row, gain] += of_z @ dz[row] + of_bottom @ dz_bottom[row]
+            dz[row, gain] += _log_factor(model, z[row]) @ dz[row]
         for row, of_rendered, of_coated, of_coat in _fading(model, z_bottom, coat):
             dz[row] = of_rendered @ dz_bottom[row] + of_coated @ dz[row] + of_coat @ dcoat[row]
         return dz
@@ -86,9 +85,7 @@ def layer_pullback(
     def block(z_bottom, coat, z, dz):
         dz, beside = dz.copy(), np.zeros((len(dz), z.shape[-1] + coat.shape[-1]))
         for row in _limited_coats(model, z_bottom, coat, z):
-            of_z, of_bottom = _log_factor(model, z[row], z_bottom[row])
-            beside[row, : z.shape[-1]] = dz[row, gain] * of_bottom
-            dz[row] += dz[row, gain] * of_z
+            dz[row] += dz[row, gain] * _log_factor(model, z[row])
         for row, of_rendered, of_coated, of_coat in _fading(model, z_bottom, coat):
             beside[row] = dz[row] @ np.concatenate([of_rendered, of_coat], axis=-1)
             dz[row] = dz[row] @ of_coated
@@ -320,37 +317,18 @@ def _mean_rest(model: Model, z: np.ndarray) -> tuple[float, np.ndarray]:
     return max(float(rest.mean()), 1e-30), mean
 
 
-def _log_factor(model: Model, z: np.ndarray, z_bottom: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Gradients (L,) of the log of a coat's factor with respect to its and the bottom's code.
-
-    The ceiling is a constant, or the largest albedo of a bottom that gains energy.
-    """
-    rest, rest_slopes, top, top_slopes = _albedos(model, energy.as_rendered(model, z_bottom))
-    peak = int((rest + top).argmax())
-    ceiling = rest[peak] + top[peak]
-    if ceiling > 1 + energy.TOLERANCE:
-        of_z, of_ceiling = _log_share(model, z, ceiling)
-        of_bottom = of_ceiling * np.concatenate([top_slopes(peak), rest_slopes(peak)])
-        return of_z, of_bottom.astype(np.float32)
-    of_z, _ = _log_share(model, z, 1 - energy.MARGIN)
-    return of_z, np.zeros_like(of_z)
-
-
-def _log_share(model: Model, z: np.ndarray, ceiling: float) -> tuple[np.ndarray, float]:
-    """Gradients of the log of the limit's factor by the code z (L,) and by the ceiling.
+def _log_factor(model: Model, z: np.ndarray) -> np.ndarray:
+    """Gradient (L,) of the logarithm of the limit's factor by a code z (L,).
 
     The gradient of ln f of the rest does not change with the gain, so that limited codes may stand
     for unlimited ones.
     """
     rest, rest_slopes, top, top_slopes = _albedos(model, z)
-    lobe = z[: model.arch.lobe]
-    least = energy.least_rests(lobe)[0]
-    allowed, seen = np.maximum(ceiling - top, least), ~energy.near_edge(lobe)
-    at = int((seen * rest / allowed).argmax())
-    of_allowed = 1 / allowed[at] if allowed[at] > least else 0.0
+    allowed = np.maximum(1 - energy.MARGIN - top, energy.LEAST_REST)
+    at = int((rest / allowed).argmax())
+    of_allowed = 1 / allowed[at] if allowed[at] > energy.LEAST_REST else 0.0
     of_rest = -rest_slopes(at) / max(rest[at], energy.LEAST_ALBEDO)
-    of_z = np.concatenate([-of_allowed * top_slopes(at), of_rest])
-    return of_z.astype(np.float32), float(of_allowed)
+    return np.concatenate([-of_allowed * top_slopes(at), of_rest]).astype(np.float32)
 
 
 #: From an index of an angle to the derivatives of the albedo there.

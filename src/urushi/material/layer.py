@@ -13,7 +13,7 @@ from urushi.errors import ParameterError
 from urushi.material.blend import blend_codes
 from urushi.material.coated_table import coated_table
 from urushi.material.encode import encode
-from urushi.material.energy import as_rendered, limit_coated_albedo
+from urushi.material.energy import as_rendered, limit_albedo
 from urushi.material.material import Material
 from urushi.material.table import SHAPE, rest_table
 from urushi.nets import lobe as lobes
@@ -206,8 +206,8 @@ def layer_texels(
             remain where a coat is absent (`presence`).
 
     Returns:
-        float32 (..., L), of the shape that all of them broadcast to. Their directional albedo is
-        at most 1, or that of the bottom if it gains energy (see `urushi.material.energy`).
+        float32 (..., L), of the shape that all of them broadcast to. Under an index of at least 1
+        their directional albedo is at most 1 (see `urushi.material.energy`).
 
     Raises:
         ParameterError: a parameter is out of range, or the shapes do not broadcast, or there are
@@ -242,7 +242,7 @@ def _layered(model: Model, z: np.ndarray, coat: CoatParameters) -> np.ndarray:
         _with_leading_axes(z, len(rows) + 1),
         *(_with_leading_axes(p.astype(np.float32), len(rows)) for p in columns),
     )
-    return limit_coated_albedo(model, coated.reshape(*shape, z.shape[-1]), z)
+    return limit_albedo(model, coated.reshape(*shape, z.shape[-1]))
 
 
 def within_training(coat: CoatParameters) -> CoatParameters:

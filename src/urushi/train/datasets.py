@@ -4,7 +4,14 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from urushi.core.probe_pairs import PROBES
-from urushi.train.data.distribution import Anisotropic, Clear, Distribution, Extended, Table2
+from urushi.train.data.distribution import (
+    Anisotropic,
+    Clear,
+    Distribution,
+    Extended,
+    Practical,
+    Table2,
+)
 from urushi.train.data.spec import DataSpec, Part
 from urushi.walk.bottoms import KINDS
 
@@ -30,40 +37,49 @@ def validation(stacks: int = 64, walks: int = 8192) -> tuple[Part, ...]:
 
 
 def whole_domain(share: float = 1.0) -> DataSpec:
-    """Every kind of bottom under up to five coats: 16.5 G walks, about 40 minutes on two cores.
+    """Every kind of bottom under up to five coats: 20.6 G walks, 97 minutes on two cores.
 
-    Most walks are spent on one coat, where the error must be a fraction of a percent; a part of
-    them on clear coats, which are the hardest to predict. Deeper stacks train the layerer on its
-    own outputs. 28,672 layered BRDFs also have values at the encoder's probe pairs. Bare bottoms
+    About half of the stacks are `Practical`; the others are spread over the whole domain. Most
+    walks are spent on one coat, where the error must be a fraction of a percent; a part of them on
+    clear coats, which are the hardest to predict. Deeper stacks train the layerer on its own
+    outputs. Layered BRDFs with values at the encoder's probe pairs train the encoder. Bare bottoms
     are analytic and need no walks; those that are one lobe teach the networks nothing and are left
     out. Matt bottoms have additional pairs at grazing angles: an excess of a few percent there
     makes the limit of energy darken white ones at all angles.
 
     share: of all these numbers of stacks.
     """
-    deep = _counts(8, 4, 4, 2, 4, 6, 3)
+    deep = _counts(6, 4, 4, 2, 4, 6, 3)
     layered = (
-        _counts(128, 60, 44, 36, 60, 96, 64),
-        _counts(48, 16, 12, 8, 16, 24, 12),
+        _counts(96, 40, 30, 24, 40, 64, 40),
+        _counts(56, 36, 28, 14, 28, 40, 18),
         deep,
         deep,
         deep,
     )
+    practical = (
+        _counts(0, 160, 120, 30, 80, 120, 40),
+        _counts(0, 64, 48, 16, 48, 64, 24),
+        _counts(0, 16, 12, 4, 12, 16, 6),
+        _counts(0, 4, 3, 1, 3, 4, 2),
+        _counts(0, 4, 3, 1, 3, 4, 2),
+    )
     parts: list[Part] = []
     for coats, counts in enumerate(layered, start=1):
         parts += _parts("", counts, coats, pairs=256 if coats == 1 else 128, walks=64)
+    for coats, counts in enumerate(practical, start=1):
+        parts += _parts("practical-", counts, coats, pairs=128, walks=64, drawn=_practical)
     for coats in (1, 2, 3):
         counts = dict.fromkeys(_NAMES, 1024 * (2 if coats == 1 else 1))
-        parts += _parts("probed-", counts, coats, pairs=PROBES + 128, walks=128, of="probed")
+        for name, drawn in {"probed-": _distribution, "probed-practical-": _practical}.items():
+            parts += _parts(name, counts, coats, PROBES + 128, walks=128, of="probed", drawn=drawn)
     bare = {"diffuse": 2, "mixture": 64, "measured_like": 96}
     parts += [
         Part(f"bare-{kind}", Extended(0, kind), 1024 * thousands, 256, 1)
         for kind, thousands in bare.items()
     ]
     parts += [Part("grazing-bare-diffuse", Extended(0, "diffuse"), 14 * 1024, 256, 1, "grazing")]
-    more = _counts(80, 38, 27, 22, 38, 60, 40)
-    parts += _parts("more-", more, coats=1, pairs=64, walks=128)
-    clear = _counts(0, 128, 56, 48, 8, 40, 16)
+    clear = _counts(0, 96, 48, 32, 8, 40, 16)
     parts += _parts("clear-", clear, coats=1, pairs=64, walks=128, drawn=_clear)
     parts = [replace(part, stacks=max(round(share * part.stacks), 1)) for part in parts]
     return DataSpec((*parts, *validation()), seed=1, shard=1024)
@@ -114,6 +130,10 @@ def _distribution(name: str, coats: int) -> Distribution:
 
 def _clear(name: str, coats: int) -> Distribution:
     return Clear(coats, name, indices="whole")
+
+
+def _practical(name: str, coats: int) -> Distribution:
+    return Practical(coats, "conductor" if name == "table2" else name)
 
 
 def _parts(

@@ -44,7 +44,7 @@ export class NetworkCore extends Evaluation implements Core {
     const nothing = encoder.encode(noLobe(widths), dark).slice(lobe);
     this.fingerprint = weights.fingerprint;
     this.layerer = new Layerer(weights, activation);
-    this.energy = new EnergyLimit(decoder, nothing);
+    this.energy = new EnergyLimit(decoder);
     this.surfaces = new SurfaceEncoder(encoder, this.energy, nothing);
     const refinement = new Refinement(weights, activation, decoder, encoder, this.energy);
     this.measured = new MeasuredEncoder(encoder, this.energy, refinement, nothing);
@@ -101,7 +101,7 @@ export class NetworkCore extends Evaluation implements Core {
     );
     const codes = layered.map((code, place) => {
       const channel = kept[place];
-      this.energy.limitCoated(code, anchors[channel]);
+      this.energy.limit(code, 1 - ENERGY.MARGIN);
       const share = presence(coats[channel]);
       return share < LAYER.PRESENT ? blended(this.energy, latents[channel], code, share) : code;
     });

@@ -7,12 +7,12 @@
 
 import { type AlbedoRule, addAlbedos, albedoRule } from "./albedo_rule";
 import { AnisotropicLobeAlbedo } from "./anisotropic_lobe_albedo";
-import { type Decoder, emptyRest, type Responses, scaleRest } from "./decoder";
+import { type Decoder, type Responses, scaleRest } from "./decoder";
 import { ENERGY } from "./formulas";
 import { LobeAlbedo, type LobeAlbedos } from "./lobe_albedo";
 
-const { MARGIN, SLACK, TOLERANCE, GRAZING, LEAST_ALBEDO, LEAST_REST, LEAST_REST_OF_EDGE } = ENERGY;
-const { EDGE_WIDTHS, SHARP, BARE_DIFFERENCE, TINY_FACTOR, TINY_FACTOR_ROUNDS } = ENERGY;
+const { MARGIN, SLACK, TOLERANCE, GRAZING, LEAST_ALBEDO, LEAST_REST } = ENERGY;
+const { TINY_FACTOR, TINY_FACTOR_ROUNDS } = ENERGY;
 
 /** A ceiling at all angles, or one for each of the rule's cosines. */
 export type Ceiling = number | Float64Array;
@@ -24,11 +24,7 @@ export class EnergyLimit {
   /** Numbers of a code's lobe. */
   readonly lobe: number;
 
-  /** @param nothing the rest that the encoder makes of none. */
-  constructor(
-    private readonly decoder: Decoder,
-    private readonly nothing: Float32Array,
-  ) {
+  constructor(private readonly decoder: Decoder) {
     const { widths, lobe } = decoder.weights.arch;
     this.lobe = lobe;
     this.rule = albedoRule(widths);
@@ -49,7 +45,7 @@ export class EnergyLimit {
     }
     const top = new Float64Array(this.rule.cosines.length);
     this.lobeAlbedo.add(code, 0, top);
-    const allowed = Math.max(ceiling - this.diffuseMean(top), this.leastRest(code));
+    const allowed = Math.max(ceiling - this.diffuseMean(top), LEAST_REST);
     const rest = Math.max(this.diffuseMean(this.restAlbedos(code)), LEAST_ALBEDO);
     this.scaleBy(code, Math.min(allowed / rest, 1));
   }
@@ -68,18 +64,6 @@ export class EnergyLimit {
         : 0.5 * (square - cosines[d + 1] ** 2) * (albedos[d] + albedos[d + 1]);
     }
     return sum / azimuths;
-  }
-
-  /** `limit` for a coat over a bottom, whose albedo is the ceiling if it gains energy. */
-  limitCoated(code: Float32Array, bottom: Float32Array): void {
-    let factor = this.factor(code, 1 - MARGIN);
-    if (factor < 1) {
-      const ceiling = this.ceilingOver(bottom);
-      if (ceiling > 1) {
-        factor = this.factor(code, ceiling);
-      }
-    }
-    this.scaleBy(code, factor);
   }
 
   /** Directional albedos (D) of a code at the rule's cosines. */
@@ -106,15 +90,13 @@ export class EnergyLimit {
   /**
    * Ceiling (D) of the albedos of a code's rest, from those `own` of the rest of its source.
    *
-   * Infinite where the rule is too coarse.
+   * Infinite for a code that is not limited.
    */
   restCeiling(code: ArrayLike<number>, own: Float64Array): Float64Array {
     const top = new Float64Array(own.length);
     this.lobeAlbedo.add(code, 0, top);
     return this.ceilingOf(own.map((albedo, d) => albedo + top[d])).map((allowed, d) =>
-      this.nearEdge(code, d)
-        ? Number.POSITIVE_INFINITY
-        : Math.max(allowed - top[d], this.leastRest(code)),
+      this.isLimited(code) ? Math.max(allowed - top[d], LEAST_REST) : Number.POSITIVE_INFINITY,
     );
   }
 
@@ -124,26 +106,6 @@ export class EnergyLimit {
     const albedos = new Float64Array(this.rule.cosines.length);
     addAlbedos(this.rule, this.decoder.rest(prepared, this.responses), albedos);
     return albedos;
-  }
-
-  /** The ceiling of coats over a bottom. */
-  private ceilingOver(bottom: Float32Array): number {
-    const rendered = this.asRendered(bottom);
-    const gains = this.factor(rendered, 1 + TOLERANCE) < 1;
-    return gains ? greatest(this.albedos(rendered)) : 1 - MARGIN;
-  }
-
-  /** The code without the rest that bare surfaces have for the layerer alone. */
-  private asRendered(bottom: Float32Array): Float32Array {
-    const isBare = this.nothing.every(
-      (number, k) => Math.abs(bottom[this.lobe + k] - number) < BARE_DIFFERENCE,
-    );
-    if (!isBare) {
-      return bottom;
-    }
-    const rendered = bottom.slice();
-    emptyRest(rendered, this.lobe);
-    return rendered;
   }
 
   /**
@@ -164,31 +126,9 @@ export class EnergyLimit {
     return factor;
   }
 
-  /** Whether a cosine of the rule is near the critical one of a sharp lobe. */
-  private nearEdge(code: ArrayLike<number>, d: number): boolean {
-    if (!this.hasSharpEdge(code)) {
-      return false;
-    }
-    const eta = code[4];
-    const across = this.acrossOf(code);
-    const { angles, cosines, left } = this.rule;
-    const critical = Math.sqrt(Math.max(1 - eta * eta, 0));
-    const between = angles[left[d]] >= critical && critical >= angles[left[d] + 1];
-    return between || Math.abs(cosines[d] - critical) < EDGE_WIDTHS * Math.max(code[0], across);
-  }
-
-  /** Albedo that the rest of a code may always have. */
-  private leastRest(code: ArrayLike<number>): number {
-    return this.hasSharpEdge(code) ? LEAST_REST_OF_EDGE : LEAST_REST;
-  }
-
-  /** Whether a code's lobe has a sharp edge of total reflection. */
-  private hasSharpEdge(code: ArrayLike<number>): boolean {
-    return code[3] > 0 && code[4] < 1 && Math.min(code[0], this.acrossOf(code)) < SHARP;
-  }
-
-  private acrossOf(code: ArrayLike<number>): number {
-    return this.rule.pairs.widths === 2 ? code[6] : code[0];
+  /** Whether a code is limited: an interface of an index below one lies below another coat. */
+  private isLimited(code: ArrayLike<number>): boolean {
+    return code[3] <= 0 || code[4] >= 1;
   }
 
   private scaleBy(code: Float32Array, factor: number): void {
@@ -198,16 +138,16 @@ export class EnergyLimit {
   }
 
   private measuredFactor(code: ArrayLike<number>, ceiling: Ceiling): number {
+    if (!this.isLimited(code)) {
+      return 1;
+    }
     const rest = this.restAlbedos(code);
     const top = new Float64Array(rest.length);
     this.lobeAlbedo.add(code, 0, top);
     let excess = 0;
     for (let d = 0; d < rest.length; d++) {
-      if (this.nearEdge(code, d)) {
-        continue;
-      }
       const permitted = typeof ceiling === "number" ? ceiling : ceiling[d];
-      const allowed = Math.max(permitted - top[d], this.leastRest(code));
+      const allowed = Math.max(permitted - top[d], LEAST_REST);
       excess = Math.max(excess, Math.max(rest[d], LEAST_ALBEDO) / allowed);
     }
     return Math.min(1 / excess, 1);
