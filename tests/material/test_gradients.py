@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from urushi.material import energy, gradients
+from urushi.material import gradients
 from urushi.material.encode import encoder_codes
 from urushi.material.energy import limit_albedo
 from urushi.material.layer import layer_texels
