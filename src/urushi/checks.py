@@ -24,6 +24,9 @@ MAX_DEPTH = 1e6
 #: Least and largest relative index of refraction.
 ETA_RANGE = (0.5, 3.0)
 
+#: Indices of refraction of air, and of borosilicate glass (BK7), the default of coats.
+AIR, GLASS = 1.000277, 1.5046
+
 #: Optical depths, asymmetries, and largest ratio of a surface's two widths in the training data,
 #: which have all values of the other parameters.
 TRAINED_DEPTH, TRAINED_G, TRAINED_WIDTH_RATIO = 8.0, (-0.8, 0.9), 8.0
@@ -89,8 +92,8 @@ COAT_COLUMNS = {
     2: ("alpha_u", *CoatParameters._fields[1:], "alpha_v"),
 }
 
-#: The default coat: borosilicate glass (BK7, 1.5046) in air (1.000277), without absorption.
-DEFAULT_COAT = CoatParameters(0.1, 1.5046 / 1.000277, 0.0, 0.0, 0.0)
+#: The default coat: glass in air, without absorption.
+DEFAULT_COAT = CoatParameters(0.1, GLASS / AIR, 0.0, 0.0, 0.0)
 
 
 def _parameter(
@@ -185,6 +188,36 @@ def eta(value: npt.ArrayLike, where: str = "eta", *, any_shape: bool = False) ->
         any_shape,
     )
     return np.where(np.abs(index - 1) < MIN_INDEX_STEP, 1.0, index)
+
+
+def eta_in_air(
+    ratio: npt.ArrayLike | None, ior: npt.ArrayLike | None, where: str
+) -> tuple[npt.ArrayLike, npt.ArrayLike | None]:
+    """The relative index of an interface in air, and its absolute one if it is given by that.
+
+    Args:
+        ratio, ior: the relative and the absolute index that a caller gives; None: not given. If
+            neither is, the absolute one is that of glass.
+        where: begins errors, for example "the coat's".
+
+    Raises:
+        ParameterError: both are given, or the absolute one is not positive.
+    """
+    if ratio is not None and ior is not None:
+        raise ParameterError(
+            f"{where} ior and eta are both given; give ior, its index of refraction, or eta, the "
+            "ratio of this index to that of the medium above"
+        )
+    if ratio is not None:
+        return ratio, None
+    ior = _parameter(
+        GLASS if ior is None else ior,
+        f"{where} ior",
+        lambda x: x > 0,
+        "an index of refraction above 0",
+        any_shape=False,
+    )
+    return eta(ior / AIR, f"{where} ior / {AIR}, in air,"), ior
 
 
 def albedo(value: npt.ArrayLike, where: str = "albedo", *, any_shape: bool = False) -> np.ndarray:

@@ -25,7 +25,7 @@ NEEDED = {
     "paper eval": ["a.safetensors"],
 }
 #: Parameters of coats: their ranges are those of `urushi.coat`, whose own tests check them.
-OF_COATS = {"alpha", "alpha_u", "alpha_v", "eta", "albedo", "sigma_t", "g"}
+OF_COATS = {"alpha", "alpha_u", "alpha_v", "ior", "eta", "albedo", "sigma_t", "g"}
 
 
 def commands() -> dict[str, type]:

@@ -6,7 +6,8 @@ layers share. Equal widths are stored as one.
 """
 
 import functools
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -24,7 +25,8 @@ class Coat(Rough):
     """A rough dielectric interface over a homogeneous medium of unit thickness.
 
     `sigma_t` is the medium's optical depth, `albedo` its single-scattering albedo, `g` the
-    asymmetry of its Henyey-Greenstein phase function; `eta` is relative to the medium above.
+    asymmetry of its Henyey-Greenstein phase function; `eta` is relative to the medium above. `ior`
+    is the absolute index, if it is known: `eta` then follows the medium above (`Stack.under`).
     """
 
     alpha: Value | Widths = DEFAULT_COAT.alpha
@@ -32,12 +34,15 @@ class Coat(Rough):
     albedo: Value = DEFAULT_COAT.albedo
     sigma_t: Value = DEFAULT_COAT.sigma_t
     g: Value = DEFAULT_COAT.g
+    ior: Value | None = None
 
     def __post_init__(self) -> None:
         store_alpha(self, self.alpha, "the coat's")
         for name in CoatParameters._fields[1:]:
             check = getattr(checks, name)
             store(self, name, check(getattr(self, name), f"the coat's {name}"))
+        if self.ior is not None:
+            store(self, "ior", np.asarray(self.ior))
 
 
 #: A bottom: a `Description`, or an object with the methods of `Bottom`.
@@ -46,7 +51,7 @@ BottomDescription = Description | object
 
 @dataclass(frozen=True)
 class Stack:
-    """Coats, top to bottom, over a bottom BRDF, which is the same as in air."""
+    """Coats, top to bottom, over a bottom BRDF. All indices are relative to the medium above."""
 
     coats: tuple[Coat, ...]
     bottom: BottomDescription
@@ -65,6 +70,18 @@ class Stack:
         etas = (part.eta for part in (*self.coats, self.bottom))  # type: ignore[attr-defined]
         return functools.reduce(np.multiply, etas)
 
+    def under(self, index: npt.ArrayLike) -> "Stack":
+        """The stack below another medium: coats of known absolute indices keep these.
+
+        index: of that medium, relative to the one that lies above the stack now.
+        """
+        coats: list[Coat] = []
+        for coat in self.coats:  # index: of the medium above the coat, relative to what it was
+            if coat.ior is not None:
+                coat, index = replace(coat, eta=np.divide(coat.eta, index)), 1.0  # type: ignore
+            coats.append(coat)
+        return Stack(tuple(coats), under(self.bottom, index))
+
     def __post_init__(self) -> None:
         if not self.coats or not all(isinstance(coat, Coat) for coat in self.coats):
             raise ParameterError("a Stack needs one or more Coat objects, top to bottom")
@@ -77,18 +94,27 @@ class Stack:
             )
 
 
+def under(bottom: Any, index: npt.ArrayLike) -> Any:
+    """A Stack or a bottom below a medium (`Stack.under`); measured BRDFs and others as they are."""
+    return bottom.under(index) if isinstance(bottom, Stack | Description) else bottom
+
+
 def coat(
     bottom: BottomDescription,
     alpha: npt.ArrayLike | None = None,
-    eta: npt.ArrayLike = DEFAULT_COAT.eta,
+    eta: npt.ArrayLike | None = None,
     albedo: npt.ArrayLike = DEFAULT_COAT.albedo,
     sigma_t: npt.ArrayLike = DEFAULT_COAT.sigma_t,
     g: npt.ArrayLike = DEFAULT_COAT.g,
     *,
+    ior: npt.ArrayLike | None = None,
     alpha_u: npt.ArrayLike | None = None,
     alpha_v: npt.ArrayLike | None = None,
 ) -> Stack:
     """Put a coat on `bottom`; coating a Stack adds the coat on top of its coats.
+
+    Indices given as `ior` remain what they are: of two coats of the same index, the lower one has
+    no interface. So do those of a conductor given by `eta` and `k`. The Stack holds their ratios.
 
     Args:
         bottom: a description, a Stack, or an object with `f_pdf` and `sample` on Dr.Jit arrays
@@ -96,18 +122,22 @@ def coat(
         alpha: GGX width of the interface in [0.01, 1], by default 0.1.
         alpha_u, alpha_v: in place of alpha, the widths along the tangent and across it. The tangent
             is the x axis of the directions, for all coats and for the bottom.
-        eta: its index relative to the medium above, in [0.5, 3], by default that of BK7 glass in
-            air. Nearer to 1 than 0.001 it is 1: there is no interface, whatever its width.
+        ior: absolute index of refraction of the coat, by default that of BK7 glass, 1.5046. The
+            medium above is air, 1.000277, or the next coat. The ratio of both must be in [0.5, 3];
+            nearer to 1 than 0.001 it is 1: there is no interface, whatever its width.
+        eta: in place of ior, this ratio, whatever the medium above.
         albedo: single-scattering albedo of the medium below it in [0, 1].
         sigma_t: optical depth of that medium in [0, 1e6].
         g: its Henyey-Greenstein asymmetry in (-1, 1).
 
     Raises:
         ParameterError: a value is out of range, `bottom` is not a BRDF, alpha is given together
-            with alpha_u or alpha_v, or only one of these is given.
+            with alpha_u or alpha_v, or only one of these is given, or eta together with ior.
     """
     width = checks.widths(alpha, alpha_u, alpha_v, "the coat's", DEFAULT_COAT.alpha)
-    top = Coat(width, eta, albedo, sigma_t, g)  # type: ignore[arg-type]
+    ratio, ior = checks.eta_in_air(eta, ior, "the coat's")
+    top = Coat(width, ratio, albedo, sigma_t, g, ior)  # type: ignore[arg-type]
+    bottom = under(bottom, top.eta)
     if isinstance(bottom, Stack):
         return Stack((top, *bottom.coats), bottom.bottom)
     return Stack((top,), bottom)

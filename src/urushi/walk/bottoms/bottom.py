@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from typing import Any, ClassVar, NamedTuple, Protocol
 
 import numpy as np
+import numpy.typing as npt
 
 from urushi import checks
 from urushi.checks import MIN_ALPHA, Widths
@@ -118,6 +119,13 @@ class Description:
     def is_anisotropic(self) -> bool:
         """Whether the BRDF has two different widths."""
         return False
+
+    def under(self, index: npt.ArrayLike) -> "Description":
+        """The BRDF below a medium, by default the same.
+
+        index: of that medium, relative to the one that lies above the BRDF now.
+        """
+        return self
 
     def as_kind(self) -> Kind:
         """The kind of the BRDF."""

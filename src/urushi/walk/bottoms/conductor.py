@@ -1,7 +1,8 @@
 """Rough conductors: a GGX surface with Schlick's Fresnel term, or with a complex index."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+import numpy as np
 import numpy.typing as npt
 
 from urushi import checks
@@ -22,7 +23,10 @@ from urushi.walk.bottoms.microfacet import Microfacet
 
 @dataclass(frozen=True)
 class Conductor(Rough, Description):
-    """A rough conductor: GGX of width `alpha`, and Schlick's `r0` or a complex index `eta`, `k`."""
+    """A rough conductor: GGX of width `alpha`, and Schlick's `r0` or a complex index `eta`, `k`.
+
+    The index is relative to the medium above.
+    """
 
     alpha: Value | Widths
     r0: Value | None = None
@@ -41,6 +45,12 @@ class Conductor(Rough, Description):
                 "a conductor needs either r0 (Schlick) or both eta and k (complex index of "
                 "refraction)"
             )
+
+    def under(self, index: npt.ArrayLike) -> "Conductor":
+        if self.eta is None or self.k is None:
+            return self
+        eta, k = (np.divide(value, index) for value in (self.eta, self.k))
+        return replace(self, eta=eta, k=k)
 
     @property
     def kind(self) -> str:
@@ -63,7 +73,8 @@ def conductor(
         alpha: GGX width in [0.01, 1].
         alpha_u, alpha_v: in place of alpha, the widths along the tangent and across it.
         r0: reflectance at normal incidence in [0, 1] (Schlick 1994); or give eta and k.
-        eta, k: real and imaginary part of the index of refraction, >= 0, relative to air.
+        eta, k: real and imaginary part of the index of refraction, >= 0, relative to air. Under a
+            coat they are divided by the coat's index, relative to air; r0 remains.
 
     Raises:
         ParameterError: a value is out of range, not exactly one kind of Fresnel term is given, or

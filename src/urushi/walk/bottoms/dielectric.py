@@ -1,7 +1,8 @@
 """The rough dielectric interface, as a coat's surface or as the lowest interface of a slab."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+import numpy as np
 import numpy.typing as npt
 
 from urushi import checks
@@ -25,14 +26,21 @@ class Dielectric(Rough, Description):
 
     `urushi.layer` uses it as a coat. A stack over it is a slab, which transmits (`urushi.slab`).
     Materials have its reflection alone.
+    `ior` is the absolute index, if it is known: `eta` then follows the medium above (`under`).
     """
 
     alpha: Value | Widths = DEFAULT_COAT.alpha
     eta: Value = DEFAULT_COAT.eta
+    ior: Value | None = None
 
     def __post_init__(self) -> None:
         store_alpha(self, self.alpha, "the dielectric's")
         store(self, "eta", checks.eta(self.eta, "the dielectric's eta"))
+        if self.ior is not None:
+            store(self, "ior", np.asarray(self.ior))
+
+    def under(self, index: npt.ArrayLike) -> "Dielectric":
+        return self if self.ior is None else replace(self, eta=np.divide(self.eta, index))
 
     @property
     def kind(self) -> str:
@@ -42,8 +50,9 @@ class Dielectric(Rough, Description):
 @maker
 def dielectric(
     alpha: npt.ArrayLike | None = None,
-    eta: npt.ArrayLike = DEFAULT_COAT.eta,
+    eta: npt.ArrayLike | None = None,
     *,
+    ior: npt.ArrayLike | None = None,
     alpha_u: npt.ArrayLike | None = None,
     alpha_v: npt.ArrayLike | None = None,
 ) -> Dielectric:
@@ -52,15 +61,17 @@ def dielectric(
     Args:
         alpha: GGX width in [0.01, 1], by default 0.1.
         alpha_u, alpha_v: in place of alpha, the widths along the tangent and across it.
-        eta: index relative to the medium above, in [0.5, 3], by default that of BK7 glass in air.
-            Nearer to 1 than 0.001 it is 1, without an interface.
+        ior: absolute index of refraction, by default that of BK7 glass, 1.5046. The medium above is
+            air, 1.000277, or the coat above. Their ratio must be in [0.5, 3]; nearer to 1 than
+            0.001 it is 1, without an interface.
+        eta: in place of ior, this ratio, whatever the medium above.
 
     Raises:
         ParameterError: a value is out of range, alpha is given together with alpha_u or alpha_v, or
-            only one of these is given.
+            only one of these is given, or eta together with ior.
     """
     width = checks.widths(alpha, alpha_u, alpha_v, "the dielectric's", DEFAULT_COAT.alpha)
-    return Dielectric(width, eta)  # type: ignore[arg-type]
+    return Dielectric(width, *checks.eta_in_air(eta, ior, "the dielectric's"))  # type: ignore[arg-type]
 
 
 class Reflector(Microfacet, kind="dielectric"):
