@@ -18,7 +18,7 @@ def describe(text: str) -> Any:
     """Build the description of a bottom, or the Stack, that `text` describes.
 
     The text is a Python expression without the prefix `urushi.`; coats may be nested:
-    "coat(conductor(alpha=0.2, r0=0.9), alpha=0.05, eta=1.5)". It may hold the functions of
+    "coat(conductor(alpha=0.2, r0=0.9), alpha=0.05, ior=1.5)". It may hold the functions of
     `makers`, numbers and tuples of numbers; nothing else is evaluated.
 
     Raises:
@@ -75,5 +75,5 @@ def _number(node: ast.expr, text: str) -> Any:
 def _refuse(text: str, reason: str) -> ParameterError:
     return ParameterError(
         f"cannot read the description '{text}': {reason}; "
-        'write it as in Python, e.g. "coat(conductor(alpha=0.2, r0=0.9), alpha=0.05, eta=1.5)"'
+        'write it as in Python, e.g. "coat(conductor(alpha=0.2, r0=0.9), alpha=0.05, ior=1.5)"'
     )

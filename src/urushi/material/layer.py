@@ -14,13 +14,14 @@ from urushi.material.blend import blend_codes
 from urushi.material.coated_table import coated_table
 from urushi.material.encode import encode
 from urushi.material.energy import as_rendered, limit_albedo
-from urushi.material.material import Material
-from urushi.material.table import SHAPE, rest_table
+from urushi.material.material import Coating, Material
+from urushi.material.table import SHAPE, node_pairs, rest_table, table_of_values
 from urushi.nets import lobe as lobes
 from urushi.nets.decoder import MIN_LOG
 from urushi.nets.weights import Model, Weights, anisotropic_model, default_model
 from urushi.parallel import fill_blocks
 from urushi.walk import Dielectric
+from urushi.walk.stack import under as described_under
 
 #: Values of (eta - 1) / (eta + 1), of alpha and of sigma_t at which 1 - 1/e of a coat is present,
 #: and the share from which all of it is.
@@ -48,9 +49,10 @@ def layer(
     """Coat a material with a rough dielectric over a homogeneous medium of unit thickness.
 
     Args:
-        top: the coat's interface, from `urushi.dielectric(alpha, eta)`, isotropic or anisotropic.
-            An eta of 1 is no interface: the coat is its medium.
-        bottom: a Material, or anything that `encode` accepts; coats nest. All layers share one
+        top: the coat's interface, from `urushi.dielectric(alpha, ior=...)`, isotropic or
+            anisotropic. A relative index of 1 is no interface: the coat is its medium.
+        bottom: a Material, or anything that `encode` accepts; coats nest, and keep the indices that
+            they were given as `ior` (see `under`). All layers share one
             tangent: a bottom that was `rotated` cannot get an anisotropic coat. If the bottom has a
             table, such as a measured BRDF, or the medium is outside the networks' training data,
             light transport is computed without networks (see `urushi.material.coated_table`), and
@@ -64,8 +66,8 @@ def layer(
 
     Returns:
         A Material of the bottom's channels, or of three if the bottom has one and a parameter has
-        three. It is anisotropic if top or bottom are. The bottom itself, if the coat has neither an
-        interface nor a medium.
+        three. It is anisotropic if top or bottom are. It equals the bottom if the coat has neither
+        an interface nor a medium.
 
     Raises:
         ParameterError: top is not a dielectric, or a parameter is out of range or of a wrong shape;
@@ -79,9 +81,9 @@ def layer(
     if not isinstance(top, Dielectric):
         raise ParameterError(
             f"the top of a layering is a {type(top).__name__}; give the coat's interface, "
-            "urushi.dielectric(alpha, eta)"
+            "urushi.dielectric(alpha, ior=...)"
         )
-    bottom = _below(bottom, weights, refine, isinstance(top.alpha, Widths))
+    bottom = _below(under(bottom, top.eta), weights, refine, isinstance(top.alpha, Widths))
     coat = CoatParameters(
         top.alpha.map(np.asarray) if isinstance(top.alpha, Widths) else np.asarray(top.alpha),
         np.asarray(top.eta),
@@ -101,7 +103,43 @@ def layer(
     coated = layer_material(coat, bottom)
     if coated.table is None:
         checks.warn_of_training(checks.outside_training(coat), "layer: the coat's")
-    return coated
+    return replace(coated, coating=Coating(coat, top.ior is not None, bottom))
+
+
+def under(bottom: Any, index: npt.ArrayLike) -> Any:
+    """A source of `encode` below a medium.
+
+    Coats whose index is absolute keep it: they are layered again. Conductors of complex index get
+    the index relative to the medium. All others are as they are: measured and other BRDFs, and
+    materials of which neither a coat is known nor that they are a conductor.
+
+    index: of the medium, a number or one per channel, relative to the one that lies above now.
+    """
+    if not isinstance(bottom, Material):
+        return described_under(bottom, index)
+    index = np.asarray(index, np.float64)
+    if bottom.coating is not None:
+        coat, absolute, below = bottom.coating
+        if absolute:
+            coat = coat._replace(eta=checks.eta(coat.eta / index, "the lower coat's relative index"))
+        else:
+            below = under(below, index)
+        coating = Coating(coat, absolute, below)
+        return replace(layer_material(coat, below), coating=coating, rotation=bottom.rotation)
+    size = bottom.model.arch.lobe
+    index = index.astype(np.float32)
+    if not (bottom.latents[:, 5] > 0).any() or (index == 1).all():
+        return bottom
+    latents, anchors = (
+        np.concatenate([lobes.under(z[:, :size], index), z[:, size:]], axis=1)
+        for z in (bottom.latents, bottom.anchors)
+    )
+    table = bottom.table
+    if table is not None and not bottom.beside_lobe:
+        wi, wo = (w[:, None] for w in node_pairs())
+        old, new = (lobes.f(z[:, :size], wi, wo) for z in (bottom.latents, latents))
+        table = table_of_values(np.exp(table.reshape(old.shape).astype(np.float32)) + new - old)
+    return replace(bottom, latents=latents, anchors=anchors, table=table)
 
 
 def layer_material(coat: CoatParameters, bottom: Material) -> Material:

@@ -3,11 +3,13 @@
 import os
 import warnings
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from urushi import checks
+from urushi.checks import CoatParameters
 from urushi.core.half_vector import rotated
 from urushi.core.quadrature import half_vector_rule
 from urushi.errors import ParameterError, UrushiWarning
@@ -21,6 +23,20 @@ from urushi.parallel import fill_blocks
 
 #: Directions whose albedo is integrated at once, over 1536 others each.
 ALBEDO_BLOCK = 16
+
+
+class Coating(NamedTuple):
+    """How a material was layered: what is needed to layer it again below another medium.
+
+    Attributes:
+        coat: the coat's parameters, checked; `eta` is relative to the medium above.
+        absolute: whether the coat's index remains what it is below another medium; otherwise `eta`.
+        bottom: the material under the coat.
+    """
+
+    coat: CoatParameters
+    absolute: bool
+    bottom: "Material"
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +60,7 @@ class Material:
             table. Default: False.
         rotation: angle [degrees] by which the tangent is turned about the normal,
             counter-clockwise, see `rotated`; 0 for isotropic networks. Default: 0.
+        coating: its topmost coat, if `layer` made it. Default: None.
 
     Materials equal each other if codes, tables, rotations and networks do.
     """
@@ -54,6 +71,7 @@ class Material:
     table: np.ndarray | None = None
     rotation: float = 0.0
     beside_lobe: bool = False
+    coating: Coating | None = None
 
     def __post_init__(self) -> None:
         latents = _checked(self.latents, self.model, "latents")
@@ -264,9 +282,7 @@ class Material:
         Raises:
             FileError: the file cannot be written.
         """
-        stored = file.StoredMaterial(
-            self.latents, self.anchors, self.table, self.rotation, self.beside_lobe
-        )
+        stored = _stored(self)
         file.write(path, stored, self.model.fingerprint)
 
 
@@ -279,15 +295,32 @@ def load(path: str | os.PathLike, weights: Weights | None = None) -> Material:
     Raises:
         FileError: missing, truncated, foreign, damaged, or made with other networks.
     """
-    stored, model = file.read(path, None if weights is None else find(weights))
-    return Material(
-        stored.latents,
-        model,
-        stored.anchors,
-        stored.table,
-        stored.rotation,
-        stored.beside_lobe,
+    return _material(*file.read(path, None if weights is None else find(weights)))
+
+
+def _stored(material: Material) -> file.StoredMaterial:
+    """A material as a file holds it."""
+    stored = file.StoredMaterial(
+        material.latents,
+        material.anchors,
+        material.table,
+        material.rotation,
+        material.beside_lobe,
     )
+    if material.coating is None:
+        return stored
+    coat, absolute, bottom = material.coating
+    columns = np.stack(np.broadcast_arrays(*map(np.atleast_1d, coat.columns())))
+    return stored._replace(coat=columns, absolute=absolute, bottom=_stored(bottom))
+
+
+def _material(stored: file.StoredMaterial, model: Model) -> Material:
+    """The material that a file holds."""
+    latents, anchors, table, rotation, beside_lobe, coat, absolute, bottom = stored
+    coating = None
+    if coat is not None and bottom is not None:
+        coating = Coating(CoatParameters.of_columns(coat), absolute, _material(bottom, model))
+    return Material(latents, model, anchors, table, rotation, beside_lobe, coating)
 
 
 def _checked(codes: npt.ArrayLike, model: Model, name: str) -> np.ndarray:

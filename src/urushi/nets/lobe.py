@@ -156,6 +156,17 @@ def scaled_lobe(lobe: Any, factor: Any) -> Any:
     return lobe * xp.stack([one, factor, factor, factor, *others], axis=-1)
 
 
+def under(lobe: Any, index: Any) -> Any:
+    """Return lobes (..., N) below a medium: indices of conductors (k > 0) are divided by `index`.
+
+    index: (...) of that medium, relative to the one that lies above the lobes now.
+    """
+    xp = lobe.__array_namespace__()
+    scale = xp.where(lobe[..., 5] > 0, 1 / index, 1.0)
+    one = xp.ones_like(scale)
+    return lobe * xp.stack([*[one] * 4, scale, scale, *[one] * (lobe.shape[-1] - 6)], axis=-1)
+
+
 def of_coat(alpha: Any, eta: Any) -> Any:
     """Return the lobe (..., N) of a dielectric interface; alpha and eta broadcast.
 

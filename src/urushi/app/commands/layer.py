@@ -25,7 +25,7 @@ class Layer:
     Every parameter of the coat is one value, or three for red, green and blue. The defaults make a
     clear coat of glass in air.
 
-    Example: urushi layer gold.safetensors --alpha 0.05 --eta 1.5 --albedo 0.8 --sigma-t 0.2 1 3
+    Example: urushi layer gold.safetensors --alpha 0.05 --ior 1.5 --albedo 0.8 --sigma-t 0.2 1 3
     -o lacquered.safetensors
     """
 
@@ -40,8 +40,11 @@ class Layer:
     """In place of --alpha: the width along the tangent, the x axis of the directions."""
     alpha_v: tuple[float, ...] | None = None
     """In place of --alpha: the width across the tangent."""
-    eta: tuple[float, ...] = (DEFAULT_COAT.eta,)
-    """Index of refraction of the coat relative to the medium above, in [0.5, 3]."""
+    ior: tuple[float, ...] | None = None
+    """Index of refraction of the coat. Default: that of BK7 glass, 1.5046. Coats below it keep
+    theirs."""
+    eta: tuple[float, ...] | None = None
+    """In place of --ior: its ratio to the index of the medium above, in [0.5, 3]."""
     albedo: tuple[float, ...] = (DEFAULT_COAT.albedo,)
     """Single-scattering albedo of the medium inside the coat, in [0, 1]."""
     sigma_t: tuple[float, ...] = (DEFAULT_COAT.sigma_t,)
@@ -54,11 +57,11 @@ class Layer:
     def run(self) -> int:
         import urushi
 
-        alpha, alpha_u, alpha_v = (
-            None if width is None else scalar_or_rgb(width)
-            for width in (self.alpha, self.alpha_u, self.alpha_v)
-        )
-        top = urushi.dielectric(alpha, scalar_or_rgb(self.eta), alpha_u=alpha_u, alpha_v=alpha_v)
+        interface = {
+            name: None if getattr(self, name) is None else scalar_or_rgb(getattr(self, name))
+            for name in ("alpha", "alpha_u", "alpha_v", "ior", "eta")
+        }
+        top = urushi.dielectric(**interface)
         coated = urushi.layer(
             top,
             read_material(self.material, self.weights),

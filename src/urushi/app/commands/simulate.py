@@ -28,7 +28,7 @@ class Simulate:
     directions of a file (--pairs), or the directional albedo (--albedo). With --output the numbers
     go to a file instead.
 
-    Example: urushi simulate "coat(conductor(alpha=0.2, r0=0.9), alpha=0.05, eta=1.5, sigma_t=1)"
+    Example: urushi simulate "coat(conductor(alpha=0.2, r0=0.9), alpha=0.05, ior=1.5, sigma_t=1)"
     """
 
     description: tyro.conf.Positional[str]
