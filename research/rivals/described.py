@@ -57,6 +57,7 @@ class DescribedBottom:
                 f"another '{plugin}', or use the plugin 'layered'"
             )
         self.is_diffuse, self._textures = not surface.bare, surface.textures
+        self._coat = surface.coat
 
     def at(self, si, active) -> list[BottomNumbers]:
         """The bottom at a surface interaction, for each channel of the variant's spectrum."""
@@ -70,8 +71,9 @@ class DescribedBottom:
             return [BottomNumbers(None, _constant(value)) for value in reflectance]
         alpha = dr.clip(self._textures["alpha"].eval_1(si, active), MIN_ALPHA, 1)
         names = ("specular_reflectance", "eta", "k")
+        above = 1 if self._coat is None else self._coat.inside(si, active)
         return [
-            BottomNumbers(alpha, _conductor(dr.clip(factor, 0, 1), eta, k))
+            BottomNumbers(alpha, _conductor(dr.clip(factor, 0, 1), eta / above, k / above))
             for factor, eta, k in zip(*map(channels, names), strict=True)
         ]
 

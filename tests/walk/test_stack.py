@@ -34,9 +34,9 @@ def test_descriptions_are_values() -> None:
 
 def test_defaults_of_coat_are_those_of_the_plugins() -> None:
     """BK7 glass (1.5046) in air (1.000277), as Mitsuba's rough dielectrics, of width 0.1, clear."""
-    eta = 1.5046 / 1.000277
-    assert coat(diffuse(0.5)) == coat(diffuse(0.5), 0.1, eta, 0, 0, 0)
-    assert dielectric() == dielectric(0.1, eta)
+    assert coat(diffuse(0.5)) == coat(diffuse(0.5), 0.1, None, 0, 0, 0, ior=1.5046)
+    assert coat(diffuse(0.5)).coats[0].eta == 1.5046 / 1.000277
+    assert dielectric() == dielectric(0.1, ior=1.5046)
 
 
 def test_coating_a_stack_adds_on_top() -> None:

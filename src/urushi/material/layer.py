@@ -121,7 +121,9 @@ def under(bottom: Any, index: npt.ArrayLike) -> Any:
     if bottom.coating is not None:
         coat, absolute, below = bottom.coating
         if absolute:
-            coat = coat._replace(eta=checks.eta(coat.eta / index, "the lower coat's relative index"))
+            coat = coat._replace(
+                eta=checks.eta(coat.eta / index, "the lower coat's relative index")
+            )
         else:
             below = under(below, index)
         coating = Coating(coat, absolute, below)

@@ -52,6 +52,15 @@ def define_proposal_bsdf() -> type:
             """Whether light arrives along or leaves along w."""
             return (w.z != 0) if self._transmits else (w.z > 0)
 
+        def _copy(self):
+            """A copy that shares everything, for another medium above."""
+            copy = type(self).__new__(type(self))
+            mi.BSDF.__init__(copy, mi.Properties(type(self).__name__))
+            copy.__dict__.update(self.__dict__)
+            copy.m_components, copy.m_flags = self.m_components, self.m_flags
+            copy._vertex_cache, copy._kept = VertexCache(), KeptParameters()
+            return copy
+
         def offer(self):
             """What it tells a coat above it."""
             return Offer()

@@ -17,6 +17,7 @@ from urushi.mitsuba.plugins.coats import (
     TurnedMixture,
     walk_color,
 )
+from urushi.mitsuba.reading.below import below
 from urushi.mitsuba.reading.parameters import (
     CoatTextures,
     check_bottom,
@@ -54,19 +55,27 @@ def define_coated(base: type, label: str, *, widened: bool) -> type:
         def _is_slab(bsdf):
             return isinstance(bsdf, CoatedBSDF) and bsdf.bottom is None
 
+        def under(self, coat):
+            """See `reading.below.Coatable`."""
+            under = self._copy()
+            under._coat = self._coat.under(coat)
+            under.coats = [under._coat, *self.coats[1:]]
+            return under
+
         def _prepare(self):
             """Check the parameters, flatten nested coats, and estimate the bottom's lobes."""
             baking.check(self._coat)
-            below = isinstance(self._nested, CoatedBSDF)
-            self.coats = [self._coat, *(self._nested.coats if below else [])]
-            self.bottom = self._nested.bottom if below else self._nested
+            nested = None if self._nested is None else below(self._nested, self._coat)
+            coated = isinstance(nested, CoatedBSDF)
+            self.coats = [self._coat, *(nested.coats if coated else [])]
+            self.bottom = nested.bottom if coated else nested
             if self._nested is not None:
                 check_rotation(self._nested, self._coat.where)
             if self.bottom is None:
                 self._check_slab()
                 self._transmit()
             else:
-                self.bottom_lobes = self._nested.bottom_lobes if below else BottomLobes(self.bottom)
+                self.bottom_lobes = nested.bottom_lobes if coated else BottomLobes(self.bottom)
 
         def _check_slab(self):
             """Refuse slabs of which a part of the light goes straight on, a delta.

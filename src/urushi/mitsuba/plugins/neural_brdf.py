@@ -7,6 +7,7 @@ import numpy as np
 from urushi import files
 from urushi.errors import ParameterError
 from urushi.material import Material, load
+from urushi.material.layer import under as below_medium
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.latents import lookup
 from urushi.mitsuba.latents.gradients import DifferentiableLatents
@@ -89,6 +90,17 @@ def define(base: type) -> type:
                 )
 
             self._rotation = Rotation(props, angle)
+
+        def under(self, coat):
+            """See `reading.below.Coatable`: a material below the medium of a coat, if both are
+            constant."""
+            if self._tensor is None or coat.has_textured_eta:
+                return self
+            under = self._copy()
+            index = float(coat.inside(dr.zeros(mi.SurfaceInteraction3f)).numpy()[0])
+            under._material = below_medium(self._material, index)
+            under.latents = ConstantLatents.of(under._material)
+            return under
 
         def _turn(self, si, active):
             turned = self.model.widths == 2 and self._rotation.present

@@ -13,6 +13,7 @@ from urushi.mitsuba.latents.holders import ConstantLatents, TexturedLatents
 from urushi.mitsuba.plugins.base import read_weights
 from urushi.mitsuba.plugins.coats import Turn
 from urushi.mitsuba.plugins.estimates import estimates
+from urushi.mitsuba.reading.below import Coatable, below
 from urushi.mitsuba.reading.bsdf import has_two_widths
 from urushi.mitsuba.reading.parameters import (
     CoatTextures,
@@ -90,10 +91,19 @@ def define(base: type) -> type:
             self._resolution = int(resolution)
             self._mipmaps = bool(props.get("mipmaps", False))
             self._baker = None
+            self._below = below(self._bottom, self._coat)
             # Codes and table with gradients, for integrators
             self._differentiable = {"latents": mi.TensorXf(), "table": mi.TensorXf()}
             self._bake()
             self._kept.keep(self)
+
+        def under(self, coat):
+            """See `reading.below.Coatable`."""
+            under = self._copy()
+            under._coat, under._baker = self._coat.under(coat), None
+            under._differentiable = {"latents": mi.TensorXf(), "table": mi.TensorXf()}
+            under._bake()
+            return under
 
         def offer(self):
             return replace(super().offer(), rotated=self._coat.has_rotation)
@@ -103,12 +113,12 @@ def define(base: type) -> type:
             check_rotation(self._bottom, self._coat.where)
             model = self._weights
             if model is None:
-                anisotropic = self._coat.is_anisotropic or has_two_widths(self._bottom)
+                anisotropic = self._coat.is_anisotropic or has_two_widths(self._below)
                 model = anisotropic_model() if anisotropic else default_model()
             if self._baker is None or self.model.fingerprint != model.fingerprint:
                 self.model = model
                 settings = self._resolution, self._mipmaps
-                self._baker = Baker(self.model, self._coat, self._bottom, *settings)
+                self._baker = Baker(self.model, self._coat, self._below, *settings)
 
         def _bake(self, bottom_changed=True):
             if bottom_changed:
@@ -118,7 +128,7 @@ def define(base: type) -> type:
                 self.latents = self._baker.update(bottom_changed)
             codes, table = mi.TensorXf(), mi.TensorXf()
             if gradients.wanted(self):
-                self.latents = gradients.bake(self._baker, self._coat, self._bottom, self.latents)
+                self.latents = gradients.bake(self._baker, self._coat, self._below, self.latents)
                 codes, table = self.latents.tensor, self.latents.table
             mi.set_property(self._differentiable["latents"], codes)
             mi.set_property(self._differentiable["table"], table)
@@ -153,7 +163,7 @@ def define(base: type) -> type:
         def _estimates(self, si, active):
             if not mi.is_spectral or self.latents.grid is None:
                 return None
-            return estimates(self._coat, self._bottom, si, active)
+            return estimates(self._coat, self._below, si, active)
 
         def traverse(self, callback):
             self._coat.traverse(callback, mi.ParamFlags.Differentiable)
@@ -165,7 +175,12 @@ def define(base: type) -> type:
             if set(keys) <= {"latents", "table"} and keys:
                 return  # read-only: they are computed from the others
             self._coat.parameters_changed()
-            self._bake(not keys or "bottom" in keys)
+            changed = not keys or "bottom" in keys
+            if self._below is not self._bottom and {"eta", "int_ior"} & {*keys}:
+                changed = True
+            if changed and isinstance(self._below, Coatable):
+                self._below, self._baker = below(self._bottom, self._coat), None
+            self._bake(changed)
 
         def to_string(self):
             bottom = str(self._bottom).replace("\n", "\n  ")

@@ -1,5 +1,6 @@
 """The parameters of `layered` and `neural_layered`: a coat's textures and the BSDF under it."""
 
+import copy
 from collections.abc import Collection
 from typing import Any, ClassVar
 
@@ -8,7 +9,7 @@ import mitsuba as mi
 import numpy as np
 
 from urushi import checks
-from urushi.checks import DEFAULT_COAT, MIN_ALPHA, CoatParameters, Widths
+from urushi.checks import AIR, DEFAULT_COAT, MIN_ALPHA, CoatParameters, Widths
 from urushi.errors import ParameterError
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.offers import offer_of
@@ -40,7 +41,10 @@ class CoatTextures:
         textures: the textures by the properties' names.
         coloured: names of the widths that are given as colours or spectra, which monochromatic
             variants read as numbers.
-        opaque_eta: the relative index, or 1 / ext_ior if `int_ior` is textured.
+        opaque_eta: the index relative to what `ext_ior` gives, or 1 / ext_ior if `int_ior` is
+            textured.
+        outside: `ext_ior` relative to air.
+        above: the coat around this one, if its medium lies above instead of `ext_ior`.
     """
 
     DRJIT_STRUCT: ClassVar = {"textures": dict, "opaque_eta": object}  # for frozen functions
@@ -58,9 +62,12 @@ class CoatTextures:
         colours = _coloured(props)
         self.coloured = () if mi.is_monochromatic else colours
         self.textures = {name: self._texture(props, name, name in colours) for name in names}
+        self.above: CoatTextures | None = None
+        self._given = "ext_ior" in props
         ext_ior = index_of_refraction(props, "ext_ior", "air", f"{self.where}: ext_ior")
         if not ext_ior > 0:
             raise ParameterError(f"{self.where}: ext_ior is {ext_ior:g}; it must be positive")
+        self.outside = ext_ior / AIR
         if "int_ior" in props and props.type("int_ior") == mi.Properties.Type.Object:
             self.textures["int_ior"] = self._texture(props, "int_ior")
             self.opaque_eta = opaque(1 / ext_ior)
@@ -69,14 +76,37 @@ class CoatTextures:
             ratio = checks.eta(int_ior / ext_ior, f"{self.where}: int_ior / ext_ior")
             self.opaque_eta = opaque(float(ratio))
 
+    def under(self, coat: "CoatTextures") -> "CoatTextures":
+        """The coat below the medium of another; itself if `ext_ior` was given.
+
+        Its textures, and the index of the other coat as "ext_ior", are shared.
+        """
+        if self._given:
+            return self
+        below = copy.copy(self)
+        below.above = coat
+        if coat.has_textured_eta:
+            below.textures = self.textures | {"ext_ior": coat.textures["int_ior"]}
+        return below
+
+    def inside(self, si, active=True) -> "mi.Float":
+        """The index of refraction of the coat, relative to air."""
+        return self._eta_given(si, active) * self.outside
+
+    def _eta_given(self, si, active) -> "mi.Float":
+        """The index of refraction of the coat relative to what `ext_ior` gives."""
+        if not self.has_textured_eta:
+            return self.opaque_eta
+        return self.opaque_eta * self.textures["int_ior"].eval_1(si, active)
+
     def evaluate(self, si, active) -> CoatParameters:
         """The coat at a surface interaction: alpha and eta Dr.Jit floats, the others spectra.
 
         alpha is `Widths` if the coat is anisotropic, and a width is a spectrum if it is `coloured`.
         """
-        textures, eta = self.textures, self.opaque_eta
-        if self.has_textured_eta:
-            eta = eta * textures["int_ior"].eval_1(si, active)
+        textures, eta = self.textures, self._eta_given(si, active)
+        if self.above is not None:
+            eta = eta / self.above.inside(si, active)
 
         def width(name: str) -> Any:
             texture = textures[name]
@@ -146,7 +176,7 @@ class CoatTextures:
         dr.eval(values)
         table = {}
         for name, channels in values.items():
-            if name in unknown or (name == "eta" and "int_ior" in unknown):
+            if name in unknown or (name == "eta" and {"int_ior", "ext_ior"} & {*unknown}):
                 continue
             rows = [np.broadcast_to(channel.numpy(), len(uv)) for channel in channels]
             # Six digits: 0.01 in single precision is less than 0.01 in double.
@@ -191,7 +221,8 @@ class CoatTextures:
     @property
     def eta(self) -> float:
         """The relative index of refraction, unless it is textured."""
-        return float(self.opaque_eta.numpy()[0])
+        above = 1.0 if self.above is None else float(self.above.inside(None).numpy()[0])
+        return float(self.opaque_eta.numpy()[0]) / above
 
     def traverse(self, callback, flags: "mi.ParamFlags") -> None:
         """List the textures and `eta` for `mi.traverse`."""
@@ -199,6 +230,8 @@ class CoatTextures:
             callback.put(name, texture, flags)
         if not self.has_textured_eta:
             callback.put("eta", self.opaque_eta, flags)
+        if self.above is not None and not self.above.has_textured_eta:
+            callback.put("ext_eta", self.above.opaque_eta, flags)
 
     def parameters_changed(self) -> None:
         """Check `eta`, which `mi.traverse` may have changed.

@@ -14,6 +14,7 @@ import numpy as np
 from urushi.checks import MIN_ALPHA
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.reading.grid import nested_objects
+from urushi.mitsuba.reading.parameters import CoatTextures
 from urushi.nets.lobe import LOBE_NUMBERS, NO_LOBE
 
 #: The line of a roughconductor's description that names its distribution, which it does not list
@@ -47,10 +48,12 @@ class KnownSurface(NamedTuple):
     Attributes:
         bare: whether it is a roughconductor: a lobe and no Lambertian part.
         textures: its textures, by the names of the plugin's parameters.
+        coat: the coat whose medium lies above, instead of air, or None.
     """
 
     bare: bool
     textures: dict[str, "mi.Texture"]
+    coat: CoatTextures | None = None
 
     @property
     def widths(self) -> int:
@@ -77,11 +80,12 @@ class KnownSurface(NamedTuple):
         alpha, *across = (dr.replace_grad(dr.maximum(x, MIN_ALPHA), x) for x in given)
         names = ("specular_reflectance", "eta", "k")
         found = []
+        above = mi.Float(1) if self.coat is None else self.coat.inside(si)
         for reflectance, eta, k in zip(*(self._channels(x, si) for x in names), strict=True):
             # Mitsuba's metal "none" has the index 0 and reflects all light.
             exact = eta > 0
             schlick = dr.select(exact, 0, reflectance)
-            index = dr.select(exact, eta, NO_LOBE[4]), dr.select(exact, k, 0)
+            index = dr.select(exact, eta / above, NO_LOBE[4]), dr.select(exact, k / above, 0)
             factors = schlick, schlick, dr.select(exact, reflectance, 0)
             found.append([alpha, *factors, *index, *across])
         return found
@@ -114,9 +118,12 @@ def known_surface(bsdf: "mi.BSDF") -> KnownSurface | None:
     while bsdf.class_name() == "TwoSidedBRDF":
         bsdf = parts["brdf_0"]
         parts = nested_objects(bsdf)
+    coat = getattr(bsdf, "coat", None)  # of a conductor below a medium
+    if coat is not None:
+        bsdf = bsdf.conductor
     kind = bsdf.class_name()
     if kind == "SmoothDiffuse":
         return KnownSurface(False, parts)
     if kind == "RoughConductor" and {"alpha", "alpha_u"} & parts.keys() and GGX in str(bsdf):
-        return KnownSurface(True, parts)
+        return KnownSurface(True, parts, coat)
     return None

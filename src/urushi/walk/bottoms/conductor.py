@@ -50,7 +50,7 @@ class Conductor(Rough, Description):
         if self.eta is None or self.k is None:
             return self
         eta, k = (np.divide(value, index) for value in (self.eta, self.k))
-        return replace(self, eta=eta, k=k)
+        return replace(self, eta=eta, k=k)  # type: ignore[arg-type]
 
     @property
     def kind(self) -> str:

@@ -40,7 +40,7 @@ class Dielectric(Rough, Description):
             store(self, "ior", np.asarray(self.ior))
 
     def under(self, index: npt.ArrayLike) -> "Dielectric":
-        return self if self.ior is None else replace(self, eta=np.divide(self.eta, index))
+        return self if self.ior is None else replace(self, eta=np.divide(self.eta, index))  # type: ignore
 
     @property
     def kind(self) -> str:

@@ -1,0 +1,96 @@
+"""Mitsuba BSDFs below the medium of a coat: indices of refraction relative to that medium."""
+
+from functools import cache
+from typing import Any, Protocol, runtime_checkable
+
+import drjit as dr
+import mitsuba as mi
+
+from urushi.core import fresnel
+from urushi.mitsuba.reading.grid import nested_objects
+from urushi.mitsuba.reading.parameters import CoatTextures
+
+
+@runtime_checkable
+class Coatable(Protocol):
+    """A BSDF of this package that changes below a medium."""
+
+    def under(self, coat: CoatTextures) -> "mi.BSDF":
+        """The BSDF below the medium of a coat, of the same textures."""
+
+
+def below(bsdf: "mi.BSDF", coat: CoatTextures) -> "mi.BSDF":
+    """A BSDF as it reflects below the medium of a coat.
+
+    Coats without `ext_ior`, and saved materials that were layered, keep their absolute indices. The
+    index of a `roughconductor` is divided by that of the medium, relative to air. All others, such
+    as measured BRDFs, are as they are in air.
+    """
+    if isinstance(bsdf, Coatable):
+        return bsdf.under(coat)
+    front = bsdf
+    while front.class_name() == "TwoSidedBRDF":
+        front = nested_objects(front)["brdf_0"]
+    if isinstance(front, Coatable):
+        return front.under(coat)
+    return _conductor_below(mi.variant())(front, coat) if is_conductor(front) else bsdf
+
+
+def is_conductor(bsdf: "mi.BSDF") -> bool:
+    """Whether a BSDF is Mitsuba's `roughconductor`."""
+    return bsdf.class_name() == "RoughConductor"
+
+
+@cache
+def _conductor_below(variant: str) -> type:
+    """The class of conductors below a medium, in a variant."""
+
+    class ConductorBelow(mi.BSDF):
+        """A `roughconductor` below the medium of a coat: its f times the ratio of two Fresnel terms.
+
+        Attributes:
+            conductor: the BSDF in air.
+            coat: the coat.
+        """
+
+        def __init__(self, conductor, coat):
+            mi.BSDF.__init__(self, mi.Properties("roughconductor"))
+            self.conductor, self.coat = conductor, coat
+            self._textures = nested_objects(conductor)
+            self.m_components = [conductor.flags(i) for i in range(conductor.component_count())]
+            self.m_flags = conductor.flags()
+
+        def _ratio(self, si, wo, active) -> Any:
+            """Fresnel term below the medium over that in air."""
+            cosine = dr.clip(dr.dot(si.wi, dr.normalize(si.wi + wo)), 0, 1)
+            eta, k = (self._textures[name].eval(si, active) for name in ("eta", "k"))
+            index = self.coat.inside(si, active)
+            air = fresnel.exact(cosine, eta, k)
+            return dr.select(air > 0, fresnel.exact(cosine, eta / index, k / index) / air, 0)
+
+        def eval(self, ctx, si, wo, active=True):
+            return self.conductor.eval(ctx, si, wo, active) * self._ratio(si, wo, active)
+
+        def pdf(self, ctx, si, wo, active=True):
+            return self.conductor.pdf(ctx, si, wo, active)
+
+        def eval_pdf(self, ctx, si, wo, active=True):
+            f_cos, pdf = self.conductor.eval_pdf(ctx, si, wo, active)
+            return f_cos * self._ratio(si, wo, active), pdf
+
+        def sample(self, ctx, si, sample1, sample2, active=True):
+            bs, weight = self.conductor.sample(ctx, si, sample1, sample2, active)
+            return bs, dr.select(bs.pdf > 0, weight * self._ratio(si, bs.wo, active), 0)
+
+        def traverse(self, callback):
+            self.conductor.traverse(callback)
+            differentiable = mi.ParamFlags.Differentiable
+            if self.coat.has_textured_eta:
+                callback.put("ext_ior", self.coat.textures["int_ior"], differentiable)
+            else:
+                callback.put("ext_eta", self.coat.opaque_eta, differentiable)
+
+        def to_string(self):
+            return str(self.conductor)
+
+    return ConductorBelow
