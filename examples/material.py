@@ -12,7 +12,7 @@ import urushi
 def lacquer() -> urushi.Material:
     """The material that the examples show."""
     gold = urushi.conductor(alpha=0.3, r0=(1.0, 0.77, 0.34))
-    stack = urushi.coat(gold, alpha=0.15, eta=1.5, albedo=0.5, sigma_t=(0.2, 1.0, 3.0))
+    stack = urushi.coat(gold, alpha=0.15, ior=1.5, albedo=0.5, sigma_t=(0.2, 1.0, 3.0))
     return urushi.encode(stack)
 
 

@@ -112,7 +112,7 @@ render({**tinted, "alpha": checks}, "texture.png")
 # [end texture]
 
 # [nested]
-inner = {**milky, "alpha": 0.3, "ext_ior": 1.4, "int_ior": 1.6}
+inner = {**milky, "alpha": 0.3, "int_ior": 1.6}
 outer = {
     "type": "neural_layered",
     "alpha": 0.01,

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from urushi import checks
-from urushi.checks import DEFAULT_COAT, CoatParameters, Widths
+from urushi.checks import AIR, DEFAULT_COAT, CoatParameters, Widths
 from urushi.errors import ParameterError
 from urushi.walk.bottoms import MAKERS, Description, Rough, Value
 from urushi.walk.bottoms.bottom import store, store_alpha
@@ -145,11 +145,12 @@ def coat(
 
 def slab(
     alpha: npt.ArrayLike | None = None,
-    eta: npt.ArrayLike = DEFAULT_COAT.eta,
+    eta: npt.ArrayLike | None = None,
     albedo: npt.ArrayLike = DEFAULT_COAT.albedo,
     sigma_t: npt.ArrayLike = DEFAULT_COAT.sigma_t,
     g: npt.ArrayLike = DEFAULT_COAT.g,
     *,
+    ior: npt.ArrayLike | None = None,
     far: Dielectric | None = None,
     alpha_u: npt.ArrayLike | None = None,
     alpha_v: npt.ArrayLike | None = None,
@@ -159,21 +160,25 @@ def slab(
     It is `coat` over a `urushi.dielectric`; further coats may be put on it.
 
     Args:
-        alpha, eta, albedo, sigma_t, g, alpha_u, alpha_v: as of `coat`.
-        far: the interface between the medium and what lies beyond, `urushi.dielectric(alpha, eta)`
-            with the index beyond relative to the medium; by default of the same width, with the
-            medium above also beyond: 1 / eta.
+        alpha, ior, eta, albedo, sigma_t, g, alpha_u, alpha_v: as of `coat`.
+        far: the interface between the medium and what lies beyond, `urushi.dielectric(alpha, ior)`
+            with the index beyond, or `eta`, relative to the medium; by default of the same width,
+            with air beyond, or with `eta` the medium above.
 
     Raises:
         ParameterError: a value is out of range, or far is no dielectric.
     """
     width = checks.widths(alpha, alpha_u, alpha_v, "the slab's", DEFAULT_COAT.alpha)
+    ratio, ior = checks.eta_in_air(eta, ior, "the slab's")
+    top = Coat(width, ratio, albedo, sigma_t, g, ior)  # type: ignore[arg-type]
     if far is None:
-        far = Dielectric(width, 1 / checks.eta(eta, "the slab's eta"))  # type: ignore[arg-type]
+        beyond = None if ior is None else AIR
+        far = Dielectric(width, np.divide(1.0, top.eta), beyond)  # type: ignore[arg-type]
+    elif isinstance(far, Dielectric):
+        far = far.under(top.eta)
     if not isinstance(far, Dielectric):
         raise ParameterError(
             f"the far side of a slab is a {type(far).__name__}, not an interface; give "
             "urushi.dielectric(alpha, eta), or put a coat on an opaque bottom"
         )
-    top = Coat(width, eta, albedo, sigma_t, g)  # type: ignore[arg-type]
     return Stack((top,), far)

@@ -62,7 +62,7 @@ def test_the_plugin_is_the_walk(rgb, degrees):
     both = coat(bottom, **MEDIUM, **WIDTHS)
     check_walk(rgb, layered(rgb, metal(), **WIDTHS, **turn), both, degrees)
     three = coat(coat(bottom, 0.3, 1.2), alpha_u=0.2, alpha_v=0.5, **MEDIUM)
-    inner = {"type": "layered", "alpha": 0.3, "int_ior": 1.2, "ext_ior": 1.0, "base": metal()}
+    inner = {"type": "layered", "alpha": 0.3, "int_ior": 1.8, "base": metal()}
     check_walk(rgb, layered(rgb, inner, alpha_u=0.2, alpha_v=0.5, **turn), three, degrees)
 
 

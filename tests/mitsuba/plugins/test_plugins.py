@@ -113,7 +113,7 @@ def test_coats_agree_with_the_python_functions(rgb):
     """One coat and two, of shipped networks: the plugin agrees with `layer` over `encode`."""
     from urushi import dielectric, encode, layer
 
-    interface = dielectric(COAT["alpha"], COAT["int_ior"] / 1.000277)
+    interface = dielectric(COAT["alpha"], ior=COAT["int_ior"])
     medium = {name: COAT[name] for name in ("albedo", "sigma_t", "g")}
     plugin = rgb.load_dict(bottom())
     material = encode(plugin, refine=False)

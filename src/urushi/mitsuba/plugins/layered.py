@@ -30,7 +30,8 @@ def define(base: type) -> type:
                                              (Default: "bk7", 1.5046)
         ext_ior        float, string         Index outside; the ratio of both must be within 0.5 to
                                              3. Nearer to 1 than 0.001 it is 1, without a surface:
-                                             the coat is its medium. (Default: "air", 1.000277)
+                                             the coat is its medium. (Default: the ``int_ior`` of
+                                             the coat around this one, or else "air", 1.000277)
         albedo         spectrum, texture     Single-scattering albedo of the coat's medium, 0 to 1.
                                              (Default: 0)
         sigma_t        spectrum, texture     Its optical depth, 0 to 1e6: the coat has unit
@@ -38,11 +39,12 @@ def define(base: type) -> type:
         g              spectrum, texture     Asymmetry of its Henyey-Greenstein phase function,
                                              -1 to 1, both excluded. (Default: 0)
         (nested)       BSDF                  The bottom, under any name: any opaque BSDF that has
-                                             no perfectly smooth lobe; coats nest. Its values in
-                                             air are used, unchanged by the coat's index. Without
+                                             no perfectly smooth lobe; coats nest. The index of a
+                                             ``roughconductor`` becomes relative to the coat's;
+                                             others have the values that they have in air. Without
                                              it, coats are a slab, which transmits light.
-        eta            float                 The ratio int_ior / ext_ior; exposed by
-                                             ``mi.traverse``, not a property.
+        eta            float                 The ratio int_ior / ext_ior, or to air without ext_ior;
+                                             exposed by ``mi.traverse``, not a property.
         ============== ===================== ====================================================
 
         The parameters ``resolution``, ``weights`` and ``mipmaps`` of ``neural_layered`` are

@@ -178,7 +178,9 @@ def define(base: type) -> type:
             changed = not keys or "bottom" in keys
             if self._below is not self._bottom and {"eta", "int_ior"} & {*keys}:
                 changed = True
-            if changed and isinstance(self._below, Coatable):
+            if changed and isinstance(self._below, NeuralLayered):
+                self._below._update([])  # it has the bottom's textures
+            elif changed and isinstance(self._below, Coatable):
                 self._below, self._baker = below(self._bottom, self._coat), None
             self._bake(changed)
 

@@ -46,7 +46,7 @@ def _conductor_below(variant: str) -> type:
     """The class of conductors below a medium, in a variant."""
 
     class ConductorBelow(mi.BSDF):
-        """A `roughconductor` below the medium of a coat: its f times the ratio of two Fresnel terms.
+        """A `roughconductor` below a medium: its f times the ratio of two Fresnel terms.
 
         Attributes:
             conductor: the BSDF in air.
@@ -66,7 +66,8 @@ def _conductor_below(variant: str) -> type:
             eta, k = (self._textures[name].eval(si, active) for name in ("eta", "k"))
             index = self.coat.inside(si, active)
             air = fresnel.exact(cosine, eta, k)
-            return dr.select(air > 0, fresnel.exact(cosine, eta / index, k / index) / air, 0)
+            ratio = fresnel.exact(cosine, eta / index, k / index) / air
+            return mi.Spectrum(dr.select(air > 0, ratio, 0))
 
         def eval(self, ctx, si, wo, active=True):
             return self.conductor.eval(ctx, si, wo, active) * self._ratio(si, wo, active)

@@ -68,6 +68,8 @@ class CoatTextures:
         if not ext_ior > 0:
             raise ParameterError(f"{self.where}: ext_ior is {ext_ior:g}; it must be positive")
         self.outside = ext_ior / AIR
+        if abs(self.outside - 1) < checks.MIN_INDEX_STEP:  # vacuum is air
+            self.outside = 1.0
         if "int_ior" in props and props.type("int_ior") == mi.Properties.Type.Object:
             self.textures["int_ior"] = self._texture(props, "int_ior")
             self.opaque_eta = opaque(1 / ext_ior)

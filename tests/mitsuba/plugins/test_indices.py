@@ -1,0 +1,119 @@
+"""Absolute indices: of nested coats, and of conductors below them, in all forms."""
+
+import numpy as np
+import pytest
+
+import urushi
+from urushi.core import fresnel
+from urushi.core.namespace import NUMPY
+
+WI = np.array([[0.6, 0, 0.8]] * 3, np.float32)
+WO = np.array([[-0.6, 0, 0.8], [0, 0.6, 0.8], [-0.5, 0.1, np.sqrt(0.74)]], np.float32)
+GOLD = {"type": "roughconductor", "distribution": "ggx", "alpha": 0.2, "eta": 0.2, "k": 3.9}
+KINDS = "layered", "neural_layered"
+
+
+def values(mi, description: dict, walks: int = 1) -> tuple[np.ndarray, np.ndarray]:
+    """f [1/sr] of the pairs and its standard error."""
+    from urushi.mitsuba.reading import probing
+
+    wi, wo = (np.repeat(w, walks, axis=0) for w in (WI, WO))
+    uv = np.random.default_rng(0).random((len(wi), 2))
+    f = probing.bsdf_values(mi.load_dict(description), wi, wo, uv)[:, 0].reshape(3, walks)
+    return f.mean(axis=1), f.std(axis=1) / np.sqrt(walks)
+
+
+@pytest.mark.parametrize("base", [GOLD, {"type": "diffuse"}, GOLD | {"distribution": "beckmann"}])
+@pytest.mark.parametrize("inner", KINDS)
+@pytest.mark.parametrize("outer", KINDS)
+def test_a_coat_of_the_index_above_has_no_interface(rgb, outer, inner, base):
+    """Whatever its width. A walk of two coats has other random numbers; codes of walks are fitted,
+    within 5 % of those of the bottom."""
+    nested = {"type": inner, "alpha": 0.4, "int_ior": 1.5, "base": base}
+    walks = 1 << 14 if outer == "layered" else 1
+    one, se_one = values(rgb, {"type": outer, "int_ior": 1.5, "base": base}, walks)
+    two, se_two = values(rgb, {"type": outer, "int_ior": 1.5, "base": nested}, walks)
+    own = outer == inner
+    np.testing.assert_array_less(
+        np.abs(two - one), 4 * np.hypot(se_one, se_two) + one * (1e-5 if own else 0.05)
+    )
+
+
+def test_ext_ior_is_kept_where_it_is_given(rgb):
+    """An explicit air gap; and a textured index above, where it has the same value."""
+    for kind in KINDS:
+        inner = {"type": kind, "alpha": 0.3, "int_ior": 1.3, "base": GOLD}
+        outer = {"type": kind, "int_ior": 1.6}
+        derived, _ = values(rgb, outer | {"base": inner})
+        given, _ = values(rgb, outer | {"base": inner | {"ext_ior": 1.6}})
+        gap, _ = values(rgb, outer | {"base": inner | {"ext_ior": 1.0}})
+        np.testing.assert_allclose(derived, given, rtol=1e-4)
+        assert (np.abs(gap / derived - 1) > 0.01).any()
+    data = np.full((2, 2, 1), 1.6, np.float32)
+    data[0] = 1.4
+    texture = {"type": "bitmap", "bitmap": rgb.Bitmap(data), "raw": True, "filter_type": "nearest"}
+    plugin = rgb.load_dict(
+        {"type": "layered", "int_ior": texture, "base": inner | {"type": "layered"}}
+    )
+    from urushi.mitsuba.plugins.coats import CoatStack
+    from urushi.mitsuba.reading import probing
+
+    si = probing.interaction(WI[:2], np.array([[0.5, 0.25], [0.5, 0.75]]))
+    coats = CoatStack(plugin.coats, si, rgb.Bool(True))
+    ratios = coats._etas[1].numpy()
+    assert sorted(ratios) == pytest.approx([1.3 / 1.6, 1.3 / 1.4], rel=1e-5)
+
+
+def test_python_plugins_and_the_walk_agree(rgb):
+    """Two coats of other indices over gold: networks within 15 % of the walk at each pair, plugin
+    and Python, nested by hand, by file and by a new coat, to rounding."""
+    description = urushi.conductor(0.2, eta=0.2, k=3.9)
+    stack = urushi.coat(urushi.coat(description, 0.3, ior=1.7), ior=1.4)
+    assert stack.coats[1].eta == pytest.approx(1.7 / 1.4)
+    assert stack.bottom.k == pytest.approx(3.9 * 1.000277 / 1.7)
+    walk, _ = urushi.simulate(stack, WI, WO, walks=1 << 15, progress=False)
+    inner = {"type": "neural_layered", "alpha": 0.3, "int_ior": 1.7, "base": GOLD}
+    plugin, _ = values(rgb, {"type": "neural_layered", "int_ior": 1.4, "base": inner})
+    lower = urushi.layer(urushi.dielectric(0.3, ior=1.7), description)
+    material = urushi.layer(urushi.dielectric(ior=1.4), lower)
+    np.testing.assert_allclose(material.f(WI, WO)[:, 0], plugin, rtol=0.02)  # tables of the plugin
+    np.testing.assert_allclose(plugin, walk[:, 0], rtol=0.15)
+
+
+def test_files_remember_their_coats(tmp_path, rgb):
+    lower = urushi.layer(urushi.dielectric(0.3, ior=1.5), urushi.diffuse(0.5))
+    lower.save(tmp_path / "lower.safetensors")
+    read = urushi.load(tmp_path / "lower.safetensors")
+    assert read == lower
+    top = urushi.dielectric(0.1, ior=1.5)
+    once = urushi.layer(top, urushi.diffuse(0.5))
+    for bottom in (lower, read):
+        np.testing.assert_allclose(urushi.layer(top, bottom).latents, once.latents, atol=1e-6)
+    inner = {"type": "neural_brdf", "filename": str(tmp_path / "lower.safetensors")}
+    plugin = rgb.load_dict({"type": "neural_layered", "alpha": 0.1, "int_ior": 1.5, "base": inner})
+    codes = plugin.latents.at(np.zeros((1, 2)))[0]
+    np.testing.assert_allclose(codes[0], once.latents[0], atol=1e-5)
+
+
+def test_gold_under_varnish_is_the_closed_form(rgb):
+    """A smooth clear coat over smooth gold, at normal incidence: R + T^2 r / (1 - R r), of the
+    interface's R and the gold's r relative to the varnish (Airy's sum without interference)."""
+    eta, k, index = 0.143, 3.983, 1.5 / 1.000277
+    one = np.float64(1)
+    r = fresnel.exact(one, np.float64(eta / index), np.float64(k / index), NUMPY)
+    surface = fresnel.exact(one, np.float64(index), np.float64(0), NUMPY)
+    closed = surface + (1 - surface) ** 2 * r / (1 - surface * r)
+    stack = urushi.coat(urushi.conductor(0.01, eta=eta, k=k), 0.01, ior=1.5)
+    from urushi.walk.simulate import albedo
+
+    found, se = albedo(stack, np.array([[0.0, 0.0, 1.0]]), walks=1 << 16)
+    # The heavy tails of two surfaces of width 0.01 lose 0.1 %.
+    assert abs(found[0, 0] - closed) < 4 * se[0, 0] + 0.002
+
+
+def test_both_forms_of_an_index_are_refused():
+    for maker in (urushi.dielectric, lambda **given: urushi.coat(urushi.diffuse(0.5), **given)):
+        with pytest.raises(urushi.errors.ParameterError, match="ior and eta are both given"):
+            maker(eta=1.5, ior=1.5)
+    with pytest.raises(urushi.errors.ParameterError, match="ior is -1"):
+        urushi.dielectric(ior=-1)
