@@ -209,7 +209,7 @@ def eta_in_air(
             "ratio of this index to that of the medium above"
         )
     if ratio is not None:
-        return ratio, None
+        return eta(ratio, f"{where} eta"), None
     ior = _parameter(
         GLASS if ior is None else ior,
         f"{where} ior",

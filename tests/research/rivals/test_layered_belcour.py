@@ -43,7 +43,8 @@ def test_values_are_the_models(rgb, random_directions, kind):
     plugin = COAT | medium | {"alpha": 0.1, "sigma_t": rgb_value(*COLOURS), "base": nested}
     stack = urushi.coat(described, 0.1, 1.5, 0.6, COLOURS, 0.4)
     agree(values(rgb.load_dict(plugin), wi, wo), belcour.f(stack, wi, wo))
-    twice = COAT | {"alpha": 0.4, "int_ior": 0.8, "base": plugin}
+    below = plugin | {"int_ior": 1.2, "ext_ior": 0.8}
+    twice = COAT | {"alpha": 0.4, "int_ior": 0.8, "base": below}
     agree(values(rgb.load_dict(twice), wi, wo), belcour.f(urushi.coat(stack, 0.4, 0.8), wi, wo))
 
 

@@ -26,7 +26,8 @@ def test_values_are_the_models(rgb, random_directions):
     np.testing.assert_allclose(
         values(rgb.load_dict(plugin), wi, wo), weidlich.f(stack, wi, wo), rtol=1e-3, atol=1e-6
     )
-    twice = rgb.load_dict(COAT | {"alpha_u": 0.4, "alpha_v": 0.2, "int_ior": 0.8, "base": plugin})
+    below = plugin | {"int_ior": 1.2, "ext_ior": 0.8}
+    twice = rgb.load_dict(COAT | {"alpha_u": 0.4, "alpha_v": 0.2, "int_ior": 0.8, "base": below})
     stack = urushi.coat(stack, alpha_u=0.4, alpha_v=0.2, eta=0.8)
     np.testing.assert_allclose(
         values(twice, wi, wo), weidlich.f(stack, wi, wo), rtol=1e-3, atol=1e-6
