@@ -15,6 +15,7 @@ from urushi.core import fresnel
 from urushi.errors import ParameterError
 from urushi.mitsuba.latents import baking
 from urushi.mitsuba.plugins.coats import coats_at
+from urushi.mitsuba.reading.below import below
 from urushi.mitsuba.reading.parameters import CoatTextures, nested_bsdf
 from urushi.mitsuba.reading.surfaces import known_surface
 
@@ -41,7 +42,7 @@ class StackNumbers(NamedTuple):
 class DescribedBottom:
     """A `roughconductor` or a `diffuse` by its textures."""
 
-    DRJIT_STRUCT: ClassVar = {"_textures": dict}  # for frozen functions
+    DRJIT_STRUCT: ClassVar = {"_textures": dict, "_coat": object}  # for frozen functions
 
     def __init__(self, bsdf: "mi.BSDF", where: str, plugin: str):
         """Read the textures.
@@ -113,13 +114,14 @@ def define_described(base: type, plugin: str, label: str) -> type:
                     "instead of alpha_u and alpha_v, and no rotation"
                 )
             baking.check(self._coat)
-            below = isinstance(self._nested, DescribedBSDF)
-            self.coats = [self._coat, *(self._nested.coats if below else [])]
-            self.bottom = (
-                self._nested.bottom
-                if below
-                else DescribedBottom(self._nested, self._coat.where, plugin)
-            )
+            self.coats = [self._coat]
+            if isinstance(self._nested, DescribedBSDF):
+                own, *others = self._nested.coats
+                self.coats += [own.under(self._coat), *others]
+                self.bottom = self._nested.bottom
+            else:
+                nested = below(self._nested, self._coat)
+                self.bottom = DescribedBottom(nested, self._coat.where, plugin)
 
         def _stacks(self, si, active) -> list[StackNumbers]:
             """The stack at si for each channel of the variant's spectrum."""

@@ -145,8 +145,8 @@ def test_channels_of_different_widths_are_stacks_of_their_own() -> None:
     f = simulate(both, wi, wo, walks=256, seed=1, progress=False)[0]
     for channel in range(3):
         bottom = conductor(
-            eta=both.bottom.eta[channel],
-            k=both.bottom.k[channel],
+            eta=1.6 * both.bottom.eta[channel],  # in air
+            k=1.6 * both.bottom.k[channel],
             alpha_u=0.4,
             alpha_v=both.bottom.alpha_v[channel],
         )
