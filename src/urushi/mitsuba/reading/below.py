@@ -91,6 +91,9 @@ def _conductor_below(variant: str) -> type:
             else:
                 callback.put("ext_eta", self.coat.opaque_eta, differentiable)
 
+        def class_name(self):
+            return self.conductor.class_name()
+
         def to_string(self):
             return str(self.conductor)
 
