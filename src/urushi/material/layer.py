@@ -20,8 +20,7 @@ from urushi.nets import lobe as lobes
 from urushi.nets.decoder import MIN_LOG
 from urushi.nets.weights import Model, Weights, anisotropic_model, default_model
 from urushi.parallel import fill_blocks
-from urushi.walk import Dielectric, Stack
-from urushi.walk.bottoms import Description
+from urushi.walk import Dielectric
 from urushi.walk.stack import under as described_under
 
 #: Values of (eta - 1) / (eta + 1), of alpha and of sigma_t at which 1 - 1/e of a coat is present,
@@ -84,10 +83,7 @@ def layer(
             f"the top of a layering is a {type(top).__name__}; give the coat's interface, "
             "urushi.dielectric(alpha, ior=...)"
         )
-    known = isinstance(bottom, Material | Stack | Description)
-    below = under(bottom, top.eta) if known else bottom
-    below = _below(below, weights, refine, isinstance(top.alpha, Widths))
-    bottom = below if known else under(below, top.eta)  # a Mitsuba BSDF may be a conductor
+    bottom = _below(under(bottom, top.eta), weights, refine, isinstance(top.alpha, Widths))
     coat = CoatParameters(
         top.alpha.map(np.asarray) if isinstance(top.alpha, Widths) else np.asarray(top.alpha),
         np.asarray(top.eta),

@@ -47,9 +47,12 @@ def _on_variant(new: str, rooms: tuple[Room, ...]) -> None:
     if new.startswith("llvm"):
         platform.require_llvm()  # an old LLVM would crash when the first kernel is compiled
     from urushi.material.source import as_source
+    from urushi.mitsuba.reading.below import bsdf_under
     from urushi.mitsuba.reading.bsdf import bsdf_source
+    from urushi.walk.stack import under
 
     as_source.register(mi.BSDF, bsdf_source)  # for `urushi.encode`
+    under.register(mi.BSDF, bsdf_under)  # for `urushi.layer`
     made: dict[str, Any] = {}
     if supported(new):
         from urushi.mitsuba.plugins.base import define_proposal_bsdf

@@ -5,6 +5,8 @@ from typing import Any, Protocol, runtime_checkable
 
 import drjit as dr
 import mitsuba as mi
+import numpy as np
+import numpy.typing as npt
 
 from urushi.core import fresnel
 from urushi.mitsuba.reading.grid import nested_objects
@@ -19,8 +21,27 @@ class Coatable(Protocol):
         """The BSDF below the medium of a coat, of the same textures."""
 
 
-def below(bsdf: "mi.BSDF", coat: CoatTextures) -> "mi.BSDF":
-    """A BSDF as it reflects below the medium of a coat.
+class Medium:
+    """A medium of a constant index relative to air, in place of the coat that contains it."""
+
+    has_textured_eta = False
+
+    def __init__(self, index: npt.ArrayLike):
+        """index: a number, or one per channel."""
+        self.opaque_eta = (mi.Float if np.ndim(index) == 0 else mi.Spectrum)(index)
+
+    def inside(self, si, active=True) -> Any:
+        """See `CoatTextures.inside`."""
+        return self.opaque_eta
+
+
+def bsdf_under(bsdf: "mi.BSDF", index: npt.ArrayLike) -> "mi.BSDF":
+    """A BSDF below a medium; see `urushi.walk.stack.under`."""
+    return below(bsdf, Medium(index))
+
+
+def below(bsdf: "mi.BSDF", coat: Any) -> "mi.BSDF":
+    """A BSDF as it reflects below the medium of a coat, `CoatTextures` or a `Medium`.
 
     Coats without `ext_ior`, and saved materials that were layered, keep their absolute indices. The
     index of a `roughconductor` is divided by that of the medium, relative to air. All others, such

@@ -81,7 +81,9 @@ class KnownSurface(NamedTuple):
         names = ("specular_reflectance", "eta", "k")
         found = []
         above = mi.Float(1) if self.coat is None else self.coat.inside(si)
-        for reflectance, eta, k in zip(*(self._channels(x, si) for x in names), strict=True):
+        columns = [self._channels(x, si) for x in names]
+        indices = list(above) if dr.depth_v(above) > 1 else [above] * len(columns[0])
+        for reflectance, eta, k, above in zip(*columns, indices, strict=True):
             # Mitsuba's metal "none" has the index 0 and reflects all light.
             exact = eta > 0
             schlick = dr.select(exact, 0, reflectance)
