@@ -1,5 +1,7 @@
 """The base class of the plugins that coat any BSDF: they differ in the model of the stack."""
 
+from typing import Any
+
 import drjit as dr
 import mitsuba as mi
 
@@ -65,7 +67,7 @@ def define_coated(base: type, label: str, *, widened: bool) -> type:
         def _prepare(self):
             """Check the parameters, flatten nested coats, and estimate the bottom's lobes."""
             baking.check(self._coat)
-            nested = None if self._nested is None else below(self._nested, self._coat)
+            nested: Any = None if self._nested is None else below(self._nested, self._coat)
             coated = isinstance(nested, CoatedBSDF)
             self.coats = [self._coat, *(nested.coats if coated else [])]
             self.bottom = nested.bottom if coated else nested
