@@ -79,7 +79,7 @@ def estimate(
     Args:
         lowest: the interface under the coats.
         wi, wo: unit directions on either side.
-        coats, rng, color, active: as of `walk.estimate`.
+        coats, rng, color, active: as of `urushi.walk.walk.estimate`.
     """
     turned = wo.z < 0
     wi, wo = (dr.select(turned, flip(w), w) for w in (wi, wo))
