@@ -37,7 +37,8 @@ def saved(rgb, networks, tmp_path, mipmaps):
     path = tmp_path / "coat.safetensors"
     shear = rgb.ScalarTransform3f(np.float32([[1.5, 0.25, 0.1], [-0.5, 2.2, 0.3], [0, 0, 1]]))
     coat = described(rgb, networks, to_uv=shear, wrap_mode="mirror")
-    bsdf = rgb.load_dict(coat | {"mipmaps": mipmaps})
+    # A file keeps its ratios: a coat of the plugin does, too, where `ext_ior` is given.
+    bsdf = rgb.load_dict(coat | {"mipmaps": mipmaps, "ext_ior": "air"})
     bsdf.save(path)
     return bsdf, path
 
