@@ -27,7 +27,7 @@ from urushi.nets.weights import Model
 from urushi.parallel import fill_blocks
 
 #: Least reflectance of the diffuse surface at whose code the encoder is differentiated.
-LEAST_REFLECTANCE = 0.01
+LEAST_REFLECTANCE = 0.02
 
 #: Least 1 - albedo and least sigma_t at which the derivatives by the medium of a coat are taken: at
 #: the ends of both ranges, the networks' slopes are farther from those of light transport.
