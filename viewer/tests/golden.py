@@ -123,6 +123,9 @@ def material_of(stack: dict[str, Any], model: weights.Model) -> Material:
     A diffuse surface is not refined: the page does not refine.
     """
     numbers = dict(stack["bottom"])
+    if "k" in numbers:  # the page's conductors are relative to the medium above them
+        above = np.prod([coat["eta"] for coat in stack["coats"]])
+        numbers |= {name: above * np.asarray(numbers[name]) for name in ("eta", "k")}
     others = {key: value for key, value in numbers.items() if "alpha" not in key and key != "kind"}
     surface = getattr(urushi, numbers["kind"])(**widths_of(numbers), **others)
     material = urushi.encode(surface, model, refine=False)
