@@ -80,7 +80,7 @@ SLOPES = {
     "black principled": (principled, 0.0, "base_color.value", (0, 0.02), 0.15),
     "plastic": (plastic, 0.5, "diffuse_reflectance.value", (0.05, 0.05), 0.02),
     "absent coat": (absent, 0.5, "base_color.value", (0.02, 0.02), 0.03),
-    "sharp gold": (gold, 0.01, "bottom.alpha.value", (0, 0.002), 0.1),
+    "sharp gold": (gold, 0.01, "bottom.alpha.value", (0, 0.002), 0.12),
     "rough gold": (gold, 1.0, "bottom.alpha.value", (0.05, 0), 0.15),
     "openpbr": (openpbr, 0.5, "base_color.value", (0.05, 0.05), 0.06),
     # f is a table by light transport, and its derivative that of the table.
