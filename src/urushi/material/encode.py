@@ -94,8 +94,8 @@ def encode(
             values are closer to the given ones, instead of two quick correction steps (see
             `urushi.material.fit`). None: for measured BRDFs, for a Stack, and for any source whose
             residual exceeds `UNUSUAL_RESIDUAL`. The code of a Stack is fitted to walks, 2.6 M for
-            each channel (see `urushi.material.simulated`); it is twice as close as the code of
-            `layer`.
+            each channel (see `urushi.material.simulated`); in the mean it is closer than the code
+            of `layer`.
         table: whether the material also gets a table of f over directions (see
             `urushi.material.table`), which is used to evaluate and render it. It costs as much as
             the codes and is far more accurate for unusual BRDFs. Textures use the codes. The source
