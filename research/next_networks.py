@@ -2,12 +2,16 @@
 
     python -m research.next_networks data 0.06 out/trial   simulate training data and test stacks
     python -m research.next_networks train FORM out/trial --steps 3072
+    python -m research.next_networks measure WEIGHTS out/trial
 
 A form (`FORMS`) says what is trained. A code has the numbers of the topmost lobe, three of an inner
 lobe, one gain for each output of the decoder, and the other numbers. The inner lobe is the bottom's
 as it is seen through the coats, in closed form (`through`, `inner_f`); the decoder multiplies it by
 a factor and adds the rest. Where `terms` is set, the other numbers of a code are the offsets and
 factors of the decoder's first layer themselves, so that no product turns a code into terms.
+
+The last command measures complete networks, a file or the name of shipped ones, on the test stacks:
+their codes as they are, and with the limits of energy that `layer` has.
 
 Every 1,024 steps a line gives E in per cent (mean / median / 95th percentile) of test stacks that
 were drawn with another seed, with the noise of their 2,048 walks.
@@ -29,13 +33,16 @@ import numpy as np
 from urushi.checks import CoatParameters
 from urushi.core import error_metrics
 from urushi.core.probe_pairs import PROBES, probe_pairs
+from urushi.material.layer import layer_texels
 from urushi.nets import lobe as lobes
+from urushi.nets import weights
 from urushi.nets.architecture import Architecture
 from urushi.nets.encoder import encode, input_statistics
 from urushi.nets.features import COAT_FEATURES, DIRECTION_TABLE, coat_features, direction_features
 from urushi.nets.lobe import LOBE_FEATURES, lobe_features, of_coat
 from urushi.nets.mlp import activate, hidden_to_output, linear, product, split_linear
-from urushi.train import examples
+from urushi.nets.weights import Model
+from urushi.train import examples, losses
 from urushi.train.bottoms import bottom_lobes
 from urushi.train.data.distribution import Extended, Practical
 from urushi.train.data.generate import generate
@@ -343,14 +350,55 @@ def train(form: Form, folder: Path, steps: int, rate: float, seed: int) -> None:
                 print(f"  {name:18} {100 * errors.mean():.2f} {100 * median:.2f} {100 * p95:.1f}")
 
 
+def measure(model: Model, folder: Path) -> None:
+    """Print E of the test stacks, layered without limits of energy and with them.
+
+    The mean error that the noise of the walks causes is subtracted in squares, stack by stack.
+    """
+    groups: dict[str, list[np.ndarray]] = {}
+    checks = Store.open(folder / "tests.zarr")
+    for part in checks.spec.parts:
+        name, kind, count = part.name.split("-")
+        if name == "validation":
+            continue
+        arrays = checks.read(part)
+        coats = [coat.T for coat in np.moveaxis(arrays["coats"], 1, 0)[::-1]]
+        bottoms = losses.encoded(
+            model.params, model.arch, *examples.encoder_inputs(part, arrays, model.arch)
+        )
+        free = limited = np.asarray(bottoms)
+        for coat in coats:
+            columns = CoatParameters.of_columns(coat)
+            free = model.networks.layer(free, columns)
+            limited = layer_texels(model, limited, **columns._asdict())
+        wi, wo, f = arrays["wi"], arrays["wo"], arrays["f"]
+        weight = error_metrics.energy_weight(wi[..., 2], wo[..., 2])
+        energy = (f * weight).sum(axis=-1)
+        noise = math.sqrt(2 / math.pi) * (arrays["se"] * weight).sum(axis=-1) / energy
+        errors = [
+            (np.abs(model.networks.f(z[:, None], wi, wo) - f) * weight).sum(axis=-1) / energy
+            for z in (free, limited)
+        ]
+        found = np.sqrt(np.maximum(np.square(errors) - noise**2, 0))
+        for group in (f"{name} {count}", f"{name} {count} {kind}"):
+            groups.setdefault(group, []).append(found)
+    for group in sorted(groups):
+        found = 100 * np.concatenate(groups[group], axis=-1)
+        median, p95 = np.percentile(found, (50, 95), axis=-1)
+        numbers = zip(found.mean(axis=-1), median, p95, strict=True)
+        print(f"{group:32}", *(f"{a:6.2f} {b:6.2f} {c:6.1f}" for a, b, c in numbers))
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     commands = parser.add_subparsers(dest="command", required=True)
     of_data = commands.add_parser("data")
     of_data.add_argument("share", type=float, help="of the numbers of stacks in a full training")
+    of_networks = commands.add_parser("measure")
+    of_networks.add_argument("weights")
     of_training = commands.add_parser("train")
     of_training.add_argument("form", choices=FORMS)
-    for command in (of_data, of_training):
+    for command in (of_data, of_networks, of_training):
         command.add_argument("folder", type=Path)
     of_training.add_argument("--steps", type=int, default=3072)
     of_training.add_argument("--rate", type=float, default=0.016)
@@ -360,6 +408,8 @@ def main() -> None:
         given.folder.mkdir(parents=True, exist_ok=True)
         generate(data(given.share), given.folder / "data.zarr")
         generate(tests(), given.folder / "tests.zarr")
+    elif given.command == "measure":
+        measure(weights.find(given.weights), given.folder)
     else:
         train(FORMS[given.form], given.folder, given.steps, given.rate, given.seed)
 
