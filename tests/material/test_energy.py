@@ -222,7 +222,7 @@ def test_channels_are_limited_apart(gaining):
 
 
 def test_a_source_that_gains_energy_keeps_its_own_albedo(trained):
-    """Without values to measure the source's albedo, the ceiling is 1, as it is under a coat."""
+    """Where its albedo is not known, and under a coat, the ceiling is 1."""
 
     def bright(wi, wo):
         return np.full(len(wi), 1.2 / np.pi)

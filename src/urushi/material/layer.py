@@ -52,11 +52,11 @@ def layer(
         top: the coat's interface, from `urushi.dielectric(alpha, ior=...)`, isotropic or
             anisotropic. A relative index of 1 is no interface: the coat is its medium.
         bottom: a Material, or anything that `encode` accepts; coats nest, and keep the indices that
-            they were given as `ior` (see `under`). All layers share one
-            tangent: a bottom that was `rotated` cannot get an anisotropic coat. If the bottom has a
-            table, such as a measured BRDF, or the medium is outside the networks' training data,
-            light transport is computed without networks (see `urushi.material.coated_table`), and
-            the result has a table too; this takes a second. Anisotropic materials have no tables.
+            they were given as `ior` (see `under`). All layers share one tangent: a bottom that was
+            `rotated` cannot get an anisotropic coat. If the bottom has a table, such as a measured
+            BRDF, or the medium is outside the networks' training data, light transport is computed
+            without networks (see `urushi.material.coated_table`), and the result has a table too;
+            this takes a second. Anisotropic materials have no tables.
         albedo: single-scattering albedo of the medium in [0, 1].
         sigma_t: its optical depth in [0, 1e6].
         g: its Henyey-Greenstein asymmetry in (-1, 1); in tables, less than -0.95 is -0.95.
