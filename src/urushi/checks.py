@@ -265,6 +265,18 @@ def reflectance(
     )
 
 
+def share(value: npt.ArrayLike, where: str, *, any_shape: bool = False) -> np.ndarray:
+    """Check shares in [0, 1]."""
+    return _parameter(value, where, lambda x: (x >= 0) & (x <= 1), "in [0, 1]", any_shape)
+
+
+def thickness(value: npt.ArrayLike, where: str, *, any_shape: bool = False) -> np.ndarray:
+    """Check thicknesses of coats, zero or more: one number, () or of any shape."""
+    if not any_shape and np.ndim(value):
+        raise ParameterError(f"{where} must be one number, which all channels share")
+    return nonnegative(value, where, any_shape=any_shape)
+
+
 def nonnegative(value: npt.ArrayLike, where: str, *, any_shape: bool = False) -> np.ndarray:
     """Check numbers that are zero or more."""
     return _parameter(value, where, lambda x: x >= 0, "zero or more", any_shape)

@@ -61,14 +61,6 @@ def test_interface_indices_are_in_their_range():
     )
 
 
-def test_coat_color_is_the_square_of_the_transmittance():
-    color = np.array([1.0, 0.25, 0.01])
-    sigma_t = formulas.optical_depth(color)
-    assert np.allclose(np.exp(-2 * sigma_t), color)
-    assert not np.signbit(sigma_t).any()
-    assert np.isfinite(formulas.optical_depth(0.0))
-
-
 def test_f82_is_tinted_at_82_degrees_and_mean_is_its_integral():
     f0, tint = 0.6, 0.3
     schlick = f0 + (1 - f0) * (1 - fresnel.EDGE_COSINE) ** 5

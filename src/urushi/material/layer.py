@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from urushi import checks
 from urushi.checks import CoatParameters, Widths
+from urushi.core.appearance import described
 from urushi.errors import ParameterError
 from urushi.material.blend import blend_codes
 from urushi.material.coated_table import coated_table
@@ -40,9 +41,13 @@ def layer(
     top: Dielectric,
     bottom: Any,
     *,
-    albedo: npt.ArrayLike = checks.DEFAULT_COAT.albedo,
-    sigma_t: npt.ArrayLike = checks.DEFAULT_COAT.sigma_t,
+    albedo: npt.ArrayLike | None = None,
+    sigma_t: npt.ArrayLike | None = None,
     g: npt.ArrayLike = checks.DEFAULT_COAT.g,
+    color: npt.ArrayLike | None = None,
+    body: npt.ArrayLike | None = None,
+    body_color: npt.ArrayLike | None = None,
+    thickness: float = 1.0,
     weights: Weights | None = None,
     refine: bool | None = None,
 ) -> Material:
@@ -57,12 +62,11 @@ def layer(
             BRDF, or the medium is outside the networks' training data, light transport is computed
             without networks (see `urushi.material.coated_table`), and the result has a table too;
             this takes a second. Anisotropic materials have no tables.
-        albedo: single-scattering albedo of the medium in [0, 1].
-        sigma_t: its optical depth in [0, 1e6].
-        g: its Henyey-Greenstein asymmetry in (-1, 1); in tables, less than -0.95 is -0.95.
+        albedo, sigma_t, g, color, body, body_color, thickness: of the medium, as in `urushi.coat`;
+            in tables, a g of less than -0.95 is -0.95.
         weights, refine: as in `encode`, for a bottom that is not a Material.
 
-    Every parameter is a scalar or one value per RGB channel.
+    Every parameter but the thickness is a scalar or one value per RGB channel.
 
     Returns:
         A Material of the bottom's channels, or of three if the bottom has one and a parameter has
@@ -87,8 +91,16 @@ def layer(
     coat = CoatParameters(
         top.alpha.map(np.asarray) if isinstance(top.alpha, Widths) else np.asarray(top.alpha),
         np.asarray(top.eta),
-        checks.albedo(albedo, "the coat's albedo"),
-        checks.sigma_t(sigma_t, "the coat's sigma_t"),
+        *described(
+            "the coat's",
+            g=g,
+            thickness=thickness,
+            albedo=albedo,
+            sigma_t=sigma_t,
+            color=color,
+            body=body,
+            body_color=body_color,
+        ),
         checks.g(g, "the coat's g"),
     )
     if bottom.channels not in (1, 3):

@@ -14,6 +14,7 @@ import mitsuba as mi
 import numpy as np
 
 from urushi.core import fresnel
+from urushi.core.appearance import optical_depth
 from urushi.core.namespace import DRJIT
 from urushi.material import adding, energy
 from urushi.material.albedo_rule import albedo_rule
@@ -125,10 +126,7 @@ class Compensation:
             loss = self._coat.vertex(si, active)
         tint, below, metal_below = [], (), ()
         if self._tinted:
-            tint = [
-                0.5
-                * dr.log(dr.maximum(inputs.color("coat_color", si, active), formulas.LEAST_COLOR))
-            ]
+            tint = [-optical_depth(inputs.color("coat_color", si, active), DRJIT)]
         if not self._only_metal:
             below = formulas.promised(color, internal)
         if not self._only_dielectric:

@@ -6,11 +6,11 @@ functions take NumPy or Dr.Jit arrays; `xp` has their functions.
 3.1    microfacet widths           `widths`, `lobe_widths`, `lobe_width`, `is_mirror`
 3.2    index of the base           `relative_index`, `modulated_index`, `base_index`
 3.2.2  glossy-diffuse base         `internal_reflectance`, `slab_albedo`, `promised`
-3.4    coat: medium and darkening  `optical_depth`, `mean_fresnel`, `boost`
+3.4    darkening of the coat       `mean_fresnel`, `boost`
 3.5    fuzz                        `fuzz_albedo`, `fuzz_density`
 
-The Fresnel terms are in `urushi.core` (`fresnel`, `metal`), the diffuse slab is
-`urushi.core.eon`, and section 3.3 is in `thin_film`.
+The Fresnel terms are in `urushi.core` (`fresnel`, `metal`), as is the coat's medium (`appearance`);
+the diffuse slab is `urushi.core.eon`, and section 3.3 is in `thin_film`.
 """
 
 import math
@@ -21,9 +21,6 @@ from urushi.core.namespace import NUMPY, Namespace
 
 #: Least index of refraction of a medium.
 LEAST_INDEX = 0.1
-
-#: Least coat_color: its optical depth is 6.9, from which nothing returns.
-LEAST_COLOR = 1e-6
 
 #: Least fuzz_roughness that the fits of the fuzz cover.
 LEAST_FUZZ_ROUGHNESS = 0.01
@@ -145,18 +142,6 @@ def promised(rho: Any, internal: Any) -> Any:
 
 
 # 3.4 Coat
-
-
-def optical_depth(coat_color: Any, xp: Namespace = NUMPY) -> Any:
-    """The optical depth of the coat, which absorbs and does not scatter.
-
-    coat_color is the square of the transmittance at normal incidence, exp(-2 sigma_t); values
-    below `LEAST_COLOR` count as `LEAST_COLOR`.
-
-    Returns:
-        sigma_t, zero or more, of the same shape; 0.0 where the colour is one.
-    """
-    return xp.absolute(0.5 * xp.log(xp.clip(coat_color, LEAST_COLOR, 1)))
 
 
 class Base(NamedTuple):

@@ -18,6 +18,7 @@ import numpy as np
 
 from urushi.checks import Widths
 from urushi.core import fresnel, microfacet
+from urushi.core.appearance import optical_depth
 from urushi.core.namespace import DRJIT
 from urushi.openpbr_surface import formulas
 from urushi.openpbr_surface.film import FilmFresnel
@@ -214,7 +215,7 @@ class Base:
 
 def absorbed(inputs: Inputs, f, si, wo, active):
     """f [1/sr] under the medium (3.4.2) of a coat of index one, which has no interface."""
-    depth = formulas.optical_depth(inputs.color("coat_color", si, active), DRJIT)
+    depth = optical_depth(inputs.color("coat_color", si, active), DRJIT)
     passed = dr.exp(-depth * (1 / si.wi.z + 1 / wo.z))
     return f * dr.lerp(mi.Spectrum(1), passed, inputs.number("coat_weight", si, active))
 

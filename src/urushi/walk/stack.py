@@ -14,10 +14,11 @@ import numpy.typing as npt
 
 from urushi import checks
 from urushi.checks import AIR, DEFAULT_COAT, CoatParameters, Widths
+from urushi.core.appearance import described
 from urushi.errors import ParameterError
 from urushi.walk.bottoms import MAKERS, Description, Rough, Value
 from urushi.walk.bottoms.bottom import store, store_alpha
-from urushi.walk.bottoms.dielectric import Dielectric
+from urushi.walk.bottoms.dielectric import Dielectric, dielectric
 
 
 @dataclass(frozen=True)
@@ -107,13 +108,17 @@ def coat(
     bottom: BottomDescription,
     alpha: npt.ArrayLike | None = None,
     eta: npt.ArrayLike | None = None,
-    albedo: npt.ArrayLike = DEFAULT_COAT.albedo,
-    sigma_t: npt.ArrayLike = DEFAULT_COAT.sigma_t,
+    albedo: npt.ArrayLike | None = None,
+    sigma_t: npt.ArrayLike | None = None,
     g: npt.ArrayLike = DEFAULT_COAT.g,
     *,
     ior: npt.ArrayLike | None = None,
     alpha_u: npt.ArrayLike | None = None,
     alpha_v: npt.ArrayLike | None = None,
+    color: npt.ArrayLike | None = None,
+    body: npt.ArrayLike | None = None,
+    body_color: npt.ArrayLike | None = None,
+    thickness: float = 1.0,
 ) -> Stack:
     """Put a coat on `bottom`; coating a Stack adds the coat on top of its coats.
 
@@ -130,17 +135,30 @@ def coat(
             medium above is air, 1.000277, or the next coat. The ratio of both must be in [0.5, 3];
             nearer to 1 than 0.001 it is 1: there is no interface, whatever its width.
         eta: in place of ior, this ratio, whatever the medium above.
-        albedo: single-scattering albedo of the medium below it in [0, 1].
-        sigma_t: optical depth of that medium in [0, 1e6].
+        albedo: single-scattering albedo of the medium below it in [0, 1], by default 0.
+        sigma_t: optical depth of that medium in [0, 1e6], by default 0.
         g: its Henyey-Greenstein asymmetry in (-1, 1).
+        color: in place of albedo and sigma_t, the colour of a clear coat in [0, 1]: what it
+            transmits twice at normal incidence, at thickness 1; below 1e-6 it is 1e-6.
+        body: with or without color, the opacity of pigment in [0, 1]: the share of diffuse light
+            that a white pigment keeps from passing, at thickness 1; above 0.99 it is 0.99. By
+            default 1 with body_color, otherwise 0.
+        body_color: diffuse reflectance of the pigment in [0, 1] where it is opaque, by default
+            0.8. `urushi.core.appearance` has the equations.
+        thickness: factor of the optical depth, zero or more.
 
     Raises:
         ParameterError: a value is out of range, `bottom` is not a BRDF, alpha is given together
-            with alpha_u or alpha_v, or only one of these is given, or eta together with ior.
+            with alpha_u or alpha_v, or only one of these is given, or eta together with ior, or
+            color or body together with albedo or sigma_t.
     """
     width = checks.widths(alpha, alpha_u, alpha_v, "the coat's", DEFAULT_COAT.alpha)
     ratio, ior = checks.eta_in_air(eta, ior, "the coat's")
-    top = Coat(width, ratio, albedo, sigma_t, g, ior)  # type: ignore[arg-type]
+    look = {"color": color, "body": body, "body_color": body_color}
+    medium = described(
+        "the coat's", g=g, thickness=thickness, albedo=albedo, sigma_t=sigma_t, **look
+    )
+    top = Coat(width, ratio, *medium, g, ior)  # type: ignore[arg-type]
     bottom = under(bottom, top.eta)
     if isinstance(bottom, Stack):
         return Stack((top, *bottom.coats), bottom.bottom)
@@ -150,39 +168,51 @@ def coat(
 def slab(
     alpha: npt.ArrayLike | None = None,
     eta: npt.ArrayLike | None = None,
-    albedo: npt.ArrayLike = DEFAULT_COAT.albedo,
-    sigma_t: npt.ArrayLike = DEFAULT_COAT.sigma_t,
+    albedo: npt.ArrayLike | None = None,
+    sigma_t: npt.ArrayLike | None = None,
     g: npt.ArrayLike = DEFAULT_COAT.g,
     *,
     ior: npt.ArrayLike | None = None,
     far: Dielectric | None = None,
     alpha_u: npt.ArrayLike | None = None,
     alpha_v: npt.ArrayLike | None = None,
+    color: npt.ArrayLike | None = None,
+    body: npt.ArrayLike | None = None,
+    body_color: npt.ArrayLike | None = None,
+    thickness: float = 1.0,
 ) -> Stack:
     """Describe a layer that transmits light: a coat over its own lower interface.
 
     It is `coat` over a `urushi.dielectric`; further coats may be put on it.
 
     Args:
-        alpha, ior, eta, albedo, sigma_t, g, alpha_u, alpha_v: as of `coat`.
         far: the interface between the medium and what lies beyond, `urushi.dielectric(alpha, ior)`
             with the index beyond, or `eta`, relative to the medium; by default of the same width,
             with air beyond, or with `eta` the medium above.
 
+    The other arguments are those of `coat`.
+
     Raises:
         ParameterError: a value is out of range, or far is no dielectric.
     """
-    width = checks.widths(alpha, alpha_u, alpha_v, "the slab's", DEFAULT_COAT.alpha)
-    ratio, ior = checks.eta_in_air(eta, ior, "the slab's")
-    top = Coat(width, ratio, albedo, sigma_t, g, ior)  # type: ignore[arg-type]
     if far is None:
-        beyond = None if ior is None else AIR
-        far = Dielectric(width, np.divide(1.0, top.eta), beyond)  # type: ignore[arg-type]
-    elif isinstance(far, Dielectric):
-        far = far.under(top.eta)
-    if not isinstance(far, Dielectric):
+        beyond = None if eta is None else np.divide(1.0, checks.eta(eta, "the slab's eta"))
+        far = dielectric(
+            alpha, beyond, ior=AIR if eta is None else None, alpha_u=alpha_u, alpha_v=alpha_v
+        )
+    elif not isinstance(far, Dielectric):
         raise ParameterError(
             f"the far side of a slab is a {type(far).__name__}, not an interface; give "
             "urushi.dielectric(alpha, eta), or put a coat on an opaque bottom"
         )
-    return Stack((top,), far)
+    return coat(
+        far,
+        *(alpha, eta, albedo, sigma_t, g),
+        ior=ior,
+        alpha_u=alpha_u,
+        alpha_v=alpha_v,
+        color=color,
+        body=body,
+        body_color=body_color,
+        thickness=thickness,
+    )

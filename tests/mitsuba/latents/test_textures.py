@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from urushi.core.appearance import LOOK
 from urushi.core.half_vector import rotated
 from urushi.errors import UrushiWarning
 from urushi.material.encode import encoder_codes
@@ -29,7 +30,8 @@ def bitmap(mi, pixels, **properties) -> dict:
 def load(mi, name, networks, **properties):
     extra = {} if name == "layered" else {"weights": str(networks)}
     base = {"type": "diffuse", "reflectance": 0.5}
-    return mi.load_dict({"type": name, "base": base, **extra, **COAT, **properties})
+    coat = COAT if not LOOK.keys() & properties.keys() else {"alpha": 0.2, "g": 0.3}
+    return mi.load_dict({"type": name, "base": base, **extra, **coat, **properties})
 
 
 def mean_and_error(mi, bsdf, uv, count: int = 1 << 14) -> tuple[np.ndarray, np.ndarray]:
@@ -46,7 +48,10 @@ def mean_and_error(mi, bsdf, uv, count: int = 1 << 14) -> tuple[np.ndarray, np.n
 
 
 @pytest.mark.parametrize("name", ("layered", "neural_layered"))
-@pytest.mark.parametrize("parameter", ("alpha", "albedo", "sigma_t", "g", "int_ior"))
+@pytest.mark.parametrize(
+    "parameter",
+    ("alpha", "albedo", "sigma_t", "g", "int_ior", "thickness", "color", "body", "body_color"),
+)
 def test_every_texel_is_layered_with_its_own_parameters(rgb, networks, name, parameter):
     values = np.float32([[0.2, 0.4, 0.6], [0.5, 0.9, 0.3]]) + (parameter == "int_ior")
     textured = load(

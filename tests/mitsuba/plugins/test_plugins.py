@@ -124,6 +124,60 @@ def test_coats_agree_with_the_python_functions(rgb):
         np.testing.assert_allclose(codes, material.latents, rtol=1e-3, atol=1e-4)
 
 
+LOOK = {"color": [0.9, 0.5, 0.2], "body": 0.4, "body_color": [0.3, 0.6, 0.8], "thickness": 1.5}
+
+
+def with_look(name: str, **changes) -> dict:
+    """A plugin whose medium is given by its appearance, over a Lambertian bottom."""
+    values = {**LOOK, **changes}
+    rgb = {k: {"type": "rgb", "value": v} for k, v in values.items() if isinstance(v, list)}
+    return {"type": name, "alpha": 0.2, "g": 0.3, **values, **rgb, "base": {"type": "diffuse"}}
+
+
+@pytest.mark.parametrize("name", ("layered", "neural_layered"))
+def test_appearances_are_those_of_python(rgb, name):
+    """The same media by color, body and thickness, and by the albedo and sigma_t of `coat`."""
+    from urushi import coat, diffuse
+
+    plugin = rgb.load_dict(with_look(name))
+    (described,) = coat(diffuse(0.5), g=0.3, **LOOK).coats
+    medium = {
+        n: {"type": "rgb", "value": list(getattr(described, n))} for n in ("albedo", "sigma_t")
+    }
+    physical = {"type": name, "alpha": 0.2, "g": 0.3, **medium, "base": {"type": "diffuse"}}
+    a, b = (evaluate(x, count=4096) for x in (plugin, rgb.load_dict(physical)))
+    # The same random numbers, but walks may end at another event where an optical depth is rounded.
+    np.testing.assert_allclose(a.mean(axis=0), b.mean(axis=0), rtol=2e-3)
+    parameters = rgb.traverse(plugin)
+    parameters["thickness.value"] = 0.5
+    parameters.update()
+    thinner = rgb.load_dict(with_look(name, thickness=0.5))
+    np.testing.assert_allclose(evaluate(plugin), evaluate(thinner), rtol=1e-5)
+
+
+@pytest.mark.parametrize("name", ("color.value", "body.value", "thickness.value"))
+def test_derivatives_by_the_appearance_are_differences(rgb, name):
+    """Of the networks' f, by a central difference of 2 %."""
+    plugin = rgb.load_dict(with_look("neural_layered"))
+    parameters = rgb.traverse(plugin)
+    value = type(parameters[name])(parameters[name])
+
+    def f(scale) -> "rgb.Float":
+        parameters[name] = value * scale
+        parameters.update()
+        si = dr.zeros(rgb.SurfaceInteraction3f)
+        si.wi = rgb.Vector3f(0.6, 0, 0.8)
+        return dr.mean(plugin.eval(rgb.BSDFContext(), si, rgb.Vector3f(0, 0.6, 0.8)))
+
+    scale = rgb.Float(1)
+    dr.enable_grad(scale)
+    result = f(scale)
+    dr.set_grad(scale, 1)
+    derivative = dr.forward_to(result).numpy()
+    difference = (f(1.02).numpy() - f(0.98).numpy()) / 0.04
+    np.testing.assert_allclose(derivative, difference, rtol=0.05)
+
+
 def test_a_saved_material_is_coated_over_its_anchors(rgb, saved, networks, model, tmp_path):
     """After an edit of its codes the coat lies over the edited codes."""
     from urushi.material import layer, load

@@ -45,10 +45,20 @@ class Layer:
     theirs."""
     eta: tuple[float, ...] | None = None
     """In place of --ior: its ratio to the index of the medium above, in [0.5, 3]."""
-    albedo: tuple[float, ...] = (DEFAULT_COAT.albedo,)
-    """Single-scattering albedo of the medium inside the coat, in [0, 1]."""
-    sigma_t: tuple[float, ...] = (DEFAULT_COAT.sigma_t,)
-    """Optical depth of the medium, 0 to 1e6; 0 is a clear coat."""
+    albedo: tuple[float, ...] | None = None
+    """Single-scattering albedo of the medium inside the coat, in [0, 1]. Default: 0."""
+    sigma_t: tuple[float, ...] | None = None
+    """Optical depth of the medium, 0 to 1e6. Default: 0, a clear coat."""
+    color: tuple[float, ...] | None = None
+    """In place of --albedo and --sigma-t: the colour of a clear coat, in [0, 1], which it transmits
+    twice at normal incidence, at thickness 1."""
+    body: tuple[float, ...] | None = None
+    """With or without --color: opacity of a paint's pigment at thickness 1, in [0, 1]. Default: 1
+    with --body-color, otherwise 0."""
+    body_color: tuple[float, ...] | None = None
+    """Diffuse reflectance of the pigment where it is opaque, in [0, 1]. Default: 0.8."""
+    thickness: float = 1.0
+    """Factor of the optical depth, zero or more."""
     g: tuple[float, ...] = (DEFAULT_COAT.g,)
     """Henyey-Greenstein asymmetry of the medium, in (-1, 1): above 0 it scatters forwards."""
     weights: str | None = None
@@ -57,17 +67,15 @@ class Layer:
     def run(self) -> int:
         import urushi
 
-        interface = {
-            name: None if getattr(self, name) is None else scalar_or_rgb(getattr(self, name))
-            for name in ("alpha", "alpha_u", "alpha_v", "ior", "eta")
-        }
-        top = urushi.dielectric(**interface)
+        def given(*names: str) -> dict[str, Any]:
+            values = {name: getattr(self, name) for name in names}
+            return {name: x if x is None else scalar_or_rgb(x) for name, x in values.items()}
+
         coated = urushi.layer(
-            top,
+            urushi.dielectric(**given("alpha", "alpha_u", "alpha_v", "ior", "eta")),
             read_material(self.material, self.weights),
-            albedo=scalar_or_rgb(self.albedo),
-            sigma_t=scalar_or_rgb(self.sigma_t),
-            g=scalar_or_rgb(self.g),
+            **given("albedo", "sigma_t", "g", "color", "body", "body_color"),
+            thickness=self.thickness,
         )
         coated.save(self.output)
         print(self.output)

@@ -10,6 +10,9 @@ import numpy as np
 
 from urushi import checks
 from urushi.checks import AIR, DEFAULT_COAT, MIN_ALPHA, CoatParameters, Widths
+from urushi.core import appearance
+from urushi.core.appearance import LOOK, PHYSICAL, look_of
+from urushi.core.namespace import DRJIT
 from urushi.errors import ParameterError
 from urushi.mitsuba import spectrum
 from urushi.mitsuba.offers import offer_of
@@ -17,7 +20,12 @@ from urushi.mitsuba.reading.refraction import index_of_refraction
 
 #: Parameters of a coat that may be textures, and their defaults. The index of refraction is given
 #: by two properties of its own.
-DEFAULTS = {name: value for name, value in DEFAULT_COAT._asdict().items() if name != "eta"}
+DEFAULTS = {name: value for name, value in DEFAULT_COAT._asdict().items() if name != "eta"} | {
+    "thickness": 1.0
+}
+
+#: Parameters that all channels share; widths may differ.
+NUMBERS = ("thickness", "rotation")
 
 #: The properties of an anisotropic coat's widths, in place of `alpha`.
 TWO_WIDTHS = ("alpha_u", "alpha_v")
@@ -26,6 +34,8 @@ TWO_WIDTHS = ("alpha_u", "alpha_v")
 CHECKS = {
     **{name: getattr(checks, name) for name in CoatParameters._fields},
     **dict.fromkeys(TWO_WIDTHS, checks.alpha),
+    **dict.fromkeys(LOOK, checks.share),
+    "thickness": checks.thickness,
     "rotation": checks.rotation,
 }
 
@@ -33,8 +43,9 @@ CHECKS = {
 class CoatTextures:
     """The textures of a coat, read from a plugin's properties, and its relative index `eta`.
 
-    An anisotropic coat has the textures `alpha_u` and `alpha_v` in place of `alpha`. The texture
-    `rotation` exists if the property is given.
+    An anisotropic coat has the textures `alpha_u` and `alpha_v` in place of `alpha`, a medium given
+    by its appearance those of `LOOK` in place of `albedo` and `sigma_t`. The textures `thickness`
+    and `rotation` exist if the properties are given.
 
     Attributes:
         where: the plugin's name; begins errors.
@@ -56,12 +67,15 @@ class CoatTextures:
             ParameterError: a property is missing, out of range or of a wrong kind.
         """
         self.where = describe(props)
-        names = [*self._width_names(props), *(n for n in DEFAULTS if n != "alpha")]
-        if "rotation" in props:
-            names.append("rotation")
+        defaults = DEFAULTS | look_of(props, f"{self.where}:")
+        medium = LOOK if "color" in defaults else PHYSICAL
+        names = [*self._width_names(props), *medium, "g", *(n for n in NUMBERS if n in props)]
         colours = _coloured(props)
         self.coloured = () if mi.is_monochromatic else colours
-        self.textures = {name: self._texture(props, name, name in colours) for name in names}
+        self.textures = {
+            name: self._texture(props, name, defaults.get(name, 1.5), name in colours)
+            for name in names
+        }
         self.above: CoatTextures | None = None
         self._given = "ext_ior" in props
         ext_ior = index_of_refraction(props, "ext_ior", "air", f"{self.where}: ext_ior")
@@ -71,7 +85,7 @@ class CoatTextures:
         if abs(self.outside - 1) < checks.MIN_INDEX_STEP:  # vacuum is air
             self.outside = 1.0
         if "int_ior" in props and props.type("int_ior") == mi.Properties.Type.Object:
-            self.textures["int_ior"] = self._texture(props, "int_ior")
+            self.textures["int_ior"] = self._texture(props, "int_ior", 1.5)
             self.opaque_eta = opaque(1 / ext_ior)
         else:
             int_ior = index_of_refraction(props, "int_ior", "bk7", f"{self.where}: int_ior")
@@ -116,11 +130,15 @@ class CoatTextures:
             return evaluate(si, active)
 
         alpha = Widths(*map(width, TWO_WIDTHS)) if self.is_anisotropic else width("alpha")
-        return CoatParameters(
-            alpha,
-            eta,
-            *(textures[name].eval(si, active) for name in ("albedo", "sigma_t", "g")),
-        )
+        g = textures["g"].eval(si, active)
+        if "color" in textures:
+            look = (textures[name].eval(si, active) for name in LOOK)
+            albedo, sigma_t = appearance.medium(look, g, DRJIT)
+        else:
+            albedo, sigma_t = (textures[name].eval(si, active) for name in PHYSICAL)
+        if "thickness" in textures:
+            sigma_t *= textures["thickness"].eval_1(si, active)
+        return CoatParameters(alpha, eta, albedo, sigma_t, g)
 
     def channels(self, si) -> dict[str, list]:
         """The coat at a surface interaction by name; if anisotropic, `TWO_WIDTHS` for alpha.
@@ -153,7 +171,8 @@ class CoatTextures:
             ParameterError: a value is out of range.
         """
         table: dict[str, Any] = self.table(uv)
-        table.pop("rotation", None)
+        for name in (*LOOK, *NUMBERS):
+            table.pop(name, None)
         if self.is_anisotropic:
             table["alpha"] = Widths(*(table.pop(name) for name in TWO_WIDTHS))
         return table
@@ -162,8 +181,8 @@ class CoatTextures:
         """Checked parameters at points uv (M, 2): alpha and eta (M, 1), the others (M, channels).
 
         Widths of textures are at least `MIN_ALPHA`. In place of alpha, `alpha_u` and `alpha_v` of
-        an anisotropic coat, and (M, channels) of coloured widths; `rotation` (M, 1) if the coat has
-        it.
+        an anisotropic coat, and (M, channels) of coloured widths. Before these, the textures that a
+        coat may have: `LOOK`, `thickness` and `rotation` (M, 1).
 
         unknown: names of parameters that are no functions of uv; they are left out.
 
@@ -172,15 +191,24 @@ class CoatTextures:
         """
         si = dr.zeros(mi.SurfaceInteraction3f, len(uv))
         si.uv = mi.Point2f(np.ascontiguousarray(uv.T, np.float32))
-        values = self.channels(si)
-        if "rotation" in self.textures:
-            values["rotation"] = [self.textures["rotation"].eval_1(si)]
+
+        def channels(texture: "mi.Texture") -> list:
+            return spectrum.at_bands(si, lambda: spectrum.to_channels(texture.eval(si)))
+
+        values = {n: channels(self.textures[n]) for n in LOOK if n in self.textures}
+        values |= {n: [self.textures[n].eval_1(si)] for n in NUMBERS if n in self.textures}
+        values |= self.channels(si)
         dr.eval(values)
+        unknown = {*unknown}
+        if {"int_ior", "ext_ior"} & unknown:
+            unknown.add("eta")
+        if {*LOOK, "thickness"} & unknown:
+            unknown.update(PHYSICAL)
         table = {}
-        for name, channels in values.items():
-            if name in unknown or (name == "eta" and {"int_ior", "ext_ior"} & {*unknown}):
+        for name, columns in values.items():
+            if name in unknown:
                 continue
-            rows = [np.broadcast_to(channel.numpy(), len(uv)) for channel in channels]
+            rows = [np.broadcast_to(channel.numpy(), len(uv)) for channel in columns]
             # Six digits: 0.01 in single precision is less than 0.01 in double.
             array = np.stack(rows, axis=-1).astype(np.float64).round(6)
             label = "int_ior / ext_ior" if name == "eta" else name
@@ -258,7 +286,7 @@ class CoatTextures:
         return TWO_WIDTHS if isinstance(chosen, Widths) else ("alpha",)
 
     def _texture(
-        self, props: "mi.Properties", name: str, coloured_width: bool = False
+        self, props: "mi.Properties", name: str, default: float, coloured_width: bool = False
     ) -> "mi.Texture":
         """A property as a texture; coloured_width: whether it is a width that may be a colour."""
         kind = props.type(name) if name in props else None
@@ -272,13 +300,13 @@ class CoatTextures:
             texture = mi.load_dict(spectrum.from_color(color))
         else:
             try:
-                texture = props.get_unbounded_texture(name, DEFAULTS.get(name, 1.5))
+                texture = props.get_unbounded_texture(name, default)
             except RuntimeError as error:
                 raise ParameterError(
                     f"{self.where}: {name} must be a number, a spectrum or a texture"
                 ) from error
         colors = mi.Properties.Type.Color, mi.Properties.Type.Spectrum
-        is_number = name in ("alpha", *TWO_WIDTHS, "rotation") and not coloured_width
+        is_number = name in ("alpha", *TWO_WIDTHS, *NUMBERS) and not coloured_width
         if is_number and kind in colors:
             raise ParameterError(
                 f"{self.where}: {name} must be a number or a texture; all channels share it"

@@ -3,6 +3,7 @@
 import drjit as dr
 import mitsuba as mi
 
+from urushi.core.appearance import optical_depth
 from urushi.core.namespace import DRJIT
 from urushi.mitsuba.reading.kept import KeptParameters
 from urushi.openpbr_surface import formulas
@@ -99,7 +100,7 @@ def define() -> type:
                 eta = dr.clip(inputs.number("coat_ior", si, active), 1 / 3, 3)
                 alpha = formulas.lobe_width(inputs.number("coat_roughness", si, active), DRJIT)
                 inside = dr.sqrt(dr.maximum(1 - (1 - cosine * cosine) / (eta * eta), 1e-6))
-                depth = formulas.optical_depth(inputs.color("coat_color", si, active), DRJIT)
+                depth = optical_depth(inputs.color("coat_color", si, active), DRJIT)
                 passed = 1 - self._interface.reflected(cosine, alpha, eta)
                 coated = passed * dr.exp(-depth / inside)
                 value *= dr.lerp(mi.Spectrum(1), coated, inputs.number("coat_weight", si, active))

@@ -4,6 +4,7 @@ from typing import Any
 
 import mitsuba as mi
 
+from urushi.core.appearance import optical_depth
 from urushi.core.namespace import DRJIT
 from urushi.errors import ParameterError
 from urushi.openpbr_surface import bsdfs, formulas
@@ -195,7 +196,7 @@ def _coat(inputs: Inputs, below: "mi.BSDF") -> dict[str, Any]:
         )
     if not inputs.is_constant("coat_color", 1):
         coat["sigma_t"] = derived(
-            inputs, ("coat_color",), lambda color: formulas.optical_depth(color, DRJIT), color=True
+            inputs, ("coat_color",), lambda color: optical_depth(color, DRJIT), color=True
         )
     return coat
 
