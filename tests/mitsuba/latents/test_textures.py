@@ -30,7 +30,7 @@ def bitmap(mi, pixels, **properties) -> dict:
 def load(mi, name, networks, **properties):
     extra = {} if name == "layered" else {"weights": str(networks)}
     base = {"type": "diffuse", "reflectance": 0.5}
-    coat = COAT if not LOOK.keys() & properties.keys() else {"alpha": 0.2, "g": 0.3}
+    coat = COAT if not LOOK.keys() & properties.keys() else {"alpha": 0.2, "g": 0.3, "body": 0.5}
     return mi.load_dict({"type": name, "base": base, **extra, **coat, **properties})
 
 
@@ -53,7 +53,7 @@ def mean_and_error(mi, bsdf, uv, count: int = 1 << 14) -> tuple[np.ndarray, np.n
     ("alpha", "albedo", "sigma_t", "g", "int_ior", "thickness", "color", "body", "body_color"),
 )
 def test_every_texel_is_layered_with_its_own_parameters(rgb, networks, name, parameter):
-    values = np.float32([[0.2, 0.4, 0.6], [0.5, 0.9, 0.3]]) + (parameter == "int_ior")
+    values = np.float32([[0.2, 0.4, 0.6], [0.5, 0.8, 0.3]]) + (parameter == "int_ior")
     textured = load(
         rgb, name, networks, **{parameter: bitmap(rgb, values[..., None], filter_type="nearest")}
     )

@@ -34,8 +34,17 @@ def define(base: type) -> type:
                                              the coat around this one, or else "air", 1.000277)
         albedo         spectrum, texture     Single-scattering albedo of the coat's medium, 0 to 1.
                                              (Default: 0)
-        sigma_t        spectrum, texture     Its optical depth, 0 to 1e6: the coat has unit
-                                             thickness. (Default: 0, clear)
+        sigma_t        spectrum, texture     Its optical depth at thickness 1, 0 to 1e6. (Default:
+                                             0, clear)
+        color          spectrum, texture     In place of albedo and sigma_t: the colour of a clear
+                                             coat, 0 to 1, which it transmits twice at normal
+                                             incidence at thickness 1. (Default: 1)
+        body,          spectrum, texture     With or without color, in place of albedo and sigma_t:
+        body_color                           how opaque the pigment of a paint is at thickness 1, 0
+                                             to 1, and its diffuse reflectance where it is opaque,
+                                             as in ``urushi.coat``. (Default: 0, or 1 with
+                                             body_color; 0.8)
+        thickness      float, texture        Factor of the optical depth, zero or more. (Default: 1)
         g              spectrum, texture     Asymmetry of its Henyey-Greenstein phase function,
                                              -1 to 1, both excluded. (Default: 0)
         (nested)       BSDF                  The bottom, under any name: any opaque BSDF that has
