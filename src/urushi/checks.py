@@ -21,8 +21,10 @@ MIN_INDEX_STEP = 0.9999e-3
 #: Largest optical depth: media of 1e6 reflect as deeper ones do.
 MAX_DEPTH = 1e6
 
-#: Least and largest relative index of refraction.
+#: Least and largest relative index of refraction, and the least of a slab's lower interface, by
+#: which light leaves the largest.
 ETA_RANGE = (0.5, 3.0)
+LEAST_ETA_BELOW = 1 / ETA_RANGE[1]
 
 #: Indices of refraction of air, and of borosilicate glass (BK7), the default of coats.
 AIR, GLASS = 1.000277, 1.5046
@@ -177,21 +179,30 @@ def one_width(value: Any, where: str) -> Any:
     return value
 
 
-def eta(value: npt.ArrayLike, where: str = "eta", *, any_shape: bool = False) -> np.ndarray:
-    """Check relative indices of refraction in [0.5, 3]; those nearer to 1 than 0.001 become 1."""
-    low, high = ETA_RANGE
+def eta(
+    value: npt.ArrayLike,
+    where: str = "eta",
+    *,
+    any_shape: bool = False,
+    low: float = ETA_RANGE[0],
+) -> np.ndarray:
+    """Check relative indices of refraction in [low, 3]; those nearer to 1 than 0.001 become 1."""
+    high = ETA_RANGE[1]
     index = _parameter(
         value,
         where,
         lambda x: (x >= low) & (x <= high),
-        "an index of refraction relative to the medium above, in [0.5, 3]",
+        f"an index of refraction relative to the medium above, in [{low:.3g}, {high:g}]",
         any_shape,
     )
     return np.where(np.abs(index - 1) < MIN_INDEX_STEP, 1.0, index)
 
 
 def eta_in_air(
-    ratio: npt.ArrayLike | None, ior: npt.ArrayLike | None, where: str
+    ratio: npt.ArrayLike | None,
+    ior: npt.ArrayLike | None,
+    where: str,
+    low: float = ETA_RANGE[0],
 ) -> tuple[npt.ArrayLike, npt.ArrayLike | None]:
     """The relative index of an interface in air, and its absolute one if it is given by that.
 
@@ -199,6 +210,7 @@ def eta_in_air(
         ratio, ior: the relative and the absolute index that a caller gives; None: not given. If
             neither is, the absolute one is that of glass.
         where: begins errors, for example "the coat's".
+        low: the least relative index.
 
     Raises:
         ParameterError: both are given, or the absolute one is not positive.
@@ -209,7 +221,7 @@ def eta_in_air(
             "ratio of this index to that of the medium above"
         )
     if ratio is not None:
-        return eta(ratio, f"{where} eta"), None
+        return eta(ratio, f"{where} eta", low=low), None
     ior = _parameter(
         GLASS if ior is None else ior,
         f"{where} ior",
@@ -217,7 +229,7 @@ def eta_in_air(
         "an index of refraction above 0",
         any_shape=False,
     )
-    return eta(ior / AIR, f"{where} ior / {AIR}, in air,"), ior
+    return eta(ior / AIR, f"{where} ior / {AIR}, in air,", low=low), ior
 
 
 def albedo(value: npt.ArrayLike, where: str = "albedo", *, any_shape: bool = False) -> np.ndarray:

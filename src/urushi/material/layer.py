@@ -90,7 +90,7 @@ def layer(
     bottom = _below(under(bottom, top.eta), weights, refine, isinstance(top.alpha, Widths))
     coat = CoatParameters(
         top.alpha.map(np.asarray) if isinstance(top.alpha, Widths) else np.asarray(top.alpha),
-        np.asarray(top.eta),
+        checks.eta(top.eta, "the coat's eta"),
         *described(
             "the coat's",
             g=g,

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from urushi import checks
-from urushi.checks import DEFAULT_COAT, Widths
+from urushi.checks import DEFAULT_COAT, LEAST_ETA_BELOW, Widths
 from urushi.core import fresnel
 from urushi.walk.bottoms.bottom import (
     Description,
@@ -35,7 +35,8 @@ class Dielectric(Rough, Description):
 
     def __post_init__(self) -> None:
         store_alpha(self, self.alpha, "the dielectric's")
-        store(self, "eta", checks.eta(self.eta, "the dielectric's eta"))
+        eta = checks.eta(self.eta, "the dielectric's eta", low=LEAST_ETA_BELOW)
+        store(self, "eta", eta)
         if self.ior is not None:
             store(self, "ior", np.asarray(self.ior))
 
@@ -62,8 +63,8 @@ def dielectric(
         alpha: GGX width in [0.01, 1], by default 0.1.
         alpha_u, alpha_v: in place of alpha, the widths along the tangent and across it.
         ior: absolute index of refraction, by default that of BK7 glass, 1.5046. The medium above is
-            air, 1.000277, or the coat above. Their ratio must be in [0.5, 3]; nearer to 1 than
-            0.001 it is 1, without an interface.
+            air, 1.000277, or the coat above. Their ratio must be in [1/3, 3], of coats in
+            [0.5, 3]; nearer to 1 than 0.001 it is 1, without an interface.
         eta: in place of ior, this ratio, whatever the medium above.
 
     Raises:
@@ -71,7 +72,8 @@ def dielectric(
             only one of these is given, or eta together with ior.
     """
     width = checks.widths(alpha, alpha_u, alpha_v, "the dielectric's", DEFAULT_COAT.alpha)
-    return Dielectric(width, *checks.eta_in_air(eta, ior, "the dielectric's"))  # type: ignore[arg-type]
+    index = checks.eta_in_air(eta, ior, "the dielectric's", LEAST_ETA_BELOW)
+    return Dielectric(width, *index)  # type: ignore[arg-type]
 
 
 class Reflector(Microfacet, kind="dielectric"):
