@@ -7,7 +7,7 @@ from urushi.mitsuba.plugins.coated import define_coated
 def define(base: type) -> type:
     """Make the plugin's class in the current variant; base: of `define_proposal_bsdf`."""
 
-    coated: type = define_coated(base, "LayeredWeidlich", widened=False)
+    coated: type = define_coated(base, "LayeredWeidlich", widened=False, slabs=False)
 
     class LayeredWeidlich(coated):
         """A coated BSDF by one path through a common facet (``layered_weidlich``).

@@ -49,12 +49,53 @@ class MirrorDomain:
         return dr.select(above, 0.5 * dr.pi - self.theta_i, self.theta_i)
 
 
-def chi_squared(bsdf, degrees: float, seed: int = 0) -> ChiSquareTest:
-    """The test of `bsdf.sample` against `bsdf.pdf` for wi at an angle from the normal."""
+class SphereDomain:
+    """Two hemispheres side by side: about the mirror direction, and, from x = 1 on, about that of
+    straight light on the other side."""
+
+    def __init__(self, theta_i, eta: float):
+        """theta_i: to the upper normal; eta: index below relative to that above."""
+        cosine, sine = dr.cos(theta_i), dr.sin(theta_i)
+        self._above = cosine > 0
+        straight = sine * dr.select(self._above, 1 / eta, eta)
+        self._near = MirrorDomain(dr.select(self._above, theta_i, dr.pi - theta_i))
+        self._far = MirrorDomain(dr.asin(dr.minimum(straight, 0.95)))
+
+    def bounds(self):
+        return mi.ScalarBoundingBox2f([-1, -1], [3, 1])
+
+    def aspect(self):
+        return 2
+
+    def map_forward(self, p):
+        near, far = self._near.map_forward(p), self._far.map_forward(p - mi.Vector2f(2, 0))
+        return self._turned(dr.select(p.x < 1, near, far * mi.Vector3f(1, 1, -1)))
+
+    def map_backward(self, w):
+        w = self._turned(w)
+        near = self._near.map_backward(w)
+        far = self._far.map_backward(w * mi.Vector3f(1, 1, -1)) + mi.Vector2f(2, 0)
+        return dr.select(w.z > 0, near, far)
+
+    def jacobian(self, w):
+        """Solid angle per area of the domain."""
+        w = self._turned(w)
+        far = self._far.jacobian(w * mi.Vector3f(1, 1, -1))
+        return dr.select(w.z > 0, self._near.jacobian(w), far)
+
+    def _turned(self, w):
+        return mi.Vector3f(w.x, w.y, dr.select(self._above, w.z, -w.z))
+
+
+def chi_squared(bsdf, degrees: float, seed: int = 0, eta: float | None = None) -> ChiSquareTest:
+    """The test of `bsdf.sample` against `bsdf.pdf` for wi at an angle from the normal.
+
+    eta: index below a slab relative to that above; None: the BSDF is opaque.
+    """
     theta = mi.Float(np.radians(degrees))
     dr.make_opaque(theta)  # one kernel for all directions
     wi = mi.Vector3f(dr.sin(theta), 0, dr.cos(theta))
-    domain = MirrorDomain(theta)
+    domain = MirrorDomain(theta) if eta is None else SphereDomain(theta, eta)
     context = mi.BSDFContext()
 
     def interaction(count):
@@ -70,5 +111,12 @@ def chi_squared(bsdf, degrees: float, seed: int = 0) -> ChiSquareTest:
         return bsdf.pdf(context, interaction(dr.width(wo)), wo) * domain.jacobian(wo)
 
     return ChiSquareTest(
-        domain, sample, pdf, sample_dim=3, sample_count=1 << 17, res=41, ires=12, seed=seed
+        domain,
+        sample,
+        pdf,
+        sample_dim=3,
+        sample_count=1 << 17,
+        res=41 * domain.aspect(),
+        ires=12,
+        seed=seed,
     )

@@ -182,19 +182,12 @@ def _reflected(layers: Any, bottom: Bottom, wi: Any, rng: Any, entry: Bottom | N
     """One estimate of the integral of f cos over wo above the horizon; entry: wi is below it."""
     about, lit, narrow = wi, wi.z > 0, 1.0
     if entry is not None:  # two refractions of glass are about half as wide as a reflection
-        about, lit, narrow = _straight(layers, wi), wi.z < 0, 0.5
+        about, lit, narrow = slabs.straight(wi, 1 / layers.index), wi.z < 0, 0.5
     wo, pdf = _sample_outgoing(layers, about, rng, narrow)
     valid = lit & (wo.z > 0) & (pdf > 0)
     f = walk.estimate(layers, bottom, wi, wo, rng, type(wi.z), valid, entry)
     f += walk.top_reflection(layers, wi, wo)
     return dr.select(valid, f * wo.z / pdf, 0)
-
-
-def _straight(layers: slabs.Slab, wi: Any) -> Any:
-    """The direction above a slab of which a mirror makes that of straight light from wi below."""
-    x, y = wi.x * layers.index, wi.y * layers.index
-    # Totally reflected light has no direction; what scatters inside leaves anywhere.
-    return dr.normalize(type(wi)(x, y, dr.sqrt(dr.maximum(1 - x * x - y * y, 1e-3))))
 
 
 def _sample_outgoing(layers: Any, wi: Any, rng: Any, narrow: float) -> tuple[Any, Any]:

@@ -71,6 +71,18 @@ class Slab:
         return self._coats.medium(dr.select(self._turned, self.count - 1 - index, index))
 
 
+def straight(wi: Any, eta: Any) -> Any:
+    """A direction that a mirror would reflect where straight light from wi goes, mirrored back.
+
+    Args:
+        wi: unit directions above the horizon.
+        eta: index on the far side of the slab relative to that on wi's.
+    """
+    x, y = wi.x / eta, wi.y / eta
+    # Totally reflected light has no direction; what scatters inside leaves anywhere.
+    return dr.normalize(type(wi)(x, y, dr.sqrt(dr.maximum(1 - x * x - y * y, 1e-3))))
+
+
 def estimate(
     coats: walk.Layers, lowest: Reflector, wi: Any, wo: Any, rng: Any, color: type, active: Any
 ) -> Any:

@@ -8,9 +8,16 @@ from urushi.core.direction_sets import cosine_pairs
 from urushi.walk.simulate import albedo
 
 MEDIUM = {"albedo": 0.9, "sigma_t": 1.0, "g": 0.3}
+PANE, GLASS = {"type": "thindielectric"}, {"type": "roughdielectric", "distribution": "ggx"}
 SLABS = {
     "pane": {"alpha": 0.1, "int_ior": 1.5},
+    "sharp pane": {"alpha": 0.01, "int_ior": 1.5, "sigma_t": 0.3},
+    "diamond": {"alpha": 0.2, "int_ior": 2.5},
+    "thinner": {"alpha": 0.2, "int_ior": 0.7} | MEDIUM,
     "paper": {"alpha": 0.4, "int_ior": 1.4} | MEDIUM,
+    "deep": {"alpha": 0.3, "int_ior": 1.5, "albedo": 1.0, "sigma_t": 30.0},
+    "forward": {"alpha": 0.15, "int_ior": 1.5, "albedo": 0.99, "sigma_t": 4.0, "g": 0.9},
+    "roughest": {"alpha": 1.0, "int_ior": 1.8} | MEDIUM,
     "brushed": {"alpha_u": 0.1, "alpha_v": 0.5, "int_ior": 1.6, "rotation": 30} | MEDIUM,
     "lacquered": {
         "alpha": 0.2,
@@ -18,22 +25,79 @@ SLABS = {
         "sigma_t": 0.3,
         "paper": {"type": "layered", "alpha": 0.5, "int_ior": 1.2} | MEDIUM,
     },
+    "three": {
+        "alpha": 0.05,
+        "int_ior": 1.5,
+        "below": {
+            "type": "layered",
+            "alpha": 0.3,
+            "int_ior": 1.3,
+            "below": {"type": "layered", "alpha": 0.2, "int_ior": 1.7} | MEDIUM,
+        },
+    },
+    "coloured widths": {
+        "alpha": {"type": "rgb", "value": [0.05, 0.2, 0.6]},
+        "int_ior": 1.5,
+    },
+    "on a pane": {"alpha": 0.3, "int_ior": 1.4, "base": PANE | {"int_ior": 1.6}} | MEDIUM,
+    "a medium on a pane": {"int_ior": 1.0, "base": PANE | {"int_ior": 1.5}} | MEDIUM,
+    "body": {"alpha": 0.1, "int_ior": 1.3, "base": GLASS | {"int_ior": 1.5, "alpha": 0.2}} | MEDIUM,
+    "smooth body": {"alpha": 0.01, "int_ior": 1.3, "base": {"type": "dielectric"}},
+    "denser coat": {"alpha": 0.3, "int_ior": 1.8, "base": GLASS | {"int_ior": 1.33}} | MEDIUM,
+    "matched body": {"alpha": 0.2, "int_ior": 1.5, "base": GLASS | {"int_ior": 1.5}} | MEDIUM,
+    "brushed body": {
+        "alpha": 0.1,
+        "int_ior": 1.4,
+        "rotation": 20,
+        "base": GLASS | {"int_ior": 1.6, "alpha_u": 0.1, "alpha_v": 0.4},
+    },
+    "two on a body": {
+        "alpha": 0.2,
+        "int_ior": 1.5,
+        "sigma_t": 0.3,
+        "below": {
+            "type": "layered",
+            "alpha": 0.5,
+            "int_ior": 1.2,
+            "base": GLASS | {"int_ior": 1.7, "alpha": 0.3},
+        }
+        | MEDIUM,
+    },
+}
+#: Index below relative to that above, of slabs on a body of glass.
+INDICES = {
+    "body": 1.5,
+    "smooth body": 1.5046,
+    "denser coat": 1.33,
+    "matched body": 1.5,
+    "brushed body": 1.6,
+    "two on a body": 1.7,
 }
 #: Angles of wi from the normal [degrees], above and below.
-ANGLES = (0, 35, 70, 110, 150, 175)
+ANGLES = (0, 35, 70, 89, 95, 110, 150, 175)
 
 
 def load(mi, slab: dict):
-    """The slab, and those it holds, with no air outside."""
-    nested = {k: {**v, "ext_ior": 1.0} if isinstance(v, dict) else v for k, v in slab.items()}
-    return mi.load_dict({"type": "layered", "ext_ior": 1.0} | nested)
+    """The slab, and its glass, in a vacuum."""
+    glass = {
+        key: value | {"ext_ior": 1.0}
+        for key, value in slab.items()
+        if isinstance(value, dict) and "dielectric" in value["type"]
+    }
+    return mi.load_dict({"type": "layered", "ext_ior": 1.0} | slab | glass)
 
 
+PAPER = urushi.slab(0.5, 0.8, **MEDIUM, far=urushi.dielectric(0.5, 1 / 1.2))
 DESCRIBED = {
     "paper": urushi.slab(0.4, 1.4, **MEDIUM),
-    "lacquered": urushi.coat(
-        urushi.slab(0.5, 1.2, **MEDIUM, far=urushi.dielectric(0.5, 1 / 1.8)), 0.2, 1.5, sigma_t=0.3
+    "lacquered": urushi.coat(PAPER, 0.2, 1.5, sigma_t=0.3),
+    "on a pane": urushi.coat(
+        urushi.slab(0.01, 1.6 / 1.4, far=urushi.dielectric(0.01, 1 / 1.6)), 0.3, 1.4, **MEDIUM
     ),
+    "a medium on a pane": urushi.coat(urushi.slab(0.01, 1.5), 0.1, 1.0, **MEDIUM),
+    "body": urushi.slab(0.1, 1.3, **MEDIUM, far=urushi.dielectric(0.2, 1.5 / 1.3)),
+    "denser coat": urushi.slab(0.3, 1.8, **MEDIUM, far=urushi.dielectric(0.1, 1.33 / 1.8)),
+    "matched body": urushi.slab(0.2, 1.5, **MEDIUM, far=urushi.dielectric(0.1, 1.0)),
 }
 
 
@@ -45,69 +109,54 @@ def test_f_is_that_of_simulate_on_all_sides(rgb, name):
     wi[::2, 2] *= -1
     wo[::4, 2] *= -1
     wo[1::4, 2] *= -1
-    expected, se = urushi.simulate(DESCRIBED[name], wi, wo, walks=1 << 13, progress=False)
     bsdf, count = load(rgb, SLABS[name]), 1 << 12
     si = dr.zeros(rgb.SurfaceInteraction3f, len(wi) * count)
     lane = dr.arange(rgb.UInt32, len(wi) * count)
     si.p = rgb.Point3f(rgb.Float(lane % count), 0, 0)  # walks differ by place
     si.wi, to = (rgb.Vector3f(np.repeat(w, count, axis=0).T) for w in (wi, wo))
-    for mode in (rgb.TransportMode.Radiance, rgb.TransportMode.Importance):
-        value = bsdf.eval(rgb.BSDFContext(mode), si, to).numpy()[0].reshape(len(wi), count)
+    for mode in ("Radiance", "Importance"):
+        options = {"walks": 1 << 13, "progress": False, "mode": mode.lower()}
+        expected, se = urushi.simulate(DESCRIBED[name], wi, wo, **options)
+        context = rgb.BSDFContext(getattr(rgb.TransportMode, mode))
+        value = bsdf.eval(context, si, to).numpy()[0].reshape(len(wi), count)
         mean, error = value.mean(1), value.std(1) / np.sqrt(count)
         cosine = np.abs(wo[:, 2])
         z = (mean - expected[:, 0] * cosine) / np.hypot(error, se[:, 0] * cosine)
         assert np.abs(z).max() < 5
 
 
-@pytest.mark.parametrize("slab", SLABS.values(), ids=SLABS.keys())
-def test_samples_follow_the_density_on_the_sphere(rgb, slab):
-    import drjit as dr
-    from mitsuba.python.chi2 import ChiSquareTest, SphericalDomain
-
-    bsdf, context = load(rgb, slab), rgb.BSDFContext()
-    for degrees in ANGLES:
-        theta = rgb.Float(np.radians(degrees))
-        dr.make_opaque(theta)
-
-        def interaction(count, theta=theta):
-            si = dr.zeros(rgb.SurfaceInteraction3f, count)
-            si.wi = rgb.Vector3f(dr.sin(theta), 0, dr.cos(theta))
-            return si
-
-        def sample(u, interaction=interaction):
-            si = interaction(dr.width(u))
-            bs, _ = bsdf.sample(context, si, u[0], rgb.Point2f(u[1], u[2]))
-            return bs.wo, dr.select(bs.pdf > 0, rgb.Float(1), 0)
-
-        def pdf(wo, interaction=interaction):
-            return bsdf.pdf(context, interaction(dr.width(wo)), wo)
-
-        test = ChiSquareTest(
-            SphericalDomain(), sample, pdf, sample_dim=3, sample_count=1 << 17, res=61, ires=16
-        )
+@pytest.mark.parametrize("name", SLABS)
+def test_samples_follow_the_density_on_the_sphere(rgb, sampling, name):
+    bsdf = load(rgb, SLABS[name])
+    for seed, degrees in enumerate(ANGLES):
+        test = sampling.chi_squared(bsdf, degrees, seed, INDICES.get(name, 1.0))
         assert test.run(0.01, test_count=len(ANGLES) * len(SLABS), quiet=True), test.messages
-        assert test.pdf_sum[0] == pytest.approx(1, abs=0.01)
+        assert test.pdf_sum[0] == pytest.approx(1, abs=0.005)  # the quadrature of narrow lobes
         assert test.histogram_sum[0] == 1  # no sample fails
 
 
-@pytest.mark.parametrize("degrees", ANGLES[1:-1])
-def test_the_weights_of_samples_add_up_to_the_shares(rgb, degrees):
+@pytest.mark.parametrize("name", ["paper", "body"])
+@pytest.mark.parametrize("degrees", [35, 70, 110, 150])
+def test_the_weights_of_samples_add_up_to_the_shares(rgb, name, degrees):
     import drjit as dr
 
-    count, bsdf = 1 << 17, load(rgb, SLABS["paper"])
+    count, bsdf = 1 << 17, load(rgb, SLABS[name])
     wi = np.array([[np.sin(np.radians(degrees)), 0, np.cos(np.radians(degrees))]], np.float32)
     si = dr.zeros(rgb.SurfaceInteraction3f, count)
     si.wi = rgb.Vector3f(wi[0])
     rng = rgb.PCG32(size=count)
     si.p = rgb.Point3f(rng.next_float32(), 0, 0)
     u = rgb.Point2f(rng.next_float32(), rng.next_float32())
-    bs, weight = bsdf.sample(rgb.BSDFContext(), si, rng.next_float32(), u)
+    context = rgb.BSDFContext(rgb.TransportMode.Importance)
+    bs, weight = bsdf.sample(context, si, rng.next_float32(), u)
     through, weight = bs.wo.z.numpy() * wi[0, 2] < 0, weight.numpy()[0]
     flag = rgb.BSDFFlags.GlossyTransmission
     assert np.array_equal((bs.sampled_type.numpy() & int(flag)) != 0, through)
     assert np.array_equal(bs.sampled_component.numpy() == 1, through)
+    index = INDICES.get(name, 1.0) ** np.sign(wi[0, 2])
+    np.testing.assert_allclose(bs.eta.numpy(), np.where(through, index, 1), rtol=1e-6)
     for transmitted in (False, True):
-        expected, se = albedo(DESCRIBED["paper"], wi, transmitted=transmitted)
+        expected, se = albedo(DESCRIBED[name], wi, transmitted=transmitted)
         value = np.where(through == transmitted, weight, 0)
         error = np.hypot(value.std() / np.sqrt(count), se[0, 0])
         assert abs(value.mean() - expected[0, 0]) < 5 * error
@@ -115,15 +164,84 @@ def test_the_weights_of_samples_add_up_to_the_shares(rgb, degrees):
 
 
 def test_flags_and_refusals(rgb):
-    bsdf = load(rgb, SLABS["paper"])
-    assert rgb.has_flag(bsdf.flags(), rgb.BSDFFlags.Transmission)
-    assert rgb.has_flag(bsdf.flags(), rgb.BSDFFlags.BackSide)
-    with pytest.raises(RuntimeError, match="without a transmission component"):
-        rgb.load_dict({"type": "twosided", "slab": {"type": "layered"}})
-    with pytest.raises(RuntimeError, match="no interface bends light through this slab"):
-        rgb.load_dict({"type": "layered", "int_ior": 1.0, "ext_ior": 1.0, "sigma_t": 1.0})
+    has, flags = rgb.has_flag, rgb.BSDFFlags
+    for name, slab in SLABS.items():
+        bsdf = load(rgb, slab)
+        assert has(bsdf.flags(), flags.Transmission)
+        assert has(bsdf.flags(), flags.BackSide)
+        assert has(bsdf.flags(), flags.NonSymmetric) == (name in INDICES)
     texture = {"type": "checkerboard", "color0": 1.3, "color1": 1.5}
-    with pytest.raises(RuntimeError, match="int_ior is a texture, but a slab"):
-        rgb.load_dict({"type": "layered", "int_ior": texture})
-    with pytest.raises(RuntimeError, match="the nested BSDF transmits light; a coat needs"):
-        rgb.load_dict({"type": "neural_layered", "below": {"type": "layered"}})
+    clear = {"int_ior": 1.0, "ext_ior": 1.0, "sigma_t": 1.0}
+    for change, sentence in (
+        (clear, "no interface bends light through this slab"),
+        (clear | {"base": {"type": "dielectric", "int_ior": "air"}}, "no interface bends light"),
+        ({"int_ior": texture}, "int_ior is a texture, but a slab with air on both sides"),
+        ({"base": {"type": "roughdielectric"}}, "has the distribution 'beckmann'; give 'ggx'"),
+        ({"base": PANE | {"specular_transmittance": 0.5}}, "has a specular_transmittance"),
+        (
+            {"int_ior": 3.0, "ext_ior": 1.0, "base": {"type": "dielectric", "int_ior": 0.9}},
+            "the index below the slab relative to int_ior is 0.29.*it must be",
+        ),
+    ):
+        with pytest.raises(RuntimeError, match=sentence):
+            rgb.load_dict({"type": "layered"} | change)
+    for slab in ({"type": "layered"}, {"type": "layered", "base": GLASS}):
+        with pytest.raises(RuntimeError, match="without a transmission component"):
+            rgb.load_dict({"type": "twosided", "slab": slab})
+        with pytest.raises(RuntimeError, match="the nested BSDF transmits light; a coat needs"):
+            rgb.load_dict({"type": "neural_layered", "below": slab})
+
+
+def test_a_body_of_glass_follows_its_parameters(rgb):
+    bsdf = load(rgb, SLABS["body"])
+    parameters = rgb.traverse(bsdf)
+    parameters["bottom.eta"] = 1.7
+    parameters["bottom.alpha.value"] = 0.4
+    parameters.update()
+    changed = {"base": GLASS | {"int_ior": 1.7, "alpha": 0.4}}
+    wi, wo = (w.astype(np.float32) for w in cosine_pairs(np.random.default_rng(5), 64))
+    si = rgb.SurfaceInteraction3f()
+    si.wi, down = rgb.Vector3f(wi.T), rgb.Vector3f((wo * [1, 1, -1]).T)
+    f = [b.eval(rgb.BSDFContext(), si, down) for b in (bsdf, load(rgb, SLABS["body"] | changed))]
+    np.testing.assert_allclose(*f, rtol=1e-4)
+
+
+def test_the_coat_of_a_body_may_have_a_textured_index(rgb):
+    halves = {"type": "checkerboard", "color0": 1.3, "color1": 1.8}
+    textured = load(rgb, SLABS["body"] | {"int_ior": halves})
+    wi, wo = (w.astype(np.float32) for w in cosine_pairs(np.random.default_rng(5), 64))
+    si = rgb.SurfaceInteraction3f()
+    si.wi, down = rgb.Vector3f(wi.T), rgb.Vector3f((wo * [1, 1, -1]).T)
+    for u, index in ((0.1, 1.3), (0.4, 1.8)):
+        si.uv = rgb.Point2f(u, 0.1)
+        constant = load(rgb, SLABS["body"] | {"int_ior": index})
+        f = [bsdf.eval(rgb.BSDFContext(), si, down) for bsdf in (textured, constant)]
+        np.testing.assert_allclose(*f, rtol=1e-4)
+
+
+def test_a_smooth_body_of_glass_is_a_dielectric_with_a_medium_inside(rgb):
+    """A ball under a constant sky, coated by a film too thin to see, absorbs as a bare one."""
+
+    def absorbed(bsdf):
+        ball = {
+            "type": "sphere",
+            "bsdf": bsdf,
+            "interior": {"type": "homogeneous", "sigma_t": 0.7, "albedo": 0.3},
+        }
+        film = {"type": "hdrfilm", "width": 16, "height": 16, "rfilter": {"type": "box"}}
+        view = rgb.ScalarTransform4f().look_at([0, 0, 5], [0, 0, 0], [0, 1, 0])
+        scene = {
+            "type": "scene",
+            "integrator": {"type": "volpath", "max_depth": 64, "rr_depth": 32},
+            "sensor": {"type": "perspective", "fov": 20, "to_world": view, "film": film},
+            "sky": {"type": "constant"},
+            "ball": ball,
+        }
+        return np.array(rgb.render(rgb.load_dict(scene), spp=256, seed=2))
+
+    bare = absorbed({"type": "dielectric", "int_ior": 1.5})
+    coat = {"alpha": 0.01, "int_ior": 1.5, "ext_ior": "air"}
+    coated = absorbed({"type": "layered", "base": {"type": "dielectric", "int_ior": 1.5}} | coat)
+    assert bare[8, 8, 0] < 0.6
+    np.testing.assert_allclose(coated.mean(), bare.mean(), rtol=0.01)
+    np.testing.assert_allclose(coated[6:10, 6:10].mean(), bare[6:10, 6:10].mean(), rtol=0.03)

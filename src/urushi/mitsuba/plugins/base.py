@@ -30,6 +30,7 @@ def define_proposal_bsdf() -> type:
         """
 
         _transmits = False
+        _index = 1.0  # below the surface, relative to that above it
 
         def __init__(self, props):
             mi.BSDF.__init__(self, props)
@@ -40,13 +41,19 @@ def define_proposal_bsdf() -> type:
             self._vertex_cache = VertexCache()
             self._kept = KeptParameters()
 
-        def _transmit(self):
-            """Scatter light from both sides to both."""
-            self._transmits = True
+        def _transmit(self, index=None):
+            """Scatter light from both sides to both; index: below relative to above, if not 1."""
+            self._transmits, self._index = True, 1.0 if index is None else index
             passed = mi.BSDFFlags.GlossyTransmission | mi.BSDFFlags.DiffuseTransmission
             sides = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
+            if index is not None:
+                passed |= mi.BSDFFlags.NonSymmetric
             self.m_components = [self.m_components[0] | sides, passed | sides]
             self.m_flags = self.m_components[0] | passed
+
+        def _index_across(self, wi):
+            """The index on the side that light from wi is transmitted to, relative to wi's."""
+            return dr.select(wi.z > 0, self._index, 1 / self._index)
 
         def _faces(self, w):
             """Whether light arrives along or leaves along w."""
@@ -110,6 +117,7 @@ def define_proposal_bsdf() -> type:
                 bs.sampled_component = dr.select(through, mi.UInt32(1), 0)
                 passed = mi.UInt32(+mi.BSDFFlags.GlossyTransmission)
                 bs.sampled_type = dr.select(through, passed, bs.sampled_type)
+                bs.eta = dr.select(through, self._index_across(si.wi), 1)
             return bs, dr.select(bs.pdf > 0, f_cos / bs.pdf, 0)
 
         def eval_diffuse_reflectance(self, si, active=True):

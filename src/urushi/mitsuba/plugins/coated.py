@@ -1,11 +1,12 @@
 """The base class of the plugins that coat any BSDF: they differ in the model of the stack."""
 
+import math
 from typing import Any
 
 import drjit as dr
 import mitsuba as mi
 
-from urushi.checks import MIN_INDEX_STEP
+from urushi import checks
 from urushi.core.mixture import Mixture
 from urushi.errors import ParameterError
 from urushi.mitsuba.latents import baking
@@ -20,6 +21,12 @@ from urushi.mitsuba.plugins.coats import (
     walk_color,
 )
 from urushi.mitsuba.reading.below import below
+from urushi.mitsuba.reading.dielectrics import (
+    DIELECTRICS,
+    LowestInterface,
+    check_dielectric,
+    pane,
+)
 from urushi.mitsuba.reading.parameters import (
     CoatTextures,
     check_bottom,
@@ -29,13 +36,14 @@ from urushi.mitsuba.reading.parameters import (
 from urushi.mitsuba.recording import compiled_once
 
 
-def define_coated(base: type, label: str, *, widened: bool) -> type:
+def define_coated(base: type, label: str, *, widened: bool, slabs: bool) -> type:
     """Make the base class in the current variant.
 
     Args:
         base: of `define_proposal_bsdf`.
         label: name in descriptions.
         widened: as of `CoatStack.proposal`.
+        slabs: whether the model has slabs, which transmit light.
     """
 
     class CoatedBSDF(base):
@@ -43,15 +51,20 @@ def define_coated(base: type, label: str, *, widened: bool) -> type:
 
         def __init__(self, props):
             super().__init__(props)
-            self._nested = nested_bsdf(props, optional=True)
+            self._nested = nested_bsdf(props, optional=slabs)
             self._coat = CoatTextures(props)
-            if self._nested is not None and not self._is_slab(self._nested):
+            if slabs and self._is_dielectric():
+                check_dielectric(self._nested, self._coat.where)
+            elif self._nested is not None and not self._is_slab(self._nested):
                 check_bottom(self._nested, self._coat.where)
             self._prepare()
             self._kept.keep(self)
 
         def offer(self):
             return Offer(rotated=self._coat.has_rotation)
+
+        def _is_dielectric(self):
+            return self._nested is not None and self._nested.class_name() in DIELECTRICS
 
         @staticmethod
         def _is_slab(bsdf):
@@ -68,37 +81,65 @@ def define_coated(base: type, label: str, *, widened: bool) -> type:
             """Check the parameters, flatten nested coats, and estimate the bottom's lobes."""
             baking.check(self._coat)
             nested: Any = None if self._nested is None else below(self._nested, self._coat)
-            coated = isinstance(nested, CoatedBSDF)
-            self.coats = [self._coat, *(nested.coats if coated else [])]
-            self.bottom = nested.bottom if coated else nested
+            self.lowest: LowestInterface | None = None
+            if self._is_dielectric():
+                thin = self._nested.class_name() == "ThinDielectric"
+                self.coats = [self._coat, *([pane(nested).under(self._coat)] if thin else [])]
+                self.lowest, self.bottom = None if thin else LowestInterface(nested), None
+            elif isinstance(nested, CoatedBSDF):
+                self.coats = [self._coat, *nested.coats]
+                self.lowest, self.bottom = nested.lowest, nested.bottom
+            else:
+                self.coats, self.bottom = [self._coat], nested
             if self._nested is not None:
                 check_rotation(self._nested, self._coat.where)
             if self.bottom is None:
-                self._check_slab()
-                self._transmit()
+                self._prepare_slab()
             else:
+                coated = isinstance(nested, CoatedBSDF)
                 self.bottom_lobes = nested.bottom_lobes if coated else BottomLobes(self.bottom)
 
-        def _check_slab(self):
-            """Refuse slabs of which a part of the light goes straight on, a delta.
+        def _prepare_slab(self):
+            """Set the index below, and refuse slabs through which light goes straight, a delta.
 
             Raises:
-                ParameterError: an index is a texture, or all are 1.
+                ParameterError: an index of a thin slab is a texture, all are 1, or that of the
+                    lowest interface is out of range.
             """
-            if any(coat.has_textured_eta for coat in self.coats):
+            index = None if self.lowest is None else self.lowest.index / self._coat.outside
+            self._transmit(index)
+            textured = any(coat.has_textured_eta for coat in self.coats)
+            if textured and index is None:
                 raise ParameterError(
-                    f"{self._where}: int_ior is a texture, but a slab, which has no nested BSDF, "
+                    f"{self._where}: int_ior is a texture, but a slab with air on both sides "
                     "needs one number"
                 )
-            if all(abs(coat.eta - 1) < MIN_INDEX_STEP for coat in self.coats):
+            if textured:
+                return
+            beyond = 1.0 if index is None else float(index.numpy()[0])
+            etas = [coat.eta for coat in self.coats]
+            last = checks.eta(
+                beyond / math.prod(etas),
+                f"{self._where}: the index below the slab relative to int_ior",
+                low=checks.LEAST_ETA_BELOW,
+            )
+            if all(abs(eta - 1) < checks.MIN_INDEX_STEP for eta in (*etas, last)):
                 raise ParameterError(
                     f"{self._where}: no interface bends light through this slab, as int_ior and "
                     "ext_ior are equal; give another int_ior, or nest a BSDF"
                 )
 
-        def _model(self, coats: CoatStack, bottom: MitsubaBottom | None, si, wo, color, active):
-            """f [1/sr] of coats over a bottom, of the type `color`, a subclass's; None: a slab."""
+        def _model(self, coats: CoatStack, bottom: Any, si, wo, color, active):
+            """f [1/sr] of importance, of the type `color`, a subclass's.
+
+            bottom: a `MitsubaBottom`, or the `Reflector` that is the lowest interface of a slab.
+            """
             raise NotImplementedError
+
+        def _lowest_at(self, coats: CoatStack, si, active):
+            """The lowest interface of a slab at a surface interaction."""
+            alpha = None if self.lowest is None else self.lowest.alpha(si, active)
+            return coats.lowest(self._index, alpha)
 
         def _f(self, vertex, ctx, si, wo, active):
             def evaluated(si, wo, active):
@@ -108,8 +149,9 @@ def define_coated(base: type, label: str, *, widened: bool) -> type:
 
                 def value(color, channel=None):
                     coats = CoatStack(self.coats, si, active, channel)
-                    bottom = None
-                    if self.bottom is not None:
+                    if self.bottom is None:
+                        bottom = self._lowest_at(coats, si, active)
+                    else:
                         bottom = MitsubaBottom(self.bottom, ctx, si, active, channel)
                     return self._model(coats, bottom, si, wo, color, active)
 
@@ -119,13 +161,16 @@ def define_coated(base: type, label: str, *, widened: bool) -> type:
                 channels = range(dr.size_v(mi.Spectrum))
                 return mi.Spectrum(*(value(mi.Float, channel) for channel in channels))
 
-            return compiled_once(evaluated, si, wo, active)
+            f = compiled_once(evaluated, si, wo, active)
+            if self.lowest is None or ctx.mode == mi.TransportMode.Importance:
+                return f
+            return f / dr.select(si.wi.z * wo.z < 0, dr.square(self._index_across(si.wi)), 1)
 
         def _proposal(self, vertex, si, active):
             coats = CoatStack(self.coats, si, active)
             mixture: Mixture | SlabMixture
             if self.bottom is None:
-                mixture = coats.slab_proposal(si.wi)
+                mixture = coats.slab_proposal(si.wi, self._lowest_at(coats, si, active))
             else:
                 mixture = coats.proposal(self.bottom_lobes, si.wi.z, widened)
             if not self._coat.has_rotation:

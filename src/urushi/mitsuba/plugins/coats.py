@@ -9,11 +9,19 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from urushi.checks import ETA_RANGE, MIN_ALPHA, MIN_INDEX_STEP, CoatParameters, Widths
+from urushi.checks import (
+    ETA_RANGE,
+    LEAST_ETA_BELOW,
+    MIN_ALPHA,
+    MIN_INDEX_STEP,
+    CoatParameters,
+    Widths,
+)
 from urushi.core import fresnel, microfacet
 from urushi.core.mixture import Mixture
 from urushi.mitsuba.reading import probing
 from urushi.mitsuba.reading.parameters import CoatTextures, opaque
+from urushi.walk import slabs
 from urushi.walk.bottoms.dielectric import Reflector
 
 #: Smallest unnormalised weights of a lobe and of the cosine lobe in a proposal.
@@ -102,18 +110,42 @@ class CoatStack:
         scale = 1 / sum(shares)
         return Mixture([share * scale for share in shares], alphas)
 
-    def lowest(self) -> Reflector:
-        """The lower interface of a slab: as wide as the lowest coat's, with air beyond."""
-        index = functools.reduce(operator.mul, self._etas)
-        return Reflector(self._coats[-1].alpha, 1 / index)
+    def lowest(self, index, alpha=None) -> Reflector:
+        """The lower interface of a slab.
 
-    def slab_proposal(self, wi) -> "SlabMixture":
-        """A proposal for both sides of a slab: the same lobes on each."""
-        widths = _channel_widths(self._coats[-1].alpha)
-        cosine = dr.abs(wi.z)
-        reflectance, _ = fresnel.dielectric(cosine, self._etas[0])
-        mixture = self.proposal(SlabLobes(widths), cosine)
-        return SlabMixture(mixture, 0.25 + 0.5 * reflectance)
+        Args:
+            index: of what lies beyond, relative to the medium above the slab.
+            alpha: its width or `Widths`; None: as wide as the lowest coat's.
+        """
+        if alpha is None:
+            alpha = self._coats[-1].alpha
+        eta = index / functools.reduce(operator.mul, self._etas)
+        return Reflector(_width_in_range(alpha), _index_in_range(eta, LEAST_ETA_BELOW))
+
+    def slab_proposal(self, wi, lowest: Reflector) -> "SlabMixture":
+        """A proposal for both sides of a slab over its lowest interface.
+
+        Light that is reflected has the same lobes on both sides. A facet tilts light that goes
+        through as a mirror of half the step of the index does.
+        """
+        cosine, index, spread, depth = dr.abs(wi.z), mi.Float(1), mi.Float(0), mi.Float(0)
+        interfaces = [*((coat.alpha, coat.eta) for coat in self._coats), (lowest.alpha, lowest.eta)]
+        for alpha, eta in interfaces:
+            width = sum(map(_mean, microfacet.pair(alpha))) / 2
+            spread += dr.square(0.5 * index * (eta - 1) * width)
+            index = index * eta
+        for coat in self._coats:
+            depth += _mean(coat.sigma_t)
+        across = dr.select(wi.z > 0, index, 1 / index)
+        reflectance, _ = fresnel.dielectric(cosine, across)
+        first, _ = fresnel.dielectric(cosine, self._etas[0])
+        straight = MIN_COSINE_SHARE + dr.exp(-depth / dr.maximum(cosine, 0.3))
+        scale = 1 / (1.75 + straight)
+        narrow = dr.clip(dr.sqrt(spread) / dr.select(wi.z > 0, index, 1), MIN_ALPHA / 4, 1)
+        wide = dr.minimum(4 * narrow, 1)
+        passed = Mixture([scale * straight, scale, 0.75 * scale], [narrow, wide])
+        mixture = self.proposal(SlabLobes(_channel_widths(lowest.alpha)), cosine)
+        return SlabMixture(mixture, passed, 0.25 + 0.5 * dr.maximum(first, reflectance), across)
 
     def _at(self, index, values):
         result = values[0]
@@ -230,27 +262,36 @@ class SlabLobes(NamedTuple):
 
 
 class SlabMixture(NamedTuple):
-    """A proposal for both sides of a slab, whose far side has the index of the near side.
+    """A proposal for both sides of a slab.
 
     Attributes:
-        mixture: of reflected directions; transmitted ones are mirrored through the slab.
+        mixture: of reflected directions.
+        passed: of transmitted directions, as a mirror would reflect them that reflects wi where
+            straight light goes, mirrored through the slab.
         reflected: the probability of reflection.
+        eta: index on the far side relative to that on wi's.
     """
 
     mixture: Mixture
+    passed: Mixture
     reflected: Any
+    eta: Any
 
     def pdf(self, wi, wo):
         """Density of `sample` at wo [1/sr]; zero at the horizon."""
-        share = dr.select(wi.z * wo.z > 0, self.reflected, 1 - self.reflected)
-        return share * self.mixture.pdf(_raised(wi), _raised(wo))
+        reflected = self.reflected * self.mixture.pdf(_raised(wi), _raised(wo))
+        straight = slabs.straight(_raised(wi), self.eta)
+        passed = (1 - self.reflected) * self.passed.pdf(straight, _raised(wo))
+        return dr.select(wi.z * wo.z > 0, reflected, passed)
 
     def sample(self, wi, choice, u):
         """Draw wo; see `Mixture.sample`."""
         reflects = choice < self.reflected
         choice = dr.select(reflects, choice, choice - self.reflected)
         choice /= dr.select(reflects, self.reflected, 1 - self.reflected)
-        wo = self.mixture.sample(_raised(wi), choice, u)
+        reflected = self.mixture.sample(_raised(wi), choice, u)
+        passed = self.passed.sample(slabs.straight(_raised(wi), self.eta), choice, u)
+        wo = dr.select(reflects, reflected, passed)
         return type(wo)(wo.x, wo.y, dr.select((wi.z > 0) == reflects, wo.z, -wo.z))
 
 
@@ -301,13 +342,21 @@ class Turn(NamedTuple):
 def _clipped(coat: CoatParameters) -> CoatParameters:
     """Parameters clipped to their ranges: filters and spectra may leave them."""
     return CoatParameters(
-        _widths_of(lambda alpha: dr.clip(alpha, MIN_ALPHA, 1), coat.alpha),
-        # A filter may cross 1, near which an index is 1.
-        dr.select(dr.abs(coat.eta - 1) < MIN_INDEX_STEP, 1, dr.clip(coat.eta, *ETA_RANGE)),
+        _width_in_range(coat.alpha),
+        _index_in_range(coat.eta),
         dr.clip(_color(coat.albedo), 0, 1),
         dr.maximum(_color(coat.sigma_t), 0),
         dr.clip(_color(coat.g), -0.999, 0.999),
     )
+
+
+def _width_in_range(alpha: Any) -> Any:
+    return _widths_of(lambda alpha: dr.clip(alpha, MIN_ALPHA, 1), alpha)
+
+
+def _index_in_range(eta: Any, low: float = ETA_RANGE[0]) -> Any:
+    """A relative index clipped to [low, 3]. A filter may cross 1, near which an index is 1."""
+    return dr.select(dr.abs(eta - 1) < MIN_INDEX_STEP, 1, dr.clip(eta, low, ETA_RANGE[1]))
 
 
 def _width_outside(alpha, stretch, blur):

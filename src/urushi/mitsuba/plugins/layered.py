@@ -6,12 +6,13 @@ from urushi.core.random import hashed_stream
 from urushi.mitsuba.plugins.base import ignore
 from urushi.mitsuba.plugins.coated import define_coated
 from urushi.walk import slabs, walk
+from urushi.walk.bottoms.dielectric import Reflector
 
 
 def define(base: type) -> type:
     """Make the plugin's class in the current variant; base: of `define_proposal_bsdf`."""
 
-    coated: type = define_coated(base, "Layered", widened=True)
+    coated: type = define_coated(base, "Layered", widened=True, slabs=True)
 
     class Layered(coated):
         """A coated BSDF by unbiased random walks (``layered``).
@@ -51,7 +52,9 @@ def define(base: type) -> type:
                                              no perfectly smooth lobe; coats nest. The index of a
                                              ``roughconductor`` becomes relative to the coat's;
                                              others have the values that they have in air. Without
-                                             it, coats are a slab, which transmits light.
+                                             it, and over a ``roughdielectric``, ``dielectric`` or
+                                             ``thindielectric``, coats are a slab, which transmits
+                                             light.
         eta            float                 The ratio int_ior / ext_ior, or to air without ext_ior;
                                              exposed by ``mi.traverse``, not a property.
         ============== ===================== ====================================================
@@ -66,9 +69,16 @@ def define(base: type) -> type:
         from a hash of directions, position, uv and time. Directly nested coats form one stack.
         Spectral variants evaluate parameters at the rays' wavelengths.
 
-        Without a nested BSDF, the plugin is a thin slab: paper, a frosted pane, a leaf. Its lower
+        Without a nested BSDF, the plugin is a *thin slab*: paper, a frosted pane, a leaf. Its lower
         interface is as wide as that of the lowest coat, and the medium outside lies beyond, too.
-        It scatters light from both sides to both. Its indices are numbers, and not all 1.
+        Over a ``thindielectric``, the coats lie on a clear pane of its index. Indices of thin slabs
+        are numbers, and not all 1; all other parameters may be textures.
+
+        Over a ``roughdielectric`` of the distribution ``ggx`` or a ``dielectric``, the coats lie on
+        a *body of glass*: its index, given for air, holds below the surface of the shape. The body
+        may have an interior medium. A smooth ``dielectric`` has an ``alpha`` of 0.01.
+
+        Slabs scatter light from both sides to both, of radiance and of importance.
 
         All layers share one tangent frame: that of the shape, rotated by ``rotation``. Directly
         nested coats have no rotation of their own, and an anisotropic bottom, such as
@@ -106,8 +116,8 @@ def define(base: type) -> type:
         def _model(self, coats, bottom, si, wo, color, active):
             # Mitsuba gives `eval` no random numbers: hash all that distinguishes the call.
             rng = hashed_stream(mi.PCG32, (*si.wi, *wo, *si.p, *si.uv, si.time))
-            if bottom is None:
-                return slabs.estimate(coats, coats.lowest(), si.wi, wo, rng, color, active)
+            if isinstance(bottom, Reflector):
+                return slabs.estimate(coats, bottom, si.wi, wo, rng, color, active)
             f = walk.estimate(coats, bottom, si.wi, wo, rng, color, active)
             return f + walk.top_reflection(coats, si.wi, wo)
 
