@@ -49,7 +49,6 @@ def load(mi, networks, name: str, **properties):
         ),
         ({"height": 2.0}, 'float "height": 2'),
         ({"other": bottom()}, "has 2 nested BSDFs ('base', 'other'); nest exactly one"),
-        ({"base": bottom("dielectric")}, "the nested BSDF transmits light"),
         ({"base": bottom("conductor")}, "the nested BSDF is perfectly smooth"),
         ({"base": bottom("mask", nested=bottom())}, "the nested BSDF transmits light"),
     ],

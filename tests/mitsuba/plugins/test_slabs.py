@@ -73,6 +73,8 @@ INDICES = {
     "brushed body": 1.6,
     "two on a body": 1.7,
 }
+#: Slabs of the first tier.
+FIRST = ("sharp pane", "brushed", "body", "two on a body")
 #: Angles of wi from the normal [degrees], above and below.
 ANGLES = (0, 35, 70, 89, 95, 110, 150, 175)
 
@@ -125,7 +127,10 @@ def test_f_is_that_of_simulate_on_all_sides(rgb, name):
         assert np.abs(z).max() < 5
 
 
-@pytest.mark.parametrize("name", SLABS)
+@pytest.mark.parametrize(
+    "name",
+    [name if name in FIRST else pytest.param(name, marks=pytest.mark.slow) for name in SLABS],
+)
 def test_samples_follow_the_density_on_the_sphere(rgb, sampling, name):
     bsdf = load(rgb, SLABS[name])
     for seed, degrees in enumerate(ANGLES):
@@ -160,7 +165,7 @@ def test_the_weights_of_samples_add_up_to_the_shares(rgb, name, degrees):
         value = np.where(through == transmitted, weight, 0)
         error = np.hypot(value.std() / np.sqrt(count), se[0, 0])
         assert abs(value.mean() - expected[0, 0]) < 5 * error
-        assert error < 0.01 * expected[0, 0]
+        assert error < 0.03 * expected[0, 0]
 
 
 def test_flags_and_refusals(rgb):
@@ -193,6 +198,8 @@ def test_flags_and_refusals(rgb):
 
 
 def test_a_body_of_glass_follows_its_parameters(rgb):
+    import drjit as dr
+
     bsdf = load(rgb, SLABS["body"])
     parameters = rgb.traverse(bsdf)
     parameters["bottom.eta"] = 1.7
@@ -200,48 +207,47 @@ def test_a_body_of_glass_follows_its_parameters(rgb):
     parameters.update()
     changed = {"base": GLASS | {"int_ior": 1.7, "alpha": 0.4}}
     wi, wo = (w.astype(np.float32) for w in cosine_pairs(np.random.default_rng(5), 64))
-    si = rgb.SurfaceInteraction3f()
+    si = dr.zeros(rgb.SurfaceInteraction3f, 64)
     si.wi, down = rgb.Vector3f(wi.T), rgb.Vector3f((wo * [1, 1, -1]).T)
     f = [b.eval(rgb.BSDFContext(), si, down) for b in (bsdf, load(rgb, SLABS["body"] | changed))]
     np.testing.assert_allclose(*f, rtol=1e-4)
 
 
 def test_the_coat_of_a_body_may_have_a_textured_index(rgb):
+    import drjit as dr
+
     halves = {"type": "checkerboard", "color0": 1.3, "color1": 1.8}
     textured = load(rgb, SLABS["body"] | {"int_ior": halves})
     wi, wo = (w.astype(np.float32) for w in cosine_pairs(np.random.default_rng(5), 64))
-    si = rgb.SurfaceInteraction3f()
+    si = dr.zeros(rgb.SurfaceInteraction3f, 64)
     si.wi, down = rgb.Vector3f(wi.T), rgb.Vector3f((wo * [1, 1, -1]).T)
-    for u, index in ((0.1, 1.3), (0.4, 1.8)):
-        si.uv = rgb.Point2f(u, 0.1)
+    for u, index in ((0.6, 1.3), (0.1, 1.8)):
+        si.uv = rgb.Point2f(dr.full(rgb.Float, u, 64), 0.1)
         constant = load(rgb, SLABS["body"] | {"int_ior": index})
         f = [bsdf.eval(rgb.BSDFContext(), si, down) for bsdf in (textured, constant)]
         np.testing.assert_allclose(*f, rtol=1e-4)
 
 
-def test_a_smooth_body_of_glass_is_a_dielectric_with_a_medium_inside(rgb):
-    """A ball under a constant sky, coated by a film too thin to see, absorbs as a bare one."""
+def test_balls_of_coated_glass_are_lossless_and_hold_media(rgb):
+    """Under a constant sky, a smooth film of the glass's own index changes nothing."""
 
-    def absorbed(bsdf):
-        ball = {
-            "type": "sphere",
-            "bsdf": bsdf,
-            "interior": {"type": "homogeneous", "sigma_t": 0.7, "albedo": 0.3},
-        }
+    def picture(bsdf, **medium):
         film = {"type": "hdrfilm", "width": 16, "height": 16, "rfilter": {"type": "box"}}
         view = rgb.ScalarTransform4f().look_at([0, 0, 5], [0, 0, 0], [0, 1, 0])
         scene = {
             "type": "scene",
-            "integrator": {"type": "volpath", "max_depth": 64, "rr_depth": 32},
+            "integrator": {"type": "volpath", "max_depth": 64, "rr_depth": 5},
             "sensor": {"type": "perspective", "fov": 20, "to_world": view, "film": film},
             "sky": {"type": "constant"},
-            "ball": ball,
+            "ball": {"type": "sphere", "bsdf": bsdf} | medium,
         }
-        return np.array(rgb.render(rgb.load_dict(scene), spp=256, seed=2))
+        return np.array(rgb.render(rgb.load_dict(scene), spp=256, seed=2)).mean()
 
-    bare = absorbed({"type": "dielectric", "int_ior": 1.5})
-    coat = {"alpha": 0.01, "int_ior": 1.5, "ext_ior": "air"}
-    coated = absorbed({"type": "layered", "base": {"type": "dielectric", "int_ior": 1.5}} | coat)
-    assert bare[8, 8, 0] < 0.6
-    np.testing.assert_allclose(coated.mean(), bare.mean(), rtol=0.01)
-    np.testing.assert_allclose(coated[6:10, 6:10].mean(), bare[6:10, 6:10].mean(), rtol=0.03)
+    glass = {"type": "dielectric", "int_ior": 1.5}
+    coated = {"type": "layered", "alpha": 0.01, "int_ior": 1.5, "base": glass}
+    # Radiance grows by the square of the index inside, and returns to that of the sky.
+    assert picture(coated) == pytest.approx(1, abs=0.02)
+    medium = {"interior": {"type": "homogeneous", "sigma_t": 0.7, "albedo": 0.3}}
+    bare = picture(glass, **medium)
+    assert bare < 0.6
+    assert picture(coated, **medium) == pytest.approx(bare, rel=0.04)

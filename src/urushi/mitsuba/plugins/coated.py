@@ -118,12 +118,11 @@ def define_coated(base: type, label: str, *, widened: bool, slabs: bool) -> type
                 return
             beyond = 1.0 if index is None else float(index.numpy()[0])
             etas = [coat.eta for coat in self.coats]
-            last = checks.eta(
-                beyond / math.prod(etas),
-                f"{self._where}: the index below the slab relative to int_ior",
-                low=checks.LEAST_ETA_BELOW,
+            where = f"{self._where}: the index below the slab relative to int_ior"
+            etas.append(
+                float(checks.eta(beyond / math.prod(etas), where, low=checks.LEAST_ETA_BELOW))
             )
-            if all(abs(eta - 1) < checks.MIN_INDEX_STEP for eta in (*etas, last)):
+            if all(abs(eta - 1) < checks.MIN_INDEX_STEP for eta in etas):
                 raise ParameterError(
                     f"{self._where}: no interface bends light through this slab, as int_ior and "
                     "ext_ior are equal; give another int_ior, or nest a BSDF"
