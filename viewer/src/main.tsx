@@ -6,13 +6,13 @@ import { isDocument } from "./engine/files";
 import { acceptDrops } from "./engine/open";
 import { begin } from "./engine/session";
 import { fromAddress, toAddress } from "./state/address";
-import { complain, redo, showRead, state, undo } from "./state/store";
+import { complain, redo, showRead, state, tell, undo } from "./state/store";
 import { App } from "./ui/App";
 import { keepFocus } from "./ui/focus";
 import "./style.css";
 
 const addressed = location.hash.length > 1;
-if (addressed) showRead(() => fromAddress(location.hash), false);
+if (addressed) showRead(() => fromAddress(location.hash, tell), false);
 
 // The address follows the state, but not at every step of a slider. A document in a frame has none.
 let written = location.hash;
@@ -27,7 +27,7 @@ effect(() => {
   }, 300);
 });
 window.addEventListener("hashchange", () => {
-  if (location.hash !== written) showRead(() => fromAddress(location.hash), true);
+  if (location.hash !== written) showRead(() => fromAddress(location.hash, tell), true);
 });
 
 window.addEventListener("keydown", (event) => {

@@ -51,27 +51,27 @@ SMALL = Architecture(
 
 SMALL_ANISOTROPIC = dataclasses.replace(SMALL, latent=21, widths=2)
 
-CLEAR = {"alpha": 0.05, "eta": 1.5, "albedo": 0.0, "sigmaT": 0.0, "g": 0.0}
-RED = {"alpha": 0.2, "eta": 1.45, "albedo": [0.9, 0.4, 0.2], "sigmaT": [0.8, 2.0, 3.0], "g": 0.3}
-MILKY = {"alpha": 0.4, "eta": 1.33, "albedo": 0.98, "sigmaT": 1.5, "g": [0.0, 0.4, -0.6]}
-LOW = {"alpha": 0.15, "eta": 0.75, "albedo": 0.5, "sigmaT": 0.3, "g": 0.0}
-SHARP = {"alpha": 0.01, "eta": 1.7, "albedo": 0.2, "sigmaT": 0.05, "g": 0.9}
-FAINT = {"alpha": 0.1, "eta": 1.02, "albedo": 0.5, "sigmaT": [0.0, 0.01, 1.0], "g": 0.0}
+CLEAR = {"alpha": 0.05, "ior": 1.5, "albedo": 0.0, "sigmaT": 0.0, "g": 0.0}
+RED = {"alpha": 0.2, "ior": 1.45, "albedo": [0.9, 0.4, 0.2], "sigmaT": [0.8, 2.0, 3.0], "g": 0.3}
+MILKY = {"alpha": 0.4, "ior": 1.33, "albedo": 0.98, "sigmaT": 1.5, "g": [0.0, 0.4, -0.6]}
+LOW = {"alpha": 0.15, "ior": 0.75, "albedo": 0.5, "sigmaT": 0.3, "g": 0.0}
+SHARP = {"alpha": 0.01, "ior": 1.7, "albedo": 0.2, "sigmaT": 0.05, "g": 0.9}
+FAINT = {"alpha": 0.1, "ior": 1.025, "albedo": 0.5, "sigmaT": [0.0, 0.01, 1.0], "g": 0.0}
 DEEP = {
     "alpha": 0.1,
-    "eta": 1.4,
+    "ior": 1.4,
     "albedo": [1.0, 0.99, 0.9],
     "sigmaT": [50.0, 20.0, 13.0],
     "g": 0.5,
 }
-FORWARD = {"alpha": 0.1, "eta": 1.4, "albedo": 0.9, "sigmaT": 4.0, "g": [0.98, -0.95, 0.7]}
+FORWARD = {"alpha": 0.1, "ior": 1.4, "albedo": 0.9, "sigmaT": 4.0, "g": [0.98, -0.95, 0.7]}
 GOLD = {"kind": "conductor", "alpha": 0.15, "eta": [0.14, 0.37, 1.44], "k": [4.1, 2.4, 1.6]}
 METAL = {"kind": "conductor", "alpha": [0.1, 0.2, 0.3], "r0": [0.9, 0.6, 0.3]}
-GLASS = {"kind": "dielectric", "alpha": 0.3, "eta": 1.52}
+GLASS = {"kind": "dielectric", "alpha": 0.3, "ior": 1.52}
 PAINT = {"kind": "diffuse", "reflectance": [0.8, 0.3, 0.05]}
 WHITE = {"kind": "diffuse", "reflectance": 1.0}
 
-#: Stacks in the page's terms, the topmost coat first.
+#: Stacks in the page's terms, the topmost coat first, with absolute indices.
 STACKS: list[dict[str, Any]] = [
     {"bottom": GOLD, "coats": []},
     {"bottom": METAL, "coats": []},
@@ -87,6 +87,8 @@ STACKS: list[dict[str, Any]] = [
     {"bottom": PAINT, "coats": [FAINT, CLEAR]},
     {"bottom": PAINT, "coats": [DEEP]},
     {"bottom": GOLD, "coats": [FORWARD]},
+    {"bottom": METAL, "coats": [CLEAR, CLEAR]},  # equal indices: no interface between them
+    {"bottom": GOLD, "coats": [CLEAR, MILKY | {"ior": 1.5}]},
     {"bottom": PAINT, "coats": [LOW, MILKY, RED, CLEAR, MILKY, SHARP]},
 ]
 
@@ -122,17 +124,14 @@ def material_of(stack: dict[str, Any], model: weights.Model) -> Material:
 
     A diffuse surface is not refined: the page does not refine.
     """
-    numbers = dict(stack["bottom"])
-    if "k" in numbers:  # the page's conductors are relative to the medium above them
-        above = np.prod([coat["eta"] for coat in stack["coats"]])
-        numbers |= {name: above * np.asarray(numbers[name]) for name in ("eta", "k")}
+    numbers = stack["bottom"]
     others = {key: value for key, value in numbers.items() if "alpha" not in key and key != "kind"}
-    surface = getattr(urushi, numbers["kind"])(**widths_of(numbers), **others)
-    material = urushi.encode(surface, model, refine=False)
+    material = getattr(urushi, numbers["kind"])(**widths_of(numbers), **others)
     for coat in reversed(stack["coats"]):
-        top = urushi.dielectric(eta=coat["eta"], **widths_of(coat))
+        top = urushi.dielectric(ior=coat["ior"], **widths_of(coat))
         medium = {"albedo": coat["albedo"], "sigma_t": coat["sigmaT"], "g": coat["g"]}
-        material = urushi.layer(top, material, **medium)
+        material = urushi.layer(top, material, **medium, weights=model, refine=False)
+    material = urushi.encode(material, model, refine=False)
     latents = material.anchors if material.beside_lobe else material.latents
     return dataclasses.replace(material, latents=latents, table=None, beside_lobe=False)
 

@@ -18,7 +18,7 @@ export interface Coat {
   alpha: Channels;
   /** GGX width across the tangent, if it differs. */
   alphaV?: Channels;
-  /** Index relative to the medium above, in [0.5, 3], at least 0.001 away from 1. */
+  /** Index relative to the medium above, in [0.5, 3]; at 1 there is no interface. */
   eta: Channels;
   /** Single-scattering albedo of the medium, in [0, 1]. */
   albedo: Channels;
@@ -28,7 +28,7 @@ export interface Coat {
   g: Channels;
 }
 
-/** What lies under all coats: a described surface, or the codes of a loaded material. */
+/** What lies under all coats, its index relative to them: a surface, or codes of a material. */
 export type Bottom =
   | { kind: "conductor"; alpha: Channels; alphaV?: Channels; r0: Channels }
   | { kind: "conductor"; alpha: Channels; alphaV?: Channels; eta: Channels; k: Channels }

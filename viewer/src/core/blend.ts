@@ -16,7 +16,8 @@ const { ABSENT_CHANGE, ABSENT_WIDTH, ABSENT_DEPTH } = LAYER;
 /** The share of a coat in a layered code: 0 where nothing is there, up to 1. */
 export function presence({ alpha, alphaV, eta, sigmaT }: CoatOfChannel): number {
   const change = (eta - 1) / (eta + 1) / ABSENT_CHANGE;
-  const width = (alpha * alpha + alphaV * alphaV) / (2 * ABSENT_WIDTH ** 2);
+  const square = eta === 1 ? 0 : (alpha * alpha + alphaV * alphaV) / 2;
+  const width = square / ABSENT_WIDTH ** 2;
   return 1 - Math.exp(-(change * change) - width * width - sigmaT / ABSENT_DEPTH);
 }
 

@@ -9,7 +9,10 @@ export interface Vector {
 
 /** Of `urushi.checks` of Python. */
 export const CHECKS = {
+  AIR: 1.000277,
+  ETA_RANGE: [0.5, 3],
   MIN_ALPHA: 0.01,
+  MIN_INDEX_STEP: 0.0009999,
   TRAINED_G: [-0.8, 0.9],
 } as const;
 

@@ -57,9 +57,11 @@ const { DEEPEST } = LAYER;
  *
  * Media of equal absorption and equal scattering times 1 - g transport light alike (van de Hulst
  * 1980). So g is moved into its range, and in media that are too deep further towards 0. Depths that
- * remain above `DEEPEST` are cut.
+ * remain above `DEEPEST` are cut. Coats of index 1, which have no interface, get the least width.
  */
-export function withinTraining(coat: CoatOfChannel): CoatOfChannel {
+export function withinTraining(given: CoatOfChannel): CoatOfChannel {
+  const smooth = { alpha: CHECKS.MIN_ALPHA, alphaV: CHECKS.MIN_ALPHA };
+  const coat = given.eta === 1 ? { ...given, ...smooth } : given;
   let g = Math.min(Math.max(coat.g, LEAST_G), MOST_G);
   if (g === coat.g && coat.sigmaT <= DEEPEST) return coat;
   const absorption = coat.sigmaT * (1 - coat.albedo);

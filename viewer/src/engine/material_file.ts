@@ -1,8 +1,9 @@
 /** Material files: those that `Material.save` of Python writes and `urushi.load` reads. */
 
-import type { Bottom, Core, Material } from "../core/api";
+import type { Core, Material } from "../core/api";
 import { CHANNELS } from "../core/channels";
 import { headerOf } from "../core/safetensors";
+import type { BottomInAir } from "../material/material";
 import { Refusal } from "../refusal";
 
 /** Version of files without tables. */
@@ -24,7 +25,7 @@ export function networksOf(bytes: Uint8Array): unknown {
 export function readMaterialFile(
   bytes: Uint8Array,
   { latentSize, widths, fingerprint }: Networks,
-): { bottom: Bottom & { kind: "codes" }; rotation?: number } {
+): { bottom: BottomInAir & { kind: "codes" }; rotation?: number } {
   const { description, tensors, start: first } = materialHeader(bytes);
   if (description.weights !== fingerprint) throw foreign();
   const codes = (name: string): Float32Array | null => {

@@ -1,13 +1,12 @@
 /** Files that are dropped on the page or opened: a panorama, a state, or a material. */
 
 import { signal } from "@preact/signals";
-import type { Bottom } from "../core/api";
-import type { TexelBottom } from "../material/material";
+import type { BottomInAir, TexelBottom } from "../material/material";
 import { isTexture } from "../material/texture";
 import { readHdr, withoutLights } from "../picture/panorama";
 import { Refusal } from "../refusal";
 import { readState } from "../state/read";
-import { announcement, change, changeMaterial, complain, notice } from "../state/store";
+import { announcement, change, changeMaterial, complain, notice, tell } from "../state/store";
 import { networksOf, readMaterialFile } from "./material_file";
 import type { Cores, PageCore } from "./remote";
 import { session, useEnvironment } from "./session";
@@ -34,7 +33,7 @@ async function openFile(file: File): Promise<void> {
   if (suffix === "hdr") {
     useEnvironment(file.name, { file, ...withoutLights(readHdr(bytes)) });
   } else if (suffix === "json") {
-    change(readState(parsed(bytes)));
+    change(readState(parsed(bytes), tell));
   } else if (suffix === "safetensors" || suffix === "binary" || suffix === "bsdf") {
     const cores = session.value?.cores;
     if (cores === undefined) throw new Refusal("The networks are not loaded yet.");
@@ -61,7 +60,7 @@ async function materialOf(
   cores: Cores,
   bytes: Uint8Array<ArrayBuffer>,
   isMeasured: boolean,
-): Promise<{ bottom: Bottom | TexelBottom; rotation?: number }> {
+): Promise<{ bottom: BottomInAir | TexelBottom; rotation?: number }> {
   const core = cores.isotropic;
   if (isMeasured) return { bottom: await encodeMeasured(core, bytes) };
   if (isTexture(bytes))
@@ -71,7 +70,10 @@ async function materialOf(
 }
 
 /** The codes of a measured BRDF, which the worker takes some seconds to find. */
-async function encodeMeasured(core: PageCore, bytes: Uint8Array<ArrayBuffer>): Promise<Bottom> {
+async function encodeMeasured(
+  core: PageCore,
+  bytes: Uint8Array<ArrayBuffer>,
+): Promise<BottomInAir> {
   encoding.value = true;
   announcement.value = "The measured BRDF is being encoded.";
   try {

@@ -13,7 +13,7 @@ import { exrFile, type Radiance } from "../save/exr";
 import type { Scene } from "../save/scene";
 import { readState } from "../state/read";
 import type { State } from "../state/state";
-import { announcement, change, complain, showRead, state } from "../state/store";
+import { announcement, change, complain, showRead, state, tell } from "../state/store";
 import { type Shown, Slot } from "./engine";
 import { readFile } from "./files";
 import { Cores, connect } from "./remote";
@@ -194,7 +194,7 @@ export async function begin(addressed: boolean): Promise<void> {
   try {
     const [core, start] = await Promise.all([connect(), readStart()]);
     if ("texture" in start) await keepTexture(await readBytes(String(start.texture)), core);
-    if ("materials" in start && !addressed) showRead(() => readState(start), false);
+    if ("materials" in start && !addressed) showRead(() => readState(start, tell), false);
     session.value = new Session(new Cores(core));
   } catch (error) {
     complain(error, () => void begin(addressed));

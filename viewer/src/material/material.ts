@@ -1,12 +1,18 @@
 /** The material on the page: cards of coats over a bottom, and the stack that they describe. */
 
 import type { Bottom, Channels, Coat, Stack } from "../core/api";
+import { CHECKS } from "../core/formulas";
 import { Refusal } from "../refusal";
 
 export type Rgb = readonly [number, number, number];
 
+/** A coat by its absolute index of refraction. */
+export interface CoatInAir extends Omit<Coat, "eta"> {
+  ior: Channels;
+}
+
 /** One coat on the page. */
-export interface CoatCard extends Coat {
+export interface CoatCard extends CoatInAir {
   /** Identifies the card while it moves; above 0. */
   id: number;
   /** Whether the coat is part of the picture. */
@@ -19,11 +25,16 @@ export interface TexelBottom {
   texture: string;
 }
 
+/** A bottom by its indices of refraction in air: that of a dielectric, or a metal's eta and k. */
+export type BottomInAir =
+  | Exclude<Bottom, { kind: "dielectric" }>
+  | { kind: "dielectric"; alpha: Channels; alphaV?: Channels; ior: Channels };
+
 /** A named stack of cards. */
 export interface MaterialCards {
   name: string;
   /** A texture of codes has no coats. */
-  bottom: Bottom | TexelBottom;
+  bottom: BottomInAir | TexelBottom;
   /** The topmost first. */
   coats: readonly CoatCard[];
   /** Angle by which the tangent of all layers is turned [degrees]; 0 if left out. */
@@ -38,7 +49,7 @@ export const BARE = 0;
 export const MOST_COATS = 6;
 
 /** A clear coat of glass, as Urushi's default. */
-const CLEAR_COAT: Coat = { alpha: 0.1, eta: 1.5, albedo: 0, sigmaT: 0, g: 0 };
+export const CLEAR_COAT: CoatInAir = { alpha: 0.1, ior: 1.5, albedo: 0, sigmaT: 0, g: 0 };
 
 /** Whether a coat is part of the picture. */
 export function isSeen(material: MaterialCards, coat: CoatCard): boolean {
@@ -46,30 +57,84 @@ export function isSeen(material: MaterialCards, coat: CoatCard): boolean {
 }
 
 /**
- * The stack that is shown.
+ * The bottom and the coats that are shown.
+ *
+ * @throws Refusal if it is a texture of codes.
+ */
+export function seenOf(material: MaterialCards): { bottom: BottomInAir; coats: CoatCard[] } {
+  const { bottom, coats } = material;
+  if (bottom.kind === "texels")
+    throw new Refusal("A texture of codes can be saved as a material file or a Mitsuba scene.");
+  return { bottom, coats: coats.filter((coat) => isSeen(material, coat)) };
+}
+
+/**
+ * The stack that is shown: every index relative to the medium above, as in Python's `walk.stack`.
+ *
+ * Coats without an interface and a medium are left out.
  *
  * @throws Refusal if it is a texture of codes.
  */
 export function stackOf(material: MaterialCards): Stack {
-  const { bottom } = material;
-  if (bottom.kind === "texels")
-    throw new Refusal("A texture of codes can be saved as a material file or a Mitsuba scene.");
-  const coats = material.coats.filter((coat) => isSeen(material, coat));
+  const { bottom, coats } = seenOf(material);
+  let above: Channels = CHECKS.AIR;
+  const relative = coats.map(({ id, on, ior, ...coat }): Coat => {
+    const eta = interfaceRatio(ior, above);
+    above = ior;
+    return { ...coat, eta };
+  });
+  const under = bottomUnder(bottom, quotient(above, CHECKS.AIR));
   return {
-    bottom,
-    coats: coats.map(({ alpha, alphaV, eta, albedo, sigmaT, g }) => ({
-      alpha,
-      ...(alphaV === undefined ? {} : { alphaV }),
-      eta,
-      albedo,
-      sigmaT,
-      g,
-    })),
+    bottom: under.kind === "dielectric" ? interfaceOf(under) : under,
+    coats: relative.filter(({ eta, sigmaT }) => !isAll(eta, 1) || !isAll(sigmaT, 0)),
   };
 }
 
+/** A bottom below a medium of an index relative to air, as it would be in air. */
+export function bottomUnder(bottom: BottomInAir, index: Channels): BottomInAir {
+  if (bottom.kind === "codes") {
+    const { latents, anchors } = bottom;
+    return { ...bottom, latents: codesUnder(latents, index), anchors: codesUnder(anchors, index) };
+  }
+  if (bottom.kind === "dielectric") return { ...bottom, ior: quotient(bottom.ior, index) };
+  if (!("k" in bottom)) return bottom; // Schlick's and diffuse ones are the same everywhere
+  return { ...bottom, eta: quotient(bottom.eta, index), k: quotient(bottom.k, index) };
+}
+
+function interfaceOf({ ior, ...surface }: BottomInAir & { kind: "dielectric" }): Bottom {
+  return { ...surface, eta: interfaceRatio(ior, CHECKS.AIR) };
+}
+
+/** Codes below a medium: eta and k of a metal's lobe, which has a k, become relative to it. */
+function codesUnder(codes: Float32Array, index: Channels): Float32Array {
+  const size = codes.length / 3;
+  return codes.map((number, at) => {
+    const isIndex = at % size === 4 || at % size === 5;
+    const channel = Math.floor(at / size);
+    return isIndex && codes[channel * size + 5]! > 0 ? number / rgb(index)[channel]! : number;
+  });
+}
+
+/** The index of an interface relative to the medium above, nearest within the networks' range. */
+function interfaceRatio(ior: Channels, above: Channels): Channels {
+  const [low, high] = CHECKS.ETA_RANGE;
+  return mapped(quotient(ior, above), (ratio) =>
+    Math.abs(ratio - 1) < CHECKS.MIN_INDEX_STEP ? 1 : Math.min(Math.max(ratio, low), high),
+  );
+}
+
+function isAll(value: Channels, number: number): boolean {
+  return rgb(value).every((x) => x === number);
+}
+
+/** Quotient of each channel, as one number if all three agree. */
+export function quotient(a: Channels, b: Channels): Channels {
+  const [x, y] = [rgb(a), rgb(b)];
+  return joined([x[0] / y[0], x[1] / y[1], x[2] / y[2]]);
+}
+
 /** The largest ratio of a surface's two widths; 1 if it has one. */
-export function widthRatio(surface: Coat | Bottom): number {
+export function widthRatio(surface: CoatInAir | BottomInAir | Coat | Bottom): number {
   if (!("alpha" in surface) || surface.alphaV === undefined) return 1;
   const across = rgb(surface.alphaV);
   const ratios = rgb(surface.alpha).map((width, channel) => width / across[channel]!);
@@ -83,7 +148,7 @@ export function hasTangent({ bottom, coats }: MaterialCards): boolean {
 }
 
 /** Whether a stack needs the networks for anisotropic materials. */
-export function isAnisotropic({ bottom, coats }: Stack): boolean {
+export function isAnisotropic({ bottom, coats }: Stack | ReturnType<typeof seenOf>): boolean {
   const isOfCodes = bottom.kind === "codes" && bottom.widths === 2;
   return isOfCodes || [bottom, ...coats].some((surface) => widthRatio(surface) !== 1);
 }
@@ -108,6 +173,13 @@ export function joined(value: Rgb): Channels {
   return value[0] === value[1] && value[1] === value[2] ? value[0] : value;
 }
 
+/** Every channel of a value by a function, as one number where it is one. */
+export function mapped(value: Channels, change: (x: number) => number): Channels {
+  if (typeof value === "number") return change(value);
+  const [red, green, blue] = rgb(value);
+  return [change(red), change(green), change(blue)];
+}
+
 /** The material with a card moved to another place. */
 export function moved(material: MaterialCards, from: number, to: number): MaterialCards {
   const coats = [...material.coats];
@@ -118,7 +190,7 @@ export function moved(material: MaterialCards, from: number, to: number): Materi
 }
 
 /** The material with a coat on top of all others. */
-export function withCoat(material: MaterialCards, coat: Coat = CLEAR_COAT): MaterialCards {
+export function withCoat(material: MaterialCards, coat = CLEAR_COAT): MaterialCards {
   if (!takesCoat(material)) return material;
   const card: CoatCard = { ...coat, id: freeId(material), on: true };
   return { ...material, coats: [card, ...material.coats] };

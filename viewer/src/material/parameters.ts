@@ -1,7 +1,6 @@
 /** The parameters of coats and bottoms: names, ranges, and their places on a slider. */
 
 import type { Channels } from "../core/api";
-import { rgb } from "./material";
 
 /** How a parameter is shown, and which values it takes. */
 export interface Parameter {
@@ -10,8 +9,6 @@ export interface Parameter {
   hint: string;
   low: number;
   high: number;
-  /** A value that it cannot take, nor any nearer than `GAP`. */
-  gap?: number;
   /** Largest value on the slider; a larger one can be typed. */
   slide?: number;
   /** The slider's place is the value's root of this degree, from `low`. */
@@ -57,12 +54,12 @@ export const ANGLE: Parameter = {
 
 export const COAT_PARAMETERS = {
   alpha: width,
-  eta: {
-    label: "Index η",
-    hint: "Index of refraction relative to the medium above; there is no surface at 1.",
+  ior: {
+    label: "Index n",
+    hint: "Index of refraction: water 1.33, varnish 1.5. Between equal indices there is no surface.",
     low: 0.5,
-    gap: 1,
-    high: 3,
+    high: 9,
+    slide: 3,
     power: 1,
     fallback: 1.5,
   },
@@ -107,7 +104,7 @@ export const BOTTOM_PARAMETERS = {
     colour: "reflectance",
   },
   eta: {
-    label: "Index η",
+    label: "Index n",
     hint: "Real part of the index of refraction.",
     low: 0,
     high: 10,
@@ -135,13 +132,9 @@ export const BOTTOM_PARAMETERS = {
   },
 } satisfies Record<string, Parameter>;
 
-const GAP = 0.001;
-
 /** The nearest value that a parameter can take. */
-export function clamped({ low, high, gap }: Parameter, value: number): number {
-  const inside = Math.min(Math.max(value, low), high);
-  if (gap === undefined || Math.abs(inside - gap) >= GAP) return inside;
-  return inside < gap ? gap - GAP : gap + GAP;
+export function clamped({ low, high }: Parameter, value: number): number {
+  return Math.min(Math.max(value, low), high);
 }
 
 /** Place of a value on the slider, in [0, 1]. */
@@ -161,11 +154,4 @@ export function valueAt(parameter: Parameter, place: number): number {
 export function rounded(value: number): number {
   const digits = Math.abs(value) >= 0.1 || value === 0 ? 3 : 4;
   return Number(value.toFixed(digits));
-}
-
-/** Every channel of a value by a function, as one number where it is one. */
-export function mapped(value: Channels, change: (x: number) => number): Channels {
-  if (typeof value === "number") return change(value);
-  const [red, green, blue] = rgb(value);
-  return [change(red), change(green), change(blue)];
 }

@@ -1,7 +1,12 @@
 /** Materials to begin with. All are described by physical parameters. */
 
-import type { Bottom, Coat } from "../core/api";
-import type { MaterialCards, Rgb } from "./material";
+import {
+  type BottomInAir,
+  CLEAR_COAT,
+  type CoatInAir,
+  type MaterialCards,
+  type Rgb,
+} from "./material";
 
 /** Complex indices of refraction of metals, as Mitsuba has them in its RGB variants. */
 export const METALS: Readonly<Record<string, { eta: Rgb; k: Rgb }>> = {
@@ -13,12 +18,16 @@ export const METALS: Readonly<Record<string, { eta: Rgb; k: Rgb }>> = {
   Tungsten: { eta: [4.371, 3.3, 2.998], k: [3.501, 2.605, 2.273] },
 };
 
-function material(name: string, bottom: Bottom, ...coats: Partial<Coat>[]): MaterialCards {
+function material(
+  name: string,
+  bottom: BottomInAir,
+  ...coats: Partial<CoatInAir>[]
+): MaterialCards {
   return {
     name,
     bottom,
     coats: coats.map((coat, place) => ({
-      ...{ alpha: 0.1, eta: 1.5, albedo: 0, sigmaT: 0, g: 0 },
+      ...CLEAR_COAT,
       ...coat,
       id: place + 1,
       on: true,
@@ -27,7 +36,7 @@ function material(name: string, bottom: Bottom, ...coats: Partial<Coat>[]): Mate
   };
 }
 
-function metal(name: keyof typeof METALS & string, alpha: number): Bottom {
+function metal(name: keyof typeof METALS & string, alpha: number): BottomInAir {
   const { eta, k } = METALS[name]!;
   return { kind: "conductor", alpha, eta, k };
 }
@@ -36,56 +45,56 @@ export const PRESETS: readonly MaterialCards[] = [
   material(
     "Vermilion urushi",
     { kind: "diffuse", reflectance: [0.1, 0.05, 0.035] },
-    { alpha: 0.03, eta: 1.53, sigmaT: [0.03, 0.08, 0.22] },
-    { alpha: 0.08, eta: 1.02, sigmaT: 8, albedo: [0.995, 0.66, 0.42], g: 0.2 },
+    { alpha: 0.03, ior: 1.53, sigmaT: [0.03, 0.08, 0.22] },
+    { alpha: 0.08, ior: 1.56, sigmaT: 8, albedo: [0.995, 0.66, 0.42], g: 0.2 },
   ),
   material(
     "Black urushi",
     { kind: "diffuse", reflectance: [0.02, 0.015, 0.012] },
-    { alpha: 0.02, eta: 1.53, sigmaT: [0.3, 0.5, 0.9] },
-    { alpha: 0.06, eta: 1.02, sigmaT: [4, 5, 6], albedo: [0.1, 0.06, 0.045] },
+    { alpha: 0.02, ior: 1.53, sigmaT: [0.3, 0.5, 0.9] },
+    { alpha: 0.06, ior: 1.56, sigmaT: [4, 5, 6], albedo: [0.1, 0.06, 0.045] },
   ),
   material("Gold maki-e", metal("Gold", 0.28), {
     alpha: 0.03,
-    eta: 1.53,
+    ior: 1.53,
     sigmaT: [0.02, 0.07, 0.2],
   }),
   material(
     "Car paint",
     metal("Aluminium", 0.33),
-    { alpha: 0.015, eta: 1.45 },
-    { alpha: 0.1, eta: 1.07, sigmaT: [1.4, 0.55, 0.12], albedo: [0.05, 0.2, 0.7], g: 0.4 },
+    { alpha: 0.015, ior: 1.45 },
+    { alpha: 0.1, ior: 1.55, sigmaT: [1.4, 0.55, 0.12], albedo: [0.05, 0.2, 0.7], g: 0.4 },
   ),
   material(
     "Varnished walnut",
     { kind: "diffuse", reflectance: [0.42, 0.22, 0.1] },
-    { alpha: 0.06, eta: 1.5, sigmaT: [0.03, 0.1, 0.3] },
+    { alpha: 0.06, ior: 1.5, sigmaT: [0.03, 0.1, 0.3] },
   ),
   material("Enamel on copper", metal("Copper", 0.2), {
     alpha: 0.03,
-    eta: 1.52,
+    ior: 1.52,
     sigmaT: [0.06, 0.85, 1.2],
     albedo: [0, 0.02, 0.03],
   }),
   material(
     "Celadon glaze",
     { kind: "diffuse", reflectance: [0.6, 0.57, 0.5] },
-    { alpha: 0.035, eta: 1.52, sigmaT: [1.2, 0.7, 0.85], albedo: [0.88, 0.975, 0.945], g: 0.3 },
+    { alpha: 0.035, ior: 1.52, sigmaT: [1.2, 0.7, 0.85], albedo: [0.88, 0.975, 0.945], g: 0.3 },
   ),
   material("Frosted metal", metal("Aluminium", 0.04), {
     alpha: 0.42,
-    eta: 1.5,
+    ior: 1.5,
     sigmaT: [0.02, 0.09, 0.2],
   }),
   material(
     "Pearl",
     { kind: "diffuse", reflectance: [0.88, 0.85, 0.82] },
-    { alpha: 0.04, eta: 1.5 },
-    { alpha: 0.3, eta: 1.12, sigmaT: [1.2, 1.35, 1.3], albedo: [0.998, 0.995, 0.997], g: 0.2 },
+    { alpha: 0.04, ior: 1.5 },
+    { alpha: 0.3, ior: 1.68, sigmaT: [1.2, 1.35, 1.3], albedo: [0.998, 0.995, 0.997], g: 0.2 },
   ),
   material("Tarnished silver", metal("Silver", 0.14), {
     alpha: 0.3,
-    eta: 1.35,
+    ior: 1.35,
     sigmaT: [0.2, 0.36, 0.6],
     albedo: [0.12, 0.1, 0.12],
   }),

@@ -1,7 +1,13 @@
 /** A material as a BSDF of Mitsuba 3: XML, and a dictionary of Python. */
 
-import type { Bottom, Channels, Coat, Stack } from "../core/api";
-import { isAnisotropic } from "../material/material";
+import type { Channels } from "../core/api";
+import {
+  type BottomInAir,
+  type CoatInAir,
+  isAnisotropic,
+  type MaterialCards,
+  seenOf,
+} from "../material/material";
 import { Refusal } from "../refusal";
 
 /** A node of a scene: a plugin, its parameters and the BSDF inside. */
@@ -16,20 +22,21 @@ interface Node {
 /**
  * The BSDF as XML.
  *
- * @param rotation of the tangent [degrees].
  * @throws Refusal if Mitsuba has no such BSDF.
  */
-export function mitsubaXml(stack: Stack, rotation = 0): string {
-  return `${xmlLines(nodeOf(stack, rotation), 0, "material").join("\n")}\n`;
+export function mitsubaXml(material: MaterialCards): string {
+  return `${xmlLines(nodeOf(material), 0, "material").join("\n")}\n`;
 }
 
 /** The BSDF as a dictionary for `mi.load_dict`; as `mitsubaXml`. */
-export function mitsubaDict(stack: Stack, rotation = 0): string {
-  const lines = dictLines(nodeOf(stack, rotation), 0);
+export function mitsubaDict(material: MaterialCards): string {
+  const lines = dictLines(nodeOf(material), 0);
   return `import urushi  # registers the plugin\n\nbsdf = ${lines.join("\n").trimStart()}\n`;
 }
 
-function nodeOf(stack: Stack, rotation: number): Node {
+function nodeOf(material: MaterialCards): Node {
+  const { rotation = 0 } = material;
+  const stack = seenOf(material);
   const node = stack.coats.reduceRight<Node>(
     (inner, coat) => coatNode(coat, inner),
     bottomNode(stack.bottom),
@@ -53,14 +60,13 @@ function widthsOf(surface: { alpha: Channels; alphaV?: Channels }): [string, Cha
   ];
 }
 
-function coatNode(coat: Coat, inner: Node): Node {
+function coatNode(coat: CoatInAir, inner: Node): Node {
   return {
     type: "neural_layered",
     strings: [],
     values: [
       ...widthsOf(coat),
-      ["int_ior", coat.eta],
-      ["ext_ior", 1], // eta is relative to the medium above
+      ["int_ior", coat.ior],
       ["albedo", coat.albedo],
       ["sigma_t", coat.sigmaT],
       ["g", coat.g],
@@ -69,7 +75,7 @@ function coatNode(coat: Coat, inner: Node): Node {
   };
 }
 
-function bottomNode(bottom: Bottom): Node {
+function bottomNode(bottom: BottomInAir): Node {
   const ggx: [string, string] = ["distribution", "ggx"];
   switch (bottom.kind) {
     case "conductor":

@@ -1,15 +1,13 @@
 /** A material as a Python program. */
 
-import type { Bottom, Channels, Stack } from "../core/api";
-import { isAnisotropic } from "../material/material";
+import type { Channels } from "../core/api";
+import { type BottomInAir, isAnisotropic, type MaterialCards, seenOf } from "../material/material";
 import { Refusal } from "../refusal";
 
-/**
- * A program that encodes the bottom, layers the coats as the page does, and saves the material.
- *
- * @param rotation of the tangent [degrees].
- */
-export function pythonText(stack: Stack, name: string, rotation = 0): string {
+/** A program that encodes the bottom, layers the coats as the page does, and saves the material. */
+export function pythonText(material: MaterialCards): string {
+  const { name, rotation = 0 } = material;
+  const stack = seenOf(material);
   const lines = [
     "import numpy as np",
     "",
@@ -17,18 +15,20 @@ export function pythonText(stack: Stack, name: string, rotation = 0): string {
     "",
     "# The layers one by one, as on the page. urushi.encode of a description by urushi.coat takes",
     "# longer and is closer to the random walk.",
-    `material = urushi.encode(${bottomText(stack.bottom)}, refine=False)`,
+    `material = ${bottomText(stack.bottom)}`,
   ];
-  for (const coat of [...stack.coats].reverse()) {
-    const { eta, albedo, sigmaT, g } = coat;
-    const top = call("urushi.dielectric", [...widthsOf(coat), ["eta", eta]]);
-    const medium: [string, Channels][] = [
+  for (const coat of stack.coats.reverse()) {
+    const { ior, albedo, sigmaT, g } = coat;
+    const top = call("urushi.dielectric", [...widthsOf(coat), ["ior", ior]]);
+    const others: [string, Channels | string][] = [
       ["albedo", albedo],
       ["sigma_t", sigmaT],
       ["g", g],
+      ["refine", "False"],
     ];
-    lines.push(`material = ${call("urushi.layer", medium, `${top}, material`)}`);
+    lines.push(`material = ${call("urushi.layer", others, `${top}, material`)}`);
   }
+  if (stack.coats.length === 0) lines.push("material = urushi.encode(material, refine=False)");
   const turned = rotation !== 0 && isAnisotropic(stack) ? `material.rotated(${rotation})` : "";
   const direction = "np.array([[0.5, 0.0, np.sqrt(0.75)]])";
   lines.push(
@@ -51,14 +51,14 @@ export function fileName(name: string): string {
   );
 }
 
-function bottomText(bottom: Bottom): string {
+function bottomText(bottom: BottomInAir): string {
   switch (bottom.kind) {
     case "conductor":
       return "r0" in bottom
         ? call("urushi.conductor", [...widthsOf(bottom), ["r0", bottom.r0]])
         : call("urushi.conductor", [...widthsOf(bottom), ["eta", bottom.eta], ["k", bottom.k]]);
     case "dielectric":
-      return call("urushi.dielectric", [...widthsOf(bottom), ["eta", bottom.eta]]);
+      return call("urushi.dielectric", [...widthsOf(bottom), ["ior", bottom.ior]]);
     case "diffuse":
       return call("urushi.diffuse", [["reflectance", bottom.reflectance]]);
     case "codes":
@@ -78,12 +78,12 @@ function widthsOf(surface: { alpha: Channels; alphaV?: Channels }): [string, Cha
   ];
 }
 
-function call(name: string, parameters: [string, Channels][], first = ""): string {
+function call(name: string, parameters: [string, Channels | string][], first = ""): string {
   const named = parameters.map(([key, value]) => `${key}=${python(value)}`);
   return `${name}(${[...(first ? [first] : []), ...named].join(", ")})`;
 }
 
 /** "0.1" or "(0.1, 0.2, 0.3)". */
-function python(value: Channels): string {
-  return typeof value === "number" ? String(value) : `(${value.join(", ")})`;
+function python(value: Channels | string): string {
+  return typeof value !== "object" ? String(value) : `(${value.join(", ")})`;
 }

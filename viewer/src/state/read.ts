@@ -1,17 +1,21 @@
 /** Reading a state from JSON that may be anything: checked, with one sentence on what is wrong. */
 
-import type { Bottom, Channels } from "../core/api";
+import type { Channels } from "../core/api";
+import { CHECKS } from "../core/formulas";
 import {
+  type BottomInAir,
+  bottomUnder,
   type CoatCard,
   type MaterialCards,
   MOST_COATS,
+  mapped,
+  quotient,
   type TexelBottom,
 } from "../material/material";
 import {
   BOTTOM_PARAMETERS,
   COAT_PARAMETERS,
   clamped,
-  mapped,
   type Parameter,
 } from "../material/parameters";
 import { Refusal } from "../refusal";
@@ -26,14 +30,22 @@ import {
 
 type Fields = Record<string, unknown>;
 
-/** The state of a JSON value; fields that are missing have their first values. */
-export function readState(value: unknown): State {
+const CONVERTED =
+  "Indices of refraction were relative to the medium above when this was saved. They are absolute " +
+  "now: the numbers are others, and the picture is the same.";
+
+/**
+ * The state of a JSON value; fields that are missing have their first values.
+ *
+ * @param tell called with a sentence on what was converted.
+ */
+export function readState(value: unknown, tell?: (text: string) => void): State {
   const fields = object(value, "the state");
   const materials = fields.materials;
   if (!Array.isArray(materials) || materials.length < 1 || materials.length > 2)
     throw new Refusal("The state has no materials.");
-  const first = readMaterial(materials[0]);
-  const second = materials.length > 1 ? readMaterial(materials[1]) : INITIAL.materials[1];
+  const first = readMaterial(materials[0], tell);
+  const second = materials.length > 1 ? readMaterial(materials[1], tell) : INITIAL.materials[1];
   const view = object(fields.view ?? {}, "the view");
   return {
     materials: [first, second],
@@ -56,25 +68,47 @@ export function readState(value: unknown): State {
 }
 
 /** The material of a JSON value. */
-export function readMaterial(value: unknown): MaterialCards {
+export function readMaterial(value: unknown, tell?: (text: string) => void): MaterialCards {
   const fields = object(value, "the material");
   const coats = fields.coats ?? [];
   if (!Array.isArray(coats) || coats.length > MOST_COATS)
     throw new Refusal(`A material has at most ${MOST_COATS} coats.`);
-  const bottom = readBottom(fields.bottom);
+  const cards = coats.map(readCoat);
+  let bottom = readBottom(fields.bottom);
   if (bottom.kind === "texels" && coats.length > 0)
     throw new Refusal("A texture of codes cannot be coated on this page.");
+  if (bottom.kind !== "texels" && [fields.bottom, ...coats].some(isRelative)) {
+    tell?.(CONVERTED);
+    let air: Channels = 1; // relative to the medium above
+    for (const card of cards) {
+      card.ior = quotient(card.ior, air);
+      if (card.on) air = quotient(CHECKS.AIR, card.ior);
+    }
+    bottom = bottomUnder(bottom, air);
+  }
   const solo = fields.solo;
   return {
     name: nameOf(fields.name, "Material"),
     bottom,
-    coats: coats.map(readCoat),
+    coats: cards,
     ...(fields.rotation === undefined ? {} : { rotation: number(fields.rotation, -180, 180, 0) }),
     solo:
       typeof solo === "number" && Number.isInteger(solo) && solo >= 0 && solo <= coats.length
         ? solo
         : null,
   };
+}
+
+/** Whether a coat or a dielectric is by its index relative to the medium above, the older form. */
+function isRelative({ kind, eta }: Fields): boolean {
+  return eta !== undefined && kind !== "conductor";
+}
+
+/** The index of a coat or a dielectric, in the older form as it would be in air. */
+function iorOf(fields: Fields): Channels {
+  const { ior } = COAT_PARAMETERS;
+  if (!isRelative(fields)) return channels(fields.ior, ior, "ior");
+  return mapped(channels(fields.eta, ior, "eta"), (eta) => eta * CHECKS.AIR);
 }
 
 function readCoat(value: unknown, place: number): CoatCard {
@@ -85,14 +119,14 @@ function readCoat(value: unknown, place: number): CoatCard {
     id: place + 1,
     on: fields.on !== false,
     ...widths(fields, one("alpha")),
-    eta: one("eta"),
+    ior: iorOf(fields),
     albedo: one("albedo"),
     sigmaT: one("sigmaT"),
     g: one("g"),
   };
 }
 
-function readBottom(value: unknown): Bottom | TexelBottom {
+function readBottom(value: unknown): BottomInAir | TexelBottom {
   const fields = object(value, "the bottom");
   const one = (name: keyof typeof BOTTOM_PARAMETERS) =>
     channels(fields[name], BOTTOM_PARAMETERS[name], name);
@@ -105,7 +139,7 @@ function readBottom(value: unknown): Bottom | TexelBottom {
       return {
         kind: "dielectric",
         ...widths(fields, one("alpha")),
-        eta: channels(fields.eta, COAT_PARAMETERS.eta, "eta"),
+        ior: iorOf(fields),
       };
     case "diffuse":
       return { kind: "diffuse", reflectance: one("reflectance") };

@@ -69,6 +69,11 @@ export function complain(error: unknown, retry?: () => void, context = ""): void
   }
 }
 
+/** Put a sentence into the notice. */
+export function tell(text: string): void {
+  notice.value = { text };
+}
+
 /** Show a state that is read, as the first one or as a step; what is wrong with it is told. */
 export function showRead(read: () => State, isStep: boolean): void {
   try {

@@ -1,8 +1,8 @@
 /** The card of the bottom. */
 
-import type { Bottom, Channels } from "../core/api";
+import type { Channels } from "../core/api";
 import { hex } from "../material/colour";
-import { BARE, type MaterialCards, type Rgb, rgb } from "../material/material";
+import { BARE, type BottomInAir, type MaterialCards, type Rgb, rgb } from "../material/material";
 import { BOTTOM_PARAMETERS, COAT_PARAMETERS, type Parameter } from "../material/parameters";
 import { METALS } from "../material/presets";
 import { changeMaterial } from "../state/store";
@@ -76,10 +76,14 @@ export function BottomCard({ material, alone }: BottomCardProps) {
             parameter={parameter}
             value={(bottom as unknown as Record<string, Channels>)[key]!}
             coloured={kind !== "dielectric"}
-            onChange={(value, step) => change({ ...bottom, [key]: value } as Bottom, step)}
+            onChange={(value, step) => change({ ...bottom, [key]: value } as BottomInAir, step)}
           />
         ))}
-        {kind === "codes" && <p class="note">Loaded from a file; it can be coated.</p>}
+        {kind === "codes" && (
+          <p class="note">
+            Loaded from a file; it can be coated, and its own coats keep their ratios of indices.
+          </p>
+        )}
         {kind === "texels" && (
           <p class="note">
             Loaded from a file with a texture; coat it in Python. The plots show its mean code.
@@ -90,7 +94,13 @@ export function BottomCard({ material, alone }: BottomCardProps) {
   );
 }
 
-function Metals({ bottom, onChange }: { bottom: AnyBottom; onChange: (next: Bottom) => void }) {
+function Metals({
+  bottom,
+  onChange,
+}: {
+  bottom: AnyBottom;
+  onChange: (next: BottomInAir) => void;
+}) {
   const known = Object.entries(METALS).find(
     ([, metal]) =>
       "k" in bottom && same(rgb(bottom.eta), metal.eta) && same(rgb(bottom.k), metal.k),
@@ -132,7 +142,7 @@ function fieldsOf(bottom: AnyBottom): [string, Parameter][] {
     case "schlick":
       return [["r0", r0]];
     case "dielectric":
-      return [["eta", COAT_PARAMETERS.eta]];
+      return [["ior", COAT_PARAMETERS.ior]];
     case "diffuse":
       return [["reflectance", matt]];
     case "codes":
@@ -157,7 +167,7 @@ function bottomOfKind(kind: Kind, bottom: AnyBottom): AnyBottom {
     case "schlick":
       return { kind: "conductor", ...widths, r0: colour };
     case "dielectric":
-      return { kind: "dielectric", ...widths, eta: 1.5 };
+      return { kind: "dielectric", ...widths, ior: 1.5 };
     case "diffuse":
       return { kind: "diffuse", reflectance: colour };
     case "codes":
@@ -171,7 +181,7 @@ function reflectanceOf(bottom: AnyBottom): Rgb {
   if ("reflectance" in bottom) return rgb(bottom.reflectance);
   if ("r0" in bottom) return rgb(bottom.r0);
   if ("k" in bottom) return reflectance(rgb(bottom.eta), rgb(bottom.k));
-  if ("eta" in bottom) return reflectance(rgb(bottom.eta), [0, 0, 0]);
+  if ("ior" in bottom) return reflectance(rgb(bottom.ior), [0, 0, 0]);
   return [0.5, 0.5, 0.5];
 }
 

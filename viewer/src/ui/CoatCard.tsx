@@ -1,9 +1,15 @@
 /** The card of one coat. */
 
 import { signal } from "@preact/signals";
-import type { Channels, Coat } from "../core/api";
+import type { Channels } from "../core/api";
 import { hex, transmission } from "../material/colour";
-import { type CoatCard as Card, type Rgb, rgb, withoutCoat } from "../material/material";
+import {
+  type CoatCard as Card,
+  type CoatInAir,
+  type Rgb,
+  rgb,
+  withoutCoat,
+} from "../material/material";
 import { COAT_PARAMETERS } from "../material/parameters";
 import { announcement, changeMaterial, material } from "../state/store";
 import { Field } from "./Field";
@@ -13,8 +19,8 @@ import { WidthFields, withWidths } from "./WidthFields";
 /** Cards that show their name alone. */
 const folded = signal<ReadonlySet<number>>(new Set());
 
-const SHOWN = ["eta", "sigmaT", "albedo", "g"] as const;
-const COLOURED: ReadonlySet<keyof Coat> = new Set(["sigmaT", "albedo", "g"]);
+const SHOWN = ["ior", "sigmaT", "albedo", "g"] as const;
+const COLOURED: ReadonlySet<keyof CoatInAir> = new Set(["sigmaT", "albedo", "g"]);
 
 interface CoatCardProps {
   card: Card;
@@ -126,7 +132,7 @@ export function CoatCard({ card, name, seen, dragged, onMove, onDrag }: CoatCard
 }
 
 /** What kind of coat it is, in a word or two. */
-function kindOf(coat: Coat): string {
+function kindOf(coat: CoatInAir): string {
   const depth = Math.max(...rgb(coat.sigmaT));
   const albedo = Math.max(...rgb(coat.albedo));
   const widest = Math.max(...rgb(coat.alpha), ...rgb(coat.alphaV ?? coat.alpha));
@@ -137,7 +143,7 @@ function kindOf(coat: Coat): string {
 }
 
 /** About the colour of the medium on white, for the card's edge. */
-function mediumColour(coat: Coat): string {
+function mediumColour(coat: CoatInAir): string {
   const passed = transmission(rgb(coat.sigmaT));
   const scattered = rgb(coat.albedo).map(deepReflectance);
   const mixed = passed.map((x, k) => x * x + (1 - x * x) * scattered[k]!) as unknown as Rgb;

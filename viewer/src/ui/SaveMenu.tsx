@@ -23,8 +23,6 @@ interface Kind {
   save: (name: string) => void | Promise<void>;
 }
 
-const stack = () => stackOf(material.value);
-
 function presentSession(): Session {
   if (session.value === null) throw new Refusal("The networks are not loaded yet.");
   return session.value;
@@ -32,8 +30,9 @@ function presentSession(): Session {
 
 /** The core of the material that is shown, and its codes. */
 async function encoded(): Promise<{ core: PageCore; codes: Material }> {
-  const core = await presentSession().cores.of(stack());
-  return { core, codes: await core.layer(stack()) };
+  const stack = stackOf(material.value);
+  const core = await presentSession().cores.of(stack);
+  return { core, codes: await core.layer(stack) };
 }
 
 /** Angle by which the tangent is turned [degrees]. */
@@ -71,12 +70,12 @@ const KINDS: readonly Kind[] = [
   {
     label: "Mitsuba XML",
     hint: "a BSDF for a scene file",
-    save: (name) => download(`${name}.xml`, textBlob(mitsubaXml(stack(), rotation()))),
+    save: (name) => download(`${name}.xml`, textBlob(mitsubaXml(material.value))),
   },
   {
     label: "Mitsuba dictionary",
     hint: "the same for mi.load_dict",
-    save: (name) => download(`${name}-dict.py`, textBlob(mitsubaDict(stack(), rotation()))),
+    save: (name) => download(`${name}-dict.py`, textBlob(mitsubaDict(material.value))),
   },
   {
     label: "Mitsuba scene",
@@ -89,8 +88,7 @@ const KINDS: readonly Kind[] = [
   {
     label: "Python",
     hint: "a program with urushi",
-    save: (name) =>
-      download(`${name}.py`, textBlob(pythonText(stack(), material.value.name, rotation()))),
+    save: (name) => download(`${name}.py`, textBlob(pythonText(material.value))),
   },
   {
     label: "State",

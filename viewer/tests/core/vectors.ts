@@ -3,6 +3,8 @@
 import { existsSync, readFileSync } from "node:fs";
 import type { Stack } from "../../src/core/api";
 import { readTensors, type Tensor } from "../../src/core/safetensors";
+import { type MaterialCards, stackOf } from "../../src/material/material";
+import { readMaterial } from "../../src/state/read";
 
 const FOLDER = new URL("./golden/", import.meta.url);
 
@@ -28,6 +30,7 @@ export const SHIPPED_ANISOTROPIC = new URL("./anisotropic.safetensors", SHIPPED)
 
 /** Vectors of all stacks. */
 export interface Vectors {
+  readonly materials: readonly MaterialCards[];
   readonly stacks: readonly Stack[];
   /** An array of a stack, or, without its number, of all. */
   of(name: string, stack?: number): Float32Array;
@@ -40,8 +43,10 @@ export function readVectors(name: string): Vectors | undefined {
     return undefined;
   }
   const { description, tensors } = readTensors(bytesOf(path));
+  const materials = (description.stacks as unknown[]).map((stack) => readMaterial(stack));
   return {
-    stacks: description.stacks as Stack[],
+    materials,
+    stacks: materials.map(stackOf),
     of: (key, stack) => {
       const { shape, values } = tensors.get(key) as Tensor;
       const size = values.length / (shape[0] ?? 1);

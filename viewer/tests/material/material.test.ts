@@ -19,7 +19,7 @@ import {
   valueAt,
 } from "../../src/material/parameters";
 
-const COAT = { alpha: 0.1, eta: 1.5, albedo: 0, sigmaT: 0, g: 0 };
+const COAT = { alpha: 0.1, ior: 1.5, albedo: 0, sigmaT: 1, g: 0 };
 const THREE: MaterialCards = {
   name: "three",
   bottom: { kind: "diffuse", reflectance: 0.5 },

@@ -1,19 +1,19 @@
 /** The picture at rest is Mitsuba's of the same material, object, camera and environment. */
 
-import type { Bottom, Coat } from "../../src/core/api";
+import type { BottomInAir, CoatInAir } from "../../src/material/material";
 import { METALS } from "../../src/material/presets";
 import type { EnvironmentName, ObjectName } from "../../src/state/state";
 import { compared, hasFlip } from "./compared";
 import { expect, give, open, test } from "./page";
 
 interface Case {
-  bottom: Bottom;
-  coats: Partial<Coat>[];
+  bottom: BottomInAir;
+  coats: Partial<CoatInAir>[];
   object: ObjectName;
   environment: EnvironmentName;
 }
 
-function metal(name: keyof typeof METALS & string, alpha: number): Bottom {
+function metal(name: keyof typeof METALS & string, alpha: number): BottomInAir {
   return { kind: "conductor", alpha, ...METALS[name]! };
 }
 
@@ -51,14 +51,14 @@ const CASES: Record<string, Case> = {
   "three layers": {
     bottom: metal("Aluminium", 0.3),
     coats: [
-      { alpha: 0.03, eta: 1.45 },
-      { alpha: 0.1, eta: 1.1, sigmaT: [2, 1, 0.3], albedo: [0.2, 0.5, 0.9], g: 0.3 },
+      { alpha: 0.03, ior: 1.45 },
+      { alpha: 0.1, ior: 1.6, sigmaT: [2, 1, 0.3], albedo: [0.2, 0.5, 0.9], g: 0.3 },
     ],
     object: "ball",
     environment: "sky",
   },
   "turned copper": {
-    bottom: { ...metal("Copper", 0.1), alphaV: 0.35 } as Bottom,
+    bottom: { ...metal("Copper", 0.1), alphaV: 0.35 } as BottomInAir,
     coats: [{ alpha: 0.1, sigmaT: [0.05, 0.2, 0.4] }],
     object: "bowl",
     environment: "studio",

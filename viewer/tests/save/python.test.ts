@@ -7,6 +7,7 @@ import { join } from "node:path";
 import { afterAll, expect, test } from "vitest";
 import { loadCore } from "../../src/core/core";
 import { materialFile } from "../../src/engine/material_file";
+import { stackOf } from "../../src/material/material";
 import { pythonText } from "../../src/save/python";
 import { shaderText } from "../../src/save/shader";
 import { bytesOf, readVectors, relativeError, SHIPPED } from "../core/vectors";
@@ -39,12 +40,12 @@ test.skipIf(!existsSync(PYTHON) || vectors === undefined)(
     const [wi, wo] = [vectors!.of("wi"), vectors!.of("wo")];
     const { template, fingerprint } = JSON.parse(python("-c", NETWORKS));
     writeFileSync(join(folder, "pairs.json"), JSON.stringify([...wi, ...wo]));
-    for (const stack of [vectors!.stacks[3]!, vectors!.stacks[8]!]) {
-      const material = core.layer(stack);
+    for (const cards of [3, 8, 15].map((place) => vectors!.materials[place]!)) {
+      const material = core.layer(stackOf(cards));
       const file = materialFile(material, { latentSize, widths: 1, fingerprint });
       writeFileSync(join(folder, "material.safetensors"), file);
       writeFileSync(join(folder, "material-numpy.py"), shaderText(template, material));
-      writeFileSync(join(folder, "program.py"), pythonText(stack, "page"));
+      writeFileSync(join(folder, "program.py"), pythonText(cards));
       const found = JSON.parse(python(EVALUATE, folder));
       const f = core.f(material, wi, wo);
       // Python computes in single precision: some roundings of logarithms up to 25.

@@ -1,22 +1,24 @@
 import { describe, expect, test } from "vitest";
-import type { Stack } from "../../src/core/api";
+import type { MaterialCards } from "../../src/material/material";
 import { mitsubaDict, mitsubaXml } from "../../src/save/mitsuba";
 import { fileName, pythonText } from "../../src/save/python";
 
-const STACK: Stack = {
+const STACK: MaterialCards = {
+  name: "My lacquer",
   bottom: { kind: "conductor", alpha: 0.2, eta: [0.2, 0.5, 1.3], k: 3 },
   coats: [
-    { alpha: 0.03, eta: 1.53, albedo: 0, sigmaT: [0.1, 0.2, 0.3], g: 0 },
-    { alpha: 0.4, eta: 1.1, albedo: 0.5, sigmaT: 2, g: 0.3 },
+    { id: 1, on: true, alpha: 0.03, ior: 1.53, albedo: 0, sigmaT: [0.1, 0.2, 0.3], g: 0 },
+    { id: 2, on: true, alpha: 0.4, ior: 1.7, albedo: 0.5, sigmaT: 2, g: 0.3 },
   ],
+  solo: null,
 };
 
 test("Python: coats are put on from the bottom up", () => {
-  const lines = pythonText(STACK, "My lacquer").split("\n");
+  const lines = pythonText(STACK).split("\n");
   expect(lines.filter((line) => line.startsWith("material ="))).toEqual([
-    "material = urushi.encode(urushi.conductor(alpha=0.2, eta=(0.2, 0.5, 1.3), k=3), refine=False)",
-    "material = urushi.layer(urushi.dielectric(alpha=0.4, eta=1.1), material, albedo=0.5, sigma_t=2, g=0.3)",
-    "material = urushi.layer(urushi.dielectric(alpha=0.03, eta=1.53), material, albedo=0, sigma_t=(0.1, 0.2, 0.3), g=0)",
+    "material = urushi.conductor(alpha=0.2, eta=(0.2, 0.5, 1.3), k=3)",
+    "material = urushi.layer(urushi.dielectric(alpha=0.4, ior=1.7), material, albedo=0.5, sigma_t=2, g=0.3, refine=False)",
+    "material = urushi.layer(urushi.dielectric(alpha=0.03, ior=1.53), material, albedo=0, sigma_t=(0.1, 0.2, 0.3), g=0, refine=False)",
   ]);
   expect(lines).toContain('material.save("my-lacquer.safetensors")');
 });
@@ -29,7 +31,7 @@ test("Mitsuba XML: the topmost coat is the outermost", () => {
     '<bsdf type="roughconductor"',
   ]);
   expect(text.indexOf('"int_ior" value="1.53"')).toBeLessThan(
-    text.indexOf('"int_ior" value="1.1"'),
+    text.indexOf('"int_ior" value="1.7"'),
   );
   expect(text).toContain('<rgb name="sigma_t" value="0.1, 0.2, 0.3"/>');
   expect(text).toContain('<rgb name="k" value="3"/>');
@@ -43,16 +45,14 @@ test("Mitsuba's dictionary: the same nodes", () => {
 });
 
 describe("what has no such description", () => {
-  const codes: Stack = {
+  const codes: MaterialCards = {
+    ...STACK,
     bottom: { kind: "codes", latents: new Float32Array(3), anchors: new Float32Array(3) },
     coats: [],
   };
-  test.each([mitsubaXml, mitsubaDict, (stack: Stack) => pythonText(stack, "x")])(
-    "is refused in one sentence",
-    (write) => {
-      expect(() => write(codes)).toThrow(/loaded material.*\.$/);
-    },
-  );
+  test.each([mitsubaXml, mitsubaDict, pythonText])("is refused in one sentence", (write) => {
+    expect(() => write(codes)).toThrow(/loaded material.*\.$/);
+  });
 });
 
 test("names of files", () => {

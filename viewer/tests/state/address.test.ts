@@ -10,7 +10,7 @@ const CODES: State = withMaterial(INITIAL, {
     latents: new Float32Array([1.5, -2.25, 1e-3]),
     anchors: new Float32Array([0.1, 0.2, 0.3]),
   },
-  coats: [{ id: 1, on: false, alpha: 0.1, eta: 1.5, albedo: [0.1, 0.2, 0.3], sigmaT: 1, g: -0.5 }],
+  coats: [{ id: 1, on: false, alpha: 0.1, ior: 1.5, albedo: [0.1, 0.2, 0.3], sigmaT: 1, g: -0.5 }],
   solo: 1,
 });
 
@@ -18,7 +18,7 @@ test.each([INITIAL, CODES])("an address holds the whole state", (state) => {
   const address = toAddress(state);
   expect(fromAddress(address)).toEqual(state);
   expect(fromAddress(`#${address}`)).toEqual(state);
-  expect(address).toMatch(/^u1\.[0-9a-z]+\.[\w-]+$/);
+  expect(address).toMatch(/^u2\.[0-9a-z]+\.[\w-]+$/);
 });
 
 test("the check sum is that of ISO 3309", () => {
@@ -39,5 +39,5 @@ test("any changed or missing character is noticed", () => {
 });
 
 test("another version is named as the reason", () => {
-  expect(() => fromAddress(toAddress(INITIAL).replace("u1", "u2"))).toThrow("another version");
+  expect(() => fromAddress(toAddress(INITIAL).replace("u2", "u3"))).toThrow("another version");
 });

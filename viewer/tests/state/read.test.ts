@@ -19,11 +19,11 @@ test("what is missing has its first value", () => {
 });
 
 test("numbers outside their ranges become the nearest inside", () => {
-  const coat = { alpha: 0, eta: [0.2, 1, 99], albedo: 7, sigmaT: -1, g: -3 };
+  const coat = { alpha: 0, ior: [0.2, 1, 99], albedo: 7, sigmaT: -1, g: -3 };
   const material = readMaterial({ bottom: BOTTOM, coats: [coat] });
   expect(material.coats[0]).toMatchObject({
     alpha: 0.01,
-    eta: [0.5, 1.001, 3],
+    ior: [0.5, 1, 9],
     albedo: 1,
     sigmaT: 0,
     g: -0.99,
@@ -55,8 +55,8 @@ test.each([
 });
 
 test("widths across the tangent, the angle and codes of anisotropic networks are kept", () => {
-  const coat = { id: 1, on: true, alpha: 0.1, alphaV: 0.3, eta: 1.5, albedo: 0, sigmaT: 0, g: 0 };
-  const bottom = { kind: "dielectric", alpha: 0.2, alphaV: [0.1, 0.2, 0.3], eta: 1.5 } as const;
+  const coat = { id: 1, on: true, alpha: 0.1, alphaV: 0.3, ior: 1.5, albedo: 0, sigmaT: 0, g: 0 };
+  const bottom = { kind: "dielectric", alpha: 0.2, alphaV: [0.1, 0.2, 0.3], ior: 1.5 } as const;
   const material = { name: "satin", bottom, coats: [coat], rotation: -30, solo: null };
   expect(readMaterial(material)).toEqual(material);
   const codes = { kind: "codes", latents: [1, 2, 3], anchors: [1, 2, 3], widths: 2 };

@@ -4,7 +4,9 @@
  * A vertex in layer l connects to wo along a chain of directions that rise through the interfaces
  * l, ..., 0 without scattering. The walk can leave for the chain at any layer, so that several
  * techniques produce the same path. The power heuristic over all of them (Veach 1997) needs the
- * sums of squared density ratios that are kept here. See Python's `reference.exits`.
+ * sums of squared density ratios that are kept here. Where an interface has the index 1, there is
+ * none: the chain goes straight on, with the density and the ratios of the layer above. See Python's
+ * `walk.exits`.
  */
 
 import type { CoatOfChannel } from "../features";
@@ -40,13 +42,14 @@ export function exitPaths(
     const drawn = rough.sampleTransmission(outside, alpha, eta, uniform(), uniform());
     // A failed sample gets a vertical direction, so that no cosine is zero.
     const inside = drawn.weight > 0 ? drawn.direction : DOWN;
-    const { pdf } = rough.transmission(outside, inside, alpha, eta);
+    let pdf = eta === 1 ? Infinity : rough.transmission(outside, inside, alpha, eta).pdf;
     if (index > 0) {
       const above = paths[index - 1];
       weight *= Math.exp(-coats[index - 1].sigmaT / above.direction.z);
       const risen = rough.scatter(flipped(inside), flipped(above.direction), alpha, 1 / eta);
       const ratio = risen.pdf / above.pdf;
       ratios = 1 + (above.pdf > 0 ? ratio * ratio * above.ratios : 0);
+      if (eta === 1) ({ pdf, ratios } = above);
     }
     // Light that leaves has the factors of light that enters divided by eta^2, because a cone of
     // light widens.

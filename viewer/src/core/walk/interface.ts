@@ -3,7 +3,8 @@
  *
  * Functions take directions in a frame whose +z side holds `wi`, and `eta`, the index of the far
  * side relative to it. Transmission is in flux convention, without the scaling of radiance, so that
- * a stack seen from outside is reciprocal.
+ * a stack seen from outside is reciprocal. At index 1 there is no interface: samples are the opposite
+ * of wi with weight 1, and functions of two directions give 0.
  */
 
 import {
@@ -14,7 +15,7 @@ import {
   sampleVisibleNormal,
   visibleNormalDensity,
 } from "./microfacet";
-import { dot, halfVector, normalised, reflected, refracted, type Vector } from "./vector";
+import { dot, halfVector, negated, normalised, reflected, refracted, type Vector } from "./vector";
 
 /** A value [1/sr] and the density [1/sr] with which sampling finds its direction. */
 export interface Value {
@@ -31,6 +32,11 @@ export interface Sample {
 
 const NOTHING: Value = { f: 0, pdf: 0 };
 
+/** The sample where there is no interface. */
+function straight(wi: Vector): Sample {
+  return { direction: negated(wi), weight: 1, pdf: 0 };
+}
+
 /** BRDF [1/sr] for two directions on the same side. */
 export function reflection(wi: Vector, wo: Vector, alpha: number, eta: number): number {
   const lobe = reflectionLobe(wi, wo, alpha);
@@ -39,7 +45,7 @@ export function reflection(wi: Vector, wo: Vector, alpha: number, eta: number): 
 
 /** BTDF from wi (z > 0) to wo (z < 0), and the density of `sampleTransmission` there. */
 export function transmission(wi: Vector, wo: Vector, alpha: number, eta: number): Value {
-  if (!(wi.z > 0 && wo.z < 0)) {
+  if (!(wi.z > 0 && wo.z < 0) || eta === 1) {
     return NOTHING;
   }
   const [x, y, z] = [wi.x + eta * wo.x, wi.y + eta * wo.y, wi.z + eta * wo.z];
@@ -83,6 +89,7 @@ export function sampleTransmission(
   u1: number,
   u2: number,
 ): Sample {
+  if (eta === 1) return straight(wi);
   const m = sampleVisibleNormal(wi, alpha, u1, u2);
   const cosI = dot(wi, m);
   const reflectance = dielectric(cosI, eta);
@@ -100,6 +107,7 @@ export function sample(
   u1: number,
   u2: number,
 ): Sample {
+  if (eta === 1) return straight(wi);
   const m = sampleVisibleNormal(wi, alpha, u1, u2);
   const cosI = dot(wi, m);
   const reflectance = dielectric(cosI, eta);

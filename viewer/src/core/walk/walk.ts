@@ -171,12 +171,13 @@ export class Walk {
     const isRising = direction.z > 0;
     this.layer = isRising ? below - 1 : below;
     this.depth = isRising ? 1 : 0;
+    // Without an interface this is no vertex: the direction is the one that the last vertex drew.
     return {
       contribution: connected * weight,
       direction,
       throughput: this.throughput * drawn.weight,
-      pdf: drawn.pdf,
-      ratios: isRising ? this.ratiosBelow(direction, alpha, etaBelow) : 0,
+      pdf: eta === 1 ? this.pdf : drawn.pdf,
+      ratios: eta === 1 ? this.ratios : isRising ? this.ratiosBelow(direction, alpha, etaBelow) : 0,
     };
   }
 
