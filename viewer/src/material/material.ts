@@ -189,11 +189,12 @@ export function moved(material: MaterialCards, from: number, to: number): Materi
   return { ...material, coats };
 }
 
-/** The material with a coat on top of all others. */
-export function withCoat(material: MaterialCards, coat = CLEAR_COAT): MaterialCards {
+/** The material with a clear coat on top of all others, of the index of the topmost. */
+export function withCoat(material: MaterialCards): MaterialCards {
   if (!takesCoat(material)) return material;
-  const card: CoatCard = { ...coat, id: freeId(material), on: true };
-  return { ...material, coats: [card, ...material.coats] };
+  const { coats } = material;
+  const { ior } = coats[0] ?? CLEAR_COAT;
+  return { ...material, coats: [{ ...CLEAR_COAT, ior, id: freeId(material), on: true }, ...coats] };
 }
 
 /** The material without a coat. */

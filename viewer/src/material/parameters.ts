@@ -57,9 +57,8 @@ export const COAT_PARAMETERS = {
   ior: {
     label: "Index n",
     hint: "Index of refraction: water 1.33, varnish 1.5. Between equal indices there is no surface.",
-    low: 0.5,
-    high: 9,
-    slide: 3,
+    low: 0.51,
+    high: 3,
     power: 1,
     fallback: 1.5,
   },

@@ -31,8 +31,8 @@ import {
 type Fields = Record<string, unknown>;
 
 const CONVERTED =
-  "Indices of refraction were relative to the medium above when this was saved. They are absolute " +
-  "now: the numbers are others, and the picture is the same.";
+  "Indices of refraction were relative to the medium above when this was saved; they have been " +
+  "converted to absolute ones, at most 3.";
 
 /**
  * The state of a JSON value; fields that are missing have their first values.
@@ -81,7 +81,7 @@ export function readMaterial(value: unknown, tell?: (text: string) => void): Mat
     tell?.(CONVERTED);
     let air: Channels = 1; // relative to the medium above
     for (const card of cards) {
-      card.ior = quotient(card.ior, air);
+      card.ior = mapped(quotient(card.ior, air), (ior) => clamped(COAT_PARAMETERS.ior, ior));
       if (card.on) air = quotient(CHECKS.AIR, card.ior);
     }
     bottom = bottomUnder(bottom, air);

@@ -7,7 +7,9 @@ import { activationOf } from "../../src/core/mlp";
 import { halfVectorRule } from "../../src/core/quadrature";
 import { mixtureDensity, Sampler } from "../../src/core/sampler";
 import { readWeights } from "../../src/core/weights";
-import { bytesOf, goldenFile, readVectors } from "./vectors";
+import { type MaterialCards, stackOf, withCoat } from "../../src/material/material";
+import { PRESETS } from "../../src/material/presets";
+import { bytesOf, goldenFile, readVectors, SHIPPED } from "./vectors";
 
 const STACK: Stack = {
   bottom: { kind: "diffuse", reflectance: [0.8, 0.5, 0.1] },
@@ -51,6 +53,19 @@ describe("energy", () => {
     const after = core.albedo({ latents: limited, anchors: limited }, cosines);
     expect(Math.max(...before)).toBeGreaterThan(1.2);
     expect(Math.max(...after)).toBeLessThan(1.001); // the quadrature's own error is 0.001
+  });
+
+  test("a coat of the same index hardly changes vermilion's red", () => {
+    const shipped = loadCore(bytesOf(SHIPPED));
+    const red = (material: MaterialCards) =>
+      shipped.albedo(shipped.layer(stackOf(material)), Float32Array.of(Math.SQRT1_2))[0]!;
+    const [vermilion] = PRESETS as [MaterialCards];
+    const before = red(vermilion);
+    let material = vermilion;
+    for (let coats = 0; coats < 4; coats++) {
+      material = withCoat(material);
+      expect(Math.abs(red(material) / before - 1)).toBeLessThan(0.04); // of a rougher surface
+    }
   });
 
   test("a grey stack has three equal channels", () => {

@@ -105,6 +105,39 @@ describe("laws", () => {
     expect(total(dark)).toBeLessThan(0.9 * total(bright));
   });
 
+  test("an absorbing medium without an interface is Beer's law over a diffuse surface", () => {
+    const coat = { alpha: 0.5, eta: 1, albedo: 0, sigmaT: 0.4, g: 0 } as const;
+    const bottom = { kind: "diffuse", reflectance: 0.6 } as const;
+    for (const coats of [[coat], [coat, { ...coat, sigmaT: 0.3 }]]) {
+      const depth = coats.reduce((sum, { sigmaT }) => sum + sigmaT, 0);
+      const { f, error } = estimated({ bottom, coats }, wi, wo, 512);
+      const squares = Array.from({ length: wi.length / 3 }, (_, i) => {
+        const slant = 1 / (wi[3 * i + 2] as number) + 1 / (wo[3 * i + 2] as number);
+        const expected = (0.6 / Math.PI) * Math.exp(-depth * slant);
+        return ((f[3 * i] as number) - expected) ** 2 / ((error[3 * i] as number) ** 2 + 1e-12);
+      });
+      const mean = squares.reduce((a, b) => a + b, 0) / squares.length;
+      expect(mean).toBeLessThan(1 + 8 * Math.sqrt(2 / squares.length)); // as above
+    }
+  });
+
+  test("a medium in two parts of equal index is the medium", () => {
+    const coat = { alpha: 0.2, eta: 1.5, albedo: 0.8, sigmaT: 1, g: 0.3 } as const;
+    const bottom = { kind: "conductor", alpha: 0.3, r0: 0.9 } as const;
+    const parts = [
+      { ...coat, sigmaT: 0.6 },
+      { ...coat, alpha: 0.7, eta: 1, sigmaT: 0.4 },
+    ];
+    const whole = estimated({ bottom, coats: [coat] }, wi, wo, 512);
+    const divided = estimated({ bottom, coats: parts }, wi, wo, 512);
+    const squares = Array.from(whole.f, (value, i) => {
+      const variance = (whole.error[i] as number) ** 2 + (divided.error[i] as number) ** 2;
+      return (value - (divided.f[i] as number)) ** 2 / variance;
+    }).filter((_, i) => i % 3 === 0);
+    const mean = squares.reduce((a, b) => a + b, 0) / squares.length;
+    expect(mean).toBeLessThan(1 + 8 * Math.sqrt(2 / squares.length));
+  });
+
   test("a bare surface is exact", () => {
     const stack: Stack = { bottom: { kind: "diffuse", reflectance: 0.6 }, coats: [] };
     const { f, error } = estimated(stack, wi, wo, 2);

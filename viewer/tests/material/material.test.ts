@@ -2,6 +2,7 @@ import { describe, expect, test } from "vitest";
 import { decoded, depthOf, encoded, fromHex, hex, transmission } from "../../src/material/colour";
 import {
   BARE,
+  type BottomInAir,
   hasTangent,
   isAnisotropic,
   type MaterialCards,
@@ -65,6 +66,60 @@ describe("the stack that is shown", () => {
     expect(moved(THREE, 0, 2).coats.map((coat) => coat.id)).toEqual([2, 3, 1]);
     expect(moved(THREE, 2, 0).coats.map((coat) => coat.id)).toEqual([3, 1, 2]);
     expect(moved(THREE, 0, 9).coats.map((coat) => coat.id)).toEqual([2, 3, 1]);
+  });
+});
+
+describe("indices are absolute", () => {
+  const [top, , lowest] = THREE.coats;
+  const etas = (...iors: number[]) =>
+    stackOf({ ...THREE, coats: iors.map((ior) => ({ ...top!, ior })) }).coats.map(({ eta }) => eta);
+  const under = (bottom: BottomInAir, ...iors: number[]) =>
+    stackOf({ ...THREE, bottom, coats: iors.map((ior) => ({ ...top!, ior })) }).bottom;
+
+  test("and their ratios those of an interface, nearest within the networks' range", () => {
+    expect(etas(1.5, 1.7)).toEqual([1.5 / 1.000277, 1.7 / 1.5]);
+    expect(etas(1.5, 1.5, 1.5005, 1.3)).toEqual([1.5 / 1.000277, 1, 1, 1.3 / 1.5005]);
+    expect(etas(3, 0.6)).toEqual([3 / 1.000277, 0.5]);
+  });
+  test("of coats that are hidden do not count", () => {
+    const hidden = { ...top!, ior: 2, on: false };
+    expect(stackOf({ ...THREE, coats: [hidden, lowest!] })).toEqual(
+      stackOf({ ...THREE, coats: [lowest!] }),
+    );
+  });
+  test("a clear coat of the index above is no coat", () => {
+    const clear = { ...top!, sigmaT: 0, alpha: 1 };
+    expect(stackOf({ ...THREE, coats: [top!, clear] })).toEqual(
+      stackOf({ ...THREE, coats: [top!] }),
+    );
+  });
+  test("gold under a varnish reflects as Fresnel's closed form has it", () => {
+    const gold = { kind: "conductor", alpha: 0.1, eta: 0.143, k: 3.983 } as const;
+    const { eta, k } = under(gold, 1.5) as typeof gold;
+    const index = 1.5 / 1.000277;
+    const square = 0.143 ** 2 + 3.983 ** 2 + index ** 2;
+    const expected = (square - 2 * 0.143 * index) / (square + 2 * 0.143 * index);
+    expect(((eta - 1) ** 2 + k ** 2) / ((eta + 1) ** 2 + k ** 2)).toBeCloseTo(expected, 9);
+    expect(under(gold)).toEqual(gold);
+  });
+  test("of bottoms: dielectrics have the ratio, Schlick's metals what they reflect", () => {
+    expect(under({ kind: "dielectric", alpha: 0.1, ior: 1.9 }, 1.5)).toEqual({
+      kind: "dielectric",
+      alpha: 0.1,
+      eta: 1.9 / 1.5,
+    });
+    const metal = { kind: "conductor", alpha: 0.1, r0: 0.9 } as const;
+    expect(under(metal, 1.5)).toEqual(metal);
+  });
+  test("of loaded metals too", () => {
+    const code = (eta: number, k: number) => [0.1, 0, 0, 1, eta, k, 0.25];
+    const codes = Float32Array.from([code(0.5, 3), code(2, 0), code(0.25, 6)].flat());
+    const { latents } = under({ kind: "codes", latents: codes, anchors: codes }, 2.000554) as {
+      latents: Float32Array;
+    };
+    expect(latents).toEqual(
+      Float32Array.from([code(0.25, 1.5), code(2, 0), code(0.125, 3)].flat()),
+    );
   });
 });
 

@@ -30,12 +30,12 @@ test("a number that is typed is kept inside its range", async ({ page }) => {
   await expect(field).toHaveValue("1.4");
   await field.fill("77");
   await field.press("Enter");
-  await expect(field).toHaveValue("9");
+  await expect(field).toHaveValue("3");
   await field.fill("glass");
   await field.press("Enter");
-  await expect(field).toHaveValue("9");
+  await expect(field).toHaveValue("3");
   await field.press("ArrowDown");
-  await expect(field).toHaveValue("8.9");
+  await expect(field).toHaveValue("2.9");
 });
 
 test("a double click resets a field", async ({ page }) => {

@@ -8,8 +8,10 @@ import { afterAll, expect, test } from "vitest";
 import { loadCore } from "../../src/core/core";
 import { materialFile } from "../../src/engine/material_file";
 import { stackOf } from "../../src/material/material";
+import { METALS } from "../../src/material/presets";
 import { pythonText } from "../../src/save/python";
 import { shaderText } from "../../src/save/shader";
+import { readMaterial } from "../../src/state/read";
 import { bytesOf, readVectors, relativeError, SHIPPED } from "../core/vectors";
 
 const PYTHON = process.env.PYTHON ?? join(import.meta.dirname, "../../../.venv/bin/python");
@@ -23,6 +25,15 @@ print(json.dumps({"template": template_text("python", model), "fingerprint": mod
 `;
 
 const vectors = readVectors("default");
+
+/** Bottoms and coats whose ratios of indices depend on what lies above them. */
+const VARNISH = { alpha: 0.05, ior: 1.5, sigmaT: [0.1, 0.3, 0.9] };
+const UNDER_VARNISH = [
+  { bottom: { kind: "conductor", alpha: 0.2, ...METALS.Gold }, coats: [VARNISH] },
+  { bottom: { kind: "dielectric", alpha: 0.2, ior: 1.9 }, coats: [VARNISH] },
+  { bottom: { kind: "diffuse" }, coats: [VARNISH, { alpha: 0.1, ior: 1.5 }] },
+  { bottom: { kind: "diffuse" }, coats: [VARNISH, { alpha: 0.1, ior: 1.7, sigmaT: 1 }] },
+].map((material) => readMaterial(material));
 const folder = mkdtempSync(join(tmpdir(), "urushi-"));
 afterAll(() => rmSync(folder, { recursive: true }));
 
@@ -40,14 +51,15 @@ test.skipIf(!existsSync(PYTHON) || vectors === undefined)(
     const [wi, wo] = [vectors!.of("wi"), vectors!.of("wo")];
     const { template, fingerprint } = JSON.parse(python("-c", NETWORKS));
     writeFileSync(join(folder, "pairs.json"), JSON.stringify([...wi, ...wo]));
-    for (const cards of [3, 8, 15].map((place) => vectors!.materials[place]!)) {
-      const material = core.layer(stackOf(cards));
-      const file = materialFile(material, { latentSize, widths: 1, fingerprint });
+    const cards = [vectors!.materials[3]!, vectors!.materials[8]!, ...UNDER_VARNISH];
+    for (const material of cards) {
+      const codes = core.layer(stackOf(material));
+      const file = materialFile(codes, { latentSize, widths: 1, fingerprint });
       writeFileSync(join(folder, "material.safetensors"), file);
-      writeFileSync(join(folder, "material-numpy.py"), shaderText(template, material));
-      writeFileSync(join(folder, "program.py"), pythonText(cards));
+      writeFileSync(join(folder, "material-numpy.py"), shaderText(template, codes));
+      writeFileSync(join(folder, "program.py"), pythonText(material));
       const found = JSON.parse(python(EVALUATE, folder));
-      const f = core.f(material, wi, wo);
+      const f = core.f(codes, wi, wo);
       // Python computes in single precision: some roundings of logarithms up to 25.
       expect(relativeError(found.loaded, f)).toBeLessThan(1e-5);
       expect(relativeError(found.code, f)).toBeLessThan(1e-5);
