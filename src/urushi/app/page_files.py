@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import safetensors.numpy
 
-from urushi.checks import Widths
+from urushi.checks import AIR, Widths
 from urushi.errors import FileError, ParameterError
 from urushi.export.languages import LANGUAGES
 from urushi.export.program import template_text
@@ -188,18 +188,19 @@ def cards_of(described: Any) -> dict[str, Any] | None:
     kind = type(bottom).__name__.lower()
     if kind not in PAGE_BOTTOMS:
         return None
+    above: Any = AIR  # the index of the medium above
+    cards = []
+    for coat in coats:
+        above = np.multiply(coat.eta, above).tolist() if coat.ior is None else coat.ior
+        medium = {"albedo": coat.albedo, "sigmaT": coat.sigma_t, "g": coat.g}
+        cards.append({**_widths(coat.alpha), "ior": above, **medium})
     numbers = {name: value for name, value in vars(bottom).items() if value is not None}
+    if kind == "dielectric":
+        numbers = {"ior": np.multiply(numbers.pop("eta"), above).tolist(), **numbers}
+    elif "k" in numbers:
+        in_air = np.divide(above, AIR)
+        numbers |= {name: (in_air * numbers[name]).tolist() for name in ("eta", "k")}
     widths = _widths(numbers.pop("alpha")) if "alpha" in numbers else {}
-    cards = [
-        {
-            **_widths(coat.alpha),
-            "eta": coat.eta,
-            "albedo": coat.albedo,
-            "sigmaT": coat.sigma_t,
-            "g": coat.g,
-        }
-        for coat in coats
-    ]
     return {"name": "Material", "bottom": {"kind": kind, **widths, **numbers}, "coats": cards}
 
 

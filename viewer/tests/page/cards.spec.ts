@@ -1,5 +1,7 @@
 /** The cards: sliders and numbers, adding, moving and removing coats, undo, and the address. */
 
+import { toAddress } from "../../src/state/address";
+import { INITIAL, type State } from "../../src/state/state";
 import { coats, expect, give, number, open, panorama, stateOf, test } from "./page";
 
 test("a slider moves by mouse and by keyboard, and its number follows", async ({ page }) => {
@@ -80,6 +82,38 @@ test("a coat is added, moved by mouse and keyboard, and removed", async ({ page 
   await page.getByRole("button", { name: "Remove Coat 3" }).click();
   await expect(coats(page)).toHaveCount(2);
   await expect(width(2)).not.toHaveValue("0.1");
+});
+
+test("added coats have the index below them and leave its colour", async ({ page }) => {
+  await open(page);
+  const plot = page.getByRole("img", { name: /^Directional albedo in percent/ });
+  const spoken = async () => (await plot.getAttribute("aria-label")) ?? "";
+  const numbers = async () => (await spoken()).match(/\d+/g)!.map(Number);
+  const before = await spoken();
+  const [red] = await numbers();
+  await page.getByRole("button", { name: "Add coat" }).click();
+  await expect(number(page, "Coat 3, Index n")).toHaveValue("1.53");
+  await expect.poll(spoken).not.toBe(before); // rougher, so less at grazing incidence
+  const after = await spoken();
+  expect(Math.abs((await numbers())[0]! - red!)).toBeLessThanOrEqual(2);
+  await page.getByRole("button", { name: "Add coat" }).click();
+  await number(page, "Coat 1, Scattering, red").fill("0.5"); // seen in the plot when it is there
+  await number(page, "Coat 1, Scattering, red").press("Enter");
+  await expect.poll(spoken).not.toBe(after);
+  await page.getByRole("button", { name: "Undo" }).click();
+  await expect.poll(spoken).toBe(after);
+  await expect(coats(page)).toHaveCount(4);
+});
+
+test("an address of indices relative to the medium above is converted, and it is told", async ({
+  page,
+}) => {
+  const [first] = INITIAL.materials;
+  const older = first.coats.map(({ ior, ...coat }, place) => ({ ...coat, eta: place ? 1.1 : 1.5 }));
+  const state = { ...INITIAL, materials: [{ ...first, coats: older }] } as unknown as State;
+  await open(page, `#${toAddress(state).replace("u2.", "u1.")}`);
+  await expect(page.getByRole("alert")).toContainText("converted to absolute ones");
+  await expect(number(page, "Coat 1, Index n")).toHaveValue("1.65");
 });
 
 test("at most six coats, and the focus stays where coats are added and removed", async ({
